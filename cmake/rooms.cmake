@@ -1,0 +1,41 @@
+# One static library a room, named isobath::<room>: every .cpp that stands in its folder, and the rooms below it.
+include(GNUInstallDirs)
+set(ISOBATH_ROOMS "" CACHE INTERNAL "targets of all rooms")
+
+add_library(isobath_build INTERFACE) # flags of our own code; never handed to users of the library
+target_compile_options(isobath_build INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+                       $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi> $<$<BOOL:${ISOBATH_WERROR}>:-Werror>)
+find_program(ISOBATH_LLD ld.lld)
+if(ISOBATH_LLD)
+  add_link_options(-fuse-ld=lld)
+endif()
+if(ISOBATH_SANITIZE)
+  add_compile_options(-fsanitize=${ISOBATH_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${ISOBATH_SANITIZE})
+endif()
+
+# isobath_room(<name> USES <targets that its headers need> PRIVATE <targets that only its sources need>)
+function(isobath_room name)
+  cmake_parse_arguments(ARG "" "" "USES;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.hpp)
+  add_library(isobath_${name} STATIC ${sources} ${headers})
+  add_library(isobath::${name} ALIAS isobath_${name})
+  set_target_properties(isobath_${name} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)
+  target_compile_features(isobath_${name} PUBLIC cxx_std_20)
+  target_include_directories(isobath_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                             $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(isobath_${name} PUBLIC ${ARG_USES} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:isobath_build>)
+  install(TARGETS isobath_${name} EXPORT isobath ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/isobath/${name})
+  set(ISOBATH_ROOMS ${ISOBATH_ROOMS} isobath_${name} CACHE INTERNAL "targets of all rooms")
+endfunction()
+
+# isobath_tests(<room> USES <targets>): one executable of all *_test.cpp in the current folder; each case a ctest of its own.
+function(isobath_tests room)
+  cmake_parse_arguments(ARG "" "" "USES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_executable(${room}_test ${sources})
+  target_link_libraries(${room}_test PRIVATE isobath_test_support ${ARG_USES} isobath_build)
+  gtest_discover_tests(${room}_test TEST_PREFIX ${room}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 120)
+endfunction()

@@ -1,0 +1,53 @@
+// Event: everything that reaches the program, each with a time. Source: whatever makes events (device, log, simulator).
+#pragma once
+
+#include <cstdint>
+#include <isobath/sonar/ping.hpp>
+#include <isobath/sonar/range_reading.hpp>
+#include <isobath/vehicle/navigation.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace isobath {
+
+using Event = std::variant<Ping, RangeReading, Navigation>;
+
+inline Time time_of(const Event& event) {
+  return std::visit([](const auto& e) { return e.time; }, event);
+}
+
+/// A stretch of input that no reader could use.
+struct Damage {
+  std::uint64_t offset = 0;  ///< bytes from the start
+  std::uint64_t bytes = 0;
+  std::string reason;
+};
+
+/// What a source says about itself while it is read; complete when it is at its end.
+struct SourceReport {
+  static constexpr std::size_t kMaxDamages = 1000;
+
+  std::string format;                             ///< "Ping Viewer log", "MCAP", ...
+  std::uint64_t bytes_total = 0;                  ///< 0: unknown (a device)
+  std::uint64_t bytes_read = 0;                   ///< position: for progress
+  std::uint64_t bytes_skipped = 0;                ///< sum over all damage
+  std::vector<Damage> damages;                    ///< the first kMaxDamages stretches; adjacent ones are joined
+  std::map<std::string, std::uint64_t> rejected;  ///< whole records that were read and refused, by reason
+  std::map<std::string, std::string> details;     ///< "sonar" -> "Ping360, 750 kHz, gain 1", ...
+  std::optional<GeoOrigin> origin;
+
+  void add_damage(std::uint64_t offset, std::uint64_t bytes, const std::string& reason);
+};
+
+class Source {
+ public:
+  virtual ~Source() = default;
+  /// The next event in the order of the input; empty at the end. Throws nothing: damage is skipped and reported.
+  virtual std::optional<Event> next() = 0;
+  [[nodiscard]] virtual const SourceReport& report() const = 0;
+};
+
+}  // namespace isobath

@@ -1,0 +1,27 @@
+// Opens any input that Isobath knows, recognised by its content and never by its name.
+#pragma once
+
+#include <filesystem>
+#include <isobath/base/config.hpp>
+#include <isobath/io/event.hpp>
+#include <memory>
+
+namespace isobath {
+
+/// What logs do not say about the sonar and how it is mounted.
+struct InputConfig {
+  double sound_speed = 1500;  ///< m/s, for devices that leave it to the host
+  Angle mount_heading;        ///< of the sonar's zero bearing in the body
+  bool clockwise = true;      ///< sense of a scanning head's bearings seen from above
+  Angle beam_width;           ///< 0: what the format or the device type says
+  Angle beam_height;          ///< 0: what the format or the device type says
+  std::string navigation;     ///< CSV of poses beside the log; empty: none
+  std::string set;            ///< of a folder that holds several: "clean", "noisy"; empty: the first by name
+  int pass = 0;               ///< of a set that holds several; 0: the first
+};
+std::vector<Field> fields(InputConfig& config);
+
+/// Throws Error: not there, empty, no known format, a header that cannot be right. Damage further on is reported, not thrown.
+std::unique_ptr<Source> open_source(const std::filesystem::path& input, const InputConfig& config);
+
+}  // namespace isobath

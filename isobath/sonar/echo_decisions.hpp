@@ -1,0 +1,53 @@
+// EchoDecisions: what a detector of echoes says about each bin of one ping, with the likelihoods that go with it.
+//
+// S = 1 where the intensity is at or above the threshold of its bin, else 0 (ledger S6-03). Each decision comes with the
+// probabilities that a mapper needs: P(S = 1 | target) = p_D(k) and P(S = 1 | no target) = f (S6-14). Bins without information
+// (blind zone, S6-09; where p_D <= f) are not usable: neither their 1 nor their 0 may touch a map.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace isobath {
+
+class EchoDecisions {
+ public:
+  /// All bins clear and usable. Allocates only when it grows beyond what it has held before.
+  void reset(int beams, int bins) {
+    beams_ = beams;
+    bins_ = bins;
+    words_ = (bins + 63) / 64;
+    hits_.assign(static_cast<std::size_t>(beams) * words_, 0);
+    usable_.assign(words_, ~std::uint64_t{0});
+    if (bins % 64 != 0) usable_.back() = (std::uint64_t{1} << (bins % 64)) - 1;
+    p_detect.assign(bins, 0);
+  }
+
+  [[nodiscard]] int beams() const { return beams_; }
+  [[nodiscard]] int bins() const { return bins_; }
+  [[nodiscard]] int words() const { return words_; }
+
+  [[nodiscard]] bool hit(int beam, int bin) const { return hits(beam)[bin / 64] >> (bin % 64) & 1; }
+  void set_hit(int beam, int bin) { hits(beam)[bin / 64] |= std::uint64_t{1} << (bin % 64); }
+  /// words() words; bit k % 64 of word k / 64 is the decision of bin k. A hit in a bin that is not usable means nothing.
+  [[nodiscard]] const std::uint64_t* hits(int beam) const { return hits_.data() + std::size_t(beam) * words_; }
+  [[nodiscard]] std::uint64_t* hits(int beam) { return hits_.data() + std::size_t(beam) * words_; }
+
+  /// The same for all beams of a ping.
+  [[nodiscard]] bool usable(int bin) const { return usable_[bin / 64] >> (bin % 64) & 1; }
+  [[nodiscard]] const std::uint64_t* usable() const { return usable_.data(); }
+  void set_unusable(int bin) { usable_[bin / 64] &= ~(std::uint64_t{1} << (bin % 64)); }
+
+  std::vector<float> p_detect;  ///< p_D(k) of each bin; above false_alarm where the bin is usable
+  double false_alarm = 0.02;    ///< f, the same for all bins
+
+ private:
+  int beams_ = 0;
+  int bins_ = 0;
+  int words_ = 0;
+  std::vector<std::uint64_t> hits_;
+  std::vector<std::uint64_t> usable_;
+};
+
+}  // namespace isobath

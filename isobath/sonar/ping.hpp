@@ -1,0 +1,93 @@
+// Ping: one transmission of an imaging sonar, as a fan of beams by range bins of echo intensity.
+//
+// A scanning sonar (Ganesan 2015, 1.2; ledger S6-01) gives a fan of one beam that steps; a multibeam sonar gives all beams at
+// once. Both enter by this door. Intensities are not copied: a reader points into its buffer, and `storage` keeps it alive.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <isobath/base/angle.hpp>
+#include <isobath/base/time.hpp>
+#include <isobath/geometry/pose.hpp>
+#include <memory>
+#include <vector>
+
+namespace isobath {
+
+/// Directions of the beams in the sensor frame S (x boresight, y right, z down), azimuth clockwise seen from above.
+/// Made once and shared by all pings of the same geometry: pointer equality says "same fan".
+struct BeamFan {
+  std::vector<Angle> azimuth;       ///< centre of each beam, strictly increasing
+  std::vector<Angle> width;         ///< full -3 dB width of each beam across, in azimuth; same size
+  Angle height;                     ///< full -3 dB width in elevation
+  [[nodiscard]] int beams() const { return static_cast<int>(azimuth.size()); }
+};
+
+/// Bin k covers slant ranges [edge(k), edge(k + 1)).
+struct RangeWindow {
+  double start_m = 0;  ///< near edge of bin 0
+  double bin_m = 0;    ///< length of a bin
+  int bins = 0;
+
+  [[nodiscard]] double edge(int bin) const { return start_m + bin * bin_m; }
+  [[nodiscard]] double centre(int bin) const { return start_m + (bin + 0.5) * bin_m; }
+  [[nodiscard]] double end_m() const { return edge(bins); }
+  bool operator==(const RangeWindow&) const = default;
+};
+
+enum class SampleType : std::uint8_t { kU8, kU16, kF32 };
+
+/// A view of beams x bins samples in somebody's buffer, of any alignment, little-endian. Strides are in bytes.
+class Intensities {
+ public:
+  Intensities() = default;
+  Intensities(const void* data, SampleType type, int beams, int bins, std::ptrdiff_t beam_stride,
+              std::ptrdiff_t bin_stride)
+      : data_(static_cast<const std::byte*>(data)),
+        type_(type),
+        beams_(beams),
+        bins_(bins),
+        beam_stride_(beam_stride),
+        bin_stride_(bin_stride) {}
+
+  [[nodiscard]] float operator()(int beam, int bin) const;
+  /// Copies one beam, all bins, as floats: the form in which detectors read it.
+  void copy_beam(int beam, float* out) const;
+
+  [[nodiscard]] const std::byte* data() const { return data_; }
+  [[nodiscard]] SampleType type() const { return type_; }
+  [[nodiscard]] int beams() const { return beams_; }
+  [[nodiscard]] int bins() const { return bins_; }
+  [[nodiscard]] std::ptrdiff_t beam_stride() const { return beam_stride_; }
+  [[nodiscard]] std::ptrdiff_t bin_stride() const { return bin_stride_; }
+
+ private:
+  const std::byte* data_ = nullptr;
+  SampleType type_ = SampleType::kU8;
+  int beams_ = 0;
+  int bins_ = 0;
+  std::ptrdiff_t beam_stride_ = 0;
+  std::ptrdiff_t bin_stride_ = 0;
+};
+
+/// What the log itself says about sweeps of a scanning head; kUnknown lets the pipeline find turns and reversals.
+enum class SweepMark : std::uint8_t { kUnknown, kInside, kEnd };
+
+struct Ping {
+  Time time;                           ///< of transmission
+  std::shared_ptr<const BeamFan> fan;  ///< never null in a valid ping
+  RangeWindow window;
+  Intensities intensity;                ///< fan->beams() x window.bins
+  std::shared_ptr<const void> storage;  ///< owner of the samples
+  Pose X_BS;                            ///< sensor in body
+  double sound_speed = 1500;            ///< m/s, that the range window was computed with
+  float full_scale = 255;               ///< intensity of a saturated sample
+  SweepMark sweep = SweepMark::kUnknown;
+};
+
+/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order.
+enum class PingFault : std::uint8_t { kNone, kNoFan, kBadFan, kBadWindow, kSizeMismatch, kNotFinite };
+PingFault check(const Ping& ping);
+const char* to_text(PingFault fault);
+
+}  // namespace isobath

@@ -1,0 +1,1 @@
+#include <isobath/vehicle/navigation.hpp>

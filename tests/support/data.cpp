@@ -1,0 +1,27 @@
+#include <cstdlib>
+#include <tests/support/data.hpp>
+
+namespace isobath::test {
+namespace fs = std::filesystem;
+
+fs::path source_folder() { return ISOBATH_SOURCE_DIR; }
+
+fs::path shared_data(const std::string& name) {
+  const char* set = std::getenv("ISOBATH_DATA");
+  const fs::path path = (set ? fs::path(set) : source_folder() / "../shared/data") / name;
+  return fs::exists(path) ? fs::canonical(path) : fs::path();
+}
+
+fs::path scratch_folder() {
+  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+  std::string name = std::string(info->test_suite_name()) + "." + info->name();
+  for (char& c : name) {
+    if (c == '/') c = '_';
+  }
+  const fs::path path = fs::current_path() / "scratch" / name;
+  fs::remove_all(path);
+  fs::create_directories(path);
+  return path;
+}
+
+}  // namespace isobath::test
