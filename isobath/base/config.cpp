@@ -104,7 +104,8 @@ void assign_node(Field& field, const toml::node& node, const std::string& file, 
   const auto value = plain_value(node);
   const std::string problem = value ? field.assign(*value) : std::string("not a single value");
   if (!problem.empty()) {
-    throw Error(problem, place_of(node.source(), file, key), field.allowed() + (field.unit().empty() ? "" : " " + field.unit()));
+    throw Error(problem, place_of(node.source(), file, key),
+                field.allowed() + (field.unit().empty() ? "" : " " + field.unit()));
   }
 }
 

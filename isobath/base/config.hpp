@@ -1,12 +1,13 @@
-// Configuration: a plain struct with defaults stands beside the class that it configures, together with one function that
-// lists its fields. Reading, writing, checking and the documentation all come from that list; nothing is stated twice.
+// Configuration: a plain struct with defaults stands beside the class that it configures, together with one function
+// that lists its fields. Reading, writing, checking and the documentation all come from that list; nothing is stated
+// twice.
 //
 //   struct DetectorConfig {
 //     double threshold = 0.8;
 //     Angle sector = Angle::degrees(90);
 //   };
 //   std::vector<Field> fields(DetectorConfig& c) {
-//     return {Field::real("threshold", &c.threshold, {0.01, 9}, "1", "Expected number of obstacles ... that reports one."),
+//     return {Field::real("threshold", &c.threshold, {0.01, 9}, "1", "Expected number that reports an obstacle."),
 //             Field::degrees("sector_deg", &c.sector, {1, 360}, "Width of the ...")};
 //   }
 //
@@ -89,8 +90,8 @@ struct Section {
   std::vector<Field> fields;
 };
 
-/// Reads TOML into the bound values; keys that are absent keep their defaults. Throws Error with line and column on a syntax
-/// error, an unknown section or key (naming the nearest known one), a wrong type, or a value out of range.
+/// Reads TOML into the bound values; keys that are absent keep their defaults. Throws Error with line and column on a
+/// syntax error, an unknown section or key (naming the nearest known one), a wrong type, or a value out of range.
 void read_toml(std::string_view text, const std::string& file, std::vector<Section>& sections);
 
 /// Sets one value from "section.key=value" (the value as TOML, or a bare word for a text or a choice). Throws Error.

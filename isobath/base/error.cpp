@@ -14,7 +14,7 @@ std::string one_line(const std::string& problem, const Place& where, const std::
   if (!allowed.empty()) text += "; allowed: " + allowed;
   if (!advice.empty()) text += "; " + advice;
   for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';  // untrusted names and values must not break the line
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';  // untrusted names must not break the line
   }
   return text;
 }

@@ -1,8 +1,8 @@
 // Errors in three tiers.
 //
 // 1. A programmer's mistake: ISOBATH_ASSERT. Stops the program, in every build type.
-// 2. A bad file, configuration or argument when something is built or opened: `Error` is thrown, with what is wrong, where
-//    it stands, what is allowed, and what to do.
+// 2. A bad file, configuration or argument when something is built or opened: `Error` is thrown, with what is wrong,
+//    where it stands, what is allowed, and what to do.
 // 3. What is expected while running (no path, stale sonar, a damaged record): a value, `Result<T, E>`, E a small enum.
 #pragma once
 

@@ -1,9 +1,9 @@
 // Rotations SO(3) and poses SE(3), in monogram notation.
 //
-// R_WB turns components in B into components in W: v_W = R_WB v_B. X_WB is the pose of B in W: p_W = X_WB p_B. Poses chain
-// where the inner letters agree: X_WS = X_WB X_BS. World W is north-east-down, body B forward-starboard-down (ledger: Frames).
-// Angles follow R_WB = Rz(psi) Ry(theta) Rx(phi): heading psi clockwise from north, pitch theta nose up, roll phi starboard
-// down. Accuracy: exp and log are inverse to 1e-14 rad up to a rotation of pi.
+// R_WB turns components in B into components in W: v_W = R_WB v_B. X_WB is the pose of B in W: p_W = X_WB p_B. Poses
+// chain where the inner letters agree: X_WS = X_WB X_BS. World W is north-east-down, body B forward-starboard-down
+// (ledger: Frames). Angles follow R_WB = Rz(psi) Ry(theta) Rx(phi): heading psi clockwise from north, pitch theta nose
+// up, roll phi starboard down. Accuracy: exp and log are inverse to 1e-14 rad up to a rotation of pi.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,7 +44,7 @@ class Rotation {
 };
 
 struct Pose {
-  Rotation rotation;                                       ///< R_XY of X_XY
+  Rotation rotation;                                      ///< R_XY of X_XY
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< p_XY: origin of Y in X, m
 
   [[nodiscard]] Pose inverse() const;

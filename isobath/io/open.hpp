@@ -21,7 +21,8 @@ struct InputConfig {
 };
 std::vector<Field> fields(InputConfig& config);
 
-/// Throws Error: not there, empty, no known format, a header that cannot be right. Damage further on is reported, not thrown.
+/// Throws Error: not there, empty, no known format, a header that cannot be right. Damage further on is reported, not
+/// thrown.
 std::unique_ptr<Source> open_source(const std::filesystem::path& input, const InputConfig& config);
 
 }  // namespace isobath

@@ -1,8 +1,8 @@
 // EchoDecisions: what a detector of echoes says about each bin of one ping, with the likelihoods that go with it.
 //
-// S = 1 where the intensity is at or above the threshold of its bin, else 0 (ledger S6-03). Each decision comes with the
-// probabilities that a mapper needs: P(S = 1 | target) = p_D(k) and P(S = 1 | no target) = f (S6-14). Bins without information
-// (blind zone, S6-09; where p_D <= f) are not usable: neither their 1 nor their 0 may touch a map.
+// S = 1 where the intensity is at or above the threshold of its bin, else 0 (ledger S6-03). Each decision comes with
+// the probabilities that a mapper needs: P(S = 1 | target) = p_D(k) and P(S = 1 | no target) = f (S6-14). Bins without
+// information (blind zone, S6-09; where p_D <= f) are not usable: neither their 1 nor their 0 may touch a map.
 #pragma once
 
 #include <bit>
@@ -30,7 +30,8 @@ class EchoDecisions {
 
   [[nodiscard]] bool hit(int beam, int bin) const { return hits(beam)[bin / 64] >> (bin % 64) & 1; }
   void set_hit(int beam, int bin) { hits(beam)[bin / 64] |= std::uint64_t{1} << (bin % 64); }
-  /// words() words; bit k % 64 of word k / 64 is the decision of bin k. A hit in a bin that is not usable means nothing.
+  /// words() words; bit k % 64 of word k / 64 is the decision of bin k. A hit in a bin that is not usable means
+  /// nothing.
   [[nodiscard]] const std::uint64_t* hits(int beam) const { return hits_.data() + std::size_t(beam) * words_; }
   [[nodiscard]] std::uint64_t* hits(int beam) { return hits_.data() + std::size_t(beam) * words_; }
 

@@ -1,7 +1,8 @@
 // Ping: one transmission of an imaging sonar, as a fan of beams by range bins of echo intensity.
 //
-// A scanning sonar (Ganesan 2015, 1.2; ledger S6-01) gives a fan of one beam that steps; a multibeam sonar gives all beams at
-// once. Both enter by this door. Intensities are not copied: a reader points into its buffer, and `storage` keeps it alive.
+// A scanning sonar (Ganesan 2015, 1.2; ledger S6-01) gives a fan of one beam that steps; a multibeam sonar gives all
+// beams at once. Both enter by this door. Intensities are not copied: a reader points into its buffer, and `storage`
+// keeps it alive.
 #pragma once
 
 #include <cstddef>
@@ -17,9 +18,9 @@ namespace isobath {
 /// Directions of the beams in the sensor frame S (x boresight, y right, z down), azimuth clockwise seen from above.
 /// Made once and shared by all pings of the same geometry: pointer equality says "same fan".
 struct BeamFan {
-  std::vector<Angle> azimuth;       ///< centre of each beam, strictly increasing
-  std::vector<Angle> width;         ///< full -3 dB width of each beam across, in azimuth; same size
-  Angle height;                     ///< full -3 dB width in elevation
+  std::vector<Angle> azimuth;  ///< centre of each beam, strictly increasing
+  std::vector<Angle> width;    ///< full -3 dB width of each beam across, in azimuth; same size
+  Angle height;                ///< full -3 dB width in elevation
   [[nodiscard]] int beams() const { return static_cast<int>(azimuth.size()); }
 };
 

@@ -13,8 +13,8 @@ struct RangeReading {
   Time time;
   std::optional<double> range_m;  ///< empty: no echo within max_range_m, which is evidence too
   double max_range_m = 0;
-  Angle width;          ///< full width of the cone
-  Pose X_BS;            ///< x of S is the axis of the cone
+  Angle width;           ///< full width of the cone
+  Pose X_BS;             ///< x of S is the axis of the cone
   float confidence = 1;  ///< 0..1, as the device states it
 };
 

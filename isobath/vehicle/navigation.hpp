@@ -10,8 +10,8 @@ namespace isobath {
 
 struct Navigation {
   Time time;
-  Pose X_WB;                                            ///< body in world: north-east-down, m
-  std::optional<Eigen::Vector3d> v_WB;                  ///< velocity of B in W, components in W, m/s
+  Pose X_WB;                                              ///< body in world: north-east-down, m
+  std::optional<Eigen::Vector3d> v_WB;                    ///< velocity of B in W, components in W, m/s
   std::optional<Eigen::Matrix<double, 6, 6>> covariance;  ///< of (position in W, rotation vector in B), m2, m rad, rad2
 };
 

@@ -19,6 +19,6 @@ std::filesystem::path source_folder();
 }  // namespace isobath::test
 
 /// Skips the test with a notice where the recordings are absent.
-#define ISOBATH_NEEDS_DATA(variable, name)                             \
+#define ISOBATH_NEEDS_DATA(variable, name)                                 \
   const std::filesystem::path variable = isobath::test::shared_data(name); \
-  if (variable.empty()) GTEST_SKIP() << "no recordings here: ../shared/data/" << name << " is absent"
+  if ((variable).empty()) GTEST_SKIP() << "no recordings here: ../shared/data/" << (name) << " is absent"

@@ -1,0 +1,67 @@
+# Each target does all that it needs by itself: packages (apt.txt), configuration, build. All are quick when nothing changed.
+SHELL := bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+
+JOBS ?= $(shell nproc)
+FUZZ_SECONDS ?= 60
+WERROR ?= OFF
+DEMO_OUT ?= out/demo
+DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)
+
+.PHONY: help setup demo test bench lint fuzz format clean test-asan test-tsan test-clang
+help: ## This list
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 14
+
+setup:
+	@scripts/setup
+
+# Configured again only when the presets or WERROR change; ninja itself sees changed CMake files.
+build/%/.configured-$(WERROR): CMakePresets.json | setup build
+	@rm -f build/$*/.configured-*
+	cmake --preset $* $(if $(filter ON,$(WERROR)),-DISOBATH_WERROR=ON) > build/$*.log || { tail -n 30 build/$*.log; exit 1; }
+	@mv build/$*.log build/$*/configure.log && touch $@
+.PRECIOUS: build/%/.configured-$(WERROR)
+build:
+	@mkdir -p build
+# clang-tidy runs beside the compiler, so that ninja knows what to look at again; new rules look at everything.
+build/lint/.configured-$(WERROR): build/lint/.rules
+build/lint/.rules: .clang-tidy | build
+	@rm -rf build/lint && mkdir -p build/lint && touch $@
+
+build-%: build/%/.configured-$(WERROR)
+	@cmake --build build/$* --parallel $(JOBS) $(if $(filter lint,$*),-- -k 0)
+
+run-tests-%: build-%
+	ctest --test-dir build/$* --parallel $(JOBS) --output-on-failure --no-tests=error
+
+demo: build-release ## Run the program on what it brings along; says where the report is
+	$(DEMO)
+	@echo "Report: $(DEMO_OUT)/report.html"
+
+test: run-tests-release ## Build and run all the tests
+test-asan: run-tests-asan ## The same with the address and undefined-behaviour sanitizers
+test-tsan: run-tests-tsan ## The same with the thread sanitizer
+test-clang: run-tests-clang ## The same built by clang, warnings being errors
+
+bench: build-bench ## Run the benchmarks
+	@for program in build/bench/bench/*_bench; do echo "== $$program"; "$$program"; done
+
+lint: setup ## Formatting, repository hygiene, clang-tidy; warnings are errors
+	@scripts/check-files
+	@$(MAKE) --no-print-directory build-lint
+
+fuzz: build-fuzz ## Run every fuzz target FUZZ_SECONDS long (60), from its corpus
+	@for program in build/fuzz/tests/fuzz/*_fuzz; do \
+	  name=$$(basename $$program _fuzz); mkdir -p build/fuzz/found/$$name; \
+	  echo "== $$name, $(FUZZ_SECONDS) s"; \
+	  "$$program" -max_total_time=$(FUZZ_SECONDS) -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=0 \
+	    -artifact_prefix=build/fuzz/found/$$name. build/fuzz/found/$$name tests/fuzz/corpus/$$name; \
+	done
+
+format: setup ## Format all C++ in place
+	@find $(wildcard isobath tests bench) -name '*.[ch]pp' -print0 | xargs -0 clang-format -i
+
+clean: ## Remove what was built
+	rm -rf build out
