@@ -1,0 +1,53 @@
+// EventGate: the first stage of the pipeline. Lets through what is finite, in order and fresh; counts every rejection by its
+// reason (design, section 3). Each stream (pings, navigation, ranges) is ordered on its own.
+//
+// A clock that was set back is told from a single stray stamp: after `restart_after` rejections in a row whose own order is
+// right, the gate starts anew from there, and says so once (`restarted`), so that maps can be begun afresh.
+#pragma once
+
+#include <array>
+#include <isobath/base/config.hpp>
+#include <isobath/io/event.hpp>
+#include <map>
+#include <string>
+
+namespace isobath {
+
+struct EventGateConfig {
+  double max_age_s = 2;     ///< behind the newest event of any stream
+  int restart_after = 20;   ///< events in a row that are late but in order among themselves
+};
+std::vector<Field> fields(EventGateConfig& config);
+
+class EventGate {
+ public:
+  explicit EventGate(const EventGateConfig& config) : config_(config) {}
+
+  enum class Verdict : std::uint8_t { kAdmitted, kRejected, kRestarted };
+  Verdict judge(const Event& event);
+
+  /// Reason -> count. Reasons are fixed texts.
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& rejected() const { return rejected_; }
+  [[nodiscard]] std::uint64_t rejected_total() const;
+  void count(const char* reason) { ++rejected_[reason]; }
+
+  static constexpr const char* kBackwards = "time runs backwards";
+  static constexpr const char* kTooOld = "older than the limit";
+  static constexpr const char* kBadNavigation = "navigation not finite";
+  static constexpr const char* kBadRange = "range not finite";
+
+ private:
+  struct Stream {
+    Time newest = Time::min();
+    Time late_newest = Time::min();  ///< of the present row of rejections
+    int late_in_order = 0;
+  };
+  const char* order_fault(Stream& stream, Time time);
+
+  EventGateConfig config_;
+  std::array<Stream, std::variant_size_v<Event>> streams_;
+  Time newest_ = Time::min();
+  std::map<std::string, std::uint64_t> rejected_;
+};
+
+}  // namespace isobath

@@ -1,0 +1,143 @@
+// Pictures for people: plan views in metres and charts of curves, as PNG. Drawn by Cairo, the same bytes for the same input.
+//
+// A plan view shows the level body frame L (x forward is up, y starboard is right) or the world (north up, east right): both
+// are "x up, y right" in metres, so one class serves. Colours are told apart by people who are colour-blind.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <Eigen/Core>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+typedef struct _cairo cairo_t;
+
+namespace isobath {
+
+struct Colour {
+  double red = 0, green = 0, blue = 0, alpha = 1;
+};
+
+/// Dark blue over grey to yellow, even in lightness; share in 0..1.
+Colour intensity_colour(double share);
+/// Unknown grey; free towards blue-white; occupied towards dark orange. Probability in 0..1.
+Colour occupancy_colour(double probability, double prior);
+
+namespace palette {
+inline constexpr Colour kInk{0.13, 0.14, 0.16, 1};
+inline constexpr Colour kFaint{0.45, 0.47, 0.5, 0.6};
+inline constexpr Colour kObstacle{0.84, 0.37, 0.0, 1};
+inline constexpr Colour kHidden{0.34, 0.34, 0.6, 1};
+inline constexpr Colour kTrack{0.0, 0.45, 0.7, 1};
+inline constexpr Colour kVehicle{0.0, 0.62, 0.45, 1};
+}  // namespace palette
+
+struct PlanExtent {
+  double x_min = -10, x_max = 10;  ///< up, m
+  double y_min = -10, y_max = 10;  ///< right, m
+};
+
+struct Stroke {
+  Colour colour = palette::kInk;
+  double width_px = 1.5;
+  bool dashed = false;
+};
+
+class Canvas {
+ public:
+  Canvas(int width_px, int height_px);
+  /// Throws Error if the file cannot be written.
+  void save(const std::filesystem::path& file) const;
+  /// The PNG itself.
+  [[nodiscard]] std::string png() const;
+
+ protected:
+  struct Closer {
+    void operator()(cairo_t* context) const;
+  };
+  void text(double x_px, double y_px, const std::string& text, double size, Colour colour, double align = 0,
+            bool halo = false) const;
+  void line(double x0, double y0, double x1, double y1, const Stroke& stroke) const;
+  void set(const Stroke& stroke) const;
+  void fill(Colour colour) const;
+
+  int width_;
+  int height_;
+  std::unique_ptr<cairo_t, Closer> cairo_;
+};
+
+/// A plan view with a frame, ticks in metres, a title and a legend line.
+class PlanPicture : public Canvas {
+ public:
+  struct Labels {
+    std::string title;
+    std::string up;     ///< "forward (m)"
+    std::string right;  ///< "starboard (m)"
+  };
+  PlanPicture(const PlanExtent& extent, int plot_px, Labels labels);
+
+  /// Fills the plot: `colour(x, y)` for the centre of each pixel.
+  void raster(const std::function<Colour(double x, double y)>& colour);
+  void polygon(std::span<const Eigen::Vector2d> points, const Stroke& stroke, Colour filling = {0, 0, 0, 0});
+  void polyline(std::span<const Eigen::Vector2d> points, const Stroke& stroke);
+  void label(const Eigen::Vector2d& at, const std::string& text, Colour colour = palette::kInk);
+  void dot(const Eigen::Vector2d& at, double radius_px, Colour colour);
+  /// A dart at `at`, pointing along heading (clockwise from up).
+  void vehicle(const Eigen::Vector2d& at, double heading_rad);
+  /// Circles of equal range about the vehicle.
+  void range_rings(const Eigen::Vector2d& centre, double step_m);
+  struct LegendEntry {
+    Colour colour;
+    std::string text;
+  };
+  /// Frame, ticks, titles and the legend below: call last.
+  void finish(const std::vector<LegendEntry>& legend);
+
+ private:
+  [[nodiscard]] Eigen::Vector2d to_px(const Eigen::Vector2d& p) const;
+  void trace(std::span<const Eigen::Vector2d> points) const;
+  void clip_to_plot() const;
+  void unclip() const;
+
+  PlanExtent extent_;
+  Labels labels_;
+  double scale_;  ///< px / m
+  double left_, top_, plot_width_, plot_height_;
+};
+
+/// Curves with error bands over two axes.
+class ChartPicture : public Canvas {
+ public:
+  struct Axis {
+    std::string label;
+    double low = 0, high = 1;
+    bool logarithmic = false;
+  };
+  ChartPicture(int width_px, int height_px, std::string title, Axis x, Axis y);
+
+  void curve(std::span<const double> x, std::span<const double> y, const Stroke& stroke, const std::string& name);
+  /// Filled between low and high; no entry in the legend.
+  void band(std::span<const double> x, std::span<const double> low, std::span<const double> high, Colour colour);
+  void points(std::span<const double> x, std::span<const double> y, Colour colour, const std::string& name);
+  /// Frame, ticks and legend: call last.
+  void finish();
+
+ private:
+  [[nodiscard]] double px_x(double x) const;
+  [[nodiscard]] double px_y(double y) const;
+  void draw_ticks(const Axis& axis, bool horizontal) const;
+
+  std::string title_;
+  Axis x_, y_;
+  double left_ = 64, top_ = 34, plot_width_, plot_height_;
+  std::vector<PlanPicture::LegendEntry> legend_;
+};
+
+/// Round values that divide [low, high] into about `wanted` parts.
+std::vector<double> ticks(double low, double high, int wanted);
+
+}  // namespace isobath
