@@ -1,0 +1,22 @@
+// The subcommands of the program, one file each. Exit codes: 0 success, 1 the run failed its own checks, 2 bad usage or input.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace isobath::app {
+
+inline constexpr int kSuccess = 0, kFailedChecks = 1, kBadInput = 2;
+
+/// What a subcommand does once its options are read; returns the exit code, throws isobath::Error for bad input.
+using Action = std::function<int()>;
+
+Action add_run(CLI::App& program);
+Action add_info(CLI::App& program);
+Action add_convert(CLI::App& program);
+Action add_calibrate(CLI::App& program);
+Action add_config(CLI::App& program);
+
+}  // namespace isobath::app

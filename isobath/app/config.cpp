@@ -1,0 +1,23 @@
+#include <cstdio>
+#include <isobath/app/config_options.hpp>
+#include <memory>
+
+namespace isobath::app {
+
+Action add_config(CLI::App& program) {
+  struct Options {
+    ConfigOptions config;
+    bool plain = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("config", "Print the annotated configuration: defaults, with --config and --set applied");
+  options->config.add_to(*command);
+  command->add_flag("--plain", options->plain, "Without the explanations");
+  return [options] {
+    Configuration configuration = options->config.read();
+    std::fputs(write_toml(sections(configuration), !options->plain).c_str(), stdout);
+    return kSuccess;
+  };
+}
+
+}  // namespace isobath::app

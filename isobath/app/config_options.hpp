@@ -1,0 +1,20 @@
+// --config FILE and --set section.key=value, shared by the subcommands that take a configuration.
+#pragma once
+
+#include <isobath/app/commands.hpp>
+#include <isobath/runtime/configuration.hpp>
+#include <string>
+#include <vector>
+
+namespace isobath::app {
+
+struct ConfigOptions {
+  std::string file;
+  std::vector<std::string> settings;
+
+  void add_to(CLI::App& command);
+  /// Defaults, then the file, then the settings in their order. Throws Error.
+  [[nodiscard]] Configuration read() const;
+};
+
+}  // namespace isobath::app

@@ -1,0 +1,46 @@
+// What is in an input: streams, rates, gaps, geometry, damage. Reads all of it once.
+#pragma once
+
+#include <functional>
+#include <isobath/io/event.hpp>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+struct StreamFacts {
+  std::string name;  ///< "pings", "ranges", "navigation"
+  std::uint64_t events = 0;
+  Time first, last;
+  double median_interval_s = 0;
+  double longest_gap_s = 0;
+  Time longest_gap_at;
+  std::uint64_t gaps = 0;       ///< longer than five median intervals
+  std::uint64_t backwards = 0;  ///< steps back in time
+
+  /// 1/s; 0 for fewer than two events.
+  [[nodiscard]] double rate() const;
+};
+
+/// One kind of ping: a log may change its range or its number of beams on the way.
+struct PingGeometry {
+  int beams = 0, bins = 0;
+  double start_m = 0, end_m = 0;
+  std::uint64_t pings = 0;
+};
+
+struct Inspection {
+  std::vector<StreamFacts> streams;  ///< those that are there
+  std::vector<PingGeometry> geometries;  ///< in the order of first appearance, at most kMaxGeometries
+  double azimuth_min_deg = 0, azimuth_max_deg = 0;
+  double beam_width_deg = 0, beam_height_deg = 0;
+  float intensity_min = 0, intensity_max = 0, full_scale = 0;
+  std::uint64_t bad_pings = 0;
+
+  static constexpr std::size_t kMaxGeometries = 16;
+};
+
+/// `progress(events)` is called now and then.
+Inspection inspect(Source& source, const std::function<void(std::uint64_t)>& progress = {});
+
+}  // namespace isobath
