@@ -53,6 +53,9 @@ struct Pose {
   [[nodiscard]] bool is_finite() const;
 };
 
+/// X_WL of X_WB: the same place and heading with roll and pitch removed (frame L of the ledger).
+Pose level(const Pose& X_WB);
+
 /// From a (share 0) to b (share 1): translation on the straight line, rotation on the shortest arc.
 Pose interpolate(const Pose& a, const Pose& b, double share);
 
