@@ -49,8 +49,7 @@ bench: build-bench ## Run the benchmarks
 	@for program in build/bench/bench/*_bench; do echo "== $$program"; "$$program"; done
 
 lint: setup ## Formatting, repository hygiene, clang-tidy; warnings are errors
-	@scripts/check-files
-	@$(MAKE) --no-print-directory build-lint
+	@status=0; scripts/check-files || status=1; $(MAKE) --no-print-directory build-lint || status=1; exit $$status
 
 fuzz: build-fuzz ## Run every fuzz target FUZZ_SECONDS long (60), from its corpus
 	@for program in build/fuzz/tests/fuzz/*_fuzz; do \
