@@ -36,7 +36,8 @@ build-%: build/%/.configured-$(WERROR)
 run-tests-%: build-%
 	ctest --test-dir build/$* --parallel $(JOBS) --output-on-failure --no-tests=error
 
-demo: build-release ## Run the program on what it brings along; says where the report is
+demo: build/release/.configured-$(WERROR) ## Run the program on what it brings along; says where the report is
+	@cmake --build build/release --parallel $(JOBS) --target isobath_app
 	$(DEMO)
 	@echo "Report: $(DEMO_OUT)/report.html"
 
