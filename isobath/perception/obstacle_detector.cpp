@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <Eigen/Eigenvalues>
-#include <isobath/base/error.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 
 namespace isobath {
@@ -10,6 +8,7 @@ namespace {
 
 using Eigen::Vector2d;
 constexpr int kBlock = 1;             // half width of the 3 x 3 block
+constexpr double kRounding = 1e-9;    // log-odds to probabilities and back: 0.8 must reach 0.8
 constexpr std::size_t kSmallest = 4;  // cells: a piece this small is not halved further
 
 template <class Visit>
@@ -61,14 +60,16 @@ std::vector<Field> fields(ObstacleDetectorConfig& c) {
                       "Deviation from two or three times a nearer range, as a share, that still counts as a multiple echo.")};
 }
 
-const std::vector<Obstacle>& ObstacleDetector::detect(const OccupancyView& view) {
-  ISOBATH_ASSERT(view.probability.size() == view.grid.size());
+const std::vector<Obstacle>& ObstacleDetector::detect(const BodyGrid& grid, Time first_ping) {
+  grid_ = &grid;
+  cells_ = grid.cells();
+  first_ping_ = first_ping;
   obstacles_.clear();
-  sum_blocks(view);
-  visited_.assign(view.grid.size(), 0);
-  own_.assign(view.grid.size(), 0);
+  sum_blocks();
+  visited_.assign(cells_.size(), 0);
+  own_.assign(cells_.size(), 0);
   for (std::size_t i = 0; i < detected_.size(); ++i) {
-    if (detected_[i] && !visited_[i]) outline_region(view, region_from(i, view.grid));
+    if (detected_[i] && !visited_[i]) outline_region(region_from(i));
   }
   std::sort(obstacles_.begin(), obstacles_.end(), [](const Obstacle& a, const Obstacle& b) {
     return std::pair(a.range_m, a.bearing.radians()) < std::pair(b.range_m, b.bearing.radians());
@@ -77,32 +78,34 @@ const std::vector<Obstacle>& ObstacleDetector::detect(const OccupancyView& view)
   return obstacles_;
 }
 
-void ObstacleDetector::sum_blocks(const OccupancyView& view) {
-  const CartesianGrid& grid = view.grid;
-  count_.assign(grid.size(), 0);
-  detected_.assign(grid.size(), 0);
-  std::vector<double> columns(static_cast<std::size_t>(grid.cells_y));  // sums over x of three rows
-  for (int x = 0; x < grid.cells_x; ++x) {
+void ObstacleDetector::sum_blocks() {
+  const auto log_odds = grid_->log_odds();
+  probability_.resize(cells_.size());
+  for (std::size_t i = 0; i < log_odds.size(); ++i) probability_[i] = probability_of(log_odds[i]);
+  count_.assign(cells_.size(), 0);
+  detected_.assign(cells_.size(), 0);
+  const auto width = static_cast<std::size_t>(cells_.cells_y);
+  std::vector<double> columns(width);  // sums over three neighbours in x
+  for (int x = 0; x < cells_.cells_x; ++x) {
     std::fill(columns.begin(), columns.end(), 0.0);
-    for (int row = std::max(0, x - 1); row <= std::min(grid.cells_x - 1, x + 1); ++row) {
-      const double* p = view.probability.data() + grid.index({row, 0});
-      for (int y = 0; y < grid.cells_y; ++y) columns[static_cast<std::size_t>(y)] += p[y];
+    for (int row = std::max(0, x - 1); row <= std::min(cells_.cells_x - 1, x + 1); ++row) {
+      const double* p = probability_.data() + cells_.index({row, 0});
+      for (std::size_t y = 0; y < width; ++y) columns[y] += p[y];
     }
-    for (int y = 0; y < grid.cells_y; ++y) {
-      double n = 0;
-      for (int j = std::max(0, y - 1); j <= std::min(grid.cells_y - 1, y + 1); ++j) n += columns[static_cast<std::size_t>(j)];
-      const std::size_t i = grid.index({x, y});
+    for (std::size_t y = 0; y < width; ++y) {
+      const double n = columns[y] + (y > 0 ? columns[y - 1] : 0) + (y + 1 < width ? columns[y + 1] : 0);
+      const std::size_t i = cells_.index({x, static_cast<int>(y)});
       count_[i] = n;
-      detected_[i] = n >= config_.threshold * (1 - 1e-12);  // sums of decimals: 0.8 must reach 0.8
+      detected_[i] = n >= config_.threshold * (1 - kRounding);
     }
   }
 }
 
-ObstacleDetector::Cells ObstacleDetector::region_from(std::size_t seed, const CartesianGrid& grid) {
+ObstacleDetector::Cells ObstacleDetector::region_from(std::size_t seed) {
   Cells region{seed};
   visited_[seed] = 1;
   for (std::size_t at = 0; at < region.size(); ++at) {
-    for_block(grid, grid.cell(region[at]), [&](std::size_t i) {
+    for_block(cells_, cells_.cell(region[at]), [&](std::size_t i) {
       if (!detected_[i] || visited_[i]) return;
       visited_[i] = 1;
       region.push_back(i);
@@ -111,86 +114,88 @@ ObstacleDetector::Cells ObstacleDetector::region_from(std::size_t seed, const Ca
   return region;
 }
 
-void ObstacleDetector::outline_region(const OccupancyView& view, const Cells& region) {
+void ObstacleDetector::outline_region(const Cells& region) {
   double highest = 0;
   for (const std::size_t i : region) {
-    for_block(view.grid, view.grid.cell(i), [&](std::size_t j) { highest = std::max(highest, view.probability[j]); });
+    own_[i] = 1;
+    for_block(cells_, cells_.cell(i), [&](std::size_t j) { highest = std::max(highest, probability_[j]); });
   }
-  const double enough = std::max(config_.threshold / 9 * (1 - 1e-12), highest / 2);
+  const double enough = std::max(config_.threshold / 9 * (1 - kRounding), highest / 2);
   Cells evidence;
   for (const std::size_t i : region) {
-    own_[i] = 1;
-    for_block(view.grid, view.grid.cell(i), [&](std::size_t j) {
-      if (view.probability[j] >= enough && own_[j] != 2) {
-        own_[j] = 2;  // once
-        evidence.push_back(j);
-      }
+    for_block(cells_, cells_.cell(i), [&](std::size_t j) {
+      if (probability_[j] < enough || own_[j] == 2) return;
+      own_[j] = 2;  // once
+      evidence.push_back(j);
     });
   }
   std::sort(evidence.begin(), evidence.end());
-  if (!evidence.empty()) split(view, evidence, own_);
-  for (const std::size_t i : region) own_[i] = 0;
-  for (const std::size_t i : evidence) own_[i] = 0;
+  split(evidence);
+  for (const Cells* cells : {&region, static_cast<const Cells*>(&evidence)}) {
+    for (const std::size_t i : *cells) own_[i] = 0;
+  }
 }
 
-void ObstacleDetector::split(const OccupancyView& view, Cells evidence, const std::vector<std::uint8_t>& own) {
-  const Polygon hull = hull_of(view.grid, evidence);
-  if (evidence.size() <= kSmallest || tight(view.grid, hull, own)) {
-    obstacles_.push_back(describe(view, hull, evidence));
+void ObstacleDetector::split(Cells evidence) {
+  const Polygon hull = hull_of(cells_, evidence);
+  if (evidence.size() <= kSmallest || tight(hull)) {
+    obstacles_.push_back(describe(hull, evidence));
     return;
   }
-  const Vector2d mean = mean_of(view.grid, evidence);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_of(view.grid, evidence, mean));
+  const Vector2d mean = mean_of(cells_, evidence);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_of(cells_, evidence, mean));
   const Vector2d along = axes.eigenvectors().col(1);
   const auto middle = evidence.begin() + static_cast<std::ptrdiff_t>(evidence.size() / 2);
   std::nth_element(evidence.begin(), middle, evidence.end(), [&](std::size_t a, std::size_t b) {
-    const double u = along.dot(view.grid.centre(view.grid.cell(a))), v = along.dot(view.grid.centre(view.grid.cell(b)));
+    const double u = along.dot(cells_.centre(cells_.cell(a))), v = along.dot(cells_.centre(cells_.cell(b)));
     return u != v ? u < v : a < b;
   });
   Cells far(middle, evidence.end());
   evidence.erase(middle, evidence.end());
-  split(view, std::move(evidence), own);
-  split(view, std::move(far), own);
+  split(std::move(evidence));
+  split(std::move(far));
 }
 
-bool ObstacleDetector::tight(const CartesianGrid& grid, const Polygon& hull, const std::vector<std::uint8_t>& own) const {
+bool ObstacleDetector::tight(const Polygon& hull) const {
   Vector2d low = hull.front(), high = hull.front();
   for (const Vector2d& p : hull) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  const auto to_cell = [&](double v, int limit) { return std::clamp(static_cast<int>(std::floor(v / grid.cell_m)), 0, limit - 1); };
+  const auto to_cell = [this](double v, int limit) {
+    return std::clamp(static_cast<int>(std::floor(v / cells_.cell_m)), 0, limit - 1);
+  };
   int inside = 0, foreign = 0;
-  for (int x = to_cell(low.x(), grid.cells_x); x <= to_cell(high.x(), grid.cells_x); ++x) {
-    for (int y = to_cell(low.y(), grid.cells_y); y <= to_cell(high.y(), grid.cells_y); ++y) {
-      if (!contains(hull, grid.centre({x, y}))) continue;
+  for (int x = to_cell(low.x(), cells_.cells_x); x <= to_cell(high.x(), cells_.cells_x); ++x) {
+    for (int y = to_cell(low.y(), cells_.cells_y); y <= to_cell(high.y(), cells_.cells_y); ++y) {
+      if (!contains(hull, cells_.centre({x, y}))) continue;
       ++inside;
-      foreign += own[grid.index({x, y})] == 0;
+      foreign += own_[cells_.index({x, y})] == 0;
     }
   }
   return foreign <= config_.tightness * inside;
 }
 
-Obstacle ObstacleDetector::describe(const OccupancyView& view, const Polygon& hull, const Cells& evidence) const {
-  const double c = cos(view.heading_GL), s = sin(view.heading_GL);
-  Eigen::Matrix2d R_LG;
-  R_LG << c, s, -s, c;
+Obstacle ObstacleDetector::describe(const Polygon& hull, const Cells& evidence) const {
   Obstacle o;
-  for (const Vector2d& p : hull) o.outline.push_back(R_LG * (p - view.p_GL));
+  for (const Vector2d& p : hull) o.outline.push_back(grid_->to_level_body(p));
   o.nearest = nearest_point(o.outline, Vector2d::Zero());
   o.range_m = o.nearest.norm();
-  const Vector2d mean = mean_of(view.grid, evidence);
-  o.centre = R_LG * (mean - view.p_GL);
-  o.covariance = R_LG * covariance_of(view.grid, evidence, mean) * R_LG.transpose();
+  const Vector2d mean = mean_of(cells_, evidence);
+  o.centre = grid_->to_level_body(mean);
+  const Eigen::Rotation2Dd R_LG(-grid_->heading().radians());
+  o.covariance = R_LG * covariance_of(cells_, evidence, mean) * R_LG.inverse();
   const Vector2d towards = o.range_m > 0 ? o.nearest : o.centre;
-  o.bearing = Angle::radians(std::atan2(towards.y(), towards.x()));
-  o.cells = static_cast<int>(evidence.size());
+  o.bearing = Angle::radians(std::atan2(towards.y(), towards.x())).wrapped_positive();
+  std::uint32_t last_hit_ms = 0;
   for (const std::size_t i : evidence) {
-    o.expected_cells += view.probability[i];
     double none = 1;
-    for_block(view.grid, view.grid.cell(i), [&](std::size_t j) { none *= 1 - view.probability[j]; });
+    for_block(cells_, cells_.cell(i), [&](std::size_t j) { none *= 1 - probability_[j]; });
     o.existence = std::max(o.existence, 1 - none);
+    o.hits += grid_->evidence()[i].hits;
+    last_hit_ms = std::max(last_hit_ms, grid_->evidence()[i].last_hit_ms);
   }
+  o.last_hit = first_ping_ + std::chrono::milliseconds(last_hit_ms);
   return o;
 }
 

@@ -11,13 +11,12 @@
 // 5. Existence: the probability that at least one cell of the piece's fullest block is occupied, cells independent.
 // 6. Seen from the vehicle: what hides what, and what stands at a multiple of the range of what hides it.
 //
-// Input in the grid's own frame G; output in L. Deterministic: cells are visited in the order of their storage.
+// Outlines are in L. Deterministic: cells are visited in the order of their storage.
 #pragma once
 
 #include <isobath/base/config.hpp>
-#include <isobath/geometry/cartesian_grid.hpp>
+#include <isobath/map/body_grid.hpp>
 #include <isobath/map/obstacle.hpp>
-#include <span>
 #include <vector>
 
 namespace isobath {
@@ -29,20 +28,12 @@ struct ObstacleDetectorConfig {
 };
 std::vector<Field> fields(ObstacleDetectorConfig& config);
 
-/// Occupancy to look at, and where the vehicle is in it.
-struct OccupancyView {
-  CartesianGrid grid;
-  std::span<const double> probability;  ///< of each cell, in the grid's order
-  Eigen::Vector2d p_GL;                 ///< vehicle in G, m
-  Angle heading_GL;                     ///< forward in G, from x towards y
-};
-
 class ObstacleDetector {
  public:
   explicit ObstacleDetector(const ObstacleDetectorConfig& config) : config_(config) {}
 
-  /// Nearest first.
-  const std::vector<Obstacle>& detect(const OccupancyView& view);
+  /// Nearest first. `first_ping` is the time that the grid's evidence counts from.
+  const std::vector<Obstacle>& detect(const BodyGrid& grid, Time first_ping = {});
 
   /// N of each cell, and where it reached the threshold, as of the last `detect` (S6-28, S6-29).
   [[nodiscard]] const std::vector<double>& expected_count() const { return count_; }
@@ -50,14 +41,18 @@ class ObstacleDetector {
 
  private:
   using Cells = std::vector<std::size_t>;
-  void sum_blocks(const OccupancyView& view);
-  [[nodiscard]] Cells region_from(std::size_t seed, const CartesianGrid& grid);
-  void outline_region(const OccupancyView& view, const Cells& region);
-  void split(const OccupancyView& view, Cells evidence, const std::vector<std::uint8_t>& own);
-  [[nodiscard]] bool tight(const CartesianGrid& grid, const Polygon& hull, const std::vector<std::uint8_t>& own) const;
-  [[nodiscard]] Obstacle describe(const OccupancyView& view, const Polygon& hull, const Cells& evidence) const;
+  void sum_blocks();
+  [[nodiscard]] Cells region_from(std::size_t seed);
+  void outline_region(const Cells& region);
+  void split(Cells evidence);
+  [[nodiscard]] bool tight(const Polygon& hull) const;
+  [[nodiscard]] Obstacle describe(const Polygon& hull, const Cells& evidence) const;
 
   ObstacleDetectorConfig config_;
+  const BodyGrid* grid_ = nullptr;  ///< during `detect`
+  CartesianGrid cells_;
+  Time first_ping_;
+  std::vector<double> probability_;
   std::vector<double> count_;
   std::vector<std::uint8_t> detected_;
   std::vector<std::uint8_t> visited_;
