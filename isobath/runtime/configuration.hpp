@@ -4,6 +4,7 @@
 #include <isobath/base/config.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/map/body_grid.hpp>
+#include <isobath/map/motion.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/runtime/event_gate.hpp>
@@ -14,12 +15,19 @@
 
 namespace isobath {
 
+struct MapConfig {
+  bool fit = true;  ///< cell and size of the grid from the sonar's range: about 100 cells each way, 1-2-5 steps
+};
+std::vector<Field> fields(MapConfig& config);
+
 struct Configuration {
   InputConfig input;
   EventGateConfig gate;
   PoseBufferConfig poses;
   EchoDetectorConfig echoes;
+  MapConfig map;
   BodyGridConfig grid;
+  MotionConfig motion;
   GridMapperConfig update;
   ObstacleDetectorConfig obstacles;
   ReservoirConfig reservoir;

@@ -75,10 +75,14 @@ class Pipeline {
   [[nodiscard]] const BodyGrid* grid() const { return grid_.get(); }
 
  private:
+  void restart();
+  void add_fix(const Navigation& fix);
   void hold(Ping ping);
-  void release(bool all);
+  void release(Time now, bool all);
+  void place(const Ping& ping);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
-  void begin_map(const Ping& ping);
+  void fit_map(const Ping& ping);
+  void carry_map_to(const Pose& X_WB, Time time, bool posed);
   void end_scan(Time time, const Pose& X_WB, bool posed);
 
   Configuration configuration_;
@@ -93,8 +97,15 @@ class Pipeline {
   std::unique_ptr<GridMapper> mapper_;
   ObstacleDetector detector_;
   PipelineCounts counts_;
-  bool sweep_open_ = false;
-  std::optional<Scan> last_;
+
+  struct Placed {
+    Time time;
+    Pose X_WB;
+    bool posed;
+  };
+  std::optional<Placed> last_;  ///< the ping mapped last
+  Time first_ping_;
+  bool sweep_open_ = false;  ///< pings since the last scan
 };
 
 }  // namespace isobath
