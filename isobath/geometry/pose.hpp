@@ -23,6 +23,8 @@ class Rotation {
   static Rotation from_matrix(const Eigen::Matrix3d& matrix);
   static bool valid(const Eigen::Matrix3d& matrix);
   static Rotation from_quaternion(const Eigen::Quaterniond& q);
+  /// Keeps q bit for bit, for logs that must read back as they were written. The caller knows that |q| = 1.
+  static Rotation from_unit_quaternion(const Eigen::Quaterniond& q) { return Rotation(q); }
   /// The rotation by |w| about w (radians).
   static Rotation exp(const Eigen::Vector3d& w);
 
