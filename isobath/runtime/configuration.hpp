@@ -4,7 +4,6 @@
 #include <isobath/base/config.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/map/body_grid.hpp>
-#include <isobath/map/motion.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/runtime/event_gate.hpp>
@@ -15,6 +14,11 @@
 
 namespace isobath {
 
+struct SensorConfig {
+  std::string model;  ///< file made by calibration; empty: none
+};
+std::vector<Field> fields(SensorConfig& config);
+
 struct MapConfig {
   bool fit = true;  ///< cell and size of the grid from the sonar's range: about 100 cells each way, 1-2-5 steps
 };
@@ -24,10 +28,10 @@ struct Configuration {
   InputConfig input;
   EventGateConfig gate;
   PoseBufferConfig poses;
+  SensorConfig sensor;
   EchoDetectorConfig echoes;
   MapConfig map;
   BodyGridConfig grid;
-  MotionConfig motion;
   GridMapperConfig update;
   ObstacleDetectorConfig obstacles;
   ReservoirConfig reservoir;

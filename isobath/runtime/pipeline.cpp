@@ -7,6 +7,11 @@ namespace {
 
 constexpr std::size_t kMostWaiting = 256;  // pings held for a fix; beyond it the oldest goes on with what is known
 
+std::optional<SensorModel> model_of(const SensorConfig& sensor) {
+  if (sensor.model.empty()) return std::nullopt;
+  return load_sensor_model(sensor.model);
+}
+
 /// Next of 1, 2, 5, 10 ... times a power of ten.
 double nice_step(double value) {
   const double decade = std::pow(10, std::floor(std::log10(value)));
@@ -16,18 +21,17 @@ double nice_step(double value) {
   return 10 * decade;
 }
 
-std::uint64_t count_bits(const EchoDecisions& decisions, int beam) {
-  std::uint64_t hits = 0;
-  for (int w = 0; w < decisions.words(); ++w) {
-    hits += static_cast<std::uint64_t>(std::popcount(decisions.hits(beam)[w] & decisions.usable()[w]));
-  }
-  return hits;
+/// About 100 cells each way; the vehicle in the middle.
+BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
+  grid.cell_m = nice_step(reach_m / 100);
+  grid.cells_x = grid.cells_y = 2 * static_cast<int>(std::ceil(1.05 * reach_m / grid.cell_m)) + 1;
+  grid.home_x = grid.home_y = 0.5;
+  return grid;
 }
 
-std::uint64_t count_usable(const EchoDecisions& decisions) {
-  std::uint64_t usable = 0;
-  for (int w = 0; w < decisions.words(); ++w) usable += static_cast<std::uint64_t>(std::popcount(decisions.usable()[w]));
-  return usable * static_cast<std::uint64_t>(decisions.beams());
+bool fits(const BodyGridConfig& grid, double reach_m) {
+  const double half = 0.5 * grid.cell_m * std::min(grid.cells_x, grid.cells_y);
+  return reach_m <= half && reach_m > half / 4;
 }
 
 }  // namespace
@@ -37,7 +41,7 @@ Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink)
       sink_(sink),
       gate_(configuration.gate),
       poses_(configuration.poses),
-      echoes_(configuration.echoes),
+      echoes_(configuration.echoes, model_of(configuration.sensor)),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMostWaiting);
 }
@@ -60,27 +64,25 @@ void Pipeline::take(Event event) {
 // What happens to a ping whose pose is known -------------------------------------------------------------------------
 
 void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
-  fit_map(ping);                                                            // a grid of the sonar's size
-  carry_map_to(X_WB, ping.time, posed);                                     // belief moves with the vehicle
-  echoes_.detect(ping, decisions_);                                         // intensities -> decisions
-  mapper_->update(ping, decisions_, level(X_WB).inverse() * X_WB, *grid_);  // decisions -> belief
+  fit_map(ping, posed);                                         // a grid of the sonar's size
+  echoes_.detect(ping, decisions_);                             // intensities -> decisions
+  mapper_->update(ping, decisions_, X_WB, {.position_fix = poses_.settled(ping.time)});  // belief moves, then learns
   sink_.on_ping({ping, X_WB, decisions_});
-  ++counts_.pings;
-  counts_.unposed += posed ? 0 : 1;
-  counts_.bins += count_usable(decisions_);
-  for (int b = 0; b < decisions_.beams(); ++b) counts_.hits += count_bits(decisions_, b);
-  if (sweeps_.ends_scan(ping)) end_scan(ping.time, X_WB, posed);            // belief -> obstacles
+  count(decisions_);
+  last_ = Placed{ping.time, X_WB, posed};
+  sweep_open_ = true;
+  if (sweeps_.add(ping)) end_scan();  // belief -> obstacles
 }
 
-void Pipeline::end_scan(Time time, const Pose& X_WB, bool posed) {
-  const auto& obstacles = detector_.detect(*grid_, first_ping_);
-  sink_.on_scan({static_cast<int>(++counts_.scans), time, X_WB, posed, *grid_, obstacles});
+void Pipeline::end_scan() {
+  const auto& obstacles = detector_.detect(mapper_->grid(), first_ping_);
+  sink_.on_scan({static_cast<int>(++counts_.scans), last_->time, last_->X_WB, last_->posed, mapper_->grid(), obstacles});
   sweep_open_ = false;
 }
 
 void Pipeline::finish() {
   release(Time::max(), true);
-  if (sweep_open_) end_scan(last_->time, last_->X_WB, last_->posed);
+  if (sweep_open_) end_scan();
 }
 
 // Poses --------------------------------------------------------------------------------------------------------------
@@ -89,7 +91,7 @@ void Pipeline::restart() {
   release(Time::max(), true);
   poses_.clear();
   last_.reset();
-  if (grid_) grid_->clear();
+  mapper_.reset();
 }
 
 void Pipeline::add_fix(const Navigation& fix) {
@@ -117,7 +119,10 @@ void Pipeline::release(Time now, bool all) {
 }
 
 void Pipeline::place(const Ping& ping) {
-  if (poses_.empty()) return map_ping(ping, Pose{}, false);  // no navigation at all: the vehicle is taken to stand still
+  if (poses_.empty()) {  // no navigation at all: the vehicle is taken to stand still
+    ++counts_.unposed;
+    return map_ping(ping, Pose{}, false);
+  }
   const auto X_WB = poses_.at(ping.time);
   if (!X_WB) return gate_.count(to_text(X_WB.error()));
   map_ping(ping, *X_WB, true);
@@ -125,35 +130,26 @@ void Pipeline::place(const Ping& ping) {
 
 // The map ------------------------------------------------------------------------------------------------------------
 
-void Pipeline::fit_map(const Ping& ping) {
-  const double reach = ping.window.end_m();
-  BodyGridConfig& grid = configuration_.grid;
-  if (configuration_.map.fit) {
-    const double held = 0.5 * grid.cell_m * std::min(grid.cells_x, grid.cells_y);
-    if (grid_ && reach <= held && reach > held / 4) return;
-    grid.cell_m = nice_step(reach / 100);
-    grid.cells_x = grid.cells_y = 2 * static_cast<int>(std::ceil(1.05 * reach / grid.cell_m)) + 1;
-    grid.home_x = grid.home_y = 0.5;
-  } else if (grid_) {
-    return;
-  }
-  grid_ = std::make_unique<BodyGrid>(grid);
-  mapper_ = std::make_unique<GridMapper>(configuration_.update, *grid_);
+/// Begins the map with the first ping; anew when the sonar's range changes beyond it, or when navigation sets in.
+void Pipeline::fit_map(const Ping& ping, bool posed) {
+  const bool moored = last_ && last_->posed != posed;
+  if (mapper_ && !moored && (!configuration_.map.fit || fits(mapper_->grid().config(), ping.window.end_m()))) return;
+  if (configuration_.map.fit) configuration_.grid = fitted(configuration_.grid, ping.window.end_m());
+  mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
   first_ping_ = ping.time;
-  last_.reset();
 }
 
-void Pipeline::carry_map_to(const Pose& X_WB, Time time, bool posed) {
-  // Before the first fix the vehicle is taken to stand still, so the first fix moves nothing.
-  const auto& motion = configuration_.motion;
-  if (last_ && last_->posed && posed && motion.kind != MotionKind::kIgnored) {
-    const Pose step = level(last_->X_WB).inverse() * level(X_WB);
-    const DisplacementSource source{.position_fix = poses_.settled(time), .velocity_log = true};
-    grid_->move(step.translation.head<2>(), step.rotation.heading(),
-                displacement_covariance(motion, source, time - last_->time));
+void Pipeline::count(const EchoDecisions& decisions) {
+  ++counts_.pings;
+  std::uint64_t usable = 0, hits = 0;
+  for (int w = 0; w < decisions.words(); ++w) {
+    usable += static_cast<std::uint64_t>(std::popcount(decisions.usable()[w]));
+    for (int b = 0; b < decisions.beams(); ++b) {
+      hits += static_cast<std::uint64_t>(std::popcount(decisions.hits(b)[w] & decisions.usable()[w]));
+    }
   }
-  last_ = Placed{time, X_WB, posed};
-  sweep_open_ = true;
+  counts_.bins += usable * static_cast<std::uint64_t>(decisions.beams());
+  counts_.hits += hits;
 }
 
 }  // namespace isobath

@@ -31,7 +31,7 @@ struct PosedPing {
 };
 
 /// The end of one sweep: what is believed now, and the obstacles in it.
-struct Scan {
+struct ScanResult {
   int number = 0;  ///< from 1
   Time time;
   Pose X_WB;          ///< of the last ping in it
@@ -45,7 +45,7 @@ class ResultSink {
  public:
   virtual ~ResultSink() = default;
   virtual void on_ping(const PosedPing& ping) = 0;
-  virtual void on_scan(const Scan& scan) = 0;
+  virtual void on_scan(const ScanResult& scan) = 0;
 };
 
 struct PipelineCounts {
@@ -72,7 +72,7 @@ class Pipeline {
   /// Every datum that was refused, by reason.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& rejected() const { return gate_.rejected(); }
   /// The grid; empty before the first ping.
-  [[nodiscard]] const BodyGrid* grid() const { return grid_.get(); }
+  [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
 
  private:
   void restart();
@@ -81,9 +81,9 @@ class Pipeline {
   void release(Time now, bool all);
   void place(const Ping& ping);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
-  void fit_map(const Ping& ping);
-  void carry_map_to(const Pose& X_WB, Time time, bool posed);
-  void end_scan(Time time, const Pose& X_WB, bool posed);
+  void fit_map(const Ping& ping, bool posed);
+  void count(const EchoDecisions& decisions);
+  void end_scan();
 
   Configuration configuration_;
   ResultSink& sink_;
@@ -93,7 +93,6 @@ class Pipeline {
   EchoDetector echoes_;
   EchoDecisions decisions_;
   SweepFinder sweeps_;
-  std::unique_ptr<BodyGrid> grid_;
   std::unique_ptr<GridMapper> mapper_;
   ObstacleDetector detector_;
   PipelineCounts counts_;
