@@ -75,8 +75,8 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
 }
 
 void Pipeline::end_scan() {
-  const auto& obstacles = detector_.detect(mapper_->grid(), first_ping_);
-  sink_.on_scan({static_cast<int>(++counts_.scans), last_->time, last_->X_WB, last_->posed, mapper_->grid(), obstacles});
+  const Detection found = detector_.detect(mapper_->grid(), last_->time, last_->X_WB);
+  sink_.on_scan({static_cast<int>(++counts_.scans), last_->posed, found, mapper_->grid()});
   sweep_open_ = false;
 }
 
@@ -136,7 +136,6 @@ void Pipeline::fit_map(const Ping& ping, bool posed) {
   if (mapper_ && !moored && (!configuration_.map.fit || fits(mapper_->grid().config(), ping.window.end_m()))) return;
   if (configuration_.map.fit) configuration_.grid = fitted(configuration_.grid, ping.window.end_m());
   mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
-  first_ping_ = ping.time;
 }
 
 void Pipeline::count(const EchoDecisions& decisions) {

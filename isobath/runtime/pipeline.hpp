@@ -32,12 +32,10 @@ struct PosedPing {
 
 /// The end of one sweep: what is believed now, and the obstacles in it.
 struct ScanResult {
-  int number = 0;  ///< from 1
-  Time time;
-  Pose X_WB;          ///< of the last ping in it
-  bool posed = false;  ///< whether X_WB comes from navigation
+  int number = 0;               ///< from 1
+  bool posed = false;           ///< whether the pose comes from navigation
+  const Detection& detection;   ///< with the time and the pose of the last ping
   const BodyGrid& grid;
-  const std::vector<Obstacle>& obstacles;
 };
 
 /// Takes results. References hold only during the call.
@@ -103,7 +101,6 @@ class Pipeline {
     bool posed;
   };
   std::optional<Placed> last_;  ///< the ping mapped last
-  Time first_ping_;
   bool sweep_open_ = false;  ///< pings since the last scan
 };
 

@@ -48,9 +48,10 @@ RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
 void RunFolder::on_ping(const PosedPing& posed) { sweep_.push_back({posed.ping, posed.X_WB}); }
 
 void RunFolder::on_scan(const ScanResult& scan) {
-  obstacles_ = scan.obstacles;
-  scans_.push_back({scan.number, scan.time, scan.X_WB, scan.posed, scan.obstacles});
-  track_.push_back(scan.X_WB.translation.head<2>());
+  const Detection& found = scan.detection;
+  obstacles_ = found.obstacles;
+  scans_.push_back({scan.number, found.time, found.X_WB, scan.posed, found.obstacles});
+  track_.push_back(found.X_WB.translation.head<2>());
   // A sweep that was cut short at the end of the log does not take the place of a whole one.
   if (last_sweep_.empty() || sweep_.size() * 2 > last_sweep_.size()) last_sweep_.swap(sweep_);
   sweep_.clear();
