@@ -155,6 +155,7 @@ std::optional<McapMessage> McapReader::State::next() {
     if (chunk) {
       if (auto message = next_in_chunk()) return message;
     } else if (position >= limit) {
+      report.bytes_read = report.bytes_total;
       return std::nullopt;
     } else if (auto message = next_in_file()) {
       return message;

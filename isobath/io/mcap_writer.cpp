@@ -51,9 +51,12 @@ struct McapWriter::State {
 
   void put(std::span<const std::uint8_t> bytes) {
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    if (!out) throw Error("cannot be written", {file, position, {}, {}, {}}, "", "check its folder and the free space");
+    check();
     crc = mcap::crc32(bytes, crc);
     position += bytes.size();
+  }
+  void check() const {
+    if (!out) throw Error("cannot be written", {file, position, {}, {}, {}}, "", "check its folder and the free space");
   }
   template <class Fill>
   void put_record(mcap::Opcode opcode, Fill fill) {
@@ -163,6 +166,7 @@ void McapWriter::add_attachment(const McapAttachment& a) {
 void McapWriter::flush() {
   state_->flush_chunk();
   state_->out.flush();
+  state_->check();
 }
 
 void McapWriter::State::flush_chunk() {
@@ -249,7 +253,7 @@ void McapWriter::close() {
   s.write_summary();
   s.put(mcap::kMagic);
   s.out.close();
-  if (!s.out) throw Error("cannot be written", {s.file, s.position, {}, {}, {}}, "", "check the free space");
+  s.check();
 }
 
 }  // namespace isobath

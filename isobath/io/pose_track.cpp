@@ -106,7 +106,7 @@ class PoseTrack final : public Source {
     Navigation fix;
     const auto time = time_of_row();
     const auto rotation = attitude();
-    const auto position = rotation ? position_of_row() : std::nullopt;
+    const auto position = time && rotation ? position_of_row() : std::nullopt;
     if (!time || !rotation || !position) return refuse("row with a missing or impossible value");
     if (last_ && *time < *last_) return refuse("row that goes back in time");
     fix.time = *time;
