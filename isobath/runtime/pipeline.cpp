@@ -16,7 +16,7 @@ std::optional<SensorModel> model_of(const SensorConfig& sensor) {
 double nice_step(double value) {
   const double decade = std::pow(10, std::floor(std::log10(value)));
   for (const double step : {1.0, 2.0, 5.0}) {
-    if (value <= step * decade * (1 + 1e-9)) return step * decade;
+    if (value <= step * decade * 1.001) return step * decade;
   }
   return 10 * decade;
 }
