@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <isobath/base/error.hpp>
 #include <isobath/sonar/cfar.hpp>

@@ -13,6 +13,7 @@ constexpr double kHigh = 0.5;
 constexpr double kHeaviest = 0.8;  // Weibull shapes: heavier than exponential ...
 constexpr double kLightest = 3.6;  // ... to nearly Gaussian
 constexpr double kShapePercentile = 0.7;
+constexpr int kShapeGroups = 24;       // of bins: enough samples for a shape each, enough of them to find clean ones
 constexpr double kPeakShare = 0.7;     // ceiling of the threshold where the sonar cuts weak samples
 constexpr int kWindowShare = 16;       // the moving median reaches 1/16 of the window to each side
 constexpr std::uint32_t kWeight = 64;  // of a sample, so that halving loses nothing that matters
@@ -112,16 +113,22 @@ NoiseTracker::Quantiles NoiseTracker::quantiles(const std::uint32_t* row) const 
 }
 
 void NoiseTracker::fit_shape() {
+  const double step = levels_.discrete() ? 0.75 : 0;  // finer than the levels: no shape to see
+  const int group = std::max(4, noise_.bins() / kShapeGroups);
   int count = 0;
-  for (int k = first_bin_; k < noise_.bins(); ++k) {
-    const Quantiles& q = quantiles_[k];
-    const double step = levels_.discrete() ? 0.75 : 0;  // finer than the levels: no shape to see
-    if (q.low > 0 && q.middle - q.low > step && q.zeros <= 0.5) {
-      window_[count++] = shape_of_skew((q.high - q.middle) / (q.middle - q.low));
+  for (int from = first_bin_; from + group <= noise_.bins(); from += group) {
+    double lower = 0;
+    double upper = 0;
+    for (int k = from; k < from + group; ++k) {
+      const Quantiles& q = quantiles_[k];
+      if (q.zeros > 0.5 || !(q.low > 0) || q.middle - q.low <= step) continue;
+      lower += q.middle - q.low;
+      upper += q.high - q.middle;
     }
+    if (lower > 0) window_[count++] = shape_of_skew(upper / lower);
   }
   shape_ = 2;
-  if (count < 8) return;
+  if (count < 4) return;
   const auto at = window_.begin() + static_cast<int>(kShapePercentile * (count - 1));
   std::nth_element(window_.begin(), at, window_.begin() + count);
   shape_ = *at;
