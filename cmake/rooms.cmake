@@ -2,8 +2,12 @@
 include(GNUInstallDirs)
 set(ISOBATH_ROOMS "" CACHE INTERNAL "targets of all rooms")
 
+set(ISOBATH_NO_FALSE_ALARM "")
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  set(ISOBATH_NO_FALSE_ALARM -Wno-restrict) # of "text" + string: https://gcc.gnu.org/PR105651
+  list(APPEND ISOBATH_NO_FALSE_ALARM -Wno-restrict) # of "text" + string: https://gcc.gnu.org/PR105651
+endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND ISOBATH_SANITIZE)
+  list(APPEND ISOBATH_NO_FALSE_ALARM -Wno-maybe-uninitialized) # GCC's manual, -fsanitize: instrumentation confuses it
 endif()
 add_library(isobath_build INTERFACE) # flags of our own code; never handed to users of the library
 target_compile_options(isobath_build INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
