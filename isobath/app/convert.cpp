@@ -20,13 +20,15 @@ int act(const Options& options) {
   }
   const auto source = open_source(options.input, options.config.read().input);
   NativeLogWriter log(options.output);
+  log.set_details(source->report().details);
+  if (source->report().origin) log.set_origin(*source->report().origin);
   ProgressLine progress;
   std::uint64_t events = 0;
   while (const auto event = source->next()) {
-    log.write(*event);
-    progress.show(source->report().bytes_read, source->report().bytes_total, ++events);
+    if (log.write(*event)) ++events;
+    progress.show(source->report().bytes_read, source->report().bytes_total, events);
   }
-  log.close(source->report());
+  log.close();
   progress.clear();
   fmt::print("{} events written to {}\n", events, options.output.string());
   if (source->report().bytes_skipped > 0) fmt::print("{} bytes of the input were skipped\n", source->report().bytes_skipped);

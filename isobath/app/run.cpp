@@ -65,7 +65,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
 
 int act(Options& options) {
   RunRequest& request = options.request;
-  if (!options.model.empty()) options.config.settings.push_back("echoes.model=" + options.model);
+  if (!options.model.empty()) options.config.settings.push_back("sensor.model=" + options.model);
   if (!options.set.empty()) options.config.settings.push_back("input.set=" + options.set);
   if (options.pass > 0) options.config.settings.push_back("input.pass=" + std::to_string(options.pass));
   request.configuration = options.config.read();

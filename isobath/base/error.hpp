@@ -16,11 +16,11 @@ namespace isobath {
 
 /// Where in the input something is wrong; whatever does not apply stays empty.
 struct Place {
-  std::string file;
-  std::optional<std::uint64_t> byte;  ///< offset from the start of the file
-  std::optional<std::uint64_t> line;  ///< counted from 1
-  std::optional<std::uint64_t> column;
-  std::string key;  ///< configuration key or field name
+  std::string file = {};
+  std::optional<std::uint64_t> byte = {};  ///< offset from the start of the file
+  std::optional<std::uint64_t> line = {};  ///< counted from 1
+  std::optional<std::uint64_t> column = {};
+  std::string key = {};  ///< configuration key or field name
 
   [[nodiscard]] std::string text() const;
 };

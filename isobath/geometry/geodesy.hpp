@@ -38,7 +38,8 @@ class LocalPlane {
   GeoOrigin origin_;
 };
 
-/// The origin of the plane in which `point` lies at (north, east).
+/// The origin of the plane in which `point` lies at (north, east); not within ten degrees of a pole, where north turns
+/// fast.
 GeoOrigin origin_from(const GeoPoint& point, const Eigen::Vector2d& north_east);
 
 }  // namespace isobath

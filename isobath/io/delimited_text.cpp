@@ -29,7 +29,6 @@ std::optional<Number> parsed(std::string_view text) {
 DelimitedText::DelimitedText(std::unique_ptr<std::istream> input, std::string file)
     : input_(std::move(input)), file_(std::move(file)), line_(kMaxLine) {
   if (!next()) throw Error("no line of column names", {file_, {}, {}, {}, {}});
-  if (cells_[0].starts_with("\xEF\xBB\xBF")) cells_[0] = trimmed(cells_[0].substr(3));  // byte order mark
   names_.assign(cells_.begin(), cells_.end());
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (!names_[i].empty() && column(names_[i]) != static_cast<int>(i)) {
@@ -71,7 +70,9 @@ bool DelimitedText::read_line() {
   if (input_->fail()) return false;
   ++line_number_;
   const bool newline = !input_->eof();
-  text_ = trimmed({line_.data(), static_cast<std::size_t>(count) - (newline ? 1 : 0)});
+  text_ = {line_.data(), static_cast<std::size_t>(count) - (newline ? 1 : 0)};
+  if (line_number_ == 1 && text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // byte order mark
+  text_ = trimmed(text_);
   return true;
 }
 

@@ -12,4 +12,10 @@ void SourceReport::add_damage(std::uint64_t offset, std::uint64_t bytes, const s
   }
 }
 
+void SourceReport::note_setting(const std::string& key, const std::string& value) {
+  std::string& noted = details[key];
+  const bool other = !noted.empty() && noted != value;
+  noted = (other ? "varies, last " : "") + value;
+}
+
 }  // namespace isobath

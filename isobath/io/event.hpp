@@ -40,6 +40,8 @@ struct SourceReport {
   std::optional<GeoOrigin> origin;
 
   void add_damage(std::uint64_t offset, std::uint64_t bytes, const std::string& reason);
+  /// A setting of the device among the details: its last value, and whether there were others.
+  void note_setting(const std::string& key, const std::string& value);
 };
 
 class Source {

@@ -15,9 +15,11 @@ struct InputConfig {
   bool clockwise = true;      ///< sense of a scanning head's bearings seen from above
   Angle beam_width;           ///< 0: what the format or the device type says
   Angle beam_height;          ///< 0: what the format or the device type says
-  std::string navigation;     ///< CSV of poses beside the log; empty: none
-  std::string set;            ///< of a folder that holds several: "clean", "noisy"; empty: the first by name
-  int pass = 0;               ///< of a set that holds several; 0: the first
+  double range_m = 0;         ///< whole range, for logs that do not state it; 0: what the device is set to by default
+  bool high_nibble_first = true;  ///< order of two 4-bit samples in a byte (Tritech)
+  std::string navigation;         ///< CSV of poses beside the log; empty: none
+  std::string set;                ///< of a folder that holds several: "clean", "noisy"; empty: the first by name
+  int pass = 0;                   ///< of a set that holds several; 0: the first
 };
 std::vector<Field> fields(InputConfig& config);
 

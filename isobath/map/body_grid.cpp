@@ -145,6 +145,14 @@ void BodyGrid::set_probability(Cell c, double p) {
   log_odds_[cells_.index(c)] = std::clamp(log_odds_of(p), -log_odds_max_, log_odds_max_);
 }
 
+void BodyGrid::note_hit(std::size_t index, Time time) {
+  if (first_hit_ == Time::max()) first_hit_ = time;
+  const auto since = std::chrono::duration_cast<std::chrono::milliseconds>(time - first_hit_).count();
+  HitEvidence& e = evidence_[index];
+  ++e.hits;
+  e.last_ms = static_cast<std::uint32_t>(std::clamp<std::int64_t>(since, e.last_ms, UINT32_MAX));
+}
+
 void BodyGrid::clear() {
   std::fill(log_odds_.begin(), log_odds_.end(), log_odds_prior_);
   std::fill(evidence_.begin(), evidence_.end(), HitEvidence{});

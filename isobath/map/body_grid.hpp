@@ -20,6 +20,7 @@
 #include <Eigen/Core>
 #include <isobath/base/angle.hpp>
 #include <isobath/base/config.hpp>
+#include <isobath/base/time.hpp>
 #include <isobath/geometry/cartesian_grid.hpp>
 #include <isobath/map/motion_kernel.hpp>
 #include <optional>
@@ -45,10 +46,10 @@ struct BodyGridConfig {
 
 std::vector<Field> fields(BodyGridConfig& config);
 
-/// What stands behind the probability of a cell. `last_hit_ms` counts from the first ping.
+/// What stands behind the probability of a cell. `last_ms` counts from the first echo of the grid.
 struct HitEvidence {
   std::uint32_t hits = 0;
-  std::uint32_t last_hit_ms = 0;
+  std::uint32_t last_ms = 0;
 };
 
 class BodyGrid {
@@ -75,8 +76,13 @@ class BodyGrid {
   /// For the sensor update; whoever writes keeps within [log_odds_min, log_odds_max].
   [[nodiscard]] std::span<double> log_odds() { return log_odds_; }
   [[nodiscard]] std::span<const double> log_odds() const { return log_odds_; }
-  [[nodiscard]] std::span<HitEvidence> evidence() { return evidence_; }
-  [[nodiscard]] std::span<const HitEvidence> evidence() const { return evidence_; }
+  /// Counts one echo for the cell that explains it best.
+  void note_hit(std::size_t index, Time time);
+  [[nodiscard]] std::uint32_t hits(std::size_t index) const { return evidence_[index].hits; }
+  /// Meaningless where there are no hits.
+  [[nodiscard]] Time last_hit(std::size_t index) const {
+    return first_hit_ + std::chrono::milliseconds(evidence_[index].last_ms);
+  }
   [[nodiscard]] double log_odds_min() const { return -log_odds_max_; }
   [[nodiscard]] double log_odds_max() const { return log_odds_max_; }
   [[nodiscard]] double log_odds_prior() const { return log_odds_prior_; }
@@ -113,6 +119,7 @@ class BodyGrid {
   Eigen::Matrix2d pending_ = Eigen::Matrix2d::Zero();  ///< covariance not yet applied, in G
   std::vector<double> log_odds_;
   std::vector<HitEvidence> evidence_;
+  Time first_hit_ = Time::max();
   std::vector<double> old_;  ///< probabilities before and after a motion
   std::vector<double> new_;
 };

@@ -16,8 +16,8 @@ struct Obstacle {
   double range_m = 0;              ///< to that point
   Angle bearing;                   ///< of that point, [0, 360) degrees clockwise from forward
   double existence = 0;            ///< probability that at least one cell of its strongest neighbourhood is occupied
-  Eigen::Vector2d centre;          ///< mean of its cells, weighted by probability
-  Eigen::Matrix2d covariance;      ///< extent: second moment of its cells about the centre, m2
+  Eigen::Vector2d centre;          ///< mean of the cells that carry the evidence
+  Eigen::Matrix2d covariance;      ///< extent: second moment of these cells about the centre, m2
   std::uint32_t hits = 0;          ///< echoes that support it
   Time last_hit;                   ///< of the last of them
   bool behind = false;             ///< a nearer obstacle hides most of it

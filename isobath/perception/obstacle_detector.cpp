@@ -1,248 +1,271 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <Eigen/Eigenvalues>
-#include <isobath/base/error.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
+#include <numbers>
 
 namespace isobath {
 namespace {
 
+using Eigen::Matrix2d;
 using Eigen::Vector2d;
-constexpr int kBlock = 1;             // half width of the 3 x 3 block
-constexpr std::size_t kSmallest = 4;  // cells: a piece this small is not halved further
 
+// Calls visit(cell) for the cells of the (2 reach + 1)-block round c that exist.
 template <class Visit>
-void for_block(const CartesianGrid& grid, Cell at, Visit visit) {
-  for (int x = std::max(0, at.x - kBlock); x <= std::min(grid.cells_x - 1, at.x + kBlock); ++x) {
-    for (int y = std::max(0, at.y - kBlock); y <= std::min(grid.cells_y - 1, at.y + kBlock); ++y) {
-      visit(grid.index({x, y}));
-    }
+void for_block(const CartesianGrid& cells, Cell c, int reach, Visit visit) {
+  for (int x = std::max(0, c.x - reach); x <= std::min(cells.cells_x - 1, c.x + reach); ++x) {
+    for (int y = std::max(0, c.y - reach); y <= std::min(cells.cells_y - 1, c.y + reach); ++y) visit(Cell{x, y});
   }
 }
 
-/// Convex hull of the corners of cells, in G.
-Polygon hull_of(const CartesianGrid& grid, const std::vector<std::size_t>& cells) {
+// In cells of the grid.
+Polygon hull_of(const std::vector<Cell>& piece) {
   std::vector<Vector2d> corners;
-  corners.reserve(cells.size() * 4);
-  for (const std::size_t i : cells) {
-    const Cell c = grid.cell(i);
-    for (const int dx : {0, 1}) {
-      for (const int dy : {0, 1}) corners.emplace_back((c.x + dx) * grid.cell_m, (c.y + dy) * grid.cell_m);
-    }
+  corners.reserve(4 * piece.size());
+  for (const Cell& c : piece) {
+    for (int i = 0; i < 4; ++i) corners.emplace_back(c.x + i / 2, c.y + i % 2);
   }
   return convex_hull(std::move(corners));
 }
 
-Vector2d mean_of(const CartesianGrid& grid, const std::vector<std::size_t>& cells) {
-  Vector2d sum = Vector2d::Zero();
-  for (const std::size_t i : cells) sum += grid.centre(grid.cell(i));
-  return sum / static_cast<double>(cells.size());
+struct Moments {
+  Vector2d mean = Vector2d::Zero();
+  Matrix2d covariance = Matrix2d::Zero();
+};
+
+template <class Weight>
+Moments moments(const std::vector<Cell>& piece, Weight weight) {
+  Moments m;
+  double total = 0;
+  for (const Cell& c : piece) {
+    total += weight(c);
+    m.mean += weight(c) * Vector2d(c.x + 0.5, c.y + 0.5);
+  }
+  m.mean /= total;
+  for (const Cell& c : piece) {
+    const Vector2d d = Vector2d(c.x + 0.5, c.y + 0.5) - m.mean;
+    m.covariance += weight(c) / total * d * d.transpose();
+  }
+  m.covariance += Matrix2d::Identity() / 12;  // of a cell about its centre
+  return m;
 }
 
-Eigen::Matrix2d covariance_of(const CartesianGrid& grid, const std::vector<std::size_t>& cells, const Vector2d& mean) {
-  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-  for (const std::size_t i : cells) {
-    const Vector2d d = grid.centre(grid.cell(i)) - mean;
-    sum += d * d.transpose();
+Angle bearing_of(const Vector2d& p) { return Angle::radians(std::atan2(p.y(), p.x())); }
+Vector2d direction_of(Angle bearing) { return {cos(bearing), sin(bearing)}; }
+
+// Directions in which an outline that does not hold the vehicle is seen.
+struct Interval {
+  Angle low;
+  Angle high;
+};
+
+Interval seen(const Obstacle& o) {
+  const Angle middle = bearing_of(o.centre);
+  Interval i{};
+  for (const Vector2d& p : o.outline) {
+    const Angle d = (bearing_of(p) - middle).wrapped();
+    i.low = std::min(i.low, d);
+    i.high = std::max(i.high, d);
   }
-  const double within_cell = grid.cell_m * grid.cell_m / 12;
-  return sum / static_cast<double>(cells.size()) + within_cell * Eigen::Matrix2d::Identity();
+  return {middle + i.low, middle + i.high};
+}
+
+bool overlaps(const Interval& a, const Interval& b) {
+  const Angle apart = abs(((a.low + a.high) / 2 - (b.low + b.high) / 2).wrapped());
+  return apart <= (a.high - a.low + b.high - b.low) / 2;
 }
 
 }  // namespace
 
 std::vector<Field> fields(ObstacleDetectorConfig& c) {
-  return {Field::real("threshold", &c.threshold, {0.01, 9}, "1",
-                      "Expected number of occupied cells in a 3 x 3 block from which an obstacle is reported."),
-          Field::real("tightness", &c.tightness, {0.01, 1}, "1",
-                      "Share of an outline that may lie outside its region before it is split in two."),
-          Field::real("multiple_tolerance", &c.multiple_tolerance, {0, 0.5}, "1",
-                      "Deviation from two or three times a nearer range, as a share, that still counts as a multiple echo.")};
+  return {
+      Field::integer("slack_cells", &c.slack_cells, {0, 50}, "cells", "How far an outline may reach from evidence."),
+      Field::integer("max_multiple", &c.max_multiple, {1, 10}, "1",
+                     "Echoes that went to and fro up to so many times are marked as possible multiples."),
+      Field::real("multiple_tolerance", &c.multiple_tolerance, {0, 0.3}, "1",
+                  "How near its range has to come to the multiple, as a share of it."),
+  };
 }
 
-const std::vector<Obstacle>& ObstacleDetector::detect(const OccupancyView& view) {
-  ISOBATH_ASSERT(view.probability.size() == view.grid.size());
-  obstacles_.clear();
-  sum_blocks(view);
-  visited_.assign(view.grid.size(), 0);
-  own_.assign(view.grid.size(), 0);
-  for (std::size_t i = 0; i < detected_.size(); ++i) {
-    if (detected_[i] && !visited_[i]) outline_region(view, region_from(i, view.grid));
+Detection ObstacleDetector::detect(const BodyGrid& grid, Time time, const Pose& X_WB) {
+  sum_neighbourhoods(grid);
+  mark_evidence(grid.cells(), grid.config().threshold);
+  Detection result{time, X_WB, grid.cells(), grid.position(), grid.heading(), detected_, {}};
+  taken_.assign(grid.cells().size(), 0);
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    if (detected_[i] && !taken_[i]) take_region(grid, i, result.obstacles);
   }
-  std::sort(obstacles_.begin(), obstacles_.end(), [](const Obstacle& a, const Obstacle& b) {
-    return std::pair(a.range_m, a.bearing.radians()) < std::pair(b.range_m, b.bearing.radians());
+  std::sort(result.obstacles.begin(), result.obstacles.end(), [](const Obstacle& a, const Obstacle& b) {
+    return a.range_m < b.range_m || (a.range_m == b.range_m && a.bearing < b.bearing);
   });
-  mark_hidden(obstacles_, config_.multiple_tolerance);
-  return obstacles_;
+  relate(result.obstacles, grid.cells().cell_m);
+  return result;
 }
 
-void ObstacleDetector::sum_blocks(const OccupancyView& view) {
-  const CartesianGrid& grid = view.grid;
-  count_.assign(grid.size(), 0);
-  detected_.assign(grid.size(), 0);
-  std::vector<double> columns(static_cast<std::size_t>(grid.cells_y));  // sums over x of three rows
-  for (int x = 0; x < grid.cells_x; ++x) {
-    std::fill(columns.begin(), columns.end(), 0.0);
-    for (int row = std::max(0, x - 1); row <= std::min(grid.cells_x - 1, x + 1); ++row) {
-      const double* p = view.probability.data() + grid.index({row, 0});
-      for (int y = 0; y < grid.cells_y; ++y) columns[static_cast<std::size_t>(y)] += p[y];
+// Equation 3.21, along y and then along x.
+void ObstacleDetector::sum_neighbourhoods(const BodyGrid& grid) {
+  const CartesianGrid& cells = grid.cells();
+  const std::span<const double> log_odds = grid.log_odds();
+  p_.resize(cells.size());
+  column_.resize(cells.size());
+  sum_.resize(cells.size());
+  std::transform(log_odds.begin(), log_odds.end(), p_.begin(), probability_of);
+  const auto add_neighbours = [](const std::vector<double>& from, std::vector<double>& to, std::size_t i, bool before,
+                                 bool after, std::size_t stride) {
+    to[i] = (before ? from[i - stride] : 0) + from[i] + (after ? from[i + stride] : 0);
+  };
+  const auto ny = static_cast<std::size_t>(cells.cells_y);
+  for (int x = 0; x < cells.cells_x; ++x) {
+    for (int y = 0; y < cells.cells_y; ++y) {
+      add_neighbours(p_, column_, cells.index({x, y}), y > 0, y + 1 < cells.cells_y, 1);
     }
-    for (int y = 0; y < grid.cells_y; ++y) {
-      double n = 0;
-      for (int j = std::max(0, y - 1); j <= std::min(grid.cells_y - 1, y + 1); ++j) n += columns[static_cast<std::size_t>(j)];
-      const std::size_t i = grid.index({x, y});
-      count_[i] = n;
-      detected_[i] = n >= config_.threshold * (1 - 1e-12);  // sums of decimals: 0.8 must reach 0.8
+  }
+  for (int x = 0; x < cells.cells_x; ++x) {
+    for (int y = 0; y < cells.cells_y; ++y) {
+      add_neighbours(column_, sum_, cells.index({x, y}), x > 0, x + 1 < cells.cells_x, ny);
     }
   }
 }
 
-ObstacleDetector::Cells ObstacleDetector::region_from(std::size_t seed, const CartesianGrid& grid) {
-  Cells region{seed};
-  visited_[seed] = 1;
-  for (std::size_t at = 0; at < region.size(); ++at) {
-    for_block(grid, grid.cell(region[at]), [&](std::size_t i) {
-      if (!detected_[i] || visited_[i]) return;
-      visited_[i] = 1;
-      region.push_back(i);
+void ObstacleDetector::mark_evidence(const CartesianGrid& cells, double threshold) {
+  detected_.resize(cells.size());
+  // Rounding of the sum must not cost the detection of exactly the threshold (S6-E19).
+  std::transform(sum_.begin(), sum_.end(), detected_.begin(),
+                 [&](double n) -> std::uint8_t { return n >= threshold - 1e-9; });
+  evidence_.assign(cells.size(), 0);
+  const double least = threshold / 9 - 1e-9;
+  const auto in_detected = [&](std::size_t i, auto visit) {
+    if (detected_[i]) for_block(cells, cells.cell(i), 1, [&](Cell c) { visit(c, cells.index(c)); });
+  };
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    in_detected(i, [&](Cell c, std::size_t at) {
+      if (p_[at] < least || evidence_[at]) return;
+      double largest = 0;
+      for_block(cells, c, 1, [&](Cell n) { largest = std::max(largest, p_[cells.index(n)]); });
+      evidence_[at] = p_[at] >= largest / 2;
     });
   }
-  return region;
+  // No detection without an outline: where stronger neighbours left a detected cell bare, its block counts as it is.
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    bool bare = true;
+    in_detected(i, [&](Cell, std::size_t at) { bare = bare && !evidence_[at]; });
+    if (bare) in_detected(i, [&](Cell, std::size_t at) { evidence_[at] = p_[at] >= least; });
+  }
 }
 
-void ObstacleDetector::outline_region(const OccupancyView& view, const Cells& region) {
-  double highest = 0;
-  for (const std::size_t i : region) {
-    for_block(view.grid, view.grid.cell(i), [&](std::size_t j) { highest = std::max(highest, view.probability[j]); });
-  }
-  const double enough = std::max(config_.threshold / 9 * (1 - 1e-12), highest / 2);
-  Cells evidence;
-  for (const std::size_t i : region) {
-    own_[i] = 1;
-    for_block(view.grid, view.grid.cell(i), [&](std::size_t j) {
-      if (view.probability[j] >= enough && own_[j] != 2) {
-        own_[j] = 2;  // once
-        evidence.push_back(j);
-      }
+void ObstacleDetector::take_region(const BodyGrid& grid, std::size_t seed, std::vector<Obstacle>& out) {
+  const CartesianGrid& cells = grid.cells();
+  std::vector<Cell> piece;
+  queue_.assign(1, seed);
+  taken_[seed] = 1;
+  for (std::size_t next = 0; next < queue_.size(); ++next) {
+    const Cell c = cells.cell(queue_[next]);
+    if (evidence_[queue_[next]]) piece.push_back(c);
+    for_block(cells, c, 1, [&](Cell n) {
+      const std::size_t at = cells.index(n);
+      if (taken_[at] || !(detected_[at] || evidence_[at])) return;
+      taken_[at] = 1;
+      queue_.push_back(at);
     });
   }
-  std::sort(evidence.begin(), evidence.end());
-  if (!evidence.empty()) split(view, evidence, own_);
-  for (const std::size_t i : region) own_[i] = 0;
-  for (const std::size_t i : evidence) own_[i] = 0;
+  split(grid, piece, out);
 }
 
-void ObstacleDetector::split(const OccupancyView& view, Cells evidence, const std::vector<std::uint8_t>& own) {
-  const Polygon hull = hull_of(view.grid, evidence);
-  if (evidence.size() <= kSmallest || tight(view.grid, hull, own)) {
-    obstacles_.push_back(describe(view, hull, evidence));
+void ObstacleDetector::split(const BodyGrid& grid, std::vector<Cell>& piece, std::vector<Obstacle>& out) {
+  if (piece.empty()) return;
+  const Polygon hull = hull_of(piece);
+  if (tight(grid.cells(), hull)) {
+    out.push_back(describe(grid, piece, hull));
     return;
   }
-  const Vector2d mean = mean_of(view.grid, evidence);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_of(view.grid, evidence, mean));
-  const Vector2d along = axes.eigenvectors().col(1);
-  const auto middle = evidence.begin() + static_cast<std::ptrdiff_t>(evidence.size() / 2);
-  std::nth_element(evidence.begin(), middle, evidence.end(), [&](std::size_t a, std::size_t b) {
-    const double u = along.dot(view.grid.centre(view.grid.cell(a))), v = along.dot(view.grid.centre(view.grid.cell(b)));
-    return u != v ? u < v : a < b;
+  const Moments m = moments(piece, [](Cell) { return 1.0; });
+  const double axis = std::atan2(2 * m.covariance(0, 1), m.covariance(0, 0) - m.covariance(1, 1)) / 2;
+  const Vector2d along(std::cos(axis), std::sin(axis));
+  const auto middle = std::stable_partition(piece.begin(), piece.end(), [&](const Cell& c) {
+    return along.dot(Vector2d(c.x + 0.5, c.y + 0.5) - m.mean) < 0;
   });
-  Cells far(middle, evidence.end());
-  evidence.erase(middle, evidence.end());
-  split(view, std::move(evidence), own);
-  split(view, std::move(far), own);
+  std::vector<Cell> far(middle, piece.end());
+  piece.erase(middle, piece.end());
+  split(grid, piece, out);
+  split(grid, far, out);
 }
 
-bool ObstacleDetector::tight(const CartesianGrid& grid, const Polygon& hull, const std::vector<std::uint8_t>& own) const {
-  Vector2d low = hull.front(), high = hull.front();
+bool ObstacleDetector::tight(const CartesianGrid& cells, const Polygon& hull) const {
+  Vector2d low = hull.front();
+  Vector2d high = hull.front();
   for (const Vector2d& p : hull) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  const auto to_cell = [&](double v, int limit) { return std::clamp(static_cast<int>(std::floor(v / grid.cell_m)), 0, limit - 1); };
-  int inside = 0, foreign = 0;
-  for (int x = to_cell(low.x(), grid.cells_x); x <= to_cell(high.x(), grid.cells_x); ++x) {
-    for (int y = to_cell(low.y(), grid.cells_y); y <= to_cell(high.y(), grid.cells_y); ++y) {
-      if (!contains(hull, grid.centre({x, y}))) continue;
-      ++inside;
-      foreign += own[grid.index({x, y})] == 0;
+  for (int x = static_cast<int>(low.x()); x < static_cast<int>(high.x()); ++x) {
+    for (int y = static_cast<int>(low.y()); y < static_cast<int>(high.y()); ++y) {
+      if (evidence_[cells.index({x, y})] || !contains(hull, Vector2d(x + 0.5, y + 0.5))) continue;
+      bool near = false;
+      for_block(cells, {x, y}, config_.slack_cells, [&](Cell c) { near = near || evidence_[cells.index(c)]; });
+      if (!near) return false;
     }
   }
-  return foreign <= config_.tightness * inside;
+  return true;
 }
 
-Obstacle ObstacleDetector::describe(const OccupancyView& view, const Polygon& hull, const Cells& evidence) const {
-  const double c = cos(view.heading_GL), s = sin(view.heading_GL);
-  Eigen::Matrix2d R_LG;
-  R_LG << c, s, -s, c;
+Obstacle ObstacleDetector::describe(const BodyGrid& grid, const std::vector<Cell>& piece, const Polygon& hull) const {
+  const CartesianGrid& cells = grid.cells();
   Obstacle o;
-  for (const Vector2d& p : hull) o.outline.push_back(R_LG * (p - view.p_GL));
+  for (const Vector2d& p : hull) o.outline.push_back(grid.to_level_body(p * cells.cell_m));
   o.nearest = nearest_point(o.outline, Vector2d::Zero());
   o.range_m = o.nearest.norm();
-  const Vector2d mean = mean_of(view.grid, evidence);
-  o.centre = R_LG * (mean - view.p_GL);
-  o.covariance = R_LG * covariance_of(view.grid, evidence, mean) * R_LG.transpose();
-  const Vector2d towards = o.range_m > 0 ? o.nearest : o.centre;
-  o.bearing = Angle::radians(std::atan2(towards.y(), towards.x()));
-  o.cells = static_cast<int>(evidence.size());
-  for (const std::size_t i : evidence) {
-    o.expected_cells += view.probability[i];
-    double none = 1;
-    for_block(view.grid, view.grid.cell(i), [&](std::size_t j) { none *= 1 - view.probability[j]; });
-    o.existence = std::max(o.existence, 1 - none);
+  o.bearing = bearing_of(o.nearest).wrapped_positive();
+  const Moments m = moments(piece, [&](Cell c) { return p_[cells.index(c)]; });
+  o.centre = grid.to_level_body(m.mean * cells.cell_m);
+  Matrix2d R_GL;
+  R_GL << cos(grid.heading()), -sin(grid.heading()), sin(grid.heading()), cos(grid.heading());
+  o.covariance = R_GL.transpose() * m.covariance * R_GL * (cells.cell_m * cells.cell_m);
+
+  Cell strongest = piece.front();
+  for (const Cell& c : piece) {
+    if (sum_[cells.index(c)] > sum_[cells.index(strongest)]) strongest = c;
+    if (grid.hits(cells.index(c)) == 0) continue;
+    o.last_hit = o.hits == 0 ? grid.last_hit(cells.index(c)) : std::max(o.last_hit, grid.last_hit(cells.index(c)));
+    o.hits += grid.hits(cells.index(c));
   }
+  double none = 1;
+  for_block(cells, strongest, 1, [&](Cell c) { none *= 1 - p_[cells.index(c)]; });
+  o.existence = 1 - none;
   return o;
 }
 
-// What hides what ----------------------------------------------------------------------------------------------------
-
-namespace {
-
-/// Bearings, relative to that of the centre, that an outline spans seen from the vehicle.
-std::pair<double, double> span_of(const Obstacle& o, double centre) {
-  double low = 0, high = 0;
-  for (const Vector2d& p : o.outline) {
-    const double d = Angle::radians(std::atan2(p.y(), p.x()) - centre).wrapped().radians();
-    low = std::min(low, d);
-    high = std::max(high, d);
-  }
-  return {low, high};
-}
-
-bool is_multiple(double range, double of, double tolerance) {
-  const double times = range / of;
-  return times > 1.5 && times < 3.5 && std::abs(times - std::round(times)) <= tolerance * times;
-}
-
-}  // namespace
-
-void mark_hidden(std::vector<Obstacle>& obstacles, double multiple_tolerance) {
-  constexpr int kRays = 9;
+// Obstacles come sorted by range, so whatever hides one, or whatever it is a multiple of, stands before it.
+void ObstacleDetector::relate(std::vector<Obstacle>& obstacles, double cell_m) const {
+  constexpr int kRays = 17;
+  const Vector2d vehicle = Vector2d::Zero();
+  std::vector<Interval> intervals;
+  for (const Obstacle& o : obstacles) intervals.push_back(seen(o));
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     Obstacle& o = obstacles[i];
-    if (o.range_m <= 0) continue;
-    const double centre = std::atan2(o.centre.y(), o.centre.x());
-    const auto [low, high] = span_of(o, centre);
-    int seen = 0, hidden = 0, multiples = 0;
-    for (int k = 0; k < kRays; ++k) {
-      const double bearing = centre + low + (high - low) * (k + 0.5) / kRays;
-      const Vector2d ray(std::cos(bearing), std::sin(bearing));
-      const auto own = ray_hit(o.outline, Vector2d::Zero(), ray);
-      if (!own) continue;
-      ++seen;
-      double nearest = *own;
-      for (const Obstacle& other : obstacles) {
-        if (&other == &o || other.range_m >= *own) continue;
-        const auto hit = ray_hit(other.outline, Vector2d::Zero(), ray);
-        if (hit) nearest = std::min(nearest, *hit);
+    if (o.range_m == 0) continue;
+    const auto nearer_hit = [&](std::size_t j, const Vector2d& direction) {
+      if (obstacles[j].range_m == 0 || !overlaps(intervals[i], intervals[j])) return std::optional<double>{};
+      return ray_hit(obstacles[j].outline, vehicle, direction);
+    };
+    int hidden = 0;
+    for (int ray = 0; ray < kRays; ++ray) {
+      const Interval& v = intervals[i];
+      const Vector2d direction = direction_of(v.low + (v.high - v.low) * ((ray + 0.5) / kRays));
+      const auto own = ray_hit(o.outline, vehicle, direction);
+      bool covered = false;
+      for (std::size_t j = 0; own && j < i && !covered; ++j) {
+        const auto hit = nearer_hit(j, direction);
+        covered = hit && *hit < *own;
       }
-      if (nearest < *own) {
-        ++hidden;
-        multiples += is_multiple(*own, nearest, multiple_tolerance);
+      hidden += covered;
+    }
+    o.behind = 2 * hidden > kRays;
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto hit = nearer_hit(j, direction_of(o.bearing));
+      for (int n = 2; hit && n <= config_.max_multiple; ++n) {
+        const double allowed = config_.multiple_tolerance * o.range_m + cell_m;
+        o.possible_multiple = o.possible_multiple || std::abs(o.range_m - n * *hit) <= allowed;
       }
     }
-    o.behind = seen > 0 && 2 * hidden >= seen;
-    o.possible_multiple = o.behind && 2 * multiples >= hidden;
   }
 }
 

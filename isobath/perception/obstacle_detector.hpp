@@ -1,71 +1,68 @@
-// ObstacleDetector: from occupancy to convex outlines, at the end of each scan (Ganesan 2015, 3.5; ledger S6-28 to S6-30).
+// ObstacleDetector: from the body-fixed grid to obstacles, once at the end of each scan (Ganesan 2015, 3.5,
+// equation 3.21; ledger S6-28 to S6-30, S6-E19).
 //
-// 1. Expected number of occupied cells in the 3 x 3 block about each cell, N = sum p; detected where N >= threshold (S6-28,
-//    S6-E19). At the border of the grid the block has the cells that exist.
-// 2. Regions of detected cells that touch, also at corners.
-// 3. Outlines hug the evidence. The sum spreads a target by a cell on each side, so outlines are drawn about the cells with
-//    p of at least threshold / 9, and at least half the region's highest p. (A block that reaches the threshold holds such a
-//    cell; S6-24 keeps the prior below it, so unseen water never draws an outline.)
-// 4. A region whose convex hull would swallow much that is not part of it (a wall with a corner, a ring) is halved across
-//    its long axis until every piece is tight.
-// 5. Existence: the probability that at least one cell of the piece's fullest block is occupied, cells independent.
-// 6. Seen from the vehicle: what hides what, and what stands at a multiple of the range of what hides it.
+// A cell is detected where the expected number of obstacles in its 3 x 3 neighbourhood, the sum of p over the cells
+// that exist, is at or above BodyGridConfig::threshold. Detected cells join into regions over sides and corners. The
+// sum reaches one cell beyond what was seen, so an outline is drawn round the cells with evidence of their own: p at or
+// above threshold / 9 and at least half the largest p beside it. Each region is cut across its long axis until every
+// piece is convex and tight: no cell of its hull is more than `slack_cells` from evidence, so that an L or a ring does
+// not swallow the water within.
 //
-// Input in the grid's own frame G; output in L. Deterministic: cells are visited in the order of their storage.
+// An outline covers whole cells. `existence` is 1 - prod(1 - p) over the strongest 3 x 3 block alone: neighbouring
+// cells share their echoes and are not independent witnesses. Order: by range, then bearing.
 #pragma once
 
 #include <isobath/base/config.hpp>
-#include <isobath/geometry/cartesian_grid.hpp>
+#include <isobath/geometry/pose.hpp>
+#include <isobath/map/body_grid.hpp>
 #include <isobath/map/obstacle.hpp>
-#include <span>
 #include <vector>
 
 namespace isobath {
 
 struct ObstacleDetectorConfig {
-  double threshold = 0.8;          ///< expected obstacles in the block
-  double tightness = 0.3;          ///< share of a hull that may be foreign to its region
-  double multiple_tolerance = 0.05;  ///< of the range, for second and third returns
+  int slack_cells = 1;
+  int max_multiple = 3;              ///< echoes that went to and fro up to so many times are looked for
+  double multiple_tolerance = 0.05;  ///< of the range
 };
+
 std::vector<Field> fields(ObstacleDetectorConfig& config);
 
-/// Occupancy to look at, and where the vehicle is in it.
-struct OccupancyView {
-  CartesianGrid grid;
-  std::span<const double> probability;  ///< of each cell, in the grid's order
-  Eigen::Vector2d p_GL;                 ///< vehicle in G, m
-  Angle heading_GL;                     ///< forward in G, from x towards y
+/// The binary map of one scan, and what was made of it. Cell (x, y) lies in the grid's axes G, in which the vehicle's
+/// level body frame has the given position and heading.
+struct Detection {
+  Time time;
+  Pose X_WB;
+  CartesianGrid cells;
+  Eigen::Vector2d position;
+  Angle heading;
+  std::vector<std::uint8_t> detected;  ///< 1 where N >= threshold
+  std::vector<Obstacle> obstacles;
 };
 
 class ObstacleDetector {
  public:
-  explicit ObstacleDetector(const ObstacleDetectorConfig& config) : config_(config) {}
+  explicit ObstacleDetector(const ObstacleDetectorConfig& config = {}) : config_(config) {}
 
-  /// Nearest first.
-  const std::vector<Obstacle>& detect(const OccupancyView& view);
-
-  /// N of each cell, and where it reached the threshold, as of the last `detect` (S6-28, S6-29).
-  [[nodiscard]] const std::vector<double>& expected_count() const { return count_; }
-  [[nodiscard]] const std::vector<std::uint8_t>& detected() const { return detected_; }
+  [[nodiscard]] Detection detect(const BodyGrid& grid, Time time, const Pose& X_WB);
 
  private:
-  using Cells = std::vector<std::size_t>;
-  void sum_blocks(const OccupancyView& view);
-  [[nodiscard]] Cells region_from(std::size_t seed, const CartesianGrid& grid);
-  void outline_region(const OccupancyView& view, const Cells& region);
-  void split(const OccupancyView& view, Cells evidence, const std::vector<std::uint8_t>& own);
-  [[nodiscard]] bool tight(const CartesianGrid& grid, const Polygon& hull, const std::vector<std::uint8_t>& own) const;
-  [[nodiscard]] Obstacle describe(const OccupancyView& view, const Polygon& hull, const Cells& evidence) const;
+  void sum_neighbourhoods(const BodyGrid& grid);
+  void mark_evidence(const CartesianGrid& cells, double threshold);
+  void take_region(const BodyGrid& grid, std::size_t seed, std::vector<Obstacle>& out);
+  void split(const BodyGrid& grid, std::vector<Cell>& piece, std::vector<Obstacle>& out);
+  [[nodiscard]] bool tight(const CartesianGrid& cells, const Polygon& hull) const;
+  [[nodiscard]] Obstacle describe(const BodyGrid& grid, const std::vector<Cell>& piece, const Polygon& hull) const;
+  void relate(std::vector<Obstacle>& obstacles, double cell_m) const;
 
   ObstacleDetectorConfig config_;
-  std::vector<double> count_;
+  std::vector<double> p_;
+  std::vector<double> column_;
+  std::vector<double> sum_;
   std::vector<std::uint8_t> detected_;
-  std::vector<std::uint8_t> visited_;
-  std::vector<std::uint8_t> own_;  ///< cells of the region at hand
-  std::vector<Obstacle> obstacles_;
+  std::vector<std::uint8_t> evidence_;
+  std::vector<std::uint8_t> taken_;
+  std::vector<std::size_t> queue_;
 };
-
-/// Sets `behind` and `possible_multiple` of obstacles that are sorted by range (design, section 6).
-void mark_hidden(std::vector<Obstacle>& obstacles, double multiple_tolerance);
 
 }  // namespace isobath

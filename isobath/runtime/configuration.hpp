@@ -14,11 +14,23 @@
 
 namespace isobath {
 
+struct SensorConfig {
+  std::string model;  ///< file made by calibration; empty: none
+};
+std::vector<Field> fields(SensorConfig& config);
+
+struct MapConfig {
+  bool fit = true;  ///< cell and size of the grid from the sonar's range: about 100 cells each way, 1-2-5 steps
+};
+std::vector<Field> fields(MapConfig& config);
+
 struct Configuration {
   InputConfig input;
   EventGateConfig gate;
   PoseBufferConfig poses;
+  SensorConfig sensor;
   EchoDetectorConfig echoes;
+  MapConfig map;
   BodyGridConfig grid;
   GridMapperConfig update;
   ObstacleDetectorConfig obstacles;

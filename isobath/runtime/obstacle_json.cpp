@@ -1,4 +1,5 @@
 #include <cmath>
+#include <isobath/io/geojson.hpp>
 #include <isobath/runtime/obstacle_json.hpp>
 
 namespace isobath {
@@ -6,9 +7,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// Rounded to a step that is finer than any sonar, so that files stay readable.
-double rounded(double value, double step = 1e-4) { return std::round(value / step) * step; }
-double tidy(double value) { return std::stod(std::to_string(rounded(value, 1e-6))); }
+/// To 1e-6: finer than any sonar, and readable.
+double tidy(double value) { return std::round(value * 1e6) / 1e6; }
 
 ordered_json outline_of(const Obstacle& o) {
   ordered_json points = ordered_json::array();
@@ -26,7 +26,11 @@ ordered_json to_json(const std::vector<Obstacle>& obstacles) {
                     {"existence", tidy(o.existence)},
                     {"outline_m", outline_of(o)},
                     {"behind", o.behind},
-                    {"possible_multiple", o.possible_multiple}});
+                    {"possible_multiple", o.possible_multiple},
+                    {"centre_m", {tidy(o.centre.x()), tidy(o.centre.y())}},
+                    {"covariance_m2", {tidy(o.covariance(0, 0)), tidy(o.covariance(0, 1)), tidy(o.covariance(1, 1))}},
+                    {"echoes", o.hits},
+                    {"last_echo", to_text(o.last_hit)}});
   }
   return list;
 }
@@ -40,6 +44,21 @@ ordered_json scan_header(int number, Time time, const Pose& X_WB, bool posed) {
     header["heading_deg"] = tidy(X_WB.rotation.heading().wrapped_positive().degrees());
   }
   return header;
+}
+
+std::string obstacles_geojson(const std::vector<Obstacle>& obstacles, const Pose& X_WL, const GeoOrigin& origin) {
+  std::vector<GeoFeature> features;
+  for (const Obstacle& o : obstacles) {
+    GeoFeature feature;
+    for (const auto& p : o.outline) feature.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
+    feature.properties = {{"existence", tidy(o.existence)},
+                          {"range_m", tidy(o.range_m)},
+                          {"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
+                          {"behind", o.behind},
+                          {"possible_multiple", o.possible_multiple}};
+    features.push_back(std::move(feature));
+  }
+  return geojson_text(features, origin);
 }
 
 ordered_json manifest_json(const RunRequest& request, const RunOutcome& outcome) {

@@ -17,7 +17,7 @@ nlohmann::ordered_json to_json(const std::vector<Obstacle>& obstacles);
 /// Number, time and, where navigation was there, the vehicle's pose in the world.
 nlohmann::ordered_json scan_header(int number, Time time, const Pose& X_WB, bool posed);
 /// RFC 7946: one polygon an obstacle, longitude and latitude.
-std::string obstacles_geojson(const std::vector<Obstacle>& obstacles, const Pose& X_WL, const LocalPlane& plane);
+std::string obstacles_geojson(const std::vector<Obstacle>& obstacles, const Pose& X_WL, const GeoOrigin& origin);
 /// What was run: input, version, counts, rejections, files. Holds no time of day and no path outside the folder but the
 /// input's name.
 nlohmann::ordered_json manifest_json(const RunRequest& request, const RunOutcome& outcome);

@@ -31,13 +31,11 @@ struct PosedPing {
 };
 
 /// The end of one sweep: what is believed now, and the obstacles in it.
-struct Scan {
-  int number = 0;  ///< from 1
-  Time time;
-  Pose X_WB;          ///< of the last ping in it
-  bool posed = false;  ///< whether X_WB comes from navigation
+struct ScanResult {
+  int number = 0;               ///< from 1
+  bool posed = false;           ///< whether the pose comes from navigation
+  const Detection& detection;   ///< with the time and the pose of the last ping
   const BodyGrid& grid;
-  const std::vector<Obstacle>& obstacles;
 };
 
 /// Takes results. References hold only during the call.
@@ -45,7 +43,7 @@ class ResultSink {
  public:
   virtual ~ResultSink() = default;
   virtual void on_ping(const PosedPing& ping) = 0;
-  virtual void on_scan(const Scan& scan) = 0;
+  virtual void on_scan(const ScanResult& scan) = 0;
 };
 
 struct PipelineCounts {
@@ -72,14 +70,18 @@ class Pipeline {
   /// Every datum that was refused, by reason.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& rejected() const { return gate_.rejected(); }
   /// The grid; empty before the first ping.
-  [[nodiscard]] const BodyGrid* grid() const { return grid_.get(); }
+  [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
 
  private:
+  void restart();
+  void add_fix(const Navigation& fix);
   void hold(Ping ping);
-  void release(bool all);
+  void release(Time now, bool all);
+  void place(const Ping& ping);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
-  void begin_map(const Ping& ping);
-  void end_scan(Time time, const Pose& X_WB, bool posed);
+  void fit_map(const Ping& ping, bool posed);
+  void count(const EchoDecisions& decisions);
+  void end_scan();
 
   Configuration configuration_;
   ResultSink& sink_;
@@ -89,12 +91,17 @@ class Pipeline {
   EchoDetector echoes_;
   EchoDecisions decisions_;
   SweepFinder sweeps_;
-  std::unique_ptr<BodyGrid> grid_;
   std::unique_ptr<GridMapper> mapper_;
   ObstacleDetector detector_;
   PipelineCounts counts_;
-  bool sweep_open_ = false;
-  std::optional<Scan> last_;
+
+  struct Placed {
+    Time time;
+    Pose X_WB;
+    bool posed;
+  };
+  std::optional<Placed> last_;  ///< the ping mapped last
+  bool sweep_open_ = false;  ///< pings since the last scan
 };
 
 }  // namespace isobath

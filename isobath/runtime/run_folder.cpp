@@ -1,12 +1,12 @@
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/geometry/geodesy.hpp>
 #include <isobath/io/geotiff.hpp>
-#include <isobath/io/geojson.hpp>
 #include <isobath/runtime/html_report.hpp>
 #include <isobath/runtime/obstacle_json.hpp>
 #include <isobath/runtime/run_folder.hpp>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace isobath {
@@ -47,10 +47,11 @@ RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
 
 void RunFolder::on_ping(const PosedPing& posed) { sweep_.push_back({posed.ping, posed.X_WB}); }
 
-void RunFolder::on_scan(const Scan& scan) {
-  obstacles_ = scan.obstacles;
-  scans_.push_back({scan.number, scan.time, scan.X_WB, scan.posed, scan.obstacles});
-  track_.push_back(scan.X_WB.translation.head<2>());
+void RunFolder::on_scan(const ScanResult& scan) {
+  const Detection& found = scan.detection;
+  obstacles_ = found.obstacles;
+  scans_.push_back({scan.number, found.time, found.X_WB, scan.posed, found.obstacles});
+  track_.push_back(found.X_WB.translation.head<2>());
   // A sweep that was cut short at the end of the log does not take the place of a whole one.
   if (last_sweep_.empty() || sweep_.size() * 2 > last_sweep_.size()) last_sweep_.swap(sweep_);
   sweep_.clear();
@@ -126,8 +127,8 @@ std::string RunFolder::detections_picture() const {
 std::string RunFolder::occupancy_picture(const BodyGrid& grid) const {
   PlanPicture picture(extent(), kPlotPixels, body_labels("Occupancy"));
   picture.raster([&grid](double x, double y) {
-    const auto p = grid.probability_at({x, y});
-    return p ? occupancy_colour(*p, grid.prior()) : Colour{0.7, 0.7, 0.7, 1};
+    const auto cell = grid.cell_at({x, y});
+    return cell ? occupancy_colour(grid.probability(*cell), grid.config().prior) : Colour{0.7, 0.7, 0.7, 1};
   });
   picture.range_rings({0, 0}, ring_step(extent()));
   picture.vehicle({0, 0}, 0);
@@ -190,11 +191,10 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcom
   const bool posed = !scans_.empty() && scans_.back().posed;
   const auto& origin = outcome.source.origin;
   if (posed && origin) {
-    const LocalPlane plane(*origin);
-    write_text("obstacles.geojson", obstacles_geojson(obstacles_, level(scans_.back().X_WB), plane), outcome);
+    write_text("obstacles.geojson", obstacles_geojson(obstacles_, level(scans_.back().X_WB), *origin), outcome);
   }
   if (grid) {
-    write_occupancy_geotiff(folder_ / "occupancy.tif", *grid, posed ? std::optional(level(scans_.back().X_WB)) : std::nullopt, origin);
+    write_occupancy(*grid, posed ? level(scans_.back().X_WB) : Pose{}, posed ? origin : std::nullopt);
     outcome.files.emplace_back("occupancy.tif");
     write_text("occupancy.png", occupancy_picture(*grid), outcome);
     write_text("sonar.png", sonar_picture(), outcome);
@@ -204,6 +204,27 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcom
   write_text("report.html", report(request, outcome, grid), outcome);
   outcome.files.emplace_back("manifest.json");
   write_file(folder_ / "manifest.json", dump(manifest_json(request, outcome)));
+}
+
+/// Cells that nobody has seen are "no data"; rows from the top, forward at the start being up.
+void RunFolder::write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const {
+  const CartesianGrid& cells = grid.cells();
+  const auto corner = grid.to_level_body({cells.cells_x * cells.cell_m, 0});
+  const RasterFrame frame{.columns = cells.cells_y,
+                          .rows = cells.cells_x,
+                          .cell_m = cells.cell_m,
+                          .corner_m = (X_WL * Eigen::Vector3d(corner.x(), corner.y(), 0)).head<2>(),
+                          .up = (X_WL.rotation.heading() - grid.heading()).wrapped(),
+                          .origin = origin};
+  std::vector<float> raster;
+  raster.reserve(cells.size());
+  for (int x = cells.cells_x - 1; x >= 0; --x) {
+    for (int y = 0; y < cells.cells_y; ++y) {
+      const bool unseen = std::abs(grid.log_odds()[cells.index({x, y})] - grid.log_odds_prior()) < 1e-9;
+      raster.push_back(unseen ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(grid.probability({x, y})));
+    }
+  }
+  write_geotiff(folder_ / "occupancy.tif", frame, {.name = "occupancy probability", .unit = ""}, raster);
 }
 
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const BodyGrid* grid) const {

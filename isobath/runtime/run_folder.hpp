@@ -23,7 +23,7 @@ class RunFolder : public ResultSink {
   RunFolder(std::filesystem::path folder, Configuration configuration);
 
   void on_ping(const PosedPing& ping) override;
-  void on_scan(const Scan& scan) override;
+  void on_scan(const ScanResult& scan) override;
 
   /// Writes all files and lists them in `outcome.files`.
   void write(const RunRequest& request, const BodyGrid* grid, RunOutcome& outcome);
@@ -41,6 +41,7 @@ class RunFolder : public ResultSink {
     bool posed;
     std::vector<Obstacle> obstacles;
   };
+  void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
   void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;
   [[nodiscard]] PlanExtent extent() const;
   [[nodiscard]] std::string sonar_picture() const;

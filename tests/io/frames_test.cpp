@@ -261,8 +261,9 @@ TEST(MarkedFrames, ReadsTheHandMarkedDidsonFrames) {
   EXPECT_EQ(empty, 2);
 }
 
-// The box of the recording's README, in its own frame (x east, y north). Elevation inside the 14-degree beam is not
-// known, so cells are taken at elevation 0; bearings turned round must fit worse.
+// The box of the recording's README (1 to 99 % of the bright cells), half a metre larger, in its own frame (x east, y
+// north). Elevation inside the 14-degree beam is not known, so cells are taken at elevation 0; bearings turned round
+// must fit worse.
 TEST(FrameFolder, PutsTheHoloBoatWhereItIs) {
   ISOBATH_NEEDS_DATA(folder, "holo-boat");
   ASSERT_TRUE(looks_like_frame_folder(folder));
@@ -271,7 +272,8 @@ TEST(FrameFolder, PutsTheHoloBoatWhereItIs) {
   Navigation fix;
   const auto in_box = [&](const Ping& ping, Angle a, int bin) {
     const Vector3d p = fix.X_WB * (ping.X_BS * (ping.window.centre(bin) * Vector3d(cos(a), sin(a), 0)));
-    return p.y() > -76.2 && p.y() < -63.4 && p.x() > -32.6 && p.x() < -27.4;
+    const double slack = 0.5;
+    return p.y() > -76.2 - slack && p.y() < -63.4 + slack && p.x() > -32.6 - slack && p.x() < -27.4 + slack;
   };
   while (const auto event = source->next()) {
     if (const auto* n = std::get_if<Navigation>(&*event)) {
@@ -294,11 +296,13 @@ TEST(FrameFolder, PutsTheHoloBoatWhereItIs) {
         if (value > best) std::tie(best, best_inside) = std::pair(value, in);
       }
     }
-    if (pings++ == 0) EXPECT_TRUE(best_inside);
+    if (pings++ == 0) {
+      EXPECT_TRUE(best_inside);
+    }
   }
   EXPECT_EQ(pings, 225);
-  EXPECT_GT(bright, 10000);
-  EXPECT_GT(inside, 0.95 * bright) << inside << " of " << bright;
+  EXPECT_GT(bright, 2000);
+  EXPECT_GT(inside, 0.98 * bright) << inside << " of " << bright;
   EXPECT_LT(inside_mirrored, inside) << inside_mirrored << " of " << bright;
 }
 

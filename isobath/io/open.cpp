@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <array>
+#include <isobath/base/error.hpp>
+#include <isobath/io/open.hpp>
+#include <isobath/io/ping_logs.hpp>
+#include <isobath/io/scan_csv.hpp>
+#include <isobath/io/text_lines.hpp>
+
+namespace isobath {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr std::size_t kHead = 1 << 18;  // what probes may look at: a stream may begin with noise
+
+/// What there is: a folder, or a file with its first bytes.
+struct Candidate {
+  const fs::path& path;
+  bool is_folder;
+  Bytes head;
+};
+
+struct Format {
+  const char* name;
+  bool (*probe)(const Candidate&);
+  std::unique_ptr<Source> (*open)(const fs::path&, const InputConfig&);
+};
+
+/// A row for a format that is recognised by the first bytes of a file and read through a window.
+template <bool (*probe)(Bytes), std::unique_ptr<Source> (*open)(ByteWindow, const InputConfig&)>
+constexpr Format file(const char* name) {
+  return {name, [](const Candidate& c) { return !c.is_folder && probe(c.head); },
+          [](const fs::path& path, const InputConfig& config) { return open(ByteWindow::open(path), config); }};
+}
+
+/// The first that fits is taken: what has a signature stands before what must be searched for.
+constexpr std::array kFormats{
+    file<looks_like_ping_viewer_log, open_ping_viewer_log>("Ping Viewer log"),
+    file<looks_like_scan_csv, open_scan_csv>("scan CSV"),
+    file<looks_like_ping360_arc, open_ping360_arc>("Ping360 arc table"),
+    file<looks_like_ping_messages, open_ping_messages>("printed ping messages"),
+    file<looks_like_ping_stream, open_ping_stream>("ping protocol stream"),
+};
+
+std::string known_formats() {
+  std::string names;
+  for (const Format& format : kFormats) names += (names.empty() ? "" : ", ") + std::string(format.name);
+  return names;
+}
+
+}  // namespace
+
+std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& config) {
+  const bool is_folder = fs::is_directory(input);
+  std::optional<ByteWindow> window;
+  if (!is_folder) window = ByteWindow::open(input);
+  const Bytes head = window ? window->want(kHead) : Bytes();
+  const Candidate candidate{input, is_folder, head.first(std::min(head.size(), kHead))};
+  for (const Format& format : kFormats) {
+    if (format.probe(candidate)) return format.open(input, config);
+  }
+  const char* kind = is_folder ? ": a folder" : looks_like_text(head) ? ": looks like text" : "";
+  throw Error(std::string("not a known format") + kind, {input.string()}, known_formats());
+}
+
+std::vector<Field> fields(InputConfig& c) {
+  return {
+      Field::real("sound_speed", &c.sound_speed, {1300, 1700}, "m/s",
+                  "Speed of sound, for devices that leave it to the host."),
+      Field::degrees("mount_heading_deg", &c.mount_heading, {-360, 360},
+                     "Direction of the sonar's zero bearing in the body, clockwise from forward."),
+      Field::flag("clockwise", &c.clockwise, "Whether a scanning head's bearings grow clockwise, seen from above."),
+      Field::degrees("beam_width_deg", &c.beam_width, {0, 360},
+                     "Full width of a beam in azimuth; 0: what the format or the device says."),
+      Field::degrees("beam_height_deg", &c.beam_height, {0, 360},
+                     "Full height of a beam in elevation; 0: what the format or the device says."),
+      Field::real("range_m", &c.range_m, {0, 10000}, "m",
+                  "Whole range of logs that do not state it; 0: what the device is set to by default."),
+      Field::flag("high_nibble_first", &c.high_nibble_first,
+                  "Order of the two 4-bit samples in a byte from a Tritech head."),
+      Field::text("navigation", &c.navigation, "CSV of poses beside the log; empty: none."),
+      Field::text("set", &c.set, "Which set of a folder that holds several; empty: the first by name."),
+      Field::integer("pass", &c.pass, {0, 1e6}, "", "Which pass of a set that holds several; 0: the first."),
+  };
+}
+
+}  // namespace isobath

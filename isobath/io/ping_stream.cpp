@@ -1,0 +1,43 @@
+#include <isobath/io/log_source.hpp>
+#include <isobath/io/ping_device.hpp>
+#include <isobath/io/ping_logs.hpp>
+
+namespace isobath {
+namespace {
+
+class PingStream final : public LogSource {
+ public:
+  PingStream(ByteWindow input, const InputConfig& config)
+      : LogSource(std::move(input), "ping protocol stream"), device_(config, report_) {
+    report_.details["time"] = "made from the range setting: the stream has none";
+  }
+
+ private:
+  std::optional<Event> read() override {
+    while (const auto frame = next_frame(input_, ping_frame_at, report_)) {
+      auto event = device_.event(*frame, {}, input_.owner());
+      if (event) return clock_.stamped(std::move(*event), device_.interval());
+    }
+    return {};
+  }
+
+  PingDevice device_;
+  SyntheticClock clock_;
+};
+
+}  // namespace
+
+bool looks_like_ping_stream(Bytes head) {
+  while (!head.empty()) {
+    const Framing found = ping_frame_at(head);
+    if (found.kind == Framing::Kind::kFrame) return true;
+    head = head.subspan(found.kind == Framing::Kind::kNoise ? found.bytes : 1);
+  }
+  return false;
+}
+
+std::unique_ptr<Source> open_ping_stream(ByteWindow input, const InputConfig& config) {
+  return std::make_unique<PingStream>(std::move(input), config);
+}
+
+}  // namespace isobath
