@@ -57,7 +57,8 @@ fuzz: build-fuzz ## Run every fuzz target FUZZ_SECONDS long (60), from its corpu
 	  name=$$(basename $$program _fuzz); mkdir -p build/fuzz/found/$$name; \
 	  echo "== $$name, $(FUZZ_SECONDS) s"; \
 	  "$$program" -max_total_time=$(FUZZ_SECONDS) -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=0 \
-	    -artifact_prefix=build/fuzz/found/$$name. build/fuzz/found/$$name tests/fuzz/corpus/$$name; \
+	    -artifact_prefix=build/fuzz/found/$$name. build/fuzz/found/$$name \
+	    $$(ls -d tests/fuzz/corpus/$$name 2>/dev/null || true); \
 	done
 
 format: setup ## Format all C++ in place
