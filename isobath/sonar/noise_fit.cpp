@@ -5,14 +5,16 @@
 #include <isobath/sonar/noise_fit.hpp>
 #include <isobath/sonar/roc.hpp>
 #include <limits>
+#include <numeric>
 
 namespace isobath {
 namespace {
 
 constexpr double kLargestShape = 50;  // K beyond it is Rayleigh to within any histogram
 constexpr double kSmallestShape = 0.1;
+constexpr int kGroups = 128;  // of levels, over the span of the samples
 
-/// Levels from the first to the last that hold samples, with their middles and edges.
+/// Levels, or groups of neighbouring ones, around those that hold samples.
 struct Grouped {
   std::vector<double> edges;  ///< one more than counts
   std::vector<double> middles;
@@ -26,16 +28,19 @@ Grouped group(const EchoLevels& levels, const std::vector<std::uint64_t>& counts
   const auto first = std::find_if(counts.begin(), counts.end(), filled);
   if (first == counts.end()) return g;
   const auto last = std::find_if(counts.rbegin(), counts.rend(), filled).base();
-  // A margin of empty levels on both sides: samples of the bootstrap reach a little farther.
+  // A margin of empty levels on both sides, for samples of the bootstrap reach a little farther; and no more groups
+  // than make a difference.
   const int size = static_cast<int>(counts.size());
   const int span = static_cast<int>(last - first);
-  const int from = std::max(0, static_cast<int>(first - counts.begin()) - span);
-  const int upto = std::min(size, static_cast<int>(last - counts.begin()) + span);
-  for (int i = from; i < upto; ++i) {
+  const int from = std::max(0, static_cast<int>(first - counts.begin()) - span / 2);
+  const int upto = std::min(size, static_cast<int>(last - counts.begin()) + span / 2);
+  const int stride = (span + kGroups - 1) / kGroups;
+  for (int i = from; i < upto; i += stride) {
+    const int next = std::min(i + stride, upto);
     g.edges.push_back(levels.edge(i));
-    const bool zero = i == 0 && levels.discrete();
-    g.middles.push_back(zero ? 0 : 0.5 * (levels.edge(i) + levels.edge(i + 1)));
-    g.counts.push_back(static_cast<double>(counts[i]));
+    const bool zero = i == 0 && next == 1 && levels.discrete();
+    g.middles.push_back(zero ? 0 : 0.5 * (levels.edge(i) + levels.edge(next)));
+    g.counts.push_back(std::accumulate(counts.begin() + i, counts.begin() + next, 0.0));
     g.samples += g.counts.back();
   }
   g.edges.push_back(levels.edge(upto));
