@@ -167,6 +167,8 @@ FrameGeometry parse_frame_geometry(std::string_view text, const std::string& fil
     json = Json::parse(text);
   } catch (const Json::parse_error& e) {
     throw Error("not JSON", {file, e.byte, {}, {}, {}}, "", "write a geometry.json as the documentation shows");
+  } catch (const Json::exception&) {
+    throw Error("a number too large for any computer", {file, {}, {}, {}, {}});
   }
   if (!json.is_object()) throw Error("not a JSON object", {file, {}, {}, {}, {}});
   return is_didson(json) ? didson_geometry(json, file) : own_geometry(json, file);
