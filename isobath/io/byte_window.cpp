@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstring>
-#include <isobath/base/error.hpp>
 #include <isobath/io/byte_window.hpp>
 
 namespace isobath {

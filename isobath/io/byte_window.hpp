@@ -8,6 +8,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <isobath/base/error.hpp>
 #include <isobath/io/bytes.hpp>
 #include <memory>
 #include <string>

@@ -34,7 +34,6 @@ class DelimitedText {
   [[nodiscard]] std::string_view cell(int column) const;
   [[nodiscard]] std::optional<double> number(int column) const;
   [[nodiscard]] std::optional<std::int64_t> integer(int column) const;
-  [[nodiscard]] std::size_t cells() const { return cells_.size(); }
 
   [[nodiscard]] std::uint64_t bytes_read() const { return bytes_read_; }
   [[nodiscard]] bool overlong() const { return overlong_; }

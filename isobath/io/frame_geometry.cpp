@@ -83,9 +83,11 @@ void set_beams(FrameGeometry& g, std::vector<Angle> azimuths, Angle width, Angle
     std::reverse(azimuths.begin(), azimuths.end());
     g.first_column_is_starboard = true;
   }
-  if (std::adjacent_find(azimuths.begin(), azimuths.end(), std::greater_equal<>()) != azimuths.end()) {
+  const auto too_close = [](Angle left, Angle right) { return !((right - left).radians() > 1e-9); };
+  if (std::adjacent_find(azimuths.begin(), azimuths.end(), too_close) != azimuths.end()) {
     refuse(file, key, "the angles neither rise nor fall from column to column");
   }
+  if ((azimuths.back() - azimuths.front()).degrees() > 360) refuse(file, key, "the angles span more than a full turn");
   auto fan = std::make_shared<BeamFan>();
   if (width.radians() > 0) {
     fan->width.assign(azimuths.size(), width);
@@ -100,7 +102,7 @@ void set_beams(FrameGeometry& g, std::vector<Angle> azimuths, Angle width, Angle
 }
 
 void set_window(FrameGeometry& g, double low, double high, int bins, const std::string& file, const std::string& key) {
-  if (!(high > low)) refuse(file, key, "not beyond the nearest range");
+  if (!(high - low > 1e-6 * bins)) refuse(file, key, "not beyond the nearest range by a micrometre a bin");
   g.window = {low, (high - low) / bins, bins};
 }
 
@@ -167,6 +169,8 @@ FrameGeometry parse_frame_geometry(std::string_view text, const std::string& fil
     json = Json::parse(text);
   } catch (const Json::parse_error& e) {
     throw Error("not JSON", {file, e.byte, {}, {}, {}}, "", "write a geometry.json as the documentation shows");
+  } catch (const Json::exception&) {
+    throw Error("a number too large for any computer", {file, {}, {}, {}, {}});
   }
   if (!json.is_object()) throw Error("not a JSON object", {file, {}, {}, {}, {}});
   return is_didson(json) ? didson_geometry(json, file) : own_geometry(json, file);

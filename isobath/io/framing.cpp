@@ -31,6 +31,7 @@ const char* to_text(MessageFault fault) {
 
 std::optional<Bytes> next_frame(ByteWindow& input, FrameAt frame_at, SourceReport& report) {
   std::size_t wanted = kAtHand;
+  const char* reason = kNoise;
   for (;;) {
     const Bytes view = input.want(wanted);
     if (view.empty()) return {};
@@ -44,11 +45,21 @@ std::optional<Bytes> next_frame(ByteWindow& input, FrameAt frame_at, SourceRepor
       wanted = found.bytes;
       continue;
     }
+    if (incomplete) reason = kBeyond;  // for all that follows, unless a frame does
     const std::size_t skipped = incomplete ? 1 : found.bytes;
-    report.add_damage(input.position(), skipped, incomplete ? kBeyond : kNoise);
+    report.add_damage(input.position(), skipped, reason);
     input.advance(skipped);
     wanted = kAtHand;
   }
+}
+
+bool holds_frame(Bytes bytes, FrameAt frame_at) {
+  while (!bytes.empty()) {
+    const Framing found = frame_at(bytes);
+    if (found.kind == Framing::Kind::kFrame) return true;
+    bytes = bytes.subspan(found.kind == Framing::Kind::kNoise ? found.bytes : 1);
+  }
+  return false;
 }
 
 void FrameStream::push(Bytes chunk, Time time, std::uint64_t offset) {

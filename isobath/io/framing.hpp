@@ -36,6 +36,9 @@ const char* to_text(MessageFault fault);
 /// The next frame of an input, a view into it; what lies before it is added to the report's damages. Empty at the end.
 std::optional<Bytes> next_frame(ByteWindow& input, FrameAt frame_at, SourceReport& report);
 
+/// Whether a whole frame stands anywhere in some bytes.
+bool holds_frame(Bytes bytes, FrameAt frame_at);
+
 /// The frames of chunks that arrive one after the other, of any size. Each frame has the time and the place of the
 /// chunk in which it begins. Memory: the longest frame that the protocol allows, and one chunk.
 class FrameStream {

@@ -15,6 +15,7 @@ constexpr std::uint64_t kMaxOtherRecord = 64u << 20;  // schema, channel, metada
 constexpr std::uint64_t kMaxSummary = 256u << 20;
 constexpr std::uint64_t kMaxAttachmentsKept = 256u << 20;
 constexpr std::uint64_t kFooterRecord = mcap::kRecordHead + 20;
+constexpr std::uint64_t kDataEndRecord = mcap::kRecordHead + 4;
 
 /// A file of which any stretch can be read; neighbouring stretches without moving the stream's buffer.
 class SeekableInput {
@@ -91,6 +92,7 @@ McapReader::State::State(std::unique_ptr<std::istream> stream, const std::string
     channels.clear();
     chunk_offsets.clear();
     messages_in_summary.reset();
+    report.rejected.clear();
     report.details["index"] = "none: the log was cut off, is damaged at its end, or is still being written";
   }
   position = 8;
@@ -110,7 +112,10 @@ bool McapReader::State::load_summary() {
   (void)content.number<std::uint64_t>();
   const auto crc = content.number<std::uint32_t>();
   const std::uint64_t stop = input.size() - kEnd;
-  if (start < 8 || start > stop || stop - start > kMaxSummary || !load(start, stop - start)) return false;
+  if (start < 8 + kDataEndRecord || start > stop || stop - start > kMaxSummary) return false;
+  // A summary follows the end of the data. One that does not would hide what stands behind its start.
+  if (!load(start - kDataEndRecord, kDataEndRecord) || scratch[0] != mcap::kDataEnd || scratch[1] != 4) return false;
+  if (!load(start, stop - start)) return false;
   const std::uint32_t covered = mcap::crc32(std::span(end).first(kFooterRecord - 4), mcap::crc32(scratch));
   if ((crc != 0 && crc != covered) || !parse_summary(scratch)) return false;
   limit = start;
@@ -131,6 +136,8 @@ bool McapReader::State::parse_summary(std::span<const std::uint8_t> summary) {
     } else if (record->opcode == mcap::kChunkIndex) {
       (void)c.bytes(16);
       chunk_offsets.push_back(c.number<std::uint64_t>());
+    } else if (record->opcode < mcap::kChunkIndex) {
+      return false;  // data
     }
     if (!c.ok()) return false;
   }

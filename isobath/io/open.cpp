@@ -1,10 +1,15 @@
 #include <algorithm>
 #include <array>
-#include <isobath/base/error.hpp>
+#include <isobath/io/frame_folder.hpp>
+#include <isobath/io/mcap.hpp>
+#include <isobath/io/native_log.hpp>
+#include <isobath/io/oculus_logs.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/io/ping_logs.hpp>
+#include <isobath/io/pose_track.hpp>
 #include <isobath/io/scan_csv.hpp>
 #include <isobath/io/text_lines.hpp>
+#include <isobath/io/tritech_logs.hpp>
 
 namespace isobath {
 namespace {
@@ -32,13 +37,36 @@ constexpr Format file(const char* name) {
           [](const fs::path& path, const InputConfig& config) { return open(ByteWindow::open(path), config); }};
 }
 
+/// A row for a format that opens its files by itself.
+template <bool (*probe)(std::span<const std::uint8_t>),
+          std::unique_ptr<Source> (*open)(const fs::path&, const InputConfig&)>
+constexpr Format own_file(const char* name) {
+  return {name,
+          [](const Candidate& c) {
+            return !c.is_folder && probe({reinterpret_cast<const std::uint8_t*>(c.head.data()), c.head.size()});
+          },
+          open};
+}
+
+/// A row for a format that is a folder.
+template <bool (*probe)(const fs::path&), std::unique_ptr<Source> (*open)(const fs::path&, const InputConfig&)>
+constexpr Format folder(const char* name) {
+  return {name, [](const Candidate& c) { return c.is_folder && probe(c.path); }, open};
+}
+
 /// The first that fits is taken: what has a signature stands before what must be searched for.
 constexpr std::array kFormats{
+    folder<looks_like_frame_folder, open_frame_folder>("folder of PNG frames"),
+    own_file<looks_like_mcap, open_native_log>("MCAP"),
     file<looks_like_ping_viewer_log, open_ping_viewer_log>("Ping Viewer log"),
     file<looks_like_scan_csv, open_scan_csv>("scan CSV"),
     file<looks_like_ping360_arc, open_ping360_arc>("Ping360 arc table"),
     file<looks_like_ping_messages, open_ping_messages>("printed ping messages"),
+    file<looks_like_seanet_csv, open_seanet_csv>("Seanet CSV"),
+    file<looks_like_oculus_container, open_oculus_container>(".oculus log"),
+    file<looks_like_oculus_stream, open_oculus_stream>("Oculus message stream"),
     file<looks_like_ping_stream, open_ping_stream>("ping protocol stream"),
+    file<looks_like_tritech_stream, open_tritech_stream>("Tritech serial stream"),
 };
 
 std::string known_formats() {
@@ -47,19 +75,39 @@ std::string known_formats() {
   return names;
 }
 
+/// What is known and cannot be read, with what to do instead.
+[[noreturn]] void refuse(const Candidate& c) {
+  const std::string file = c.path.string();
+  if (text_of(c.head).starts_with("SQLite format 3")) {
+    throw Error("is an SQLite file, as ViewPoint 2 writes them, which has no public description", {file},
+                known_formats(), "record with ViewPoint 1 or take the messages off the network");
+  }
+  std::string ending = c.path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](char x) { return x >= 'A' && x <= 'Z' ? char(x - 'A' + 'a') : x; });
+  if (ending == ".v4log") {
+    throw Error("not a known format; V4LOG of Seanet Pro has no public description", {file}, known_formats(),
+                "export it to CSV with Seanet Pro");
+  }
+  const char* kind = c.is_folder ? ": a folder" : looks_like_text(c.head) ? ": looks like text" : "";
+  throw Error(std::string("not a known format") + kind, {file}, known_formats());
+}
+
 }  // namespace
 
 std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& config) {
-  const bool is_folder = fs::is_directory(input);
+  std::error_code ignored;  // what cannot be looked at is reported by opening it
+  const bool is_folder = fs::is_directory(input, ignored);
   std::optional<ByteWindow> window;
   if (!is_folder) window = ByteWindow::open(input);
   const Bytes head = window ? window->want(kHead) : Bytes();
   const Candidate candidate{input, is_folder, head.first(std::min(head.size(), kHead))};
   for (const Format& format : kFormats) {
-    if (format.probe(candidate)) return format.open(input, config);
+    if (!format.probe(candidate)) continue;
+    auto source = format.open(input, config);
+    return config.navigation.empty() ? std::move(source)
+                                     : merge_by_time(std::move(source), open_pose_track(config.navigation));
   }
-  const char* kind = is_folder ? ": a folder" : looks_like_text(head) ? ": looks like text" : "";
-  throw Error(std::string("not a known format") + kind, {input.string()}, known_formats());
+  refuse(candidate);
 }
 
 std::vector<Field> fields(InputConfig& c) {

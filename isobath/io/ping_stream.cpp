@@ -27,14 +27,7 @@ class PingStream final : public LogSource {
 
 }  // namespace
 
-bool looks_like_ping_stream(Bytes head) {
-  while (!head.empty()) {
-    const Framing found = ping_frame_at(head);
-    if (found.kind == Framing::Kind::kFrame) return true;
-    head = head.subspan(found.kind == Framing::Kind::kNoise ? found.bytes : 1);
-  }
-  return false;
-}
+bool looks_like_ping_stream(Bytes head) { return holds_frame(head, ping_frame_at); }
 
 std::unique_ptr<Source> open_ping_stream(ByteWindow input, const InputConfig& config) {
   return std::make_unique<PingStream>(std::move(input), config);

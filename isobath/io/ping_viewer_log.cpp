@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
-#include <isobath/base/error.hpp>
 #include <isobath/io/log_source.hpp>
 #include <isobath/io/ping_device.hpp>
 #include <isobath/io/ping_logs.hpp>
@@ -172,6 +171,11 @@ bool PingViewerLog::next_record() {
   }
   const auto promised = ByteCursor(view, coding_.stamp_bytes()).big<std::uint32_t>();
   const std::size_t end = promised == kNull ? content : record_end(view, content, promised);
+  if (end < content || (end == content && promised != kNull && promised > 0)) {
+    report_.add_damage(input_.position(), end, "record without the bytes that it promises");
+    input_.advance(end);
+    return true;
+  }
   time_ = clock_.at(*time);
   record_ = view.subspan(content, end - content);
   offset_ = input_.position() + content;
@@ -183,7 +187,8 @@ bool PingViewerLog::next_record() {
 std::size_t PingViewerLog::record_end(Bytes view, std::size_t content, std::uint32_t promised) const {
   const std::size_t end = content + std::size_t{promised};
   if (end == view.size() || (end < view.size() && stamp(view.subspan(end), coding_))) return end;
-  return find_stamp(view.first(std::min(end, view.size())), content, coding_);
+  const std::size_t reach = std::min(end + coding_.stamp_bytes() - 1, view.size());  // a stamp may begin before the end
+  return std::min({end, view.size(), find_stamp(view.first(reach), coding_.stamp_bytes(), coding_)});
 }
 
 /// Whole frames at the start of the record are viewed in place; the rest waits for what follows it.

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <isobath/base/error.hpp>
 #include <isobath/io/log_source.hpp>
 #include <isobath/io/sample_arena.hpp>
 #include <isobath/io/scan_csv.hpp>

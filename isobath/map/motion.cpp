@@ -5,7 +5,7 @@ namespace isobath {
 
 std::vector<Field> fields(MotionConfig& c) {
   return {
-      Field::choice("motion", &c.kind,
+      Field::choice("kind", &c.kind,
                     {{"auto", MotionKind::kAuto},
                      {"deterministic", MotionKind::kDeterministic},
                      {"probabilistic", MotionKind::kProbabilistic},

@@ -4,21 +4,15 @@
 #include <isobath/base/error.hpp>
 #include <isobath/io/geotiff.hpp>
 #include <isobath/runtime/html_report.hpp>
-#include <isobath/runtime/obstacle_json.hpp>
+#include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run_folder.hpp>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 namespace isobath {
 namespace {
 
 using Eigen::Vector2d;
-using nlohmann::ordered_json;
 constexpr int kPlotPixels = 640;
-
-std::string dump(const ordered_json& json) {
-  return json.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
-}
 
 double ring_step(const PlanExtent& extent) {
   const auto steps = ticks(0, std::max(extent.x_max, extent.y_max), 4);
@@ -146,7 +140,7 @@ std::string RunFolder::track_picture() const {
     high = high.cwiseMax(p);
   }
   std::vector<std::pair<std::vector<Vector2d>, double>> outlines;
-  for (const KeptScan& scan : scans_) {
+  for (const ScanRecord& scan : scans_) {
     const Pose X_WL = level(scan.X_WB);
     for (const Obstacle& o : scan.obstacles) {
       if (o.behind) continue;
@@ -175,26 +169,13 @@ std::string RunFolder::track_picture() const {
 
 void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcome& outcome) {
   outcome.obstacles = obstacles_;
-  ordered_json last{{"frame", kBodyFrameSentence}};
-  if (!scans_.empty()) last.update(scan_header(scans_.back().number, scans_.back().time, scans_.back().X_WB, scans_.back().posed));
-  last["obstacles"] = to_json(obstacles_);
-  write_text("obstacles.json", dump(last), outcome);
-
-  ordered_json all{{"frame", kBodyFrameSentence}, {"scans", ordered_json::array()}};
-  for (const KeptScan& scan : scans_) {
-    ordered_json one = scan_header(scan.number, scan.time, scan.X_WB, scan.posed);
-    one["obstacles"] = to_json(scan.obstacles);
-    all["scans"].push_back(std::move(one));
-  }
-  write_text("scans.json", dump(all), outcome);
-
-  const bool posed = !scans_.empty() && scans_.back().posed;
-  const auto& origin = outcome.source.origin;
-  if (posed && origin) {
-    write_text("obstacles.geojson", obstacles_geojson(obstacles_, level(scans_.back().X_WB), *origin), outcome);
-  }
+  const ScanRecord last = scans_.empty() ? ScanRecord{} : scans_.back();
+  write_text("obstacles.json", obstacles_json(last), outcome);
+  write_text("scans.json", scans_json(scans_), outcome);
+  const std::optional<GeoOrigin> origin = last.posed ? outcome.source.origin : std::nullopt;
+  if (origin) write_text("obstacles.geojson", obstacles_geojson(last, *origin), outcome);
   if (grid) {
-    write_occupancy(*grid, posed ? level(scans_.back().X_WB) : Pose{}, posed ? origin : std::nullopt);
+    write_occupancy(*grid, level(last.X_WB), origin);
     outcome.files.emplace_back("occupancy.tif");
     write_text("occupancy.png", occupancy_picture(*grid), outcome);
     write_text("sonar.png", sonar_picture(), outcome);
@@ -203,7 +184,7 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcom
   write_text("configuration.toml", write_toml(sections(configuration_), true), outcome);
   write_text("report.html", report(request, outcome, grid), outcome);
   outcome.files.emplace_back("manifest.json");
-  write_file(folder_ / "manifest.json", dump(manifest_json(request, outcome)));
+  write_file(folder_ / "manifest.json", manifest_json(request, outcome));
 }
 
 /// Cells that nobody has seen are "no data"; rows from the top, forward at the start being up.

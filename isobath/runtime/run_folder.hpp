@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <isobath/runtime/pipeline.hpp>
 #include <isobath/runtime/plan_image.hpp>
+#include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run.hpp>
 #include <optional>
 #include <string>
@@ -34,13 +35,6 @@ class RunFolder : public ResultSink {
     Ping ping;
     Pose X_WB;
   };
-  struct KeptScan {
-    int number;
-    Time time;
-    Pose X_WB;
-    bool posed;
-    std::vector<Obstacle> obstacles;
-  };
   void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
   void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;
   [[nodiscard]] PlanExtent extent() const;
@@ -53,7 +47,7 @@ class RunFolder : public ResultSink {
   std::filesystem::path folder_;
   Configuration configuration_;
   std::vector<KeptPing> sweep_, last_sweep_;  ///< being heard, and the last one that was finished
-  std::vector<KeptScan> scans_;
+  std::vector<ScanRecord> scans_;
   std::vector<Eigen::Vector2d> track_;  ///< N, E of every scan
   std::vector<Obstacle> obstacles_;
 };

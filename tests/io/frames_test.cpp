@@ -1,5 +1,6 @@
 // Pictures, frame geometry, folders of frames, marked frames.
 #include <gmock/gmock.h>
+#include <png.h>
 #include <cmath>
 #include <fstream>
 #include <isobath/base/error.hpp>
@@ -44,6 +45,19 @@ TEST(GrayImage, RoundTripsBothDepths) {
   }
   GrayImage wide{1, 1, 2, {0x34, 0x12}};
   EXPECT_EQ(parse_gray_png(gray_png_bytes(wide), "x.png")(0, 0), 0x1234);
+}
+
+TEST(GrayImage, TakesTheFirstChannelOfColour) {
+  const std::uint8_t pixels[] = {1, 90, 90, 2, 90, 90};
+  png_image rgb{};
+  rgb.version = PNG_IMAGE_VERSION;
+  rgb.width = 2;
+  rgb.height = 1;
+  rgb.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> png(1000);
+  png_alloc_size_t size = png.size();
+  ASSERT_TRUE(png_image_write_to_memory(&rgb, png.data(), &size, 0, pixels, 0, nullptr));
+  EXPECT_EQ(parse_gray_png(std::span(png).first(size), "x.png"), (GrayImage{2, 1, 1, {1, 2}}));
 }
 
 TEST(GrayImage, SurvivesEveryTruncationAndFlippedByte) {
@@ -115,6 +129,7 @@ TEST(FrameGeometry, SaysWhichKeyIsWrong) {
     return error_of([&] { parse_frame_geometry(json, "geometry.json"); });
   };
   EXPECT_THAT(problem("{"), HasSubstr("not JSON"));
+  EXPECT_THAT(problem(R"({"beams": 1e999})"), HasSubstr("too large"));
   EXPECT_THAT(problem(R"({"beams": 0, "bins": 3})"), HasSubstr("beams: 0 is out of range; allowed: 1 .. 8192"));
   EXPECT_THAT(problem(R"({"beams": 2, "bins": 2147483648})"), HasSubstr("bins"));
   EXPECT_THAT(problem(R"({"beams": 2, "bins": 3, "range_min_m": 3, "range_max_m": 3})"), HasSubstr("range_max_m"));
@@ -123,6 +138,9 @@ TEST(FrameGeometry, SaysWhichKeyIsWrong) {
   EXPECT_THAT(problem(R"({"beams": 2, "bins": 3, "range_min_m": 0, "range_max_m": 3, "height_deg": 9,
                           "azimuths_deg": [1, 1]})"),
               HasSubstr("neither rise nor fall"));
+  EXPECT_THAT(problem(R"({"beams": 2, "bins": 3, "range_min_m": 0, "range_max_m": 3, "height_deg": 9,
+                          "azimuths_deg": [-181, 180]})"),
+              HasSubstr("more than a full turn"));
 }
 
 void write_own_folder(const fs::path& folder) {

@@ -182,6 +182,17 @@ TEST(Mcap, FindsTheNextChunkAfterAStretchOfGarbage) {
   }
 }
 
+TEST(Mcap, LosesNothingWhereverTheFooterPoints) {
+  const Buffer good = small_file(McapCompression::kZstd);
+  for (std::uint64_t start = 0; start < good.size() + 3; ++start) {
+    Buffer bytes = good;
+    std::uint8_t* footer = &bytes[bytes.size() - 8 - 20];
+    std::memcpy(footer, &start, 8);
+    std::memset(footer + 16, 0, 4);  // no checksum of the summary
+    ASSERT_EQ(read_back(bytes).messages, counted(0, 40)) << start;
+  }
+}
+
 TEST(Mcap, RefusesWhatASizeOrANestingLiesAbout) {
   Buffer out;
   Buffer inner;

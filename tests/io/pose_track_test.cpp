@@ -137,9 +137,8 @@ TEST(MergeByTime, PutsFixesBeforeWhatTheyBelongTo) {
     r.time = Time{std::chrono::seconds(t)};
     return r;
   };
-  Navigation own;
-  own.time = Time{std::chrono::seconds(2)};
-  auto log = std::make_unique<Events>(std::deque<Event>{range(1), own, range(3), range(2), range(5)});
+  const auto own = [](int t) { return Navigation{Time{std::chrono::seconds(t)}, {}, {}, {}}; };
+  auto log = std::make_unique<Events>(std::deque<Event>{range(1), own(2), range(3), range(2), range(5)});
   auto merged =
       merge_by_time(std::move(log), track("t_s,x,y,z,heading_deg\n0,0,0,0,0\n3,0,0,0,0\nx\n4,0,0,0,0\n9,0,0,0,0\n"));
   std::string order;

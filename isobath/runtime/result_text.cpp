@@ -1,6 +1,7 @@
 #include <cmath>
 #include <isobath/io/geojson.hpp>
-#include <isobath/runtime/obstacle_json.hpp>
+#include <isobath/runtime/result_text.hpp>
+#include <nlohmann/json.hpp>
 
 namespace isobath {
 namespace {
@@ -16,7 +17,13 @@ ordered_json outline_of(const Obstacle& o) {
   return points;
 }
 
-}  // namespace
+constexpr const char* kFrame =
+    "level body frame at the time of the scan: x forward, y starboard, origin at the vehicle, metres; bearings clockwise "
+    "from forward";
+
+std::string dump(const ordered_json& json) {
+  return json.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
 
 ordered_json to_json(const std::vector<Obstacle>& obstacles) {
   ordered_json list = ordered_json::array();
@@ -35,20 +42,43 @@ ordered_json to_json(const std::vector<Obstacle>& obstacles) {
   return list;
 }
 
-ordered_json scan_header(int number, Time time, const Pose& X_WB, bool posed) {
-  ordered_json header{{"scan", number}, {"time", to_text(time)}, {"time_ns", time.time_since_epoch().count()}};
-  if (posed) {
-    header["north_m"] = tidy(X_WB.translation.x());
-    header["east_m"] = tidy(X_WB.translation.y());
-    header["depth_m"] = tidy(X_WB.translation.z());
-    header["heading_deg"] = tidy(X_WB.rotation.heading().wrapped_positive().degrees());
+void add_scan(ordered_json& json, const ScanRecord& scan) {
+  if (scan.number > 0) {
+    json["scan"] = scan.number;
+    json["time"] = to_text(scan.time);
+    json["time_ns"] = scan.time.time_since_epoch().count();
   }
-  return header;
+  if (scan.posed) {
+    json["north_m"] = tidy(scan.X_WB.translation.x());
+    json["east_m"] = tidy(scan.X_WB.translation.y());
+    json["depth_m"] = tidy(scan.X_WB.translation.z());
+    json["heading_deg"] = tidy(scan.X_WB.rotation.heading().wrapped_positive().degrees());
+  }
+  json["obstacles"] = to_json(scan.obstacles);
 }
 
-std::string obstacles_geojson(const std::vector<Obstacle>& obstacles, const Pose& X_WL, const GeoOrigin& origin) {
+}  // namespace
+
+std::string obstacles_json(const ScanRecord& scan) {
+  ordered_json json{{"frame", kFrame}};
+  add_scan(json, scan);
+  return dump(json);
+}
+
+std::string scans_json(std::span<const ScanRecord> scans) {
+  ordered_json json{{"frame", kFrame}, {"scans", ordered_json::array()}};
+  for (const ScanRecord& scan : scans) {
+    ordered_json one = ordered_json::object();
+    add_scan(one, scan);
+    json["scans"].push_back(std::move(one));
+  }
+  return dump(json);
+}
+
+std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin) {
+  const Pose X_WL = level(scan.X_WB);
   std::vector<GeoFeature> features;
-  for (const Obstacle& o : obstacles) {
+  for (const Obstacle& o : scan.obstacles) {
     GeoFeature feature;
     for (const auto& p : o.outline) feature.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
     feature.properties = {{"existence", tidy(o.existence)},
@@ -61,7 +91,7 @@ std::string obstacles_geojson(const std::vector<Obstacle>& obstacles, const Pose
   return geojson_text(features, origin);
 }
 
-ordered_json manifest_json(const RunRequest& request, const RunOutcome& outcome) {
+std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   ordered_json manifest{{"program", "isobath"},
                         {"version", ISOBATH_VERSION},
@@ -82,7 +112,7 @@ ordered_json manifest_json(const RunRequest& request, const RunOutcome& outcome)
     manifest["skipped"].push_back({{"offset", d.offset}, {"bytes", d.bytes}, {"reason", d.reason}});
   }
   for (const auto& file : outcome.files) manifest["files"].push_back(file.string());
-  return manifest;
+  return dump(manifest);
 }
 
 }  // namespace isobath

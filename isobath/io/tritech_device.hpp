@@ -1,0 +1,42 @@
+// TritechDevice: what an imaging head of Tritech says, frame by frame, as pings.
+//
+// Bearing 3200 is ahead (the transducer's boss forward), growing clockwise for a head that stands upright; a head
+// mounted upside down with its invert bit set corrects that itself. Range follows from the bin time and the host's
+// speed of sound, not from the range label. Beam 3 x 35 degrees. Sweep codes become sweep marks where the head scans a
+// sector.
+#pragma once
+
+#include <isobath/io/sample_arena.hpp>
+#include <isobath/io/scanning_head.hpp>
+#include <isobath/io/tritech_protocol.hpp>
+
+namespace isobath {
+
+class TritechDevice {
+ public:
+  /// `report` must live as long as this.
+  TritechDevice(const InputConfig& config, SourceReport& report);
+
+  /// The event of one frame of tritech_frame_at, whose bytes `owner` keeps.
+  std::optional<Event> event(Bytes frame, Time time, const std::shared_ptr<const void>& owner);
+  /// For logs without times: an estimate of the time from the last event to the next: listening, and the serial line.
+  [[nodiscard]] Duration interval() const { return interval_; }
+
+ private:
+  /// The joined payload of a message of several packets, once the last is there.
+  std::optional<Bytes> join(const TritechFrame& frame);
+  std::optional<Event> line(Bytes payload, Time time, const std::shared_ptr<const void>& owner);
+  void describe(const TritechLine& line);
+
+  SourceReport& report_;
+  ScanningHead head_;
+  bool high_nibble_first_;
+  SampleArena arena_;
+  std::vector<std::byte> packets_;
+  int packets_joined_ = 0;
+  std::uint64_t widths_disagree_ = 0;
+  Duration interval_{};
+  std::array<int, 7> described_{};
+};
+
+}  // namespace isobath
