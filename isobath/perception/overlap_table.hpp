@@ -25,7 +25,7 @@ namespace isobath {
 
 struct OverlapTableConfig {
   int table_mb = 64;
-  int offset_steps = 4;                       ///< places of the sensor within a cell, along each axis
+  int offset_steps = 2;                       ///< places of the sensor within a cell, along each axis
   Angle bearing_step = Angle::degrees(0.25);  ///< rounding of directions, at most
 };
 
