@@ -39,7 +39,7 @@ TEST(SectorOverlap, KnowsTheWholeSquareTheWholeSectorAndNothing) {
 
 // ledger: S6-11
 TEST(SectorOverlap, ContiguousBinsShareACellWithoutRest) {
-  for (const Square cell : {Square{{30, 4}, 1}, Square{{11, -3}, 1}, Square{{2, 1}, 1}}) {
+  for (const Square& cell : {Square{{30, 4}, 1}, Square{{11, -3}, 1}, Square{{2, 1}, 1}}) {
     double sum = 0;
     for (int beam = -60; beam <= 60; ++beam) {
       for (int k = 0; k < 60; ++k) {
