@@ -1,8 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/polygon.hpp>
-#include <isobath/geometry/sector_overlap.hpp>
 #include <isobath/map/body_grid.hpp>
 #include <numbers>
 #include <string>
@@ -72,27 +72,35 @@ void move_cells(std::vector<T>& field, const CartesianGrid& grid, int dx, int dy
   }
 }
 
-// Area of the part of a convex polygon within the unit square at `low`.
-double unit_square_overlap(const Polygon& polygon, const Vector2d& low) {
-  Polygon part = polygon;
-  Polygon next;
-  const auto cut = [&](const Vector2d& normal, double least) {
-    next.clear();
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      const Vector2d& a = part[i];
-      const Vector2d& b = part[(i + 1) % part.size()];
-      const double da = normal.dot(a) - least;
-      const double db = normal.dot(b) - least;
-      if (da >= 0) next.push_back(a);
-      if ((da >= 0) != (db >= 0)) next.push_back(a + da / (da - db) * (b - a));
-    }
-    part.swap(next);
-  };
-  cut({1, 0}, low.x());
-  cut({-1, 0}, -low.x() - 1);
-  cut({0, 1}, low.y());
-  cut({0, -1}, -low.y() - 1);
-  return std::max(0.0, area(part));
+struct SmallPolygon {
+  std::array<Vector2d, 8> corners;  // a square cut by the four sides of another
+  int count = 0;
+};
+
+SmallPolygon cut(const SmallPolygon& in, const Vector2d& normal, double least) {
+  SmallPolygon out;
+  for (int i = 0; i < in.count; ++i) {
+    const Vector2d& a = in.corners[i];
+    const Vector2d& b = in.corners[i + 1 < in.count ? i + 1 : 0];
+    const double da = normal.dot(a) - least;
+    const double db = normal.dot(b) - least;
+    if (da >= 0) out.corners[out.count++] = a;
+    if ((da >= 0) != (db >= 0)) out.corners[out.count++] = a + da / (da - db) * (b - a);
+  }
+  return out;
+}
+
+// Area of the part of a square within the unit square at `low`.
+double unit_square_overlap(const SmallPolygon& square, const Vector2d& low) {
+  SmallPolygon part = cut(square, {1, 0}, low.x());
+  part = cut(part, {-1, 0}, -low.x() - 1);
+  part = cut(part, {0, 1}, low.y());
+  part = cut(part, {0, -1}, -low.y() - 1);
+  double twice = 0;
+  for (int i = 0; i < part.count; ++i) {
+    twice += cross(part.corners[i], part.corners[i + 1 < part.count ? i + 1 : 0]);
+  }
+  return std::max(0.0, twice / 2);
 }
 
 }  // namespace
@@ -266,9 +274,9 @@ void BodyGrid::resample(Angle turn) {
   for (int x = 0; x < cells_.cells_x; ++x) {
     for (int y = 0; y < cells_.cells_y; ++y) {
       const Vector2d centre = axis + R * (Vector2d(x + 0.5, y + 0.5) - axis);
-      Polygon square;
+      SmallPolygon square;
       for (const Vector2d& corner : {Vector2d(-.5, -.5), Vector2d(.5, -.5), Vector2d(.5, .5), Vector2d(-.5, .5)}) {
-        square.push_back(centre + R * corner);
+        square.corners[square.count++] = centre + R * corner;
       }
       double sum = 0;
       double none = 1;

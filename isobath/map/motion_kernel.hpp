@@ -14,7 +14,7 @@ class MotionKernel {
  public:
   /// Exact displacement: bilinear shares over at most four cells (S6-20).
   static MotionKernel bilinear(const Eigen::Vector2d& mean);
-  /// Expected overlap under N(mean, covariance): sums to 1 within 1e-4, has that mean, and becomes bilinear as the
+  /// Expected overlap under N(mean, covariance): sums to 1 within 2e-4, has that mean, and becomes bilinear as the
   /// covariance goes to 0. Reaches |mean| + 4 sigma + 1 cells (S6-21, S6-E10).
   static MotionKernel expected_overlap(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance);
   /// As printed: N(mean, covariance) integrated over each cell. `size` 3 is the thesis's; 0 means as large as needed.

@@ -64,11 +64,13 @@ void update_any_target(bool hit, std::span<double> log_odds, std::span<const dou
   for (std::size_t i = 0; i < n; ++i) occupied[i] = share[i] * probability_of(log_odds[i]);
   any_other(occupied, others);
   const double rise = sensor.p_detect - sensor.false_alarm;
+  // P(S | cell free) and P(S | cell occupied); an impossible S teaches nothing.
+  const double certain = hit ? sensor.p_detect : 1 - sensor.p_detect;
+  const double change = hit ? -rise : rise;
   for (std::size_t i = 0; i < n; ++i) {
-    const double if_free = sensor.false_alarm + rise * others[i];
-    const double if_occupied = if_free + rise * share[i] * (1 - others[i]);
-    const double factor = hit ? if_occupied / if_free : (1 - if_occupied) / (1 - if_free);
-    log_odds[i] += std::max(std::log(std::max(factor, 1e-22)), -50.0);
+    const double if_free = certain + change * (1 - others[i]);
+    const double if_occupied = certain + change * (1 - others[i]) * (1 - share[i]);
+    if (if_free > 0) log_odds[i] += std::log(std::max(if_occupied / if_free, 1e-22));
   }
 }
 

@@ -204,18 +204,17 @@ void GridMapper::apply_bin(const OverlapTable::Row& row, int bin, bool hit) {
   } else {
     update_hit(l, a, sensor, scratch_);
   }
+  // The echo is noted for the cell whose odds it raised most.
   std::ptrdiff_t best = -1;
   double most = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (index_[i] < 0) continue;
     double& cell = log_odds[index_[i]];
-    const double next = std::clamp(l[i], grid_.log_odds_min(), grid_.log_odds_max());
-    const double after = probability_of(next) * a[i];
-    if (after > most) {
-      most = after;
+    if (l[i] - cell > most) {
+      most = l[i] - cell;
       best = index_[i];
     }
-    cell = next;
+    cell = std::clamp(l[i], grid_.log_odds_min(), grid_.log_odds_max());
   }
   if (hit && best >= 0) grid_.note_hit(static_cast<std::size_t>(best), time_);
 }

@@ -97,7 +97,8 @@ OverlapTable::OverlapTable(const OverlapTableConfig& config, double cell_m, int 
   if (config.table_mb < 1 || config.table_mb > 65536) wrong("table_mb", "out of range", "1 .. 65536 MB");
   if (config.offset_steps < 1 || config.offset_steps > 16) wrong("offset_steps", "out of range", "1 .. 16");
   if (!(config.bearing_step.degrees() >= 0.001)) wrong("bearing_step_deg", "out of range", "0.001 .. 5 degrees");
-  arena_.resize(static_cast<std::size_t>(config.table_mb) << 20);
+  arena_size_ = static_cast<std::size_t>(config.table_mb) << 20;
+  arena_ = std::make_unique_for_overwrite<std::byte[]>(arena_size_);
 }
 
 void OverlapTable::prepare(const BeamFan& fan, const RangeWindow& window, std::span<const double> gain) {
@@ -204,7 +205,7 @@ OverlapTable::Row OverlapTable::row(int beam, Angle azimuth, const Vector2d& sen
 
 OverlapTable::Header* OverlapTable::find_or_build(std::uint32_t key, Angle width, int bearing, int qx, int qy) {
   if (const std::uint32_t slot = slot_[key]) {
-    return reinterpret_cast<Header*>(arena_.data() + (slot - std::size_t{1}) * kAlign);
+    return reinterpret_cast<Header*>(arena_.get() + (slot - std::size_t{1}) * kAlign);
   }
   build(width, bearing, qx, qy);
   ++rows_built_;
@@ -264,7 +265,7 @@ OverlapTable::Header* OverlapTable::store(std::uint32_t key) {
   const std::size_t bytes = Header::size(cells_.size(), found_.size(), window_.bins);
   std::byte* place = allocate(bytes);
   if (place) {
-    slot_[key] = static_cast<std::uint32_t>((place - arena_.data()) / kAlign + 1);
+    slot_[key] = static_cast<std::uint32_t>((place - arena_.get()) / kAlign + 1);
   } else {
     if (single_.size() < bytes) single_.resize(bytes);
     place = single_.data();
@@ -308,9 +309,9 @@ void OverlapTable::pool(Header& row) const {
 
 // Rows lie in [tail, head), or where the arena has wrapped in [tail, wrap) and [0, head).
 std::byte* OverlapTable::allocate(std::size_t bytes) {
-  if (bytes > arena_.size()) return nullptr;
+  if (bytes > arena_size_) return nullptr;
   for (;;) {
-    if (!wrapped_ && arena_.size() - head_ < bytes) {
+    if (!wrapped_ && arena_size_ - head_ < bytes) {
       wrap_ = head_;
       head_ = 0;
       wrapped_ = true;
@@ -318,13 +319,13 @@ std::byte* OverlapTable::allocate(std::size_t bytes) {
     if (!wrapped_ || tail_ - head_ >= bytes) break;
     evict_oldest();
   }
-  std::byte* place = arena_.data() + head_;
+  std::byte* place = arena_.get() + head_;
   head_ += bytes;
   return place;
 }
 
 void OverlapTable::evict_oldest() {
-  const auto* oldest = reinterpret_cast<const Header*>(arena_.data() + tail_);
+  const auto* oldest = reinterpret_cast<const Header*>(arena_.get() + tail_);
   slot_[oldest->key] = 0;
   tail_ += oldest->bytes;
   if (tail_ < wrap_) return;

@@ -18,6 +18,7 @@
 #include <isobath/geometry/cartesian_grid.hpp>
 #include <isobath/geometry/sector_overlap.hpp>
 #include <isobath/sonar/ping.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -25,7 +26,7 @@ namespace isobath {
 
 struct OverlapTableConfig {
   int table_mb = 64;
-  int offset_steps = 4;                       ///< places of the sensor within a cell, along each axis
+  int offset_steps = 2;                       ///< places of the sensor within a cell, along each axis
   Angle bearing_step = Angle::degrees(0.25);  ///< rounding of directions, at most
 };
 
@@ -100,7 +101,8 @@ class OverlapTable {
   std::uint32_t gain_version_ = 0;
 
   std::vector<std::uint32_t> slot_;  ///< of each key: 0, or place in the arena / 16 + 1
-  std::vector<std::byte> arena_;
+  std::size_t arena_size_ = 0;
+  std::unique_ptr<std::byte[]> arena_;  ///< not touched before it is used
   std::size_t head_ = 0;
   std::size_t tail_ = 0;
   std::size_t wrap_ = 0;
