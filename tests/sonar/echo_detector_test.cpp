@@ -235,5 +235,15 @@ TEST(SkirtRule, KeepsAnEchoThatStandsApartAndDropsAFoot) {
   EXPECT_THAT(hits, testing::ElementsAre(24, 25, 26, 27, 60, 63));
 }
 
+TEST(EchoDetectorConfig, IsSetByName) {
+  EchoDetectorConfig config;
+  std::vector<Section> sections = {{"detector", "", fields(config)}};
+  read_toml("[detector]\nmethod = \"os_cfar\"\nfalse_alarm = 0.03\ncfar_law = \"exponential\"\n", "c.toml", sections);
+  EXPECT_EQ(config.method, DetectionMethod::kOrderedStatistic);
+  EXPECT_DOUBLE_EQ(config.false_alarm, 0.03);
+  EXPECT_EQ(config.cfar.law, CfarLaw::kExponential);
+  EXPECT_THROW(set_from_text("detector.contrast=2", sections), Error);
+}
+
 }  // namespace
 }  // namespace isobath
