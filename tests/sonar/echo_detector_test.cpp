@@ -143,7 +143,7 @@ TEST(AutomaticThresholds, KeepTheRateUnderEachLaw) {
   for (const auto& [name, law] : laws) {
     Random random(21);
     EchoDetector whole(plain_automatic());
-    const auto at_range = [&](int, int k) { return law(random) * (1.0 - 0.003 * k); };
+    const auto at_range = [&, &noise = law](int, int k) { return noise(random) * (1.0 - 0.003 * k); };
     EXPECT_NEAR(Trial{}.rate<std::uint8_t>(whole, at_range), 0.02, 0.006) << name;
     EchoDetector real(plain_automatic());
     EXPECT_NEAR(Trial{}.rate<float>(real, at_range), 0.02, 0.006) << name;
