@@ -100,12 +100,12 @@ std::vector<Field> fields(EchoDetectorConfig& c) {
   using M = DetectionMethod;
   std::vector<Field> all = {
       Field::choice<M>("method", &c.method,
-                       {{"automatic", M::kAutomatic},
+                       {{"auto", M::kAutomatic},
                         {"model", M::kModel},
                         {"global", M::kGlobal},
                         {"ca_cfar", M::kCellAveraging},
                         {"os_cfar", M::kOrderedStatistic}},
-                       "How echoes are told from noise; automatic: the sensor model if one is given, else learnt."),
+                       "How echoes are told from noise; auto: the sensor model if one is given, else learnt."),
       Field::real("false_alarm", &c.false_alarm, {1e-6, 0.5}, "1",
                   "Probability that a bin without target reports an echo; a sensor model brings its own."),
       Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1",
@@ -114,7 +114,7 @@ std::vector<Field> fields(EchoDetectorConfig& c) {
       Field::real("global_threshold", &c.global_threshold, {0, 1}, "1",
                   "Threshold of method global, share of full scale."),
       Field::real("skirt_share", &c.skirt_share, {0, 1}, "1",
-                  "Automatic only: a hit below this share of a stronger echo just behind it is its skirt; 0: keep."),
+                  "Method auto only: a hit below this share of a stronger echo just behind it is its skirt; 0: keep."),
       Field::real("skirt_m", &c.skirt_m, {0, 10}, "m", "How far behind a hit that stronger echo may stand.")};
   for (auto&& list : {fields(c.noise), fields(c.cfar)}) all.insert(all.end(), list.begin(), list.end());
   return all;

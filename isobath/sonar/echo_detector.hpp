@@ -1,29 +1,27 @@
-// EchoDetector: decides for each bin of a ping whether it holds an echo (ledger S6-03, S6-06, S6-09, S6-62, S6-64,
-// S6-70).
+// EchoDetector: decides for each bin of a ping whether it holds an echo. Ledger S6-03, S6-06, S6-09, S6-62, S6-64,
+// S6-70.
 //
 // Methods. `model`: thresholds a range bin from a calibration (SensorModel). `global`: one threshold for all bins.
-// `ca_cfar`, `os_cfar`: threshold from the neighbouring bins of the same beam (cfar.hpp). `automatic`, for a sonar that
-// was never calibrated: thresholds learnt from the pings so far (noise_tracker.hpp), current one included, and a rule
-// for pulse skirts.
+// `ca_cfar`, `os_cfar`: threshold from the neighbouring bins of the same beam (cfar.hpp). `auto`, for a sonar that was
+// never calibrated: thresholds learnt from the pings so far (noise_tracker.hpp), current one included, and a rule for
+// pulse skirts; with a sensor model, `auto` is `model`.
 //
-// The skirt rule (`automatic` only). A strong echo is smeared in range by its pulse and by the beam's height, so plain
-// thresholds see the wall too near. A hit is dropped where, within skirt_m behind it, the intensity rises above its own
-// / skirt_share without first dipping below skirt_share times its own: it is the foot of that echo, not an echo of its
-// own. Two targets closer than skirt_m with no dip between them are reported at the stronger one.
+// Skirt rule (`auto` only). A strong echo is smeared in range by its pulse and by the beam's height, so that plain
+// thresholds see a wall too near. A hit is dropped where, within skirt_m behind it, the intensity rises above its own
+// divided by skirt_share, without first dipping below its own times skirt_share: it is the foot of that echo. Two
+// targets closer than skirt_m with no dip between them are reported at the stronger one.
 //
-// Warm-up (`automatic`): until warmup_profiles beams have been seen, all bins are unusable: unknown, neither free nor
-// taken. 100 profiles are half a turn of a Micron and about seven pings of a multibeam sonar (16 beams a ping are
-// learnt from).
+// Warm-up (`auto`): until warmup_profiles beams have been seen, all bins are unusable: unknown, neither free nor taken.
+// The default is half a turn of a Micron, or seven pings of a multibeam sonar (16 beams a ping are learnt from).
 //
-// Measured, with the defaults, by a trial on recordings: in a tank of 4.5 m (Micron, 28 turns) the first hit stands
-// 0.00 to 0.05 m before each wall; without the skirt rule 0.03 to 0.11 m. On simulated frames with noise
-// (HoloOcean) 2.1 % of the bins of target-less frames hit at f = 0.02; on a DIDSON's background, clipped at zero, 2.5
-// to 3 %. What it does not promise: an echo that fills half of the bearings and more than an eighth of the range window
-// for the whole memory is learnt as noise.
+// Measured with the defaults: in a tank of 4.5 m (Micron, 20 turns) the first hit stands 0.00 to 0.05 m before each
+// wall, without the skirt rule 0.03 to 0.11 m. On a DIDSON's background, clipped at zero, 3 % of the bins hit at f
+// = 0.02. Not promised: an echo that fills half of the bearings and more than an eighth of the range window for the
+// whole memory is learnt as noise.
 //
 // Bins nearer than blind_m are not usable. `detect` allocates only at the first ping of a geometry and throws nothing.
-// Not thread-safe: one detector a sonar. Deterministic. The sample layouts beam-major (8-bit) and range-major (8-bit)
-// have fast paths: measured 3 to 5 G bins/s and about 1 G bins/s with thresholds given.
+// Not thread-safe: one detector a sonar. Deterministic. Measured on one core, 512 beams x 500 bins of 8 bits, G bins/s:
+// thresholds 2.3 (beam after beam) and 1.6 (bin after bin), `auto` 0.7, `ca_cfar` 0.07, `os_cfar` 0.03.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -59,7 +57,7 @@ const char* to_text(DetectorState state);
 
 class EchoDetector {
  public:
-  /// A method `model` without a model throws Error. With a model and method `automatic`, the model is used.
+  /// A method `model` without a model throws Error. With a model and method `auto`, the model is used.
   explicit EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model = std::nullopt);
 
   /// The ping must pass `check`.

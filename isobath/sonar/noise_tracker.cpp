@@ -80,7 +80,8 @@ void NoiseTracker::learn(const float* beam) {
 bool NoiseTracker::update() {
   if (profiles_ < due_) return false;
   due_ = profiles_ + std::clamp(profiles_ / 8, 1, 128);
-  const double peak = EchoDistribution(peaks_, 0, 1).quantile(0.5);
+  const Quantiles peaks = quantiles(peaks_.row(0));
+  const double peak = peaks.zeros > 0.5 ? 0 : peaks.high;
   floor_ = config_.contrast * peak;
   for (int k = first_bin_; k < noise_.bins(); ++k) quantiles_[k] = quantiles(noise_.row(k));
   fit_shape();

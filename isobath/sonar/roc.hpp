@@ -3,7 +3,7 @@
 // Source: Ganesan 2015, 3.1 and 4.3 (table 3.1, equations 3.1, 3.2, 4.1); ledger S6-04, S6-05, S6-07, S6-E20. Intervals
 // of proportions are Wilson's (1927). All numbers are probabilities (1); intensities are in counts of the sonar. p is
 // P(intensity >= threshold | target), never P(target | intensity >= threshold) (S6-E20).
-// Accuracy: normal_quantile and erfc_inverse to 1e-14 relative over the whole range of double probabilities.
+// Accuracy of normal_quantile and erfc_inverse: 1e-14, absolute or relative, whichever is larger.
 #pragma once
 
 #include <cstdint>

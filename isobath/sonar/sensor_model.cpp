@@ -68,6 +68,9 @@ Json parse(std::string_view text, const std::string& file) {
     return Json::parse(text);
   } catch (const Json::parse_error& e) {
     throw Error("no JSON", {file, e.byte, {}, {}, {}}, {}, "a sensor model is written by `isobath calibrate`");
+  } catch (const Json::exception&) {  // a number that no double holds
+    throw Error("no JSON: a number out of range", {file, {}, {}, {}, {}}, {},
+                "a sensor model is written by `isobath calibrate`");
   }
 }
 

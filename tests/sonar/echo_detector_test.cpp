@@ -143,7 +143,7 @@ TEST(AutomaticThresholds, KeepTheRateUnderEachLaw) {
   for (const auto& [name, law] : laws) {
     Random random(21);
     EchoDetector whole(plain_automatic());
-    const auto at_range = [&](int, int k) { return law(random) * (1.0 - 0.003 * k); };
+    const auto at_range = [&, &noise = law](int, int k) { return noise(random) * (1.0 - 0.003 * k); };
     EXPECT_NEAR(Trial{}.rate<std::uint8_t>(whole, at_range), 0.02, 0.006) << name;
     EchoDetector real(plain_automatic());
     EXPECT_NEAR(Trial{}.rate<float>(real, at_range), 0.02, 0.006) << name;
@@ -233,6 +233,16 @@ TEST(SkirtRule, KeepsAnEchoThatStandsApartAndDropsAFoot) {
     if (out.hit(0, k)) hits.push_back(k);
   }
   EXPECT_THAT(hits, testing::ElementsAre(24, 25, 26, 27, 60, 63));
+}
+
+TEST(EchoDetectorConfig, IsSetByName) {
+  EchoDetectorConfig config;
+  std::vector<Section> sections = {{"detector", "", fields(config)}};
+  read_toml("[detector]\nmethod = \"os_cfar\"\nfalse_alarm = 0.03\ncfar_law = \"exponential\"\n", "c.toml", sections);
+  EXPECT_EQ(config.method, DetectionMethod::kOrderedStatistic);
+  EXPECT_DOUBLE_EQ(config.false_alarm, 0.03);
+  EXPECT_EQ(config.cfar.law, CfarLaw::kExponential);
+  EXPECT_THROW(set_from_text("detector.contrast=2", sections), Error);
 }
 
 }  // namespace

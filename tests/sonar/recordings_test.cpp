@@ -63,6 +63,8 @@ TEST(TankRecording, FirstEchoOfEachWallIsTheWall) {
   ISOBATH_NEEDS_DATA(csv, "msis-tank/msis-tank-rev00-20.csv");
   const Tank tank(csv);
   const auto first = [&](int bearing) { return tank.echoes(bearing).empty() ? 0 : tank.echoes(bearing)[0]; };
+  for (int bearing : {0, 90, 180, 270})
+    RecordProperty(fmt::format("first{}", bearing), fmt::format("{:.3f}", first(bearing)));
   EXPECT_NEAR(first(0), 2.12, 0.07);
   EXPECT_NEAR(first(90), 1.79, 0.07);
   EXPECT_NEAR(first(180), 2.31, 0.07);
@@ -159,6 +161,7 @@ TEST(DidsonRecording, AutomaticThresholdsAlarmAboutAsOftenAsAsked) {
     }
     all += out.beams() * out.bins();
   }
+  RecordProperty("rate", fmt::format("{:.4f}", hits / all));
   EXPECT_NEAR(hits / all, 0.025, 0.01);
 }
 
@@ -187,6 +190,7 @@ TEST(NoisySimulatedRecording, AutomaticThresholdsKeepEmptyFramesEmpty) {
     }
   }
   ASSERT_GT(all, 0);
+  RecordProperty("rate", fmt::format("{:.4f}", hits / all));
   EXPECT_LT(hits / all, 0.02) << "below it: choosing frames by their maximum cuts the tail of the noise off";
 }
 

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <fstream>
+#include <isobath/base/random.hpp>
 #include <isobath/sonar/sensor_model.hpp>
 #include <tests/support/data.hpp>
 
@@ -65,6 +66,22 @@ TEST(SensorModel, ErrorsOfAFileSayWhere) {
   EXPECT_THAT(error_of([&] { read_sensor_model("", "m.json"); }), HasSubstr("no JSON"));
   EXPECT_THAT(error_of([&] { read_sensor_model("[]", "m.json"); }), HasSubstr("not an object"));
   EXPECT_THAT(error_of([&] { load_sensor_model("nowhere.json"); }), HasSubstr("nowhere.json"));
+}
+
+TEST(SensorModel, DamagedTextIsAnErrorAndNothingElse) {
+  const std::string good = write_sensor_model(model());
+  Random random(17);
+  for (int i = 0; i < 3000; ++i) {
+    std::string text = good;
+    for (int n = 0; n < 1 + i % 3; ++n) text[random.index(text.size())] = static_cast<char>(random.bits());
+    if (i % 5 == 0) text.resize(random.index(text.size()));
+    try {
+      read_sensor_model(text, "m.json").check();
+    } catch (const Error&) {
+    }
+  }
+  EXPECT_THROW(read_sensor_model("{\"format\": 1e999}", "m.json"), Error);
+  EXPECT_THROW(read_sensor_model(std::string(100000, '['), "m.json"), Error);
 }
 
 TEST(SensorModel, IsInterpolatedOverRangeForAnotherWindow) {

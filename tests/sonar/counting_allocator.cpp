@@ -1,0 +1,15 @@
+// operator new of this test executable: counts.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+extern std::atomic<std::size_t> allocations;
+std::atomic<std::size_t> allocations{0};
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
