@@ -1,4 +1,5 @@
-// The subcommands of the program, one file each. Exit codes: 0 success, 1 the run failed its own checks, 2 bad usage or input.
+// The subcommands of the program, one file each. Exit codes: 0 success, 1 the run failed its own checks, 2 bad usage or
+// input.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -10,7 +10,8 @@ Action add_config(CLI::App& program) {
     bool plain = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("config", "Print the annotated configuration: defaults, with --config and --set applied");
+  CLI::App* command =
+      program.add_subcommand("config", "Print the annotated configuration: defaults, with --config and --set applied");
   options->config.add_to(*command);
   command->add_flag("--plain", options->plain, "Without the explanations");
   return [options] {

@@ -6,7 +6,8 @@
 namespace isobath::app {
 
 void ConfigOptions::add_to(CLI::App& command) {
-  command.add_option("--config", file, "TOML file with settings; isobath config prints the defaults")->type_name("FILE");
+  command.add_option("--config", file, "TOML file with settings; isobath config prints the defaults")
+      ->type_name("FILE");
   command.add_option("--set", settings, "One setting, e.g. --set echoes.false_alarm=0.01; may be repeated")
       ->type_name("SECTION.KEY=VALUE")
       ->allow_extra_args(false);

@@ -16,7 +16,8 @@ struct Options {
 
 int act(const Options& options) {
   if (options.output.extension() != ".mcap") {
-    throw Error("cannot write this kind of file", {options.output.string(), {}, {}, {}, {}}, "a name that ends in .mcap");
+    throw Error("cannot write this kind of file", {options.output.string(), {}, {}, {}, {}},
+                "a name that ends in .mcap");
   }
   const auto source = open_source(options.input, options.config.read().input);
   NativeLogWriter log(options.output);
@@ -31,7 +32,8 @@ int act(const Options& options) {
   log.close();
   progress.clear();
   fmt::print("{} events written to {}\n", events, options.output.string());
-  if (source->report().bytes_skipped > 0) fmt::print("{} bytes of the input were skipped\n", source->report().bytes_skipped);
+  if (source->report().bytes_skipped > 0)
+    fmt::print("{} bytes of the input were skipped\n", source->report().bytes_skipped);
   return kSuccess;
 }
 
@@ -39,7 +41,8 @@ int act(const Options& options) {
 
 Action add_convert(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("convert", "Any log to the native log (MCAP), which other viewers open too");
+  CLI::App* command =
+      program.add_subcommand("convert", "Any log to the native log (MCAP), which other viewers open too");
   command->add_option("IN", options->input, "Log, or folder of frames")->required();
   command->add_option("OUT", options->output, "File to write, .mcap")->required();
   options->config.add_to(*command);

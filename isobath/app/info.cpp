@@ -55,12 +55,13 @@ void print(const std::string& input, const SourceReport& report, const Inspectio
                g.end_m, g.pings);
   }
   if (!facts.geometries.empty()) {
-    fmt::print("  {:<12} azimuth {:.2f} .. {:.2f} deg, beam {:.2f} x {:.1f} deg, intensity {:g} .. {:g} of {:g}\n", "beams",
-               facts.azimuth_min_deg, facts.azimuth_max_deg, facts.beam_width_deg, facts.beam_height_deg,
+    fmt::print("  {:<12} azimuth {:.2f} .. {:.2f} deg, beam {:.2f} x {:.1f} deg, intensity {:g} .. {:g} of {:g}\n",
+               "beams", facts.azimuth_min_deg, facts.azimuth_max_deg, facts.beam_width_deg, facts.beam_height_deg,
                facts.intensity_min, facts.intensity_max, facts.full_scale);
   }
   for (const auto& [reason, count] : report.rejected) fmt::print("  {:<12} {} x {}\n", "rejected", count, reason);
-  for (const Damage& d : report.damages) fmt::print("  {:<12} {} bytes at {}: {}\n", "damage", d.bytes, d.offset, d.reason);
+  for (const Damage& d : report.damages)
+    fmt::print("  {:<12} {} bytes at {}: {}\n", "damage", d.bytes, d.offset, d.reason);
 }
 
 }  // namespace

@@ -50,15 +50,17 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
 
 void print(const RunRequest& request, const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
-  fmt::print("{} pings in {:.1f} s of log, {} scans, {} echoes of {} bins; {:.2f} s of work ({:.0f} x real time)\n", n.pings,
-             outcome.log_s, n.scans, n.hits, n.bins, outcome.timings.wall_s,
+  fmt::print("{} pings in {:.1f} s of log, {} scans, {} echoes of {} bins; {:.2f} s of work ({:.0f} x real time)\n",
+             n.pings, outcome.log_s, n.scans, n.hits, n.bins, outcome.timings.wall_s,
              outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0);
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
-  for (const Damage& d : outcome.source.damages) fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
+  for (const Damage& d : outcome.source.damages)
+    fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
   fmt::print("{} obstacles at the end\n", outcome.obstacles.size());
   for (const Obstacle& o : outcome.obstacles) {
     if (o.behind) continue;
-    fmt::print("  bearing {:5.1f} deg  {:6.2f} m  existence {:.3f}\n", o.bearing.wrapped_positive().degrees(), o.range_m, o.existence);
+    fmt::print("  bearing {:5.1f} deg  {:6.2f} m  existence {:.3f}\n", o.bearing.wrapped_positive().degrees(),
+               o.range_m, o.existence);
   }
   fmt::print("written to {}: report.html and {} more files\n", request.out.string(), outcome.files.size() - 1);
 }
@@ -97,7 +99,8 @@ Action add_run(CLI::App& program) {
   command->add_option("--model", options->model, "Sensor model made by isobath calibrate")->type_name("FILE");
   command->add_option("--input-set", options->set, "Set of frames in a folder that holds several")->type_name("NAME");
   command->add_option("--pass", options->pass, "Pass of a set that holds several; default: the first");
-  command->add_option("--threads", options->request.threads, "1 or 2; the results are the same")->check(CLI::Range(1, 64));
+  command->add_option("--threads", options->request.threads, "1 or 2; the results are the same")
+      ->check(CLI::Range(1, 64));
   command->add_flag("--timings", options->request.timings, "Measured times in the report too");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   options->config.add_to(*command);

@@ -1,6 +1,6 @@
-#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
+#include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/io/delimited_text.hpp>
 #include <isobath/io/frame_folder.hpp>

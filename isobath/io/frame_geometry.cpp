@@ -1,6 +1,6 @@
-#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/io/frame_geometry.hpp>
 #include <nlohmann/json.hpp>

@@ -1,13 +1,13 @@
+#include <cmath>
 #include <cpl_conv.h>
 #include <fmt/format.h>
 #include <gdal_frmts.h>
 #include <gdal_priv.h>
-#include <ogr_spatialref.h>
-#include <cmath>
 #include <isobath/base/error.hpp>
 #include <isobath/io/geotiff.hpp>
 #include <limits>
 #include <memory>
+#include <ogr_spatialref.h>
 
 namespace isobath {
 namespace {

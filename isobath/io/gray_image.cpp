@@ -1,4 +1,3 @@
-#include <png.h>
 #include <algorithm>
 #include <csetjmp>
 #include <cstring>
@@ -6,6 +5,7 @@
 #include <isobath/io/gray_image.hpp>
 #include <isobath/io/whole_file.hpp>
 #include <memory>
+#include <png.h>
 
 namespace isobath {
 namespace {

@@ -1,5 +1,5 @@
-#include <fmt/format.h>
 #include <algorithm>
+#include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/io/mcap_records.hpp>
 #include <istream>
@@ -215,9 +215,7 @@ std::optional<McapMessage> McapReader::State::take(std::uint8_t opcode, std::uin
   const std::uint64_t content = position + mcap::kRecordHead;
   const std::uint64_t behind = content + size;
   switch (opcode) {
-    case mcap::kChunk:
-      open_chunk(size);
-      return std::nullopt;
+    case mcap::kChunk: open_chunk(size); return std::nullopt;
     case mcap::kDataEnd:
       if (size == 4 && (!has_summary || behind == limit)) {
         position = limit = behind;
@@ -226,8 +224,7 @@ std::optional<McapMessage> McapReader::State::take(std::uint8_t opcode, std::uin
       }
       report.bytes_read = position;
       return std::nullopt;
-    case mcap::kMessageIndex:
-      break;  // messages are taken in the order of the file
+    case mcap::kMessageIndex: break;  // messages are taken in the order of the file
     case mcap::kHeader:
     case mcap::kSchema:
     case mcap::kChannel:

@@ -1,10 +1,10 @@
-#include <lz4frame.h>
-#include <zlib.h>
-#include <zstd.h>
 #include <algorithm>
 #include <bit>
 #include <isobath/base/error.hpp>
 #include <isobath/io/mcap_records.hpp>
+#include <lz4frame.h>
+#include <zlib.h>
+#include <zstd.h>
 
 namespace isobath::mcap {
 namespace {
@@ -180,12 +180,9 @@ std::uint32_t crc32(std::span<const std::uint8_t> data, std::uint32_t before) {
 
 const char* name_of(McapCompression compression) {
   switch (compression) {
-    case McapCompression::kNone:
-      return "";
-    case McapCompression::kLz4:
-      return "lz4";
-    case McapCompression::kZstd:
-      return "zstd";
+    case McapCompression::kNone: return "";
+    case McapCompression::kLz4: return "lz4";
+    case McapCompression::kZstd: return "zstd";
   }
   return "";
 }

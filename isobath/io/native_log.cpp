@@ -1,6 +1,6 @@
-#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
+#include <fmt/format.h>
 #include <fstream>
 #include <isobath/base/error.hpp>
 #include <isobath/io/cdr.hpp>
@@ -82,12 +82,9 @@ bool writable(const Ping& p) {
 
 std::size_t size_of(SampleType type) {
   switch (type) {
-    case SampleType::kU8:
-      return 1;
-    case SampleType::kU16:
-      return 2;
-    case SampleType::kF32:
-      return 4;
+    case SampleType::kU8: return 1;
+    case SampleType::kU16: return 2;
+    case SampleType::kF32: return 4;
   }
   return 0;
 }

@@ -23,8 +23,8 @@ struct DisplacementSource {
 
 struct MotionConfig {
   MotionKind kind = MotionKind::kAuto;
-  double along = 0.2;  ///< standard deviation of the thruster model after one second, m / sqrt(s)
-  double across = 0.1;
+  double along = 0.05;  ///< standard deviation of the thruster model after one second, m / sqrt(s)
+  double across = 0.03;
 };
 
 std::vector<Field> fields(MotionConfig& config);

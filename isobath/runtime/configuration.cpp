@@ -7,7 +7,8 @@ std::vector<Field> fields(SensorConfig& c) {
 }
 
 std::vector<Field> fields(MapConfig& c) {
-  return {Field::flag("fit", &c.fit, "Cell and size of the grid follow from the sonar's range; false: as [grid] says.")};
+  return {
+      Field::flag("fit", &c.fit, "Cell and size of the grid follow from the sonar's range; false: as [grid] says.")};
 }
 
 std::vector<Section> sections(Configuration& c) {

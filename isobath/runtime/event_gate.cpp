@@ -10,13 +10,14 @@ const char* content_fault(const Ping& ping) {
 }
 
 const char* content_fault(const Navigation& fix) {
-  const bool finite = fix.X_WB.is_finite() && fix.X_WB.translation.norm() < 1e8 && (!fix.v_WB || fix.v_WB->allFinite()) &&
-                      (!fix.covariance || fix.covariance->allFinite());
+  const bool finite = fix.X_WB.is_finite() && fix.X_WB.translation.norm() < 1e8 &&
+                      (!fix.v_WB || fix.v_WB->allFinite()) && (!fix.covariance || fix.covariance->allFinite());
   return finite ? nullptr : EventGate::kBadNavigation;
 }
 
 const char* content_fault(const RangeReading& reading) {
-  const bool finite = reading.X_BS.is_finite() && (!reading.range_m || (std::isfinite(*reading.range_m) && *reading.range_m >= 0));
+  const bool finite =
+      reading.X_BS.is_finite() && (!reading.range_m || (std::isfinite(*reading.range_m) && *reading.range_m >= 0));
   return finite ? nullptr : EventGate::kBadRange;
 }
 

@@ -1,8 +1,8 @@
-// EventGate: the first stage of the pipeline. Lets through what is finite, in order and fresh; counts every rejection by its
-// reason (design, section 3). Each stream (pings, navigation, ranges) is ordered on its own.
+// EventGate: the first stage of the pipeline. Lets through what is finite, in order and fresh; counts every rejection
+// by its reason (design, section 3). Each stream (pings, navigation, ranges) is ordered on its own.
 //
-// A clock that was set back is told from a single stray stamp: after `restart_after` rejections in a row whose own order is
-// right, the gate starts anew from there, and says so once (`restarted`), so that maps can be begun afresh.
+// A clock that was set back is told from a single stray stamp: after `restart_after` rejections in a row whose own
+// order is right, the gate starts anew from there, and says so once (`restarted`), so that maps can be begun afresh.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 namespace isobath {
 
 struct EventGateConfig {
-  double max_age_s = 2;     ///< behind the newest event of any stream
-  int restart_after = 20;   ///< events in a row that are late but in order among themselves
+  double max_age_s = 2;    ///< behind the newest event of any stream
+  int restart_after = 20;  ///< events in a row that are late but in order among themselves
 };
 std::vector<Field> fields(EventGateConfig& config);
 

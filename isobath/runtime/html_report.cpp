@@ -29,7 +29,8 @@ std::string base64(std::string_view bytes) {
   out.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     unsigned word = 0;
-    for (std::size_t j = 0; j < 3; ++j) word = word << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
+    for (std::size_t j = 0; j < 3; ++j)
+      word = word << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
     for (std::size_t j = 0; j < 4; ++j) out += i + j > bytes.size() ? '=' : kAlphabet[word >> (18 - 6 * j) & 63];
   }
   return out;
@@ -87,7 +88,8 @@ void HtmlReport::table(const Row& header, const std::vector<Row>& rows) {
 }
 
 void HtmlReport::folded(const std::string& title, const std::string& preformatted) {
-  body_ += "<details><summary>" + escape_html(title) + "</summary><pre>" + escape_html(preformatted) + "</pre></details>\n";
+  body_ +=
+      "<details><summary>" + escape_html(title) + "</summary><pre>" + escape_html(preformatted) + "</pre></details>\n";
 }
 
 std::string HtmlReport::html() const {

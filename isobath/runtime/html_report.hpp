@@ -1,4 +1,5 @@
-// HtmlReport: one self-contained page (pictures inside, no scripts, nothing fetched) that opens offline and prints well.
+// HtmlReport: one self-contained page (pictures inside, no scripts, nothing fetched) that opens offline and prints
+// well.
 #pragma once
 
 #include <filesystem>

@@ -32,8 +32,9 @@ class StreamCount {
       std::nth_element(sorted.begin(), middle, sorted.end());
       facts_.median_interval_s = static_cast<double>(*middle);
       const double limit = 5 * facts_.median_interval_s;
-      facts_.gaps = static_cast<std::uint64_t>(std::count_if(
-          intervals_.begin(), intervals_.end(), [limit](float i) { return limit > 0 && static_cast<double>(i) > limit; }));
+      facts_.gaps = static_cast<std::uint64_t>(std::count_if(intervals_.begin(), intervals_.end(), [limit](float i) {
+        return limit > 0 && static_cast<double>(i) > limit;
+      }));
     }
     return facts_;
   }

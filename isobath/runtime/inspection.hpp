@@ -30,7 +30,7 @@ struct PingGeometry {
 };
 
 struct Inspection {
-  std::vector<StreamFacts> streams;  ///< those that are there
+  std::vector<StreamFacts> streams;      ///< those that are there
   std::vector<PingGeometry> geometries;  ///< in the order of first appearance, at most kMaxGeometries
   double azimuth_min_deg = 0, azimuth_max_deg = 0;
   double beam_width_deg = 0, beam_height_deg = 0;

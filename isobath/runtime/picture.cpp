@@ -227,7 +227,8 @@ void PlanPicture::vehicle(const Eigen::Vector2d& at, double heading_rad) {
   cairo_translate(cairo_.get(), p.x(), p.y());
   cairo_rotate(cairo_.get(), heading_rad);
   cairo_new_path(cairo_.get());
-  for (const auto& [x, y] : {std::pair(0.0, -11.0), {6.0, 7.0}, {0.0, 4.0}, {-6.0, 7.0}}) cairo_line_to(cairo_.get(), x, y);
+  for (const auto& [x, y] : {std::pair(0.0, -11.0), {6.0, 7.0}, {0.0, 4.0}, {-6.0, 7.0}})
+    cairo_line_to(cairo_.get(), x, y);
   cairo_close_path(cairo_.get());
   fill(palette::kVehicle);
   set({{1, 1, 1, 1}, 1, false});
@@ -306,7 +307,9 @@ double share_of(const ChartPicture::Axis& axis, double v) {
 }  // namespace
 
 double ChartPicture::px_x(double x) const { return left_ + std::clamp(share_of(x_, x), -0.02, 1.02) * plot_width_; }
-double ChartPicture::px_y(double y) const { return top_ + (1 - std::clamp(share_of(y_, y), -0.02, 1.02)) * plot_height_; }
+double ChartPicture::px_y(double y) const {
+  return top_ + (1 - std::clamp(share_of(y_, y), -0.02, 1.02)) * plot_height_;
+}
 
 void ChartPicture::curve(std::span<const double> x, std::span<const double> y, const Stroke& stroke,
                          const std::string& name) {
@@ -330,7 +333,8 @@ void ChartPicture::band(std::span<const double> x, std::span<const double> low, 
   cairo_new_path(cairo_.get());
 }
 
-void ChartPicture::points(std::span<const double> x, std::span<const double> y, Colour colour, const std::string& name) {
+void ChartPicture::points(std::span<const double> x, std::span<const double> y, Colour colour,
+                          const std::string& name) {
   for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
     cairo_new_path(cairo_.get());
     cairo_arc(cairo_.get(), px_x(x[i]), px_y(y[i]), 3, 0, 2 * std::numbers::pi);

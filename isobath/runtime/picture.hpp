@@ -1,7 +1,8 @@
-// Pictures for people: plan views in metres and charts of curves, as PNG. Drawn by Cairo, the same bytes for the same input.
+// Pictures for people: plan views in metres and charts of curves, as PNG. Drawn by Cairo, the same bytes for the same
+// input.
 //
-// A plan view shows the level body frame L (x forward is up, y starboard is right) or the world (north up, east right): both
-// are "x up, y right" in metres, so one class serves. Colours are told apart by people who are colour-blind.
+// A plan view shows the level body frame L (x forward is up, y starboard is right) or the world (north up, east right):
+// both are "x up, y right" in metres, so one class serves. Colours are told apart by people who are colour-blind.
 #pragma once
 
 #include <array>

@@ -64,8 +64,8 @@ void Pipeline::take(Event event) {
 // What happens to a ping whose pose is known -------------------------------------------------------------------------
 
 void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
-  fit_map(ping, posed);                                         // a grid of the sonar's size
-  echoes_.detect(ping, decisions_);                             // intensities -> decisions
+  fit_map(ping, posed);                                                                  // a grid of the sonar's size
+  echoes_.detect(ping, decisions_);                                                      // intensities -> decisions
   mapper_->update(ping, decisions_, X_WB, {.position_fix = poses_.settled(ping.time)});  // belief moves, then learns
   sink_.on_ping({ping, X_WB, decisions_});
   count(decisions_);

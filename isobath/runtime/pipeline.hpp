@@ -1,10 +1,12 @@
-// Pipeline: what happens to an event, from the gate to the list of obstacles. One code path for live, replay and simulation:
-// only the source and the sink differ.
+// Pipeline: what happens to an event, from the gate to the list of obstacles. One code path for live, replay and
+// simulation: only the source and the sink differ.
 //
-//   gate -> pose of the transmit time -> echoes to decisions -> decisions to the body grid -> grid to obstacles, once a scan
+//   gate -> pose of the transmit time -> echoes to decisions -> decisions to the body grid -> grid to obstacles, once a
+//   scan
 //
-// Source: Ganesan 2015, chapter 3, figure 3.1; ledger S6-03, S6-15, S6-20 to S6-30. Time is the time of the events: a run is
-// a function of its input and configuration. One thread. After warm-up, mapping allocates nothing and throws nothing.
+// Source: Ganesan 2015, chapter 3, figure 3.1; ledger S6-03, S6-15, S6-20 to S6-30. Time is the time of the events: a
+// run is a function of its input and configuration. One thread. After warm-up, mapping allocates nothing and throws
+// nothing.
 #pragma once
 
 #include <isobath/io/event.hpp>
@@ -32,9 +34,9 @@ struct PosedPing {
 
 /// The end of one sweep: what is believed now, and the obstacles in it.
 struct ScanResult {
-  int number = 0;               ///< from 1
-  bool posed = false;           ///< whether the pose comes from navigation
-  const Detection& detection;   ///< with the time and the pose of the last ping
+  int number = 0;              ///< from 1
+  bool posed = false;          ///< whether the pose comes from navigation
+  const Detection& detection;  ///< with the time and the pose of the last ping
   const BodyGrid& grid;
 };
 
@@ -47,13 +49,13 @@ class ResultSink {
 };
 
 struct PipelineCounts {
-  std::uint64_t pings = 0;       ///< that reached the map
-  std::uint64_t unposed = 0;     ///< of these, without any navigation
+  std::uint64_t pings = 0;    ///< that reached the map
+  std::uint64_t unposed = 0;  ///< of these, without any navigation
   std::uint64_t navigation = 0;
   std::uint64_t ranges = 0;
   std::uint64_t scans = 0;
-  std::uint64_t bins = 0;        ///< decided, blind ones left out
-  std::uint64_t hits = 0;        ///< decided as echo
+  std::uint64_t bins = 0;  ///< decided, blind ones left out
+  std::uint64_t hits = 0;  ///< decided as echo
 };
 
 class Pipeline {
@@ -101,7 +103,7 @@ class Pipeline {
     bool posed;
   };
   std::optional<Placed> last_;  ///< the ping mapped last
-  bool sweep_open_ = false;  ///< pings since the last scan
+  bool sweep_open_ = false;     ///< pings since the last scan
 };
 
 }  // namespace isobath

@@ -42,7 +42,8 @@ void PlanImage::add_beam(const RangeWindow& w, double heading, Angle half_width,
     for (int i = -across; i <= across; ++i) {
       const double bearing = heading + (across > 0 ? half_width.radians() * i / across : 0);
       const std::ptrdiff_t pixel = index(at.x() + r * std::cos(bearing), at.y() + r * std::sin(bearing));
-      if (pixel >= 0) strongest_[static_cast<std::size_t>(pixel)] = std::max(strongest_[static_cast<std::size_t>(pixel)], value);
+      if (pixel >= 0)
+        strongest_[static_cast<std::size_t>(pixel)] = std::max(strongest_[static_cast<std::size_t>(pixel)], value);
     }
     maximum_ = std::max(maximum_, value);
   }

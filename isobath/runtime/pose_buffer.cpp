@@ -4,7 +4,8 @@
 namespace isobath {
 
 std::vector<Field> fields(PoseBufferConfig& c) {
-  return {Field::real("wait_s", &c.wait_s, {0, 60}, "s", "How long, in log time, a ping waits for the fix that follows it."),
+  return {Field::real("wait_s", &c.wait_s, {0, 60}, "s",
+                      "How long, in log time, a ping waits for the fix that follows it."),
           Field::real("max_extrapolation_s", &c.max_extrapolation_s, {0, 60}, "s",
                       "How far beyond the newest fix a pose is carried on with the last velocity."),
           Field::real("max_gap_s", &c.max_gap_s, {0, 3600}, "s",

@@ -1,7 +1,7 @@
 // PoseBuffer: the pose of the body at the transmit time of a ping, from the fixes around it (design, section 3).
 //
-// Between two fixes: interpolation (straight line, shortest arc). After the newest fix: carried on with its velocity, for at
-// most `max_extrapolation_s`. Holds a bounded number of fixes; nothing allocates after construction.
+// Between two fixes: interpolation (straight line, shortest arc). After the newest fix: carried on with its velocity,
+// for at most `max_extrapolation_s`. Holds a bounded number of fixes; nothing allocates after construction.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -35,7 +35,9 @@ class PoseBuffer {
 
  private:
   static constexpr std::size_t kCapacity = 1024;
-  [[nodiscard]] const Navigation& fix(std::size_t age) const { return ring_[(next_ + kCapacity - 1 - age) % kCapacity]; }
+  [[nodiscard]] const Navigation& fix(std::size_t age) const {
+    return ring_[(next_ + kCapacity - 1 - age) % kCapacity];
+  }
   [[nodiscard]] const Navigation& newest() const { return fix(0); }
 
   PoseBufferConfig config_;

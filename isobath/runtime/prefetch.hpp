@@ -1,5 +1,5 @@
-// PrefetchSource: reads ahead on a thread of its own, in the order of the input, so that decoding and mapping overlap. The
-// events are the same, in the same order, as without it.
+// PrefetchSource: reads ahead on a thread of its own, in the order of the input, so that decoding and mapping overlap.
+// The events are the same, in the same order, as without it.
 #pragma once
 
 #include <condition_variable>

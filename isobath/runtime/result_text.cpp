@@ -18,7 +18,8 @@ ordered_json outline_of(const Obstacle& o) {
 }
 
 constexpr const char* kFrame =
-    "level body frame at the time of the scan: x forward, y starboard, origin at the vehicle, metres; bearings clockwise "
+    "level body frame at the time of the scan: x forward, y starboard, origin at the vehicle, metres; bearings "
+    "clockwise "
     "from forward";
 
 std::string dump(const ordered_json& json) {
@@ -101,9 +102,14 @@ std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) 
                         {"seed", request.configuration.reservoir.seed},
                         {"problem", outcome.problem}};
   for (const auto& [key, value] : outcome.source.details) manifest["details"][key] = value;
-  manifest["counts"] = {{"pings", n.pings},   {"pings_without_pose", n.unposed}, {"navigation", n.navigation},
-                        {"ranges", n.ranges}, {"scans", n.scans},                {"bins", n.bins},
-                        {"hits", n.hits},     {"obstacles", outcome.obstacles.size()}};
+  manifest["counts"] = {{"pings", n.pings},
+                        {"pings_without_pose", n.unposed},
+                        {"navigation", n.navigation},
+                        {"ranges", n.ranges},
+                        {"scans", n.scans},
+                        {"bins", n.bins},
+                        {"hits", n.hits},
+                        {"obstacles", outcome.obstacles.size()}};
   manifest["rejected"] = ordered_json::object();
   for (const auto& [reason, count] : outcome.rejected) manifest["rejected"][reason] = count;
   manifest["bytes_skipped"] = outcome.source.bytes_skipped;

@@ -1,7 +1,7 @@
 // The main job: an input in; map, obstacles, pictures and a report out, in one folder.
 //
-// The same input, configuration and seed give the same bytes in every file, on any number of threads. Measured times are
-// therefore in the outcome (and on the terminal), and in the report only if they are asked for.
+// The same input, configuration and seed give the same bytes in every file, on any number of threads. Measured times
+// are therefore in the outcome (and on the terminal), and in the report only if they are asked for.
 #pragma once
 
 #include <filesystem>

@@ -97,7 +97,9 @@ std::string RunFolder::sonar_picture() const {
   });
   picture.range_rings({0, 0}, ring_step(extent()));
   picture.vehicle({0, 0}, 0);
-  picture.finish({{intensity_colour(1), "strongest echo"}, {intensity_colour(0), "none"}, {{0.93, 0.93, 0.93, 1}, "not looked at"}});
+  picture.finish({{intensity_colour(1), "strongest echo"},
+                  {intensity_colour(0), "none"},
+                  {{0.93, 0.93, 0.93, 1}, "not looked at"}});
   return picture.png();
 }
 
@@ -211,15 +213,16 @@ void RunFolder::write_occupancy(const BodyGrid& grid, const Pose& X_WL, const st
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const BodyGrid* grid) const {
   const PipelineCounts& n = outcome.counts;
   HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded reservoir" : request.input.filename().string()),
-                  fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end", outcome.source.format,
-                              n.pings, outcome.log_s, n.scans, obstacles_.size()));
+                  fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
+                              outcome.source.format, n.pings, outcome.log_s, n.scans, obstacles_.size()));
   if (!outcome.problem.empty()) page.warning(outcome.problem);
   if (n.pings > 0 && n.unposed == n.pings) {
     page.paragraph("The log has no navigation: the vehicle is taken to stand still.");
   }
   if (grid) {
     page.begin_row();
-    page.figure(detections_picture(), "Obstacles over the echoes of the last sweep, seen from above; the vehicle looks up.");
+    page.figure(detections_picture(),
+                "Obstacles over the echoes of the last sweep, seen from above; the vehicle looks up.");
     page.figure(occupancy_picture(*grid), "What is believed of the water around the vehicle. Unknown is not free.");
     page.figure(sonar_picture(), "The echoes of the last sweep as they came.");
     if (!track_.empty() && scans_.back().posed) page.figure(track_picture(), "Where the vehicle went, north up.");
@@ -228,32 +231,40 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
   page.heading("Obstacles");
   std::vector<HtmlReport::Row> rows;
   for (const Obstacle& o : obstacles_) {
-    rows.push_back({degrees(o.bearing), fmt::format("{:.2f}", o.range_m), fmt::format("{:.3f}", o.existence), notes(o)});
+    rows.push_back(
+        {degrees(o.bearing), fmt::format("{:.2f}", o.range_m), fmt::format("{:.3f}", o.existence), notes(o)});
   }
   page.table({"bearing (deg)", "nearest point (m)", "existence", ""}, rows);
   page.heading("Counts");
-  page.table({"what", "how many"}, {{"pings mapped", fmt::format("{}", n.pings)},
-                                    {"of these without a pose", fmt::format("{}", n.unposed)},
-                                    {"navigation fixes", fmt::format("{}", n.navigation)},
-                                    {"range readings", fmt::format("{}", n.ranges)},
-                                    {"scans", fmt::format("{}", n.scans)},
-                                    {"bins decided", fmt::format("{}", n.bins)},
-                                    {"of these echoes", fmt::format("{} ({:.2f} %)", n.hits, n.bins ? 100.0 * static_cast<double>(n.hits) / static_cast<double>(n.bins) : 0.0)}});
+  page.table({"what", "how many"},
+             {{"pings mapped", fmt::format("{}", n.pings)},
+              {"of these without a pose", fmt::format("{}", n.unposed)},
+              {"navigation fixes", fmt::format("{}", n.navigation)},
+              {"range readings", fmt::format("{}", n.ranges)},
+              {"scans", fmt::format("{}", n.scans)},
+              {"bins decided", fmt::format("{}", n.bins)},
+              {"of these echoes",
+               fmt::format("{} ({:.2f} %)", n.hits,
+                           n.bins ? 100.0 * static_cast<double>(n.hits) / static_cast<double>(n.bins) : 0.0)}});
   page.heading("Times");
-  rows = {{"log", fmt::format("{:.3f} s", outcome.log_s)},
-          {"pings", fmt::format("{:.2f} a second of log", outcome.log_s > 0 ? static_cast<double>(n.pings) / outcome.log_s : 0)},
-          {"scans", fmt::format("one every {:.2f} s of log", n.scans ? outcome.log_s / static_cast<double>(n.scans) : 0)}};
+  rows = {
+      {"log", fmt::format("{:.3f} s", outcome.log_s)},
+      {"pings",
+       fmt::format("{:.2f} a second of log", outcome.log_s > 0 ? static_cast<double>(n.pings) / outcome.log_s : 0)},
+      {"scans", fmt::format("one every {:.2f} s of log", n.scans ? outcome.log_s / static_cast<double>(n.scans) : 0)}};
   if (request.timings) {
     rows.push_back({"work for a ping, median", fmt::format("{:.3f} ms", outcome.timings.ping_median_ms)});
     rows.push_back({"work for a ping, 99th percentile", fmt::format("{:.3f} ms", outcome.timings.ping_p99_ms)});
-    rows.push_back({"speed", fmt::format("{:.0f} x real time", outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0)});
+    rows.push_back({"speed", fmt::format("{:.0f} x real time",
+                                         outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0)});
   }
   page.table({"what", "value"}, rows);
   page.heading("Refused and skipped");
   rows.clear();
   for (const auto& [reason, count] : outcome.rejected) rows.push_back({reason, fmt::format("{}", count)});
   for (const Damage& d : outcome.source.damages) {
-    rows.push_back({fmt::format("{} (bytes {} to {})", d.reason, d.offset, d.offset + d.bytes), fmt::format("{} bytes", d.bytes)});
+    rows.push_back(
+        {fmt::format("{} (bytes {} to {})", d.reason, d.offset, d.offset + d.bytes), fmt::format("{} bytes", d.bytes)});
   }
   if (rows.empty()) {
     page.paragraph("Nothing was refused, nothing was skipped.");

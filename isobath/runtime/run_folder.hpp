@@ -1,10 +1,10 @@
 // RunFolder: collects what a run finds and writes it as files that people and programs read.
 //
-//   obstacles.json      the obstacles at the end, level body frame       obstacles.geojson  the same on the globe, if known
-//   scans.json          the obstacles of every scan                      manifest.json      input, counts, rejections, files
-//   occupancy.tif .png  the grid                                         configuration.toml what was in force
-//   sonar.png           the last sweep in plan                           detections.png     obstacles drawn over it
-//   report.html         all of it on one page
+//   obstacles.json      the obstacles at the end, level body frame       obstacles.geojson  the same on the globe, if
+//   known scans.json          the obstacles of every scan                      manifest.json      input, counts,
+//   rejections, files occupancy.tif .png  the grid                                         configuration.toml what was
+//   in force sonar.png           the last sweep in plan                           detections.png     obstacles drawn
+//   over it report.html         all of it on one page
 #pragma once
 
 #include <filesystem>

@@ -59,7 +59,8 @@ const std::vector<Eigen::Vector2d>& Reservoir::embankment() {
   return kLine;
 }
 
-Reservoir::Reservoir(const ReservoirConfig& config) : config_(config), random_(static_cast<std::uint64_t>(config.seed)) {
+Reservoir::Reservoir(const ReservoirConfig& config)
+    : config_(config), random_(static_cast<std::uint64_t>(config.seed)) {
   for (int i = 0; i < kSteps; ++i) fans_.push_back(one_beam(Angle::degrees(-45 + 3 * i)));
 }
 
@@ -120,7 +121,8 @@ std::optional<std::pair<Navigation, Ping>> Reservoir::step() {
   }
   auto samples = std::make_shared<std::vector<std::uint8_t>>(kBins);
   for (int k = 0; k < kBins; ++k) {
-    const double echo = config_.noise_mean + config_.noise_sigma * random_.normal() + profile[static_cast<std::size_t>(k)];
+    const double echo =
+        config_.noise_mean + config_.noise_sigma * random_.normal() + profile[static_cast<std::size_t>(k)];
     const double ringing = k < kBlindBins ? 220 * std::exp(-k / 3.0) : 0;
     (*samples)[static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(std::clamp(echo + ringing, 0.0, 255.0));
   }

@@ -1,10 +1,10 @@
-// Reservoir: the scene that the main job shows when it is given no input. A vehicle with a sector-scanning sonar passes two
-// mooring buoys and an embankment, as in the Pandan trials (Ganesan 2015, 4.1 and 6.2; ledger S6-01, S6-60).
+// Reservoir: the scene that the main job shows when it is given no input. A vehicle with a sector-scanning sonar passes
+// two mooring buoys and an embankment, as in the Pandan trials (Ganesan 2015, 4.1 and 6.2; ledger S6-01, S6-60).
 //
 // Echoes are formed in the horizontal plane, in closed form: buoys are point targets, the embankment is a Lambert line;
-// the beam is Gaussian across (-3 dB at half its width); the background is Gaussian as measured at the lake (S6-D01); now and
-// then a spurious return shows up once (S6-30). The first bins ring with the transmission (S6-09). Everything comes from one
-// seed. Intensities are 8 bits; positions are in W, m; the vehicle stays at 0.5 m depth.
+// the beam is Gaussian across (-3 dB at half its width); the background is Gaussian as measured at the lake (S6-D01);
+// now and then a spurious return shows up once (S6-30). The first bins ring with the transmission (S6-09). Everything
+// comes from one seed. Intensities are 8 bits; positions are in W, m; the vehicle stays at 0.5 m depth.
 #pragma once
 
 #include <Eigen/Core>

@@ -73,23 +73,17 @@ void compare_strided(const std::byte* at, std::ptrdiff_t stride, const float* th
 void compare_any(const Intensities& z, int beam, const float* thresholds, std::uint64_t* hits) {
   const std::byte* at = z.data() + beam * z.beam_stride();
   switch (z.type()) {
-    case SampleType::kU8:
-      return compare_strided<std::uint8_t>(at, z.bin_stride(), thresholds, z.bins(), hits);
-    case SampleType::kU16:
-      return compare_strided<std::uint16_t>(at, z.bin_stride(), thresholds, z.bins(), hits);
-    case SampleType::kF32:
-      return compare_strided<float>(at, z.bin_stride(), thresholds, z.bins(), hits);
+    case SampleType::kU8: return compare_strided<std::uint8_t>(at, z.bin_stride(), thresholds, z.bins(), hits);
+    case SampleType::kU16: return compare_strided<std::uint16_t>(at, z.bin_stride(), thresholds, z.bins(), hits);
+    case SampleType::kF32: return compare_strided<float>(at, z.bin_stride(), thresholds, z.bins(), hits);
   }
 }
 
 DetectorState state_of(ModelMismatch mismatch) {
   switch (mismatch) {
-    case ModelMismatch::kFullScale:
-      return DetectorState::kModelFullScale;
-    case ModelMismatch::kRange:
-      return DetectorState::kModelRange;
-    case ModelMismatch::kBinLength:
-      return DetectorState::kModelBinLength;
+    case ModelMismatch::kFullScale: return DetectorState::kModelFullScale;
+    case ModelMismatch::kRange: return DetectorState::kModelRange;
+    case ModelMismatch::kBinLength: return DetectorState::kModelBinLength;
   }
   return DetectorState::kNoModel;
 }
@@ -122,18 +116,12 @@ std::vector<Field> fields(EchoDetectorConfig& c) {
 
 const char* to_text(DetectorState state) {
   switch (state) {
-    case DetectorState::kReady:
-      return "ready";
-    case DetectorState::kWarmingUp:
-      return "learning the noise level";
-    case DetectorState::kNoModel:
-      return "no sensor model";
-    case DetectorState::kModelFullScale:
-      return to_text(ModelMismatch::kFullScale);
-    case DetectorState::kModelRange:
-      return to_text(ModelMismatch::kRange);
-    case DetectorState::kModelBinLength:
-      return to_text(ModelMismatch::kBinLength);
+    case DetectorState::kReady: return "ready";
+    case DetectorState::kWarmingUp: return "learning the noise level";
+    case DetectorState::kNoModel: return "no sensor model";
+    case DetectorState::kModelFullScale: return to_text(ModelMismatch::kFullScale);
+    case DetectorState::kModelRange: return to_text(ModelMismatch::kRange);
+    case DetectorState::kModelBinLength: return to_text(ModelMismatch::kBinLength);
   }
   return "unknown";
 }
@@ -186,9 +174,7 @@ void EchoDetector::prepare(const Ping& ping) {
           NoiseTracker(EchoLevels(type_, full_scale_), window_.bins, first_bin_, config_.false_alarm, config_.noise);
       state_ = DetectorState::kWarmingUp;
       break;
-    case DetectionMethod::kModel:
-      prepare_model(ping);
-      break;
+    case DetectionMethod::kModel: prepare_model(ping); break;
     case DetectionMethod::kGlobal:
       thresholds_.assign(window_.bins, static_cast<float>(config_.global_threshold) * full_scale_);
       break;

@@ -66,9 +66,7 @@ NoiseFit estimate(const Grouped& g, const std::vector<double>& counts, NoiseLaw 
       fit.scale = std::sqrt(std::max(m2 - fit.location * fit.location, 0.0));
       break;
     }
-    case NoiseLaw::kRayleigh:
-      fit.scale = std::sqrt(m2 / 2);
-      break;
+    case NoiseLaw::kRayleigh: fit.scale = std::sqrt(m2 / 2); break;
     case NoiseLaw::kK: {  // E[x^4] / E[x^2]^2 = 2 (1 + 1 / shape)
       const double excess = raw_moment(g, counts, 4) / (2 * m2 * m2) - 1;
       fit.shape = excess > 1 / kLargestShape ? std::max(1 / excess, kSmallestShape) : kLargestShape;
@@ -128,12 +126,9 @@ void draw(const std::vector<double>& law, double samples, Random& random, std::v
 
 const char* to_text(NoiseLaw law) {
   switch (law) {
-    case NoiseLaw::kGaussian:
-      return "gaussian";
-    case NoiseLaw::kRayleigh:
-      return "rayleigh";
-    case NoiseLaw::kK:
-      return "k";
+    case NoiseLaw::kGaussian: return "gaussian";
+    case NoiseLaw::kRayleigh: return "rayleigh";
+    case NoiseLaw::kK: return "k";
   }
   return "unknown";
 }

@@ -108,12 +108,9 @@ void SensorModel::check(const std::string& file) const {
 
 const char* to_text(ModelMismatch mismatch) {
   switch (mismatch) {
-    case ModelMismatch::kFullScale:
-      return "the sensor model was calibrated at another full scale";
-    case ModelMismatch::kRange:
-      return "the range window reaches beyond the calibrated ranges";
-    case ModelMismatch::kBinLength:
-      return "range bins are over twice as long or short as the calibrated ones";
+    case ModelMismatch::kFullScale: return "the sensor model was calibrated at another full scale";
+    case ModelMismatch::kRange: return "the range window reaches beyond the calibrated ranges";
+    case ModelMismatch::kBinLength: return "range bins are over twice as long or short as the calibrated ones";
   }
   return "unknown";
 }

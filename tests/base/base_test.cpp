@@ -1,5 +1,5 @@
-#include <gmock/gmock.h>
 #include <cmath>
+#include <gmock/gmock.h>
 #include <isobath/base/angle.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>

@@ -1,15 +1,15 @@
 // What goes out to geographic information systems, and the local plane that ties metres to the globe.
+#include <cmath>
 #include <cpl_conv.h>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
-#include <ogr_spatialref.h>
-#include <cmath>
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/io/geojson.hpp>
 #include <isobath/io/geotiff.hpp>
 #include <isobath/io/whole_file.hpp>
 #include <nlohmann/json.hpp>
+#include <ogr_spatialref.h>
 #include <tests/support/data.hpp>
 
 namespace isobath {

@@ -1,13 +1,13 @@
 // Pictures, frame geometry, folders of frames, marked frames.
-#include <gmock/gmock.h>
-#include <png.h>
 #include <cmath>
 #include <fstream>
+#include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/io/frame_folder.hpp>
 #include <isobath/io/marked_frames.hpp>
 #include <isobath/io/whole_file.hpp>
+#include <png.h>
 #include <tests/support/data.hpp>
 
 namespace isobath {

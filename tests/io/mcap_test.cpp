@@ -1,9 +1,9 @@
 // The MCAP container and the native log in it. tests/io/mcap_conformance reads our files with another's reader.
-#include <gmock/gmock.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <fstream>
+#include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/io/frame_folder.hpp>

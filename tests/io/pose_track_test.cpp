@@ -1,6 +1,6 @@
 // Tables of poses beside a log.
-#include <gmock/gmock.h>
 #include <deque>
+#include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/io/pose_track.hpp>

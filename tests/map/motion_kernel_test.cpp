@@ -1,5 +1,5 @@
-#include <gtest/gtest.h>
 #include <Eigen/Cholesky>
+#include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/map/motion_kernel.hpp>
 

@@ -1,9 +1,9 @@
 // Against enumeration of every state of cells, parts and detectors: Bayes' rule in its plainest form.
-#include <gtest/gtest.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/map/body_grid.hpp>
 #include <isobath/perception/bin_update.hpp>

@@ -48,7 +48,7 @@ TEST(DetectorProperty, EveryEvidentCellLiesInSomeOutline) {
       occupied.push_back({static_cast<int>(random.index(50)), static_cast<int>(random.index(50))});
       grid.set_probability(occupied.back(), 0.95);
     }
-      const auto found = obstacles_in(grid);
+    const auto found = obstacles_in(grid);
     for (const Cell c : occupied) {
       const Vector2d p = grid.to_level_body(grid.cells().centre(c));
       EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const Obstacle& o) { return contains(o.outline, p); }));

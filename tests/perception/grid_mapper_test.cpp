@@ -1,5 +1,5 @@
-#include <gtest/gtest.h>
 #include <cmath>
+#include <gtest/gtest.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/perception/grid_mapper.hpp>

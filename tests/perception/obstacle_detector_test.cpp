@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
 #include <cmath>
 #include <fstream>
+#include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>

@@ -1,5 +1,5 @@
-// Frames of an imaging sonar that circles a small hull, made by others with exact poses: a moving vehicle must see the hull
-// where it is. The hull's box is the recording's own, in its frame: x east, y north.
+// Frames of an imaging sonar that circles a small hull, made by others with exact poses: a moving vehicle must see the
+// hull where it is. The hull's box is the recording's own, in its frame: x east, y north.
 #include <gtest/gtest.h>
 #include <tests/runtime/kept_scans.hpp>
 #include <tests/support/data.hpp>

@@ -18,7 +18,9 @@ struct KeptScan {
 class ScanKeeper : public ResultSink {
  public:
   void on_ping(const PosedPing&) override { ++pings; }
-  void on_scan(const ScanResult& scan) override { scans.push_back({scan.number, scan.detection.time, scan.detection.X_WB, scan.detection.obstacles}); }
+  void on_scan(const ScanResult& scan) override {
+    scans.push_back({scan.number, scan.detection.time, scan.detection.X_WB, scan.detection.obstacles});
+  }
   int pings = 0;
   std::vector<KeptScan> scans;
 };

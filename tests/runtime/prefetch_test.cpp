@@ -54,7 +54,10 @@ TEST(Inspection, CountsRatesGapsAndStepsBack) {
 TEST(HtmlReport, IsSelfContainedAndEscapesUntrustedText) {
   HtmlReport report("a <b>", "c & d");
   report.table({"k"}, {{"<script>"}});
-  report.figure("\x89PN" "G", "picture");
+  report.figure(
+      "\x89PN"
+      "G",
+      "picture");
   const std::string html = report.html();
   EXPECT_EQ(html.find("<script>"), std::string::npos);
   EXPECT_NE(html.find("&lt;script&gt;"), std::string::npos);

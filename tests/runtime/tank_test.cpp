@@ -1,5 +1,5 @@
-// The recording of a scanning sonar in a rectangular tank: what must be seen in it, and what must not. The expectations come
-// from the recording's description, not from this program.
+// The recording of a scanning sonar in a rectangular tank: what must be seen in it, and what must not. The expectations
+// come from the recording's description, not from this program.
 #include <gmock/gmock.h>
 #include <tests/runtime/kept_scans.hpp>
 #include <tests/support/data.hpp>

@@ -47,7 +47,8 @@ TEST(Reservoir, EchoStandsAtTheTrueRangeAndBearing) {
   double found = 0;
   while (auto step = scene.step()) {
     const auto& [fix, ping] = *step;
-    const Eigen::Vector3d seen = fix.X_WB.inverse() * Eigen::Vector3d(Reservoir::buoys()[0].x(), Reservoir::buoys()[0].y(), 0.5);
+    const Eigen::Vector3d seen =
+        fix.X_WB.inverse() * Eigen::Vector3d(Reservoir::buoys()[0].x(), Reservoir::buoys()[0].y(), 0.5);
     const double bearing = std::atan2(seen.y(), seen.x());
     if (std::abs(ping.fan->azimuth[0].radians() - bearing) > 0.02 || seen.norm() > 49 || seen.norm() < 12) continue;
     const int bin = static_cast<int>(seen.norm() / ping.window.bin_m);

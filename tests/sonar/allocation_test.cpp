@@ -1,5 +1,5 @@
-#include <gmock/gmock.h>
 #include <atomic>
+#include <gmock/gmock.h>
 #include <isobath/sonar/echo_detector.hpp>
 #include <isobath/sonar/sweep.hpp>
 #include <tests/support/echoes.hpp>

@@ -1,5 +1,5 @@
-#include <gmock/gmock.h>
 #include <cmath>
+#include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/sonar/calibration.hpp>
 #include <isobath/sonar/echo_detector.hpp>

@@ -1,5 +1,5 @@
-#include <gmock/gmock.h>
 #include <cmath>
+#include <gmock/gmock.h>
 #include <isobath/sonar/cfar.hpp>
 #include <numeric>
 #include <tests/support/echoes.hpp>

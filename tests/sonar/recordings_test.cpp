@@ -1,11 +1,11 @@
 // The automatic detector on recordings of real sonars (see their README for what stands where).
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <png.h>
 #include <cmath>
+#include <fmt/format.h>
 #include <fstream>
+#include <gmock/gmock.h>
 #include <isobath/sonar/calibration.hpp>
 #include <isobath/sonar/echo_detector.hpp>
+#include <png.h>
 #include <sstream>
 #include <tests/support/data.hpp>
 #include <tests/support/echoes.hpp>

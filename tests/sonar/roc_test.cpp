@@ -1,5 +1,5 @@
-#include <gmock/gmock.h>
 #include <cmath>
+#include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
 #include <isobath/sonar/roc.hpp>
 #include <vector>

@@ -1,5 +1,5 @@
-#include <gmock/gmock.h>
 #include <fstream>
+#include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
 #include <isobath/sonar/sensor_model.hpp>
 #include <tests/support/data.hpp>

@@ -1,6 +1,6 @@
 // Writes <folder>/{none,lz4,zstd}.mcap of made-up events and <folder>/expected.json, what a reader must count in them.
-#include <fmt/format.h>
 #include <cstdio>
+#include <fmt/format.h>
 #include <isobath/io/native_log.hpp>
 #include <isobath/io/whole_file.hpp>
 #include <tests/io/sample_events.hpp>
