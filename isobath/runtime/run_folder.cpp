@@ -32,11 +32,7 @@ std::string notes(const Obstacle& o) {
 
 RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder_, failed);
-  if (failed || !std::filesystem::is_directory(folder_)) {
-    throw Error("cannot make the output folder", {folder_.string(), {}, {}, {}, {}}, "", "choose another with --out");
-  }
+  make_folder(folder_);
 }
 
 void RunFolder::on_ping(const PosedPing& posed) { sweep_.push_back({posed.ping, posed.X_WB}); }
