@@ -31,12 +31,13 @@ build/lint/.rules: .clang-tidy | build
 	@rm -rf build/lint && mkdir -p build/lint && touch $@
 
 build-%: build/%/.configured-$(WERROR)
-	@cmake --build build/$* --parallel $(JOBS) $(if $(filter lint,$*),-- -k 0)
+	@cmake --build build/$* --parallel $(JOBS) $(if $(filter lint,$*),-- -k 0 | grep -v __run_co_compile)
 
 run-tests-%: build-%
 	ctest --test-dir build/$* --parallel $(JOBS) --output-on-failure --no-tests=error
 
-demo: build-release ## Run the program on what it brings along; says where the report is
+demo: build/release/.configured-$(WERROR) ## Run the program on what it brings along; says where the report is
+	@cmake --build build/release --parallel $(JOBS) --target isobath_app
 	$(DEMO)
 	@echo "Report: $(DEMO_OUT)/report.html"
 
@@ -49,8 +50,7 @@ bench: build-bench ## Run the benchmarks
 	@for program in build/bench/bench/*_bench; do echo "== $$program"; "$$program"; done
 
 lint: setup ## Formatting, repository hygiene, clang-tidy; warnings are errors
-	@scripts/check-files
-	@$(MAKE) --no-print-directory build-lint
+	@status=0; scripts/check-files || status=1; $(MAKE) --no-print-directory build-lint || status=1; exit $$status
 
 fuzz: build-fuzz ## Run every fuzz target FUZZ_SECONDS long (60), from its corpus
 	@for program in build/fuzz/tests/fuzz/*_fuzz; do \

@@ -64,6 +64,8 @@ Pose Pose::operator*(const Pose& other) const {
 }
 bool Pose::is_finite() const { return translation.allFinite() && rotation.quaternion().coeffs().allFinite(); }
 
+Pose level(const Pose& X_WB) { return {Rotation::from_heading(X_WB.rotation.heading()), X_WB.translation}; }
+
 Pose interpolate(const Pose& a, const Pose& b, double share) {
   const Eigen::Vector3d turn = (a.rotation.inverse() * b.rotation).log();
   return {a.rotation * Rotation::exp(share * turn), a.translation + share * (b.translation - a.translation)};

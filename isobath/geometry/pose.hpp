@@ -23,6 +23,8 @@ class Rotation {
   static Rotation from_matrix(const Eigen::Matrix3d& matrix);
   static bool valid(const Eigen::Matrix3d& matrix);
   static Rotation from_quaternion(const Eigen::Quaterniond& q);
+  /// Keeps q bit for bit, for logs that must read back as they were written. The caller knows that |q| = 1.
+  static Rotation from_unit_quaternion(const Eigen::Quaterniond& q) { return Rotation(q); }
   /// The rotation by |w| about w (radians).
   static Rotation exp(const Eigen::Vector3d& w);
 
@@ -52,6 +54,9 @@ struct Pose {
   Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return rotation * p + translation; }
   [[nodiscard]] bool is_finite() const;
 };
+
+/// X_WL of X_WB: the same place and heading with roll and pitch removed (frame L of the ledger).
+Pose level(const Pose& X_WB);
 
 /// From a (share 0) to b (share 1): translation on the straight line, rotation on the shortest arc.
 Pose interpolate(const Pose& a, const Pose& b, double share);

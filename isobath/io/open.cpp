@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <array>
+#include <isobath/io/frame_folder.hpp>
+#include <isobath/io/mcap.hpp>
+#include <isobath/io/native_log.hpp>
 #include <isobath/io/oculus_logs.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/io/ping_logs.hpp>
+#include <isobath/io/pose_track.hpp>
 #include <isobath/io/scan_csv.hpp>
 #include <isobath/io/text_lines.hpp>
 #include <isobath/io/tritech_logs.hpp>
@@ -33,8 +37,27 @@ constexpr Format file(const char* name) {
           [](const fs::path& path, const InputConfig& config) { return open(ByteWindow::open(path), config); }};
 }
 
+/// A row for a format that opens its files by itself.
+template <bool (*probe)(std::span<const std::uint8_t>),
+          std::unique_ptr<Source> (*open)(const fs::path&, const InputConfig&)>
+constexpr Format own_file(const char* name) {
+  return {name,
+          [](const Candidate& c) {
+            return !c.is_folder && probe({reinterpret_cast<const std::uint8_t*>(c.head.data()), c.head.size()});
+          },
+          open};
+}
+
+/// A row for a format that is a folder.
+template <bool (*probe)(const fs::path&), std::unique_ptr<Source> (*open)(const fs::path&, const InputConfig&)>
+constexpr Format folder(const char* name) {
+  return {name, [](const Candidate& c) { return c.is_folder && probe(c.path); }, open};
+}
+
 /// The first that fits is taken: what has a signature stands before what must be searched for.
 constexpr std::array kFormats{
+    folder<looks_like_frame_folder, open_frame_folder>("folder of PNG frames"),
+    own_file<looks_like_mcap, open_native_log>("MCAP"),
     file<looks_like_ping_viewer_log, open_ping_viewer_log>("Ping Viewer log"),
     file<looks_like_scan_csv, open_scan_csv>("scan CSV"),
     file<looks_like_ping360_arc, open_ping360_arc>("Ping360 arc table"),
@@ -79,7 +102,10 @@ std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& co
   const Bytes head = window ? window->want(kHead) : Bytes();
   const Candidate candidate{input, is_folder, head.first(std::min(head.size(), kHead))};
   for (const Format& format : kFormats) {
-    if (format.probe(candidate)) return format.open(input, config);
+    if (!format.probe(candidate)) continue;
+    auto source = format.open(input, config);
+    return config.navigation.empty() ? std::move(source)
+                                     : merge_by_time(std::move(source), open_pose_track(config.navigation));
   }
   refuse(candidate);
 }

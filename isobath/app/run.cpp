@@ -1,0 +1,107 @@
+#include <cstdio>
+#include <fmt/format.h>
+#include <isobath/app/config_options.hpp>
+#include <isobath/app/progress.hpp>
+#include <isobath/runtime/run.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace isobath::app {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Options {
+  ConfigOptions config;
+  RunRequest request;
+  std::string model, set;
+  int pass = 0;
+  bool json = false;
+};
+
+ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
+  const PipelineCounts& n = outcome.counts;
+  ordered_json rejected = ordered_json::object();
+  for (const auto& [reason, count] : outcome.rejected) rejected[reason] = count;
+  ordered_json files = ordered_json::array();
+  for (const auto& file : outcome.files) files.push_back((request.out / file).string());
+  const double wall = outcome.timings.wall_s;
+  return {{"problem", outcome.problem},
+          {"counts",
+           {{"pings", n.pings},
+            {"pings_without_pose", n.unposed},
+            {"navigation", n.navigation},
+            {"ranges", n.ranges},
+            {"scans", n.scans},
+            {"bins", n.bins},
+            {"hits", n.hits},
+            {"obstacles", outcome.obstacles.size()},
+            {"bytes_skipped", outcome.source.bytes_skipped}}},
+          {"rejected", rejected},
+          {"rates",
+           {{"log_s", outcome.log_s},
+            {"wall_s", wall},
+            {"pings_per_s", wall > 0 ? static_cast<double>(n.pings) / wall : 0},
+            {"times_real_time", wall > 0 ? outcome.log_s / wall : 0},
+            {"ping_median_ms", outcome.timings.ping_median_ms},
+            {"ping_p99_ms", outcome.timings.ping_p99_ms}}},
+          {"files", files}};
+}
+
+void print(const RunRequest& request, const RunOutcome& outcome) {
+  const PipelineCounts& n = outcome.counts;
+  fmt::print("{} pings in {:.1f} s of log, {} scans, {} echoes of {} bins; {:.2f} s of work ({:.0f} x real time)\n", n.pings,
+             outcome.log_s, n.scans, n.hits, n.bins, outcome.timings.wall_s,
+             outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0);
+  for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
+  for (const Damage& d : outcome.source.damages) fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
+  fmt::print("{} obstacles at the end\n", outcome.obstacles.size());
+  for (const Obstacle& o : outcome.obstacles) {
+    if (o.behind) continue;
+    fmt::print("  bearing {:5.1f} deg  {:6.2f} m  existence {:.3f}\n", o.bearing.wrapped_positive().degrees(), o.range_m, o.existence);
+  }
+  fmt::print("written to {}: report.html and {} more files\n", request.out.string(), outcome.files.size() - 1);
+}
+
+int act(Options& options) {
+  RunRequest& request = options.request;
+  if (!options.model.empty()) options.config.settings.push_back("sensor.model=" + options.model);
+  if (!options.set.empty()) options.config.settings.push_back("input.set=" + options.set);
+  if (options.pass > 0) options.config.settings.push_back("input.pass=" + std::to_string(options.pass));
+  request.configuration = options.config.read();
+  ProgressLine progress;
+  request.progress = [&](const SourceReport& source, const PipelineCounts& counts) {
+    progress.show(source.bytes_read, source.bytes_total, counts.pings);
+  };
+  const RunOutcome outcome = run(request);
+  progress.clear();
+  if (options.json) {
+    fmt::print("{}\n", to_json(request, outcome).dump(2, ' ', false, ordered_json::error_handler_t::replace));
+  } else {
+    print(request, outcome);
+  }
+  if (outcome.problem.empty()) return kSuccess;
+  std::fflush(stdout);
+  std::fprintf(stderr, "isobath: %s: %s\n", request.input.string().c_str(), outcome.problem.c_str());
+  return kBadInput;
+}
+
+}  // namespace
+
+Action add_run(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  options->request.out = "out/run";
+  CLI::App* command = program.add_subcommand("run", "The main job: log in; map, obstacles, pictures and report out");
+  command->add_option("INPUT", options->request.input, "Log, or folder of frames; without it, the embedded reservoir");
+  command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
+  command->add_option("--model", options->model, "Sensor model made by isobath calibrate")->type_name("FILE");
+  command->add_option("--input-set", options->set, "Set of frames in a folder that holds several")->type_name("NAME");
+  command->add_option("--pass", options->pass, "Pass of a set that holds several; default: the first");
+  command->add_option("--threads", options->request.threads, "1 or 2; the results are the same")->check(CLI::Range(1, 64));
+  command->add_flag("--timings", options->request.timings, "Measured times in the report too");
+  command->add_flag("--json", options->json, "One JSON object on standard output");
+  options->config.add_to(*command);
+  return [options] { return act(*options); };
+}
+
+}  // namespace isobath::app

@@ -1,0 +1,42 @@
+#include <cmath>
+#include <GeographicLib/LocalCartesian.hpp>
+#include <isobath/base/error.hpp>
+#include <isobath/geometry/geodesy.hpp>
+
+namespace isobath {
+
+bool valid(const GeoPoint& point) { return std::abs(point.latitude_deg) <= 90 && std::abs(point.longitude_deg) <= 180; }
+
+LocalPlane::LocalPlane(GeoOrigin origin) : origin_(origin) { ISOBATH_ASSERT(valid(origin)); }
+
+Eigen::Vector2d LocalPlane::to_plane(const GeoPoint& point) const {
+  const GeographicLib::LocalCartesian plane(origin_.latitude_deg, origin_.longitude_deg);
+  double east = 0, north = 0, up = 0;
+  plane.Forward(point.latitude_deg, point.longitude_deg, 0, east, north, up);
+  return {north, east};
+}
+
+GeoPoint LocalPlane::to_geo(const Eigen::Vector2d& north_east) const {
+  ISOBATH_ASSERT(north_east.norm() < 1e6);
+  const GeographicLib::LocalCartesian plane(origin_.latitude_deg, origin_.longitude_deg);
+  GeoPoint point;
+  double up = 0, height = 0;
+  for (int i = 0; i < 20; ++i) {  // down the plane's normal until the water is met; converges by 1/40 a step at 160 km
+    plane.Reverse(north_east.y(), north_east.x(), up, point.latitude_deg, point.longitude_deg, height);
+    if (std::abs(height) < 1e-9) break;
+    up -= height;
+  }
+  return point;
+}
+
+GeoOrigin origin_from(const GeoPoint& point, const Eigen::Vector2d& north_east) {
+  GeoOrigin origin = LocalPlane(point).to_geo(-north_east);
+  for (int i = 0; i < 20; ++i) {  // meridians converge: correct by what the plane of the guess makes of the point
+    const Eigen::Vector2d miss = LocalPlane(origin).to_plane(point) - north_east;
+    if (miss.norm() < 1e-9) break;
+    origin = LocalPlane(origin).to_geo(miss);
+  }
+  return origin;
+}
+
+}  // namespace isobath

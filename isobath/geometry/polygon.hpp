@@ -1,0 +1,34 @@
+// Convex hulls and simple polygons in the plane.
+//
+// A polygon is a list of corners without repetition of the first, in the positive sense from x to y (which is clockwise
+// seen from above where x is forward and y starboard). Units are the caller's (metres everywhere in this project).
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+namespace isobath {
+
+using Polygon = std::vector<Eigen::Vector2d>;
+
+inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// Andrew's monotone chain; corners on a side are left out. Fewer than three points that span an area come back as they
+/// are.
+Polygon convex_hull(std::vector<Eigen::Vector2d> points);
+
+/// Positive for a polygon in the positive sense.
+double area(const Polygon& polygon);
+
+/// Whether p lies inside or on the border of a convex polygon.
+bool contains(const Polygon& convex, const Eigen::Vector2d& p);
+
+/// The point of a convex polygon (inside or border) nearest to p: p itself where it is inside. The polygon is not
+/// empty.
+Eigen::Vector2d nearest_point(const Polygon& convex, const Eigen::Vector2d& p);
+
+/// Distance from `origin` along the unit vector `direction` to the first point of the border, if the ray meets it.
+std::optional<double> ray_hit(const Polygon& polygon, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction);
+
+}  // namespace isobath

@@ -1,0 +1,30 @@
+// GeoJSON (RFC 7946): outlines on the globe with properties, for charts.
+//
+// Positions are longitude, latitude in degrees (WGS 84), to 1e-9 degrees; rings are closed and counter-clockwise. The
+// same features give the same text. A property that is not finite becomes null: JSON has no other word for it.
+#pragma once
+
+#include <cstdint>
+#include <Eigen/Core>
+#include <filesystem>
+#include <isobath/geometry/geodesy.hpp>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace isobath {
+
+struct GeoFeature {
+  using Value = std::variant<bool, std::int64_t, double, std::string>;
+
+  std::vector<Eigen::Vector2d> outline;  ///< north, east in W, m; three corners or more, in either sense, not closed
+  std::vector<std::pair<std::string, Value>> properties;  ///< in this order
+};
+
+std::string geojson_text(std::span<const GeoFeature> features, const GeoOrigin& origin);
+/// Throws Error when the file cannot be written.
+void write_geojson(const std::filesystem::path& file, std::span<const GeoFeature> features, const GeoOrigin& origin);
+
+}  // namespace isobath

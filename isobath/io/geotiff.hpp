@@ -1,0 +1,41 @@
+// GeoTIFF: rasters of maps for every geographic information system, through GDAL.
+//
+// With an origin on the globe the coordinate system is the azimuthal equidistant projection of WGS 84 around it: east
+// and north of W in metres (within 4 mm of the tangent plane at 10 km, 4 m at 100 km). Without one it is a local
+// engineering system: what stands at the place, not where the place is. Rasters may lie turned: the geotransform says
+// so. The same cells give the same bytes. Errors: throws Error when the file cannot be written.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <isobath/base/angle.hpp>
+#include <isobath/geometry/geodesy.hpp>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace isobath {
+
+/// How a raster lies in the plane of W.
+struct RasterFrame {
+  int columns = 0;
+  int rows = 0;
+  double cell_m = 0;
+  Eigen::Vector2d corner_m = {0, 0};  ///< north, east of the outer corner of the first cell, top left
+  Angle up;                           ///< direction of the picture's upward edge, clockwise from north
+  std::optional<GeoOrigin> origin;
+};
+
+struct RasterMeaning {
+  std::string name;  ///< "occupancy probability"
+  std::string unit;  ///< "m"; empty: none
+};
+
+/// Rows from the top, columns from the left; NaN is written as "no data".
+void write_geotiff(const std::filesystem::path& file, const RasterFrame& frame, const RasterMeaning& meaning,
+                   std::span<const float> cells);
+/// `no_data` is the value of cells that nobody knows.
+void write_geotiff(const std::filesystem::path& file, const RasterFrame& frame, const RasterMeaning& meaning,
+                   std::span<const std::uint8_t> cells, std::optional<std::uint8_t> no_data);
+
+}  // namespace isobath

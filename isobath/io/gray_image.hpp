@@ -1,0 +1,37 @@
+// GrayImage: 8- and 16-bit grey pictures as PNG, the form in which polar sonar frames and masks are kept.
+//
+// Reading takes grey, grey with alpha, and colour (its first channel); 1, 2 and 4 bits are scaled up to 8, palettes to
+// colour. Values are taken as stored: no gamma, no alpha blending. Writing the same image gives the same bytes. Errors:
+// a file that is not a whole PNG, or larger than kMaxSide a side, throws Error.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+struct GrayImage {
+  static constexpr int kMaxSide = 32768;
+
+  int width = 0;
+  int height = 0;
+  int sample_bytes = 1;               ///< 1 or 2
+  std::vector<std::uint8_t> samples;  ///< rows from the top, little-endian where sample_bytes is 2
+
+  [[nodiscard]] int operator()(int column, int row) const {
+    const std::size_t at = (static_cast<std::size_t>(row) * width + column) * sample_bytes;
+    return sample_bytes == 1 ? samples[at] : samples[at] | samples[at + 1] << 8;
+  }
+  bool operator==(const GrayImage&) const = default;
+};
+
+GrayImage parse_gray_png(std::span<const std::uint8_t> bytes, const std::string& file);
+GrayImage read_gray_png(const std::filesystem::path& file);
+
+std::vector<std::uint8_t> gray_png_bytes(const GrayImage& image);
+void write_gray_png(const std::filesystem::path& file, const GrayImage& image);
+
+}  // namespace isobath

@@ -1,0 +1,61 @@
+#include <algorithm>
+#include <isobath/base/error.hpp>
+#include <isobath/io/frame_folder.hpp>
+#include <isobath/io/marked_frames.hpp>
+
+namespace isobath {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path mask_of(const fs::path& frame) {
+  std::string stem = frame.stem().string();
+  if (!stem.ends_with("_raw")) return {};
+  const fs::path mask = frame.parent_path() / (stem.substr(0, stem.size() - 4) + "_annotated.png");
+  return fs::exists(mask) ? mask : fs::path();
+}
+
+Ping ping_of(const fs::path& file, const FrameGeometry& geometry, const InputConfig& config) {
+  auto ping = ping_from_frame(geometry, read_gray_png(file), config);
+  if (!ping) throw Error("the frame's size is not the geometry's", {file.string(), {}, {}, {}, {}});
+  ping->time = time_of_frame(file).value_or(Time{});
+  ping->X_BS.rotation = Rotation::from_heading(config.mount_heading);
+  return *std::move(ping);
+}
+
+std::vector<std::uint8_t> marks_of(const Ping& mask) {
+  const int beams = mask.intensity.beams(), bins = mask.intensity.bins();
+  std::vector<std::uint8_t> marks;
+  marks.reserve(static_cast<std::size_t>(beams) * bins);
+  const float full = mask.intensity.type() == SampleType::kU8 ? 255 : 65535;
+  for (int b = 0; b < beams; ++b) {
+    for (int k = 0; k < bins; ++k) marks.push_back(mask.intensity(b, k) == full ? 1 : 0);
+  }
+  return marks;
+}
+
+}  // namespace
+
+std::vector<MarkedFrame> read_marked_frames(const fs::path& folder, const InputConfig& config) {
+  const FrameLayout layout = frame_layout(folder, config);
+  std::vector<MarkedFrame> frames;
+  for (const FrameSet& set : layout.sets) {
+    if (!config.set.empty() && set.name != config.set) continue;
+    const std::size_t first = frames.size();
+    for (const fs::path& file : frames_in(set.folder)) {
+      if (file.stem().string().ends_with("_annotated")) continue;
+      const fs::path mask = mask_of(file);
+      MarkedFrame frame{ping_of(file, layout.geometry, config), mask.empty(), {}};
+      if (!mask.empty()) frame.marked = marks_of(ping_of(mask, layout.geometry, config));
+      frames.push_back(std::move(frame));
+    }
+    std::stable_sort(frames.begin() + static_cast<std::ptrdiff_t>(first), frames.end(),
+                     [](const auto& a, const auto& b) { return a.ping.time < b.ping.time; });
+  }
+  if (frames.empty())
+    throw Error("holds no frames" + (config.set.empty() ? "" : " in the set " + config.set),
+                {folder.string(), {}, {}, {}, {}});
+  return frames;
+}
+
+}  // namespace isobath

@@ -1,0 +1,395 @@
+#include <fmt/format.h>
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <isobath/base/error.hpp>
+#include <isobath/io/cdr.hpp>
+#include <isobath/io/native_log.hpp>
+#include <limits>
+
+namespace isobath {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr const char* kPing = "isobath/msg/Ping";
+constexpr const char* kNavigation = "isobath/msg/Navigation";
+constexpr const char* kRange = "isobath/msg/RangeReading";
+constexpr const char* kOrigin = "isobath/origin";
+constexpr const char* kDetails = "isobath/source";
+constexpr const char* kConfiguration = "isobath/configuration";
+
+const std::string kPoseDefinition = std::string(80, '=') +
+                                    "\nMSG: isobath/Pose\n"
+                                    "# North-east-down or forward-starboard-down axes; unit quaternion.\n"
+                                    "float64 x\nfloat64 y\nfloat64 z\nfloat64 qx\nfloat64 qy\nfloat64 qz\nfloat64 qw\n";
+
+const std::string kPingDefinition =
+    "# One transmission of an imaging sonar: a fan of beams by range bins. SI units.\n"
+    "int64 time_ns             # since 1970 (UTC), or since the start of a log without a date\n"
+    "isobath/Pose sensor       # sensor in body\n"
+    "float64 sound_speed       # that the ranges were computed with\n"
+    "float64 range_start       # near edge of the first bin\n"
+    "float64 bin_length\n"
+    "uint32 bins\n"
+    "float32 full_scale        # value of a saturated sample\n"
+    "uint8 sweep               # of a scanning head: 0 unknown, 1 inside a sweep, 2 its end\n"
+    "float64 beam_height       # full -3 dB width in elevation, rad\n"
+    "float64[] azimuth         # of each beam, clockwise seen from above, rad\n"
+    "float64[] beam_width      # full -3 dB width of each beam, rad\n"
+    "uint8[] samples_u8        # beam by beam, nearest bin first; one of the three lists is filled\n"
+    "uint16[] samples_u16\n"
+    "float32[] samples_f32\n" +
+    kPoseDefinition;
+
+const std::string kNavigationDefinition =
+    "# One fix of the vehicle's own estimate of where it is. SI units, world north-east-down.\n"
+    "int64 time_ns\n"
+    "isobath/Pose body         # body in world\n"
+    "float64[] velocity        # of the body in the world: north, east, down; empty: unknown\n"
+    "float64[] covariance      # 6 x 6 by rows, of position (world) and rotation vector (body); empty: unknown\n" +
+    kPoseDefinition;
+
+const std::string kRangeDefinition =
+    "# A single range with the cone it was measured in. SI units.\n"
+    "int64 time_ns\n"
+    "isobath/Pose sensor       # sensor in body; x is the axis of the cone\n"
+    "float64 max_range\n"
+    "float64 width             # full width of the cone, rad\n"
+    "float32 confidence        # 0 to 1\n"
+    "float64[] range           # empty: no echo within max_range\n" +
+    kPoseDefinition;
+
+void put_pose(CdrWriter& w, const Pose& pose) {
+  for (int i = 0; i < 3; ++i) w.number(pose.translation[i]);
+  for (int i = 0; i < 4; ++i) w.number(pose.rotation.quaternion().coeffs()[i]);  // x y z w
+}
+
+template <class Values>
+void put_doubles(CdrWriter& w, const Values& values, std::size_t count) {
+  std::uint8_t* at = w.sequence<double>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double value = values(i);
+    std::memcpy(at + 8 * i, &value, 8);
+  }
+}
+
+bool writable(const Ping& p) {
+  return p.fan && p.fan->beams() > 0 && p.fan->width.size() == p.fan->azimuth.size() && p.intensity.data() &&
+         p.window.bins > 0 && p.intensity.beams() == p.fan->beams() && p.intensity.bins() == p.window.bins;
+}
+
+std::size_t size_of(SampleType type) {
+  switch (type) {
+    case SampleType::kU8:
+      return 1;
+    case SampleType::kU16:
+      return 2;
+    case SampleType::kF32:
+      return 4;
+  }
+  return 0;
+}
+
+template <std::size_t kSize>
+void copy_beam_by_beam(const Intensities& samples, std::uint8_t* out) {
+  for (int b = 0; b < samples.beams(); ++b) {
+    const std::byte* at = samples.data() + b * samples.beam_stride();
+    for (int k = 0; k < samples.bins(); ++k, at += samples.bin_stride(), out += kSize) std::memcpy(out, at, kSize);
+  }
+}
+
+void put_samples(CdrWriter& w, const Intensities& samples) {
+  const std::size_t count = static_cast<std::size_t>(samples.beams()) * samples.bins();
+  const SampleType type = samples.type();
+  std::uint8_t* u8 = w.sequence<std::uint8_t>(type == SampleType::kU8 ? count : 0);
+  if (type == SampleType::kU8) copy_beam_by_beam<1>(samples, u8);
+  std::uint8_t* u16 = w.sequence<std::uint16_t>(type == SampleType::kU16 ? count : 0);
+  if (type == SampleType::kU16) copy_beam_by_beam<2>(samples, u16);
+  std::uint8_t* f32 = w.sequence<float>(type == SampleType::kF32 ? count : 0);
+  if (type == SampleType::kF32) copy_beam_by_beam<4>(samples, f32);
+}
+
+void put(CdrWriter& w, const Ping& p) {
+  w.number(std::int64_t{p.time.time_since_epoch().count()});
+  put_pose(w, p.X_BS);
+  w.number(p.sound_speed).number(p.window.start_m).number(p.window.bin_m);
+  w.number(static_cast<std::uint32_t>(p.window.bins)).number(p.full_scale).number(static_cast<std::uint8_t>(p.sweep));
+  w.number(p.fan->height.radians());
+  put_doubles(
+      w, [&](std::size_t i) { return p.fan->azimuth[i].radians(); }, p.fan->azimuth.size());
+  put_doubles(
+      w, [&](std::size_t i) { return p.fan->width[i].radians(); }, p.fan->width.size());
+  put_samples(w, p.intensity);
+}
+
+void put(CdrWriter& w, const Navigation& n) {
+  w.number(std::int64_t{n.time.time_since_epoch().count()});
+  put_pose(w, n.X_WB);
+  put_doubles(
+      w, [&](std::size_t i) { return (*n.v_WB)[i]; }, n.v_WB ? 3 : 0);
+  put_doubles(
+      w, [&](std::size_t i) { return (*n.covariance)(i / 6, i % 6); }, n.covariance ? 36 : 0);
+}
+
+void put(CdrWriter& w, const RangeReading& r) {
+  w.number(std::int64_t{r.time.time_since_epoch().count()});
+  put_pose(w, r.X_BS);
+  w.number(r.max_range_m).number(r.width.radians()).number(r.confidence);
+  put_doubles(
+      w, [&](std::size_t) { return *r.range_m; }, r.range_m ? 1 : 0);
+}
+
+double double_at(std::span<const std::uint8_t> bytes, std::size_t i) {
+  double value = 0;
+  std::memcpy(&value, bytes.data() + 8 * i, 8);
+  return value;
+}
+
+/// Marks `bad` where the quaternion is finite but no rotation.
+Pose take_pose(CdrReader& r, bool& bad) {
+  Pose pose;
+  for (int i = 0; i < 3; ++i) pose.translation[i] = r.number<double>();
+  Quaterniond q;
+  for (int i = 0; i < 4; ++i) q.coeffs()[i] = r.number<double>();
+  bad =
+      bad || std::abs(q.norm() - 1) > 1e-6;  // false for nan: a pose that was not finite stays so, and is refused later
+  pose.rotation = Rotation::from_unit_quaternion(q);
+  return pose;
+}
+
+Time take_time(CdrReader& r) { return Time{Duration(r.number<std::int64_t>())}; }
+
+std::optional<Event> take_navigation(std::span<const std::uint8_t> data) {
+  CdrReader r(data);
+  Navigation n;
+  bool bad = false;
+  n.time = take_time(r);
+  n.X_WB = take_pose(r, bad);
+  const auto velocity = r.sequence<double>();
+  const auto covariance = r.sequence<double>();
+  if (bad || !r.ok() || (velocity.size() != 0 && velocity.size() != 24)) return std::nullopt;
+  if (covariance.size() != 0 && covariance.size() != 288) return std::nullopt;
+  if (!velocity.empty()) n.v_WB = Vector3d(double_at(velocity, 0), double_at(velocity, 1), double_at(velocity, 2));
+  if (!covariance.empty()) {
+    n.covariance.emplace();
+    for (int i = 0; i < 36; ++i) (*n.covariance)(i / 6, i % 6) = double_at(covariance, i);
+  }
+  return n;
+}
+
+std::optional<Event> take_range(std::span<const std::uint8_t> data) {
+  CdrReader r(data);
+  RangeReading reading;
+  bool bad = false;
+  reading.time = take_time(r);
+  reading.X_BS = take_pose(r, bad);
+  reading.max_range_m = r.number<double>();
+  reading.width = Angle::radians(r.number<double>());
+  reading.confidence = r.number<float>();
+  const auto range = r.sequence<double>();
+  if (bad || !r.ok() || range.size() > 8) return std::nullopt;
+  if (!range.empty()) reading.range_m = double_at(range, 0);
+  return reading;
+}
+
+/// Fans by their bytes, so that pings of the same geometry share one.
+class FanStore {
+ public:
+  std::shared_ptr<const BeamFan> fan(double height, std::span<const std::uint8_t> azimuths,
+                                     std::span<const std::uint8_t> widths) {
+    std::string key(reinterpret_cast<const char*>(&height), sizeof height);
+    key.append(azimuths.begin(), azimuths.end()).append(widths.begin(), widths.end());
+    auto& known = fans_[key];
+    if (!known) {
+      auto made = std::make_shared<BeamFan>();
+      made->height = Angle::radians(height);
+      for (std::size_t i = 0; i < azimuths.size() / 8; ++i) {
+        made->azimuth.push_back(Angle::radians(double_at(azimuths, i)));
+        made->width.push_back(Angle::radians(double_at(widths, i)));
+      }
+      known = std::move(made);
+      bytes_ = fans_.size() == 1 ? key.size() : bytes_ + key.size();
+    }
+    auto result = known;
+    if (bytes_ > kMaxBytes) fans_.clear();  // a log whose every ping has beams of its own must not fill the memory
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t kMaxBytes = 64u << 20;
+  std::map<std::string, std::shared_ptr<const BeamFan>> fans_;
+  std::size_t bytes_ = 0;
+};
+
+struct Samples {
+  std::span<const std::uint8_t> bytes;
+  SampleType type = SampleType::kU8;
+};
+
+/// The one list that is filled; empty where none or several are.
+std::optional<Samples> take_samples(CdrReader& r) {
+  const Samples lists[] = {{r.sequence<std::uint8_t>(), SampleType::kU8},
+                           {r.sequence<std::uint16_t>(), SampleType::kU16},
+                           {r.sequence<float>(), SampleType::kF32}};
+  const auto filled = [](const Samples& s) { return !s.bytes.empty(); };
+  if (!r.ok() || std::count_if(std::begin(lists), std::end(lists), filled) != 1) return std::nullopt;
+  return *std::find_if(std::begin(lists), std::end(lists), filled);
+}
+
+std::optional<Event> take_ping(const McapMessage& message, FanStore& fans) {
+  CdrReader r(message.data);
+  Ping p;
+  bool bad = false;
+  p.time = take_time(r);
+  p.X_BS = take_pose(r, bad);
+  p.sound_speed = r.number<double>();
+  p.window.start_m = r.number<double>();
+  p.window.bin_m = r.number<double>();
+  const auto bins = r.number<std::uint32_t>();
+  p.full_scale = r.number<float>();
+  const auto sweep = r.number<std::uint8_t>();
+  const auto height = r.number<double>();
+  const auto azimuths = r.sequence<double>();
+  const auto widths = r.sequence<double>();
+  const auto samples = take_samples(r);
+  if (bad || !samples || sweep > 2 || azimuths.empty() || azimuths.size() != widths.size()) return std::nullopt;
+  const std::uint64_t beams = azimuths.size() / 8, sample = size_of(samples->type);
+  if (bins > std::numeric_limits<int>::max() || beams > 1u << 20 || samples->bytes.size() != beams * bins * sample) {
+    return std::nullopt;
+  }
+  p.sweep = static_cast<SweepMark>(sweep);
+  p.window.bins = static_cast<int>(bins);
+  p.fan = fans.fan(height, azimuths, widths);
+  const auto step = static_cast<std::ptrdiff_t>(sample);
+  p.intensity = Intensities(samples->bytes.data(), samples->type, static_cast<int>(beams), p.window.bins,
+                            step * p.window.bins, step);
+  p.storage = message.storage;
+  return p;
+}
+
+class NativeLogSource final : public Source {
+ public:
+  NativeLogSource(std::unique_ptr<std::istream> input, const std::string& name) : reader_(std::move(input), name) {
+    reader_.report().format = "Isobath log (MCAP)";
+    learn_metadata();
+    waiting_ = next_event();
+    std::string topics;
+    bool ours = false;
+    for (const auto& [id, channel] : reader_.channels()) {
+      topics += (topics.empty() ? "" : ", ") + channel.topic;
+      ours = ours || is_ours(channel);
+    }
+    if (!ours) {
+      throw Error("MCAP without channels of Isobath", {name, {}, {}, {}, {}},
+                  fmt::format("{}, {}, {}", kPing, kNavigation, kRange),
+                  topics.empty() ? "" : "it holds " + topics.substr(0, 200));
+    }
+  }
+
+  std::optional<Event> next() override { return waiting_ ? std::exchange(waiting_, std::nullopt) : next_event(); }
+  [[nodiscard]] const SourceReport& report() const override { return std::as_const(reader_).report(); }
+
+ private:
+  std::optional<Event> next_event() {
+    while (const auto message = reader_.next()) {
+      const McapChannel& channel = *reader_.channel(message->channel_id);
+      if (!is_ours(channel)) {
+        ++reader_.report().rejected["message of a channel that is not Isobath's"];
+        continue;
+      }
+      if (auto event = decoded(reader_.schema(channel.schema_id)->name, *message)) return event;
+      ++reader_.report().rejected["message that cannot be decoded"];
+    }
+    learn_metadata();
+    return std::nullopt;
+  }
+
+  [[nodiscard]] bool is_ours(const McapChannel& channel) const {
+    const McapSchema* schema = reader_.schema(channel.schema_id);
+    return schema && channel.message_encoding == "cdr" && schema->name.starts_with("isobath/msg/");
+  }
+
+  std::optional<Event> decoded(const std::string& kind, const McapMessage& message) {
+    if (kind == kPing) return take_ping(message, fans_);
+    if (kind == kNavigation) return take_navigation(message.data);
+    if (kind == kRange) return take_range(message.data);
+    return std::nullopt;
+  }
+
+  void learn_metadata() {
+    SourceReport& report = reader_.report();
+    for (; metadata_seen_ < reader_.metadata().size(); ++metadata_seen_) {
+      const McapMetadata& item = reader_.metadata()[metadata_seen_];
+      if (item.name == kDetails) report.details.insert(item.values.begin(), item.values.end());
+      if (item.name == kOrigin) learn_origin(item, report);
+    }
+  }
+
+  static void learn_origin(const McapMetadata& item, SourceReport& report) {
+    GeoOrigin origin;
+    const auto read = [&](const char* key, double& value) {
+      const auto at = item.values.find(key);
+      if (at == item.values.end()) return false;
+      const std::string& text = at->second;
+      return std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc();
+    };
+    const bool complete = read("latitude_deg", origin.latitude_deg) && read("longitude_deg", origin.longitude_deg);
+    if (complete && valid(origin)) report.origin = origin;
+  }
+
+  McapReader reader_;
+  FanStore fans_;
+  std::optional<Event> waiting_;
+  std::size_t metadata_seen_ = 0;
+};
+
+}  // namespace
+
+NativeLogWriter::NativeLogWriter(const std::filesystem::path& file, const McapWriterConfig& config)
+    : mcap_(file, config) {
+  const auto add = [&](const char* topic, const char* name, const std::string& definition) {
+    const std::uint16_t schema = mcap_.add_schema({0, name, "ros2msg", definition});
+    return mcap_.add_channel({0, schema, topic, "cdr", {}});
+  };
+  ping_ = add("/ping", kPing, kPingDefinition);
+  navigation_ = add("/navigation", kNavigation, kNavigationDefinition);
+  range_ = add("/range", kRange, kRangeDefinition);
+}
+
+void NativeLogWriter::set_details(const std::map<std::string, std::string>& details) {
+  mcap_.add_metadata({kDetails, details});
+}
+void NativeLogWriter::set_configuration(const std::string& toml) {
+  mcap_.add_metadata({kConfiguration, {{"toml", toml}}});
+}
+void NativeLogWriter::set_origin(const GeoOrigin& origin) {
+  mcap_.add_metadata({kOrigin,
+                      {{"latitude_deg", fmt::format("{}", origin.latitude_deg)},
+                       {"longitude_deg", fmt::format("{}", origin.longitude_deg)}}});
+}
+
+bool NativeLogWriter::write(const Event& event) {
+  const Ping* ping = std::get_if<Ping>(&event);
+  if (ping && !writable(*ping)) return false;
+  CdrWriter w(message_);
+  std::visit([&](const auto& e) { put(w, e); }, event);
+  const std::uint16_t channel = ping ? ping_ : std::holds_alternative<Navigation>(event) ? navigation_ : range_;
+  // MCAP knows no time before 1970; the exact one stands in the message
+  const auto time = static_cast<std::uint64_t>(std::max<std::int64_t>(time_of(event).time_since_epoch().count(), 0));
+  mcap_.write({channel, sequence_[channel]++, time, time, message_, nullptr});
+  return true;
+}
+
+std::unique_ptr<Source> open_native_log(std::unique_ptr<std::istream> input, const std::string& name) {
+  return std::make_unique<NativeLogSource>(std::move(input), name);
+}
+
+std::unique_ptr<Source> open_native_log(const std::filesystem::path& file, const InputConfig&) {
+  auto input = std::make_unique<std::ifstream>(file, std::ios::binary);
+  if (!*input) throw Error("cannot be read", {file.string(), {}, {}, {}, {}});
+  return open_native_log(std::move(input), file.string());
+}
+
+}  // namespace isobath

@@ -1,0 +1,18 @@
+// Reads and writes files as a whole, for formats that are small by nature. Throws Error.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace isobath {
+
+/// Refuses files over `max_bytes` before anything is allocated.
+std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& file, std::uint64_t max_bytes);
+
+void write_whole_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
+void write_whole_file(const std::filesystem::path& file, std::string_view text);
+
+}  // namespace isobath

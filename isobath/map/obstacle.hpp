@@ -1,0 +1,27 @@
+// Obstacle: something to keep clear of, as a convex outline in the level body frame L (x forward, y starboard, m) of
+// the moment of its detection.
+#pragma once
+
+#include <cstdint>
+#include <Eigen/Core>
+#include <isobath/base/angle.hpp>
+#include <isobath/base/time.hpp>
+#include <isobath/geometry/polygon.hpp>
+
+namespace isobath {
+
+struct Obstacle {
+  Polygon outline;                 ///< convex, corners in the positive sense from x to y
+  Eigen::Vector2d nearest;         ///< point of the outline nearest to the vehicle
+  double range_m = 0;              ///< to that point
+  Angle bearing;                   ///< of that point, [0, 360) degrees clockwise from forward
+  double existence = 0;            ///< probability that at least one cell of its strongest neighbourhood is occupied
+  Eigen::Vector2d centre;          ///< mean of the cells that carry the evidence
+  Eigen::Matrix2d covariance;      ///< extent: second moment of these cells about the centre, m2
+  std::uint32_t hits = 0;          ///< echoes that support it
+  Time last_hit;                   ///< of the last of them
+  bool behind = false;             ///< a nearer obstacle hides most of it
+  bool possible_multiple = false;  ///< at a multiple of the range of a nearer one in its direction
+};
+
+}  // namespace isobath

@@ -1,0 +1,75 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/base/error.hpp>
+#include <isobath/map/body_grid.hpp>
+#include <isobath/perception/bin_update.hpp>
+
+namespace isobath {
+namespace {
+
+// For each cell, the chance that any other one fires, 1 - prod_{i != x} (1 - fire_i), given fire_i in `fire`; into
+// `others`. `fire` is used up.
+void any_other(std::span<double> fire, std::span<double> others) {
+  double before = 0;
+  for (std::size_t i = 0; i < fire.size(); ++i) {
+    others[i] = before;
+    before += fire[i] * (1 - before);
+  }
+  double after = 0;
+  for (std::size_t i = fire.size(); i-- > 0;) {
+    others[i] += after * (1 - others[i]);
+    after += fire[i] * (1 - after);
+  }
+}
+
+void hit(std::span<double> log_odds, std::span<const double> share, double gain, double false_alarm,
+         std::span<double> scratch) {
+  const std::size_t n = log_odds.size();
+  ISOBATH_ASSERT(share.size() == n && scratch.size() >= 2 * n);
+  const std::span<double> fire = scratch.first(n);
+  const std::span<double> others = scratch.subspan(n, n);
+  for (std::size_t i = 0; i < n; ++i) fire[i] = gain * share[i] * probability_of(log_odds[i]);
+  any_other(fire, others);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double empty = false_alarm + (1 - false_alarm) * others[i];
+    log_odds[i] += std::log1p((1 - false_alarm) * gain * share[i] * (1 - others[i]) / empty);
+  }
+}
+
+}  // namespace
+
+double clear_increment(double gain, double share) { return std::max(std::log1p(-std::min(gain * share, 1.0)), -50.0); }
+
+void update_clear(std::span<double> log_odds, std::span<const double> share, const Likelihood& sensor) {
+  const double gain = sensor.gain();
+  for (std::size_t i = 0; i < log_odds.size(); ++i) log_odds[i] += clear_increment(gain, share[i]);
+}
+
+void update_hit(std::span<double> log_odds, std::span<const double> share, const Likelihood& sensor,
+                std::span<double> scratch) {
+  hit(log_odds, share, sensor.gain(), sensor.false_alarm, scratch);
+}
+
+void update_hit_printed(std::span<double> log_odds, std::span<const double> share, const Likelihood& sensor, int block,
+                        std::span<double> scratch) {
+  hit(log_odds, share, sensor.gain(), -std::expm1(block * std::log1p(-sensor.false_alarm)), scratch);
+}
+
+void update_any_target(bool hit, std::span<double> log_odds, std::span<const double> share, const Likelihood& sensor,
+                       std::span<double> scratch) {
+  const std::size_t n = log_odds.size();
+  ISOBATH_ASSERT(share.size() == n && scratch.size() >= 2 * n);
+  const std::span<double> occupied = scratch.first(n);
+  const std::span<double> others = scratch.subspan(n, n);
+  for (std::size_t i = 0; i < n; ++i) occupied[i] = share[i] * probability_of(log_odds[i]);
+  any_other(occupied, others);
+  const double rise = sensor.p_detect - sensor.false_alarm;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double if_free = sensor.false_alarm + rise * others[i];
+    const double if_occupied = if_free + rise * share[i] * (1 - others[i]);
+    const double factor = hit ? if_occupied / if_free : (1 - if_occupied) / (1 - if_free);
+    log_odds[i] += std::max(std::log(std::max(factor, 1e-22)), -50.0);
+  }
+}
+
+}  // namespace isobath

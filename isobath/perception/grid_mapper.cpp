@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <isobath/base/error.hpp>
+#include <isobath/perception/grid_mapper.hpp>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+int reach_of(const BodyGridConfig& c) { return static_cast<int>(std::hypot(c.cells_x, c.cells_y)) + 2; }
+
+Vector2d turned(const Vector2d& v, Angle a) {
+  return {cos(a) * v.x() - sin(a) * v.y(), sin(a) * v.x() + cos(a) * v.y()};
+}
+
+// Where row cells lie in the grid, as index arithmetic; a cell may be outside.
+struct Placed {
+  explicit Placed(const OverlapTable::Row& row, const CartesianGrid& grid) : row_(row), grid_(grid) {
+    const Cell a = row.cell(row.low);
+    const Cell b = row.cell(row.high);
+    inside = grid.contains(a) && grid.contains(b);
+    base = static_cast<std::ptrdiff_t>(row.x) * grid.cells_y + row.y;
+    step_u = static_cast<std::ptrdiff_t>(row.x_u) * grid.cells_y + row.y_u;
+    step_v = static_cast<std::ptrdiff_t>(row.x_v) * grid.cells_y + row.y_v;
+  }
+  [[nodiscard]] std::ptrdiff_t operator()(OverlapTable::CellOffset c) const {
+    return base + c.u * step_u + c.v * step_v;
+  }
+  /// -1 outside.
+  [[nodiscard]] std::ptrdiff_t checked(OverlapTable::CellOffset c) const {
+    return inside || grid_.contains(row_.cell(c)) ? (*this)(c) : -1;
+  }
+
+  bool inside;
+  std::ptrdiff_t base, step_u, step_v;
+
+ private:
+  const OverlapTable::Row& row_;
+  const CartesianGrid& grid_;
+};
+
+}  // namespace
+
+std::vector<Field> fields(GridMapperConfig& c) {
+  using U = GridMapperConfig::Update;
+  std::vector<Field> all = {
+      Field::choice("update", &c.update, {{"bin", U::kBin}, {"printed", U::kPrinted}, {"any_target", U::kAnyTarget}},
+                    "Reading of the measurement update; bin is the corrected one."),
+      Field::integer("block", &c.block, {1, 99}, "cells", "Edge of the neighbourhood of a bin in the printed update."),
+  };
+  for (Field& f : fields(c.motion)) all.push_back(std::move(f));
+  for (Field& f : fields(c.table)) all.push_back(std::move(f));
+  return all;
+}
+
+GridMapper::GridMapper(const BodyGridConfig& grid, const GridMapperConfig& config)
+    : config_(config), grid_(grid), table_(config.table, grid.cell_m, reach_of(grid)) {
+  if (config.block < 1 || config.block > 99) {
+    Place place;
+    place.key = "block";
+    throw Error("out of range", place, "1 .. 99 cells");
+  }
+}
+
+void GridMapper::advance(Time time, const Pose& X_WB, const DisplacementSource& source) {
+  ISOBATH_ASSERT(X_WB.is_finite());
+  if (last_X_WB_ && motion_kind(config_.motion, source) != MotionKind::kIgnored) {
+    const Vector3d moved = X_WB.translation - last_X_WB_->translation;
+    const Angle before = last_X_WB_->rotation.heading();
+    grid_.move(turned(moved.head<2>(), -before), (X_WB.rotation.heading() - before).wrapped(),
+               displacement_covariance(config_.motion, source, time - time_));
+  }
+  last_X_WB_ = X_WB;
+  time_ = time;
+}
+
+void GridMapper::update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB,
+                        const DisplacementSource& source) {
+  ISOBATH_ASSERT(decisions.beams() == ping.fan->beams() && decisions.bins() == ping.window.bins);
+  advance(ping.time, X_WB, source);
+  take_sensor(ping, decisions);
+  // Level body frame: heading removed, roll and pitch kept in the directions.
+  const Rotation R_LB = Rotation::from_heading(-X_WB.rotation.heading()) * X_WB.rotation;
+  const Rotation R_LS = R_LB * ping.X_BS.rotation;
+  const Vector2d sensor = grid_.from_level_body((R_LB * ping.X_BS.translation).head<2>());
+  for (int b = 0; b < decisions.beams(); ++b) {
+    const Angle a = ping.fan->azimuth[b];
+    const Vector3d u_L = R_LS * Vector3d(cos(a), sin(a), 0);
+    const Angle azimuth = Angle::radians(std::atan2(u_L.y(), u_L.x())) + grid_.heading();
+    update_beam(table_.row(b, azimuth, sensor), decisions.hits(b));
+  }
+}
+
+void GridMapper::take_sensor(const Ping& ping, const EchoDecisions& decisions) {
+  const bool same = bins_ == decisions.bins() && false_alarm_ == decisions.false_alarm &&
+                    p_detect_ == decisions.p_detect && std::equal(usable_.begin(), usable_.end(), decisions.usable());
+  if (!same) {
+    bins_ = decisions.bins();
+    false_alarm_ = decisions.false_alarm;
+    p_detect_ = decisions.p_detect;
+    ISOBATH_ASSERT(false_alarm_ > 0 && false_alarm_ < 1);
+    usable_.assign(decisions.usable(), decisions.usable() + decisions.words());
+    gain_.assign(static_cast<std::size_t>(bins_), 0.0);
+    for (int k = 0; k < bins_; ++k) {
+      const double p = std::min<double>(p_detect_[k], 1.0);
+      if (decisions.usable(k) && p > false_alarm_) gain_[k] = Likelihood{p, false_alarm_}.gain();
+    }
+  }
+  start_m_ = ping.window.start_m;
+  bin_m_ = ping.window.bin_m;
+  table_.prepare(*ping.fan, ping.window, gain_);
+}
+
+template <class Visit>
+void GridMapper::for_each_hit(const std::uint64_t* hits, Visit visit) const {
+  for (std::size_t w = 0; w < usable_.size(); ++w) {
+    for (std::uint64_t bits = hits[w] & usable_[w]; bits != 0; bits &= bits - 1) {
+      const int k = static_cast<int>(w) * 64 + std::countr_zero(bits);
+      if (gain_[k] > 0) visit(k);
+    }
+  }
+}
+
+void GridMapper::update_beam(const OverlapTable::Row& row, const std::uint64_t* hits) {
+  if (config_.update == GridMapperConfig::Update::kAnyTarget) {
+    for (int k = 0; k < bins_; ++k) {
+      const bool hit = hits[k / 64] >> (k % 64) & 1;
+      if (!hit && gain_[k] > 0) apply_bin(row, k, false);
+    }
+  } else {
+    lift_hits(row, hits);
+    apply_clears(row);
+  }
+  for_each_hit(hits, [&](int k) { apply_bin(row, k, true); });
+}
+
+// Takes the share of the bins with echoes out of the pooled clearance that follows.
+void GridMapper::lift_hits(const OverlapTable::Row& row, const std::uint64_t* hits) {
+  const Placed placed(row, grid_.cells());
+  double* log_odds = grid_.log_odds().data();
+  for_each_hit(hits, [&](int k) {
+    for (const OverlapTable::Entry& e : row.bin(k)) {
+      const std::ptrdiff_t i = placed.checked(row.cells[e.cell]);
+      if (i >= 0) log_odds[i] -= clear_increment(gain_[k], double(e.share));
+    }
+  });
+}
+
+void GridMapper::apply_clears(const OverlapTable::Row& row) {
+  const Placed placed(row, grid_.cells());
+  double* log_odds = grid_.log_odds().data();
+  const double least = grid_.log_odds_min();
+  const std::size_t n = row.cells.size();
+  if (placed.inside) {
+    for (std::size_t c = 0; c < n; ++c) {
+      double& l = log_odds[placed(row.cells[c])];
+      l = std::max(l + row.clear[c], least);
+    }
+    return;
+  }
+  for (std::size_t c = 0; c < n; ++c) {
+    const std::ptrdiff_t i = placed.checked(row.cells[c]);
+    if (i >= 0) log_odds[i] = std::max(log_odds[i] + row.clear[c], least);
+  }
+}
+
+void GridMapper::apply_bin(const OverlapTable::Row& row, int bin, bool hit) {
+  using Update = GridMapperConfig::Update;
+  const Placed placed(row, grid_.cells());
+  const std::span<double> log_odds = grid_.log_odds();
+  const std::span<const OverlapTable::Entry> entries = row.bin(bin);
+  if (index_.size() < entries.size()) {
+    index_.resize(entries.size());
+    log_odds_.resize(entries.size());
+    share_.resize(entries.size());
+    scratch_.resize(2 * entries.size());
+  }
+  // The printed form knows the cells of a block round the bin only.
+  const bool printed = config_.update == Update::kPrinted;
+  const Vector2d centre = row.sensor + (start_m_ + (bin + 0.5) * bin_m_) / grid_.cells().cell_m * row.direction;
+  const int middle_x = static_cast<int>(std::floor(centre.x()));
+  const int middle_y = static_cast<int>(std::floor(centre.y()));
+  std::size_t n = 0;
+  for (const OverlapTable::Entry& e : entries) {
+    const OverlapTable::CellOffset offset = row.cells[e.cell];
+    if (printed) {
+      const Cell c = row.cell(offset);
+      if (2 * std::abs(c.x - middle_x) > config_.block || 2 * std::abs(c.y - middle_y) > config_.block) continue;
+    }
+    index_[n] = placed.checked(offset);
+    log_odds_[n] = index_[n] >= 0 ? log_odds[index_[n]] : grid_.log_odds_prior();
+    share_[n++] = double(e.share);
+  }
+  const std::span<double> l(log_odds_.data(), n);
+  const std::span<const double> a(share_.data(), n);
+  const Likelihood sensor{false_alarm_ + (1 - false_alarm_) * gain_[bin], false_alarm_};
+  if (config_.update == Update::kAnyTarget) {
+    update_any_target(hit, l, a, sensor, scratch_);
+  } else if (printed) {
+    update_hit_printed(l, a, sensor, config_.block * config_.block, scratch_);
+  } else {
+    update_hit(l, a, sensor, scratch_);
+  }
+  std::ptrdiff_t best = -1;
+  double most = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (index_[i] < 0) continue;
+    double& cell = log_odds[index_[i]];
+    const double next = std::clamp(l[i], grid_.log_odds_min(), grid_.log_odds_max());
+    const double after = probability_of(next) * a[i];
+    if (after > most) {
+      most = after;
+      best = index_[i];
+    }
+    cell = next;
+  }
+  if (hit && best >= 0) grid_.note_hit(static_cast<std::size_t>(best), time_);
+}
+
+}  // namespace isobath

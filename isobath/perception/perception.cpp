@@ -1,1 +1,0 @@
-// replaced by the first class of this room

@@ -1,0 +1,43 @@
+// The whole configuration: the structs of all classes, under the names that they have in a file.
+#pragma once
+
+#include <isobath/base/config.hpp>
+#include <isobath/io/open.hpp>
+#include <isobath/map/body_grid.hpp>
+#include <isobath/perception/grid_mapper.hpp>
+#include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/runtime/event_gate.hpp>
+#include <isobath/runtime/pose_buffer.hpp>
+#include <isobath/sim/reservoir.hpp>
+#include <isobath/sonar/echo_detector.hpp>
+#include <vector>
+
+namespace isobath {
+
+struct SensorConfig {
+  std::string model;  ///< file made by calibration; empty: none
+};
+std::vector<Field> fields(SensorConfig& config);
+
+struct MapConfig {
+  bool fit = true;  ///< cell and size of the grid from the sonar's range: about 100 cells each way, 1-2-5 steps
+};
+std::vector<Field> fields(MapConfig& config);
+
+struct Configuration {
+  InputConfig input;
+  EventGateConfig gate;
+  PoseBufferConfig poses;
+  SensorConfig sensor;
+  EchoDetectorConfig echoes;
+  MapConfig map;
+  BodyGridConfig grid;
+  GridMapperConfig update;
+  ObstacleDetectorConfig obstacles;
+  ReservoirConfig reservoir;
+};
+
+/// Bound to `configuration`, which must outlive them.
+std::vector<Section> sections(Configuration& configuration);
+
+}  // namespace isobath

@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/runtime/pipeline.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr std::size_t kMostWaiting = 256;  // pings held for a fix; beyond it the oldest goes on with what is known
+
+std::optional<SensorModel> model_of(const SensorConfig& sensor) {
+  if (sensor.model.empty()) return std::nullopt;
+  return load_sensor_model(sensor.model);
+}
+
+/// Next of 1, 2, 5, 10 ... times a power of ten.
+double nice_step(double value) {
+  const double decade = std::pow(10, std::floor(std::log10(value)));
+  for (const double step : {1.0, 2.0, 5.0}) {
+    if (value <= step * decade * 1.001) return step * decade;
+  }
+  return 10 * decade;
+}
+
+/// About 100 cells each way; the vehicle in the middle.
+BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
+  grid.cell_m = nice_step(reach_m / 100);
+  grid.cells_x = grid.cells_y = 2 * static_cast<int>(std::ceil(1.05 * reach_m / grid.cell_m)) + 1;
+  grid.home_x = grid.home_y = 0.5;
+  return grid;
+}
+
+bool fits(const BodyGridConfig& grid, double reach_m) {
+  const double half = 0.5 * grid.cell_m * std::min(grid.cells_x, grid.cells_y);
+  return reach_m <= half && reach_m > half / 4;
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink)
+    : configuration_(configuration),
+      sink_(sink),
+      gate_(configuration.gate),
+      poses_(configuration.poses),
+      echoes_(configuration.echoes, model_of(configuration.sensor)),
+      detector_(configuration.obstacles) {
+  waiting_.reserve(kMostWaiting);
+}
+
+Pipeline::~Pipeline() = default;
+
+// What happens to an event -------------------------------------------------------------------------------------------
+
+void Pipeline::take(Event event) {
+  const auto verdict = gate_.judge(event);  // finite, in order, fresh; else counted by its reason
+  if (verdict == EventGate::Verdict::kRejected) return;
+  if (verdict == EventGate::Verdict::kRestarted) restart();
+  const Time now = time_of(event);
+  if (const auto* fix = std::get_if<Navigation>(&event)) add_fix(*fix);
+  if (std::holds_alternative<RangeReading>(event)) ++counts_.ranges;  // kept in the log; the depth map takes them
+  if (auto* ping = std::get_if<Ping>(&event)) hold(std::move(*ping));
+  release(now, false);
+}
+
+// What happens to a ping whose pose is known -------------------------------------------------------------------------
+
+void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
+  fit_map(ping, posed);                                         // a grid of the sonar's size
+  echoes_.detect(ping, decisions_);                             // intensities -> decisions
+  mapper_->update(ping, decisions_, X_WB, {.position_fix = poses_.settled(ping.time)});  // belief moves, then learns
+  sink_.on_ping({ping, X_WB, decisions_});
+  count(decisions_);
+  last_ = Placed{ping.time, X_WB, posed};
+  sweep_open_ = true;
+  if (sweeps_.add(ping)) end_scan();  // belief -> obstacles
+}
+
+void Pipeline::end_scan() {
+  const Detection found = detector_.detect(mapper_->grid(), last_->time, last_->X_WB);
+  sink_.on_scan({static_cast<int>(++counts_.scans), last_->posed, found, mapper_->grid()});
+  sweep_open_ = false;
+}
+
+void Pipeline::finish() {
+  release(Time::max(), true);
+  if (sweep_open_) end_scan();
+}
+
+// Poses --------------------------------------------------------------------------------------------------------------
+
+void Pipeline::restart() {
+  release(Time::max(), true);
+  poses_.clear();
+  last_.reset();
+  mapper_.reset();
+}
+
+void Pipeline::add_fix(const Navigation& fix) {
+  poses_.add(fix);
+  ++counts_.navigation;
+}
+
+void Pipeline::hold(Ping ping) {
+  if (waiting_.size() == kMostWaiting) {
+    place(waiting_.front());
+    waiting_.erase(waiting_.begin());
+  }
+  waiting_.push_back(std::move(ping));
+}
+
+/// Lets go of the pings whose pose can get no better, or that have waited long enough.
+void Pipeline::release(Time now, bool all) {
+  const Duration patience = seconds(configuration_.poses.wait_s);
+  std::size_t done = 0;
+  while (done < waiting_.size() &&
+         (all || poses_.settled(waiting_[done].time) || now - waiting_[done].time > patience)) {
+    place(waiting_[done++]);
+  }
+  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(done));
+}
+
+void Pipeline::place(const Ping& ping) {
+  if (poses_.empty()) {  // no navigation at all: the vehicle is taken to stand still
+    ++counts_.unposed;
+    return map_ping(ping, Pose{}, false);
+  }
+  const auto X_WB = poses_.at(ping.time);
+  if (!X_WB) return gate_.count(to_text(X_WB.error()));
+  map_ping(ping, *X_WB, true);
+}
+
+// The map ------------------------------------------------------------------------------------------------------------
+
+/// Begins the map with the first ping; anew when the sonar's range changes beyond it, or when navigation sets in.
+void Pipeline::fit_map(const Ping& ping, bool posed) {
+  const bool moored = last_ && last_->posed != posed;
+  if (mapper_ && !moored && (!configuration_.map.fit || fits(mapper_->grid().config(), ping.window.end_m()))) return;
+  if (configuration_.map.fit) configuration_.grid = fitted(configuration_.grid, ping.window.end_m());
+  mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
+}
+
+void Pipeline::count(const EchoDecisions& decisions) {
+  ++counts_.pings;
+  std::uint64_t usable = 0, hits = 0;
+  for (int w = 0; w < decisions.words(); ++w) {
+    usable += static_cast<std::uint64_t>(std::popcount(decisions.usable()[w]));
+    for (int b = 0; b < decisions.beams(); ++b) {
+      hits += static_cast<std::uint64_t>(std::popcount(decisions.hits(b)[w] & decisions.usable()[w]));
+    }
+  }
+  counts_.bins += usable * static_cast<std::uint64_t>(decisions.beams());
+  counts_.hits += hits;
+}
+
+}  // namespace isobath

@@ -1,0 +1,107 @@
+// Pipeline: what happens to an event, from the gate to the list of obstacles. One code path for live, replay and simulation:
+// only the source and the sink differ.
+//
+//   gate -> pose of the transmit time -> echoes to decisions -> decisions to the body grid -> grid to obstacles, once a scan
+//
+// Source: Ganesan 2015, chapter 3, figure 3.1; ledger S6-03, S6-15, S6-20 to S6-30. Time is the time of the events: a run is
+// a function of its input and configuration. One thread. After warm-up, mapping allocates nothing and throws nothing.
+#pragma once
+
+#include <isobath/io/event.hpp>
+#include <isobath/map/body_grid.hpp>
+#include <isobath/map/obstacle.hpp>
+#include <isobath/perception/grid_mapper.hpp>
+#include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/event_gate.hpp>
+#include <isobath/runtime/pose_buffer.hpp>
+#include <isobath/sonar/echo_detector.hpp>
+#include <isobath/sonar/sweep.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace isobath {
+
+/// A ping with the pose of its transmit time. Without navigation the vehicle is taken to stand still.
+struct PosedPing {
+  const Ping& ping;
+  Pose X_WB;
+  const EchoDecisions& decisions;
+};
+
+/// The end of one sweep: what is believed now, and the obstacles in it.
+struct ScanResult {
+  int number = 0;               ///< from 1
+  bool posed = false;           ///< whether the pose comes from navigation
+  const Detection& detection;   ///< with the time and the pose of the last ping
+  const BodyGrid& grid;
+};
+
+/// Takes results. References hold only during the call.
+class ResultSink {
+ public:
+  virtual ~ResultSink() = default;
+  virtual void on_ping(const PosedPing& ping) = 0;
+  virtual void on_scan(const ScanResult& scan) = 0;
+};
+
+struct PipelineCounts {
+  std::uint64_t pings = 0;       ///< that reached the map
+  std::uint64_t unposed = 0;     ///< of these, without any navigation
+  std::uint64_t navigation = 0;
+  std::uint64_t ranges = 0;
+  std::uint64_t scans = 0;
+  std::uint64_t bins = 0;        ///< decided, blind ones left out
+  std::uint64_t hits = 0;        ///< decided as echo
+};
+
+class Pipeline {
+ public:
+  /// Throws Error where the configuration cannot work.
+  Pipeline(const Configuration& configuration, ResultSink& sink);
+  ~Pipeline();
+
+  void take(Event event);
+  /// After the last event: pings that still wait for a fix, and the obstacles of a sweep that was not finished.
+  void finish();
+
+  [[nodiscard]] const PipelineCounts& counts() const { return counts_; }
+  /// Every datum that was refused, by reason.
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& rejected() const { return gate_.rejected(); }
+  /// The grid; empty before the first ping.
+  [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
+
+ private:
+  void restart();
+  void add_fix(const Navigation& fix);
+  void hold(Ping ping);
+  void release(Time now, bool all);
+  void place(const Ping& ping);
+  void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
+  void fit_map(const Ping& ping, bool posed);
+  void count(const EchoDecisions& decisions);
+  void end_scan();
+
+  Configuration configuration_;
+  ResultSink& sink_;
+  EventGate gate_;
+  PoseBuffer poses_;
+  std::vector<Ping> waiting_;  ///< for the fix that follows them, oldest first
+  EchoDetector echoes_;
+  EchoDecisions decisions_;
+  SweepFinder sweeps_;
+  std::unique_ptr<GridMapper> mapper_;
+  ObstacleDetector detector_;
+  PipelineCounts counts_;
+
+  struct Placed {
+    Time time;
+    Pose X_WB;
+    bool posed;
+  };
+  std::optional<Placed> last_;  ///< the ping mapped last
+  bool sweep_open_ = false;  ///< pings since the last scan
+};
+
+}  // namespace isobath

@@ -1,0 +1,118 @@
+#include <cmath>
+#include <isobath/io/geojson.hpp>
+#include <isobath/runtime/result_text.hpp>
+#include <nlohmann/json.hpp>
+
+namespace isobath {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// To 1e-6: finer than any sonar, and readable.
+double tidy(double value) { return std::round(value * 1e6) / 1e6; }
+
+ordered_json outline_of(const Obstacle& o) {
+  ordered_json points = ordered_json::array();
+  for (const auto& p : o.outline) points.push_back({tidy(p.x()), tidy(p.y())});
+  return points;
+}
+
+constexpr const char* kFrame =
+    "level body frame at the time of the scan: x forward, y starboard, origin at the vehicle, metres; bearings clockwise "
+    "from forward";
+
+std::string dump(const ordered_json& json) {
+  return json.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+ordered_json to_json(const std::vector<Obstacle>& obstacles) {
+  ordered_json list = ordered_json::array();
+  for (const Obstacle& o : obstacles) {
+    list.push_back({{"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
+                    {"range_m", tidy(o.range_m)},
+                    {"existence", tidy(o.existence)},
+                    {"outline_m", outline_of(o)},
+                    {"behind", o.behind},
+                    {"possible_multiple", o.possible_multiple},
+                    {"centre_m", {tidy(o.centre.x()), tidy(o.centre.y())}},
+                    {"covariance_m2", {tidy(o.covariance(0, 0)), tidy(o.covariance(0, 1)), tidy(o.covariance(1, 1))}},
+                    {"echoes", o.hits},
+                    {"last_echo", to_text(o.last_hit)}});
+  }
+  return list;
+}
+
+void add_scan(ordered_json& json, const ScanRecord& scan) {
+  if (scan.number > 0) {
+    json["scan"] = scan.number;
+    json["time"] = to_text(scan.time);
+    json["time_ns"] = scan.time.time_since_epoch().count();
+  }
+  if (scan.posed) {
+    json["north_m"] = tidy(scan.X_WB.translation.x());
+    json["east_m"] = tidy(scan.X_WB.translation.y());
+    json["depth_m"] = tidy(scan.X_WB.translation.z());
+    json["heading_deg"] = tidy(scan.X_WB.rotation.heading().wrapped_positive().degrees());
+  }
+  json["obstacles"] = to_json(scan.obstacles);
+}
+
+}  // namespace
+
+std::string obstacles_json(const ScanRecord& scan) {
+  ordered_json json{{"frame", kFrame}};
+  add_scan(json, scan);
+  return dump(json);
+}
+
+std::string scans_json(std::span<const ScanRecord> scans) {
+  ordered_json json{{"frame", kFrame}, {"scans", ordered_json::array()}};
+  for (const ScanRecord& scan : scans) {
+    ordered_json one = ordered_json::object();
+    add_scan(one, scan);
+    json["scans"].push_back(std::move(one));
+  }
+  return dump(json);
+}
+
+std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin) {
+  const Pose X_WL = level(scan.X_WB);
+  std::vector<GeoFeature> features;
+  for (const Obstacle& o : scan.obstacles) {
+    GeoFeature feature;
+    for (const auto& p : o.outline) feature.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
+    feature.properties = {{"existence", tidy(o.existence)},
+                          {"range_m", tidy(o.range_m)},
+                          {"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
+                          {"behind", o.behind},
+                          {"possible_multiple", o.possible_multiple}};
+    features.push_back(std::move(feature));
+  }
+  return geojson_text(features, origin);
+}
+
+std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) {
+  const PipelineCounts& n = outcome.counts;
+  ordered_json manifest{{"program", "isobath"},
+                        {"version", ISOBATH_VERSION},
+                        {"input", request.input.empty() ? "embedded reservoir" : request.input.string()},
+                        {"format", outcome.source.format},
+                        {"bytes", outcome.source.bytes_total},
+                        {"seed", request.configuration.reservoir.seed},
+                        {"problem", outcome.problem}};
+  for (const auto& [key, value] : outcome.source.details) manifest["details"][key] = value;
+  manifest["counts"] = {{"pings", n.pings},   {"pings_without_pose", n.unposed}, {"navigation", n.navigation},
+                        {"ranges", n.ranges}, {"scans", n.scans},                {"bins", n.bins},
+                        {"hits", n.hits},     {"obstacles", outcome.obstacles.size()}};
+  manifest["rejected"] = ordered_json::object();
+  for (const auto& [reason, count] : outcome.rejected) manifest["rejected"][reason] = count;
+  manifest["bytes_skipped"] = outcome.source.bytes_skipped;
+  manifest["skipped"] = ordered_json::array();
+  for (const Damage& d : outcome.source.damages) {
+    manifest["skipped"].push_back({{"offset", d.offset}, {"bytes", d.bytes}, {"reason", d.reason}});
+  }
+  for (const auto& file : outcome.files) manifest["files"].push_back(file.string());
+  return dump(manifest);
+}
+
+}  // namespace isobath

@@ -1,0 +1,31 @@
+// Results as text: the one place that fixes the names and units of obstacles.json, scans.json, obstacles.geojson and
+// manifest.json. The same results give the same text.
+#pragma once
+
+#include <isobath/geometry/geodesy.hpp>
+#include <isobath/map/obstacle.hpp>
+#include <isobath/runtime/run.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+/// The end of one sweep, kept.
+struct ScanRecord {
+  int number = 0;  ///< from 1
+  Time time;
+  Pose X_WB;
+  bool posed = false;  ///< whether X_WB comes from navigation
+  std::vector<Obstacle> obstacles;
+};
+
+/// `frame`, the time and pose of the scan, and its `obstacles`; an empty list where there was no scan.
+std::string obstacles_json(const ScanRecord& scan);
+std::string scans_json(std::span<const ScanRecord> scans);
+/// RFC 7946: one polygon an obstacle, longitude and latitude.
+std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin);
+/// What was run: input, version, counts, rejections, files. Holds no time of day, and no path but those given.
+std::string manifest_json(const RunRequest& request, const RunOutcome& outcome);
+
+}  // namespace isobath

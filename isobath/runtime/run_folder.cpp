@@ -1,0 +1,274 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/base/error.hpp>
+#include <isobath/io/geotiff.hpp>
+#include <isobath/runtime/html_report.hpp>
+#include <isobath/runtime/result_text.hpp>
+#include <isobath/runtime/run_folder.hpp>
+#include <limits>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+constexpr int kPlotPixels = 640;
+
+double ring_step(const PlanExtent& extent) {
+  const auto steps = ticks(0, std::max(extent.x_max, extent.y_max), 4);
+  return steps.size() > 1 ? steps[1] : 1;
+}
+
+std::string degrees(Angle a) { return fmt::format("{:.1f}", a.wrapped_positive().degrees()); }
+
+std::string notes(const Obstacle& o) {
+  std::string text;
+  if (o.behind) text = "behind a nearer obstacle";
+  if (o.possible_multiple) text += std::string(text.empty() ? "" : "; ") + "possible multiple echo";
+  return text;
+}
+
+}  // namespace
+
+RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
+    : folder_(std::move(folder)), configuration_(std::move(configuration)) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder_, failed);
+  if (failed || !std::filesystem::is_directory(folder_)) {
+    throw Error("cannot make the output folder", {folder_.string(), {}, {}, {}, {}}, "", "choose another with --out");
+  }
+}
+
+void RunFolder::on_ping(const PosedPing& posed) { sweep_.push_back({posed.ping, posed.X_WB}); }
+
+void RunFolder::on_scan(const ScanResult& scan) {
+  const Detection& found = scan.detection;
+  obstacles_ = found.obstacles;
+  scans_.push_back({scan.number, found.time, found.X_WB, scan.posed, found.obstacles});
+  track_.push_back(found.X_WB.translation.head<2>());
+  // A sweep that was cut short at the end of the log does not take the place of a whole one.
+  if (last_sweep_.empty() || sweep_.size() * 2 > last_sweep_.size()) last_sweep_.swap(sweep_);
+  sweep_.clear();
+}
+
+void RunFolder::write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const {
+  write_file(folder_ / name, bytes);
+  outcome.files.emplace_back(name);
+}
+
+PlanExtent RunFolder::extent() const {
+  double reach = 1;
+  for (const KeptPing& kept : last_sweep_) reach = std::max(reach, kept.ping.window.end_m());
+  return {-reach, reach, -reach, reach};
+}
+
+// Pictures -----------------------------------------------------------------------------------------------------------
+
+namespace {
+
+PlanPicture::Labels body_labels(const std::string& title) { return {title, "forward (m)", "starboard (m)"}; }
+
+void draw_obstacles(PlanPicture& picture, const std::vector<Obstacle>& obstacles) {
+  for (const Obstacle& o : obstacles) {
+    const Colour colour = o.behind ? palette::kHidden : palette::kObstacle;
+    picture.polygon(o.outline, {colour, 2, o.possible_multiple}, {colour.red, colour.green, colour.blue, 0.15});
+  }
+  for (const Obstacle& o : obstacles) {
+    if (o.behind) continue;
+    picture.dot(o.nearest, 2.5, palette::kObstacle);
+  }
+}
+
+std::vector<PlanPicture::LegendEntry> obstacle_legend() {
+  return {{palette::kObstacle, "obstacle"}, {palette::kHidden, "behind a nearer one (dashed: possible multiple)"}};
+}
+
+}  // namespace
+
+std::string RunFolder::sonar_picture() const {
+  PlanPicture picture(extent(), kPlotPixels, body_labels("Echoes of the last sweep"));
+  const double pixel = (extent().x_max - extent().x_min) / kPlotPixels;
+  PlanImage image(extent(), pixel);
+  const Pose X_BW = last_sweep_.empty() ? Pose{} : level(last_sweep_.back().X_WB).inverse();
+  for (const KeptPing& kept : last_sweep_) image.add(kept.ping, X_BW * kept.X_WB * kept.ping.X_BS);
+  picture.raster([&image](double x, double y) {
+    const auto share = image.share(x, y);
+    return share ? intensity_colour(std::sqrt(*share)) : Colour{0.93, 0.93, 0.93, 1};
+  });
+  picture.range_rings({0, 0}, ring_step(extent()));
+  picture.vehicle({0, 0}, 0);
+  picture.finish({{intensity_colour(1), "strongest echo"}, {intensity_colour(0), "none"}, {{0.93, 0.93, 0.93, 1}, "not looked at"}});
+  return picture.png();
+}
+
+std::string RunFolder::detections_picture() const {
+  PlanPicture picture(extent(), kPlotPixels, body_labels(fmt::format("Obstacles ({})", obstacles_.size())));
+  const double pixel = (extent().x_max - extent().x_min) / kPlotPixels;
+  PlanImage image(extent(), pixel);
+  const Pose X_BW = last_sweep_.empty() ? Pose{} : level(last_sweep_.back().X_WB).inverse();
+  for (const KeptPing& kept : last_sweep_) image.add(kept.ping, X_BW * kept.X_WB * kept.ping.X_BS);
+  picture.raster([&image](double x, double y) {
+    const double shade = 1 - 0.75 * std::sqrt(image.share(x, y).value_or(0.0));
+    return Colour{shade, shade, shade, 1};
+  });
+  picture.range_rings({0, 0}, ring_step(extent()));
+  draw_obstacles(picture, obstacles_);
+  picture.vehicle({0, 0}, 0);
+  picture.finish(obstacle_legend());
+  return picture.png();
+}
+
+std::string RunFolder::occupancy_picture(const BodyGrid& grid) const {
+  PlanPicture picture(extent(), kPlotPixels, body_labels("Occupancy"));
+  picture.raster([&grid](double x, double y) {
+    const auto cell = grid.cell_at({x, y});
+    return cell ? occupancy_colour(grid.probability(*cell), grid.config().prior) : Colour{0.7, 0.7, 0.7, 1};
+  });
+  picture.range_rings({0, 0}, ring_step(extent()));
+  picture.vehicle({0, 0}, 0);
+  picture.finish({{occupancy_colour(0.98, 0.01), "occupied"},
+                  {occupancy_colour(0.3, 0.01), "likely"},
+                  {occupancy_colour(0.001, 0.01), "free"},
+                  {occupancy_colour(0.01, 0.01), "unknown"}});
+  return picture.png();
+}
+
+std::string RunFolder::track_picture() const {
+  Vector2d low = track_.front(), high = track_.front();
+  for (const Vector2d& p : track_) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  std::vector<std::pair<std::vector<Vector2d>, double>> outlines;
+  for (const ScanRecord& scan : scans_) {
+    const Pose X_WL = level(scan.X_WB);
+    for (const Obstacle& o : scan.obstacles) {
+      if (o.behind) continue;
+      std::vector<Vector2d> outline;
+      for (const Vector2d& p : o.outline) {
+        outline.push_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
+        low = low.cwiseMin(outline.back());
+        high = high.cwiseMax(outline.back());
+      }
+      outlines.emplace_back(std::move(outline), o.existence);
+    }
+  }
+  const double margin = 0.05 * (high - low).maxCoeff() + 0.5;
+  PlanPicture picture({low.x() - margin, high.x() + margin, low.y() - margin, high.y() + margin}, kPlotPixels,
+                      {"Track, and the obstacles of every scan", "north (m)", "east (m)"});
+  for (const auto& [outline, existence] : outlines) {
+    picture.polygon(outline, {{0.84, 0.37, 0.0, 0.25 * existence}, 1, false}, {0.84, 0.37, 0.0, 0.05 * existence});
+  }
+  picture.polyline(track_, {palette::kTrack, 2, false});
+  picture.vehicle(track_.back(), scans_.back().X_WB.rotation.heading().radians());
+  picture.finish({{palette::kTrack, "track"}, {palette::kObstacle, "obstacles; darker where seen again"}});
+  return picture.png();
+}
+
+// Files --------------------------------------------------------------------------------------------------------------
+
+void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcome& outcome) {
+  outcome.obstacles = obstacles_;
+  const ScanRecord last = scans_.empty() ? ScanRecord{} : scans_.back();
+  write_text("obstacles.json", obstacles_json(last), outcome);
+  write_text("scans.json", scans_json(scans_), outcome);
+  const std::optional<GeoOrigin> origin = last.posed ? outcome.source.origin : std::nullopt;
+  if (origin) write_text("obstacles.geojson", obstacles_geojson(last, *origin), outcome);
+  if (grid) {
+    write_occupancy(*grid, level(last.X_WB), origin);
+    outcome.files.emplace_back("occupancy.tif");
+    write_text("occupancy.png", occupancy_picture(*grid), outcome);
+    write_text("sonar.png", sonar_picture(), outcome);
+    write_text("detections.png", detections_picture(), outcome);
+  }
+  write_text("configuration.toml", write_toml(sections(configuration_), true), outcome);
+  write_text("report.html", report(request, outcome, grid), outcome);
+  outcome.files.emplace_back("manifest.json");
+  write_file(folder_ / "manifest.json", manifest_json(request, outcome));
+}
+
+/// Cells that nobody has seen are "no data"; rows from the top, forward at the start being up.
+void RunFolder::write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const {
+  const CartesianGrid& cells = grid.cells();
+  const auto corner = grid.to_level_body({cells.cells_x * cells.cell_m, 0});
+  const RasterFrame frame{.columns = cells.cells_y,
+                          .rows = cells.cells_x,
+                          .cell_m = cells.cell_m,
+                          .corner_m = (X_WL * Eigen::Vector3d(corner.x(), corner.y(), 0)).head<2>(),
+                          .up = (X_WL.rotation.heading() - grid.heading()).wrapped(),
+                          .origin = origin};
+  std::vector<float> raster;
+  raster.reserve(cells.size());
+  for (int x = cells.cells_x - 1; x >= 0; --x) {
+    for (int y = 0; y < cells.cells_y; ++y) {
+      const bool unseen = std::abs(grid.log_odds()[cells.index({x, y})] - grid.log_odds_prior()) < 1e-9;
+      raster.push_back(unseen ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(grid.probability({x, y})));
+    }
+  }
+  write_geotiff(folder_ / "occupancy.tif", frame, {.name = "occupancy probability", .unit = ""}, raster);
+}
+
+std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const BodyGrid* grid) const {
+  const PipelineCounts& n = outcome.counts;
+  HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded reservoir" : request.input.filename().string()),
+                  fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end", outcome.source.format,
+                              n.pings, outcome.log_s, n.scans, obstacles_.size()));
+  if (!outcome.problem.empty()) page.warning(outcome.problem);
+  if (n.pings > 0 && n.unposed == n.pings) {
+    page.paragraph("The log has no navigation: the vehicle is taken to stand still.");
+  }
+  if (grid) {
+    page.begin_row();
+    page.figure(detections_picture(), "Obstacles over the echoes of the last sweep, seen from above; the vehicle looks up.");
+    page.figure(occupancy_picture(*grid), "What is believed of the water around the vehicle. Unknown is not free.");
+    page.figure(sonar_picture(), "The echoes of the last sweep as they came.");
+    if (!track_.empty() && scans_.back().posed) page.figure(track_picture(), "Where the vehicle went, north up.");
+    page.end_row();
+  }
+  page.heading("Obstacles");
+  std::vector<HtmlReport::Row> rows;
+  for (const Obstacle& o : obstacles_) {
+    rows.push_back({degrees(o.bearing), fmt::format("{:.2f}", o.range_m), fmt::format("{:.3f}", o.existence), notes(o)});
+  }
+  page.table({"bearing (deg)", "nearest point (m)", "existence", ""}, rows);
+  page.heading("Counts");
+  page.table({"what", "how many"}, {{"pings mapped", fmt::format("{}", n.pings)},
+                                    {"of these without a pose", fmt::format("{}", n.unposed)},
+                                    {"navigation fixes", fmt::format("{}", n.navigation)},
+                                    {"range readings", fmt::format("{}", n.ranges)},
+                                    {"scans", fmt::format("{}", n.scans)},
+                                    {"bins decided", fmt::format("{}", n.bins)},
+                                    {"of these echoes", fmt::format("{} ({:.2f} %)", n.hits, n.bins ? 100.0 * static_cast<double>(n.hits) / static_cast<double>(n.bins) : 0.0)}});
+  page.heading("Times");
+  rows = {{"log", fmt::format("{:.3f} s", outcome.log_s)},
+          {"pings", fmt::format("{:.2f} a second of log", outcome.log_s > 0 ? static_cast<double>(n.pings) / outcome.log_s : 0)},
+          {"scans", fmt::format("one every {:.2f} s of log", n.scans ? outcome.log_s / static_cast<double>(n.scans) : 0)}};
+  if (request.timings) {
+    rows.push_back({"work for a ping, median", fmt::format("{:.3f} ms", outcome.timings.ping_median_ms)});
+    rows.push_back({"work for a ping, 99th percentile", fmt::format("{:.3f} ms", outcome.timings.ping_p99_ms)});
+    rows.push_back({"speed", fmt::format("{:.0f} x real time", outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0)});
+  }
+  page.table({"what", "value"}, rows);
+  page.heading("Refused and skipped");
+  rows.clear();
+  for (const auto& [reason, count] : outcome.rejected) rows.push_back({reason, fmt::format("{}", count)});
+  for (const Damage& d : outcome.source.damages) {
+    rows.push_back({fmt::format("{} (bytes {} to {})", d.reason, d.offset, d.offset + d.bytes), fmt::format("{} bytes", d.bytes)});
+  }
+  if (rows.empty()) {
+    page.paragraph("Nothing was refused, nothing was skipped.");
+  } else {
+    page.table({"reason", "count"}, rows);
+  }
+  if (!outcome.source.details.empty()) {
+    page.heading("Input");
+    rows.clear();
+    for (const auto& [key, value] : outcome.source.details) rows.push_back({key, value});
+    page.table({"what", "value"}, rows);
+  }
+  Configuration configuration = configuration_;
+  page.folded("Configuration in force", write_toml(sections(configuration), true));
+  return page.html();
+}
+
+}  // namespace isobath

@@ -1,0 +1,55 @@
+// RunFolder: collects what a run finds and writes it as files that people and programs read.
+//
+//   obstacles.json      the obstacles at the end, level body frame       obstacles.geojson  the same on the globe, if known
+//   scans.json          the obstacles of every scan                      manifest.json      input, counts, rejections, files
+//   occupancy.tif .png  the grid                                         configuration.toml what was in force
+//   sonar.png           the last sweep in plan                           detections.png     obstacles drawn over it
+//   report.html         all of it on one page
+#pragma once
+
+#include <filesystem>
+#include <isobath/runtime/pipeline.hpp>
+#include <isobath/runtime/plan_image.hpp>
+#include <isobath/runtime/result_text.hpp>
+#include <isobath/runtime/run.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+class RunFolder : public ResultSink {
+ public:
+  /// Makes the folder; throws Error if it cannot.
+  RunFolder(std::filesystem::path folder, Configuration configuration);
+
+  void on_ping(const PosedPing& ping) override;
+  void on_scan(const ScanResult& scan) override;
+
+  /// Writes all files and lists them in `outcome.files`.
+  void write(const RunRequest& request, const BodyGrid* grid, RunOutcome& outcome);
+  [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+
+ private:
+  struct KeptPing {
+    Ping ping;
+    Pose X_WB;
+  };
+  void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
+  void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;
+  [[nodiscard]] PlanExtent extent() const;
+  [[nodiscard]] std::string sonar_picture() const;
+  [[nodiscard]] std::string detections_picture() const;
+  [[nodiscard]] std::string occupancy_picture(const BodyGrid& grid) const;
+  [[nodiscard]] std::string track_picture() const;
+  [[nodiscard]] std::string report(const RunRequest& request, const RunOutcome& outcome, const BodyGrid* grid) const;
+
+  std::filesystem::path folder_;
+  Configuration configuration_;
+  std::vector<KeptPing> sweep_, last_sweep_;  ///< being heard, and the last one that was finished
+  std::vector<ScanRecord> scans_;
+  std::vector<Eigen::Vector2d> track_;  ///< N, E of every scan
+  std::vector<Obstacle> obstacles_;
+};
+
+}  // namespace isobath

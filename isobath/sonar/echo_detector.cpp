@@ -1,0 +1,313 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <isobath/base/error.hpp>
+#include <isobath/sonar/echo_detector.hpp>
+#include <limits>
+
+namespace isobath {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "eight bins are compared in one little-endian word");
+
+constexpr int kBeamsLearnt = 16;  // of a multibeam ping: enough, at a fraction of the cost
+constexpr std::uint64_t kTops = 0x8080808080808080u;
+
+/// Top bit of each byte set where x >= y, both unsigned.
+std::uint64_t at_or_above(std::uint64_t x, std::uint64_t y) {
+  const std::uint64_t low = (x | kTops) - (y & ~kTops);
+  return ((x & ~y) | (~(x ^ y) & low)) & kTops;
+}
+
+/// The top bits of eight bytes as one byte, the first byte lowest.
+std::uint64_t gather_tops(std::uint64_t tops) { return ((tops >> 7) * 0x0102040810204080u) >> 56; }
+
+/// Eight bytes as rows of eight bits, transposed (Warren, Hacker's Delight, 7-3).
+std::uint64_t transpose(std::uint64_t x) {
+  x = (x & 0xAA55AA55AA55AA55u) | ((x & 0x00AA00AA00AA00AAu) << 7) | ((x >> 7) & 0x00AA00AA00AA00AAu);
+  x = (x & 0xCCCC3333CCCC3333u) | ((x & 0x0000CCCC0000CCCCu) << 14) | ((x >> 14) & 0x0000CCCC0000CCCCu);
+  return (x & 0xF0F0F0F00F0F0F0Fu) | ((x & 0x00000000F0F0F0F0u) << 28) | ((x >> 28) & 0x00000000F0F0F0F0u);
+}
+
+std::uint64_t load8(const void* at) {
+  std::uint64_t value;
+  std::memcpy(&value, at, 8);
+  return value;
+}
+
+/// One beam of adjacent 8-bit samples.
+void compare_bins(const std::byte* samples, const std::uint8_t* thresholds, int bins, std::uint64_t* hits) {
+  int k = 0;
+  for (; k + 8 <= bins; k += 8) {
+    hits[k / 64] |= gather_tops(at_or_above(load8(samples + k), load8(thresholds + k))) << (k % 64);
+  }
+  for (; k < bins; ++k) hits[k / 64] |= std::uint64_t{std::uint8_t(samples[k]) >= thresholds[k]} << (k % 64);
+}
+
+/// Eight beams side by side, a row a bin: eight by eight decisions at a time, turned to beams by bins.
+void compare_beams(const std::byte* samples, std::ptrdiff_t bin_stride, const std::uint8_t* thresholds, int bins,
+                   int beam, EchoDecisions& out) {
+  for (int k = 0; k < bins; k += 8) {
+    std::uint64_t rows = 0;
+    for (int i = 0; i < std::min(8, bins - k); ++i) {
+      const std::uint64_t wanted = thresholds[k + i] * 0x0101010101010101u;
+      rows |= gather_tops(at_or_above(load8(samples + (k + i) * bin_stride), wanted)) << (8 * i);
+    }
+    if (rows == 0) continue;
+    const std::uint64_t columns = transpose(rows);
+    for (int b = 0; b < 8; ++b) out.hits(beam + b)[k / 64] |= (columns >> (8 * b) & 0xff) << (k % 64);
+  }
+}
+
+template <class Sample>
+void compare_strided(const std::byte* at, std::ptrdiff_t stride, const float* thresholds, int bins,
+                     std::uint64_t* hits) {
+  for (int k = 0; k < bins; ++k, at += stride) {
+    Sample value;
+    std::memcpy(&value, at, sizeof value);
+    hits[k / 64] |= std::uint64_t{static_cast<float>(value) >= thresholds[k]} << (k % 64);
+  }
+}
+
+void compare_any(const Intensities& z, int beam, const float* thresholds, std::uint64_t* hits) {
+  const std::byte* at = z.data() + beam * z.beam_stride();
+  switch (z.type()) {
+    case SampleType::kU8:
+      return compare_strided<std::uint8_t>(at, z.bin_stride(), thresholds, z.bins(), hits);
+    case SampleType::kU16:
+      return compare_strided<std::uint16_t>(at, z.bin_stride(), thresholds, z.bins(), hits);
+    case SampleType::kF32:
+      return compare_strided<float>(at, z.bin_stride(), thresholds, z.bins(), hits);
+  }
+}
+
+DetectorState state_of(ModelMismatch mismatch) {
+  switch (mismatch) {
+    case ModelMismatch::kFullScale:
+      return DetectorState::kModelFullScale;
+    case ModelMismatch::kRange:
+      return DetectorState::kModelRange;
+    case ModelMismatch::kBinLength:
+      return DetectorState::kModelBinLength;
+  }
+  return DetectorState::kNoModel;
+}
+
+}  // namespace
+
+std::vector<Field> fields(EchoDetectorConfig& c) {
+  using M = DetectionMethod;
+  std::vector<Field> all = {
+      Field::choice<M>("method", &c.method,
+                       {{"automatic", M::kAutomatic},
+                        {"model", M::kModel},
+                        {"global", M::kGlobal},
+                        {"ca_cfar", M::kCellAveraging},
+                        {"os_cfar", M::kOrderedStatistic}},
+                       "How echoes are told from noise; automatic: the sensor model if one is given, else learnt."),
+      Field::real("false_alarm", &c.false_alarm, {1e-6, 0.5}, "1",
+                  "Probability that a bin without target reports an echo; a sensor model brings its own."),
+      Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1",
+                  "Probability that a bin with a target reports an echo; a sensor model brings its own."),
+      Field::real("blind_m", &c.blind_m, {0, 100}, "m", "Nearer bins are never used: the transmitter still rings."),
+      Field::real("global_threshold", &c.global_threshold, {0, 1}, "1",
+                  "Threshold of method global, share of full scale."),
+      Field::real("skirt_share", &c.skirt_share, {0, 1}, "1",
+                  "Automatic only: a hit below this share of a stronger echo just behind it is its skirt; 0: keep."),
+      Field::real("skirt_m", &c.skirt_m, {0, 10}, "m", "How far behind a hit that stronger echo may stand.")};
+  for (auto&& list : {fields(c.noise), fields(c.cfar)}) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+const char* to_text(DetectorState state) {
+  switch (state) {
+    case DetectorState::kReady:
+      return "ready";
+    case DetectorState::kWarmingUp:
+      return "learning the noise level";
+    case DetectorState::kNoModel:
+      return "no sensor model";
+    case DetectorState::kModelFullScale:
+      return to_text(ModelMismatch::kFullScale);
+    case DetectorState::kModelRange:
+      return to_text(ModelMismatch::kRange);
+    case DetectorState::kModelBinLength:
+      return to_text(ModelMismatch::kBinLength);
+  }
+  return "unknown";
+}
+
+EchoDetector::EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model)
+    : config_(config), model_(std::move(model)) {
+  if (model_ && config_.method == DetectionMethod::kAutomatic) config_.method = DetectionMethod::kModel;
+  if (config_.method == DetectionMethod::kModel) {
+    if (!model_) throw Error("method model needs a sensor model", {{}, {}, {}, {}, "method"}, {}, "calibrate first");
+    model_->check();
+  } else if (!(config_.p_detect > config_.false_alarm)) {
+    throw Error("p_detect must be above false_alarm", {{}, {}, {}, {}, "p_detect"},
+                "above " + std::to_string(config_.false_alarm), "an echo must be likelier with a target than without");
+  }
+}
+
+double EchoDetector::false_alarm() const {
+  return config_.method == DetectionMethod::kModel ? model_->false_alarm : config_.false_alarm;
+}
+
+void EchoDetector::detect(const Ping& ping, EchoDecisions& out) {
+  const Intensities& z = ping.intensity;
+  if (ping.window != window_ || ping.full_scale != full_scale_ || z.type() != type_) prepare(ping);
+  if (config_.method == DetectionMethod::kAutomatic) learn(ping);
+  out.reset(z.beams(), z.bins());
+  describe(out);
+  if (state_ != DetectorState::kReady) return;
+  const bool cfar =
+      config_.method == DetectionMethod::kCellAveraging || config_.method == DetectionMethod::kOrderedStatistic;
+  if (cfar) return decide_by_cfar(ping, out);
+  decide_by_thresholds(ping, out);
+  if (config_.method == DetectionMethod::kAutomatic && config_.skirt_share > 0) drop_skirts(ping, out);
+}
+
+void EchoDetector::prepare(const Ping& ping) {
+  window_ = ping.window;
+  full_scale_ = ping.full_scale;
+  type_ = ping.intensity.type();
+  const double blind_bins = std::ceil((config_.blind_m - window_.start_m) / window_.bin_m - 1e-9);
+  first_bin_ = static_cast<int>(std::clamp(blind_bins, 0.0, double(window_.bins)));
+  beam_.resize(window_.bins);
+  p_detect_.assign(window_.bins, static_cast<float>(config_.p_detect));
+  std::fill_n(p_detect_.begin(), first_bin_, 0.0f);
+  thresholds_.assign(window_.bins, std::numeric_limits<float>::infinity());
+  next_beam_ = 0;
+  state_ = DetectorState::kReady;
+  switch (config_.method) {
+    case DetectionMethod::kAutomatic:
+      tracker_ =
+          NoiseTracker(EchoLevels(type_, full_scale_), window_.bins, first_bin_, config_.false_alarm, config_.noise);
+      state_ = DetectorState::kWarmingUp;
+      break;
+    case DetectionMethod::kModel:
+      prepare_model(ping);
+      break;
+    case DetectionMethod::kGlobal:
+      thresholds_.assign(window_.bins, static_cast<float>(config_.global_threshold) * full_scale_);
+      break;
+    case DetectionMethod::kCellAveraging:
+    case DetectionMethod::kOrderedStatistic:
+      cfar_ = Cfar(config_.cfar, config_.method == DetectionMethod::kOrderedStatistic, config_.false_alarm);
+      thresholds_.clear();
+      break;
+  }
+  set_thresholds();
+}
+
+void EchoDetector::prepare_model(const Ping& ping) {
+  const auto bins = for_window(*model_, ping.window, ping.full_scale);
+  if (!bins) {
+    state_ = state_of(bins.error());
+    return;
+  }
+  for (int k = 0; k < window_.bins; ++k) {
+    const SensorModel::Bin& bin = (*bins)[k];
+    if (bin.blind) p_detect_[k] = 0;
+    if (p_detect_[k] > 0) p_detect_[k] = static_cast<float>(bin.p_detect);
+    if (p_detect_[k] > 0) thresholds_[k] = static_cast<float>(bin.threshold);
+  }
+}
+
+/// The 8-bit form of the thresholds: the smallest whole sample at or above each.
+void EchoDetector::set_thresholds() {
+  thresholds_u8_.assign(thresholds_.size(), 255);
+  reachable_.assign((thresholds_.size() + 63) / 64, 0);
+  for (std::size_t k = 0; k < thresholds_.size(); ++k) {
+    if (!(thresholds_[k] <= 255)) continue;
+    thresholds_u8_[k] = static_cast<std::uint8_t>(std::ceil(std::max(thresholds_[k], 0.0f)));
+    reachable_[k / 64] |= std::uint64_t{1} << (k % 64);
+  }
+}
+
+void EchoDetector::learn(const Ping& ping) {
+  const int beams = ping.intensity.beams();
+  const int learnt = std::min(beams, kBeamsLearnt);
+  for (int i = 0; i < learnt; ++i) {
+    const int beam = (next_beam_ + i * beams / learnt) % beams;
+    ping.intensity.copy_beam(beam, beam_.data());
+    tracker_.learn(beam_.data());
+  }
+  next_beam_ = (next_beam_ + 1) % beams;
+  if (!tracker_.update()) return;
+  state_ = DetectorState::kReady;
+  std::copy(tracker_.thresholds().begin(), tracker_.thresholds().end(), thresholds_.begin());
+  set_thresholds();
+}
+
+void EchoDetector::describe(EchoDecisions& out) const {
+  out.false_alarm = false_alarm();
+  for (int k = 0; k < out.bins(); ++k) {
+    if (state_ != DetectorState::kReady || !(p_detect_[k] > 0)) {
+      out.set_unusable(k);
+    } else {
+      out.p_detect[k] = p_detect_[k];
+    }
+  }
+}
+
+void EchoDetector::decide_by_thresholds(const Ping& ping, EchoDecisions& out) const {
+  const Intensities& z = ping.intensity;
+  const bool bytes = z.type() == SampleType::kU8;
+  int beam = 0;
+  if (bytes && z.bin_stride() == 1) {
+    for (; beam < z.beams(); ++beam) {
+      compare_bins(z.data() + beam * z.beam_stride(), thresholds_u8_.data(), z.bins(), out.hits(beam));
+    }
+  } else if (bytes && z.beam_stride() == 1) {
+    for (; beam + 8 <= z.beams(); beam += 8) {
+      compare_beams(z.data() + beam, z.bin_stride(), thresholds_u8_.data(), z.bins(), beam, out);
+    }
+  }
+  for (int b = beam; b < z.beams(); ++b) compare_any(z, b, thresholds_.data(), out.hits(b));
+  for (int b = 0; b < z.beams(); ++b) {
+    for (int w = 0; w < out.words(); ++w) {
+      out.hits(b)[w] &= out.usable()[w] & (bytes ? reachable_[w] : ~std::uint64_t{0});
+    }
+  }
+}
+
+void EchoDetector::decide_by_cfar(const Ping& ping, EchoDecisions& out) {
+  for (int b = 0; b < ping.intensity.beams(); ++b) {
+    ping.intensity.copy_beam(b, beam_.data());
+    cfar_.detect(beam_.data(), first_bin_, ping.intensity.bins(), out.hits(b));
+  }
+}
+
+namespace {
+
+/// Whether the intensity rises from here to a much stronger echo within `reach` bins, without a dip between.
+bool is_skirt(const float* beam, int bin, int bins, int reach, float share) {
+  const float own = beam[bin];
+  for (int k = bin + 1; k < std::min(bins, bin + reach + 1); ++k) {
+    if (beam[k] * share > own) return true;
+    if (beam[k] < share * own) return false;
+  }
+  return false;
+}
+
+}  // namespace
+
+void EchoDetector::drop_skirts(const Ping& ping, EchoDecisions& out) {
+  const int reach = static_cast<int>(std::min(config_.skirt_m / window_.bin_m, double(window_.bins)));
+  const auto share = static_cast<float>(config_.skirt_share);
+  for (int b = 0; b < out.beams(); ++b) {
+    std::uint64_t* hits = out.hits(b);
+    if (std::all_of(hits, hits + out.words(), [](std::uint64_t w) { return w == 0; })) continue;
+    ping.intensity.copy_beam(b, beam_.data());
+    for (int w = 0; w < out.words(); ++w) {
+      for (std::uint64_t left = hits[w]; left != 0; left &= left - 1) {
+        const int bin = 64 * w + std::countr_zero(left);
+        if (is_skirt(beam_.data(), bin, out.bins(), reach, share)) hits[w] &= ~(left & -left);
+      }
+    }
+  }
+}
+
+}  // namespace isobath

@@ -1,0 +1,79 @@
+// NoiseTracker: the noise level of each range bin of a sonar that was never calibrated, learnt from the beams so far.
+//
+// How (our own; ledger S6-70 for the aim). Each bin has a histogram of the intensities of recent beams. Targets stand
+// in the upper part of it, noise in the lower, so only the quantiles q10, q30 and q50 are read, and a shifted Weibull
+// law goes through them: threshold = its 1 - f quantile. Its shape (1: exponential, 2: Rayleigh, 3.6: nearly Gaussian)
+// is one for all bins, the 70th percentile over the bins: a law belongs to the sonar, while targets bend single bins
+// towards heavy tails. Location and scale are a bin's own, then a moving median over 1/16 of the window to each side
+// lets no echo that is thin in range in.
+//
+// Where a sonar cuts weak samples to 0, so that a bin is 0 more than half the time, the law goes through q25 and q50 of
+// what is left; it may ask for no more than 0.7 times the median peak of a beam (below), or a wall that is all that
+// ever comes back would hide itself.
+//
+// Floor: no threshold is below `contrast` times the median over recent beams of a beam's strongest sample. Where most
+// bearings hold strong echoes (a tank, a harbour), reverberation and side lobes scale with them; in open water, where
+// few do, the median is of the noise itself and the floor does nothing. A price: in a tank, targets weaker than that
+// are not seen.
+//
+// Intensities in counts. Causal and deterministic. Older beams fade: at memory_profiles all counts are halved.
+#pragma once
+
+#include <isobath/base/config.hpp>
+#include <isobath/sonar/echo_histogram.hpp>
+#include <vector>
+
+namespace isobath {
+
+struct NoiseTrackerConfig {
+  double contrast = 0.5;
+  int warmup_profiles = 100;
+  int memory_profiles = 4000;  ///< 2000 to 4000 beams are remembered
+};
+std::vector<Field> fields(NoiseTrackerConfig& config);
+
+class NoiseTracker {
+ public:
+  NoiseTracker() = default;
+  /// Bins before first_bin are neither learnt from nor given thresholds (they stay infinite).
+  NoiseTracker(EchoLevels levels, int bins, int first_bin, double false_alarm, const NoiseTrackerConfig& config);
+
+  void learn(const float* beam);
+  /// Renews the thresholds if enough beams came in (an eighth more, at most 128). Says whether they changed.
+  bool update();
+
+  [[nodiscard]] bool warm() const { return profiles_ >= config_.warmup_profiles; }
+  [[nodiscard]] const std::vector<float>& thresholds() const { return thresholds_; }
+  /// Shape of the Weibull law in force.
+  [[nodiscard]] double shape() const { return shape_; }
+  [[nodiscard]] double floor() const { return floor_; }
+
+ private:
+  struct Quantiles {
+    double zeros;  ///< share of samples in level 0
+    double low, middle, high;
+  };
+  [[nodiscard]] Quantiles quantiles(const std::uint32_t* row) const;
+  void fit_shape();
+  [[nodiscard]] double threshold(const Quantiles& q, double peak) const;
+  void smooth();
+
+  EchoLevels levels_;
+  NoiseTrackerConfig config_;
+  double false_alarm_ = 0.02;
+  int first_bin_ = 0;
+  EchoHistogram noise_;
+  EchoHistogram peaks_;  ///< one bin: the strongest sample of each beam
+  int profiles_ = 0;
+  int remembered_ = 0;
+  int due_ = 0;
+  double shape_ = 2;
+  double floor_ = 0;
+  std::vector<float> thresholds_;
+  std::vector<double> edges_;
+  std::vector<Quantiles> quantiles_;
+  std::vector<double> raw_;
+  std::vector<double> window_;
+};
+
+}  // namespace isobath

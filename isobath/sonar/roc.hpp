@@ -1,0 +1,81 @@
+// Receiver operating characteristic: how often a threshold detects against how often it cries wolf.
+//
+// Source: Ganesan 2015, 3.1 and 4.3 (table 3.1, equations 3.1, 3.2, 4.1); ledger S6-04, S6-05, S6-07, S6-E20. Intervals
+// of proportions are Wilson's (1927). All numbers are probabilities (1); intensities are in counts of the sonar. p is
+// P(intensity >= threshold | target), never P(target | intensity >= threshold) (S6-E20).
+// Accuracy: normal_quantile and erfc_inverse to 1e-14 relative over the whole range of double probabilities.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace isobath {
+
+/// Table 3.1: decisions against the truth.
+struct EchoCounts {
+  std::uint64_t hits = 0;                ///< A: S = 1, target
+  std::uint64_t false_alarms = 0;        ///< B: S = 1, no target
+  std::uint64_t misses = 0;              ///< C: S = 0, target
+  std::uint64_t correct_rejections = 0;  ///< D: S = 0, no target
+
+  void add(bool decision, bool target);
+  EchoCounts& operator+=(const EchoCounts& other);
+  /// A / (A + C); missing, not 0, where no target was seen.
+  [[nodiscard]] std::optional<double> p() const;
+  /// B / (B + D); missing where there was no target-less bin.
+  [[nodiscard]] std::optional<double> f() const;
+  bool operator==(const EchoCounts&) const = default;
+};
+
+struct Interval {
+  double low = 0;
+  double high = 1;
+};
+
+/// Wilson's interval of a proportion; z = 1.96 covers 95 %. `successes` may be fractional (a rate read between two
+/// levels). [0, 1] where there were no trials.
+Interval wilson_interval(double successes, double trials, double z = 1.959963984540054);
+
+/// Q(x): probability that a standard normal exceeds x.
+double normal_tail(double x);
+/// x with P(N <= x) = p, 0 < p < 1.
+double normal_quantile(double p);
+/// x with erfc(x) = y, 0 < y < 2.
+double erfc_inverse(double y);
+
+/// Equation 4.1: a target of constant amplitude A in Gaussian noise of deviation sigma; snr = A^2 / sigma^2, linear.
+double theoretical_detection(double false_alarm, double snr);
+/// Threshold above the mean that Gaussian noise of deviation sigma exceeds at the rate false_alarm.
+double gaussian_threshold(double false_alarm, double sigma);
+
+struct RocPoint {
+  double threshold = 0;
+  double f = 0;
+  double p = 0;
+  bool operator==(const RocPoint&) const = default;
+};
+
+/// p against f as the threshold falls: f and p never decrease, from (0, 0) to (1, 1); linear in between (a threshold
+/// that is drawn at random between two neighbours reaches every point of the line).
+class RocCurve {
+ public:
+  /// From counts per level: noise[i] and target[i] samples at intensities from edges[i] up to edges[i + 1]. Both must
+  /// hold samples; edges has one more entry than the counts.
+  RocCurve(const std::vector<double>& edges, const std::vector<std::uint64_t>& noise,
+           const std::vector<std::uint64_t>& target);
+
+  [[nodiscard]] const std::vector<RocPoint>& points() const { return points_; }
+  [[nodiscard]] double area() const;
+  /// The operating point at the false-alarm rate f; the largest p where the curve is vertical.
+  [[nodiscard]] RocPoint at_false_alarm(double f) const;
+  [[nodiscard]] std::uint64_t noise_samples() const { return noise_samples_; }
+  [[nodiscard]] std::uint64_t target_samples() const { return target_samples_; }
+
+ private:
+  std::vector<RocPoint> points_;
+  std::uint64_t noise_samples_ = 0;
+  std::uint64_t target_samples_ = 0;
+};
+
+}  // namespace isobath

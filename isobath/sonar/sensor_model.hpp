@@ -1,0 +1,57 @@
+// SensorModel: what a calibration knows about one sonar at one range window: thresholds and probabilities a range bin.
+//
+// Source: Ganesan 2015, 3.1 and 4.3 (figures 4.7, 4.8); ledger S6-06, S6-09, S6-E05, S6-D03. Intensities in counts of
+// the sonar, ranges in m. A bin in the blind zone, or with p_D <= f, carries no information: neither its 1 nor its 0
+// may be used. The printed form (p_k = 0 and t_k = 0 in the blind zone) is refused: every reading would count as a hit
+// there.
+//
+// A model holds for the range window that it was measured with. For another window inside the same ranges, `for_window`
+// interpolates over range, if the bins are at most twice as long or short (bins of another length average the noise
+// otherwise, which the thresholds do not know).
+#pragma once
+
+#include <filesystem>
+#include <isobath/base/error.hpp>
+#include <isobath/sonar/ping.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace isobath {
+
+struct SensorModel {
+  struct Bin {
+    double threshold = 0;  ///< S = 1 at or above it
+    double p_detect = 0;   ///< P(S = 1 | target)
+    double noise_mean = 0;
+    double noise_deviation = 0;
+    bool blind = false;
+    bool operator==(const Bin&) const = default;
+  };
+
+  std::string source;  ///< which recording, which sonar: for people
+  RangeWindow window;
+  double full_scale = 255;    ///< of the pings that it was measured with
+  double false_alarm = 0.02;  ///< f, of every bin that is not blind
+  std::vector<Bin> bins;      ///< window.bins of them
+
+  /// Throws Error: sizes that disagree, values out of range, p_D <= f in a bin that is not blind (S6-09).
+  void check(const std::string& file = {}) const;
+  bool operator==(const SensorModel&) const = default;
+};
+
+/// Why a model cannot serve a ping.
+enum class ModelMismatch : std::uint8_t { kFullScale, kRange, kBinLength };
+const char* to_text(ModelMismatch mismatch);
+
+/// The bins of the model at the bins of another window.
+Result<std::vector<SensorModel::Bin>, ModelMismatch> for_window(const SensorModel& model, const RangeWindow& window,
+                                                                double full_scale);
+
+/// JSON, version 1. Reading is strict: an unknown or a missing key, a wrong type or size, another version throw Error.
+std::string write_sensor_model(const SensorModel& model);
+SensorModel read_sensor_model(std::string_view text, const std::string& file);
+void save_sensor_model(const SensorModel& model, const std::filesystem::path& path);
+SensorModel load_sensor_model(const std::filesystem::path& path);
+
+}  // namespace isobath

@@ -1,0 +1,58 @@
+// SweepFinder: where one scan of the surroundings ends and the next begins (ledger S6-01).
+//
+// A multibeam ping is a scan of its own. A scanning head (fans of one beam) ends a scan when it has turned through 360
+// degrees, or when it turns back (sector sweeps), or flies back. A bearing that repeats at the end of a sweep begins
+// the next one: 31 pings from -45 to +45 degrees at 3 degrees, both ends included, whatever the direction. Where the
+// log marks its sweeps (Ping::sweep), the marks are believed.
+//
+// A full turn, a multibeam ping and a marked end are known with their last ping; a reversal is known when the head has
+// gone back by 1.5 steps, so up to two pings late. Skipped bearings and jitter below that do not disturb; steps of 180
+// degrees and more cannot be told from steps the other way.
+#pragma once
+
+#include <array>
+#include <isobath/sonar/ping.hpp>
+#include <optional>
+
+namespace isobath {
+
+struct Scan {
+  int pings = 0;
+  Time begin;  ///< of its first ping
+  Time end;    ///< of its last ping
+  bool full_turn = false;
+  bool clockwise = true;
+};
+
+class SweepFinder {
+ public:
+  /// The scan that this ping ends or shows to have ended, if it does.
+  std::optional<Scan> add(const Ping& ping);
+  /// Pings since the end of the last scan.
+  [[nodiscard]] int pings() const { return pings_; }
+
+ private:
+  void begin_at(const Ping& ping);
+  void advance(const Ping& ping);
+  void follow_extreme(const Ping& ping);
+  [[nodiscard]] double typical_step() const;
+  Scan end_marked(const Ping& ping);
+  Scan end_turn(const Ping& ping);
+  Scan end_reversed(const Ping& ping);
+
+  bool begun_ = false;
+  int pings_ = 0;
+  Time begin_;
+  Angle last_azimuth_;
+  double position_ = 0;  ///< unwrapped bearing, rad
+  double start_ = 0;     ///< position where the scan began
+  int direction_ = 0;    ///< +1 clockwise, -1, 0 unknown
+  double extreme_ = 0;   ///< farthest position in the direction
+  Time extreme_time_;
+  Time after_extreme_;     ///< of the first ping after the farthest
+  int since_extreme_ = 0;  ///< pings after the farthest
+  std::array<double, 15> steps_{};
+  int step_count_ = 0;
+};
+
+}  // namespace isobath

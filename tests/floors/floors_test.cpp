@@ -1,0 +1,230 @@
+// The law of rooms and floors, checked on the sources: who may include whom, and what may not stand in a library at
+// all.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <gmock/gmock.h>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <tests/support/data.hpp>
+
+namespace isobath {
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::set<std::string>;
+
+/// Room -> the rooms that it may include, apart from itself. A new room needs a line here.
+const std::map<std::string, Names>& law() {
+  static const std::map<std::string, Names> table = {
+      {"base", {}},
+      {"geometry", {"base"}},
+      {"vehicle", {"geometry", "base"}},
+      {"map", {"geometry", "base"}},
+      {"sonar", {"geometry", "base"}},
+      {"io", {"sonar", "map", "vehicle", "geometry", "base"}},
+      {"sim", {"sonar", "vehicle", "geometry", "base"}},
+      {"planning", {"map", "vehicle", "geometry", "base"}},
+      {"perception", {"sonar", "map", "geometry", "base"}},
+      {"mission", {"perception", "planning", "vehicle", "map", "sonar", "geometry", "base"}},
+      {"runtime", {"mission", "io", "sim", "planning", "perception", "sonar", "map", "vehicle", "geometry", "base"}},
+      {"python",
+       {"runtime", "mission", "io", "sim", "planning", "perception", "sonar", "map", "vehicle", "geometry", "base"}},
+      {"server", {"runtime", "mission", "map", "geometry", "base"}},
+      {"app",
+       {"server", "runtime", "mission", "io", "sim", "planning", "perception", "sonar", "map", "vehicle", "geometry",
+        "base"}},
+  };
+  return table;
+}
+
+struct SourceFile {
+  std::string path;  ///< from the root of the project
+  std::string room;
+  std::vector<std::string> includes;
+  std::string text;  ///< without comments and without what stands in quotes
+
+  [[nodiscard]] bool header() const { return path.ends_with(".hpp"); }
+  [[nodiscard]] bool library() const { return room != "app"; }
+};
+
+/// Where the comment or the literal that starts at `from` ends; `from` itself where neither starts.
+std::size_t end_of_noise(const std::string& text, std::size_t from) {
+  const auto past = [&](const std::string& end, std::size_t at) {
+    const std::size_t found = text.find(end, at);
+    return found == std::string::npos ? text.size() : found + end.size();
+  };
+  if (text.compare(from, 2, "//") == 0) return std::min(text.find('\n', from), text.size());
+  if (text.compare(from, 2, "/*") == 0) return past("*/", from + 2);
+  if (text.compare(from, 2, "R\"") == 0) {
+    const std::size_t open = std::min(text.find('(', from), text.size());
+    return past(")" + text.substr(from + 2, open - from - 2) + "\"", open);
+  }
+  const bool separator = text[from] == '\'' && from > 0 && std::isalnum(static_cast<unsigned char>(text[from - 1]));
+  if ((text[from] != '"' && text[from] != '\'') || separator) return from;
+  std::size_t at = from + 1;
+  while (at < text.size() && text[at] != text[from] && text[at] != '\n') at += text[at] == '\\' ? 2 : 1;
+  return std::min(at + 1, text.size());
+}
+
+/// Blanks comments and literals, so that words in them are not taken for code.
+std::string code_of(const std::string& text) {
+  std::string code;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = end_of_noise(text, at);
+    code += end > at ? ' ' : text[at];
+    at = std::max(end, at + 1);
+  }
+  return code;
+}
+
+/// The names in angle brackets; those in quotes keep their first quote.
+std::vector<std::string> includes_of(const std::string& text) {
+  static const std::regex include(R"re([ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"].*)re");
+  std::vector<std::string> names;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, include)) names.push_back((match[1] == "\"" ? "\"" : "") + match[2].str());
+  }
+  return names;
+}
+
+std::vector<SourceFile> read_sources() {
+  std::vector<SourceFile> files;
+  const fs::path root = test::source_folder();
+  for (const auto& entry : fs::recursive_directory_iterator(root / "isobath")) {
+    const fs::path extension = entry.path().extension();
+    if (extension != ".hpp" && extension != ".cpp") continue;
+    std::ostringstream text;
+    text << std::ifstream(entry.path()).rdbuf();
+    const fs::path path = fs::relative(entry.path(), root);
+    files.push_back({path.string(), std::next(path.begin())->string(), includes_of(text.str()), code_of(text.str())});
+  }
+  std::sort(files.begin(), files.end(), [](const SourceFile& a, const SourceFile& b) { return a.path < b.path; });
+  return files;
+}
+
+const std::vector<SourceFile>& sources() {
+  static const std::vector<SourceFile> files = read_sources();
+  return files;
+}
+
+std::string room_of_include(const std::string& include) {
+  const std::string prefix = "isobath/";
+  return include.starts_with(prefix) ? include.substr(prefix.size(), include.find('/', prefix.size()) - prefix.size())
+                                     : "";
+}
+
+/// "path: text" for each file that the rule complains about; the rule returns an empty text where all is well.
+std::vector<std::string> complaints(const std::function<std::string(const SourceFile&)>& rule) {
+  std::vector<std::string> found;
+  for (const SourceFile& file : sources()) {
+    const std::string text = rule(file);
+    if (!text.empty()) found.push_back(file.path + ": " + text);
+  }
+  return found;
+}
+
+std::string first_match(const std::string& text, const std::string& pattern) {
+  std::smatch match;
+  return std::regex_search(text, match, std::regex(pattern)) ? match.str() : "";
+}
+
+TEST(Floors, TableHasNoCircle) {
+  std::map<std::string, Names> open = law();
+  while (!open.empty()) {
+    const auto ground = std::find_if(open.begin(), open.end(), [](const auto& room) { return room.second.empty(); });
+    ASSERT_NE(ground, open.end()) << "rooms in a circle, among them " << open.begin()->first;
+    const std::string name = ground->first;
+    open.erase(ground);
+    for (auto& room : open) room.second.erase(name);
+  }
+}
+
+TEST(Floors, EveryFolderIsARoomOfTheTable) {
+  ASSERT_GT(sources().size(), 10u);
+  for (const auto& entry : fs::directory_iterator(test::source_folder() / "isobath")) {
+    EXPECT_TRUE(entry.is_directory()) << entry.path() << " stands in no room";
+    EXPECT_TRUE(law().contains(entry.path().filename().string())) << entry.path() << " is no room of the table";
+    EXPECT_FALSE(fs::is_empty(entry.path())) << entry.path() << " is empty";
+  }
+}
+
+TEST(Floors, RoomsIncludeOnlyWhatTheirLineAllows) {
+  const auto found = complaints([](const SourceFile& file) -> std::string {
+    for (const std::string& include : file.includes) {
+      const std::string room = room_of_include(include);
+      if (!room.empty() && room != file.room && !law().at(file.room).contains(room)) {
+        return "includes " + include;
+      }
+    }
+    return "";
+  });
+  EXPECT_THAT(found, testing::IsEmpty());
+}
+
+TEST(Floors, IncludesAreByFullPath) {
+  const auto found = complaints([](const SourceFile& file) -> std::string {
+    for (const std::string& include : file.includes) {
+      if (include.starts_with('"')) return "includes " + include + "\"";
+    }
+    return "";
+  });
+  EXPECT_THAT(found, testing::IsEmpty());
+}
+
+TEST(Floors, EveryHeaderHasAPragmaOnce) {
+  const auto found = complaints([](const SourceFile& file) -> std::string {
+    return file.header() && file.text.find("#pragma once\n") == std::string::npos ? "no #pragma once" : "";
+  });
+  EXPECT_THAT(found, testing::IsEmpty());
+}
+
+TEST(Floors, HeavyLibrariesStayOutOfHeaders) {
+  static const std::regex heavy(
+      "(gdal|ogr|cpl_|toml\\+\\+|nlohmann/json\\.hpp|CLI/|cairo|png\\.h|zlib\\.h|zstd|lz4|boost/"
+      "(beast|asio)|GeographicLib/).*");
+  const auto found = complaints([](const SourceFile& file) -> std::string {
+    if (!file.header() || !file.library()) return "";
+    for (const std::string& include : file.includes) {
+      if (std::regex_match(include, heavy)) return "includes " + include;
+    }
+    return "";
+  });
+  EXPECT_THAT(found, testing::IsEmpty());
+}
+
+TEST(Floors, TheLibraryPrintsNothing) {
+  const auto found = complaints([](const SourceFile& file) -> std::string {
+    if (!file.library() || file.path == "isobath/base/error.cpp") return "";  // a failed assertion speaks
+    if (std::count(file.includes.begin(), file.includes.end(), "iostream") > 0) return "includes iostream";
+    return first_match(file.text, R"(\b(std::(cout|cerr|clog)|printf|fprintf|puts|putchar|perror|fmt::print)\b)");
+  });
+  EXPECT_THAT(found, testing::IsEmpty());
+}
+
+TEST(Floors, ARunIsAFunctionOfItsInput) {
+  const auto found = complaints([](const SourceFile& file) -> std::string {
+    if (!file.library()) return "";
+    const std::string random = first_match(file.text, R"(\brandom_device\b|\bs?rand\s*\()");
+    const std::string clock = file.room == "runtime" ? "(system|high_resolution)" : "\\w+";  // it measures
+    return random + first_match(file.text, "\\b" + clock + "_clock::now\\b|\\bgettimeofday\\b|\\bgetenv\\b");
+  });
+  EXPECT_THAT(found, testing::IsEmpty());
+}
+
+// The checks above are as good as what they take for code.
+TEST(Floors, CommentsAndLiteralsAreNotCode) {
+  EXPECT_EQ(code_of("a /* std::cout */ b // printf\nc \"rand()\" d '\"' e R\"(x \" y)\" f"), "a   b  \nc   d   e   f");
+  EXPECT_THAT(includes_of("#include <isobath/a.hpp>\n  # include \"b.hpp\"\n// #include <c>\n"),
+              testing::ElementsAre("isobath/a.hpp", "\"b.hpp"));
+  EXPECT_EQ(room_of_include("isobath/map/body_grid.hpp"), "map");
+  EXPECT_EQ(room_of_include("vector"), "");
+}
+
+}  // namespace
+}  // namespace isobath

@@ -1,0 +1,20 @@
+# cmake -DNODE= -DNPM= -DWRITER= -DSOURCE= -DWORK= -P conformance.cmake
+# Writes logs with our writer and reads them with the reference reader; installs that reader into WORK once.
+file(MAKE_DIRECTORY ${WORK})
+if(NOT NODE OR NOT NPM)
+  message("SKIPPED: node and npm are not here, so no other reader of MCAP is")
+  return()
+endif()
+file(COPY ${SOURCE}/package.json ${SOURCE}/package-lock.json ${SOURCE}/read_log.mjs DESTINATION ${WORK})
+file(SHA256 ${WORK}/package-lock.json lock)
+if(NOT EXISTS ${WORK}/installed-${lock})
+  execute_process(COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund WORKING_DIRECTORY ${WORK} RESULT_VARIABLE problem)
+  if(problem)
+    message("SKIPPED: npm could not install the reference reader of MCAP")
+    return()
+  endif()
+  file(TOUCH ${WORK}/installed-${lock})
+endif()
+execute_process(COMMAND ${WRITER} ${WORK}/logs COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${NODE} ${WORK}/read_log.mjs --expect ${WORK}/logs/expected.json ${WORK}/logs/none.mcap
+                        ${WORK}/logs/lz4.mcap ${WORK}/logs/zstd.mcap COMMAND_ERROR_IS_FATAL ANY)

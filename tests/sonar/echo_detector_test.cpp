@@ -1,0 +1,239 @@
+#include <gmock/gmock.h>
+#include <cmath>
+#include <isobath/base/error.hpp>
+#include <isobath/sonar/echo_detector.hpp>
+#include <tests/support/echoes.hpp>
+
+namespace isobath {
+namespace {
+
+EchoDetectorConfig global_at(double share) {
+  EchoDetectorConfig config;
+  config.method = DetectionMethod::kGlobal;
+  config.global_threshold = share;
+  config.blind_m = 0;
+  return config;
+}
+
+// ledger: S6-03
+TEST(EchoDetector, EqualityIsAnEcho) {
+  const auto check_type = [](auto sample, float full_scale) {
+    using Sample = decltype(sample);
+    EchoDetector detector(global_at(0.4));
+    const double t = 0.4f * full_scale;
+    const double values[] = {t - 1, std::ceil(t), t + 1, 0, full_scale};
+    const Ping ping = test::ping_of<Sample>(
+        test::fan_of(1), {0, 0.1, 5}, [&](int, int k) { return values[k]; }, full_scale);
+    EchoDecisions out;
+    detector.detect(ping, out);
+    for (int k = 0; k < 5; ++k) EXPECT_EQ(out.hit(0, k), k == 1 || k == 2 || k == 4) << k;
+  };
+  check_type(std::uint8_t{}, 255);
+  check_type(std::uint16_t{}, 4095);
+  check_type(float{}, 2);
+}
+
+/// A model with thresholds of all kinds: reachable or not, whole or not, blind.
+SensorModel odd_model(int bins) {
+  SensorModel model;
+  model.window = {0, 0.1, bins};
+  Random random(5);
+  for (int k = 0; k < bins; ++k) {
+    const double t = k % 17 == 0 ? 256 : k % 5 == 0 ? random.uniform(1, 255) : std::round(random.uniform(1, 255));
+    model.bins.push_back({t, 0.9, 10, 3, k % 23 == 3});
+  }
+  return model;
+}
+
+// Each memory layout that has a path of its own, and those that have none, against the definition.
+// ledger: S6-03 S6-09 S6-E05
+TEST(EchoDetector, AllLayoutsDecideAsDefined) {
+  constexpr int kBeams = 37;
+  constexpr int kBins = 131;
+  std::vector<std::uint8_t> samples(kBeams * kBins * 2);
+  Random random(9);
+  for (auto& z : samples) z = static_cast<std::uint8_t>(random.bits());
+  const SensorModel model = odd_model(kBins);
+  EchoDetectorConfig config;
+  config.blind_m = 0.35;
+  const std::ptrdiff_t layouts[][2] = {{kBins, 1}, {1, kBeams}, {2 * kBins, 2}, {2, 2 * kBeams}};
+  for (const auto& [beam_stride, bin_stride] : layouts) {
+    Ping ping;
+    ping.fan = test::fan_of(kBeams);
+    ping.window = model.window;
+    ping.intensity = Intensities(samples.data(), SampleType::kU8, kBeams, kBins, beam_stride, bin_stride);
+    EchoDetector detector(config, model);
+    EchoDecisions out;
+    detector.detect(ping, out);
+    for (int k = 0; k < kBins; ++k) {
+      const bool usable = k >= 4 && !model.bins[k].blind;
+      ASSERT_EQ(out.usable(k), usable) << k;
+      ASSERT_FLOAT_EQ(out.p_detect[k], usable ? 0.9f : 0.0f);
+      for (int b = 0; b < kBeams; ++b) {
+        ASSERT_EQ(out.hit(b, k), usable && ping.intensity(b, k) >= model.bins[k].threshold) << b << " " << k;
+      }
+    }
+    EXPECT_DOUBLE_EQ(out.false_alarm, model.false_alarm);
+  }
+}
+
+TEST(EchoDetector, SaysWhyAModelDoesNotServe) {
+  EchoDetector detector(EchoDetectorConfig{}, odd_model(100));
+  EchoDecisions out;
+  const auto ping = [](RangeWindow w) {
+    return test::ping_of<std::uint8_t>(test::fan_of(2), w, [](int, int) { return 200; });
+  };
+  detector.detect(ping({0, 0.1, 200}), out);
+  EXPECT_EQ(detector.state(), DetectorState::kModelRange);
+  for (int k = 0; k < 200; ++k) EXPECT_FALSE(out.usable(k));
+  detector.detect(ping({0, 0.1, 100}), out);
+  EXPECT_EQ(detector.state(), DetectorState::kReady) << "a window that fits is served again";
+  detector.detect(ping({0, 0.01, 100}), out);
+  EXPECT_EQ(detector.state(), DetectorState::kModelBinLength);
+}
+
+TEST(EchoDetector, RefusesWhatCannotWork) {
+  EchoDetectorConfig config;
+  config.method = DetectionMethod::kModel;
+  EXPECT_THROW(EchoDetector{config}, Error);
+  config.method = DetectionMethod::kAutomatic;
+  config.p_detect = config.false_alarm;
+  EXPECT_THROW(EchoDetector{config}, Error);
+}
+
+/// Share of usable decisions that are hits, over `pings` fresh pings after learning.
+struct Trial {
+  int beams = 32;
+  int bins = 200;
+  int learn = 60;
+  int judge = 40;
+  double full_scale = 255;
+  template <class Sample, class Value>
+  double rate(EchoDetector& detector, Value value) const {
+    EchoDecisions out;
+    double hits = 0, all = 0;
+    const auto fan = test::fan_of(beams);
+    for (int i = 0; i < learn + judge; ++i) {
+      const Ping ping = test::ping_of<Sample>(fan, {0, 0.05, bins}, value, static_cast<float>(full_scale));
+      detector.detect(ping, out);
+      for (int b = 0; b < beams && i >= learn; ++b) {
+        for (int k = 0; k < bins; ++k) {
+          if (!out.usable(k)) continue;
+          ++all;
+          hits += out.hit(b, k);
+        }
+      }
+    }
+    return hits / all;
+  }
+};
+
+EchoDetectorConfig plain_automatic() {
+  EchoDetectorConfig config;
+  config.skirt_share = 0;
+  config.noise.contrast = 0;
+  return config;
+}
+
+// The law is not told: its shape is found. Level falls with range as spreading does.
+// ledger: S6-06 S6-70
+TEST(AutomaticThresholds, KeepTheRateUnderEachLaw) {
+  const std::pair<const char*, test::Background> laws[] = {
+      {"Gaussian", test::gaussian(80, 8)}, {"Rayleigh", test::rayleigh(20)}, {"exponential", test::exponential(12)}};
+  for (const auto& [name, law] : laws) {
+    Random random(21);
+    EchoDetector whole(plain_automatic());
+    const auto at_range = [&](int, int k) { return law(random) * (1.0 - 0.003 * k); };
+    EXPECT_NEAR(Trial{}.rate<std::uint8_t>(whole, at_range), 0.02, 0.006) << name;
+    EchoDetector real(plain_automatic());
+    EXPECT_NEAR(Trial{}.rate<float>(real, at_range), 0.02, 0.006) << name;
+  }
+}
+
+// ledger: S6-70
+TEST(AutomaticThresholds, FollowTheNoiseFromLakeToSea) {
+  Random random(22);
+  EchoDetectorConfig config = plain_automatic();
+  config.noise.memory_profiles = 400;
+  EchoDetector detector(config);
+  const auto lake = [&, law = test::gaussian(60, 6)](int, int) { return law(random); };
+  EXPECT_NEAR(Trial{}.rate<float>(detector, lake), 0.02, 0.006);
+  const auto sea = [&, law = test::rayleigh(30)](int, int) { return law(random); };
+  Trial after_50_scans;
+  after_50_scans.learn = 50;
+  EXPECT_NEAR(after_50_scans.rate<float>(detector, sea), 0.02, 0.006);
+}
+
+TEST(AutomaticThresholds, SeeTargetsThatFillAThirdOfTheBearings) {
+  Random random(23);
+  EchoDetector detector(plain_automatic());
+  EchoDecisions out;
+  const auto noise = test::rayleigh(15);
+  const auto fan = test::fan_of(30);
+  for (int i = 0; i < 100; ++i) {
+    detector.detect(test::ping_of<std::uint8_t>(fan, {0, 0.05, 200},
+                                                [&](int b, int k) {
+                                                  const bool wall = b < 10 && k >= 80 && k < 140;
+                                                  return wall ? 120 : noise(random);
+                                                }),
+                    out);
+  }
+  for (int b = 0; b < 10; ++b) EXPECT_TRUE(out.hit(b, 100)) << b;
+}
+
+TEST(AutomaticThresholds, SeeAWallThatFillsAllBearingsButIsThin) {
+  Random random(24);
+  EchoDetector detector(plain_automatic());
+  EchoDecisions out;
+  const auto noise = test::rayleigh(15);
+  const auto fan = test::fan_of(30);
+  for (int i = 0; i < 200; ++i) {
+    detector.detect(test::ping_of<std::uint8_t>(fan, {0, 0.05, 200},
+                                                [&](int, int k) { return k >= 100 && k < 108 ? 130 : noise(random); }),
+                    out);
+  }
+  for (int b = 0; b < 30; ++b) EXPECT_TRUE(out.hit(b, 103)) << b;
+}
+
+TEST(AutomaticThresholds, DecideNothingBeforeTheyHaveLearnt) {
+  EchoDetectorConfig config = plain_automatic();
+  config.noise.warmup_profiles = 100;
+  EchoDetector detector(config);
+  EchoDecisions out;
+  Random random(25);
+  const auto noise = test::rayleigh(15);
+  const Ping ping =
+      test::ping_of<std::uint8_t>(test::fan_of(1), {0, 0.05, 90}, [&](int, int) { return noise(random); });
+  for (int i = 0; i < 100; ++i) {
+    detector.detect(ping, out);
+    EXPECT_EQ(detector.state() == DetectorState::kReady, i == 99);
+    EXPECT_EQ(out.usable(60), i == 99);
+    EXPECT_FALSE(out.usable(11)) << "blind zone of 0.6 m";
+  }
+}
+
+TEST(SkirtRule, KeepsAnEchoThatStandsApartAndDropsAFoot) {
+  EchoDetectorConfig config;
+  config.blind_m = 0;
+  EchoDetector detector(config);
+  EchoDecisions out;
+  std::vector<int> beam(100, 0);
+  const auto ping = [&] {
+    return test::ping_of<std::uint8_t>(test::fan_of(1), {0, 0.02, 100}, [&](int, int k) { return beam[k]; });
+  };
+  for (int i = 0; i < 200; ++i) detector.detect(ping(), out);  // silence
+  const auto put = [&](int from, std::vector<int> values) {
+    std::copy(values.begin(), values.end(), beam.begin() + from);
+  };
+  put(20, {40, 60, 80, 100, 160, 170, 150, 60});  // a foot that rises to its echo
+  put(60, {90, 0, 0, 170});                       // a small echo, a dip, a strong echo
+  detector.detect(ping(), out);
+  std::vector<int> hits;
+  for (int k = 0; k < 100; ++k) {
+    if (out.hit(0, k)) hits.push_back(k);
+  }
+  EXPECT_THAT(hits, testing::ElementsAre(24, 25, 26, 27, 60, 63));
+}
+
+}  // namespace
+}  // namespace isobath
