@@ -93,7 +93,7 @@ void PingDevice::describe(const Ping1DReading& reading) {
   report_.details["sonar"] = fmt::format("Ping1D, beam {:g} degrees", sounder_.beam().width.degrees());
   report_.note_setting("gain", fmt::format("{}", reading.gain));
   report_.note_setting("range", fmt::format("{:g} .. {:g} m", reading.start_mm * 1e-3,
-                                            (std::uint64_t{reading.start_mm} + reading.length_mm) * 1e-3));
+                                            reading.start_mm * 1e-3 + reading.length_mm * 1e-3));
   report_.details["sound speed"] = fmt::format("{:g} m/s, in the device", device_sound_speed_);
 }
 
