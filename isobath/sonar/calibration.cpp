@@ -71,7 +71,7 @@ void Calibration::prepare(const Ping& ping) {
     window_ = ping.window;
     full_scale_ = ping.full_scale;
     type_ = ping.intensity.type();
-    const double blind = std::ceil((config_.blind_m - window_.start_m) / window_.bin_m - 1e-9);
+    const double blind = std::ceil((std::max(config_.blind_m, ping.blind_m) - window_.start_m) / window_.bin_m - 1e-9);
     first_bin_ = static_cast<int>(std::clamp(blind, 0.0, window_.bins - 1.0));
     const EchoLevels levels(type_, full_scale_);
     for (Fold& fold : folds_) fold = {EchoHistogram(levels, window_.bins), EchoHistogram(levels, window_.bins)};

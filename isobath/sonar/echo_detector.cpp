@@ -144,7 +144,7 @@ double EchoDetector::false_alarm() const {
 
 void EchoDetector::detect(const Ping& ping, EchoDecisions& out) {
   const Intensities& z = ping.intensity;
-  if (ping.window != window_ || ping.full_scale != full_scale_ || z.type() != type_) prepare(ping);
+  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ || z.type() != type_) prepare(ping);
   if (config_.method == DetectionMethod::kAutomatic) learn(ping);
   out.reset(z.beams(), z.bins());
   describe(out);
@@ -158,9 +158,10 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out) {
 
 void EchoDetector::prepare(const Ping& ping) {
   window_ = ping.window;
+  blind_m_ = ping.blind_m;
   full_scale_ = ping.full_scale;
   type_ = ping.intensity.type();
-  const double blind_bins = std::ceil((config_.blind_m - window_.start_m) / window_.bin_m - 1e-9);
+  const double blind_bins = std::ceil((std::max(config_.blind_m, blind_m_) - window_.start_m) / window_.bin_m - 1e-9);
   first_bin_ = static_cast<int>(std::clamp(blind_bins, 0.0, double(window_.bins)));
   beam_.resize(window_.bins);
   p_detect_.assign(window_.bins, static_cast<float>(config_.p_detect));
