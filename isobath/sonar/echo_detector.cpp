@@ -153,6 +153,7 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out) {
       config_.method == DetectionMethod::kCellAveraging || config_.method == DetectionMethod::kOrderedStatistic;
   if (cfar) return decide_by_cfar(ping, out);
   decide_by_thresholds(ping, out);
+  if (config_.method == DetectionMethod::kModel) raise_noisy_beams(ping, out);
   if (config_.method == DetectionMethod::kAutomatic && config_.skirt_share > 0) drop_skirts(ping, out);
 }
 
@@ -256,6 +257,19 @@ void EchoDetector::decide_by_thresholds(const Ping& ping, EchoDecisions& out) co
   for (int b = 0; b < z.beams(); ++b) {
     for (int w = 0; w < out.words(); ++w) {
       out.hits(b)[w] &= out.usable()[w] & (bytes ? reachable_[w] : ~std::uint64_t{0});
+    }
+  }
+}
+
+void EchoDetector::raise_noisy_beams(const Ping& ping, EchoDecisions& out) {
+  constexpr double kNoisy = 1.05;
+  if (model_->beam_gains.size() != static_cast<std::size_t>(out.beams())) return;  // calibrated with another fan
+  for (int b = 0; b < out.beams(); ++b) {
+    if (model_->beam_gains[b] <= kNoisy) continue;
+    const auto gain = static_cast<float>(model_->beam_gains[b]);
+    ping.intensity.copy_beam(b, beam_.data());
+    for (int k = 0; k < out.bins(); ++k) {
+      if (beam_[k] < gain * thresholds_[k]) out.hits(b)[k / 64] &= ~(std::uint64_t{1} << (k % 64));
     }
   }
 }

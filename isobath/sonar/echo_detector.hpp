@@ -78,6 +78,7 @@ class EchoDetector {
   void describe(EchoDecisions& out) const;
   void decide_by_thresholds(const Ping& ping, EchoDecisions& out) const;
   void decide_by_cfar(const Ping& ping, EchoDecisions& out);
+  void raise_noisy_beams(const Ping& ping, EchoDecisions& out);
   void drop_skirts(const Ping& ping, EchoDecisions& out);
 
   EchoDetectorConfig config_;
