@@ -143,7 +143,8 @@ CalibrationResult Calibration::finish(const std::string& source) const {
   }
   CalibrationResult result;
   SensorModel& model = result.model;
-  model = {source, window_, full_scale_, config_.false_alarm, std::vector<SensorModel::Bin>(window_.bins), beam_gains()};
+  model = {source,      window_, full_scale_, config_.false_alarm, std::vector<SensorModel::Bin>(window_.bins),
+           beam_gains()};
   for (int k = 0; k < window_.bins; ++k) {
     SensorModel::Bin& bin = model.bins[k];
     const EchoDistribution own(sum.noise, k, k + 1);

@@ -144,7 +144,8 @@ double EchoDetector::false_alarm() const {
 
 void EchoDetector::detect(const Ping& ping, EchoDecisions& out) {
   const Intensities& z = ping.intensity;
-  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ || z.type() != type_) prepare(ping);
+  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ || z.type() != type_)
+    prepare(ping);
   if (config_.method == DetectionMethod::kAutomatic) learn(ping);
   out.reset(z.beams(), z.bins());
   describe(out);

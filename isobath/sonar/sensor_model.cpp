@@ -163,7 +163,8 @@ std::string write_sensor_model(const SensorModel& model) {
 
 SensorModel read_sensor_model(std::string_view text, const std::string& file) {
   const Json json = parse(text, file);
-  const Reader top(json, file, "", {"format", "version", "source", "window", "full_scale", "false_alarm", "beam_gains", "bins"});
+  const Reader top(json, file, "",
+                   {"format", "version", "source", "window", "full_scale", "false_alarm", "beam_gains", "bins"});
   if (top.text("format") != kFormat) top.fail("format", "not a sensor model", kFormat);
   if (top.number("version") != kVersion) top.fail("version", "unknown version", std::to_string(kVersion));
   const Reader window(json["window"], file, "window.", {"start_m", "bin_m", "bins"});
