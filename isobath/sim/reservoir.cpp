@@ -50,12 +50,12 @@ std::vector<Field> fields(ReservoirConfig& c) {
 }
 
 const std::vector<Eigen::Vector2d>& Reservoir::buoys() {
-  static const std::vector<Eigen::Vector2d> kBuoys{{45, 6}, {75, -14}};
+  static const std::vector<Eigen::Vector2d> kBuoys{{45, 4}, {58, -12}};
   return kBuoys;
 }
 
 const std::vector<Eigen::Vector2d>& Reservoir::embankment() {
-  static const std::vector<Eigen::Vector2d> kLine{{-20, 42}, {60, 38}, {110, 26}, {135, 5}, {140, -60}};
+  static const std::vector<Eigen::Vector2d> kLine{{-20, 26}, {60, 24}, {90, 14}, {110, -10}, {120, -60}};
   return kLine;
 }
 

@@ -21,7 +21,7 @@ namespace isobath {
 
 struct ReservoirConfig {
   int seed = 1;
-  double duration_s = 60;
+  double duration_s = 20;
   double speed = 1.5;            ///< m/s over ground
   double noise_mean = 40;        ///< counts
   double noise_sigma = 12;       ///< counts

@@ -31,7 +31,7 @@ std::uint64_t transpose(std::uint64_t x) {
 }
 
 std::uint64_t load8(const void* at) {
-  std::uint64_t value;
+  std::uint64_t value = 0;
   std::memcpy(&value, at, 8);
   return value;
 }
