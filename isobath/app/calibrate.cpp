@@ -19,9 +19,11 @@ void print(const CalibrateRequest& request, const CalibrateOutcome& outcome) {
   fmt::print("{} pings of background, {} with marks ({} marked cells), {} left out\n", result.background_pings,
              result.marked_pings, result.marked_cells, outcome.left_out);
   for (const ThresholdComparison& c : result.comparison) {
-    fmt::print("f = {:.4f} (asked for {:g}): thresholds a bin p = {:.3f} [{:.3f}, {:.3f}], one threshold p = {:.3f} [{:.3f}, {:.3f}]\n",
-               c.false_alarm.value, c.nominal_false_alarm, c.per_bin.value, c.per_bin.interval.low, c.per_bin.interval.high,
-               c.global.value, c.global.interval.low, c.global.interval.high);
+    fmt::print(
+        "f = {:.4f} (asked for {:g}): thresholds a bin p = {:.3f} [{:.3f}, {:.3f}], one threshold p = {:.3f} [{:.3f}, "
+        "{:.3f}]\n",
+        c.false_alarm.value, c.nominal_false_alarm, c.per_bin.value, c.per_bin.interval.low, c.per_bin.interval.high,
+        c.global.value, c.global.interval.low, c.global.interval.high);
   }
   fmt::print("written to {}: sensor_model.json and {} more files\n", request.out.string(), outcome.files.size() - 1);
 }
@@ -50,7 +52,8 @@ int act(Options& options) {
 Action add_calibrate(CLI::App& program) {
   auto options = std::make_shared<Options>();
   options->request.out = "out/calibration";
-  CLI::App* command = program.add_subcommand("calibrate", "Thresholds, ROC and noise laws from marked frames or background");
+  CLI::App* command =
+      program.add_subcommand("calibrate", "Thresholds, ROC and noise laws from marked frames or background");
   command->add_option("LOG", options->request.input, "Folder of frames with marks, or a log")->required();
   command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
   command->add_option("--background-below", options->request.background_below,

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
@@ -92,10 +93,11 @@ std::optional<Event> OculusDevice::event(Bytes message, std::optional<Time> time
 }
 
 Result<const OculusDevice::CachedFan*, MessageFault> OculusDevice::fan(const OculusPing& ping) {
+  const auto frequency = std::bit_cast<std::uint64_t>(ping.frequency_hz);
   for (const CachedFan& f : fans_) {
-    if (f.frequency_hz == ping.frequency_hz && std::ranges::equal(f.bearings, ping.bearings)) return &f;
+    if (f.frequency_bits == frequency && std::ranges::equal(f.bearings, ping.bearings)) return &f;
   }
-  CachedFan made{{ping.bearings.begin(), ping.bearings.end()}, ping.frequency_hz, nullptr, false};
+  CachedFan made{{ping.bearings.begin(), ping.bearings.end()}, frequency, nullptr, false};
   std::vector<Angle> azimuth = azimuths(ping.bearings);
   if (azimuth.size() > 1 && azimuth.front() > azimuth.back()) {
     std::ranges::reverse(azimuth);
@@ -155,7 +157,7 @@ Intensities OculusDevice::samples(const OculusPing& ping, bool mirrored, const s
 void OculusDevice::describe(const OculusPing& ping) {
   const std::array<double, 6> setting{ping.frequency_hz, ping.gain_percent,   double(ping.gamma) + 256.0 * ping.flags,
                                       ping.range_step_m, double(ping.ranges), double(ping.beams)};
-  if (std::memcmp(&described_, &setting, sizeof setting) == 0) return;  // bits: a NaN equals itself here
+  if (described_ == setting) return;
   described_ = setting;
   const Model* const model = model_of(ping.frequency_hz);
   report_.details["sonar"] = fmt::format("{}, {} beams", model ? model->name : "Oculus", ping.beams);

@@ -25,7 +25,7 @@ class OculusDevice {
  private:
   struct CachedFan {
     std::vector<std::byte> bearings;
-    double frequency_hz;
+    std::uint64_t frequency_bits;  ///< of the number, so that one that is none equals itself
     std::shared_ptr<const BeamFan> fan;
     bool mirrored;  ///< the table runs from starboard to port
   };

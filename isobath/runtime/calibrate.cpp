@@ -12,7 +12,8 @@ namespace isobath {
 namespace {
 
 Colour group_colour(std::size_t group, std::size_t groups) {
-  return intensity_colour(0.05 + 0.75 * static_cast<double>(group) / static_cast<double>(std::max<std::size_t>(groups, 2) - 1));
+  return intensity_colour(0.05 + 0.75 * static_cast<double>(group) /
+                                     static_cast<double>(std::max<std::size_t>(groups, 2) - 1));
 }
 
 double strongest(const Ping& ping, double blind_m, std::vector<float>& beam) {
@@ -75,7 +76,8 @@ std::string roc_chart(const CalibrationResult& result) {
       high.push_back(interval.high);
     }
     Colour shade = group_colour(g, result.groups.size());
-    const std::string name = fmt::format("{:.1f} to {:.1f} m, {} marked cells", group.near_m, group.far_m, group.roc->target_samples());
+    const std::string name =
+        fmt::format("{:.1f} to {:.1f} m, {} marked cells", group.near_m, group.far_m, group.roc->target_samples());
     chart.band(f, low, high, {shade.red, shade.green, shade.blue, 0.12});
     chart.curve(f, p, {shade, 2, false}, name);
   }
@@ -132,14 +134,16 @@ std::string with_interval(const Rate& rate) {
 void add_fits(HtmlReport& page, const CalibrationResult& result) {
   page.heading("Noise laws");
   page.paragraph(
-      "Anderson-Darling statistic of each law (smaller is nearer), with the p-value of a parametric bootstrap. With many "
+      "Anderson-Darling statistic of each law (smaller is nearer), with the p-value of a parametric bootstrap. With "
+      "many "
       "samples every law is rejected on real noise; the statistics tell which is nearest.");
   std::vector<HtmlReport::Row> rows;
   for (const RangeGroup& group : result.groups) {
     HtmlReport::Row row{fmt::format("{:.2f} to {:.2f}", group.near_m, group.far_m)};
     for (const NoiseFit& fit : group.fits) {
-      row.push_back(fmt::format("{}: {:.1f} (p {:.2f}; location {:.1f}, scale {:.1f}{})", to_text(fit.law), fit.statistic, fit.p_value,
-                                fit.location, fit.scale, fit.law == NoiseLaw::kK ? fmt::format(", shape {:.2f}", fit.shape) : ""));
+      row.push_back(fmt::format("{}: {:.1f} (p {:.2f}; location {:.1f}, scale {:.1f}{})", to_text(fit.law),
+                                fit.statistic, fit.p_value, fit.location, fit.scale,
+                                fit.law == NoiseLaw::kK ? fmt::format(", shape {:.2f}", fit.shape) : ""));
     }
     rows.push_back(std::move(row));
   }
@@ -153,7 +157,8 @@ void add_comparison(HtmlReport& page, const CalibrationResult& result) {
       "intervals after Wilson.");
   std::vector<HtmlReport::Row> rows;
   for (const ThresholdComparison& c : result.comparison) {
-    rows.push_back({fmt::format("{:g}", c.nominal_false_alarm), with_interval(c.false_alarm), with_interval(c.per_bin), with_interval(c.global)});
+    rows.push_back({fmt::format("{:g}", c.nominal_false_alarm), with_interval(c.false_alarm), with_interval(c.per_bin),
+                    with_interval(c.global)});
   }
   page.table({"f asked for", "f measured", "p, thresholds a bin", "p, one threshold"}, rows);
 }
@@ -184,8 +189,9 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
   write("thresholds.png", thresholds);
 
   HtmlReport page("Isobath calibration: " + request.input.filename().string(),
-                  fmt::format("{} pings of background, {} with marks ({} marked cells), {} left out; f = {:g}", result.background_pings,
-                              result.marked_pings, result.marked_cells, outcome.left_out, result.model.false_alarm));
+                  fmt::format("{} pings of background, {} with marks ({} marked cells), {} left out; f = {:g}",
+                              result.background_pings, result.marked_pings, result.marked_cells, outcome.left_out,
+                              result.model.false_alarm));
   page.begin_row();
   if (!roc.empty()) page.figure(roc, "Receiver operating characteristic by range, with 95 % bands of p.");
   page.figure(thresholds, "What the model asks of an echo, bin by bin.");
