@@ -33,6 +33,10 @@ std::string notes(const Obstacle& o) {
 RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
   make_folder(folder_);
+  for (const char* name : {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png"}) {
+    std::filesystem::remove(folder_ /
+                            name);  // not every run writes them, and an earlier run's must not pass for its own
+  }
 }
 
 void RunFolder::on_ping(const PosedPing& posed) { sweep_.push_back({posed.ping, posed.X_WB}); }

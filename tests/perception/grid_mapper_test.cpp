@@ -4,7 +4,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
-#include <tests/perception/count_allocations.hpp>
+#include <tests/support/count_allocations.hpp>
 
 namespace isobath {
 namespace {
