@@ -19,7 +19,8 @@ Configuration ConfigOptions::read() const {
   if (!file.empty()) {
     std::ifstream in(file, std::ios::binary);
     std::ostringstream text;
-    if (!in || !(text << in.rdbuf())) throw Error("cannot read the configuration", {file, {}, {}, {}, {}});
+    const bool empty = in && in.peek() == std::ifstream::traits_type::eof() && !in.bad();
+    if (!empty && !(text << in.rdbuf())) throw Error("cannot read the configuration", {file, {}, {}, {}, {}});
     read_toml(text.str(), file, all);
   }
   for (const std::string& setting : settings) set_from_text(setting, all);

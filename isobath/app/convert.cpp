@@ -22,13 +22,15 @@ int act(const Options& options) {
   const auto source = open_source(options.input, options.config.read().input);
   NativeLogWriter log(options.output);
   log.set_details(source->report().details);
-  if (source->report().origin) log.set_origin(*source->report().origin);
+  const bool place_known = source->report().origin.has_value();
+  if (place_known) log.set_origin(*source->report().origin);
   ProgressLine progress;
   std::uint64_t events = 0;
   while (const auto event = source->next()) {
     if (log.write(*event)) ++events;
     progress.show(source->report().bytes_read, source->report().bytes_total, events);
   }
+  if (!place_known && source->report().origin) log.set_origin(*source->report().origin);
   log.close();
   progress.clear();
   fmt::print("{} events written to {}\n", events, options.output.string());

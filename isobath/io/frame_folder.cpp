@@ -4,6 +4,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/io/delimited_text.hpp>
 #include <isobath/io/frame_folder.hpp>
+#include <isobath/io/pose_track.hpp>
 #include <isobath/io/whole_file.hpp>
 #include <map>
 #include <set>
@@ -188,7 +189,7 @@ std::vector<PosedFrame> frames_with_poses(const FrameSet& set, int wanted_pass, 
   for (PoseRows rows(set.poses); rows.next();) {
     auto row = rows.row();
     if (!row) {
-      ++report.rejected["pose row with a missing or impossible value"];
+      ++report.rejected[kBadPose];
       continue;
     }
     passes.insert(row->pass);

@@ -34,6 +34,7 @@ const std::string kPingDefinition =
     "float64 bin_length\n"
     "uint32 bins\n"
     "float32 full_scale        # value of a saturated sample\n"
+    "float64 blind_m           # nearer samples hold the sonar's own transmission; 0: not stated\n"
     "uint8 sweep               # of a scanning head: 0 unknown, 1 inside a sweep, 2 its end\n"
     "float64 beam_height       # full -3 dB width in elevation, rad\n"
     "float64[] azimuth         # of each beam, clockwise seen from above, rad\n"
@@ -112,7 +113,8 @@ void put(CdrWriter& w, const Ping& p) {
   w.number(std::int64_t{p.time.time_since_epoch().count()});
   put_pose(w, p.X_BS);
   w.number(p.sound_speed).number(p.window.start_m).number(p.window.bin_m);
-  w.number(static_cast<std::uint32_t>(p.window.bins)).number(p.full_scale).number(static_cast<std::uint8_t>(p.sweep));
+  w.number(static_cast<std::uint32_t>(p.window.bins)).number(p.full_scale).number(p.blind_m);
+  w.number(static_cast<std::uint8_t>(p.sweep));
   w.number(p.fan->height.radians());
   put_doubles(
       w, [&](std::size_t i) { return p.fan->azimuth[i].radians(); }, p.fan->azimuth.size());
@@ -246,6 +248,7 @@ std::optional<Event> take_ping(const McapMessage& message, FanStore& fans) {
   p.window.bin_m = r.number<double>();
   const auto bins = r.number<std::uint32_t>();
   p.full_scale = r.number<float>();
+  p.blind_m = r.number<double>();
   const auto sweep = r.number<std::uint8_t>();
   const auto height = r.number<double>();
   const auto azimuths = r.sequence<double>();

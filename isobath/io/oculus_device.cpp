@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
@@ -74,34 +75,40 @@ std::optional<Event> OculusDevice::event(Bytes message, std::optional<Time> time
     ++report_.rejected[to_text(MessageFault::kBadRange)];
     return {};
   }
-  const CachedFan* const cached = fan(*result);
+  const auto cached = fan(*result);
   if (!cached) {
-    ++report_.rejected[to_text(MessageFault::kOutOfOrder)];
+    ++report_.rejected[to_text(cached.error())];
     return {};
   }
   describe(*result);
   Ping ping;
   ping.time = time ? *time : made_time(*result);
-  ping.fan = cached->fan;
+  ping.fan = (*cached)->fan;
   ping.window = {0, result->range_step_m, result->ranges};
-  ping.intensity = samples(*result, cached->mirrored, owner, ping);
+  ping.intensity = samples(*result, (*cached)->mirrored, owner, ping);
   ping.X_BS = X_BS_;
   const bool stated = result->sound_speed > 1000 && result->sound_speed < 2000;
   ping.sound_speed = stated ? result->sound_speed : config_.sound_speed;
   return ping;
 }
 
-const OculusDevice::CachedFan* OculusDevice::fan(const OculusPing& ping) {
+Result<const OculusDevice::CachedFan*, MessageFault> OculusDevice::fan(const OculusPing& ping) {
+  const auto frequency = std::bit_cast<std::uint64_t>(ping.frequency_hz);
   for (const CachedFan& f : fans_) {
-    if (f.frequency_hz == ping.frequency_hz && std::ranges::equal(f.bearings, ping.bearings)) return &f;
+    if (f.frequency_bits == frequency && std::ranges::equal(f.bearings, ping.bearings)) return &f;
   }
-  CachedFan made{{ping.bearings.begin(), ping.bearings.end()}, ping.frequency_hz, nullptr, false};
+  CachedFan made{{ping.bearings.begin(), ping.bearings.end()}, frequency, nullptr, false};
   std::vector<Angle> azimuth = azimuths(ping.bearings);
   if (azimuth.size() > 1 && azimuth.front() > azimuth.back()) {
     std::ranges::reverse(azimuth);
     made.mirrored = true;
   }
-  if (std::ranges::adjacent_find(azimuth, std::greater_equal<>()) != azimuth.end()) return nullptr;
+  if (std::ranges::adjacent_find(azimuth, std::greater_equal<>()) != azimuth.end()) {
+    return tl::unexpected(MessageFault::kOutOfOrder);
+  }
+  if (azimuth.front().degrees() < -180 || azimuth.back().degrees() > 180) {
+    return tl::unexpected(MessageFault::kBadBearing);
+  }
   const Model* const model = model_of(ping.frequency_hz);
   const BeamSize beam = beam_size(config_, model ? model->beam : BeamSize{median_spacing(azimuth), kHeight});
   const std::vector<Angle> width(azimuth.size(), beam.width);
@@ -150,7 +157,7 @@ Intensities OculusDevice::samples(const OculusPing& ping, bool mirrored, const s
 void OculusDevice::describe(const OculusPing& ping) {
   const std::array<double, 6> setting{ping.frequency_hz, ping.gain_percent,   double(ping.gamma) + 256.0 * ping.flags,
                                       ping.range_step_m, double(ping.ranges), double(ping.beams)};
-  if (std::memcmp(&described_, &setting, sizeof setting) == 0) return;  // bits: a NaN equals itself here
+  if (described_ == setting) return;
   described_ = setting;
   const Model* const model = model_of(ping.frequency_hz);
   report_.details["sonar"] = fmt::format("{}, {} beams", model ? model->name : "Oculus", ping.beams);

@@ -25,11 +25,11 @@ class OculusDevice {
  private:
   struct CachedFan {
     std::vector<std::byte> bearings;
-    double frequency_hz;
+    std::uint64_t frequency_bits;  ///< of the number, so that one that is none equals itself
     std::shared_ptr<const BeamFan> fan;
     bool mirrored;  ///< the table runs from starboard to port
   };
-  const CachedFan* fan(const OculusPing& ping);
+  Result<const CachedFan*, MessageFault> fan(const OculusPing& ping);
   Time made_time(const OculusPing& ping);
   Intensities samples(const OculusPing& ping, bool mirrored, const std::shared_ptr<const void>& owner, Ping& out);
   void describe(const OculusPing& ping);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fmt/format.h>
 #include <isobath/io/ping_device.hpp>
 
@@ -6,6 +7,7 @@ namespace {
 
 constexpr BeamSize kPing360Beam{Angle::degrees(2), Angle::degrees(25)};
 constexpr BeamSize kPing1DBeam{Angle::degrees(25), Angle::degrees(25)};
+constexpr double kPing360Blind = 0.75;   // m: pulse and ring-down in practice
 constexpr double kStepTime = 0.020;      // s: a turn of 400 lines takes 9 s at 2 m and 35 s at 50 m
 constexpr double kSounderPause = 0.050;  // s: what a Ping1D does between two pings, about
 constexpr std::array<const char*, 3> kGains = {"low", "normal", "high"};
@@ -48,6 +50,7 @@ std::optional<Event> PingDevice::line(const PingFrame& frame, Time time, const s
   const RangeWindow window{0, line->bin_m(scanner_.sound_speed()), static_cast<int>(bins)};
   Ping ping = scanner_.ping(Angle::gradians(line->angle_grad), window, line->samples.data(), owner);
   ping.time = time;
+  ping.blind_m = std::max(kPing360Blind, 0.5 * scanner_.sound_speed() * line->pulse_us * 1e-6);
   interval_ = seconds(line->sample_period * 25e-9 * window.bins + kStepTime + line->delay_ms * 1e-3);
   return ping;
 }
@@ -93,7 +96,7 @@ void PingDevice::describe(const Ping1DReading& reading) {
   report_.details["sonar"] = fmt::format("Ping1D, beam {:g} degrees", sounder_.beam().width.degrees());
   report_.note_setting("gain", fmt::format("{}", reading.gain));
   report_.note_setting("range", fmt::format("{:g} .. {:g} m", reading.start_mm * 1e-3,
-                                            (std::uint64_t{reading.start_mm} + reading.length_mm) * 1e-3));
+                                            reading.start_mm * 1e-3 + reading.length_mm * 1e-3));
   report_.details["sound speed"] = fmt::format("{:g} m/s, in the device", device_sound_speed_);
 }
 

@@ -18,8 +18,8 @@ class PingDevice {
   PingDevice(const InputConfig& config, SourceReport& report);
 
   void set_type(PingDeviceType type) { type_ = type; }
-  /// The event of one frame of ping_frame_at, whose bytes `owner` keeps.
-  std::optional<Event> event(Bytes frame, Time time, const std::shared_ptr<const void>& owner);
+  /// The event of the bytes of one frame of ping_frame_at, which `owner` keeps.
+  std::optional<Event> event(Bytes bytes, Time time, const std::shared_ptr<const void>& owner);
   /// For logs without times: an estimate of the time from the last event to the next: listening, and turning the head.
   [[nodiscard]] Duration interval() const { return interval_; }
 

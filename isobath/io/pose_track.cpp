@@ -107,13 +107,13 @@ class PoseTrack final : public Source {
     const auto time = time_of_row();
     const auto rotation = attitude();
     const auto position = time && rotation ? position_of_row() : std::nullopt;
-    if (!time || !rotation || !position) return refuse("row with a missing or impossible value");
-    if (last_ && *time < *last_) return refuse("row that goes back in time");
+    if (!time || !rotation || !position) return refuse(kBadPose);
+    if (last_ && *time < *last_) return refuse(kPoseBackwards);
     fix.time = *time;
     fix.X_WB = {*rotation, *position};
     if (velocity_) {
       fix.v_WB = vector(velocity_);
-      if (!fix.v_WB) ++report_.rejected["velocity that is missing or not finite"];
+      if (!fix.v_WB) ++report_.rejected["pose row whose velocity is missing or not finite"];
     }
     return fix;
   }
@@ -221,14 +221,12 @@ class MergedSource final : public Source {
   }
 
   void update_report() {
-    if (event_ && ++since_report_ % 64 != 0) return;  // a report holds many strings; the last one is always exact
+    if (event_ && since_report_++ % 64 != 0) return;  // a report holds many strings; the first and the last are exact
     const SourceReport& track = track_->report();
     report_ = log_->report();
-    report_.bytes_total += track.bytes_total;
-    report_.bytes_read += track.bytes_read;
-    report_.bytes_skipped += track.bytes_skipped;
     if (replaced_ > 0) report_.rejected["fix of the log, replaced by the pose track"] = replaced_;
-    for (const auto& [reason, count] : track.rejected) report_.rejected["pose track: " + reason] += count;
+    for (const auto& [reason, count] : track.rejected) report_.rejected[reason] += count;
+    for (const Damage& damage : track.damages) ++report_.rejected[damage.reason];
     if (track.origin) report_.origin = track.origin;
   }
 

@@ -22,6 +22,10 @@
 
 namespace isobath {
 
+/// Why rows of poses are refused: the reasons in SourceReport::rejected, here and in folders of frames.
+inline constexpr const char* kBadPose = "pose row with a missing or impossible value";
+inline constexpr const char* kPoseBackwards = "pose row that goes back in time";
+
 std::unique_ptr<Source> open_pose_track(const std::filesystem::path& file);
 std::unique_ptr<Source> open_pose_track(std::unique_ptr<std::istream> input, const std::string& name);
 
@@ -29,7 +33,8 @@ std::unique_ptr<Source> open_pose_track(std::unique_ptr<std::istream> input, con
 std::optional<Time> time_from_iso(std::string_view text);
 
 /// The events of a log and the fixes of a track in one stream, by time; of the same time, fixes come first. Where a log
-/// is out of order it stays so. Fixes of the log itself are dropped and counted: the track takes their place.
+/// is out of order it stays so. Fixes of the log itself are dropped and counted: the track takes their place. Bytes and
+/// damages are those of the log, rejections those of both.
 std::unique_ptr<Source> merge_by_time(std::unique_ptr<Source> log, std::unique_ptr<Source> track);
 
 }  // namespace isobath

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <isobath/io/byte_window.hpp>
 #include <isobath/io/event.hpp>
 #include <string_view>
@@ -32,7 +33,7 @@ bool parse_number(std::string_view field, T& value) {
   field = trimmed(field);
   const auto [end, failed] = std::from_chars(field.data(), field.data() + field.size(), value);
   if (failed != std::errc() || end != field.data() + field.size()) return false;
-  if constexpr (std::is_floating_point_v<T>) return value - value == 0;
+  if constexpr (std::is_floating_point_v<T>) return std::isfinite(value);
   return true;
 }
 

@@ -17,8 +17,8 @@ class TritechDevice {
   /// `report` must live as long as this.
   TritechDevice(const InputConfig& config, SourceReport& report);
 
-  /// The event of one frame of tritech_frame_at, whose bytes `owner` keeps.
-  std::optional<Event> event(Bytes frame, Time time, const std::shared_ptr<const void>& owner);
+  /// The event of the bytes of one frame of tritech_frame_at, which `owner` keeps.
+  std::optional<Event> event(Bytes bytes, Time time, const std::shared_ptr<const void>& owner);
   /// For logs without times: an estimate of the time from the last event to the next: listening, and the serial line.
   [[nodiscard]] Duration interval() const { return interval_; }
 

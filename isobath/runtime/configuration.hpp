@@ -9,6 +9,7 @@
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
 #include <isobath/sim/reservoir.hpp>
+#include <isobath/sonar/calibration.hpp>
 #include <isobath/sonar/echo_detector.hpp>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct Configuration {
   BodyGridConfig grid;
   GridMapperConfig update;
   ObstacleDetectorConfig obstacles;
+  CalibrationConfig calibration;
   ReservoirConfig reservoir;
 };
 

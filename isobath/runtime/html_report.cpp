@@ -52,6 +52,14 @@ std::string escape_html(std::string_view text) {
   return out;
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed || !std::filesystem::is_directory(folder)) {
+    throw Error("cannot make the output folder", {folder.string(), {}, {}, {}, {}}, "", "choose another with --out");
+  }
+}
+
 void write_file(const std::filesystem::path& file, std::string_view bytes) {
   std::ofstream out(file, std::ios::binary);
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

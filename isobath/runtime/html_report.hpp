@@ -37,6 +37,9 @@ class HtmlReport {
 /// Untrusted text (file names, device strings) made safe to stand in a page.
 std::string escape_html(std::string_view text);
 
+/// Makes a folder for results, if it is not there; throws Error if it cannot.
+void make_folder(const std::filesystem::path& folder);
+
 /// Writes a whole file; throws Error if it cannot.
 void write_file(const std::filesystem::path& file, std::string_view bytes);
 

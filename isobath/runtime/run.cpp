@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/io/open.hpp>
+#include <isobath/io/pose_track.hpp>
 #include <isobath/runtime/prefetch.hpp>
 #include <isobath/runtime/reservoir_source.hpp>
 #include <isobath/runtime/run.hpp>
@@ -25,6 +26,15 @@ std::unique_ptr<Source> open(const RunRequest& request) {
   return source;
 }
 
+/// The configuration as requested, and what is known of the embedded scene's own sonar.
+Configuration in_force(const RunRequest& request) {
+  Configuration configuration = request.configuration;
+  if (request.input.empty()) {
+    configuration.echoes.blind_m = std::max(configuration.echoes.blind_m, Reservoir::blind_m());
+  }
+  return configuration;
+}
+
 RunTimings timings_of(std::vector<double>& ping_ms, double wall_ms) {
   RunTimings timings;
   timings.wall_s = wall_ms / 1000;
@@ -45,7 +55,7 @@ std::string problem_of(const RunOutcome& outcome) {
                          last.offset, last.reason);
     }
   }
-  for (const char* reason : {EventGate::kBadNavigation, EventGate::kBackwards}) {
+  for (const char* reason : {EventGate::kBadNavigation, EventGate::kBackwards, kBadPose, kPoseBackwards}) {
     const auto found = outcome.rejected.find(reason);
     if (found != outcome.rejected.end()) {
       return fmt::format("{}: {} of {} events were refused for it", reason, found->second,
@@ -59,8 +69,9 @@ std::string problem_of(const RunOutcome& outcome) {
 
 RunOutcome run(const RunRequest& request) {
   const auto source = open(request);
-  RunFolder folder(request.out, request.configuration);
-  Pipeline pipeline(request.configuration, folder);
+  const Configuration configuration = in_force(request);
+  RunFolder folder(request.out, configuration);
+  Pipeline pipeline(configuration, folder);
   RunOutcome outcome;
 
   const auto start = Clock::now();

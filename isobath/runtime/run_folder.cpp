@@ -32,10 +32,10 @@ std::string notes(const Obstacle& o) {
 
 RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder_, failed);
-  if (failed || !std::filesystem::is_directory(folder_)) {
-    throw Error("cannot make the output folder", {folder_.string(), {}, {}, {}, {}}, "", "choose another with --out");
+  make_folder(folder_);
+  for (const char* name : {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png"}) {
+    std::filesystem::remove(folder_ /
+                            name);  // not every run writes them, and an earlier run's must not pass for its own
   }
 }
 

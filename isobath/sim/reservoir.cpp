@@ -50,14 +50,16 @@ std::vector<Field> fields(ReservoirConfig& c) {
 }
 
 const std::vector<Eigen::Vector2d>& Reservoir::buoys() {
-  static const std::vector<Eigen::Vector2d> kBuoys{{45, 6}, {75, -14}};
+  static const std::vector<Eigen::Vector2d> kBuoys{{45, 4}, {58, -12}};
   return kBuoys;
 }
 
 const std::vector<Eigen::Vector2d>& Reservoir::embankment() {
-  static const std::vector<Eigen::Vector2d> kLine{{-20, 42}, {60, 38}, {110, 26}, {135, 5}, {140, -60}};
+  static const std::vector<Eigen::Vector2d> kLine{{-20, 26}, {60, 24}, {90, 14}, {110, -10}, {120, -60}};
   return kLine;
 }
+
+double Reservoir::blind_m() { return kBlindBins * kBin; }
 
 Reservoir::Reservoir(const ReservoirConfig& config)
     : config_(config), random_(static_cast<std::uint64_t>(config.seed)) {
@@ -135,6 +137,7 @@ std::optional<std::pair<Navigation, Ping>> Reservoir::step() {
   ping.time = fix.time;
   ping.fan = fan;
   ping.window = {0, kBin, kBins};
+  ping.blind_m = kBlindBins * kBin;
   ping.intensity = {samples->data(), SampleType::kU8, 1, kBins, kBins, 1};
   ping.storage = samples;
   return std::pair(fix, ping);

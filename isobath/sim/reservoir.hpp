@@ -21,7 +21,7 @@ namespace isobath {
 
 struct ReservoirConfig {
   int seed = 1;
-  double duration_s = 60;
+  double duration_s = 20;
   double speed = 1.5;            ///< m/s over ground
   double noise_mean = 40;        ///< counts
   double noise_sigma = 12;       ///< counts
@@ -40,6 +40,8 @@ class Reservoir {
   /// Truth, for those who judge results: centres of the buoys, and the embankment as a line (N, E; m).
   [[nodiscard]] static const std::vector<Eigen::Vector2d>& buoys();
   [[nodiscard]] static const std::vector<Eigen::Vector2d>& embankment();
+  /// Up to here the sonar still rings with its transmission (S6-09): a detector must leave it out.
+  [[nodiscard]] static double blind_m();
 
  private:
   [[nodiscard]] Pose body_at(double t) const;

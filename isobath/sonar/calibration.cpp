@@ -71,7 +71,7 @@ void Calibration::prepare(const Ping& ping) {
     window_ = ping.window;
     full_scale_ = ping.full_scale;
     type_ = ping.intensity.type();
-    const double blind = std::ceil((config_.blind_m - window_.start_m) / window_.bin_m - 1e-9);
+    const double blind = std::ceil((std::max(config_.blind_m, ping.blind_m) - window_.start_m) / window_.bin_m - 1e-9);
     first_bin_ = static_cast<int>(std::clamp(blind, 0.0, window_.bins - 1.0));
     const EchoLevels levels(type_, full_scale_);
     for (Fold& fold : folds_) fold = {EchoHistogram(levels, window_.bins), EchoHistogram(levels, window_.bins)};
@@ -84,8 +84,13 @@ void Calibration::prepare(const Ping& ping) {
 void Calibration::add_background(const Ping& ping) {
   prepare(ping);
   EchoHistogram& noise = folds_[background_pings_++ / kBlock % config_.folds].noise;
+  beam_sums_.resize(std::max(beam_sums_.size(), static_cast<std::size_t>(ping.intensity.beams())));
   for (int b = 0; b < ping.intensity.beams(); ++b) {
-    for (int k = 0; k < window_.bins; ++k) noise.add(k, ping.intensity(b, k));
+    for (int k = 0; k < window_.bins; ++k) {
+      const float sample = ping.intensity(b, k);
+      noise.add(k, sample);
+      if (k >= first_bin_) beam_sums_[b] += static_cast<double>(sample);
+    }
   }
 }
 
@@ -138,7 +143,8 @@ CalibrationResult Calibration::finish(const std::string& source) const {
   }
   CalibrationResult result;
   SensorModel& model = result.model;
-  model = {source, window_, full_scale_, config_.false_alarm, std::vector<SensorModel::Bin>(window_.bins)};
+  model = {source,      window_, full_scale_, config_.false_alarm, std::vector<SensorModel::Bin>(window_.bins),
+           beam_gains()};
   for (int k = 0; k < window_.bins; ++k) {
     SensorModel::Bin& bin = model.bins[k];
     const EchoDistribution own(sum.noise, k, k + 1);
@@ -157,6 +163,16 @@ CalibrationResult Calibration::finish(const std::string& source) const {
   }
   if (result.marked_cells > 0) result.comparison = compare();
   return result;
+}
+
+std::vector<double> Calibration::beam_gains() const {
+  std::vector<double> sorted = beam_sums_;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  if (sorted.size() < 8 || !(*middle > 0)) return {};  // too few beams for a median, or none that hears anything
+  std::vector<double> gains;
+  for (const double sum : beam_sums_) gains.push_back(std::max(sum / *middle, 1e-3));
+  return gains;
 }
 
 void Calibration::set_detection(SensorModel& model, const Fold& sum) const {

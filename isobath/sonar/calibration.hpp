@@ -11,6 +11,9 @@
 // target: an annotation draws the surface of a target, and the echoes behind and beside it are no false alarms. Bins
 // with p_D <= f, or that noise saturates, are blind.
 //
+// Beams: where some beams of a fan are noisier than the median beam (a streak, a taper), the model keeps the ratio of
+// their mean background, and their thresholds are raised by it; p_D is that of the whole fan.
+//
 // Comparison: k-fold cross-validation over frames (background in blocks of 4 neighbouring frames). Thresholds a bin
 // against one threshold for all bins, both from the other folds' background, judged on the held-out frames at the same
 // measured false-alarm rate: the global threshold is moved until its rate equals that of the thresholds a bin. Rates
@@ -101,6 +104,7 @@ class Calibration {
   [[nodiscard]] Fold all() const;
   [[nodiscard]] std::vector<EchoDistribution> pooled_noise(const EchoHistogram& noise, double false_alarm) const;
   void set_detection(SensorModel& model, const Fold& all) const;
+  [[nodiscard]] std::vector<double> beam_gains() const;
   [[nodiscard]] RangeGroup group(int first, int last, const SensorModel& model, const Fold& all) const;
   [[nodiscard]] std::vector<ThresholdComparison> compare() const;
 
@@ -112,6 +116,7 @@ class Calibration {
   int background_pings_ = 0;
   int marked_pings_ = 0;
   std::vector<Fold> folds_;
+  std::vector<double> beam_sums_;  ///< of background samples, a beam
 };
 
 /// All of it but the model, which has a file of its own (write_sensor_model).

@@ -31,7 +31,7 @@ std::uint64_t transpose(std::uint64_t x) {
 }
 
 std::uint64_t load8(const void* at) {
-  std::uint64_t value;
+  std::uint64_t value = 0;
   std::memcpy(&value, at, 8);
   return value;
 }
@@ -144,7 +144,8 @@ double EchoDetector::false_alarm() const {
 
 void EchoDetector::detect(const Ping& ping, EchoDecisions& out) {
   const Intensities& z = ping.intensity;
-  if (ping.window != window_ || ping.full_scale != full_scale_ || z.type() != type_) prepare(ping);
+  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ || z.type() != type_)
+    prepare(ping);
   if (config_.method == DetectionMethod::kAutomatic) learn(ping);
   out.reset(z.beams(), z.bins());
   describe(out);
@@ -153,14 +154,16 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out) {
       config_.method == DetectionMethod::kCellAveraging || config_.method == DetectionMethod::kOrderedStatistic;
   if (cfar) return decide_by_cfar(ping, out);
   decide_by_thresholds(ping, out);
+  if (config_.method == DetectionMethod::kModel) raise_noisy_beams(ping, out);
   if (config_.method == DetectionMethod::kAutomatic && config_.skirt_share > 0) drop_skirts(ping, out);
 }
 
 void EchoDetector::prepare(const Ping& ping) {
   window_ = ping.window;
+  blind_m_ = ping.blind_m;
   full_scale_ = ping.full_scale;
   type_ = ping.intensity.type();
-  const double blind_bins = std::ceil((config_.blind_m - window_.start_m) / window_.bin_m - 1e-9);
+  const double blind_bins = std::ceil((std::max(config_.blind_m, blind_m_) - window_.start_m) / window_.bin_m - 1e-9);
   first_bin_ = static_cast<int>(std::clamp(blind_bins, 0.0, double(window_.bins)));
   beam_.resize(window_.bins);
   p_detect_.assign(window_.bins, static_cast<float>(config_.p_detect));
@@ -255,6 +258,19 @@ void EchoDetector::decide_by_thresholds(const Ping& ping, EchoDecisions& out) co
   for (int b = 0; b < z.beams(); ++b) {
     for (int w = 0; w < out.words(); ++w) {
       out.hits(b)[w] &= out.usable()[w] & (bytes ? reachable_[w] : ~std::uint64_t{0});
+    }
+  }
+}
+
+void EchoDetector::raise_noisy_beams(const Ping& ping, EchoDecisions& out) {
+  constexpr double kNoisy = 1.05;
+  if (model_->beam_gains.size() != static_cast<std::size_t>(out.beams())) return;  // calibrated with another fan
+  for (int b = 0; b < out.beams(); ++b) {
+    if (model_->beam_gains[b] <= kNoisy) continue;
+    const auto gain = static_cast<float>(model_->beam_gains[b]);
+    ping.intensity.copy_beam(b, beam_.data());
+    for (int k = 0; k < out.bins(); ++k) {
+      if (beam_[k] < gain * thresholds_[k]) out.hits(b)[k / 64] &= ~(std::uint64_t{1} << (k % 64));
     }
   }
 }

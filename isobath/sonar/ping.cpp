@@ -56,7 +56,9 @@ PingFault check(const Ping& ping) {
   if (!ping.intensity.data() || ping.intensity.beams() != ping.fan->beams() || ping.intensity.bins() != w.bins) {
     return PingFault::kSizeMismatch;
   }
-  if (!ping.X_BS.is_finite() || !std::isfinite(ping.sound_speed)) return PingFault::kNotFinite;
+  if (!ping.X_BS.is_finite() || !std::isfinite(ping.sound_speed) || !(ping.blind_m >= 0)) {
+    return PingFault::kNotFinite;
+  }
   if (ping.intensity.type() == SampleType::kF32) {
     for (int b = 0; b < ping.intensity.beams(); ++b) {
       for (int k = 0; k < ping.intensity.bins(); ++k) {

@@ -84,6 +84,7 @@ struct Ping {
   double sound_speed = 1500;            ///< m/s, that the range window was computed with
   float full_scale = 255;               ///< intensity of a saturated sample
   SweepMark sweep = SweepMark::kUnknown;
+  double blind_m = 0;  ///< nearer than this the sonar hears its own transmission, as far as the device tells (S6-09)
 };
 
 /// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order.

@@ -92,6 +92,7 @@ void SensorModel::check(const std::string& file) const {
           "as many as the window");
   require(std::isfinite(full_scale) && full_scale > 0, file, "full_scale", "out of range", "> 0");
   require(false_alarm > 0 && false_alarm < 1, file, "false_alarm", "out of range", "between 0 and 1");
+  for (const double gain : beam_gains) require(gain > 0 && gain < 1e6, file, "beam_gains", "out of range", "above 0");
   for (std::size_t k = 0; k < bins.size(); ++k) {
     const Bin& bin = bins[k];
     const std::string key = "bins[" + std::to_string(k) + "]";
@@ -148,6 +149,7 @@ std::string write_sensor_model(const SensorModel& model) {
       {"window", {{"start_m", model.window.start_m}, {"bin_m", model.window.bin_m}, {"bins", model.window.bins}}},
       {"full_scale", model.full_scale},
       {"false_alarm", model.false_alarm},
+      {"beam_gains", model.beam_gains},
       {"bins", Json::array()}};
   for (const SensorModel::Bin& bin : model.bins) {
     json["bins"].push_back({{"threshold", bin.threshold},
@@ -161,7 +163,8 @@ std::string write_sensor_model(const SensorModel& model) {
 
 SensorModel read_sensor_model(std::string_view text, const std::string& file) {
   const Json json = parse(text, file);
-  const Reader top(json, file, "", {"format", "version", "source", "window", "full_scale", "false_alarm", "bins"});
+  const Reader top(json, file, "",
+                   {"format", "version", "source", "window", "full_scale", "false_alarm", "beam_gains", "bins"});
   if (top.text("format") != kFormat) top.fail("format", "not a sensor model", kFormat);
   if (top.number("version") != kVersion) top.fail("version", "unknown version", std::to_string(kVersion));
   const Reader window(json["window"], file, "window.", {"start_m", "bin_m", "bins"});
@@ -170,6 +173,11 @@ SensorModel read_sensor_model(std::string_view text, const std::string& file) {
   model.window = {window.number("start_m"), window.number("bin_m"), window.integer("bins", 1, kMaxBins)};
   model.full_scale = top.number("full_scale");
   model.false_alarm = top.number("false_alarm");
+  if (!json["beam_gains"].is_array()) top.fail("beam_gains", "wrong type", "a list");
+  for (const Json& gain : json["beam_gains"]) {
+    if (!gain.is_number()) top.fail("beam_gains", "wrong type", "a list of numbers");
+    model.beam_gains.push_back(gain.get<double>());
+  }
   if (!json["bins"].is_array()) top.fail("bins", "wrong type", "a list");
   for (const Json& bin : json["bins"]) model.bins.push_back(read_bin(bin, file, model.bins.size()));
   model.check(file);

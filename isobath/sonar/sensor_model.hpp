@@ -34,6 +34,9 @@ struct SensorModel {
   double full_scale = 255;    ///< of the pings that it was measured with
   double false_alarm = 0.02;  ///< f, of every bin that is not blind
   std::vector<Bin> bins;      ///< window.bins of them
+  /// Noise of each beam of a fan against its median beam; a threshold is multiplied by it where it is above 1. Empty:
+  /// not known.
+  std::vector<double> beam_gains;
 
   /// Throws Error: sizes that disagree, values out of range, p_D <= f in a bin that is not blind (S6-09).
   void check(const std::string& file = {}) const;

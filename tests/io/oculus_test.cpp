@@ -80,6 +80,12 @@ TEST(OculusMessage, TableFromStarboardToPortIsMirrored) {
   EXPECT_EQ(source->report().rejected.at("beams not in the order of their bearings"), 1u);
 }
 
+TEST(OculusMessage, BearingsBeyondAsternAreRefused) {
+  const auto source = open_oculus_stream(in_memory(OculusMessage{.bearings = {-18001, 0, 3000}}.bytes()), {});
+  EXPECT_TRUE(drain(*source).empty());
+  EXPECT_EQ(source->report().rejected.at("bearing that the device does not have"), 1u);
+}
+
 TEST(OculusMessage, OneTableHasOneFan) {
   const std::string a = OculusMessage{}.bytes(), b = OculusMessage{.bearings = {-2000, 0, 2000}}.bytes();
   const auto events = events_of(a + b + a + b);

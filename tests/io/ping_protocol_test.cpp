@@ -72,7 +72,7 @@ TEST(PingProtocol, AutoDeviceDataHoldsItsSectorBeforeTheSamples) {
 }
 
 TEST(PingProtocol, WhatCannotBeUsedIsNamed) {
-  const auto fault = [](test::Ping360Message message) {
+  const auto fault = [](const test::Ping360Message& message) {
     const std::string frame = message.frame();
     return ping360_line(ping_frame(bytes_of(frame))).error();
   };

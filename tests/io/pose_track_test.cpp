@@ -78,8 +78,8 @@ TEST(PoseTrack, RejectsAndCountsBadRows) {
       "t_s,x,y,z,heading_deg\n1,0,0,0,0\n2,nan,0,0,0\n3,0,0\n0.5,0,0,0,0\nabc,0,0,0,0\n4,0,0,inf,0\n5,1e300,0,0,0\n"
       "1e300,0,0,0,0\n6,0,0,0,0,extra\n7,0,0,0,0");
   EXPECT_EQ(fixes(*source).size(), 3u);
-  EXPECT_EQ(source->report().rejected.at("row that goes back in time"), 1u);
-  EXPECT_EQ(source->report().rejected.at("row with a missing or impossible value"), 6u);
+  EXPECT_EQ(source->report().rejected.at(kPoseBackwards), 1u);
+  EXPECT_EQ(source->report().rejected.at(kBadPose), 6u);
 }
 
 TEST(PoseTrack, SaysWhatTheLineOfNamesLacks) {
@@ -148,7 +148,7 @@ TEST(MergeByTime, PutsFixesBeforeWhatTheyBelongTo) {
   }
   EXPECT_EQ(order, "n0r1n3r3r2n4r5n9");
   EXPECT_EQ(merged->report().rejected.at("fix of the log, replaced by the pose track"), 1u);
-  EXPECT_EQ(merged->report().rejected.at("pose track: row with a missing or impossible value"), 1u);
+  EXPECT_EQ(merged->report().rejected.at(kBadPose), 1u);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
-#include <tests/perception/count_allocations.hpp>
+#include <tests/support/count_allocations.hpp>
 
 namespace isobath {
 namespace {
@@ -321,7 +321,7 @@ TEST(GridMapper, WithoutFixTheContentsFadeAndIgnoredMotionLeavesThemBehind) {
     Rig s({0}, 4, {0, 0.5, 60});
     s.decisions.set_hit(0, 40);
     GridMapperConfig c;
-    c.motion.kind = kind;
+    c.motion = {.kind = kind, .along = 0.2, .across = 0.1};
     GridMapper mapper(plane(100, 0.5), c);
     for (int i = 0; i < 4; ++i) mapper.update(s.ping, s.decisions, {});
     for (int i = 1; i <= 100; ++i) mapper.advance(time_of(i * 0.1), at(0.1 * i, 0, 0), source);

@@ -1,10 +1,8 @@
-#include <atomic>
 #include <gmock/gmock.h>
 #include <isobath/sonar/echo_detector.hpp>
 #include <isobath/sonar/sweep.hpp>
+#include <tests/support/count_allocations.hpp>
 #include <tests/support/echoes.hpp>
-
-extern std::atomic<std::size_t> allocations;  // counting_allocator.cpp
 
 namespace isobath {
 namespace {
@@ -25,12 +23,12 @@ TEST_P(SteadyState, AllocatesNothing) {
                                                 [&](int, int) { return random.uniform() * 100; }));
   }
   for (int i = 0; i < 100; ++i) detector.detect(pings[i % 5], out);
-  const std::size_t before = allocations;
+  const std::uint64_t before = test::allocations();
   for (int i = 0; i < 100; ++i) {
     detector.detect(pings[i % 5], out);
     sweeps.add(pings[i % 5]);
   }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(test::allocations(), before);
   EXPECT_EQ(detector.state(), DetectorState::kReady);
 }
 

@@ -1,7 +1,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
-#include <tests/perception/count_allocations.hpp>
+#include <tests/support/count_allocations.hpp>
 
 namespace {
 std::atomic<std::uint64_t> count{0};

@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+#include <isobath/app/config_options.hpp>
+#include <isobath/app/progress.hpp>
+#include <isobath/runtime/calibrate.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace isobath::app {
+namespace {
+
+struct Options {
+  ConfigOptions config;
+  CalibrateRequest request;
+  bool json = false;
+};
+
+void print(const CalibrateRequest& request, const CalibrateOutcome& outcome) {
+  const CalibrationResult& result = outcome.result;
+  fmt::print("{} pings of background, {} with marks ({} marked cells), {} left out\n", result.background_pings,
+             result.marked_pings, result.marked_cells, outcome.left_out);
+  for (const ThresholdComparison& c : result.comparison) {
+    fmt::print(
+        "f = {:.4f} (asked for {:g}): thresholds a bin p = {:.3f} [{:.3f}, {:.3f}], one threshold p = {:.3f} [{:.3f}, "
+        "{:.3f}]\n",
+        c.false_alarm.value, c.nominal_false_alarm, c.per_bin.value, c.per_bin.interval.low, c.per_bin.interval.high,
+        c.global.value, c.global.interval.low, c.global.interval.high);
+  }
+  fmt::print("written to {}: sensor_model.json and {} more files\n", request.out.string(), outcome.files.size() - 1);
+}
+
+int act(Options& options) {
+  CalibrateRequest& request = options.request;
+  request.configuration = options.config.read();
+  ProgressLine progress;
+  request.progress = [&](const SourceReport& source, std::uint64_t pings) {
+    progress.show(source.bytes_read, source.bytes_total, pings);
+  };
+  const CalibrateOutcome outcome = calibrate(request);
+  progress.clear();
+  if (options.json) {
+    auto json = nlohmann::ordered_json::parse(to_json(outcome.result));
+    for (const auto& file : outcome.files) json["files"].push_back((request.out / file).string());
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  } else {
+    print(request, outcome);
+  }
+  return kSuccess;
+}
+
+}  // namespace
+
+Action add_calibrate(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  options->request.out = "out/calibration";
+  CLI::App* command =
+      program.add_subcommand("calibrate", "Thresholds, ROC and noise laws from marked frames or background");
+  command->add_option("LOG", options->request.input, "Folder of frames with marks, or a log")->required();
+  command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
+  command->add_option("--background-below", options->request.background_below,
+                      "Without marks: pings whose strongest sample is below this many counts are background");
+  command->add_flag("--json", options->json, "One JSON object on standard output");
+  options->config.add_to(*command);
+  return [options] { return act(*options); };
+}
+
+}  // namespace isobath::app

@@ -1,0 +1,208 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <isobath/base/error.hpp>
+#include <isobath/io/frame_folder.hpp>
+#include <isobath/io/marked_frames.hpp>
+#include <isobath/io/open.hpp>
+#include <isobath/runtime/calibrate.hpp>
+#include <isobath/runtime/html_report.hpp>
+#include <isobath/runtime/picture.hpp>
+
+namespace isobath {
+namespace {
+
+Colour group_colour(std::size_t group, std::size_t groups) {
+  return intensity_colour(0.05 + 0.75 * static_cast<double>(group) /
+                                     static_cast<double>(std::max<std::size_t>(groups, 2) - 1));
+}
+
+double strongest(const Ping& ping, double blind_m, std::vector<float>& beam) {
+  beam.resize(static_cast<std::size_t>(ping.window.bins));
+  float most = 0;
+  for (int b = 0; b < ping.fan->beams(); ++b) {
+    ping.intensity.copy_beam(b, beam.data());
+    for (int k = 0; k < ping.window.bins; ++k) {
+      if (ping.window.edge(k) >= blind_m) most = std::max(most, beam[static_cast<std::size_t>(k)]);
+    }
+  }
+  return static_cast<double>(most);
+}
+
+void add_marked_frames(Calibration& calibration, const CalibrateRequest& request) {
+  for (const MarkedFrame& frame : read_marked_frames(request.input, request.configuration.input)) {
+    if (frame.background) {
+      calibration.add_background(frame.ping);
+    } else {
+      calibration.add_marked(frame.ping, frame.marked);
+    }
+  }
+}
+
+int add_log(Calibration& calibration, const CalibrateRequest& request) {
+  const auto source = open_source(request.input, request.configuration.input);
+  std::vector<float> beam;
+  int left_out = 0;
+  std::uint64_t pings = 0;
+  while (const auto event = source->next()) {
+    const auto* ping = std::get_if<Ping>(&*event);
+    if (!ping || check(*ping) != PingFault::kNone) continue;
+    const bool quiet = !request.background_below ||
+                       strongest(*ping, request.configuration.calibration.blind_m, beam) < *request.background_below;
+    if (quiet) {
+      calibration.add_background(*ping);
+    } else {
+      ++left_out;
+    }
+    if (request.progress) request.progress(source->report(), ++pings);
+  }
+  return left_out;
+}
+
+// Charts -------------------------------------------------------------------------------------------------------------
+
+std::string roc_chart(const CalibrationResult& result) {
+  ChartPicture chart(640, 460, "Detection against false alarms, by range", {"false-alarm probability f", 1e-4, 1, true},
+                     {"detection probability p", 0, 1});
+  for (std::size_t g = 0; g < result.groups.size(); ++g) {
+    const RangeGroup& group = result.groups[g];
+    if (!group.roc) continue;
+    std::vector<double> f, p, low, high;
+    for (const RocPoint& point : group.roc->points()) {
+      const auto trials = static_cast<double>(group.roc->target_samples());
+      const Interval interval = wilson_interval(point.p * trials, trials);
+      f.push_back(std::max(point.f, 1e-4));
+      p.push_back(point.p);
+      low.push_back(interval.low);
+      high.push_back(interval.high);
+    }
+    Colour shade = group_colour(g, result.groups.size());
+    const std::string name =
+        fmt::format("{:.1f} to {:.1f} m, {} marked cells", group.near_m, group.far_m, group.roc->target_samples());
+    chart.band(f, low, high, {shade.red, shade.green, shade.blue, 0.12});
+    chart.curve(f, p, {shade, 2, false}, name);
+  }
+  chart.finish();
+  return chart.png();
+}
+
+std::string threshold_chart(const CalibrationResult& result) {
+  const SensorModel& model = result.model;
+  std::vector<double> range, threshold, mean, low, high;
+  double top = 1;
+  for (int k = 0; k < model.window.bins; ++k) {
+    const SensorModel::Bin& bin = model.bins[static_cast<std::size_t>(k)];
+    if (bin.blind) continue;
+    range.push_back(model.window.centre(k));
+    threshold.push_back(bin.threshold);
+    mean.push_back(bin.noise_mean);
+    low.push_back(std::max(0.0, bin.noise_mean - bin.noise_deviation));
+    high.push_back(bin.noise_mean + bin.noise_deviation);
+    top = std::max({top, bin.threshold, high.back()});
+  }
+  ChartPicture chart(640, 380, fmt::format("Thresholds at f = {:g}, and the noise", model.false_alarm),
+                     {"range (m)", model.window.start_m, model.window.end_m(), false},
+                     {"intensity (counts)", 0, 1.1 * top, false});
+  chart.band(range, low, high, {0.0, 0.45, 0.7, 0.18});
+  chart.curve(range, mean, {palette::kTrack, 2, false}, "noise: mean, and one deviation");
+  chart.curve(range, threshold, {palette::kObstacle, 2, false}, "threshold t");
+  chart.finish();
+  return chart.png();
+}
+
+std::string detection_chart(const CalibrationResult& result) {
+  const SensorModel& model = result.model;
+  std::vector<double> range, p;
+  for (int k = 0; k < model.window.bins; ++k) {
+    const SensorModel::Bin& bin = model.bins[static_cast<std::size_t>(k)];
+    if (bin.blind) continue;
+    range.push_back(model.window.centre(k));
+    p.push_back(bin.p_detect);
+  }
+  ChartPicture chart(640, 380, "Detection probability at these thresholds",
+                     {"range (m)", model.window.start_m, model.window.end_m(), false}, {"p", 0, 1, false});
+  chart.curve(range, p, {palette::kObstacle, 2, false}, "p of the range bin");
+  chart.finish();
+  return chart.png();
+}
+
+// Report -------------------------------------------------------------------------------------------------------------
+
+std::string with_interval(const Rate& rate) {
+  return fmt::format("{:.4f} [{:.4f}, {:.4f}]", rate.value, rate.interval.low, rate.interval.high);
+}
+
+void add_fits(HtmlReport& page, const CalibrationResult& result) {
+  page.heading("Noise laws");
+  page.paragraph(
+      "Anderson-Darling statistic of each law (smaller is nearer), with the p-value of a parametric bootstrap. With "
+      "many "
+      "samples every law is rejected on real noise; the statistics tell which is nearest.");
+  std::vector<HtmlReport::Row> rows;
+  for (const RangeGroup& group : result.groups) {
+    HtmlReport::Row row{fmt::format("{:.2f} to {:.2f}", group.near_m, group.far_m)};
+    for (const NoiseFit& fit : group.fits) {
+      row.push_back(fmt::format("{}: {:.1f} (p {:.2f}; location {:.1f}, scale {:.1f}{})", to_text(fit.law),
+                                fit.statistic, fit.p_value, fit.location, fit.scale,
+                                fit.law == NoiseLaw::kK ? fmt::format(", shape {:.2f}", fit.shape) : ""));
+    }
+    rows.push_back(std::move(row));
+  }
+  page.table({"range (m)", "law", "", ""}, rows);
+}
+
+void add_comparison(HtmlReport& page, const CalibrationResult& result) {
+  page.heading("Thresholds a bin against one threshold for all bins");
+  page.paragraph(
+      "On frames that were not used for the thresholds (cross-validation), at the same measured false-alarm rate; 95 % "
+      "intervals after Wilson.");
+  std::vector<HtmlReport::Row> rows;
+  for (const ThresholdComparison& c : result.comparison) {
+    rows.push_back({fmt::format("{:g}", c.nominal_false_alarm), with_interval(c.false_alarm), with_interval(c.per_bin),
+                    with_interval(c.global)});
+  }
+  page.table({"f asked for", "f measured", "p, thresholds a bin", "p, one threshold"}, rows);
+}
+
+}  // namespace
+
+CalibrateOutcome calibrate(const CalibrateRequest& request) {
+  Calibration calibration(request.configuration.calibration);
+  CalibrateOutcome outcome;
+  if (!request.background_below && looks_like_frame_folder(request.input)) {
+    add_marked_frames(calibration, request);
+  } else {
+    outcome.left_out = add_log(calibration, request);
+  }
+  outcome.result = calibration.finish(request.input.filename().string());
+  const CalibrationResult& result = outcome.result;
+
+  make_folder(request.out);
+  const auto write = [&](const std::string& name, const std::string& bytes) {
+    write_file(request.out / name, bytes);
+    outcome.files.emplace_back(name);
+  };
+  write("sensor_model.json", write_sensor_model(result.model));
+  write("calibration.json", to_json(result));
+  const std::string roc = result.marked_cells > 0 ? roc_chart(result) : "";
+  const std::string thresholds = threshold_chart(result);
+  if (!roc.empty()) write("roc.png", roc);
+  write("thresholds.png", thresholds);
+
+  HtmlReport page("Isobath calibration: " + request.input.filename().string(),
+                  fmt::format("{} pings of background, {} with marks ({} marked cells), {} left out; f = {:g}",
+                              result.background_pings, result.marked_pings, result.marked_cells, outcome.left_out,
+                              result.model.false_alarm));
+  page.begin_row();
+  if (!roc.empty()) page.figure(roc, "Receiver operating characteristic by range, with 95 % bands of p.");
+  page.figure(thresholds, "What the model asks of an echo, bin by bin.");
+  page.figure(detection_chart(result), "How many targets pass it.");
+  page.end_row();
+  if (!result.comparison.empty()) add_comparison(page, result);
+  add_fits(page, result);
+  Configuration configuration = request.configuration;
+  page.folded("Configuration in force", write_toml(sections(configuration), true));
+  write("report.html", page.html());
+  return outcome;
+}
+
+}  // namespace isobath

@@ -1,0 +1,34 @@
+// The calibration job: recordings of background, and of targets that somebody marked, in; a sensor model, noise fits,
+// ROC curves with intervals, and a report out (Ganesan 2015, chapters 3.1 and 4; ledger S6-04 to S6-09, S6-D01 to
+// S6-D03).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <isobath/runtime/configuration.hpp>
+#include <isobath/sonar/calibration.hpp>
+#include <optional>
+#include <vector>
+
+namespace isobath {
+
+struct CalibrateRequest {
+  std::filesystem::path input;
+  std::filesystem::path out;  ///< made if absent
+  Configuration configuration;
+  /// Without marks: pings whose strongest sample behind the blind zone is below this (counts) are background, the
+  /// others are left out. Empty: a folder of frames is read with its marks, every ping of another log is background.
+  std::optional<double> background_below;
+  std::function<void(const SourceReport&, std::uint64_t pings)> progress;
+};
+
+struct CalibrateOutcome {
+  CalibrationResult result;
+  int left_out = 0;                          ///< pings that were neither background nor marked
+  std::vector<std::filesystem::path> files;  ///< written, relative to the folder
+};
+
+/// Throws Error: nothing to calibrate from, too little background, a folder that cannot be written.
+CalibrateOutcome calibrate(const CalibrateRequest& request);
+
+}  // namespace isobath

@@ -1,0 +1,49 @@
+// What every fuzz target of a reader does: open the bytes, read all events, look at every sample, and hold the reader
+// to its promises.
+#pragma once
+
+#include <isobath/base/error.hpp>
+#include <isobath/io/byte_window.hpp>
+#include <isobath/io/open.hpp>
+#include <vector>
+
+namespace isobath::fuzz {
+
+inline void look_at(const Event& event) {
+  const Ping* const ping = std::get_if<Ping>(&event);
+  if (!ping) return;
+  const PingFault fault = check(*ping);
+  ISOBATH_ASSERT(fault == PingFault::kNone || fault == PingFault::kNotFinite);
+  std::vector<float> line(static_cast<std::size_t>(ping->window.bins));
+  float sum = 0;
+  for (int b = 0; b < ping->fan->beams(); ++b) {
+    ping->intensity.copy_beam(b, line.data());
+    for (const float v : line) sum += v;
+  }
+  ISOBATH_ASSERT(!(sum < 0));
+}
+
+inline void drain(Source& source, std::size_t size) {
+  while (const auto event = source.next()) look_at(*event);
+  const SourceReport& report = source.report();
+  ISOBATH_ASSERT(report.bytes_skipped <= size);
+  std::uint64_t end = 0;
+  for (const Damage& d : report.damages) {
+    ISOBATH_ASSERT(d.offset + d.bytes <= size);
+    end = d.offset + d.bytes;
+  }
+  ISOBATH_ASSERT(end <= size);
+}
+
+template <class Open>
+int read_all(const std::uint8_t* data, std::size_t size, Open open) {
+  try {
+    const Bytes bytes = std::as_bytes(std::span(data, size));
+    const auto source = open(ByteWindow("input", bytes, nullptr), InputConfig{});
+    drain(*source, size);
+  } catch (const Error&) {  // the one answer that is allowed to a header that cannot be right
+  }
+  return 0;
+}
+
+}  // namespace isobath::fuzz
