@@ -16,8 +16,16 @@ Vector2d turned(const Vector2d& v, Angle a) {
   return {cos(a) * v.x() - sin(a) * v.y(), sin(a) * v.x() + cos(a) * v.y()};
 }
 
+template <class T>
+void prefetch(std::span<const T> block) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(block.data());
+  for (std::size_t i = 0; i < block.size_bytes(); i += 64) __builtin_prefetch(bytes + i);
+}
+
+}  // namespace
+
 // Where row cells lie in the grid, as index arithmetic; a cell may be outside.
-struct Placed {
+struct GridMapper::Placed {
   explicit Placed(const OverlapTable::Row& row, const CartesianGrid& grid) : row_(row), grid_(grid) {
     const Cell a = row.cell(row.low);
     const Cell b = row.cell(row.high);
@@ -41,8 +49,6 @@ struct Placed {
   const OverlapTable::Row& row_;
   const CartesianGrid& grid_;
 };
-
-}  // namespace
 
 std::vector<Field> fields(GridMapperConfig& c) {
   using U = GridMapperConfig::Update;
@@ -114,43 +120,62 @@ void GridMapper::take_sensor(const Ping& ping, const EchoDecisions& decisions) {
   table_.prepare(*ping.fan, ping.window, gain_);
 }
 
-template <class Visit>
-void GridMapper::for_each_hit(const std::uint64_t* hits, Visit visit) const {
-  for (std::size_t w = 0; w < usable_.size(); ++w) {
-    for (std::uint64_t bits = hits[w] & usable_[w]; bits != 0; bits &= bits - 1) {
-      const int k = static_cast<int>(w) * 64 + std::countr_zero(bits);
-      if (gain_[k] > 0) visit(k);
-    }
+void GridMapper::update_beam(const OverlapTable::Row& row, const std::uint64_t* hits) {
+  const Placed placed(row, grid_.cells());
+  if (config_.update == GridMapperConfig::Update::kAnyTarget) {
+    gather(row, placed, hits, false);
+    apply_looks(row, false);
+    gather(row, placed, hits, true);
+  } else {
+    gather(row, placed, hits, true);
+    lift_looks();
+    apply_clears(row, placed);
   }
+  apply_looks(row, true);
 }
 
-void GridMapper::update_beam(const OverlapTable::Row& row, const std::uint64_t* hits) {
-  if (config_.update == GridMapperConfig::Update::kAnyTarget) {
-    for (int k = 0; k < bins_; ++k) {
-      const bool hit = hits[k / 64] >> (k % 64) & 1;
-      if (!hit && gain_[k] > 0) apply_bin(row, k, false);
-    }
-  } else {
-    lift_hits(row, hits);
-    apply_clears(row);
+// Collects the cells of all bins with, or without, an echo before anything is computed from them. Rows lie scattered in
+// a table larger than the caches, and how many cells a bin has cannot be predicted: first all is asked for, then read.
+void GridMapper::gather(const OverlapTable::Row& row, const Placed& placed, const std::uint64_t* hits, bool hit) {
+  if (touches_.size() < row.entries.size()) {
+    touches_.resize(2 * row.entries.size());
+    looks_.reserve(static_cast<std::size_t>(bins_) + 1);
   }
-  for_each_hit(hits, [&](int k) { apply_bin(row, k, true); });
+  prefetch(row.cells);
+  prefetch(row.first_entry);
+  looks_.clear();
+  for (std::size_t w = 0; w < usable_.size(); ++w) {
+    for (std::uint64_t bits = (hit ? hits[w] : ~hits[w]) & usable_[w]; bits != 0; bits &= bits - 1) {
+      const int k = static_cast<int>(w) * 64 + std::countr_zero(bits);
+      if (!(gain_[k] > 0)) continue;
+      __builtin_prefetch(row.entries.data() + row.first_entry[k]);
+      looks_.push_back({k, 0});
+    }
+  }
+  Touch* touch = touches_.data();
+  for (Look& look : looks_) {
+    look.first = static_cast<std::size_t>(touch - touches_.data());
+    for (const OverlapTable::Entry& e : row.bin(look.bin)) {
+      const OverlapTable::CellOffset cell = row.cells[e.cell];
+      *touch++ = {placed.checked(cell), e.share, cell};
+    }
+  }
+  looks_.push_back({bins_, static_cast<std::size_t>(touch - touches_.data())});
 }
 
 // Takes the share of the bins with echoes out of the pooled clearance that follows.
-void GridMapper::lift_hits(const OverlapTable::Row& row, const std::uint64_t* hits) {
-  const Placed placed(row, grid_.cells());
+void GridMapper::lift_looks() {
   double* log_odds = grid_.log_odds().data();
-  for_each_hit(hits, [&](int k) {
-    for (const OverlapTable::Entry& e : row.bin(k)) {
-      const std::ptrdiff_t i = placed.checked(row.cells[e.cell]);
-      if (i >= 0) log_odds[i] -= clear_increment(gain_[k], double(e.share));
+  for (std::size_t i = 0; i + 1 < looks_.size(); ++i) {
+    const double gain = gain_[looks_[i].bin];
+    for (std::size_t t = looks_[i].first; t < looks_[i + 1].first; ++t) {
+      const Touch& touch = touches_[t];
+      if (touch.index >= 0) log_odds[touch.index] -= clear_increment(gain, double(touch.share));
     }
-  });
+  }
 }
 
-void GridMapper::apply_clears(const OverlapTable::Row& row) {
-  const Placed placed(row, grid_.cells());
+void GridMapper::apply_clears(const OverlapTable::Row& row, const Placed& placed) {
   double* log_odds = grid_.log_odds().data();
   const double least = grid_.log_odds_min();
   const std::size_t n = row.cells.size();
@@ -167,36 +192,39 @@ void GridMapper::apply_clears(const OverlapTable::Row& row) {
   }
 }
 
-void GridMapper::apply_bin(const OverlapTable::Row& row, int bin, bool hit) {
+void GridMapper::apply_looks(const OverlapTable::Row& row, bool hit) {
+  for (std::size_t i = 0; i + 1 < looks_.size(); ++i) apply_look(row, looks_[i], looks_[i + 1].first, hit);
+}
+
+void GridMapper::apply_look(const OverlapTable::Row& row, const Look& look, std::size_t end, bool hit) {
   using Update = GridMapperConfig::Update;
-  const Placed placed(row, grid_.cells());
   const std::span<double> log_odds = grid_.log_odds();
-  const std::span<const OverlapTable::Entry> entries = row.bin(bin);
-  if (index_.size() < entries.size()) {
-    index_.resize(entries.size());
-    log_odds_.resize(entries.size());
-    share_.resize(entries.size());
-    scratch_.resize(2 * entries.size());
+  if (index_.size() < end - look.first) {
+    index_.resize(end - look.first);
+    log_odds_.resize(end - look.first);
+    share_.resize(end - look.first);
+    scratch_.resize(2 * (end - look.first));
   }
   // The printed form knows the cells of a block round the bin only.
   const bool printed = config_.update == Update::kPrinted;
-  const Vector2d centre = row.sensor + (start_m_ + (bin + 0.5) * bin_m_) / grid_.cells().cell_m * row.direction;
+  const double range = (start_m_ + (look.bin + 0.5) * bin_m_) / grid_.cells().cell_m;
+  const Vector2d centre = row.sensor + range * row.direction;
   const int middle_x = static_cast<int>(std::floor(centre.x()));
   const int middle_y = static_cast<int>(std::floor(centre.y()));
   std::size_t n = 0;
-  for (const OverlapTable::Entry& e : entries) {
-    const OverlapTable::CellOffset offset = row.cells[e.cell];
+  for (std::size_t t = look.first; t < end; ++t) {
+    const Touch& touch = touches_[t];
     if (printed) {
-      const Cell c = row.cell(offset);
+      const Cell c = row.cell(touch.cell);
       if (2 * std::abs(c.x - middle_x) > config_.block || 2 * std::abs(c.y - middle_y) > config_.block) continue;
     }
-    index_[n] = placed.checked(offset);
-    log_odds_[n] = index_[n] >= 0 ? log_odds[index_[n]] : grid_.log_odds_prior();
-    share_[n++] = double(e.share);
+    index_[n] = touch.index;
+    log_odds_[n] = touch.index >= 0 ? log_odds[touch.index] : grid_.log_odds_prior();
+    share_[n++] = double(touch.share);
   }
   const std::span<double> l(log_odds_.data(), n);
   const std::span<const double> a(share_.data(), n);
-  const Likelihood sensor{false_alarm_ + (1 - false_alarm_) * gain_[bin], false_alarm_};
+  const Likelihood sensor{false_alarm_ + (1 - false_alarm_) * gain_[look.bin], false_alarm_};
   if (config_.update == Update::kAnyTarget) {
     update_any_target(hit, l, a, sensor, scratch_);
   } else if (printed) {

@@ -51,13 +51,24 @@ class GridMapper {
   [[nodiscard]] const OverlapTable& table() const { return table_; }
 
  private:
+  struct Placed;
+  /// A bin and its cells: touches_[first], up to the first of the next look.
+  struct Look {
+    int bin;
+    std::size_t first;
+  };
+  struct Touch {
+    std::ptrdiff_t index;  ///< in the grid, or -1
+    float share;
+    OverlapTable::CellOffset cell;
+  };
   void take_sensor(const Ping& ping, const EchoDecisions& decisions);
   void update_beam(const OverlapTable::Row& row, const std::uint64_t* hits);
-  void lift_hits(const OverlapTable::Row& row, const std::uint64_t* hits);
-  void apply_clears(const OverlapTable::Row& row);
-  void apply_bin(const OverlapTable::Row& row, int bin, bool hit);
-  template <class Visit>
-  void for_each_hit(const std::uint64_t* hits, Visit visit) const;
+  void gather(const OverlapTable::Row& row, const Placed& placed, const std::uint64_t* hits, bool hit);
+  void lift_looks();
+  void apply_clears(const OverlapTable::Row& row, const Placed& placed);
+  void apply_looks(const OverlapTable::Row& row, bool hit);
+  void apply_look(const OverlapTable::Row& row, const Look& look, std::size_t end, bool hit);
 
   GridMapperConfig config_;
   BodyGrid grid_;
@@ -72,7 +83,9 @@ class GridMapper {
   std::vector<float> p_detect_;
   std::vector<double> gain_;           ///< d of each bin, 0 where not usable
   std::vector<std::uint64_t> usable_;  ///< bins that may touch the grid
-  std::vector<std::ptrdiff_t> index_;  ///< scratch of one bin: grid index or -1
+  std::vector<Look> looks_;            ///< scratch of one beam: the bins with an echo
+  std::vector<Touch> touches_;
+  std::vector<std::ptrdiff_t> index_;  ///< scratch of one bin
   std::vector<double> log_odds_;
   std::vector<double> share_;
   std::vector<double> scratch_;
