@@ -56,6 +56,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
   for (const Damage& d : outcome.source.damages)
     fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
+  if (!outcome.undecided.empty()) fmt::print("at the end no bin could be decided: {}\n", outcome.undecided);
   fmt::print("{} obstacles at the end\n", outcome.obstacles.size());
   for (const Obstacle& o : outcome.obstacles) {
     if (o.behind) continue;

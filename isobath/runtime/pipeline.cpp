@@ -138,6 +138,10 @@ void Pipeline::fit_map(const Ping& ping, bool posed) {
   mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
 }
 
+std::string Pipeline::undecided() const {
+  return echoes_.state() == DetectorState::kReady ? "" : to_text(echoes_.state());
+}
+
 void Pipeline::count(const EchoDecisions& decisions) {
   ++counts_.pings;
   std::uint64_t usable = 0, hits = 0;

@@ -71,6 +71,8 @@ class Pipeline {
   [[nodiscard]] const PipelineCounts& counts() const { return counts_; }
   /// Every datum that was refused, by reason.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& rejected() const { return gate_.rejected(); }
+  /// Why echoes could not be decided in the last ping (warming up, no fitting model); empty when they were.
+  [[nodiscard]] std::string undecided() const;
   /// The grid; empty before the first ping.
   [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
 

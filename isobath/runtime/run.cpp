@@ -95,6 +95,7 @@ RunOutcome run(const RunRequest& request) {
   outcome.rejected = outcome.source.rejected;
   for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
   outcome.log_s = last > first ? to_seconds(last - first) : 0;
+  outcome.undecided = pipeline.undecided();
   outcome.problem = problem_of(outcome);
   if (outcome.counts.pings == 0 && outcome.problem.empty()) outcome.problem = "no ping in it could be used";
   folder.write(request, pipeline.grid(), outcome);

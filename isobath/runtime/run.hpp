@@ -36,6 +36,7 @@ struct RunOutcome {
   RunTimings timings;
   std::vector<Obstacle> obstacles;           ///< at the end
   std::vector<std::filesystem::path> files;  ///< written, relative to the folder, in order
+  std::string undecided;                     ///< why no echo was decided at the end; empty when they were
   /// One line where the input itself is wrong (cut in the middle of a record, poses that are no numbers, time that runs
   /// backwards); empty when all is well. What could be used was used.
   std::string problem;

@@ -216,6 +216,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
                   fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
                               outcome.source.format, n.pings, outcome.log_s, n.scans, obstacles_.size()));
   if (!outcome.problem.empty()) page.warning(outcome.problem);
+  if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
   if (n.pings > 0 && n.unposed == n.pings) {
     page.paragraph("The log has no navigation: the vehicle is taken to stand still.");
   }
