@@ -168,8 +168,8 @@ std::optional<Event> take_navigation(std::span<const std::uint8_t> data) {
   n.X_WB = take_pose(r, bad);
   const auto velocity = r.sequence<double>();
   const auto covariance = r.sequence<double>();
-  if (bad || !r.ok() || (velocity.size() != 0 && velocity.size() != 24)) return std::nullopt;
-  if (covariance.size() != 0 && covariance.size() != 288) return std::nullopt;
+  if (bad || !r.ok() || (!velocity.empty() && velocity.size() != 24)) return std::nullopt;
+  if (!covariance.empty() && covariance.size() != 288) return std::nullopt;
   if (!velocity.empty()) n.v_WB = Vector3d(double_at(velocity, 0), double_at(velocity, 1), double_at(velocity, 2));
   if (!covariance.empty()) {
     n.covariance.emplace();

@@ -118,7 +118,7 @@ void OverlapTable::adopt(const BeamFan& fan, const RangeWindow& window) {
   const double far = std::max(1.0, std::min(start_ + bin_ * window.bins, double(reach_)));
   const double step = std::min({widths_.front().radians() / 4, 1 / (4 * far), config_.bearing_step.radians()});
   const std::size_t places = widths_.size() * config_.offset_steps * config_.offset_steps;
-  const double limit = std::max(1.0, static_cast<double>(kMaxKeys / places) - 1);
+  const double limit = std::max(1.0, std::floor(static_cast<double>(kMaxKeys) / static_cast<double>(places)) - 1);
   octant_ = static_cast<int>(std::clamp(std::ceil(kPi / 4 / step), 1.0, limit));
   slot_.assign(places * static_cast<std::size_t>(octant_ + 1), 0);
   forget();
@@ -245,13 +245,19 @@ void OverlapTable::build_cell(const Wedge& wedge, int u, int v, const Vector2d& 
   const bool at_apex = low.x() <= 0 && low.x() >= -1 && low.y() <= 0 && low.y() >= -1;
   const double near = at_apex ? 0 : distance_to(polygon);
   const double first = std::max(0.0, std::floor((near - start_) / bin_));
-  const double last = std::min<double>(window_.bins, std::ceil((farthest(polygon) - start_) / bin_));
+  const double far = farthest(polygon);
+  const double last = std::min<double>(window_.bins, std::ceil((far - start_) / bin_));
   if (first >= last) return;
+  // Most cells meet few bins: the discs that hold nothing or all of the polygon are worth a short cut.
+  const double whole = disc_overlap(polygon, 2 * far);
+  const auto within = [&](double radius) {
+    return radius <= near ? 0 : radius >= far ? whole : disc_overlap(polygon, radius);
+  };
   const auto cell = static_cast<std::uint32_t>(cells_.size());
   bool any = false;
-  double inside = disc_overlap(polygon, start_ + first * bin_);
+  double inside = within(start_ + first * bin_);
   for (int k = static_cast<int>(first); k < static_cast<int>(last); ++k) {
-    const double next = disc_overlap(polygon, start_ + (k + 1) * bin_);
+    const double next = within(start_ + (k + 1) * bin_);
     const double share = std::min(next - inside, 1.0);
     inside = next;
     if (share < 1e-9) continue;

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-typedef struct _cairo cairo_t;
+using cairo_t = struct _cairo;  // NOLINT(bugprone-reserved-identifier): Cairo calls it so
 
 namespace isobath {
 
