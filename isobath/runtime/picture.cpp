@@ -389,3 +389,8 @@ void ChartPicture::finish() {
 }
 
 }  // namespace isobath
+
+#if defined(__SANITIZE_ADDRESS__)
+// Fontconfig, which Cairo finds its fonts with, keeps some of what it allocates until the process ends.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }  // NOLINT
+#endif
