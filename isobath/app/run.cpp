@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,23 +22,12 @@ struct Options {
 
 ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
-  ordered_json rejected = ordered_json::object();
-  for (const auto& [reason, count] : outcome.rejected) rejected[reason] = count;
   ordered_json files = ordered_json::array();
   for (const auto& file : outcome.files) files.push_back((request.out / file).string());
   const double wall = outcome.timings.wall_s;
   return {{"problem", outcome.problem},
-          {"counts",
-           {{"pings", n.pings},
-            {"pings_without_pose", n.unposed},
-            {"navigation", n.navigation},
-            {"ranges", n.ranges},
-            {"scans", n.scans},
-            {"bins", n.bins},
-            {"hits", n.hits},
-            {"obstacles", outcome.obstacles.size()},
-            {"bytes_skipped", outcome.source.bytes_skipped}}},
-          {"rejected", rejected},
+          {"counts", counts_json(outcome)},
+          {"rejected", rejected_json(outcome)},
           {"rates",
            {{"log_s", outcome.log_s},
             {"wall_s", wall},

@@ -52,14 +52,11 @@ struct GridMapper::Placed {
 
 std::vector<Field> fields(GridMapperConfig& c) {
   using U = GridMapperConfig::Update;
-  std::vector<Field> all = {
+  return {
       Field::choice("update", &c.update, {{"bin", U::kBin}, {"printed", U::kPrinted}, {"any_target", U::kAnyTarget}},
                     "Reading of the measurement update; bin is the corrected one."),
       Field::integer("block", &c.block, {1, 99}, "cells", "Edge of the neighbourhood of a bin in the printed update."),
   };
-  for (Field& f : fields(c.motion)) all.push_back(std::move(f));
-  for (Field& f : fields(c.table)) all.push_back(std::move(f));
-  return all;
 }
 
 GridMapper::GridMapper(const BodyGridConfig& grid, const GridMapperConfig& config)

@@ -92,8 +92,26 @@ std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin) {
   return geojson_text(features, origin);
 }
 
-std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) {
+ordered_json counts_json(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
+  return {{"pings", n.pings},
+          {"pings_without_pose", n.unposed},
+          {"navigation", n.navigation},
+          {"ranges", n.ranges},
+          {"scans", n.scans},
+          {"bins", n.bins},
+          {"hits", n.hits},
+          {"obstacles", outcome.obstacles.size()},
+          {"bytes_skipped", outcome.source.bytes_skipped}};
+}
+
+ordered_json rejected_json(const RunOutcome& outcome) {
+  ordered_json rejected = ordered_json::object();
+  for (const auto& [reason, count] : outcome.rejected) rejected[reason] = count;
+  return rejected;
+}
+
+std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) {
   ordered_json manifest{{"program", "isobath"},
                         {"version", ISOBATH_VERSION},
                         {"input", request.input.empty() ? "embedded reservoir" : request.input.string()},
@@ -102,17 +120,8 @@ std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) 
                         {"seed", request.configuration.reservoir.seed},
                         {"problem", outcome.problem}};
   for (const auto& [key, value] : outcome.source.details) manifest["details"][key] = value;
-  manifest["counts"] = {{"pings", n.pings},
-                        {"pings_without_pose", n.unposed},
-                        {"navigation", n.navigation},
-                        {"ranges", n.ranges},
-                        {"scans", n.scans},
-                        {"bins", n.bins},
-                        {"hits", n.hits},
-                        {"obstacles", outcome.obstacles.size()}};
-  manifest["rejected"] = ordered_json::object();
-  for (const auto& [reason, count] : outcome.rejected) manifest["rejected"][reason] = count;
-  manifest["bytes_skipped"] = outcome.source.bytes_skipped;
+  manifest["counts"] = counts_json(outcome);
+  manifest["rejected"] = rejected_json(outcome);
   manifest["skipped"] = ordered_json::array();
   for (const Damage& d : outcome.source.damages) {
     manifest["skipped"].push_back({{"offset", d.offset}, {"bytes", d.bytes}, {"reason", d.reason}});

@@ -5,6 +5,7 @@
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/map/obstacle.hpp>
 #include <isobath/runtime/run.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ std::string obstacles_json(const ScanRecord& scan);
 std::string scans_json(std::span<const ScanRecord> scans);
 /// RFC 7946: one polygon an obstacle, longitude and latitude.
 std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin);
+/// What a run saw, by kind; and what it refused, by reason.
+nlohmann::ordered_json counts_json(const RunOutcome& outcome);
+nlohmann::ordered_json rejected_json(const RunOutcome& outcome);
 /// What was run: input, version, counts, rejections, files. Holds no time of day, and no path but those given.
 std::string manifest_json(const RunRequest& request, const RunOutcome& outcome);
 

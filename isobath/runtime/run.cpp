@@ -26,15 +26,6 @@ std::unique_ptr<Source> open(const RunRequest& request) {
   return source;
 }
 
-/// The configuration as requested, and what is known of the embedded scene's own sonar.
-Configuration in_force(const RunRequest& request) {
-  Configuration configuration = request.configuration;
-  if (request.input.empty()) {
-    configuration.echoes.blind_m = std::max(configuration.echoes.blind_m, Reservoir::blind_m());
-  }
-  return configuration;
-}
-
 RunTimings timings_of(std::vector<double>& ping_ms, double wall_ms) {
   RunTimings timings;
   timings.wall_s = wall_ms / 1000;
@@ -69,9 +60,8 @@ std::string problem_of(const RunOutcome& outcome) {
 
 RunOutcome run(const RunRequest& request) {
   const auto source = open(request);
-  const Configuration configuration = in_force(request);
-  RunFolder folder(request.out, configuration);
-  Pipeline pipeline(configuration, folder);
+  RunFolder folder(request.out, request.configuration);
+  Pipeline pipeline(request.configuration, folder);
   RunOutcome outcome;
 
   const auto start = Clock::now();

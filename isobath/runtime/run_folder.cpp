@@ -176,15 +176,17 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcom
   write_text("scans.json", scans_json(scans_), outcome);
   const std::optional<GeoOrigin> origin = last.posed ? outcome.source.origin : std::nullopt;
   if (origin) write_text("obstacles.geojson", obstacles_geojson(last, *origin), outcome);
+  Pictures pictures;
   if (grid) {
     write_occupancy(*grid, level(last.X_WB), origin);
     outcome.files.emplace_back("occupancy.tif");
-    write_text("occupancy.png", occupancy_picture(*grid), outcome);
-    write_text("sonar.png", sonar_picture(), outcome);
-    write_text("detections.png", detections_picture(), outcome);
+    pictures = {occupancy_picture(*grid), sonar_picture(), detections_picture()};
+    write_text("occupancy.png", pictures.occupancy, outcome);
+    write_text("sonar.png", pictures.sonar, outcome);
+    write_text("detections.png", pictures.detections, outcome);
   }
   write_text("configuration.toml", write_toml(sections(configuration_), true), outcome);
-  write_text("report.html", report(request, outcome, grid), outcome);
+  write_text("report.html", report(request, outcome, pictures), outcome);
   outcome.files.emplace_back("manifest.json");
   write_file(folder_ / "manifest.json", manifest_json(request, outcome));
 }
@@ -210,7 +212,7 @@ void RunFolder::write_occupancy(const BodyGrid& grid, const Pose& X_WL, const st
   write_geotiff(folder_ / "occupancy.tif", frame, {.name = "occupancy probability", .unit = ""}, raster);
 }
 
-std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const BodyGrid* grid) const {
+std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const Pictures& pictures) const {
   const PipelineCounts& n = outcome.counts;
   HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded reservoir" : request.input.filename().string()),
                   fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
@@ -220,12 +222,12 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
   if (n.pings > 0 && n.unposed == n.pings) {
     page.paragraph("The log has no navigation: the vehicle is taken to stand still.");
   }
-  if (grid) {
+  if (!pictures.detections.empty()) {
     page.begin_row();
-    page.figure(detections_picture(),
+    page.figure(pictures.detections,
                 "Obstacles over the echoes of the last sweep, seen from above; the vehicle looks up.");
-    page.figure(occupancy_picture(*grid), "What is believed of the water around the vehicle. Unknown is not free.");
-    page.figure(sonar_picture(), "The echoes of the last sweep as they came.");
+    page.figure(pictures.occupancy, "What is believed of the water around the vehicle. Unknown is not free.");
+    page.figure(pictures.sonar, "The echoes of the last sweep as they came.");
     if (!track_.empty() && scans_.back().posed) page.figure(track_picture(), "Where the vehicle went, north up.");
     page.end_row();
   }

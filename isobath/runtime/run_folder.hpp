@@ -35,6 +35,9 @@ class RunFolder : public ResultSink {
     Ping ping;
     Pose X_WB;
   };
+  struct Pictures {  ///< PNG; empty without a grid
+    std::string occupancy, sonar, detections;
+  };
   void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
   void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;
   [[nodiscard]] PlanExtent extent() const;
@@ -42,7 +45,8 @@ class RunFolder : public ResultSink {
   [[nodiscard]] std::string detections_picture() const;
   [[nodiscard]] std::string occupancy_picture(const BodyGrid& grid) const;
   [[nodiscard]] std::string track_picture() const;
-  [[nodiscard]] std::string report(const RunRequest& request, const RunOutcome& outcome, const BodyGrid* grid) const;
+  [[nodiscard]] std::string report(const RunRequest& request, const RunOutcome& outcome,
+                                   const Pictures& pictures) const;
 
   std::filesystem::path folder_;
   Configuration configuration_;

@@ -59,8 +59,6 @@ const std::vector<Eigen::Vector2d>& Reservoir::embankment() {
   return kLine;
 }
 
-double Reservoir::blind_m() { return kBlindBins * kBin; }
-
 Reservoir::Reservoir(const ReservoirConfig& config)
     : config_(config), random_(static_cast<std::uint64_t>(config.seed)) {
   for (int i = 0; i < kSteps; ++i) fans_.push_back(one_beam(Angle::degrees(-45 + 3 * i)));

@@ -40,8 +40,6 @@ class Reservoir {
   /// Truth, for those who judge results: centres of the buoys, and the embankment as a line (N, E; m).
   [[nodiscard]] static const std::vector<Eigen::Vector2d>& buoys();
   [[nodiscard]] static const std::vector<Eigen::Vector2d>& embankment();
-  /// Up to here the sonar still rings with its transmission (S6-09): a detector must leave it out.
-  [[nodiscard]] static double blind_m();
 
  private:
   [[nodiscard]] Pose body_at(double t) const;

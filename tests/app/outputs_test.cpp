@@ -3,7 +3,6 @@
 #include <isobath/geometry/geodesy.hpp>
 #include <numeric>
 #include <ogr_spatialref.h>
-#include <regex>
 #include <tests/app/logs.hpp>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
@@ -112,7 +111,7 @@ TEST(Outputs, ManifestSaysWhatWasRun) {
   const auto manifest = json_of(posed_run() / "manifest.json");
   EXPECT_EQ(manifest["format"], "scan CSV");
   EXPECT_EQ(manifest["bytes"], wall_csv(200).size());
-  EXPECT_EQ(manifest["bytes_skipped"], 0);
+  EXPECT_EQ(manifest["counts"]["bytes_skipped"], 0);
   EXPECT_EQ(manifest["problem"], "");
   EXPECT_EQ(manifest["counts"]["pings"], 200);
   EXPECT_THAT(isobath::test::isobath({"--version"}).out, HasSubstr(manifest["version"].get<std::string>()));
@@ -216,15 +215,6 @@ TEST(Outputs, ReportNamesEveryReasonOfRejectionWithItsCount) {
     EXPECT_THAT(page, HasSubstr("<td>" + reason + "</td><td>" + std::to_string(count.get<int>()) + "</td>"));
   }
   EXPECT_EQ(rejected, json_of(folder / "out" / "manifest.json")["rejected"]);
-}
-
-TEST(Outputs, EmbeddedReservoirKnowsTheBlindZoneOfItsSonar) {
-  const fs::path out = scratch_folder() / "out";
-  ASSERT_EQ(isobath_run({}, out, {"--set", "reservoir.duration_s=30"}).exit_code, 0);
-  std::smatch match;
-  const std::string toml = content_of(out / "configuration.toml");
-  ASSERT_TRUE(std::regex_search(toml, match, std::regex("\nblind_m = ([0-9.]+)")));
-  EXPECT_NEAR(std::stod(match[1]), 9 * 50.0 / 44, 1e-6);
 }
 
 }  // namespace

@@ -88,19 +88,14 @@ Agreement agreement(const std::string& motion) {
   return result;
 }
 
-// ledger: S6-20 S6-22 S6-27
-TEST(HoloBoat, OutlinesStayOnTheHullWithDeterministicMotion) {
-  ISOBATH_NEEDS_DATA(folder, "holo-boat");
-  const Agreement seen = agreement("deterministic");
-  EXPECT_GE(seen.frames, 180);
-  EXPECT_GE(seen.share(seen.on_echoes), 0.95);
-  EXPECT_GE(seen.share(seen.nearest), 0.95);
-}
+class HoloBoatMotion : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Models, HoloBoatMotion, testing::Values("deterministic", "probabilistic"),
+                         [](const auto& model) { return std::string(model.param); });
 
-// ledger: S6-21 S6-22
-TEST(HoloBoat, OutlinesStayOnTheHullWithProbabilisticMotion) {
+// ledger: S6-20 S6-21 S6-22 S6-27
+TEST_P(HoloBoatMotion, KeepsTheOutlinesOnTheHull) {
   ISOBATH_NEEDS_DATA(folder, "holo-boat");
-  const Agreement seen = agreement("probabilistic");
+  const Agreement seen = agreement(GetParam());
   EXPECT_GE(seen.frames, 180);
   EXPECT_GE(seen.share(seen.on_echoes), 0.95);
   EXPECT_GE(seen.share(seen.nearest), 0.95);

@@ -15,7 +15,6 @@ constexpr int kSeeds = 10, kScans = 20;
 std::vector<test::KeptScan> scans_of_seed(int seed) {
   Configuration configuration;
   configuration.reservoir.seed = seed;
-  configuration.echoes.blind_m = Reservoir::blind_m();
   test::ScanKeeper keeper;
   configuration.reservoir.duration_s = 60;
   ReservoirSource source(configuration.reservoir);
