@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
 #include <isobath/base/config.hpp>
 #include <isobath/base/error.hpp>
 #include <numeric>
@@ -10,7 +12,7 @@
 namespace isobath {
 namespace {
 
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') {
@@ -31,6 +33,19 @@ std::string real_text(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".eEn") == std::string::npos) text += ".0";
   return text;
+}
+
+std::string row_text(const std::vector<double>& row) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < row.size(); ++i) text += (i ? ", " : "") + real_text(row[i]);
+  return text + "]";
+}
+
+std::string range_text(const Range& range) {
+  if (std::isinf(range.low) && std::isinf(range.high)) return "any";
+  if (std::isinf(range.high)) return fmt::format("from {}", range.low);
+  if (std::isinf(range.low)) return fmt::format("up to {}", range.high);
+  return fmt::format("{} .. {}", range.low, range.high);
 }
 
 /// Degrees carry rounding from radians: 90 must be written as 90.0, not 90.00000000000001.
@@ -92,17 +107,45 @@ Place place_of(const toml::source_region& region, const std::string& file, const
   return {file, {}, region.begin.line, region.begin.column, key};
 }
 
+std::optional<std::vector<double>> number_row(const toml::array& array) {
+  std::vector<double> row;
+  for (const toml::node& node : array) {
+    const auto* whole = node.as_integer();
+    const auto* real = node.as_floating_point();
+    if (!whole && !real) return std::nullopt;
+    row.push_back(whole ? static_cast<double>(whole->get()) : real->get());
+  }
+  return row;
+}
+
+std::optional<Field::Value> number_rows(const toml::array& array) {
+  if (auto row = number_row(array)) return Field::Rows{std::move(*row)};
+  Field::Rows rows;
+  for (const toml::node& node : array) {
+    const toml::array* inner = node.as_array();
+    auto row = inner ? number_row(*inner) : std::nullopt;
+    if (!row) return std::nullopt;
+    rows.push_back(std::move(*row));
+  }
+  return rows;
+}
+
 std::optional<Field::Value> plain_value(const toml::node& node) {
   if (const auto* b = node.as_boolean()) return b->get();
   if (const auto* i = node.as_integer()) return i->get();
   if (const auto* d = node.as_floating_point()) return d->get();
   if (const auto* s = node.as_string()) return s->get();
+  if (const auto* a = node.as_array()) return number_rows(*a);
   return std::nullopt;
 }
 
 void assign_node(Field& field, const toml::node& node, const std::string& file, const std::string& key) {
-  const auto value = plain_value(node);
-  const std::string problem = value ? field.assign(*value) : std::string("not a single value");
+  auto value = plain_value(node);
+  if (value && field.is_file() && std::holds_alternative<std::string>(*value)) {
+    const std::filesystem::path path = std::get<std::string>(*value);
+    if (!path.empty() && path.is_relative()) value = (std::filesystem::path(file).parent_path() / path).string();
+  }
+  const std::string problem = value ? field.assign(*value) : std::string("neither a single value nor rows of numbers");
   if (!problem.empty()) {
     throw Error(problem, place_of(node.source(), file, key),
                 field.allowed() + (field.unit().empty() ? "" : " " + field.unit()));
@@ -143,15 +186,45 @@ Field Field::degrees(std::string name, Angle* value, Range range_deg, std::strin
   return {std::move(name), value, range_deg, "deg", std::move(sentence)};
 }
 
+Field Field::file(std::string name, std::string* value, std::string sentence) {
+  return {std::move(name), File{value}, {}, {}, std::move(sentence)};
+}
+Field Field::numbers(std::string name, double* first, int count, Range range, std::string unit, std::string sentence) {
+  return {std::move(name), Numbers{first, count}, range, std::move(unit), std::move(sentence)};
+}
+Field Field::rows(std::string name, std::vector<double>* flat, int width, Range range, std::string unit,
+                  std::string sentence) {
+  return {std::move(name), Table{flat, width}, range, std::move(unit), std::move(sentence)};
+}
+Field Field::named(std::string name, std::string* value, std::vector<std::string> names, std::function<void()> then,
+                   std::string sentence) {
+  Choice choice;
+  choice.names = std::move(names);
+  choice.read = [value, all = choice.names] {
+    return static_cast<std::size_t>(std::find(all.begin(), all.end(), *value) - all.begin()) % all.size();
+  };
+  choice.write = [value, all = choice.names, act = std::move(then)](std::size_t i) {
+    *value = all[i];
+    act();
+  };
+  return {std::move(name), std::move(choice), {}, {}, std::move(sentence)};
+}
+
 std::string Field::allowed() const {
+  if (const auto* numbers = std::get_if<Numbers>(&target_)) {
+    return fmt::format("{} numbers, {}", numbers->count, range_text(range_));
+  }
+  if (const auto* table = std::get_if<Table>(&target_)) {
+    if (table->width == 1) return fmt::format("a list of numbers, {}", range_text(range_));
+    return fmt::format("rows of {} numbers, {}", table->width, range_text(range_));
+  }
+  if (is_file()) return "a file";
   if (const auto* choice = std::get_if<Choice>(&target_)) return listed(choice->names);
   if (std::holds_alternative<bool*>(target_)) return "true or false";
   if (std::holds_alternative<std::string*>(target_)) return "a text";
   const std::string kind = std::holds_alternative<int*>(target_) ? "a whole number" : "a number";
   if (std::isinf(range_.low) && std::isinf(range_.high)) return kind;
-  if (std::isinf(range_.high)) return fmt::format("{} from {}", kind, range_.low);
-  if (std::isinf(range_.low)) return fmt::format("{} up to {}", kind, range_.high);
-  return fmt::format("{} .. {}", range_.low, range_.high);
+  return std::isinf(range_.low) || std::isinf(range_.high) ? kind + " " + range_text(range_) : range_text(range_);
 }
 
 std::string Field::value() const {
@@ -159,11 +232,55 @@ std::string Field::value() const {
     std::string operator()(const double* v) const { return real_text(*v); }
     std::string operator()(const int* v) const { return fmt::format("{}", *v); }
     std::string operator()(const bool* v) const { return *v ? "true" : "false"; }
-    std::string operator()(const std::string* v) const { return quoted(*v); }
+    std::string operator()(const std::string* v) const { return in_quotes(*v); }
     std::string operator()(const Angle* v) const { return real_text(clean_degrees(*v)); }
-    std::string operator()(const Choice& c) const { return quoted(c.names[c.read()]); }
+    std::string operator()(const Choice& c) const { return in_quotes(c.names[c.read()]); }
+    std::string operator()(const File& f) const { return in_quotes(*f.path); }
+    std::string operator()(const Numbers& n) const { return row_text({n.first, n.first + n.count}); }
+    std::string operator()(const Table& t) const {
+      if (t.width == 1) return row_text(*t.flat);
+      std::string text = "[";
+      for (std::size_t i = 0; i + t.width <= t.flat->size(); i += t.width) {
+        const auto row = t.flat->begin() + static_cast<std::ptrdiff_t>(i);
+        text += (i ? ", " : "") + row_text({row, row + t.width});
+      }
+      return text + "]";
+    }
   };
   return std::visit(Writer{}, target_);
+}
+
+std::string Field::check(double number) const {
+  if (std::isnan(number)) return "not a number (nan)";
+  if (number < range_.low || number > range_.high) return fmt::format("{} is out of range", number);
+  return {};
+}
+
+std::string Field::assign_rows(const Rows& rows) {
+  for (const auto& row : rows) {
+    for (const double number : row) {
+      if (std::string problem = check(number); !problem.empty()) return problem;
+    }
+  }
+  if (auto* numbers = std::get_if<Numbers>(&target_)) {
+    if (rows.size() != 1 || rows[0].size() != static_cast<std::size_t>(numbers->count)) {
+      return fmt::format("not {} numbers", numbers->count);
+    }
+    std::copy(rows[0].begin(), rows[0].end(), numbers->first);
+    return {};
+  }
+  const Table& table = std::get<Table>(target_);
+  std::vector<double> flat;
+  for (const auto& row : rows) {
+    const bool empty = rows.size() == 1 && row.empty();
+    if (table.width > 1 && !empty && row.size() != static_cast<std::size_t>(table.width)) {
+      return fmt::format("a row of {} numbers where {} are wanted", row.size(), table.width);
+    }
+    flat.insert(flat.end(), row.begin(), row.end());
+  }
+  if (table.width == 1 && rows.size() != 1) return "not a list of numbers";
+  *table.flat = std::move(flat);
+  return {};
 }
 
 std::string Field::assign(const Value& value) {
@@ -181,17 +298,22 @@ std::string Field::assign(const Value& value) {
     **flag = std::get<bool>(value);
     return {};
   }
-  if (auto* text = std::get_if<std::string*>(&target_)) {
+  auto* text = std::get_if<std::string*>(&target_);
+  auto* path = std::get_if<File>(&target_);
+  if (text || path) {
     if (!std::holds_alternative<std::string>(value)) return "not a text in quotes";
-    **text = std::get<std::string>(value);
+    *(text ? *text : path->path) = std::get<std::string>(value);
     return {};
+  }
+  if (std::holds_alternative<Numbers>(target_) || std::holds_alternative<Table>(target_)) {
+    if (!std::holds_alternative<Rows>(value)) return "not a list of numbers";
+    return assign_rows(std::get<Rows>(value));
   }
   const auto* whole = std::get_if<std::int64_t>(&value);
   const auto* real = std::get_if<double>(&value);
   if (!whole && !real) return "not a number";
   const double number = whole ? static_cast<double>(*whole) : *real;
-  if (std::isnan(number)) return "not a number (nan)";
-  if (number < range_.low || number > range_.high) return fmt::format("{} is out of range", number);
+  if (std::string problem = check(number); !problem.empty()) return problem;
   if (auto* integer = std::get_if<int*>(&target_)) {
     if (!whole) return "not a whole number";
     if (*whole < std::numeric_limits<int>::min() || *whole > std::numeric_limits<int>::max()) return "too large";
@@ -204,28 +326,77 @@ std::string Field::assign(const Value& value) {
   return {};
 }
 
-void read_toml(std::string_view text, const std::string& file, std::vector<Section>& sections) {
-  const toml::table root = parse(text, file);
-  for (const auto& [section_key, node] : root) {
-    const auto section = std::find_if(sections.begin(), sections.end(),
-                                      [&, name = section_key.str()](const Section& s) { return s.name == name; });
-    if (section == sections.end()) {
-      throw Error("unknown section", place_of(section_key.source(), file, std::string(section_key.str())),
-                  listed(names_of(sections)), nearest_name(section_key.str(), names_of(sections)));
-    }
-    const toml::table* table = node.as_table();
-    if (!table) throw Error("not a table", place_of(node.source(), file, section->name));
-    for (const auto& [key, value] : *table) {
-      const std::string full = section->name + "." + std::string(key.str());
-      const auto field = std::find_if(section->fields.begin(), section->fields.end(),
-                                      [name = key.str()](const Field& f) { return f.name() == name; });
-      if (field == section->fields.end()) {
-        throw Error("unknown key", place_of(key.source(), file, full), "",
-                    nearest_name(key.str(), names_of(section->fields)));
-      }
-      assign_node(*field, value, file, full);
+namespace {
+
+/// In the order of the fields; keys that are no field are refused first.
+void assign_table(std::vector<Field>& fields, const toml::table& table, const std::string& file,
+                  const std::string& section) {
+  for (const auto& [key, value] : table) {
+    const bool known = std::any_of(fields.begin(), fields.end(), [&](const Field& f) { return f.name() == key.str(); });
+    if (!known) {
+      throw Error("unknown key", place_of(key.source(), file, section + "." + std::string(key.str())), "",
+                  nearest_name(key.str(), names_of(fields)));
     }
   }
+  for (Field& field : fields) {
+    if (const toml::node* value = table.get(field.name())) {
+      assign_node(field, *value, file, section + "." + field.name());
+    }
+  }
+}
+
+void read_list(SectionList& list, const toml::node& node, const std::string& file) {
+  const toml::array* array = node.as_array();
+  if (!array || !array->is_homogeneous(toml::node_type::table)) {
+    throw Error("not a list of tables", place_of(node.source(), file, list.name), "[[" + list.name + "]]");
+  }
+  for (const toml::node& element : *array) {
+    std::vector<Field> fields = list.append(place_of(element.source(), file, list.name));
+    assign_table(fields, *element.as_table(), file, list.name);
+  }
+}
+
+}  // namespace
+
+void read_toml(std::string_view text, const std::string& file, Schema& schema) {
+  const toml::table root = parse(text, file);
+  for (const auto& [key, node] : root) {
+    const auto named = [name = key.str()](const auto& s) { return s.name == name; };
+    const auto section = std::find_if(schema.sections.begin(), schema.sections.end(), named);
+    const auto list = std::find_if(schema.lists.begin(), schema.lists.end(), named);
+    if (list != schema.lists.end()) {
+      read_list(*list, node, file);
+      continue;
+    }
+    if (section == schema.sections.end()) {
+      std::vector<std::string> names = names_of(schema.sections);
+      for (const SectionList& l : schema.lists) names.push_back(l.name);
+      throw Error("unknown section", place_of(key.source(), file, std::string(key.str())), listed(names),
+                  nearest_name(key.str(), names));
+    }
+    section->place = place_of(node.source(), file, section->name);
+    const toml::table* table = node.as_table();
+    if (!table) throw Error("not a table", section->place);
+    assign_table(section->fields, *table, file, section->name);
+  }
+}
+
+void read_toml(std::string_view text, const std::string& file, std::vector<Section>& sections) {
+  Schema schema{std::move(sections), {}};
+  try {
+    read_toml(text, file, schema);
+  } catch (...) {
+    sections = std::move(schema.sections);
+    throw;
+  }
+  sections = std::move(schema.sections);
+}
+
+void read_toml_file(const std::string& file, Schema& schema) {
+  std::ifstream input(file, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(input)), {});
+  if (!input.is_open() || input.bad() || std::filesystem::is_directory(file)) throw Error("cannot be read", {file});
+  read_toml(text, file, schema);
 }
 
 void set_from_text(std::string_view assignment, std::vector<Section>& sections) {
@@ -242,24 +413,39 @@ void set_from_text(std::string_view assignment, std::vector<Section>& sections) 
   try {
     (void)toml::parse(text);
   } catch (const toml::parse_error&) {
-    text = head + quoted(value);
+    text = head + in_quotes(value);
   }
   read_toml(text, source, sections);
 }
 
+namespace {
+
+void write_table(std::string& out, const std::string& header, const std::string& sentence,
+                 const std::vector<Field>& fields, bool annotated) {
+  if (!out.empty()) out += "\n";
+  if (annotated && !sentence.empty()) out += "# " + sentence + "\n";
+  out += header + "\n";
+  for (const Field& field : fields) {
+    if (annotated) {
+      out += fmt::format("# {} [{}{}]\n", field.sentence(), field.allowed(),
+                         field.unit().empty() || field.unit() == "1" ? "" : " " + field.unit());
+    }
+    out += fmt::format("{} = {}\n", field.name(), field.value());
+  }
+}
+
+}  // namespace
+
 std::string write_toml(const std::vector<Section>& sections, bool annotated) {
   std::string out;
-  for (const Section& section : sections) {
-    if (!out.empty()) out += "\n";
-    if (annotated && !section.sentence.empty()) out += "# " + section.sentence + "\n";
-    out += "[" + section.name + "]\n";
-    for (const Field& field : section.fields) {
-      if (annotated) {
-        out += fmt::format("# {} [{}{}]\n", field.sentence(), field.allowed(),
-                           field.unit().empty() || field.unit() == "1" ? "" : " " + field.unit());
-      }
-      out += fmt::format("{} = {}\n", field.name(), field.value());
-    }
+  for (const Section& s : sections) write_table(out, "[" + s.name + "]", s.sentence, s.fields, annotated);
+  return out;
+}
+
+std::string write_template(const Schema& schema) {
+  std::string out = write_toml(schema.sections, true);
+  for (const SectionList& list : schema.lists) {
+    write_table(out, "[[" + list.name + "]]", list.sentence, list.append({}), true);
   }
   return out;
 }

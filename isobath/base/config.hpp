@@ -16,6 +16,7 @@
 
 #include <functional>
 #include <isobath/base/angle.hpp>
+#include <isobath/base/error.hpp>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -37,6 +38,16 @@ class Field {
   static Field integer(std::string name, int* value, Range range, std::string unit, std::string sentence);
   static Field flag(std::string name, bool* value, std::string sentence);
   static Field text(std::string name, std::string* value, std::string sentence);
+  /// A text that names a file; a relative one is taken from the folder of the file that it stands in.
+  static Field file(std::string name, std::string* value, std::string sentence);
+  /// `count` numbers in a row, such as a vector: [1.0, 2.0, 3.0].
+  static Field numbers(std::string name, double* first, int count, Range range, std::string unit, std::string sentence);
+  /// Any number of rows of `width` numbers each, kept flat: [[0.0, 1.0], [5.0, 2.0]]; width 1: [0.0, 5.0].
+  static Field rows(std::string name, std::vector<double>* flat, int width, Range range, std::string unit,
+                    std::string sentence);
+  /// One of a list of names; `then` acts on the choice, before the keys that stand after it in the list of fields.
+  static Field named(std::string name, std::string* value, std::vector<std::string> names, std::function<void()> then,
+                     std::string sentence);
   /// The name must end in "_deg".
   static Field degrees(std::string name, Angle* value, Range range_deg, std::string sentence);
   /// One of a closed set of names.
@@ -63,9 +74,11 @@ class Field {
   /// The value in force, as TOML.
   [[nodiscard]] std::string value() const;
 
-  using Value = std::variant<bool, std::int64_t, double, std::string>;
+  using Rows = std::vector<std::vector<double>>;  ///< a list of numbers is one row
+  using Value = std::variant<bool, std::int64_t, double, std::string, Rows>;
   /// Checks and stores; returns what is wrong, or an empty string.
   std::string assign(const Value& value);
+  [[nodiscard]] bool is_file() const { return std::holds_alternative<File>(target_); }
 
  private:
   struct Choice {
@@ -73,7 +86,20 @@ class Field {
     std::function<std::size_t()> read;
     std::function<void(std::size_t)> write;
   };
-  using Target = std::variant<double*, int*, bool*, std::string*, Angle*, Choice>;
+  struct File {
+    std::string* path;
+  };
+  struct Numbers {
+    double* first;
+    int count;
+  };
+  struct Table {
+    std::vector<double>* flat;
+    int width;
+  };
+  using Target = std::variant<double*, int*, bool*, std::string*, Angle*, Choice, File, Numbers, Table>;
+  std::string assign_rows(const Rows& rows);
+  [[nodiscard]] std::string check(double number) const;
   Field(std::string name, Target target, Range range, std::string unit, std::string sentence);
 
   std::string name_;
@@ -88,16 +114,37 @@ struct Section {
   std::string name;
   std::string sentence;
   std::vector<Field> fields;
+  Place place = {};  ///< of its header in the file; empty if it was not there
+};
+
+/// An array of TOML tables: [[name]], any number of times.
+struct SectionList {
+  std::string name;
+  std::string sentence;
+  /// Makes a new element, with its place in the file, and returns its fields; they are used before the next call.
+  std::function<std::vector<Field>(const Place& place)> append;
+};
+
+/// Keys are assigned in the order of the list of fields, not of the file.
+struct Schema {
+  std::vector<Section> sections;
+  std::vector<SectionList> lists;
 };
 
 /// Reads TOML into the bound values; keys that are absent keep their defaults. Throws Error with line and column on a
 /// syntax error, an unknown section or key (naming the nearest known one), a wrong type, or a value out of range.
 void read_toml(std::string_view text, const std::string& file, std::vector<Section>& sections);
 
+void read_toml(std::string_view text, const std::string& file, Schema& schema);
+/// The same from a file. Throws Error also where it cannot be read.
+void read_toml_file(const std::string& file, Schema& schema);
+
 /// Sets one value from "section.key=value" (the value as TOML, or a bare word for a text or a choice). Throws Error.
 void set_from_text(std::string_view assignment, std::vector<Section>& sections);
 
 /// The values in force as TOML; annotated with sentence, unit and allowed values if wanted. `read_toml` reads it back.
 std::string write_toml(const std::vector<Section>& sections, bool annotated);
+/// A page about the format: every section and every list with one element of defaults, annotated.
+std::string write_template(const Schema& schema);
 
 }  // namespace isobath

@@ -61,7 +61,7 @@ TEST(Config, ValueOutOfRangeNamesTheRange) {
   EXPECT_THAT(error_of("[sample]\nshare = nan"), testing::HasSubstr("nan"));
   EXPECT_THAT(error_of("[sample]\ncount = 2.5"), testing::HasSubstr("not a whole number"));
   EXPECT_THAT(error_of("[sample]\nfruit = \"plum\""), testing::HasSubstr("allowed: apple or pear"));
-  EXPECT_THAT(error_of("[sample]\nturn_deg = [1]"), testing::HasSubstr("not a single value"));
+  EXPECT_THAT(error_of("[sample]\nturn_deg = [1]"), testing::HasSubstr("not a number"));
   EXPECT_THAT(error_of("[sample\n"), testing::StartsWith("f.toml:1:"));
 }
 
