@@ -392,12 +392,14 @@ void read_toml(std::string_view text, const std::string& file, std::vector<Secti
   sections = std::move(schema.sections);
 }
 
-void read_toml_file(const std::string& file, Schema& schema) {
+std::string text_of_file(const std::string& file) {
   std::ifstream input(file, std::ios::binary);
   std::string text((std::istreambuf_iterator<char>(input)), {});
   if (!input.is_open() || input.bad() || std::filesystem::is_directory(file)) throw Error("cannot be read", {file});
-  read_toml(text, file, schema);
+  return text;
 }
+
+void read_toml_file(const std::string& file, Schema& schema) { read_toml(text_of_file(file), file, schema); }
 
 void set_from_text(std::string_view assignment, std::vector<Section>& sections) {
   const auto equals = assignment.find('=');

@@ -138,6 +138,8 @@ void read_toml(std::string_view text, const std::string& file, std::vector<Secti
 void read_toml(std::string_view text, const std::string& file, Schema& schema);
 /// The same from a file. Throws Error also where it cannot be read.
 void read_toml_file(const std::string& file, Schema& schema);
+/// All of a text file; throws Error where it cannot be read.
+std::string text_of_file(const std::string& file);
 
 /// Sets one value from "section.key=value" (the value as TOML, or a bare word for a text or a choice). Throws Error.
 void set_from_text(std::string_view assignment, std::vector<Section>& sections);

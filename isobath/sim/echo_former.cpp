@@ -1,0 +1,578 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/sim/echo_former.hpp>
+#include <isobath/sim/split_work.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kLeastCosine = 0.02;  // grazing rays: the area in a cell must stay finite
+constexpr double kSurfaceLoss = 0.7;   // intensity kept in a bounce off a rough surface (APL-UW TR 9407, about 1.5 dB)
+constexpr double kLeastGain = 1e-5;    // of a receive beam: what is below is not heard
+constexpr int kScanningCells = 9, kSkirt = 5;
+constexpr double kSmall = 4;  // a body below so many cells, in one direction, gets cells of its own
+
+double from_db(double db) { return std::pow(10, db / 10); }
+
+/// A part of the field of view that one ray stands for.
+struct Cell {
+  Vector3d u, across, up;       ///< in S: direction, and unit vectors towards larger azimuth and elevation
+  double half_across, half_up;  ///< half its angular size, rad
+  double solid_angle;
+  double gain;  ///< of the elevation pattern
+};
+
+Cell cell_of(double azimuth, double d_azimuth, double low, double high, const BeamPattern& pattern) {
+  const double elevation = 0.5 * (low + high), ca = std::cos(azimuth), sa = std::sin(azimuth);
+  const double ce = std::cos(elevation), se = std::sin(elevation);
+  return {.u = {ce * ca, ce * sa, -se},
+          .across = {-sa, ca, 0},
+          .up = {-se * ca, -se * sa, -ce},
+          .half_across = 0.5 * d_azimuth * ce,
+          .half_up = 0.5 * (high - low),
+          .solid_angle = d_azimuth * (std::sin(high) - std::sin(low)),
+          .gain = pattern.gain(elevation)};
+}
+
+struct Span {
+  double near, far;
+};
+
+/// The ranges at which a cell meets the tangent plane of a surface that its ray meets at `range`. All in one frame.
+Span span_of(const Cell& cell, double range, const Vector3d& u, const Vector3d& across, const Vector3d& up,
+             const Vector3d& normal) {
+  const double straight = normal.dot(u);
+  const double slant_across = cell.half_across * normal.dot(across), slant_up = cell.half_up * normal.dot(up);
+  const double tilt = std::min(std::abs(slant_across) + std::abs(slant_up), 0.4 * std::abs(straight));
+  return {range * straight / (straight - tilt), range * straight / (straight + tilt)};
+}
+
+}  // namespace
+
+void EchoImage::resize(int beam_count, int bin_count) {
+  beams = beam_count;
+  bins = bin_count;
+  const std::size_t size = static_cast<std::size_t>(beams) * static_cast<std::size_t>(bins);
+  rough.resize(size);
+  steady.resize(size);
+  strongest.resize(size);
+  labels.resize(size);
+}
+
+void EchoImage::clear() {
+  std::fill(rough.begin(), rough.end(), 0.f);
+  std::fill(steady.begin(), steady.end(), 0.f);
+  std::fill(strongest.begin(), strongest.end(), 0.f);
+  std::fill(labels.begin(), labels.end(), EchoLabel());
+}
+
+double surface_scattering(double grazing_rad, double wind, double frequency) {
+  const double knots = std::max(wind, 0.5) * 1.9438;
+  const double beta = 158 * std::pow(knots * std::cbrt(frequency), -0.58);
+  const double degrees = std::max(grazing_rad * 180 / kPi, 0.1);
+  const double db = 3.3 * beta * std::log10(degrees / 30) - 42.4 * std::log10(beta) + 2.6;
+  return from_db(std::clamp(db, -60.0, 0.0));
+}
+
+double backscatter(const Material& m, double c) {
+  const double cc = c * c, s2 = m.roughness * m.roughness;
+  const double tan2 = 1 / std::max(cc, 1e-4) - 1;
+  const double glint =
+      tan2 > 30 * s2 ? 0 : from_db(m.reflection_db) / (8 * kPi * s2) * std::exp(-tan2 / (2 * s2)) / (cc * cc);
+  return from_db(m.lambert_db) * cc + glint;
+}
+
+struct EchoFormer::State {
+  SonarConfig config;
+  const World& world;
+  const Water& water;
+  int threads;
+  double floor = 0;
+
+  BeamPattern across, height;
+  std::vector<double> beams;       ///< azimuths
+  std::vector<double> directions;  ///< azimuth of each column of cells
+  std::vector<double> edges;       ///< of elevation
+  std::vector<Cell> cells;         ///< direction by direction
+  double cell_across, cell_up;     ///< size in the middle of the field of view
+  struct Weight {
+    int direction;
+    float gain;
+  };
+  std::vector<std::vector<Weight>> weights;  ///< of each beam
+
+  /// What came back in each direction, not yet through the receive patterns.
+  struct Row {
+    std::vector<float> power, strongest;
+    std::vector<EchoLabel> labels;
+    std::vector<double> volume;  ///< differences of (gain x solid angle) that looks through the water at a bin
+  };
+  std::vector<Row> rows;
+
+  struct Point {
+    double azimuth;
+    Span span;
+    double power;
+    EchoLabel label;
+  };
+  std::vector<Point> points;  ///< of small bodies
+
+  // Of the ping at hand.
+  Pose X_WS;
+  Eigen::Matrix3d R_WS = Eigen::Matrix3d::Identity();
+  double absorb = 0;        ///< per metre, one way, natural
+  std::vector<bool> small;  ///< by body: it has cells of its own
+
+  State(const SonarConfig& c, const World& w, const Water& wa, int t)
+      : config(c),
+        world(w),
+        water(wa),
+        threads(t),
+        across(c.pattern, c.width, c.side_lobe_db),
+        height(c.height_pattern, c.height, c.side_lobe_db) {
+    const bool fan = c.kind != SonarKind::kScanning && c.beams > 1;
+    const double first = fan ? -c.sector.radians() / 2 : 0;
+    const double spacing = fan ? c.sector.radians() / (c.beams - 1) : c.width.radians();
+    for (int b = 0; b < (fan ? c.beams : 1); ++b) beams.push_back(first + b * spacing);
+    fan ? cut_fan(spacing) : cut_single();
+    weigh();
+  }
+
+  /// Elevations: most rays over one and a half heights, a few beyond, where side lobes hear.
+  void cut_heights() {
+    const double half = 0.5 * config.height.radians();
+    const bool ideal = config.height_pattern == PatternKind::kIdeal;
+    const double inner = std::min(ideal ? half : 1.5 * half, 0.49 * kPi);
+    const double outer = ideal ? inner : std::min(height.reach(1e-4), 0.49 * kPi);
+    const int skirt = outer > 1.2 * inner && config.rays >= 8 ? std::max(1, config.rays / 8) : 0;
+    const int middle = std::max(1, config.rays - 2 * skirt);
+    for (int i = skirt; i > 0; --i) edges.push_back(-inner - (outer - inner) * i / skirt);
+    for (int i = 0; i <= middle; ++i) edges.push_back(-inner + 2 * inner * i / middle);
+    for (int i = 1; i <= skirt; ++i) edges.push_back(inner + (outer - inner) * i / skirt);
+    cell_up = 2 * inner / middle;
+  }
+
+  void add_direction(double azimuth, double width) {
+    directions.push_back(azimuth);
+    for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+      cells.push_back(cell_of(azimuth, width, edges[i], edges[i + 1], height));
+    }
+  }
+
+  void cut_fan(double spacing) {
+    cut_heights();
+    const int beyond = static_cast<int>(std::ceil(std::min(2 * config.width.radians(), across.reach(1e-3)) / spacing));
+    cell_across = spacing / config.rays_across;
+    const int count = static_cast<int>(beams.size());
+    for (int i = -beyond * config.rays_across; i < (count + beyond) * config.rays_across; ++i) {
+      add_direction(beams[0] + ((i + 0.5) / config.rays_across - 0.5) * spacing, cell_across);
+    }
+  }
+
+  void cut_single() {
+    cut_heights();
+    const double half = 0.5 * config.width.radians();
+    const bool ideal = config.pattern == PatternKind::kIdeal;
+    const double inner = std::min(ideal ? half : 3 * half, kPi / 2);
+    cell_across = 2 * inner / kScanningCells;
+    std::vector<std::pair<double, double>> skirt;  // growing cells, out to where the beam does not hear
+    const double outer = ideal ? inner : std::min(across.reach(1e-4), 0.9 * kPi);
+    double at = inner, size = 2 * cell_across;
+    while (at < outer && static_cast<int>(skirt.size()) < kSkirt) {
+      const bool last = static_cast<int>(skirt.size()) + 1 == kSkirt;
+      const double next = last ? outer : std::min(outer, at + size);
+      skirt.emplace_back(0.5 * (at + next), next - at);
+      at = next;
+      size *= 2;
+    }
+    for (auto s = skirt.rbegin(); s != skirt.rend(); ++s) add_direction(-s->first, s->second);
+    for (int i = 0; i < kScanningCells; ++i) add_direction(-inner + (i + 0.5) * cell_across, cell_across);
+    for (const auto& [azimuth, width] : skirt) add_direction(azimuth, width);
+  }
+
+  void weigh() {
+    weights.resize(beams.size());
+    for (std::size_t b = 0; b < beams.size(); ++b) {
+      for (std::size_t d = 0; d < directions.size(); ++d) {
+        const double gain = across.gain(directions[d] - beams[b]);
+        if (gain > kLeastGain) weights[b].push_back({static_cast<int>(d), static_cast<float>(gain)});
+      }
+    }
+    rows.resize(directions.size());
+    for (Row& row : rows) {
+      const auto bins = static_cast<std::size_t>(config.bins);
+      row.power.resize(bins);
+      row.strongest.resize(bins);
+      row.labels.resize(bins);
+      row.volume.resize(bins + 1);
+    }
+  }
+
+  // One ray ----------------------------------------------------------------------------------------------------------
+
+  [[nodiscard]] double bin_m() const { return config.range_m / config.bins; }
+  [[nodiscard]] double attenuation(double path) const { return std::exp(-absorb * path); }
+  /// From metres to metres as the device reads them.
+  [[nodiscard]] double stretch(double depth) const {
+    return config.sound_speed / water.mean_sound_speed(X_WS.translation.z(), depth);
+  }
+  [[nodiscard]] bool has_own_cells(int target) const {
+    return target >= kFirstBody && small[static_cast<std::size_t>(target - kFirstBody)];
+  }
+  [[nodiscard]] double reflection(int target) const {
+    return target == kSurface ? kSurfaceLoss : from_db(world.material(target).reflection_db);
+  }
+
+  /// Calls put(span, power, label) for every echo of a cell. `only`: the body that the cell was made for, or kNothing.
+  template <class Put>
+  void trace(const Cell& cell, int only, double& open_range, const Put& put) const {
+    const Vector3d p = X_WS.translation, u = R_WS * cell.u;
+    const double reach = 1.3 * config.range_m;
+    const double to_surface = u.z() < -1e-9 && p.z() > 0 ? -p.z() / u.z() : 1e30;
+    const auto hit = world.cast(p, u, std::min(reach, to_surface));
+    if (!hit) {
+      open_range = std::min(reach, to_surface);
+      if (only == kNothing && to_surface < reach) meet_surface(cell, p, u, to_surface, put);
+      return;
+    }
+    open_range = hit->range;
+    if (only != kNothing ? hit->target != only : has_own_cells(hit->target)) return;
+    const Span span = span_of(cell, hit->range, u, R_WS * cell.across, R_WS * cell.up, hit->normal);
+    const double k = stretch(p.z() + hit->range * u.z());
+    const double power = echo(cell, hit->range, *hit, u);
+    const bool silent = hit->target == kBottom && !config.bottom_reverberation;
+    if (!silent) put(Span{k * span.near, k * span.far}, power, EchoLabel(hit->target, EchoPath::kDirect));
+    if (config.multiple) repeat(cell, *hit, u, span, k, put);
+    if (only == kNothing && (hit->target == kBottom ? config.bottom_bounce : config.body_bounce)) {
+      go_on(cell, p, u, hit->range, hit->normal, hit->target, put);
+    }
+  }
+
+  /// Of what a cell meets after `range` of path, back the same way; the patterns of the way back not counted twice.
+  [[nodiscard]] double echo(const Cell& cell, double range, const RayHit& hit, const Vector3d& u) const {
+    const double cosine = std::max(-hit.normal.dot(u), kLeastCosine);
+    return cell.gain * attenuation(2 * range) * backscatter(world.material(hit.target), cosine) * cell.solid_angle /
+           (cosine * range * range);
+  }
+
+  template <class Put>
+  void meet_surface(const Cell& cell, const Vector3d& p, const Vector3d& u, double range, const Put& put) const {
+    const Vector3d normal(0, 0, 1);
+    if (config.surface_reverberation) {
+      const double sine = std::max(-u.z(), kLeastCosine),
+                   s2 = 0.003 + 0.00512 * water.config().wind;  // Cox and Munk 1954
+      const double tan2 = 1 / (sine * sine) - 1;
+      const double sigma = surface_scattering(std::asin(sine), water.config().wind, config.frequency) +
+                           std::exp(-tan2 / (2 * s2)) / (8 * kPi * s2 * sine * sine * sine * sine);
+      const Span span = span_of(cell, range, u, R_WS * cell.across, R_WS * cell.up, normal);
+      const double k = stretch(0);
+      put(Span{k * span.near, k * span.far},
+          cell.gain * attenuation(2 * range) * sigma * cell.solid_angle / (sine * range * range),
+          EchoLabel(kSurface, EchoPath::kDirect));
+    }
+    if (config.surface_bounce) go_on(cell, p, u, range, normal, kSurface, put);
+  }
+
+  /// A multiple: wall, housing, wall. By the image law its amplitude is that of the first times R H / 2.
+  template <class Put>
+  void repeat(const Cell& cell, const RayHit& hit, const Vector3d& u, const Span& span, double k,
+              const Put& put) const {
+    const double cosine = -hit.normal.dot(u);
+    if (cosine < 0.9) return;
+    const Material& m = world.material(hit.target);
+    const double again = 0.25 * from_db(m.reflection_db) * from_db(config.head_reflection_db);
+    const double first = cell.gain * backscatter(m, cosine) * cell.solid_angle / (cosine * hit.range * hit.range);
+    put(Span{2 * k * span.near, 2 * k * span.far}, first * cell.gain * again * attenuation(4 * hit.range),
+        EchoLabel(hit.target, EchoPath::kMultiple));
+  }
+
+  /// The ray as it leaves a mirror after `first` metres, and what it meets then.
+  template <class Put>
+  void go_on(const Cell& cell, const Vector3d& p, const Vector3d& u, double first, const Vector3d& mirror,
+             int mirror_target, const Put& put) const {
+    const double kept = reflection(mirror_target);
+    const double best = cell.gain * kept * attenuation(2 * first) * cell.solid_angle / (first * first);  // sigma of one
+    if (best < 0.01 * floor || first > config.range_m) return;
+    const auto reflect = [&mirror](const Vector3d& v) -> Vector3d { return v - 2 * v.dot(mirror) * mirror; };
+    const Vector3d q = p + first * u, v = reflect(u);
+    const double to_surface = v.z() < -1e-9 ? -q.z() / v.z() : 1e30;
+    const auto hit = world.cast(q + 1e-3 * mirror, v, std::min(2 * config.range_m - first, to_surface));
+    if (!hit || has_own_cells(hit->target)) return;
+    follow(cell, p, q, v, first, *hit, reflect(R_WS * cell.across), reflect(R_WS * cell.up), kept,
+           bounce(mirror_target), put);
+  }
+
+  static EchoPath bounce(int mirror_target) {
+    return mirror_target == kSurface  ? EchoPath::kSurfaceBounce
+           : mirror_target == kBottom ? EchoPath::kBottomBounce
+                                      : EchoPath::kBodyBounce;
+  }
+
+  /// The two ways home of an echo that went out over a mirror: over it again, or straight (and both round the other
+  /// way).
+  template <class Put>
+  void follow(const Cell& cell, const Vector3d& p, const Vector3d& q, const Vector3d& v, double first,
+              const RayHit& hit, const Vector3d& across_v, const Vector3d& up_v, double kept, EchoPath path,
+              const Put& put) const {
+    const double range = first + hit.range;
+    const Vector3d at = q + hit.range * v;
+    const double k = stretch(at.z());
+    const Span span = span_of(cell, range, v, across_v, up_v, hit.normal);
+    const double twice = kept * kept * echo(cell, range, hit, v);
+    const EchoLabel label(hit.target, path);
+    if (range < config.range_m) put(Span{k * span.near, k * span.far}, twice, label);
+    const Vector3d back = at - p;
+    const double d = back.norm();
+    const double cosine = std::max(-hit.normal.dot(v), kLeastCosine), cosine_back = -hit.normal.dot(back) / d;
+    if (cosine_back <= 0 || path == EchoPath::kBodyBounce || 0.5 * (range + d) > config.range_m) return;
+    const Vector3d w_S = R_WS.transpose() * back / d;
+    const double gain = std::sqrt(cell.gain * height.gain(std::asin(std::clamp(-w_S.z(), -1.0, 1.0))));
+    const Material& m = world.material(hit.target);
+    const double sigma = std::sqrt(backscatter(m, cosine) * backscatter(m, cosine_back));
+    const double power = 2 * gain * kept * sigma * cell.solid_angle / (cosine * d * d) * attenuation(range + d);
+    if (power < 0.01 * floor || world.blocked(p, back / d, d * (1 - 1e-4) - 1e-3)) return;
+    const double shift = 0.5 * (range + d) - range;
+    put(Span{k * (span.near + shift), k * (span.far + shift)}, power, label);
+  }
+
+  // Columns of cells -------------------------------------------------------------------------------------------------
+
+  void deposit(float* power, float* strongest, EchoLabel* labels, Span span, double energy, EchoLabel label) const {
+    const double bin = bin_m();
+    const double pulse = config.resolution_m > bin ? config.resolution_m : 0;
+    double near = span.near, far = span.far, height_of = energy;
+    if (pulse > 0) {
+      const double length = std::max(far - near, pulse), middle = 0.5 * (near + far);
+      near = middle - length / 2;
+      far = middle + length / 2;
+      height_of = energy * pulse / length;
+    } else if (far - near > 1e-6) {
+      height_of = energy * bin / (far - near);
+    }
+    const double a = near / bin, b = far / bin;
+    if (!(b > 0) || !(a < config.bins)) return;
+    const int first = std::max(0, static_cast<int>(a)), last = std::min(config.bins - 1, static_cast<int>(b));
+    for (int k = first; k <= last; ++k) {
+      double share = std::min(b, k + 1.0) - std::max(a, static_cast<double>(k));
+      if (pulse == 0 && far - near <= 1e-6) share = k == first ? 1 : 0;  // a point lies in one bin
+      const auto value = static_cast<float>(height_of * std::max(share, 0.0));
+      power[k] += value;
+      if (value > strongest[k]) {
+        strongest[k] = value;
+        labels[k] = label;
+      }
+    }
+  }
+
+  void look(int direction) {
+    Row& row = rows[static_cast<std::size_t>(direction)];
+    std::fill(row.power.begin(), row.power.end(), 0.f);
+    std::fill(row.strongest.begin(), row.strongest.end(), 0.f);
+    std::fill(row.labels.begin(), row.labels.end(), EchoLabel());
+    std::fill(row.volume.begin(), row.volume.end(), 0.0);
+    const std::size_t per = edges.size() - 1;
+    for (std::size_t i = 0; i < per; ++i) {
+      const Cell& cell = cells[static_cast<std::size_t>(direction) * per + i];
+      double open = 0;
+      trace(cell, kNothing, open, [&](Span span, double power, EchoLabel label) {
+        deposit(row.power.data(), row.strongest.data(), row.labels.data(), span, power, label);
+      });
+      row.volume[0] += cell.gain * cell.solid_angle;
+      const int end = static_cast<int>(std::min<double>(open / bin_m(), config.bins));
+      row.volume[static_cast<std::size_t>(end)] -= cell.gain * cell.solid_angle;
+    }
+    if (config.volume_reverberation) fill_volume(row);
+  }
+
+  void fill_volume(Row& row) const {
+    const double strength = from_db(water.config().volume_scattering_db), bin = bin_m();
+    const double pulse = std::max(bin, config.resolution_m);
+    double open = 0;
+    for (int k = 0; k < config.bins; ++k) {
+      open += row.volume[static_cast<std::size_t>(k)];
+      const double r = (k + 0.5) * bin;
+      const auto value = static_cast<float>(strength * open * pulse / (r * r) * attenuation(2 * r));
+      row.power[static_cast<std::size_t>(k)] += value;
+      if (value > row.strongest[static_cast<std::size_t>(k)]) {
+        row.strongest[static_cast<std::size_t>(k)] = value;
+        row.labels[static_cast<std::size_t>(k)] = EchoLabel(kNothing, EchoPath::kVolume);
+      }
+    }
+  }
+
+  // Small bodies -----------------------------------------------------------------------------------------------------
+
+  struct Window {
+    double left, right, low, high, nearest;
+  };
+
+  /// The angles under which a box is seen; nothing where the sonar is inside or it surrounds the sonar.
+  [[nodiscard]] std::optional<Window> window_of(const Eigen::AlignedBox3d& box) const {
+    if (box.exteriorDistance(X_WS.translation) < 0.05) return std::nullopt;
+    const Vector3d middle = R_WS.transpose() * (box.center() - X_WS.translation);
+    const double centre = std::atan2(middle.y(), middle.x());
+    Window w{1e9, -1e9, 1e9, -1e9, box.exteriorDistance(X_WS.translation)};
+    for (int i = 0; i < 8; ++i) {
+      const Vector3d corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+      const Vector3d c = R_WS.transpose() * (corner - X_WS.translation);
+      const double azimuth = centre + std::remainder(std::atan2(c.y(), c.x()) - centre, 2 * kPi);
+      const double elevation = std::atan2(-c.z(), std::hypot(c.x(), c.y()));
+      w.left = std::min(w.left, azimuth);
+      w.right = std::max(w.right, azimuth);
+      w.low = std::min(w.low, elevation);
+      w.high = std::max(w.high, elevation);
+    }
+    if (w.right - w.left > kPi / 2) return std::nullopt;
+    return w;
+  }
+
+  [[nodiscard]] bool seen(const Window& w) const {
+    const double margin = across.reach(1e-4);
+    return w.nearest < config.range_m && w.right > beams.front() - margin && w.left < beams.back() + margin &&
+           w.low < edges.back() && w.high > edges.front();
+  }
+
+  /// Cells around one body. `mirror_z`: over the horizontal mirror at that depth, or NaN for straight.
+  void look_at(int target, Window w, double mirror_z, int mirror_target) {
+    const double pad_across = 0.02 * (w.right - w.left) + 1e-6, pad_up = 0.02 * (w.high - w.low) + 1e-6;
+    w.left -= pad_across;
+    w.right += pad_across;
+    w.low = std::max(w.low - pad_up, edges.front());
+    w.high = std::min(w.high + pad_up, edges.back());
+    if (w.high <= w.low) return;
+    const auto count = [](double extent, double cell) {
+      return std::clamp(static_cast<int>(std::ceil(8 * extent / cell)), 8, 24);
+    };
+    const int columns = count(w.right - w.left, cell_across), lines = count(w.high - w.low, cell_up);
+    for (int c = 0; c < columns; ++c) {
+      const double width = (w.right - w.left) / columns, azimuth = w.left + (c + 0.5) * width;
+      const auto put = [&](Span span, double power, EchoLabel label) {
+        points.push_back({azimuth, span, power, label});
+      };
+      for (int l = 0; l < lines; ++l) {
+        const double step = (w.high - w.low) / lines;
+        const Cell cell = cell_of(azimuth, width, w.low + l * step, w.low + (l + 1) * step, height);
+        double open = 0;
+        if (std::isnan(mirror_z)) {
+          trace(cell, target, open, put);
+        } else {
+          over_mirror(cell, target, mirror_z, mirror_target, put);
+        }
+      }
+    }
+  }
+
+  template <class Put>
+  void over_mirror(const Cell& cell, int target, double mirror_z, int mirror_target, const Put& put) const {
+    const Vector3d p = X_WS.translation, u = R_WS * cell.u;
+    const double first = (mirror_z - p.z()) / u.z();
+    if (!(first > 0) || first > config.range_m || world.blocked(p, u, first * (1 - 1e-4) - 1e-3)) return;
+    const Vector3d q = p + first * u;
+    const auto reflect = [](const Vector3d& v) { return Vector3d(v.x(), v.y(), -v.z()); };
+    const Vector3d v = reflect(u), off = 1e-3 * Vector3d(0, 0, mirror_target == kSurface ? 1 : -1);
+    const auto hit = world.cast(q + off, v, 2 * config.range_m - first);
+    if (!hit || hit->target != target) return;
+    follow(cell, p, q, v, first, *hit, reflect(R_WS * cell.across), reflect(R_WS * cell.up), reflection(mirror_target),
+           bounce(mirror_target), put);
+  }
+
+  void look_at_small_bodies() {
+    points.clear();
+    const auto bodies = world.bodies();
+    small.assign(bodies.size(), false);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      Eigen::AlignedBox3d box = bodies[i].box;
+      box.translate(bodies[i].moved);
+      const auto w = window_of(box);
+      small[i] = w && (w->right - w->left < kSmall * cell_across || w->high - w->low < kSmall * cell_up);
+    }
+    const double floor_z = world.bottom_depth(X_WS.translation.x(), X_WS.translation.y()).value_or(-1);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (!small[i]) continue;
+      const int target = kFirstBody + static_cast<int>(i);
+      Eigen::AlignedBox3d box = bodies[i].box;
+      box.translate(bodies[i].moved);
+      if (const auto w = window_of(box); w && seen(*w)) look_at(target, *w, std::nan(""), kNothing);
+      if (config.surface_bounce && X_WS.translation.z() > 0) look_over(target, box, 0, kSurface);
+      if (config.bottom_bounce && floor_z > X_WS.translation.z()) look_over(target, box, floor_z, kBottom);
+    }
+  }
+
+  /// By way of a horizontal mirror: the surface, or the bottom taken as level at its depth below the sonar.
+  void look_over(int target, const Eigen::AlignedBox3d& box, double mirror_z, int mirror_target) {
+    Eigen::AlignedBox3d image = box;
+    image.min().z() = 2 * mirror_z - box.max().z();
+    image.max().z() = 2 * mirror_z - box.min().z();
+    if (const auto w = window_of(image); w && seen(*w)) look_at(target, *w, mirror_z, mirror_target);
+  }
+
+  // Beams ------------------------------------------------------------------------------------------------------------
+
+  void gather(int beam, EchoImage& image, std::vector<int>& from) const {
+    const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(image.bins);
+    float* rough = image.rough.data() + start;
+    float* strongest = image.strongest.data() + start;
+    EchoLabel* labels = image.labels.data() + start;
+    from.assign(static_cast<std::size_t>(image.bins), -1);
+    const auto& heard = weights[static_cast<std::size_t>(beam)];
+    for (int i = 0; i < static_cast<int>(heard.size()); ++i) {
+      const Row& row = rows[static_cast<std::size_t>(heard[static_cast<std::size_t>(i)].direction)];
+      // A fan's beam hears the mean over the directions; a cell's solid angle is already in its power.
+      const float gain = heard[static_cast<std::size_t>(i)].gain;
+      const float* power = row.power.data();
+      const float* best = row.strongest.data();
+      for (int k = 0; k < image.bins; ++k) rough[k] += gain * power[k];
+      for (int k = 0; k < image.bins; ++k) {
+        const float value = gain * best[k];
+        from[static_cast<std::size_t>(k)] = value > strongest[k] ? i : from[static_cast<std::size_t>(k)];
+        strongest[k] = std::max(strongest[k], value);
+      }
+    }
+    for (int k = 0; k < image.bins; ++k) {
+      const int i = from[static_cast<std::size_t>(k)];
+      if (i < 0) continue;
+      const Weight& w = heard[static_cast<std::size_t>(i)];
+      labels[k] = heard_as(rows[static_cast<std::size_t>(w.direction)].labels[static_cast<std::size_t>(k)], w.gain);
+    }
+    for (const Point& point : points) {
+      const double gain = across.gain(std::remainder(point.azimuth - beams[static_cast<std::size_t>(beam)], 2 * kPi));
+      if (gain < kLeastGain || gain * point.power < 1e-3 * floor) continue;
+      deposit(image.steady.data() + start, strongest, labels, point.span, gain * point.power,
+              heard_as(point.label, static_cast<float>(gain)));
+    }
+  }
+
+  static EchoLabel heard_as(EchoLabel label, float gain) {
+    return gain < 0.1f && label.path() == EchoPath::kDirect ? EchoLabel(label.target(), EchoPath::kSideLobe) : label;
+  }
+};
+
+EchoFormer::EchoFormer(const SonarConfig& config, const World& world, const Water& water, int threads)
+    : state_(std::make_unique<State>(config, world, water, threads)) {}
+EchoFormer::~EchoFormer() = default;
+
+const std::vector<double>& EchoFormer::beam_azimuths() const { return state_->beams; }
+void EchoFormer::set_floor(double power) { state_->floor = power; }
+
+void EchoFormer::form(const Pose& X_WS, EchoImage& image) {
+  State& s = *state_;
+  s.X_WS = X_WS;
+  s.R_WS = X_WS.rotation.matrix();
+  s.absorb = s.water.absorption_db(s.config.frequency, std::max(0.0, X_WS.translation.z())) * std::log(10.0) / 10;
+  image.resize(static_cast<int>(s.beams.size()), s.config.bins);
+  image.clear();
+  s.look_at_small_bodies();
+  split_work(static_cast<int>(s.directions.size()), s.threads, [&s](int first, int last) {
+    for (int d = first; d < last; ++d) s.look(d);
+  });
+  split_work(image.beams, s.threads, [&s, &image](int first, int last) {
+    std::vector<int> from;
+    for (int b = first; b < last; ++b) s.gather(b, image, from);
+  });
+}
+
+}  // namespace isobath

@@ -1,0 +1,289 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <isobath/sim/scene.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr Range kMetres{-1e5, 1e5};
+constexpr Range kLength{1e-3, 1e4};
+constexpr Range kDepth{-100, 12000};
+
+std::vector<Field> about_fields(SceneConfig& c) {
+  return {Field::text("title", &c.title, "What it is."),
+          Field::text("text", &c.text, "What happens in it, and where it comes from."),
+          Field::integer("seed", &c.seed, {0, 2147483647}, "", "Seed of every random number."),
+          Field::real("duration_s", &c.duration_s, {0.1, 1e6}, "s", "Length of the run."),
+          Field::real("latitude_deg", &c.latitude_deg, {-80, 80}, "deg", "Of the origin; with longitude 0: nowhere."),
+          Field::real("longitude_deg", &c.longitude_deg, {-180, 180}, "deg", "Of the origin.")};
+}
+
+std::vector<Field> material_fields(Material& m) {
+  return {Field::text("name", &m.name, "What bodies call it; a listed name is replaced."),
+          Field::real("lambert_db", &m.lambert_db, {-80, 0}, "dB", "Lambert backscatter, 10 log10 mu."),
+          Field::real("reflection_db", &m.reflection_db, {-80, 0}, "dB", "Reflection at normal incidence."),
+          Field::real("roughness", &m.roughness, {0.03, 1}, "rad", "Root mean square slope: the breadth of a glint.")};
+}
+
+std::vector<Field> bottom_fields(BottomConfig& c) {
+  using K = BottomKind;
+  return {
+      Field::choice("kind", &c.kind,
+                    {{"none", K::kNone},
+                     {"flat", K::kFlat},
+                     {"terrain", K::kTerrain},
+                     {"raster", K::kRaster},
+                     {"mesh", K::kMesh}},
+                    "What the bottom is."),
+      Field::text("material", &c.material, "Material of the bottom."),
+      Field::real("depth", &c.depth, kDepth, "m", "Of a flat bottom; mean of a terrain; added to a raster or mesh."),
+      Field::real("extent_m", &c.extent_m, {1, 20000}, "m", "Half the side of a flat bottom or a terrain."),
+      Field::real("cell_m", &c.cell_m, {0.05, 1000}, "m", "Cell of a terrain."),
+      Field::real("relief_m", &c.relief_m, {0, 1000}, "m", "Root mean square height of a terrain."),
+      Field::real("wavelength_m", &c.wavelength_m, {0.5, 10000}, "m", "Longest wave of a terrain."),
+      Field::numbers("slope", c.slope.data(), 2, {-2, 2}, "1", "Depth gained a metre to the north and to the east."),
+      Field::integer("seed", &c.seed, {0, 2147483647}, "", "Seed of a terrain."),
+      Field::file("file", &c.file, "Raster (GeoTIFF, BAG, ...) or mesh (.dae, .stl, .obj, .ply)."),
+      Field::flag("elevation", &c.elevation, "Whether a raster counts upwards; false: depths."),
+      Field::flag("centred", &c.centred, "Whether the scene's origin is the middle of the raster or mesh."),
+      Field::numbers("origin", c.origin.data(), 2, {-1e9, 1e9}, "m or deg",
+                     "Else: easting and northing (or longitude and latitude) of the scene's origin."),
+      Field::real("scale", &c.scale, {1e-6, 1e6}, "1", "Of a mesh."),
+      Field::flag("allow_holes", &c.allow_holes, "Whether a bottom with holes is taken.")};
+}
+
+std::vector<Field> vehicle_fields(VehicleConfig& c) {
+  return {Field::file("file", &c.file, "Vehicle file; none: a point that follows the way-points exactly."),
+          Field::flag("dynamic", &c.dynamic, "Six degrees of freedom; false: follows its set-points within limits."),
+          Field::numbers("start", c.start.data(), 3, kMetres, "m", "North, east, depth."),
+          Field::degrees("heading_deg", &c.heading, {-360, 360}, "Heading at the start."),
+          Field::real("speed", &c.speed, {0, 10}, "m/s", "Through the water."),
+          Field::real("dive_amplitude", &c.dive_amplitude, {0, 1000}, "m", "A sine in depth on top of the way-points."),
+          Field::real("dive_period_s", &c.dive_period_s, {1, 1e5}, "s", "Its period."),
+          Field::real("dive_noise", &c.dive_noise, {0, 100}, "m", "Root mean square of a slow noise on top of it.")};
+}
+
+std::vector<Field> waypoint_fields(WaypointConfig& c) {
+  return {Field::real("north", &c.north, kMetres, "m", "North."), Field::real("east", &c.east, kMetres, "m", "East."),
+          Field::real("depth", &c.depth, {0, 12000}, "m", "Depth."),
+          Field::real("speed", &c.speed, {0, 10}, "m/s", "0: the vehicle's.")};
+}
+
+std::vector<Field> shape_fields(Cylinder& s) {
+  return {Field::numbers("centre", s.centre.data(), 3, kMetres, "m", "North, east, depth of the middle."),
+          Field::numbers("axis", s.axis.data(), 3, {-1, 1}, "1", "Direction of the axis."),
+          Field::real("radius", &s.radius, kLength, "m", "Radius."),
+          Field::real("length", &s.length, kLength, "m", "Length.")};
+}
+std::vector<Field> shape_fields(Sphere& s) {
+  return {Field::numbers("centre", s.centre.data(), 3, kMetres, "m", "North, east, depth of the middle."),
+          Field::real("radius", &s.radius, kLength, "m", "Radius.")};
+}
+std::vector<Field> shape_fields(Box& s) {
+  return {Field::numbers("centre", s.centre.data(), 3, kMetres, "m", "North, east, depth of the middle."),
+          Field::numbers("size", s.size.data(), 3, kLength, "m", "Length, breadth, height."),
+          Field::degrees("heading_deg", &s.heading, {-360, 360}, "Heading."),
+          Field::degrees("pitch_deg", &s.pitch, {-90, 90}, "Pitch."),
+          Field::degrees("roll_deg", &s.roll, {-180, 180}, "Roll.")};
+}
+std::vector<Field> shape_fields(Wall& s) {
+  return {Field::rows("line", &s.line, 2, kMetres, "m", "Corners: north, east."),
+          Field::real("top", &s.top, kDepth, "m", "Depth of the top."),
+          Field::real("bottom", &s.bottom, kDepth, "m", "Depth of the foot."),
+          Field::degrees("batter_deg", &s.batter, {-80, 80},
+                         "From the vertical; the foot stands out to the right, seen along the line.")};
+}
+std::vector<Field> shape_fields(Prism& s) {
+  return {Field::rows("lines", &s.lines, 4, kMetres, "m", "Segments: north, east, north, east."),
+          Field::rows("arcs", &s.arcs, 5, kMetres, "m and deg",
+                      "Arcs: north, east, radius, first and last direction clockwise from north."),
+          Field::real("top", &s.top, kDepth, "m", "Depth of the top."),
+          Field::real("bottom", &s.bottom, kDepth, "m", "Depth of the foot."),
+          Field::real("bottom_scale", &s.bottom_scale, {0.01, 100}, "1", "Size at the foot, about the middle.")};
+}
+std::vector<Field> shape_fields(Pylons& s) {
+  return {Field::numbers("first", s.first.data(), 2, kMetres, "m", "North, east of the first."),
+          Field::numbers("step", s.step.data(), 2, kMetres, "m", "To the next."),
+          Field::integer("count", &s.count, {1, 1000}, "", "How many."),
+          Field::real("radius", &s.radius, kLength, "m", "Radius."),
+          Field::real("top", &s.top, kDepth, "m", "Depth of the top."),
+          Field::real("bottom", &s.bottom, kDepth, "m", "Depth of the foot.")};
+}
+std::vector<Field> shape_fields(Mesh& s) {
+  return {Field::file("file", &s.file, "Mesh: .dae, .stl, .obj, .ply."),
+          Field::numbers("position", s.position.data(), 3, kMetres, "m", "North, east, depth of its origin."),
+          Field::degrees("heading_deg", &s.heading, {-360, 360}, "Heading."),
+          Field::degrees("pitch_deg", &s.pitch, {-90, 90}, "Pitch."),
+          Field::degrees("roll_deg", &s.roll, {-180, 180}, "Roll."),
+          Field::real("scale", &s.scale, {1e-6, 1e6}, "1", "Metres a unit."),
+          Field::flag("z_up", &s.z_up, "Its axes are east, north, up; false: north, east, down.")};
+}
+
+template <class Shape>
+SectionList body_list(Scene& scene, std::string name, std::string sentence) {
+  return {name, std::move(sentence), [&scene, name](const Place& place) {
+            Body& body = scene.bodies.emplace_back();
+            body.place = place;
+            const auto like = [](const Body& b) { return std::holds_alternative<Shape>(b.shape); };
+            body.shape = Shape{};
+            body.name = fmt::format("{} {}", name, std::count_if(scene.bodies.begin(), scene.bodies.end(), like));
+            std::vector<Field> all = shape_fields(std::get<Shape>(body.shape));
+            all.insert(all.begin(), Field::text("name", &body.name, "What reports call it."));
+            all.push_back(Field::text("material", &body.material, "A listed material, or one of the file's own."));
+            all.push_back(Field::rows("path", &body.path, 4, {-1e6, 1e6}, "s, m, m, m",
+                                      "If it moves: time, north, east, depth of its reference point."));
+            return all;
+          }};
+}
+
+/// What single fields cannot see.
+[[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed) {
+  place.key += "." + key;
+  throw Error(problem, place, allowed);
+}
+
+void check_file(const std::string& file, const Place& place, const std::string& key) {
+  if (file.empty()) refuse(place, key, "is missing", "a file");
+  if (!std::filesystem::is_regular_file(file)) refuse(place, key, "no such file: " + file, "a file");
+}
+
+void check_materials(const Scene& scene) {
+  std::string names;
+  for (const Material& m : scene.materials) names += (names.empty() ? "" : ", ") + m.name;
+  for (const Body& b : scene.bodies) {
+    if (!scene.material(b.material)) refuse(b.place, "material", "unknown material " + b.material, names);
+  }
+  if (!scene.material(scene.bottom.material)) {
+    refuse(scene.bottom.place, "material", "unknown material " + scene.bottom.material, names);
+  }
+}
+
+void check_span(const Body& b, double top, double bottom) {
+  if (bottom <= top)
+    refuse(b.place, "bottom", fmt::format("{} does not lie below top {}", bottom, top), "more than top");
+}
+
+void check_body(const Body& b) {
+  if (const auto* c = std::get_if<Cylinder>(&b.shape); c && c->axis.norm() < 1e-6) {
+    refuse(b.place, "axis", "has no direction", "a vector that is not 0");
+  }
+  if (const auto* w = std::get_if<Wall>(&b.shape)) {
+    if (w->line.size() < 4) refuse(b.place, "line", "fewer than two corners", "two rows and more");
+    check_span(b, w->top, w->bottom);
+  }
+  if (const auto* p = std::get_if<Prism>(&b.shape)) {
+    if (p->lines.empty() && p->arcs.empty()) refuse(b.place, "lines", "neither lines nor arcs", "at least one row");
+    for (std::size_t i = 2; i < p->arcs.size(); i += 5) {
+      if (p->arcs[i] <= 0) refuse(b.place, "arcs", "a radius that is not positive", "more than 0 m");
+    }
+    check_span(b, p->top, p->bottom);
+  }
+  if (const auto* p = std::get_if<Pylons>(&b.shape)) check_span(b, p->top, p->bottom);
+  if (const auto* m = std::get_if<Mesh>(&b.shape)) check_file(m->file, b.place, "file");
+  for (std::size_t i = 4; i + 3 < b.path.size(); i += 4) {
+    if (b.path[i] <= b.path[i - 4]) refuse(b.place, "path", "times that do not increase", "rows by increasing time");
+  }
+}
+
+void check_scene(Scene& scene) {
+  std::vector<Material> own = std::move(scene.materials);
+  scene.materials = listed_materials();
+  for (Material& m : own) {
+    std::erase_if(scene.materials, [&m](const Material& listed) { return listed.name == m.name; });
+    scene.materials.push_back(std::move(m));
+  }
+  check_materials(scene);
+  for (const Body& b : scene.bodies) check_body(b);
+  (void)Water(scene.water, scene.water_place);
+  if (scene.bottom.kind == BottomKind::kRaster || scene.bottom.kind == BottomKind::kMesh) {
+    check_file(scene.bottom.file, scene.bottom.place, "file");
+  }
+  if (!scene.vehicle.file.empty()) check_file(scene.vehicle.file, scene.vehicle.place, "file");
+  if (scene.vehicle.dynamic && scene.vehicle.file.empty()) {
+    refuse(scene.vehicle.place, "file", "a dynamic vehicle needs its file", "a vehicle file");
+  }
+  for (std::size_t i = 0; i < scene.sonars.size(); ++i) {
+    check(scene.sonars[i]);
+    for (std::size_t j = 0; j < i; ++j) {
+      if (scene.sonars[i].name == scene.sonars[j].name) {
+        refuse(scene.sonars[i].place, "name", "a second sonar of this name: " + scene.sonars[i].name, "another name");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+const std::vector<Material>& listed_materials() {
+  static const std::vector<Material> kListed{
+      {"rock", -10, -6, 0.35},   {"gravel", -16, -8, 0.25},  {"sand", -22, -9, 0.15},  {"mud", -31, -18, 0.1},
+      {"coral", -14, -8, 0.5},   {"concrete", -20, -4, 0.1}, {"steel", -26, -1, 0.05}, {"wood", -20, -12, 0.15},
+      {"plastic", -26, -3, 0.1}, {"rubber", -30, -20, 0.1},
+  };
+  return kListed;
+}
+
+const Material* Scene::material(const std::string& name) const {
+  const auto found =
+      std::find_if(materials.begin(), materials.end(), [&](const Material& m) { return m.name == name; });
+  return found == materials.end() ? nullptr : &*found;
+}
+
+Schema schema(Scene& s) {
+  return {{{"scene", "What the scene is about.", about_fields(s.about)},
+           {"water", "The water and what it does to sound.", fields(s.water)},
+           {"bottom", "The bottom.", bottom_fields(s.bottom)},
+           {"vehicle", "The vehicle that carries the sonars.", vehicle_fields(s.vehicle)}},
+          {{"material", "A material of the scene's own.",
+            [&s](const Place&) { return material_fields(s.materials.emplace_back()); }},
+           body_list<Cylinder>(s, "cylinder", "A cylinder."),
+           body_list<Sphere>(s, "sphere", "A sphere."),
+           body_list<Box>(s, "box", "A box."),
+           body_list<Wall>(s, "wall", "A wall over a polyline."),
+           body_list<Prism>(s, "prism", "Upright sheets over segments and arcs."),
+           body_list<Pylons>(s, "pylons", "A row of upright cylinders."),
+           body_list<Mesh>(s, "mesh", "A mesh from a file."),
+           {"waypoint", "Where the vehicle goes, one after the other.",
+            [&s](const Place&) { return waypoint_fields(s.waypoints.emplace_back()); }},
+           {"sonar", "A sonar of the vehicle.", [&s](const Place& place) {
+              SonarConfig& sonar = s.sonars.emplace_back();
+              sonar.place = place;
+              return fields(sonar);
+            }}}};
+}
+
+Scene parse_scene(std::string_view text, const std::string& file) {
+  Scene scene;
+  scene.file = file;
+  Schema all = schema(scene);
+  read_toml(text, file, all);
+  scene.water_place = all.sections[1].place;
+  scene.bottom.place = all.sections[2].place;
+  scene.vehicle.place = all.sections[3].place;
+  check_scene(scene);
+  return scene;
+}
+
+Scene load_scene(const std::string& file) { return parse_scene(text_of_file(file), file); }
+
+bool looks_like_scene(std::string_view head) {
+  return head.starts_with("[scene]") || head.find("\n[scene]") != std::string_view::npos;
+}
+
+Eigen::Vector3d displacement(const Body& body, double t_s) {
+  const std::vector<double>& p = body.path;
+  if (p.size() < 8 || t_s <= p[0]) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d first(p[1], p[2], p[3]);
+  for (std::size_t i = 4; i + 3 < p.size(); i += 4) {
+    if (t_s > p[i]) continue;
+    const double share = (t_s - p[i - 4]) / (p[i] - p[i - 4]);
+    const Eigen::Vector3d a(p[i - 3], p[i - 2], p[i - 1]), b(p[i + 1], p[i + 2], p[i + 3]);
+    return a + share * (b - a) - first;
+  }
+  const std::size_t n = p.size();
+  return Eigen::Vector3d(p[n - 3], p[n - 2], p[n - 1]) - first;
+}
+
+}  // namespace isobath

@@ -1,0 +1,149 @@
+// Scene: what a simulation is about, as a file says it. World (world.hpp) is the same as geometry that rays can meet.
+//
+// Files are TOML and strict: an unknown key, a value out of range, a missing file is an Error with line and column.
+// Positions are in W (north, east, depth), metres; the water surface is depth 0. A body with a path moves: rows of time
+// (s), north, east, depth of its reference point, straight between rows, still before the first and after the last.
+#pragma once
+
+#include <Eigen/Core>
+#include <isobath/base/config.hpp>
+#include <isobath/geometry/pose.hpp>
+#include <isobath/sim/sonar_config.hpp>
+#include <isobath/sim/water.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace isobath {
+
+/// How a surface answers sound (at the frequencies of imaging sonars).
+///
+/// Backscatter: mu cos^2 (Lambert) plus the Kirchhoff facet law R^2 / (8 pi s^2) sec^4 exp(-tan^2 / 2 s^2) of a surface
+/// with slopes s, whose integral over a sphere is the textbook a^2 R^2 / 4 and over a plane the mirror image (Urick
+/// 1983; Jackson and Richardson 2007). Listed values: bottoms after APL-UW TR 9407 for high frequency, rounded; others
+/// estimated from impedance.
+struct Material {
+  std::string name = "material";
+  double lambert_db = -20;     ///< 10 log10 mu
+  double reflection_db = -10;  ///< 20 log10 R at normal incidence
+  double roughness = 0.2;      ///< rms slope s, rad
+};
+const std::vector<Material>& listed_materials();
+
+struct Cylinder {
+  Eigen::Vector3d centre = {0, 0, 0};
+  Eigen::Vector3d axis = {0, 0, 1};  ///< any length but 0
+  double radius = 0.5, length = 2;
+};
+struct Sphere {
+  Eigen::Vector3d centre = {0, 0, 0};
+  double radius = 0.5;
+};
+struct Box {
+  Eigen::Vector3d centre = {0, 0, 0}, size = {1, 1, 1};
+  Angle heading, pitch, roll;
+};
+/// A sheet over a polyline; with a batter its foot stands out to the right, seen along the line.
+struct Wall {
+  std::vector<double> line;  ///< rows of north, east
+  double top = 0, bottom = 10;
+  Angle batter;  ///< from the vertical
+};
+/// Sheets over line segments and arcs, the same from top to bottom but for a scale about the centre (S4-31, S4-34).
+struct Prism {
+  std::vector<double> lines;  ///< rows of north, east, north, east
+  std::vector<double> arcs;   ///< rows of north, east, radius, first and last direction (deg, clockwise from north)
+  double top = 0, bottom = 10;
+  double bottom_scale = 1;
+};
+/// A row of vertical cylinders.
+struct Pylons {
+  Eigen::Vector2d first = {0, 0}, step = {0, 5};
+  int count = 4;
+  double radius = 0.5, top = 0, bottom = 10;
+};
+struct Mesh {
+  std::string file;
+  Eigen::Vector3d position = {0, 0, 0};
+  Angle heading, pitch, roll;
+  double scale = 1;
+  bool z_up = true;  ///< the file's axes are east-north-up; else north-east-down
+};
+
+struct Body {
+  Place place;
+  std::string name;
+  std::string material = "concrete";
+  std::vector<double> path;  ///< rows of t, north, east, depth
+  std::variant<Cylinder, Sphere, Box, Wall, Prism, Pylons, Mesh> shape;
+};
+
+enum class BottomKind : std::uint8_t { kNone, kFlat, kTerrain, kRaster, kMesh };
+struct BottomConfig {
+  Place place;
+  BottomKind kind = BottomKind::kNone;
+  std::string material = "sand";
+  double depth = 10;                       ///< flat; mean of terrain; what is added to a raster or a mesh
+  double extent_m = 500;                   ///< half the side of flat and terrain, about the origin
+  double cell_m = 2;                       ///< terrain
+  double relief_m = 2, wavelength_m = 60;  ///< terrain: rms height and longest wave
+  Eigen::Vector2d slope = {0, 0};          ///< terrain: depth gained a metre to the north and to the east
+  int seed = 1;                            ///< terrain
+  std::string file;                        ///< raster or mesh
+  bool elevation = true;                   ///< raster values are up; false: depths
+  Eigen::Vector2d origin = {0, 0};         ///< raster: easting, northing (or longitude, latitude) of W's origin
+  bool centred = true;                     ///< raster, mesh: W's origin is its middle; false: `origin`
+  double scale = 1;                        ///< mesh
+  bool allow_holes = false;
+};
+
+struct VehicleConfig {
+  Place place;
+  std::string file;  ///< vehicle file; empty: a body of half a metre that turns at once
+  bool dynamic = false;
+  Eigen::Vector3d start = {0, 0, 1};
+  Angle heading;
+  double speed = 1.5;
+  double stop_s = 0;                                              ///< 0: never
+  double dive_amplitude = 0, dive_period_s = 60, dive_noise = 0;  ///< sine in depth (S4-35)
+};
+
+struct WaypointConfig {
+  double north = 0, east = 0, depth = 1, speed = 0;  ///< speed 0: the vehicle's
+};
+
+struct SceneConfig {
+  std::string title = "a scene", text;
+  int seed = 1;
+  double duration_s = 60;
+  double latitude_deg = 0, longitude_deg = 0;  ///< of W's origin; both 0: not on the globe
+};
+
+struct Scene {
+  std::string file;
+  SceneConfig about;
+  WaterConfig water;
+  Place water_place;
+  std::vector<Material> materials;  ///< the listed ones and the file's own
+  BottomConfig bottom;
+  std::vector<Body> bodies;
+  VehicleConfig vehicle;
+  std::vector<WaypointConfig> waypoints;
+  std::vector<SonarConfig> sonars;
+
+  [[nodiscard]] const Material* material(const std::string& name) const;
+};
+
+/// Bound to `scene`, which must outlive it.
+Schema schema(Scene& scene);
+/// Throws Error with line and column.
+Scene load_scene(const std::string& file);
+Scene parse_scene(std::string_view text, const std::string& file);
+/// Whether a file is a scene, by its first bytes: TOML that has a [scene] section.
+bool looks_like_scene(std::string_view head);
+
+/// Where a body that moves stands at t seconds, relative to the first row of its path.
+Eigen::Vector3d displacement(const Body& body, double t_s);
+
+}  // namespace isobath

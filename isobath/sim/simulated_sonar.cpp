@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <isobath/sim/simulated_sonar.hpp>
+#include <isobath/sim/split_work.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+constexpr double kRayleighSpread = 0.5227;  // standard deviation over mean
+constexpr double kRayleighMean = 1.2533;    // mean over scale, sqrt(pi / 2)
+
+double full_scale_of(SampleType type) { return type == SampleType::kU16 ? 65535 : 255; }
+
+/// Second column of rows {x, y}, linear between rows; 1 without rows.
+double factor_at(const std::vector<double>& rows, double x) {
+  if (rows.size() < 4) return 1;
+  if (x <= rows[0]) return rows[1];
+  for (std::size_t i = 2; i + 1 < rows.size(); i += 2) {
+    if (x <= rows[i]) return rows[i - 1] + (rows[i + 1] - rows[i - 1]) * (x - rows[i - 2]) / (rows[i] - rows[i - 2]);
+  }
+  return rows.back();
+}
+
+/// (0, 1]
+double positive_uniform(Random& random) { return 1 - random.uniform(); }
+
+template <class Sample>
+std::shared_ptr<const void> packed(const std::vector<float>& values, double full, const void** data) {
+  auto out = std::make_shared<std::vector<Sample>>(values.size());
+  std::transform(values.begin(), values.end(), out->begin(), [full](float v) {
+    if constexpr (std::is_floating_point_v<Sample>) return v;
+    return static_cast<Sample>(std::clamp(static_cast<double>(v) + 0.5, 0.0, full));
+  });
+  *data = out->data();
+  return out;
+}
+
+}  // namespace
+
+Random random_at(std::uint64_t seed, std::uint64_t a, std::uint64_t b) {
+  const std::uint64_t first = Random(seed).bits() ^ a;
+  const std::uint64_t second = Random(first).bits() ^ b;
+  return Random(Random(second).bits());
+}
+
+double unit_mean_gamma(Random& random, double shape) {
+  if (shape < 1) {
+    const double u = positive_uniform(random);
+    return unit_mean_gamma(random, shape + 1) * (shape + 1) / shape * std::pow(u, 1 / shape);
+  }
+  const double d = shape - 1.0 / 3, c = 1 / std::sqrt(9 * d);
+  for (;;) {
+    const double x = random.normal(), v = std::pow(1 + c * x, 3);
+    if (v > 0 && std::log(positive_uniform(random)) < 0.5 * x * x + d - d * v + d * std::log(v)) return d * v / shape;
+  }
+}
+
+SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, const Water& water, std::uint64_t seed,
+                               int threads)
+    : config_(config),
+      former_(config, world, water, threads),
+      seed_(seed),
+      threads_(threads),
+      full_scale_(full_scale_of(config.samples)) {
+  const double bin = config.range_m / config.bins;
+  const double absorption = water.absorption_db(config.frequency, 0);
+  for (int k = 0; k < config.bins; ++k) {
+    const double r = (k + 0.5) * bin;
+    const double tvg =
+        config.tvg_spreading * std::log10(std::max(r, 1e-3)) + (config.tvg_absorption ? 2 * absorption * r : 0);
+    gain_.push_back(full_scale_ * std::pow(10, (config.source_level_db + tvg - config.saturation_db) / 20));
+    noise_by_bin_.push_back(factor_at(config.noise_by_range, r));
+  }
+  const double most = *std::max_element(gain_.begin(), gain_.end());
+  former_.set_floor(std::pow(0.1 * std::max(config.noise_level, 1.0) / most, 2));
+  BeamFan fan;
+  fan.height = config.height;
+  for (const double azimuth : former_.beam_azimuths()) {
+    fan.azimuth.push_back(Angle::radians(azimuth));
+    fan.width.push_back(config.width);
+    noise_by_beam_.push_back(factor_at(config.noise_by_bearing, azimuth * 180 / std::numbers::pi));
+  }
+  if (config.kind != SonarKind::kScanning) {
+    fans_.push_back(std::make_shared<const BeamFan>(std::move(fan)));
+    return;
+  }
+  const double sector = config.sector.degrees(), step = config.step.degrees();
+  const bool whole = sector > 360 - 0.5 * step;
+  const int steps = std::max(1, static_cast<int>(std::lround(sector / step)) + (whole ? 0 : 1));
+  for (int i = 0; i < steps; ++i) {
+    fan.azimuth[0] = Angle::degrees(whole ? i * step : -sector / 2 + i * step);
+    fans_.push_back(std::make_shared<const BeamFan>(fan));
+  }
+}
+
+Duration SimulatedSonar::interval() const {
+  if (config_.interval_s > 0) return seconds(config_.interval_s);
+  return seconds(2 * config_.range_m / config_.sound_speed + 0.005);
+}
+
+Angle SimulatedSonar::head_azimuth(std::uint64_t number) const {
+  const std::uint64_t steps = fans_.size();
+  if (steps == 1) return fans_[0]->azimuth[0];
+  const bool whole = config_.sector.degrees() > 360 - 0.5 * config_.step.degrees();
+  if (whole) return fans_[number % steps]->azimuth[0];
+  const std::uint64_t cycle = number % (2 * steps - 2);  // there and back, the ends once each
+  return fans_[cycle < steps ? cycle : 2 * steps - 2 - cycle]->azimuth[0];
+}
+
+SimulatedSonar::Disturbances SimulatedSonar::draw(Random random) const {
+  Disturbances now;
+  const int beams = static_cast<int>(former_.beam_azimuths().size());
+  const auto any = [&random](int count) { return static_cast<int>(random.index(static_cast<std::uint64_t>(count))); };
+  const int blind =
+      std::min(config_.bins - 1, static_cast<int>(std::ceil(config_.blind_m / config_.range_m * config_.bins)));
+  if (random.uniform() < config_.spurious_share) {
+    now.spurious_beam = any(beams);
+    now.spurious_bin = blind + any(config_.bins - blind);
+  }
+  if (random.uniform() < config_.streak_share) now.streak = any(beams);
+  if (random.uniform() < config_.ring_share) now.ring = any(config_.bins);
+  now.burst = random.uniform() < config_.burst_share;
+  return now;
+}
+
+/// The background with an echo of this amplitude in it.
+double SimulatedSonar::background(Random& random, double mean, double amplitude) const {
+  switch (config_.noise) {
+    case NoiseLaw::kNone: return amplitude;
+    case NoiseLaw::kGaussian:
+      return mean + config_.noise_sigma * (mean / std::max(config_.noise_level, 1e-12)) * random.normal() + amplitude;
+    case NoiseLaw::kRayleigh:
+    case NoiseLaw::kK: break;
+  }
+  double scale2 = mean * mean / (kRayleighMean * kRayleighMean);
+  if (config_.noise == NoiseLaw::kK) {
+    // The mean of the square root of the texture is not one.
+    const double v = config_.noise_shape, root = std::exp(std::lgamma(v + 0.5) - std::lgamma(v)) / std::sqrt(v);
+    scale2 *= unit_mean_gamma(random, v) / (root * root);
+  }
+  const double envelope2 = -2 * scale2 * std::log(positive_uniform(random));
+  if (amplitude <= 0) return std::sqrt(envelope2);
+  const double phase = 2 * std::numbers::pi * random.uniform();
+  const double square = amplitude * amplitude + envelope2 + 2 * amplitude * std::sqrt(envelope2) * std::cos(phase);
+  return std::sqrt(std::max(square, 0.0));
+}
+
+void SimulatedSonar::fill(int beam, Random random, const Disturbances& now, float* samples, EchoLabel* labels) const {
+  const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(config_.bins);
+  const double bin = config_.range_m / config_.bins;
+  for (int k = 0; k < config_.bins; ++k) {
+    const std::size_t at = start + static_cast<std::size_t>(k);
+    const double mean = config_.noise_level * noise_by_bin_[static_cast<std::size_t>(k)] *
+                        noise_by_beam_[static_cast<std::size_t>(beam)];
+    const double gain = gain_[static_cast<std::size_t>(k)], negligible = 1e-3 * mean / gain;
+    double power = static_cast<double>(image_.steady[at]);
+    const double rough = static_cast<double>(image_.rough[at]);
+    if (rough > negligible * negligible) power += config_.speckle ? -rough * std::log(positive_uniform(random)) : rough;
+    double amplitude = power > negligible * negligible ? gain * std::sqrt(power) : 0;
+    const double spread = config_.noise == NoiseLaw::kGaussian ? config_.noise_sigma
+                          : config_.noise == NoiseLaw::kNone   ? 0
+                                                               : kRayleighSpread * mean;
+    const double strongest = gain * std::sqrt(static_cast<double>(image_.strongest[at]));
+    labels[k] = strongest > std::max(spread, 0.5) ? image_.labels[at] : EchoLabel();
+    const auto disturb = [&](double level, EchoPath path) {
+      amplitude += level;
+      if (level > std::max(strongest, spread)) labels[k] = EchoLabel(kNothing, path);
+    };
+    if (beam == now.spurious_beam && k == now.spurious_bin) disturb(config_.spurious_level, EchoPath::kSpurious);
+    if (beam == now.streak || k == now.ring || now.burst) {
+      disturb(config_.disturbance_level * (0.5 + random.uniform()), EchoPath::kDisturbance);
+    }
+    const double r = (k + 0.5) * bin;
+    if (r < config_.blind_m) disturb(config_.ringing_level * std::exp(-3 * r / config_.blind_m), EchoPath::kRinging);
+    samples[k] = static_cast<float>(std::max(background(random, mean, amplitude), 0.0));
+  }
+}
+
+SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::uint64_t number) {
+  Output out;
+  Random chance = random_at(seed_, number, 0);
+  if (chance.uniform() < config_.dropout_share) return out;
+  const Pose X_BS = sensor_pose(config_);
+  const bool scanning = config_.kind == SonarKind::kScanning;
+  const Angle head = scanning ? head_azimuth(number) : Angle{};
+  former_.form(X_WB * X_BS * Pose{Rotation::from_heading(head), {0, 0, 0}}, image_);
+
+  out.truth = {time, config_.name, image_.beams, image_.bins, {}};
+  out.truth.labels.resize(image_.labels.size());
+  samples_.resize(image_.labels.size());
+  const Disturbances now = draw(chance);
+  split_work(image_.beams, threads_, [&](int first, int last) {
+    for (int b = first; b < last; ++b) {
+      const std::size_t start = static_cast<std::size_t>(b) * static_cast<std::size_t>(image_.bins);
+      fill(b, random_at(seed_, number, static_cast<std::uint64_t>(b) + 1), now, samples_.data() + start,
+           out.truth.labels.data() + start);
+    }
+  });
+
+  Ping ping;
+  ping.time = time;
+  ping.fan = fans_[0];
+  for (const auto& fan : fans_) {
+    if (scanning && fan->azimuth[0].radians() == head.radians()) ping.fan = fan;
+  }
+  ping.window = {0, config_.range_m / config_.bins, config_.bins};
+  const void* data = nullptr;
+  switch (config_.samples) {
+    case SampleType::kU8: ping.storage = packed<std::uint8_t>(samples_, full_scale_, &data); break;
+    case SampleType::kU16: ping.storage = packed<std::uint16_t>(samples_, full_scale_, &data); break;
+    case SampleType::kF32: ping.storage = packed<float>(samples_, full_scale_, &data); break;
+  }
+  const std::ptrdiff_t size = config_.samples == SampleType::kU8 ? 1 : config_.samples == SampleType::kU16 ? 2 : 4;
+  ping.intensity = {data, config_.samples, image_.beams, image_.bins, size * image_.bins, size};
+  ping.X_BS = X_BS;
+  ping.sound_speed = config_.sound_speed;
+  ping.full_scale = static_cast<float>(full_scale_);
+  ping.blind_m = config_.blind_m;
+  if (config_.kind == SonarKind::kRanges) {
+    pick_ranges(ping, out);
+  } else {
+    out.ping = std::move(ping);
+  }
+  return out;
+}
+
+void SimulatedSonar::pick_ranges(const Ping& ping, Output& out) const {
+  const int blind = static_cast<int>(std::ceil(config_.blind_m / ping.window.bin_m));
+  for (int b = 0; b < ping.fan->beams(); ++b) {
+    int best = -1;
+    for (int k = blind; k < ping.window.bins; ++k) {
+      if (static_cast<double>(ping.intensity(b, k)) < config_.pick_level) continue;
+      if (best < 0 || (config_.pick == RangePick::kStrongest && ping.intensity(b, k) > ping.intensity(b, best)))
+        best = k;
+      if (config_.pick == RangePick::kNearest) break;
+    }
+    RangeReading reading;
+    reading.time = ping.time;
+    reading.max_range_m = config_.range_m;
+    reading.width = Angle::radians(std::max(config_.width.radians(), config_.height.radians()));
+    reading.X_BS = ping.X_BS * Pose{Rotation::from_heading(ping.fan->azimuth[static_cast<std::size_t>(b)]), {0, 0, 0}};
+    if (best >= 0) {
+      reading.range_m = ping.window.centre(best);
+      reading.confidence = std::min(1.f, ping.intensity(b, best) / ping.full_scale);
+    }
+    out.ranges.push_back(reading);
+  }
+}
+
+}  // namespace isobath

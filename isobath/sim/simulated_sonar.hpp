@@ -1,0 +1,68 @@
+// SimulatedSonar: a sonar on a vehicle in a world. From the mean powers of EchoFormer to the samples that a device
+// gives: receiver gain, speckle, background noise, disturbances, ringing, quantisation; and the truth of every sample.
+//
+// Sample = full scale x 10^((EL + TVG - saturation) / 20), EL = source level + 10 log10 of the power: linear amplitude,
+// in counts. Speckle: the power of a rough surface is exponential (Goodman 1975). Background: Gaussian, added to the
+// amplitude, as measured in the lake (Ganesan 2015, 4.2; S6-D01); Rayleigh, the envelope of a circular Gaussian with
+// the echo in it (so a Rice law); K, the same with a Gamma texture (Jakeman and Pusey 1976; Ward, Tough, Watts 2006).
+// Noise levels are counts after the receiver's gain. Every random number follows from (seed, ping, beam): the same
+// samples on any number of threads, and other settings of one sonar do not disturb another.
+#pragma once
+
+#include <isobath/base/random.hpp>
+#include <isobath/sim/echo_former.hpp>
+#include <isobath/sonar/ping.hpp>
+#include <isobath/sonar/range_reading.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace isobath {
+
+/// A stream of random numbers of its own for each place in (a, b, c).
+Random random_at(std::uint64_t seed, std::uint64_t a, std::uint64_t b);
+/// Gamma of shape k > 0 and mean 1 (Marsaglia and Tsang 2000).
+double unit_mean_gamma(Random& random, double shape);
+
+class SimulatedSonar {
+ public:
+  struct Output {
+    std::optional<Ping> ping;          ///< empty for a sonar of ranges, or a ping that dropped out
+    std::vector<RangeReading> ranges;  ///< one a beam
+    EchoTruth truth;
+  };
+
+  SimulatedSonar(const SonarConfig& config, const World& world, const Water& water, std::uint64_t seed, int threads);
+
+  [[nodiscard]] const SonarConfig& config() const { return config_; }
+  [[nodiscard]] Duration interval() const;
+  /// Ping `number` (from 0: it sets where a scanning head looks), transmitted at X_WB.
+  Output ping(Time time, const Pose& X_WB, std::uint64_t number);
+  /// Sample of an echo of unit power (relative to the source level) at the centre of a bin, before quantisation.
+  [[nodiscard]] double gain(int bin) const { return gain_[static_cast<std::size_t>(bin)]; }
+  /// Mean powers of the last ping: for those who check the physics.
+  [[nodiscard]] const EchoImage& image() const { return image_; }
+
+ private:
+  struct Disturbances {
+    int streak = -1, ring = -1, spurious_beam = -1, spurious_bin = -1;
+    bool burst = false;
+  };
+  [[nodiscard]] Angle head_azimuth(std::uint64_t number) const;
+  [[nodiscard]] Disturbances draw(Random random) const;
+  void fill(int beam, Random random, const Disturbances& now, float* samples, EchoLabel* labels) const;
+  [[nodiscard]] double background(Random& random, double mean, double amplitude) const;
+  void pick_ranges(const Ping& ping, Output& out) const;
+
+  SonarConfig config_;
+  EchoFormer former_;
+  std::uint64_t seed_;
+  int threads_;
+  double full_scale_;
+  std::vector<double> gain_, noise_by_bin_, noise_by_beam_;
+  std::vector<std::shared_ptr<const BeamFan>> fans_;  ///< of a fan: one; of a scanning head: one a step
+  EchoImage image_;
+  std::vector<float> samples_;
+};
+
+}  // namespace isobath

@@ -1,0 +1,306 @@
+#include <isobath/sim/sonar_config.hpp>
+#include <map>
+
+namespace isobath {
+namespace {
+
+// Scanning heads ----------------------------------------------------------------------------------------------------
+
+// Ganesan 2015, 1.2 and 4.1 (S6-01): Tritech Micron, chirp 650 to 750 kHz, 3 x 35 degrees, 90 degree sector, 44 bins to
+// 50 m of which 9 ring; Gaussian background (S6-D01). Source level after the data sheet of its class.
+SonarConfig micron() {
+  SonarConfig c;
+  c.kind = SonarKind::kScanning;
+  c.frequency = 700e3;
+  c.sector = Angle::degrees(90);
+  c.step = Angle::degrees(3);
+  c.width = Angle::degrees(3);
+  c.height = Angle::degrees(35);
+  c.range_m = 50;
+  c.bins = 44;
+  c.interval_s = 0.1;
+  c.source_level_db = 206;
+  c.saturation_db = 152;
+  c.tvg_spreading = 30;
+  c.noise = NoiseLaw::kGaussian;
+  c.noise_level = 40;
+  c.noise_sigma = 12;
+  c.spurious_share = 0.02;
+  c.blind_m = 9 * 50.0 / 44;
+  c.ringing_level = 220;
+  return c;
+}
+
+// Blue Robotics Ping360 data sheet: 750 kHz, 2 x 25 degrees, whole turn in steps of 0.9 degrees.
+SonarConfig ping360() {
+  SonarConfig c = micron();
+  c.frequency = 750e3;
+  c.sector = Angle::degrees(360);
+  c.step = Angle::degrees(0.9);
+  c.width = Angle::degrees(2);
+  c.height = Angle::degrees(25);
+  c.range_m = 20;
+  c.bins = 500;
+  c.resolution_m = 0.08;
+  c.interval_s = 0.035;
+  c.noise = NoiseLaw::kRayleigh;
+  c.noise_level = 12;
+  c.blind_m = 0.75;
+  return c;
+}
+
+// Fans --------------------------------------------------------------------------------------------------------------
+
+// Blueprint Subsea Oculus M1200d data sheet, low frequency: 1.2 MHz, 130 degrees, 512 beams, 0.6 degrees, 20 degrees.
+SonarConfig oculus_m1200d() {
+  SonarConfig c;
+  c.frequency = 1.2e6;
+  c.beams = 512;
+  c.sector = Angle::degrees(130);
+  c.width = Angle::degrees(0.6);
+  c.height = Angle::degrees(20);
+  c.range_m = 40;
+  c.bins = 500;
+  c.interval_s = 0.1;
+  c.saturation_db = 152;
+  return c;
+}
+SonarConfig oculus_m1200d_high() {
+  SonarConfig c = oculus_m1200d();
+  c.frequency = 2.1e6;
+  c.sector = Angle::degrees(60);
+  c.width = Angle::degrees(0.4);
+  c.height = Angle::degrees(12);
+  c.range_m = 10;
+  return c;
+}
+
+// Horner et al. c. 2009, 2.2 and 3 (S5-03 to S5-08): 450 kHz, 1 degree, 2 inches; 15 degrees across the image plane,
+// which is a top hat (S5-05). The vertical head looks 5 degrees down.
+SonarConfig p450_horizontal() {
+  SonarConfig c;
+  c.frequency = 450e3;
+  c.beams = 181;
+  c.sector = Angle::degrees(90);
+  c.width = Angle::degrees(1);
+  c.height = Angle::degrees(15);
+  c.height_pattern = PatternKind::kIdeal;
+  c.range_m = 90;
+  c.bins = 900;
+  c.resolution_m = 0.0508;
+  c.interval_s = 0.5;
+  c.source_level_db = 210;
+  c.saturation_db = 155;
+  c.noise_level = 8;
+  c.noise_by_bearing = {-45, 1.4, -23, 0.9, -22, 1.2, 0, 0.8, 1, 1.1, 22, 0.8, 23, 1.2, 45, 1.3};  // four staves
+  return c;
+}
+SonarConfig p450_vertical() {
+  SonarConfig c = p450_horizontal();
+  c.beams = 93;
+  c.sector = Angle::degrees(46);
+  c.pitch = Angle::degrees(-5);
+  c.roll = Angle::degrees(90);
+  c.noise_by_bearing = {-23, 1.3, -1, 0.9, 1, 1.2, 23, 1.2};  // two staves
+  return c;
+}
+
+// Sound Metrics DIDSON data sheet, high frequency: 1.8 MHz, 96 beams of 0.3 degrees over 28.8 degrees, 14 degrees tall.
+SonarConfig didson() {
+  SonarConfig c;
+  c.frequency = 1.8e6;
+  c.beams = 96;
+  c.sector = Angle::degrees(28.5);
+  c.width = Angle::degrees(0.4);
+  c.height = Angle::degrees(14);
+  c.range_m = 11.25;
+  c.bins = 640;
+  c.interval_s = 0.2;
+  c.noise_level = 8;
+  return c;
+}
+
+// Ranges ------------------------------------------------------------------------------------------------------------
+
+// Blue Robotics Ping data sheet: 115 kHz, 30 degrees, looks down.
+SonarConfig altimeter() {
+  SonarConfig c;
+  c.kind = SonarKind::kRanges;
+  c.frequency = 115e3;
+  c.beams = 1;
+  c.sector = Angle{};
+  c.width = c.height = Angle::degrees(30);
+  c.pitch = Angle::degrees(-90);
+  c.range_m = 100;
+  c.bins = 1000;
+  c.interval_s = 0.2;
+  c.source_level_db = 200;
+  c.saturation_db = 140;
+  c.pick = RangePick::kStrongest;
+  return c;
+}
+
+// Oskard, Hong, Shaffer 1990 (S1): a narrow cone of about 10 degrees that looks ahead, one reading in 0.6 s.
+SonarConfig obstacle_cone() {
+  SonarConfig c = altimeter();
+  c.frequency = 200e3;
+  c.width = c.height = Angle::degrees(10);
+  c.pitch = Angle{};
+  c.range_m = 60;
+  c.bins = 600;
+  c.interval_s = 0.6;
+  c.pick = RangePick::kNearest;
+  return c;
+}
+
+// R2Sonic 2022 class: 400 kHz, 256 beams of 1 x 1 degrees over 120 degrees, athwart and down.
+SonarConfig multibeam_echo_sounder() {
+  SonarConfig c = altimeter();
+  c.frequency = 400e3;
+  c.beams = 256;
+  c.sector = Angle::degrees(120);
+  c.width = c.height = Angle::degrees(1);
+  c.heading = Angle::degrees(90);  // the fan lies athwart: its zero azimuth looks down
+  c.pitch = Angle::degrees(-90);
+  c.range_m = 100;
+  c.bins = 2000;
+  c.rays = 4;
+  c.source_level_db = 220;
+  c.saturation_db = 158;
+  c.interval_s = 0.25;
+  return c;
+}
+
+const std::map<std::string, SonarConfig (*)()>& presets() {
+  static const std::map<std::string, SonarConfig (*)()> kPresets{
+      {"none", [] { return SonarConfig{}; }},
+      {"micron", micron},
+      {"ping360", ping360},
+      {"oculus_m1200d", oculus_m1200d},
+      {"oculus_m1200d_high", oculus_m1200d_high},
+      {"p450_horizontal", p450_horizontal},
+      {"p450_vertical", p450_vertical},
+      {"didson", didson},
+      {"altimeter", altimeter},
+      {"obstacle_cone", obstacle_cone},
+      {"multibeam_echo_sounder", multibeam_echo_sounder},
+  };
+  return kPresets;
+}
+
+}  // namespace
+
+std::vector<std::string> sonar_presets() {
+  std::vector<std::string> names;
+  for (const auto& [name, make] : presets()) names.push_back(name);
+  return names;
+}
+
+SonarConfig sonar_preset(const std::string& name) {
+  const auto found = presets().find(name);
+  if (found == presets().end()) throw Error("no preset of that name: " + name);
+  SonarConfig config = found->second();
+  config.preset = name;
+  return config;
+}
+
+std::vector<Field> fields(SonarConfig& c) {
+  using P = PatternKind;
+  const auto apply = [&c] {
+    const Place place = c.place;
+    c = sonar_preset(std::string(c.preset));
+    c.place = place;
+  };
+  const std::vector<std::pair<std::string, P>> patterns{
+      {"line", P::kLine}, {"gaussian", P::kGaussian}, {"ideal", P::kIdeal}};
+  return {
+      Field::named("preset", &c.preset, sonar_presets(), apply, "A device to start from; the other keys change it."),
+      Field::text("name", &c.name, "What logs and faults call it."),
+      Field::choice("kind", &c.kind,
+                    {{"scanning", SonarKind::kScanning}, {"fan", SonarKind::kFan}, {"ranges", SonarKind::kRanges}},
+                    "One stepping beam, all beams at once, or beams that each give one range."),
+      Field::flag("on", &c.on, "Whether it pings at all."),
+      Field::real("frequency", &c.frequency, {1e3, 5e6}, "Hz", "Centre frequency."),
+      Field::integer("beams", &c.beams, {1, 4096}, "", "Beams of a fan."),
+      Field::degrees("sector_deg", &c.sector, {0, 360},
+                     "From the first beam's axis to the last's; or the sector swept."),
+      Field::degrees("step_deg", &c.step, {0.05, 30}, "Step of a scanning head."),
+      Field::degrees("width_deg", &c.width, {0.05, 120}, "Width of a beam in azimuth: full, two-way, at -3 dB."),
+      Field::degrees("height_deg", &c.height, {0.05, 120}, "Height of a beam in elevation: full, two-way, at -3 dB."),
+      Field::real("range_m", &c.range_m, {0.1, 2000}, "m", "Range."),
+      Field::integer("bins", &c.bins, {1, 20000}, "", "Range bins."),
+      Field::real("resolution_m", &c.resolution_m, {0, 100}, "m", "Length of the pulse in water, c/2B; 0: one bin."),
+      Field::real("interval_s", &c.interval_s, {0, 60}, "s", "Between pings; 0: as fast as sound allows."),
+      Field::real("sound_speed", &c.sound_speed, {1300, 1700}, "m/s", "What the device takes the speed of sound for."),
+      Field::numbers("position", c.position.data(), 3, {-100, 100}, "m",
+                     "Of the sonar in the body: forward, starboard, down."),
+      Field::degrees("heading_deg", &c.heading, {-360, 360}, "Of the sonar in the body, to starboard."),
+      Field::degrees("pitch_deg", &c.pitch, {-90, 90}, "Of the sonar in the body, upwards; -90 looks down."),
+      Field::degrees("roll_deg", &c.roll, {-180, 180}, "Of the sonar in the body; 90 stands a fan upright."),
+      Field::choice("samples", &c.samples,
+                    {{"u8", SampleType::kU8}, {"u16", SampleType::kU16}, {"f32", SampleType::kF32}},
+                    "Form of the samples."),
+      Field::choice("pattern", &c.pattern, patterns, "Beam pattern in azimuth."),
+      Field::choice("height_pattern", &c.height_pattern, patterns, "Beam pattern in elevation."),
+      Field::real("side_lobe_db", &c.side_lobe_db, {13.3, 60}, "dB", "First side lobe below the axis, two-way."),
+      Field::integer("rays", &c.rays, {1, 512}, "", "Rays over the height of a beam."),
+      Field::integer("rays_across", &c.rays_across, {1, 16}, "", "Rays over the width of a fan's beam."),
+      Field::real("source_level_db", &c.source_level_db, {100, 260}, "dB re 1 uPa at 1 m", "Source level."),
+      Field::real("saturation_db", &c.saturation_db, {0, 260}, "dB re 1 uPa", "Level, after TVG, of a full sample."),
+      Field::real("tvg_spreading", &c.tvg_spreading, {0, 60}, "dB a decade", "Spreading that the receiver makes good."),
+      Field::flag("tvg_absorption", &c.tvg_absorption, "Whether it makes good absorption."),
+      Field::choice("noise", &c.noise,
+                    {{"none", NoiseLaw::kNone},
+                     {"gaussian", NoiseLaw::kGaussian},
+                     {"rayleigh", NoiseLaw::kRayleigh},
+                     {"k", NoiseLaw::kK}},
+                    "Law of the background."),
+      Field::real("noise_level", &c.noise_level, {0, 1e6}, "counts", "Mean of the background."),
+      Field::real("noise_sigma", &c.noise_sigma, {0, 1e6}, "counts", "Spread of a Gaussian background."),
+      Field::real("noise_shape", &c.noise_shape, {0.05, 1000}, "1", "Shape of a K background; small: spiky."),
+      Field::rows("noise_by_range", &c.noise_by_range, 2, {0, 1e6}, "m, 1", "Factor on the background by range."),
+      Field::rows("noise_by_bearing", &c.noise_by_bearing, 2, {-360, 1e6}, "deg, 1",
+                  "Factor on the background by azimuth."),
+      Field::flag("speckle", &c.speckle, "Whether echoes of rough surfaces fluctuate."),
+      Field::flag("surface_reverberation", &c.surface_reverberation, "Echoes of the rough sea surface."),
+      Field::flag("bottom_reverberation", &c.bottom_reverberation, "Echoes of the bottom."),
+      Field::flag("volume_reverberation", &c.volume_reverberation, "Echoes of the water itself."),
+      Field::flag("surface_bounce", &c.surface_bounce, "Paths by one or two bounces off the surface."),
+      Field::flag("bottom_bounce", &c.bottom_bounce, "Paths by one or two bounces off the bottom."),
+      Field::flag("body_bounce", &c.body_bounce, "Paths by way of another body."),
+      Field::flag("multiple", &c.multiple, "Echoes that run twice between a wall and the sonar's housing."),
+      Field::real("head_reflection_db", &c.head_reflection_db, {-80, 0}, "dB", "Reflection of that housing."),
+      Field::real("spurious_share", &c.spurious_share, {0, 1}, "1", "Share of pings with one echo of nothing."),
+      Field::real("spurious_level", &c.spurious_level, {0, 1e6}, "counts", "Its level."),
+      Field::real("streak_share", &c.streak_share, {0, 1}, "1", "Share of pings with a streak along one beam."),
+      Field::real("ring_share", &c.ring_share, {0, 1}, "1", "Share of pings with a ring: one range, all beams."),
+      Field::real("burst_share", &c.burst_share, {0, 1}, "1", "Share of pings that another sonar drowns."),
+      Field::real("disturbance_level", &c.disturbance_level, {0, 1e6}, "counts", "Level of streaks, rings and bursts."),
+      Field::real("dropout_share", &c.dropout_share, {0, 1}, "1", "Share of pings that never come."),
+      Field::real("blind_m", &c.blind_m, {0, 1000}, "m", "The transmission rings up to here."),
+      Field::real("ringing_level", &c.ringing_level, {0, 1e6}, "counts", "Its level at the head."),
+      Field::choice("pick", &c.pick, {{"nearest", RangePick::kNearest}, {"strongest", RangePick::kStrongest}},
+                    "Which echo a sonar that gives ranges reports."),
+      Field::real("pick_level", &c.pick_level, {0, 1e6}, "counts", "Least level of that echo."),
+  };
+}
+
+void check(const SonarConfig& c) {
+  const auto refuse = [&c](const char* key, const char* problem, const char* allowed) {
+    Place place = c.place;
+    place.key = std::string("sonar.") + key;
+    throw Error(problem, place, allowed);
+  };
+  if (c.kind != SonarKind::kScanning && c.beams > 1 && c.sector.radians() <= 0) {
+    refuse("sector_deg", "several beams in one direction", "more than 0 deg, or one beam");
+  }
+  if (c.kind == SonarKind::kFan && c.sector.degrees() > 359.9)
+    refuse("sector_deg", "a fan cannot close", "below 360 deg");
+  if (c.noise_by_range.size() == 2 || c.noise_by_bearing.size() == 2) {
+    refuse("noise_by_range", "a profile of one row", "none, or two rows and more");
+  }
+  if (c.blind_m >= c.range_m) refuse("blind_m", "the sonar is blind over its whole range", "below range_m");
+  if (c.name.empty()) refuse("name", "is empty", "a text");
+}
+
+}  // namespace isobath

@@ -1,0 +1,49 @@
+// EchoTruth: what each sample of a simulated ping really is. Never seen by detectors; for those who judge them.
+#pragma once
+
+#include <cstdint>
+#include <isobath/base/time.hpp>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+/// How an echo came to its sample.
+enum class EchoPath : std::uint8_t {
+  kNoise,  ///< no echo above the background
+  kDirect,
+  kSideLobe,       ///< direct, but heard by a beam that does not look there
+  kSurfaceBounce,  ///< by way of the surface, there or back or both
+  kBottomBounce,
+  kBodyBounce,
+  kMultiple,    ///< twice between a wall and the sonar's own housing
+  kVolume,      ///< scattered in the water
+  kRinging,     ///< the transmission itself
+  kSpurious,    ///< an echo of nothing
+  kDisturbance  ///< another sonar, a streak, a burst
+};
+
+/// What was hit (0 nothing, 1 surface, 2 bottom, 3 and up: bodies of the scene in order), in 12 bits, and by which
+/// path.
+class EchoLabel {
+ public:
+  EchoLabel() = default;
+  EchoLabel(int target, EchoPath path)
+      : code_(static_cast<std::uint16_t>((target & 0xfff) << 4 | static_cast<int>(path))) {}
+  [[nodiscard]] int target() const { return code_ >> 4; }
+  [[nodiscard]] EchoPath path() const { return static_cast<EchoPath>(code_ & 0xf); }
+  [[nodiscard]] std::uint16_t code() const { return code_; }
+  bool operator==(const EchoLabel&) const = default;
+
+ private:
+  std::uint16_t code_ = 0;
+};
+
+struct EchoTruth {
+  Time time;          ///< of the ping that it belongs to
+  std::string sonar;  ///< its name
+  int beams = 0, bins = 0;
+  std::vector<EchoLabel> labels;  ///< beam by beam
+};
+
+}  // namespace isobath
