@@ -151,7 +151,9 @@ const std::vector<Navigation>& DeadReckoning::advance(Time now, const VehicleSta
 void DeadReckoning::drift_along(const VehicleState& truth) {
   const double ds = (truth.X_WB.translation - last_state_.X_WB.translation).norm();
   if (ds <= 0) return;
-  const Eigen::Vector2d noise(random_.normal(), random_.normal());
+  Eigen::Vector2d noise;
+  noise.x() = random_.normal();
+  noise.y() = random_.normal();
   const double L = config_.drift_length_m;
   since_reset_m_ += ds;
   if (L <= 0) {
