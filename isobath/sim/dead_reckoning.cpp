@@ -27,6 +27,13 @@ double drift_variance(double d, double length) {
   return 2 * length * (d - length * -std::expm1(-d / length));
 }
 
+/// Of roll, pitch and heading.
+Eigen::Vector3d euler_rates(const Eigen::Vector3d& w_B, double roll, double pitch) {
+  const double s = std::sin(roll), c = std::cos(roll);
+  const double turn = (w_B.y() * s + w_B.z() * c) / std::max(0.1, std::cos(pitch));
+  return {w_B.x() + turn * std::sin(pitch), w_B.y() * c - w_B.z() * s, turn};
+}
+
 bool finite(const NavReading& reading) {
   struct Check {
     bool operator()(const CompassReading& r) const { return std::isfinite(r.heading.radians()); }
@@ -222,8 +229,9 @@ void DeadReckoning::propagate(Time to) {
   if (dt <= 0) return;
   if (const Velocity now = velocity_at(to); now != velocity_) change_velocity(now);
   const double heading_variance = heading_covariance_(0, 0);
+  const Eigen::Vector3d before = velocity_W();
   propagate_attitude(dt);
-  propagate_position(dt);
+  propagate_position((before + velocity_W()) / 2, dt);
   const bool compass = fresh(compass_at_, to, sheet_.compass.rate_hz);
   if (!compass) P_(2, 2) += heading_covariance_(0, 0) - heading_variance;
   time_ = to;
@@ -231,14 +239,10 @@ void DeadReckoning::propagate(Time to) {
 
 void DeadReckoning::propagate_attitude(double dt) {
   const bool gyro = fresh(gyro_at_, time_, sheet_.gyro.rate_hz);
-  const Eigen::Vector3d w = gyro ? w_B_ : Eigen::Vector3d::Zero();
-  const double s = std::sin(roll_), c = std::cos(roll_);
-  const double cos_pitch = std::max(0.1, std::cos(pitch_));
-  const double turn = (w.y() * s + w.z() * c) / cos_pitch;
-  roll_ = wrap(roll_ + (w.x() + turn * std::sin(pitch_)) * dt);
-  pitch_ += (w.y() * c - w.z() * s) * dt;
-
-  heading_.x() = wrap(heading_.x() + (turn - (gyro ? heading_.y() : 0)) * dt);
+  const Eigen::Vector3d rates = euler_rates(gyro ? w_B_ : Eigen::Vector3d(0, 0, 0), roll_, pitch_);
+  roll_ = wrap(roll_ + rates.x() * dt);
+  pitch_ += rates.y() * dt;
+  heading_.x() = wrap(heading_.x() + (rates.z() - (gyro ? heading_.y() : 0)) * dt);
   Eigen::Matrix2d F = Eigen::Matrix2d::Identity();
   F(0, 1) = gyro ? -dt : 0;
   Eigen::Matrix2d& P = heading_covariance_;
@@ -248,14 +252,13 @@ void DeadReckoning::propagate_attitude(double dt) {
   P(1, 1) += g.bias_walk * g.bias_walk * dt;
 }
 
-void DeadReckoning::propagate_position(double dt) {
-  const Eigen::Vector3d v = velocity_W();
-  const Eigen::Vector2d across(-v.y(), v.x());
+void DeadReckoning::propagate_position(const Eigen::Vector3d& v_W, double dt) {
+  const Eigen::Vector2d across(-v_W.y(), v_W.x());
   Matrix6 F = Matrix6::Identity();
   F.block<2, 1>(0, 2) = -across * dt;
-  F.block<2, 1>(0, 3) = -v.head<2>() * (dt / (1 + x_[3]));
+  F.block<2, 1>(0, 3) = -v_W.head<2>() * (dt / (1 + x_[3]));
   if (velocity_ != Velocity::kOverGround) F.block<2, 2>(0, 4) = Eigen::Matrix2d::Identity() * dt;
-  x_.head<2>() += v.head<2>() * dt;
+  x_.head<2>() += v_W.head<2>() * dt;
   if (velocity_ != Velocity::kOverGround) x_.head<2>() += x_.tail<2>() * dt;
   P_ = (F * P_ * F.transpose()).eval();
   // White noise of a rate f walks the integral like spectral density sigma^2 / f, whatever filter lies between.
@@ -265,7 +268,7 @@ void DeadReckoning::propagate_position(double dt) {
   const double walk = velocity_ == Velocity::kNone ? config_.speed_walk : config_.current_walk;
   P_(4, 4) += walk * walk * dt;
   P_(5, 5) += walk * walk * dt;
-  depth_ += v.z() * dt;
+  depth_ += v_W.z() * dt;
   constexpr double kDepthWalk = 0.02, kDepthWalkBlind = 0.3;  // m / sqrt(s)
   const double depth_walk = velocity_ == Velocity::kNone ? kDepthWalkBlind : kDepthWalk;
   depth_variance_ += (dvl + depth_walk * depth_walk) * dt;
@@ -274,15 +277,28 @@ void DeadReckoning::propagate_position(double dt) {
 void DeadReckoning::use(const NavReading& reading) {
   if (const auto* compass = std::get_if<CompassReading>(&reading.value)) {
     use_heading(compass->heading.radians());
-  } else if (const auto* attitude = std::get_if<AttitudeReading>(&reading.value)) {
+  } else if (const auto* ahrs = std::get_if<AttitudeReading>(&reading.value)) {
     const bool gyro = fresh(gyro_at_, time_, sheet_.gyro.rate_hz);
     const double gain = gyro ? 1 / (1 + kAttitudeTime * sheet_.ahrs.rate_hz) : 1;
-    roll_ = wrap(roll_ + gain * wrap(attitude->roll.radians() - roll_));
-    pitch_ += gain * (attitude->pitch.radians() - pitch_);
+    roll_ = wrap(roll_ + gain * wrap(ahrs->roll.radians() - roll_));
+    pitch_ += gain * (ahrs->pitch.radians() - pitch_);
   } else if (const auto* gyro = std::get_if<GyroReading>(&reading.value)) {
+    // The old rate was held until now; the mean of both is nearer.
+    if (fresh(gyro_at_, time_, sheet_.gyro.rate_hz)) {
+      const Eigen::Vector3d missed = (euler_rates(gyro->w_B, roll_, pitch_) - euler_rates(w_B_, roll_, pitch_)) *
+                                     (to_seconds(time_ - *gyro_at_) / 2);
+      roll_ = wrap(roll_ + missed.x());
+      pitch_ += missed.y();
+      heading_.x() = wrap(heading_.x() + missed.z());
+    }
     w_B_ = gyro->w_B;
     gyro_at_ = time_;
   } else if (const auto* velocity = std::get_if<VelocityReading>(&reading.value)) {
+    if (velocity_ != Velocity::kNone && over_ground_ == velocity->over_ground) {  // likewise
+      const Eigen::Vector3d missed = attitude() * (velocity->v_B - v_B_) * (to_seconds(time_ - *dvl_at_) / 2);
+      x_.head<2>() += missed.head<2>();
+      depth_ += missed.z();
+    }
     v_B_ = velocity->v_B;
     over_ground_ = velocity->over_ground;
     dvl_at_ = time_;

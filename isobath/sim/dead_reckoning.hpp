@@ -14,7 +14,9 @@
 //            allows is refused, the sixth in a row believed.
 //
 // Covariance: of (position in W, rotation vector in B). Consistent when the errors of the sensors are as their
-// configuration and the `*_sigma` below say: normalised error squared 1.9 (2 expected) over 100 seeds of 160 s.
+// configuration and the `*_sigma` below say: the normalised squared error of north and east is 2.04 (2 expected) over
+// 1000 seeds of 160 s, 2.03 with transponder fixes, 2.06 on water track in an unknown current. A bias of roll, pitch,
+// depth or DVL is not accounted for. Cost with the sensors: 0.25 us a reading.
 // Readings that are not finite are ignored. Units SI, radians. One thread; allocates nothing after the first fixes.
 #pragma once
 
@@ -70,7 +72,7 @@ class DeadReckoning {
   void propagate(Time to);
   void change_velocity(Velocity next);
   void propagate_attitude(double dt);
-  void propagate_position(double dt);
+  void propagate_position(const Eigen::Vector3d& v_W, double dt);
   void use(const NavReading& reading);
   void use_heading(double heading);
   void use_position(const Eigen::Vector2d& north_east, const Eigen::Matrix2d& covariance);

@@ -11,7 +11,7 @@
 //            in the plane from at least three of them (its own pressure gauge counts as exact), or none
 // Each sensor has its own clock (reading n is due n / rate after the start, to the nanosecond, without drift) and its
 // own stream of random numbers, which no setting of another sensor touches. Levers between B and a sensor are left out.
-// Units: SI, radians; frames W and B. One thread. Allocates nothing after the first fixes. Cost: 0.2 us a reading.
+// Units: SI, radians; frames W and B. One thread. Allocates nothing after the first fixes. Cost: see DeadReckoning.
 #pragma once
 
 #include <array>
