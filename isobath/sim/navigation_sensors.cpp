@@ -1,0 +1,302 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/sim/navigation_sensors.hpp>
+
+namespace isobath {
+namespace {
+
+enum Index { kCompass, kAhrs, kGyro, kDvl, kDepth, kGps, kLbl };
+
+/// Every sensor has these; what is peculiar to it stands behind them.
+std::vector<Field> with_common(bool* on, double* rate_hz, double* dropout, std::vector<Field> own) {
+  std::vector<Field> all = {
+      Field::flag("on", on, "Whether the vehicle carries it."),
+      Field::real("rate_hz", rate_hz, {0.001, 1000}, "Hz", "Readings a second."),
+      Field::real("dropout", dropout, {0, 1}, "1", "Probability that a reading is lost."),
+  };
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
+}
+
+Eigen::Vector3d normal3(Random& random) {
+  const double x = random.normal();  // one by one: the order of arguments is the compiler's
+  const double y = random.normal();
+  const double z = random.normal();
+  return {x, y, z};
+}
+Eigen::Vector2d normal2(Random& random) {
+  const double x = random.normal();
+  const double y = random.normal();
+  return {x, y};
+}
+
+double deviation_deg(const std::array<double, 5>& abcde, Angle psi) {
+  return abcde[0] + abcde[1] * sin(psi) + abcde[2] * cos(psi) + abcde[3] * sin(psi * 2) + abcde[4] * cos(psi * 2);
+}
+
+VehicleState between(const VehicleState& a, const VehicleState& b, double share) {
+  if (share >= 1) return b;  // bit for bit
+  return {interpolate(a.X_WB, b.X_WB, share), a.v_B + (b.v_B - a.v_B) * share, a.w_B + (b.w_B - a.w_B) * share};
+}
+
+/// Start of the search: differences of squared ranges in the plane are linear in the position.
+std::optional<Eigen::Vector2d> linear_fix(std::span<const LblRange> ranges, double depth) {
+  const auto level_range2 = [&](const LblRange& r) {
+    const double dz = depth - r.p_WT.z();
+    return std::max(0.0, r.range * r.range - dz * dz);
+  };
+  const Eigen::Vector2d first = ranges[0].p_WT.head<2>();
+  const double range2 = level_range2(ranges[0]);
+  Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d b = Eigen::Vector2d::Zero();
+  for (std::size_t i = 1; i < ranges.size(); ++i) {
+    const Eigen::Vector2d baseline = ranges[i].p_WT.head<2>() - first;
+    A += baseline * baseline.transpose();
+    b += baseline * (0.5 * (baseline.squaredNorm() - level_range2(ranges[i]) + range2));
+  }
+  const double spread = A.trace();
+  if (!(A.determinant() > 1e-4 * spread * spread)) return std::nullopt;
+  return Eigen::Vector2d(first + A.inverse() * b);
+}
+
+}  // namespace
+
+std::vector<Field> fields(CompassConfig& c) {
+  return with_common(&c.on, &c.rate_hz, &c.dropout,
+                     {Field::degrees("bias_deg", &c.bias, {-180, 180}, "Constant error of the heading."),
+                      Field::degrees("noise_deg", &c.noise, {0, 90}, "Standard deviation of a reading."),
+                      Field::numbers("deviation_deg", c.deviation_deg.data(), 5, {-90, 90}, "deg",
+                                     "A, B, C, D, E: error A + B sin + C cos + D sin 2 + E cos 2 of the heading.")});
+}
+std::vector<Field> fields(AttitudeConfig& c) {
+  return with_common(&c.on, &c.rate_hz, &c.dropout,
+                     {Field::degrees("roll_bias_deg", &c.roll_bias, {-90, 90}, "Constant error of the roll."),
+                      Field::degrees("pitch_bias_deg", &c.pitch_bias, {-90, 90}, "Constant error of the pitch."),
+                      Field::degrees("noise_deg", &c.noise, {0, 45}, "Standard deviation of a reading.")});
+}
+std::vector<Field> fields(GyroConfig& c) {
+  return with_common(&c.on, &c.rate_hz, &c.dropout,
+                     {Field::numbers("bias", c.bias.data(), 3, {-1, 1}, "rad/s", "Bias at the start, each axis of B."),
+                      Field::real("bias_walk", &c.bias_walk, {0, 1}, "rad/s/sqrt(s)",
+                                  "Standard deviation that the bias has walked after one second."),
+                      Field::real("noise", &c.noise, {0, 1}, "rad/s", "Standard deviation of a reading.")});
+}
+std::vector<Field> fields(DvlConfig& c) {
+  return with_common(
+      &c.on, &c.rate_hz, &c.dropout,
+      {Field::real("scale_error", &c.scale_error, {-0.5, 0.5}, "1", "Share by which speeds read too high."),
+       Field::numbers("bias", c.bias.data(), 3, {-5, 5}, "m/s", "Constant error, each axis of B."),
+       Field::real("noise", &c.noise, {0, 5}, "m/s", "Standard deviation of a reading, each axis."),
+       Field::real("min_altitude_m", &c.min_altitude_m, {0, 1000}, "m", "Nearer to the bottom there is no reading."),
+       Field::real("max_altitude_m", &c.max_altitude_m, {0, 1000}, "m", "Farther from the bottom it is lost."),
+       Field::flag("water_track", &c.water_track, "Whether it measures through the water when the bottom is lost.")});
+}
+std::vector<Field> fields(DepthConfig& c) {
+  return with_common(&c.on, &c.rate_hz, &c.dropout,
+                     {Field::real("bias", &c.bias, {-100, 100}, "m", "Constant error."),
+                      Field::real("noise", &c.noise, {0, 100}, "m", "Standard deviation of a reading."),
+                      Field::real("step", &c.step, {0, 10}, "m", "Readings are rounded to its multiples; 0: not.")});
+}
+std::vector<Field> fields(GpsConfig& c) {
+  return with_common(
+      &c.on, &c.rate_hz, &c.dropout,
+      {Field::numbers("bias", c.bias.data(), 2, {-1000, 1000}, "m", "Constant error north and east."),
+       Field::real("noise", &c.noise, {0, 1000}, "m", "Standard deviation of a fix, each axis."),
+       Field::real("max_depth_m", &c.max_depth_m, {0, 10}, "m", "Deeper there is no fix."),
+       Field::real("first_fix_s", &c.first_fix_s, {0, 3600}, "s", "Time from surfacing to the first fix.")});
+}
+std::vector<Field> fields(LblConfig& c) {
+  return with_common(
+      &c.on, &c.rate_hz, &c.dropout,
+      {Field::rows("transponders", &c.transponders, 3, {-1e6, 1e6}, "m", "North, east and depth of each."),
+       Field::real("noise", &c.noise, {0, 1000}, "m", "Standard deviation of a range."),
+       Field::real("outlier_share", &c.outlier_share, {0, 1}, "1", "Share of ranges that came by a detour."),
+       Field::real("outlier_m", &c.outlier_m, {0, 10000}, "m", "The longest detour."),
+       Field::real("max_range_m", &c.max_range_m, {0, 100000}, "m", "Farther transponders are not heard."),
+       Field::real("sound_speed", &c.sound_speed, {1300, 1700}, "m/s", "What the device takes for granted.")});
+}
+std::vector<Section> sections(NavigationSensorsConfig& c) {
+  return {{"compass", "Heading.", fields(c.compass)},
+          {"ahrs", "Roll and pitch.", fields(c.ahrs)},
+          {"gyro", "Turn rates.", fields(c.gyro)},
+          {"dvl", "Velocity over ground by Doppler.", fields(c.dvl)},
+          {"depth", "Depth by pressure.", fields(c.depth)},
+          {"gps", "Position at the surface.", fields(c.gps)},
+          {"lbl", "Position from ranges to transponders.", fields(c.lbl)}};
+}
+
+Time Ticker::due() const { return start_ + Duration(std::llround(static_cast<double>(ticks_) * 1e9 / rate_hz_)); }
+
+Result<LblReading, LblRefusal> lbl_fix(std::span<const LblRange> ranges, double depth, double range_sigma) {
+  if (ranges.size() < 3) return tl::unexpected(LblRefusal::kTooFewRanges);
+  std::optional<Eigen::Vector2d> start = linear_fix(ranges, depth);
+  if (!start) return tl::unexpected(LblRefusal::kBadGeometry);
+  LblReading fix;
+  fix.north_east = *start;
+  fix.ranges = static_cast<int>(ranges.size());
+  Eigen::Matrix2d JtJ;
+  constexpr int kIterations = 10;
+  for (int i = 0; i < kIterations; ++i) {
+    JtJ.setZero();
+    Eigen::Vector2d Jtr = Eigen::Vector2d::Zero();
+    for (const LblRange& r : ranges) {
+      const Eigen::Vector3d to = Eigen::Vector3d(fix.north_east.x(), fix.north_east.y(), depth) - r.p_WT;
+      const double distance = std::max(to.norm(), 1e-9);
+      const Eigen::Vector2d row = to.head<2>() / distance;
+      JtJ += row * row.transpose();
+      Jtr += row * (r.range - distance);
+    }
+    if (!(JtJ.determinant() > 1e-6)) return tl::unexpected(LblRefusal::kBadGeometry);
+    const Eigen::Vector2d step = JtJ.inverse() * Jtr;
+    fix.north_east += step;
+    if (step.norm() < 1e-9) break;
+  }
+  double sum = 0;
+  for (const LblRange& r : ranges) {
+    const Eigen::Vector3d to = Eigen::Vector3d(fix.north_east.x(), fix.north_east.y(), depth) - r.p_WT;
+    sum += (r.range - to.norm()) * (r.range - to.norm());
+  }
+  fix.residual = std::sqrt(sum / static_cast<double>(ranges.size() - 2));
+  fix.covariance = JtJ.inverse() * (range_sigma * range_sigma);
+  if (!fix.north_east.allFinite()) return tl::unexpected(LblRefusal::kBadGeometry);
+  return fix;
+}
+
+NavigationSensors::NavigationSensors(const NavigationSensorsConfig& config, std::uint64_t seed)
+    : config_(config), gyro_bias_(Eigen::Map<const Eigen::Vector3d>(config.gyro.bias.data())) {
+  Random root(seed);
+  const auto add = [&](const char* source, bool on, double rate_hz, double dropout) {
+    sensors_.push_back({source, on, rate_hz, dropout, root.fork()});
+  };
+  const NavigationSensorsConfig& c = config_;
+  add("compass", c.compass.on, c.compass.rate_hz, c.compass.dropout);
+  add("ahrs", c.ahrs.on, c.ahrs.rate_hz, c.ahrs.dropout);
+  add("gyro", c.gyro.on, c.gyro.rate_hz, c.gyro.dropout);
+  add("dvl", c.dvl.on, c.dvl.rate_hz, c.dvl.dropout);
+  add("depth", c.depth.on, c.depth.rate_hz, c.depth.dropout);
+  add("gps", c.gps.on, c.gps.rate_hz, c.gps.dropout);
+  add("lbl", c.lbl.on, c.lbl.rate_hz, 0);  // of the lbl ranges are lost, not fixes
+  ranges_.reserve(config.lbl.transponders.size() / 3);
+}
+
+const std::vector<NavReading>& NavigationSensors::advance(Time now, const VehicleState& truth,
+                                                          const NavigationScene& scene) {
+  readings_.clear();
+  if (!last_) {
+    for (Sensor& s : sensors_) s.ticker = Ticker(now, s.rate_hz);
+    last_ = now;
+    last_state_ = truth;
+  }
+  if (truth.X_WB.translation.z() > config_.gps.max_depth_m) {
+    surfaced_.reset();
+  } else if (!surfaced_) {
+    surfaced_ = now;
+  }
+  for (;;) {
+    int next = -1;
+    for (int i = 0; i < static_cast<int>(sensors_.size()); ++i) {
+      const Sensor& s = sensors_[static_cast<std::size_t>(i)];
+      if (!s.on || s.ticker.due() > now) continue;
+      if (next < 0 || s.ticker.due() < sensors_[static_cast<std::size_t>(next)].ticker.due()) next = i;
+    }
+    if (next < 0) break;
+    Sensor& sensor = sensors_[static_cast<std::size_t>(next)];
+    const Time time = sensor.ticker.due();
+    sensor.ticker.advance();
+    const double span = to_seconds(now - *last_);
+    const double share = span > 0 ? to_seconds(time - *last_) / span : 1;
+    measure(sensor, next, time, between(last_state_, truth, share), scene);
+  }
+  if (now > *last_) {
+    last_ = now;
+    last_state_ = truth;
+  }
+  return readings_;
+}
+
+// Every reading draws its random numbers whether it is kept or not, so that gates do not shift the later ones.
+void NavigationSensors::measure(Sensor& sensor, int index, Time time, const VehicleState& state,
+                                const NavigationScene& scene) {
+  Random& random = sensor.random;
+  const bool lost = random.uniform() < sensor.dropout;
+  const auto keep = [&](const auto& value) {
+    if (!lost) readings_.push_back({time, sensor.source, value});
+  };
+  switch (index) {
+    case kCompass: {
+      const Angle psi = state.X_WB.rotation.heading();
+      const Angle deviation = Angle::degrees(deviation_deg(config_.compass.deviation_deg, psi));
+      keep(
+          CompassReading{(psi + config_.compass.bias + deviation + config_.compass.noise * random.normal()).wrapped()});
+      break;
+    }
+    case kAhrs: {
+      const Eigen::Vector2d noise = normal2(random) * config_.ahrs.noise.radians();
+      keep(AttitudeReading{(state.X_WB.rotation.roll() + config_.ahrs.roll_bias + Angle::radians(noise.x())).wrapped(),
+                           state.X_WB.rotation.pitch() + config_.ahrs.pitch_bias + Angle::radians(noise.y())});
+      break;
+    }
+    case kGyro: {
+      keep(GyroReading{state.w_B + gyro_bias_ + normal3(random) * config_.gyro.noise});
+      gyro_bias_ += normal3(random) * (config_.gyro.bias_walk / std::sqrt(sensor.rate_hz));
+      break;
+    }
+    case kDvl: {
+      if (const auto velocity = measure_velocity(random, state, scene)) keep(*velocity);
+      break;
+    }
+    case kDepth: {
+      const double step = config_.depth.step;
+      const double depth = state.X_WB.translation.z() + config_.depth.bias + config_.depth.noise * random.normal();
+      keep(DepthReading{step > 0 ? std::round(depth / step) * step : depth});
+      break;
+    }
+    case kGps: {
+      const Eigen::Vector2d error =
+          Eigen::Map<const Eigen::Vector2d>(config_.gps.bias.data()) + normal2(random) * config_.gps.noise;
+      const bool fix = surfaced_ && time >= *surfaced_ + seconds(config_.gps.first_fix_s);
+      if (fix) keep(GpsReading{state.X_WB.translation.head<2>() + error, config_.gps.noise});
+      break;
+    }
+    default: {
+      if (const auto fix = measure_lbl(random, state, scene)) keep(*fix);
+      break;
+    }
+  }
+}
+
+std::optional<VelocityReading> NavigationSensors::measure_velocity(Random& random, const VehicleState& state,
+                                                                   const NavigationScene& scene) const {
+  const DvlConfig& dvl = config_.dvl;
+  const Eigen::Vector3d error = Eigen::Map<const Eigen::Vector3d>(dvl.bias.data()) + normal3(random) * dvl.noise;
+  const bool bottom = scene.altitude_m && *scene.altitude_m <= dvl.max_altitude_m;
+  if (bottom && *scene.altitude_m < dvl.min_altitude_m) return std::nullopt;
+  if (!bottom && !dvl.water_track) return std::nullopt;
+  Eigen::Vector3d v_B = state.v_B;
+  if (!bottom) v_B -= state.X_WB.rotation.inverse() * scene.current_W;
+  return VelocityReading{v_B * (1 + dvl.scale_error) + error, bottom};
+}
+
+std::optional<LblReading> NavigationSensors::measure_lbl(Random& random, const VehicleState& state,
+                                                         const NavigationScene& scene) {
+  const LblConfig& lbl = config_.lbl;
+  ranges_.clear();
+  for (std::size_t i = 0; i + 2 < lbl.transponders.size(); i += 3) {
+    const Eigen::Vector3d p_WT = Eigen::Map<const Eigen::Vector3d>(&lbl.transponders[i]);
+    const bool lost = random.uniform() < lbl.dropout;
+    const bool detour = random.uniform() < lbl.outlier_share;
+    const double longer = random.uniform() * lbl.outlier_m;
+    const double noise = random.normal() * lbl.noise;
+    const double range = (state.X_WB.translation - p_WT).norm() * (lbl.sound_speed / scene.sound_speed) + noise +
+                         (detour ? longer : 0.0);
+    if (!lost && range > 0 && range <= lbl.max_range_m) ranges_.push_back({p_WT, range});
+  }
+  const auto fix = lbl_fix(ranges_, state.X_WB.translation.z(), lbl.noise);
+  if (!fix) {
+    ++lbl_refusals_;
+    return std::nullopt;
+  }
+  return *fix;
+}
+
+}  // namespace isobath

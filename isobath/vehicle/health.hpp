@@ -1,0 +1,22 @@
+// Health: what a part of the vehicle says about itself, or what is said about it when it has fallen silent.
+#pragma once
+
+#include <cstdint>
+#include <isobath/base/time.hpp>
+#include <string>
+
+namespace isobath {
+
+enum class HealthState : std::uint8_t { kOk, kDegraded, kLost };
+const char* to_text(HealthState state);
+
+struct Health {
+  Time time;
+  std::string source;  ///< "vehicle", or the name of a sensor: "sonar", "dvl", ...
+  HealthState state = HealthState::kOk;
+  float battery_share = 1;  ///< of a full charge, 0..1
+  bool leak = false;
+  std::string note;  ///< for people
+};
+
+}  // namespace isobath
