@@ -78,12 +78,17 @@ double surface_scattering(double grazing_rad, double wind, double frequency) {
   return from_db(std::clamp(db, -60.0, 0.0));
 }
 
-double backscatter(const Material& m, double c) {
-  const double cc = c * c, s2 = m.roughness * m.roughness;
-  const double tan2 = 1 / std::max(cc, 1e-4) - 1;
-  const double glint =
-      tan2 > 30 * s2 ? 0 : from_db(m.reflection_db) / (8 * kPi * s2) * std::exp(-tan2 / (2 * s2)) / (cc * cc);
-  return from_db(m.lambert_db) * cc + glint;
+Scatterer::Scatterer(const Material& m)
+    : mu(from_db(m.lambert_db)), mirror(from_db(m.reflection_db)), slope2(m.roughness * m.roughness) {}
+
+double Scatterer::operator()(const Vector3d& u, const Vector3d& n, const Vector3d& e, double spread_1,
+                             double spread_2) const {
+  const double c = std::max(-n.dot(u), kLeastCosine), cc = c * c;
+  const double s1 = slope2 + 0.25 * spread_1 * spread_1, s2 = slope2 + 0.25 * spread_2 * spread_2;
+  const double along = u.dot(e), across2 = std::max(0.0, 1 - cc - along * along);
+  const double exponent = 0.5 * (along * along / s1 + across2 / s2) / cc;
+  const double glint = exponent > 30 ? 0 : mirror / (8 * kPi * std::sqrt(s1 * s2) * cc * cc) * std::exp(-exponent);
+  return mu * cc + glint;
 }
 
 struct EchoFormer::State {
@@ -124,8 +129,9 @@ struct EchoFormer::State {
   // Of the ping at hand.
   Pose X_WS;
   Eigen::Matrix3d R_WS = Eigen::Matrix3d::Identity();
-  double absorb = 0;        ///< per metre, one way, natural
-  std::vector<bool> small;  ///< by body: it has cells of its own
+  double absorb = 0;                  ///< per metre, one way, natural
+  std::vector<bool> small;            ///< by body: it has cells of its own
+  std::vector<Scatterer> scatterers;  ///< by target, from the bottom on
 
   State(const SonarConfig& c, const World& w, const Water& wa, int t)
       : config(c),
@@ -140,6 +146,8 @@ struct EchoFormer::State {
     for (int b = 0; b < (fan ? c.beams : 1); ++b) beams.push_back(first + b * spacing);
     fan ? cut_fan(spacing) : cut_single();
     weigh();
+    scatterers.emplace_back(world.material(kBottom));
+    for (const WorldBody& body : world.bodies()) scatterers.emplace_back(*body.material);
   }
 
   /// Elevations: most rays over one and a half heights, a few beyond, where side lobes hear.
@@ -224,7 +232,7 @@ struct EchoFormer::State {
     return target >= kFirstBody && small[static_cast<std::size_t>(target - kFirstBody)];
   }
   [[nodiscard]] double reflection(int target) const {
-    return target == kSurface ? kSurfaceLoss : from_db(world.material(target).reflection_db);
+    return target == kSurface ? kSurfaceLoss : scatterer(target).mirror;
   }
 
   /// Calls put(span, power, label) for every echo of a cell. `only`: the body that the cell was made for, or kNothing.
@@ -252,10 +260,28 @@ struct EchoFormer::State {
     }
   }
 
+  [[nodiscard]] const Scatterer& scatterer(int target) const {
+    return scatterers[static_cast<std::size_t>(target - kBottom)];
+  }
+
+  /// sigma where a ray along v meets a surface after `range` of path, for this cell.
+  [[nodiscard]] double sigma_of(const Cell& cell, double range, const RayHit& hit, const Vector3d& v) const {
+    const double size = std::max(2 * cell.half_across, 2 * cell.half_up);  // change of the ray within the cell, rad
+    if (hit.curvature == 0) return scatterer(hit.target)(v, hit.normal, any_tangent(hit.normal), size, size);
+    const double cosine = std::max(-hit.normal.dot(v), 0.2);
+    const double bent = size * (1 + range * hit.curvature / cosine);
+    if (hit.straight.isZero()) return scatterer(hit.target)(v, hit.normal, any_tangent(hit.normal), bent, bent);
+    return scatterer(hit.target)(v, hit.normal, hit.straight, size, bent);
+  }
+
+  static Vector3d any_tangent(const Vector3d& n) {
+    return std::abs(n.z()) < 0.7 ? Vector3d(-n.y(), n.x(), 0).normalized() : Vector3d(0, -n.z(), n.y()).normalized();
+  }
+
   /// Of what a cell meets after `range` of path, back the same way; the patterns of the way back not counted twice.
   [[nodiscard]] double echo(const Cell& cell, double range, const RayHit& hit, const Vector3d& u) const {
     const double cosine = std::max(-hit.normal.dot(u), kLeastCosine);
-    return cell.gain * attenuation(2 * range) * backscatter(world.material(hit.target), cosine) * cell.solid_angle /
+    return cell.gain * attenuation(2 * range) * sigma_of(cell, range, hit, u) * cell.solid_angle /
            (cosine * range * range);
   }
 
@@ -283,9 +309,9 @@ struct EchoFormer::State {
               const Put& put) const {
     const double cosine = -hit.normal.dot(u);
     if (cosine < 0.9) return;
-    const Material& m = world.material(hit.target);
-    const double again = 0.25 * from_db(m.reflection_db) * from_db(config.head_reflection_db);
-    const double first = cell.gain * backscatter(m, cosine) * cell.solid_angle / (cosine * hit.range * hit.range);
+    const double again = 0.25 * scatterer(hit.target).mirror * from_db(config.head_reflection_db);
+    const double first =
+        cell.gain * sigma_of(cell, hit.range, hit, u) * cell.solid_angle / (cosine * hit.range * hit.range);
     put(Span{2 * k * span.near, 2 * k * span.far}, first * cell.gain * again * attenuation(4 * hit.range),
         EchoLabel(hit.target, EchoPath::kMultiple));
   }
@@ -331,8 +357,7 @@ struct EchoFormer::State {
     if (cosine_back <= 0 || path == EchoPath::kBodyBounce || 0.5 * (range + d) > config.range_m) return;
     const Vector3d w_S = R_WS.transpose() * back / d;
     const double gain = std::sqrt(cell.gain * height.gain(std::asin(std::clamp(-w_S.z(), -1.0, 1.0))));
-    const Material& m = world.material(hit.target);
-    const double sigma = std::sqrt(backscatter(m, cosine) * backscatter(m, cosine_back));
+    const double sigma = std::sqrt(sigma_of(cell, range, hit, v) * sigma_of(cell, range, hit, back / d));
     const double power = 2 * gain * kept * sigma * cell.solid_angle / (cosine * d * d) * attenuation(range + d);
     if (power < 0.01 * floor || world.blocked(p, back / d, d * (1 - 1e-4) - 1e-3)) return;
     const double shift = 0.5 * (range + d) - range;
@@ -445,7 +470,7 @@ struct EchoFormer::State {
     w.high = std::min(w.high + pad_up, edges.back());
     if (w.high <= w.low) return;
     const auto count = [](double extent, double cell) {
-      return std::clamp(static_cast<int>(std::ceil(8 * extent / cell)), 8, 24);
+      return std::clamp(static_cast<int>(std::ceil(8 * extent / cell)), 12, 24);
     };
     const int columns = count(w.right - w.left, cell_across), lines = count(w.high - w.low, cell_up);
     for (int c = 0; c < columns; ++c) {

@@ -17,6 +17,7 @@
 // on any number of them. Cost: see bench/sim_bench.cpp.
 #pragma once
 
+#include <Eigen/Core>
 #include <isobath/base/angle.hpp>
 #include <isobath/geometry/pose.hpp>
 #include <isobath/sim/sonar_config.hpp>
@@ -61,7 +62,14 @@ class EchoFormer {
 /// frequencies above 6.4 kHz taken at its upper validity by the sqrt law of the wind; wind in m/s, frequency in Hz).
 /// Between -60 and 0 dB.
 double surface_scattering(double grazing_rad, double wind, double frequency);
-/// sigma of a material at an angle of incidence with cosine c, linear.
-double backscatter(const Material& material, double cos_incidence);
+/// Lambert part and glint of a material, ready for use.
+struct Scatterer {
+  double mu, mirror, slope2;
+  explicit Scatterer(const Material& material);
+  /// sigma for a ray u on a surface whose normal n faces it. The glint is spread over the change of the normal within a
+  /// cell, (spread_1, spread_2) along (e, n x e), so that few rays keep its whole energy. Linear.
+  [[nodiscard]] double operator()(const Eigen::Vector3d& u, const Eigen::Vector3d& n, const Eigen::Vector3d& e,
+                                  double spread_1, double spread_2) const;
+};
 
 }  // namespace isobath

@@ -500,6 +500,13 @@ std::optional<RayHit> World::cast(const Vector3d& p, const Vector3d& u, double m
   hit.target = state_->target[outer];
   hit.normal = Vector3d(both.hit.Ng_x, both.hit.Ng_y, both.hit.Ng_z).normalized();
   if (hit.normal.dot(u) > 0) hit.normal = -hit.normal;
+  if (const Exact* shape = state_->exact[static_cast<std::size_t>(hit.target - kBottom)].get();
+      shape && shape->radius > 0) {
+    const bool cylinder = shape->kind == Exact::Kind::kCylinder;
+    const bool end = cylinder && std::abs(hit.normal.dot(shape->axis)) > 0.999;
+    hit.curvature = end ? 0 : 1 / shape->radius;
+    if (cylinder) hit.straight = shape->axis;
+  }
   return hit;
 }
 

@@ -23,6 +23,8 @@ struct RayHit {
   double range = 0;        ///< m
   Eigen::Vector3d normal;  ///< unit, towards where the ray came from
   int target = kNothing;
+  double curvature = 0;                                ///< 1/m, of spheres and cylinders
+  Eigen::Vector3d straight = Eigen::Vector3d::Zero();  ///< unit direction without curvature: the axis of a cylinder
 };
 
 /// A body of the scene, or one pylon of a row.

@@ -53,14 +53,7 @@ TEST(EchoPhysics, APlaneMirrorAnswersLikeItsImageSource) {
   SonarConfig sonar = clean_beam(60, 60);
   sonar.bottom_reverberation = true;
   sonar.rays = 128;
-  EchoFormer former(sonar, *tank.world, *tank.water);
-  EchoImage image;
-  // 9 directions over 60 degrees are too coarse for a glint of 3 degrees: look with many narrow beams instead.
-  sonar.beams = 121;
-  sonar.sector = Angle::degrees(60);
-  sonar.width = Angle::degrees(0.5);
-  image = heard(tank, sonar, at_depth(10, 0, -90));
-  EXPECT_NEAR(db(total(image)), db(1 / (4 * 20.0 * 20.0)), 0.1);
+  EXPECT_NEAR(db(total(heard(tank, sonar, at_depth(10, 0, -90)))), db(1 / (4 * 20.0 * 20.0)), 0.1);
 }
 
 // ledger: S6-02
@@ -68,9 +61,7 @@ TEST(EchoPhysics, RangesOfBottomWallSphereAndCylinderAreThoseOfGeometryWithinHal
   SonarConfig sonar = clean_beam(0.5, 0.5);
   sonar.bottom_reverberation = true;
   const double bin = sonar.range_m / sonar.bins;
-  const auto range = [&](const Tank& tank, const Pose& X_WS) {
-    return (strongest_bin(heard(tank, sonar, X_WS)) + 0.5) * bin;
-  };
+  const auto range = [&](const Tank& tank, const Pose& X_WS) { return mean_range(heard(tank, sonar, X_WS), bin); };
   const Tank bottom(kStill + std::string("[bottom]\nkind = \"flat\"\ndepth = 12\n"));
   for (const double down : {90.0, 60.0, 35.0}) {
     EXPECT_NEAR(range(bottom, at_depth(2, 0, -down)), 10 / std::sin(down * kDegree), 0.5 * bin + 0.01) << down;
@@ -160,7 +151,7 @@ TEST(EchoPhysics, SurfaceBouncesArriveAtTheRangesOfTheMirrorImage) {
 // A wall over a bottom: the corner's echo by way of the bottom.
 TEST(EchoPhysics, BottomBouncesOfAWallArriveAtTheRangesOfTheMirrorImage) {
   const Tank tank(kStill + std::string("[bottom]\nkind = \"flat\"\ndepth = 10\nmaterial = \"rock\"\n"
-                                       "[[wall]]\nline = [[20, -50], [20, 50]]\ntop = 4\nbottom = 4.2\n"));
+                                       "[[wall]]\nline = [[20, -10], [20, 10]]\ntop = 4\nbottom = 4.2\n"));
   SonarConfig sonar = clean_beam(10, 90);
   sonar.bottom_bounce = true;
   sonar.rays = 64;

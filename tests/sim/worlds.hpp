@@ -49,6 +49,16 @@ inline double total(const std::vector<float>& powers) {
 inline double total(const EchoImage& image) { return total(image.rough) + total(image.steady); }
 inline double db(double power) { return 10 * std::log10(power); }
 
+/// Of all that is heard, weighted by its power, m.
+inline double mean_range(const EchoImage& image, double bin_m) {
+  double sum = 0;
+  for (int k = 0; k < image.bins; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    sum += (k + 0.5) * bin_m * static_cast<double>(image.rough[i] + image.steady[i]);
+  }
+  return sum / total(image);
+}
+
 inline int strongest_bin(const EchoImage& image, int beam = 0) {
   int best = 0;
   const auto at = [&](int k) {
