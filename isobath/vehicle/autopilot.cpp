@@ -40,6 +40,12 @@ ActuatorVector Autopilot::update(const Setpoint& setpoint, const VehicleState& s
     const double gap = std::abs(demand_B_(axis) - allocation_.achieved_B(axis));
     return gap > 1e-6 + 0.01 * std::abs(demand_B_(axis));
   };
+  // What the water takes at a demanded rate is given beforehand: the loops then only correct.
+  const auto drag = [&](int axis, double rate) {
+    return (model_.linear_damping(axis, axis) + model_.lift_damping(axis, axis) * std::abs(flow) +
+            model_.quadratic_damping(axis, axis) * std::abs(rate)) *
+           rate;
+  };
   Vector6 tau = Vector6::Zero();
 
   const double speed = std::clamp(setpoint.speed, -model_.limits.max_speed, model_.limits.max_speed);
@@ -47,23 +53,21 @@ ActuatorVector Autopilot::update(const Setpoint& setpoint, const VehicleState& s
     const double w = c.speed_bandwidth, error = speed - state.v_B.x();
     // The integral waits until the speed is near, or every change of speed would overshoot.
     const bool held = short_of(0) || std::abs(error) > 0.1 * model_.limits.max_speed;
-    Vector6 ahead = Vector6::Zero();
-    ahead(0) = speed + flow - state.v_B.x();  // through the water
-    tau(0) = inertia_(0) * w * (error + slow * integrate(kSpeed, error, dt, held)) -
-             damping_wrench(model_, ahead, model_.reference_density)(0);
+    const double through = speed + flow - state.v_B.x();  // the demand, as a speed through the water
+    tau(0) = inertia_(0) * w * (error + slow * integrate(kSpeed, error, dt, held)) + drag(0, through);
   }
   {
     const double w = c.speed_bandwidth, error = setpoint.sway_speed - state.v_B.y();
     const bool can = model_.thruster_axes(1) > 0;
-    tau(1) = can ? inertia_(1) * w * (error + slow * integrate(kSway, error, dt, short_of(1))) : 0;
+    const double sum = integrate(kSway, error, dt, !can || short_of(1));
+    tau(1) = can ? inertia_(1) * w * (error + slow * sum) + drag(1, setpoint.sway_speed) : 0;
   }
   {
     const double w = c.heading_bandwidth;
     const double error = (setpoint.heading - R_WB.heading()).wrapped().radians();
     const double limit = model_.limits.max_yaw_rate.radians();
-    const double rate = 0.5 * w * error;
-    const double sum = integrate(kHeading, error, dt, short_of(5) || std::abs(rate) > 0.5 * limit);
-    tau(5) = inertia_(5) * w * (2 * (limited(rate, limit) - state.w_B.z()) + w * slow * sum);
+    const double asked = limited(0.5 * w * error, limit), lack = asked - state.w_B.z();
+    tau(5) = inertia_(5) * 2 * w * (lack + slow * integrate(kHeading, lack, dt, short_of(5))) + drag(5, asked);
   }
   const double w = c.depth_bandwidth;
   const double error = std::clamp(setpoint.depth, 0.0, model_.limits.max_depth) - state.X_WB.translation.z();
@@ -71,9 +75,9 @@ ActuatorVector Autopilot::update(const Setpoint& setpoint, const VehicleState& s
   double pitch_wanted = 0;
   if (c.depth_by == DepthBy::kHeave) {
     const double sinking = (R_WB * state.v_B).z();
-    const double sum = integrate(kDepth, error, dt, short_of(2) || std::abs(rate) > limit);
-    const double force = inertia_(2) * w * (2 * (limited(rate, limit) - sinking) + w * slow * sum) -
-                         kGravity * (model_.mass - model_.reference_density * model_.volume);
+    const double asked = limited(rate, limit), lack = asked - sinking;
+    const double force = inertia_(2) * 2 * w * (lack + slow * integrate(kDepth, lack, dt, short_of(2))) +
+                         drag(2, asked) - kGravity * (model_.mass - model_.reference_density * model_.volume);
     tau.head<3>() += force * down_B;
   } else {
     const double along = std::max(std::abs(state.v_B.x()), c.min_flow);

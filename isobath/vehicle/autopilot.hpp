@@ -1,10 +1,12 @@
 // Autopilot: a set-point for heading, depth and speed becomes actuator commands (ledger S7-06, S7-11 baseline).
 //
-// Cascaded loops, the outer one on position, the inner one on rate, with both poles at -bandwidth: for inertia I,
-//   rate demanded = (bandwidth / 2) error, limited;   force = I 2 bandwidth (rate demanded - rate) + integral.
+// Cascaded loops, the outer one proportional on position, the inner one proportional and integral on rate, with the two
+// fast poles at -bandwidth: for inertia I,
+//   rate demanded = (bandwidth / 2) error, limited
+//   force = I 2 bandwidth (lack + integral_rate sum of lack) + drag at the rate demanded,  lack = rate demanded - rate.
 // Depth is held by heave, or by pitch: nose down by the angle that makes the demanded sinking at the speed of the
-// moment. Roll and pitch are levelled where the vehicle can. An integral stands still while its rate demand is limited
-// or the actuators do not reach what its axis asks for, unless it would shrink: no wind-up.
+// moment, with an integral on depth against buoyancy. Roll and pitch are levelled where the vehicle can. An integral
+// stands still while the actuators do not reach what its axis asks for, unless it would shrink: no wind-up.
 //
 // Speeds are over ground. Units SI. One thread at a time; nothing allocates after construction.
 #pragma once
