@@ -1,0 +1,54 @@
+// Autopilot: a set-point for heading, depth and speed becomes actuator commands (ledger S7-06, S7-11 baseline).
+//
+// Cascaded loops, the outer one proportional on position, the inner one proportional and integral on rate, with the two
+// fast poles at -bandwidth: for inertia I,
+//   rate demanded = (bandwidth / 2) error, limited
+//   force = I 2 bandwidth (lack + integral_rate sum of lack) + drag at the rate demanded,  lack = rate demanded - rate.
+// The speed demanded ramps at the greatest acceleration. Depth is held by heave, or by pitch: nose down by the angle
+// that makes the demanded sinking at the speed of the moment, with an integral on depth against buoyancy. Roll and
+// pitch are levelled where the vehicle can. An integral stands still while the actuators do not reach what its axis
+// asks for, unless it would shrink: no wind-up.
+//
+// Speeds are over ground. Units SI. One thread at a time; nothing allocates after construction.
+#pragma once
+
+#include <isobath/vehicle/dynamics.hpp>
+#include <optional>
+
+namespace isobath {
+
+/// What guidance asks for.
+struct Setpoint {
+  Angle heading;
+  double depth = 0;       ///< m
+  double speed = 0;       ///< ahead, m/s
+  double sway_speed = 0;  ///< to starboard, m/s; only where thrusters make sway
+};
+
+class Autopilot {
+ public:
+  explicit Autopilot(const VehicleModel& model);
+
+  /// Commands for the next dt seconds. `flow`: measured forward speed through the water, m/s; fins work by it.
+  ActuatorVector update(const Setpoint& setpoint, const VehicleState& state, double flow, double dt);
+  /// Of the last update: the wrench that was asked for, and what the actuators can do of it.
+  [[nodiscard]] const Vector6& demand_B() const { return demand_B_; }
+  [[nodiscard]] const Allocation& allocation() const { return allocation_; }
+  void reset();
+  /// Commands only what works; see Allocator.
+  void set_known_effectiveness(const ActuatorVector& effectiveness) { allocator_ = Allocator(model_, effectiveness); }
+
+ private:
+  enum Loop : int { kSpeed, kSway, kDepth, kHeading, kLoops };
+  double integrate(Loop loop, double error, double dt, bool held);
+
+  VehicleModel model_;
+  Vector6 inertia_;  ///< diagonal of M
+  Allocator allocator_;
+  Vector6 demand_B_ = Vector6::Zero();
+  Allocation allocation_;
+  double integral_[kLoops] = {};
+  std::optional<double> speed_asked_;  ///< ramps to the set-point at the greatest acceleration
+};
+
+}  // namespace isobath

@@ -1,0 +1,65 @@
+// VehiclePlant: a vehicle that follows set-points, whatever is inside (ledger S7-14).
+//
+// DynamicVehicle is VehicleDynamics under an Autopilot: actuators, inertia, current and density all act.
+// KinematicVehicle does what it is told within the limits of the vehicle file, exactly: arcs and straight lines, no
+// actuators, no current, no drift. For scenes that need a path and no dynamics.
+//
+// Depth never leaves [0, max_depth] by a set-point. Units SI. One thread at a time; nothing allocates in step.
+#pragma once
+
+#include <isobath/vehicle/autopilot.hpp>
+#include <memory>
+
+namespace isobath {
+
+class VehiclePlant {
+ public:
+  VehiclePlant() = default;
+  VehiclePlant(const VehiclePlant&) = delete;
+  VehiclePlant& operator=(const VehiclePlant&) = delete;
+  virtual ~VehiclePlant() = default;
+
+  [[nodiscard]] virtual const VehicleState& state() const = 0;
+  /// dt in s, above 0.
+  virtual void step(const Setpoint& setpoint, const WaterConditions& water, double dt) = 0;
+};
+
+class DynamicVehicle final : public VehiclePlant {
+ public:
+  static constexpr double kLongestStep = 0.02;  ///< s; longer steps are divided
+
+  explicit DynamicVehicle(const VehicleModel& model, const VehicleState& initial = {})
+      : dynamics_(model, initial), autopilot_(model) {}
+
+  [[nodiscard]] const VehicleState& state() const override { return dynamics_.state(); }
+  void step(const Setpoint& setpoint, const WaterConditions& water, double dt) override;
+  VehicleDynamics& dynamics() { return dynamics_; }
+  Autopilot& autopilot() { return autopilot_; }
+
+ private:
+  VehicleDynamics dynamics_;
+  Autopilot autopilot_;
+};
+
+class KinematicVehicle final : public VehiclePlant {
+ public:
+  explicit KinematicVehicle(const VehicleModel& model, const VehicleState& initial = {});
+
+  [[nodiscard]] const VehicleState& state() const override { return state_; }
+  void step(const Setpoint& setpoint, const WaterConditions& water, double dt) override;
+
+ private:
+  VehicleLimits limits_;
+  DepthBy depth_by_;
+  double max_pitch_;  ///< rad
+  bool can_sway_;
+  VehicleState state_;
+  double speed_ = 0;  ///< along the path
+  double sway_ = 0;
+};
+
+enum class PlantKind { kDynamic, kKinematic };
+
+std::unique_ptr<VehiclePlant> make_plant(const VehicleModel& model, PlantKind kind, const VehicleState& initial = {});
+
+}  // namespace isobath

@@ -1,0 +1,263 @@
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <isobath/vehicle/vehicle_model.hpp>
+
+namespace isobath {
+
+namespace {
+
+Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d s;
+  s << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return s;
+}
+
+bool positive_definite(const Matrix6& m) { return m.allFinite() && Eigen::LLT<Matrix6>(m).info() == Eigen::Success; }
+
+bool positive_semidefinite(const Matrix6& m) {
+  if (!m.allFinite()) return false;
+  const Matrix6 symmetric = 0.5 * (m + m.transpose());
+  const Vector6 values = Eigen::SelfAdjointEigenSolver<Matrix6>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+  return values.minCoeff() >= -1e-9 * std::max(1.0, values.cwiseAbs().maxCoeff());
+}
+
+// sum_ij D_ij |n_j| n_j n_i >= 0 for all n: by Young's inequality |n_j|^2 |n_i| <= (2 |n_j|^3 + |n_i|^3) / 3 it is
+// enough that each diagonal element outweighs its row and column. Rates are first made speeds by the half length.
+bool quadratic_dissipative(const Matrix6& damping, double length) {
+  Vector6 unit;
+  unit << 1, 1, 1, 2 / length, 2 / length, 2 / length;
+  for (int i = 0; i < 6; ++i) {
+    double needed = 0;
+    for (int j = 0; j < 6; ++j) {
+      if (j == i) continue;
+      needed += std::abs(damping(i, j)) * unit(i) * unit(j) * unit(j) / 3;
+      needed += std::abs(damping(j, i)) * unit(j) * unit(i) * unit(i) * 2 / 3;
+    }
+    if (!(damping(i, i) * std::pow(unit(i), 3) >= needed)) return false;
+  }
+  return true;
+}
+
+// The places of the sections, so that what is wrong with a whole matrix is still said with a line.
+struct Places {
+  Place vehicle, body, water, limits;
+  std::vector<Place> thrusters, fins;
+};
+
+[[noreturn]] void refuse(const std::string& problem, Place where, const std::string& key, const std::string& allowed,
+                         const std::string& advice) {
+  where.key = key;
+  throw Error(problem, where, allowed, advice);
+}
+
+void check(const VehicleModel& m, const Places& at) {
+  if (!(m.length > 0 && m.width > 0 && m.height > 0)) {
+    refuse("the hull has no size", at.vehicle, "vehicle", "length, width and height above 0 m", "");
+  }
+  if (!(m.mass > 0 && m.volume > 0)) {
+    refuse("no mass or no volume", at.body, "body", "above 0", "give mass in kg and volume in m3");
+  }
+  if (!positive_definite(rigid_body_mass(m))) {
+    refuse("the rigid-body mass matrix is not positive definite", at.body, "body.inertia",
+           "moments about the origin of B, at least those of the mass at the centre of gravity",
+           "check inertia, products and gravity_centre");
+  }
+  if (!m.added_mass.isApprox(m.added_mass.transpose(), 1e-9) && !m.added_mass.isZero(0)) {
+    refuse("added_mass is not symmetric", at.water, "water.added_mass", "", "give Y_dr and N_dv the same value");
+  }
+  if (!positive_semidefinite(m.added_mass) || !positive_definite(mass_matrix(m, m.reference_density))) {
+    refuse("the mass matrix with added mass is not positive definite", at.water, "water.added_mass",
+           "positive where it opposes acceleration (-X_du)", "check signs: published derivatives are mostly negative");
+  }
+  const std::string sign = "positive where it opposes the motion (-X_u)";
+  if (!positive_semidefinite(m.linear_damping)) {
+    refuse("linear damping is not dissipative", at.water, "water.linear_damping", sign, "check signs and couplings");
+  }
+  if (!positive_semidefinite(m.lift_damping)) {
+    refuse("lift damping is not dissipative", at.water, "water.lift_damping", sign,
+           "leave out the Munk moments: they follow from added_mass");
+  }
+  if (!quadratic_dissipative(m.quadratic_damping, m.length)) {
+    refuse("quadratic damping is not dissipative", at.water, "water.quadratic_damping",
+           sign + ", each diagonal element above its couplings", "check signs and couplings");
+  }
+  if (m.actuators() > kMaxActuators) {
+    refuse("too many thrusters and fins", at.vehicle, "vehicle", "at most " + std::to_string(kMaxActuators), "");
+  }
+  for (std::size_t i = 0; i < m.thrusters.size(); ++i) {
+    const Thruster& t = m.thrusters[i];
+    if (!(t.max_forward + t.max_reverse > 0) || !(std::abs(t.direction_B.norm() - 1) < 1e-6)) {
+      refuse("the thruster has no thrust or no direction", i < at.thrusters.size() ? at.thrusters[i] : at.vehicle,
+             "thruster", "max_forward or max_reverse above 0 N, direction not (0, 0, 0)", "");
+    }
+  }
+  for (std::size_t i = 0; i < m.fins.size(); ++i) {
+    const Fin& f = m.fins[i];
+    if (!(f.lift > 0 && f.max_deflection.radians() > 0) || !(std::abs(f.direction_B.norm() - 1) < 1e-6)) {
+      refuse("the fin has no lift, no deflection or no direction", i < at.fins.size() ? at.fins[i] : at.vehicle, "fin",
+             "lift and max_deflection_deg above 0, direction not (0, 0, 0)", "");
+    }
+  }
+}
+
+// One row is the diagonal, six rows are the whole matrix.
+Matrix6 matrix_of(const std::vector<double>& flat, const Place& where, const std::string& key) {
+  if (flat.empty()) return Matrix6::Zero();
+  if (flat.size() == 6) return Eigen::Map<const Vector6>(flat.data()).asDiagonal();
+  if (flat.size() == 36) return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(flat.data());
+  refuse(std::to_string(flat.size() / 6) + " rows", where, key, "1 row (the diagonal) or 6 rows", "");
+}
+
+using Reader = void (*)(std::string_view, const std::string&, Schema&);
+
+VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader reader) {
+  VehicleModel m;
+  Places at;
+  Eigen::Vector3d moments = Eigen::Vector3d::Zero(), products = Eigen::Vector3d::Zero();
+  std::vector<double> added, linear, lift, quadratic;
+  constexpr double kBig = 1e7;
+  Schema schema;
+  schema.sections = {
+      {"vehicle",
+       "What it is.",
+       {Field::text("name", &m.name, "Its name."),
+        Field::real("length", &m.length, {0.01, 1000}, "m", "The box that holds the hull, centred in B."),
+        Field::real("width", &m.width, {0.01, 1000}, "m", "The same across."),
+        Field::real("height", &m.height, {0.01, 1000}, "m", "The same upright.")}},
+      {"body",
+       "The rigid body; positions and moments about the origin of B (x forward, y starboard, z down).",
+       {Field::real("mass", &m.mass, {1e-3, kBig}, "kg", "Mass, flooded water included."),
+        Field::numbers("inertia", moments.data(), 3, {0, kBig}, "kg m2", "Moments of inertia Ixx, Iyy, Izz."),
+        Field::numbers("products", products.data(), 3, {-kBig, kBig}, "kg m2",
+                       "Integrals of xy, xz, yz over the mass."),
+        Field::numbers("gravity_centre", m.p_BG.data(), 3, {-100, 100}, "m", "Centre of gravity."),
+        Field::numbers("buoyancy_centre", m.p_BC.data(), 3, {-100, 100}, "m", "Centre of buoyancy."),
+        Field::real("volume", &m.volume, {1e-6, kBig}, "m3", "Displaced volume.")}},
+      {"water",
+       "Hydrodynamics; matrices are one row (the diagonal) or six rows, positive where they oppose the motion.",
+       {Field::real("density", &m.reference_density, {900, 1100}, "kg/m3", "Density that the numbers below hold at."),
+        Field::rows("added_mass", &added, 6, {-kBig, kBig}, "kg, kg m, kg m2", "Added mass; symmetric."),
+        Field::rows("linear_damping", &linear, 6, {-kBig, kBig}, "N s/m, ...", "Times the velocity."),
+        Field::rows("lift_damping", &lift, 6, {-kBig, kBig}, "N s2/m2, ...", "Times the velocity and forward speed."),
+        Field::rows("quadratic_damping", &quadratic, 6, {-kBig, kBig}, "N s2/m2, ...",
+                    "Times the square of each velocity, with its sign.")}},
+      {"limits",
+       "What may be asked of it.",
+       {Field::real("max_speed", &m.limits.max_speed, {0.01, 30}, "m/s", "Greatest speed."),
+        Field::real("max_acceleration", &m.limits.max_acceleration, {1e-3, 100}, "m/s2", "Greatest change of speed."),
+        Field::real("turning_radius", &m.limits.turning_radius, {0, 10000}, "m", "Tightest turn; 0: on the spot."),
+        Field::degrees("max_yaw_rate_deg", &m.limits.max_yaw_rate, {0.1, 360}, "Greatest turn in a second."),
+        Field::real("max_climb_rate", &m.limits.max_climb_rate, {1e-3, 30}, "m/s", "Greatest change of depth."),
+        Field::real("max_depth", &m.limits.max_depth, {0.1, 12000}, "m", "Greatest depth.")}},
+      {"allocation",
+       "Who makes which force: 1 or 0 for surge, sway, heave, roll, pitch, yaw.",
+       {Field::numbers("thruster_axes", m.thruster_axes.data(), 6, {0, 1}, "1", "Asked of the thrusters."),
+        Field::numbers("fin_axes", m.fin_axes.data(), 6, {0, 1}, "1", "Asked of the fins.")}},
+      {"autopilot", "Heading, depth and speed.", fields(m.autopilot)},
+  };
+  schema.lists = {
+      {"thruster", "A propeller.",
+       [&](const Place& place) {
+         at.thrusters.push_back(place);
+         Thruster& t = m.thrusters.emplace_back();
+         return std::vector{
+             Field::text("name", &t.name, "Its name."),
+             Field::numbers("position", t.p_BT.data(), 3, {-100, 100}, "m", "Where it is in B."),
+             Field::numbers("direction", t.direction_B.data(), 3, {-1e3, 1e3}, "1", "Of positive thrust; any length."),
+             Field::real("max_forward", &t.max_forward, {0, kBig}, "N", "Greatest thrust."),
+             Field::real("max_reverse", &t.max_reverse, {0, kBig}, "N", "The same backward."),
+             Field::real("dead_zone", &t.dead_zone, {0, kBig}, "N", "Smaller commands give nothing."),
+             Field::real("time_constant", &t.time_constant, {0, 100}, "s", "First-order lag."),
+             Field::real("torque_per_thrust", &t.torque_per_thrust, {-10, 10}, "m",
+                         "Reaction torque about direction.")};
+       }},
+      {"fin", "A moving fin.", [&](const Place& place) {
+         at.fins.push_back(place);
+         Fin& f = m.fins.emplace_back();
+         return std::vector{
+             Field::text("name", &f.name, "Its name."),
+             Field::numbers("position", f.p_BF.data(), 3, {-100, 100}, "m", "Centre of pressure in B."),
+             Field::numbers("direction", f.direction_B.data(), 3, {-1e3, 1e3}, "1",
+                            "Of the force at positive deflection going ahead."),
+             Field::real("lift", &f.lift, {0, kBig}, "N s2/(m2 rad)", "Force by squared speed and deflection."),
+             Field::degrees("max_deflection_deg", &f.max_deflection, {0.1, 60}, "Greatest deflection."),
+             Field::degrees("dead_zone_deg", &f.dead_zone, {0, 10}, "Smaller commands give nothing."),
+             Field::real("time_constant", &f.time_constant, {0, 100}, "s", "First-order lag.")};
+       }}};
+  reader(text, file, schema);
+
+  const auto place_of = [&](std::size_t i) {
+    Place place = schema.sections[i].place;
+    if (place.file.empty()) place.file = file;  // the section is not there
+    return place;
+  };
+  at.vehicle = place_of(0);
+  at.body = place_of(1);
+  at.water = place_of(2);
+  m.inertia_B = moments.asDiagonal();
+  m.inertia_B(0, 1) = m.inertia_B(1, 0) = -products(0);
+  m.inertia_B(0, 2) = m.inertia_B(2, 0) = -products(1);
+  m.inertia_B(1, 2) = m.inertia_B(2, 1) = -products(2);
+  m.added_mass = matrix_of(added, at.water, "water.added_mass");
+  m.linear_damping = matrix_of(linear, at.water, "water.linear_damping");
+  m.lift_damping = matrix_of(lift, at.water, "water.lift_damping");
+  m.quadratic_damping = matrix_of(quadratic, at.water, "water.quadratic_damping");
+  for (Thruster& t : m.thrusters) t.direction_B.normalize();
+  for (Fin& f : m.fins) f.direction_B.normalize();
+  check(m, at);
+  return m;
+}
+
+}  // namespace
+
+std::vector<Field> fields(AutopilotConfig& c) {
+  return {
+      Field::choice("depth_by", &c.depth_by, {{"heave", DepthBy::kHeave}, {"pitch", DepthBy::kPitch}},
+                    "How it changes depth: straight up and down, or nose up and down."),
+      Field::real("speed_bandwidth", &c.speed_bandwidth, {0.01, 20}, "rad/s", "Quickness of the speed loops."),
+      Field::real("heading_bandwidth", &c.heading_bandwidth, {0.01, 20}, "rad/s", "Quickness of the heading loop."),
+      Field::real("depth_bandwidth", &c.depth_bandwidth, {0.01, 20}, "rad/s", "Quickness of the depth loop."),
+      Field::real("attitude_bandwidth", &c.attitude_bandwidth, {0.01, 20}, "rad/s", "Quickness of roll and pitch."),
+      Field::real("integral_rate", &c.integral_rate, {0, 5}, "rad/s", "Quickness of the integral action."),
+      Field::degrees("max_pitch_deg", &c.max_pitch, {0.1, 80}, "Steepest pitch that is asked for."),
+      Field::real("min_flow", &c.min_flow, {0.01, 10}, "m/s", "Slower, fins are steered as if at this speed."),
+  };
+}
+
+Matrix6 rigid_body_mass(const VehicleModel& model) {
+  Matrix6 m;
+  m << model.mass * Eigen::Matrix3d::Identity(), -model.mass * skew(model.p_BG), model.mass * skew(model.p_BG),
+      model.inertia_B;
+  return m;
+}
+
+Matrix6 mass_matrix(const VehicleModel& model, double density) {
+  return rigid_body_mass(model) + density / model.reference_density * model.added_mass;
+}
+
+Vector6 damping_wrench(const VehicleModel& model, const Vector6& velocity, double density) {
+  return -density / model.reference_density *
+         (model.linear_damping * velocity + model.lift_damping * (std::abs(velocity(0)) * velocity) +
+          model.quadratic_damping * velocity.cwiseAbs().cwiseProduct(velocity));
+}
+
+VehicleModel load_vehicle(const std::string& path) {
+  return read_vehicle({}, path,
+                      [](std::string_view, const std::string& file, Schema& schema) { read_toml_file(file, schema); });
+}
+
+VehicleModel parse_vehicle(std::string_view text, const std::string& name) {
+  return read_vehicle(text, name, [](std::string_view toml, const std::string& file, Schema& schema) {
+    read_toml(toml, file, schema);
+  });
+}
+
+void check_vehicle(const VehicleModel& model, const Place& where) {
+  Places at;
+  at.vehicle = at.body = at.water = at.limits = where;
+  check(model, at);
+}
+
+}  // namespace isobath
