@@ -441,15 +441,21 @@ struct EchoFormer::State {
     const Vector3d middle = R_WS.transpose() * (box.center() - X_WS.translation);
     const double centre = std::atan2(middle.y(), middle.x());
     Window w{1e9, -1e9, 1e9, -1e9, box.exteriorDistance(X_WS.translation)};
-    for (int i = 0; i < 8; ++i) {
-      const Vector3d corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
-      const Vector3d c = R_WS.transpose() * (corner - X_WS.translation);
+    const auto include = [&](const Vector3d& p_W) {
+      const Vector3d c = R_WS.transpose() * (p_W - X_WS.translation);
       const double azimuth = centre + std::remainder(std::atan2(c.y(), c.x()) - centre, 2 * kPi);
       const double elevation = std::atan2(-c.z(), std::hypot(c.x(), c.y()));
       w.left = std::min(w.left, azimuth);
       w.right = std::max(w.right, azimuth);
       w.low = std::min(w.low, elevation);
       w.high = std::max(w.high, elevation);
+    };
+    for (int i = 0; i < 8; ++i) include(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)));
+    // A broad box is highest and lowest where it is nearest, between its corners.
+    Vector3d nearest = X_WS.translation.cwiseMax(box.min()).cwiseMin(box.max());
+    for (const double z : {box.min().z(), box.max().z()}) {
+      nearest.z() = z;
+      include(nearest);
     }
     if (w.right - w.left > kPi / 2) return std::nullopt;
     return w;
@@ -470,7 +476,7 @@ struct EchoFormer::State {
     w.high = std::min(w.high + pad_up, edges.back());
     if (w.high <= w.low) return;
     const auto count = [](double extent, double cell) {
-      return std::clamp(static_cast<int>(std::ceil(8 * extent / cell)), 12, 24);
+      return std::clamp(static_cast<int>(std::ceil(8 * extent / cell)), 16, 24);
     };
     const int columns = count(w.right - w.left, cell_across), lines = count(w.high - w.low, cell_up);
     for (int c = 0; c < columns; ++c) {

@@ -108,9 +108,14 @@ void bounds_of(const RTCBoundsFunctionArguments* args) {
   b.upper_z = up(box.max().z());
 }
 
+/// Directions in single precision are not quite of length one, which a small sphere far away would feel.
 std::optional<Meeting> meet(const Exact& shape, const RTCRay& ray) {
-  const Vector3d p(ray.org_x, ray.org_y, ray.org_z), u(ray.dir_x, ray.dir_y, ray.dir_z);
-  return meet(shape, p, u, static_cast<double>(ray.tnear), static_cast<double>(ray.tfar));
+  const Vector3d p(ray.org_x, ray.org_y, ray.org_z), v(ray.dir_x, ray.dir_y, ray.dir_z);
+  const double length = v.norm();
+  auto found =
+      meet(shape, p, v / length, static_cast<double>(ray.tnear) * length, static_cast<double>(ray.tfar) * length);
+  if (found) found->range /= length;
+  return found;
 }
 
 void intersect_exact(const RTCIntersectFunctionNArguments* args) {
