@@ -28,6 +28,7 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
   return {{"problem", outcome.problem},
           {"counts", counts_json(outcome)},
           {"rejected", rejected_json(outcome)},
+          {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},
           {"rates",
            {{"log_s", outcome.log_s},
             {"wall_s", wall},
@@ -36,6 +37,21 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
             {"ping_median_ms", outcome.timings.ping_median_ms},
             {"ping_p99_ms", outcome.timings.ping_p99_ms}}},
           {"files", files}};
+}
+
+void print(const TruthScore& truth) {
+  fmt::print("truth: {} obstacles in {} scans, {} of them of nothing\n", truth.obstacles, truth.scans,
+             truth.false_alarms);
+  for (const BodyScore& b : truth.bodies) {
+    if (b.scans_found == 0) {
+      fmt::print("  {}: heard by {} pings, not found\n", b.name, b.pings_heard);
+      continue;
+    }
+    fmt::print(
+        "  {}: found at {:.1f} m, {} pings ({:.1f} s) after it was first heard; range error {:+.2f} m mean, {:.2f} m "
+        "rms\n",
+        b.name, b.first_range_m, b.delay_pings, b.delay_s, b.range_error_mean_m, b.range_error_rms_m);
+  }
 }
 
 void print(const RunRequest& request, const RunOutcome& outcome) {
@@ -48,6 +64,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
     fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
   if (!outcome.undecided.empty()) fmt::print("at the end no bin could be decided: {}\n", outcome.undecided);
   fmt::print("{} obstacles at the end\n", outcome.obstacles.size());
+  if (outcome.truth) print(*outcome.truth);
   for (const Obstacle& o : outcome.obstacles) {
     if (o.behind) continue;
     fmt::print("  bearing {:5.1f} deg  {:6.2f} m  existence {:.3f}\n", o.bearing.wrapped_positive().degrees(),
@@ -85,7 +102,8 @@ Action add_run(CLI::App& program) {
   auto options = std::make_shared<Options>();
   options->request.out = "out/run";
   CLI::App* command = program.add_subcommand("run", "The main job: log in; map, obstacles, pictures and report out");
-  command->add_option("INPUT", options->request.input, "Log, or folder of frames; without it, the embedded reservoir");
+  command->add_option("INPUT", options->request.input,
+                      "Log, folder of frames, or scene (.toml); without it, the embedded scene");
   command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
   command->add_option("--model", options->model, "Sensor model made by isobath calibrate")->type_name("FILE");
   command->add_option("--input-set", options->set, "Set of frames in a folder that holds several")->type_name("NAME");

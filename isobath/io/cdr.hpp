@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace isobath {
@@ -20,6 +22,13 @@ class CdrWriter {
     align(sizeof value);
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
     out_.insert(out_.end(), bytes, bytes + sizeof value);
+    return *this;
+  }
+  /// Length with the closing zero in front.
+  CdrWriter& text(std::string_view value) {
+    number(static_cast<std::uint32_t>(value.size() + 1));
+    out_.insert(out_.end(), value.begin(), value.end());
+    out_.push_back(0);
     return *this;
   }
   /// Count in front; room for the elements, all zero, for the caller to fill at once.
@@ -55,6 +64,12 @@ class CdrReader {
   std::span<const std::uint8_t> sequence() {
     const std::uint64_t count = number<std::uint32_t>();
     return count == 0 ? std::span<const std::uint8_t>() : take(sizeof(Number), count * sizeof(Number));
+  }
+
+  std::string text() {
+    const std::uint64_t size = number<std::uint32_t>();
+    const auto bytes = size == 0 ? std::span<const std::uint8_t>() : take(1, size);
+    return bytes.empty() ? std::string() : std::string(bytes.begin(), bytes.end() - 1);
   }
 
   [[nodiscard]] bool ok() const { return ok_; }

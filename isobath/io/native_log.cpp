@@ -16,6 +16,9 @@ using Eigen::Vector3d;
 constexpr const char* kPing = "isobath/msg/Ping";
 constexpr const char* kNavigation = "isobath/msg/Navigation";
 constexpr const char* kRange = "isobath/msg/RangeReading";
+constexpr const char* kHealth = "isobath/msg/Health";
+constexpr const char* kTrueMotion = "isobath/msg/TrueMotion";
+constexpr const char* kEchoTruth = "isobath/msg/EchoTruth";
 constexpr const char* kOrigin = "isobath/origin";
 constexpr const char* kDetails = "isobath/source";
 constexpr const char* kConfiguration = "isobath/configuration";
@@ -61,6 +64,36 @@ const std::string kRangeDefinition =
     "float32 confidence        # 0 to 1\n"
     "float64[] range           # empty: no echo within max_range\n" +
     kPoseDefinition;
+
+const std::string kHealthDefinition =
+    "# How the vehicle, or one of its sensors, is.\n"
+    "int64 time_ns\n"
+    "string source             # vehicle, or the name of a sensor\n"
+    "uint8 state               # 0 sound, 1 degraded, 2 lost\n"
+    "float32 battery           # share of a full charge\n"
+    "bool leak\n"
+    "string note\n";
+
+const std::string kTrueMotionDefinition =
+    "# Where a simulated vehicle really is. SI units, world north-east-down.\n"
+    "int64 time_ns\n"
+    "isobath/Pose body         # body in world\n"
+    "float64[] velocity        # over ground, components in the body\n"
+    "float64[] rates           # roll, pitch, yaw rate\n"
+    "float64[] current         # of the water: north, east, down\n"
+    "float64[] altitude        # above the bottom; empty: no bottom below\n" +
+    kPoseDefinition;
+
+const std::string kEchoTruthDefinition =
+    "# What each sample of a simulated ping really is.\n"
+    "int64 time_ns             # of the ping\n"
+    "string sonar\n"
+    "uint32 beams\n"
+    "uint32 bins\n"
+    "uint16[] labels           # beam by beam. Upper 12 bits: 0 nothing, 1 surface, 2 bottom, 3.. bodies of the "
+    "scene;\n"
+    "                          # lower 4: 0 noise, 1 direct, 2 side lobe, 3 surface bounce, 4 bottom bounce,\n"
+    "                          # 5 body bounce, 6 multiple, 7 volume, 8 ringing, 9 spurious, 10 disturbance\n";
 
 void put_pose(CdrWriter& w, const Pose& pose) {
   for (int i = 0; i < 3; ++i) w.number(pose.translation[i]);
@@ -140,6 +173,12 @@ void put(CdrWriter& w, const RangeReading& r) {
       w, [&](std::size_t) { return *r.range_m; }, r.range_m ? 1 : 0);
 }
 
+void put(CdrWriter& w, const Health& h) {
+  w.number(std::int64_t{h.time.time_since_epoch().count()}).text(h.source);
+  w.number(static_cast<std::uint8_t>(h.state)).number(h.battery_share);
+  w.number(static_cast<std::uint8_t>(h.leak)).text(h.note);
+}
+
 double double_at(std::span<const std::uint8_t> bytes, std::size_t i) {
   double value = 0;
   std::memcpy(&value, bytes.data() + 8 * i, 8);
@@ -191,6 +230,60 @@ std::optional<Event> take_range(std::span<const std::uint8_t> data) {
   if (bad || !r.ok() || range.size() > 8) return std::nullopt;
   if (!range.empty()) reading.range_m = double_at(range, 0);
   return reading;
+}
+
+std::optional<Event> take_health(std::span<const std::uint8_t> data) {
+  CdrReader r(data);
+  Health health;
+  health.time = take_time(r);
+  health.source = r.text();
+  const auto state = r.number<std::uint8_t>();
+  health.battery_share = r.number<float>();
+  health.leak = r.number<std::uint8_t>() != 0;
+  health.note = r.text();
+  if (!r.ok() || state > 2) return std::nullopt;
+  health.state = static_cast<HealthState>(state);
+  return health;
+}
+
+std::optional<Vector3d> take_vector(CdrReader& r) {
+  const auto bytes = r.sequence<double>();
+  if (bytes.size() != 24) return std::nullopt;
+  return Vector3d(double_at(bytes, 0), double_at(bytes, 1), double_at(bytes, 2));
+}
+
+std::optional<TrueMotion> take_motion(std::span<const std::uint8_t> data) {
+  CdrReader r(data);
+  TrueMotion motion;
+  bool bad = false;
+  motion.time = take_time(r);
+  motion.state.X_WB = take_pose(r, bad);
+  const auto velocity = take_vector(r), rates = take_vector(r), current = take_vector(r);
+  const auto altitude = r.sequence<double>();
+  if (bad || !r.ok() || !velocity || !rates || !current || altitude.size() > 8) return std::nullopt;
+  motion.state.v_B = *velocity;
+  motion.state.w_B = *rates;
+  motion.current_W = *current;
+  if (!altitude.empty()) motion.altitude_m = double_at(altitude, 0);
+  return motion;
+}
+
+std::optional<EchoTruth> take_echoes(std::span<const std::uint8_t> data) {
+  CdrReader r(data);
+  EchoTruth truth;
+  truth.time = take_time(r);
+  truth.sonar = r.text();
+  const std::uint64_t beams = r.number<std::uint32_t>(), bins = r.number<std::uint32_t>();
+  const auto labels = r.sequence<std::uint16_t>();
+  if (!r.ok() || beams > 1u << 20 || bins > 1u << 20 || labels.size() != beams * bins * 2) return std::nullopt;
+  truth.beams = static_cast<int>(beams);
+  truth.bins = static_cast<int>(bins);
+  truth.labels.reserve(labels.size() / 2);
+  for (std::size_t i = 0; i < labels.size(); i += 2) {
+    const int code = labels[i] | labels[i + 1] << 8;
+    truth.labels.emplace_back(code >> 4, static_cast<EchoPath>(code & 0xf));
+  }
+  return truth;
 }
 
 /// Fans by their bytes, so that pings of the same geometry share one.
@@ -299,7 +392,9 @@ class NativeLogSource final : public Source {
         ++reader_.report().rejected["message of a channel that is not Isobath's"];
         continue;
       }
-      if (auto event = decoded(reader_.schema(channel.schema_id)->name, *message)) return event;
+      const std::string& kind = reader_.schema(channel.schema_id)->name;
+      if (kind == kTrueMotion || kind == kEchoTruth) continue;  // for judges alone
+      if (auto event = decoded(kind, *message)) return event;
       ++reader_.report().rejected["message that cannot be decoded"];
     }
     learn_metadata();
@@ -315,6 +410,7 @@ class NativeLogSource final : public Source {
     if (kind == kPing) return take_ping(message, fans_);
     if (kind == kNavigation) return take_navigation(message.data);
     if (kind == kRange) return take_range(message.data);
+    if (kind == kHealth) return take_health(message.data);
     return std::nullopt;
   }
 
@@ -356,6 +452,7 @@ NativeLogWriter::NativeLogWriter(const std::filesystem::path& file, const McapWr
   ping_ = add("/ping", kPing, kPingDefinition);
   navigation_ = add("/navigation", kNavigation, kNavigationDefinition);
   range_ = add("/range", kRange, kRangeDefinition);
+  health_ = add("/health", kHealth, kHealthDefinition);
 }
 
 void NativeLogWriter::set_details(const std::map<std::string, std::string>& details) {
@@ -371,15 +468,75 @@ void NativeLogWriter::set_origin(const GeoOrigin& origin) {
 }
 
 bool NativeLogWriter::write(const Event& event) {
-  const Ping* ping = std::get_if<Ping>(&event);
-  if (ping && !writable(*ping)) return false;
+  if (const Ping* ping = std::get_if<Ping>(&event); ping && !writable(*ping)) return false;
   CdrWriter w(message_);
   std::visit([&](const auto& e) { put(w, e); }, event);
-  const std::uint16_t channel = ping ? ping_ : std::holds_alternative<Navigation>(event) ? navigation_ : range_;
-  // MCAP knows no time before 1970; the exact one stands in the message
-  const auto time = static_cast<std::uint64_t>(std::max<std::int64_t>(time_of(event).time_since_epoch().count(), 0));
-  mcap_.write({channel, sequence_[channel]++, time, time, message_, nullptr});
+  const std::uint16_t channels[] = {ping_, range_, navigation_, health_};  // in the order of the variant
+  static_assert(std::variant_size_v<Event> == std::size(channels));
+  send(channels[event.index()], time_of(event));
   return true;
+}
+
+/// The message that stands in message_.
+void NativeLogWriter::send(std::uint16_t channel, Time at) {
+  // MCAP knows no time before 1970; the exact one stands in the message
+  const auto time = static_cast<std::uint64_t>(std::max<std::int64_t>(at.time_since_epoch().count(), 0));
+  mcap_.write({channel, sequence_[channel]++, time, time, message_, nullptr});
+}
+
+std::uint16_t NativeLogWriter::truth_channel(std::uint16_t& id, const char* topic, const char* name,
+                                             const std::string& definition) {
+  if (id == 0) id = mcap_.add_channel({0, mcap_.add_schema({0, name, "ros2msg", definition}), topic, "cdr", {}});
+  return id;
+}
+
+void NativeLogWriter::write(const TrueMotion& motion) {
+  CdrWriter w(message_);
+  w.number(std::int64_t{motion.time.time_since_epoch().count()});
+  put_pose(w, motion.state.X_WB);
+  for (const Vector3d& v : {motion.state.v_B, motion.state.w_B, motion.current_W}) {
+    put_doubles(
+        w, [&v](std::size_t i) { return v[static_cast<Eigen::Index>(i)]; }, 3);
+  }
+  put_doubles(
+      w, [&](std::size_t) { return *motion.altitude_m; }, motion.altitude_m ? 1 : 0);
+  send(truth_channel(motion_, "/truth/motion", kTrueMotion, kTrueMotionDefinition), motion.time);
+}
+
+void NativeLogWriter::write(const EchoTruth& echoes) {
+  CdrWriter w(message_);
+  w.number(std::int64_t{echoes.time.time_since_epoch().count()}).text(echoes.sonar);
+  w.number(static_cast<std::uint32_t>(echoes.beams)).number(static_cast<std::uint32_t>(echoes.bins));
+  std::uint8_t* out = w.sequence<std::uint16_t>(echoes.labels.size());
+  for (const EchoLabel label : echoes.labels) {
+    *out++ = static_cast<std::uint8_t>(label.code() & 0xff);
+    *out++ = static_cast<std::uint8_t>(label.code() >> 8);
+  }
+  send(truth_channel(echoes_, "/truth/echoes", kEchoTruth, kEchoTruthDefinition), echoes.time);
+}
+
+void NativeLogWriter::attach(const std::string& name, const std::string& media_type, const std::string& data) {
+  mcap_.add_attachment({0, 0, name, media_type, data});
+}
+
+TruthReader::TruthReader(const std::filesystem::path& file) {
+  auto input = std::make_unique<std::ifstream>(file, std::ios::binary);
+  if (!*input) throw Error("cannot be read", {file.string(), {}, {}, {}, {}});
+  reader_ = std::make_unique<McapReader>(std::move(input), file.string());
+}
+TruthReader::~TruthReader() = default;
+
+std::optional<std::variant<TrueMotion, EchoTruth>> TruthReader::next() {
+  while (const auto message = reader_->next()) {
+    const McapSchema* schema = reader_->schema(reader_->channel(message->channel_id)->schema_id);
+    if (!schema) continue;
+    if (schema->name == kTrueMotion) {
+      if (auto motion = take_motion(message->data)) return std::move(*motion);
+    } else if (schema->name == kEchoTruth) {
+      if (auto echoes = take_echoes(message->data)) return std::move(*echoes);
+    }
+  }
+  return std::nullopt;
 }
 
 std::unique_ptr<Source> open_native_log(std::unique_ptr<std::istream> input, const std::string& name) {

@@ -1,21 +1,25 @@
 // Isobath's own log: every Event, exactly, in an MCAP container (mcap.hpp).
 //
-// Channels /ping, /navigation and /range carry CDR (little-endian) with ros2msg definitions isobath/msg/Ping,
-// Navigation and RangeReading inside the file, so that other viewers decode every field by name. Reading gives back the
-// same events in the same order: times, poses, beams and samples bit for bit. Pings of the same fan share one BeamFan.
-// Samples are stored beam by beam, whatever the strides of the source were. A log's metadata holds the origin on the
-// globe, what the source said about itself, and the configuration. Errors: see McapWriter; open_native_log throws Error
-// for a file that is no MCAP or holds no channel of ours. Damage, other channels' messages and messages that cannot be
-// decoded are counted in the report.
+// Channels /ping, /navigation, /range and /health carry CDR (little-endian) with ros2msg definitions isobath/msg/Ping,
+// Navigation, RangeReading and Health inside the file, so that other viewers decode every field by name. Reading gives
+// back the same events in the same order: times, poses, beams and samples bit for bit. Pings of the same fan share one
+// BeamFan. Samples are stored beam by beam, whatever the strides of the source were. A log's metadata holds the origin
+// on the globe, what the source said about itself, and the configuration. Errors: see McapWriter; open_native_log
+// throws Error for a file that is no MCAP or holds no channel of ours. Damage, other channels' messages and messages
+// that cannot be decoded are counted in the report.
 #pragma once
 
 #include <filesystem>
 #include <isobath/io/event.hpp>
 #include <isobath/io/mcap.hpp>
 #include <isobath/io/open.hpp>
+#include <isobath/sonar/echo_truth.hpp>
+#include <isobath/vehicle/vehicle_state.hpp>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <variant>
 
 namespace isobath {
 
@@ -32,17 +36,36 @@ class NativeLogWriter {
   /// False, and nothing is written, for a ping without beams or whose samples are not beams x bins: no reader could use
   /// it.
   bool write(const Event& event);
+  /// What only a simulator knows, in channels of its own (/truth/motion, /truth/echoes), which sources pass over.
+  void write(const TrueMotion& motion);
+  void write(const EchoTruth& echoes);
+  /// A file beside the messages, such as the scene that was simulated.
+  void attach(const std::string& name, const std::string& media_type, const std::string& data);
   /// Makes what was written safe from a crash.
   void flush() { mcap_.flush(); }
   void close() { mcap_.close(); }
 
  private:
+  std::uint16_t truth_channel(std::uint16_t& id, const char* topic, const char* name, const std::string& definition);
+  void send(std::uint16_t channel, Time time);
+
   McapWriter mcap_;
-  std::uint16_t ping_ = 0;
-  std::uint16_t navigation_ = 0;
-  std::uint16_t range_ = 0;
+  std::uint16_t ping_ = 0, navigation_ = 0, range_ = 0, health_ = 0;
+  std::uint16_t motion_ = 0, echoes_ = 0;  ///< made with the first truth: a vehicle's log has none
   std::map<std::uint16_t, std::uint32_t> sequence_;
   std::vector<std::uint8_t> message_;
+};
+
+/// The truths of a simulated log, in order; none in a log from a vehicle. Messages that cannot be decoded are passed
+/// over.
+class TruthReader {
+ public:
+  explicit TruthReader(const std::filesystem::path& file);
+  ~TruthReader();
+  std::optional<std::variant<TrueMotion, EchoTruth>> next();
+
+ private:
+  std::unique_ptr<McapReader> reader_;
 };
 
 std::unique_ptr<Source> open_native_log(const std::filesystem::path& file, const InputConfig& config);

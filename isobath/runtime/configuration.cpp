@@ -24,7 +24,7 @@ std::vector<Section> sections(Configuration& c) {
           {"table", "The table of overlaps of bins and cells.", fields(c.update.table)},
           {"obstacles", "From occupancy to outlines.", fields(c.obstacles)},
           {"calibration", "From marked recordings to a sensor model.", fields(c.calibration)},
-          {"reservoir", "The embedded scene that is run without an input.", fields(c.reservoir)}};
+          {"simulation", "What overrides a scene, where the input is one.", fields(c.simulation)}};
 }
 
 }  // namespace isobath

@@ -8,7 +8,7 @@
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
-#include <isobath/sim/reservoir.hpp>
+#include <isobath/sim/simulator.hpp>
 #include <isobath/sonar/calibration.hpp>
 #include <isobath/sonar/echo_detector.hpp>
 #include <vector>
@@ -36,7 +36,7 @@ struct Configuration {
   GridMapperConfig update;
   ObstacleDetectorConfig obstacles;
   CalibrationConfig calibration;
-  ReservoirConfig reservoir;
+  SimulationConfig simulation;
 };
 
 /// Bound to `configuration`, which must outlive them.

@@ -21,6 +21,10 @@ const char* content_fault(const RangeReading& reading) {
   return finite ? nullptr : EventGate::kBadRange;
 }
 
+const char* content_fault(const Health& health) {
+  return health.battery_share >= 0 && health.battery_share <= 1 ? nullptr : EventGate::kBadHealth;
+}
+
 }  // namespace
 
 std::vector<Field> fields(EventGateConfig& c) {

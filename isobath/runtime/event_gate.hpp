@@ -35,6 +35,7 @@ class EventGate {
   static constexpr const char* kTooOld = "older than the limit";
   static constexpr const char* kBadNavigation = "navigation not finite";
   static constexpr const char* kBadRange = "range not finite";
+  static constexpr const char* kBadHealth = "health report whose charge is no share";
 
  private:
   struct Stream {

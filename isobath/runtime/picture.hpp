@@ -34,6 +34,7 @@ inline constexpr Colour kFaint{0.45, 0.47, 0.5, 0.6};
 inline constexpr Colour kObstacle{0.84, 0.37, 0.0, 1};
 inline constexpr Colour kHidden{0.34, 0.34, 0.6, 1};
 inline constexpr Colour kTrack{0.0, 0.45, 0.7, 1};
+inline constexpr Colour kTruth{0.0, 0.62, 0.45, 1};
 inline constexpr Colour kVehicle{0.0, 0.62, 0.45, 1};
 }  // namespace palette
 

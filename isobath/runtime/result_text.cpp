@@ -111,13 +111,41 @@ ordered_json rejected_json(const RunOutcome& outcome) {
   return rejected;
 }
 
+ordered_json truth_json(const TruthScore& score) {
+  ordered_json bodies = ordered_json::array();
+  for (const BodyScore& b : score.bodies) {
+    ordered_json one{{"name", b.name}, {"pings_heard", b.pings_heard}, {"scans_found", b.scans_found}};
+    if (b.scans_found > 0) {
+      one["delay_pings"] = b.delay_pings;
+      one["delay_s"] = tidy(b.delay_s);
+      one["first_range_m"] = tidy(b.first_range_m);
+      one["range_error_mean_m"] = tidy(b.range_error_mean_m);
+      one["range_error_rms_m"] = tidy(b.range_error_rms_m);
+      one["range_error_worst_m"] = tidy(b.range_error_worst_m);
+    }
+    bodies.push_back(std::move(one));
+  }
+  return {{"scans", score.scans},
+          {"bodies", bodies},
+          {"obstacles",
+           {{"all", score.obstacles},
+            {"of_bodies", score.of_bodies},
+            {"of_bottom", score.of_bottom},
+            {"of_surface", score.of_surface},
+            {"of_mirrors", score.of_mirrors},
+            {"of_ringing", score.of_ringing},
+            {"false_alarms", score.false_alarms}}},
+          {"scans_with_false_alarms", score.scans_with_false_alarms}};
+}
+
+std::string truth_text(const TruthScore& score) { return dump(truth_json(score)); }
+
 std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) {
   ordered_json manifest{{"program", "isobath"},
                         {"version", ISOBATH_VERSION},
-                        {"input", request.input.empty() ? "embedded reservoir" : request.input.string()},
+                        {"input", request.input.empty() ? "embedded scene" : request.input.string()},
                         {"format", outcome.source.format},
                         {"bytes", outcome.source.bytes_total},
-                        {"seed", request.configuration.reservoir.seed},
                         {"problem", outcome.problem}};
   for (const auto& [key, value] : outcome.source.details) manifest["details"][key] = value;
   manifest["counts"] = counts_json(outcome);

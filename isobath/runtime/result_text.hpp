@@ -29,6 +29,9 @@ std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin);
 /// What a run saw, by kind; and what it refused, by reason.
 nlohmann::ordered_json counts_json(const RunOutcome& outcome);
 nlohmann::ordered_json rejected_json(const RunOutcome& outcome);
+/// Found, missed and false, of a simulated run; and the same as a file.
+nlohmann::ordered_json truth_json(const TruthScore& score);
+std::string truth_text(const TruthScore& score);
 /// What was run: input, version, counts, rejections, files. Holds no time of day, and no path but those given.
 std::string manifest_json(const RunRequest& request, const RunOutcome& outcome);
 

@@ -5,9 +5,9 @@
 #include <isobath/io/open.hpp>
 #include <isobath/io/pose_track.hpp>
 #include <isobath/runtime/prefetch.hpp>
-#include <isobath/runtime/reservoir_source.hpp>
 #include <isobath/runtime/run.hpp>
 #include <isobath/runtime/run_folder.hpp>
+#include <isobath/runtime/scenario.hpp>
 
 namespace isobath {
 namespace {
@@ -19,12 +19,35 @@ double milliseconds_since(Clock::time_point start) {
 }
 
 std::unique_ptr<Source> open(const RunRequest& request) {
-  std::unique_ptr<Source> source = request.input.empty()
-                                       ? std::make_unique<ReservoirSource>(request.configuration.reservoir)
-                                       : open_source(request.input, request.configuration.input);
+  std::unique_ptr<Source> source = open_source(request.input, request.configuration.input);
   if (request.threads > 1) source = std::make_unique<PrefetchSource>(std::move(source));
   return source;
 }
+
+/// A scene is simulated here and now; it uses the threads itself.
+std::unique_ptr<SimulatedSource> simulate(const RunRequest& request) {
+  if (!is_scene(request.input)) return nullptr;
+  return std::make_unique<SimulatedSource>(open_scene(request.input), request.configuration.simulation,
+                                           std::min(request.threads, 2));
+}
+
+/// What the folder keeps and, for a simulated run, what the truth says of it.
+class Sinks : public ResultSink {
+ public:
+  Sinks(RunFolder& folder, TruthJudge* judge) : folder_(folder), judge_(judge) {}
+  void on_ping(const PosedPing& ping) override {
+    folder_.on_ping(ping);
+    if (judge_) judge_->on_ping(ping);
+  }
+  void on_scan(const ScanResult& scan) override {
+    folder_.on_scan(scan);
+    if (judge_) judge_->on_scan(scan);
+  }
+
+ private:
+  RunFolder& folder_;
+  TruthJudge* judge_;
+};
 
 RunTimings timings_of(std::vector<double>& ping_ms, double wall_ms) {
   RunTimings timings;
@@ -59,9 +82,14 @@ std::string problem_of(const RunOutcome& outcome) {
 }  // namespace
 
 RunOutcome run(const RunRequest& request) {
-  const auto source = open(request);
+  const auto simulated = simulate(request);
+  const auto opened = simulated ? nullptr : open(request);
+  Source* source = simulated ? static_cast<Source*>(simulated.get()) : opened.get();
+  std::optional<TruthJudge> judge;
+  if (simulated) simulated->tell_truth_to(&judge.emplace(simulated->simulator()));
   RunFolder folder(request.out, request.configuration);
-  Pipeline pipeline(request.configuration, folder);
+  Sinks sinks(folder, judge ? &*judge : nullptr);
+  Pipeline pipeline(request.configuration, sinks);
   RunOutcome outcome;
 
   const auto start = Clock::now();
@@ -88,6 +116,10 @@ RunOutcome run(const RunRequest& request) {
   outcome.undecided = pipeline.undecided();
   outcome.problem = problem_of(outcome);
   if (outcome.counts.pings == 0 && outcome.problem.empty()) outcome.problem = "no ping in it could be used";
+  if (judge) {
+    outcome.truth = judge->score();
+    folder.show_truth(judge->outlines());
+  }
   folder.write(request, pipeline.grid(), outcome);
   return outcome;
 }

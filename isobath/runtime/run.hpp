@@ -8,13 +8,15 @@
 #include <functional>
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/pipeline.hpp>
+#include <isobath/runtime/truth_judge.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace isobath {
 
 struct RunRequest {
-  std::filesystem::path input;  ///< empty: the embedded reservoir
+  std::filesystem::path input;  ///< log, folder of frames, or scene (.toml); empty: the embedded scene
   std::filesystem::path out;    ///< made if absent
   Configuration configuration;
   int threads = 2;       ///< 1: reading and mapping take turns; 2: reading goes ahead on a thread of its own
@@ -36,6 +38,7 @@ struct RunOutcome {
   RunTimings timings;
   std::vector<Obstacle> obstacles;           ///< at the end
   std::vector<std::filesystem::path> files;  ///< written, relative to the folder, in order
+  std::optional<TruthScore> truth;           ///< of a simulated run
   std::string undecided;                     ///< why no echo was decided at the end; empty when they were
   /// One line where the input itself is wrong (cut in the middle of a record, poses that are no numbers, time that runs
   /// backwards); empty when all is well. What could be used was used.

@@ -33,7 +33,8 @@ std::string notes(const Obstacle& o) {
 RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
   make_folder(folder_);
-  for (const char* name : {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png"}) {
+  for (const char* name :
+       {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png", "truth.json"}) {
     std::filesystem::remove(folder_ /
                             name);  // not every run writes them, and an earlier run's must not pass for its own
   }
@@ -114,9 +115,12 @@ std::string RunFolder::detections_picture() const {
     return Colour{shade, shade, shade, 1};
   });
   picture.range_rings({0, 0}, ring_step(extent()));
+  for (const Polygon& outline : truth_) picture.polygon(outline, {palette::kTruth, 2, false});
   draw_obstacles(picture, obstacles_);
   picture.vehicle({0, 0}, 0);
-  picture.finish(obstacle_legend());
+  auto legend = obstacle_legend();
+  if (!truth_.empty()) legend.insert(legend.begin(), {palette::kTruth, "truth"});
+  picture.finish(legend);
   return picture.png();
 }
 
@@ -167,6 +171,26 @@ std::string RunFolder::track_picture() const {
   return picture.png();
 }
 
+void add_truth(HtmlReport& page, const TruthScore& score) {
+  page.heading("Truth beside belief");
+  page.paragraph(fmt::format(
+      "Over {} scans, {} obstacles were reported: {} of bodies, {} of the bottom, {} of the surface, {} mirror images, "
+      "{} of the sonar's own ringing, and {} of nothing, in {} scans. Each is counted in every scan that shows it.",
+      score.scans, score.obstacles, score.of_bodies, score.of_bottom, score.of_surface, score.of_mirrors,
+      score.of_ringing, score.false_alarms, score.scans_with_false_alarms));
+  std::vector<HtmlReport::Row> rows;
+  for (const BodyScore& b : score.bodies) {
+    const bool found = b.scans_found > 0;
+    const auto number = [found](double value) { return found ? fmt::format("{:.2f}", value) : std::string("-"); };
+    rows.push_back({b.name, fmt::format("{}", b.pings_heard), found ? fmt::format("{} scans", b.scans_found) : "missed",
+                    found ? fmt::format("{}", b.delay_pings) : "-", number(b.delay_s), number(b.first_range_m),
+                    number(b.range_error_mean_m), number(b.range_error_rms_m), number(b.range_error_worst_m)});
+  }
+  page.table({"body", "pings that heard it", "found in", "pings until found", "s until found", "first found at (m)",
+              "range error, mean (m)", "rms (m)", "worst (m)"},
+             rows);
+}
+
 // Files --------------------------------------------------------------------------------------------------------------
 
 void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcome& outcome) {
@@ -185,6 +209,7 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcom
     write_text("sonar.png", pictures.sonar, outcome);
     write_text("detections.png", pictures.detections, outcome);
   }
+  if (outcome.truth) write_text("truth.json", truth_text(*outcome.truth), outcome);
   write_text("configuration.toml", write_toml(sections(configuration_), true), outcome);
   write_text("report.html", report(request, outcome, pictures), outcome);
   outcome.files.emplace_back("manifest.json");
@@ -214,7 +239,7 @@ void RunFolder::write_occupancy(const BodyGrid& grid, const Pose& X_WL, const st
 
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const Pictures& pictures) const {
   const PipelineCounts& n = outcome.counts;
-  HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded reservoir" : request.input.filename().string()),
+  HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : request.input.filename().string()),
                   fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
                               outcome.source.format, n.pings, outcome.log_s, n.scans, obstacles_.size()));
   if (!outcome.problem.empty()) page.warning(outcome.problem);
@@ -238,6 +263,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
         {degrees(o.bearing), fmt::format("{:.2f}", o.range_m), fmt::format("{:.3f}", o.existence), notes(o)});
   }
   page.table({"bearing (deg)", "nearest point (m)", "existence", ""}, rows);
+  if (outcome.truth) add_truth(page, *outcome.truth);
   page.heading("Counts");
   page.table({"what", "how many"},
              {{"pings mapped", fmt::format("{}", n.pings)},

@@ -26,6 +26,8 @@ class RunFolder : public ResultSink {
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
 
+  /// Outlines of what was really there, in L of the last scan; for the pictures.
+  void show_truth(std::vector<Polygon> outlines) { truth_ = std::move(outlines); }
   /// Writes all files and lists them in `outcome.files`.
   void write(const RunRequest& request, const BodyGrid* grid, RunOutcome& outcome);
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
@@ -54,6 +56,7 @@ class RunFolder : public ResultSink {
   std::vector<ScanRecord> scans_;
   std::vector<Eigen::Vector2d> track_;  ///< N, E of every scan
   std::vector<Obstacle> obstacles_;
+  std::vector<Polygon> truth_;
 };
 
 }  // namespace isobath

@@ -62,7 +62,8 @@ std::vector<Field> vehicle_fields(VehicleConfig& c) {
           Field::real("speed", &c.speed, {0, 10}, "m/s", "Through the water."),
           Field::real("dive_amplitude", &c.dive_amplitude, {0, 1000}, "m", "A sine in depth on top of the way-points."),
           Field::real("dive_period_s", &c.dive_period_s, {1, 1e5}, "s", "Its period."),
-          Field::real("dive_noise", &c.dive_noise, {0, 100}, "m", "Root mean square of a slow noise on top of it.")};
+          Field::real("dive_noise", &c.dive_noise, {0, 100}, "m", "Root mean square of a slow noise on top of it."),
+          Field::real("endurance_h", &c.endurance_h, {0.01, 1e4}, "h", "How long a full battery lasts.")};
 }
 
 std::vector<Field> waypoint_fields(WaypointConfig& c) {
@@ -204,6 +205,7 @@ void check_scene(Scene& scene) {
   if (scene.vehicle.dynamic && scene.vehicle.file.empty()) {
     refuse(scene.vehicle.place, "file", "a dynamic vehicle needs its file", "a vehicle file");
   }
+  (void)FaultSchedule(scene.faults, 0);
   for (std::size_t i = 0; i < scene.sonars.size(); ++i) {
     check(scene.sonars[i]);
     for (std::size_t j = 0; j < i; ++j) {
@@ -231,27 +233,44 @@ const Material* Scene::material(const std::string& name) const {
   return found == materials.end() ? nullptr : &*found;
 }
 
+std::vector<std::string> fault_names(const std::vector<SonarConfig>& sonars) {
+  std::vector<std::string> names;
+  int images = 0, ranges = 0;
+  for (const SonarConfig& sonar : sonars) {
+    const bool image = sonar.kind != SonarKind::kRanges;
+    const int number = image ? ++images : ++ranges;
+    names.push_back((image ? "sonar" : "altimeter") + (number > 1 ? fmt::format(".{}", number) : ""));
+  }
+  return names;
+}
+
 Schema schema(Scene& s) {
-  return {{{"scene", "What the scene is about.", about_fields(s.about)},
-           {"water", "The water and what it does to sound.", fields(s.water)},
-           {"bottom", "The bottom.", bottom_fields(s.bottom)},
-           {"vehicle", "The vehicle that carries the sonars.", vehicle_fields(s.vehicle)}},
-          {{"material", "A material of the scene's own.",
-            [&s](const Place&) { return material_fields(s.materials.emplace_back()); }},
-           body_list<Cylinder>(s, "cylinder", "A cylinder."),
-           body_list<Sphere>(s, "sphere", "A sphere."),
-           body_list<Box>(s, "box", "A box."),
-           body_list<Wall>(s, "wall", "A wall over a polyline."),
-           body_list<Prism>(s, "prism", "Upright sheets over segments and arcs."),
-           body_list<Pylons>(s, "pylons", "A row of upright cylinders."),
-           body_list<Mesh>(s, "mesh", "A mesh from a file."),
-           {"waypoint", "Where the vehicle goes, one after the other.",
-            [&s](const Place&) { return waypoint_fields(s.waypoints.emplace_back()); }},
-           {"sonar", "A sonar of the vehicle.", [&s](const Place& place) {
-              SonarConfig& sonar = s.sonars.emplace_back();
-              sonar.place = place;
-              return fields(sonar);
-            }}}};
+  Schema all;
+  all.sections = {{"scene", "What the scene is about.", about_fields(s.about)},
+                  {"water", "The water and what it does to sound.", fields(s.water)},
+                  {"bottom", "The bottom.", bottom_fields(s.bottom)},
+                  {"vehicle", "The vehicle that carries the sonars.", vehicle_fields(s.vehicle)},
+                  {"navigation", "How the vehicle knows where it is.", fields(s.navigator)}};
+  for (Section& section : sections(s.navigation)) all.sections.push_back(std::move(section));
+  all.lists = {{"material", "A material of the scene's own.",
+                [&s](const Place&) { return material_fields(s.materials.emplace_back()); }},
+               body_list<Cylinder>(s, "cylinder", "A cylinder."),
+               body_list<Sphere>(s, "sphere", "A sphere."),
+               body_list<Box>(s, "box", "A box."),
+               body_list<Wall>(s, "wall", "A wall over a polyline."),
+               body_list<Prism>(s, "prism", "Upright sheets over segments and arcs."),
+               body_list<Pylons>(s, "pylons", "A row of upright cylinders."),
+               body_list<Mesh>(s, "mesh", "A mesh from a file."),
+               {"waypoint", "Where the vehicle goes, one after the other.",
+                [&s](const Place&) { return waypoint_fields(s.waypoints.emplace_back()); }},
+               {"sonar", "A sonar of the vehicle.",
+                [&s](const Place& place) {
+                  SonarConfig& sonar = s.sonars.emplace_back();
+                  sonar.place = place;
+                  return fields(sonar);
+                }},
+               section_list(s.faults)};
+  return all;
 }
 
 Scene parse_scene(std::string_view text, const std::string& file) {

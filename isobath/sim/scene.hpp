@@ -8,6 +8,9 @@
 #include <Eigen/Core>
 #include <isobath/base/config.hpp>
 #include <isobath/geometry/pose.hpp>
+#include <isobath/sim/dead_reckoning.hpp>
+#include <isobath/sim/faults.hpp>
+#include <isobath/sim/navigation_sensors.hpp>
 #include <isobath/sim/sonar_config.hpp>
 #include <isobath/sim/water.hpp>
 #include <optional>
@@ -105,9 +108,12 @@ struct VehicleConfig {
   Eigen::Vector3d start = {0, 0, 1};
   Angle heading;
   double speed = 1.5;
-  double stop_s = 0;                                              ///< 0: never
   double dive_amplitude = 0, dive_period_s = 60, dive_noise = 0;  ///< sine in depth (S4-35)
+  double endurance_h = 8;                                         ///< of a full battery
 };
+
+/// What faults call the sonars: images are "sonar", "sonar.2" ... in the order of the file, ranges "altimeter" ...
+std::vector<std::string> fault_names(const std::vector<SonarConfig>& sonars);
 
 struct WaypointConfig {
   double north = 0, east = 0, depth = 1, speed = 0;  ///< speed 0: the vehicle's
@@ -131,6 +137,9 @@ struct Scene {
   VehicleConfig vehicle;
   std::vector<WaypointConfig> waypoints;
   std::vector<SonarConfig> sonars;
+  DeadReckoningConfig navigator{.kind = NavigatorKind::kTruth};
+  NavigationSensorsConfig navigation;
+  std::vector<FaultConfig> faults;
 
   [[nodiscard]] const Material* material(const std::string& name) const;
 };

@@ -128,14 +128,14 @@ SimulatedSonar::Disturbances SimulatedSonar::draw(Random random) const {
 /// The background with an echo of this amplitude in it.
 double SimulatedSonar::background(Random& random, double mean, double amplitude) const {
   switch (config_.noise) {
-    case NoiseLaw::kNone: return amplitude;
-    case NoiseLaw::kGaussian:
+    case BackgroundLaw::kNone: return amplitude;
+    case BackgroundLaw::kGaussian:
       return mean + config_.noise_sigma * (mean / std::max(config_.noise_level, 1e-12)) * random.normal() + amplitude;
-    case NoiseLaw::kRayleigh:
-    case NoiseLaw::kK: break;
+    case BackgroundLaw::kRayleigh:
+    case BackgroundLaw::kK: break;
   }
   double scale2 = mean * mean / (kRayleighMean * kRayleighMean);
-  if (config_.noise == NoiseLaw::kK) {
+  if (config_.noise == BackgroundLaw::kK) {
     // The mean of the square root of the texture is not one.
     const double v = config_.noise_shape, root = std::exp(std::lgamma(v + 0.5) - std::lgamma(v)) / std::sqrt(v);
     scale2 *= unit_mean_gamma(random, v) / (root * root);
@@ -159,9 +159,9 @@ void SimulatedSonar::fill(int beam, Random random, const Disturbances& now, floa
     const double rough = static_cast<double>(image_.rough[at]);
     if (rough > negligible * negligible) power += config_.speckle ? -rough * std::log(positive_uniform(random)) : rough;
     double amplitude = power > negligible * negligible ? gain * std::sqrt(power) : 0;
-    const double spread = config_.noise == NoiseLaw::kGaussian ? config_.noise_sigma
-                          : config_.noise == NoiseLaw::kNone   ? 0
-                                                               : kRayleighSpread * mean;
+    const double spread = config_.noise == BackgroundLaw::kGaussian ? config_.noise_sigma
+                          : config_.noise == BackgroundLaw::kNone   ? 0
+                                                                    : kRayleighSpread * mean;
     const double strongest = gain * std::sqrt(static_cast<double>(image_.strongest[at]));
     labels[k] = strongest > std::max(spread, 0.5) ? image_.labels[at] : EchoLabel();
     const auto disturb = [&](double level, EchoPath path) {

@@ -20,9 +20,9 @@ SonarConfig micron() {
   c.bins = 44;
   c.interval_s = 0.1;
   c.source_level_db = 206;
-  c.saturation_db = 152;
+  c.saturation_db = 185;
   c.tvg_spreading = 30;
-  c.noise = NoiseLaw::kGaussian;
+  c.noise = BackgroundLaw::kGaussian;
   c.noise_level = 40;
   c.noise_sigma = 12;
   c.spurious_share = 0.02;
@@ -43,7 +43,7 @@ SonarConfig ping360() {
   c.bins = 500;
   c.resolution_m = 0.08;
   c.interval_s = 0.035;
-  c.noise = NoiseLaw::kRayleigh;
+  c.noise = BackgroundLaw::kRayleigh;
   c.noise_level = 12;
   c.blind_m = 0.75;
   return c;
@@ -62,7 +62,7 @@ SonarConfig oculus_m1200d() {
   c.range_m = 40;
   c.bins = 500;
   c.interval_s = 0.1;
-  c.saturation_db = 152;
+  c.saturation_db = 166;
   return c;
 }
 SonarConfig oculus_m1200d_high() {
@@ -90,7 +90,7 @@ SonarConfig p450_horizontal() {
   c.resolution_m = 0.0508;
   c.interval_s = 0.5;
   c.source_level_db = 210;
-  c.saturation_db = 155;
+  c.saturation_db = 172;
   c.noise_level = 8;
   c.noise_by_bearing = {-45, 1.4, -23, 0.9, -22, 1.2, 0, 0.8, 1, 1.1, 22, 0.8, 23, 1.2, 45, 1.3};  // four staves
   return c;
@@ -250,10 +250,10 @@ std::vector<Field> fields(SonarConfig& c) {
       Field::real("tvg_spreading", &c.tvg_spreading, {0, 60}, "dB a decade", "Spreading that the receiver makes good."),
       Field::flag("tvg_absorption", &c.tvg_absorption, "Whether it makes good absorption."),
       Field::choice("noise", &c.noise,
-                    {{"none", NoiseLaw::kNone},
-                     {"gaussian", NoiseLaw::kGaussian},
-                     {"rayleigh", NoiseLaw::kRayleigh},
-                     {"k", NoiseLaw::kK}},
+                    {{"none", BackgroundLaw::kNone},
+                     {"gaussian", BackgroundLaw::kGaussian},
+                     {"rayleigh", BackgroundLaw::kRayleigh},
+                     {"k", BackgroundLaw::kK}},
                     "Law of the background."),
       Field::real("noise_level", &c.noise_level, {0, 1e6}, "counts", "Mean of the background."),
       Field::real("noise_sigma", &c.noise_sigma, {0, 1e6}, "counts", "Spread of a Gaussian background."),

@@ -16,7 +16,7 @@ namespace isobath {
 
 /// How the sonar looks: one stepping beam, all beams at once, or beams that each give one range.
 enum class SonarKind : std::uint8_t { kScanning, kFan, kRanges };
-enum class NoiseLaw : std::uint8_t { kNone, kGaussian, kRayleigh, kK };
+enum class BackgroundLaw : std::uint8_t { kNone, kGaussian, kRayleigh, kK };
 enum class RangePick : std::uint8_t { kNearest, kStrongest };
 
 struct SonarConfig {
@@ -47,11 +47,11 @@ struct SonarConfig {
   int rays_across = 1;  ///< a beam of a fan, over its width; a scanning beam has 9 and a skirt
 
   double source_level_db = 206;  ///< dB re 1 uPa at 1 m
-  double saturation_db = 150;    ///< received level after TVG that saturates a sample, dB re 1 uPa
+  double saturation_db = 166;    ///< received level after TVG that saturates a sample, dB re 1 uPa
   double tvg_spreading = 30;     ///< dB a decade of range that the receiver makes good
   bool tvg_absorption = true;    ///< whether it makes good absorption
 
-  NoiseLaw noise = NoiseLaw::kRayleigh;
+  BackgroundLaw noise = BackgroundLaw::kRayleigh;
   double noise_level = 10;               ///< mean, counts
   double noise_sigma = 4;                ///< counts, Gaussian law alone
   double noise_shape = 2;                ///< of the K law; large: Rayleigh

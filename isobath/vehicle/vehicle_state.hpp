@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <isobath/base/time.hpp>
 #include <isobath/geometry/pose.hpp>
+#include <optional>
 
 namespace isobath {
 
@@ -10,6 +12,14 @@ struct VehicleState {
   Pose X_WB;                                      ///< body in world: north-east-down, m
   Eigen::Vector3d v_B = Eigen::Vector3d::Zero();  ///< velocity of B over ground, components in B, m/s
   Eigen::Vector3d w_B = Eigen::Vector3d::Zero();  ///< roll, pitch and yaw rate (p, q, r), components in B, rad/s
+};
+
+/// The truth about the vehicle at an instant: known to a simulator alone.
+struct TrueMotion {
+  Time time;
+  VehicleState state;
+  std::optional<double> altitude_m;                     ///< of B above the bottom; empty: no bottom below
+  Eigen::Vector3d current_W = Eigen::Vector3d::Zero();  ///< of the water over ground, m/s
 };
 
 }  // namespace isobath

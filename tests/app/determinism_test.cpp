@@ -37,7 +37,7 @@ fs::path first_turns_of_the_tank(const fs::path& recordings) {
                log);
 }
 
-TEST(Determinism, EmbeddedReservoir) { expect_the_same_bytes({}, {"--set", "reservoir.duration_s=30"}); }
+TEST(Determinism, EmbeddedScene) { expect_the_same_bytes({}, {"--set", "simulation.duration_s=10"}); }
 
 TEST(Determinism, RecordedTank) {
   ISOBATH_NEEDS_DATA(recordings, "msis-tank");
@@ -46,8 +46,8 @@ TEST(Determinism, RecordedTank) {
 
 TEST(Determinism, AnotherSeedIsAnotherRun) {
   const fs::path folder = scratch_folder();
-  isobath_run({}, folder / "one", {"--set", "reservoir.duration_s=15"});
-  isobath_run({}, folder / "two", {"--set", "reservoir.duration_s=15", "--set", "reservoir.seed=2"});
+  isobath_run({}, folder / "one", {"--set", "simulation.duration_s=8"});
+  isobath_run({}, folder / "two", {"--set", "simulation.duration_s=8", "--set", "simulation.seed=2"});
   EXPECT_NE(content_of(folder / "one" / "sonar.png"), content_of(folder / "two" / "sonar.png"));
 }
 

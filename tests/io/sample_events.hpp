@@ -115,6 +115,11 @@ inline bool same(const RangeReading& a, const RangeReading& b) {
          same(a.X_BS, b.X_BS) && a.confidence == b.confidence;
 }
 
+inline bool same(const Health& a, const Health& b) {
+  return a.time == b.time && a.source == b.source && a.state == b.state && a.battery_share == b.battery_share &&
+         a.leak == b.leak && a.note == b.note;
+}
+
 inline bool same(const Event& a, const Event& b) {
   return a.index() == b.index() &&
          std::visit([&](const auto& x) { return same(x, std::get<std::decay_t<decltype(x)>>(b)); }, a);

@@ -206,7 +206,7 @@ TEST(EchoPhysics, AGrazedBottomLeavesNoGapsBetweenRays) {
 // ledger: S5-05
 TEST(EchoPhysics, AStaveHearsSevenDegreesOffItsPlaneAsWellAsInItAndNothingBeyond) {
   SonarConfig sonar = sonar_preset("p450_horizontal");
-  sonar.noise = NoiseLaw::kNone;
+  sonar.noise = BackgroundLaw::kNone;
   sonar.surface_bounce = sonar.bottom_bounce = sonar.surface_reverberation = sonar.volume_reverberation = false;
   const auto level = [&](double off) {
     const Tank tank(kStill + kMatt + sphere(40 * std::cos(off * kDegree), 0, 50 + 40 * std::sin(off * kDegree), 0.05));
@@ -220,7 +220,7 @@ TEST(EchoPhysics, AStaveHearsSevenDegreesOffItsPlaneAsWellAsInItAndNothingBeyond
 // ledger: S5-03 S5-08
 TEST(EchoPhysics, StavesSeeTheSectorsStated) {
   SonarConfig vertical = sonar_preset("p450_vertical");
-  vertical.noise = NoiseLaw::kNone;
+  vertical.noise = BackgroundLaw::kNone;
   vertical.surface_bounce = vertical.bottom_bounce = vertical.surface_reverberation = vertical.volume_reverberation =
       false;
   const auto peak = [&](double up) {
@@ -238,7 +238,7 @@ TEST(EchoPhysics, StavesSeeTheSectorsStated) {
 // ledger: S5-04
 TEST(EchoPhysics, TwoTargetsAreApartByTwentyCentimetresInRangeAndNotByHalfADegreeInBearing) {
   SonarConfig sonar = sonar_preset("p450_horizontal");
-  sonar.noise = NoiseLaw::kNone;
+  sonar.noise = BackgroundLaw::kNone;
   sonar.surface_bounce = sonar.bottom_bounce = sonar.surface_reverberation = sonar.volume_reverberation = false;
   const auto row = [](const EchoImage& image, int beam, int bin) {
     return image.steady[static_cast<std::size_t>(beam * image.bins + bin)];

@@ -35,7 +35,7 @@ inline SonarConfig clean_beam(double width_deg, double height_deg) {
   c.pattern = c.height_pattern = PatternKind::kIdeal;
   c.range_m = 60;
   c.bins = 600;
-  c.noise = NoiseLaw::kNone;
+  c.noise = BackgroundLaw::kNone;
   c.speckle = c.surface_reverberation = c.bottom_reverberation = c.volume_reverberation = false;
   c.surface_bounce = c.bottom_bounce = false;
   return c;

@@ -1,9 +1,9 @@
-// The embedded scene through the whole pipeline, judged by its truth: the buoys are found where they are, and hardly
+// The simple scene through the whole pipeline, judged by its truth: the buoys are found where they are, and hardly
 // anything is reported where there is only water. Ten seeds: one run of 20 scans says little about false alarms.
 #include <algorithm>
 #include <gtest/gtest.h>
-#include <isobath/runtime/reservoir_source.hpp>
 #include <tests/runtime/kept_scans.hpp>
+#include <tests/runtime/simple_reservoir.hpp>
 
 namespace isobath {
 namespace {
@@ -13,13 +13,16 @@ using Eigen::Vector2d;
 constexpr int kSeeds = 10, kScans = 20;
 
 std::vector<test::KeptScan> scans_of_seed(int seed) {
-  Configuration configuration;
-  configuration.reservoir.seed = seed;
+  test::SimpleReservoirConfig config;
+  config.seed = seed;
+  config.duration_s = 60;
+  test::SimpleReservoir scene(config);
   test::ScanKeeper keeper;
-  configuration.reservoir.duration_s = 60;
-  ReservoirSource source(configuration.reservoir);
-  Pipeline pipeline(configuration, keeper);
-  while (auto event = source.next()) pipeline.take(std::move(*event));
+  Pipeline pipeline({}, keeper);
+  while (auto step = scene.step()) {
+    pipeline.take(step->first);
+    pipeline.take(std::move(step->second));
+  }
   pipeline.finish();
   return keeper.scans;
 }
@@ -51,8 +54,8 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
 /// From a place in W to the nearest thing that is there.
 double distance_to_truth(const Vector2d& p_W) {
   double nearest = 1e9;
-  for (const Vector2d& buoy : Reservoir::buoys()) nearest = std::min(nearest, (buoy - p_W).norm());
-  const auto& line = Reservoir::embankment();
+  for (const Vector2d& buoy : test::SimpleReservoir::buoys()) nearest = std::min(nearest, (buoy - p_W).norm());
+  const auto& line = test::SimpleReservoir::embankment();
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     nearest = std::min(nearest, distance_to_segment(p_W, line[i], line[i + 1]));
   }
@@ -69,10 +72,10 @@ double position_error(const test::KeptScan& scan, const Vector2d& buoy_W) {
 
 // A bin is 1.14 m long, and the beam 2.4 m wide where a buoy comes into range.
 // ledger: S6-D04 S6-28
-TEST(ReservoirRun, BothBuoysAreFoundWhereTheyAre) {
+TEST(SimpleReservoirRun, BothBuoysAreFoundWhereTheyAre) {
   for (const auto& scans : runs()) {
     ASSERT_EQ(scans.size(), std::size_t{kScans});
-    for (const Vector2d& buoy : Reservoir::buoys()) {
+    for (const Vector2d& buoy : test::SimpleReservoir::buoys()) {
       const auto found = std::ranges::count_if(scans, [&](const auto& s) { return position_error(s, buoy) < 2.5; });
       EXPECT_GE(found, 5) << "scans that show the buoy at " << buoy.transpose();
     }
@@ -81,10 +84,10 @@ TEST(ReservoirRun, BothBuoysAreFoundWhereTheyAre) {
 
 // Once found, a buoy stays in the map, also when it is beside or behind the vehicle and its sonar. While it is still in
 // view, two misses in a row may drop it for a scan. ledger: S6-D04 S6-25 S6-27 S6-30
-TEST(ReservoirRun, BuoysAreRememberedWhereTheyWereSeen) {
+TEST(SimpleReservoirRun, BuoysAreRememberedWhereTheyWereSeen) {
   int looks = 0, lapses = 0;
   for (const auto& scans : runs()) {
-    for (const Vector2d& buoy : Reservoir::buoys()) {
+    for (const Vector2d& buoy : test::SimpleReservoir::buoys()) {
       bool found = false;
       for (const auto& scan : scans) {
         const double error = position_error(scan, buoy), away = in_level_body(scan, buoy).norm();
@@ -103,7 +106,7 @@ TEST(ReservoirRun, BuoysAreRememberedWhereTheyWereSeen) {
 // Most of what is here comes from two false alarms side by side that slid into the blind zone, where no clear bin
 // contradicts them.
 // ledger: S6-09 S6-30
-TEST(ReservoirRun, HardlyAnythingIsReportedNearTheVehicleWhereThereIsOnlyWater) {
+TEST(SimpleReservoirRun, HardlyAnythingIsReportedNearTheVehicleWhereThereIsOnlyWater) {
   int near = 0;
   for (const auto& scans : runs()) {
     for (const auto& scan : scans) {
@@ -117,7 +120,7 @@ TEST(ReservoirRun, HardlyAnythingIsReportedNearTheVehicleWhereThereIsOnlyWater) 
 
 // At 31 x 35 bins a scan and f = 0.02, 22 bins a scan are false alarms, and one ping in 20 holds a spurious return.
 // ledger: S6-30
-TEST(ReservoirRun, FewFalseAlarmsBecomeObstacles) {
+TEST(SimpleReservoirRun, FewFalseAlarmsBecomeObstacles) {
   int far_from_truth = 0;
   for (const auto& scans : runs()) {
     for (const auto& scan : scans) {

@@ -1,5 +1,6 @@
-// Reservoir: the scene that the main job shows when it is given no input. A vehicle with a sector-scanning sonar passes
-// two mooring buoys and an embankment, as in the Pandan trials (Ganesan 2015, 4.1 and 6.2; ledger S6-01, S6-60).
+// SimpleReservoir: a second, deliberately simple maker of echoes, so that simulator and estimator cannot agree in
+// error. It shares no code with isobath/sim: a vehicle with a sector-scanning sonar passes two mooring buoys and an
+// embankment, as in the Pandan trials (Ganesan 2015, 4.1 and 6.2; ledger S6-01, S6-60).
 //
 // Echoes are formed in the horizontal plane, in closed form: buoys are point targets, the embankment is a Lambert line;
 // the beam is Gaussian across (-3 dB at half its width); the background is Gaussian as measured at the lake (S6-D01);
@@ -8,7 +9,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <isobath/base/config.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <isobath/vehicle/navigation.hpp>
@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-namespace isobath {
+namespace isobath::test {
 
-struct ReservoirConfig {
+struct SimpleReservoirConfig {
   int seed = 1;
   double duration_s = 20;
   double speed = 1.5;            ///< m/s over ground
@@ -28,11 +28,10 @@ struct ReservoirConfig {
   double snr_db = 13;            ///< of a buoy on the axis, A^2 / sigma^2 (equation 4.1)
   double spurious_share = 0.05;  ///< pings with one spurious return
 };
-std::vector<Field> fields(ReservoirConfig& config);
 
-class Reservoir {
+class SimpleReservoir {
  public:
-  explicit Reservoir(const ReservoirConfig& config);
+  explicit SimpleReservoir(const SimpleReservoirConfig& config);
 
   /// The vehicle's fix and the ping that it transmits there; empty when the duration is over.
   std::optional<std::pair<Navigation, Ping>> step();
@@ -46,10 +45,10 @@ class Reservoir {
   void add_buoys(const Pose& X_WB, Angle azimuth, std::vector<double>& profile) const;
   void add_embankment(const Pose& X_WB, Angle azimuth, std::vector<double>& profile) const;
 
-  ReservoirConfig config_;
+  SimpleReservoirConfig config_;
   Random random_;
   std::vector<std::shared_ptr<const BeamFan>> fans_;  ///< one a bearing
   int ping_ = 0;
 };
 
-}  // namespace isobath
+}  // namespace isobath::test

@@ -1,18 +1,21 @@
 #include <gtest/gtest.h>
-#include <isobath/sim/reservoir.hpp>
+#include <tests/runtime/simple_reservoir.hpp>
 
 namespace isobath {
 namespace {
 
-std::vector<Ping> pings_of(ReservoirConfig config) {
-  Reservoir scene(config);
+using test::SimpleReservoir;
+using test::SimpleReservoirConfig;
+
+std::vector<Ping> pings_of(SimpleReservoirConfig config) {
+  SimpleReservoir scene(config);
   std::vector<Ping> pings;
   while (auto step = scene.step()) pings.push_back(step->second);
   return pings;
 }
 
 // ledger: S6-01 S6-60
-TEST(Reservoir, ScansThirtyOneBearingsThereAndBack) {
+TEST(SimpleReservoir, ScansThirtyOneBearingsThereAndBack) {
   const auto pings = pings_of({});
   ASSERT_GT(pings.size(), 100u);
   EXPECT_NEAR(pings[0].fan->azimuth[0].degrees(), -45, 1e-9);
@@ -23,7 +26,7 @@ TEST(Reservoir, ScansThirtyOneBearingsThereAndBack) {
   EXPECT_NEAR(pings[0].window.bin_m, 1.136, 1e-3);
 }
 
-TEST(Reservoir, IsAFunctionOfItsSeed) {
+TEST(SimpleReservoir, IsAFunctionOfItsSeed) {
   const auto sum = [](const std::vector<Ping>& pings) {
     double s = 0;
     for (const Ping& p : pings) {
@@ -31,24 +34,24 @@ TEST(Reservoir, IsAFunctionOfItsSeed) {
     }
     return s;
   };
-  ReservoirConfig other;
+  SimpleReservoirConfig other;
   other.seed = 2;
   EXPECT_EQ(sum(pings_of({})), sum(pings_of({})));
   EXPECT_NE(sum(pings_of({})), sum(pings_of(other)));
 }
 
 // The buoy dead ahead in bearing stands out of the background in the bin of its true range.
-TEST(Reservoir, EchoStandsAtTheTrueRangeAndBearing) {
-  ReservoirConfig quiet;
+TEST(SimpleReservoir, EchoStandsAtTheTrueRangeAndBearing) {
+  SimpleReservoirConfig quiet;
   quiet.noise_sigma = 0.1;
   quiet.snr_db = 40;
   quiet.spurious_share = 0;
-  Reservoir scene(quiet);
+  SimpleReservoir scene(quiet);
   double found = 0;
   while (auto step = scene.step()) {
     const auto& [fix, ping] = *step;
     const Eigen::Vector3d seen =
-        fix.X_WB.inverse() * Eigen::Vector3d(Reservoir::buoys()[0].x(), Reservoir::buoys()[0].y(), 0.5);
+        fix.X_WB.inverse() * Eigen::Vector3d(SimpleReservoir::buoys()[0].x(), SimpleReservoir::buoys()[0].y(), 0.5);
     const double bearing = std::atan2(seen.y(), seen.x());
     if (std::abs(ping.fan->azimuth[0].radians() - bearing) > 0.02 || seen.norm() > 49 || seen.norm() < 12) continue;
     const int bin = static_cast<int>(seen.norm() / ping.window.bin_m);

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <isobath/sim/reservoir.hpp>
+#include <tests/runtime/simple_reservoir.hpp>
 
-namespace isobath {
+namespace isobath::test {
 namespace {
 
 // The sonar of the thesis (S6-01): 3 x 35 degrees, 90 degree sector in steps of 3, 44 bins to 50 m, 9 of them blind.
@@ -39,32 +39,22 @@ std::optional<std::pair<double, double>> meet(const Eigen::Vector2d& p, const Ei
 
 }  // namespace
 
-std::vector<Field> fields(ReservoirConfig& c) {
-  return {Field::integer("seed", &c.seed, {0, 2147483647}, "1", "Seed of every random number in the scene."),
-          Field::real("duration_s", &c.duration_s, {1, 3600}, "s", "Length of the run."),
-          Field::real("speed", &c.speed, {0, 5}, "m/s", "Speed over ground."),
-          Field::real("noise_mean", &c.noise_mean, {0, 200}, "counts", "Mean of the background."),
-          Field::real("noise_sigma", &c.noise_sigma, {0.1, 100}, "counts", "Standard deviation of the background."),
-          Field::real("snr_db", &c.snr_db, {0, 40}, "dB", "Signal to noise of a buoy on the axis of the beam."),
-          Field::real("spurious_share", &c.spurious_share, {0, 1}, "1", "Share of pings with one spurious return.")};
-}
-
-const std::vector<Eigen::Vector2d>& Reservoir::buoys() {
+const std::vector<Eigen::Vector2d>& SimpleReservoir::buoys() {
   static const std::vector<Eigen::Vector2d> kBuoys{{45, 4}, {58, -12}};
   return kBuoys;
 }
 
-const std::vector<Eigen::Vector2d>& Reservoir::embankment() {
+const std::vector<Eigen::Vector2d>& SimpleReservoir::embankment() {
   static const std::vector<Eigen::Vector2d> kLine{{-20, 26}, {60, 24}, {90, 14}, {110, -10}, {120, -60}};
   return kLine;
 }
 
-Reservoir::Reservoir(const ReservoirConfig& config)
+SimpleReservoir::SimpleReservoir(const SimpleReservoirConfig& config)
     : config_(config), random_(static_cast<std::uint64_t>(config.seed)) {
   for (int i = 0; i < kSteps; ++i) fans_.push_back(one_beam(Angle::degrees(-45 + 3 * i)));
 }
 
-Pose Reservoir::body_at(double t) const {
+Pose SimpleReservoir::body_at(double t) const {
   // North at first, then a slow turn to port that keeps off the far embankment.
   const double turn = std::clamp((t - 25) / 20, 0.0, 1.0);
   const double heading = -1.2 * turn;
@@ -79,7 +69,7 @@ Pose Reservoir::body_at(double t) const {
   return {Rotation::from_heading(Angle::radians(heading)), p};
 }
 
-void Reservoir::add_buoys(const Pose& X_WB, Angle azimuth, std::vector<double>& profile) const {
+void SimpleReservoir::add_buoys(const Pose& X_WB, Angle azimuth, std::vector<double>& profile) const {
   const double amplitude = config_.noise_sigma * std::pow(10, config_.snr_db / 20);
   for (const Eigen::Vector2d& buoy : buoys()) {
     const Eigen::Vector3d seen = X_WB.inverse() * Eigen::Vector3d(buoy.x(), buoy.y(), kDepth);
@@ -88,7 +78,7 @@ void Reservoir::add_buoys(const Pose& X_WB, Angle azimuth, std::vector<double>& 
   }
 }
 
-void Reservoir::add_embankment(const Pose& X_WB, Angle azimuth, std::vector<double>& profile) const {
+void SimpleReservoir::add_embankment(const Pose& X_WB, Angle azimuth, std::vector<double>& profile) const {
   constexpr int kRays = 9;
   const double amplitude = 2 * config_.noise_sigma * std::pow(10, config_.snr_db / 20);
   const Eigen::Vector2d p = X_WB.translation.head<2>();
@@ -105,7 +95,7 @@ void Reservoir::add_embankment(const Pose& X_WB, Angle azimuth, std::vector<doub
   }
 }
 
-std::optional<std::pair<Navigation, Ping>> Reservoir::step() {
+std::optional<std::pair<Navigation, Ping>> SimpleReservoir::step() {
   const double t = ping_ * kPingInterval;
   if (t > config_.duration_s) return std::nullopt;
   const int cycle = ping_ % (2 * kSteps - 2);  // there and back, the ends once each
@@ -141,4 +131,4 @@ std::optional<std::pair<Navigation, Ping>> Reservoir::step() {
   return std::pair(fix, ping);
 }
 
-}  // namespace isobath
+}  // namespace isobath::test

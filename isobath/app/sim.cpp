@@ -1,0 +1,140 @@
+#include <chrono>
+#include <fmt/format.h>
+#include <isobath/app/commands.hpp>
+#include <isobath/app/progress.hpp>
+#include <isobath/base/error.hpp>
+#include <isobath/io/native_log.hpp>
+#include <isobath/runtime/html_report.hpp>
+#include <isobath/runtime/scenario.hpp>
+#include <isobath/runtime/scene_picture.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+namespace isobath::app {
+namespace {
+
+struct Options {
+  std::filesystem::path scene, out, picture;
+  SimulationConfig simulation;
+  int threads = 2;
+  std::string speed = "max";
+  bool format = false, json = false;
+};
+
+struct Counts {
+  std::uint64_t pings = 0, ranges = 0, navigation = 0, health = 0;
+};
+
+using Clock = std::chrono::steady_clock;  // for pace and timings alone: no result depends on it
+
+/// How many simulated seconds pass in a real one; 0: as many as go.
+double pace_of(const std::string& speed) {
+  if (speed == "max") return 0;
+  try {
+    std::size_t used = 0;
+    const double value = std::stod(speed, &used);
+    if (used == speed.size() && value > 0 && value < 1e6) return value;
+  } catch (const std::exception&) {  // not a number: said below
+  }
+  throw Error("no speed: " + speed, {"--speed"}, "max, or how many times real time, above 0");
+}
+
+void write(const SimulatedEvent& event, NativeLogWriter* log, Counts& n, std::vector<Eigen::Vector2d>& track) {
+  if (const auto* motion = std::get_if<TrueMotion>(&event)) {
+    track.emplace_back(motion->state.X_WB.translation.head<2>());
+    if (log) log->write(*motion);
+  } else if (const auto* echoes = std::get_if<EchoTruth>(&event)) {
+    if (log) log->write(*echoes);
+  } else if (const auto* ping = std::get_if<Ping>(&event)) {
+    ++n.pings;
+    if (log) log->write(*ping);
+  } else if (const auto* reading = std::get_if<RangeReading>(&event)) {
+    ++n.ranges;
+    if (log) log->write(*reading);
+  } else if (const auto* fix = std::get_if<Navigation>(&event)) {
+    ++n.navigation;
+    if (log) log->write(*fix);
+  } else if (const auto* health = std::get_if<Health>(&event)) {
+    ++n.health;
+    if (log) log->write(*health);
+  }
+}
+
+/// What the scene was, beside what came of it.
+std::unique_ptr<NativeLogWriter> open_log(const Options& options, const Simulator& simulator) {
+  if (options.out.empty()) return nullptr;
+  if (options.out.extension() != ".mcap") {
+    throw Error("cannot write this kind of file", {options.out.string()}, "a name that ends in .mcap");
+  }
+  auto log = std::make_unique<NativeLogWriter>(options.out);
+  const SceneConfig& about = simulator.scene().about;
+  log->set_details({{"scene", about.title}, {"seed", fmt::format("{}", simulator.seed())}});
+  if (about.latitude_deg != 0 || about.longitude_deg != 0) log->set_origin({about.latitude_deg, about.longitude_deg});
+  log->attach("scene.toml", "application/toml",
+              options.scene.empty() ? std::string(embedded_scene()) : text_of_file(options.scene.string()));
+  return log;
+}
+
+int act(const Options& options) {
+  if (options.format) {
+    Scene scene;
+    fmt::print("{}", write_template(schema(scene)));
+    return kSuccess;
+  }
+  const double pace = pace_of(options.speed);
+  Simulator simulator(open_scene(options.scene), options.simulation, options.threads);
+  const auto log = open_log(options, simulator);
+  Counts n;
+  std::vector<Eigen::Vector2d> track;
+  ProgressLine progress;
+  const auto start = Clock::now();
+  while (const auto event = simulator.next()) {
+    if (pace > 0) std::this_thread::sleep_until(start + std::chrono::duration<double>(simulator.now_s() / pace));
+    write(*event, log.get(), n, track);
+    progress.show(static_cast<std::uint64_t>(simulator.now_s() * 1000),
+                  static_cast<std::uint64_t>(simulator.duration_s() * 1000), n.pings);
+  }
+  if (log) log->close();
+  progress.clear();
+  if (!options.picture.empty()) write_file(options.picture, scene_picture(simulator, track));
+  const double wall = std::chrono::duration<double>(Clock::now() - start).count();
+  const double times = wall > 0 ? simulator.duration_s() / wall : 0;
+  if (options.json) {
+    const nlohmann::ordered_json json{
+        {"scene", simulator.scene().about.title},
+        {"seed", simulator.seed()},
+        {"duration_s", simulator.duration_s()},
+        {"counts", {{"pings", n.pings}, {"ranges", n.ranges}, {"navigation", n.navigation}, {"health", n.health}}},
+        {"rates", {{"wall_s", wall}, {"times_real_time", times}}}};
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    return kSuccess;
+  }
+  fmt::print("{}, seed {}: {} pings, {} ranges, {} fixes in {:g} s; {:.1f} s of work ({:.1f} x real time)\n",
+             simulator.scene().about.title, simulator.seed(), n.pings, n.ranges, n.navigation, simulator.duration_s(),
+             wall, times);
+  if (log) fmt::print("written to {}; isobath run {} replays it\n", options.out.string(), options.out.string());
+  return kSuccess;
+}
+
+}  // namespace
+
+Action add_sim(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      program.add_subcommand("sim", "A scene in; the log that a vehicle would give, with the truth, out");
+  command->add_option("SCENARIO", options->scene, "Scene (.toml); without it, the embedded one");
+  command->add_option("--out", options->out, "Log to write, .mcap; without it, nothing is kept");
+  command->add_option("--picture", options->picture, "PNG of the scene from above, with the vehicle's way");
+  command->add_option("--seed", options->simulation.seed, "Seed of every random number; default: the scene's")
+      ->check(CLI::Range(0, 2147483647));
+  command->add_option("--duration", options->simulation.duration_s, "Seconds to simulate; default: the scene's")
+      ->check(CLI::Range(0.1, 1e6));
+  command->add_option("--speed", options->speed, "max, or how many times real time")->capture_default_str();
+  command->add_option("--threads", options->threads, "1 or 2; the results are the same")->check(CLI::Range(1, 64));
+  command->add_flag("--format", options->format, "Print every key of a scene, with its default, range and unit");
+  command->add_flag("--json", options->json, "One JSON object on standard output");
+  return [options] { return act(*options); };
+}
+
+}  // namespace isobath::app

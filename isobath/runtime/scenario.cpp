@@ -1,0 +1,62 @@
+#include <fmt/format.h>
+#include <isobath/runtime/scenario.hpp>
+
+namespace isobath {
+namespace {
+
+std::string list_of(const std::vector<SonarConfig>& sonars) {
+  std::string text;
+  for (const SonarConfig& s : sonars) {
+    text += (text.empty() ? "" : "; ") + fmt::format("{}: {:g} x {:g} deg, {} bins to {:g} m, {:g} kHz", s.name,
+                                                     s.width.degrees(), s.height.degrees(), s.bins, s.range_m,
+                                                     s.frequency / 1000);
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::string list_of(const std::vector<FaultConfig>& faults) {
+  std::string text;
+  for (const FaultConfig& f : faults) {
+    const std::string since = f.when.empty() ? fmt::format("{:g} s", f.at_s) : f.when;
+    text += (text.empty() ? "" : "; ") + fmt::format("{} {} from {}", f.source, to_text(f.kind), since);
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+bool is_scene(const std::filesystem::path& input) { return input.empty() || input.extension() == ".toml"; }
+
+Scene open_scene(const std::filesystem::path& input) {
+  return input.empty() ? parse_scene(embedded_scene(), "scenarios/pandan.toml") : load_scene(input.string());
+}
+
+SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, int threads)
+    : simulator_(std::move(scene), config, threads) {
+  const Scene& s = simulator_.scene();
+  report_.format = "simulation";
+  report_.details["scene"] = s.about.title;
+  report_.details["seed"] = fmt::format("{}", simulator_.seed());
+  report_.details["sonar"] = list_of(s.sonars);
+  report_.details["faults"] = list_of(s.faults);
+  report_.bytes_total = static_cast<std::uint64_t>(simulator_.duration_s() * 1000);  // progress counts milliseconds
+  if (s.about.latitude_deg != 0 || s.about.longitude_deg != 0) {
+    report_.origin = GeoOrigin{s.about.latitude_deg, s.about.longitude_deg};
+  }
+}
+
+std::optional<Event> SimulatedSource::next() {
+  while (auto event = simulator_.next()) {
+    report_.bytes_read = static_cast<std::uint64_t>(simulator_.now_s() * 1000);
+    if (auto* ping = std::get_if<Ping>(&*event)) return std::move(*ping);
+    if (auto* reading = std::get_if<RangeReading>(&*event)) return std::move(*reading);
+    if (auto* fix = std::get_if<Navigation>(&*event)) return std::move(*fix);
+    if (auto* health = std::get_if<Health>(&*event)) return std::move(*health);
+    if (!truth_) continue;
+    if (const auto* echoes = std::get_if<EchoTruth>(&*event)) truth_->take(*echoes);
+    if (const auto* motion = std::get_if<TrueMotion>(&*event)) truth_->take(*motion);
+  }
+  return std::nullopt;
+}
+
+}  // namespace isobath

@@ -1,0 +1,42 @@
+// A scene as a source of events: `isobath run SCENARIO` runs it without a file between.
+#pragma once
+
+#include <filesystem>
+#include <isobath/io/event.hpp>
+#include <isobath/sim/simulator.hpp>
+#include <memory>
+#include <optional>
+
+namespace isobath {
+
+/// Whether a file names a scene: by its ending, .toml.
+bool is_scene(const std::filesystem::path& input);
+/// From a file; the embedded one (scenarios/pandan.toml) for an empty path. Throws Error.
+Scene open_scene(const std::filesystem::path& input);
+/// The text of the embedded scene.
+std::string_view embedded_scene();
+
+/// The events that the vehicle gives; the truths are handed to whoever asks for them, before what they are about.
+class SimulatedSource : public Source {
+ public:
+  class TruthSink {
+   public:
+    virtual ~TruthSink() = default;
+    virtual void take(const EchoTruth& echoes) = 0;
+    virtual void take(const TrueMotion& motion) = 0;
+  };
+
+  SimulatedSource(Scene scene, const SimulationConfig& config, int threads);
+
+  std::optional<Event> next() override;
+  [[nodiscard]] const SourceReport& report() const override { return report_; }
+  void tell_truth_to(TruthSink* sink) { truth_ = sink; }
+  [[nodiscard]] Simulator& simulator() { return simulator_; }
+
+ private:
+  Simulator simulator_;
+  SourceReport report_;
+  TruthSink* truth_ = nullptr;
+};
+
+}  // namespace isobath

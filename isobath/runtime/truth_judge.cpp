@@ -1,0 +1,208 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/runtime/truth_judge.hpp>
+#include <limits>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kSquare = 1;  // m, of the marks
+
+std::int64_t square_of(double north, double east) {
+  return static_cast<std::int64_t>(std::floor(north / kSquare)) << 32 ^
+         (static_cast<std::int64_t>(std::floor(east / kSquare)) & 0xffffffff);
+}
+
+/// Between two convex outlines; 0 where they overlap.
+double distance(const Polygon& a, const Polygon& b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vector2d& p : a) least = std::min(least, (nearest_point(b, p) - p).norm());
+  for (const Vector2d& p : b) least = std::min(least, (nearest_point(a, p) - p).norm());
+  return least;
+}
+
+Polygon in_frame(const Polygon& polygon, const Pose& X) {
+  Polygon out;
+  for (const Vector2d& p : polygon) out.push_back((X * Vector3d(p.x(), p.y(), 0)).head<2>());
+  return out;
+}
+
+}  // namespace
+
+TruthJudge::TruthJudge(Simulator& simulator) : simulator_(simulator) {
+  for (const WorldBody& body : simulator.world().bodies()) {
+    bodies_.emplace_back();
+    bodies_.back().score.name = body.name;
+  }
+}
+
+void TruthJudge::take(const EchoTruth& echoes) { waiting_.push_back(echoes); }
+
+void TruthJudge::take(const TrueMotion& motion) {
+  if (motions_.size() > 100) motions_.erase(motions_.begin(), motions_.begin() + 50);
+  motions_.push_back(motion);
+}
+
+/// Where the vehicle really was, without roll and pitch.
+Pose TruthJudge::true_level_pose(Time time) const {
+  const auto after =
+      std::lower_bound(motions_.begin(), motions_.end(), time, [](const TrueMotion& m, Time t) { return m.time < t; });
+  if (motions_.empty()) return {};
+  if (after == motions_.end()) return level(motions_.back().state.X_WB);
+  if (after == motions_.begin()) return level(after->state.X_WB);
+  const TrueMotion& before = *(after - 1);
+  const double share = to_seconds(time - before.time) / to_seconds(after->time - before.time);
+  return level(interpolate(before.state.X_WB, after->state.X_WB, share));
+}
+
+void TruthJudge::mark(const Vector2d& at, std::uint8_t kind) { marks_[square_of(at.x(), at.y())] |= kind; }
+
+void TruthJudge::on_ping(const PosedPing& posed) {
+  const Ping& ping = posed.ping;
+  const auto truth = std::find_if(waiting_.begin(), waiting_.end(), [&ping](const EchoTruth& t) {
+    return t.time == ping.time && t.beams == ping.fan->beams() && t.bins == ping.window.bins;
+  });
+  if (truth == waiting_.end()) return;
+  const Pose X_WL = true_level_pose(ping.time);
+  bin_ = ping.window.bin_m;
+  beam_ = ping.fan->width[0].radians();
+  std::vector<bool> heard(bodies_.size());
+  for (int b = 0; b < truth->beams; ++b) {
+    const Pose X_WS = X_WL * ping.X_BS;
+    for (int k = 0; k < truth->bins; ++k) {
+      const EchoLabel label = truth->labels[static_cast<std::size_t>(b * truth->bins + k)];
+      if (label.path() == EchoPath::kNoise) continue;
+      const bool direct = label.path() == EchoPath::kDirect;
+      if (direct && label.target() >= kFirstBody) {
+        heard[static_cast<std::size_t>(label.target() - kFirstBody)] = true;
+        continue;
+      }
+      std::uint8_t kind = kMirrorEcho;
+      if (direct) kind = label.target() == kBottom ? kBottomEcho : kSurfaceEcho;
+      if (label.path() == EchoPath::kRinging) kind = kRingingEcho;
+      if (label.path() == EchoPath::kVolume || label.path() == EchoPath::kSpurious ||
+          label.path() == EchoPath::kDisturbance) {
+        continue;  // whoever makes an obstacle of these is wrong
+      }
+      const double r = ping.window.centre(k);
+      const Angle a = ping.fan->azimuth[static_cast<std::size_t>(b)];
+      mark((X_WS * Vector3d(r * cos(a), r * sin(a), 0)).head<2>(), kind);
+    }
+  }
+  const double now = to_seconds(ping.time);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!heard[i]) continue;
+    Watch& w = bodies_[i];
+    if (w.first_heard_s < 0) w.first_heard_s = now;
+    ++w.score.pings_heard;
+    if (w.score.scans_found == 0) ++w.score.delay_pings;
+  }
+  waiting_.erase(waiting_.begin(), truth + 1);
+}
+
+std::vector<Polygon> TruthJudge::plan_of(std::size_t body) const {
+  const WorldBody& b = simulator_.world().bodies()[body];
+  std::vector<Polygon> parts = b.plan;
+  for (Polygon& part : parts) {
+    for (Vector2d& p : part) p += b.moved.head<2>();
+  }
+  return parts;
+}
+
+std::uint8_t TruthJudge::kinds_near(const Polygon& outline, double within) const {
+  std::uint8_t kinds = 0;
+  const int reach = static_cast<int>(std::ceil(within / kSquare));
+  const auto look = [&](const Vector2d& p) {
+    for (int i = -reach; i <= reach; ++i) {
+      for (int j = -reach; j <= reach; ++j) {
+        for (const auto* marks : {&marks_, &last_marks_}) {
+          const auto found = marks->find(square_of(p.x() + i * kSquare, p.y() + j * kSquare));
+          if (found != marks->end()) kinds |= found->second;
+        }
+      }
+    }
+  };
+  for (const Vector2d& p : outline) look(p);
+  Vector2d middle = Vector2d::Zero();
+  for (const Vector2d& p : outline) middle += p / static_cast<double>(outline.size());
+  look(middle);
+  return kinds;
+}
+
+void TruthJudge::on_scan(const ScanResult& scan) {
+  X_WL_ = true_level_pose(scan.detection.time);
+  const Vector2d vehicle = X_WL_.translation.head<2>();
+  std::vector<std::vector<Polygon>> plans;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) plans.push_back(plan_of(i));
+  std::vector<double> reported(bodies_.size(), -1);  // nearest obstacle of each body
+  ++score_.scans;
+  bool any_false = false;
+  for (const Obstacle& o : scan.detection.obstacles) {
+    const Polygon outline = in_frame(o.outline, X_WL_);
+    const double tolerance = 0.5 * beam_ * o.range_m + bin_ + scan.detection.cells.cell_m;
+    ++score_.obstacles;
+    bool owned = false;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const bool here = std::any_of(plans[i].begin(), plans[i].end(),
+                                    [&](const Polygon& part) { return distance(part, outline) <= tolerance; });
+      if (!here) continue;
+      owned = true;
+      if (reported[i] < 0 || o.range_m < reported[i]) reported[i] = o.range_m;
+    }
+    const std::uint8_t kinds = owned ? 0 : kinds_near(outline, tolerance);
+    int& count = owned                  ? score_.of_bodies
+                 : kinds & kBottomEcho  ? score_.of_bottom
+                 : kinds & kSurfaceEcho ? score_.of_surface
+                 : kinds & kMirrorEcho  ? score_.of_mirrors
+                 : kinds & kRingingEcho ? score_.of_ringing
+                                        : score_.false_alarms;
+    ++count;
+    any_false = any_false || &count == &score_.false_alarms;
+  }
+  score_.scans_with_false_alarms += any_false;
+  const double now = to_seconds(scan.detection.time);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (reported[i] < 0) continue;
+    double real = std::numeric_limits<double>::infinity();
+    for (const Polygon& part : plans[i]) real = std::min(real, (nearest_point(part, vehicle) - vehicle).norm());
+    Watch& w = bodies_[i];
+    if (w.score.scans_found++ == 0) {
+      w.score.delay_s = w.first_heard_s < 0 ? 0 : now - w.first_heard_s;
+      w.score.first_range_m = reported[i];
+    }
+    const double error = reported[i] - real;
+    w.error_sum += error;
+    w.error_squares += error * error;
+    if (std::abs(error) > std::abs(w.score.range_error_worst_m)) w.score.range_error_worst_m = error;
+  }
+  last_marks_ = std::move(marks_);
+  marks_.clear();
+}
+
+const TruthScore& TruthJudge::score() {
+  score_.bodies.clear();
+  for (Watch& w : bodies_) {
+    if (w.score.pings_heard == 0) continue;
+    BodyScore s = w.score;
+    if (s.scans_found > 0) {
+      s.range_error_mean_m = w.error_sum / s.scans_found;
+      s.range_error_rms_m = std::sqrt(w.error_squares / s.scans_found);
+    }
+    score_.bodies.push_back(std::move(s));
+  }
+  return score_;
+}
+
+std::vector<Polygon> TruthJudge::outlines() const {
+  std::vector<Polygon> all;
+  const Pose X_LW = X_WL_.inverse();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    for (const Polygon& part : plan_of(i)) all.push_back(in_frame(part, X_LW));
+  }
+  return all;
+}
+
+}  // namespace isobath

@@ -1,0 +1,75 @@
+// TruthJudge: how well a run saw what was there. Only for simulated runs, where the truth of every sample is known.
+//
+// Each scan's obstacles are held against the bodies of the scene in plan. An obstacle belongs to a body if their
+// outlines come within a tolerance of each other: half a beam's width at that range, a range bin and a cell. One that
+// belongs to no body is an echo of the bottom, of the surface, or a mirror image of something, if samples of the sweep
+// that came from there are labelled so; else it is a false alarm. Positions are compared in the true world: an error of
+// navigation counts. Delay: pings whose truth held the body above the background, up to the end of the first scan that
+// shows it.
+#pragma once
+
+#include <isobath/map/obstacle.hpp>
+#include <isobath/runtime/pipeline.hpp>
+#include <isobath/runtime/scenario.hpp>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace isobath {
+
+struct BodyScore {
+  std::string name;
+  int pings_heard = 0;  ///< in which a sample of it stood above the background
+  int scans_found = 0;
+  int delay_pings = 0;            ///< of those heard, before it was found
+  double delay_s = 0;             ///< from the first that was heard
+  double first_range_m = 0;       ///< where it was found first
+  double range_error_mean_m = 0;  ///< nearest point as reported less as it is, over all scans that show it
+  double range_error_rms_m = 0;
+  double range_error_worst_m = 0;  ///< largest in size
+};
+
+struct TruthScore {
+  int scans = 0;
+  std::vector<BodyScore> bodies;  ///< those that were heard
+  int obstacles = 0;              ///< over all scans; each is one of:
+  int of_bodies = 0, of_bottom = 0, of_surface = 0, of_mirrors = 0, of_ringing = 0, false_alarms = 0;
+  int scans_with_false_alarms = 0;
+};
+
+class TruthJudge : public SimulatedSource::TruthSink {
+ public:
+  explicit TruthJudge(Simulator& simulator);
+
+  void take(const EchoTruth& echoes) override;
+  void take(const TrueMotion& motion) override;
+  void on_ping(const PosedPing& ping);
+  void on_scan(const ScanResult& scan);
+
+  [[nodiscard]] const TruthScore& score();
+  /// Outlines of all bodies where they are now, in L of the last scan (x forward, y starboard), for pictures.
+  [[nodiscard]] std::vector<Polygon> outlines() const;
+
+ private:
+  enum Kind : std::uint8_t { kBottomEcho = 1, kSurfaceEcho = 2, kMirrorEcho = 4, kRingingEcho = 8 };
+  struct Watch {
+    BodyScore score;
+    double first_heard_s = -1;
+    double error_sum = 0, error_squares = 0;
+  };
+  void mark(const Eigen::Vector2d& at, std::uint8_t kind);
+  [[nodiscard]] std::uint8_t kinds_near(const Polygon& outline, double within) const;
+  [[nodiscard]] std::vector<Polygon> plan_of(std::size_t body) const;
+  [[nodiscard]] Pose true_level_pose(Time time) const;
+
+  Simulator& simulator_;
+  std::vector<Watch> bodies_;
+  std::unordered_map<std::int64_t, std::uint8_t> marks_, last_marks_;  ///< by square metre of the world
+  std::vector<EchoTruth> waiting_;                                     ///< for their pings
+  std::vector<TrueMotion> motions_;                                    ///< the last few
+  double beam_ = 0, bin_ = 0;
+  Pose X_WL_;
+  TruthScore score_;
+};
+
+}  // namespace isobath

@@ -1,0 +1,283 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/sim/simulator.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+constexpr double kStep = 0.02, kTruthInterval = 0.1, kHealthInterval = 1, kNear = 10;
+constexpr double kDiveMemory = 20;  // s: how slowly the noise on a dive wanders
+
+enum : std::uint64_t { kSensorSeed = 1, kNavigatorSeed, kFaultSeed, kDiveSeed, kSonarSeed };
+
+/// A vehicle that follows its set-points at once, for scenes that name none.
+VehicleModel point_vehicle() {
+  VehicleModel model;
+  model.name = "point";
+  model.length = 0.5;
+  model.width = 0.5;
+  model.height = 0.3;
+  model.limits.max_speed = 10;
+  model.limits.max_acceleration = 10;
+  model.limits.turning_radius = 0;
+  model.limits.max_yaw_rate = Angle::degrees(90);
+  model.limits.max_climb_rate = 2;
+  return model;
+}
+
+VehicleState start_of(const VehicleConfig& c) {
+  VehicleState state;
+  state.X_WB = {Rotation::from_heading(c.heading), c.start};
+  state.v_B = {c.speed, 0, 0};
+  return state;
+}
+
+LineOfSight guidance_of(const Scene& scene) {
+  std::vector<Waypoint> points;
+  for (const WaypointConfig& w : scene.waypoints) {
+    points.push_back({w.north, w.east, w.depth, w.speed > 0 ? w.speed : scene.vehicle.speed});
+  }
+  return LineOfSight({}, std::move(points));
+}
+
+}  // namespace
+
+std::vector<Field> fields(SimulationConfig& c) {
+  return {Field::integer("seed", &c.seed, {-1, 2147483647}, "", "Seed of every random number; -1: the scene's own."),
+          Field::real("duration_s", &c.duration_s, {0, 1e6}, "s", "Length of the run; 0: the scene's own.")};
+}
+
+/// A sonar with its clock and its faults.
+struct Simulator::Device {
+  Device(const SonarConfig& config, const World& world, const Water& water, std::uint64_t seed, int threads,
+         const FaultSchedule& faults, const std::string& fault_name)
+      : sonar(config, world, water, seed, threads), pings(faults, fault_name), ranges(faults, fault_name) {}
+  SimulatedSonar sonar;
+  FaultyChannel<Ping> pings;
+  FaultyChannel<RangeReading> ranges;
+  Time due{};
+  std::uint64_t number = 0;
+};
+
+Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
+    : scene_(std::move(scene)),
+      seed_(static_cast<std::uint64_t>(config.seed >= 0 ? config.seed : scene_.about.seed)),
+      duration_s_(config.duration_s > 0 ? config.duration_s : scene_.about.duration_s),
+      water_(scene_.water, scene_.water_place),
+      world_(std::make_unique<World>(scene_)),
+      model_(scene_.vehicle.file.empty() ? point_vehicle() : load_vehicle(scene_.vehicle.file)),
+      plant_(make_plant(model_, scene_.vehicle.dynamic ? PlantKind::kDynamic : PlantKind::kKinematic,
+                        start_of(scene_.vehicle))),
+      faults_(scene_.faults, random_at(seed_, kFaultSeed, 0).bits()),
+      sensors_(scene_.navigation, random_at(seed_, kSensorSeed, 0).bits()),
+      navigator_(scene_.navigator, scene_.navigation, random_at(seed_, kNavigatorSeed, 0).bits()),
+      fix_channel_(faults_, "navigation"),
+      waves_(random_at(seed_, kDiveSeed, 0)) {
+  if (!scene_.waypoints.empty()) guidance_.emplace(guidance_of(scene_));
+  const std::vector<std::string> names = fault_names(scene_.sonars);
+  for (std::size_t i = 0; i < scene_.sonars.size(); ++i) {
+    if (!scene_.sonars[i].on) continue;
+    devices_.push_back(std::make_unique<Device>(scene_.sonars[i], *world_, water_,
+                                                random_at(seed_, kSonarSeed, i).bits(), threads, faults_, names[i]));
+  }
+  for (const char* source : {"compass", "ahrs", "gyro", "dvl", "depth", "gps", "lbl"}) {
+    reading_channels_.emplace_back(source, FaultyChannel<NavReading>(faults_, source));
+  }
+  near_.resize(world_->bodies().size());
+  state_before_ = plant_->state();
+  check_start();
+}
+
+Simulator::~Simulator() = default;
+
+double Simulator::hull_radius() const { return 0.5 * std::hypot(model_.length, model_.width); }
+
+void Simulator::check_start() const {
+  const Eigen::Vector3d p = scene_.vehicle.start;
+  Place here = scene_.vehicle.place;
+  here.key = "vehicle.start";
+  const auto bottom = world_->bottom_depth(p.x(), p.y());
+  if (bottom && p.z() >= *bottom) {
+    throw Error(fmt::format("the vehicle starts {:.1f} m deep, where the bottom is {:.1f} m deep", p.z(), *bottom),
+                here);
+  }
+  const auto bodies = world_->bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const double clear = world_->distance(static_cast<int>(i), p);
+    if (clear < hull_radius()) {
+      throw Error(fmt::format("{} is inside the vehicle: {:.2f} m from its middle", bodies[i].name, clear),
+                  bodies[i].body->place, fmt::format("at least {:.2f} m from [vehicle] start", hull_radius()));
+    }
+  }
+}
+
+std::optional<SimulatedEvent> Simulator::next() {
+  while (queue_.empty()) {
+    if (to_seconds(now_) >= duration_s_) return std::nullopt;
+    step();
+  }
+  std::optional<SimulatedEvent> event(std::move(queue_.front()));
+  queue_.pop_front();
+  return event;
+}
+
+void Simulator::step() {
+  if (started_) {
+    state_before_ = plant_->state();
+    before_ = now_;
+    move(kStep);
+    now_ += seconds(kStep);
+  }
+  started_ = true;
+  watch_for_events();
+  for (; next_truth_ <= now_; next_truth_ += seconds(kTruthInterval)) truth(next_truth_);
+  navigate();
+  ping_all();
+  report_health();
+}
+
+// The vehicle --------------------------------------------------------------------------------------------------------
+
+Setpoint Simulator::wanted(double dt) {
+  const VehicleConfig& v = scene_.vehicle;
+  Setpoint setpoint{v.heading, v.start.z(), v.speed};
+  if (command_) return *command_;
+  if (guidance_) setpoint = guidance_->step(plant_->state(), dt);
+  if (v.dive_noise > 0) {
+    const double keep = std::exp(-dt / kDiveMemory);
+    dive_noise_ = keep * dive_noise_ + std::sqrt(1 - keep * keep) * v.dive_noise * waves_.normal();
+  }
+  const double phase = 2 * std::numbers::pi * to_seconds(now_) / v.dive_period_s;
+  setpoint.depth = std::max(0.0, setpoint.depth + v.dive_amplitude * std::sin(phase) + dive_noise_);
+  return setpoint;
+}
+
+void Simulator::move(double dt) {
+  Setpoint setpoint = wanted(dt);
+  const VehicleFaults broken = faults_.vehicle_faults(now_);
+  const int thrusters = static_cast<int>(model_.thrusters.size());
+  if (auto* dynamic = dynamic_cast<DynamicVehicle*>(plant_.get())) {
+    for (int i = 0; i < thrusters; ++i) {
+      dynamic->dynamics().set_effectiveness(i, broken.thrust_share[static_cast<std::size_t>(i)]);
+    }
+  } else {
+    setpoint.speed *= std::sqrt(broken.thrust_share[0]);  // thrust grows with the square of speed
+  }
+  const double depth = plant_->state().X_WB.translation.z();
+  plant_->step(setpoint, {water_.density(), water_.current(depth)}, dt);
+}
+
+VehicleState Simulator::state_at(Time time) const {
+  const VehicleState& after = plant_->state();
+  if (now_ <= before_ || time >= now_) return after;
+  const double share = to_seconds(time - before_) / to_seconds(now_ - before_);
+  return {interpolate(state_before_.X_WB, after.X_WB, share),
+          state_before_.v_B + share * (after.v_B - state_before_.v_B),
+          state_before_.w_B + share * (after.w_B - state_before_.w_B)};
+}
+
+void Simulator::watch_for_events() {
+  if (guidance_) {
+    for (; waypoint_ < guidance_->next(); ++waypoint_) faults_.raise(fmt::format("waypoint {}", waypoint_ + 1), now_);
+  }
+  const Eigen::Vector3d p = plant_->state().X_WB.translation;
+  const auto bodies = world_->bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    Eigen::AlignedBox3d box = bodies[i].box;
+    box.translate(bodies[i].moved);
+    if (near_[i] || box.exteriorDistance(p) > kNear) continue;
+    near_[i] = true;
+    faults_.raise("near " + bodies[i].name, now_);
+  }
+}
+
+// What comes out -----------------------------------------------------------------------------------------------------
+
+void Simulator::put(SimulatedEvent event) {
+  const Duration offset = faults_.vehicle_faults(now_).clock_offset;
+  struct Shift {
+    Duration by;
+    void operator()(Ping& e) const { e.time += by; }
+    void operator()(RangeReading& e) const { e.time += by; }
+    void operator()(Navigation& e) const { e.time += by; }
+    void operator()(Health& e) const { e.time += by; }
+    void operator()(EchoTruth& e) const { e.time += by; }  // it must stay with its ping
+    void operator()(TrueMotion&) const {}
+  };
+  if (offset.count() != 0) std::visit(Shift{offset}, event);
+  queue_.push_back(std::move(event));
+}
+
+template <class Channel>
+void Simulator::deliver(Channel& channel) {
+  while (auto reading = channel.pop(now_)) put(std::move(*reading));
+}
+
+void Simulator::truth(Time time) {
+  TrueMotion motion{time, state_at(time), std::nullopt, {}};
+  const Eigen::Vector3d& p = motion.state.X_WB.translation;
+  if (const auto bottom = world_->bottom_depth(p.x(), p.y())) motion.altitude_m = *bottom - p.z();
+  motion.current_W = water_.current(p.z());
+  put(std::move(motion));
+}
+
+void Simulator::navigate() {
+  const VehicleState& state = plant_->state();
+  const Eigen::Vector3d& p = state.X_WB.translation;
+  std::vector<NavReading> arrived;
+  if (scene_.navigator.kind != NavigatorKind::kTruth) {
+    NavigationScene around{std::nullopt, water_.sound_speed(p.z()), water_.current(p.z())};
+    if (const auto bottom = world_->bottom_depth(p.x(), p.y())) around.altitude_m = *bottom - p.z();
+    for (const NavReading& reading : sensors_.advance(now_, state, around)) {
+      const auto channel = std::find_if(reading_channels_.begin(), reading_channels_.end(),
+                                        [&reading](const auto& c) { return c.first == reading.source; });
+      channel->second.push(now_, reading);
+    }
+    for (auto& [name, channel] : reading_channels_) {
+      while (auto reading = channel.pop(now_)) arrived.push_back(std::move(*reading));
+    }
+  }
+  for (const Navigation& fix : navigator_.advance(now_, state, arrived)) fix_channel_.push(now_, fix);
+  deliver(fix_channel_);
+}
+
+void Simulator::ping_all() {
+  const auto earliest = [this]() -> Device* {
+    Device* first = nullptr;
+    for (const auto& device : devices_) {
+      if (device->due <= now_ && (!first || device->due < first->due)) first = device.get();
+    }
+    return first;
+  };
+  while (Device* device = earliest()) {
+    world_->move_to(to_seconds(device->due));
+    auto heard = device->sonar.ping(device->due, state_at(device->due).X_WB, device->number++);
+    device->due += device->sonar.interval();
+    if (!heard.truth.labels.empty()) put(std::move(heard.truth));
+    if (heard.ping) device->pings.push(now_, std::move(*heard.ping));
+    for (RangeReading& reading : heard.ranges) device->ranges.push(now_, std::move(reading));
+  }
+  for (const auto& device : devices_) {
+    deliver(device->pings);
+    deliver(device->ranges);
+  }
+}
+
+void Simulator::report_health() {
+  for (; next_health_ <= now_; next_health_ += seconds(kHealthInterval)) {
+    const VehicleFaults broken = faults_.vehicle_faults(now_);
+    const double used = to_seconds(now_) / (3600 * scene_.vehicle.endurance_h);
+    Health health{next_health_, "vehicle", HealthState::kOk, 1, broken.leak, {}};
+    health.battery_share = static_cast<float>(std::clamp(1 - used - broken.battery_lost, 0.0, 1.0));
+    const bool weak =
+        std::any_of(broken.thrust_share.begin(), broken.thrust_share.end(), [](double s) { return s < 1; });
+    if (broken.leak) health.note = "water inside";
+    if (weak) health.note += std::string(health.note.empty() ? "" : "; ") + "a thruster gives less than it should";
+    if (broken.leak || weak) health.state = HealthState::kDegraded;
+    put(std::move(health));
+  }
+}
+
+}  // namespace isobath
