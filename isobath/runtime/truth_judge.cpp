@@ -24,6 +24,11 @@ double distance(const Polygon& a, const Polygon& b) {
   return least;
 }
 
+bool near(const std::vector<Polygon>& plan, const Vector2d& p, double within) {
+  return std::any_of(plan.begin(), plan.end(),
+                     [&](const Polygon& part) { return (nearest_point(part, p) - p).norm() <= within; });
+}
+
 Polygon in_frame(const Polygon& polygon, const Pose& X) {
   Polygon out;
   for (const Vector2d& p : polygon) out.push_back((X * Vector3d(p.x(), p.y(), 0)).head<2>());
@@ -70,26 +75,33 @@ void TruthJudge::on_ping(const PosedPing& posed) {
   bin_ = ping.window.bin_m;
   beam_ = ping.fan->width[0].radians();
   std::vector<bool> heard(bodies_.size());
+  std::vector<std::vector<Polygon>> plans;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) plans.push_back(plan_of(i));
   for (int b = 0; b < truth->beams; ++b) {
     const Pose X_WS = X_WL * ping.X_BS;
     for (int k = 0; k < truth->bins; ++k) {
       const EchoLabel label = truth->labels[static_cast<std::size_t>(b * truth->bins + k)];
       if (label.path() == EchoPath::kNoise) continue;
-      const bool direct = label.path() == EchoPath::kDirect;
-      if (direct && label.target() >= kFirstBody) {
-        heard[static_cast<std::size_t>(label.target() - kFirstBody)] = true;
-        continue;
-      }
-      std::uint8_t kind = kMirrorEcho;
-      if (direct) kind = label.target() == kBottom ? kBottomEcho : kSurfaceEcho;
-      if (label.path() == EchoPath::kRinging) kind = kRingingEcho;
       if (label.path() == EchoPath::kVolume || label.path() == EchoPath::kSpurious ||
           label.path() == EchoPath::kDisturbance) {
         continue;  // whoever makes an obstacle of these is wrong
       }
       const double r = ping.window.centre(k);
       const Angle a = ping.fan->azimuth[static_cast<std::size_t>(b)];
-      mark((X_WS * Vector3d(r * cos(a), r * sin(a), 0)).head<2>(), kind);
+      const Vector2d at = (X_WS * Vector3d(r * cos(a), r * sin(a), 0)).head<2>();
+      const bool direct = label.path() == EchoPath::kDirect;
+      if (label.target() >= kFirstBody) {
+        // Close under the surface a bounce can be louder than the straight echo, and as good a sign of the body.
+        const auto body = static_cast<std::size_t>(label.target() - kFirstBody);
+        if (direct || near(plans[body], at, bin_ + 0.5 * beam_ * r)) {
+          heard[body] = true;
+          continue;
+        }
+      }
+      std::uint8_t kind = kMirrorEcho;
+      if (direct) kind = label.target() == kBottom ? kBottomEcho : kSurfaceEcho;
+      if (label.path() == EchoPath::kRinging) kind = kRingingEcho;
+      mark(at, kind);
     }
   }
   const double now = to_seconds(ping.time);

@@ -19,6 +19,9 @@ VehicleModel point_vehicle() {
   model.length = 0.5;
   model.width = 0.5;
   model.height = 0.3;
+  model.mass = 30;
+  model.volume = model.mass / 1000;
+  model.inertia_B = Eigen::Matrix3d::Identity();
   model.limits.max_speed = 10;
   model.limits.max_acceleration = 10;
   model.limits.turning_radius = 0;
