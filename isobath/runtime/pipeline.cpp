@@ -29,6 +29,13 @@ BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
   return grid;
 }
 
+constexpr const char* kUpright = "fan that stands upright: no sight for a map of the plane";
+
+/// Whether the plane of the fan is nearer to level than to upright.
+bool lies_flat(const Ping& ping) {
+  return std::abs((ping.X_BS.rotation * Eigen::Vector3d::UnitY()).z()) < std::sqrt(0.5);
+}
+
 bool fits(const BodyGridConfig& grid, double reach_m) {
   const double half = 0.5 * grid.cell_m * std::min(grid.cells_x, grid.cells_y);
   return reach_m <= half && reach_m > half / 4;
@@ -100,6 +107,7 @@ void Pipeline::add_fix(const Navigation& fix) {
 }
 
 void Pipeline::hold(Ping ping) {
+  if (!lies_flat(ping)) return gate_.count(kUpright);
   if (waiting_.size() == kMostWaiting) {
     place(waiting_.front());
     waiting_.erase(waiting_.begin());

@@ -119,6 +119,10 @@ ordered_json truth_json(const TruthScore& score) {
       one["delay_pings"] = b.delay_pings;
       one["delay_s"] = tidy(b.delay_s);
       one["first_range_m"] = tidy(b.first_range_m);
+      if (!b.compact) {
+        bodies.push_back(std::move(one));
+        continue;
+      }
       one["range_error_mean_m"] = tidy(b.range_error_mean_m);
       one["range_error_rms_m"] = tidy(b.range_error_rms_m);
       one["range_error_worst_m"] = tidy(b.range_error_worst_m);
@@ -133,7 +137,6 @@ ordered_json truth_json(const TruthScore& score) {
             {"of_bottom", score.of_bottom},
             {"of_surface", score.of_surface},
             {"of_mirrors", score.of_mirrors},
-            {"of_ringing", score.of_ringing},
             {"false_alarms", score.false_alarms}}},
           {"scans_with_false_alarms", score.scans_with_false_alarms}};
 }

@@ -175,16 +175,18 @@ void add_truth(HtmlReport& page, const TruthScore& score) {
   page.heading("Truth beside belief");
   page.paragraph(fmt::format(
       "Over {} scans, {} obstacles were reported: {} of bodies, {} of the bottom, {} of the surface, {} mirror images, "
-      "{} of the sonar's own ringing, and {} of nothing, in {} scans. Each is counted in every scan that shows it.",
+      "and {} of nothing, in {} scans. Each is counted in every scan that shows it. A body's errors are those of its "
+      "nearest point, where it has one.",
       score.scans, score.obstacles, score.of_bodies, score.of_bottom, score.of_surface, score.of_mirrors,
-      score.of_ringing, score.false_alarms, score.scans_with_false_alarms));
+      score.false_alarms, score.scans_with_false_alarms));
   std::vector<HtmlReport::Row> rows;
   for (const BodyScore& b : score.bodies) {
     const bool found = b.scans_found > 0;
     const auto number = [found](double value) { return found ? fmt::format("{:.2f}", value) : std::string("-"); };
+    const auto error = [&](double value) { return b.compact ? number(value) : std::string("-"); };
     rows.push_back({b.name, fmt::format("{}", b.pings_heard), found ? fmt::format("{} scans", b.scans_found) : "missed",
                     found ? fmt::format("{}", b.delay_pings) : "-", number(b.delay_s), number(b.first_range_m),
-                    number(b.range_error_mean_m), number(b.range_error_rms_m), number(b.range_error_worst_m)});
+                    error(b.range_error_mean_m), error(b.range_error_rms_m), error(b.range_error_worst_m)});
   }
   page.table({"body", "pings that heard it", "found in", "pings until found", "s until found", "first found at (m)",
               "range error, mean (m)", "rms (m)", "worst (m)"},

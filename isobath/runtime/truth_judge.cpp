@@ -9,7 +9,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kSquare = 1;  // m, of the marks
+constexpr double kSquare = 1;   // m, of the marks
+constexpr double kCompact = 6;  // m
 
 std::int64_t square_of(double north, double east) {
   return static_cast<std::int64_t>(std::floor(north / kSquare)) << 32 ^
@@ -41,6 +42,7 @@ TruthJudge::TruthJudge(Simulator& simulator) : simulator_(simulator) {
   for (const WorldBody& body : simulator.world().bodies()) {
     bodies_.emplace_back();
     bodies_.back().score.name = body.name;
+    bodies_.back().score.compact = body.box.sizes().head<2>().maxCoeff() < kCompact;
   }
 }
 
@@ -83,7 +85,7 @@ void TruthJudge::on_ping(const PosedPing& posed) {
       const EchoLabel label = truth->labels[static_cast<std::size_t>(b * truth->bins + k)];
       if (label.path() == EchoPath::kNoise) continue;
       if (label.path() == EchoPath::kVolume || label.path() == EchoPath::kSpurious ||
-          label.path() == EchoPath::kDisturbance) {
+          label.path() == EchoPath::kDisturbance || label.path() == EchoPath::kRinging) {
         continue;  // whoever makes an obstacle of these is wrong
       }
       const double r = ping.window.centre(k);
@@ -100,7 +102,6 @@ void TruthJudge::on_ping(const PosedPing& posed) {
       }
       std::uint8_t kind = kMirrorEcho;
       if (direct) kind = label.target() == kBottom ? kBottomEcho : kSurfaceEcho;
-      if (label.path() == EchoPath::kRinging) kind = kRingingEcho;
       mark(at, kind);
     }
   }
@@ -169,7 +170,6 @@ void TruthJudge::on_scan(const ScanResult& scan) {
                  : kinds & kBottomEcho  ? score_.of_bottom
                  : kinds & kSurfaceEcho ? score_.of_surface
                  : kinds & kMirrorEcho  ? score_.of_mirrors
-                 : kinds & kRingingEcho ? score_.of_ringing
                                         : score_.false_alarms;
     ++count;
     any_false = any_false || &count == &score_.false_alarms;

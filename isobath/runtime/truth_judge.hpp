@@ -24,6 +24,7 @@ struct BodyScore {
   int delay_pings = 0;            ///< of those heard, before it was found
   double delay_s = 0;             ///< from the first that was heard
   double first_range_m = 0;       ///< where it was found first
+  bool compact = false;           ///< below 6 m across: has one range; the errors of others mean nothing
   double range_error_mean_m = 0;  ///< nearest point as reported less as it is, over all scans that show it
   double range_error_rms_m = 0;
   double range_error_worst_m = 0;  ///< largest in size
@@ -33,7 +34,7 @@ struct TruthScore {
   int scans = 0;
   std::vector<BodyScore> bodies;  ///< those that were heard
   int obstacles = 0;              ///< over all scans; each is one of:
-  int of_bodies = 0, of_bottom = 0, of_surface = 0, of_mirrors = 0, of_ringing = 0, false_alarms = 0;
+  int of_bodies = 0, of_bottom = 0, of_surface = 0, of_mirrors = 0, false_alarms = 0;
   int scans_with_false_alarms = 0;
 };
 
@@ -51,7 +52,7 @@ class TruthJudge : public SimulatedSource::TruthSink {
   [[nodiscard]] std::vector<Polygon> outlines() const;
 
  private:
-  enum Kind : std::uint8_t { kBottomEcho = 1, kSurfaceEcho = 2, kMirrorEcho = 4, kRingingEcho = 8 };
+  enum Kind : std::uint8_t { kBottomEcho = 1, kSurfaceEcho = 2, kMirrorEcho = 4 };
   struct Watch {
     BodyScore score;
     double first_heard_s = -1;

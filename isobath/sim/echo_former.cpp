@@ -386,7 +386,10 @@ struct EchoFormer::State {
       if (pulse == 0 && far - near <= 1e-6) share = k == first ? 1 : 0;  // a point lies in one bin
       const auto value = static_cast<float>(height_of * std::max(share, 0.0));
       power[k] += value;
-      if (value > strongest[k]) {
+      // Many rays meet the same thing: what they bring together counts.
+      if (labels[k] == label) {
+        strongest[k] += value;
+      } else if (value > strongest[k]) {
         strongest[k] = value;
         labels[k] = label;
       }
@@ -543,12 +546,21 @@ struct EchoFormer::State {
 
   // Beams ------------------------------------------------------------------------------------------------------------
 
-  void gather(int beam, EchoImage& image, std::vector<int>& from) const {
+  struct Scratch {
+    explicit Scratch(int bins)
+        : from(static_cast<std::size_t>(bins)), power(from.size()), strongest(from.size()), labels(from.size()) {}
+    std::vector<int> from;
+    std::vector<float> power, strongest;
+    std::vector<EchoLabel> labels;
+  };
+
+  void gather(int beam, EchoImage& image, Scratch& scratch) const {
+    std::vector<int>& from = scratch.from;
     const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(image.bins);
     float* rough = image.rough.data() + start;
     float* strongest = image.strongest.data() + start;
     EchoLabel* labels = image.labels.data() + start;
-    from.assign(static_cast<std::size_t>(image.bins), -1);
+    std::fill(from.begin(), from.end(), -1);
     const auto& heard = weights[static_cast<std::size_t>(beam)];
     for (int i = 0; i < static_cast<int>(heard.size()); ++i) {
       const Row& row = rows[static_cast<std::size_t>(heard[static_cast<std::size_t>(i)].direction)];
@@ -569,12 +581,44 @@ struct EchoFormer::State {
       const Weight& w = heard[static_cast<std::size_t>(i)];
       labels[k] = heard_as(rows[static_cast<std::size_t>(w.direction)].labels[static_cast<std::size_t>(k)], w.gain);
     }
-    for (const Point& point : points) {
-      const double gain = across.gain(std::remainder(point.azimuth - beams[static_cast<std::size_t>(beam)], 2 * kPi));
-      if (gain < kLeastGain || gain * point.power < 1e-3 * floor) continue;
-      deposit(image.steady.data() + start, strongest, labels, point.span, gain * point.power,
-              heard_as(point.label, static_cast<float>(gain)));
+    for (std::size_t i = 0; i < points.size();) i = hear_body(i, beam, image, scratch);
+  }
+
+  /// The points of one body by one path, from the first; returns where the next begin.
+  std::size_t hear_body(std::size_t first, int beam, EchoImage& image, Scratch& scratch) const {
+    const EchoLabel label = points[first].label;
+    std::size_t end = first;
+    double loudest = 0, near = 1e30, far = 0;
+    for (; end < points.size() && points[end].label == label; ++end) {
+      const double gain =
+          across.gain(std::remainder(points[end].azimuth - beams[static_cast<std::size_t>(beam)], 2 * kPi));
+      loudest = std::max(loudest, gain);
+      near = std::min(near, points[end].span.near);
+      far = std::max(far, points[end].span.far);
     }
+    const double margin = std::max(config.resolution_m, 2 * bin_m());
+    const int low = std::max(0, static_cast<int>((near - margin) / bin_m()));
+    const int high = std::min(config.bins - 1, static_cast<int>((far + margin) / bin_m()));
+    if (loudest < kLeastGain || low > high) return end;
+    std::fill(scratch.power.begin() + low, scratch.power.begin() + high + 1, 0.f);
+    std::fill(scratch.strongest.begin() + low, scratch.strongest.begin() + high + 1, 0.f);
+    for (std::size_t i = first; i < end; ++i) {
+      const double gain =
+          across.gain(std::remainder(points[i].azimuth - beams[static_cast<std::size_t>(beam)], 2 * kPi));
+      if (gain * points[i].power < 1e-4 * floor) continue;
+      deposit(scratch.power.data(), scratch.strongest.data(), scratch.labels.data(), points[i].span,
+              gain * points[i].power, label);
+    }
+    const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(image.bins);
+    for (int k = low; k <= high; ++k) {
+      const std::size_t at = start + static_cast<std::size_t>(k);
+      const float power = scratch.power[static_cast<std::size_t>(k)];
+      image.steady[at] += power;
+      if (power <= image.strongest[at]) continue;
+      image.strongest[at] = power;
+      image.labels[at] = heard_as(label, static_cast<float>(loudest));
+    }
+    return end;
   }
 
   static EchoLabel heard_as(EchoLabel label, float gain) {
@@ -601,8 +645,8 @@ void EchoFormer::form(const Pose& X_WS, EchoImage& image) {
     for (int d = first; d < last; ++d) s.look(d);
   });
   split_work(image.beams, s.threads, [&s, &image](int first, int last) {
-    std::vector<int> from;
-    for (int b = first; b < last; ++b) s.gather(b, image, from);
+    State::Scratch scratch(image.bins);
+    for (int b = first; b < last; ++b) s.gather(b, image, scratch);
   });
 }
 
