@@ -47,10 +47,10 @@ void print(const TruthScore& truth) {
       fmt::print("  {}: heard by {} pings, not found\n", b.name, b.pings_heard);
       continue;
     }
-    fmt::print(
-        "  {}: found at {:.1f} m, {} pings ({:.1f} s) after it was first heard; range error {:+.2f} m mean, {:.2f} m "
-        "rms\n",
-        b.name, b.first_range_m, b.delay_pings, b.delay_s, b.range_error_mean_m, b.range_error_rms_m);
+    fmt::print("  {}: found at {:.1f} m, {} pings ({:.1f} s) after it was first heard", b.name, b.first_range_m,
+               b.delay_pings, b.delay_s);
+    if (b.compact) fmt::print("; range error {:+.2f} m mean, {:.2f} m rms", b.range_error_mean_m, b.range_error_rms_m);
+    fmt::print("\n");
   }
 }
 
