@@ -162,11 +162,13 @@ void SimulatedSonar::fill(int beam, Random random, const Disturbances& now, floa
     const double spread = config_.noise == NoiseLaw::kGaussian ? config_.noise_sigma
                           : config_.noise == NoiseLaw::kNone   ? 0
                                                                : kRayleighSpread * mean;
-    const double strongest = gain * std::sqrt(static_cast<double>(image_.strongest[at]));
+    double strongest = gain * std::sqrt(static_cast<double>(image_.strongest[at]));
     labels[k] = strongest > std::max(spread, 0.5) ? image_.labels[at] : EchoLabel();
     const auto disturb = [&](double level, EchoPath path) {
       amplitude += level;
-      if (level > std::max(strongest, spread)) labels[k] = EchoLabel(kNothing, path);
+      if (level <= std::max(strongest, spread)) return;
+      labels[k] = EchoLabel(kNothing, path);
+      strongest = level;
     };
     if (beam == now.spurious_beam && k == now.spurious_bin) disturb(config_.spurious_level, EchoPath::kSpurious);
     if (beam == now.streak || k == now.ring || now.burst) {
@@ -185,6 +187,7 @@ SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::ui
   const Pose X_BS = sensor_pose(config_);
   const bool scanning = config_.kind == SonarKind::kScanning;
   const Angle head = scanning ? head_azimuth(number) : Angle{};
+  if (scanning) noise_by_beam_[0] = factor_at(config_.noise_by_bearing, head.degrees());
   former_.form(X_WB * X_BS * Pose{Rotation::from_heading(head), {0, 0, 0}}, image_);
 
   out.truth = {time, config_.name, image_.beams, image_.bins, {}};
@@ -229,11 +232,12 @@ SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::ui
 void SimulatedSonar::pick_ranges(const Ping& ping, Output& out) const {
   const int blind = static_cast<int>(std::ceil(config_.blind_m / ping.window.bin_m));
   for (int b = 0; b < ping.fan->beams(); ++b) {
+    // From samples that nothing has clipped: the strongest of many that saturate would be the nearest of them.
+    const float* level = samples_.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(ping.window.bins);
     int best = -1;
     for (int k = blind; k < ping.window.bins; ++k) {
-      if (static_cast<double>(ping.intensity(b, k)) < config_.pick_level) continue;
-      if (best < 0 || (config_.pick == RangePick::kStrongest && ping.intensity(b, k) > ping.intensity(b, best)))
-        best = k;
+      if (static_cast<double>(level[k]) < config_.pick_level) continue;
+      if (best < 0 || (config_.pick == RangePick::kStrongest && level[k] > level[best])) best = k;
       if (config_.pick == RangePick::kNearest) break;
     }
     RangeReading reading;
@@ -243,7 +247,7 @@ void SimulatedSonar::pick_ranges(const Ping& ping, Output& out) const {
     reading.X_BS = ping.X_BS * Pose{Rotation::from_heading(ping.fan->azimuth[static_cast<std::size_t>(b)]), {0, 0, 0}};
     if (best >= 0) {
       reading.range_m = ping.window.centre(best);
-      reading.confidence = std::min(1.f, ping.intensity(b, best) / ping.full_scale);
+      reading.confidence = std::min(1.f, level[best] / ping.full_scale);
     }
     out.ranges.push_back(reading);
   }
