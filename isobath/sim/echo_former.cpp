@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
 constexpr double kLeastCosine = 0.02;  // grazing rays: the area in a cell must stay finite
 constexpr double kSurfaceLoss = 0.7;   // intensity kept in a bounce off a rough surface (APL-UW TR 9407, about 1.5 dB)
-constexpr double kLeastGain = 1e-5;    // of a receive beam: what is below is not heard
+constexpr double kLeastGain = 3e-5;    // of a receive beam: what is below is not heard
 constexpr int kScanningCells = 9, kSkirt = 5;
 constexpr double kSmall = 4;  // a body below so many cells, in one direction, gets cells of its own
 
@@ -114,6 +114,7 @@ struct EchoFormer::State {
   struct Row {
     std::vector<float> power, strongest;
     std::vector<EchoLabel> labels;
+    float loudest = 0;           ///< but for the water itself
     std::vector<double> volume;  ///< differences of (gain x solid angle) that looks through the water at a bin
   };
   std::vector<Row> rows;
@@ -413,6 +414,7 @@ struct EchoFormer::State {
       const int end = static_cast<int>(std::min<double>(open / bin_m(), config.bins));
       row.volume[static_cast<std::size_t>(end)] -= cell.gain * cell.solid_angle;
     }
+    row.loudest = *std::max_element(row.strongest.begin(), row.strongest.end());
     if (config.volume_reverberation) fill_volume(row);
   }
 
@@ -557,8 +559,8 @@ struct EchoFormer::State {
   void gather(int beam, EchoImage& image, Scratch& scratch) const {
     std::vector<int>& from = scratch.from;
     const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(image.bins);
-    float* rough = image.rough.data() + start;
-    float* strongest = image.strongest.data() + start;
+    float* __restrict rough = image.rough.data() + start;
+    float* __restrict strongest = image.strongest.data() + start;
     EchoLabel* labels = image.labels.data() + start;
     std::fill(from.begin(), from.end(), -1);
     const auto& heard = weights[static_cast<std::size_t>(beam)];
@@ -566,12 +568,15 @@ struct EchoFormer::State {
       const Row& row = rows[static_cast<std::size_t>(heard[static_cast<std::size_t>(i)].direction)];
       // A fan's beam hears the mean over the directions; a cell's solid angle is already in its power.
       const float gain = heard[static_cast<std::size_t>(i)].gain;
-      const float* power = row.power.data();
-      const float* best = row.strongest.data();
+      const float* __restrict power = row.power.data();
       for (int k = 0; k < image.bins; ++k) rough[k] += gain * power[k];
+      // Side lobes matter to labels only where they bring in something that stands out.
+      if (gain < 0.1f && gain * row.loudest < static_cast<float>(floor)) continue;
+      const float* __restrict best = row.strongest.data();
+      int* __restrict source = from.data();
       for (int k = 0; k < image.bins; ++k) {
         const float value = gain * best[k];
-        from[static_cast<std::size_t>(k)] = value > strongest[k] ? i : from[static_cast<std::size_t>(k)];
+        source[k] = value > strongest[k] ? i : source[k];
         strongest[k] = std::max(strongest[k], value);
       }
     }

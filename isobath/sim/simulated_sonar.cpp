@@ -75,6 +75,8 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
   }
   const double most = *std::max_element(gain_.begin(), gain_.end());
   former_.set_floor(std::pow(0.1 * std::max(config.noise_level, 1.0) / most, 2));
+  const double v = config.noise_shape;  // the mean of the square root of the texture is not one
+  k_root_ = std::exp(std::lgamma(v + 0.5) - std::lgamma(v)) / std::sqrt(v);
   BeamFan fan;
   fan.height = config.height;
   for (const double azimuth : former_.beam_azimuths()) {
@@ -125,48 +127,56 @@ SimulatedSonar::Disturbances SimulatedSonar::draw(Random random) const {
   return now;
 }
 
-/// The background with an echo of this amplitude in it.
-double SimulatedSonar::background(Random& random, double mean, double amplitude) const {
-  switch (config_.noise) {
-    case BackgroundLaw::kNone: return amplitude;
-    case BackgroundLaw::kGaussian:
-      return mean + config_.noise_sigma * (mean / std::max(config_.noise_level, 1e-12)) * random.normal() + amplitude;
-    case BackgroundLaw::kRayleigh:
-    case BackgroundLaw::kK: break;
+/// One sample: the background with an echo in it, of which one part fluctuates (mean power, counts^2) and one does not.
+/// Speckle and a Rayleigh or K background are sums of many small waves: so is what they make together (Goodman 1975).
+double SimulatedSonar::sample(Random& random, double mean, double fluctuating, double steady) const {
+  const bool envelope = config_.noise == BackgroundLaw::kRayleigh || config_.noise == BackgroundLaw::kK;
+  if (!envelope) {
+    const double power = fluctuating > 0 ? -fluctuating * std::log(positive_uniform(random)) : 0;
+    const double amplitude = power > 0 ? std::sqrt(steady * steady + power) : steady;
+    if (config_.noise == BackgroundLaw::kNone) return amplitude;
+    return mean + config_.noise_sigma * (mean / std::max(config_.noise_level, 1e-12)) * random.normal() + amplitude;
   }
-  double scale2 = mean * mean / (kRayleighMean * kRayleighMean);
-  if (config_.noise == BackgroundLaw::kK) {
-    // The mean of the square root of the texture is not one.
-    const double v = config_.noise_shape, root = std::exp(std::lgamma(v + 0.5) - std::lgamma(v)) / std::sqrt(v);
-    scale2 *= unit_mean_gamma(random, v) / (root * root);
+  double noise = 2 * mean * mean / (kRayleighMean * kRayleighMean);
+  if (config_.noise == BackgroundLaw::kK) noise *= unit_mean_gamma(random, config_.noise_shape) / (k_root_ * k_root_);
+  const double power = noise + fluctuating;
+  if (steady <= 0) return std::sqrt(-power * std::log(positive_uniform(random)));
+  // A circular Gaussian number by Marsaglia's polar method, with the steady echo along its real axis.
+  double x = 0, y = 0, q = 2;
+  while (q >= 1 || q == 0) {
+    x = 2 * random.uniform() - 1;
+    y = 2 * random.uniform() - 1;
+    q = x * x + y * y;
   }
-  const double envelope2 = -2 * scale2 * std::log(positive_uniform(random));
-  if (amplitude <= 0) return std::sqrt(envelope2);
-  const double phase = 2 * std::numbers::pi * random.uniform();
-  const double square = amplitude * amplitude + envelope2 + 2 * amplitude * std::sqrt(envelope2) * std::cos(phase);
-  return std::sqrt(std::max(square, 0.0));
+  const double scale = std::sqrt(-power * std::log(q) / q);
+  return std::hypot(steady + scale * x, scale * y);
 }
 
 void SimulatedSonar::fill(int beam, Random random, const Disturbances& now, float* samples, EchoLabel* labels) const {
   const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(config_.bins);
   const double bin = config_.range_m / config_.bins;
+  const double level = config_.noise_level * noise_by_beam_[static_cast<std::size_t>(beam)];
   for (int k = 0; k < config_.bins; ++k) {
     const std::size_t at = start + static_cast<std::size_t>(k);
-    const double mean = config_.noise_level * noise_by_bin_[static_cast<std::size_t>(k)] *
-                        noise_by_beam_[static_cast<std::size_t>(beam)];
-    const double gain = gain_[static_cast<std::size_t>(k)], negligible = 1e-3 * mean / gain;
-    double power = static_cast<double>(image_.steady[at]);
-    const double rough = static_cast<double>(image_.rough[at]);
-    if (rough > negligible * negligible) power += config_.speckle ? -rough * std::log(positive_uniform(random)) : rough;
-    double amplitude = power > negligible * negligible ? gain * std::sqrt(power) : 0;
+    const double mean = level * noise_by_bin_[static_cast<std::size_t>(k)];
+    const double gain = gain_[static_cast<std::size_t>(k)], gain2 = gain * gain;
+    const double negligible = 1e-4 * mean * mean;  // power, counts^2
+    const double rough = gain2 * static_cast<double>(image_.rough[at]);
+    double steady2 = gain2 * static_cast<double>(image_.steady[at]);
+    double fluctuating = 0;
+    (config_.speckle ? fluctuating : steady2) += rough;
+    double steady = steady2 > negligible ? std::sqrt(steady2) : 0;
     const double spread = config_.noise == BackgroundLaw::kGaussian ? config_.noise_sigma
                           : config_.noise == BackgroundLaw::kNone   ? 0
                                                                     : kRayleighSpread * mean;
-    const double strongest = gain * std::sqrt(static_cast<double>(image_.strongest[at]));
-    labels[k] = strongest > std::max(spread, 0.5) ? image_.labels[at] : EchoLabel();
-    const auto disturb = [&](double level, EchoPath path) {
-      amplitude += level;
-      if (level > std::max(strongest, spread)) labels[k] = EchoLabel(kNothing, path);
+    double strongest2 = gain2 * static_cast<double>(image_.strongest[at]);
+    const double least = std::max(spread, 0.5);
+    labels[k] = strongest2 > least * least ? image_.labels[at] : EchoLabel();
+    const auto disturb = [&](double amplitude, EchoPath path) {
+      steady += amplitude;
+      if (amplitude * amplitude <= std::max(strongest2, spread * spread)) return;
+      labels[k] = EchoLabel(kNothing, path);
+      strongest2 = amplitude * amplitude;
     };
     if (beam == now.spurious_beam && k == now.spurious_bin) disturb(config_.spurious_level, EchoPath::kSpurious);
     if (beam == now.streak || k == now.ring || now.burst) {
@@ -174,7 +184,8 @@ void SimulatedSonar::fill(int beam, Random random, const Disturbances& now, floa
     }
     const double r = (k + 0.5) * bin;
     if (r < config_.blind_m) disturb(config_.ringing_level * std::exp(-3 * r / config_.blind_m), EchoPath::kRinging);
-    samples[k] = static_cast<float>(std::max(background(random, mean, amplitude), 0.0));
+    if (fluctuating <= negligible) fluctuating = 0;
+    samples[k] = static_cast<float>(std::max(sample(random, mean, fluctuating, steady), 0.0));
   }
 }
 
@@ -185,6 +196,7 @@ SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::ui
   const Pose X_BS = sensor_pose(config_);
   const bool scanning = config_.kind == SonarKind::kScanning;
   const Angle head = scanning ? head_azimuth(number) : Angle{};
+  if (scanning) noise_by_beam_[0] = factor_at(config_.noise_by_bearing, head.degrees());
   former_.form(X_WB * X_BS * Pose{Rotation::from_heading(head), {0, 0, 0}}, image_);
 
   out.truth = {time, config_.name, image_.beams, image_.bins, {}};
@@ -229,11 +241,12 @@ SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::ui
 void SimulatedSonar::pick_ranges(const Ping& ping, Output& out) const {
   const int blind = static_cast<int>(std::ceil(config_.blind_m / ping.window.bin_m));
   for (int b = 0; b < ping.fan->beams(); ++b) {
+    // From samples that nothing has clipped: the strongest of many that saturate would be the nearest of them.
+    const float* level = samples_.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(ping.window.bins);
     int best = -1;
     for (int k = blind; k < ping.window.bins; ++k) {
-      if (static_cast<double>(ping.intensity(b, k)) < config_.pick_level) continue;
-      if (best < 0 || (config_.pick == RangePick::kStrongest && ping.intensity(b, k) > ping.intensity(b, best)))
-        best = k;
+      if (static_cast<double>(level[k]) < config_.pick_level) continue;
+      if (best < 0 || (config_.pick == RangePick::kStrongest && level[k] > level[best])) best = k;
       if (config_.pick == RangePick::kNearest) break;
     }
     RangeReading reading;
@@ -243,7 +256,7 @@ void SimulatedSonar::pick_ranges(const Ping& ping, Output& out) const {
     reading.X_BS = ping.X_BS * Pose{Rotation::from_heading(ping.fan->azimuth[static_cast<std::size_t>(b)]), {0, 0, 0}};
     if (best >= 0) {
       reading.range_m = ping.window.centre(best);
-      reading.confidence = std::min(1.f, ping.intensity(b, best) / ping.full_scale);
+      reading.confidence = std::min(1.f, level[best] / ping.full_scale);
     }
     out.ranges.push_back(reading);
   }

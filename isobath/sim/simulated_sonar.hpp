@@ -51,7 +51,7 @@ class SimulatedSonar {
   [[nodiscard]] Angle head_azimuth(std::uint64_t number) const;
   [[nodiscard]] Disturbances draw(Random random) const;
   void fill(int beam, Random random, const Disturbances& now, float* samples, EchoLabel* labels) const;
-  [[nodiscard]] double background(Random& random, double mean, double amplitude) const;
+  [[nodiscard]] double sample(Random& random, double mean, double fluctuating, double steady) const;
   void pick_ranges(const Ping& ping, Output& out) const;
 
   SonarConfig config_;
@@ -59,6 +59,7 @@ class SimulatedSonar {
   std::uint64_t seed_;
   int threads_;
   double full_scale_;
+  double k_root_ = 1;
   std::vector<double> gain_, noise_by_bin_, noise_by_beam_;
   std::vector<std::shared_ptr<const BeamFan>> fans_;  ///< of a fan: one; of a scanning head: one a step
   EchoImage image_;

@@ -296,9 +296,14 @@ void check(const SonarConfig& c) {
   }
   if (c.kind == SonarKind::kFan && c.sector.degrees() > 359.9)
     refuse("sector_deg", "a fan cannot close", "below 360 deg");
-  if (c.noise_by_range.size() == 2 || c.noise_by_bearing.size() == 2) {
-    refuse("noise_by_range", "a profile of one row", "none, or two rows and more");
-  }
+  const auto check_profile = [&refuse](const char* key, const std::vector<double>& rows) {
+    if (rows.size() == 2) refuse(key, "a profile of one row", "none, or two rows and more");
+    for (std::size_t i = 2; i < rows.size(); i += 2) {
+      if (rows[i] <= rows[i - 2]) refuse(key, "a profile out of order", "rows by increasing range or azimuth");
+    }
+  };
+  check_profile("noise_by_range", c.noise_by_range);
+  check_profile("noise_by_bearing", c.noise_by_bearing);
   if (c.blind_m >= c.range_m) refuse("blind_m", "the sonar is blind over its whole range", "below range_m");
   if (c.name.empty()) refuse("name", "is empty", "a text");
 }

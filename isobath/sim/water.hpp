@@ -30,12 +30,13 @@ std::vector<Field> fields(WaterConfig& config);
 /// One way, dB/m. Frequency in Hz, temperature in degrees C, salinity in psu, depth in m.
 double absorption_db(AbsorptionLaw law, double frequency, double temperature_c, double salinity_psu, double depth,
                      double ph);
-/// Medwin 1975, m/s, within 0.2 m/s for 0 to 35 degrees C, 0 to 45 psu, 0 to 1000 m.
+/// Medwin 1975, m/s, for 0 to 30 degrees C, 0 to 40 psu, 0 to 1000 m; against Chen and Millero 1977 (UNESCO) at the
+/// surface within 0.3 m/s in the sea (25 to 40 psu) and 0.8 m/s in fresh water.
 double medwin_sound_speed(double temperature_c, double salinity_psu, double depth);
 
 class Water {
  public:
-  /// Throws Error where depths of a profile do not increase.
+  /// Throws Error where depths of a profile do not increase, or a speed of sound is out of range.
   explicit Water(WaterConfig config, const Place& place = {});
 
   [[nodiscard]] const WaterConfig& config() const { return config_; }
