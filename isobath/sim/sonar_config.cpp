@@ -207,9 +207,10 @@ SonarConfig sonar_preset(const std::string& name) {
 std::vector<Field> fields(SonarConfig& c) {
   using P = PatternKind;
   const auto apply = [&c] {
-    const Place place = c.place;
-    c = sonar_preset(std::string(c.preset));
-    c.place = place;
+    SonarConfig preset = sonar_preset(c.preset);
+    preset.place = c.place;
+    preset.name = c.name;
+    c = std::move(preset);
   };
   const std::vector<std::pair<std::string, P>> patterns{
       {"line", P::kLine}, {"gaussian", P::kGaussian}, {"ideal", P::kIdeal}};

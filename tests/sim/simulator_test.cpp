@@ -1,0 +1,321 @@
+// A whole simulation: one clock, one seed, faults, commands, and the scenes of the papers.
+#include <algorithm>
+#include <bit>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <isobath/sim/simulator.hpp>
+#include <set>
+#include <stdexcept>
+#include <tests/sim/worlds.hpp>
+#include <tests/support/data.hpp>
+
+namespace isobath {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kSimple = R"(
+[scene]
+duration_s = 10
+[bottom]
+kind = "flat"
+depth = 12
+[vehicle]
+start = [0, 0, 3]
+speed = 1.5
+[[waypoint]]
+north = 6
+depth = 3
+[[waypoint]]
+north = 6
+east = 40
+depth = 3
+[[sonar]]
+preset = "micron"
+[[sonar]]
+preset = "altimeter"
+[[cylinder]]
+name = "pole"
+centre = [14, 3, 6]
+radius = 0.3
+length = 12
+)";
+
+struct Heard {
+  std::vector<Ping> pings;
+  std::vector<RangeReading> ranges;
+  std::vector<Navigation> fixes;
+  std::vector<Health> health;
+  std::vector<EchoTruth> echoes;
+  std::vector<TrueMotion> motion;
+  std::uint64_t digest = 0;  ///< of everything, in its order
+
+  void mix(std::uint64_t value) { digest = Random(digest ^ value).bits(); }
+  void mix(Time time) { mix(static_cast<std::uint64_t>(time.time_since_epoch().count())); }
+  void mix(double value) { mix(std::bit_cast<std::uint64_t>(value)); }
+};
+
+Heard heard(Simulator& simulator) {
+  Heard all;
+  while (auto event = simulator.next()) {
+    all.mix(event->index());
+    if (auto* ping = std::get_if<Ping>(&*event)) {
+      all.mix(ping->time);
+      for (int b = 0; b < ping->fan->beams(); ++b) {
+        for (int k = 0; k < ping->window.bins; ++k) all.mix(static_cast<double>(ping->intensity(b, k)));
+      }
+      all.pings.push_back(*ping);
+    } else if (auto* reading = std::get_if<RangeReading>(&*event)) {
+      all.mix(reading->range_m.value_or(-1));
+      all.ranges.push_back(*reading);
+    } else if (auto* fix = std::get_if<Navigation>(&*event)) {
+      all.mix(fix->X_WB.translation.sum());
+      all.fixes.push_back(*fix);
+    } else if (auto* health = std::get_if<Health>(&*event)) {
+      all.health.push_back(*health);
+    } else if (auto* echoes = std::get_if<EchoTruth>(&*event)) {
+      for (const EchoLabel label : echoes->labels) all.mix(std::uint64_t{label.code()});
+      all.echoes.push_back(*echoes);
+    } else {
+      all.motion.push_back(std::get<TrueMotion>(*event));
+    }
+  }
+  return all;
+}
+
+Heard run(const std::string& toml, SimulationConfig config = {}, int threads = 1) {
+  Simulator simulator(parse_scene(toml, "scene.toml"), config, threads);
+  return heard(simulator);
+}
+
+std::string problem_of(const std::string& toml) {
+  try {
+    Simulator simulator(parse_scene(toml, "scene.toml"), {});
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+TEST(Simulator, EverySourceKeepsItsOwnRate) {
+  const Heard all = run(kSimple);
+  EXPECT_EQ(all.pings.size(), 101u);  // 10 Hz, both ends
+  EXPECT_EQ(all.ranges.size(), 51u);
+  EXPECT_EQ(all.fixes.size(), 101u);
+  EXPECT_EQ(all.motion.size(), 101u);
+  EXPECT_EQ(all.health.size(), 11u);
+  EXPECT_EQ(all.echoes.size(), all.pings.size() + all.ranges.size());
+  for (std::size_t i = 1; i < all.pings.size(); ++i) {
+    EXPECT_EQ(all.pings[i].time - all.pings[i - 1].time, seconds(0.1));
+  }
+}
+
+TEST(Simulator, IsAFunctionOfSceneAndSeedOnAnyNumberOfThreads) {
+  const std::uint64_t one = run(kSimple).digest;
+  EXPECT_EQ(run(kSimple).digest, one);
+  EXPECT_EQ(run(kSimple, {}, 2).digest, one);
+  EXPECT_NE(run(kSimple, {.seed = 5}).digest, one);
+  EXPECT_EQ(run(kSimple, {.seed = 1}).digest, one) << "the scene's own seed";
+}
+
+TEST(Simulator, TheVehicleFollowsItsWaypointsAndTheAltimeterItsAltitude) {
+  const Heard all = run(kSimple);
+  const Eigen::Vector3d end = all.motion.back().state.X_WB.translation;
+  EXPECT_NEAR(end.x(), 6, 2.5);
+  EXPECT_GT(end.y(), 4);
+  for (const TrueMotion& m : all.motion) EXPECT_NEAR(*m.altitude_m, 12 - m.state.X_WB.translation.z(), 1e-3);
+  for (const RangeReading& r : all.ranges) {
+    ASSERT_TRUE(r.range_m);
+    EXPECT_NEAR(*r.range_m, 9, 0.15);
+  }
+}
+
+// ledger: S6-57
+TEST(Simulator, ACommandTakesTheVehicleOffItsWaypoints) {
+  Simulator simulator(parse_scene(kSimple, "scene.toml"), {});
+  simulator.command({Angle::degrees(-90), 5, 1.0});
+  const Heard all = heard(simulator);
+  const TrueMotion& end = all.motion.back();
+  EXPECT_NEAR(end.state.X_WB.rotation.heading().wrapped().degrees(), -90, 1);
+  EXPECT_LT(end.state.X_WB.translation.y(), -6);
+  EXPECT_NEAR(end.state.X_WB.translation.z(), 5, 0.1);
+}
+
+TEST(Simulator, FaultsBeginWithTimeOrWithAnEventAndStrikeTheirSourceAlone) {
+  const Heard off = run(kSimple + "[[fault]]\nsource = \"sonar\"\nkind = \"off\"\nat_s = 5\n");
+  EXPECT_EQ(off.pings.size(), 50u);
+  EXPECT_EQ(off.ranges.size(), 51u);
+  const Heard late = run(kSimple + "[[fault]]\nsource = \"altimeter\"\nkind = \"off\"\nwhen = \"waypoint 1\"\n");
+  EXPECT_EQ(late.pings.size(), 101u);
+  EXPECT_GT(late.ranges.size(), 8u);
+  EXPECT_LT(late.ranges.size(), 25u) << "the first way-point is 6 m away";
+  const Heard near = run(kSimple + "[[fault]]\nsource = \"sonar\"\nkind = \"off\"\nwhen = \"near pole\"\n");
+  EXPECT_GT(near.pings.size(), 10u);
+  EXPECT_LT(near.pings.size(), 60u);
+}
+
+TEST(Simulator, TheVehicleReportsLeakAndBatteryAndFeelsALostThruster) {
+  const Heard leak = run(kSimple + "[[fault]]\nsource = \"vehicle\"\nkind = \"leak\"\nat_s = 4\n");
+  EXPECT_FALSE(leak.health[3].leak);
+  EXPECT_TRUE(leak.health[5].leak);
+  EXPECT_EQ(leak.health[5].state, HealthState::kDegraded);
+  const Heard flat = run(kSimple + "[[fault]]\nsource = \"vehicle\"\nkind = \"battery\"\nat_s = 4\namount = 0.6\n");
+  EXPECT_NEAR(static_cast<double>(flat.health[3].battery_share), 1, 1e-3);
+  EXPECT_NEAR(static_cast<double>(flat.health[5].battery_share), 0.4, 1e-3);
+  const Heard weak =
+      run(kSimple + "[[fault]]\nsource = \"thruster\"\nkind = \"thruster_loss\"\nat_s = 2\namount = 1\n");
+  EXPECT_LT(weak.motion.back().state.X_WB.translation.x(), 5);
+}
+
+TEST(Simulator, AJumpOfTheClockMovesWhatTheVehicleSaysAndNotTheTruth) {
+  const Heard all = run(kSimple + "[[fault]]\nsource = \"vehicle\"\nkind = \"clock_jump\"\nat_s = 5\namount = -3\n");
+  bool backwards = false;
+  for (std::size_t i = 1; i < all.pings.size(); ++i) backwards = backwards || all.pings[i].time < all.pings[i - 1].time;
+  EXPECT_TRUE(backwards);
+  for (std::size_t i = 1; i < all.motion.size(); ++i) EXPECT_GT(all.motion[i].time, all.motion[i - 1].time);
+}
+
+TEST(Simulator, ABodyInsideTheVehicleAndAStartBelowTheBottomAreRefusedWithTheirPlace) {
+  EXPECT_THAT(problem_of("[scene]\n[vehicle]\nstart = [0, 0, 3]\n[[sphere]]\ncentre = [0.2, 0, 3]\n"),
+              HasSubstr("scene.toml:4:1: sphere: sphere 1 is inside the vehicle"));
+  EXPECT_THAT(
+      problem_of("[scene]\n[bottom]\nkind = \"flat\"\ndepth = 2\n[vehicle]\nstart = [0, 0, 3]\n"),
+      HasSubstr("scene.toml:5:1: vehicle.start: the vehicle starts 3.0 m deep, where the bottom is 2.0 m deep"));
+}
+
+// The scenes of the papers -------------------------------------------------------------------------------------------
+
+Scene scene_of(const std::string& name) { return load_scene(test::source_folder() / ("scenarios/" + name + ".toml")); }
+
+const Body& body(const Scene& scene, const std::string& name) {
+  for (const Body& b : scene.bodies) {
+    if (b.name == name) return b;
+  }
+  throw std::out_of_range(name);
+}
+
+class EveryScenario : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, EveryScenario,
+                         testing::Values("pandan", "coral_reef", "winnipesaukee", "bridge", "polygon_room",
+                                         "crossing_traffic", "tank", "hull"),
+                         [](const auto& name) { return std::string(name.param); });
+
+TEST_P(EveryScenario, RunsAndSaysWhatItIs) {
+  Simulator simulator(scene_of(GetParam()), {.duration_s = 1});
+  EXPECT_GT(simulator.scene().about.text.size(), 40u);
+  const Heard all = heard(simulator);
+  EXPECT_GT(all.pings.size() + all.ranges.size(), 1u);
+  for (const Ping& ping : all.pings) EXPECT_EQ(check(ping), PingFault::kNone);
+}
+
+// ledger: S6-60 S6-D07
+TEST(Scenarios, PandanHasTheBuoysOfTheTrials) {
+  const Scene scene = scene_of("pandan");
+  for (const char* name : {"buoy A", "buoy B"}) {
+    const auto& buoy = std::get<Cylinder>(body(scene, name).shape);
+    EXPECT_NEAR(2 * buoy.radius, 0.15, 1e-9);
+    EXPECT_NEAR(buoy.length, 0.70, 1e-9);
+    EXPECT_NEAR((buoy.centre.z() + buoy.length / 2) / buoy.length, 0.75, 1e-9) << "under water";
+  }
+  EXPECT_EQ(scene.vehicle.start.z(), 0.5);
+  EXPECT_EQ(scene.sonars[0].bins, 44);
+  EXPECT_EQ(scene.sonars[0].range_m, 50);
+}
+
+// ledger: S6-60 S6-D04
+TEST(Scenarios, ReefTopsAreShallowerThanFiveMetresOverABottomOfSevenToTwentyFive) {
+  const Scene scene = scene_of("coral_reef");
+  for (const char* name : {"reef north", "reef east", "reef south", "coral head"}) {
+    const auto& top = std::get<Sphere>(body(scene, name).shape);
+    EXPECT_LT(top.centre.z() - top.radius, 5) << name;
+  }
+  const World world(scene);
+  for (double north = -60; north <= 80; north += 10) {
+    for (double east = -40; east <= 60; east += 10) {
+      EXPECT_GT(world.bottom_depth(north, east).value_or(0), 7);
+      EXPECT_LT(world.bottom_depth(north, east).value_or(99), 25);
+    }
+  }
+}
+
+// ledger: S5-38 S5-D01
+TEST(Scenarios, TheBridgeShowsABandAtThirtyMetresAheadAndBedSurfaceAndObstacleUpright) {
+  Simulator simulator(scene_of("bridge"), {.duration_s = 0.5});
+  const Heard all = heard(simulator);
+  const auto of = [&all](const std::string& sonar) {
+    return std::find_if(all.echoes.begin(), all.echoes.end(), [&](const EchoTruth& t) { return t.sonar == sonar; });
+  };
+  const auto target = [&simulator](EchoLabel label) { return simulator.world().name(label.target()); };
+  const EchoTruth& level = *of("horizontal");
+  int beams_with_berm = 0, pylons = 0;
+  for (int b = 0; b < level.beams; ++b) {
+    bool berm = false, pylon = false;
+    for (int k = 0; k < level.bins; ++k) {
+      const EchoLabel label = level.labels[static_cast<std::size_t>(b * level.bins + k)];
+      const double r = (k + 0.5) * 0.1;
+      berm = berm || (target(label).starts_with("berm") && r > 26 && r < 45);
+      pylon = pylon || (target(label).starts_with("pylon") && r > 44 && r < 60);
+    }
+    beams_with_berm += berm;
+    pylons += pylon;
+  }
+  EXPECT_GT(beams_with_berm, level.beams / 2) << "a band across the field";
+  EXPECT_GT(pylons, 8);
+  const EchoTruth& upright = *of("vertical");
+  bool bed = false, surface = false, obstacle = false;
+  for (const EchoLabel label : upright.labels) {
+    bed = bed || label.target() == kBottom;
+    surface = surface || label.target() == kSurface;
+    obstacle = obstacle || target(label).starts_with("berm");
+  }
+  EXPECT_TRUE(bed && surface && obstacle);
+}
+
+// ledger: S4-31 S4-32 S4-34 S4-35
+TEST(Scenarios, TheRoomIsScannedInTurnsOf144BeamsWhileTheVehicleDivesInASine) {
+  Simulator simulator(scene_of("polygon_room"), {.duration_s = 60});
+  const Heard all = heard(simulator);
+  std::set<double> bearings;
+  for (const Ping& ping : all.pings) bearings.insert(ping.fan->azimuth[0].degrees());
+  EXPECT_EQ(bearings.size(), 144u);
+  double shallow = 1e9, deep = 0;
+  for (const TrueMotion& m : all.motion) {
+    shallow = std::min(shallow, m.state.X_WB.translation.z());
+    deep = std::max(deep, m.state.X_WB.translation.z());
+  }
+  EXPECT_NEAR(deep - shallow, 4, 1.2);
+}
+
+// ledger: S1-D01 S2-D02
+TEST(Scenarios, TheLakeHasAnObstacleAtCOnTheRasterScanAndSixRangesInSixTenthsOfASecond) {
+  Simulator simulator(scene_of("winnipesaukee"), {.duration_s = 12});
+  const Heard all = heard(simulator);
+  EXPECT_EQ(all.ranges.size(), 6 * 21u);
+  const auto& c = std::get<Cylinder>(body(simulator.scene(), "obstacle C").shape);
+  double nearest = 1e9;
+  Eigen::Vector2d from(simulator.scene().vehicle.start.head<2>());
+  for (const WaypointConfig& w : simulator.scene().waypoints) {
+    const Eigen::Vector2d to(w.north, w.east), along = to - from, at = c.centre.head<2>();
+    const double share = std::clamp((at - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    nearest = std::min(nearest, (from + share * along - at).norm());
+    from = to;
+  }
+  EXPECT_LT(nearest, c.radius) << "it stands in the way";
+}
+
+// ledger: S3-D01 S3-D05
+TEST(Scenarios, TrafficCrossesTheWayOfTheVehicle) {
+  const Scene scene = scene_of("crossing_traffic");
+  World world(scene);
+  int crossing = 0;
+  for (const WorldBody& b : world.bodies()) {
+    if (!b.moves) continue;
+    const double before = b.box.center().y();
+    const double after = before + displacement(*b.body, 90).y();
+    crossing += before * after <= 0 || std::abs(after) <= 6;  // to the other side, or stopped within 5 m of the way
+  }
+  EXPECT_GE(crossing, 3);
+}
+
+}  // namespace
+}  // namespace isobath
