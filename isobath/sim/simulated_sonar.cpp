@@ -88,9 +88,10 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
   }
   const double sector = config.sector.degrees(), step = config.step.degrees();
   const bool whole = sector > 360 - 0.5 * step;
-  const int steps = std::max(1, static_cast<int>(std::lround(sector / step)) + (whole ? 0 : 1));
+  const int steps = whole ? static_cast<int>(std::lround(sector / step))
+                          : static_cast<int>(std::floor(sector / step + 1e-6)) + 1;  // none looks beyond the sector
   for (int i = 0; i < steps; ++i) {
-    fan.azimuth[0] = Angle::degrees(whole ? i * step : -sector / 2 + i * step);
+    fan.azimuth[0] = Angle::degrees(whole ? i * step : (i - 0.5 * (steps - 1)) * step);
     fans_.push_back(std::make_shared<const BeamFan>(fan));
   }
 }
@@ -130,7 +131,8 @@ double SimulatedSonar::background(Random& random, double mean, double amplitude)
   switch (config_.noise) {
     case NoiseLaw::kNone: return amplitude;
     case NoiseLaw::kGaussian:
-      return mean + config_.noise_sigma * (mean / std::max(config_.noise_level, 1e-12)) * random.normal() + amplitude;
+      return mean + config_.noise_sigma * (config_.noise_level > 0 ? mean / config_.noise_level : 1) * random.normal() +
+             amplitude;
     case NoiseLaw::kRayleigh:
     case NoiseLaw::kK: break;
   }
