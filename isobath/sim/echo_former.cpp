@@ -147,6 +147,7 @@ struct EchoFormer::State {
     for (int b = 0; b < (fan ? c.beams : 1); ++b) beams.push_back(first + b * spacing);
     fan ? cut_fan(spacing) : cut_single();
     weigh();
+    hearing = across.reach(1e-4);
     scatterers.emplace_back(world.material(kBottom));
     for (const WorldBody& body : world.bodies()) scatterers.emplace_back(*body.material);
   }
@@ -467,8 +468,7 @@ struct EchoFormer::State {
   }
 
   [[nodiscard]] bool seen(const Window& w) const {
-    const double margin = across.reach(1e-4);
-    return w.nearest < config.range_m && w.right > beams.front() - margin && w.left < beams.back() + margin &&
+    return w.nearest < config.range_m && w.right > beams.front() - hearing && w.left < beams.back() + hearing &&
            w.low < edges.back() && w.high > edges.front();
   }
 

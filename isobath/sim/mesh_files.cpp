@@ -195,14 +195,16 @@ int holes(const TriangleMesh& mesh) {
   std::map<int, bool> seen;
   for (const auto& [start, next] : border) {
     if (seen[start]) continue;
-    ++loops;
+    bool closed = true;  // a fin, a triangle that hangs on an edge of two others, has a border that does not close
     std::vector<int> open{start};
     while (!open.empty()) {
       const int at = open.back();
       open.pop_back();
       if (std::exchange(seen[at], true)) continue;
+      closed = closed && border[at].size() % 2 == 0;
       for (const int other : border[at]) open.push_back(other);
     }
+    loops += closed;
   }
   return std::max(0, loops - 1);
 }

@@ -267,7 +267,7 @@ Schema schema(Scene& s) {
                 [&s](const Place& place) {
                   SonarConfig& sonar = s.sonars.emplace_back();
                   sonar.place = place;
-         if (s.sonars.size() > 1) sonar.name = fmt::format("sonar {}", s.sonars.size());
+                  if (s.sonars.size() > 1) sonar.name = fmt::format("sonar {}", s.sonars.size());
                   return fields(sonar);
                 }},
                section_list(s.faults)};

@@ -11,7 +11,8 @@ namespace {
 constexpr double kRayleighSpread = 0.5227;  // standard deviation over mean
 constexpr double kRayleighMean = 1.2533;    // mean over scale, sqrt(pi / 2)
 
-double full_scale_of(SampleType type) { return type == SampleType::kU16 ? 65535 : 255; }
+constexpr double kFullScale = 255;  // counts, in which everything is reckoned before the samples are packed
+double full_scale_of(SampleType type) { return type == SampleType::kU16 ? 65535 : kFullScale; }
 
 /// Second column of rows {x, y}, linear between rows; 1 without rows.
 double factor_at(const std::vector<double>& rows, double x) {
@@ -31,7 +32,7 @@ std::shared_ptr<const void> packed(const std::vector<float>& values, double full
   auto out = std::make_shared<std::vector<Sample>>(values.size());
   std::transform(values.begin(), values.end(), out->begin(), [full](float v) {
     if constexpr (std::is_floating_point_v<Sample>) return v;
-    return static_cast<Sample>(std::clamp(static_cast<double>(v) + 0.5, 0.0, full));
+    return static_cast<Sample>(std::clamp(static_cast<double>(v) * (full / kFullScale) + 0.5, 0.0, full));
   });
   *data = out->data();
   return out;
@@ -70,7 +71,7 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
     const double r = (k + 0.5) * bin;
     const double tvg =
         config.tvg_spreading * std::log10(std::max(r, 1e-3)) + (config.tvg_absorption ? 2 * absorption * r : 0);
-    gain_.push_back(full_scale_ * std::pow(10, (config.source_level_db + tvg - config.saturation_db) / 20));
+    gain_.push_back(kFullScale * std::pow(10, (config.source_level_db + tvg - config.saturation_db) / 20));
     noise_by_bin_.push_back(factor_at(config.noise_by_range, r));
   }
   const double most = *std::max_element(gain_.begin(), gain_.end());
@@ -90,9 +91,10 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
   }
   const double sector = config.sector.degrees(), step = config.step.degrees();
   const bool whole = sector > 360 - 0.5 * step;
-  const int steps = std::max(1, static_cast<int>(std::lround(sector / step)) + (whole ? 0 : 1));
+  const int steps = whole ? static_cast<int>(std::lround(sector / step))
+                          : static_cast<int>(std::floor(sector / step + 1e-6)) + 1;  // none looks beyond the sector
   for (int i = 0; i < steps; ++i) {
-    fan.azimuth[0] = Angle::degrees(whole ? i * step : -sector / 2 + i * step);
+    fan.azimuth[0] = Angle::degrees(whole ? i * step : (i - 0.5 * (steps - 1)) * step);
     fans_.push_back(std::make_shared<const BeamFan>(fan));
   }
 }
@@ -135,7 +137,8 @@ double SimulatedSonar::sample(Random& random, double mean, double fluctuating, d
     const double power = fluctuating > 0 ? -fluctuating * std::log(positive_uniform(random)) : 0;
     const double amplitude = power > 0 ? std::sqrt(steady * steady + power) : steady;
     if (config_.noise == BackgroundLaw::kNone) return amplitude;
-    return mean + config_.noise_sigma * (mean / std::max(config_.noise_level, 1e-12)) * random.normal() + amplitude;
+    const double share = config_.noise_level > 0 ? mean / config_.noise_level : 1;
+    return mean + config_.noise_sigma * share * random.normal() + amplitude;
   }
   double noise = 2 * mean * mean / (kRayleighMean * kRayleighMean);
   if (config_.noise == BackgroundLaw::kK) noise *= unit_mean_gamma(random, config_.noise_shape) / (k_root_ * k_root_);
@@ -256,7 +259,7 @@ void SimulatedSonar::pick_ranges(const Ping& ping, Output& out) const {
     reading.X_BS = ping.X_BS * Pose{Rotation::from_heading(ping.fan->azimuth[static_cast<std::size_t>(b)]), {0, 0, 0}};
     if (best >= 0) {
       reading.range_m = ping.window.centre(best);
-      reading.confidence = std::min(1.f, level[best] / ping.full_scale);
+      reading.confidence = std::min(1.f, level[best] / static_cast<float>(kFullScale));
     }
     out.ranges.push_back(reading);
   }

@@ -5,8 +5,10 @@
 // in counts. Speckle: the power of a rough surface is exponential (Goodman 1975). Background: Gaussian, added to the
 // amplitude, as measured in the lake (Ganesan 2015, 4.2; S6-D01); Rayleigh, the envelope of a circular Gaussian with
 // the echo in it (so a Rice law); K, the same with a Gamma texture (Jakeman and Pusey 1976; Ward, Tough, Watts 2006).
-// Noise levels are counts after the receiver's gain. Every random number follows from (seed, ping, beam): the same
-// samples on any number of threads, and other settings of one sonar do not disturb another.
+// Noise levels are counts after the receiver's gain, of a scale that saturates at 255 whatever
+// the samples are (16 bits: times 257; floats: not cut off). Ranges are picked before samples saturate. Every random
+// number follows from (seed, ping, beam): the same samples on any number of threads, and other settings of one sonar do
+// not disturb another. Sonars of one seed have the same noise: give each its own.
 #pragma once
 
 #include <isobath/base/random.hpp>

@@ -73,7 +73,8 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Eigen::Vector3i> triangles;
 };
-/// Border loops beyond the outermost one; vertices at the same place count as one.
+/// Closed border lines beyond the outermost one; vertices at the same place count as one. Parts that lie apart count
+/// too.
 int holes(const TriangleMesh& mesh);
 TriangleMesh terrain_mesh(const BottomConfig& config);
 /// Through GDAL. Throws Error where it cannot be read, or has cells without data.

@@ -23,8 +23,8 @@ enum class EchoPath : std::uint8_t {
   kDisturbance  ///< another sonar, a streak, a burst
 };
 
-/// What was hit (0 nothing, 1 surface, 2 bottom, 3 and up: bodies of the scene in order), in 12 bits, and by which
-/// path.
+/// What was hit (0 nothing, 1 surface, 2 bottom, 3 and up: bodies in the order of World::bodies), in 12 bits, and by
+/// which path.
 class EchoLabel {
  public:
   EchoLabel() = default;

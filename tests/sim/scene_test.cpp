@@ -154,6 +154,9 @@ TEST(Holes, AreCountedByTheBorderLinesWithinTheOutermost) {
     }
   }
   EXPECT_EQ(holes(mesh), 2);
+  mesh.vertices.emplace_back(2.5f, 2.5f, 1.f);
+  mesh.triangles.push_back({13, 14, 36});  // a fin on an edge: no hole
+  EXPECT_EQ(holes(mesh), 2);
 }
 
 // Reading -----------------------------------------------------------------------------------------------------------

@@ -95,6 +95,37 @@ TEST(Background, RayleighNoiseIsRayleighOfTheStatedMean) {
   EXPECT_NEAR(mean(h.samples) / 12, 1, 0.01);
 }
 
+TEST(Background, GaussianNoiseMayHaveNoMean) {
+  const Tank tank(kEmpty);
+  SonarConfig sonar = silent_fan(100, 400);
+  sonar.noise = BackgroundLaw::kGaussian;
+  sonar.noise_level = 0;
+  sonar.noise_sigma = 8;
+  EXPECT_NEAR(mean(hear(tank, sonar).samples), 8 / std::sqrt(2 * std::numbers::pi), 0.05);  // half of it is below zero
+}
+
+TEST(Background, IsIndependentBetweenBinsBeamsAndPings) {
+  const Tank tank(kEmpty);
+  SonarConfig sonar = silent_fan(100, 200);
+  sonar.noise = BackgroundLaw::kRayleigh;
+  const std::vector<double> now = hear(tank, sonar, at_depth(10), 4).samples;
+  const std::vector<double> next = hear(tank, sonar, at_depth(10), 5).samples;
+  const std::vector<double> other = hear(tank, sonar, at_depth(10), 4, 2).samples;
+  const auto correlation = [](const std::vector<double>& a, const std::vector<double>& b, std::size_t shift) {
+    const double m = mean(a), n = static_cast<double>(a.size() - shift);
+    double cross = 0, squares = 0;
+    for (std::size_t i = 0; i + shift < a.size(); ++i) {
+      cross += (a[i] - m) * (b[i + shift] - m);
+      squares += (a[i] - m) * (a[i] - m);
+    }
+    return cross / squares * std::sqrt(n);  // standard normal where they are independent
+  };
+  EXPECT_LT(std::abs(correlation(now, now, 1)), 4);
+  EXPECT_LT(std::abs(correlation(now, now, 200)), 4);
+  EXPECT_LT(std::abs(correlation(now, next, 0)), 4);
+  EXPECT_LT(std::abs(correlation(now, other, 0)), 4);
+}
+
 // Jakeman and Pusey 1976: P(> x) = 2 / Gamma(v) (b x / 2)^v K_v(b x), whose mean is sqrt(pi) Gamma(v + 1/2) / (Gamma(v)
 // b).
 // ledger: S6-02
@@ -479,6 +510,55 @@ TEST(Samples, DoNotDependOnWhatElseWasHeard) {
   EXPECT_EQ(samples(*late.ping(Time{}, over.pose, 2).ping), samples(*alone.ping(Time{}, over.pose, 2).ping));
 }
 
+// Whatever the settings and wherever it is: above the water, in the ground, inside a body.
+TEST(Samples, AreFiniteAndTheSameOnAnyNumberOfThreadsForAnySonarAnywhere) {
+  const Tank tank(
+      "[water]\nsound_speed = [[0, 1480], [8, 1500]]\n[bottom]\nkind = \"terrain\"\ndepth = 15\nextent_m = 60\n"
+      "[[sphere]]\ncentre = [10, 0, 6]\nradius = 1\n[[cylinder]]\ncentre = [5, 5, 8]\naxis = [0, 1, 0.2]\n"
+      "[[box]]\ncentre = [-5, 3, 9]\nsize = [3, 3, 3]\n[[wall]]\nline = [[20, -20], [20, 20], [-20, 20]]\n");
+  Random random(17);
+  const auto chance = [&] { return random.uniform() < 0.5; };
+  const auto pattern = [&] { return static_cast<PatternKind>(random.index(3)); };
+  const auto share = [&] { return random.uniform() < 0.3 ? 1.0 : 0.0; };
+  for (int i = 0; i < 60; ++i) {
+    SonarConfig c;
+    c.kind = chance() ? SonarKind::kFan : SonarKind::kScanning;
+    c.beams = 1 + static_cast<int>(random.index(24));
+    c.sector = Angle::degrees(random.uniform(1, 359));
+    c.width = Angle::degrees(random.uniform(0.05, 120));
+    c.height = Angle::degrees(random.uniform(0.05, 120));
+    c.pattern = pattern();
+    c.height_pattern = pattern();
+    c.side_lobe_db = random.uniform(13.3, 60);
+    c.rays = 1 + static_cast<int>(random.index(32));
+    c.rays_across = 1 + static_cast<int>(random.index(3));
+    c.range_m = random.uniform(1, 100);
+    c.bins = 1 + static_cast<int>(random.index(200));
+    c.resolution_m = chance() ? 0 : random.uniform(0, 3);
+    c.noise = static_cast<BackgroundLaw>(random.index(4));
+    c.surface_bounce = chance();
+    c.bottom_bounce = chance();
+    c.body_bounce = chance();
+    c.multiple = chance();
+    c.streak_share = share();
+    c.ring_share = share();
+    c.burst_share = share();
+    c.spurious_share = share();
+    c.samples = SampleType::kF32;
+    c.blind_m = random.uniform(0, 0.5 * c.range_m);
+    ASSERT_NO_THROW(check(c));
+    const Pose X_WB{Rotation::from_heading_pitch_roll(Angle::degrees(random.uniform(-180, 180)),
+                                                      Angle::degrees(random.uniform(-90, 90)),
+                                                      Angle::degrees(random.uniform(-180, 180))),
+                    {random.uniform(-15, 15), random.uniform(-15, 15), random.uniform(-2, 18)}};
+    const Heard one = hear(tank, c, X_WB, 3, 5, 1), three = hear(tank, c, X_WB, 3, 5, 3);
+    ASSERT_EQ(one.samples, three.samples) << i;
+    ASSERT_EQ(one.truth.labels, three.truth.labels) << i;
+    ASSERT_EQ(check(one.ping), PingFault::kNone) << i;
+    for (const double v : one.samples) ASSERT_TRUE(std::isfinite(v) && v >= 0) << i;
+  }
+}
+
 // Scanning ----------------------------------------------------------------------------------------------------------
 
 // ledger: S6-01
@@ -494,6 +574,29 @@ TEST(Scanning, AMicronLooksFromSideToSideInThirtyOnePings) {
     ASSERT_EQ(out.ping->window.bins, 44);
     ASSERT_NEAR(out.ping->window.bin_m, 50.0 / 44, 1e-12);
     ASSERT_EQ(check(*out.ping), PingFault::kNone);
+  }
+}
+
+TEST(Scanning, StaysWithinItsSectorWhateverTheStep) {
+  const Tank tank(kEmpty);
+  struct Case {
+    double sector, step, first;
+    std::uint64_t steps;
+  };
+  for (const Case& c : {Case{90, 7, -42, 13}, Case{10, 30, 0, 1}, Case{60, 0.9, -29.7, 67}, Case{0, 3, 0, 1}}) {
+    SonarConfig sonar = silent_fan(1, 10);
+    sonar.kind = SonarKind::kScanning;
+    sonar.sector = Angle::degrees(c.sector);
+    sonar.step = Angle::degrees(c.step);
+    SimulatedSonar head(sonar, *tank.world, *tank.water, 1, 1);
+    const auto azimuth = [&](std::uint64_t n) {
+      return head.ping(Time{}, at_depth(10), n).ping->fan->azimuth[0].degrees();
+    };
+    EXPECT_NEAR(azimuth(0), c.first, 1e-9);
+    EXPECT_NEAR(azimuth(c.steps - 1), -c.first, 1e-9);
+    if (c.steps > 1) {
+      EXPECT_NEAR(azimuth(c.steps), -c.first - c.step, 1e-9);  // and back
+    }
   }
 }
 

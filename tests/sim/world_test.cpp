@@ -449,8 +449,7 @@ TEST(Files, MeshesServeAsBottomsWithTheirOwnDepths) {
   ISOBATH_NEEDS_DATA(folder, "mesh-worlds");
   for (const char* name : {"lake__LakeBottom.dae", "munkholmen_seabed__seabed.dae"}) {
     const std::string file = (folder / name).string();
-    const Tank tank("[bottom]\nkind = \"mesh\"\nallow_holes = true\ncentred = false\ndepth = 0\nfile = \"" + file +
-                    "\"\n");
+    const Tank tank("[bottom]\nkind = \"mesh\"\ncentred = false\ndepth = 0\nfile = \"" + file + "\"\n");
     const TriangleMesh mesh = load_mesh(file, 1, {});
     std::vector<Triangle> all;
     Eigen::AlignedBox2d box;
