@@ -103,6 +103,7 @@ struct EchoFormer::State {
   std::vector<double> directions;  ///< azimuth of each column of cells
   std::vector<double> edges;       ///< of elevation
   std::vector<Cell> cells;         ///< direction by direction
+  double hearing = 0;               ///< angle beyond which a beam hears next to nothing
   double cell_across, cell_up;     ///< size in the middle of the field of view
   struct Weight {
     int direction;

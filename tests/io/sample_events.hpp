@@ -55,7 +55,7 @@ inline std::vector<Event> sample_events(int count, std::uint64_t seed) {
   Random random(seed);
   std::vector<Event> events;
   for (int i = 0; i < count; ++i) {
-    const auto kind = random.index(5);
+    const auto kind = random.index(6);
     if (kind < 3) {
       events.push_back(
           sample_ping(static_cast<SampleType>(kind), 1 + static_cast<int>(random.index(8)), random.bits()));
@@ -65,6 +65,10 @@ inline std::vector<Event> sample_events(int count, std::uint64_t seed) {
       if (i % 3) fix.covariance = Eigen::Matrix<double, 6, 6>::NullaryExpr([&] { return random.normal(); });
       if (i % 7 == 0) fix.X_WB.translation.y() = NAN;
       events.push_back(fix);
+    } else if (kind == 5) {
+      Health health{Time{Duration(i)}, i % 2 ? "vehicle" : "", static_cast<HealthState>(i % 3), 0.5f, i % 5 == 0,
+                    "a note"};
+      events.emplace_back(std::move(health));
     } else {
       RangeReading reading{Time{Duration(i)}, {}, 50.1, Angle::degrees(i / 3.0), sample_pose(random), 0.3f};
       if (i % 2) reading.range_m = random.uniform();

@@ -77,7 +77,7 @@ const Wrong kWrong[] = {
     {"[[sonar]]\nsector_deg = 360\n", "2:1: sonar.sector_deg", "close"},
     {"[[sonar]]\nblind_m = 50\n", "2:1: sonar.blind_m", "blind over its whole range"},
     {"[[sonar]]\nname = \"\"\n", "2:1: sonar.name", "empty"},
-    {"[[sonar]]\n[[sonar]]\n", "3:1: sonar.name", "a second sonar of this name"},
+    {"[[sonar]]\nname = \"a\"\n[[sonar]]\nname = \"a\"\n", "4:1: sonar.name", "a second sonar of this name"},
     {"[[sonar]]\nnoise_by_range = [[0, 1]]\n", "2:1: sonar.noise_by_range", "one row"},
     {"[[sonar]]\nnoise_by_bearing = [[0, 1]]\n", "2:1: sonar.noise_by_bearing", "one row"},
     {"[[sonar]]\nnoise_by_range = [[0, 1], [20, 2], [10, 1]]\n", "2:1: sonar.noise_by_range", "out of order"},

@@ -9,12 +9,13 @@ namespace isobath {
 namespace {
 
 std::string expected_of(const std::vector<Event>& events) {
-  int pings = 0, fixes = 0, ranges = 0;
+  int pings = 0, fixes = 0, ranges = 0, health = 0;
   std::uint64_t samples = 0;
   double sum = 0;
   for (const Event& event : events) {
     fixes += std::holds_alternative<Navigation>(event);
     ranges += std::holds_alternative<RangeReading>(event);
+    health += std::holds_alternative<Health>(event);
     const auto* ping = std::get_if<Ping>(&event);
     if (!ping) continue;
     ++pings;
@@ -22,8 +23,9 @@ std::string expected_of(const std::vector<Event>& events) {
       for (int k = 0; k < ping->intensity.bins(); ++k, ++samples) sum += ping->intensity(b, k);
     }
   }
-  return fmt::format(R"({{"counts": {{"/ping": {}, "/navigation": {}, "/range": {}}}, "samples": {}, "sum": {:.17g}}})",
-                     pings, fixes, ranges, samples, sum);
+  return fmt::format(
+      R"({{"counts": {{"/ping": {}, "/navigation": {}, "/range": {}, "/health": {}}}, "samples": {}, "sum": {:.17g}}})",
+      pings, fixes, ranges, health, samples, sum);
 }
 
 void write_logs(const std::filesystem::path& folder) {

@@ -1,0 +1,189 @@
+// A scene through the whole program: what it writes reads back, what it says of the truth is so.
+#include <bit>
+#include <gtest/gtest.h>
+#include <isobath/io/native_log.hpp>
+#include <isobath/runtime/scenario.hpp>
+#include <isobath/runtime/truth_judge.hpp>
+#include <tests/runtime/kept_scans.hpp>
+#include <tests/support/data.hpp>
+
+namespace isobath {
+namespace {
+
+class Both : public ResultSink {
+ public:
+  explicit Both(Simulator& simulator) : judge(simulator) {}
+  void on_ping(const PosedPing& ping) override {
+    keeper.on_ping(ping);
+    judge.on_ping(ping);
+  }
+  void on_scan(const ScanResult& scan) override {
+    keeper.on_scan(scan);
+    judge.on_scan(scan);
+  }
+  test::ScanKeeper keeper;
+  TruthJudge judge;
+};
+
+struct Judged {
+  TruthScore score;
+  test::ScanKeeper keeper;
+};
+
+Judged run_scene(Scene scene, const SimulationConfig& simulation, Configuration configuration = {}) {
+  SimulatedSource source(std::move(scene), simulation, 1);
+  Both sinks(source.simulator());
+  source.tell_truth_to(&sinks.judge);
+  Pipeline pipeline(configuration, sinks);
+  while (auto event = source.next()) pipeline.take(std::move(*event));
+  pipeline.finish();
+  return {sinks.judge.score(), sinks.keeper};
+}
+
+// The main job without an input: the buoys are found where they are.
+// ledger: S6-D04 S6-D07 S6-60
+TEST(EmbeddedScene, TheBuoysAreFoundWithinABinOfTheirRangeForEverySeed) {
+  for (int seed = 1; seed <= 5; ++seed) {
+    const TruthScore score = run_scene(open_scene(""), {.seed = seed}).score;
+    int found = 0;
+    for (const BodyScore& body : score.bodies) {
+      if (!body.name.starts_with("buoy")) continue;
+      EXPECT_GT(body.pings_heard, 5) << body.name;
+      if (body.scans_found == 0) continue;
+      ++found;
+      EXPECT_LT(std::abs(body.range_error_mean_m), 50.0 / 44) << body.name << ", seed " << seed;
+      EXPECT_TRUE(body.compact);
+    }
+    EXPECT_GE(found, 1) << "seed " << seed;
+    EXPECT_EQ(score.of_bodies + score.of_bottom + score.of_surface + score.of_mirrors + score.false_alarms,
+              score.obstacles);
+  }
+}
+
+// A target that was not there is a false alarm, one that was there and is not seen is a miss.
+TEST(TruthJudge, TellsWhatIsThereFromWhatIsNot) {
+  const std::string toml = R"(
+[scene]
+duration_s = 30
+[vehicle]
+start = [0, 0, 20]
+speed = 0
+[[sonar]]
+preset = "micron"
+noise_level = 40
+spurious_share = 0
+[[sphere]]
+name = "ball"
+centre = [30, 0, 20]
+radius = 1
+[[sphere]]
+name = "behind"
+centre = [-30, 0, 20]
+radius = 1
+)";
+  const TruthScore there = run_scene(parse_scene(toml, "a.toml"), {}).score;
+  ASSERT_EQ(there.bodies.size(), 1u) << "nothing is heard of what stands behind";
+  EXPECT_EQ(there.bodies[0].name, "ball");
+  EXPECT_GT(there.bodies[0].scans_found, 3);
+  EXPECT_LT(there.bodies[0].range_error_rms_m, 1.2);
+  EXPECT_GE(there.bodies[0].delay_pings, 1);
+  // The same echoes, with a scene in which the ball is somewhere else.
+  SimulatedSource source(parse_scene(toml, "a.toml"), {}, 1);
+  std::string moved = toml;
+  moved.replace(moved.find("[30, 0, 20]"), 11, "[30, 20, 20]");
+  Simulator elsewhere(parse_scene(moved, "b.toml"), {});
+  Both sinks(elsewhere);
+  Pipeline pipeline({}, sinks);
+  while (auto event = source.next()) pipeline.take(std::move(*event));
+  pipeline.finish();
+  EXPECT_GT(sinks.judge.score().false_alarms, 3);
+  EXPECT_EQ(sinks.judge.score().of_bodies, 0);
+}
+
+// ledger: S6-57
+TEST(SimulatedLog, GivesTheSameScansAsTheSceneItCameFrom) {
+  const auto file = test::scratch_folder() / "run.mcap";
+  const SimulationConfig short_run{.duration_s = 16};
+  {
+    Simulator simulator(open_scene(""), short_run);
+    NativeLogWriter log(file);
+    while (const auto event = simulator.next()) {
+      std::visit(
+          [&log](const auto& e) {
+            using T = std::decay_t<decltype(e)>;
+            if constexpr (std::is_same_v<T, EchoTruth> || std::is_same_v<T, TrueMotion>) {
+              log.write(e);
+            } else {
+              EXPECT_TRUE(log.write(Event(e)));
+            }
+          },
+          *event);
+    }
+    log.close();
+  }
+  const auto direct = run_scene(open_scene(""), short_run).keeper.scans;
+  const auto replayed = test::scans_of(file, {}).scans;
+  ASSERT_EQ(direct.size(), replayed.size());
+  ASSERT_GT(direct.size(), 3u);
+  for (std::size_t i = 0; i < direct.size(); ++i) {
+    ASSERT_EQ(direct[i].obstacles.size(), replayed[i].obstacles.size());
+    for (std::size_t k = 0; k < direct[i].obstacles.size(); ++k) {
+      EXPECT_EQ(direct[i].obstacles[k].range_m, replayed[i].obstacles[k].range_m);
+      EXPECT_EQ(direct[i].obstacles[k].existence, replayed[i].obstacles[k].existence);
+    }
+  }
+}
+
+TEST(SimulatedLog, HoldsTheTruthBitForBit) {
+  const auto file = test::scratch_folder() / "truth.mcap";
+  std::vector<TrueMotion> motions;
+  std::vector<EchoTruth> echoes;
+  Simulator simulator(open_scene(""), {.duration_s = 2});
+  NativeLogWriter log(file);
+  while (const auto event = simulator.next()) {
+    if (const auto* m = std::get_if<TrueMotion>(&*event)) {
+      motions.push_back(*m);
+      log.write(*m);
+    } else if (const auto* e = std::get_if<EchoTruth>(&*event)) {
+      echoes.push_back(*e);
+      log.write(*e);
+    }
+  }
+  log.close();
+  TruthReader reader(file);
+  std::size_t m = 0, e = 0;
+  while (const auto truth = reader.next()) {
+    if (const auto* motion = std::get_if<TrueMotion>(&*truth)) {
+      const TrueMotion& wrote = motions.at(m++);
+      EXPECT_EQ(motion->time, wrote.time);
+      EXPECT_EQ(motion->state.X_WB.translation, wrote.state.X_WB.translation);
+      EXPECT_EQ(motion->state.v_B, wrote.state.v_B);
+      EXPECT_EQ(motion->state.w_B, wrote.state.w_B);
+      EXPECT_EQ(motion->altitude_m, wrote.altitude_m);
+      EXPECT_EQ(motion->current_W, wrote.current_W);
+    } else {
+      const auto& labels = std::get<EchoTruth>(*truth);
+      const EchoTruth& wrote = echoes.at(e++);
+      EXPECT_EQ(labels.time, wrote.time);
+      EXPECT_EQ(labels.sonar, wrote.sonar);
+      EXPECT_TRUE(labels.labels == wrote.labels);
+    }
+  }
+  EXPECT_EQ(m, motions.size());
+  EXPECT_EQ(e, echoes.size());
+}
+
+// The map of the plane has no use for a fan that stands upright.
+TEST(Pipeline, CountsUprightFansAndLeavesThemOut) {
+  const auto scene = load_scene((test::source_folder() / "scenarios/bridge.toml").string());
+  SimulatedSource source(scene, {.duration_s = 2}, 1);
+  test::ScanKeeper keeper;
+  Pipeline pipeline({}, keeper);
+  while (auto event = source.next()) pipeline.take(std::move(*event));
+  pipeline.finish();
+  EXPECT_EQ(keeper.pings, 5);
+  EXPECT_EQ(pipeline.rejected().at("fan that stands upright: no sight for a map of the plane"), 5u);
+}
+
+}  // namespace
+}  // namespace isobath
