@@ -126,7 +126,7 @@ TEST(Simulator, TheVehicleFollowsItsWaypointsAndTheAltimeterItsAltitude) {
   for (const TrueMotion& m : all.motion) EXPECT_NEAR(*m.altitude_m, 12 - m.state.X_WB.translation.z(), 1e-3);
   for (const RangeReading& r : all.ranges) {
     ASSERT_TRUE(r.range_m);
-    EXPECT_NEAR(*r.range_m, 9, 0.5) << "the beam is 30 degrees wide";
+    EXPECT_NEAR(*r.range_m, 9.3, 0.45) << "the beam is 30 degrees wide, the strongest speckle anywhere in it";
   }
 }
 

@@ -40,7 +40,7 @@ class Decoder {
     const decoded = this.readers.get(schema.id).readMessage(message.data);
     this.counts[channel.topic] = (this.counts[channel.topic] ?? 0) + 1;
     const pose = decoded.sensor ?? decoded.body;
-    const norm = Math.hypot(pose.qx, pose.qy, pose.qz, pose.qw);
+    const norm = pose ? Math.hypot(pose.qx, pose.qy, pose.qz, pose.qw) : 1;
     assert(Math.abs(norm - 1) < 1e-9, "a quaternion that is no rotation");
     if (schema.name === "isobath/msg/Ping") this.takePing(decoded);
     if (decoded.time_ns >= 0n) assert(decoded.time_ns === message.logTime, "times of message and container differ");
