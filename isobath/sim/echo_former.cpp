@@ -14,6 +14,8 @@ constexpr double kLeastCosine = 0.02;  // grazing rays: the area in a cell must 
 constexpr double kSurfaceLoss = 0.7;   // intensity kept in a bounce off a rough surface (APL-UW TR 9407, about 1.5 dB)
 constexpr double kLeastGain = 3e-5;    // of a receive beam: what is below is not heard
 constexpr int kScanningCells = 9, kSkirt = 5;
+constexpr double kLeastChange = 0.05;  // of range within a cell, that is worth cutting it
+constexpr int kMostPieces = 64, kSeaSteps = 4096;
 constexpr double kSmall = 4;  // a body below so many cells, in one direction, gets cells of its own
 
 double from_db(double db) { return std::pow(10, db / 10); }
@@ -23,6 +25,7 @@ struct Cell {
   Vector3d u, across, up;       ///< in S: direction, and unit vectors towards larger azimuth and elevation
   double half_across, half_up;  ///< half its angular size, rad
   double solid_angle;
+  double elevation;
   double gain;  ///< of the elevation pattern
 };
 
@@ -35,6 +38,7 @@ Cell cell_of(double azimuth, double d_azimuth, double low, double high, const Be
           .half_across = 0.5 * d_azimuth * ce,
           .half_up = 0.5 * (high - low),
           .solid_angle = d_azimuth * (std::sin(high) - std::sin(low)),
+          .elevation = elevation,
           .gain = pattern.gain(elevation)};
 }
 
@@ -47,7 +51,7 @@ Span span_of(const Cell& cell, double range, const Vector3d& u, const Vector3d& 
              const Vector3d& normal) {
   const double straight = normal.dot(u);
   const double slant_across = cell.half_across * normal.dot(across), slant_up = cell.half_up * normal.dot(up);
-  const double tilt = std::min(std::abs(slant_across) + std::abs(slant_up), 0.4 * std::abs(straight));
+  const double tilt = std::min(std::abs(slant_across) + std::abs(slant_up), 0.6 * std::abs(straight));
   return {range * straight / (straight - tilt), range * straight / (straight + tilt)};
 }
 
@@ -103,7 +107,7 @@ struct EchoFormer::State {
   std::vector<double> directions;  ///< azimuth of each column of cells
   std::vector<double> edges;       ///< of elevation
   std::vector<Cell> cells;         ///< direction by direction
-  double hearing = 0;               ///< angle beyond which a beam hears next to nothing
+  double hearing = 0;              ///< angle beyond which a beam hears next to nothing
   double cell_across, cell_up;     ///< size in the middle of the field of view
   struct Weight {
     int direction;
@@ -131,6 +135,8 @@ struct EchoFormer::State {
   // Of the ping at hand.
   Pose X_WS;
   Eigen::Matrix3d R_WS = Eigen::Matrix3d::Identity();
+  double head_reflection = 0;
+  std::vector<double> sea;
   double absorb = 0;                  ///< per metre, one way, natural
   std::vector<bool> small;            ///< by body: it has cells of its own
   std::vector<Scatterer> scatterers;  ///< by target, from the bottom on
@@ -149,8 +155,22 @@ struct EchoFormer::State {
     fan ? cut_fan(spacing) : cut_single();
     weigh();
     hearing = across.reach(1e-4);
+    tabulate_sea();
+    head_reflection = from_db(config.head_reflection_db);
     scatterers.emplace_back(world.material(kBottom));
     for (const WorldBody& body : world.bodies()) scatterers.emplace_back(*body.material);
+  }
+
+  /// Scattering of the surface by the sine of the grazing angle: Chapman and Harris, and glints from slopes after Cox
+  /// and Munk 1954.
+  void tabulate_sea() {
+    const double wind = water.config().wind, s2 = 0.003 + 0.00512 * wind;
+    for (int i = 0; i <= kSeaSteps; ++i) {
+      const double sine = std::max((i + 0.5) / kSeaSteps, kLeastCosine), square = std::min(1.0, sine * sine);
+      const double tan2 = 1 / square - 1;
+      const double glint = tan2 > 60 * s2 ? 0 : std::exp(-tan2 / (2 * s2)) / (8 * kPi * s2 * square * square);
+      sea.push_back(surface_scattering(std::asin(std::min(sine, 1.0)), wind, config.frequency) + glint);
+    }
   }
 
   /// Elevations: most rays over one and a half heights, a few beyond, where side lobes hear.
@@ -223,6 +243,30 @@ struct EchoFormer::State {
     }
   }
 
+  /// A surface that is grazed lies at many ranges within one cell: it is cut along the elevation, by its tangent plane,
+  /// so that each piece has a range and a power of its own. Calls visit(piece, range, direction, up).
+  template <class Visit>
+  void pieces(const Cell& cell, double range, const Vector3d& u, const Vector3d& up, const Vector3d& normal,
+              const Visit& visit) const {
+    const double straight = -normal.dot(u);
+    const double change = std::abs(2 * cell.half_up * normal.dot(up)) / std::max(straight, 1e-6);
+    const double loudest = 0.1 * cell.gain * attenuation(2 * range) * cell.solid_angle / (range * range);
+    if (change < kLeastChange || loudest < floor) return visit(cell, range, u, up);
+    const int count = std::min(kMostPieces, 1 + static_cast<int>(change / kLeastChange));
+    Cell piece = cell;
+    piece.half_up /= count;
+    piece.solid_angle /= count;
+    for (int i = 0; i < count; ++i) {
+      const double offset = cell.half_up * ((2.0 * i + 1) / count - 1);
+      const Vector3d v = std::cos(offset) * u + std::sin(offset) * up;
+      const double towards = -normal.dot(v), r = straight * range / std::max(towards, 1e-9);
+      if (towards < 1e-4 || r > 2 * config.range_m) continue;  // over the horizon
+      piece.elevation = cell.elevation + offset;
+      piece.gain = height.gain(piece.elevation);
+      visit(piece, r, v, Vector3d(std::cos(offset) * up - std::sin(offset) * u));
+    }
+  }
+
   // One ray ----------------------------------------------------------------------------------------------------------
 
   [[nodiscard]] double bin_m() const { return config.range_m / config.bins; }
@@ -242,22 +286,26 @@ struct EchoFormer::State {
   template <class Put>
   void trace(const Cell& cell, int only, double& open_range, const Put& put) const {
     const Vector3d p = X_WS.translation, u = R_WS * cell.u;
-    const double reach = 1.3 * config.range_m;
+    const double reach = 3 * config.range_m;  // part of a cell can be much nearer than its middle
     const double to_surface = u.z() < -1e-9 && p.z() > 0 ? -p.z() / u.z() : 1e30;
     const auto hit = world.cast(p, u, std::min(reach, to_surface));
     if (!hit) {
       open_range = std::min(reach, to_surface);
-      if (only == kNothing && to_surface < reach) meet_surface(cell, p, u, to_surface, put);
+      if (only == kNothing && to_surface < 4 * reach) meet_surface(cell, p, u, to_surface, put);
       return;
     }
     open_range = hit->range;
     if (only != kNothing ? hit->target != only : has_own_cells(hit->target)) return;
-    const Span span = span_of(cell, hit->range, u, R_WS * cell.across, R_WS * cell.up, hit->normal);
-    const double k = stretch(p.z() + hit->range * u.z());
-    const double power = echo(cell, hit->range, *hit, u);
+    const Vector3d across_W = R_WS * cell.across, up_W = R_WS * cell.up;
     const bool silent = hit->target == kBottom && !config.bottom_reverberation;
-    if (!silent) put(Span{k * span.near, k * span.far}, power, EchoLabel(hit->target, EchoPath::kDirect));
-    if (config.multiple) repeat(cell, *hit, u, span, k, put);
+    pieces(cell, hit->range, u, up_W, hit->normal,
+           [&](const Cell& piece, double range, const Vector3d& v, const Vector3d& up) {
+             const Span span = span_of(piece, range, v, across_W, up, hit->normal);
+             const double k = stretch(p.z() + range * v.z());
+             const Span read{k * span.near, k * span.far};
+             if (!silent) put(read, echo(piece, range, *hit, v), EchoLabel(hit->target, EchoPath::kDirect));
+             if (config.multiple) repeat(piece, range, *hit, v, read, put);
+           });
     if (only == kNothing && (hit->target == kBottom ? config.bottom_bounce : config.body_bounce)) {
       go_on(cell, p, u, hit->range, hit->normal, hit->target, put);
     }
@@ -292,30 +340,27 @@ struct EchoFormer::State {
   void meet_surface(const Cell& cell, const Vector3d& p, const Vector3d& u, double range, const Put& put) const {
     const Vector3d normal(0, 0, 1);
     if (config.surface_reverberation) {
-      const double sine = std::max(-u.z(), kLeastCosine),
-                   s2 = 0.003 + 0.00512 * water.config().wind;  // Cox and Munk 1954
-      const double tan2 = 1 / (sine * sine) - 1;
-      const double sigma = surface_scattering(std::asin(sine), water.config().wind, config.frequency) +
-                           std::exp(-tan2 / (2 * s2)) / (8 * kPi * s2 * sine * sine * sine * sine);
-      const Span span = span_of(cell, range, u, R_WS * cell.across, R_WS * cell.up, normal);
-      const double k = stretch(0);
-      put(Span{k * span.near, k * span.far},
-          cell.gain * attenuation(2 * range) * sigma * cell.solid_angle / (sine * range * range),
-          EchoLabel(kSurface, EchoPath::kDirect));
+      const Vector3d across_W = R_WS * cell.across, up_W = R_WS * cell.up;
+      pieces(cell, range, u, up_W, normal, [&](const Cell& piece, double r, const Vector3d& v, const Vector3d& up) {
+        const double sine = std::max(-v.z(), kLeastCosine);
+        const double sigma = sea[static_cast<std::size_t>(std::min(sine, 1.0) * kSeaSteps)];
+        const Span span = span_of(piece, r, v, across_W, up, normal);
+        const double k = stretch(0);
+        put(Span{k * span.near, k * span.far},
+            piece.gain * attenuation(2 * r) * sigma * piece.solid_angle / (sine * r * r),
+            EchoLabel(kSurface, EchoPath::kDirect));
+      });
     }
     if (config.surface_bounce) go_on(cell, p, u, range, normal, kSurface, put);
   }
 
   /// A multiple: wall, housing, wall. By the image law its amplitude is that of the first times R H / 2.
   template <class Put>
-  void repeat(const Cell& cell, const RayHit& hit, const Vector3d& u, const Span& span, double k,
+  void repeat(const Cell& cell, double range, const RayHit& hit, const Vector3d& u, const Span& read,
               const Put& put) const {
-    const double cosine = -hit.normal.dot(u);
-    if (cosine < 0.9) return;
-    const double again = 0.25 * scatterer(hit.target).mirror * from_db(config.head_reflection_db);
-    const double first =
-        cell.gain * sigma_of(cell, hit.range, hit, u) * cell.solid_angle / (cosine * hit.range * hit.range);
-    put(Span{2 * k * span.near, 2 * k * span.far}, first * cell.gain * again * attenuation(4 * hit.range),
+    if (-hit.normal.dot(u) < 0.9) return;
+    const double again = 0.25 * scatterer(hit.target).mirror * head_reflection;
+    put(Span{2 * read.near, 2 * read.far}, echo(cell, range, hit, u) * cell.gain * again * attenuation(2 * range),
         EchoLabel(hit.target, EchoPath::kMultiple));
   }
 
@@ -351,9 +396,11 @@ struct EchoFormer::State {
     const Vector3d at = q + hit.range * v;
     const double k = stretch(at.z());
     const Span span = span_of(cell, range, v, across_v, up_v, hit.normal);
-    const double twice = kept * kept * echo(cell, range, hit, v);
     const EchoLabel label(hit.target, path);
-    if (range < config.range_m) put(Span{k * span.near, k * span.far}, twice, label);
+    pieces(cell, range, v, up_v, hit.normal, [&](const Cell& piece, double r, const Vector3d& w, const Vector3d& up) {
+      const Span there = span_of(piece, r, w, across_v, up, hit.normal);
+      put(Span{k * there.near, k * there.far}, kept * kept * echo(piece, r, hit, w), label);
+    });
     const Vector3d back = at - p;
     const double d = back.norm();
     const double cosine = std::max(-hit.normal.dot(v), kLeastCosine), cosine_back = -hit.normal.dot(back) / d;
@@ -383,11 +430,15 @@ struct EchoFormer::State {
     }
     const double a = near / bin, b = far / bin;
     if (!(b > 0) || !(a < config.bins)) return;
+    const double middle_bin = 0.5 * (a + b);
+    const double slope = b - a > 2 ? std::min(3 / middle_bin, 1.8 / (b - a)) : 0;
     const int first = std::max(0, static_cast<int>(a)), last = std::min(config.bins - 1, static_cast<int>(b));
     for (int k = first; k <= last; ++k) {
       double share = std::min(b, k + 1.0) - std::max(a, static_cast<double>(k));
       if (pulse == 0 && far - near <= 1e-6) share = k == first ? 1 : 0;  // a point lies in one bin
-      const auto value = static_cast<float>(height_of * std::max(share, 0.0));
+      // Within a span the echo falls with range, as that of a grazed plane does: about with its third power.
+      const double lean = 1 - slope * (k + 0.5 - middle_bin);
+      const auto value = static_cast<float>(height_of * std::max(share, 0.0) * lean);
       power[k] += value;
       // Many rays meet the same thing: what they bring together counts.
       if (labels[k] == label) {
