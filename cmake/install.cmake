@@ -7,3 +7,4 @@ configure_package_config_file(cmake/isobath-config.cmake.in ${PROJECT_BINARY_DIR
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/isobath-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/isobath-config.cmake ${PROJECT_BINARY_DIR}/isobath-config-version.cmake
               cmake/dependencies.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/isobath)
+install(DIRECTORY scenarios vehicles DESTINATION ${CMAKE_INSTALL_DATADIR}/isobath)
