@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/sim/echo_former.hpp>
+#include <isobath/sim/field_of_view.hpp>
+#include <isobath/sim/scattering.hpp>
 #include <isobath/sim/split_work.hpp>
 #include <numbers>
 
@@ -10,37 +12,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kLeastCosine = 0.02;  // grazing rays: the area in a cell must stay finite
 constexpr double kSurfaceLoss = 0.7;   // intensity kept in a bounce off a rough surface (APL-UW TR 9407, about 1.5 dB)
 constexpr double kLeastGain = 3e-5;    // of a receive beam: what is below is not heard
-constexpr int kScanningCells = 9, kSkirt = 5;
 constexpr double kLeastChange = 0.05;  // of range within a cell, that is worth cutting it
-constexpr int kMostPieces = 64, kSeaSteps = 4096;
+constexpr int kMostPieces = 64;
 constexpr double kSmall = 4;  // a body below so many cells, in one direction, gets cells of its own
 
 double from_db(double db) { return std::pow(10, db / 10); }
-
-/// A part of the field of view that one ray stands for.
-struct Cell {
-  Vector3d u, across, up;       ///< in S: direction, and unit vectors towards larger azimuth and elevation
-  double half_across, half_up;  ///< half its angular size, rad
-  double solid_angle;
-  double elevation;
-  double gain;  ///< of the elevation pattern
-};
-
-Cell cell_of(double azimuth, double d_azimuth, double low, double high, const BeamPattern& pattern) {
-  const double elevation = 0.5 * (low + high), ca = std::cos(azimuth), sa = std::sin(azimuth);
-  const double ce = std::cos(elevation), se = std::sin(elevation);
-  return {.u = {ce * ca, ce * sa, -se},
-          .across = {-sa, ca, 0},
-          .up = {-se * ca, -se * sa, -ce},
-          .half_across = 0.5 * d_azimuth * ce,
-          .half_up = 0.5 * (high - low),
-          .solid_angle = d_azimuth * (std::sin(high) - std::sin(low)),
-          .elevation = elevation,
-          .gain = pattern.gain(elevation)};
-}
 
 struct Span {
   double near, far;
@@ -74,27 +52,6 @@ void EchoImage::clear() {
   std::fill(labels.begin(), labels.end(), EchoLabel());
 }
 
-double surface_scattering(double grazing_rad, double wind, double frequency) {
-  const double knots = std::max(wind, 0.5) * 1.9438;
-  const double beta = 158 * std::pow(knots * std::cbrt(frequency), -0.58);
-  const double degrees = std::max(grazing_rad * 180 / kPi, 0.1);
-  const double db = 3.3 * beta * std::log10(degrees / 30) - 42.4 * std::log10(beta) + 2.6;
-  return from_db(std::clamp(db, -60.0, 0.0));
-}
-
-Scatterer::Scatterer(const Material& m)
-    : mu(from_db(m.lambert_db)), mirror(from_db(m.reflection_db)), slope2(m.roughness * m.roughness) {}
-
-double Scatterer::operator()(const Vector3d& u, const Vector3d& n, const Vector3d& e, double spread_1,
-                             double spread_2) const {
-  const double c = std::max(-n.dot(u), kLeastCosine), cc = c * c;
-  const double s1 = slope2 + 0.25 * spread_1 * spread_1, s2 = slope2 + 0.25 * spread_2 * spread_2;
-  const double along = u.dot(e), across2 = std::max(0.0, 1 - cc - along * along);
-  const double exponent = 0.5 * (along * along / s1 + across2 / s2) / cc;
-  const double glint = exponent > 30 ? 0 : mirror / (8 * kPi * std::sqrt(s1 * s2) * cc * cc) * std::exp(-exponent);
-  return mu * cc + glint;
-}
-
 struct EchoFormer::State {
   SonarConfig config;
   const World& world;
@@ -102,19 +59,7 @@ struct EchoFormer::State {
   int threads;
   double floor = 0;
 
-  BeamPattern across, height;
-  std::vector<double> beams;       ///< azimuths
-  std::vector<double> directions;  ///< azimuth of each column of cells
-  std::vector<double> edges;       ///< of elevation
-  std::vector<Cell> cells;         ///< direction by direction
-  double hearing = 0;              ///< angle beyond which a beam hears next to nothing
-  double cell_across, cell_up;     ///< size in the middle of the field of view
-  struct Weight {
-    int direction;
-    float gain;
-  };
-  std::vector<std::vector<Weight>> weights;  ///< of each beam
-
+  FieldOfView view;
   /// What came back in each direction, not yet through the receive patterns.
   struct Row {
     std::vector<float> power, strongest;
@@ -136,104 +81,17 @@ struct EchoFormer::State {
   Pose X_WS;
   Eigen::Matrix3d R_WS = Eigen::Matrix3d::Identity();
   double head_reflection = 0;
-  std::vector<double> sea;
+  SeaSurface sea;
   double absorb = 0;                  ///< per metre, one way, natural
   std::vector<bool> small;            ///< by body: it has cells of its own
   std::vector<Scatterer> scatterers;  ///< by target, from the bottom on
 
   State(const SonarConfig& c, const World& w, const Water& wa, int t)
-      : config(c),
-        world(w),
-        water(wa),
-        threads(t),
-        across(c.pattern, c.width, c.side_lobe_db),
-        height(c.height_pattern, c.height, c.side_lobe_db) {
-    const bool fan = c.kind != SonarKind::kScanning && c.beams > 1;
-    const double first = fan ? -c.sector.radians() / 2 : 0;
-    const double spacing = fan ? c.sector.radians() / (c.beams - 1) : c.width.radians();
-    for (int b = 0; b < (fan ? c.beams : 1); ++b) beams.push_back(first + b * spacing);
-    fan ? cut_fan(spacing) : cut_single();
-    weigh();
-    hearing = across.reach(1e-4);
-    tabulate_sea();
+      : config(c), world(w), water(wa), threads(t), view(c), sea(wa.config().wind, c.frequency) {
     head_reflection = from_db(config.head_reflection_db);
     scatterers.emplace_back(world.material(kBottom));
     for (const WorldBody& body : world.bodies()) scatterers.emplace_back(*body.material);
-  }
-
-  /// Scattering of the surface by the sine of the grazing angle: Chapman and Harris, and glints from slopes after Cox
-  /// and Munk 1954.
-  void tabulate_sea() {
-    const double wind = water.config().wind, s2 = 0.003 + 0.00512 * wind;
-    for (int i = 0; i <= kSeaSteps; ++i) {
-      const double sine = std::max((i + 0.5) / kSeaSteps, kLeastCosine), square = std::min(1.0, sine * sine);
-      const double tan2 = 1 / square - 1;
-      const double glint = tan2 > 60 * s2 ? 0 : std::exp(-tan2 / (2 * s2)) / (8 * kPi * s2 * square * square);
-      sea.push_back(surface_scattering(std::asin(std::min(sine, 1.0)), wind, config.frequency) + glint);
-    }
-  }
-
-  /// Elevations: most rays over one and a half heights, a few beyond, where side lobes hear.
-  void cut_heights() {
-    const double half = 0.5 * config.height.radians();
-    const bool ideal = config.height_pattern == PatternKind::kIdeal;
-    const double inner = std::min(ideal ? half : 1.5 * half, 0.49 * kPi);
-    const double outer = ideal ? inner : std::min(height.reach(1e-4), 0.49 * kPi);
-    const int skirt = outer > 1.2 * inner && config.rays >= 8 ? std::max(1, config.rays / 8) : 0;
-    const int middle = std::max(1, config.rays - 2 * skirt);
-    for (int i = skirt; i > 0; --i) edges.push_back(-inner - (outer - inner) * i / skirt);
-    for (int i = 0; i <= middle; ++i) edges.push_back(-inner + 2 * inner * i / middle);
-    for (int i = 1; i <= skirt; ++i) edges.push_back(inner + (outer - inner) * i / skirt);
-    cell_up = 2 * inner / middle;
-  }
-
-  void add_direction(double azimuth, double width) {
-    directions.push_back(azimuth);
-    for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-      cells.push_back(cell_of(azimuth, width, edges[i], edges[i + 1], height));
-    }
-  }
-
-  void cut_fan(double spacing) {
-    cut_heights();
-    const int beyond = static_cast<int>(std::ceil(std::min(2 * config.width.radians(), across.reach(1e-3)) / spacing));
-    cell_across = spacing / config.rays_across;
-    const int count = static_cast<int>(beams.size());
-    for (int i = -beyond * config.rays_across; i < (count + beyond) * config.rays_across; ++i) {
-      add_direction(beams[0] + ((i + 0.5) / config.rays_across - 0.5) * spacing, cell_across);
-    }
-  }
-
-  void cut_single() {
-    cut_heights();
-    const double half = 0.5 * config.width.radians();
-    const bool ideal = config.pattern == PatternKind::kIdeal;
-    const double inner = std::min(ideal ? half : 3 * half, kPi / 2);
-    cell_across = 2 * inner / kScanningCells;
-    std::vector<std::pair<double, double>> skirt;  // growing cells, out to where the beam does not hear
-    const double outer = ideal ? inner : std::min(across.reach(1e-4), 0.9 * kPi);
-    double at = inner, size = 2 * cell_across;
-    while (at < outer && static_cast<int>(skirt.size()) < kSkirt) {
-      const bool last = static_cast<int>(skirt.size()) + 1 == kSkirt;
-      const double next = last ? outer : std::min(outer, at + size);
-      skirt.emplace_back(0.5 * (at + next), next - at);
-      at = next;
-      size *= 2;
-    }
-    for (auto s = skirt.rbegin(); s != skirt.rend(); ++s) add_direction(-s->first, s->second);
-    for (int i = 0; i < kScanningCells; ++i) add_direction(-inner + (i + 0.5) * cell_across, cell_across);
-    for (const auto& [azimuth, width] : skirt) add_direction(azimuth, width);
-  }
-
-  void weigh() {
-    weights.resize(beams.size());
-    for (std::size_t b = 0; b < beams.size(); ++b) {
-      for (std::size_t d = 0; d < directions.size(); ++d) {
-        const double gain = across.gain(directions[d] - beams[b]);
-        if (gain > kLeastGain) weights[b].push_back({static_cast<int>(d), static_cast<float>(gain)});
-      }
-    }
-    rows.resize(directions.size());
+    rows.resize(view.directions.size());
     for (Row& row : rows) {
       const auto bins = static_cast<std::size_t>(config.bins);
       row.power.resize(bins);
@@ -262,7 +120,7 @@ struct EchoFormer::State {
       const double towards = -normal.dot(v), r = straight * range / std::max(towards, 1e-9);
       if (towards < 1e-4 || r > 2 * config.range_m) continue;  // over the horizon
       piece.elevation = cell.elevation + offset;
-      piece.gain = height.gain(piece.elevation);
+      piece.gain = view.height.gain(piece.elevation);
       visit(piece, r, v, Vector3d(std::cos(offset) * up - std::sin(offset) * u));
     }
   }
@@ -343,7 +201,7 @@ struct EchoFormer::State {
       const Vector3d across_W = R_WS * cell.across, up_W = R_WS * cell.up;
       pieces(cell, range, u, up_W, normal, [&](const Cell& piece, double r, const Vector3d& v, const Vector3d& up) {
         const double sine = std::max(-v.z(), kLeastCosine);
-        const double sigma = sea[static_cast<std::size_t>(std::min(sine, 1.0) * kSeaSteps)];
+        const double sigma = sea(sine);
         const Span span = span_of(piece, r, v, across_W, up, normal);
         const double k = stretch(0);
         put(Span{k * span.near, k * span.far},
@@ -406,7 +264,7 @@ struct EchoFormer::State {
     const double cosine = std::max(-hit.normal.dot(v), kLeastCosine), cosine_back = -hit.normal.dot(back) / d;
     if (cosine_back <= 0 || path == EchoPath::kBodyBounce || 0.5 * (range + d) > config.range_m) return;
     const Vector3d w_S = R_WS.transpose() * back / d;
-    const double gain = std::sqrt(cell.gain * height.gain(std::asin(std::clamp(-w_S.z(), -1.0, 1.0))));
+    const double gain = std::sqrt(cell.gain * view.height.gain(std::asin(std::clamp(-w_S.z(), -1.0, 1.0))));
     const double sigma = std::sqrt(sigma_of(cell, range, hit, v) * sigma_of(cell, range, hit, back / d));
     const double power = 2 * gain * kept * sigma * cell.solid_angle / (cosine * d * d) * attenuation(range + d);
     if (power < 0.01 * floor || world.blocked(p, back / d, d * (1 - 1e-4) - 1e-3)) return;
@@ -456,9 +314,9 @@ struct EchoFormer::State {
     std::fill(row.strongest.begin(), row.strongest.end(), 0.f);
     std::fill(row.labels.begin(), row.labels.end(), EchoLabel());
     std::fill(row.volume.begin(), row.volume.end(), 0.0);
-    const std::size_t per = edges.size() - 1;
-    for (std::size_t i = 0; i < per; ++i) {
-      const Cell& cell = cells[static_cast<std::size_t>(direction) * per + i];
+    const Cell* column = view.column(direction);
+    for (int i = 0; i < view.cells_a_column(); ++i) {
+      const Cell& cell = column[i];
       double open = 0;
       trace(cell, kNothing, open, [&](Span span, double power, EchoLabel label) {
         deposit(row.power.data(), row.strongest.data(), row.labels.data(), span, power, label);
@@ -520,8 +378,8 @@ struct EchoFormer::State {
   }
 
   [[nodiscard]] bool seen(const Window& w) const {
-    return w.nearest < config.range_m && w.right > beams.front() - hearing && w.left < beams.back() + hearing &&
-           w.low < edges.back() && w.high > edges.front();
+    return w.nearest < config.range_m && w.right > view.beams.front() - view.hearing &&
+           w.left < view.beams.back() + view.hearing && w.low < view.edges.back() && w.high > view.edges.front();
   }
 
   /// Cells around one body. `mirror_z`: over the horizontal mirror at that depth, or NaN for straight.
@@ -529,13 +387,13 @@ struct EchoFormer::State {
     const double pad_across = 0.02 * (w.right - w.left) + 1e-6, pad_up = 0.02 * (w.high - w.low) + 1e-6;
     w.left -= pad_across;
     w.right += pad_across;
-    w.low = std::max(w.low - pad_up, edges.front());
-    w.high = std::min(w.high + pad_up, edges.back());
+    w.low = std::max(w.low - pad_up, view.edges.front());
+    w.high = std::min(w.high + pad_up, view.edges.back());
     if (w.high <= w.low) return;
     const auto count = [](double extent, double cell) {
       return std::clamp(static_cast<int>(std::ceil(8 * extent / cell)), 16, 24);
     };
-    const int columns = count(w.right - w.left, cell_across), lines = count(w.high - w.low, cell_up);
+    const int columns = count(w.right - w.left, view.cell_across), lines = count(w.high - w.low, view.cell_up);
     for (int c = 0; c < columns; ++c) {
       const double width = (w.right - w.left) / columns, azimuth = w.left + (c + 0.5) * width;
       const auto put = [&](Span span, double power, EchoLabel label) {
@@ -543,7 +401,7 @@ struct EchoFormer::State {
       };
       for (int l = 0; l < lines; ++l) {
         const double step = (w.high - w.low) / lines;
-        const Cell cell = cell_of(azimuth, width, w.low + l * step, w.low + (l + 1) * step, height);
+        const Cell cell = cell_of(azimuth, width, w.low + l * step, w.low + (l + 1) * step, view.height);
         double open = 0;
         if (std::isnan(mirror_z)) {
           trace(cell, target, open, put);
@@ -576,7 +434,7 @@ struct EchoFormer::State {
       Eigen::AlignedBox3d box = bodies[i].box;
       box.translate(bodies[i].moved);
       const auto w = window_of(box);
-      small[i] = w && (w->right - w->left < kSmall * cell_across || w->high - w->low < kSmall * cell_up);
+      small[i] = w && (w->right - w->left < kSmall * view.cell_across || w->high - w->low < kSmall * view.cell_up);
     }
     const double floor_z = world.bottom_depth(X_WS.translation.x(), X_WS.translation.y()).value_or(-1);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -615,7 +473,7 @@ struct EchoFormer::State {
     float* __restrict strongest = image.strongest.data() + start;
     EchoLabel* labels = image.labels.data() + start;
     std::fill(from.begin(), from.end(), -1);
-    const auto& heard = weights[static_cast<std::size_t>(beam)];
+    const auto& heard = view.weights[static_cast<std::size_t>(beam)];
     for (int i = 0; i < static_cast<int>(heard.size()); ++i) {
       const Row& row = rows[static_cast<std::size_t>(heard[static_cast<std::size_t>(i)].direction)];
       // A fan's beam hears the mean over the directions; a cell's solid angle is already in its power.
@@ -635,7 +493,7 @@ struct EchoFormer::State {
     for (int k = 0; k < image.bins; ++k) {
       const int i = from[static_cast<std::size_t>(k)];
       if (i < 0) continue;
-      const Weight& w = heard[static_cast<std::size_t>(i)];
+      const FieldOfView::Weight& w = heard[static_cast<std::size_t>(i)];
       labels[k] = heard_as(rows[static_cast<std::size_t>(w.direction)].labels[static_cast<std::size_t>(k)], w.gain);
     }
     for (std::size_t i = 0; i < points.size();) i = hear_body(i, beam, image, scratch);
@@ -648,7 +506,7 @@ struct EchoFormer::State {
     double loudest = 0, near = 1e30, far = 0;
     for (; end < points.size() && points[end].label == label; ++end) {
       const double gain =
-          across.gain(std::remainder(points[end].azimuth - beams[static_cast<std::size_t>(beam)], 2 * kPi));
+          view.across.gain(std::remainder(points[end].azimuth - view.beams[static_cast<std::size_t>(beam)], 2 * kPi));
       loudest = std::max(loudest, gain);
       near = std::min(near, points[end].span.near);
       far = std::max(far, points[end].span.far);
@@ -661,7 +519,7 @@ struct EchoFormer::State {
     std::fill(scratch.strongest.begin() + low, scratch.strongest.begin() + high + 1, 0.f);
     for (std::size_t i = first; i < end; ++i) {
       const double gain =
-          across.gain(std::remainder(points[i].azimuth - beams[static_cast<std::size_t>(beam)], 2 * kPi));
+          view.across.gain(std::remainder(points[i].azimuth - view.beams[static_cast<std::size_t>(beam)], 2 * kPi));
       if (gain * points[i].power < 1e-4 * floor) continue;
       deposit(scratch.power.data(), scratch.strongest.data(), scratch.labels.data(), points[i].span,
               gain * points[i].power, label);
@@ -687,7 +545,7 @@ EchoFormer::EchoFormer(const SonarConfig& config, const World& world, const Wate
     : state_(std::make_unique<State>(config, world, water, threads)) {}
 EchoFormer::~EchoFormer() = default;
 
-const std::vector<double>& EchoFormer::beam_azimuths() const { return state_->beams; }
+const std::vector<double>& EchoFormer::beam_azimuths() const { return state_->view.beams; }
 void EchoFormer::set_floor(double power) { state_->floor = power; }
 
 void EchoFormer::form(const Pose& X_WS, EchoImage& image) {
@@ -695,10 +553,10 @@ void EchoFormer::form(const Pose& X_WS, EchoImage& image) {
   s.X_WS = X_WS;
   s.R_WS = X_WS.rotation.matrix();
   s.absorb = s.water.absorption_db(s.config.frequency, std::max(0.0, X_WS.translation.z())) * std::log(10.0) / 10;
-  image.resize(static_cast<int>(s.beams.size()), s.config.bins);
+  image.resize(static_cast<int>(s.view.beams.size()), s.config.bins);
   image.clear();
   s.look_at_small_bodies();
-  split_work(static_cast<int>(s.directions.size()), s.threads, [&s](int first, int last) {
+  split_work(static_cast<int>(s.view.directions.size()), s.threads, [&s](int first, int last) {
     for (int d = first; d < last; ++d) s.look(d);
   });
   split_work(image.beams, s.threads, [&s, &image](int first, int last) {

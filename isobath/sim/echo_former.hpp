@@ -17,7 +17,6 @@
 // on any number of them. Cost: see bench/sim_bench.cpp.
 #pragma once
 
-#include <Eigen/Core>
 #include <isobath/base/angle.hpp>
 #include <isobath/geometry/pose.hpp>
 #include <isobath/sim/sonar_config.hpp>
@@ -56,20 +55,6 @@ class EchoFormer {
  private:
   struct State;
   std::unique_ptr<State> state_;
-};
-
-/// Backscatter strength of a wind-roughened surface, linear, by grazing angle (Chapman and Harris 1962, with
-/// frequencies above 6.4 kHz taken at its upper validity by the sqrt law of the wind; wind in m/s, frequency in Hz).
-/// Between -60 and 0 dB.
-double surface_scattering(double grazing_rad, double wind, double frequency);
-/// Lambert part and glint of a material, ready for use.
-struct Scatterer {
-  double mu, mirror, slope2;
-  explicit Scatterer(const Material& material);
-  /// sigma for a ray u on a surface whose normal n faces it. The glint is spread over the change of the normal within a
-  /// cell, (spread_1, spread_2) along (e, n x e), so that few rays keep its whole energy. Linear.
-  [[nodiscard]] double operator()(const Eigen::Vector3d& u, const Eigen::Vector3d& n, const Eigen::Vector3d& e,
-                                  double spread_1, double spread_2) const;
 };
 
 }  // namespace isobath

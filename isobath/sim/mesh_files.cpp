@@ -9,7 +9,7 @@
 #include <gdal_priv.h>
 #include <isobath/base/random.hpp>
 #include <isobath/geometry/geodesy.hpp>
-#include <isobath/sim/world.hpp>
+#include <isobath/sim/triangle_mesh.hpp>
 #include <map>
 #include <numbers>
 #include <unordered_map>

@@ -3,6 +3,8 @@
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <functional>
+#include <isobath/sim/exact_shape.hpp>
+#include <isobath/sim/triangle_mesh.hpp>
 #include <isobath/sim/world.hpp>
 #include <numbers>
 
@@ -18,85 +20,8 @@ using Eigen::Vector3i;
 
 constexpr float kStart = 1e-4f;  // m: a ray that leaves a surface does not meet it again
 
-/// A shape with an intersection of its own.
-struct Exact {
-  enum class Kind { kSphere, kCylinder, kPlane } kind;
-  Vector3d centre, axis = Vector3d::UnitZ();
-  double radius = 0, half = 0;  ///< of a plane: half is half its side
-
-  [[nodiscard]] AlignedBox3d box() const {
-    Vector3d reach = Vector3d::Constant(radius);
-    if (kind == Kind::kCylinder) {
-      for (int i = 0; i < 3; ++i)
-        reach[i] = half * std::abs(axis[i]) + radius * std::sqrt(std::max(0.0, 1 - axis[i] * axis[i]));
-    }
-    if (kind == Kind::kPlane) reach = {half, half, 0.01};
-    return {centre - reach, centre + reach};
-  }
-};
-
-struct Meeting {
-  double range;
-  Vector3d normal;
-};
-
-std::optional<Meeting> meet_sphere(const Exact& s, const Vector3d& p, const Vector3d& u, double near, double far) {
-  const Vector3d m = p - s.centre;
-  const double b = m.dot(u), c = m.squaredNorm() - s.radius * s.radius, d = b * b - c;
-  if (d < 0) return std::nullopt;
-  for (const double t : {-b - std::sqrt(d), -b + std::sqrt(d)}) {
-    if (t > near && t < far) return Meeting{t, (m + t * u) / s.radius};
-  }
-  return std::nullopt;
-}
-
-std::optional<Meeting> meet_cylinder(const Exact& s, const Vector3d& p, const Vector3d& u, double near, double far) {
-  const Vector3d m = p - s.centre;
-  const double along_m = m.dot(s.axis), along_u = u.dot(s.axis);
-  const Vector3d across_m = m - along_m * s.axis, across_u = u - along_u * s.axis;
-  std::optional<Meeting> best;
-  const auto take = [&](double t, const Vector3d& normal) {
-    if (t > near && t < far && (!best || t < best->range)) best = Meeting{t, normal};
-  };
-  const double a = across_u.squaredNorm();
-  if (a > 1e-14) {
-    const double b = across_m.dot(across_u), c = across_m.squaredNorm() - s.radius * s.radius, d = b * b - a * c;
-    if (d >= 0) {
-      for (const double t : {(-b - std::sqrt(d)) / a, (-b + std::sqrt(d)) / a}) {
-        if (std::abs(along_m + t * along_u) <= s.half) take(t, (across_m + t * across_u) / s.radius);
-      }
-    }
-  }
-  if (std::abs(along_u) > 1e-12) {
-    for (const double end : {-s.half, s.half}) {
-      const double t = (end - along_m) / along_u;
-      if ((across_m + t * across_u).squaredNorm() <= s.radius * s.radius) take(t, end > 0 ? s.axis : -s.axis);
-    }
-  }
-  return best;
-}
-
-std::optional<Meeting> meet_plane(const Exact& s, const Vector3d& p, const Vector3d& u, double near, double far) {
-  if (std::abs(u.z()) < 1e-12) return std::nullopt;
-  const double t = (s.centre.z() - p.z()) / u.z();
-  if (!(t > near && t < far)) return std::nullopt;
-  if (std::abs(p.x() + t * u.x() - s.centre.x()) > s.half || std::abs(p.y() + t * u.y() - s.centre.y()) > s.half) {
-    return std::nullopt;
-  }
-  return Meeting{t, Vector3d::UnitZ()};
-}
-
-std::optional<Meeting> meet(const Exact& s, const Vector3d& p, const Vector3d& u, double near, double far) {
-  switch (s.kind) {
-    case Exact::Kind::kSphere: return meet_sphere(s, p, u, near, far);
-    case Exact::Kind::kCylinder: return meet_cylinder(s, p, u, near, far);
-    case Exact::Kind::kPlane: return meet_plane(s, p, u, near, far);
-  }
-  return std::nullopt;
-}
-
 void bounds_of(const RTCBoundsFunctionArguments* args) {
-  const AlignedBox3d box = static_cast<const Exact*>(args->geometryUserPtr)->box();
+  const AlignedBox3d box = static_cast<const ExactShape*>(args->geometryUserPtr)->box();
   RTCBounds& b = *args->bounds_o;
   const auto down = [](double v) { return static_cast<float>(v - 1e-3 - 1e-6 * std::abs(v)); };
   const auto up = [](double v) { return static_cast<float>(v + 1e-3 + 1e-6 * std::abs(v)); };
@@ -109,7 +34,7 @@ void bounds_of(const RTCBoundsFunctionArguments* args) {
 }
 
 /// Directions in single precision are not quite of length one, which a small sphere far away would feel.
-std::optional<Meeting> meet(const Exact& shape, const RTCRay& ray) {
+std::optional<Meeting> meet(const ExactShape& shape, const RTCRay& ray) {
   const Vector3d p(ray.org_x, ray.org_y, ray.org_z), v(ray.dir_x, ray.dir_y, ray.dir_z);
   const double length = v.norm();
   auto found =
@@ -121,7 +46,7 @@ std::optional<Meeting> meet(const Exact& shape, const RTCRay& ray) {
 void intersect_exact(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   auto* both = reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const Exact& shape = *static_cast<const Exact*>(args->geometryUserPtr);
+  const ExactShape& shape = *static_cast<const ExactShape*>(args->geometryUserPtr);
   const auto found = meet(shape, both->ray);
   if (!found) return;
   both->ray.tfar = static_cast<float>(found->range);
@@ -136,110 +61,8 @@ void intersect_exact(const RTCIntersectFunctionNArguments* args) {
 void occluded_exact(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
   auto* ray = reinterpret_cast<RTCRay*>(args->ray);
-  const Exact& shape = *static_cast<const Exact*>(args->geometryUserPtr);
+  const ExactShape& shape = *static_cast<const ExactShape*>(args->geometryUserPtr);
   if (meet(shape, *ray)) ray->tfar = -std::numeric_limits<float>::infinity();
-}
-
-// Shapes as triangles ------------------------------------------------------------------------------------------------
-
-int add(TriangleMesh& mesh, const Vector3d& v) {
-  mesh.vertices.push_back(v.cast<float>());
-  return static_cast<int>(mesh.vertices.size()) - 1;
-}
-void quad(TriangleMesh& mesh, const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
-  const int i = add(mesh, a), j = add(mesh, b), k = add(mesh, c), l = add(mesh, d);
-  mesh.triangles.push_back({i, j, k});
-  mesh.triangles.push_back({i, k, l});
-}
-
-TriangleMesh mesh_of(const Box& b) {
-  TriangleMesh mesh;
-  const Rotation R = Rotation::from_heading_pitch_roll(b.heading, b.pitch, b.roll);
-  const auto corner = [&](int x, int y, int z) -> Vector3d {
-    return b.centre + R * Vector3d(b.size.cwiseProduct(Vector3d(x - 0.5, y - 0.5, z - 0.5)));
-  };
-  quad(mesh, corner(0, 0, 0), corner(1, 0, 0), corner(1, 1, 0), corner(0, 1, 0));
-  quad(mesh, corner(0, 0, 1), corner(1, 0, 1), corner(1, 1, 1), corner(0, 1, 1));
-  quad(mesh, corner(0, 0, 0), corner(1, 0, 0), corner(1, 0, 1), corner(0, 0, 1));
-  quad(mesh, corner(0, 1, 0), corner(1, 1, 0), corner(1, 1, 1), corner(0, 1, 1));
-  quad(mesh, corner(0, 0, 0), corner(0, 1, 0), corner(0, 1, 1), corner(0, 0, 1));
-  quad(mesh, corner(1, 0, 0), corner(1, 1, 0), corner(1, 1, 1), corner(1, 0, 1));
-  return mesh;
-}
-
-/// The corners of a polyline moved to the right by `aside`, mitred.
-std::vector<Vector2d> moved_aside(const std::vector<Vector2d>& line, double aside) {
-  std::vector<Vector2d> out;
-  const auto right = [&](std::size_t i) -> Vector2d {
-    const Vector2d along = (line[i + 1] - line[i]).normalized();
-    return {-along.y(), along.x()};  // north, east: right of the way
-  };
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const Vector2d before = right(i == 0 ? 0 : i - 1), after = right(std::min(i, line.size() - 2));
-    const Vector2d mean = before + after;
-    out.push_back(line[i] + mean * (2 * aside / std::max(mean.squaredNorm(), 0.5)));
-  }
-  return out;
-}
-
-std::vector<Vector2d> corners(const std::vector<double>& flat) {
-  std::vector<Vector2d> points;
-  for (std::size_t i = 0; i + 1 < flat.size(); i += 2) points.emplace_back(flat[i], flat[i + 1]);
-  return points;
-}
-
-TriangleMesh mesh_of(const Wall& w) {
-  TriangleMesh mesh;
-  const std::vector<Vector2d> top = corners(w.line);
-  const std::vector<Vector2d> foot = moved_aside(top, (w.bottom - w.top) * std::tan(w.batter.radians()));
-  const auto at = [](const Vector2d& p, double z) { return Vector3d(p.x(), p.y(), z); };
-  for (std::size_t i = 0; i + 1 < top.size(); ++i) {
-    quad(mesh, at(top[i], w.top), at(top[i + 1], w.top), at(foot[i + 1], w.bottom), at(foot[i], w.bottom));
-  }
-  return mesh;
-}
-
-/// Segments and arcs as chords; an arc's chords stay within 2 mm of it.
-std::vector<std::pair<Vector2d, Vector2d>> chords(const Prism& p) {
-  std::vector<std::pair<Vector2d, Vector2d>> all;
-  for (std::size_t i = 0; i + 3 < p.lines.size(); i += 4) {
-    all.emplace_back(Vector2d(p.lines[i], p.lines[i + 1]), Vector2d(p.lines[i + 2], p.lines[i + 3]));
-  }
-  for (std::size_t i = 0; i + 4 < p.arcs.size(); i += 5) {
-    const Vector2d centre(p.arcs[i], p.arcs[i + 1]);
-    const double radius = p.arcs[i + 2], from = p.arcs[i + 3] * std::numbers::pi / 180;
-    double sweep = p.arcs[i + 4] * std::numbers::pi / 180 - from;
-    if (sweep <= 0) sweep += 2 * std::numbers::pi;
-    const double chord = 2 * std::acos(std::max(0.5, 1 - 0.002 / radius));
-    const int count = std::max(4, static_cast<int>(std::ceil(sweep / chord)));
-    for (int k = 0; k < count; ++k) {
-      const double a = from + sweep * k / count, b = from + sweep * (k + 1) / count;
-      all.emplace_back(centre + radius * Vector2d(std::cos(a), std::sin(a)),
-                       centre + radius * Vector2d(std::cos(b), std::sin(b)));
-    }
-  }
-  return all;
-}
-
-TriangleMesh mesh_of(const Prism& p) {
-  TriangleMesh mesh;
-  const auto all = chords(p);
-  AlignedBox2d box;
-  for (const auto& [a, b] : all) box.extend(a).extend(b);
-  const auto foot = [&](const Vector2d& q) -> Vector2d { return box.center() + p.bottom_scale * (q - box.center()); };
-  const auto at = [](const Vector2d& q, double z) { return Vector3d(q.x(), q.y(), z); };
-  for (const auto& [a, b] : all) quad(mesh, at(a, p.top), at(b, p.top), at(foot(b), p.bottom), at(foot(a), p.bottom));
-  return mesh;
-}
-
-TriangleMesh mesh_of(const Mesh& m, const Place& place) {
-  TriangleMesh mesh = load_mesh(m.file, m.scale, place);
-  const Rotation R = Rotation::from_heading_pitch_roll(m.heading, m.pitch, m.roll);
-  for (Vector3f& v : mesh.vertices) {
-    const Vector3d p = m.z_up ? Vector3d(v.y(), v.x(), -v.z()) : v.cast<double>();
-    v = (m.position + R * p).cast<float>();
-  }
-  return mesh;
 }
 
 TriangleMesh bottom_mesh(const BottomConfig& c) {
@@ -263,19 +86,6 @@ TriangleMesh bottom_mesh(const BottomConfig& c) {
   return mesh;
 }
 
-std::vector<Polygon> plan_of(const TriangleMesh& mesh) {
-  std::vector<Polygon> parts;
-  if (mesh.triangles.size() > 2000) return parts;                   // too fine to draw
-  for (std::size_t i = 0; i + 1 < mesh.triangles.size(); i += 2) {  // quads
-    std::vector<Vector2d> points;
-    for (const std::size_t t : {i, i + 1}) {
-      for (int k = 0; k < 3; ++k) points.push_back(mesh.vertices[mesh.triangles[t][k]].head<2>().cast<double>());
-    }
-    parts.push_back(convex_hull(std::move(points)));
-  }
-  return parts;
-}
-
 Polygon circle(const Vector2d& centre, double radius) {
   Polygon points;
   for (int i = 0; i < 24; ++i) {
@@ -283,23 +93,6 @@ Polygon circle(const Vector2d& centre, double radius) {
     points.push_back(centre + radius * Vector2d(std::cos(a), std::sin(a)));
   }
   return points;
-}
-
-double distance_to_triangle(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, n = ab.cross(ac);
-  if (n.squaredNorm() > 1e-18) {
-    const Vector3d q = p - n * (n.dot(p - a) / n.squaredNorm());
-    const bool inside =
-        n.dot(ab.cross(q - a)) >= 0 && n.dot((c - b).cross(q - b)) >= 0 && n.dot((a - c).cross(q - c)) >= 0;
-    if (inside) return (p - q).norm();
-  }
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& [s, e] : {std::pair(a, b), {b, c}, {c, a}}) {
-    const Vector3d along = e - s;
-    const double share = along.squaredNorm() > 0 ? std::clamp((p - s).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0;
-    least = std::min(least, (s + share * along - p).norm());
-  }
-  return least;
 }
 
 }  // namespace
@@ -310,7 +103,7 @@ struct World::State {
   const Scene* scene = nullptr;
   const Material* bottom_material = nullptr;
   std::vector<WorldBody> bodies;
-  std::vector<std::unique_ptr<Exact>> exact;                ///< of every target; null: triangles
+  std::vector<std::unique_ptr<ExactShape>> exact;           ///< of every target; null: triangles
   std::vector<TriangleMesh> meshes;                         ///< of every target; empty where exact
   std::vector<RTCScene> inner;                              ///< of bodies that move
   std::vector<int> target;                                  ///< by geometry of the top scene
@@ -323,10 +116,10 @@ struct World::State {
     if (device) rtcReleaseDevice(device);
   }
 
-  RTCGeometry geometry(const Exact& shape) const {
+  RTCGeometry geometry(const ExactShape& shape) const {
     const RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(g, 1);
-    rtcSetGeometryUserData(g, const_cast<Exact*>(&shape));
+    rtcSetGeometryUserData(g, const_cast<ExactShape*>(&shape));
     rtcSetGeometryBoundsFunction(g, bounds_of, nullptr);
     rtcSetGeometryIntersectFunction(g, intersect_exact);
     rtcSetGeometryOccludedFunction(g, occluded_exact);
@@ -383,7 +176,7 @@ struct World::State {
     rtcCommitGeometry(instance);
   }
 
-  void add_body(const Body& body, std::string name, std::optional<Exact> shape, TriangleMesh mesh) {
+  void add_body(const Body& body, std::string name, std::optional<ExactShape> shape, TriangleMesh mesh) {
     WorldBody made;
     made.body = &body;
     made.name = std::move(name);
@@ -392,7 +185,7 @@ struct World::State {
     if (shape) {
       made.box = shape->box();
       made.plan = {circle(shape->centre.head<2>(), shape->radius)};
-      if (shape->kind == Exact::Kind::kCylinder && std::abs(shape->axis.z()) < 0.999) {
+      if (shape->kind == ExactShape::Kind::kCylinder && std::abs(shape->axis.z()) < 0.999) {
         const Vector3d half = shape->half * shape->axis;
         auto ends = circle((shape->centre - half).head<2>(), shape->radius);
         const auto other = circle((shape->centre + half).head<2>(), shape->radius);
@@ -404,27 +197,27 @@ struct World::State {
       made.plan = plan_of(mesh);
     }
     bodies.push_back(std::move(made));
-    exact.push_back(shape ? std::make_unique<Exact>(*shape) : nullptr);
+    exact.push_back(shape ? std::make_unique<ExactShape>(*shape) : nullptr);
     meshes.push_back(std::move(mesh));
     const int of = kFirstBody + static_cast<int>(bodies.size()) - 1;
     place(exact.back() ? geometry(*exact.back()) : geometry(meshes.back()), of, bodies.back().moves);
   }
 
   void add_body(const Body& body) {
-    using K = Exact::Kind;
+    using K = ExactShape::Kind;
     if (const auto* c = std::get_if<Cylinder>(&body.shape)) {
-      return add_body(body, body.name, Exact{K::kCylinder, c->centre, c->axis.normalized(), c->radius, c->length / 2},
-                      {});
+      return add_body(body, body.name,
+                      ExactShape{K::kCylinder, c->centre, c->axis.normalized(), c->radius, c->length / 2}, {});
     }
     if (const auto* s = std::get_if<Sphere>(&body.shape)) {
-      return add_body(body, body.name, Exact{K::kSphere, s->centre, Vector3d::UnitZ(), s->radius, 0}, {});
+      return add_body(body, body.name, ExactShape{K::kSphere, s->centre, Vector3d::UnitZ(), s->radius, 0}, {});
     }
     if (const auto* p = std::get_if<Pylons>(&body.shape)) {
       for (int i = 0; i < p->count; ++i) {
         const Vector2d at = p->first + i * p->step;
         const Vector3d centre(at.x(), at.y(), 0.5 * (p->top + p->bottom));
         add_body(body, fmt::format("{}.{}", body.name, i + 1),
-                 Exact{K::kCylinder, centre, Vector3d::UnitZ(), p->radius, 0.5 * (p->bottom - p->top)}, {});
+                 ExactShape{K::kCylinder, centre, Vector3d::UnitZ(), p->radius, 0.5 * (p->bottom - p->top)}, {});
       }
       return;
     }
@@ -441,7 +234,8 @@ struct World::State {
     meshes.emplace_back();
     if (c.kind == BottomKind::kNone) return;
     if (c.kind == BottomKind::kFlat) {
-      exact[0] = std::make_unique<Exact>(Exact{Exact::Kind::kPlane, {0, 0, c.depth}, Vector3d::UnitZ(), 0, c.extent_m});
+      exact[0] = std::make_unique<ExactShape>(
+          ExactShape{ExactShape::Kind::kPlane, {0, 0, c.depth}, Vector3d::UnitZ(), 0, c.extent_m});
       return place(geometry(*exact[0]), kBottom, false);
     }
     meshes[0] = bottom_mesh(c);
@@ -505,9 +299,9 @@ std::optional<RayHit> World::cast(const Vector3d& p, const Vector3d& u, double m
   hit.target = state_->target[outer];
   hit.normal = Vector3d(both.hit.Ng_x, both.hit.Ng_y, both.hit.Ng_z).normalized();
   if (hit.normal.dot(u) > 0) hit.normal = -hit.normal;
-  if (const Exact* shape = state_->exact[static_cast<std::size_t>(hit.target - kBottom)].get();
+  if (const ExactShape* shape = state_->exact[static_cast<std::size_t>(hit.target - kBottom)].get();
       shape && shape->radius > 0) {
-    const bool cylinder = shape->kind == Exact::Kind::kCylinder;
+    const bool cylinder = shape->kind == ExactShape::Kind::kCylinder;
     const bool end = cylinder && std::abs(hit.normal.dot(shape->axis)) > 0.999;
     hit.curvature = end ? 0 : 1 / shape->radius;
     if (cylinder) hit.straight = shape->axis;
@@ -556,9 +350,9 @@ std::optional<double> World::bottom_depth(double north, double east) const {
 double World::distance(int index, const Vector3d& p_W) const {
   const auto i = static_cast<std::size_t>(index);
   const Vector3d p = p_W - state_->bodies[i].moved;
-  if (const Exact* e = state_->exact[i + 1].get()) {
+  if (const ExactShape* e = state_->exact[i + 1].get()) {
     const Vector3d m = p - e->centre;
-    if (e->kind == Exact::Kind::kSphere) return m.norm() - e->radius;
+    if (e->kind == ExactShape::Kind::kSphere) return m.norm() - e->radius;
     const double along = std::abs(m.dot(e->axis)) - e->half;
     const double across = (m - m.dot(e->axis) * e->axis).norm() - e->radius;
     return along > 0 && across > 0 ? std::hypot(along, across) : std::max(along, across);
@@ -569,13 +363,7 @@ double World::distance(int index, const Vector3d& p_W) const {
     const double inside = out.maxCoeff();
     return inside < 0 ? inside : out.cwiseMax(0.0).norm();
   }
-  double least = std::numeric_limits<double>::infinity();
-  const TriangleMesh& mesh = state_->meshes[i + 1];
-  const auto vertex = [&mesh](int v) -> Vector3d { return mesh.vertices[v].cast<double>(); };
-  for (const Vector3i& t : mesh.triangles) {
-    least = std::min(least, distance_to_triangle(p, vertex(t[0]), vertex(t[1]), vertex(t[2])));
-  }
-  return least;
+  return isobath::distance(state_->meshes[i + 1], p);
 }
 
 AlignedBox2d World::extent() const {

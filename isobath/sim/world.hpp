@@ -68,18 +68,4 @@ class World {
   std::unique_ptr<State> state_;
 };
 
-/// Triangles, in W.
-struct TriangleMesh {
-  std::vector<Eigen::Vector3f> vertices;
-  std::vector<Eigen::Vector3i> triangles;
-};
-/// Closed border lines beyond the outermost one; vertices at the same place count as one. Parts that lie apart count
-/// too.
-int holes(const TriangleMesh& mesh);
-TriangleMesh terrain_mesh(const BottomConfig& config);
-/// Through GDAL. Throws Error where it cannot be read, or has cells without data.
-TriangleMesh raster_mesh(const BottomConfig& config);
-/// Through Assimp, in the axes of the file times scale. Throws Error where it cannot be read.
-TriangleMesh load_mesh(const std::string& file, double scale, const Place& place);
-
 }  // namespace isobath

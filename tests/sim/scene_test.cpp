@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <isobath/sim/triangle_mesh.hpp>
 #include <set>
 #include <tests/sim/worlds.hpp>
 #include <tests/support/data.hpp>

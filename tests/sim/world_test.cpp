@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/io/geotiff.hpp>
+#include <isobath/sim/triangle_mesh.hpp>
 #include <tests/sim/worlds.hpp>
 #include <tests/support/data.hpp>
 
