@@ -466,7 +466,7 @@ std::string image_picture(const PolarImage& image, const PlanExtent& extent, dou
   picture.finish({{intensity_colour(0), "0"},
                   {intensity_colour(brightness(top / 16, top)), fmt::format("{:.0f}", top / 16)},
                   {intensity_colour(brightness(top / 4, top)), fmt::format("{:.0f}", top / 4)},
-                  {intensity_colour(1), fmt::format("{:.0f} counts and more", top)}});
+                  {intensity_colour(1), fmt::format("{:.0f}", top)}});
   return picture.png();
 }
 

@@ -54,7 +54,6 @@ struct PolarImage {
   RangeWindow window;
   std::vector<Angle> azimuth;
   Angle width;  ///< of a row, for gaps between rows
-  bool whole_turn = false;
   std::vector<float> values;
   [[nodiscard]] float operator()(std::size_t row, int bin) const {
     return values[row * static_cast<std::size_t>(window.bins) + static_cast<std::size_t>(bin)];
@@ -110,7 +109,6 @@ class SampleCollector {
   EchoHistogram histogram_;
   std::map<int, Row> rows_;                    ///< by beam, or by azimuth in quarters of a degree
   std::map<int, std::vector<float>> current_;  ///< the scan being heard
-  std::map<int, Angle> azimuths_;
   std::vector<std::map<int, std::vector<float>>> kept_;  ///< every 2^n-th scan, few
   int keep_every_ = 1;
   std::vector<StrongestEcho> strongest_;
