@@ -21,6 +21,7 @@ constexpr int kRangeGroups = 120;
 constexpr int kKeptScans = 16;
 constexpr double kBrightRatio = 4, kBrightLeast = 16;  // counts
 constexpr double kBrightestShare = 0.002;
+constexpr double kCutShare = 0.4;  // of zeros
 
 double decibels(double ratio) { return ratio > 0 ? 20 * std::log10(ratio) : 0; }
 
@@ -38,7 +39,9 @@ RangeLevels summed_up(const EchoLevels& levels, const std::vector<std::uint64_t>
   out.high = quantile(0.84);
   out.top = quantile(0.99);
   out.zeros = static_cast<double>(counts[0]) / out.samples;
-  out.background_limit = out.median + std::max(2.0, 3 * (out.median - out.low));
+  // Where a threshold cuts much of the water to 0, the lower half says nothing about its spread.
+  const double spread = out.zeros < kCutShare ? out.median - out.low : out.high - out.median;
+  out.background_limit = out.median + std::max(2.0, 3 * spread);
   return out;
 }
 
@@ -381,18 +384,29 @@ std::string background_chart(const CompareOutcome& c, const std::string& a, cons
   }
   ChartPicture chart(760, 420, "Background: share of the samples by value, and the law that fits best (dashed)",
                      {"value (counts of 255)", 0, static_cast<double>(to)},
-                     {"share of the background samples", 1e-4, 1, true});
+                     {"share of the background samples, a count", 1e-5, 1, true});
   std::vector<double> x(static_cast<std::size_t>(to) + 1);
   std::iota(x.begin(), x.end(), 0.0);
+  const int step = std::max(1, (to + 23) / 48);
+  std::vector<double> at{0};
+  for (int v = 1; v + step - 1 <= to; v += step) at.push_back(v + (step - 1) / 2.0);
   for (const auto& [s, colour, name] : {std::tuple(&c.a, kColourA, a), {&c.b, kColourB, b}}) {
     std::vector<double> shares = shares_of(*s, to), law;
-    for (double& v : shares) v = std::max(v, 1e-5);
     const auto best = std::min_element(s->fits.begin(), s->fits.end(),
                                        [](const NoiseFit& u, const NoiseFit& v) { return u.statistic < v.statistic; });
-    for (const double v : x)
-      law.push_back(std::max(1e-5, cumulative(*best, v + 0.5) - (v > 0 ? cumulative(*best, v - 0.5) : 0)));
-    chart.curve(x, shares, {colour, 2.5, false}, name);
-    chart.curve(x, law, {colour, 1.2, true}, fmt::format("{} law nearest to it", to_text(best->law)));
+    for (const double v : x) law.push_back(cumulative(*best, v + 0.5) - (v > 0 ? cumulative(*best, v - 0.5) : 0));
+    // Devices leave values out (two of three, say): steps wide enough to see the law and not the gaps.
+    const auto in_steps = [&](const std::vector<double>& of) {
+      std::vector<double> means{std::max(of[0], 1e-6)};
+      for (int v = 1; v + step - 1 <= to; v += step) {
+        const auto from = of.begin() + v;
+        means.push_back(std::max(std::accumulate(from, from + step, 0.0) / step, 1e-6));
+      }
+      return means;
+    };
+    chart.curve(at, in_steps(shares), {colour, 2.5, false},
+                fmt::format("{}; nearest: {} law", name, best->law == NoiseLaw::kK ? "K" : to_text(best->law)));
+    chart.curve(at, in_steps(law), {colour, 1.2, true}, "");
   }
   chart.finish();
   return chart.png();
@@ -401,7 +415,7 @@ std::string background_chart(const CompareOutcome& c, const std::string& a, cons
 /// How many samples reach a level: all of them, behind the blind zone.
 std::string exceedance_chart(const CompareOutcome& c, const std::string& a, const std::string& b) {
   ChartPicture chart(760, 420, "All samples: share at or above a value", {"value (counts of 255)", 0, 255},
-                     {"share of the samples", 1e-6, 1, true});
+                     {"share of the samples", 1e-8, 1, true});
   for (const auto& [s, colour, name] : {std::tuple(&c.a, kColourA, a), {&c.b, kColourB, b}}) {
     const EchoDistribution d(s->levels, s->counts);
     std::vector<double> x, y;
@@ -459,7 +473,8 @@ std::string image_picture(const PolarImage& image, const PlanExtent& extent, dou
       }
     }
     if (off > reach) return kNothing;
-    return intensity_colour(brightness(static_cast<double>(image(best, bin)), top));
+    // Few shades: a picture of noise is large otherwise.
+    return intensity_colour(std::round(24 * brightness(static_cast<double>(image(best, bin)), top)) / 24);
   });
   const double far = image.window.end_m();
   picture.range_rings({0, 0}, far > 25 ? 10 : far > 8 ? 2 : 1);
@@ -599,7 +614,7 @@ std::vector<ComparedValue> compared_values(const CompareOutcome& c) {
   for (std::size_t i = 0; i < c.a.fits.size(); ++i) {
     add(fmt::format("{} fitted to it (misfit a sample, x 1000)", to_text(c.a.fits[i].law)), [i](const S& s) {
       const NoiseFit& f = s.fits[i];
-      if (!std::isfinite(f.statistic)) return std::string("too little of it");
+      if (!std::isfinite(f.statistic)) return std::string("cannot be it");
       const std::string misfit = fmt::format("{:.0f}", 1000 * f.statistic / static_cast<double>(f.samples));
       if (f.law == NoiseLaw::kGaussian)
         return fmt::format("mean {:.1f}, sigma {:.1f} ({})", f.location, f.scale, misfit);
@@ -684,7 +699,8 @@ CompareOutcome compare(const CompareRequest& request) {
   page.table({"", a, b}, rows);
   page.paragraph(fmt::format(
       "Background is what stays below the median of its range plus three times the distance from the 16 % level to the "
-      "median. Bright is what is 12 dB above the mean background of its range, and at least {:.0f} counts. In "
+      "median (from the median to the 84 % level where 40 % and more of the samples are 0). Bright is what is 12 dB "
+      "above the mean background of its range, and at least {:.0f} counts. In "
       "brackets: "
       "16 to 84 % of the scans. The misfit is the Anderson-Darling statistic: smaller is nearer. The backgrounds "
       "differ "

@@ -3,8 +3,9 @@
 //
 // Samples are taken in counts of a full scale of 255. Ranges nearer than the blind zone (calibration.blind_m, or what
 // the ping states) are drawn but not counted. The rules, all without knowledge of what was there:
-// - Background: samples of a range group up to its median + 3 (median - 16 % level), and at least 2 counts. Half of the
-//   samples of a range at least must be water for that.
+// - Background: samples of a range group up to its median + 3 (median - 16 % level), or + 3 (84 % level - median)
+//   where a threshold of the device cuts 40 % and more to 0; and at least 2 counts. Half of the samples of a range (84
+//   % in the second case) must be water for that.
 // - Bright: samples at least 12 dB (in amplitude: four times) above the mean background of their range group, and at
 //   least 16 counts.
 // - Brightest: the strongest 0.2 % of the samples of a scan, as many as a person marks in a frame of a hull (Teixeira
@@ -107,8 +108,8 @@ class SampleCollector {
   RangeWindow window_;
   Angle width_;
   EchoHistogram histogram_;
-  std::map<int, Row> rows_;                    ///< by beam, or by azimuth in quarters of a degree
-  std::map<int, std::vector<float>> current_;  ///< the scan being heard
+  std::map<int, Row> rows_;                              ///< by beam, or by azimuth in quarters of a degree
+  std::map<int, std::vector<float>> current_;            ///< the scan being heard
   std::vector<std::map<int, std::vector<float>>> kept_;  ///< every 2^n-th scan, few
   int keep_every_ = 1;
   std::vector<StrongestEcho> strongest_;
