@@ -23,6 +23,10 @@ constexpr double kBrightRatio = 4, kBrightLeast = 16;  // counts
 constexpr double kBrightestShare = 0.002;
 constexpr double kCutShare = 0.4;  // of zeros
 
+const char* law_name(NoiseLaw law) {
+  return law == NoiseLaw::kGaussian ? "Gaussian" : law == NoiseLaw::kRayleigh ? "Rayleigh" : "K";
+}
+
 double decibels(double ratio) { return ratio > 0 ? 20 * std::log10(ratio) : 0; }
 
 RangeLevels summed_up(const EchoLevels& levels, const std::vector<std::uint64_t>& counts) {
@@ -215,6 +219,7 @@ void SampleCollector::levels(SampleStatistics& out) const {
       bright_sum += n * value;
       bright_background += n * range.background;
     }
+    range.counts = counts;
     out.ranges.push_back(range);
     k = end;
   }
@@ -384,7 +389,7 @@ std::string background_chart(const CompareOutcome& c, const std::string& a, cons
   }
   ChartPicture chart(760, 420, "Background: share of the samples by value, and the law that fits best (dashed)",
                      {"value (counts of 255)", 0, static_cast<double>(to)},
-                     {"share of the background samples, a count", 1e-5, 1, true});
+                     {"share of the background samples, a count", 1e-6, 1, true});
   std::vector<double> x(static_cast<std::size_t>(to) + 1);
   std::iota(x.begin(), x.end(), 0.0);
   const int step = std::max(1, (to + 23) / 48);
@@ -397,15 +402,15 @@ std::string background_chart(const CompareOutcome& c, const std::string& a, cons
     for (const double v : x) law.push_back(cumulative(*best, v + 0.5) - (v > 0 ? cumulative(*best, v - 0.5) : 0));
     // Devices leave values out (two of three, say): steps wide enough to see the law and not the gaps.
     const auto in_steps = [&](const std::vector<double>& of) {
-      std::vector<double> means{std::max(of[0], 1e-6)};
+      std::vector<double> means{std::max(of[0], 1e-7)};
       for (int v = 1; v + step - 1 <= to; v += step) {
         const auto from = of.begin() + v;
-        means.push_back(std::max(std::accumulate(from, from + step, 0.0) / step, 1e-6));
+        means.push_back(std::max(std::accumulate(from, from + step, 0.0) / step, 1e-7));
       }
       return means;
     };
     chart.curve(at, in_steps(shares), {colour, 2.5, false},
-                fmt::format("{}; nearest: {} law", name, best->law == NoiseLaw::kK ? "K" : to_text(best->law)));
+                fmt::format("{}; nearest: {} law", name, law_name(best->law)));
     chart.curve(at, in_steps(law), {colour, 1.2, true}, "");
   }
   chart.finish();
@@ -564,23 +569,17 @@ std::vector<HtmlReport::Row> range_rows(const CompareOutcome& c) {
     const double from = near + (far - near) * i / kStretches, to = near + (far - near) * (i + 1) / kStretches;
     HtmlReport::Row row{fmt::format("{:.2f} to {:.2f}", from, to)};
     for (const SampleStatistics* s : {&c.a, &c.b}) {
-      double n = 0, mean = 0, low = 0, median = 0, high = 0, top = 0, zeros = 0;
+      std::vector<std::uint64_t> counts(static_cast<std::size_t>(s->levels.count()), 0);
       for (const RangeLevels& r : s->ranges) {
         const double middle = (r.near_m + r.far_m) / 2;
         if (middle < from || middle >= to) continue;
-        n += r.samples;
-        mean += r.samples * r.mean;
-        low += r.samples * r.low;
-        median += r.samples * r.median;
-        high += r.samples * r.high;
-        top += r.samples * r.top;
-        zeros += r.samples * r.zeros;
+        for (std::size_t l = 0; l < counts.size(); ++l) counts[l] += r.counts[l];
       }
-      n = std::max(n, 1.0);
-      row.push_back(fmt::format("{:.1f}", mean / n));
-      row.push_back(fmt::format("{:.1f} ({:.1f} to {:.1f})", median / n, low / n, high / n));
-      row.push_back(fmt::format("{:.0f}", top / n));
-      row.push_back(fmt::format("{:.0f} %", 100 * zeros / n));
+      const RangeLevels r = summed_up(s->levels, counts);
+      row.push_back(fmt::format("{:.1f}", r.mean));
+      row.push_back(fmt::format("{:.1f} ({:.1f} to {:.1f})", r.median, r.low, r.high));
+      row.push_back(fmt::format("{:.0f}", r.top));
+      row.push_back(fmt::format("{:.0f} %", 100 * r.zeros));
     }
     rows.push_back(std::move(row));
   }
@@ -612,7 +611,7 @@ std::vector<ComparedValue> compared_values(const CompareOutcome& c) {
   add("background: mean; standard deviation, counts",
       [](const S& s) { return fmt::format("{:.1f}; {:.1f}", s.background_mean, s.background_deviation); });
   for (std::size_t i = 0; i < c.a.fits.size(); ++i) {
-    add(fmt::format("{} fitted to it (misfit a sample, x 1000)", to_text(c.a.fits[i].law)), [i](const S& s) {
+    add(fmt::format("{} fitted to it (misfit a sample, x 1000)", law_name(c.a.fits[i].law)), [i](const S& s) {
       const NoiseFit& f = s.fits[i];
       if (!std::isfinite(f.statistic)) return std::string("cannot be it");
       const std::string misfit = fmt::format("{:.0f}", 1000 * f.statistic / static_cast<double>(f.samples));

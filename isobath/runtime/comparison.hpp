@@ -40,6 +40,7 @@ struct RangeLevels {
   double zeros = 0;                               ///< share
   double background = 0;                          ///< mean of the background
   double background_limit = 0;                    ///< samples above are no background
+  std::vector<std::uint64_t> counts;              ///< by level
 };
 
 struct StrongestEcho {
