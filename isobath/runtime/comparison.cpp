@@ -7,6 +7,7 @@
 #include <isobath/runtime/html_report.hpp>
 #include <isobath/runtime/picture.hpp>
 #include <isobath/runtime/scenario.hpp>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
@@ -389,7 +390,7 @@ std::string background_chart(const CompareOutcome& c, const std::string& a, cons
   }
   ChartPicture chart(760, 420, "Background: share of the samples by value, and the law that fits best (dashed)",
                      {"value (counts of 255)", 0, static_cast<double>(to)},
-                     {"share of the background samples, a count", 1e-6, 1, true});
+                     {"share of the background samples, a count", 1e-7, 1, true});
   std::vector<double> x(static_cast<std::size_t>(to) + 1);
   std::iota(x.begin(), x.end(), 0.0);
   const int step = std::max(1, (to + 23) / 48);
@@ -402,10 +403,11 @@ std::string background_chart(const CompareOutcome& c, const std::string& a, cons
     for (const double v : x) law.push_back(cumulative(*best, v + 0.5) - (v > 0 ? cumulative(*best, v - 0.5) : 0));
     // Devices leave values out (two of three, say): steps wide enough to see the law and not the gaps.
     const auto in_steps = [&](const std::vector<double>& of) {
-      std::vector<double> means{std::max(of[0], 1e-7)};
+      std::vector<double> means{of[0]};
       for (int v = 1; v + step - 1 <= to; v += step) {
         const auto from = of.begin() + v;
-        means.push_back(std::max(std::accumulate(from, from + step, 0.0) / step, 1e-7));
+        const double mean = std::accumulate(from, from + step, 0.0) / step;
+        means.push_back(mean > 3e-6 ? mean : std::numeric_limits<double>::quiet_NaN());
       }
       return means;
     };

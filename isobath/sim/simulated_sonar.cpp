@@ -65,8 +65,8 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
       seed_(seed),
       threads_(threads),
       full_scale_(full_scale_of(config.samples)),
-      audible_(std::max(
-          {0.5, config.black_level, config.span_db > 0 ? full_scale_ * std::pow(10, -config.span_db / 20) : 0.0})) {
+      audible_(
+          std::max(config.black_level, config.span_db > 0 ? full_scale_ * std::pow(10, -config.span_db / 20) : 0.5)) {
   const double bin = config.range_m / config.bins;
   const double absorption = water.absorption_db(config.frequency, 0);
   for (int k = 0; k < config.bins; ++k) {
@@ -180,8 +180,9 @@ void SimulatedSonar::fill(int beam, Random random, Random speckle, const Disturb
     const double spread = config_.noise == BackgroundLaw::kGaussian ? config_.noise_sigma
                           : config_.noise == BackgroundLaw::kNone   ? 0
                                                                     : kRayleighSpread * mean;
+    const double diffuse = gain * std::sqrt(reverberation_[static_cast<std::size_t>(k)]);
     const double strongest = gain * std::sqrt(static_cast<double>(image_.strongest[at]));
-    labels[k] = strongest > std::max(spread, audible_) ? image_.labels[at] : EchoLabel();
+    labels[k] = strongest > std::max({spread, audible_, diffuse}) ? image_.labels[at] : EchoLabel();
     const auto disturb = [&](double level, EchoPath path) {
       amplitude += level;
       if (level > std::max(strongest, spread)) labels[k] = EchoLabel(kNothing, path);
