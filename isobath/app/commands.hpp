@@ -19,6 +19,7 @@ Action add_sim(CLI::App& program);
 Action add_info(CLI::App& program);
 Action add_convert(CLI::App& program);
 Action add_calibrate(CLI::App& program);
+Action add_compare(CLI::App& program);
 Action add_config(CLI::App& program);
 
 }  // namespace isobath::app

@@ -115,7 +115,8 @@ RunOutcome run(const RunRequest& request) {
   outcome.log_s = last > first ? to_seconds(last - first) : 0;
   outcome.undecided = pipeline.undecided();
   outcome.problem = problem_of(outcome);
-  if (outcome.counts.pings + outcome.counts.ranges == 0 && outcome.problem.empty()) outcome.problem = "no ping in it could be used";
+  if (outcome.counts.pings + outcome.counts.ranges == 0 && outcome.problem.empty())
+    outcome.problem = "no ping in it could be used";
   if (judge) {
     outcome.truth = judge->score();
     folder.show_truth(judge->outlines());

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <isobath/sim/simulated_sonar.hpp>
 #include <isobath/sim/split_work.hpp>
+#include <limits>
 #include <numbers>
 
 namespace isobath {
@@ -64,7 +65,9 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
       former_(config, world, water, threads),
       seed_(seed),
       threads_(threads),
-      full_scale_(full_scale_of(config.samples)) {
+      full_scale_(full_scale_of(config.samples)),
+      audible_(
+          std::max(config.black_level, config.span_db > 0 ? kFullScale * std::pow(10, -config.span_db / 20) : 0.5)) {
   const double bin = config.range_m / config.bins;
   const double absorption = water.absorption_db(config.frequency, 0);
   for (int k = 0; k < config.bins; ++k) {
@@ -73,6 +76,8 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
         config.tvg_spreading * std::log10(std::max(r, 1e-3)) + (config.tvg_absorption ? 2 * absorption * r : 0);
     gain_.push_back(kFullScale * std::pow(10, (config.source_level_db + tvg - config.saturation_db) / 20));
     noise_by_bin_.push_back(factor_at(config.noise_by_range, r));
+    const double mean = config.reverberation.empty() ? 0 : factor_at(config.reverberation, r);
+    reverberation_.push_back(4 / std::numbers::pi * mean * mean);  // power of a Rayleigh amplitude, counts^2
   }
   const double most = *std::max_element(gain_.begin(), gain_.end());
   former_.set_floor(std::pow(0.1 * std::max(config.noise_level, 1.0) / most, 2));
@@ -155,7 +160,16 @@ double SimulatedSonar::sample(Random& random, double mean, double fluctuating, d
   return std::hypot(steady + scale * x, scale * y);
 }
 
-void SimulatedSonar::fill(int beam, Random random, const Disturbances& now, float* samples, EchoLabel* labels) const {
+double SimulatedSonar::received(double amplitude) const {
+  double sample = std::max(amplitude - config_.black_level, 0.0);
+  if (config_.span_db > 0) {
+    sample = sample > 0 ? kFullScale * (1 + 20 * std::log10(sample / kFullScale) / config_.span_db) : 0;
+  }
+  return std::clamp(sample, 0.0, config_.ceiling > 0 ? config_.ceiling : std::numeric_limits<double>::infinity());
+}
+
+void SimulatedSonar::fill(int beam, Random random, Random speckle, const Disturbances& now, float* samples,
+                          EchoLabel* labels) const {
   const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(config_.bins);
   const double bin = config_.range_m / config_.bins;
   const double level = config_.noise_level * noise_by_beam_[static_cast<std::size_t>(beam)];
@@ -164,17 +178,20 @@ void SimulatedSonar::fill(int beam, Random random, const Disturbances& now, floa
     const double mean = level * noise_by_bin_[static_cast<std::size_t>(k)];
     const double gain = gain_[static_cast<std::size_t>(k)], gain2 = gain * gain;
     const double negligible = 1e-4 * mean * mean;  // power, counts^2
-    const double rough = gain2 * static_cast<double>(image_.rough[at]);
+    const double diffuse = reverberation_[static_cast<std::size_t>(k)];
+    double rough = gain2 * static_cast<double>(image_.rough[at]) + diffuse;
     double steady2 = gain2 * static_cast<double>(image_.steady[at]);
     double fluctuating = 0;
-    (config_.speckle ? fluctuating : steady2) += rough;
+    // Still speckle: a number a bin, used or not, so that the same bin of the next turn finds the same one.
+    if (config_.still && config_.speckle) rough *= -std::log(positive_uniform(speckle));
+    (config_.speckle && !config_.still ? fluctuating : steady2) += rough;
     double steady = steady2 > negligible ? std::sqrt(steady2) : 0;
     const double spread = config_.noise == BackgroundLaw::kGaussian ? config_.noise_sigma
                           : config_.noise == BackgroundLaw::kNone   ? 0
                                                                     : kRayleighSpread * mean;
     double strongest2 = gain2 * static_cast<double>(image_.strongest[at]);
-    const double least = std::max(spread, 0.5);
-    labels[k] = strongest2 > least * least ? image_.labels[at] : EchoLabel();
+    const double least = std::max(spread, audible_);
+    labels[k] = strongest2 > std::max(least * least, diffuse) ? image_.labels[at] : EchoLabel();
     const auto disturb = [&](double amplitude, EchoPath path) {
       steady += amplitude;
       if (amplitude * amplitude <= std::max(strongest2, spread * spread)) return;
@@ -188,7 +205,7 @@ void SimulatedSonar::fill(int beam, Random random, const Disturbances& now, floa
     const double r = (k + 0.5) * bin;
     if (r < config_.blind_m) disturb(config_.ringing_level * std::exp(-3 * r / config_.blind_m), EchoPath::kRinging);
     if (fluctuating <= negligible) fluctuating = 0;
-    samples[k] = static_cast<float>(std::max(sample(random, mean, fluctuating, steady), 0.0));
+    samples[k] = static_cast<float>(received(sample(random, mean, fluctuating, steady)));
   }
 }
 
@@ -206,10 +223,12 @@ SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::ui
   out.truth.labels.resize(image_.labels.size());
   samples_.resize(image_.labels.size());
   const Disturbances now = draw(chance);
+  const auto direction = static_cast<std::uint64_t>(std::llround(head.wrapped_positive().radians() * 1e6));
   split_work(image_.beams, threads_, [&](int first, int last) {
     for (int b = first; b < last; ++b) {
       const std::size_t start = static_cast<std::size_t>(b) * static_cast<std::size_t>(image_.bins);
-      fill(b, random_at(seed_, number, static_cast<std::uint64_t>(b) + 1), now, samples_.data() + start,
+      const auto stream = static_cast<std::uint64_t>(b) + 1;
+      fill(b, random_at(seed_, number, stream), random_at(~seed_, direction, stream), now, samples_.data() + start,
            out.truth.labels.data() + start);
     }
   });

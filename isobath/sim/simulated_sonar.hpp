@@ -5,10 +5,13 @@
 // in counts. Speckle: the power of a rough surface is exponential (Goodman 1975). Background: Gaussian, added to the
 // amplitude, as measured in the lake (Ganesan 2015, 4.2; S6-D01); Rayleigh, the envelope of a circular Gaussian with
 // the echo in it (so a Rice law); K, the same with a Gamma texture (Jakeman and Pusey 1976; Ward, Tough, Watts 2006).
-// Noise levels are counts after the receiver's gain, of a scale that saturates at 255 whatever
-// the samples are (16 bits: times 257; floats: not cut off). Ranges are picked before samples saturate. Every random
-// number follows from (seed, ping, beam): the same samples on any number of threads, and other settings of one sonar do
-// not disturb another. Sonars of one seed have the same noise: give each its own.
+// Noise levels are counts after the receiver's gain, of a scale that saturates at 255 whatever the samples are (16
+// bits: times 257; floats: not cut off). Last comes what the device does to the amplitude: a black level taken off,
+// compression to decibels (Tritech's heads: full scale over a span of dB above a threshold), a ceiling. Reverberation
+// of a closed basin is the diffuse field that is left of paths nobody follows: Rayleigh, in addition. Ranges are picked
+// before samples saturate. Every random number follows from (seed, ping, beam): the same samples on any number of
+// threads, and other settings of one sonar do not disturb another. Sonars of one seed have the same noise: give each
+// its own.
 #pragma once
 
 #include <isobath/base/random.hpp>
@@ -52,8 +55,10 @@ class SimulatedSonar {
   };
   [[nodiscard]] Angle head_azimuth(std::uint64_t number) const;
   [[nodiscard]] Disturbances draw(Random random) const;
-  void fill(int beam, Random random, const Disturbances& now, float* samples, EchoLabel* labels) const;
+  void fill(int beam, Random random, Random speckle, const Disturbances& now, float* samples, EchoLabel* labels) const;
   [[nodiscard]] double sample(Random& random, double mean, double fluctuating, double steady) const;
+  /// Counts of linear amplitude to the sample that the device gives.
+  [[nodiscard]] double received(double amplitude) const;
   void pick_ranges(const Ping& ping, Output& out) const;
 
   SonarConfig config_;
@@ -61,8 +66,9 @@ class SimulatedSonar {
   std::uint64_t seed_;
   int threads_;
   double full_scale_;
+  double audible_;  ///< amplitude below which the device is silent, counts
   double k_root_ = 1;
-  std::vector<double> gain_, noise_by_bin_, noise_by_beam_;
+  std::vector<double> gain_, noise_by_bin_, noise_by_beam_, reverberation_;
   std::vector<std::shared_ptr<const BeamFan>> fans_;  ///< of a fan: one; of a scanning head: one a step
   EchoImage image_;
   std::vector<float> samples_;

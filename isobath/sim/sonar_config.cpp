@@ -250,6 +250,11 @@ std::vector<Field> fields(SonarConfig& c) {
       Field::real("saturation_db", &c.saturation_db, {0, 260}, "dB re 1 uPa", "Level, after TVG, of a full sample."),
       Field::real("tvg_spreading", &c.tvg_spreading, {0, 60}, "dB a decade", "Spreading that the receiver makes good."),
       Field::flag("tvg_absorption", &c.tvg_absorption, "Whether it makes good absorption."),
+      Field::real("span_db", &c.span_db, {0, 200}, "dB",
+                  "Receivers that compress: samples are linear in dB and 0 so far below saturation; 0: amplitude."),
+      Field::real("black_level", &c.black_level, {0, 1e6}, "counts",
+                  "Taken off every sample, before it is compressed; what is below reads 0."),
+      Field::real("ceiling", &c.ceiling, {0, 1e6}, "counts", "Largest sample; 0: full scale."),
       Field::choice("noise", &c.noise,
                     {{"none", BackgroundLaw::kNone},
                      {"gaussian", BackgroundLaw::kGaussian},
@@ -263,6 +268,9 @@ std::vector<Field> fields(SonarConfig& c) {
       Field::rows("noise_by_bearing", &c.noise_by_bearing, 2, {-360, 1e6}, "deg, 1",
                   "Factor on the background by azimuth."),
       Field::flag("speckle", &c.speckle, "Whether echoes of rough surfaces fluctuate."),
+      Field::flag("still", &c.still, "Speckle is the same whenever the sonar looks the same way: nothing moves."),
+      Field::rows("reverberation", &c.reverberation, 2, {0, 1e6}, "m, counts",
+                  "What many bounces in a basin leave: mean amplitude by range, beside the paths that are followed."),
       Field::flag("surface_reverberation", &c.surface_reverberation, "Echoes of the rough sea surface."),
       Field::flag("bottom_reverberation", &c.bottom_reverberation, "Echoes of the bottom."),
       Field::flag("volume_reverberation", &c.volume_reverberation, "Echoes of the water itself."),
@@ -305,6 +313,7 @@ void check(const SonarConfig& c) {
   };
   check_profile("noise_by_range", c.noise_by_range);
   check_profile("noise_by_bearing", c.noise_by_bearing);
+  check_profile("reverberation", c.reverberation);
   if (c.blind_m >= c.range_m) refuse("blind_m", "the sonar is blind over its whole range", "below range_m");
   if (c.name.empty()) refuse("name", "is empty", "a text");
 }

@@ -50,6 +50,9 @@ struct SonarConfig {
   double saturation_db = 166;    ///< received level after TVG that saturates a sample, dB re 1 uPa
   double tvg_spreading = 30;     ///< dB a decade of range that the receiver makes good
   bool tvg_absorption = true;    ///< whether it makes good absorption
+  double span_db = 0;      ///< receivers that compress: samples linear in dB, 0 so far below saturation; 0: amplitude
+  double black_level = 0;  ///< counts taken off every sample before that; what is below reads 0
+  double ceiling = 0;      ///< largest sample, counts; 0: full scale
 
   BackgroundLaw noise = BackgroundLaw::kRayleigh;
   double noise_level = 10;               ///< mean, counts
@@ -58,6 +61,8 @@ struct SonarConfig {
   std::vector<double> noise_by_range;    ///< rows of range (m) and factor
   std::vector<double> noise_by_bearing;  ///< rows of azimuth (deg) and factor
   bool speckle = true;
+  bool still = false;                 ///< speckle is the same whenever the sonar looks the same way: nothing moves
+  std::vector<double> reverberation;  ///< rows of range (m) and mean amplitude (counts): what many bounces leave
   bool surface_reverberation = true, bottom_reverberation = true, volume_reverberation = true;
   bool surface_bounce = true, bottom_bounce = true, body_bounce = false, multiple = false;
   double head_reflection_db = -20;                           ///< of the sonar's own housing, for multiples

@@ -1,0 +1,57 @@
+#include <fmt/format.h>
+#include <isobath/app/config_options.hpp>
+#include <isobath/app/progress.hpp>
+#include <isobath/runtime/comparison.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace isobath::app {
+namespace {
+
+struct Options {
+  ConfigOptions config;
+  CompareRequest request;
+  bool json = false;
+};
+
+int act(Options& options) {
+  CompareRequest& request = options.request;
+  request.configuration = options.config.read();
+  ProgressLine progress;
+  request.progress = [&](const SourceReport& source, std::uint64_t pings) {
+    progress.show(source.bytes_read, source.bytes_total, pings);
+  };
+  const CompareOutcome outcome = compare(request);
+  progress.clear();
+  if (options.json) {
+    auto json = nlohmann::ordered_json::parse(to_json(outcome));
+    for (const auto& file : outcome.files) json["files"].push_back((request.out / file).string());
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    return kSuccess;
+  }
+  fmt::print("A: {}\nB: {}\n", outcome.a.name, outcome.b.name);
+  fmt::print("{:<56}  {:<26}  {}\n", "", "A", "B");
+  for (const ComparedValue& v : compared_values(outcome)) fmt::print("{:<56}  {:<26}  {}\n", v.what, v.a, v.b);
+  fmt::print("backgrounds differ by {:.1f} % of the samples at most\n", 100 * outcome.background_distance);
+  fmt::print("written to {}: report.html and {} more files\n", request.out.string(), outcome.files.size() - 1);
+  return kSuccess;
+}
+
+}  // namespace
+
+Action add_compare(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  options->request.out = "out/comparison";
+  CLI::App* command =
+      program.add_subcommand("compare", "Statistics of two recordings, real or simulated, side by side");
+  command->add_option("A", options->request.a, "Log, folder of frames, or scene (.toml)")->required();
+  command->add_option("B", options->request.b, "Log, folder of frames, or scene (.toml)")->required();
+  command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
+  command->add_option("--threads", options->request.threads, "1 or 2; the results are the same")
+      ->check(CLI::Range(1, 64));
+  command->add_flag("--json", options->json, "One JSON object on standard output");
+  options->config.add_to(*command);
+  return [options] { return act(*options); };
+}
+
+}  // namespace isobath::app
