@@ -10,7 +10,7 @@ WERROR ?= OFF
 DEMO_OUT ?= out/demo
 DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)
 
-.PHONY: help setup demo test bench lint fuzz format clean test-asan test-tsan test-clang
+.PHONY: help setup demo test bench lint tidy fuzz format clean test-asan test-tsan test-clang
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 14
 
@@ -31,7 +31,7 @@ build/lint/.rules: .clang-tidy | build
 	@rm -rf build/lint && mkdir -p build/lint && touch $@
 
 build-%: build/%/.configured-$(WERROR)
-	@cmake --build build/$* --parallel $(JOBS) $(if $(filter lint,$*),-- -k 0 | grep -v __run_co_compile)
+	@cmake --build build/$* --parallel $(JOBS)
 
 run-tests-%: build-%
 	ctest --test-dir build/$* --parallel $(JOBS) --output-on-failure --no-tests=error
@@ -44,13 +44,15 @@ demo: build/release/.configured-$(WERROR) ## Run the program on what it brings a
 test: run-tests-release ## Build and run all the tests
 test-asan: run-tests-asan ## The same with the address and undefined-behaviour sanitizers
 test-tsan: run-tests-tsan ## The same with the thread sanitizer
-test-clang: run-tests-clang ## The same built by clang, warnings being errors
+test-clang: run-tests-lint ## The same built by clang, warnings being errors
 
 bench: build-bench ## Run the benchmarks
 	@for program in build/bench/bench/*_bench; do echo "== $$program"; "$$program"; done
 
 lint: setup ## Formatting, repository hygiene, clang-tidy; warnings are errors
-	@status=0; scripts/check-files || status=1; $(MAKE) --no-print-directory build-lint || status=1; exit $$status
+	@status=0; scripts/check-files || status=1; $(MAKE) --no-print-directory tidy || status=1; exit $$status
+tidy: build/lint/.configured-$(WERROR)
+	@cmake --build build/lint --parallel $(JOBS) --target isobath_app -- -k 0 | grep -v __run_co_compile
 
 fuzz: build-fuzz ## Run every fuzz target FUZZ_SECONDS long (60), from its corpus
 	@for program in build/fuzz/tests/fuzz/*_fuzz; do \
