@@ -7,6 +7,7 @@ SHELL := bash
 JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 WERROR ?= OFF
+THREADED := sim runtime app
 DEMO_OUT ?= out/demo
 DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)
 
@@ -43,7 +44,9 @@ demo: build/release/.configured-$(WERROR) ## Run the program on what it brings a
 
 test: run-tests-release ## Build and run all the tests
 test-asan: run-tests-asan ## The same with the address and undefined-behaviour sanitizers
-test-tsan: run-tests-tsan ## The same with the thread sanitizer
+test-tsan: build/tsan/.configured-$(WERROR) ## Those of the rooms that have threads, with the thread sanitizer
+	@cmake --build build/tsan --parallel $(JOBS) --target $(addsuffix _test,$(THREADED)) isobath_app
+	ctest --test-dir build/tsan --parallel $(JOBS) --output-on-failure --no-tests=error -R '^($(subst $() ,|,$(THREADED)))\.'
 test-clang: run-tests-lint ## The same built by clang, warnings being errors
 
 bench: build-bench ## Run the benchmarks

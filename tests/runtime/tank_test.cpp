@@ -1,6 +1,7 @@
 // The recording of a scanning sonar in a rectangular tank: what must be seen in it, and what must not. The expectations
 // come from the recording's description, not from this program.
 #include <algorithm>
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <tests/runtime/kept_scans.hpp>
 #include <tests/support/data.hpp>
@@ -99,8 +100,11 @@ TEST(Tank, FromTheThirdTurnOnNothingIsReportedWhereTheMeanImageIsDark) {
   int judged = 0;
   for (std::size_t turn = 2; turn < tank().scans.size(); ++turn) {
     for (const Obstacle& o : tank().scans[turn].obstacles) {
-      const bool lit = std::any_of(bright.begin(), bright.end(), [&o](const BrightCell& cell) {
-        return (nearest_point(o.outline, cell.at) - cell.at).norm() < cell.beam;
+      Eigen::AlignedBox2d box;
+      for (const Eigen::Vector2d& corner : o.outline) box.extend(corner);
+      const bool lit = std::any_of(bright.begin(), bright.end(), [&](const BrightCell& cell) {
+        return box.exteriorDistance(cell.at) < cell.beam &&
+               (nearest_point(o.outline, cell.at) - cell.at).norm() < cell.beam;
       });
       EXPECT_TRUE(lit) << "turn " << turn + 1 << ", bearing " << o.bearing.degrees() << ", range " << o.range_m;
       ++judged;
