@@ -46,7 +46,7 @@ test: run-tests-release ## Build and run all the tests
 test-asan: run-tests-asan ## The same with the address and undefined-behaviour sanitizers
 test-tsan: build/tsan/.configured-$(WERROR) ## Those of the rooms that have threads, with the thread sanitizer
 	@cmake --build build/tsan --parallel $(JOBS) --target $(addsuffix _test,$(THREADED)) isobath_app
-	ctest --test-dir build/tsan --parallel $(JOBS) --output-on-failure --no-tests=error -R '^($(subst $() ,|,$(THREADED)))\.'
+	TSAN_OPTIONS=suppressions=$(CURDIR)/tests/thread_sanitizer.supp ctest --test-dir build/tsan --parallel $(JOBS) --output-on-failure --no-tests=error -R '^($(subst $() ,|,$(THREADED)))\.'
 test-clang: run-tests-lint ## The same built by clang, warnings being errors
 
 bench: build-bench ## Run the benchmarks
