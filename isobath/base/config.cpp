@@ -332,7 +332,8 @@ namespace {
 void assign_table(std::vector<Field>& fields, const toml::table& table, const std::string& file,
                   const std::string& section) {
   for (const auto& [key, value] : table) {
-    const bool known = std::any_of(fields.begin(), fields.end(), [&](const Field& f) { return f.name() == key.str(); });
+    const bool known =
+        std::any_of(fields.begin(), fields.end(), [name = key.str()](const Field& f) { return f.name() == name; });
     if (!known) {
       throw Error("unknown key", place_of(key.source(), file, section + "." + std::string(key.str())), "",
                   nearest_name(key.str(), names_of(fields)));

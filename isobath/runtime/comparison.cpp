@@ -61,7 +61,9 @@ Quantiles quantiles(const std::vector<StrongestEcho>& echoes, Value value) {
   std::vector<double> v;
   for (const StrongestEcho& e : echoes) v.push_back(value(e));
   std::sort(v.begin(), v.end());
-  const auto at = [&](double p) { return v[static_cast<std::size_t>(p * static_cast<double>(v.size() - 1) + 0.5)]; };
+  const auto at = [&](double p) {
+    return v[static_cast<std::size_t>(std::lround(p * static_cast<double>(v.size() - 1)))];
+  };
   return {at(0.16), at(0.5), at(0.84)};
 }
 
@@ -145,7 +147,7 @@ void SampleCollector::end_scan() {
     const std::vector<float>& beam = current_[best_key];
     int near = best_bin, far = best_bin;
     while (near > 0 && beam[static_cast<std::size_t>(near - 1)] >= half) --near;
-    while (far + 1 < window_.bins && beam[static_cast<std::size_t>(far + 1)] >= half) ++far;
+    while (far + 1 < window_.bins && beam[static_cast<std::size_t>(far) + 1] >= half) ++far;
     std::vector<int> keys;
     for (const auto& [key, row] : current_) keys.push_back(key);
     const std::size_t n = keys.size();

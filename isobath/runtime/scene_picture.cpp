@@ -12,6 +12,10 @@ using Eigen::Vector2d;
 constexpr int kPixels = 640;
 constexpr int kDepths = 200;  // depths asked for along each side
 
+std::size_t at(int row, int column) {
+  return static_cast<std::size_t>(row) * kDepths + static_cast<std::size_t>(column);
+}
+
 PlanExtent around(const Simulator& simulator, std::span<const Vector2d> track) {
   Eigen::AlignedBox2d box;
   const Scene& scene = simulator.scene();
@@ -57,14 +61,14 @@ std::string scene_picture(const Simulator& simulator, std::span<const Vector2d> 
   const PlanExtent extent = around(simulator, track);
   PlanPicture picture(extent, kPixels, {scene.about.title, "north (m)", "east (m)"});
   const double cell = (extent.x_max - extent.x_min) / kDepths;
-  std::vector<double> depths(static_cast<std::size_t>(kDepths * kDepths), std::nan(""));
+  std::vector<double> depths(at(kDepths, 0), std::nan(""));
   double shallow = 1e9, deep = -1e9;
   for (int i = 0; i < kDepths; ++i) {
     for (int j = 0; j < kDepths; ++j) {
       const auto depth =
           simulator.world().bottom_depth(extent.x_min + (i + 0.5) * cell, extent.y_min + (j + 0.5) * cell);
       if (!depth) continue;
-      depths[static_cast<std::size_t>(i * kDepths + j)] = *depth;
+      depths[at(i, j)] = *depth;
       shallow = std::min(shallow, *depth);
       deep = std::max(deep, *depth);
     }
@@ -72,7 +76,7 @@ std::string scene_picture(const Simulator& simulator, std::span<const Vector2d> 
   picture.raster([&](double x, double y) {
     const int i = std::clamp(static_cast<int>((x - extent.x_min) / cell), 0, kDepths - 1);
     const int j = std::clamp(static_cast<int>((y - extent.y_min) / cell), 0, kDepths - 1);
-    const double depth = depths[static_cast<std::size_t>(i * kDepths + j)];
+    const double depth = depths[at(i, j)];
     if (std::isnan(depth)) return Colour{0.96, 0.96, 0.96, 1};
     return depth_colour(deep - shallow < 0.01 ? 0.5 : (depth - shallow) / (deep - shallow));
   });

@@ -81,8 +81,10 @@ void TruthJudge::on_ping(const PosedPing& posed) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) plans.push_back(plan_of(i));
   for (int b = 0; b < truth->beams; ++b) {
     const Pose X_WS = X_WL * ping.X_BS;
+    const EchoLabel* labels =
+        truth->labels.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(truth->bins);
     for (int k = 0; k < truth->bins; ++k) {
-      const EchoLabel label = truth->labels[static_cast<std::size_t>(b * truth->bins + k)];
+      const EchoLabel label = labels[k];
       if (label.path() == EchoPath::kNoise) continue;
       if (label.path() == EchoPath::kVolume || label.path() == EchoPath::kSpurious ||
           label.path() == EchoPath::kDisturbance || label.path() == EchoPath::kRinging) {

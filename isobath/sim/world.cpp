@@ -111,13 +111,13 @@ struct World::State {
   std::string nothing = "nothing", surface = "surface", bottom = "bottom";
 
   ~State() {
-    for (const RTCScene s : inner) rtcReleaseScene(s);
+    for (RTCScene s : inner) rtcReleaseScene(s);
     if (top) rtcReleaseScene(top);
     if (device) rtcReleaseDevice(device);
   }
 
   RTCGeometry geometry(const ExactShape& shape) const {
-    const RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(g, 1);
     rtcSetGeometryUserData(g, const_cast<ExactShape*>(&shape));
     rtcSetGeometryBoundsFunction(g, bounds_of, nullptr);
@@ -127,7 +127,7 @@ struct World::State {
   }
 
   RTCGeometry geometry(const TriangleMesh& mesh) const {
-    const RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                  3 * sizeof(float), mesh.vertices.size()));
     for (const Vector3f& v : mesh.vertices) vertices = std::copy_n(v.data(), 3, vertices);
@@ -143,7 +143,7 @@ struct World::State {
   void place(RTCGeometry g, int of, bool moves) {
     rtcCommitGeometry(g);
     if (moves) {
-      const RTCScene own = rtcNewScene(device);
+      RTCScene own = rtcNewScene(device);
       rtcAttachGeometry(own, g);
       rtcReleaseGeometry(g);
       rtcCommitScene(own);
