@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
 constexpr double kSurfaceLoss = 0.7;   // intensity kept in a bounce off a rough surface (APL-UW TR 9407, about 1.5 dB)
 constexpr double kLeastGain = 3e-5;    // of a receive beam: what is below is not heard
-constexpr double kLeastChange = 0.05;  // of range within a cell, that is worth cutting it
+constexpr double kLeastChange = 0.07;  // of range within a cell, that is worth cutting it
 constexpr int kMostPieces = 64;
 constexpr double kSmall = 4;  // a body below so many cells, in one direction, gets cells of its own
 
@@ -108,20 +108,24 @@ struct EchoFormer::State {
               const Visit& visit) const {
     const double straight = -normal.dot(u);
     const double change = std::abs(2 * cell.half_up * normal.dot(up)) / std::max(straight, 1e-6);
-    const double loudest = 0.1 * cell.gain * attenuation(2 * range) * cell.solid_angle / (range * range);
+    const double loudest = 0.003 * cell.gain * attenuation(2 * range) * cell.solid_angle / (range * range);
     if (change < kLeastChange || loudest < floor) return visit(cell, range, u, up);
-    const int count = std::min(kMostPieces, 1 + static_cast<int>(change / kLeastChange));
+    const double bins = change * range / bin_m();
+    if (bins < 1) return visit(cell, range, u, up);
+    const int count = std::min(kMostPieces, 1 + static_cast<int>(std::min(change / kLeastChange, bins)));
     Cell piece = cell;
     piece.half_up /= count;
     piece.solid_angle /= count;
     for (int i = 0; i < count; ++i) {
       const double offset = cell.half_up * ((2.0 * i + 1) / count - 1);
-      const Vector3d v = std::cos(offset) * u + std::sin(offset) * up;
+      const double square = offset * offset;  // cells are small: the series are exact to 1e-6
+      const double cosine = 1 - square * (0.5 - square / 24), sine = offset * (1 - square * (1.0 / 6 - square / 120));
+      const Vector3d v = cosine * u + sine * up;
       const double towards = -normal.dot(v), r = straight * range / std::max(towards, 1e-9);
       if (towards < 1e-4 || r > 2 * config.range_m) continue;  // over the horizon
       piece.elevation = cell.elevation + offset;
       piece.gain = view.height.gain(piece.elevation);
-      visit(piece, r, v, Vector3d(std::cos(offset) * up - std::sin(offset) * u));
+      visit(piece, r, v, Vector3d(cosine * up - sine * u));
     }
   }
 
@@ -480,8 +484,8 @@ struct EchoFormer::State {
       const float gain = heard[static_cast<std::size_t>(i)].gain;
       const float* __restrict power = row.power.data();
       for (int k = 0; k < image.bins; ++k) rough[k] += gain * power[k];
-      // Side lobes matter to labels only where they bring in something that stands out.
-      if (gain < 0.1f && gain * row.loudest < static_cast<float>(floor)) continue;
+      // Only what stands out of the background gets a label.
+      if (gain * row.loudest < 5 * static_cast<float>(floor)) continue;
       const float* __restrict best = row.strongest.data();
       int* __restrict source = from.data();
       for (int k = 0; k < image.bins; ++k) {

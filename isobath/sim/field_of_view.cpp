@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kScanningCells = 9, kSkirt = 5;
-constexpr double kLeastGain = 3e-5;  // of a receive beam: what is below is not heard
+constexpr double kLeastGain = 1e-4;  // of a receive beam: what is below is not heard
 
 }  // namespace
 
