@@ -35,6 +35,13 @@ BeamPattern::BeamPattern(PatternKind kind, Angle width, double side_lobe_db)
     const double angle = std::numbers::pi * i / kTable;
     table_[static_cast<std::size_t>(i)] = static_cast<float>(line(angle));
   }
+  envelope_ = table_;
+  for (std::size_t i = envelope_.size() - 1; i > 0; --i) envelope_[i - 1] = std::max(envelope_[i - 1], envelope_[i]);
+}
+
+double BeamPattern::envelope(double off_axis) const {
+  const double at = std::min(std::abs(off_axis), std::numbers::pi) * (kTable / std::numbers::pi);
+  return static_cast<double>(envelope_[static_cast<std::size_t>(at)]);
 }
 
 double BeamPattern::line(double off_axis) const {

@@ -21,6 +21,8 @@ class BeamPattern {
 
   /// Two-way intensity, 1 on the axis; off_axis in radians, any sign.
   [[nodiscard]] double gain(double off_axis) const;
+  /// The largest gain at this angle or beyond.
+  [[nodiscard]] double envelope(double off_axis) const;
   /// Beyond it the gain stays below `level` (intensity); pi where it never does.
   [[nodiscard]] double reach(double level) const;
 
@@ -29,8 +31,9 @@ class BeamPattern {
   PatternKind kind_;
   double half_width_;
   double power_ = 1;
-  double scale_ = 1;          ///< z of one radian, near the axis
-  std::vector<float> table_;  ///< gain by off-axis angle
+  double scale_ = 1;             ///< z of one radian, near the axis
+  std::vector<float> envelope_;  ///< by off-axis angle
+  std::vector<float> table_;     ///< gain by off-axis angle
 };
 
 }  // namespace isobath

@@ -16,7 +16,8 @@ constexpr double kSurfaceLoss = 0.7;   // intensity kept in a bounce off a rough
 constexpr double kLeastGain = 3e-5;    // of a receive beam: what is below is not heard
 constexpr double kLeastChange = 0.07;  // of range within a cell, that is worth cutting it
 constexpr int kMostPieces = 64;
-constexpr double kSmall = 4;  // a body below so many cells, in one direction, gets cells of its own
+constexpr double kLoudestSurface = 16;  // sigma of a glint
+constexpr double kSmall = 4;            // a body below so many cells, in one direction, gets cells of its own
 
 double from_db(double db) { return std::pow(10, db / 10); }
 
@@ -58,13 +59,14 @@ struct EchoFormer::State {
   const Water& water;
   int threads;
   double floor = 0;
+  std::vector<float> by_bin;
 
   FieldOfView view;
   /// What came back in each direction, not yet through the receive patterns.
   struct Row {
     std::vector<float> power, strongest;
     std::vector<EchoLabel> labels;
-    float loudest = 0;           ///< but for the water itself
+    float loudest = 0;           ///< as the receiver will have it
     std::vector<double> volume;  ///< differences of (gain x solid angle) that looks through the water at a bin
   };
   std::vector<Row> rows;
@@ -329,8 +331,11 @@ struct EchoFormer::State {
       const int end = static_cast<int>(std::min<double>(open / bin_m(), config.bins));
       row.volume[static_cast<std::size_t>(end)] -= cell.gain * cell.solid_angle;
     }
-    row.loudest = *std::max_element(row.strongest.begin(), row.strongest.end());
     if (config.volume_reverberation) fill_volume(row);
+    row.loudest = 0;
+    for (std::size_t k = 0; k < row.strongest.size(); ++k) {
+      row.loudest = std::max(row.loudest, row.strongest[k] * (by_bin.empty() ? 1 : by_bin[k]));
+    }
   }
 
   void fill_volume(Row& row) const {
@@ -381,9 +386,13 @@ struct EchoFormer::State {
     return w;
   }
 
+  /// Whether anything of it could be heard: it is within range and height, and not too small for where the beams look.
   [[nodiscard]] bool seen(const Window& w) const {
-    return w.nearest < config.range_m && w.right > view.beams.front() - view.hearing &&
-           w.left < view.beams.back() + view.hearing && w.low < view.edges.back() && w.high > view.edges.front();
+    if (w.nearest > config.range_m || w.low > view.edges.back() || w.high < view.edges.front()) return false;
+    const double aside = std::max({0.0, w.left - view.beams.back(), view.beams.front() - w.right});
+    if (aside > view.hearing) return false;
+    const double size = (w.right - w.left) * (w.high - w.low);
+    return kLoudestSurface * size / (w.nearest * w.nearest) * view.across.envelope(aside) > 0.1 * floor;
   }
 
   /// Cells around one body. `mirror_z`: over the horizontal mirror at that depth, or NaN for straight.
@@ -394,8 +403,9 @@ struct EchoFormer::State {
     w.low = std::max(w.low - pad_up, view.edges.front());
     w.high = std::min(w.high + pad_up, view.edges.back());
     if (w.high <= w.low) return;
-    const auto count = [](double extent, double cell) {
-      return std::clamp(static_cast<int>(std::ceil(8 * extent / cell)), 16, 24);
+    const auto count = [mirror_z](double extent, double cell) {
+      const int least = std::isnan(mirror_z) ? 16 : 8;  // mirror images need not be exact
+      return std::clamp(static_cast<int>(std::ceil(8 * extent / cell)), least, 24);
     };
     const int columns = count(w.right - w.left, view.cell_across), lines = count(w.high - w.low, view.cell_up);
     for (int c = 0; c < columns; ++c) {
@@ -550,7 +560,10 @@ EchoFormer::EchoFormer(const SonarConfig& config, const World& world, const Wate
 EchoFormer::~EchoFormer() = default;
 
 const std::vector<double>& EchoFormer::beam_azimuths() const { return state_->view.beams; }
-void EchoFormer::set_floor(double power) { state_->floor = power; }
+void EchoFormer::set_floor(double power, std::vector<float> by_bin) {
+  state_->floor = power;
+  state_->by_bin = std::move(by_bin);
+}
 
 void EchoFormer::form(const Pose& X_WS, EchoImage& image) {
   State& s = *state_;

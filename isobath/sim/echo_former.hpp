@@ -50,7 +50,8 @@ class EchoFormer {
   /// What the sonar at X_WS hears. For a scanning head X_WS includes the head's own turn.
   void form(const Pose& X_WS, EchoImage& image);
   /// Contributions below this power are not worth their path: their bounces are not followed.
-  void set_floor(double power);
+  /// `by_bin`: receiver gain (power) of each bin, 1 where it is largest; a power counts with it.
+  void set_floor(double power, std::vector<float> by_bin = {});
 
  private:
   struct State;

@@ -80,7 +80,9 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
     reverberation_.push_back(4 / std::numbers::pi * mean * mean);  // power of a Rayleigh amplitude, counts^2
   }
   const double most = *std::max_element(gain_.begin(), gain_.end());
-  former_.set_floor(std::pow(0.1 * std::max(config.noise_level, 1.0) / most, 2));
+  std::vector<float> by_bin;
+  for (const double gain : gain_) by_bin.push_back(static_cast<float>((gain / most) * (gain / most)));
+  former_.set_floor(std::pow(0.1 * std::max(config.noise_level, 1.0) / most, 2), std::move(by_bin));
   const double v = config.noise_shape;  // the mean of the square root of the texture is not one
   k_root_ = std::exp(std::lgamma(v + 0.5) - std::lgamma(v)) / std::sqrt(v);
   BeamFan fan;
