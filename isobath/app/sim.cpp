@@ -68,9 +68,8 @@ std::unique_ptr<NativeLogWriter> open_log(const Options& options, const Simulato
     throw Error("cannot write this kind of file", {options.out.string()}, "a name that ends in .mcap");
   }
   auto log = std::make_unique<NativeLogWriter>(options.out);
-  const SceneConfig& about = simulator.scene().about;
-  log->set_details({{"scene", about.title}, {"seed", fmt::format("{}", simulator.seed())}});
-  if (about.latitude_deg != 0 || about.longitude_deg != 0) log->set_origin({about.latitude_deg, about.longitude_deg});
+  log->set_details({{"scene", simulator.scene().about.title}, {"seed", fmt::format("{}", simulator.seed())}});
+  if (const auto origin = simulator.scene().origin()) log->set_origin(*origin);
   log->attach("scene.toml", "application/toml",
               options.scene.empty() ? std::string(embedded_scene()) : text_of_file(options.scene.string()));
   return log;

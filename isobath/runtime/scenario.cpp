@@ -40,9 +40,7 @@ SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, in
   report_.details["sonar"] = list_of(s.sonars);
   report_.details["faults"] = list_of(s.faults);
   report_.bytes_total = static_cast<std::uint64_t>(simulator_.duration_s() * 1000);  // progress counts milliseconds
-  if (s.about.latitude_deg != 0 || s.about.longitude_deg != 0) {
-    report_.origin = GeoOrigin{s.about.latitude_deg, s.about.longitude_deg};
-  }
+  report_.origin = s.origin();
 }
 
 std::optional<Event> SimulatedSource::next() {

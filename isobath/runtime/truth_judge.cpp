@@ -77,10 +77,9 @@ void TruthJudge::on_ping(const PosedPing& posed) {
   bin_ = ping.window.bin_m;
   beam_ = ping.fan->width[0].radians();
   std::vector<bool> heard(bodies_.size());
-  std::vector<std::vector<Polygon>> plans;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) plans.push_back(plan_of(i));
+  const std::vector<std::vector<Polygon>> plans = plans_now();
+  const Pose X_WS = X_WL * ping.X_BS;
   for (int b = 0; b < truth->beams; ++b) {
-    const Pose X_WS = X_WL * ping.X_BS;
     const EchoLabel* labels =
         truth->labels.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(truth->bins);
     for (int k = 0; k < truth->bins; ++k) {
@@ -118,13 +117,15 @@ void TruthJudge::on_ping(const PosedPing& posed) {
   waiting_.erase(waiting_.begin(), truth + 1);
 }
 
-std::vector<Polygon> TruthJudge::plan_of(std::size_t body) const {
-  const WorldBody& b = simulator_.world().bodies()[body];
-  std::vector<Polygon> parts = b.plan;
-  for (Polygon& part : parts) {
-    for (Vector2d& p : part) p += b.moved.head<2>();
+std::vector<std::vector<Polygon>> TruthJudge::plans_now() const {
+  std::vector<std::vector<Polygon>> plans;
+  for (const WorldBody& body : simulator_.world().bodies()) {
+    plans.push_back(body.plan);
+    for (Polygon& part : plans.back()) {
+      for (Vector2d& p : part) p += body.moved.head<2>();
+    }
   }
-  return parts;
+  return plans;
 }
 
 std::uint8_t TruthJudge::kinds_near(const Polygon& outline, double within) const {
@@ -150,8 +151,7 @@ std::uint8_t TruthJudge::kinds_near(const Polygon& outline, double within) const
 void TruthJudge::on_scan(const ScanResult& scan) {
   X_WL_ = true_level_pose(scan.detection.time);
   const Vector2d vehicle = X_WL_.translation.head<2>();
-  std::vector<std::vector<Polygon>> plans;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) plans.push_back(plan_of(i));
+  const std::vector<std::vector<Polygon>> plans = plans_now();
   std::vector<double> reported(bodies_.size(), -1);  // nearest obstacle of each body
   ++score_.scans;
   bool any_false = false;
@@ -213,8 +213,8 @@ const TruthScore& TruthJudge::score() {
 std::vector<Polygon> TruthJudge::outlines() const {
   std::vector<Polygon> all;
   const Pose X_LW = X_WL_.inverse();
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    for (const Polygon& part : plan_of(i)) all.push_back(in_frame(part, X_LW));
+  for (const auto& plan : plans_now()) {
+    for (const Polygon& part : plan) all.push_back(in_frame(part, X_LW));
   }
   return all;
 }

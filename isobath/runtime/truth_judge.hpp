@@ -60,7 +60,8 @@ class TruthJudge : public SimulatedSource::TruthSink {
   };
   void mark(const Eigen::Vector2d& at, std::uint8_t kind);
   [[nodiscard]] std::uint8_t kinds_near(const Polygon& outline, double within) const;
-  [[nodiscard]] std::vector<Polygon> plan_of(std::size_t body) const;
+  /// Of every body, where it is now.
+  [[nodiscard]] std::vector<std::vector<Polygon>> plans_now() const;
   [[nodiscard]] Pose true_level_pose(Time time) const;
 
   Simulator& simulator_;

@@ -233,6 +233,11 @@ const Material* Scene::material(const std::string& name) const {
   return found == materials.end() ? nullptr : &*found;
 }
 
+std::optional<GeoOrigin> Scene::origin() const {
+  if (about.latitude_deg == 0 && about.longitude_deg == 0) return std::nullopt;
+  return GeoOrigin{about.latitude_deg, about.longitude_deg};
+}
+
 std::vector<std::string> fault_names(const std::vector<SonarConfig>& sonars) {
   std::vector<std::string> names;
   int images = 0, ranges = 0;

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <isobath/base/config.hpp>
+#include <isobath/geometry/geodesy.hpp>
 #include <isobath/geometry/pose.hpp>
 #include <isobath/sim/dead_reckoning.hpp>
 #include <isobath/sim/faults.hpp>
@@ -142,6 +143,8 @@ struct Scene {
   std::vector<FaultConfig> faults;
 
   [[nodiscard]] const Material* material(const std::string& name) const;
+  /// Of W on the globe; empty where the scene is nowhere.
+  [[nodiscard]] std::optional<GeoOrigin> origin() const;
 };
 
 /// Bound to `scene`, which must outlive it.

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <isobath/sim/simulated_sonar.hpp>
 #include <isobath/sim/split_work.hpp>
 #include <limits>

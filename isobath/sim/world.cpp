@@ -2,7 +2,6 @@
 #include <cmath>
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
-#include <functional>
 #include <isobath/sim/exact_shape.hpp>
 #include <isobath/sim/triangle_mesh.hpp>
 #include <isobath/sim/world.hpp>
