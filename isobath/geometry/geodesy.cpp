@@ -1,11 +1,19 @@
 #include <cmath>
+#include <GeographicLib/Geodesic.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
+#include <GeographicLib/UTMUPS.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/geodesy.hpp>
 
 namespace isobath {
 
 bool valid(const GeoPoint& point) { return std::abs(point.latitude_deg) <= 90 && std::abs(point.longitude_deg) <= 180; }
+
+double distance_m(const GeoPoint& a, const GeoPoint& b) {
+  double distance = 0;
+  GeographicLib::Geodesic::WGS84().Inverse(a.latitude_deg, a.longitude_deg, b.latitude_deg, b.longitude_deg, distance);
+  return distance;
+}
 
 LocalPlane::LocalPlane(GeoOrigin origin) : origin_(origin) { ISOBATH_ASSERT(valid(origin)); }
 
@@ -37,6 +45,17 @@ GeoOrigin origin_from(const GeoPoint& point, const Eigen::Vector2d& north_east) 
     origin = LocalPlane(origin).to_geo(miss);
   }
   return origin;
+}
+
+std::optional<GeoPoint> from_utm(int zone, bool northern, double easting, double northing) {
+  ISOBATH_ASSERT(zone >= 1 && zone <= 60);
+  GeoPoint point;
+  try {
+    GeographicLib::UTMUPS::Reverse(zone, northern, easting, northing, point.latitude_deg, point.longitude_deg);
+  } catch (const GeographicLib::GeographicErr&) {
+    return std::nullopt;
+  }
+  return valid(point) ? std::optional(point) : std::nullopt;
 }
 
 }  // namespace isobath

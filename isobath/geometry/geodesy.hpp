@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace isobath {
 
@@ -23,6 +24,9 @@ using GeoOrigin = GeoPoint;
 /// Finite, latitude within +-90 and longitude within +-180 degrees.
 bool valid(const GeoPoint& point);
 
+/// Along the geodesic (Karney 2013), m; any two points, to 15 nm.
+double distance_m(const GeoPoint& a, const GeoPoint& b);
+
 class LocalPlane {
  public:
   /// The origin must be valid.
@@ -30,6 +34,7 @@ class LocalPlane {
 
   [[nodiscard]] const GeoOrigin& origin() const { return origin_; }
   /// North and east of a point on the water, m.
+  /// Beyond 1000 km it means nothing: the far side of the globe falls onto this one.
   [[nodiscard]] Eigen::Vector2d to_plane(const GeoPoint& point) const;
   /// The point on the water below or above (north, east); both within 1000 km.
   [[nodiscard]] GeoPoint to_geo(const Eigen::Vector2d& north_east) const;
@@ -41,5 +46,9 @@ class LocalPlane {
 /// The origin of the plane in which `point` lies at (north, east); not within ten degrees of a pole, where north turns
 /// fast.
 GeoOrigin origin_from(const GeoPoint& point, const Eigen::Vector2d& north_east);
+
+/// A point given in a zone 1 .. 60 of the Universal Transverse Mercator grid (WGS 84), m; empty where it lies outside
+/// of what the grid covers.
+std::optional<GeoPoint> from_utm(int zone, bool northern, double easting, double northing);
 
 }  // namespace isobath
