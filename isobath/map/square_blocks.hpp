@@ -1,0 +1,178 @@
+// What the quadtrees of points and of segments share: the geometry of their blocks and the pool that these stand in
+// (ledger S1-20 to S1-23). Points are (north, east) in metres; quadrants are NW, NE, SW, SE.
+//
+// A block's halves are cut at one computed middle, used for placing and for measuring alike, so that a distance to a
+// block is never larger than the computed distance to something in it: searches are exact, not exact up to rounding.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
+#include <vector>
+
+namespace isobath {
+
+struct SquareBlock {
+  double south = 0;
+  double west = 0;
+  double north = 0;
+  double east = 0;
+
+  [[nodiscard]] double middle_north() const { return 0.5 * (south + north); }
+  [[nodiscard]] double middle_east() const { return 0.5 * (west + east); }
+  [[nodiscard]] int quadrant_of(const Eigen::Vector2d& p) const {
+    return (p.x() < middle_north() ? 2 : 0) + (p.y() < middle_east() ? 0 : 1);
+  }
+  [[nodiscard]] SquareBlock quadrant(int q) const {
+    SquareBlock b = *this;
+    ((q & 2) != 0 ? b.north : b.south) = middle_north();
+    ((q & 1) != 0 ? b.west : b.east) = middle_east();
+    return b;
+  }
+  /// Edges belong to it.
+  [[nodiscard]] bool contains(const Eigen::Vector2d& p) const {
+    return p.x() >= south && p.x() <= north && p.y() >= west && p.y() <= east;
+  }
+  [[nodiscard]] double squared_distance(const Eigen::Vector2d& p) const {
+    const double dn = std::max({south - p.x(), p.x() - north, 0.0});
+    const double de = std::max({west - p.y(), p.y() - east, 0.0});
+    return dn * dn + de * de;
+  }
+  [[nodiscard]] bool meets(const Eigen::AlignedBox2d& box) const {
+    return box.min().x() <= north && box.max().x() >= south && box.min().y() <= east && box.max().y() >= west;
+  }
+};
+
+/// Why an edit of a tree was not done.
+enum class TreeEdit : std::uint8_t {
+  kDone,
+  kOutside,    ///< of the tree's square, or not finite
+  kKnownId,    ///< the id is in the tree already
+  kUnknownId,  ///< the id is not in the tree
+};
+
+/// Of one search: what was looked at.
+struct SearchEffort {
+  std::size_t nodes = 0;    ///< internal nodes and leaves
+  std::size_t objects = 0;  ///< distances computed
+};
+
+/// Blocks of four descriptors: `index << 1` links to a block; what a leaf's 31 bits mean is the tree's business.
+class SquareBlocks {
+ public:
+  using Block = std::array<std::uint32_t, 4>;
+
+  Block& operator[](std::uint32_t node) { return blocks_[node >> 1]; }
+  const Block& operator[](std::uint32_t node) const { return blocks_[node >> 1]; }
+  /// A link to a new block.
+  std::uint32_t allocate(const Block& block) {
+    if (free_.empty()) {
+      blocks_.push_back(block);
+      return static_cast<std::uint32_t>(blocks_.size() - 1) << 1;
+    }
+    const std::uint32_t index = free_.back();
+    free_.pop_back();
+    blocks_[index] = block;
+    return index << 1;
+  }
+  void release(std::uint32_t node) { free_.push_back(node >> 1); }
+  [[nodiscard]] std::size_t in_use() const { return blocks_.size() - free_.size(); }
+  static constexpr bool is_link(std::uint32_t node) { return (node & 1U) == 0; }
+
+ private:
+  std::vector<Block> blocks_;
+  std::vector<std::uint32_t> free_;
+};
+
+/// Best-first search: leaf(descriptor) for every leaf that is not farther than bound(), which may shrink meanwhile. The
+/// descent to the leaf nearest to the point comes first, and what it passes by waits only if that leaf has not made it
+/// too far: nearly nothing has to wait.
+template <class Bound, class Leaf>
+class BestFirstSearch {
+ public:
+  static constexpr std::uint32_t kEmpty = 0xffffffff;  ///< a leaf that holds nothing
+  static constexpr int kMostLevels = 48;
+
+  BestFirstSearch(const SquareBlocks& blocks, const Eigen::Vector2d& point, Bound bound, Leaf leaf)
+      : blocks_(blocks), point_(point), bound_(bound), leaf_(leaf) {}
+
+  /// Nodes visited.
+  std::size_t run(std::uint32_t root, const SquareBlock& square) {
+    if (root == kEmpty) return 0;
+    descend({square.squared_distance(point_), root, square});
+    while (!queue_.empty() && queue_.front().squared_distance <= bound_()) {
+      std::pop_heap(queue_.begin(), queue_.end(), later);
+      const Waiting next = queue_.back();
+      queue_.pop_back();
+      ++visited_;
+      if (SquareBlocks::is_link(next.node)) {
+        wait_for_quadrants(next, -1);
+      } else {
+        leaf_(next.node);
+      }
+    }
+    return visited_;
+  }
+
+ private:
+  struct Waiting {
+    double squared_distance;
+    std::uint32_t node;
+    SquareBlock block;
+  };
+  static bool later(const Waiting& a, const Waiting& b) { return a.squared_distance > b.squared_distance; }
+
+  void descend(Waiting at) {
+    std::array<Waiting, kMostLevels> passed;
+    std::array<int, kMostLevels> entered;
+    int depth = 0;
+    ++visited_;
+    while (SquareBlocks::is_link(at.node)) {
+      passed[depth] = at;
+      const int q = nearest_quadrant(at);
+      entered[depth++] = q;
+      at.node = blocks_[at.node][q];
+      at.block = at.block.quadrant(q);
+      ++visited_;
+    }
+    leaf_(at.node);
+    while (depth-- > 0) wait_for_quadrants(passed[depth], entered[depth]);
+  }
+  [[nodiscard]] int nearest_quadrant(const Waiting& parent) const {
+    const SquareBlocks::Block& children = blocks_[parent.node];
+    const int around = parent.block.quadrant_of(point_);
+    if (children[around] != kEmpty) return around;
+    int nearest = around;
+    double squared = std::numeric_limits<double>::infinity();
+    for (int q = 0; q < 4; ++q) {
+      const double d = parent.block.quadrant(q).squared_distance(point_);
+      if (children[q] == kEmpty || d >= squared) continue;
+      nearest = q;
+      squared = d;
+    }
+    return nearest;
+  }
+  void wait_for_quadrants(const Waiting& parent, int but) {
+    const SquareBlocks::Block& children = blocks_[parent.node];
+    for (int q = 0; q < 4; ++q) {
+      if (q == but || children[q] == kEmpty) continue;
+      const SquareBlock block = parent.block.quadrant(q);
+      const double squared = block.squared_distance(point_);
+      if (squared > bound_()) continue;
+      queue_.push_back({squared, children[q], block});
+      std::push_heap(queue_.begin(), queue_.end(), later);
+    }
+  }
+
+  const SquareBlocks& blocks_;
+  Eigen::Vector2d point_;
+  Bound bound_;
+  Leaf leaf_;
+  std::vector<Waiting> queue_;
+  std::size_t visited_ = 0;
+};
+
+}  // namespace isobath
