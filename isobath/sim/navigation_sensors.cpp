@@ -39,26 +39,6 @@ VehicleState between(const VehicleState& a, const VehicleState& b, double share)
   return {interpolate(a.X_WB, b.X_WB, share), a.v_B + (b.v_B - a.v_B) * share, a.w_B + (b.w_B - a.w_B) * share};
 }
 
-/// Start of the search: differences of squared ranges in the plane are linear in the position.
-std::optional<Eigen::Vector2d> linear_fix(std::span<const LblRange> ranges, double depth) {
-  const auto level_range2 = [&](const LblRange& r) {
-    const double dz = depth - r.p_WT.z();
-    return std::max(0.0, r.range * r.range - dz * dz);
-  };
-  const Eigen::Vector2d first = ranges[0].p_WT.head<2>();
-  const double range2 = level_range2(ranges[0]);
-  Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d b = Eigen::Vector2d::Zero();
-  for (std::size_t i = 1; i < ranges.size(); ++i) {
-    const Eigen::Vector2d baseline = ranges[i].p_WT.head<2>() - first;
-    A += baseline * baseline.transpose();
-    b += baseline * (0.5 * (baseline.squaredNorm() - level_range2(ranges[i]) + range2));
-  }
-  const double spread = A.trace();
-  if (!(A.determinant() > 1e-4 * spread * spread)) return std::nullopt;
-  return Eigen::Vector2d(first + A.inverse() * b);
-}
-
 }  // namespace
 
 std::vector<Field> fields(CompassConfig& c) {
@@ -126,41 +106,6 @@ std::vector<Section> sections(NavigationSensorsConfig& c) {
 }
 
 Time Ticker::due() const { return start_ + Duration(std::llround(static_cast<double>(ticks_) * 1e9 / rate_hz_)); }
-
-Result<LblReading, LblRefusal> lbl_fix(std::span<const LblRange> ranges, double depth, double range_sigma) {
-  if (ranges.size() < 3) return tl::unexpected(LblRefusal::kTooFewRanges);
-  std::optional<Eigen::Vector2d> start = linear_fix(ranges, depth);
-  if (!start) return tl::unexpected(LblRefusal::kBadGeometry);
-  LblReading fix;
-  fix.north_east = *start;
-  fix.ranges = static_cast<int>(ranges.size());
-  Eigen::Matrix2d JtJ;
-  constexpr int kIterations = 10;
-  for (int i = 0; i < kIterations; ++i) {
-    JtJ.setZero();
-    Eigen::Vector2d Jtr = Eigen::Vector2d::Zero();
-    for (const LblRange& r : ranges) {
-      const Eigen::Vector3d to = Eigen::Vector3d(fix.north_east.x(), fix.north_east.y(), depth) - r.p_WT;
-      const double distance = std::max(to.norm(), 1e-9);
-      const Eigen::Vector2d row = to.head<2>() / distance;
-      JtJ += row * row.transpose();
-      Jtr += row * (r.range - distance);
-    }
-    if (!(JtJ.determinant() > 1e-6)) return tl::unexpected(LblRefusal::kBadGeometry);
-    const Eigen::Vector2d step = JtJ.inverse() * Jtr;
-    fix.north_east += step;
-    if (step.norm() < 1e-9) break;
-  }
-  double sum = 0;
-  for (const LblRange& r : ranges) {
-    const Eigen::Vector3d to = Eigen::Vector3d(fix.north_east.x(), fix.north_east.y(), depth) - r.p_WT;
-    sum += (r.range - to.norm()) * (r.range - to.norm());
-  }
-  fix.residual = std::sqrt(sum / static_cast<double>(ranges.size() - 2));
-  fix.covariance = JtJ.inverse() * (range_sigma * range_sigma);
-  if (!fix.north_east.allFinite()) return tl::unexpected(LblRefusal::kBadGeometry);
-  return fix;
-}
 
 NavigationSensors::NavigationSensors(const NavigationSensorsConfig& config, std::uint64_t seed)
     : config_(config), gyro_bias_(Eigen::Map<const Eigen::Vector3d>(config.gyro.bias.data())) {
@@ -291,12 +236,13 @@ std::optional<LblReading> NavigationSensors::measure_lbl(Random& random, const V
                          (detour ? longer : 0.0);
     if (!lost && range > 0 && range <= lbl.max_range_m) ranges_.push_back({p_WT, range});
   }
-  const auto fix = lbl_fix(ranges_, state.X_WB.translation.z(), lbl.noise);
+  // Two ranges, or transponders on a line, leave a mirror image: no fix, lest it depend on an older one.
+  const auto fix = trilaterate(ranges_, {state.X_WB.translation.z(), std::max(lbl.noise, 1e-9)});
   if (!fix) {
     ++lbl_refusals_;
     return std::nullopt;
   }
-  return *fix;
+  return LblReading{fix->p_W.head<2>(), fix->covariance.topLeftCorner<2, 2>(), fix->residual, fix->ranges};
 }
 
 }  // namespace isobath

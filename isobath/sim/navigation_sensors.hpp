@@ -21,6 +21,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/base/time.hpp>
+#include <isobath/geometry/trilateration.hpp>
 #include <isobath/vehicle/vehicle_state.hpp>
 #include <optional>
 #include <span>
@@ -167,16 +168,6 @@ class Ticker {
   std::int64_t ticks_ = 0;
 };
 
-struct LblRange {
-  Eigen::Vector3d p_WT = Eigen::Vector3d::Zero();  ///< transponder, m
-  double range = 0;                                ///< m
-};
-enum class LblRefusal : std::uint8_t { kTooFewRanges, kBadGeometry };
-
-/// Position in the plane at a known depth: linear start, then Gauss-Newton (ledger S1-10). Transponders on one line
-/// leave a mirror ambiguity: refused.
-Result<LblReading, LblRefusal> lbl_fix(std::span<const LblRange> ranges, double depth, double range_sigma);
-
 class NavigationSensors {
  public:
   NavigationSensors(const NavigationSensorsConfig& config, std::uint64_t seed);
@@ -205,7 +196,7 @@ class NavigationSensors {
   std::vector<Sensor> sensors_;
   Eigen::Vector3d gyro_bias_;
   std::vector<NavReading> readings_;
-  std::vector<LblRange> ranges_;
+  std::vector<TransponderRange> ranges_;
   std::optional<Time> last_;
   VehicleState last_state_;
   std::optional<Time> surfaced_;  ///< at the surface since

@@ -1,0 +1,69 @@
+// ReadingPrefilter: successive alike readings of one sensor become one, with a count (Oskard 1990, V; ledger S1-68,
+// S1-69). It saves the work of saying the same thing again; the weight of what is said grows by the count (S1-E06).
+//
+// Alike: both with an echo or both without; ranges, positions and attitudes of the vehicle within the tolerances of the
+// first of the group, so that a slow drift cannot stretch it; sensor, mounting, beam width and maximum the same. The
+// attitude counts as one angle, not the heading alone: pitch moves a beam as much. A group leaves when it is full, at
+// once when a reading is not alike, or when its first reading is `hold_s` old.
+//
+// The merged reading: mean range, mean confidence, mean position and mean rotation (unit quaternion nearest to all; on
+// the circle for headings), time of the last reading. Times must not decrease for a sensor; one that does closes the
+// group. Readings that are not finite pass through alone.
+//
+// Nothing allocates once every sensor has spoken and `out` is large enough: at most two groups leave with a reading.
+#pragma once
+
+#include <isobath/base/config.hpp>
+#include <isobath/sonar/range_reading.hpp>
+#include <vector>
+
+namespace isobath {
+
+struct ReadingPrefilterConfig {
+  double range_m = 0.5;
+  double position_m = 1;
+  Angle attitude = Angle::degrees(3);
+  int most = 4;
+  double hold_s = 2.4;  ///< four readings at the paper's 0.6 s
+};
+
+std::vector<Field> fields(ReadingPrefilterConfig& config);
+
+struct MergedReading {
+  int sensor = 0;
+  RangeReading reading;
+  Pose X_WB;
+  int count = 1;
+};
+
+class ReadingPrefilter {
+ public:
+  explicit ReadingPrefilter(const ReadingPrefilterConfig& config = {}) : config_(config) {}
+
+  /// Appends the groups that this reading closes or completes.
+  void add(int sensor, const RangeReading& reading, const Pose& X_WB, std::vector<MergedReading>& out);
+  /// Appends the groups that are due, in the order of their sensors' first readings.
+  void flush_due(Time now, std::vector<MergedReading>& out);
+  void flush(std::vector<MergedReading>& out);
+
+ private:
+  struct Group {
+    int sensor = 0;
+    int count = 0;
+    RangeReading first;
+    Pose X_WB;  ///< of the first
+    Time last;
+    double range_sum = 0;
+    double confidence_sum = 0;
+    Eigen::Vector3d position_sum = Eigen::Vector3d::Zero();
+    Eigen::Vector4d rotation_sum = Eigen::Vector4d::Zero();
+  };
+  [[nodiscard]] bool alike(const Group& group, const RangeReading& reading, const Pose& X_WB) const;
+  static void take(Group& group, const RangeReading& reading, const Pose& X_WB);
+  static void close(Group& group, std::vector<MergedReading>& out);
+
+  ReadingPrefilterConfig config_;
+  std::vector<Group> groups_;  ///< one a sensor; few
+};
+
+}  // namespace isobath

@@ -1,0 +1,53 @@
+// Swath: the soundings of one transmission of a multibeam echo sounder, one detected range a beam.
+//
+// Where a Ping carries echoes that nobody has judged yet, a Swath carries points that the sonar's own software has
+// detected: of the bottom, or of something in the water (class kWater: what an obstacle map wants most).
+//
+// Frames: kBody, points p_BQ in the body frame of the transmit time, before roll, pitch and heave are taken out.
+// kLevel, points p_LQ that the recorder has corrected for motion already: x forward, y starboard of the point whose
+// position Navigation states, z the depth below the water surface; only north, east and heading of the pose are used.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <Eigen/Core>
+#include <isobath/base/angle.hpp>
+#include <isobath/base/time.hpp>
+#include <isobath/geometry/pose.hpp>
+#include <optional>
+#include <vector>
+
+namespace isobath {
+
+struct Sounding {
+  enum class Kind : std::uint8_t { kBottom, kWater };
+
+  Eigen::Vector3f point = Eigen::Vector3f::Zero();  ///< p_BQ or p_LQ, m
+  float range_m = 0;                                ///< slant range from the transducer
+  float sigma_m = 0;  ///< standard deviation of the depth as the sonar states it; 0: not stated
+  std::uint16_t beam = 0;
+  Kind kind = Kind::kBottom;
+};
+
+struct Swath {
+  enum class Frame : std::uint8_t { kBody, kLevel };
+  static constexpr std::size_t kMaxSoundings = 65536;  ///< as many as beams can be numbered
+
+  Time time;
+  Frame frame = Frame::kBody;
+  std::optional<Angle> heading;  ///< of the ping as the recorder states it, for kLevel; else that of the pose
+  Angle beam_width;              ///< full width of one beam, for the footprint; 0: not known
+  double sound_speed = 0;        ///< m/s at the transducer, as the recorder states it; 0: not stated
+  std::vector<Sounding> soundings;
+};
+
+/// X_WF of the frame F that the points of the swath stand in: body frame, or level at the water surface.
+Pose frame_in_world(const Swath& swath, const Pose& X_WB);
+
+/// What is wrong with a swath: a number that is not finite, a negative range or deviation, more soundings than there
+/// are numbers for beams.
+enum class SwathFault : std::uint8_t { kNone, kNotFinite, kTooMany };
+SwathFault check(const Swath& swath);
+const char* to_text(SwathFault fault);
+
+}  // namespace isobath
