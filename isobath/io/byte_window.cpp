@@ -44,7 +44,8 @@ void ByteWindow::advance(std::size_t count) {
 
 // A new block: what is left of the old one, then as much of the file as fits.
 void ByteWindow::refill(std::size_t count) {
-  std::size_t capacity = std::max(count, kBlock);
+  // Half a block more than is wanted: a search that wants as much at every step then copies once for many steps.
+  std::size_t capacity = std::max(count + kBlock / 2, kBlock);
   if (size_ > 0) capacity = static_cast<std::size_t>(std::min<std::uint64_t>(capacity, size_ - position_));
   if (capacity <= view_.size()) {
     ended_ = true;

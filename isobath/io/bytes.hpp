@@ -5,8 +5,10 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace isobath {
 
@@ -57,6 +59,39 @@ class ByteCursor {
   Bytes bytes_;
   std::size_t at_;
   bool ok_ = true;
+};
+
+/// The fields of a record by their offsets, for formats whose records state their own size and have grown over the
+/// years: a field that lies beyond the end is absent, and zero.
+class RecordView {
+ public:
+  explicit RecordView(Bytes bytes, std::endian order = std::endian::little) : bytes_(bytes), order_(order) {}
+
+  /// T: integer, float or double.
+  template <class T>
+  [[nodiscard]] T at(std::size_t offset) const {
+    if (!holds(offset, sizeof(T))) return T{};
+    std::array<std::byte, sizeof(T)> raw;
+    std::memcpy(raw.data(), bytes_.data() + offset, sizeof(T));
+    if (order_ != std::endian::native) {
+      for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(raw[i], raw[sizeof(T) - 1 - i]);
+    }
+    return std::bit_cast<T>(raw);
+  }
+  [[nodiscard]] bool holds(std::size_t offset, std::size_t count) const {
+    return offset <= bytes_.size() && count <= bytes_.size() - offset;
+  }
+  /// What is there of `count` bytes.
+  [[nodiscard]] Bytes part(std::size_t offset, std::size_t count) const {
+    if (offset >= bytes_.size()) return {};
+    return bytes_.subspan(offset, count < bytes_.size() - offset ? count : bytes_.size() - offset);
+  }
+  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+  [[nodiscard]] std::endian order() const { return order_; }
+
+ private:
+  Bytes bytes_;
+  std::endian order_;
 };
 
 }  // namespace isobath

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <isobath/sonar/ping.hpp>
 #include <isobath/sonar/range_reading.hpp>
+#include <isobath/sonar/swath.hpp>
 #include <isobath/vehicle/health.hpp>
 #include <isobath/vehicle/navigation.hpp>
 #include <map>
@@ -14,7 +15,7 @@
 
 namespace isobath {
 
-using Event = std::variant<Ping, RangeReading, Navigation, Health>;
+using Event = std::variant<Ping, RangeReading, Navigation, Health, Swath>;
 
 inline Time time_of(const Event& event) {
   return std::visit([](const auto& e) { return e.time; }, event);

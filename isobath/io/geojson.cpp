@@ -24,16 +24,35 @@ double turning(const std::vector<Vector2d>& north_east) {
 
 double rounded(double degrees) { return std::round(degrees * 1e9) / 1e9; }
 
+Json positions_of(const std::vector<Vector2d>& points, const LocalPlane& plane) {
+  Json list = Json::array();
+  for (const Vector2d& point : points) {
+    const GeoPoint p = plane.to_geo(point);
+    list.push_back({rounded(p.longitude_deg), rounded(p.latitude_deg)});
+  }
+  return list;
+}
+
 Json ring_of(std::vector<Vector2d> outline, const LocalPlane& plane) {
   ISOBATH_ASSERT(outline.size() >= 3);
   if (turning(outline) < 0) std::reverse(outline.begin(), outline.end());
   outline.push_back(outline.front());
-  Json ring = Json::array();
-  for (const Vector2d& corner : outline) {
-    const GeoPoint p = plane.to_geo(corner);
-    ring.push_back({rounded(p.longitude_deg), rounded(p.latitude_deg)});
+  return positions_of(outline, plane);
+}
+
+Json geometry_of(const GeoFeature& feature, const LocalPlane& plane) {
+  switch (feature.shape) {
+    case GeoShape::kPolygon:
+      return {{"type", "Polygon"}, {"coordinates", Json::array({ring_of(feature.outline, plane)})}};
+    case GeoShape::kLine:
+      ISOBATH_ASSERT(feature.outline.size() >= 2);
+      return {{"type", "LineString"}, {"coordinates", positions_of(feature.outline, plane)}};
+    case GeoShape::kPoint: break;
   }
-  return ring;
+  ISOBATH_ASSERT(!feature.outline.empty());
+  Json positions = positions_of(feature.outline, plane);
+  if (positions.size() == 1) return {{"type", "Point"}, {"coordinates", std::move(positions[0])}};
+  return {{"type", "MultiPoint"}, {"coordinates", std::move(positions)}};
 }
 
 Json feature_of(const GeoFeature& feature, const LocalPlane& plane) {
@@ -41,9 +60,7 @@ Json feature_of(const GeoFeature& feature, const LocalPlane& plane) {
   for (const auto& [name, value] : feature.properties) {
     std::visit([&, &key = name](const auto& v) { properties[key] = v; }, value);
   }
-  return {{"type", "Feature"},
-          {"geometry", {{"type", "Polygon"}, {"coordinates", Json::array({ring_of(feature.outline, plane)})}}},
-          {"properties", std::move(properties)}};
+  return {{"type", "Feature"}, {"geometry", geometry_of(feature, plane)}, {"properties", std::move(properties)}};
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// GeoJSON (RFC 7946): outlines on the globe with properties, for charts.
+// GeoJSON (RFC 7946): outlines, lines and points on the globe with properties, for charts.
 //
 // Positions are longitude, latitude in degrees (WGS 84), to 1e-9 degrees; rings are closed and counter-clockwise. The
 // same features give the same text. A property that is not finite becomes null: JSON has no other word for it.
@@ -16,11 +16,18 @@
 
 namespace isobath {
 
+enum class GeoShape : std::uint8_t {
+  kPolygon,  ///< three corners or more, in either sense, not closed
+  kLine,     ///< two or more
+  kPoint,    ///< one, or more for several points of one feature
+};
+
 struct GeoFeature {
   using Value = std::variant<bool, std::int64_t, double, std::string>;
 
-  std::vector<Eigen::Vector2d> outline;  ///< north, east in W, m; three corners or more, in either sense, not closed
+  std::vector<Eigen::Vector2d> outline;                   ///< north, east in W, m
   std::vector<std::pair<std::string, Value>> properties;  ///< in this order
+  GeoShape shape = GeoShape::kPolygon;
 };
 
 std::string geojson_text(std::span<const GeoFeature> features, const GeoOrigin& origin);

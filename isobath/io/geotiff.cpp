@@ -1,33 +1,20 @@
 #include <cmath>
-#include <cpl_conv.h>
 #include <fmt/format.h>
-#include <gdal_frmts.h>
 #include <gdal_priv.h>
 #include <isobath/base/error.hpp>
+#include <isobath/io/gdal_session.hpp>
 #include <isobath/io/geotiff.hpp>
 #include <limits>
 #include <memory>
 #include <ogr_spatialref.h>
+#include <vector>
 
 namespace isobath {
 namespace {
 
-/// Keeps GDAL from printing while it lives.
-class QuietGdal {
- public:
-  QuietGdal() {
-    CPLPushErrorHandler(CPLQuietErrorHandler);
-    CPLErrorReset();
-    if (!GetGDALDriverManager()->GetDriverByName("GTiff")) GDALRegister_GTiff();
-  }
-  ~QuietGdal() { CPLPopErrorHandler(); }
-  QuietGdal(const QuietGdal&) = delete;
-  QuietGdal& operator=(const QuietGdal&) = delete;
-};
-
-[[noreturn]] void refuse(const std::filesystem::path& file) {
-  throw Error(fmt::format("cannot be written as GeoTIFF: {}", CPLGetLastErrorMsg()), {file.string(), {}, {}, {}, {}},
-              "", "check the folder, its rights and free space");
+[[noreturn]] void refuse(const std::filesystem::path& file, const GdalSession& gdal) {
+  throw Error(fmt::format("cannot be written as GeoTIFF: {}", gdal.complaint()), {file.string(), {}, {}, {}, {}}, "",
+              "check the folder, its rights and free space");
 }
 
 OGRSpatialReference reference_of(const RasterFrame& frame) {
@@ -43,44 +30,66 @@ OGRSpatialReference reference_of(const RasterFrame& frame) {
   return reference;
 }
 
-void write_raster(const std::filesystem::path& file, const RasterFrame& frame, const RasterMeaning& meaning,
-                  GDALDataType type, const void* cells, std::size_t count, std::optional<double> no_data) {
+/// Bands of one type, one after the other.
+void write_raster(const std::filesystem::path& file, const RasterFrame& frame, std::span<const RasterMeaning> meanings,
+                  GDALDataType type, std::span<const void* const> bands, std::optional<double> no_data) {
   ISOBATH_ASSERT(frame.columns > 0 && frame.rows > 0 && frame.cell_m > 0);
-  ISOBATH_ASSERT(count == static_cast<std::size_t>(frame.columns) * frame.rows);
-  const QuietGdal quiet;
-  const char* const options[] = {"COMPRESS=DEFLATE", "TILED=NO", nullptr};
+  const GdalSession gdal;
+  const char* const options[] = {"COMPRESS=DEFLATE", "TILED=NO", "INTERLEAVE=BAND", nullptr};
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
   struct Closer {
     void operator()(GDALDataset* d) const { GDALClose(d); }
   };
-  std::unique_ptr<GDALDataset, Closer> data(
-      driver->Create(file.c_str(), frame.columns, frame.rows, 1, type, const_cast<char**>(options)));
-  if (!data) refuse(file);
+  std::unique_ptr<GDALDataset, Closer> data(driver->Create(
+      file.c_str(), frame.columns, frame.rows, static_cast<int>(bands.size()), type, const_cast<char**>(options)));
+  if (!data) refuse(file, gdal);
   const double c = frame.cell_m * cos(frame.up), s = frame.cell_m * sin(frame.up);
   double transform[] = {frame.corner_m.y(), c, -s, frame.corner_m.x(), -s, -c};
   const OGRSpatialReference reference = reference_of(frame);
-  GDALRasterBand* band = data->GetRasterBand(1);
   bool good = data->SetGeoTransform(transform) == CE_None && data->SetSpatialRef(&reference) == CE_None;
-  if (no_data) good = good && band->SetNoDataValue(*no_data) == CE_None;
-  band->SetDescription(meaning.name.c_str());
-  if (!meaning.unit.empty()) band->SetUnitType(meaning.unit.c_str());
-  good = good && band->RasterIO(GF_Write, 0, 0, frame.columns, frame.rows, const_cast<void*>(cells), frame.columns,
-                                frame.rows, type, 0, 0, nullptr) == CE_None;
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    GDALRasterBand* band = data->GetRasterBand(static_cast<int>(i) + 1);
+    if (no_data) good = good && band->SetNoDataValue(*no_data) == CE_None;
+    band->SetDescription(meanings[i].name.c_str());
+    if (!meanings[i].unit.empty()) band->SetUnitType(meanings[i].unit.c_str());
+  }
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    GDALRasterBand* band = data->GetRasterBand(static_cast<int>(i) + 1);
+    good = good && band->RasterIO(GF_Write, 0, 0, frame.columns, frame.rows, const_cast<void*>(bands[i]), frame.columns,
+                                  frame.rows, type, 0, 0, nullptr) == CE_None;
+  }
   data->FlushCache(true);
   data.reset();
-  if (!good || CPLGetLastErrorType() >= CE_Failure) refuse(file);
+  if (!good || gdal.failures() > 0) refuse(file, gdal);
 }
+
+std::size_t cells_of(const RasterFrame& frame) { return static_cast<std::size_t>(frame.columns) * frame.rows; }
 
 }  // namespace
 
+void write_geotiff(const std::filesystem::path& file, const RasterFrame& frame, std::span<const RasterBand> bands) {
+  ISOBATH_ASSERT(!bands.empty());
+  std::vector<RasterMeaning> meanings;
+  std::vector<const void*> cells;
+  for (const RasterBand& band : bands) {
+    ISOBATH_ASSERT(band.cells.size() == cells_of(frame));
+    meanings.push_back(band.meaning);
+    cells.push_back(band.cells.data());
+  }
+  write_raster(file, frame, meanings, GDT_Float32, cells, std::numeric_limits<double>::quiet_NaN());
+}
+
 void write_geotiff(const std::filesystem::path& file, const RasterFrame& frame, const RasterMeaning& meaning,
                    std::span<const float> cells) {
-  write_raster(file, frame, meaning, GDT_Float32, cells.data(), cells.size(), std::numeric_limits<double>::quiet_NaN());
+  const RasterBand band{meaning, cells};
+  write_geotiff(file, frame, {&band, 1});
 }
 
 void write_geotiff(const std::filesystem::path& file, const RasterFrame& frame, const RasterMeaning& meaning,
                    std::span<const std::uint8_t> cells, std::optional<std::uint8_t> no_data) {
-  write_raster(file, frame, meaning, GDT_Byte, cells.data(), cells.size(),
+  ISOBATH_ASSERT(cells.size() == cells_of(frame));
+  const void* data = cells.data();
+  write_raster(file, frame, {&meaning, 1}, GDT_Byte, {&data, 1},
                no_data ? std::optional<double>(*no_data) : std::nullopt);
 }
 

@@ -31,7 +31,14 @@ struct RasterMeaning {
   std::string unit;  ///< "m"; empty: none
 };
 
-/// Rows from the top, columns from the left; NaN is written as "no data".
+struct RasterBand {
+  RasterMeaning meaning;
+  std::span<const float> cells;
+};
+
+/// Several bands of one frame: a depth and its sigma. Rows from the top, columns from the left; NaN is "no data".
+void write_geotiff(const std::filesystem::path& file, const RasterFrame& frame, std::span<const RasterBand> bands);
+/// One band.
 void write_geotiff(const std::filesystem::path& file, const RasterFrame& frame, const RasterMeaning& meaning,
                    std::span<const float> cells);
 /// `no_data` is the value of cells that nobody knows.

@@ -17,6 +17,7 @@ constexpr const char* kPing = "isobath/msg/Ping";
 constexpr const char* kNavigation = "isobath/msg/Navigation";
 constexpr const char* kRange = "isobath/msg/RangeReading";
 constexpr const char* kHealth = "isobath/msg/Health";
+constexpr const char* kSwath = "isobath/msg/Swath";
 constexpr const char* kTrueMotion = "isobath/msg/TrueMotion";
 constexpr const char* kEchoTruth = "isobath/msg/EchoTruth";
 constexpr const char* kOrigin = "isobath/origin";
@@ -73,6 +74,21 @@ const std::string kHealthDefinition =
     "float32 battery           # share of a full charge\n"
     "bool leak\n"
     "string note\n";
+
+const std::string kSwathDefinition =
+    "# The soundings of one transmission of a multibeam echo sounder. SI units.\n"
+    "int64 time_ns\n"
+    "uint8 frame               # of the points: 0 body, 1 level: x forward, y starboard, z below the water surface\n"
+    "float64[] heading         # of the ping, rad; empty: that of the pose\n"
+    "float64 beam_width        # full, rad; 0: not known\n"
+    "float64 sound_speed       # at the transducer; 0: not stated\n"
+    "float32[] x               # one element a sounding in each of the lists: forward\n"
+    "float32[] y               # starboard\n"
+    "float32[] z               # down\n"
+    "float32[] range           # slant range from the transducer\n"
+    "float32[] sigma           # standard deviation of the depth; 0: not stated\n"
+    "uint16[] beam\n"
+    "uint8[] kind              # 0 bottom, 1 something in the water\n";
 
 const std::string kTrueMotionDefinition =
     "# Where a simulated vehicle really is. SI units, world north-east-down.\n"
@@ -179,6 +195,31 @@ void put(CdrWriter& w, const Health& h) {
   w.number(static_cast<std::uint8_t>(h.leak)).text(h.note);
 }
 
+/// One number of every sounding, as a list.
+template <class Number, class Member>
+void put_column(CdrWriter& w, const std::vector<Sounding>& soundings, Member member) {
+  std::uint8_t* at = w.sequence<Number>(soundings.size());
+  for (const Sounding& s : soundings) {
+    const Number value = member(s);
+    std::memcpy(at, &value, sizeof value);
+    at += sizeof value;
+  }
+}
+
+void put(CdrWriter& w, const Swath& s) {
+  w.number(std::int64_t{s.time.time_since_epoch().count()}).number(static_cast<std::uint8_t>(s.frame));
+  put_doubles(
+      w, [&](std::size_t) { return s.heading->radians(); }, s.heading ? 1 : 0);
+  w.number(s.beam_width.radians()).number(s.sound_speed);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    put_column<float>(w, s.soundings, [i](const Sounding& p) { return p.point[i]; });
+  }
+  put_column<float>(w, s.soundings, [](const Sounding& p) { return p.range_m; });
+  put_column<float>(w, s.soundings, [](const Sounding& p) { return p.sigma_m; });
+  put_column<std::uint16_t>(w, s.soundings, [](const Sounding& p) { return p.beam; });
+  put_column<std::uint8_t>(w, s.soundings, [](const Sounding& p) { return static_cast<std::uint8_t>(p.kind); });
+}
+
 double double_at(std::span<const std::uint8_t> bytes, std::size_t i) {
   double value = 0;
   std::memcpy(&value, bytes.data() + 8 * i, 8);
@@ -244,6 +285,45 @@ std::optional<Event> take_health(std::span<const std::uint8_t> data) {
   if (!r.ok() || state > 2) return std::nullopt;
   health.state = static_cast<HealthState>(state);
   return health;
+}
+
+template <class Number>
+Number number_at(std::span<const std::uint8_t> bytes, std::size_t i) {
+  Number value{};
+  std::memcpy(&value, bytes.data() + sizeof value * i, sizeof value);
+  return value;
+}
+
+std::optional<Event> take_swath(std::span<const std::uint8_t> data) {
+  CdrReader r(data);
+  Swath swath;
+  swath.time = take_time(r);
+  const auto frame = r.number<std::uint8_t>();
+  const auto heading = r.sequence<double>();
+  swath.beam_width = Angle::radians(r.number<double>());
+  swath.sound_speed = r.number<double>();
+  const auto x = r.sequence<float>(), y = r.sequence<float>(), z = r.sequence<float>();
+  const auto range = r.sequence<float>(), sigma = r.sequence<float>();
+  const auto beam = r.sequence<std::uint16_t>();
+  const auto kind = r.sequence<std::uint8_t>();
+  const std::size_t count = kind.size();
+  if (!r.ok() || frame > 1 || heading.size() > 8 || beam.size() != 2 * count) return std::nullopt;
+  for (const auto& column : {x, y, z, range, sigma}) {
+    if (column.size() != 4 * count) return std::nullopt;
+  }
+  if (std::any_of(kind.begin(), kind.end(), [](std::uint8_t k) { return k > 1; })) return std::nullopt;
+  swath.frame = static_cast<Swath::Frame>(frame);
+  if (!heading.empty()) swath.heading = Angle::radians(double_at(heading, 0));
+  swath.soundings.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    Sounding& s = swath.soundings[i];
+    s.point = {number_at<float>(x, i), number_at<float>(y, i), number_at<float>(z, i)};
+    s.range_m = number_at<float>(range, i);
+    s.sigma_m = number_at<float>(sigma, i);
+    s.beam = number_at<std::uint16_t>(beam, i);
+    s.kind = static_cast<Sounding::Kind>(kind[i]);
+  }
+  return swath;
 }
 
 std::optional<Vector3d> take_vector(CdrReader& r) {
@@ -376,7 +456,7 @@ class NativeLogSource final : public Source {
     }
     if (!ours) {
       throw Error("MCAP without channels of Isobath", {name, {}, {}, {}, {}},
-                  fmt::format("{}, {}, {}", kPing, kNavigation, kRange),
+                  fmt::format("{}, {}, {}, {}", kPing, kNavigation, kRange, kSwath),
                   topics.empty() ? "" : "it holds " + topics.substr(0, 200));
     }
   }
@@ -411,6 +491,7 @@ class NativeLogSource final : public Source {
     if (kind == kNavigation) return take_navigation(message.data);
     if (kind == kRange) return take_range(message.data);
     if (kind == kHealth) return take_health(message.data);
+    if (kind == kSwath) return take_swath(message.data);
     return std::nullopt;
   }
 
@@ -453,6 +534,7 @@ NativeLogWriter::NativeLogWriter(const std::filesystem::path& file, const McapWr
   navigation_ = add("/navigation", kNavigation, kNavigationDefinition);
   range_ = add("/range", kRange, kRangeDefinition);
   health_ = add("/health", kHealth, kHealthDefinition);
+  swath_ = add("/swath", kSwath, kSwathDefinition);
 }
 
 void NativeLogWriter::set_details(const std::map<std::string, std::string>& details) {
@@ -471,7 +553,7 @@ bool NativeLogWriter::write(const Event& event) {
   if (const Ping* ping = std::get_if<Ping>(&event); ping && !writable(*ping)) return false;
   CdrWriter w(message_);
   std::visit([&](const auto& e) { put(w, e); }, event);
-  const std::uint16_t channels[] = {ping_, range_, navigation_, health_};  // in the order of the variant
+  const std::uint16_t channels[] = {ping_, range_, navigation_, health_, swath_};  // in the order of the variant
   static_assert(std::variant_size_v<Event> == std::size(channels));
   send(channels[event.index()], time_of(event));
   return true;

@@ -1,12 +1,12 @@
 // Isobath's own log: every Event, exactly, in an MCAP container (mcap.hpp).
 //
-// Channels /ping, /navigation, /range and /health carry CDR (little-endian) with ros2msg definitions isobath/msg/Ping,
-// Navigation, RangeReading and Health inside the file, so that other viewers decode every field by name. Reading gives
-// back the same events in the same order: times, poses, beams and samples bit for bit. Pings of the same fan share one
-// BeamFan. Samples are stored beam by beam, whatever the strides of the source were. A log's metadata holds the origin
-// on the globe, what the source said about itself, and the configuration. Errors: see McapWriter; open_native_log
-// throws Error for a file that is no MCAP or holds no channel of ours. Damage, other channels' messages and messages
-// that cannot be decoded are counted in the report.
+// Channels /ping, /navigation, /range, /health and /swath carry CDR (little-endian) with ros2msg definitions
+// isobath/msg/Ping, Navigation, RangeReading, Health and Swath inside the file, so that other viewers decode every
+// field by name. Reading gives back the same events in the same order: times, poses, beams and samples bit for bit.
+// Pings of the same fan share one BeamFan. Samples are stored beam by beam, whatever the strides of the source were. A
+// log's metadata holds the origin on the globe, what the source said about itself, and the configuration. Errors: see
+// McapWriter; open_native_log throws Error for a file that is no MCAP or holds no channel of ours. Damage, other
+// channels' messages and messages that cannot be decoded are counted in the report.
 #pragma once
 
 #include <filesystem>
@@ -50,7 +50,7 @@ class NativeLogWriter {
   void send(std::uint16_t channel, Time time);
 
   McapWriter mcap_;
-  std::uint16_t ping_ = 0, navigation_ = 0, range_ = 0, health_ = 0;
+  std::uint16_t ping_ = 0, navigation_ = 0, range_ = 0, health_ = 0, swath_ = 0;
   std::uint16_t motion_ = 0, echoes_ = 0;  ///< made with the first truth: a vehicle's log has none
   std::map<std::uint16_t, std::uint32_t> sequence_;
   std::vector<std::uint8_t> message_;

@@ -1,15 +1,21 @@
 #include <algorithm>
 #include <array>
+#include <isobath/io/depth_csv.hpp>
 #include <isobath/io/frame_folder.hpp>
+#include <isobath/io/kongsberg.hpp>
 #include <isobath/io/mcap.hpp>
 #include <isobath/io/native_log.hpp>
+#include <isobath/io/nmea.hpp>
 #include <isobath/io/oculus_logs.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/io/ping_logs.hpp>
 #include <isobath/io/pose_track.hpp>
 #include <isobath/io/scan_csv.hpp>
+#include <isobath/io/sontek_sum.hpp>
+#include <isobath/io/survey_folder.hpp>
 #include <isobath/io/text_lines.hpp>
 #include <isobath/io/tritech_logs.hpp>
+#include <isobath/io/xtf.hpp>
 
 namespace isobath {
 namespace {
@@ -22,6 +28,7 @@ struct Candidate {
   const fs::path& path;
   bool is_folder;
   Bytes head;
+  const InputConfig& config;
 };
 
 struct Format {
@@ -57,17 +64,33 @@ constexpr Format folder(const char* name) {
 /// The first that fits is taken: what has a signature stands before what must be searched for.
 constexpr std::array kFormats{
     folder<looks_like_frame_folder, open_frame_folder>("folder of PNG frames"),
+    Format{"survey folder",
+           [](const Candidate& c) { return c.is_folder && looks_like_survey_folder(c.path, c.config); },
+           open_survey_folder},
     own_file<looks_like_mcap, open_native_log>("MCAP"),
     file<looks_like_ping_viewer_log, open_ping_viewer_log>("Ping Viewer log"),
+    file<looks_like_sontek_sum, open_sontek_sum>("SonTek .sum"),
+    file<looks_like_nmea, open_nmea>("NMEA 0183"),
     file<looks_like_scan_csv, open_scan_csv>("scan CSV"),
     file<looks_like_ping360_arc, open_ping360_arc>("Ping360 arc table"),
     file<looks_like_ping_messages, open_ping_messages>("printed ping messages"),
     file<looks_like_seanet_csv, open_seanet_csv>("Seanet CSV"),
     file<looks_like_oculus_container, open_oculus_container>(".oculus log"),
+    file<looks_like_xtf, open_xtf>("XTF"),
+    file<looks_like_kmall, open_kmall>("Kongsberg .kmall"),
+    file<looks_like_kongsberg_all, open_kongsberg_all>("Kongsberg .all"),
     file<looks_like_oculus_stream, open_oculus_stream>("Oculus message stream"),
     file<looks_like_ping_stream, open_ping_stream>("ping protocol stream"),
     file<looks_like_tritech_stream, open_tritech_stream>("Tritech serial stream"),
+    Format{"depth CSV",
+           [](const Candidate& c) { return !c.is_folder && looks_like_depth_csv(c.head, c.config.survey); },
+           [](const fs::path& path, const InputConfig& config) { return open_depth_csv(path, config); }},
 };
+
+const Format* format_of(const Candidate& candidate) {
+  const auto* const found = std::ranges::find_if(kFormats, [&](const Format& f) { return f.probe(candidate); });
+  return found == kFormats.end() ? nullptr : found;
+}
 
 std::string known_formats() {
   std::string names;
@@ -88,6 +111,12 @@ std::string known_formats() {
     throw Error("not a known format; V4LOG of Seanet Pro has no public description", {file}, known_formats(),
                 "export it to CSV with Seanet Pro");
   }
+  if (const std::string names = table_names(c.head); !names.empty() && !c.is_folder) {
+    const std::string problem = c.config.survey.csv_columns.empty()
+                                    ? "is a table whose columns nothing explains: " + names
+                                    : "is a table without the columns that input.csv_columns names: " + names;
+    throw Error(problem, {file}, {}, kDeclareColumns);
+  }
   const char* kind = c.is_folder ? ": a folder" : looks_like_text(c.head) ? ": looks like text" : "";
   throw Error(std::string("not a known format") + kind, {file}, known_formats());
 }
@@ -100,22 +129,38 @@ std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& co
   std::optional<ByteWindow> window;
   if (!is_folder) window = ByteWindow::open(input);
   const Bytes head = window ? window->want(kHead) : Bytes();
-  const Candidate candidate{input, is_folder, head.first(std::min(head.size(), kHead))};
-  for (const Format& format : kFormats) {
-    if (!format.probe(candidate)) continue;
-    auto source = format.open(input, config);
-    return config.navigation.empty() ? std::move(source)
-                                     : merge_by_time(std::move(source), open_pose_track(config.navigation));
+  const Candidate candidate{input, is_folder, head.first(std::min(head.size(), kHead)), config};
+  const Format* const format = format_of(candidate);
+  if (format == nullptr) refuse(candidate);
+  auto source = format->open(input, config);
+  return config.navigation.empty() ? std::move(source)
+                                   : merge_by_time(std::move(source), open_pose_track(config.navigation));
+}
+
+std::string format_of_file(const fs::path& file, const InputConfig& config) {
+  try {
+    ByteWindow window = ByteWindow::open(file);
+    const Bytes head = window.want(kHead);
+    const Format* const format = format_of({file, false, head.first(std::min(head.size(), kHead)), config});
+    return format == nullptr ? std::string() : format->name;
+  } catch (const Error&) {
+    return {};
   }
-  refuse(candidate);
 }
 
 std::vector<Field> fields(InputConfig& c) {
-  return {
+  std::vector<Field> all{
       Field::real("sound_speed", &c.sound_speed, {1300, 1700}, "m/s",
                   "Speed of sound, for devices that leave it to the host."),
       Field::degrees("mount_heading_deg", &c.mount_heading, {-360, 360},
                      "Direction of the sonar's zero bearing in the body, clockwise from forward."),
+      Field::degrees("mount_pitch_deg", &c.mount_pitch, {-90, 90},
+                     "Pitch of a multibeam head that looks down, where the log does not state it (XTF)."),
+      Field::degrees("mount_roll_deg", &c.mount_roll, {-180, 180},
+                     "Roll of a multibeam head that looks down, where the log does not state it (XTF)."),
+      Field::numbers(
+          "mount_m", c.mount_m, 3, {-1000, 1000}, "m",
+          "Place of a multibeam head forward, starboard and down of the point that navigation states (XTF)."),
       Field::flag("clockwise", &c.clockwise, "Whether a scanning head's bearings grow clockwise, seen from above."),
       Field::degrees("beam_width_deg", &c.beam_width, {0, 360},
                      "Full width of a beam in azimuth; 0: what the format or the device says."),
@@ -129,6 +174,8 @@ std::vector<Field> fields(InputConfig& c) {
       Field::text("set", &c.set, "Which set of a folder that holds several; empty: the first by name."),
       Field::integer("pass", &c.pass, {0, 1e6}, "", "Which pass of a set that holds several; 0: the first."),
   };
+  for (Field& field : fields(c.survey)) all.push_back(std::move(field));
+  return all;
 }
 
 }  // namespace isobath

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <isobath/base/config.hpp>
 #include <isobath/io/event.hpp>
+#include <isobath/io/survey_input.hpp>
 #include <memory>
+#include <string>
 
 namespace isobath {
 
@@ -12,6 +14,9 @@ namespace isobath {
 struct InputConfig {
   double sound_speed = 1500;  ///< m/s, for devices that leave it to the host
   Angle mount_heading;        ///< of the sonar's zero bearing in the body
+  Angle mount_pitch;          ///< of a multibeam head that looks down, in logs that do not state it
+  Angle mount_roll;           ///< likewise
+  double mount_m[3] = {};     ///< likewise: forward, starboard, down of the point that navigation states
   bool clockwise = true;      ///< sense of a scanning head's bearings seen from above
   Angle beam_width;           ///< 0: what the format or the device type says
   Angle beam_height;          ///< 0: what the format or the device type says
@@ -20,11 +25,15 @@ struct InputConfig {
   std::string navigation;         ///< CSV of poses beside the log; empty: none
   std::string set;                ///< of a folder that holds several: "clean", "noisy"; empty: the first by name
   int pass = 0;                   ///< of a set that holds several; 0: the first
+  SurveyInput survey;             ///< what logs of survey boats leave open
 };
 std::vector<Field> fields(InputConfig& config);
 
 /// Throws Error: not there, empty, no known format, a header that cannot be right. Damage further on is reported, not
 /// thrown.
 std::unique_ptr<Source> open_source(const std::filesystem::path& input, const InputConfig& config);
+
+/// The format of a file as open_source would take it; empty: none, or not a file that can be read.
+std::string format_of_file(const std::filesystem::path& file, const InputConfig& config);
 
 }  // namespace isobath

@@ -12,13 +12,13 @@ bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 }  // namespace
 
-std::optional<TextLine> next_line(ByteWindow& input, SourceReport& report) {
+std::optional<TextLine> next_line(ByteWindow& input, SourceReport& report, LineEnd ending) {
   std::size_t wanted = kAtHand;
   for (;;) {
     const Bytes view = input.want(wanted);
     if (view.empty()) return {};
     const std::string_view text = text_of(view);
-    const std::size_t end = text.find('\n');
+    const std::size_t end = ending == LineEnd::kAny ? text.find_first_of("\r\n") : text.find('\n');
     if (end == std::string_view::npos && view.size() >= wanted) {
       if (wanted < kMaxLine) {
         wanted *= 4;

@@ -18,8 +18,12 @@ struct TextLine {
   void add_damage(SourceReport& report, const std::string& reason) const { report.add_damage(offset, bytes, reason); }
 };
 
+/// What ends a line: LF (a CR before it is dropped), or any of CR, LF and CR LF, which then gives an empty line
+/// between.
+enum class LineEnd : std::uint8_t { kNewline, kAny };
+
 /// The next line of up to a megabyte; longer ones are skipped as damage. Empty at the end.
-std::optional<TextLine> next_line(ByteWindow& input, SourceReport& report);
+std::optional<TextLine> next_line(ByteWindow& input, SourceReport& report, LineEnd ending = LineEnd::kNewline);
 /// The first line of some bytes, whole or cut.
 std::string_view first_line(Bytes bytes);
 /// Mostly printable: what a person would call a text file.

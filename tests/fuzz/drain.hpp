@@ -10,6 +10,7 @@
 namespace isobath::fuzz {
 
 inline void look_at(const Event& event) {
+  if (const Swath* const swath = std::get_if<Swath>(&event)) ISOBATH_ASSERT(check(*swath) == SwathFault::kNone);
   const Ping* const ping = std::get_if<Ping>(&event);
   if (!ping) return;
   const PingFault fault = check(*ping);

@@ -104,6 +104,27 @@ TEST(GeoTiff, WithoutOriginIsALocalPlane) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 2) << "no side files";
 }
 
+TEST(GeoTiff, HoldsSeveralBandsWithNamesAndUnits) {
+  const auto folder = test::scratch_folder();
+  const std::vector<float> depth = {10, 11, NAN, 13}, confidence = {5, 6, NAN, 20};
+  const RasterBand bands[] = {{{"depth", "m"}, depth}, {{"confidence", ""}, confidence}};
+  write_geotiff(folder / "map.tif", RasterFrame{2, 2, 0.5, {8, 4}, {}, GeoOrigin{41.5, -8.7}}, bands);
+  const Opened tif(folder / "map.tif");
+  ASSERT_TRUE(tif.data);
+  ASSERT_EQ(tif.data->GetRasterCount(), 2);
+  EXPECT_STREQ(tif.data->GetRasterBand(1)->GetDescription(), "depth");
+  EXPECT_STREQ(tif.data->GetRasterBand(1)->GetUnitType(), "m");
+  EXPECT_STREQ(tif.data->GetRasterBand(2)->GetDescription(), "confidence");
+  for (int band = 1; band <= 2; ++band) {
+    std::vector<float> read(4);
+    GDALRasterBand* b = tif.data->GetRasterBand(band);
+    ASSERT_EQ(b->RasterIO(GF_Read, 0, 0, 2, 2, read.data(), 2, 2, GDT_Float32, 0, 0, nullptr), CE_None);
+    EXPECT_TRUE(std::isnan(b->GetNoDataValue()));
+    EXPECT_EQ(read[3], band == 1 ? 13 : 20);
+    EXPECT_TRUE(std::isnan(read[2]));
+  }
+}
+
 TEST(GeoTiff, SaysWhenItCannotBeWritten) {
   const std::vector<std::uint8_t> cells = {1};
   EXPECT_THROW(write_geotiff("/nowhere/at/all.tif", RasterFrame{1, 1, 1, {0, 0}, {}, {}}, {"x", ""}, cells, {}), Error);
@@ -135,6 +156,21 @@ TEST(GeoJson, TurnsOutlinesCounterClockwiseAndClosesThem) {
     EXPECT_TRUE(std::any_of(back.begin(), back.end(), [&](const auto& b) { return (b - corner).norm() < 2e-4; }));
   }
   EXPECT_EQ(nlohmann::json::parse(geojson_text({}, origin))["features"].size(), 0u);
+}
+
+TEST(GeoJson, WritesLinesAndPoints) {
+  GeoFeature line{{{0, 0}, {100, 0}, {100, 50}}, {{"depth_m", 5.0}}, GeoShape::kLine};
+  GeoFeature point{{{10, 20}}, {}, GeoShape::kPoint}, points{{{10, 20}, {30, 40}}, {}, GeoShape::kPoint};
+  const GeoOrigin origin{41.5, -8.7};
+  const auto json = nlohmann::json::parse(geojson_text(std::vector{line, point, points}, origin));
+  const auto& features = json["features"];
+  EXPECT_EQ(features[0]["geometry"]["type"], "LineString");
+  ASSERT_EQ(features[0]["geometry"]["coordinates"].size(), 3u) << "neither closed nor turned";
+  EXPECT_EQ(features[1]["geometry"]["type"], "Point");
+  EXPECT_EQ(features[2]["geometry"]["type"], "MultiPoint");
+  const auto at = features[1]["geometry"]["coordinates"].get<std::array<double, 2>>();
+  EXPECT_LT((LocalPlane(origin).to_plane({at[1], at[0]}) - Vector2d(10, 20)).norm(), 2e-4);
+  EXPECT_EQ(features[0]["geometry"]["coordinates"][0][1], 41.5);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <isobath/io/open.hpp>
 #include <tests/io/oculus_messages.hpp>
 #include <tests/io/ping_frames.hpp>
+#include <tests/io/survey_datagrams.hpp>
 #include <tests/io/tritech_frames.hpp>
 #include <tests/support/data.hpp>
 
@@ -43,7 +44,11 @@ TEST_F(Open, FormatsAreRecognisedByContentWhateverTheName) {
       {"ping protocol stream", "noise" + test::Ping360Message{}.frame()},
       {"Tritech serial stream", "noise" + test::TritechMessage{}.frame()},
       {"Oculus message stream", "noise" + oculus},
+      {"Kongsberg .all", "noise" + test::all_ping(1000, {{}}).bytes()},
+      {"Kongsberg .kmall", "noise" + test::KmallPing{.soundings = {{}}}.bytes()},
+      {"XTF", test::xtf_header() + test::xtf_position(0, 37, -122) + test::xtf_attitude(0, 0, 0, 0, 0)},
       {".oculus log", test::oculus_file_header() + test::oculus_item(1, oculus)},
+      {"NMEA 0183", "$GPGGA,123519.00,4807.0380,N,01131.0000,E,4,08,0.9,545.4,M,46.9,M,1.0,0000*43\r\n"},
       {"scan CSV", "# t_s,head_deg,bin_m,nbins,i0,i1,...\n1,2,0.1,2,3,4\n"},
       {"Ping360 arc table", "Angle (gradian);Intensity (0-255)\n   150;76;152\n"},
       {"Seanet CSV", "heading\n1,10:00:00.000,2,16,8965,100,105,125,13,81,2400,4000,16,3200,2,1,2\n"}};
@@ -62,6 +67,8 @@ TEST_F(Open, WhatCannotBeOpenedIsOneLineThatSaysWhatToDo) {
                              testing::HasSubstr("Ping Viewer log")));
   EXPECT_THAT(error_of(write("noise.bin", std::string("\x01\x00\x00\x00\x02", 5))),
               testing::HasSubstr("not a known format;"));
+  EXPECT_THAT(error_of(write("depths.csv", "y,x,z\n49.7,-93.7,-2.6\n")),
+              testing::HasSubstr("is a table whose columns nothing explains: y, x, z; say what they are"));
   EXPECT_THAT(error_of(folder_), testing::HasSubstr("not a known format: a folder"));
   EXPECT_THAT(error_of(write("view.oculus", "SQLite format 3" + std::string(200, '\0'))),
               testing::HasSubstr("ViewPoint 2"));

@@ -1,6 +1,7 @@
 // Made-up events of every kind, and their comparison bit for bit.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <isobath/base/random.hpp>
 #include <isobath/io/event.hpp>
@@ -51,11 +52,30 @@ inline Ping sample_ping(SampleType type, int beams, std::uint64_t seed) {
   return ping;
 }
 
+inline Swath sample_swath(Random& random) {
+  Swath swath;
+  swath.time = Time{Duration(static_cast<std::int64_t>(random.bits()))};
+  swath.frame = random.index(2) == 0 ? Swath::Frame::kBody : Swath::Frame::kLevel;
+  if (random.index(2) == 0) swath.heading = Angle::radians(random.normal());
+  swath.beam_width = Angle::radians(random.uniform());
+  swath.sound_speed = random.uniform(1400, 1600);
+  const auto number = [&] { return static_cast<float>(random.normal()); };
+  swath.soundings.resize(random.index(20));
+  for (Sounding& s : swath.soundings) {
+    s.point = {number(), number(), random.index(9) == 0 ? NAN : number()};
+    s.range_m = number();
+    s.sigma_m = number();
+    s.beam = static_cast<std::uint16_t>(random.bits());
+    s.kind = random.index(2) == 0 ? Sounding::Kind::kBottom : Sounding::Kind::kWater;
+  }
+  return swath;
+}
+
 inline std::vector<Event> sample_events(int count, std::uint64_t seed) {
   Random random(seed);
   std::vector<Event> events;
   for (int i = 0; i < count; ++i) {
-    const auto kind = random.index(6);
+    const auto kind = random.index(7);
     if (kind < 3) {
       events.push_back(
           sample_ping(static_cast<SampleType>(kind), 1 + static_cast<int>(random.index(8)), random.bits()));
@@ -65,6 +85,8 @@ inline std::vector<Event> sample_events(int count, std::uint64_t seed) {
       if (i % 3) fix.covariance = Eigen::Matrix<double, 6, 6>::NullaryExpr([&] { return random.normal(); });
       if (i % 7 == 0) fix.X_WB.translation.y() = NAN;
       events.push_back(fix);
+    } else if (kind == 6) {
+      events.emplace_back(sample_swath(random));
     } else if (kind == 5) {
       Health health{Time{Duration(i)}, i % 2 ? "vehicle" : "", static_cast<HealthState>(i % 3), 0.5f, i % 5 == 0,
                     "a note"};
@@ -122,6 +144,22 @@ inline bool same(const RangeReading& a, const RangeReading& b) {
 inline bool same(const Health& a, const Health& b) {
   return a.time == b.time && a.source == b.source && a.state == b.state && a.battery_share == b.battery_share &&
          a.leak == b.leak && a.note == b.note;
+}
+
+inline bool same(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
+
+inline bool same(const Sounding& a, const Sounding& b) {
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (!same(a.point[i], b.point[i])) return false;
+  }
+  return same(a.range_m, b.range_m) && same(a.sigma_m, b.sigma_m) && a.beam == b.beam && a.kind == b.kind;
+}
+
+inline bool same(const Swath& a, const Swath& b) {
+  return a.time == b.time && a.frame == b.frame && a.heading == b.heading && a.beam_width == b.beam_width &&
+         same(a.sound_speed, b.sound_speed) &&
+         std::equal(a.soundings.begin(), a.soundings.end(), b.soundings.begin(), b.soundings.end(),
+                    [](const Sounding& x, const Sounding& y) { return same(x, y); });
 }
 
 inline bool same(const Event& a, const Event& b) {

@@ -43,7 +43,14 @@ class Decoder {
     const norm = pose ? Math.hypot(pose.qx, pose.qy, pose.qz, pose.qw) : 1;
     assert(Math.abs(norm - 1) < 1e-9, "a quaternion that is no rotation");
     if (schema.name === "isobath/msg/Ping") this.takePing(decoded);
+    if (schema.name === "isobath/msg/Swath") this.takeSwath(decoded);
     if (decoded.time_ns >= 0n) assert(decoded.time_ns === message.logTime, "times of message and container differ");
+  }
+
+  takeSwath(swath) {
+    for (const list of [swath.x, swath.y, swath.z, swath.range, swath.sigma, swath.beam]) {
+      assert(list.length === swath.kind.length, "not one number a sounding");
+    }
   }
 
   takePing(ping) {

@@ -9,13 +9,14 @@ namespace isobath {
 namespace {
 
 std::string expected_of(const std::vector<Event>& events) {
-  int pings = 0, fixes = 0, ranges = 0, health = 0;
+  int pings = 0, fixes = 0, ranges = 0, health = 0, swaths = 0;
   std::uint64_t samples = 0;
   double sum = 0;
   for (const Event& event : events) {
     fixes += std::holds_alternative<Navigation>(event);
     ranges += std::holds_alternative<RangeReading>(event);
     health += std::holds_alternative<Health>(event);
+    swaths += std::holds_alternative<Swath>(event);
     const auto* ping = std::get_if<Ping>(&event);
     if (!ping) continue;
     ++pings;
@@ -24,8 +25,8 @@ std::string expected_of(const std::vector<Event>& events) {
     }
   }
   return fmt::format(
-      R"({{"counts": {{"/ping": {}, "/navigation": {}, "/range": {}, "/health": {}}}, "samples": {}, "sum": {:.17g}}})",
-      pings, fixes, ranges, health, samples, sum);
+      R"({{"counts": {{"/ping": {}, "/navigation": {}, "/range": {}, "/health": {}, "/swath": {}}}, "samples": {}, "sum": {:.17g}}})",
+      pings, fixes, ranges, health, swaths, samples, sum);
 }
 
 void write_logs(const std::filesystem::path& folder) {

@@ -1,0 +1,399 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/io/framing.hpp>
+#include <isobath/io/kongsberg.hpp>
+#include <isobath/io/log_source.hpp>
+#include <isobath/io/survey_track.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr std::size_t kHeader = 20;                           // of a datagram: length, STX, type ... serial number
+constexpr std::size_t kTrailer = 3;                           // ETX, checksum
+constexpr std::uint32_t kMaxLength = std::uint32_t{1} << 20;  // water column datagrams reach 64 KiB
+constexpr char kStart = 2, kEnd = 3;
+constexpr double kQualityScale = 2500;
+
+// Framing
+// --------------------------------------------------------------------------------------------------------------
+
+template <std::endian order>
+Framing datagram_at(Bytes bytes) {
+  const RecordView view(bytes, order);
+  if (!view.holds(0, 5)) return {Framing::Kind::kIncomplete, 5};
+  const std::size_t length = view.at<std::uint32_t>(0);
+  if (view.at<char>(4) == kStart && length >= kHeader + kTrailer - 4 && length <= kMaxLength) {
+    const std::size_t end = 4 + length;
+    if (!view.holds(0, end)) return {Framing::Kind::kIncomplete, end};
+    if (view.at<char>(end - kTrailer) == kEnd) return {Framing::Kind::kFrame, end};
+  }
+  const Framing next = noise_until(bytes.subspan(4), kStart);  // the length stands before the start
+  return {Framing::Kind::kNoise, next.bytes};
+}
+
+bool checksum_holds(Bytes datagram, std::endian order) {
+  std::uint32_t sum = 0;
+  for (const std::byte b : datagram.subspan(5, datagram.size() - 5 - kTrailer)) sum += static_cast<std::uint8_t>(b);
+  return static_cast<std::uint16_t>(sum) == RecordView(datagram, order).at<std::uint16_t>(datagram.size() - 2);
+}
+
+/// Date as yyyymmdd and milliseconds of the day.
+std::optional<Time> time_of_day(std::uint32_t date, std::uint32_t ms) {
+  using namespace std::chrono;
+  const year_month_day day(year(static_cast<int>(date / 10000)), month(date / 100 % 100), std::chrono::day(date % 100));
+  if (!day.ok() || date < 19700101 || date > 22000101 || ms > 86'401'000) return std::nullopt;
+  return Time{sys_days(day).time_since_epoch() + milliseconds(ms)};
+}
+
+template <std::endian order>
+bool begins_datagram(Bytes bytes) {
+  const RecordView view(bytes, order);
+  const bool model = view.at<std::uint16_t>(6) > 0;
+  return datagram_at<order>(bytes).kind == Framing::Kind::kFrame && model &&
+         time_of_day(view.at<std::uint32_t>(8), view.at<std::uint32_t>(12));
+}
+
+/// The order of the first datagram whose time is possible and whose checksum holds; the first bytes need no checksum.
+std::optional<std::endian> order_of(Bytes head) {
+  if (begins_datagram<std::endian::little>(head)) return std::endian::little;
+  if (begins_datagram<std::endian::big>(head)) return std::endian::big;
+  const auto found = [&]<std::endian order>(Bytes rest) {
+    return begins_datagram<order>(rest) && checksum_holds(rest.first(datagram_at<order>(rest).bytes), order);
+  };
+  const std::string_view text = text_of(head);
+  for (std::size_t at = text.find(kStart, 4); at != std::string_view::npos; at = text.find(kStart, at + 1)) {
+    const Bytes rest = head.subspan(at - 4);
+    if (found.template operator()<std::endian::little>(rest)) return std::endian::little;
+    if (found.template operator()<std::endian::big>(rest)) return std::endian::big;
+  }
+  return std::nullopt;
+}
+
+// The installation record: KEY=value, ...
+// ------------------------------------------------------------------------------
+
+std::optional<std::string_view> text_value(std::string_view text, std::string_view key) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::string_view item = text.substr(at, end - at);
+    if (item.size() > key.size() && item.starts_with(key) && item[key.size()] == '=')
+      return item.substr(key.size() + 1);
+    at = end + 1;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> number_value(std::string_view text, std::string_view key) {
+  const auto value = text_value(text, key);
+  double number = 0;
+  if (!value || std::from_chars(value->data(), value->data() + value->size(), number).ec != std::errc()) return {};
+  return std::abs(number) < 1e4 ? std::optional(number) : std::nullopt;
+}
+
+struct Installation {
+  double water_line_m = 0;
+  std::array<Eigen::Vector2d, 2> transducer{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};  ///< re the position
+  std::optional<std::uint16_t> second_head;  ///< serial number, where there are two
+
+  static Installation read(std::string_view text);
+};
+
+Installation Installation::read(std::string_view text) {
+  Installation result;
+  result.water_line_m = number_value(text, "WLZ").value_or(0);
+  const auto active = std::clamp(std::lround(number_value(text, "APS").value_or(0)), 0L, 2L) + 1;
+  const auto place = [&](const std::string& name) {
+    return Eigen::Vector2d(number_value(text, name + "X").value_or(0), number_value(text, name + "Y").value_or(0));
+  };
+  const Eigen::Vector2d antenna = place(fmt::format("P{}", active));
+  result.transducer = {place("S1") - antenna, place("S2") - antenna};
+  const auto configuration = number_value(text, "STC");
+  const auto second = number_value(text, "R2S");
+  if (configuration && std::lround(*configuration) == 2 && second && *second > 0) {
+    result.second_head = static_cast<std::uint16_t>(std::lround(*second));
+  }
+  return result;
+}
+
+// Reader
+// ---------------------------------------------------------------------------------------------------------------
+
+/// A datagram with its common fields.
+struct Datagram {
+  RecordView fields;
+  char type;
+  std::uint16_t model, counter, serial;
+  Time time;
+};
+
+/// Of a heading of 0.01 degrees.
+std::optional<Angle> heading_of(std::uint16_t hundredths) {
+  return hundredths < 36000 ? std::optional(Angle::degrees(hundredths * 0.01)) : std::nullopt;
+}
+
+class KongsbergAll final : public LogSource {
+ public:
+  explicit KongsbergAll(ByteWindow input) : LogSource(std::move(input), "Kongsberg .all"), track_(report_) {
+    order_ = order_of(input_.want(kHead)).value_or(std::endian::little);
+    report_.details["time"] = "of the sonar, UTC";
+    if (order_ == std::endian::big) report_.details["byte order"] = "big-endian";
+  }
+
+ private:
+  static constexpr std::size_t kHead = 1 << 18;
+
+  std::optional<Event> read() override;
+  void take(Bytes bytes);
+  void take_xyz88(const Datagram& d);
+  void take_depth(const Datagram& d);
+  void take_position(const Datagram& d);
+  void take_attitude(const Datagram& d);
+  void take_network_attitude(const Datagram& d);
+  void take_installation(const Datagram& d);
+  void take_profile(const Datagram& d);
+  void add_attitude(Time time, const RecordView& fields, std::size_t at, std::uint8_t sensor);
+  void add_sounding(Swath& swath, const Datagram& d, const Eigen::Vector3d& re_transducer, double transducer_m,
+                    std::size_t beam, double quality);
+  void tell_counts();
+
+  std::endian order_ = std::endian::little;
+  SurveyTrack track_;
+  Installation installation_;
+  Angle beam_width_;
+  std::array<std::uint64_t, 256> others_{};
+  std::uint64_t bad_checksums_ = 0, passive_positions_ = 0, passive_attitudes_ = 0;
+  bool ended_ = false;
+};
+
+std::optional<Event> KongsbergAll::read() {
+  const FrameAt frame_at =
+      order_ == std::endian::little ? datagram_at<std::endian::little> : datagram_at<std::endian::big>;
+  for (;;) {
+    if (auto event = track_.next()) return event;
+    if (ended_) return {};
+    if (const auto datagram = next_frame(input_, frame_at, report_)) {
+      take(*datagram);
+    } else {
+      ended_ = true;
+      track_.finish();
+      tell_counts();
+    }
+  }
+}
+
+void KongsbergAll::take(Bytes bytes) {
+  const RecordView fields(bytes.first(bytes.size() - kTrailer), order_);
+  const auto time = time_of_day(fields.at<std::uint32_t>(8), fields.at<std::uint32_t>(12));
+  if (!checksum_holds(bytes, order_)) ++bad_checksums_;
+  if (!time) return reject("datagram whose date is impossible");
+  const Datagram d{fields,
+                   fields.at<char>(5),
+                   fields.at<std::uint16_t>(6),
+                   fields.at<std::uint16_t>(16),
+                   fields.at<std::uint16_t>(18),
+                   *time};
+  switch (d.type) {
+    case 'X': return take_xyz88(d);
+    case 'D': return take_depth(d);
+    case 'P': return take_position(d);
+    case 'A': return take_attitude(d);
+    case 'n': return take_network_attitude(d);
+    case 'I': return take_installation(d);
+    case 'U': return take_profile(d);
+    case 'R':
+      beam_width_ = Angle::degrees(0.1 * std::max<int>(fields.at<std::uint16_t>(34), fields.at<std::uint8_t>(37)));
+      return;
+    default: ++others_[static_cast<std::uint8_t>(d.type)];
+  }
+}
+
+void KongsbergAll::take_xyz88(const Datagram& d) {
+  constexpr std::size_t kBeams = 40, kBeam = 20;
+  const std::size_t count = d.fields.at<std::uint16_t>(28);
+  if (!d.fields.holds(kBeams, count * kBeam)) return reject("ping shorter than its beams");
+  const double transducer_m = static_cast<double>(d.fields.at<float>(24));
+  if (!(std::abs(transducer_m) < 1.2e4)) return reject("ping whose transducer depth is impossible");
+  Swath swath;
+  swath.soundings.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const RecordView beam(d.fields.part(kBeams + i * kBeam, kBeam), order_);
+    const Eigen::Vector3f p(beam.at<float>(8), beam.at<float>(4), beam.at<float>(0));
+    if ((beam.at<std::uint8_t>(16) & 0x80) != 0) {
+      reject("sounding that the sonar calls invalid");
+    } else if (beam.at<std::int8_t>(17) < 0) {
+      reject("sounding that real-time cleaning has flagged");
+    } else {
+      add_sounding(swath, d, p.cast<double>(), transducer_m, i, beam.at<std::uint8_t>(14));
+    }
+  }
+  swath.time = d.time;
+  swath.frame = Swath::Frame::kLevel;
+  swath.heading = heading_of(d.fields.at<std::uint16_t>(20));
+  swath.beam_width = beam_width_;
+  swath.sound_speed = 0.1 * d.fields.at<std::uint16_t>(22);
+  report_.note_setting("sonar", fmt::format("EM {}, serial {}", d.model, d.serial));
+  track_.add({std::move(swath), std::nullopt, std::nullopt});
+}
+
+void KongsbergAll::take_depth(const Datagram& d) {
+  constexpr std::size_t kBeams = 32, kBeam = 16;
+  const std::size_t count = d.fields.at<std::uint8_t>(27);
+  if (!d.fields.holds(kBeams, count * kBeam + 1)) return reject("ping shorter than its beams");
+  const double z_unit = 0.01 * d.fields.at<std::uint8_t>(28), xy_unit = 0.01 * d.fields.at<std::uint8_t>(29);
+  const double transducer_m =
+      0.01 * d.fields.at<std::uint16_t>(24) + 655.36 * d.fields.at<std::int8_t>(kBeams + count * kBeam);
+  const bool deep = d.model == 120 || d.model == 300;  // their depths are unsigned
+  Swath swath;
+  swath.soundings.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const RecordView beam(d.fields.part(kBeams + i * kBeam, kBeam), order_);
+    const int z = deep ? beam.at<std::uint16_t>(0) : beam.at<std::int16_t>(0);
+    const Eigen::Vector3d p(xy_unit * beam.at<std::int16_t>(4), xy_unit * beam.at<std::int16_t>(2), z_unit * z);
+    if (z == 0) {
+      reject("sounding without a detection");
+    } else {
+      add_sounding(swath, d, p, transducer_m, beam.at<std::uint8_t>(15), 0);
+    }
+  }
+  swath.time = d.time;
+  swath.frame = Swath::Frame::kLevel;
+  swath.heading = heading_of(d.fields.at<std::uint16_t>(20));
+  swath.beam_width = beam_width_;
+  swath.sound_speed = 0.1 * d.fields.at<std::uint16_t>(22);
+  report_.note_setting("sonar", fmt::format("EM {}, serial {}", d.model, d.serial));
+  track_.add({std::move(swath), std::nullopt, std::nullopt});
+}
+
+void KongsbergAll::add_sounding(Swath& swath, const Datagram& d, const Eigen::Vector3d& re_transducer,
+                                double transducer_m, std::size_t beam, double quality) {
+  const Eigen::Vector3d& p = re_transducer;
+  if (!p.allFinite() || p.norm() > 1e5) return reject("sounding that is not finite");
+  if (p.isZero(0)) return reject("sounding without a detection");
+  const std::size_t head = installation_.second_head == d.serial ? 1 : 0;
+  const Eigen::Vector2d across = p.head<2>() - installation_.transducer[head];
+  const double range = std::hypot(across.x(), across.y(), p.z());
+  Sounding sounding;
+  sounding.point = Eigen::Vector3d(p.x(), p.y(), p.z() + transducer_m).cast<float>();
+  sounding.range_m = static_cast<float>(range);
+  sounding.sigma_m = static_cast<float>(quality / kQualityScale * range);
+  sounding.beam = static_cast<std::uint16_t>(beam);
+  swath.soundings.push_back(sounding);
+}
+
+void KongsbergAll::take_position(const Datagram& d) {
+  constexpr std::uint8_t kActive = 0x80;
+  constexpr std::uint16_t kUnknown = 0xFFFF;
+  if ((d.fields.at<std::uint8_t>(36) & kActive) == 0) {
+    ++passive_positions_;
+    return;
+  }
+  const auto latitude = d.fields.at<std::int32_t>(20), longitude = d.fields.at<std::int32_t>(24);
+  if (!d.fields.holds(20, 17) || latitude == 0x7FFFFFFF || longitude == 0x7FFFFFFF) {
+    return reject("position that is none");
+  }
+  PositionFix fix;
+  fix.time = d.time;
+  fix.point = {latitude / 2e7, longitude / 1e7};
+  const auto quality = d.fields.at<std::uint16_t>(28), speed = d.fields.at<std::uint16_t>(30);
+  if (quality != kUnknown) fix.sigma_m = 0.01 * quality;
+  const auto course = heading_of(d.fields.at<std::uint16_t>(32));
+  if (speed != kUnknown && course) fix.velocity = along(*course, 0.01 * speed);
+  fix.heading = heading_of(d.fields.at<std::uint16_t>(34));
+  track_.add(fix);
+}
+
+// Bits of the sensor descriptor: 0 heading is active; 1, 2, 3 roll, pitch, heave are not.
+void KongsbergAll::take_attitude(const Datagram& d) {
+  constexpr std::size_t kSamples = 22, kSample = 12;
+  const std::size_t count = d.fields.at<std::uint16_t>(20);
+  if (!d.fields.holds(kSamples, count * kSample + 1)) return reject("attitude shorter than its samples");
+  const auto sensor = d.fields.at<std::uint8_t>(kSamples + count * kSample);
+  if ((sensor & 0x02) != 0) {
+    ++passive_attitudes_;
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = kSamples + i * kSample;
+    const auto status = d.fields.at<std::uint8_t>(at + 2);
+    if (status >= 0x9A && status <= 0xAF) {  // as the sensors of the EM 3000 format say it
+      reject("attitude sample that its sensor calls invalid");
+      continue;
+    }
+    add_attitude(d.time + std::chrono::milliseconds(d.fields.at<std::uint16_t>(at)), d.fields, at + 4, sensor);
+  }
+}
+
+void KongsbergAll::take_network_attitude(const Datagram& d) {
+  constexpr std::size_t kSample = 11;
+  const std::size_t count = d.fields.at<std::uint16_t>(20);
+  const auto sensor = d.fields.at<std::uint8_t>(22);
+  if ((sensor & 0x02) != 0) {
+    ++passive_attitudes_;
+    return;
+  }
+  std::size_t at = 24;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!d.fields.holds(at, kSample)) return reject("attitude shorter than its samples");
+    add_attitude(d.time + std::chrono::milliseconds(d.fields.at<std::uint16_t>(at)), d.fields, at + 2, sensor);
+    at += kSample + d.fields.at<std::uint8_t>(at + 10);
+  }
+}
+
+/// Roll, pitch, heave, heading from `at` on.
+void KongsbergAll::add_attitude(Time time, const RecordView& fields, std::size_t at, std::uint8_t sensor) {
+  MotionSample sample;
+  sample.time = time;
+  sample.roll = Angle::degrees(0.01 * fields.at<std::int16_t>(at));
+  if ((sensor & 0x04) == 0) sample.pitch = Angle::degrees(0.01 * fields.at<std::int16_t>(at + 2));
+  if ((sensor & 0x08) == 0) sample.heave_m = 0.01 * fields.at<std::int16_t>(at + 4);
+  if ((sensor & 0x01) != 0) sample.heading = heading_of(fields.at<std::uint16_t>(at + 6));
+  track_.add(sample);
+}
+
+void KongsbergAll::take_installation(const Datagram& d) {
+  const std::string_view text = text_of(d.fields.part(22, d.fields.size()));
+  installation_ = Installation::read(text);
+  track_.set_water_line(installation_.water_line_m);
+  report_.note_setting("water line", fmt::format("{:g} m below the reference point", installation_.water_line_m));
+  const auto angle = [&](const char* key) { return number_value(text, key).value_or(0); };
+  report_.note_setting("motion sensor", fmt::format("mounted at roll {:g}, pitch {:g}, heading {:g} degrees",
+                                                    angle("MSR"), angle("MSP"), angle("MSG")));
+}
+
+void KongsbergAll::take_profile(const Datagram& d) {
+  report_.note_setting("sound speed profile",
+                       fmt::format("{} depths, of {}", d.fields.at<std::uint16_t>(28), d.fields.at<std::uint32_t>(20)));
+}
+
+void KongsbergAll::tell_counts() {
+  std::string text;
+  for (std::size_t type = 0; type < others_.size(); ++type) {
+    if (others_[type] == 0) continue;
+    const char letter = static_cast<char>(type);
+    const bool readable = type > ' ' && type < 127;
+    text += (text.empty() ? "" : ", ") + (readable ? std::string(1, letter) : fmt::format("0x{:02x}", type));
+    text += fmt::format(" x {}", others_[type]);
+  }
+  if (!text.empty()) report_.details["other datagrams"] = text;
+  if (bad_checksums_ > 0) {
+    report_.details["checksums"] = fmt::format("{} datagrams with a wrong one, used all the same", bad_checksums_);
+  }
+  if (passive_positions_ + passive_attitudes_ > 0) {
+    report_.details["other sensors"] = fmt::format("{} positions and {} attitude records of such as are not active",
+                                                   passive_positions_, passive_attitudes_);
+  }
+}
+
+}  // namespace
+
+bool looks_like_kongsberg_all(Bytes head) { return order_of(head).has_value(); }
+
+std::unique_ptr<Source> open_kongsberg_all(ByteWindow input, const InputConfig&) {
+  return std::make_unique<KongsbergAll>(std::move(input));
+}
+
+}  // namespace isobath
