@@ -1,0 +1,362 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <condition_variable>
+#include <isobath/base/error.hpp>
+#include <isobath/perception/depth_mapper.hpp>
+#include <isobath/perception/depth_update.hpp>
+#include <isobath/sonar/sensor_table.hpp>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr std::size_t kLongestQueue = 65536;  // looks that wait for a shift
+constexpr std::size_t kCaughtUp = 4;          // of these, given to the new window with each new one
+
+/// Runs one shift at a time beside the caller.
+class ShiftWorker {
+ public:
+  ShiftWorker() : thread_([this] { work(); }) {}
+  ~ShiftWorker() {
+    {
+      const std::scoped_lock guard(lock_);
+      quit_ = true;
+    }
+    wake_.notify_all();
+    thread_.join();
+  }
+  /// Not while a shift runs.
+  std::function<void()> before;
+  void start(DepthMap::Shift* shift) {
+    {
+      const std::scoped_lock guard(lock_);
+      job_ = shift;
+      done_ = false;
+    }
+    wake_.notify_all();
+  }
+  bool done() {
+    const std::scoped_lock guard(lock_);
+    return done_;
+  }
+  void wait() {
+    std::unique_lock guard(lock_);
+    wake_.wait(guard, [this] { return done_; });
+  }
+
+ private:
+  void work() {
+    std::unique_lock guard(lock_);
+    for (;;) {
+      wake_.wait(guard, [this] { return quit_ || job_ != nullptr; });
+      if (quit_) return;
+      DepthMap::Shift* const job = std::exchange(job_, nullptr);
+      guard.unlock();
+      if (before) before();
+      job->run();
+      guard.lock();
+      done_ = true;
+      wake_.notify_all();
+    }
+  }
+  std::mutex lock_;
+  std::condition_variable wake_;
+  DepthMap::Shift* job_ = nullptr;
+  bool done_ = true, quit_ = false;
+  std::thread thread_;
+};
+
+}  // namespace
+
+std::vector<Field> fields(DepthMapperConfig& c) {
+  return {
+      Field::flag("prefilter", &c.prefilter, "Alike readings of one sensor become one of more weight."),
+      Field::flag("quarantine", &c.quarantine, "Depths that nothing around them supports are held back."),
+      Field::flag("honest", &c.honest, "Steps of confidence fall with range and doubt of place; false: as published."),
+      Field::flag("explain", &c.explain, "An echo that the map predicts affirms it and denies nothing."),
+      Field::real("spread_sigmas", &c.spread_sigmas, {0, 5}, "1",
+                  "A sounding speaks of its footprint widened by so many standard deviations of the vehicle's place."),
+      Field::flag(
+          "queue_all", &c.queue_all,
+          "While the window shifts all readings are kept for the new one; false: those that changed something."),
+      Field::flag("background", &c.background, "The window shifts in a thread of its own; the map is the same."),
+  };
+}
+
+const char* to_text(DepthRefusal why) {
+  switch (why) {
+    case DepthRefusal::kHeldAlone: return "depth that nothing around it supports (quarantined)";
+    case DepthRefusal::kBeamAlone: return "beam of a swath whose neighbours contradict it (quarantined)";
+    case DepthRefusal::kImpossible: return "depth that cannot be in these waters";
+    case DepthRefusal::kUseless: return "reading of no use: not finite, upwards, or a cone too wide";
+    case DepthRefusal::kTooWeak: return "reading too unsure to say anything";
+    case DepthRefusal::kManySensors: return "reading of a sensor beyond the 64th";
+    case DepthRefusal::kTooFar:
+      return "echo from beyond evidence.range_cap_m or its sonar's reach, which counts as none";
+  }
+  return "";
+}
+
+struct DepthMapper::Work {
+  Work(DepthMap& depth_map, const DepthMapperParts& all, Time from, DepthCounts& count)
+      : map(depth_map),
+        config(all.mapper),
+        believe_after(static_cast<std::size_t>(all.gate.believe_after)),
+        epoch(from),
+        counts(count),
+        update(all, depth_map.grid()),
+        gate(all.gate),
+        prefilter(all.prefilter) {
+    merged.reserve(2 * SoundingGate::kSensors);
+    if (config.background) {
+      queue.reserve(kLongestQueue);
+      worker = std::make_unique<ShiftWorker>();
+    }
+  }
+  ~Work() { catch_up(true); }
+
+  [[nodiscard]] std::uint32_t minute_of(Time time) const {
+    const auto minutes = std::chrono::duration_cast<std::chrono::minutes>(time - epoch).count();
+    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(minutes, 0, DepthPixel::kLastMinute));
+  }
+  void refuse(DepthRefusal why, std::uint64_t n = 1) { counts.refused[static_cast<std::size_t>(why)] += n; }
+  /// Spread evenly over 0 .. 1 in whatever part of the sequence: multiples of the golden ratio.
+  double draw_lot() { return 0x1p-32 * (lots += 0x9e3779b9U); }
+  void admit(const MergedReading& one, double sigma_m);
+  void use(const DepthLook& look);
+  void count(const DepthLook& look, const UpdateOutcome& outcome);
+  void begin_shift(Pixel target);
+  void catch_up(bool wait);
+
+  DepthMap& map;
+  DepthMapperConfig config;
+  std::size_t believe_after;
+  Time epoch;
+  DepthCounts& counts;
+  DepthUpdate update;
+  SoundingGate gate;
+  ReadingPrefilter prefilter;
+  static_assert(SensorTable::kMost == SoundingGate::kSensors);
+  SensorTable sensors;
+  std::array<std::vector<DepthLook>, SoundingGate::kSensors> held;
+  std::vector<MergedReading> merged;
+  double last_sigma_m = 0;
+  std::uint32_t lots = 0;
+  std::vector<Vector3d> points;
+  std::vector<std::uint8_t> believed;
+  std::optional<Vector2d> last_place;
+  std::unique_ptr<DepthMap::Shift> shift;
+  std::unique_ptr<ShiftWorker> worker;
+  std::vector<DepthLook> queue;  ///< came since the shift began; the first `caught_up` are in the new window already
+  std::size_t caught_up = 0;
+  DepthUpdate::Listener listener;
+};
+
+// What happens to a reading ------------------------------------------------------------------------------------------
+
+void DepthMapper::take(const RangeReading& reading, const Pose& X_WB, double sigma_m) {
+  Work& w = *work_;
+  ++counts_.readings;
+  w.last_sigma_m = sigma_m;
+  if (!w.update.cone(reading, X_WB)) return w.refuse(DepthRefusal::kUseless);
+  const auto known = w.sensors.index_of(reading.X_BS);
+  if (!known) return w.refuse(DepthRefusal::kManySensors);
+  const int sensor = static_cast<int>(*known);
+  if (!w.config.prefilter) return w.admit({.sensor = sensor, .reading = reading, .X_WB = X_WB}, sigma_m);
+  w.merged.clear();
+  w.prefilter.flush_due(reading.time, w.merged);
+  w.prefilter.add(sensor, reading, X_WB, w.merged);
+  for (const MergedReading& one : w.merged) w.admit(one, sigma_m);
+}
+
+/// Quarantine of depths; other readings go on.
+void DepthMapper::Work::admit(const MergedReading& one, double sigma_m) {
+  counts.merged += static_cast<std::uint64_t>(one.count - 1);
+  const std::optional<BeamCone> cone = update.cone(one.reading, one.X_WB);
+  if (!cone) return refuse(DepthRefusal::kUseless);
+  DepthLook look;
+  look.reading = one.reading;
+  look.X_WB = one.X_WB;
+  look.count = one.count;
+  look.sigma_m = sigma_m;
+  look.lot = draw_lot();
+  look.minute = minute_of(one.reading.time);
+  look.depth_sonar = update.is_depth_sonar(*cone);
+  if (!config.quarantine || !look.depth_sonar || !update.is_echo(look.reading, true)) return use(look);
+  std::vector<DepthLook>& aside = held[static_cast<std::size_t>(one.sensor)];
+  switch (gate.judge(one.sensor, cone->apex() + *look.reading.range_m * cone->axis())) {
+    case SoundingGate::Verdict::kImpossible: return refuse(DepthRefusal::kImpossible);
+    case SoundingGate::Verdict::kHeld:
+      if (aside.size() == believe_after) {
+        refuse(DepthRefusal::kHeldAlone);
+        aside.erase(aside.begin());
+      }
+      aside.push_back(look);
+      return;
+    case SoundingGate::Verdict::kConfirmed: {
+      // Of what is held only the row that agreed is confirmed; the gate counts this reading into it.
+      const std::size_t row = std::min(aside.size(), believe_after - 1);
+      refuse(DepthRefusal::kHeldAlone, aside.size() - row);
+      for (std::size_t i = aside.size() - row; i < aside.size(); ++i) use(aside[i]);
+      aside.clear();
+      return use(look);
+    }
+    case SoundingGate::Verdict::kBelieved:
+      refuse(DepthRefusal::kHeldAlone, aside.size());
+      aside.clear();
+      return use(look);
+  }
+}
+
+/// Into the window at once. While another is made, for that one too: it has the last word on what is counted and heard.
+void DepthMapper::Work::use(const DepthLook& look) {
+  catch_up(false);
+  if (shift && queue.size() == kLongestQueue) {
+    ++counts.waited;
+    catch_up(true);
+  }
+  const UpdateOutcome outcome = update.apply(map.window(), look, shift ? nullptr : &listener);
+  if (!shift) return count(look, outcome);
+  if (!config.queue_all && !outcome.changed) {
+    // What lies within both windows finds the same pixels in both, and changes none in either.
+    const PixelWindow reach = update.reach(look);
+    if (overlap(reach, map.window().extent()) == reach && overlap(reach, shift->extent()) == reach) {
+      ++counts.spared;
+      return count(look, outcome);
+    }
+  }
+  ++counts.queued;
+  queue.push_back(look);
+}
+
+void DepthMapper::Work::count(const DepthLook& look, const UpdateOutcome& outcome) {
+  if (look.kind == DepthLook::Kind::kTrack) return;
+  if (outcome.useless) {
+    const bool echo = look.kind == DepthLook::Kind::kSounding || look.reading.range_m;
+    const bool too_far = look.kind == DepthLook::Kind::kRange && echo && std::isfinite(*look.reading.range_m) &&
+                         !update.is_echo(look.reading, look.depth_sonar);
+    if (echo) refuse(too_far ? DepthRefusal::kTooFar : DepthRefusal::kUseless);
+    return;
+  }
+  ++counts.applied;
+  counts.outside += outcome.outside;
+  counts.explained += outcome.explained;
+  if (outcome.weak) refuse(DepthRefusal::kTooWeak);
+  counts.affirmed += outcome.affirmed;
+  counts.conflicted += outcome.conflicted;
+  counts.replaced += outcome.replaced;
+}
+
+void DepthMapper::take(const Swath& swath, const Pose& X_WB, double sigma_m) {
+  Work& w = *work_;
+  counts_.soundings += swath.soundings.size();
+  const Pose X_WF = frame_in_world(swath, X_WB);
+  w.points.clear();
+  for (const Sounding& s : swath.soundings) w.points.push_back(X_WF * s.point.cast<double>());
+  w.believed.assign(w.points.size(), 1);
+  if (w.config.quarantine) w.gate.judge_swath(w.points, w.believed);
+  DepthLook look;
+  look.kind = DepthLook::Kind::kSounding;
+  look.sigma_m = sigma_m;
+  look.minute = w.minute_of(swath.time);
+  look.half_angle = swath.beam_width / 2;
+  for (std::size_t i = 0; i < w.points.size(); ++i) {
+    const Sounding& s = swath.soundings[i];
+    if (s.kind == Sounding::Kind::kBottom && w.believed[i] == 0) {
+      w.refuse(DepthRefusal::kBeamAlone);
+      continue;
+    }
+    look.p = w.points[i];
+    look.lot = w.draw_lot();
+    const Vector3d ray = look.p - X_WF.translation;
+    look.u = ray.norm() > 0 ? Vector3d(ray.normalized()) : Vector3d::UnitZ();
+    look.range_m = static_cast<double>(s.range_m);
+    look.depth_sigma_m = static_cast<double>(s.sigma_m);
+    w.use(look);
+  }
+}
+
+void DepthMapper::passed(Time time, const Pose& X_WB) {
+  Work& w = *work_;
+  const Vector2d place = X_WB.translation.head<2>();
+  if (!w.update.has_pixels(place)) return;
+  const bool near = w.last_place && (place - *w.last_place).norm() < kTrackBreak;
+  DepthLook look;
+  look.kind = DepthLook::Kind::kTrack;
+  look.minute = w.minute_of(time);
+  look.q = place;
+  look.p.head<2>() = near ? *w.last_place : place;
+  w.last_place = place;
+  w.use(look);
+  const auto target = w.map.wanted(place, w.shift.get());
+  if (!target) return;
+  if (w.shift) {  // due again before the last one is over: the map is that of shifts without duration, so it comes
+                  // first
+    ++counts_.waited;
+    w.catch_up(true);
+  }
+  w.begin_shift(*target);
+}
+
+void DepthMapper::finish() {
+  Work& w = *work_;
+  w.merged.clear();
+  w.prefilter.flush(w.merged);
+  for (const MergedReading& one : w.merged) w.admit(one, w.last_sigma_m);
+  for (auto& aside : w.held) {
+    w.refuse(DepthRefusal::kHeldAlone, aside.size());
+    aside.clear();
+  }
+  w.catch_up(true);
+}
+
+// Shifts -------------------------------------------------------------------------------------------------------------
+
+void DepthMapper::Work::begin_shift(Pixel target) {
+  ++counts.shifts;
+  shift = map.begin_shift(target);
+  if (worker) return worker->start(shift.get());
+  shift->run();
+  map.finish_shift(*shift);
+  shift.reset();
+}
+
+/// Once the new window is made: gives it what came since, a few looks at a time so that none waits long, and puts it in
+/// place when it has them all.
+void DepthMapper::Work::catch_up(bool wait) {
+  if (!shift) return;
+  if (wait) worker->wait();
+  if (!worker->done()) return;
+  const std::size_t end = wait ? queue.size() : std::min(queue.size(), caught_up + kCaughtUp);
+  for (; caught_up < end; ++caught_up) {
+    count(queue[caught_up], update.apply(shift->window(), queue[caught_up], &listener));
+  }
+  if (caught_up < queue.size()) return;
+  queue.clear();
+  caught_up = 0;
+  map.finish_shift(*shift);
+  shift.reset();
+}
+
+DepthMapper::DepthMapper(DepthMap& map, const DepthMapperParts& parts, Time epoch)
+    : work_(std::make_unique<Work>(map, parts, epoch, counts_)) {
+  parts.rules.check();
+}
+
+DepthMapper::~DepthMapper() = default;
+
+void DepthMapper::before_shift(std::function<void()> wait) {
+  ISOBATH_ASSERT(work_->worker && !work_->shift);
+  work_->worker->before = std::move(wait);
+}
+
+void DepthMapper::on_change(std::function<void(const PixelChange&)> listener) { work_->listener = std::move(listener); }
+
+}  // namespace isobath

@@ -1,0 +1,68 @@
+// SoundingGate: quarantine for depths that nothing around them supports (ledger S1-72: the bottom is usually smooth).
+//
+// A depth sonar's reading is compared with the one that its sensor was last believed in: it is plausible where the
+// depth differs by no more than the larger of `slack_m` and `slack_share` of the depth, plus `steepest` times the
+// distance in the plane. What is not plausible is held, not used; when `believe_after` held ones in a row agree among
+// themselves (a quay, a wreck, another place) they are confirmed together, and all of them count. A depth outside
+// [highest_m, deepest_m] is impossible and never used. Soundings of a swath are compared with the median of the beams
+// beside them instead.
+//
+// Points p_W are those of the bottom, north-east-down, m. One gate a vehicle, one thread. Nothing allocates after
+// construction.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <Eigen/Core>
+#include <isobath/base/config.hpp>
+#include <span>
+#include <vector>
+
+namespace isobath {
+
+struct SoundingGateConfig {
+  double slack_m = 1.5;
+  double slack_share = 0.15;
+  double steepest = 2;
+  int believe_after = 3;
+  double highest_m = -10;
+  double deepest_m = 12000;
+  int neighbours = 5;  ///< beams on either side
+};
+std::vector<Field> fields(SoundingGateConfig& config);
+
+class SoundingGate {
+ public:
+  static constexpr int kSensors = 64;
+
+  explicit SoundingGate(const SoundingGateConfig& config);
+
+  enum class Verdict : std::uint8_t {
+    kBelieved,   ///< use it; what was held of this sensor was wrong
+    kHeld,       ///< keep it aside
+    kConfirmed,  ///< use it, and all that is held of this sensor
+    kImpossible,
+  };
+  /// 0 <= sensor < kSensors.
+  Verdict judge(int sensor, const Eigen::Vector3d& p_W);
+  /// One a sounding: whether the beams around it support it. `believed` has as many elements as `points`.
+  void judge_swath(std::span<const Eigen::Vector3d> points, std::span<std::uint8_t> believed);
+
+ private:
+  struct Sensor {
+    bool known = false;
+    Eigen::Vector3d last = Eigen::Vector3d::Zero();
+    Eigen::Vector3d held = Eigen::Vector3d::Zero();
+    int in_row = 0;
+  };
+  [[nodiscard]] bool plausible(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+  [[nodiscard]] bool possible(double depth_m) const {
+    return depth_m >= config_.highest_m && depth_m <= config_.deepest_m;
+  }
+
+  SoundingGateConfig config_;
+  std::array<Sensor, kSensors> sensors_;
+  std::vector<double> depths_;
+};
+
+}  // namespace isobath

@@ -1,0 +1,67 @@
+// Course along a linear feature: way-points that follow a ravine, a ridge or a pipeline at a distance (Oskard 1990,
+// III-B; ledger S1-24, S1-F05).
+//
+// The segments of a feature, in any order and sense, are chained to a line that starts near a point. The course lies
+// `offset_m` to starboard of it in the sense of travel (negative: to port). Outside of a bend the joint is mitred, or
+// round where the mitre would reach beyond `mitre_limit` offsets; inside of a bend tighter than the offset, what comes
+// nearer to the line than the offset is cut off. No point of the course is nearer to the line than the offset less
+// `chord_m`, nor farther than mitre_limit offsets.
+//
+// Depth: constant, or an altitude above the shallowest known bottom of the corridor of each leg and of the next, so
+// that the vehicle has climbed before it is needed, no steeper than `slope`; over unknown bottom never below
+// `unknown_depth_m`.
+//
+// Lateral tolerance: a REMUS-100 under LineOfSight (lookahead 8 m, acceptance 3 m) at 1.5 m/s stays within 0.5 m of the
+// course along 20 segments of 25 m with bends of up to 20 degrees (tests/planning). Points (north, east) in W, m. Pure.
+#pragma once
+
+#include <Eigen/Core>
+#include <isobath/base/config.hpp>
+#include <isobath/map/depth_field.hpp>
+#include <isobath/planning/corridor.hpp>
+#include <isobath/vehicle/guidance.hpp>
+#include <span>
+#include <vector>
+
+namespace isobath {
+
+struct FeatureSegment {
+  Eigen::Vector2d a;
+  Eigen::Vector2d b;
+};
+
+/// The line that the segments make, from its end nearer to `start`, built from the segment nearest to it. Ends within
+/// `tolerance_m` meet; where several do, the straightest goes on. Segments that do not connect are left out.
+std::vector<Eigen::Vector2d> chain_segments(std::span<const FeatureSegment> segments, const Eigen::Vector2d& start,
+                                            double tolerance_m);
+
+/// The line moved to starboard; see above.
+std::vector<Eigen::Vector2d> offset_line(std::span<const Eigen::Vector2d> line, double offset_m, double mitre_limit,
+                                         double chord_m);
+
+enum class DepthRule : std::uint8_t { kConstant, kAltitude };
+
+struct FeatureCourseConfig {
+  double offset_m = 0;
+  double mitre_limit = 1.5;
+  double chord_m = 0.25;
+  double speed = 1.5;
+  DepthRule rule = DepthRule::kConstant;
+  double depth_m = 5;          ///< constant
+  double altitude_m = 3;       ///< above the bottom
+  double max_depth_m = 100;    ///< whatever the bottom
+  double unknown_depth_m = 0;  ///< over unknown bottom
+  double half_width_m = 2;     ///< of the corridor whose bottom counts
+  double slope = 0.25;         ///< metres of climb a metre
+  double leg_m = 20;           ///< longer legs are divided for the depth to follow
+};
+
+std::vector<Field> fields(FeatureCourseConfig& config);
+
+enum class CourseRefusal : std::uint8_t { kNoFeature, kNotFinite, kTooLarge };
+
+/// `map` is asked only for the altitude rule, and may be null otherwise.
+Result<std::vector<Waypoint>, CourseRefusal> feature_course(std::span<const Eigen::Vector2d> line,
+                                                            const FeatureCourseConfig& config, const DepthField* map);
+
+}  // namespace isobath

@@ -1,0 +1,40 @@
+// Mission risk: what a path through threats costs (Oskard 1990, III-D; ledger S1-37).
+//
+// A probability per pixel means nothing without the way on which it was met. Kept is its rate: lambda = -ln(1 - p) / L
+// for probability p over a reference length L, so that over a length l it is 1 - exp(-lambda l). Survival multiplies,
+// so the cost is additive: sum lambda l over the pixels of the path, each with the exact length of the path within it;
+// sampling the path more finely changes nothing. Rates of independent threats (detection, destruction) add.
+//
+// Points are (north, east) of W, m. The part of a path outside of the grid is not judged; its length is told. Pure.
+#pragma once
+
+#include <Eigen/Core>
+#include <isobath/map/pixel_grid.hpp>
+#include <span>
+#include <vector>
+
+namespace isobath {
+
+/// 1/m. p in [0, 1): 1 gives an infinite rate.
+double rate_of_probability(double probability, double reference_m);
+double probability_of_rate(double rate_per_m, double length_m);
+
+/// One threat: rates by rows from the north-west of the window.
+struct RiskGrid {
+  PixelGrid grid;
+  PixelWindow window;
+  std::vector<double> rate_per_m;  ///< at least 0
+};
+
+struct PathRisk {
+  double cost = 0;      ///< -ln of the probability that nothing happens
+  double judged_m = 0;  ///< length inside the grid
+  double outside_m = 0;
+
+  [[nodiscard]] double probability() const;
+  PathRisk& operator+=(const PathRisk& other);
+};
+
+PathRisk path_risk(const RiskGrid& risk, std::span<const Eigen::Vector2d> path);
+
+}  // namespace isobath

@@ -1,0 +1,290 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <isobath/planning/pilot_search.hpp>
+#include <numbers>
+#include <optional>
+#include <queue>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kWidest = 500;  // pixels, half of a vehicle: every step looks at its whole corridor
+constexpr std::array<Pixel, 8> kSteps = {{{0, -1}, {1, 0}, {0, 1}, {-1, 0}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}}};
+
+/// What of an area is clear, and how safe it is round each pixel.
+class Area {
+ public:
+  Area(const DepthField& map, PixelWindow window, double vehicle_z, const PilotSearchConfig& config,
+       std::span<const ChartObstacle> chart)
+      : grid_(map.grid()), window_(window) {
+    std::vector<DepthPixel> row(static_cast<std::size_t>(window.width));
+    clear_.reserve(size());
+    for (std::int32_t r = 0; r < window.height; ++r) {
+      map.read({window.column, window.row + r, window.width, 1}, row);
+      for (const DepthPixel& p : row) {
+        clear_.push_back(p.known() && p.depth_m() - vehicle_z >= config.passage.clearance_m);
+      }
+    }
+    for (const ChartObstacle& o : chart) {
+      if (o.top_m - vehicle_z < config.passage.clearance_m) block(o);
+    }
+    measure_risk(config);
+    for (std::size_t i = 0; i < kSteps.size(); ++i) footprints_[i] = footprint(kSteps[i], config.passage.half_width_m);
+  }
+
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(window_.width) * static_cast<std::size_t>(window_.height);
+  }
+  [[nodiscard]] bool contains(Pixel p) const { return window_.contains(p); }
+  [[nodiscard]] std::size_t index(Pixel p) const {
+    return static_cast<std::size_t>(p.row - window_.row) * static_cast<std::size_t>(window_.width) +
+           static_cast<std::size_t>(p.column - window_.column);
+  }
+  [[nodiscard]] Pixel pixel(std::size_t i) const {
+    const auto width = static_cast<std::size_t>(window_.width);
+    return {window_.column + static_cast<std::int32_t>(i % width), window_.row + static_cast<std::int32_t>(i / width)};
+  }
+  [[nodiscard]] bool clear(Pixel p) const { return contains(p) && clear_[index(p)]; }
+  [[nodiscard]] double log_safety(std::size_t i) const { return log_safety_[i]; }
+
+  [[nodiscard]] bool step_is_clear(Pixel from, std::size_t step) const {
+    return std::all_of(footprints_[step].begin(), footprints_[step].end(), [&](Pixel off) {
+      return clear({from.column + off.column, from.row + off.row});
+    });
+  }
+  /// The corridor of a short leg to the centre of a pixel.
+  [[nodiscard]] bool leg_is_clear(const Vector3d& from, Pixel to, double half_width) const {
+    const Vector2d centre = grid_.centre(to);
+    const std::array<Vector3d, 2> leg = {from, Vector3d(centre.x(), centre.y(), from.z())};
+    const auto swept = sweep(grid_, leg, half_width);
+    return swept && std::all_of(swept->begin(), swept->end(), [&](const SweptPixel& s) { return clear(s.pixel); });
+  }
+
+ private:
+  void block(const ChartObstacle& o) {
+    const std::array<Vector3d, 2> line = {Vector3d(o.a.x(), o.a.y(), 0), Vector3d(o.b.x(), o.b.y(), 0)};
+    const double reach = window_.width * grid_.pixel_m + window_.height * grid_.pixel_m + o.radius_m;
+    const Vector2d middle = grid_.centre({window_.column + window_.width / 2, window_.row + window_.height / 2});
+    if (!within_reach_of_segment(o.a, o.b, middle, middle, reach)) return;
+    const auto covered = sweep(grid_, line, o.radius_m);
+    if (!covered) {  // larger than can be swept: all of it, rather than none
+      std::fill(clear_.begin(), clear_.end(), false);
+      return;
+    }
+    for (const SweptPixel& p : *covered) {
+      if (contains(p.pixel)) clear_[index(p.pixel)] = false;
+    }
+  }
+
+  /// ln T by sums over rectangles; pixels outside the area do not count.
+  void measure_risk(const PilotSearchConfig& config) {
+    log_safety_.assign(size(), 0);
+    if (config.risk_weight == 0) return;
+    const std::int32_t w = window_.width, h = window_.height;
+    const auto stride = static_cast<std::size_t>(w) + 1;
+    std::vector<std::int32_t> sum(stride * (static_cast<std::size_t>(h) + 1), 0);
+    const auto at = [&](std::int32_t column, std::int32_t row) -> std::int32_t& {
+      return sum[static_cast<std::size_t>(row) * stride + static_cast<std::size_t>(column)];
+    };
+    for (std::int32_t r = 0; r < h; ++r) {
+      for (std::int32_t c = 0; c < w; ++c) {
+        const std::int32_t here = clear_[index({window_.column + c, window_.row + r})] ? 1 : 0;
+        at(c + 1, r + 1) = here + at(c, r + 1) + at(c + 1, r) - at(c, r);
+      }
+    }
+    const double far = std::min(config.risk_reach_m / grid_.pixel_m, 1e6);
+    const auto reach = static_cast<std::int32_t>(std::lround(far));
+    for (std::int32_t r = 0; r < h; ++r) {
+      const std::int32_t north = std::max(0, r - reach), south = std::min(h, r + reach + 1);
+      for (std::int32_t c = 0; c < w; ++c) {
+        const std::int32_t west = std::max(0, c - reach), east = std::min(w, c + reach + 1);
+        const std::int32_t safe = at(east, south) - at(west, south) - at(east, north) + at(west, north);
+        const double all = static_cast<double>(east - west) * (south - north);
+        log_safety_[index({window_.column + c, window_.row + r})] = std::log(std::max(safe, 1) / all);
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<Pixel> footprint(Pixel step, double half_width) const {
+    const PixelGrid unit{{0, 0}, grid_.pixel_m};
+    const Vector2d a = unit.centre({0, 0}), b = unit.centre(step);
+    const std::array<Vector3d, 2> leg = {Vector3d(a.x(), a.y(), 0), Vector3d(b.x(), b.y(), 0)};
+    std::vector<Pixel> offsets;
+    const auto swept = sweep(unit, leg, half_width);
+    ISOBATH_ASSERT(swept.has_value());
+    for (const SweptPixel& p : *swept) offsets.push_back(p.pixel);
+    return offsets;
+  }
+
+  PixelGrid grid_;
+  PixelWindow window_;
+  std::vector<bool> clear_;
+  std::vector<double> log_safety_;
+  std::array<std::vector<Pixel>, 8> footprints_;
+};
+
+double straight_over_eight(Pixel a, Pixel b, double pixel_m) {
+  const double dx = std::abs(static_cast<double>(a.column) - b.column),
+               dy = std::abs(static_cast<double>(a.row) - b.row);
+  return pixel_m * (std::max(dx, dy) + (std::numbers::sqrt2 - 1) * std::min(dx, dy));
+}
+
+struct Open {
+  double bound;  ///< cost so far and what is left at least
+  double cost;
+  std::size_t node;
+};
+/// Least bound first; of equal ones the farther on, then the smaller node.
+struct Later {
+  bool operator()(const Open& a, const Open& b) const {
+    if (a.bound != b.bound) return a.bound > b.bound;
+    if (a.cost != b.cost) return a.cost < b.cost;
+    return a.node > b.node;
+  }
+};
+
+struct Search {
+  const Area& area;
+  double pixel_m;
+  double risk_weight;
+  std::vector<double> cost;
+  std::vector<std::int8_t> came_by;
+
+  [[nodiscard]] double step_cost(std::size_t from, std::size_t to, std::size_t step) const {
+    const double length = pixel_m * (step < 4 ? 1 : std::numbers::sqrt2);
+    return length * (1 - risk_weight * (area.log_safety(from) + area.log_safety(to)) / 2);
+  }
+
+  /// Whether the goal was reached.
+  Result<bool, PilotRefusal> run(Pixel start, Pixel goal, int budget, PilotPath& path) {
+    cost.assign(area.size(), INFINITY);
+    came_by.assign(area.size(), -1);
+    std::priority_queue<Open, std::vector<Open>, Later> open;
+    cost[area.index(start)] = 0;
+    open.push({straight_over_eight(start, goal, pixel_m), 0, area.index(start)});
+    while (!open.empty()) {
+      const Open best = open.top();
+      open.pop();
+      if (best.cost > cost[best.node]) continue;  // a cheaper way to it was found since
+      if (best.node == area.index(goal)) return true;
+      if (path.expanded++ >= budget) return tl::unexpected(PilotRefusal::kOutOfBudget);
+      expand(best, goal, open, path);
+    }
+    return false;
+  }
+
+  template <class Queue>
+  void expand(const Open& best, Pixel goal, Queue& open, PilotPath& path) {
+    const Pixel here = area.pixel(best.node);
+    for (std::size_t step = 0; step < kSteps.size(); ++step) {
+      const Pixel next{here.column + kSteps[step].column, here.row + kSteps[step].row};
+      if (!area.clear(next)) continue;
+      const std::size_t node = area.index(next);
+      const double total = best.cost + step_cost(best.node, node, step);
+      if (total >= cost[node]) continue;
+      ++path.queries;
+      if (!area.step_is_clear(here, step)) continue;
+      cost[node] = total;
+      came_by[node] = static_cast<std::int8_t>(step);
+      open.push({total + straight_over_eight(next, goal, pixel_m), total, node});
+    }
+  }
+
+  /// Pixels at which the direction changes, with both ends.
+  [[nodiscard]] std::vector<Pixel> corners(Pixel start, Pixel goal, double& length) const {
+    std::vector<Pixel> pixels = {goal};
+    int last = -1;
+    for (Pixel p = goal; !(p == start);) {
+      const int step = static_cast<std::uint8_t>(came_by[area.index(p)]);  // none is unset on the way back
+      if (last >= 0 && step != last) pixels.push_back(p);
+      last = step;
+      length += pixel_m * (step < 4 ? 1 : std::numbers::sqrt2);
+      p = {p.column - kSteps[static_cast<std::size_t>(step)].column,
+           p.row - kSteps[static_cast<std::size_t>(step)].row};
+    }
+    if (!(start == goal)) pixels.push_back(start);
+    std::reverse(pixels.begin(), pixels.end());
+    return pixels;
+  }
+};
+
+/// The box of both with a margin, and room for the corridor.
+std::optional<PixelWindow> window_round(const PixelGrid& grid, const Vector3d& a, const Vector3d& b, double margin) {
+  const Vector2d low = a.head<2>().cwiseMin(b.head<2>()) - Vector2d::Constant(margin);
+  const Vector2d high = a.head<2>().cwiseMax(b.head<2>()) + Vector2d::Constant(margin);
+  const double area = (high - low).prod() / (grid.pixel_m * grid.pixel_m);
+  const double farthest =
+      std::max((low - grid.corner_m).cwiseAbs().maxCoeff(), (high - grid.corner_m).cwiseAbs().maxCoeff());
+  if (!(area < static_cast<double>(kMostSearchedPixels)) || !(farthest < 0x1p29 * grid.pixel_m)) return std::nullopt;
+  const Pixel north_west = grid.at({high.x(), low.y()}), south_east = grid.at({low.x(), high.y()});
+  const PixelWindow w{north_west.column, north_west.row, south_east.column - north_west.column + 1,
+                      south_east.row - north_west.row + 1};
+  if (std::int64_t{w.width} * w.height > kMostSearchedPixels) return std::nullopt;
+  return w;
+}
+
+}  // namespace
+
+std::vector<Field> fields(PilotSearchConfig& c) {
+  std::vector<Field> all = fields(c.passage);
+  std::vector<Field> own = {
+      Field::real("risk_weight", &c.risk_weight, {0, 1000}, "1", "Metres of detour per e-fold of risk and metre."),
+      Field::real("risk_reach_m", &c.risk_reach_m, {0, 1000}, "m", "Shallow water within this distance is a risk."),
+      Field::real("margin_m", &c.margin_m, {0, 100000}, "m", "Searched around the box of start and goal."),
+      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1", "Pixels after which it gives up."),
+  };
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
+}
+
+const char* to_text(PilotRefusal refusal) {
+  switch (refusal) {
+    case PilotRefusal::kNotFinite: return "start or goal is not finite";
+    case PilotRefusal::kAreaTooLarge: return "start and goal are too far apart for the map's pixels";
+    case PilotRefusal::kStartBlocked: return "the start is not clear";
+    case PilotRefusal::kGoalBlocked: return "the goal is not clear";
+    case PilotRefusal::kNoPath: return "no path within the margin";
+    case PilotRefusal::kOutOfBudget: return "no path within the budget";
+  }
+  return "";
+}
+
+Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Vector3d& start, const Vector3d& goal,
+                                            const PilotSearchConfig& config, std::span<const ChartObstacle> chart) {
+  // 1. the area, and what of it is clear
+  if (!start.allFinite() || !goal.allFinite()) return tl::unexpected(PilotRefusal::kNotFinite);
+  const PixelGrid grid = map.grid();
+  const double half_width = config.passage.half_width_m;
+  if (half_width > kWidest * grid.pixel_m) return tl::unexpected(PilotRefusal::kAreaTooLarge);
+  const auto window = window_round(grid, start, goal, config.margin_m + half_width + grid.pixel_m);
+  if (!window) return tl::unexpected(PilotRefusal::kAreaTooLarge);
+  const double z = std::max(start.z(), goal.z());
+  const Area area(map, *window, z, config, chart);
+  // 2. both ends
+  const Pixel from = grid.at(start.head<2>()), to = grid.at(goal.head<2>());
+  if (!area.leg_is_clear(start, from, half_width)) return tl::unexpected(PilotRefusal::kStartBlocked);
+  if (!area.leg_is_clear(goal, to, half_width)) return tl::unexpected(PilotRefusal::kGoalBlocked);
+  // 3. the search
+  PilotPath path;
+  path.map_version = map.version();
+  Search search{area, grid.pixel_m, config.risk_weight, {}, {}};
+  const auto reached = search.run(from, to, config.most_expanded, path);
+  if (!reached) return tl::unexpected(reached.error());
+  if (!*reached) return tl::unexpected(PilotRefusal::kNoPath);
+  // 4. the path
+  path.cost = search.cost[area.index(to)];
+  const auto add = [&](const Vector2d& p) {
+    if (path.points.empty() || (path.points.back().head<2>() - p).norm() > 1e-9)
+      path.points.emplace_back(p.x(), p.y(), z);
+  };
+  add(start.head<2>());
+  for (const Pixel p : search.corners(from, to, path.length_m)) add(grid.centre(p));
+  add(goal.head<2>());
+  return path;
+}
+
+}  // namespace isobath

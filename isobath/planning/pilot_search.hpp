@@ -1,0 +1,61 @@
+// PilotSearch: the safest, most efficient path over the pixels of a depth map, by A* (Oskard 1990, III-D; ledger
+// S1-42).
+//
+// From pixel centre to pixel centre over eight neighbours. A step is possible where the corridor of the vehicle's
+// half-width between both centres is clear (traversability S1-41, strict: unknown is not clear, no corner is cut), so
+// that the whole path is. Its cost is
+//   length - w integral ln T ds,     T the fraction of clear pixels within `risk_reach_m` (a square), trapezoid a step
+// so that w says how many metres of detour one e-fold of traversability is worth per metre of path; w = 0 gives the
+// shortest path. The straight line over eight directions never overestimates, since T <= 1: the path is the cheapest.
+//
+// The same over blocks of a coarser map: give it a field whose pixels are the blocks' least depths. Replanning is
+// calling it again; `traversability` of what it returned says when.
+//
+// One depth for the search, that of the deeper end; points (north, east, depth) in W, m, of the vehicle's lowest part.
+// Pure: same input, same path. Cost on one core: 0.05 us a pixel of the area to prepare, 1 us a pixel expanded.
+#pragma once
+
+#include <cstdint>
+#include <Eigen/Core>
+#include <isobath/planning/traversability.hpp>
+#include <span>
+#include <vector>
+
+namespace isobath {
+
+struct PilotSearchConfig {
+  PassageConfig passage;
+  double risk_weight = 1;         ///< w
+  double risk_reach_m = 5;        ///< at least the half-width for it to see more than the search does
+  double margin_m = 50;           ///< searched around the box of start and goal
+  int most_expanded = 1'000'000;  ///< pixels, the budget
+};
+
+std::vector<Field> fields(PilotSearchConfig& config);
+
+enum class PilotRefusal : std::uint8_t {
+  kNotFinite,
+  kAreaTooLarge,  ///< above kMostSearchedPixels
+  kStartBlocked,
+  kGoalBlocked,
+  kNoPath,
+  kOutOfBudget,
+};
+const char* to_text(PilotRefusal refusal);
+
+inline constexpr std::int64_t kMostSearchedPixels = 1 << 24;
+
+struct PilotPath {
+  std::vector<Eigen::Vector3d> points;  ///< start, corners, goal
+  double cost = 0;                      ///< from the start's pixel to the goal's
+  double length_m = 0;                  ///< likewise
+  std::int64_t queries = 0;             ///< steps whose corridor was looked at
+  std::int64_t expanded = 0;
+  std::uint64_t map_version = 0;
+};
+
+Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Eigen::Vector3d& start,
+                                            const Eigen::Vector3d& goal, const PilotSearchConfig& config,
+                                            std::span<const ChartObstacle> chart = {});
+
+}  // namespace isobath
