@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Core>
 #include <functional>
 #include <string>
 #include <vector>
@@ -20,6 +21,12 @@ Action add_info(CLI::App& program);
 Action add_convert(CLI::App& program);
 Action add_calibrate(CLI::App& program);
 Action add_compare(CLI::App& program);
+Action add_crosscheck(CLI::App& program);
+Action add_path(CLI::App& program);
+
 Action add_config(CLI::App& program);
+
+/// "41.66,-82.82" as two numbers; throws Error where it is not.
+Eigen::Vector2d pair_of(const std::string& text);
 
 }  // namespace isobath::app

@@ -1,9 +1,14 @@
+#include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/io/open.hpp>
+#include <isobath/map/map_folder.hpp>
 #include <isobath/runtime/inspection.hpp>
+#include <isobath/runtime/map_changes.hpp>
+#include <isobath/runtime/map_raster.hpp>
+#include <isobath/runtime/result_text.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -29,6 +34,15 @@ ordered_json to_json(const SourceReport& report, const Inspection& facts) {
   for (const PingGeometry& g : facts.geometries) {
     json["geometries"].push_back(
         {{"beams", g.beams}, {"bins", g.bins}, {"start_m", g.start_m}, {"end_m", g.end_m}, {"pings", g.pings}});
+  }
+  if (facts.swaths.swaths > 0) {
+    const SwathFacts& s = facts.swaths;
+    json["soundings"] = {{"count", s.soundings},
+                         {"in_water", s.in_water},
+                         {"per_swath", {s.beams_min, s.beams_max}},
+                         {"below", s.level ? "water" : "body"},
+                         {"depth_m", {s.depth_min_m, s.depth_max_m}},
+                         {"sound_speed", {s.sound_speed_min, s.sound_speed_max}}};
   }
   json["damage"] = ordered_json::array();
   for (const Damage& d : report.damages) {
@@ -59,9 +73,95 @@ void print(const std::string& input, const SourceReport& report, const Inspectio
                "beams", facts.azimuth_min_deg, facts.azimuth_max_deg, facts.beam_width_deg, facts.beam_height_deg,
                facts.intensity_min, facts.intensity_max, facts.full_scale);
   }
+  if (facts.swaths.swaths > 0) {
+    const SwathFacts& s = facts.swaths;
+    fmt::print("  {:<12} {} ({} .. {} a swath), {} in the water, {:.2f} .. {:.2f} m below the {}", "soundings",
+               s.soundings, s.beams_min, s.beams_max, s.in_water, s.depth_min_m, s.depth_max_m,
+               s.level ? "water" : "body");
+    if (s.sound_speed_max > 0) fmt::print(", sound {:.1f} .. {:.1f} m/s", s.sound_speed_min, s.sound_speed_max);
+    fmt::print("\n");
+  }
   for (const auto& [reason, count] : report.rejected) fmt::print("  {:<12} {} x {}\n", "rejected", count, reason);
   for (const Damage& d : report.damages)
     fmt::print("  {:<12} {} bytes at {}: {}\n", "damage", d.bytes, d.offset, d.reason);
+}
+
+}  // namespace
+
+namespace {
+
+void print(const MapChanges& changes) {
+  fmt::print("  {:<12} {} obstacles and {} other regions; {} of {} measured pixels changed, {} are uncharted\n",
+             "changes", changes.obstacles(), changes.regions.size() - changes.obstacles(), changes.changed_pixels,
+             changes.sensed_pixels, changes.uncharted_pixels);
+  for (const ChangedRegion& r : changes.regions) {
+    const Eigen::Vector2d size = r.north_east - r.south_west;
+    fmt::print(
+        "  {:<12} by {}: {:.2f} m at north {:.1f} m, east {:.1f} m, charted {:.2f} m; {:.1f} m x {:.1f} m; "
+        "confidence {} of 20\n",
+        kind_of(r), to_text(r.source()), r.shoalest_m, r.shoalest_at.x(), r.shoalest_at.y(), r.charted_m, size.x(),
+        size.y(), r.confidence);
+  }
+  fmt::print("  {:<12} {} pixels\n", "track", changes.track_pixels);
+}
+
+int act_on_map(const std::string& folder, bool json, std::optional<double> margin_m) {
+  const StoredMap map = open_map(folder);
+  const MapFacts& f = map.facts;
+  const PixelWindow known = known_extent(map.trees);
+  const double pixel = f.area.grid.pixel_m;
+  ordered_json out{{"format", "Isobath depth map"},
+                   {"generation", f.generation},
+                   {"pixel_m", pixel},
+                   {"area_m", std::ldexp(pixel, f.area.levels)},
+                   {"datum", f.datum},
+                   {"epoch", to_text(f.epoch)},
+                   {"known_m", {known.height * pixel, known.width * pixel}}};
+  if (f.origin) out["origin"] = {{"latitude_deg", f.origin->latitude_deg}, {"longitude_deg", f.origin->longitude_deg}};
+  out["priors"] = f.priors;
+  out["visits"] = ordered_json::array();
+  for (const MapVisit& v : f.visits) {
+    ordered_json visit{{"input", v.input}, {"first", to_text(v.first)}, {"last", to_text(v.last)}};
+    for (const auto& [what, count] : v.counts) visit[what] = count;
+    out["visits"].push_back(std::move(visit));
+  }
+  const auto tree_name = [](const char* name) { return std::string(name) + " tree"; };
+  const std::pair<const char*, const RegionQuadtree*> trees[] = {
+      {"prior", &map.trees.prior()}, {"sensed", &map.trees.sensed()}, {"state", &map.trees.state()}};
+  for (const auto& [name, tree] : trees) {
+    const RegionQuadtree::Statistics s = tree->statistics();
+    out["trees"][name] = {{"leaves", s.leaves}, {"words", s.words}, {"pages", s.pages}, {"bytes", s.bytes}};
+  }
+  out["damage"] = ordered_json::array();
+  for (const MapDamage& d : map.damages) out["damage"].push_back(to_text(d));
+  std::optional<MapChanges> changes;
+  if (margin_m) changes = find_changes(map.trees, f.area.grid, *margin_m);
+  if (changes) {
+    out["changes"] = changes_json(*changes, f.origin);
+    out["changes"]["track_m"] = track_json(*changes, f.area.grid);
+  }
+  if (json) {
+    fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    return kSuccess;
+  }
+  fmt::print("{}: Isobath depth map, generation {}\n", folder, f.generation);
+  fmt::print("  {:<12} {} m pixels, {:.0f} m square, depths below {}\n", "area", pixel,
+             std::ldexp(pixel, f.area.levels), f.datum);
+  if (f.origin) fmt::print("  {:<12} {:.7f}, {:.7f}\n", "origin", f.origin->latitude_deg, f.origin->longitude_deg);
+  fmt::print("  {:<12} {:.0f} m north to south, {:.0f} m west to east\n", "known", known.height * pixel,
+             known.width * pixel);
+  for (const std::string& prior : f.priors) fmt::print("  {:<12} {}\n", "prior", prior);
+  for (const MapVisit& v : f.visits) {
+    fmt::print("  {:<12} {}, {} to {}\n", "visit", v.input, to_text(v.first), to_text(v.last));
+  }
+  for (const auto& [name, tree] : trees) {
+    const RegionQuadtree::Statistics s = tree->statistics();
+    fmt::print("  {:<12} {} leaves, {} words, {:.2f} MB\n", tree_name(name), s.leaves, s.words,
+               static_cast<double>(s.bytes) / 1e6);
+  }
+  for (const MapDamage& d : map.damages) fmt::print("  {:<12} {}\n", "damage", to_text(d));
+  if (changes) print(*changes);
+  return kSuccess;
 }
 
 }  // namespace
@@ -71,13 +171,21 @@ Action add_info(CLI::App& program) {
     ConfigOptions config;
     std::string input;
     bool json = false;
+    bool changes = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("info", "What is in a file: streams, rates, gaps, damage");
-  command->add_option("FILE", options->input, "Log, or folder of frames")->required();
+  command->add_option("FILE", options->input, "Log, folder of frames or of logs, or depth map")->required();
   command->add_flag("--json", options->json, "One JSON object instead of text");
+  command->add_flag("--changes", options->changes,
+                    "Of a depth map: what sonar changed against the chart, and the track");
   options->config.add_to(*command);
   return [options] {
+    if (looks_like_map(options->input)) {
+      std::optional<double> margin;
+      if (options->changes) margin = options->config.read().depth.evidence.margin_m;
+      return act_on_map(options->input, options->json, margin);
+    }
     const auto source = open_source(options->input, options->config.read().input);
     ProgressLine progress;
     const Inspection facts = inspect(*source, [&](std::uint64_t events) {

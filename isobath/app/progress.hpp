@@ -11,8 +11,8 @@ class ProgressLine {
  public:
   ProgressLine();
   ~ProgressLine() { clear(); }
-  /// Shows done of total bytes (total 0: unknown) and the pings so far, at most five times a second.
-  void show(std::uint64_t done, std::uint64_t total, std::uint64_t pings);
+  /// Shows done of total bytes (total 0: unknown) and the readings so far, at most five times a second.
+  void show(std::uint64_t done, std::uint64_t total, std::uint64_t readings);
   void clear();
 
  private:

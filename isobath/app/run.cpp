@@ -26,8 +26,10 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
   for (const auto& file : outcome.files) files.push_back((request.out / file).string());
   const double wall = outcome.timings.wall_s;
   return {{"problem", outcome.problem},
+          {"alarms", alarms_json(outcome)},
           {"counts", counts_json(outcome)},
           {"rejected", rejected_json(outcome)},
+          {"depth", outcome.depth ? depth_json(*outcome.depth) : ordered_json()},
           {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},
           {"rates",
            {{"log_s", outcome.log_s},
@@ -54,16 +56,39 @@ void print(const TruthScore& truth) {
   }
 }
 
+void print(const RunRequest& request, const DepthOutcome& depth) {
+  const DepthCounts& n = depth.counts;
+  fmt::print("depth map: {} ranges and {} soundings; {} pixels measured, ", n.readings, n.soundings,
+             depth.sensed_pixels);
+  if (depth.confirmed_pixels > 0) fmt::print("{} charted ones confirmed, ", depth.confirmed_pixels);
+  fmt::print("{} known\n", depth.known_pixels);
+  for (const std::string& prior : depth.priors) fmt::print("  prior: {}\n", prior);
+  for (const auto& [reason, count] : depth.prior_left_out) fmt::print("  prior: left out {}: {}\n", count, reason);
+  for (const auto& [reason, count] : depth.refused) fmt::print("  refused {}: {}\n", count, reason);
+  if (depth.pixels_lost > 0) fmt::print("  {} pixels lay outside the operational area\n", depth.pixels_lost);
+  for (const std::string& damage : depth.damages) fmt::print("  damaged: {}\n", damage);
+  if (depth.generation > 0) {
+    fmt::print("  committed to {} as generation {}\n", request.map.string(), depth.generation);
+  }
+}
+
 void print(const RunRequest& request, const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
-  fmt::print("{} pings in {:.1f} s of log, {} scans, {} echoes of {} bins; {:.2f} s of work ({:.0f} x real time)\n",
-             n.pings, outcome.log_s, n.scans, n.hits, n.bins, outcome.timings.wall_s,
-             outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0);
+  if (n.pings > 0 || !outcome.depth) {
+    fmt::print("{} pings in {:.1f} s of log, {} scans, {} echoes of {} bins; {:.2f} s of work ({:.0f} x real time)\n",
+               n.pings, outcome.log_s, n.scans, n.hits, n.bins, outcome.timings.wall_s,
+               outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0);
+  } else {
+    fmt::print("{} ranges and {} swaths within {}; {:.2f} s of work\n", n.ranges, n.swaths, span_text(outcome.log_s),
+               outcome.timings.wall_s);
+  }
+  for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
   for (const Damage& d : outcome.source.damages)
     fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
   if (!outcome.undecided.empty()) fmt::print("at the end no bin could be decided: {}\n", outcome.undecided);
-  fmt::print("{} obstacles at the end\n", outcome.obstacles.size());
+  if (outcome.depth) print(request, *outcome.depth);
+  if (n.pings > 0 || !outcome.depth) fmt::print("{} obstacles at the end\n", outcome.obstacles.size());
   if (outcome.truth) print(*outcome.truth);
   for (const Obstacle& o : outcome.obstacles) {
     if (o.behind) continue;
@@ -81,7 +106,7 @@ int act(Options& options) {
   request.configuration = options.config.read();
   ProgressLine progress;
   request.progress = [&](const SourceReport& source, const PipelineCounts& counts) {
-    progress.show(source.bytes_read, source.bytes_total, counts.pings);
+    progress.show(source.bytes_read, source.bytes_total, counts.pings + counts.ranges + counts.swaths);
   };
   const RunOutcome outcome = run(request);
   progress.clear();
@@ -105,6 +130,8 @@ Action add_run(CLI::App& program) {
   command->add_option("INPUT", options->request.input,
                       "Log, folder of frames, or scene (.toml); without it, the embedded scene");
   command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
+  command->add_option("--map", options->request.map, "Folder of a depth map to continue, or to begin")
+      ->type_name("FOLDER");
   command->add_option("--model", options->model, "Sensor model made by isobath calibrate")->type_name("FILE");
   command->add_option("--input-set", options->set, "Set of frames in a folder that holds several")->type_name("NAME");
   command->add_option("--pass", options->pass, "Pass of a set that holds several; default: the first");

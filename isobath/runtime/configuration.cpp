@@ -12,19 +12,30 @@ std::vector<Field> fields(MapConfig& c) {
 }
 
 std::vector<Section> sections(Configuration& c) {
-  return {{"input", "What logs do not say about the sonar and how it is mounted.", fields(c.input)},
-          {"gate", "What the pipeline refuses: late events.", fields(c.gate)},
-          {"poses", "How a ping gets the pose of its transmit time.", fields(c.poses)},
-          {"sensor", "What is known of the sonar from a calibration.", fields(c.sensor)},
-          {"echoes", "From intensities to decisions: which bins hold an echo.", fields(c.echoes)},
-          {"map", "How the grid is chosen.", fields(c.map)},
-          {"grid", "The body-fixed grid of occupancy.", fields(c.grid)},
-          {"motion", "How sure the vehicle is of its own motion.", fields(c.update.motion)},
-          {"update", "From decisions to occupancy.", fields(c.update)},
-          {"table", "The table of overlaps of bins and cells.", fields(c.update.table)},
-          {"obstacles", "From occupancy to outlines.", fields(c.obstacles)},
-          {"calibration", "From marked recordings to a sensor model.", fields(c.calibration)},
-          {"simulation", "What overrides a scene, where the input is one.", fields(c.simulation)}};
+  return {
+      {"input", "What logs do not say about the sonar and how it is mounted.", fields(c.input)},
+      {"gate", "What the pipeline refuses: late events.", fields(c.gate)},
+      {"poses", "How a ping gets the pose of its transmit time.", fields(c.poses)},
+      {"sensor", "What is known of the sonar from a calibration.", fields(c.sensor)},
+      {"echoes", "From intensities to decisions: which bins hold an echo.", fields(c.echoes)},
+      {"map", "How the grid is chosen.", fields(c.map)},
+      {"grid", "The body-fixed grid of occupancy.", fields(c.grid)},
+      {"motion", "How sure the vehicle is of its own motion.", fields(c.update.motion)},
+      {"update", "From decisions to occupancy.", fields(c.update)},
+      {"table", "The table of overlaps of bins and cells.", fields(c.update.table)},
+      {"obstacles", "From occupancy to outlines.", fields(c.obstacles)},
+      {"depth_map", "The chart of the bottom that ranges and soundings make.", fields(c.depth_map)},
+      {"prior", "What a new depth map begins with.", fields(c.prior)},
+      {"depth", "From ranges and soundings to the depth map.", fields(c.depth.mapper)},
+      {"confidence", "How readings change what is believed of a pixel.", fields(c.depth.rules)},
+      {"evidence", "What one reading says of which pixels.", fields(c.depth.evidence)},
+      {"deviation", "How far ranges and places may be off: standard deviations.", fields(c.depth.evidence.deviation)},
+      {"prefilter", "Which readings of one sensor are alike and become one.", fields(c.depth.prefilter)},
+      {"quarantine", "Which depths must be confirmed before they are believed.", fields(c.depth.gate)},
+      {"collision", "When raw ranges raise the alarm, whatever the maps say.", fields(c.collision)},
+      {"state", "When health reports raise an alarm.", fields(c.state)},
+      {"calibration", "From marked recordings to a sensor model.", fields(c.calibration)},
+      {"simulation", "What overrides a scene, where the input is one.", fields(c.simulation)}};
 }
 
 }  // namespace isobath

@@ -4,13 +4,18 @@
 #include <isobath/base/config.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/map/body_grid.hpp>
+#include <isobath/map/depth_map.hpp>
+#include <isobath/perception/depth_mapper.hpp>
 #include <isobath/perception/grid_mapper.hpp>
+#include <isobath/perception/imminent_collision.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/runtime/depth_prior.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <isobath/sonar/calibration.hpp>
 #include <isobath/sonar/echo_detector.hpp>
+#include <isobath/vehicle/state_evaluator.hpp>
 #include <vector>
 
 namespace isobath {
@@ -35,6 +40,11 @@ struct Configuration {
   BodyGridConfig grid;
   GridMapperConfig update;
   ObstacleDetectorConfig obstacles;
+  DepthMapConfig depth_map;
+  DepthMapperParts depth;
+  DepthPriorConfig prior;
+  ImminentCollisionConfig collision;
+  StateEvaluatorConfig state;
   CalibrationConfig calibration;
   SimulationConfig simulation;
 };

@@ -25,13 +25,24 @@ const char* content_fault(const Health& health) {
   return health.battery_share >= 0 && health.battery_share <= 1 ? nullptr : EventGate::kBadHealth;
 }
 
+const char* content_fault(const Swath& swath) {
+  const SwathFault fault = check(swath);
+  return fault == SwathFault::kNone ? nullptr : to_text(fault);
+}
+
 }  // namespace
 
 std::vector<Field> fields(EventGateConfig& c) {
   return {Field::real("max_age_s", &c.max_age_s, {0, 3600}, "s",
                       "Events that lie further than this behind the newest one are rejected."),
           Field::integer("restart_after", &c.restart_after, {2, 1000000}, "1",
-                         "Late events in a row, in order among themselves, after which the clock counts as set back.")};
+                         "Late events in a row, in order among themselves, after which the clock counts as set back."),
+          Field::real("most_speed", &c.most_speed, {0.1, 1000}, "m/s",
+                      "The fastest that the vehicle can move from one fix to the next."),
+          Field::real("leap_m", &c.leap_m, {0, 1e6}, "m",
+                      "By how much navigation may correct itself at once; a fix farther off is refused as a leap."),
+          Field::integer("believe_leap_after", &c.believe_leap_after, {1, 1000000}, "1",
+                         "Fixes in a row, in agreement among themselves, after which a leap is believed.")};
 }
 
 EventGate::Verdict EventGate::judge(const Event& event) {
@@ -43,6 +54,14 @@ EventGate::Verdict EventGate::judge(const Event& event) {
   Stream& stream = streams_[event.index()];
   const Time time = time_of(event);
   fault = order_fault(stream, time);
+  const auto* fix = std::get_if<Navigation>(&event);
+  if (!fault && fix) {
+    fault = leap_fault(*fix);
+    if (fault) {
+      count(fault);
+      return Verdict::kRejected;
+    }
+  }
   if (!fault) {
     stream.newest = time;
     stream.late_in_order = 0;
@@ -52,6 +71,8 @@ EventGate::Verdict EventGate::judge(const Event& event) {
   if (stream.late_in_order >= config_.restart_after) {
     for (Stream& s : streams_) s = {};
     stream.newest = newest_ = time;
+    last_.reset();
+    if (fix) last_ = Place{fix->time, fix->X_WB.translation};
     return Verdict::kRestarted;
   }
   count(fault);
@@ -65,6 +86,24 @@ const char* EventGate::order_fault(Stream& stream, Time time) {
   stream.late_in_order = time >= stream.late_newest ? stream.late_in_order + 1 : 1;
   stream.late_newest = time;
   return backwards ? kBackwards : kTooOld;
+}
+
+bool EventGate::in_reach(const Place& from, const Place& to) const {
+  const double time_s = std::abs(to_seconds(to.time - from.time));
+  return (to.p_WB - from.p_WB).norm() <= config_.leap_m + config_.most_speed * time_s;
+}
+
+const char* EventGate::leap_fault(const Navigation& fix) {
+  const Place here{fix.time, fix.X_WB.translation};
+  if (last_ && !in_reach(*last_, here)) {
+    leaps_ = leapt_ && in_reach(*leapt_, here) ? leaps_ + 1 : 1;
+    leapt_ = here;
+    if (leaps_ < config_.believe_leap_after) return kLeap;
+  }
+  last_ = here;
+  leapt_.reset();
+  leaps_ = 0;
+  return nullptr;
 }
 
 std::uint64_t EventGate::rejected_total() const {

@@ -1,8 +1,12 @@
 // EventGate: the first stage of the pipeline. Lets through what is finite, in order and fresh; counts every rejection
-// by its reason (design, section 3). Each stream (pings, navigation, ranges) is ordered on its own.
+// by its reason (design, section 3). Each stream (pings, navigation, ranges, swaths) is ordered on its own.
 //
 // A clock that was set back is told from a single stray stamp: after `restart_after` rejections in a row whose own
 // order is right, the gate starts anew from there, and says so once (`restarted`), so that maps can be begun afresh.
+//
+// A fix that lies farther from the last one than any vehicle gets in the time between is a leap: it is refused, and
+// believed only after `believe_leap_after` fixes in a row that agree among themselves. Readings taken meanwhile have no
+// fresh pose, and so put nothing in a wrong place of the map.
 #pragma once
 
 #include <array>
@@ -16,6 +20,9 @@ namespace isobath {
 struct EventGateConfig {
   double max_age_s = 2;    ///< behind the newest event of any stream
   int restart_after = 20;  ///< events in a row that are late but in order among themselves
+  double most_speed = 30;  ///< m/s, of the vehicle, between two fixes
+  double leap_m = 100;     ///< that navigation may correct itself by at once
+  int believe_leap_after = 5;
 };
 std::vector<Field> fields(EventGateConfig& config);
 
@@ -33,6 +40,7 @@ class EventGate {
 
   static constexpr const char* kBackwards = "time runs backwards";
   static constexpr const char* kTooOld = "older than the limit";
+  static constexpr const char* kLeap = "position leaps farther than any vehicle moves";
   static constexpr const char* kBadNavigation = "navigation not finite";
   static constexpr const char* kBadRange = "range not finite";
   static constexpr const char* kBadHealth = "health report whose charge is no share";
@@ -44,10 +52,18 @@ class EventGate {
     int late_in_order = 0;
   };
   const char* order_fault(Stream& stream, Time time);
+  struct Place {
+    Time time;
+    Eigen::Vector3d p_WB;
+  };
+  const char* leap_fault(const Navigation& fix);
+  [[nodiscard]] bool in_reach(const Place& from, const Place& to) const;
 
   EventGateConfig config_;
   std::array<Stream, std::variant_size_v<Event>> streams_;
   Time newest_ = Time::min();
+  std::optional<Place> last_, leapt_;  ///< the last fix, and the last of the present row of leaps
+  int leaps_ = 0;
   std::map<std::string, std::uint64_t> rejected_;
 };
 

@@ -73,6 +73,25 @@ void count_samples(Inspection& facts, const Ping& ping, std::vector<float>& prof
   facts.full_scale = ping.full_scale;
 }
 
+void count_soundings(SwathFacts& facts, const Swath& swath) {
+  const std::size_t beams = swath.soundings.size();
+  const bool first = facts.swaths++ == 0;
+  facts.beams_min = first ? beams : std::min(facts.beams_min, beams);
+  facts.beams_max = std::max(facts.beams_max, beams);
+  facts.level = swath.frame == Swath::Frame::kLevel;
+  if (swath.sound_speed > 0) {
+    const bool unset = facts.sound_speed_max == 0;
+    facts.sound_speed_min = unset ? swath.sound_speed : std::min(facts.sound_speed_min, swath.sound_speed);
+    facts.sound_speed_max = std::max(facts.sound_speed_max, swath.sound_speed);
+  }
+  for (const Sounding& s : swath.soundings) {
+    const bool unset = facts.soundings++ == 0;
+    facts.depth_min_m = unset ? s.point.z() : std::min(facts.depth_min_m, s.point.z());
+    facts.depth_max_m = unset ? s.point.z() : std::max(facts.depth_max_m, s.point.z());
+    if (s.kind == Sounding::Kind::kWater) ++facts.in_water;
+  }
+}
+
 }  // namespace
 
 double StreamFacts::rate() const {
@@ -87,7 +106,7 @@ Inspection inspect(Source& source, const std::function<void(std::uint64_t)>& pro
   facts.azimuth_min_deg = 360;
   facts.azimuth_max_deg = -360;
   StreamCount streams[] = {StreamCount("pings"), StreamCount("ranges"), StreamCount("navigation"),
-                           StreamCount("health")};
+                           StreamCount("health"), StreamCount("swaths")};
   static_assert(std::variant_size_v<Event> == std::size(streams));
   std::vector<float> profile;
   std::uint64_t events = 0;
@@ -99,6 +118,13 @@ Inspection inspect(Source& source, const std::function<void(std::uint64_t)>& pro
         count_samples(facts, *ping, profile);
       } else {
         ++facts.bad_pings;
+      }
+    }
+    if (const auto* swath = std::get_if<Swath>(&*event)) {
+      if (check(*swath) == SwathFault::kNone) {
+        count_soundings(facts.swaths, *swath);
+      } else {
+        ++facts.bad_swaths;
       }
     }
     if (progress && ++events % 64 == 0) progress(events);

@@ -9,7 +9,7 @@
 namespace isobath {
 
 struct StreamFacts {
-  std::string name;  ///< "pings", "ranges", "navigation"
+  std::string name;  ///< "pings", "ranges", "navigation", "swaths"
   std::uint64_t events = 0;
   Time first, last;
   double median_interval_s = 0;
@@ -29,6 +29,15 @@ struct PingGeometry {
   std::uint64_t pings = 0;
 };
 
+/// All swaths of a log together; lows and highs over those that a map could use.
+struct SwathFacts {
+  std::uint64_t swaths = 0, soundings = 0, in_water = 0;  ///< in_water: soundings of something above the bottom
+  std::size_t beams_min = 0, beams_max = 0;               ///< soundings a swath
+  bool level = false;                                     ///< depths are below the water; else below the body
+  float depth_min_m = 0, depth_max_m = 0;
+  double sound_speed_min = 0, sound_speed_max = 0;  ///< 0: not stated
+};
+
 struct Inspection {
   std::vector<StreamFacts> streams;      ///< those that are there
   std::vector<PingGeometry> geometries;  ///< in the order of first appearance, at most kMaxGeometries
@@ -36,6 +45,8 @@ struct Inspection {
   double beam_width_deg = 0, beam_height_deg = 0;
   float intensity_min = 0, intensity_max = 0, full_scale = 0;
   std::uint64_t bad_pings = 0;
+  SwathFacts swaths;
+  std::uint64_t bad_swaths = 0;
 
   static constexpr std::size_t kMaxGeometries = 16;
 };

@@ -29,6 +29,7 @@ BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
   return grid;
 }
 
+constexpr const char* kNoPlace = "range or sounding without any navigation: no place in the depth map";
 constexpr const char* kUpright = "fan that stands upright: no sight for a map of the plane";
 
 /// Whether the plane of the fan is nearer to level than to upright.
@@ -43,9 +44,11 @@ bool fits(const BodyGridConfig& grid, double reach_m) {
 
 }  // namespace
 
-Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink)
+Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, SoundingSink* depths)
     : configuration_(configuration),
       sink_(sink),
+      depths_(depths),
+      alarms_(configuration.collision, configuration.state),
       gate_(configuration.gate),
       poses_(configuration.poses),
       echoes_(configuration.echoes, model_of(configuration.sensor)),
@@ -58,13 +61,15 @@ Pipeline::~Pipeline() = default;
 // What happens to an event -------------------------------------------------------------------------------------------
 
 void Pipeline::take(Event event) {
+  alarms_.hear(event);                      // raw ranges, health: waits for nothing below
   const auto verdict = gate_.judge(event);  // finite, in order, fresh; else counted by its reason
   if (verdict == EventGate::Verdict::kRejected) return;
   if (verdict == EventGate::Verdict::kRestarted) restart();
   const Time now = time_of(event);
   if (const auto* fix = std::get_if<Navigation>(&event)) add_fix(*fix);
-  if (std::holds_alternative<RangeReading>(event)) ++counts_.ranges;  // kept in the log; the depth map takes them
   if (auto* ping = std::get_if<Ping>(&event)) hold(std::move(*ping));
+  if (auto* range = std::get_if<RangeReading>(&event)) hold(std::move(*range));
+  if (auto* swath = std::get_if<Swath>(&event)) hold(std::move(*swath));
   release(now, false);
 }
 
@@ -79,6 +84,13 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   last_ = Placed{ping.time, X_WB, posed};
   sweep_open_ = true;
   if (sweeps_.add(ping)) end_scan();  // belief -> obstacles
+}
+
+// What happens to ranges and soundings whose pose is known -----------------------------------------------------------
+
+void Pipeline::map_depth(const Waiting& sensed, const PoseEstimate& pose) {
+  if (const auto* range = std::get_if<RangeReading>(&sensed)) depths_->on_range(*range, pose);
+  if (const auto* swath = std::get_if<Swath>(&sensed)) depths_->on_swath(*swath, pose);
 }
 
 void Pipeline::end_scan() {
@@ -103,37 +115,48 @@ void Pipeline::restart() {
 
 void Pipeline::add_fix(const Navigation& fix) {
   poses_.add(fix);
+  alarms_.moved(fix);
   ++counts_.navigation;
+  if (depths_) depths_->on_passage(fix.time, fix.X_WB);
 }
 
-void Pipeline::hold(Ping ping) {
-  if (!lies_flat(ping)) return gate_.count(kUpright);
+void Pipeline::hold(Waiting sensed) {
+  const auto* ping = std::get_if<Ping>(&sensed);
+  if (ping && !lies_flat(*ping)) return gate_.count(kUpright);
+  counts_.ranges += std::holds_alternative<RangeReading>(sensed) ? 1 : 0;
+  counts_.swaths += std::holds_alternative<Swath>(sensed) ? 1 : 0;
   if (waiting_.size() == kMostWaiting) {
     place(waiting_.front());
     waiting_.erase(waiting_.begin());
   }
-  waiting_.push_back(std::move(ping));
+  waiting_.push_back(std::move(sensed));
 }
 
 /// Lets go of the pings whose pose can get no better, or that have waited long enough.
 void Pipeline::release(Time now, bool all) {
   const Duration patience = seconds(configuration_.poses.wait_s);
   std::size_t done = 0;
+  const auto time_of = [](const Waiting& w) { return std::visit([](const auto& sensed) { return sensed.time; }, w); };
   while (done < waiting_.size() &&
-         (all || poses_.settled(waiting_[done].time) || now - waiting_[done].time > patience)) {
+         (all || poses_.settled(time_of(waiting_[done])) || now - time_of(waiting_[done]) > patience)) {
     place(waiting_[done++]);
   }
   waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(done));
 }
 
-void Pipeline::place(const Ping& ping) {
-  if (poses_.empty()) {  // no navigation at all: the vehicle is taken to stand still
-    ++counts_.unposed;
-    return map_ping(ping, Pose{}, false);
+void Pipeline::place(const Waiting& sensed) {
+  const auto* ping = std::get_if<Ping>(&sensed);
+  if (!ping && !depths_) return;
+  if (poses_.empty()) {
+    if (!ping) return gate_.count(kNoPlace);
+    ++counts_.unposed;  // no navigation at all: the vehicle is taken to stand still
+    return map_ping(*ping, Pose{}, false);
   }
-  const auto X_WB = poses_.at(ping.time);
+  const Time time = std::visit([](const auto& s) { return s.time; }, sensed);
+  const auto X_WB = poses_.at(time);
   if (!X_WB) return gate_.count(to_text(X_WB.error()));
-  map_ping(ping, *X_WB, true);
+  if (ping) return map_ping(*ping, *X_WB, true);
+  map_depth(sensed, {*X_WB, poses_.sigma_m()});
 }
 
 // The map ------------------------------------------------------------------------------------------------------------

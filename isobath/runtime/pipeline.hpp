@@ -1,12 +1,12 @@
 // Pipeline: what happens to an event, from the gate to the list of obstacles. One code path for live, replay and
 // simulation: only the source and the sink differ.
 //
-//   gate -> pose of the transmit time -> echoes to decisions -> decisions to the body grid -> grid to obstacles, once a
-//   scan
+//   alarms -> gate -> pose of the transmit time -> echoes to decisions -> decisions to the body grid -> grid to
+//   obstacles, once a scan; ranges and soundings to the depth map
 //
-// Source: Ganesan 2015, chapter 3, figure 3.1; ledger S6-03, S6-15, S6-20 to S6-30. Time is the time of the events: a
-// run is a function of its input and configuration. One thread. After warm-up, mapping allocates nothing and throws
-// nothing.
+// Source: Ganesan 2015, chapter 3, figure 3.1; Oskard 1990; ledger S6-03, S6-15, S6-20 to S6-30, S1-02. Time is the
+// time of the events: a run is a function of its input and configuration. One thread. After warm-up, mapping allocates
+// nothing and throws nothing.
 #pragma once
 
 #include <isobath/io/event.hpp>
@@ -14,6 +14,7 @@
 #include <isobath/map/obstacle.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/runtime/alarms.hpp>
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
@@ -21,6 +22,7 @@
 #include <isobath/sonar/sweep.hpp>
 #include <memory>
 #include <optional>
+#include <variant>
 #include <vector>
 
 namespace isobath {
@@ -40,6 +42,12 @@ struct ScanResult {
   const BodyGrid& grid;
 };
 
+/// A pose of the vehicle and how sure its place in the plane is: standard deviation in m, 0 where nobody says.
+struct PoseEstimate {
+  Pose X_WB;
+  double sigma_m = 0;
+};
+
 /// Takes results. References hold only during the call.
 class ResultSink {
  public:
@@ -48,11 +56,22 @@ class ResultSink {
   virtual void on_scan(const ScanResult& scan) = 0;
 };
 
+/// Takes what tells of depth, each with the pose of its time, in order. References hold only during the call.
+class SoundingSink {
+ public:
+  virtual ~SoundingSink() = default;
+  virtual void on_range(const RangeReading& reading, const PoseEstimate& pose) = 0;
+  virtual void on_swath(const Swath& swath, const PoseEstimate& pose) = 0;
+  /// A place that the vehicle has come to.
+  virtual void on_passage(Time time, const Pose& X_WB) = 0;
+};
+
 struct PipelineCounts {
   std::uint64_t pings = 0;    ///< that reached the map
   std::uint64_t unposed = 0;  ///< of these, without any navigation
   std::uint64_t navigation = 0;
   std::uint64_t ranges = 0;
+  std::uint64_t swaths = 0;
   std::uint64_t scans = 0;
   std::uint64_t bins = 0;  ///< decided, blind ones left out
   std::uint64_t hits = 0;  ///< decided as echo
@@ -61,7 +80,8 @@ struct PipelineCounts {
 class Pipeline {
  public:
   /// Throws Error where the configuration cannot work.
-  Pipeline(const Configuration& configuration, ResultSink& sink);
+  /// `depths`: whoever keeps the depth map; null: nobody.
+  Pipeline(const Configuration& configuration, ResultSink& sink, SoundingSink* depths = nullptr);
   ~Pipeline();
 
   void take(Event event);
@@ -71,6 +91,8 @@ class Pipeline {
   [[nodiscard]] const PipelineCounts& counts() const { return counts_; }
   /// Every datum that was refused, by reason.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& rejected() const { return gate_.rejected(); }
+  /// Emergencies, by raw readings and health reports; with or without a map.
+  [[nodiscard]] const EmergencyFlags& emergencies() const { return alarms_.flags(); }
   /// Why echoes could not be decided in the last ping (warming up, no fitting model); empty when they were.
   [[nodiscard]] std::string undecided() const;
   /// The grid; empty before the first ping.
@@ -78,20 +100,24 @@ class Pipeline {
 
  private:
   void restart();
+  using Waiting = std::variant<Ping, RangeReading, Swath>;
   void add_fix(const Navigation& fix);
-  void hold(Ping ping);
+  void hold(Waiting sensed);
   void release(Time now, bool all);
-  void place(const Ping& ping);
+  void place(const Waiting& sensed);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
+  void map_depth(const Waiting& sensed, const PoseEstimate& pose);
   void fit_map(const Ping& ping, bool posed);
   void count(const EchoDecisions& decisions);
   void end_scan();
 
   Configuration configuration_;
   ResultSink& sink_;
+  SoundingSink* depths_;
+  Alarms alarms_;
   EventGate gate_;
   PoseBuffer poses_;
-  std::vector<Ping> waiting_;  ///< for the fix that follows them, oldest first
+  std::vector<Waiting> waiting_;  ///< for the fix that follows them, oldest first
   EchoDetector echoes_;
   EchoDecisions decisions_;
   SweepFinder sweeps_;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <isobath/runtime/pose_buffer.hpp>
 
 namespace isobath {
@@ -46,6 +47,14 @@ Result<Pose, PoseFault> PoseBuffer::at(Time time) const {
   const double gap = to_seconds(after.time - before.time);
   if (gap > config_.max_gap_s) return tl::make_unexpected(PoseFault::kGap);
   return interpolate(before.X_WB, after.X_WB, to_seconds(time - before.time) / gap);
+}
+
+double PoseBuffer::sigma_m() const {
+  if (count_ == 0 || !newest().covariance) return 0;
+  const auto& c = *newest().covariance;
+  const double mean = 0.5 * (c(0, 0) + c(1, 1));
+  const double apart = 0.5 * (c(0, 0) - c(1, 1));
+  return std::sqrt(std::max(0.0, mean + std::hypot(apart, c(0, 1))));
 }
 
 }  // namespace isobath

@@ -32,6 +32,8 @@ class PoseBuffer {
   /// Whether a later fix could still change the answer for this time.
   [[nodiscard]] bool settled(Time time) const { return count_ > 0 && newest().time >= time; }
   [[nodiscard]] Result<Pose, PoseFault> at(Time time) const;
+  /// Standard deviation of the place in the plane along its longer axis, as the newest fix states it, m; 0: not stated.
+  [[nodiscard]] double sigma_m() const;
 
  private:
   static constexpr std::size_t kCapacity = 1024;

@@ -31,6 +31,7 @@ void PrefetchSource::read_ahead() {
     if (stop_) return;
     ready_.push_back(std::move(batch));
     bytes_read_ = inner_->report().bytes_read;
+    origin_ = inner_->report().origin;
     done_ = !more;
     changed_.notify_all();
   }
@@ -48,6 +49,7 @@ std::optional<Event> PrefetchSource::next() {
     at_ = 0;
     ready_.erase(ready_.begin());
     report_.bytes_read = bytes_read_;
+    report_.origin = origin_;
     changed_.notify_all();
   }
   return std::move(batch_[at_++]);

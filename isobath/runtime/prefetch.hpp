@@ -17,7 +17,7 @@ class PrefetchSource : public Source {
   ~PrefetchSource() override;
 
   std::optional<Event> next() override;
-  /// Position while reading; complete at the end.
+  /// Position and origin while reading; complete at the end.
   [[nodiscard]] const SourceReport& report() const override { return report_; }
 
  private:
@@ -33,6 +33,7 @@ class PrefetchSource : public Source {
   std::condition_variable changed_;
   std::vector<std::vector<Event>> ready_;
   std::uint64_t bytes_read_ = 0;
+  std::optional<GeoOrigin> origin_;
   bool done_ = false;
   bool stop_ = false;
   std::thread thread_;

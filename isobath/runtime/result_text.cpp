@@ -1,4 +1,5 @@
 #include <cmath>
+#include <fmt/format.h>
 #include <isobath/io/geojson.hpp>
 #include <isobath/runtime/result_text.hpp>
 #include <nlohmann/json.hpp>
@@ -58,6 +59,18 @@ void add_scan(ordered_json& json, const ScanRecord& scan) {
   json["obstacles"] = to_json(scan.obstacles);
 }
 
+ordered_json sensors_json(const std::vector<SensorLearning::Sensor>& sensors) {
+  ordered_json all = ordered_json::array();
+  for (const SensorLearning::Sensor& s : sensors) {
+    all.push_back({{"looks", aim_of(s.X_BS)},
+                   {"confirming", s.counts.confirming},
+                   {"conflicting", s.counts.conflicting},
+                   {"irrelevant", s.counts.irrelevant},
+                   {"reliability", tidy(s.counts.reliability())}});
+  }
+  return all;
+}
+
 }  // namespace
 
 std::string obstacles_json(const ScanRecord& scan) {
@@ -98,6 +111,7 @@ ordered_json counts_json(const RunOutcome& outcome) {
           {"pings_without_pose", n.unposed},
           {"navigation", n.navigation},
           {"ranges", n.ranges},
+          {"swaths", n.swaths},
           {"scans", n.scans},
           {"bins", n.bins},
           {"hits", n.hits},
@@ -109,6 +123,14 @@ ordered_json rejected_json(const RunOutcome& outcome) {
   ordered_json rejected = ordered_json::object();
   for (const auto& [reason, count] : outcome.rejected) rejected[reason] = count;
   return rejected;
+}
+
+ordered_json alarms_json(const RunOutcome& outcome) {
+  ordered_json alarms = ordered_json::array();
+  for (const Alarm& a : outcome.alarms) {
+    alarms.push_back({{"what", a.what}, {"first", to_text(a.first)}, {"lasting", a.lasting}});
+  }
+  return alarms;
 }
 
 ordered_json truth_json(const TruthScore& score) {
@@ -141,6 +163,94 @@ ordered_json truth_json(const TruthScore& score) {
           {"scans_with_false_alarms", score.scans_with_false_alarms}};
 }
 
+ordered_json changes_json(const MapChanges& changes, const std::optional<GeoOrigin>& origin) {
+  std::optional<LocalPlane> plane;
+  if (origin) plane.emplace(*origin);
+  ordered_json regions = ordered_json::array();
+  for (const ChangedRegion& r : changes.regions) {
+    ordered_json one{{"kind", kind_of(r)},
+                     {"by", to_text(r.source())},
+                     {"north_m", tidy(r.shoalest_at.x())},
+                     {"east_m", tidy(r.shoalest_at.y())},
+                     {"shoalest_m", tidy(r.shoalest_m)},
+                     {"charted_m", tidy(r.charted_m)},
+                     {"confidence", r.confidence},
+                     {"extent_m",
+                      {{"south", tidy(r.south_west.x())},
+                       {"west", tidy(r.south_west.y())},
+                       {"north", tidy(r.north_east.x())},
+                       {"east", tidy(r.north_east.y())}}},
+                     {"area_m2", tidy(r.area_m2)},
+                     {"pixels",
+                      {{"all", r.pixels},
+                       {"by_forward_sonar", r.by_obstacle_sonar},
+                       {"by_depth_sonar", r.by_depth_sonar},
+                       {"by_both", r.by_both}}}};
+    if (plane) {
+      const GeoPoint place = plane->to_geo(r.shoalest_at);
+      one["latitude_deg"] = place.latitude_deg;
+      one["longitude_deg"] = place.longitude_deg;
+    }
+    regions.push_back(std::move(one));
+  }
+  return {{"obstacles", changes.obstacles()},
+          {"sensed_pixels", changes.sensed_pixels},
+          {"uncharted_pixels", changes.uncharted_pixels},
+          {"changed_pixels", changes.changed_pixels},
+          {"track_pixels", changes.track_pixels},
+          {"regions", regions}};
+}
+
+ordered_json track_json(const MapChanges& changes, const PixelGrid& grid) {
+  ordered_json track = ordered_json::array();
+  for (const PixelWindow& run : changes.track) {
+    const Eigen::Vector2d west = grid.centre({run.column, run.row});
+    track.push_back({tidy(west.x()), tidy(west.y()), tidy((run.width - 1) * grid.pixel_m)});
+  }
+  return track;
+}
+
+ordered_json depth_json(const DepthOutcome& depth) {
+  const DepthCounts& n = depth.counts;
+  ordered_json refused = ordered_json::object(), prior = ordered_json::object(), left_out = ordered_json::object();
+  for (const auto& [reason, count] : depth.refused) refused[reason] = count;
+  for (const auto& [what, count] : depth.prior_read) prior[what] = count;
+  for (const auto& [reason, count] : depth.prior_left_out) left_out[reason] = count;
+  return {{"readings", n.readings},
+          {"soundings", n.soundings},
+          {"merged", n.merged},
+          {"applied", n.applied},
+          {"pixels_affirmed", n.affirmed},
+          {"pixels_contradicted", n.conflicted},
+          {"pixels_replaced", n.replaced},
+          {"explained", n.explained},
+          {"shifts", n.shifts},
+          {"refused", refused},
+          {"known_pixels", depth.known_pixels},
+          {"sensed_pixels", depth.sensed_pixels},
+          {"confirmed_pixels", depth.confirmed_pixels},
+          {"sensed_by_confidence", depth.sensed_by_confidence},
+          {"pixels_lost", depth.pixels_lost},
+          {"leaves", depth.leaves},
+          {"bytes", depth.bytes},
+          {"generation", depth.generation},
+          {"continued", depth.continued},
+          {"changes", changes_json(depth.changes, depth.origin)},
+          {"objects",
+           {{"met_first", depth.found.met_first}, {"met_again", depth.found.met_again}, {"gone", depth.found.gone}}},
+          {"sensors", sensors_json(depth.sensors)},
+          {"damages", depth.damages},
+          {"priors", depth.priors},
+          {"prior", prior},
+          {"prior_left_out", left_out}};
+}
+
+std::string span_text(double seconds) {
+  if (seconds < 7200) return fmt::format("{:.1f} s", seconds);
+  if (seconds < 48 * 3600) return fmt::format("{:.1f} h", seconds / 3600);
+  return fmt::format("{:.1f} days", seconds / (24 * 3600));
+}
+
 std::string truth_text(const TruthScore& score) { return dump(truth_json(score)); }
 
 std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) {
@@ -152,11 +262,13 @@ std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) 
                         {"problem", outcome.problem}};
   for (const auto& [key, value] : outcome.source.details) manifest["details"][key] = value;
   manifest["counts"] = counts_json(outcome);
+  manifest["alarms"] = alarms_json(outcome);
   manifest["rejected"] = rejected_json(outcome);
   manifest["skipped"] = ordered_json::array();
   for (const Damage& d : outcome.source.damages) {
     manifest["skipped"].push_back({{"offset", d.offset}, {"bytes", d.bytes}, {"reason", d.reason}});
   }
+  if (outcome.depth) manifest["depth"] = depth_json(*outcome.depth);
   for (const auto& file : outcome.files) manifest["files"].push_back(file.string());
   return dump(manifest);
 }

@@ -29,9 +29,17 @@ std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin);
 /// What a run saw, by kind; and what it refused, by reason.
 nlohmann::ordered_json counts_json(const RunOutcome& outcome);
 nlohmann::ordered_json rejected_json(const RunOutcome& outcome);
+nlohmann::ordered_json alarms_json(const RunOutcome& outcome);
+/// Regions, and the track as stretches of pixels: north, east of the west end, and length, m; the track where it is
+/// wanted.
+nlohmann::ordered_json changes_json(const MapChanges& changes, const std::optional<GeoOrigin>& origin);
+nlohmann::ordered_json track_json(const MapChanges& changes, const PixelGrid& grid);
+nlohmann::ordered_json depth_json(const DepthOutcome& depth);
 /// Found, missed and false, of a simulated run; and the same as a file.
 nlohmann::ordered_json truth_json(const TruthScore& score);
 std::string truth_text(const TruthScore& score);
+/// "14.9 s", "2.5 h", "12.9 days".
+std::string span_text(double seconds);
 /// What was run: input, version, counts, rejections, files. Holds no time of day, and no path but those given.
 std::string manifest_json(const RunRequest& request, const RunOutcome& outcome);
 

@@ -2,11 +2,12 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/io/open.hpp>
 #include <isobath/io/pose_track.hpp>
+#include <isobath/runtime/depth_model.hpp>
 #include <isobath/runtime/prefetch.hpp>
 #include <isobath/runtime/run.hpp>
 #include <isobath/runtime/run_folder.hpp>
+#include <isobath/runtime/run_source.hpp>
 #include <isobath/runtime/scenario.hpp>
 
 namespace isobath {
@@ -16,12 +17,6 @@ using Clock = std::chrono::steady_clock;  // for timings alone: no result depend
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-std::unique_ptr<Source> open(const RunRequest& request) {
-  std::unique_ptr<Source> source = open_source(request.input, request.configuration.input);
-  if (request.threads > 1) source = std::make_unique<PrefetchSource>(std::move(source));
-  return source;
 }
 
 /// A scene is simulated here and now; it uses the threads itself.
@@ -73,7 +68,8 @@ std::string problem_of(const RunOutcome& outcome) {
     const auto found = outcome.rejected.find(reason);
     if (found != outcome.rejected.end()) {
       return fmt::format("{}: {} of {} events were refused for it", reason, found->second,
-                         found->second + outcome.counts.pings + outcome.counts.navigation + outcome.counts.ranges);
+                         found->second + outcome.counts.pings + outcome.counts.navigation + outcome.counts.ranges +
+                             outcome.counts.swaths);
     }
   }
   return {};
@@ -81,21 +77,91 @@ std::string problem_of(const RunOutcome& outcome) {
 
 }  // namespace
 
+/// A folder of logs with one outline beside them: that of the water.
+std::vector<std::string> priors_of(const RunRequest& request) {
+  if (!request.configuration.prior.file.empty()) return {request.configuration.prior.file};
+  std::error_code ignored;
+  std::vector<std::string> outlines;
+  for (const auto& entry : std::filesystem::directory_iterator(request.input, ignored)) {
+    if (entry.path().extension() == ".shp") outlines.push_back(entry.path().string());
+  }
+  return outlines.size() == 1 ? outlines : std::vector<std::string>{};
+}
+
+DepthOutcome outcome_of(const DepthModel& model) {
+  DepthOutcome depth;
+  depth.counts = model.counts();
+  for (std::size_t i = 0; i < depth.counts.refused.size(); ++i) {
+    if (depth.counts.refused[i] > 0) depth.refused[to_text(static_cast<DepthRefusal>(i))] = depth.counts.refused[i];
+  }
+  depth.generation = model.facts().generation;
+  depth.pixels_lost = model.pixels_lost();
+  depth.continued = model.continues();
+  depth.changes = model.changes();
+  depth.origin = model.facts().origin;
+  depth.found = model.found();
+  depth.sensors = model.sensors();
+  depth.priors = model.facts().priors;
+  for (const Prior& prior : model.prior().files) {
+    for (const auto& [what, count] : prior.read) depth.prior_read[what] += count;
+    for (const auto& [reason, count] : prior.left_out) depth.prior_left_out[reason] += count;
+  }
+  for (const MapDamage& d : model.damages()) depth.damages.push_back(to_text(d));
+  const DepthTrees& trees = model.snapshot()->trees();
+  for (const RegionQuadtree* tree : {&trees.prior(), &trees.sensed(), &trees.state()}) {
+    depth.leaves += tree->statistics().leaves;
+    depth.bytes += tree->statistics().bytes;
+  }
+  trees.state().for_each_leaf(trees.extent(), [&](std::uint32_t word, const PixelWindow& leaf) {
+    const DepthPixel pixel{0, word};
+    const std::uint64_t pixels = static_cast<std::uint64_t>(leaf.width) * static_cast<std::uint64_t>(leaf.height);
+    if (!pixel.has(kSensed) && pixel.has(kSeenByDepth) && pixel.confidence() > model.charted_confidence()) {
+      depth.confirmed_pixels += pixels;
+    }
+    if (!pixel.has(kSensed)) return;
+    depth.sensed_pixels += pixels;
+    depth.sensed_by_confidence[static_cast<std::size_t>(pixel.confidence() / 5)] += pixels;
+  });
+  depth.pixel_m = model.facts().area.grid.pixel_m;
+  depth.datum = model.facts().datum;
+  trees.sensed().for_each_leaf(trees.extent(), [&](std::uint32_t word, const PixelWindow&) {
+    if (word == DepthPixel::kUnknownDepth) return;
+    const double metres = DepthPixel{word, 0}.depth_m();
+    depth.shoalest_m = std::min(depth.shoalest_m.value_or(metres), metres);
+    depth.deepest_m = std::max(depth.deepest_m.value_or(metres), metres);
+  });
+  depth.known_pixels = depth.sensed_pixels;
+  trees.prior().for_each_leaf(trees.extent(), [&](std::uint32_t word, const PixelWindow& leaf) {
+    if (word == DepthPixel::kUnknownDepth) return;
+    trees.state().for_each_leaf(leaf, [&](std::uint32_t state, const PixelWindow& part) {
+      if (DepthPixel{0, state}.has(kSensed)) return;
+      depth.known_pixels += static_cast<std::uint64_t>(part.width) * static_cast<std::uint64_t>(part.height);
+    });
+  });
+  return depth;
+}
+
 RunOutcome run(const RunRequest& request) {
+  DepthModel depths(request.configuration, request.map);
+  depths.set_prior_files(priors_of(request));
+  const std::optional<GeoOrigin> frame = depths.stored_origin();
   const auto simulated = simulate(request);
-  const auto opened = simulated ? nullptr : open(request);
-  Source* source = simulated ? static_cast<Source*>(simulated.get()) : opened.get();
+  const auto opened =
+      simulated ? nullptr : open_run_source(request.input, request.configuration, frame, request.threads);
+  const auto placed = simulated && frame ? place_in(*simulated, *frame) : nullptr;
+  Source* source = placed ? placed.get() : simulated ? static_cast<Source*>(simulated.get()) : opened.get();
   std::optional<TruthJudge> judge;
   if (simulated) simulated->tell_truth_to(&judge.emplace(simulated->simulator()));
   RunFolder folder(request.out, request.configuration);
   Sinks sinks(folder, judge ? &*judge : nullptr);
-  Pipeline pipeline(request.configuration, sinks);
+  Pipeline pipeline(request.configuration, sinks, &depths);
   RunOutcome outcome;
 
   const auto start = Clock::now();
   std::vector<double> ping_ms;
   Time first = Time::max(), last = Time::min();
   while (auto event = source->next()) {
+    depths.locate(frame ? frame : source->report().origin);
     const bool is_ping = std::holds_alternative<Ping>(*event);
     const Time time = time_of(*event);
     const auto begun = Clock::now();
@@ -107,21 +173,31 @@ RunOutcome run(const RunRequest& request) {
     if (request.progress) request.progress(source->report(), pipeline.counts());
   }
   pipeline.finish();
+  depths.finish();
   outcome.timings = timings_of(ping_ms, milliseconds_since(start));
   outcome.counts = pipeline.counts();
   outcome.source = source->report();
+  if (frame) outcome.source.origin = frame;
   outcome.rejected = outcome.source.rejected;
   for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
   outcome.log_s = last > first ? to_seconds(last - first) : 0;
-  outcome.undecided = pipeline.undecided();
+  if (outcome.counts.pings > 0) outcome.undecided = pipeline.undecided();
+  outcome.alarms = alarms_of(pipeline.emergencies());
+  for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
   outcome.problem = problem_of(outcome);
-  if (outcome.counts.pings + outcome.counts.ranges == 0 && outcome.problem.empty())
-    outcome.problem = "no ping in it could be used";
+  if (outcome.counts.pings + outcome.counts.ranges + outcome.counts.swaths == 0 && outcome.problem.empty())
+    outcome.problem = "no ping, range or sounding in it could be used";
+  if (outcome.counts.pings == 0 && !depths.snapshot() && outcome.problem.empty())
+    outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
   if (judge) {
     outcome.truth = judge->score();
     folder.show_truth(judge->outlines());
   }
-  folder.write(request, pipeline.grid(), outcome);
+  if (depths.snapshot()) {
+    depths.commit(request.input.empty() ? "embedded scene" : request.input.string());
+    outcome.depth = outcome_of(depths);
+  }
+  folder.write(request, pipeline.grid(), depths, outcome);
   return outcome;
 }
 

@@ -4,11 +4,15 @@
 // are therefore in the outcome (and on the terminal), and in the report only if they are asked for.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
+#include <isobath/perception/depth_mapper.hpp>
 #include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/found_objects.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <isobath/runtime/truth_judge.hpp>
+#include <isobath/runtime/world_level.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +22,7 @@ namespace isobath {
 struct RunRequest {
   std::filesystem::path input;  ///< log, folder of frames, or scene (.toml); empty: the embedded scene
   std::filesystem::path out;    ///< made if absent
+  std::filesystem::path map;    ///< folder of a depth map to continue or to begin; empty: none is kept
   Configuration configuration;
   int threads = 2;       ///< 1: reading and mapping take turns; 2: reading goes ahead on a thread of its own
   bool timings = false;  ///< measured times in the report; its bytes then differ from run to run
@@ -30,7 +35,31 @@ struct RunTimings {
   double ping_p99_ms = 0;
 };
 
+/// The depth map of a run, in numbers.
+struct DepthOutcome {
+  DepthCounts counts;
+  std::map<std::string, std::uint64_t> refused;  ///< readings and soundings, by reason
+  std::uint64_t generation = 0;                  ///< of the stored map; 0: not stored
+  std::uint64_t known_pixels = 0, sensed_pixels = 0;
+  std::uint64_t confirmed_pixels = 0;                   ///< charted, and confirmed by a depth sonar
+  std::array<std::uint64_t, 5> sensed_by_confidence{};  ///< pixels of 0-4, 5-9, 10-14, 15-19, 20
+  double pixel_m = 0;
+  std::string datum;                            ///< what depths are below
+  std::optional<double> shoalest_m, deepest_m;  ///< of what was measured
+  std::uint64_t pixels_lost = 0;                ///< outside the operational area
+  std::uint64_t leaves = 0, bytes = 0;          ///< of all three trees
+  bool continued = false;
+  std::vector<std::string> priors;
+  std::map<std::string, std::uint64_t> prior_read, prior_left_out;
+  MapChanges changes;               ///< of the whole map against its charts
+  std::optional<GeoOrigin> origin;  ///< of the map
+  FoundObjects found;               ///< obstacles as objects of the stored map
+  std::vector<SensorLearning::Sensor> sensors;
+  std::vector<std::string> damages;  ///< of the map that was continued, one line each
+};
+
 struct RunOutcome {
+  std::vector<Alarm> alarms;  ///< raised on the way
   PipelineCounts counts;
   SourceReport source;
   std::map<std::string, std::uint64_t> rejected;  ///< by the source and by the pipeline
@@ -39,7 +68,8 @@ struct RunOutcome {
   std::vector<Obstacle> obstacles;           ///< at the end
   std::vector<std::filesystem::path> files;  ///< written, relative to the folder, in order
   std::optional<TruthScore> truth;           ///< of a simulated run
-  std::string undecided;                     ///< why no echo was decided at the end; empty when they were
+  std::optional<DepthOutcome> depth;         ///< where ranges or soundings had a place
+  std::string undecided;                     ///< why no echo of a ping was decided at the end; else empty
   /// One line where the input itself is wrong (cut in the middle of a record, poses that are no numbers, time that runs
   /// backwards); empty when all is well. What could be used was used.
   std::string problem;

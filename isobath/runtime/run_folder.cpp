@@ -28,13 +28,36 @@ std::string notes(const Obstacle& o) {
   return text;
 }
 
+/// Of a log or a folder, whether or not a slash ends it.
+std::string name_of(const std::filesystem::path& input) {
+  return (input.has_filename() ? input : input.parent_path()).filename().string();
+}
+
+std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
+  const auto number = [](std::uint64_t count) { return fmt::format("{}", count); };
+  std::vector<HtmlReport::Row> rows;
+  if (pinged) {
+    rows.push_back({"pings mapped", number(n.pings)});
+    rows.push_back({"of these without a pose", number(n.unposed)});
+  }
+  rows.push_back({"navigation fixes", number(n.navigation)});
+  rows.push_back({"range readings", number(n.ranges)});
+  rows.push_back({"swaths", number(n.swaths)});
+  if (!pinged) return rows;
+  const double share = n.bins ? 100.0 * static_cast<double>(n.hits) / static_cast<double>(n.bins) : 0.0;
+  rows.push_back({"scans", number(n.scans)});
+  rows.push_back({"bins decided", number(n.bins)});
+  rows.push_back({"of these echoes", fmt::format("{} ({:.2f} %)", n.hits, share)});
+  return rows;
+}
+
 }  // namespace
 
 RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
   make_folder(folder_);
-  for (const char* name :
-       {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png", "truth.json"}) {
+  for (const char* name : {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png",
+                           "truth.json", "depth.tif", "chart.png", "confidence.png", "contours.geojson"}) {
     std::filesystem::remove(folder_ /
                             name);  // not every run writes them, and an earlier run's must not pass for its own
   }
@@ -195,7 +218,7 @@ void add_truth(HtmlReport& page, const TruthScore& score) {
 
 // Files --------------------------------------------------------------------------------------------------------------
 
-void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcome& outcome) {
+void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const DepthModel& depths, RunOutcome& outcome) {
   outcome.obstacles = obstacles_;
   const ScanRecord last = scans_.empty() ? ScanRecord{} : scans_.back();
   write_text("obstacles.json", obstacles_json(last), outcome);
@@ -206,11 +229,14 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, RunOutcom
   if (grid) {
     write_occupancy(*grid, level(last.X_WB), origin);
     outcome.files.emplace_back("occupancy.tif");
-    pictures = {occupancy_picture(*grid), sonar_picture(), detections_picture()};
+    pictures.occupancy = occupancy_picture(*grid);
+    pictures.sonar = sonar_picture();
+    pictures.detections = detections_picture();
     write_text("occupancy.png", pictures.occupancy, outcome);
     write_text("sonar.png", pictures.sonar, outcome);
     write_text("detections.png", pictures.detections, outcome);
   }
+  if (outcome.depth) pictures.depth = write_depth_files(depths, folder_, outcome.files);
   if (outcome.truth) write_text("truth.json", truth_text(*outcome.truth), outcome);
   write_text("configuration.toml", write_toml(sections(configuration_), true), outcome);
   write_text("report.html", report(request, outcome, pictures), outcome);
@@ -239,12 +265,27 @@ void RunFolder::write_occupancy(const BodyGrid& grid, const Pose& X_WL, const st
   write_geotiff(folder_ / "occupancy.tif", frame, {.name = "occupancy probability", .unit = ""}, raster);
 }
 
+void RunFolder::add_obstacles(HtmlReport& page) const {
+  page.heading("Obstacles");
+  std::vector<HtmlReport::Row> rows;
+  for (const Obstacle& o : obstacles_) {
+    rows.push_back(
+        {degrees(o.bearing), fmt::format("{:.2f}", o.range_m), fmt::format("{:.3f}", o.existence), notes(o)});
+  }
+  page.table({"bearing (deg)", "nearest point (m)", "existence", ""}, rows);
+}
+
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const Pictures& pictures) const {
   const PipelineCounts& n = outcome.counts;
-  HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : request.input.filename().string()),
-                  fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
-                              outcome.source.format, n.pings, outcome.log_s, n.scans, obstacles_.size()));
+  const bool pinged = n.pings > 0 || !outcome.depth;  // else it is about depths alone
+  const std::string lead = pinged
+                               ? fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
+                                             outcome.source.format, n.pings, outcome.log_s, n.scans, obstacles_.size())
+                               : fmt::format("{} · {} ranges and {} swaths within {} · a map of depths",
+                                             outcome.source.format, n.ranges, n.swaths, span_text(outcome.log_s));
+  HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : name_of(request.input)), lead);
   if (!outcome.problem.empty()) page.warning(outcome.problem);
+  for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
   if (n.pings > 0 && n.unposed == n.pings) {
     page.paragraph("The log has no navigation: the vehicle is taken to stand still.");
@@ -258,34 +299,25 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
     if (!track_.empty() && scans_.back().posed) page.figure(track_picture(), "Where the vehicle went, north up.");
     page.end_row();
   }
-  page.heading("Obstacles");
+  if (outcome.depth) add_depth(page, *outcome.depth, pictures.depth);
   std::vector<HtmlReport::Row> rows;
-  for (const Obstacle& o : obstacles_) {
-    rows.push_back(
-        {degrees(o.bearing), fmt::format("{:.2f}", o.range_m), fmt::format("{:.3f}", o.existence), notes(o)});
-  }
-  page.table({"bearing (deg)", "nearest point (m)", "existence", ""}, rows);
+  if (pinged) add_obstacles(page);
   if (outcome.truth) add_truth(page, *outcome.truth);
   page.heading("Counts");
-  page.table({"what", "how many"},
-             {{"pings mapped", fmt::format("{}", n.pings)},
-              {"of these without a pose", fmt::format("{}", n.unposed)},
-              {"navigation fixes", fmt::format("{}", n.navigation)},
-              {"range readings", fmt::format("{}", n.ranges)},
-              {"scans", fmt::format("{}", n.scans)},
-              {"bins decided", fmt::format("{}", n.bins)},
-              {"of these echoes",
-               fmt::format("{} ({:.2f} %)", n.hits,
-                           n.bins ? 100.0 * static_cast<double>(n.hits) / static_cast<double>(n.bins) : 0.0)}});
+  page.table({"what", "how many"}, count_rows(n, pinged));
   page.heading("Times");
-  rows = {
-      {"log", fmt::format("{:.3f} s", outcome.log_s)},
-      {"pings",
-       fmt::format("{:.2f} a second of log", outcome.log_s > 0 ? static_cast<double>(n.pings) / outcome.log_s : 0)},
-      {"scans", fmt::format("one every {:.2f} s of log", n.scans ? outcome.log_s / static_cast<double>(n.scans) : 0)}};
+  rows = {{"log, first event to last", fmt::format("{:.3f} s", outcome.log_s)}};
+  if (pinged) {
+    rows.push_back({"pings", fmt::format("{:.2f} a second of log",
+                                         outcome.log_s > 0 ? static_cast<double>(n.pings) / outcome.log_s : 0)});
+    rows.push_back({"scans", fmt::format("one every {:.2f} s of log",
+                                         n.scans ? outcome.log_s / static_cast<double>(n.scans) : 0)});
+  }
   if (request.timings) {
-    rows.push_back({"work for a ping, median", fmt::format("{:.3f} ms", outcome.timings.ping_median_ms)});
-    rows.push_back({"work for a ping, 99th percentile", fmt::format("{:.3f} ms", outcome.timings.ping_p99_ms)});
+    if (pinged) {
+      rows.push_back({"work for a ping, median", fmt::format("{:.3f} ms", outcome.timings.ping_median_ms)});
+      rows.push_back({"work for a ping, 99th percentile", fmt::format("{:.3f} ms", outcome.timings.ping_p99_ms)});
+    }
     rows.push_back({"speed", fmt::format("{:.0f} x real time",
                                          outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0)});
   }

@@ -1,13 +1,16 @@
 // RunFolder: collects what a run finds and writes it as files that people and programs read.
 //
-//   obstacles.json      the obstacles at the end, level body frame       obstacles.geojson  the same on the globe, if
-//   known scans.json          the obstacles of every scan                      manifest.json      input, counts,
-//   rejections, files occupancy.tif .png  the grid                                         configuration.toml what was
-//   in force sonar.png           the last sweep in plan                           detections.png     obstacles drawn
-//   over it report.html         all of it on one page
+//   report.html         all of it on one page        manifest.json       input, counts, rejections, files
+//   obstacles.json      at the end, in L             configuration.toml  what was in force
+//   scans.json          those of every scan          obstacles.geojson   on the globe, if known
+//   occupancy.tif .png  the grid                     truth.json          of a simulated run
+//   sonar.png           the last sweep in plan       detections.png      obstacles drawn over it
+//   depth.tif, chart.png, confidence.png, contours.geojson: of the depth map (depth_pages.hpp)
 #pragma once
 
 #include <filesystem>
+#include <isobath/runtime/depth_pages.hpp>
+#include <isobath/runtime/html_report.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <isobath/runtime/plan_image.hpp>
 #include <isobath/runtime/result_text.hpp>
@@ -29,7 +32,7 @@ class RunFolder : public ResultSink {
   /// Outlines of what was really there, in L of the last scan; for the pictures.
   void show_truth(std::vector<Polygon> outlines) { truth_ = std::move(outlines); }
   /// Writes all files and lists them in `outcome.files`.
-  void write(const RunRequest& request, const BodyGrid* grid, RunOutcome& outcome);
+  void write(const RunRequest& request, const BodyGrid* grid, const DepthModel& depths, RunOutcome& outcome);
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
 
  private:
@@ -39,6 +42,7 @@ class RunFolder : public ResultSink {
   };
   struct Pictures {  ///< PNG; empty without a grid
     std::string occupancy, sonar, detections;
+    DepthPictures depth;
   };
   void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
   void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;
@@ -47,6 +51,7 @@ class RunFolder : public ResultSink {
   [[nodiscard]] std::string detections_picture() const;
   [[nodiscard]] std::string occupancy_picture(const BodyGrid& grid) const;
   [[nodiscard]] std::string track_picture() const;
+  void add_obstacles(HtmlReport& page) const;
   [[nodiscard]] std::string report(const RunRequest& request, const RunOutcome& outcome,
                                    const Pictures& pictures) const;
 

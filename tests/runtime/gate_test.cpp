@@ -63,5 +63,29 @@ TEST(EventGate, OneStampFarAheadDoesNotDeafenForEver) {
   EXPECT_EQ(lost, 4);
 }
 
+TEST(EventGate, ALeapOfFiveKilometresIsRefusedAndCounted) {
+  EventGate gate({});
+  EXPECT_EQ(gate.judge(fix_at(1, 0)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(2, 5000)), Verdict::kRejected);
+  EXPECT_EQ(gate.judge(fix_at(3, 2)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.rejected().at(EventGate::kLeap), 1u);
+}
+
+TEST(EventGate, ALeapIsBelievedWhenFixesInARowAgreeOnIt) {
+  EventGate gate({.believe_leap_after = 3});
+  EXPECT_EQ(gate.judge(fix_at(1, 0)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(2, 5000)), Verdict::kRejected);
+  EXPECT_EQ(gate.judge(fix_at(3, -7000)), Verdict::kRejected) << "agrees with nothing";
+  EXPECT_EQ(gate.judge(fix_at(4, -7001)), Verdict::kRejected);
+  EXPECT_EQ(gate.judge(fix_at(5, -7002)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(6, -7003)), Verdict::kAdmitted);
+}
+
+TEST(EventGate, ALongPauseMayLeadFar) {
+  EventGate gate({});
+  EXPECT_EQ(gate.judge(fix_at(1, 0)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(3601, 5000)), Verdict::kAdmitted);
+}
+
 }  // namespace
 }  // namespace isobath

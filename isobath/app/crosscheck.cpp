@@ -1,0 +1,53 @@
+#include <fmt/format.h>
+#include <isobath/app/config_options.hpp>
+#include <isobath/app/progress.hpp>
+#include <isobath/runtime/check_map.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace isobath::app {
+namespace {
+
+struct Options {
+  ConfigOptions config;
+  CheckRequest request;
+  bool json = false;
+};
+
+int act(Options& options) {
+  CheckRequest& request = options.request;
+  request.configuration = options.config.read();
+  ProgressLine progress;
+  request.progress = [&](const SourceReport& source, const PipelineCounts& counts) {
+    progress.show(source.bytes_read, source.bytes_total, counts.ranges + counts.swaths);
+  };
+  const CheckOutcome outcome = check_map(request);
+  progress.clear();
+  if (options.json) {
+    auto json = nlohmann::ordered_json::parse(to_json(outcome.result));
+    json["damages"] = nlohmann::ordered_json::array();
+    for (const MapDamage& damage : outcome.damages) json["damages"].push_back(to_text(damage));
+    for (const auto& file : outcome.files) json["files"].push_back((request.out / file).string());
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    return kSuccess;
+  }
+  for (const MapDamage& damage : outcome.damages) fmt::print("damaged: {}\n", to_text(damage));
+  fmt::print("{}", to_text(outcome.result));
+  if (!outcome.files.empty()) fmt::print("written to {}: crosscheck.html\n", request.out.string());
+  return kSuccess;
+}
+
+}  // namespace
+
+Action add_crosscheck(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("crosscheck", "How well a map predicts soundings that it has not seen");
+  command->add_option("MAP", options->request.map, "Folder of a depth map")->required();
+  command->add_option("LOG", options->request.input, "Log, folder of logs, or scene (.toml)")->required();
+  command->add_option("--out", options->request.out, "Folder for a report; without it, none")->type_name("FOLDER");
+  command->add_flag("--json", options->json, "One JSON object on standard output");
+  options->config.add_to(*command);
+  return [options] { return act(*options); };
+}
+
+}  // namespace isobath::app

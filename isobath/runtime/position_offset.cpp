@@ -1,0 +1,67 @@
+#include <cmath>
+#include <Eigen/Dense>
+#include <fmt/format.h>
+#include <isobath/runtime/crosscheck.hpp>
+#include <isobath/runtime/position_offset.hpp>
+#include <vector>
+
+namespace isobath {
+namespace {
+
+constexpr std::size_t kFewest = 100;
+constexpr int kRounds = 8;
+constexpr double kLeastSlope = 0.02;  // root mean square of the slope along either axis
+
+double robust_sd(std::vector<double> values) { return difference_statistics(std::move(values)).robust_sd_m; }
+
+}  // namespace
+
+std::optional<PositionOffset> position_offset(std::span<const SlopeSample> samples) {
+  if (samples.size() < kFewest) return std::nullopt;
+  Eigen::Vector2d square = Eigen::Vector2d::Zero();
+  std::vector<double> before;
+  for (const SlopeSample& s : samples) {
+    square += s.gradient.cwiseAbs2();
+    before.push_back(s.difference_m);
+  }
+  if ((square / static_cast<double>(samples.size())).cwiseSqrt().minCoeff() < kLeastSlope) return std::nullopt;
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  double scale = robust_sd(before);
+  std::vector<double> left(samples.size());
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Identity();
+  for (int round = 0; round < kRounds; ++round) {
+    normal.setZero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const SlopeSample& s : samples) {
+      const Eigen::Vector3d a{1, s.gradient.x(), s.gradient.y()};
+      const double residual = s.difference_m - a.dot(x);
+      const double share = residual / (2 * std::max(scale, 1e-3));
+      const double weight = 1 / (1 + share * share);
+      normal += weight * a * a.transpose();
+      right += weight * s.difference_m * a;
+    }
+    x = normal.ldlt().solve(right);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      left[i] = samples[i].difference_m - x[0] - samples[i].gradient.dot(x.tail<2>());
+    }
+    scale = robust_sd(left);
+  }
+  PositionOffset found;
+  found.n = samples.size();
+  found.bias_m = x[0];
+  found.offset_m = x.tail<2>();
+  const Eigen::Matrix3d covariance = normal.inverse() * (scale * scale);
+  found.sigma_m = {std::sqrt(covariance(1, 1)), std::sqrt(covariance(2, 2))};
+  found.robust_sd_m = robust_sd(before);
+  found.robust_sd_left_m = scale;
+  return found;
+}
+
+std::string to_text(const PositionOffset& o) {
+  return fmt::format(
+      "the log lies beside the map: {:+.1f} m north and {:+.1f} m east would bring it there, {:+.2f} m in depth; the "
+      "robust spread would fall from {:.2f} to {:.2f} m ({} soundings over slopes the map knows)",
+      o.offset_m.x(), o.offset_m.y(), -o.bias_m, o.robust_sd_m, o.robust_sd_left_m, o.n);
+}
+
+}  // namespace isobath

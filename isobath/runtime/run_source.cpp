@@ -1,0 +1,74 @@
+#include <fmt/format.h>
+#include <isobath/base/error.hpp>
+#include <isobath/io/survey_folder.hpp>
+#include <isobath/runtime/prefetch.hpp>
+#include <isobath/runtime/run_source.hpp>
+#include <isobath/runtime/scenario.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr double kFarthest = 1e6;  // m: what a local plane holds
+
+/// Fixes of a source, moved to another local plane.
+class PlacedSource final : public Source {
+ public:
+  PlacedSource(Source& source, const GeoOrigin& frame, std::unique_ptr<Source> owned)
+      : source_(&source), owned_(std::move(owned)), frame_(frame), to_(frame) {}
+
+  std::optional<Event> next() override {
+    std::optional<Event> event = source_->next();
+    if (auto* fix = event ? std::get_if<Navigation>(&*event) : nullptr) {
+      const auto& origin = source_->report().origin;
+      if (!origin) {
+        throw Error("the input does not say where on the globe it is, and the map does", {source_->report().format});
+      }
+      if (!from_) {
+        refuse_far(*origin);
+        from_.emplace(*origin);
+      }
+      *fix = in_plane(*fix, *from_, to_);
+    }
+    return event;
+  }
+  /// The source's own, with its own origin.
+  [[nodiscard]] const SourceReport& report() const override { return source_->report(); }
+
+ private:
+  void refuse_far(const GeoOrigin& origin) const {
+    const double apart = distance_m(origin, frame_);
+    if (apart <= kFarthest) return;
+    throw Error(
+        fmt::format("the input lies at {:.4f}, {:.4f}, the map {:.0f} km away at {:.4f}, {:.4f}", origin.latitude_deg,
+                    origin.longitude_deg, apart / 1000, frame_.latitude_deg, frame_.longitude_deg),
+        {source_->report().format}, {}, "use another map");
+  }
+
+  Source* source_;
+  std::unique_ptr<Source> owned_;  ///< null where it belongs to somebody else
+  GeoOrigin frame_;
+  LocalPlane to_;
+  std::optional<LocalPlane> from_;
+};
+
+}  // namespace
+
+std::unique_ptr<Source> place_in(Source& source, const GeoOrigin& frame) {
+  return std::make_unique<PlacedSource>(source, frame, nullptr);
+}
+
+std::unique_ptr<Source> open_run_source(const std::filesystem::path& input, const Configuration& configuration,
+                                        const std::optional<GeoOrigin>& frame, int threads) {
+  std::unique_ptr<Source> source;
+  if (is_scene(input)) {
+    source = std::make_unique<SimulatedSource>(open_scene(input), configuration.simulation, threads);
+  } else {
+    source = open_source(input, configuration.input);
+    if (threads > 1) source = std::make_unique<PrefetchSource>(std::move(source));
+  }
+  if (!frame) return source;
+  Source& inner = *source;
+  return std::make_unique<PlacedSource>(inner, *frame, std::move(source));
+}
+
+}  // namespace isobath

@@ -1,0 +1,22 @@
+// What a run reads from: a log, a folder, or a scene that is simulated here and now; in the frame of a map, if there is
+// one already.
+#pragma once
+
+#include <filesystem>
+#include <isobath/io/event.hpp>
+#include <isobath/runtime/configuration.hpp>
+#include <memory>
+#include <optional>
+
+namespace isobath {
+
+/// Log, folder of logs, or scene (.toml; an empty path is the embedded one). With `frame` all fixes are brought to the
+/// local plane around it. Throws Error where the input cannot be opened; and, at the first fix, where it does not say
+/// where on the globe it is although `frame` does.
+std::unique_ptr<Source> open_run_source(const std::filesystem::path& input, const Configuration& configuration,
+                                        const std::optional<GeoOrigin>& frame = {}, int threads = 1);
+
+/// `source`, which must outlive it, in the plane around `frame`.
+std::unique_ptr<Source> place_in(Source& source, const GeoOrigin& frame);
+
+}  // namespace isobath
