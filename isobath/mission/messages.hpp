@@ -1,0 +1,214 @@
+// Messages: all that agents say to one another, as plain data (Ganesan 2015, 5.1; ledger S6-32, S6-33).
+//
+// Each is one alternative of Message. What is large (maps, plans) goes by pointer to something that never changes
+// again, so that agents in different threads may look at it. Positions in W unless a name says otherwise, SI units.
+#pragma once
+
+#include <cstdint>
+#include <Eigen/Core>
+#include <isobath/mission/mission_plan.hpp>
+#include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/sonar/range_reading.hpp>
+#include <isobath/vehicle/guidance.hpp>
+#include <isobath/vehicle/health.hpp>
+#include <isobath/vehicle/navigation.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace isobath {
+
+// What is sensed --------------------------------------------------------------------------------------------------
+
+/// The obstacles at the end of one sweep, in the vehicle's frame of that instant; or a map that a person injected.
+struct ObstacleScan {
+  int number = 0;  ///< from 1
+  bool posed = true;
+  bool injected = false;
+  std::shared_ptr<const Detection> map;  ///< never null
+};
+
+/// What one ping says about the sonar itself, and its nearest echoes before any map has believed them.
+struct SonarLook {
+  Time time;
+  std::string sonar;                      ///< "sonar", "sonar.2" ...
+  std::uint64_t digest = 0;               ///< of the samples: equal ones mean equal samples
+  double mean = 0;                        ///< of the samples, share of full scale
+  double full_scale = 0;                  ///< share of samples at full scale
+  double silent = 0;                      ///< share of samples at zero
+  Angle bearing;                          ///< of the middle of the fan, from forward
+  bool decided = false;                   ///< whether echoes could be told from noise
+  std::vector<Eigen::Vector2d> echoes_L;  ///< x forward, y starboard, m; at most one a beam, the nearest
+};
+
+// From the operator --------------------------------------------------------------------------------------------------
+
+struct OperatorCommand {
+  enum class Kind : std::uint8_t { kStart, kAbort, kHold, kResume, kBeat } kind = Kind::kBeat;
+  std::shared_ptr<const MissionPlan> plan = {};  ///< with kStart
+};
+
+// Captain, Executive Officer, Navigator, Pilot -----------------------------------------------------------------------
+
+enum class MissionPhase : std::uint8_t { kWaiting, kUnderWay, kHolding, kFinished, kAborted };
+const char* to_text(MissionPhase phase);
+
+/// Captain -> Executive Officer.
+struct MissionOrder {
+  enum class Kind : std::uint8_t { kStart, kHold, kResume, kAbort } kind = Kind::kStart;
+  std::shared_ptr<const MissionPlan> plan = {};
+  MissionEnd end = MissionEnd::kHold;  ///< how it ends, with kAbort
+  std::string why;
+};
+
+/// Captain -> Executive Officer: a point stands somewhere else now (S6-65).
+struct PointMoved {
+  std::size_t point = 0;
+  Eigen::Vector2d north_east = Eigen::Vector2d::Zero();
+};
+
+/// Executive Officer -> Navigator: a way to this point, please; replaces the request before.
+struct RouteRequest {
+  std::uint32_t id = 0;
+  std::size_t point = 0;  ///< index in the plan
+  MissionPoint target;
+  bool last = false;  ///< whether no other point follows
+};
+
+/// Navigator -> Executive Officer. Replaces what is left of the way before.
+struct RoutePlanned {
+  std::uint32_t request = 0;
+  std::uint32_t version = 0;
+  std::vector<Waypoint> waypoints;
+  bool avoiding = false;  ///< it goes round something
+  std::string why;        ///< names obstacle, leg and margin
+};
+
+/// Navigator -> Executive Officer, Captain: there is no way to this point.
+struct RouteRefused {
+  enum class Reason : std::uint8_t {
+    kStartBlocked,  ///< inside an obstacle
+    kGoalBlocked,   ///< an obstacle on the point, or nearer than the drop distance
+    kNoPath,
+    kOutOfBudget,
+    kOutsideFence,
+    kNoMap,  ///< nothing was seen for too long
+  } reason = Reason::kNoPath;
+  std::uint32_t request = 0;
+  std::size_t point = 0;
+  std::optional<Eigen::Vector2d> safe_nearby;  ///< nearest place to the point that is clear, if one was looked for
+  std::string why;
+};
+const char* to_text(RouteRefused::Reason reason);
+
+/// Executive Officer -> Captain.
+struct PointReport {
+  enum class Kind : std::uint8_t { kReached, kDropped, kTaken } kind = Kind::kReached;
+  std::size_t point = 0;
+  std::string why;
+};
+struct MissionReport {
+  MissionPhase phase = MissionPhase::kWaiting;
+  std::size_t reached = 0, dropped = 0;
+  std::string why;
+};
+
+/// Executive Officer -> Pilot: follow these; an empty list: hold the place.
+struct FollowOrder {
+  std::uint32_t version = 0;
+  std::vector<Waypoint> waypoints;
+  std::optional<double> altitude_m;
+  bool surface = false;
+};
+
+/// Pilot -> Executive Officer.
+struct WaypointPassed {
+  std::uint32_t version = 0;
+  std::size_t index = 0;
+  bool reached = false;  ///< within the radius; else passed abeam
+  bool last = false;
+};
+
+/// Pilot -> vehicle, by way of the Safety Officer's word.
+struct HelmOrder {
+  Setpoint setpoint;
+};
+
+// Safety Officer -----------------------------------------------------------------------------------------------------
+
+enum class SafetyActionKind : std::uint8_t { kNone, kSlow, kStop, kTurn, kSurface };
+const char* to_text(SafetyActionKind kind);
+
+/// Stands above every HelmOrder until it is taken back by one of kind kNone.
+struct SafetyAction {
+  SafetyActionKind kind = SafetyActionKind::kNone;
+  Setpoint setpoint;  ///< of kTurn; speed limit of kSlow
+  std::string fault;  ///< row of docs/faults.md: "sonar silent"
+  std::string why;
+};
+
+/// Safety Officer -> Captain.
+struct SafetyReport {
+  std::string fault;
+  bool active = true;  ///< false: it is over
+  bool abort = false;  ///< the mission must end
+  MissionEnd end = MissionEnd::kSurface;
+  std::string why;
+};
+
+// Supervision, link, back-seat drivers -------------------------------------------------------------------------------
+
+/// Supervisor -> all: an agent died (threw) or hangs (did not answer).
+struct AgentLost {
+  std::string agent;
+  bool hung = false;
+  std::string why;
+};
+
+/// For the operator: what the Signaling Officer sends.
+struct StatusReport {
+  MissionPhase phase = MissionPhase::kWaiting;
+  std::size_t point = 0, points = 0;
+  std::string text;
+};
+
+struct TaskCall {
+  std::uint32_t id = 0;
+  std::string task;
+  MissionPoint at;
+};
+struct TaskBid {
+  std::uint32_t id = 0;
+  std::string driver;
+  double suitability = 0;  ///< above 0; the highest wins
+};
+struct TaskAward {
+  std::uint32_t id = 0;
+  std::string driver;
+};
+struct TaskPlan {
+  std::uint32_t id = 0;
+  std::string driver;
+  std::vector<Waypoint> waypoints;
+};
+
+/// Something was decided, by whom and why: for the recorder, the page and the report.
+struct Decision {
+  Time time;
+  std::string agent;
+  std::string what;    ///< "replan", "drop point", "stop" ...
+  std::string reason;  ///< whole sentence; names obstacle, leg and margin where there are such
+  std::optional<Eigen::Vector2d> obstacle = {};  ///< N, E of its nearest point
+  std::optional<int> leg = {};                   ///< from 1
+  std::optional<double> margin_m = {};           ///< clearance that the old way had left; negative: through it
+  std::vector<Eigen::Vector2d> way = {};         ///< N, E of the new one
+};
+
+using Message = std::variant<Navigation, RangeReading, Health, SonarLook, ObstacleScan, OperatorCommand, MissionOrder,
+                             PointMoved, RouteRequest, RoutePlanned, RouteRefused, PointReport, MissionReport,
+                             FollowOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost,
+                             StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision>;
+
+}  // namespace isobath
