@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/planning/hazard_map.hpp>
 #include <isobath/sonar/range_reading.hpp>
 #include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/health.hpp>
@@ -22,12 +23,26 @@ namespace isobath {
 
 // What is sensed --------------------------------------------------------------------------------------------------
 
-/// The obstacles at the end of one sweep, in the vehicle's frame of that instant; or a map that a person injected.
-struct ObstacleScan {
+/// The obstacles at the end of one sweep, as the pipeline has them, in the vehicle's frame of that instant.
+struct Sweep {
   int number = 0;  ///< from 1
   bool posed = true;
-  bool injected = false;
+  double sigma_m = 0;                    ///< of the vehicle's place in the plane
   std::shared_ptr<const Detection> map;  ///< never null
+};
+
+/// FLSDetector -> Navigator: what is in the way: the last sweep, what is remembered, what a person injected.
+struct ObstacleScan {
+  int number = 0;  ///< from 1
+  Time time;
+  Pose X_WL;  ///< of the instant of the sweep; the frame of `hazards`
+  bool posed = true;
+  std::vector<Hazard> hazards;  ///< in L
+};
+
+/// Chart room -> Navigator: what the chart says of the water around; replaces what it said before. In W.
+struct ChartedHazards {
+  std::shared_ptr<const std::vector<Hazard>> hazards;
 };
 
 /// What one ping says about the sonar itself, and its nearest echoes before any map has believed them.
@@ -206,9 +221,9 @@ struct Decision {
   std::vector<Eigen::Vector2d> way = {};         ///< N, E of the new one
 };
 
-using Message = std::variant<Navigation, RangeReading, Health, SonarLook, ObstacleScan, OperatorCommand, MissionOrder,
-                             PointMoved, RouteRequest, RoutePlanned, RouteRefused, PointReport, MissionReport,
-                             FollowOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost,
-                             StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision>;
+using Message = std::variant<Navigation, RangeReading, Health, SonarLook, Sweep, ObstacleScan, ChartedHazards,
+                             OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned, RouteRefused,
+                             PointReport, MissionReport, FollowOrder, WaypointPassed, HelmOrder, SafetyAction,
+                             SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision>;
 
 }  // namespace isobath

@@ -1,0 +1,16 @@
+#include <cmath>
+#include <isobath/vehicle/vehicle_sheet.hpp>
+
+namespace isobath {
+
+VehicleSheet sheet_of(const VehicleModel& model) {
+  VehicleSheet sheet;
+  sheet.half_width_m = model.width / 2;
+  sheet.hull_radius_m = std::hypot(model.length, model.width) / 2;
+  sheet.braking = model.limits.max_acceleration;
+  sheet.min_speed = model.autopilot.depth_by == DepthBy::kPitch ? model.autopilot.min_flow : 0;
+  sheet.limits = model.limits;
+  return sheet;
+}
+
+}  // namespace isobath

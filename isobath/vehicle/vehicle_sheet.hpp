@@ -1,0 +1,19 @@
+// VehicleSheet: what planning and command must know of a vehicle: how much room it takes, and what it cannot do.
+#pragma once
+
+#include <isobath/vehicle/vehicle_model.hpp>
+
+namespace isobath {
+
+struct VehicleSheet {
+  double half_width_m = 0.25;   ///< of the hull, across
+  double hull_radius_m = 0.36;  ///< of the circle in plan that holds the hull, about B
+  double braking = 0.25;        ///< m/s2, when thrust is taken away or reversed
+  double min_speed = 0;         ///< below it the vehicle does not hold depth or heading, m/s; 0: it can hover
+  VehicleLimits limits;
+};
+
+/// Braking is the greatest acceleration that the file allows; a vehicle that dives by pitch needs its least flow.
+VehicleSheet sheet_of(const VehicleModel& model);
+
+}  // namespace isobath
