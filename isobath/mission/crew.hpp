@@ -81,7 +81,6 @@ class Crew {
   Member& member(std::string_view name);
   bool set_clock(Time now);
   void tick();
-  void watch(Member& member);
   void settle();  ///< until nobody has anything to say
   void drain();
   void end_turn(Member& member, Turn turn);
