@@ -10,7 +10,8 @@
 // "agent.NAME" is a fault of this computer, injected by a simulator or found in its log: the agent hangs where the note
 // says so, else it dies; both are for good.
 //
-// Events whose numbers are not finite are for nobody: their sender falls silent. A function of the events. One thread. Throws Error where the crew cannot be (crew.hpp).
+// Events whose numbers are not finite are for nobody: their sender falls silent. A function of the events. One thread.
+// Throws Error where the crew cannot be (crew.hpp).
 #pragma once
 
 #include <isobath/mission/crew.hpp>

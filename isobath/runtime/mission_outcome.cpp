@@ -59,7 +59,8 @@ StageTime stage_time(std::vector<double>& ms) {
 }
 
 std::string MissionOutcome::failure() const {
-  if (truth && truth->contact_s >= 0) return fmt::format("contact with {} at {:.1f} s", truth->contact_with, truth->contact_s);
+  if (truth && truth->contact_s >= 0)
+    return fmt::format("contact with {} at {:.1f} s", truth->contact_with, truth->contact_s);
   if (report.phase == MissionPhase::kAborted) return "the mission was aborted: " + report.why;
   if (report.phase != MissionPhase::kFinished) return fmt::format("the mission did not end: {}", to_text(report.phase));
   if (report.reached == 0) return "no mission point was reached";
@@ -87,14 +88,10 @@ std::string decisions_text(const std::vector<Decision>& decisions) {
 
 ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
   const MissionReport& report = outcome.report;
-  ordered_json json{{"title", outcome.plan.title},
-                    {"phase", to_text(report.phase)},
-                    {"why", report.why},
-                    {"points", points_json(outcome.plan)},
-                    {"reached", report.reached},
-                    {"dropped", report.dropped},
-                    {"decisions", outcome.decisions.size()},
-                    {"failure", outcome.failure()}};
+  ordered_json json{
+      {"title", outcome.plan.title},           {"phase", to_text(report.phase)}, {"why", report.why},
+      {"points", points_json(outcome.plan)},   {"reached", report.reached},      {"dropped", report.dropped},
+      {"decisions", outcome.decisions.size()}, {"failure", outcome.failure()}};
   if (const auto& truth = outcome.truth) {
     json["truth"] = {{"contact", truth->contact_s >= 0},
                      {"contact_s", truth->contact_s >= 0 ? tidy(truth->contact_s) : ordered_json()},

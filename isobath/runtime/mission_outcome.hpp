@@ -46,11 +46,11 @@ struct MissionOutcome {
   MissionPlan plan;
   MissionReport report;
   std::vector<Decision> decisions;
-  std::vector<BelievedPlace> believed;  ///< ten a second at most
-  std::vector<SeenObstacle> seen;       ///< those in front of others
-  std::optional<TrackTruth> truth;      ///< of a simulated run
-  std::vector<Polygon> bodies;          ///< what really stands there at the end: outlines in W; of a simulated run
-  std::uint64_t as_recorded = 0;        ///< of a log: decisions that are those of the recorded run, from the first on
+  std::vector<BelievedPlace> believed;    ///< ten a second at most
+  std::vector<SeenObstacle> seen;         ///< those in front of others
+  std::optional<TrackTruth> truth;        ///< of a simulated run
+  std::vector<Polygon> bodies;            ///< what really stands there at the end: outlines in W; of a simulated run
+  std::uint64_t as_recorded = 0;          ///< of a log: decisions that are those of the recorded run, from the first on
   std::optional<std::uint64_t> recorded;  ///< of a log that holds decisions: how many
   MissionTimings timings;
 

@@ -54,8 +54,7 @@ void MissionSheet::cross(const Vector2d& centre, const Stroke& stroke) {
 void MissionSheet::name(const Vector2d& at, const std::string& words, Colour colour) {
   const Vector2d p = to_px(at);
   const double half = text_width(words, kText) / 2;
-  constexpr std::array<std::pair<double, double>, 6> kBeside{
-      {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {-1, 1}}};
+  constexpr std::array<std::pair<double, double>, 6> kBeside{{{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {-1, 1}}};
   for (const double away : {14.0, 26.0, 40.0}) {
     for (const auto& [right, down] : kBeside) {
       const Vector2d middle(p.x() + right * (half + away), p.y() + down * away);

@@ -25,6 +25,8 @@ class MissionSheet : public ChartSheet {
 
   void legend_circle(const Stroke& stroke, const std::string& text, bool crossed = false);
   void legend_number(Colour colour, const std::string& text);
+  /// Room before what follows in the panel.
+  void gap() { (void)next_entry(14); }
 
  private:
   void disc(const Eigen::Vector2d& at_px, const std::string& text, Colour colour) const;

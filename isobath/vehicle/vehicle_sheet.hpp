@@ -16,4 +16,7 @@ struct VehicleSheet {
 /// Braking is the greatest acceleration that the file allows; a vehicle that dives by pitch needs its least flow.
 VehicleSheet sheet_of(const VehicleModel& model);
 
+/// All of it, for logs and configurations of runs without a vehicle file.
+std::vector<Field> fields(VehicleSheet& sheet);
+
 }  // namespace isobath
