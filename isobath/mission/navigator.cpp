@@ -44,7 +44,8 @@ std::vector<Field> fields(NavigatorConfig& c) {
                   "Charted obstacles grow by so many standard deviations of the vehicle's position."),
       Field::real("jump_m", &c.jump_m, {0.01, 1000}, "m",
                   "A fix this far from where the vehicle should be moves what was seen with it."),
-      Field::real("map_age_s", &c.map_age_s, {0, 3600}, "s", "Without a scan for so long there is no way; 0: no limit."),
+      Field::real("map_age_s", &c.map_age_s, {0, 3600}, "s",
+                  "Without a scan for so long there is no way; 0: no limit."),
       Field::integer("emergency_factor", &c.emergency_factor, {1, 1000}, "1",
                      "How many times more a search may expand in an emergency."),
   };
@@ -97,9 +98,10 @@ void Navigator::take_fix(const Navigation& fix, Outbox& out) {
     way_[i].east += jump.y();
   }
   if (!request_ || way_.empty()) return;
-  Decision d = decision("position fix", fmt::format("the position jumped by {:.1f} m; the way round what was seen moves "
-                                                    "with it, the mission point does not",
-                                                    jump.norm()));
+  Decision d =
+      decision("position fix", fmt::format("the position jumped by {:.1f} m; the way round what was seen moves "
+                                           "with it, the mission point does not",
+                                           jump.norm()));
   if (way_.size() > 1) {
     for (const Waypoint& w : way_) d.way.emplace_back(w.north, w.east);
     passed_ = 0;
@@ -156,8 +158,11 @@ void Navigator::look(Outbox& out) {
   if (const auto refusal = judge_goal(frame, hazards)) return refuse(*refusal, out);
   const Vector2d vehicle = frame.to_local(place_of(*here_));
   trim_margins(hazards, vehicle, vehicle_.half_width_m);
-  View view{HazardMap(std::move(hazards)), frame, {vehicle}, frame.to_local(request_->target.north_east),
-            (here_->X_WB.rotation.heading() - frame.heading()).wrapped()};
+  View view{HazardMap(std::move(hazards)),
+            frame,
+            {vehicle},
+            frame.to_local(request_->target.north_east),
+            (here_->X_WB.rotation.heading() - frame.heading).wrapped()};
   for (const Waypoint& w : way_) view.way.push_back(frame.to_local(Vector2d(w.north, w.east)));
   if (way_.empty()) return start(view, out);
   keep(view, out);
@@ -171,7 +176,7 @@ std::optional<Navigator::Refusal> Navigator::blind() const {
   return Refusal{RouteRefused::Reason::kNoMap, fmt::format("nothing was seen for {:.1f} s", age)};
 }
 
-PlanFrame Navigator::plan_frame() const { return PlanFrame(scan_ ? scan_->X_WL : level(here_->X_WB)); }
+PlanFrame Navigator::plan_frame() const { return PlanFrame::of(scan_ ? scan_->X_WL : level(here_->X_WB)); }
 
 std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
   std::vector<Hazard> hazards;
@@ -179,7 +184,7 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
   if (chart_.hazards) {
     const double margin = config_.chart_sigmas * sigma_of(*here_);
     for (const Hazard& h : *chart_.hazards) {
-      hazards.push_back({frame.to_local(h.outline), h.margin_m + margin, h.kind, h.id});
+      hazards.push_back({to_local(frame, h.outline), h.margin_m + margin, h.kind, h.id});
     }
   }
   std::erase_if(hazards, [](const Hazard& h) { return h.outline.empty(); });
@@ -188,8 +193,8 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
   const double margin = config_.fence_clearance_m - route_.clearance_m;
   for (std::size_t i = 0; i < plan_->fence.size(); ++i) {
     const Vector2d& next = plan_->fence[(i + 1) % plan_->fence.size()];
-    hazards.push_back({frame.to_local(Polygon{plan_->fence[i], next}), margin, HazardKind::kFence,
-                       static_cast<std::uint32_t>(i)});
+    hazards.push_back(
+        {to_local(frame, {plan_->fence[i], next}), margin, HazardKind::kFence, static_cast<std::uint32_t>(i)});
   }
   return hazards;
 }
@@ -313,6 +318,8 @@ Navigator::Refusal Navigator::refusal_of(RouteRefusal refusal, const View& view)
       return {RouteRefused::Reason::kOutOfBudget,
               fmt::format("no way within {} expansions{}", route_.most_expanded,
                           mode_ == Mode::kEmergency ? fmt::format(" times {}", config_.emergency_factor) : "")};
+    case RouteRefusal::kCannotTurn:
+      return {RouteRefused::Reason::kNoPath, "there is no way that the vehicle can turn; nearest to it: " + obstacle};
     case RouteRefusal::kNotFinite:
     case RouteRefusal::kNoPath: break;
   }
@@ -333,10 +340,10 @@ void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& o
   refused_.reset();
   const bool avoiding = way_.size() > 1;
   const double longer = length_of(way) - before;
-  d.reason += avoiding ? fmt::format("; going round by {} way-point{}, {:.1f} m {}", way_.size() - 1,
-                                     way_.size() == 2 ? "" : "s", std::abs(longer), longer < 0 ? "shorter" : "longer")
-                       : fmt::format("; straight to {}, {:.1f} m", name_of(request_->target, request_->point),
-                                     length_of(way));
+  d.reason +=
+      avoiding ? fmt::format("; going round by {} way-point{}, {:.1f} m {}", way_.size() - 1,
+                             way_.size() == 2 ? "" : "s", std::abs(longer), longer < 0 ? "shorter" : "longer")
+               : fmt::format("; straight to {}, {:.1f} m", name_of(request_->target, request_->point), length_of(way));
   out.say(RoutePlanned{request_->id, ++version_, way_, avoiding, d.reason});
   out.say(std::move(d));
 }
@@ -385,9 +392,8 @@ Decision Navigator::about(const View& view, const Conflict& conflict) const {
     *d.margin_m += hazard.margin_m;
     wanted = config_.fence_clearance_m;
   }
-  const std::string how =
-      *d.margin_m > 0 ? fmt::format("pass {:.1f} m from {}", *d.margin_m, text_of(hazard.kind))
-                      : fmt::format("run into {}", text_of(hazard.kind));
+  const std::string how = *d.margin_m > 0 ? fmt::format("pass {:.1f} m from {}", *d.margin_m, text_of(hazard.kind))
+                                          : fmt::format("run into {}", text_of(hazard.kind));
   d.reason = fmt::format("leg {} would {} at {} ({:.1f} m wanted)", *d.leg, how, text_of(*d.obstacle), wanted);
   return d;
 }

@@ -24,7 +24,7 @@
 #pragma once
 
 #include <isobath/mission/agent.hpp>
-#include <isobath/mission/plan_frame.hpp>
+#include <isobath/planning/plan_frame.hpp>
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/vehicle/vehicle_sheet.hpp>
 

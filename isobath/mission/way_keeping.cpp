@@ -42,6 +42,11 @@ Cut cut(std::span<const Vector2d> way, double along) {
 
 }  // namespace
 
+Polygon to_local(const PlanFrame& frame, Polygon outline_W) {
+  for (Vector2d& p : outline_W) p = frame.to_local(p);
+  return outline_W;
+}
+
 double length_of(std::span<const Vector2d> way) {
   double length = 0;
   for (std::size_t i = 1; i < way.size(); ++i) length += (way[i] - way[i - 1]).norm();

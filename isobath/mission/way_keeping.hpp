@@ -7,11 +7,15 @@
 
 #include <functional>
 #include <isobath/planning/hazard_map.hpp>
+#include <isobath/planning/plan_frame.hpp>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace isobath {
+
+/// An outline in W (north, east), in the plan frame.
+Polygon to_local(const PlanFrame& frame, Polygon outline_W);
 
 double length_of(std::span<const Eigen::Vector2d> way);
 
