@@ -1,66 +1,54 @@
-// An agent under a script: it hears what the test says, when the test says so, and what it answers is kept.
+// ScriptedAgent: does what a test tells it to. Messages of the tests are task calls with numbers: they mean nothing to
+// the crew.
 #pragma once
 
-#include <isobath/mission/agent.hpp>
-#include <vector>
+#include <fmt/format.h>
+#include <functional>
+#include <isobath/mission/bus.hpp>
 
-namespace isobath {
+namespace isobath::test {
 
-inline Time at(double s) { return Time{} + seconds(s); }
+struct ScriptedAgent : Agent {
+  using Hear = std::function<void(const Message&, Time, Outbox&)>;
+  using Tick = std::function<void(Time, Outbox&)>;
+  explicit ScriptedAgent(Hear h, Tick t = {}) : on_hear(std::move(h)), on_tick(std::move(t)) {}
 
-class Script {
- public:
-  explicit Script(Agent& agent) : agent_(agent) {}
-
-  /// What it says to this alone.
-  std::vector<Message> hear(const Message& message, double s) {
-    Outbox out;
-    agent_.hear(message, at(s), out);
-    return keep(out);
+  void hear(const Message& message, Time now, Outbox& out) override {
+    if (on_hear) on_hear(message, now, out);
   }
-  std::vector<Message> tick(double s) {
-    Outbox out;
-    agent_.tick(at(s), out);
-    return keep(out);
+  void tick(Time now, Outbox& out) override {
+    if (on_tick) on_tick(now, out);
   }
-  /// All it has said.
-  std::vector<Message> said;
 
- private:
-  std::vector<Message> keep(Outbox& out) {
-    said.insert(said.end(), out.said().begin(), out.said().end());
-    return out.said();
-  }
-  Agent& agent_;
+  Hear on_hear;
+  Tick on_tick;
 };
 
-template <class T>
-std::vector<T> only(const std::vector<Message>& messages) {
-  std::vector<T> result;
-  for (const Message& m : messages) {
-    if (const auto* t = std::get_if<T>(&m)) result.push_back(*t);
-  }
-  return result;
+inline Seat seat(std::string name, ScriptedAgent::Hear hear, ScriptedAgent::Tick tick = {}) {
+  return {std::move(name), AgentLevel::kMission, std::make_unique<ScriptedAgent>(std::move(hear), std::move(tick))};
+}
+template <class... Seats>
+std::vector<Seat> seats(Seats&&... each) {
+  std::vector<Seat> all;
+  (all.push_back(std::forward<Seats>(each)), ...);
+  return all;
 }
 
-inline Navigation fix(double s, double north, double east, double heading_deg = 0, double speed = 0, double depth = 1) {
-  Navigation n;
-  n.time = at(s);
-  const Angle psi = Angle::degrees(heading_deg);
-  n.X_WB = {Rotation::from_heading(psi), {north, east, depth}};
-  n.v_WB = Eigen::Vector3d(speed * cos(psi), speed * sin(psi), 0);
-  return n;
+inline Message call(std::uint32_t id) { return TaskCall{id, "", {}}; }
+/// Of a task call; 0: it is none.
+inline std::uint32_t id_of(const Message& message) {
+  const auto* task = std::get_if<TaskCall>(&message);
+  return task ? task->id : 0;
+}
+/// "task call 3", "agent lost pilot", "decision cut".
+inline std::string text_of(const Message& message) {
+  std::string text = message_name(message);
+  if (const auto* task = std::get_if<TaskCall>(&message)) text += fmt::format(" {}", task->id);
+  if (const auto* lost = std::get_if<AgentLost>(&message)) text += " " + lost->agent + (lost->hung ? " hung" : "");
+  if (const auto* decision = std::get_if<Decision>(&message)) text += " " + decision->what;
+  return text;
 }
 
-/// A square with sides of 2 `half`.
-inline Polygon square(double x, double y, double half) {
-  return {{x - half, y - half}, {x + half, y - half}, {x + half, y + half}, {x - half, y + half}};
-}
+inline Time at(double s) { return Time(seconds(s)); }
 
-inline MissionPoint point(double north, double east) {
-  MissionPoint p;
-  p.north_east = {north, east};
-  return p;
-}
-
-}  // namespace isobath
+}  // namespace isobath::test
