@@ -57,6 +57,20 @@ inline Polygon square(double x, double y, double half) {
   return {{x - half, y - half}, {x + half, y - half}, {x + half, y + half}, {x - half, y + half}};
 }
 
+/// As a sweep has it, in L.
+inline Obstacle obstacle(const Polygon& outline, double existence) {
+  Obstacle o{};
+  o.outline = outline;
+  o.nearest = nearest_point(outline, Eigen::Vector2d::Zero());
+  o.range_m = o.nearest.norm();
+  o.existence = existence;
+  o.centre.setZero();
+  for (const Eigen::Vector2d& p : outline) o.centre += p / static_cast<double>(outline.size());
+  o.covariance.setIdentity();
+  o.possible_multiple = true;
+  return o;
+}
+
 inline MissionPoint point(double north, double east) {
   MissionPoint p;
   p.north_east = {north, east};

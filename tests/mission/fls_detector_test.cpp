@@ -1,6 +1,7 @@
 // The sonar detector under a script.
 #include <gtest/gtest.h>
 #include <isobath/mission/fls_detector.hpp>
+#include <isobath/planning/plan_frame.hpp>
 
 #include "agent_script.hpp"
 
@@ -19,15 +20,7 @@ class FlsDetectorTest : public testing::Test {
     map->time = at(s);
     map->X_WB = X_WL;
     map->cells.cell_m = 0.5;
-    for (const Polygon& outline : outlines_L) {
-      Obstacle o;
-      o.outline = outline;
-      o.nearest = nearest_point(outline, Vector2d::Zero());
-      o.range_m = o.nearest.norm();
-      o.existence = existence;
-      o.possible_multiple = true;
-      map->obstacles.push_back(o);
-    }
+    for (const Polygon& outline : outlines_L) map->obstacles.push_back(obstacle(outline, existence));
     return script.hear(Sweep{static_cast<int>(s), true, 0.1, map}, s);
   }
   static Pose pose(double north, double east, double heading_deg) {
@@ -95,10 +88,7 @@ TEST_F(FlsDetectorTest, RecallsWhatSweepsHaveConfirmedWhenTheVehicleComesBack) {
 
 TEST_F(FlsDetectorTest, RemembersNothingWithoutAPosition) {
   auto map = std::make_shared<Detection>();
-  Obstacle o;
-  o.outline = square(20, 0, 2);
-  o.existence = 1;
-  map->obstacles = {o};
+  map->obstacles = {obstacle(square(20, 0, 2), 1)};
   for (int i = 1; i <= 4; ++i) {
     map->time = at(i);
     const auto scan = only<ObstacleScan>(script.hear(Sweep{i, false, 0, map}, i));
