@@ -21,7 +21,9 @@ constexpr double kSag = 0.01;      // m, of arcs to the chords that stand for th
 constexpr double kFarthest = 1e7;  // m
 constexpr double kMostCells = 0x1p20;
 constexpr double kGrowth = 3;  // of the margin, from one window to the next
-constexpr int kAround = 3;     // cells that a window holds around all that matters
+constexpr int kRounds = 8;     // of moving corners, for each distance
+constexpr double kWorthwhile = 1e-4;
+constexpr int kAround = 3;  // cells that a window holds around all that matters
 /// Shares of the turning radius: how deep an arc cuts corners of 30, 60 and 90 degrees.
 constexpr std::array<double, 4> kRounder = {0, 0.04, 0.16, 0.42};
 
@@ -48,6 +50,7 @@ class Router {
         task_(task),
         config_(config),
         need_(task.half_width_m + config.clearance_m + kKept),
+        target_(task.goal),
         at_start_(map.distance(task.start)) {}
 
   Result<RoutePath, RouteRefusal> exact();
@@ -59,7 +62,9 @@ class Router {
   [[nodiscard]] std::optional<std::size_t> goal_cell(const RouteGrid& grid, double need) const;
   [[nodiscard]] RouteWindow window(double margin, double reach, bool& whole) const;
   Result<std::vector<std::size_t>, RouteRefusal> cells(const RouteGrid& grid, std::size_t from, std::size_t to);
+  [[nodiscard]] Vector2d near_target(double reach) const;
   void pull_straight(Way& way, const RouteGrid& grid, double need) const;
+  void relax(Way& way, const RouteGrid& grid, double need) const;
   [[nodiscard]] bool keeps(const Vector2d& a, const Vector2d& b, double more_m) const;
   [[nodiscard]] bool can_be_turned(const Way& way) const;
   [[nodiscard]] std::optional<Way> turned(const Way& way) const;
@@ -70,6 +75,7 @@ class Router {
   const RouteTask& task_;
   const RouteConfig& config_;
   double need_;      ///< of the vehicle's centre
+  Vector2d target_;  ///< of the search: the goal, or a place on the way there beyond all hazards
   double at_start_;  ///< what the start has
   std::int64_t expanded_ = 0;
 };
@@ -100,6 +106,7 @@ Result<Found, RouteRefusal> Router::find(double need) {
   if (at_start_ >= need && map_.leg_distance(task_.start, task_.goal) >= need + band()) {
     return Found{{task_.start, task_.goal}, 0};
   }
+  target_ = near_target(need + band());
   bool whole = false;
   RouteRefusal last = RouteRefusal::kNoPath;
   for (double margin = config_.margin_m; !whole; margin = kGrowth * margin + config_.cell_m) {
@@ -112,6 +119,7 @@ Result<Found, RouteRefusal> Router::find(double need) {
         Way leaving(found->way.begin(), exit + 1), rest(exit, found->way.end());
         pull_straight(leaving, grid, at_start_ - kTouch);
         pull_straight(rest, grid, need);
+        relax(rest, grid, need);
         found->escape = leaving.size() - 1;
         leaving.insert(leaving.end(), rest.begin() + 1, rest.end());
         found->way = std::move(leaving);
@@ -130,8 +138,10 @@ Result<Found, RouteRefusal> Router::search(RouteGrid& grid, double need) {
   if (grid.blocked(*from)) grid.open_escape(map_, *from, 2 * need + 4 * grid.window().cell_m);
   const auto to = goal_cell(grid, need);
   if (!to) {
-    if (!map_.leg_is_clear(task_.start, task_.goal, need)) return tl::unexpected(RouteRefusal::kNoPath);
-    return Found{{task_.start, task_.goal}, 0};
+    if (!map_.leg_is_clear(task_.start, target_, need)) return tl::unexpected(RouteRefusal::kNoPath);
+    Found found{{task_.start, target_}, 0};
+    if (target_ != task_.goal) found.way.push_back(task_.goal);
+    return found;
   }
   const auto path = cells(grid, *from, *to);
   if (!path) return tl::unexpected(path.error());
@@ -141,8 +151,9 @@ Result<Found, RouteRefusal> Router::search(RouteGrid& grid, double need) {
     found.way.push_back(grid.window().centre(cell));
   }
   found.way.front() = task_.start;
-  if (found.way.size() > 1 && (found.way.back() - task_.goal).norm() < kTouch) found.way.pop_back();
-  found.way.push_back(task_.goal);
+  if (found.way.size() > 1 && (found.way.back() - target_).norm() < kTouch) found.way.pop_back();
+  found.way.push_back(target_);
+  if (target_ != task_.goal) found.way.push_back(task_.goal);
   found.escape = std::min(found.escape, found.way.size() - 1);
   return found;
 }
@@ -153,11 +164,11 @@ std::optional<std::size_t> Router::goal_cell(const RouteGrid& grid, double need)
   double least = INFINITY;
   for (const int dy : {0, -1, 1}) {
     for (const int dx : {0, -1, 1}) {
-      const auto cell = grid.window().at(task_.goal + grid.window().cell_m * Vector2d(dx, dy));
+      const auto cell = grid.window().at(target_ + grid.window().cell_m * Vector2d(dx, dy));
       if (!cell || grid.blocked(*cell)) continue;
       const Vector2d centre = grid.window().centre(*cell);
-      const double away = (centre - task_.goal).norm();
-      if (away >= least || !map_.leg_is_clear(centre, task_.goal, need)) continue;
+      const double away = (centre - target_).norm();
+      if (away >= least || !map_.leg_is_clear(centre, target_, need)) continue;
       least = away;
       best = cell;
     }
@@ -178,10 +189,28 @@ Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& gr
   return tl::unexpected(RouteRefusal::kStartBlocked);  // there was no leaving it
 }
 
+/// A goal far beyond all hazards: as far beyond them as they are wide, on the straight line to the start, from where
+/// the rest of that line is free. What this costs is known only to ways on another side of all hazards.
+Vector2d Router::near_target(double reach) const {
+  if (map_.bounds().isEmpty()) return task_.goal;
+  AlignedBox2d all = grown(map_.bounds(), reach);
+  all.extend(task_.start);
+  all = grown(all, all.diagonal().norm() + config_.margin_m);
+  const double goal_out = (task_.goal - all.center()).cwiseQuotient(all.sizes() / 2).cwiseAbs().maxCoeff();
+  if (goal_out <= 1) return task_.goal;
+  const Vector2d leg = task_.goal - task_.start;
+  double share = 1;
+  for (const Eigen::Index axis : {0, 1}) {
+    const double border = leg[axis] > 0 ? all.max()[axis] : all.min()[axis];
+    if (leg[axis] != 0) share = std::min(share, (border - task_.start[axis]) / leg[axis]);
+  }
+  return task_.start + share * leg;
+}
+
 /// The start is the centre of a cell. `whole`: all that can matter lies in it.
 RouteWindow Router::window(double margin, double reach, bool& whole) const {
   AlignedBox2d ends(task_.start);
-  ends.extend(task_.goal);
+  ends.extend(target_);
   for (double cell = config_.cell_m;; cell *= 2) {
     AlignedBox2d all = ends;
     if (!map_.bounds().isEmpty()) all.extend(grown(map_.bounds(), reach));
@@ -228,6 +257,32 @@ void Router::pull_straight(Way& way, const RouteGrid& grid, double need) const {
     if (pulled.size() == way.size()) return;
     way = std::move(pulled);
   }
+}
+
+/// Moves corners where that makes the way cheaper: the cells' eight directions leave more length, and less room, than
+/// there need be.
+void Router::relax(Way& way, const RouteGrid& grid, double need) const {
+  for (double by = 2 * grid.window().cell_m; by > grid.window().cell_m / 8; by /= 2) {
+    for (int round = 0; round < kRounds; ++round) {
+      bool moved = false;
+      for (std::size_t i = 1; i + 1 < way.size(); ++i) {
+        const Vector2d &before = way[i - 1], &after = way[i + 1];
+        double least = (grid.leg_cost(before, way[i]) + grid.leg_cost(way[i], after)) * (1 - kWorthwhile);
+        Vector2d best = way[i];
+        for (const GridStep& s : kGridSteps) {
+          const Vector2d p = way[i] + by * Vector2d(s.column, s.row);
+          const double cost = grid.leg_cost(before, p) + grid.leg_cost(p, after);
+          if (cost >= least || !map_.leg_is_clear(before, p, need) || !map_.leg_is_clear(p, after, need)) continue;
+          least = cost;
+          best = p;
+        }
+        moved = moved || best != way[i];
+        way[i] = best;
+      }
+      if (!moved) break;
+    }
+  }
+  pull_straight(way, grid, need);
 }
 
 /// Whether a piece keeps the clearance, `more_m` more; while the vehicle is leaving a hazard, what it had at the start.
