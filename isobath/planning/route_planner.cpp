@@ -5,6 +5,7 @@
 #include <isobath/planning/route_grid.hpp>
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/planning/turning.hpp>
+#include <isobath/planning/turning_search.hpp>
 #include <utility>
 
 namespace isobath {
@@ -24,8 +25,8 @@ constexpr double kGrowth = 3;  // of the margin, from one window to the next
 constexpr int kRounds = 8;     // of moving corners, for each distance
 constexpr double kWorthwhile = 1e-4;
 constexpr int kAround = 3;  // cells that a window holds around all that matters
-/// Shares of the turning radius: how deep an arc cuts corners of 30, 60 and 90 degrees.
-constexpr std::array<double, 4> kRounder = {0, 0.04, 0.16, 0.42};
+/// Shares of the turning radius: how deep an arc cuts a corner of 60 degrees.
+constexpr std::array<double, 2> kRounder = {0, 0.16};
 
 double length_of(const Way& way) {
   double sum = 0;
@@ -68,6 +69,7 @@ class Router {
   [[nodiscard]] bool keeps(const Vector2d& a, const Vector2d& b, double more_m) const;
   [[nodiscard]] bool can_be_turned(const Way& way) const;
   [[nodiscard]] std::optional<Way> turned(const Way& way) const;
+  [[nodiscard]] std::optional<Way> of_arcs() const;
   [[nodiscard]] RoutePath finished(Way way) const;
   [[nodiscard]] double band() const { return std::max(0.0, config_.wished_clearance_m - config_.clearance_m); }
 
@@ -99,6 +101,8 @@ Result<RoutePath, RouteRefusal> Router::exact() {
     if (!config_.smooth) return finished(found->way);
     if (auto way = turned(found->way)) return finished(std::move(*way));
   }
+  // 3. a way made of arcs and straight legs
+  if (auto way = of_arcs()) return finished(std::move(*way));
   return tl::unexpected(RouteRefusal::kCannotTurn);
 }
 
@@ -327,6 +331,36 @@ std::optional<Way> Router::turned(const Way& way) const {
     }
   }
   return best;
+}
+
+std::optional<Way> Router::of_arcs() const {
+  bool whole = false;
+  const double radius = task_.turning_radius_m;
+  RouteGrid grid = RouteGrid::exact(map_, window(std::max(config_.margin_m, 4 * radius), need_ + band(), whole), need_);
+  grid.prefer_room(band(), config_.room_weight);
+  const TurningTask turning{task_.start, task_.heading, target_, radius};
+  auto way = search_turning(grid, turning, [this](const Vector2d& a, const Vector2d& b) { return keeps(a, b, 0); });
+  if (!way) return std::nullopt;
+  if (target_ != task_.goal) way->push_back(task_.goal);
+  if (!can_be_turned(*way)) return std::nullopt;
+  // Corners that the way can do without go.
+  const auto starts_ahead = [&](const Vector2d& next) {
+    if (!task_.heading) return true;
+    const Vector2d ahead(std::cos(*task_.heading), std::sin(*task_.heading));
+    const double share = (next - task_.start).normalized().dot(ahead);
+    return share > 0 && radius * (1 - share) <= kOff;
+  };
+  for (bool fewer = true; fewer;) {
+    fewer = false;
+    for (std::size_t i = way->size() - 1; i-- > 1;) {
+      Way without = *way;
+      without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+      if (!starts_ahead(without[1]) || !can_be_turned(without)) continue;
+      way = std::move(without);
+      fewer = true;
+    }
+  }
+  return way;
 }
 
 RoutePath Router::finished(Way way) const {
