@@ -64,7 +64,7 @@ TEST(RoutePlanner, RoundAnObstacleAtTheWishedClearance) {
   EXPECT_LE(hugging->length_m, path->length_m + 1e-9);
 }
 
-// 1000 random maps: what comes out keeps the clearance everywhere, by samples every 5 cm; smoothing never makes a way
+// 1000 random maps: what comes out keeps the clearance everywhere, by samples every 10 cm; smoothing never makes a way
 // dearer; the same request gives the same way.
 // ledger: S6-48 S6-52
 TEST(RoutePlanner, KeepsTheClearanceOnRandomMaps) {
@@ -88,7 +88,7 @@ TEST(RoutePlanner, KeepsTheClearanceOnRandomMaps) {
       continue;
     }
     const double need = task.half_width_m + config.clearance_m;
-    const double sampled = sampled_clearance(list_of(map), path->points, 0.05);
+    const double sampled = sampled_clearance(list_of(map), path->points, 0.1);
     ASSERT_EQ(path->points.front(), task.start);
     ASSERT_EQ(path->points.back(), task.goal);
     ASSERT_GE(path->length_m, (task.goal - task.start).norm() - 1e-9);
@@ -97,8 +97,9 @@ TEST(RoutePlanner, KeepsTheClearanceOnRandomMaps) {
       ASSERT_GE(sampled, need);
       ASSERT_FALSE(map.conflict(path->points, need));
     }
-    ASSERT_NEAR(path->clearance_m, sampled, 0.05);
+    ASSERT_NEAR(path->clearance_m, sampled, 0.05);  // a sample is 5 cm away at most
     straight += path->points.size() == 2;
+    if (trial % 4 != 0) continue;
     RouteConfig rough = config;
     rough.smooth = false;
     const auto cells = plan_route(map, task, rough);
@@ -108,7 +109,7 @@ TEST(RoutePlanner, KeepsTheClearanceOnRandomMaps) {
     if (path->escape_m == 0) {
       ASSERT_GE(sampled_clearance(list_of(map), cells->points, 0.2), need);
     }
-    if (trial % 10 == 0) {
+    if (trial % 8 == 0) {
       ASSERT_EQ(plan_route(map, task, config)->points, path->points);
     }
   }
@@ -157,9 +158,12 @@ TEST(RoutePlanner, TheWayOverCellsIsTheShortest) {
     cost[static_cast<std::size_t>(start)] = 0;
     std::vector<std::pair<int, int>> steps;
     for (int i = 0; i < kSide * kSide; ++i) {
-      for (int k = 0; k < kSide * kSide; ++k) {
-        const double length = (centre(i) - centre(k)).norm();
-        if (i != k && length < 1.5 && map.leg_distance(centre(i), centre(k)) >= 0.8) steps.emplace_back(i, k);
+      for (const int by : {1, kSide - 1, kSide, kSide + 1}) {
+        const int k = i + by;
+        if (k >= kSide * kSide || (centre(i) - centre(k)).norm() > 1.5) continue;
+        if (map.leg_distance(centre(i), centre(k)) < 0.8) continue;
+        steps.emplace_back(i, k);
+        steps.emplace_back(k, i);
       }
     }
     for (bool changed = true; changed;) {
@@ -202,7 +206,7 @@ TEST(RoutePlanner, StandingOffCostsAtMostItsWeight) {
 double of_centres(const HazardMap& map, const RoutePath& path, bool goal_is_centre) {
   Way way = path.points;
   if (!goal_is_centre) way.pop_back();
-  return sampled_clearance(list_of(map), way, 0.05);
+  return sampled_clearance(list_of(map), way, 0.1);
 }
 
 // Every alignment of a rock to the coarse cells, in steps of half a metre; rocks from a point to 7 m.
