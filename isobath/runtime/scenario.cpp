@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <isobath/mission/mission_file.hpp>
 #include <isobath/runtime/scenario.hpp>
 
 namespace isobath {
@@ -27,9 +28,23 @@ std::string list_of(const std::vector<FaultConfig>& faults) {
 
 bool is_scene(const std::filesystem::path& input) { return input.empty() || input.extension() == ".toml"; }
 
-Scene open_scene(const std::filesystem::path& input) {
-  return input.empty() ? parse_scene(embedded_scene(), "scenarios/pandan.toml") : load_scene(input.string());
+Scenario parse_scenario(std::string_view text, const std::string& file) {
+  Scenario scenario;
+  MissionKeys keys;
+  Schema mission = schema(keys);
+  scenario.scene = parse_scene(text, file, mission);
+  scenario.mission = make_plan(keys, mission, scenario.scene.origin());
+  if (looks_like_mission(text)) check_mission(scenario.mission);
+  return scenario;
 }
+
+Scenario load_scenario(const std::string& file) { return parse_scenario(text_of_file(file), file); }
+
+Scenario open_scenario(const std::filesystem::path& input) {
+  return input.empty() ? parse_scenario(embedded_scene(), "scenarios/pandan.toml") : load_scenario(input.string());
+}
+
+Scene open_scene(const std::filesystem::path& input) { return open_scenario(input).scene; }
 
 SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, int threads)
     : simulator_(std::move(scene), config, threads) {
