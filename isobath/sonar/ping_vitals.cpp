@@ -9,7 +9,7 @@ namespace isobath {
 namespace {
 
 constexpr double kLeastDeviation = 0.015;  // of full scale
-constexpr double kSteep = 0.7071;  // sine of 45 degrees
+constexpr double kSteep = 0.7071;          // sine of 45 degrees
 
 struct BeamSums {
   double level = 0;
@@ -137,8 +137,8 @@ PingVitals vitals_of(const Ping& ping) {
   if (port_beams > 0) vitals.port = port / (static_cast<double>(port_beams) * bins * scale);
   if (starboard_beams > 0) vitals.starboard = starboard / (static_cast<double>(starboard_beams) * bins * scale);
   const Angle middle = (ping.fan->azimuth.front() + ping.fan->azimuth.back()) / 2;
-  const Eigen::Vector3d aim_B = ping.X_BS.rotation * Eigen::Vector3d(std::cos(middle.radians()),
-                                                                     std::sin(middle.radians()), 0);
+  const Eigen::Vector3d aim_B =
+      ping.X_BS.rotation * Eigen::Vector3d(std::cos(middle.radians()), std::sin(middle.radians()), 0);
   vitals.bearing = Angle::radians(std::atan2(aim_B.y(), aim_B.x()));
   return vitals;
 }
