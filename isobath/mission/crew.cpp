@@ -22,7 +22,7 @@ std::vector<Field> fields(CrewConfig& c) {
 }
 
 void check_seats(const std::vector<Seat>& seats, const CrewConfig& config) {
-  std::set<std::string> names = {"", kSensed, kSupervisor, kHelmGate};
+  std::set<std::string> names = {"", kSensed, kSupervisor, kHelmGate, kRecorder};
   for (const Seat& seat : seats) {
     if (!seat.agent) throw Error("no agent sits on the seat '" + seat.name + "'");
     if (!names.insert(seat.name).second) {
@@ -130,7 +130,7 @@ void Crew::settle() {
     drain();
     setpoint_ = gate_.steer(now_);
     if (auto change = gate_.take_change()) post(kHelmGate, std::move(*change));
-    if (auto why = bus_.take_recorder_loss()) post(kSupervisor, AgentLost{"recorder", false, std::move(*why)});
+    if (auto why = bus_.take_recorder_loss()) post(kSupervisor, AgentLost{kRecorder, false, std::move(*why)});
   } while (!queue_.empty());
 }
 

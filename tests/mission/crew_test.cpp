@@ -333,6 +333,7 @@ TEST(Crew, RefusesSeatsThatMakeNoSense) {
   EXPECT_THAT(refusal(seats(seat("a", {}), seat("a", {})), none), HasSubstr("'a'"));
   EXPECT_THAT(refusal(seats(seat("", {})), none), HasSubstr("empty"));
   EXPECT_THAT(refusal(seats(seat("helm gate", {})), none), HasSubstr("'helm gate'"));
+  EXPECT_THAT(refusal(seats(seat("recorder", {})), none), HasSubstr("'recorder'"));
   EXPECT_THAT(refusal(seats(Seat{"a", AgentLevel::kMission, nullptr}), none), HasSubstr("no agent"));
   EXPECT_THAT(refusal(seats(seat("a", {})), {}), HasSubstr("safety officer"));
   EXPECT_EQ(refusal(seats(seat("safety officer", {})), {}), "");
