@@ -1,0 +1,60 @@
+// MissionEars: events as messages for a crew of agents (Ganesan 2015, 5.1; ledger S6-42).
+//
+// Navigation, ranges and health are told as they come, what a ping says of its sonar and each sweep as soon as the
+// pipeline has placed them. The operator's order to start follows the first fix; his link gives a sign of life each
+// second, but while a health report calls it lost. Times are those of the mission's clock (mission_clock.hpp), which
+// every event moves. A health report of "agent.NAME" is no message but a fault of this computer, injected by a
+// simulator or found in its log.
+//
+// Events whose numbers are not finite are for nobody: their sender falls silent. A function of the events. One thread
+// at a time.
+#pragma once
+
+#include <functional>
+#include <isobath/runtime/helm.hpp>
+#include <isobath/runtime/mission_clock.hpp>
+#include <isobath/sonar/sensor_table.hpp>
+#include <memory>
+#include <optional>
+
+namespace isobath {
+
+/// What a health report of an agent says where it hangs instead of dying.
+inline constexpr const char* kHangs = "hangs";
+
+class MissionEars {
+ public:
+  using Say = std::function<void(Message message, Time now)>;
+  using Fail = std::function<void(const std::string& agent, bool hangs)>;
+
+  /// `echo_contrast`: of the echoes that the Safety Officer is shown (sonar_look.hpp).
+  MissionEars(std::shared_ptr<const MissionPlan> plan, double echo_contrast, Say say, Fail fail);
+
+  void hear(const Event& event);
+  void on_ping(const PosedPing& ping);
+  void on_scan(const ScanResult& scan);
+
+  [[nodiscard]] Time now() const { return clock_.now(); }
+  [[nodiscard]] const MissionPlan& plan() const { return *plan_; }
+
+ private:
+  void hear_fix(const Navigation& fix);
+  void hear_range(const RangeReading& range);
+  void hear_ping(const Ping& ping);
+  void hear_health(const Health& health);
+  void beat();
+  [[nodiscard]] std::string name_of(const Ping& ping);
+
+  std::shared_ptr<const MissionPlan> plan_;
+  double echo_contrast_;
+  Say say_;
+  Fail fail_;
+  MissionClock clock_;
+  SensorTable sonars_;
+  bool begun_ = false;
+  bool link_ = true;
+  std::optional<Time> next_beat_;
+  double sigma_m_ = 0;  ///< of the last fix
+};
+
+}  // namespace isobath
