@@ -251,7 +251,7 @@ void Navigator::keep(const View& view, Outbox& out) {
 }
 
 void Navigator::avoid(const View& view, const Conflict& conflict, Outbox& out) {
-  Decision d = about(view, conflict);
+  Decision d = about(view, view.way, conflict);
   d.what = "replan";
   const auto aside = mended(view.map, view.way, clearance());
   const double aside_m = aside ? length_of(*aside) : 0;
@@ -283,7 +283,7 @@ void Navigator::start(const View& view, Outbox& out) {
   if (found->points.size() > 2) {
     if (const auto conflict = conflict_ahead(view.map, straight, clearance())) {
       const std::string what = d.what;
-      d = about(view, *conflict);
+      d = about(view, straight, *conflict);
       d.what = what;
     }
   }
@@ -381,10 +381,12 @@ Decision Navigator::decision(std::string what, std::string reason) const {
   return d;
 }
 
-Decision Navigator::about(const View& view, const Conflict& conflict) const {
+Decision Navigator::about(const View& view, const Way& way, const Conflict& conflict) const {
   const Hazard& hazard = view.map.hazards()[conflict.hazard];
+  const bool through = conflict.distance_m + hazard.margin_m <= 0;  // then where it would first be met
   Decision d = decision("", "");
-  d.obstacle = view.frame.to_world(conflict.place);
+  d.obstacle =
+      view.frame.to_world(through ? nearest_point(hazard.outline, point_at(way, conflict.along_m)) : conflict.place);
   d.leg = conflict.leg + 1;
   d.margin_m = conflict.distance_m - vehicle_.half_width_m;
   double wanted = route_.clearance_m;
