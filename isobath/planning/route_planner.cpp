@@ -80,6 +80,7 @@ class Router {
   Vector2d target_;  ///< of the search: the goal, or a place on the way there beyond all hazards
   double at_start_;  ///< what the start has
   std::int64_t expanded_ = 0;
+  bool shut_in_ = false;  ///< the last search could not leave its window
 };
 
 Result<RoutePath, RouteRefusal> Router::exact() {
@@ -131,7 +132,7 @@ Result<Found, RouteRefusal> Router::find(double need) {
       return found;
     }
     last = found.error();
-    if (last == RouteRefusal::kOutOfBudget) break;
+    if (last == RouteRefusal::kOutOfBudget || shut_in_) break;
   }
   return tl::unexpected(last);
 }
@@ -187,10 +188,19 @@ Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& gr
   expanded_ += search.expanded();
   if (outcome == GridOutcome::kReached) return search.path_to(to);
   if (outcome == GridOutcome::kOutOfBudget) return tl::unexpected(RouteRefusal::kOutOfBudget);
-  for (std::size_t cell = 0; cell < w.size(); ++cell) {
-    if (!grid.blocked(cell) && std::isfinite(search.cost(cell))) return tl::unexpected(RouteRefusal::kNoPath);
+  // All that can be reached was looked at: was it anything, and is there more of it beyond the window?
+  bool left = false;
+  shut_in_ = true;
+  for (std::int32_t row = 0, cell = 0; row < w.rows; ++row) {
+    for (std::int32_t column = 0; column < w.columns; ++column, ++cell) {
+      const auto i = static_cast<std::size_t>(cell);
+      if (!std::isfinite(search.cost(i))) continue;
+      left = left || !grid.blocked(i);
+      const bool inside = row > 0 && row + 1 < w.rows && column > 0 && column + 1 < w.columns;
+      shut_in_ = shut_in_ && inside;
+    }
   }
-  return tl::unexpected(RouteRefusal::kStartBlocked);  // there was no leaving it
+  return tl::unexpected(left ? RouteRefusal::kNoPath : RouteRefusal::kStartBlocked);
 }
 
 /// A goal far beyond all hazards: as far beyond them as they are wide, on the straight line to the start, from where
@@ -392,7 +402,7 @@ Result<RoutePath, RouteRefusal> Router::coarse() {
     if (grid.blocked(*to)) return tl::unexpected(RouteRefusal::kGoalBlocked);
     if (grid.blocked(*from)) grid.free_cell(*from);
     const auto path = cells(grid, *from, *to);
-    if (!path && path.error() == RouteRefusal::kOutOfBudget) return tl::unexpected(path.error());
+    if (!path && (path.error() == RouteRefusal::kOutOfBudget || shut_in_)) return tl::unexpected(path.error());
     if (!path) continue;
     Way way = {task_.start};
     for (std::size_t i = 1; i < path->size(); ++i) {
