@@ -30,7 +30,8 @@ struct RouteWindow {
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
   [[nodiscard]] Eigen::Vector2d centre(std::size_t cell) const {
     const auto width = static_cast<std::size_t>(columns);
-    return origin + cell_m * Eigen::Vector2d(static_cast<double>(cell % width), static_cast<double>(cell / width));
+    const std::size_t row = cell / width;
+    return origin + cell_m * Eigen::Vector2d(static_cast<double>(cell % width), static_cast<double>(row));
   }
   /// The cell that holds p, if one does.
   [[nodiscard]] std::optional<std::size_t> at(const Eigen::Vector2d& p) const;

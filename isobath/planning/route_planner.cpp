@@ -4,6 +4,7 @@
 #include <isobath/planning/grid_search.hpp>
 #include <isobath/planning/route_grid.hpp>
 #include <isobath/planning/route_planner.hpp>
+#include <isobath/planning/route_smoothing.hpp>
 #include <isobath/planning/turning.hpp>
 #include <isobath/planning/turning_search.hpp>
 #include <utility>
@@ -22,9 +23,7 @@ constexpr double kSag = 0.01;      // m, of arcs to the chords that stand for th
 constexpr double kFarthest = 1e7;  // m
 constexpr double kMostCells = 0x1p20;
 constexpr double kGrowth = 3;  // of the margin, from one window to the next
-constexpr int kRounds = 8;     // of moving corners, for each distance
-constexpr double kWorthwhile = 1e-4;
-constexpr int kAround = 3;  // cells that a window holds around all that matters
+constexpr int kAround = 3;     // cells that a window holds around all that matters
 /// Shares of the turning radius: how deep an arc cuts a corner of 60 degrees.
 constexpr std::array<double, 2> kRounder = {0, 0.16};
 
@@ -64,8 +63,6 @@ class Router {
   [[nodiscard]] RouteWindow window(double margin, double reach, bool& whole) const;
   Result<std::vector<std::size_t>, RouteRefusal> cells(const RouteGrid& grid, std::size_t from, std::size_t to);
   [[nodiscard]] Vector2d near_target(double reach) const;
-  void pull_straight(Way& way, const RouteGrid& grid, double need) const;
-  void relax(Way& way, const RouteGrid& grid, double need) const;
   [[nodiscard]] bool keeps(const Vector2d& a, const Vector2d& b, double more_m) const;
   [[nodiscard]] bool can_be_turned(const Way& way) const;
   [[nodiscard]] std::optional<Way> turned(const Way& way) const;
@@ -122,9 +119,9 @@ Result<Found, RouteRefusal> Router::find(double need) {
       if (config_.smooth) {
         const auto exit = found->way.begin() + static_cast<std::ptrdiff_t>(found->escape);
         Way leaving(found->way.begin(), exit + 1), rest(exit, found->way.end());
-        pull_straight(leaving, grid, at_start_ - kTouch);
-        pull_straight(rest, grid, need);
-        relax(rest, grid, need);
+        pull_straight(leaving, map_, grid, at_start_ - kTouch);
+        pull_straight(rest, map_, grid, need);
+        settle_corners(rest, map_, grid, need);
         found->escape = leaving.size() - 1;
         leaving.insert(leaving.end(), rest.begin() + 1, rest.end());
         found->way = std::move(leaving);
@@ -238,65 +235,6 @@ RouteWindow Router::window(double margin, double reach, bool& whole) const {
     whole = near.contains(all);
     return {task_.start + cell * low, cell, static_cast<std::int32_t>(size.x()), static_cast<std::int32_t>(size.y())};
   }
-}
-
-/// Leaves out points between which the straight leg keeps the clearance and costs no more.
-void Router::pull_straight(Way& way, const RouteGrid& grid, double need) const {
-  std::vector<double> cost(way.size(), 0);  // from the start to each point
-  const auto measure = [&] {
-    for (std::size_t i = 1; i < way.size(); ++i) cost[i] = cost[i - 1] + grid.leg_cost(way[i - 1], way[i]);
-  };
-  const auto better = [&](std::size_t i, std::size_t j) {
-    return grid.leg_cost(way[i], way[j]) <= (cost[j] - cost[i]) * (1 + 1e-9) && map_.leg_is_clear(way[i], way[j], need);
-  };
-  // 1. along the way, each leg as long as it will go
-  measure();
-  Way pulled = {way.front()};
-  for (std::size_t from = 0; from + 1 < way.size();) {
-    std::size_t to = from + 1;
-    while (to + 1 < way.size() && better(from, to + 1)) ++to;
-    pulled.push_back(way[to]);
-    from = to;
-  }
-  // 2. between the corners that are left, the farthest first, until nothing changes
-  for (way = std::move(pulled);;) {
-    measure();
-    pulled = {way.front()};
-    for (std::size_t from = 0; from + 1 < way.size();) {
-      std::size_t to = way.size() - 1;
-      while (to > from + 1 && !better(from, to)) --to;
-      pulled.push_back(way[to]);
-      from = to;
-    }
-    if (pulled.size() == way.size()) return;
-    way = std::move(pulled);
-  }
-}
-
-/// Moves corners where that makes the way cheaper: the cells' eight directions leave more length, and less room, than
-/// there need be.
-void Router::relax(Way& way, const RouteGrid& grid, double need) const {
-  for (double by = 2 * grid.window().cell_m; by > grid.window().cell_m / 8; by /= 2) {
-    for (int round = 0; round < kRounds; ++round) {
-      bool moved = false;
-      for (std::size_t i = 1; i + 1 < way.size(); ++i) {
-        const Vector2d &before = way[i - 1], &after = way[i + 1];
-        double least = (grid.leg_cost(before, way[i]) + grid.leg_cost(way[i], after)) * (1 - kWorthwhile);
-        Vector2d best = way[i];
-        for (const GridStep& s : kGridSteps) {
-          const Vector2d p = way[i] + by * Vector2d(s.column, s.row);
-          const double cost = grid.leg_cost(before, p) + grid.leg_cost(p, after);
-          if (cost >= least || !map_.leg_is_clear(before, p, need) || !map_.leg_is_clear(p, after, need)) continue;
-          least = cost;
-          best = p;
-        }
-        moved = moved || best != way[i];
-        way[i] = best;
-      }
-      if (!moved) break;
-    }
-  }
-  pull_straight(way, grid, need);
 }
 
 /// Whether a piece keeps the clearance, `more_m` more; while the vehicle is leaving a hazard, what it had at the start.
