@@ -21,9 +21,7 @@ constexpr double kTouch = 1e-9;    // m
 constexpr double kOff = 0.05;      // m: no vehicle holds its way to better
 constexpr double kSag = 0.01;      // m, of arcs to the chords that stand for them
 constexpr double kFarthest = 1e7;  // m
-constexpr double kMostCells = 0x1p20;
-constexpr double kGrowth = 3;  // of the margin, from one window to the next
-constexpr int kAround = 3;     // cells that a window holds around all that matters
+constexpr double kGrowth = 3;      // of the margin, from one window to the next
 /// Shares of the turning radius: how deep an arc cuts a corner of 60 degrees.
 constexpr std::array<double, 2> kRounder = {0, 0.16};
 
@@ -31,10 +29,6 @@ double length_of(const Way& way) {
   double sum = 0;
   for (std::size_t i = 1; i < way.size(); ++i) sum += (way[i] - way[i - 1]).norm();
   return sum;
-}
-
-AlignedBox2d grown(const AlignedBox2d& box, double by) {
-  return {box.min() - Vector2d::Constant(by), box.max() + Vector2d::Constant(by)};
 }
 
 /// A way and how much of it, by points from the start, leaves the neighbourhood of a hazard.
@@ -60,7 +54,9 @@ class Router {
   Result<Found, RouteRefusal> find(double need);
   Result<Found, RouteRefusal> search(RouteGrid& grid, double need);
   [[nodiscard]] std::optional<std::size_t> goal_cell(const RouteGrid& grid, double need) const;
-  [[nodiscard]] RouteWindow window(double margin, double reach, bool& whole) const;
+  [[nodiscard]] RouteWindow window(double margin, double reach, bool& whole) const {
+    return RouteWindow::around(task_.start, target_, map_, {config_.cell_m, margin, reach}, whole);
+  }
   Result<std::vector<std::size_t>, RouteRefusal> cells(const RouteGrid& grid, std::size_t from, std::size_t to);
   [[nodiscard]] Vector2d near_target(double reach) const;
   [[nodiscard]] bool keeps(const Vector2d& a, const Vector2d& b, double more_m) const;
@@ -204,9 +200,10 @@ Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& gr
 /// the rest of that line is free. What this costs is known only to ways on another side of all hazards.
 Vector2d Router::near_target(double reach) const {
   if (map_.bounds().isEmpty()) return task_.goal;
-  AlignedBox2d all = grown(map_.bounds(), reach);
+  AlignedBox2d all = map_.bounds();
   all.extend(task_.start);
-  all = grown(all, all.diagonal().norm() + config_.margin_m);
+  const Vector2d beyond = Vector2d::Constant(reach + all.diagonal().norm() + config_.margin_m);
+  all = AlignedBox2d(all.min() - beyond, all.max() + beyond);
   const double goal_out = (task_.goal - all.center()).cwiseQuotient(all.sizes() / 2).cwiseAbs().maxCoeff();
   if (goal_out <= 1) return task_.goal;
   const Vector2d leg = task_.goal - task_.start;
@@ -216,25 +213,6 @@ Vector2d Router::near_target(double reach) const {
     if (leg[axis] != 0) share = std::min(share, (border - task_.start[axis]) / leg[axis]);
   }
   return task_.start + share * leg;
-}
-
-/// The start is the centre of a cell. `whole`: all that can matter lies in it.
-RouteWindow Router::window(double margin, double reach, bool& whole) const {
-  AlignedBox2d ends(task_.start);
-  ends.extend(target_);
-  for (double cell = config_.cell_m;; cell *= 2) {
-    AlignedBox2d all = ends;
-    if (!map_.bounds().isEmpty()) all.extend(grown(map_.bounds(), reach));
-    all = grown(all, kAround * cell);
-    const AlignedBox2d near = grown(ends, std::max(margin, kAround * cell));
-    const AlignedBox2d box = all.intersection(near);
-    const Vector2d low = ((box.min() - task_.start) / cell).array().floor();
-    const Vector2d high = ((box.max() - task_.start) / cell).array().ceil();
-    const Vector2d size = high - low + Vector2d::Ones();
-    if (size.prod() > kMostCells) continue;
-    whole = near.contains(all);
-    return {task_.start + cell * low, cell, static_cast<std::int32_t>(size.x()), static_cast<std::int32_t>(size.y())};
-  }
 }
 
 /// Whether a piece keeps the clearance, `more_m` more; while the vehicle is leaving a hazard, what it had at the start.
