@@ -121,7 +121,7 @@ class GridSearch {
       if (next.column < 0 || next.column >= width_ || next.row < 0 || next.row >= height_) continue;
       const std::size_t cell =
           static_cast<std::size_t>(next.row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(next.column);
-      if (!ground_.enterable(from, cell, step)) continue;
+      if (closed_[cell] != 0 || !ground_.enterable(from, cell, step)) continue;
       const double total = so_far + ground_.step_cost(from, cell, step);
       if (total * (1 + kRounding) >= cost_[cell]) continue;
       ++queries_;
