@@ -70,7 +70,7 @@ struct ObstacleMemory::View {
     if (water.free.size() != cells.size()) water.free = {};
     cells_a_metre = 1 / cells.cell_m;
     for (int i = 0; i < 4 && !water.free.empty(); ++i) {
-      const Vector2d corner(i / 2 * cells.cells_x * cells.cell_m, i % 2 * cells.cells_y * cells.cell_m);
+      const Vector2d corner(i < 2 ? 0 : cells.cells_x * cells.cell_m, i % 2 == 0 ? 0 : cells.cells_y * cells.cell_m);
       reach = std::max(reach, (corner - water.position).norm());
     }
   }
