@@ -78,7 +78,8 @@ class SafetyOfficer final : public Agent {
   };
   struct Way {
     std::uint32_t version = 0;
-    std::vector<Eigen::Vector2d> points;  ///< the first is where it was ordered
+    std::optional<Eigen::Vector2d> from;  ///< where it was ordered, or where the vehicle was found first
+    std::vector<Eigen::Vector2d> points;  ///< `from` is the first
     std::size_t next = 1;
     double nearest_m = 0;  ///< to the next point, so far
     double progress_s = 0;
@@ -158,6 +159,7 @@ class SafetyOfficer final : public Agent {
   std::map<std::string, SonarWatch> sonars_;
   std::map<std::string, HealthState> states_;
   NearEchoes echoes_;
+  double blind_m_ = 0;  ///< nearer than this the sonar hears nothing
   SensorTable rangers_;
   ImminentCollision imminent_;
   std::optional<Fix> fix_;
