@@ -114,8 +114,8 @@ TEST(LastDitch, TurnsToTheFreerSide) {
   for (const double side : {-1.0, 1.0}) {
     SafetyStream stream;
     stream.run_to(20);
-    // 2.1 m before the bow, and a wall beside it.
-    const Vector2d bow = stream.place + Vector2d(stream.sheet.hull_radius_m + 2.1, 0);
+    // 2.35 m before the bow, and a wall beside it.
+    const Vector2d bow = stream.place + Vector2d(stream.sheet.hull_radius_m + 2.35, 0);
     std::vector<Vector2d> points = {bow};
     for (int i = -3; i < 6; ++i) points.emplace_back(bow.x() - 0.5 * i, side * 2.0);
     show(stream, points, 20, 0.1);

@@ -148,7 +148,7 @@ TEST(FaultsOfASonar, BlindOnOneSide) {
           if (port && look.port) look.port = 0;
           if (!port && look.starboard) look.starboard = 0;
         },
-        Act::kSlow, kLimits.blind_abort_s, 2);
+        Act::kSlow, kLimits.blind_abort_s, 2.5);
   }
 }
 
