@@ -66,7 +66,7 @@ std::optional<double> first_within(const Polygon& convex, const Vector2d& a, con
 }
 
 bool usable(const Hazard& h) {
-  return !h.outline.empty() && h.margin_m >= 0 && h.margin_m <= kFarthest &&
+  return !h.outline.empty() && std::abs(h.margin_m) <= kFarthest &&
          std::all_of(h.outline.begin(), h.outline.end(),
                      [](const Vector2d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest; });
 }
@@ -128,13 +128,13 @@ HazardMap::HazardMap(std::vector<Hazard> hazards) : hazards_(std::move(hazards))
   for (std::size_t i = 0; i < hazards_.size(); ++i) {
     Hazard& h = hazards_[i];
     if (!usable(h)) {
-      throw Error("hazard " + std::to_string(i) + " has no outline, or one that is not finite, or a margin below 0", {},
-                  "one corner or more, within 1e7 m of the origin; margin 0 to 1e7 m");
+      throw Error("hazard " + std::to_string(i) + " has no outline, or outline or margin are not finite", {},
+                  "one corner or more, within 1e7 m of the origin; margin within 1e7 m");
     }
     h.outline = convex_hull(std::move(h.outline));
     AlignedBox2d box;
     for (const Vector2d& p : h.outline) box.extend(p);
-    const Vector2d grown = Vector2d::Constant(h.margin_m);
+    const Vector2d grown = Vector2d::Constant(std::max(0.0, h.margin_m));
     boxes.emplace_back(box.min() - grown, box.max() + grown);
   }
   tree_ = BoxTree(boxes);

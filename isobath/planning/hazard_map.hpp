@@ -31,7 +31,7 @@ const char* to_text(HazardKind kind);
 
 struct Hazard {
   Polygon outline;      ///< convex; one or two corners make a point or a segment
-  double margin_m = 0;  ///< how far it may reach beyond the outline
+  double margin_m = 0;  ///< how far it may reach beyond the outline; below 0: so much of the clearance is not for it
   HazardKind kind = HazardKind::kSeen;
   std::uint32_t id = 0;  ///< the caller's
 };
@@ -57,7 +57,7 @@ LegDistance leg_distance(const Polygon& convex, const Eigen::Vector2d& a, const 
 
 class HazardMap {
  public:
-  /// Throws Error where an outline is empty, an outline or margin is not finite or over 1e7 m, or a margin is below 0.
+  /// Throws Error where an outline is empty, or an outline or a margin is not finite or beyond 1e7 m.
   explicit HazardMap(std::vector<Hazard> hazards);
 
   /// As given, but each outline in the positive sense and without corners that say nothing.
