@@ -128,8 +128,8 @@ HazardMap::HazardMap(std::vector<Hazard> hazards) : hazards_(std::move(hazards))
   for (std::size_t i = 0; i < hazards_.size(); ++i) {
     Hazard& h = hazards_[i];
     if (!usable(h)) {
-      throw Error("hazard " + std::to_string(i) + " has no outline, or an outline or a margin that is not finite", {},
-                  "one corner or more, within 1e7 m of the origin; margin -1e7 to 1e7 m");
+      throw Error("hazard " + std::to_string(i) + " has no outline, or outline or margin are not finite", {},
+                  "one corner or more, within 1e7 m of the origin; margin within 1e7 m");
     }
     h.outline = convex_hull(std::move(h.outline));
     AlignedBox2d box;

@@ -57,7 +57,7 @@ LegDistance leg_distance(const Polygon& convex, const Eigen::Vector2d& a, const 
 
 class HazardMap {
  public:
-  /// Throws Error where an outline is empty, or outline or margin are not finite or over 1e7 m.
+  /// Throws Error where an outline is empty, or an outline or a margin is not finite or beyond 1e7 m.
   explicit HazardMap(std::vector<Hazard> hazards);
 
   /// As given, but each outline in the positive sense and without corners that say nothing.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/mission/sonar_look.hpp>
 #include <isobath/runtime/mission_ears.hpp>
+#include <isobath/runtime/scenario.hpp>
 #include <utility>
 
 namespace isobath {

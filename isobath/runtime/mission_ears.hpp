@@ -4,7 +4,7 @@
 // pipeline has placed them. The operator's order to start follows the first fix; his link gives a sign of life each
 // second, but while a health report calls it lost. Times are those of the mission's clock (mission_clock.hpp), which
 // every event moves. A health report of "agent.NAME" is no message but a fault of this computer, injected by a
-// simulator or found in its log.
+// simulator or found in its log (kHangs of scenario.hpp).
 //
 // Events whose numbers are not finite are for nobody: their sender falls silent. A function of the events. One thread
 // at a time.
@@ -18,9 +18,6 @@
 #include <optional>
 
 namespace isobath {
-
-/// What a health report of an agent says where it hangs instead of dying.
-inline constexpr const char* kHangs = "hangs";
 
 class MissionEars {
  public:
