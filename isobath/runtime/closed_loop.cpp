@@ -14,13 +14,12 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
     helm.hear(*event);
     pipeline.take(std::move(*event));
     simulator.command(helm.steer());
-    if (request.stop_when_done && end.reached(helm, simulator.now_s())) break;
+    if (request.stop_when_done && end.reached(helm.progress().phase, simulator.now_s())) break;
   }
   return {truth.truth(), helm.decisions(), helm.progress(), pipeline.counts(), simulator.now_s()};
 }
 
-bool EndOfMission::reached(const Helm& helm, double now_s) {
-  const MissionPhase phase = helm.progress().phase;
+bool EndOfMission::reached(MissionPhase phase, double now_s) {
   const bool over = phase == MissionPhase::kFinished || phase == MissionPhase::kAborted;
   if (!over) since_s_ = -1;
   if (over && since_s_ < 0) since_s_ = now_s;

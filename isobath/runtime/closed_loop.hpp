@@ -37,7 +37,7 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
 /// Says when a helm has been watched long enough: kWatchAfterEnd_s after its mission was finished or aborted.
 class EndOfMission {
  public:
-  [[nodiscard]] bool reached(const Helm& helm, double now_s);
+  [[nodiscard]] bool reached(MissionPhase phase, double now_s);
 
  private:
   double since_s_ = -1;

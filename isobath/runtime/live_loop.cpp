@@ -139,4 +139,26 @@ LiveCounts LiveLoop::counts() {
   return {state_->pipeline.counts(), state_->crew.counts(), state_->lost_pings};
 }
 
+LoopResult run_live_loop(const Scenario& scenario, std::vector<Seat> seats, const VehicleSheet& vehicle,
+                         const Configuration& configuration) {
+  SimulatedSource source(scenario.scene, configuration.simulation, 1);
+  Simulator& simulator = source.simulator();
+  TrueTrack truth(simulator);
+  source.tell_truth_to(&truth);
+  LiveLoop loop(std::move(seats), vehicle, std::make_shared<const MissionPlan>(scenario.mission), configuration);
+  double settled_s = 0;
+  EndOfMission end;
+  while (auto event = source.next()) {
+    loop.take(std::move(*event));
+    if (simulator.now_s() - settled_s >= to_seconds(kTick)) {
+      loop.settle();
+      settled_s = simulator.now_s();
+      if (end.reached(loop.progress().phase, settled_s)) break;
+    }
+    simulator.command(loop.steer());
+  }
+  const LiveCounts counts = loop.counts();
+  return {truth.truth(), loop.decisions(), loop.progress(), counts.pipeline, simulator.now_s()};
+}
+
 }  // namespace isobath

@@ -15,7 +15,7 @@
 #pragma once
 
 #include <isobath/mission/threaded_crew.hpp>
-#include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/closed_loop.hpp>
 #include <isobath/runtime/mission_ears.hpp>
 #include <memory>
 
@@ -52,5 +52,10 @@ class LiveLoop {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// A scenario under a live crew: as run_closed_loop, but with real threads, which are waited for ten times a second of
+/// the simulator's clock. It ends when the mission does, or when the time is over.
+LoopResult run_live_loop(const Scenario& scenario, std::vector<Seat> seats, const VehicleSheet& vehicle,
+                         const Configuration& configuration);
 
 }  // namespace isobath

@@ -50,13 +50,17 @@ std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::pat
   return setup;
 }
 
-std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration) {
+std::vector<Seat> whole_crew(const MissionSetup& setup, const Configuration& configuration) {
   std::vector<Seat> seats = standard_crew(configuration.mission, setup.vehicle);
   if (!configuration.crew.gate.safety_officer.empty()) {
     seats.push_back({configuration.crew.gate.safety_officer, AgentLevel::kSupervisory,
                      std::make_unique<SafetyOfficer>(configuration.safety, setup.vehicle)});
   }
-  return std::make_unique<MissionHelm>(std::move(seats), setup.vehicle, configuration.crew,
+  return seats;
+}
+
+std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration) {
+  return std::make_unique<MissionHelm>(whole_crew(setup, configuration), setup.vehicle, configuration.crew,
                                        std::make_shared<const MissionPlan>(setup.plan),
                                        configuration.safety.echo_contrast);
 }

@@ -28,6 +28,8 @@ std::vector<Section> vehicle_sections(VehicleSheet& sheet);
 /// default one. Empty where there is no mission point. Throws Error.
 std::optional<MissionSetup> mission_setup(const std::filesystem::path& mission, const std::filesystem::path& input,
                                           const Simulator* simulator);
+/// All agents, the Safety Officer among them. Throws Error where one cannot be made.
+std::vector<Seat> whole_crew(const MissionSetup& setup, const Configuration& configuration);
 /// The whole crew at the helm. Throws Error where it cannot be made.
 std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration);
 

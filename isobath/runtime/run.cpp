@@ -228,7 +228,7 @@ bool steer(Sinks& sinks, Simulator* simulator, EndOfMission& end, Time time) {
   if (sinks.log) sinks.log->write(time, setpoint, sinks.mission->helm().decisions());
   if (!simulator) return true;
   simulator->command(setpoint);
-  return !end.reached(sinks.mission->helm(), simulator->now_s());
+  return !end.reached(sinks.mission->helm().progress().phase, simulator->now_s());
 }
 
 RunOutcome run(const RunRequest& request) {
