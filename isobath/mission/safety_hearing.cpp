@@ -241,6 +241,7 @@ void SafetyOfficer::start(const std::shared_ptr<const MissionPlan>& plan) {
 }
 
 void SafetyOfficer::follow(const FollowOrder& order) {
+  surfacing_ = order.surface;
   Way way;
   way.version = order.version;
   way.altitude = order.altitude_m.has_value();

@@ -550,6 +550,25 @@ TEST(SafetyOfficer, AVehicleThatCannotStopSurfaces) {
   EXPECT_EQ(stream.officer.action().setpoint.speed, 0.7);
 }
 
+// A stop must not hold a vehicle down that is on its way to the surface, nor is a fault over because the mission is.
+TEST(SafetyOfficer, AStopLetsAVehicleSurface) {
+  SafetyStream stream;
+  stream.run_to(kBegin);
+  stream.pings = false;
+  stream.run_to(kBegin + 5);
+  ASSERT_EQ(stream.officer.action().kind, Act::kStop);
+  FollowOrder up;
+  up.version = 2;
+  up.surface = true;
+  stream.tell(up);
+  MissionReport aborted;
+  aborted.phase = MissionPhase::kFinished;
+  stream.tell(aborted);
+  stream.run_to(kBegin + 20);
+  EXPECT_EQ(stream.officer.action().kind, Act::kSurface);
+  EXPECT_TRUE(stream.officer.raised(Fault::kSonarSilent));
+}
+
 TEST(SafetyOfficer, OfSeveralFaultsTheStrongestActionHoldsUntilItIsOver) {
   SafetyStream stream;
   stream.run_to(kBegin);
