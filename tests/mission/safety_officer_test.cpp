@@ -282,6 +282,39 @@ TEST(FaultsOfTheWay, NotFollowed) {
   EXPECT_THAT(held.reason(Fault::kWayNotFollowed), HasSubstr("no nearer to way-point 1"));
 }
 
+TEST(FaultsOfTheWay, PlanningTheSameWayAgainIsNoProgress) {
+  SafetyStream stream;
+  stream.run_to(kBegin);
+  stream.current = {-1.5, 0};
+  for (int i = 0; i < 10; ++i) {
+    FollowOrder again;
+    again.version = static_cast<std::uint32_t>(2 + i);
+    again.waypoints = {{1000, 0, 5, 1.5}};
+    stream.tell(again);
+    stream.run_to(kBegin + 3 * (i + 1));
+  }
+  EXPECT_NEAR(stream.raised(Fault::kWayNotFollowed), kBegin + kLimits.progress_s, 2);
+}
+
+// Before the first sweep has ended there is no map, and that is no fault.
+TEST(FaultsOfTheWay, TheFirstLookTakesItsTime) {
+  SafetyOfficer officer({}, test::hovering());
+  Outbox out;
+  OperatorCommand start;
+  start.kind = OperatorCommand::Kind::kStart;
+  start.plan = std::make_shared<const MissionPlan>(test::plan_north());
+  officer.hear(start, Time{}, out);
+  RouteRefused refused;
+  refused.reason = RouteRefused::Reason::kNoMap;
+  officer.hear(refused, Time{}, out);
+  double raised = -1;
+  for (int i = 1; i < 150; ++i) {
+    officer.tick(Time(seconds(0.1 * i)), out);
+    if (raised < 0 && officer.raised(Fault::kNoPath)) raised = 0.1 * i;
+  }
+  EXPECT_NEAR(raised, kLimits.startup_s, kCycle);
+}
+
 TEST(FaultsOfTheWay, StayingWhereItIsToStayIsNoFault) {
   SafetyStream stream;
   stream.run_to(kBegin);
