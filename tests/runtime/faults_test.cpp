@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{Fault::kFenceBreach, 3, 30, "abort"}, FaultCase{Fault::kWayNotFollowed, 10, 50, "slow"},
         FaultCase{Fault::kNoPath, 1, 80, "stop", false}, FaultCase{Fault::kCollisionAhead, 20, 40, "stop"},
         FaultCase{Fault::kCollisionUnavoidable, 20, 30, "turn", false}, FaultCase{Fault::kTooLow, 5, 50, "turn"}),
-    [](const auto& info) { return file_name_of(row_of(info.param.fault)); });
+    [](const auto& one) { return file_name_of(row_of(one.param.fault)); });
 
 // What a scenario injects is what the table says that it injects.
 TEST(FaultScenarios, InjectWhatTheTableSays) {
