@@ -179,7 +179,7 @@ void legend(MissionSheet& sheet, const MissionOutcome& outcome) {
     sheet.legend_fill({kBody.red, kBody.green, kBody.blue, 0.8}, "what really stands there");
   }
   if (std::any_of(outcome.bodies.begin(), outcome.bodies.end(), small)) {
-    sheet.legend_danger("small thing that really stands there");
+    sheet.legend_danger("small body, true place");
   }
   sheet.legend_fill({0.84, 0.37, 0.0, 0.35}, "obstacles as seen");
   sheet.legend_number(kReplan, "decision, numbered as listed");

@@ -123,7 +123,7 @@ TEST(Missions, Field2ReplansAsSoonAsTheBuoyIsDetectedAndWhatIsSpuriousFades) {
   const Scenario scenario = test::scenario_of("field_mission_2");
   const Sailed sailed = test::sail(scenario);
   expect_all_is_well(sailed, 3, 0);
-  const Vector2d buoy(60, 1), shoal(75, 14);
+  const Vector2d buoy(60, 1), shoal(88, 10);
   const Seen seen = seen_at(sailed, buoy, 4);
   ASSERT_GT(seen.first_s, 0);
   const std::vector<Decision>& decisions = sailed.result.decisions;
