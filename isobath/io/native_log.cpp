@@ -20,6 +20,8 @@ constexpr const char* kHealth = "isobath/msg/Health";
 constexpr const char* kSwath = "isobath/msg/Swath";
 constexpr const char* kTrueMotion = "isobath/msg/TrueMotion";
 constexpr const char* kEchoTruth = "isobath/msg/EchoTruth";
+constexpr const char* kSetpoint = "isobath/msg/Setpoint";
+constexpr const char* kDecision = "isobath/msg/Decision";
 constexpr const char* kOrigin = "isobath/origin";
 constexpr const char* kDetails = "isobath/source";
 constexpr const char* kConfiguration = "isobath/configuration";
@@ -110,6 +112,18 @@ const std::string kEchoTruthDefinition =
     "scene;\n"
     "                          # lower 4: 0 noise, 1 direct, 2 side lobe, 3 surface bounce, 4 bottom bounce,\n"
     "                          # 5 body bounce, 6 multiple, 7 volume, 8 ringing, 9 spurious, 10 disturbance\n";
+
+const std::string kSetpointDefinition =
+    "# What the vehicle is told to do from this time on. SI units.\n"
+    "int64 time_ns\n"
+    "float64 heading           # clockwise from north, rad\n"
+    "float64 depth\n"
+    "float64 speed             # ahead\n"
+    "float64 sway_speed        # to starboard\n";
+
+const std::string kDecisionDefinition =
+    R"({"type": "object", "properties": {"time_ns": {"type": "integer"}, "agent": {"type": "string"},
+"what": {"type": "string"}, "reason": {"type": "string"}}, "required": ["time_ns", "agent", "what", "reason"]})";
 
 void put_pose(CdrWriter& w, const Pose& pose) {
   for (int i = 0; i < 3; ++i) w.number(pose.translation[i]);
@@ -468,13 +482,13 @@ class NativeLogSource final : public Source {
   std::optional<Event> next_event() {
     while (const auto message = reader_.next()) {
       const McapChannel& channel = *reader_.channel(message->channel_id);
+      const McapSchema* schema = reader_.schema(channel.schema_id);
+      if (schema && is_aside(schema->name)) continue;
       if (!is_ours(channel)) {
         ++reader_.report().rejected["message of a channel that is not Isobath's"];
         continue;
       }
-      const std::string& kind = reader_.schema(channel.schema_id)->name;
-      if (kind == kTrueMotion || kind == kEchoTruth) continue;  // for judges alone
-      if (auto event = decoded(kind, *message)) return event;
+      if (auto event = decoded(schema->name, *message)) return event;
       ++reader_.report().rejected["message that cannot be decoded"];
     }
     learn_metadata();
@@ -484,6 +498,11 @@ class NativeLogSource final : public Source {
   [[nodiscard]] bool is_ours(const McapChannel& channel) const {
     const McapSchema* schema = reader_.schema(channel.schema_id);
     return schema && channel.message_encoding == "cdr" && schema->name.starts_with("isobath/msg/");
+  }
+
+  /// What no vehicle hears: truths, for judges alone; and what was made of the events, which is made again.
+  static bool is_aside(const std::string& kind) {
+    return kind == kTrueMotion || kind == kEchoTruth || kind == kSetpoint || kind == kDecision;
   }
 
   std::optional<Event> decoded(const std::string& kind, const McapMessage& message) {
@@ -566,8 +585,8 @@ void NativeLogWriter::send(std::uint16_t channel, Time at) {
   mcap_.write({channel, sequence_[channel]++, time, time, message_, nullptr});
 }
 
-std::uint16_t NativeLogWriter::truth_channel(std::uint16_t& id, const char* topic, const char* name,
-                                             const std::string& definition) {
+std::uint16_t NativeLogWriter::late_channel(std::uint16_t& id, const char* topic, const char* name,
+                                            const std::string& definition) {
   if (id == 0) id = mcap_.add_channel({0, mcap_.add_schema({0, name, "ros2msg", definition}), topic, "cdr", {}});
   return id;
 }
@@ -582,7 +601,7 @@ void NativeLogWriter::write(const TrueMotion& motion) {
   }
   put_doubles(
       w, [&](std::size_t) { return *motion.altitude_m; }, motion.altitude_m ? 1 : 0);
-  send(truth_channel(motion_, "/truth/motion", kTrueMotion, kTrueMotionDefinition), motion.time);
+  send(late_channel(motion_, "/truth/motion", kTrueMotion, kTrueMotionDefinition), motion.time);
 }
 
 void NativeLogWriter::write(const EchoTruth& echoes) {
@@ -594,7 +613,23 @@ void NativeLogWriter::write(const EchoTruth& echoes) {
     *out++ = static_cast<std::uint8_t>(label.code() & 0xff);
     *out++ = static_cast<std::uint8_t>(label.code() >> 8);
   }
-  send(truth_channel(echoes_, "/truth/echoes", kEchoTruth, kEchoTruthDefinition), echoes.time);
+  send(late_channel(echoes_, "/truth/echoes", kEchoTruth, kEchoTruthDefinition), echoes.time);
+}
+
+void NativeLogWriter::write(Time time, const Setpoint& setpoint) {
+  CdrWriter w(message_);
+  w.number(std::int64_t{time.time_since_epoch().count()}).number(setpoint.heading.radians());
+  w.number(setpoint.depth).number(setpoint.speed).number(setpoint.sway_speed);
+  send(late_channel(setpoint_, "/setpoint", kSetpoint, kSetpointDefinition), time);
+}
+
+void NativeLogWriter::write_decision(Time time, const std::string& json) {
+  if (decisions_ == 0) {
+    const std::uint16_t schema = mcap_.add_schema({0, kDecision, "jsonschema", kDecisionDefinition});
+    decisions_ = mcap_.add_channel({0, schema, "/decisions", "json", {}});
+  }
+  message_.assign(json.begin(), json.end());
+  send(decisions_, time);
 }
 
 void NativeLogWriter::attach(const std::string& name, const std::string& media_type, const std::string& data) {
@@ -619,6 +654,18 @@ std::optional<std::variant<TrueMotion, EchoTruth>> TruthReader::next() {
     }
   }
   return std::nullopt;
+}
+
+std::vector<std::string> decisions_in(const std::filesystem::path& file) {
+  auto input = std::make_unique<std::ifstream>(file, std::ios::binary);
+  if (!*input) throw Error("cannot be read", {file.string(), {}, {}, {}, {}});
+  McapReader reader(std::move(input), file.string());
+  std::vector<std::string> decisions;
+  while (const auto message = reader.next()) {
+    const McapSchema* schema = reader.schema(reader.channel(message->channel_id)->schema_id);
+    if (schema && schema->name == kDecision) decisions.emplace_back(message->data.begin(), message->data.end());
+  }
+  return decisions;
 }
 
 std::unique_ptr<Source> open_native_log(std::unique_ptr<std::istream> input, const std::string& name) {

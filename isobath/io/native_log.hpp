@@ -14,12 +14,14 @@
 #include <isobath/io/mcap.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/sonar/echo_truth.hpp>
+#include <isobath/vehicle/autopilot.hpp>
 #include <isobath/vehicle/vehicle_state.hpp>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace isobath {
 
@@ -39,6 +41,10 @@ class NativeLogWriter {
   /// What only a simulator knows, in channels of its own (/truth/motion, /truth/echoes), which sources pass over.
   void write(const TrueMotion& motion);
   void write(const EchoTruth& echoes);
+  /// What the vehicle is told to do from this time on, in /setpoint; sources pass over it.
+  void write(Time time, const Setpoint& setpoint);
+  /// What was decided and why, as one JSON object of the caller's, in /decisions; sources pass over it.
+  void write_decision(Time time, const std::string& json);
   /// A file beside the messages, such as the scene that was simulated.
   void attach(const std::string& name, const std::string& media_type, const std::string& data);
   /// Makes what was written safe from a crash.
@@ -46,12 +52,13 @@ class NativeLogWriter {
   void close() { mcap_.close(); }
 
  private:
-  std::uint16_t truth_channel(std::uint16_t& id, const char* topic, const char* name, const std::string& definition);
+  std::uint16_t late_channel(std::uint16_t& id, const char* topic, const char* name, const std::string& definition);
   void send(std::uint16_t channel, Time time);
 
   McapWriter mcap_;
   std::uint16_t ping_ = 0, navigation_ = 0, range_ = 0, health_ = 0, swath_ = 0;
-  std::uint16_t motion_ = 0, echoes_ = 0;  ///< made with the first truth: a vehicle's log has none
+  std::uint16_t motion_ = 0, echoes_ = 0;       ///< made with the first truth: a vehicle's log has none
+  std::uint16_t setpoint_ = 0, decisions_ = 0;  ///< made with the first: without a mission there are none
   std::map<std::uint16_t, std::uint32_t> sequence_;
   std::vector<std::uint8_t> message_;
 };
@@ -67,6 +74,10 @@ class TruthReader {
  private:
   std::unique_ptr<McapReader> reader_;
 };
+
+/// The decisions of a recorded run, in order, as they were written; none in a log without a mission. Throws Error where
+/// the file is no MCAP.
+std::vector<std::string> decisions_in(const std::filesystem::path& file);
 
 std::unique_ptr<Source> open_native_log(const std::filesystem::path& file, const InputConfig& config);
 std::unique_ptr<Source> open_native_log(std::unique_ptr<std::istream> input, const std::string& name);

@@ -6,9 +6,11 @@
 
 #include <cstdint>
 #include <Eigen/Core>
+#include <isobath/map/depth_field.hpp>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/planning/hazard_map.hpp>
+#include <isobath/planning/traversability.hpp>
 #include <isobath/sonar/range_reading.hpp>
 #include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/health.hpp>
@@ -43,6 +45,12 @@ struct ObstacleScan {
 /// Chart room -> Navigator: what the chart says of the water around; replaces what it said before. In W.
 struct ChartedHazards {
   std::shared_ptr<const std::vector<Hazard>> hazards;
+};
+
+/// Maps -> Chart room: the chart as it is from now on. Either may be null: none.
+struct ChartUpdate {
+  std::shared_ptr<const DepthField> depths;
+  std::shared_ptr<const std::vector<ChartObstacle>> objects;
 };
 
 /// What one ping says about the sonar itself, and its nearest echoes before any map has believed them.
@@ -189,6 +197,12 @@ struct StatusReport {
   std::string text;
 };
 
+/// One frame on the link to the operator, as it goes over the air or came from there (S6-40).
+struct LinkFrame {
+  enum class Way : std::uint8_t { kToOperator, kFromOperator } way = Way::kToOperator;
+  std::vector<std::uint8_t> bytes;
+};
+
 struct TaskCall {
   std::uint32_t id = 0;
   std::string task;
@@ -221,9 +235,10 @@ struct Decision {
   std::vector<Eigen::Vector2d> way = {};         ///< N, E of the new one
 };
 
-using Message = std::variant<Navigation, RangeReading, Health, SonarLook, Sweep, ObstacleScan, ChartedHazards,
-                             OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned, RouteRefused,
-                             PointReport, MissionReport, FollowOrder, WaypointPassed, HelmOrder, SafetyAction,
-                             SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision>;
+using Message =
+    std::variant<Navigation, RangeReading, Health, SonarLook, Sweep, ObstacleScan, ChartedHazards, OperatorCommand,
+                 MissionOrder, PointMoved, RouteRequest, RoutePlanned, RouteRefused, PointReport, MissionReport,
+                 FollowOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall,
+                 TaskBid, TaskAward, TaskPlan, Decision, ChartUpdate, LinkFrame>;
 
 }  // namespace isobath

@@ -4,6 +4,7 @@
 // Frames: W, north and east in m, depth below the surface. Plain data; mission_file.hpp reads and checks it.
 #pragma once
 
+#include <cstdint>
 #include <Eigen/Core>
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/geodesy.hpp>
@@ -28,6 +29,7 @@ struct MissionPoint {
 
 /// What is done when there is no further point.
 enum class MissionEnd : std::uint8_t { kHold, kSurface, kReturn };
+const char* to_text(MissionEnd end);
 
 /// A map that a person made, given to the Navigator as if it had been seen (S6-58).
 struct InjectedMap {
@@ -45,16 +47,49 @@ struct MissionLimits {
   double low_battery_share = 0.15;
 };
 
+/// Something that a file asked for and that the plan does not hold, or not as it was asked.
+struct LeftOut {
+  std::string what;  ///< "command 201 (DO_SET_ROI)"
+  std::string why;
+  std::size_t count = 1;
+  bool operator==(const LeftOut&) const = default;
+};
+
+/// What became of a file of another program: nothing is dropped without a word.
+struct ImportReport {
+  std::string format;     ///< "QGroundControl plan"; empty: Isobath's own
+  std::size_t taken = 0;  ///< items, points and settings that are in the plan
+  std::vector<LeftOut> left_out;
+
+  /// Adds to the line of the same words, if there is one.
+  void leave_out(const std::string& what, const std::string& why);
+  [[nodiscard]] std::size_t left_out_count() const;
+  /// One line; empty for a file of Isobath's own.
+  [[nodiscard]] std::string text() const;
+};
+
 struct MissionPlan {
+  Place place;  ///< in the file it comes from
   std::string title;
   double speed = 1.5;  ///< m/s
   std::vector<MissionPoint> points;
   Polygon fence;  ///< simple, any sense; empty: none
+  Place fence_place;
   MissionLimits limits;
   MissionEnd at_end = MissionEnd::kHold;
   MissionEnd if_dropped = MissionEnd::kHold;  ///< what is done when the last point was dropped (S6-E21)
   std::vector<InjectedMap> injected;
   std::optional<GeoOrigin> origin;
+  ImportReport import;
 };
+
+/// What no single value shows. Throws Error with the place of what is wrong: no points; a number that is not finite or
+/// out of range; a point outside the fence (S6-43), beyond the depth limits or nearer to the bottom than they allow; a
+/// fence that is not a simple polygon; an injected outline that is not convex.
+void check_mission(const MissionPlan& plan);
+
+inline constexpr double kMostMetres = 1e5;              ///< from the origin to anything of a mission, each axis
+inline constexpr double kMostSpeed = 10;                ///< m/s
+inline constexpr std::size_t kMostFenceCorners = 1000;  ///< every place is held against every side
 
 }  // namespace isobath

@@ -1,23 +1,22 @@
 // ClosedLoop: a scene, a mission and a helm: the vehicle sees, decides and turns, on the simulator's clock (Ganesan
 // 2015, 6.1; ledger S6-57). What is returned is truth, for whoever judges the run.
+//
+//   simulator -> record -> helm.hear -> pipeline.take (results to the helm) -> helm.steer -> simulator.command
+//
+// A function of scenario, configuration and helm: the same events and set-points on any number of threads.
 #pragma once
 
 #include <functional>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/helm.hpp>
-#include <isobath/sim/simulator.hpp>
+#include <isobath/runtime/scenario.hpp>
+#include <isobath/runtime/true_track.hpp>
 
 namespace isobath {
 
-/// A scene with the mission that stands in the same file; without one, the mission has no points.
-struct Scenario {
-  Scene scene;
-  MissionPlan mission;
-};
-/// Throws Error with line and column.
-Scenario load_scenario(const std::string& file);
-Scenario parse_scenario(std::string_view text, const std::string& file);
+/// How long the vehicle is watched after its mission has ended.
+constexpr double kWatchAfterEnd_s = 5;
 
 struct LoopRequest {
   Configuration configuration;
@@ -26,17 +25,22 @@ struct LoopRequest {
   std::function<void(const Event&)> record;  ///< sees every event that the vehicle gave, in order
 };
 
-struct LoopResult {
-  std::vector<TrueMotion> track;  ///< ten a second
-  double contact_s = -1;          ///< when the hull first touched a body or the bottom; -1: never
-  double least_clearance_m = 0;   ///< from the hull to the nearest body, all along
-  std::string nearest_body;
+struct LoopResult : TrackTruth {
   std::vector<Decision> decisions;
   MissionReport report;
   PipelineCounts counts;
-  double duration_s = 0;
+  double duration_s = 0;  ///< simulated
 };
 
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request);
+
+/// Says when a helm has been watched long enough: kWatchAfterEnd_s after its mission was finished or aborted.
+class EndOfMission {
+ public:
+  [[nodiscard]] bool reached(const Helm& helm, double now_s);
+
+ private:
+  double since_s_ = -1;
+};
 
 }  // namespace isobath

@@ -27,9 +27,19 @@ std::string list_of(const std::vector<FaultConfig>& faults) {
 
 bool is_scene(const std::filesystem::path& input) { return input.empty() || input.extension() == ".toml"; }
 
-Scene open_scene(const std::filesystem::path& input) {
-  return input.empty() ? parse_scene(embedded_scene(), "scenarios/pandan.toml") : load_scene(input.string());
+Scenario parse_scenario(std::string_view text, const std::string& file) {
+  Scenario scenario;
+  scenario.scene = parse_scene(text, file);
+  return scenario;
 }
+
+Scenario load_scenario(const std::string& file) { return parse_scenario(text_of_file(file), file); }
+
+Scenario open_scenario(const std::filesystem::path& input) {
+  return input.empty() ? parse_scenario(embedded_scene(), "scenarios/pandan.toml") : load_scenario(input.string());
+}
+
+Scene open_scene(const std::filesystem::path& input) { return open_scenario(input).scene; }
 
 SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, int threads)
     : simulator_(std::move(scene), config, threads) {

@@ -1,8 +1,10 @@
-// A scene as a source of events: `isobath run SCENARIO` runs it without a file between.
+// Scenario: a scene, with the mission that stands in the same file; and a scene as a source of events: `isobath run
+// SCENARIO` runs it without a file between.
 #pragma once
 
 #include <filesystem>
 #include <isobath/io/event.hpp>
+#include <isobath/mission/mission_plan.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <memory>
 #include <optional>
@@ -11,9 +13,20 @@ namespace isobath {
 
 /// Whether a file names a scene: by its ending, .toml.
 bool is_scene(const std::filesystem::path& input);
+
+struct Scenario {
+  Scene scene;
+  MissionPlan mission;  ///< without points where the file holds none
+};
+/// Throws Error with line and column.
+Scenario load_scenario(const std::string& file);
+Scenario parse_scenario(std::string_view text, const std::string& file);
+
 /// From a file; the embedded one (scenarios/pandan.toml) for an empty path. Throws Error.
+Scenario open_scenario(const std::filesystem::path& input);
+/// Its scene alone: what runs by way-points of its own.
 Scene open_scene(const std::filesystem::path& input);
-/// The text of the embedded scene.
+/// The text of the embedded scenario.
 std::string_view embedded_scene();
 
 /// The events that the vehicle gives; the truths are handed to whoever asks for them, before what they are about.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <isobath/sim/scene.hpp>
+#include <iterator>
 
 namespace isobath {
 namespace {
@@ -280,10 +281,19 @@ Schema schema(Scene& s) {
 }
 
 Scene parse_scene(std::string_view text, const std::string& file) {
+  Schema nothing_else;
+  return parse_scene(text, file, nothing_else);
+}
+
+Scene parse_scene(std::string_view text, const std::string& file, Schema& more) {
   Scene scene;
   scene.file = file;
   Schema all = schema(scene);
+  const auto own = static_cast<std::ptrdiff_t>(all.sections.size());
+  std::move(more.sections.begin(), more.sections.end(), std::back_inserter(all.sections));
+  std::move(more.lists.begin(), more.lists.end(), std::back_inserter(all.lists));
   read_toml(text, file, all);
+  more.sections.assign(all.sections.begin() + own, all.sections.end());  // now with their places
   scene.water_place = all.sections[1].place;
   scene.bottom.place = all.sections[2].place;
   scene.vehicle.place = all.sections[3].place;

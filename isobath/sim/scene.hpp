@@ -152,6 +152,8 @@ Schema schema(Scene& scene);
 /// Throws Error with line and column.
 Scene load_scene(const std::string& file);
 Scene parse_scene(std::string_view text, const std::string& file);
+/// The same for a file that holds more than a scene: `more` is read along with it.
+Scene parse_scene(std::string_view text, const std::string& file, Schema& more);
 /// Whether a file is a scene, by its first bytes: TOML that has a [scene] section.
 bool looks_like_scene(std::string_view head);
 

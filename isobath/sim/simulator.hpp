@@ -51,6 +51,7 @@ class Simulator {
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
   /// Half the diagonal of the hull in plan, m: what must stay clear.
   [[nodiscard]] double hull_radius() const;
+  [[nodiscard]] const VehicleModel& vehicle() const { return model_; }
 
  private:
   struct Device;

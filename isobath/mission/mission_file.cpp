@@ -1,0 +1,235 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <isobath/mission/mission_file.hpp>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr Range kMetres{-kMostMetres, kMostMetres};
+constexpr Range kLatitude{-90, 90};
+constexpr Range kLongitude{-180, 180};
+
+Field end_field(std::string name, MissionEnd* end, std::string sentence) {
+  using E = MissionEnd;
+  return Field::choice(
+      std::move(name), end,
+      {{to_text(E::kHold), E::kHold}, {to_text(E::kSurface), E::kSurface}, {to_text(E::kReturn), E::kReturn}},
+      std::move(sentence));
+}
+
+std::vector<Field> mission_fields(MissionKeys& k) {
+  return {Field::text("title", &k.plan.title, "What it is for."),
+          Field::real("speed", &k.plan.speed, {0.01, kMostSpeed}, "m/s", "Where a point does not say another."),
+          end_field("at_end", &k.plan.at_end, "What is done after the last point; return: to where it started."),
+          end_field("if_dropped", &k.plan.if_dropped, "What is done when the last point had to be dropped."),
+          Field::real("latitude_deg", &k.latitude_deg, kLatitude, "deg",
+                      "Of the origin of north and east; with longitude 0: nowhere."),
+          Field::real("longitude_deg", &k.longitude_deg, kLongitude, "deg", "Of the origin.")};
+}
+
+std::vector<Field> limit_fields(MissionLimits& l) {
+  return {Field::real("min_depth_m", &l.min_depth_m, {0, 12000}, "m", "Never shallower."),
+          Field::real("max_depth_m", &l.max_depth_m, {0, 12000}, "m", "Never deeper."),
+          Field::real("min_altitude_m", &l.min_altitude_m, {0, 1000}, "m", "Never nearer to the bottom."),
+          Field::real("max_position_sigma_m", &l.max_position_sigma_m, {0, 1e5}, "m",
+                      "Of the vehicle's own estimate of its place; beyond it the mission is aborted."),
+          Field::real("max_duration_s", &l.max_duration_s, {0, 1e8}, "s", "Of the whole mission; 0: any."),
+          Field::real("low_battery_share", &l.low_battery_share, {0, 1}, "1",
+                      "Of a full charge; below it the mission is aborted.")};
+}
+
+std::vector<Field> fence_fields(MissionKeys& k) {
+  return {
+      Field::rows("corners", &k.corners, 2, kMetres, "m", "Corners of a simple polygon: north, east; none: no fence."),
+      Field::rows("corners_deg", &k.corners_deg, 2, {-180, 180}, "deg", "Instead: latitude, longitude.")};
+}
+
+std::vector<Field> point_fields(PointKeys& k) {
+  MissionPoint& p = k.point;
+  return {Field::text("name", &p.name, "What reports call it."),
+          Field::real("north", &p.north_east.x(), kMetres, "m", "North of the origin."),
+          Field::real("east", &p.north_east.y(), kMetres, "m", "East of it."),
+          Field::real("latitude_deg", &k.latitude_deg, kLatitude, "deg",
+                      "Instead of north and east, where the mission has an origin; with longitude 0: not given."),
+          Field::real("longitude_deg", &k.longitude_deg, kLongitude, "deg", "With it."),
+          Field::real("depth_m", &p.depth_m, {0, 12000}, "m", "Below the surface, where no altitude is asked for."),
+          Field::real("altitude_m", &k.altitude_m, {0, 12000}, "m", "Above the bottom; 0: go by depth."),
+          Field::real("speed", &p.speed, {0, kMostSpeed}, "m/s", "On the way to it; 0: the mission's."),
+          Field::real("hold_s", &p.hold_s, {0, 1e7}, "s", "How long to stay there."),
+          Field::real("move_m", &p.move_m, {0, 1e4}, "m",
+                      "How far it may be moved off an obstacle that stands on it; 0: then it is dropped."),
+          Field::text("task", &p.task,
+                      "What a back-seat driver does there, such as \"survey length_m=80\"; empty: nothing.")};
+}
+
+std::vector<Field> outline_fields(OutlineKeys& k) {
+  return {Field::real("at_s", &k.at_s, {0, 1e7}, "s", "After the start of the mission."),
+          Field::rows("outline", &k.outline, 2, kMetres, "m", "Corners of a convex obstacle: north, east.")};
+}
+
+Place place_of(const Schema& read, const std::string& section) {
+  for (const Section& s : read.sections) {
+    if (s.name == section) return s.place;
+  }
+  return {};
+}
+
+Polygon polygon_of(const std::vector<double>& rows) {
+  Polygon polygon;
+  for (std::size_t i = 0; i + 1 < rows.size(); i += 2) polygon.emplace_back(rows[i], rows[i + 1]);
+  return polygon;
+}
+
+std::vector<double> rows_of(const Polygon& polygon) {
+  std::vector<double> rows;
+  for (const Vector2d& p : polygon) rows.insert(rows.end(), {p.x(), p.y()});
+  return rows;
+}
+
+[[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed) {
+  place.key += (place.key.empty() ? "" : ".") + key;
+  throw Error(problem, std::move(place), allowed);
+}
+
+std::optional<GeoOrigin> given(double latitude_deg, double longitude_deg) {
+  if (latitude_deg == 0 && longitude_deg == 0) return std::nullopt;
+  return GeoOrigin{latitude_deg, longitude_deg};
+}
+
+/// Degrees to metres of the mission.
+class Degrees {
+ public:
+  explicit Degrees(const std::optional<GeoOrigin>& origin) {
+    if (origin) plane_.emplace(*origin);
+  }
+
+  [[nodiscard]] Vector2d metres(const GeoPoint& point, const Place& place, const std::string& key) const {
+    if (!plane_) refuse(place, key, "degrees in a mission without an origin", "mission.latitude_deg, longitude_deg");
+    if (!valid(point)) refuse(place, key, "no place on the globe", "-90 .. 90 deg and -180 .. 180 deg");
+    if (distance_m(plane_->origin(), point) > kMostMetres) {
+      refuse(place, key, fmt::format("{}, {} is far from the origin", point.latitude_deg, point.longitude_deg),
+             fmt::format("within {} m of it", kMostMetres));
+    }
+    return plane_->to_plane(point);
+  }
+
+ private:
+  std::optional<LocalPlane> plane_;
+};
+
+MissionPoint point_of(const PointKeys& keys, const Degrees& degrees) {
+  MissionPoint point = keys.point;
+  if (keys.altitude_m != 0) point.altitude_m = keys.altitude_m;
+  if (const auto place = given(keys.latitude_deg, keys.longitude_deg)) {
+    if (point.north_east != Vector2d::Zero()) {
+      refuse(point.place, "latitude_deg", "the point stands in degrees and in metres", "one of both");
+    }
+    point.north_east = degrees.metres(*place, point.place, "latitude_deg");
+  }
+  return point;
+}
+
+Polygon fence_of(const MissionKeys& keys, const Degrees& degrees, const Place& place) {
+  if (keys.corners_deg.empty()) return polygon_of(keys.corners);
+  if (!keys.corners.empty()) refuse(place, "corners_deg", "the fence stands in degrees and in metres", "one of both");
+  Polygon fence;
+  for (const Vector2d& p : polygon_of(keys.corners_deg)) {
+    fence.push_back(degrees.metres({p.x(), p.y()}, place, "corners_deg"));
+  }
+  return fence;
+}
+
+void inject(const OutlineKeys& keys, std::vector<InjectedMap>& maps) {
+  auto map = std::find_if(maps.begin(), maps.end(), [&](const InjectedMap& m) { return m.at_s == keys.at_s; });
+  if (map == maps.end()) map = maps.insert(map, {keys.place, keys.at_s, {}});
+  Polygon outline = polygon_of(keys.outline);
+  if (area(outline) < 0) std::reverse(outline.begin(), outline.end());
+  map->outlines.push_back(std::move(outline));
+}
+
+/// An element of a list is written like a section of this name.
+std::string in_brackets(const char* list) { return fmt::format("[{}]", list); }
+
+}  // namespace
+
+Schema schema(MissionKeys& k) {
+  Schema all;
+  all.sections = {{"mission", "What the vehicle is asked to do.", mission_fields(k)},
+                  {"mission_limits", "What holds all along.", limit_fields(k.plan.limits)},
+                  {"geofence", "Where the vehicle may be.", fence_fields(k)}};
+  all.lists = {{"mission_point", "Where to go, one after the other.",
+                [&k](const Place& place) {
+                  PointKeys& point = k.points.emplace_back();
+                  point.point.place = place;
+                  point.point.name = fmt::format("point {}", k.points.size());
+                  return point_fields(point);
+                }},
+               {"injected_map", "An obstacle that is taken as seen from some time on; those of one time make one map.",
+                [&k](const Place& place) {
+                  OutlineKeys& outline = k.outlines.emplace_back();
+                  outline.place = place;
+                  return outline_fields(outline);
+                }}};
+  return all;
+}
+
+MissionPlan make_plan(const MissionKeys& keys, const Schema& read, std::optional<GeoOrigin> origin) {
+  MissionPlan plan = keys.plan;
+  plan.place = place_of(read, "mission");
+  plan.fence_place = place_of(read, "geofence");
+  plan.origin = given(keys.latitude_deg, keys.longitude_deg);
+  if (!plan.origin) plan.origin = origin;
+  const Degrees degrees(plan.origin);
+  plan.fence = fence_of(keys, degrees, plan.fence_place);
+  for (const PointKeys& point : keys.points) plan.points.push_back(point_of(point, degrees));
+  for (const OutlineKeys& outline : keys.outlines) inject(outline, plan.injected);
+  return plan;
+}
+
+MissionPlan parse_mission(std::string_view text, const std::string& file) {
+  MissionKeys keys;
+  Schema all = schema(keys);
+  read_toml(text, file, all);
+  MissionPlan plan = make_plan(keys, all);
+  if (plan.place.file.empty()) plan.place.file = file;
+  check_mission(plan);
+  return plan;
+}
+
+MissionPlan load_mission(const std::string& file) { return parse_mission(text_of_file(file), file); }
+
+bool looks_like_mission(std::string_view text) {
+  for (const std::string_view header : {"[mission]", "[[mission_point]]"}) {
+    for (std::size_t at = text.find(header); at != std::string_view::npos; at = text.find(header, at + 1)) {
+      if (at == 0 || text[at - 1] == '\n') return true;
+    }
+  }
+  return false;
+}
+
+std::string write_mission(const MissionPlan& plan) {
+  MissionKeys keys;
+  keys.plan = plan;
+  if (plan.origin) {
+    keys.latitude_deg = plan.origin->latitude_deg;
+    keys.longitude_deg = plan.origin->longitude_deg;
+  }
+  keys.corners = rows_of(plan.fence);
+  const Schema head = schema(keys);
+  std::string text = write_toml(head.sections, false);
+  for (const MissionPoint& point : plan.points) {
+    PointKeys point_keys{point, 0, 0, point.altitude_m.value_or(0)};
+    text += "\n" + write_toml({{in_brackets("mission_point"), "", point_fields(point_keys)}}, false);
+  }
+  for (const InjectedMap& map : plan.injected) {
+    for (const Polygon& outline : map.outlines) {
+      OutlineKeys outline_keys{{}, map.at_s, rows_of(outline)};
+      text += "\n" + write_toml({{in_brackets("injected_map"), "", outline_fields(outline_keys)}}, false);
+    }
+  }
+  return text;
+}
+
+}  // namespace isobath
