@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <isobath/mission/mission_file.hpp>
 #include <isobath/runtime/scenario.hpp>
 
 namespace isobath {
@@ -29,7 +30,11 @@ bool is_scene(const std::filesystem::path& input) { return input.empty() || inpu
 
 Scenario parse_scenario(std::string_view text, const std::string& file) {
   Scenario scenario;
-  scenario.scene = parse_scene(text, file);
+  MissionKeys keys;
+  Schema mission = schema(keys);
+  scenario.scene = parse_scene(text, file, mission);
+  scenario.mission = make_plan(keys, mission, scenario.scene.origin());
+  if (looks_like_mission(text)) check_mission(scenario.mission);
   return scenario;
 }
 
