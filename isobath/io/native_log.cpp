@@ -636,11 +636,18 @@ void NativeLogWriter::attach(const std::string& name, const std::string& media_t
   mcap_.add_attachment({0, 0, name, media_type, data});
 }
 
-TruthReader::TruthReader(const std::filesystem::path& file) {
+namespace {
+
+std::unique_ptr<std::istream> opened(const std::filesystem::path& file) {
   auto input = std::make_unique<std::ifstream>(file, std::ios::binary);
   if (!*input) throw Error("cannot be read", {file.string(), {}, {}, {}, {}});
-  reader_ = std::make_unique<McapReader>(std::move(input), file.string());
+  return input;
 }
+
+}  // namespace
+
+TruthReader::TruthReader(const std::filesystem::path& file)
+    : reader_(std::make_unique<McapReader>(opened(file), file.string())) {}
 TruthReader::~TruthReader() = default;
 
 std::optional<std::variant<TrueMotion, EchoTruth>> TruthReader::next() {
@@ -657,9 +664,7 @@ std::optional<std::variant<TrueMotion, EchoTruth>> TruthReader::next() {
 }
 
 std::vector<std::string> decisions_in(const std::filesystem::path& file) {
-  auto input = std::make_unique<std::ifstream>(file, std::ios::binary);
-  if (!*input) throw Error("cannot be read", {file.string(), {}, {}, {}, {}});
-  McapReader reader(std::move(input), file.string());
+  McapReader reader(opened(file), file.string());
   std::vector<std::string> decisions;
   while (const auto message = reader.next()) {
     const McapSchema* schema = reader.schema(reader.channel(message->channel_id)->schema_id);
@@ -668,14 +673,25 @@ std::vector<std::string> decisions_in(const std::filesystem::path& file) {
   return decisions;
 }
 
+std::optional<std::string> attachment_in(const std::filesystem::path& file, const std::string& name) {
+  McapReader reader(opened(file), file.string());
+  const auto found = [&]() -> std::optional<std::string> {
+    for (const McapAttachment& a : reader.attachments()) {
+      if (a.name == name) return a.data;
+    }
+    return std::nullopt;
+  };
+  auto text = found();  // those at the head are known from the start
+  while (!text && reader.next()) text = found();
+  return text ? text : found();
+}
+
 std::unique_ptr<Source> open_native_log(std::unique_ptr<std::istream> input, const std::string& name) {
   return std::make_unique<NativeLogSource>(std::move(input), name);
 }
 
 std::unique_ptr<Source> open_native_log(const std::filesystem::path& file, const InputConfig&) {
-  auto input = std::make_unique<std::ifstream>(file, std::ios::binary);
-  if (!*input) throw Error("cannot be read", {file.string(), {}, {}, {}, {}});
-  return open_native_log(std::move(input), file.string());
+  return open_native_log(opened(file), file.string());
 }
 
 }  // namespace isobath

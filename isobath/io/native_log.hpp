@@ -78,6 +78,8 @@ class TruthReader {
 /// The decisions of a recorded run, in order, as they were written; none in a log without a mission. Throws Error where
 /// the file is no MCAP.
 std::vector<std::string> decisions_in(const std::filesystem::path& file);
+/// What stands beside the messages under this name; empty where nothing does. Throws Error likewise.
+std::optional<std::string> attachment_in(const std::filesystem::path& file, const std::string& name);
 
 std::unique_ptr<Source> open_native_log(const std::filesystem::path& file, const InputConfig& config);
 std::unique_ptr<Source> open_native_log(std::unique_ptr<std::istream> input, const std::string& name);

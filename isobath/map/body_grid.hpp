@@ -71,7 +71,8 @@ class BodyGrid {
   [[nodiscard]] double probability(Cell c) const;
   void set_probability(Cell c, double p);
   /// Free: evidence against an obstacle of at least ln 2 below the prior. What is neither free nor detected is unknown.
-  [[nodiscard]] bool is_free(Cell c) const { return log_odds_[cells_.index(c)] <= free_below_; }
+  [[nodiscard]] bool is_free(Cell c) const { return is_free(cells_.index(c)); }
+  [[nodiscard]] bool is_free(std::size_t index) const { return log_odds_[index] <= free_below_; }
 
   /// For the sensor update; whoever writes keeps within [log_odds_min, log_odds_max].
   [[nodiscard]] std::span<double> log_odds() { return log_odds_; }

@@ -128,7 +128,12 @@ const char* to_text(RouteRefused::Reason reason);
 
 /// Executive Officer -> Captain.
 struct PointReport {
-  enum class Kind : std::uint8_t { kReached, kDropped, kTaken } kind = Kind::kReached;
+  enum class Kind : std::uint8_t {
+    kReached,
+    kDropped,
+    kTaken,    ///< it is on its way there
+    kAvoiding  ///< the way there goes round something (S6-56)
+  } kind = Kind::kReached;
   std::size_t point = 0;
   std::string why;
 };

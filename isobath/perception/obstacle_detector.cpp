@@ -89,7 +89,9 @@ std::vector<Field> fields(ObstacleDetectorConfig& c) {
 Detection ObstacleDetector::detect(const BodyGrid& grid, Time time, const Pose& X_WB) {
   sum_neighbourhoods(grid);
   mark_evidence(grid.cells(), grid.config().threshold);
-  Detection result{time, X_WB, grid.cells(), grid.position(), grid.heading(), detected_, {}};
+  Detection result{time, X_WB, grid.cells(), grid.position(), grid.heading(), detected_, {}, {}};
+  result.free.resize(grid.cells().size());
+  for (std::size_t i = 0; i < result.free.size(); ++i) result.free[i] = grid.is_free(i);
   taken_.assign(grid.cells().size(), 0);
   for (std::size_t i = 0; i < taken_.size(); ++i) {
     if (detected_[i] && !taken_[i]) take_region(grid, i, result.obstacles);

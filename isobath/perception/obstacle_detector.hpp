@@ -38,6 +38,7 @@ struct Detection {
   Angle heading;
   std::vector<std::uint8_t> detected;  ///< 1 where N >= threshold
   std::vector<Obstacle> obstacles;
+  std::vector<std::uint8_t> free;  ///< 1 where BodyGrid::is_free
 };
 
 class ObstacleDetector {

@@ -303,6 +303,12 @@ void ChartSheet::colour_bars(const std::string& caption, double low, double high
   panel_y_ = top + height + 22;
 }
 
+Vector2d ChartSheet::next_entry(double height_px) {
+  const Vector2d at(kLeft + columns_ + kBand + 36, panel_y_);
+  panel_y_ += height_px;
+  return at;
+}
+
 void ChartSheet::legend_fill(Colour colour, const std::string& words, bool hatched) {
   const double x = kLeft + columns_ + kBand + 36;
   cairo_new_path(cairo_.get());

@@ -52,21 +52,26 @@ class ChartSheet : public Canvas {
   /// The frame: call last.
   void finish();
 
- private:
-  struct Side;
+ protected:
   struct Box {
     double x, y, half_width, half_height;
   };
   [[nodiscard]] Eigen::Vector2d to_px(const Eigen::Vector2d& north_east) const;
+  /// False, and nothing is taken, where another has it already or it is outside of the plot.
   [[nodiscard]] bool take_room(const Box& box);
   void begin_plot() const;
   void end_plot() const;
   void trace(std::span<const Eigen::Vector2d> points_px) const;
+  [[nodiscard]] double text_width(const std::string& text, double size) const;
+  /// Where the next entry of the legend stands; moves on by `height_px`.
+  Eigen::Vector2d next_entry(double height_px);
+
+ private:
+  struct Side;
   void text_at_angle(const Eigen::Vector2d& centre, double angle, const std::string& text, double size,
                      Colour colour) const;
   void danger_symbol(const Eigen::Vector2d& at_px) const;
   void graduate(const Side& side) const;
-  [[nodiscard]] double text_width(const std::string& text, double size) const;
 
   PlanExtent extent_;
   std::string title_;

@@ -5,6 +5,8 @@
 #include <isobath/io/open.hpp>
 #include <isobath/map/body_grid.hpp>
 #include <isobath/map/depth_map.hpp>
+#include <isobath/mission/crew.hpp>
+#include <isobath/mission/standard_crew.hpp>
 #include <isobath/perception/depth_mapper.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/imminent_collision.hpp>
@@ -45,6 +47,8 @@ struct Configuration {
   DepthPriorConfig prior;
   ImminentCollisionConfig collision;
   StateEvaluatorConfig state;
+  MissionConfig mission;
+  CrewConfig crew;
   CalibrationConfig calibration;
   SimulationConfig simulation;
 };

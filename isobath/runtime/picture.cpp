@@ -344,6 +344,11 @@ void ChartPicture::points(std::span<const double> x, std::span<const double> y, 
   if (!name.empty()) legend_.push_back({colour, name});
 }
 
+void ChartPicture::mark(double x, const std::string& label, Colour colour) {
+  line(px_x(x), top_, px_x(x), top_ + plot_height_, {colour, 1, true});
+  text(px_x(x), top_ + 12, label, 11, colour, 0.5, true);
+}
+
 void ChartPicture::draw_ticks(const Axis& axis, bool horizontal) const {
   std::vector<double> values;
   if (axis.logarithmic) {

@@ -125,6 +125,8 @@ class ChartPicture : public Canvas {
   /// Filled between low and high; no entry in the legend.
   void band(std::span<const double> x, std::span<const double> low, std::span<const double> high, Colour colour);
   void points(std::span<const double> x, std::span<const double> y, Colour colour, const std::string& name);
+  /// An upright line with a word at its head.
+  void mark(double x, const std::string& label, Colour colour);
   /// Frame, ticks and legend: call last.
   void finish();
 

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/io/pose_track.hpp>
+#include <isobath/runtime/closed_loop.hpp>
 #include <isobath/runtime/depth_model.hpp>
+#include <isobath/runtime/mission_run.hpp>
 #include <isobath/runtime/prefetch.hpp>
 #include <isobath/runtime/run.hpp>
 #include <isobath/runtime/run_folder.hpp>
+#include <isobath/runtime/run_log.hpp>
 #include <isobath/runtime/run_source.hpp>
 #include <isobath/runtime/scenario.hpp>
 
@@ -26,23 +29,82 @@ std::unique_ptr<SimulatedSource> simulate(const RunRequest& request) {
                                            std::min(request.threads, 2));
 }
 
-/// What the folder keeps and, for a simulated run, what the truth says of it.
-class Sinks : public ResultSink {
+/// All that results and truths go to: the mission's crew, what the folder keeps, and, for a simulated run, what the truth
+/// says of it.
+class Sinks : public ResultSink, public SimulatedSource::TruthSink {
  public:
-  Sinks(RunFolder& folder, TruthJudge* judge) : folder_(folder), judge_(judge) {}
+  explicit Sinks(RunFolder& folder) : folder_(folder) {}
   void on_ping(const PosedPing& ping) override {
-    folder_.on_ping(ping);
-    if (judge_) judge_->on_ping(ping);
+    if (mission) mission->on_ping(ping);
+    aside([&] {
+      folder_.on_ping(ping);
+      if (judge) judge->on_ping(ping);
+    });
   }
   void on_scan(const ScanResult& scan) override {
-    folder_.on_scan(scan);
-    if (judge_) judge_->on_scan(scan);
+    if (mission) mission->on_scan(scan);
+    aside([&] {
+      folder_.on_scan(scan);
+      if (judge) judge->on_scan(scan);
+    });
   }
+  void take(const EchoTruth& echoes) override { tell(echoes); }
+  void take(const TrueMotion& motion) override { tell(motion); }
+
+  std::optional<MissionRun> mission;
+  std::optional<TruthJudge> judge;
+  std::optional<TrueTrack> track;
+  std::optional<RunLog> log;
 
  private:
+  template <class Work>
+  void aside(Work work) {
+    const auto start = Clock::now();
+    work();
+    if (mission) mission->leave_out(milliseconds_since(start));
+  }
+  template <class Truth>
+  void tell(const Truth& truth) {
+    if (judge) judge->take(truth);
+    if (track) track->take(truth);
+    if (log) log->take(truth);
+  }
+
   RunFolder& folder_;
-  TruthJudge* judge_;
 };
+
+/// Outlines from above of all that stands in a scene, where it is now.
+std::vector<Polygon> outlines_of(const World& world) {
+  std::vector<Polygon> outlines;
+  for (const WorldBody& body : world.bodies()) {
+    for (Polygon part : body.plan) {
+      for (Eigen::Vector2d& p : part) p += body.moved.head<2>();
+      outlines.push_back(std::move(part));
+    }
+  }
+  return outlines;
+}
+
+/// North and east of a mission mean those of what it hears.
+void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard) {
+  if (!plan.origin || !heard) return;
+  const double apart_m = distance_m(*plan.origin, *heard);
+  if (apart_m <= 1) return;
+  throw Error(fmt::format("north and east of the mission count from a place {:.0f} m away from that of the input", apart_m),
+              plan.place, "the same origin in both");
+}
+
+MissionOutcome outcome_of(const Sinks& sinks, const RunRequest& request, Simulator* simulator) {
+  MissionOutcome mission = sinks.mission->outcome();
+  if (simulator) {
+    mission.truth = sinks.track->truth();
+    mission.bodies = outlines_of(simulator->world());
+  } else if (const auto recorded = compare_with_log(mission.decisions, request.input)) {
+    mission.recorded = recorded->decisions;
+    mission.as_recorded = recorded->the_same;
+  }
+  return mission;
+}
 
 RunTimings timings_of(std::vector<double>& ping_ms, double wall_ms) {
   RunTimings timings;
@@ -141,6 +203,33 @@ DepthOutcome outcome_of(const DepthModel& model) {
   return depth;
 }
 
+void prepare(Sinks& sinks, const RunRequest& request, const std::optional<MissionSetup>& setup,
+             SimulatedSource* simulated) {
+  if (!request.record.empty() && !simulated) {
+    throw Error("only what is simulated can be recorded", {request.input.string(), {}, {}, {}, {}}, "a scene",
+                "isobath convert makes a log of a log");
+  }
+  if (setup) sinks.mission.emplace(*setup, request.configuration);
+  if (!simulated) return;
+  const Simulator& simulator = simulated->simulator();
+  sinks.judge.emplace(simulated->simulator());
+  if (setup) sinks.track.emplace(simulator);
+  if (!request.record.empty()) {
+    sinks.log.emplace(request.record, simulator, scenario_text(request.input), request.configuration);
+    if (setup) sinks.log->attach(*setup);
+  }
+  simulated->tell_truth_to(&sinks);
+}
+
+/// The end of an event's way: the set-point. False: the mission was over long enough.
+bool steer(Sinks& sinks, Simulator* simulator, EndOfMission& end, Time time) {
+  const Setpoint setpoint = sinks.mission->steer();
+  if (sinks.log) sinks.log->write(time, setpoint, sinks.mission->helm().decisions());
+  if (!simulator) return true;
+  simulator->command(setpoint);
+  return !end.reached(sinks.mission->helm(), simulator->now_s());
+}
+
 RunOutcome run(const RunRequest& request) {
   DepthModel depths(request.configuration, request.map);
   depths.set_prior_files(priors_of(request));
@@ -150,11 +239,13 @@ RunOutcome run(const RunRequest& request) {
       simulated ? nullptr : open_run_source(request.input, request.configuration, frame, request.threads);
   const auto placed = simulated && frame ? place_in(*simulated, *frame) : nullptr;
   Source* source = placed ? placed.get() : simulated ? static_cast<Source*>(simulated.get()) : opened.get();
-  std::optional<TruthJudge> judge;
-  if (simulated) simulated->tell_truth_to(&judge.emplace(simulated->simulator()));
+  Simulator* simulator = simulated ? &simulated->simulator() : nullptr;
+  const auto setup = mission_setup(request.mission, request.input, simulator);
   RunFolder folder(request.out, request.configuration);
-  Sinks sinks(folder, judge ? &*judge : nullptr);
+  Sinks sinks(folder);
+  prepare(sinks, request, setup, simulated.get());
   Pipeline pipeline(request.configuration, sinks, &depths);
+  EndOfMission end;
   RunOutcome outcome;
 
   const auto start = Clock::now();
@@ -164,6 +255,9 @@ RunOutcome run(const RunRequest& request) {
     depths.locate(frame ? frame : source->report().origin);
     const bool is_ping = std::holds_alternative<Ping>(*event);
     const Time time = time_of(*event);
+    if (setup && first == Time::max()) check_frame(setup->plan, frame ? frame : source->report().origin);
+    if (sinks.log) sinks.log->write(*event);
+    if (sinks.mission) sinks.mission->hear(*event);
     const auto begun = Clock::now();
     const std::uint64_t mapped = pipeline.counts().pings;
     pipeline.take(std::move(*event));
@@ -171,7 +265,9 @@ RunOutcome run(const RunRequest& request) {
     first = std::min(first, time);
     last = std::max(last, time);
     if (request.progress) request.progress(source->report(), pipeline.counts());
+    if (sinks.mission && !steer(sinks, simulator, end, time)) break;
   }
+  if (sinks.mission) outcome.mission = outcome_of(sinks, request, simulator);  // before the sweep that was cut short
   pipeline.finish();
   depths.finish();
   outcome.timings = timings_of(ping_ms, milliseconds_since(start));
@@ -189,9 +285,10 @@ RunOutcome run(const RunRequest& request) {
     outcome.problem = "no ping, range or sounding in it could be used";
   if (outcome.counts.pings == 0 && !depths.snapshot() && outcome.problem.empty())
     outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
-  if (judge) {
-    outcome.truth = judge->score();
-    folder.show_truth(judge->outlines());
+  if (sinks.log) sinks.log->close();
+  if (sinks.judge) {
+    outcome.truth = sinks.judge->score();
+    folder.show_truth(sinks.judge->outlines());
   }
   if (depths.snapshot()) {
     depths.commit(request.input.empty() ? "embedded scene" : request.input.string());

@@ -1,4 +1,4 @@
-// The main job: an input in; map, obstacles, pictures and a report out, in one folder.
+// The main job: an input in; map, obstacles, decisions, pictures and a report out, in one folder.
 //
 // The same input, configuration and seed give the same bytes in every file, on any number of threads. Measured times
 // are therefore in the outcome (and on the terminal), and in the report only if they are asked for.
@@ -10,6 +10,7 @@
 #include <isobath/perception/depth_mapper.hpp>
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/found_objects.hpp>
+#include <isobath/runtime/mission_outcome.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <isobath/runtime/truth_judge.hpp>
 #include <isobath/runtime/world_level.hpp>
@@ -23,6 +24,10 @@ struct RunRequest {
   std::filesystem::path input;  ///< log, folder of frames, or scene (.toml); empty: the embedded scene
   std::filesystem::path out;    ///< made if absent
   std::filesystem::path map;    ///< folder of a depth map to continue or to begin; empty: none is kept
+  /// Mission file or scenario whose mission is run instead of the input's own: a scene runs in a closed loop, a log is
+  /// heard by the same crew. Empty: the scene's own mission, if it has one.
+  std::filesystem::path mission;
+  std::filesystem::path record;  ///< log (.mcap) to write of a scene; empty: none
   Configuration configuration;
   int threads = 2;       ///< 1: reading and mapping take turns; 2: reading goes ahead on a thread of its own
   bool timings = false;  ///< measured times in the report; its bytes then differ from run to run
@@ -69,6 +74,7 @@ struct RunOutcome {
   std::vector<std::filesystem::path> files;  ///< written, relative to the folder, in order
   std::optional<TruthScore> truth;           ///< of a simulated run
   std::optional<DepthOutcome> depth;         ///< where ranges or soundings had a place
+  std::optional<MissionOutcome> mission;     ///< where there was one
   std::string undecided;                     ///< why no echo of a ping was decided at the end; else empty
   /// One line where the input itself is wrong (cut in the middle of a record, poses that are no numbers, time that runs
   /// backwards); empty when all is well. What could be used was used.

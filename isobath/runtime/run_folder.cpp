@@ -57,7 +57,7 @@ RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
   make_folder(folder_);
   for (const char* name : {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png",
-                           "truth.json", "depth.tif", "chart.png", "confidence.png", "contours.geojson"}) {
+                           "truth.json", "depth.tif", "chart.png", "confidence.png", "contours.geojson", "decisions.json", "mission.json", "mission.png", "clearance.png"}) {
     std::filesystem::remove(folder_ /
                             name);  // not every run writes them, and an earlier run's must not pass for its own
   }
@@ -237,6 +237,13 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const Dep
     write_text("detections.png", pictures.detections, outcome);
   }
   if (outcome.depth) pictures.depth = write_depth_files(depths, folder_, outcome.files);
+  if (outcome.mission) {
+    pictures.mission = draw_mission(*outcome.mission, configuration_.mission.route.clearance_m);
+    write_text("mission.json", mission_text(*outcome.mission), outcome);
+    write_text("decisions.json", decisions_text(outcome.mission->decisions), outcome);
+    if (!pictures.mission.chart.empty()) write_text("mission.png", pictures.mission.chart, outcome);
+    if (!pictures.mission.clearance.empty()) write_text("clearance.png", pictures.mission.clearance, outcome);
+  }
   if (outcome.truth) write_text("truth.json", truth_text(*outcome.truth), outcome);
   write_text("configuration.toml", write_toml(sections(configuration_), true), outcome);
   write_text("report.html", report(request, outcome, pictures), outcome);
@@ -289,6 +296,10 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
   if (n.pings > 0 && n.unposed == n.pings) {
     page.paragraph("The log has no navigation: the vehicle is taken to stand still.");
+  }
+  if (outcome.mission) {
+    add_mission(page, *outcome.mission, pictures.mission);
+    page.heading("What was seen");
   }
   if (!pictures.detections.empty()) {
     page.begin_row();

@@ -5,12 +5,14 @@
 //   scans.json          those of every scan          obstacles.geojson   on the globe, if known
 //   occupancy.tif .png  the grid                     truth.json          of a simulated run
 //   sonar.png           the last sweep in plan       detections.png      obstacles drawn over it
+//   mission.json, decisions.json, mission.png, clearance.png: of a mission (mission_pages.hpp)
 //   depth.tif, chart.png, confidence.png, contours.geojson: of the depth map (depth_pages.hpp)
 #pragma once
 
 #include <filesystem>
 #include <isobath/runtime/depth_pages.hpp>
 #include <isobath/runtime/html_report.hpp>
+#include <isobath/runtime/mission_pages.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <isobath/runtime/plan_image.hpp>
 #include <isobath/runtime/result_text.hpp>
@@ -43,6 +45,7 @@ class RunFolder : public ResultSink {
   struct Pictures {  ///< PNG; empty without a grid
     std::string occupancy, sonar, detections;
     DepthPictures depth;
+    MissionPictures mission;
   };
   void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
   void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;

@@ -40,6 +40,10 @@ Scenario parse_scenario(std::string_view text, const std::string& file) {
 
 Scenario load_scenario(const std::string& file) { return parse_scenario(text_of_file(file), file); }
 
+std::string scenario_text(const std::filesystem::path& input) {
+  return input.empty() ? std::string(embedded_scene()) : text_of_file(input.string());
+}
+
 Scenario open_scenario(const std::filesystem::path& input) {
   return input.empty() ? parse_scenario(embedded_scene(), "scenarios/pandan.toml") : load_scenario(input.string());
 }

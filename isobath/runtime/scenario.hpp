@@ -26,8 +26,9 @@ Scenario parse_scenario(std::string_view text, const std::string& file);
 Scenario open_scenario(const std::filesystem::path& input);
 /// Its scene alone: what runs by way-points of its own.
 Scene open_scene(const std::filesystem::path& input);
-/// The text of the embedded scenario.
+/// The text of the embedded scenario, or of any.
 std::string_view embedded_scene();
+std::string scenario_text(const std::filesystem::path& input);
 
 /// The events that the vehicle gives; the truths are handed to whoever asks for them, before what they are about.
 class SimulatedSource : public Source {

@@ -42,7 +42,9 @@ LineOfSight guidance_of(const Scene& scene) {
   for (const WaypointConfig& w : scene.waypoints) {
     points.push_back({w.north, w.east, w.depth, w.speed > 0 ? w.speed : scene.vehicle.speed});
   }
-  return LineOfSight({}, std::move(points));
+  GuidanceConfig config;
+  if (scene.water.current.empty()) config.integral_gain = config.drift_time = 0;  // nothing to steer against
+  return LineOfSight(config, std::move(points));
 }
 
 }  // namespace
@@ -161,15 +163,17 @@ void Simulator::move(double dt) {
   Setpoint setpoint = wanted(dt);
   const VehicleFaults broken = faults_.vehicle_faults(now_);
   const int thrusters = static_cast<int>(model_.thrusters.size());
+  const Pose& pose = plant_->state().X_WB;
+  const Eigen::Vector3d current = water_.current(pose.translation.z());
   if (auto* dynamic = dynamic_cast<DynamicVehicle*>(plant_.get())) {
     for (int i = 0; i < thrusters; ++i) {
       dynamic->dynamics().set_effectiveness(i, broken.thrust_share[static_cast<std::size_t>(i)]);
     }
-  } else {
-    setpoint.speed *= std::sqrt(broken.thrust_share[0]);  // thrust grows with the square of speed
+  } else {  // thrust grows with the square of the speed through the water
+    const double set = (pose.rotation.inverse() * current).x();
+    setpoint.speed = set + std::sqrt(broken.thrust_share[0]) * (setpoint.speed - set);
   }
-  const double depth = plant_->state().X_WB.translation.z();
-  plant_->step(setpoint, {water_.density(), water_.current(depth)}, dt);
+  plant_->step(setpoint, {water_.density(), current}, dt);
 }
 
 VehicleState Simulator::state_at(Time time) const {

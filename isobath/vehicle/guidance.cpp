@@ -1,63 +1,219 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/geometry/polygon.hpp>
 #include <isobath/vehicle/guidance.hpp>
 #include <utility>
 
 namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kCrawl = 0.1;                // m/s: a hovering vehicle still moves on at this speed
+const Angle kTurning = Angle::degrees(20);    // heading off by more: still in the turn
+const Angle kOnTheLine = Angle::degrees(30);  // heading off by less: the integral may learn
+const Angle kSteepestCrab = Angle::degrees(60);
+
+Vector2d ahead_of(Angle heading) { return {cos(heading), sin(heading)}; }
+Vector2d starboard_of(Angle heading) { return {-sin(heading), cos(heading)}; }
+Angle bearing_of(const Vector2d& v) { return Angle::radians(std::atan2(v.y(), v.x())); }
+Vector2d position_of(const Waypoint& w) { return {w.north, w.east}; }
+
+Setpoint moving(const Vector2d& v_W, Angle now, Angle heading, double depth) {
+  return {heading, depth, ahead_of(now).dot(v_W), starboard_of(now).dot(v_W)};
+}
+
+Vector2d limited(const Vector2d& v, double most) {
+  const double size = v.norm();
+  return size > most ? Vector2d(v * (most / size)) : v;
+}
+
+}  // namespace
 
 std::vector<Field> fields(GuidanceConfig& c) {
   return {
       Field::real("lookahead", &c.lookahead, {0.1, 1000}, "m", "How far ahead on the line it steers for."),
       Field::real("acceptance_radius", &c.acceptance_radius, {0.05, 1000}, "m", "A way-point this near is reached."),
-      Field::real("integral_gain", &c.integral_gain, {0, 10}, "m/s", "Integral action against a current; 0: none."),
+      Field::real("integral_gain", &c.integral_gain, {0, 0.9}, "1",
+                  "Integral action against a current, as a share of the speed; 0: none."),
+      Field::real("drift_time", &c.drift_time, {0, 100}, "s",
+                  "Filter on the measured drift that is steered against; 0: the velocity over ground is not used."),
+      Field::real("corner_tolerance", &c.corner_tolerance, {0.05, 1000}, "m",
+                  "A corner that would be overrun by more is taken slower."),
   };
 }
 
-LineOfSight::LineOfSight(const GuidanceConfig& config, std::vector<Waypoint> waypoints)
-    : config_(config), waypoints_(std::move(waypoints)) {
-  if (waypoints_.empty()) throw Error("no way-points", {}, "at least one");
+std::vector<Field> fields(StationConfig& c) {
+  return {
+      Field::real("gain", &c.gain, {0.01, 5}, "1/s", "Speed towards the place, for each metre of distance."),
+      Field::real("integral_gain", &c.integral_gain, {0, 1}, "1/s2", "Integral action; 0: none."),
+      Field::real("turn_from", &c.turn_from, {0.1, 100}, "m",
+                  "A hovering vehicle that has no sway turns to its place when it is this far away."),
+      Field::real("circle_radius", &c.circle_radius, {1, 1000}, "m", "Circle of a vehicle that cannot hover."),
+      Field::real("drift_time", &c.drift_time, {0, 100}, "s",
+                  "Filter on the measured drift that is steered against; 0: the velocity over ground is not used."),
+  };
 }
 
-Setpoint LineOfSight::step(const VehicleState& state, double dt) {
-  const Eigen::Vector2d here = state.X_WB.translation.head<2>();
-  if (!started_) {
-    from_ = here;
-    bearing_ = state.X_WB.rotation.heading();
-    started_ = true;
-  }
-  double along = 0;
+void Drift::update(Angle heading, const Eigen::Vector3d& v_W, double time_constant, double dt) {
+  const Vector2d across = starboard_of(heading);
+  const double lack = across.dot(v_W.head<2>() - velocity_W_);
+  if (!(time_constant > 0) || !std::isfinite(lack)) return;
+  velocity_W_ += (1 - std::exp(-dt / time_constant)) * lack * across;
+}
+
+Angle Drift::crab(Angle heading, double speed) const {
+  const double side = starboard_of(heading).dot(velocity_W_);
+  const Angle crab = Angle::radians(std::atan2(side, std::max(speed, kCrawl)));
+  return std::clamp(crab, -kSteepestCrab, kSteepestCrab);
+}
+
+// Along way-points ---------------------------------------------------------------------------------------------------
+
+LineOfSight::LineOfSight(const GuidanceConfig& config, std::vector<Waypoint> waypoints,
+                         const std::optional<VehicleSheet>& sheet)
+    : config_(config), sheet_(sheet) {
+  follow(std::move(waypoints));
+}
+
+void LineOfSight::follow(std::vector<Waypoint> waypoints, const std::optional<Vector2d>& from) {
+  if (waypoints.empty()) throw Error("no way-points", {}, "at least one");
+  waypoints_ = std::move(waypoints);
+  next_ = reached_ = 0;
+  started_ = from.has_value();
+  if (from) from_ = *from;
+}
+
+// Passes what is reached or abeam; then `bearing_`, `to_go_` and `cross_track_` are of the leg under way.
+void LineOfSight::advance(const Vector2d& here) {
   while (!finished()) {
-    const Waypoint& w = waypoints_[next_];
-    const Eigen::Vector2d to(w.north, w.east);
-    const Eigen::Vector2d leg = to - from_;
-    const double length = leg.norm();
-    const Eigen::Vector2d tangent = length > 1e-9 ? Eigen::Vector2d(leg / length) : Eigen::Vector2d::UnitX();
-    along = tangent.dot(here - from_);
-    cross_track_ = tangent.x() * (here - from_).y() - tangent.y() * (here - from_).x();
-    if (length > 1e-9) bearing_ = Angle::radians(std::atan2(leg.y(), leg.x()));
+    const Vector2d to = position_of(waypoints_[next_]);
     const bool near = (to - here).norm() <= config_.acceptance_radius;
-    if (!near && along <= length) break;
+    if (!near && (to - from_).norm() < 1e-9) from_ = here;  // a leg without length has no bearing
+    const Vector2d leg = to - from_;
+    const double length = leg.norm();
+    const Vector2d tangent = length > 1e-9 ? Vector2d(leg / length) : Vector2d::UnitX();
+    cross_track_ = cross(tangent, here - from_);
+    to_go_ = length - tangent.dot(here - from_);
+    if (length > 1e-9) bearing_ = bearing_of(leg);
+    if (!near && to_go_ >= 0) return;
     reached_ += near;
     from_ = to;
     ++next_;
-    integral_ = 0;
   }
-  const Waypoint& goal = waypoints_[std::min(next_, waypoints_.size() - 1)];
-  if (finished()) return {bearing_, goal.depth, 0, 0};
-
-  const double aim = cross_track_ + config_.integral_gain * integral_;
-  const double ahead = config_.lookahead;
-  integral_ += dt * ahead * cross_track_ / (aim * aim + ahead * ahead);
-  const Angle heading = bearing_ - Angle::radians(std::atan2(aim, ahead));
-  return {heading.wrapped(), goal.depth, goal.speed, 0};
 }
 
+Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d>& v_W, double dt) {
+  if (!X_WB.is_finite() || !(dt > 0)) return last_;
+  const Vector2d here = X_WB.translation.head<2>();
+  const Angle heading = X_WB.rotation.heading();
+  if (!started_) {
+    from_ = here;
+    bearing_ = heading;
+    started_ = true;
+  }
+  advance(here);
+  if (v_W) drift_.update(heading, *v_W, config_.drift_time, dt);
+  if (finished()) return last_ = {bearing_, waypoints_.back().depth, sheet_ ? sheet_->min_speed : 0, 0};
+
+  const Waypoint& goal = waypoints_[next_];
+  const Vector2d across = starboard_of(bearing_);
+  const double sigma = config_.integral_gain * goal.speed, distance = config_.lookahead;
+  const double aim = cross_track_ + sigma * across.dot(integral_W_);
+  const Angle course = bearing_ - Angle::radians(std::atan2(aim, distance));
+  const Angle wanted = (course - drift_.crab(heading, goal.speed)).wrapped();
+  const Angle off = abs((wanted - heading).wrapped());
+  if (sigma > 0 && off < kOnTheLine && std::abs(cross_track_) < distance) {
+    const double rate = distance * cross_track_ / (aim * aim + distance * distance);
+    integral_W_ = limited(integral_W_ + dt * rate * across, distance / sigma);
+  }
+
+  double speed = goal.speed;
+  if (sheet_) {
+    speed = speed_ahead();
+    if (off > kTurning) speed = std::min(speed, corner_speed(off, 0));
+    const double least = std::max(sheet_->min_speed, std::min(kCrawl, goal.speed));
+    speed = std::min(std::max(speed, least), sheet_->limits.max_speed);
+  }
+  return last_ = {wanted, goal.depth, speed, 0};
+}
+
+// The greatest speed from which every corner ahead can still be taken.
+double LineOfSight::speed_ahead() const {
+  const double braking = 0.5 * sheet_->braking;
+  double speed = waypoints_[next_].speed;
+  double distance = std::max(0.0, to_go_);
+  Angle before = bearing_;
+  for (std::size_t i = next_; i < waypoints_.size(); ++i) {
+    if (2 * braking * (distance - config_.acceptance_radius) > speed * speed) break;
+    if (i + 1 == waypoints_.size()) {
+      if (sheet_->min_speed <= 0) speed = std::min(speed, std::sqrt(2 * braking * distance));
+      break;
+    }
+    const Vector2d leg = position_of(waypoints_[i + 1]) - position_of(waypoints_[i]);
+    const Angle after = leg.norm() > 1e-9 ? bearing_of(leg) : before;
+    const double early = config_.acceptance_radius;
+    const double through = corner_speed(abs((after - before).wrapped()), early);
+    speed = std::min(speed, std::sqrt(through * through + 2 * braking * std::max(0.0, distance - early)));
+    distance += leg.norm();
+    before = after;
+  }
+  return speed;
+}
+
+// At which a turn that begins `early` metres before the corner ends within the tolerance beside the next leg.
+double LineOfSight::corner_speed(Angle turn, double early) const {
+  const double radius = (config_.corner_tolerance + early * sin(turn)) / std::max(1 - cos(turn), 1e-6);
+  return sheet_->limits.max_yaw_rate.radians() * std::max(radius, sheet_->limits.turning_radius);
+}
+
+// At a place ---------------------------------------------------------------------------------------------------------
+
 Setpoint hold_station(const VehicleState& state, const Waypoint& place, Angle heading, double gain) {
-  const Eigen::Vector2d gap = Eigen::Vector2d(place.north, place.east) - state.X_WB.translation.head<2>();
-  Eigen::Vector2d v_W = gain * gap;
-  if (v_W.norm() > place.speed) v_W *= place.speed / v_W.norm();
-  const Angle psi = state.X_WB.rotation.heading();
-  return {heading, place.depth, cos(psi) * v_W.x() + sin(psi) * v_W.y(), cos(psi) * v_W.y() - sin(psi) * v_W.x()};
+  const Vector2d gap = position_of(place) - state.X_WB.translation.head<2>();
+  return moving(limited(gain * gap, place.speed), state.X_WB.rotation.heading(), heading, place.depth);
+}
+
+void StationKeeper::hold(const Waypoint& place, const std::optional<Angle>& heading) {
+  place_ = place;
+  heading_ = heading;
+  turning_ = false;
+}
+
+double StationKeeper::radius() const {
+  if (sheet_.min_speed <= 0) return 0;
+  const double widest = place_.speed / std::max(sheet_.limits.max_yaw_rate.radians(), 1e-3);
+  return std::max({config_.circle_radius, 1.3 * sheet_.limits.turning_radius, 1.3 * widest});
+}
+
+Setpoint StationKeeper::step(const Pose& X_WB, const std::optional<Eigen::Vector3d>& v_W, double dt) {
+  if (!X_WB.is_finite() || !(dt > 0)) return last_;
+  const Vector2d gap = position_of(place_) - X_WB.translation.head<2>();
+  const Angle heading = X_WB.rotation.heading();
+  if (v_W) drift_.update(heading, *v_W, config_.drift_time, dt);
+  if (!heading_) heading_ = heading;
+  return last_ = sheet_.min_speed > 0 ? circle(gap, heading) : hover(gap, heading, dt);
+}
+
+Setpoint StationKeeper::hover(const Vector2d& gap, Angle heading, double dt) {
+  const Vector2d asked = config_.gain * gap + integral_W_;
+  const Vector2d v_W = limited(asked, place_.speed);
+  if (v_W == asked) integral_W_ = limited(integral_W_ + config_.integral_gain * dt * gap, 0.5 * place_.speed);
+  if (sheet_.can_sway) return moving(v_W, heading, *heading_, place_.depth);
+
+  // Without sway it turns to the place when it was carried too far, and keeps that heading: into the current.
+  if (gap.norm() > config_.turn_from) turning_ = true;
+  if (gap.norm() < 0.5 * config_.turn_from) turning_ = false;
+  if (turning_) heading_ = bearing_of(gap);
+  return {*heading_, place_.depth, ahead_of(heading).dot(v_W), 0};
+}
+
+// Course along the tangent, turned inwards by atan((distance - radius) / (radius / 2)).
+Setpoint StationKeeper::circle(const Vector2d& gap, Angle heading) const {
+  const double circle = radius(), speed = std::min(std::max(place_.speed, sheet_.min_speed), sheet_.limits.max_speed);
+  const Angle inwards = Angle::radians(std::atan2(gap.norm() - circle, 0.5 * circle));
+  const Angle course = bearing_of(gap) - Angle::degrees(90) + inwards;
+  return {(course - drift_.crab(heading, speed)).wrapped(), place_.depth, speed, 0};
 }
 
 }  // namespace isobath

@@ -39,14 +39,23 @@ KinematicVehicle::KinematicVehicle(const VehicleModel& model, const VehicleState
   check_vehicle(model);
 }
 
-void KinematicVehicle::step(const Setpoint& setpoint, const WaterConditions&, double dt) {
+void KinematicVehicle::step(const Setpoint& setpoint, const WaterConditions& water, double dt) {
   ISOBATH_ASSERT(dt > 0);
   Eigen::Vector3d& p = state_.X_WB.translation;
   const double heading = state_.X_WB.rotation.heading().radians();
   const double top = limits_.max_speed;
-  const double path = ramp(speed_, std::clamp(setpoint.speed, -top, top), limits_.max_acceleration, dt);
-  const double side =
-      ramp(sway_, can_sway_ ? std::clamp(setpoint.sway_speed, -top, top) : 0.0, limits_.max_acceleration, dt);
+  const Eigen::Vector2d current = water.current_W.head<2>();
+  const double set = std::cos(heading) * current.x() + std::sin(heading) * current.y();    // ahead
+  const double drift = std::cos(heading) * current.y() - std::sin(heading) * current.x();  // to starboard
+  speed_ = std::clamp(speed_, set - top, set + top);  // the current may have grown
+  const double wanted_speed = std::clamp(setpoint.speed, set - top, set + top);
+  const double path = ramp(speed_, wanted_speed, limits_.max_acceleration, dt) - set * dt;  // through the water
+  double side = 0;
+  if (can_sway_) {
+    sway_ = std::clamp(sway_, drift - top, drift + top);
+    const double wanted_sway = std::clamp(setpoint.sway_speed, drift - top, drift + top);
+    side = ramp(sway_, wanted_sway, limits_.max_acceleration, dt) - drift * dt;
+  }
 
   double steepest = limits_.max_climb_rate * dt;
   if (depth_by_ == DepthBy::kPitch) steepest = std::min(steepest, std::abs(path) * std::sin(max_pitch_));
@@ -67,13 +76,15 @@ void KinematicVehicle::step(const Setpoint& setpoint, const WaterConditions&, do
   const double mean = heading + half, after = heading + turned;
   const double c = chord * std::cos(mean) + (1 - share) * std::cos(after);
   const double s = chord * std::sin(mean) + (1 - share) * std::sin(after);
-  p += Eigen::Vector3d(along * c - side * s, along * s + side * c, sunk);
+  p += Eigen::Vector3d(along * c - side * s + current.x() * dt, along * s + side * c + current.y() * dt, sunk);
 
   const double pitch =
       depth_by_ == DepthBy::kPitch && std::abs(path) > 1e-12 ? -std::asin(std::clamp(sunk / path, -1.0, 1.0)) : 0.0;
   state_.X_WB.rotation =
       Rotation::from_heading_pitch_roll(Angle::radians(after).wrapped(), Angle::radians(pitch), Angle());
-  state_.v_B = {speed_, sway_, depth_by_ == DepthBy::kPitch ? 0.0 : sunk / dt};
+  const Eigen::Vector3d through_B(speed_ - set, can_sway_ ? sway_ - drift : 0.0,
+                                  depth_by_ == DepthBy::kPitch ? 0.0 : sunk / dt);
+  state_.v_B = through_B + state_.X_WB.rotation.inverse() * Eigen::Vector3d(current.x(), current.y(), 0);
   state_.w_B = {-turned / dt * std::sin(pitch), 0, turned / dt * std::cos(pitch)};
 }
 

@@ -1,8 +1,11 @@
 // VehiclePlant: a vehicle that follows set-points, whatever is inside (ledger S7-14).
 //
 // DynamicVehicle is VehicleDynamics under an Autopilot: actuators, inertia, current and density all act.
-// KinematicVehicle does what it is told within the limits of the vehicle file, exactly: arcs and straight lines, no
-// actuators, no current, no drift. For scenes that need a path and no dynamics.
+// KinematicVehicle does what it is told within the limits of the vehicle file, exactly: arcs and straight lines through
+// the water, no actuators, no inertia. Set-points are over ground, as an autopilot holds them; what the vehicle cannot
+// make good, the water does with it: a current across the hull carries away a vehicle without sway, and one that is
+// stronger than the greatest speed carries any. Depth is held against vertical currents. For scenes that need a path
+// and no dynamics.
 //
 // Depth never leaves [0, max_depth] by a set-point. Units SI. One thread at a time; nothing allocates in step.
 #pragma once
@@ -54,7 +57,7 @@ class KinematicVehicle final : public VehiclePlant {
   double max_pitch_;  ///< rad
   bool can_sway_;
   VehicleState state_;
-  double speed_ = 0;  ///< along the path
+  double speed_ = 0;  ///< along the path, over ground
   double sway_ = 0;
 };
 

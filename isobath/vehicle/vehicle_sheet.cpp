@@ -9,8 +9,22 @@ VehicleSheet sheet_of(const VehicleModel& model) {
   sheet.hull_radius_m = std::hypot(model.length, model.width) / 2;
   sheet.braking = model.limits.max_acceleration;
   sheet.min_speed = model.autopilot.depth_by == DepthBy::kPitch ? model.autopilot.min_flow : 0;
+  sheet.can_sway = model.thruster_axes(1) > 0 && !model.thrusters.empty();
   sheet.limits = model.limits;
   return sheet;
+}
+
+std::vector<Field> fields(VehicleSheet& s) {
+  return {Field::real("half_width", &s.half_width_m, {0, 100}, "m", "Of the hull, across."),
+          Field::real("hull_radius", &s.hull_radius_m, {0, 500}, "m", "Of the circle in plan that holds the hull."),
+          Field::real("braking", &s.braking, {1e-3, 100}, "m/s2", "When thrust is taken away or reversed."),
+          Field::real("min_speed", &s.min_speed, {0, 20}, "m/s", "Below it depth or heading is not held."),
+          Field::real("max_speed", &s.limits.max_speed, {1e-3, 50}, "m/s", "The fastest."),
+          Field::real("max_acceleration", &s.limits.max_acceleration, {1e-3, 100}, "m/s2", "Along the way."),
+          Field::real("turning_radius", &s.limits.turning_radius, {0, 1000}, "m", "0: turns on the spot."),
+          Field::degrees("max_yaw_rate_deg", &s.limits.max_yaw_rate, {0.1, 720}, "A second."),
+          Field::real("max_climb_rate", &s.limits.max_climb_rate, {1e-3, 20}, "m/s", "Up or down."),
+          Field::real("max_depth", &s.limits.max_depth, {0, 12000}, "m", "Never deeper.")};
 }
 
 }  // namespace isobath

@@ -10,10 +10,14 @@ struct VehicleSheet {
   double hull_radius_m = 0.36;  ///< of the circle in plan that holds the hull, about B
   double braking = 0.25;        ///< m/s2, when thrust is taken away or reversed
   double min_speed = 0;         ///< below it the vehicle does not hold depth or heading, m/s; 0: it can hover
+  bool can_sway = false;        ///< thrusters move it sideways
   VehicleLimits limits;
 };
 
 /// Braking is the greatest acceleration that the file allows; a vehicle that dives by pitch needs its least flow.
 VehicleSheet sheet_of(const VehicleModel& model);
+
+/// All of it, for logs and configurations of runs without a vehicle file.
+std::vector<Field> fields(VehicleSheet& sheet);
 
 }  // namespace isobath

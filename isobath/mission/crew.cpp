@@ -1,0 +1,177 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <isobath/mission/crew.hpp>
+#include <set>
+#include <utility>
+
+namespace isobath {
+
+std::vector<Field> fields(CrewConfig& c) {
+  std::vector<Field> all = {
+      Field::integer("missed_ticks", &c.missed_ticks, {1, 600}, "1",
+                     "An agent that misses so many ticks, ten a second, is lost."),
+      Field::integer("most_said", &c.most_said, {1, 100000}, "1",
+                     "Messages that an agent may say between two ticks; more are cut."),
+      Field::integer("most_ticks", &c.most_ticks, {1, 100000}, "1",
+                     "Ticks that are made up for when the clock jumps ahead."),
+      Field::integer("mailbox", &c.mailbox, {16, 1000000}, "1",
+                     "Messages that wait for one agent in a thread of its own; older ones give way."),
+  };
+  for (Field& f : fields(c.gate)) all.push_back(std::move(f));
+  return all;
+}
+
+void check_seats(const std::vector<Seat>& seats, const CrewConfig& config) {
+  std::set<std::string> names = {"", kSensed, kSupervisor, kHelmGate};
+  for (const Seat& seat : seats) {
+    if (!seat.agent) throw Error("no agent sits on the seat '" + seat.name + "'");
+    if (!names.insert(seat.name).second) {
+      throw Error("the name of a seat is empty or taken: '" + seat.name + "'", {}, "a name of its own");
+    }
+  }
+  if (!names.contains(config.gate.safety_officer)) {
+    throw Error("no seat for the safety officer '" + config.gate.safety_officer + "'",
+                {{}, {}, {}, {}, "safety_officer"}, "the name of a seat, or empty",
+                "without one nothing keeps the vehicle off what the mission overlooks");
+  }
+}
+
+Crew::Crew(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config, Recorder recorder)
+    : config_(config), bus_(std::move(recorder)), gate_(config.gate, vehicle) {
+  check_seats(seats, config);
+  for (Seat& seat : seats) {
+    Member member;
+    member.seat = std::move(seat);
+    members_.push_back(std::move(member));
+  }
+}
+
+bool Crew::hear(Message sensed, Time now) {
+  if (!set_clock(now)) return false;
+  post(kSensed, std::move(sensed));
+  settle();
+  return true;
+}
+
+bool Crew::advance(Time now) {
+  if (!set_clock(now)) return false;
+  settle();
+  return true;
+}
+
+Setpoint Crew::helm(Time now) {
+  advance(now);
+  return setpoint_;
+}
+
+void Crew::hang(std::string_view name) { member(name).hanging = true; }
+void Crew::kill(std::string_view name) { member(name).dying = true; }
+
+bool Crew::lost(std::string_view name) const {
+  return std::any_of(members_.begin(), members_.end(), [&](const Member& m) { return m.lost && m.seat.name == name; });
+}
+
+Crew::Member& Crew::member(std::string_view name) {
+  const auto found =
+      std::find_if(members_.begin(), members_.end(), [&](const Member& m) { return m.seat.name == name; });
+  ISOBATH_ASSERT(found != members_.end());
+  return *found;
+}
+
+bool Crew::set_clock(Time now) {
+  if (!start_) {
+    start_ = now_ = now;
+    next_tick_ = now + kTick;
+    return true;
+  }
+  if (now < now_) {
+    ++counts_.refused;
+    if (!std::exchange(back_, true)) {
+      decide("refuse time", fmt::format("the clock went back by {:.3f} s", to_seconds(now_ - now)));
+      settle();
+    }
+    return false;
+  }
+  back_ = false;
+  const auto due = now < next_tick_ ? 0 : (now - next_tick_) / kTick + 1;
+  if (due > config_.most_ticks) {
+    const auto skipped = due - config_.most_ticks;
+    counts_.skipped_ticks += static_cast<std::uint64_t>(skipped);
+    decide("skip ticks",
+           fmt::format("the clock jumped ahead by {:.3f} s: {} ticks were skipped", to_seconds(now - now_), skipped));
+    next_tick_ += skipped * kTick;
+  }
+  for (; next_tick_ <= now; next_tick_ += kTick) {
+    now_ = next_tick_;
+    tick();
+  }
+  now_ = now;
+  return true;
+}
+
+void Crew::tick() {
+  ++counts_.ticks;
+  for (Member& m : members_) {
+    m.said = 0;
+    if (m.lost) continue;
+    if (m.hanging) {
+      if (++m.missed >= config_.missed_ticks) {
+        lose(m, true, fmt::format("no answer for {:.1f} s", to_seconds(m.missed * kTick)));
+      }
+      continue;
+    }
+    end_turn(m, m.dying ? Turn{{}, "killed"} : tick_in_turn(*m.seat.agent, now_));
+  }
+  settle();
+}
+
+void Crew::settle() {
+  do {
+    drain();
+    setpoint_ = gate_.steer(now_);
+    if (auto change = gate_.take_change()) post(kHelmGate, std::move(*change));
+    if (auto why = bus_.take_recorder_loss()) post(kSupervisor, AgentLost{"recorder", false, std::move(*why)});
+  } while (!queue_.empty());
+}
+
+void Crew::drain() {
+  while (!queue_.empty()) {
+    const Envelope envelope = std::move(queue_.front());
+    queue_.pop_front();
+    for (Member& m : members_) {
+      if (m.lost || m.hanging) continue;
+      end_turn(m, m.dying ? Turn{{}, "killed"} : hear_in_turn(*m.seat.agent, envelope.message, now_));
+    }
+  }
+}
+
+void Crew::end_turn(Member& m, Turn turn) {
+  if (turn.died) return lose(m, false, *turn.died);
+  for (Message& message : turn.said) {
+    if (m.said == config_.most_said) {
+      decide("cut", fmt::format("the {} said more than {} messages between two ticks", m.seat.name, config_.most_said));
+    }
+    if (m.said++ < config_.most_said) {
+      post(m.seat.name, std::move(message));
+    } else {
+      ++counts_.cut;
+    }
+  }
+}
+
+void Crew::lose(Member& m, bool hung, const std::string& why) {
+  m.lost = true;
+  ++counts_.lost;
+  post(kSupervisor, AgentLost{m.seat.name, hung, why});
+}
+
+void Crew::post(const std::string& sender, Message message) {
+  queue_.push_back(bus_.post(sender, std::move(message), now_));
+  gate_.hear(queue_.back().message, now_);
+}
+
+void Crew::decide(const char* what, std::string reason) {
+  post(kSupervisor, Decision{now_, kSupervisor, what, std::move(reason)});
+}
+
+}  // namespace isobath

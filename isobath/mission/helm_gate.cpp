@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/bus.hpp>
+#include <isobath/mission/helm_gate.hpp>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+bool is_finite(const Setpoint& s) {
+  return std::isfinite(s.heading.radians()) && std::isfinite(s.depth) && std::isfinite(s.speed) &&
+         std::isfinite(s.sway_speed);
+}
+
+Setpoint slowed(Setpoint s, double limit) {
+  s.speed = std::clamp(s.speed, -limit, limit);
+  s.sway_speed = std::clamp(s.sway_speed, -limit, limit);
+  return s;
+}
+
+}  // namespace
+
+const char* to_text(HelmState state) {
+  switch (state) {
+    case HelmState::kWaiting: return "wait";
+    case HelmState::kOrders: return "follow orders";
+    case HelmState::kSlow: return "slow";
+    case HelmState::kStop: return "stop";
+    case HelmState::kTurn: return "turn";
+    case HelmState::kSurface: return "surface";
+  }
+  return "";
+}
+
+std::vector<Field> fields(HelmGateConfig& c) {
+  return {
+      Field::real("order_patience", &c.patience_s, {0.1, 60}, "s", "The vehicle stops without an order for so long."),
+      Field::text("safety_officer", &c.safety_officer,
+                  "The seat whose loss makes the vehicle surface; empty: no such seat."),
+  };
+}
+
+void HelmGate::take_action(SafetyAction action) {
+  const bool steers = action.kind == SafetyActionKind::kTurn || action.kind == SafetyActionKind::kSlow;
+  const bool backwards = action.kind == SafetyActionKind::kSlow && action.setpoint.speed < 0;
+  if (steers && (!is_finite(action.setpoint) || backwards)) {
+    ++refused_;
+    action.kind = SafetyActionKind::kStop;
+  }
+  action_ = std::move(action);
+}
+
+void HelmGate::hear(const Message& message, Time now) {
+  if (!first_) first_ = now;
+  if (const auto* order = std::get_if<HelmOrder>(&message)) {
+    if (!is_finite(order->setpoint)) {
+      ++refused_;
+      return;
+    }
+    order_ = *order;
+    ordered_ = now;
+  } else if (const auto* action = std::get_if<SafetyAction>(&message)) {
+    take_action(*action);
+  } else if (const auto* lost = std::get_if<AgentLost>(&message)) {
+    if (!config_.safety_officer.empty() && lost->agent == config_.safety_officer) safety_lost_ = lost->why;
+  } else if (const auto* navigation = std::get_if<Navigation>(&message)) {
+    if (!navigation->X_WB.is_finite()) return;
+    own_ = Setpoint{navigation->X_WB.rotation.heading(), navigation->X_WB.translation.z(), 0, 0};
+  }
+}
+
+HelmGate::Verdict HelmGate::judge(Time now) const {
+  if (safety_lost_) {
+    return {HelmState::kSurface, config_.safety_officer,
+            fmt::format("the {} is lost: {}", config_.safety_officer, *safety_lost_)};
+  }
+  const auto acted = [&](HelmState state) { return Verdict{state, action_.fault, action_.why}; };
+  if (action_.kind == SafetyActionKind::kSurface) return acted(HelmState::kSurface);
+  if (action_.kind == SafetyActionKind::kTurn) return acted(HelmState::kTurn);
+  if (action_.kind == SafetyActionKind::kStop) return acted(HelmState::kStop);
+  const Time since = order_ ? ordered_ : first_.value_or(now);
+  if (now - since > seconds(config_.patience_s)) {
+    return {HelmState::kStop, "no order", fmt::format("no order for the vehicle for {} s", config_.patience_s)};
+  }
+  if (!order_) return {HelmState::kWaiting, "", "no order has come yet"};
+  if (action_.kind == SafetyActionKind::kSlow) return acted(HelmState::kSlow);
+  return {HelmState::kOrders, "", "nothing stands against the order"};
+}
+
+Setpoint HelmGate::setpoint() const {
+  Setpoint s = kept_.value_or(last_);
+  s.speed = 0;
+  s.sway_speed = 0;
+  switch (state_) {
+    case HelmState::kWaiting: return s;
+    case HelmState::kOrders: return order_->setpoint;
+    case HelmState::kSlow: return slowed(order_->setpoint, std::max(action_.setpoint.speed, vehicle_.min_speed));
+    case HelmState::kTurn:
+      s = action_.setpoint;
+      if (vehicle_.min_speed > 0) s.speed = std::max(s.speed, vehicle_.min_speed);  // others may go astern
+      return s;
+    case HelmState::kStop:
+    case HelmState::kSurface:
+      s.speed = vehicle_.min_speed;
+      if (state_ == HelmState::kSurface || vehicle_.min_speed > 0) s.depth = 0;
+      return s;
+  }
+  return s;
+}
+
+Setpoint HelmGate::steer(Time now) {
+  if (!first_) first_ = now;
+  Verdict verdict = judge(now);
+  if (verdict.state != state_) kept_.reset();
+  if (verdict.state != state_ || verdict.fault != fault_) {
+    change_ = Decision{now, kHelmGate, to_text(verdict.state), verdict.why};
+    state_ = verdict.state;
+    fault_ = std::move(verdict.fault);
+  }
+  if (!kept_) kept_ = own_;
+  last_ = setpoint();
+  return last_;
+}
+
+std::optional<Decision> HelmGate::take_change() { return std::exchange(change_, std::nullopt); }
+
+}  // namespace isobath

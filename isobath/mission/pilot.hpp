@@ -1,0 +1,65 @@
+// Pilot: way-points, or a place to hold, become set-points for heading, speed and depth (Ganesan 2015, 5.1, 6.1.1;
+// ledger S6-37).
+//
+// Hears FollowOrder, Navigation, RangeReading (those that look down), MissionOrder (limits) and AgentLost; says
+// WaypointPassed as way-points come to lie behind, and a HelmOrder at each tick.
+//
+// The last way-point is the mission point: it is reached within `point_radius`. Those before it are corners round
+// obstacles, and are turned at within the acceptance radius of the guidance, which is less, since whoever turns early
+// cuts the corner. One that is passed abeam counts as passed, not as reached. After the last one, and on an empty
+// order, it keeps the place where it can come to rest. Without navigation for `silent_s` it stops; without an Executive
+// Officer it surfaces.
+//
+// Leaves to others: obstacles (Navigator), and whether an order is safe (Safety Officer).
+#pragma once
+
+#include <isobath/mission/agent.hpp>
+#include <isobath/vehicle/depth_keeper.hpp>
+#include <isobath/vehicle/guidance.hpp>
+
+namespace isobath {
+
+struct PilotConfig {
+  double point_radius = 5;
+  double hold_speed = 0.5;
+  double silent_s = 3;
+};
+
+std::vector<Field> fields(PilotConfig& config);
+
+class Pilot final : public Agent {
+ public:
+  Pilot(const PilotConfig& config, const GuidanceConfig& guidance, const StationConfig& station,
+        const DepthKeeperConfig& depth, const VehicleSheet& vehicle);
+
+  void hear(const Message& message, Time now, Outbox& out) override;
+  void tick(Time now, Outbox& out) override;
+
+ private:
+  enum class Task : std::uint8_t { kNone, kFollow, kHold, kSurface };
+  void take(const FollowOrder& order);
+  void take(const RangeReading& reading);
+  void take_limits(const MissionLimits& limits);
+  void hold_where_it_stops();
+  Setpoint follow(double dt, Outbox& out);
+  void report(Outbox& out);
+  [[nodiscard]] double distance_to(const Waypoint& place) const;
+  [[nodiscard]] Setpoint at_rest() const;
+  [[nodiscard]] Setpoint at_its_depth(Setpoint wanted, Time now);
+
+  PilotConfig config_;
+  GuidanceConfig guidance_;
+  DepthKeeperConfig depth_config_;
+  VehicleSheet vehicle_;
+  StationKeeper station_;
+  DepthKeeper depth_;
+  std::optional<LineOfSight> line_of_sight_;  ///< kept from order to order: what it has learnt of the current stays
+
+  Task task_ = Task::kNone;
+  FollowOrder order_;
+  std::size_t told_ = 0;  ///< way-points that were reported as passed
+  std::optional<Navigation> here_;
+  std::optional<Time> last_tick_;
+};
+
+}  // namespace isobath

@@ -1,0 +1,32 @@
+// The standard crew: the seats that every vehicle has, and all that can be set of them (Ganesan 2015, 5.1; ledger
+// S6-32). Others (Safety Officer, Signaling Officer, back-seat drivers, those of libraries) are added to the list.
+#pragma once
+
+#include <isobath/mission/captain.hpp>
+#include <isobath/mission/executive_officer.hpp>
+#include <isobath/mission/fls_detector.hpp>
+#include <isobath/mission/navigator.hpp>
+#include <isobath/mission/pilot.hpp>
+
+namespace isobath {
+
+struct MissionConfig {
+  CaptainConfig captain;
+  ExecutiveConfig executive;
+  NavigatorConfig navigator;
+  RouteConfig route;
+  PilotConfig pilot;
+  GuidanceConfig guidance;
+  StationConfig station;
+  DepthKeeperConfig depth_keeping;
+  FlsDetectorConfig fls_detector;
+  ObstacleMemoryConfig memory;
+};
+
+/// Bound to `config`.
+std::vector<Section> sections(MissionConfig& config);
+
+/// In the order in which they hear: fls detector, navigator, captain, executive officer, pilot.
+std::vector<Seat> standard_crew(const MissionConfig& config, const VehicleSheet& vehicle);
+
+}  // namespace isobath

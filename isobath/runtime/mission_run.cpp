@@ -1,0 +1,122 @@
+#include <array>
+#include <fstream>
+#include <isobath/io/native_log.hpp>
+#include <isobath/mission/mission_file.hpp>
+#include <isobath/mission/standard_crew.hpp>
+#include <isobath/runtime/mission_run.hpp>
+#include <isobath/runtime/run_log.hpp>
+
+namespace isobath {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Duration kBelievedInterval = std::chrono::milliseconds(95);  // ten a second, whatever the jitter
+
+double milliseconds(std::chrono::steady_clock::duration d) {
+  return std::chrono::duration<double, std::milli>(d).count();
+}
+
+bool is_mcap(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::array<char, 16> head{};
+  in.read(head.data(), head.size());
+  return looks_like_mcap({reinterpret_cast<const std::uint8_t*>(head.data()), static_cast<std::size_t>(in.gcount())});
+}
+
+}  // namespace
+
+std::vector<Section> vehicle_sections(VehicleSheet& sheet) {
+  return {{"vehicle", "What command must know of the vehicle.", fields(sheet)}};
+}
+
+std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::path& input, const Simulator* simulator) {
+  MissionSetup setup;
+  if (!mission.empty()) {
+    const std::string text = text_of_file(mission.string());
+    setup.plan = looks_like_scene(text) ? parse_scenario(text, mission.string()).mission : load_mission(mission.string());
+  } else if (simulator) {
+    setup.plan = open_scenario(input).mission;
+  }
+  if (setup.plan.points.empty()) return std::nullopt;
+  if (simulator) {
+    setup.vehicle = sheet_of(simulator->vehicle());
+  } else if (const auto text = is_mcap(input) ? attachment_in(input, kVehicleAttachment) : std::nullopt) {
+    std::vector<Section> vehicle = vehicle_sections(setup.vehicle);
+    read_toml(*text, input.string() + ": " + kVehicleAttachment, vehicle);
+  }
+  return setup;
+}
+
+std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions, const fs::path& input) {
+  if (!is_mcap(input)) return std::nullopt;
+  const std::vector<std::string> recorded = decisions_in(input);
+  if (recorded.empty()) return std::nullopt;
+  Recorded found{recorded.size(), 0};
+  while (found.the_same < std::min(recorded.size(), decisions.size()) &&
+         recorded[found.the_same] == decision_json(decisions[found.the_same])) {
+    ++found.the_same;
+  }
+  return found;
+}
+
+MissionRun::MissionRun(const MissionSetup& setup, const Configuration& configuration)
+    : helm_(standard_crew(configuration.mission, setup.vehicle), setup.vehicle, configuration.crew,
+            std::make_shared<const MissionPlan>(setup.plan)) {}
+
+void MissionRun::hear(const Event& event) {
+  begun_ = Clock::now();
+  pinged_ = swept_ = false;
+  left_out_ms_ = crew_ms_ = 0;
+  helm_.hear(event);
+  event_ms_.push_back(milliseconds(Clock::now() - begun_));
+  crew_ms_ = event_ms_.back();
+  const auto* fix = std::get_if<Navigation>(&event);
+  if (!fix || !fix->X_WB.is_finite()) return;
+  if (!believed_.empty() && fix->time - believed_.back().time < kBelievedInterval) return;
+  believed_.push_back({fix->time, fix->X_WB.translation.head<2>(), fix->X_WB.translation.z()});
+}
+
+void MissionRun::on_ping(const PosedPing& ping) {
+  const auto start = Clock::now();
+  helm_.on_ping(ping);
+  crew_ms_ += milliseconds(Clock::now() - start);
+  pinged_ = true;
+}
+
+void MissionRun::on_scan(const ScanResult& scan) {
+  const auto start = Clock::now();
+  helm_.on_scan(scan);
+  crew_ms_ += milliseconds(Clock::now() - start);
+  swept_ = true;
+  const Pose X_WL = level(scan.detection.X_WB);
+  for (const Obstacle& o : scan.detection.obstacles) {
+    if (o.behind) continue;
+    SeenObstacle& seen = seen_.emplace_back(SeenObstacle{scan.detection.time, {}, o.existence});
+    for (const Eigen::Vector2d& p : o.outline) {
+      seen.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
+    }
+  }
+}
+
+Setpoint MissionRun::steer() {
+  const Setpoint setpoint = helm_.steer();
+  const double all_ms = milliseconds(Clock::now() - begun_) - left_out_ms_;
+  if (pinged_ && !swept_) ping_ms_.push_back(std::max(0.0, all_ms - crew_ms_));
+  if (swept_) scan_ms_.push_back(all_ms);
+  return setpoint;
+}
+
+MissionOutcome MissionRun::outcome() const {
+  MissionOutcome outcome;
+  outcome.plan = helm_.plan();
+  outcome.report = helm_.progress();
+  outcome.decisions = helm_.decisions();
+  outcome.believed = believed_;
+  outcome.seen = seen_;
+  std::vector<double> event = event_ms_, ping = ping_ms_, scan = scan_ms_;
+  outcome.timings = {stage_time(event), stage_time(ping), stage_time(scan)};
+  return outcome;
+}
+
+}  // namespace isobath
