@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <isobath/planning/grid_search.hpp>
 #include <isobath/planning/pilot_search.hpp>
-#include <numbers>
 #include <optional>
-#include <queue>
 
 namespace isobath {
 namespace {
@@ -13,7 +12,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kWidest = 500;  // pixels, half of a vehicle: every step looks at its whole corridor
-constexpr std::array<Pixel, 8> kSteps = {{{0, -1}, {1, 0}, {0, 1}, {-1, 0}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}}};
 
 /// What of an area is clear, and how safe it is round each pixel.
 class Area {
@@ -33,7 +31,9 @@ class Area {
       if (o.top_m - vehicle_z < config.passage.clearance_m) block(o);
     }
     measure_risk(config);
-    for (std::size_t i = 0; i < kSteps.size(); ++i) footprints_[i] = footprint(kSteps[i], config.passage.half_width_m);
+    for (std::size_t i = 0; i < kGridSteps.size(); ++i) {
+      footprints_[i] = footprint({kGridSteps[i].column, kGridSteps[i].row}, config.passage.half_width_m);
+    }
   }
 
   [[nodiscard]] std::size_t size() const {
@@ -49,6 +49,7 @@ class Area {
     return {window_.column + static_cast<std::int32_t>(i % width), window_.row + static_cast<std::int32_t>(i / width)};
   }
   [[nodiscard]] bool clear(Pixel p) const { return contains(p) && clear_[index(p)]; }
+  [[nodiscard]] bool clear(std::size_t i) const { return clear_[i]; }
   [[nodiscard]] double log_safety(std::size_t i) const { return log_safety_[i]; }
 
   [[nodiscard]] bool step_is_clear(Pixel from, std::size_t step) const {
@@ -127,90 +128,34 @@ class Area {
   std::array<std::vector<Pixel>, 8> footprints_;
 };
 
-double straight_over_eight(Pixel a, Pixel b, double pixel_m) {
-  const double dx = std::abs(static_cast<double>(a.column) - b.column),
-               dy = std::abs(static_cast<double>(a.row) - b.row);
-  return pixel_m * (std::max(dx, dy) + (std::numbers::sqrt2 - 1) * std::min(dx, dy));
-}
-
-struct Open {
-  double bound;  ///< cost so far and what is left at least
-  double cost;
-  std::size_t node;
-};
-/// Least bound first; of equal ones the farther on, then the smaller node.
-struct Later {
-  bool operator()(const Open& a, const Open& b) const {
-    if (a.bound != b.bound) return a.bound > b.bound;
-    if (a.cost != b.cost) return a.cost < b.cost;
-    return a.node > b.node;
-  }
-};
-
-struct Search {
+/// The area as GridSearch asks about it.
+struct PilotGround {
   const Area& area;
   double pixel_m;
   double risk_weight;
-  std::vector<double> cost;
-  std::vector<std::int8_t> came_by;
 
+  [[nodiscard]] bool enterable(std::size_t /*from*/, std::size_t to, std::size_t /*step*/) const {
+    return area.clear(to);
+  }
+  [[nodiscard]] bool passable(std::size_t from, std::size_t step) const {
+    return area.step_is_clear(area.pixel(from), step);
+  }
   [[nodiscard]] double step_cost(std::size_t from, std::size_t to, std::size_t step) const {
-    const double length = pixel_m * (step < 4 ? 1 : std::numbers::sqrt2);
-    return length * (1 - risk_weight * (area.log_safety(from) + area.log_safety(to)) / 2);
-  }
-
-  /// Whether the goal was reached.
-  Result<bool, PilotRefusal> run(Pixel start, Pixel goal, int budget, PilotPath& path) {
-    cost.assign(area.size(), INFINITY);
-    came_by.assign(area.size(), -1);
-    std::priority_queue<Open, std::vector<Open>, Later> open;
-    cost[area.index(start)] = 0;
-    open.push({straight_over_eight(start, goal, pixel_m), 0, area.index(start)});
-    while (!open.empty()) {
-      const Open best = open.top();
-      open.pop();
-      if (best.cost > cost[best.node]) continue;  // a cheaper way to it was found since
-      if (best.node == area.index(goal)) return true;
-      if (path.expanded++ >= budget) return tl::unexpected(PilotRefusal::kOutOfBudget);
-      expand(best, goal, open, path);
-    }
-    return false;
-  }
-
-  template <class Queue>
-  void expand(const Open& best, Pixel goal, Queue& open, PilotPath& path) {
-    const Pixel here = area.pixel(best.node);
-    for (std::size_t step = 0; step < kSteps.size(); ++step) {
-      const Pixel next{here.column + kSteps[step].column, here.row + kSteps[step].row};
-      if (!area.clear(next)) continue;
-      const std::size_t node = area.index(next);
-      const double total = best.cost + step_cost(best.node, node, step);
-      if (total >= cost[node]) continue;
-      ++path.queries;
-      if (!area.step_is_clear(here, step)) continue;
-      cost[node] = total;
-      came_by[node] = static_cast<std::int8_t>(step);
-      open.push({total + straight_over_eight(next, goal, pixel_m), total, node});
-    }
-  }
-
-  /// Pixels at which the direction changes, with both ends.
-  [[nodiscard]] std::vector<Pixel> corners(Pixel start, Pixel goal, double& length) const {
-    std::vector<Pixel> pixels = {goal};
-    int last = -1;
-    for (Pixel p = goal; !(p == start);) {
-      const int step = static_cast<std::uint8_t>(came_by[area.index(p)]);  // none is unset on the way back
-      if (last >= 0 && step != last) pixels.push_back(p);
-      last = step;
-      length += pixel_m * (step < 4 ? 1 : std::numbers::sqrt2);
-      p = {p.column - kSteps[static_cast<std::size_t>(step)].column,
-           p.row - kSteps[static_cast<std::size_t>(step)].row};
-    }
-    if (!(start == goal)) pixels.push_back(start);
-    std::reverse(pixels.begin(), pixels.end());
-    return pixels;
+    return pixel_m * step_length(step) * (1 - risk_weight * (area.log_safety(from) + area.log_safety(to)) / 2);
   }
 };
+
+/// Pixels at which the direction changes, with both ends.
+std::vector<Pixel> corners(const Area& area, const GridSearch<PilotGround>& search,
+                           const std::vector<std::size_t>& cells) {
+  std::vector<Pixel> pixels;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const bool inside = i > 0 && i + 1 < cells.size();
+    if (inside && search.step_to(cells[i]) == search.step_to(cells[i + 1])) continue;
+    pixels.push_back(area.pixel(cells[i]));
+  }
+  return pixels;
+}
 
 /// The box of both with a margin, and room for the corridor.
 std::optional<PixelWindow> window_round(const PixelGrid& grid, const Vector3d& a, const Vector3d& b, double margin) {
@@ -271,18 +216,24 @@ Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Vector3
   // 3. the search
   PilotPath path;
   path.map_version = map.version();
-  Search search{area, grid.pixel_m, config.risk_weight, {}, {}};
-  const auto reached = search.run(from, to, config.most_expanded, path);
-  if (!reached) return tl::unexpected(reached.error());
-  if (!*reached) return tl::unexpected(PilotRefusal::kNoPath);
+  const std::size_t first = area.index(from), last = area.index(to);
+  const PilotGround ground{area, grid.pixel_m, config.risk_weight};
+  GridSearch<PilotGround> search(ground, window->width, window->height, grid.pixel_m);
+  const GridOutcome outcome = search.run(first, last, config.most_expanded);
+  path.queries = search.queries();
+  path.expanded = search.expanded();
+  if (outcome == GridOutcome::kOutOfBudget) return tl::unexpected(PilotRefusal::kOutOfBudget);
+  if (outcome == GridOutcome::kNoPath) return tl::unexpected(PilotRefusal::kNoPath);
   // 4. the path
-  path.cost = search.cost[area.index(to)];
+  path.cost = search.cost(last);
+  const std::vector<std::size_t> cells = search.path_to(last);
+  for (std::size_t i = 1; i < cells.size(); ++i) path.length_m += grid.pixel_m * step_length(search.step_to(cells[i]));
   const auto add = [&](const Vector2d& p) {
     if (path.points.empty() || (path.points.back().head<2>() - p).norm() > 1e-9)
       path.points.emplace_back(p.x(), p.y(), z);
   };
   add(start.head<2>());
-  for (const Pixel p : search.corners(from, to, path.length_m)) add(grid.centre(p));
+  for (const Pixel p : corners(area, search, cells)) add(grid.centre(p));
   add(goal.head<2>());
   return path;
 }

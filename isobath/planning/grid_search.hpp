@@ -1,0 +1,142 @@
+// GridSearch: A* over the cells of a rectangle, eight neighbours, flat arrays (Ganesan 2015, algorithm 1, corrected;
+// ledger S6-48; S1-42 uses it too).
+//
+// As printed the algorithm fails inside its loop and never opens what it finds (S6-E09). Here: a neighbour that is new,
+// or that is reached at less cost, is opened with its cost and the step that led there; failure is known only when
+// nothing is open any more, that is, when all that can be reached was looked at; the path is rebuilt from the steps.
+//
+// The heuristic is the straight line over eight directions, cell_m (max + (sqrt 2 - 1) min): consistent so long as no
+// step costs less than its length, which the ground promises. Then the path is the cheapest, and costs are found in
+// their order. Ties: least bound first, of equal ones the farther on, then the smaller cell: the same path on every
+// machine.
+//
+// A ground says, for cells numbered row by row:
+//   bool enterable(from, to, step)   whether the step may be possible; cheap, asked first
+//   bool passable(from, step)        whether it is; asked only where it would be an improvement
+//   double step_cost(from, to, step) at least the step's length, m
+// Cost: about 0.1 us a cell expanded, with a ground of tables.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <queue>
+#include <vector>
+
+namespace isobath {
+
+struct GridStep {
+  std::int32_t column = 0;
+  std::int32_t row = 0;
+};
+/// Straight ones first; the opposite of a step is two further, in its own half.
+inline constexpr std::array<GridStep, 8> kGridSteps = {
+    {{0, -1}, {1, 0}, {0, 1}, {-1, 0}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}}};
+inline constexpr std::size_t opposite(std::size_t step) { return step < 4 ? (step + 2) % 4 : 4 + (step + 2) % 4; }
+/// In cells.
+inline constexpr double step_length(std::size_t step) { return step < 4 ? 1 : std::numbers::sqrt2; }
+
+enum class GridOutcome : std::uint8_t { kReached, kNoPath, kOutOfBudget };
+
+template <class Ground>
+class GridSearch {
+ public:
+  GridSearch(const Ground& ground, std::int32_t width, std::int32_t height, double cell_m)
+      : ground_(ground), width_(width), height_(height), cell_m_(cell_m) {}
+
+  GridOutcome run(std::size_t start, std::size_t goal, std::int64_t budget) {
+    const auto size = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+    cost_.assign(size, INFINITY);
+    came_by_.assign(size, -1);
+    start_ = start;
+    goal_ = at(goal);
+    open_ = {};
+    cost_[start] = 0;
+    open_.push({left(at(start)), 0, start});
+    while (!open_.empty()) {
+      // 1. the most promising cell that is open
+      const Open best = open_.top();
+      open_.pop();
+      if (best.cost > cost_[best.cell]) continue;  // a cheaper way to it was found since
+      if (best.cell == goal) return GridOutcome::kReached;
+      if (expanded_ >= budget) return GridOutcome::kOutOfBudget;
+      ++expanded_;
+      // 2. its neighbours
+      expand(best);
+    }
+    return GridOutcome::kNoPath;  // 3. nothing is open: all that can be reached was expanded
+  }
+
+  [[nodiscard]] double cost(std::size_t cell) const { return cost_[cell]; }
+  [[nodiscard]] std::int64_t expanded() const { return expanded_; }
+  [[nodiscard]] std::int64_t queries() const { return queries_; }  ///< calls of `passable`
+  [[nodiscard]] std::size_t step_to(std::size_t cell) const { return static_cast<std::uint8_t>(came_by_[cell]); }
+
+  /// From the start to a cell that was reached, with both.
+  [[nodiscard]] std::vector<std::size_t> path_to(std::size_t cell) const {
+    std::vector<std::size_t> cells = {cell};
+    while (cell != start_) {
+      const GridStep s = kGridSteps[step_to(cell)];
+      cell = static_cast<std::size_t>(static_cast<std::int64_t>(cell) - std::int64_t{s.row} * width_ - s.column);
+      cells.push_back(cell);
+    }
+    std::reverse(cells.begin(), cells.end());
+    return cells;
+  }
+
+ private:
+  struct Open {
+    double bound;  ///< cost so far and what is left at least
+    double cost;
+    std::size_t cell;
+  };
+  struct Later {
+    bool operator()(const Open& a, const Open& b) const {
+      if (a.bound != b.bound) return a.bound > b.bound;
+      if (a.cost != b.cost) return a.cost < b.cost;
+      return a.cell > b.cell;
+    }
+  };
+
+  [[nodiscard]] GridStep at(std::size_t cell) const {
+    const auto width = static_cast<std::size_t>(width_);
+    return {static_cast<std::int32_t>(cell % width), static_cast<std::int32_t>(cell / width)};
+  }
+  [[nodiscard]] double left(GridStep at) const {
+    const double dx = std::abs(static_cast<double>(at.column) - goal_.column),
+                 dy = std::abs(static_cast<double>(at.row) - goal_.row);
+    return cell_m_ * (std::max(dx, dy) + (std::numbers::sqrt2 - 1) * std::min(dx, dy));
+  }
+
+  void expand(const Open& best) {
+    const GridStep here = at(best.cell);
+    for (std::size_t step = 0; step < kGridSteps.size(); ++step) {
+      const GridStep next{here.column + kGridSteps[step].column, here.row + kGridSteps[step].row};
+      if (next.column < 0 || next.column >= width_ || next.row < 0 || next.row >= height_) continue;
+      const std::size_t cell =
+          static_cast<std::size_t>(next.row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(next.column);
+      if (!ground_.enterable(best.cell, cell, step)) continue;
+      const double total = best.cost + ground_.step_cost(best.cell, cell, step);
+      if (total >= cost_[cell]) continue;
+      ++queries_;
+      if (!ground_.passable(best.cell, step)) continue;
+      cost_[cell] = total;
+      came_by_[cell] = static_cast<std::int8_t>(step);
+      open_.push({total + left(next), total, cell});
+    }
+  }
+
+  const Ground& ground_;
+  std::int32_t width_, height_;
+  double cell_m_;
+  std::size_t start_ = 0;
+  GridStep goal_;
+  std::int64_t expanded_ = 0, queries_ = 0;
+  std::vector<double> cost_;
+  std::vector<std::int8_t> came_by_;
+  std::priority_queue<Open, std::vector<Open>, Later> open_;
+};
+
+}  // namespace isobath

@@ -1,0 +1,371 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <isobath/planning/grid_search.hpp>
+#include <isobath/planning/route_grid.hpp>
+#include <isobath/planning/route_planner.hpp>
+#include <isobath/planning/turning.hpp>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+using Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+using Way = std::vector<Vector2d>;
+
+constexpr double kKept = 1e-6;     // m more than asked: survives a change of frame and back
+constexpr double kTouch = 1e-9;    // m
+constexpr double kOff = 0.05;      // m: no vehicle holds its way to better
+constexpr double kSag = 0.01;      // m, of arcs to the chords that stand for them
+constexpr double kFarthest = 1e7;  // m
+constexpr double kMostCells = 0x1p20;
+constexpr double kGrowth = 3;  // of the margin, from one window to the next
+constexpr int kAround = 3;     // cells that a window holds around all that matters
+/// Shares of the turning radius: how deep an arc cuts corners of 30, 60 and 90 degrees.
+constexpr std::array<double, 4> kRounder = {0, 0.04, 0.16, 0.42};
+
+double length_of(const Way& way) {
+  double sum = 0;
+  for (std::size_t i = 1; i < way.size(); ++i) sum += (way[i] - way[i - 1]).norm();
+  return sum;
+}
+
+AlignedBox2d grown(const AlignedBox2d& box, double by) {
+  return {box.min() - Vector2d::Constant(by), box.max() + Vector2d::Constant(by)};
+}
+
+/// A way and how much of it, by points from the start, leaves the neighbourhood of a hazard.
+struct Found {
+  Way way;
+  std::size_t escape = 0;
+};
+
+class Router {
+ public:
+  Router(const HazardMap& map, const RouteTask& task, const RouteConfig& config)
+      : map_(map),
+        task_(task),
+        config_(config),
+        need_(task.half_width_m + config.clearance_m + kKept),
+        at_start_(map.distance(task.start)) {}
+
+  Result<RoutePath, RouteRefusal> exact();
+  Result<RoutePath, RouteRefusal> coarse();
+
+ private:
+  Result<Found, RouteRefusal> find(double need);
+  Result<Found, RouteRefusal> search(RouteGrid& grid, double need);
+  [[nodiscard]] std::optional<std::size_t> goal_cell(const RouteGrid& grid, double need) const;
+  [[nodiscard]] RouteWindow window(double margin, double reach, bool& whole) const;
+  Result<std::vector<std::size_t>, RouteRefusal> cells(const RouteGrid& grid, std::size_t from, std::size_t to);
+  void pull_straight(Way& way, const RouteGrid& grid, double need) const;
+  [[nodiscard]] bool keeps(const Vector2d& a, const Vector2d& b, double more_m) const;
+  [[nodiscard]] bool can_be_turned(const Way& way) const;
+  [[nodiscard]] std::optional<Way> turned(const Way& way) const;
+  [[nodiscard]] RoutePath finished(Way way) const;
+  [[nodiscard]] double band() const { return std::max(0.0, config_.wished_clearance_m - config_.clearance_m); }
+
+  const HazardMap& map_;
+  const RouteTask& task_;
+  const RouteConfig& config_;
+  double need_;      ///< of the vehicle's centre
+  double at_start_;  ///< what the start has
+  std::int64_t expanded_ = 0;
+};
+
+Result<RoutePath, RouteRefusal> Router::exact() {
+  // 1. both ends
+  if (map_.holding(task_.start)) return tl::unexpected(RouteRefusal::kStartBlocked);
+  const double at_goal = map_.distance(task_.goal);
+  if (at_goal < need_) return tl::unexpected(RouteRefusal::kGoalBlocked);
+  // 2. a way; where it cannot be turned, one that stands off further
+  double tried = 0;
+  for (const double share : kRounder) {
+    const double need = std::min(need_ + share * task_.turning_radius_m, at_goal);
+    if (need == tried) continue;
+    tried = need;
+    const auto found = find(need);
+    if (!found) {
+      if (share > 0) break;
+      return tl::unexpected(found.error());
+    }
+    if (!config_.smooth) return finished(found->way);
+    if (auto way = turned(found->way)) return finished(std::move(*way));
+  }
+  return tl::unexpected(RouteRefusal::kCannotTurn);
+}
+
+Result<Found, RouteRefusal> Router::find(double need) {
+  if (at_start_ >= need && map_.leg_distance(task_.start, task_.goal) >= need + band()) {
+    return Found{{task_.start, task_.goal}, 0};
+  }
+  bool whole = false;
+  RouteRefusal last = RouteRefusal::kNoPath;
+  for (double margin = config_.margin_m; !whole; margin = kGrowth * margin + config_.cell_m) {
+    RouteGrid grid = RouteGrid::exact(map_, window(margin, need + band(), whole), need);
+    grid.prefer_room(band(), config_.room_weight);
+    auto found = search(grid, need);
+    if (found) {
+      if (config_.smooth) {
+        const auto exit = found->way.begin() + static_cast<std::ptrdiff_t>(found->escape);
+        Way leaving(found->way.begin(), exit + 1), rest(exit, found->way.end());
+        pull_straight(leaving, grid, at_start_ - kTouch);
+        pull_straight(rest, grid, need);
+        found->escape = leaving.size() - 1;
+        leaving.insert(leaving.end(), rest.begin() + 1, rest.end());
+        found->way = std::move(leaving);
+      }
+      return found;
+    }
+    last = found.error();
+    if (last == RouteRefusal::kOutOfBudget) break;
+  }
+  return tl::unexpected(last);
+}
+
+Result<Found, RouteRefusal> Router::search(RouteGrid& grid, double need) {
+  const auto from = grid.window().at(task_.start);
+  ISOBATH_ASSERT(from.has_value());
+  if (grid.blocked(*from)) grid.open_escape(map_, *from, 2 * need + 4 * grid.window().cell_m);
+  const auto to = goal_cell(grid, need);
+  if (!to) {
+    if (!map_.leg_is_clear(task_.start, task_.goal, need)) return tl::unexpected(RouteRefusal::kNoPath);
+    return Found{{task_.start, task_.goal}, 0};
+  }
+  const auto path = cells(grid, *from, *to);
+  if (!path) return tl::unexpected(path.error());
+  Found found;
+  for (const std::size_t cell : *path) {
+    if (grid.blocked(cell)) ++found.escape;
+    found.way.push_back(grid.window().centre(cell));
+  }
+  found.way.front() = task_.start;
+  if (found.way.size() > 1 && (found.way.back() - task_.goal).norm() < kTouch) found.way.pop_back();
+  found.way.push_back(task_.goal);
+  found.escape = std::min(found.escape, found.way.size() - 1);
+  return found;
+}
+
+/// The nearest to the goal of those around it from which it can be reached.
+std::optional<std::size_t> Router::goal_cell(const RouteGrid& grid, double need) const {
+  std::optional<std::size_t> best;
+  double least = INFINITY;
+  for (const int dy : {0, -1, 1}) {
+    for (const int dx : {0, -1, 1}) {
+      const auto cell = grid.window().at(task_.goal + grid.window().cell_m * Vector2d(dx, dy));
+      if (!cell || grid.blocked(*cell)) continue;
+      const Vector2d centre = grid.window().centre(*cell);
+      const double away = (centre - task_.goal).norm();
+      if (away >= least || !map_.leg_is_clear(centre, task_.goal, need)) continue;
+      least = away;
+      best = cell;
+    }
+  }
+  return best;
+}
+
+Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& grid, std::size_t from, std::size_t to) {
+  const RouteWindow& w = grid.window();
+  GridSearch<RouteGrid> search(grid, w.columns, w.rows, w.cell_m);
+  const GridOutcome outcome = search.run(from, to, config_.most_expanded - expanded_);
+  expanded_ += search.expanded();
+  if (outcome == GridOutcome::kReached) return search.path_to(to);
+  if (outcome == GridOutcome::kOutOfBudget) return tl::unexpected(RouteRefusal::kOutOfBudget);
+  for (std::size_t cell = 0; cell < w.size(); ++cell) {
+    if (!grid.blocked(cell) && std::isfinite(search.cost(cell))) return tl::unexpected(RouteRefusal::kNoPath);
+  }
+  return tl::unexpected(RouteRefusal::kStartBlocked);  // there was no leaving it
+}
+
+/// The start is the centre of a cell. `whole`: all that can matter lies in it.
+RouteWindow Router::window(double margin, double reach, bool& whole) const {
+  AlignedBox2d ends(task_.start);
+  ends.extend(task_.goal);
+  for (double cell = config_.cell_m;; cell *= 2) {
+    AlignedBox2d all = ends;
+    if (!map_.bounds().isEmpty()) all.extend(grown(map_.bounds(), reach));
+    all = grown(all, kAround * cell);
+    const AlignedBox2d near = grown(ends, std::max(margin, kAround * cell));
+    const AlignedBox2d box = all.intersection(near);
+    const Vector2d low = ((box.min() - task_.start) / cell).array().floor();
+    const Vector2d high = ((box.max() - task_.start) / cell).array().ceil();
+    const Vector2d size = high - low + Vector2d::Ones();
+    if (size.prod() > kMostCells) continue;
+    whole = near.contains(all);
+    return {task_.start + cell * low, cell, static_cast<std::int32_t>(size.x()), static_cast<std::int32_t>(size.y())};
+  }
+}
+
+/// Leaves out points between which the straight leg keeps the clearance and costs no more.
+void Router::pull_straight(Way& way, const RouteGrid& grid, double need) const {
+  std::vector<double> cost(way.size(), 0);  // from the start to each point
+  const auto measure = [&] {
+    for (std::size_t i = 1; i < way.size(); ++i) cost[i] = cost[i - 1] + grid.leg_cost(way[i - 1], way[i]);
+  };
+  const auto better = [&](std::size_t i, std::size_t j) {
+    return grid.leg_cost(way[i], way[j]) <= (cost[j] - cost[i]) * (1 + 1e-9) && map_.leg_is_clear(way[i], way[j], need);
+  };
+  // 1. along the way, each leg as long as it will go
+  measure();
+  Way pulled = {way.front()};
+  for (std::size_t from = 0; from + 1 < way.size();) {
+    std::size_t to = from + 1;
+    while (to + 1 < way.size() && better(from, to + 1)) ++to;
+    pulled.push_back(way[to]);
+    from = to;
+  }
+  // 2. between the corners that are left, the farthest first, until nothing changes
+  for (way = std::move(pulled);;) {
+    measure();
+    pulled = {way.front()};
+    for (std::size_t from = 0; from + 1 < way.size();) {
+      std::size_t to = way.size() - 1;
+      while (to > from + 1 && !better(from, to)) --to;
+      pulled.push_back(way[to]);
+      from = to;
+    }
+    if (pulled.size() == way.size()) return;
+    way = std::move(pulled);
+  }
+}
+
+/// Whether a piece keeps the clearance, `more_m` more; while the vehicle is leaving a hazard, what it had at the start.
+bool Router::keeps(const Vector2d& a, const Vector2d& b, double more_m) const {
+  if (map_.leg_is_clear(a, b, need_ + more_m)) return true;
+  return at_start_ < need_ && map_.distance(a) < need_ && map_.leg_distance(a, b) >= at_start_ + more_m - kTouch;
+}
+
+bool Router::can_be_turned(const Way& way) const {
+  const double radius = task_.turning_radius_m;
+  if (!corners_fit(way, radius)) return false;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    if (!keeps(way[i - 1], way[i], 0)) return false;
+  }
+  for (std::size_t i = 1; i + 1 < way.size(); ++i) {
+    const Way arc = rounded_corner(way[i - 1], way[i], way[i + 1], radius, kSag);
+    for (std::size_t k = 1; k < arc.size(); ++k) {
+      if (!keeps(arc[k - 1], arc[k], kSag - kOff)) return false;
+    }
+  }
+  return true;
+}
+
+/// The way as the vehicle can go it: as it is, or with a turn at its start to one of its points; the shortest.
+std::optional<Way> Router::turned(const Way& way) const {
+  const double radius = task_.turning_radius_m;
+  if (radius == 0) return way;
+  if (!task_.heading) return can_be_turned(way) ? std::optional(way) : std::nullopt;
+  std::optional<Way> best;
+  double least = INFINITY;
+  for (std::size_t target = 1; target < way.size(); ++target) {
+    for (const int side : {1, -1}) {
+      const auto corners = turn_towards(task_.start, *task_.heading, radius, side, way[target], kOff);
+      if (!corners) continue;
+      Way candidate = {task_.start};
+      candidate.insert(candidate.end(), corners->begin(), corners->end());
+      candidate.insert(candidate.end(), way.begin() + static_cast<std::ptrdiff_t>(target), way.end());
+      const double length = length_of(candidate);
+      if (length >= least || !can_be_turned(candidate)) continue;
+      least = length;
+      best = std::move(candidate);
+    }
+  }
+  return best;
+}
+
+RoutePath Router::finished(Way way) const {
+  RoutePath path;
+  path.points = std::move(way);
+  path.length_m = length_of(path.points);
+  path.clearance_m = INFINITY;
+  path.expanded = static_cast<int>(expanded_);
+  const double asked = need_ - kKept;
+  bool leaving = at_start_ < asked;
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    const Vector2d &a = path.points[i - 1], &b = path.points[i];
+    path.clearance_m = std::min(path.clearance_m, map_.leg_distance(a, b));
+    if (leaving) path.escape_m += (b - a).norm();
+    leaving = leaving && map_.distance(b) < asked;
+  }
+  return path;
+}
+
+Result<RoutePath, RouteRefusal> Router::coarse() {
+  if (map_.holding(task_.start)) return tl::unexpected(RouteRefusal::kStartBlocked);
+  need_ = config_.clearance_m;
+  bool whole = false;
+  for (double margin = config_.margin_m; !whole; margin = kGrowth * margin + config_.cell_m) {
+    const RouteWindow w = window(margin, need_ + config_.cell_m, whole);
+    RouteGrid grid = RouteGrid::coarse(map_, w, need_, config_.cut_corners);
+    const auto from = w.at(task_.start), to = w.at(task_.goal);
+    ISOBATH_ASSERT(from.has_value() && to.has_value());
+    if (grid.blocked(*to)) return tl::unexpected(RouteRefusal::kGoalBlocked);
+    if (grid.blocked(*from)) grid.free_cell(*from);
+    const auto path = cells(grid, *from, *to);
+    if (!path && path.error() == RouteRefusal::kOutOfBudget) return tl::unexpected(path.error());
+    if (!path) continue;
+    Way way = {task_.start};
+    for (std::size_t i = 1; i < path->size(); ++i) {
+      const bool straight_on = i + 1 < path->size() && (*path)[i + 1] - (*path)[i] == (*path)[i] - (*path)[i - 1];
+      if (!straight_on) way.push_back(w.centre((*path)[i]));
+    }
+    if ((way.back() - task_.goal).norm() > kTouch || way.size() == 1) way.push_back(task_.goal);
+    return finished(std::move(way));
+  }
+  return tl::unexpected(RouteRefusal::kNoPath);
+}
+
+bool within_reach(const Vector2d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest; }
+
+}  // namespace
+
+RouteConfig RouteConfig::as_printed() {
+  RouteConfig c;
+  c.method = Method::kCoarse;
+  c.cell_m = 5;
+  c.clearance_m = 0;
+  c.cut_corners = true;
+  return c;
+}
+
+std::vector<Field> fields(RouteConfig& c) {
+  using Method = RouteConfig::Method;
+  return {
+      Field::choice("method", &c.method, {{"exact", Method::kExact}, {"coarse", Method::kCoarse}},
+                    "Exact steps, smooth ways; or the paper's coarse cells, through their centres."),
+      Field::real("cell_m", &c.cell_m, {0.05, 100}, "m", "Edge of a cell of the search."),
+      Field::real("clearance_m", &c.clearance_m, {0, 1000}, "m", "Kept from hull to hazards; coarse: around cells."),
+      Field::real("wished_clearance_m", &c.wished_clearance_m, {0, 1000}, "m", "Kept where there is room."),
+      Field::real("room_weight", &c.room_weight, {0, 100}, "1", "Share of detour that the wished clearance is worth."),
+      Field::real("margin_m", &c.margin_m, {0, 100000}, "m", "First searched around start and goal; grows at need."),
+      Field::flag("smooth", &c.smooth, "Pull ways straight and heed the turning radius; not for coarse cells."),
+      Field::flag("cut_corners", &c.cut_corners, "Coarse cells: diagonal steps past blocked cells, as printed."),
+      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1", "Cells after which it gives up."),
+  };
+}
+
+const char* to_text(RouteRefusal refusal) {
+  switch (refusal) {
+    case RouteRefusal::kNotFinite: return "start or goal is not finite, or too far away";
+    case RouteRefusal::kStartBlocked: return "the start is in a hazard, or cannot leave its neighbourhood";
+    case RouteRefusal::kGoalBlocked: return "the goal is too near to a hazard";
+    case RouteRefusal::kNoPath: return "no way keeps the clearance";
+    case RouteRefusal::kOutOfBudget: return "no way was found within the budget";
+    case RouteRefusal::kCannotTurn: return "no way was found that the vehicle can turn";
+  }
+  return "";
+}
+
+Result<RoutePath, RouteRefusal> plan_route(const HazardMap& map, const RouteTask& request, const RouteConfig& config) {
+  ISOBATH_ASSERT(config.cell_m > 0 && config.clearance_m >= 0);
+  ISOBATH_ASSERT(request.half_width_m >= 0 && request.turning_radius_m >= 0);
+  const bool heading_known = !request.heading || std::isfinite(*request.heading);
+  if (!within_reach(request.start) || !within_reach(request.goal) || !heading_known) {
+    return tl::unexpected(RouteRefusal::kNotFinite);
+  }
+  Router router(map, request, config);
+  return config.method == RouteConfig::Method::kCoarse ? router.coarse() : router.exact();
+}
+
+}  // namespace isobath
