@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <isobath/mission/agent_library.hpp>
+#include <system_error>
 
 namespace isobath {
 namespace {
@@ -13,7 +14,8 @@ std::string last_problem() {
 }
 
 const AgentEntry& entry_of(const std::string& library, const Place& place) {
-  if (!std::filesystem::is_regular_file(library)) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(library, unreadable)) {
     throw Error("no such file: '" + library + "'", place, "a shared library");
   }
   const std::string path = std::filesystem::absolute(library).string();  // a bare name would be looked for elsewhere

@@ -7,8 +7,9 @@
 //
 // Supervision: an agent that throws is dead, one whose turn has not ended within `missed_ticks` ticks of the clock is
 // hung. It is no longer fed, what it says is no longer heard, all others hear AgentLost, and nobody waits for it: not
-// even the destructor, which waits for turns under way only as long as the watchdog would. A thread that never comes
-// back keeps its own agent alive, and ends when its turn does; that agent must not lean on what others may destroy.
+// even the destructor, which waits for turns under way only as long as the watchdog would, by the same clock. A thread
+// that never comes back keeps its own agent alive, and ends when its turn does; that agent must not lean on what others
+// may destroy.
 //
 // `clock` and the recorder are called from all threads, one at a time, and must be quick and not call the crew. Any
 // thread may call the functions below.

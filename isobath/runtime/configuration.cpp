@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <isobath/runtime/configuration.hpp>
+#include <iterator>
 
 namespace isobath {
 
@@ -12,7 +14,7 @@ std::vector<Field> fields(MapConfig& c) {
 }
 
 std::vector<Section> sections(Configuration& c) {
-  return {
+  std::vector<Section> all{
       {"input", "What logs do not say about the sonar and how it is mounted.", fields(c.input)},
       {"gate", "What the pipeline refuses: late events.", fields(c.gate)},
       {"poses", "How a ping gets the pose of its transmit time.", fields(c.poses)},
@@ -34,8 +36,13 @@ std::vector<Section> sections(Configuration& c) {
       {"quarantine", "Which depths must be confirmed before they are believed.", fields(c.depth.gate)},
       {"collision", "When raw ranges raise the alarm, whatever the maps say.", fields(c.collision)},
       {"state", "When health reports raise an alarm.", fields(c.state)},
+      {"crew", "How agents are run and watched, and who has the last word.", fields(c.crew)},
       {"calibration", "From marked recordings to a sensor model.", fields(c.calibration)},
       {"simulation", "What overrides a scene, where the input is one.", fields(c.simulation)}};
+  std::vector<Section> mission = sections(c.mission);
+  const auto crew = std::find_if(all.begin(), all.end(), [](const Section& s) { return s.name == "crew"; });
+  all.insert(crew, std::make_move_iterator(mission.begin()), std::make_move_iterator(mission.end()));
+  return all;
 }
 
 }  // namespace isobath

@@ -34,7 +34,8 @@ std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::pat
   MissionSetup setup;
   if (!mission.empty()) {
     const std::string text = text_of_file(mission.string());
-    setup.plan = looks_like_scene(text) ? parse_scenario(text, mission.string()).mission : load_mission(mission.string());
+    setup.plan =
+        looks_like_scene(text) ? parse_scenario(text, mission.string()).mission : load_mission(mission.string());
   } else if (simulator) {
     setup.plan = open_scenario(input).mission;
   }
@@ -46,6 +47,14 @@ std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::pat
     read_toml(*text, input.string() + ": " + kVehicleAttachment, vehicle);
   }
   return setup;
+}
+
+std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration) {
+  std::vector<Seat> seats = standard_crew(configuration.mission, setup.vehicle);
+  CrewConfig crew = configuration.crew;
+  crew.gate.safety_officer.clear();
+  return std::make_unique<MissionHelm>(std::move(seats), setup.vehicle, crew,
+                                       std::make_shared<const MissionPlan>(setup.plan));
 }
 
 std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions, const fs::path& input) {
@@ -61,14 +70,13 @@ std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions,
 }
 
 MissionRun::MissionRun(const MissionSetup& setup, const Configuration& configuration)
-    : helm_(standard_crew(configuration.mission, setup.vehicle), setup.vehicle, configuration.crew,
-            std::make_shared<const MissionPlan>(setup.plan)) {}
+    : helm_(make_mission_helm(setup, configuration)) {}
 
 void MissionRun::hear(const Event& event) {
   begun_ = Clock::now();
   pinged_ = swept_ = false;
   left_out_ms_ = crew_ms_ = 0;
-  helm_.hear(event);
+  helm_->hear(event);
   event_ms_.push_back(milliseconds(Clock::now() - begun_));
   crew_ms_ = event_ms_.back();
   const auto* fix = std::get_if<Navigation>(&event);
@@ -79,14 +87,14 @@ void MissionRun::hear(const Event& event) {
 
 void MissionRun::on_ping(const PosedPing& ping) {
   const auto start = Clock::now();
-  helm_.on_ping(ping);
+  helm_->on_ping(ping);
   crew_ms_ += milliseconds(Clock::now() - start);
   pinged_ = true;
 }
 
 void MissionRun::on_scan(const ScanResult& scan) {
   const auto start = Clock::now();
-  helm_.on_scan(scan);
+  helm_->on_scan(scan);
   crew_ms_ += milliseconds(Clock::now() - start);
   swept_ = true;
   const Pose X_WL = level(scan.detection.X_WB);
@@ -100,7 +108,7 @@ void MissionRun::on_scan(const ScanResult& scan) {
 }
 
 Setpoint MissionRun::steer() {
-  const Setpoint setpoint = helm_.steer();
+  const Setpoint setpoint = helm_->steer();
   const double all_ms = milliseconds(Clock::now() - begun_) - left_out_ms_;
   if (pinged_ && !swept_) ping_ms_.push_back(std::max(0.0, all_ms - crew_ms_));
   if (swept_) scan_ms_.push_back(all_ms);
@@ -109,9 +117,9 @@ Setpoint MissionRun::steer() {
 
 MissionOutcome MissionRun::outcome() const {
   MissionOutcome outcome;
-  outcome.plan = helm_.plan();
-  outcome.report = helm_.progress();
-  outcome.decisions = helm_.decisions();
+  outcome.plan = helm_->plan();
+  outcome.report = helm_->progress();
+  outcome.decisions = helm_->decisions();
   outcome.believed = believed_;
   outcome.seen = seen_;
   std::vector<double> event = event_ms_, ping = ping_ms_, scan = scan_ms_;

@@ -1,5 +1,5 @@
-// MissionRun: a mission beside a run, whether what it hears is simulated, recorded or sensed: the helm, what it decides,
-// how long that takes, and what the pages say of it.
+// MissionRun: a mission beside a run, whether what it hears is simulated, recorded or sensed: the helm, what it
+// decides, how long that takes, and what the pages say of it.
 //
 // For each event, in this order: hear, then the pipeline with this object among its sinks, then steer.
 #pragma once
@@ -28,6 +28,9 @@ std::vector<Section> vehicle_sections(VehicleSheet& sheet);
 /// default one. Empty where there is no mission point. Throws Error.
 std::optional<MissionSetup> mission_setup(const std::filesystem::path& mission, const std::filesystem::path& input,
                                           const Simulator* simulator);
+/// The whole crew at the helm. Throws Error where it cannot be made.
+std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration);
+
 /// How many decisions, from the first on, are those that the log holds, and how many it holds; empty where the input is
 /// no log with decisions.
 struct Recorded {
@@ -47,14 +50,14 @@ class MissionRun : public ResultSink {
   /// Time that was spent for others between hear and steer: no part of the stages.
   void leave_out(double milliseconds) { left_out_ms_ += milliseconds; }
 
-  [[nodiscard]] const Helm& helm() const { return helm_; }
+  [[nodiscard]] const Helm& helm() const { return *helm_; }
   /// So far, without what only the truth knows.
   [[nodiscard]] MissionOutcome outcome() const;
 
  private:
   using Clock = std::chrono::steady_clock;  // for timings alone: no result depends on it
 
-  MissionHelm helm_;
+  std::unique_ptr<MissionHelm> helm_;
   std::vector<BelievedPlace> believed_;
   std::vector<SeenObstacle> seen_;
 

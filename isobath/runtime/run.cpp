@@ -29,8 +29,8 @@ std::unique_ptr<SimulatedSource> simulate(const RunRequest& request) {
                                            std::min(request.threads, 2));
 }
 
-/// All that results and truths go to: the mission's crew, what the folder keeps, and, for a simulated run, what the truth
-/// says of it.
+/// All that results and truths go to: the mission's crew, what the folder keeps, and, for a simulated run, what the
+/// truth says of it.
 class Sinks : public ResultSink, public SimulatedSource::TruthSink {
  public:
   explicit Sinks(RunFolder& folder) : folder_(folder) {}
@@ -90,8 +90,9 @@ void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard)
   if (!plan.origin || !heard) return;
   const double apart_m = distance_m(*plan.origin, *heard);
   if (apart_m <= 1) return;
-  throw Error(fmt::format("north and east of the mission count from a place {:.0f} m away from that of the input", apart_m),
-              plan.place, "the same origin in both");
+  throw Error(
+      fmt::format("north and east of the mission count from a place {:.0f} m away from that of the input", apart_m),
+      plan.place, "the same origin in both");
 }
 
 MissionOutcome outcome_of(const Sinks& sinks, const RunRequest& request, Simulator* simulator) {

@@ -57,7 +57,8 @@ RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
   make_folder(folder_);
   for (const char* name : {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png",
-                           "truth.json", "depth.tif", "chart.png", "confidence.png", "contours.geojson", "decisions.json", "mission.json", "mission.png", "clearance.png"}) {
+                           "truth.json", "depth.tif", "chart.png", "confidence.png", "contours.geojson",
+                           "decisions.json", "mission.json", "mission.png", "clearance.png"}) {
     std::filesystem::remove(folder_ /
                             name);  // not every run writes them, and an earlier run's must not pass for its own
   }

@@ -19,6 +19,7 @@ std::vector<Field> fields(VehicleSheet& s) {
           Field::real("hull_radius", &s.hull_radius_m, {0, 500}, "m", "Of the circle in plan that holds the hull."),
           Field::real("braking", &s.braking, {1e-3, 100}, "m/s2", "When thrust is taken away or reversed."),
           Field::real("min_speed", &s.min_speed, {0, 20}, "m/s", "Below it depth or heading is not held."),
+          Field::flag("can_sway", &s.can_sway, "Thrusters move it sideways."),
           Field::real("max_speed", &s.limits.max_speed, {1e-3, 50}, "m/s", "The fastest."),
           Field::real("max_acceleration", &s.limits.max_acceleration, {1e-3, 100}, "m/s2", "Along the way."),
           Field::real("turning_radius", &s.limits.turning_radius, {0, 1000}, "m", "0: turns on the spot."),

@@ -1,0 +1,228 @@
+// The last word: which order reaches the vehicle, and what it does when those who should speak are silent.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <isobath/mission/helm_gate.hpp>
+#include <limits>
+#include <rapidcheck/gtest.h>
+#include <tests/mission/scripted_agent.hpp>
+
+namespace isobath {
+namespace {
+
+using test::at;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+VehicleSheet hoverer() { return {}; }
+VehicleSheet torpedo() {
+  VehicleSheet sheet;
+  sheet.min_speed = 0.8;
+  return sheet;
+}
+
+Setpoint set(double heading_deg, double depth, double speed) { return {Angle::degrees(heading_deg), depth, speed, 0}; }
+HelmOrder order(double heading_deg, double depth, double speed) { return {set(heading_deg, depth, speed)}; }
+SafetyAction action(SafetyActionKind kind, Setpoint setpoint = {}) { return {kind, setpoint, "sonar silent", "blind"}; }
+Navigation here(double heading_deg, double depth) {
+  Navigation n;
+  n.X_WB.rotation = Rotation::from_heading(Angle::degrees(heading_deg));
+  n.X_WB.translation.z() = depth;
+  return n;
+}
+
+void expect_setpoint(const Setpoint& s, double heading_deg, double depth, double speed) {
+  EXPECT_NEAR(s.heading.degrees(), heading_deg, 1e-9);
+  EXPECT_NEAR(s.depth, depth, 1e-9);
+  EXPECT_NEAR(s.speed, speed, 1e-9);
+  EXPECT_EQ(s.sway_speed, 0);
+}
+
+TEST(HelmGate, AnOrderPassesAsItIs) {
+  HelmGate gate({}, torpedo());
+  gate.hear(order(30, 5, 1.5), at(0));
+  expect_setpoint(gate.steer(at(0)), 30, 5, 1.5);
+  EXPECT_EQ(gate.state(), HelmState::kOrders);
+}
+
+TEST(HelmGate, WaitsWhereItIsForTheFirstOrder) {
+  HelmGate gate({}, torpedo());
+  gate.hear(here(40, 3), at(0));
+  expect_setpoint(gate.steer(at(1)), 40, 3, 0);
+  EXPECT_EQ(gate.state(), HelmState::kWaiting);
+  EXPECT_FALSE(gate.take_change());
+}
+
+TEST(HelmGate, StopsWhenOrdersAreOlderThanItsPatience) {
+  HelmGate gate({2, ""}, hoverer());
+  gate.hear(order(30, 5, 1.5), at(10));
+  gate.hear(here(50, 4), at(11.5));
+  gate.steer(at(12));
+  EXPECT_EQ(gate.state(), HelmState::kOrders);
+  expect_setpoint(gate.steer(at(12) + Duration(1)), 50, 4, 0);
+  EXPECT_EQ(gate.state(), HelmState::kStop);
+  gate.hear(here(70, 2), at(13));  // what it keeps is what it had when it was stopped
+  expect_setpoint(gate.steer(at(13)), 50, 4, 0);
+  gate.hear(order(30, 5, 1.5), at(14));
+  expect_setpoint(gate.steer(at(14)), 30, 5, 1.5);
+}
+
+TEST(HelmGate, StopsAlsoWhereNoOrderEverCame) {
+  HelmGate gate({2, ""}, hoverer());
+  gate.steer(at(100));
+  gate.steer(at(102));
+  EXPECT_EQ(gate.state(), HelmState::kWaiting);
+  gate.steer(at(102.1));
+  EXPECT_EQ(gate.state(), HelmState::kStop);
+}
+
+// ledger: S2-28 S2-E10
+TEST(HelmGate, AVehicleThatNeedsWayOnSurfacesInsteadOfStopping) {
+  for (const bool by_silence : {true, false}) {
+    HelmGate gate({2, ""}, torpedo());
+    gate.hear(order(30, 5, 1.5), at(0));
+    gate.hear(here(25, 6), at(0));
+    gate.steer(at(0));
+    if (!by_silence) gate.hear(action(SafetyActionKind::kStop), at(1));
+    expect_setpoint(gate.steer(at(by_silence ? 3 : 1)), 25, 0, 0.8);
+    EXPECT_EQ(gate.state(), HelmState::kStop);
+  }
+}
+
+// ledger: S2-28
+TEST(HelmGate, TheSafetyOfficerStandsAboveTheOrderAtOnce) {
+  HelmGate gate({}, hoverer());
+  gate.hear(order(30, 5, 1.5), at(0));
+  gate.hear(here(25, 6), at(0));
+  gate.hear(action(SafetyActionKind::kSlow, set(0, 0, 0.4)), at(0));
+  expect_setpoint(gate.steer(at(0)), 30, 5, 0.4);
+  gate.hear(action(SafetyActionKind::kTurn, set(90, 2, -0.5)), at(0));
+  expect_setpoint(gate.steer(at(0)), 90, 2, -0.5);
+  gate.hear(action(SafetyActionKind::kStop), at(0));
+  expect_setpoint(gate.steer(at(0)), 25, 6, 0);
+  gate.hear(action(SafetyActionKind::kSurface), at(0));
+  expect_setpoint(gate.steer(at(0)), 25, 0, 0);
+  gate.hear(order(31, 5, 1.5), at(0.5));  // orders do not lift it
+  expect_setpoint(gate.steer(at(0.5)), 25, 0, 0);
+  gate.hear(action(SafetyActionKind::kNone), at(1));
+  expect_setpoint(gate.steer(at(1)), 31, 5, 1.5);
+}
+
+TEST(HelmGate, SlowsAsternAndSidewaysToo) {
+  HelmGate gate({}, hoverer());
+  gate.hear(HelmOrder{{Angle(), 1, -1, 0.9}}, at(0));
+  gate.hear(action(SafetyActionKind::kSlow, set(0, 0, 0.3)), at(0));
+  const Setpoint s = gate.steer(at(0));
+  EXPECT_EQ(s.speed, -0.3);
+  EXPECT_EQ(s.sway_speed, 0.3);
+}
+
+// ledger: S2-E10
+TEST(HelmGate, NeverSlowsOrTurnsAVehicleBelowItsLeastSpeed) {
+  HelmGate gate({}, torpedo());
+  gate.hear(order(30, 5, 1.5), at(0));
+  gate.hear(action(SafetyActionKind::kSlow, set(0, 0, 0.4)), at(0));
+  expect_setpoint(gate.steer(at(0)), 30, 5, 0.8);
+  gate.hear(action(SafetyActionKind::kTurn, set(90, 2, 0.1)), at(0));
+  expect_setpoint(gate.steer(at(0)), 90, 2, 0.8);
+  gate.hear(action(SafetyActionKind::kSurface), at(0));
+  EXPECT_EQ(gate.steer(at(0)).speed, 0.8);
+}
+
+TEST(HelmGate, SilenceOfThePilotOutweighsALimitOfSpeedButNoTurn) {
+  HelmGate gate({2, ""}, hoverer());
+  gate.hear(order(30, 5, 1.5), at(0));
+  gate.hear(action(SafetyActionKind::kSlow, set(0, 0, 0.4)), at(0));
+  gate.steer(at(3));
+  EXPECT_EQ(gate.state(), HelmState::kStop);
+  gate.hear(action(SafetyActionKind::kTurn, set(90, 2, 1)), at(3));
+  expect_setpoint(gate.steer(at(9)), 90, 2, 1);
+}
+
+// ledger: S6-33
+TEST(HelmGate, SurfacesForGoodWhenTheSafetyOfficerIsLost) {
+  HelmGate gate({2, "safety officer"}, hoverer());
+  gate.hear(order(30, 5, 1.5), at(0));
+  gate.hear(here(25, 6), at(0));
+  gate.hear(AgentLost{"navigator", false, "bad leg"}, at(0));
+  expect_setpoint(gate.steer(at(0)), 30, 5, 1.5);
+  gate.hear(AgentLost{"safety officer", true, "no answer"}, at(0));
+  expect_setpoint(gate.steer(at(0)), 25, 0, 0);
+  gate.hear(action(SafetyActionKind::kNone), at(1));
+  gate.hear(order(30, 5, 1.5), at(1));
+  expect_setpoint(gate.steer(at(1)), 25, 0, 0);
+  EXPECT_EQ(gate.take_change()->reason, "the safety officer is lost: no answer");
+}
+
+TEST(HelmGate, SaysEachChangeOnceAndWhy) {
+  HelmGate gate({2, ""}, hoverer());
+  gate.hear(order(30, 5, 1.5), at(0));
+  gate.steer(at(0));
+  EXPECT_EQ(gate.take_change()->what, "follow orders");
+  gate.hear(order(31, 5, 1.5), at(1));
+  gate.steer(at(1));
+  EXPECT_FALSE(gate.take_change());
+  gate.steer(at(4));
+  const auto stopped = gate.take_change();
+  ASSERT_TRUE(stopped);
+  EXPECT_EQ(stopped->agent, "helm gate");
+  EXPECT_EQ(stopped->what, "stop");
+  EXPECT_EQ(stopped->reason, "no order for the vehicle for 2 s");
+  EXPECT_EQ(stopped->time, at(4));
+  gate.hear(action(SafetyActionKind::kStop), at(4));  // the same act for another reason
+  gate.steer(at(4));
+  EXPECT_EQ(gate.take_change()->reason, "blind");
+}
+
+TEST(HelmGate, RefusesWhatIsNotFinite) {
+  HelmGate gate({2, ""}, hoverer());
+  gate.hear(order(30, 5, 1.5), at(0));
+  gate.hear(order(kNan, 5, 1.5), at(1));
+  gate.hear(order(30, std::numeric_limits<double>::infinity(), 1.5), at(1));
+  gate.hear(here(10, kNan), at(1));
+  expect_setpoint(gate.steer(at(1)), 30, 5, 1.5);
+  EXPECT_EQ(gate.refused(), 2u);
+  gate.steer(at(2.5));
+  EXPECT_EQ(gate.state(), HelmState::kStop);  // those were no orders
+  for (const SafetyActionKind kind : {SafetyActionKind::kSlow, SafetyActionKind::kTurn}) {
+    gate.hear(order(30, 5, 1.5), at(3));
+    gate.hear(action(kind, set(0, 0, kNan)), at(3));
+    gate.steer(at(3));
+    EXPECT_EQ(gate.state(), HelmState::kStop);
+  }
+  EXPECT_EQ(gate.refused(), 4u);
+}
+
+/// A number or none at all.
+double any_number(int draw) { return draw % 7 == 0 ? kNan : 0.1 * draw; }
+
+// ledger: S2-E10
+RC_GTEST_PROP(HelmGate, WhateverItHearsTheSetpointIsFiniteAndFitsItsState, ()) {
+  const VehicleSheet sheet = *rc::gen::arbitrary<bool>() ? torpedo() : hoverer();
+  HelmGate gate({2, "safety officer"}, sheet);
+  double t = 0;
+  const auto draws = *rc::gen::container<std::vector<std::vector<int>>>(
+      rc::gen::container<std::vector<int>>(5, rc::gen::inRange(-100, 100)));
+  for (const auto& d : draws) {
+    t += 0.02 * std::abs(d[0]);
+    const Setpoint s = set(any_number(d[2]), any_number(d[3]), any_number(d[4]));
+    switch (std::abs(d[1]) % 5) {
+      case 0: gate.hear(HelmOrder{s}, at(t)); break;
+      case 1: gate.hear(action(static_cast<SafetyActionKind>(std::abs(d[2]) % 5), s), at(t)); break;
+      case 2: gate.hear(here(s.heading.degrees(), s.depth), at(t)); break;
+      case 3: gate.hear(AgentLost{d[2] > 95 ? "safety officer" : "pilot", false, ""}, at(t)); break;
+      default: break;
+    }
+    const Setpoint out = gate.steer(at(t));
+    RC_ASSERT(std::isfinite(out.heading.radians()));
+    RC_ASSERT(std::isfinite(out.depth));
+    RC_ASSERT(std::isfinite(out.speed));
+    const bool stopped = gate.state() == HelmState::kStop;
+    const bool surfacing = gate.state() == HelmState::kSurface;
+    if (stopped || surfacing) RC_ASSERT(out.speed == sheet.min_speed);
+    const bool rises = surfacing || (stopped && sheet.min_speed > 0);
+    if (rises) RC_ASSERT(out.depth == 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace isobath

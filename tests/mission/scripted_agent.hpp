@@ -1,0 +1,54 @@
+// ScriptedAgent: does what a test tells it to. Messages of the tests are task calls with numbers: they mean nothing to
+// the crew.
+#pragma once
+
+#include <fmt/format.h>
+#include <functional>
+#include <isobath/mission/bus.hpp>
+
+namespace isobath::test {
+
+struct ScriptedAgent : Agent {
+  using Hear = std::function<void(const Message&, Time, Outbox&)>;
+  using Tick = std::function<void(Time, Outbox&)>;
+  explicit ScriptedAgent(Hear h, Tick t = {}) : on_hear(std::move(h)), on_tick(std::move(t)) {}
+
+  void hear(const Message& message, Time now, Outbox& out) override {
+    if (on_hear) on_hear(message, now, out);
+  }
+  void tick(Time now, Outbox& out) override {
+    if (on_tick) on_tick(now, out);
+  }
+
+  Hear on_hear;
+  Tick on_tick;
+};
+
+inline Seat seat(std::string name, ScriptedAgent::Hear hear, ScriptedAgent::Tick tick = {}) {
+  return {std::move(name), AgentLevel::kMission, std::make_unique<ScriptedAgent>(std::move(hear), std::move(tick))};
+}
+template <class... Seats>
+std::vector<Seat> seats(Seats&&... each) {
+  std::vector<Seat> all;
+  (all.push_back(std::forward<Seats>(each)), ...);
+  return all;
+}
+
+inline Message call(std::uint32_t id) { return TaskCall{id, "", {}}; }
+/// Of a task call; 0: it is none.
+inline std::uint32_t id_of(const Message& message) {
+  const auto* task = std::get_if<TaskCall>(&message);
+  return task ? task->id : 0;
+}
+/// "task call 3", "agent lost pilot", "decision cut".
+inline std::string text_of(const Message& message) {
+  std::string text = message_name(message);
+  if (const auto* task = std::get_if<TaskCall>(&message)) text += fmt::format(" {}", task->id);
+  if (const auto* lost = std::get_if<AgentLost>(&message)) text += " " + lost->agent + (lost->hung ? " hung" : "");
+  if (const auto* decision = std::get_if<Decision>(&message)) text += " " + decision->what;
+  return text;
+}
+
+inline Time at(double s) { return Time(seconds(s)); }
+
+}  // namespace isobath::test

@@ -1,0 +1,320 @@
+// Agents in threads of their own. Threads meet at latches and when all is settled, never by waiting for a time; the
+// clock is the test's.
+#include <atomic>
+#include <gmock/gmock.h>
+#include <isobath/mission/threaded_crew.hpp>
+#include <latch>
+#include <mutex>
+#include <stdexcept>
+#include <tests/mission/scripted_agent.hpp>
+#include <thread>
+
+namespace isobath {
+namespace {
+
+using test::at;
+using test::call;
+using test::id_of;
+using test::seat;
+using test::seats;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::Not;
+
+CrewConfig config_of(int mailbox = 1024) {
+  CrewConfig config;
+  config.gate.safety_officer = "";
+  config.mailbox = mailbox;
+  return config;
+}
+
+/// A clock that any thread reads and the test sets.
+struct Clock {
+  std::atomic<std::int64_t> ns = 0;
+  void set(double s) { ns = seconds(s).count(); }
+  std::function<Time()> reader() {
+    return [this] { return Time(Duration(ns.load())); };
+  }
+};
+
+/// What was heard; written by one thread at a time, read when all is settled.
+struct Heard {
+  mutable std::mutex mutex;
+  std::vector<std::string> lines;
+  void add(const std::string& line) {
+    const std::lock_guard lock(mutex);
+    lines.push_back(line);
+  }
+  [[nodiscard]] std::vector<std::string> all() const {
+    const std::lock_guard lock(mutex);
+    return lines;
+  }
+  test::ScriptedAgent::Hear listener() {
+    return [this](const Message& m, Time, Outbox&) { add(test::text_of(m)); };
+  }
+};
+
+/// An agent that is stuck in its turn on call 1 until it is let go, and tells when it is gone.
+struct Stuck {
+  std::latch in{1};
+  std::latch go{1};
+  std::latch gone{1};
+  struct Farewell {
+    std::latch& gone;
+    explicit Farewell(std::latch& l) : gone(l) {}
+    Farewell(const Farewell&) = delete;
+    Farewell& operator=(const Farewell&) = delete;
+    ~Farewell() { gone.count_down(); }
+  };
+  Seat at_seat(const std::string& name) {
+    return seat(name, [this, farewell = std::make_shared<Farewell>(gone)](const Message& m, Time, Outbox& out) {
+      if (id_of(m) != 1) return;
+      in.count_down();
+      go.wait();
+      out.say(TaskCall{66, "", {}});
+    });
+  }
+};
+
+// ledger: S6-33
+TEST(ThreadedCrew, AllHearTheSameInOneOrderWhicheverThreadSaysIt) {
+  Clock clock;
+  Heard recorded;
+  Heard first;
+  Heard second;
+  ThreadedCrew crew(
+      seats(seat("a", first.listener()), seat("b", second.listener()),
+            seat("c",
+                 [](const Message& m, Time, Outbox& out) {
+                   if (id_of(m) > 0 && id_of(m) < 1000) out.say(TaskCall{id_of(m) + 1000, "", {}});
+                 })),
+      {},
+      [] {
+        CrewConfig config = config_of();
+        config.most_said = 1000;
+        return config;
+      }(),
+      clock.reader(), [&](const Envelope& e) { recorded.add(test::text_of(e.message)); });
+  std::vector<std::thread> senders;
+  for (std::uint32_t sender = 0; sender < 3; ++sender) {
+    senders.emplace_back([&crew, sender] {
+      for (std::uint32_t i = 1; i <= 100; ++i) crew.hear(call(sender * 200 + i));
+    });
+  }
+  for (std::thread& sender : senders) sender.join();
+  crew.settle();
+  EXPECT_EQ(recorded.all().size(), 600u);
+  EXPECT_EQ(first.all(), recorded.all());
+  EXPECT_EQ(second.all(), recorded.all());
+  EXPECT_EQ(crew.said().at("c").at(call(0).index()), 300u);
+}
+
+// ledger: S2-12 S6-33
+TEST(ThreadedCrew, ABlockedAgentDelaysNoOtherAndIsGivenUp) {
+  Clock clock;
+  Heard heard;
+  Stuck stuck;
+  {
+    std::latch answered(1);
+    ThreadedCrew crew(seats(stuck.at_seat("planner"), seat("other planner",
+                                                           [&](const Message& m, Time, Outbox& out) {
+                                                             heard.add(test::text_of(m));
+                                                             if (id_of(m) == 2) out.say(TaskCall{7, "", {}});
+                                                             if (id_of(m) == 7) answered.count_down();
+                                                           })),
+                      {}, config_of(), clock.reader());
+    crew.hear(call(1));
+    stuck.in.wait();
+    crew.hear(call(2));
+    answered.wait();  // while the planner is stuck
+    clock.set(0.5);
+    crew.advance();
+    EXPECT_FALSE(crew.lost("planner"));
+    clock.set(0.51);
+    crew.advance();
+    EXPECT_TRUE(crew.lost("planner"));
+    crew.settle();
+    EXPECT_THAT(heard.all(), Contains("agent lost planner hung"));
+    EXPECT_EQ(crew.counts().lost, 1u);
+    crew.hear(call(3));
+    crew.settle();
+    EXPECT_EQ(heard.all().back(), "task call 3");
+    EXPECT_EQ(crew.said().count("planner"), 0u);
+  }  // the crew does not wait for it
+  stuck.go.count_down();
+  stuck.gone.wait();  // and it ends in peace when it comes back
+}
+
+// ledger: S6-33
+TEST(ThreadedCrew, WhatAnAgentSaysAfterItWasGivenUpIsNotHeard) {
+  Clock clock;
+  Heard heard;
+  Stuck stuck;
+  {
+    ThreadedCrew crew(seats(stuck.at_seat("planner"), seat("a", heard.listener())), {}, config_of(), clock.reader());
+    crew.hear(call(1));
+    stuck.in.wait();
+    clock.set(1);
+    crew.advance();
+    stuck.go.count_down();
+    crew.settle();
+  }
+  stuck.gone.wait();
+  EXPECT_THAT(heard.all(), Not(Contains("task call 66")));
+}
+
+// ledger: S6-33
+TEST(ThreadedCrew, TheDestructorGivesUpWhatTheWatchdogWould) {
+  Clock clock;
+  Stuck stuck;
+  {
+    ThreadedCrew crew(seats(stuck.at_seat("planner")), {}, config_of(),
+                      [&] { return Time(Duration(clock.ns += 1'000'000)); });  // runs on whenever it is read
+    crew.hear(call(1));
+    stuck.in.wait();
+  }
+  stuck.go.count_down();
+  stuck.gone.wait();
+}
+
+// ledger: S6-33
+TEST(ThreadedCrew, AnAgentThatThrowsIsDeadAndTheOthersGoOn) {
+  Clock clock;
+  Heard heard;
+  ThreadedCrew crew(seats(seat("navigator", [](const Message&, Time, Outbox&) { throw std::runtime_error("bad leg"); }),
+                          seat("captain", heard.listener())),
+                    {}, config_of(), clock.reader());
+  crew.hear(call(1));
+  crew.settle();
+  crew.hear(call(2));
+  crew.settle();
+  EXPECT_TRUE(crew.lost("navigator"));
+  EXPECT_FALSE(crew.lost("captain"));
+  EXPECT_THAT(heard.all(), ElementsAre("task call 1", "agent lost navigator", "task call 2"));
+}
+
+TEST(ThreadedCrew, AFullMailboxLosesItsOldestMessageAndSaysSo) {
+  Clock clock;
+  Heard slow;
+  Heard other;
+  std::latch in(1);
+  std::latch go(1);
+  ThreadedCrew crew(seats(seat("slow",
+                               [&](const Message& m, Time, Outbox&) {
+                                 slow.add(test::text_of(m));
+                                 if (id_of(m) != 1) return;
+                                 in.count_down();
+                                 go.wait();
+                               }),
+                          seat("other", other.listener())),
+                    {}, config_of(16), clock.reader());
+  crew.hear(call(1));
+  in.wait();
+  for (std::uint32_t id = 2; id <= 31; ++id) {
+    crew.hear(call(id));
+    if (id % 8 == 0) {
+      // Lets the other keep up, so that only one mailbox is full.
+      while (other.all().size() < id) std::this_thread::yield();
+    }
+  }
+  go.count_down();
+  crew.settle();
+  std::vector<std::string> expected = {"task call 1"};
+  for (int id = 17; id <= 17; ++id) expected.push_back("task call 17");
+  const std::vector<std::string> heard = slow.all();
+  EXPECT_EQ(heard.size(), 17u);  // the one that it was busy with, and a full mailbox
+  EXPECT_EQ(heard.front(), "task call 1");
+  EXPECT_EQ(heard.back(), "task call 31");
+  EXPECT_EQ(crew.counts().overflow, 30u + 1u - 16u);
+  EXPECT_THAT(other.all(), Contains("decision drop messages").Times(1));
+}
+
+TEST(ThreadedCrew, NoMoreThanOneTickWaits) {
+  Clock clock;
+  std::atomic<int> ticks = 0;
+  std::latch in(1);
+  std::latch go(1);
+  ThreadedCrew crew(seats(seat(
+                        "a",
+                        [&](const Message&, Time, Outbox&) {
+                          in.count_down();
+                          go.wait();
+                        },
+                        [&](Time, Outbox&) { ++ticks; })),
+                    {}, config_of(), clock.reader());
+  crew.hear(call(1));
+  in.wait();
+  for (const double t : {0.1, 0.2, 0.3}) {
+    clock.set(t);
+    crew.advance();
+  }
+  go.count_down();
+  crew.settle();
+  EXPECT_EQ(ticks, 1);
+  EXPECT_EQ(crew.counts().ticks, 3u);
+  EXPECT_EQ(crew.counts().skipped_ticks, 2u);
+}
+
+TEST(ThreadedCrew, AStormOfMessagesIsCut) {
+  Clock clock;
+  CrewConfig config = config_of();
+  config.most_said = 20;
+  const auto echo = [](const Message& m, Time, Outbox& out) {
+    if (id_of(m) > 0) out.say(TaskCall{id_of(m), "", {}});
+  };
+  ThreadedCrew crew(seats(seat("a", echo), seat("b", echo)), {}, config, clock.reader());
+  crew.hear(call(1));
+  crew.settle();
+  EXPECT_EQ(crew.said().at("a").at(call(0).index()), 20u);
+  EXPECT_EQ(crew.said().at("b").at(call(0).index()), 20u);
+  EXPECT_EQ(crew.counts().cut, 2u * 41u - 40u);
+}
+
+// ledger: S6-33
+TEST(ThreadedCrew, TheVehicleActsOnTheLossOfThePilot) {
+  Clock clock;
+  ThreadedCrew crew(seats(seat(
+                        "pilot",
+                        [](const Message& m, Time, Outbox&) {
+                          if (id_of(m) == 1) throw std::runtime_error("no bearing");
+                        },
+                        [](Time, Outbox& out) {
+                          out.say(HelmOrder{{Angle::degrees(30), 5, 1.5, 0}});
+                        })),
+                    {}, config_of(), clock.reader());
+  crew.helm();
+  clock.set(0.1);
+  crew.helm();
+  crew.settle();
+  EXPECT_EQ(crew.helm().speed, 1.5);
+  crew.hear(call(1));
+  crew.settle();
+  clock.set(2.1);
+  EXPECT_EQ(crew.helm().speed, 1.5);
+  clock.set(2.2);
+  EXPECT_EQ(crew.helm().speed, 0);
+}
+
+TEST(ThreadedCrew, AClockThatGoesBackStandsStill) {
+  Clock clock;
+  Heard times;
+  ThreadedCrew crew(
+      seats(seat("a", [&](const Message&, Time t, Outbox&) { times.add(fmt::format("{}", to_seconds(t))); })), {},
+      config_of(), clock.reader());
+  clock.set(5);
+  crew.hear(call(1));
+  crew.settle();
+  clock.set(3);
+  crew.hear(call(2));
+  crew.settle();
+  EXPECT_THAT(times.all(), ElementsAre("5", "5"));
+  EXPECT_GT(crew.counts().refused, 0u);
+}
+
+TEST(ThreadedCrew, RefusesSeatsThatMakeNoSense) {
+  Clock clock;
+  EXPECT_THROW(ThreadedCrew(seats(seat("a", {}), seat("a", {})), {}, config_of(), clock.reader()), Error);
+}
+
+}  // namespace
+}  // namespace isobath
