@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/runtime/mission_pages.hpp>
 #include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run.hpp>
 #include <memory>
@@ -31,6 +32,7 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
           {"rejected", rejected_json(outcome)},
           {"depth", outcome.depth ? depth_json(*outcome.depth) : ordered_json()},
           {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},
+          {"mission", outcome.mission ? mission_json(*outcome.mission, true) : ordered_json()},
           {"rates",
            {{"log_s", outcome.log_s},
             {"wall_s", wall},
@@ -90,6 +92,9 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   if (outcome.depth) print(request, *outcome.depth);
   if (n.pings > 0 || !outcome.depth) fmt::print("{} obstacles at the end\n", outcome.obstacles.size());
   if (outcome.truth) print(*outcome.truth);
+  if (outcome.mission) {
+    for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
+  }
   for (const Obstacle& o : outcome.obstacles) {
     if (o.behind) continue;
     fmt::print("  bearing {:5.1f} deg  {:6.2f} m  existence {:.3f}\n", o.bearing.wrapped_positive().degrees(),
@@ -115,10 +120,12 @@ int act(Options& options) {
   } else {
     print(request, outcome);
   }
-  if (outcome.problem.empty()) return kSuccess;
+  const std::string failure = outcome.mission ? outcome.mission->failure() : std::string();
+  if (outcome.problem.empty() && failure.empty()) return kSuccess;
   std::fflush(stdout);
-  std::fprintf(stderr, "isobath: %s: %s\n", request.input.string().c_str(), outcome.problem.c_str());
-  return kBadInput;
+  const std::string& problem = outcome.problem.empty() ? failure : outcome.problem;
+  std::fprintf(stderr, "isobath: %s: %s\n", request.input.string().c_str(), problem.c_str());
+  return outcome.problem.empty() ? kFailedChecks : kBadInput;
 }
 
 }  // namespace
@@ -132,6 +139,10 @@ Action add_run(CLI::App& program) {
   command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
   command->add_option("--map", options->request.map, "Folder of a depth map to continue, or to begin")
       ->type_name("FOLDER");
+  command->add_option("--mission", options->request.mission,
+                      "Mission file, or a scenario for its mission: a scene runs in a closed loop, a log is decided anew")
+      ->type_name("FILE");
+  command->add_option("--record", options->request.record, "Log to write of a scene: .mcap")->type_name("FILE");
   command->add_option("--model", options->model, "Sensor model made by isobath calibrate")->type_name("FILE");
   command->add_option("--input-set", options->set, "Set of frames in a folder that holds several")->type_name("NAME");
   command->add_option("--pass", options->pass, "Pass of a set that holds several; default: the first");

@@ -307,7 +307,13 @@ ObstacleMemory::Entry* ObstacleMemory::match(const Sighting& s) {
 void ObstacleMemory::take(const Sighting& s, const View& view, Time time) {
   if (Entry* known = match(s)) {
     see_again(*known, s, time);
-    if (share_inside(s.samples, Vector2d::Zero(), known->seen.outline_W) >= kInside || grow(*known, s, view)) return;
+    const double within = share_inside(s.samples, Vector2d::Zero(), known->seen.outline_W);
+    if (within >= kInside || grow(*known, s, view)) return;
+    // Free water between both, yet the same: it has drifted while it was watched.
+    if (similar(s.area, known->area) && within >= 0.5) {
+      set_outline(*known, s.outline_W);
+      return;
+    }
   }
   if (s.doubtful) return;
   Entry fresh;
@@ -370,6 +376,7 @@ void ObstacleMemory::look_again(Entry& e, const std::vector<Sighting>& sightings
     look_for_missing(e, view);
     return;
   }
+  const double rim = view.water.free.empty() ? 0 : view.water.cells.cell_m;  // cells beside evidence are not free
   std::size_t free = 0, shown = 0;
   const Sighting* fullest = nullptr;
   double most = 0;
@@ -383,7 +390,7 @@ void ObstacleMemory::look_again(Entry& e, const std::vector<Sighting>& sightings
   }
   for (const Vector2d& p : e.samples) {
     const bool seen = std::any_of(sightings.begin(), sightings.end(), [&](const Sighting& s) {
-      return (s.centre - p).norm() <= s.radius && contains(s.outline_W, p);
+      return (s.centre - p).norm() <= s.radius + rim && (nearest_point(s.outline_W, p) - p).norm() <= rim;
     });
     shown += seen;
     free += !seen && view.is_free(p);
@@ -456,8 +463,9 @@ void ObstacleMemory::forget(Time now) {
   const auto most = static_cast<std::size_t>(config_.most);
   if (entries_.size() <= most) return;
   std::stable_sort(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
+    if ((a.sweep == sweeps_) != (b.sweep == sweeps_)) return a.sweep == sweeps_;
     if (confirmed(a) != confirmed(b)) return confirmed(a);
-    if (a.seen.existence != b.seen.existence) return a.seen.existence > b.seen.existence;
+    if (a.seen.margin_m != b.seen.margin_m) return a.seen.margin_m < b.seen.margin_m;
     return a.seen.last_seen > b.seen.last_seen;
   });
   entries_.resize(most);

@@ -87,6 +87,7 @@ class GridSearch {
   }
 
  private:
+  static constexpr double kRounding = 1e-12;  ///< what sums of the same steps in another order may differ by
   struct Open {
     double bound;  ///< cost so far and what is left at least
     double cost;
@@ -119,7 +120,7 @@ class GridSearch {
           static_cast<std::size_t>(next.row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(next.column);
       if (!ground_.enterable(best.cell, cell, step)) continue;
       const double total = best.cost + ground_.step_cost(best.cell, cell, step);
-      if (total >= cost_[cell]) continue;
+      if (total * (1 + kRounding) >= cost_[cell]) continue;
       ++queries_;
       if (!ground_.passable(best.cell, step)) continue;
       cost_[cell] = total;

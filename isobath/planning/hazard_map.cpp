@@ -65,7 +65,7 @@ std::optional<double> first_within(const Polygon& convex, const Vector2d& a, con
 }
 
 bool finite(const Hazard& h) {
-  return std::isfinite(h.margin_m) && h.margin_m >= 0 &&
+  return std::isfinite(h.margin_m) &&
          std::all_of(h.outline.begin(), h.outline.end(), [](const Vector2d& p) { return p.allFinite(); });
 }
 
@@ -127,12 +127,12 @@ HazardMap::HazardMap(std::vector<Hazard> hazards) : hazards_(std::move(hazards))
     Hazard& h = hazards_[i];
     if (h.outline.empty() || !finite(h)) {
       throw Error("hazard " + std::to_string(i) + " has no outline, or one that is not finite", {},
-                  "one corner or more, finite; margin 0 or more");
+                  "one corner or more, finite; a finite margin");
     }
     h.outline = convex_hull(std::move(h.outline));
     AlignedBox2d box;
     for (const Vector2d& p : h.outline) box.extend(p);
-    const Vector2d grown = Vector2d::Constant(h.margin_m);
+    const Vector2d grown = Vector2d::Constant(std::max(0.0, h.margin_m));
     boxes.emplace_back(box.min() - grown, box.max() + grown);
   }
   tree_ = BoxTree(boxes);

@@ -30,7 +30,7 @@ const char* to_text(HazardKind kind);
 
 struct Hazard {
   Polygon outline;      ///< convex; one or two corners make a point or a segment
-  double margin_m = 0;  ///< how far it may reach beyond the outline
+  double margin_m = 0;  ///< how far it may reach beyond the outline; below 0: so much of the clearance is not for it
   HazardKind kind = HazardKind::kSeen;
   std::uint32_t id = 0;  ///< the caller's
 };
@@ -56,7 +56,7 @@ LegDistance leg_distance(const Polygon& convex, const Eigen::Vector2d& a, const 
 
 class HazardMap {
  public:
-  /// Throws Error where an outline is empty, or outline or margin are not finite, or a margin is below 0.
+  /// Throws Error where an outline is empty, or outline or margin are not finite.
   explicit HazardMap(std::vector<Hazard> hazards);
 
   /// As given, but each outline in the positive sense and without corners that say nothing.

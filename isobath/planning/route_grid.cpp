@@ -269,7 +269,7 @@ std::optional<std::size_t> RouteGrid::neighbour(std::size_t cell, std::size_t st
 
 double RouteGrid::leg_cost(const Vector2d& a, const Vector2d& b) const {
   const double length = (b - a).norm();
-  const auto pieces = static_cast<int>(std::clamp(std::ceil(length / window_.cell_m), 1.0, 1e6));
+  const auto pieces = static_cast<int>(std::clamp(std::ceil(2 * length / window_.cell_m), 1.0, 1e6));
   double sum = 0;
   for (int i = 0; i < pieces; ++i) {
     const auto cell = window_.at(a + (i + 0.5) / pieces * (b - a));

@@ -5,6 +5,7 @@
 #include <isobath/planning/route_grid.hpp>
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/planning/turning.hpp>
+#include <isobath/planning/turning_search.hpp>
 #include <utility>
 
 namespace isobath {
@@ -21,9 +22,11 @@ constexpr double kSag = 0.01;      // m, of arcs to the chords that stand for th
 constexpr double kFarthest = 1e7;  // m
 constexpr double kMostCells = 0x1p20;
 constexpr double kGrowth = 3;  // of the margin, from one window to the next
-constexpr int kAround = 3;     // cells that a window holds around all that matters
-/// Shares of the turning radius: how deep an arc cuts corners of 30, 60 and 90 degrees.
-constexpr std::array<double, 4> kRounder = {0, 0.04, 0.16, 0.42};
+constexpr int kRounds = 8;     // of moving corners, for each distance
+constexpr double kWorthwhile = 1e-4;
+constexpr int kAround = 3;  // cells that a window holds around all that matters
+/// Shares of the turning radius: how deep an arc cuts a corner of 60 degrees.
+constexpr std::array<double, 2> kRounder = {0, 0.16};
 
 double length_of(const Way& way) {
   double sum = 0;
@@ -48,6 +51,7 @@ class Router {
         task_(task),
         config_(config),
         need_(task.half_width_m + config.clearance_m + kKept),
+        target_(task.goal),
         at_start_(map.distance(task.start)) {}
 
   Result<RoutePath, RouteRefusal> exact();
@@ -59,10 +63,13 @@ class Router {
   [[nodiscard]] std::optional<std::size_t> goal_cell(const RouteGrid& grid, double need) const;
   [[nodiscard]] RouteWindow window(double margin, double reach, bool& whole) const;
   Result<std::vector<std::size_t>, RouteRefusal> cells(const RouteGrid& grid, std::size_t from, std::size_t to);
+  [[nodiscard]] Vector2d near_target(double reach) const;
   void pull_straight(Way& way, const RouteGrid& grid, double need) const;
+  void relax(Way& way, const RouteGrid& grid, double need) const;
   [[nodiscard]] bool keeps(const Vector2d& a, const Vector2d& b, double more_m) const;
   [[nodiscard]] bool can_be_turned(const Way& way) const;
   [[nodiscard]] std::optional<Way> turned(const Way& way) const;
+  [[nodiscard]] std::optional<Way> of_arcs() const;
   [[nodiscard]] RoutePath finished(Way way) const;
   [[nodiscard]] double band() const { return std::max(0.0, config_.wished_clearance_m - config_.clearance_m); }
 
@@ -70,6 +77,7 @@ class Router {
   const RouteTask& task_;
   const RouteConfig& config_;
   double need_;      ///< of the vehicle's centre
+  Vector2d target_;  ///< of the search: the goal, or a place on the way there beyond all hazards
   double at_start_;  ///< what the start has
   std::int64_t expanded_ = 0;
 };
@@ -93,6 +101,8 @@ Result<RoutePath, RouteRefusal> Router::exact() {
     if (!config_.smooth) return finished(found->way);
     if (auto way = turned(found->way)) return finished(std::move(*way));
   }
+  // 3. a way made of arcs and straight legs
+  if (auto way = of_arcs()) return finished(std::move(*way));
   return tl::unexpected(RouteRefusal::kCannotTurn);
 }
 
@@ -100,6 +110,7 @@ Result<Found, RouteRefusal> Router::find(double need) {
   if (at_start_ >= need && map_.leg_distance(task_.start, task_.goal) >= need + band()) {
     return Found{{task_.start, task_.goal}, 0};
   }
+  target_ = near_target(need + band());
   bool whole = false;
   RouteRefusal last = RouteRefusal::kNoPath;
   for (double margin = config_.margin_m; !whole; margin = kGrowth * margin + config_.cell_m) {
@@ -112,6 +123,7 @@ Result<Found, RouteRefusal> Router::find(double need) {
         Way leaving(found->way.begin(), exit + 1), rest(exit, found->way.end());
         pull_straight(leaving, grid, at_start_ - kTouch);
         pull_straight(rest, grid, need);
+        relax(rest, grid, need);
         found->escape = leaving.size() - 1;
         leaving.insert(leaving.end(), rest.begin() + 1, rest.end());
         found->way = std::move(leaving);
@@ -130,8 +142,10 @@ Result<Found, RouteRefusal> Router::search(RouteGrid& grid, double need) {
   if (grid.blocked(*from)) grid.open_escape(map_, *from, 2 * need + 4 * grid.window().cell_m);
   const auto to = goal_cell(grid, need);
   if (!to) {
-    if (!map_.leg_is_clear(task_.start, task_.goal, need)) return tl::unexpected(RouteRefusal::kNoPath);
-    return Found{{task_.start, task_.goal}, 0};
+    if (!map_.leg_is_clear(task_.start, target_, need)) return tl::unexpected(RouteRefusal::kNoPath);
+    Found found{{task_.start, target_}, 0};
+    if (target_ != task_.goal) found.way.push_back(task_.goal);
+    return found;
   }
   const auto path = cells(grid, *from, *to);
   if (!path) return tl::unexpected(path.error());
@@ -141,8 +155,9 @@ Result<Found, RouteRefusal> Router::search(RouteGrid& grid, double need) {
     found.way.push_back(grid.window().centre(cell));
   }
   found.way.front() = task_.start;
-  if (found.way.size() > 1 && (found.way.back() - task_.goal).norm() < kTouch) found.way.pop_back();
-  found.way.push_back(task_.goal);
+  if (found.way.size() > 1 && (found.way.back() - target_).norm() < kTouch) found.way.pop_back();
+  found.way.push_back(target_);
+  if (target_ != task_.goal) found.way.push_back(task_.goal);
   found.escape = std::min(found.escape, found.way.size() - 1);
   return found;
 }
@@ -153,11 +168,11 @@ std::optional<std::size_t> Router::goal_cell(const RouteGrid& grid, double need)
   double least = INFINITY;
   for (const int dy : {0, -1, 1}) {
     for (const int dx : {0, -1, 1}) {
-      const auto cell = grid.window().at(task_.goal + grid.window().cell_m * Vector2d(dx, dy));
+      const auto cell = grid.window().at(target_ + grid.window().cell_m * Vector2d(dx, dy));
       if (!cell || grid.blocked(*cell)) continue;
       const Vector2d centre = grid.window().centre(*cell);
-      const double away = (centre - task_.goal).norm();
-      if (away >= least || !map_.leg_is_clear(centre, task_.goal, need)) continue;
+      const double away = (centre - target_).norm();
+      if (away >= least || !map_.leg_is_clear(centre, target_, need)) continue;
       least = away;
       best = cell;
     }
@@ -178,10 +193,28 @@ Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& gr
   return tl::unexpected(RouteRefusal::kStartBlocked);  // there was no leaving it
 }
 
+/// A goal far beyond all hazards: as far beyond them as they are wide, on the straight line to the start, from where
+/// the rest of that line is free. What this costs is known only to ways on another side of all hazards.
+Vector2d Router::near_target(double reach) const {
+  if (map_.bounds().isEmpty()) return task_.goal;
+  AlignedBox2d all = grown(map_.bounds(), reach);
+  all.extend(task_.start);
+  all = grown(all, all.diagonal().norm() + config_.margin_m);
+  const double goal_out = (task_.goal - all.center()).cwiseQuotient(all.sizes() / 2).cwiseAbs().maxCoeff();
+  if (goal_out <= 1) return task_.goal;
+  const Vector2d leg = task_.goal - task_.start;
+  double share = 1;
+  for (const Eigen::Index axis : {0, 1}) {
+    const double border = leg[axis] > 0 ? all.max()[axis] : all.min()[axis];
+    if (leg[axis] != 0) share = std::min(share, (border - task_.start[axis]) / leg[axis]);
+  }
+  return task_.start + share * leg;
+}
+
 /// The start is the centre of a cell. `whole`: all that can matter lies in it.
 RouteWindow Router::window(double margin, double reach, bool& whole) const {
   AlignedBox2d ends(task_.start);
-  ends.extend(task_.goal);
+  ends.extend(target_);
   for (double cell = config_.cell_m;; cell *= 2) {
     AlignedBox2d all = ends;
     if (!map_.bounds().isEmpty()) all.extend(grown(map_.bounds(), reach));
@@ -230,6 +263,32 @@ void Router::pull_straight(Way& way, const RouteGrid& grid, double need) const {
   }
 }
 
+/// Moves corners where that makes the way cheaper: the cells' eight directions leave more length, and less room, than
+/// there need be.
+void Router::relax(Way& way, const RouteGrid& grid, double need) const {
+  for (double by = 2 * grid.window().cell_m; by > grid.window().cell_m / 8; by /= 2) {
+    for (int round = 0; round < kRounds; ++round) {
+      bool moved = false;
+      for (std::size_t i = 1; i + 1 < way.size(); ++i) {
+        const Vector2d &before = way[i - 1], &after = way[i + 1];
+        double least = (grid.leg_cost(before, way[i]) + grid.leg_cost(way[i], after)) * (1 - kWorthwhile);
+        Vector2d best = way[i];
+        for (const GridStep& s : kGridSteps) {
+          const Vector2d p = way[i] + by * Vector2d(s.column, s.row);
+          const double cost = grid.leg_cost(before, p) + grid.leg_cost(p, after);
+          if (cost >= least || !map_.leg_is_clear(before, p, need) || !map_.leg_is_clear(p, after, need)) continue;
+          least = cost;
+          best = p;
+        }
+        moved = moved || best != way[i];
+        way[i] = best;
+      }
+      if (!moved) break;
+    }
+  }
+  pull_straight(way, grid, need);
+}
+
 /// Whether a piece keeps the clearance, `more_m` more; while the vehicle is leaving a hazard, what it had at the start.
 bool Router::keeps(const Vector2d& a, const Vector2d& b, double more_m) const {
   if (map_.leg_is_clear(a, b, need_ + more_m)) return true;
@@ -272,6 +331,36 @@ std::optional<Way> Router::turned(const Way& way) const {
     }
   }
   return best;
+}
+
+std::optional<Way> Router::of_arcs() const {
+  bool whole = false;
+  const double radius = task_.turning_radius_m;
+  RouteGrid grid = RouteGrid::exact(map_, window(std::max(config_.margin_m, 4 * radius), need_ + band(), whole), need_);
+  grid.prefer_room(band(), config_.room_weight);
+  const TurningTask turning{task_.start, task_.heading, target_, radius};
+  auto way = search_turning(grid, turning, [this](const Vector2d& a, const Vector2d& b) { return keeps(a, b, 0); });
+  if (!way) return std::nullopt;
+  if (target_ != task_.goal) way->push_back(task_.goal);
+  if (!can_be_turned(*way)) return std::nullopt;
+  // Corners that the way can do without go.
+  const auto starts_ahead = [&](const Vector2d& next) {
+    if (!task_.heading) return true;
+    const Vector2d ahead(std::cos(*task_.heading), std::sin(*task_.heading));
+    const double share = (next - task_.start).normalized().dot(ahead);
+    return share > 0 && radius * (1 - share) <= kOff;
+  };
+  for (bool fewer = true; fewer;) {
+    fewer = false;
+    for (std::size_t i = way->size() - 1; i-- > 1;) {
+      Way without = *way;
+      without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+      if (!starts_ahead(without[1]) || !can_be_turned(without)) continue;
+      way = std::move(without);
+      fewer = true;
+    }
+  }
+  return way;
 }
 
 RoutePath Router::finished(Way way) const {

@@ -57,6 +57,8 @@ std::vector<Vector2d> rounded_corner(const Vector2d& a, const Vector2d& b, const
 std::optional<std::vector<Vector2d>> turn_towards(const Vector2d& start, double heading, double radius, int side,
                                                   const Vector2d& target, double off_m) {
   const Vector2d ahead = at_angle(heading);
+  const double straight = (target - start).norm() > 0 ? (target - start).normalized().dot(ahead) : 1;
+  if (straight > 0 && radius * (1 - straight) <= off_m) return std::vector<Vector2d>{};
   const Vector2d centre = start + side * radius * Vector2d(-ahead.y(), ahead.x());
   const Vector2d to = target - centre;
   const double rest = to.squaredNorm() - radius * radius;
@@ -66,9 +68,7 @@ std::optional<std::vector<Vector2d>> turn_towards(const Vector2d& start, double 
   const double leave = std::atan2(to.y(), to.x()) - side * std::atan2(std::sqrt(rest), radius);
   double turn = std::fmod(side * (leave - begin), 2 * pi);
   if (turn < 0) turn += 2 * pi;
-  const bool ahead_already = radius * (1 - std::cos(turn)) <= off_m && std::cos(turn) > 0;
-  if (ahead_already) return std::vector<Vector2d>{};
-  const int count = static_cast<int>(std::ceil(turn / kLargestCorner));
+  const int count = std::max(1, static_cast<int>(std::ceil(turn / kLargestCorner)));
   const double each = turn / count;
   std::vector<Vector2d> corners;
   for (int i = 0; i < count; ++i) {

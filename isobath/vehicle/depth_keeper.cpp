@@ -43,7 +43,6 @@ std::vector<Field> fields(DepthKeeperConfig& c) {
       Field::real("safe_depth", &c.safe_depth, {0, 10000}, "m", "Where a vehicle that lost its bottom goes."),
       Field::real("hold", &c.hold, {0, 600}, "s", "How long a bottom is believed that gives no echo any more."),
       Field::real("look_ahead", &c.look_ahead, {0, 120}, "s", "How far ahead a rising bottom is climbed for."),
-      Field::real("lead", &c.lead, {0, 120}, "s", "How far ahead of the vehicle an altitude is taken."),
       Field::real("spacing", &c.spacing, {0.1, 100}, "m", "Between samples of the profile of the bottom."),
       Field::real("climb_share", &c.climb_share, {0.1, 1}, "1", "Of the greatest climb rate, what is counted on."),
   };
@@ -52,6 +51,7 @@ std::vector<Field> fields(DepthKeeperConfig& c) {
 DepthKeeper::DepthKeeper(const DepthKeeperConfig& config, const VehicleSheet& sheet)
     : config_(config),
       climb_rate_(std::max(config.climb_share * sheet.limits.max_climb_rate, 1e-3)),
+      lag_(sheet.depth_lag_s),
       deepest_(std::min(config.max_depth, sheet.limits.max_depth)) {}
 
 bool DepthKeeper::hear(const AltimeterReading& reading, const Pose& X_WB) {
@@ -89,11 +89,8 @@ void DepthKeeper::add(const Sample& sample) {
   const auto typical =
       std::find_if(recent_.begin(), recent_.begin() + count, [middle](const Sample& s) { return s.depth == middle; });
   if (profile_count_ > 0) {
-    Sample& newest = profile_[static_cast<std::size_t>((profile_count_ - 1) % kProfile)];
-    if ((typical->north_east - newest.north_east).norm() < config_.spacing) {
-      if (profile_count_ == 1) newest = *typical;
-      return;
-    }
+    const Sample& newest = profile_[static_cast<std::size_t>((profile_count_ - 1) % kProfile)];
+    if ((typical->north_east - newest.north_east).norm() < config_.spacing) return;
   }
   profile_[static_cast<std::size_t>(profile_count_++ % kProfile)] = *typical;
 }
@@ -123,8 +120,9 @@ void DepthKeeper::look(const Eigen::Vector2d& here, const Eigen::Vector2d& ahead
 
 double DepthKeeper::deepest_allowed(double speed) const {
   const double below = *bottom_ - config_.min_altitude;
-  // Linear in the distance: least at one of its ends.
-  return std::min(below, below + config_.look_ahead * (slope_ * speed + climb_rate_));
+  // Linear on either side of the lag: least at one of three ends.
+  const double rise = slope_ * speed;
+  return below + std::min(0.0, rise * lag_ + std::min(0.0, config_.look_ahead * (rise + climb_rate_)));
 }
 
 DepthOrder DepthKeeper::step(const DepthWish& wish, const Pose& X_WB, const Eigen::Vector3d& v_W, Time now) {
@@ -150,7 +148,7 @@ DepthOrder DepthKeeper::step(const DepthWish& wish, const Pose& X_WB, const Eige
   double wanted = wish.depth;
   if (wish.altitude_m) {
     order.lost = !known;
-    const double bottom_ahead = known ? *bottom_ + std::min(slope_, 0.0) * speed * config_.lead : 0;
+    const double bottom_ahead = known ? *bottom_ + std::min(slope_, 0.0) * speed * lag_ : 0;
     wanted = known ? bottom_ahead - std::max(*wish.altitude_m, config_.min_altitude) : config_.safe_depth;
   }
   wanted = std::clamp(wanted, config_.min_depth, std::max(config_.min_depth, deepest_));

@@ -5,11 +5,12 @@
 // whichever way it came, the profile has a slope (Theil-Sen 1968; over its last few samples or all of them, whichever
 // rises more), and so a bottom ahead. Echoes stand where the beam meets the bottom.
 //
-//   deepest(a) = bottom(a) - min_altitude + climb_rate a / speed,  a from 0 to look_ahead times the speed
+//   deepest(t) = bottom(speed t) - min_altitude + climb_rate max(0, t - lag),  t from 0 to lag + look_ahead
 //
-// is what leaves room to climb over the bottom a metres ahead; the least of them bounds the answer in both modes. In
-// altitude mode the answer follows the shallower of the bottom below and the bottom `lead` ahead, because a vehicle
-// comes after its set-point. Where the bottom rises faster than the vehicle climbs, the answer says how fast it may go.
+// is what leaves room to climb over the bottom that is reached after t; the least of them bounds the answer in both
+// modes. `lag` is the time by which the vehicle comes after its set-point. In altitude mode the answer follows the
+// shallower of the bottom below and the bottom a lag ahead. Where the bottom rises faster than the vehicle climbs, the
+// answer says how fast it may go.
 //
 // A bottom that gives no echo any more is believed for `hold`. Then, by altitude, the vehicle goes up to `safe_depth`;
 // by depth it goes no deeper than it was last allowed, or than the range that the altimeter saw empty since. Where no
@@ -37,7 +38,6 @@ struct DepthKeeperConfig {
   double safe_depth = 2;     ///< m, where a lost bottom is waited for
   double hold = 10;          ///< s that a bottom without echo is believed
   double look_ahead = 8;     ///< s
-  double lead = 3;           ///< s
   double spacing = 0.75;     ///< m between samples of the profile
   double climb_share = 0.7;  ///< of the greatest climb rate that may be counted on
 };
@@ -92,6 +92,7 @@ class DepthKeeper {
 
   DepthKeeperConfig config_;
   double climb_rate_;
+  double lag_;
   double deepest_;
   std::array<Sample, kRecent> recent_;
   std::array<Sample, kProfile> profile_;

@@ -82,6 +82,8 @@ void LineOfSight::follow(std::vector<Waypoint> waypoints, const std::optional<Ve
   next_ = reached_ = 0;
   started_ = from.has_value();
   if (from) from_ = *from;
+  cross_before_.reset();
+  turn_limit_ = 0;
 }
 
 // Passes what is reached or abeam; then `bearing_`, `to_go_` and `cross_track_` are of the leg under way.
@@ -100,7 +102,17 @@ void LineOfSight::advance(const Vector2d& here) {
     reached_ += near;
     from_ = to;
     ++next_;
+    cross_before_.reset();
+    turn_limit_ = 0;
   }
+}
+
+void LineOfSight::learn(double aim, double dt) {
+  const double ahead = config_.lookahead, speed = waypoints_[next_].speed, sigma = config_.integral_gain * speed;
+  const double change = (cross_track_ - cross_before_.value_or(cross_track_)) / dt;
+  const double left = cross_track_ + ahead / speed * std::clamp(change, -2 * speed, 2 * speed);
+  const double rate = ahead * left / (aim * aim + ahead * ahead);
+  integral_W_ = limited(integral_W_ + dt * rate * starboard_of(bearing_), ahead / sigma);
 }
 
 Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d>& v_W, double dt) {
@@ -123,15 +135,20 @@ Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d
   const Angle course = bearing_ - Angle::radians(std::atan2(aim, distance));
   const Angle wanted = (course - drift_.crab(heading, goal.speed)).wrapped();
   const Angle off = abs((wanted - heading).wrapped());
-  if (sigma > 0 && off < kOnTheLine && std::abs(cross_track_) < distance) {
-    const double rate = distance * cross_track_ / (aim * aim + distance * distance);
-    integral_W_ = limited(integral_W_ + dt * rate * across, distance / sigma);
-  }
+  if (sigma > 0 && off < kOnTheLine && std::abs(cross_track_) < distance) learn(aim, dt);
+  cross_before_ = cross_track_;
 
   double speed = goal.speed;
   if (sheet_) {
     speed = speed_ahead();
-    if (off > kTurning) speed = std::min(speed, corner_speed(off, 0));
+    if (off > kTurning) {  // what it stands inside of the turn may be used up by it
+      const double inside = (wanted - heading).wrapped().radians() > 0 ? cross_track_ : -cross_track_;
+      const double limit = corner_speed(off, std::max(inside, 0.0));
+      turn_limit_ = turn_limit_ > 0 ? std::min(turn_limit_, limit) : limit;
+      speed = std::min(speed, turn_limit_);
+    } else {
+      turn_limit_ = 0;
+    }
     const double least = std::max(sheet_->min_speed, std::min(kCrawl, goal.speed));
     speed = std::min(std::max(speed, least), sheet_->limits.max_speed);
   }
@@ -153,7 +170,8 @@ double LineOfSight::speed_ahead() const {
     const Vector2d leg = position_of(waypoints_[i + 1]) - position_of(waypoints_[i]);
     const Angle after = leg.norm() > 1e-9 ? bearing_of(leg) : before;
     const double early = config_.acceptance_radius;
-    const double through = corner_speed(abs((after - before).wrapped()), early);
+    const Angle turn = abs((after - before).wrapped());
+    const double through = corner_speed(turn, early * sin(turn));
     speed = std::min(speed, std::sqrt(through * through + 2 * braking * std::max(0.0, distance - early)));
     distance += leg.norm();
     before = after;
@@ -161,9 +179,9 @@ double LineOfSight::speed_ahead() const {
   return speed;
 }
 
-// At which a turn that begins `early` metres before the corner ends within the tolerance beside the next leg.
-double LineOfSight::corner_speed(Angle turn, double early) const {
-  const double radius = (config_.corner_tolerance + early * sin(turn)) / std::max(1 - cos(turn), 1e-6);
+// At which a turn that begins `inside` metres beside the next leg ends within the tolerance on its other side.
+double LineOfSight::corner_speed(Angle turn, double inside) const {
+  const double radius = (config_.corner_tolerance + inside) / std::max(1 - cos(turn), 1e-6);
   return sheet_->limits.max_yaw_rate.radians() * std::max(radius, sheet_->limits.turning_radius);
 }
 

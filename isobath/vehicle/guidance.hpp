@@ -1,12 +1,14 @@
 // Guidance: set-points that lead along way-points, or keep a place (ledger S6-37, S7-15).
 //
 // LineOfSight steers for a point `lookahead` ahead on the line between two way-points (Fossen 2011, 12.3; integral
-// action after Borhaug 2008): course = bearing - atan((e + sigma E) / lookahead), E' = lookahead e / ((e + sigma E)^2 +
-// lookahead^2), e to starboard of the line, sigma = integral_gain times the speed: 1/4 settles without overshoot at any
-// speed. The integral is kept as a vector in W: what was learnt on one leg holds on the next, in the share that lies
-// across it, and reverses with the leg. It stands still while the vehicle is off the line or turning, and never asks
-// for more than 45 degrees: no wind-up. Where the velocity over ground is known, the drift across the hull is filtered
-// and steered against at once (heading = course less the crab angle); the integral is left with what that misses.
+// action after Borhaug 2008): course = bearing - atan((e + sigma E) / lookahead), E' = lookahead (e + lookahead e' /
+// speed) / ((e + sigma E)^2 + lookahead^2), e to starboard of the line, sigma = integral_gain times the speed. The e'
+// is ours: it takes off what the approach to the line removes anyway, so that E learns the drift alone and does not
+// overshoot. The integral is kept as a vector in W: what was learnt on one leg holds on the next, in the share that
+// lies across it, and reverses with the leg. It stands still while the vehicle is off the line or turning, and never
+// asks for more than 45 degrees: no wind-up. Where the velocity over ground is known, the drift across the hull is
+// filtered and steered against at once (heading = course less the crab angle); the integral is left with what that
+// misses.
 //
 // Depth and speed are those of the way-point ahead. A way-point counts as reached within the acceptance radius,
 // horizontally; one that is passed further away counts as missed, and the path goes on: a vehicle that cannot turn
@@ -38,7 +40,7 @@ struct Waypoint {
 struct GuidanceConfig {
   double lookahead = 8;          ///< m
   double acceptance_radius = 3;  ///< m
-  double integral_gain = 0.25;   ///< sigma as a share of the speed; 0: none
+  double integral_gain = 0.5;    ///< sigma as a share of the speed; 0: none
   double drift_time = 4;         ///< s, of the filter on the drift across the hull; 0: the velocity is not used
   double corner_tolerance = 2;   ///< m
 };
@@ -84,8 +86,9 @@ class LineOfSight {
 
  private:
   void advance(const Eigen::Vector2d& here);
+  void learn(double aim, double dt);
   [[nodiscard]] double speed_ahead() const;
-  [[nodiscard]] double corner_speed(Angle turn, double early) const;
+  [[nodiscard]] double corner_speed(Angle turn, double inside) const;
 
   GuidanceConfig config_;
   std::vector<Waypoint> waypoints_;
@@ -97,6 +100,8 @@ class LineOfSight {
   Angle bearing_;
   double to_go_ = 0;  ///< along the leg, to the way-point ahead, m
   double cross_track_ = 0;
+  std::optional<double> cross_before_;  ///< at the step before, on the same leg
+  double turn_limit_ = 0;               ///< speed of the turn under way; 0: none
   Eigen::Vector2d integral_W_ = Eigen::Vector2d::Zero();
   Drift drift_;
   Setpoint last_;

@@ -10,6 +10,7 @@ struct VehicleSheet {
   double hull_radius_m = 0.36;  ///< of the circle in plan that holds the hull, about B
   double braking = 0.25;        ///< m/s2, when thrust is taken away or reversed
   double min_speed = 0;         ///< below it the vehicle does not hold depth or heading, m/s; 0: it can hover
+  double depth_lag_s = 4;       ///< by which it comes after a depth set-point that moves steadily
   bool can_sway = false;        ///< thrusters move it sideways
   VehicleLimits limits;
 };

@@ -293,7 +293,7 @@ std::string with_arcs(const std::string& arcs) {
 // ledger: S2-06
 TEST(PlanGraphFile, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(read_refusal(with_arcs(R"({"from": "a", "to": "b", "event": {"fact": "done"}})")), "");
-  EXPECT_THAT(read_refusal("{\"title\": "), HasSubstr("plan.json:byte"));
+  EXPECT_THAT(read_refusal("{\"title\": "), HasSubstr("plan.json: byte 11: no JSON"));
   EXPECT_THAT(read_refusal("[]"), HasSubstr("no object"));
   EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": []})"), HasSubstr("arcs: missing"));
   EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": [], "arcs": [], "arc": 1})"), HasSubstr("arc: unknown key"));

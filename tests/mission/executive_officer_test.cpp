@@ -1,0 +1,278 @@
+// The Executive Officer under a script: the order of its messages.
+#include <gtest/gtest.h>
+#include <isobath/mission/executive_officer.hpp>
+
+#include "agent_script.hpp"
+
+namespace isobath {
+namespace {
+
+using Reason = RouteRefused::Reason;
+
+class ExecutiveOfficerTest : public testing::Test {
+ protected:
+  ExecutiveOfficerTest() {
+    plan.title = "test";
+    plan.points = {point(100, 0), point(100, 100), point(0, 100)};
+  }
+  std::vector<Message> start(std::map<std::string, PlanGraph> library = {}) {
+    agent = std::make_unique<ExecutiveOfficer>(config, std::move(library));
+    script = std::make_unique<Script>(*agent);
+    script->hear(fix(0, 1, 2), 0);
+    MissionOrder order;
+    order.plan = std::make_shared<const MissionPlan>(plan);
+    return script->hear(order, 0);
+  }
+  [[nodiscard]] RouteRequest asked() const { return only<RouteRequest>(script->said).back(); }
+  [[nodiscard]] MissionReport report() const { return only<MissionReport>(script->said).back(); }
+  std::vector<Message> planned(std::vector<Waypoint> waypoints = {{100, 0, 1, 1}}) {
+    const bool avoiding = waypoints.size() > 1;
+    return script->hear(RoutePlanned{asked().id, ++version, std::move(waypoints), avoiding, "because"}, now);
+  }
+  std::vector<Message> refused(Reason reason, std::optional<Eigen::Vector2d> safe = {}) {
+    return script->hear(RouteRefused{reason, asked().id, asked().point, safe, "a rock on it"}, now);
+  }
+  std::vector<Message> passed(bool reached = true) {
+    return script->hear(
+        WaypointPassed{version, only<FollowOrder>(script->said).back().waypoints.size() - 1, reached, true}, now);
+  }
+  void wait(double s) {
+    for (int i = 0; i < static_cast<int>(s * 10 + 0.5); ++i) script->tick(now += 0.1);
+  }
+
+  ExecutiveConfig config;
+  MissionPlan plan;
+  std::unique_ptr<ExecutiveOfficer> agent;
+  std::unique_ptr<Script> script;
+  std::uint32_t version = 0;
+  double now = 0;
+};
+
+// ledger: S6-35 S2-06 S2-07
+TEST_F(ExecutiveOfficerTest, AsksForEachPointHandsTheWayOnAndReportsItReached) {
+  start();
+  EXPECT_EQ(report().phase, MissionPhase::kUnderWay);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(asked().point, i);
+    EXPECT_EQ(asked().target.north_east, plan.points[i].north_east);
+    EXPECT_EQ(asked().last, i == 2);
+    const auto follow = only<FollowOrder>(planned());
+    ASSERT_EQ(follow.size(), 1u);
+    EXPECT_EQ(follow[0].version, version);
+    const auto said = passed();
+    ASSERT_EQ(only<PointReport>(said).at(0).kind, PointReport::Kind::kReached);
+    EXPECT_EQ(only<PointReport>(said).at(0).point, i);
+    EXPECT_EQ(only<RouteRequest>(said).size(), i < 2 ? 1u : 0u) << "in the same turn";
+  }
+  EXPECT_EQ(report().phase, MissionPhase::kFinished);
+  EXPECT_EQ(report().reached, 3u);
+  EXPECT_TRUE(only<FollowOrder>(script->said).back().waypoints.empty()) << "it holds at the end";
+}
+
+// ledger: S6-35 S6-56
+TEST_F(ExecutiveOfficerTest, ReplacesTheRestOfTheWayByAChangedOneAndTellsTheCaptain) {
+  start();
+  planned();
+  const std::vector<Waypoint> detour = {{40, 8, 1, 1}, {60, 8, 1, 1}, {100, 0, 1, 1}};
+  const auto said = planned(detour);
+  ASSERT_EQ(only<FollowOrder>(said).size(), 1u);
+  EXPECT_EQ(only<FollowOrder>(said)[0].waypoints.size(), 3u);
+  ASSERT_EQ(only<PointReport>(said).size(), 1u);
+  EXPECT_EQ(only<PointReport>(said)[0].kind, PointReport::Kind::kAvoiding);
+  EXPECT_EQ(only<PointReport>(said)[0].why, "because");
+  EXPECT_TRUE(script->hear(WaypointPassed{version - 1, 0, true, true}, now).empty()) << "of the way that was replaced";
+  EXPECT_TRUE(script->hear(RoutePlanned{asked().id + 7, 99, detour, true, ""}, now).empty()) << "nobody asked";
+}
+
+// ledger: S6-51 S6-56
+TEST_F(ExecutiveOfficerTest, DropsPointsThatAreBlockedSeveralInARow) {
+  start();
+  auto said = refused(Reason::kGoalBlocked);
+  EXPECT_EQ(only<PointReport>(said).at(0).kind, PointReport::Kind::kDropped);
+  EXPECT_EQ(only<PointReport>(said).at(0).why, "a rock on it");
+  EXPECT_EQ(asked().point, 1u);
+  said = refused(Reason::kGoalBlocked);
+  EXPECT_EQ(asked().point, 2u);
+  planned();
+  passed();
+  EXPECT_EQ(report().phase, MissionPhase::kFinished);
+  EXPECT_EQ(report().reached, 1u);
+  EXPECT_EQ(report().dropped, 2u);
+}
+
+// ledger: S6-51 S6-E21
+TEST_F(ExecutiveOfficerTest, EndsTheMissionInADefinedWayWhenTheLastPointIsDropped) {
+  plan.points.resize(1);
+  plan.at_end = MissionEnd::kReturn;
+  start();
+  refused(Reason::kGoalBlocked);
+  EXPECT_EQ(report().phase, MissionPhase::kFinished);
+  EXPECT_EQ(report().dropped, 1u);
+  EXPECT_TRUE(only<FollowOrder>(script->said).back().waypoints.empty()) << "default: hold";
+
+  plan.if_dropped = MissionEnd::kSurface;
+  start();
+  refused(Reason::kOutsideFence);
+  EXPECT_TRUE(only<FollowOrder>(script->said).back().surface);
+  EXPECT_NE(report().phase, MissionPhase::kFinished) << "it is still below";
+  script->hear(fix(1, 0, 0, 0, 0, 0.2), 1);
+  EXPECT_EQ(report().phase, MissionPhase::kFinished);
+}
+
+// ledger: S6-65
+TEST_F(ExecutiveOfficerTest, WaitsForTheCaptainToMoveAPointThatHasASafePlaceNearIt) {
+  start();
+  EXPECT_TRUE(only<PointReport>(refused(Reason::kGoalBlocked, Eigen::Vector2d(100, 14))).empty());
+  script->hear(PointMoved{0, {100, 14}}, now += 0.1);
+  EXPECT_EQ(asked().point, 0u);
+  EXPECT_EQ(asked().target.north_east, Eigen::Vector2d(100, 14));
+  refused(Reason::kGoalBlocked, Eigen::Vector2d(100, 30));
+  wait(1.9);
+  EXPECT_EQ(asked().point, 0u);
+  wait(0.2);
+  EXPECT_EQ(asked().point, 1u) << "the Captain said nothing";
+}
+
+// ledger: S6-48
+TEST_F(ExecutiveOfficerTest, HoldsWithoutAWayGoesOnWithOneAndLosesPatienceInTheEnd) {
+  config.patience_s = 10;
+  start();
+  planned();
+  const auto said = refused(Reason::kNoPath);
+  ASSERT_EQ(only<FollowOrder>(said).size(), 1u);
+  EXPECT_TRUE(only<FollowOrder>(said)[0].waypoints.empty());
+  EXPECT_EQ(report().phase, MissionPhase::kHolding);
+  wait(6);
+  planned();
+  EXPECT_EQ(report().phase, MissionPhase::kUnderWay);
+  EXPECT_EQ(only<FollowOrder>(script->said).back().waypoints.size(), 1u);
+  wait(20);
+  refused(Reason::kOutOfBudget);
+  wait(3.5);
+  EXPECT_EQ(report().dropped, 0u);
+  EXPECT_EQ(asked().point, 0u);
+  wait(1);
+  EXPECT_EQ(asked().point, 1u) << "10 s without a way, all told";
+  EXPECT_EQ(only<PointReport>(script->said).back().kind, PointReport::Kind::kTaken);
+}
+
+// ledger: S6-37
+TEST_F(ExecutiveOfficerTest, ApproachesAPointAgainThatWasPassedAbeamAndDropsItTheSecondTime) {
+  start();
+  planned();
+  passed(false);
+  EXPECT_EQ(asked().point, 0u);
+  EXPECT_EQ(only<RouteRequest>(script->said).size(), 2u);
+  planned();
+  passed(false);
+  EXPECT_EQ(asked().point, 1u);
+}
+
+// ledger: S2-07
+TEST_F(ExecutiveOfficerTest, StaysAtAPointAsLongAsItIsAskedTo) {
+  plan.points[0].hold_s = 5;
+  start();
+  planned();
+  passed();
+  wait(4.9);
+  EXPECT_EQ(asked().point, 0u);
+  wait(0.2);
+  EXPECT_EQ(asked().point, 1u);
+}
+
+// ledger: S6-41
+TEST_F(ExecutiveOfficerTest, LeavesATaskToItsDriverAndLeadsItFromPlaceToPlace) {
+  plan.points[0].task = "survey";
+  start();
+  planned();
+  passed();
+  script->hear(TaskAward{1, "mower"}, now);
+  script->hear(TaskPlan{1, "mower", {{110, 0, 2, 1}, {110, 10, 2, 1}}}, now);
+  EXPECT_EQ(asked().target.north_east, Eigen::Vector2d(110, 0)) << "by way of the Navigator, like any other place";
+  planned();
+  passed();
+  EXPECT_EQ(asked().target.north_east, Eigen::Vector2d(110, 10));
+  refused(Reason::kGoalBlocked);
+  EXPECT_EQ(asked().point, 1u) << "what was blocked is left out, and the task is done";
+  EXPECT_EQ(report().dropped, 0u);
+
+  start();
+  planned();
+  passed();
+  script->hear(TaskAward{1, ""}, now);
+  EXPECT_EQ(asked().point, 1u) << "no driver";
+}
+
+TEST_F(ExecutiveOfficerTest, HoldsAndResumesOnOrder) {
+  start();
+  planned();
+  MissionOrder hold;
+  hold.kind = MissionOrder::Kind::kHold;
+  script->hear(hold, now);
+  EXPECT_EQ(report().phase, MissionPhase::kHolding);
+  EXPECT_TRUE(planned().empty());
+  hold.kind = MissionOrder::Kind::kResume;
+  script->hear(hold, now);
+  EXPECT_EQ(report().phase, MissionPhase::kUnderWay);
+  EXPECT_EQ(asked().point, 0u);
+  EXPECT_EQ(only<RouteRequest>(script->said).size(), 2u);
+}
+
+// ledger: S6-34
+TEST_F(ExecutiveOfficerTest, EndsTheMissionOnOrderAndOnTheLossOfTheCaptain) {
+  start();
+  planned();
+  MissionOrder abort;
+  abort.kind = MissionOrder::Kind::kAbort;
+  abort.end = MissionEnd::kReturn;
+  abort.why = "leak";
+  script->hear(abort, now);
+  EXPECT_EQ(report().phase, MissionPhase::kAborted);
+  EXPECT_EQ(report().why, "leak");
+  EXPECT_EQ(asked().target.north_east, Eigen::Vector2d(1, 2)) << "where the mission started";
+  planned();
+  passed();
+  EXPECT_EQ(report().phase, MissionPhase::kAborted);
+
+  start();
+  const auto said = script->hear(AgentLost{"captain", false, "out of memory"}, now);
+  EXPECT_TRUE(only<FollowOrder>(said).back().surface);
+  EXPECT_EQ(report().phase, MissionPhase::kAborted);
+}
+
+// ledger: S2-09
+TEST_F(ExecutiveOfficerTest, AStoredPlanIsCarriedOutLikeOneThatIsWorkedOut) {
+  plan.points[1].hold_s = 3;
+  plan.points[2].task = "survey";
+  plan.at_end = MissionEnd::kReturn;
+  const PlanGraph worked_out = mission_graph(plan, config);
+  check_plan_graph(worked_out);
+  const PlanGraph stored = read_plan_graph(write_plan_graph(worked_out), "stored.json");
+  EXPECT_EQ(stored, worked_out);
+
+  const auto sail = [&] {
+    planned();
+    passed();
+    refused(Reason::kGoalBlocked);
+    planned();
+    passed();
+    script->hear(TaskAward{3, ""}, now);
+    planned();
+    passed();
+    std::vector<std::size_t> types;
+    for (const Message& m : script->said) types.push_back(m.index());
+    return types;
+  };
+  start();
+  const auto by_plan = sail();
+  EXPECT_EQ(report().phase, MissionPhase::kFinished);
+  EXPECT_NE(only<Decision>(script->said)[0].reason.find("worked out from the mission"), std::string::npos);
+  version = 0;
+  start({{"test", stored}});
+  EXPECT_EQ(sail(), by_plan);
+  EXPECT_EQ(report().phase, MissionPhase::kFinished);
+  EXPECT_NE(only<Decision>(script->said)[0].reason.find("from the library"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace isobath

@@ -1,0 +1,102 @@
+// The sonar detector under a script.
+#include <gtest/gtest.h>
+#include <isobath/mission/fls_detector.hpp>
+#include <isobath/planning/plan_frame.hpp>
+
+#include "agent_script.hpp"
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+
+class FlsDetectorTest : public testing::Test {
+ protected:
+  FlsDetectorTest() : agent(FlsDetectorConfig{}, ObstacleMemoryConfig{}), script(agent) {}
+
+  std::vector<Message> sweep(double s, const Pose& X_WL, const std::vector<Polygon>& outlines_L,
+                             double existence = 0.95) {
+    auto map = std::make_shared<Detection>();
+    map->time = at(s);
+    map->X_WB = X_WL;
+    map->cells.cell_m = 0.5;
+    for (const Polygon& outline : outlines_L) map->obstacles.push_back(obstacle(outline, existence));
+    return script.hear(Sweep{static_cast<int>(s), true, 0.1, map}, s);
+  }
+  static Pose pose(double north, double east, double heading_deg) {
+    return {Rotation::from_heading(Angle::degrees(heading_deg)), {north, east, 2}};
+  }
+  void start(const std::vector<InjectedMap>& maps, double s) {
+    MissionPlan plan;
+    plan.injected = maps;
+    MissionOrder order;
+    order.plan = std::make_shared<const MissionPlan>(plan);
+    script.hear(order, s);
+  }
+
+  FlsDetector agent;
+  Script script;
+};
+
+// ledger: S6-38
+TEST_F(FlsDetectorTest, SaysAtTheEndOfEachSweepWhatItHasSeen) {
+  const auto scans = only<ObstacleScan>(sweep(1, pose(10, 20, 90), {square(15, 3, 1), square(30, -8, 2)}));
+  ASSERT_EQ(scans.size(), 1u);
+  EXPECT_EQ(scans[0].number, 1);
+  EXPECT_EQ(scans[0].time, at(1));
+  ASSERT_EQ(scans[0].hazards.size(), 2u);
+  EXPECT_EQ(scans[0].hazards[0].outline, square(15, 3, 1)) << "in the vehicle's own frame, possible multiples too";
+  EXPECT_EQ(scans[0].hazards[0].kind, HazardKind::kSeen);
+  EXPECT_DOUBLE_EQ(scans[0].hazards[0].margin_m, 0.25);
+  EXPECT_TRUE(only<ObstacleScan>(sweep(2, pose(10, 20, 90), {square(15, 3, 1)}, 0.4)).at(0).hazards.empty());
+}
+
+// ledger: S6-58
+TEST_F(FlsDetectorTest, GivesAnInjectedMapAtExactlyItsTime) {
+  script.hear(fix(0, 0, 0, 90), 0);
+  InjectedMap map;
+  map.at_s = 10;
+  map.outlines = {square(0, 40, 3)};
+  start({map}, 2.34);
+  for (double s = 2.4; s < 12.35; s += 0.1) EXPECT_TRUE(script.tick(s).empty()) << s;
+  const auto scans = only<ObstacleScan>(script.tick(12.4));
+  ASSERT_EQ(scans.size(), 1u);
+  EXPECT_EQ(scans[0].time, at(2.34) + seconds(10));
+  ASSERT_EQ(scans[0].hazards.size(), 1u);
+  EXPECT_EQ(scans[0].hazards[0].kind, HazardKind::kInjected);
+  Vector2d middle = Vector2d::Zero();
+  for (const Vector2d& p : scans[0].hazards[0].outline) middle += p / 4;
+  EXPECT_LT((middle - Vector2d(40, 0)).norm(), 1e-9) << "ahead of a vehicle that heads east";
+  EXPECT_TRUE(script.tick(12.5).empty());
+  EXPECT_EQ(only<ObstacleScan>(sweep(13, pose(0, 5, 90), {})).at(0).hazards.size(), 1u) << "and from then on";
+}
+
+// ledger: S6-66
+TEST_F(FlsDetectorTest, RecallsWhatSweepsHaveConfirmedWhenTheVehicleComesBack) {
+  for (int i = 1; i <= 4; ++i) sweep(i, pose(0, 0, 0), {square(20, 0, 2)});
+  const auto away = only<ObstacleScan>(sweep(10, pose(100, 50, 180), {}));
+  ASSERT_EQ(away.at(0).hazards.size(), 1u);
+  const Hazard rock = away[0].hazards[0];
+  EXPECT_EQ(rock.kind, HazardKind::kRemembered);
+  const PlanFrame frame = PlanFrame::of(away[0].X_WL);
+  Vector2d middle = Vector2d::Zero();
+  for (const Vector2d& p : rock.outline) middle += frame.to_world(p) / static_cast<double>(rock.outline.size());
+  EXPECT_LT((middle - Vector2d(20, 0)).norm(), 0.5);
+  EXPECT_GT(rock.margin_m, 0);
+  EXPECT_TRUE(only<ObstacleScan>(sweep(11, pose(400, 50, 180), {})).at(0).hazards.empty()) << "out of reach";
+}
+
+TEST_F(FlsDetectorTest, RemembersNothingWithoutAPosition) {
+  auto map = std::make_shared<Detection>();
+  map->obstacles = {obstacle(square(20, 0, 2), 1)};
+  for (int i = 1; i <= 4; ++i) {
+    map->time = at(i);
+    const auto scan = only<ObstacleScan>(script.hear(Sweep{i, false, 0, map}, i));
+    EXPECT_FALSE(scan.at(0).posed);
+    EXPECT_EQ(scan.at(0).hazards.size(), 1u);
+  }
+  EXPECT_TRUE(only<ObstacleScan>(sweep(6, pose(10, 0, 0), {})).at(0).hazards.empty());
+}
+
+}  // namespace
+}  // namespace isobath
