@@ -1,6 +1,6 @@
 #include <isobath/runtime/baseline_helms.hpp>
 #include <isobath/runtime/evaluation.hpp>
-#include <isobath/runtime/mission_helm.hpp>
+#include <isobath/runtime/mission_run.hpp>
 
 namespace isobath {
 namespace {
@@ -9,8 +9,7 @@ constexpr const char* kOurs = "isobath";
 
 std::unique_ptr<Helm> make_crew(const Scenario& scenario, const VehicleSheet& vehicle,
                                 const Configuration& configuration) {
-  return std::make_unique<MissionHelm>(standard_crew(configuration.mission, vehicle), vehicle, configuration.crew,
-                                       std::make_shared<const MissionPlan>(scenario.mission));
+  return make_mission_helm({scenario.mission, vehicle}, configuration);
 }
 
 /// The paper's own way of it: the update of the grid as printed (ledger S6-E01 ff.), cells of 5 m, corners cut, nothing

@@ -68,6 +68,17 @@ void run_missing(const EvaluationRequest& request, const std::vector<std::uint64
   if (failure) std::rethrow_exception(failure);
 }
 
+/// Reasons differ in their places: what is left is the kind.
+std::string without_numbers(const std::string& reason) {
+  std::string kind;
+  for (const char c : reason) {
+    const bool digit = (c >= '0' && c <= '9') || (c == '.' && !kind.empty() && kind.back() == '#');
+    if (!digit) kind += c;
+    if (digit && (kind.empty() || kind.back() != '#')) kind += '#';
+  }
+  return kind;
+}
+
 double badness(const RunScore& s) {
   if (s.contact_s >= 0) return 5;
   if (s.collision) return 4;
@@ -140,7 +151,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
     s.replans += r.replans;
     s.false_replans += r.false_replans;
     s.safety_actions += r.safety_actions;
-    if (!r.refused.empty()) ++s.reasons[r.refused];
+    if (!r.refused.empty()) ++s.reasons[without_numbers(r.refused)];
   }
   s.path_ratio = spread(path);
   s.time_ratio = spread(time);

@@ -63,6 +63,14 @@ void judge_decisions(const std::vector<Decision>& decisions, const RunTruth& tru
   }
 }
 
+/// The last that it said about giving something up; else what its report says.
+std::string refusal_of(const LoopResult& result) {
+  for (auto d = result.decisions.rbegin(); d != result.decisions.rend(); ++d) {
+    if (d->what == "refuse" || d->what == "drop point" || d->what == "abort") return d->reason;
+  }
+  return result.report.why;
+}
+
 }  // namespace
 
 RunTruth::RunTruth(const Suite& suite, const SuiteRun& run) {
@@ -89,6 +97,8 @@ void RunTruth::plan(const Suite& suite, const SuiteRun& run) {
   RouteConfig config;
   config.cell_m = suite.about.planner_cell_m;
   config.clearance_m = suite.about.clearance_m;
+  config.wished_clearance_m = suite.about.clearance_m;  // the shortest, not the roomiest
+  config.room_weight = 0;
   RouteTask task;
   const VehicleConfig& from = run.scenario.scene.vehicle;
   task.start = from.start.head<2>();
@@ -132,7 +142,7 @@ RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTr
   s.duration_s = result.duration_s;
   const bool ended = result.report.phase == MissionPhase::kAborted || result.report.phase == MissionPhase::kFinished ||
                      result.report.dropped > 0;
-  if (!s.goal_reached && !s.collision && ended) s.refused = result.report.why;
+  if (!s.goal_reached && !s.collision && ended) s.refused = refusal_of(result);
   const std::size_t last = end.reached ? end.sample : result.track.size();
   s.path_m = length_of(result.track, last);
   if (end.reached) {
