@@ -9,6 +9,8 @@ namespace {
 
 using Eigen::Vector2d;
 
+constexpr double kBorder = 1e-9;  // of the size of the coordinates: what is nearer to a border lies on it
+
 Vector2d nearest_on_side(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   const Vector2d side = b - a;
   const double length2 = side.squaredNorm();
@@ -139,15 +141,18 @@ bool is_simple(const Polygon& polygon) {
 
 bool is_convex(const Polygon& polygon) {
   if (!is_simple(polygon)) return false;
-  int sense = 0;
+  const double sense = area(polygon) < 0 ? -1 : 1;
+  double most = 1;
+  for (const Vector2d& p : polygon) most = std::max(most, p.cwiseAbs().maxCoeff());
   for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector2d& a = polygon[i];
+    const Vector2d& b = polygon[(i + 1) % polygon.size()];
+    const double slack = kBorder * most * (b - a).norm();
     for (const Vector2d& p : polygon) {
-      const int side = sign(orientation(polygon[i], polygon[(i + 1) % polygon.size()], p));
-      if (side * sense < 0) return false;
-      if (side != 0) sense = side;
+      if (sense * orientation(a, b, p) < -slack) return false;
     }
   }
-  return sense != 0;
+  return true;
 }
 
 bool encloses(const Polygon& simple, const Vector2d& p) {
@@ -168,7 +173,7 @@ double inner_distance(const Polygon& simple, const Vector2d& p) {
 
 std::optional<double> first_exit(const Polygon& simple, const Vector2d& a, const Vector2d& b) {
   ISOBATH_ASSERT(!simple.empty());
-  const double border = 1e-9 * (1 + std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff()));
+  const double border = kBorder * (1 + std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff()));
   const auto outside = [&](double share) { return inner_distance(simple, a + share * (b - a)) < -border; };
   if (outside(0)) return 0;
   const std::vector<double> shares = cuts(simple, a, b);

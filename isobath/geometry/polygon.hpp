@@ -31,18 +31,19 @@ Eigen::Vector2d nearest_point(const Polygon& convex, const Eigen::Vector2d& p);
 /// Distance from `origin` along the unit vector `direction` to the first point of the border, if the ray meets it.
 std::optional<double> ray_hit(const Polygon& polygon, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction);
 
-// Simple polygons: any sense, convex or not. Decided with exact predicates.
+// Simple polygons: any sense, convex or not. Decided with exact predicates, but for what lies on a border to 1e-9 of
+// the size of the coordinates where it says so.
 
 /// At least three corners, no side of length 0, and sides that meet only where one ends and the next begins. O(n^2).
 bool is_simple(const Polygon& polygon);
-/// Simple, and every corner on the same side of each side (or on it); any sense.
+/// Simple, and every corner on the inner side of each side or on it (to 1e-9); any sense.
 bool is_convex(const Polygon& polygon);
 /// Whether p lies inside or on the border.
 bool encloses(const Polygon& simple, const Eigen::Vector2d& p);
 /// From p to the border: positive inside, negative outside. The polygon is not empty.
 double inner_distance(const Polygon& simple, const Eigen::Vector2d& p);
 /// Where the segment from a to b first leaves the polygon, as a share of it: 0 where a is outside; empty where all of
-/// it lies inside or on the border. Borders count to 1e-9 of the size of the coordinates.
+/// it lies inside or on the border (to 1e-9).
 std::optional<double> first_exit(const Polygon& simple, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 
 }  // namespace isobath

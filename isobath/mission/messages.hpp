@@ -61,7 +61,11 @@ struct SonarLook {
   double mean = 0;                        ///< of the samples, share of full scale
   double full_scale = 0;                  ///< share of samples at full scale
   double silent = 0;                      ///< share of samples at zero
+  double roughness = 0;                   ///< mean step between neighbouring range bins, share of full scale
+  std::optional<double> port;             ///< mean of the beams to that side; empty: none looks there
+  std::optional<double> starboard;        ///< likewise
   Angle bearing;                          ///< of the middle of the fan, from forward
+  std::optional<Pose> X_WL;               ///< of the instant of the ping, where it is known; the frame of the echoes
   bool decided = false;                   ///< whether echoes could be told from noise
   std::vector<Eigen::Vector2d> echoes_L;  ///< x forward, y starboard, m; at most one a beam, the nearest
 };

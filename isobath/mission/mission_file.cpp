@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
 #include <isobath/mission/mission_file.hpp>
+#include <isobath/mission/mission_import.hpp>
 
 namespace isobath {
 namespace {
@@ -107,12 +109,9 @@ class Degrees {
 
   [[nodiscard]] Vector2d metres(const GeoPoint& point, const Place& place, const std::string& key) const {
     if (!plane_) refuse(place, key, "degrees in a mission without an origin", "mission.latitude_deg, longitude_deg");
-    if (!valid(point)) refuse(place, key, "no place on the globe", "-90 .. 90 deg and -180 .. 180 deg");
-    if (distance_m(plane_->origin(), point) > kMostMetres) {
-      refuse(place, key, fmt::format("{}, {} is far from the origin", point.latitude_deg, point.longitude_deg),
-             fmt::format("within {} m of it", kMostMetres));
-    }
-    return plane_->to_plane(point);
+    Place where = place;
+    where.key += (where.key.empty() ? "" : ".") + key;
+    return metres_of(*plane_, point, where);
   }
 
  private:
@@ -142,9 +141,10 @@ Polygon fence_of(const MissionKeys& keys, const Degrees& degrees, const Place& p
 }
 
 void inject(const OutlineKeys& keys, std::vector<InjectedMap>& maps) {
+  Polygon outline = polygon_of(keys.outline);
+  check_outline(outline, keys.place);
   auto map = std::find_if(maps.begin(), maps.end(), [&](const InjectedMap& m) { return m.at_s == keys.at_s; });
   if (map == maps.end()) map = maps.insert(map, {keys.place, keys.at_s, {}});
-  Polygon outline = polygon_of(keys.outline);
   if (area(outline) < 0) std::reverse(outline.begin(), outline.end());
   map->outlines.push_back(std::move(outline));
 }
@@ -188,17 +188,41 @@ MissionPlan make_plan(const MissionKeys& keys, const Schema& read, std::optional
   return plan;
 }
 
-MissionPlan parse_mission(std::string_view text, const std::string& file) {
+namespace {
+
+MissionPlan parse_toml(std::string_view text, const std::string& file) {
   MissionKeys keys;
   Schema all = schema(keys);
   read_toml(text, file, all);
   MissionPlan plan = make_plan(keys, all);
   if (plan.place.file.empty()) plan.place.file = file;
+  return plan;
+}
+
+/// That of a .moos file of the same name beside a behaviour file.
+std::optional<GeoOrigin> origin_beside(const std::string& file) {
+  std::filesystem::path beside = file;
+  beside.replace_extension(".moos");
+  if (beside == file || !std::filesystem::is_regular_file(beside)) return std::nullopt;
+  return moos_origin(text_of_file(beside.string()));
+}
+
+}  // namespace
+
+MissionPlan parse_mission(std::string_view text, const std::string& file) {
+  MissionPlan plan = looks_like_json(text)   ? import_qground_plan(text, file)
+                     : looks_like_moos(text) ? import_moos(text, file)
+                                             : parse_toml(text, file);
   check_mission(plan);
   return plan;
 }
 
-MissionPlan load_mission(const std::string& file) { return parse_mission(text_of_file(file), file); }
+MissionPlan load_mission(const std::string& file) {
+  const std::string text = text_of_file(file);
+  MissionPlan plan = parse_mission(text, file);
+  if (!plan.origin && looks_like_moos(text)) plan.origin = origin_beside(file);
+  return plan;
+}
 
 bool looks_like_mission(std::string_view text) {
   for (const std::string_view header : {"[mission]", "[[mission_point]]"}) {

@@ -6,6 +6,8 @@
 namespace isobath {
 namespace {
 
+constexpr std::size_t kMostKinds = 200;  // that a report names
+
 [[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed,
                          const std::string& advice = {}) {
   place.key += (place.key.empty() ? "" : ".") + key;
@@ -81,19 +83,6 @@ void check_point(const MissionPlan& plan, const MissionPoint& p) {
          fmt::format("{} .. {} m", plan.limits.min_depth_m, plan.limits.max_depth_m), "see mission_limits");
 }
 
-void check_injected(const InjectedMap& map) {
-  check_range(map.place, "at_s", map.at_s, 0, 1e7, " s");
-  for (const Polygon& outline : map.outlines) {
-    const bool near = std::all_of(outline.begin(), outline.end(), on_the_plane);
-    if (!near) refuse(map.place, "outline", "a corner that is not on the plane", far_text());
-    if (outline.size() < 3) refuse(map.place, "outline", "fewer than 3 corners", "3 corners and more");
-    if (outline.size() > kMostFenceCorners || !is_convex(outline)) {
-      refuse(map.place, "outline", "not convex", fmt::format("a convex polygon of up to {} corners", kMostFenceCorners),
-             "cut it into convex pieces");
-    }
-  }
-}
-
 }  // namespace
 
 const char* to_text(MissionEnd end) {
@@ -111,7 +100,11 @@ void ImportReport::leave_out(const std::string& what, const std::string& why) {
     ++l.count;
     return;
   }
-  left_out.push_back({what, why, 1});
+  if (left_out.size() < kMostKinds) {
+    left_out.push_back({what, why, 1});
+  } else {
+    left_out.back() = {"things of other kinds", "too many to name", left_out.back().count + 1};
+  }
 }
 
 std::size_t ImportReport::left_out_count() const {
@@ -130,6 +123,16 @@ std::string ImportReport::text() const {
   return text;
 }
 
+void check_outline(const Polygon& outline, const Place& place) {
+  const bool near = std::all_of(outline.begin(), outline.end(), on_the_plane);
+  if (!near) refuse(place, "outline", "a corner that is not on the plane", far_text());
+  if (outline.size() < 3) refuse(place, "outline", "fewer than 3 corners", "3 corners and more");
+  if (outline.size() > kMostFenceCorners || !is_convex(outline)) {
+    refuse(place, "outline", "not convex", fmt::format("a convex polygon of up to {} corners", kMostFenceCorners),
+           "cut it into convex pieces");
+  }
+}
+
 void check_mission(const MissionPlan& plan) {
   check_range(plan.place, "speed", plan.speed, 0.01, kMostSpeed, " m/s");
   if (plan.origin && !valid(*plan.origin)) refuse(plan.place, "latitude_deg", "no place on the globe", "-90 .. 90 deg");
@@ -139,7 +142,10 @@ void check_mission(const MissionPlan& plan) {
     throw Error("the mission has no points", plan.place, "one [[mission_point]] and more");
   }
   for (const MissionPoint& p : plan.points) check_point(plan, p);
-  for (const InjectedMap& map : plan.injected) check_injected(map);
+  for (const InjectedMap& map : plan.injected) {
+    check_range(map.place, "at_s", map.at_s, 0, 1e7, " s");
+    for (const Polygon& outline : map.outlines) check_outline(outline, map.place);
+  }
 }
 
 }  // namespace isobath

@@ -87,6 +87,8 @@ struct MissionPlan {
 /// out of range; a point outside the fence (S6-43), beyond the depth limits or nearer to the bottom than they allow; a
 /// fence that is not a simple polygon; an injected outline that is not convex.
 void check_mission(const MissionPlan& plan);
+/// The same for one outline to inject.
+void check_outline(const Polygon& outline, const Place& place);
 
 inline constexpr double kMostMetres = 1e5;              ///< from the origin to anything of a mission, each axis
 inline constexpr double kMostSpeed = 10;                ///< m/s

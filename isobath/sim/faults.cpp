@@ -19,6 +19,7 @@ const std::vector<std::pair<std::string, FaultKind>>& kinds() {
       {"delayed", FaultKind::kDelayed},
       {"intermittent", FaultKind::kIntermittent},
       {"drifting", FaultKind::kDrifting},
+      {"jump", FaultKind::kJump},
       {"blind_side", FaultKind::kBlindSide},
       {"saturated", FaultKind::kSaturated},
       {"leak", FaultKind::kLeak},
@@ -29,7 +30,7 @@ const std::vector<std::pair<std::string, FaultKind>>& kinds() {
   return kNames;
 }
 
-enum class SourceKind : std::uint8_t { kUnknown, kSonar, kReading, kThruster, kVehicle };
+enum class SourceKind : std::uint8_t { kUnknown, kSonar, kReading, kThruster, kVehicle, kAgent, kPlanner, kHost };
 
 /// The number in "sonar.2"; 0 without one, -1 for what is none of 1 .. 99 or VehicleFaults::kMaxThrusters.
 int number_of(std::string_view source) {
@@ -42,7 +43,14 @@ int number_of(std::string_view source) {
   return error == std::errc() && end == digits.data() + digits.size() && number >= 1 && number <= highest ? number : -1;
 }
 
+constexpr std::string_view kAgentPrefix = "agent.";
+
 SourceKind kind_of(std::string_view source) {
+  if (source.starts_with(kAgentPrefix)) {
+    return source.size() > kAgentPrefix.size() ? SourceKind::kAgent : SourceKind::kUnknown;
+  }
+  if (source == "planner") return SourceKind::kPlanner;
+  if (source == "link" || source == "disk") return SourceKind::kHost;
   const int number = number_of(source);
   const std::string_view name = source.substr(0, source.find('.'));
   if (number < 0) return SourceKind::kUnknown;
@@ -58,15 +66,17 @@ SourceKind kind_of(std::string_view source) {
 }
 
 bool fits(FaultKind kind, SourceKind source) {
+  const bool sensor = source == SourceKind::kSonar || source == SourceKind::kReading;
   switch (kind) {
-    case FaultKind::kOff:
-    case FaultKind::kStuck:
+    case FaultKind::kOff: return sensor || source == SourceKind::kAgent || source == SourceKind::kHost;
+    case FaultKind::kStuck: return sensor || source == SourceKind::kAgent;
+    case FaultKind::kWrongScale: return sensor || source == SourceKind::kPlanner;
     case FaultKind::kGarbage:
-    case FaultKind::kWrongScale:
     case FaultKind::kSlow:
     case FaultKind::kDelayed:
-    case FaultKind::kIntermittent: return source == SourceKind::kSonar || source == SourceKind::kReading;
-    case FaultKind::kDrifting: return source == SourceKind::kReading;
+    case FaultKind::kIntermittent: return sensor;
+    case FaultKind::kDrifting:
+    case FaultKind::kJump: return source == SourceKind::kReading;
     case FaultKind::kWrongGain:
     case FaultKind::kBlindSide:
     case FaultKind::kSaturated: return source == SourceKind::kSonar;
@@ -90,6 +100,7 @@ std::string wanted_amount(FaultKind kind, double amount) {
     case FaultKind::kBattery:
     case FaultKind::kThrusterLoss: return amount > 0 && amount <= 1 ? "" : "a share above 0, up to 1";
     case FaultKind::kDrifting: return size > 0 && size <= 1000 ? "" : "-1000 .. 1000 a second, not 0";
+    case FaultKind::kJump: return size > 0 && size <= 1e6 ? "" : "-1e6 .. 1e6, not 0";
     case FaultKind::kBlindSide: return size == 1 ? "" : "-1 (port) or 1 (starboard)";
     case FaultKind::kClockJump: return size > 0 && size <= 1e9 ? "" : "seconds, -1e9 .. 1e9, not 0";
     default: return amount == 0 ? "" : "none with this kind";
@@ -106,7 +117,7 @@ void check(const FaultConfig& f) {
   if (source == SourceKind::kUnknown) {
     throw Error("\"" + f.source + "\" is no source", at("source"),
                 "sonar, sonar.2 .., altimeter, altimeter.2 .., compass, ahrs, gyro, dvl, depth, gps, lbl, navigation, "
-                "thruster, thruster.1 .. thruster.16 or vehicle");
+                "thruster, thruster.1 .. thruster.16, vehicle, agent.NAME, link, disk or planner");
   }
   const std::string kind = to_text(f.kind);
   if (!fits(f.kind, source)) throw Error(f.source + " cannot be " + kind, at("kind"));
@@ -304,7 +315,9 @@ const char* to_text(FaultKind kind) {
 
 std::vector<Field> fields(FaultConfig& c) {
   return {
-      Field::text("source", &c.source, "What breaks: a sensor (sonar, sonar.2, dvl, ...), thruster.2 or vehicle."),
+      Field::text(
+          "source", &c.source,
+          "What breaks: a sensor (sonar, sonar.2, dvl, ...), thruster.2, vehicle, agent.NAME, link, disk or planner."),
       Field::choice("kind", &c.kind, kinds(), "How it breaks."),
       Field::real("at_s", &c.at_s, {0, 1e8}, "s", "When, from the start of the run."),
       Field::text("when", &c.when, "Name of the event that it waits for instead; empty: none."),
@@ -438,6 +451,7 @@ bool FaultyChannel<T>::apply(Fault& fault, Time since, Time now, T& reading, Dur
       if (f.period_s > 0) return std::fmod(held_for, f.period_s) >= f.amount * f.period_s;
       return fault.random.uniform() >= f.amount;
     case FaultKind::kDrifting: shift(reading, f.amount * held_for); return true;
+    case FaultKind::kJump: shift(reading, f.amount); return true;
     default: hurt_sonar(reading, f); return true;
   }
 }

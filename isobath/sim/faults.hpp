@@ -4,15 +4,19 @@
 // A fault begins `after_s` after `at_s` on the clock of the run, or after the first event named `when`, and lasts for
 // `for_s` (0: to the end), the last instant excluded. It belongs to a source: "sonar", "sonar.2", "altimeter",
 // "altimeter.2", "compass", "ahrs", "gyro", "dvl", "depth", "gps", "lbl", "navigation", "thruster" (all), "thruster.2"
-// (counted from 1) or "vehicle". Several may hold at once; they act in the order of the list.
+// (counted from 1), "vehicle", or of the host: "agent.NAME", "link" (to the operator), "disk", "planner". Several may
+// hold at once; they act in the order of the list.
 //
 //   kind           on              does                                                  amount (period_s)
-//   off            any reading     none comes                                            -
-//   stuck          any reading     repeats the last good one under new times             -
+//   off            any reading,    none comes; an agent dies; nobody is heard over the    -
+//                  agent, link,    link; nothing more can be written
+//                  disk
+//   stuck          any reading,    repeats the last good one under new times; an agent    -
+//                  agent           hangs
 //   garbage        any reading     values at random, now and then not finite; of a ping  -
 //                                  the samples only: sizes and finiteness stay valid
-//   wrong_scale    any reading     multiplied; of a ping the ranges (start, bin), not    factor, not 1
-//                                  samples
+//   wrong_scale    any reading,    multiplied; of a ping the ranges (start, bin), not    factor, not 1
+//                  planner         samples; of the planner its budget
 //   wrong_gain     sonar           samples multiplied, up to full scale                  factor, not 1
 //   slow           any reading     one a period at most                                  - (period)
 //   delayed        any reading     comes late, with its own time                         s
@@ -20,6 +24,7 @@
 //                                  first share of each period
 //   drifting       reading but no  value + amount x time since the beginning: heading,   per second: m, rad, m/s, rad/s
 //                  ping            roll, forward velocity, yaw rate, depth, range, north
+//   jump           the same        the same value + amount, from the beginning on        m, rad, m/s, rad/s
 //   blind_side     sonar           samples 0 to port (-1) or starboard (+1) of boresight  -1 or 1
 //   saturated      sonar           samples at full scale                                  -
 //   leak           vehicle         water inside                                          -
@@ -27,7 +32,8 @@
 //   thruster_loss  thruster        thrust lost                                           share
 //   clock_jump     vehicle         its clock is off                                      s
 //
-// The last four change no reading: `vehicle_faults` says what holds, and the simulator acts on it. A source without an
+// The last four change no reading: `vehicle_faults` says what holds, and the simulator acts on it; on those of the host
+// whoever plays the host does, as `active` says. A source without an
 // active fault passes bit for bit. Errors: Error (tier 2) with file, line and column for an unknown source, a kind that
 // its source cannot have, or an amount that makes no sense; nothing after construction. One thread. Time is
 // that of the caller's clock; random numbers come from the seed and the place in the list.
@@ -59,6 +65,7 @@ enum class FaultKind : std::uint8_t {
   kDelayed,
   kIntermittent,
   kDrifting,
+  kJump,
   kBlindSide,
   kSaturated,
   kLeak,

@@ -8,7 +8,8 @@ namespace isobath {
 namespace {
 
 constexpr double kStep = 0.02, kTruthInterval = 0.1, kHealthInterval = 1, kNear = 10;
-constexpr double kDiveMemory = 20;  // s: how slowly the noise on a dive wanders
+constexpr double kPartSilent = 0.5, kPartPeriods = 5;  // s, 1: a sensor that is to speak, and does not
+constexpr double kDiveMemory = 20;                     // s: how slowly the noise on a dive wanders
 
 enum : std::uint64_t { kSensorSeed = 1, kNavigatorSeed, kFaultSeed, kDiveSeed, kSonarSeed };
 
@@ -58,7 +59,11 @@ std::vector<Field> fields(SimulationConfig& c) {
 struct Simulator::Device {
   Device(const SonarConfig& config, const World& world, const Water& water, std::uint64_t seed, int threads,
          const FaultSchedule& faults, const std::string& fault_name)
-      : sonar(config, world, water, seed, threads), pings(faults, fault_name), ranges(faults, fault_name) {}
+      : name(fault_name),
+        sonar(config, world, water, seed, threads),
+        pings(faults, fault_name),
+        ranges(faults, fault_name) {}
+  std::string name;
   SimulatedSonar sonar;
   FaultyChannel<Ping> pings;
   FaultyChannel<RangeReading> ranges;
@@ -90,6 +95,7 @@ Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
   for (const char* source : {"compass", "ahrs", "gyro", "dvl", "depth", "gps", "lbl"}) {
     reading_channels_.emplace_back(source, FaultyChannel<NavReading>(faults_, source));
   }
+  watch_parts();
   near_.resize(world_->bodies().size());
   state_before_ = plant_->state();
   check_start();
@@ -217,9 +223,15 @@ void Simulator::put(SimulatedEvent event) {
   queue_.push_back(std::move(event));
 }
 
+/// Whether anything came.
 template <class Channel>
-void Simulator::deliver(Channel& channel) {
-  while (auto reading = channel.pop(now_)) put(std::move(*reading));
+bool Simulator::deliver(Channel& channel) {
+  bool any = false;
+  while (auto reading = channel.pop(now_)) {
+    put(std::move(*reading));
+    any = true;
+  }
+  return any;
 }
 
 void Simulator::truth(Time time) {
@@ -243,7 +255,10 @@ void Simulator::navigate() {
       channel->second.push(now_, reading);
     }
     for (auto& [name, channel] : reading_channels_) {
-      while (auto reading = channel.pop(now_)) arrived.push_back(std::move(*reading));
+      while (auto reading = channel.pop(now_)) {
+        if (const auto part = parts_.find(name); part != parts_.end()) part->second.heard = now_;
+        arrived.push_back(std::move(*reading));
+      }
     }
   }
   for (const Navigation& fix : navigator_.advance(now_, state, arrived)) fix_channel_.push(now_, fix);
@@ -268,7 +283,9 @@ void Simulator::ping_all() {
   }
   for (const auto& device : devices_) {
     deliver(device->pings);
-    deliver(device->ranges);
+    if (deliver(device->ranges)) {
+      if (const auto part = parts_.find(device->name); part != parts_.end()) part->second.heard = now_;
+    }
   }
 }
 
@@ -285,6 +302,59 @@ void Simulator::report_health() {
     if (broken.leak || weak) health.state = HealthState::kDegraded;
     put(std::move(health));
   }
+  report_parts();
+}
+
+void Simulator::watch_parts() {
+  const auto watch = [this](const std::string& source, double period_s) {
+    parts_[source].silent_s = std::max(kPartSilent, kPartPeriods * period_s);
+  };
+  if (scene_.navigator.kind != NavigatorKind::kTruth) {
+    const NavigationSensorsConfig& sensors = scene_.navigation;
+    if (sensors.depth.on) watch("depth", 1 / sensors.depth.rate_hz);
+    if (sensors.compass.on) watch("compass", 1 / sensors.compass.rate_hz);
+    if (sensors.ahrs.on) watch("ahrs", 1 / sensors.ahrs.rate_hz);
+    if (sensors.gyro.on) watch("gyro", 1 / sensors.gyro.rate_hz);
+  }
+  for (const auto& device : devices_) {
+    if (device->name.starts_with("altimeter")) watch(device->name, to_seconds(device->sonar.interval()));
+  }
+}
+
+void Simulator::report_parts() {
+  for (const auto& [source, part] : parts_) {
+    if (!(part.silent_s > 0)) continue;
+    const bool silent = to_seconds(now_ - part.heard) > part.silent_s;
+    report_part(source, silent ? HealthState::kLost : HealthState::kOk, silent ? "silent" : "");
+  }
+  bool full = false;
+  std::map<std::string, double> weak;  // by the names that the faults go by
+  for (std::size_t i = 0; i < faults_.faults().size(); ++i) {
+    const FaultConfig& fault = faults_.faults()[i];
+    const bool holds = faults_.active_since(i, now_).has_value();
+    if (fault.source == "disk") full = full || holds;
+    if (fault.kind == FaultKind::kThrusterLoss) {
+      double& lost = weak[fault.source];
+      lost = std::max(lost, holds ? fault.amount : 0);
+    }
+  }
+  report_part("disk", full ? HealthState::kLost : HealthState::kOk, full ? "full" : "");
+  for (const auto& [source, lost] : weak) {
+    const HealthState state = lost >= 1 ? HealthState::kLost : lost > 0 ? HealthState::kDegraded : HealthState::kOk;
+    report_part(source, state, lost > 0 ? "gives less than it should" : "");
+  }
+}
+
+void Simulator::report_part(const std::string& source, HealthState state, const char* note) {
+  Part& part = parts_[source];
+  const bool again = state != HealthState::kOk && now_ >= part.due;
+  if (state == part.state && !again) return;
+  part.state = state;
+  part.due = now_ + seconds(kHealthInterval);
+  Health health{now_, source, state, 1, false, note};
+  const double used = to_seconds(now_) / (3600 * scene_.vehicle.endurance_h);
+  health.battery_share = static_cast<float>(std::clamp(1 - used - faults_.vehicle_faults(now_).battery_lost, 0.0, 1.0));
+  put(std::move(health));
 }
 
 }  // namespace isobath

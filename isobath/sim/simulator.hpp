@@ -3,9 +3,11 @@
 // One logical clock, no wall clock: the vehicle is moved in steps of 20 ms (vehicle/plant.hpp); navigation sensors and
 // sonars fire at their own instants between steps, where the pose is interpolated. Between source and output stand the
 // faults. The vehicle follows its way-points, unless it is commanded: then a closed loop runs, each command taking
-// effect with the next step. Everything follows from scene and seed: the same bytes on any number of threads (ledger
-// S6-57). Throws Error, with the place in the scene's file, where the scene cannot begin: a body inside the vehicle, a
-// start below the bottom. One thread calls; sonars may use more.
+// effect with the next step. Health comes from the vehicle once a second, and from its host at once and then once a
+// second for what has failed: a depth, heading or attitude sensor or an altimeter that is silent for five of its
+// periods and half a second, a thruster, the disk; and once when it is well again. Everything follows from scene and
+// seed: the same bytes on any number of threads (ledger S6-57). Throws Error, with the place in the scene's file, where
+// the scene cannot begin: a body inside the vehicle, a start below the bottom. One thread calls; sonars may use more.
 #pragma once
 
 #include <deque>
@@ -20,6 +22,7 @@
 #include <isobath/vehicle/health.hpp>
 #include <isobath/vehicle/plant.hpp>
 #include <isobath/vehicle/vehicle_state.hpp>
+#include <map>
 #include <optional>
 #include <variant>
 
@@ -52,6 +55,8 @@ class Simulator {
   /// Half the diagonal of the hull in plan, m: what must stay clear.
   [[nodiscard]] double hull_radius() const;
   [[nodiscard]] const VehicleModel& vehicle() const { return model_; }
+  /// What is broken, for whoever plays the parts that no simulator has: agents, planner, link.
+  [[nodiscard]] const FaultSchedule& faults() const { return faults_; }
 
  private:
   struct Device;
@@ -62,11 +67,14 @@ class Simulator {
   void navigate();
   void ping_all();
   void report_health();
+  void watch_parts();
+  void report_parts();
+  void report_part(const std::string& source, HealthState state, const char* note);
   void watch_for_events();
   void truth(Time time);
   [[nodiscard]] VehicleState state_at(Time time) const;
   template <class Channel>
-  void deliver(Channel& channel);
+  bool deliver(Channel& channel);
   void put(SimulatedEvent event);
 
   Scene scene_;
@@ -84,6 +92,13 @@ class Simulator {
   std::vector<std::unique_ptr<Device>> devices_;
   std::vector<std::pair<std::string, FaultyChannel<NavReading>>> reading_channels_;
   FaultyChannel<Navigation> fix_channel_;
+  struct Part {
+    double silent_s = 0;  ///< of a sensor: how long it may be; 0: no sensor
+    Time heard{};         ///< its last reading
+    HealthState state = HealthState::kOk;
+    Time due{};  ///< of its next report, while it is not well
+  };
+  std::map<std::string, Part> parts_;  ///< what the host watches
   Random waves_;
   double dive_noise_ = 0;
 

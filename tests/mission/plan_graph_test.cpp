@@ -98,7 +98,7 @@ TEST(PlanGraph, RefusesWhatIsNoPlan) {
 }
 
 TEST(PlanGraph, ParametersAreNumbersOrTexts) {
-  const PlanAction& action = two_points().nodes[0].action;
+  const PlanAction action = two_points().nodes[0].action;
   EXPECT_EQ(action.number("point"), 0.0);
   EXPECT_EQ(action.text("task"), "sample");
   EXPECT_EQ(action.number("task"), std::nullopt);

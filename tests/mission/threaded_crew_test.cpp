@@ -19,7 +19,6 @@ using test::seat;
 using test::seats;
 using testing::Contains;
 using testing::ElementsAre;
-using testing::Not;
 
 CrewConfig config_of(int mailbox = 1024) {
   CrewConfig config;
@@ -54,8 +53,10 @@ struct Heard {
   }
 };
 
-/// An agent that is stuck in its turn on call 1 until it is let go, and tells when it is gone.
+/// An agent that is stuck in its turn on call 1 until it is let go; tells when what it says then is released, and when
+/// it is gone.
 struct Stuck {
+  std::latch released{1};
   std::latch in{1};
   std::latch go{1};
   std::latch gone{1};
@@ -71,7 +72,10 @@ struct Stuck {
       if (id_of(m) != 1) return;
       in.count_down();
       go.wait();
-      out.say(TaskCall{66, "", {}});
+      out.say(ChartedHazards{{new std::vector<Hazard>, [this](const std::vector<Hazard>* said) {
+                                delete said;
+                                released.count_down();
+                              }}});
     });
   }
 };
@@ -111,17 +115,21 @@ TEST(ThreadedCrew, ABlockedAgentDelaysNoOtherAndIsGivenUp) {
   Stuck stuck;
   {
     std::latch answered(1);
-    ThreadedCrew crew(seats(stuck.at_seat("planner"), seat("other planner",
-                                                           [&](const Message& m, Time, Outbox& out) {
-                                                             heard.add(test::text_of(m));
-                                                             if (id_of(m) == 2) out.say(TaskCall{7, "", {}});
-                                                             if (id_of(m) == 7) answered.count_down();
-                                                           })),
-                      {}, config_of(), clock.reader());
+    std::latch went_on(1);
+    const auto other = [&](const Message& m, Time, Outbox& out) {
+      heard.add(test::text_of(m));
+      if (id_of(m) == 2) out.say(TaskCall{7, "", {}});
+      if (id_of(m) == 7) answered.count_down();
+      if (id_of(m) == 3) went_on.count_down();
+    };
+    ThreadedCrew crew(seats(stuck.at_seat("planner"), seat("other planner", other)), {}, config_of(), clock.reader());
     crew.hear(call(1));
     stuck.in.wait();
     crew.hear(call(2));
     answered.wait();  // while the planner is stuck
+    clock.set(0.4);
+    crew.hear(call(3));
+    went_on.wait();  // a turn that began at 0.4 s
     clock.set(0.5);
     crew.advance();
     EXPECT_FALSE(crew.lost("planner"));
@@ -131,9 +139,9 @@ TEST(ThreadedCrew, ABlockedAgentDelaysNoOtherAndIsGivenUp) {
     crew.settle();
     EXPECT_THAT(heard.all(), Contains("agent lost planner hung"));
     EXPECT_EQ(crew.counts().lost, 1u);
-    crew.hear(call(3));
+    crew.hear(call(4));
     crew.settle();
-    EXPECT_EQ(heard.all().back(), "task call 3");
+    EXPECT_EQ(heard.all().back(), "task call 4");
     EXPECT_EQ(crew.said().count("planner"), 0u);
   }  // the crew does not wait for it
   stuck.go.count_down();
@@ -145,17 +153,20 @@ TEST(ThreadedCrew, WhatAnAgentSaysAfterItWasGivenUpIsNotHeard) {
   Clock clock;
   Heard heard;
   Stuck stuck;
-  {
-    ThreadedCrew crew(seats(stuck.at_seat("planner"), seat("a", heard.listener())), {}, config_of(), clock.reader());
-    crew.hear(call(1));
-    stuck.in.wait();
-    clock.set(1);
-    crew.advance();
-    stuck.go.count_down();
-    crew.settle();
-  }
-  stuck.gone.wait();
-  EXPECT_THAT(heard.all(), Not(Contains("task call 66")));
+  ThreadedCrew crew(seats(stuck.at_seat("planner"), seat("a", heard.listener())), {}, config_of(), clock.reader());
+  crew.hear(call(1));
+  stuck.in.wait();
+  clock.set(0.4);
+  crew.hear(call(2));
+  while (heard.all().size() < 2) std::this_thread::yield();
+  clock.set(0.51);
+  crew.advance();
+  stuck.go.count_down();
+  stuck.released.wait();  // what it has said is no more
+  crew.settle();
+  EXPECT_TRUE(crew.lost("planner"));
+  EXPECT_FALSE(crew.lost("a"));
+  EXPECT_THAT(heard.all(), ElementsAre("task call 1", "task call 2", "agent lost planner hung"));
 }
 
 // ledger: S6-33

@@ -147,6 +147,28 @@ TEST(Faults, DriftingGrowsFromItsBeginning) {
   for (const Arrival& a : inside(all)) EXPECT_DOUBLE_EQ(a.depth, 100 + a.when - 0.5 * (a.when - 10));
 }
 
+TEST(Faults, AJumpIsTheSameFromItsBeginning) {
+  const auto all = arrivals(fault("depth", FaultKind::kJump, -7));
+  expect_sound_outside(all);
+  for (const Arrival& a : inside(all)) EXPECT_DOUBLE_EQ(a.depth, 100 + a.when - 7);
+}
+
+// What has no readings changes nothing by itself; whoever plays the part asks.
+TEST(Faults, OfTheHostHoldAndAreAskedFor) {
+  const FaultSchedule schedule(
+      {fault("agent.navigator", FaultKind::kOff), fault("agent.pilot", FaultKind::kStuck),
+       fault("link", FaultKind::kOff), fault("disk", FaultKind::kOff), fault("planner", FaultKind::kWrongScale, 0.01)},
+      1);
+  for (const char* source : {"agent.navigator", "agent.pilot", "link", "disk", "planner"}) {
+    EXPECT_EQ(schedule.active(source, at(9)), nullptr) << source;
+    EXPECT_NE(schedule.active(source, at(12)), nullptr) << source;
+    EXPECT_EQ(schedule.active(source, at(20)), nullptr) << source;
+  }
+  EXPECT_EQ(schedule.active("agent.pilot", at(12))->kind, FaultKind::kStuck);
+  EXPECT_EQ(schedule.active("planner", at(12))->amount, 0.01);
+  EXPECT_EQ(schedule.active("agent.captain", at(12)), nullptr);
+}
+
 TEST(Faults, OfSeveralTheOrderOfTheListCounts) {
   const FaultConfig scale = fault("depth", FaultKind::kWrongScale, 2);
   const FaultConfig drift = fault("depth", FaultKind::kDrifting, 1);
@@ -392,6 +414,11 @@ TEST(Faults, WhatMakesNoSenseIsRefusedWithItsPlace) {
   refused("source = \"dvl.2\"", "is no source");
   refused("source = \"thruster.17\"\nkind = \"thruster_loss\"\namount = 1", "is no source");
   refused("source = \"dvl\"\nkind = \"saturated\"", "dvl cannot be saturated");
+  refused("source = \"agent.\"", "is no source");
+  refused("source = \"link\"\nkind = \"stuck\"", "link cannot be stuck");
+  refused("source = \"planner\"", "planner cannot be off");
+  refused("source = \"sonar\"\nkind = \"jump\"\namount = 1", "sonar cannot be jump");
+  refused("source = \"gps\"\nkind = \"jump\"", "not 0");
   refused("source = \"sonar\"\nkind = \"drifting\"\namount = 1", "sonar cannot be drifting");
   refused("source = \"dvl\"\nkind = \"leak\"", "dvl cannot be leak");
   refused("source = \"dvl\"\nkind = \"wrong_scale\"", "a factor");

@@ -167,6 +167,40 @@ TEST(Simulator, TheVehicleReportsLeakAndBatteryAndFeelsALostThruster) {
   EXPECT_LT(weak.motion.back().state.X_WB.translation.x(), 5);
 }
 
+/// What the host says of one part: when, and in which state.
+std::vector<std::pair<double, HealthState>> said_of(const Heard& all, const std::string& source) {
+  std::vector<std::pair<double, HealthState>> said;
+  for (const Health& health : all.health) {
+    if (health.source == source) said.emplace_back(to_seconds(health.time), health.state);
+  }
+  return said;
+}
+
+TEST(Simulator, TheHostSaysWhatHasFailedAtOnceAndOnceThatItIsWell) {
+  const std::string navigated = kSimple + "[navigation]\nkind = \"sensors\"\n";
+  for (const auto& [source, kind] : {std::pair<std::string, std::string>("depth", "off"),
+                                     {"altimeter", "off"},
+                                     {"disk", "off"},
+                                     {"thruster.1", "thruster_loss"}}) {
+    const std::string amount = kind == "off" ? "" : "amount = 0.5\n";
+    const Heard all = run(navigated + "[[fault]]\nsource = \"" + source + "\"\nkind = \"" + kind +
+                          "\"\nat_s = 3\nfor_s = 4\n" + amount);
+    const auto said = said_of(all, source);
+    ASSERT_GE(said.size(), 3u) << source;
+    const HealthState bad = kind == "off" ? HealthState::kLost : HealthState::kDegraded;
+    EXPECT_EQ(said.front().second, bad) << source;
+    EXPECT_GE(said.front().first, 3) << source;
+    EXPECT_LE(said.front().first, 4.5) << source << ": five periods of 0.2 s at most";
+    for (std::size_t i = 1; i + 1 < said.size(); ++i) {
+      EXPECT_NEAR(said[i].first - said[i - 1].first, 1, 0.03) << source;
+    }
+    EXPECT_EQ(said.back().second, HealthState::kOk) << source;
+    EXPECT_NEAR(said.back().first, 7, 0.3) << source;
+    EXPECT_EQ(said_of(all, "vehicle").size(), 11u) << source << ": the vehicle's own reports go on";
+  }
+  EXPECT_EQ(run(navigated).health.size(), 11u) << "nothing to say of what works";
+}
+
 TEST(Simulator, AJumpOfTheClockMovesWhatTheVehicleSaysAndNotTheTruth) {
   const Heard all = run(kSimple + "[[fault]]\nsource = \"vehicle\"\nkind = \"clock_jump\"\nat_s = 5\namount = -3\n");
   bool backwards = false;
