@@ -151,7 +151,9 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
     s.replans += r.replans;
     s.false_replans += r.false_replans;
     s.safety_actions += r.safety_actions;
-    if (!r.refused.empty()) ++s.reasons[without_numbers(r.refused)];
+    if (r.refused.empty()) continue;
+    ++s.reasons[without_numbers(r.refused)];
+    s.no_way_there += !run.no_way.empty();
   }
   s.path_ratio = spread(path);
   s.time_ratio = spread(time);

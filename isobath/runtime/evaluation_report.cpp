@@ -53,6 +53,7 @@ ordered_json json_of(const Summary& s) {
           {"encounters", s.encounters.count},
           {"goals_reached", s.goals.count},
           {"refused", s.refused.count},
+          {"refused_where_no_way", s.no_way_there},
           {"lost", s.lost.count},
           {"path_ratio_median", median_of(s.path_ratio)},
           {"time_ratio_median", median_of(s.time_ratio)},
@@ -152,6 +153,7 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("near miss", [](const Summary& s) { return text_of(s.near_misses); });
   row("encounter", [](const Summary& s) { return text_of(s.encounters); });
   row("refused, with a reason", [](const Summary& s) { return text_of(s.refused); });
+  row("... where there is no way", [](const Summary& s) { return fmt::format("{}", s.no_way_there); });
   row("neither goal nor reason", [](const Summary& s) { return text_of(s.lost); });
   row("way by the shortest", [](const Summary& s) { return text_of(s.path_ratio, 3); });
   row("time by the shortest", [](const Summary& s) { return text_of(s.time_ratio, 3); });
