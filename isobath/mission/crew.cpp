@@ -22,7 +22,7 @@ std::vector<Field> fields(CrewConfig& c) {
 }
 
 void check_seats(const std::vector<Seat>& seats, const CrewConfig& config) {
-  std::set<std::string> names = {"", kOutside, kSupervisor, kHelmGate};
+  std::set<std::string> names = {"", kFromOutside, kSupervisor, kHelmGate};
   for (const Seat& seat : seats) {
     if (!seat.agent) throw Error("no agent sits on the seat '" + seat.name + "'");
     if (!names.insert(seat.name).second) {
@@ -48,7 +48,7 @@ Crew::Crew(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfi
 
 bool Crew::hear(Message sensed, Time now) {
   if (!set_clock(now)) return false;
-  post(kOutside, std::move(sensed));
+  post(kFromOutside, std::move(sensed));
   settle();
   return true;
 }

@@ -219,7 +219,7 @@ void ThreadedCrew::stop() {
 
 void ThreadedCrew::hear(Message sensed) {
   const std::lock_guard lock(state_->mutex);
-  state_->say(kOutside, std::move(sensed));
+  state_->say(kFromOutside, std::move(sensed));
 }
 
 void ThreadedCrew::advance() {

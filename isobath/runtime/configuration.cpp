@@ -36,11 +36,12 @@ std::vector<Section> sections(Configuration& c) {
       {"quarantine", "Which depths must be confirmed before they are believed.", fields(c.depth.gate)},
       {"collision", "When raw ranges raise the alarm, whatever the maps say.", fields(c.collision)},
       {"state", "When health reports raise an alarm.", fields(c.state)},
+      {"safety", "What the Safety Officer takes for a fault.", fields(c.safety)},
       {"crew", "How agents are run and watched, and who has the last word.", fields(c.crew)},
       {"calibration", "From marked recordings to a sensor model.", fields(c.calibration)},
       {"simulation", "What overrides a scene, where the input is one.", fields(c.simulation)}};
   std::vector<Section> mission = sections(c.mission);
-  const auto crew = std::find_if(all.begin(), all.end(), [](const Section& s) { return s.name == "crew"; });
+  const auto crew = std::find_if(all.begin(), all.end(), [](const Section& s) { return s.name == "safety"; });
   all.insert(crew, std::make_move_iterator(mission.begin()), std::make_move_iterator(mission.end()));
   return all;
 }

@@ -6,6 +6,7 @@
 #include <isobath/map/body_grid.hpp>
 #include <isobath/map/depth_map.hpp>
 #include <isobath/mission/crew.hpp>
+#include <isobath/mission/safety_config.hpp>
 #include <isobath/mission/standard_crew.hpp>
 #include <isobath/perception/depth_mapper.hpp>
 #include <isobath/perception/grid_mapper.hpp>
@@ -48,6 +49,7 @@ struct Configuration {
   ImminentCollisionConfig collision;
   StateEvaluatorConfig state;
   MissionConfig mission;
+  SafetyConfig safety;
   CrewConfig crew;
   CalibrationConfig calibration;
   SimulationConfig simulation;

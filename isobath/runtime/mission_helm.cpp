@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/sonar_look.hpp>
 #include <isobath/runtime/mission_helm.hpp>
 
 namespace isobath {
@@ -22,11 +24,12 @@ bool is_finite(const Navigation& fix) {
 }  // namespace
 
 MissionHelm::MissionHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
-                         std::shared_ptr<const MissionPlan> plan)
+                         std::shared_ptr<const MissionPlan> plan, double echo_contrast)
     : names_(names_of(seats)),
       plan_(std::move(plan)),
       crew_(std::make_unique<Crew>(std::move(seats), vehicle, config,
-                                   [this](const Envelope& envelope) { note(envelope); })) {}
+                                   [this](const Envelope& envelope) { note(envelope); })),
+      echo_contrast_(echo_contrast) {}
 
 void MissionHelm::note(const Envelope& envelope) {
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) decisions_.push_back(*decision);
@@ -49,6 +52,11 @@ void MissionHelm::hear(const Event& event) {
     RangeReading own = *range;
     own.time += clock_.offset();
     crew_->hear(own, now);
+  }
+  if (const auto* ping = std::get_if<Ping>(&event); ping && check(*ping) == PingFault::kNone) {
+    SonarLook look = look_of(*ping, name_of(*ping));
+    look.time += clock_.offset();
+    crew_->hear(std::move(look), now);
   }
   if (const auto* health = std::get_if<Health>(&event); health && std::isfinite(health->battery_share)) {
     hear_health(*health);
@@ -84,7 +92,20 @@ void MissionHelm::hear_health(Health health) {
   crew_->hear(std::move(health), clock_.now());
 }
 
-void MissionHelm::on_ping(const PosedPing&) {}
+/// As faults name them: in the order of their first pings.
+std::string MissionHelm::name_of(const Ping& ping) {
+  const std::size_t index = sonars_.index_of(ping.X_BS).value_or(0);
+  return index == 0 ? "sonar" : fmt::format("sonar.{}", index + 1);
+}
+
+void MissionHelm::on_ping(const PosedPing& posed) {
+  SonarLook look = look_of(posed.ping, name_of(posed.ping));
+  bool decided = false;
+  for (int w = 0; w < posed.decisions.words(); ++w) decided = decided || posed.decisions.usable()[w] != 0;
+  add_echoes(look, posed.ping, posed.decisions, decided, posed.X_WB, echo_contrast_);
+  look.time += clock_.offset();
+  crew_->hear(std::move(look), clock_.now());
+}
 
 void MissionHelm::on_scan(const ScanResult& scan) {
   auto map = std::make_shared<Detection>(scan.detection);

@@ -17,18 +17,18 @@
 #include <isobath/mission/crew.hpp>
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/mission_clock.hpp>
+#include <isobath/runtime/scenario.hpp>
+#include <isobath/sonar/sensor_table.hpp>
 #include <memory>
 #include <optional>
 
 namespace isobath {
 
-/// What a health report of an agent says where it hangs instead of dying.
-inline constexpr const char* kHangs = "hangs";
-
 class MissionHelm : public Helm {
  public:
+  /// `echo_contrast`: of the echoes that the Safety Officer is shown (sonar_look.hpp).
   MissionHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
-              std::shared_ptr<const MissionPlan> plan);
+              std::shared_ptr<const MissionPlan> plan, double echo_contrast);
 
   void hear(const Event& event) override;
   void on_ping(const PosedPing& ping) override;
@@ -45,11 +45,14 @@ class MissionHelm : public Helm {
   void begin();
   void beat();
   void hear_health(Health health);
+  [[nodiscard]] std::string name_of(const Ping& ping);
 
   std::vector<std::string> names_;  ///< of the seats
   std::shared_ptr<const MissionPlan> plan_;
   std::unique_ptr<Crew> crew_;  ///< holds a way back to this object
+  double echo_contrast_;
   MissionClock clock_;
+  SensorTable sonars_;
   bool begun_ = false;
   bool link_ = true;
   std::optional<Time> next_beat_;

@@ -69,16 +69,15 @@ void draw_obstacles(MissionSheet& sheet, const MissionOutcome& outcome) {
 }
 
 void draw_ways(MissionSheet& sheet, const MissionOutcome& outcome) {
-  const Decision* last = nullptr;
+  const auto last = std::find_if(outcome.decisions.rbegin(), outcome.decisions.rend(), changes_the_way);
   for (const Decision& d : outcome.decisions) {
     if (d.way.empty()) continue;
-    if (last) sheet.polyline(last->way, false, {kOldWay, 1.6, true});
-    last = &d;
-  }
-  for (const Decision& d : outcome.decisions) {
+    std::vector<Vector2d> way = d.way;
+    if (const auto from = place_at(outcome, d.time)) way.insert(way.begin(), from->north_east);
+    const bool in_force = &d == &*last;
+    sheet.polyline(way, false, {in_force ? kWay : kOldWay, in_force ? 2.0 : 1.6, !in_force});
     for (const Vector2d& corner : d.way) sheet.circle(corner, 3 * sheet.metres_per_px(), {kOldWay, 1.5, false});
   }
-  if (last) sheet.polyline(last->way, false, {kWay, 2, false});
 }
 
 void draw_tracks(MissionSheet& sheet, const MissionOutcome& outcome) {

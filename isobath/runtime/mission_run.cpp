@@ -2,6 +2,7 @@
 #include <fstream>
 #include <isobath/io/native_log.hpp>
 #include <isobath/mission/mission_file.hpp>
+#include <isobath/mission/safety_officer.hpp>
 #include <isobath/mission/standard_crew.hpp>
 #include <isobath/runtime/mission_run.hpp>
 #include <isobath/runtime/run_log.hpp>
@@ -51,10 +52,13 @@ std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::pat
 
 std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration) {
   std::vector<Seat> seats = standard_crew(configuration.mission, setup.vehicle);
-  CrewConfig crew = configuration.crew;
-  crew.gate.safety_officer.clear();
-  return std::make_unique<MissionHelm>(std::move(seats), setup.vehicle, crew,
-                                       std::make_shared<const MissionPlan>(setup.plan));
+  if (!configuration.crew.gate.safety_officer.empty()) {
+    seats.push_back({configuration.crew.gate.safety_officer, AgentLevel::kSupervisory,
+                     std::make_unique<SafetyOfficer>(configuration.safety, setup.vehicle)});
+  }
+  return std::make_unique<MissionHelm>(std::move(seats), setup.vehicle, configuration.crew,
+                                       std::make_shared<const MissionPlan>(setup.plan),
+                                       configuration.safety.echo_contrast);
 }
 
 std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions, const fs::path& input) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fmt/format.h>
 #include <isobath/mission/mission_file.hpp>
 #include <isobath/runtime/scenario.hpp>
@@ -60,10 +61,36 @@ SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, in
   report_.details["faults"] = list_of(s.faults);
   report_.bytes_total = static_cast<std::uint64_t>(simulator_.duration_s() * 1000);  // progress counts milliseconds
   report_.origin = s.origin();
+  for (const FaultConfig& fault : s.faults) {
+    const bool known =
+        std::any_of(host_.begin(), host_.end(), [&](const HostPart& p) { return p.source == fault.source; });
+    if (!known && (fault.source == "link" || fault.source.starts_with("agent.")))
+      host_.push_back({fault.source, false});
+  }
+}
+
+void SimulatedSource::watch_host() {
+  const Time now(seconds(simulator_.now_s()));
+  for (HostPart& part : host_) {
+    const FaultConfig* fault = simulator_.faults().active(part.source, now);
+    if ((fault != nullptr) == part.lost) continue;
+    part.lost = fault != nullptr;
+    Health health{now, part.source, part.lost ? HealthState::kLost : HealthState::kOk, 1, false, {}};
+    if (fault && fault->kind == FaultKind::kStuck) health.note = kHangs;
+    told_.push_back(std::move(health));
+  }
 }
 
 std::optional<Event> SimulatedSource::next() {
-  while (auto event = simulator_.next()) {
+  while (true) {
+    if (!told_.empty()) {
+      Event event(std::move(told_.front()));
+      told_.pop_front();
+      return event;
+    }
+    auto event = simulator_.next();
+    if (!event) return std::nullopt;
+    watch_host();
     report_.bytes_read = static_cast<std::uint64_t>(simulator_.now_s() * 1000);
     if (auto* ping = std::get_if<Ping>(&*event)) return std::move(*ping);
     if (auto* reading = std::get_if<RangeReading>(&*event)) return std::move(*reading);
@@ -73,7 +100,6 @@ std::optional<Event> SimulatedSource::next() {
     if (const auto* echoes = std::get_if<EchoTruth>(&*event)) truth_->take(*echoes);
     if (const auto* motion = std::get_if<TrueMotion>(&*event)) truth_->take(*motion);
   }
-  return std::nullopt;
 }
 
 }  // namespace isobath

@@ -2,12 +2,15 @@
 // SCENARIO` runs it without a file between.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <isobath/io/event.hpp>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace isobath {
 
@@ -31,6 +34,9 @@ std::string_view embedded_scene();
 std::string scenario_text(const std::filesystem::path& input);
 
 /// The events that the vehicle gives; the truths are handed to whoever asks for them, before what they are about.
+/// Faults of parts that no simulator has, agents and the operator's link, are told by health reports when they begin
+/// and end: state lost, and of an agent that hangs the note kHangs; so a log of the events holds them.
+inline constexpr const char* kHangs = "hangs";
 class SimulatedSource : public Source {
  public:
   class TruthSink {
@@ -48,9 +54,17 @@ class SimulatedSource : public Source {
   [[nodiscard]] Simulator& simulator() { return simulator_; }
 
  private:
+  void watch_host();
+
   Simulator simulator_;
   SourceReport report_;
   TruthSink* truth_ = nullptr;
+  struct HostPart {
+    std::string source;
+    bool lost = false;
+  };
+  std::vector<HostPart> host_;  ///< those that have faults
+  std::deque<Health> told_;     ///< of them, to be given next
 };
 
 }  // namespace isobath

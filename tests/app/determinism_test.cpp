@@ -37,7 +37,8 @@ fs::path first_turns_of_the_tank(const fs::path& recordings) {
                log);
 }
 
-TEST(Determinism, EmbeddedScene) { expect_the_same_bytes({}, {"--set", "simulation.duration_s=10"}); }
+// ledger: S6-57
+TEST(Determinism, EmbeddedMission) { expect_the_same_bytes({}); }
 
 TEST(Determinism, RecordedTank) {
   ISOBATH_NEEDS_DATA(recordings, "msis-tank");

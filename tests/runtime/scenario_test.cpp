@@ -44,7 +44,7 @@ Judged run_scene(Scene scene, const SimulationConfig& simulation, Configuration 
 // ledger: S6-D04 S6-D07 S6-60
 TEST(EmbeddedScene, TheBuoysAreFoundWithinABinOfTheirRangeForEverySeed) {
   for (int seed = 1; seed <= 5; ++seed) {
-    const TruthScore score = run_scene(open_scene(""), {.seed = seed}).score;
+    const TruthScore score = run_scene(open_scene(""), {.seed = seed, .duration_s = 24}).score;
     int found = 0;
     for (const BodyScore& body : score.bodies) {
       if (!body.name.starts_with("buoy")) continue;
@@ -58,6 +58,65 @@ TEST(EmbeddedScene, TheBuoysAreFoundWithinABinOfTheirRangeForEverySeed) {
     EXPECT_EQ(score.of_bodies + score.of_bottom + score.of_surface + score.of_mirrors + score.false_alarms,
               score.obstacles);
   }
+}
+
+// The buoys of the trials: 0.15 x 0.70 m, three quarters of it under water.
+// ledger: S6-60 S6-D07
+TEST(EmbeddedScene, PandanHasTheBuoysOfTheTrials) {
+  const Scene scene = open_scene("");
+  int buoys = 0;
+  for (const Body& body : scene.bodies) {
+    if (!body.name.starts_with("buoy")) continue;
+    ++buoys;
+    const auto& buoy = std::get<Cylinder>(body.shape);
+    EXPECT_NEAR(2 * buoy.radius, 0.15, 1e-9);
+    EXPECT_NEAR(buoy.length, 0.70, 1e-9);
+    EXPECT_NEAR((buoy.centre.z() + buoy.length / 2) / buoy.length, 0.75, 1e-9) << "under water";
+  }
+  EXPECT_EQ(buoys, 2);
+  EXPECT_EQ(scene.vehicle.start.z(), 0.5);
+  EXPECT_EQ(scene.sonars[0].bins, 44);
+  EXPECT_EQ(scene.sonars[0].range_m, 50);
+}
+
+class MissionScenario : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, MissionScenario,
+                         testing::Values("pandan", "simulated_mission_1", "simulated_mission_2", "field_mission_1",
+                                         "field_mission_2"),
+                         [](const auto& name) { return std::string(name.param); });
+
+// Scene and mission of one file, each of them whole.
+// ledger: S6-43 S6-58 S6-60
+TEST_P(MissionScenario, HoldsASceneAndThreeMissionPoints) {
+  const Scenario scenario =
+      load_scenario((test::source_folder() / "scenarios" / (std::string(GetParam()) + ".toml")).string());
+  EXPECT_GT(scenario.scene.about.text.size(), 40u);
+  EXPECT_EQ(scenario.mission.points.size(), 3u);
+  EXPECT_EQ(scenario.scene.sonars.size(), 1u);
+  Simulator simulator(scenario.scene, {.duration_s = 1});
+  int pings = 0;
+  while (const auto event = simulator.next()) pings += std::holds_alternative<Ping>(*event) ? 1 : 0;
+  EXPECT_GT(pings, 5);
+}
+
+TEST(Scenario, WithoutMissionPointsIsASceneAlone) {
+  EXPECT_TRUE(parse_scenario("[scene]\n", "a.toml").mission.points.empty());
+}
+
+// What is wrong with either is said with its place in the file.
+TEST(Scenario, NamesThePlaceOfWhatIsWrong) {
+  const auto problem_of = [](const std::string& toml) {
+    try {
+      (void)parse_scenario(toml, "a.toml");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(problem_of("[scene]\n[mission]\nspeed = -1\n").find("a.toml:3:"), std::string::npos);
+  EXPECT_NE(problem_of("[scene]\n[vehicle]\nspeed = -1\n").find("a.toml:3:"), std::string::npos);
+  EXPECT_NE(problem_of("[scene]\n[mission]\ntitle = \"none\"\n"), "") << "a mission without points";
+  EXPECT_NE(problem_of("[scene]\n[misison]\n").find("a.toml:2:"), std::string::npos);
 }
 
 // A target that was not there is a false alarm, one that was there and is not seen is a miss.

@@ -1,0 +1,101 @@
+// isobath run with a mission, as a user meets it: what it says, what it leaves behind, and that it can be run again.
+#include <tests/app/program.hpp>
+#include <tests/support/data.hpp>
+
+namespace isobath {
+namespace {
+namespace fs = std::filesystem;
+using namespace test;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+nlohmann::json printed(const ProgramResult& result) { return nlohmann::json::parse(result.out, nullptr, false); }
+
+fs::path scenario(const std::string& name) { return source_folder() / "scenarios" / (name + ".toml"); }
+
+// The demo: the vehicle sees, decides, turns, and can say why.
+// ledger: S6-56 S6-57 S6-59
+TEST(Mission, TheDemoReachesItsPointsClearOfTheBuoysAndSaysWhy) {
+  const fs::path out = scratch_folder() / "out";
+  const ProgramResult result = isobath_run({}, out);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto mission = printed(result)["mission"];
+  EXPECT_EQ(mission["phase"], "finished");
+  EXPECT_EQ(mission["reached"], 3);
+  EXPECT_EQ(mission["dropped"], 0);
+  EXPECT_EQ(mission["truth"]["contact"], false);
+  EXPECT_GT(mission["truth"]["least_clearance_m"].get<double>(), 1);
+  EXPECT_GT(mission["truth"]["path_m"].get<double>(), 100);
+  EXPECT_GT(mission["timings"]["scan_to_decision"]["count"].get<int>(), 10);
+  auto without_timings = mission;
+  without_timings.erase("timings");
+  EXPECT_EQ(without_timings, json_of(out / "mission.json")) << "the file holds no measured time";
+  const auto decisions = json_of(out / "decisions.json")["decisions"];
+  EXPECT_EQ(decisions.size(), mission["decisions"]);
+  int replans = 0;
+  for (const auto& d : decisions) {
+    EXPECT_FALSE(d["reason"].get<std::string>().empty());
+    if (d["what"] != "replan" || !d.contains("obstacle_m")) continue;
+    ++replans;
+    EXPECT_TRUE(d.contains("leg") && d.contains("margin_m") && d.contains("way_m")) << d;
+  }
+  EXPECT_GT(replans, 0);
+  EXPECT_THAT(content_of(out / "report.html"),
+              AllOf(HasSubstr("<h2>Mission</h2>"), HasSubstr("<h2>Decisions</h2>"), HasSubstr("replan")));
+  for (const char* picture : {"mission.png", "clearance.png"})
+    EXPECT_THAT(content_of(out / picture), StartsWith("\x89PNG"));
+}
+
+TEST(Mission, TheSummaryNamesEachReplanWithItsReason) {
+  const ProgramResult result =
+      test::isobath({"run", scenario("simulated_mission_1"), "--out", scratch_folder() / "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("Mission finished: 3 of 3 points reached."), HasSubstr("navigator: replan: leg ")));
+}
+
+// A recorded run, heard again by the same crew, decides the same, bit for bit, on any number of threads.
+// ledger: S6-57 S6-D09
+TEST(Mission, AReplayReproducesEveryDecision) {
+  const fs::path folder = scratch_folder(), log = folder / "run.mcap";
+  const fs::path file = scenario("field_mission_2");
+  ASSERT_EQ(isobath_run(file, folder / "live", {"--record", log}).exit_code, 0);
+  const std::string decisions = content_of(folder / "live" / "decisions.json");
+  EXPECT_GT(json_of(folder / "live" / "decisions.json")["decisions"].size(), 5u);
+  for (const char* threads : {"1", "2"}) {
+    const fs::path out = folder / ("replay-" + std::string(threads));
+    const ProgramResult replay = isobath_run(log, out, {"--mission", file, "--threads", threads});
+    EXPECT_EQ(replay.exit_code, 0) << replay.err;
+    EXPECT_TRUE(content_of(out / "decisions.json") == decisions) << "on " << threads << " threads";
+    const auto recorded = printed(replay)["mission"]["recorded"];
+    EXPECT_EQ(recorded["the_same"], recorded["decisions"]);
+  }
+  ASSERT_EQ(isobath_run(file, folder / "alone", {"--threads", "1"}).exit_code, 0);
+  EXPECT_TRUE(content_of(folder / "alone" / "decisions.json") == decisions) << "live on one thread";
+  // Somebody who decides otherwise is told so.
+  const ProgramResult other = isobath_run(log, folder / "other", {"--mission", file, "--set", "route.clearance_m=6"});
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.err, HasSubstr("is not that of the recorded run"));
+}
+
+TEST(Mission, OneThatDoesNotEndFailsTheRun) {
+  const ProgramResult result = isobath_run({}, scratch_folder() / "out", {"--set", "simulation.duration_s=12"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, AllOf(StartsWith("isobath: "), HasSubstr("the mission did not end")));
+  EXPECT_EQ(printed(result)["mission"]["phase"], "under way");
+}
+
+TEST(Mission, WrongUseIsRefusedInOneLine) {
+  const fs::path folder = scratch_folder();
+  EXPECT_THAT(test::isobath({"run", "--record", folder / "run.bag", "--out", folder / "out"}),
+              ends_with_one_line(HasSubstr(".mcap")));
+  EXPECT_THAT(test::isobath({"run", "--mission", "no/such.toml", "--out", folder / "out"}),
+              ends_with_one_line(HasSubstr("no/such.toml: cannot be read")));
+  const fs::path file = write(folder / "m.toml", "[mission]\nspeed = 1\n[[mission_point]]\nnorth = -1e9\n");
+  EXPECT_THAT(test::isobath({"run", "--mission", file, "--out", folder / "out"}),
+              ends_with_one_line(HasSubstr("m.toml:4:")));
+}
+
+}  // namespace
+}  // namespace isobath

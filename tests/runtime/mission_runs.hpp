@@ -1,0 +1,76 @@
+// Missions of the scenario files, sailed by the whole crew; and what their stories are told from.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <isobath/runtime/closed_loop.hpp>
+#include <isobath/runtime/mission_outcome.hpp>
+#include <isobath/runtime/mission_run.hpp>
+#include <string>
+#include <tests/support/data.hpp>
+
+namespace isobath::test {
+
+inline Scenario scenario_of(const std::string& name) {
+  return load_scenario((source_folder() / "scenarios" / (name + ".toml")).string());
+}
+
+/// The crew for a scenario's mission and vehicle.
+inline MissionSetup setup_of(const Scenario& scenario) {
+  return {scenario.mission, sheet_of(Simulator(scenario.scene, {}).vehicle())};
+}
+
+struct Sailed {
+  LoopResult result;
+  std::vector<Event> events;
+  std::vector<std::pair<Time, std::vector<SeenObstacle>>> scans;  ///< what each scan showed, where it was believed
+  std::string all() const {
+    std::string text;
+    for (const Decision& d : result.decisions) text += decision_json(d) + "\n";
+    return text;
+  }
+};
+
+/// Passes all on to a helm and keeps the scans.
+class ScanLog : public Helm {
+ public:
+  ScanLog(Helm& helm, Sailed& sailed) : helm_(helm), sailed_(sailed) {}
+  void hear(const Event& event) override { helm_.hear(event); }
+  void on_ping(const PosedPing& ping) override { helm_.on_ping(ping); }
+  void on_scan(const ScanResult& scan) override {
+    helm_.on_scan(scan);
+    const Pose X_WL = level(scan.detection.X_WB);
+    auto& seen = sailed_.scans.emplace_back(scan.detection.time, std::vector<SeenObstacle>{}).second;
+    for (const Obstacle& o : scan.detection.obstacles) {
+      SeenObstacle& one = seen.emplace_back(SeenObstacle{scan.detection.time, {}, o.existence});
+      for (const Eigen::Vector2d& p : o.outline) {
+        one.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
+      }
+    }
+  }
+  Setpoint steer() override { return helm_.steer(); }
+  MissionReport progress() const override { return helm_.progress(); }
+  const std::vector<Decision>& decisions() const override { return helm_.decisions(); }
+
+ private:
+  Helm& helm_;
+  Sailed& sailed_;
+};
+
+inline Sailed sail(const Scenario& scenario, LoopRequest request = {}) {
+  Sailed sailed;
+  const auto crew = make_mission_helm(setup_of(scenario), request.configuration);
+  ScanLog helm(*crew, sailed);
+  request.record = [&](const Event& event) { sailed.events.push_back(event); };
+  sailed.result = run_closed_loop(scenario, helm, request);
+  return sailed;
+}
+
+/// The first decision of this kind at or after `from`; the number of decisions where there is none.
+inline std::size_t find_decision(const std::vector<Decision>& decisions, const std::string& agent,
+                                 const std::string& what, std::size_t from = 0) {
+  std::size_t i = from;
+  while (i < decisions.size() && (decisions[i].agent != agent || decisions[i].what != what)) ++i;
+  return i;
+}
+
+}  // namespace isobath::test
