@@ -56,7 +56,8 @@ bool near_any(const std::vector<Hazard>& outlines, const Vector2d& p, double wit
 
 void judge_decisions(const std::vector<Decision>& decisions, const RunTruth& truth, double near_m, RunScore& score) {
   for (const Decision& d : decisions) {
-    if (d.agent == "safety officer" && d.what != "clear") ++score.safety_actions;
+    const bool calms = d.what == "over" || d.what == "report" || d.what == "resume";
+    if (d.agent == "safety officer" && !calms) ++score.safety_actions;
     if (d.what != "replan") continue;
     ++score.replans;
     if (d.obstacle && !near_any(truth.outlines(), *d.obstacle, near_m)) ++score.false_replans;
