@@ -147,6 +147,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
     if (!r.nearest_body.empty()) clearance.push_back(std::max(0.0, r.least_clearance_m));
     delay.insert(delay.end(), r.delay_pings.begin(), r.delay_pings.end());
     range.insert(range.end(), r.first_range_m.begin(), r.first_range_m.end());
+    s.points_dropped += r.points_dropped;
     s.bodies_missed += r.bodies_missed;
     s.replans += r.replans;
     s.false_replans += r.false_replans;

@@ -65,7 +65,7 @@ struct Summary {
   Share safe_goals;                                                 ///< goals without a collision
   Spread path_ratio, time_ratio;                                    ///< of the runs that came to the goal
   Spread clearance_m, delay_pings, first_range_m;
-  int bodies_missed = 0, replans = 0, false_replans = 0, safety_actions = 0;
+  int points_dropped = 0, bodies_missed = 0, replans = 0, false_replans = 0, safety_actions = 0;
   std::size_t no_way_there = 0;        ///< of the refused ones: the planner with full truth found none either
   std::map<std::string, int> reasons;  ///< of refusals; # for every number
 };

@@ -60,6 +60,7 @@ ordered_json json_of(const Summary& s) {
           {"least_clearance_m_median", median_of(s.clearance_m)},
           {"detection_delay_pings_median", median_of(s.delay_pings)},
           {"first_range_m_median", median_of(s.first_range_m)},
+          {"points_dropped", s.points_dropped},
           {"bodies_missed", s.bodies_missed},
           {"replans", s.replans},
           {"false_replans", s.false_replans},
@@ -160,6 +161,7 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("least clearance, m", [](const Summary& s) { return text_of(s.clearance_m, 1); });
   row("detection delay, pings", [](const Summary& s) { return text_of(s.delay_pings, 0); });
   row("range at detection, m", [](const Summary& s) { return text_of(s.first_range_m, 1); });
+  row("mission points dropped", [](const Summary& s) { return text_of(s.points_dropped, s.goals); });
   row("replans", [](const Summary& s) { return text_of(s.replans, s.goals); });
   row("replans for nothing", [](const Summary& s) { return text_of(s.false_replans, s.goals); });
   row("safety actions", [](const Summary& s) { return text_of(s.safety_actions, s.goals); });

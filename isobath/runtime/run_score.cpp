@@ -149,7 +149,7 @@ RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTr
   if (end.reached) {
     s.goal_s = to_seconds(result.track[end.sample].time);
     const double rest = (place_of(result.track[end.sample]) - mission.points.back().north_east).norm();
-    if (truth.way_m() > 0) {
+    if (truth.way_m() > 0 && s.points_dropped == 0) {
       s.path_ratio = (s.path_m + rest) / truth.way_m();
       const double speed = mission.points.back().speed > 0 ? mission.points.back().speed : mission.speed;
       s.time_ratio = (s.goal_s + rest / speed) * speed / truth.way_m();

@@ -8,7 +8,8 @@
 // their order but those that it dropped. A run is refused where the vehicle ended its mission short of the goal, safe,
 // and said why. The way is compared with that of a planner that knows every outline at the vehicle's depth: it goes by
 // the same route planner from point to point, with the same clearance; the rest from where the goal counts as reached
-// to the goal itself is added to what was run. Where even that planner finds no way there is no comparison.
+// to the goal itself is added to what was run. Where even that planner finds no way, or where the vehicle dropped a
+// point, there is no comparison.
 #pragma once
 
 #include <isobath/planning/route_planner.hpp>

@@ -127,6 +127,7 @@ TEST_F(Scored, PointsAreReachedInOrderOrSaidToBeDropped) {
   const RunScore s = scored();
   EXPECT_TRUE(s.goal_reached);
   EXPECT_EQ(s.points_dropped, 1);
+  EXPECT_LT(s.path_ratio, 0) << "the shortest way leads by all points";
   EXPECT_TRUE(s.refused.empty()) << "it came to the goal";
 }
 
