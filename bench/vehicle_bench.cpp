@@ -1,5 +1,9 @@
-// Steps of the vehicles, one core: Runge-Kutta steps of the torpedo alone, and of both plants with their autopilots.
+// Steps of the vehicles, one core: Runge-Kutta steps of the torpedo alone, of both plants with their autopilots, and of
+// what steers them.
 #include <benchmark/benchmark.h>
+#include <cmath>
+#include <isobath/vehicle/depth_keeper.hpp>
+#include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/plant.hpp>
 #include <string>
 
@@ -47,6 +51,31 @@ void plant_step(benchmark::State& bench, const std::string& name, PlantKind kind
 BENCHMARK_CAPTURE(plant_step, torpedo_dynamic, "remus100", PlantKind::kDynamic);
 BENCHMARK_CAPTURE(plant_step, rov_dynamic, "hovering_rov", PlantKind::kDynamic);
 BENCHMARK_CAPTURE(plant_step, torpedo_kinematic, "remus100", PlantKind::kKinematic);
+
+void guidance_step(benchmark::State& bench) {
+  const VehicleState state = under_way();
+  LineOfSight guidance({}, {{1e6, 0, 10, 1.5}, {1e6, 50, 10, 1.5}}, sheet_of(model_of("remus100")));
+  for (auto _ : bench) benchmark::DoNotOptimize(guidance.step(state, 0.1));
+  bench.SetItemsProcessed(bench.iterations());
+}
+BENCHMARK(guidance_step);
+
+// An echo and an order.
+void depth_keeper_step(benchmark::State& bench) {
+  DepthKeeper keeper({}, sheet_of(model_of("remus100")));
+  VehicleState state = under_way();
+  AltimeterReading reading;
+  reading.max_range_m = 50;
+  reading.X_BS.rotation = Rotation::from_heading_pitch_roll({}, Angle::degrees(-90), {});
+  for (auto _ : bench) {
+    state.X_WB.translation.x() += 0.15;
+    reading.range_m = 8 + std::sin(0.02 * state.X_WB.translation.x());
+    keeper.hear(reading, state.X_WB);
+    benchmark::DoNotOptimize(keeper.step({0, 5.0}, state.X_WB, {1.5, 0, 0}, reading.time));
+  }
+  bench.SetItemsProcessed(bench.iterations());
+}
+BENCHMARK(depth_keeper_step);
 
 }  // namespace
 }  // namespace isobath

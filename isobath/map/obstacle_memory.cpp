@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/map/obstacle_memory.hpp>
+#include <isobath/map/obstacle_outline.hpp>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -18,14 +19,16 @@ constexpr double kInside = 0.9;         // share of an outline within another th
 constexpr double kLooseness = 1.25;     // area of a hull over the areas that it joins
 constexpr double kFreeInHull = 0.15;    // share of a hull that may be free water
 constexpr std::size_t kCorners = 24;    // of an outline
-constexpr std::size_t kSamples = 14;    // of an outline, about
 constexpr std::size_t kShifts = 32;     // that are tried
 constexpr double kMiddleBelief = 0.36;  // of a normal distribution, nearer to the middle than to the eight around it
 
 Vector2d offset_of(std::size_t place, double sigma) {
-  if (place == 0) return Vector2d::Zero();
-  const double angle = std::numbers::pi / 4 * static_cast<double>(place);
-  return kSpread * sigma * Vector2d(std::cos(angle), std::sin(angle));
+  constexpr double kHalf = std::numbers::sqrt2 / 2;
+  static const std::array<Vector2d, 9> unit = {
+      Vector2d(0, 0),          Vector2d(1, 0),           Vector2d(0, 1),
+      Vector2d(-1, 0),         Vector2d(0, -1),          Vector2d(kHalf, kHalf),
+      Vector2d(-kHalf, kHalf), Vector2d(-kHalf, -kHalf), Vector2d(kHalf, -kHalf)};
+  return kSpread * sigma * unit[place];
 }
 
 bool usable(const Polygon& outline) {
@@ -33,91 +36,7 @@ bool usable(const Polygon& outline) {
          std::all_of(outline.begin(), outline.end(), [](const Vector2d& p) { return p.allFinite(); });
 }
 
-// A convex outline with few corners that holds the other: sides in sixteen directions.
-Polygon fewer_corners(const Polygon& outline) {
-  constexpr int kSides = 16;
-  std::array<Vector2d, kSides> normal;
-  std::array<double, kSides> reach;
-  for (int i = 0; i < kSides; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kSides;
-    normal[i] = {std::cos(angle), std::sin(angle)};
-    reach[i] = -std::numeric_limits<double>::infinity();
-    for (const Vector2d& p : outline) reach[i] = std::max(reach[i], normal[i].dot(p));
-  }
-  std::vector<Vector2d> corners;
-  const double apart = std::sin(2 * std::numbers::pi / kSides);
-  for (int i = 0; i < kSides; ++i) {
-    const int k = (i + 1) % kSides;
-    const Vector2d turned_i(-normal[i].y(), normal[i].x()), turned_k(-normal[k].y(), normal[k].x());
-    corners.emplace_back((reach[k] * turned_i - reach[i] * turned_k) * (-1 / apart));
-  }
-  return convex_hull(std::move(corners));
-}
-
-// Evenly spread over a convex outline.
-std::vector<Vector2d> spread_over(const Polygon& outline) {
-  Vector2d low = outline.front(), high = outline.front(), mean = Vector2d::Zero();
-  for (const Vector2d& p : outline) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-    mean += p / static_cast<double>(outline.size());
-  }
-  std::vector<Vector2d> samples;
-  const double size = std::max(area(outline), 1e-6);
-  const double step = std::max(std::sqrt(size / kSamples), (high - low).maxCoeff() / 64);
-  for (double x = low.x() + step / 2; x < high.x(); x += step) {
-    for (double y = low.y() + step / 2; y < high.y(); y += step) {
-      if (contains(outline, {x, y})) samples.emplace_back(x, y);
-    }
-  }
-  if (samples.size() >= 5) return samples;
-  samples.assign(1, mean);  // a sliver
-  for (const Vector2d& p : outline) samples.emplace_back(mean + 0.7 * (p - mean));
-  return samples;
-}
-
-double share_inside(std::span<const Vector2d> samples, const Vector2d& moved, const Polygon& outline) {
-  const auto inside =
-      std::count_if(samples.begin(), samples.end(), [&](const Vector2d& p) { return contains(outline, p + moved); });
-  return static_cast<double>(inside) / static_cast<double>(samples.size());
-}
-
-// From a to b where they are nearest; zero where a corner of one lies in the other.
-Vector2d gap(const Polygon& a, const Polygon& b) {
-  Vector2d best = nearest_point(b, a.front()) - a.front();
-  for (const Vector2d& p : a) {
-    const Vector2d d = nearest_point(b, p) - p;
-    if (d.squaredNorm() < best.squaredNorm()) best = d;
-  }
-  for (const Vector2d& p : b) {
-    const Vector2d d = p - nearest_point(a, p);
-    if (d.squaredNorm() < best.squaredNorm()) best = d;
-  }
-  return best;
-}
-
-Polygon moved_by(Polygon outline, const Vector2d& shift) {
-  for (Vector2d& p : outline) p += shift;
-  return outline;
-}
-
 bool similar(double area_a, double area_b) { return area_a < 2.5 * area_b && area_b < 2.5 * area_a; }
-
-struct Circle {
-  Vector2d centre;
-  double radius = 0;
-};
-
-Circle circle_of(const Polygon& outline) {
-  Vector2d low = outline.front(), high = outline.front();
-  for (const Vector2d& p : outline) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  Circle c{(low + high) / 2, 0};
-  for (const Vector2d& p : outline) c.radius = std::max(c.radius, (p - c.centre).norm());
-  return c;
-}
 
 }  // namespace
 
@@ -149,25 +68,28 @@ struct ObstacleMemory::View {
     R_GW << cos(turn), -sin(turn), sin(turn), cos(turn);
     const CartesianGrid& cells = water.cells;
     if (water.free.size() != cells.size()) water.free = {};
+    cells_a_metre = 1 / cells.cell_m;
     for (int i = 0; i < 4 && !water.free.empty(); ++i) {
-      const Vector2d corner(i / 2 * cells.cells_x * cells.cell_m, i % 2 * cells.cells_y * cells.cell_m);
+      const Vector2d corner(i < 2 ? 0 : cells.cells_x * cells.cell_m, i % 2 == 0 ? 0 : cells.cells_y * cells.cell_m);
       reach = std::max(reach, (corner - water.position).norm());
     }
   }
-  [[nodiscard]] bool is_free(const Vector2d& p_W) const {
-    if (water.free.empty()) return false;
-    const auto cell = water.cells.cell_at(water.position + R_GW * (p_W - here));
-    return cell && water.free[water.cells.index(*cell)] != 0;
+  [[nodiscard]] Vector2d to_grid(const Vector2d& p_W) const { return water.position + R_GW * (p_W - here); }
+  [[nodiscard]] bool is_free(const Vector2d& p_G) const {
+    const double x = p_G.x() * cells_a_metre, y = p_G.y() * cells_a_metre;
+    if (water.free.empty() || !(x >= 0 && x < water.cells.cells_x && y >= 0 && y < water.cells.cells_y)) return false;
+    return water.free[water.cells.index({static_cast<int>(x), static_cast<int>(y)})] != 0;
   }
-  [[nodiscard]] double share_free(std::span<const Vector2d> samples, const Vector2d& moved = Vector2d::Zero()) const {
+  [[nodiscard]] double share_free(std::span<const Vector2d> samples) const {
     const auto free =
-        std::count_if(samples.begin(), samples.end(), [&](const Vector2d& p) { return is_free(p + moved); });
+        std::count_if(samples.begin(), samples.end(), [&](const Vector2d& p) { return is_free(to_grid(p)); });
     return static_cast<double>(free) / static_cast<double>(samples.size());
   }
 
   FreeWater water;
   Vector2d here;
   Eigen::Matrix2d R_GW;
+  double cells_a_metre = 0;
   double reach = 0;
 };
 
@@ -234,7 +156,7 @@ std::vector<ObstacleMemory::Sighting> ObstacleMemory::sightings_of(const MemoryS
 
 // Drift since it was last seen is worth a thought.
 bool ObstacleMemory::is_stale(const Entry& e) const {
-  return e.sweep + 1 < sweeps_ && variance_since(e) > 0.25 * config_.detection_sigma * config_.detection_sigma;
+  return variance_since(e) > 0.25 * config_.detection_sigma * config_.detection_sigma;
 }
 
 // The shift from stored to seen places that the most sightings agree on; the shorter one of equals.
@@ -393,7 +315,7 @@ void ObstacleMemory::look_again(Entry& e, const std::vector<Sighting>& sightings
       return (s.centre - p).norm() <= s.radius + rim && (nearest_point(s.outline_W, p) - p).norm() <= rim;
     });
     shown += seen;
-    free += !seen && view.is_free(p);
+    free += !seen && view.is_free(view.to_grid(p));
   }
   const auto all = static_cast<double>(e.samples.size());
   e.whole = static_cast<double>(shown + free) >= kExplained * all;
@@ -410,20 +332,23 @@ void ObstacleMemory::look_for_missing(Entry& e, const View& view) const {
   e.clear_looks = 0;
   const double sigma = std::sqrt(variance_since(e));
   if ((e.centre - view.here).norm() > view.reach + e.radius + kSpread * sigma) return;
-  const bool drifted = sigma > config_.detection_sigma;
-  double left = 0;
-  for (std::size_t i = 0; i < kPlaces; ++i) {
-    const bool first = i == 0 || drifted;
-    const bool free = first ? view.share_free(e.samples, offset_of(i, sigma)) >= kFree : false;
-    if (i == 0 && !drifted) {  // all places are one
-      if (!free) return;
-      left = config_.miss;
-      break;
+  std::vector<Vector2d> samples_G;
+  samples_G.reserve(e.samples.size());
+  for (const Vector2d& p : e.samples) samples_G.push_back(view.to_grid(p));
+  const auto misses = [&](std::size_t place) {
+    const Vector2d moved = view.R_GW * offset_of(place, sigma);
+    const auto free =
+        std::count_if(samples_G.begin(), samples_G.end(), [&](const Vector2d& p) { return view.is_free(p + moved); });
+    return static_cast<double>(free) >= kFree * static_cast<double>(samples_G.size());
+  };
+  double left = 0;                         // of the belief
+  if (sigma <= config_.detection_sigma) {  // all places are one
+    left = misses(0) ? config_.miss : 1;
+  } else {
+    for (std::size_t i = 0; i < kPlaces; ++i) {
+      if (misses(i)) e.belief[i] *= config_.miss;
+      left += e.belief[i];
     }
-    if (free) e.belief[i] *= config_.miss;
-    left += e.belief[i];
-  }
-  if (drifted) {
     for (double& b : e.belief) b /= left;
   }
   const double p = e.seen.existence;

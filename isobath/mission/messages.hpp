@@ -67,6 +67,7 @@ struct SonarLook {
   Angle bearing;                          ///< of the middle of the fan, from forward
   std::optional<Pose> X_WL;               ///< of the instant of the ping, where it is known; the frame of the echoes
   bool decided = false;                   ///< whether echoes could be told from noise
+  double blind_m = 0;                     ///< nearer than this it hears nothing, where echoes were decided
   std::vector<Eigen::Vector2d> echoes_L;  ///< x forward, y starboard, m; at most one a beam, the nearest
 };
 

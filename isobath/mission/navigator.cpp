@@ -4,6 +4,7 @@
 #include <isobath/mission/navigator.hpp>
 #include <isobath/mission/way_keeping.hpp>
 #include <isobath/mission/words.hpp>
+#include <isobath/planning/turning.hpp>
 
 namespace isobath {
 namespace {
@@ -251,9 +252,10 @@ void Navigator::keep(const View& view, Outbox& out) {
 }
 
 void Navigator::avoid(const View& view, const Conflict& conflict, Outbox& out) {
-  Decision d = about(view, conflict);
+  Decision d = about(view, view.way, conflict);
   d.what = "replan";
-  const auto aside = mended(view.map, view.way, clearance());
+  auto aside = mended(view.map, view.way, clearance());
+  if (aside && !corners_fit(*aside, vehicle_.limits.turning_radius)) aside.reset();
   const double aside_m = aside ? length_of(*aside) : 0;
   if (aside && aside_m <= length_of(view.way) + config_.switch_m) return take_way(view, *aside, std::move(d), out);
   const auto found = search(view);
@@ -283,7 +285,7 @@ void Navigator::start(const View& view, Outbox& out) {
   if (found->points.size() > 2) {
     if (const auto conflict = conflict_ahead(view.map, straight, clearance())) {
       const std::string what = d.what;
-      d = about(view, *conflict);
+      d = about(view, straight, *conflict);
       d.what = what;
     }
   }
@@ -300,30 +302,6 @@ Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   task.turning_radius_m = vehicle_.limits.turning_radius;
   if (task.turning_radius_m > 0) task.heading = view.heading.radians();
   return plan_route(view.map, task, config);
-}
-
-Navigator::Refusal Navigator::refusal_of(RouteRefusal refusal, const View& view) const {
-  const Vector2d& vehicle = view.way.front();
-  const auto nearest = view.map.nearest(vehicle);
-  const std::string obstacle =
-      nearest ? fmt::format("{} at {}", text_of(view.map.hazards()[*nearest].kind),
-                            text_of(view.frame.to_world(nearest_point(view.map.hazards()[*nearest].outline, vehicle))))
-              : "nothing known";
-  switch (refusal) {
-    case RouteRefusal::kStartBlocked: return {RouteRefused::Reason::kStartBlocked, "the vehicle is inside " + obstacle};
-    case RouteRefusal::kGoalBlocked:
-      return {RouteRefused::Reason::kGoalBlocked, fmt::format("the point is within {:.1f} m of what is in the way",
-                                                              std::max(0.0, view.map.distance(view.goal)))};
-    case RouteRefusal::kOutOfBudget:
-      return {RouteRefused::Reason::kOutOfBudget,
-              fmt::format("no way within {} expansions{}", route_.most_expanded,
-                          mode_ == Mode::kEmergency ? fmt::format(" times {}", config_.emergency_factor) : "")};
-    case RouteRefusal::kCannotTurn:
-      return {RouteRefused::Reason::kNoPath, "there is no way that the vehicle can turn; nearest to it: " + obstacle};
-    case RouteRefusal::kNotFinite:
-    case RouteRefusal::kNoPath: break;
-  }
-  return {RouteRefused::Reason::kNoPath, "there is no way; nearest to the vehicle: " + obstacle};
 }
 
 void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& out) {
@@ -370,32 +348,6 @@ void Navigator::enter(Mode mode, const std::string& why, Outbox& out) {
   if (mode == mode_) return;
   mode_ = mode;
   out.say(decision(mode == Mode::kEmergency ? "emergency" : "normal", why));
-}
-
-Decision Navigator::decision(std::string what, std::string reason) const {
-  Decision d;
-  d.time = now_;
-  d.agent = "navigator";
-  d.what = std::move(what);
-  d.reason = std::move(reason);
-  return d;
-}
-
-Decision Navigator::about(const View& view, const Conflict& conflict) const {
-  const Hazard& hazard = view.map.hazards()[conflict.hazard];
-  Decision d = decision("", "");
-  d.obstacle = view.frame.to_world(conflict.place);
-  d.leg = conflict.leg + 1;
-  d.margin_m = conflict.distance_m - vehicle_.half_width_m;
-  double wanted = route_.clearance_m;
-  if (hazard.kind == HazardKind::kFence) {
-    *d.margin_m += hazard.margin_m;
-    wanted = config_.fence_clearance_m;
-  }
-  const std::string how = *d.margin_m > 0 ? fmt::format("pass {:.1f} m from {}", *d.margin_m, text_of(hazard.kind))
-                                          : fmt::format("run into {}", text_of(hazard.kind));
-  d.reason = fmt::format("leg {} would {} at {} ({:.1f} m wanted)", *d.leg, how, text_of(*d.obstacle), wanted);
-  return d;
 }
 
 bool Navigator::inside_fence(const Vector2d& p_W, double by_m) const {

@@ -95,7 +95,7 @@ class Navigator : public Agent {
   void refuse(const Refusal& refusal, Outbox& out);
   void enter(Mode mode, const std::string& why, Outbox& out);
   [[nodiscard]] Decision decision(std::string what, std::string reason) const;
-  [[nodiscard]] Decision about(const View& view, const Conflict& conflict) const;
+  [[nodiscard]] Decision about(const View& view, const Way& way, const Conflict& conflict) const;
 
   [[nodiscard]] double clearance() const { return route_.clearance_m + vehicle_.half_width_m; }
   [[nodiscard]] bool inside_fence(const Eigen::Vector2d& p_W, double by_m) const;

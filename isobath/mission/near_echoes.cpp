@@ -7,15 +7,16 @@
 namespace isobath {
 namespace {
 
-constexpr double kFarthest = 1e8;   // m from the origin: beyond it a place is no place
-constexpr double kStraight = 1e-6;  // 1/m
+constexpr std::int64_t kCellsAcross = 3;  // of what confirms: where an echo is must be told finer than that
+constexpr double kFarthest = 1e8;         // m from the origin: beyond it a place is no place
+constexpr double kStraight = 1e-6;        // 1/m
 
 }  // namespace
 
 void NearEchoes::add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL, double reach_m,
                      const SafetyConfig& config, double now_s) {
   if (!X_WL.is_finite()) return;
-  cell_m_ = config.confirm_m;
+  cell_m_ = config.confirm_m / kCellsAcross;
   for (const Eigen::Vector2d& echo : echoes_L) {
     if (!echo.allFinite() || !(echo.norm() <= reach_m)) continue;
     const Eigen::Vector2d place = (X_WL * Eigen::Vector3d(echo.x(), echo.y(), 0)).head<2>();
@@ -31,16 +32,15 @@ void NearEchoes::add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL
 void NearEchoes::put(const Eigen::Vector2d& place_W, const SafetyConfig& config, double now_s) {
   const Key key{static_cast<std::int64_t>(std::floor(place_W.x() / cell_m_)),
                 static_cast<std::int64_t>(std::floor(place_W.y() / cell_m_))};
-  Echo echo{place_W, now_s, false};
-  for (std::int64_t i = key.first - 1; i <= key.first + 1; ++i) {
-    for (std::int64_t j = key.second - 1; j <= key.second + 1; ++j) {
-      const auto other = cells_.find({i, j});
+  Echo echo{place_W, now_s, now_s, false};
+  for (std::int64_t i = key.first - kCellsAcross; i <= key.first + kCellsAcross; ++i) {
+    const Key last{i, key.second + kCellsAcross};
+    for (auto other = cells_.lower_bound({i, key.second - kCellsAcross}); other != cells_.end(); ++other) {
+      if (other->first > last) break;
       // Of the same ping: no second witness.
-      if (other == cells_.end() || !(other->second.heard_s < now_s)) continue;
-      if (now_s - other->second.heard_s <= config.confirm_s) {
-        other->second.confirmed = true;
-        echo.confirmed = true;
-      }
+      if (!(other->second.heard_s < now_s) || now_s - other->second.heard_s > config.confirm_s) continue;
+      other->second.confirmed = true;
+      echo.confirmed = true;
     }
   }
   const auto known = cells_.find(key);
@@ -61,18 +61,21 @@ void NearEchoes::shift(const Eigen::Vector2d& by_W) {
 }
 
 void NearEchoes::forget(double before_s) {
-  std::erase_if(cells_, [&](const auto& cell) { return cell.second.heard_s < before_s; });
+  std::erase_if(cells_, [&](const auto& cell) { return cell.second.counts_s < before_s; });
 }
 
-std::span<const Eigen::Vector2d> NearEchoes::confirmed(const Pose& X_WL, const SafetyConfig& config, double now_s) {
-  forget(now_s - std::max(config.confirm_s, config.memory_s));
+std::span<const Eigen::Vector2d> NearEchoes::confirmed(const Pose& X_WL, double blind_m, const SafetyConfig& config,
+                                                       double now_s) {
   found_.clear();
   const Pose X_LW = X_WL.inverse();
-  for (const auto& cell : cells_) {
-    const Echo& echo = cell.second;
-    if (!echo.confirmed || now_s - echo.heard_s > config.memory_s) continue;
-    found_.emplace_back((X_LW * Eigen::Vector3d(echo.place_W.x(), echo.place_W.y(), X_WL.translation.z())).head<2>());
+  for (auto& cell : cells_) {
+    Echo& echo = cell.second;
+    const Eigen::Vector2d place =
+        (X_LW * Eigen::Vector3d(echo.place_W.x(), echo.place_W.y(), X_WL.translation.z())).head<2>();
+    if (place.norm() < blind_m) echo.counts_s = now_s;
+    if (echo.confirmed && now_s - echo.counts_s <= config.memory_s) found_.push_back(place);
   }
+  forget(now_s - std::max(config.confirm_s, config.memory_s));
   return found_;
 }
 

@@ -1,11 +1,11 @@
 // NearEchoes: the raw echoes around the vehicle that two pings agree on, for a look ahead that needs no map (Oskard
 // 1990, III-D; ledger S1-44, S1-F10).
 //
-// One echo may be noise. Each falls into a cell of `confirm_m`; it is confirmed when another ping has put one into the
-// same cell or one beside it within the last `confirm_s` (of a head that steps: a neighbouring beam, or the next
-// sweep). Confirmed cells count for `memory_s` after they were last heard, so that an obstacle does not vanish where
-// the sonar is blind. With f false alarms a cell and ping the rate of false ones is about 9 f^2 n a ping for n pings in
-// `confirm_s`: callers hand in only echoes that stand out.
+// One echo may be noise. It is confirmed when another ping has put one not farther than `confirm_m` away (to a third of
+// it, north and east) within the last `confirm_s`: of a head that steps, a neighbouring beam or the next sweep.
+// Confirmed ones count for `memory_s` after they were last heard, and what is nearer than the sonar hears does not age:
+// an obstacle does not vanish because the sonar is blind to it. Callers hand in only echoes that stand out: the rate of
+// false ones grows with the square of that of false alarms.
 //
 // World fixed, moved by `shift` when navigation corrects itself. One thread; at most kMost cells, the oldest go first.
 #pragma once
@@ -23,7 +23,7 @@ namespace isobath {
 
 class NearEchoes {
  public:
-  static constexpr std::size_t kMost = 4096;
+  static constexpr std::size_t kMost = 8192;
 
   /// Echoes of one ping, in L of its instant. Those that are not finite or beyond `reach_m` are left out.
   void add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL, double reach_m, const SafetyConfig& config,
@@ -31,14 +31,17 @@ class NearEchoes {
   /// The world has moved under what is remembered.
   void shift(const Eigen::Vector2d& by_W);
   void clear() { cells_.clear(); }
-  /// The confirmed ones in the vehicle's frame; valid until the next call.
-  std::span<const Eigen::Vector2d> confirmed(const Pose& X_WL, const SafetyConfig& config, double now_s);
+  /// The confirmed ones in the vehicle's frame; valid until the next call. `blind_m`: nearer than this nothing is
+  /// heard.
+  std::span<const Eigen::Vector2d> confirmed(const Pose& X_WL, double blind_m, const SafetyConfig& config,
+                                             double now_s);
 
  private:
   using Key = std::pair<std::int64_t, std::int64_t>;
   struct Echo {
     Eigen::Vector2d place_W;
     double heard_s = 0;
+    double counts_s = 0;  ///< last heard, or too near to be heard
     bool confirmed = false;
   };
   void put(const Eigen::Vector2d& place_W, const SafetyConfig& config, double now_s);

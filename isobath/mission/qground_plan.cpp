@@ -61,7 +61,9 @@ double number(const Json* node) {
   return node && node->is_number() ? node->get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
 double number(const Json& object, const char* name) { return number(member(object, name)); }
-double element(const Json& array, std::size_t i) { return number(array.size() > i ? &array[i] : nullptr); }
+double element(const Json& array, std::size_t i) {
+  return number(array.is_array() && array.size() > i ? &array[i] : nullptr);
+}
 
 /// Printable, whatever the file holds.
 std::string word(const Json& object, const char* name) {
@@ -133,7 +135,8 @@ class PlanReader {
   std::optional<GeoOrigin> first_place(const Json& items) const {
     for (const Json& entry : items) {
       const auto item = item_of(entry, {});
-      if (item && item->has_place()) return GeoOrigin{item->params[4], item->params[5]};
+      const bool placed = item && item->has_place() && valid(GeoPoint{item->params[4], item->params[5]});
+      if (placed) return GeoOrigin{item->params[4], item->params[5]};
     }
     return std::nullopt;
   }
@@ -197,7 +200,7 @@ class PlanReader {
     if (ended_) return leave_out(command_text(item.command), "after the end of the mission");
     switch (item.command) {
       case kSpline: leave_out("curve of a spline", "legs are straight"); [[fallthrough]];
-      case kWaypoint: return take_point(item, item.or_zero(0), "");
+      case kWaypoint:
       case kLoiterTime: return take_point(item, item.or_zero(0), "");
       case kLoiterTurns: return take_point(item, 0, circle_of(item));
       case kLoiterUnlimited: return take_end(item, MissionEnd::kHold);

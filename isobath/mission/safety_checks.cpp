@@ -133,6 +133,10 @@ void SafetyOfficer::check_way() {
   const bool fresh = fix_ && clock_s_ - fix_->heard_s < kFresh;
   if (phase_ != MissionPhase::kUnderWay || !way_ || !fresh || way_->next >= way_->points.size()) return;
   const Eigen::Vector2d here = fix_->navigation.X_WB.translation.head<2>();
+  if (!way_->from) {
+    way_->from = here;
+    way_->points[0] = here;
+  }
   double beside = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < way_->points.size(); ++i) {
     beside = std::min(beside, distance(here, way_->points[i - 1], way_->points[i]));

@@ -59,7 +59,7 @@ void SafetyOfficer::check_collision() {
     t.drift = 0;
     speed = std::max(speed, order_ ? order_->speed : 0);
   }
-  const auto points = along(echoes_.confirmed(X_WL, config_, clock_s_), t.drift);
+  const auto points = along(echoes_.confirmed(X_WL, blind_m_, config_, clock_s_), t.drift);
   const double reach = stop_way(speed, config_.reaction_s) + config_.collision_margin_m;
   const double way = free_way(points, t.curvature, t.half_width_m, vehicle_.hull_radius_m, reach);
   if (!std::isfinite(way) && !imminent_.raised()) return;

@@ -57,8 +57,8 @@ std::vector<Field> collision_fields(SafetyConfig& c) {
   return {
       Field::real("echo_contrast", &c.echo_contrast, {1, 100}, "1",
                   "Deviations above its beam that an echo must have to be looked at without a map."),
-      Field::real("confirm_m", &c.confirm_m, {0.05, 50}, "m", "Two pings with an echo in cells of this size ..."),
-      wait("confirm_s", &c.confirm_s, "... or beside one another, no farther apart than this, confirm each other."),
+      Field::real("confirm_m", &c.confirm_m, {0.05, 50}, "m", "Echoes of two pings that are no farther apart ..."),
+      wait("confirm_s", &c.confirm_s, "... in place and in time confirm each other."),
       wait("memory_s", &c.memory_s, "How long a confirmed echo counts when nothing hears it again."),
       Field::real("reaction_s", &c.reaction_s, {0, 10}, "s", "From the decision to stop until the vehicle brakes."),
       Field::real("collision_margin_m", &c.collision_margin_m, {0, 100}, "m", "Water to be left before an obstacle."),

@@ -15,7 +15,7 @@ constexpr double kDown = 0.7071;        // a sensor that looks more than 45 degr
 constexpr double kFreshSpeed = 3;       // s
 constexpr double kSmooth = 0.3;         // share of the newest turn
 constexpr std::size_t kMostNames = 64;  // of sonars and of sources of health; further ones are not kept
-constexpr double kBeside = 2;           // s: speakers heard so lately are compared
+constexpr double kBeside = 0.5;         // s: speakers heard so lately are compared
 constexpr double kBeyondReach = 20;     // m: echoes are kept from farther off than it takes to stop
 
 bool usable(const Navigation& fix) {
@@ -76,7 +76,8 @@ bool SafetyOfficer::in_time(Speaker speaker, Time said, Time now) {
   }
   own = {true, off, clock_s_};
   double newest = off;
-  for (const Offset& other : offsets_) {
+  for (const Speaker sensor : {kNavigator, kSonar, kRanger}) {
+    const Offset& other = offsets_[sensor];
     if (other.known && clock_s_ - other.heard_s < kBeside) newest = std::max(newest, other.s);
   }
   const double limit = speaker == kNavigator ? config_.navigation_silent_s : config_.sonar_silent_s;
@@ -148,6 +149,7 @@ void SafetyOfficer::hear_look(const SonarLook& look, Time now) {
   const auto known = sonars_.find(look.sonar);
   if (known == sonars_.end() && sonars_.size() >= kMostNames) return;
   sonars_[look.sonar].hear(look, config_, clock_s_);
+  if (look.decided && std::isfinite(look.blind_m)) blind_m_ = look.blind_m;
   if (look.echoes_L.empty()) return;
   const Pose here = fix_ ? level(fix_->navigation.X_WB) : Pose{};
   const double reach = stop_way(vehicle_.limits.max_speed, config_.reaction_s) + kBeyondReach;
@@ -213,7 +215,7 @@ void SafetyOfficer::hear_scan(const ObstacleScan& scan) {
   for (const Hazard& hazard : scan.hazards) {
     if (hazard.kind == HazardKind::kFence || hazard.outline.size() < 3) continue;
     if (contains(hazard.outline, Eigen::Vector2d::Zero())) {
-      inside_ = fmt::format("the vehicle is inside a {} obstacle", to_text(hazard.kind));
+      inside_ = "the vehicle is inside an obstacle";
       return;
     }
   }
@@ -242,9 +244,8 @@ void SafetyOfficer::follow(const FollowOrder& order) {
   Way way;
   way.version = order.version;
   way.altitude = order.altitude_m.has_value();
-  way.points.push_back(fix_                      ? Eigen::Vector2d(fix_->navigation.X_WB.translation.head<2>())
-                       : order.waypoints.empty() ? Eigen::Vector2d(Eigen::Vector2d::Zero())
-                                                 : Eigen::Vector2d(order.waypoints[0].north, order.waypoints[0].east));
+  if (fix_) way.from = fix_->navigation.X_WB.translation.head<2>();
+  way.points.emplace_back(way.from.value_or(Eigen::Vector2d(0, 0)));
   for (const Waypoint& w : order.waypoints) way.points.emplace_back(w.north, w.east);
   const bool finite = std::all_of(way.points.begin(), way.points.end(),
                                   [](const auto& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthest; });

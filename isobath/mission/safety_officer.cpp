@@ -67,7 +67,7 @@ void SafetyOfficer::settle(const FaultRow& about, Time now, Outbox& out) {
   } else if (own.raised && about.over != Over::kNever &&
              (about.over == Over::kAtOnce || clock_s_ - own.last_cause_s >= config_.leave_s)) {
     own.raised = false;
-    report(about, false, false, now, out);
+    report(about, false, own.aborted, now, out);
   }
   if (own.raised && end_mission()) {
     own.aborted = true;

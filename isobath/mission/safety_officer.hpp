@@ -5,8 +5,8 @@
 // cause holds, since when, and what that asks for. A row is raised with the first cycle in which its limit is exceeded
 // and over `leave_s` after its cause is gone. What it says: SafetyAction, the strongest of what the raised rows ask
 // for, whenever that changes; SafetyReport to the Captain when a row is raised, when it asks for the end of the
-// mission, and when it is over; a Decision with the reason for each. No action asks for more speed than was ordered
-// last, and a slow-down is a limit.
+// mission, and when it is over (with `abort` still set where it asked for that); a Decision with the reason for each.
+// No action asks for more speed than was ordered last, and a slow-down is a limit.
 //
 // Collisions: from the ground speed v and the turn of the moment the hull's way is predicted over v t + v^2 / 2b and a
 // margin; raw echoes that two pings agree on, and raw ranges, must not lie in it (near_echoes.hpp,
@@ -78,7 +78,8 @@ class SafetyOfficer final : public Agent {
   };
   struct Way {
     std::uint32_t version = 0;
-    std::vector<Eigen::Vector2d> points;  ///< the first is where it was ordered
+    std::optional<Eigen::Vector2d> from;  ///< where it was ordered, or where the vehicle was found first
+    std::vector<Eigen::Vector2d> points;  ///< `from` is the first
     std::size_t next = 1;
     double nearest_m = 0;  ///< to the next point, so far
     double progress_s = 0;
@@ -158,6 +159,7 @@ class SafetyOfficer final : public Agent {
   std::map<std::string, SonarWatch> sonars_;
   std::map<std::string, HealthState> states_;
   NearEchoes echoes_;
+  double blind_m_ = 0;  ///< nearer than this the sonar hears nothing
   SensorTable rangers_;
   ImminentCollision imminent_;
   std::optional<Fix> fix_;

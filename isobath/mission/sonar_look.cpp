@@ -25,7 +25,11 @@ void add_echoes(SonarLook& look, const Ping& ping, const EchoDecisions& decision
   look.X_WL = X_WL;
   look.decided = decided;
   look.echoes_L.clear();
+  look.blind_m = ping.blind_m;
   if (decided) {
+    int first = 0;
+    while (first < decisions.bins() && !decisions.usable(first)) ++first;
+    look.blind_m = ping.window.edge(first);
     nearest_echoes(ping, decisions, X_WL.rotation.inverse() * X_WB.rotation, contrast, look.echoes_L);
   }
 }

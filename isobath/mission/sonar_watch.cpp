@@ -26,7 +26,7 @@ void SonarWatch::look_to(Side& side, const std::optional<double>& level, const S
 }
 
 void SonarWatch::hear(const SonarLook& look, const SafetyConfig& config, double now_s) {
-  if (spoken_ && look.time <= look_.time) return;
+  if (spoken_ && look.time == look_.time) return;
   const bool plain = look.full_scale < kNearlyAll && look.silent < kNearlyAll;
   const bool same = spoken_ && plain && look.digest == look_.digest;
   same_ = same ? std::min(same_ + 1, config.frozen_looks) : 0;

@@ -25,7 +25,7 @@ class Streak {
 
 class SonarWatch {
  public:
-  /// A look that is not newer than the one before says nothing: the same ping, told again.
+  /// A look of the time of the one before says nothing: the same ping, told again.
   void hear(const SonarLook& look, const SafetyConfig& config, double now_s);
 
   [[nodiscard]] double last_s() const { return last_s_; }

@@ -16,7 +16,7 @@ struct MissionConfig {
   NavigatorConfig navigator;
   RouteConfig route;
   PilotConfig pilot;
-  GuidanceConfig guidance;
+  GuidanceConfig guidance = {.acceptance_radius = 1};  ///< of corners: an obstacle stands inside of each
   StationConfig station;
   DepthKeeperConfig depth_keeping;
   FlsDetectorConfig fls_detector;

@@ -89,7 +89,7 @@ void ThreadedCrew::State::say(const std::string& sender, Message message) {
     if (counts.overflow > before && !std::exchange(post->full, true)) overfull.push_back(post->name);
   }
   for (const std::string& name : overfull) decide("drop messages", fmt::format("the mailbox of the {} is full", name));
-  if (auto why = bus.take_recorder_loss()) say(kSupervisor, AgentLost{"recorder", false, std::move(*why)});
+  if (auto why = bus.take_recorder_loss()) say(kSupervisor, AgentLost{kRecorder, false, std::move(*why)});
 }
 
 void ThreadedCrew::State::decide(const char* what, std::string reason) {

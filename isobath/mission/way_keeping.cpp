@@ -53,6 +53,8 @@ double length_of(std::span<const Vector2d> way) {
   return length;
 }
 
+Vector2d point_at(std::span<const Vector2d> way, double along_m) { return cut(way, along_m).head.back(); }
+
 std::optional<Conflict> conflict_ahead(const HazardMap& map, std::span<const Vector2d> way, double clearance_m) {
   if (way.empty()) return {};
   const double here = map.distance(way.front());

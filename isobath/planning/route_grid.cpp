@@ -6,8 +6,10 @@
 namespace isobath {
 namespace {
 
+using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 
+constexpr int kAround = 3;             // cells that a window holds around all that matters
 constexpr double kTouch = 1e-9;        // m
 constexpr double kEscapeFactor = 4;    // what a metre too near costs more than one that is clear
 constexpr std::uint16_t kFar = 30000;  // thirds of a cell
@@ -80,6 +82,10 @@ class DilatedOutline {
   std::vector<Side> sides_;
 };
 
+AlignedBox2d grown(const AlignedBox2d& box, double by) {
+  return {box.min() - Vector2d::Constant(by), box.max() + Vector2d::Constant(by)};
+}
+
 std::int32_t clamped(double number, std::int32_t low, std::int32_t high) {
   return static_cast<std::int32_t>(std::clamp(number, static_cast<double>(low), static_cast<double>(high)));
 }
@@ -91,6 +97,25 @@ std::optional<std::size_t> RouteWindow::at(const Vector2d& p) const {
   const double column = std::floor(in_cells.x() + 0.5), row = std::floor(in_cells.y() + 0.5);
   if (!(column >= 0 && column < columns && row >= 0 && row < rows)) return std::nullopt;
   return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
+}
+
+RouteWindow RouteWindow::around(const Vector2d& start, const Vector2d& goal, const HazardMap& map, const Extent& extent,
+                                bool& whole) {
+  AlignedBox2d ends(start);
+  ends.extend(goal);
+  for (double cell = extent.cell_m;; cell *= 2) {
+    AlignedBox2d all = ends;
+    if (!map.bounds().isEmpty()) all.extend(grown(map.bounds(), extent.reach_m));
+    all = grown(all, kAround * cell);
+    const AlignedBox2d near = grown(ends, std::max(extent.margin_m, kAround * cell));
+    const AlignedBox2d box = all.intersection(near);
+    const Vector2d low = ((box.min() - start) / cell).array().floor();
+    const Vector2d high = ((box.max() - start) / cell).array().ceil();
+    const Vector2d size = high - low + Vector2d::Ones();
+    if (size.prod() > kMostRouteCells) continue;
+    whole = near.contains(all);
+    return {start + cell * low, cell, static_cast<std::int32_t>(size.x()), static_cast<std::int32_t>(size.y())};
+  }
 }
 
 RouteGrid::RouteGrid(const RouteWindow& window)
@@ -158,7 +183,7 @@ RouteGrid RouteGrid::coarse(const HazardMap& map, const RouteWindow& window, dou
 
 void RouteGrid::block_touched(const Hazard& hazard, double reach_m) {
   const double reach = reach_m + hazard.margin_m + kTouch, half = window_.cell_m / 2;
-  Eigen::AlignedBox2d box;
+  AlignedBox2d box;
   for (const Vector2d& p : hazard.outline) box.extend(p);
   const Vector2d low = (box.min() - window_.origin) / window_.cell_m,
                  high = (box.max() - window_.origin) / window_.cell_m;

@@ -21,7 +21,19 @@
 
 namespace isobath {
 
+inline constexpr double kMostRouteCells = 0x1p20;
+
 struct RouteWindow {
+  struct Extent {
+    double cell_m = 1;
+    double margin_m = 30;  ///< around start and goal
+    double reach_m = 0;    ///< of hazards beyond their margins
+  };
+  /// The box of both ends with a margin, no larger than all that can matter, which is the box of ends and hazards;
+  /// `whole` says whether it is all of that. The start is the centre of a cell. Above kMostRouteCells cells are larger.
+  static RouteWindow around(const Eigen::Vector2d& start, const Eigen::Vector2d& goal, const HazardMap& map,
+                            const Extent& extent, bool& whole);
+
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< centre of cell 0
   double cell_m = 1;
   std::int32_t columns = 1;
@@ -30,7 +42,8 @@ struct RouteWindow {
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
   [[nodiscard]] Eigen::Vector2d centre(std::size_t cell) const {
     const auto width = static_cast<std::size_t>(columns);
-    return origin + cell_m * Eigen::Vector2d(static_cast<double>(cell % width), static_cast<double>(cell / width));
+    const std::size_t row = cell / width;
+    return origin + cell_m * Eigen::Vector2d(static_cast<double>(cell % width), static_cast<double>(row));
   }
   /// The cell that holds p, if one does.
   [[nodiscard]] std::optional<std::size_t> at(const Eigen::Vector2d& p) const;

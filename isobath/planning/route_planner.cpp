@@ -4,6 +4,7 @@
 #include <isobath/planning/grid_search.hpp>
 #include <isobath/planning/route_grid.hpp>
 #include <isobath/planning/route_planner.hpp>
+#include <isobath/planning/route_smoothing.hpp>
 #include <isobath/planning/turning.hpp>
 #include <isobath/planning/turning_search.hpp>
 #include <utility>
@@ -20,11 +21,7 @@ constexpr double kTouch = 1e-9;    // m
 constexpr double kOff = 0.05;      // m: no vehicle holds its way to better
 constexpr double kSag = 0.01;      // m, of arcs to the chords that stand for them
 constexpr double kFarthest = 1e7;  // m
-constexpr double kMostCells = 0x1p20;
-constexpr double kGrowth = 3;  // of the margin, from one window to the next
-constexpr int kRounds = 8;     // of moving corners, for each distance
-constexpr double kWorthwhile = 1e-4;
-constexpr int kAround = 3;  // cells that a window holds around all that matters
+constexpr double kGrowth = 3;      // of the margin, from one window to the next
 /// Shares of the turning radius: how deep an arc cuts a corner of 60 degrees.
 constexpr std::array<double, 2> kRounder = {0, 0.16};
 
@@ -32,10 +29,6 @@ double length_of(const Way& way) {
   double sum = 0;
   for (std::size_t i = 1; i < way.size(); ++i) sum += (way[i] - way[i - 1]).norm();
   return sum;
-}
-
-AlignedBox2d grown(const AlignedBox2d& box, double by) {
-  return {box.min() - Vector2d::Constant(by), box.max() + Vector2d::Constant(by)};
 }
 
 /// A way and how much of it, by points from the start, leaves the neighbourhood of a hazard.
@@ -61,11 +54,11 @@ class Router {
   Result<Found, RouteRefusal> find(double need);
   Result<Found, RouteRefusal> search(RouteGrid& grid, double need);
   [[nodiscard]] std::optional<std::size_t> goal_cell(const RouteGrid& grid, double need) const;
-  [[nodiscard]] RouteWindow window(double margin, double reach, bool& whole) const;
+  [[nodiscard]] RouteWindow window(double margin, double reach, bool& whole) const {
+    return RouteWindow::around(task_.start, target_, map_, {config_.cell_m, margin, reach}, whole);
+  }
   Result<std::vector<std::size_t>, RouteRefusal> cells(const RouteGrid& grid, std::size_t from, std::size_t to);
   [[nodiscard]] Vector2d near_target(double reach) const;
-  void pull_straight(Way& way, const RouteGrid& grid, double need) const;
-  void relax(Way& way, const RouteGrid& grid, double need) const;
   [[nodiscard]] bool keeps(const Vector2d& a, const Vector2d& b, double more_m) const;
   [[nodiscard]] bool can_be_turned(const Way& way) const;
   [[nodiscard]] std::optional<Way> turned(const Way& way) const;
@@ -80,6 +73,7 @@ class Router {
   Vector2d target_;  ///< of the search: the goal, or a place on the way there beyond all hazards
   double at_start_;  ///< what the start has
   std::int64_t expanded_ = 0;
+  bool shut_in_ = false;  ///< the last search could not leave its window
 };
 
 Result<RoutePath, RouteRefusal> Router::exact() {
@@ -121,9 +115,9 @@ Result<Found, RouteRefusal> Router::find(double need) {
       if (config_.smooth) {
         const auto exit = found->way.begin() + static_cast<std::ptrdiff_t>(found->escape);
         Way leaving(found->way.begin(), exit + 1), rest(exit, found->way.end());
-        pull_straight(leaving, grid, at_start_ - kTouch);
-        pull_straight(rest, grid, need);
-        relax(rest, grid, need);
+        pull_straight(leaving, map_, grid, at_start_ - kTouch);
+        pull_straight(rest, map_, grid, need);
+        settle_corners(rest, map_, grid, need);
         found->escape = leaving.size() - 1;
         leaving.insert(leaving.end(), rest.begin() + 1, rest.end());
         found->way = std::move(leaving);
@@ -131,7 +125,7 @@ Result<Found, RouteRefusal> Router::find(double need) {
       return found;
     }
     last = found.error();
-    if (last == RouteRefusal::kOutOfBudget) break;
+    if (last == RouteRefusal::kOutOfBudget || shut_in_) break;
   }
   return tl::unexpected(last);
 }
@@ -187,19 +181,29 @@ Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& gr
   expanded_ += search.expanded();
   if (outcome == GridOutcome::kReached) return search.path_to(to);
   if (outcome == GridOutcome::kOutOfBudget) return tl::unexpected(RouteRefusal::kOutOfBudget);
-  for (std::size_t cell = 0; cell < w.size(); ++cell) {
-    if (!grid.blocked(cell) && std::isfinite(search.cost(cell))) return tl::unexpected(RouteRefusal::kNoPath);
+  // All that can be reached was looked at: was it anything, and is there more of it beyond the window?
+  bool left = false;
+  shut_in_ = true;
+  for (std::int32_t row = 0, cell = 0; row < w.rows; ++row) {
+    for (std::int32_t column = 0; column < w.columns; ++column, ++cell) {
+      const auto i = static_cast<std::size_t>(cell);
+      if (!std::isfinite(search.cost(i))) continue;
+      left = left || !grid.blocked(i);
+      const bool inside = row > 0 && row + 1 < w.rows && column > 0 && column + 1 < w.columns;
+      shut_in_ = shut_in_ && inside;
+    }
   }
-  return tl::unexpected(RouteRefusal::kStartBlocked);  // there was no leaving it
+  return tl::unexpected(left ? RouteRefusal::kNoPath : RouteRefusal::kStartBlocked);
 }
 
 /// A goal far beyond all hazards: as far beyond them as they are wide, on the straight line to the start, from where
 /// the rest of that line is free. What this costs is known only to ways on another side of all hazards.
 Vector2d Router::near_target(double reach) const {
   if (map_.bounds().isEmpty()) return task_.goal;
-  AlignedBox2d all = grown(map_.bounds(), reach);
+  AlignedBox2d all = map_.bounds();
   all.extend(task_.start);
-  all = grown(all, all.diagonal().norm() + config_.margin_m);
+  const Vector2d beyond = Vector2d::Constant(reach + all.diagonal().norm() + config_.margin_m);
+  all = AlignedBox2d(all.min() - beyond, all.max() + beyond);
   const double goal_out = (task_.goal - all.center()).cwiseQuotient(all.sizes() / 2).cwiseAbs().maxCoeff();
   if (goal_out <= 1) return task_.goal;
   const Vector2d leg = task_.goal - task_.start;
@@ -209,84 +213,6 @@ Vector2d Router::near_target(double reach) const {
     if (leg[axis] != 0) share = std::min(share, (border - task_.start[axis]) / leg[axis]);
   }
   return task_.start + share * leg;
-}
-
-/// The start is the centre of a cell. `whole`: all that can matter lies in it.
-RouteWindow Router::window(double margin, double reach, bool& whole) const {
-  AlignedBox2d ends(task_.start);
-  ends.extend(target_);
-  for (double cell = config_.cell_m;; cell *= 2) {
-    AlignedBox2d all = ends;
-    if (!map_.bounds().isEmpty()) all.extend(grown(map_.bounds(), reach));
-    all = grown(all, kAround * cell);
-    const AlignedBox2d near = grown(ends, std::max(margin, kAround * cell));
-    const AlignedBox2d box = all.intersection(near);
-    const Vector2d low = ((box.min() - task_.start) / cell).array().floor();
-    const Vector2d high = ((box.max() - task_.start) / cell).array().ceil();
-    const Vector2d size = high - low + Vector2d::Ones();
-    if (size.prod() > kMostCells) continue;
-    whole = near.contains(all);
-    return {task_.start + cell * low, cell, static_cast<std::int32_t>(size.x()), static_cast<std::int32_t>(size.y())};
-  }
-}
-
-/// Leaves out points between which the straight leg keeps the clearance and costs no more.
-void Router::pull_straight(Way& way, const RouteGrid& grid, double need) const {
-  std::vector<double> cost(way.size(), 0);  // from the start to each point
-  const auto measure = [&] {
-    for (std::size_t i = 1; i < way.size(); ++i) cost[i] = cost[i - 1] + grid.leg_cost(way[i - 1], way[i]);
-  };
-  const auto better = [&](std::size_t i, std::size_t j) {
-    return grid.leg_cost(way[i], way[j]) <= (cost[j] - cost[i]) * (1 + 1e-9) && map_.leg_is_clear(way[i], way[j], need);
-  };
-  // 1. along the way, each leg as long as it will go
-  measure();
-  Way pulled = {way.front()};
-  for (std::size_t from = 0; from + 1 < way.size();) {
-    std::size_t to = from + 1;
-    while (to + 1 < way.size() && better(from, to + 1)) ++to;
-    pulled.push_back(way[to]);
-    from = to;
-  }
-  // 2. between the corners that are left, the farthest first, until nothing changes
-  for (way = std::move(pulled);;) {
-    measure();
-    pulled = {way.front()};
-    for (std::size_t from = 0; from + 1 < way.size();) {
-      std::size_t to = way.size() - 1;
-      while (to > from + 1 && !better(from, to)) --to;
-      pulled.push_back(way[to]);
-      from = to;
-    }
-    if (pulled.size() == way.size()) return;
-    way = std::move(pulled);
-  }
-}
-
-/// Moves corners where that makes the way cheaper: the cells' eight directions leave more length, and less room, than
-/// there need be.
-void Router::relax(Way& way, const RouteGrid& grid, double need) const {
-  for (double by = 2 * grid.window().cell_m; by > grid.window().cell_m / 8; by /= 2) {
-    for (int round = 0; round < kRounds; ++round) {
-      bool moved = false;
-      for (std::size_t i = 1; i + 1 < way.size(); ++i) {
-        const Vector2d &before = way[i - 1], &after = way[i + 1];
-        double least = (grid.leg_cost(before, way[i]) + grid.leg_cost(way[i], after)) * (1 - kWorthwhile);
-        Vector2d best = way[i];
-        for (const GridStep& s : kGridSteps) {
-          const Vector2d p = way[i] + by * Vector2d(s.column, s.row);
-          const double cost = grid.leg_cost(before, p) + grid.leg_cost(p, after);
-          if (cost >= least || !map_.leg_is_clear(before, p, need) || !map_.leg_is_clear(p, after, need)) continue;
-          least = cost;
-          best = p;
-        }
-        moved = moved || best != way[i];
-        way[i] = best;
-      }
-      if (!moved) break;
-    }
-  }
-  pull_straight(way, grid, need);
 }
 
 /// Whether a piece keeps the clearance, `more_m` more; while the vehicle is leaving a hazard, what it had at the start.
@@ -392,7 +318,7 @@ Result<RoutePath, RouteRefusal> Router::coarse() {
     if (grid.blocked(*to)) return tl::unexpected(RouteRefusal::kGoalBlocked);
     if (grid.blocked(*from)) grid.free_cell(*from);
     const auto path = cells(grid, *from, *to);
-    if (!path && path.error() == RouteRefusal::kOutOfBudget) return tl::unexpected(path.error());
+    if (!path && (path.error() == RouteRefusal::kOutOfBudget || shut_in_)) return tl::unexpected(path.error());
     if (!path) continue;
     Way way = {task_.start};
     for (std::size_t i = 1; i < path->size(); ++i) {

@@ -42,6 +42,12 @@ struct SeenObstacle {
   double existence = 0;
 };
 
+/// What really stands somewhere, or one pylon of a row: an outline of it in W.
+struct TrueBody {
+  std::string name;
+  Polygon outline;
+};
+
 struct MissionOutcome {
   MissionPlan plan;
   MissionReport report;
@@ -49,7 +55,7 @@ struct MissionOutcome {
   std::vector<BelievedPlace> believed;    ///< ten a second at most
   std::vector<SeenObstacle> seen;         ///< those in front of others
   std::optional<TrackTruth> truth;        ///< of a simulated run
-  std::vector<Polygon> bodies;            ///< what really stands there at the end: outlines in W; of a simulated run
+  std::vector<TrueBody> bodies;           ///< at the end; of a simulated run
   std::uint64_t as_recorded = 0;          ///< of a log: decisions that are those of the recorded run, from the first on
   std::optional<std::uint64_t> recorded;  ///< of a log that holds decisions: how many
   MissionTimings timings;

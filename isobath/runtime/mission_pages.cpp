@@ -23,10 +23,16 @@ constexpr Colour kReached{0.0, 0.50, 0.36, 1};
 bool overrules(const Decision& d) { return d.agent == "safety officer"; }
 bool changes_the_way(const Decision& d) { return !d.way.empty(); }
 
-/// What a skipper looks for on the chart; the rest stands in the table alone.
-bool stands_on_chart(const Decision& d) {
-  return overrules(d) || changes_the_way(d) || d.what.find("drop") != std::string::npos ||
-         d.what.find("refus") != std::string::npos || d.what.find("move") != std::string::npos;
+bool gives_up_or_moves_a_point(const Decision& d) { return d.what == "drop point" || d.what == "move point"; }
+
+/// What a skipper looks for on the chart; the rest stands in the table alone: who waits for a first look, and a refusal
+/// that a dropped or a moved point answers at once.
+bool stands_on_chart(const std::vector<Decision>& decisions, std::size_t i) {
+  const Decision& d = decisions[i];
+  if (d.what != "refuse") return overrules(d) || changes_the_way(d) || gives_up_or_moves_a_point(d);
+  const bool answered =
+      i + 1 < decisions.size() && decisions[i + 1].time == d.time && gives_up_or_moves_a_point(decisions[i + 1]);
+  return d.obstacle.has_value() && !answered;
 }
 
 Colour colour_of(const Decision& d) { return overrules(d) ? kSafety : kReplan; }
@@ -56,8 +62,9 @@ PlanExtent extent_of(const MissionOutcome& outcome) {
 }
 
 void draw_obstacles(MissionSheet& sheet, const MissionOutcome& outcome) {
-  for (const Polygon& body : outcome.bodies)
-    sheet.area(body, {kBody.red, kBody.green, kBody.blue, 0.8}, {palette::kInk, 1.2, false});
+  for (const TrueBody& body : outcome.bodies) {
+    sheet.area(body.outline, {kBody.red, kBody.green, kBody.blue, 0.8}, {palette::kInk, 1.2, false});
+  }
   for (const SeenObstacle& o : outcome.seen) {
     const Colour c = palette::kObstacle;
     sheet.area(o.outline, {c.red, c.green, c.blue, 0.07 * o.existence},
@@ -107,15 +114,28 @@ void draw_points(MissionSheet& sheet, const MissionOutcome& outcome) {
   }
 }
 
+bool is_small(const TrueBody& body, double metres_per_px) {
+  Eigen::AlignedBox2d box;
+  for (const Vector2d& p : body.outline) box.extend(p);
+  return box.diagonal().norm() < 12 * metres_per_px;
+}
+
+/// What is too small to be seen stands on the chart as a danger.
+void draw_dangers(MissionSheet& sheet, const MissionOutcome& outcome) {
+  for (const TrueBody& body : outcome.bodies) {
+    if (is_small(body, sheet.metres_per_px())) sheet.danger(body.outline.front(), body.name);
+  }
+}
+
 void draw_nearest(MissionSheet& sheet, const MissionOutcome& outcome) {
   if (!outcome.truth || outcome.bodies.empty() || !std::isfinite(outcome.truth->least_clearance_m)) return;
   const TrackTruth& truth = *outcome.truth;
   const auto least = std::min_element(truth.clearance_m.begin(), truth.clearance_m.end());
   const TrueMotion& there = truth.track[static_cast<std::size_t>(least - truth.clearance_m.begin())];
   const Vector2d here = there.state.X_WB.translation.head<2>();
-  Vector2d nearest = nearest_point(outcome.bodies.front(), here);
-  for (const Polygon& body : outcome.bodies) {
-    const Vector2d p = nearest_point(body, here);
+  Vector2d nearest = nearest_point(outcome.bodies.front().outline, here);
+  for (const TrueBody& body : outcome.bodies) {
+    const Vector2d p = nearest_point(body.outline, here);
     if ((p - here).norm() < (nearest - here).norm()) nearest = p;
   }
   sheet.measure(here, nearest, fmt::format("{:.1f} m clear", truth.least_clearance_m));
@@ -125,7 +145,8 @@ void draw_numbers(MissionSheet& sheet, const MissionOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
     const Decision& d = outcome.decisions[i];
     const auto place = place_at(outcome, d.time);
-    if (place && stands_on_chart(d)) sheet.numbered(place->north_east, static_cast<int>(i) + 1, colour_of(d));
+    if (place && stands_on_chart(outcome.decisions, i))
+      sheet.numbered(place->north_east, static_cast<int>(i) + 1, colour_of(d));
   }
 }
 
@@ -153,7 +174,13 @@ void legend(MissionSheet& sheet, const MissionOutcome& outcome) {
   if (!outcome.plan.fence.empty()) sheet.legend_line({kFence, 2, true}, "fence");
   sheet.legend_circle({kReached, 2.4, false}, "mission point, 5 m round");
   if (outcome.report.dropped > 0) sheet.legend_circle({kSafety, 2.4, false}, "given up", true);
-  if (!outcome.bodies.empty()) sheet.legend_fill({kBody.red, kBody.green, kBody.blue, 0.8}, "what really stands there");
+  const auto small = [&](const TrueBody& body) { return is_small(body, sheet.metres_per_px()); };
+  if (!std::all_of(outcome.bodies.begin(), outcome.bodies.end(), small)) {
+    sheet.legend_fill({kBody.red, kBody.green, kBody.blue, 0.8}, "what really stands there");
+  }
+  if (std::any_of(outcome.bodies.begin(), outcome.bodies.end(), small)) {
+    sheet.legend_danger("small body, true place");
+  }
   sheet.legend_fill({0.84, 0.37, 0.0, 0.35}, "obstacles as seen");
   sheet.legend_number(kReplan, "decision, numbered as listed");
   if (std::any_of(outcome.decisions.begin(), outcome.decisions.end(), overrules)) {
@@ -176,6 +203,7 @@ std::string chart_png(const MissionOutcome& outcome) {
   draw_ways(sheet, outcome);
   draw_tracks(sheet, outcome);
   draw_points(sheet, outcome);
+  draw_dangers(sheet, outcome);
   draw_numbers(sheet, outcome);
   draw_nearest(sheet, outcome);
   if (outcome.truth && !outcome.truth->track.empty()) {
@@ -197,6 +225,7 @@ std::string clearance_png(const MissionOutcome& outcome, double planned_clearanc
     clear.push_back(truth.clearance_m[i]);
   }
   const double top = std::clamp(1.1 * *std::max_element(clear.begin(), clear.end()), 10.0, 40.0);
+  for (double& c : clear) c = c > top ? std::nan("") : c;
   ChartPicture picture(1000, 400, "Clearance from the hull to the nearest body",
                        {"time (s)", 0, std::max(time.back(), 1.0)},
                        {"clearance (m)", std::min(0.0, truth.least_clearance_m), top});
@@ -209,7 +238,7 @@ std::string clearance_png(const MissionOutcome& outcome, double planned_clearanc
   limit(0, kSafety, "contact");
   for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
     const Decision& d = outcome.decisions[i];
-    if (stands_on_chart(d)) picture.mark(to_seconds(d.time), std::to_string(i + 1), colour_of(d));
+    if (stands_on_chart(outcome.decisions, i)) picture.mark(to_seconds(d.time), std::to_string(i + 1), colour_of(d));
   }
   picture.finish();
   return picture.png();
@@ -262,7 +291,7 @@ std::vector<std::string> mission_summary(const MissionOutcome& outcome) {
   }
   for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
     const Decision& d = outcome.decisions[i];
-    if (!stands_on_chart(d)) continue;
+    if (!stands_on_chart(outcome.decisions, i)) continue;
     lines.push_back(fmt::format("  {:>2}  {:>9}  {}: {}: {}", i + 1, to_text(d.time), d.agent, d.what, d.reason));
   }
   return lines;

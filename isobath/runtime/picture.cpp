@@ -315,7 +315,11 @@ void ChartPicture::curve(std::span<const double> x, std::span<const double> y, c
                          const std::string& name) {
   cairo_new_path(cairo_.get());
   for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
-    if (std::isfinite(x[i]) && std::isfinite(y[i])) cairo_line_to(cairo_.get(), px_x(x[i]), px_y(y[i]));
+    if (std::isfinite(x[i]) && std::isfinite(y[i])) {
+      cairo_line_to(cairo_.get(), px_x(x[i]), px_y(y[i]));
+    } else {
+      cairo_new_sub_path(cairo_.get());
+    }
   }
   set(stroke);
   cairo_stroke(cairo_.get());

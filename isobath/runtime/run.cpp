@@ -74,12 +74,12 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
 };
 
 /// Outlines from above of all that stands in a scene, where it is now.
-std::vector<Polygon> outlines_of(const World& world) {
-  std::vector<Polygon> outlines;
+std::vector<TrueBody> outlines_of(const World& world) {
+  std::vector<TrueBody> outlines;
   for (const WorldBody& body : world.bodies()) {
     for (Polygon part : body.plan) {
       for (Eigen::Vector2d& p : part) p += body.moved.head<2>();
-      outlines.push_back(std::move(part));
+      outlines.push_back({body.name, std::move(part)});
     }
   }
   return outlines;

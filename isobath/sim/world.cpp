@@ -256,13 +256,16 @@ World::World(const Scene& scene) : state_(std::make_unique<State>()) {
 World::~World() = default;
 
 void World::move_to(double t_s) {
-  if (state_->moving.empty()) return;
+  bool moved = false;
   for (const auto& [body, instance] : state_->moving) {
     WorldBody& b = state_->bodies[body];
-    b.moved = displacement(*b.body, t_s);
-    State::set_place(instance, b.moved);
+    const Vector3d to = displacement(*b.body, t_s);
+    if (to == b.moved) continue;
+    b.moved = to;
+    State::set_place(instance, to);
+    moved = true;
   }
-  rtcCommitScene(state_->top);
+  if (moved) rtcCommitScene(state_->top);  // builds the tree of all that stands there anew
 }
 
 namespace {

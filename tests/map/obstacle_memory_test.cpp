@@ -267,6 +267,20 @@ TEST(ObstacleMemory, TakesDriftOffBeforeItAssociates) {
   }
 }
 
+// A fix between two sweeps moves the vehicle in W, and with it all that it sees: nothing is met as a stranger.
+// ledger: S6-66
+TEST(ObstacleMemory, FollowsAFixThatMovesTheEstimate) {
+  const std::vector<Polygon> rocks = {box(10, 0, 1, 1), box(-6, 8, 1.5, 1)};
+  ObstacleMemory memory;
+  for (int i = 0; i < 3; ++i) see(memory, rocks, at({0, 0}), i, 3.0);
+  for (int i = 3; i < 6; ++i) see(memory, rocks, at({4, -3}), i, 0.1);
+  const auto all = memory.all();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].sightings, 6);
+  EXPECT_LT((nearest_point(all[0].outline_W, {14, -3}) - Vector2d(14, -3)).norm(), 1e-9);
+  EXPECT_NEAR(area(all[0].outline_W), 4, 0.5);
+}
+
 // A wall that leaves the view piece by piece is remembered as long as it was, and what is out of view is given to
 // planning while the rest is seen. ledger: S6-66
 TEST(ObstacleMemory, KeepsThePartOfAWallThatLeavesTheView) {

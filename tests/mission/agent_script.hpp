@@ -67,7 +67,6 @@ inline Obstacle obstacle(const Polygon& outline, double existence) {
   o.centre.setZero();
   for (const Eigen::Vector2d& p : outline) o.centre += p / static_cast<double>(outline.size());
   o.covariance.setIdentity();
-  o.possible_multiple = true;
   return o;
 }
 

@@ -333,8 +333,12 @@ TEST(Crew, RefusesSeatsThatMakeNoSense) {
   EXPECT_THAT(refusal(seats(seat("a", {}), seat("a", {})), none), HasSubstr("'a'"));
   EXPECT_THAT(refusal(seats(seat("", {})), none), HasSubstr("empty"));
   EXPECT_THAT(refusal(seats(seat("helm gate", {})), none), HasSubstr("'helm gate'"));
+  EXPECT_THAT(refusal(seats(seat("recorder", {})), none), HasSubstr("'recorder'"));
   EXPECT_THAT(refusal(seats(Seat{"a", AgentLevel::kMission, nullptr}), none), HasSubstr("no agent"));
   EXPECT_THAT(refusal(seats(seat("a", {})), {}), HasSubstr("safety officer"));
+  CrewConfig no_seat = none;
+  no_seat.gate.safety_officer = "sensed";
+  EXPECT_THAT(refusal(seats(seat("a", {})), no_seat), HasSubstr("'sensed'"));
   EXPECT_EQ(refusal(seats(seat("safety officer", {})), {}), "");
 }
 

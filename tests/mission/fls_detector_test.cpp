@@ -15,12 +15,16 @@ class FlsDetectorTest : public testing::Test {
   FlsDetectorTest() : agent(FlsDetectorConfig{}, ObstacleMemoryConfig{}), script(agent) {}
 
   std::vector<Message> sweep(double s, const Pose& X_WL, const std::vector<Polygon>& outlines_L,
-                             double existence = 0.95) {
+                             double existence = 0.95, bool doubtful = false) {
     auto map = std::make_shared<Detection>();
     map->time = at(s);
     map->X_WB = X_WL;
     map->cells.cell_m = 0.5;
-    for (const Polygon& outline : outlines_L) map->obstacles.push_back(obstacle(outline, existence));
+    for (const Polygon& outline : outlines_L) {
+      map->obstacles.push_back(obstacle(outline, existence));
+      map->obstacles.back().possible_multiple = doubtful;
+      map->obstacles.back().behind = doubtful;
+    }
     return script.hear(Sweep{static_cast<int>(s), true, 0.1, map}, s);
   }
   static Pose pose(double north, double east, double heading_deg) {
@@ -40,12 +44,13 @@ class FlsDetectorTest : public testing::Test {
 
 // ledger: S6-38
 TEST_F(FlsDetectorTest, SaysAtTheEndOfEachSweepWhatItHasSeen) {
-  const auto scans = only<ObstacleScan>(sweep(1, pose(10, 20, 90), {square(15, 3, 1), square(30, -8, 2)}));
+  const auto scans = only<ObstacleScan>(sweep(1, pose(10, 20, 90), {square(15, 3, 1), square(30, -8, 2)}, 0.95, true));
   ASSERT_EQ(scans.size(), 1u);
   EXPECT_EQ(scans[0].number, 1);
   EXPECT_EQ(scans[0].time, at(1));
   ASSERT_EQ(scans[0].hazards.size(), 2u);
-  EXPECT_EQ(scans[0].hazards[0].outline, square(15, 3, 1)) << "in the vehicle's own frame, possible multiples too";
+  EXPECT_EQ(scans[0].hazards[0].outline, square(15, 3, 1))
+      << "in the vehicle's own frame, hidden ones and possible multiples too";
   EXPECT_EQ(scans[0].hazards[0].kind, HazardKind::kSeen);
   EXPECT_DOUBLE_EQ(scans[0].hazards[0].margin_m, 0.25);
   EXPECT_TRUE(only<ObstacleScan>(sweep(2, pose(10, 20, 90), {square(15, 3, 1)}, 0.4)).at(0).hazards.empty());

@@ -168,6 +168,13 @@ TEST(QGroundControlPlan, DamageIsAnErrorOfOneLine) {
   EXPECT_THAT(refusal("{\"fileType\": \"Plan\"}"), HasSubstr("without a mission"));
   EXPECT_THAT(refusal("{\"fileType\": \"Plan\", \"mission\": 3}"), HasSubstr("neither a home nor"));
   EXPECT_THAT(refusal(plan_of(json::array()).dump()), HasSubstr("the mission has no points"));
+  json fenced = plan_of(json::array({item(16, 5, 5, -1)}));
+  fenced["geoFence"]["polygons"] = {{{"polygon", {7, "x", nullptr}}}};
+  EXPECT_THAT(refusal(fenced.dump()), HasSubstr("geoFence.polygons[0][0]: no place on the globe"));
+  json nowhere = plan_of(json::array({item(16, 5, 5, -1)}));
+  nowhere["mission"].erase("plannedHomePosition");
+  nowhere["mission"]["items"][0]["params"][5] = 1038.5;
+  EXPECT_THAT(refusal(nowhere.dump()), HasSubstr("neither a home nor"));
   EXPECT_THAT(refusal("{\"a\": 1e999}"), HasSubstr("out of range"));
   const MissionPlan odd = parse_mission(
       plan_of({item(16, 5, 5, -1), 7, "x", nullptr, {{"command", -3}}, {{"command", 16}}, item(16, 5, 5, -1, 1)})

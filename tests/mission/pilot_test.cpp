@@ -48,6 +48,7 @@ TEST_F(PilotTest, PassesAWaypointAbeamAndGoesOn) {
   make();
   at_place(0, 0);
   script->hear(FollowOrder{1, {{50, 0, 1, 1.5}, {50, 100, 1, 1.5}}, {}, false}, now);
+  at_place(0, 0);  // the first leg starts here
   at_place(30, 8);
   EXPECT_TRUE(only<WaypointPassed>(at_place(49.9, 8)).empty());
   const auto passed = only<WaypointPassed>(at_place(50.1, 8));

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
+#include <isobath/map/obstacle_memory.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <sstream>
@@ -75,6 +76,30 @@ TEST(ObstacleDetector, TheMapCarriesItsTimeAndPose) {
   EXPECT_EQ(d.detected.size(), 100u);
   EXPECT_NEAR(d.heading.degrees(), 30, 1e-12);
   EXPECT_TRUE(d.position.isApprox(grid.position()));
+}
+
+// What the memory of obstacles asks of a sweep: its outlines, and which water is free. ledger: S6-66
+TEST(ObstacleDetector, SaysWhichWaterIsFreeForTheMemoryOfObstacles) {
+  BodyGrid grid(plane(60, 1));
+  grid.move({0, 0}, Angle::degrees(20), Eigen::Matrix2d::Zero());
+  const Pose X_WL{Rotation::from_heading(Angle::degrees(-70)), {300, -200, 0}};
+  ObstacleMemory memory;
+  const auto look = [&](int second, bool rock) {
+    for (double& l : grid.log_odds()) l = grid.log_odds_prior();
+    fill(grid, [rock](const Vector2d& p) { return rock && (p - Vector2d(12, 5)).norm() < 2; });
+    const Detection d = ObstacleDetector().detect(grid, Time(seconds(second)), X_WL);
+    for (std::size_t i = 0; i < d.free.size(); ++i) EXPECT_EQ(d.free[i] != 0, grid.is_free(grid.cells().cell(i)));
+    EXPECT_TRUE(memory.add({d.time, X_WL, 0.0, d.obstacles, {d.cells, d.position, d.heading, d.free}}));
+  };
+  for (int i = 0; i < 4; ++i) look(i, true);
+  ASSERT_EQ(memory.size(), 1u);
+  EXPECT_TRUE(memory.remembered({300, -200}, 50).empty());  // all of it is in view
+  const Eigen::Vector3d rock_W = X_WL * Eigen::Vector3d(12, 5, 0);
+  EXPECT_TRUE(contains(memory.all()[0].outline_W, rock_W.head<2>()));
+  look(4, false);
+  EXPECT_EQ(memory.remembered({300, -200}, 50).size(), 1u);
+  for (int i = 5; i < 10; ++i) look(i, false);
+  EXPECT_EQ(memory.size(), 0u);
 }
 
 TEST(ObstacleDetector, DescribesABoxInTheLevelBodyFrame) {

@@ -75,7 +75,9 @@ TEST(HazardMap, RefusesWhatIsNotFinite) {
   EXPECT_THROW(HazardMap({hazard({})}), Error);
   EXPECT_THROW(HazardMap({hazard({{0, nan}})}), Error);
   EXPECT_THROW(HazardMap({hazard({{INFINITY, 0}})}), Error);
+  EXPECT_THROW(HazardMap({hazard({{1e300, 0}})}), Error);
   EXPECT_THROW(HazardMap({hazard({{0, 0}}, nan)}), Error);
+  EXPECT_THROW(HazardMap({hazard({{0, 0}}, INFINITY)}), Error);
   EXPECT_THROW(HazardMap({hazard({{0, 0}}, -1)}), Error);
 }
 

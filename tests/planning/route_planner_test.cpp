@@ -16,7 +16,7 @@ Hazard hazard(Polygon outline, double margin = 0) { return {std::move(outline), 
 Polygon box(double x, double y, double half_x, double half_y) {
   return {{x - half_x, y - half_y}, {x + half_x, y - half_y}, {x + half_x, y + half_y}, {x - half_x, y + half_y}};
 }
-RouteTask from_to(Vector2d start, Vector2d goal) {
+RouteTask from_to(const Vector2d& start, const Vector2d& goal) {
   RouteTask task;
   task.start = start;
   task.goal = goal;
@@ -25,7 +25,7 @@ RouteTask from_to(Vector2d start, Vector2d goal) {
 std::vector<Hazard> list_of(const HazardMap& map) { return {map.hazards().begin(), map.hazards().end()}; }
 
 /// A ring of segments round a centre.
-std::vector<Hazard> ring(Vector2d centre, double radius) {
+std::vector<Hazard> ring(const Vector2d& centre, double radius) {
   std::vector<Hazard> walls;
   for (int i = 0; i < 24; ++i) {
     const double a = i * std::numbers::pi / 12, b = (i + 1) * std::numbers::pi / 12;

@@ -122,7 +122,7 @@ TEST(Turning, FromAHeadingToAPlace) {
   EXPECT_GT(found, 1000);
 }
 
-RouteTask turning_task(Vector2d start, double heading, Vector2d goal, double radius) {
+RouteTask turning_task(const Vector2d& start, double heading, const Vector2d& goal, double radius) {
   RouteTask task;
   task.start = start;
   task.heading = heading;

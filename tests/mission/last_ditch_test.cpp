@@ -1,0 +1,254 @@
+// The look ahead on raw echoes and ranges: stop while it can, else turn to the freer side, else surface.
+#include <gmock/gmock.h>
+#include <isobath/mission/near_echoes.hpp>
+#include <limits>
+#include <random>
+#include <tests/mission/safety_stream.hpp>
+
+namespace isobath {
+namespace {
+
+using Act = SafetyActionKind;
+using Eigen::Vector2d;
+using test::SafetyStream;
+using testing::HasSubstr;
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+const SafetyConfig kLimits;
+
+/// Puts into each look the echoes of points in W that the vehicle has in its fan and nearer than `range_m`, and not
+/// nearer than `blind_m`.
+void show(SafetyStream& stream, std::vector<Vector2d> points, double range_m = 20, double blind_m = 0.6) {
+  stream.on_look = [&stream, points = std::move(points), range_m, blind_m](SonarLook& look) {
+    const Eigen::Rotation2Dd R_LW(-stream.heading);
+    look.blind_m = blind_m;
+    for (const Vector2d& p : points) {
+      const Vector2d echo = R_LW * Vector2d(p - stream.place);
+      if (echo.norm() < range_m && echo.norm() > blind_m && echo.x() > 0) look.echoes_L.push_back(echo);
+    }
+  };
+}
+
+double gap(const SafetyStream& stream, const std::vector<Vector2d>& points) {
+  double least = kNever;
+  for (const Vector2d& p : points) least = std::min(least, (p - stream.place).norm());
+  return least - stream.sheet.hull_radius_m;
+}
+
+// The vehicle stops within the distance that was predicted, with the margin left, before an obstacle that no map has.
+// ledger: S1-44 S2-28 S1-F10
+TEST(LastDitch, StopsInTime) {
+  for (const double ordered : {0.5, 1.0, 1.5, 2.0}) {
+    SafetyStream stream;
+    stream.speed = stream.speed_ordered = ordered;
+    const std::vector<Vector2d> wall = {{60, -1}, {60, 0}, {60, 1}};
+    show(stream, wall);
+    stream.run_to(60 / ordered + 30);
+    EXPECT_GE(stream.raised(Fault::kCollisionAhead), 0) << ordered;
+    EXPECT_EQ(stream.raised(Fault::kCollisionUnavoidable), -1) << ordered;
+    EXPECT_EQ(stream.speed, 0) << ordered;
+    EXPECT_GE(gap(stream, wall), 0.9 * kLimits.collision_margin_m) << ordered;
+    EXPECT_LE(gap(stream, wall), kLimits.collision_margin_m + 0.6 * ordered + 0.5)
+        << ordered << ": not sooner than it must";
+  }
+}
+
+// From the echo that confirms to the order to stop within one executor cycle.
+// ledger: S2-28
+TEST(LastDitch, ActsWithinOneCycleOfTheSecondEcho) {
+  SafetyStream stream;
+  stream.run_to(20);
+  const Vector2d ahead = stream.place + Vector2d(3.5, 0);
+  int told = 0;
+  double second_s = -1;
+  stream.on_look = [&](SonarLook& look) {
+    look.echoes_L = {ahead - stream.place};
+    if (++told == 2) second_s = stream.time_s();
+  };
+  stream.run_to(22);
+  EXPECT_LE(stream.acted(Act::kStop) - second_s, 0.6);
+  EXPECT_GE(stream.acted(Act::kStop), second_s) << "one echo is noise";
+}
+
+// An obstacle that was heard before it came into the blind zone is still there.
+TEST(LastDitch, StopsBeforeWhatTheSonarHearsNoMore) {
+  SafetyStream stream;
+  const std::vector<Vector2d> pole = {{60, 0.2}};
+  show(stream, pole, 20, 10.2);
+  stream.run_to(70);
+  EXPECT_EQ(stream.speed, 0) << "half a minute later, still";
+  EXPECT_GT(gap(stream, pole), 0.8);
+}
+
+// A sonar that gives ranges alone.
+// ledger: S1-44
+TEST(LastDitch, StopsForShortRanges) {
+  SafetyStream stream;
+  stream.on_range = [&](RangeReading& reading) {
+    reading.X_BS.rotation = Rotation();
+    reading.range_m.reset();
+    if (60 - stream.place.x() < 50) reading.range_m = 60 - stream.place.x();
+  };
+  stream.run_to(70);
+  EXPECT_EQ(stream.speed, 0);
+  EXPECT_GT(60 - stream.place.x() - stream.sheet.hull_radius_m, 0.5);
+  EXPECT_EQ(stream.raised(Fault::kCollisionUnavoidable), -1);
+}
+
+// It stands where it stopped, turns to where it is ordered to go, and goes on once that way is free.
+TEST(LastDitch, GoesOnWhenTheWayLiesFree) {
+  SafetyStream stream;
+  show(stream, {{40, 0}});
+  stream.run_to(60);
+  ASSERT_EQ(stream.speed, 0);
+  ASSERT_EQ(stream.officer.action().kind, Act::kTurn) << "on the spot";
+  EXPECT_EQ(stream.officer.action().setpoint.speed, 0);
+  stream.on_look = {};  // it moved away
+  stream.run_to(60 + kLimits.memory_s + kLimits.leave_s + 10);
+  EXPECT_EQ(stream.officer.action().kind, Act::kNone);
+  EXPECT_GT(stream.speed, 1);
+}
+
+// What appears nearer than it can stop is said to be unavoidable, and the vehicle turns to the side that is free.
+TEST(LastDitch, TurnsToTheFreerSide) {
+  for (const double side : {-1.0, 1.0}) {
+    SafetyStream stream;
+    stream.run_to(20);
+    // 2.35 m before the bow, and a wall beside it.
+    const Vector2d bow = stream.place + Vector2d(stream.sheet.hull_radius_m + 2.35, 0);
+    std::vector<Vector2d> points = {bow};
+    for (int i = -3; i < 6; ++i) points.emplace_back(bow.x() - 0.5 * i, side * 2.0);
+    show(stream, points, 20, 0.1);
+    stream.run_to(20.5);
+    ASSERT_EQ(stream.officer.action().kind, Act::kTurn) << side;
+    EXPECT_EQ(stream.officer.action().fault, "collision unavoidable");
+    EXPECT_NEAR(stream.officer.action().setpoint.heading.degrees(), -90 * side, 20);
+    EXPECT_LE(stream.officer.action().setpoint.speed, 1.5);
+    EXPECT_THAT(stream.reason(Fault::kCollisionUnavoidable),
+                HasSubstr(side > 0 ? "port is freer" : "starboard is freer"));
+  }
+}
+
+TEST(LastDitch, SurfacesWhereNeitherSideIsFree) {
+  SafetyStream stream;
+  stream.run_to(20);
+  const Vector2d bow = stream.place + Vector2d(stream.sheet.hull_radius_m + 1.5, 0);
+  std::vector<Vector2d> points;
+  for (int i = -8; i <= 8; ++i) points.emplace_back(bow.x(), 0.5 * i);
+  show(stream, points, 20, 0.1);
+  stream.run_to(20.5);
+  EXPECT_EQ(stream.officer.action().kind, Act::kSurface);
+  EXPECT_THAT(stream.reason(Fault::kCollisionUnavoidable), HasSubstr("neither side is free"));
+}
+
+// ledger: S2-E10
+TEST(LastDitch, AVehicleThatCannotStopTurns) {
+  SafetyStream stream(test::flying());
+  show(stream, {{60, 0.3}});
+  stream.run_to(45);
+  EXPECT_EQ(stream.acted(Act::kStop), -1);
+  EXPECT_GT(stream.acted(Act::kTurn), 0);
+}
+
+// Echoes beside the way, behind, and single false alarms stop nobody.
+TEST(LastDitch, PassesWhatIsNotInTheWay) {
+  SafetyStream stream;
+  std::vector<Vector2d> banks;
+  for (int i = 0; i < 100; ++i) {
+    banks.emplace_back(2.0 * i, 2.5);
+    banks.emplace_back(2.0 * i, -2.5);
+  }
+  show(stream, banks);
+  stream.run_to(100);
+  EXPECT_EQ(stream.count_reports(), 0u);
+}
+
+// A false alarm that stands out in one of a hundred pings, anywhere in the fan: once an hour is too often.
+TEST(LastDitch, IsNotStoppedByNoise) {
+  SafetyStream stream;
+  std::mt19937 random(3);
+  stream.on_look = [&](SonarLook& look) {
+    if (random() % 100 != 0) return;
+    const double range = 1 + 49 * (static_cast<double>(random() % 10000) / 10000);
+    const double bearing = (static_cast<double>(random() % 10000) / 10000 - 0.5) * 1.57;
+    look.echoes_L = {{range * std::cos(bearing), range * std::sin(bearing)}};
+  };
+  stream.run_to(650);
+  EXPECT_EQ(stream.count_reports(), 0u);
+}
+
+// free_way against the plain walk of a disc in small steps.
+TEST(FreeWay, IsWhatAWalkInSmallStepsFinds) {
+  std::mt19937 random(1);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 4294967295.0;
+  };
+  int met = 0;
+  for (int run = 0; run < 400; ++run) {
+    const double curvature = run % 4 == 0 ? 0 : uniform(-0.4, 0.4);
+    const double half = uniform(0.3, 1.5);
+    const double x = uniform(0.5, 6), y = uniform(-4, 4);
+    const std::vector<Vector2d> point = {{x, y}};
+    const double reach = curvature == 0 ? 10 : std::min(10.0, 3.0 / std::abs(curvature));
+    const double found = free_way(point, curvature, half, 0, reach);
+    double walked = kNever;  // where the point is abeam of the middle, and within the half width
+    double before = 1;
+    for (double s = 0; s <= reach; s += 0.001) {
+      const double turn = curvature * s;
+      const Vector2d middle =
+          curvature == 0 ? Vector2d(s, 0) : Vector2d(std::sin(turn) / curvature, (1 - std::cos(turn)) / curvature);
+      const Vector2d off = point[0] - middle;
+      const double along = off.x() * std::cos(turn) + off.y() * std::sin(turn);
+      if (along <= 0 && before > 0 && off.norm() <= half) {
+        walked = s;
+        break;
+      }
+      before = along;
+    }
+    if (std::isfinite(walked)) ++met;
+    if (std::isfinite(found) && std::isfinite(walked)) {
+      EXPECT_NEAR(found, walked, 0.01) << run;
+    } else if (std::abs(found - reach) > 0.01 && std::abs(walked - reach) > 0.01) {
+      EXPECT_EQ(std::isfinite(found), std::isfinite(walked)) << run;
+    }
+  }
+  EXPECT_GT(met, 50);
+}
+
+TEST(NearEchoes, TakesTwoPingsToConfirmOne) {
+  NearEchoes echoes;
+  const Vector2d at(8, 1);
+  echoes.add({&at, 1}, Pose{}, 30, kLimits, 1.0);
+  echoes.add({&at, 1}, Pose{}, 30, kLimits, 1.0);
+  EXPECT_EQ(echoes.confirmed(Pose{}, 0, kLimits, 1.0).size(), 0u) << "the same ping";
+  const Vector2d near(8.9, 1.4), far(14, 1);
+  echoes.add({&far, 1}, Pose{}, 30, kLimits, 1.1);
+  EXPECT_EQ(echoes.confirmed(Pose{}, 0, kLimits, 1.1).size(), 0u);
+  echoes.add({&near, 1}, Pose{}, 30, kLimits, 1.2);
+  EXPECT_GE(echoes.confirmed(Pose{}, 0, kLimits, 1.2).size(), 1u);
+  EXPECT_EQ(echoes.confirmed(Pose{}, 0, kLimits, 1.2 + kLimits.memory_s + 0.1).size(), 0u);
+
+  NearEchoes late;
+  late.add({&at, 1}, Pose{}, 30, kLimits, 1.0);
+  late.add({&at, 1}, Pose{}, 30, kLimits, 1.1 + kLimits.confirm_s);
+  EXPECT_EQ(late.confirmed(Pose{}, 0, kLimits, 1.1 + kLimits.confirm_s).size(), 0u);
+}
+
+TEST(NearEchoes, StandStillInTheWorldAndMoveWithItsCorrections) {
+  NearEchoes echoes;
+  const Vector2d at(8, 1);
+  const Pose first;
+  const Pose second{Rotation::from_heading(Angle::degrees(90)), {8, -5, 0}};
+  echoes.add({&at, 1}, first, 30, kLimits, 1.0);
+  echoes.add({&at, 1}, first, 30, kLimits, 1.1);
+  const auto seen = echoes.confirmed(second, 0, kLimits, 1.2);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_NEAR((seen[0] - Vector2d(6, 0)).norm(), 0, 1e-9);
+  echoes.shift({2, 0});
+  const auto moved = echoes.confirmed(second, 0, kLimits, 1.2);
+  ASSERT_EQ(moved.size(), 1u);
+  EXPECT_NEAR((moved[0] - Vector2d(6, -2)).norm(), 0, 1e-9);
+}
+
+}  // namespace
+}  // namespace isobath
