@@ -23,6 +23,7 @@ Action add_calibrate(CLI::App& program);
 Action add_compare(CLI::App& program);
 Action add_crosscheck(CLI::App& program);
 Action add_path(CLI::App& program);
+Action add_eval(CLI::App& program);
 
 Action add_config(CLI::App& program);
 

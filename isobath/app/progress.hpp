@@ -12,7 +12,7 @@ class ProgressLine {
   ProgressLine();
   ~ProgressLine() { clear(); }
   /// Shows done of total bytes (total 0: unknown) and the readings so far, at most five times a second.
-  void show(std::uint64_t done, std::uint64_t total, std::uint64_t readings);
+  void show(std::uint64_t done, std::uint64_t total, std::uint64_t readings, const char* what = "readings");
   void clear();
 
  private:

@@ -1,22 +1,56 @@
 #include <isobath/runtime/closed_loop.hpp>
 
 namespace isobath {
+namespace {
+
+/// What the truth and the results of the pipeline go to: the track, the helm, and the judge if there is one.
+class Watched : public SimulatedSource::TruthSink, public ResultSink {
+ public:
+  Watched(TrueTrack& track, Helm& helm, TruthJudge* judge) : track_(track), helm_(helm), judge_(judge) {}
+  void take(const EchoTruth& echoes) override {
+    if (judge_) judge_->take(echoes);
+  }
+  void take(const TrueMotion& motion) override {
+    track_.take(motion);
+    if (judge_) judge_->take(motion);
+  }
+  void on_ping(const PosedPing& ping) override {
+    helm_.on_ping(ping);
+    if (judge_) judge_->on_ping(ping);
+  }
+  void on_scan(const ScanResult& scan) override {
+    helm_.on_scan(scan);
+    if (judge_) judge_->on_scan(scan);
+  }
+
+ private:
+  TrueTrack& track_;
+  Helm& helm_;
+  TruthJudge* judge_;
+};
+
+}  // namespace
 
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request) {
   SimulatedSource source(scenario.scene, request.configuration.simulation, request.threads);
   Simulator& simulator = source.simulator();
   TrueTrack truth(simulator);
-  source.tell_truth_to(&truth);
-  Pipeline pipeline(request.configuration, helm);
+  std::optional<TruthJudge> judge;
+  if (request.judge) judge.emplace(simulator);
+  Watched watched(truth, helm, judge ? &*judge : nullptr);
+  source.tell_truth_to(&watched);
+  Pipeline pipeline(request.configuration, watched);
   EndOfMission end;
   while (auto event = source.next()) {
     if (request.record) request.record(*event);
     helm.hear(*event);
     pipeline.take(std::move(*event));
     simulator.command(helm.steer());
+    if (request.stop_at_contact && truth.truth().contact_s >= 0) break;
     if (request.stop_when_done && end.reached(helm.progress().phase, simulator.now_s())) break;
   }
-  return {truth.truth(), helm.decisions(), helm.progress(), pipeline.counts(), simulator.now_s()};
+  return {truth.truth(),     helm.decisions(),  helm.progress(),
+          pipeline.counts(), simulator.now_s(), judge ? judge->score() : TruthScore{}};
 }
 
 bool EndOfMission::reached(MissionPhase phase, double now_s) {

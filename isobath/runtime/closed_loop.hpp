@@ -12,6 +12,7 @@
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/scenario.hpp>
 #include <isobath/runtime/true_track.hpp>
+#include <isobath/runtime/truth_judge.hpp>
 
 namespace isobath {
 
@@ -21,6 +22,8 @@ constexpr double kWatchAfterEnd_s = 5;
 struct LoopRequest {
   Configuration configuration;
   int threads = 1;
+  bool stop_at_contact = false;              ///< what a vehicle does after a collision says nothing
+  bool judge = false;                        ///< whether to hold what was seen against what was there
   bool stop_when_done = true;                ///< end some seconds after the mission has finished or was aborted
   std::function<void(const Event&)> record;  ///< sees every event that the vehicle gave, in order
 };
@@ -30,6 +33,7 @@ struct LoopResult : TrackTruth {
   MissionReport report;
   PipelineCounts counts;
   double duration_s = 0;  ///< simulated
+  TruthScore sight;       ///< how well the bodies were seen; where it was asked for
 };
 
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request);

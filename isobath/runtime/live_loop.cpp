@@ -158,7 +158,7 @@ LoopResult run_live_loop(const Scenario& scenario, std::vector<Seat> seats, cons
     simulator.command(loop.steer());
   }
   const LiveCounts counts = loop.counts();
-  return {truth.truth(), loop.decisions(), loop.progress(), counts.pipeline, simulator.now_s()};
+  return {truth.truth(), loop.decisions(), loop.progress(), counts.pipeline, simulator.now_s(), {}};
 }
 
 }  // namespace isobath

@@ -1,0 +1,104 @@
+#include <cstdio>
+#include <fmt/format.h>
+#include <isobath/app/config_options.hpp>
+#include <isobath/app/progress.hpp>
+#include <isobath/runtime/evaluation_report.hpp>
+#include <memory>
+
+namespace isobath::app {
+namespace {
+
+struct Options {
+  ConfigOptions config;
+  EvaluationRequest request;
+  std::string suite;
+  std::string out;
+  int only = -1;
+  bool json = false;
+};
+
+/// Of the program itself, so that results of another build are not taken for this one's.
+std::string program_version() {
+  std::uint64_t digest = 0xcbf29ce484222325u;
+  if (std::FILE* self = std::fopen("/proc/self/exe", "rb")) {
+    std::vector<unsigned char> block(1 << 16);
+    while (const std::size_t got = std::fread(block.data(), 1, block.size(), self)) {
+      for (std::size_t i = 0; i < got; ++i) digest = (digest ^ block[i]) * 0x100000001b3u;
+    }
+    std::fclose(self);
+  }
+  return fmt::format("{} {:016x}", ISOBATH_VERSION, digest);
+}
+
+void print(const EvaluationRequest& request, const Evaluation& evaluation) {
+  fmt::print("{}: {} runs from seed {}", request.suite.about.title, evaluation.runs.size(),
+             evaluation.runs.front().seed);
+  if (evaluation.taken_over > 0) fmt::print(", {} of them taken over from before", evaluation.taken_over);
+  fmt::print("\n");
+  for (const auto& row : evaluation_table(evaluation)) {
+    fmt::print("{:<24}", row.front());
+    for (std::size_t i = 1; i < row.size(); ++i) fmt::print("  {:<35}", row[i]);
+    fmt::print("\n");
+  }
+  for (const std::string& line : comparison_lines(evaluation)) fmt::print("{}\n", line);
+  for (const auto& [why, count] : evaluation.summaries.front().reasons) fmt::print("refused {}: {}\n", count, why);
+  for (const std::string& bar : evaluation.broken) fmt::print("BELOW THE BAR: {}\n", bar);
+  fmt::print("written to {}: report.html, results.json, runs.jsonl\n", request.out.string());
+}
+
+int act(Options& options) {
+  EvaluationRequest& request = options.request;
+  const Configuration configuration = options.config.read();
+  const std::string name = std::filesystem::path(options.suite).stem().string();
+  request.out = options.out.empty() ? "out/eval/" + name : options.out;
+  request.suite = load_suite(find_suite(options.suite, request.out / "inputs"));
+  request.competitors = competitors_of(request.suite, configuration);
+  request.version = program_version();
+  if (options.only >= 0) {
+    request.seed = (request.seed >= 0 ? request.seed : request.suite.about.seed) + options.only;
+    request.runs = 1;
+  }
+  ProgressLine progress;
+  request.progress = [&progress](int done, int all) {
+    progress.show(static_cast<std::uint64_t>(done), static_cast<std::uint64_t>(all), static_cast<std::uint64_t>(done),
+                  "runs");
+  };
+  const Evaluation evaluation = evaluate(request);
+  progress.clear();
+  write_evaluation(request, evaluation);
+  if (options.json) {
+    fmt::print("{}", to_json(request, evaluation));
+  } else {
+    print(request, evaluation);
+  }
+  std::fflush(stdout);
+  for (const std::string& bar : evaluation.broken) std::fprintf(stderr, "isobath: below the bar: %s\n", bar.c_str());
+  return evaluation.broken.empty() ? kSuccess : kFailedChecks;
+}
+
+}  // namespace
+
+Action add_eval(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  options->request.threads = 2;
+  CLI::App* command = program.add_subcommand(
+      "eval", "Scored runs of a suite, beside other methods; exit code 1 below the suite's bars");
+  command
+      ->add_option("SUITE", options->suite,
+                   fmt::format("File (.toml), or one of {}", fmt::join(embedded_suites(), ", ")))
+      ->required();
+  command->add_option("--runs", options->request.runs, "How many; default: the suite's")
+      ->check(CLI::Range(1, 1'000'000));
+  command->add_option("--seed", options->request.seed, "Of the first run; the next ones count on; default: the suite's")
+      ->check(CLI::Range(0, 1'000'000'000));
+  command->add_option("--only", options->only, "This run alone, counted from 0")->check(CLI::Range(0, 999'999));
+  command->add_option("--threads", options->request.threads, "Runs at a time; the results are the same")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "Folder for the results; goes on where it was; default: out/eval/SUITE");
+  command->add_flag("--json", options->json, "One JSON object on standard output");
+  options->config.add_to(*command);
+  return [options] { return act(*options); };
+}
+
+}  // namespace isobath::app

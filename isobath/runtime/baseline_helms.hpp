@@ -1,0 +1,130 @@
+// Baselines: helms that the command of this library is compared with, on the same runs (ledger S6-62).
+//
+// Each goes by the vehicle's own navigation and holds the course by line of sight with integral action, as ours does;
+// they differ in what they make of the sonar.
+//
+// LineOfSightHelm       nothing: straight from mission point to mission point.
+// PotentialFieldHelm    Khatib 1986 (Int. J. Robotics Research 5 (1), 90-98): the mission point attracts with force 1,
+//                       every obstacle of the last scan nearer than `reach_m` repels with eta (1/d - 1/reach) / d^2, d
+//                       from the hull, eta such that it balances the attraction at the clearance. It steers along the
+//                       sum, slower the further it looks away from it. Known to be caught in hollows.
+// ImageThresholdHelm    samples of a scan at 75 % of its maximum and above (ledger S6-62; Ganesan 2015, 2.1); believed
+//                       where the two scans before had one within `same_m`; no grid. Echoes believed in the last three
+//                       scans are gone round by the route planner that ours uses; without a way it stops, and gives up
+//                       when there was none for `patience_s`.
+//
+// Each is a function of what it hears. Source of what they do not share with ours: as named.
+#pragma once
+
+#include <deque>
+#include <isobath/mission/mission_plan.hpp>
+#include <isobath/planning/route_planner.hpp>
+#include <isobath/runtime/helm.hpp>
+#include <isobath/vehicle/guidance.hpp>
+#include <isobath/vehicle/vehicle_sheet.hpp>
+#include <optional>
+
+namespace isobath {
+
+/// Follows way-points and says how far it has come; without more, the baseline that avoids nothing.
+class LineOfSightHelm : public Helm {
+ public:
+  LineOfSightHelm(const MissionPlan& mission, const VehicleSheet& vehicle);
+
+  void hear(const Event& event) override;
+  void on_ping(const PosedPing&) override {}
+  void on_scan(const ScanResult&) override {}
+  [[nodiscard]] Setpoint steer() override { return setpoint_; }
+  [[nodiscard]] MissionReport progress() const override { return report_; }
+  [[nodiscard]] const std::vector<Decision>& decisions() const override { return decisions_; }
+
+ protected:
+  /// After every fix: the set-point, given what line of sight wants.
+  virtual Setpoint decide(const Setpoint& wanted) { return wanted; }
+  /// A way to the mission point ahead, instead of the straight one; its last point is the mission point.
+  void follow(const std::vector<Eigen::Vector2d>& way);
+  void give_up(const std::string& why);
+  void decided(const std::string& what, const std::string& why, const std::optional<Eigen::Vector2d>& obstacle = {});
+
+  [[nodiscard]] const VehicleState& state() const { return state_; }
+  [[nodiscard]] Time now() const { return now_; }
+  [[nodiscard]] const VehicleSheet& vehicle() const { return vehicle_; }
+  [[nodiscard]] Eigen::Vector2d here() const { return state_.X_WB.translation.head<2>(); }
+  [[nodiscard]] const MissionPoint& point() const { return mission_.points[point_]; }
+  /// What is left of the way to it, from here.
+  [[nodiscard]] std::vector<Eigen::Vector2d> way_ahead() const;
+
+ private:
+  [[nodiscard]] double speed() const { return point().speed > 0 ? point().speed : mission_.speed; }
+  void next_point();
+
+  MissionPlan mission_;
+  VehicleSheet vehicle_;
+  std::size_t point_ = 0;
+  std::optional<LineOfSight> guidance_;
+  std::vector<Eigen::Vector2d> way_;
+  VehicleState state_;
+  Time now_;
+  bool fixed_ = false;
+  Setpoint setpoint_;
+  MissionReport report_;
+  std::vector<Decision> decisions_;
+};
+
+struct PotentialFieldConfig {
+  double clearance_m = 3;
+  double reach_m = 15;
+};
+
+class PotentialFieldHelm : public LineOfSightHelm {
+ public:
+  PotentialFieldHelm(const MissionPlan& mission, const VehicleSheet& vehicle, const PotentialFieldConfig& config);
+  void on_scan(const ScanResult& scan) override;
+
+ protected:
+  Setpoint decide(const Setpoint& wanted) override;
+
+ private:
+  PotentialFieldConfig config_;
+  std::vector<Polygon> outlines_;  ///< in W
+};
+
+struct ImageThresholdConfig {
+  double share = 0.75;  ///< of the scan's maximum
+  double same_m = 1.5;  ///< echoes of two scans this near are of the same thing
+  double patience_s = 60;
+  RouteConfig route;
+};
+
+class ImageThresholdHelm : public LineOfSightHelm {
+ public:
+  ImageThresholdHelm(const MissionPlan& mission, const VehicleSheet& vehicle, const ImageThresholdConfig& config);
+  void on_ping(const PosedPing& posed) override;
+  void on_scan(const ScanResult& scan) override;
+  /// Believed, of the last scan, in W.
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& believed() const { return believed_.back(); }
+
+ protected:
+  Setpoint decide(const Setpoint& wanted) override;
+
+ private:
+  using Points = std::vector<Eigen::Vector2d>;
+  struct Beam {
+    std::vector<float> samples;
+    RangeWindow window;
+    double blind_m = 0;
+    Pose X_WS;
+    Angle azimuth;
+  };
+  [[nodiscard]] Points echoes() const;
+  void replan();
+
+  ImageThresholdConfig config_;
+  std::vector<Beam> scan_;
+  double bin_m_ = 0;
+  std::deque<Points> echoes_;    ///< of the last three scans
+  std::deque<Points> believed_;  ///< of the last three, never empty
+  std::optional<Time> stopped_;  ///< since
+};
+
+}  // namespace isobath

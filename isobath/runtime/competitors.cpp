@@ -1,0 +1,60 @@
+#include <isobath/runtime/baseline_helms.hpp>
+#include <isobath/runtime/evaluation.hpp>
+#include <isobath/runtime/mission_run.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr const char* kOurs = "isobath";
+
+std::unique_ptr<Helm> make_crew(const Scenario& scenario, const VehicleSheet& vehicle,
+                                const Configuration& configuration) {
+  return make_mission_helm({scenario.mission, vehicle}, configuration);
+}
+
+/// The paper's own way of it: the update of the grid as printed (ledger S6-E01 ff.), cells of 5 m, corners cut, nothing
+/// remembered beyond the grid.
+Configuration as_printed(Configuration configuration) {
+  configuration.update.update = GridMapperConfig::Update::kPrinted;
+  configuration.grid.shifting = BodyGridConfig::Shifting::kPrinted;
+  configuration.mission.route = RouteConfig::as_printed();
+  configuration.crew.gate.safety_officer.clear();  // it watches the fence alone there
+  configuration.mission.fls_detector.memory_radius_m = 0;
+  configuration.mission.fls_detector.margin_cells = 0;
+  return configuration;
+}
+
+Competitor baseline_of(Baseline baseline, const Configuration& configuration) {
+  Competitor competitor{to_text(baseline), configuration, make_crew};
+  switch (baseline) {
+    case Baseline::kNoAvoidance:
+      competitor.make = [](const Scenario& scenario, const VehicleSheet& vehicle, const Configuration&) {
+        return std::make_unique<LineOfSightHelm>(scenario.mission, vehicle);
+      };
+      break;
+    case Baseline::kPotentialField:
+      competitor.make = [](const Scenario& scenario, const VehicleSheet& vehicle, const Configuration& c) {
+        return std::make_unique<PotentialFieldHelm>(scenario.mission, vehicle,
+                                                    PotentialFieldConfig{.clearance_m = c.mission.route.clearance_m});
+      };
+      break;
+    case Baseline::kImageThreshold:
+      competitor.make = [](const Scenario& scenario, const VehicleSheet& vehicle, const Configuration& c) {
+        return std::make_unique<ImageThresholdHelm>(scenario.mission, vehicle,
+                                                    ImageThresholdConfig{.route = c.mission.route});
+      };
+      break;
+    case Baseline::kAsPrinted: competitor.configuration = as_printed(configuration); break;
+  }
+  return competitor;
+}
+
+}  // namespace
+
+std::vector<Competitor> competitors_of(const Suite& suite, const Configuration& configuration) {
+  std::vector<Competitor> all{{kOurs, configuration, make_crew}};
+  for (const Baseline baseline : suite.baselines) all.push_back(baseline_of(baseline, configuration));
+  return all;
+}
+
+}  // namespace isobath

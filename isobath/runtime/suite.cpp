@@ -1,0 +1,220 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/base/random.hpp>
+#include <isobath/runtime/embedded_files.hpp>
+#include <isobath/runtime/html_report.hpp>
+#include <isobath/runtime/suite.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kFolder = "suites/", kEnding = ".toml";
+
+std::vector<Field> about_fields(SuiteConfig& c) {
+  return {Field::text("title", &c.title, "What it is."),
+          Field::text("text", &c.text, "What it shows."),
+          Field::file("scene", &c.scene, "The scene, with its mission, that all runs are made from."),
+          Field::integer("runs", &c.runs, {1, 1'000'000}, "", "How many, unless the command line says otherwise."),
+          Field::integer("seed", &c.seed, {0, 1'000'000'000}, "", "Of the first run; the next ones count on."),
+          Field::real("duration_s", &c.duration_s, {1, 1e5}, "s", "A run that has not ended by then is over."),
+          Field::real("goal_m", &c.goal_m, {0.1, 1000}, "m", "So near the last mission point is reached, in truth."),
+          Field::real("near_body_m", &c.near_body_m, {0, 1000}, "m",
+                      "A replan for an obstacle further than this from every body was for nothing."),
+          Field::real("clearance_m", &c.clearance_m, {0, 100}, "m", "That the planner with full truth keeps."),
+          Field::real("planner_cell_m", &c.planner_cell_m, {0.1, 10}, "m", "Cell of the planner with full truth.")};
+}
+
+std::vector<Field> vary_fields(VariationConfig& c) {
+  return {Field::numbers("start", c.start.data(), 2, {0, 1000}, "m", "Half width of the start, north and east."),
+          Field::degrees("heading_deg", &c.heading, {0, 180}, "Half width of the heading at the start."),
+          Field::real("current", &c.current, {0, 2}, "m/s", "Fastest current, from any direction."),
+          Field::numbers("drift", c.drift.data(), 2, {0, 0.5}, "1",
+                         "Least and greatest drift of the navigation, share of the way; with navigation.kind drift."),
+          Field::numbers("noise", c.noise.data(), 2, {0, 10}, "1", "Least and greatest factor on the sonars' noise."),
+          Field::numbers("density", c.density.data(), 2, {0, 10}, "1", "Least and greatest factor on the clutter.")};
+}
+
+std::vector<Field> bar_fields(BarsConfig& c) {
+  return {
+      Field::integer("collisions", &c.collisions, {-1, 1'000'000}, "", "At most; -1: no bar."),
+      Field::real("goals_share", &c.goals_share, {-1, 1}, "1", "Of the runs, at least; -1: no bar."),
+      Field::real("refused_share", &c.refused_share, {-1, 1}, "1", "Of the runs, at most; -1: no bar."),
+      Field::real("path_ratio_median", &c.path_ratio_median, {-1, 100}, "1",
+                  "Length of the way by that of the planner with full truth, at most; -1: no bar."),
+  };
+}
+
+std::vector<std::pair<std::string, Baseline>> baseline_names() {
+  std::vector<std::pair<std::string, Baseline>> names;
+  for (const Baseline b :
+       {Baseline::kNoAvoidance, Baseline::kPotentialField, Baseline::kImageThreshold, Baseline::kAsPrinted}) {
+    names.emplace_back(to_text(b), b);
+  }
+  return names;
+}
+
+void check(const Suite& s, const std::string& file) {
+  const auto refuse = [&file](const std::string& key, const std::string& problem, const std::string& allowed) {
+    throw Error(problem, {.file = file, .key = key}, allowed);
+  };
+  const auto ordered = [&](const std::string& key, const Eigen::Vector2d& range) {
+    if (range[0] > range[1]) refuse(key, "the first number is above the second", "least, greatest");
+  };
+  if (s.about.scene.empty()) refuse("suite.scene", "is missing", "a scene file");
+  ordered("vary.drift", s.vary.drift);
+  ordered("vary.noise", s.vary.noise);
+  ordered("vary.density", s.vary.density);
+  for (std::size_t i = 0; i < s.baselines.size(); ++i) {
+    if (std::count(s.baselines.begin(), s.baselines.end(), s.baselines[i]) > 1) {
+      refuse("baseline.helm", fmt::format("{} stands there twice", to_text(s.baselines[i])), "each once");
+    }
+  }
+}
+
+/// FNV-1a, 64 bits.
+std::uint64_t digest_of(std::uint64_t before, std::string_view text) {
+  for (const char c : text) before = (before ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return before;
+}
+
+MissionPlan mission_along(const Scene& scene) {
+  MissionPlan plan;
+  plan.title = scene.about.title;
+  plan.speed = scene.vehicle.speed;
+  for (const WaypointConfig& w : scene.waypoints) {
+    MissionPoint& point = plan.points.emplace_back();
+    point.name = fmt::format("point {}", plan.points.size());
+    point.north_east = {w.north, w.east};
+    point.depth_m = w.depth;
+    point.speed = w.speed;
+  }
+  plan.origin = scene.origin();
+  return plan;
+}
+
+void draw_current(Random random, const VariationConfig& vary, SuiteRun& run) {
+  if (vary.current <= 0) return;
+  const double speed = random.uniform(0, vary.current);
+  const double towards = random.uniform(0, 2 * std::numbers::pi);
+  run.scenario.scene.water.current = {0, speed * std::cos(towards), speed * std::sin(towards)};
+  run.conditions += fmt::format("; current {:.2f} m/s towards {:.0f} deg", speed, towards * 180 / std::numbers::pi);
+}
+
+void draw_start(Random random, const VariationConfig& vary, SuiteRun& run) {
+  VehicleConfig& vehicle = run.scenario.scene.vehicle;
+  const double north = random.uniform(-1, 1);
+  const double east = random.uniform(-1, 1);
+  const double turn = random.uniform(-1, 1);
+  vehicle.start += Eigen::Vector3d(north * vary.start.x(), east * vary.start.y(), 0);
+  vehicle.heading = (vehicle.heading + vary.heading * turn).wrapped();
+  run.conditions += fmt::format("start at north {:.1f} m, east {:.1f} m, heading {:.0f} deg", vehicle.start.x(),
+                                vehicle.start.y(), vehicle.heading.wrapped_positive().degrees());
+}
+
+}  // namespace
+
+const char* to_text(Baseline baseline) {
+  switch (baseline) {
+    case Baseline::kNoAvoidance: return "no avoidance";
+    case Baseline::kPotentialField: return "potential field";
+    case Baseline::kImageThreshold: return "image threshold";
+    case Baseline::kAsPrinted: return "as printed";
+  }
+  return "";
+}
+
+Schema schema(Suite& s) {
+  Schema all;
+  all.sections = {{"suite", "What is run.", about_fields(s.about)},
+                  {"vary", "What differs from run to run.", vary_fields(s.vary)},
+                  {"clutter", "A random field of obstacles, added to the scene.", fields(s.clutter)},
+                  {"bars", "What must hold.", bar_fields(s.bars)}};
+  all.lists = {{"baseline", "A method to compare with, on the same runs.", [&s](const Place&) {
+                  Baseline& helm = s.baselines.emplace_back(Baseline::kNoAvoidance);
+                  return std::vector<Field>{Field::choice("helm", &helm, baseline_names(), "Which.")};
+                }}};
+  return all;
+}
+
+Suite load_suite(const fs::path& file) {
+  Suite suite;
+  suite.name = file.stem().string();
+  Schema all = schema(suite);
+  const std::string text = text_of_file(file.string());
+  read_toml(text, file.string(), all);
+  check(suite, file.string());
+  suite.digest = digest_of(digest_of(0xcbf29ce484222325u, text), text_of_file(suite.about.scene));
+  const Scene scene = load_scenario(suite.about.scene).scene;
+  for (const std::string& part : {scene.vehicle.file}) {
+    if (!part.empty()) suite.digest = digest_of(suite.digest, text_of_file(part));
+  }
+  return suite;
+}
+
+std::vector<std::string> embedded_suites() {
+  std::vector<std::string> names;
+  for (const EmbeddedFile& file : embedded_files()) {
+    if (!file.name.starts_with(kFolder)) continue;
+    names.emplace_back(file.name.substr(kFolder.size(), file.name.size() - kFolder.size() - kEnding.size()));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+fs::path find_suite(const std::string& name_or_file, const fs::path& folder) {
+  const std::vector<std::string> names = embedded_suites();
+  if (std::find(names.begin(), names.end(), name_or_file) == names.end()) {
+    if (fs::is_regular_file(name_or_file)) return name_or_file;
+    throw Error("no such suite: " + name_or_file, {}, fmt::format("a file, or one of {}", fmt::join(names, ", ")));
+  }
+  for (const EmbeddedFile& file : embedded_files()) {
+    const fs::path to = folder / file.name;
+    make_folder(to.parent_path());
+    write_file(to, file.text);
+  }
+  return folder / (std::string(kFolder) + name_or_file + std::string(kEnding));
+}
+
+SuiteRun make_run(const Suite& suite, const Scenario& scenario, std::uint64_t seed) {
+  SuiteRun run;
+  run.seed = seed;
+  run.scenario = scenario;
+  Scene& scene = run.scenario.scene;
+  scene.about.seed = static_cast<int>(seed);
+  scene.about.duration_s = suite.about.duration_s;
+  Random random(seed);
+  draw_start(random.fork(), suite.vary, run);
+  draw_current(random.fork(), suite.vary, run);
+  Random drift = random.fork();
+  Random noise = random.fork();
+  Random density = random.fork();
+  const std::uint64_t field_seed = random.bits();
+  if (suite.vary.drift[1] > 0) {
+    scene.navigator.drift_share = drift.uniform(suite.vary.drift[0], suite.vary.drift[1]);
+    run.conditions += fmt::format("; drift {:.2f} %", 100 * scene.navigator.drift_share);
+  }
+  const double factor = noise.uniform(suite.vary.noise[0], suite.vary.noise[1]);
+  for (SonarConfig& sonar : scene.sonars) {
+    sonar.noise_level *= factor;
+    sonar.noise_sigma *= factor;
+  }
+  run.conditions += fmt::format("; noise x {:.2f}", factor);
+  if (suite.clutter.density > 0) {
+    ClutterConfig clutter = suite.clutter;
+    clutter.density *= density.uniform(suite.vary.density[0], suite.vary.density[1]);
+    ClutterField field = clutter_field(clutter, field_seed);
+    run.conditions += fmt::format("; {} bodies", field.bodies.size());
+    std::move(field.bodies.begin(), field.bodies.end(), std::back_inserter(scene.bodies));
+  }
+  if (run.scenario.mission.points.empty()) run.scenario.mission = mission_along(scene);
+  if (run.scenario.mission.points.empty()) {
+    throw Error("the scene has neither mission points nor way-points", {.file = scene.file}, "at least one");
+  }
+  return run;
+}
+
+}  // namespace isobath

@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <tests/app/program.hpp>
+
+namespace isobath::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr const char* kScene = R"(
+[scene]
+title = "a pole on the way"
+duration_s = 40
+[vehicle]
+start = [0, 0, 10]
+speed = 1.5
+[[waypoint]]
+north = 40
+depth = 10
+[[cylinder]]
+name = "pole"
+centre = [25, 0.3, 10]
+radius = 0.5
+length = 20
+[[sonar]]
+preset = "micron"
+sector_deg = 120
+range_m = 40
+bins = 80
+interval_s = 0.06
+blind_m = 1.5
+spurious_share = 0
+noise_level = 15
+noise_sigma = 5
+)";
+
+class Eval : public testing::Test {
+ protected:
+  Eval() : folder_(fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    write(folder_ / "pole.toml", kScene);
+  }
+  /// `more` stands before the baselines.
+  ProgramResult eval(const std::string& more, const std::vector<std::string>& options = {}) {
+    write(folder_ / "small.toml", "[suite]\nscene = \"pole.toml\"\nduration_s = 40\nruns = 1\n" + more +
+                                      "[[baseline]]\nhelm = \"no avoidance\"\n");
+    std::vector<std::string> arguments{"eval", (folder_ / "small.toml").string(), "--out", (folder_ / "out").string()};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return isobath(arguments);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Eval, ScoresEveryHelmOnTheSameRuns) {
+  const ProgramResult result = eval("", {"--json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "") << "no progress in a pipe";
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["runs"], 1);
+  EXPECT_EQ(json["collisions"], 0) << "the pole is seen and gone round";
+  EXPECT_EQ(json["baselines"]["no avoidance"]["collisions"], 1);
+  for (const char* file : {"report.html", "results.json", "runs.jsonl"})
+    EXPECT_TRUE(fs::exists(folder_ / "out" / file));
+  EXPECT_EQ(content_of(folder_ / "out/results.json"), result.out);
+}
+
+TEST_F(Eval, EndsWithOneBelowTheBarsAndNamesThem) {
+  const ProgramResult result = eval("[bars]\npath_ratio_median = 0.5\n");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("path_ratio_median"));
+  EXPECT_THAT(result.out, HasSubstr("BELOW THE BAR"));
+}
+
+TEST_F(Eval, RunsOneOfManyAlone) {
+  const auto json = nlohmann::json::parse(eval("", {"--json", "--runs", "5", "--seed", "30", "--only", "4"}).out);
+  EXPECT_EQ(json["runs"], 1);
+  EXPECT_EQ(json["first_seed"], 34);
+}
+
+TEST_F(Eval, RefusesWhatIsNoSuite) {
+  EXPECT_THAT(isobath({"eval", "nowhere"}), ends_with_one_line(HasSubstr("clutter-low")));
+  EXPECT_THAT(eval("[bar]\n"), ends_with_one_line(HasSubstr("small.toml:5")));
+  EXPECT_THAT(eval("", {"--threads", "0"}), ends_with_one_line(HasSubstr("threads")));
+}
+
+}  // namespace
+}  // namespace isobath::test
