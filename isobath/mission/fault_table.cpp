@@ -434,7 +434,7 @@ mission file.
 
 - The Safety Officer looks ten times a second, stands above planning and steering, and can only slow, stop, turn away or
   surface: never does it ask for more speed than was ordered. Of several actions the strongest holds.
-- *stop* of a vehicle that needs way on to hold its depth is *surface*.
+- *stop* of a vehicle that needs way on to hold its depth, or that was ordered to surface, is *surface*.
 - A fault is over when its cause was gone for `leave_s` ({} s); those of routes with the next route, and those with
   a dagger stay.
 - *abort* ends the mission as `abort_end` says ({}), unless the row says otherwise. Each fault, its end and each action

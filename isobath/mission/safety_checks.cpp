@@ -31,10 +31,9 @@ void SafetyOfficer::find(Fault fault, std::string why) {
   found.why = std::move(why);
 }
 
-bool SafetyOfficer::watching() const {
-  return plan_ &&
-         (phase_ == MissionPhase::kUnderWay || phase_ == MissionPhase::kHolding || phase_ == MissionPhase::kAborted);
-}
+bool SafetyOfficer::watching() const { return plan_ && phase_ != MissionPhase::kWaiting; }
+
+bool SafetyOfficer::under_way() const { return phase_ == MissionPhase::kUnderWay || phase_ == MissionPhase::kHolding; }
 
 void SafetyOfficer::check_sonars() {
   if (!watching()) return;
@@ -163,9 +162,11 @@ void SafetyOfficer::check_way() {
 }
 
 void SafetyOfficer::check_route() {
-  if (phase_ != MissionPhase::kUnderWay) return;
+  if (!under_way()) return;
   if (!inside_.empty()) find(Fault::kInsideObstacle, inside_);
   if (!refusal_) return;
+  const bool first_look = !ever_planned_ && clock_s_ - started_s_ < config_.startup_s;
+  if (refusal_->reason == RouteRefused::Reason::kNoMap && first_look) return;  // no sweep has ended yet
   switch (refusal_->reason) {
     case RouteRefused::Reason::kStartBlocked: find(Fault::kInsideObstacle, refusal_->why); break;
     case RouteRefused::Reason::kNoPath:
@@ -179,7 +180,7 @@ void SafetyOfficer::check_route() {
 void SafetyOfficer::check_limits() {
   if (!watching()) return;
   const double most = plan_->limits.max_duration_s;
-  if (most > 0 && clock_s_ - started_s_ > most) {
+  if (most > 0 && under_way() && clock_s_ - started_s_ > most) {
     find(Fault::kMissionTooLong, fmt::format("{:.0f} s under way, {:.0f} s allowed", clock_s_ - started_s_, most));
   }
   if (!fix_) return;

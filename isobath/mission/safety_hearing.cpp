@@ -241,6 +241,7 @@ void SafetyOfficer::start(const std::shared_ptr<const MissionPlan>& plan) {
 }
 
 void SafetyOfficer::follow(const FollowOrder& order) {
+  surfacing_ = order.surface;
   Way way;
   way.version = order.version;
   way.altitude = order.altitude_m.has_value();
@@ -249,10 +250,13 @@ void SafetyOfficer::follow(const FollowOrder& order) {
   for (const Waypoint& w : order.waypoints) way.points.emplace_back(w.north, w.east);
   const bool finite = std::all_of(way.points.begin(), way.points.end(),
                                   [](const auto& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthest; });
+  // A way that is planned again and again to the same point must bring the vehicle nearer all the same.
+  const bool same = way_ && finite && way.from && way.points.size() > 1 && way_->points.size() > 1 &&
+                    (way_->points.back() - way.points.back()).norm() < config_.progress_m;
+  way.nearest_m = same ? (way.points[1] - *way.from).norm() : std::numeric_limits<double>::infinity();
+  way.progress_s = same ? way_->progress_s : clock_s_;
   way_.reset();
   if (!finite) return;
-  way.nearest_m = std::numeric_limits<double>::infinity();
-  way.progress_s = clock_s_;
   way_ = std::move(way);
 }
 

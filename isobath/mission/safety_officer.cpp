@@ -50,10 +50,9 @@ void SafetyOfficer::tick(Time now, Outbox& out) {
 
 void SafetyOfficer::settle(const FaultRow& about, Time now, Outbox& out) {
   Row& own = row(about.fault);
-  const bool under_way = phase_ == MissionPhase::kUnderWay || phase_ == MissionPhase::kHolding;
   const bool aborts = about.fault != Fault::kLinkLost || config_.link_policy != LinkPolicy::kContinue;
   const auto end_mission = [&] {
-    return under_way && aborts && !own.aborted && about.abort.due(clock_s_ - own.since_s, config_);
+    return under_way() && aborts && !own.aborted && about.abort.due(clock_s_ - own.since_s, config_);
   };
   if (own.cause) {
     own.last_cause_s = clock_s_;
@@ -118,7 +117,8 @@ SafetyActionKind SafetyOfficer::asked(const FaultRow& about) const {
   }
   if (about.fault == Fault::kCollisionUnavoidable && !turn_) kind = SafetyActionKind::kSurface;
   if (about.fault == Fault::kCollisionAhead && stopped_) kind = SafetyActionKind::kTurn;
-  if (kind == SafetyActionKind::kStop && vehicle_.min_speed > 0) kind = SafetyActionKind::kSurface;
+  const bool stops = kind == SafetyActionKind::kStop || about.fault == Fault::kCollisionAhead;
+  if (stops && (vehicle_.min_speed > 0 || surfacing_)) kind = SafetyActionKind::kSurface;
   return kind;
 }
 

@@ -111,7 +111,8 @@ class SafetyOfficer final : public Agent {
   // Judging (safety_checks.cpp)
   void find(Fault fault, std::string why);
   [[nodiscard]] Row& row(Fault fault) { return rows_[static_cast<std::size_t>(fault)]; }
-  [[nodiscard]] bool watching() const;
+  [[nodiscard]] bool watching() const;   ///< from the first start on
+  [[nodiscard]] bool under_way() const;  ///< or holding
   void check_sonars();
   void check_navigation();
   void check_altitude();
@@ -169,6 +170,7 @@ class SafetyOfficer final : public Agent {
   std::optional<Setpoint> order_;
   std::optional<Way> way_;
   bool ever_planned_ = false;
+  bool surfacing_ = false;  ///< the last order is to surface: what would stop the vehicle lets it
   std::optional<Refusal> refusal_;
   std::string inside_;
 

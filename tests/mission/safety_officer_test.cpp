@@ -282,6 +282,39 @@ TEST(FaultsOfTheWay, NotFollowed) {
   EXPECT_THAT(held.reason(Fault::kWayNotFollowed), HasSubstr("no nearer to way-point 1"));
 }
 
+TEST(FaultsOfTheWay, PlanningTheSameWayAgainIsNoProgress) {
+  SafetyStream stream;
+  stream.run_to(kBegin);
+  stream.current = {-1.5, 0};
+  for (int i = 0; i < 10; ++i) {
+    FollowOrder again;
+    again.version = static_cast<std::uint32_t>(2 + i);
+    again.waypoints = {{1000, 0, 5, 1.5}};
+    stream.tell(again);
+    stream.run_to(kBegin + 3 * (i + 1));
+  }
+  EXPECT_NEAR(stream.raised(Fault::kWayNotFollowed), kBegin + kLimits.progress_s, 2);
+}
+
+// Before the first sweep has ended there is no map, and that is no fault.
+TEST(FaultsOfTheWay, TheFirstLookTakesItsTime) {
+  SafetyOfficer officer({}, test::hovering());
+  Outbox out;
+  OperatorCommand start;
+  start.kind = OperatorCommand::Kind::kStart;
+  start.plan = std::make_shared<const MissionPlan>(test::plan_north());
+  officer.hear(start, Time{}, out);
+  RouteRefused refused;
+  refused.reason = RouteRefused::Reason::kNoMap;
+  officer.hear(refused, Time{}, out);
+  double raised = -1;
+  for (int i = 1; i < 150; ++i) {
+    officer.tick(Time(seconds(0.1 * i)), out);
+    if (raised < 0 && officer.raised(Fault::kNoPath)) raised = 0.1 * i;
+  }
+  EXPECT_NEAR(raised, kLimits.startup_s, kCycle);
+}
+
 TEST(FaultsOfTheWay, StayingWhereItIsToStayIsNoFault) {
   SafetyStream stream;
   stream.run_to(kBegin);
@@ -548,6 +581,25 @@ TEST(SafetyOfficer, AVehicleThatCannotStopSurfaces) {
   EXPECT_EQ(stream.acted(Act::kStop), -1);
   EXPECT_NEAR(stream.acted(Act::kSurface), kBegin + kLimits.sonar_silent_s, 0.2);
   EXPECT_EQ(stream.officer.action().setpoint.speed, 0.7);
+}
+
+// A stop must not hold a vehicle down that is on its way to the surface, nor is a fault over because the mission is.
+TEST(SafetyOfficer, AStopLetsAVehicleSurface) {
+  SafetyStream stream;
+  stream.run_to(kBegin);
+  stream.pings = false;
+  stream.run_to(kBegin + 5);
+  ASSERT_EQ(stream.officer.action().kind, Act::kStop);
+  FollowOrder up;
+  up.version = 2;
+  up.surface = true;
+  stream.tell(up);
+  MissionReport aborted;
+  aborted.phase = MissionPhase::kFinished;
+  stream.tell(aborted);
+  stream.run_to(kBegin + 20);
+  EXPECT_EQ(stream.officer.action().kind, Act::kSurface);
+  EXPECT_TRUE(stream.officer.raised(Fault::kSonarSilent));
 }
 
 TEST(SafetyOfficer, OfSeveralFaultsTheStrongestActionHoldsUntilItIsOver) {

@@ -187,7 +187,7 @@ TEST(NearestEchoes, AreThoseThatStandOutBehindTheBlindZone) {
   std::vector<Eigen::Vector2d> echoes;
   nearest_echoes(ping, decisions, Rotation(), 6, echoes);
   ASSERT_EQ(echoes.size(), 3u);
-  const auto at = [](double range, double bearing_deg) {
+  const auto at = [](double range, double bearing_deg) -> Eigen::Vector2d {
     return range * Eigen::Vector2d(std::cos(Angle::degrees(bearing_deg).radians()),
                                    std::sin(Angle::degrees(bearing_deg).radians()));
   };
