@@ -16,7 +16,7 @@
 namespace isobath {
 
 struct FlsDetectorConfig {
-  double least_existence = 0.5;
+  double least_existence = 0.95;
   double margin_cells = 0.5;
   double memory_radius_m = 200;
 };

@@ -104,6 +104,9 @@ Setpoint HelmGate::setpoint() const {
     case HelmState::kSurface:
       s.speed = vehicle_.min_speed;
       if (state_ == HelmState::kSurface || vehicle_.min_speed > 0) s.depth = 0;
+      if (state_ == HelmState::kSurface && !safety_lost_ && is_finite(action_.setpoint)) {
+        s.heading = action_.setpoint.heading;
+      }
       return s;
   }
   return s;

@@ -1,7 +1,7 @@
 // HelmGate: the last word on what the vehicle does: the latest order of the Pilot, under the Safety Officer's action,
 // and what is done when either of them has fallen silent (Ganesan 2015, 5.1; Herman 1988, 3.4; ledger S2-28, S2-E10).
 //
-//   surface   the Safety Officer is lost, or says so: depth 0 on the heading of that instant
+//   surface   the Safety Officer is lost: depth 0 on the heading of that instant; or says so: on the heading he says
 //   turn      the Safety Officer's set-point
 //   stop      the Safety Officer says so, or no order for `patience_s`: speed 0, heading and depth of that instant
 //   slow      the order, no faster than the action allows

@@ -177,7 +177,7 @@ const char* to_text(SafetyActionKind kind);
 /// Stands above every HelmOrder until it is taken back by one of kind kNone.
 struct SafetyAction {
   SafetyActionKind kind = SafetyActionKind::kNone;
-  Setpoint setpoint;  ///< of kTurn; speed limit of kSlow
+  Setpoint setpoint;  ///< of kTurn; speed limit of kSlow; heading of kSurface
   std::string fault;  ///< row of docs/faults.md: "sonar silent"
   std::string why;
 };

@@ -39,7 +39,7 @@ std::vector<Field> fields(NavigatorConfig& c) {
       Field::real("shortcut_m", &c.shortcut_m, {0, 1000}, "m", "A clear way is left for one this much shorter."),
       Field::integer("sure_scans", &c.sure_scans, {1, 100}, "1",
                      "Scans in a row that must agree to refuse a mission point or to take a shortcut."),
-      Field::real("sure_within_m", &c.sure_within_m, {0, 1000}, "m", "An obstacle this near is believed at once."),
+      Field::real("sure_within_m", &c.sure_within_m, {0, 1000}, "m", "An obstacle this near is kept clear of at once."),
       Field::real("fence_clearance_m", &c.fence_clearance_m, {0, 1000}, "m", "From the vehicle's hull to the fence."),
       Field::real("chart_sigmas", &c.chart_sigmas, {0, 10}, "1",
                   "Charted obstacles grow by so many standard deviations of the vehicle's position."),
@@ -213,13 +213,14 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   bool sure = false;
   for (const Hazard& h : hazards) {
     if (!blocks(h)) continue;
-    sure = sure || is_certain(h.kind) || outline_distance(h, vehicle) <= config_.sure_within_m;
+    sure = sure || is_certain(h.kind);
     if (nearest == nullptr || outline_distance(h, goal) < outline_distance(*nearest, goal)) nearest = &h;
   }
   goal_blocked_ = nearest != nullptr ? goal_blocked_ + static_cast<int>(new_scan_) : 0;
   if (nearest == nullptr) return {};
   if (!sure && goal_blocked_ < config_.sure_scans) {
-    std::erase_if(hazards, blocks);
+    std::erase_if(hazards,
+                  [&](const Hazard& h) { return blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m; });
     return {};
   }
   const Vector2d place = frame.to_world(nearest_point(nearest->outline, goal));
@@ -301,7 +302,16 @@ Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   task.half_width_m = vehicle_.half_width_m;
   task.turning_radius_m = vehicle_.limits.turning_radius;
   if (task.turning_radius_m > 0) task.heading = view.heading.radians();
-  return plan_route(view.map, task, config);
+  auto found = plan_route(view.map, task, config);
+  // Near what it must get away from, a vehicle that needs room to turn takes what room there is.
+  for (const double share : {0.6, 0.3}) {
+    const bool hemmed_in =
+        !found && (found.error() == RouteRefusal::kCannotTurn || found.error() == RouteRefusal::kStartBlocked);
+    if (!hemmed_in) break;
+    config.clearance_m = share * route_.clearance_m;
+    found = plan_route(view.map, task, config);
+  }
+  return found;
 }
 
 void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& out) {

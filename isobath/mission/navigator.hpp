@@ -14,7 +14,9 @@
 //     needed, and a way that is searched anew is taken only if it is `switch_m` shorter than that one;
 //   - it goes round something that is not there any more: a way `shortcut_m` shorter was there for `sure_scans` scans.
 // A mission point on an obstacle, or with one within `drop_distance_m`, is refused (S6-51), as soon as `sure_scans`
-// scans agree, or the vehicle comes near; charted and injected obstacles are believed at once.
+// scans agree; charted and injected obstacles are believed at once.
+//
+// Where no way can be turned into, or the vehicle stands nearer to a hazard than the clearance, a smaller one must do.
 //
 // A refusal stands until a way is found: it looks again at each scan. After a refusal, or where the Safety Officer has
 // stopped or turned the vehicle, the mode is emergency: it looks again at the next tick, with `emergency_factor` times
@@ -35,7 +37,7 @@ struct NavigatorConfig {
   double slack_m = 0.5;
   double switch_m = 5;
   double shortcut_m = 3;
-  int sure_scans = 2;
+  int sure_scans = 3;
   double sure_within_m = 20;
   double fence_clearance_m = 1;
   double chart_sigmas = 2;

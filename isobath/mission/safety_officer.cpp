@@ -22,7 +22,8 @@ ImminentCollisionConfig imminent_config(const SafetyConfig& config, const Vehicl
 
 bool same(const SafetyAction& a, const SafetyAction& b) {
   if (a.kind != b.kind || a.fault != b.fault) return false;
-  if (a.kind != SafetyActionKind::kTurn) return true;
+  const bool steers = a.kind == SafetyActionKind::kTurn || a.kind == SafetyActionKind::kSurface;
+  if (!steers) return true;
   return abs((a.setpoint.heading - b.setpoint.heading).wrapped()).radians() < kOtherHeading &&
          std::abs(a.setpoint.depth - b.setpoint.depth) < kOtherDepth &&
          std::abs(a.setpoint.speed - b.setpoint.speed) < kOtherSpeed;
@@ -145,7 +146,11 @@ Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
     case SafetyActionKind::kNone: return {};
     case SafetyActionKind::kSlow: s.speed = config_.slow_speed; return s;
     case SafetyActionKind::kStop: return {heading, std::max(0.0, depth), 0, 0};
-    case SafetyActionKind::kSurface: return {heading, 0, std::min(ordered, vehicle_.min_speed), 0};
+    case SafetyActionKind::kSurface: {  // on the heading of that instant, unless something stands there
+      const bool held = action_.kind == SafetyActionKind::kSurface;
+      const bool away = raised(Fault::kCollisionUnavoidable) && turn_;
+      return {away ? *turn_ : held ? action_.setpoint.heading : heading, 0, std::min(ordered, vehicle_.min_speed), 0};
+    }
     case SafetyActionKind::kTurn: break;
   }
   if (raised(Fault::kTooLow)) {

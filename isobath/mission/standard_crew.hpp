@@ -20,7 +20,7 @@ struct MissionConfig {
   StationConfig station;
   DepthKeeperConfig depth_keeping;
   FlsDetectorConfig fls_detector;
-  ObstacleMemoryConfig memory;
+  ObstacleMemoryConfig memory = {.least_seen = 0.95, .confirmations = 3};  ///< what is kept must be sure
 };
 
 /// Bound to `config`.

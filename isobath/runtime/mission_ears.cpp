@@ -85,12 +85,16 @@ void MissionEars::on_ping(const PosedPing& posed) {
   SonarLook look = look_of(posed.ping, name_of(posed.ping));
   bool decided = false;
   for (int w = 0; w < posed.decisions.words(); ++w) decided = decided || posed.decisions.usable()[w] != 0;
+  ++heard_;
+  decided_ += decided ? 1 : 0;
   add_echoes(look, posed.ping, posed.decisions, decided, posed.X_WB, echo_contrast_);
   look.time += clock_.offset();
   say_(std::move(look), now());
 }
 
 void MissionEars::on_scan(const ScanResult& scan) {
+  const bool looked = 2 * std::exchange(decided_, 0) > std::exchange(heard_, 0);
+  if (!looked) return;
   auto map = std::make_shared<Detection>(scan.detection);
   map->time += clock_.offset();
   say_(Sweep{scan.number, scan.posed, sigma_m_, std::move(map)}, now());

@@ -6,6 +6,8 @@
 // every event moves. A health report of "agent.NAME" is no message but a fault of this computer, injected by a
 // simulator or found in its log (kHangs of scenario.hpp).
 //
+// A sweep most of whose pings could not be decided has looked at nothing: it is told to nobody.
+//
 // Events whose numbers are not finite are for nobody: their sender falls silent. A function of the events. One thread
 // at a time.
 #pragma once
@@ -51,7 +53,8 @@ class MissionEars {
   bool begun_ = false;
   bool link_ = true;
   std::optional<Time> next_beat_;
-  double sigma_m_ = 0;  ///< of the last fix
+  double sigma_m_ = 0;           ///< of the last fix
+  int heard_ = 0, decided_ = 0;  ///< pings of the sweep under way, and those in which echoes could be told from noise
 };
 
 }  // namespace isobath

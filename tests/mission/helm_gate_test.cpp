@@ -99,10 +99,10 @@ TEST(HelmGate, TheSafetyOfficerStandsAboveTheOrderAtOnce) {
   expect_setpoint(gate.steer(at(0)), 90, 2, -0.5);
   gate.hear(action(SafetyActionKind::kStop), at(0));
   expect_setpoint(gate.steer(at(0)), 25, 6, 0);
-  gate.hear(action(SafetyActionKind::kSurface), at(0));
-  expect_setpoint(gate.steer(at(0)), 25, 0, 0);
+  gate.hear(action(SafetyActionKind::kSurface, set(70, 0, 0)), at(0));  // away from what stands ahead
+  expect_setpoint(gate.steer(at(0)), 70, 0, 0);
   gate.hear(order(31, 5, 1.5), at(0.5));  // orders do not lift it
-  expect_setpoint(gate.steer(at(0.5)), 25, 0, 0);
+  expect_setpoint(gate.steer(at(0.5)), 70, 0, 0);
   gate.hear(action(SafetyActionKind::kNone), at(1));
   expect_setpoint(gate.steer(at(1)), 31, 5, 1.5);
 }

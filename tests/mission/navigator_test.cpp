@@ -152,7 +152,7 @@ TEST_F(NavigatorTest, RefusesAPointWithAnObstacleNearerThanTenMetres) {
 }
 
 // ledger: S6-51
-TEST_F(NavigatorTest, BelievesAFarObstacleAtThePointWhenTwoScansAgreeAndANearOneAtOnce) {
+TEST_F(NavigatorTest, BelievesAnObstacleAtThePointWhenThreeScansAgreeAndKeepsClearOfANearOneAtOnce) {
   const Polygon rock = square(100, 5, 2);
   sail_from(0, 0);
   scan({});
@@ -160,13 +160,17 @@ TEST_F(NavigatorTest, BelievesAFarObstacleAtThePointWhenTwoScansAgreeAndANearOne
   EXPECT_TRUE(scan({rock}).empty());
   EXPECT_TRUE(scan({}).empty());
   EXPECT_TRUE(scan({rock}).empty());
+  EXPECT_TRUE(scan({rock}).empty());
   EXPECT_EQ(only<RouteRefused>(scan({rock})).size(), 1u);
 
   make();
   sail_from(85, 0);
   scan({});
   ask(point(100, 0));
-  EXPECT_EQ(only<RouteRefused>(scan({rock})).size(), 1u);
+  const Polygon on_the_way = square(94, 0, 1);
+  EXPECT_EQ(only<RoutePlanned>(scan({on_the_way})).size(), 1u);
+  EXPECT_TRUE(only<RouteRefused>(scan({on_the_way})).empty());
+  EXPECT_EQ(only<RouteRefused>(scan({on_the_way})).size(), 1u);
 }
 
 // ledger: S6-65
@@ -216,7 +220,7 @@ TEST_F(NavigatorTest, StaysOnTheSideThatItHasChosenHoweverTheOutlineShakes) {
 }
 
 // ledger: S6-55
-TEST_F(NavigatorTest, LeavesADetourWhenTwoScansShowThatItGoesRoundNothing) {
+TEST_F(NavigatorTest, LeavesADetourWhenThreeScansShowThatItGoesRoundNothing) {
   sail_from(0, 0);
   scan({});
   ask(point(100, 0));
@@ -225,6 +229,7 @@ TEST_F(NavigatorTest, LeavesADetourWhenTwoScansShowThatItGoesRoundNothing) {
   ASSERT_GT(way().size(), 2u);
   EXPECT_TRUE(scan({}).empty());
   EXPECT_TRUE(scan({wall}).empty());
+  EXPECT_TRUE(scan({}).empty());
   EXPECT_TRUE(scan({}).empty());
   const auto said = scan({});
   ASSERT_EQ(only<RoutePlanned>(said).size(), 1u);
