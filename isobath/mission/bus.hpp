@@ -24,7 +24,7 @@ const char* message_name(std::size_t type);
 inline const char* message_name(const Message& message) { return message_name(message.index()); }
 
 /// Senders that are no seat.
-inline constexpr const char* kFromOutside = "sensed";          ///< what came from outside
+inline constexpr const char* kFromOutside = "sensed";     ///< what came from outside
 inline constexpr const char* kSupervisor = "supervisor";  ///< whoever runs the agents
 inline constexpr const char* kHelmGate = "helm gate";
 inline constexpr const char* kRecorder = "recorder";  ///< says nothing, but may be lost

@@ -5,6 +5,7 @@
 #include <isobath/mission/way_keeping.hpp>
 #include <isobath/mission/words.hpp>
 #include <isobath/planning/turning.hpp>
+#include <limits>
 
 namespace isobath {
 namespace {
@@ -47,6 +48,9 @@ std::vector<Field> fields(NavigatorConfig& c) {
                   "A fix this far from where the vehicle should be moves what was seen with it."),
       Field::real("map_age_s", &c.map_age_s, {0, 3600}, "s",
                   "Without a scan for so long there is no way; 0: no limit."),
+      Field::real("tight_m", &c.tight_m, {0, 100}, "m",
+                  "A way with less room than this beyond the clearance is taken slowly."),
+      Field::real("tight_speed", &c.tight_speed, {0.1, 1}, "1", "Share of its speed that it is taken with."),
       Field::integer("emergency_factor", &c.emergency_factor, {1, 1000}, "1",
                      "How many times more a search may expand in an emergency."),
   };
@@ -314,10 +318,19 @@ Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   return found;
 }
 
+/// Slower where there is little room: more looks a metre, before what stands behind comes into sight.
+double Navigator::speed_on(const View& view, const Way& way) const {
+  const double speed = request_->target.speed > 0 ? request_->target.speed : (plan_ ? plan_->speed : 1);
+  double room = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < way.size(); ++i) room = std::min(room, view.map.leg_distance(way[i - 1], way[i]));
+  const bool tight = room < clearance() + config_.tight_m;
+  return tight ? std::min(speed, std::max(config_.tight_speed * speed, vehicle_.min_speed)) : speed;
+}
+
 void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& out) {
   const double before = way_.empty() ? (view.goal - view.way.front()).norm() : length_of(view.way);
   way_.clear();
-  const double speed = request_->target.speed > 0 ? request_->target.speed : (plan_ ? plan_->speed : 1);
+  const double speed = speed_on(view, way);
   for (std::size_t i = 1; i < way.size(); ++i) {
     const Vector2d p_W = i + 1 < way.size() ? view.frame.to_world(way[i]) : request_->target.north_east;
     way_.push_back({p_W.x(), p_W.y(), request_->target.depth_m, speed});

@@ -43,6 +43,8 @@ struct NavigatorConfig {
   double chart_sigmas = 2;
   double jump_m = 2;
   double map_age_s = 20;
+  double tight_m = 0.5;
+  double tight_speed = 0.6;
   int emergency_factor = 4;
 };
 
@@ -93,6 +95,7 @@ class Navigator : public Agent {
   [[nodiscard]] Result<RoutePath, RouteRefusal> search(const View& view) const;
   [[nodiscard]] Refusal refusal_of(RouteRefusal refusal, const View& view) const;
 
+  [[nodiscard]] double speed_on(const View& view, const Way& way) const;
   void take_way(const View& view, const Way& way, Decision decision, Outbox& out);
   void refuse(const Refusal& refusal, Outbox& out);
   void enter(Mode mode, const std::string& why, Outbox& out);

@@ -74,7 +74,7 @@ void SafetyOfficer::check_collision() {
     const Angle heading = fix_->navigation.X_WB.rotation.heading();
     const bool turned = turn_ && abs((*turn_ - heading).wrapped()) < kTurned;  // and something stands there, too
     if (!raised(Fault::kCollisionUnavoidable) || turned) choose_turn(points, t);
-    const char* side = !turn_                                       ? "neither side is free"
+    const char* side = hemmed_in_                                   ? "neither side is free"
                        : (*turn_ - heading).wrapped().radians() > 0 ? "starboard is freer"
                                                                     : "port is freer";
     find(Fault::kCollisionUnavoidable, fmt::format("{} at {:.1f} m/s, {}; {}", where, t.speed,
@@ -102,9 +102,8 @@ void SafetyOfficer::choose_turn(std::span<const Eigen::Vector2d> points, const T
     return free_way(points, curvature, t.half_width_m, vehicle_.hull_radius_m, reach);
   };
   const double port = free(-1 / radius), starboard = free(1 / radius);
-  turn_.reset();
-  if (std::isfinite(port) && std::isfinite(starboard)) return;
-  double beside = 0;  // which side of the way the nearest echo stands on
+  hemmed_in_ = std::isfinite(port) && std::isfinite(starboard);  // then where it gets farther
+  double beside = 0;                                             // which side of the way the nearest echo stands on
   double nearest = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector2d& p : points) {
     if (p.x() > 0 && p.norm() < nearest) {

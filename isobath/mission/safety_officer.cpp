@@ -116,7 +116,7 @@ SafetyActionKind SafetyOfficer::asked(const FaultRow& about) const {
   if (about.later != SafetyActionKind::kNone && about.later_after.due(clock_s_ - own.since_s, config_)) {
     kind = about.later;
   }
-  if (about.fault == Fault::kCollisionUnavoidable && !turn_) kind = SafetyActionKind::kSurface;
+  if (about.fault == Fault::kCollisionUnavoidable && hemmed_in_) kind = SafetyActionKind::kSurface;
   if (about.fault == Fault::kCollisionAhead && stopped_) kind = SafetyActionKind::kTurn;
   const bool stops = kind == SafetyActionKind::kStop || about.fault == Fault::kCollisionAhead;
   if (stops && (vehicle_.min_speed > 0 || surfacing_)) kind = SafetyActionKind::kSurface;

@@ -180,7 +180,8 @@ class SafetyOfficer final : public Agent {
   double health_s_ = 0;
   std::optional<double> beat_s_;
   bool stopped_ = false;       ///< since a collision lay ahead
-  std::optional<Angle> turn_;  ///< away from a collision; none: neither side is free
+  std::optional<Angle> turn_;  ///< away from a collision: where it gets farther
+  bool hemmed_in_ = false;     ///< neither side was free when the turn was chosen
 };
 
 }  // namespace isobath
