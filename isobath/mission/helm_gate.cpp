@@ -52,7 +52,9 @@ void HelmGate::take_action(SafetyAction action) {
 }
 
 void HelmGate::hear(const Message& message, Time now) {
-  if (!first_) first_ = now;
+  if (const auto* command = std::get_if<OperatorCommand>(&message)) {
+    if (command->kind == OperatorCommand::Kind::kStart && !first_) first_ = now;
+  }
   if (const auto* order = std::get_if<HelmOrder>(&message)) {
     if (!is_finite(order->setpoint)) {
       ++refused_;
@@ -113,7 +115,6 @@ Setpoint HelmGate::setpoint() const {
 }
 
 Setpoint HelmGate::steer(Time now) {
-  if (!first_) first_ = now;
   Verdict verdict = judge(now);
   if (verdict.state != state_) kept_.reset();
   if (verdict.state != state_ || verdict.fault != fault_) {

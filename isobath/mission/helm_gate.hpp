@@ -6,7 +6,7 @@
 //   stop      the Safety Officer says so, or no order for `patience_s`: speed 0, heading and depth of that instant
 //   slow      the order, no faster than the action allows
 //   orders    the order
-//   waiting   no order has come yet, for `patience_s` after the first instant: speed 0 where it is
+//   waiting   no order has come yet, for `patience_s` after the operator's order to start: speed 0 where it is
 // The first that holds. A vehicle that needs way on to hold its depth cannot stop: it surfaces at its least speed; nor
 // is it slowed below that speed. An order or an action that is not finite counts as none, and as a stop. Heading and
 // depth are those that the vehicle had by its own navigation, or that it was last asked for where there is none.

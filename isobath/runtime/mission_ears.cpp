@@ -31,14 +31,16 @@ void MissionEars::hear(const Event& event) {
   if (const auto* health = std::get_if<Health>(&event)) hear_health(*health);
 }
 
-/// The first one is followed by the order to start: it is known where the vehicle is.
 void MissionEars::hear_fix(const Navigation& fix) {
   if (!is_finite(fix)) return;
   Navigation own = fix;
   own.time += clock_.offset();
   if (own.covariance) sigma_m_ = std::sqrt(std::max(0.0, (*own.covariance)(0, 0) + (*own.covariance)(1, 1)) / 2);
   say_(own, now());
-  if (!std::exchange(begun_, true)) say_(OperatorCommand{OperatorCommand::Kind::kStart, plan_}, now());
+  if (!first_fix_) first_fix_ = now();
+  if (begun_ || !(looked_ || now() - *first_fix_ > kLongestWarmUp)) return;
+  begun_ = true;
+  say_(OperatorCommand{OperatorCommand::Kind::kStart, plan_}, now());
 }
 
 void MissionEars::hear_range(const RangeReading& range) {
@@ -95,6 +97,7 @@ void MissionEars::on_ping(const PosedPing& posed) {
 void MissionEars::on_scan(const ScanResult& scan) {
   const bool looked = 2 * std::exchange(decided_, 0) > std::exchange(heard_, 0);
   if (!looked) return;
+  looked_ = true;
   auto map = std::make_shared<Detection>(scan.detection);
   map->time += clock_.offset();
   say_(Sweep{scan.number, scan.posed, sigma_m_, std::move(map)}, now());

@@ -1,10 +1,11 @@
 // MissionEars: events as messages for a crew of agents (Ganesan 2015, 5.1; ledger S6-42).
 //
 // Navigation, ranges and health are told as they come, what a ping says of its sonar and each sweep as soon as the
-// pipeline has placed them. The operator's order to start follows the first fix; his link gives a sign of life each
-// second, but while a health report calls it lost. Times are those of the mission's clock (mission_clock.hpp), which
-// every event moves. A health report of "agent.NAME" is no message but a fault of this computer, injected by a
-// simulator or found in its log (kHangs of scenario.hpp).
+// pipeline has placed them. The operator's order to start follows the first sweep that could be decided, or
+// kLongestWarmUp after the first fix: a sonar that never hears is for the Safety Officer, not to be waited for. His
+// link gives a sign of life each second, but while a health report calls it lost. Times are those of the mission's
+// clock (mission_clock.hpp), which every event moves. A health report of "agent.NAME" is no message but a fault of this
+// computer, injected by a simulator or found in its log (kHangs of scenario.hpp).
 //
 // A sweep most of whose pings could not be decided has looked at nothing: it is told to nobody.
 //
@@ -23,6 +24,8 @@ namespace isobath {
 
 class MissionEars {
  public:
+  static constexpr Duration kLongestWarmUp = std::chrono::seconds(20);
+
   using Say = std::function<void(Message message, Time now)>;
   using Fail = std::function<void(const std::string& agent, bool hangs)>;
 
@@ -50,7 +53,8 @@ class MissionEars {
   Fail fail_;
   MissionClock clock_;
   SensorTable sonars_;
-  bool begun_ = false;
+  bool begun_ = false, looked_ = false;
+  std::optional<Time> first_fix_;
   bool link_ = true;
   std::optional<Time> next_beat_;
   double sigma_m_ = 0;           ///< of the last fix

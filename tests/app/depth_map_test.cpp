@@ -219,7 +219,7 @@ TEST_F(DepthMapProgram, ARunOfSoundingsAloneSpeaksOfDepths) {
   for (const char* of_pings : {"pings", "bin", "obstacle", "scans"}) EXPECT_THAT(text, Not(HasSubstr(of_pings)));
   const std::string page = content_of(out() / "report.html");
   EXPECT_THAT(page, AllOf(HasSubstr("Depth map"), HasSubstr("ha measured, 5.0 to 6.2 m deep, below water surface.")));
-  for (const char* of_pings : {"0 pings", "No bin", "no bin could be decided", "Obstacles", "bins decided"}) {
+  for (const char* of_pings : {"0 pings", "No bin", "no bin could be decided", ">Obstacles<", "bins decided"}) {
     EXPECT_THAT(page, Not(HasSubstr(of_pings)));
   }
   for (const char* name : {"chart.png", "confidence.png", "depth.tif", "contours.geojson"}) {

@@ -80,7 +80,7 @@ TEST(Mission, AReplayReproducesEveryDecision) {
 }
 
 TEST(Mission, OneThatDoesNotEndFailsTheRun) {
-  const ProgramResult result = isobath_run({}, scratch_folder() / "out", {"--set", "simulation.duration_s=12"});
+  const ProgramResult result = isobath_run({}, scratch_folder() / "out", {"--set", "simulation.duration_s=30"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, AllOf(StartsWith("isobath: "), HasSubstr("the mission did not end")));
   EXPECT_EQ(printed(result)["mission"]["phase"], "under way");

@@ -68,7 +68,8 @@ TEST(HelmGate, StopsWhenOrdersAreOlderThanItsPatience) {
 
 TEST(HelmGate, StopsAlsoWhereNoOrderEverCame) {
   HelmGate gate({2, ""}, hoverer());
-  gate.steer(at(100));
+  gate.steer(at(50));
+  gate.hear(OperatorCommand{OperatorCommand::Kind::kStart, nullptr}, at(100));
   gate.steer(at(102));
   EXPECT_EQ(gate.state(), HelmState::kWaiting);
   gate.steer(at(102.1));

@@ -54,10 +54,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         FaultCase{Fault::kSonarSilent, 21, 1 + kCycle, "stop"},
         FaultCase{Fault::kSonarFrozen, 20, 0.5 + kCycle, "stop"},
-        FaultCase{Fault::kSonarSaturated, 20, 0.5 + kCycle, "stop", false},
-        FaultCase{Fault::kSonarDeaf, 25, kCycle, "stop"},
+        FaultCase{Fault::kSonarSaturated, 20, 0.5 + kCycle, "stop"}, FaultCase{Fault::kSonarDeaf, 25, kCycle, "stop"},
         FaultCase{Fault::kSonarBlindSide, 20, 6.2 + kCycle, "slow", false},
-        FaultCase{Fault::kSonarGarbled, 20, 0.6 + kCycle, "stop", false},
+        FaultCase{Fault::kSonarGarbled, 20, 0.6 + kCycle, "stop"},
         FaultCase{Fault::kNavigationSilent, 21, kCycle, "stop"},
         FaultCase{Fault::kNavigationJump, 20, kCycle, "stop", false},
         FaultCase{Fault::kNavigationDrift, 20, 40, "abort"}, FaultCase{Fault::kDepthLost, 20, 1 + kCycle, "stop"},
@@ -65,11 +64,11 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{Fault::kAgentDead, 20, 1, "surface"}, FaultCase{Fault::kLeak, 20, 1 + kCycle, "abort"},
         FaultCase{Fault::kBatteryLow, 20, 1 + kCycle, "abort"}, FaultCase{Fault::kThrusterLost, 20, kCycle, "slow"},
         FaultCase{Fault::kLinkLost, 49, 2, "report", false}, FaultCase{Fault::kClockJump, 614, 2, "slow", false},
-        FaultCase{Fault::kDiskFull, 20, kCycle, "report", false}, FaultCase{Fault::kMissionTooLong, 30, 1, "abort"},
-        FaultCase{Fault::kFenceBreach, 1, 30, "abort"}, FaultCase{Fault::kWayNotFollowed, 10, 50, "slow", false},
-        FaultCase{Fault::kNoPath, 1, 80, "stop", false}, FaultCase{Fault::kCollisionAhead, 20, 40, "stop", false},
+        FaultCase{Fault::kDiskFull, 20, kCycle, "report", false}, FaultCase{Fault::kMissionTooLong, 42, 1, "abort"},
+        FaultCase{Fault::kFenceBreach, 1, 30, "abort"}, FaultCase{Fault::kWayNotFollowed, 10, 50, "slow"},
+        FaultCase{Fault::kNoPath, 1, 90, "stop", false}, FaultCase{Fault::kCollisionAhead, 20, 50, "stop", false},
         FaultCase{Fault::kCollisionUnavoidable, 20, 30, "turn", false},
-        FaultCase{Fault::kTooLow, 5, 50, "turn", false}),
+        FaultCase{Fault::kTooLow, 5, 75, "turn", false}),
     [](const auto& one) { return file_name_of(row_of(one.param.fault)); });
 
 // What a scenario injects is what the table says that it injects.
