@@ -89,7 +89,13 @@ void SafetyOfficer::check_navigation() {
   }
   const bool free = action_.kind == SafetyActionKind::kNone || action_.kind == SafetyActionKind::kSlow;
   const bool to_move = order_ && order_->speed > kToMove && free;
-  const double still = moved_s_ ? clock_s_ - *moved_s_ : 0;
+  if (!to_move) {
+    to_move_since_s_.reset();
+  } else if (!to_move_since_s_) {
+    to_move_since_s_ = clock_s_;
+  }
+  const double standing = moved_s_ ? clock_s_ - *moved_s_ : 0;  // a vehicle that was to stand has the same fix, too
+  const double still = to_move ? std::min(standing, clock_s_ - *to_move_since_s_) : standing;
   if (still > config_.navigation_silent_s && (to_move || raised(Fault::kNavigationSilent))) {
     find(Fault::kNavigationSilent, fmt::format("the same fix for {:.1f} s while it is to move", still));
   }

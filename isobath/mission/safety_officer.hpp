@@ -164,7 +164,8 @@ class SafetyOfficer final : public Agent {
   SensorTable rangers_;
   ImminentCollision imminent_;
   std::optional<Fix> fix_;
-  std::optional<double> moved_s_;  ///< when a fix last differed from the one before
+  std::optional<double> moved_s_;          ///< when a fix last differed from the one before
+  std::optional<double> to_move_since_s_;  ///< ordered to, and not held back
   std::string jump_;
   Altitude altitude_;
   std::optional<Setpoint> order_;
