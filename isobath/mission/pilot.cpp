@@ -45,6 +45,7 @@ void Pilot::tick(Time now, Outbox& out) {
     out.say(HelmOrder{at_rest()});
     return;
   }
+  rest_.reset();
   const Setpoint wanted = task_ == Task::kFollow ? follow(dt, out) : station_.step(here_->X_WB, here_->v_WB, dt);
   out.say(HelmOrder{task_ == Task::kSurface ? wanted : at_its_depth(wanted, now)});
 }
@@ -115,8 +116,10 @@ double Pilot::distance_to(const Waypoint& place) const {
   return (Vector2d(place.north, place.east) - here_->X_WB.translation.head<2>()).norm();
 }
 
-Setpoint Pilot::at_rest() const {
-  return {here_->X_WB.rotation.heading(), here_->X_WB.translation.z(), vehicle_.min_speed, 0};
+// Heading and depth of the instant when it came to rest: to follow each estimate would be to turn with its errors.
+Setpoint Pilot::at_rest() {
+  if (!rest_) rest_ = Setpoint{here_->X_WB.rotation.heading(), here_->X_WB.translation.z(), vehicle_.min_speed, 0};
+  return *rest_;
 }
 
 Setpoint Pilot::at_its_depth(Setpoint wanted, Time now) {

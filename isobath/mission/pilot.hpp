@@ -44,7 +44,7 @@ class Pilot final : public Agent {
   Setpoint follow(double dt, Outbox& out);
   void report(Outbox& out);
   [[nodiscard]] double distance_to(const Waypoint& place) const;
-  [[nodiscard]] Setpoint at_rest() const;
+  [[nodiscard]] Setpoint at_rest();
   [[nodiscard]] Setpoint at_its_depth(Setpoint wanted, Time now);
 
   PilotConfig config_;
@@ -60,6 +60,7 @@ class Pilot final : public Agent {
   std::size_t told_ = 0;  ///< way-points that were reported as passed
   std::optional<Navigation> here_;
   std::optional<Time> last_tick_;
+  std::optional<Setpoint> rest_;  ///< while it has nothing to do
 };
 
 }  // namespace isobath
