@@ -139,8 +139,9 @@ Action add_run(CLI::App& program) {
   command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
   command->add_option("--map", options->request.map, "Folder of a depth map to continue, or to begin")
       ->type_name("FOLDER");
-  command->add_option("--mission", options->request.mission,
-                      "Mission file, or a scenario for its mission: a scene runs in a closed loop, a log is decided anew")
+  command
+      ->add_option("--mission", options->request.mission,
+                   "Mission file, or a scenario for its mission: a scene runs in a closed loop, a log is decided anew")
       ->type_name("FILE");
   command->add_option("--record", options->request.record, "Log to write of a scene: .mcap")->type_name("FILE");
   command->add_option("--model", options->model, "Sensor model made by isobath calibrate")->type_name("FILE");

@@ -47,7 +47,7 @@ void KinematicVehicle::step(const Setpoint& setpoint, const WaterConditions& wat
   const Eigen::Vector2d current = water.current_W.head<2>();
   const double set = std::cos(heading) * current.x() + std::sin(heading) * current.y();    // ahead
   const double drift = std::cos(heading) * current.y() - std::sin(heading) * current.x();  // to starboard
-  speed_ = std::clamp(speed_, set - top, set + top);  // the current may have grown
+  speed_ = std::clamp(speed_, set - top, set + top);                                       // the current may have grown
   const double wanted_speed = std::clamp(setpoint.speed, set - top, set + top);
   const double path = ramp(speed_, wanted_speed, limits_.max_acceleration, dt) - set * dt;  // through the water
   double side = 0;

@@ -230,8 +230,8 @@ const Body& body(const Scene& scene, const std::string& name) {
 
 class EveryScenario : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(All, EveryScenario,
-                         testing::Values("coral_reef", "winnipesaukee", "bridge", "polygon_room",
-                                         "crossing_traffic", "tank", "hull", "hull_water"),
+                         testing::Values("coral_reef", "winnipesaukee", "bridge", "polygon_room", "crossing_traffic",
+                                         "tank", "hull", "hull_water"),
                          [](const auto& name) { return std::string(name.param); });
 
 TEST_P(EveryScenario, RunsAndSaysWhatItIs) {
