@@ -67,8 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{Fault::kDiskFull, 20, kCycle, "report", false}, FaultCase{Fault::kMissionTooLong, 42, 1, "abort"},
         FaultCase{Fault::kFenceBreach, 1, 30, "abort"}, FaultCase{Fault::kWayNotFollowed, 10, 50, "slow"},
         FaultCase{Fault::kNoPath, 1, 90, "stop", false}, FaultCase{Fault::kCollisionAhead, 20, 50, "stop", false},
-        FaultCase{Fault::kCollisionUnavoidable, 20, 30, "turn", false},
-        FaultCase{Fault::kTooLow, 5, 75, "turn", false}),
+        FaultCase{Fault::kCollisionUnavoidable, 20, 30, "turn", false}, FaultCase{Fault::kTooLow, 5, 75, "turn"}),
     [](const auto& one) { return file_name_of(row_of(one.param.fault)); });
 
 // What a scenario injects is what the table says that it injects.
