@@ -7,7 +7,7 @@ SHELL := bash
 JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 WERROR ?= OFF
-THREADED := sim perception runtime app
+THREADED := sim perception mission runtime app
 DEMO_OUT ?= out/demo
 DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)
 

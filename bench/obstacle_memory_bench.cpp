@@ -30,6 +30,8 @@ struct Sea {
       if ((r - p).norm() > 40) continue;
       Obstacle o;
       o.outline = rock(r - p);
+      o.nearest = o.centre = r - p;
+      o.covariance.setZero();
       o.existence = 0.95;
       seen.push_back(o);
     }

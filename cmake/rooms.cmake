@@ -7,15 +7,12 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LES
   list(APPEND ISOBATH_NO_FALSE_ALARM -Wno-restrict) # of "text" + string: https://gcc.gnu.org/PR105651
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND ISOBATH_SANITIZE)
-  list(APPEND ISOBATH_NO_FALSE_ALARM -Wno-maybe-uninitialized) # GCC's manual, -fsanitize: instrumentation confuses it
+  # GCC's manual, -fsanitize: instrumentation confuses the warnings that follow the flow of values
+  list(APPEND ISOBATH_NO_FALSE_ALARM -Wno-maybe-uninitialized -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
 endif()
 add_library(isobath_build INTERFACE) # flags of our own code; never handed to users of the library
 target_compile_options(isobath_build INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                        $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi> ${ISOBATH_NO_FALSE_ALARM} $<$<BOOL:${ISOBATH_WERROR}>:-Werror>)
-find_program(ISOBATH_LLD ld.lld)
-if(ISOBATH_LLD)
-  add_link_options(-fuse-ld=lld)
-endif()
 if(ISOBATH_SANITIZE)
   add_compile_options(-fsanitize=${ISOBATH_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${ISOBATH_SANITIZE})

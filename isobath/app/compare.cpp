@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
+#include <isobath/app/json_output.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/runtime/comparison.hpp>
 #include <memory>
@@ -25,8 +26,8 @@ int act(Options& options) {
   progress.clear();
   if (options.json) {
     auto json = nlohmann::ordered_json::parse(to_json(outcome));
-    for (const auto& file : outcome.files) json["files"].push_back((request.out / file).string());
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    add_files(json, request.out, outcome.files);
+    print_json(json);
     return kSuccess;
   }
   fmt::print("A: {}\nB: {}\n", outcome.a.name, outcome.b.name);

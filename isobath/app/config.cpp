@@ -15,8 +15,7 @@ Action add_config(CLI::App& program) {
   options->config.add_to(*command);
   command->add_flag("--plain", options->plain, "Without the explanations");
   return [options] {
-    Configuration configuration = options->config.read();
-    std::fputs(write_toml(sections(configuration), !options->plain).c_str(), stdout);
+    std::fputs(to_toml(options->config.read(), !options->plain).c_str(), stdout);
     return kSuccess;
   };
 }

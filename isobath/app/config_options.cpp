@@ -15,7 +15,7 @@ void ConfigOptions::add_to(CLI::App& command) {
 
 Configuration ConfigOptions::read() const {
   Configuration configuration;
-  auto all = sections(configuration);
+  Schema all = schema(configuration);
   if (!file.empty()) {
     std::ifstream in(file, std::ios::binary);
     std::ostringstream text;
@@ -23,7 +23,7 @@ Configuration ConfigOptions::read() const {
     if (!empty && !(text << in.rdbuf())) throw Error("cannot read the configuration", {file, {}, {}, {}, {}});
     read_toml(text.str(), file, all);
   }
-  for (const std::string& setting : settings) set_from_text(setting, all);
+  for (const std::string& setting : settings) set_from_text(setting, all.sections);
   return configuration;
 }
 

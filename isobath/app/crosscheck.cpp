@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
+#include <isobath/app/json_output.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/runtime/check_map.hpp>
 #include <memory>
@@ -27,8 +28,8 @@ int act(Options& options) {
     auto json = nlohmann::ordered_json::parse(to_json(outcome.result));
     json["damages"] = nlohmann::ordered_json::array();
     for (const MapDamage& damage : outcome.damages) json["damages"].push_back(to_text(damage));
-    for (const auto& file : outcome.files) json["files"].push_back((request.out / file).string());
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    add_files(json, request.out, outcome.files);
+    print_json(json);
     return kSuccess;
   }
   for (const MapDamage& damage : outcome.damages) fmt::print("damaged: {}\n", to_text(damage));

@@ -14,6 +14,7 @@ struct Options {
   std::string suite;
   std::string out;
   int only = -1;
+  bool alone = false;
   bool json = false;
 };
 
@@ -52,6 +53,7 @@ int act(Options& options) {
   const std::string name = std::filesystem::path(options.suite).stem().string();
   request.out = options.out.empty() ? "out/eval/" + name : options.out;
   request.suite = load_suite(find_suite(options.suite, request.out / "inputs"));
+  if (options.alone) request.suite.baselines.clear();
   request.competitors = competitors_of(request.suite, configuration);
   request.version = program_version();
   if (options.only >= 0) {
@@ -96,6 +98,7 @@ Action add_eval(CLI::App& program) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_option("--out", options->out, "Folder for the results; goes on where it was; default: out/eval/SUITE");
+  command->add_flag("--alone", options->alone, "Without the baselines");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   options->config.add_to(*command);
   return [options] { return act(*options); };

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
+#include <isobath/app/json_output.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/map/map_folder.hpp>
@@ -141,7 +142,7 @@ int act_on_map(const std::string& folder, bool json, std::optional<double> margi
     out["changes"]["track_m"] = track_json(*changes, f.area.grid);
   }
   if (json) {
-    fmt::print("{}\n", out.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    print_json(out);
     return kSuccess;
   }
   fmt::print("{}: Isobath depth map, generation {}\n", folder, f.generation);
@@ -193,7 +194,7 @@ Action add_info(CLI::App& program) {
     });
     progress.clear();
     if (options->json) {
-      fmt::print("{}\n", to_json(source->report(), facts).dump(2, ' ', false, ordered_json::error_handler_t::replace));
+      print_json(to_json(source->report(), facts));
     } else {
       print(options->input, source->report(), facts);
     }

@@ -1,7 +1,9 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
+#include <isobath/app/json_output.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/speed.hpp>
 #include <isobath/runtime/mission_pages.hpp>
 #include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run.hpp>
@@ -18,7 +20,8 @@ struct Options {
   RunRequest request;
   std::string model, set;
   int pass = 0;
-  bool json = false;
+  bool json = false, live = false;
+  std::string speed = "1";
 };
 
 ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
@@ -40,7 +43,21 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
             {"times_real_time", wall > 0 ? outcome.log_s / wall : 0},
             {"ping_median_ms", outcome.timings.ping_median_ms},
             {"ping_p99_ms", outcome.timings.ping_p99_ms}}},
+          {"live", outcome.live ? ordered_json{{"lost_pings", outcome.live->lost_pings}} : ordered_json()},
           {"files", files}};
+}
+
+void print(const char* stage, const StageTime& t) {
+  fmt::print("  {:<30} {:>9.3f} {:>9.3f} {:>9.3f}  {:>7}\n", stage, t.median_ms, t.p99_ms, t.worst_ms, t.count);
+}
+
+void print(const MissionTimings& t) {
+  fmt::print("  {:<30} {:>9} {:>9} {:>9}  {:>7}\n", "latency, ms", "median", "99 %", "worst", "count");
+  print("hearing: an event by the crew", t.event_to_crew);
+  print("mapping: a ping into the grid", t.ping_to_grid);
+  print("detection: obstacles of a scan", t.detection);
+  print("planning: the Navigator's turn", t.planning);
+  print("scan to decision", t.scan_to_decision);
 }
 
 void print(const TruthScore& truth) {
@@ -89,11 +106,20 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   for (const Damage& d : outcome.source.damages)
     fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
   if (!outcome.undecided.empty()) fmt::print("at the end no bin could be decided: {}\n", outcome.undecided);
+  if (100 * n.no_bottom > n.pings) {  // the first pings of a log come before the first altitude
+    fmt::print("no altitude for {} of {} pings: echoes of the bottom are not told from obstacles\n", n.no_bottom,
+               n.pings);
+  }
+  if (n.blind > 0) {
+    fmt::print("bottom or surface hide what stands in {} of {} bins: they count as unknown\n", n.blind, n.bins);
+  }
   if (outcome.depth) print(request, *outcome.depth);
   if (n.pings > 0 || !outcome.depth) fmt::print("{} obstacles at the end\n", outcome.obstacles.size());
   if (outcome.truth) print(*outcome.truth);
   if (outcome.mission) {
     for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
+    if (outcome.live) fmt::print("live: {} pings lost before the map\n", outcome.live->lost_pings);
+    if (outcome.live || request.timings) print(outcome.mission->timings);
   }
   for (const Obstacle& o : outcome.obstacles) {
     if (o.behind) continue;
@@ -109,6 +135,7 @@ int act(Options& options) {
   if (!options.set.empty()) options.config.settings.push_back("input.set=" + options.set);
   if (options.pass > 0) options.config.settings.push_back("input.pass=" + std::to_string(options.pass));
   request.configuration = options.config.read();
+  if (options.live) request.live_speed = speed_of(options.speed);
   ProgressLine progress;
   request.progress = [&](const SourceReport& source, const PipelineCounts& counts) {
     progress.show(source.bytes_read, source.bytes_total, counts.pings + counts.ranges + counts.swaths);
@@ -116,7 +143,7 @@ int act(Options& options) {
   const RunOutcome outcome = run(request);
   progress.clear();
   if (options.json) {
-    fmt::print("{}\n", to_json(request, outcome).dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    print_json(to_json(request, outcome));
   } else {
     print(request, outcome);
   }
@@ -149,6 +176,11 @@ Action add_run(CLI::App& program) {
   command->add_option("--pass", options->pass, "Pass of a set that holds several; default: the first");
   command->add_option("--threads", options->request.threads, "1 or 2; the results are the same")
       ->check(CLI::Range(1, 64));
+  CLI::Option* live =
+      command->add_flag("--live", options->live, "A scene's mission with real threads; not the same bytes every time");
+  command->add_option("--speed", options->speed, "Of a live run: times real time, or max: as fast as it goes")
+      ->capture_default_str()
+      ->needs(live);
   command->add_flag("--timings", options->request.timings, "Measured times in the report too");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   options->config.add_to(*command);

@@ -1,7 +1,9 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <isobath/app/commands.hpp>
+#include <isobath/app/json_output.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/speed.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/io/native_log.hpp>
 #include <isobath/runtime/html_report.hpp>
@@ -27,18 +29,6 @@ struct Counts {
 };
 
 using Clock = std::chrono::steady_clock;  // for pace and timings alone: no result depends on it
-
-/// How many simulated seconds pass in a real one; 0: as many as go.
-double pace_of(const std::string& speed) {
-  if (speed == "max") return 0;
-  try {
-    std::size_t used = 0;
-    const double value = std::stod(speed, &used);
-    if (used == speed.size() && value > 0 && value < 1e6) return value;
-  } catch (const std::exception&) {  // not a number: said below
-  }
-  throw Error("no speed: " + speed, {"--speed"}, "max, or how many times real time, above 0");
-}
 
 void write(const SimulatedEvent& event, NativeLogWriter* log, Counts& n, std::vector<Eigen::Vector2d>& track) {
   if (const auto* motion = std::get_if<TrueMotion>(&event)) {
@@ -81,7 +71,7 @@ int act(const Options& options) {
     fmt::print("{}", write_template(schema(scene)));
     return kSuccess;
   }
-  const double pace = pace_of(options.speed);
+  const double pace = speed_of(options.speed);
   Simulator simulator(open_scene(options.scene), options.simulation, options.threads);
   const auto log = open_log(options, simulator);
   Counts n;
@@ -106,7 +96,7 @@ int act(const Options& options) {
         {"duration_s", simulator.duration_s()},
         {"counts", {{"pings", n.pings}, {"ranges", n.ranges}, {"navigation", n.navigation}, {"health", n.health}}},
         {"rates", {{"wall_s", wall}, {"times_real_time", times}}}};
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    print_json(json);
     return kSuccess;
   }
   fmt::print("{}, seed {}: {} pings, {} ranges, {} fixes in {:g} s; {:.1f} s of work ({:.1f} x real time)\n",

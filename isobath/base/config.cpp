@@ -5,6 +5,7 @@
 #include <fstream>
 #include <isobath/base/config.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/toml_text.hpp>
 #include <numeric>
 #include <optional>
 #include <toml++/toml.h>
@@ -153,6 +154,7 @@ void assign_node(Field& field, const toml::node& node, const std::string& file, 
 }
 
 toml::table parse(std::string_view text, const std::string& file) {
+  check_toml_text(text, file);
   try {
     return toml::parse(text);
   } catch (const toml::parse_error& e) {
@@ -414,8 +416,8 @@ void set_from_text(std::string_view assignment, std::vector<Section>& sections) 
       fmt::format("[{}]\n{} = ", assignment.substr(0, dot), assignment.substr(dot + 1, equals - dot - 1));
   std::string text = head + value;
   try {
-    (void)toml::parse(text);
-  } catch (const toml::parse_error&) {
+    (void)parse(text, source);
+  } catch (const Error&) {
     text = head + in_quotes(value);
   }
   read_toml(text, source, sections);

@@ -7,6 +7,7 @@
 #include <isobath/sonar/swath.hpp>
 #include <isobath/vehicle/health.hpp>
 #include <isobath/vehicle/navigation.hpp>
+#include <isobath/vehicle/operator_frame.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,7 +16,7 @@
 
 namespace isobath {
 
-using Event = std::variant<Ping, RangeReading, Navigation, Health, Swath>;
+using Event = std::variant<Ping, RangeReading, Navigation, Health, Swath, OperatorFrame>;
 
 inline Time time_of(const Event& event) {
   return std::visit([](const auto& e) { return e.time; }, event);

@@ -158,6 +158,7 @@ class KongsbergAll final : public LogSource {
   void add_attitude(Time time, const RecordView& fields, std::size_t at, std::uint8_t sensor);
   void add_sounding(Swath& swath, const Datagram& d, const Eigen::Vector3d& re_transducer, double transducer_m,
                     std::size_t beam, double quality);
+  void add_swath(Swath swath, const Datagram& d);
   void tell_counts();
 
   std::endian order_ = std::endian::little;
@@ -230,13 +231,7 @@ void KongsbergAll::take_xyz88(const Datagram& d) {
       add_sounding(swath, d, p.cast<double>(), transducer_m, i, beam.at<std::uint8_t>(14));
     }
   }
-  swath.time = d.time;
-  swath.frame = Swath::Frame::kLevel;
-  swath.heading = heading_of(d.fields.at<std::uint16_t>(20));
-  swath.beam_width = beam_width_;
-  swath.sound_speed = 0.1 * d.fields.at<std::uint16_t>(22);
-  report_.note_setting("sonar", fmt::format("EM {}, serial {}", d.model, d.serial));
-  track_.add({std::move(swath), std::nullopt, std::nullopt});
+  add_swath(std::move(swath), d);
 }
 
 void KongsbergAll::take_depth(const Datagram& d) {
@@ -259,6 +254,11 @@ void KongsbergAll::take_depth(const Datagram& d) {
       add_sounding(swath, d, p, transducer_m, beam.at<std::uint8_t>(15), 0);
     }
   }
+  add_swath(std::move(swath), d);
+}
+
+/// Both kinds of depth datagram begin alike.
+void KongsbergAll::add_swath(Swath swath, const Datagram& d) {
   swath.time = d.time;
   swath.frame = Swath::Frame::kLevel;
   swath.heading = heading_of(d.fields.at<std::uint16_t>(20));

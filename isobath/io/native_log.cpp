@@ -18,6 +18,7 @@ constexpr const char* kNavigation = "isobath/msg/Navigation";
 constexpr const char* kRange = "isobath/msg/RangeReading";
 constexpr const char* kHealth = "isobath/msg/Health";
 constexpr const char* kSwath = "isobath/msg/Swath";
+constexpr const char* kOperatorFrame = "isobath/msg/OperatorFrame";
 constexpr const char* kTrueMotion = "isobath/msg/TrueMotion";
 constexpr const char* kEchoTruth = "isobath/msg/EchoTruth";
 constexpr const char* kSetpoint = "isobath/msg/Setpoint";
@@ -55,7 +56,8 @@ const std::string kNavigationDefinition =
     "int64 time_ns\n"
     "isobath/Pose body         # body in world\n"
     "float64[] velocity        # of the body in the world: north, east, down; empty: unknown\n"
-    "float64[] covariance      # 6 x 6 by rows, of position (world) and rotation vector (body); empty: unknown\n" +
+    "float64[] covariance      # 6 x 6 by rows, of position (world) and rotation vector (body); empty: unknown\n"
+    "float64[] velocity_sigma  # standard deviation of the velocity in the plane; empty: not stated\n" +
     kPoseDefinition;
 
 const std::string kRangeDefinition =
@@ -91,6 +93,11 @@ const std::string kSwathDefinition =
     "float32[] sigma           # standard deviation of the depth; 0: not stated\n"
     "uint16[] beam\n"
     "uint8[] kind              # 0 bottom, 1 something in the water\n";
+
+const std::string kOperatorFrameDefinition =
+    "# One frame of the operator's link, as it arrived at the vehicle.\n"
+    "int64 time_ns\n"
+    "uint8[] bytes\n";
 
 const std::string kTrueMotionDefinition =
     "# Where a simulated vehicle really is. SI units, world north-east-down.\n"
@@ -193,6 +200,8 @@ void put(CdrWriter& w, const Navigation& n) {
       w, [&](std::size_t i) { return (*n.v_WB)[i]; }, n.v_WB ? 3 : 0);
   put_doubles(
       w, [&](std::size_t i) { return (*n.covariance)(i / 6, i % 6); }, n.covariance ? 36 : 0);
+  put_doubles(
+      w, [&](std::size_t) { return *n.v_sigma; }, n.v_sigma ? 1 : 0);
 }
 
 void put(CdrWriter& w, const RangeReading& r) {
@@ -207,6 +216,11 @@ void put(CdrWriter& w, const Health& h) {
   w.number(std::int64_t{h.time.time_since_epoch().count()}).text(h.source);
   w.number(static_cast<std::uint8_t>(h.state)).number(h.battery_share);
   w.number(static_cast<std::uint8_t>(h.leak)).text(h.note);
+}
+
+void put(CdrWriter& w, const OperatorFrame& f) {
+  w.number(std::int64_t{f.time.time_since_epoch().count()});
+  std::copy(f.bytes.begin(), f.bytes.end(), w.sequence<std::uint8_t>(f.bytes.size()));
 }
 
 /// One number of every sounding, as a list.
@@ -262,8 +276,10 @@ std::optional<Event> take_navigation(std::span<const std::uint8_t> data) {
   n.X_WB = take_pose(r, bad);
   const auto velocity = r.sequence<double>();
   const auto covariance = r.sequence<double>();
+  const auto v_sigma = r.sequence<double>();
   if (bad || !r.ok() || (!velocity.empty() && velocity.size() != 24)) return std::nullopt;
-  if (!covariance.empty() && covariance.size() != 288) return std::nullopt;
+  if ((!covariance.empty() && covariance.size() != 288) || v_sigma.size() > 8) return std::nullopt;
+  if (!v_sigma.empty()) n.v_sigma = double_at(v_sigma, 0);
   if (!velocity.empty()) n.v_WB = Vector3d(double_at(velocity, 0), double_at(velocity, 1), double_at(velocity, 2));
   if (!covariance.empty()) {
     n.covariance.emplace();
@@ -299,6 +315,16 @@ std::optional<Event> take_health(std::span<const std::uint8_t> data) {
   if (!r.ok() || state > 2) return std::nullopt;
   health.state = static_cast<HealthState>(state);
   return health;
+}
+
+std::optional<Event> take_operator_frame(std::span<const std::uint8_t> data) {
+  CdrReader r(data);
+  OperatorFrame frame;
+  frame.time = take_time(r);
+  const auto bytes = r.sequence<std::uint8_t>();
+  if (!r.ok()) return std::nullopt;
+  frame.bytes.assign(bytes.begin(), bytes.end());
+  return frame;
 }
 
 template <class Number>
@@ -511,6 +537,7 @@ class NativeLogSource final : public Source {
     if (kind == kRange) return take_range(message.data);
     if (kind == kHealth) return take_health(message.data);
     if (kind == kSwath) return take_swath(message.data);
+    if (kind == kOperatorFrame) return take_operator_frame(message.data);
     return std::nullopt;
   }
 
@@ -572,7 +599,10 @@ bool NativeLogWriter::write(const Event& event) {
   if (const Ping* ping = std::get_if<Ping>(&event); ping && !writable(*ping)) return false;
   CdrWriter w(message_);
   std::visit([&](const auto& e) { put(w, e); }, event);
-  const std::uint16_t channels[] = {ping_, range_, navigation_, health_, swath_};  // in the order of the variant
+  if (std::holds_alternative<OperatorFrame>(event)) {
+    late_channel(operator_, "/operator", kOperatorFrame, kOperatorFrameDefinition);
+  }
+  const std::uint16_t channels[] = {ping_, range_, navigation_, health_, swath_, operator_};  // as in the variant
   static_assert(std::variant_size_v<Event> == std::size(channels));
   send(channels[event.index()], time_of(event));
   return true;

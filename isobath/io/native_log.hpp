@@ -1,12 +1,13 @@
 // Isobath's own log: every Event, exactly, in an MCAP container (mcap.hpp).
 //
-// Channels /ping, /navigation, /range, /health and /swath carry CDR (little-endian) with ros2msg definitions
-// isobath/msg/Ping, Navigation, RangeReading, Health and Swath inside the file, so that other viewers decode every
-// field by name. Reading gives back the same events in the same order: times, poses, beams and samples bit for bit.
-// Pings of the same fan share one BeamFan. Samples are stored beam by beam, whatever the strides of the source were. A
-// log's metadata holds the origin on the globe, what the source said about itself, and the configuration. Errors: see
-// McapWriter; open_native_log throws Error for a file that is no MCAP or holds no channel of ours. Damage, other
-// channels' messages and messages that cannot be decoded are counted in the report.
+// Channels /ping, /navigation, /range, /health, /swath and, where an operator was heard, /operator carry CDR
+// (little-endian) with ros2msg definitions isobath/msg/Ping, Navigation, RangeReading, Health, Swath and OperatorFrame
+// inside the file, so that other viewers decode every field by name. Reading gives back the same events in the same
+// order: times, poses, beams and samples bit for bit. Pings of the same fan share one BeamFan. Samples are stored beam
+// by beam, whatever the strides of the source were. A log's metadata holds the origin on the globe, what the source
+// said about itself, and the configuration. Errors: see McapWriter; open_native_log throws Error for a file that is no
+// MCAP or holds no channel of ours. Damage, other channels' messages and messages that cannot be decoded are counted in
+// the report.
 #pragma once
 
 #include <filesystem>
@@ -57,6 +58,7 @@ class NativeLogWriter {
 
   McapWriter mcap_;
   std::uint16_t ping_ = 0, navigation_ = 0, range_ = 0, health_ = 0, swath_ = 0;
+  std::uint16_t operator_ = 0;                  ///< made with the first frame
   std::uint16_t motion_ = 0, echoes_ = 0;       ///< made with the first truth: a vehicle's log has none
   std::uint16_t setpoint_ = 0, decisions_ = 0;  ///< made with the first: without a mission there are none
   std::map<std::uint16_t, std::uint32_t> sequence_;

@@ -14,6 +14,9 @@
 
 namespace isobath {
 
+/// From one turn of an agent to the next.
+inline constexpr Duration kTick = std::chrono::milliseconds(100);
+
 enum class AgentLevel : std::uint8_t { kSupervisory, kMission, kVehicle };
 
 /// Where an agent puts what it says; handed on when its turn is over, in order.

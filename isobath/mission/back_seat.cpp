@@ -123,7 +123,6 @@ std::vector<Field> fields(SurveyConfig& c) {
           Field::real("breadth_m", &c.breadth_m, {1, 1e4}, "m", "Across lanes, where the task does not say."),
           Field::real("spacing_m", &c.spacing_m, {0.5, 1e3}, "m", "Between lanes, where the task does not say."),
           Field::real("speed", &c.speed, {0.01, 10}, "m/s", "Where the mission point does not say."),
-          Field::real("turning_radius_m", &c.turning_radius_m, {0, 1e3}, "m", "Of the vehicle."),
           Field::real("most_m", &c.most_m, {1, 1e6}, "m", "Of all lanes.")};
 }
 
@@ -157,7 +156,7 @@ std::optional<BackSeatDriver::Offer> SurveyDriver::offer(const Task& task, const
   }
   Offer offer;
   const double between = breadth / lanes;
-  offer.suitability = (inspect ? kOtherTask : kOwnTask) * (between < 2 * config_.turning_radius_m ? kTightTurns : 1);
+  offer.suitability = (inspect ? kOtherTask : kOwnTask) * (between < 2 * turning_radius_m_ ? kTightTurns : 1);
   for (int lane = 0; lane < lanes; ++lane) {
     const Vector2d middle = at.north_east + (between * (lane + 0.5) - breadth / 2) * across;
     const Vector2d half = (lane % 2 == 0 ? 0.5 : -0.5) * length * along;
@@ -171,7 +170,6 @@ std::vector<Field> fields(CircleConfig& c) {
   return {Field::real("radius_m", &c.radius_m, {0.5, 5e3}, "m", "Where the task does not say."),
           Field::real("turns", &c.turns, {0.1, 1000}, "", "Where the task does not say."),
           Field::real("speed", &c.speed, {0.01, 10}, "m/s", "Where the mission point does not say."),
-          Field::real("turning_radius_m", &c.turning_radius_m, {0, 1e3}, "m", "Of the vehicle."),
           Field::real("most_turns", &c.most_turns, {1, 1000}, "", "That it does.")};
 }
 
@@ -179,7 +177,7 @@ std::optional<BackSeatDriver::Offer> CircleDriver::offer(const Task& task, const
                                                          const std::optional<Vector2d>& vehicle) const {
   if (task.name != "circle" && task.name != "inspect") return std::nullopt;
   Numbers numbers(task);
-  const double radius = numbers.take("radius_m", config_.radius_m, std::max(0.5, config_.turning_radius_m), 5e3);
+  const double radius = numbers.take("radius_m", config_.radius_m, std::max(0.5, turning_radius_m_), 5e3);
   const double turns = numbers.take("turns", config_.turns, 0.1, config_.most_turns);
   numbers.refuse_others();
   const Vector2d towards = vehicle.value_or(at.north_east) - at.north_east;

@@ -4,7 +4,7 @@
 // A task is one word and numbers: "survey length_m=80 breadth_m=40". A driver hears TaskCall, TaskAward and Navigation;
 // it bids for what it can do, and says its way-points when the award is its own. It does not bid for a task with a
 // number that it does not know, or out of range, and says so (Decision): a task done differently than asked is worse
-// than none. Way-points have the depth of the point, and its speed if it has one.
+// than none. Way-points have the depth of the point, and its speed if it has one. `turning_radius_m` is the vehicle's.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -54,19 +54,20 @@ class BackSeatDriver : public Agent {
 struct SurveyConfig {
   double length_m = 60, breadth_m = 40, spacing_m = 10;  ///< where the task does not say
   double speed = 1.2;
-  double turning_radius_m = 3;
   double most_m = 20'000;  ///< of all lanes
 };
 std::vector<Field> fields(SurveyConfig& config);
 
 class SurveyDriver final : public BackSeatDriver {
  public:
-  explicit SurveyDriver(const SurveyConfig& config = {}) : BackSeatDriver("survey"), config_(config) {}
+  SurveyDriver(const SurveyConfig& config, double turning_radius_m)
+      : BackSeatDriver("survey"), config_(config), turning_radius_m_(turning_radius_m) {}
 
  private:
   [[nodiscard]] std::optional<Offer> offer(const Task& task, const MissionPoint& at,
                                            const std::optional<Eigen::Vector2d>& vehicle) const override;
   SurveyConfig config_;
+  double turning_radius_m_;
 };
 
 /// "circle" and "inspect": round the point at radius_m, clockwise, so many turns, from its side that is nearest to the
@@ -74,19 +75,20 @@ class SurveyDriver final : public BackSeatDriver {
 struct CircleConfig {
   double radius_m = 10, turns = 1;  ///< where the task does not say
   double speed = 0.8;
-  double turning_radius_m = 3;
   double most_turns = 100;
 };
 std::vector<Field> fields(CircleConfig& config);
 
 class CircleDriver final : public BackSeatDriver {
  public:
-  explicit CircleDriver(const CircleConfig& config = {}) : BackSeatDriver("circle"), config_(config) {}
+  CircleDriver(const CircleConfig& config, double turning_radius_m)
+      : BackSeatDriver("circle"), config_(config), turning_radius_m_(turning_radius_m) {}
 
  private:
   [[nodiscard]] std::optional<Offer> offer(const Task& task, const MissionPoint& at,
                                            const std::optional<Eigen::Vector2d>& vehicle) const override;
   CircleConfig config_;
+  double turning_radius_m_;
 };
 
 }  // namespace isobath

@@ -10,6 +10,7 @@ constexpr const char* name(const Navigation*) { return "navigation"; }
 constexpr const char* name(const RangeReading*) { return "range reading"; }
 constexpr const char* name(const Health*) { return "health"; }
 constexpr const char* name(const SonarLook*) { return "sonar look"; }
+constexpr const char* name(const SonarEchoes*) { return "sonar echoes"; }
 constexpr const char* name(const Sweep*) { return "sweep"; }
 constexpr const char* name(const ObstacleScan*) { return "obstacle scan"; }
 constexpr const char* name(const ChartedHazards*) { return "charted hazards"; }

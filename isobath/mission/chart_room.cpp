@@ -81,8 +81,6 @@ std::vector<Field> fields(ChartRoomConfig& c) {
   };
 }
 
-ChartRoom::ChartRoom(const ChartRoomConfig& config, ChartUpdate chart) : config_(config), chart_(std::move(chart)) {}
-
 void ChartRoom::hear(const Message& message, Time now, Outbox& out) {
   if (const auto* chart = std::get_if<ChartUpdate>(&message)) {
     chart_ = *chart;

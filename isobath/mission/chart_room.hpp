@@ -36,7 +36,7 @@ std::vector<Field> fields(ChartRoomConfig& config);
 
 class ChartRoom final : public Agent {
  public:
-  explicit ChartRoom(const ChartRoomConfig& config = {}, ChartUpdate chart = {});
+  explicit ChartRoom(const ChartRoomConfig& config = {}) : config_(config) {}
 
   void hear(const Message& message, Time now, Outbox& out) override;
   void tick(Time, Outbox&) override {}

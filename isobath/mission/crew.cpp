@@ -68,6 +68,10 @@ Setpoint Crew::helm(Time now) {
 void Crew::hang(std::string_view name) { member(name).hanging = true; }
 void Crew::kill(std::string_view name) { member(name).dying = true; }
 
+bool Crew::has(std::string_view name) const {
+  return std::any_of(members_.begin(), members_.end(), [&](const Member& m) { return m.seat.name == name; });
+}
+
 bool Crew::lost(std::string_view name) const {
   return std::any_of(members_.begin(), members_.end(), [&](const Member& m) { return m.lost && m.seat.name == name; });
 }
@@ -130,6 +134,7 @@ void Crew::settle() {
   do {
     drain();
     setpoint_ = gate_.steer(now_);
+    counts_.limited = gate_.limited();
     if (auto change = gate_.take_change()) post(kHelmGate, std::move(*change));
     if (auto why = bus_.take_recorder_loss()) post(kSupervisor, AgentLost{kRecorder, false, std::move(*why)});
   } while (!queue_.empty());

@@ -25,8 +25,6 @@
 
 namespace isobath {
 
-inline constexpr Duration kTick = std::chrono::milliseconds(100);
-
 struct CrewConfig {
   int missed_ticks = 5;
   int most_said = 256;
@@ -43,6 +41,7 @@ struct CrewCounts {
   std::uint64_t cut = 0;       ///< messages of agents that said too much
   std::uint64_t overflow = 0;  ///< messages that found a mailbox full
   std::uint64_t lost = 0;      ///< agents
+  std::uint64_t limited = 0;   ///< set-points that were cut to what vehicle and mission allow (helm_gate.hpp)
 };
 
 /// Throws Error where a name is empty, taken twice or a sender of its own, a seat has no agent, or the gate's Safety
@@ -65,6 +64,7 @@ class Crew {
   void hang(std::string_view name);
   void kill(std::string_view name);
 
+  [[nodiscard]] bool has(std::string_view name) const;  ///< whether there is such a seat
   [[nodiscard]] bool lost(std::string_view name) const;
   [[nodiscard]] const CrewCounts& counts() const { return counts_; }
   [[nodiscard]] const std::map<std::string, Bus::Counts>& said() const { return bus_.said(); }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <fmt/format.h>
 #include <isobath/mission/fault_table.hpp>
 
 namespace isobath {
@@ -8,6 +7,7 @@ namespace {
 using Act = SafetyActionKind;
 constexpr After kNever{};
 constexpr After kAtOnce{After::When::kAtOnce, nullptr};
+Deadline within(double seconds) { return {Deadline::From::kInjection, seconds}; }
 After later(double SafetyConfig::*wait) { return {After::When::kLater, wait}; }
 
 std::vector<FaultRow> sensor_rows() {
@@ -25,6 +25,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "sonar: off",
+       within(2),
        "FaultsOfASonar.Silent"},
       {Fault::kSonarFrozen,
        "sonar frozen",
@@ -37,6 +38,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "sonar: stuck",
+       within(0.75),
        "FaultsOfASonar.Frozen"},
       {Fault::kSonarSaturated,
        "sonar saturated",
@@ -49,6 +51,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "sonar: saturated",
+       within(0.75),
        "FaultsOfASonar.Saturated"},
       {Fault::kSonarDeaf,
        "sonar deaf",
@@ -61,6 +64,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "sonar: wrong_gain",
+       within(5.5),
        "FaultsOfASonar.Deaf"},
       {Fault::kSonarBlindSide,
        "sonar blind on one side",
@@ -73,6 +77,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "sonar: blind_side",
+       within(7),
        "FaultsOfASonar.BlindOnOneSide"},
       {Fault::kSonarGarbled,
        "sonar garbled",
@@ -85,6 +90,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "sonar: garbage",
+       within(1),
        "FaultsOfASonar.Garbled"},
       {Fault::kNavigationSilent,
        "navigation silent",
@@ -97,6 +103,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "navigation: off",
+       within(1.25),
        "FaultsOfNavigation.Silent"},
       {Fault::kNavigationJump,
        "navigation jumps",
@@ -109,6 +116,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "navigation: jump",
+       within(0.25),
        "FaultsOfNavigation.Jump"},
       {Fault::kNavigationDrift,
        "navigation drifts",
@@ -121,6 +129,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "dvl: off",
+       within(15),
        "FaultsOfNavigation.Drift"},
       {Fault::kDepthLost,
        "depth sensor lost",
@@ -133,6 +142,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "depth: off",
+       within(1.25),
        "FaultsOfNavigation.DepthLost"},
       {Fault::kAltitudeLost,
        "altitude sensor lost",
@@ -145,6 +155,7 @@ std::vector<FaultRow> sensor_rows() {
        "",
        Over::kLater,
        "altimeter: off",
+       within(2.5),
        "FaultsOfNavigation.AltitudeLost"},
   };
 }
@@ -163,6 +174,7 @@ std::vector<FaultRow> way_rows() {
        "",
        Over::kLater,
        "a current faster than the vehicle",
+       {Deadline::From::kStart, 25},
        "FaultsOfTheWay.NotFollowed"},
       {Fault::kInsideObstacle,
        "inside an obstacle",
@@ -174,7 +186,8 @@ std::vector<FaultRow> way_rows() {
        later(&C::blocked_abort_s),
        "",
        Over::kAtOnce,
-       "a body over the start",
+       "an obstacle over the start",
+       {Deadline::From::kStart, 0.5},
        "FaultsOfTheWay.InsideAnObstacle"},
       {Fault::kNoPath,
        "no path",
@@ -187,6 +200,7 @@ std::vector<FaultRow> way_rows() {
        "",
        Over::kAtOnce,
        "a wall from side to side",
+       {Deadline::From::kRefusal, 0.25},
        "FaultsOfTheWay.NoPath"},
       {Fault::kPlannerOverBudget,
        "planner over budget",
@@ -199,6 +213,7 @@ std::vector<FaultRow> way_rows() {
        "",
        Over::kAtOnce,
        "planner: wrong_scale",
+       {Deadline::From::kRefusal, 0.25},
        "FaultsOfTheWay.PlannerOverBudget"},
       {Fault::kCollisionAhead,
        "collision ahead",
@@ -211,11 +226,12 @@ std::vector<FaultRow> way_rows() {
        "",
        Over::kLater,
        "a body in the way that no map has",
+       {Deadline::From::kNearness, 1},
        "LastDitch.StopsInTime"},
       {Fault::kCollisionUnavoidable,
        "collision unavoidable",
-       "the same, nearer than it can stop, or with a vehicle that cannot",
-       {"reaction_s", "side_margin_m"},
+       "the same, nearer than it can stop; with a vehicle that cannot stop, an order that would leave it no way out",
+       {"reaction_s", "side_margin_m", "collision_margin_m", "escape_s", "unknown_current"},
        Act::kTurn,
        Act::kNone,
        kNever,
@@ -223,6 +239,7 @@ std::vector<FaultRow> way_rows() {
        "",
        Over::kLater,
        "a body that appears before the bow",
+       {Deadline::From::kNearness, 1},
        "LastDitch.TurnsToTheFreerSide"},
       {Fault::kFenceAhead,
        "fence ahead",
@@ -235,6 +252,7 @@ std::vector<FaultRow> way_rows() {
        "",
        Over::kLater,
        "a way along the fence",
+       {Deadline::From::kCrossing, 0},
        "Limits.FenceAhead"},
       {Fault::kFenceBreach,
        "fence breached",
@@ -247,6 +265,7 @@ std::vector<FaultRow> way_rows() {
        "",
        Over::kLater,
        "a current over the fence",
+       {Deadline::From::kCrossing, 1},
        "Limits.FenceBreached"},
       {Fault::kTooDeep,
        "too deep",
@@ -259,6 +278,7 @@ std::vector<FaultRow> way_rows() {
        "",
        Over::kLater,
        "depth: drifting",
+       within(6.5),
        "Limits.TooDeep"},
       {Fault::kTooLow,
        "too near to the bottom",
@@ -271,6 +291,7 @@ std::vector<FaultRow> way_rows() {
        "",
        Over::kLater,
        "a bottom that rises",
+       {Deadline::From::kNearness, 1},
        "Limits.TooLow"},
   };
 }
@@ -289,6 +310,7 @@ std::vector<FaultRow> host_rows() {
        "",
        Over::kNever,
        "agent.navigator: off",
+       within(0.5),
        "FaultsOfTheVehicle.AgentDead"},
       {Fault::kLeak,
        "leak",
@@ -301,6 +323,7 @@ std::vector<FaultRow> host_rows() {
        "surface",
        Over::kNever,
        "vehicle: leak",
+       within(1.25),
        "FaultsOfTheVehicle.Leak"},
       {Fault::kBatteryLow,
        "battery low",
@@ -313,6 +336,7 @@ std::vector<FaultRow> host_rows() {
        "as the mission ends, or at the surface where that is to hold",
        Over::kNever,
        "vehicle: battery",
+       within(1.25),
        "FaultsOfTheVehicle.BatteryLow"},
       {Fault::kThrusterLost,
        "thruster lost",
@@ -325,6 +349,7 @@ std::vector<FaultRow> host_rows() {
        "",
        Over::kLater,
        "thruster: thruster_loss",
+       within(0.25),
        "FaultsOfTheVehicle.ThrusterLost"},
       {Fault::kHealthSilent,
        "health silent",
@@ -336,7 +361,8 @@ std::vector<FaultRow> host_rows() {
        kNever,
        "",
        Over::kLater,
-       "no report is passed on",
+       "health: off",
+       within(5.5),
        "FaultsOfTheVehicle.HealthSilent"},
       {Fault::kLinkLost,
        "operator link lost",
@@ -349,6 +375,7 @@ std::vector<FaultRow> host_rows() {
        "by link_policy: goes on, returns or surfaces",
        Over::kLater,
        "link: off",
+       within(31),
        "FaultsOfTheVehicle.LinkLost"},
       {Fault::kClockJump,
        "clock jump",
@@ -361,6 +388,7 @@ std::vector<FaultRow> host_rows() {
        "",
        Over::kLater,
        "vehicle: clock_jump",
+       within(1),
        "FaultsOfTheVehicle.ClockJump"},
       {Fault::kDiskFull,
        "disk full",
@@ -373,6 +401,7 @@ std::vector<FaultRow> host_rows() {
        "",
        Over::kLater,
        "disk: off",
+       within(0.25),
        "FaultsOfTheVehicle.DiskFull"},
       {Fault::kMissionTooLong,
        "mission too long",
@@ -385,6 +414,7 @@ std::vector<FaultRow> host_rows() {
        "as the mission ends",
        Over::kNever,
        "a mission that is longer than its limit",
+       {Deadline::From::kOvertime, 0.25},
        "Limits.MissionTooLong"},
   };
 }
@@ -394,57 +424,6 @@ std::vector<FaultRow> all_rows() {
   for (auto& group : {sensor_rows(), way_rows(), host_rows()}) rows.insert(rows.end(), group.begin(), group.end());
   return rows;
 }
-
-/// "1.5 s" of a field; empty for a name that the configuration does not have.
-std::string value_of(std::vector<Field>& all, const std::string& name) {
-  const auto field = std::find_if(all.begin(), all.end(), [&](const Field& f) { return f.name() == name; });
-  if (field == all.end()) return {};
-  return field->value() + (field->unit().empty() || field->unit() == "1" ? "" : " " + field->unit());
-}
-
-std::string wait_text(const After& after, const SafetyConfig& config) {
-  return after.when == After::When::kLater ? fmt::format(" after {:g} s", config.*after.wait) : " at once";
-}
-
-std::string action_text(const FaultRow& row, const SafetyConfig& config) {
-  std::string text = row.action == Act::kNone ? "report" : to_text(row.action);
-  if (row.fault == Fault::kCollisionUnavoidable) text = "turn to the freer side; surface where neither is free";
-  if (row.fault == Fault::kCollisionAhead) text = "stop, then turn on the spot to where the way leads";
-  if (row.fault == Fault::kTooLow) text = "slow and rise";
-  if (row.later != Act::kNone) text += fmt::format("; {}{}", to_text(row.later), wait_text(row.later_after, config));
-  if (row.abort.when != After::When::kNever) text += "; abort" + wait_text(row.abort, config);
-  if (*row.end != 0) text += fmt::format(" ({})", row.end);
-  return text;
-}
-
-std::string limits_text(const FaultRow& row, std::vector<Field>& all) {
-  std::string text;
-  for (const char* name : row.limits) {
-    const std::string value = value_of(all, name);
-    text += fmt::format("{}`{}`{}", text.empty() ? "" : ", ", name, value.empty() ? " of the mission" : " " + value);
-  }
-  return text.empty() ? "at once" : text;
-}
-
-constexpr const char* kHead = R"(# Faults
-
-What can go wrong, how the Safety Officer notices it, what it does and what shows it. The table is the one that the
-program acts by; limits are those of `[safety]` in [configuration.md](configuration.md) with their defaults, or of the
-mission file.
-
-- The Safety Officer looks ten times a second, stands above planning and steering, and can only slow, stop, turn away or
-  surface: never does it ask for more speed than was ordered. Of several actions the strongest holds.
-- *stop* of a vehicle that needs way on to hold its depth, or that was ordered to surface, is *surface*.
-- A fault is over when its cause was gone for `leave_s` ({} s); those of routes with the next route, and those with
-  a dagger stay.
-- *abort* ends the mission as `abort_end` says ({}), unless the row says otherwise. Each fault, its end and each action
-  is a decision with its reason in the log.
-- Sensors that have not spoken `startup_s` after the start of a mission are silent.
-- A fault of a scene is injected by `[[fault]]` ([scene-format.md](scene-format.md)).
-
-| fault | noticed by | limit | action | injected by | test |
-| --- | --- | --- | --- | --- | --- |
-)";
 
 }  // namespace
 
@@ -460,16 +439,6 @@ std::string file_name_of(const FaultRow& row) {
   std::replace_if(
       name.begin(), name.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
   return name;
-}
-
-std::string fault_page(SafetyConfig config) {
-  std::vector<Field> all = fields(config);
-  std::string page = fmt::format(kHead, config.leave_s, value_of(all, "abort_end"));
-  for (const FaultRow& row : fault_table()) {
-    page += fmt::format("| {}{} | {} | {} | {} | {} | {} |\n", row.name, row.over == Over::kNever ? " †" : "",
-                        row.noticed, limits_text(row, all), action_text(row, config), row.injected, row.test);
-  }
-  return page;
 }
 
 }  // namespace isobath

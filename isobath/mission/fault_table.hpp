@@ -2,7 +2,7 @@
 // published table of faults, each with a limit, an action and a test; ledger S6-39, S2-28, S1-43, S1-44).
 //
 // The one statement of it: the Safety Officer acts by these rows, docs/faults.md is fault_page(), and tests compare
-// both.
+// both. `isobath eval faults` brings each of them about and holds the whole crew to it (fault_proof.hpp).
 #pragma once
 
 #include <array>
@@ -62,6 +62,20 @@ struct After {
 /// When a row is over: once its cause is gone, `leave_s` later, or never by itself.
 enum class Over : std::uint8_t { kLater, kAtOnce, kNever };
 
+/// The latest that a whole crew may raise a row in a closed loop: so many seconds after one of these, or before the
+/// vehicle is this near.
+struct Deadline {
+  enum class From : std::uint8_t {
+    kInjection,  ///< the fault of the scene
+    kStart,      ///< the start of the mission
+    kOvertime,   ///< the longest time that the mission may take
+    kRefusal,    ///< the first route that is refused
+    kCrossing,   ///< of the fence, in truth; not at all where it is not crossed
+    kNearness,   ///< no time: metres from hull to body or bottom, in truth
+  } from = From::kInjection;
+  double value = 0;  ///< s, or m
+};
+
 struct FaultRow {
   Fault fault;
   const char* name;                 ///< as in SafetyAction::fault
@@ -74,7 +88,8 @@ struct FaultRow {
   const char* end = "";                              ///< how it ends, where not by abort_end; for people
   Over over = Over::kLater;
   const char* injected = "";  ///< fault of a scene: "sonar: off"; or what else brings it about
-  const char* test = "";      ///< name of the test on a stream of messages
+  Deadline deadline = {};
+  const char* test = "";  ///< name of the test on a stream of messages
 };
 
 /// In the order of Fault.

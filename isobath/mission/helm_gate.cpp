@@ -19,6 +19,10 @@ Setpoint slowed(Setpoint s, double limit) {
   return s;
 }
 
+bool same(const Setpoint& a, const Setpoint& b) {
+  return a.depth == b.depth && a.speed == b.speed && a.sway_speed == b.sway_speed;
+}
+
 }  // namespace
 
 const char* to_text(HelmState state) {
@@ -54,6 +58,10 @@ void HelmGate::take_action(SafetyAction action) {
 void HelmGate::hear(const Message& message, Time now) {
   if (const auto* command = std::get_if<OperatorCommand>(&message)) {
     if (command->kind == OperatorCommand::Kind::kStart && !first_) first_ = now;
+  }
+  if (const auto* order = std::get_if<MissionOrder>(&message)) {
+    const bool starts = order->kind == MissionOrder::Kind::kStart && order->plan;
+    if (starts) deepest_ = std::min(vehicle_.limits.max_depth, order->plan->limits.max_depth_m);
   }
   if (const auto* order = std::get_if<HelmOrder>(&message)) {
     if (!is_finite(order->setpoint)) {
@@ -108,9 +116,20 @@ Setpoint HelmGate::setpoint() const {
       if (state_ == HelmState::kSurface || vehicle_.min_speed > 0) s.depth = 0;
       if (state_ == HelmState::kSurface && !safety_lost_ && is_finite(action_.setpoint)) {
         s.heading = action_.setpoint.heading;
+        if (vehicle_.min_speed > 0) s.speed = std::max(s.speed, action_.setpoint.speed);
       }
       return s;
   }
+  return s;
+}
+
+/// Sway gives way where both together would be too fast.
+Setpoint HelmGate::allowed(Setpoint s) const {
+  const double most = vehicle_.limits.max_speed;
+  s.depth = std::clamp(s.depth, 0.0, deepest_);
+  s.speed = std::clamp(s.speed, -most, most);
+  const double side = std::sqrt(std::max(0.0, most * most - s.speed * s.speed));
+  s.sway_speed = std::clamp(s.sway_speed, -side, side);
   return s;
 }
 
@@ -123,7 +142,9 @@ Setpoint HelmGate::steer(Time now) {
     fault_ = std::move(verdict.fault);
   }
   if (!kept_) kept_ = own_;
-  last_ = setpoint();
+  const Setpoint wanted = setpoint();
+  last_ = allowed(wanted);
+  limited_ += same(wanted, last_) ? 0 : 1;
   return last_;
 }
 

@@ -11,6 +11,11 @@
 // is it slowed below that speed. An order or an action that is not finite counts as none, and as a stop. Heading and
 // depth are those that the vehicle had by its own navigation, or that it was last asked for where there is none.
 //
+// Whoever asks, nothing goes out that is deeper than the vehicle and the mission under way may be, above the surface,
+// or faster than the vehicle goes; what is cut is counted. How near the bottom may be is the Pilot's (DepthKeeper) and
+// the Safety Officer's; how fast a set-point is followed is the autopilot's: one that turned by and by would delay a
+// turn away from an obstacle.
+//
 // A function of what it hears and of time. One thread at a time.
 #pragma once
 
@@ -32,7 +37,8 @@ std::vector<Field> fields(HelmGateConfig& config);
 
 class HelmGate {
  public:
-  HelmGate(const HelmGateConfig& config, const VehicleSheet& vehicle) : config_(config), vehicle_(vehicle) {}
+  HelmGate(const HelmGateConfig& config, const VehicleSheet& vehicle)
+      : config_(config), vehicle_(vehicle), deepest_(vehicle.limits.max_depth) {}
 
   void hear(const Message& message, Time now);
   Setpoint steer(Time now);
@@ -41,6 +47,7 @@ class HelmGate {
   /// The change of the last steer, if there was one.
   [[nodiscard]] std::optional<Decision> take_change();
   [[nodiscard]] std::uint64_t refused() const { return refused_; }  ///< orders and actions that were not finite
+  [[nodiscard]] std::uint64_t limited() const { return limited_; }  ///< set-points that were cut to what is allowed
 
  private:
   struct Verdict {
@@ -50,6 +57,7 @@ class HelmGate {
   };
   [[nodiscard]] Verdict judge(Time now) const;
   [[nodiscard]] Setpoint setpoint() const;
+  [[nodiscard]] Setpoint allowed(Setpoint wanted) const;
   void take_action(SafetyAction action);
 
   HelmGateConfig config_;
@@ -65,7 +73,9 @@ class HelmGate {
   HelmState state_ = HelmState::kWaiting;
   std::string fault_;
   std::optional<Decision> change_;
+  double deepest_;  ///< for the vehicle, and the mission under way
   std::uint64_t refused_ = 0;
+  std::uint64_t limited_ = 0;
 };
 
 }  // namespace isobath

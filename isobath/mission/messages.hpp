@@ -53,21 +53,26 @@ struct ChartUpdate {
   std::shared_ptr<const std::vector<ChartObstacle>> objects;
 };
 
-/// What one ping says about the sonar itself, and its nearest echoes before any map has believed them.
+/// What one ping says about the sonar itself, as soon as it is heard.
 struct SonarLook {
   Time time;
-  std::string sonar;                      ///< "sonar", "sonar.2" ...
-  std::uint64_t digest = 0;               ///< of the samples: equal ones mean equal samples
-  double mean = 0;                        ///< of the samples, share of full scale
-  double full_scale = 0;                  ///< share of samples at full scale
-  double silent = 0;                      ///< share of samples at zero
-  double roughness = 0;                   ///< mean step between neighbouring range bins, share of full scale
-  std::optional<double> port;             ///< mean of the beams to that side; empty: none looks there
-  std::optional<double> starboard;        ///< likewise
-  Angle bearing;                          ///< of the middle of the fan, from forward
-  std::optional<Pose> X_WL;               ///< of the instant of the ping, where it is known; the frame of the echoes
-  bool decided = false;                   ///< whether echoes could be told from noise
-  double blind_m = 0;                     ///< nearer than this it hears nothing, where echoes were decided
+  std::string sonar;                ///< "sonar", "sonar.2" ...
+  std::uint64_t digest = 0;         ///< of the samples: equal ones mean equal samples
+  double mean = 0;                  ///< of the samples, share of full scale
+  double full_scale = 0;            ///< share of samples at full scale
+  double silent = 0;                ///< share of samples at zero
+  double roughness = 0;             ///< mean step between neighbouring range bins, share of full scale
+  std::optional<double> port;       ///< mean of the beams to that side; empty: none looks there
+  std::optional<double> starboard;  ///< likewise
+  Angle bearing;                    ///< of the middle of the fan, from forward
+};
+
+/// The nearest echoes of one ping before any map has believed them, once its place is known; of a ping in which echoes
+/// could not be told from noise, nothing is said.
+struct SonarEchoes {
+  Time time;
+  Pose X_WL;                              ///< of the instant of the ping; the frame of the echoes
+  double blind_m = 0;                     ///< nearer than this the sonar hears nothing
   std::vector<Eigen::Vector2d> echoes_L;  ///< x forward, y starboard, m; at most one a beam, the nearest
 };
 
@@ -246,9 +251,9 @@ struct Decision {
 };
 
 using Message =
-    std::variant<Navigation, RangeReading, Health, SonarLook, Sweep, ObstacleScan, ChartedHazards, OperatorCommand,
-                 MissionOrder, PointMoved, RouteRequest, RoutePlanned, RouteRefused, PointReport, MissionReport,
-                 FollowOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall,
-                 TaskBid, TaskAward, TaskPlan, Decision, ChartUpdate, LinkFrame>;
+    std::variant<Navigation, RangeReading, Health, SonarLook, SonarEchoes, Sweep, ObstacleScan, ChartedHazards,
+                 OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned, RouteRefused, PointReport,
+                 MissionReport, FollowOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost,
+                 StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision, ChartUpdate, LinkFrame>;
 
 }  // namespace isobath

@@ -26,6 +26,8 @@ std::vector<Field> mission_fields(MissionKeys& k) {
           Field::real("speed", &k.plan.speed, {0.01, kMostSpeed}, "m/s", "Where a point does not say another."),
           end_field("at_end", &k.plan.at_end, "What is done after the last point; return: to where it started."),
           end_field("if_dropped", &k.plan.if_dropped, "What is done when the last point had to be dropped."),
+          Field::flag("waits_for_operator", &k.plan.waits_for_operator,
+                      "Whether it starts when the operator says so; else as soon as it has looked around."),
           Field::real("latitude_deg", &k.latitude_deg, kLatitude, "deg",
                       "Of the origin of north and east; with longitude 0: nowhere."),
           Field::real("longitude_deg", &k.longitude_deg, kLongitude, "deg", "Of the origin.")};

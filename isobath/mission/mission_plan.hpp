@@ -78,6 +78,7 @@ struct MissionPlan {
   MissionLimits limits;
   MissionEnd at_end = MissionEnd::kHold;
   MissionEnd if_dropped = MissionEnd::kHold;  ///< what is done when the last point was dropped (S6-E21)
+  bool waits_for_operator = false;            ///< starts at his order; else as soon as it has looked around
   std::vector<InjectedMap> injected;
   std::optional<GeoOrigin> origin;
   ImportReport import;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/mission/navigator.hpp>
+#include <isobath/mission/planner_budget.hpp>
 #include <isobath/mission/way_keeping.hpp>
 #include <isobath/mission/words.hpp>
 #include <isobath/planning/turning.hpp>
@@ -69,6 +70,9 @@ void Navigator::hear(const Message& message, Time now, Outbox& out) {
   if (const auto* chart = std::get_if<ChartedHazards>(&message)) {
     chart_ = *chart;
     look(out);
+  }
+  if (const auto* health = std::get_if<Health>(&message)) {
+    budget_share_ = budget_share(*health).value_or(budget_share_);
   }
   if (const auto* order = std::get_if<MissionOrder>(&message)) {
     if (order->kind == MissionOrder::Kind::kStart) plan_ = order->plan;
@@ -260,7 +264,7 @@ void Navigator::avoid(const View& view, const Conflict& conflict, Outbox& out) {
   Decision d = about(view, view.way, conflict);
   d.what = "replan";
   auto aside = mended(view.map, view.way, clearance());
-  if (aside && !corners_fit(*aside, vehicle_.limits.turning_radius)) aside.reset();
+  if (aside && !corners_fit(*aside, turning_radius())) aside.reset();
   const double aside_m = aside ? length_of(*aside) : 0;
   if (aside && aside_m <= length_of(view.way) + config_.switch_m) return take_way(view, *aside, std::move(d), out);
   const auto found = search(view);
@@ -299,12 +303,12 @@ void Navigator::start(const View& view, Outbox& out) {
 
 Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   RouteConfig config = route_;
-  if (mode_ == Mode::kEmergency) config.most_expanded *= config_.emergency_factor;
+  config.most_expanded = most_expanded();
   RouteTask task;
   task.start = view.way.front();
   task.goal = view.goal;
   task.half_width_m = vehicle_.half_width_m;
-  task.turning_radius_m = vehicle_.limits.turning_radius;
+  task.turning_radius_m = turning_radius();
   if (task.turning_radius_m > 0) task.heading = view.heading.radians();
   auto found = plan_route(view.map, task, config);
   // Near what it must get away from, a vehicle that needs room to turn takes what room there is.
@@ -318,9 +322,26 @@ Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   return found;
 }
 
+/// At the speed that the point is gone to with.
+double Navigator::turning_radius() const {
+  const double least = vehicle_.limits.turning_radius;
+  const double rate = vehicle_.limits.max_yaw_rate.radians();
+  return least > 0 && rate > 0 ? std::max(least, wanted_speed() / rate) : least;
+}
+
+double Navigator::wanted_speed() const {
+  return request_->target.speed > 0 ? request_->target.speed : (plan_ ? plan_->speed : 1);
+}
+
+int Navigator::most_expanded() const {
+  const int factor = mode_ == Mode::kEmergency ? config_.emergency_factor : 1;
+  const double all = budget_share_ * route_.most_expanded * factor;
+  return static_cast<int>(std::clamp<double>(all, 1, std::numeric_limits<int>::max()));
+}
+
 /// Slower where there is little room: more looks a metre, before what stands behind comes into sight.
 double Navigator::speed_on(const View& view, const Way& way) const {
-  const double speed = request_->target.speed > 0 ? request_->target.speed : (plan_ ? plan_->speed : 1);
+  const double speed = wanted_speed();
   double room = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < way.size(); ++i) room = std::min(room, view.map.leg_distance(way[i - 1], way[i]));
   const bool tight = room < clearance() + config_.tight_m;

@@ -1,8 +1,9 @@
 // Navigator: the way to the mission point, kept clear of what is seen (Ganesan 2015, 5.1, 5.2; ledger S6-36, S6-39,
 // S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to S2-31).
 //
-// Hears RouteRequest, ObstacleScan, ChartedHazards, Navigation, WaypointPassed, MissionOrder (fence, speed) and
-// SafetyAction; says RoutePlanned, RouteRefused, Decision.
+// Hears RouteRequest, ObstacleScan, ChartedHazards, Navigation, WaypointPassed, MissionOrder (fence, speed),
+// SafetyAction and Health (of the planner: how much of its budget an overloaded computer leaves it); says RoutePlanned,
+// RouteRefused, Decision.
 //
 // Each scan is one cycle: what is left of the way, from the vehicle on, is turned into the frame L of the scan,
 // checked there, and if anything changes, turned back with the same pose; an error of the position that is the same for
@@ -44,7 +45,7 @@ struct NavigatorConfig {
   double jump_m = 2;
   double map_age_s = 20;
   double tight_m = 0.5;
-  double tight_speed = 0.6;
+  double tight_speed = 0.8;
   int emergency_factor = 4;
 };
 
@@ -93,8 +94,11 @@ class Navigator : public Agent {
   void shorten(const View& view, Outbox& out);
   void start(const View& view, Outbox& out);
   [[nodiscard]] Result<RoutePath, RouteRefusal> search(const View& view) const;
+  [[nodiscard]] int most_expanded() const;
   [[nodiscard]] Refusal refusal_of(RouteRefusal refusal, const View& view) const;
 
+  [[nodiscard]] double turning_radius() const;
+  [[nodiscard]] double wanted_speed() const;
   [[nodiscard]] double speed_on(const View& view, const Way& way) const;
   void take_way(const View& view, const Way& way, Decision decision, Outbox& out);
   void refuse(const Refusal& refusal, Outbox& out);
@@ -124,6 +128,7 @@ class Navigator : public Agent {
   int goal_blocked_ = 0;  ///< scans in a row
   int shorter_ = 0;       ///< scans in a row that had a shorter way
   Mode mode_ = Mode::kNormal;
+  double budget_share_ = 1;  ///< that the computer leaves it
   SafetyActionKind action_ = SafetyActionKind::kNone;
   bool look_at_tick_ = false;
   bool new_scan_ = false;  ///< the cycle under way is that of a new scan

@@ -22,9 +22,11 @@ Navigator::Refusal Navigator::refusal_of(RouteRefusal refusal, const View& view)
       return {RouteRefused::Reason::kGoalBlocked, fmt::format("the point is within {:.1f} m of what is in the way",
                                                               std::max(0.0, view.map.distance(view.goal)))};
     case RouteRefusal::kOutOfBudget:
-      return {RouteRefused::Reason::kOutOfBudget,
-              fmt::format("no way within {} expansions{}", route_.most_expanded,
-                          mode_ == Mode::kEmergency ? fmt::format(" times {}", config_.emergency_factor) : "")};
+      return {
+          RouteRefused::Reason::kOutOfBudget,
+          fmt::format("no way within {} expansions{}{}", route_.most_expanded,
+                      mode_ == Mode::kEmergency ? fmt::format(" times {}", config_.emergency_factor) : "",
+                      budget_share_ < 1 ? fmt::format(", of which its computer leaves it {:g}", budget_share_) : "")};
     case RouteRefusal::kCannotTurn:
       return {RouteRefused::Reason::kNoPath, "there is no way that the vehicle can turn; nearest to it: " + obstacle};
     case RouteRefusal::kNotFinite:

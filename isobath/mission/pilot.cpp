@@ -55,6 +55,7 @@ void Pilot::take(const FollowOrder& order) {
   told_ = 0;
   if (order.waypoints.empty() || order.surface) return hold_where_it_stops();
   task_ = Task::kFollow;
+  went_ = order.waypoints.back().speed;
   if (line_of_sight_) {
     line_of_sight_->follow(order.waypoints);
   } else {
@@ -85,7 +86,12 @@ void Pilot::hold_where_it_stops() {
     place += v * (v.norm() / (2 * vehicle_.braking));
   }
   const double depth = order_.surface ? 0 : here_->X_WB.translation.z();
-  station_.hold({place.x(), place.y(), depth, std::max(config_.hold_speed, vehicle_.min_speed)});
+  station_.hold({place.x(), place.y(), depth, hold_speed()});
+}
+
+/// A vehicle that cannot hover circles as fast as it went: fins steer by the water that passes them.
+double Pilot::hold_speed() const {
+  return vehicle_.min_speed > 0 ? std::max({config_.hold_speed, vehicle_.min_speed, went_}) : config_.hold_speed;
 }
 
 Setpoint Pilot::follow(double dt, Outbox& out) {
@@ -107,7 +113,7 @@ void Pilot::report(Outbox& out) {
   if (!reached && !line_of_sight_->finished()) return;
   out.say(WaypointPassed{order_.version, last, reached, true});
   Waypoint place = all.back();
-  place.speed = std::max(config_.hold_speed, vehicle_.min_speed);
+  place.speed = hold_speed();
   station_.hold(place);
   task_ = Task::kHold;
 }

@@ -44,6 +44,7 @@ class Pilot final : public Agent {
   Setpoint follow(double dt, Outbox& out);
   void report(Outbox& out);
   [[nodiscard]] double distance_to(const Waypoint& place) const;
+  [[nodiscard]] double hold_speed() const;
   [[nodiscard]] Setpoint at_rest();
   [[nodiscard]] Setpoint at_its_depth(Setpoint wanted, Time now);
 
@@ -57,6 +58,7 @@ class Pilot final : public Agent {
 
   Task task_ = Task::kNone;
   FollowOrder order_;
+  double went_ = 0;       ///< speed of the last way, m/s
   std::size_t told_ = 0;  ///< way-points that were reported as passed
   std::optional<Navigation> here_;
   std::optional<Time> last_tick_;

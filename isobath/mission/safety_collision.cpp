@@ -8,13 +8,11 @@
 namespace isobath {
 namespace {
 
-constexpr double kCycle = 0.1;      // s: until the next look
 constexpr double kFreshFix = 3;     // s
 constexpr double kDrifting = 0.05;  // m/s: slower, the direction of travel is noise
 constexpr double kTurning = 0.2;    // m/s: slower, the turn of the moment says nothing about the way
 constexpr double kStanding = 0.1;   // m/s
 constexpr Angle kTurned = Angle::degrees(15);
-constexpr double kLeastRadius = 0.5;     // m
 constexpr double kLeastBraking = 0.001;  // m/s2
 
 std::vector<Eigen::Vector2d> along(std::span<const Eigen::Vector2d> points, double drift) {
@@ -60,27 +58,23 @@ void SafetyOfficer::check_collision() {
     t.drift = 0;
     speed = std::max(speed, order_ ? order_->speed : 0);
   }
-  const auto points = along(echoes_.confirmed(X_WL, blind_m_, config_, clock_s_), t.drift);
-  const bool can_stop = !(vehicle_.min_speed > 0);
-  // Whoever cannot stop has to turn: a quarter of a circle takes it a turning radius ahead.
-  const double needed = can_stop ? stop_way(speed, config_.reaction_s)
-                                 : speed * config_.reaction_s + std::max(vehicle_.limits.turning_radius, kLeastRadius);
-  const double reach = needed + config_.collision_margin_m;
+  const auto echoes = echoes_.confirmed(X_WL, blind_m_, config_, clock_s_);
+  if (vehicle_.min_speed > 0) return check_escape(X_WL, echoes);
+  const auto points = along(echoes, t.drift);
+  const double reach = stop_way(speed, config_.reaction_s) + config_.collision_margin_m;
   const double way = free_way(points, t.curvature, t.half_width_m, vehicle_.hull_radius_m, reach);
   if (!std::isfinite(way) && !imminent_.raised()) return;
-  const double least = stop_way(t.speed, kCycle);
+  const double least = stop_way(t.speed, to_seconds(kTick));
   const std::string where = std::isfinite(way) ? fmt::format("an echo {:.1f} m ahead", way) : "short ranges ahead";
-  if (!stopped_ && (!can_stop || way < least)) {
+  if (!stopped_ && way < least) {
     const Angle heading = fix_->navigation.X_WB.rotation.heading();
     const bool turned = turn_ && abs((*turn_ - heading).wrapped()) < kTurned;  // and something stands there, too
     if (!raised(Fault::kCollisionUnavoidable) || turned) choose_turn(points, t);
     const char* side = hemmed_in_                                   ? "neither side is free"
                        : (*turn_ - heading).wrapped().radians() > 0 ? "starboard is freer"
                                                                     : "port is freer";
-    find(Fault::kCollisionUnavoidable, fmt::format("{} at {:.1f} m/s, {}; {}", where, t.speed,
-                                                   can_stop ? fmt::format("{:.1f} m needed to stop", least)
-                                                            : std::string("and a vehicle that cannot stop"),
-                                                   side));
+    find(Fault::kCollisionUnavoidable,
+         fmt::format("{} at {:.1f} m/s, {:.1f} m needed to stop; {}", where, t.speed, least, side));
     row(Fault::kCollisionUnavoidable).margin_m = std::isfinite(way) ? std::optional(way - least) : std::nullopt;
     return;
   }

@@ -63,6 +63,9 @@ std::vector<Field> collision_fields(SafetyConfig& c) {
       Field::real("reaction_s", &c.reaction_s, {0, 10}, "s", "From the decision to stop until the vehicle brakes."),
       Field::real("collision_margin_m", &c.collision_margin_m, {0, 100}, "m", "Water to be left before an obstacle."),
       Field::real("side_margin_m", &c.side_margin_m, {0, 100}, "m", "Water to be left beside the hull."),
+      Field::real("escape_s", &c.escape_s, {1, 120}, "s", "A vehicle that cannot stop keeps a way out free so long."),
+      Field::real("unknown_current", &c.unknown_current, {0, 10}, "m/s",
+                  "From astern, that a vehicle that steers by fins may not know of."),
       wait("collision_abort_s", &c.collision_abort_s, "An obstacle in the way ends the mission after so long."),
   };
 }

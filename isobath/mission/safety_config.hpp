@@ -54,6 +54,8 @@ struct SafetyConfig {
   double reaction_s = 0.6;
   double collision_margin_m = 1;
   double side_margin_m = 0.5;
+  double escape_s = 15;
+  double unknown_current = 0.5;
   double collision_abort_s = 60;
 
   double depth_slack_m = 0.5;
@@ -66,6 +68,9 @@ struct SafetyConfig {
   double link_abort_s = 60;
   LinkPolicy link_policy = LinkPolicy::kContinue;
 };
+
+/// One that turns on the spot is taken to turn in no less, m.
+inline constexpr double kLeastRadius = 0.5;
 
 std::vector<Field> fields(SafetyConfig& config);
 

@@ -8,7 +8,6 @@
 namespace isobath {
 namespace {
 
-constexpr double kCycle = 0.1;          // s
 constexpr double kFarthest = 1e8;       // m
 constexpr double kNextFix = 5;          // s: fixes farther apart say nothing about each other
 constexpr double kDown = 0.7071;        // a sensor that looks more than 45 degrees down hears the bottom
@@ -16,6 +15,9 @@ constexpr double kFreshSpeed = 3;       // s
 constexpr double kSmooth = 0.3;         // share of the newest turn
 constexpr std::size_t kMostNames = 64;  // of sonars and of sources of health; further ones are not kept
 constexpr double kBeside = 0.5;         // s: speakers heard so lately are compared
+constexpr double kDriftTime = 4;        // s
+constexpr double kApart = 1;            // m, of the points that stand for an outline
+constexpr double kMapped = 40;          // m: obstacles farther off say nothing about ways out
 constexpr double kBeyondReach = 20;     // m: echoes are kept from farther off than it takes to stop
 
 bool usable(const Navigation& fix) {
@@ -48,6 +50,19 @@ bool leads(const std::string& agent) {
   return false;
 }
 
+/// Along an outline, not farther apart than that.
+std::vector<Eigen::Vector2d> points_round(const Polygon& outline, double apart_m) {
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d& from = outline[i];
+    const Eigen::Vector2d side = outline[(i + 1) % outline.size()] - from;
+    if (!from.allFinite() || !(side.norm() < kFarthest)) continue;
+    const int pieces = 1 + static_cast<int>(std::min(side.norm() / apart_m, 1000.0));
+    for (int k = 0; k < pieces; ++k) points.emplace_back(from + side * k / pieces);
+  }
+  return points;
+}
+
 }  // namespace
 
 void SafetyOfficer::set_clock(Time now) {
@@ -59,7 +74,7 @@ void SafetyOfficer::set_clock(Time now) {
   if (!(gap > 0)) return;
   if (gap > config_.clock_jump_s) {
     jumped_ = fmt::format("the logical clock went on by {:.1f} s at once", gap);
-    clock_s_ += kCycle;
+    clock_s_ += to_seconds(kTick);
   } else {
     clock_s_ += gap;
   }
@@ -88,6 +103,7 @@ void SafetyOfficer::hear(const Message& message, Time now, Outbox&) {
   set_clock(now);
   if (const auto* fix = std::get_if<Navigation>(&message)) hear_fix(*fix, now);
   if (const auto* look = std::get_if<SonarLook>(&message)) hear_look(*look, now);
+  if (const auto* echoes = std::get_if<SonarEchoes>(&message)) hear_echoes(*echoes, now);
   if (const auto* reading = std::get_if<RangeReading>(&message)) hear_range(*reading, now);
   if (const auto* health = std::get_if<Health>(&message)) hear_health(*health, now);
   if (const auto* command = std::get_if<OperatorCommand>(&message)) hear_command(*command);
@@ -136,10 +152,14 @@ void SafetyOfficer::hear_fix(const Navigation& fix, Time now) {
     if (jumped) {
       jump_ = fmt::format("a fix {:.1f} m from where it should be, with {:.1f} m to be expected", off.norm(), allowed);
       echoes_.shift(off);
+      for (Eigen::Vector2d& p : mapped_W_) p += off;
     }
     if (!fix.v_WB) next.v_W = jumped ? fix_->v_W : Eigen::Vector2d((to - from) / dt);
     const Angle turned = (fix.X_WB.rotation.heading() - fix_->navigation.X_WB.rotation.heading()).wrapped();
     next.yaw_rate = fix_->yaw_rate + kSmooth * (turned.radians() / dt - fix_->yaw_rate);
+  }
+  if (dt > 0 && next.navigation.v_WB) {
+    drift_.update(fix.X_WB.rotation.heading(), *fix.v_WB, kDriftTime, dt);
   }
   fix_ = next;
 }
@@ -149,11 +169,13 @@ void SafetyOfficer::hear_look(const SonarLook& look, Time now) {
   const auto known = sonars_.find(look.sonar);
   if (known == sonars_.end() && sonars_.size() >= kMostNames) return;
   sonars_[look.sonar].hear(look, config_, clock_s_);
-  if (look.decided && std::isfinite(look.blind_m)) blind_m_ = look.blind_m;
-  if (look.echoes_L.empty()) return;
-  const Pose here = fix_ ? level(fix_->navigation.X_WB) : Pose{};
+}
+
+void SafetyOfficer::hear_echoes(const SonarEchoes& echoes, Time now) {
+  if (!in_time(kSonar, echoes.time, now)) return;
+  if (std::isfinite(echoes.blind_m)) blind_m_ = echoes.blind_m;
   const double reach = stop_way(vehicle_.limits.max_speed, config_.reaction_s) + kBeyondReach;
-  echoes_.add(look.echoes_L, look.X_WL.value_or(here), reach, config_, clock_s_);
+  echoes_.add(echoes.echoes_L, echoes.X_WL, reach, config_, clock_s_);
 }
 
 void SafetyOfficer::hear_range(const RangeReading& reading, Time now) {
@@ -210,6 +232,16 @@ void SafetyOfficer::hear_command(const OperatorCommand& command) {
 }
 
 void SafetyOfficer::hear_scan(const ObstacleScan& scan) {
+  mapped_W_.clear();
+  if (scan.posed && vehicle_.min_speed > 0) {  // ways out are those of a vehicle that cannot stop
+    for (const Hazard& hazard : scan.hazards) {
+      if (hazard.kind == HazardKind::kFence) continue;
+      for (const Eigen::Vector2d& p_L : points_round(hazard.outline, kApart)) {
+        if (!(p_L.norm() < kMapped)) continue;
+        mapped_W_.emplace_back((scan.X_WL * Eigen::Vector3d(p_L.x(), p_L.y(), 0)).head<2>());
+      }
+    }
+  }
   if (ever_planned_) return;
   inside_.clear();
   for (const Hazard& hazard : scan.hazards) {

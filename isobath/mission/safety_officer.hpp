@@ -11,9 +11,12 @@
 // Collisions: from the ground speed v and the turn of the moment the hull's way is predicted over v t + v^2 / 2b and a
 // margin; raw echoes that two pings agree on, and raw ranges, must not lie in it (near_echoes.hpp,
 // imminent_collision.hpp). It stops while it can; else it turns to the freer side; else it surfaces, and says that the
-// collision could not be avoided. Once it has stopped, it turns on the spot to where it was ordered to go, and the stop
-// is over when the way lies free there for the ordered speed. Echoes are taken as at the height of the sonar: over a
-// bottom nearer than the beam's reach it is stopped by the bottom.
+// collision could not be avoided. A vehicle that cannot stop must always have a way out: a turn, and then straight on,
+// that meets nothing of what is known, for `escape_s`; before an order leads where there is none, the officer takes the
+// last (safety_escape.cpp). Once it has stopped, it turns on the spot to where it was ordered to go, and the stop
+// is over when the way lies free there for the ordered speed. Echoes are taken as at the height of the sonar.
+// Those that bottom or surface explain do not come here where depth and altitude are known (sonar/boundary_echoes.hpp);
+// where the altitude is not, a bottom within the beam's reach stops it.
 //
 // Times in messages are held against the logical clock and never used as one: a clock that jumps trips no watchdog but
 // its own. All numbers are untrusted; what is not finite is as good as not said. One thread at a time.
@@ -27,7 +30,9 @@
 #include <isobath/mission/safety_config.hpp>
 #include <isobath/mission/sonar_watch.hpp>
 #include <isobath/perception/imminent_collision.hpp>
+#include <isobath/planning/escape.hpp>
 #include <isobath/sonar/sensor_table.hpp>
+#include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/vehicle_sheet.hpp>
 #include <map>
 #include <optional>
@@ -99,6 +104,7 @@ class SafetyOfficer final : public Agent {
   bool in_time(Speaker speaker, Time said, Time now);
   void hear_fix(const Navigation& fix, Time now);
   void hear_look(const SonarLook& look, Time now);
+  void hear_echoes(const SonarEchoes& echoes, Time now);
   void hear_range(const RangeReading& reading, Time now);
   void hear_altitude(const RangeReading& reading, double down);
   void hear_health(const Health& health, Time now);
@@ -133,6 +139,13 @@ class SafetyOfficer final : public Agent {
   void check_collision();
   void choose_turn(std::span<const Eigen::Vector2d> points, const Travel& travel);
 
+  // Ways out, of a vehicle that cannot stop (safety_escape.cpp)
+  [[nodiscard]] std::vector<Eigen::Vector2d> known_points(const Pose& X_WL,
+                                                          std::span<const Eigen::Vector2d> echoes_L) const;
+  [[nodiscard]] EscapeTask escape_task() const;
+  [[nodiscard]] double ordered_turn() const;
+  void check_escape(const Pose& X_WL, std::span<const Eigen::Vector2d> echoes_L);
+
   // Acting (safety_officer.cpp)
   void settle(const FaultRow& about, Time now, Outbox& out);
   void report(const FaultRow& about, bool active, bool abort, Time now, Outbox& out);
@@ -160,7 +173,8 @@ class SafetyOfficer final : public Agent {
   std::map<std::string, SonarWatch> sonars_;
   std::map<std::string, HealthState> states_;
   NearEchoes echoes_;
-  double blind_m_ = 0;  ///< nearer than this the sonar hears nothing
+  std::vector<Eigen::Vector2d> mapped_W_;  ///< what the last scan's obstacles are made of
+  double blind_m_ = 0;                     ///< nearer than this the sonar hears nothing
   SensorTable rangers_;
   ImminentCollision imminent_;
   std::optional<Fix> fix_;
@@ -183,6 +197,9 @@ class SafetyOfficer final : public Agent {
   bool stopped_ = false;       ///< since a collision lay ahead
   std::optional<Angle> turn_;  ///< away from a collision: where it gets farther
   bool hemmed_in_ = false;     ///< neither side was free when the turn was chosen
+  Drift drift_;                ///< of the vehicle, as far as it was crossed
+  Escape way_out_;             ///< what is left of the one that a vehicle that cannot stop takes
+  Angle way_out_from_;         ///< heading when that was so
 };
 
 }  // namespace isobath

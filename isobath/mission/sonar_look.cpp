@@ -19,19 +19,17 @@ SonarLook look_of(const Ping& ping, std::string sonar) {
   return look;
 }
 
-void add_echoes(SonarLook& look, const Ping& ping, const EchoDecisions& decisions, bool decided, const Pose& X_WB,
-                double contrast) {
-  const Pose X_WL = level(X_WB);
-  look.X_WL = X_WL;
-  look.decided = decided;
-  look.echoes_L.clear();
-  look.blind_m = ping.blind_m;
-  if (decided) {
-    int first = 0;
-    while (first < decisions.bins() && !decisions.usable(first)) ++first;
-    look.blind_m = ping.window.edge(first);
-    nearest_echoes(ping, decisions, X_WL.rotation.inverse() * X_WB.rotation, contrast, look.echoes_L);
-  }
+std::optional<SonarEchoes> echoes_of(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB,
+                                     double contrast) {
+  int first = 0;
+  while (first < decisions.bins() && !decisions.usable(first)) ++first;
+  if (first == decisions.bins()) return std::nullopt;
+  SonarEchoes echoes;
+  echoes.time = ping.time;
+  echoes.X_WL = level(X_WB);
+  echoes.blind_m = ping.window.edge(first);
+  nearest_echoes(ping, decisions, echoes.X_WL.rotation.inverse() * X_WB.rotation, contrast, echoes.echoes_L);
+  return echoes;
 }
 
 }  // namespace isobath

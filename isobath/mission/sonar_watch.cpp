@@ -43,7 +43,6 @@ void SonarWatch::hear(const SonarLook& look, const SafetyConfig& config, double 
     deaf_since_s_.reset();
   }
   look_ = look;
-  look_.echoes_L.clear();
   last_s_ = now_s;
   spoken_ = true;
 }

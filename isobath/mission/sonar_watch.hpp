@@ -44,7 +44,7 @@ class SonarWatch {
   };
   static void look_to(Side& side, const std::optional<double>& level, const Side& other, const SafetyConfig& config);
 
-  SonarLook look_;  ///< the last one, without its echoes
+  SonarLook look_;  ///< the last one
   bool spoken_ = false;
   double last_s_ = 0;
   int same_ = 0, fresh_ = 0;

@@ -14,6 +14,10 @@ std::vector<Section> sections(MissionConfig& c) {
       {"depth_keeping", "How depth and altitude are kept.", fields(c.depth_keeping)},
       {"fls_detector", "What the Navigator is told of obstacles.", fields(c.fls_detector)},
       {"memory", "How long obstacles are remembered, and how well.", fields(c.memory)},
+      {"chart_room", "What of the chart is in the way.", fields(c.chart_room)},
+      {"signaling", "The vehicle's end of the link to the operator.", fields(c.signaling)},
+      {"survey", "The back-seat driver that surveys in lanes.", fields(c.survey)},
+      {"circle", "The back-seat driver that goes round a place.", fields(c.circle)},
   };
 }
 
@@ -28,6 +32,11 @@ std::vector<Seat> standard_crew(const MissionConfig& c, const VehicleSheet& vehi
   seat("executive officer", AgentLevel::kMission, std::make_unique<ExecutiveOfficer>(c.executive));
   seat("pilot", AgentLevel::kVehicle,
        std::make_unique<Pilot>(c.pilot, c.guidance, c.station, c.depth_keeping, vehicle));
+  seat("chart room", AgentLevel::kMission, std::make_unique<ChartRoom>(c.chart_room));
+  seat("signaling officer", AgentLevel::kSupervisory, std::make_unique<SignalingOfficer>(c.signaling));
+  const double turning_radius_m = vehicle.limits.turning_radius;
+  seat("survey", AgentLevel::kMission, std::make_unique<SurveyDriver>(c.survey, turning_radius_m));
+  seat("circle", AgentLevel::kMission, std::make_unique<CircleDriver>(c.circle, turning_radius_m));
   return seats;
 }
 

@@ -1,12 +1,15 @@
 // The standard crew: the seats that every vehicle has, and all that can be set of them (Ganesan 2015, 5.1; ledger
-// S6-32). Others (Safety Officer, Signaling Officer, back-seat drivers, those of libraries) are added to the list.
+// S6-32, S6-40, S6-41). Others (the Safety Officer, those of libraries) are added to the list.
 #pragma once
 
+#include <isobath/mission/back_seat.hpp>
 #include <isobath/mission/captain.hpp>
+#include <isobath/mission/chart_room.hpp>
 #include <isobath/mission/executive_officer.hpp>
 #include <isobath/mission/fls_detector.hpp>
 #include <isobath/mission/navigator.hpp>
 #include <isobath/mission/pilot.hpp>
+#include <isobath/mission/signaling_officer.hpp>
 
 namespace isobath {
 
@@ -21,12 +24,17 @@ struct MissionConfig {
   DepthKeeperConfig depth_keeping;
   FlsDetectorConfig fls_detector;
   ObstacleMemoryConfig memory = {.least_seen = 0.95, .confirmations = 3};  ///< what is kept must be sure
+  ChartRoomConfig chart_room;
+  SignalingConfig signaling;
+  SurveyConfig survey;
+  CircleConfig circle;
 };
 
 /// Bound to `config`.
 std::vector<Section> sections(MissionConfig& config);
 
-/// In the order in which they hear: fls detector, navigator, captain, executive officer, pilot.
+/// In the order in which they hear: fls detector, navigator, captain, executive officer, pilot, chart room, signaling
+/// officer; then the back-seat drivers, survey and circle.
 std::vector<Seat> standard_crew(const MissionConfig& config, const VehicleSheet& vehicle);
 
 }  // namespace isobath

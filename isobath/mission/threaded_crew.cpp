@@ -21,6 +21,8 @@ struct ThreadedCrew::Post {
   bool tick_waits = false;
   bool full = false;  ///< told, until the mailbox has been empty
   bool lost = false;
+  bool hanging = false;
+  bool dying = false;
   bool ended = false;  ///< its thread is about to return
   int said = 0;        ///< since the last tick
   std::optional<Time> turn_since;
@@ -131,6 +133,7 @@ void ThreadedCrew::State::tick(Time at) {
 
 void ThreadedCrew::State::steer(Time at) {
   setpoint = gate.steer(at);
+  counts.limited = gate.limited();
   if (auto change = gate.take_change()) say(kHelmGate, std::move(*change));
 }
 
@@ -158,9 +161,15 @@ void ThreadedCrew::State::run(const std::shared_ptr<State>& state, const std::sh
     if (!item.envelope) post->tick_waits = false;
     if (post->mailbox.empty()) post->full = false;
     post->turn_since = state->now();
+    if (post->hanging) {
+      post->work.wait(lock, [&] { return post->lost || state->stopping; });
+      break;
+    }
+    const bool dies = post->dying;
     lock.unlock();
-    Turn turn = item.envelope ? hear_in_turn(*post->agent, item.envelope->message, item.time)
-                              : tick_in_turn(*post->agent, item.time);
+    Turn turn = dies            ? Turn{{}, "killed"}
+                : item.envelope ? hear_in_turn(*post->agent, item.envelope->message, item.time)
+                                : tick_in_turn(*post->agent, item.time);
     lock.lock();
     post->turn_since.reset();
     if (!post->lost && !state->stopping) state->end_turn(*post, std::move(turn));
@@ -239,9 +248,33 @@ Setpoint ThreadedCrew::helm() {
 void ThreadedCrew::settle() {
   std::unique_lock lock(state_->mutex);
   state_->rested.wait(lock, [&] {
-    return std::all_of(state_->posts.begin(), state_->posts.end(),
-                       [](const auto& post) { return post->lost || (post->mailbox.empty() && !post->turn_since); });
+    return std::all_of(state_->posts.begin(), state_->posts.end(), [](const auto& post) {
+      return post->lost || post->hanging || (post->mailbox.empty() && !post->turn_since);
+    });
   });
+}
+
+void ThreadedCrew::hang(std::string_view name) {
+  const std::lock_guard lock(state_->mutex);
+  post(name).hanging = true;
+  state_->rested.notify_all();
+}
+
+void ThreadedCrew::kill(std::string_view name) {
+  const std::lock_guard lock(state_->mutex);
+  post(name).dying = true;
+}
+
+ThreadedCrew::Post& ThreadedCrew::post(std::string_view name) const {
+  const auto found =
+      std::find_if(state_->posts.begin(), state_->posts.end(), [&](const auto& p) { return p->name == name; });
+  ISOBATH_ASSERT(found != state_->posts.end());
+  return **found;
+}
+
+bool ThreadedCrew::has(std::string_view name) const {
+  const std::lock_guard lock(state_->mutex);
+  return std::any_of(state_->posts.begin(), state_->posts.end(), [&](const auto& post) { return post->name == name; });
 }
 
 bool ThreadedCrew::lost(std::string_view name) const {

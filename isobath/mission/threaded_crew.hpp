@@ -35,10 +35,16 @@ class ThreadedCrew {
   void advance();
   /// Advances; what the vehicle shall do from now on.
   Setpoint helm();
-  /// Waits until no mailbox holds anything and no turn is under way, but for agents that are lost. An agent that hangs
-  /// keeps it waiting until another thread's advance has given it up.
+  /// Waits until no mailbox holds anything and no turn is under way, but for agents that are lost, or hang by `hang`.
+  /// One that hangs of itself keeps it waiting until another thread's advance has given it up.
   void settle();
 
+  /// Faults for tests, as those of Crew: its next turn does not end before it is given up; or it dies in it. The name
+  /// must be that of a seat.
+  void hang(std::string_view name);
+  void kill(std::string_view name);
+
+  [[nodiscard]] bool has(std::string_view name) const;  ///< whether there is such a seat
   [[nodiscard]] bool lost(std::string_view name) const;
   [[nodiscard]] CrewCounts counts() const;
   [[nodiscard]] std::map<std::string, Bus::Counts> said() const;
@@ -46,6 +52,7 @@ class ThreadedCrew {
  private:
   struct Post;
   struct State;
+  [[nodiscard]] Post& post(std::string_view name) const;
   void stop();
 
   std::shared_ptr<State> state_;

@@ -50,6 +50,11 @@ struct GridMapper::Placed {
   const CartesianGrid& grid_;
 };
 
+double GridMapper::gain_of(float p_detect) const {
+  const double p = std::min<double>(p_detect, 1.0);
+  return p > false_alarm_ ? Likelihood{p, false_alarm_}.gain() : 0;
+}
+
 std::vector<Field> fields(GridMapperConfig& c) {
   using U = GridMapperConfig::Update;
   return {
@@ -93,7 +98,7 @@ void GridMapper::update(const Ping& ping, const EchoDecisions& decisions, const 
     const Angle a = ping.fan->azimuth[b];
     const Vector3d u_L = R_LS * Vector3d(cos(a), sin(a), 0);
     const Angle azimuth = Angle::radians(std::atan2(u_L.y(), u_L.x())) + grid_.heading();
-    update_beam(table_.row(b, azimuth, sensor), decisions.hits(b));
+    update_beam(table_.row(b, azimuth, sensor), decisions, b);
   }
 }
 
@@ -108,8 +113,7 @@ void GridMapper::take_sensor(const Ping& ping, const EchoDecisions& decisions) {
     usable_.assign(decisions.usable(), decisions.usable() + decisions.words());
     gain_.assign(static_cast<std::size_t>(bins_), 0.0);
     for (int k = 0; k < bins_; ++k) {
-      const double p = std::min<double>(p_detect_[k], 1.0);
-      if (decisions.usable(k) && p > false_alarm_) gain_[k] = Likelihood{p, false_alarm_}.gain();
+      if (decisions.usable(k)) gain_[k] = gain_of(p_detect_[k]);
     }
   }
   start_m_ = ping.window.start_m;
@@ -117,23 +121,25 @@ void GridMapper::take_sensor(const Ping& ping, const EchoDecisions& decisions) {
   table_.prepare(*ping.fan, ping.window, gain_);
 }
 
-void GridMapper::update_beam(const OverlapTable::Row& row, const std::uint64_t* hits) {
+void GridMapper::update_beam(const OverlapTable::Row& row, const EchoDecisions& decisions, int beam) {
   const Placed placed(row, grid_.cells());
   if (config_.update == GridMapperConfig::Update::kAnyTarget) {
-    gather(row, placed, hits, false);
+    gather(row, placed, decisions, beam, true);
     apply_looks(row, false);
-    gather(row, placed, hits, true);
   } else {
-    gather(row, placed, hits, true);
+    gather(row, placed, decisions, beam, false);
     lift_looks();
     apply_clears(row, placed);
+    apply_dim_clears();
   }
   apply_looks(row, true);
 }
 
-// Collects the cells of all bins with, or without, an echo before anything is computed from them. Rows lie scattered in
+// Collects the cells of all bins that do not go with the pool (those with an echo, dim ones, and clear ones too where
+// each counts by itself) before anything is computed from them. Rows lie scattered in
 // a table larger than the caches, and how many cells a bin has cannot be predicted: first all is asked for, then read.
-void GridMapper::gather(const OverlapTable::Row& row, const Placed& placed, const std::uint64_t* hits, bool hit) {
+void GridMapper::gather(const OverlapTable::Row& row, const Placed& placed, const EchoDecisions& decisions, int beam,
+                        bool clears) {
   if (touches_.size() < row.entries.size()) {
     touches_.resize(2 * row.entries.size());
     looks_.reserve(static_cast<std::size_t>(bins_) + 1);
@@ -141,12 +147,17 @@ void GridMapper::gather(const OverlapTable::Row& row, const Placed& placed, cons
   prefetch(row.cells);
   prefetch(row.first_entry);
   looks_.clear();
+  const std::uint64_t* hits = decisions.hits(beam);
+  const std::uint64_t* dim = decisions.dim(beam);
   for (std::size_t w = 0; w < usable_.size(); ++w) {
-    for (std::uint64_t bits = (hit ? hits[w] : ~hits[w]) & usable_[w]; bits != 0; bits &= bits - 1) {
+    const std::uint64_t dims = dim ? dim[w] : 0;
+    for (std::uint64_t bits = (clears ? usable_[w] : hits[w] | dims) & usable_[w]; bits != 0; bits &= bits - 1) {
       const int k = static_cast<int>(w) * 64 + std::countr_zero(bits);
       if (!(gain_[k] > 0)) continue;
       __builtin_prefetch(row.entries.data() + row.first_entry[k]);
-      looks_.push_back({k, 0});
+      const std::uint64_t bit = bits & -bits;
+      const double gain = (dims & bit) != 0 ? gain_of(decisions.p_dim(beam, k)) : gain_[k];
+      looks_.push_back({k, (hits[w] & bit) != 0, gain, 0});
     }
   }
   Touch* touch = touches_.data();
@@ -157,10 +168,10 @@ void GridMapper::gather(const OverlapTable::Row& row, const Placed& placed, cons
       *touch++ = {placed.checked(cell), e.share, cell};
     }
   }
-  looks_.push_back({bins_, static_cast<std::size_t>(touch - touches_.data())});
+  looks_.push_back({bins_, false, 0, static_cast<std::size_t>(touch - touches_.data())});
 }
 
-// Takes the share of the bins with echoes out of the pooled clearance that follows.
+// Takes the share of these bins out of the pooled clearance that follows.
 void GridMapper::lift_looks() {
   double* log_odds = grid_.log_odds().data();
   for (std::size_t i = 0; i + 1 < looks_.size(); ++i) {
@@ -189,8 +200,25 @@ void GridMapper::apply_clears(const OverlapTable::Row& row, const Placed& placed
   }
 }
 
+// What dim bins without an echo say of free water: less than the others.
+void GridMapper::apply_dim_clears() {
+  double* log_odds = grid_.log_odds().data();
+  const double least = grid_.log_odds_min();
+  for (std::size_t i = 0; i + 1 < looks_.size(); ++i) {
+    if (looks_[i].hit || !(looks_[i].gain > 0)) continue;
+    for (std::size_t t = looks_[i].first; t < looks_[i + 1].first; ++t) {
+      const Touch& touch = touches_[t];
+      if (touch.index < 0) continue;
+      double& l = log_odds[touch.index];
+      l = std::max(l + clear_increment(looks_[i].gain, double(touch.share)), least);
+    }
+  }
+}
+
 void GridMapper::apply_looks(const OverlapTable::Row& row, bool hit) {
-  for (std::size_t i = 0; i + 1 < looks_.size(); ++i) apply_look(row, looks_[i], looks_[i + 1].first, hit);
+  for (std::size_t i = 0; i + 1 < looks_.size(); ++i) {
+    if (looks_[i].hit == hit && looks_[i].gain > 0) apply_look(row, looks_[i], looks_[i + 1].first, hit);
+  }
 }
 
 void GridMapper::apply_look(const OverlapTable::Row& row, const Look& look, std::size_t end, bool hit) {
@@ -221,7 +249,7 @@ void GridMapper::apply_look(const OverlapTable::Row& row, const Look& look, std:
   }
   const std::span<double> l(log_odds_.data(), n);
   const std::span<const double> a(share_.data(), n);
-  const Likelihood sensor{false_alarm_ + (1 - false_alarm_) * gain_[look.bin], false_alarm_};
+  const Likelihood sensor{false_alarm_ + (1 - false_alarm_) * look.gain, false_alarm_};
   if (config_.update == Update::kAnyTarget) {
     update_any_target(hit, l, a, sensor, scratch_);
   } else if (printed) {

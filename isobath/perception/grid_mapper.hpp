@@ -5,6 +5,7 @@
 // first, pooled into one addition a cell, then the echoes in the order of range. Bins are independent looks, so that
 // any order is valid sequential Bayes up to the independence of the cells (S6-72); this one is fixed, so the result is
 // deterministic. Bins that are not usable, or whose p_D is not above f, leave the grid as it is, whatever they hold.
+// Dim bins count with the p_D of their own.
 //
 // Beams are projected to the level plane: azimuth from the whole attitude, roll and pitch removed; slant ranges are
 // taken as horizontal. Cells beyond the border count with their prior.
@@ -55,6 +56,8 @@ class GridMapper {
   /// A bin and its cells: touches_[first], up to the first of the next look.
   struct Look {
     int bin;
+    bool hit;
+    double gain;
     std::size_t first;
   };
   struct Touch {
@@ -62,11 +65,14 @@ class GridMapper {
     float share;
     OverlapTable::CellOffset cell;
   };
+  [[nodiscard]] double gain_of(float p_detect) const;  ///< d (S6-15); 0 where p_D is not above f
   void take_sensor(const Ping& ping, const EchoDecisions& decisions);
-  void update_beam(const OverlapTable::Row& row, const std::uint64_t* hits);
-  void gather(const OverlapTable::Row& row, const Placed& placed, const std::uint64_t* hits, bool hit);
+  void update_beam(const OverlapTable::Row& row, const EchoDecisions& decisions, int beam);
+  void gather(const OverlapTable::Row& row, const Placed& placed, const EchoDecisions& decisions, int beam,
+              bool clears);
   void lift_looks();
   void apply_clears(const OverlapTable::Row& row, const Placed& placed);
+  void apply_dim_clears();
   void apply_looks(const OverlapTable::Row& row, bool hit);
   void apply_look(const OverlapTable::Row& row, const Look& look, std::size_t end, bool hit);
 
@@ -83,7 +89,7 @@ class GridMapper {
   std::vector<float> p_detect_;
   std::vector<double> gain_;           ///< d of each bin, 0 where not usable
   std::vector<std::uint64_t> usable_;  ///< bins that may touch the grid
-  std::vector<Look> looks_;            ///< scratch of one beam: the bins with an echo
+  std::vector<Look> looks_;            ///< scratch of one beam: the bins that are looked at one by one
   std::vector<Touch> touches_;
   std::vector<std::ptrdiff_t> index_;  ///< scratch of one bin
   std::vector<double> log_odds_;

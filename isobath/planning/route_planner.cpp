@@ -7,6 +7,7 @@
 #include <isobath/planning/route_smoothing.hpp>
 #include <isobath/planning/turning.hpp>
 #include <isobath/planning/turning_search.hpp>
+#include <numbers>
 #include <utility>
 
 namespace isobath {
@@ -83,6 +84,7 @@ Result<RoutePath, RouteRefusal> Router::exact() {
   if (at_goal < need_) return tl::unexpected(RouteRefusal::kGoalBlocked);
   // 2. a way; where it cannot be turned, one that stands off further
   double tried = 0;
+  std::optional<Way> circling;  // first round a circle, where the vehicle need only lean
   for (const double share : kRounder) {
     const double need = std::min(need_ + share * task_.turning_radius_m, at_goal);
     if (need == tried) continue;
@@ -93,11 +95,17 @@ Result<RoutePath, RouteRefusal> Router::exact() {
       return tl::unexpected(found.error());
     }
     if (!config_.smooth) return finished(found->way);
-    if (auto way = turned(found->way)) return finished(std::move(*way));
+    auto way = turned(found->way);
+    if (!way) continue;
+    const double half_a_circle = std::numbers::pi * task_.turning_radius_m;
+    if (length_of(*way) <= length_of(found->way) + half_a_circle) return finished(std::move(*way));
+    if (!circling || length_of(*way) < length_of(*circling)) circling = std::move(way);
   }
   // 3. a way made of arcs and straight legs
-  if (auto way = of_arcs()) return finished(std::move(*way));
-  return tl::unexpected(RouteRefusal::kCannotTurn);
+  auto way = of_arcs();
+  if (circling && (!way || length_of(*circling) < length_of(*way))) way = std::move(circling);
+  if (!way) return tl::unexpected(RouteRefusal::kCannotTurn);
+  return finished(std::move(*way));
 }
 
 Result<Found, RouteRefusal> Router::find(double need) {

@@ -15,6 +15,8 @@ using std::numbers::pi;
 
 constexpr int kHeadings = 16;
 constexpr double kTurn = 2 * pi / kHeadings;
+constexpr std::size_t kHalfCircle = 6;  // corners of turn_towards
+constexpr int kMore = 300;  // states looked at once there is a way, if it has more than half a circle at its end
 constexpr double kTurningCosts = 1.05;  // of straight on: between ways as long the straighter one
 
 struct State {
@@ -53,16 +55,26 @@ class TurningSearch {
     rest_.run(*goal, grid_.window().size(), std::numeric_limits<std::int64_t>::max());
     // 2. the states
     for (int k = 0; k < (task_.heading ? 1 : kHeadings); ++k) offer({task_.start, k});
-    for (int expanded = 0; !open_.empty() && expanded < task_.most_expanded;) {
+    std::optional<Way> circling;
+    double least = INFINITY;
+    int most = task_.most_expanded;
+    for (int expanded = 0; !open_.empty() && expanded < most;) {
       const std::int32_t best = open_.top().state;
       open_.pop();
       const State here = states_[static_cast<std::size_t>(best)];
       if (here.cost > cheapest_.at(key_of(here).value())) continue;
       ++expanded;
-      if (auto way = finish(best)) return way;
+      if (auto ending = finish(best)) {
+        if (ending->corners <= kHalfCircle) return way_to(best, ending->way);
+        if (!circling) most = std::min(most, expanded + kMore);
+        if (here.cost + ending->length < least) {
+          least = here.cost + ending->length;
+          circling = way_to(best, ending->way);
+        }
+      }
       expand(here, best);
     }
-    return std::nullopt;
+    return circling;
   }
 
  private:
@@ -105,10 +117,15 @@ class TurningSearch {
     }
   }
 
+  struct Ending {
+    Way way;  ///< from the state to the goal
+    double length = 0;
+    std::size_t corners = 0;
+  };
   /// By an arc and a straight leg to the goal, the shorter side that is clear.
-  [[nodiscard]] std::optional<Way> finish(std::int32_t number) const {
+  [[nodiscard]] std::optional<Ending> finish(std::int32_t number) const {
     const State& here = states_[static_cast<std::size_t>(number)];
-    std::optional<Way> best;
+    std::optional<Ending> best;
     double least = INFINITY;
     for (const int side : {1, -1}) {
       const auto corners = turn_towards(here.place, heading_of(here), task_.radius_m, side, task_.goal, 0);
@@ -127,9 +144,13 @@ class TurningSearch {
       }
       if (!clear) continue;
       least = length;
-      best = std::move(ending);
+      best = Ending{std::move(ending), length, corners->size()};
     }
-    if (!best) return std::nullopt;
+    return best;
+  }
+
+  /// From the start to a state, and on by its ending.
+  [[nodiscard]] Way way_to(std::int32_t number, const Way& ending) const {
     Way way;  // backwards
     for (std::int32_t i = number; i >= 0; i = states_[static_cast<std::size_t>(i)].parent) {
       const State& s = states_[static_cast<std::size_t>(i)];
@@ -137,7 +158,7 @@ class TurningSearch {
     }
     way.push_back(task_.start);
     std::reverse(way.begin(), way.end());
-    way.insert(way.end(), best->begin() + 1, best->end());
+    way.insert(way.end(), ending.begin() + 1, ending.end());
     return way;
   }
 

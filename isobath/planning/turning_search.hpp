@@ -4,7 +4,8 @@
 // States are places with one of 16 headings, counted from the first. From each the vehicle goes straight on, or on the
 // circle of its radius by 22.5 degrees to either side; of states in one cell with one heading the cheapest is kept. The
 // bound is the cost to the goal over the cells, by a search from the goal without heed of turning. From every state
-// that is looked at an arc and a straight leg to the goal are tried; with the first that is clear the search ends.
+// that is looked at an arc and a straight leg to the goal are tried; with the first that is clear the search ends, if
+// the arc is no more than half a circle: else a little more is looked at for a way without one.
 //
 // An arc is two legs with a corner between, which rounded with the radius is the arc again: what comes out is a way of
 // legs whose corners fit (turning.hpp). `clear` says whether a leg may be gone; an arc may be where both legs and the

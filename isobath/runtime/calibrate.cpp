@@ -199,8 +199,7 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
   page.end_row();
   if (!result.comparison.empty()) add_comparison(page, result);
   add_fits(page, result);
-  Configuration configuration = request.configuration;
-  page.folded("Configuration in force", write_toml(sections(configuration), true));
+  page.folded("Configuration in force", to_toml(request.configuration, true));
   write("report.html", page.html());
   return outcome;
 }

@@ -33,24 +33,48 @@ class Watched : public SimulatedSource::TruthSink, public ResultSink {
 
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request) {
   SimulatedSource source(scenario.scene, request.configuration.simulation, request.threads);
+  source.add_operator(scenario.orders, scenario.mission);
   Simulator& simulator = source.simulator();
   TrueTrack truth(simulator);
   std::optional<TruthJudge> judge;
-  if (request.judge) judge.emplace(simulator);
+  if (request.judge && !request.live) judge.emplace(simulator);
   Watched watched(truth, helm, judge ? &*judge : nullptr);
   source.tell_truth_to(&watched);
   Pipeline pipeline(request.configuration, watched);
+  std::optional<MappingThread> mapping;
+  if (request.live) mapping.emplace([&pipeline](Event event, auto) { pipeline.take(std::move(event)); });
+  double settled_s = 0;
   EndOfMission end;
   while (auto event = source.next()) {
     if (request.record) request.record(*event);
     helm.hear(*event);
-    pipeline.take(std::move(*event));
+    if (!mapping) {
+      pipeline.take(std::move(*event));
+    } else {
+      mapping->take(std::move(*event));
+      if (simulator.now_s() - settled_s >= to_seconds(kTick)) {
+        settle(*mapping, helm);
+        settled_s = simulator.now_s();
+      }
+    }
     simulator.command(helm.steer());
+    source.answer(helm.to_operator());
     if (request.stop_at_contact && truth.truth().contact_s >= 0) break;
     if (request.stop_when_done && end.reached(helm.progress().phase, simulator.now_s())) break;
   }
-  return {truth.truth(),     helm.decisions(),  helm.progress(),
-          pipeline.counts(), simulator.now_s(), judge ? judge->score() : TruthScore{}};
+  if (mapping) settle(*mapping, helm);
+  return {truth.truth(),
+          helm.decisions(),
+          helm.progress(),
+          pipeline.counts(),
+          simulator.now_s(),
+          judge ? judge->score() : TruthScore{},
+          source.at_the_link() ? source.at_the_link()->answers() : std::vector<OperatorAnswer>{}};
+}
+
+void settle(MappingThread& mapping, Helm& helm) {
+  mapping.settle();
+  helm.settle();
 }
 
 bool EndOfMission::reached(MissionPhase phase, double now_s) {

@@ -3,13 +3,16 @@
 //
 //   simulator -> record -> helm.hear -> pipeline.take (results to the helm) -> helm.steer -> simulator.command
 //
-// A function of scenario, configuration and helm: the same events and set-points on any number of threads.
+// A function of scenario, configuration and helm: the same events and set-points on any number of threads. But for a
+// live one: then mapping has a thread of its own (mapping_thread.hpp), and all are waited for ten times a second of the
+// simulator's clock; what is decided depends on who is faster.
 #pragma once
 
 #include <functional>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/helm.hpp>
+#include <isobath/runtime/mapping_thread.hpp>
 #include <isobath/runtime/scenario.hpp>
 #include <isobath/runtime/true_track.hpp>
 #include <isobath/runtime/truth_judge.hpp>
@@ -22,9 +25,10 @@ constexpr double kWatchAfterEnd_s = 5;
 struct LoopRequest {
   Configuration configuration;
   int threads = 1;
-  bool stop_at_contact = false;              ///< what a vehicle does after a collision says nothing
-  bool judge = false;                        ///< whether to hold what was seen against what was there
-  bool stop_when_done = true;                ///< end some seconds after the mission has finished or was aborted
+  bool stop_at_contact = false;  ///< what a vehicle does after a collision says nothing
+  bool judge = false;            ///< whether to hold what was seen against what was there; not of a live one
+  bool live = false;             ///< for a LiveHelm, which bears that another thread maps
+  bool stop_when_done = true;    ///< end some seconds after the mission has finished or was aborted
   std::function<void(const Event&)> record;  ///< sees every event that the vehicle gave, in order
 };
 
@@ -32,11 +36,15 @@ struct LoopResult : TrackTruth {
   std::vector<Decision> decisions;
   MissionReport report;
   PipelineCounts counts;
-  double duration_s = 0;  ///< simulated
-  TruthScore sight;       ///< how well the bodies were seen; where it was asked for
+  double duration_s = 0;                ///< simulated
+  TruthScore sight;                     ///< how well the bodies were seen; where it was asked for
+  std::vector<OperatorAnswer> answers;  ///< what the operator heard, where there was one
 };
 
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request);
+
+/// Waits until all that was taken is mapped, heard and answered.
+void settle(MappingThread& mapping, Helm& helm);
 
 /// Says when a helm has been watched long enough: kWatchAfterEnd_s after its mission was finished or aborted.
 class EndOfMission {

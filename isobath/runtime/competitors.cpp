@@ -1,5 +1,6 @@
 #include <isobath/runtime/baseline_helms.hpp>
 #include <isobath/runtime/evaluation.hpp>
+#include <isobath/runtime/mission_chart.hpp>
 #include <isobath/runtime/mission_run.hpp>
 
 namespace isobath {
@@ -9,7 +10,7 @@ constexpr const char* kOurs = "isobath";
 
 std::unique_ptr<Helm> make_crew(const Scenario& scenario, const VehicleSheet& vehicle,
                                 const Configuration& configuration) {
-  return make_mission_helm({scenario.mission, vehicle}, configuration);
+  return make_mission_helm({scenario.mission, vehicle, chart_of(scenario, configuration)}, configuration);
 }
 
 /// The paper's own way of it: the update of the grid as printed (ledger S6-E01 ff.), cells of 5 m, corners cut, nothing

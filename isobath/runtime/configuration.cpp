@@ -46,4 +46,13 @@ std::vector<Section> sections(Configuration& c) {
   return all;
 }
 
+Schema schema(Configuration& c) { return {sections(c), {agent_list(c.agents)}}; }
+
+std::string to_toml(const Configuration& configuration, bool annotated) {
+  Configuration c = configuration;
+  std::string text = write_toml(sections(c), annotated);
+  for (AgentFile& agent : c.agents) text += "\n" + write_toml({{"[agent]", "", fields(agent)}}, annotated);
+  return text;
+}
+
 }  // namespace isobath

@@ -5,6 +5,7 @@
 #include <isobath/io/open.hpp>
 #include <isobath/map/body_grid.hpp>
 #include <isobath/map/depth_map.hpp>
+#include <isobath/mission/agent_library.hpp>
 #include <isobath/mission/crew.hpp>
 #include <isobath/mission/safety_config.hpp>
 #include <isobath/mission/standard_crew.hpp>
@@ -51,11 +52,16 @@ struct Configuration {
   MissionConfig mission;
   SafetyConfig safety;
   CrewConfig crew;
+  std::vector<AgentFile> agents;  ///< [[agent]]: seated beside the standard crew
   CalibrationConfig calibration;
   SimulationConfig simulation;
 };
 
 /// Bound to `configuration`, which must outlive them.
 std::vector<Section> sections(Configuration& configuration);
+/// The same with the lists: all that a file may hold.
+Schema schema(Configuration& configuration);
+/// The values in force; what `schema` reads back.
+std::string to_toml(const Configuration& configuration, bool annotated);
 
 }  // namespace isobath

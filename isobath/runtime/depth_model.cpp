@@ -1,7 +1,6 @@
-#include <cmath>
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/perception/depth_update.hpp>
 #include <isobath/runtime/depth_model.hpp>
 #include <isobath/runtime/map_features.hpp>
 
@@ -65,10 +64,8 @@ void DepthModel::begin(Time time, const Pose& X_WB) {
 /// A boat may come from some way off; who begins farther away than the whole area is wide has the wrong map.
 void DepthModel::refuse_far(const Eigen::Vector2d& start) const {
   const DepthArea& area = facts_.area;
-  const double side = std::ldexp(area.grid.pixel_m, area.levels);
-  const Eigen::Vector2d& corner = area.grid.corner_m;  // north-west
-  const Eigen::AlignedBox2d covered(Eigen::Vector2d(corner.x() - side, corner.y()),
-                                    Eigen::Vector2d(corner.x(), corner.y() + side));
+  const Eigen::AlignedBox2d covered = box_of(area);
+  const double side = covered.sizes().x();
   const double away = covered.exteriorDistance(start);
   if (away <= side) return;
   throw Error(fmt::format("the input begins {:.0f} km from the area of the map, which is {:.0f} km wide", away / 1000,
@@ -107,7 +104,7 @@ std::span<const ModuleStatus> DepthModel::watch(Time now, unsigned worked) {
 void DepthModel::keep(const std::string& input) {
   const DepthCounts& n = mapper_->counts();
   facts_.visits.push_back({input, *first_, *last_, {{"range readings", n.readings}, {"soundings", n.soundings}}});
-  facts_.configuration = write_toml(sections(configuration_), false);
+  facts_.configuration = to_toml(configuration_, false);
   folder_->commit(facts_, map_->trees());
   if (changes_.obstacles() == 0 && !std::filesystem::exists(folder_->objects_file())) return;
   ObjectStore objects(folder_->objects_file());
@@ -137,6 +134,14 @@ void DepthModel::on_passage(Time time, const Pose& X_WB) {
   if (gap) tracks_.push_back({place});
   if ((place - tracks_.back().back()).norm() >= kTrackStep) tracks_.back().push_back(place);
   if (mapper_) level_.take({time, {X_WB, 0}, nullptr, nullptr});
+}
+
+std::optional<double> DepthModel::bottom_depth(const Eigen::Vector2d& north_east) const {
+  if (!map_) return std::nullopt;
+  const Pixel place = map_->grid().at(north_east);
+  if (!map_->window().extent().contains(place)) return std::nullopt;
+  const DepthPixel& pixel = map_->window().at(place);
+  return vouched(pixel) ? std::optional(pixel.depth_m()) : std::nullopt;
 }
 
 void DepthModel::finish() {

@@ -45,6 +45,8 @@ class DepthModel final : public SoundingSink {
   void on_range(const RangeReading& reading, const PoseEstimate& pose) override;
   void on_swath(const Swath& swath, const PoseEstimate& pose) override;
   void on_passage(Time time, const Pose& X_WB) override;
+  /// Of a pixel in the window for which a chart or a depth sonar vouches.
+  [[nodiscard]] std::optional<double> bottom_depth(const Eigen::Vector2d& north_east) const override;
   /// After the last event.
   void finish();
   /// Makes what is known the committed state of the folder. Does nothing without one.

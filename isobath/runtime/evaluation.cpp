@@ -3,6 +3,7 @@
 #include <cmath>
 #include <exception>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <isobath/runtime/baseline_helms.hpp>
 #include <isobath/runtime/evaluation.hpp>
 #include <isobath/runtime/html_report.hpp>
@@ -19,8 +20,8 @@ constexpr double kNormal95 = 1.959964;
 std::string fingerprint_of(const EvaluationRequest& request) {
   std::string all = fmt::format("{}|{:016x}", request.version, request.suite.digest);
   for (const Competitor& competitor : request.competitors) {
-    Configuration configuration = competitor.configuration;
-    all += "|" + competitor.name + "|" + write_toml(sections(configuration), false);
+    const Configuration& configuration = competitor.configuration;
+    all += "|" + competitor.name + "|" + to_toml(configuration, false);
     if (!configuration.sensor.model.empty()) all += text_of_file(configuration.sensor.model);
   }
   std::uint64_t digest = 0xcbf29ce484222325u;
@@ -28,20 +29,22 @@ std::string fingerprint_of(const EvaluationRequest& request) {
   return fmt::format("{:016x}", digest);
 }
 
-ScoredRun run_all(const EvaluationRequest& request, const Scenario& scenario, std::uint64_t seed) {
-  const SuiteRun run = make_run(request.suite, scenario, seed);
+ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> scenes, std::uint64_t seed) {
+  const SuiteRun run = make_run(request.suite, scenes, seed);
   const RunTruth truth(request.suite, run);
   ScoredRun scored{seed, run.conditions, truth.way_m(), truth.no_way(), {}};
   for (const Competitor& competitor : request.competitors) {
     const LoopResult result = run_competitor(competitor, run, truth.vehicle());
     scored.scores.push_back(score(result, run.scenario.mission, truth, request.suite.about));
+    if (!run.row) continue;
+    scored.scores.back().proof = prove(*run.row, run.scenario, competitor.configuration.safety, result);
   }
   return scored;
 }
 
 /// Runs the seeds that are not there yet, on all threads.
 void run_missing(const EvaluationRequest& request, const std::vector<std::uint64_t>& seeds, RunStore& store, int done) {
-  const Scenario scenario = load_scenario(request.suite.about.scene);
+  const std::vector<Scenario> scenes = load_scenes(request.suite);
   std::atomic<std::size_t> next{0};
   std::mutex lock;
   std::exception_ptr failure;
@@ -49,7 +52,7 @@ void run_missing(const EvaluationRequest& request, const std::vector<std::uint64
   const auto work = [&] {
     for (std::size_t i = next++; i < seeds.size(); i = next++) {
       try {
-        const ScoredRun run = run_all(request, scenario, seeds[i]);
+        const ScoredRun run = run_all(request, scenes, seeds[i]);
         const std::lock_guard<std::mutex> held(lock);
         store.add(run);
         if (request.progress) request.progress(++done, all);
@@ -82,9 +85,33 @@ std::string without_numbers(const std::string& reason) {
 double badness(const RunScore& s) {
   if (s.contact_s >= 0) return 5;
   if (s.collision) return 4;
+  if (!s.proof.failure.empty()) return 3.5;
   if (!s.goal_reached && s.refused.empty()) return 3;
   if (!s.goal_reached) return 2;
   return std::min(0.5 * s.path_ratio, 1.9);
+}
+
+void sum_up_rows(const std::vector<ScoredRun>& runs, std::size_t competitor, Summary& s) {
+  const bool any = std::any_of(runs.begin(), runs.end(),
+                               [&](const ScoredRun& r) { return !r.scores[competitor].proof.fault.empty(); });
+  if (!any) return;
+  std::size_t shown = 0, all = 0;
+  for (const FaultRow& row : fault_table()) {
+    RowSummary& sum = s.rows.emplace_back();
+    sum.name = row.name;
+    std::size_t own = 0;
+    for (const ScoredRun& run : runs) {
+      const FaultProof& proof = run.scores[competitor].proof;
+      if (proof.fault != row.name) continue;
+      ++own;
+      sum.latest_s = std::max(sum.latest_s, proof.after_s);
+      if (!proof.failure.empty()) sum.failures.push_back(fmt::format("seed {}: {}", run.seed, proof.failure));
+    }
+    sum.shown = share(own - sum.failures.size(), own);
+    shown += sum.shown.count;
+    all += own;
+  }
+  s.shown = share(shown, all);
 }
 
 }  // namespace
@@ -161,6 +188,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   s.clearance_m = spread(clearance);
   s.delay_pings = spread(delay);
   s.first_range_m = spread(range);
+  sum_up_rows(runs, competitor, s);
   return s;
 }
 
@@ -181,6 +209,12 @@ std::vector<std::string> broken_bars(const BarsConfig& bars, const Summary& s) {
     broken.push_back(
         fmt::format("path_ratio_median: {:.3f}, at most {:g}", s.path_ratio.median, bars.path_ratio_median));
   }
+  if (bars.shown_share >= 0 && s.shown.value() < bars.shown_share) {
+    broken.push_back(fmt::format("shown_share: {:.3f}, at least {:g}", s.shown.value(), bars.shown_share));
+    for (const RowSummary& row : s.rows) {
+      if (!row.failures.empty()) broken.back() += fmt::format("; {}: {}", row.name, fmt::join(row.failures, ", "));
+    }
+  }
   return broken;
 }
 
@@ -198,7 +232,7 @@ std::vector<std::size_t> worst_runs(const std::vector<ScoredRun>& runs, std::siz
 
 LoopResult run_competitor(const Competitor& competitor, const SuiteRun& run, const VehicleSheet& vehicle) {
   LoopRequest request;
-  request.configuration = competitor.configuration;
+  request.configuration = run.row ? proving(*run.row, competitor.configuration) : competitor.configuration;
   request.configuration.simulation.seed = static_cast<int>(run.seed);
   request.configuration.simulation.duration_s = run.scenario.scene.about.duration_s;
   request.stop_at_contact = true;

@@ -59,6 +59,14 @@ struct Spread {
 };
 Spread spread(const std::vector<double>& sample);
 
+/// A row of the fault table over the runs that were to show it.
+struct RowSummary {
+  std::string name;
+  Share shown;
+  double latest_s = -1;               ///< FaultProof::after_s, at most; -1: not known
+  std::vector<std::string> failures;  ///< "seed 7: not raised"
+};
+
 struct Summary {
   std::string name;
   Share collisions, near_misses, encounters, goals, refused, lost;  ///< lost: none of goal, refusal, collision
@@ -68,6 +76,8 @@ struct Summary {
   int points_dropped = 0, bodies_missed = 0, replans = 0, false_replans = 0, safety_actions = 0;
   std::size_t no_way_there = 0;        ///< of the refused ones: the planner with full truth found none either
   std::map<std::string, int> reasons;  ///< of refusals; # for every number
+  Share shown;                         ///< of the runs of faults, those that show their rows
+  std::vector<RowSummary> rows;        ///< all of the fault table, in its order; empty without such runs
 };
 Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t competitor);
 /// The bars that it stays below, each as a sentence.
@@ -96,7 +106,8 @@ Evaluation evaluate(const EvaluationRequest& request);
 
 /// One run under one helm; for whoever wants to look at it.
 LoopResult run_competitor(const Competitor& competitor, const SuiteRun& run, const VehicleSheet& vehicle);
-/// From the worst, by the first competitor: contact, collision, lost, refused, then the longest way.
+/// From the worst, by the first competitor: contact, collision, a fault's row not shown, lost, refused, then the
+/// longest way.
 std::vector<std::size_t> worst_runs(const std::vector<ScoredRun>& runs, std::size_t most);
 
 }  // namespace isobath

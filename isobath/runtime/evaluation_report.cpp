@@ -22,6 +22,12 @@ std::string text_of(const Share& s) {
                      100 * s.high);
 }
 
+std::string text_of(const RowSummary& row) {
+  if (row.shown.of == 0) return "not sailed";
+  const std::string latest = row.latest_s < 0 ? "" : fmt::format(", after {:.2f} s at the latest", row.latest_s);
+  return fmt::format("{} of {}{}", row.shown.count, row.shown.of, latest);
+}
+
 std::string text_of(const Spread& s, int digits) {
   if (s.count == 0) return "none";
   return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", s.median, digits, s.low, digits, s.high, digits);
@@ -42,6 +48,17 @@ ordered_json median_of(const Spread& s) { return s.count == 0 ? ordered_json(nul
 
 ordered_json json_of(const Share& s) {
   return {{"count", s.count}, {"of", s.of}, {"share", s.value()}, {"low", s.low}, {"high", s.high}};
+}
+
+ordered_json json_of(const std::vector<RowSummary>& rows) {
+  ordered_json all = ordered_json::object();
+  for (const RowSummary& row : rows) {
+    all[row.name] = {{"runs", row.shown.of},
+                     {"shown", row.shown.count},
+                     {"latest_s", row.latest_s < 0 ? ordered_json(nullptr) : ordered_json(row.latest_s)},
+                     {"failures", row.failures}};
+  }
+  return all;
 }
 
 ordered_json json_of(const Summary& s) {
@@ -112,6 +129,8 @@ std::string verdict(const RunScore& s) {
     text = fmt::format("touched {} after {:.1f} s", s.contact_with, s.contact_s);
   } else if (s.collision) {
     text = fmt::format("came within {:.2f} m of {}", s.least_clearance_m, s.nearest_body);
+  } else if (!s.proof.failure.empty()) {
+    text = s.proof.fault + ": " + s.proof.failure;
   } else if (s.goal_reached) {
     text = s.path_ratio > 0 ? fmt::format("reached the goal by {:.2f} times the shortest way", s.path_ratio)
                             : "reached the goal";
@@ -165,6 +184,11 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("replans", [](const Summary& s) { return text_of(s.replans, s.goals); });
   row("replans for nothing", [](const Summary& s) { return text_of(s.false_replans, s.goals); });
   row("safety actions", [](const Summary& s) { return text_of(s.safety_actions, s.goals); });
+  if (evaluation.summaries.front().rows.empty()) return rows;
+  row("faults as the table says", [](const Summary& s) { return text_of(s.shown); });
+  for (std::size_t i = 0; i < fault_table().size(); ++i) {
+    row(fault_table()[i].name, [i](const Summary& s) { return text_of(s.rows[i]); });
+  }
   return rows;
 }
 
@@ -187,7 +211,9 @@ std::vector<std::string> comparison_lines(const Evaluation& evaluation) {
 std::string to_json(const EvaluationRequest& request, const Evaluation& evaluation) {
   ordered_json json = {{"suite", request.suite.name}, {"title", request.suite.about.title}};
   json["first_seed"] = evaluation.runs.empty() ? 0 : evaluation.runs.front().seed;
-  json.update(json_of(evaluation.summaries.front()));
+  const Summary& ours = evaluation.summaries.front();
+  json.update(json_of(ours));
+  if (!ours.rows.empty()) json["faults"] = {{"shown", json_of(ours.shown)}, {"rows", json_of(ours.rows)}};
   json["broken_bars"] = evaluation.broken;
   ordered_json& baselines = json["baselines"] = ordered_json::object();
   for (std::size_t i = 1; i < evaluation.summaries.size(); ++i) {
@@ -261,10 +287,10 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
               "Runs that came to the goal alone: the height at the right end is their share.");
   page.end_row();
   page.heading("The worst runs");
-  const Scenario scenario = load_scenario(request.suite.about.scene);
+  const std::vector<Scenario> scenes = load_scenes(request.suite);
   for (const std::size_t i : worst_runs(evaluation.runs, kWorst)) {
     const ScoredRun& scored = evaluation.runs[i];
-    const SuiteRun run = make_run(request.suite, scenario, scored.seed);
+    const SuiteRun run = make_run(request.suite, scenes, scored.seed);
     const RunTruth truth(request.suite, run);
     const LoopResult result = run_competitor(ours, run, truth.vehicle());
     page.figure(run_picture(run, truth, result, fmt::format("seed {}", scored.seed)),
@@ -276,8 +302,7 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
     }
     page.folded("What it decided", decisions);
   }
-  Configuration configuration = ours.configuration;
-  page.folded("Configuration in force", write_toml(sections(configuration), true));
+  page.folded("Configuration in force", to_toml(ours.configuration, true));
   write_file(request.out / "report.html", page.html());
 }
 

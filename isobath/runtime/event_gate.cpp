@@ -30,6 +30,9 @@ const char* content_fault(const Swath& swath) {
   return fault == SwathFault::kNone ? nullptr : to_text(fault);
 }
 
+/// What is no frame the end of the link passes over.
+const char* content_fault(const OperatorFrame&) { return nullptr; }
+
 }  // namespace
 
 std::vector<Field> fields(EventGateConfig& c) {

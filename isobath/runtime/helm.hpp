@@ -5,7 +5,8 @@
 #pragma once
 
 #include <isobath/io/event.hpp>
-#include <isobath/mission/messages.hpp>
+#include <isobath/mission/crew.hpp>
+#include <isobath/mission/operator_link.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <vector>
 
@@ -20,6 +21,12 @@ class Helm : public ResultSink {
   [[nodiscard]] virtual MissionReport progress() const = 0;
   /// All so far, in order.
   [[nodiscard]] virtual const std::vector<Decision>& decisions() const = 0;
+  /// Frames for the operator since the last call (operator_link.hpp); not kept for ever where nobody asks.
+  [[nodiscard]] virtual std::vector<FrameBytes> to_operator() { return {}; }
+  /// Of its agents, where it has any.
+  [[nodiscard]] virtual CrewCounts crew_counts() const { return {}; }
+  /// Waits until all that was heard is answered; one that has no threads of its own has nothing to wait for.
+  virtual void settle() {}
 };
 
 }  // namespace isobath

@@ -9,7 +9,7 @@
 namespace isobath {
 
 struct StreamFacts {
-  std::string name;  ///< "pings", "ranges", "navigation", "swaths"
+  std::string name;  ///< "pings", "ranges", "navigation", "health", "swaths", "operator"
   std::uint64_t events = 0;
   Time first, last;
   double median_interval_s = 0;

@@ -37,13 +37,16 @@ std::vector<Vector2d> points_of(const std::string& text) {
 }
 
 bool blocks(PriorPointKind kind) { return kind != PriorPointKind::kLand; }
+bool blocks(PriorLineKind kind) { return kind == PriorLineKind::kStructure || kind == PriorLineKind::kObstruction; }
+/// 0 where the chart does not say: up to the surface.
+double top_of(const PriorPoint& point) { return point.depth_m.value_or(point.clear_to_m.value_or(0)); }
 
 void store_point(ObjectStore& store, const PriorPoint& point, Time time) {
   MapObject object;
   object.capabilities = kChartedObject | (blocks(point.kind) ? kBlocksPassage : 0);
   object.kind = to_text(point.kind);
   object.name = point.name;
-  object.p_W = {point.north_east.x(), point.north_east.y(), point.depth_m.value_or(point.clear_to_m.value_or(0))};
+  object.p_W = {point.north_east.x(), point.north_east.y(), top_of(point)};
   object.covariance(2, 2) = point.sigma_m * point.sigma_m;
   const ObjectId id = store.create(object);
   if (point.depth_m) store.put(id, kDepth, {time, *point.depth_m});
@@ -54,8 +57,7 @@ void store_point(ObjectStore& store, const PriorPoint& point, Time time) {
 void store_line(ObjectStore& store, const PriorLine& line, Time time) {
   if (line.points.size() < 2) return;
   MapObject object;
-  const bool solid = line.kind == PriorLineKind::kStructure || line.kind == PriorLineKind::kObstruction;
-  object.capabilities = kChartedObject | kLineFeature | (solid ? kBlocksPassage : 0);
+  object.capabilities = kChartedObject | kLineFeature | (blocks(line.kind) ? kBlocksPassage : 0);
   object.kind = to_text(line.kind);
   object.name = line.name;
   object.p_W = {line.points.front().x(), line.points.front().y(), line.depth_m.value_or(0)};
@@ -86,10 +88,16 @@ std::size_t store_features(ObjectStore& store, const std::vector<Prior>& priors,
   return count;
 }
 
-MapFeatures load_features(const ObjectStore& store, const DepthArea& area) {
+Eigen::AlignedBox2d box_of(const DepthArea& area) {
   const double side = std::ldexp(area.grid.pixel_m, area.levels);
-  const Vector2d south_west{area.grid.corner_m.x() - side, area.grid.corner_m.y()};
-  MapFeatures features{{}, {}, PrQuadtree(south_west, side), PmrQuadtree(south_west, side)};
+  const Vector2d south_west{area.grid.corner_m.x() - side, area.grid.corner_m.y()};  // its corner is the north-west
+  return {south_west, south_west + Vector2d(side, side)};
+}
+
+MapFeatures load_features(const ObjectStore& store, const DepthArea& area) {
+  const Eigen::AlignedBox2d box = box_of(area);
+  const double side = box.sizes().x();
+  MapFeatures features{{}, {}, PrQuadtree(box.min(), side), PmrQuadtree(box.min(), side)};
   for (const MapObject& object : store.find(store.with_any(kChartedObject | kFoundObject))) {
     if ((object.capabilities & kLineFeature) == 0) {
       features.points.insert({features.objects.size(), object.p_W.head<2>(), object.capabilities});
@@ -130,6 +138,22 @@ std::vector<ChartObstacle> obstacles_near(const MapFeatures& features, const Eig
     obstacle.b = line.points[i + 1];
     obstacle.radius_m = radius_m;
     obstacles.push_back(obstacle);
+  }
+  return obstacles;
+}
+
+std::vector<ChartObstacle> obstacles_of(const std::vector<Prior>& priors) {
+  std::vector<ChartObstacle> obstacles;
+  for (const Prior& prior : priors) {
+    for (const PriorPoint& point : prior.points) {
+      if (blocks(point.kind)) obstacles.push_back({point.north_east, point.north_east, 0, top_of(point)});
+    }
+    for (const PriorLine& line : prior.lines) {
+      if (!blocks(line.kind)) continue;
+      for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
+        obstacles.push_back({line.points[i], line.points[i + 1]});
+      }
+    }
   }
   return obstacles;
 }

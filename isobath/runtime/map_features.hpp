@@ -27,6 +27,9 @@ inline constexpr std::uint32_t kFoundObject = 1U << 3;  ///< capability: found b
 /// Writes points and lines of priors into the store, in one transaction. Returns how many objects.
 std::size_t store_features(ObjectStore& store, const std::vector<Prior>& priors, Time time);
 
+/// What an area covers, north and east in m.
+Eigen::AlignedBox2d box_of(const DepthArea& area);
+
 struct MapFeatures {
   struct Line {
     ObjectId id = 0;
@@ -45,5 +48,8 @@ MapFeatures load_features(const ObjectStore& store, const DepthArea& area);
 /// `radius_m` of doubt around each. Only what is near is looked at (S1-25).
 std::vector<ChartObstacle> obstacles_near(const MapFeatures& features, const Eigen::AlignedBox2d& window,
                                           double radius_m);
+
+/// The same of priors, without a store between.
+std::vector<ChartObstacle> obstacles_of(const std::vector<Prior>& priors);
 
 }  // namespace isobath

@@ -21,8 +21,7 @@ PriorMapOutcome make_map_of_prior(const std::filesystem::path& prior, const std:
   facts.datum = configuration.prior.datum;
   const DepthPrior read = read_depth_prior({prior.string()}, configuration, facts.area, origin);
   facts.priors = read.sources;
-  Configuration in_force = configuration;
-  facts.configuration = write_toml(sections(in_force), false);
+  facts.configuration = to_toml(configuration, false);
   MapFolder stored(folder);
   std::filesystem::remove(stored.objects_file());  // of a map that was never committed
   ObjectStore objects(stored.objects_file());

@@ -19,16 +19,30 @@ bool is_finite(const Navigation& fix) {
 
 }  // namespace
 
-MissionEars::MissionEars(std::shared_ptr<const MissionPlan> plan, double echo_contrast, Say say, Fail fail)
-    : plan_(std::move(plan)), echo_contrast_(echo_contrast), say_(std::move(say)), fail_(std::move(fail)) {}
+MissionEars::MissionEars(std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast, Say say,
+                         Fail fail)
+    : plan_(std::move(plan)), echo_contrast_(echo_contrast), say_(std::move(say)), fail_(std::move(fail)) {
+  if (chart.depths || chart.objects) chart_ = std::move(chart);
+}
 
 void MissionEars::hear(const Event& event) {
   clock_.hear(time_of(event));
+  tell_chart();
   beat();
   if (const auto* fix = std::get_if<Navigation>(&event)) hear_fix(*fix);
   if (const auto* range = std::get_if<RangeReading>(&event)) hear_range(*range);
   if (const auto* ping = std::get_if<Ping>(&event)) hear_ping(*ping);
   if (const auto* health = std::get_if<Health>(&event)) hear_health(*health);
+  if (const auto* frame = std::get_if<OperatorFrame>(&event)) hear_frame(*frame);
+}
+
+void MissionEars::tell_chart() {
+  if (auto chart = std::exchange(chart_, std::nullopt)) say_(std::move(*chart), now());
+}
+
+void MissionEars::hear_frame(const OperatorFrame& frame) {
+  operator_heard_ = true;
+  say_(LinkFrame{LinkFrame::Way::kFromOperator, frame.bytes}, now());
 }
 
 void MissionEars::hear_fix(const Navigation& fix) {
@@ -38,7 +52,7 @@ void MissionEars::hear_fix(const Navigation& fix) {
   if (own.covariance) sigma_m_ = std::sqrt(std::max(0.0, (*own.covariance)(0, 0) + (*own.covariance)(1, 1)) / 2);
   say_(own, now());
   if (!first_fix_) first_fix_ = now();
-  if (begun_ || !(looked_ || now() - *first_fix_ > kLongestWarmUp)) return;
+  if (begun_ || plan_->waits_for_operator || !(looked_ || now() - *first_fix_ > kLongestWarmUp)) return;
   begun_ = true;
   say_(OperatorCommand{OperatorCommand::Kind::kStart, plan_}, now());
 }
@@ -73,7 +87,7 @@ void MissionEars::hear_health(const Health& health) {
 void MissionEars::beat() {
   if (!next_beat_) next_beat_ = now();
   if (now() < *next_beat_) return;
-  if (link_) say_(OperatorCommand{OperatorCommand::Kind::kBeat, nullptr}, now());
+  if (link_ && !operator_heard_) say_(OperatorCommand{OperatorCommand::Kind::kBeat, nullptr}, now());
   next_beat_ = now() + kBeatInterval;
 }
 
@@ -84,14 +98,12 @@ std::string MissionEars::name_of(const Ping& ping) {
 }
 
 void MissionEars::on_ping(const PosedPing& posed) {
-  SonarLook look = look_of(posed.ping, name_of(posed.ping));
-  bool decided = false;
-  for (int w = 0; w < posed.decisions.words(); ++w) decided = decided || posed.decisions.usable()[w] != 0;
   ++heard_;
-  decided_ += decided ? 1 : 0;
-  add_echoes(look, posed.ping, posed.decisions, decided, posed.X_WB, echo_contrast_);
-  look.time += clock_.offset();
-  say_(std::move(look), now());
+  auto echoes = echoes_of(posed.ping, posed.decisions, posed.X_WB, echo_contrast_);
+  if (!echoes) return;
+  ++decided_;
+  echoes->time += clock_.offset();
+  say_(*std::move(echoes), now());
 }
 
 void MissionEars::on_scan(const ScanResult& scan) {

@@ -1,11 +1,13 @@
 // MissionEars: events as messages for a crew of agents (Ganesan 2015, 5.1; ledger S6-42).
 //
-// Navigation, ranges and health are told as they come, what a ping says of its sonar and each sweep as soon as the
-// pipeline has placed them. The operator's order to start follows the first sweep that could be decided, or
-// kLongestWarmUp after the first fix: a sonar that never hears is for the Safety Officer, not to be waited for. His
-// link gives a sign of life each second, but while a health report calls it lost. Times are those of the mission's
-// clock (mission_clock.hpp), which every event moves. A health report of "agent.NAME" is no message but a fault of this
-// computer, injected by a simulator or found in its log (kHangs of scenario.hpp).
+// The chart is told first of all. Navigation, ranges, health, frames of the operator's link and what a ping says of its
+// sonar are told as they come, its echoes and each sweep as soon as the pipeline has placed them. The order to start
+// follows the first sweep that could be decided, or kLongestWarmUp after the first fix: a sonar that never hears is for
+// the Safety Officer, not to be waited for. A mission that waits for the operator starts by his frame alone. As long as
+// no operator has been heard, whoever started the program counts as one: a beat is given each second, but while a
+// health report calls the link lost. Times are those of the mission's clock (mission_clock.hpp), which every event
+// moves. A health report of "agent.NAME" is no message but a fault of this computer, injected by a simulator or found
+// in its log (kHangs of scenario.hpp).
 //
 // A sweep most of whose pings could not be decided has looked at nothing: it is told to nobody.
 //
@@ -30,7 +32,7 @@ class MissionEars {
   using Fail = std::function<void(const std::string& agent, bool hangs)>;
 
   /// `echo_contrast`: of the echoes that the Safety Officer is shown (sonar_look.hpp).
-  MissionEars(std::shared_ptr<const MissionPlan> plan, double echo_contrast, Say say, Fail fail);
+  MissionEars(std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast, Say say, Fail fail);
 
   void hear(const Event& event);
   void on_ping(const PosedPing& ping);
@@ -44,10 +46,13 @@ class MissionEars {
   void hear_range(const RangeReading& range);
   void hear_ping(const Ping& ping);
   void hear_health(const Health& health);
+  void hear_frame(const OperatorFrame& frame);
+  void tell_chart();
   void beat();
   [[nodiscard]] std::string name_of(const Ping& ping);
 
   std::shared_ptr<const MissionPlan> plan_;
+  std::optional<ChartUpdate> chart_;  ///< until it is told
   double echo_contrast_;
   Say say_;
   Fail fail_;
@@ -56,6 +61,7 @@ class MissionEars {
   bool begun_ = false, looked_ = false;
   std::optional<Time> first_fix_;
   bool link_ = true;
+  bool operator_heard_ = false;
   std::optional<Time> next_beat_;
   double sigma_m_ = 0;           ///< of the last fix
   int heard_ = 0, decided_ = 0;  ///< pings of the sweep under way, and those in which echoes could be told from noise

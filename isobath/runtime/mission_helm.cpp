@@ -1,33 +1,25 @@
-#include <algorithm>
 #include <isobath/runtime/mission_helm.hpp>
 #include <utility>
 
 namespace isobath {
-namespace {
 
-std::vector<std::string> names_of(const std::vector<Seat>& seats) {
-  std::vector<std::string> names;
-  for (const Seat& seat : seats) names.push_back(seat.name);
-  return names;
+void Logbook::note(const Envelope& envelope) {
+  if (const auto* decision = std::get_if<Decision>(&envelope.message)) decisions.push_back(*decision);
+  if (const auto* said = std::get_if<MissionReport>(&envelope.message)) report = *said;
+  const auto* frame = std::get_if<LinkFrame>(&envelope.message);
+  if (frame && frame->way == LinkFrame::Way::kToOperator) frames.push_back(frame->bytes);
 }
-
-}  // namespace
 
 MissionHelm::MissionHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
-                         std::shared_ptr<const MissionPlan> plan, double echo_contrast)
-    : names_(names_of(seats)),
-      crew_(std::move(seats), vehicle, config, [this](const Envelope& envelope) { note(envelope); }),
+                         std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
+    : crew_(std::move(seats), vehicle, config, [this](const Envelope& envelope) { book_.note(envelope); }),
       ears_(
-          std::move(plan), echo_contrast, [this](Message message, Time now) { crew_.hear(std::move(message), now); },
+          std::move(plan), std::move(chart), echo_contrast,
+          [this](Message message, Time now) { crew_.hear(std::move(message), now); },
           [this](const std::string& agent, bool hangs) { fail(agent, hangs); }) {}
 
-void MissionHelm::note(const Envelope& envelope) {
-  if (const auto* decision = std::get_if<Decision>(&envelope.message)) decisions_.push_back(*decision);
-  if (const auto* report = std::get_if<MissionReport>(&envelope.message)) report_ = *report;
-}
-
 void MissionHelm::fail(const std::string& agent, bool hangs) {
-  if (std::find(names_.begin(), names_.end(), agent) == names_.end()) return;
+  if (!crew_.has(agent)) return;
   if (hangs) {
     crew_.hang(agent);
   } else {
@@ -36,6 +28,7 @@ void MissionHelm::fail(const std::string& agent, bool hangs) {
 }
 
 void MissionHelm::hear(const Event& event) {
+  book_.frames.clear();
   ears_.hear(event);
   crew_.advance(ears_.now());
 }

@@ -6,21 +6,32 @@
 // A health report of "agent.NAME" is a fault of this computer: the agent hangs where the note says so, else it dies;
 // both are for good.
 //
-// A function of the events. One thread; live_loop.hpp has real ones. Throws Error where the crew cannot be (crew.hpp).
+// A function of the events. One thread; live_helm.hpp has real ones. Throws Error where the crew cannot be (crew.hpp).
 #pragma once
 
 #include <isobath/mission/crew.hpp>
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/mission_ears.hpp>
 #include <memory>
+#include <utility>
+#include <vector>
 
 namespace isobath {
+
+/// What is kept of all that a crew says.
+struct Logbook {
+  MissionReport report;  ///< the last
+  std::vector<Decision> decisions;
+  std::vector<FrameBytes> frames;  ///< for the operator, until they are fetched
+
+  void note(const Envelope& envelope);
+};
 
 class MissionHelm : public Helm {
  public:
   /// `echo_contrast`: of the echoes that the Safety Officer is shown (sonar_look.hpp).
   MissionHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
-              std::shared_ptr<const MissionPlan> plan, double echo_contrast);
+              std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast);
   MissionHelm(const MissionHelm&) = delete;
   MissionHelm& operator=(const MissionHelm&) = delete;
   ~MissionHelm() override = default;
@@ -29,21 +40,21 @@ class MissionHelm : public Helm {
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   [[nodiscard]] Setpoint steer() override;
-  [[nodiscard]] MissionReport progress() const override { return report_; }
-  [[nodiscard]] const std::vector<Decision>& decisions() const override { return decisions_; }
+  [[nodiscard]] MissionReport progress() const override { return book_.report; }
+  [[nodiscard]] const std::vector<Decision>& decisions() const override { return book_.decisions; }
+  /// Those of the last event.
+  [[nodiscard]] std::vector<FrameBytes> to_operator() override { return std::exchange(book_.frames, {}); }
+  [[nodiscard]] CrewCounts crew_counts() const override { return crew_.counts(); }
 
   [[nodiscard]] const Crew& crew() const { return crew_; }
   [[nodiscard]] const MissionPlan& plan() const { return ears_.plan(); }
 
  private:
-  void note(const Envelope& envelope);
   void fail(const std::string& agent, bool hangs);
 
-  std::vector<std::string> names_;  ///< of the seats
-  Crew crew_;                       ///< holds a way back to this object, as do the ears
+  Crew crew_;  ///< holds a way back to this object, as do the ears
   MissionEars ears_;
-  MissionReport report_;
-  std::vector<Decision> decisions_;
+  Logbook book_;
 };
 
 }  // namespace isobath

@@ -101,10 +101,21 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
                      {"least_altitude_m", tidy(truth->least_altitude_m)},
                      {"path_m", tidy(truth->length_m)}};
   }
+  const CrewCounts& crew = outcome.crew;
+  json["crew"] = {{"ticks", crew.ticks},
+                  {"agents_lost", crew.lost},
+                  {"messages_cut", crew.cut},
+                  {"set_points_limited", crew.limited}};
+  for (const OperatorAnswer& answer : outcome.answers) {
+    json["operator"].push_back(
+        {{"time", to_text(answer.time)}, {"phase", to_text(answer.status.phase)}, {"text", answer.status.text}});
+  }
   if (outcome.recorded) json["recorded"] = {{"decisions", *outcome.recorded}, {"the_same", outcome.as_recorded}};
   if (with_timings) {
     json["timings"] = {{"event_to_crew", to_json(outcome.timings.event_to_crew)},
                        {"ping_to_grid", to_json(outcome.timings.ping_to_grid)},
+                       {"detection", to_json(outcome.timings.detection)},
+                       {"planning", to_json(outcome.timings.planning)},
                        {"scan_to_decision", to_json(outcome.timings.scan_to_decision)}};
   }
   return json;

@@ -5,7 +5,9 @@
 // that decides as the run did gives the same bytes. Positions in W as the vehicle believes to be in it, m; margins m.
 #pragma once
 
+#include <isobath/mission/crew.hpp>
 #include <isobath/mission/messages.hpp>
+#include <isobath/runtime/simulated_operator.hpp>
 #include <isobath/runtime/true_track.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -23,9 +25,11 @@ struct StageTime {
 StageTime stage_time(std::vector<double>& milliseconds);
 
 struct MissionTimings {
-  StageTime event_to_crew;     ///< an event: heard by all agents
-  StageTime ping_to_grid;      ///< a ping: decided, in the body grid
-  StageTime scan_to_decision;  ///< the end of a sweep: obstacles found, agents heard, set-point given
+  StageTime event_to_crew;     ///< an event: heard by all agents; with real threads: in their mailboxes
+  StageTime ping_to_grid;      ///< mapping: a ping, decided, in the body grid
+  StageTime detection;         ///< the end of a sweep: obstacles found
+  StageTime planning;          ///< the Navigator's turn that a scan of obstacles gets
+  StageTime scan_to_decision;  ///< from when the event came that ended a sweep until the Navigator has decided
 };
 
 /// Where the vehicle believed to be.
@@ -59,6 +63,8 @@ struct MissionOutcome {
   std::uint64_t as_recorded = 0;          ///< of a log: decisions that are those of the recorded run, from the first on
   std::optional<std::uint64_t> recorded;  ///< of a log that holds decisions: how many
   MissionTimings timings;
+  CrewCounts crew;
+  std::vector<OperatorAnswer> answers;  ///< what the operator of a simulated run heard
 
   /// What went wrong, as one line: contact, a mission that did not end or was aborted, no point reached, decisions that
   /// differ from those recorded. Empty where all is well; a point that was dropped by the rules is no failure.

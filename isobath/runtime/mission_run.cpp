@@ -14,10 +14,6 @@ namespace fs = std::filesystem;
 
 constexpr Duration kBelievedInterval = std::chrono::milliseconds(95);  // ten a second, whatever the jitter
 
-double milliseconds(std::chrono::steady_clock::duration d) {
-  return std::chrono::duration<double, std::milli>(d).count();
-}
-
 bool is_mcap(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::array<char, 16> head{};
@@ -56,13 +52,28 @@ std::vector<Seat> whole_crew(const MissionSetup& setup, const Configuration& con
     seats.push_back({configuration.crew.gate.safety_officer, AgentLevel::kSupervisory,
                      std::make_unique<SafetyOfficer>(configuration.safety, setup.vehicle)});
   }
+  for (const AgentFile& agent : configuration.agents) seats.push_back(load_agent(agent));
   return seats;
 }
 
+namespace {
+
+template <class Crewed>
+std::unique_ptr<Crewed> make_helm(const MissionSetup& setup, const Configuration& configuration,
+                                  std::vector<Seat> seats) {
+  return std::make_unique<Crewed>(std::move(seats), setup.vehicle, configuration.crew,
+                                  std::make_shared<const MissionPlan>(setup.plan), setup.chart,
+                                  configuration.safety.echo_contrast);
+}
+
+}  // namespace
+
 std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration) {
-  return std::make_unique<MissionHelm>(whole_crew(setup, configuration), setup.vehicle, configuration.crew,
-                                       std::make_shared<const MissionPlan>(setup.plan),
-                                       configuration.safety.echo_contrast);
+  return make_helm<MissionHelm>(setup, configuration, whole_crew(setup, configuration));
+}
+
+std::unique_ptr<LiveHelm> make_live_helm(const MissionSetup& setup, const Configuration& configuration) {
+  return make_helm<LiveHelm>(setup, configuration, whole_crew(setup, configuration));
 }
 
 std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions, const fs::path& input) {
@@ -77,16 +88,23 @@ std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions,
   return found;
 }
 
-MissionRun::MissionRun(const MissionSetup& setup, const Configuration& configuration)
-    : helm_(make_mission_helm(setup, configuration)) {}
+MissionRun::MissionRun(const MissionSetup& setup, const Configuration& configuration, bool live)
+    : plan_(setup.plan), times_(std::make_shared<StageTimes>()) {
+  std::vector<Seat> seats = whole_crew(setup, configuration);
+  for (Seat& seat : seats) {
+    if (seat.name == "navigator") seat = timed(std::move(seat), times_);
+  }
+  if (live) {
+    helm_ = make_helm<LiveHelm>(setup, configuration, std::move(seats));
+  } else {
+    helm_ = make_helm<MissionHelm>(setup, configuration, std::move(seats));
+  }
+}
 
 void MissionRun::hear(const Event& event) {
-  begun_ = Clock::now();
-  pinged_ = swept_ = false;
-  left_out_ms_ = crew_ms_ = 0;
+  const auto begun = StageTimes::Clock::now();
   helm_->hear(event);
-  event_ms_.push_back(milliseconds(Clock::now() - begun_));
-  crew_ms_ = event_ms_.back();
+  times_->heard(StageTimes::Clock::now() - begun);
   const auto* fix = std::get_if<Navigation>(&event);
   if (!fix || !fix->X_WB.is_finite()) return;
   if (!believed_.empty() && fix->time - believed_.back().time < kBelievedInterval) return;
@@ -94,17 +112,15 @@ void MissionRun::hear(const Event& event) {
 }
 
 void MissionRun::on_ping(const PosedPing& ping) {
-  const auto start = Clock::now();
+  times_->mapped();
   helm_->on_ping(ping);
-  crew_ms_ += milliseconds(Clock::now() - start);
-  pinged_ = true;
+  times_->aside();
 }
 
 void MissionRun::on_scan(const ScanResult& scan) {
-  const auto start = Clock::now();
+  times_->detected(scan.detection.time);
   helm_->on_scan(scan);
-  crew_ms_ += milliseconds(Clock::now() - start);
-  swept_ = true;
+  times_->aside();
   const Pose X_WL = level(scan.detection.X_WB);
   for (const Obstacle& o : scan.detection.obstacles) {
     if (o.behind) continue;
@@ -115,23 +131,15 @@ void MissionRun::on_scan(const ScanResult& scan) {
   }
 }
 
-Setpoint MissionRun::steer() {
-  const Setpoint setpoint = helm_->steer();
-  const double all_ms = milliseconds(Clock::now() - begun_) - left_out_ms_;
-  if (pinged_ && !swept_) ping_ms_.push_back(std::max(0.0, all_ms - crew_ms_));
-  if (swept_) scan_ms_.push_back(all_ms);
-  return setpoint;
-}
-
 MissionOutcome MissionRun::outcome() const {
   MissionOutcome outcome;
-  outcome.plan = helm_->plan();
+  outcome.plan = plan_;
   outcome.report = helm_->progress();
   outcome.decisions = helm_->decisions();
   outcome.believed = believed_;
   outcome.seen = seen_;
-  std::vector<double> event = event_ms_, ping = ping_ms_, scan = scan_ms_;
-  outcome.timings = {stage_time(event), stage_time(ping), stage_time(scan)};
+  outcome.timings = times_->timings();
+  outcome.crew = helm_->crew_counts();
   return outcome;
 }
 

@@ -1,15 +1,16 @@
 // MissionRun: a mission beside a run, whether what it hears is simulated, recorded or sensed: the helm, what it
 // decides, how long that takes, and what the pages say of it.
 //
-// For each event, in this order: hear, then the pipeline with this object among its sinks, then steer.
+// For each event, in this order: hear, begin, then the pipeline with this object among its sinks, then steer. With real
+// threads one hears and steers, another begins and maps.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <isobath/runtime/configuration.hpp>
-#include <isobath/runtime/mission_helm.hpp>
+#include <isobath/runtime/live_helm.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
 #include <isobath/runtime/scenario.hpp>
+#include <isobath/runtime/stage_times.hpp>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,7 @@ namespace isobath {
 struct MissionSetup {
   MissionPlan plan;
   VehicleSheet vehicle;
+  ChartUpdate chart = {};
 };
 /// A vehicle's sheet as a file has it: [vehicle].
 std::vector<Section> vehicle_sections(VehicleSheet& sheet);
@@ -28,10 +30,11 @@ std::vector<Section> vehicle_sections(VehicleSheet& sheet);
 /// default one. Empty where there is no mission point. Throws Error.
 std::optional<MissionSetup> mission_setup(const std::filesystem::path& mission, const std::filesystem::path& input,
                                           const Simulator* simulator);
-/// All agents, the Safety Officer among them. Throws Error where one cannot be made.
+/// All agents, the Safety Officer and those of libraries among them. Throws Error where one cannot be made.
 std::vector<Seat> whole_crew(const MissionSetup& setup, const Configuration& configuration);
-/// The whole crew at the helm. Throws Error where it cannot be made.
+/// The whole crew at the helm, in one thread, or each agent in its own. Throws Error where it cannot be made.
 std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration);
+std::unique_ptr<LiveHelm> make_live_helm(const MissionSetup& setup, const Configuration& configuration);
 
 /// How many decisions, from the first on, are those that the log holds, and how many it holds; empty where the input is
 /// no log with decisions.
@@ -42,32 +45,29 @@ std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions,
 
 class MissionRun : public ResultSink {
  public:
-  /// Throws Error where the crew cannot be made.
-  MissionRun(const MissionSetup& setup, const Configuration& configuration);
+  /// `live`: each agent in a thread of its own (live_helm.hpp); then mapping may have one, too. Throws Error where the
+  /// crew cannot be made.
+  MissionRun(const MissionSetup& setup, const Configuration& configuration, bool live);
 
   void hear(const Event& event);
+  /// Of whoever maps, before the pipeline has the event that was taken at this time.
+  void begin(StageTimes::Clock::time_point taken) { times_->begin(taken); }
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
-  Setpoint steer();
-  /// Time that was spent for others between hear and steer: no part of the stages.
-  void leave_out(double milliseconds) { left_out_ms_ += milliseconds; }
+  /// Of whoever maps: what was done for others since on_ping or on_scan is no part of the stages.
+  void resume() { times_->resume(); }
+  Setpoint steer() { return helm_->steer(); }
 
-  [[nodiscard]] const Helm& helm() const { return *helm_; }
-  /// So far, without what only the truth knows.
+  [[nodiscard]] Helm& helm() { return *helm_; }
+  /// So far, without what only the truth knows. With real threads: after settle, and while nobody maps.
   [[nodiscard]] MissionOutcome outcome() const;
 
  private:
-  using Clock = std::chrono::steady_clock;  // for timings alone: no result depends on it
-
-  std::unique_ptr<MissionHelm> helm_;
+  MissionPlan plan_;
+  std::shared_ptr<StageTimes> times_;
+  std::unique_ptr<Helm> helm_;
   std::vector<BelievedPlace> believed_;
   std::vector<SeenObstacle> seen_;
-
-  Clock::time_point begun_;
-  bool pinged_ = false, swept_ = false;  ///< by the event that is under way
-  double left_out_ms_ = 0;
-  double crew_ms_ = 0;  ///< of what the pipeline was asked for, spent in the helm
-  std::vector<double> event_ms_, ping_ms_, scan_ms_;
 };
 
 }  // namespace isobath

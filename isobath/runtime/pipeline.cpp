@@ -76,11 +76,15 @@ void Pipeline::take(Event event) {
 // What happens to a ping whose pose is known -------------------------------------------------------------------------
 
 void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
-  fit_map(ping, posed);                                                                  // a grid of the sonar's size
-  echoes_.detect(ping, decisions_);                                                      // intensities -> decisions
-  mapper_->update(ping, decisions_, X_WB, {.position_fix = poses_.settled(ping.time)});  // belief moves, then learns
+  fit_map(ping, posed);                                       // a grid of the sonar's size
+  const WaterColumn water = water_at(ping, X_WB, posed);      // where bottom and surface are
+  echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
+  const bool measured = !posed || poses_.knows_its_motion();  // else dead reckoned
+  mapper_->update(ping, decisions_, X_WB, {.position_fix = false, .velocity_log = measured});  // moves, then learns
   sink_.on_ping({ping, X_WB, decisions_});
   count(decisions_);
+  counts_.no_bottom += water.above_bottom_m ? 0 : 1;
+  counts_.dead_reckoned += measured ? 0 : 1;
   last_ = Placed{ping.time, X_WB, posed};
   sweep_open_ = true;
   if (sweeps_.add(ping)) end_scan();  // belief -> obstacles
@@ -91,6 +95,19 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
 void Pipeline::map_depth(const Waiting& sensed, const PoseEstimate& pose) {
   if (const auto* range = std::get_if<RangeReading>(&sensed)) depths_->on_range(*range, pose);
   if (const auto* swath = std::get_if<Swath>(&sensed)) depths_->on_swath(*swath, pose);
+}
+
+/// A depth of nothing is that of a boat, or of a log that knows none.
+WaterColumn Pipeline::water_at(const Ping& ping, const Pose& X_WB, bool posed) const {
+  const Pose X_WS = X_WB * ping.X_BS;
+  WaterColumn water{X_WS.rotation, {}, {}};
+  if (!posed) return water;
+  const double depth = X_WS.translation.z();
+  auto bottom = bottom_.depth(ping.time);
+  if (!bottom && depths_) bottom = depths_->bottom_depth(X_WS.translation.head<2>());
+  if (bottom && *bottom > depth) water.above_bottom_m = *bottom - depth;
+  if (depth > 0) water.below_surface_m = depth;
+  return water;
 }
 
 void Pipeline::end_scan() {
@@ -109,6 +126,7 @@ void Pipeline::finish() {
 void Pipeline::restart() {
   release(Time::max(), true);
   poses_.clear();
+  bottom_ = {};
   last_.reset();
   mapper_.reset();
 }
@@ -146,17 +164,21 @@ void Pipeline::release(Time now, bool all) {
 
 void Pipeline::place(const Waiting& sensed) {
   const auto* ping = std::get_if<Ping>(&sensed);
-  if (!ping && !depths_) return;
+  const auto* range = std::get_if<RangeReading>(&sensed);
+  if (!ping && !range && !depths_) return;
   if (poses_.empty()) {
+    if (!ping && !depths_) return;
     if (!ping) return gate_.count(kNoPlace);
     ++counts_.unposed;  // no navigation at all: the vehicle is taken to stand still
     return map_ping(*ping, Pose{}, false);
   }
   const Time time = std::visit([](const auto& s) { return s.time; }, sensed);
   const auto X_WB = poses_.at(time);
+  if (!X_WB && !ping && !depths_) return;
   if (!X_WB) return gate_.count(to_text(X_WB.error()));
   if (ping) return map_ping(*ping, *X_WB, true);
-  map_depth(sensed, {*X_WB, poses_.sigma_m()});
+  if (range) bottom_.hear(*range, *X_WB);
+  if (depths_) map_depth(sensed, {*X_WB, poses_.sigma_m()});
 }
 
 // The map ------------------------------------------------------------------------------------------------------------
@@ -180,6 +202,12 @@ void Pipeline::count(const EchoDecisions& decisions) {
     usable += static_cast<std::uint64_t>(std::popcount(decisions.usable()[w]));
     for (int b = 0; b < decisions.beams(); ++b) {
       hits += static_cast<std::uint64_t>(std::popcount(decisions.hits(b)[w] & decisions.usable()[w]));
+      if (!decisions.dim(b)) continue;
+      const std::uint64_t dim = decisions.dim(b)[w] & decisions.usable()[w];
+      counts_.dim += static_cast<std::uint64_t>(std::popcount(dim));
+      for (std::uint64_t left = dim; left != 0; left &= left - 1) {
+        counts_.blind += decisions.tells(b, 64 * w + std::countr_zero(left)) ? 0 : 1;
+      }
     }
   }
   counts_.bins += usable * static_cast<std::uint64_t>(decisions.beams());

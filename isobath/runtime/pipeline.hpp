@@ -4,6 +4,9 @@
 //   alarms -> gate -> pose of the transmit time -> echoes to decisions -> decisions to the body grid -> grid to
 //   obstacles, once a scan; ranges and soundings to the depth map
 //
+// Which echoes are of the bottom or the surface follows from depth and altitude (S6-69): of the last sensor that looked
+// down, else of the depth map. Where neither says, echoes of the bottom count as any others, and the pings are counted.
+//
 // Source: Ganesan 2015, chapter 3, figure 3.1; Oskard 1990; ledger S6-03, S6-15, S6-20 to S6-30, S1-02. Time is the
 // time of the events: a run is a function of its input and configuration. One thread. After warm-up, mapping allocates
 // nothing and throws nothing.
@@ -15,6 +18,7 @@
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/runtime/alarms.hpp>
+#include <isobath/runtime/bottom_below.hpp>
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
@@ -64,6 +68,8 @@ class SoundingSink {
   virtual void on_swath(const Swath& swath, const PoseEstimate& pose) = 0;
   /// A place that the vehicle has come to.
   virtual void on_passage(Time time, const Pose& X_WB) = 0;
+  /// Depth of the bottom at a place (north, east), m below the datum; empty: not known.
+  [[nodiscard]] virtual std::optional<double> bottom_depth(const Eigen::Vector2d& /*north_east*/) const { return {}; }
 };
 
 struct PipelineCounts {
@@ -73,8 +79,12 @@ struct PipelineCounts {
   std::uint64_t ranges = 0;
   std::uint64_t swaths = 0;
   std::uint64_t scans = 0;
-  std::uint64_t bins = 0;  ///< decided, blind ones left out
-  std::uint64_t hits = 0;  ///< decided as echo
+  std::uint64_t bins = 0;           ///< decided, blind ones left out
+  std::uint64_t hits = 0;           ///< decided as echo
+  std::uint64_t dim = 0;            ///< of the decided bins, those in which bottom or surface may hide a target (S6-69)
+  std::uint64_t blind = 0;          ///< of these, those in which they hide it: they say nothing
+  std::uint64_t dead_reckoned = 0;  ///< pings, of which the motion was known by a model of the thruster alone (S6-22)
+  std::uint64_t no_bottom = 0;      ///< pings of which nobody knew how far below the bottom was
 };
 
 class Pipeline {
@@ -109,6 +119,7 @@ class Pipeline {
   void map_depth(const Waiting& sensed, const PoseEstimate& pose);
   void fit_map(const Ping& ping, bool posed);
   void count(const EchoDecisions& decisions);
+  [[nodiscard]] WaterColumn water_at(const Ping& ping, const Pose& X_WB, bool posed) const;
   void end_scan();
 
   Configuration configuration_;
@@ -118,6 +129,7 @@ class Pipeline {
   EventGate gate_;
   PoseBuffer poses_;
   std::vector<Waiting> waiting_;  ///< for the fix that follows them, oldest first
+  BottomBelow bottom_;
   EchoDetector echoes_;
   EchoDecisions decisions_;
   SweepFinder sweeps_;

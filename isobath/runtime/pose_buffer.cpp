@@ -49,6 +49,11 @@ Result<Pose, PoseFault> PoseBuffer::at(Time time) const {
   return interpolate(before.X_WB, after.X_WB, to_seconds(time - before.time) / gap);
 }
 
+bool PoseBuffer::knows_its_motion() const {
+  constexpr double kGood = 0.1;  // m/s: in the 4 s of a scan less than the cell of a grid
+  return count_ == 0 || !newest().v_sigma || *newest().v_sigma <= kGood;
+}
+
 double PoseBuffer::sigma_m() const {
   if (count_ == 0 || !newest().covariance) return 0;
   const auto& c = *newest().covariance;

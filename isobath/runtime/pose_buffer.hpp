@@ -34,6 +34,9 @@ class PoseBuffer {
   [[nodiscard]] Result<Pose, PoseFault> at(Time time) const;
   /// Standard deviation of the place in the plane along its longer axis, as the newest fix states it, m; 0: not stated.
   [[nodiscard]] double sigma_m() const;
+  /// Whether displacements rest on more than dead reckoning by a model of the thruster: the newest fix states its
+  /// velocity to 0.1 m/s, or states no accuracy (ledger S6-22).
+  [[nodiscard]] bool knows_its_motion() const;
 
  private:
   static constexpr std::size_t kCapacity = 1024;

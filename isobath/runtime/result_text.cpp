@@ -109,12 +109,16 @@ ordered_json counts_json(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   return {{"pings", n.pings},
           {"pings_without_pose", n.unposed},
+          {"pings_without_altitude", n.no_bottom},
+          {"pings_dead_reckoned", n.dead_reckoned},
           {"navigation", n.navigation},
           {"ranges", n.ranges},
           {"swaths", n.swaths},
           {"scans", n.scans},
           {"bins", n.bins},
           {"hits", n.hits},
+          {"dim_bins", n.dim},
+          {"blind_bins", n.blind},
           {"obstacles", outcome.obstacles.size()},
           {"bytes_skipped", outcome.source.bytes_skipped}};
 }

@@ -5,6 +5,7 @@
 #include <isobath/io/pose_track.hpp>
 #include <isobath/runtime/closed_loop.hpp>
 #include <isobath/runtime/depth_model.hpp>
+#include <isobath/runtime/mission_chart.hpp>
 #include <isobath/runtime/mission_run.hpp>
 #include <isobath/runtime/prefetch.hpp>
 #include <isobath/runtime/run.hpp>
@@ -12,6 +13,7 @@
 #include <isobath/runtime/run_log.hpp>
 #include <isobath/runtime/run_source.hpp>
 #include <isobath/runtime/scenario.hpp>
+#include <thread>
 
 namespace isobath {
 namespace {
@@ -23,9 +25,9 @@ double milliseconds_since(Clock::time_point start) {
 }
 
 /// A scene is simulated here and now; it uses the threads itself.
-std::unique_ptr<SimulatedSource> simulate(const RunRequest& request) {
-  if (!is_scene(request.input)) return nullptr;
-  return std::make_unique<SimulatedSource>(open_scene(request.input), request.configuration.simulation,
+std::unique_ptr<SimulatedSource> simulate(const RunRequest& request, const std::optional<Scenario>& scenario) {
+  if (!scenario) return nullptr;
+  return std::make_unique<SimulatedSource>(scenario->scene, request.configuration.simulation,
                                            std::min(request.threads, 2));
 }
 
@@ -36,17 +38,15 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
   explicit Sinks(RunFolder& folder) : folder_(folder) {}
   void on_ping(const PosedPing& ping) override {
     if (mission) mission->on_ping(ping);
-    aside([&] {
-      folder_.on_ping(ping);
-      if (judge) judge->on_ping(ping);
-    });
+    folder_.on_ping(ping);
+    if (judge) judge->on_ping(ping);
+    if (mission) mission->resume();
   }
   void on_scan(const ScanResult& scan) override {
     if (mission) mission->on_scan(scan);
-    aside([&] {
-      folder_.on_scan(scan);
-      if (judge) judge->on_scan(scan);
-    });
+    folder_.on_scan(scan);
+    if (judge) judge->on_scan(scan);
+    if (mission) mission->resume();
   }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
@@ -57,12 +57,6 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
   std::optional<RunLog> log;
 
  private:
-  template <class Work>
-  void aside(Work work) {
-    const auto start = Clock::now();
-    work();
-    if (mission) mission->leave_out(milliseconds_since(start));
-  }
   template <class Truth>
   void tell(const Truth& truth) {
     if (judge) judge->take(truth);
@@ -95,11 +89,12 @@ void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard)
       plan.place, "the same origin in both");
 }
 
-MissionOutcome outcome_of(const Sinks& sinks, const RunRequest& request, Simulator* simulator) {
+MissionOutcome outcome_of(const Sinks& sinks, const RunRequest& request, SimulatedSource* simulated) {
   MissionOutcome mission = sinks.mission->outcome();
-  if (simulator) {
+  if (simulated) {
     mission.truth = sinks.track->truth();
-    mission.bodies = outlines_of(simulator->world());
+    mission.bodies = outlines_of(simulated->simulator().world());
+    if (const SimulatedOperator* at_the_link = simulated->at_the_link()) mission.answers = at_the_link->answers();
   } else if (const auto recorded = compare_with_log(mission.decisions, request.input)) {
     mission.recorded = recorded->decisions;
     mission.as_recorded = recorded->the_same;
@@ -204,16 +199,33 @@ DepthOutcome outcome_of(const DepthModel& model) {
   return depth;
 }
 
+/// Where --mission names a scenario: what was run once is decided again by the same chart.
+std::optional<Scenario> scenario_of_mission(const RunRequest& request) {
+  if (request.mission.empty()) return std::nullopt;
+  const std::string file = request.mission.string(), text = text_of_file(file);
+  return looks_like_scene(text) ? std::optional(parse_scenario(text, file)) : std::nullopt;
+}
+
+void check_live(const RunRequest& request, const std::optional<MissionSetup>& setup, bool simulated) {
+  if (!request.live_speed) return;
+  const Place input{request.input.string(), {}, {}, {}, {}};
+  if (!simulated || !setup) throw Error("only a scene with a mission can run live", input);
+  if (!request.record.empty()) {
+    throw Error("a live run is not recorded", input, "", "what it decides could not be decided again");
+  }
+}
+
 void prepare(Sinks& sinks, const RunRequest& request, const std::optional<MissionSetup>& setup,
              SimulatedSource* simulated) {
+  check_live(request, setup, simulated != nullptr);
   if (!request.record.empty() && !simulated) {
     throw Error("only what is simulated can be recorded", {request.input.string(), {}, {}, {}, {}}, "a scene",
                 "isobath convert makes a log of a log");
   }
-  if (setup) sinks.mission.emplace(*setup, request.configuration);
+  if (setup) sinks.mission.emplace(*setup, request.configuration, request.live_speed.has_value());
   if (!simulated) return;
   const Simulator& simulator = simulated->simulator();
-  sinks.judge.emplace(simulated->simulator());
+  if (!request.live_speed) sinks.judge.emplace(simulated->simulator());
   if (setup) sinks.track.emplace(simulator);
   if (!request.record.empty()) {
     sinks.log.emplace(request.record, simulator, scenario_text(request.input), request.configuration);
@@ -223,25 +235,74 @@ void prepare(Sinks& sinks, const RunRequest& request, const std::optional<Missio
 }
 
 /// The end of an event's way: the set-point. False: the mission was over long enough.
-bool steer(Sinks& sinks, Simulator* simulator, EndOfMission& end, Time time) {
+bool steer(Sinks& sinks, SimulatedSource* simulated, EndOfMission& end, Time time) {
+  Helm& helm = sinks.mission->helm();
   const Setpoint setpoint = sinks.mission->steer();
-  if (sinks.log) sinks.log->write(time, setpoint, sinks.mission->helm().decisions());
-  if (!simulator) return true;
-  simulator->command(setpoint);
-  return !end.reached(sinks.mission->helm().progress().phase, simulator->now_s());
+  if (sinks.log) sinks.log->write(time, setpoint, helm.decisions());
+  if (!simulated) return true;
+  simulated->simulator().command(setpoint);
+  simulated->answer(helm.to_operator());
+  return !end.reached(helm.progress().phase, simulated->simulator().now_s());
 }
 
-RunOutcome run(const RunRequest& request) {
+/// Keeps the threads of a live run together: by the real clock, or, as fast as it goes, by waiting for all.
+class Pace {
+ public:
+  Pace(double speed, const Simulator& simulator) : speed_(speed), simulator_(simulator), start_(Clock::now()) {}
+  void keep(MappingThread& mapping, Helm& helm) {
+    const double now_s = simulator_.now_s();
+    if (speed_ > 0) {
+      std::this_thread::sleep_until(start_ + std::chrono::duration<double>(now_s / speed_));
+    } else if (now_s - settled_s_ >= to_seconds(kTick)) {
+      settle(mapping, helm);
+      settled_s_ = now_s;
+    }
+  }
+
+ private:
+  double speed_;
+  const Simulator& simulator_;
+  Clock::time_point start_;
+  double settled_s_ = 0;
+};
+
+/// What pipeline and depth map found, and whether the input was in order.
+void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths) {
+  outcome.counts = pipeline.counts();
+  outcome.rejected = outcome.source.rejected;
+  for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
+  if (outcome.counts.pings > 0) outcome.undecided = pipeline.undecided();
+  outcome.alarms = alarms_of(pipeline.emergencies());
+  for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
+  outcome.problem = problem_of(outcome);
+  if (outcome.counts.pings + outcome.counts.ranges + outcome.counts.swaths == 0 && outcome.problem.empty())
+    outcome.problem = "no ping, range or sounding in it could be used";
+  if (outcome.counts.pings == 0 && !depths.snapshot() && outcome.problem.empty())
+    outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
+}
+
+RunOutcome run(const RunRequest& asked) {
+  RunRequest request = asked;
+  std::optional<Scenario> scenario;
+  if (is_scene(request.input)) scenario = open_scenario(request.input);
+  if (const auto named = scenario ? scenario : scenario_of_mission(request)) {
+    request.configuration = named->with_prior(request.configuration);
+  }
+  const std::vector<std::string> priors = priors_of(request);
   DepthModel depths(request.configuration, request.map);
-  depths.set_prior_files(priors_of(request));
+  depths.set_prior_files(priors);
   const std::optional<GeoOrigin> frame = depths.stored_origin();
-  const auto simulated = simulate(request);
+  const auto simulated = simulate(request, scenario);
   const auto opened =
       simulated ? nullptr : open_run_source(request.input, request.configuration, frame, request.threads);
   const auto placed = simulated && frame ? place_in(*simulated, *frame) : nullptr;
   Source* source = placed ? placed.get() : simulated ? static_cast<Source*>(simulated.get()) : opened.get();
-  Simulator* simulator = simulated ? &simulated->simulator() : nullptr;
-  const auto setup = mission_setup(request.mission, request.input, simulator);
+  const Simulator* simulator = simulated ? &simulated->simulator() : nullptr;
+  auto setup = mission_setup(request.mission, request.input, simulator);
+  if (setup) {
+    setup->chart = chart_of(request.map, priors, request.configuration, frame ? frame : source->report().origin);
+    if (simulated) simulated->add_operator(scenario->orders, setup->plan);
+  }
   RunFolder folder(request.out, request.configuration);
   Sinks sinks(folder);
   prepare(sinks, request, setup, simulated.get());
@@ -251,41 +312,52 @@ RunOutcome run(const RunRequest& request) {
 
   const auto start = Clock::now();
   std::vector<double> ping_ms;
+  const auto map = [&](Event event, Clock::time_point taken) {
+    const bool is_ping = std::holds_alternative<Ping>(event);
+    const std::uint64_t mapped = pipeline.counts().pings;
+    if (sinks.mission) sinks.mission->begin(taken);
+    const auto begun = Clock::now();
+    pipeline.take(std::move(event));
+    if (is_ping || pipeline.counts().pings > mapped) ping_ms.push_back(milliseconds_since(begun));
+  };
+  std::optional<MappingThread> mapping;
+  std::optional<Pace> pace;
+  if (request.live_speed) {
+    pace.emplace(*request.live_speed, *simulator);
+    mapping.emplace(map);
+  }
   Time first = Time::max(), last = Time::min();
   while (auto event = source->next()) {
-    depths.locate(frame ? frame : source->report().origin);
-    const bool is_ping = std::holds_alternative<Ping>(*event);
+    const std::optional<GeoOrigin> origin = frame ? frame : source->report().origin;
+    if (!mapping || first == Time::max()) depths.locate(origin);  // a scene lies where it lies from the start
+    if (setup && first == Time::max()) check_frame(setup->plan, origin);
     const Time time = time_of(*event);
-    if (setup && first == Time::max()) check_frame(setup->plan, frame ? frame : source->report().origin);
     if (sinks.log) sinks.log->write(*event);
+    const auto taken = Clock::now();
     if (sinks.mission) sinks.mission->hear(*event);
-    const auto begun = Clock::now();
-    const std::uint64_t mapped = pipeline.counts().pings;
-    pipeline.take(std::move(*event));
-    if (is_ping || pipeline.counts().pings > mapped) ping_ms.push_back(milliseconds_since(begun));
+    if (mapping) {
+      mapping->take(std::move(*event));
+      pace->keep(*mapping, sinks.mission->helm());
+    } else {
+      map(std::move(*event), taken);
+    }
     first = std::min(first, time);
     last = std::max(last, time);
-    if (request.progress) request.progress(source->report(), pipeline.counts());
-    if (sinks.mission && !steer(sinks, simulator, end, time)) break;
+    if (request.progress) request.progress(source->report(), mapping ? PipelineCounts{} : pipeline.counts());
+    if (sinks.mission && !steer(sinks, simulated.get(), end, time)) break;
   }
-  if (sinks.mission) outcome.mission = outcome_of(sinks, request, simulator);  // before the sweep that was cut short
+  if (mapping) {
+    settle(*mapping, sinks.mission->helm());
+    outcome.live = LiveOutcome{mapping->lost_pings()};
+  }
+  if (sinks.mission) outcome.mission = outcome_of(sinks, request, simulated.get());  // before the sweep cut short
   pipeline.finish();
   depths.finish();
   outcome.timings = timings_of(ping_ms, milliseconds_since(start));
-  outcome.counts = pipeline.counts();
+  outcome.log_s = last > first ? to_seconds(last - first) : 0;
   outcome.source = source->report();
   if (frame) outcome.source.origin = frame;
-  outcome.rejected = outcome.source.rejected;
-  for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
-  outcome.log_s = last > first ? to_seconds(last - first) : 0;
-  if (outcome.counts.pings > 0) outcome.undecided = pipeline.undecided();
-  outcome.alarms = alarms_of(pipeline.emergencies());
-  for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
-  outcome.problem = problem_of(outcome);
-  if (outcome.counts.pings + outcome.counts.ranges + outcome.counts.swaths == 0 && outcome.problem.empty())
-    outcome.problem = "no ping, range or sounding in it could be used";
-  if (outcome.counts.pings == 0 && !depths.snapshot() && outcome.problem.empty())
-    outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
+  add_results(outcome, pipeline, depths);
   if (sinks.log) sinks.log->close();
   if (sinks.judge) {
     outcome.truth = sinks.judge->score();

@@ -1,7 +1,10 @@
 // The main job: an input in; map, obstacles, decisions, pictures and a report out, in one folder.
 //
-// The same input, configuration and seed give the same bytes in every file, on any number of threads. Measured times
-// are therefore in the outcome (and on the terminal), and in the report only if they are asked for.
+// The same input, configuration and seed give the same bytes in every file, on any number of threads, but for a live
+// run. Measured times are therefore in the outcome (and on the terminal), and in the report only if they are asked for.
+//
+// Live: a mission in a scene with real threads, one for mapping and one for each agent, as on a vehicle: what it
+// decides depends on who is faster, so it is not recorded, and what was seen is not held against what was there.
 #pragma once
 
 #include <array>
@@ -29,6 +32,9 @@ struct RunRequest {
   std::filesystem::path mission;
   std::filesystem::path record;  ///< log (.mcap) to write of a scene; empty: none
   Configuration configuration;
+  /// Live, at so many times real time; 0: as fast as it goes, and then all threads are waited for ten times a simulated
+  /// second. Empty: not live.
+  std::optional<double> live_speed;
   int threads = 2;       ///< 1: reading and mapping take turns; 2: reading goes ahead on a thread of its own
   bool timings = false;  ///< measured times in the report; its bytes then differ from run to run
   std::function<void(const SourceReport&, const PipelineCounts&)> progress;  ///< called now and then
@@ -38,6 +44,11 @@ struct RunTimings {
   double wall_s = 0;          ///< reading and mapping
   double ping_median_ms = 0;  ///< mapping alone, a ping
   double ping_p99_ms = 0;
+};
+
+/// What real threads could not keep up with.
+struct LiveOutcome {
+  std::uint64_t lost_pings = 0;  ///< in a full queue before the map
 };
 
 /// The depth map of a run, in numbers.
@@ -75,6 +86,7 @@ struct RunOutcome {
   std::optional<TruthScore> truth;           ///< of a simulated run
   std::optional<DepthOutcome> depth;         ///< where ranges or soundings had a place
   std::optional<MissionOutcome> mission;     ///< where there was one
+  std::optional<LiveOutcome> live;           ///< of a live run
   std::string undecided;                     ///< why no echo of a ping was decided at the end; else empty
   /// One line where the input itself is wrong (cut in the middle of a record, poses that are no numbers, time that runs
   /// backwards); empty when all is well. What could be used was used.

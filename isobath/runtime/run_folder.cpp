@@ -39,6 +39,9 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
   if (pinged) {
     rows.push_back({"pings mapped", number(n.pings)});
     rows.push_back({"of these without a pose", number(n.unposed)});
+    rows.push_back({"of these by dead reckoning: the map blurs as the vehicle moves", number(n.dead_reckoned)});
+    rows.push_back(
+        {"of these without an altitude: echoes of the bottom are not told from obstacles", number(n.no_bottom)});
   }
   rows.push_back({"navigation fixes", number(n.navigation)});
   rows.push_back({"range readings", number(n.ranges)});
@@ -47,7 +50,9 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
   const double share = n.bins ? 100.0 * static_cast<double>(n.hits) / static_cast<double>(n.bins) : 0.0;
   rows.push_back({"scans", number(n.scans)});
   rows.push_back({"bins decided", number(n.bins)});
-  rows.push_back({"of these echoes", fmt::format("{} ({:.2f} %)", n.hits, share)});
+  rows.push_back({"of these in the echo of bottom or surface, where a target is found less often", number(n.dim)});
+  rows.push_back({"of these not at all: they say nothing", number(n.blind)});
+  rows.push_back({"bins with an echo", fmt::format("{} ({:.2f} %)", n.hits, share)});
   return rows;
 }
 
@@ -246,7 +251,7 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const Dep
     if (!pictures.mission.clearance.empty()) write_text("clearance.png", pictures.mission.clearance, outcome);
   }
   if (outcome.truth) write_text("truth.json", truth_text(*outcome.truth), outcome);
-  write_text("configuration.toml", write_toml(sections(configuration_), true), outcome);
+  write_text("configuration.toml", to_toml(configuration_, true), outcome);
   write_text("report.html", report(request, outcome, pictures), outcome);
   outcome.files.emplace_back("manifest.json");
   write_file(folder_ / "manifest.json", manifest_json(request, outcome));
@@ -352,8 +357,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
     for (const auto& [key, value] : outcome.source.details) rows.push_back({key, value});
     page.table({"what", "value"}, rows);
   }
-  Configuration configuration = configuration_;
-  page.folded("Configuration in force", write_toml(sections(configuration), true));
+  page.folded("Configuration in force", to_toml(configuration_, true));
   return page.html();
 }
 

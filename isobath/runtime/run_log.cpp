@@ -21,12 +21,12 @@ constexpr const char* kToml = "application/toml";
 }  // namespace
 
 RunLog::RunLog(const std::filesystem::path& file, const Simulator& simulator, const std::string& scenario_toml,
-               Configuration configuration)
+               const Configuration& configuration)
     : log_(checked(file)) {
   log_.set_details({{"scene", simulator.scene().about.title}, {"seed", fmt::format("{}", simulator.seed())}});
   if (const auto origin = simulator.scene().origin()) log_.set_origin(*origin);
   log_.attach(kScenarioAttachment, kToml, scenario_toml);
-  log_.attach(kConfigurationAttachment, kToml, write_toml(sections(configuration), false));
+  log_.attach(kConfigurationAttachment, kToml, to_toml(configuration, false));
 }
 
 void RunLog::attach(const MissionSetup& setup) {

@@ -20,7 +20,7 @@ class RunLog : public SimulatedSource::TruthSink {
  public:
   /// Throws Error where the file cannot be made, or has no name that ends in .mcap.
   RunLog(const std::filesystem::path& file, const Simulator& simulator, const std::string& scenario_toml,
-         Configuration configuration);
+         const Configuration& configuration);
   /// Of a run with a mission.
   void attach(const MissionSetup& setup);
 

@@ -14,6 +14,7 @@
 
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/runtime/closed_loop.hpp>
+#include <isobath/runtime/fault_proof.hpp>
 #include <isobath/runtime/suite.hpp>
 #include <isobath/vehicle/vehicle_sheet.hpp>
 #include <string>
@@ -44,6 +45,8 @@ struct RunScore {
   std::vector<double> delay_pings, first_range_m;  ///< of each body that was found
   int bodies_missed = 0;                           ///< heard, never found
   int replans = 0, false_replans = 0, safety_actions = 0;
+
+  FaultProof proof;  ///< of a run of a fault
 };
 
 /// The truth that all helms of one run are held against.

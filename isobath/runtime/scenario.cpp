@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/mission/mission_file.hpp>
+#include <isobath/mission/planner_budget.hpp>
 #include <isobath/runtime/scenario.hpp>
 
 namespace isobath {
@@ -33,10 +34,17 @@ Scenario parse_scenario(std::string_view text, const std::string& file) {
   Scenario scenario;
   MissionKeys keys;
   Schema mission = schema(keys);
+  mission.sections.push_back({"prior", "The chart that the vehicle has been given.", fields(scenario.prior)});
+  mission.lists.push_back(operator_list(scenario.orders));
   scenario.scene = parse_scene(text, file, mission);
   scenario.mission = make_plan(keys, mission, scenario.scene.origin());
   if (looks_like_mission(text)) check_mission(scenario.mission);
   return scenario;
+}
+
+Configuration Scenario::with_prior(Configuration configuration) const {
+  if (configuration.prior.file.empty() && !prior.file.empty()) configuration.prior = prior;
+  return configuration;
 }
 
 Scenario load_scenario(const std::string& file) { return parse_scenario(text_of_file(file), file); }
@@ -64,8 +72,8 @@ SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, in
   for (const FaultConfig& fault : s.faults) {
     const bool known =
         std::any_of(host_.begin(), host_.end(), [&](const HostPart& p) { return p.source == fault.source; });
-    if (!known && (fault.source == "link" || fault.source.starts_with("agent.")))
-      host_.push_back({fault.source, false});
+    const bool of_host = fault.source == "link" || fault.source == "planner" || fault.source.starts_with("agent.");
+    if (!known && of_host) host_.push_back({fault.source, false});
   }
 }
 
@@ -73,12 +81,25 @@ void SimulatedSource::watch_host() {
   const Time now(seconds(simulator_.now_s()));
   for (HostPart& part : host_) {
     const FaultConfig* fault = simulator_.faults().active(part.source, now);
+    if (fault && fault->kind == FaultKind::kIntermittent) fault = nullptr;  // of the link: its frames tell
     if ((fault != nullptr) == part.lost) continue;
     part.lost = fault != nullptr;
+    if (part.source == "planner") {
+      told_.push_back(planner_report(now, fault ? fault->amount : 1));
+      continue;
+    }
     Health health{now, part.source, part.lost ? HealthState::kLost : HealthState::kOk, 1, false, {}};
     if (fault && fault->kind == FaultKind::kStuck) health.note = kHangs;
     told_.push_back(std::move(health));
   }
+}
+
+void SimulatedSource::add_operator(const std::vector<OperatorOrder>& orders, const MissionPlan& plan) {
+  if (!orders.empty()) operator_.emplace(orders, std::make_shared<const MissionPlan>(plan), simulator_.seed());
+}
+
+void SimulatedSource::answer(const std::vector<FrameBytes>& frames) {
+  if (operator_) operator_->hear(frames, simulator_.faults(), Time(seconds(simulator_.now_s())));
 }
 
 std::optional<Event> SimulatedSource::next() {
@@ -91,6 +112,11 @@ std::optional<Event> SimulatedSource::next() {
     auto event = simulator_.next();
     if (!event) return std::nullopt;
     watch_host();
+    if (operator_) {
+      for (OperatorFrame& frame : operator_->due(simulator_.faults(), Time(seconds(simulator_.now_s())))) {
+        told_.emplace_back(std::move(frame));
+      }
+    }
     report_.bytes_read = static_cast<std::uint64_t>(simulator_.now_s() * 1000);
     if (auto* ping = std::get_if<Ping>(&*event)) return std::move(*ping);
     if (auto* reading = std::get_if<RangeReading>(&*event)) return std::move(*reading);

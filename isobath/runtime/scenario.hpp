@@ -1,11 +1,13 @@
-// Scenario: a scene, with the mission that stands in the same file; and a scene as a source of events: `isobath run
-// SCENARIO` runs it without a file between.
+// Scenario: a scene, with the mission that stands in the same file, what its operator asks for, and the chart that the
+// vehicle has been given; and a scene as a source of events: `isobath run SCENARIO` runs it without a file between.
 #pragma once
 
 #include <deque>
 #include <filesystem>
 #include <isobath/io/event.hpp>
 #include <isobath/mission/mission_plan.hpp>
+#include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/simulated_operator.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <memory>
 #include <optional>
@@ -19,7 +21,12 @@ bool is_scene(const std::filesystem::path& input);
 
 struct Scenario {
   Scene scene;
-  MissionPlan mission;  ///< without points where the file holds none
+  MissionPlan mission;                ///< without points where the file holds none
+  std::vector<OperatorOrder> orders;  ///< [[operator]]
+  DepthPriorConfig prior;             ///< [prior]: for a configuration that names none
+
+  /// The configuration, with the scenario's own prior where it names none.
+  [[nodiscard]] Configuration with_prior(Configuration configuration) const;
 };
 /// Throws Error with line and column.
 Scenario load_scenario(const std::string& file);
@@ -34,8 +41,10 @@ std::string_view embedded_scene();
 std::string scenario_text(const std::filesystem::path& input);
 
 /// The events that the vehicle gives; the truths are handed to whoever asks for them, before what they are about.
-/// Faults of parts that no simulator has, agents and the operator's link, are told by health reports when they begin
-/// and end: state lost, and of an agent that hangs the note kHangs; so a log of the events holds them.
+/// Frames of an operator come as events, what the vehicle says to him goes by `answer`.
+/// Faults of parts that no simulator has, agents, the operator's link and the planner, are told by health reports when
+/// they begin and end: state lost, of an agent that hangs the note kHangs, of the planner its planner_report; so a log
+/// of the events holds them.
 inline constexpr const char* kHangs = "hangs";
 class SimulatedSource : public Source {
  public:
@@ -51,6 +60,12 @@ class SimulatedSource : public Source {
   std::optional<Event> next() override;
   [[nodiscard]] const SourceReport& report() const override { return report_; }
   void tell_truth_to(TruthSink* sink) { truth_ = sink; }
+  /// An operator who orders at times; without orders there is none. `plan`: what is started.
+  void add_operator(const std::vector<OperatorOrder>& orders, const MissionPlan& plan);
+  /// What the vehicle says to him now.
+  void answer(const std::vector<FrameBytes>& frames);
+  /// Null: there is none.
+  [[nodiscard]] const SimulatedOperator* at_the_link() const { return operator_ ? &*operator_ : nullptr; }
   [[nodiscard]] Simulator& simulator() { return simulator_; }
 
  private:
@@ -64,7 +79,8 @@ class SimulatedSource : public Source {
     bool lost = false;
   };
   std::vector<HostPart> host_;  ///< those that have faults
-  std::deque<Health> told_;     ///< of them, to be given next
+  std::optional<SimulatedOperator> operator_;
+  std::deque<Event> told_;  ///< of the host and of the operator, to be given next
 };
 
 }  // namespace isobath

@@ -18,9 +18,11 @@ std::vector<Field> about_fields(SuiteConfig& c) {
   return {Field::text("title", &c.title, "What it is."),
           Field::text("text", &c.text, "What it shows."),
           Field::file("scene", &c.scene, "The scene, with its mission, that all runs are made from."),
+          Field::file("faults", &c.faults, "Or a folder with a scene for each row of the fault table, named like it."),
           Field::integer("runs", &c.runs, {1, 1'000'000}, "", "How many, unless the command line says otherwise."),
           Field::integer("seed", &c.seed, {0, 1'000'000'000}, "", "Of the first run; the next ones count on."),
-          Field::real("duration_s", &c.duration_s, {1, 1e5}, "s", "A run that has not ended by then is over."),
+          Field::real("duration_s", &c.duration_s, {0, 1e5}, "s",
+                      "A run that has not ended by then is over; 0: as long as its scene says."),
           Field::real("goal_m", &c.goal_m, {0.1, 1000}, "m", "So near the last mission point is reached, in truth."),
           Field::real("near_body_m", &c.near_body_m, {0, 1000}, "m",
                       "A replan for an obstacle further than this from every body was for nothing."),
@@ -31,7 +33,8 @@ std::vector<Field> about_fields(SuiteConfig& c) {
 std::vector<Field> vary_fields(VariationConfig& c) {
   return {Field::numbers("start", c.start.data(), 2, {0, 1000}, "m", "Half width of the start, north and east."),
           Field::degrees("heading_deg", &c.heading, {0, 180}, "Half width of the heading at the start."),
-          Field::real("current", &c.current, {0, 2}, "m/s", "Fastest current, from any direction."),
+          Field::real("current", &c.current, {0, 2}, "m/s",
+                      "Fastest current, from any direction; with faults on top of the scene's own."),
           Field::numbers("drift", c.drift.data(), 2, {0, 0.5}, "1",
                          "Least and greatest drift of the navigation, share of the way; with navigation.kind drift."),
           Field::numbers("noise", c.noise.data(), 2, {0, 10}, "1", "Least and greatest factor on the sonars' noise."),
@@ -45,6 +48,8 @@ std::vector<Field> bar_fields(BarsConfig& c) {
       Field::real("refused_share", &c.refused_share, {-1, 1}, "1", "Of the runs, at most; -1: no bar."),
       Field::real("path_ratio_median", &c.path_ratio_median, {-1, 100}, "1",
                   "Length of the way by that of the planner with full truth, at most; -1: no bar."),
+      Field::real("shown_share", &c.shown_share, {-1, 1}, "1",
+                  "Of the runs of faults, those that show what the table says, at least; -1: no bar."),
   };
 }
 
@@ -64,7 +69,9 @@ void check(const Suite& s, const std::string& file) {
   const auto ordered = [&](const std::string& key, const Eigen::Vector2d& range) {
     if (range[0] > range[1]) refuse(key, "the first number is above the second", "least, greatest");
   };
-  if (s.about.scene.empty()) refuse("suite.scene", "is missing", "a scene file");
+  if (s.about.scene.empty() == s.about.faults.empty()) {
+    refuse("suite.scene", s.about.scene.empty() ? "is missing" : "stands beside faults", "a scene file, or faults");
+  }
   ordered("vary.drift", s.vary.drift);
   ordered("vary.noise", s.vary.noise);
   ordered("vary.density", s.vary.density);
@@ -79,6 +86,15 @@ void check(const Suite& s, const std::string& file) {
 std::uint64_t digest_of(std::uint64_t before, std::string_view text) {
   for (const char c : text) before = (before ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
   return before;
+}
+
+std::vector<std::string> scenes_of(const SuiteConfig& about) {
+  if (about.faults.empty()) return {about.scene};
+  std::vector<std::string> files;
+  for (const FaultRow& row : fault_table()) {
+    files.push_back((fs::path(about.faults) / (file_name_of(row) + std::string(kEnding))).string());
+  }
+  return files;
 }
 
 MissionPlan mission_along(const Scene& scene) {
@@ -98,9 +114,14 @@ MissionPlan mission_along(const Scene& scene) {
 
 void draw_current(Random random, const VariationConfig& vary, SuiteRun& run) {
   if (vary.current <= 0) return;
+  std::vector<double>& current = run.scenario.scene.water.current;  // rows of depth, north, east
   const double speed = random.uniform(0, vary.current);
   const double towards = random.uniform(0, 2 * std::numbers::pi);
-  run.scenario.scene.water.current = {0, speed * std::cos(towards), speed * std::sin(towards)};
+  if (!run.row || current.empty()) current = {0, 0, 0};
+  for (std::size_t i = 0; i + 2 < current.size(); i += 3) {
+    current[i + 1] += speed * std::cos(towards);
+    current[i + 2] += speed * std::sin(towards);
+  }
   run.conditions += fmt::format("; current {:.2f} m/s towards {:.0f} deg", speed, towards * 180 / std::numbers::pi);
 }
 
@@ -147,12 +168,20 @@ Suite load_suite(const fs::path& file) {
   const std::string text = text_of_file(file.string());
   read_toml(text, file.string(), all);
   check(suite, file.string());
-  suite.digest = digest_of(digest_of(0xcbf29ce484222325u, text), text_of_file(suite.about.scene));
-  const Scene scene = load_scenario(suite.about.scene).scene;
-  for (const std::string& part : {scene.vehicle.file}) {
-    if (!part.empty()) suite.digest = digest_of(suite.digest, text_of_file(part));
+  suite.scenes = scenes_of(suite.about);
+  suite.digest = digest_of(0xcbf29ce484222325u, text);
+  for (const std::string& scene : suite.scenes) {
+    suite.digest = digest_of(suite.digest, text_of_file(scene));
+    const std::string vehicle = load_scenario(scene).scene.vehicle.file;
+    if (!vehicle.empty()) suite.digest = digest_of(suite.digest, text_of_file(vehicle));
   }
   return suite;
+}
+
+std::vector<Scenario> load_scenes(const Suite& suite) {
+  std::vector<Scenario> scenes;
+  for (const std::string& file : suite.scenes) scenes.push_back(load_scenario(file));
+  return scenes;
 }
 
 std::vector<std::string> embedded_suites() {
@@ -179,13 +208,18 @@ fs::path find_suite(const std::string& name_or_file, const fs::path& folder) {
   return folder / (std::string(kFolder) + name_or_file + std::string(kEnding));
 }
 
-SuiteRun make_run(const Suite& suite, const Scenario& scenario, std::uint64_t seed) {
+SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uint64_t seed) {
+  const std::size_t which = seed % scenes.size();
   SuiteRun run;
   run.seed = seed;
-  run.scenario = scenario;
+  run.scenario = scenes[which];
+  if (!suite.about.faults.empty()) {
+    run.row = &fault_table()[which];
+    run.conditions = std::string(run.row->name) + "; ";
+  }
   Scene& scene = run.scenario.scene;
   scene.about.seed = static_cast<int>(seed);
-  scene.about.duration_s = suite.about.duration_s;
+  if (suite.about.duration_s > 0) scene.about.duration_s = suite.about.duration_s;
   Random random(seed);
   draw_start(random.fork(), suite.vary, run);
   draw_current(random.fork(), suite.vary, run);

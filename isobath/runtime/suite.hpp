@@ -1,6 +1,9 @@
 // Suite: many runs of one scenario that differ by a seed: what varies, what is compared, and what must hold (ledger
 // S6-67). A TOML file, strict as all of them; the ones of suites/ are also in the program, by name.
 //
+// A suite of faults has a scene for each row of the fault table instead, and takes them in turn: the run of a seed
+// sails that of row seed mod their number, and is to show what the row says (fault_proof.hpp).
+//
 // A run is a function of the suite and its seed alone: run k of `runs` has the seed `seed` + k, so that any of them can
 // be had again as the first of a suite of one. What is drawn: start, heading, current, drift of the navigation, level
 // of the sonar's noise, the field of obstacles; each uniformly, in this order, each from a stream of its own.
@@ -9,8 +12,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <isobath/base/config.hpp>
+#include <isobath/mission/fault_table.hpp>
 #include <isobath/runtime/scenario.hpp>
 #include <isobath/sim/clutter.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,9 +28,10 @@ const char* to_text(Baseline baseline);
 struct SuiteConfig {
   std::string title = "a suite", text;
   std::string scene;
+  std::string faults;  ///< or a folder of scenes that are named like the rows of the fault table
   int runs = 100;
   int seed = 1;
-  double duration_s = 240;
+  double duration_s = 240;    ///< 0: the scene's own
   double goal_m = 6;          ///< the last mission point is reached this near, in truth
   double near_body_m = 4;     ///< a replan for an obstacle further than this from every body was for nothing
   double clearance_m = 3;     ///< that the planner with full truth keeps
@@ -36,7 +42,7 @@ struct SuiteConfig {
 struct VariationConfig {
   Eigen::Vector2d start = {0, 0};  ///< north, east, m
   Angle heading;
-  double current = 0;                ///< largest, m/s; any direction
+  double current = 0;                ///< largest, m/s; any direction; with faults on top of the scene's own
   Eigen::Vector2d drift = {0, 0};    ///< share of the way, with a navigator of the kind `drift`
   Eigen::Vector2d noise = {1, 1};    ///< factor on the noise of all sonars
   Eigen::Vector2d density = {1, 1};  ///< factor on the clutter's
@@ -48,6 +54,7 @@ struct BarsConfig {
   double goals_share = -1;
   double refused_share = -1;
   double path_ratio_median = -1;
+  double shown_share = -1;  ///< of the runs of faults, those that show what their rows say
 };
 
 struct Suite {
@@ -57,7 +64,8 @@ struct Suite {
   BarsConfig bars;
   ClutterConfig clutter;
   std::vector<Baseline> baselines;
-  std::uint64_t digest = 0;  ///< of the texts of suite, scene and vehicle
+  std::vector<std::string> scenes;  ///< files: one, or one a row of the fault table
+  std::uint64_t digest = 0;         ///< of the texts of suite, scenes and vehicles
 };
 
 /// Bound to `suite`, which must outlive it.
@@ -71,14 +79,18 @@ std::vector<std::string> embedded_suites();
 /// that it names. Throws Error for what is neither, listing the names.
 std::filesystem::path find_suite(const std::string& name_or_file, const std::filesystem::path& folder);
 
+/// Read once, by whoever makes runs of the suite.
+std::vector<Scenario> load_scenes(const Suite& suite);
+
 /// One run: the scene with all that was drawn, and its mission. A scene without mission points goes along its
 /// way-points.
 struct SuiteRun {
   std::uint64_t seed = 0;
   Scenario scenario;
-  std::string conditions;  ///< what was drawn, in words
+  std::string conditions;         ///< what was drawn, in words
+  const FaultRow* row = nullptr;  ///< that it is to show, in a suite of faults
 };
-/// The suite's own scenario is read once, by whoever runs it.
-SuiteRun make_run(const Suite& suite, const Scenario& scenario, std::uint64_t seed);
+/// `scenes`: those of the suite, at least one.
+SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uint64_t seed);
 
 }  // namespace isobath

@@ -14,6 +14,7 @@ constexpr int kTries = 200;
 constexpr double kLegs_m = 20;         // length of a leg of the passage, about
 constexpr double kSlope = 0.7;         // of a leg to the straight way, at most: the passage never turns back
 constexpr double kSample_m = 0.25;     // of the passage, where distances are checked
+constexpr double kThick_m = 0.4;       // of walls
 constexpr double kSquareMetres = 1e4;  // a hectare
 
 double whole_cm(double metres) { return std::round(metres * 100) / 100; }
@@ -35,6 +36,7 @@ struct Footprint {
 };
 
 struct Placed {
+  const char* kind = "";
   Body body;
   Footprint footprint;
 };
@@ -45,40 +47,36 @@ Placed pole(Random& random, const Vector2d& at, const ClutterConfig& c) {
   shape.radius = draw_cm(random, 0.2, 0.8);
   shape.length = c.bottom_m - c.top_m;
   Placed placed;
+  placed.kind = "pole";
   placed.footprint = {{at}, shape.radius};
   placed.body.shape = shape;
   return placed;
 }
 
-Placed box(Random& random, const Vector2d& at, const ClutterConfig& c) {
+Placed upright_box(const char* kind, const Vector2d& at, double length, double breadth, int heading,
+                   const ClutterConfig& c) {
   Box shape;
   shape.centre = {at.x(), at.y(), (c.top_m + c.bottom_m) / 2};
-  const double length = draw_cm(random, 2, 7);
-  const double breadth = draw_cm(random, 2, 7);
   shape.size = {length, breadth, c.bottom_m - c.top_m};
-  const int heading = draw_heading(random);
   shape.heading = Angle::degrees(heading);
   const Vector2d u = 0.5 * length * along(heading);
   const Vector2d v = 0.5 * breadth * Vector2d(-along(heading).y(), along(heading).x());
   Placed placed;
+  placed.kind = kind;
   placed.footprint.outline = {at + u + v, at - u + v, at - u - v, at + u - v};
   placed.body.shape = shape;
   return placed;
 }
 
+Placed box(Random& random, const Vector2d& at, const ClutterConfig& c) {
+  const double length = draw_cm(random, 2, 7);
+  const double breadth = draw_cm(random, 2, 7);
+  return upright_box("box", at, length, breadth, draw_heading(random), c);
+}
+
 Placed wall(Random& random, const Vector2d& at, const ClutterConfig& c) {
   const double length = draw_cm(random, 6, 16);
-  const Vector2d half = 0.5 * length * along(draw_heading(random));
-  const Vector2d a(whole_cm(at.x() - half.x()), whole_cm(at.y() - half.y()));
-  const Vector2d b(whole_cm(at.x() + half.x()), whole_cm(at.y() + half.y()));
-  Wall shape;
-  shape.line = {a.x(), a.y(), b.x(), b.y()};
-  shape.top = c.top_m;
-  shape.bottom = c.bottom_m;
-  Placed placed;
-  placed.footprint.outline = {a, b};
-  placed.body.shape = shape;
-  return placed;
+  return upright_box("wall", at, length, kThick_m, draw_heading(random), c);
 }
 
 std::vector<Vector2d> passage_of(Random& random, const ClutterConfig& c) {
@@ -148,7 +146,8 @@ std::vector<Field> fields(ClutterConfig& c) {
           Field::real("passage_m", &c.passage_m, {0, 1000}, "m", "Width of a way that is left free; 0: none."),
           Field::real("wander_m", &c.wander_m, {0, 500}, "m", "How far that way leaves the straight one at most."),
           Field::real("pole_share", &c.pole_share, {0, 1}, "1", "Share of poles, 0.2 to 0.8 m in radius."),
-          Field::real("box_share", &c.box_share, {0, 1}, "1", "Share of boxes, 2 to 7 m; the rest: walls, 6 to 16 m."),
+          Field::real("box_share", &c.box_share, {0, 1}, "1",
+                      "Share of boxes, 2 to 7 m; the rest: walls, 6 to 16 m by 0.4 m."),
           Field::real("top_m", &c.top_m, {-100, 12000}, "m", "Depth of their tops."),
           Field::real("bottom_m", &c.bottom_m, {-100, 12000}, "m", "Depth of their feet."),
           Field::flag("basin", &c.basin, "Whether sheer walls stand round the field.")};
@@ -178,11 +177,7 @@ ClutterField clutter_field(const ClutterConfig& c, std::uint64_t seed) {
       const bool room = placed.footprint.distance(start) >= c.free_m && placed.footprint.distance(goal) >= c.free_m;
       if (!room || !clear_of(placed.footprint, field.passage, c.passage_m / 2)) continue;
       const std::size_t number = field.bodies.size() + 1;
-      placed.body.name = fmt::format("{} {}",
-                                     std::holds_alternative<Cylinder>(placed.body.shape) ? "pole"
-                                     : std::holds_alternative<Box>(placed.body.shape)    ? "box"
-                                                                                         : "wall",
-                                     number);
+      placed.body.name = fmt::format("{} {}", placed.kind, number);
       field.bodies.push_back(std::move(placed.body));
       break;
     }

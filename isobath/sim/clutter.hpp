@@ -8,6 +8,8 @@
 // wanders, from which every body stands at least half its width away: a way that a vehicle of that room can follow,
 // not always the shortest one. Without, the field may be closed. `basin` puts sheer walls round it.
 //
+// Walls are slabs: a sheet without thickness that is met end on would return no sound, and no sonar could find it.
+//
 // A function of configuration and seed; all lengths are whole centimetres and all headings whole degrees, so that the
 // last digit of a sine cannot matter: the same field on every machine. Bodies may overlap. A body that finds no free
 // place in 200 tries is left out: full fields hold fewer than asked for.

@@ -358,6 +358,13 @@ void DeadReckoning::use_position(const Eigen::Vector2d& north_east, const Eigen:
   refused_ = 0;
 }
 
+double DeadReckoning::velocity_sigma(double speed) const {
+  const double noise = velocity_ == Velocity::kNone ? 0 : sheet_.dvl.noise;
+  const double scale = velocity_ == Velocity::kNone ? 0 : speed * std::sqrt(P_(3, 3));
+  const double unmeasured = velocity_ == Velocity::kOverGround ? 0 : std::max(P_(4, 4), P_(5, 5));
+  return std::sqrt(noise * noise + scale * scale + unmeasured);
+}
+
 Navigation DeadReckoning::estimated() const {
   Navigation fix{time_, {attitude(), {x_[0], x_[1], depth_}}, velocity_W(), Matrix6(Matrix6::Zero())};
   if (velocity_ != Velocity::kOverGround) fix.v_WB->head<2>() += x_.tail<2>();
@@ -372,6 +379,7 @@ Navigation DeadReckoning::estimated() const {
       Eigen::Matrix3d::Identity() * tilt_variance + down_B * down_B.transpose() * heading_variance;
   C.block<2, 3>(0, 3) = -P_.block<2, 1>(0, 2) * down_B.transpose();
   C.block<3, 2>(3, 0) = C.block<2, 3>(0, 3).transpose();
+  fix.v_sigma = velocity_sigma(fix.v_WB->head<2>().norm());
   return fix;
 }
 

@@ -79,6 +79,7 @@ class DeadReckoning {
   [[nodiscard]] Velocity velocity_at(Time time) const;
   [[nodiscard]] Rotation attitude() const;
   [[nodiscard]] Eigen::Vector3d velocity_W() const;
+  [[nodiscard]] double velocity_sigma(double speed) const;
   [[nodiscard]] Navigation estimated() const;
 
   DeadReckoningConfig config_;

@@ -30,7 +30,17 @@ const std::vector<std::pair<std::string, FaultKind>>& kinds() {
   return kNames;
 }
 
-enum class SourceKind : std::uint8_t { kUnknown, kSonar, kReading, kThruster, kVehicle, kAgent, kPlanner, kHost };
+enum class SourceKind : std::uint8_t {
+  kUnknown,
+  kSonar,
+  kReading,
+  kThruster,
+  kVehicle,
+  kAgent,
+  kPlanner,
+  kLink,
+  kHost
+};
 
 /// The number in "sonar.2"; 0 without one, -1 for what is none of 1 .. 99 or VehicleFaults::kMaxThrusters.
 int number_of(std::string_view source) {
@@ -50,7 +60,8 @@ SourceKind kind_of(std::string_view source) {
     return source.size() > kAgentPrefix.size() ? SourceKind::kAgent : SourceKind::kUnknown;
   }
   if (source == "planner") return SourceKind::kPlanner;
-  if (source == "link" || source == "disk") return SourceKind::kHost;
+  if (source == "link") return SourceKind::kLink;
+  if (source == "health" || source == "disk") return SourceKind::kHost;
   const int number = number_of(source);
   const std::string_view name = source.substr(0, source.find('.'));
   if (number < 0) return SourceKind::kUnknown;
@@ -68,13 +79,14 @@ SourceKind kind_of(std::string_view source) {
 bool fits(FaultKind kind, SourceKind source) {
   const bool sensor = source == SourceKind::kSonar || source == SourceKind::kReading;
   switch (kind) {
-    case FaultKind::kOff: return sensor || source == SourceKind::kAgent || source == SourceKind::kHost;
+    case FaultKind::kOff:
+      return sensor || source == SourceKind::kAgent || source == SourceKind::kLink || source == SourceKind::kHost;
     case FaultKind::kStuck: return sensor || source == SourceKind::kAgent;
     case FaultKind::kWrongScale: return sensor || source == SourceKind::kPlanner;
     case FaultKind::kGarbage:
     case FaultKind::kSlow:
-    case FaultKind::kDelayed:
-    case FaultKind::kIntermittent: return sensor;
+    case FaultKind::kDelayed: return sensor;
+    case FaultKind::kIntermittent: return sensor || source == SourceKind::kLink;
     case FaultKind::kDrifting:
     case FaultKind::kJump: return source == SourceKind::kReading;
     case FaultKind::kWrongGain:
@@ -117,14 +129,15 @@ void check(const FaultConfig& f) {
   if (source == SourceKind::kUnknown) {
     throw Error("\"" + f.source + "\" is no source", at("source"),
                 "sonar, sonar.2 .., altimeter, altimeter.2 .., compass, ahrs, gyro, dvl, depth, gps, lbl, navigation, "
-                "thruster, thruster.1 .. thruster.16, vehicle, agent.NAME, link, disk or planner");
+                "thruster, thruster.1 .. thruster.16, vehicle, agent.NAME, link, health, disk or planner");
   }
   const std::string kind = to_text(f.kind);
   if (!fits(f.kind, source)) throw Error(f.source + " cannot be " + kind, at("kind"));
   if (const std::string wanted = wanted_amount(f.kind, f.amount); !wanted.empty()) {
     throw Error("this amount makes no sense for " + kind, at("amount"), wanted);
   }
-  const bool may_period = f.kind == FaultKind::kIntermittent || f.kind == FaultKind::kBattery;
+  const bool may_period =
+      (f.kind == FaultKind::kIntermittent && source != SourceKind::kLink) || f.kind == FaultKind::kBattery;
   if (f.kind == FaultKind::kSlow && !(f.period_s > 0)) throw Error("missing for slow", at("period_s"), "above 0 s");
   if (f.kind != FaultKind::kSlow && !may_period && f.period_s != 0) {
     throw Error(kind + " has no period", at("period_s"), "0");
@@ -317,7 +330,8 @@ std::vector<Field> fields(FaultConfig& c) {
   return {
       Field::text(
           "source", &c.source,
-          "What breaks: a sensor (sonar, sonar.2, dvl, ...), thruster.2, vehicle, agent.NAME, link, disk or planner."),
+          "What breaks: a sensor (sonar, sonar.2, dvl, ...), thruster.2, vehicle, agent.NAME, link, health, disk or "
+          "planner."),
       Field::choice("kind", &c.kind, kinds(), "How it breaks."),
       Field::real("at_s", &c.at_s, {0, 1e8}, "s", "When, from the start of the run."),
       Field::text("when", &c.when, "Name of the event that it waits for instead; empty: none."),

@@ -4,13 +4,13 @@
 // A fault begins `after_s` after `at_s` on the clock of the run, or after the first event named `when`, and lasts for
 // `for_s` (0: to the end), the last instant excluded. It belongs to a source: "sonar", "sonar.2", "altimeter",
 // "altimeter.2", "compass", "ahrs", "gyro", "dvl", "depth", "gps", "lbl", "navigation", "thruster" (all), "thruster.2"
-// (counted from 1), "vehicle", or of the host: "agent.NAME", "link" (to the operator), "disk", "planner". Several may
-// hold at once; they act in the order of the list.
+// (counted from 1), "vehicle", or of the host: "agent.NAME", "link" (to the operator), "health" (its reports), "disk",
+// "planner". Several may hold at once; they act in the order of the list.
 //
 //   kind           on              does                                                  amount (period_s)
 //   off            any reading,    none comes; an agent dies; nobody is heard over the    -
-//                  agent, link,    link; nothing more can be written
-//                  disk
+//                  agent, link,    link; no health is reported; nothing more can be
+//                  health, disk    written
 //   stuck          any reading,    repeats the last good one under new times; an agent    -
 //                  agent           hangs
 //   garbage        any reading     values at random, now and then not finite; of a ping  -
@@ -20,8 +20,8 @@
 //   wrong_gain     sonar           samples multiplied, up to full scale                  factor, not 1
 //   slow           any reading     one a period at most                                  - (period)
 //   delayed        any reading     comes late, with its own time                         s
-//   intermittent   any reading     lost with this probability; with a period: in the     share
-//                                  first share of each period
+//   intermittent   any reading,    lost with this probability; of a reading with a       share
+//                  link            period: in the first share of each period
 //   drifting       reading but no  value + amount x time since the beginning: heading,   per second: m, rad, m/s, rad/s
 //                  ping            roll, forward velocity, yaw rate, depth, range, north
 //   jump           the same        the same value + amount, from the beginning on        m, rad, m/s, rad/s

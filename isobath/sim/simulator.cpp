@@ -290,6 +290,10 @@ void Simulator::ping_all() {
 }
 
 void Simulator::report_health() {
+  if (faults_.active("health", now_)) {
+    while (next_health_ <= now_) next_health_ += seconds(kHealthInterval);
+    return;
+  }
   for (; next_health_ <= now_; next_health_ += seconds(kHealthInterval)) {
     const VehicleFaults broken = faults_.vehicle_faults(now_);
     const double used = to_seconds(now_) / (3600 * scene_.vehicle.endurance_h);

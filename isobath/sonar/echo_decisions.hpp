@@ -2,9 +2,11 @@
 //
 // S = 1 where the intensity is at or above the threshold of its bin, else 0 (ledger S6-03). Each decision comes with
 // the probabilities that a mapper needs: P(S = 1 | target) = p_D(k) and P(S = 1 | no target) = f (S6-14). Bins without
-// information (blind zone, S6-09; where p_D <= f) are not usable: neither their 1 nor their 0 may touch a map.
+// information (blind zone, S6-09; where p_D <= f) are not usable: neither their 1 nor their 0 may touch a map. A bin of
+// one beam may be dim: there bottom or surface are loud, and it has a p_D of its own (S6-69).
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <vector>
@@ -22,6 +24,7 @@ class EchoDecisions {
     usable_.assign(words_, ~std::uint64_t{0});
     if (bins % 64 != 0) usable_.back() = (std::uint64_t{1} << (bins % 64)) - 1;
     p_detect.assign(bins, 0);
+    dim_.clear();
   }
 
   [[nodiscard]] int beams() const { return beams_; }
@@ -40,6 +43,27 @@ class EchoDecisions {
   [[nodiscard]] const std::uint64_t* usable() const { return usable_.data(); }
   void set_unusable(int bin) { usable_[bin / 64] &= ~(std::uint64_t{1} << (bin % 64)); }
 
+  /// words() words; null where no bin of the ping is dim.
+  [[nodiscard]] const std::uint64_t* dim(int beam) const {
+    return dim_.empty() ? nullptr : dim_.data() + std::size_t(beam) * words_;
+  }
+  /// p_D of a dim bin; 0: its decision means nothing.
+  [[nodiscard]] float p_dim(int beam, int bin) const { return p_dim_[std::size_t(beam) * bins_ + bin]; }
+  /// Whether this bin of this beam may touch a map.
+  [[nodiscard]] bool tells(int beam, int bin) const {
+    const bool is_dim = !dim_.empty() && (dim(beam)[bin / 64] >> (bin % 64) & 1) != 0;
+    return usable(bin) && !(is_dim && !(p_dim(beam, bin) > 0));
+  }
+  /// Dims bins of one beam: words() words, and bins() values, of which those of dim bins count.
+  void set_dim(int beam, const std::uint64_t* bits, const float* p) {
+    if (dim_.empty()) {
+      dim_.assign(hits_.size(), 0);
+      p_dim_.resize(std::size_t(beams_) * bins_);
+    }
+    std::copy_n(bits, words_, dim_.begin() + std::ptrdiff_t(beam) * words_);
+    std::copy_n(p, bins_, p_dim_.begin() + std::ptrdiff_t(beam) * bins_);
+  }
+
   std::vector<float> p_detect;  ///< p_D(k) of each bin; above false_alarm where the bin is usable
   double false_alarm = 0.02;    ///< f, the same for all bins
 
@@ -49,6 +73,8 @@ class EchoDecisions {
   int words_ = 0;
   std::vector<std::uint64_t> hits_;
   std::vector<std::uint64_t> usable_;
+  std::vector<std::uint64_t> dim_;
+  std::vector<float> p_dim_;
 };
 
 }  // namespace isobath

@@ -110,7 +110,8 @@ std::vector<Field> fields(EchoDetectorConfig& c) {
       Field::real("skirt_share", &c.skirt_share, {0, 1}, "1",
                   "Method auto only: a hit below this share of a stronger echo just behind it is its skirt; 0: keep."),
       Field::real("skirt_m", &c.skirt_m, {0, 10}, "m", "How far behind a hit that stronger echo may stand.")};
-  for (auto&& list : {fields(c.noise), fields(c.cfar)}) all.insert(all.end(), list.begin(), list.end());
+  for (auto&& list : {fields(c.noise), fields(c.cfar), fields(c.boundary)})
+    all.insert(all.end(), list.begin(), list.end());
   return all;
 }
 
@@ -127,7 +128,7 @@ const char* to_text(DetectorState state) {
 }
 
 EchoDetector::EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model)
-    : config_(config), model_(std::move(model)) {
+    : config_(config), model_(std::move(model)), boundary_(config.boundary) {
   if (model_ && config_.method == DetectionMethod::kAutomatic) config_.method = DetectionMethod::kModel;
   if (config_.method == DetectionMethod::kModel) {
     if (!model_) throw Error("method model needs a sensor model", {{}, {}, {}, {}, "method"}, {}, "calibrate first");
@@ -142,7 +143,13 @@ double EchoDetector::false_alarm() const {
   return config_.method == DetectionMethod::kModel ? model_->false_alarm : config_.false_alarm;
 }
 
-void EchoDetector::detect(const Ping& ping, EchoDecisions& out) {
+void EchoDetector::detect(const Ping& ping, EchoDecisions& out, const WaterColumn& water) {
+  decide(ping, out);
+  boundary_.learn(ping, water, first_bin_, out.false_alarm);
+  if (state_ == DetectorState::kReady) boundary_.sort_out(ping, water, thresholds_, out);
+}
+
+void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
   const Intensities& z = ping.intensity;
   if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ || z.type() != type_)
     prepare(ping);

@@ -19,6 +19,9 @@
 // = 0.02. Not promised: an echo that fills half of the bearings and more than an eighth of the range window for the
 // whole memory is learnt as noise.
 //
+// Where the water column is known, echoes of bottom and surface are no echoes of targets (boundary_echoes.hpp); this is
+// added to every method.
+//
 // Bins nearer than blind_m, or than the blind zone that the ping states, are not usable. `detect` allocates only at the
 // first ping of a geometry and throws nothing. Not thread-safe: one detector a sonar. Deterministic. Measured on one
 // core, 512 beams x 500 bins of 8 bits, G bins/s: thresholds 2.3 (beam after beam) and 1.6 (bin after bin), `auto` 0.7,
@@ -26,6 +29,7 @@
 #pragma once
 
 #include <isobath/base/config.hpp>
+#include <isobath/sonar/boundary_echoes.hpp>
 #include <isobath/sonar/cfar.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
 #include <isobath/sonar/noise_tracker.hpp>
@@ -49,6 +53,7 @@ struct EchoDetectorConfig {
   double skirt_m = 0.2;
   NoiseTrackerConfig noise;
   CfarConfig cfar;
+  BoundaryConfig boundary;
 };
 std::vector<Field> fields(EchoDetectorConfig& config);
 
@@ -62,7 +67,7 @@ class EchoDetector {
   explicit EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model = std::nullopt);
 
   /// The ping must pass `check`.
-  void detect(const Ping& ping, EchoDecisions& out);
+  void detect(const Ping& ping, EchoDecisions& out, const WaterColumn& water = {});
 
   /// Of the last ping.
   [[nodiscard]] DetectorState state() const { return state_; }
@@ -72,6 +77,7 @@ class EchoDetector {
   [[nodiscard]] DetectionMethod method() const { return config_.method; }
 
  private:
+  void decide(const Ping& ping, EchoDecisions& out);
   void prepare(const Ping& ping);
   void prepare_model(const Ping& ping);
   void set_thresholds();
@@ -99,6 +105,7 @@ class EchoDetector {
   std::vector<float> beam_;               ///< one beam as floats
   NoiseTracker tracker_;
   Cfar cfar_;
+  BoundaryEchoes boundary_;
   int next_beam_ = 0;  ///< where learning goes on in a multibeam ping
 };
 

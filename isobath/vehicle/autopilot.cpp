@@ -51,7 +51,11 @@ ActuatorVector Autopilot::update(const Setpoint& setpoint, const VehicleState& s
 
   {
     const double w = c.speed_bandwidth, u = state.v_B.x();
-    const double wanted = std::clamp(setpoint.speed, -model_.limits.max_speed, model_.limits.max_speed);
+    // Fins steer by the water that passes them: with a current from astern, too, there must be enough of it.
+    const bool by_fins = model_.fin_axes(5) > 0 && setpoint.speed > 0;
+    const double least = by_fins ? c.min_flow + u - flow : -model_.limits.max_speed;
+    const double wanted =
+        std::clamp(std::max(setpoint.speed, least), -model_.limits.max_speed, model_.limits.max_speed);
     if (!speed_asked_) speed_asked_ = u;
     const double most = model_.limits.max_acceleration * dt;
     const double gain = std::clamp(wanted - *speed_asked_, -most, most);

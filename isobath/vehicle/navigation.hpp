@@ -14,6 +14,7 @@ struct Navigation {
   Pose X_WB;                                              ///< body in world: north-east-down, m
   std::optional<Eigen::Vector3d> v_WB;                    ///< velocity of B in W, components in W, m/s
   std::optional<Eigen::Matrix<double, 6, 6>> covariance;  ///< of (position in W, rotation vector in B), m2, m rad, rad2
+  std::optional<double> v_sigma = {};  ///< standard deviation of v_WB in the plane, along its longer axis, m/s
 };
 
 }  // namespace isobath

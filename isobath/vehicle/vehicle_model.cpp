@@ -222,7 +222,7 @@ std::vector<Field> fields(AutopilotConfig& c) {
       Field::real("attitude_bandwidth", &c.attitude_bandwidth, {0.01, 20}, "rad/s", "Quickness of roll and pitch."),
       Field::real("integral_rate", &c.integral_rate, {0, 5}, "rad/s", "Quickness of the integral action."),
       Field::degrees("max_pitch_deg", &c.max_pitch, {0.1, 80}, "Steepest pitch that is asked for."),
-      Field::real("min_flow", &c.min_flow, {0.01, 10}, "m/s", "Slower, fins are steered as if at this speed."),
+      Field::real("min_flow", &c.min_flow, {0.01, 10}, "m/s", "Fins are steered for no less; kept under way."),
   };
 }
 

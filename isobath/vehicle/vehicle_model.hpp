@@ -80,7 +80,7 @@ struct AutopilotConfig {
   double attitude_bandwidth = 2;  ///< roll and pitch
   double integral_rate = 0.1;     ///< rad/s, of the integral action of all loops
   Angle max_pitch = Angle::degrees(20);
-  double min_flow = 0.5;  ///< m/s: below it fins are steered as if at this speed
+  double min_flow = 0.5;  ///< m/s through the water: fins are not steered for less, and a vehicle under way keeps it
 };
 
 std::vector<Field> fields(AutopilotConfig& config);

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
+#include <isobath/mission/fault_table.hpp>
 #include <nlohmann/json.hpp>
 #include <tests/app/program.hpp>
+#include <tests/runtime/pole_scene.hpp>
 
 namespace isobath::test {
 namespace {
@@ -8,39 +10,12 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-constexpr const char* kScene = R"(
-[scene]
-title = "a pole on the way"
-duration_s = 40
-[vehicle]
-start = [0, 0, 10]
-speed = 1.5
-[[waypoint]]
-north = 40
-depth = 10
-[[cylinder]]
-name = "pole"
-centre = [25, 0.3, 10]
-radius = 0.5
-length = 20
-[[sonar]]
-preset = "micron"
-sector_deg = 120
-range_m = 40
-bins = 80
-interval_s = 0.06
-blind_m = 1.5
-spurious_share = 0
-noise_level = 15
-noise_sigma = 5
-)";
-
 class Eval : public testing::Test {
  protected:
   Eval() : folder_(fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name()) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
-    write(folder_ / "pole.toml", kScene);
+    write(folder_ / "pole.toml", kPoleScene);
   }
   /// `more` stands before the baselines.
   ProgramResult eval(const std::string& more, const std::vector<std::string>& options = {}) {
@@ -78,6 +53,23 @@ TEST_F(Eval, RunsOneOfManyAlone) {
   const auto json = nlohmann::json::parse(eval("", {"--json", "--runs", "5", "--seed", "30", "--only", "4"}).out);
   EXPECT_EQ(json["runs"], 1);
   EXPECT_EQ(json["first_seed"], 34);
+}
+
+// The run of a seed sails one row of the fault table: this is that of the leak.
+// ledger: S6-39
+TEST_F(Eval, OfFaultsSaysWhatEachRowShowed) {
+  const std::string seed = std::to_string(static_cast<int>(Fault::kLeak));
+  const ProgramResult result =
+      isobath({"eval", "faults", "--runs", "1", "--seed", seed, "--json", "--out", (folder_ / "out").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["runs"], 1);
+  EXPECT_EQ(json["collisions"], 0);
+  EXPECT_EQ(json["faults"]["shown"]["count"], 1);
+  EXPECT_EQ(json["faults"]["rows"].size(), kFaults);
+  EXPECT_EQ(json["faults"]["rows"]["leak"]["shown"], 1);
+  EXPECT_GE(json["faults"]["rows"]["leak"]["latest_s"], 0);
+  EXPECT_EQ(json["faults"]["rows"]["disk full"]["runs"], 0);
 }
 
 TEST_F(Eval, RefusesWhatIsNoSuite) {

@@ -79,6 +79,49 @@ TEST(Mission, AReplayReproducesEveryDecision) {
   EXPECT_THAT(other.err, HasSubstr("is not that of the recorded run"));
 }
 
+// What the vehicle was led by is in the scenario, and so the same for the replay: its chart, its operator.
+// ledger: S6-32 S6-40 S6-57
+TEST(Mission, AReplayGoesByTheChartAndHearsTheOperator) {
+  const fs::path folder = scratch_folder();
+  for (const char* name : {"charted_shoals", "operator_on_the_link"}) {
+    const fs::path file = scenario(name), log = folder / (std::string(name) + ".mcap");
+    const std::vector<std::string> place = {"--set", "depth_map.area_m=512"};
+    std::vector<std::string> options = place;
+    options.insert(options.end(), {"--record", log});
+    const ProgramResult first = isobath_run(file, folder / name, options);
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    options = place;
+    options.insert(options.end(), {"--mission", file});
+    const ProgramResult replay = isobath_run(log, folder / (std::string(name) + "-replay"), options);
+    EXPECT_EQ(replay.exit_code, 0) << replay.err;
+    const auto recorded = printed(replay)["mission"]["recorded"];
+    EXPECT_EQ(recorded["the_same"], recorded["decisions"]) << name;
+  }
+  EXPECT_FALSE(json_of(folder / "operator_on_the_link" / "mission.json")["operator"].empty());
+}
+
+// Real threads: not the same decisions every time, but the same end; and how long each stage took.
+// ledger: S6-31 S2-12
+TEST(Mission, LiveItEndsTheSameAndEveryStageIsMeasured) {
+  const fs::path folder = scratch_folder();
+  const ProgramResult live =
+      isobath_run(scenario("simulated_mission_1"), folder / "live", {"--live", "--speed", "max"});
+  ASSERT_EQ(live.exit_code, 0) << live.err;
+  const auto mission = printed(live)["mission"];
+  EXPECT_EQ(mission["phase"], "finished");
+  EXPECT_EQ(mission["crew"]["agents_lost"], 0);
+  EXPECT_EQ(printed(live)["live"]["lost_pings"], 0);
+  for (const char* stage : {"event_to_crew", "ping_to_grid", "detection", "planning", "scan_to_decision"}) {
+    EXPECT_GT(mission["timings"][stage]["count"].get<int>(), 10) << stage;
+    EXPECT_GE(mission["timings"][stage]["p99_ms"], mission["timings"][stage]["median_ms"]) << stage;
+  }
+  EXPECT_THAT(test::isobath({"run", scenario("simulated_mission_1"), "--live", "--record", folder / "run.mcap", "--out",
+                             folder / "out"}),
+              ends_with_one_line(HasSubstr("a live run is not recorded")));
+  EXPECT_THAT(test::isobath({"run", scenario("tank"), "--live", "--out", folder / "out"}),
+              ends_with_one_line(HasSubstr("only a scene with a mission can run live")));
+}
+
 TEST(Mission, OneThatDoesNotEndFailsTheRun) {
   const ProgramResult result = isobath_run({}, scratch_folder() / "out", {"--set", "simulation.duration_s=30"});
   EXPECT_EQ(result.exit_code, 1);

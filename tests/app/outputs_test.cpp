@@ -66,6 +66,25 @@ TEST(Outputs, JsonIsOneObjectAndEveryFileThatItNamesIsThere) {
                                             "report.html", "manifest.json"}));
 }
 
+/// Width and height in the header of a PNG.
+std::string size_of_png(const std::string& bytes) { return bytes.substr(16, 8); }
+
+// The raw scan, the grid and the obstacles lie side by side at one scale.
+// ledger: S6-61
+TEST(Outputs, ShowTheScanTheGridAndTheObstaclesSideBySide) {
+  const std::string scan = content_of(posed_run() / "sonar.png"), grid = content_of(posed_run() / "occupancy.png"),
+                    obstacles = content_of(posed_run() / "detections.png");
+  EXPECT_EQ(size_of_png(scan), size_of_png(grid));
+  EXPECT_EQ(size_of_png(scan), size_of_png(obstacles));
+  const std::string page = content_of(posed_run() / "report.html");
+  const std::size_t row = page.find("<div class=\"row\">");
+  ASSERT_NE(row, std::string::npos);
+  const std::string panels = page.substr(row, page.find("</div>", row) - row);
+  for (const char* caption : {"echoes of the last sweep as they came", "believed of the water", "Obstacles over"}) {
+    EXPECT_THAT(panels, HasSubstr(caption));
+  }
+}
+
 TEST(Outputs, WithoutJsonAFewLinesForAPerson) {
   const fs::path folder = scratch_folder();
   const auto result =

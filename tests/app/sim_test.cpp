@@ -43,6 +43,30 @@ TEST(Sim, SameSceneAndSeedGiveTheSameBytesOnOneThreadAndOnTwo) {
   EXPECT_NE(log_of("other.mcap", {"--seed", "2"}), one);
 }
 
+// Without its velocity log a vehicle moves its map by dead reckoning, and all else stays as it is; a payload is one
+// table more.
+// ledger: S6-22 S6-73
+TEST(Sim, ASectionOfTheVehicleIsATableOfItsFile) {
+  const fs::path folder = scratch_folder();
+  const std::string vehicle =
+      kSmall +
+      "[bottom]\nkind = \"terrain\"\nmaterial = \"sand\"\ndepth = 30\nextent_m = 100\ncell_m = 5\n"
+      "relief_m = 0\n[navigation]\nkind = \"sensors\"\n";
+  const auto counts_of = [&](const std::string& name, const std::string& more) {
+    const ProgramResult run = isobath_run(write(folder / (name + ".toml"), vehicle + more), folder / name);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out)["counts"];
+  };
+  const auto whole = counts_of("whole", ""), no_log = counts_of("no_log", "[dvl]\non = false\n");
+  const auto payload = counts_of("payload", "[[sonar]]\npreset = \"altimeter\"\n");
+  EXPECT_EQ(whole["pings_dead_reckoned"], 0);
+  EXPECT_GT(no_log["pings_dead_reckoned"], no_log["pings"].get<int>() / 2) << "all but the first second";
+  for (const char* same : {"pings", "navigation", "scans", "ranges", "bins"}) EXPECT_EQ(no_log[same], whole[same]);
+  EXPECT_EQ(whole["ranges"], 0);
+  EXPECT_GT(payload["ranges"], 10);
+  for (const char* same : {"pings", "navigation", "scans"}) EXPECT_EQ(payload[same], whole[same]);
+}
+
 // ledger: S6-D04
 TEST(Sim, ARunOfASceneSaysWhatTheTruthIs) {
   const fs::path out = scratch_folder() / "out";

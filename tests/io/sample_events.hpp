@@ -83,10 +83,17 @@ inline std::vector<Event> sample_events(int count, std::uint64_t seed) {
       Navigation fix{Time{Duration(static_cast<std::int64_t>(random.bits()))}, sample_pose(random), {}, {}};
       if (i % 2) fix.v_WB = Eigen::Vector3d(random.normal(), -0.0, 1e300);
       if (i % 3) fix.covariance = Eigen::Matrix<double, 6, 6>::NullaryExpr([&] { return random.normal(); });
+      if (i % 5 == 0) fix.v_sigma = random.uniform();
       if (i % 7 == 0) fix.X_WB.translation.y() = NAN;
       events.push_back(fix);
     } else if (kind == 6) {
       events.emplace_back(sample_swath(random));
+    } else if (kind == 5 && i % 3 == 0) {
+      OperatorFrame frame{Time{Duration(i)}, {}};
+      for (std::uint64_t size = random.index(5); size > 0; --size) {
+        frame.bytes.push_back(static_cast<std::uint8_t>(random.bits()));
+      }
+      events.emplace_back(std::move(frame));
     } else if (kind == 5) {
       Health health{Time{Duration(i)}, i % 2 ? "vehicle" : "", static_cast<HealthState>(i % 3), 0.5f, i % 5 == 0,
                     "a note"};
@@ -132,7 +139,7 @@ inline bool same(const Ping& a, const Ping& b) {
 
 inline bool same(const Navigation& a, const Navigation& b) {
   if (a.time != b.time || !same(a.X_WB, b.X_WB) || a.v_WB.has_value() != b.v_WB.has_value()) return false;
-  if (a.v_WB && *a.v_WB != *b.v_WB) return false;
+  if ((a.v_WB && *a.v_WB != *b.v_WB) || a.v_sigma != b.v_sigma) return false;
   return a.covariance.has_value() == b.covariance.has_value() && (!a.covariance || *a.covariance == *b.covariance);
 }
 
@@ -161,6 +168,8 @@ inline bool same(const Swath& a, const Swath& b) {
          std::equal(a.soundings.begin(), a.soundings.end(), b.soundings.begin(), b.soundings.end(),
                     [](const Sounding& x, const Sounding& y) { return same(x, y); });
 }
+
+inline bool same(const OperatorFrame& a, const OperatorFrame& b) { return a.time == b.time && a.bytes == b.bytes; }
 
 inline bool same(const Event& a, const Event& b) {
   return a.index() == b.index() &&

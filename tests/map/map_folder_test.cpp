@@ -7,6 +7,8 @@
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/map/map_folder.hpp>
+#include <set>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -157,6 +159,39 @@ TEST_F(MapFolderTest, killed_at_any_of_200_instants_it_opens_at_a_committed_stat
     ASSERT_TRUE(map.trees.state() == expected.state());
   }
   EXPECT_GT(committed, 0U) << "some got through";
+}
+
+// The instant is a byte of a file, not a time: the system ends the writer (SIGXFSZ) where a file would grow past it.
+// ledger: S1-26
+TEST_F(MapFolderTest, killed_while_it_writes_it_opens_at_the_state_before) {
+  MapFacts written = facts();
+  MapFolder(folder_).commit(written, trees_of(1, 64));
+  std::set<std::uintmax_t> instants = {0, 1, 4096};
+  for (const auto& file : fs::directory_iterator(folder_)) {
+    if (file.file_size() > 0) instants.insert({file.file_size() / 2, file.file_size() - 1});
+  }
+  const std::uintmax_t largest = *instants.rbegin();
+  for (const std::uintmax_t bytes : instants) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      const rlimit limit{bytes, bytes};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+      try {
+        MapFolder(folder_).commit(written, trees_of(2, 64));
+      } catch (...) {
+        ::_exit(1);
+      }
+      ::_exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ) << bytes << " of " << largest << ": not killed";
+    const StoredMap map = open_map(folder_);
+    ASSERT_TRUE(map.damages.empty()) << bytes << ": " << map.damages.front().reason;
+    EXPECT_EQ(map.facts.generation, 1U) << bytes;
+    EXPECT_TRUE(map.trees.sensed() == trees_of(1, 64).sensed()) << bytes;
+    EXPECT_TRUE(map.trees.state() == trees_of(1, 64).state()) << bytes;
+  }
 }
 
 void flip_bit(const fs::path& file, std::uint64_t byte) {

@@ -17,6 +17,8 @@ std::vector<T> of(const std::vector<Message>& said) {
   return out;
 }
 
+constexpr double kTurningRadius = 3;  // m
+
 std::vector<Message> tell(Agent& agent, const Message& message) {
   Outbox out;
   agent.hear(message, Time{}, out);
@@ -55,8 +57,8 @@ void place(Agent& agent, double north, double east) {
 
 // ledger: S6-41
 TEST(BackSeat, DriversBidByWhatTheTaskAsksFor) {
-  SurveyDriver survey;
-  CircleDriver circle;
+  SurveyDriver survey({}, kTurningRadius);
+  CircleDriver circle({}, kTurningRadius);
   EXPECT_GT(suitability(survey, "survey length_m=80 breadth_m=40"), 0);
   EXPECT_EQ(suitability(circle, "survey length_m=80 breadth_m=40"), 0);
   EXPECT_EQ(suitability(survey, "circle radius_m=8"), 0);
@@ -72,8 +74,8 @@ TEST(BackSeat, DriversBidByWhatTheTaskAsksFor) {
 
 // ledger: S6-41
 TEST(BackSeat, WhatCannotBeDoneAsAskedGetsNoBidAndAReason) {
-  SurveyDriver survey;
-  CircleDriver circle;
+  SurveyDriver survey({}, kTurningRadius);
+  CircleDriver circle({}, kTurningRadius);
   const auto reason = [](Agent& agent, const std::string& task) {
     const auto said = tell(agent, call(task));
     EXPECT_TRUE(of<TaskBid>(said).empty()) << task;
@@ -94,7 +96,7 @@ TEST(BackSeat, WhatCannotBeDoneAsAskedGetsNoBidAndAReason) {
 
 // ledger: S6-41
 TEST(BackSeat, OnlyTheOneThatIsTakenPlans) {
-  SurveyDriver survey;
+  SurveyDriver survey({}, kTurningRadius);
   (void)tell(survey, call("survey", 3));
   EXPECT_TRUE(tell(survey, TaskAward{3, "circle"}).empty());
   EXPECT_TRUE(tell(survey, TaskAward{2, "survey"}).empty()) << "another call";
@@ -121,7 +123,7 @@ double off(const std::vector<Vector2d>& way, const Vector2d& p) {
 
 // Every place of the rectangle lies within half a spacing of a lane. ledger: S6-41
 TEST(BackSeat, ASurveyCoversItsRectangle) {
-  SurveyDriver survey;
+  SurveyDriver survey({}, kTurningRadius);
   const auto way = planned(survey, "survey", "survey length_m=80 breadth_m=45 spacing_m=10 heading_deg=30");
   EXPECT_EQ(way.size(), 10u);
   const double a = M_PI / 6;
@@ -139,8 +141,8 @@ TEST(BackSeat, ASurveyCoversItsRectangle) {
 
 // ledger: S6-41
 TEST(BackSeat, WaysBeginWhereTheVehicleIs) {
-  SurveyDriver survey;
-  CircleDriver circle;
+  SurveyDriver survey({}, kTurningRadius);
+  CircleDriver circle({}, kTurningRadius);
   for (const Vector2d& vehicle : {Vector2d(180, 120), Vector2d(20, -20), Vector2d(180, -20), Vector2d(20, 120)}) {
     place(survey, vehicle.x(), vehicle.y());
     const auto lanes = planned(survey, "survey", "survey length_m=80 breadth_m=40 spacing_m=10");
@@ -154,7 +156,7 @@ TEST(BackSeat, WaysBeginWhereTheVehicleIs) {
 
 // ledger: S6-41
 TEST(BackSeat, ACircleKeepsItsDistanceAndGoesRoundClockwise) {
-  CircleDriver circle;
+  CircleDriver circle({}, kTurningRadius);
   const auto way = planned(circle, "circle", "inspect radius_m=20 turns=2.25");
   const Vector2d middle(100, 50);
   double turned = 0;

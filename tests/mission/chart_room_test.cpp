@@ -105,7 +105,7 @@ TEST(ShoalOutlines, StayFewHoweverRaggedTheBottomIs) {
 
 struct Rig {
   ChartRoom room;
-  explicit Rig(const ChartRoomConfig& config = {}, ChartUpdate chart = {}) : room(config, std::move(chart)) {}
+  explicit Rig(const ChartRoomConfig& config = {}, const ChartUpdate& chart = {}) : room(config) { tell(chart); }
 
   std::vector<Message> tell(const Message& message) {
     Outbox out;

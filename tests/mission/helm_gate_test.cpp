@@ -44,6 +44,39 @@ TEST(HelmGate, AnOrderPassesAsItIs) {
   EXPECT_EQ(gate.state(), HelmState::kOrders);
 }
 
+MissionOrder start(double max_depth_m) {
+  MissionPlan plan;
+  plan.limits.max_depth_m = max_depth_m;
+  return {MissionOrder::Kind::kStart, std::make_shared<const MissionPlan>(plan), MissionEnd::kHold, ""};
+}
+
+// Whoever orders it: an agent from a library may.
+// ledger: S6-37 S6-42
+TEST(HelmGate, NothingGoesOutThatVehicleOrMissionDoNotAllow) {
+  VehicleSheet sheet = hoverer();
+  sheet.limits.max_depth = 40;
+  sheet.limits.max_speed = 2;
+  HelmGate gate({2, ""}, sheet);
+  gate.hear(order(30, 39, 2), at(0));
+  expect_setpoint(gate.steer(at(0)), 30, 39, 2);
+  EXPECT_EQ(gate.limited(), 0u);
+  gate.hear(order(30, 50, 5), at(0));
+  expect_setpoint(gate.steer(at(0)), 30, 40, 2);
+  gate.hear(order(30, -3, -5), at(0));
+  expect_setpoint(gate.steer(at(0)), 30, 0, -2);
+  gate.hear(start(10), at(1));
+  gate.hear(order(30, 39, 1), at(1));
+  expect_setpoint(gate.steer(at(1)), 30, 10, 1);
+  gate.hear(action(SafetyActionKind::kTurn, set(90, 39, 1)), at(1));
+  expect_setpoint(gate.steer(at(1)), 90, 10, 1);
+  EXPECT_EQ(gate.limited(), 4u);
+  gate.hear(action(SafetyActionKind::kNone), at(1));
+  gate.hear(HelmOrder{{Angle::degrees(30), 5, 1.2, 4}}, at(1));
+  const Setpoint s = gate.steer(at(1));
+  EXPECT_NEAR(std::hypot(s.speed, s.sway_speed), 2, 1e-9) << "sway gives way";
+  EXPECT_EQ(s.speed, 1.2);
+}
+
 TEST(HelmGate, WaitsWhereItIsForTheFirstOrder) {
   HelmGate gate({}, torpedo());
   gate.hear(here(40, 3), at(0));
@@ -217,9 +250,13 @@ RC_GTEST_PROP(HelmGate, WhateverItHearsTheSetpointIsFiniteAndFitsItsState, ()) {
     RC_ASSERT(std::isfinite(out.heading.radians()));
     RC_ASSERT(std::isfinite(out.depth));
     RC_ASSERT(std::isfinite(out.speed));
+    RC_ASSERT(out.depth >= 0.0 && out.depth <= sheet.limits.max_depth);
+    RC_ASSERT(std::abs(out.speed) <= sheet.limits.max_speed);
     const bool stopped = gate.state() == HelmState::kStop;
     const bool surfacing = gate.state() == HelmState::kSurface;
-    if (stopped || surfacing) RC_ASSERT(out.speed == sheet.min_speed);
+    if (stopped) RC_ASSERT(out.speed == sheet.min_speed);
+    if (surfacing) RC_ASSERT(out.speed >= sheet.min_speed);  // a vehicle that cannot stop may be on its way out
+    if (surfacing && sheet.min_speed == 0) RC_ASSERT(out.speed == 0.0);
     const bool rises = surfacing || (stopped && sheet.min_speed > 0);
     if (rises) RC_ASSERT(out.depth == 0.0);
   }

@@ -16,15 +16,15 @@ using testing::HasSubstr;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 const SafetyConfig kLimits;
 
-/// Puts into each look the echoes of points in W that the vehicle has in its fan and nearer than `range_m`, and not
+/// Puts into each ping the echoes of points in W that the vehicle has in its fan and nearer than `range_m`, and not
 /// nearer than `blind_m`.
 void show(SafetyStream& stream, std::vector<Vector2d> points, double range_m = 20, double blind_m = 0.6) {
-  stream.on_look = [&stream, points = std::move(points), range_m, blind_m](SonarLook& look) {
+  stream.on_echoes = [&stream, points = std::move(points), range_m, blind_m](SonarEchoes& heard) {
     const Eigen::Rotation2Dd R_LW(-stream.heading);
-    look.blind_m = blind_m;
+    heard.blind_m = blind_m;
     for (const Vector2d& p : points) {
       const Vector2d echo = R_LW * Vector2d(p - stream.place);
-      if (echo.norm() < range_m && echo.norm() > blind_m && echo.x() > 0) look.echoes_L.push_back(echo);
+      if (echo.norm() < range_m && echo.norm() > blind_m && echo.x() > 0) heard.echoes_L.push_back(echo);
     }
   };
 }
@@ -61,8 +61,8 @@ TEST(LastDitch, ActsWithinOneCycleOfTheSecondEcho) {
   const Vector2d ahead = stream.place + Vector2d(3.5, 0);
   int told = 0;
   double second_s = -1;
-  stream.on_look = [&](SonarLook& look) {
-    look.echoes_L = {ahead - stream.place};
+  stream.on_echoes = [&](SonarEchoes& heard) {
+    heard.echoes_L = {ahead - stream.place};
     if (++told == 2) second_s = stream.time_s();
   };
   stream.run_to(22);
@@ -103,7 +103,7 @@ TEST(LastDitch, GoesOnWhenTheWayLiesFree) {
   ASSERT_EQ(stream.speed, 0);
   ASSERT_EQ(stream.officer.action().kind, Act::kTurn) << "on the spot";
   EXPECT_EQ(stream.officer.action().setpoint.speed, 0);
-  stream.on_look = {};  // it moved away
+  stream.on_echoes = {};  // it moved away
   stream.run_to(60 + kLimits.memory_s + kLimits.leave_s + 10);
   EXPECT_EQ(stream.officer.action().kind, Act::kNone);
   EXPECT_GT(stream.speed, 1);
@@ -150,6 +150,43 @@ TEST(LastDitch, AVehicleThatCannotStopTurns) {
   EXPECT_GT(stream.acted(Act::kTurn), 0);
 }
 
+// A bay whose sides leave no room to turn, and whose far wall is nearer than `escape_s` of way: it turns while there is
+// a way out, and surfaces where it is in already. ledger: S6-51 S2-E10
+TEST(LastDitch, AVehicleThatCannotStopKeepsAWayOutOpen) {
+  const auto bay = [](double entrance) {
+    std::vector<Vector2d> points;
+    for (double x = entrance; x < entrance + 15; x += 0.5) {
+      points.emplace_back(x, -4);
+      points.emplace_back(x, 4);
+    }
+    for (double y = -4; y < 4; y += 0.5) points.emplace_back(entrance + 15, y);
+    for (double y = 4; y < 30; y += 0.5) {
+      points.emplace_back(entrance, y);
+      points.emplace_back(entrance, -y);
+    }
+    return points;
+  };
+  SafetyStream before(test::flying());
+  const std::vector<Vector2d> ahead = bay(50);
+  show(before, ahead, 40);
+  double nearest = kNever;
+  for (double s = 1; s < 60; ++s) {
+    before.run_to(s);
+    nearest = std::min(nearest, gap(before, ahead));
+  }
+  EXPECT_GT(before.acted(Act::kTurn), 0);
+  EXPECT_LT(before.acted(Act::kTurn), 50 / 1.5) << "it is in the bay already";
+  EXPECT_GT(nearest, 0.5 * kLimits.collision_margin_m);
+  EXPECT_THAT(before.reason(Fault::kCollisionUnavoidable), HasSubstr("a way out is left"));
+
+  SafetyStream inside(test::flying());
+  inside.run_to(20);
+  show(inside, bay(inside.place.x() - 5), 40);
+  inside.run_to(25);
+  EXPECT_EQ(inside.officer.action().kind, Act::kSurface);
+  EXPECT_THAT(inside.reason(Fault::kCollisionUnavoidable), HasSubstr("none is left"));
+}
+
 // Echoes beside the way, behind, and single false alarms stop nobody.
 TEST(LastDitch, PassesWhatIsNotInTheWay) {
   SafetyStream stream;
@@ -167,11 +204,11 @@ TEST(LastDitch, PassesWhatIsNotInTheWay) {
 TEST(LastDitch, IsNotStoppedByNoise) {
   SafetyStream stream;
   std::mt19937 random(3);
-  stream.on_look = [&](SonarLook& look) {
+  stream.on_echoes = [&](SonarEchoes& heard) {
     if (random() % 100 != 0) return;
     const double range = 1 + 49 * (static_cast<double>(random() % 10000) / 10000);
     const double bearing = (static_cast<double>(random() % 10000) / 10000 - 0.5) * 1.57;
-    look.echoes_L = {{range * std::cos(bearing), range * std::sin(bearing)}};
+    heard.echoes_L = {{range * std::cos(bearing), range * std::sin(bearing)}};
   };
   stream.run_to(650);
   EXPECT_EQ(stream.count_reports(), 0u);

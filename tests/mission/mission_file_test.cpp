@@ -193,6 +193,7 @@ void expect_same(const MissionPlan& a, const MissionPlan& b) {
   EXPECT_EQ(a.speed, b.speed);
   EXPECT_EQ(a.at_end, b.at_end);
   EXPECT_EQ(a.if_dropped, b.if_dropped);
+  EXPECT_EQ(a.waits_for_operator, b.waits_for_operator);
   EXPECT_EQ(a.origin, b.origin);
   EXPECT_EQ(a.fence, b.fence);
   ASSERT_EQ(a.points.size(), b.points.size());
@@ -216,6 +217,7 @@ MissionPlan random_plan(Random& random) {
   plan.speed = random.uniform(0.1, 3);
   plan.at_end = static_cast<MissionEnd>(random.index(3));
   plan.if_dropped = static_cast<MissionEnd>(random.index(3));
+  plan.waits_for_operator = random.index(2) == 1;
   plan.limits.max_duration_s = random.uniform(0, 1e4);
   plan.limits.low_battery_share = random.uniform();
   if (random.index(2) == 0) plan.origin = GeoOrigin{-33.123456789012345, 151.2};

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/mission/navigator.hpp>
+#include <isobath/mission/planner_budget.hpp>
 #include <isobath/mission/way_keeping.hpp>
 
 #include "agent_script.hpp"
@@ -362,6 +363,38 @@ TEST_F(NavigatorTest, SearchesFurtherInAnEmergency) {
   EXPECT_EQ(refused[0].reason, Reason::kOutOfBudget);
   EXPECT_EQ(modes(), std::vector<std::string>{"emergency"});
   EXPECT_EQ(only<RoutePlanned>(script->tick(now + 0.1)).size(), 1u) << "at the next tick, without another scan";
+}
+
+// ledger: S6-39
+TEST_F(NavigatorTest, HasTheShareOfItsBudgetThatAnOverloadedComputerLeavesIt) {
+  const Polygon wall{{48, -25}, {52, -25}, {52, 25}, {48, 25}};
+  sail_from(0, 0);
+  scan({});
+  ask(point(100, 0));
+  script->hear(planner_report(at(now), 1e-4), now);
+  script->hear(Health{at(now), "disk", HealthState::kLost, 1, false, "full"}, now);
+  const auto refused = only<RouteRefused>(scan({wall}));
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].reason, Reason::kOutOfBudget);
+  EXPECT_NE(refused[0].why.find("of which its computer leaves it 0.0001"), std::string::npos) << refused[0].why;
+  EXPECT_TRUE(only<RoutePlanned>(scan({wall})).empty()) << "four times as much is not enough either";
+  script->hear(planner_report(at(now), 1), now);
+  EXPECT_EQ(only<RoutePlanned>(scan({wall})).size(), 1u);
+}
+
+TEST(PlannerBudget, IsReadFromWhatTheHostReports) {
+  for (const double share : {0.0, 0.001, 0.5, 1.0, 2.5}) {
+    const Health report = planner_report(at(3), share);
+    EXPECT_EQ(budget_share(report), share);
+    EXPECT_EQ(report.state, share < 1 ? HealthState::kDegraded : HealthState::kOk);
+  }
+  Health report = planner_report(at(3), 0.5);
+  for (const char* note : {"", "busy", "nan", "inf of it", "-0.5 of it"}) {
+    report.note = note;
+    EXPECT_EQ(budget_share(report), 1) << note;
+  }
+  report.source = "vehicle";
+  EXPECT_EQ(budget_share(report), std::nullopt);
 }
 
 // ledger: S2-28 S2-29 S2-31

@@ -107,10 +107,15 @@ SonarLook look(Draw& draw, Time now) {
   s.roughness = draw.number(1);
   if (draw.below(2) == 0) s.port = draw.number(1);
   if (draw.below(2) == 0) s.starboard = draw.number(1);
-  s.decided = true;
+  return s;
+}
+
+SonarEchoes echoes(Draw& draw, Time now) {
+  SonarEchoes s;
+  s.time = draw.time(now);
   s.blind_m = draw.number(5);
-  const int echoes = draw.below(5);
-  for (int i = 0; i < echoes; ++i) s.echoes_L.push_back(draw.place(10));
+  const int count = draw.below(5);
+  for (int i = 0; i < count; ++i) s.echoes_L.push_back(draw.place(10));
   if (draw.below(2) == 0) s.X_WL = Pose{draw.turn(), Eigen::Vector3d(draw.number(100), 0, 0)};
   return s;
 }
@@ -171,7 +176,7 @@ Message route(Draw& draw) {
 }
 
 Message any_message(Draw& draw, Time now) {
-  switch (draw.below(10)) {
+  switch (draw.below(11)) {
     case 0:
     case 1: return fix(draw, now);
     case 2: return look(draw, now);
@@ -189,7 +194,8 @@ Message any_message(Draw& draw, Time now) {
     case 5: return command(draw);
     case 6: return order(draw);
     case 7: return route(draw);
-    case 8: {
+    case 8: return echoes(draw, now);
+    case 9: {
       ObstacleScan scan;
       Hazard hazard;
       hazard.outline = polygon(draw);

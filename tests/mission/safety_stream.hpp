@@ -46,6 +46,7 @@ class SafetyStream {
   /// What a test may change at any time.
   bool pings = true, fixes = true, reports = true, altimeter = true, beats = false, obeys = true;
   std::function<void(SonarLook&)> on_look;
+  std::function<void(SonarEchoes&)> on_echoes;
   std::function<void(Navigation&)> on_fix;
   std::function<void(Health&)> on_health;
   std::function<void(RangeReading&)> on_range;
@@ -198,6 +199,7 @@ class SafetyStream {
     fix.covariance = Eigen::Matrix<double, 6, 6>::Identity() * sigma * sigma;
     if (on_fix) on_fix(fix);
     tell(fix);
+    fix_ = fix;
   }
 
   void tell_look(Time at) {
@@ -214,9 +216,13 @@ class SafetyStream {
     look.bearing = Angle::degrees(3.0 * at_step);
     if (at_step < 0) look.port = 0.15;
     if (at_step > 0) look.starboard = 0.15;
-    look.decided = true;
     if (on_look) on_look(look);
     tell(look);
+    SonarEchoes echoes;
+    echoes.time = look.time;
+    echoes.X_WL = level(fix_.X_WB);
+    if (on_echoes) on_echoes(echoes);
+    tell(echoes);
   }
 
   void tell_altitude(Time at) {
@@ -231,6 +237,7 @@ class SafetyStream {
   }
 
   std::shared_ptr<const MissionPlan> plan_;
+  Navigation fix_;  ///< the last one told
   int step_ = 0;
 };
 

@@ -19,6 +19,7 @@ using test::seat;
 using test::seats;
 using testing::Contains;
 using testing::ElementsAre;
+using testing::IsEmpty;
 
 CrewConfig config_of(int mailbox = 1024) {
   CrewConfig config;
@@ -197,6 +198,48 @@ TEST(ThreadedCrew, AnAgentThatThrowsIsDeadAndTheOthersGoOn) {
   EXPECT_TRUE(crew.lost("navigator"));
   EXPECT_FALSE(crew.lost("captain"));
   EXPECT_THAT(heard.all(), ElementsAre("task call 1", "agent lost navigator", "task call 2"));
+}
+
+// ledger: S6-33
+TEST(ThreadedCrew, OneThatIsKilledDiesInItsNextTurn) {
+  Clock clock;
+  Heard killed;
+  Heard heard;
+  ThreadedCrew crew(seats(seat("navigator", killed.listener()), seat("captain", heard.listener())), {}, config_of(),
+                    clock.reader());
+  crew.hear(call(1));
+  crew.settle();
+  crew.kill("navigator");
+  crew.hear(call(2));
+  crew.settle();
+  EXPECT_TRUE(crew.lost("navigator"));
+  EXPECT_THAT(killed.all(), ElementsAre("task call 1"));
+  EXPECT_THAT(heard.all(), ElementsAre("task call 1", "task call 2", "agent lost navigator"));
+  EXPECT_TRUE(crew.has("captain"));
+  EXPECT_FALSE(crew.has("parrot"));
+}
+
+// ledger: S6-33
+TEST(ThreadedCrew, OneThatIsMadeToHangIsGivenUpAndKeepsNobodyWaiting) {
+  Clock clock;
+  Heard hanging;
+  Heard heard;
+  ThreadedCrew crew(seats(seat("navigator", hanging.listener()), seat("captain", heard.listener())), {}, config_of(),
+                    clock.reader());
+  crew.hang("navigator");
+  crew.hear(call(1));
+  crew.settle();
+  EXPECT_THAT(heard.all(), ElementsAre("task call 1")) << "settling does not wait for it";
+  for (double t = 0.1; !crew.lost("navigator"); t += 0.1) {  // whenever its thread begins the turn that never ends
+    clock.set(t);
+    crew.advance();
+    std::this_thread::yield();
+  }
+  crew.hear(call(2));
+  crew.settle();
+  EXPECT_FALSE(crew.lost("captain"));
+  EXPECT_THAT(heard.all(), ElementsAre("task call 1", "agent lost navigator hung", "task call 2"));
+  EXPECT_THAT(hanging.all(), IsEmpty());
 }
 
 TEST(ThreadedCrew, AFullMailboxLosesItsOldestMessageAndSaysSo) {

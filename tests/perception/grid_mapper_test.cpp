@@ -4,6 +4,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
+#include <optional>
 #include <tests/support/count_allocations.hpp>
 
 namespace isobath {
@@ -367,6 +368,40 @@ TEST(GridMapper, RefusesWhatItCannotDo) {
   c = {};
   c.table.table_mb = 0;
   EXPECT_THROW(GridMapper({}, c), Error);
+}
+
+// A dim bin counts with its own p_D, whether it holds an echo or not: as a sonar that has that p_D everywhere. One that
+// tells nothing leaves the grid as it is.
+// ledger: S6-69 S6-15
+TEST(GridMapper, DimBinsCountWithTheirOwnProbability) {
+  using Update = GridMapperConfig::Update;
+  for (const Update form : {Update::kBin, Update::kPrinted, Update::kAnyTarget}) {
+    for (const bool echo : {false, true}) {
+      const auto mapped = [&](float p_detect, std::optional<float> p_dim) {
+        Rig s({0}, 5, {1, 0.5, 12});
+        s.decisions.p_detect.assign(12, p_detect);
+        if (p_dim) {
+          const std::uint64_t all = 0xfff;
+          s.decisions.set_dim(0, &all, std::vector<float>(12, *p_dim).data());
+        }
+        if (echo) s.decisions.set_hit(0, 7);
+        GridMapperConfig config;
+        config.update = form;
+        GridMapper mapper(plane(41, 0.5), config);
+        mapper.update(s.ping, s.decisions, at(0, 0, 0));
+        return copy_of(mapper.grid());
+      };
+      const auto weak = mapped(0.3f, {}), dim = mapped(0.8f, 0.3f), silent = mapped(0.8f, 0.0f);
+      const double prior = GridMapper(plane(41, 0.5), {}).grid().log_odds_prior();
+      double most = 0;
+      for (std::size_t i = 0; i < weak.size(); ++i) {
+        EXPECT_NEAR(dim[i], weak[i], 1e-9);
+        EXPECT_NEAR(silent[i], prior, 1e-9);
+        most = std::max(most, std::abs(weak[i] - prior));
+      }
+      EXPECT_GT(most, 0.1) << "that it says anything at all";
+    }
+  }
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ Pose weaving(double t) {
           {t, 0.3 * std::sin(t), 2}};
 }
 
-// ledger: S6-15 S6-20 S6-25
+// ledger: S6-15 S6-20 S6-25 S6-69
 TEST(SteadyState, DetectingAndMappingAllocateNothing) {
   EchoDetectorConfig echoes;
   echoes.noise.memory_profiles = 300;
@@ -46,7 +46,7 @@ TEST(SteadyState, DetectingAndMappingAllocateNothing) {
     Ping& ping = pings[i % pings.size()];
     ping.time = Time(seconds(0.1 * i));
     if (i == kWarmUp) before = test::allocations();
-    detector.detect(ping, decisions);
+    detector.detect(ping, decisions, {weaving(0.1 * i).rotation, 4, 2});
     mapper.update(ping, decisions, weaving(0.1 * i), {.position_fix = true});
     sweeps.add(ping);
   }

@@ -11,7 +11,8 @@ using Eigen::Vector2d;
 class PoleOnTheWay : public testing::Test {
  protected:
   PoleOnTheWay() {
-    run_ = make_run({}, parse_scenario(test::kPoleScene, "pole.toml"), 3);
+    const Scenario scenario = parse_scenario(test::kPoleScene, "pole.toml");
+    run_ = make_run({}, {&scenario, 1}, 3);
     run_.scenario.scene.about.duration_s = 60;
     vehicle_ = RunTruth({}, run_).vehicle();
   }

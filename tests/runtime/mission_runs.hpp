@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <isobath/runtime/closed_loop.hpp>
+#include <isobath/runtime/mission_chart.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
 #include <isobath/runtime/mission_run.hpp>
 #include <string>
@@ -14,9 +15,9 @@ inline Scenario scenario_of(const std::string& name) {
   return load_scenario((source_folder() / "scenarios" / (name + ".toml")).string());
 }
 
-/// The crew for a scenario's mission and vehicle.
-inline MissionSetup setup_of(const Scenario& scenario) {
-  return {scenario.mission, sheet_of(Simulator(scenario.scene, {}).vehicle())};
+/// The crew for a scenario's mission, vehicle and chart.
+inline MissionSetup setup_of(const Scenario& scenario, const Configuration& configuration = {}) {
+  return {scenario.mission, sheet_of(Simulator(scenario.scene, {}).vehicle()), chart_of(scenario, configuration)};
 }
 
 struct Sailed {
@@ -50,6 +51,7 @@ class ScanLog : public Helm {
   Setpoint steer() override { return helm_.steer(); }
   MissionReport progress() const override { return helm_.progress(); }
   const std::vector<Decision>& decisions() const override { return helm_.decisions(); }
+  std::vector<FrameBytes> to_operator() override { return helm_.to_operator(); }
 
  private:
   Helm& helm_;
@@ -58,7 +60,7 @@ class ScanLog : public Helm {
 
 inline Sailed sail(const Scenario& scenario, LoopRequest request = {}) {
   Sailed sailed;
-  const auto crew = make_mission_helm(setup_of(scenario), request.configuration);
+  const auto crew = make_mission_helm(setup_of(scenario, request.configuration), request.configuration);
   ScanLog helm(*crew, sailed);
   request.record = [&](const Event& event) { sailed.events.push_back(event); };
   sailed.result = run_closed_loop(scenario, helm, request);

@@ -13,7 +13,7 @@ using test::ping_at;
 
 std::vector<Event> many(int count) {
   std::vector<Event> events;
-  for (int i = 0; i < count; ++i) events.push_back(ping_at(0.1 * i));
+  for (int i = 0; i < count; ++i) events.emplace_back(ping_at(0.1 * i));
   return events;
 }
 
@@ -35,8 +35,8 @@ TEST(PrefetchSource, StopsWhenItIsLeftEarly) {
 
 TEST(Inspection, CountsRatesGapsAndStepsBack) {
   auto events = many(100);
-  events.push_back(ping_at(30));
-  events.push_back(ping_at(29));
+  events.emplace_back(ping_at(30));
+  events.emplace_back(ping_at(29));
   ListSource source(events);
   const Inspection facts = inspect(source);
   ASSERT_EQ(facts.streams.size(), 1u);

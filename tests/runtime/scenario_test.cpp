@@ -2,6 +2,7 @@
 #include <bit>
 #include <gtest/gtest.h>
 #include <isobath/io/native_log.hpp>
+#include <isobath/mission/planner_budget.hpp>
 #include <isobath/runtime/scenario.hpp>
 #include <isobath/runtime/truth_judge.hpp>
 #include <tests/runtime/kept_scans.hpp>
@@ -117,6 +118,27 @@ TEST(Scenario, NamesThePlaceOfWhatIsWrong) {
   EXPECT_NE(problem_of("[scene]\n[vehicle]\nspeed = -1\n").find("a.toml:3:"), std::string::npos);
   EXPECT_NE(problem_of("[scene]\n[mission]\ntitle = \"none\"\n"), "") << "a mission without points";
   EXPECT_NE(problem_of("[scene]\n[misison]\n").find("a.toml:2:"), std::string::npos);
+}
+
+// What no simulator has is told as a report of the host, so that a log holds it.
+// ledger: S6-39
+TEST(SimulatedSource, TellsWhatThePlannerIsLeftWhileItsFaultHolds) {
+  const Scenario scenario = parse_scenario(
+      "[scene]\nduration_s = 8\n[[fault]]\nsource = \"planner\"\nkind = \"wrong_scale\"\nat_s = 3\nfor_s = 2\n"
+      "amount = 0.01\n",
+      "a.toml");
+  SimulatedSource source(scenario.scene, {}, 1);
+  std::vector<std::pair<double, double>> told;
+  while (const auto event = source.next()) {
+    const auto* health = std::get_if<Health>(&*event);
+    const auto share = health ? budget_share(*health) : std::nullopt;
+    if (share) told.emplace_back(to_seconds(health->time), *share);
+  }
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_NEAR(told[0].first, 3, 0.2);
+  EXPECT_EQ(told[0].second, 0.01);
+  EXPECT_NEAR(told[1].first, 5, 0.2);
+  EXPECT_EQ(told[1].second, 1);
 }
 
 // A target that was not there is a false alarm, one that was there and is not seen is a miss.

@@ -28,9 +28,6 @@ std::vector<Vector2d> border_of(const Body& body) {
     for (const auto& [x, y] : {std::pair{1, 1}, std::pair{-1, 1}, std::pair{-1, -1}, std::pair{1, -1}}) {
       corners.push_back((b->centre + R * Eigen::Vector3d(x * b->size.x() / 2, y * b->size.y() / 2, 0)).head<2>());
     }
-  } else {
-    const auto& line = std::get<Wall>(body.shape).line;
-    for (std::size_t i = 0; i + 1 < line.size(); i += 2) corners.emplace_back(line[i], line[i + 1]);
   }
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vector2d a = corners[i], b = corners[(i + 1) % corners.size()];
@@ -99,8 +96,6 @@ RC_GTEST_PROP(Clutter, IsAFunctionOfItsSeedInWholeCentimetres, (std::uint64_t se
     } else if (const auto* box = std::get_if<Box>(&a.bodies[i].shape)) {
       RC_ASSERT(box->size == std::get<Box>(b.bodies[i].shape).size);
       RC_ASSERT(std::abs(box->heading.degrees() - std::round(box->heading.degrees())) < 1e-9);
-    } else {
-      RC_ASSERT(std::get<Wall>(a.bodies[i].shape).line == std::get<Wall>(b.bodies[i].shape).line);
     }
   }
 }
@@ -122,9 +117,11 @@ TEST(Clutter, DrawsTheKindsByTheirShares) {
     for (const Body& body : clutter_field(config, seed).bodies) {
       ++all;
       poles += std::holds_alternative<Cylinder>(body.shape);
-      boxes += std::holds_alternative<Box>(body.shape);
+      boxes += body.name.starts_with("box");
     }
   }
+  // Nothing that stands in the water is without thickness: a sheet that is met end on returns no sound.
+  ASSERT_GT(all, 1000);
   // Binomial, four standard deviations; large bodies find room a little less often.
   EXPECT_NEAR(static_cast<double>(poles) / all, 0.5, 0.03);
   EXPECT_NEAR(static_cast<double>(boxes) / all, 0.3, 0.03);

@@ -155,11 +155,11 @@ TEST(Faults, AJumpIsTheSameFromItsBeginning) {
 
 // What has no readings changes nothing by itself; whoever plays the part asks.
 TEST(Faults, OfTheHostHoldAndAreAskedFor) {
-  const FaultSchedule schedule(
-      {fault("agent.navigator", FaultKind::kOff), fault("agent.pilot", FaultKind::kStuck),
-       fault("link", FaultKind::kOff), fault("disk", FaultKind::kOff), fault("planner", FaultKind::kWrongScale, 0.01)},
-      1);
-  for (const char* source : {"agent.navigator", "agent.pilot", "link", "disk", "planner"}) {
+  const FaultSchedule schedule({fault("agent.navigator", FaultKind::kOff), fault("agent.pilot", FaultKind::kStuck),
+                                fault("link", FaultKind::kOff), fault("health", FaultKind::kOff),
+                                fault("disk", FaultKind::kOff), fault("planner", FaultKind::kWrongScale, 0.01)},
+                               1);
+  for (const char* source : {"agent.navigator", "agent.pilot", "link", "health", "disk", "planner"}) {
     EXPECT_EQ(schedule.active(source, at(9)), nullptr) << source;
     EXPECT_NE(schedule.active(source, at(12)), nullptr) << source;
     EXPECT_EQ(schedule.active(source, at(20)), nullptr) << source;
@@ -416,6 +416,7 @@ TEST(Faults, WhatMakesNoSenseIsRefusedWithItsPlace) {
   refused("source = \"dvl\"\nkind = \"saturated\"", "dvl cannot be saturated");
   refused("source = \"agent.\"", "is no source");
   refused("source = \"link\"\nkind = \"stuck\"", "link cannot be stuck");
+  refused("source = \"link\"\nkind = \"intermittent\"\namount = 0.5\nperiod_s = 2", "intermittent has no period");
   refused("source = \"planner\"", "planner cannot be off");
   refused("source = \"sonar\"\nkind = \"jump\"\namount = 1", "sonar cannot be jump");
   refused("source = \"gps\"\nkind = \"jump\"", "not 0");

@@ -201,6 +201,17 @@ TEST(Simulator, TheHostSaysWhatHasFailedAtOnceAndOnceThatItIsWell) {
   EXPECT_EQ(run(navigated).health.size(), 11u) << "nothing to say of what works";
 }
 
+TEST(Simulator, AHostWhoseReportsAreLostSaysNothingUntilTheyComeAgain) {
+  const Heard all = run(kSimple + "[[fault]]\nsource = \"health\"\nkind = \"off\"\nat_s = 3\nfor_s = 4\n" +
+                        "[[fault]]\nsource = \"disk\"\nkind = \"off\"\nat_s = 4\nfor_s = 5\n");
+  for (const Health& health : all.health) {
+    EXPECT_TRUE(health.time < Time(seconds(3)) || health.time >= Time(seconds(7))) << to_seconds(health.time);
+  }
+  EXPECT_EQ(said_of(all, "vehicle").size(), 11u - 4u);
+  ASSERT_FALSE(said_of(all, "disk").empty());
+  EXPECT_NEAR(said_of(all, "disk").front().first, 7, 0.1) << "what has failed meanwhile is said as soon as it can be";
+}
+
 TEST(Simulator, AJumpOfTheClockMovesWhatTheVehicleSaysAndNotTheTruth) {
   const Heard all = run(kSimple + "[[fault]]\nsource = \"vehicle\"\nkind = \"clock_jump\"\nat_s = 5\namount = -3\n");
   bool backwards = false;

@@ -134,11 +134,13 @@ TEST(Autopilot, TurnsTheShortWay) {
 
 // ledger: S7-14
 TEST(KinematicVehicle, TurnsOnAnArcOfItsTurningRadius) {
-  KinematicVehicle vehicle(test::remus(), test::at_speed(1, 10));
-  // Half a circle of radius 6 m at 1 m/s, in steps that do not divide it.
-  const double seconds = 6 * std::numbers::pi;
+  const VehicleModel model = test::remus();
+  KinematicVehicle vehicle(model, test::at_speed(1, 10));
+  // Half a circle at 1 m/s, in steps that do not divide it.
+  const double radius = model.limits.turning_radius;
+  const double seconds = radius * std::numbers::pi;
   for (int i = 0; i < 40; ++i) vehicle.step({Angle::degrees(179.9), 10, 1, 0}, kSea, seconds / 40);
-  EXPECT_NEAR(vehicle.state().X_WB.translation.y(), 12, 0.01);
+  EXPECT_NEAR(vehicle.state().X_WB.translation.y(), 2 * radius, 0.01);
   EXPECT_NEAR(vehicle.state().X_WB.translation.x(), 0, 0.03);
   EXPECT_NEAR(vehicle.state().X_WB.rotation.heading().degrees(), 179.9, 1e-9);
 }

@@ -1,0 +1,18 @@
+#include <exception>
+#include <isobath/app/speed.hpp>
+#include <isobath/base/error.hpp>
+
+namespace isobath::app {
+
+double speed_of(const std::string& speed) {
+  if (speed == "max") return 0;
+  try {
+    std::size_t used = 0;
+    const double value = std::stod(speed, &used);
+    if (used == speed.size() && value > 0 && value < 1e6) return value;
+  } catch (const std::exception&) {  // not a number: said below
+  }
+  throw Error("no speed: " + speed, {"--speed"}, "max, or how many times real time, above 0");
+}
+
+}  // namespace isobath::app

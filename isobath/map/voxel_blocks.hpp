@@ -1,0 +1,168 @@
+// VoxelBlocks: what one sensor has said of space, voxel by voxel, in blocks of 16 x 16 x 16 found by hashing.
+//
+// Evidence. A voxel holds the sum of the log-likelihood ratios ln P(reading | occupied) / P(reading | empty) that it
+// was given (Horner et al. c. 2009, 4; ledger S5-15), in fixed point, 1/1024, kept within [least, most]. Zero is no
+// evidence either way, which is not the same as never looked at: that reads as kUnseen. The prior is not in it (S5-29),
+// so that sensors add up (VoxelMap). Whole numbers: while no bound is met, a sum depends neither on the order of its
+// parts nor on who adds them.
+//
+// Layout. Within a block a column along z is contiguous (32 bytes, one vector), columns follow along y, then x. Blocks
+// are taken from slabs of two megabytes and never move; a table of open addressing with half its places empty says
+// where. Each block carries the revision of its own last change, so that a reader asks for what is new since it looked.
+//
+// Cost (one core, bench/voxel_bench.cpp): 0.9 million rays of 187 voxels, 24 million random questions a second. One
+// thread writes; while nobody writes, any number read.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <Eigen/Core>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace isobath {
+
+/// Voxel (i, j, k) is the cube [i, i + 1) x [j, j + 1) x [k, k + 1) times its edge, in W: north, east, down.
+using VoxelIndex = Eigen::Vector3i;
+/// 1/1024 of a natural logarithm of odds.
+using Evidence = std::int16_t;
+
+/// The voxel of a point in edges of voxels; each coordinate must fit an int. (std::floor is a call where the processor
+/// that is compiled for need not have the instruction.)
+inline VoxelIndex floor_of(const Eigen::Vector3d& p) {
+  const auto floored = [](double c) {
+    const int cut = static_cast<int>(c);
+    return cut - static_cast<int>(c < cut);
+  };
+  return {floored(p.x()), floored(p.y()), floored(p.z())};
+}
+
+inline constexpr Evidence kUnseen = std::numeric_limits<Evidence>::min();
+inline constexpr double kEvidenceUnit = 1.0 / 1024;
+/// To the nearest step; saturates.
+Evidence to_evidence(double log_odds);
+inline double to_log_odds(Evidence evidence) { return kEvidenceUnit * evidence; }
+
+struct EvidenceBounds {
+  Evidence least = -7066, most = 7066;  ///< 6.9, p = 0.001 and 0.999 on even odds (S5-15)
+};
+
+class VoxelBlocks {
+ public:
+  static constexpr int kSideLog2 = 4, kSide = 1 << kSideLog2, kVolume = kSide * kSide * kSide;
+  /// Indices beyond have no block: 8.4 million voxels from the origin, 2097 km at 0.25 m.
+  static constexpr int kFarthest = 1 << 23;
+
+  /// What there is of a block; good while the map lives and does not forget it.
+  struct Block {
+    VoxelIndex corner;  ///< the least voxel
+    std::uint64_t revision = 0;
+    Evidence* evidence = nullptr;  ///< kVolume of them
+  };
+  static int offset(const VoxelIndex& v) {
+    constexpr int kMask = kSide - 1;
+    return ((v.x() & kMask) << 2 * kSideLog2) | ((v.y() & kMask) << kSideLog2) | (v.z() & kMask);
+  }
+
+  explicit VoxelBlocks(const EvidenceBounds& bounds = {});
+
+  [[nodiscard]] static bool holds(const VoxelIndex& v) { return v.maxCoeff() < kFarthest && v.minCoeff() > -kFarthest; }
+  /// kUnseen where nothing was ever said. Of a voxel that the map `holds`, as for all that follow: the indices of
+  /// others come round again.
+  [[nodiscard]] Evidence at(const VoxelIndex& v) const {
+    const Evidence* block = find(v);
+    return block ? block[offset(v)] : kUnseen;
+  }
+  /// The evidence of the block of a voxel; null where there is none.
+  [[nodiscard]] const Evidence* find(const VoxelIndex& v) const {
+    const std::uint32_t slot = slot_of(key_of(v));
+    return slot == kNone ? nullptr : evidence_of(slot);
+  }
+  /// The same to write to, made where there is none, and marked as changed in this revision.
+  Evidence* touch(const VoxelIndex& v);
+  /// One more piece of evidence.
+  void add(const VoxelIndex& v, Evidence more) {
+    Evidence& e = touch(v)[offset(v)];
+    e = sum(e, more);
+  }
+  /// What both say together, within the bounds.
+  [[nodiscard]] Evidence sum(Evidence old, Evidence more) const {
+    const int total = (old == kUnseen ? 0 : old) + more;
+    return static_cast<Evidence>(std::min<int>(std::max<int>(total, bounds_.least), bounds_.most));
+  }
+
+  /// Along a straight line of sight from `from` to `to` (voxels and fractions of them): `miss` for each voxel that it
+  /// passes through before the one that holds `to` (six-connected: every voxel that the line meets), then `end` for
+  /// that one. An `end` of zero leaves it as it is. Returns the voxels passed; nothing happens, and 0 is returned,
+  /// where an end is not finite or too far off.
+  std::int64_t insert_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Evidence miss, Evidence end);
+
+  /// Blocks touched from now on carry this revision; none is 0.
+  void begin(std::uint64_t revision) { revision_ = revision; }
+  /// Those touched after a revision, and all with 0; in no order.
+  void for_each(std::uint64_t after, const std::function<void(const Block&)>& visit) const;
+
+  /// Brings all evidence nearer to none: times `kept`, in [0, 1], towards zero. What was seen stays seen.
+  void fade(double kept);
+  /// Forgets the blocks that have no voxel in the box [least, most]; each is shown first. Returns how many.
+  std::size_t keep_within(const VoxelIndex& least, const VoxelIndex& most,
+                          const std::function<void(const Block&)>& leaving = {});
+  void clear();
+
+  [[nodiscard]] std::size_t blocks() const { return used_; }
+  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] const EvidenceBounds& bounds() const { return bounds_; }
+
+ private:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  static constexpr int kSlabLog2 = 8;  // blocks in a slab: two megabytes, one large page
+  struct Release {
+    void operator()(Evidence* slab) const { std::free(slab); }
+  };
+  using Slab = std::unique_ptr<Evidence[], Release>;
+  static Slab new_slab();
+
+  static constexpr std::uint64_t kEmpty = std::numeric_limits<std::uint64_t>::max();
+  struct Entry {
+    std::uint64_t key = kEmpty;
+    std::uint32_t slot = kNone;
+  };
+
+  /// Of the block; 20 bits an axis.
+  [[nodiscard]] static std::uint64_t key_of(const VoxelIndex& v) {
+    constexpr std::uint64_t kMask = (1u << 20) - 1;
+    const auto part = [](int i) {
+      return static_cast<std::uint64_t>(static_cast<std::int64_t>(i >> kSideLog2)) & kMask;
+    };
+    return part(v.x()) << 40 | part(v.y()) << 20 | part(v.z());
+  }
+  [[nodiscard]] static std::size_t mixed(std::uint64_t key) {
+    key *= 0x9E3779B97F4A7C15u;  // Fibonacci hashing: the high bits depend on all of the key
+    return static_cast<std::size_t>(key >> 32);
+  }
+  [[nodiscard]] std::uint32_t slot_of(std::uint64_t key) const {
+    for (std::size_t i = mixed(key) & mask_;; i = (i + 1) & mask_) {
+      if (table_[i].key == key) return table_[i].slot;
+      if (table_[i].key == kEmpty) return kNone;
+    }
+  }
+  [[nodiscard]] Evidence* evidence_of(std::uint32_t slot) const {
+    return slabs_[slot >> kSlabLog2].get() + (std::size_t{slot & ((1u << kSlabLog2) - 1)} << 3 * kSideLog2);
+  }
+  void grow(std::size_t places);
+  void place(std::uint64_t key, std::uint32_t slot);
+
+  EvidenceBounds bounds_;
+  std::vector<Entry> table_;
+  std::size_t mask_ = 0;
+  std::vector<Slab> slabs_;
+  std::vector<Block> blocks_;        ///< by slot
+  std::vector<std::uint32_t> free_;  ///< slots, the next one last
+  std::size_t used_ = 0;
+  std::uint64_t revision_ = 1;
+};
+
+}  // namespace isobath

@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <isobath/base/error.hpp>
+#include <isobath/planning/escape.hpp>
+#include <limits>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using std::numbers::pi;
+
+constexpr double kStep = 0.25;       // s
+constexpr double kNearer = 0.1;      // m that a vehicle that stands too near may come nearer at first
+constexpr double kLeaving = 0.2;     // m/s that it then must get away
+constexpr double kPlenty = 2;        // times the room that is wanted: more is no better
+constexpr double kRound = 100 * pi;  // rad: more than any horizon holds
+constexpr std::array<double, 7> kTurns = {pi / 6, pi / 3, pi / 2, 2 * pi / 3, 5 * pi / 6, pi, kRound};
+constexpr std::array<double, 3> kWaits = {0, 1.5, 3};  // s
+
+}  // namespace
+
+EscapeSearch::EscapeSearch(std::span<const Vector2d> points, const EscapeTask& task)
+    : task_(task), at_start_(std::numeric_limits<double>::infinity()) {
+  ISOBATH_ASSERT(task.speed > 0 && task.turn_rate > 0 && task.horizon_s > 0);
+  const double reach = (task.speed + task.drift.norm()) * task.horizon_s + task.room_m;
+  for (const Vector2d& p : points) {
+    if (!(p.norm() <= reach)) continue;
+    points_.push_back(p);
+    at_start_ = std::min(at_start_, p.norm());
+  }
+}
+
+void EscapeSearch::step(State& state, double heading) const {
+  const double lag = std::max(task_.lag_s, kStep);
+  const double wanted = std::clamp((heading - state.heading) / lag, -task_.turn_rate, task_.turn_rate);
+  const double rate = state.rate + (wanted - state.rate) * kStep / lag;
+  const double course = state.heading + rate * kStep / 2;
+  state.place += kStep * (task_.speed * Vector2d(std::cos(course), std::sin(course)) + task_.drift);
+  state.heading += rate * kStep;
+  state.rate = rate;
+}
+
+std::optional<Vector2d> EscapeSearch::met_at(const Vector2d& place, double s, double& least2) const {
+  const double room = std::clamp(at_start_ - kNearer + kLeaving * s, 0.0, task_.room_m);
+  std::optional<Vector2d> met;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const double away2 = (points_[i] - place).squaredNorm();
+    least2 = std::min(least2, away2);
+    if (away2 < room * room) met = points_[i];
+  }
+  return met;
+}
+
+Escape EscapeSearch::take(State state, double turn, double wait_s) const {
+  Escape escape{wait_s, turn};
+  const double before = state.heading, then = before + turn;
+  double least2 = std::numeric_limits<double>::infinity();
+  while (escape.free_s < task_.horizon_s) {
+    step(state, escape.free_s < wait_s ? before : then);
+    escape.meets = met_at(state.place, escape.free_s + kStep, least2);
+    if (escape.meets) break;
+    escape.free_s += kStep;
+  }
+  escape.room_m = std::sqrt(least2);
+  return escape;
+}
+
+Escape EscapeSearch::best(const State& state) const {
+  const double plenty = kPlenty * task_.room_m;
+  Escape best = take(state, 0, 0);
+  const auto offer = [&](double turn, double wait_s) {
+    if (free(best) && best.room_m >= plenty) return;
+    const Escape other = take(state, turn, wait_s);
+    const bool longer = other.free_s > best.free_s;
+    if (longer || (other.free_s == best.free_s && other.room_m > best.room_m)) best = other;
+  };
+  for (const double wait_s : kWaits) {
+    for (const double turn : kTurns) {
+      offer(turn, wait_s);
+      offer(-turn, wait_s);
+    }
+    if (free(best)) break;
+  }
+  return best;
+}
+
+Escape EscapeSearch::after(double ordered, double after_s) const {
+  State state{.rate = task_.turn_now};
+  double least2 = std::numeric_limits<double>::infinity();
+  for (double s = 0; s < after_s; s += kStep) {
+    step(state, ordered);
+    const auto met = met_at(state.place, s + kStep, least2);
+    if (met) return {0, 0, s, std::sqrt(least2), met};
+  }
+  return best(state);
+}
+
+}  // namespace isobath

@@ -1,0 +1,100 @@
+#include <atomic>
+#include <isobath/mission/threaded_crew.hpp>
+#include <isobath/runtime/live_helm.hpp>
+#include <mutex>
+#include <utility>
+
+namespace isobath {
+
+/// The ears are used by two threads, one at a time; the crew below them has locks of its own.
+struct LiveHelm::State {
+  State(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
+        std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
+      : ears(
+            std::move(plan), std::move(chart), echo_contrast,
+            [this](Message message, Time time) {
+              now.store(time.time_since_epoch().count());
+              crew.hear(std::move(message));
+            },
+            [this](const std::string& agent, bool hangs) { fail(agent, hangs); }),
+        crew(
+            std::move(seats), vehicle, config, [this] { return Time(Duration(now.load())); },
+            [this](const Envelope& envelope) { note(envelope); }) {}
+
+  void note(const Envelope& envelope) {
+    const std::lock_guard lock(book_mutex);
+    book.note(envelope);
+    if (book.frames.size() > kMostFrames) book.frames.erase(book.frames.begin());
+  }
+
+  void fail(const std::string& agent, bool hangs) {
+    if (!crew.has(agent)) return;
+    if (hangs) {
+      crew.hang(agent);
+    } else {
+      crew.kill(agent);
+    }
+  }
+
+  /// What is new in the book, for the thread that steers.
+  void read_book() {
+    const std::lock_guard lock(book_mutex);
+    read.report = book.report;
+    for (std::size_t i = read.decisions.size(); i < book.decisions.size(); ++i) {
+      read.decisions.push_back(book.decisions[i]);
+    }
+  }
+
+  std::mutex ears_mutex, book_mutex;
+  std::atomic<Duration::rep> now = 0;
+  Logbook book, read;
+  MissionEars ears;
+  ThreadedCrew crew;  ///< last: its threads use all the others
+};
+
+LiveHelm::LiveHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
+                   std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
+    : state_(std::make_unique<State>(std::move(seats), vehicle, config, std::move(plan), std::move(chart),
+                                     echo_contrast)) {}
+
+LiveHelm::~LiveHelm() = default;
+
+void LiveHelm::hear(const Event& event) {
+  const std::lock_guard lock(state_->ears_mutex);
+  state_->ears.hear(event);
+  state_->now.store(state_->ears.now().time_since_epoch().count());
+}
+
+void LiveHelm::on_ping(const PosedPing& ping) {
+  const std::lock_guard lock(state_->ears_mutex);
+  state_->ears.on_ping(ping);
+}
+
+void LiveHelm::on_scan(const ScanResult& scan) {
+  const std::lock_guard lock(state_->ears_mutex);
+  state_->ears.on_scan(scan);
+}
+
+Setpoint LiveHelm::steer() {
+  const Setpoint setpoint = state_->crew.helm();
+  state_->read_book();
+  return setpoint;
+}
+
+void LiveHelm::settle() {
+  state_->crew.settle();
+  state_->read_book();
+}
+
+MissionReport LiveHelm::progress() const { return state_->read.report; }
+
+const std::vector<Decision>& LiveHelm::decisions() const { return state_->read.decisions; }
+
+std::vector<FrameBytes> LiveHelm::to_operator() {
+  const std::lock_guard lock(state_->book_mutex);
+  return std::exchange(state_->book.frames, {});
+}
+
+CrewCounts LiveHelm::crew_counts() const { return state_->crew.counts(); }
+
+}  // namespace isobath

@@ -1,0 +1,89 @@
+#include <isobath/runtime/stage_times.hpp>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+constexpr std::size_t kMostUndecided = 64;  // sweeps: a Navigator that is lost decides on none
+
+double milliseconds(StageTimes::Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
+
+class TimedAgent final : public Agent {
+ public:
+  TimedAgent(std::unique_ptr<Agent> agent, std::shared_ptr<StageTimes> times)
+      : agent_(std::move(agent)), times_(std::move(times)) {}
+
+  void hear(const Message& message, Time now, Outbox& out) override {
+    const auto from = StageTimes::Clock::now();
+    agent_->hear(message, now, out);
+    if (const auto* scan = std::get_if<ObstacleScan>(&message)) {
+      times_->planned(scan->time, from, StageTimes::Clock::now());
+    }
+  }
+  void tick(Time now, Outbox& out) override { agent_->tick(now, out); }
+
+ private:
+  std::unique_ptr<Agent> agent_;
+  std::shared_ptr<StageTimes> times_;
+};
+
+}  // namespace
+
+void StageTimes::heard(Clock::duration lasted) {
+  const std::lock_guard lock(mutex_);
+  heard_ms_.push_back(milliseconds(lasted));
+}
+
+void StageTimes::begin(Clock::time_point taken) {
+  const std::lock_guard lock(mutex_);
+  taken_ = taken;
+  since_ = Clock::now();
+}
+
+void StageTimes::mapped() {
+  const auto now = Clock::now();
+  const std::lock_guard lock(mutex_);
+  mapped_ms_.push_back(milliseconds(now - since_));
+}
+
+void StageTimes::detected(Time sweep) {
+  const auto now = Clock::now();
+  const std::lock_guard lock(mutex_);
+  detected_ms_.push_back(milliseconds(now - since_));
+  sweeps_[sweep] = taken_;
+  if (sweeps_.size() > kMostUndecided) sweeps_.erase(sweeps_.begin());
+}
+
+void StageTimes::aside() {
+  const std::lock_guard lock(mutex_);
+  aside_since_ = Clock::now();
+}
+
+void StageTimes::resume() {
+  const auto now = Clock::now();
+  const std::lock_guard lock(mutex_);
+  taken_ += now - aside_since_;
+  since_ = now;
+}
+
+void StageTimes::planned(Time scan, Clock::time_point from, Clock::time_point to) {
+  const std::lock_guard lock(mutex_);
+  planned_ms_.push_back(milliseconds(to - from));
+  const auto sweep = sweeps_.find(scan);
+  if (sweep == sweeps_.end()) return;
+  decided_ms_.push_back(milliseconds(to - sweep->second));
+  sweeps_.erase(sweep);
+}
+
+MissionTimings StageTimes::timings() const {
+  const std::lock_guard lock(mutex_);
+  const auto stage = [](std::vector<double> ms) { return stage_time(ms); };
+  return {stage(heard_ms_), stage(mapped_ms_), stage(detected_ms_), stage(planned_ms_), stage(decided_ms_)};
+}
+
+Seat timed(Seat seat, std::shared_ptr<StageTimes> times) {
+  seat.agent = std::make_unique<TimedAgent>(std::move(seat.agent), std::move(times));
+  return seat;
+}
+
+}  // namespace isobath

@@ -1,0 +1,164 @@
+// Ways out of a vehicle that cannot stop, held against closed forms and against an integration of its own.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <isobath/base/random.hpp>
+#include <isobath/planning/escape.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using std::numbers::pi;
+
+/// A row of points, not farther apart than half a metre.
+std::vector<Vector2d> row(const Vector2d& from, const Vector2d& to) {
+  std::vector<Vector2d> points;
+  const int pieces = static_cast<int>(std::ceil((to - from).norm() / 0.5));
+  for (int i = 0; i <= pieces; ++i) points.emplace_back(from + (to - from) * i / pieces);
+  return points;
+}
+
+void add(std::vector<Vector2d>& points, const std::vector<Vector2d>& more) {
+  points.insert(points.end(), more.begin(), more.end());
+}
+
+/// 1.5 m/s and 0.3 rad/s: a circle of 5 m.
+EscapeTask task() {
+  EscapeTask t;
+  t.speed = 1.5;
+  t.turn_rate = 0.3;
+  t.room_m = 1.5;
+  t.horizon_s = 20;
+  return t;
+}
+
+TEST(EscapeSearch, OpenWaterIsFreeStraightOn) {
+  const EscapeSearch search({}, task());
+  const Escape best = search.best();
+  EXPECT_TRUE(search.free(best));
+  EXPECT_EQ(best.turn, 0);
+  EXPECT_EQ(best.wait_s, 0);
+  EXPECT_TRUE(std::isinf(best.room_m));
+  EXPECT_FALSE(best.meets);
+}
+
+// ledger: S6-51
+TEST(EscapeSearch, StraightOnMeetsAWallWhereItStands) {
+  const auto wall = row({10, -30}, {10, 30});
+  const EscapeSearch search(wall, task());
+  const Escape on = search.take(0);
+  EXPECT_FALSE(search.free(on));
+  EXPECT_NEAR(on.free_s, (10 - 1.5) / 1.5, 0.5);  // its room before the wall
+  ASSERT_TRUE(on.meets);
+  EXPECT_NEAR(on.meets->x(), 10, 1e-9);
+  const Escape best = search.best();
+  EXPECT_TRUE(search.free(best));
+  EXPECT_GE(std::abs(best.turn), pi / 2);
+  EXPECT_GE(best.room_m, 1.5);
+}
+
+TEST(EscapeSearch, TurnsToTheSideThatIsOpen) {
+  for (const int side : {1, -1}) {
+    std::vector<Vector2d> corner = row({12, -30}, {12, 30});
+    add(corner, row({-30, side * 4.0}, {12, side * 4.0}));
+    const EscapeSearch search(corner, task());
+    const Escape best = search.best();
+    EXPECT_TRUE(search.free(best)) << side;
+    EXPECT_LT(best.turn * side, 0) << side;
+  }
+}
+
+// A circle of 5 m to one side, what it takes to begin it, and the room beside: so wide must an alley be on either side.
+TEST(EscapeSearch, AnAlleyWithoutRoomToTurnHasNoWayOut) {
+  const auto alley = [](double half_width) {
+    std::vector<Vector2d> points = row({-40, -half_width}, {15, -half_width});
+    add(points, row({-40, half_width}, {15, half_width}));
+    add(points, row({15, -half_width}, {15, half_width}));
+    return points;
+  };
+  const auto narrow = alley(3), wide = alley(14);
+  EXPECT_FALSE(EscapeSearch(narrow, task()).free(EscapeSearch(narrow, task()).best()));
+  EXPECT_TRUE(EscapeSearch(wide, task()).free(EscapeSearch(wide, task()).best()));
+}
+
+// The order leads into the alley: before it is in there is a way out, once it is there is none.
+TEST(EscapeSearch, AnOrderIntoADeadEndIsSeenBeforeItIsEntered) {
+  const auto dead_end_at = [](double x) {
+    std::vector<Vector2d> points = row({x, -3}, {x + 15, -3});
+    add(points, row({x, 3}, {x + 15, 3}));
+    add(points, row({x + 15, -3}, {x + 15, 3}));
+    add(points, row({x, 3}, {x, 30}));
+    add(points, row({x, -3}, {x, -30}));
+    return points;
+  };
+  double refused_at = 0;
+  for (double x = 20; x > -5; x -= 0.5) {
+    const auto points = dead_end_at(x);
+    const EscapeSearch search(points, task());
+    if (search.free(search.after(0, 1))) continue;
+    refused_at = x;
+    EXPECT_TRUE(search.free(search.best())) << "no way out is left at " << x;
+    break;
+  }
+  EXPECT_GT(refused_at, 3);  // half a circle takes it 5 m ahead, and 1.5 m more
+  EXPECT_LT(refused_at, 12);
+}
+
+TEST(EscapeSearch, ACurrentCarriesItIntoWhatStandsDownstream) {
+  const auto wall = row({-40, 6}, {40, 6});
+  EscapeTask carried = task();
+  EXPECT_TRUE(EscapeSearch(wall, carried).free(EscapeSearch(wall, carried).take(0)));
+  carried.drift = {0, 0.5};
+  const Escape on = EscapeSearch(wall, carried).take(0);
+  EXPECT_NEAR(on.free_s, (6 - 1.5) / 0.5, 0.5);
+  EXPECT_LT(EscapeSearch(wall, carried).best().turn, 0);
+}
+
+TEST(EscapeSearch, LeavesWhatItIsTooNearToAlready) {
+  const auto wall = row({-40, 1}, {40, 1});
+  const EscapeSearch search(wall, task());
+  EXPECT_TRUE(search.free(search.take(-pi / 2)));
+  EXPECT_FALSE(search.free(search.take(pi / 6)));
+}
+
+TEST(EscapeSearch, TakesPointsThatAreNotFiniteForNone) {
+  const std::vector<Vector2d> points = {{NAN, 0}, {5, INFINITY}, {INFINITY, NAN}};
+  EXPECT_TRUE(EscapeSearch(points, task()).free(EscapeSearch(points, task()).take(0)));
+}
+
+// The way of a turn, integrated a hundred times finer: no free one comes nearer to a point than the room, less what the
+// coarse steps leave between them.
+TEST(EscapeSearch, WhatIsFreeKeepsItsRoomOnAFinerIntegration) {
+  Random random(5);
+  int free_ones = 0;
+  for (int field = 0; field < 200; ++field) {
+    std::vector<Vector2d> points;
+    for (int i = 0; i < 12; ++i) {
+      const double x = random.uniform(-20, 20);
+      const double y = random.uniform(-20, 20);
+      if (std::hypot(x, y) > 2) points.emplace_back(x, y);
+    }
+    const EscapeTask t = task();
+    const EscapeSearch search(points, t);
+    const Escape best = search.best();
+    if (!search.free(best)) continue;
+    ++free_ones;
+    Vector2d place(0, 0);
+    double heading = 0, rate = 0, nearest = 1e9;
+    constexpr double kDt = 0.0025;
+    for (double s = 0; s < t.horizon_s; s += kDt) {
+      const double wanted = s < best.wait_s ? 0 : best.turn;
+      const double asked = std::clamp((wanted - heading) / t.lag_s, -t.turn_rate, t.turn_rate);
+      rate += (asked - rate) * kDt / t.lag_s;
+      heading += rate * kDt;
+      place += kDt * t.speed * Vector2d(std::cos(heading), std::sin(heading));
+      for (const Vector2d& p : points) nearest = std::min(nearest, (p - place).norm());
+    }
+    EXPECT_GT(nearest, t.room_m - 0.35) << "field " << field << ", turn " << best.turn;
+  }
+  EXPECT_GT(free_ones, 100);
+}
+
+}  // namespace
+}  // namespace isobath

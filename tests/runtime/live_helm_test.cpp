@@ -1,0 +1,196 @@
+// Mapping and agents in threads of their own: what must hold whoever is faster. Under the thread sanitizer these are
+// the missions that show races; $ISOBATH_LIVE_SECONDS lengthens the voyage.
+#include <algorithm>
+#include <cstdlib>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <isobath/runtime/mission_run.hpp>
+#include <latch>
+#include <tests/runtime/mission_runs.hpp>
+
+namespace isobath {
+namespace {
+
+double voyage_s() {
+  const char* wished = std::getenv("ISOBATH_LIVE_SECONDS");
+  return wished ? std::atof(wished) : 60;
+}
+
+/// Lanes to and fro between poles, as long as is asked for.
+Scenario lanes(double duration_s) {
+  std::string text = fmt::format(R"(
+[scene]
+title = "lanes between poles"
+duration_s = {}
+[bottom]
+kind = "flat"
+depth = 12
+[vehicle]
+start = [0, 0, 4]
+speed = 1.5
+[mission]
+title = "lanes"
+speed = 1.5
+[[sonar]]
+preset = "micron"
+[[cylinder]]
+name = "pole"
+centre = [40, 3, 6]
+radius = 0.3
+length = 12
+)",
+                                 duration_s);
+  for (int i = 0; i < static_cast<int>(duration_s / 60) + 1; ++i) {
+    for (const auto& [north, east] : {std::pair(80, 0), {80, 20}, {0, 20}, {0, 0}}) {
+      text += fmt::format("[[mission_point]]\nname = \"{}-{}-{}\"\nnorth = {}\neast = {}\ndepth_m = 4\n", i, north,
+                          east, north, east);
+    }
+  }
+  return parse_scenario(text, "lanes");
+}
+
+/// To the end of the scenario's time.
+LoopResult sail_live(const Scenario& scenario) {
+  LoopRequest request;
+  request.live = true;
+  request.stop_when_done = false;
+  const auto helm = make_live_helm(test::setup_of(scenario), request.configuration);
+  return run_closed_loop(scenario, *helm, request);
+}
+
+std::string all(const LoopResult& result) {
+  std::string text;
+  for (const Decision& d : result.decisions) text += decision_json(d) + "\n";
+  return text;
+}
+
+// ledger: S2-12 S6-31 S6-42
+TEST(LiveHelm, SailsItsLanesAndKeepsClearOfThePole) {
+  const LoopResult result = sail_live(lanes(voyage_s()));
+  EXPECT_LT(result.contact_s, 0) << result.contact_with;
+  EXPECT_EQ(result.report.phase, MissionPhase::kUnderWay) << result.report.why;
+  EXPECT_GT(result.counts.pings, 8 * voyage_s());
+  EXPECT_GT(result.length_m, 0.8 * 1.5 * (voyage_s() - 25));
+  EXPECT_TRUE(std::none_of(result.decisions.begin(), result.decisions.end(), [](const Decision& d) {
+    return d.what.find("lost") != std::string::npos;
+  })) << "no agent is taken for hung that is merely slower";
+}
+
+struct LostAgent {
+  const char* agent;
+  FaultKind kind;
+};
+class LostAgents : public testing::TestWithParam<LostAgent> {};
+
+// An agent that dies or hangs in its thread takes no other with it: the watchdog says so, the others bring the vehicle
+// to the surface.
+// ledger: S6-33 S6-34 S6-39 S2-28
+TEST_P(LostAgents, InTheirOwnThreadsBringTheVehicleToTheSurface) {
+  constexpr double kLost_s = 20;
+  Scenario scenario = lanes(70);
+  FaultConfig fault;
+  fault.source = std::string("agent.") + GetParam().agent;
+  fault.kind = GetParam().kind;
+  fault.at_s = kLost_s;
+  scenario.scene.faults = {fault};
+  const LoopResult result = sail_live(scenario);
+  const std::string why = std::string(GetParam().agent) + (fault.kind == FaultKind::kStuck ? " hangs" : " died");
+  const auto said = std::find_if(result.decisions.begin(), result.decisions.end(),
+                                 [&](const Decision& d) { return d.reason.find(why) != std::string::npos; });
+  ASSERT_NE(said, result.decisions.end()) << all(result);
+  EXPECT_LT(to_seconds(said->time), kLost_s + 2) << all(result);
+  const auto surfaces = std::find_if(result.decisions.begin(), result.decisions.end(),
+                                     [](const Decision& d) { return d.what == "surface"; });
+  EXPECT_NE(surfaces, result.decisions.end()) << all(result);
+  EXPECT_LT(result.track.back().state.X_WB.translation.z(), 1) << all(result);
+  EXPECT_LT(result.contact_s, 0) << result.contact_with;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    InLiveMode, LostAgents,
+    testing::Values(LostAgent{"navigator", FaultKind::kOff}, LostAgent{"navigator", FaultKind::kStuck},
+                    LostAgent{"pilot", FaultKind::kStuck}, LostAgent{"safety officer", FaultKind::kOff}),
+    [](const auto& one) {
+      std::string name = std::string(one.param.agent) + (one.param.kind == FaultKind::kStuck ? "_hangs" : "_dies");
+      std::replace(name.begin(), name.end(), ' ', '_');
+      return name;
+    });
+
+// ledger: S6-33
+TEST(LiveHelm, GoesOnWithoutAnAgentThatIsNotNeeded) {
+  Scenario scenario = lanes(30);
+  FaultConfig fault;
+  fault.source = "agent.chart room";
+  fault.at_s = 10;
+  scenario.scene.faults = {fault};
+  const LoopResult result = sail_live(scenario);
+  EXPECT_EQ(result.report.phase, MissionPhase::kUnderWay) << all(result);
+  EXPECT_NE(all(result).find("the chart room died: killed; the mission can do without"), std::string::npos)
+      << all(result);
+}
+
+// ledger: S6-33
+TEST(LiveHelm, EndsWhileAllAreAtWork) {
+  const Scenario scenario = lanes(10);
+  const auto helm = make_live_helm(test::setup_of(scenario), {});
+  SimulatedSource source(scenario.scene, {}, 1);
+  Pipeline pipeline({}, *helm);
+  MappingThread mapping([&](Event event, auto) { pipeline.take(std::move(event)); });
+  for (int i = 0; i < 200; ++i) {
+    auto event = source.next();
+    ASSERT_TRUE(event);
+    helm->hear(*event);
+    mapping.take(std::move(*event));
+  }
+}
+
+// ledger: S6-31
+TEST(MappingThread, AFullQueueLosesItsOldestPingAndNothingElse) {
+  std::latch in(1), go(1);
+  std::vector<std::size_t> kinds;
+  std::size_t pings = 0;
+  std::uint64_t lost = 0;
+  {
+    MappingThread mapping([&](const Event& event, auto) {
+      if (kinds.empty()) {
+        in.count_down();
+        go.wait();
+      }
+      kinds.push_back(event.index());
+      pings += std::holds_alternative<Ping>(event) ? 1 : 0;
+    });
+    mapping.take(Navigation{});
+    in.wait();
+    for (std::size_t i = 0; i < MappingThread::kLongestQueue; ++i) {
+      if (i % 2 == 0) {
+        mapping.take(Ping{});
+      } else {
+        mapping.take(Health{});
+      }
+    }
+    for (int i = 0; i < 3; ++i) mapping.take(Navigation{});
+    go.count_down();
+    mapping.settle();
+    lost = mapping.lost_pings();
+  }
+  EXPECT_EQ(lost, 3u);
+  EXPECT_EQ(pings, MappingThread::kLongestQueue / 2 - 3);
+  EXPECT_EQ(kinds.size(), 1 + MappingThread::kLongestQueue);
+}
+
+TEST(MappingThread, WhatIsThrownThereIsThrownToWhoeverSettles) {
+  int done = 0;
+  MappingThread mapping([&](const Event& event, auto) {
+    if (std::holds_alternative<Health>(event)) throw Error("no such map");
+    ++done;
+  });
+  mapping.take(Navigation{});
+  mapping.settle();
+  mapping.take(Health{});
+  EXPECT_THROW(mapping.settle(), Error);
+  EXPECT_THROW(mapping.take(Navigation{}), Error);
+  EXPECT_EQ(done, 1);
+}
+
+}  // namespace
+}  // namespace isobath
