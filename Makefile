@@ -11,7 +11,7 @@ THREADED := sim perception mission runtime app
 DEMO_OUT ?= out/demo
 DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)
 
-.PHONY: help setup demo test bench lint tidy fuzz format clean test-asan test-tsan test-clang
+.PHONY: help setup demo test bench lint files headers tidy fuzz format clean test-asan test-tsan
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 14
 
@@ -43,17 +43,20 @@ demo: build/release/.configured-$(WERROR) ## Run the program on what it brings a
 	@echo "Report: $(DEMO_OUT)/report.html"
 
 test: run-tests-release ## Build and run all the tests
-test-asan: run-tests-asan ## The same with the address and undefined-behaviour sanitizers
+test-asan: run-tests-asan ## The same built by clang, with the address and undefined-behaviour sanitizers
 test-tsan: build/tsan/.configured-$(WERROR) ## Those of the rooms that have threads, with the thread sanitizer
 	@cmake --build build/tsan --parallel $(JOBS) --target $(addsuffix _test,$(THREADED)) isobath_app
 	TSAN_OPTIONS=suppressions=$(CURDIR)/tests/thread_sanitizer.supp ctest --test-dir build/tsan --parallel $(JOBS) --output-on-failure --no-tests=error -R '^($(subst $() ,|,$(THREADED)))\.'
-test-clang: run-tests-lint ## The same built by clang, warnings being errors
 
 bench: build-bench ## Run the benchmarks
 	@for program in build/bench/bench/*_bench; do echo "== $$program"; "$$program"; done
 
-lint: setup ## Formatting, repository hygiene, clang-tidy; warnings are errors
-	@status=0; scripts/check-files || status=1; $(MAKE) --no-print-directory tidy || status=1; exit $$status
+lint: setup ## Formatting, repository hygiene, headers that stand alone, clang-tidy; warnings are errors
+	@status=0; for check in files headers tidy; do $(MAKE) --no-print-directory $$check || status=1; done; exit $$status
+files:
+	@scripts/check-files
+headers: build/release/.configured-$(WERROR)
+	@cmake --build build/release --parallel $(JOBS) --target isobath_headers_alone
 tidy: build/lint/.configured-$(WERROR)
 	@cmake --build build/lint --parallel $(JOBS) --target isobath_app -- -k 0 | grep -v __run_co_compile
 

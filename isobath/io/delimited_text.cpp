@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kMaxLine = 64 << 10;
 
-std::string_view trimmed(std::string_view text) {
+std::string_view unquoted(std::string_view text) {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '"'; };
   while (!text.empty() && blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && blank(text.back())) text.remove_suffix(1);
@@ -72,7 +72,7 @@ bool DelimitedText::read_line() {
   const bool newline = !input_->eof();
   text_ = {line_.data(), static_cast<std::size_t>(count) - (newline ? 1 : 0)};
   if (line_number_ == 1 && text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // byte order mark
-  text_ = trimmed(text_);
+  text_ = unquoted(text_);
   return true;
 }
 
@@ -81,7 +81,7 @@ void DelimitedText::split() {
   std::string_view rest = text_;
   for (;;) {
     const std::size_t comma = rest.find(',');
-    cells_.push_back(trimmed(rest.substr(0, comma)));
+    cells_.push_back(unquoted(rest.substr(0, comma)));
     if (comma == std::string_view::npos) return;
     rest.remove_prefix(comma + 1);
   }

@@ -62,7 +62,7 @@ inline std::vector<float> beam(const Ping& ping, int beam = 0) {
 }
 
 /// The same event, samples and times included.
-inline bool same(const Event& a, const Event& b) {
+inline bool same_samples(const Event& a, const Event& b) {
   if (a.index() != b.index() || time_of(a) != time_of(b)) return false;
   if (const auto* p = std::get_if<Ping>(&a)) {
     const Ping& q = std::get<Ping>(b);

@@ -114,7 +114,7 @@ TEST_F(Open, TheSameInputGivesTheSameEvents) {
   const fs::path path = write("log.bin", ping_viewer_log(50));
   const auto a = test::drain(*open_source(path, {})), b = test::drain(*open_source(path, {}));
   ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(test::same(a[i], b[i]));
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(test::same_samples(a[i], b[i]));
 }
 
 TEST(InputConfig, IsReadFromTextAndChecked) {

@@ -177,7 +177,7 @@ void expect_rest_survives(const std::string& log, const std::vector<std::size_t>
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::size_t end = i + 1 < begins.size() ? begins[i + 1] : log.size();
     if (begins[i] < loss.end && end > loss.begin) continue;  // hit
-    while (found < events.size() && !test::same(events[found], all[i])) ++found;
+    while (found < events.size() && !test::same_samples(events[found], all[i])) ++found;
     ASSERT_LT(found, events.size()) << "record " << i << " lost to damage of " << loss.begin << " .. " << loss.end
                                     << (damaged.size() < log.size() ? ", removed" : ", overwritten");
     ++found;

@@ -4,6 +4,7 @@
 #include <isobath/mission/plan_graph.hpp>
 #include <limits>
 #include <rapidcheck/gtest.h>
+#include <tests/mission/agent_script.hpp>
 
 namespace isobath {
 namespace {
@@ -18,8 +19,6 @@ struct Facts : PlanDatabase {
   }
   void set(const std::string& quantity, double value, int of = -1) { known[{quantity, of}] = value; }
 };
-
-Time at(double s) { return Time(seconds(s)); }
 
 /// Two points, an end that both ways join, and a way out.
 PlanGraph two_points() {

@@ -5,8 +5,11 @@
 #include <fmt/format.h>
 #include <functional>
 #include <isobath/mission/bus.hpp>
+#include <tests/mission/agent_script.hpp>
 
 namespace isobath::test {
+
+using isobath::at;
 
 struct ScriptedAgent : Agent {
   using Hear = std::function<void(const Message&, Time, Outbox&)>;
@@ -48,7 +51,5 @@ inline std::string text_of(const Message& message) {
   if (const auto* decision = std::get_if<Decision>(&message)) text += " " + decision->what;
   return text;
 }
-
-inline Time at(double s) { return Time(seconds(s)); }
 
 }  // namespace isobath::test

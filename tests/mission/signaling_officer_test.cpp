@@ -3,13 +3,12 @@
 #include <isobath/base/random.hpp>
 #include <isobath/mission/mission_file.hpp>
 #include <isobath/mission/signaling_officer.hpp>
+#include <tests/mission/agent_script.hpp>
 
 namespace isobath {
 namespace {
 
 using Kind = OperatorCommand::Kind;
-
-Time at(double s) { return Time(seconds(s)); }
 
 std::shared_ptr<const MissionPlan> a_plan(const std::string& title) {
   return std::make_shared<const MissionPlan>(
