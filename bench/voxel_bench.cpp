@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <isobath/base/random.hpp>
 #include <isobath/map/voxel_map.hpp>
+#include <isobath/perception/fan_mapper.hpp>
 #include <numbers>
 #include <vector>
 #ifdef ISOBATH_HAS_OCTOMAP
@@ -168,6 +169,72 @@ void VoxelQueries(benchmark::State& state) {
   state.counters["occupied"] = static_cast<double>(occupied);
 }
 BENCHMARK(VoxelQueries)->Unit(benchmark::kMillisecond);
+
+/// 200 pings of 512 beams by 500 bins, 15 degrees tall: an echo of ten bins in each beam, all else clear.
+struct WideFans {
+  Ping ping;
+  std::vector<EchoDecisions> decisions{200};
+  std::vector<Pose> poses;
+};
+const WideFans& wide_fans() {
+  static const WideFans kFans = [] {
+    WideFans made;
+    auto fan = std::make_shared<BeamFan>();
+    for (int b = 0; b < 512; ++b) {
+      fan->azimuth.push_back(Angle::degrees(-65 + 130.0 * b / 511));
+      fan->width.push_back(Angle::degrees(130.0 / 511));
+    }
+    fan->height = Angle::degrees(15);
+    made.ping.fan = fan;
+    made.ping.window = {0, 0.1, 500};
+    const auto stands = path();
+    for (int i = 0; i < 200; ++i) {
+      EchoDecisions& d = made.decisions[static_cast<std::size_t>(i)];
+      d.reset(512, 500);
+      d.p_detect.assign(500, 0.8f);
+      for (int b = 0; b < 512; ++b) {
+        const int first = static_cast<int>(std::floor((20 + 15 * std::sin(0.05 * b + 0.1 * i)) / 0.1));
+        for (int k = first; k < first + 10; ++k) d.set_hit(b, k);
+      }
+      const Stand& s = stands[static_cast<std::size_t>(5 * i)];  // z up there, down here
+      made.poses.push_back(
+          {Rotation::from_heading_pitch_roll(Angle::radians(-s.yaw), Angle::radians(-s.pitch), Angle::radians(s.roll)),
+           {s.at.x(), -s.at.y(), -s.at.z()}});
+    }
+    return made;
+  }();
+  return kFans;
+}
+
+void FanBins(benchmark::State& state, FanMapperConfig::Rule rule) {
+  const WideFans& fans = wide_fans();
+  FanMapperConfig config;
+  config.rule = rule;
+  config.hit = 0.5;
+  config.miss = -0.1;
+  config.shadow_bins = 0;
+  double megabytes = 0;
+  for (auto _ : state) {
+    VoxelBlocks blocks;
+    FanMapper mapper(config, kVoxel, std::log(0.05 / 0.95));
+    for (std::size_t i = 0; i < 200; ++i) {
+      mapper.update(fans.ping, fans.decisions[i], fans.poses[i], blocks, static_cast<int>(state.range(0)));
+    }
+    megabytes = static_cast<double>(blocks.bytes()) / 1e6;
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * 200 * 512 * 500);
+  state.counters["MB"] = megabytes;
+}
+BENCHMARK_CAPTURE(FanBins, hit_and_miss, FanMapperConfig::Rule::kHitAndMiss)
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(FanBins, marginal, FanMapperConfig::Rule::kMarginal)
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 #ifdef ISOBATH_HAS_OCTOMAP
 /// A tenth of the rays: the whole takes minutes.

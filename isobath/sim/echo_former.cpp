@@ -3,7 +3,7 @@
 #include <isobath/sim/echo_former.hpp>
 #include <isobath/sim/field_of_view.hpp>
 #include <isobath/sim/scattering.hpp>
-#include <isobath/sim/split_work.hpp>
+#include <isobath/base/split_work.hpp>
 #include <numbers>
 
 namespace isobath {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/sim/simulated_sonar.hpp>
-#include <isobath/sim/split_work.hpp>
+#include <isobath/base/split_work.hpp>
 #include <limits>
 #include <numbers>
 

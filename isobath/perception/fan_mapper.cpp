@@ -1,0 +1,332 @@
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/base/error.hpp>
+#include <isobath/base/split_work.hpp>
+#include <isobath/perception/fan_mapper.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kExplained = 1.0 / (1 << 14);  // unit of `explained_`
+
+bool bit(const std::uint64_t* words, int i) { return (words[i / 64] >> (i % 64) & 1) != 0; }
+
+}  // namespace
+
+std::vector<Field> fields(FanMapperConfig& c) {
+  using Rule = FanMapperConfig::Rule;
+  return {
+      Field::choice("rule", &c.rule,
+                    {{"marginal", Rule::kMarginal}, {"stamp", Rule::kStamp}, {"hit_and_miss", Rule::kHitAndMiss}},
+                    "What an echo says of each voxel of its elevation arc."),
+      Field::real("hit", &c.hit, {0, 10}, "1", "Log-odds of an echo by the rule hit_and_miss."),
+      Field::real("miss", &c.miss, {-10, 0}, "1", "Log-odds of no echo by the rule hit_and_miss."),
+      Field::real("most_looks", &c.most_looks, {1, 1000}, "1", "Independent looks of one ping at one voxel, at most."),
+      Field::integer("shadow_bins", &c.shadow_bins, {0, 1000}, "bins",
+                     "An echo of so many bins in a row hides what stands behind it; 0: none does."),
+  };
+}
+
+FanMapper::FanMapper(const FanMapperConfig& config, double voxel_m, double prior)
+    : config_(config), voxel_m_(voxel_m), prior_(static_cast<int>(std::lround(prior / kEvidenceUnit))) {
+  ISOBATH_ASSERT(voxel_m > 0 && std::isfinite(prior));
+}
+
+// An update ---------------------------------------------------------------------------------------------------------
+
+/// What of W the fan can touch, in F.
+struct FanMapper::Sector {
+  Sector(const Pose& X_WF, const RangeWindow& window, double half_width, double sine_of_half_height, double voxel_m)
+      : X_FW(X_WF.inverse()), near(window.start_m), far(window.end_m()), sine(sine_of_half_height), half(half_width) {
+    constexpr double kStep = kPi / 18;
+    least = most = X_WF.translation;
+    const int steps = static_cast<int>(std::ceil(2 * half / kStep));
+    for (int i = 0; i <= steps; ++i) {
+      const double azimuth = half * (2.0 * i / steps - 1);
+      for (const double s : {-sine, 0.0, sine}) {
+        const double flat = far * std::sqrt(1 - s * s);
+        const Vector3d p = X_WF * Vector3d(flat * std::cos(azimuth), flat * std::sin(azimuth), far * s);
+        least = least.cwiseMin(p);
+        most = most.cwiseMax(p);
+      }
+    }
+    const double margin = far * (1 - std::cos(kStep / 2)) + 2 * voxel_m;  // the arc bulges out between the steps
+    least.array() -= margin;
+    most.array() += margin;
+  }
+  /// Whether a ball about a point of W may reach into it.
+  [[nodiscard]] bool meets(const Vector3d& p_W, double radius) const {
+    const Vector3d p = X_FW * p_W;
+    const double range = p.norm(), flat = p.head<2>().norm();
+    if (range - radius > far || range + radius < near) return false;
+    if (std::abs(p.z()) - radius > (range + radius) * sine) return false;
+    return flat <= radius || std::abs(std::atan2(p.y(), p.x())) - half <= std::asin(radius / flat);
+  }
+
+  Pose X_FW;
+  double near, far, sine, half;
+  Vector3d least, most;
+};
+
+int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, VoxelBlocks& layer,
+                      int threads) {
+  ISOBATH_ASSERT(decisions.beams() == ping.fan->beams() && decisions.bins() == ping.window.bins);
+  if (ping.fan != fan_ || ping.window != window_) take_geometry(ping);
+  take_decisions(decisions);
+  const Pose X_WF = X_WB * ping.X_BS * X_SF_;
+  const Rotation R_FW = X_WF.rotation.inverse();
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d along = voxel_m_ * (R_FW * Vector3d::Unit(axis));
+    for (int c = 0; c < 3; ++c) view_.step[axis][c] = static_cast<float>(along[c]);
+  }
+  view_.slab_m = static_cast<float>(0.5 * voxel_m_ * (X_WF.rotation * Vector3d::UnitZ()).lpNorm<1>());
+
+  // The blocks are found and made one after another, in one order; then each is one thread's.
+  const double block_m = VoxelBlocks::kSide * voxel_m_, radius = 0.5 * std::sqrt(3.0) * (block_m + 2 * voxel_m_);
+  const Sector sector(X_WF, window_, half_width_, sine_, voxel_m_);
+  struct Part {
+    Evidence* evidence;
+    float corner[3];
+  };
+  std::vector<Part> parts;
+  const VoxelIndex least = floor_of(sector.least / block_m), most = floor_of(sector.most / block_m);
+  for (int i = least.x(); i <= most.x(); ++i) {
+    for (int j = least.y(); j <= most.y(); ++j) {
+      for (int k = least.z(); k <= most.z(); ++k) {
+        const VoxelIndex corner = VoxelBlocks::kSide * VoxelIndex(i, j, k);
+        const Vector3d middle = (Vector3d(i, j, k).array() + 0.5) * block_m;
+        if (!sector.meets(middle, radius) || !VoxelBlocks::holds(corner)) continue;
+        const Vector3d first = (corner.cast<double>().array() + 0.5).matrix() * voxel_m_ - X_WF.translation;
+        parts.push_back(
+            {layer.touch(corner),
+             {static_cast<float>(first.x()), static_cast<float>(first.y()), static_cast<float>(first.z())}});
+      }
+    }
+  }
+  const int count = static_cast<int>(parts.size());
+  const bool marginal = config_.rule == FanMapperConfig::Rule::kMarginal;
+  if (mixed_.size() < parts.size()) mixed_.resize(parts.size());
+  if (marginal) explained_.assign(static_cast<std::size_t>(decisions.beams()) * decisions.bins(), 0);
+  split_work(count, threads, [&](int begin, int end) {
+    for (int n = begin; n < end; ++n) {
+      const Part& part = parts[static_cast<std::size_t>(n)];
+      std::vector<MixedVoxel>& mixed = mixed_[static_cast<std::size_t>(n)];
+      mixed.clear();
+      look_at_block(view_, part.corner, layer.bounds(), part.evidence, mixed);
+      if (!marginal) continue;
+      for (MixedVoxel& v : mixed) explain(v, decisions, part.evidence);
+    }
+  });
+  split_work(count, threads, [&](int begin, int end) {
+    for (int n = begin; n < end; ++n) {
+      const Part& part = parts[static_cast<std::size_t>(n)];
+      for (const MixedVoxel& v : mixed_[static_cast<std::size_t>(n)])
+        settle(v, decisions, layer.bounds(), part.evidence);
+    }
+  });
+  return count;
+}
+
+/// Calls visit(beam, bin) for each cell of a voxel that holds an echo.
+template <class Visit>
+void FanMapper::each_echo(const MixedVoxel& voxel, const EchoDecisions& decisions, const Visit& visit) const {
+  for (int beam = voxel.beam; beam < voxel.beam_end; ++beam) {
+    const std::uint64_t* tells = tells_.data() + static_cast<std::size_t>(beam) * decisions.words();
+    const std::uint64_t* hits = decisions.hits(beam);
+    for (int bin = voxel.bin; bin < voxel.bin_end; ++bin) {
+      if (bit(tells, bin) && bit(hits, bin)) visit(beam, bin);
+    }
+  }
+}
+
+/// Counts a voxel among those that may have given the echoes of its cells. Whole numbers: in any order the same.
+void FanMapper::explain(MixedVoxel& voxel, const EchoDecisions& decisions, const Evidence* block) {
+  voxel.own = explanation(voxel, block[voxel.offset]);
+  each_echo(voxel, decisions, [&](int beam, int bin) {
+    const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
+    std::atomic_ref(explained_[cell]).fetch_add(voxel.own, std::memory_order_relaxed);
+  });
+}
+
+/// -ln(1 - P / n): of a voxel's being the source of an echo in one of its cells.
+std::int32_t FanMapper::explanation(const MixedVoxel& voxel, Evidence evidence) const {
+  const int cells = (voxel.beam_end - voxel.beam) * (voxel.bin_end - voxel.bin);
+  return static_cast<std::int32_t>(0.5 - std::log1p(-probability(evidence) / cells) / kExplained);
+}
+
+/// A voxel whose cells do not all say the same.
+void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
+                       Evidence* block) const {
+  using Rule = FanMapperConfig::Rule;
+  Evidence& evidence = block[voxel.offset];
+  const int beams = voxel.beam_end - voxel.beam, cells = beams * (voxel.bin_end - voxel.bin);
+  const bool marginal = config_.rule == Rule::kMarginal;
+  const double f = decisions.false_alarm;
+  double ratios = 0;
+  int echoes = 0;
+  each_echo(voxel, decisions, [&](int beam, int bin) {
+    const std::uint64_t* dim = decisions.dim(beam);
+    const double p = dim && bit(dim, bin) ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
+    const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
+    const double empty = marginal ? std::exp(-kExplained * (explained_[cell] - voxel.own)) : 1.0;
+    ratios += p / (p * (1 - empty) + f * empty);
+    ++echoes;
+  });
+  const auto [told, hits] = counts(voxel);
+  const double clear = clear_ratio_[std::min(window_.bins - 1, (voxel.bin + voxel.bin_end) / 2)];
+  ratios += (told - hits) * clear + (cells - told);
+  const double looks = std::clamp(beams * static_cast<double>(view_.looks_per_beam), 1.0, config_.most_looks);
+  const double more =
+      config_.rule == Rule::kHitAndMiss ? (echoes > 0 ? config_.hit : config_.miss) : looks * std::log(ratios / cells);
+  const double total = (evidence == kUnseen ? 0 : evidence) + more / kEvidenceUnit;
+  const double kept = std::clamp<double>(total, bounds.least, bounds.most);
+  evidence = static_cast<Evidence>(kept + (kept < 0 ? -0.5 : 0.5));
+}
+
+double FanMapper::probability(Evidence evidence) const {
+  return 1 / (1 + std::exp(-kEvidenceUnit * (prior_ + (evidence == kUnseen ? 0 : evidence))));
+}
+
+/// Of a voxel's cells: those that tell anything, and of these those that hold an echo.
+std::pair<int, int> FanMapper::counts(const MixedVoxel& voxel) const {
+  const auto before = [&](int beam, int bin) {
+    return static_cast<std::uint32_t>(sums_[static_cast<std::size_t>(beam) * (window_.bins + 1) + bin]);
+  };
+  const std::uint32_t both = before(voxel.beam_end, voxel.bin_end) - before(voxel.beam, voxel.bin_end) -
+                             before(voxel.beam_end, voxel.bin) + before(voxel.beam, voxel.bin);
+  return {static_cast<int>(both >> 16), static_cast<int>(both & 0xFFFF)};
+}
+
+// The decisions of a ping --------------------------------------------------------------------------------------------
+
+/// Behind the first echo of enough bins, clear bins tell nothing.
+void FanMapper::hide_shadows(const EchoDecisions& decisions, int beam, std::uint64_t* tells) const {
+  const std::uint64_t* hits = decisions.hits(beam);
+  int run = 0, bin = 0;
+  for (; bin < decisions.bins() && run < config_.shadow_bins; ++bin)
+    run = bit(tells, bin) && bit(hits, bin) ? run + 1 : 0;
+  if (run < config_.shadow_bins) return;
+  for (int word = bin / 64; word < decisions.words(); ++word) {
+    const std::uint64_t behind = word == bin / 64 ? ~std::uint64_t{0} << (bin % 64) : ~std::uint64_t{0};
+    tells[word] &= ~behind | hits[word];
+  }
+}
+
+void FanMapper::take_decisions(const EchoDecisions& decisions) {
+  const int beams = decisions.beams(), bins = decisions.bins(), words = decisions.words();
+  tells_.assign(static_cast<std::size_t>(beams) * words, 0);
+  for (int beam = 0; beam < beams; ++beam) {
+    std::uint64_t* tells = tells_.data() + static_cast<std::size_t>(beam) * words;
+    const std::uint64_t* dim = decisions.dim(beam);
+    for (int w = 0; w < words; ++w) {
+      tells[w] = decisions.usable()[w];
+      if (!dim) continue;
+      tells[w] &= ~dim[w] | decisions.hits(beam)[w];
+      for (std::uint64_t loud = dim[w] & tells[w]; loud != 0; loud &= loud - 1) {
+        const int bin = 64 * w + std::countr_zero(loud);
+        if (!(decisions.p_dim(beam, bin) > decisions.false_alarm)) tells[w] &= ~(loud & -loud);
+      }
+    }
+    for (int bin = 0; bin < bins; ++bin) {
+      if (!(decisions.p_detect[bin] > decisions.false_alarm)) tells[bin / 64] &= ~(std::uint64_t{1} << (bin % 64));
+    }
+    if (config_.shadow_bins > 0) hide_shadows(decisions, beam, tells);
+  }
+
+  const auto stride = static_cast<std::size_t>(bins) + 1;
+  sums_.resize((static_cast<std::size_t>(beams) + 1) * stride);
+  std::fill_n(sums_.begin(), stride, 0);
+  for (int beam = 0; beam < beams; ++beam) {
+    const std::uint64_t* tells = tells_.data() + static_cast<std::size_t>(beam) * words;
+    const std::uint64_t* hits = decisions.hits(beam);
+    const std::int32_t* above = sums_.data() + static_cast<std::size_t>(beam) * stride;
+    std::int32_t* here = sums_.data() + (static_cast<std::size_t>(beam) + 1) * stride;
+    std::uint32_t sum = 0;  // two counters that wrap around; their differences over a rectangle do not
+    here[0] = 0;
+    for (int bin = 0; bin < bins; ++bin) {
+      const auto told = static_cast<std::uint32_t>(tells[bin / 64] >> (bin % 64) & 1);
+      const auto hit = static_cast<std::uint32_t>(hits[bin / 64] >> (bin % 64) & 1);
+      sum += (told << 16) + (told & hit);
+      here[bin + 1] = static_cast<std::int32_t>(static_cast<std::uint32_t>(above[bin + 1]) + sum);
+    }
+  }
+  view_.sums = sums_.data();
+
+  clear_.resize(static_cast<std::size_t>(bins));
+  clear_ratio_.resize(static_cast<std::size_t>(bins));
+  for (int bin = 0; bin < bins; ++bin) {
+    const double ratio = std::max(1e-6, (1 - decisions.p_detect[bin]) / (1 - decisions.false_alarm));
+    const bool counted = config_.rule == FanMapperConfig::Rule::kHitAndMiss;
+    clear_ratio_[bin] = static_cast<float>(ratio);
+    clear_[bin] = static_cast<float>((counted ? config_.miss : std::log(ratio)) / kEvidenceUnit);
+  }
+  view_.clear = clear_.data();
+  const bool uniform = std::all_of(clear_.begin(), clear_.end(), [&](float c) { return c == clear_.front(); });
+  view_.uniform_clear = uniform ? clear_.front() : 0;
+}
+
+// The geometry of a sonar --------------------------------------------------------------------------------------------
+
+void FanMapper::take_geometry(const Ping& ping) {
+  const BeamFan& fan = *ping.fan;
+  const auto beams = static_cast<std::size_t>(fan.beams());
+  const double cells = (std::sqrt(3.0) * voxel_m_ / ping.window.bin_m + 2) * static_cast<double>(beams);
+  if (cells >= 65536) {
+    throw Error(fmt::format("voxels of {:g} m are too large for bins of {:g} m in {} beams", voxel_m_,
+                            ping.window.bin_m, beams),
+                {}, "fewer than 65536 bins to a voxel near the sonar", "make voxel_m smaller");
+  }
+  fan_ = ping.fan;
+  window_ = ping.window;
+
+  // A beam ends half way to the next, or where its width does.
+  const auto radians = [](Angle a) { return a.radians(); };
+  std::vector<double> left(beams), right(beams);
+  double spacing = 0;
+  for (std::size_t b = 0; b < beams; ++b) {
+    const double azimuth = radians(fan.azimuth[b]), half = 0.5 * radians(fan.width[b]);
+    left[b] = b > 0 ? std::max(azimuth - half, 0.5 * (radians(fan.azimuth[b - 1]) + azimuth)) : azimuth - half;
+    right[b] = b + 1 < beams ? std::min(azimuth + half, 0.5 * (azimuth + radians(fan.azimuth[b + 1]))) : azimuth + half;
+    if (b > 0) spacing += (azimuth - radians(fan.azimuth[b - 1])) / radians(fan.width[b]);
+  }
+  const double middle = 0.5 * (left.front() + right.back());
+  X_SF_ = {Rotation::from_heading(Angle::radians(middle)), Vector3d::Zero()};
+  half_width_ = std::min(kPi, 0.5 * (right.back() - left.front()));
+  sine_ = sin(fan.height * 0.5);
+  beams_at_.assign(FanView::kDirections, 0);
+  const auto index_of = [&](double azimuth) {
+    const double a = std::clamp(azimuth - middle, -kPi, kPi);
+    return direction_index(static_cast<float>(std::cos(a)), static_cast<float>(std::sin(a)));
+  };
+  std::vector<std::int32_t> ended(FanView::kDirections + 1, 0), begun(FanView::kDirections + 1, 0);
+  for (std::size_t b = 0; b < beams; ++b) {
+    ++begun[static_cast<std::size_t>(index_of(left[b]))];
+    ++ended[static_cast<std::size_t>(index_of(right[b])) + 1];
+  }
+  std::int32_t left_of = 0, begin = 0;
+  for (std::size_t e = 0; e < FanView::kDirections; ++e) {
+    left_of += ended[e];
+    begin += begun[e];
+    beams_at_[e] = left_of | begin << 16;
+  }
+
+  view_.voxel_m = static_cast<float>(voxel_m_);
+  view_.sine = static_cast<float>(sine_);
+  view_.start_m = static_cast<float>(window_.start_m);
+  view_.bins_per_m = static_cast<float>(1 / window_.bin_m);
+  view_.beams = fan.beams();
+  view_.bins = window_.bins;
+  view_.most_looks = static_cast<float>(config_.most_looks);
+  view_.looks_per_beam = static_cast<float>(beams > 1 ? std::min(1.0, spacing / static_cast<double>(beams - 1)) : 1.0);
+  view_.beams_at = beams_at_.data();
+}
+
+}  // namespace isobath

@@ -1,0 +1,448 @@
+// Fans into voxels against the same rules written out in double, cell by cell; against enumeration of an arc; and what
+// must hold of any map: no bin is dropped, nothing behind changes, the same bits from every processor.
+#include <algorithm>
+#include <cmath>
+#include <gmock/gmock.h>
+#include <isobath/base/error.hpp>
+#include <isobath/base/random.hpp>
+#include <isobath/perception/fan_mapper.hpp>
+#include <map>
+#include <numbers>
+#include <set>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector3d;
+using Rule = FanMapperConfig::Rule;
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+double odds(double p) { return std::log(p / (1 - p)); }
+
+struct Look {
+  Ping ping;
+  EchoDecisions decisions;
+};
+
+/// A fan that hears nothing, of beams as wide as they stand apart unless a width is given.
+Look fan(int beams, int bins, double bin_m, double half_deg, double height_deg = 15, double width_deg = 0) {
+  Look look;
+  auto f = std::make_shared<BeamFan>();
+  const double spacing = beams > 1 ? 2 * half_deg / (beams - 1) : 2 * half_deg;
+  for (int b = 0; b < beams; ++b) {
+    f->azimuth.push_back(Angle::degrees(beams > 1 ? -half_deg + spacing * b : 0));
+    f->width.push_back(Angle::degrees(width_deg > 0 ? width_deg : spacing));
+  }
+  f->height = Angle::degrees(height_deg);
+  look.ping.fan = f;
+  look.ping.window = {0, bin_m, bins};
+  look.decisions.reset(beams, bins);
+  look.decisions.p_detect.assign(static_cast<std::size_t>(bins), 0.8f);
+  return look;
+}
+
+Pose pose(double heading, double pitch, double roll, const Vector3d& at = Vector3d::Zero()) {
+  return {Rotation::from_heading_pitch_roll(Angle::degrees(heading), Angle::degrees(pitch), Angle::degrees(roll)), at};
+}
+
+using Key = std::array<int, 3>;
+std::map<Key, int> contents(const VoxelBlocks& blocks) {
+  std::map<Key, int> all;
+  blocks.for_each(0, [&](const VoxelBlocks::Block& b) {
+    for (int i = 0; i < 16; ++i) {
+      for (int j = 0; j < 16; ++j) {
+        for (int k = 0; k < 16; ++k) {
+          const VoxelIndex v = b.corner + VoxelIndex(i, j, k);
+          if (const Evidence e = b.evidence[VoxelBlocks::offset(v)]; e != kUnseen) all[{v.x(), v.y(), v.z()}] = e;
+        }
+      }
+    }
+  });
+  return all;
+}
+
+FanMapperConfig by(Rule rule, int shadow_bins = 0) {
+  FanMapperConfig config;
+  config.rule = rule;
+  config.shadow_bins = shadow_bins;
+  return config;
+}
+
+/// The rule of stamping on an empty map, in double and with real angles. `sure` is false where a rectangle ends so near
+/// to the border of a cell that rounding decides.
+struct Expected {
+  double log_odds = 0;
+  bool seen = false, sure = true;
+};
+Expected expected(const Look& look, const Pose& X_WS, double voxel, const VoxelIndex& v) {
+  const BeamFan& f = *look.ping.fan;
+  const Vector3d p_W = ((v.cast<double>().array() + 0.5) * voxel).matrix() - X_WS.translation;
+  const Vector3d p = X_WS.rotation.inverse() * p_W;
+  const double range = p.norm(), flat = p.head<2>().norm();
+  const double height =
+      std::max(range * sin(f.height * 0.5), 0.5 * voxel * (X_WS.rotation * Vector3d::UnitZ()).lpNorm<1>());
+  Expected e;
+  if (std::abs(std::abs(p.z()) - height) < 1e-4) e.sure = false;
+  if (std::abs(p.z()) > height) return e;
+  const double half_r = 0.5 * voxel * p_W.lpNorm<1>() / range;
+  const auto bin_of = [&](double r) {
+    const double bin = r / look.ping.window.bin_m;
+    if (std::abs(bin - std::round(bin)) < 1e-3) e.sure = false;
+    return static_cast<int>(std::floor(bin));
+  };
+  const int bin = std::max(0, bin_of(range - half_r)),
+            end = std::min(look.ping.window.bins, bin_of(range + half_r) + 1);
+  const double half_t = 0.5 * voxel * (X_WS.rotation * Vector3d(-p.y(), p.x(), 0)).lpNorm<1>() / flat,
+               q = half_t / flat;
+  const double azimuth = std::atan2(p.y(), p.x());
+  double ratios = 0;
+  int cells = 0, beams = 0;
+  if (std::abs(q - 0.5) < 1e-3) e.sure = false;
+  for (int b = 0; b < f.beams(); ++b) {
+    const double half = 0.5 * f.width[b].radians(), left = f.azimuth[b].radians() - half, right = left + 2 * half;
+    // A table of directions is no finer, and the width of a voxel is rounded up.
+    constexpr double kEntry = 1.5 * kTurn / FanView::kDirections;
+    const auto doubtful = [&](double beyond) { return beyond > -kEntry && beyond < kEntry + 6 * q * q; };
+    if (doubtful(azimuth - q - right) || doubtful(left - azimuth - q)) e.sure = false;
+    if (q < 0.5 && (azimuth + q < left || azimuth - q > right)) continue;
+    ++beams;
+    for (int k = bin; k < end; ++k, ++cells) ratios += look.decisions.hit(b, k) ? 0.8 / 0.02 : 0.2 / 0.98;
+  }
+  e.seen = cells > 0;
+  if (e.seen) e.log_odds = std::clamp(beams, 1, 4) * std::log(ratios / cells);
+  return e;
+}
+
+// ledger: S5-11 S5-12 S5-14 S5-16
+TEST(FanMapper, SaysOfEachVoxelWhatItsCellsSayAtAnyAttitude) {
+  constexpr double kVoxel = 0.25;
+  Random random(3);
+  std::size_t sure = 0, all = 0;
+  for (int round = 0; round < 8; ++round) {
+    Look look = fan(20, 60, 0.1, 40);
+    for (int b = 0; b < 20; ++b) {
+      for (int k = 20; k < 60; ++k) {
+        if (random.uniform() < 0.05) look.decisions.set_hit(b, k);
+      }
+    }
+    const double heading = random.uniform(-180, 180), pitch = random.uniform(-60, 60), roll = random.uniform(-180, 180);
+    Vector3d at;
+    for (int a = 0; a < 3; ++a) at[a] = random.uniform(-20, 20);
+    const Pose X_WB = pose(heading, pitch, roll, at);
+    look.ping.X_BS = pose(10, -5, 30, {0.5, 0.1, -0.2});
+    const Pose X_WS = X_WB * look.ping.X_BS;
+
+    VoxelBlocks map({-30'000, 30'000});
+    FanMapper(by(Rule::kStamp), kVoxel, 0).update(look.ping, look.decisions, X_WB, map);
+    const VoxelIndex centre = floor_of(X_WS.translation / kVoxel);
+    for (int i = -27; i <= 27; ++i) {
+      for (int j = -27; j <= 27; ++j) {
+        for (int k = -27; k <= 27; ++k) {
+          const VoxelIndex v = centre + VoxelIndex(i, j, k);
+          const Expected e = expected(look, X_WS, kVoxel, v);
+          const Evidence found = map.at(v);
+          all += e.seen ? 1 : 0;
+          if (!e.sure) continue;
+          sure += e.seen ? 1 : 0;
+          ASSERT_EQ(found != kUnseen, e.seen) << v.transpose() << " round " << round;
+          if (e.seen) {
+            ASSERT_NEAR(to_log_odds(found), e.log_odds, 0.002) << v.transpose() << " round " << round;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(sure, 10'000u);
+  EXPECT_GT(static_cast<double>(sure), 0.3 * static_cast<double>(all));
+}
+
+// ledger: S5-16 S5-60
+TEST(FanMapper, DropsNoBin) {
+  for (const double attitude : {0.0, 23.0}) {
+    Look look = fan(24, 80, 0.05, 30, 15, 60);
+    const Pose X_WB = pose(45 + attitude, attitude, 2 * attitude, {0.1, 0.2, 5});
+    const auto map_of = [&] {
+      VoxelBlocks map;
+      FanMapper(by(Rule::kMarginal), 0.3, odds(0.05)).update(look.ping, look.decisions, X_WB, map);
+      return contents(map);
+    };
+    const auto silent = map_of();
+    for (int b = 0; b < 24; ++b) {
+      for (int k = 0; k < 80; ++k) {
+        look.decisions.set_hit(b, k);
+        ASSERT_NE(map_of(), silent) << "beam " << b << " bin " << k;
+        look.decisions.hits(b)[k / 64] = 0;
+      }
+    }
+  }
+}
+
+Look noisy_fan(Random& random) {
+  Look look = fan(64, 100, 0.1, 60);
+  for (int b = 0; b < 64; ++b) {
+    for (int k = 0; k < 100; ++k) {
+      if (random.uniform() < 0.1) look.decisions.set_hit(b, k);
+    }
+  }
+  for (int k = 0; k < 6; ++k) look.decisions.set_unusable(k);
+  return look;
+}
+
+// ledger: S5-60
+TEST(FanMapper, GivesTheSameBitsOnAnyThreadsAndProcessor) {
+  const auto mapped = [](int threads) {
+    Random random(5);
+    VoxelBlocks map;
+    FanMapper mapper(by(Rule::kMarginal, 3), 0.25, odds(0.05));
+    for (int n = 0; n < 5; ++n) {
+      const Look look = noisy_fan(random);
+      mapper.update(look.ping, look.decisions, pose(20.0 * n, 3.0 * n, -10, {0.3 * n, 0, 4}), map, threads);
+    }
+    return contents(map);
+  };
+  const auto one = mapped(1);
+  EXPECT_GT(one.size(), 10'000u);
+  EXPECT_EQ(mapped(2), one);
+  EXPECT_EQ(mapped(3), one);
+  const auto targets = fan_kernel_targets();
+  EXPECT_GE(targets.size(), 2u);
+  for (const char* target : targets) {
+    use_fan_kernel_target(target);
+    EXPECT_EQ(mapped(1), one) << target;
+  }
+  use_fan_kernel_target("");
+  EXPECT_THROW(use_fan_kernel_target("abacus"), Error);
+}
+
+/// P(occupied) of each of n voxels after one echo from their arc, by all of their 2^n states.
+std::vector<double> enumerated(const std::vector<double>& prior, double p_detect, double false_alarm) {
+  std::vector<double> posterior(prior.size(), 0);
+  double all = 0;
+  for (unsigned state = 0; state < 1u << prior.size(); ++state) {
+    double p = state == 0 ? false_alarm : p_detect;
+    for (std::size_t i = 0; i < prior.size(); ++i) p *= (state >> i & 1) != 0 ? prior[i] : 1 - prior[i];
+    all += p;
+    for (std::size_t i = 0; i < prior.size(); ++i) posterior[i] += (state >> i & 1) != 0 ? p : 0;
+  }
+  for (double& p : posterior) p /= all;
+  return posterior;
+}
+
+// ledger: S5-31
+TEST(FanMapper, SharesAnEchoOverItsArcAsEnumerationDoes) {
+  // One beam of one thin bin: each voxel that it meets has this cell alone.
+  Random random(8);
+  for (int round = 0; round < 20; ++round) {
+    Look look = fan(1, 1, 0.01, 0.05, 12);
+    look.ping.window.start_m = 9.99;
+    look.decisions.p_detect[0] = 0.9f;
+    look.decisions.false_alarm = 0.05;
+    const Pose X_WB{{}, {0.02, 0.125, 0.125}};
+    VoxelBlocks met;
+    FanMapper(by(Rule::kStamp), 0.25, 0).update(look.ping, look.decisions, X_WB, met);
+    look.decisions.set_hit(0, 0);
+    const auto arc = contents(met);
+    ASSERT_GE(arc.size(), 9u);
+    ASSERT_LE(arc.size(), 14u);
+    VoxelBlocks map;
+    std::vector<double> before;
+    for (const auto& [v, e] : arc) {
+      const VoxelIndex at(v[0], v[1], v[2]);
+      map.add(at, to_evidence(random.uniform(-3, 3)));
+      before.push_back(1 / (1 + std::exp(-(to_log_odds(map.at(at)) + odds(0.05)))));
+    }
+    const auto expected = enumerated(before, 0.9, 0.05);
+    FanMapper(by(Rule::kMarginal), 0.25, odds(0.05)).update(look.ping, look.decisions, X_WB, map);
+    std::size_t i = 0;
+    for (const auto& [v, e] : arc) {
+      const double p = 1 / (1 + std::exp(-(to_log_odds(map.at({v[0], v[1], v[2]})) + odds(0.05))));
+      EXPECT_NEAR(p, expected[i], 0.001) << "voxel " << i << " of round " << round;
+      ++i;
+    }
+  }
+}
+
+// ledger: S5-31 S5-E14
+TEST(FanMapper, SharesAnEchoOverAnArcWhereThePapersUpdateRaisesAllOfIt) {
+  const auto shared = [](double n) {
+    const double E = std::pow(0.95, n);
+    return 0.05 * 0.9 / (0.9 * (1 - E) + 0.05 * E);
+  };
+  EXPECT_NEAR(shared(16), 0.086, 0.0005);
+  for (const Rule rule : {Rule::kMarginal, Rule::kStamp}) {
+    Look look = fan(1, 1, 0.01, 0.05, 22.5);
+    look.ping.window.start_m = 9.99;
+    look.decisions.p_detect[0] = 0.9f;
+    look.decisions.false_alarm = 0.05;
+    look.decisions.set_hit(0, 0);
+    VoxelBlocks map;
+    FanMapper(by(rule), 0.25, odds(0.05)).update(look.ping, look.decisions, {{}, {0.02, 0.125, 0}}, map);
+    const auto all = contents(map);
+    EXPECT_GE(all.size(), 16u);
+    const double p = rule == Rule::kStamp ? 0.486 : shared(static_cast<double>(all.size()));
+    for (const auto& [v, e] : all) {
+      EXPECT_NEAR(1 / (1 + std::exp(-(to_log_odds(static_cast<Evidence>(e)) + odds(0.05)))), p, 0.001);
+    }
+  }
+}
+
+// ledger: S5-31
+TEST(FanMapper, LooksAgainFromOnePlaceMakeNoVoxelOfAnArcCertain) {
+  Look look = fan(9, 60, 0.2, 20);
+  for (int b = 0; b < 9; ++b) look.decisions.set_hit(b, 50);
+  const auto most_after = [&](Rule rule) {
+    VoxelBlocks map;
+    FanMapper mapper(by(rule), 0.25, odds(0.05));
+    for (int n = 0; n < 50; ++n) mapper.update(look.ping, look.decisions, {}, map);
+    double most = 0;
+    for (const auto& [v, e] : contents(map))
+      most = std::max(most, 1 / (1 + std::exp(-(to_log_odds(static_cast<Evidence>(e)) + odds(0.05)))));
+    return most;
+  };
+  EXPECT_LT(most_after(Rule::kMarginal), 0.6);
+  EXPECT_GT(most_after(Rule::kStamp), 0.97);
+}
+
+// ledger: S5-09 S5-28 S5-35
+TEST(FanMapper, TwoCrossedFansFindThePlaceThatNeitherFinds) {
+  // A ball of 0.3 m at 20 m ahead; one fan lies flat, one stands upright.
+  const Vector3d target(20.1, 1.1, 0.9);
+  const auto heard = [&](const Pose& X_WS) {
+    Look look = fan(61, 300, 0.1, 30);
+    look.ping.X_BS = X_WS;
+    const Vector3d p = X_WS.inverse() * target;
+    const double azimuth = std::atan2(p.y(), p.x()) * 360 / kTurn;
+    look.decisions.set_hit(static_cast<int>(std::lround(azimuth)) + 30, static_cast<int>(p.norm() / 0.1));
+    return look;
+  };
+  std::vector<VoxelBlocks> maps(2);
+  for (int s = 0; s < 2; ++s) {
+    const Look look = heard(pose(0, 0, s == 0 ? 0 : 90));
+    FanMapper mapper(by(Rule::kMarginal), 0.25, odds(0.02));
+    for (int n = 0; n < 10; ++n) mapper.update(look.ping, look.decisions, {}, maps[static_cast<std::size_t>(s)]);
+  }
+  VoxelIndex best = VoxelIndex::Zero();
+  double most = -100;
+  for (const auto& [v, e] : contents(maps[0])) {
+    const VoxelIndex at(v[0], v[1], v[2]);
+    if (maps[1].at(at) == kUnseen) continue;
+    if (const double sum = to_log_odds(static_cast<Evidence>(e)) + to_log_odds(maps[1].at(at)); sum > most) {
+      most = sum;
+      best = at;
+    }
+  }
+  EXPECT_LT((((best.cast<double>().array() + 0.5) * 0.25).matrix() - target).norm(), 0.45);
+}
+
+// ledger: S5-16
+TEST(FanMapper, LeavesWhatIsBehindAndBeyondAsItIs) {
+  const Look look = fan(32, 50, 0.2, 45);
+  VoxelBlocks map;
+  FanMapper(by(Rule::kMarginal), 0.25, 0).update(look.ping, look.decisions, pose(0, 0, 0, {0, 0, 3}), map);
+  const auto all = contents(map);
+  EXPECT_GT(all.size(), 1000u);
+  for (const auto& [v, e] : all) {
+    EXPECT_GE(v[0], -2);
+    EXPECT_LE(std::hypot((v[0] + 0.5) * 0.25, (v[1] + 0.5) * 0.25), 10.0 + 0.3);
+    EXPECT_LT(e, 0);
+  }
+}
+
+// ledger: S5-57
+TEST(FanMapper, ClearsNothingBehindAStrongEcho) {
+  Look look = fan(32, 100, 0.1, 30);
+  for (int b = 10; b < 22; ++b) {
+    for (int k = 50; k < 54; ++k) look.decisions.set_hit(b, k);
+  }
+  look.decisions.set_hit(2, 50);  // one bin alone is no pylon
+  const auto map_with = [&](int shadow_bins) {
+    VoxelBlocks map;
+    FanMapper(by(Rule::kMarginal, shadow_bins), 0.25, 0).update(look.ping, look.decisions, {}, map);
+    return map;
+  };
+  const VoxelBlocks hidden = map_with(3), open = map_with(0);
+  const VoxelIndex behind = floor_of(Vector3d(8, 0, 0) / 0.25), before = floor_of(Vector3d(4, 0, 0) / 0.25);
+  EXPECT_EQ(hidden.at(behind), kUnseen);
+  EXPECT_LT(open.at(behind), 0);
+  EXPECT_LT(hidden.at(before), 0);
+  const double beside = Angle::degrees(-30 + 60.0 / 31 * 2).radians();
+  EXPECT_LT(hidden.at(floor_of(Vector3d(8 * std::cos(beside), 8 * std::sin(beside), 0) / 0.25)), 0);
+}
+
+// ledger: S5-11
+TEST(FanMapper, TakesASonarMountedUpsideDown) {
+  // A target to starboard is in a beam to port of a sonar that hangs head over.
+  Look look = fan(31, 100, 0.1, 30);
+  look.ping.X_BS = pose(0, 0, 180);
+  look.decisions.set_hit(5, 80);
+  VoxelBlocks map;
+  FanMapper(by(Rule::kStamp), 0.25, 0).update(look.ping, look.decisions, {}, map);
+  const double azimuth = -look.ping.fan->azimuth[5].radians();
+  EXPECT_GT(map.at(floor_of(Vector3d(8.05 * std::cos(azimuth), 8.05 * std::sin(azimuth), 0.1) / 0.25)), 0);
+  EXPECT_LT(map.at(floor_of(Vector3d(8.05 * std::cos(azimuth), -8.05 * std::sin(azimuth), 0.1) / 0.25)), 0);
+}
+
+// ledger: S5-12
+TEST(FanMapper, TakesFansWiderThanHalfTheCircle) {
+  Look look = fan(61, 40, 0.2, 150);
+  look.decisions.set_hit(60, 30);  // 150 degrees to starboard
+  VoxelBlocks map;
+  FanMapper(by(Rule::kStamp), 0.25, 0).update(look.ping, look.decisions, {}, map);
+  const double a = Angle::degrees(150).radians();
+  EXPECT_GT(map.at(floor_of(Vector3d(6.1 * std::cos(a), 6.1 * std::sin(a), 0) / 0.25)), 0);
+  EXPECT_LT(map.at(floor_of(Vector3d(6.1 * std::cos(a), -6.1 * std::sin(a), 0) / 0.25)), 0);
+  EXPECT_EQ(map.at(floor_of(Vector3d(-6, 0, 0) / 0.25)), kUnseen);
+}
+
+// ledger: S6-09 S6-69
+TEST(FanMapper, LearnsNothingFromBinsThatTellNothing) {
+  Look look = fan(8, 64, 0.2, 20);
+  for (int k = 0; k < 64; ++k) look.decisions.set_unusable(k);
+  look.decisions.set_hit(3, 40);
+  VoxelBlocks map;
+  FanMapper mapper(by(Rule::kMarginal), 0.25, 0);
+  mapper.update(look.ping, look.decisions, {}, map);
+  EXPECT_TRUE(contents(map).empty());
+
+  // A dim bin says something where it holds an echo, and no more than its own p_D allows.
+  Look loud = fan(8, 64, 0.2, 20, 15, 60);
+  std::vector<float> p(64, 0.3f);
+  const std::uint64_t bits = std::uint64_t{0x3FF} << 36;
+  for (int b = 0; b < 8; ++b) loud.decisions.set_dim(b, &bits, p.data());
+  VoxelBlocks dim;
+  FanMapper(by(Rule::kStamp), 0.5, 0).update(loud.ping, loud.decisions, {}, dim);
+  const VoxelIndex in = floor_of(Vector3d(8.0, 0, 0) / 0.5);
+  EXPECT_EQ(dim.at(in), kUnseen);
+  for (int b = 0; b < 8; ++b) {
+    for (int k = 36; k < 46; ++k) loud.decisions.set_hit(b, k);
+  }
+  FanMapper(by(Rule::kStamp), 0.5, 0).update(loud.ping, loud.decisions, {}, dim);
+  EXPECT_NEAR(to_log_odds(dim.at(in)), std::log(0.3 / 0.02), 0.01);
+}
+
+// ledger: S5-14
+TEST(FanMapper, CountsBeamsWithinAWidthAsOneLook) {
+  const auto clear_at_2_m = [](double width) {
+    Look look = fan(81, 40, 0.1, 20);
+    auto wide = std::make_shared<BeamFan>(*look.ping.fan);
+    wide->width.assign(81, Angle::degrees(width));
+    look.ping.fan = wide;
+    VoxelBlocks map({-30'000, 30'000});
+    FanMapper(by(Rule::kStamp), 0.25, 0).update(look.ping, look.decisions, {}, map);
+    return to_log_odds(map.at(floor_of(Vector3d(2, 0, 0) / 0.25)));
+  };
+  const double one = std::log(0.2 / 0.98);
+  EXPECT_NEAR(clear_at_2_m(30), one, 0.01);
+  EXPECT_NEAR(clear_at_2_m(3.5), 17 * 0.5 / 3.5 * one, 0.01);  // it spans seventeen of them
+  EXPECT_NEAR(clear_at_2_m(0.5), 4 * one, 0.01);               // no more than most_looks
+}
+
+TEST(FanMapper, RefusesVoxelsFarTooLargeForTheSonar) {
+  const Look look = fan(512, 500, 0.01, 60);
+  VoxelBlocks map;
+  EXPECT_THROW(FanMapper(by(Rule::kStamp), 2, 0).update(look.ping, look.decisions, {}, map), Error);
+}
+
+}  // namespace
+}  // namespace isobath
