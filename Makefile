@@ -7,7 +7,11 @@ SHELL := bash
 JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 WERROR ?= OFF
+# Rooms with threads, and the groups of their tests that start any.
 THREADED := sim perception mission runtime app
+THREADED_TESTS := ThreadedCrew PrefetchSource MappingThread LiveHelm LostAgents ClosedLoop SmallEvaluation StartUp WorldLevel \
+  Simulator DepthMapperShift FanMapper Determinism Mission Sim Compare
+alternatives = ($(subst $() ,|,$(strip $(1))))
 DEMO_OUT ?= out/demo
 DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)
 
@@ -43,10 +47,11 @@ demo: build/release/.configured-$(WERROR) ## Run the program on what it brings a
 	@echo "Report: $(DEMO_OUT)/report.html"
 
 test: run-tests-release ## Build and run all the tests
+test-asan: export LSAN_OPTIONS := suppressions=$(CURDIR)/tests/leak_sanitizer.supp
 test-asan: run-tests-asan ## The same built by clang, with the address and undefined-behaviour sanitizers
-test-tsan: build/tsan/.configured-$(WERROR) ## Those of the rooms that have threads, with the thread sanitizer
+test-tsan: build/tsan/.configured-$(WERROR) ## Those that start threads, with the thread sanitizer
 	@cmake --build build/tsan --parallel $(JOBS) --target $(addsuffix _test,$(THREADED)) isobath_app
-	TSAN_OPTIONS=suppressions=$(CURDIR)/tests/thread_sanitizer.supp ctest --test-dir build/tsan --parallel $(JOBS) --output-on-failure --no-tests=error -R '^($(subst $() ,|,$(THREADED)))\.'
+	TSAN_OPTIONS=suppressions=$(CURDIR)/tests/thread_sanitizer.supp ctest --test-dir build/tsan --parallel $(JOBS) --output-on-failure --no-tests=error -R '^$(call alternatives,$(THREADED))\.$(call alternatives,$(THREADED_TESTS))\.'
 
 bench: build-bench ## Run the benchmarks
 	@for program in build/bench/bench/*_bench; do echo "== $$program"; "$$program"; done

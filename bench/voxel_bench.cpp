@@ -117,7 +117,7 @@ const std::vector<Ray>& rays() {
 
 VoxelBlocks mapped() {
   VoxelBlocks blocks({to_evidence(kLeast), to_evidence(kMost)});
-  const Evidence hit = to_evidence(kHit), miss = to_evidence(kMiss);
+  const LogOdds16 hit = to_evidence(kHit), miss = to_evidence(kMiss);
   for (const Ray& r : rays()) blocks.insert_ray(r.from / kVoxel, r.to / kVoxel, miss, r.hit ? hit : miss);
   return blocks;
 }
@@ -128,7 +128,7 @@ void VoxelRays(benchmark::State& state) {
   double megabytes = 0;
   for (auto _ : state) {
     VoxelBlocks blocks({to_evidence(kLeast), to_evidence(kMost)});
-    const Evidence hit = to_evidence(kHit), miss = to_evidence(kMiss);
+    const LogOdds16 hit = to_evidence(kHit), miss = to_evidence(kMiss);
     voxels = 0;
     for (const Ray& r : rays()) {
       voxels += blocks.insert_ray(r.from / kVoxel, r.to / kVoxel, miss, r.hit ? hit : miss) + 1;

@@ -278,8 +278,10 @@ std::span<const int> Triangulation::around(int point) const {
 
 int Triangulation::start_for(const Vector2d& p) const {
   const Vector2d c = (p - low_) / cell_;
-  const auto x = static_cast<std::size_t>(std::clamp(c.x(), 0.0, cells_x_ - 1.0));
-  const auto y = static_cast<std::size_t>(std::clamp(c.y(), 0.0, cells_y_ - 1.0));
+  const auto place = [](double at, int cells) {  // what is no number is at 0
+    return static_cast<std::size_t>(at > 0 ? std::min(at, cells - 1.0) : 0.0);
+  };
+  const std::size_t x = place(c.x(), cells_x_), y = place(c.y(), cells_y_);
   return starts_[x * static_cast<std::size_t>(cells_y_) + y];
 }
 

@@ -36,9 +36,9 @@ struct Axis {
 
 }  // namespace
 
-Evidence to_evidence(double log_odds) {
-  constexpr double kMost = std::numeric_limits<Evidence>::max();
-  return static_cast<Evidence>(std::lround(std::clamp(log_odds / kEvidenceUnit, -kMost, kMost)));
+LogOdds16 to_evidence(double log_odds) {
+  constexpr double kMost = std::numeric_limits<LogOdds16>::max();
+  return static_cast<LogOdds16>(std::lround(std::clamp(log_odds / kEvidenceUnit, -kMost, kMost)));
 }
 
 VoxelBlocks::VoxelBlocks(const EvidenceBounds& bounds) : bounds_(bounds) {
@@ -64,8 +64,8 @@ void VoxelBlocks::grow(std::size_t places) {
 }
 
 VoxelBlocks::Slab VoxelBlocks::new_slab() {
-  constexpr std::size_t kBytes = sizeof(Evidence) << (kSlabLog2 + 3 * kSideLog2);
-  Slab slab(static_cast<Evidence*>(std::aligned_alloc(kBytes, kBytes)));
+  constexpr std::size_t kBytes = sizeof(LogOdds16) << (kSlabLog2 + 3 * kSideLog2);
+  Slab slab(static_cast<LogOdds16*>(std::aligned_alloc(kBytes, kBytes)));
   if (!slab) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
   madvise(slab.get(), kBytes, MADV_HUGEPAGE);  // only a wish: a random voxel is then one miss, not two
@@ -73,7 +73,7 @@ VoxelBlocks::Slab VoxelBlocks::new_slab() {
   return slab;
 }
 
-Evidence* VoxelBlocks::touch(const VoxelIndex& v) {
+LogOdds16* VoxelBlocks::touch(const VoxelIndex& v) {
   const std::uint64_t key = key_of(v);
   std::uint32_t slot = slot_of(key);
   if (slot == kNone) {
@@ -133,11 +133,11 @@ void VoxelBlocks::clear() {
 }
 
 std::size_t VoxelBlocks::bytes() const {
-  return (slabs_.size() << (kSlabLog2 + 3 * kSideLog2)) * sizeof(Evidence) + blocks_.size() * sizeof(Block) +
+  return (slabs_.size() << (kSlabLog2 + 3 * kSideLog2)) * sizeof(LogOdds16) + blocks_.size() * sizeof(Block) +
          table_.size() * sizeof(Entry) + free_.capacity() * sizeof(std::uint32_t);
 }
 
-// Evidence -----------------------------------------------------------------------------------------------------------
+// LogOdds16 -----------------------------------------------------------------------------------------------------------
 
 void VoxelBlocks::fade(double kept) {
   ISOBATH_ASSERT(kept >= 0 && kept <= 1);
@@ -145,15 +145,15 @@ void VoxelBlocks::fade(double kept) {
   for (const Entry& p : table_) {
     if (p.key == kEmpty) continue;
     Block& b = blocks_[p.slot];
-    for (Evidence& e : std::span(b.evidence, kVolume)) {
+    for (LogOdds16& e : std::span(b.evidence, kVolume)) {
       const int faded = e * share / 32768;  // towards zero
-      e = e == kUnseen ? kUnseen : static_cast<Evidence>(faded);
+      e = e == kUnseen ? kUnseen : static_cast<LogOdds16>(faded);
     }
     b.revision = revision_;
   }
 }
 
-std::int64_t VoxelBlocks::insert_ray(const Vector3d& from, const Vector3d& to, Evidence miss, Evidence end) {
+std::int64_t VoxelBlocks::insert_ray(const Vector3d& from, const Vector3d& to, LogOdds16 miss, LogOdds16 end) {
   const auto near = [](const Vector3d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthest - 1; };
   if (!near(from) || !near(to)) return 0;
   VoxelIndex at = floor_of(from);
@@ -163,18 +163,18 @@ std::int64_t VoxelBlocks::insert_ray(const Vector3d& from, const Vector3d& to, E
 
   // What is written lies in other lines than what comes next: each is asked for kAhead steps before it is needed.
   constexpr int kAhead = 32, kInside = kSide - 1;
-  std::array<Evidence*, 2 * kAhead> met;
+  std::array<LogOdds16*, 2 * kAhead> met;
   const auto pass = [&](std::int64_t step) {
-    Evidence& e = *met[static_cast<std::size_t>(step) % met.size()];
+    LogOdds16& e = *met[static_cast<std::size_t>(step) % met.size()];
     e = sum(e, miss);
   };
   std::int64_t step = 0;
   while (step < passed) {
-    Evidence* block = touch(at);
+    LogOdds16* block = touch(at);
     int i = at.x() & kInside, j = at.y() & kInside, k = at.z() & kInside;
     at -= VoxelIndex(i, j, k);
     do {
-      Evidence* e = block + ((i << 2 * kSideLog2) | (j << kSideLog2) | k);
+      LogOdds16* e = block + ((i << 2 * kSideLog2) | (j << kSideLog2) | k);
       __builtin_prefetch(e, 1);
       met[static_cast<std::size_t>(step) % met.size()] = e;
       if (step >= kAhead) pass(step - kAhead);

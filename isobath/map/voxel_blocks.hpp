@@ -28,7 +28,7 @@ namespace isobath {
 /// Voxel (i, j, k) is the cube [i, i + 1) x [j, j + 1) x [k, k + 1) times its edge, in W: north, east, down.
 using VoxelIndex = Eigen::Vector3i;
 /// 1/1024 of a natural logarithm of odds.
-using Evidence = std::int16_t;
+using LogOdds16 = std::int16_t;
 
 /// The voxel of a point in edges of voxels; each coordinate must fit an int. (std::floor is a call where the processor
 /// that is compiled for need not have the instruction.)
@@ -40,14 +40,14 @@ inline VoxelIndex floor_of(const Eigen::Vector3d& p) {
   return {floored(p.x()), floored(p.y()), floored(p.z())};
 }
 
-inline constexpr Evidence kUnseen = std::numeric_limits<Evidence>::min();
+inline constexpr LogOdds16 kUnseen = std::numeric_limits<LogOdds16>::min();
 inline constexpr double kEvidenceUnit = 1.0 / 1024;
 /// To the nearest step; saturates.
-Evidence to_evidence(double log_odds);
-inline double to_log_odds(Evidence evidence) { return kEvidenceUnit * evidence; }
+LogOdds16 to_evidence(double log_odds);
+inline double to_log_odds(LogOdds16 evidence) { return kEvidenceUnit * evidence; }
 
 struct EvidenceBounds {
-  Evidence least = -7066, most = 7066;  ///< 6.9, p = 0.001 and 0.999 on even odds (S5-15)
+  LogOdds16 least = -7066, most = 7066;  ///< 6.9, p = 0.001 and 0.999 on even odds (S5-15)
 };
 
 class VoxelBlocks {
@@ -60,11 +60,17 @@ class VoxelBlocks {
   struct Block {
     VoxelIndex corner;  ///< the least voxel
     std::uint64_t revision = 0;
-    Evidence* evidence = nullptr;  ///< kVolume of them
+    LogOdds16* evidence = nullptr;  ///< kVolume of them
   };
   static int offset(const VoxelIndex& v) {
     constexpr int kMask = kSide - 1;
     return ((v.x() & kMask) << 2 * kSideLog2) | ((v.y() & kMask) << kSideLog2) | (v.z() & kMask);
+  }
+
+  /// Of the voxel at an offset, from the block's corner.
+  static VoxelIndex place_of(int offset) {
+    constexpr int kMask = kSide - 1;
+    return {offset >> 2 * kSideLog2, offset >> kSideLog2 & kMask, offset & kMask};
   }
 
   explicit VoxelBlocks(const EvidenceBounds& bounds = {});
@@ -72,33 +78,33 @@ class VoxelBlocks {
   [[nodiscard]] static bool holds(const VoxelIndex& v) { return v.maxCoeff() < kFarthest && v.minCoeff() > -kFarthest; }
   /// kUnseen where nothing was ever said. Of a voxel that the map `holds`, as for all that follow: the indices of
   /// others come round again.
-  [[nodiscard]] Evidence at(const VoxelIndex& v) const {
-    const Evidence* block = find(v);
+  [[nodiscard]] LogOdds16 at(const VoxelIndex& v) const {
+    const LogOdds16* block = find(v);
     return block ? block[offset(v)] : kUnseen;
   }
   /// The evidence of the block of a voxel; null where there is none.
-  [[nodiscard]] const Evidence* find(const VoxelIndex& v) const {
+  [[nodiscard]] const LogOdds16* find(const VoxelIndex& v) const {
     const std::uint32_t slot = slot_of(key_of(v));
     return slot == kNone ? nullptr : evidence_of(slot);
   }
   /// The same to write to, made where there is none, and marked as changed in this revision.
-  Evidence* touch(const VoxelIndex& v);
+  LogOdds16* touch(const VoxelIndex& v);
   /// One more piece of evidence.
-  void add(const VoxelIndex& v, Evidence more) {
-    Evidence& e = touch(v)[offset(v)];
+  void add(const VoxelIndex& v, LogOdds16 more) {
+    LogOdds16& e = touch(v)[offset(v)];
     e = sum(e, more);
   }
   /// What both say together, within the bounds.
-  [[nodiscard]] Evidence sum(Evidence old, Evidence more) const {
+  [[nodiscard]] LogOdds16 sum(LogOdds16 old, LogOdds16 more) const {
     const int total = (old == kUnseen ? 0 : old) + more;
-    return static_cast<Evidence>(std::min<int>(std::max<int>(total, bounds_.least), bounds_.most));
+    return static_cast<LogOdds16>(std::min<int>(std::max<int>(total, bounds_.least), bounds_.most));
   }
 
   /// Along a straight line of sight from `from` to `to` (voxels and fractions of them): `miss` for each voxel that it
   /// passes through before the one that holds `to` (six-connected: every voxel that the line meets), then `end` for
   /// that one. An `end` of zero leaves it as it is. Returns the voxels passed; nothing happens, and 0 is returned,
   /// where an end is not finite or too far off.
-  std::int64_t insert_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Evidence miss, Evidence end);
+  std::int64_t insert_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to, LogOdds16 miss, LogOdds16 end);
 
   /// Blocks touched from now on carry this revision; none is 0.
   void begin(std::uint64_t revision) { revision_ = revision; }
@@ -120,9 +126,9 @@ class VoxelBlocks {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   static constexpr int kSlabLog2 = 8;  // blocks in a slab: two megabytes, one large page
   struct Release {
-    void operator()(Evidence* slab) const { std::free(slab); }
+    void operator()(LogOdds16* slab) const { std::free(slab); }
   };
-  using Slab = std::unique_ptr<Evidence[], Release>;
+  using Slab = std::unique_ptr<LogOdds16[], Release>;
   static Slab new_slab();
 
   static constexpr std::uint64_t kEmpty = std::numeric_limits<std::uint64_t>::max();
@@ -149,7 +155,7 @@ class VoxelBlocks {
       if (table_[i].key == kEmpty) return kNone;
     }
   }
-  [[nodiscard]] Evidence* evidence_of(std::uint32_t slot) const {
+  [[nodiscard]] LogOdds16* evidence_of(std::uint32_t slot) const {
     return slabs_[slot >> kSlabLog2].get() + (std::size_t{slot & ((1u << kSlabLog2) - 1)} << 3 * kSideLog2);
   }
   void grow(std::size_t places);

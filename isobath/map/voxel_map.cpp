@@ -92,7 +92,7 @@ std::vector<std::string> VoxelMap::sensors() const {
 VoxelMap::Pooled VoxelMap::pooled(const VoxelIndex& v) const {
   Pooled all{prior_, false};
   for (const auto& l : layers_) {
-    const Evidence e = l->blocks.at(v);
+    const LogOdds16 e = l->blocks.at(v);
     if (e == kUnseen) continue;
     all.evidence += e;
     all.seen = true;

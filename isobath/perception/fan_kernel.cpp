@@ -26,7 +26,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr int kSide = VoxelBlocks::kSide;
 using Floats = hn::CappedTag<float, kSide>;
 using Ints = hn::RebindToSigned<Floats>;
-using Shorts = hn::Rebind<Evidence, Ints>;
+using Shorts = hn::Rebind<LogOdds16, Ints>;
 using F = hn::Vec<Floats>;
 using I = hn::Vec<Ints>;
 
@@ -40,7 +40,7 @@ HWY_ATTR I direction_of(F pseudo) {
   return hn::ConvertTo(Ints(), hn::Min(hn::Max(index, hn::Zero(d)), most));
 }
 
-HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBounds& bounds, Evidence* block,
+HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBounds& bounds, LogOdds16* block,
                    std::vector<MixedVoxel>& mixed) {
   const Floats d;
   const Ints di;
@@ -133,7 +133,7 @@ HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBound
           const F looks =
               hn::Min(most_looks, hn::Max(one, hn::Mul(hn::ConvertTo(d, hn::Sub(beam_end, beam)), looks_per_beam)));
           const I more = hn::NearestInt(hn::Mul(looks, clear_evidence));
-          Evidence* here = block + ((i << 2 * VoxelBlocks::kSideLog2) | (j << VoxelBlocks::kSideLog2) | k);
+          LogOdds16* here = block + ((i << 2 * VoxelBlocks::kSideLog2) | (j << VoxelBlocks::kSideLog2) | k);
           const I old = hn::PromoteTo(di, hn::LoadU(ds, here));
           const I known = hn::IfThenZeroElse(hn::Eq(old, hn::Set(di, kUnseen)), old);
           const I now = hn::Min(hn::Max(hn::Add(known, more), least), most);
@@ -164,7 +164,7 @@ namespace isobath {
 
 HWY_EXPORT(look);
 
-void look_at_block(const FanView& view, const float (&corner)[3], const EvidenceBounds& bounds, Evidence* block,
+void look_at_block(const FanView& view, const float (&corner)[3], const EvidenceBounds& bounds, LogOdds16* block,
                    std::vector<MixedVoxel>& mixed) {
   HWY_DYNAMIC_DISPATCH(look)(view, corner, bounds, block, mixed);
 }

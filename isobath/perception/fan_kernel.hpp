@@ -26,7 +26,7 @@ struct FanView {
   const std::int32_t* beams_at;
   /// (beams + 1) x (bins + 1): of the cells before it in both, the hits, and 65536 times those that tell anything.
   const std::int32_t* sums;
-  const float* clear;   ///< of each bin: evidence of a voxel that was looked at and gave no echo, units of Evidence
+  const float* clear;   ///< of each bin: evidence of a voxel that was looked at and gave no echo, units of LogOdds16
   float uniform_clear;  ///< the same where it is that of all bins, else 0
 };
 
@@ -40,7 +40,7 @@ struct MixedVoxel {
 
 /// Adds the evidence of all voxels of a block whose cells are clear, and lists those that are not. `corner`: centre of
 /// the block's first voxel relative to the sensor, along W, m.
-void look_at_block(const FanView& view, const float (&corner)[3], const EvidenceBounds& bounds, Evidence* block,
+void look_at_block(const FanView& view, const float (&corner)[3], const EvidenceBounds& bounds, LogOdds16* block,
                    std::vector<MixedVoxel>& mixed);
 
 /// Where the beams of a direction stand in `beams_at`, of any length but zero.

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kExplained = 1.0 / (1 << 14);  // unit of `explained_`
 
 bool bit(const std::uint64_t* words, int i) { return (words[i / 64] >> (i % 64) & 1) != 0; }
@@ -46,7 +46,7 @@ FanMapper::FanMapper(const FanMapperConfig& config, double voxel_m, double prior
 struct FanMapper::Sector {
   Sector(const Pose& X_WF, const RangeWindow& window, double half_width, double sine_of_half_height, double voxel_m)
       : X_FW(X_WF.inverse()), near(window.start_m), far(window.end_m()), sine(sine_of_half_height), half(half_width) {
-    constexpr double kStep = kPi / 18;
+    constexpr double kStep = pi / 18;
     least = most = X_WF.translation;
     const int steps = static_cast<int>(std::ceil(2 * half / kStep));
     for (int i = 0; i <= steps; ++i) {
@@ -93,7 +93,7 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
   const double block_m = VoxelBlocks::kSide * voxel_m_, radius = 0.5 * std::sqrt(3.0) * (block_m + 2 * voxel_m_);
   const Sector sector(X_WF, window_, half_width_, sine_, voxel_m_);
   struct Part {
-    Evidence* evidence;
+    LogOdds16* evidence;
     float corner[3];
   };
   std::vector<Part> parts;
@@ -148,7 +148,7 @@ void FanMapper::each_echo(const MixedVoxel& voxel, const EchoDecisions& decision
 }
 
 /// Counts a voxel among those that may have given the echoes of its cells. Whole numbers: in any order the same.
-void FanMapper::explain(MixedVoxel& voxel, const EchoDecisions& decisions, const Evidence* block) {
+void FanMapper::explain(MixedVoxel& voxel, const EchoDecisions& decisions, const LogOdds16* block) {
   voxel.own = explanation(voxel, block[voxel.offset]);
   each_echo(voxel, decisions, [&](int beam, int bin) {
     const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
@@ -157,16 +157,16 @@ void FanMapper::explain(MixedVoxel& voxel, const EchoDecisions& decisions, const
 }
 
 /// -ln(1 - P / n): of a voxel's being the source of an echo in one of its cells.
-std::int32_t FanMapper::explanation(const MixedVoxel& voxel, Evidence evidence) const {
+std::int32_t FanMapper::explanation(const MixedVoxel& voxel, LogOdds16 evidence) const {
   const int cells = (voxel.beam_end - voxel.beam) * (voxel.bin_end - voxel.bin);
   return static_cast<std::int32_t>(0.5 - std::log1p(-probability(evidence) / cells) / kExplained);
 }
 
 /// A voxel whose cells do not all say the same.
 void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
-                       Evidence* block) const {
+                       LogOdds16* block) const {
   using Rule = FanMapperConfig::Rule;
-  Evidence& evidence = block[voxel.offset];
+  LogOdds16& evidence = block[voxel.offset];
   const int beams = voxel.beam_end - voxel.beam, cells = beams * (voxel.bin_end - voxel.bin);
   const bool marginal = config_.rule == Rule::kMarginal;
   const double f = decisions.false_alarm;
@@ -188,10 +188,10 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
       config_.rule == Rule::kHitAndMiss ? (echoes > 0 ? config_.hit : config_.miss) : looks * std::log(ratios / cells);
   const double total = (evidence == kUnseen ? 0 : evidence) + more / kEvidenceUnit;
   const double kept = std::clamp<double>(total, bounds.least, bounds.most);
-  evidence = static_cast<Evidence>(kept + (kept < 0 ? -0.5 : 0.5));
+  evidence = static_cast<LogOdds16>(kept + (kept < 0 ? -0.5 : 0.5));
 }
 
-double FanMapper::probability(Evidence evidence) const {
+double FanMapper::probability(LogOdds16 evidence) const {
   return 1 / (1 + std::exp(-kEvidenceUnit * (prior_ + (evidence == kUnseen ? 0 : evidence))));
 }
 
@@ -299,11 +299,11 @@ void FanMapper::take_geometry(const Ping& ping) {
   }
   const double middle = 0.5 * (left.front() + right.back());
   X_SF_ = {Rotation::from_heading(Angle::radians(middle)), Vector3d::Zero()};
-  half_width_ = std::min(kPi, 0.5 * (right.back() - left.front()));
+  half_width_ = std::min(pi, 0.5 * (right.back() - left.front()));
   sine_ = sin(fan.height * 0.5);
   beams_at_.assign(FanView::kDirections, 0);
   const auto index_of = [&](double azimuth) {
-    const double a = std::clamp(azimuth - middle, -kPi, kPi);
+    const double a = std::clamp(azimuth - middle, -pi, pi);
     return direction_index(static_cast<float>(std::cos(a)), static_cast<float>(std::sin(a)));
   };
   std::vector<std::int32_t> ended(FanView::kDirections + 1, 0), begun(FanView::kDirections + 1, 0);

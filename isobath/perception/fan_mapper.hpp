@@ -61,11 +61,11 @@ class FanMapper {
   [[nodiscard]] std::pair<int, int> counts(const MixedVoxel& voxel) const;
   template <class Visit>
   void each_echo(const MixedVoxel& voxel, const EchoDecisions& decisions, const Visit& visit) const;
-  [[nodiscard]] std::int32_t explanation(const MixedVoxel& voxel, Evidence evidence) const;
-  void explain(MixedVoxel& voxel, const EchoDecisions& decisions, const Evidence* block);
+  [[nodiscard]] std::int32_t explanation(const MixedVoxel& voxel, LogOdds16 evidence) const;
+  void explain(MixedVoxel& voxel, const EchoDecisions& decisions, const LogOdds16* block);
   void settle(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
-              Evidence* block) const;
-  [[nodiscard]] double probability(Evidence evidence) const;
+              LogOdds16* block) const;
+  [[nodiscard]] double probability(LogOdds16 evidence) const;
 
   FanMapperConfig config_;
   double voxel_m_;

@@ -5,7 +5,7 @@ namespace {
 
 std::int32_t floor_divide(std::int32_t a, std::int32_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 
-void judge(const DepthBlock& b, double vehicle_z, double clearance, AreaTraversability& out) {
+void judge(const DepthSummary& b, double vehicle_z, double clearance, AreaTraversability& out) {
   if (b.known <= 0 || b.max_m - vehicle_z < clearance) {
     ++out.blocked;
   } else if (b.unknown == 0 && b.min_m - vehicle_z >= clearance) {
@@ -17,7 +17,7 @@ void judge(const DepthBlock& b, double vehicle_z, double clearance, AreaTraversa
 
 }  // namespace
 
-DepthBlock BlockMap::at(Pixel block) const {
+DepthSummary BlockMap::at(Pixel block) const {
   if (!window.contains(block)) return {0, 0, 0, side * side};
   const auto row = static_cast<std::size_t>(block.row - window.row);
   return blocks[row * static_cast<std::size_t>(window.width) + static_cast<std::size_t>(block.column - window.column)];

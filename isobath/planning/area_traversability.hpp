@@ -17,7 +17,7 @@
 
 namespace isobath {
 
-struct DepthBlock {
+struct DepthSummary {
   double min_m = 0;  ///< of the known pixels
   double max_m = 0;
   std::int32_t known = 0;  ///< pixels; 0: min and max say nothing
@@ -29,9 +29,9 @@ struct BlockMap {
   PixelGrid fine;
   std::int32_t side = 8;  ///< 4 m of 0.5 m pixels
   PixelWindow window;     ///< of blocks, row by row; blocks outside are unknown
-  std::span<const DepthBlock> blocks;
+  std::span<const DepthSummary> blocks;
 
-  [[nodiscard]] DepthBlock at(Pixel block) const;
+  [[nodiscard]] DepthSummary at(Pixel block) const;
   [[nodiscard]] Pixel block_of(Pixel fine_pixel) const;
 };
 

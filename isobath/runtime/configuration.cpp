@@ -26,6 +26,8 @@ std::vector<Section> sections(Configuration& c) {
       {"update", "From decisions to occupancy.", fields(c.update)},
       {"table", "The table of overlaps of bins and cells.", fields(c.update.table)},
       {"obstacles", "From occupancy to outlines.", fields(c.obstacles)},
+      {"voxels", "The map in three dimensions, of sonars with fans of beams.", fields(c.voxels)},
+      {"fans", "From decisions to voxels.", fields(c.voxels.fans)},
       {"depth_map", "The chart of the bottom that ranges and soundings make.", fields(c.depth_map)},
       {"prior", "What a new depth map begins with.", fields(c.prior)},
       {"depth", "From ranges and soundings to the depth map.", fields(c.depth.mapper)},

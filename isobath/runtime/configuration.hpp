@@ -16,6 +16,7 @@
 #include <isobath/runtime/depth_prior.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
+#include <isobath/runtime/voxel_config.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <isobath/sonar/calibration.hpp>
 #include <isobath/sonar/echo_detector.hpp>
@@ -44,6 +45,7 @@ struct Configuration {
   BodyGridConfig grid;
   GridMapperConfig update;
   ObstacleDetectorConfig obstacles;
+  VoxelModelConfig voxels;
   DepthMapConfig depth_map;
   DepthMapperParts depth;
   DepthPriorConfig prior;

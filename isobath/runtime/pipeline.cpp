@@ -30,12 +30,6 @@ BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
 }
 
 constexpr const char* kNoPlace = "range or sounding without any navigation: no place in the depth map";
-constexpr const char* kUpright = "fan that stands upright: no sight for a map of the plane";
-
-/// Whether the plane of the fan is nearer to level than to upright.
-bool lies_flat(const Ping& ping) {
-  return std::abs((ping.X_BS.rotation * Eigen::Vector3d::UnitY()).z()) < std::sqrt(0.5);
-}
 
 bool fits(const BodyGridConfig& grid, double reach_m) {
   const double half = 0.5 * grid.cell_m * std::min(grid.cells_x, grid.cells_y);
@@ -43,6 +37,10 @@ bool fits(const BodyGridConfig& grid, double reach_m) {
 }
 
 }  // namespace
+
+bool lies_flat(const Ping& ping) {
+  return std::abs((ping.X_BS.rotation * Eigen::Vector3d::UnitY()).z()) < std::sqrt(0.5);
+}
 
 Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, SoundingSink* depths)
     : configuration_(configuration),
@@ -52,6 +50,7 @@ Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, Soundin
       gate_(configuration.gate),
       poses_(configuration.poses),
       echoes_(configuration.echoes, model_of(configuration.sensor)),
+      upright_echoes_(configuration.echoes, model_of(configuration.sensor)),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMostWaiting);
 }
@@ -76,6 +75,7 @@ void Pipeline::take(Event event) {
 // What happens to a ping whose pose is known -------------------------------------------------------------------------
 
 void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
+  if (!lies_flat(ping)) return hear_upright(ping, X_WB, posed);
   fit_map(ping, posed);                                       // a grid of the sonar's size
   const WaterColumn water = water_at(ping, X_WB, posed);      // where bottom and surface are
   echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
@@ -88,6 +88,12 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   last_ = Placed{ping.time, X_WB, posed};
   sweep_open_ = true;
   if (sweeps_.add(ping)) end_scan();  // belief -> obstacles
+}
+
+void Pipeline::hear_upright(const Ping& ping, const Pose& X_WB, bool posed) {
+  upright_echoes_.detect(ping, decisions_, water_at(ping, X_WB, posed));
+  sink_.on_upright({ping, X_WB, decisions_});
+  ++counts_.upright;
 }
 
 // What happens to ranges and soundings whose pose is known -----------------------------------------------------------
@@ -139,8 +145,6 @@ void Pipeline::add_fix(const Navigation& fix) {
 }
 
 void Pipeline::hold(Waiting sensed) {
-  const auto* ping = std::get_if<Ping>(&sensed);
-  if (ping && !lies_flat(*ping)) return gate_.count(kUpright);
   counts_.ranges += std::holds_alternative<RangeReading>(sensed) ? 1 : 0;
   counts_.swaths += std::holds_alternative<Swath>(sensed) ? 1 : 0;
   if (waiting_.size() == kMostWaiting) {

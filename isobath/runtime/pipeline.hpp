@@ -58,6 +58,8 @@ class ResultSink {
   virtual ~ResultSink() = default;
   virtual void on_ping(const PosedPing& ping) = 0;
   virtual void on_scan(const ScanResult& scan) = 0;
+  /// A ping of a fan that stands upright: it has no place in the map of the plane.
+  virtual void on_upright(const PosedPing& /*ping*/) {}
 };
 
 /// Takes what tells of depth, each with the pose of its time, in order. References hold only during the call.
@@ -72,9 +74,13 @@ class SoundingSink {
   [[nodiscard]] virtual std::optional<double> bottom_depth(const Eigen::Vector2d& /*north_east*/) const { return {}; }
 };
 
+/// Whether the plane of a fan is nearer to level than to upright.
+bool lies_flat(const Ping& ping);
+
 struct PipelineCounts {
   std::uint64_t pings = 0;    ///< that reached the map
   std::uint64_t unposed = 0;  ///< of these, without any navigation
+  std::uint64_t upright = 0;  ///< pings of upright fans: no part of `pings`
   std::uint64_t navigation = 0;
   std::uint64_t ranges = 0;
   std::uint64_t swaths = 0;
@@ -116,6 +122,7 @@ class Pipeline {
   void release(Time now, bool all);
   void place(const Waiting& sensed);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
+  void hear_upright(const Ping& ping, const Pose& X_WB, bool posed);
   void map_depth(const Waiting& sensed, const PoseEstimate& pose);
   void fit_map(const Ping& ping, bool posed);
   void count(const EchoDecisions& decisions);
@@ -130,7 +137,7 @@ class Pipeline {
   PoseBuffer poses_;
   std::vector<Waiting> waiting_;  ///< for the fix that follows them, oldest first
   BottomBelow bottom_;
-  EchoDetector echoes_;
+  EchoDetector echoes_, upright_echoes_;
   EchoDecisions decisions_;
   SweepFinder sweeps_;
   std::unique_ptr<GridMapper> mapper_;

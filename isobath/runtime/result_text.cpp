@@ -249,6 +249,14 @@ ordered_json depth_json(const DepthOutcome& depth) {
           {"prior_left_out", left_out}};
 }
 
+ordered_json voxels_json(const VoxelOutcome& voxels) {
+  ordered_json layers = ordered_json::array();
+  for (const auto& layer : voxels.layers) layers.push_back({{"sensor", layer.sensor}, {"pings", layer.pings}});
+  return {{"voxel_m", voxels.voxel_m},   {"seen", voxels.seen},     {"occupied", voxels.occupied},
+          {"free", voxels.free},         {"blocks", voxels.blocks}, {"megabytes", voxels.megabytes},
+          {"left_out", voxels.left_out}, {"layers", layers}};
+}
+
 std::string span_text(double seconds) {
   if (seconds < 7200) return fmt::format("{:.1f} s", seconds);
   if (seconds < 48 * 3600) return fmt::format("{:.1f} h", seconds / 3600);
@@ -272,6 +280,7 @@ std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) 
   for (const Damage& d : outcome.source.damages) {
     manifest["skipped"].push_back({{"offset", d.offset}, {"bytes", d.bytes}, {"reason", d.reason}});
   }
+  if (outcome.voxels) manifest["voxels"] = voxels_json(*outcome.voxels);
   if (outcome.depth) manifest["depth"] = depth_json(*outcome.depth);
   for (const auto& file : outcome.files) manifest["files"].push_back(file.string());
   return dump(manifest);

@@ -35,9 +35,10 @@ std::unique_ptr<SimulatedSource> simulate(const RunRequest& request, const std::
 /// truth says of it.
 class Sinks : public ResultSink, public SimulatedSource::TruthSink {
  public:
-  explicit Sinks(RunFolder& folder) : folder_(folder) {}
+  Sinks(RunFolder& folder, const VoxelModelConfig& voxels) : voxels(voxels), folder_(folder) {}
   void on_ping(const PosedPing& ping) override {
     if (mission) mission->on_ping(ping);
+    voxels.take(ping);
     folder_.on_ping(ping);
     if (judge) judge->on_ping(ping);
     if (mission) mission->resume();
@@ -48,9 +49,11 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     if (judge) judge->on_scan(scan);
     if (mission) mission->resume();
   }
+  void on_upright(const PosedPing& ping) override { voxels.take(ping); }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
 
+  VoxelModel voxels;
   std::optional<MissionRun> mission;
   std::optional<TruthJudge> judge;
   std::optional<TrueTrack> track;
@@ -275,9 +278,10 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
   outcome.alarms = alarms_of(pipeline.emergencies());
   for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
   outcome.problem = problem_of(outcome);
-  if (outcome.counts.pings + outcome.counts.ranges + outcome.counts.swaths == 0 && outcome.problem.empty())
+  if (outcome.counts.pings + outcome.counts.upright + outcome.counts.ranges + outcome.counts.swaths == 0 &&
+      outcome.problem.empty())
     outcome.problem = "no ping, range or sounding in it could be used";
-  if (outcome.counts.pings == 0 && !depths.snapshot() && outcome.problem.empty())
+  if (outcome.counts.pings + outcome.counts.upright == 0 && !depths.snapshot() && outcome.problem.empty())
     outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
 }
 
@@ -304,7 +308,7 @@ RunOutcome run(const RunRequest& asked) {
     if (simulated) simulated->add_operator(scenario->orders, setup->plan);
   }
   RunFolder folder(request.out, request.configuration);
-  Sinks sinks(folder);
+  Sinks sinks(folder, request.configuration.voxels);
   prepare(sinks, request, setup, simulated.get());
   Pipeline pipeline(request.configuration, sinks, &depths);
   EndOfMission end;
@@ -367,7 +371,8 @@ RunOutcome run(const RunRequest& asked) {
     depths.commit(request.input.empty() ? "embedded scene" : request.input.string());
     outcome.depth = outcome_of(depths);
   }
-  folder.write(request, pipeline.grid(), depths, outcome);
+  if (sinks.voxels.map()) outcome.voxels = sinks.voxels.outcome();
+  folder.write(request, pipeline.grid(), sinks.voxels.map(), depths, outcome);
   return outcome;
 }
 

@@ -16,6 +16,7 @@
 #include <isobath/runtime/mission_outcome.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <isobath/runtime/truth_judge.hpp>
+#include <isobath/runtime/voxel_model.hpp>
 #include <isobath/runtime/world_level.hpp>
 #include <optional>
 #include <string>
@@ -85,6 +86,7 @@ struct RunOutcome {
   std::vector<std::filesystem::path> files;  ///< written, relative to the folder, in order
   std::optional<TruthScore> truth;           ///< of a simulated run
   std::optional<DepthOutcome> depth;         ///< where ranges or soundings had a place
+  std::optional<VoxelOutcome> voxels;        ///< where a fan of beams was heard
   std::optional<MissionOutcome> mission;     ///< where there was one
   std::optional<LiveOutcome> live;           ///< of a live run
   std::string undecided;                     ///< why no echo of a ping was decided at the end; else empty

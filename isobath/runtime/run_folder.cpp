@@ -38,6 +38,7 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
   std::vector<HtmlReport::Row> rows;
   if (pinged) {
     rows.push_back({"pings mapped", number(n.pings)});
+    if (n.upright > 0) rows.push_back({"pings of upright fans, for the map in three dimensions", number(n.upright)});
     rows.push_back({"of these without a pose", number(n.unposed)});
     rows.push_back({"of these by dead reckoning: the map blurs as the vehicle moves", number(n.dead_reckoned)});
     rows.push_back(
@@ -61,9 +62,10 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
 RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
   make_folder(folder_);
-  for (const char* name : {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png",
-                           "truth.json", "depth.tif", "chart.png", "confidence.png", "contours.geojson",
-                           "decisions.json", "mission.json", "mission.png", "clearance.png"}) {
+  for (const char* name :
+       {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png", "truth.json", "depth.tif",
+        "chart.png", "confidence.png", "contours.geojson", "decisions.json", "mission.json", "mission.png",
+        "clearance.png", "voxels.bt", "voxels.ply", "voxels.png", "voxels-south.png", "voxels-east.png"}) {
     std::filesystem::remove(folder_ /
                             name);  // not every run writes them, and an earlier run's must not pass for its own
   }
@@ -224,7 +226,8 @@ void add_truth(HtmlReport& page, const TruthScore& score) {
 
 // Files --------------------------------------------------------------------------------------------------------------
 
-void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const DepthModel& depths, RunOutcome& outcome) {
+void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
+                      RunOutcome& outcome) {
   outcome.obstacles = obstacles_;
   const ScanRecord last = scans_.empty() ? ScanRecord{} : scans_.back();
   write_text("obstacles.json", obstacles_json(last), outcome);
@@ -242,6 +245,7 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const Dep
     write_text("sonar.png", pictures.sonar, outcome);
     write_text("detections.png", pictures.detections, outcome);
   }
+  if (voxels) pictures.voxels = write_voxel_files(*voxels, folder_, *outcome.voxels, outcome.files);
   if (outcome.depth) pictures.depth = write_depth_files(depths, folder_, outcome.files);
   if (outcome.mission) {
     pictures.mission = draw_mission(*outcome.mission, configuration_.mission.route.clearance_m);
@@ -316,6 +320,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
     if (!track_.empty() && scans_.back().posed) page.figure(track_picture(), "Where the vehicle went, north up.");
     page.end_row();
   }
+  if (outcome.voxels) add_voxels(page, *outcome.voxels, pictures.voxels);
   if (outcome.depth) add_depth(page, *outcome.depth, pictures.depth);
   std::vector<HtmlReport::Row> rows;
   if (pinged) add_obstacles(page);

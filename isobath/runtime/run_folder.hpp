@@ -17,6 +17,7 @@
 #include <isobath/runtime/plan_image.hpp>
 #include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run.hpp>
+#include <isobath/runtime/voxel_pages.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,7 +35,8 @@ class RunFolder : public ResultSink {
   /// Outlines of what was really there, in L of the last scan; for the pictures.
   void show_truth(std::vector<Polygon> outlines) { truth_ = std::move(outlines); }
   /// Writes all files and lists them in `outcome.files`.
-  void write(const RunRequest& request, const BodyGrid* grid, const DepthModel& depths, RunOutcome& outcome);
+  void write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
+             RunOutcome& outcome);
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
 
  private:
@@ -45,6 +47,7 @@ class RunFolder : public ResultSink {
   struct Pictures {  ///< PNG; empty without a grid
     std::string occupancy, sonar, detections;
     DepthPictures depth;
+    VoxelPictures voxels;
     MissionPictures mission;
   };
   void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;

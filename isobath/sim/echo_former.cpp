@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/base/split_work.hpp>
 #include <isobath/sim/echo_former.hpp>
 #include <isobath/sim/field_of_view.hpp>
 #include <isobath/sim/scattering.hpp>
-#include <isobath/base/split_work.hpp>
 #include <numbers>
 
 namespace isobath {
@@ -26,7 +26,7 @@ struct Span {
 };
 
 /// The ranges at which a cell meets the tangent plane of a surface that its ray meets at `range`. All in one frame.
-Span span_of(const Cell& cell, double range, const Vector3d& u, const Vector3d& across, const Vector3d& up,
+Span span_of(const ViewCell& cell, double range, const Vector3d& u, const Vector3d& across, const Vector3d& up,
              const Vector3d& normal) {
   const double straight = normal.dot(u);
   const double slant_across = cell.half_across * normal.dot(across), slant_up = cell.half_up * normal.dot(up);
@@ -106,7 +106,7 @@ struct EchoFormer::State {
   /// A surface that is grazed lies at many ranges within one cell: it is cut along the elevation, by its tangent plane,
   /// so that each piece has a range and a power of its own. Calls visit(piece, range, direction, up).
   template <class Visit>
-  void pieces(const Cell& cell, double range, const Vector3d& u, const Vector3d& up, const Vector3d& normal,
+  void pieces(const ViewCell& cell, double range, const Vector3d& u, const Vector3d& up, const Vector3d& normal,
               const Visit& visit) const {
     const double straight = -normal.dot(u);
     const double change = std::abs(2 * cell.half_up * normal.dot(up)) / std::max(straight, 1e-6);
@@ -115,7 +115,7 @@ struct EchoFormer::State {
     const double bins = change * range / bin_m();
     if (bins < 1) return visit(cell, range, u, up);
     const int count = std::min(kMostPieces, 1 + static_cast<int>(std::min(change / kLeastChange, bins)));
-    Cell piece = cell;
+    ViewCell piece = cell;
     piece.half_up /= count;
     piece.solid_angle /= count;
     for (int i = 0; i < count; ++i) {
@@ -148,7 +148,7 @@ struct EchoFormer::State {
 
   /// Calls put(span, power, label) for every echo of a cell. `only`: the body that the cell was made for, or kNothing.
   template <class Put>
-  void trace(const Cell& cell, int only, double& open_range, const Put& put) const {
+  void trace(const ViewCell& cell, int only, double& open_range, const Put& put) const {
     const Vector3d p = X_WS.translation, u = R_WS * cell.u;
     const double reach = 3 * config.range_m;  // part of a cell can be much nearer than its middle
     const double to_surface = u.z() < -1e-9 && p.z() > 0 ? -p.z() / u.z() : 1e30;
@@ -163,7 +163,7 @@ struct EchoFormer::State {
     const Vector3d across_W = R_WS * cell.across, up_W = R_WS * cell.up;
     const bool silent = hit->target == kBottom && !config.bottom_reverberation;
     pieces(cell, hit->range, u, up_W, hit->normal,
-           [&](const Cell& piece, double range, const Vector3d& v, const Vector3d& up) {
+           [&](const ViewCell& piece, double range, const Vector3d& v, const Vector3d& up) {
              const Span span = span_of(piece, range, v, across_W, up, hit->normal);
              const double k = stretch(p.z() + range * v.z());
              const Span read{k * span.near, k * span.far};
@@ -180,7 +180,7 @@ struct EchoFormer::State {
   }
 
   /// sigma where a ray along v meets a surface after `range` of path, for this cell.
-  [[nodiscard]] double sigma_of(const Cell& cell, double range, const RayHit& hit, const Vector3d& v) const {
+  [[nodiscard]] double sigma_of(const ViewCell& cell, double range, const RayHit& hit, const Vector3d& v) const {
     const double size = std::max(2 * cell.half_across, 2 * cell.half_up);  // change of the ray within the cell, rad
     if (hit.curvature == 0) return scatterer(hit.target)(v, hit.normal, any_tangent(hit.normal), size, size);
     const double cosine = std::max(-hit.normal.dot(v), 0.2);
@@ -194,18 +194,18 @@ struct EchoFormer::State {
   }
 
   /// Of what a cell meets after `range` of path, back the same way; the patterns of the way back not counted twice.
-  [[nodiscard]] double echo(const Cell& cell, double range, const RayHit& hit, const Vector3d& u) const {
+  [[nodiscard]] double echo(const ViewCell& cell, double range, const RayHit& hit, const Vector3d& u) const {
     const double cosine = std::max(-hit.normal.dot(u), kLeastCosine);
     return cell.gain * attenuation(2 * range) * sigma_of(cell, range, hit, u) * cell.solid_angle /
            (cosine * range * range);
   }
 
   template <class Put>
-  void meet_surface(const Cell& cell, const Vector3d& p, const Vector3d& u, double range, const Put& put) const {
+  void meet_surface(const ViewCell& cell, const Vector3d& p, const Vector3d& u, double range, const Put& put) const {
     const Vector3d normal(0, 0, 1);
     if (config.surface_reverberation) {
       const Vector3d across_W = R_WS * cell.across, up_W = R_WS * cell.up;
-      pieces(cell, range, u, up_W, normal, [&](const Cell& piece, double r, const Vector3d& v, const Vector3d& up) {
+      pieces(cell, range, u, up_W, normal, [&](const ViewCell& piece, double r, const Vector3d& v, const Vector3d& up) {
         const double sine = std::max(-v.z(), kLeastCosine);
         const double sigma = sea(sine);
         const Span span = span_of(piece, r, v, across_W, up, normal);
@@ -220,7 +220,7 @@ struct EchoFormer::State {
 
   /// A multiple: wall, housing, wall. By the image law its amplitude is that of the first times R H / 2.
   template <class Put>
-  void repeat(const Cell& cell, double range, const RayHit& hit, const Vector3d& u, const Span& read,
+  void repeat(const ViewCell& cell, double range, const RayHit& hit, const Vector3d& u, const Span& read,
               const Put& put) const {
     if (-hit.normal.dot(u) < 0.9) return;
     const double again = 0.25 * scatterer(hit.target).mirror * head_reflection;
@@ -230,7 +230,7 @@ struct EchoFormer::State {
 
   /// The ray as it leaves a mirror after `first` metres, and what it meets then.
   template <class Put>
-  void go_on(const Cell& cell, const Vector3d& p, const Vector3d& u, double first, const Vector3d& mirror,
+  void go_on(const ViewCell& cell, const Vector3d& p, const Vector3d& u, double first, const Vector3d& mirror,
              int mirror_target, const Put& put) const {
     const double kept = reflection(mirror_target);
     const double best = cell.gain * kept * attenuation(2 * first) * cell.solid_angle / (first * first);  // sigma of one
@@ -253,7 +253,7 @@ struct EchoFormer::State {
   /// The two ways home of an echo that went out over a mirror: over it again, or straight (and both round the other
   /// way).
   template <class Put>
-  void follow(const Cell& cell, const Vector3d& p, const Vector3d& q, const Vector3d& v, double first,
+  void follow(const ViewCell& cell, const Vector3d& p, const Vector3d& q, const Vector3d& v, double first,
               const RayHit& hit, const Vector3d& across_v, const Vector3d& up_v, double kept, EchoPath path,
               const Put& put) const {
     const double range = first + hit.range;
@@ -261,10 +261,11 @@ struct EchoFormer::State {
     const double k = stretch(at.z());
     const Span span = span_of(cell, range, v, across_v, up_v, hit.normal);
     const EchoLabel label(hit.target, path);
-    pieces(cell, range, v, up_v, hit.normal, [&](const Cell& piece, double r, const Vector3d& w, const Vector3d& up) {
-      const Span there = span_of(piece, r, w, across_v, up, hit.normal);
-      put(Span{k * there.near, k * there.far}, kept * kept * echo(piece, r, hit, w), label);
-    });
+    pieces(cell, range, v, up_v, hit.normal,
+           [&](const ViewCell& piece, double r, const Vector3d& w, const Vector3d& up) {
+             const Span there = span_of(piece, r, w, across_v, up, hit.normal);
+             put(Span{k * there.near, k * there.far}, kept * kept * echo(piece, r, hit, w), label);
+           });
     const Vector3d back = at - p;
     const double d = back.norm();
     const double cosine = std::max(-hit.normal.dot(v), kLeastCosine), cosine_back = -hit.normal.dot(back) / d;
@@ -320,9 +321,9 @@ struct EchoFormer::State {
     std::fill(row.strongest.begin(), row.strongest.end(), 0.f);
     std::fill(row.labels.begin(), row.labels.end(), EchoLabel());
     std::fill(row.volume.begin(), row.volume.end(), 0.0);
-    const Cell* column = view.column(direction);
+    const ViewCell* column = view.column(direction);
     for (int i = 0; i < view.cells_a_column(); ++i) {
-      const Cell& cell = column[i];
+      const ViewCell& cell = column[i];
       double open = 0;
       trace(cell, kNothing, open, [&](Span span, double power, EchoLabel label) {
         deposit(row.power.data(), row.strongest.data(), row.labels.data(), span, power, label);
@@ -415,7 +416,7 @@ struct EchoFormer::State {
       };
       for (int l = 0; l < lines; ++l) {
         const double step = (w.high - w.low) / lines;
-        const Cell cell = cell_of(azimuth, width, w.low + l * step, w.low + (l + 1) * step, view.height);
+        const ViewCell cell = cell_of(azimuth, width, w.low + l * step, w.low + (l + 1) * step, view.height);
         double open = 0;
         if (std::isnan(mirror_z)) {
           trace(cell, target, open, put);
@@ -427,7 +428,7 @@ struct EchoFormer::State {
   }
 
   template <class Put>
-  void over_mirror(const Cell& cell, int target, double mirror_z, int mirror_target, const Put& put) const {
+  void over_mirror(const ViewCell& cell, int target, double mirror_z, int mirror_target, const Put& put) const {
     const Vector3d p = X_WS.translation, u = R_WS * cell.u;
     const double first = (mirror_z - p.z()) / u.z();
     if (!(first > 0) || first > config.range_m || world.blocked(p, u, first * (1 - 1e-4) - 1e-3)) return;

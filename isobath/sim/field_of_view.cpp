@@ -12,7 +12,7 @@ constexpr double kLeastGain = 1e-4;  // of a receive beam: what is below is not 
 
 }  // namespace
 
-Cell cell_of(double azimuth, double d_azimuth, double low, double high, const BeamPattern& pattern) {
+ViewCell cell_of(double azimuth, double d_azimuth, double low, double high, const BeamPattern& pattern) {
   const double elevation = 0.5 * (low + high), ca = std::cos(azimuth), sa = std::sin(azimuth);
   const double ce = std::cos(elevation), se = std::sin(elevation);
   return {.u = {ce * ca, ce * sa, -se},

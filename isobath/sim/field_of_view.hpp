@@ -10,7 +10,7 @@
 namespace isobath {
 
 /// A part of the field of view that one ray stands for.
-struct Cell {
+struct ViewCell {
   Eigen::Vector3d u, across, up;  ///< in S: direction, and unit vectors towards larger azimuth and elevation
   double half_across, half_up;    ///< half its angular size, rad
   double solid_angle;
@@ -18,14 +18,14 @@ struct Cell {
   double gain;  ///< of the elevation pattern
 };
 
-Cell cell_of(double azimuth, double d_azimuth, double low, double high, const BeamPattern& pattern);
+ViewCell cell_of(double azimuth, double d_azimuth, double low, double high, const BeamPattern& pattern);
 
 class FieldOfView {
  public:
   explicit FieldOfView(const SonarConfig& config);
 
   /// The cells of a direction, from the lowest.
-  [[nodiscard]] const Cell* column(int direction) const {
+  [[nodiscard]] const ViewCell* column(int direction) const {
     return cells.data() + static_cast<std::size_t>(direction) * (edges.size() - 1);
   }
   [[nodiscard]] int cells_a_column() const { return static_cast<int>(edges.size()) - 1; }
@@ -34,7 +34,7 @@ class FieldOfView {
   std::vector<double> beams;            ///< azimuths of the axes
   std::vector<double> directions;       ///< azimuth of each column of cells
   std::vector<double> edges;            ///< of elevation
-  std::vector<Cell> cells;              ///< direction by direction
+  std::vector<ViewCell> cells;          ///< direction by direction
   double hearing = 0;                   ///< angle beyond which a beam hears next to nothing
   double cell_across = 0, cell_up = 0;  ///< size in the middle of the field of view
   struct Weight {

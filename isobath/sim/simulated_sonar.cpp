@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <isobath/sim/simulated_sonar.hpp>
 #include <isobath/base/split_work.hpp>
+#include <isobath/sim/simulated_sonar.hpp>
 #include <limits>
 #include <numbers>
 

@@ -38,7 +38,7 @@ TEST(VoxelBlocks, HoldWhatAPlainMapHolds) {
   for (int i = 0; i < 20'000; ++i) {
     const VoxelIndex v = random_voxel(random, 40);
     const int more = static_cast<int>(random.index(3001)) - 1500;
-    blocks.add(v, static_cast<Evidence>(more));
+    blocks.add(v, static_cast<LogOdds16>(more));
     const auto [at, added] = plain.emplace(key(v), 0);
     at->second = std::clamp(at->second + more, -3000, 5000);
   }
@@ -120,7 +120,7 @@ TEST(VoxelBlocks, ARayPassesEveryVoxelThatItMeets) {
         for (int z = -14; z <= 14; ++z) {
           const VoxelIndex v(x, y, z);
           const double length = length_within(from, to, v);
-          const Evidence e = blocks.at(v);
+          const LogOdds16 e = blocks.at(v);
           met += e != kUnseen;
           if (v == last) {
             ASSERT_EQ(e, 1000);
@@ -151,10 +151,10 @@ TEST(VoxelBlocks, ARayThatIsNoneIsRefused) {
 // ledger: S5-14
 TEST(VoxelBlocks, TheOrderOfReadingsDoesNotMatter) {
   Random random(3);
-  std::vector<std::pair<VoxelIndex, Evidence>> readings;
+  std::vector<std::pair<VoxelIndex, LogOdds16>> readings;
   for (int i = 0; i < 3000; ++i) {
     const VoxelIndex v = random_voxel(random, 3);
-    readings.emplace_back(v, static_cast<Evidence>(static_cast<int>(random.index(101)) - 50));
+    readings.emplace_back(v, static_cast<LogOdds16>(static_cast<int>(random.index(101)) - 50));
   }
   VoxelBlocks forth, back;
   for (const auto& [v, e] : readings) forth.add(v, e);
@@ -180,10 +180,10 @@ TEST(VoxelBlocks, FadeTowardsNoEvidenceAndStaySeen) {
 TEST(VoxelBlocks, WhatLeavesTheWindowIsShownAndForgotten) {
   Random random(4);
   VoxelBlocks blocks;
-  std::map<Key, Evidence> plain;
+  std::map<Key, LogOdds16> plain;
   for (int i = 0; i < 4000; ++i) {
     const VoxelIndex v = random_voxel(random, 200);
-    const auto e = static_cast<Evidence>(1 + random.index(100));
+    const auto e = static_cast<LogOdds16>(1 + random.index(100));
     if (plain.emplace(key(v), e).second) blocks.add(v, e);
   }
   const std::size_t before = blocks.blocks();

@@ -54,7 +54,7 @@ std::map<Key, int> contents(const VoxelBlocks& blocks) {
       for (int j = 0; j < 16; ++j) {
         for (int k = 0; k < 16; ++k) {
           const VoxelIndex v = b.corner + VoxelIndex(i, j, k);
-          if (const Evidence e = b.evidence[VoxelBlocks::offset(v)]; e != kUnseen) all[{v.x(), v.y(), v.z()}] = e;
+          if (const LogOdds16 e = b.evidence[VoxelBlocks::offset(v)]; e != kUnseen) all[{v.x(), v.y(), v.z()}] = e;
         }
       }
     }
@@ -141,7 +141,7 @@ TEST(FanMapper, SaysOfEachVoxelWhatItsCellsSayAtAnyAttitude) {
         for (int k = -27; k <= 27; ++k) {
           const VoxelIndex v = centre + VoxelIndex(i, j, k);
           const Expected e = expected(look, X_WS, kVoxel, v);
-          const Evidence found = map.at(v);
+          const LogOdds16 found = map.at(v);
           all += e.seen ? 1 : 0;
           if (!e.sure) continue;
           sure += e.seen ? 1 : 0;
@@ -282,7 +282,7 @@ TEST(FanMapper, SharesAnEchoOverAnArcWhereThePapersUpdateRaisesAllOfIt) {
     EXPECT_GE(all.size(), 16u);
     const double p = rule == Rule::kStamp ? 0.486 : shared(static_cast<double>(all.size()));
     for (const auto& [v, e] : all) {
-      EXPECT_NEAR(1 / (1 + std::exp(-(to_log_odds(static_cast<Evidence>(e)) + odds(0.05)))), p, 0.001);
+      EXPECT_NEAR(1 / (1 + std::exp(-(to_log_odds(static_cast<LogOdds16>(e)) + odds(0.05)))), p, 0.001);
     }
   }
 }
@@ -297,7 +297,7 @@ TEST(FanMapper, LooksAgainFromOnePlaceMakeNoVoxelOfAnArcCertain) {
     for (int n = 0; n < 50; ++n) mapper.update(look.ping, look.decisions, {}, map);
     double most = 0;
     for (const auto& [v, e] : contents(map))
-      most = std::max(most, 1 / (1 + std::exp(-(to_log_odds(static_cast<Evidence>(e)) + odds(0.05)))));
+      most = std::max(most, 1 / (1 + std::exp(-(to_log_odds(static_cast<LogOdds16>(e)) + odds(0.05)))));
     return most;
   };
   EXPECT_LT(most_after(Rule::kMarginal), 0.6);
@@ -327,7 +327,7 @@ TEST(FanMapper, TwoCrossedFansFindThePlaceThatNeitherFinds) {
   for (const auto& [v, e] : contents(maps[0])) {
     const VoxelIndex at(v[0], v[1], v[2]);
     if (maps[1].at(at) == kUnseen) continue;
-    if (const double sum = to_log_odds(static_cast<Evidence>(e)) + to_log_odds(maps[1].at(at)); sum > most) {
+    if (const double sum = to_log_odds(static_cast<LogOdds16>(e)) + to_log_odds(maps[1].at(at)); sum > most) {
       most = sum;
       best = at;
     }

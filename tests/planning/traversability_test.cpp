@@ -209,11 +209,11 @@ TEST(Traversability, RocksAndPipelinesOfTheChartBlock) {
   EXPECT_EQ(with({{-15, 5}, {15, 5}, 0.2, 3.99}).strict(), 0);
 }
 
-std::vector<DepthBlock> blocks_of(const ArrayField& map, int side, const PixelWindow& blocks) {
-  std::vector<DepthBlock> out;
+std::vector<DepthSummary> blocks_of(const ArrayField& map, int side, const PixelWindow& blocks) {
+  std::vector<DepthSummary> out;
   for (int row = blocks.row; row < blocks.row + blocks.height; ++row) {
     for (int column = blocks.column; column < blocks.column + blocks.width; ++column) {
-      DepthBlock b{INFINITY, -INFINITY, 0, 0};
+      DepthSummary b{INFINITY, -INFINITY, 0, 0};
       for (int i = 0; i < side * side; ++i) {
         const DepthPixel p = map.at({column * side + i % side, row * side + i / side});
         b.unknown += !p.known();
@@ -278,7 +278,7 @@ TEST(AreaTraversability, AGapForOneIsNotAGapForTwo) {
 
 // ledger: S1-82
 TEST(AreaTraversability, ABlockIsClearBlockedOrMixed) {
-  const std::vector<DepthBlock> blocks = {{5, 9, 64, 0}, {1, 2, 64, 0}, {2, 9, 64, 0}, {5, 9, 63, 1}, {0, 0, 0, 64}};
+  const std::vector<DepthSummary> blocks = {{5, 9, 64, 0}, {1, 2, 64, 0}, {2, 9, 64, 0}, {5, 9, 63, 1}, {0, 0, 0, 64}};
   const BlockMap map{kGrid, 8, {-2, 0, 5, 1}, blocks};
   const AreaTraversability t = area_traversability(map, map.window, 3, 1);
   EXPECT_EQ(t.clear, 1u);

@@ -1,0 +1,102 @@
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/base/error.hpp>
+#include <isobath/map/body_grid.hpp>
+#include <isobath/runtime/voxel_model.hpp>
+
+namespace isobath {
+namespace {
+
+/// Next of 1, 2.5, 5, 10 times a power of ten.
+double round_edge(double value) {
+  const double decade = std::pow(10, std::floor(std::log10(value)));
+  for (const double step : {1.0, 2.5, 5.0}) {
+    if (value <= step * decade * 1.001) return step * decade;
+  }
+  return 10 * decade;
+}
+
+}  // namespace
+
+std::vector<Field> fields(VoxelModelConfig& c) {
+  using Sonars = VoxelModelConfig::Sonars;
+  std::vector<Field> all{
+      Field::choice("sonars", &c.sonars, {{"none", Sonars::kNone}, {"fans", Sonars::kFans}, {"all", Sonars::kAll}},
+                    "Whose pings make the map: of those with several beams, or of all."),
+      Field::flag("fit", &c.fit,
+                  "The voxels' edge follows from the sonar's range, about 200 of them; false: it is voxel_m."),
+      Field::real(
+          "window_m", &c.window_m, {0, 100'000}, "m",
+          "What is farther from the vehicle than this, along north, east or down, is forgotten; 0: nothing is."),
+  };
+  for (Field& field : fields(c.map)) all.push_back(std::move(field));
+  return all;
+}
+
+void VoxelModel::begin(const Ping& ping) {
+  if (config_.fit) config_.map.voxel_m = round_edge(ping.window.end_m() / 200);
+  map_ = std::make_unique<VoxelMap>(config_.map);
+}
+
+VoxelModel::Sonar& VoxelModel::sonar_of(const Ping& ping) {
+  const BeamFan& fan = *ping.fan;
+  const bool flat = lies_flat(ping);
+  const Angle span = fan.azimuth.back() - fan.azimuth.front();
+  int alike = 1;
+  for (const auto& s : sonars_) {
+    if (s->flat != flat) continue;
+    if (s->beams == fan.beams() && s->width.radians() == fan.width.front().radians() &&
+        s->height.radians() == fan.height.radians() && s->span.radians() == span.radians()) {
+      return *s;
+    }
+    ++alike;
+  }
+  std::string name = flat ? "flat" : "upright";
+  if (alike > 1) name += fmt::format(" {}", alike);
+  VoxelBlocks& layer = map_->layer(name);
+  sonars_.push_back(std::make_unique<Sonar>(
+      Sonar{name, flat, fan.beams(), fan.width.front(), fan.height, span, 0,
+            FanMapper(config_.fans, config_.map.voxel_m, log_odds_of(config_.map.prior)), &layer}));
+  return *sonars_.back();
+}
+
+void VoxelModel::take(const PosedPing& posed) {
+  using Sonars = VoxelModelConfig::Sonars;
+  const Ping& ping = posed.ping;
+  if (config_.sonars == Sonars::kNone || (config_.sonars == Sonars::kFans && ping.fan->beams() < 2)) return;
+  if (config_.window_m > 0 && config_.window_m < ping.window.end_m()) {
+    throw Error(
+        fmt::format("the map's window reaches {:g} m, and the sonar {:g} m", config_.window_m, ping.window.end_m()),
+        {{}, {}, {}, {}, "voxels.window_m"}, "0, or the sonar's range and more");
+  }
+  if (!map_) begin(ping);
+  Sonar& sonar = sonar_of(ping);
+  map_->advance();
+  sonar.mapper.update(ping, posed.decisions, posed.X_WB, *sonar.layer);
+  ++sonar.pings;
+  if (config_.window_m > 0) {
+    map_->keep_within(posed.X_WB.translation, Eigen::Vector3d::Constant(config_.window_m));
+  }
+}
+
+VoxelOutcome VoxelModel::outcome() const {
+  VoxelOutcome outcome;
+  if (!map_) return outcome;
+  outcome.voxel_m = map_->voxel_m();
+  outcome.megabytes = map_->bytes() / 1'000'000;
+  for (const auto& s : sonars_) outcome.layers.push_back({s->name, s->pings});
+  for (const VoxelIndex& corner : map_->changed_after(0)) {
+    ++outcome.blocks;
+    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+      const VoxelIndex v = corner + VoxelBlocks::place_of(i);
+      if (!map_->is_seen(v)) continue;
+      ++outcome.seen;
+      const Space space = map_->space(v);
+      outcome.occupied += space == Space::kOccupied ? 1 : 0;
+      outcome.free += space == Space::kFree ? 1 : 0;
+    }
+  }
+  return outcome;
+}
+
+}  // namespace isobath

@@ -1,0 +1,63 @@
+// VoxelModel: the three-dimensional map of a run. Every ping of a fan of beams, lying flat or standing upright, goes
+// into the layer of its image plane; what they say together is the map (Horner et al. c. 2009, 4; ledger S5-07, S5-13,
+// S5-27 to S5-30).
+//
+// A sonar is known by the stance of its fan (flat or upright, to 45 degrees) and by the fan itself: as many beams, as
+// wide, as high. So two sonars on one vehicle have a layer each, and a fan that is tilted on the way keeps its own.
+//
+// Edge of the voxels: by the sonar's range, unless `fit` is off; the first ping decides. Errors: Error, from the ping
+// that shows it, where the window is smaller than the sonar's range. One thread.
+#pragma once
+
+#include <cstdint>
+#include <isobath/map/voxel_map.hpp>
+#include <isobath/perception/fan_mapper.hpp>
+#include <isobath/runtime/pipeline.hpp>
+#include <isobath/runtime/voxel_config.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+/// The map of a run, in numbers.
+struct VoxelOutcome {
+  struct Layer {
+    std::string sensor;
+    std::uint64_t pings = 0;
+  };
+  std::vector<Layer> layers;
+  double voxel_m = 0;
+  std::uint64_t seen = 0, occupied = 0, free = 0, blocks = 0;
+  std::uint64_t megabytes = 0;
+  std::uint64_t left_out = 0;  ///< blocks that have no place in an OctoMap file
+};
+
+class VoxelModel {
+ public:
+  explicit VoxelModel(const VoxelModelConfig& config) : config_(config) {}
+
+  void take(const PosedPing& posed);
+  /// Null before the first ping.
+  [[nodiscard]] const VoxelMap* map() const { return map_.get(); }
+  [[nodiscard]] VoxelOutcome outcome() const;
+
+ private:
+  struct Sonar {
+    std::string name;
+    bool flat;
+    int beams;
+    Angle width, height, span;
+    std::uint64_t pings;
+    FanMapper mapper;
+    VoxelBlocks* layer;
+  };
+  Sonar& sonar_of(const Ping& ping);
+  void begin(const Ping& ping);
+
+  VoxelModelConfig config_;
+  std::unique_ptr<VoxelMap> map_;
+  std::vector<std::unique_ptr<Sonar>> sonars_;
+};
+
+}  // namespace isobath

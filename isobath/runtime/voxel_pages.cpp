@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <isobath/io/voxel_files.hpp>
+#include <isobath/runtime/picture.hpp>
+#include <isobath/runtime/voxel_pages.hpp>
+#include <limits>
+
+namespace isobath {
+namespace {
+
+constexpr int kPlotPixels = 640;
+constexpr Colour kNeverSeen{0.93, 0.93, 0.93, 1}, kFreeWater{1, 1, 1, 1}, kUnsure{0.82, 0.86, 0.9, 1};
+
+/// Least and greatest voxel of what is occupied, or, where nothing is, of what was seen.
+struct VoxelBox {
+  VoxelIndex least = VoxelIndex::Constant(std::numeric_limits<int>::max());
+  VoxelIndex most = VoxelIndex::Constant(std::numeric_limits<int>::min());
+  void add(const VoxelIndex& v) {
+    least = least.cwiseMin(v);
+    most = most.cwiseMax(v);
+  }
+  [[nodiscard]] bool empty() const { return least.x() > most.x(); }
+};
+
+template <class Visit>
+void each_seen(const VoxelMap& map, const Visit& visit) {
+  for (const VoxelIndex& corner : map.changed_after(0)) {
+    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+      const VoxelIndex v = corner + VoxelBlocks::place_of(i);
+      if (map.is_seen(v)) visit(v, map.space(v));
+    }
+  }
+}
+
+/// A look at the map along one of its axes: the nearest occupied voxel of each line of sight, else what is known there.
+class Shadow {
+ public:
+  Shadow(const VoxelMap& map, const VoxelBox& box, int right, int up, int along, bool from_most)
+      : map_(map), box_(box), right_(right), up_(up), along_(along), columns_(box.most[right] - box.least[right] + 1) {
+    const auto rows = static_cast<std::size_t>(box.most[up] - box.least[up] + 1);
+    cells_.resize(rows * static_cast<std::size_t>(columns_));
+    each_seen(map, [&](const VoxelIndex& v, Space space) {
+      if ((v.array() < box.least.array()).any() || (v.array() > box.most.array()).any()) return;
+      Cell& cell = at(v[up], v[right]);
+      cell.seen = true;
+      cell.free = cell.free || space == Space::kFree;
+      if (space != Space::kOccupied) return;
+      const int near = from_most ? box.most[along] - v[along] : v[along] - box.least[along];
+      cell.near = std::min(cell.near, near);
+    });
+  }
+
+  [[nodiscard]] std::string picture(const PlanPicture::Labels& labels, const std::string& what, bool height) const {
+    const double edge = map_.voxel_m();
+    const double sign = height ? -1 : 1;  // up the page is up
+    const double a = sign * edge * box_.least[up_], b = sign * edge * (box_.most[up_] + 1);
+    const PlanExtent extent{std::min(a, b), std::max(a, b), edge * box_.least[right_], edge * (box_.most[right_] + 1)};
+    PlanPicture picture(extent, kPlotPixels, labels);
+    const double depth = std::max(1, box_.most[along_] - box_.least[along_]);
+    picture.raster([&](double x, double y) {
+      const Cell& cell = at(static_cast<int>(std::floor(sign * x / edge)), static_cast<int>(std::floor(y / edge)));
+      if (cell.near < kNone) return intensity_colour(1 - 0.85 * cell.near / depth);
+      return !cell.seen ? kNeverSeen : cell.free ? kFreeWater : kUnsure;
+    });
+    picture.finish({{intensity_colour(1), what},
+                    {intensity_colour(0.15), "farthest"},
+                    {kFreeWater, "free"},
+                    {kUnsure, "unsure"},
+                    {kNeverSeen, "never seen"}});
+    return picture.png();
+  }
+
+ private:
+  static constexpr int kNone = std::numeric_limits<int>::max();
+  struct Cell {
+    int near = kNone;
+    bool seen = false, free = false;
+  };
+  [[nodiscard]] std::size_t index(int up, int right) const {
+    const int row = std::clamp(up, box_.least[up_], box_.most[up_]) - box_.least[up_];
+    const int column = std::clamp(right, box_.least[right_], box_.most[right_]) - box_.least[right_];
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+  }
+  Cell& at(int up, int right) { return cells_[index(up, right)]; }
+  [[nodiscard]] const Cell& at(int up, int right) const { return cells_[index(up, right)]; }
+
+  const VoxelMap& map_;
+  VoxelBox box_;
+  int right_, up_, along_, columns_;
+  std::vector<Cell> cells_;
+};
+
+VoxelBox box_around(const VoxelMap& map) {
+  VoxelBox seen, occupied;
+  each_seen(map, [&](const VoxelIndex& v, Space space) {
+    seen.add(v);
+    if (space == Space::kOccupied) occupied.add(v);
+  });
+  if (occupied.empty()) return seen;
+  constexpr int kMargin = 8;
+  occupied.least = (occupied.least.array() - kMargin).matrix().cwiseMax(seen.least);
+  occupied.most = (occupied.most.array() + kMargin).matrix().cwiseMin(seen.most);
+  return occupied;
+}
+
+}  // namespace
+
+VoxelPictures write_voxel_files(const VoxelMap& map, const std::filesystem::path& folder, VoxelOutcome& outcome,
+                                std::vector<std::filesystem::path>& files) {
+  const auto write = [&](const char* name, const std::string& bytes) {
+    write_file(folder / name, bytes);
+    files.emplace_back(name);
+  };
+  const OctoMapFile tree = octomap_file(map);
+  outcome.left_out = tree.left_out;
+  write("voxels.bt", tree.bytes);
+  write("voxels.ply", ply_file(map));
+  VoxelPictures pictures;
+  const VoxelBox box = box_around(map);
+  if (box.empty()) return pictures;
+  constexpr int kNorth = 0, kEast = 1, kDown = 2;
+  pictures.above = Shadow(map, box, kEast, kNorth, kDown, false)
+                       .picture({"Occupied, from above", "north (m)", "east (m)"}, "shallowest", false);
+  pictures.from_south = Shadow(map, box, kEast, kDown, kNorth, false)
+                            .picture({"The same from the south", "height (m)", "east (m)"}, "nearest", true);
+  pictures.from_east = Shadow(map, box, kNorth, kDown, kEast, true)
+                           .picture({"The same from the east", "height (m)", "north (m)"}, "nearest", true);
+  write("voxels.png", pictures.above);
+  write("voxels-south.png", pictures.from_south);
+  write("voxels-east.png", pictures.from_east);
+  return pictures;
+}
+
+void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictures& pictures) {
+  page.heading("In three dimensions");
+  if (!pictures.above.empty()) {
+    page.begin_row();
+    page.figure(pictures.above, "Occupied voxels from above, north up; what hides lower ones lies above them.");
+    page.figure(pictures.from_south, "The same from the south. Height is above the datum.");
+    page.figure(pictures.from_east, "The same from the east: north runs to the right.");
+    page.end_row();
+  }
+  const auto number = [](std::uint64_t count) { return fmt::format("{}", count); };
+  const double cubic = outcome.voxel_m * outcome.voxel_m * outcome.voxel_m;
+  std::vector<HtmlReport::Row> rows{{"edge of a voxel", fmt::format("{:g} m", outcome.voxel_m)}};
+  for (const auto& layer : outcome.layers)
+    rows.push_back({"pings of the fan \"" + layer.sensor + "\"", number(layer.pings)});
+  rows.push_back(
+      {"voxels seen", fmt::format("{} ({:.1f} m3)", outcome.seen, static_cast<double>(outcome.seen) * cubic)});
+  rows.push_back({"of these occupied", number(outcome.occupied)});
+  rows.push_back({"of these free", number(outcome.free)});
+  rows.push_back({"memory", fmt::format("{} MB in {} blocks", outcome.megabytes, outcome.blocks)});
+  if (outcome.left_out > 0) rows.push_back({"blocks too far off for voxels.bt", number(outcome.left_out)});
+  page.table({"what", "value"}, rows);
+}
+
+}  // namespace isobath

@@ -1,0 +1,66 @@
+// The map in three dimensions as a user meets it: files, numbers, and one clear line where it cannot be.
+#include <gmock/gmock.h>
+#include <tests/app/program.hpp>
+#include <tests/support/data.hpp>
+
+namespace isobath {
+namespace {
+
+using test::ends_with_one_line;
+using test::isobath_run;
+using test::ProgramResult;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class Voxels : public testing::Test {
+ protected:
+  fs::path out_ = fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
+  fs::path bridge_ = test::source_folder() / "scenarios/bridge.toml";
+};
+
+// ledger: S5-03 S5-27 S5-30
+TEST_F(Voxels, OfTheBridgeHaveALayerForEachImagePlane) {
+  const ProgramResult run = isobath_run(bridge_, out_, {"--set", "simulation.duration_s=8"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto voxels = test::json_of(out_ / "manifest.json")["voxels"];
+  ASSERT_EQ(voxels["layers"].size(), 2u);
+  EXPECT_EQ(voxels["layers"][0]["sensor"], "flat");
+  EXPECT_EQ(voxels["layers"][1]["sensor"], "upright");
+  EXPECT_GT(voxels["free"], 1000);
+  for (const char* name : {"voxels.bt", "voxels.ply", "voxels.png", "voxels-south.png", "voxels-east.png"}) {
+    EXPECT_TRUE(fs::exists(out_ / name)) << name;
+  }
+  EXPECT_THAT(test::content_of(out_ / "report.html"), HasSubstr("In three dimensions"));
+}
+
+TEST_F(Voxels, AreNotMadeWhereNobodyWantsThem) {
+  const ProgramResult run =
+      isobath_run(bridge_, out_, {"--set", "simulation.duration_s=2", "--set", "voxels.sonars=none"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_FALSE(test::json_of(out_ / "manifest.json").contains("voxels"));
+  EXPECT_FALSE(fs::exists(out_ / "voxels.bt"));
+}
+
+TEST_F(Voxels, NeedAWindowAsLargeAsTheSonarsRange) {
+  EXPECT_THAT(isobath_run(bridge_, out_, {"--set", "voxels.window_m=20"}),
+              ends_with_one_line(HasSubstr("voxels.window_m: the map's window reaches 20 m, and the sonar")));
+}
+
+// ledger: S5-13 S5-60
+TEST_F(Voxels, OfAWindowForgetWhatIsFarBehind) {
+  ASSERT_EQ(
+      isobath_run(bridge_, out_ / "all", {"--set", "simulation.duration_s=8", "--set", "voxels.fit=false"}).exit_code,
+      0);
+  ASSERT_EQ(
+      isobath_run(bridge_, out_ / "near",
+                  {"--set", "simulation.duration_s=8", "--set", "voxels.fit=false", "--set", "voxels.window_m=90"})
+          .exit_code,
+      0);
+  const auto all = test::json_of(out_ / "all/manifest.json")["voxels"],
+             near = test::json_of(out_ / "near/manifest.json")["voxels"];
+  EXPECT_LE(near["blocks"], all["blocks"]);
+  EXPECT_EQ(all["voxel_m"], 0.25);
+}
+
+}  // namespace
+}  // namespace isobath
