@@ -47,7 +47,7 @@ demo: build/release/.configured-$(WERROR) ## Run the program on what it brings a
 	@echo "Report: $(DEMO_OUT)/report.html"
 
 test: run-tests-release ## Build and run all the tests
-test-asan: export LSAN_OPTIONS := suppressions=$(CURDIR)/tests/leak_sanitizer.supp
+test-asan: export LSAN_OPTIONS := suppressions=$(CURDIR)/tests/leak_sanitizer.supp:print_suppressions=0
 test-asan: run-tests-asan ## The same built by clang, with the address and undefined-behaviour sanitizers
 test-tsan: build/tsan/.configured-$(WERROR) ## Those that start threads, with the thread sanitizer
 	@cmake --build build/tsan --parallel $(JOBS) --target $(addsuffix _test,$(THREADED)) isobath_app

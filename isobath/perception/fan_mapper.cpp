@@ -17,6 +17,12 @@ using Eigen::Vector3d;
 using std::numbers::pi;
 constexpr double kExplained = 1.0 / (1 << 14);  // unit of `explained_`
 
+/// -ln(1 - P / n): of a voxel's being the source of an echo in one of its n cells.
+std::int32_t explanation(double probability, const MixedVoxel& voxel) {
+  const int cells = (voxel.beam_end - voxel.beam) * (voxel.bin_end - voxel.bin);
+  return static_cast<std::int32_t>(0.5 - std::log1p(-probability / cells) / kExplained);
+}
+
 bool bit(const std::uint64_t* words, int i) { return (words[i / 64] >> (i % 64) & 1) != 0; }
 
 }  // namespace
@@ -29,6 +35,8 @@ std::vector<Field> fields(FanMapperConfig& c) {
                     "What an echo says of each voxel of its elevation arc."),
       Field::real("hit", &c.hit, {0, 10}, "1", "Log-odds of an echo by the rule hit_and_miss."),
       Field::real("miss", &c.miss, {-10, 0}, "1", "Log-odds of no echo by the rule hit_and_miss."),
+      Field::real("answers", &c.answers, {0.01, 1}, "1",
+                  "Share of the looks at an occupied voxel in which it can echo at all."),
       Field::real("most_looks", &c.most_looks, {1, 1000}, "1", "Independent looks of one ping at one voxel, at most."),
       Field::integer("shadow_bins", &c.shadow_bins, {0, 1000}, "bins",
                      "An echo of so many bins in a row hides what stands behind it; 0: none does."),
@@ -76,26 +84,18 @@ struct FanMapper::Sector {
   Vector3d least, most;
 };
 
-int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, VoxelBlocks& layer,
-                      int threads) {
-  ISOBATH_ASSERT(decisions.beams() == ping.fan->beams() && decisions.bins() == ping.window.bins);
-  if (ping.fan != fan_ || ping.window != window_) take_geometry(ping);
-  take_decisions(decisions);
-  const Pose X_WF = X_WB * ping.X_BS * X_SF_;
+void FanMapper::aim(const Pose& X_WF) {
   const Rotation R_FW = X_WF.rotation.inverse();
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3d along = voxel_m_ * (R_FW * Vector3d::Unit(axis));
     for (int c = 0; c < 3; ++c) view_.step[axis][c] = static_cast<float>(along[c]);
   }
   view_.slab_m = static_cast<float>(0.5 * voxel_m_ * (X_WF.rotation * Vector3d::UnitZ()).lpNorm<1>());
+}
 
-  // The blocks are found and made one after another, in one order; then each is one thread's.
+std::vector<FanMapper::Part> FanMapper::parts_of(const Pose& X_WF) const {
   const double block_m = VoxelBlocks::kSide * voxel_m_, radius = 0.5 * std::sqrt(3.0) * (block_m + 2 * voxel_m_);
   const Sector sector(X_WF, window_, half_width_, sine_, voxel_m_);
-  struct Part {
-    LogOdds16* evidence;
-    float corner[3];
-  };
   std::vector<Part> parts;
   const VoxelIndex least = floor_of(sector.least / block_m), most = floor_of(sector.most / block_m);
   for (int i = least.x(); i <= most.x(); ++i) {
@@ -105,12 +105,26 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
         const Vector3d middle = (Vector3d(i, j, k).array() + 0.5) * block_m;
         if (!sector.meets(middle, radius) || !VoxelBlocks::holds(corner)) continue;
         const Vector3d first = (corner.cast<double>().array() + 0.5).matrix() * voxel_m_ - X_WF.translation;
-        parts.push_back(
-            {layer.touch(corner),
-             {static_cast<float>(first.x()), static_cast<float>(first.y()), static_cast<float>(first.z())}});
+        parts.push_back({corner,
+                         {static_cast<float>(first.x()), static_cast<float>(first.y()), static_cast<float>(first.z())},
+                         nullptr});
       }
     }
   }
+  return parts;
+}
+
+int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, VoxelBlocks& layer,
+                      int threads) {
+  ISOBATH_ASSERT(decisions.beams() == ping.fan->beams() && decisions.bins() == ping.window.bins);
+  if (ping.fan != fan_ || ping.window != window_) take_geometry(ping);
+  take_decisions(decisions);
+  const Pose X_WF = X_WB * ping.X_BS * X_SF_;
+  aim(X_WF);
+
+  // The blocks are found and made one after another, in one order; then each is one thread's.
+  std::vector<Part> parts = parts_of(X_WF);
+  for (Part& part : parts) part.evidence = layer.touch(part.corner);
   const int count = static_cast<int>(parts.size());
   const bool marginal = config_.rule == FanMapperConfig::Rule::kMarginal;
   if (mixed_.size() < parts.size()) mixed_.resize(parts.size());
@@ -120,7 +134,7 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
       const Part& part = parts[static_cast<std::size_t>(n)];
       std::vector<MixedVoxel>& mixed = mixed_[static_cast<std::size_t>(n)];
       mixed.clear();
-      look_at_block(view_, part.corner, layer.bounds(), part.evidence, mixed);
+      look_at_block(view_, part.first, layer.bounds(), part.evidence, mixed);
       if (!marginal) continue;
       for (MixedVoxel& v : mixed) explain(v, decisions, part.evidence);
     }
@@ -149,17 +163,11 @@ void FanMapper::each_echo(const MixedVoxel& voxel, const EchoDecisions& decision
 
 /// Counts a voxel among those that may have given the echoes of its cells. Whole numbers: in any order the same.
 void FanMapper::explain(MixedVoxel& voxel, const EchoDecisions& decisions, const LogOdds16* block) {
-  voxel.own = explanation(voxel, block[voxel.offset]);
+  voxel.own = explanation(probability(block[voxel.offset]), voxel);
   each_echo(voxel, decisions, [&](int beam, int bin) {
     const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
     std::atomic_ref(explained_[cell]).fetch_add(voxel.own, std::memory_order_relaxed);
   });
-}
-
-/// -ln(1 - P / n): of a voxel's being the source of an echo in one of its cells.
-std::int32_t FanMapper::explanation(const MixedVoxel& voxel, LogOdds16 evidence) const {
-  const int cells = (voxel.beam_end - voxel.beam) * (voxel.bin_end - voxel.bin);
-  return static_cast<std::int32_t>(0.5 - std::log1p(-probability(evidence) / cells) / kExplained);
 }
 
 /// A voxel whose cells do not all say the same.
@@ -174,7 +182,8 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
   int echoes = 0;
   each_echo(voxel, decisions, [&](int beam, int bin) {
     const std::uint64_t* dim = decisions.dim(beam);
-    const double p = dim && bit(dim, bin) ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
+    const double heard = dim && bit(dim, bin) ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
+    const double p = p_voxel(heard, f);
     const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
     const double empty = marginal ? std::exp(-kExplained * (explained_[cell] - voxel.own)) : 1.0;
     ratios += p / (p * (1 - empty) + f * empty);
@@ -203,6 +212,54 @@ std::pair<int, int> FanMapper::counts(const MixedVoxel& voxel) const {
   const std::uint32_t both = before(voxel.beam_end, voxel.bin_end) - before(voxel.beam, voxel.bin_end) -
                              before(voxel.beam_end, voxel.bin) + before(voxel.beam, voxel.bin);
   return {static_cast<int>(both >> 16), static_cast<int>(both & 0xFFFF)};
+}
+
+std::vector<EchoForecast> FanMapper::forecast(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB,
+                                              const VoxelMap& map) {
+  ISOBATH_ASSERT(map.voxel_m() == voxel_m_);
+  if (ping.fan != fan_ || ping.window != window_) take_geometry(ping);
+  const int beams = ping.fan->beams(), bins = ping.window.bins;
+  EchoDecisions echoes_everywhere;  // so that the kernel lists every voxel with its cells
+  echoes_everywhere.reset(beams, bins);
+  echoes_everywhere.p_detect.assign(static_cast<std::size_t>(bins), 1);
+  for (int beam = 0; beam < beams; ++beam) {
+    std::copy_n(echoes_everywhere.usable(), echoes_everywhere.words(), echoes_everywhere.hits(beam));
+  }
+  take_decisions(echoes_everywhere);
+  const Pose X_WF = X_WB * ping.X_BS * X_SF_;
+  aim(X_WF);
+  struct Cell {
+    std::int64_t explained = 0;
+    int voxels = 0, seen = 0;
+  };
+  std::vector<Cell> cells(static_cast<std::size_t>(beams) * bins);
+  std::vector<LogOdds16> nothing(VoxelBlocks::kVolume, kUnseen);
+  std::vector<MixedVoxel> all;
+  for (const Part& part : parts_of(X_WF)) {
+    all.clear();
+    look_at_block(view_, part.first, {}, nothing.data(), all);
+    for (const MixedVoxel& v : all) {
+      const VoxelIndex at = part.corner + VoxelBlocks::place_of(v.offset);
+      const std::int32_t own = explanation(map.probability(at), v);
+      const int seen = map.is_seen(at) ? 1 : 0;
+      for (int beam = v.beam; beam < v.beam_end; ++beam) {
+        for (int bin = v.bin; bin < v.bin_end; ++bin) {
+          Cell& cell = cells[static_cast<std::size_t>(beam) * bins + bin];
+          cell.explained += own;
+          cell.seen += seen;
+          ++cell.voxels;
+        }
+      }
+    }
+  }
+  std::vector<EchoForecast> forecast(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const double f = decisions.false_alarm, p = p_voxel(decisions.p_detect[i % static_cast<std::size_t>(bins)], f);
+    forecast[i].p_echo =
+        static_cast<float>(f + (p - f) * -std::expm1(-kExplained * static_cast<double>(cells[i].explained)));
+    forecast[i].seen = static_cast<float>(cells[i].seen) / static_cast<float>(std::max(1, cells[i].voxels));
+  }
+  return forecast;
 }
 
 // The decisions of a ping --------------------------------------------------------------------------------------------
@@ -263,7 +320,8 @@ void FanMapper::take_decisions(const EchoDecisions& decisions) {
   clear_.resize(static_cast<std::size_t>(bins));
   clear_ratio_.resize(static_cast<std::size_t>(bins));
   for (int bin = 0; bin < bins; ++bin) {
-    const double ratio = std::max(1e-6, (1 - decisions.p_detect[bin]) / (1 - decisions.false_alarm));
+    const double ratio =
+        std::max(1e-6, (1 - p_voxel(decisions.p_detect[bin], decisions.false_alarm)) / (1 - decisions.false_alarm));
     const bool counted = config_.rule == FanMapperConfig::Rule::kHitAndMiss;
     clear_ratio_[bin] = static_cast<float>(ratio);
     clear_[bin] = static_cast<float>((counted ? config_.miss : std::log(ratio)) / kEvidenceUnit);

@@ -13,6 +13,9 @@
 //                of the arc explains says little here (S5-31);
 //   stamp        p_D / f: the paper's update, all of the arc alike;
 //   hit_and_miss no likelihoods: `hit` where any cell of the rectangle holds an echo, else `miss`.
+// p_D here is of a voxel: what is occupied echoes only from some directions (a hull mirrors most of the sound away), so
+// that the detector's p_D counts by `answers` and f by the rest.
+//
 // Beams nearer to each other than their width are not independent looks: the logarithm counts times the beams of the
 // rectangle, times their spacing over their width, but at least once and at most `most_looks` times.
 //
@@ -25,7 +28,7 @@
 
 #include <cstdint>
 #include <isobath/base/config.hpp>
-#include <isobath/map/voxel_blocks.hpp>
+#include <isobath/map/voxel_map.hpp>
 #include <isobath/perception/fan_kernel.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
 #include <isobath/sonar/ping.hpp>
@@ -35,11 +38,19 @@
 
 namespace isobath {
 
+/// Of one cell of a ping: how likely an echo is, by a map; and the share of the voxels that could give one which any
+/// sensor has looked at.
+struct EchoForecast {
+  float p_echo = 0;
+  float seen = 0;
+};
+
 struct FanMapperConfig {
   enum class Rule : std::uint8_t { kMarginal, kStamp, kHitAndMiss } rule = Rule::kMarginal;
   double hit = 0.847;     ///< of hit_and_miss, log-odds
   double miss = -0.405;   ///< the same
-  double most_looks = 4;  ///< of one ping at one voxel
+  double answers = 0.35;  ///< share of the looks at an occupied voxel in which it can echo at all
+  double most_looks = 1;  ///< of one ping at one voxel
   int shadow_bins = 3;    ///< 0: nothing hides anything
 };
 std::vector<Field> fields(FanMapperConfig& config);
@@ -53,19 +64,35 @@ class FanMapper {
   /// 65536 cells or more. Returns the blocks that it looked at.
   int update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, VoxelBlocks& layer, int threads = 1);
 
+  /// What the same geometry would hear, f + (p_D - f) (1 - E), beam after beam; of the decisions only p_D and f count.
+  /// E as of the marginal rule, by the pooled probabilities of a map of the same voxels.
+  std::vector<EchoForecast> forecast(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB,
+                                     const VoxelMap& map);
+
  private:
   struct Sector;
+  struct Part {
+    VoxelIndex corner;
+    float first[3];  ///< centre of its first voxel relative to the sensor, along W, m
+    LogOdds16* evidence;
+  };
+  /// Those that the ping can touch, in one order.
+  [[nodiscard]] std::vector<Part> parts_of(const Pose& X_WF) const;
+  void aim(const Pose& X_WF);
   void take_geometry(const Ping& ping);
   void take_decisions(const EchoDecisions& decisions);
   void hide_shadows(const EchoDecisions& decisions, int beam, std::uint64_t* tells) const;
   [[nodiscard]] std::pair<int, int> counts(const MixedVoxel& voxel) const;
   template <class Visit>
   void each_echo(const MixedVoxel& voxel, const EchoDecisions& decisions, const Visit& visit) const;
-  [[nodiscard]] std::int32_t explanation(const MixedVoxel& voxel, LogOdds16 evidence) const;
   void explain(MixedVoxel& voxel, const EchoDecisions& decisions, const LogOdds16* block);
   void settle(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
               LogOdds16* block) const;
   [[nodiscard]] double probability(LogOdds16 evidence) const;
+  /// Of an occupied voxel's giving an echo in its cell.
+  [[nodiscard]] double p_voxel(double p_detect, double false_alarm) const {
+    return false_alarm + config_.answers * (p_detect - false_alarm);
+  }
 
   FanMapperConfig config_;
   double voxel_m_;

@@ -66,6 +66,8 @@ FanMapperConfig by(Rule rule, int shadow_bins = 0) {
   FanMapperConfig config;
   config.rule = rule;
   config.shadow_bins = shadow_bins;
+  config.answers = 1;
+  config.most_looks = 4;
   return config;
 }
 
@@ -333,6 +335,30 @@ TEST(FanMapper, TwoCrossedFansFindThePlaceThatNeitherFinds) {
     }
   }
   EXPECT_LT((((best.cast<double>().array() + 0.5) * 0.25).matrix() - target).norm(), 0.45);
+}
+
+// ledger: S5-31
+TEST(FanMapper, ForecastsTheEchoesOfAMap) {
+  // Nothing but one voxel is known: its cells echo by p_D where it fills them alone, all others by false alarm.
+  VoxelMapConfig config;
+  config.prior = 0.001;
+  VoxelMap map(config);
+  const VoxelIndex wall = floor_of(Vector3d(8, 0, 0.1) / 0.25);
+  map.layer("flat").add(wall, to_evidence(6.9 + 6.9));
+  Look look = fan(31, 120, 0.1, 15);
+  FanMapper mapper(by(Rule::kMarginal), 0.25, odds(0.001));
+  const auto forecast = mapper.forecast(look.ping, look.decisions, {}, map);
+  ASSERT_EQ(forecast.size(), 31u * 120u);
+  const auto at = [&](int beam, int bin) { return forecast[static_cast<std::size_t>(beam * 120 + bin)]; };
+  EXPECT_GT(at(15, 81).p_echo, 0.04);  // one of the cells that the voxel spans
+  EXPECT_GT(at(15, 81).seen, 0);
+  EXPECT_NEAR(at(15, 40).p_echo, 0.02, 0.005);
+  EXPECT_NEAR(at(2, 81).p_echo, 0.02, 0.005);
+  EXPECT_EQ(at(2, 40).seen, 0);
+  for (const EchoForecast& f : forecast) {
+    EXPECT_GE(f.p_echo, 0.0199f);
+    EXPECT_LE(f.p_echo, 0.8001f);
+  }
 }
 
 // ledger: S5-16

@@ -1,0 +1,155 @@
+// The map in three dimensions on echoes that nobody here made: an imaging sonar that circles a small boat, 14 degrees
+// tall, with exact poses. There is no truth of the hull; so maps of different passes are held against each other, and
+// each map against the other's pings: does it say which bins echo?
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <gtest/gtest.h>
+#include <isobath/runtime/voxel_model.hpp>
+#include <tests/runtime/kept_scans.hpp>
+#include <tests/support/data.hpp>
+
+namespace isobath {
+namespace {
+
+using Rule = FanMapperConfig::Rule;
+
+constexpr double kVoxel = 0.15, kPrior = 0.05;
+
+struct Kept {
+  Ping ping;
+  EchoDecisions decisions;
+  Pose X_WB;
+};
+
+class PingKeeper : public ResultSink {
+ public:
+  void on_ping(const PosedPing& posed) override { kept.push_back({posed.ping, posed.decisions, posed.X_WB}); }
+  void on_scan(const ScanResult&) override {}
+  std::vector<Kept> kept;
+};
+
+std::vector<Kept> pings_of(const char* set, std::initializer_list<int> passes) {
+  PingKeeper keeper;
+  for (const int pass : passes) {
+    const Configuration configuration =
+        test::configured({std::string("input.set=") + set, "input.pass=" + std::to_string(pass)});
+    const auto source = open_source(test::shared_data("holo-boat"), configuration.input);
+    Pipeline pipeline(configuration, keeper);
+    while (auto event = source->next()) pipeline.take(std::move(*event));
+    pipeline.finish();
+  }
+  return std::move(keeper.kept);
+}
+
+VoxelMap map_of(const std::vector<Kept>& pings, const FanMapperConfig& config) {
+  VoxelMapConfig c;
+  c.voxel_m = kVoxel;
+  c.prior = kPrior;
+  VoxelMap map(c);
+  FanMapper mapper(config, kVoxel, std::log(kPrior / (1 - kPrior)));
+  for (const Kept& k : pings) mapper.update(k.ping, k.decisions, k.X_WB, map.layer("flat"));
+  return map;
+}
+
+/// Of the voxels that one map is sure are occupied, where the other has looked too: how many have one that the other is
+/// sure of within a voxel.
+double agreement(const VoxelMap& a, const VoxelMap& b, double sure) {
+  int all = 0, met = 0;
+  for (const VoxelIndex& corner : a.changed_after(0)) {
+    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+      const VoxelIndex v = corner + VoxelBlocks::place_of(i);
+      if (a.probability(v) < sure || !b.is_seen(v)) continue;
+      ++all;
+      bool near = false;
+      for (int n = 0; n < 27 && !near; ++n)
+        near = b.probability(v + VoxelIndex(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1)) >= sure;
+      met += near ? 1 : 0;
+    }
+  }
+  return all > 0 ? static_cast<double>(met) / all : 0;
+}
+
+/// Mean of -ln P(decision) over the bins all of whose voxels the map has looked at; nats.
+double log_loss(const VoxelMap& map, const std::vector<Kept>& pings, int every) {
+  FanMapper mapper({}, kVoxel, 0);
+  double sum = 0;
+  std::int64_t bins = 0;
+  for (std::size_t n = 0; n < pings.size(); n += static_cast<std::size_t>(every)) {
+    const Kept& k = pings[n];
+    const auto forecast = mapper.forecast(k.ping, k.decisions, k.X_WB, map);
+    for (int beam = 0; beam < k.decisions.beams(); ++beam) {
+      for (int bin = 0; bin < k.decisions.bins(); ++bin) {
+        const EchoForecast& f = forecast[static_cast<std::size_t>(beam) * k.decisions.bins() + bin];
+        if (!k.decisions.tells(beam, bin) || f.seen < 1) continue;
+        const double p = std::clamp<double>(f.p_echo, 1e-4, 1 - 1e-4);
+        sum -= std::log(k.decisions.hit(beam, bin) ? p : 1 - p);
+        ++bins;
+      }
+    }
+  }
+  return sum / static_cast<double>(std::max<std::int64_t>(bins, 1));
+}
+
+FanMapperConfig by(Rule rule) {
+  FanMapperConfig config;
+  config.rule = rule;
+  return config;
+}
+
+// ledger: S5-31 S5-E14
+TEST(VoxelsOfAHull, ForecastTheOtherPassesBestByTheMarginalRule) {
+  ISOBATH_NEEDS_DATA(folder, "holo-boat");
+  const auto one = pings_of("clean", {1, 2}), other = pings_of("clean", {3, 4});
+  struct Score {
+    double of_other, of_one, met_in_other, met_in_one;
+  };
+  const auto score = [&](Rule rule) {
+    const VoxelMap a = map_of(one, by(rule)), b = map_of(other, by(rule));
+    return Score{log_loss(a, other, 5), log_loss(b, one, 5), agreement(a, b, 0.9), agreement(b, a, 0.9)};
+  };
+  const Score marginal = score(Rule::kMarginal), stamp = score(Rule::kStamp), counted = score(Rule::kHitAndMiss);
+  for (const auto& [name, s] : {std::pair{"marginal", marginal}, {"stamp", stamp}, {"hit and miss", counted}}) {
+    std::printf("%s: log-loss %.4f and %.4f nats a bin; sure voxels met %.3f and %.3f\n", name, s.of_other, s.of_one,
+                s.met_in_other, s.met_in_one);
+  }
+  EXPECT_LE(marginal.of_other, stamp.of_other);
+  EXPECT_LE(marginal.of_one, stamp.of_one);
+  EXPECT_LE(marginal.of_other, counted.of_other);
+  EXPECT_LE(marginal.of_one, counted.of_one);
+  EXPECT_GT(marginal.met_in_other, 0.2);
+  EXPECT_GT(marginal.met_in_one, 0.2);
+}
+
+/// Share of the sure voxels of a map that lie in the described box of the hull, half a metre larger.
+double in_the_hull(const VoxelMap& map, int& sure) {
+  int inside = 0;
+  sure = 0;
+  for (const VoxelIndex& corner : map.changed_after(0)) {
+    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+      const VoxelIndex v = corner + VoxelBlocks::place_of(i);
+      if (map.probability(v) < 0.9) continue;
+      ++sure;
+      const Eigen::Vector3d p = map.centre_of(v);  // north, east, down
+      inside +=
+          p.y() > -76.7 && p.y() < -62.2 && p.x() > -33.1 && p.x() < -26.9 && p.z() > 27.4 && p.z() < 32.6 ? 1 : 0;
+    }
+  }
+  return sure > 0 ? static_cast<double>(inside) / sure : 0;
+}
+
+// ledger: S5-32
+TEST(VoxelsOfAHull, StandWhereTheHullIsAlsoInNoise) {
+  ISOBATH_NEEDS_DATA(folder, "holo-boat");
+  int clean_sure = 0, noisy_sure = 0;
+  const double clean = in_the_hull(map_of(pings_of("clean", {1}), by(Rule::kMarginal)), clean_sure);
+  const double noisy = in_the_hull(map_of(pings_of("noisy", {1}), by(Rule::kMarginal)), noisy_sure);
+  std::printf("clean: %d sure voxels, %.3f in the hull's box; noisy: %d, %.3f\n", clean_sure, clean, noisy_sure, noisy);
+  EXPECT_GT(clean_sure, 300);
+  EXPECT_GT(clean, 0.97);
+  EXPECT_GT(noisy_sure, 50);
+  EXPECT_GT(noisy, 0.9);
+}
+
+}  // namespace
+}  // namespace isobath
