@@ -51,6 +51,7 @@ HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBound
   const F bins_f = hn::Set(d, static_cast<float>(view.bins)), sine2 = hn::Set(d, view.sine * view.sine);
   const F half = hn::Set(d, 0.5f), uniform = hn::Set(d, view.uniform_clear);
   const float reach = view.start_m + static_cast<float>(view.bins) / view.bins_per_m + 2 * view.voxel_m;
+  const F ceiling = hn::Set(d, view.ceiling_m);
   const F farthest2 = hn::Set(d, reach * reach);
   const F slab = hn::Set(d, view.slab_m), looks_per_beam = hn::Set(d, view.looks_per_beam);
   const F most_looks = hn::Set(d, view.most_looks);
@@ -78,11 +79,11 @@ HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBound
         const F flat2 = hn::Add(hn::Mul(x, x), hn::Mul(y, y)), z2 = hn::Mul(z, z);
         const F range2 = hn::Max(hn::Add(flat2, z2), hn::Set(d, 1e-6f));
         auto in = hn::Or(hn::Le(z2, hn::Mul(range2, sine2)), hn::Le(absolute(z), slab));
-        in = hn::And(in, hn::Lt(range2, farthest2));
+        const F wz = hn::Add(hn::Set(d, corner[2]), hn::Mul(height, hn::Set(d, view.voxel_m)));
+        in = hn::And(in, hn::And(hn::Lt(range2, farthest2), hn::Ge(wz, ceiling)));
         if (hn::AllFalse(d, in)) continue;
 
         const F range = hn::Sqrt(range2);
-        const F wz = hn::Add(hn::Set(d, corner[2]), hn::Mul(height, hn::Set(d, view.voxel_m)));
         const F half_r = hn::Div(hn::Mul(half_voxel, hn::Add(across, absolute(wz))), range);
         const F bin_f = hn::Floor(hn::Mul(hn::Sub(hn::Sub(range, half_r), start), bins_per_m));
         const F end_f = hn::Add(hn::Floor(hn::Mul(hn::Sub(hn::Add(range, half_r), start), bins_per_m)), one);

@@ -14,8 +14,9 @@ struct FanView {
   // Frames: p_S = R_SW (p_W - p_WS); a step of one voxel along an axis of W moves p_S by a column of `step`.
   float step[3][3];  ///< [axis of W][component in S], m
   float voxel_m;
-  float slab_m;  ///< half of the fan's height where the cone is thinner than a voxel, m
-  float sine;    ///< of half the fan's height
+  float ceiling_m;  ///< voxels whose centre is above this, down from the sensor, are no water
+  float slab_m;     ///< half of the fan's height where the cone is thinner than a voxel, m
+  float sine;       ///< of half the fan's height
   float start_m, bins_per_m;
   std::int32_t beams, bins;
   float looks_per_beam;  ///< spacing over width: independent looks that one more beam is worth, at most 1

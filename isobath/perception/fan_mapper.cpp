@@ -90,6 +90,7 @@ void FanMapper::aim(const Pose& X_WF) {
     const Vector3d along = voxel_m_ * (R_FW * Vector3d::Unit(axis));
     for (int c = 0; c < 3; ++c) view_.step[axis][c] = static_cast<float>(along[c]);
   }
+  view_.ceiling_m = static_cast<float>(std::max(surface_m_ - X_WF.translation.z(), -1e9));
   view_.slab_m = static_cast<float>(0.5 * voxel_m_ * (X_WF.rotation * Vector3d::UnitZ()).lpNorm<1>());
 }
 

@@ -32,6 +32,7 @@
 #include <isobath/perception/fan_kernel.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
 #include <isobath/sonar/ping.hpp>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -59,6 +60,10 @@ class FanMapper {
  public:
   /// `prior`: log-odds of a voxel before any look, for the marginal rule.
   FanMapper(const FanMapperConfig& config, double voxel_m, double prior);
+
+  /// Depth of the surface in W, m: voxels whose centre is above it are no water and are left as they are (S5-39).
+  /// Minus infinity, as at first: there is none.
+  void set_surface(double depth_m) { surface_m_ = depth_m; }
 
   /// The ping is valid, decisions have its size, the pose is finite. Throws Error where a voxel near the sonar spans
   /// 65536 cells or more. Returns the blocks that it looked at.
@@ -97,6 +102,8 @@ class FanMapper {
   FanMapperConfig config_;
   double voxel_m_;
   int prior_;  ///< units of evidence
+
+  double surface_m_ = -std::numeric_limits<double>::infinity();
 
   // Of the geometry at hand. Frame F: the sensor's, turned about its down axis so that the fan's middle lies ahead.
   std::shared_ptr<const BeamFan> fan_;

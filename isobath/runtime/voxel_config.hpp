@@ -10,6 +10,7 @@ namespace isobath {
 struct VoxelModelConfig {
   enum class Sonars : std::uint8_t { kNone, kFans, kAll } sonars = Sonars::kFans;
   bool fit = true;
+  bool surface = true;
   double window_m = 0;  ///< half the edge of a box about the vehicle; 0: all is kept
   VoxelMapConfig map{.voxel_m = 0.25, .prior = 0.05, .occupied = 0.7, .free = 0.04, .most_log_odds = 6.9};
   FanMapperConfig fans;

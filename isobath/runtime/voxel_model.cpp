@@ -3,6 +3,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/map/body_grid.hpp>
 #include <isobath/runtime/voxel_model.hpp>
+#include <limits>
 
 namespace isobath {
 namespace {
@@ -25,6 +26,8 @@ std::vector<Field> fields(VoxelModelConfig& c) {
                     "Whose pings make the map: of those with several beams, or of all."),
       Field::flag("fit", &c.fit,
                   "The voxels' edge follows from the sonar's range, about 200 of them; false: it is voxel_m."),
+      Field::flag("surface", &c.surface,
+                  "A vehicle below the datum is below the surface: what lies above it is no water."),
       Field::real(
           "window_m", &c.window_m, {0, 100'000}, "m",
           "What is farther from the vehicle than this, along north, east or down, is forgotten; 0: nothing is."),
@@ -72,6 +75,8 @@ void VoxelModel::take(const PosedPing& posed) {
   if (!map_) begin(ping);
   Sonar& sonar = sonar_of(ping);
   map_->advance();
+  const bool submerged = config_.surface && (posed.X_WB * ping.X_BS).translation.z() > 0;
+  sonar.mapper.set_surface(submerged ? 0 : -std::numeric_limits<double>::infinity());
   sonar.mapper.update(ping, posed.decisions, posed.X_WB, *sonar.layer);
   ++sonar.pings;
   if (config_.window_m > 0) {

@@ -9,9 +9,10 @@ namespace isobath {
 namespace {
 
 constexpr int kPlotPixels = 640;
-constexpr Colour kNeverSeen{0.93, 0.93, 0.93, 1}, kFreeWater{1, 1, 1, 1}, kUnsure{0.82, 0.86, 0.9, 1};
+constexpr Colour kNeverSeen{0.93, 0.93, 0.93, 1}, kFreeWater{1, 1, 1, 1}, kUnsure{0.82, 0.86, 0.9, 1},
+    kSuspected{0.98, 0.82, 0.6, 1};
 
-/// Least and greatest voxel of what is occupied, or, where nothing is, of what was seen.
+/// Least and greatest voxel of a set.
 struct VoxelBox {
   VoxelIndex least = VoxelIndex::Constant(std::numeric_limits<int>::max());
   VoxelIndex most = VoxelIndex::Constant(std::numeric_limits<int>::min());
@@ -32,6 +33,9 @@ void each_seen(const VoxelMap& map, const Visit& visit) {
   }
 }
 
+/// Likelier than before anything was heard of it, and not by chance.
+bool is_suspected(const VoxelMap& map, const VoxelIndex& v) { return map.probability(v) > 2 * map.config().prior; }
+
 /// A look at the map along one of its axes: the nearest occupied voxel of each line of sight, else what is known there.
 class Shadow {
  public:
@@ -44,6 +48,7 @@ class Shadow {
       Cell& cell = at(v[up], v[right]);
       cell.seen = true;
       cell.free = cell.free || space == Space::kFree;
+      cell.suspected = cell.suspected || is_suspected(map, v);
       if (space != Space::kOccupied) return;
       const int near = from_most ? box.most[along] - v[along] : v[along] - box.least[along];
       cell.near = std::min(cell.near, near);
@@ -60,10 +65,12 @@ class Shadow {
     picture.raster([&](double x, double y) {
       const Cell& cell = at(static_cast<int>(std::floor(sign * x / edge)), static_cast<int>(std::floor(y / edge)));
       if (cell.near < kNone) return intensity_colour(1 - 0.85 * cell.near / depth);
+      if (cell.suspected) return kSuspected;
       return !cell.seen ? kNeverSeen : cell.free ? kFreeWater : kUnsure;
     });
     picture.finish({{intensity_colour(1), what},
                     {intensity_colour(0.15), "farthest"},
+                    {kSuspected, "suspected"},
                     {kFreeWater, "free"},
                     {kUnsure, "unsure"},
                     {kNeverSeen, "never seen"}});
@@ -74,7 +81,7 @@ class Shadow {
   static constexpr int kNone = std::numeric_limits<int>::max();
   struct Cell {
     int near = kNone;
-    bool seen = false, free = false;
+    bool seen = false, free = false, suspected = false;
   };
   [[nodiscard]] std::size_t index(int up, int right) const {
     const int row = std::clamp(up, box_.least[up_], box_.most[up_]) - box_.least[up_];
@@ -94,7 +101,7 @@ VoxelBox box_around(const VoxelMap& map) {
   VoxelBox seen, occupied;
   each_seen(map, [&](const VoxelIndex& v, Space space) {
     seen.add(v);
-    if (space == Space::kOccupied) occupied.add(v);
+    if (space == Space::kOccupied || is_suspected(map, v)) occupied.add(v);
   });
   if (occupied.empty()) return seen;
   constexpr int kMargin = 8;

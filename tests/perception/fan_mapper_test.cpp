@@ -375,6 +375,18 @@ TEST(FanMapper, LeavesWhatIsBehindAndBeyondAsItIs) {
   }
 }
 
+// ledger: S5-39
+TEST(FanMapper, MapsNothingAboveTheSurface) {
+  const Look look = fan(32, 100, 0.2, 45, 30);
+  VoxelBlocks map;
+  FanMapper mapper(by(Rule::kMarginal), 0.25, 0);
+  mapper.set_surface(0);
+  mapper.update(look.ping, look.decisions, pose(0, 0, 0, {0, 0, 1}), map);
+  const auto all = contents(map);
+  EXPECT_GT(all.size(), 1000u);
+  for (const auto& [v, e] : all) EXPECT_GE(v[2], 0);
+}
+
 // ledger: S5-57
 TEST(FanMapper, ClearsNothingBehindAStrongEcho) {
   Look look = fan(32, 100, 0.1, 30);
