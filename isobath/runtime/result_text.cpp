@@ -250,11 +250,20 @@ ordered_json depth_json(const DepthOutcome& depth) {
 }
 
 ordered_json voxels_json(const VoxelOutcome& voxels) {
-  ordered_json layers = ordered_json::array();
+  ordered_json layers = ordered_json::array(), said = ordered_json::array();
   for (const auto& layer : voxels.layers) layers.push_back({{"sensor", layer.sensor}, {"pings", layer.pings}});
-  return {{"voxel_m", voxels.voxel_m},   {"seen", voxels.seen},     {"occupied", voxels.occupied},
-          {"free", voxels.free},         {"blocks", voxels.blocks}, {"megabytes", voxels.megabytes},
-          {"left_out", voxels.left_out}, {"layers", layers}};
+  ordered_json json{{"voxel_m", voxels.voxel_m},   {"seen", voxels.seen},     {"occupied", voxels.occupied},
+                    {"free", voxels.free},         {"blocks", voxels.blocks}, {"megabytes", voxels.megabytes},
+                    {"left_out", voxels.left_out}, {"layers", layers}};
+  if (!voxels.truth) return json;
+  const VoxelTruth& truth = *voxels.truth;
+  for (const VoxelTruth::Said& s : truth.by_probability) {
+    said.push_back({{"said", tidy(s.probability)}, {"voxels", s.voxels}, {"surface", s.surface}});
+  }
+  json["truth"] = {
+      {"judged", truth.judged},         {"surface", truth.surface},         {"precision", tidy(truth.precision())},
+      {"recall", tidy(truth.recall())}, {"log_loss", tidy(truth.log_loss)}, {"by_probability", said}};
+  return json;
 }
 
 std::string span_text(double seconds) {

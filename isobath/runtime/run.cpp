@@ -371,7 +371,11 @@ RunOutcome run(const RunRequest& asked) {
     depths.commit(request.input.empty() ? "embedded scene" : request.input.string());
     outcome.depth = outcome_of(depths);
   }
-  if (sinks.voxels.map()) outcome.voxels = sinks.voxels.outcome();
+  if (const VoxelMap* voxels = sinks.voxels.map()) {
+    constexpr std::uint64_t kJudged = 500'000;
+    outcome.voxels = sinks.voxels.outcome();
+    if (sinks.judge) outcome.voxels->truth = judge(*voxels, simulator->world(), 1 + outcome.voxels->seen / kJudged);
+  }
   folder.write(request, pipeline.grid(), sinks.voxels.map(), depths, outcome);
   return outcome;
 }

@@ -14,7 +14,9 @@
 #include <isobath/perception/fan_mapper.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <isobath/runtime/voxel_config.hpp>
+#include <isobath/runtime/voxel_truth.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +32,8 @@ struct VoxelOutcome {
   double voxel_m = 0;
   std::uint64_t seen = 0, occupied = 0, free = 0, blocks = 0;
   std::uint64_t megabytes = 0;
-  std::uint64_t left_out = 0;  ///< blocks that have no place in an OctoMap file
+  std::uint64_t left_out = 0;       ///< blocks that have no place in an OctoMap file
+  std::optional<VoxelTruth> truth;  ///< of a simulated run
 };
 
 class VoxelModel {

@@ -138,6 +138,37 @@ VoxelPictures write_voxel_files(const VoxelMap& map, const std::filesystem::path
   return pictures;
 }
 
+namespace {
+
+std::string reliability_picture(const VoxelTruth& truth) {
+  ChartPicture chart(560, 360, "How sure it is, and how often it is right", {"said to be occupied", 0, 1},
+                     {"is occupied", 0, 1});
+  std::vector<double> said, is;
+  for (const VoxelTruth::Said& s : truth.by_probability) {
+    if (s.voxels == 0) continue;
+    said.push_back(s.probability);
+    is.push_back(static_cast<double>(s.surface) / static_cast<double>(s.voxels));
+  }
+  const std::vector<double> ends{0, 1};
+  chart.curve(ends, ends, {palette::kFaint, 1, true}, "as it should be");
+  chart.curve(said, is, {palette::kTrack, 2, false}, "voxels by what was said of them");
+  chart.points(said, is, palette::kTrack, "");
+  chart.finish();
+  return chart.png();
+}
+
+void add_truth(HtmlReport& page, const VoxelTruth& truth) {
+  page.paragraph(fmt::format(
+      "Of {} voxels held against the scene, {} hold a surface, and {:.1f} % of these are found, to a voxel; of {} that "
+      "are "
+      "said to be occupied, {:.1f} % are. Log-loss {:.4f} nats a voxel.",
+      truth.judged, truth.surface, 100 * truth.recall(), truth.occupied, 100 * truth.precision(), truth.log_loss));
+  page.figure(reliability_picture(truth),
+              "Voxels by the probability that the map gives them: how many of them hold a surface.");
+}
+
+}  // namespace
+
 void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictures& pictures) {
   page.heading("In three dimensions");
   if (!pictures.above.empty()) {
@@ -159,6 +190,7 @@ void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictur
   rows.push_back({"memory", fmt::format("{} MB in {} blocks", outcome.megabytes, outcome.blocks)});
   if (outcome.left_out > 0) rows.push_back({"blocks too far off for voxels.bt", number(outcome.left_out)});
   page.table({"what", "value"}, rows);
+  if (outcome.truth) add_truth(page, *outcome.truth);
 }
 
 }  // namespace isobath

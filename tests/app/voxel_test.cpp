@@ -31,6 +31,8 @@ TEST_F(Voxels, OfTheBridgeHaveALayerForEachImagePlane) {
     EXPECT_TRUE(fs::exists(out_ / name)) << name;
   }
   EXPECT_THAT(test::content_of(out_ / "report.html"), HasSubstr("In three dimensions"));
+  EXPECT_GT(voxels["truth"]["precision"], 0.5);
+  EXPECT_GT(voxels["truth"]["judged"], 100'000);
 }
 
 TEST_F(Voxels, AreNotMadeWhereNobodyWantsThem) {
