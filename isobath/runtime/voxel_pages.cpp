@@ -41,8 +41,8 @@ class Shadow {
  public:
   Shadow(const VoxelMap& map, const VoxelBox& box, int right, int up, int along, bool from_most)
       : map_(map), box_(box), right_(right), up_(up), along_(along), columns_(box.most[right] - box.least[right] + 1) {
-    const auto rows = static_cast<std::size_t>(box.most[up] - box.least[up] + 1);
-    cells_.resize(rows * static_cast<std::size_t>(columns_));
+    const int rows = box.most[up] - box.least[up] + 1;
+    cells_.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns_));
     each_seen(map, [&](const VoxelIndex& v, Space space) {
       if ((v.array() < box.least.array()).any() || (v.array() > box.most.array()).any()) return;
       Cell& cell = at(v[up], v[right]);
