@@ -51,6 +51,7 @@ HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBound
   const F bins_f = hn::Set(d, static_cast<float>(view.bins)), sine2 = hn::Set(d, view.sine * view.sine);
   const F half = hn::Set(d, 0.5f), uniform = hn::Set(d, view.uniform_clear);
   const float reach = view.start_m + static_cast<float>(view.bins) / view.bins_per_m + 2 * view.voxel_m;
+  const auto stride = static_cast<std::size_t>(view.bins) + 1;
   const F ceiling = hn::Set(d, view.ceiling_m);
   const F farthest2 = hn::Set(d, reach * reach);
   const F slab = hn::Set(d, view.slab_m), looks_per_beam = hn::Set(d, view.looks_per_beam);
@@ -113,13 +114,30 @@ HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBound
         const auto in_i = hn::And(hn::RebindMask(di, in), hn::Lt(beam, beam_end));
         if (hn::AllFalse(di, in_i)) continue;
 
-        const I begin_row = hn::Mul(hn::IfThenElseZero(in_i, beam), row);
-        const I end_row = hn::Mul(hn::IfThenElseZero(in_i, beam_end), row);
-        const I total = hn::Sub(hn::Add(hn::GatherIndex(di, view.sums, hn::Add(end_row, end)),
-                                        hn::GatherIndex(di, view.sums, hn::Add(begin_row, bin))),
-                                hn::Add(hn::GatherIndex(di, view.sums, hn::Add(end_row, bin)),
-                                        hn::GatherIndex(di, view.sums, hn::Add(begin_row, end))));
+        // Most columns are clear all through: four look-ups for their common rectangle then do for all lanes.
         const I cells = hn::Mul(hn::Sub(end, bin), hn::Sub(beam_end, beam));
+        const I none = hn::Zero(di), many = hn::Set(di, 1 << 20);
+        const int bin_min = hn::GetLane(hn::MinOfLanes(di, hn::IfThenElse(in_i, bin, many)));
+        const int bin_max = hn::GetLane(hn::MaxOfLanes(di, hn::IfThenElse(in_i, end, none)));
+        const int beam_min = hn::GetLane(hn::MinOfLanes(di, hn::IfThenElse(in_i, beam, many)));
+        const int beam_max = hn::GetLane(hn::MaxOfLanes(di, hn::IfThenElse(in_i, beam_end, none)));
+        const auto before = [&](int row_before, int bin_before) {
+          return static_cast<std::uint32_t>(
+              view.sums[static_cast<std::size_t>(row_before) * stride + static_cast<std::size_t>(bin_before)]);
+        };
+        const std::uint32_t common = before(beam_max, bin_max) - before(beam_min, bin_max) - before(beam_max, bin_min) +
+                                     before(beam_min, bin_min);
+        const std::uint32_t area =
+            static_cast<std::uint32_t>(bin_max - bin_min) * static_cast<std::uint32_t>(beam_max - beam_min);
+        I total = hn::ShiftLeft<16>(cells);
+        if (area >= 0x10000 || common != area << 16) {
+          const I begin_row = hn::Mul(hn::IfThenElseZero(in_i, beam), row);
+          const I end_row = hn::Mul(hn::IfThenElseZero(in_i, beam_end), row);
+          total = hn::Sub(hn::Add(hn::GatherIndex(di, view.sums, hn::Add(end_row, end)),
+                                  hn::GatherIndex(di, view.sums, hn::Add(begin_row, bin))),
+                          hn::Add(hn::GatherIndex(di, view.sums, hn::Add(end_row, bin)),
+                                  hn::GatherIndex(di, view.sums, hn::Add(begin_row, end))));
+        }
         const auto tells = hn::And(in_i, hn::Ne(hn::ShiftRight<16>(total), hn::Zero(di)));
         const auto clear = hn::And(tells, hn::Eq(total, hn::ShiftLeft<16>(cells)));
         const auto rest = hn::AndNot(clear, tells);
