@@ -4,6 +4,7 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <isobath/io/voxel_files.hpp>
+#include <isobath/map/seen_voxels.hpp>
 #include <span>
 #include <vector>
 
@@ -132,18 +133,15 @@ OctoMapFile octomap_file(const VoxelMap& map) {
 std::string ply_file(const VoxelMap& map) {
   std::string points;
   std::uint64_t count = 0;
-  for (const VoxelIndex& corner : map.changed_after(0)) {
-    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
-      const VoxelIndex v = corner + VoxelBlocks::place_of(i);
-      if (map.space(v) != Space::kOccupied) continue;
-      const Eigen::Vector3d p = map.centre_of(v);
-      for (const double value : {p.y(), p.x(), -p.z(), map.probability(v)}) {
-        const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-        for (int byte = 0; byte < 4; ++byte) points += static_cast<char>(bits >> 8 * byte & 0xFF);
-      }
-      ++count;
+  for_each_seen(map, [&](const VoxelIndex& v) {
+    if (map.space(v) != Space::kOccupied) return;
+    const Eigen::Vector3d p = map.centre_of(v);
+    for (const double value : {p.y(), p.x(), -p.z(), map.probability(v)}) {
+      const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
+      for (int byte = 0; byte < 4; ++byte) points += static_cast<char>(bits >> 8 * byte & 0xFF);
     }
-  }
+    ++count;
+  });
   return fmt::format(
              "ply\nformat binary_little_endian 1.0\ncomment x east, y north, z up, metres; voxels of {} m\nelement "
              "vertex "

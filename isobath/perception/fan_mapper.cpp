@@ -180,7 +180,6 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
   const bool marginal = config_.rule == Rule::kMarginal;
   const double f = decisions.false_alarm;
   double ratios = 0;
-  int echoes = 0;
   each_echo(voxel, decisions, [&](int beam, int bin) {
     const std::uint64_t* dim = decisions.dim(beam);
     const double heard = dim && bit(dim, bin) ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
@@ -188,14 +187,13 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
     const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
     const double empty = marginal ? std::exp(-kExplained * (explained_[cell] - voxel.own)) : 1.0;
     ratios += p / (p * (1 - empty) + f * empty);
-    ++echoes;
   });
   const auto [told, hits] = counts(voxel);
   const double clear = clear_ratio_[std::min(window_.bins - 1, (voxel.bin + voxel.bin_end) / 2)];
   ratios += (told - hits) * clear + (cells - told);
   const double looks = std::clamp(beams * static_cast<double>(view_.looks_per_beam), 1.0, config_.most_looks);
   const double more =
-      config_.rule == Rule::kHitAndMiss ? (echoes > 0 ? config_.hit : config_.miss) : looks * std::log(ratios / cells);
+      config_.rule == Rule::kHitAndMiss ? (hits > 0 ? config_.hit : config_.miss) : looks * std::log(ratios / cells);
   const double total = (evidence == kUnseen ? 0 : evidence) + more / kEvidenceUnit;
   const double kept = std::clamp<double>(total, bounds.least, bounds.most);
   evidence = static_cast<LogOdds16>(kept + (kept < 0 ? -0.5 : 0.5));

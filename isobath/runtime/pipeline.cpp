@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/base/round_step.hpp>
 #include <isobath/runtime/pipeline.hpp>
 
 namespace isobath {
@@ -12,18 +13,9 @@ std::optional<SensorModel> model_of(const SensorConfig& sensor) {
   return load_sensor_model(sensor.model);
 }
 
-/// Next of 1, 2, 5, 10 ... times a power of ten.
-double nice_step(double value) {
-  const double decade = std::pow(10, std::floor(std::log10(value)));
-  for (const double step : {1.0, 2.0, 5.0}) {
-    if (value <= step * decade * 1.001) return step * decade;
-  }
-  return 10 * decade;
-}
-
 /// About 100 cells each way; the vehicle in the middle.
 BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
-  grid.cell_m = nice_step(reach_m / 100);
+  grid.cell_m = round_step(reach_m / 100, {1, 2, 5});
   grid.cells_x = grid.cells_y = 2 * static_cast<int>(std::ceil(1.05 * reach_m / grid.cell_m)) + 1;
   grid.home_x = grid.home_y = 0.5;
   return grid;

@@ -1,24 +1,12 @@
-#include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/round_step.hpp>
 #include <isobath/map/body_grid.hpp>
+#include <isobath/map/seen_voxels.hpp>
 #include <isobath/runtime/voxel_model.hpp>
 #include <limits>
 
 namespace isobath {
-namespace {
-
-/// Next of 1, 2.5, 5, 10 times a power of ten.
-double round_edge(double value) {
-  const double decade = std::pow(10, std::floor(std::log10(value)));
-  for (const double step : {1.0, 2.5, 5.0}) {
-    if (value <= step * decade * 1.001) return step * decade;
-  }
-  return 10 * decade;
-}
-
-}  // namespace
-
 std::vector<Field> fields(VoxelModelConfig& c) {
   using Sonars = VoxelModelConfig::Sonars;
   std::vector<Field> all{
@@ -37,7 +25,7 @@ std::vector<Field> fields(VoxelModelConfig& c) {
 }
 
 void VoxelModel::begin(const Ping& ping) {
-  if (config_.fit) config_.map.voxel_m = round_edge(ping.window.end_m() / 200);
+  if (config_.fit) config_.map.voxel_m = round_step(ping.window.end_m() / 200, {1, 2.5, 5});
   map_ = std::make_unique<VoxelMap>(config_.map);
 }
 
@@ -90,17 +78,13 @@ VoxelOutcome VoxelModel::outcome() const {
   outcome.voxel_m = map_->voxel_m();
   outcome.megabytes = map_->bytes() / 1'000'000;
   for (const auto& s : sonars_) outcome.layers.push_back({s->name, s->pings});
-  for (const VoxelIndex& corner : map_->changed_after(0)) {
-    ++outcome.blocks;
-    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
-      const VoxelIndex v = corner + VoxelBlocks::place_of(i);
-      if (!map_->is_seen(v)) continue;
-      ++outcome.seen;
-      const Space space = map_->space(v);
-      outcome.occupied += space == Space::kOccupied ? 1 : 0;
-      outcome.free += space == Space::kFree ? 1 : 0;
-    }
-  }
+  outcome.blocks = map_->changed_after(0).size();
+  for_each_seen(*map_, [&](const VoxelIndex& v) {
+    ++outcome.seen;
+    const Space space = map_->space(v);
+    outcome.occupied += space == Space::kOccupied ? 1 : 0;
+    outcome.free += space == Space::kFree ? 1 : 0;
+  });
   return outcome;
 }
 

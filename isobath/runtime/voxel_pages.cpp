@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/io/voxel_files.hpp>
+#include <isobath/map/seen_voxels.hpp>
 #include <isobath/runtime/picture.hpp>
 #include <isobath/runtime/voxel_pages.hpp>
 #include <limits>
@@ -23,16 +24,6 @@ struct VoxelBox {
   [[nodiscard]] bool empty() const { return least.x() > most.x(); }
 };
 
-template <class Visit>
-void each_seen(const VoxelMap& map, const Visit& visit) {
-  for (const VoxelIndex& corner : map.changed_after(0)) {
-    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
-      const VoxelIndex v = corner + VoxelBlocks::place_of(i);
-      if (map.is_seen(v)) visit(v, map.space(v));
-    }
-  }
-}
-
 /// Likelier than before anything was heard of it, and not by chance.
 bool is_suspected(const VoxelMap& map, const VoxelIndex& v) { return map.probability(v) > 2 * map.config().prior; }
 
@@ -43,8 +34,9 @@ class Shadow {
       : map_(map), box_(box), right_(right), up_(up), along_(along), columns_(box.most[right] - box.least[right] + 1) {
     const int rows = box.most[up] - box.least[up] + 1;
     cells_.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns_));
-    each_seen(map, [&](const VoxelIndex& v, Space space) {
+    for_each_seen(map, [&](const VoxelIndex& v) {
       if ((v.array() < box.least.array()).any() || (v.array() > box.most.array()).any()) return;
+      const Space space = map.space(v);
       Cell& cell = at(v[up], v[right]);
       cell.seen = true;
       cell.free = cell.free || space == Space::kFree;
@@ -99,9 +91,9 @@ class Shadow {
 
 VoxelBox box_around(const VoxelMap& map) {
   VoxelBox seen, occupied;
-  each_seen(map, [&](const VoxelIndex& v, Space space) {
+  for_each_seen(map, [&](const VoxelIndex& v) {
     seen.add(v);
-    if (space == Space::kOccupied || is_suspected(map, v)) occupied.add(v);
+    if (map.space(v) == Space::kOccupied || is_suspected(map, v)) occupied.add(v);
   });
   if (occupied.empty()) return seen;
   constexpr int kMargin = 8;

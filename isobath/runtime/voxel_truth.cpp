@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/map/seen_voxels.hpp>
 #include <isobath/runtime/voxel_truth.hpp>
 #include <unordered_map>
 #include <vector>
@@ -72,30 +73,27 @@ VoxelTruth judge(const VoxelMap& map, const World& world, std::uint64_t every) {
   TrueVoxels voxels(map, world);
   double loss = 0;
   std::uint64_t number = 0;
-  for (const VoxelIndex& corner : map.changed_after(0)) {
-    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
-      const VoxelIndex v = corner + VoxelBlocks::place_of(i);
-      if (!map.is_seen(v) || number++ % every != 0) continue;
-      const Truth is = voxels.at(v);
-      if (is == Truth::kBelow) continue;
-      const bool surface = is == Truth::kSurface;
-      const double said = map.probability(v), p = std::clamp(said, 1e-4, 1 - 1e-4);
-      ++truth.judged;
-      loss -= std::log(surface ? p : 1 - p);
-      VoxelTruth::Said& alike = truth.by_probability[static_cast<std::size_t>(std::min(9.0, 10 * said))];
-      ++alike.voxels;
-      alike.surface += surface ? 1 : 0;
-      alike.probability += said;
-      if (map.space(v) == Space::kOccupied) {
-        ++truth.occupied;
-        truth.right += any_near(v, [&](const VoxelIndex& n) { return voxels.at(n) == Truth::kSurface; }) ? 1 : 0;
-      }
-      if (surface) {
-        ++truth.surface;
-        truth.found += any_near(v, [&](const VoxelIndex& n) { return map.space(n) == Space::kOccupied; }) ? 1 : 0;
-      }
+  for_each_seen(map, [&](const VoxelIndex& v) {
+    if (number++ % every != 0) return;
+    const Truth is = voxels.at(v);
+    if (is == Truth::kBelow) return;
+    const bool surface = is == Truth::kSurface;
+    const double said = map.probability(v), p = std::clamp(said, 1e-4, 1 - 1e-4);
+    ++truth.judged;
+    loss -= std::log(surface ? p : 1 - p);
+    VoxelTruth::Said& alike = truth.by_probability[static_cast<std::size_t>(std::min(9.0, 10 * said))];
+    ++alike.voxels;
+    alike.surface += surface ? 1 : 0;
+    alike.probability += said;
+    if (map.space(v) == Space::kOccupied) {
+      ++truth.occupied;
+      truth.right += any_near(v, [&](const VoxelIndex& n) { return voxels.at(n) == Truth::kSurface; }) ? 1 : 0;
     }
-  }
+    if (surface) {
+      ++truth.surface;
+      truth.found += any_near(v, [&](const VoxelIndex& n) { return map.space(n) == Space::kOccupied; }) ? 1 : 0;
+    }
+  });
   if (truth.judged > 0) truth.log_loss = loss / static_cast<double>(truth.judged);
   for (VoxelTruth::Said& s : truth.by_probability) {
     if (s.voxels > 0) s.probability /= static_cast<double>(s.voxels);
