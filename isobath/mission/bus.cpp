@@ -36,6 +36,7 @@ constexpr const char* name(const TaskPlan*) { return "task plan"; }
 constexpr const char* name(const Decision*) { return "decision"; }
 constexpr const char* name(const ChartUpdate*) { return "chart update"; }
 constexpr const char* name(const LinkFrame*) { return "link frame"; }
+constexpr const char* name(const SpaceSeen*) { return "space seen"; }
 
 template <std::size_t... I>
 constexpr std::array<const char*, sizeof...(I)> all_names(std::index_sequence<I...>) {

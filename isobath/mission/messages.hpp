@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/map/depth_field.hpp>
+#include <isobath/map/space_grid.hpp>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/planning/hazard_map.hpp>
@@ -40,6 +41,12 @@ struct ObstacleScan {
   Pose X_WL;  ///< of the instant of the sweep; the frame of `hazards`
   bool posed = true;
   std::vector<Hazard> hazards;  ///< in L
+};
+
+/// Map in three dimensions -> Navigator: the water around, where a sonar tells height; replaces what it said before.
+struct SpaceSeen {
+  Time time;
+  std::shared_ptr<const SpaceGrid> grid;  ///< never null
 };
 
 /// Chart room -> Navigator: what the chart says of the water around; replaces what it said before. In W.
@@ -254,6 +261,6 @@ using Message =
     std::variant<Navigation, RangeReading, Health, SonarLook, SonarEchoes, Sweep, ObstacleScan, ChartedHazards,
                  OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned, RouteRefused, PointReport,
                  MissionReport, FollowOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost,
-                 StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision, ChartUpdate, LinkFrame>;
+                 StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision, ChartUpdate, LinkFrame, SpaceSeen>;
 
 }  // namespace isobath

@@ -57,13 +57,15 @@ std::vector<Field> fields(NavigatorConfig& c) {
   };
 }
 
-Navigator::Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleSheet& vehicle)
-    : config_(config), route_(route), vehicle_(vehicle) {}
+Navigator::Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleSheet& vehicle,
+                     const SpaceRouteConfig& space_route)
+    : config_(config), route_(route), space_route_(space_route), vehicle_(vehicle) {}
 
 void Navigator::hear(const Message& message, Time now, Outbox& out) {
   now_ = now;
   if (const auto* fix = std::get_if<Navigation>(&message)) take_fix(*fix, out);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) take_scan(*scan, out);
+  if (const auto* seen = std::get_if<SpaceSeen>(&message)) space_ = seen->grid;
   if (const auto* request = std::get_if<RouteRequest>(&message)) take_request(*request, out);
   if (const auto* passed = std::get_if<WaypointPassed>(&message)) take_passage(*passed);
   if (const auto* action = std::get_if<SafetyAction>(&message)) take_action(*action, out);
@@ -102,6 +104,7 @@ void Navigator::take_fix(const Navigation& fix, Outbox& out) {
   const double may_move = fast ? 0.5 * vehicle_.limits.max_acceleration * dt * dt : vehicle_.limits.max_speed * dt;
   if (!(jump.norm() > config_.jump_m + may_move)) return;
   if (scan_) scan_->X_WL.translation.head<2>() += jump;
+  space_.reset();  // it is of the place before; the next one is not
   for (std::size_t i = 0; i + 1 < way_.size(); ++i) {
     way_[i].north += jump.x();
     way_[i].east += jump.y();
@@ -256,7 +259,11 @@ std::optional<Vector2d> Navigator::safe_near(const Vector2d& goal, const Vector2
 
 void Navigator::keep(const View& view, Outbox& out) {
   const double tolerated = std::max(0.0, clearance() - config_.slack_m);
-  if (const auto conflict = conflict_ahead(view.map, view.way, tolerated)) return avoid(view, *conflict, out);
+  if (const auto conflict = conflict_ahead(view.map, view.way, tolerated)) {
+    if (!leads_through(view, *conflict, out)) avoid(view, *conflict, out);
+    return;
+  }
+  through_ = false;
   if (new_scan_ && view.way.size() > 2) shorten(view, out);
 }
 
@@ -268,6 +275,10 @@ void Navigator::avoid(const View& view, const Conflict& conflict, Outbox& out) {
   const double aside_m = aside ? length_of(*aside) : 0;
   if (aside && aside_m <= length_of(view.way) + config_.switch_m) return take_way(view, *aside, std::move(d), out);
   const auto found = search(view);
+  std::optional<double> plane_m;
+  if (found) plane_m = found->length_m;
+  if (aside) plane_m = std::min(plane_m.value_or(aside_m), aside_m);
+  if (const auto through = search_space(view, plane_m)) return take_space_way(view, *through, std::move(d), out);
   if (aside && (!found || aside_m <= found->length_m + config_.switch_m)) {
     return take_way(view, *aside, std::move(d), out);
   }
@@ -280,24 +291,30 @@ void Navigator::avoid(const View& view, const Conflict& conflict, Outbox& out) {
 
 void Navigator::shorten(const View& view, Outbox& out) {
   const auto found = search(view);
+  const auto through = search_space(view, length_of(view.way));
   const double saved = found ? length_of(view.way) - found->length_m : 0;
-  shorter_ = found && saved > config_.shortcut_m ? shorter_ + 1 : 0;
+  shorter_ = through || (found && saved > config_.shortcut_m) ? shorter_ + 1 : 0;
   if (shorter_ < config_.sure_scans) return;
+  if (through) {
+    return take_space_way(view, *through, decision("replan", "what the way went round can be passed"), out);
+  }
   take_way(view, found->points, decision("replan", "what the way went round is not there any more"), out);
 }
 
 void Navigator::start(const View& view, Outbox& out) {
   const auto found = search(view);
-  if (!found) return refuse(refusal_of(found.error(), view), out);
   Decision d = decision(refused_ ? "resume" : "plan", "the way is clear");
   const Way straight{view.way.front(), view.goal};
-  if (found->points.size() > 2) {
+  const auto through = search_space(view, found ? std::optional(found->length_m) : std::nullopt);
+  if (!found && !through) return refuse(refusal_of(found.error(), view), out);
+  if (through || found->points.size() > 2) {
     if (const auto conflict = conflict_ahead(view.map, straight, clearance())) {
       const std::string what = d.what;
       d = about(view, straight, *conflict);
       d.what = what;
     }
   }
+  if (through) return take_space_way(view, *through, std::move(d), out);
   take_way(view, found->points, std::move(d), out);
 }
 
@@ -350,22 +367,33 @@ double Navigator::speed_on(const View& view, const Way& way) const {
 
 void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& out) {
   const double before = way_.empty() ? (view.goal - view.way.front()).norm() : length_of(view.way);
-  way_.clear();
+  std::vector<Waypoint> waypoints;
   const double speed = speed_on(view, way);
   for (std::size_t i = 1; i < way.size(); ++i) {
     const Vector2d p_W = i + 1 < way.size() ? view.frame.to_world(way[i]) : request_->target.north_east;
-    way_.push_back({p_W.x(), p_W.y(), request_->target.depth_m, speed});
-    d.way.push_back(p_W);
+    waypoints.push_back({p_W.x(), p_W.y(), request_->target.depth_m, speed});
   }
+  through_ = false;
+  adopt(std::move(waypoints), length_of(way) - before, std::move(d), out);
+}
+
+void Navigator::adopt(std::vector<Waypoint> waypoints, double longer_m, Decision d, Outbox& out) {
+  double length = 0;
+  Vector2d last = place_of(*here_);
+  for (const Waypoint& w : waypoints) {
+    d.way.emplace_back(w.north, w.east);
+    length += (d.way.back() - last).norm();
+    last = d.way.back();
+  }
+  way_ = std::move(waypoints);
   passed_ = 0;
   shorter_ = 0;
   refused_.reset();
   const bool avoiding = way_.size() > 1;
-  const double longer = length_of(way) - before;
-  d.reason +=
-      avoiding ? fmt::format("; going round by {} way-point{}, {:.1f} m {}", way_.size() - 1,
-                             way_.size() == 2 ? "" : "s", std::abs(longer), longer < 0 ? "shorter" : "longer")
-               : fmt::format("; straight to {}, {:.1f} m", name_of(request_->target, request_->point), length_of(way));
+  d.reason += avoiding
+                  ? fmt::format("; going round by {} way-point{}, {:.1f} m {}", way_.size() - 1,
+                                way_.size() == 2 ? "" : "s", std::abs(longer_m), longer_m < 0 ? "shorter" : "longer")
+                  : fmt::format("; straight to {}, {:.1f} m", name_of(request_->target, request_->point), length);
   out.say(RoutePlanned{request_->id, ++version_, way_, avoiding, d.reason});
   out.say(std::move(d));
 }

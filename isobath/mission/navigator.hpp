@@ -1,7 +1,7 @@
 // Navigator: the way to the mission point, kept clear of what is seen (Ganesan 2015, 5.1, 5.2; ledger S6-36, S6-39,
 // S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to S2-31).
 //
-// Hears RouteRequest, ObstacleScan, ChartedHazards, Navigation, WaypointPassed, MissionOrder (fence, speed),
+// Hears RouteRequest, ObstacleScan, SpaceSeen, ChartedHazards, Navigation, WaypointPassed, MissionOrder (fence, speed),
 // SafetyAction and Health (of the planner: how much of its budget an overloaded computer leaves it); says RoutePlanned,
 // RouteRefused, Decision.
 //
@@ -17,6 +17,10 @@
 // A mission point on an obstacle, or with one within `drop_distance_m`, is refused (S6-51), as soon as `sure_scans`
 // scans agree; charted and injected obstacles are believed at once.
 //
+// Where a sonar tells height (SpaceSeen), a way may lead over, under or between what closes the plan view, through
+// water that was measured (planning/space_route.hpp; S5-35, S5-37): a way that does so already is kept; one is searched
+// where the plane has no way, or none that is not `switch_m` longer.
+//
 // Where no way can be turned into, or the vehicle stands nearer to a hazard than the clearance, a smaller one must do.
 //
 // A refusal stands until a way is found: it looks again at each scan. After a refusal, or where the Safety Officer has
@@ -29,6 +33,7 @@
 #include <isobath/mission/agent.hpp>
 #include <isobath/planning/plan_frame.hpp>
 #include <isobath/planning/route_planner.hpp>
+#include <isobath/planning/space_route.hpp>
 #include <isobath/vehicle/vehicle_sheet.hpp>
 
 namespace isobath {
@@ -53,7 +58,8 @@ std::vector<Field> fields(NavigatorConfig& config);
 
 class Navigator : public Agent {
  public:
-  Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleSheet& vehicle);
+  Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleSheet& vehicle,
+            const SpaceRouteConfig& space_route = {});
 
   void hear(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -101,6 +107,15 @@ class Navigator : public Agent {
   [[nodiscard]] double wanted_speed() const;
   [[nodiscard]] double speed_on(const View& view, const Way& way) const;
   void take_way(const View& view, const Way& way, Decision decision, Outbox& out);
+  void adopt(std::vector<Waypoint> waypoints, double longer_m, Decision decision, Outbox& out);
+
+  // in three dimensions: navigator_space.cpp
+  [[nodiscard]] std::vector<Hazard> hazards_W(const View& view) const;
+  [[nodiscard]] SpaceRouteTask space_task(std::span<const Hazard> hazards) const;
+  [[nodiscard]] bool leads_through(const View& view, const Conflict& conflict, Outbox& out);
+  [[nodiscard]] std::optional<SpacePath> search_space(const View& view, std::optional<double> plane_m) const;
+  void take_space_way(const View& view, const SpacePath& path, Decision decision, Outbox& out);
+
   void refuse(const Refusal& refusal, Outbox& out);
   void enter(Mode mode, const std::string& why, Outbox& out);
   [[nodiscard]] Decision decision(std::string what, std::string reason) const;
@@ -111,6 +126,7 @@ class Navigator : public Agent {
 
   NavigatorConfig config_;
   RouteConfig route_;
+  SpaceRouteConfig space_route_;
   VehicleSheet vehicle_;
 
   std::shared_ptr<const MissionPlan> plan_;
@@ -119,6 +135,7 @@ class Navigator : public Agent {
   Time now_;
   Time scan_heard_;
   ChartedHazards chart_;
+  std::shared_ptr<const SpaceGrid> space_;  ///< null where no sonar tells height
 
   std::optional<RouteRequest> request_;
   std::vector<Waypoint> way_;  ///< what is left; the last is the mission point
@@ -127,6 +144,7 @@ class Navigator : public Agent {
   std::optional<RouteRefused::Reason> refused_;
   int goal_blocked_ = 0;  ///< scans in a row
   int shorter_ = 0;       ///< scans in a row that had a shorter way
+  bool through_ = false;  ///< the way leads through measured water, over or under a hazard of the plane
   Mode mode_ = Mode::kNormal;
   double budget_share_ = 1;  ///< that the computer leaves it
   SafetyActionKind action_ = SafetyActionKind::kNone;

@@ -44,6 +44,20 @@ SafetyOfficer::Travel SafetyOfficer::travel() const {
   return t;
 }
 
+/// Whether the water there, at the depth of a place, was measured to be clear: what echoes there stands above or below.
+bool SafetyOfficer::passes_by(const Eigen::Vector3d& p_W) const {
+  return space_ && space_->is_measured(p_W, config_.height_margin_m);
+}
+
+std::vector<Eigen::Vector2d> SafetyOfficer::at_its_depth(const Pose& X_WL,
+                                                         std::span<const Eigen::Vector2d> echoes_L) const {
+  std::vector<Eigen::Vector2d> left;
+  for (const Eigen::Vector2d& p : echoes_L) {
+    if (!passes_by(X_WL * Eigen::Vector3d(p.x(), p.y(), 0))) left.push_back(p);
+  }
+  return left;
+}
+
 void SafetyOfficer::check_collision() {
   const bool was = raised(Fault::kCollisionAhead) || raised(Fault::kCollisionUnavoidable);
   if (!was) stopped_ = false;
@@ -58,7 +72,7 @@ void SafetyOfficer::check_collision() {
     t.drift = 0;
     speed = std::max(speed, order_ ? order_->speed : 0);
   }
-  const auto echoes = echoes_.confirmed(X_WL, blind_m_, config_, clock_s_);
+  const std::vector<Eigen::Vector2d> echoes = at_its_depth(X_WL, echoes_.confirmed(X_WL, blind_m_, config_, clock_s_));
   if (vehicle_.min_speed > 0) return check_escape(X_WL, echoes);
   const auto points = along(echoes, t.drift);
   const double reach = stop_way(speed, config_.reaction_s) + config_.collision_margin_m;

@@ -62,6 +62,8 @@ std::vector<Field> collision_fields(SafetyConfig& c) {
       wait("memory_s", &c.memory_s, "How long a confirmed echo counts when nothing hears it again."),
       Field::real("reaction_s", &c.reaction_s, {0, 10}, "s", "From the decision to stop until the vehicle brakes."),
       Field::real("collision_margin_m", &c.collision_margin_m, {0, 100}, "m", "Water to be left before an obstacle."),
+      Field::real("height_margin_m", &c.height_margin_m, {0, 100}, "m",
+                  "An obstacle over or under which so much water above and below the vehicle was measured is none."),
       Field::real("side_margin_m", &c.side_margin_m, {0, 100}, "m", "Water to be left beside the hull."),
       Field::real("escape_s", &c.escape_s, {1, 120}, "s", "A vehicle that cannot stop keeps a way out free so long."),
       Field::real("unknown_current", &c.unknown_current, {0, 10}, "m/s",

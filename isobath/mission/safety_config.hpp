@@ -53,6 +53,7 @@ struct SafetyConfig {
   double memory_s = 15;
   double reaction_s = 0.6;
   double collision_margin_m = 1;
+  double height_margin_m = 0.8;
   double side_margin_m = 0.5;
   double escape_s = 15;
   double unknown_current = 0.5;

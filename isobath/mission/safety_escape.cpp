@@ -27,7 +27,8 @@ std::vector<Vector2d> SafetyOfficer::known_points(const Pose& X_WL, std::span<co
   std::vector<Vector2d> points(echoes_L.begin(), echoes_L.end());
   const Pose X_LW = X_WL.inverse();
   for (const Vector2d& p : mapped_W_) {
-    points.emplace_back((X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>());
+    const Eigen::Vector3d p_W(p.x(), p.y(), X_WL.translation.z());
+    if (!passes_by(p_W)) points.emplace_back((X_LW * p_W).head<2>());
   }
   return points;
 }

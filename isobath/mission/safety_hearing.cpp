@@ -108,6 +108,7 @@ void SafetyOfficer::hear(const Message& message, Time now, Outbox&) {
   if (const auto* health = std::get_if<Health>(&message)) hear_health(*health, now);
   if (const auto* command = std::get_if<OperatorCommand>(&message)) hear_command(*command);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) hear_scan(*scan);
+  if (const auto* seen = std::get_if<SpaceSeen>(&message)) space_ = seen->grid;
   if (const auto* lost = std::get_if<AgentLost>(&message)) hear_lost(*lost);
   if (const auto* order = std::get_if<FollowOrder>(&message)) follow(*order);
   if (const auto* report = std::get_if<MissionReport>(&message)) phase_ = report->phase;
@@ -153,6 +154,7 @@ void SafetyOfficer::hear_fix(const Navigation& fix, Time now) {
       jump_ = fmt::format("a fix {:.1f} m from where it should be, with {:.1f} m to be expected", off.norm(), allowed);
       echoes_.shift(off);
       for (Eigen::Vector2d& p : mapped_W_) p += off;
+      space_.reset();
     }
     if (!fix.v_WB) next.v_W = jumped ? fix_->v_W : Eigen::Vector2d((to - from) / dt);
     const Angle turned = (fix.X_WB.rotation.heading() - fix_->navigation.X_WB.rotation.heading()).wrapped();

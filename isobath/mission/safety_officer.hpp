@@ -15,6 +15,8 @@
 // that meets nothing of what is known, for `escape_s`; before an order leads where there is none, the officer takes the
 // last (safety_escape.cpp). Once it has stopped, it turns on the spot to where it was ordered to go, and the stop
 // is over when the way lies free there for the ordered speed. Echoes are taken as at the height of the sonar.
+// A place where all water at the vehicle's depth, and `height_margin_m` above and below it, was measured to be clear by
+// a sonar that tells height (SpaceSeen) is passed over or under: it counts neither as echo nor as obstacle (S5-35).
 // Those that bottom or surface explain do not come here where depth and altitude are known (sonar/boundary_echoes.hpp);
 // where the altitude is not, a bottom within the beam's reach stops it.
 //
@@ -140,6 +142,9 @@ class SafetyOfficer final : public Agent {
   void choose_turn(std::span<const Eigen::Vector2d> points, const Travel& travel);
 
   // Ways out, of a vehicle that cannot stop (safety_escape.cpp)
+  [[nodiscard]] bool passes_by(const Eigen::Vector3d& p_W) const;
+  [[nodiscard]] std::vector<Eigen::Vector2d> at_its_depth(const Pose& X_WL,
+                                                          std::span<const Eigen::Vector2d> echoes_L) const;
   [[nodiscard]] std::vector<Eigen::Vector2d> known_points(const Pose& X_WL,
                                                           std::span<const Eigen::Vector2d> echoes_L) const;
   [[nodiscard]] EscapeTask escape_task() const;
@@ -173,8 +178,9 @@ class SafetyOfficer final : public Agent {
   std::map<std::string, SonarWatch> sonars_;
   std::map<std::string, HealthState> states_;
   NearEchoes echoes_;
-  std::vector<Eigen::Vector2d> mapped_W_;  ///< what the last scan's obstacles are made of
-  double blind_m_ = 0;                     ///< nearer than this the sonar hears nothing
+  std::vector<Eigen::Vector2d> mapped_W_;   ///< what the last scan's obstacles are made of
+  std::shared_ptr<const SpaceGrid> space_;  ///< null where no sonar tells height
+  double blind_m_ = 0;                      ///< nearer than this the sonar hears nothing
   SensorTable rangers_;
   ImminentCollision imminent_;
   std::optional<Fix> fix_;

@@ -8,6 +8,8 @@ std::vector<Section> sections(MissionConfig& c) {
       {"executive", "Who leads from point to point.", fields(c.executive)},
       {"navigator", "When a way is kept, changed or given up.", fields(c.navigator)},
       {"route", "How a way past obstacles is searched.", fields(c.route)},
+      {"space_route", "How a way over, under or between them is searched, where a sonar tells height.",
+       fields(c.space_route)},
       {"pilot", "How way-points become set-points.", fields(c.pilot)},
       {"guidance", "How a line is followed.", fields(c.guidance)},
       {"station", "How a place is kept.", fields(c.station)},
@@ -27,7 +29,7 @@ std::vector<Seat> standard_crew(const MissionConfig& c, const VehicleSheet& vehi
     seats.push_back({name, level, std::move(agent)});
   };
   seat("fls detector", AgentLevel::kVehicle, std::make_unique<FlsDetector>(c.fls_detector, c.memory));
-  seat("navigator", AgentLevel::kMission, std::make_unique<Navigator>(c.navigator, c.route, vehicle));
+  seat("navigator", AgentLevel::kMission, std::make_unique<Navigator>(c.navigator, c.route, vehicle, c.space_route));
   seat("captain", AgentLevel::kSupervisory, std::make_unique<Captain>(c.captain));
   seat("executive officer", AgentLevel::kMission, std::make_unique<ExecutiveOfficer>(c.executive));
   seat("pilot", AgentLevel::kVehicle,

@@ -18,6 +18,7 @@ struct MissionConfig {
   ExecutiveConfig executive;
   NavigatorConfig navigator;
   RouteConfig route;
+  SpaceRouteConfig space_route;
   PilotConfig pilot;
   GuidanceConfig guidance = {.acceptance_radius = 1};  ///< of corners: an obstacle stands inside of each
   StationConfig station;

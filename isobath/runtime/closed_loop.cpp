@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <cmath>
 #include <isobath/runtime/closed_loop.hpp>
+#include <isobath/runtime/voxel_model.hpp>
 
 namespace isobath {
 namespace {
@@ -6,7 +9,8 @@ namespace {
 /// What the truth and the results of the pipeline go to: the track, the helm, and the judge if there is one.
 class Watched : public SimulatedSource::TruthSink, public ResultSink {
  public:
-  Watched(TrueTrack& track, Helm& helm, TruthJudge* judge) : track_(track), helm_(helm), judge_(judge) {}
+  Watched(TrueTrack& track, Helm& helm, TruthJudge* judge, VoxelModel* voxels, double reach_m)
+      : track_(track), helm_(helm), judge_(judge), voxels_(voxels), reach_m_(reach_m) {}
   void take(const EchoTruth& echoes) override {
     if (judge_) judge_->take(echoes);
   }
@@ -16,9 +20,15 @@ class Watched : public SimulatedSource::TruthSink, public ResultSink {
   }
   void on_ping(const PosedPing& ping) override {
     helm_.on_ping(ping);
+    if (voxels_) voxels_->take(ping);
     if (judge_) judge_->on_ping(ping);
   }
+  void on_upright(const PosedPing& ping) override {
+    if (voxels_) voxels_->take(ping);
+  }
   void on_scan(const ScanResult& scan) override {
+    const auto space = voxels_ ? voxels_->space_around(scan, reach_m_) : nullptr;
+    if (space) helm_.on_space(scan.detection.time, space);
     helm_.on_scan(scan);
     if (judge_) judge_->on_scan(scan);
   }
@@ -27,7 +37,16 @@ class Watched : public SimulatedSource::TruthSink, public ResultSink {
   TrueTrack& track_;
   Helm& helm_;
   TruthJudge* judge_;
+  VoxelModel* voxels_;
+  double reach_m_;
 };
+
+/// Only with a fan that stands upright is a map in three dimensions worth its time here.
+bool tells_height(const Scene& scene) {
+  return std::any_of(scene.sonars.begin(), scene.sonars.end(), [](const SonarConfig& sonar) {
+    return sonar.on && sonar.kind == SonarKind::kFan && std::abs(sin(sonar.roll)) > std::sqrt(0.5);
+  });
+}
 
 }  // namespace
 
@@ -38,7 +57,10 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
   TrueTrack truth(simulator);
   std::optional<TruthJudge> judge;
   if (request.judge && !request.live) judge.emplace(simulator);
-  Watched watched(truth, helm, judge ? &*judge : nullptr);
+  std::optional<VoxelModel> voxels;
+  if (tells_height(scenario.scene)) voxels.emplace(request.configuration.voxels);
+  Watched watched(truth, helm, judge ? &*judge : nullptr, voxels ? &*voxels : nullptr,
+                  request.configuration.mission.space_route.reach_m);
   source.tell_truth_to(&watched);
   Pipeline pipeline(request.configuration, watched);
   std::optional<MappingThread> mapping;

@@ -5,9 +5,11 @@
 #pragma once
 
 #include <isobath/io/event.hpp>
+#include <isobath/map/space_grid.hpp>
 #include <isobath/mission/crew.hpp>
 #include <isobath/mission/operator_link.hpp>
 #include <isobath/runtime/pipeline.hpp>
+#include <memory>
 #include <vector>
 
 namespace isobath {
@@ -16,6 +18,9 @@ class Helm : public ResultSink {
  public:
   /// Every event as it comes, before the pipeline has it.
   virtual void hear(const Event& event) = 0;
+  /// What is known of the water around in three dimensions, before the scan that it goes with; never null. Only where a
+  /// sonar tells height.
+  virtual void on_space(Time /*time*/, const std::shared_ptr<const SpaceGrid>& /*space*/) {}
   /// What the vehicle shall do from now on. Called after each event.
   [[nodiscard]] virtual Setpoint steer() = 0;
   [[nodiscard]] virtual MissionReport progress() const = 0;

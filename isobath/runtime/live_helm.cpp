@@ -75,6 +75,11 @@ void LiveHelm::on_scan(const ScanResult& scan) {
   state_->ears.on_scan(scan);
 }
 
+void LiveHelm::on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) {
+  const std::lock_guard lock(state_->ears_mutex);
+  state_->ears.on_space(time, space);
+}
+
 Setpoint LiveHelm::steer() {
   const Setpoint setpoint = state_->crew.helm();
   state_->read_book();

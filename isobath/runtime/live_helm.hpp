@@ -31,6 +31,7 @@ class LiveHelm : public Helm {
   void hear(const Event& event) override;
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
+  void on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) override;
   [[nodiscard]] Setpoint steer() override;
   [[nodiscard]] MissionReport progress() const override;
   [[nodiscard]] const std::vector<Decision>& decisions() const override;

@@ -115,4 +115,8 @@ void MissionEars::on_scan(const ScanResult& scan) {
   say_(Sweep{scan.number, scan.posed, sigma_m_, std::move(map)}, now());
 }
 
+void MissionEars::on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) {
+  say_(SpaceSeen{time + clock_.offset(), space}, now());
+}
+
 }  // namespace isobath

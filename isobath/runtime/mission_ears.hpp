@@ -37,6 +37,7 @@ class MissionEars {
   void hear(const Event& event);
   void on_ping(const PosedPing& ping);
   void on_scan(const ScanResult& scan);
+  void on_space(Time time, const std::shared_ptr<const SpaceGrid>& space);
 
   [[nodiscard]] Time now() const { return clock_.now(); }
   [[nodiscard]] const MissionPlan& plan() const { return *plan_; }

@@ -37,6 +37,8 @@ void MissionHelm::on_ping(const PosedPing& ping) { ears_.on_ping(ping); }
 
 void MissionHelm::on_scan(const ScanResult& scan) { ears_.on_scan(scan); }
 
+void MissionHelm::on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) { ears_.on_space(time, space); }
+
 Setpoint MissionHelm::steer() { return crew_.helm(ears_.now()); }
 
 }  // namespace isobath

@@ -39,6 +39,7 @@ class MissionHelm : public Helm {
   void hear(const Event& event) override;
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
+  void on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) override;
   [[nodiscard]] Setpoint steer() override;
   [[nodiscard]] MissionReport progress() const override { return book_.report; }
   [[nodiscard]] const std::vector<Decision>& decisions() const override { return book_.decisions; }

@@ -54,6 +54,7 @@ class MissionRun : public ResultSink {
   void begin(StageTimes::Clock::time_point taken) { times_->begin(taken); }
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
+  void on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) { helm_->on_space(time, space); }
   /// Of whoever maps: what was done for others since on_ping or on_scan is no part of the stages.
   void resume() { times_->resume(); }
   Setpoint steer() { return helm_->steer(); }

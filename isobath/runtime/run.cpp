@@ -35,7 +35,8 @@ std::unique_ptr<SimulatedSource> simulate(const RunRequest& request, const std::
 /// truth says of it.
 class Sinks : public ResultSink, public SimulatedSource::TruthSink {
  public:
-  Sinks(RunFolder& folder, const VoxelModelConfig& voxels) : voxels(voxels), folder_(folder) {}
+  Sinks(RunFolder& folder, const Configuration& configuration)
+      : voxels(configuration.voxels), folder_(folder), reach_m_(configuration.mission.space_route.reach_m) {}
   void on_ping(const PosedPing& ping) override {
     if (mission) mission->on_ping(ping);
     voxels.take(ping);
@@ -44,7 +45,10 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     if (mission) mission->resume();
   }
   void on_scan(const ScanResult& scan) override {
-    if (mission) mission->on_scan(scan);
+    if (mission) {
+      if (const auto space = voxels.space_around(scan, reach_m_)) mission->on_space(scan.detection.time, space);
+      mission->on_scan(scan);
+    }
     folder_.on_scan(scan);
     if (judge) judge->on_scan(scan);
     if (mission) mission->resume();
@@ -68,6 +72,7 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
   }
 
   RunFolder& folder_;
+  double reach_m_;
 };
 
 /// Outlines from above of all that stands in a scene, where it is now.
@@ -308,7 +313,7 @@ RunOutcome run(const RunRequest& asked) {
     if (simulated) simulated->add_operator(scenario->orders, setup->plan);
   }
   RunFolder folder(request.out, request.configuration);
-  Sinks sinks(folder, request.configuration.voxels);
+  Sinks sinks(folder, request.configuration);
   prepare(sinks, request, setup, simulated.get());
   Pipeline pipeline(request.configuration, sinks, &depths);
   EndOfMission end;

@@ -88,4 +88,14 @@ VoxelOutcome VoxelModel::outcome() const {
   return outcome;
 }
 
+std::shared_ptr<const SpaceGrid> VoxelModel::space_around(const ScanResult& scan, double reach_m) const {
+  std::vector<std::string> heights;
+  for (const auto& s : sonars_) {
+    if (!s->flat) heights.push_back(s->name);
+  }
+  const Eigen::Vector3d& centre = scan.detection.X_WB.translation;
+  if (heights.empty() || !scan.posed || centre.cwiseAbs().maxCoeff() + reach_m > map_->reach_m()) return nullptr;
+  return std::make_shared<const SpaceGrid>(*map_, heights, centre, reach_m);
+}
+
 }  // namespace isobath

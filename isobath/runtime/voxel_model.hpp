@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <isobath/map/space_grid.hpp>
 #include <isobath/map/voxel_map.hpp>
 #include <isobath/perception/fan_mapper.hpp>
 #include <isobath/runtime/pipeline.hpp>
@@ -44,6 +45,9 @@ class VoxelModel {
   /// Null before the first ping.
   [[nodiscard]] const VoxelMap* map() const { return map_.get(); }
   [[nodiscard]] VoxelOutcome outcome() const;
+  /// What is known within a reach of the vehicle at the end of a sweep, for planning; null where no fan stands upright,
+  /// since then nothing tells height, and without navigation.
+  [[nodiscard]] std::shared_ptr<const SpaceGrid> space_around(const ScanResult& scan, double reach_m) const;
 
  private:
   struct Sonar {

@@ -152,7 +152,16 @@ Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d
     const double least = std::max(sheet_->min_speed, std::min(kCrawl, goal.speed));
     speed = std::min(std::max(speed, least), sheet_->limits.max_speed);
   }
-  return last_ = {wanted, goal.depth, speed, 0};
+  return last_ = {wanted, depth_on(goal, speed), speed, 0};
+}
+
+// On a leg that rises or sinks: the depth of where the vehicle will be when it has come after its set-point.
+double LineOfSight::depth_on(const Waypoint& goal, double speed) const {
+  if (!goal.from_depth) return goal.depth;
+  const double length = (position_of(goal) - from_).norm();
+  const double lead = sheet_ ? sheet_->depth_lag_s * speed : 0;
+  const double share = length > 1e-9 ? std::clamp((length - to_go_ + lead) / length, 0.0, 1.0) : 1;
+  return *goal.from_depth + share * (goal.depth - *goal.from_depth);
 }
 
 // The greatest speed from which every corner ahead can still be taken.

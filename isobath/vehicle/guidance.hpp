@@ -35,6 +35,8 @@ struct Waypoint {
   double east = 0;
   double depth = 0;
   double speed = 1;  ///< on the way to it, m/s
+  /// Where the leg to it begins, m: its depth changes along the leg. Empty: at once.
+  std::optional<double> from_depth = {};
 };
 
 struct GuidanceConfig {
@@ -89,6 +91,7 @@ class LineOfSight {
   void learn(double aim, double dt);
   [[nodiscard]] double speed_ahead() const;
   [[nodiscard]] double corner_speed(Angle turn, double inside) const;
+  [[nodiscard]] double depth_on(const Waypoint& goal, double speed) const;
 
   GuidanceConfig config_;
   std::vector<Waypoint> waypoints_;

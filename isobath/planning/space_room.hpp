@@ -1,0 +1,79 @@
+// SpaceRoom: how much room there is about each place of a box of water, for a way that may lead over or under what the
+// plan view takes for closed (Horner et al. c. 2009, 5; ledger S5-33 to S5-37, S5-39).
+//
+// Closed is
+//   - what the voxel map holds for occupied;
+//   - where a hazard of the plan view stands, from surface to bed, all that is not measured: free, and looked at by a
+//     sensor that tells height (space_grid.hpp). A fence, a charted or an injected obstacle is closed altogether;
+//   - what lies outside the band of depths that the mission goes through anyway, and is not measured.
+// So surface and bed keep their distance too: neither is ever measured to be free. Everything else is open, like water
+// outside of all hazards is to the planners of the plane.
+//
+// A hazard that is farther from the vehicle than `look_on_m` may be left open for now, at the mission's depths, where
+// its water is neither measured nor held for occupied (unsure): there is time to look, and to turn away (S5-45).
+//
+// Distances are to the nearest closed voxel's faces, exact at centres of voxels, between them by interpolation; beyond
+// `most_m` they are that. Frame W. Immutable. Cost: 40 ns a voxel of the box.
+#pragma once
+
+#include <cstdint>
+#include <isobath/map/space_grid.hpp>
+#include <isobath/planning/hazard_map.hpp>
+#include <span>
+#include <vector>
+
+namespace isobath {
+
+struct SpaceRoomTask {
+  Eigen::Vector3d least = Eigen::Vector3d::Zero(), most = Eigen::Vector3d::Zero();  ///< the box, W
+  std::span<const Hazard> hazards;                                                  ///< of the plan view, in W
+  double shallow_m = 0, deep_m = 0;  ///< the band of depths that is open without having been measured
+  double most_m = 5;                 ///< distances beyond are not told apart
+  Eigen::Vector3d vehicle_W = Eigen::Vector3d::Zero();
+  double look_on_m = 0;  ///< hazards farther than this from the vehicle may turn out to be open; 0: none
+};
+
+class SpaceRoom {
+ public:
+  static constexpr double kMostVoxels = 3e7;
+
+  /// Throws Error where the box holds more than kMostVoxels.
+  SpaceRoom(const SpaceGrid& grid, const SpaceRoomTask& task);
+
+  [[nodiscard]] double voxel_m() const { return voxel_m_; }
+  [[nodiscard]] const VoxelIndex& size() const { return size_; }
+  [[nodiscard]] bool holds(const Eigen::Vector3d& p_W) const;
+  /// The centre of a voxel, counted from the box's least one; and the voxel of a place.
+  [[nodiscard]] Eigen::Vector3d centre_of(const VoxelIndex& i) const {
+    return ((least_ + i).cast<double>().array() + 0.5) * voxel_m_;
+  }
+  [[nodiscard]] VoxelIndex voxel_at(const Eigen::Vector3d& p_W) const { return floor_of(p_W / voxel_m_) - least_; }
+
+  /// m; 0 outside of the box, and in what is closed.
+  [[nodiscard]] double distance(const VoxelIndex& i) const { return inside(i) ? distance_[index_of(i)] : 0; }
+  [[nodiscard]] double distance(const Eigen::Vector3d& p_W) const;
+  [[nodiscard]] bool is_unsure(const Eigen::Vector3d& p_W) const;
+  /// Least distance along a leg, looked at each half voxel.
+  [[nodiscard]] double leg_distance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;
+
+ private:
+  enum class State : std::uint8_t { kOpen, kUnsure, kClosed };
+  [[nodiscard]] bool inside(const VoxelIndex& i) const {
+    return (i.array() >= 0).all() && (i.array() < size_.array()).all();
+  }
+  [[nodiscard]] std::size_t index_of(const VoxelIndex& i) const {
+    return (static_cast<std::size_t>(i.x()) * static_cast<std::size_t>(size_.y()) + static_cast<std::size_t>(i.y())) *
+               static_cast<std::size_t>(size_.z()) +
+           static_cast<std::size_t>(i.z());
+  }
+  [[nodiscard]] std::vector<std::uint8_t> columns_of(const SpaceRoomTask& task) const;
+  void close(const SpaceGrid& grid, const SpaceRoomTask& task);
+  void measure(double most_m);
+
+  double voxel_m_;
+  VoxelIndex least_, size_;
+  std::vector<State> state_;
+  std::vector<float> distance_;
+};
+
+}  // namespace isobath

@@ -1,0 +1,134 @@
+// What is open and what is closed in a box of water, and how far it is to what is closed.
+#include <gtest/gtest.h>
+#include <isobath/base/random.hpp>
+#include <isobath/planning/space_room.hpp>
+#include <tests/planning/measured_water.hpp>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using test::MeasuredWater;
+
+Hazard block(double north, double east, double half, HazardKind kind = HazardKind::kSeen) {
+  return {{{north - half, east - half},
+           {north + half, east - half},
+           {north + half, east + half},
+           {north - half, east + half}},
+          0,
+          kind,
+          0};
+}
+
+SpaceRoomTask box(const Vector3d& least, const Vector3d& most) {
+  SpaceRoomTask task;
+  task.least = least;
+  task.most = most;
+  task.shallow_m = least.z() - 1;
+  task.deep_m = most.z() + 1;
+  return task;
+}
+
+bool is_closed(const SpaceRoom& room, const Vector3d& p) { return room.distance(room.voxel_at(p)) == 0; }
+
+// ledger: S5-36
+TEST(SpaceRoom, DistanceIsThatToTheNearestFaceOfWhatIsClosed) {
+  MeasuredWater water;
+  Random random(3);
+  std::vector<VoxelIndex> closed;
+  for (int i = 0; i < 60; ++i) {
+    const VoxelIndex v(static_cast<int>(random.index(40)), static_cast<int>(random.index(30)),
+                       static_cast<int>(random.index(16)));
+    water.occupy(v.cast<double>() * 0.5, (v + VoxelIndex::Ones()).cast<double>() * 0.5);
+    closed.push_back(v);
+  }
+  SpaceRoomTask task = box({0.1, 0.1, 0.1}, {19.9, 14.9, 7.9});
+  task.most_m = 4;
+  const SpaceRoom room(water.grid(), task);
+  ASSERT_EQ(room.size(), VoxelIndex(40, 30, 16));
+  for (int i = 0; i < 3000; ++i) {
+    const VoxelIndex v(static_cast<int>(random.index(40)), static_cast<int>(random.index(30)),
+                       static_cast<int>(random.index(16)));
+    double least = 4;
+    for (const VoxelIndex& c : closed) {
+      const Vector3d off = (((v - c).cwiseAbs().cast<double>().array() - 0.5).max(0.0) * 0.5).matrix();
+      least = std::min(least, v == c ? 0.0 : off.norm());
+    }
+    ASSERT_NEAR(room.distance(v), least, 1e-6) << v.transpose();
+    ASSERT_NEAR(room.distance(room.centre_of(v)), least, 1e-6) << "at a centre nothing is interpolated";
+  }
+}
+
+// ledger: S5-33 S5-35
+TEST(SpaceRoom, AHazardOfThePlaneIsClosedButWhereItsWaterWasMeasured) {
+  MeasuredWater water;
+  water.clear({0, -10, 0}, {40, 10, 3});
+  water.clear_flat({0, -10, 3}, {40, 10, 6});
+  SpaceRoomTask task = box({0, -10, 0.1}, {40, 10, 7.9});
+  const std::vector<Hazard> hazards = {block(20, 0, 3)};
+  task.hazards = hazards;
+  const SpaceRoom room(water.grid(), task);
+  EXPECT_FALSE(is_closed(room, {20, 0, 2})) << "measured";
+  EXPECT_TRUE(is_closed(room, {20, 0, 4})) << "free by a fan that tells no height";
+  EXPECT_TRUE(is_closed(room, {20, 0, 7})) << "never looked at";
+  EXPECT_FALSE(is_closed(room, {30, 0, 7})) << "no hazard";
+}
+
+TEST(SpaceRoom, AFenceAndAChartedObstacleStayClosed) {
+  MeasuredWater water;
+  water.clear({0, -10, 0}, {60, 10, 8});
+  SpaceRoomTask task = box({0, -10, 0.1}, {60, 10, 7.9});
+  const std::vector<Hazard> hazards = {block(20, 0, 2, HazardKind::kCharted),
+                                       {{{40, -10}, {40, 10}}, -2, HazardKind::kFence, 0},
+                                       block(50, 0, 2, HazardKind::kRemembered)};
+  task.hazards = hazards;
+  const SpaceRoom room(water.grid(), task);
+  EXPECT_TRUE(is_closed(room, {20, 0, 2}));
+  for (double east = -9.75; east < 10; east += 0.5)
+    EXPECT_TRUE(is_closed(room, {40.2, east, 2})) << "a line without gaps";
+  EXPECT_FALSE(is_closed(room, {50, 0, 2}));
+}
+
+// ledger: S5-39
+TEST(SpaceRoom, OffTheDepthsOfTheMissionOnlyMeasuredWaterIsOpen) {
+  MeasuredWater water;
+  water.clear({10, -2, 0}, {20, 2, 8});
+  SpaceRoomTask task = box({0, -10, 0.1}, {40, 10, 11.9});
+  task.shallow_m = 2;
+  task.deep_m = 5;
+  const SpaceRoom room(water.grid(), task);
+  EXPECT_FALSE(is_closed(room, {30, 0, 3})) << "in the band";
+  EXPECT_TRUE(is_closed(room, {30, 0, 7}));
+  EXPECT_TRUE(is_closed(room, {30, 0, 0.7}));
+  EXPECT_FALSE(is_closed(room, {15, 0, 7})) << "measured";
+  EXPECT_TRUE(is_closed(room, {15, 0, 9})) << "below what was measured";
+}
+
+// ledger: S5-45
+TEST(SpaceRoom, WhatIsNotMeasuredMayStayOpenFartherOff) {
+  MeasuredWater water;
+  water.clear({0, -2, 0}, {10, 2, 8});
+  water.occupy({32, -1, 2}, {33, 1, 4});
+  SpaceRoomTask task = box({0, -10, 0.1}, {60, 10, 7.9});
+  const std::vector<Hazard> hazards = {block(15, 0, 2), block(32, 0, 4), block(50, 0, 2, HazardKind::kCharted)};
+  task.hazards = hazards;
+  task.look_on_m = 20;
+  task.vehicle_W = {2, 0, 3};
+  const SpaceRoom room(water.grid(), task);
+  EXPECT_TRUE(is_closed(room, {15, 0, 3})) << "too near not to know";
+  EXPECT_TRUE(room.is_unsure({30, 0, 3}));
+  EXPECT_FALSE(is_closed(room, {30, 0, 3}));
+  EXPECT_TRUE(is_closed(room, {32.5, 0, 3})) << "there is something";
+  EXPECT_TRUE(is_closed(room, {50, 0, 3})) << "charted";
+  EXPECT_FALSE(room.is_unsure({5, 0, 3}));
+}
+
+TEST(SpaceRoom, RefusesABoxThatNoMemoryHolds) {
+  const SpaceGrid nothing = MeasuredWater().grid();
+  EXPECT_THROW(SpaceRoom(nothing, box({0, 0, 0}, {1e4, 1e4, 100})), Error);
+  EXPECT_THROW(SpaceRoom(nothing, box({0, 0, 0}, {-10, 10, 10})), Error);
+}
+
+}  // namespace
+}  // namespace isobath
