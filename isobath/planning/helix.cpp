@@ -114,12 +114,11 @@ CurveJet jet_of(const Shape& shape, double x) {
           {0, o.lateral.d3, o.vertical.d3}};
 }
 
-void add_demand(PathDemand& demand, const CurveJet& jet, Angle line, double speed) {
+void add_demand(PathDemand& demand, const CurveJet& jet, double speed) {
   const Vector3d t = jet.d1.normalized();
   const double level = t.head<2>().norm(), w2 = jet.d1.squaredNorm();
   const Vector3d bend = (jet.d2 - jet.d1.dot(jet.d2) / w2 * jet.d1) / w2;
-  const Angle off = (Angle::radians(std::atan2(t.y(), t.x())) - line).wrapped();
-  demand.swing = std::max(demand.swing, abs(off));
+  demand.swing = std::max(demand.swing, Angle::radians(std::abs(std::atan2(t.y(), t.x()))));
   demand.pitch = std::max(demand.pitch, Angle::radians(std::atan2(std::abs(t.z()), level)));
   demand.climb_rate = std::max(demand.climb_rate, speed * std::abs(t.z()));
   demand.turn_rate = std::max(demand.turn_rate, speed * bend.norm());
@@ -127,9 +126,9 @@ void add_demand(PathDemand& demand, const CurveJet& jet, Angle line, double spee
   if (turn > 0) demand.least_radius = std::min(demand.least_radius, 1 / turn);
 }
 
-PathDemand no_demand() {
+PathDemand demand_of(const Shape& shape, double to, double speed) {
   PathDemand demand;
-  demand.least_radius = INFINITY;
+  for (double x = shape.from; x < to; x += 0.25) add_demand(demand, jet_of(shape, x), speed);
   return demand;
 }
 
@@ -226,13 +225,6 @@ HelixAmplitudes helix_amplitudes(const HelixConfig& config, const OpeningAngles&
   return {reach(angles.horizontal), reach(angles.vertical)};
 }
 
-PathDemand path_demand(const SpacePath& path, Angle line, double speed) {
-  PathDemand demand = no_demand();
-  const int parts = static_cast<int>(std::ceil(path.length() / 0.25));
-  for (int i = 0; i <= parts; ++i) add_demand(demand, path.jet_at(path.length() * i / parts), line, speed);
-  return demand;
-}
-
 double latest_decision_m(const HelixConfig& config, const VehicleSheet& sheet, double speed) {
   const double radius = std::max(sheet.limits.turning_radius, speed / sheet.limits.max_yaw_rate.radians());
   return radius * (1 + sin(config.max_swing)) + speed * config.reaction_s + config.clearance_m;
@@ -282,10 +274,7 @@ HelixPlan HelixPlanner::plan(const Opening& opening, double along_m, double ampl
   // The whole path with its end counts: the nearest place to leave the helix is found by trying.
   const auto fits = [&] {
     const Shape tried = taking_over_from(last_, shape);
-    PathDemand demand = no_demand();
-    for (double x = tried.from; x < tried.opening_x + beyond_m; x += 0.5)
-      add_demand(demand, jet_of(tried, x), Angle(), speed_);
-    return within(demand, config_, sheet_.limits);
+    return within(demand_of(tried, tried.opening_x + beyond_m, speed_), config_, sheet_.limits);
   };
   while (!left_ && shape.leave < distance && !fits()) shape.leave = std::min(shape.leave + 0.25, distance);
 
@@ -294,7 +283,7 @@ HelixPlan HelixPlanner::plan(const Opening& opening, double along_m, double ampl
   const Pose X_WL = X_WL_;
   SpacePath path([planned, X_WL](double x) { return X_WL * jet_of(planned, x); }, planned.from,
                  planned.opening_x + beyond_m);
-  const PathDemand demand = path_demand(path, X_WL.rotation.heading(), speed_);
+  const PathDemand demand = demand_of(planned, planned.opening_x + beyond_m, speed_);
   return {std::move(path), planned.leave, demand, within(demand, config_, sheet_.limits)};
 }
 

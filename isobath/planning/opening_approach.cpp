@@ -63,15 +63,17 @@ ApproachPhase OpeningApproach::step(const Vector3d& p_W, const Opening& opening,
   if (phase_ == ApproachPhase::kTurnAway) return phase_;
   const double along = planner_.along(p_W);
   const double distance = planner_.along(opening.X_WO.translation) - along;
-  if (phase_ == ApproachPhase::kPass && distance < planner_.latest_m()) return phase_;  // there is no way back
+  const bool committed = phase_ == ApproachPhase::kPass && distance < planner_.latest_m();  // there is no way back
   const bool clear = replan(opening, along, map);
-  const bool leaves = distance <= plan_->leave_m;
+  // Now, if by the next image it were too late.
+  const bool leaves = distance - (along - last_along_) <= plan_->leave_m;
+  last_along_ = along;
   if (phase_ == ApproachPhase::kHelix && leaves) {
     left_at_ = distance;
     planner_.leave();
     const bool known = known_share >= config_.pass_share;
     phase_ = clear && known && fits_through(opening) ? ApproachPhase::kPass : ApproachPhase::kTurnAway;
-  } else if (!clear) {
+  } else if (!clear && !committed) {
     if (!left_at_) left_at_ = distance;
     phase_ = ApproachPhase::kTurnAway;
   }

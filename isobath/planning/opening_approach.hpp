@@ -9,7 +9,7 @@
 //
 // Each image makes a new plan from where the vehicle is. Where the map has something within reach of the helix, the
 // helix is flown at half its amplitude, then not at all. The paper says 20 to 30 m; with a torpedo-shaped vehicle
-// at 1.5 m/s and an opening of 25 m by 8 m it is 26 m. One thread at a time.
+// at 1.5 m/s and an opening of 25 m by 8 m it is 23 m. One thread at a time.
 #pragma once
 
 #include <isobath/map/voxel_map.hpp>
@@ -55,6 +55,7 @@ class OpeningApproach {
   ApproachPhase phase_ = ApproachPhase::kHelix;
   std::optional<HelixPlan> plan_;
   std::optional<double> left_at_;
+  double last_along_ = 0;
 };
 
 }  // namespace isobath

@@ -4,6 +4,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/vehicle/path_helm.hpp>
 #include <isobath/vehicle/plant.hpp>
+#include <numbers>
 
 namespace isobath {
 namespace {
@@ -61,18 +62,20 @@ DepthLoop identify_depth_loop(std::span<const double> asked_m, std::span<const d
   return {found(0), found(1)};
 }
 
-DepthLoop measured_depth_loop(const VehicleModel& model, double speed) {
-  constexpr double kStep = 0.05, kSettle = 60, kPeriod = 30, kRecord = 120;  // s
+DepthLoop measured_depth_loop(const VehicleModel& model, double speed, double period_s) {
+  constexpr double kStep = 0.05, kSettle = 60;  // s
+  constexpr int kWaves = 4;
   const double middle = std::min(10.0, 0.5 * model.limits.max_depth);
+  // Half of what asks for the greatest climb rate: the loop is to answer freely.
+  const double height = std::min(model.limits.max_climb_rate / model.autopilot.depth_bandwidth, 0.5 * middle);
   VehicleState start;
   start.X_WB.translation.z() = middle;
   start.v_B.x() = speed;
   DynamicVehicle vehicle(model, start);
   std::vector<double> asked, depth;
-  for (double t = 0; t < kSettle + kRecord; t += kStep) {
-    const bool up = std::fmod(t, kPeriod) < kPeriod / 2;
-    const double wanted = t < kSettle ? middle : middle + (up ? 0.5 : -0.5);
-    if (t >= kSettle) {
+  for (double t = -kSettle; t < kWaves * period_s; t += kStep) {
+    const double wanted = middle + (t > 0 ? height * std::sin(2 * std::numbers::pi * t / period_s) : 0);
+    if (t >= 0) {
       asked.push_back(wanted);
       depth.push_back(vehicle.state().X_WB.translation.z());
     }
@@ -85,6 +88,7 @@ std::vector<Field> fields(PathHelmConfig& c) {
   return {Field::real("along_gain", &c.along_gain, {0, 10}, "1/s", "How fast the virtual target closes up."),
           Field::real("approach", &c.approach_m, {0.1, 100}, "m", "Beside the path, where it is met at 30 degrees."),
           Field::real("heading_lag", &c.heading_lag_s, {0, 60}, "s", "By which the heading comes after its set-point."),
+          Field::real("drift_time", &c.drift_time_s, {0, 600}, "s", "Of the filter on the drift across; 0: not used."),
           Field::flag("shape_depth", &c.shape_depth, "Ask for depths that the vehicle's lag turns into the path's.")};
 }
 
@@ -108,15 +112,13 @@ Setpoint PathHelm::step(const VehicleState& state, double dt) {
   const Vector2d ahead = tangent.head<2>().normalized(), starboard(-ahead.y(), ahead.x());
   const double level = tangent.head<2>().norm();
   const double turn = s_dot * bend.head<2>().dot(starboard) / level;  // rate of the path's heading
-  const double beside = gap.head<2>().dot(starboard), drift = v_W.head<2>().dot(starboard);
-  const double wide = std::abs(beside) + config_.approach_m, sine = -beside / wide;
-  const double slope = config_.approach_m / (wide * wide) / std::sqrt(1 - sine * sine);
-  const double wanted = std::atan2(ahead.y(), ahead.x()) + std::asin(sine);
-  const double wanted_rate = turn - slope * drift;
-  const double crab = state.v_B.x() > 0.1 ? std::atan2(state.v_B.y(), state.v_B.x()) : 0;
+  const double beside = gap.head<2>().dot(starboard);
+  const double wanted = std::atan2(ahead.y(), ahead.x()) - std::asin(beside / (std::abs(beside) + config_.approach_m));
+  drift_.update(state.X_WB.rotation.heading(), v_W, config_.drift_time_s, dt);
+  const Angle course = Angle::radians(wanted + config_.heading_lag_s * turn);
 
   Setpoint order;
-  order.heading = Angle::radians(wanted + config_.heading_lag_s * wanted_rate - crab).wrapped();
+  order.heading = (course - drift_.crab(course, speed_)).wrapped();
   order.depth = target_.p_W.z();
   if (config_.shape_depth) {
     order.depth += loop_.lag_s * s_dot * tangent.z() + loop_.lag2_s2 * s_dot * s_dot * bend.z();

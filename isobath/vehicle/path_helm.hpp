@@ -3,8 +3,8 @@
 //
 // Horizontal and vertical motion are decoupled. A virtual target moves along the path as in S5-51. The heading is that
 // of the path at the target, plus the approach angle asin(-y / (|y| + approach_m)) for a vehicle y to starboard of it,
-// plus what its own rate of change makes of the lag of the heading loop, less the angle at which the water carries the
-// hull aside.
+// plus what the lag of the heading loop makes of the path's turning, less the crab angle of a steady drift (Drift).
+// What the approach angle's own rate would add is left out: with the sway of a real hull in it the loop is not stable.
 //
 // Depth. A depth loop comes after what it is asked for: about asked = z + lag z' + lag2 z''. So the depth asked for is
 // not the path's, but that expression with the path's depth and its derivatives at the speed of the target: the inverse
@@ -16,7 +16,7 @@
 #pragma once
 
 #include <isobath/geometry/space_path.hpp>
-#include <isobath/vehicle/autopilot.hpp>
+#include <isobath/vehicle/guidance.hpp>
 #include <span>
 
 namespace isobath {
@@ -32,13 +32,14 @@ struct DepthLoop {
 DepthLoop identify_depth_loop(std::span<const double> asked_m, std::span<const double> depth_m, double dt,
                               double filter_s = 2);
 
-/// Steps the depth loop of a vehicle under way in still water by half a metre up and down, and identifies it.
-DepthLoop measured_depth_loop(const VehicleModel& model, double speed);
+/// Of a vehicle under way in still water, from four waves of the period at which it will be asked to go up and down.
+DepthLoop measured_depth_loop(const VehicleModel& model, double speed, double period_s);
 
 struct PathHelmConfig {
   double along_gain = 0.5;   ///< 1/s, K1 of S5-51
   double approach_m = 3;     ///< beside the path, where it is met at 30 degrees
   double heading_lag_s = 1;  ///< of the heading loop
+  double drift_time_s = 8;   ///< of the filter on the drift across the hull; 0: not used
   bool shape_depth = true;   ///< ask for the inverse of the depth loop
 };
 
@@ -64,6 +65,7 @@ class PathHelm {
   DepthLoop loop_;
   double speed_;
   double s_ = 0;
+  Drift drift_;
   PathFrame target_;
 };
 
