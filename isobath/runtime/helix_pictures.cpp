@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/runtime/helix_pictures.hpp>
+#include <isobath/runtime/html_report.hpp>
 #include <isobath/runtime/picture.hpp>
 #include <limits>
 #include <numbers>
@@ -290,6 +291,44 @@ std::string worth_chart(const HelixStudy& study) {
   }
   chart.finish();
   return chart.png();
+}
+
+std::vector<std::filesystem::path> write_helix_report(const HelixStudy& study, const std::filesystem::path& folder) {
+  make_folder(folder);
+  HtmlReport page("Approach by helix",
+                  fmt::format("An opening {:g} m wide and {:g} m high, approached by a helix and straight.",
+                              study.opening.width_m, study.opening.height_m));
+  std::vector<std::filesystem::path> files;
+  const auto add = [&](const char* name, const std::string& png, const std::string& caption) {
+    write_file(folder / name, png);
+    files.emplace_back(name);
+    page.figure(png, caption);
+  };
+  std::vector<HtmlReport::Row> rows;
+  for (const auto& [what, value] : helix_facts(study)) rows.push_back({what, value});
+  page.table({"what", "value"}, rows);
+  page.heading("What is known of the opening");
+  add("helix-known.png", known_share_chart(study), "Seen by both fans at once from within their range.");
+  page.begin_row();
+  add("helix-opening.png", opening_picture(study, study.helix, "The opening, after the helix"),
+      "Seen from the vehicle; the shade is the distance from where it was known.");
+  add("helix-opening-straight.png", opening_picture(study, study.straight, "The opening, after the straight approach"),
+      "The same without the helix.");
+  page.end_row();
+  add("helix-entropy.png", entropy_chart(study), "Of a map of the water from the start to the opening.");
+  page.heading("The manoeuvre");
+  page.begin_row();
+  add("helix-approach.png", approach_picture(study), "Helix, decision, and what followed.");
+  add("helix-swing.png", swing_chart(study), "Amplitudes grow as the opening comes nearer.");
+  page.end_row();
+  add("helix-worth.png", worth_chart(study), "A dot for every half metre of B.");
+  page.heading("Path following");
+  add("helix-frames.png", helix_frames_picture(study.reference, study.convergence.back()),
+      "The Serret-Frenet frame along a steady helix.");
+  add("helix-errors.png", convergence_chart(study), "From two places off the helix.");
+  page.save(folder / "report.html");
+  files.emplace_back("report.html");
+  return files;
 }
 
 }  // namespace isobath

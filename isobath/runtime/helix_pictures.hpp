@@ -1,6 +1,7 @@
 // What an approach by helix looks like (helix_study.hpp), as PNG.
 #pragma once
 
+#include <filesystem>
 #include <isobath/runtime/helix_study.hpp>
 #include <string>
 
@@ -23,5 +24,8 @@ std::string opening_picture(const HelixStudy& study, const ApproachLog& log, con
 std::string approach_picture(const HelixStudy& study);
 /// Share known after one turn against the stretch of the way (S5-46).
 std::string worth_chart(const HelixStudy& study);
+
+/// The pictures and report.html with all of them; returns the names of the files. Throws Error where it cannot write.
+std::vector<std::filesystem::path> write_helix_report(const HelixStudy& study, const std::filesystem::path& folder);
 
 }  // namespace isobath

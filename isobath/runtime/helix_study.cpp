@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/runtime/embedded_files.hpp>
 #include <isobath/runtime/helix_study.hpp>
@@ -65,6 +66,24 @@ Convergence converge(const SpacePath& path, const PathFollowingConfig& config, c
 }
 
 }  // namespace
+
+std::vector<Section> sections(HelixRequest& r) {
+  std::vector<Field> approach{
+      Field::real("width", &r.width_m, {0.5, 1000}, "m", "Of the opening."),
+      Field::real("height", &r.height_m, {0.5, 1000}, "m", "Of the opening, from the surface to the bed."),
+      Field::real("from", &r.from_m, {2, 1000}, "m", "Where the approach begins, before the opening."),
+      Field::degrees("course_deg", &r.course, {-360, 360}, "Of the approach line, clockwise from north."),
+      Field::real("speed", &r.speed, {0.1, 20}, "m/s", "Through the water."),
+      Field::real("images", &r.images_per_s, {0.1, 20}, "1/s", "Of the pair of fans; each plans the approach anew."),
+      Field::choice("plant", &r.plant, {{"dynamic", PlantKind::kDynamic}, {"kinematic", PlantKind::kKinematic}},
+                    "Whether the vehicle has inertia and an autopilot."),
+      Field::file("vehicle", &r.vehicle, "Vehicle file; empty: the one that the program brings along.")};
+  return {{"approach", "The opening and the vehicle.", std::move(approach)},
+          {"helix", "The helix and the decision.", fields(r.helix)},
+          {"fans", "The pair of forward-looking fans.", fields(r.fans)},
+          {"following", "The path-following law by pitch rate and turn rate.", fields(r.following)},
+          {"helm", "Path following by set-points of heading and depth.", fields(r.helm)}};
+}
 
 ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model, const DepthLoop& loop, double share) {
   const Opening opening = opening_of(request);
@@ -170,6 +189,36 @@ HelixStudy study_helix(const HelixRequest& request) {
     }
   }
   return study;
+}
+
+std::vector<std::pair<std::string, std::string>> helix_facts(const HelixStudy& s) {
+  const ApproachLog &helix = s.helix, &straight = s.straight;
+  const auto percent = [](double share) { return fmt::format("{:.1f} %", 100 * share); };
+  std::vector<std::pair<std::string, std::string>> facts{
+      {"opening known to be free, helix", percent(helix.view.known_share())},
+      {"opening known to be free, straight", percent(straight.view.known_share())},
+      {"entropy of the water before it, helix", fmt::format("{:.3f} bits a voxel", helix.samples.back().bits_a_voxel)},
+      {"the same, straight", fmt::format("{:.3f} bits a voxel", straight.samples.back().bits_a_voxel)},
+      {"decision", fmt::format("{}, {:.1f} m before it", to_text(helix.samples.back().phase), helix.leave_m)},
+      {"latest decision", fmt::format("{:.1f} m before it", s.latest_decision_m)},
+      {"nearest to the opening", helix.nearest_m > 0 ? fmt::format("{:.1f} m", helix.nearest_m) : "went through"},
+      {"way to the decision over the line's",
+       fmt::format("{:.3f}", helix.way_m / (helix.samples.front().distance_m - helix.leave_m))},
+      {"off the planned helix, rms",
+       fmt::format("{:.2f} m vertically, {:.2f} m across", helix.vertical_rms_m, helix.lateral_rms_m)},
+      {"depth loop, as identified",
+       fmt::format("asked = z + {:.2f} s z' + {:.2f} s2 z''", s.depth_loop.lag_s, s.depth_loop.lag2_s2)},
+      {"helix of A, B, C = 6, 4, 2 m",
+       fmt::format("{:.1f} m a turn, way {:.1f} m, heading {:.1f} deg, pitch {:.1f} deg, {:.1f} deg/s at 1.5 m/s",
+                   s.reference.turn_m(), s.reference.way_m(), s.reference.heading_swing().degrees(),
+                   s.reference.pitch_swing().degrees(), Angle::radians(1.5 * s.reference.max_curvature()).degrees())}};
+  for (const Convergence& c : s.convergence) {
+    facts.emplace_back(
+        fmt::format("path following from ({:g}, {:g}, {:g}) m", c.start_F.x(), c.start_F.y(), c.start_F.z()),
+        fmt::format("{:.1e} m off after {:.0f} s; greatest rise of V {:.0e}", c.off_m.back(), c.time_s.back(),
+                    c.greatest_rise));
+  }
+  return facts;
 }
 
 }  // namespace isobath

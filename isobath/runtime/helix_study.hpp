@@ -14,6 +14,7 @@
 #include <isobath/vehicle/path_helm.hpp>
 #include <isobath/vehicle/plant.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace isobath {
@@ -31,6 +32,9 @@ struct HelixRequest {
   PathHelmConfig helm;
   FanPair fans;
 };
+
+/// All of it, as `--config` and `--set` name it; bound to `request`, which must outlive them.
+std::vector<Section> sections(HelixRequest& request);
 
 /// One image of an approach.
 struct ApproachSample {
@@ -81,6 +85,9 @@ struct HelixStudy {
 
 /// Throws Error where the request makes no sense.
 HelixStudy study_helix(const HelixRequest& request);
+
+/// What came of it, one line each: what, and how much.
+std::vector<std::pair<std::string, std::string>> helix_facts(const HelixStudy& study);
 
 /// Flies one approach; `share` 0: straight.
 ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model, const DepthLoop& loop, double share);
