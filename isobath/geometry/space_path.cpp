@@ -135,30 +135,4 @@ PathFrame SpacePath::frame_at(double s) const {
   return frame;
 }
 
-double SpacePath::nearest(const Vector3d& p_W, double s, double reach_m) const {
-  const double low = std::clamp(s - reach_m, 0.0, length()), high = std::clamp(s + reach_m, 0.0, length());
-  double best = low, least = (curve_(parameter_at(low)).p - p_W).squaredNorm();
-  const auto consider = [&](double at, const Vector3d& p) {
-    const double off = (p - p_W).squaredNorm();
-    if (off < least) {
-      least = off;
-      best = at;
-    }
-  };
-  for (const Sample& x : samples_) {
-    if (x.s >= low && x.s <= high) consider(x.s, x.p);
-  }
-  consider(high, jet_at(high).p);
-  for (int i = 0; i < 8; ++i) {  // Newton on the along-track distance
-    const PathFrame frame = frame_at(best);
-    const Vector3d gap = p_W - frame.p_W;
-    const double along = gap.dot(frame.tangent());
-    const double slope = 1 - frame.k1 * gap.dot(frame.R_WF.col(1)) - frame.k2 * gap.dot(frame.R_WF.col(2));
-    const double next = std::clamp(best + along / std::max(slope, 0.2), low, high);
-    if (std::abs(next - best) < 1e-10) break;
-    best = next;
-  }
-  return best;
-}
-
 }  // namespace isobath

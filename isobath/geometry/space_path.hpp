@@ -67,8 +67,6 @@ class SpacePath {
   [[nodiscard]] CurveJet jet_at(double s) const { return curve_(parameter_at(s)); }
   /// Rotation-minimising.
   [[nodiscard]] PathFrame frame_at(double s) const;
-  /// The arc length of the point nearest to p, within `reach_m` of s.
-  [[nodiscard]] double nearest(const Eigen::Vector3d& p_W, double s, double reach_m) const;
 
  private:
   struct Sample {
