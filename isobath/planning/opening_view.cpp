@@ -72,7 +72,7 @@ double OpeningView::known_share() const {
 }
 
 HelixWorth helix_worth(const EllipticHelix& helix, const Opening& opening, double nearest_m, const FanPair& pair) {
-  OpeningView view(opening, pair);
+  OpeningView view(opening, pair, 0.5);
   constexpr int kLooks = 72;
   const double start = -nearest_m - helix.turn_m();
   for (int i = 0; i <= kLooks; ++i) {

@@ -153,7 +153,7 @@ std::string helix_frames_picture(const EllipticHelix& helix, const Convergence& 
     if (p.x() <= end * helix.advance_m) flown.push_back(p);
   }
   picture.path(way, {palette::kInk, 2.4, false});
-  picture.path(flown, {{0.8, 0.3, 0.6, 1}, 2, true});
+  picture.path(flown, {{0.8, 0.3, 0.6, 1}, 2, false});
   constexpr int kFrames = 19;
   for (int i = 0; i < kFrames; ++i) {
     const PathFrame frame = helix.frame(end * i / (kFrames - 1));
@@ -164,7 +164,7 @@ std::string helix_frames_picture(const EllipticHelix& helix, const Convergence& 
   picture.legend({{{kTangent, 3, false}, "T: along the path"},
                   {{kNormal, 3, false}, "N: to the inside of its bend"},
                   {{kBinormal, 3, false}, "B: across both"},
-                  {{{0.8, 0.3, 0.6, 1}, 2, true}, "a vehicle that begins off the helix and is led onto it"},
+                  {{{0.8, 0.3, 0.6, 1}, 2, false}, "a vehicle that begins off the helix and is led onto it"},
                   {{{0.6, 0.62, 0.65, 0.8}, 2, false}, "the helix from above, on the floor of the picture"}});
   return picture.png();
 }
@@ -178,7 +178,9 @@ std::string convergence_chart(const HelixStudy& study) {
     const Vector3d& p = c.start_F;
     chart.curve(c.time_s, c.off_m, {colours[i % 2], 2.5, false},
                 fmt::format("from ({:g}, {:g}, {:g}) m", p.x(), p.y(), p.z()));
-    chart.curve(c.time_s, c.lyapunov, {colours[i % 2], 1.4, true}, "");
+    std::vector<double> lyapunov = c.lyapunov;  // down to where rounding begins
+    for (double& v : lyapunov) v = v < 1e-12 ? std::numeric_limits<double>::quiet_NaN() : v;
+    chart.curve(c.time_s, lyapunov, {colours[i % 2], 1.4, true}, "");
   }
   chart.finish();
   return chart.png();

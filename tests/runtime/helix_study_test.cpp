@@ -17,6 +17,8 @@ HelixRequest request_for(double width, double height) {
   return request;
 }
 
+VehicleModel torpedo() { return load_vehicle((test::source_folder() / "vehicles" / "remus100.toml").string()); }
+
 double last_share(const ApproachLog& log) { return log.samples.back().known_share; }
 
 // ledger: S5-40 S5-45 S5-53 S5-58 S5-D09 S5-F01
@@ -59,24 +61,25 @@ TEST(HelixStudy, TheHelixShowsNineTenthsOfTheOpeningBeforeTheDecision) {
 TEST(HelixStudy, TheVehicleStaysWithinItsLimits) {
   HelixRequest request = request_for(25, 14);
   request.plant = PlantKind::kKinematic;
-  const HelixStudy study = study_helix(request);
+  const VehicleModel model = torpedo();
+  const ApproachLog log = fly_approach(request, model, {}, 1);
   const double least_s = 1 / request.images_per_s;
-  const auto& samples = study.helix.samples;
+  const auto& samples = log.samples;
   for (std::size_t i = 1; i < samples.size() && samples[i].phase != ApproachPhase::kTurnAway; ++i) {
     const double turned = abs((samples[i].heading - samples[i - 1].heading).wrapped()).degrees() / least_s;
-    EXPECT_LE(turned, study.sheet.limits.max_yaw_rate.degrees() + 1e-6);
+    EXPECT_LE(turned, model.limits.max_yaw_rate.degrees() + 1e-6);
     const double climbed = std::abs(samples[i].p_O.z() - samples[i - 1].p_O.z()) / least_s;
-    EXPECT_LE(climbed, study.sheet.limits.max_climb_rate + 1e-6);
+    EXPECT_LE(climbed, model.limits.max_climb_rate + 1e-6);
     EXPECT_LE(abs(samples[i].heading).degrees(), 22) << samples[i].distance_m;
   }
-  EXPECT_GE(last_share(study.helix), 0.9);
+  EXPECT_GE(last_share(log), 0.9);
 }
 
 // ledger: S5-45
 TEST(HelixStudy, TurnsAwayFromAnOpeningThatIsTooNarrow) {
-  const HelixStudy study = study_helix(request_for(1.8, 8));
-  EXPECT_EQ(study.helix.samples.back().phase, ApproachPhase::kTurnAway);
-  EXPECT_GT(study.helix.nearest_m, HelixConfig().clearance_m);
+  const ApproachLog log = fly_approach(request_for(1.8, 8), torpedo(), {6, 12}, 1);
+  EXPECT_EQ(log.samples.back().phase, ApproachPhase::kTurnAway);
+  EXPECT_GT(log.nearest_m, HelixConfig().clearance_m);
 }
 
 // ledger: S5-56 S5-D07 S5-D08
