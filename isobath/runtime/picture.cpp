@@ -360,7 +360,7 @@ void ChartPicture::draw_ticks(const Axis& axis, bool horizontal) const {
       values.push_back(std::pow(10, e));
     }
   } else {
-    values = ticks(axis.low, axis.high, 6);
+    values = ticks(std::min(axis.low, axis.high), std::max(axis.low, axis.high), 6);
   }
   const double bottom = top_ + plot_height_;
   for (const double v : values) {

@@ -116,7 +116,7 @@ class ChartPicture : public Canvas {
  public:
   struct Axis {
     std::string label;
-    double low = 0, high = 1;
+    double low = 0, high = 1;  ///< a linear axis may run down: high below low
     bool logarithmic = false;
   };
   ChartPicture(int width_px, int height_px, std::string title, Axis x, Axis y);

@@ -15,13 +15,14 @@ TEST(Usage, HelpAndVersion) {
                                                                                          {"convert", "--help"},
                                                                                          {"calibrate", "--help"},
                                                                                          {"compare", "--help"},
+                                                                                         {"helix", "--help"},
                                                                                          {"config", "--help"}}) {
     const auto result = test::isobath(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments[0];
     EXPECT_EQ(result.err, "");
     EXPECT_THAT(result.out, HasSubstr("--help"));
   }
-  for (const char* command : {"run", "info", "convert", "calibrate", "compare", "config"}) {
+  for (const char* command : {"run", "info", "convert", "calibrate", "compare", "helix", "config"}) {
     EXPECT_THAT(test::isobath({"--help"}).out, HasSubstr(command));
   }
   const auto version = test::isobath({"--version"});
