@@ -36,8 +36,8 @@ SpaceRouteTask Navigator::space_task(std::span<const Hazard> hazards) const {
   return task;
 }
 
-/// Whether the way that is under way keeps clear of all that is not known to be water, in three dimensions; what lies
-/// `decide_m` and more ahead need not be known yet.
+/// Whether the way that is under way keeps clear of all that is not known to be water, in three dimensions. Of a way
+/// that was chosen so, what lies `decide_m` and more ahead need not be known yet.
 bool Navigator::leads_through(const View& view, const Conflict& conflict, Outbox& out) {
   if (!space_) return false;
   const std::vector<Hazard> hazards = hazards_W(view);
@@ -49,12 +49,11 @@ bool Navigator::leads_through(const View& view, const Conflict& conflict, Outbox
   const double here = room.distance(task.start);
   if (here < vehicle_.half_width_m || !is_clear(room, way, std::min(wanted, here))) return false;
   if (!through_) {
+    if (sure_length(room, way) < way_length(way)) return false;  // first see whether a way round it costs little
     through_ = true;
     Decision d = about(view, view.way, conflict);
     d.what = "keep";
-    const double sure = sure_length(room, way), all = way_length(way);
-    d.reason += sure < all ? fmt::format("; it is {:.0f} m to there, and time to measure how high it is", sure)
-                           : std::string("; the water there was measured, and is clear at the depth of the way");
+    d.reason += "; the water there was measured, and is clear at the depth of the way";
     out.say(std::move(d));
   }
   return true;

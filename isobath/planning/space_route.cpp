@@ -16,7 +16,7 @@ constexpr double kFarthestGoal = 1e7;  // m
 constexpr double kTurnOff = 0.05;      // m: no vehicle holds its way to better
 constexpr double kArcSag = 0.1;        // m
 constexpr double kNearestGoal = 5;     // m: a way in part leads at least so far
-constexpr int kWidestCell = 8;         // voxels
+constexpr int kWidestCell = 20;        // voxels
 constexpr double kLittle = 0.1;        // m: what a start that is hemmed in may lose between centres of voxels
 
 class SpaceRouter {

@@ -19,6 +19,7 @@ std::vector<Field> about_fields(SuiteConfig& c) {
           Field::text("text", &c.text, "What it shows."),
           Field::file("scene", &c.scene, "The scene, with its mission, that all runs are made from."),
           Field::file("faults", &c.faults, "Or a folder with a scene for each row of the fault table, named like it."),
+          Field::text("without", &c.without, "Name of a sonar of the scene that is switched off; empty: none."),
           Field::integer("runs", &c.runs, {1, 1'000'000}, "", "How many, unless the command line says otherwise."),
           Field::integer("seed", &c.seed, {0, 1'000'000'000}, "", "Of the first run; the next ones count on."),
           Field::real("duration_s", &c.duration_s, {0, 1e5}, "s",
@@ -230,6 +231,15 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
   if (suite.vary.drift[1] > 0) {
     scene.navigator.drift_share = drift.uniform(suite.vary.drift[0], suite.vary.drift[1]);
     run.conditions += fmt::format("; drift {:.2f} %", 100 * scene.navigator.drift_share);
+  }
+  if (!suite.about.without.empty()) {
+    const auto off = std::find_if(scene.sonars.begin(), scene.sonars.end(),
+                                  [&](const SonarConfig& sonar) { return sonar.name == suite.about.without; });
+    if (off == scene.sonars.end()) {
+      throw Error("no sonar of the scene is named " + suite.about.without, {.key = "suite.without"},
+                  "the name of a sonar in " + scene.file);
+    }
+    off->on = false;
   }
   const double factor = noise.uniform(suite.vary.noise[0], suite.vary.noise[1]);
   for (SonarConfig& sonar : scene.sonars) {

@@ -29,6 +29,7 @@ struct SuiteConfig {
   std::string title = "a suite", text;
   std::string scene;
   std::string faults;  ///< or a folder of scenes that are named like the rows of the fault table
+  std::string without;  ///< name of a sonar that is switched off
   int runs = 100;
   int seed = 1;
   double duration_s = 240;    ///< 0: the scene's own

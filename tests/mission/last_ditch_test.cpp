@@ -4,6 +4,7 @@
 #include <limits>
 #include <random>
 #include <tests/mission/safety_stream.hpp>
+#include <tests/planning/measured_water.hpp>
 
 namespace isobath {
 namespace {
@@ -285,6 +286,30 @@ TEST(NearEchoes, StandStillInTheWorldAndMoveWithItsCorrections) {
   const auto moved = echoes.confirmed(second, 0, kLimits, 1.2);
   ASSERT_EQ(moved.size(), 1u);
   EXPECT_NEAR((moved[0] - Vector2d(6, -2)).norm(), 0, 1e-9);
+}
+
+// A berm that rises to a metre below the vehicle's margin: every ping hears it, and it is no obstacle.
+// ledger: S5-35 S5-37
+TEST(LastDitch, PassesOverWhatWasMeasuredToLieBelow) {
+  for (const bool stops : {true, false}) {
+    SafetyStream stream(stops ? test::hovering() : test::flying());
+    const std::vector<Vector2d> berm = {{60, -3}, {60, -2}, {60, -1}, {60, 0}, {60, 1}, {60, 2}, {60, 3}};
+    show(stream, berm, 20, 0.6);
+    test::MeasuredWater water;
+    water.clear({0, -8, 3}, {90, 8, 6.5});
+    stream.tell(SpaceSeen{stream.now(), std::make_shared<const SpaceGrid>(water.grid())});
+    stream.run_to(100);
+    EXPECT_EQ(stream.raised(Fault::kCollisionAhead), -1) << stops;
+    EXPECT_EQ(stream.raised(Fault::kCollisionUnavoidable), -1) << stops;
+    EXPECT_GT(stream.place.x(), 80);
+  }
+  SafetyStream stream;
+  show(stream, {{60, 0}}, 20, 0.6);
+  test::MeasuredWater water;
+  water.clear({0, -8, 3}, {90, 8, 5.5});
+  stream.tell(SpaceSeen{stream.now(), std::make_shared<const SpaceGrid>(water.grid())});
+  stream.run_to(100);
+  EXPECT_GE(stream.raised(Fault::kCollisionAhead), 0) << "half a metre below it nothing was measured";
 }
 
 }  // namespace

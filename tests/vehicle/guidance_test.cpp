@@ -331,6 +331,29 @@ TEST(StationKeeper, CirclesWhereTheVehicleCannotHover) {
   }
 }
 
+// On a leg that rises the set-point is the depth of where the vehicle will be when it has come after it.
+// ledger: S5-53 S5-54
+TEST(Waypoints, RiseAlongALegThatSaysWhereItBegins) {
+  VehicleSheet sheet;
+  sheet.depth_lag_s = 4;
+  sheet.limits.max_speed = 2;
+  const std::vector<Waypoint> way = {{0.5, 0, 8, 1}, {40, 0, 4, 1, 8.0}, {80, 0, 2, 1}};
+  for (const bool known : {false, true}) {
+    LineOfSight line({.acceptance_radius = 1}, way, known ? std::optional(sheet) : std::nullopt);
+    const auto depth_at = [&](double north) {
+      return line.step({Rotation(), {north, 0, 6}}, Vector3d(1, 0, 0), kDt).depth;
+    };
+    EXPECT_EQ(depth_at(-40), 8.0);
+    depth_at(0);
+    const double lead = known ? 4 : 0;
+    for (double north = 2; north < 39; north += 4) {
+      const double share = std::min(1.0, (north - 0.5 + lead) / 39.5);
+      EXPECT_NEAR(depth_at(north), 8 - 4 * share, 0.01) << north;
+    }
+    EXPECT_EQ(depth_at(45), 2) << "at once";
+  }
+}
+
 TEST(Waypoints, AllocateNothing) {
   LineOfSight guidance({}, {{50, 0, 5, 1}, {100, 0, 5, 1}}, sheet_of(test::remus()));
   StationKeeper keeper({}, sheet_of(test::rov()));
