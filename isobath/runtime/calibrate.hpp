@@ -1,11 +1,12 @@
 // The calibration job: recordings of background, and of targets that somebody marked, in; a sensor model, noise fits,
 // ROC curves with intervals, and a report out (Ganesan 2015, chapters 3.1 and 4; ledger S6-04 to S6-09, S6-D01 to
-// S6-D03).
+// S6-D03). Where there are marks, a histogram model as well (histogram_calibration.hpp).
 #pragma once
 
 #include <filesystem>
 #include <functional>
 #include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/histogram_calibration.hpp>
 #include <isobath/sonar/calibration.hpp>
 #include <optional>
 #include <vector>
@@ -24,8 +25,9 @@ struct CalibrateRequest {
 
 struct CalibrateOutcome {
   CalibrationResult result;
-  int left_out = 0;                          ///< pings that were neither background nor marked
-  std::vector<std::filesystem::path> files;  ///< written, relative to the folder
+  std::optional<HistogramCalibration> histograms;  ///< where objects were marked
+  int left_out = 0;                                ///< pings that were neither background nor marked
+  std::vector<std::filesystem::path> files;        ///< written, relative to the folder
 };
 
 /// Throws Error: nothing to calibrate from, too little background, a folder that cannot be written.

@@ -13,7 +13,7 @@ void use(const std::string& bytes) {
     const auto model = std::make_shared<const HistogramModel>(read_histogram_model(bytes, "fuzz"));
     ISOBATH_ASSERT(read_histogram_model(write_histogram_model(*model), "again").noise == model->noise);
     const LikelihoodRatios ratios(model);
-    ratios.operating_point(0.02, 1);
+    ISOBATH_ASSERT(ratios.operating_point(0.02, 1).false_alarm <= 0.02);
   } catch (const Error&) {
   }
 }
