@@ -81,7 +81,7 @@ std::vector<Field> fields(HistogramConfig& c) {
   return {
       Field::integer("levels", &c.levels, {2, 256}, "1", "Levels of intensity that are told apart."),
       Field::real("level_width", &c.level_width, {0, 1e9}, "counts",
-                  "Width of a level, the last one open above; 0: full scale over levels."),
+                  "Width of a level, the last one open above; 0: as the background needs."),
       Field::real("smoothing", &c.smoothing, {1e-3, 100}, "samples",
                   "Added to every level, so that one never seen is unlikely and not impossible."),
       Field::real("drop_share", &c.drop_share, {0, 0.5}, "1",

@@ -36,7 +36,7 @@ namespace isobath {
 
 struct HistogramConfig {
   int levels = 25;
-  double level_width = 0;    ///< counts; 0: full scale over levels
+  double level_width = 0;    ///< counts; 0: full scale over levels; `isobath calibrate` fits it to the background
   double smoothing = 0.5;    ///< k
   double drop_share = 0.01;  ///< of the samples of a pixel, the brightest
   int pool_bins = -1;        ///< on each side; -1: by the number of images
