@@ -396,7 +396,7 @@ TEST(HistogramLearner, AddsRecordingsOfOneSettingOnly) {
   Ping ping = sonar.ping();
   ping.window.bin_m *= 1.5;
   EXPECT_THROW(learner.add_background(ping), Error);
-  EXPECT_THROW(HistogramLearner(own_pixels()).model("nothing"), Error);
+  EXPECT_THROW(static_cast<void>(HistogramLearner(own_pixels()).model("nothing")), Error);
   HistogramLearner noise_only(own_pixels());
   noise_only.add_background(sonar.ping());
   EXPECT_THROW(LikelihoodRatios(shared(noise_only.model("noise"))), Error);
