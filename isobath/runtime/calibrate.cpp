@@ -38,7 +38,38 @@ void add_marked_frames(Calibration& calibration, std::span<const MarkedFrame> fr
   }
 }
 
-int add_log(Calibration& calibration, const CalibrateRequest& request) {
+/// The noise of what is learnt, the objects of another model.
+class BorrowedObjects {
+ public:
+  BorrowedObjects(const std::filesystem::path& model, HistogramConfig config)
+      : objects_(load_histogram_model(model)), learner_(with_levels(config, objects_.config)) {}
+
+  void add(const Ping& background) { learner_.add_background(background); }
+  void add(std::span<const MarkedFrame> frames) {
+    for (const MarkedFrame& frame : frames) {
+      if (frame.background) {
+        learner_.add_background(frame.ping);
+      } else {
+        learner_.add_marked(frame.ping, frame.marked);
+      }
+    }
+  }
+  HistogramModel model(const std::string& source) {
+    learner_.add_objects(objects_);
+    return learner_.model(source);
+  }
+
+ private:
+  static HistogramConfig with_levels(HistogramConfig config, const HistogramConfig& from) {
+    config.levels = from.levels;
+    config.level_width = from.level_width;
+    return config;
+  }
+  HistogramModel objects_;
+  HistogramLearner learner_;
+};
+
+int add_log(Calibration& calibration, BorrowedObjects* borrowed, const CalibrateRequest& request) {
   const auto source = open_source(request.input, request.configuration.input);
   std::vector<float> beam;
   int left_out = 0;
@@ -50,6 +81,7 @@ int add_log(Calibration& calibration, const CalibrateRequest& request) {
                        strongest(*ping, request.configuration.calibration.blind_m, beam) < *request.background_below;
     if (quiet) {
       calibration.add_background(*ping);
+      if (borrowed) borrowed->add(*ping);
     } else {
       ++left_out;
     }
@@ -157,10 +189,11 @@ void add_comparison(HtmlReport& page, const CalibrationResult& result,
       "On frames that were not used for the thresholds (cross-validation), at the same measured false-alarm rate; 95 % "
       "intervals after Wilson.");
   std::vector<HtmlReport::Row> rows;
+  const auto worth = histograms ? std::span(histograms->worth) : std::span<const HistogramCalibration::Worth>();
   for (std::size_t i = 0; i < result.comparison.size(); ++i) {
     const ThresholdComparison& c = result.comparison[i];
     rows.push_back({fmt::format("{:g}", c.nominal_false_alarm), with_interval(c.false_alarm), with_interval(c.per_bin),
-                    with_interval(c.global), histograms ? with_interval(histograms->worth[i].detected) : ""});
+                    with_interval(c.global), i < worth.size() ? with_interval(worth[i].detected) : ""});
   }
   page.table({"f asked for", "f measured", "p, thresholds a bin", "p, one threshold", "p, histograms a pixel"}, rows);
 }
@@ -171,15 +204,20 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
   Calibration calibration(request.configuration.calibration);
   CalibrateOutcome outcome;
   std::vector<MarkedFrame> frames;
+  std::optional<BorrowedObjects> borrowed;
+  if (!request.objects.empty()) borrowed.emplace(request.objects, request.configuration.histogram);
   if (!request.background_below && looks_like_frame_folder(request.input)) {
     frames = read_marked_frames(request.input, request.configuration.input);
     add_marked_frames(calibration, frames);
+    if (borrowed) borrowed->add(frames);
   } else {
-    outcome.left_out = add_log(calibration, request);
+    outcome.left_out = add_log(calibration, borrowed ? &*borrowed : nullptr, request);
   }
   outcome.result = calibration.finish(request.input.filename().string());
   const CalibrationResult& result = outcome.result;
-  if (result.marked_cells > 0) {
+  if (borrowed) {
+    outcome.histograms.emplace(HistogramCalibration{borrowed->model(result.model.source), {}});
+  } else if (result.marked_cells > 0) {
     outcome.histograms = learn_histograms(frames, request.configuration, result.comparison, result.model.source);
   }
 

@@ -25,7 +25,7 @@ struct HistogramCalibration {
     Rate detected;           ///< of held-out marked pixels
   };
   HistogramModel model;
-  std::vector<Worth> worth;  ///< in the order of the comparisons
+  std::vector<Worth> worth;  ///< in the order of the comparisons; empty: not known
 };
 
 /// Throws Error: frames of several sizes or settings, no background.

@@ -225,6 +225,16 @@ void HistogramLearner::add(const HistogramModel& other) {
   for (std::size_t i = 0; i < model_.object.size(); ++i) model_.object[i] += other.object[i];
 }
 
+void HistogramLearner::add_objects(const HistogramModel& other) {
+  if (!has_noise()) throw Error("no background to learn from", {}, {}, "add frames of water without targets");
+  if (other.full_scale != model_.full_scale || other.config.levels != model_.config.levels ||
+      other.config.level_width != model_.config.level_width) {
+    throw Error(to_text(HistogramMismatch::kLevels), {}, "objects of the same sonar in the same levels");
+  }
+  model_.marked_pings += other.marked_pings;
+  for (std::size_t i = 0; i < model_.object.size(); ++i) model_.object[i] += other.object[i];
+}
+
 HistogramModel HistogramLearner::model(const std::string& source) const {
   if (!has_noise()) throw Error("no background to learn from", {}, {}, "add frames of water without targets");
   HistogramModel made = model_;

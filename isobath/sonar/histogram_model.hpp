@@ -102,6 +102,8 @@ class HistogramLearner {
   void add_marked(const Ping& ping, std::span<const std::uint8_t> marked);
   /// What another recording of the same sonar has taught. Throws Error: other levels, image or settings.
   void add(const HistogramModel& other);
+  /// The objects alone, which are those of any image of the sonar. Throws Error: other levels or full scale.
+  void add_objects(const HistogramModel& other);
 
   [[nodiscard]] bool has_noise() const { return model_.background_pings > 0; }
   [[nodiscard]] bool has_objects() const { return model_.marked_pings > 0; }

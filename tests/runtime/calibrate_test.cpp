@@ -112,6 +112,35 @@ TEST(Calibrate, WithoutMarksLearnsNoHistograms) {
   EXPECT_THAT(outcome.files, testing::Not(testing::Contains(fs::path("histogram_model.bin"))));
 }
 
+// Objects look alike at any setting: background of another range window makes a model with them. ledger: S5-23 S5-26
+TEST(Calibrate, TakesObjectsOfAnotherModel) {
+  const fs::path scratch = test::scratch_folder();
+  calibrate(request_of(annotated_frames(scratch / "frames"), scratch / "out"));
+  const HistogramModel known = load_histogram_model(scratch / "out" / "histogram_model.bin");
+  const fs::path water = scratch / "water";
+  fs::create_directories(water);
+  std::ofstream(water / "geometry.json")
+      << R"({"beams": 16, "bins": 64, "range_min_m": 2, "range_max_m": 18, "fov_deg": 16, "height_deg": 10})";
+  for (const auto& entry : fs::directory_iterator(scratch / "frames")) {
+    const fs::path annotation = fs::path(entry.path()).replace_extension(".json");
+    if (entry.path().extension() == ".png" && !fs::exists(annotation)) {
+      fs::copy_file(entry.path(), water / entry.path().filename());
+    }
+  }
+  CalibrateRequest request = request_of(water, scratch / "again");
+  request.objects = scratch / "out" / "histogram_model.bin";
+  for (const bool as_log : {false, true}) {
+    if (as_log) request.background_below = 300;
+    const CalibrateOutcome outcome = calibrate(request);
+    ASSERT_TRUE(outcome.histograms);
+    const HistogramModel& model = outcome.histograms->model;
+    EXPECT_EQ(model.object, known.object);
+    EXPECT_EQ(model.noise, known.noise) << "the same water";
+    EXPECT_NEAR(model.window.end_m(), 18, 1e-9);
+    EXPECT_EQ(model.config.level_width, known.config.level_width);
+  }
+}
+
 // Held-out frames of a DIDSON, 443 pixels marked by hand. Where few false alarms are allowed, each pixel's own noise
 // helps; at many, one threshold does as well: there the intervals are wider than the difference. ledger: S5-21
 TEST(Calibrate, OfTheDidsonDetectsMoreByHistogramsThanByOneThreshold) {

@@ -397,6 +397,11 @@ TEST(HistogramLearner, AddsRecordingsOfOneSettingOnly) {
   ping.window.bin_m *= 1.5;
   EXPECT_THROW(learner.add_background(ping), Error);
   EXPECT_THROW(static_cast<void>(HistogramLearner(own_pixels()).model("nothing")), Error);
+  EXPECT_THROW(learner.add_objects(learnt(sonar, other, 5)), Error) << "in other levels";
+  EXPECT_THROW(HistogramLearner(own_pixels()).add_objects(first), Error) << "objects without noise";
+  learner.add_objects(first);
+  EXPECT_EQ(learner.model("").object[6], sum.object[6] + first.object[6]);
+  EXPECT_EQ(learner.model("").background_pings, 12);
   HistogramLearner noise_only(own_pixels());
   noise_only.add_background(sonar.ping());
   EXPECT_THROW(LikelihoodRatios(shared(noise_only.model("noise"))), Error);
