@@ -12,27 +12,27 @@ constexpr std::size_t kHeaderBytes = 1024;  // of the file and of each frame
 constexpr std::string_view kSignature("DDF\x05");
 constexpr std::size_t kSignatureAt = 12;  // in a frame
 constexpr std::uint32_t kMostSamples = 16384;
-constexpr Angle kHeight = Angle::degrees(14), kTelephotoHeight = Angle::degrees(3);
+constexpr Angle kArisHeight = Angle::degrees(14), kArisTelephotoHeight = Angle::degrees(3);
 
 /// Beams of each ping mode, 1 to 12.
 constexpr std::array<int, 13> kBeams{0, 48, 48, 96, 96, 96, 64, 64, 64, 128, 128, 128, 128};
 
-enum class System : std::uint32_t { k1800 = 0, k3000 = 1, k1200 = 2 };
+enum class ArisSystem : std::uint32_t { k1800 = 0, k3000 = 1, k1200 = 2 };
 
 /// Azimuth of a beam, degrees: linear u + cubic u^3, u from -1 at the first to 1 at the last.
-struct Lens {
+struct ArisLens {
   int beams;
   bool telephoto;
   double linear, cubic;
 };
-constexpr std::array<Lens, 6> kLenses{{{48, false, 15.8494, -2.3245},
-                                       {96, false, 16.1014, -2.3249},
-                                       {64, false, 15.049, -0.336},
-                                       {128, false, 15.0933, -0.38},
-                                       {48, true, 7.063, -0.328},
-                                       {96, true, 7.6048, -0.184}}};
+constexpr std::array<ArisLens, 6> kLenses{{{48, false, 15.8494, -2.3245},
+                                           {96, false, 16.1014, -2.3249},
+                                           {64, false, 15.049, -0.336},
+                                           {128, false, 15.0933, -0.38},
+                                           {48, true, 7.063, -0.328},
+                                           {96, true, 7.6048, -0.184}}};
 
-struct Frame {
+struct ArisHeader {
   std::uint64_t time_us = 0;
   std::uint32_t mode = 0, high_frequency = 0, cycle_us = 0, period_us = 0, transmits = 0, samples = 0, delay_us = 0;
   std::uint32_t telephoto = 0, system = 0, ordered = 0;
@@ -43,9 +43,9 @@ struct Frame {
 };
 
 /// The header at the first byte, of kHeaderBytes; empty where it contradicts itself.
-std::optional<Frame> frame_of(Bytes header) {
+std::optional<ArisHeader> aris_header_of(Bytes header) {
   const RecordView fields(header);
-  Frame f;
+  ArisHeader f;
   f.time_us = fields.at<std::uint64_t>(4);
   f.mode = fields.at<std::uint32_t>(436);
   f.high_frequency = fields.at<std::uint32_t>(440);
@@ -73,7 +73,7 @@ bool holds_next(Bytes frame) {
     if (at == std::string_view::npos) return false;
     const std::size_t begin = at - kSignatureAt;
     const bool cut = frame.size() - begin < kHeaderBytes;
-    if (cut || frame_of(frame.subspan(begin, kHeaderBytes))) return true;
+    if (cut || aris_header_of(frame.subspan(begin, kHeaderBytes))) return true;
   }
 }
 
@@ -82,7 +82,7 @@ Framing aris_frame_at(Bytes bytes) {
   if (text.size() < kSignatureAt + kSignature.size()) return {Framing::Kind::kIncomplete, kHeaderBytes};
   if (text.substr(kSignatureAt, kSignature.size()) == kSignature) {
     if (bytes.size() < kHeaderBytes) return {Framing::Kind::kIncomplete, kHeaderBytes};
-    if (const auto frame = frame_of(bytes.first(kHeaderBytes))) {
+    if (const auto frame = aris_header_of(bytes.first(kHeaderBytes))) {
       if (bytes.size() < frame->bytes()) return {Framing::Kind::kIncomplete, frame->bytes()};
       if (!holds_next(bytes.first(frame->bytes()))) return {Framing::Kind::kFrame, frame->bytes()};
     }
@@ -92,21 +92,21 @@ Framing aris_frame_at(Bytes bytes) {
   return {Framing::Kind::kNoise, text.size() - kSignatureAt - kSignature.size() + 1};
 }
 
-const char* name_of(std::uint32_t system) {
-  switch (static_cast<System>(system)) {
-    case System::k1800: return "ARIS 1800";
-    case System::k3000: return "ARIS 3000";
-    case System::k1200: return "ARIS 1200";
+const char* aris_name(std::uint32_t system) {
+  switch (static_cast<ArisSystem>(system)) {
+    case ArisSystem::k1800: return "ARIS 1800";
+    case ArisSystem::k3000: return "ARIS 3000";
+    case ArisSystem::k1200: return "ARIS 1200";
   }
   return "ARIS of unknown type";
 }
 
-const char* frequency_of(const Frame& frame) {
+const char* aris_frequency(const ArisHeader& frame) {
   const bool high = frame.high_frequency != 0;
-  switch (static_cast<System>(frame.system)) {
-    case System::k1800: return high ? "1.8 MHz" : "1.1 MHz";
-    case System::k3000: return high ? "3 MHz" : "1.8 MHz";
-    case System::k1200: return high ? "1.2 MHz" : "0.7 MHz";
+  switch (static_cast<ArisSystem>(frame.system)) {
+    case ArisSystem::k1800: return high ? "1.8 MHz" : "1.1 MHz";
+    case ArisSystem::k3000: return high ? "3 MHz" : "1.8 MHz";
+    case ArisSystem::k1200: return high ? "1.2 MHz" : "0.7 MHz";
   }
   return high ? "the higher one" : "the lower one";
 }
@@ -131,8 +131,8 @@ class Aris final : public LogSource {
     return {};
   }
   std::optional<Event> take(Bytes bytes);
-  const std::shared_ptr<const BeamFan>& fan_of(const Frame& frame);
-  void describe(const Frame& frame, const Ping& ping);
+  const std::shared_ptr<const BeamFan>& fan_of(const ArisHeader& frame);
+  void describe(const ArisHeader& frame, const Ping& ping);
 
   InputConfig config_;
   std::shared_ptr<const BeamFan> fans_[2][kBeams.size()];  ///< by lens and ping mode
@@ -141,7 +141,7 @@ class Aris final : public LogSource {
 };
 
 std::optional<Event> Aris::take(Bytes bytes) {
-  const Frame frame = *frame_of(bytes.first(kHeaderBytes));
+  const ArisHeader frame = *aris_header_of(bytes.first(kHeaderBytes));
   const auto refuse = [&](const char* reason) -> std::optional<Event> {
     reject(reason);
     return {};
@@ -166,13 +166,13 @@ std::optional<Event> Aris::take(Bytes bytes) {
   return ping;
 }
 
-const std::shared_ptr<const BeamFan>& Aris::fan_of(const Frame& frame) {
+const std::shared_ptr<const BeamFan>& Aris::fan_of(const ArisHeader& frame) {
   const bool telephoto = frame.telephoto != 0;
   auto& fan = fans_[telephoto ? 1 : 0][frame.mode];
   if (fan) return fan;
   const int beams = frame.beams();
-  const Lens* lens = nullptr;
-  for (const Lens& l : kLenses) {
+  const ArisLens* lens = nullptr;
+  for (const ArisLens& l : kLenses) {
     if (l.beams == beams && (!lens || l.telephoto == telephoto)) lens = &l;
   }
   const auto azimuth = [&](double beam) {
@@ -182,19 +182,19 @@ const std::shared_ptr<const BeamFan>& Aris::fan_of(const Frame& frame) {
   BeamFan made;
   for (int b = 0; b < beams; ++b) {
     made.azimuth.push_back(azimuth(b));
-    made.width.push_back(beam_size(config_, {azimuth(b + 0.5) - azimuth(b - 0.5), kHeight}).width);
+    made.width.push_back(beam_size(config_, {azimuth(b + 0.5) - azimuth(b - 0.5), kArisHeight}).width);
   }
-  made.height = beam_size(config_, {kHeight, lens->telephoto ? kTelephotoHeight : kHeight}).height;
+  made.height = beam_size(config_, {kArisHeight, lens->telephoto ? kArisTelephotoHeight : kArisHeight}).height;
   fan = std::make_shared<const BeamFan>(std::move(made));
   return fan;
 }
 
-void Aris::describe(const Frame& frame, const Ping& ping) {
+void Aris::describe(const ArisHeader& frame, const Ping& ping) {
   described_fan_ = ping.fan;
   described_window_ = ping.window;
-  report_.note_setting("sonar", fmt::format("{}, {} beams{}", name_of(frame.system), frame.beams(),
+  report_.note_setting("sonar", fmt::format("{}, {} beams{}", aris_name(frame.system), frame.beams(),
                                             frame.telephoto != 0 ? ", telephoto lens" : ""));
-  report_.note_setting("frequency", frequency_of(frame));
+  report_.note_setting("frequency", aris_frequency(frame));
   report_.note_setting("range", fmt::format("{:.4g} to {:.4g} m in {} bins of {:.4g} mm", ping.window.start_m,
                                             ping.window.end_m(), ping.window.bins, ping.window.bin_m * 1e3));
 }

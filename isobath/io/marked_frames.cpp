@@ -37,7 +37,7 @@ fs::path polygons_of(const fs::path& frame) {
 }
 
 /// The picture of the marks: 255 inside.
-GrayImage drawn(const fs::path& polygons, const GrayImage& frame) {
+GrayImage drawn_marks(const fs::path& polygons, const GrayImage& frame) {
   const auto bytes = read_whole_file(polygons, kMostAnnotationBytes);
   GrayImage mask{frame.width, frame.height, 1,
                  parse_polygon_marks({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, frame.width,
@@ -79,7 +79,7 @@ std::vector<MarkedFrame> read_marked_frames(const fs::path& folder, const InputC
       MarkedFrame frame{ping_of(file, layout.geometry, config), mask.empty() && polygons.empty(), {}};
       if (!mask.empty()) frame.marked = marks_of(ping_of(mask, layout.geometry, config));
       if (!polygons.empty()) {
-        frame.marked = marks_of(*ping_from_frame(layout.geometry, drawn(polygons, read_gray_png(file)), config));
+        frame.marked = marks_of(*ping_from_frame(layout.geometry, drawn_marks(polygons, read_gray_png(file)), config));
       }
       frames.push_back(std::move(frame));
     }

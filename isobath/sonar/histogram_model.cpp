@@ -54,7 +54,7 @@ void drop_brightest(std::vector<double>& counts, double amount) {
   }
 }
 
-void smooth(std::vector<double>& counts, double k) {
+void smooth_counts(std::vector<double>& counts, double k) {
   const double all = std::accumulate(counts.begin(), counts.end(), 0.0) + k * static_cast<double>(counts.size());
   for (double& c : counts) c = (c + k) / all;
 }
@@ -62,7 +62,7 @@ void smooth(std::vector<double>& counts, double k) {
 /// From counts of the noise to probabilities.
 void to_shares(std::vector<double>& counts, const HistogramConfig& config) {
   drop_brightest(counts, config.drop_share * std::accumulate(counts.begin(), counts.end(), 0.0));
-  smooth(counts, config.smoothing);
+  smooth_counts(counts, config.smoothing);
 }
 
 /// Calls visit(beam, bin, level) for each sample.
@@ -125,7 +125,7 @@ std::vector<double> HistogramModel::noise_shares(int beam, int bin) const {
 
 std::vector<double> HistogramModel::object_shares() const {
   std::vector<double> shares(object.begin(), object.end());
-  smooth(shares, config.smoothing);
+  smooth_counts(shares, config.smoothing);
   return shares;
 }
 
