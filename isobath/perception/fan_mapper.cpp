@@ -178,6 +178,7 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
   LogOdds16& evidence = block[voxel.offset];
   const int beams = voxel.beam_end - voxel.beam, cells = beams * (voxel.bin_end - voxel.bin);
   const bool marginal = config_.rule == Rule::kMarginal;
+  const bool graded = decisions.ratios(0) != nullptr;
   const double f = decisions.false_alarm;
   double ratios = 0;
   each_echo(voxel, decisions, [&](int beam, int bin) {
@@ -187,8 +188,8 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
     const double p = p_voxel(heard, f);
     const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
     const double empty = marginal ? std::exp(-kExplained * (explained_[cell] - voxel.own)) : 1.0;
-    if (const float* known = decisions.ratios(beam); known && !is_dim) {
-      const double ratio = 1 + config_.answers * (static_cast<double>(known[bin]) - 1);
+    if (graded && !is_dim) {
+      const double ratio = 1 + config_.answers * (static_cast<double>(decisions.ratios(beam)[bin]) - 1);
       ratios += ratio / (ratio * (1 - empty) + empty);
       return;
     }
