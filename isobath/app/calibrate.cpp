@@ -19,12 +19,18 @@ void print(const CalibrateRequest& request, const CalibrateOutcome& outcome) {
   const CalibrationResult& result = outcome.result;
   fmt::print("{} pings of background, {} with marks ({} marked cells), {} left out\n", result.background_pings,
              result.marked_pings, result.marked_cells, outcome.left_out);
-  for (const ThresholdComparison& c : result.comparison) {
+  for (std::size_t i = 0; i < result.comparison.size(); ++i) {
+    const ThresholdComparison& c = result.comparison[i];
     fmt::print(
         "f = {:.4f} (asked for {:g}): thresholds a bin p = {:.3f} [{:.3f}, {:.3f}], one threshold p = {:.3f} [{:.3f}, "
-        "{:.3f}]\n",
+        "{:.3f}]",
         c.false_alarm.value, c.nominal_false_alarm, c.per_bin.value, c.per_bin.interval.low, c.per_bin.interval.high,
         c.global.value, c.global.interval.low, c.global.interval.high);
+    if (outcome.histograms && i < outcome.histograms->worth.size()) {
+      const Rate& p = outcome.histograms->worth[i].detected;
+      fmt::print(", histograms a pixel p = {:.3f} [{:.3f}, {:.3f}]", p.value, p.interval.low, p.interval.high);
+    }
+    fmt::print("\n");
   }
   fmt::print("written to {}: sensor_model.json and {} more files\n", request.out.string(), outcome.files.size() - 1);
 }
@@ -59,6 +65,8 @@ Action add_calibrate(CLI::App& program) {
   command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
   command->add_option("--background-below", options->request.background_below,
                       "Without marks: pings whose strongest sample is below this many counts are background");
+  command->add_option("--objects", options->request.objects,
+                      "Histogram model whose objects count as marked: makes one of a log without marks");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   options->config.add_to(*command);
   return [options] { return act(*options); };

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <isobath/io/aris.hpp>
 #include <isobath/io/depth_csv.hpp>
 #include <isobath/io/frame_folder.hpp>
 #include <isobath/io/kongsberg.hpp>
@@ -76,6 +77,7 @@ constexpr std::array kFormats{
     file<looks_like_ping_messages, open_ping_messages>("printed ping messages"),
     file<looks_like_seanet_csv, open_seanet_csv>("Seanet CSV"),
     file<looks_like_oculus_container, open_oculus_container>(".oculus log"),
+    file<looks_like_aris, open_aris>("ARIS recording"),
     file<looks_like_xtf, open_xtf>("XTF"),
     file<looks_like_kmall, open_kmall>("Kongsberg .kmall"),
     file<looks_like_kongsberg_all, open_kongsberg_all>("Kongsberg .all"),

@@ -178,14 +178,21 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
   LogOdds16& evidence = block[voxel.offset];
   const int beams = voxel.beam_end - voxel.beam, cells = beams * (voxel.bin_end - voxel.bin);
   const bool marginal = config_.rule == Rule::kMarginal;
+  const bool graded = decisions.ratios(0) != nullptr;
   const double f = decisions.false_alarm;
   double ratios = 0;
   each_echo(voxel, decisions, [&](int beam, int bin) {
     const std::uint64_t* dim = decisions.dim(beam);
-    const double heard = dim && bit(dim, bin) ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
+    const bool is_dim = dim && bit(dim, bin);
+    const double heard = is_dim ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
     const double p = p_voxel(heard, f);
     const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
     const double empty = marginal ? std::exp(-kExplained * (explained_[cell] - voxel.own)) : 1.0;
+    if (graded && !is_dim) {
+      const double ratio = 1 + config_.answers * (static_cast<double>(decisions.ratios(beam)[bin]) - 1);
+      ratios += ratio / (ratio * (1 - empty) + empty);
+      return;
+    }
     ratios += p / (p * (1 - empty) + f * empty);
   });
   const auto [told, hits] = counts(voxel);

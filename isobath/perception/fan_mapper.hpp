@@ -13,8 +13,14 @@
 //                of the arc explains says little here (S5-31);
 //   stamp        p_D / f: the paper's update, all of the arc alike;
 //   hit_and_miss no likelihoods: `hit` where any cell of the rectangle holds an echo, else `miss`.
+// Where the detector knows how likely the intensity of an echo is (EchoDecisions::ratios), with L = h / e, h its
+// probability where something echoes and e in noise, the same derivation gives
+//   marginal     L / (L (1 - E) + E):  given the voxel echoes, the intensity has probability h; given it does not, some
+//                other one gave it with probability 1 - E, so that it has (1 - E) h + E e; divided by e;
+//   stamp        L;
+// and an echo or none is the case of two intensities, L = p_D / f. Below the threshold all intensities count as one.
 // p_D here is of a voxel: what is occupied echoes only from some directions (a hull mirrors most of the sound away), so
-// that the detector's p_D counts by `answers` and f by the rest.
+// that the detector's p_D counts by `answers` and f by the rest; so does h, and L becomes 1 + answers (L - 1).
 //
 // Beams nearer to each other than their width are not independent looks: the logarithm counts times the beams of the
 // rectangle, times their spacing over their width, but at least once and at most `most_looks` times.

@@ -28,8 +28,8 @@ double strongest(const Ping& ping, double blind_m, std::vector<float>& beam) {
   return static_cast<double>(most);
 }
 
-void add_marked_frames(Calibration& calibration, const CalibrateRequest& request) {
-  for (const MarkedFrame& frame : read_marked_frames(request.input, request.configuration.input)) {
+void add_marked_frames(Calibration& calibration, std::span<const MarkedFrame> frames) {
+  for (const MarkedFrame& frame : frames) {
     if (frame.background) {
       calibration.add_background(frame.ping);
     } else {
@@ -38,7 +38,38 @@ void add_marked_frames(Calibration& calibration, const CalibrateRequest& request
   }
 }
 
-int add_log(Calibration& calibration, const CalibrateRequest& request) {
+/// The noise of what is learnt, the objects of another model.
+class BorrowedObjects {
+ public:
+  BorrowedObjects(const std::filesystem::path& model, HistogramConfig config)
+      : objects_(load_histogram_model(model)), learner_(with_levels(config, objects_.config)) {}
+
+  void add(const Ping& background) { learner_.add_background(background); }
+  void add(std::span<const MarkedFrame> frames) {
+    for (const MarkedFrame& frame : frames) {
+      if (frame.background) {
+        learner_.add_background(frame.ping);
+      } else {
+        learner_.add_marked(frame.ping, frame.marked);
+      }
+    }
+  }
+  HistogramModel model(const std::string& source) {
+    learner_.add_objects(objects_);
+    return learner_.model(source);
+  }
+
+ private:
+  static HistogramConfig with_levels(HistogramConfig config, const HistogramConfig& from) {
+    config.levels = from.levels;
+    config.level_width = from.level_width;
+    return config;
+  }
+  HistogramModel objects_;
+  HistogramLearner learner_;
+};
+
+int add_log(Calibration& calibration, BorrowedObjects* borrowed, const CalibrateRequest& request) {
   const auto source = open_source(request.input, request.configuration.input);
   std::vector<float> beam;
   int left_out = 0;
@@ -50,6 +81,7 @@ int add_log(Calibration& calibration, const CalibrateRequest& request) {
                        strongest(*ping, request.configuration.calibration.blind_m, beam) < *request.background_below;
     if (quiet) {
       calibration.add_background(*ping);
+      if (borrowed) borrowed->add(*ping);
     } else {
       ++left_out;
     }
@@ -150,17 +182,20 @@ void add_fits(HtmlReport& page, const CalibrationResult& result) {
   page.table({"range (m)", "law", "", ""}, rows);
 }
 
-void add_comparison(HtmlReport& page, const CalibrationResult& result) {
-  page.heading("Thresholds a bin against one threshold for all bins");
+void add_comparison(HtmlReport& page, const CalibrationResult& result,
+                    const std::optional<HistogramCalibration>& histograms) {
+  page.heading("Thresholds a bin, and histograms a pixel, against one threshold for all bins");
   page.paragraph(
       "On frames that were not used for the thresholds (cross-validation), at the same measured false-alarm rate; 95 % "
       "intervals after Wilson.");
   std::vector<HtmlReport::Row> rows;
-  for (const ThresholdComparison& c : result.comparison) {
+  const auto worth = histograms ? std::span(histograms->worth) : std::span<const HistogramCalibration::Worth>();
+  for (std::size_t i = 0; i < result.comparison.size(); ++i) {
+    const ThresholdComparison& c = result.comparison[i];
     rows.push_back({fmt::format("{:g}", c.nominal_false_alarm), with_interval(c.false_alarm), with_interval(c.per_bin),
-                    with_interval(c.global)});
+                    with_interval(c.global), i < worth.size() ? with_interval(worth[i].detected) : ""});
   }
-  page.table({"f asked for", "f measured", "p, thresholds a bin", "p, one threshold"}, rows);
+  page.table({"f asked for", "f measured", "p, thresholds a bin", "p, one threshold", "p, histograms a pixel"}, rows);
 }
 
 }  // namespace
@@ -168,13 +203,23 @@ void add_comparison(HtmlReport& page, const CalibrationResult& result) {
 CalibrateOutcome calibrate(const CalibrateRequest& request) {
   Calibration calibration(request.configuration.calibration);
   CalibrateOutcome outcome;
+  std::vector<MarkedFrame> frames;
+  std::optional<BorrowedObjects> borrowed;
+  if (!request.objects.empty()) borrowed.emplace(request.objects, request.configuration.histogram);
   if (!request.background_below && looks_like_frame_folder(request.input)) {
-    add_marked_frames(calibration, request);
+    frames = read_marked_frames(request.input, request.configuration.input);
+    add_marked_frames(calibration, frames);
+    if (borrowed) borrowed->add(frames);
   } else {
-    outcome.left_out = add_log(calibration, request);
+    outcome.left_out = add_log(calibration, borrowed ? &*borrowed : nullptr, request);
   }
   outcome.result = calibration.finish(request.input.filename().string());
   const CalibrationResult& result = outcome.result;
+  if (borrowed) {
+    outcome.histograms.emplace(HistogramCalibration{borrowed->model(result.model.source), {}});
+  } else if (result.marked_cells > 0) {
+    outcome.histograms = learn_histograms(frames, request.configuration, result.comparison, result.model.source);
+  }
 
   make_folder(request.out);
   const auto write = [&](const std::string& name, const std::string& bytes) {
@@ -187,6 +232,13 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
   const std::string thresholds = threshold_chart(result);
   if (!roc.empty()) write("roc.png", roc);
   write("thresholds.png", thresholds);
+  std::string noise, objects;
+  if (outcome.histograms) {
+    const HistogramModel& model = outcome.histograms->model;
+    write("histogram_model.bin", write_histogram_model(model));
+    write("noise_histograms.png", noise = noise_histogram_chart(model));
+    write("object_histogram.png", objects = object_histogram_chart(model));
+  }
 
   HtmlReport page("Isobath calibration: " + request.input.filename().string(),
                   fmt::format("{} pings of background, {} with marks ({} marked cells), {} left out; f = {:g}",
@@ -196,8 +248,12 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
   if (!roc.empty()) page.figure(roc, "Receiver operating characteristic by range, with 95 % bands of p.");
   page.figure(thresholds, "What the model asks of an echo, bin by bin.");
   page.figure(detection_chart(result), "How many targets pass it.");
+  if (outcome.histograms) {
+    page.figure(noise, "Noise pixel by pixel, smoothed, with neighbours in range.");
+    page.figure(objects, "How bright objects are, against all noise.");
+  }
   page.end_row();
-  if (!result.comparison.empty()) add_comparison(page, result);
+  if (!result.comparison.empty()) add_comparison(page, result, outcome.histograms);
   add_fits(page, result);
   page.folded("Configuration in force", to_toml(request.configuration, true));
   write("report.html", page.html());

@@ -5,7 +5,8 @@
 namespace isobath {
 
 std::vector<Field> fields(SensorConfig& c) {
-  return {Field::text("model", &c.model, "Sensor model made by isobath calibrate; empty: none.")};
+  return {Field::text("model", &c.model, "Sensor model made by isobath calibrate; empty: none."),
+          Field::text("histogram", &c.histogram, "Histogram model made by isobath calibrate; empty: none.")};
 }
 
 std::vector<Field> fields(MapConfig& c) {
@@ -41,6 +42,7 @@ std::vector<Section> sections(Configuration& c) {
       {"safety", "What the Safety Officer takes for a fault.", fields(c.safety)},
       {"crew", "How agents are run and watched, and who has the last word.", fields(c.crew)},
       {"calibration", "From marked recordings to a sensor model.", fields(c.calibration)},
+      {"histogram", "From marked recordings to a histogram model.", fields(c.histogram)},
       {"simulation", "What overrides a scene, where the input is one.", fields(c.simulation)}};
   std::vector<Section> mission = sections(c.mission);
   const auto crew = std::find_if(all.begin(), all.end(), [](const Section& s) { return s.name == "safety"; });

@@ -20,13 +20,15 @@
 #include <isobath/sim/simulator.hpp>
 #include <isobath/sonar/calibration.hpp>
 #include <isobath/sonar/echo_detector.hpp>
+#include <isobath/sonar/histogram_model.hpp>
 #include <isobath/vehicle/state_evaluator.hpp>
 #include <vector>
 
 namespace isobath {
 
 struct SensorConfig {
-  std::string model;  ///< file made by calibration; empty: none
+  std::string model;      ///< file made by calibration; empty: none
+  std::string histogram;  ///< likewise
 };
 std::vector<Field> fields(SensorConfig& config);
 
@@ -56,6 +58,7 @@ struct Configuration {
   CrewConfig crew;
   std::vector<AgentFile> agents;  ///< [[agent]]: seated beside the standard crew
   CalibrationConfig calibration;
+  HistogramConfig histogram;
   SimulationConfig simulation;
 };
 

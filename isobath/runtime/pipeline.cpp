@@ -13,6 +13,12 @@ std::optional<SensorModel> model_of(const SensorConfig& sensor) {
   return load_sensor_model(sensor.model);
 }
 
+std::shared_ptr<const LikelihoodRatios> ratios_of(const SensorConfig& sensor) {
+  if (sensor.histogram.empty()) return nullptr;
+  return std::make_shared<const LikelihoodRatios>(
+      std::make_shared<const HistogramModel>(load_histogram_model(sensor.histogram)));
+}
+
 /// About 100 cells each way; the vehicle in the middle.
 BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
   grid.cell_m = round_step(reach_m / 100, {1, 2, 5});
@@ -41,8 +47,9 @@ Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, Soundin
       alarms_(configuration.collision, configuration.state),
       gate_(configuration.gate),
       poses_(configuration.poses),
-      echoes_(configuration.echoes, model_of(configuration.sensor)),
-      upright_echoes_(configuration.echoes, model_of(configuration.sensor)),
+      ratios_(ratios_of(configuration.sensor)),
+      echoes_(configuration.echoes, model_of(configuration.sensor), ratios_),
+      upright_echoes_(configuration.echoes, model_of(configuration.sensor), ratios_),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMostWaiting);
 }

@@ -137,6 +137,7 @@ class Pipeline {
   PoseBuffer poses_;
   std::vector<Waiting> waiting_;  ///< for the fix that follows them, oldest first
   BottomBelow bottom_;
+  std::shared_ptr<const LikelihoodRatios> ratios_;  ///< of the histogram model; null: none
   EchoDetector echoes_, upright_echoes_;
   EchoDecisions decisions_;
   SweepFinder sweeps_;

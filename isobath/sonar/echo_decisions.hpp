@@ -3,7 +3,8 @@
 // S = 1 where the intensity is at or above the threshold of its bin, else 0 (ledger S6-03). Each decision comes with
 // the probabilities that a mapper needs: P(S = 1 | target) = p_D(k) and P(S = 1 | no target) = f (S6-14). Bins without
 // information (blind zone, S6-09; where p_D <= f) are not usable: neither their 1 nor their 0 may touch a map. A bin of
-// one beam may be dim: there bottom or surface are loud, and it has a p_D of its own (S6-69).
+// one beam may be dim: there bottom or surface are loud, and it has a p_D of its own (S6-69). A detector that knows how
+// likely the intensity of an echo is with and without a target says so (S5-25).
 #pragma once
 
 #include <algorithm>
@@ -25,6 +26,7 @@ class EchoDecisions {
     if (bins % 64 != 0) usable_.back() = (std::uint64_t{1} << (bins % 64)) - 1;
     p_detect.assign(bins, 0);
     dim_.clear();
+    has_ratios_ = false;
   }
 
   [[nodiscard]] int beams() const { return beams_; }
@@ -64,6 +66,17 @@ class EchoDecisions {
     std::copy_n(p, bins_, p_dim_.begin() + std::ptrdiff_t(beam) * bins_);
   }
 
+  /// P(intensity | target) / P(intensity | no target) of the bins of a beam that hold an echo; 1 in all others. Null:
+  /// nothing is known of an echo but that it is one.
+  [[nodiscard]] const float* ratios(int beam) const {
+    return has_ratios_ ? ratios_.data() + std::size_t(beam) * bins_ : nullptr;
+  }
+  void set_ratio(int beam, int bin, float ratio) {
+    if (!has_ratios_) ratios_.assign(std::size_t(beams_) * bins_, 1);
+    has_ratios_ = true;
+    ratios_[std::size_t(beam) * bins_ + bin] = ratio;
+  }
+
   std::vector<float> p_detect;  ///< p_D(k) of each bin; above false_alarm where the bin is usable
   double false_alarm = 0.02;    ///< f, the same for all bins
 
@@ -75,6 +88,8 @@ class EchoDecisions {
   std::vector<std::uint64_t> usable_;
   std::vector<std::uint64_t> dim_;
   std::vector<float> p_dim_;
+  bool has_ratios_ = false;
+  std::vector<float> ratios_;
 };
 
 }  // namespace isobath

@@ -98,8 +98,9 @@ std::vector<Field> fields(EchoDetectorConfig& c) {
                         {"model", M::kModel},
                         {"global", M::kGlobal},
                         {"ca_cfar", M::kCellAveraging},
-                        {"os_cfar", M::kOrderedStatistic}},
-                       "How echoes are told from noise; auto: the sensor model if one is given, else learnt."),
+                        {"os_cfar", M::kOrderedStatistic},
+                        {"histogram", M::kHistogram}},
+                       "How echoes are told from noise; auto: by the model if one is given, else learnt."),
       Field::real("false_alarm", &c.false_alarm, {1e-6, 0.5}, "1",
                   "Probability that a bin without target reports an echo; a sensor model brings its own."),
       Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1",
@@ -123,16 +124,21 @@ const char* to_text(DetectorState state) {
     case DetectorState::kModelFullScale: return to_text(ModelMismatch::kFullScale);
     case DetectorState::kModelRange: return to_text(ModelMismatch::kRange);
     case DetectorState::kModelBinLength: return to_text(ModelMismatch::kBinLength);
+    case DetectorState::kHistogramOfOther: return "the histogram model is of another sonar or other settings";
   }
   return "unknown";
 }
 
-EchoDetector::EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model)
-    : config_(config), model_(std::move(model)), boundary_(config.boundary) {
+EchoDetector::EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model,
+                           std::shared_ptr<const LikelihoodRatios> ratios)
+    : config_(config), model_(std::move(model)), ratios_(std::move(ratios)), boundary_(config.boundary) {
+  if (ratios_ && config_.method == DetectionMethod::kAutomatic) config_.method = DetectionMethod::kHistogram;
   if (model_ && config_.method == DetectionMethod::kAutomatic) config_.method = DetectionMethod::kModel;
   if (config_.method == DetectionMethod::kModel) {
     if (!model_) throw Error("method model needs a sensor model", {{}, {}, {}, {}, "method"}, {}, "calibrate first");
     model_->check();
+  } else if (config_.method == DetectionMethod::kHistogram && !ratios_) {
+    throw Error("method histogram needs a histogram model", {{}, {}, {}, {}, "method"}, {}, "calibrate first");
   } else if (!(config_.p_detect > config_.false_alarm)) {
     throw Error("p_detect must be above false_alarm", {{}, {}, {}, {}, "p_detect"},
                 "above " + std::to_string(config_.false_alarm), "an echo must be likelier with a target than without");
@@ -151,8 +157,11 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out, const WaterColum
 
 void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
   const Intensities& z = ping.intensity;
-  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ || z.type() != type_)
+  const bool by_pixel = config_.method == DetectionMethod::kHistogram;
+  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ || z.type() != type_ ||
+      (by_pixel && ping.fan != fan_)) {
     prepare(ping);
+  }
   if (config_.method == DetectionMethod::kAutomatic) learn(ping);
   out.reset(z.beams(), z.bins());
   describe(out);
@@ -160,6 +169,7 @@ void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
   const bool cfar =
       config_.method == DetectionMethod::kCellAveraging || config_.method == DetectionMethod::kOrderedStatistic;
   if (cfar) return decide_by_cfar(ping, out);
+  if (by_pixel) return decide_by_ratios(ping, out);
   decide_by_thresholds(ping, out);
   if (config_.method == DetectionMethod::kModel) raise_noisy_beams(ping, out);
   if (config_.method == DetectionMethod::kAutomatic && config_.skirt_share > 0) drop_skirts(ping, out);
@@ -193,6 +203,7 @@ void EchoDetector::prepare(const Ping& ping) {
       cfar_ = Cfar(config_.cfar, config_.method == DetectionMethod::kOrderedStatistic, config_.false_alarm);
       thresholds_.clear();
       break;
+    case DetectionMethod::kHistogram: prepare_histogram(ping); break;
   }
   set_thresholds();
 }
@@ -209,6 +220,19 @@ void EchoDetector::prepare_model(const Ping& ping) {
     if (p_detect_[k] > 0) p_detect_[k] = static_cast<float>(bin.p_detect);
     if (p_detect_[k] > 0) thresholds_[k] = static_cast<float>(bin.threshold);
   }
+}
+
+void EchoDetector::prepare_histogram(const Ping& ping) {
+  thresholds_.clear();
+  fan_ = ping.fan;
+  if (mismatch(ratios_->model(), ping)) {
+    state_ = DetectorState::kHistogramOfOther;
+    return;
+  }
+  point_ = ratios_->operating_point(config_.false_alarm, first_bin_);
+  looked_up_.resize(static_cast<std::size_t>(ping.intensity.beams()) * static_cast<std::size_t>(window_.bins));
+  for (int k = 0; k < window_.bins; ++k)
+    p_detect_[k] = point_.p_detect[k] > config_.false_alarm ? point_.p_detect[k] : 0;
 }
 
 /// The 8-bit form of the thresholds: the smallest whole sample at or above each.
@@ -286,6 +310,18 @@ void EchoDetector::decide_by_cfar(const Ping& ping, EchoDecisions& out) {
   for (int b = 0; b < ping.intensity.beams(); ++b) {
     ping.intensity.copy_beam(b, beam_.data());
     cfar_.detect(beam_.data(), first_bin_, ping.intensity.bins(), out.hits(b));
+  }
+}
+
+void EchoDetector::decide_by_ratios(const Ping& ping, EchoDecisions& out) {
+  ratios_->look_up(ping, looked_up_);
+  const std::int16_t* ratio = looked_up_.data();
+  for (int b = 0; b < out.beams(); ++b, ratio += out.bins()) {
+    for (int k = first_bin_; k < out.bins(); ++k) {
+      if (ratio[k] < point_.threshold || !out.usable(k)) continue;
+      out.set_hit(b, k);
+      out.set_ratio(b, k, static_cast<float>(std::exp(LikelihoodRatios::kUnit * ratio[k])));
+    }
   }
 }
 

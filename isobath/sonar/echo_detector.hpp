@@ -4,7 +4,9 @@
 // Methods. `model`: thresholds a range bin from a calibration (SensorModel). `global`: one threshold for all bins.
 // `ca_cfar`, `os_cfar`: threshold from the neighbouring bins of the same beam (cfar.hpp). `auto`, for a sonar that was
 // never calibrated: thresholds learnt from the pings so far (noise_tracker.hpp), current one included, and a rule for
-// pulse skirts; with a sensor model, `auto` is `model`.
+// pulse skirts; with a sensor model, `auto` is `model`. `histogram`: the likelihood ratio of the pixel's intensity by a
+// HistogramModel, at its operating point for false_alarm; each echo carries its ratio (EchoDecisions::ratios), and
+// `auto` is `histogram` where there is such a model.
 //
 // Skirt rule (`auto` only). A strong echo is smeared in range by its pulse and by the beam's height, so that plain
 // thresholds see a wall too near. A hit is dropped where, within skirt_m behind it, the intensity rises above its own
@@ -32,6 +34,7 @@
 #include <isobath/sonar/boundary_echoes.hpp>
 #include <isobath/sonar/cfar.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
+#include <isobath/sonar/histogram_model.hpp>
 #include <isobath/sonar/noise_tracker.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <isobath/sonar/sensor_model.hpp>
@@ -41,7 +44,14 @@
 
 namespace isobath {
 
-enum class DetectionMethod : std::uint8_t { kAutomatic, kModel, kGlobal, kCellAveraging, kOrderedStatistic };
+enum class DetectionMethod : std::uint8_t {
+  kAutomatic,
+  kModel,
+  kGlobal,
+  kCellAveraging,
+  kOrderedStatistic,
+  kHistogram
+};
 
 struct EchoDetectorConfig {
   DetectionMethod method = DetectionMethod::kAutomatic;
@@ -58,20 +68,30 @@ struct EchoDetectorConfig {
 std::vector<Field> fields(EchoDetectorConfig& config);
 
 /// What keeps a detector from deciding; all bins are unusable meanwhile.
-enum class DetectorState : std::uint8_t { kReady, kWarmingUp, kNoModel, kModelFullScale, kModelRange, kModelBinLength };
+enum class DetectorState : std::uint8_t {
+  kReady,
+  kWarmingUp,
+  kNoModel,
+  kModelFullScale,
+  kModelRange,
+  kModelBinLength,
+  kHistogramOfOther  ///< the ping is not of the sonar and the settings of the histogram model
+};
 const char* to_text(DetectorState state);
 
 class EchoDetector {
  public:
-  /// A method `model` without a model throws Error. With a model and method `auto`, the model is used.
-  explicit EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model = std::nullopt);
+  /// A method `model` or `histogram` without its model throws Error. With a model and method `auto`, the model is used,
+  /// histograms before thresholds.
+  explicit EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model = std::nullopt,
+                        std::shared_ptr<const LikelihoodRatios> ratios = nullptr);
 
   /// The ping must pass `check`.
   void detect(const Ping& ping, EchoDecisions& out, const WaterColumn& water = {});
 
   /// Of the last ping.
   [[nodiscard]] DetectorState state() const { return state_; }
-  /// In force for the last ping, a range bin (infinite: none); empty for CFAR, which has one a sample.
+  /// In force for the last ping, a range bin (infinite: none); empty for CFAR and histograms, which have one a sample.
   [[nodiscard]] const std::vector<float>& thresholds() const { return thresholds_; }
   [[nodiscard]] double false_alarm() const;
   [[nodiscard]] DetectionMethod method() const { return config_.method; }
@@ -80,16 +100,19 @@ class EchoDetector {
   void decide(const Ping& ping, EchoDecisions& out);
   void prepare(const Ping& ping);
   void prepare_model(const Ping& ping);
+  void prepare_histogram(const Ping& ping);
   void set_thresholds();
   void learn(const Ping& ping);
   void describe(EchoDecisions& out) const;
   void decide_by_thresholds(const Ping& ping, EchoDecisions& out) const;
   void decide_by_cfar(const Ping& ping, EchoDecisions& out);
+  void decide_by_ratios(const Ping& ping, EchoDecisions& out);
   void raise_noisy_beams(const Ping& ping, EchoDecisions& out);
   void drop_skirts(const Ping& ping, EchoDecisions& out);
 
   EchoDetectorConfig config_;
   std::optional<SensorModel> model_;
+  std::shared_ptr<const LikelihoodRatios> ratios_;
   DetectorState state_ = DetectorState::kWarmingUp;
 
   // Of the geometry at hand: window, full scale, sample type.
@@ -105,6 +128,9 @@ class EchoDetector {
   std::vector<float> beam_;               ///< one beam as floats
   NoiseTracker tracker_;
   Cfar cfar_;
+  std::shared_ptr<const BeamFan> fan_;  ///< that the histograms were compared with
+  LikelihoodRatios::OperatingPoint point_;
+  std::vector<std::int16_t> looked_up_;  ///< beams x bins
   BoundaryEchoes boundary_;
   int next_beam_ = 0;  ///< where learning goes on in a multibeam ping
 };

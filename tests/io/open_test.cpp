@@ -1,6 +1,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/io/open.hpp>
+#include <tests/io/aris_frames.hpp>
 #include <tests/io/oculus_messages.hpp>
 #include <tests/io/ping_frames.hpp>
 #include <tests/io/survey_datagrams.hpp>
@@ -46,6 +47,7 @@ TEST_F(Open, FormatsAreRecognisedByContentWhateverTheName) {
       {"Oculus message stream", "noise" + oculus},
       {"Kongsberg .all", "noise" + test::all_ping(1000, {{}}).bytes()},
       {"Kongsberg .kmall", "noise" + test::KmallPing{.soundings = {{}}}.bytes()},
+      {"ARIS recording", test::aris_header() + test::ArisFrame{}.bytes()},
       {"XTF", test::xtf_header() + test::xtf_position(0, 37, -122) + test::xtf_attitude(0, 0, 0, 0, 0)},
       {".oculus log", test::oculus_file_header() + test::oculus_item(1, oculus)},
       {"NMEA 0183", "$GPGGA,123519.00,4807.0380,N,01131.0000,E,4,08,0.9,545.4,M,46.9,M,1.0,0000*43\r\n"},

@@ -265,6 +265,63 @@ TEST(FanMapper, SharesAnEchoOverItsArcAsEnumerationDoes) {
   }
 }
 
+// A reading that is a brightness: likelier by L where something echoes. Any L, also one below 1. ledger: S5-25 S5-31
+TEST(FanMapper, SharesALikelihoodRatioOverItsArcAsEnumerationDoes) {
+  Random random(12);
+  for (const double ratio : {0.3, 1.0, 4.0, 50.0}) {
+    Look look = fan(1, 1, 0.01, 0.05, 12);
+    look.ping.window.start_m = 9.99;
+    look.decisions.set_hit(0, 0);
+    look.decisions.set_ratio(0, 0, static_cast<float>(ratio));
+    const Pose X_WB{{}, {0.02, 0.125, 0.125}};
+    VoxelBlocks stamped, map;
+    FanMapper(by(Rule::kStamp), 0.25, 0).update(look.ping, look.decisions, X_WB, stamped);
+    std::vector<double> before;
+    const auto arc = contents(stamped);
+    ASSERT_GE(arc.size(), 9u);
+    for (const auto& [v, e] : arc) {
+      EXPECT_NEAR(to_log_odds(static_cast<LogOdds16>(e)), std::log(ratio), 0.001) << "the paper's increment";
+      const VoxelIndex at(v[0], v[1], v[2]);
+      map.add(at, to_evidence(random.uniform(-3, 3)));
+      before.push_back(1 / (1 + std::exp(-(to_log_odds(map.at(at)) + odds(0.05)))));
+    }
+    const auto expected = enumerated(before, ratio, 1);
+    FanMapper(by(Rule::kMarginal), 0.25, odds(0.05)).update(look.ping, look.decisions, X_WB, map);
+    std::size_t i = 0;
+    for (const auto& [v, e] : arc) {
+      const double p = 1 / (1 + std::exp(-(to_log_odds(map.at({v[0], v[1], v[2]})) + odds(0.05))));
+      EXPECT_NEAR(p, expected[i], 0.001) << "voxel " << i << " at ratio " << ratio;
+      ++i;
+    }
+  }
+}
+
+// An echo or none is the case of two brightnesses. ledger: S5-25
+TEST(FanMapper, TakesARatioOfDetectionToFalseAlarmForThePlainEcho) {
+  for (const Rule rule : {Rule::kMarginal, Rule::kStamp}) {
+    FanMapperConfig config = by(rule);
+    config.answers = 0.35;
+    Look plain = fan(31, 120, 0.1, 15), known = fan(31, 120, 0.1, 15);
+    Random random(3);
+    for (int n = 0; n < 200; ++n) {
+      const int beam = static_cast<int>(random.index(31));
+      const int bin = static_cast<int>(random.index(120));
+      plain.decisions.set_hit(beam, bin);
+      known.decisions.set_hit(beam, bin);
+      known.decisions.set_ratio(beam, bin, static_cast<float>(static_cast<double>(0.8f) / 0.02));
+    }
+    VoxelBlocks a, b;
+    FanMapper first(config, 0.25, odds(0.05)), second(config, 0.25, odds(0.05));
+    for (int n = 0; n < 3; ++n) {
+      first.update(plain.ping, plain.decisions, {}, a);
+      second.update(known.ping, known.decisions, {}, b);
+    }
+    const auto of_plain = contents(a), of_known = contents(b);
+    ASSERT_EQ(of_plain.size(), of_known.size());
+    for (const auto& [v, e] : of_plain) ASSERT_NEAR(e, of_known.at(v), 3) << "units of evidence: rounding of the ratio";
+  }
+}
+
 // ledger: S5-31 S5-E14
 TEST(FanMapper, SharesAnEchoOverAnArcWhereThePapersUpdateRaisesAllOfIt) {
   const auto shared = [](double n) {

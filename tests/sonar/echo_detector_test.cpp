@@ -77,6 +77,60 @@ TEST(EchoDetector, AllLayoutsDecideAsDefined) {
   }
 }
 
+/// Beams of different noise; objects above all of it.
+std::shared_ptr<const LikelihoodRatios> steered_ratios(Random& random, std::shared_ptr<const BeamFan> fan,
+                                                       RangeWindow window) {
+  HistogramLearner learner(HistogramConfig{});
+  const auto noise = [&](int b, int) { return (4.0 + 5 * b) * std::hypot(random.normal(), random.normal()); };
+  for (int i = 0; i < 60; ++i) learner.add_background(test::ping_of<std::uint8_t>(fan, window, noise));
+  const auto bright = [&](int, int) { return 120 + 30 * random.normal(); };
+  const std::vector<std::uint8_t> all(static_cast<std::size_t>(fan->beams() * window.bins), 1);
+  for (int i = 0; i < 5; ++i) learner.add_marked(test::ping_of<std::uint8_t>(fan, window, bright), all);
+  return std::make_shared<const LikelihoodRatios>(std::make_shared<const HistogramModel>(learner.model("steered")));
+}
+
+// ledger: S5-21 S5-25 S5-26
+TEST(EchoDetector, DecidesByTheRatioOfEachPixelAndPassesItOn) {
+  Random random(6);
+  const auto fan = test::fan_of(6);
+  const RangeWindow window{0, 0.1, 40};
+  const auto ratios = steered_ratios(random, fan, window);
+  EchoDetectorConfig config;
+  config.blind_m = 0.35;
+  EchoDetector detector(config, std::nullopt, ratios);
+  EXPECT_EQ(detector.method(), DetectionMethod::kHistogram) << "auto: the model that is given";
+  const Ping ping = test::ping_of<std::uint8_t>(fan, window, [&](int, int) { return 140 * random.uniform(); });
+  EchoDecisions out;
+  detector.detect(ping, out);
+  ASSERT_EQ(detector.state(), DetectorState::kReady);
+  const auto point = ratios->operating_point(config.false_alarm, 4);
+  int echoes = 0, dimmer_than_noise_elsewhere = 0;
+  for (int b = 0; b < 6; ++b) {
+    for (int k = 0; k < 40; ++k) {
+      EXPECT_EQ(out.usable(k), k >= 4);
+      const int level = ratios->model().level(ping.intensity(b, k));
+      const double increment = ratios->log_ratio(b, k, level);
+      const bool echo = k >= 4 && increment >= point.threshold * LikelihoodRatios::kUnit;
+      ASSERT_EQ(out.hit(b, k), echo) << b << " " << k;
+      ASSERT_NEAR(static_cast<double>(out.ratios(b)[k]), echo ? std::exp(increment) : 1, 1e-4);
+      echoes += echo ? 1 : 0;
+      dimmer_than_noise_elsewhere += echo && ping.intensity(b, k) < 60 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(echoes, 100);
+  EXPECT_GT(dimmer_than_noise_elsewhere, 0) << "no single threshold";
+
+  const auto other =
+      test::ping_of<std::uint8_t>(test::fan_of(6, Angle::degrees(30)), window, [](int, int) { return 9; });
+  detector.detect(other, out);
+  EXPECT_EQ(detector.state(), DetectorState::kHistogramOfOther);
+  for (int k = 0; k < 40; ++k) EXPECT_FALSE(out.usable(k));
+  detector.detect(ping, out);
+  EXPECT_EQ(detector.state(), DetectorState::kReady) << "what fits is served again";
+  config.method = DetectionMethod::kHistogram;
+  EXPECT_THROW(EchoDetector{config}, Error);
+}
+
 TEST(EchoDetector, SaysWhyAModelDoesNotServe) {
   EchoDetector detector(EchoDetectorConfig{}, odd_model(100));
   EchoDecisions out;

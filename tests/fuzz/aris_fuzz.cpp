@@ -1,0 +1,6 @@
+#include <isobath/io/aris.hpp>
+#include <tests/fuzz/drain.hpp>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return isobath::fuzz::read_all(data, size, isobath::open_aris);
+}
