@@ -113,8 +113,8 @@ class Navigator : public Agent {
   [[nodiscard]] std::vector<Hazard> hazards_W(const View& view) const;
   [[nodiscard]] SpaceRouteTask space_task(std::span<const Hazard> hazards) const;
   [[nodiscard]] bool leads_through(const View& view, const Conflict& conflict, Outbox& out);
-  [[nodiscard]] std::optional<SpacePath> search_space(const View& view, std::optional<double> plane_m) const;
-  void take_space_way(const View& view, const SpacePath& path, Decision decision, Outbox& out);
+  [[nodiscard]] std::optional<SpaceRoutePath> search_space(const View& view, std::optional<double> plane_m) const;
+  void take_space_way(const View& view, const SpaceRoutePath& path, Decision decision, Outbox& out);
 
   void refuse(const Refusal& refusal, Outbox& out);
   void enter(Mode mode, const std::string& why, Outbox& out);

@@ -60,7 +60,7 @@ bool Navigator::leads_through(const View& view, const Conflict& conflict, Outbox
 }
 
 /// Empty where the way in the plane, if there is one, will do.
-std::optional<SpacePath> Navigator::search_space(const View& view, std::optional<double> plane_m) const {
+std::optional<SpaceRoutePath> Navigator::search_space(const View& view, std::optional<double> plane_m) const {
   if (!space_) return {};
   const double straight = (view.goal - view.way.front()).norm();
   if (plane_m && *plane_m <= straight + config_.switch_m) return {};
@@ -72,7 +72,7 @@ std::optional<SpacePath> Navigator::search_space(const View& view, std::optional
   return *std::move(path);
 }
 
-void Navigator::take_space_way(const View& view, const SpacePath& path, Decision d, Outbox& out) {
+void Navigator::take_space_way(const View& view, const SpaceRoutePath& path, Decision d, Outbox& out) {
   const double before = (view.goal - view.way.front()).norm();
   Way plan;
   for (const Vector3d& p : path.points) plan.push_back(view.frame.to_local(p.head<2>()));

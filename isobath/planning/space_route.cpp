@@ -29,7 +29,7 @@ class SpaceRouter {
         need_(task.half_width_m + config.clearance_m),
         at_start_(room.distance(task.start)) {}
 
-  Result<SpacePath, RouteRefusal> plan();
+  Result<SpaceRoutePath, RouteRefusal> plan();
 
  private:
   struct Node {
@@ -257,7 +257,7 @@ std::optional<SpaceWay> SpaceRouter::turned(const SpaceWay& way) const {
   return best;
 }
 
-Result<SpacePath, RouteRefusal> SpaceRouter::plan() {
+Result<SpaceRoutePath, RouteRefusal> SpaceRouter::plan() {
   if (at_start_ < task_.half_width_m) return tl::unexpected(RouteRefusal::kStartBlocked);
   if (!aim()) return tl::unexpected(RouteRefusal::kGoalBlocked);
   auto found = search();
@@ -265,7 +265,7 @@ Result<SpacePath, RouteRefusal> SpaceRouter::plan() {
   pull_straight(*found);
   auto way = turned(*found);
   if (!way) return tl::unexpected(RouteRefusal::kCannotTurn);
-  SpacePath path;
+  SpaceRoutePath path;
   path.clearance_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < way->size(); ++i) {
     path.clearance_m = std::min(path.clearance_m, room_.leg_distance((*way)[i - 1], (*way)[i]));
@@ -350,8 +350,8 @@ double sure_length(const SpaceRoom& room, std::span<const Vector3d> way) {
   return gone;
 }
 
-Result<SpacePath, RouteRefusal> plan_space_route(const SpaceGrid& grid, const SpaceRouteTask& task,
-                                                 const SpaceRouteConfig& config) {
+Result<SpaceRoutePath, RouteRefusal> plan_space_route(const SpaceGrid& grid, const SpaceRouteTask& task,
+                                                      const SpaceRouteConfig& config) {
   const auto far = [](const Vector3d& p) { return !p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthestGoal; };
   if (far(task.start) || far(task.goal)) return tl::unexpected(RouteRefusal::kNotFinite);
   const SpaceRoom known = room_for(grid, task, config, false);

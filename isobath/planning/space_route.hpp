@@ -45,7 +45,7 @@ struct SpaceRouteTask {
   std::span<const Hazard> hazards;
 };
 
-struct SpacePath {
+struct SpaceRoutePath {
   std::vector<Eigen::Vector3d> points;  ///< start, corners, goal
   double length_m = 0;
   double clearance_m = 0;  ///< least room about the hull's middle; what is `wished` and more counts as that
@@ -64,7 +64,7 @@ bool is_clear(const SpaceRoom& room, std::span<const Eigen::Vector3d> way, doubl
 /// From the start of a way to the first place that nobody has measured, m; its length where there is none.
 double sure_length(const SpaceRoom& room, std::span<const Eigen::Vector3d> way);
 
-Result<SpacePath, RouteRefusal> plan_space_route(const SpaceGrid& grid, const SpaceRouteTask& task,
-                                                 const SpaceRouteConfig& config);
+Result<SpaceRoutePath, RouteRefusal> plan_space_route(const SpaceGrid& grid, const SpaceRouteTask& task,
+                                                      const SpaceRouteConfig& config);
 
 }  // namespace isobath

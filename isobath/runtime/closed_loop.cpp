@@ -58,7 +58,7 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
   std::optional<TruthJudge> judge;
   if (request.judge && !request.live) judge.emplace(simulator);
   std::optional<VoxelModel> voxels;
-  if (tells_height(scenario.scene)) voxels.emplace(request.configuration.voxels);
+  if (tells_height(simulator.scene())) voxels.emplace(request.configuration.voxels);
   Watched watched(truth, helm, judge ? &*judge : nullptr, voxels ? &*voxels : nullptr,
                   request.configuration.mission.space_route.reach_m);
   source.tell_truth_to(&watched);

@@ -232,15 +232,7 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
     scene.navigator.drift_share = drift.uniform(suite.vary.drift[0], suite.vary.drift[1]);
     run.conditions += fmt::format("; drift {:.2f} %", 100 * scene.navigator.drift_share);
   }
-  if (!suite.about.without.empty()) {
-    const auto off = std::find_if(scene.sonars.begin(), scene.sonars.end(),
-                                  [&](const SonarConfig& sonar) { return sonar.name == suite.about.without; });
-    if (off == scene.sonars.end()) {
-      throw Error("no sonar of the scene is named " + suite.about.without, {.key = "suite.without"},
-                  "the name of a sonar in " + scene.file);
-    }
-    off->on = false;
-  }
+  if (!suite.about.without.empty()) switch_off(scene, suite.about.without);
   const double factor = noise.uniform(suite.vary.noise[0], suite.vary.noise[1]);
   for (SonarConfig& sonar : scene.sonars) {
     sonar.noise_level *= factor;

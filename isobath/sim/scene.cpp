@@ -239,6 +239,18 @@ std::optional<GeoOrigin> Scene::origin() const {
   return GeoOrigin{about.latitude_deg, about.longitude_deg};
 }
 
+void switch_off(Scene& scene, const std::string& sonar) {
+  std::string names;
+  bool found = false;
+  for (SonarConfig& s : scene.sonars) {
+    names += (names.empty() ? "" : ", ") + s.name;
+    if (s.name != sonar) continue;
+    s.on = false;
+    found = true;
+  }
+  if (!found) throw Error("no sonar of the scene is named " + sonar, {.file = scene.file}, names);
+}
+
 std::vector<std::string> fault_names(const std::vector<SonarConfig>& sonars) {
   std::vector<std::string> names;
   int images = 0, ranges = 0;

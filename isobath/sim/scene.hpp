@@ -147,6 +147,9 @@ struct Scene {
   [[nodiscard]] std::optional<GeoOrigin> origin() const;
 };
 
+/// Throws Error where no sonar of the scene is named so.
+void switch_off(Scene& scene, const std::string& sonar);
+
 /// Bound to `scene`, which must outlive it.
 Schema schema(Scene& scene);
 /// Throws Error with line and column.

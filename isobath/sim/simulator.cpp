@@ -52,7 +52,8 @@ LineOfSight guidance_of(const Scene& scene) {
 
 std::vector<Field> fields(SimulationConfig& c) {
   return {Field::integer("seed", &c.seed, {-1, 2147483647}, "", "Seed of every random number; -1: the scene's own."),
-          Field::real("duration_s", &c.duration_s, {0, 1e6}, "s", "Length of the run; 0: the scene's own.")};
+          Field::real("duration_s", &c.duration_s, {0, 1e6}, "s", "Length of the run; 0: the scene's own."),
+          Field::text("without", &c.without, "Name of a sonar of the scene that is switched off; empty: none.")};
 }
 
 /// A sonar with its clock and its faults.
@@ -85,6 +86,7 @@ Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
       navigator_(scene_.navigator, scene_.navigation, random_at(seed_, kNavigatorSeed, 0).bits()),
       fix_channel_(faults_, "navigation"),
       waves_(random_at(seed_, kDiveSeed, 0)) {
+  if (!config.without.empty()) switch_off(scene_, config.without);
   if (!scene_.waypoints.empty()) guidance_.emplace(guidance_of(scene_));
   const std::vector<std::string> names = fault_names(scene_.sonars);
   for (std::size_t i = 0; i < scene_.sonars.size(); ++i) {

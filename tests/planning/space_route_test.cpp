@@ -22,7 +22,7 @@ struct River {
     water.clear({0, -25, 0}, {70, 25, 9});
     water.occupy({31, -25, 5}, {33, 25, 9});
   }
-  [[nodiscard]] Result<SpacePath, RouteRefusal> plan() {
+  [[nodiscard]] Result<SpaceRoutePath, RouteRefusal> plan() {
     task.hazards = hazards;
     return plan_space_route(water.grid(), task, config);
   }
