@@ -209,7 +209,7 @@ void VoxelBlocks::save() const {
   shelf_->write(all);
 }
 
-LogOdds16 VoxelBlocks::spilled_at(const VoxelIndex& v) const { return shelf_->at(key_of(v), offset(v)); }
+LogOdds16 VoxelBlocks::spilled_at(std::uint64_t key, int offset) const { return shelf_->at(key, offset); }
 
 void VoxelBlocks::each_spilled(std::uint64_t after,
                                const std::function<void(std::uint64_t key, std::uint64_t revision)>& visit) const {

@@ -89,7 +89,7 @@ class VoxelBlocks {
     const LogOdds16* block = find(v);
     if (block) return block[offset(v)];
     if (shelf_) [[unlikely]]
-      return spilled_at(v);
+      return spilled_at(key_of(v), offset(v));  // by value: a place that goes elsewhere by reference stays in memory
     return kUnseen;
   }
   /// The evidence of the block of a voxel; null where memory holds none.
@@ -190,7 +190,7 @@ class VoxelBlocks {
   }
   void grow(std::size_t places);
   void place(std::uint64_t key, std::uint32_t slot);
-  [[nodiscard, gnu::cold]] LogOdds16 spilled_at(const VoxelIndex& v) const;
+  [[nodiscard, gnu::cold]] LogOdds16 spilled_at(std::uint64_t key, int offset) const;
   void each_spilled(std::uint64_t after,
                     const std::function<void(std::uint64_t key, std::uint64_t revision)>& visit) const;
   /// Frees the places of those that `leaves` says.

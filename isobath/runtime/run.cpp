@@ -35,7 +35,8 @@ std::unique_ptr<SimulatedSource> simulate(const RunRequest& request, const std::
 /// truth says of it.
 class Sinks : public ResultSink, public SimulatedSource::TruthSink {
  public:
-  Sinks(RunFolder& folder, const VoxelModelConfig& voxels) : voxels(voxels), folder_(folder) {}
+  Sinks(RunFolder& folder, const RunRequest& request)
+      : voxels(request.configuration.voxels, request.out / "voxels.sqlite"), folder_(folder) {}
   void on_ping(const PosedPing& ping) override {
     if (mission) mission->on_ping(ping);
     voxels.take(ping);
@@ -308,7 +309,7 @@ RunOutcome run(const RunRequest& asked) {
     if (simulated) simulated->add_operator(scenario->orders, setup->plan);
   }
   RunFolder folder(request.out, request.configuration);
-  Sinks sinks(folder, request.configuration.voxels);
+  Sinks sinks(folder, request);
   prepare(sinks, request, setup, simulated.get());
   Pipeline pipeline(request.configuration, sinks, &depths);
   EndOfMission end;
@@ -374,6 +375,7 @@ RunOutcome run(const RunRequest& asked) {
   if (const VoxelMap* voxels = sinks.voxels.map()) {
     constexpr std::uint64_t kJudged = 500'000;
     outcome.voxels = sinks.voxels.outcome();
+    if (sinks.voxels.save()) outcome.files.emplace_back("voxels.sqlite");
     if (sinks.judge) outcome.voxels->truth = judge(*voxels, simulator->world(), 1 + outcome.voxels->seen / kJudged);
   }
   folder.write(request, pipeline.grid(), sinks.voxels.map(), depths, outcome);

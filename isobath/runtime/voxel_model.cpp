@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/round_step.hpp>
+#include <isobath/io/voxel_vdb.hpp>
 #include <isobath/map/body_grid.hpp>
 #include <isobath/map/seen_voxels.hpp>
 #include <isobath/runtime/voxel_model.hpp>
@@ -19,14 +20,28 @@ std::vector<Field> fields(VoxelModelConfig& c) {
       Field::real(
           "window_m", &c.window_m, {0, 100'000}, "m",
           "What is farther from the vehicle than this, along north, east or down, is forgotten; 0: nothing is."),
+      Field::flag("spill", &c.spill,
+                  "What leaves the window goes to voxels.sqlite, and comes back as it was; false: it is forgotten."),
+      Field::integer("memory_mb", &c.memory_mb, {0, 1'000'000}, "MB",
+                     "Beyond so much evidence in memory, what changed longest ago goes to voxels.sqlite; 0: no bound."),
+      Field::flag("vdb", &c.vdb,
+                  "Writes voxels.vdb too, a grid for OpenVDB's readers, where it was built with OpenVDB."),
   };
   for (Field& field : fields(c.map)) all.push_back(std::move(field));
   return all;
 }
 
+VoxelModel::VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file)
+    : config_(config), spill_file_(std::move(spill_file)) {
+  if (!config.vdb || has_openvdb()) return;
+  throw Error("this program was built without OpenVDB", {{}, {}, {}, {}, "voxels.vdb"}, "false",
+              "install libopenvdb-dev and build again");
+}
+
 void VoxelModel::begin(const Ping& ping) {
   if (config_.fit) config_.map.voxel_m = round_step(ping.window.end_m() / 200, {1, 2.5, 5});
   map_ = std::make_unique<VoxelMap>(config_.map);
+  if (config_.memory_mb > 0 || (config_.window_m > 0 && config_.spill)) map_->spill_to(spill_file_);
 }
 
 VoxelModel::Sonar& VoxelModel::sonar_of(const Ping& ping) {
@@ -67,9 +82,23 @@ void VoxelModel::take(const PosedPing& posed) {
   sonar.mapper.set_surface(submerged ? 0 : -std::numeric_limits<double>::infinity());
   sonar.mapper.update(ping, posed.decisions, posed.X_WB, *sonar.layer);
   ++sonar.pings;
-  if (config_.window_m > 0) {
-    map_->keep_within(posed.X_WB.translation, Eigen::Vector3d::Constant(config_.window_m));
+  bound_memory(posed.X_WB.translation);
+}
+
+void VoxelModel::bound_memory(const Eigen::Vector3d& at_W) {
+  const Eigen::Vector3d window = Eigen::Vector3d::Constant(config_.window_m);
+  if (config_.window_m > 0 && config_.spill) {
+    map_->spill_outside(at_W, window);
+  } else if (config_.window_m > 0) {
+    map_->keep_within(at_W, window);
   }
+  if (config_.memory_mb > 0) map_->spill_beyond(static_cast<std::size_t>(config_.memory_mb) * 1'000'000);
+}
+
+bool VoxelModel::save() const {
+  if (!map_ || !map_->spills()) return false;
+  map_->save();
+  return true;
 }
 
 VoxelOutcome VoxelModel::outcome() const {
@@ -79,6 +108,7 @@ VoxelOutcome VoxelModel::outcome() const {
   outcome.megabytes = map_->bytes() / 1'000'000;
   for (const auto& s : sonars_) outcome.layers.push_back({s->name, s->pings});
   outcome.blocks = map_->changed_after(0).size();
+  if (map_->spills()) outcome.spilled = map_->spilled();
   for_each_seen(*map_, [&](const VoxelIndex& v) {
     ++outcome.seen;
     const Space space = map_->space(v);

@@ -5,11 +5,17 @@
 // A sonar is known by the stance of its fan (flat or upright, to 45 degrees) and by the fan itself: as many beams, as
 // wide, as high. So two sonars on one vehicle have a layer each, and a fan that is tilted on the way keeps its own.
 //
+// Memory: without a bound; within a window about the vehicle, what leaves it forgotten or spilled to a file; or up to
+// so many megabytes, beyond which what changed longest ago spills. Spilling happens after a ping, so that one ping's
+// blocks come on top. A spilled map gives the same files as one without bound (VoxelMap).
+//
 // Edge of the voxels: by the sonar's range, unless `fit` is off; the first ping decides. Errors: Error, from the ping
-// that shows it, where the window is smaller than the sonar's range. One thread.
+// that shows it, where the window is smaller than the sonar's range; at once, where files are asked for that the
+// program was built without. One thread.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <isobath/map/voxel_map.hpp>
 #include <isobath/perception/fan_mapper.hpp>
 #include <isobath/runtime/pipeline.hpp>
@@ -32,15 +38,19 @@ struct VoxelOutcome {
   double voxel_m = 0;
   std::uint64_t seen = 0, occupied = 0, free = 0, blocks = 0;
   std::uint64_t megabytes = 0;
-  std::uint64_t left_out = 0;       ///< blocks that have no place in an OctoMap file
-  std::optional<VoxelTruth> truth;  ///< of a simulated run
+  std::optional<std::uint64_t> spilled;  ///< blocks in the file only, of each layer; where blocks can spill
+  std::uint64_t left_out = 0;            ///< blocks that have no place in an OctoMap file
+  std::optional<VoxelTruth> truth;       ///< of a simulated run
 };
 
 class VoxelModel {
  public:
-  explicit VoxelModel(const VoxelModelConfig& config) : config_(config) {}
+  /// Blocks spill to this file, if by the configuration they spill at all.
+  explicit VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file = {});
 
   void take(const PosedPing& posed);
+  /// Completes the file that blocks spill to, where there is one. Whether there is.
+  bool save() const;
   /// Null before the first ping.
   [[nodiscard]] const VoxelMap* map() const { return map_.get(); }
   [[nodiscard]] VoxelOutcome outcome() const;
@@ -57,8 +67,10 @@ class VoxelModel {
   };
   Sonar& sonar_of(const Ping& ping);
   void begin(const Ping& ping);
+  void bound_memory(const Eigen::Vector3d& at_W);
 
   VoxelModelConfig config_;
+  std::filesystem::path spill_file_;
   std::unique_ptr<VoxelMap> map_;
   std::vector<std::unique_ptr<Sonar>> sonars_;
 };
