@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <bench/voxel_work.hpp>
 #include <benchmark/benchmark.h>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <ctime>
 #include <isobath/perception/fan_mapper.hpp>
-#include <numbers>
 #include <vector>
 #ifdef ISOBATH_HAS_OPENVDB
 #include <openvdb/math/DDA.h>
@@ -21,9 +20,9 @@ using namespace bench;
 
 template <class Work>
 double seconds_of(const Work& work) {
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();  // of the processor: one thread
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
 }
 
 void report(benchmark::State& state, double items, double own_s, double peer_s) {
@@ -35,7 +34,8 @@ void report(benchmark::State& state, double items, double own_s, double peer_s) 
 using Accessor = openvdb::FloatGrid::Accessor;
 
 void add(Accessor& map, const openvdb::Coord& at, float more) {
-  map.modifyValue(at, [more](float& e) { e = std::clamp(e + more, float{kLeast}, float{kMost}); });
+  map.modifyValue(
+      at, [more](float& e) { e = std::clamp(e + more, static_cast<float>(kLeast), static_cast<float>(kMost)); });
 }
 
 /// OpenVDB's own walk from voxel to voxel, the last one apart.
@@ -49,9 +49,9 @@ void insert(Accessor& map, const Ray& ray) {
   openvdb::math::DDA<VdbRay> walk(VdbRay({from.x(), from.y(), from.z()}, {u.x(), u.y(), u.z()}, 0, length));
   do {
     if (walk.voxel() == last) break;
-    add(map, walk.voxel(), kMiss);
+    add(map, walk.voxel(), static_cast<float>(kMiss));
   } while (walk.step());
-  add(map, last, ray.hit ? kHit : kMiss);
+  add(map, last, static_cast<float>(ray.hit ? kHit : kMiss));
 }
 
 openvdb::FloatGrid::Ptr vdb_mapped(std::size_t count) {
@@ -91,10 +91,28 @@ void OpenVdbRays(benchmark::State& state) {
 }
 BENCHMARK(OpenVdbRays)->Unit(benchmark::kMillisecond)->Iterations(1);
 
+/// A place on the arc of a bin, m.
+struct ArcSample {
+  double ahead, down;
+};
+std::vector<std::vector<ArcSample>> arcs_of(double height) {
+  std::vector<std::vector<ArcSample>> arcs(500);
+  for (int bin = 0; bin < 500; ++bin) {
+    const double range = (bin + 0.5) * 0.1;
+    const int samples = static_cast<int>(std::ceil(range * height / kVoxel));
+    for (int s = 0; s < samples; ++s) {
+      const double elevation = height * ((s + 0.5) / samples - 0.5);
+      arcs[static_cast<std::size_t>(bin)].push_back({range * std::cos(elevation), -range * std::sin(elevation)});
+    }
+  }
+  return arcs;
+}
+
 /// Ten of the pings; OpenVDB a sample each quarter of a metre along the arc of each bin.
 void OpenVdbFans(benchmark::State& state) {
   const WideFans& fans = wide_fans();
   constexpr std::size_t kPings = 10;
+  const auto arcs = arcs_of(fans.ping.fan->height.radians());
   FanMapperConfig config;
   config.rule = FanMapperConfig::Rule::kHitAndMiss;
   config.hit = 0.5;
@@ -111,21 +129,17 @@ void OpenVdbFans(benchmark::State& state) {
     const auto grid = openvdb::FloatGrid::create(0);
     const double peer = seconds_of([&] {
       Accessor map = grid->getAccessor();
-      const double height = fans.ping.fan->height.radians();
       for (std::size_t i = 0; i < kPings; ++i) {
+        const Eigen::Matrix3d R = fans.poses[i].rotation.matrix() / kVoxel;
+        const Vector3d at = fans.poses[i].translation / kVoxel;
         for (int beam = 0; beam < 512; ++beam) {
           const double azimuth = fans.ping.fan->azimuth[static_cast<std::size_t>(beam)].radians();
+          const Vector3d ahead = R * Vector3d(std::cos(azimuth), std::sin(azimuth), 0), down = R.col(2);
           const std::uint64_t* hits = fans.decisions[i].hits(beam);
           for (int bin = 0; bin < 500; ++bin) {
-            const double range = (bin + 0.5) * 0.1;
             const float more = (hits[bin / 64] >> (bin % 64) & 1) != 0 ? 0.5f : -0.1f;
-            const int samples = std::max(1, static_cast<int>(std::ceil(range * height / kVoxel)));
-            for (int s = 0; s < samples; ++s) {
-              const double elevation = height * ((s + 0.5) / samples - 0.5);
-              const Vector3d p = fans.poses[i] * Vector3d(range * std::cos(elevation) * std::cos(azimuth),
-                                                          range * std::cos(elevation) * std::sin(azimuth),
-                                                          -range * std::sin(elevation));
-              const VoxelIndex v = floor_of(p / kVoxel);
+            for (const ArcSample& s : arcs[static_cast<std::size_t>(bin)]) {
+              const VoxelIndex v = floor_of(at + s.ahead * ahead + s.down * down);
               add(map, {v.x(), v.y(), v.z()}, more);
             }
           }
