@@ -51,6 +51,7 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     if (mission) mission->resume();
   }
   void on_upright(const PosedPing& ping) override { voxels.take(ping); }
+  void on_soundings(const Swath& swath, const Pose& X_WB) override { voxels.take(swath, X_WB); }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
 

@@ -6,6 +6,7 @@
 #include <isobath/map/seen_voxels.hpp>
 #include <isobath/runtime/voxel_model.hpp>
 #include <limits>
+#include <vector>
 
 namespace isobath {
 std::vector<Field> fields(VoxelModelConfig& c) {
@@ -38,8 +39,8 @@ VoxelModel::VoxelModel(const VoxelModelConfig& config, std::filesystem::path spi
               "install libopenvdb-dev and build again");
 }
 
-void VoxelModel::begin(const Ping& ping) {
-  if (config_.fit) config_.map.voxel_m = round_step(ping.window.end_m() / 200, {1, 2.5, 5});
+void VoxelModel::begin(double range_m) {
+  if (config_.fit) config_.map.voxel_m = round_step(range_m / 200, {1, 2.5, 5});
   map_ = std::make_unique<VoxelMap>(config_.map);
   if (config_.memory_mb > 0 || (config_.window_m > 0 && config_.spill)) map_->spill_to(spill_file_);
 }
@@ -75,7 +76,7 @@ void VoxelModel::take(const PosedPing& posed) {
         fmt::format("the map's window reaches {:g} m, and the sonar {:g} m", config_.window_m, ping.window.end_m()),
         {{}, {}, {}, {}, "voxels.window_m"}, "0, or the sonar's range and more");
   }
-  if (!map_) begin(ping);
+  if (!map_) begin(ping.window.end_m());
   Sonar& sonar = sonar_of(ping);
   map_->advance();
   const bool submerged = config_.surface && (posed.X_WB * ping.X_BS).translation.z() > 0;
@@ -83,6 +84,40 @@ void VoxelModel::take(const PosedPing& posed) {
   sonar.mapper.update(ping, posed.decisions, posed.X_WB, *sonar.layer);
   ++sonar.pings;
   bound_memory(posed.X_WB.translation);
+}
+
+void VoxelModel::take(const Swath& swath, const Pose& X_WB) {
+  if (config_.sonars == VoxelModelConfig::Sonars::kNone || swath.frame != Swath::Frame::kBody) return;
+  double farthest = 0;
+  for (const Sounding& s : swath.soundings) {
+    if (s.kind == Sounding::Kind::kWater) farthest = std::max<double>(farthest, s.range_m);
+  }
+  if (farthest == 0) return;
+  if (!map_) begin(farthest);
+  map_->advance();
+  VoxelBlocks& layer = map_->layer("soundings");
+  const double edge = map_->voxel_m();
+  const LogOdds16 hit = to_evidence(config_.fans.hit), miss = to_evidence(config_.fans.miss);
+  struct Echo {
+    Eigen::Vector3d from, to;  ///< in edges
+    VoxelIndex voxel;
+    LogOdds16 before;
+  };
+  std::vector<Echo> echoes;
+  for (const Sounding& s : swath.soundings) {
+    const Eigen::Vector3d p_B = s.point.cast<double>(), to = X_WB * p_B / edge;
+    const double far = p_B.norm();
+    if (s.kind != Sounding::Kind::kWater || far <= 0 || to.cwiseAbs().maxCoeff() >= VoxelBlocks::kFarthest - 1)
+      continue;
+    const VoxelIndex voxel = floor_of(to);
+    echoes.push_back({X_WB * (p_B * (1 - s.range_m / far)) / edge, to, voxel, layer.at(voxel)});
+  }
+  for (const Echo& e : echoes) layer.insert_ray(e.from, e.to, miss, 0);
+  for (const Echo& e : echoes) {
+    layer.touch(e.voxel)[VoxelBlocks::offset(e.voxel)] = layer.sum(e.before, hit);
+  }
+  ++shots_;
+  bound_memory(X_WB.translation);
 }
 
 void VoxelModel::bound_memory(const Eigen::Vector3d& at_W) {
@@ -107,6 +142,7 @@ VoxelOutcome VoxelModel::outcome() const {
   outcome.voxel_m = map_->voxel_m();
   outcome.megabytes = map_->bytes() / 1'000'000;
   for (const auto& s : sonars_) outcome.layers.push_back({s->name, s->pings});
+  if (shots_ > 0) outcome.layers.push_back({"soundings", shots_});
   outcome.blocks = map_->changed_after(0).size();
   if (map_->spills()) outcome.spilled = map_->spilled();
   for_each_seen(*map_, [&](const VoxelIndex& v) {

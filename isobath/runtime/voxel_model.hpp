@@ -9,6 +9,12 @@
 // so many megabytes, beyond which what changed longest ago spills. Spilling happens after a ping, so that one ping's
 // blocks come on top. A spilled map gives the same files as one without bound (VoxelMap).
 //
+// Soundings in the water (Sounding::Kind::kWater, in the body frame), those of an imaging sonar with true elevation,
+// are narrow beams: a layer of their own, in which a ray passes free voxels up to its echo and ends in an occupied one,
+// by the log-odds `miss` and `hit` of the fans. A voxel that holds an echo
+// of a swath is hit once by it, and no ray of the same swath counts there as passing. The arm from the vehicle to the
+// sonar, which a Swath does not carry, is taken to lie along the ray. Soundings of the bottom are the depth map's.
+//
 // Edge of the voxels: by the sonar's range, unless `fit` is off; the first ping decides. Errors: Error, from the ping
 // that shows it, where the window is smaller than the sonar's range; at once, where files are asked for that the
 // program was built without. One thread.
@@ -49,6 +55,7 @@ class VoxelModel {
   explicit VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file = {});
 
   void take(const PosedPing& posed);
+  void take(const Swath& swath, const Pose& X_WB);
   /// Completes the file that blocks spill to, where there is one. Whether there is.
   bool save() const;
   /// Null before the first ping.
@@ -66,13 +73,14 @@ class VoxelModel {
     VoxelBlocks* layer;
   };
   Sonar& sonar_of(const Ping& ping);
-  void begin(const Ping& ping);
+  void begin(double range_m);
   void bound_memory(const Eigen::Vector3d& at_W);
 
   VoxelModelConfig config_;
   std::filesystem::path spill_file_;
   std::unique_ptr<VoxelMap> map_;
   std::vector<std::unique_ptr<Sonar>> sonars_;
+  std::uint64_t shots_ = 0;  ///< swaths in the layer of soundings
 };
 
 }  // namespace isobath

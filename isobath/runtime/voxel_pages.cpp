@@ -179,7 +179,7 @@ void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictur
   const double cubic = outcome.voxel_m * outcome.voxel_m * outcome.voxel_m;
   std::vector<HtmlReport::Row> rows{{"edge of a voxel", fmt::format("{:g} m", outcome.voxel_m)}};
   for (const auto& layer : outcome.layers)
-    rows.push_back({"pings of the fan \"" + layer.sensor + "\"", number(layer.pings)});
+    rows.push_back({"pings of the layer \"" + layer.sensor + "\"", number(layer.pings)});
   rows.push_back(
       {"voxels seen", fmt::format("{} ({:.1f} m3)", outcome.seen, static_cast<double>(outcome.seen) * cubic)});
   rows.push_back({"of these occupied", number(outcome.occupied)});
