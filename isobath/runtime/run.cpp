@@ -271,8 +271,8 @@ class Pace {
   double settled_s_ = 0;
 };
 
-/// What pipeline and depth map found, and whether the input was in order.
-void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths) {
+/// What pipeline and depth map found (`mapped`: there are voxels), and whether the input was in order.
+void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths, bool mapped) {
   outcome.counts = pipeline.counts();
   outcome.rejected = outcome.source.rejected;
   for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
@@ -283,7 +283,7 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
   if (outcome.counts.pings + outcome.counts.upright + outcome.counts.ranges + outcome.counts.swaths == 0 &&
       outcome.problem.empty())
     outcome.problem = "no ping, range or sounding in it could be used";
-  if (outcome.counts.pings + outcome.counts.upright == 0 && !depths.snapshot() && outcome.problem.empty())
+  if (outcome.counts.pings + outcome.counts.upright == 0 && !depths.snapshot() && !mapped && outcome.problem.empty())
     outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
 }
 
@@ -363,7 +363,7 @@ RunOutcome run(const RunRequest& asked) {
   outcome.log_s = last > first ? to_seconds(last - first) : 0;
   outcome.source = source->report();
   if (frame) outcome.source.origin = frame;
-  add_results(outcome, pipeline, depths);
+  add_results(outcome, pipeline, depths, sinks.voxels.map() != nullptr);
   if (sinks.log) sinks.log->close();
   if (sinks.judge) {
     outcome.truth = sinks.judge->score();

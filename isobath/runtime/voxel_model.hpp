@@ -9,11 +9,10 @@
 // so many megabytes, beyond which what changed longest ago spills. Spilling happens after a ping, so that one ping's
 // blocks come on top. A spilled map gives the same files as one without bound (VoxelMap).
 //
-// Soundings in the water (Sounding::Kind::kWater, in the body frame), those of an imaging sonar with true elevation,
-// are narrow beams: a layer of their own, in which a ray passes free voxels up to its echo and ends in an occupied one,
-// by the log-odds `miss` and `hit` of the fans. A voxel that holds an echo
-// of a swath is hit once by it, and no ray of the same swath counts there as passing. The arm from the vehicle to the
-// sonar, which a Swath does not carry, is taken to lie along the ray. Soundings of the bottom are the depth map's.
+// Soundings in the water (Sounding::Kind::kWater, in the body frame), as an imaging sonar gives them with true
+// elevation, are narrow beams and have a layer of their own: the voxels that a ray passes are free, the one where it
+// ends is occupied; each counts once a swath, by an echo where there is one. The arm from the vehicle to the sonar,
+// which a Swath does not carry, is taken to lie along the ray. Soundings of the bottom are the depth map's.
 //
 // Edge of the voxels: by the sonar's range, unless `fit` is off; the first ping decides. Errors: Error, from the ping
 // that shows it, where the window is smaller than the sonar's range; at once, where files are asked for that the

@@ -70,6 +70,19 @@ TEST_F(Voxels, ThatSpillAreTheSameVoxels) {
   EXPECT_GT(test::json_of(out_ / "bounded" / "manifest.json")["voxels"]["spilled"], 100);
 }
 
+TEST_F(Voxels, OfAnImagingSonarShowAShip) {
+  ISOBATH_NEEDS_DATA(log, "sonar3d-ship");
+  const ProgramResult run = isobath_run(log, out_);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto voxels = test::json_of(out_ / "manifest.json")["voxels"];
+  ASSERT_EQ(voxels["layers"].size(), 1u);
+  EXPECT_EQ(voxels["layers"][0]["sensor"], "soundings");
+  EXPECT_EQ(voxels["layers"][0]["pings"], 6);
+  EXPECT_GT(voxels["occupied"], 4000);
+  EXPECT_GT(voxels["free"], 100'000);
+  EXPECT_TRUE(fs::exists(out_ / "voxels-east.png"));
+}
+
 TEST_F(Voxels, ForOpenVdbAreWrittenOrRefusedAtOnce) {
   const ProgramResult run =
       isobath_run(bridge_, out_, {"--set", "simulation.duration_s=2", "--set", "voxels.vdb=true"});
