@@ -15,7 +15,7 @@ constexpr std::string_view kPacketMagic = "RIP2";
 constexpr std::size_t kLeastPacket = 4 + 4 + 1 + 4, kMostPacket = 1 << 20;
 constexpr std::size_t kMostPlain = 4 << 20;  // unpacked
 
-Framing packet_at(Bytes bytes) {
+Framing rip2_packet_at(Bytes bytes) {
   const std::string_view text = text_of(bytes);
   const std::size_t begun = std::min(text.size(), kPacketMagic.size());
   if (text.substr(0, begun) != kPacketMagic.substr(0, begun)) return noise_until(bytes, 'R');
@@ -149,7 +149,7 @@ class Sonar3d final : public LogSource {
 
  private:
   std::optional<Event> read() override {
-    while (const auto packet = next_frame(input_, packet_at, report_)) {
+    while (const auto packet = next_frame(input_, rip2_packet_at, report_)) {
       if (auto event = take(packet->subspan(8, packet->size() - 12))) return event;
     }
     return {};

@@ -7,7 +7,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kBlockBytes = VoxelBlocks::kVolume * sizeof(LogOdds16);
+constexpr std::size_t kPlainBytes = VoxelBlocks::kVolume * sizeof(LogOdds16);
 static_assert(std::endian::native == std::endian::little, "evidence is stored as it stands in memory");
 
 SqliteSchema voxel_schema() {
@@ -60,7 +60,7 @@ std::vector<std::string> voxel_statements() {
 std::int64_t checksum_of(std::int64_t layer, std::uint64_t key, std::uint64_t revision, const LogOdds16* evidence) {
   const std::array<std::uint64_t, 3> head{static_cast<std::uint64_t>(layer), key, revision};
   const uLong of_head = crc32(0, reinterpret_cast<const Bytef*>(head.data()), sizeof head);
-  return static_cast<std::int64_t>(crc32(of_head, reinterpret_cast<const Bytef*>(evidence), kBlockBytes));
+  return static_cast<std::int64_t>(crc32(of_head, reinterpret_cast<const Bytef*>(evidence), kPlainBytes));
 }
 
 }  // namespace
@@ -80,20 +80,20 @@ void VoxelShelf::read_row(std::uint64_t key, std::span<LogOdds16> evidence) cons
   const auto revision = static_cast<std::uint64_t>(use.integer());
   const std::int64_t checksum = use.integer();
   const std::span<const std::byte> packed = use.bytes();
-  uLongf size = kBlockBytes;
+  uLongf size = kPlainBytes;
   const int code = uncompress(reinterpret_cast<Bytef*>(evidence.data()), &size,
                               reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size()));
-  if (code != Z_OK || size != kBlockBytes) throw damaged("it cannot be unpacked");
+  if (code != Z_OK || size != kPlainBytes) throw damaged("it cannot be unpacked");
   if (revision != revisions_.at(key) || checksum_of(layer_, key, revision, evidence.data()) != checksum) {
     throw damaged("its checksum does not fit");
   }
 }
 
 void VoxelShelf::write_row(const Block& block) {
-  std::array<std::byte, kBlockBytes + kBlockBytes / 8> packed;  // compressBound is less: see the check
+  std::array<std::byte, kPlainBytes + kPlainBytes / 8> packed;  // compressBound is less: see the check
   uLongf size = packed.size();
   const int code = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                             reinterpret_cast<const Bytef*>(block.evidence), kBlockBytes, Z_BEST_SPEED);
+                             reinterpret_cast<const Bytef*>(block.evidence), kPlainBytes, Z_BEST_SPEED);
   ISOBATH_ASSERT(code == Z_OK);
   file_.file_.use(kWriteBlock)
       .with(layer_)

@@ -60,7 +60,7 @@ class VoxelFiles : public testing::Test {
 };
 
 /// One ping's worth: rays about a place that wanders out and back, of one or the other sonar.
-void update(VoxelMap& map, Random& random, int step) {
+void hear_ping(VoxelMap& map, Random& random, int step) {
   map.advance();
   VoxelBlocks& layer = map.layer(step % 3 == 0 ? "upright" : "flat");
   const int way = step % 80 < 40 ? step % 40 : 40 - step % 40;
@@ -82,8 +82,8 @@ TEST_F(VoxelFiles, BoundMemoryAndLoseNothing) {
     Random draws(5), same_draws(5), questions(6);
     std::size_t most_spilled = 0;
     for (int step = 0; step < 90; ++step) {
-      update(all, draws, step);
-      update(bounded, same_draws, step);
+      hear_ping(all, draws, step);
+      hear_ping(bounded, same_draws, step);
       bounded.spill_beyond(budget);
       std::size_t held = 0;
       for (const std::string& s : bounded.sensors()) {
@@ -126,8 +126,8 @@ TEST_F(VoxelFiles, KeepAWindowInMemoryAndTheWorldOnDisk) {
   Random draws(7), same_draws(7);
   std::size_t most_held = 0;
   for (int step = 0; step < 60; ++step) {
-    update(all, draws, step);
-    update(window, same_draws, step);
+    hear_ping(all, draws, step);
+    hear_ping(window, same_draws, step);
     const int way = step % 80 < 40 ? step % 40 : 40 - step % 40;
     window.spill_outside(Vector3d(3.7 * way, -2.1 * way, 20 + 0.3 * way) * window.voxel_m(), Vector3d::Constant(10));
     for (const char* s : {"flat", "upright"}) {
@@ -146,8 +146,8 @@ TEST_F(VoxelFiles, ForgetOnDiskWhatIsForgotten) {
   bounded.spill_to(file_);
   Random draws(8), same_draws(8);
   for (int step = 0; step < 50; ++step) {
-    update(all, draws, step);
-    update(bounded, same_draws, step);
+    hear_ping(all, draws, step);
+    hear_ping(bounded, same_draws, step);
     if (step % 7 == 3) bounded.spill_beyond(50'000);
     if (step % 10 == 9) {
       const Vector3d at(3, -2, 5);
@@ -172,12 +172,12 @@ TEST_F(VoxelFiles, ForgetOnDiskWhatIsForgotten) {
 TEST_F(VoxelFiles, OpenAgainAndGoOn) {
   VoxelMap all;
   Random draws(9), same_draws(9);
-  for (int step = 0; step < 30; ++step) update(all, draws, step);
+  for (int step = 0; step < 30; ++step) hear_ping(all, draws, step);
   {
     VoxelMap first;
     first.spill_to(file_);
     for (int step = 0; step < 15; ++step) {
-      update(first, same_draws, step);
+      hear_ping(first, same_draws, step);
       first.spill_beyond(200'000);
     }
     first.save();
@@ -186,7 +186,7 @@ TEST_F(VoxelFiles, OpenAgainAndGoOn) {
   second.spill_to(file_);
   EXPECT_EQ(second.revision(), 16u);
   for (int step = 15; step < 30; ++step) {
-    update(second, same_draws, step);
+    hear_ping(second, same_draws, step);
     second.spill_beyond(200'000);
   }
   EXPECT_TRUE(content_of(second) == content_of(all));
@@ -197,8 +197,8 @@ TEST_F(VoxelFiles, AreReadByManyThreadsAtOnce) {
   bounded.spill_to(file_);
   Random draws(10), same_draws(10);
   for (int step = 0; step < 20; ++step) {
-    update(all, draws, step);
-    update(bounded, same_draws, step);
+    hear_ping(all, draws, step);
+    hear_ping(bounded, same_draws, step);
   }
   bounded.spill_beyond(100'000);
   std::array<int, 4> wrong{};
@@ -339,8 +339,8 @@ TEST_F(VoxelFiles, WithoutRoomOnTheDiskLoseNothing) {
   bounded.spill_to(file_);
   Random draws(13), same_draws(13);
   for (int step = 0; step < 12; ++step) {
-    update(all, draws, step);
-    update(bounded, same_draws, step);
+    hear_ping(all, draws, step);
+    hear_ping(bounded, same_draws, step);
     if (step == 5) bounded.spill_beyond(100'000);
   }
   const std::size_t spilled = bounded.spilled();
@@ -374,7 +374,7 @@ int spills_before_the_kill(const fs::path& file, int wanted) {
     map.spill_to(file);
     Random draws(14);
     for (int step = 0; step < 1000; ++step) {
-      update(map, draws, step);
+      hear_ping(map, draws, step);
       map.spill_beyond(100'000);
       const char done = 1;
       if (::write(pipe[1], &done, 1) != 1) _exit(1);
@@ -407,7 +407,7 @@ TEST_F(VoxelFiles, OfAKilledProgramHoldTheBlocksOfItsLastSpill) {
     Random draws(14);
     std::size_t checked = 0;
     for (int step = 0; step <= spills; ++step) {
-      update(all, draws, step);
+      hear_ping(all, draws, step);
       for (const auto& [sensor, revisions] : found.revisions) {
         for (const auto& [corner, revision] : revisions) {
           if (revision != all.revision()) continue;
