@@ -86,11 +86,10 @@ class VoxelBlocks {
   /// kUnseen where nothing was ever said. Of a voxel that the map `holds`, as for all that follow: the indices of
   /// others come round again.
   [[nodiscard]] LogOdds16 at(const VoxelIndex& v) const {
-    const LogOdds16* block = find(v);
-    if (block) return block[offset(v)];
-    if (shelf_) [[unlikely]]
-      return spilled_at(key_of(v), offset(v));  // by value: a place that goes elsewhere by reference stays in memory
-    return kUnseen;
+    const std::uint64_t key = key_of(v);
+    const std::uint32_t slot = slot_of(key);
+    if (slot != kNone) return evidence_of(slot)[offset(v)];
+    return shelf_ == nullptr ? kUnseen : spilled_at(key, offset(v));
   }
   /// The evidence of the block of a voxel; null where memory holds none.
   [[nodiscard]] const LogOdds16* find(const VoxelIndex& v) const {
