@@ -12,6 +12,7 @@
 #include <isobath/io/ping_logs.hpp>
 #include <isobath/io/pose_track.hpp>
 #include <isobath/io/scan_csv.hpp>
+#include <isobath/io/sonar3d.hpp>
 #include <isobath/io/sontek_sum.hpp>
 #include <isobath/io/survey_folder.hpp>
 #include <isobath/io/text_lines.hpp>
@@ -78,6 +79,7 @@ constexpr std::array kFormats{
     file<looks_like_seanet_csv, open_seanet_csv>("Seanet CSV"),
     file<looks_like_oculus_container, open_oculus_container>(".oculus log"),
     file<looks_like_aris, open_aris>("ARIS recording"),
+    file<looks_like_sonar3d, open_sonar3d>("Sonar 3D-15"),
     file<looks_like_xtf, open_xtf>("XTF"),
     file<looks_like_kmall, open_kmall>("Kongsberg .kmall"),
     file<looks_like_kongsberg_all, open_kongsberg_all>("Kongsberg .all"),

@@ -25,6 +25,10 @@ SqliteUse& SqliteUse::with(const std::string& value) {
   return bound(sqlite3_bind_text64(statement_, ++in_, value.data(), value.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
 }
 
+SqliteUse& SqliteUse::with(std::span<const std::byte> value) {
+  return bound(sqlite3_bind_blob64(statement_, ++in_, value.data(), value.size(), SQLITE_TRANSIENT));
+}
+
 bool SqliteUse::step() {
   out_ = 0;
   const int code = sqlite3_step(statement_);
@@ -45,6 +49,12 @@ std::string SqliteUse::text() {
   const auto* first = reinterpret_cast<const char*>(sqlite3_column_text(statement_, out_));
   const int size = sqlite3_column_bytes(statement_, out_++);
   return first == nullptr ? std::string() : std::string(first, static_cast<std::size_t>(size));
+}
+
+std::span<const std::byte> SqliteUse::bytes() {
+  const auto* first = static_cast<const std::byte*>(sqlite3_column_blob(statement_, out_));
+  const int size = sqlite3_column_bytes(statement_, out_++);
+  return {first, first == nullptr ? 0 : static_cast<std::size_t>(size)};
 }
 
 std::uint64_t SqliteUse::scanned() const {

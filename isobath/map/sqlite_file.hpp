@@ -8,9 +8,11 @@
 // Throws Error with one line that names the file. One thread at a time. Hides sqlite3.h.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <isobath/base/error.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +40,7 @@ class SqliteUse {
   SqliteUse& with(std::int64_t value);
   SqliteUse& with(double value);
   SqliteUse& with(const std::string& value);
+  SqliteUse& with(std::span<const std::byte> value);
   /// Whether there is a row.
   bool step();
   void run() {
@@ -47,6 +50,7 @@ class SqliteUse {
   std::int64_t integer();
   double finite(const char* what);  ///< throws Error where it is not
   std::string text();
+  std::span<const std::byte> bytes();  ///< good until the next step
   /// Steps from record to record where no index led to the next, since the last call.
   [[nodiscard]] std::uint64_t scanned() const;
 

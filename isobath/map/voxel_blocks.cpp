@@ -3,6 +3,7 @@
 #include <cmath>
 #include <isobath/base/error.hpp>
 #include <isobath/map/voxel_blocks.hpp>
+#include <isobath/map/voxel_file.hpp>
 #include <new>
 #include <span>
 #if __has_include(<sys/mman.h>)
@@ -78,6 +79,7 @@ LogOdds16* VoxelBlocks::touch(const VoxelIndex& v) {
   std::uint32_t slot = slot_of(key);
   if (slot == kNone) {
     ISOBATH_ASSERT(holds(v));
+    const bool back = shelf_ && shelf_->holds(key);
     if (free_.empty()) {
       slabs_.push_back(new_slab());
       const auto first = static_cast<std::uint32_t>(blocks_.size());
@@ -86,10 +88,15 @@ LogOdds16* VoxelBlocks::touch(const VoxelIndex& v) {
     }
     if (2 * (used_ + 1) > table_.size()) grow(2 * table_.size());
     slot = free_.back();
+    if (back) {
+      shelf_->read(key, {evidence_of(slot), kVolume});  // where it fails, nothing has changed
+      --spilled_;
+    } else {
+      std::fill_n(evidence_of(slot), kVolume, kUnseen);
+    }
     free_.pop_back();
     ++used_;
     place(key, slot);
-    std::fill_n(evidence_of(slot), kVolume, kUnseen);
     blocks_[slot] = {v.unaryExpr([](int c) { return c & ~(kSide - 1); }), revision_, evidence_of(slot)};
   }
   blocks_[slot].revision = revision_;
@@ -100,41 +107,121 @@ void VoxelBlocks::for_each(std::uint64_t after, const std::function<void(const B
   for (const Entry& p : table_) {
     if (p.key != kEmpty && blocks_[p.slot].revision > after) visit(blocks_[p.slot]);
   }
+  if (spilled_ == 0) return;
+  std::vector<LogOdds16> copy(kVolume);
+  each_spilled(after, [&](std::uint64_t key, std::uint64_t revision) {
+    shelf_->read(key, copy);
+    visit({corner_of(key), revision, copy.data()});
+  });
 }
 
-std::size_t VoxelBlocks::keep_within(const VoxelIndex& least, const VoxelIndex& most,
-                                     const std::function<void(const Block&)>& leaving) {
+void VoxelBlocks::for_each_held(const std::function<void(const Block&)>& visit) const {
+  for (const Entry& p : table_) {
+    if (p.key != kEmpty) visit(blocks_[p.slot]);
+  }
+}
+
+void VoxelBlocks::corners_after(std::uint64_t after, std::vector<VoxelIndex>& corners) const {
+  for (const Entry& p : table_) {
+    if (p.key != kEmpty && blocks_[p.slot].revision > after) corners.push_back(blocks_[p.slot].corner);
+  }
+  each_spilled(after, [&](std::uint64_t key, std::uint64_t) { corners.push_back(corner_of(key)); });
+}
+
+void VoxelBlocks::release(const std::function<bool(const Block&)>& leaves) {
   std::vector<Entry> kept;
-  const std::size_t before = used_;
   for (Entry& p : table_) {
     if (p.key == kEmpty) continue;
-    const Block& b = blocks_[p.slot];
-    const bool inside =
-        ((b.corner.array() + kSide - 1) >= least.array()).all() && (b.corner.array() <= most.array()).all();
-    if (inside) {
-      kept.push_back(p);
-    } else {
-      if (leaving) leaving(b);
+    if (leaves(blocks_[p.slot])) {
       free_.push_back(p.slot);
+    } else {
+      kept.push_back(p);
     }
     p = {};
   }
   for (const Entry& p : kept) place(p.key, p.slot);
   used_ = kept.size();
-  return before - used_;
+}
+
+std::size_t VoxelBlocks::keep_within(const VoxelIndex& least, const VoxelIndex& most,
+                                     const std::function<void(const Block&)>& leaving) {
+  const auto leaves = [&](const Block& b) {
+    return ((b.corner.array() + kSide - 1) < least.array()).any() || (b.corner.array() > most.array()).any();
+  };
+  const std::size_t before = blocks();
+  if (leaving) {
+    for_each(0, [&](const Block& b) {
+      if (leaves(b)) leaving(b);
+    });
+  }
+  if (shelf_) {
+    std::vector<std::uint64_t> gone;
+    for (const auto& stored : shelf_->revisions()) {
+      if (leaves({corner_of(stored.first), 0, nullptr})) gone.push_back(stored.first);
+    }
+    const auto spilled =
+        std::count_if(gone.begin(), gone.end(), [&](std::uint64_t key) { return slot_of(key) == kNone; });
+    shelf_->erase(gone);
+    spilled_ -= static_cast<std::size_t>(spilled);
+  }
+  release(leaves);
+  return before - blocks();
 }
 
 void VoxelBlocks::clear() {
+  if (shelf_) {
+    std::vector<std::uint64_t> all;
+    for (const auto& stored : shelf_->revisions()) all.push_back(stored.first);
+    shelf_->erase(all);
+  }
   slabs_.clear();
   blocks_.clear();
   free_.clear();
   std::fill(table_.begin(), table_.end(), Entry{});
-  used_ = 0;
+  used_ = spilled_ = 0;
+}
+
+// The file -----------------------------------------------------------------------------------------------------------
+
+void VoxelBlocks::spill_to(VoxelShelf& shelf) {
+  ISOBATH_ASSERT(used_ == 0 || shelf.revisions().empty());
+  shelf_ = &shelf;
+  spilled_ = shelf.revisions().size();
+}
+
+std::size_t VoxelBlocks::spill(const std::function<bool(const Block&)>& leaves) {
+  ISOBATH_ASSERT(shelf_);
+  std::vector<VoxelShelf::Block> leaving;
+  for_each_held([&](const Block& b) {
+    if (leaves(b)) leaving.push_back({key_of(b.corner), b.revision, b.evidence});
+  });
+  if (leaving.empty()) return 0;
+  shelf_->write(leaving);
+  release(leaves);
+  spilled_ += leaving.size();
+  return leaving.size();
+}
+
+void VoxelBlocks::save() const {
+  ISOBATH_ASSERT(shelf_);
+  std::vector<VoxelShelf::Block> all;
+  for_each_held([&](const Block& b) { all.push_back({key_of(b.corner), b.revision, b.evidence}); });
+  shelf_->write(all);
+}
+
+LogOdds16 VoxelBlocks::spilled_at(std::uint64_t key, int offset) const { return shelf_->at(key, offset); }
+
+void VoxelBlocks::each_spilled(std::uint64_t after,
+                               const std::function<void(std::uint64_t key, std::uint64_t revision)>& visit) const {
+  if (spilled_ == 0) return;
+  for (const auto& [key, revision] : shelf_->revisions()) {
+    if (revision > after && slot_of(key) == kNone) visit(key, revision);
+  }
 }
 
 std::size_t VoxelBlocks::bytes() const {
   return (slabs_.size() << (kSlabLog2 + 3 * kSideLog2)) * sizeof(LogOdds16) + blocks_.size() * sizeof(Block) +
-         table_.size() * sizeof(Entry) + free_.capacity() * sizeof(std::uint32_t);
+         table_.size() * sizeof(Entry) + free_.capacity() * sizeof(std::uint32_t) + (shelf_ ? shelf_->bytes() : 0);
 }
 
 // LogOdds16 -----------------------------------------------------------------------------------------------------------
@@ -142,14 +229,17 @@ std::size_t VoxelBlocks::bytes() const {
 void VoxelBlocks::fade(double kept) {
   ISOBATH_ASSERT(kept >= 0 && kept <= 1);
   const auto share = static_cast<int>(std::lround(kept * 32768));
-  for (const Entry& p : table_) {
-    if (p.key == kEmpty) continue;
-    Block& b = blocks_[p.slot];
-    for (LogOdds16& e : std::span(b.evidence, kVolume)) {
+  const auto fade_all = [&](LogOdds16* evidence) {
+    for (LogOdds16& e : std::span(evidence, kVolume)) {
       const int faded = e * share / 32768;  // towards zero
       e = e == kUnseen ? kUnseen : static_cast<LogOdds16>(faded);
     }
-    b.revision = revision_;
+  };
+  if (spilled_ > 0) shelf_->rewrite(revision_, fade_all);
+  for (const Entry& p : table_) {
+    if (p.key == kEmpty) continue;
+    fade_all(blocks_[p.slot].evidence);
+    blocks_[p.slot].revision = revision_;
   }
 }
 

@@ -10,6 +10,11 @@
 // are taken from slabs of two megabytes and never move; a table of open addressing with half its places empty says
 // where. Each block carries the revision of its own last change, so that a reader asks for what is new since it looked.
 //
+// Memory. A block that is changed stays in memory until somebody has it forgotten (keep_within) or written away
+// (spill): then a shelf of a file holds it (voxel_file.hpp), and it comes back, bit for bit, when it is touched.
+// Reading does not bring it back, so that a walk over all of a large map takes no more memory; the answers are the
+// same. While there is a shelf, whatever reads or touches throws Error where the file is damaged or the disk fails.
+//
 // Cost (one core, bench/voxel_bench.cpp): 0.9 million rays of 187 voxels, 24 million random questions a second. One
 // thread writes; while nobody writes, any number read.
 #pragma once
@@ -24,6 +29,8 @@
 #include <vector>
 
 namespace isobath {
+
+class VoxelShelf;
 
 /// Voxel (i, j, k) is the cube [i, i + 1) x [j, j + 1) x [k, k + 1) times its edge, in W: north, east, down.
 using VoxelIndex = Eigen::Vector3i;
@@ -56,7 +63,7 @@ class VoxelBlocks {
   /// Indices beyond have no block: 8.4 million voxels from the origin, 2097 km at 0.25 m.
   static constexpr int kFarthest = 1 << 23;
 
-  /// What there is of a block; good while the map lives and does not forget it.
+  /// What there is of a block; good while the map lives and keeps it in memory.
   struct Block {
     VoxelIndex corner;  ///< the least voxel
     std::uint64_t revision = 0;
@@ -79,10 +86,12 @@ class VoxelBlocks {
   /// kUnseen where nothing was ever said. Of a voxel that the map `holds`, as for all that follow: the indices of
   /// others come round again.
   [[nodiscard]] LogOdds16 at(const VoxelIndex& v) const {
-    const LogOdds16* block = find(v);
-    return block ? block[offset(v)] : kUnseen;
+    const std::uint64_t key = key_of(v);
+    const std::uint32_t slot = slot_of(key);
+    if (slot != kNone) return evidence_of(slot)[offset(v)];
+    return shelf_ == nullptr ? kUnseen : spilled_at(key, offset(v));
   }
-  /// The evidence of the block of a voxel; null where there is none.
+  /// The evidence of the block of a voxel; null where memory holds none.
   [[nodiscard]] const LogOdds16* find(const VoxelIndex& v) const {
     const std::uint32_t slot = slot_of(key_of(v));
     return slot == kNone ? nullptr : evidence_of(slot);
@@ -108,8 +117,12 @@ class VoxelBlocks {
 
   /// Blocks touched from now on carry this revision; none is 0.
   void begin(std::uint64_t revision) { revision_ = revision; }
-  /// Those touched after a revision, and all with 0; in no order.
+  /// Those touched after a revision, and all with 0; in no order. Of a spilled one a copy, good while visited.
   void for_each(std::uint64_t after, const std::function<void(const Block&)>& visit) const;
+  /// All that memory holds, in no order.
+  void for_each_held(const std::function<void(const Block&)>& visit) const;
+  /// The corners of those touched after a revision, without a look into the file.
+  void corners_after(std::uint64_t after, std::vector<VoxelIndex>& corners) const;
 
   /// Brings all evidence nearer to none: times `kept`, in [0, 1], towards zero. What was seen stays seen.
   void fade(double kept);
@@ -118,9 +131,33 @@ class VoxelBlocks {
                           const std::function<void(const Block&)>& leaving = {});
   void clear();
 
-  [[nodiscard]] std::size_t blocks() const { return used_; }
-  [[nodiscard]] std::size_t bytes() const;
+  /// From now on blocks can spill; those that the shelf holds are of the map. It must outlive this, and one of both
+  /// must be empty.
+  void spill_to(VoxelShelf& shelf);
+  /// Takes blocks out of memory, all that `leaves` says at once or, with an Error, none. Returns how many.
+  std::size_t spill(const std::function<bool(const Block&)>& leaves);
+  /// Writes to the file what memory holds, and keeps it.
+  void save() const;
+
+  [[nodiscard]] std::size_t blocks() const { return used_ + spilled_; }
+  [[nodiscard]] std::size_t spilled() const { return spilled_; }  ///< of these, in the file only
+  [[nodiscard]] std::size_t bytes() const;                        ///< of memory
   [[nodiscard]] const EvidenceBounds& bounds() const { return bounds_; }
+
+  /// A number for a block, 20 bits an axis, from any of its voxels; and its corner.
+  [[nodiscard]] static std::uint64_t key_of(const VoxelIndex& v) {
+    constexpr std::uint64_t kMask = (1u << 20) - 1;
+    const auto part = [](int i) {
+      return static_cast<std::uint64_t>(static_cast<std::int64_t>(i >> kSideLog2)) & kMask;
+    };
+    return part(v.x()) << 40 | part(v.y()) << 20 | part(v.z());
+  }
+  [[nodiscard]] static VoxelIndex corner_of(std::uint64_t key) {
+    const auto part = [&](int shift) {  // the sign stands in the highest of 20 bits
+      return static_cast<int>(static_cast<std::uint32_t>(key >> shift) << 12) >> 12 << kSideLog2;
+    };
+    return {part(40), part(20), part(0)};
+  }
 
  private:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -137,14 +174,6 @@ class VoxelBlocks {
     std::uint32_t slot = kNone;
   };
 
-  /// Of the block; 20 bits an axis.
-  [[nodiscard]] static std::uint64_t key_of(const VoxelIndex& v) {
-    constexpr std::uint64_t kMask = (1u << 20) - 1;
-    const auto part = [](int i) {
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(i >> kSideLog2)) & kMask;
-    };
-    return part(v.x()) << 40 | part(v.y()) << 20 | part(v.z());
-  }
   [[nodiscard]] static std::size_t mixed(std::uint64_t key) {
     key *= 0x9E3779B97F4A7C15u;  // Fibonacci hashing: the high bits depend on all of the key
     return static_cast<std::size_t>(key >> 32);
@@ -160,6 +189,11 @@ class VoxelBlocks {
   }
   void grow(std::size_t places);
   void place(std::uint64_t key, std::uint32_t slot);
+  [[nodiscard, gnu::cold]] LogOdds16 spilled_at(std::uint64_t key, int offset) const;
+  void each_spilled(std::uint64_t after,
+                    const std::function<void(std::uint64_t key, std::uint64_t revision)>& visit) const;
+  /// Frees the places of those that `leaves` says.
+  void release(const std::function<bool(const Block&)>& leaves);
 
   EvidenceBounds bounds_;
   std::vector<Entry> table_;
@@ -169,6 +203,8 @@ class VoxelBlocks {
   std::vector<std::uint32_t> free_;  ///< slots, the next one last
   std::size_t used_ = 0;
   std::uint64_t revision_ = 1;
+  VoxelShelf* shelf_ = nullptr;
+  std::size_t spilled_ = 0;
 };
 
 }  // namespace isobath

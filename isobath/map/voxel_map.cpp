@@ -2,7 +2,10 @@
 #include <cmath>
 #include <isobath/base/error.hpp>
 #include <isobath/map/body_grid.hpp>
+#include <isobath/map/voxel_file.hpp>
 #include <isobath/map/voxel_map.hpp>
+#include <limits>
+#include <tuple>
 
 namespace isobath {
 namespace {
@@ -49,6 +52,10 @@ VoxelMap::VoxelMap(const VoxelMapConfig& config) : config_(config) {
   bounds_ = {to_evidence(-config.most_log_odds), to_evidence(config.most_log_odds)};
 }
 
+VoxelMap::VoxelMap(VoxelMap&&) noexcept = default;
+VoxelMap& VoxelMap::operator=(VoxelMap&&) noexcept = default;
+VoxelMap::~VoxelMap() = default;
+
 VoxelIndex VoxelMap::voxel_at(const Eigen::Vector3d& p_W) const {
   ISOBATH_ASSERT(p_W.allFinite() && p_W.cwiseAbs().maxCoeff() <= reach_m());
   return floor_of(p_W / config_.voxel_m);
@@ -64,10 +71,11 @@ VoxelBlocks& VoxelMap::layer(std::string_view sensor) {
   for (const auto& l : layers_) {
     if (l->sensor == sensor) return l->blocks;
   }
-  layers_.push_back(std::make_unique<Layer>(Layer{std::string(sensor), VoxelBlocks(bounds_)}));
-  VoxelBlocks& made = layers_.back()->blocks;
+  VoxelBlocks made(bounds_);
   made.begin(revision_);
-  return made;
+  if (file_) made.spill_to(file_->shelf(sensor));
+  layers_.push_back(std::make_unique<Layer>(Layer{std::string(sensor), std::move(made)}));
+  return layers_.back()->blocks;
 }
 
 const VoxelBlocks* VoxelMap::find_layer(std::string_view sensor) const {
@@ -78,6 +86,7 @@ const VoxelBlocks* VoxelMap::find_layer(std::string_view sensor) const {
 }
 
 bool VoxelMap::remove_layer(std::string_view sensor) {
+  if (file_) file_->remove(sensor);
   return std::erase_if(layers_, [&](const auto& l) { return l->sensor == sensor; }) > 0;
 }
 
@@ -123,9 +132,7 @@ std::uint64_t VoxelMap::advance() {
 
 std::vector<VoxelIndex> VoxelMap::changed_after(std::uint64_t revision) const {
   std::vector<VoxelIndex> corners;
-  for (const auto& l : layers_) {
-    l->blocks.for_each(revision, [&](const VoxelBlocks::Block& b) { corners.push_back(b.corner); });
-  }
+  for (const auto& l : layers_) l->blocks.corners_after(revision, corners);
   const auto less = [](const VoxelIndex& a, const VoxelIndex& b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
   };
@@ -144,6 +151,69 @@ std::size_t VoxelMap::keep_within(const Eigen::Vector3d& centre_W, const Eigen::
 std::size_t VoxelMap::bytes() const {
   std::size_t all = 0;
   for (const auto& l : layers_) all += l->blocks.bytes();
+  return all;
+}
+
+// The file -----------------------------------------------------------------------------------------------------------
+
+void VoxelMap::spill_to(const std::filesystem::path& file) {
+  auto opened = std::make_unique<VoxelFile>(file, config_.voxel_m, bounds_);
+  const bool empty = std::all_of(layers_.begin(), layers_.end(), [](const auto& l) { return l->blocks.blocks() == 0; });
+  if (opened->revision() > 0 && !empty) {
+    throw Error("holds voxels already, and so does the map", {file.string()}, {}, "give another file");
+  }
+  if (file_) throw Error("the map has a file already", {file.string()});
+  revision_ = std::max(revision_, opened->revision());
+  file_ = std::move(opened);
+  for (const auto& l : layers_) l->blocks.spill_to(file_->shelf(l->sensor));
+  for (const std::string& sensor : file_->sensors()) layer(sensor);
+  for (const auto& l : layers_) l->blocks.begin(revision_);
+}
+
+std::size_t VoxelMap::spill_outside(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& half_size_m) {
+  const VoxelIndex least = voxel_at(centre_W - half_size_m), most = voxel_at(centre_W + half_size_m);
+  std::size_t gone = 0;
+  for (const auto& l : layers_) {
+    gone += l->blocks.spill([&](const VoxelBlocks::Block& b) {
+      return ((b.corner.array() + VoxelBlocks::kSide - 1) < least.array()).any() ||
+             (b.corner.array() > most.array()).any();
+    });
+  }
+  return gone;
+}
+
+std::size_t VoxelMap::spill_beyond(std::size_t bytes) {
+  constexpr std::size_t kBlockBytes = VoxelBlocks::kVolume * sizeof(LogOdds16);
+  std::size_t held = 0;
+  for (const auto& l : layers_) held += l->blocks.blocks() - l->blocks.spilled();
+  if (held * kBlockBytes <= bytes) return 0;
+
+  // Equal revisions by their place: which blocks go does not depend on where the tables keep them.
+  using Age = std::tuple<std::uint64_t, std::uint64_t>;
+  const auto age = [](const VoxelBlocks::Block& b) { return Age(b.revision, VoxelBlocks::key_of(b.corner)); };
+  std::vector<Age> ages;
+  ages.reserve(held);
+  for (const auto& l : layers_) {
+    l->blocks.for_each_held([&](const VoxelBlocks::Block& b) { ages.push_back(age(b)); });
+  }
+  const std::size_t kept = (bytes - bytes / 8) / kBlockBytes;
+  const auto newest_to_go = ages.begin() + static_cast<std::ptrdiff_t>(held - kept - 1);
+  std::nth_element(ages.begin(), newest_to_go, ages.end());
+  const Age last = *newest_to_go;
+  std::size_t gone = 0;
+  for (const auto& l : layers_) {
+    gone += l->blocks.spill([&](const VoxelBlocks::Block& b) { return age(b) <= last; });
+  }
+  return gone;
+}
+
+void VoxelMap::save() const {
+  for (const auto& l : layers_) l->blocks.save();
+}
+
+std::size_t VoxelMap::spilled() const {
+  std::size_t all = 0;
+  for (const auto& l : layers_) all += l->blocks.spilled();
   return all;
 }
 

@@ -5,10 +5,17 @@
 // evidence without the prior, so that the sum of the layers, plus the prior once, is just that. A sensor joins by its
 // name and leaves without a trace.
 //
+// Memory is bounded in two ways: by forgetting what is far away (keep_within), or, without loss, by a file that blocks
+// spill to and come back from (VoxelFile): after spill_to the map may be larger than memory, and every answer is bit
+// for bit that of a map without bound. Spilling is never done behind the back of an update: the caller says when,
+// between two of them; an update brings back what it touches. A file that a killed program left opens with the blocks
+// of its last spill or save.
+//
 // Three classes for planning (S5-32, S5-33): occupied from `occupied` on, free up to `free`, else unknown; what nobody
 // has looked at is unknown whatever the prior.
 #pragma once
 
+#include <filesystem>
 #include <isobath/base/config.hpp>
 #include <isobath/map/voxel_blocks.hpp>
 #include <memory>
@@ -17,6 +24,8 @@
 #include <vector>
 
 namespace isobath {
+
+class VoxelFile;
 
 struct VoxelMapConfig {
   double voxel_m = 0.25;
@@ -34,6 +43,9 @@ class VoxelMap {
  public:
   /// Throws Error where a voxel has no size, or the thresholds are out of order.
   explicit VoxelMap(const VoxelMapConfig& config = {});
+  VoxelMap(VoxelMap&&) noexcept;
+  VoxelMap& operator=(VoxelMap&&) noexcept;
+  ~VoxelMap();
 
   [[nodiscard]] const VoxelMapConfig& config() const { return config_; }
   [[nodiscard]] double voxel_m() const { return config_.voxel_m; }
@@ -64,7 +76,20 @@ class VoxelMap {
 
   /// Bounds memory: forgets the blocks that lie wholly outside of a box about a point, m.
   std::size_t keep_within(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& half_size_m);
-  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] std::size_t bytes() const;  ///< of memory
+
+  /// Opens a file for blocks, or makes it. Where it holds some, they are the map's, which must hold none itself then.
+  /// Throws Error, as do, from here on, all that read or touch a damaged block or meet a disk that fails.
+  void spill_to(const std::filesystem::path& file);
+  [[nodiscard]] bool spills() const { return file_ != nullptr; }
+  /// Out of memory what lies wholly outside of a box about a point, m. These two return how many blocks went.
+  std::size_t spill_outside(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& half_size_m);
+  /// Where memory holds evidence of more than so many bytes: the least recently changed blocks go until it is an eighth
+  /// less, so that a spill is not for a block or two.
+  std::size_t spill_beyond(std::size_t bytes);
+  /// Writes all to the file, and keeps in memory what is there.
+  void save() const;
+  [[nodiscard]] std::size_t spilled() const;  ///< blocks in the file only, over all layers
 
  private:
   struct Layer {
@@ -80,6 +105,7 @@ class VoxelMap {
   VoxelMapConfig config_;
   int prior_, occupied_from_, free_to_;  ///< in units of evidence
   EvidenceBounds bounds_;
+  std::unique_ptr<VoxelFile> file_;  ///< outlives the layers
   std::vector<std::unique_ptr<Layer>> layers_;
   std::uint64_t revision_ = 1;
 };

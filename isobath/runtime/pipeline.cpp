@@ -168,8 +168,10 @@ void Pipeline::release(Time now, bool all) {
 void Pipeline::place(const Waiting& sensed) {
   const auto* ping = std::get_if<Ping>(&sensed);
   const auto* range = std::get_if<RangeReading>(&sensed);
-  if (!ping && !range && !depths_) return;
+  const auto* swath = std::get_if<Swath>(&sensed);
+  if (!ping && !range && !swath && !depths_) return;
   if (poses_.empty()) {
+    if (swath) sink_.on_soundings(*swath, Pose{});
     if (!ping && !depths_) return;
     if (!ping) return gate_.count(kNoPlace);
     ++counts_.unposed;  // no navigation at all: the vehicle is taken to stand still
@@ -180,6 +182,7 @@ void Pipeline::place(const Waiting& sensed) {
   if (!X_WB && !ping && !depths_) return;
   if (!X_WB) return gate_.count(to_text(X_WB.error()));
   if (ping) return map_ping(*ping, *X_WB, true);
+  if (swath) sink_.on_soundings(*swath, *X_WB);
   if (range) bottom_.hear(*range, *X_WB);
   if (depths_) map_depth(sensed, {*X_WB, poses_.sigma_m()});
 }

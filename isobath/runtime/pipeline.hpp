@@ -60,6 +60,8 @@ class ResultSink {
   virtual void on_scan(const ScanResult& scan) = 0;
   /// A ping of a fan that stands upright: it has no place in the map of the plane.
   virtual void on_upright(const PosedPing& /*ping*/) {}
+  /// Soundings, each of them once; without any navigation the vehicle is taken to stand still.
+  virtual void on_soundings(const Swath& /*swath*/, const Pose& /*X_WB*/) {}
 };
 
 /// Takes what tells of depth, each with the pose of its time, in order. References hold only during the call.

@@ -255,6 +255,7 @@ ordered_json voxels_json(const VoxelOutcome& voxels) {
   ordered_json json{{"voxel_m", voxels.voxel_m},   {"seen", voxels.seen},     {"occupied", voxels.occupied},
                     {"free", voxels.free},         {"blocks", voxels.blocks}, {"megabytes", voxels.megabytes},
                     {"left_out", voxels.left_out}, {"layers", layers}};
+  if (voxels.spilled) json["spilled"] = *voxels.spilled;
   if (!voxels.truth) return json;
   const VoxelTruth& truth = *voxels.truth;
   for (const VoxelTruth::Said& s : truth.by_probability) {

@@ -35,8 +35,10 @@ std::unique_ptr<SimulatedSource> simulate(const RunRequest& request, const std::
 /// truth says of it.
 class Sinks : public ResultSink, public SimulatedSource::TruthSink {
  public:
-  Sinks(RunFolder& folder, const Configuration& configuration)
-      : voxels(configuration.voxels), folder_(folder), reach_m_(configuration.mission.space_route.reach_m) {}
+  Sinks(RunFolder& folder, const RunRequest& request)
+      : voxels(request.configuration.voxels, request.out / "voxels.sqlite"),
+        folder_(folder),
+        reach_m_(request.configuration.mission.space_route.reach_m) {}
   void on_ping(const PosedPing& ping) override {
     if (mission) mission->on_ping(ping);
     voxels.take(ping);
@@ -54,6 +56,7 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     if (mission) mission->resume();
   }
   void on_upright(const PosedPing& ping) override { voxels.take(ping); }
+  void on_soundings(const Swath& swath, const Pose& X_WB) override { voxels.take(swath, X_WB); }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
 
@@ -274,8 +277,8 @@ class Pace {
   double settled_s_ = 0;
 };
 
-/// What pipeline and depth map found, and whether the input was in order.
-void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths) {
+/// What pipeline and depth map found (`mapped`: there are voxels), and whether the input was in order.
+void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths, bool mapped) {
   outcome.counts = pipeline.counts();
   outcome.rejected = outcome.source.rejected;
   for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
@@ -286,7 +289,7 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
   if (outcome.counts.pings + outcome.counts.upright + outcome.counts.ranges + outcome.counts.swaths == 0 &&
       outcome.problem.empty())
     outcome.problem = "no ping, range or sounding in it could be used";
-  if (outcome.counts.pings + outcome.counts.upright == 0 && !depths.snapshot() && outcome.problem.empty())
+  if (outcome.counts.pings + outcome.counts.upright == 0 && !depths.snapshot() && !mapped && outcome.problem.empty())
     outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
 }
 
@@ -313,7 +316,7 @@ RunOutcome run(const RunRequest& asked) {
     if (simulated) simulated->add_operator(scenario->orders, setup->plan);
   }
   RunFolder folder(request.out, request.configuration);
-  Sinks sinks(folder, request.configuration);
+  Sinks sinks(folder, request);
   prepare(sinks, request, setup, simulated.get());
   Pipeline pipeline(request.configuration, sinks, &depths);
   EndOfMission end;
@@ -366,7 +369,7 @@ RunOutcome run(const RunRequest& asked) {
   outcome.log_s = last > first ? to_seconds(last - first) : 0;
   outcome.source = source->report();
   if (frame) outcome.source.origin = frame;
-  add_results(outcome, pipeline, depths);
+  add_results(outcome, pipeline, depths, sinks.voxels.map() != nullptr);
   if (sinks.log) sinks.log->close();
   if (sinks.judge) {
     outcome.truth = sinks.judge->score();
@@ -379,6 +382,7 @@ RunOutcome run(const RunRequest& asked) {
   if (const VoxelMap* voxels = sinks.voxels.map()) {
     constexpr std::uint64_t kJudged = 500'000;
     outcome.voxels = sinks.voxels.outcome();
+    if (sinks.voxels.save()) outcome.files.emplace_back("voxels.sqlite");
     if (sinks.judge) outcome.voxels->truth = judge(*voxels, simulator->world(), 1 + outcome.voxels->seen / kJudged);
   }
   folder.write(request, pipeline.grid(), sinks.voxels.map(), depths, outcome);

@@ -62,10 +62,14 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
 RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
   make_folder(folder_);
-  for (const char* name :
-       {"obstacles.geojson", "occupancy.tif", "occupancy.png", "sonar.png", "detections.png", "truth.json", "depth.tif",
-        "chart.png", "confidence.png", "contours.geojson", "decisions.json", "mission.json", "mission.png",
-        "clearance.png", "voxels.bt", "voxels.ply", "voxels.png", "voxels-south.png", "voxels-east.png"}) {
+  for (const char* name : {"obstacles.geojson", "occupancy.tif",  "occupancy.png",
+                           "sonar.png",         "detections.png", "truth.json",
+                           "depth.tif",         "chart.png",      "confidence.png",
+                           "contours.geojson",  "decisions.json", "mission.json",
+                           "mission.png",       "clearance.png",  "voxels.bt",
+                           "voxels.ply",        "voxels.sqlite",  "voxels.sqlite-journal",
+                           "voxels.vdb",        "voxels.png",     "voxels-south.png",
+                           "voxels-east.png"}) {
     std::filesystem::remove(folder_ /
                             name);  // not every run writes them, and an earlier run's must not pass for its own
   }
@@ -245,7 +249,8 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const Vox
     write_text("sonar.png", pictures.sonar, outcome);
     write_text("detections.png", pictures.detections, outcome);
   }
-  if (voxels) pictures.voxels = write_voxel_files(*voxels, folder_, *outcome.voxels, outcome.files);
+  if (voxels)
+    pictures.voxels = write_voxel_files(*voxels, configuration_.voxels.vdb, folder_, *outcome.voxels, outcome.files);
   if (outcome.depth) pictures.depth = write_depth_files(depths, folder_, outcome.files);
   if (outcome.mission) {
     pictures.mission = draw_mission(*outcome.mission, configuration_.mission.route.clearance_m);

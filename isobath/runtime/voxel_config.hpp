@@ -12,6 +12,9 @@ struct VoxelModelConfig {
   bool fit = true;
   bool surface = true;
   double window_m = 0;  ///< half the edge of a box about the vehicle; 0: all is kept
+  bool spill = false;   ///< what leaves the window goes to a file
+  bool vdb = false;     ///< writes voxels.vdb too
+  int memory_mb = 0;    ///< 0: no bound
   VoxelMapConfig map{.voxel_m = 0.25, .prior = 0.05, .occupied = 0.7, .free = 0.04, .most_log_odds = 6.9};
   FanMapperConfig fans;
 };

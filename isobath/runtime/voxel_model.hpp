@@ -5,11 +5,22 @@
 // A sonar is known by the stance of its fan (flat or upright, to 45 degrees) and by the fan itself: as many beams, as
 // wide, as high. So two sonars on one vehicle have a layer each, and a fan that is tilted on the way keeps its own.
 //
+// Memory: without a bound; within a window about the vehicle, what leaves it forgotten or spilled to a file; or up to
+// so many megabytes, beyond which what changed longest ago spills. Spilling happens after a ping, so that one ping's
+// blocks come on top. A spilled map gives the same files as one without bound (VoxelMap).
+//
+// Soundings in the water (Sounding::Kind::kWater, in the body frame), as an imaging sonar gives them with true
+// elevation, are narrow beams and have a layer of their own: the voxels that a ray passes are free, the one where it
+// ends is occupied; each counts once a swath, by an echo where there is one. The arm from the vehicle to the sonar,
+// which a Swath does not carry, is taken to lie along the ray. Soundings of the bottom are the depth map's.
+//
 // Edge of the voxels: by the sonar's range, unless `fit` is off; the first ping decides. Errors: Error, from the ping
-// that shows it, where the window is smaller than the sonar's range. One thread.
+// that shows it, where the window is smaller than the sonar's range; at once, where files are asked for that the
+// program was built without. One thread.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <isobath/map/space_grid.hpp>
 #include <isobath/map/voxel_map.hpp>
 #include <isobath/perception/fan_mapper.hpp>
@@ -33,15 +44,20 @@ struct VoxelOutcome {
   double voxel_m = 0;
   std::uint64_t seen = 0, occupied = 0, free = 0, blocks = 0;
   std::uint64_t megabytes = 0;
-  std::uint64_t left_out = 0;       ///< blocks that have no place in an OctoMap file
-  std::optional<VoxelTruth> truth;  ///< of a simulated run
+  std::optional<std::uint64_t> spilled;  ///< blocks in the file only, of each layer; where blocks can spill
+  std::uint64_t left_out = 0;            ///< blocks that have no place in an OctoMap file
+  std::optional<VoxelTruth> truth;       ///< of a simulated run
 };
 
 class VoxelModel {
  public:
-  explicit VoxelModel(const VoxelModelConfig& config) : config_(config) {}
+  /// Blocks spill to this file, if by the configuration they spill at all.
+  explicit VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file = {});
 
   void take(const PosedPing& posed);
+  void take(const Swath& swath, const Pose& X_WB);
+  /// Completes the file that blocks spill to, where there is one. Whether there is.
+  bool save() const;
   /// Null before the first ping.
   [[nodiscard]] const VoxelMap* map() const { return map_.get(); }
   [[nodiscard]] VoxelOutcome outcome() const;
@@ -60,11 +76,14 @@ class VoxelModel {
     VoxelBlocks* layer;
   };
   Sonar& sonar_of(const Ping& ping);
-  void begin(const Ping& ping);
+  void begin(double range_m);
+  void bound_memory(const Eigen::Vector3d& at_W);
 
   VoxelModelConfig config_;
+  std::filesystem::path spill_file_;
   std::unique_ptr<VoxelMap> map_;
   std::vector<std::unique_ptr<Sonar>> sonars_;
+  std::uint64_t shots_ = 0;  ///< swaths in the layer of soundings
 };
 
 }  // namespace isobath

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/io/voxel_files.hpp>
+#include <isobath/io/voxel_vdb.hpp>
 #include <isobath/map/seen_voxels.hpp>
 #include <isobath/runtime/picture.hpp>
 #include <isobath/runtime/voxel_pages.hpp>
@@ -104,8 +105,8 @@ VoxelBox box_around(const VoxelMap& map) {
 
 }  // namespace
 
-VoxelPictures write_voxel_files(const VoxelMap& map, const std::filesystem::path& folder, VoxelOutcome& outcome,
-                                std::vector<std::filesystem::path>& files) {
+VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesystem::path& folder,
+                                VoxelOutcome& outcome, std::vector<std::filesystem::path>& files) {
   const auto write = [&](const char* name, const std::string& bytes) {
     write_file(folder / name, bytes);
     files.emplace_back(name);
@@ -114,6 +115,10 @@ VoxelPictures write_voxel_files(const VoxelMap& map, const std::filesystem::path
   outcome.left_out = tree.left_out;
   write("voxels.bt", tree.bytes);
   write("voxels.ply", ply_file(map));
+  if (vdb) {
+    write_vdb(map, folder / "voxels.vdb");
+    files.emplace_back("voxels.vdb");
+  }
   VoxelPictures pictures;
   const VoxelBox box = box_around(map);
   if (box.empty()) return pictures;
@@ -174,12 +179,13 @@ void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictur
   const double cubic = outcome.voxel_m * outcome.voxel_m * outcome.voxel_m;
   std::vector<HtmlReport::Row> rows{{"edge of a voxel", fmt::format("{:g} m", outcome.voxel_m)}};
   for (const auto& layer : outcome.layers)
-    rows.push_back({"pings of the fan \"" + layer.sensor + "\"", number(layer.pings)});
+    rows.push_back({"pings of the layer \"" + layer.sensor + "\"", number(layer.pings)});
   rows.push_back(
       {"voxels seen", fmt::format("{} ({:.1f} m3)", outcome.seen, static_cast<double>(outcome.seen) * cubic)});
   rows.push_back({"of these occupied", number(outcome.occupied)});
   rows.push_back({"of these free", number(outcome.free)});
   rows.push_back({"memory", fmt::format("{} MB in {} blocks", outcome.megabytes, outcome.blocks)});
+  if (outcome.spilled) rows.push_back({"blocks on disk only (voxels.sqlite)", number(*outcome.spilled)});
   if (outcome.left_out > 0) rows.push_back({"blocks too far off for voxels.bt", number(outcome.left_out)});
   page.table({"what", "value"}, rows);
   if (outcome.truth) add_truth(page, *outcome.truth);

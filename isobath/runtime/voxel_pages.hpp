@@ -15,11 +15,11 @@ struct VoxelPictures {
   std::string above, from_south, from_east;
 };
 
-/// Writes voxels.bt, voxels.ply, voxels.png, voxels-south.png and voxels-east.png into `folder`; their names are
-/// appended to `files`, and what has no place in the tree is counted in `outcome`. Throws Error where they cannot be
-/// written.
-VoxelPictures write_voxel_files(const VoxelMap& map, const std::filesystem::path& folder, VoxelOutcome& outcome,
-                                std::vector<std::filesystem::path>& files);
+/// Writes voxels.bt, voxels.ply, voxels.vdb where it is wanted, voxels.png, voxels-south.png and voxels-east.png into
+/// `folder`; their names are appended to `files`, and what has no place in the tree is counted in `outcome`. Throws
+/// Error where they cannot be written.
+VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesystem::path& folder,
+                                VoxelOutcome& outcome, std::vector<std::filesystem::path>& files);
 void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictures& pictures);
 
 }  // namespace isobath

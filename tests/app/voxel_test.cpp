@@ -48,6 +48,51 @@ TEST_F(Voxels, NeedAWindowAsLargeAsTheSonarsRange) {
               ends_with_one_line(HasSubstr("voxels.window_m: the map's window reaches 20 m, and the sonar")));
 }
 
+// ledger: S5-13
+TEST_F(Voxels, ThatSpillAreTheSameVoxels) {
+  const auto files_of = [&](const std::string& name, std::vector<std::string> more) {
+    std::vector<std::string> options{"--set", "simulation.duration_s=4"};
+    options.insert(options.end(), more.begin(), more.end());
+    const ProgramResult run = isobath_run(bridge_, out_ / name, options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return test::content_of(out_ / name / "voxels.bt") + test::content_of(out_ / name / "voxels.ply");
+  };
+  const std::string all = files_of("all", {});
+  EXPECT_FALSE(fs::exists(out_ / "all" / "voxels.sqlite"));
+  EXPECT_TRUE(files_of("bounded", {"--set", "voxels.memory_mb=1"}) == all);
+  EXPECT_TRUE(files_of("window", {"--set", "voxels.window_m=90", "--set", "voxels.spill=true"}) == all);
+  for (const char* name : {"bounded", "window"}) {
+    const auto manifest = test::json_of(out_ / name / "manifest.json");
+    EXPECT_TRUE(fs::exists(out_ / name / "voxels.sqlite"));
+    EXPECT_TRUE(manifest["voxels"].contains("spilled"));
+    EXPECT_THAT(test::content_of(out_ / name / "report.html"), HasSubstr("blocks on disk only"));
+  }
+  EXPECT_GT(test::json_of(out_ / "bounded" / "manifest.json")["voxels"]["spilled"], 100);
+}
+
+TEST_F(Voxels, OfAnImagingSonarShowAShip) {
+  ISOBATH_NEEDS_DATA(log, "sonar3d-ship");
+  const ProgramResult run = isobath_run(log, out_);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto voxels = test::json_of(out_ / "manifest.json")["voxels"];
+  ASSERT_EQ(voxels["layers"].size(), 1u);
+  EXPECT_EQ(voxels["layers"][0]["sensor"], "soundings");
+  EXPECT_EQ(voxels["layers"][0]["pings"], 6);
+  EXPECT_GT(voxels["occupied"], 4000);
+  EXPECT_GT(voxels["free"], 100'000);
+  EXPECT_TRUE(fs::exists(out_ / "voxels-east.png"));
+}
+
+TEST_F(Voxels, ForOpenVdbAreWrittenOrRefusedAtOnce) {
+  const ProgramResult run =
+      isobath_run(bridge_, out_, {"--set", "simulation.duration_s=2", "--set", "voxels.vdb=true"});
+  if (run.exit_code == 0) {
+    EXPECT_GT(fs::file_size(out_ / "voxels.vdb"), 10'000u);
+  } else {
+    EXPECT_THAT(run, ends_with_one_line(HasSubstr("voxels.vdb: this program was built without OpenVDB")));
+  }
+}
+
 // ledger: S5-13 S5-60
 TEST_F(Voxels, OfAWindowForgetWhatIsFarBehind) {
   ASSERT_EQ(

@@ -12,15 +12,15 @@ using test::ArisFrame;
 using test::drain;
 using test::in_memory;
 
-std::vector<Event> events_of(const std::string& log, const InputConfig& config = {}) {
+std::vector<Event> aris_events(const std::string& log, const InputConfig& config = {}) {
   return drain(*open_aris(in_memory(log), config));
 }
-const Ping& ping_of(const std::vector<Event>& events, std::size_t i = 0) { return std::get<Ping>(events.at(i)); }
+const Ping& aris_ping(const std::vector<Event>& events, std::size_t i = 0) { return std::get<Ping>(events.at(i)); }
 
 /// Times of the frames that were read.
 std::vector<std::uint64_t> times_of(const std::string& log) {
   std::vector<std::uint64_t> times;
-  for (const Event& e : events_of(log)) {
+  for (const Event& e : aris_events(log)) {
     times.push_back(static_cast<std::uint64_t>(time_of(e).time_since_epoch().count() / 1000));
   }
   return times;
@@ -34,7 +34,7 @@ TEST(Aris, FrameIsAFanFromPortToStarboard) {
   const auto source = open_aris(in_memory(log), {});
   const auto events = drain(*source);
   ASSERT_EQ(events.size(), 1u);
-  const Ping& ping = ping_of(events);
+  const Ping& ping = aris_ping(events);
   EXPECT_EQ(check(ping), PingFault::kNone);
   EXPECT_EQ(ping.time, Time{std::chrono::microseconds(1'371'217'171'000'000)});
   EXPECT_NEAR(ping.window.start_m, 2.9, 1e-9) << "4 ms two ways at 1450 m/s";
@@ -73,11 +73,11 @@ TEST(Aris, AzimuthsAreThoseOfTheLens) {
                          {3, 1, 95, 7.419},
                          {3, 1, 63, 2.471},
                          {3, 1, 0, -7.419}}) {
-    const auto events = events_of(aris_header() + ArisFrame{.mode = k.mode, .telephoto = k.telephoto}.bytes());
-    const BeamFan& fan = *ping_of(events).fan;
+    const auto events = aris_events(aris_header() + ArisFrame{.mode = k.mode, .telephoto = k.telephoto}.bytes());
+    const BeamFan& fan = *aris_ping(events).fan;
     EXPECT_NEAR(fan.azimuth.at(static_cast<std::size_t>(k.beam)).degrees(), k.azimuth, 0.1)
         << k.mode << " " << k.telephoto << " " << k.beam;
-    EXPECT_EQ(check(ping_of(events)), PingFault::kNone);
+    EXPECT_EQ(check(aris_ping(events)), PingFault::kNone);
     double widths = 0;
     for (const Angle width : fan.width) widths += width.degrees();
     EXPECT_NEAR(widths, (fan.azimuth.back() - fan.azimuth.front()).degrees() + fan.width[0].degrees(), 0.01)
@@ -91,8 +91,8 @@ TEST(Aris, ConfigurationSaysWhatTheRecordingDoesNot) {
   config.beam_height = Angle::degrees(8);
   config.mount_heading = Angle::degrees(90);
   config.sound_speed = 1480;
-  const auto events = events_of(aris_header() + ArisFrame{.sound_speed = 0}.bytes(), config);
-  const Ping& ping = ping_of(events);
+  const auto events = aris_events(aris_header() + ArisFrame{.sound_speed = 0}.bytes(), config);
+  const Ping& ping = aris_ping(events);
   EXPECT_DOUBLE_EQ(ping.fan->width[3].degrees(), 0.8);
   EXPECT_DOUBLE_EQ(ping.fan->height.degrees(), 8);
   EXPECT_NEAR(ping.X_BS.rotation.heading().degrees(), 90, 1e-9);
