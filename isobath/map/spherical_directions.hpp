@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/base/angle.hpp>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -36,8 +37,8 @@ class DirectionBuckets {
   }
   /// The same; `level` is the length of (x, y).
   [[nodiscard]] SphericalDirection at(double x, double y, double z, double level) const {
-    const double span = std::abs(x) + std::abs(y);
-    const double turn = span > 0 ? (y <= 0 ? 1 + x / span : 3 - x / span) : 0;
+    const double span = std::abs(x) + std::abs(y) + std::numeric_limits<double>::min();
+    const double share = x / span, turn = y <= 0 ? 1 + share : 3 - share;
     return {azimuth_.find(turn), elevation_.find(1 + z / (level + std::abs(z)))};
   }
   /// Lower edge of a bucket; of the one past the last, the end.

@@ -44,18 +44,19 @@ SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
   const float in_elevation = std::max(0.0f, c[0] + c[3] + c[5] - in_range - in_azimuth);
   // a uniform content as long as L has the variance L^2 / 12
   const float step = static_cast<float>(config_.bucket.radians()), unit = kWider / 12;
-  const float deep = unit * room_of_layer_[static_cast<std::size_t>(layer)], high = unit * step * step * range2;
-  const float wide = std::max(unit * step * step * level2, kLeastCosine * kLeastCosine * high);
+  const float high = unit * step * step * range2;
+  const std::array<float, 3> room{unit * room_of_layer_[static_cast<std::size_t>(layer)],
+                                  std::max(unit * step * step * level2, kLeastCosine * kLeastCosine * high), high};
+  const std::array<float, 3> has{in_range, in_azimuth, in_elevation};
   // which of the three ratios of variance to room is the largest
-  const bool azimuth_first = in_azimuth * high > in_elevation * wide;
-  const float across = azimuth_first ? in_azimuth : in_elevation, room = azimuth_first ? wide : high;
-  const bool range_first = in_range * room > across * deep;
+  const unsigned across = has[1] * room[2] > has[2] * room[1] ? 1 : 2;
+  const unsigned widest = static_cast<unsigned>(has[0] * room[across] <= has[across] * room[0]) * across;
+  const unsigned fits = static_cast<unsigned>(has[widest] <= room[widest]);
   Fit f;
   f.direction = static_cast<std::uint32_t>(d.azimuth * buckets_.elevations() + d.elevation);
   f.layer = static_cast<std::uint16_t>(layer);
-  f.variance = range_first ? in_range : across;
-  f.widest = range_first ? Fit::kRange : azimuth_first ? Fit::kAzimuth : Fit::kElevation;
-  if (f.variance <= (range_first ? deep : room)) f.widest = Fit::kFits;
+  f.variance = has[widest];
+  f.widest = static_cast<Fit::Axis>(widest + fits * (Fit::kFits - widest));
   if (beyond) f.widest = Fit::kBeyond;
   return f;
 }
