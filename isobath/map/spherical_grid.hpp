@@ -104,6 +104,8 @@ class SphericalGrid {
   bool lock(const SphericalPlace& place, bool locked);
   /// A known surface passes through this point, of about `edge_m` across: a locked cell, flagged (S4-15).
   void add_known(const Eigen::Vector3d& p_G, double edge_m);
+  /// The content of a cell of another grid, without its state and its lock (S4-17).
+  void add_content(const Eigen::Vector3d& p_G, const SphericalCell& other);
   /// Nothing was heard along u_G, within half_width of it, up to clear_m.
   void add_clear(const Eigen::Vector3d& from_G, const Eigen::Vector3d& u_G, Angle half_width, double clear_m,
                  Time time);

@@ -148,6 +148,21 @@ void SphericalGrid::merge(SphericalCell& into, const SphericalCell& other) const
   into.prior = into.prior || other.prior;
 }
 
+void SphericalGrid::add_content(const Eigen::Vector3d& p_G, const SphericalCell& other) {
+  const Eigen::Vector3d p = to_table(p_G);
+  const auto place = place_at(p);
+  if (!place) return;
+  bool made = false;
+  SphericalCell& cell = cells_.at(place->direction, place->layer, made);
+  if (made) fill(cell, *place);
+  SphericalCell moved = other;
+  moved.mean = {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+  moved.log_odds = cell.log_odds;
+  moved.locked = false;
+  merge(cell, moved);
+  cells_.mark_occupied(place->direction, place->layer, static_cast<double>(cell.log_odds) >= occupied_);
+}
+
 // By direction (counting), within it by layer; contents of one cell merge in the order that they came in.
 void SphericalGrid::gather() {
   starts_.assign(static_cast<std::size_t>(buckets_.count()) + 1, 0);
