@@ -57,12 +57,14 @@ DirectionBuckets::DirectionBuckets(Angle step)
   for (int i = 0; i <= azimuths_; ++i) {
     const double a = 2 * std::numbers::pi * i / azimuths_ - std::numbers::pi, x = std::cos(a), y = std::sin(a);
     const double span = std::abs(x) + std::abs(y);
+    azimuth_sides_.emplace_back(x, y);
     azimuth_.edges.push_back(2 * i <= azimuths_ ? 1 + x / span : 3 - x / span);
   }
   azimuth_.edges.front() = 0;
   azimuth_.edges.back() = 4;
   for (int i = 0; i <= elevations(); ++i) {
     const double e = std::numbers::pi * i / elevations() - std::numbers::pi / 2;
+    elevation_sides_.emplace_back(std::cos(e), std::sin(e));
     elevation_.edges.push_back(1 + std::sin(e) / (std::abs(std::cos(e)) + std::abs(std::sin(e))));
   }
   elevation_.edges.front() = 0;

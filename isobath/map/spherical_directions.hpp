@@ -5,6 +5,7 @@
 // (-pi, pi] first, elevation eps second. Bucket 0 of azimuth begins at -pi, bucket 0 of elevation at -pi / 2.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <Eigen/Core>
@@ -52,6 +53,17 @@ class DirectionBuckets {
             sin_elevation_[static_cast<std::size_t>(d.elevation)]};
   }
   [[nodiscard]] double cos_elevation(int bucket) const { return cos_elevation_[static_cast<std::size_t>(bucket)]; }
+  /// From a point of a bucket to the nearer of its sides in azimuth, two planes, or in elevation, two cones.
+  [[nodiscard]] double to_azimuth_edge(int bucket, double x, double y) const {
+    const auto i = static_cast<std::size_t>(bucket);
+    return std::min(y * azimuth_sides_[i].x() - x * azimuth_sides_[i].y(),
+                    x * azimuth_sides_[i + 1].y() - y * azimuth_sides_[i + 1].x());
+  }
+  [[nodiscard]] double to_elevation_edge(int bucket, double level, double z) const {
+    const auto i = static_cast<std::size_t>(bucket);
+    return std::min(z * elevation_sides_[i].x() - level * elevation_sides_[i].y(),
+                    level * elevation_sides_[i + 1].y() - z * elevation_sides_[i + 1].x());
+  }
   /// d_alpha (sin eps2 - sin eps1), sr.
   [[nodiscard]] double solid_angle(int elevation) const;
 
@@ -72,6 +84,7 @@ class DirectionBuckets {
   Angle step_;
   int azimuths_;
   Scale azimuth_, elevation_;
+  std::vector<Eigen::Vector2d> azimuth_sides_, elevation_sides_;  ///< cosine and sine of each edge
   std::vector<double> cos_azimuth_, sin_azimuth_, cos_elevation_, sin_elevation_;
 };
 

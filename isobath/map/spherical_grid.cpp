@@ -170,13 +170,12 @@ void SphericalGrid::add_known(const Vector3d& p_G, double edge_m) {
   SphericalCell& cell = cells_.at(place->direction, place->layer, made);
   if (made) fill(cell, *place);
   const auto variance = static_cast<float>(edge_m * edge_m / 12);
-  const float share = 1 / (1 + cell.weight);
-  const std::array<float, 6> spread{variance, 0, 0, variance, 0, variance};
-  for (std::size_t i = 0; i < 3; ++i) {
-    cell.mean[i] += share * (static_cast<float>(p[static_cast<Eigen::Index>(i)]) - cell.mean[i]);
-  }
-  for (std::size_t i = 0; i < 6; ++i) cell.spread[i] += share * (spread[i] - cell.spread[i]);
-  cell.weight += 1;
+  SphericalCell known;
+  known.mean = {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+  known.spread = {variance, 0, 0, variance, 0, variance};
+  known.weight = 1;
+  known.log_odds = cell.log_odds;
+  merge(cell, known);
   cell.log_odds = static_cast<float>(config_.most_log_odds);
   cell.locked = cell.prior = true;
   cells_.mark_occupied(place->direction, place->layer, true);

@@ -8,8 +8,10 @@
 namespace isobath {
 namespace {
 
-// A content may be a little wider than its cell before it is split: rounding, and what barely is.
-constexpr float kWider = 1.1f * 1.1f;
+// A content is split where it is wider than its cell and one of the halves, a quarter of its length to either side of
+// its middle, lies in another cell. So no cell between two contents that touch goes without: each reaches less than half
+// a cell into it. Some less than wider, because contents that have merged are no boxes.
+constexpr float kWider = 0.8f * 0.8f;
 // Cells narrow towards the poles; contents are not split finer than those at this cosine of the elevation.
 constexpr float kLeastCosine = 0.26f;
 constexpr int kMostRounds = 6;  // of halving one content, at one motion
@@ -34,7 +36,7 @@ SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
   const std::array<float, 6>& c = content.spread;
   const float level2 = x * x + y * y + std::numeric_limits<float>::min(), range2 = level2 + z * z;
   const float level = std::sqrt(level2), range = std::sqrt(range2);
-  const bool beyond = range > static_cast<float>(config_.range_m);
+  const bool beyond = static_cast<double>(range) > config_.range_m;
   const int layer = layers_.layer_at(static_cast<double>(beyond ? 0 : range));
   const SphericalDirection d =
       buckets_.at(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z), static_cast<double>(level));
@@ -45,8 +47,17 @@ SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
   // a uniform content as long as L has the variance L^2 / 12
   const float step = static_cast<float>(config_.bucket.radians()), unit = kWider / 12;
   const float high = unit * step * step * range2;
-  const std::array<float, 3> room{unit * room_of_layer_[static_cast<std::size_t>(layer)],
-                                  std::max(unit * step * step * level2, kLeastCosine * kLeastCosine * high), high};
+  const float nearest_edge = std::min(range - static_cast<float>(layers_.inner(layer)),
+                                      static_cast<float>(layers_.outer(layer)) - range);
+  const auto side = static_cast<float>(
+      buckets_.to_azimuth_edge(d.azimuth, static_cast<double>(x), static_cast<double>(y)));
+  const auto slope = static_cast<float>(
+      buckets_.to_elevation_edge(d.elevation, static_cast<double>(level), static_cast<double>(z)));
+  constexpr float kToHalf = 4.0f / 3;  // the halves stand off by sqrt(3/4 variance)
+  const float wide = std::max(unit * step * step * level2, kLeastCosine * kLeastCosine * high);
+  const std::array<float, 3> room{
+      std::max(unit * room_of_layer_[static_cast<std::size_t>(layer)], kToHalf * nearest_edge * nearest_edge),
+      std::max(wide, kToHalf * side * side), std::max(high, kToHalf * slope * slope)};
   const std::array<float, 3> has{in_range, in_azimuth, in_elevation};
   // which of the three ratios of variance to room is the largest
   const unsigned across = has[1] * room[2] > has[2] * room[1] ? 1 : 2;
