@@ -49,8 +49,8 @@ void SphericalEchoes(benchmark::State& state) {
   std::vector<SphericalLook> looks(20'000);
   for (SphericalLook& look : looks) {
     const Vector3d u = random_unit(random);
-    look = {Vector3d::Zero(), u, Angle::degrees(2.5), wall_ahead(Vector3d::Zero(), u) + 0.05 * random.normal(), 50,
-            Time{}};
+    look = {
+        Vector3d::Zero(), u, Angle::degrees(2.5), wall_ahead(Vector3d::Zero(), u) + 0.05 * random.normal(), 50, Time{}};
   }
   for (auto _ : state) {
     grid.clear();
@@ -58,13 +58,12 @@ void SphericalEchoes(benchmark::State& state) {
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * looks.size()));
   state.counters["cells"] = static_cast<double>(grid.cells().size());
-  state.counters["bytes_a_cell"] =
-      static_cast<double>(grid.cells().bytes()) / static_cast<double>(grid.cells().size());
+  state.counters["bytes_a_cell"] = static_cast<double>(grid.cells().bytes()) / static_cast<double>(grid.cells().size());
 }
 BENCHMARK(SphericalEchoes)->Unit(benchmark::kMillisecond);
 
-/// There and back in steps of half the finest layer, so that the work of each step is like that of the first. Cells that
-/// meet merge, and wide ones are split: `cells` says how many there were.
+/// There and back in steps of half the finest layer, so that the work of each step is like that of the first. Cells
+/// that meet merge, and wide ones are split: `cells` says how many there were.
 void SphericalStep(benchmark::State& state) {
   SphericalGridConfig config;
   SphericalGrid grid(config);

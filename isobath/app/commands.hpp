@@ -24,6 +24,7 @@ Action add_compare(CLI::App& program);
 Action add_crosscheck(CLI::App& program);
 Action add_path(CLI::App& program);
 Action add_eval(CLI::App& program);
+Action add_sphere(CLI::App& program);
 
 Action add_config(CLI::App& program);
 

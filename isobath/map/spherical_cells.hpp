@@ -1,10 +1,11 @@
-// SphericalCells: the stored cells of a spherical grid, by direction and layer (Auran, Silven 1995, 4.2; ledger S4-06 to
-// S4-10, S4-13, S4-16, S4-E10).
+// SphericalCells: the stored cells of a spherical grid, by direction and layer (Auran, Silven 1995, 4.2; ledger S4-06
+// to S4-10, S4-13, S4-16, S4-E10).
 //
 // Cells of one direction lie side by side in one array, nearest first, beside a bit for each layer that has one: the
 // cell of a layer is found by counting bits, and whether anything stands nearer than a range is a mask. Three ordered
-// walks as the paper links them: beams by azimuth and elevation, forwards and backwards; cells of a beam by range; cells
-// of one layer in the order of beams (from the bits: nothing is kept up for it). Beams own the cells, the rest is views.
+// walks as the paper links them: beams by azimuth and elevation, forwards and backwards; cells of a beam by range;
+// cells of one layer in the order of beams (from the bits: nothing is kept up for it). Beams own the cells, the rest is
+// views.
 //
 // Directions are those of the table as it is turned (S4-21): a turn moves directions, and no cell. One thread.
 // Adding behind the last cell of a beam moves no cell, unless its room has to double. References and spans are good
@@ -21,15 +22,15 @@
 
 namespace isobath {
 
-/// What is known of one cell. Its content, the echoes that fell into it, is a box in the axes T (spherical_grid.hpp): moments of
-/// it move with the vehicle exactly, while cells stay where they are (S4-23).
+/// What is known of one cell. Its content, the echoes that fell into it, is a box in the axes T (spherical_grid.hpp):
+/// moments of it move with the vehicle exactly, while cells stay where they are (S4-23).
 struct SphericalCell {
   std::array<float, 3> mean{};    ///< of the content, m; of its middle where no echo fell into it
   std::array<float, 6> spread{};  ///< covariance of the content: xx, xy, xz, yy, yz, zz, m2
   float weight = 0;               ///< of the content where contents meet: 1 an echo
   float log_odds = 0;             ///< of being occupied
   std::uint32_t echoes = 0;
-  std::uint32_t scans = 0;        ///< that had echoes in it
+  std::uint32_t scans = 0;  ///< that had echoes in it
   std::uint32_t last_scan = 0;
   Time first_echo{}, last_echo{};
   std::uint16_t layer = 0;
@@ -44,7 +45,8 @@ class SphericalCells {
  public:
   SphericalCells(int azimuths, int elevations, int layers);
 
-  // Reading. -----------------------------------------------------------------------------------------------------------
+  // Reading.
+  // -----------------------------------------------------------------------------------------------------------
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] const DirectionTable& directions() const { return table_; }
@@ -72,7 +74,8 @@ class SphericalCells {
   /// Records that had to be moved to make or to fill room, since it was made.
   [[nodiscard]] std::uint64_t records_moved() const { return records_moved_; }
 
-  // Writing. -----------------------------------------------------------------------------------------------------------
+  // Writing.
+  // -----------------------------------------------------------------------------------------------------------
   /// The cell of a direction and layer, made if there is none (all zero but its layer). `made` says so.
   SphericalCell& at(const SphericalDirection& d, int layer, bool& made);
   SphericalCell* find(const SphericalDirection& d, int layer) {

@@ -1,5 +1,5 @@
-// Clusters of a spherical grid: occupied cells that touch, which is what one object looks like (Auran, Silven 1995, 4.1;
-// ledger S4-29); the same grid at another resolution (S4-17); and known objects in it (S4-15).
+// Clusters of a spherical grid: occupied cells that touch, which is what one object looks like (Auran, Silven
+// 1995, 4.1; ledger S4-29); the same grid at another resolution (S4-17); and known objects in it (S4-15).
 #pragma once
 
 #include <array>

@@ -99,7 +99,8 @@ double SphericalGrid::clamped(double log_odds) const {
 void SphericalGrid::fill(SphericalCell& cell, const SphericalPlace& place) const {
   constexpr float kHardly = 1e-3f;  // what is heard outweighs it
   const Vector3d u = axis_in_table(place.direction), p = layers_.middle(place.layer) * u;
-  const double thickness = layers_.thickness(place.layer), edge = layers_.middle(place.layer) * config_.bucket.radians();
+  const double thickness = layers_.thickness(place.layer),
+               edge = layers_.middle(place.layer) * config_.bucket.radians();
   const Eigen::Matrix3d along = u * u.transpose();
   const Eigen::Matrix3d spread =
       (edge * edge / 12) * (Eigen::Matrix3d::Identity() - along) + (thickness * thickness / 12) * along;
@@ -216,9 +217,7 @@ void SphericalGrid::turn(Angle turn) {
   cells_.turn(wanted - cells_.directions().turned());
 }
 
-Angle SphericalGrid::remainder() const {
-  return (turned_ - config_.bucket * cells_.directions().turned()).wrapped();
-}
+Angle SphericalGrid::remainder() const { return (turned_ - config_.bucket * cells_.directions().turned()).wrapped(); }
 
 // What `turn` has turned stays turned: R acts in G.
 void SphericalGrid::rotate(const Eigen::Matrix3d& R) {

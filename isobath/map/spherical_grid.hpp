@@ -10,11 +10,11 @@
 // cells stand in T. `turn` changes only the angle between the two, of which the table takes whole buckets (S4-21): a
 // bucket of G is right to half a bucket, points (`point_of`) are exact.
 //
-// Motion. The contents of cells move exactly, by their mean and their spread; cells are filled anew when the vehicle has
-// gone `rebin_at` of the finest layer, or the grid is tilted. A content that is wider than its new cell is split in two,
-// again and again, so that an approached wall has no holes; contents that meet in one cell merge. Splitting and merging
-// keep the number of echoes and the first two moments, so that going and coming spreads nothing. What leaves the range
-// is handed over. Above 75 degrees of elevation cells are narrower than what fills them; there holes may be.
+// Motion. The contents of cells move exactly, by their mean and their spread; cells are filled anew when the vehicle
+// has gone `rebin_at` of the finest layer, or the grid is tilted. A content that is wider than its new cell is split in
+// two, again and again, so that an approached wall has no holes; contents that meet in one cell merge. Splitting and
+// merging keep the number of echoes and the first two moments, so that going and coming spreads nothing. What leaves
+// the range is handed over. Above 75 degrees of elevation cells are narrower than what fills them; there holes may be.
 //
 // Cost (bench/README.md): an emptiness test is two look-ups; 20,000 cells are filled anew within 2 ms. After warm-up
 // nothing allocates. Errors: the constructor throws Error. One thread.
@@ -34,15 +34,15 @@ struct SphericalGridConfig {
   double finest_m = 0.15;              ///< D0
   Angle bucket = Angle::degrees(2.5);  ///< of azimuth and elevation
   double range_m = 50;
-  double prior = 0.01;          ///< of a cell that nothing is known of
-  double occupied = 0.5;        ///< from here on a cell is an obstacle
-  double most_log_odds = 10;    ///< either way
+  double prior = 0.01;        ///< of a cell that nothing is known of
+  double occupied = 0.5;      ///< from here on a cell is an obstacle
+  double most_log_odds = 10;  ///< either way
   enum class Merging : std::uint8_t { kLargest, kDensity } merging = Merging::kLargest;
-  double rebin_at = 0.5;        ///< of the finest layer
-  int lock_echoes = 5;          ///< a cell is locked from so many echoes on; 0: none is
-  int lock_scans = 2;           ///< and so many scans
-  double lock_state = 0.9;      ///< and this probability (S4-14)
-  int views = 32;               ///< of clear water, that are remembered
+  double rebin_at = 0.5;    ///< of the finest layer
+  int lock_echoes = 5;      ///< a cell is locked from so many echoes on; 0: none is
+  int lock_scans = 2;       ///< and so many scans
+  double lock_state = 0.9;  ///< and this probability (S4-14)
+  int views = 32;           ///< of clear water, that are remembered
   double view_apart_m = 1;
 };
 std::vector<Field> fields(SphericalGridConfig& config);
@@ -65,7 +65,8 @@ class SphericalGrid {
   [[nodiscard]] const SphericalCells& cells() const { return cells_; }
   [[nodiscard]] std::size_t bytes() const { return cells_.bytes() + views_.bytes(); }
 
-  // Places. ------------------------------------------------------------------------------------------------------------
+  // Places.
+  // ------------------------------------------------------------------------------------------------------------
   [[nodiscard]] Eigen::Vector3d to_table(const Eigen::Vector3d& p_G) const;
   [[nodiscard]] Eigen::Vector3d from_table(const Eigen::Vector3d& p_T) const;
   /// Mean of a cell's content, in G.
@@ -80,7 +81,8 @@ class SphericalGrid {
     return buckets_.middle(unturned(d));
   }
 
-  // What is known. -----------------------------------------------------------------------------------------------------
+  // What is known.
+  // -----------------------------------------------------------------------------------------------------
   /// Whether nothing has echoed in this direction (S4-11); u_G of any length but 0.
   [[nodiscard]] bool is_empty(const Eigen::Vector3d& u_G) const { return !cells_.any(direction_of(u_G)); }
   /// Whether no occupied cell of this one direction begins within `range_m`. Clear is not free: see clear().
@@ -93,7 +95,8 @@ class SphericalGrid {
   [[nodiscard]] double occupied_log_odds() const { return occupied_; }
   [[nodiscard]] static double probability(const SphericalCell& cell);
 
-  // Echoes. ------------------------------------------------------------------------------------------------------------
+  // Echoes.
+  // ------------------------------------------------------------------------------------------------------------
   /// Echoes from now on are of a further scan.
   void begin_scan() { ++scan_; }
   /// Counts an echo at a point, in the cell that holds it; `sigma_m` is of its range. Empty beyond the range.
@@ -114,7 +117,8 @@ class SphericalGrid {
   void decay(Duration elapsed, Duration tau, Time now);
   void clear();
 
-  // Motion. ------------------------------------------------------------------------------------------------------------
+  // Motion.
+  // ------------------------------------------------------------------------------------------------------------
   /// The vehicle has gone by a displacement, in G (S4-23).
   void translate(const Eigen::Vector3d& displacement_G);
   /// Azimuths of everything grow by a turn about z' (S4-21): a turn of the vehicle to starboard.

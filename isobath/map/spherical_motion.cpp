@@ -9,8 +9,8 @@ namespace isobath {
 namespace {
 
 // A content is split where it is wider than its cell and one of the halves, a quarter of its length to either side of
-// its middle, lies in another cell. So no cell between two contents that touch goes without: each reaches less than half
-// a cell into it. Some less than wider, because contents that have merged are no boxes.
+// its middle, lies in another cell. So no cell between two contents that touch goes without: each reaches less than
+// half a cell into it. Some less than wider, because contents that have merged are no boxes.
 constexpr float kWider = 0.8f * 0.8f;
 // Cells narrow towards the poles; contents are not split finer than those at this cosine of the elevation.
 constexpr float kLeastCosine = 0.26f;
@@ -47,12 +47,12 @@ SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
   // a uniform content as long as L has the variance L^2 / 12
   const float step = static_cast<float>(config_.bucket.radians()), unit = kWider / 12;
   const float high = unit * step * step * range2;
-  const float nearest_edge = std::min(range - static_cast<float>(layers_.inner(layer)),
-                                      static_cast<float>(layers_.outer(layer)) - range);
-  const auto side = static_cast<float>(
-      buckets_.to_azimuth_edge(d.azimuth, static_cast<double>(x), static_cast<double>(y)));
-  const auto slope = static_cast<float>(
-      buckets_.to_elevation_edge(d.elevation, static_cast<double>(level), static_cast<double>(z)));
+  const float nearest_edge =
+      std::min(range - static_cast<float>(layers_.inner(layer)), static_cast<float>(layers_.outer(layer)) - range);
+  const auto side =
+      static_cast<float>(buckets_.to_azimuth_edge(d.azimuth, static_cast<double>(x), static_cast<double>(y)));
+  const auto slope =
+      static_cast<float>(buckets_.to_elevation_edge(d.elevation, static_cast<double>(level), static_cast<double>(z)));
   constexpr float kToHalf = 4.0f / 3;  // the halves stand off by sqrt(3/4 variance)
   const float wide = std::max(unit * step * step * level2, kLeastCosine * kLeastCosine * high);
   const std::array<float, 3> room{
@@ -72,8 +72,9 @@ SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
   return f;
 }
 
-// Of a content with the variance lambda along the unit vector e, halves with the means m -+ C e sqrt(3 / (4 lambda)) and
-// the covariance C - 3/4 C e e^T C / lambda together have its moments; of a uniform content they are its two halves.
+// Of a content with the variance lambda along the unit vector e, halves with the means m -+ C e sqrt(3 / (4 lambda))
+// and the covariance C - 3/4 C e e^T C / lambda together have its moments; of a uniform content they are its two
+// halves.
 SphericalCell SphericalGrid::halve(SphericalCell& content, const Fit& f) const {
   const float x = content.mean[0], y = content.mean[1], z = content.mean[2];
   const float level = std::hypot(x, y), range = std::hypot(level, z);
@@ -120,9 +121,9 @@ void SphericalGrid::split_wide() {
     }
     fits_.resize(contents_.size());
     for (const std::uint32_t i : halved_) fits_[i] = fit(contents_[i]);
-    halved_.erase(std::remove_if(halved_.begin(), halved_.end(),
-                                 [&](std::uint32_t i) { return fits_[i].widest >= Fit::kFits; }),
-                  halved_.end());
+    halved_.erase(
+        std::remove_if(halved_.begin(), halved_.end(), [&](std::uint32_t i) { return fits_[i].widest >= Fit::kFits; }),
+        halved_.end());
   }
 }
 
@@ -143,7 +144,8 @@ void SphericalGrid::merge(SphericalCell& into, const SphericalCell& other) const
   if (into.locked != other.locked) {
     into.log_odds = into.locked ? into.log_odds : other.log_odds;
   } else if (density) {
-    const double number = number_of(static_cast<double>(into.log_odds)) + number_of(static_cast<double>(other.log_odds));
+    const double number =
+        number_of(static_cast<double>(into.log_odds)) + number_of(static_cast<double>(other.log_odds));
     into.log_odds = static_cast<float>(clamped(log_odds_of_number(number)));
   } else {
     into.log_odds = std::max(into.log_odds, other.log_odds);

@@ -15,8 +15,8 @@ namespace isobath {
 
 struct WayAhead {
   enum class Verdict : std::uint8_t { kClear, kUnknown, kBlocked } verdict = Verdict::kUnknown;
-  double clear_m = 0;   ///< along the way, until the first that blocks or is unknown
-  double blocked_m = 0; ///< where the first cell that blocks lies along the way; meaningless for the others
+  double clear_m = 0;    ///< along the way, until the first that blocks or is unknown
+  double blocked_m = 0;  ///< where the first cell that blocks lies along the way; meaningless for the others
   std::optional<SphericalPlace> blocking;
 };
 const char* to_text(WayAhead::Verdict verdict);

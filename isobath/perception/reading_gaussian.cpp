@@ -45,8 +45,8 @@ void each_bucket_of_beam(const SphericalGrid& grid, const Vector3d& axis, double
       const double x = axis.dot(to_east), y = axis.dot(to_up);
       // from the plane that touches the sphere in the middle back to angles
       const double sideways = std::hypot(x, y), stretch = sideways > 1e-9 ? std::atan2(sideways, ahead) / sideways : 1;
-      const BucketOffset offset{{(d.azimuth + turned) % n, e}, middle, x * stretch, y * stretch, 0.5 * step * wide,
-                                0.5 * step};
+      const BucketOffset offset{
+          {(d.azimuth + turned) % n, e}, middle, x * stretch, y * stretch, 0.5 * step * wide, 0.5 * step};
       if (std::abs(offset.across) - offset.half_wide >= reach || std::abs(offset.up) - offset.half_high >= reach) {
         continue;
       }
@@ -82,10 +82,9 @@ void touched_cells(const SphericalGrid& grid, const ReadingGaussian& reading, do
   const int first = layers.layer_at(near), last = layers.layer_at(far);
   const double reach = factor * reading.sigma_rad;
   each_bucket_of_beam(grid, reading.axis, reach, [&](const BucketOffset& o) {
-    const double angular = normal_between((o.across - o.half_wide) / reading.sigma_rad,
-                                          (o.across + o.half_wide) / reading.sigma_rad) *
-                           normal_between((o.up - o.half_high) / reading.sigma_rad,
-                                          (o.up + o.half_high) / reading.sigma_rad);
+    const double angular =
+        normal_between((o.across - o.half_wide) / reading.sigma_rad, (o.across + o.half_wide) / reading.sigma_rad) *
+        normal_between((o.up - o.half_high) / reading.sigma_rad, (o.up + o.half_high) / reading.sigma_rad);
     const double from_axis = std::hypot(o.across, o.up) / reading.sigma_rad;
     for (int layer = first; layer <= last; ++layer) {
       const double a = (layers.inner(layer) - reading.range_m) / reading.sigma_m;

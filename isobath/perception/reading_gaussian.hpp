@@ -35,8 +35,8 @@ struct TouchedCell {
   double response = 0;  ///< at the cell's middle
 };
 
-/// The cells that come nearer to a reading than `factor` standard deviations in range and across both ways, of these the
-/// `most` of the greatest mass, in order of beams. `reading` is in the axes T of the grid, and from its origin.
+/// The cells that come nearer to a reading than `factor` standard deviations in range and across both ways, of these
+/// the `most` of the greatest mass, in order of beams. `reading` is in the axes T of the grid, and from its origin.
 void touched_cells(const SphericalGrid& grid, const ReadingGaussian& reading, double factor, int most,
                    std::vector<TouchedCell>& touched);
 /// A direction that a beam touches, and how much of a beam's power, of that on its axis, goes there.

@@ -20,8 +20,7 @@ double log_odds_from_number(double n) { return n > 30 ? n : std::log(std::expm1(
 std::vector<Field> fields(SphericalMapperConfig& c) {
   using C = SphericalMapperConfig;
   return {
-      Field::choice("rule", &c.rule,
-                    {{"log_odds", C::Rule::kLogOdds}, {"maximum_response", C::Rule::kMaximumResponse}},
+      Field::choice("rule", &c.rule, {{"log_odds", C::Rule::kLogOdds}, {"maximum_response", C::Rule::kMaximumResponse}},
                     "How a reading changes cells; maximum_response is the paper's, which clears nothing."),
       Field::choice("axes", &c.axes, {{"north_up", C::Axes::kNorthUp}, {"course_up", C::Axes::kCourseUp}},
                     "Whether the grid's y axis points to the north or along the course."),

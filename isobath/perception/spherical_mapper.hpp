@@ -11,8 +11,8 @@
 // How far the water was heard to be clear is told to the grid, too.
 //
 // Frames: readings come with X_WB; the grid stands at the origin of B, its axes level: x' east, y' north (north_up), or
-// x' starboard, y' ahead (course_up). Lever arms of the sonar move the echo, and the Gaussian is about the line from the
-// grid's origin: exact where the arm is short against the range. Steps after warm-up allocate nothing. One thread.
+// x' starboard, y' ahead (course_up). Lever arms of the sonar move the echo, and the Gaussian is about the line from
+// the grid's origin: exact where the arm is short against the range. Steps after warm-up allocate nothing. One thread.
 #pragma once
 
 #include <isobath/map/spherical_grid.hpp>

@@ -1,4 +1,5 @@
-// How a spherical grid is laid out: layers, directions, tables and runs of cells, against plain arithmetic and std::map.
+// How a spherical grid is laid out: layers, directions, tables and runs of cells, against plain arithmetic and
+// std::map.
 #include <algorithm>
 #include <cmath>
 #include <gmock/gmock.h>

@@ -86,9 +86,8 @@ TEST(SphericalMotion, KeepsEchoesAndTheFirstTwoMomentsOfEverything) {
   EXPECT_EQ(after.echoes, before.echoes);
   EXPECT_NEAR(after.weight, before.weight, 1e-3 * before.weight);
   EXPECT_LT((after.mean - (R * before.mean + t)).norm(), 2e-3);
-  const Matrix3d second =
-      R * before.second * R.transpose() + R * before.mean * t.transpose() + t * before.mean.transpose() * R.transpose() +
-      t * t.transpose();
+  const Matrix3d second = R * before.second * R.transpose() + R * before.mean * t.transpose() +
+                          t * before.mean.transpose() * R.transpose() + t * t.transpose();
   EXPECT_LT((after.second - second).cwiseAbs().maxCoeff(), 5e-4 * second.trace());
 }
 
@@ -245,7 +244,8 @@ TEST(SphericalMotion, AKnownPileIsAtTheRightCellsFromAnyPoseAndTurns) {
   const auto pile_in = [&](SphericalGrid& grid, const Vector3d& from) {
     const double half = 0.2;
     std::vector<Vector3d> ring;
-    for (int i = 0; i < 8; ++i) ring.emplace_back(half * std::cos(i * 45 * kDegree), half * std::sin(i * 45 * kDegree), 0);
+    for (int i = 0; i < 8; ++i)
+      ring.emplace_back(half * std::cos(i * 45 * kDegree), half * std::sin(i * 45 * kDegree), 0);
     for (std::size_t i = 0; i < 8; ++i) {
       const Vector3d &a = ring[i], &b = ring[(i + 1) % 8];
       add_known_triangle(grid, {foot - from + a, foot - from + b, head - from + b});
