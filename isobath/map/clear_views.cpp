@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cmath>
 #include <isobath/map/clear_views.hpp>
+#include <numbers>
 
 namespace isobath {
 
@@ -30,8 +32,9 @@ void ClearViews::set(View& view, const SphericalDirection& d, double clear_m) co
   view.clear[static_cast<std::size_t>(row + d.elevation)] = static_cast<float>(clear_m);
 }
 
-// Buckets whose middle lies within the beam, and the one of its axis. What is clear is a ray from where the vehicle
-// was; seen from the view's own place it ends at another range, in nearly the same direction.
+// The bucket of the axis, and those whose middle lies within half the beam's width of it in azimuth and in elevation: so
+// beams as far apart as buckets leave none between them. What is clear is a ray from where the vehicle was; seen from
+// the view's own place it ends at another range, in nearly the same direction.
 void ClearViews::look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, double clear_m,
                       Time time) {
   View& view = view_at(from);
@@ -41,16 +44,17 @@ void ClearViews::look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Ang
   if (!(range > 0) || clear_m <= 0) return;
   const SphericalDirection axis = buckets_.at(end);
   set(view, axis, range);
-  const double least = cos(half_width), step = buckets_.step().radians();
-  const int reach = static_cast<int>(half_width.radians() / step + 0.5);
-  for (int e = std::max(0, axis.elevation - reach); e <= std::min(buckets_.elevations() - 1, axis.elevation + reach);
+  const double step = buckets_.step().radians(), within = half_width.radians() * 1.01;  // edges that just touch
+  const double up = std::atan2(end.z(), end.head<2>().norm()) + 0.5 * std::numbers::pi;
+  const double round = std::atan2(end.y(), end.x()) + std::numbers::pi;
+  const int n = buckets_.azimuths(), rows = static_cast<int>(within / step + 1);
+  for (int e = std::max(0, axis.elevation - rows); e <= std::min(buckets_.elevations() - 1, axis.elevation + rows);
        ++e) {
-    const double wide = half_width.radians() / (step * buckets_.cos_elevation(e)) + 1;
-    const int across = static_cast<int>(std::min(wide, 0.5 * buckets_.azimuths() - 1));
-    for (int i = -across; i <= across; ++i) {
-      const int n = buckets_.azimuths();
-      const SphericalDirection d{(axis.azimuth + i + n) % n, e};
-      if (buckets_.middle(d).dot(end) >= least * range) set(view, d, range);
+    if (std::abs((e + 0.5) * step - up) > within) continue;
+    const double aside = within / buckets_.cos_elevation(e);
+    const int columns = static_cast<int>(std::min(aside / step + 1, 0.5 * n - 1));
+    for (int i = -columns; i <= columns; ++i) {
+      if (std::abs((axis.azimuth + i + 0.5) * step - round) <= aside) set(view, {(axis.azimuth + i + n) % n, e}, range);
     }
   }
 }

@@ -44,7 +44,7 @@ double clear_along(const SphericalGrid& grid, const Vector3d& course, double unt
   for (int layer = 0; layer < grid.layers().count() && clear < until; ++layer) {
     const double r = std::min(grid.layers().middle(layer), until);
     for (const double aside : {0.0, -radius_m, radius_m}) {
-      if (r <= radius_m) continue;  // where the vehicle is
+      if (aside != 0 && r <= radius_m) continue;  // beside the vehicle
       if (!grid.was_clear(r * course + aside * side)) return clear;
     }
     clear = std::min(grid.layers().outer(layer), until);

@@ -110,8 +110,12 @@ void touched_directions(const SphericalGrid& grid, const ReadingGaussian& readin
                         std::vector<TouchedDirection>& touched) {
   touched.clear();
   each_bucket_of_beam(grid, reading.axis, factor * reading.sigma_rad, [&](const BucketOffset& o) {
-    const double from_axis = std::hypot(o.across, o.up) / reading.sigma_rad;
-    touched.push_back({o.direction, std::exp(-0.5 * from_axis * from_axis)});
+    const auto mean_over = [&](double offset, double half) {
+      const double s = reading.sigma_rad;
+      return std::sqrt(2 * std::numbers::pi) * s / (2 * half) *
+             normal_between((offset - half) / s, (offset + half) / s);
+    };
+    touched.push_back({o.direction, mean_over(o.across, o.half_wide) * mean_over(o.up, o.half_high)});
   });
 }
 
