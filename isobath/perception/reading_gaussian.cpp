@@ -110,10 +110,11 @@ void touched_directions(const SphericalGrid& grid, const ReadingGaussian& readin
                         std::vector<TouchedDirection>& touched) {
   touched.clear();
   each_bucket_of_beam(grid, reading.axis, factor * reading.sigma_rad, [&](const BucketOffset& o) {
+    const double s = reading.sigma_rad;
     const auto mean_over = [&](double offset, double half) {
-      const double s = reading.sigma_rad;
-      return std::sqrt(2 * std::numbers::pi) * s / (2 * half) *
-             normal_between((offset - half) / s, (offset + half) / s);
+      const double low = (offset - half) / s, high = (offset + half) / s;
+      return normal_between(std::numbers::sqrt2 * low, std::numbers::sqrt2 * high) /
+             (std::numbers::sqrt2 * normal_between(low, high));
     };
     touched.push_back({o.direction, mean_over(o.across, o.half_wide) * mean_over(o.up, o.half_high)});
   });

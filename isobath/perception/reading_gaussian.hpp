@@ -39,7 +39,8 @@ struct TouchedCell {
 /// the `most` of the greatest mass, in order of beams. `reading` is in the axes T of the grid, and from its origin.
 void touched_cells(const SphericalGrid& grid, const ReadingGaussian& reading, double factor, int most,
                    std::vector<TouchedCell>& touched);
-/// A direction that a beam touches, and how much of a beam's power, of that on its axis, goes there: the mean over it.
+/// A direction that a beam touches, and how much of a beam's power, of that on its axis, goes there: the mean over what
+/// an echo of this beam says of the direction, so that it does not depend on how wide directions are.
 struct TouchedDirection {
   SphericalDirection direction;
   double share = 0;

@@ -35,7 +35,8 @@ TEST(ReadingGaussian, InThePlaneIntegratesToOneAndWrapsAngles) {
   EXPECT_NEAR(sum, 1, 1e-6);
   EXPECT_GT(reading.density_in_plane(20, {}), reading.density_in_plane(20.01, {}));
   EXPECT_GT(reading.density_in_plane(20, {}), reading.density_in_plane(20, Angle::degrees(0.1)));
-  EXPECT_NEAR(reading.density_in_plane(20, Angle::degrees(359)), reading.density_in_plane(20, Angle::degrees(-1)), 1e-9);
+  EXPECT_NEAR(reading.density_in_plane(20, Angle::degrees(359)), reading.density_in_plane(20, Angle::degrees(-1)),
+              1e-9);
 }
 
 // ledger: S4-26 S4-E06
@@ -158,9 +159,9 @@ TEST(SphericalMapper, ByLogOddsEchoesRaiseAndClearWaterLowers) {
   const SphericalPlace place = *grid.place_at(10 * u);
   const auto phi = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
   const double s = 2.5 * kDegree / 2.355, w = 1.25 * kDegree;
-  const double mass = (phi((grid.layers().outer(place.layer) - 10) / 0.15) -
-                       phi((grid.layers().inner(place.layer) - 10) / 0.15)) *
-                      std::pow(phi(w / s) - phi(-w / s), 2);
+  const double mass =
+      (phi((grid.layers().outer(place.layer) - 10) / 0.15) - phi((grid.layers().inner(place.layer) - 10) / 0.15)) *
+      std::pow(phi(w / s) - phi(-w / s), 2);
   EXPECT_NEAR(twice, 1 - 0.99 * std::exp(2 * std::log(0.1) * mass), 2e-3);
   for (int i = 0; i < 20; ++i) mapper.add(look(u, 25));
   EXPECT_LT(probability_at(grid, 10 * u), 0.01);

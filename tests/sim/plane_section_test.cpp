@@ -66,7 +66,12 @@ TEST(PlaneSection, MeetsAnArcWithinItsAnglesFromBothSides) {
   for (const double a : {-40.0, -30.01, -29.99, 0.0, 29.99, 30.01, 90.0, 180.0}) {
     const bool on = std::abs(a) < 30;
     EXPECT_NEAR(range_of(section, {0, 0}, a), on ? 5 : -1, 1e-12) << "hollow " << a;
-    EXPECT_NEAR(range_of(section, 12 * along(a), a + 180), on ? 7 : std::abs(a) > 150 ? 17 : -1, 1e-12) << "round " << a;
+    EXPECT_NEAR(range_of(section, 12 * along(a), a + 180),
+                on                  ? 7
+                : std::abs(a) > 150 ? 17
+                                    : -1,
+                1e-12)
+        << "round " << a;
   }
 }
 
