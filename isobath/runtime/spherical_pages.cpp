@@ -47,7 +47,7 @@ std::array<Vector3d, 4> corners_at(const SphericalGrid& grid, const SphericalDir
   return {at(a0, e0), at(a1, e0), at(a1, e1), at(a0, e1)};
 }
 
-std::vector<Vector2d> outline_of(const SectionArc& arc) {
+std::vector<Vector2d> arc_outline(const SectionArc& arc) {
   std::vector<Vector2d> points;
   const int parts = std::max(8, static_cast<int>(arc.sweep.degrees() / 3));
   for (int i = 0; i <= parts; ++i) {
@@ -62,21 +62,21 @@ void draw_walls(PlanPicture& picture, const PlaneSection& section, const Vector2
     picture.polyline(ends, stroke);
   }
   for (const SectionArc& arc : section.arcs()) {
-    std::vector<Vector2d> points = outline_of(arc);
+    std::vector<Vector2d> points = arc_outline(arc);
     for (Vector2d& p : points) p -= from;
     picture.polyline(points, stroke);
   }
 }
 
-Eigen::AlignedBox2d extent_of(const PlaneSection& section) {
+Eigen::AlignedBox2d box_of_section(const PlaneSection& section) {
   Eigen::AlignedBox2d box;
   for (const SectionLine& line : section.lines()) box.extend(line.a).extend(line.b);
   for (const SectionArc& arc : section.arcs()) {
-    for (const Vector2d& p : outline_of(arc)) box.extend(p);
+    for (const Vector2d& p : arc_outline(arc)) box.extend(p);
   }
   return box;
 }
-PlanExtent about(const Eigen::AlignedBox2d& box) {
+PlanExtent with_margin(const Eigen::AlignedBox2d& box) {
   const double margin = 0.04 * box.sizes().maxCoeff();
   return {box.min().x() - margin, box.max().x() + margin, box.min().y() - margin, box.max().y() + margin};
 }
@@ -104,7 +104,7 @@ std::vector<Vector3d> reference_lines(double length_m) {
 std::string spherical_plan_picture(const Scene& scene, const SphericalSurvey& survey) {
   const PlaneSection section(scene, survey.path.scans.front().at.z());
   PlanPicture picture(
-      about(extent_of(section)), kSidePixels,
+      with_margin(box_of_section(section)), kSidePixels,
       {fmt::format("{}: the path and {} scans", scene.about.title, survey.path.scans.size()), "north (m)", "east (m)"});
   draw_walls(picture, section, Vector2d::Zero(), {palette::kInk, 2.2, false});
   std::vector<Vector2d> path;
@@ -125,9 +125,9 @@ std::string spherical_above_picture(const Scene& scene, const SphericalSurvey& s
   const SphericalGrid& grid = *survey.grid;
   const ScanPosition& place = survey.path.scans.back();
   const PlaneSection section(scene, place.at.z());
-  Eigen::AlignedBox2d box = extent_of(section);
+  Eigen::AlignedBox2d box = box_of_section(section);
   box.translate(Vector2d(-place.at.head<2>()));
-  const PlanExtent extent = about(box);
+  const PlanExtent extent = with_margin(box);
   PlanPicture picture(extent, kSidePixels,
                       {fmt::format("The grid at position {}, from above", place.number), "north of the vehicle (m)",
                        "east of the vehicle (m)"});

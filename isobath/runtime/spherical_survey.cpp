@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-void judge(const Scene& scene, const Vector3d& at, SphericalSurvey& survey) {
+void judge_survey(const Scene& scene, const Vector3d& at, SphericalSurvey& survey) {
   std::vector<double> errors;
   survey.grid->cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
     for (const SphericalCell& cell : beam) {
@@ -96,7 +96,7 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     throw Error("no lines and arcs at the vehicle's depth", {scene.file}, "a scene with a [[prism]] round its path");
   }
   grid.on_dropped({});
-  judge(scene, survey.path.scans.back().at, survey);
+  judge_survey(scene, survey.path.scans.back().at, survey);
   return survey;
 }
 

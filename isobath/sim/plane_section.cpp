@@ -11,16 +11,16 @@ using Eigen::Vector2d;
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-double crossed(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross_of(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 Vector2d heading_vector(double a) { return {std::cos(a), std::sin(a)}; }
 
-bool within(const SectionArc& arc, const Vector2d& from_centre) {
+bool within_arc(const SectionArc& arc, const Vector2d& from_centre) {
   const double at = std::atan2(from_centre.y(), from_centre.x()) - arc.first.radians();
   return at - kTurn * std::floor(at / kTurn) <= arc.sweep.radians();
 }
 
 /// What lines and arcs span.
-Eigen::AlignedBox2d span_of(const std::vector<SectionLine>& lines, const std::vector<SectionArc>& arcs) {
+Eigen::AlignedBox2d box_about(const std::vector<SectionLine>& lines, const std::vector<SectionArc>& arcs) {
   Eigen::AlignedBox2d box;
   for (const SectionLine& line : lines) box.extend(line.a).extend(line.b);
   for (const SectionArc& arc : arcs) {
@@ -29,7 +29,7 @@ Eigen::AlignedBox2d span_of(const std::vector<SectionLine>& lines, const std::ve
     }
     for (int quarter = 0; quarter < 4; ++quarter) {
       const Vector2d u = heading_vector(quarter * std::numbers::pi / 2);
-      if (within(arc, u)) box.extend(Vector2d(arc.centre + arc.radius * u));
+      if (within_arc(arc, u)) box.extend(Vector2d(arc.centre + arc.radius * u));
     }
   }
   return box;
@@ -57,7 +57,7 @@ PlaneSection::PlaneSection(const Scene& scene, double depth) {
                       Angle::degrees(sweep > 0 ? std::min(sweep, 360.0) : sweep + 360),
                       object});
     }
-    const Vector2d middle = span_of(lines, arcs).center();
+    const Vector2d middle = box_about(lines, arcs).center();
     const double scale = 1 + (prism->bottom_scale - 1) * (depth - prism->top) / (prism->bottom - prism->top);
     const auto scaled = [&](const Vector2d& p) -> Vector2d { return middle + scale * (p - middle); };
     for (const SectionLine& line : lines) lines_.push_back({scaled(line.a), scaled(line.b), object});
@@ -75,10 +75,10 @@ std::optional<SectionHit> PlaneSection::cast(const Vector2d& p, const Vector2d& 
   };
   for (const SectionLine& line : lines_) {
     const Vector2d along = line.b - line.a, to = line.a - p;
-    const double across = crossed(u, along);
+    const double across = cross_of(u, along);
     if (across == 0) continue;  // parallel
-    const double s = crossed(to, u) / across;
-    if (s >= 0 && s <= 1) meet(crossed(to, along) / across, across / along.norm(), line.object);
+    const double s = cross_of(to, u) / across;
+    if (s >= 0 && s <= 1) meet(cross_of(to, along) / across, across / along.norm(), line.object);
   }
   for (const SectionArc& arc : arcs_) {
     const Vector2d m = p - arc.centre;
@@ -86,7 +86,7 @@ std::optional<SectionHit> PlaneSection::cast(const Vector2d& p, const Vector2d& 
     if (root < 0) continue;
     for (const double t : {-b - std::sqrt(root), -b + std::sqrt(root)}) {
       const Vector2d at = m + t * u;
-      if (within(arc, at)) meet(t, at.dot(u) / arc.radius, arc.object);
+      if (within_arc(arc, at)) meet(t, at.dot(u) / arc.radius, arc.object);
     }
   }
   return nearest;

@@ -8,19 +8,15 @@
 #include <isobath/map/spherical_grid.hpp>
 #include <isobath/map/spherical_passage.hpp>
 #include <numbers>
+#include <tests/support/directions.hpp>
 
 namespace isobath {
 namespace {
 
 using Eigen::Vector3d;
+using test::kRadiansADegree, test::towards;
 
-constexpr double kDegree = std::numbers::pi / 180;
-
-Vector3d towards(double azimuth_deg, double elevation_deg) {
-  const double a = azimuth_deg * kDegree, e = elevation_deg * kDegree;
-  return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
-}
-void occupy(SphericalGrid& grid, const Vector3d& p, double probability = 0.95) {
+void occupy_at(SphericalGrid& grid, const Vector3d& p, double probability = 0.95) {
   const auto place = grid.add_echo(p, 0.1, Time{});
   if (place) grid.set_log_odds(*place, std::log(probability / (1 - probability)));
 }
@@ -77,7 +73,7 @@ TEST(SphericalGrid, LocksACellOnEvidenceAndKeepsItsStateThen) {
 // ledger: S4-11
 TEST(SphericalGrid, SaysWhetherAnythingIsInADirection) {
   SphericalGrid grid;
-  occupy(grid, 12 * towards(45.1, 10.1));
+  occupy_at(grid, 12 * towards(45.1, 10.1));
   EXPECT_FALSE(grid.is_empty(towards(46, 11)));
   EXPECT_TRUE(grid.is_empty(towards(48, 11)));
   EXPECT_TRUE(grid.is_unobstructed(towards(46, 11), 11));
@@ -93,7 +89,7 @@ TEST(SphericalPassage, AgreesWithBruteForceOverAllCells) {
     SphericalGrid grid;
     for (int i = 0; i < 60; ++i) {
       const double a = random.uniform(-180, 180), e = random.uniform(-70, 70), r = random.uniform(1, 40);
-      occupy(grid, r * towards(a, e), random.uniform(0.2, 0.99));
+      occupy_at(grid, r * towards(a, e), random.uniform(0.2, 0.99));
     }
     if (round % 2 == 1) grid.turn(Angle::degrees(41.3));
     grid.translate({0.03, -0.02, 0.01});  // less than a filling
@@ -137,7 +133,7 @@ TEST(SphericalPassage, TellsClearFromUnknownAndSeesWhatIsBesideTheBeam) {
   EXPECT_EQ(far.verdict, WayAhead::Verdict::kUnknown);
   EXPECT_NEAR(far.clear_m, 25, grid.layers().thickness(grid.layers().layer_at(25)));
   EXPECT_EQ(way_ahead(grid, towards(-90, 1), 5, 1).verdict, WayAhead::Verdict::kUnknown) << "nobody looked back";
-  occupy(grid, {1.3, 15, 0.3});  // five degrees off: beside the beam, and within the vehicle's width
+  occupy_at(grid, {1.3, 15, 0.3});  // five degrees off: beside the beam, and within the vehicle's width
   const WayAhead way = way_ahead(grid, towards(90, 1), 20, 1.2);
   EXPECT_EQ(way.verdict, WayAhead::Verdict::kBlocked);
   EXPECT_NEAR(way.blocked_m, 15, 0.01);
@@ -149,15 +145,15 @@ TEST(SphericalPassage, TellsClearFromUnknownAndSeesWhatIsBesideTheBeam) {
 TEST(SphericalClusters, AreWhatHangsTogether) {
   SphericalGrid grid;
   const auto pipe = [&](double azimuth) {
-    for (double e = -20; e <= 20; e += 2.5) occupy(grid, 15 * towards(azimuth, e + 1));
+    for (double e = -20; e <= 20; e += 2.5) occupy_at(grid, 15 * towards(azimuth, e + 1));
   };
   pipe(31);
   pipe(31 + 3 * 2.5);  // two empty buckets between
   for (double a = 0; a < 360; a += 10) {
-    for (double e = -80; e <= 80; e += 10) occupy(grid, Vector3d(-20, 1, 1) + 1.5 * towards(a, e));
+    for (double e = -80; e <= 80; e += 10) occupy_at(grid, Vector3d(-20, 1, 1) + 1.5 * towards(a, e));
   }
-  for (double a = 176; a <= 186; a += 2.5) occupy(grid, 8 * towards(a, 30));  // across +-180
-  for (double a = 0; a < 360; a += 2.5) occupy(grid, 30 * towards(a, 89.5));  // round the pole
+  for (double a = 176; a <= 186; a += 2.5) occupy_at(grid, 8 * towards(a, 30));  // across +-180
+  for (double a = 0; a < 360; a += 2.5) occupy_at(grid, 30 * towards(a, 89.5));  // round the pole
   const auto all = clusters(grid, 0.5);
   ASSERT_EQ(all.size(), 5u);
   std::vector<std::size_t> sizes;
@@ -184,7 +180,7 @@ TEST(SphericalClusters, AgreeWithFloodingFromCellToCell) {
   std::vector<SphericalPlace> places;
   for (int i = 0; i < 700; ++i) {
     const double a = random.uniform(150, 210), e = random.uniform(-20, 20), r = random.uniform(8, 14);
-    occupy(grid, r * towards(a, e));
+    occupy_at(grid, r * towards(a, e));
   }
   grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
     for (const SphericalCell& cell : beam) places.push_back({d, cell.layer});
@@ -235,7 +231,7 @@ TEST(SphericalZoom, ACoarseCellFollowsFromItsParts) {
     SphericalGrid from(fine), to(coarse);
     for (int i = 0; i < 800; ++i) {
       const double a = random.uniform(0, 60), e = random.uniform(0, 40), r = random.uniform(5, 20);
-      occupy(from, r * towards(a, e), random.uniform(0.02, 0.6));
+      occupy_at(from, r * towards(a, e), random.uniform(0.02, 0.6));
     }
     zoom(from, rule, to);
     std::map<SphericalPlace, double> expected;  // 1 - P, or P
@@ -270,8 +266,8 @@ TEST(SphericalZoom, AFinerGridSeparatesTwoTargetsOfOneCoarseCell) {
   fine.bucket = Angle::degrees(0.5);
   SphericalGrid far(coarse), close(fine);
   for (SphericalGrid* grid : {&far, &close}) {
-    occupy(*grid, one);
-    occupy(*grid, other);
+    occupy_at(*grid, one);
+    occupy_at(*grid, other);
   }
   EXPECT_EQ(clusters(far, 0.5).size(), 1u);
   EXPECT_EQ(clusters(close, 0.5).size(), 2u);
@@ -283,7 +279,7 @@ TEST(SphericalGrid, IsMadeAndEndedAThousandTimes) {
   std::size_t cells = 0;
   for (int i = 0; i < 1000; ++i) {
     SphericalGrid grid;
-    for (int k = 0; k < 20; ++k) occupy(grid, random.uniform(1, 40) * towards(random.uniform(-180, 180), 0));
+    for (int k = 0; k < 20; ++k) occupy_at(grid, random.uniform(1, 40) * towards(random.uniform(-180, 180), 0));
     cells += grid.cells().size();
   }
   EXPECT_GT(cells, 15'000u);

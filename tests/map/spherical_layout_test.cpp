@@ -89,7 +89,7 @@ TEST(DirectionBuckets, AgreeWithTheArcFunctionsAndReturnTheirOwnCentres) {
   EXPECT_THROW(DirectionBuckets(Angle::degrees(7)), Error) << "half a turn is no multiple";
 }
 
-using Plain = std::map<SphericalDirection, std::set<int>>;
+using PlainBeams = std::map<SphericalDirection, std::set<int>>;
 
 std::vector<SphericalDirection> forwards(const DirectionTable& table) {
   std::vector<SphericalDirection> all;
@@ -102,7 +102,7 @@ std::vector<SphericalDirection> backwards(const DirectionTable& table) {
   return all;
 }
 
-void expect_same(const SphericalCells& cells, const Plain& plain) {
+void expect_same_beams(const SphericalCells& cells, const PlainBeams& plain) {
   std::vector<SphericalDirection> beams;
   std::set<int> azimuths;
   std::size_t count = 0;
@@ -126,7 +126,7 @@ void expect_same(const SphericalCells& cells, const Plain& plain) {
 TEST(SphericalCells, HoldWhatAPlainMapHoldsInTheSameOrders) {
   Random random(6);
   SphericalCells cells(144, 72, 102);
-  Plain plain;
+  PlainBeams plain;
   for (int round = 0; round < 40; ++round) {
     for (int i = 0; i < 400; ++i) {
       SphericalDirection d;
@@ -144,23 +144,23 @@ TEST(SphericalCells, HoldWhatAPlainMapHoldsInTheSameOrders) {
         ASSERT_EQ(cells.erase(d, layer), erased);
       }
     }
-    ASSERT_NO_FATAL_FAILURE(expect_same(cells, plain)) << round;
+    ASSERT_NO_FATAL_FAILURE(expect_same_beams(cells, plain)) << round;
   }
   const std::size_t before = cells.bytes();
   EXPECT_EQ(cells.find({5, 5}, 3), nullptr) << "no cell is made by asking";
   EXPECT_FALSE(cells.any({5, 5}));
   EXPECT_EQ(cells.bytes(), before);
-  for (const auto& [d, layers] : Plain(plain)) {
+  for (const auto& [d, layers] : PlainBeams(plain)) {
     for (const int layer : layers) cells.erase(d, layer);
   }
-  expect_same(cells, {});
+  expect_same_beams(cells, {});
 }
 
 // ledger: S4-16
 TEST(SphericalCells, ThoseOfALayerAreAFilterOverAll) {
   Random random(7);
   SphericalCells cells(144, 72, 200);
-  Plain plain;
+  PlainBeams plain;
   for (int i = 0; i < 3000; ++i) {
     SphericalDirection d;
     d.azimuth = static_cast<int>(random.index(144));
@@ -204,7 +204,7 @@ TEST(SphericalCells, EchoesThatComeNearestFirstMoveHardlyAnyCell) {
 TEST(SphericalCells, TurnByWholeBucketsWithoutMovingARecord) {
   Random random(8);
   SphericalCells cells(144, 72, 102);
-  Plain plain;
+  PlainBeams plain;
   for (int i = 0; i < 2000; ++i) {
     SphericalDirection d;
     d.azimuth = static_cast<int>(random.index(144));
@@ -216,15 +216,15 @@ TEST(SphericalCells, TurnByWholeBucketsWithoutMovingARecord) {
   }
   const std::uint64_t moved = cells.records_moved();
   for (int turn = 0; turn < 144; ++turn) {
-    Plain turned;
+    PlainBeams turned;
     for (const auto& [d, layers] : plain) turned[{(d.azimuth + turn) % 144, d.elevation}] = layers;
-    ASSERT_NO_FATAL_FAILURE(expect_same(cells, turned)) << turn;
+    ASSERT_NO_FATAL_FAILURE(expect_same_beams(cells, turned)) << turn;
     cells.turn(1);
   }
-  expect_same(cells, plain);
+  expect_same_beams(cells, plain);
   cells.turn(-50);
   cells.turn(50 - 288);
-  expect_same(cells, plain);
+  expect_same_beams(cells, plain);
   EXPECT_EQ(cells.records_moved(), moved);
 }
 

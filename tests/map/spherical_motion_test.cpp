@@ -7,26 +7,22 @@
 #include <isobath/map/spherical_grid.hpp>
 #include <numbers>
 #include <tests/support/count_allocations.hpp>
+#include <tests/support/directions.hpp>
 
 namespace isobath {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using test::kRadiansADegree, test::towards;
 
-constexpr double kDegree = std::numbers::pi / 180;
-
-Vector3d towards(double azimuth_deg, double elevation_deg) {
-  const double a = azimuth_deg * kDegree, e = elevation_deg * kDegree;
-  return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
-}
-Vector3d random_point(Random& random, double near, double far) {
+Vector3d point_between(Random& random, double near, double far) {
   const double z = random.uniform(-0.8, 0.8), a = random.uniform(-180, 180), range = random.uniform(near, far);
-  return range * towards(a, std::asin(z) / kDegree);
+  return range * towards(a, std::asin(z) / kRadiansADegree);
 }
 
 /// Of everything in the grid together.
-struct Moments {
+struct GridMoments {
   std::uint64_t echoes = 0;
   double weight = 0;
   Vector3d mean = Vector3d::Zero();
@@ -38,8 +34,8 @@ void each_cell(const SphericalGrid& grid, const Visit& visit) {
     for (const SphericalCell& cell : beam) visit(SphericalPlace{d, cell.layer}, cell);
   });
 }
-Moments moments(const SphericalGrid& grid) {
-  Moments m;
+GridMoments moments_of(const SphericalGrid& grid) {
+  GridMoments m;
   each_cell(grid, [&](const SphericalPlace&, const SphericalCell& cell) {
     const double w = static_cast<double>(cell.weight);
     const Vector3d p = grid.point_of(cell);
@@ -66,8 +62,8 @@ SphericalGridConfig without_locks() {
 TEST(SphericalMotion, KeepsEchoesAndTheFirstTwoMomentsOfEverything) {
   Random random(1);
   SphericalGrid grid(without_locks());
-  for (int i = 0; i < 500; ++i) grid.add_echo(random_point(random, 6, 30), 0.1, Time{});
-  const Moments before = moments(grid);
+  for (int i = 0; i < 500; ++i) grid.add_echo(point_between(random, 6, 30), 0.1, Time{});
+  const GridMoments before = moments_of(grid);
   Matrix3d R = Matrix3d::Identity();  // of G then to G now
   Vector3d t = Vector3d::Zero();
   for (int i = 0; i < 150; ++i) {
@@ -82,7 +78,7 @@ TEST(SphericalMotion, KeepsEchoesAndTheFirstTwoMomentsOfEverything) {
       t = tilt * t;
     }
   }
-  const Moments after = moments(grid);
+  const GridMoments after = moments_of(grid);
   EXPECT_EQ(after.echoes, before.echoes);
   EXPECT_NEAR(after.weight, before.weight, 1e-3 * before.weight);
   EXPECT_LT((after.mean - (R * before.mean + t)).norm(), 2e-3);
@@ -128,7 +124,7 @@ TEST(SphericalMotion, APointThatIsPassedStaysWithinACellOfTheTruth) {
       target.x() -= 0.1;
       if (heard_again) grid.add_echo(target, 0.05, Time{});
       const double cell = grid.layers().thickness(grid.layers().layer_at(target.norm()));
-      ASSERT_LT((moments(grid).mean - target).norm(), heard_again ? cell : 0.01) << i;
+      ASSERT_LT((moments_of(grid).mean - target).norm(), heard_again ? cell : 0.01) << i;
     }
     each_cell(grid, [&](const SphericalPlace&, const SphericalCell& cell) {
       EXPECT_LT((grid.point_of(cell) - target).norm(), first_cell) << "no wider than it was first heard";
@@ -142,8 +138,8 @@ TEST(SphericalMotion, HandsOverWhatLeavesTheRangeOnce) {
   SphericalGridConfig config = without_locks();
   config.range_m = 30;
   SphericalGrid grid(config);
-  for (int i = 0; i < 2000; ++i) grid.add_echo(random_point(random, 5, 30), 0.1, Time{});
-  const std::uint64_t before = moments(grid).echoes;
+  for (int i = 0; i < 2000; ++i) grid.add_echo(point_between(random, 5, 30), 0.1, Time{});
+  const std::uint64_t before = moments_of(grid).echoes;
   std::uint64_t dropped = 0;
   double nearest = 1e9, way = 0;
   grid.on_dropped([&](const SphericalCell& cell, const Vector3d& p_G) {
@@ -156,7 +152,7 @@ TEST(SphericalMotion, HandsOverWhatLeavesTheRangeOnce) {
       ASSERT_LE(cell.point().norm(), 30.0 + 1e-4);
       ASSERT_NEAR(grid.place_at(cell.point() * (1 - 1e-6))->layer, place.layer, 1) << "a mean lies on a chord";
     });
-    ASSERT_EQ(moments(grid).echoes + dropped, before) << way;
+    ASSERT_EQ(moments_of(grid).echoes + dropped, before) << way;
   }
   EXPECT_GT(dropped, 500u);
   EXPECT_GE(nearest, 30 - 0.2);
@@ -168,10 +164,10 @@ TEST(SphericalMotion, PitchingThereAndBackLeavesTargetsWithinABucket) {
   SphericalGrid grid(without_locks());
   std::vector<Vector3d> targets;
   for (int i = 0; i < 60; ++i) {
-    targets.push_back(random_point(random, 5, 40));
+    targets.push_back(point_between(random, 5, 40));
     grid.add_echo(targets.back(), 0.1, Time{});
   }
-  const Matrix3d pitch = Eigen::AngleAxisd(20 * kDegree, Vector3d::UnitX()).toRotationMatrix();
+  const Matrix3d pitch = Eigen::AngleAxisd(20 * kRadiansADegree, Vector3d::UnitX()).toRotationMatrix();
   grid.rotate(pitch);
   for (const Vector3d& p : targets) {
     double least = 1e9;
@@ -179,17 +175,17 @@ TEST(SphericalMotion, PitchingThereAndBackLeavesTargetsWithinABucket) {
       const Vector3d middle = grid.layers().middle(place.layer) * grid.axis_in_table(place.direction);
       least = std::min(least, (middle - pitch * p).norm());
     });
-    EXPECT_LT(least, 2 * p.norm() * 2.5 * kDegree) << "up there";
+    EXPECT_LT(least, 2 * p.norm() * 2.5 * kRadiansADegree) << "up there";
   }
   grid.rotate(pitch.transpose());
-  EXPECT_EQ(moments(grid).echoes, 60u);
+  EXPECT_EQ(moments_of(grid).echoes, 60u);
   each_cell(grid, [&](const SphericalPlace&, const SphericalCell& cell) {
     double least = 1e9;
     for (const Vector3d& p : targets) {
       const Vector3d q = grid.point_of(cell);
       least = std::min(least, std::acos(std::min(1.0, p.dot(q) / (p.norm() * q.norm()))));
     }
-    EXPECT_LT(least, 2.5 * kDegree);
+    EXPECT_LT(least, 2.5 * kRadiansADegree);
   });
 }
 
@@ -197,7 +193,7 @@ TEST(SphericalMotion, PitchingThereAndBackLeavesTargetsWithinABucket) {
 TEST(SphericalMotion, TurnsKeepTheirRemainderAndCopyNothing) {
   Random random(4);
   SphericalGrid grid(without_locks());
-  for (int i = 0; i < 300; ++i) grid.add_echo(random_point(random, 5, 40), 0.1, Time{});
+  for (int i = 0; i < 300; ++i) grid.add_echo(point_between(random, 5, 40), 0.1, Time{});
   std::vector<Vector3d> points;
   each_cell(grid, [&](const SphericalPlace&, const SphericalCell& cell) { points.push_back(cell.point()); });
   const std::uint64_t moved = grid.cells().records_moved();
@@ -209,14 +205,14 @@ TEST(SphericalMotion, TurnsKeepTheirRemainderAndCopyNothing) {
     ASSERT_LE(std::abs(grid.remainder().degrees()), 1.25 + 1e-9);
   }
   EXPECT_EQ(grid.cells().records_moved(), moved);
-  const Matrix3d R = Eigen::AngleAxisd(heading * kDegree, Vector3d::UnitZ()).toRotationMatrix();
+  const Matrix3d R = Eigen::AngleAxisd(heading * kRadiansADegree, Vector3d::UnitZ()).toRotationMatrix();
   std::size_t found = 0;
   each_cell(grid, [&](const SphericalPlace& place, const SphericalCell& cell) {
     const Vector3d now = grid.point_of(cell), there = R * cell.point();
     EXPECT_LT((now - there).norm(), 1e-6) << "points are exact";
     const double azimuth = std::atan2(now.y(), now.x());
-    const double middle = grid.buckets().azimuth_edge(place.direction.azimuth).radians() + 1.25 * kDegree;
-    EXPECT_LE(std::abs(std::remainder(azimuth - middle, 2 * std::numbers::pi)), 2.5 * kDegree + 1e-6)
+    const double middle = grid.buckets().azimuth_edge(place.direction.azimuth).radians() + 1.25 * kRadiansADegree;
+    EXPECT_LE(std::abs(std::remainder(azimuth - middle, 2 * std::numbers::pi)), 2.5 * kRadiansADegree + 1e-6)
         << "buckets to half a bucket more than their own half";
     ++found;
   });
@@ -245,7 +241,7 @@ TEST(SphericalMotion, AKnownPileIsAtTheRightCellsFromAnyPoseAndTurns) {
     const double half = 0.2;
     std::vector<Vector3d> ring;
     for (int i = 0; i < 8; ++i)
-      ring.emplace_back(half * std::cos(i * 45 * kDegree), half * std::sin(i * 45 * kDegree), 0);
+      ring.emplace_back(half * std::cos(i * 45 * kRadiansADegree), half * std::sin(i * 45 * kRadiansADegree), 0);
     for (std::size_t i = 0; i < 8; ++i) {
       const Vector3d &a = ring[i], &b = ring[(i + 1) % 8];
       add_known_triangle(grid, {foot - from + a, foot - from + b, head - from + b});
@@ -267,7 +263,7 @@ TEST(SphericalMotion, AKnownPileIsAtTheRightCellsFromAnyPoseAndTurns) {
       each_cell(grid, [&](const SphericalPlace&, const SphericalCell& cell) {
         least = std::min(least, (grid.point_of(cell) - axis).norm());
       });
-      EXPECT_LT(least, 0.2 + axis.norm() * 2.5 * kDegree) << "no gap at " << z;
+      EXPECT_LT(least, 0.2 + axis.norm() * 2.5 * kRadiansADegree) << "no gap at " << z;
     }
   };
   Random random(5);
@@ -277,7 +273,7 @@ TEST(SphericalMotion, AKnownPileIsAtTheRightCellsFromAnyPoseAndTurns) {
     pile_in(there, from);
     covers(there, from, 0);
     there.turn(Angle::degrees(37));
-    covers(there, from, 37 * kDegree);
+    covers(there, from, 37 * kRadiansADegree);
     SphericalGrid moved;
     pile_in(moved, Vector3d::Zero());
     const Vector3d step = from / 40;
@@ -340,7 +336,6 @@ TEST(SphericalMotion, ClearWaterStaysClearWhereItWasSeenAndIsForgottenWithItsVie
 
 // ledger: S4-18 S4-30
 TEST(SphericalMotion, AllocatesNothingOnceItHasBeenSo) {
-  Random random(6);
   SphericalGrid grid(without_locks());
   const auto fill = [&] {
     for (int i = 0; i < 300; ++i) {

@@ -6,31 +6,28 @@
 #include <isobath/base/random.hpp>
 #include <isobath/perception/spherical_mapper.hpp>
 #include <numbers>
+#include <tests/support/directions.hpp>
 
 namespace isobath {
 namespace {
 
 using Eigen::Vector3d;
+using test::kRadiansADegree, test::towards;
 
-constexpr double kDegree = std::numbers::pi / 180, kPi = std::numbers::pi;
-
-Vector3d towards(double azimuth_deg, double elevation_deg) {
-  const double a = azimuth_deg * kDegree, e = elevation_deg * kDegree;
-  return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
-}
-SphericalLook look(const Vector3d& u, std::optional<double> range, double t = 0) {
+SphericalLook beam_look(const Vector3d& u, std::optional<double> range, double t = 0) {
   return {Vector3d::Zero(), u, Angle::degrees(2.5), range, 50, Time{} + seconds(t)};
 }
-double probability_at(const SphericalGrid& grid, const Vector3d& p) {
+double occupancy_at(const SphericalGrid& grid, const Vector3d& p) {
   return 1 / (1 + std::exp(-grid.log_odds(*grid.place_at(grid.to_table(p)))));
 }
 
 // ledger: S4-25
 TEST(ReadingGaussian, InThePlaneIntegratesToOneAndWrapsAngles) {
-  const ReadingGaussian reading{Vector3d::UnitX(), 20, 0.15, 2.5 * kDegree / 2.355};
+  const ReadingGaussian reading{Vector3d::UnitX(), 20, 0.15, 2.5 * kRadiansADegree / 2.355};
   double sum = 0;
   for (double r = 19; r < 21; r += 0.01) {
-    for (double a = -8; a < 8; a += 0.05) sum += reading.density_in_plane(r, Angle::degrees(a)) * 0.01 * 0.05 * kDegree;
+    for (double a = -8; a < 8; a += 0.05)
+      sum += reading.density_in_plane(r, Angle::degrees(a)) * 0.01 * 0.05 * kRadiansADegree;
   }
   EXPECT_NEAR(sum, 1, 1e-6);
   EXPECT_GT(reading.density_in_plane(20, {}), reading.density_in_plane(20.01, {}));
@@ -42,20 +39,21 @@ TEST(ReadingGaussian, InThePlaneIntegratesToOneAndWrapsAngles) {
 // ledger: S4-26 S4-E06
 TEST(ReadingGaussian, OnTheSphereIntegratesToOneAndIsRoundAt60Degrees) {
   for (const double width : {1.0, 2.0, 3.0}) {
-    const ReadingGaussian reading{Vector3d::UnitX(), 20, 0.15, width * kDegree};
+    const ReadingGaussian reading{Vector3d::UnitX(), 20, 0.15, width * kRadiansADegree};
     double radial = 0, angular = 0;
     for (double r = 19; r < 21; r += 0.001) radial += reading.density(r, 0) / reading.density(20, 0) * 0.001;
     for (double g = 0.005; g < 30; g += 0.01) {
-      angular += reading.density(20, g * kDegree) * 2 * kPi * std::sin(g * kDegree) * 0.01 * kDegree;
+      angular += reading.density(20, g * kRadiansADegree) * 2 * std::numbers::pi * std::sin(g * kRadiansADegree) *
+                 0.01 * kRadiansADegree;
     }
     EXPECT_NEAR(radial * angular, 1, 1e-3) << width;
   }
   const Vector3d axis = towards(40, 60);
-  const ReadingGaussian reading{axis, 20, 0.15, 1.06 * kDegree};
+  const ReadingGaussian reading{axis, 20, 0.15, 1.06 * kRadiansADegree};
   const Vector3d aside = axis.cross(Vector3d::UnitZ()).normalized();
   for (double turn = 0; turn < 360; turn += 30) {
-    const Vector3d way = Eigen::AngleAxisd(turn * kDegree, axis) * aside;
-    const Vector3d u = Eigen::AngleAxisd(1.5 * kDegree, way) * axis;
+    const Vector3d way = Eigen::AngleAxisd(turn * kRadiansADegree, axis) * aside;
+    const Vector3d u = Eigen::AngleAxisd(1.5 * kRadiansADegree, way) * axis;
     EXPECT_NEAR(reading.response(20 * u), std::exp(-0.5 * std::pow(1.5 / 1.06, 2)), 1e-9) << turn;
   }
 }
@@ -67,14 +65,14 @@ TEST(ReadingGaussian, TouchesCellsUpToItsFactorAndNoFurther) {
   const Vector3d axis = towards(31.25, 1.25);  // the middle of a bucket
   for (const double sigmas : {1.9, 2.1}) {
     // the side of the next bucket stands off by 1.25 degrees, the next layer's by so many deviations
-    const ReadingGaussian in_angle{axis, 2.025, 1e-3, 1.25 * kDegree / sigmas};
+    const ReadingGaussian in_angle{axis, 2.025, 1e-3, 1.25 * kRadiansADegree / sigmas};
     touched_cells(grid, in_angle, 2, 1000, touched);
     EXPECT_EQ(touched.size(), sigmas < 2 ? 9u : 1u) << sigmas;
-    const ReadingGaussian in_range{axis, 2.025, 0.075 / sigmas, 0.1 * kDegree};
+    const ReadingGaussian in_range{axis, 2.025, 0.075 / sigmas, 0.1 * kRadiansADegree};
     touched_cells(grid, in_range, 2, 1000, touched);
     EXPECT_EQ(touched.size(), sigmas < 2 ? 3u : 1u) << sigmas;
   }
-  const ReadingGaussian wide{axis, 20, 1, 5 * kDegree};
+  const ReadingGaussian wide{axis, 20, 1, 5 * kRadiansADegree};
   touched_cells(grid, wide, 2, 40, touched);
   EXPECT_EQ(touched.size(), 40u);
   double least = 1;
@@ -91,7 +89,7 @@ TEST(ReadingGaussian, MassesOfCellsAreWhatSamplingGivesThem) {
   Random random(3);
   for (const double elevation : {0.0, 33.0, -60.0, 84.0}) {
     const Vector3d axis = towards(77.7, elevation);
-    const ReadingGaussian reading{axis, 30, 0.3, 1.06 * kDegree};
+    const ReadingGaussian reading{axis, 30, 0.3, 1.06 * kRadiansADegree};
     std::vector<TouchedCell> touched;
     touched_cells(grid, reading, 5, 100'000, touched);
     std::map<SphericalPlace, int> drawn;
@@ -123,7 +121,7 @@ TEST(SphericalMapper, ByTheLargestResponseStatesNeverFallNorRiseByRepetition) {
   SphericalGrid grid(no_locks);
   SphericalMapper mapper(config, grid);
   const Vector3d u = towards(31.25, 1.25);
-  mapper.add(look(u, 10));
+  mapper.add(beam_look(u, 10));
   const auto states = [&] {
     std::vector<float> all;
     grid.cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
@@ -134,13 +132,13 @@ TEST(SphericalMapper, ByTheLargestResponseStatesNeverFallNorRiseByRepetition) {
   const auto before = states();
   const SphericalPlace place = *grid.place_at(10 * u);
   const double middle = grid.layers().middle(place.layer);
-  EXPECT_NEAR(probability_at(grid, 10 * u), std::exp(-0.5 * std::pow((middle - 10) / 0.15, 2)), 1e-4)
+  EXPECT_NEAR(occupancy_at(grid, 10 * u), std::exp(-0.5 * std::pow((middle - 10) / 0.15, 2)), 1e-4)
       << "at the cell's middle, relative to the peak";
-  mapper.add(look(u, 10));
+  mapper.add(beam_look(u, 10));
   EXPECT_EQ(states(), before);
-  mapper.add(look(u, 25));  // through it
-  mapper.add(look(u, std::nullopt));
-  EXPECT_GE(probability_at(grid, 10 * u), std::exp(-0.5 * std::pow((middle - 10) / 0.15, 2)) - 1e-4)
+  mapper.add(beam_look(u, 25));  // through it
+  mapper.add(beam_look(u, std::nullopt));
+  EXPECT_GE(occupancy_at(grid, 10 * u), std::exp(-0.5 * std::pow((middle - 10) / 0.15, 2)) - 1e-4)
       << "it can never clear a cell";
 }
 
@@ -149,22 +147,22 @@ TEST(SphericalMapper, ByLogOddsEchoesRaiseAndClearWaterLowers) {
   SphericalGrid grid;
   SphericalMapper mapper({}, grid);
   const Vector3d u = towards(31.25, 1.25);
-  mapper.add(look(u, 10));
-  const double once = probability_at(grid, 10 * u);
-  mapper.add(look(u, 10));
-  const double twice = probability_at(grid, 10 * u);
+  mapper.add(beam_look(u, 10));
+  const double once = occupancy_at(grid, 10 * u);
+  mapper.add(beam_look(u, 10));
+  const double twice = occupancy_at(grid, 10 * u);
   EXPECT_GT(once, 0.05);
   EXPECT_GT(twice, once);
   // Lambda = Lambda_0 + kappa m, twice; m by a plain integral of the cell
   const SphericalPlace place = *grid.place_at(10 * u);
   const auto phi = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
-  const double s = 2.5 * kDegree / 2.355, w = 1.25 * kDegree;
+  const double s = 2.5 * kRadiansADegree / 2.355, w = 1.25 * kRadiansADegree;
   const double mass =
       (phi((grid.layers().outer(place.layer) - 10) / 0.15) - phi((grid.layers().inner(place.layer) - 10) / 0.15)) *
       std::pow(phi(w / s) - phi(-w / s), 2);
   EXPECT_NEAR(twice, 1 - 0.99 * std::exp(2 * std::log(0.1) * mass), 2e-3);
-  for (int i = 0; i < 20; ++i) mapper.add(look(u, 25));
-  EXPECT_LT(probability_at(grid, 10 * u), 0.01);
+  for (int i = 0; i < 20; ++i) mapper.add(beam_look(u, 25));
+  EXPECT_LT(occupancy_at(grid, 10 * u), 0.01);
   EXPECT_TRUE(grid.was_clear(20 * u));
   EXPECT_FALSE(grid.was_clear(26 * u));
 }
@@ -181,8 +179,8 @@ TEST(SphericalMapper, SaysTheSameAtAnyResolution) {
     grid_config.prior = 1e-6;
     SphericalGrid grid(grid_config);
     SphericalMapper mapper(config, grid);
-    for (int i = 0; i < 3; ++i) mapper.add(look(towards(33, 2), 18 + 0.1 * i));
-    mapper.add(look(towards(33, 2), 30));  // past it: mostly a pass
+    for (int i = 0; i < 3; ++i) mapper.add(beam_look(towards(33, 2), 18 + 0.1 * i));
+    mapper.add(beam_look(towards(33, 2), 30));  // past it: mostly a pass
     double number = 0;
     grid.cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
       for (const SphericalCell& cell : beam) {
@@ -284,7 +282,7 @@ TEST(SphericalMapper, AScanStoresNoMoreThanItsMasks) {
   SphericalMapper mapper(config, grid);
   const std::size_t empty = grid.bytes();
   EXPECT_LT(empty, 10'000u) << "nothing is stored before there is something";
-  for (int i = 0; i < 144; ++i) mapper.add(look(towards(2.5 * i + 1.25, 1.25), 20 + 5 * std::sin(0.3 * i)));
+  for (int i = 0; i < 144; ++i) mapper.add(beam_look(towards(2.5 * i + 1.25, 1.25), 20 + 5 * std::sin(0.3 * i)));
   EXPECT_LE(grid.cells().size(), 144u * 27u);
   EXPECT_GT(grid.cells().size(), 144u);
   EXPECT_LT(static_cast<double>(grid.cells().bytes()), 200.0 * static_cast<double>(grid.cells().size()) + 2e5);

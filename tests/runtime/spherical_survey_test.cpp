@@ -12,11 +12,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-Scene room() { return load_scene((test::source_folder() / "scenarios/polygon_room.toml").string()); }
+Scene polygon_room() { return load_scene((test::source_folder() / "scenarios/polygon_room.toml").string()); }
 
 // ledger: S4-D01 S4-D02 S4-01 S4-35
 TEST(SphericalSurvey, KnowsTheRoomAtPositionTenAsItWasSeenOnTheWay) {
-  const Scene scene = room();
+  const Scene scene = polygon_room();
   const SphericalSurvey survey = run_spherical_survey(scene, survey_config(scene));
   EXPECT_EQ(survey.path.scans.size(), 10u);
   EXPECT_EQ(survey.beams, 1440u);
@@ -48,7 +48,7 @@ TEST(SphericalSurvey, KnowsTheRoomAtPositionTenAsItWasSeenOnTheWay) {
 
 // ledger: S4-D01 S4-E04 S4-E08
 TEST(SphericalSurvey, RunsByThePapersRuleForComparison) {
-  const Scene scene = room();
+  const Scene scene = polygon_room();
   SphericalSurveyConfig config = survey_config(scene);
   const SphericalSurvey by_log_odds = run_spherical_survey(scene, config);
   config.mapper.rule = SphericalMapperConfig::Rule::kMaximumResponse;
@@ -68,7 +68,7 @@ TEST(SphericalSurvey, RunsByThePapersRuleForComparison) {
 
 // ledger: S4-36
 TEST(SphericalSurvey, RunsWithTheListedSonars) {
-  const Scene scene = room();
+  const Scene scene = polygon_room();
   for (const char* name : {"em_1000_shallow", "wesmar_ss150", "simulated_2_5"}) {
     const SonarResolution sonar = listed_resolution(name);
     SphericalSurveyConfig config = survey_config(scene);
@@ -127,12 +127,12 @@ TEST(SphericalPages, DrawDarkerWhatIsLikelierWithCornersAndTwelveLines) {
   }
 }
 
-/// Pixels of a PNG, as ARGB.
-struct Pixels {
+/// PngPixels of a PNG, as ARGB.
+struct PngPixels {
   int width = 0, height = 0;
   std::vector<std::uint32_t> argb;
 };
-Pixels pixels_of(const std::string& png) {
+PngPixels pixels_of(const std::string& png) {
   struct Rest {
     const std::string* bytes;
     std::size_t at = 0;
@@ -145,7 +145,7 @@ Pixels pixels_of(const std::string& png) {
         return CAIRO_STATUS_SUCCESS;
       },
       &rest);
-  Pixels made{cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface), {}};
+  PngPixels made{cairo_image_surface_get_width(surface), cairo_image_surface_get_height(surface), {}};
   const unsigned char* data = cairo_image_surface_get_data(surface);
   for (int y = 0; y < made.height; ++y) {
     const auto* row = reinterpret_cast<const std::uint32_t*>(data + y * cairo_image_surface_get_stride(surface));
@@ -154,7 +154,7 @@ Pixels pixels_of(const std::string& png) {
   cairo_surface_destroy(surface);
   return made;
 }
-int dark(const Pixels& p) {
+int dark_pixels(const PngPixels& p) {
   return static_cast<int>(std::count_if(p.argb.begin(), p.argb.end(), [](std::uint32_t c) {
     return (c & 0xff) < 0x30 && (c >> 8 & 0xff) < 0x30 && (c >> 16 & 0xff) < 0x30;
   }));
@@ -162,24 +162,23 @@ int dark(const Pixels& p) {
 
 // ledger: S4-37 S4-D01
 TEST(SphericalPages, AreThreePicturesTheSameForTheSameSurvey) {
-  const Scene scene = room();
+  const Scene scene = polygon_room();
   const SphericalSurvey survey = run_spherical_survey(scene, survey_config(scene));
   const SphericalSurvey again = run_spherical_survey(scene, survey_config(scene));
-  EXPECT_EQ(spherical_plan_picture(scene, survey), spherical_plan_picture(scene, again));
-  EXPECT_EQ(spherical_above_picture(scene, survey), spherical_above_picture(scene, again));
-  EXPECT_EQ(spherical_solid_picture(survey), spherical_solid_picture(again));
-  const Pixels plan = pixels_of(spherical_plan_picture(scene, survey));
-  const Pixels above = pixels_of(spherical_above_picture(scene, survey));
+  const std::string solid = spherical_solid_picture(survey);
+  EXPECT_EQ(solid, spherical_solid_picture(again));
+  const PngPixels plan = pixels_of(spherical_plan_picture(scene, survey));
+  const PngPixels above = pixels_of(spherical_above_picture(scene, survey));
   EXPECT_GT(plan.width, 700);
   EXPECT_GT(above.width, 700);
-  EXPECT_GT(dark(above), 20'000) << "walls of cells, not lines";
-  EXPECT_LT(dark(plan), 15'000);
+  EXPECT_GT(dark_pixels(above), 20'000) << "walls of cells, not lines";
+  EXPECT_LT(dark_pixels(plan), 15'000);
   SphericalCamera other;
   other.looking = Angle::degrees(200);
-  EXPECT_NE(spherical_solid_picture(survey), spherical_solid_picture(survey, other));
+  EXPECT_NE(solid, spherical_solid_picture(survey, other));
   SphericalCamera near;
   near.zoom = 0.5;
-  EXPECT_LT(dark(pixels_of(spherical_solid_picture(survey, near))), dark(pixels_of(spherical_solid_picture(survey))));
+  EXPECT_LT(dark_pixels(pixels_of(spherical_solid_picture(survey, near))), dark_pixels(pixels_of(solid)));
 }
 
 // ledger: S4-D01

@@ -13,14 +13,15 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kDegree = std::numbers::pi / 180;
-
-Vector2d along(double degrees) { return {std::cos(degrees * kDegree), std::sin(degrees * kDegree)}; }
-double range_of(const PlaneSection& section, const Vector2d& p, double degrees) {
-  const auto hit = section.cast(p, along(degrees));
+Vector2d bearing_vector(double degrees) {
+  const Angle a = Angle::degrees(degrees);
+  return {cos(a), sin(a)};
+}
+double section_range(const PlaneSection& section, const Vector2d& p, double degrees) {
+  const auto hit = section.cast(p, bearing_vector(degrees));
   return hit ? hit->range : -1;
 }
-PlaneSection square() {
+PlaneSection square_section() {
   PlaneSection section;
   section.add(SectionLine{{-5, -5}, {5, -5}, 0});
   section.add(SectionLine{{5, -5}, {5, 5}, 1});
@@ -28,14 +29,14 @@ PlaneSection square() {
   section.add(SectionLine{{-5, 5}, {-5, -5}, 3});
   return section;
 }
-Scene room() { return load_scene((test::source_folder() / "scenarios/polygon_room.toml").string()); }
+Scene polygon_room() { return load_scene((test::source_folder() / "scenarios/polygon_room.toml").string()); }
 
 // ledger: S4-31
 TEST(PlaneSection, MeetsASquareACircleAndTheirEndsWhereTheClosedFormsSay) {
-  const PlaneSection box = square();
+  const PlaneSection box = square_section();
   const Vector2d p(1, 2);
   for (double a = 0.5; a < 360; a += 1) {
-    const Vector2d u = along(a);
+    const Vector2d u = bearing_vector(a);
     const double to_x = ((u.x() > 0 ? 5 : -5) - p.x()) / u.x(), to_y = ((u.y() > 0 ? 5 : -5) - p.y()) / u.y();
     const auto hit = box.cast(p, u);
     ASSERT_TRUE(hit);
@@ -46,17 +47,17 @@ TEST(PlaneSection, MeetsASquareACircleAndTheirEndsWhereTheClosedFormsSay) {
   }
   PlaneSection circle;
   circle.add(SectionArc{{0, 0}, 4, Angle::degrees(0), Angle::degrees(360)});
-  EXPECT_NEAR(range_of(circle, {-10, 0}, 0), 6, 1e-12) << "from outside";
-  EXPECT_NEAR(range_of(circle, {1, 0}, 0), 3, 1e-12) << "from inside";
-  EXPECT_NEAR(range_of(circle, {-10, 4 - 1e-9}, 0), 10, 1e-3) << "tangent";
-  EXPECT_EQ(range_of(circle, {-10, 4 + 1e-9}, 0), -1);
+  EXPECT_NEAR(section_range(circle, {-10, 0}, 0), 6, 1e-12) << "from outside";
+  EXPECT_NEAR(section_range(circle, {1, 0}, 0), 3, 1e-12) << "from inside";
+  EXPECT_NEAR(section_range(circle, {-10, 4 - 1e-9}, 0), 10, 1e-3) << "tangent";
+  EXPECT_EQ(section_range(circle, {-10, 4 + 1e-9}, 0), -1);
   EXPECT_NEAR(circle.cast({-10, 2}, {1, 0})->incidence.degrees(), 30, 1e-9);
   PlaneSection line;
   line.add(SectionLine{{10, -2}, {10, 3}});
-  EXPECT_GT(range_of(line, {0, 3 - 1e-9}, 0), 0) << "its end";
-  EXPECT_EQ(range_of(line, {0, 3 + 1e-9}, 0), -1);
-  EXPECT_EQ(range_of(line, {20, 0}, 0), -1) << "behind";
-  EXPECT_EQ(range_of(line, {10, -10}, 90), -1) << "edge on";
+  EXPECT_GT(section_range(line, {0, 3 - 1e-9}, 0), 0) << "its end";
+  EXPECT_EQ(section_range(line, {0, 3 + 1e-9}, 0), -1);
+  EXPECT_EQ(section_range(line, {20, 0}, 0), -1) << "behind";
+  EXPECT_EQ(section_range(line, {10, -10}, 90), -1) << "edge on";
 }
 
 // ledger: S4-31
@@ -65,8 +66,8 @@ TEST(PlaneSection, MeetsAnArcWithinItsAnglesFromBothSides) {
   section.add(SectionArc{{0, 0}, 5, Angle::degrees(-30), Angle::degrees(60)});
   for (const double a : {-40.0, -30.01, -29.99, 0.0, 29.99, 30.01, 90.0, 180.0}) {
     const bool on = std::abs(a) < 30;
-    EXPECT_NEAR(range_of(section, {0, 0}, a), on ? 5 : -1, 1e-12) << "hollow " << a;
-    EXPECT_NEAR(range_of(section, 12 * along(a), a + 180),
+    EXPECT_NEAR(section_range(section, {0, 0}, a), on ? 5 : -1, 1e-12) << "hollow " << a;
+    EXPECT_NEAR(section_range(section, 12 * bearing_vector(a), a + 180),
                 on                  ? 7
                 : std::abs(a) > 150 ? 17
                                     : -1,
@@ -86,7 +87,7 @@ TEST(PlaneSection, OfASceneIsWhatItsWorldIsAtThatDepth) {
     const PlaneSection section(scene, depth);
     int met = 0;
     for (double a = 0.3; a < 360; a += 0.7) {
-      const Vector2d u = along(a), p(3, -2);
+      const Vector2d u = bearing_vector(a), p(3, -2);
       const auto hit = section.cast(p, u);
       const auto truth = world.cast({p.x(), p.y(), depth}, {u.x(), u.y(), 0}, 1000);
       if (!hit || !truth || hit->incidence.degrees() > 80) continue;
@@ -155,7 +156,7 @@ TEST(SectionSonar, ErrsAsItsDeviationsSay) {
 
 // ledger: S4-35
 TEST(ScanPath, RunsAlongTheWayPointsInANoisySineOfDepth) {
-  Scene scene = room();
+  Scene scene = polygon_room();
   Random random(4);
   const ScanPath made = scan_path(scene, 10, random);
   ASSERT_EQ(made.scans.size(), 10u);
