@@ -25,6 +25,7 @@ Action add_crosscheck(CLI::App& program);
 Action add_path(CLI::App& program);
 Action add_eval(CLI::App& program);
 Action add_helix(CLI::App& program);
+Action add_sphere(CLI::App& program);
 
 Action add_config(CLI::App& program);
 

@@ -13,6 +13,7 @@ namespace {
 
 // Of a sounding, which the sonar itself has picked as the strongest echo of a narrow beam: with even a scarce prior
 // (0.05) two agree on an occupied voxel. Chosen, not measured.
+constexpr const char* kSoundings = "soundings";  ///< layer of points with a height of their own
 constexpr double kSoundingHit = 2.5, kSoundingMiss = -0.5;
 
 }  // namespace
@@ -103,7 +104,7 @@ void VoxelModel::take(const Swath& swath, const Pose& X_WB) {
   if (farthest == 0) return;
   if (!map_) begin(farthest);
   map_->advance();
-  VoxelBlocks& layer = map_->layer("soundings");
+  VoxelBlocks& layer = map_->layer(kSoundings);
   const double edge = map_->voxel_m();
   const LogOdds16 hit = to_evidence(kSoundingHit), miss = to_evidence(kSoundingMiss);
   VoxelBlocks met;  // by this swath: negative where rays pass, positive where one ends
@@ -149,7 +150,7 @@ VoxelOutcome VoxelModel::outcome() const {
   outcome.voxel_m = map_->voxel_m();
   outcome.megabytes = map_->bytes() / 1'000'000;
   for (const auto& s : sonars_) outcome.layers.push_back({s->name, s->pings});
-  if (shots_ > 0) outcome.layers.push_back({"soundings", shots_});
+  if (shots_ > 0) outcome.layers.push_back({kSoundings, shots_});
   outcome.blocks = map_->changed_after(0).size();
   if (map_->spills()) outcome.spilled = map_->spilled();
   for_each_seen(*map_, [&](const VoxelIndex& v) {
@@ -166,6 +167,7 @@ std::shared_ptr<const SpaceGrid> VoxelModel::space_around(const ScanResult& scan
   for (const auto& s : sonars_) {
     if (!s->flat) heights.push_back(s->name);
   }
+  if (shots_ > 0) heights.push_back(kSoundings);
   const Eigen::Vector3d& centre = scan.detection.X_WB.translation;
   if (heights.empty() || !scan.posed || centre.cwiseAbs().maxCoeff() + reach_m > map_->reach_m()) return nullptr;
   return std::make_shared<const SpaceGrid>(*map_, heights, centre, reach_m);

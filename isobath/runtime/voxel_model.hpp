@@ -61,8 +61,8 @@ class VoxelModel {
   /// Null before the first ping.
   [[nodiscard]] const VoxelMap* map() const { return map_.get(); }
   [[nodiscard]] VoxelOutcome outcome() const;
-  /// What is known within a reach of the vehicle at the end of a sweep, for planning; null where no fan stands upright,
-  /// since then nothing tells height, and without navigation.
+  /// What is known within a reach of the vehicle at the end of a sweep, for planning; null where no fan stands upright
+  /// and no soundings come, since then nothing tells height, and without navigation.
   [[nodiscard]] std::shared_ptr<const SpaceGrid> space_around(const ScanResult& scan, double reach_m) const;
 
  private:

@@ -1,0 +1,92 @@
+#include <filesystem>
+#include <fmt/format.h>
+#include <isobath/app/commands.hpp>
+#include <isobath/app/json_output.hpp>
+#include <isobath/runtime/html_report.hpp>
+#include <isobath/runtime/scenario.hpp>
+#include <isobath/runtime/spherical_pages.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace isobath::app {
+namespace {
+
+struct Options {
+  std::filesystem::path scene, out = "sphere";
+  int scans = 10, seed = -1;
+  double range_m = 0;
+  std::string rule = "log_odds";
+  double looking_deg = 20, down_deg = 35, zoom = 1;
+  bool json = false;
+};
+
+int act(const Options& options) {
+  const Scene scene = open_scene(options.scene);
+  SphericalSurveyConfig config = survey_config(scene);
+  config.scans = options.scans;
+  config.seed = options.seed;
+  if (options.range_m > 0) config.sonar.range_m = options.range_m;
+  if (options.rule == "maximum_response") config.mapper.rule = SphericalMapperConfig::Rule::kMaximumResponse;
+  const SphericalSurvey survey = run_spherical_survey(scene, config);
+  std::filesystem::create_directories(options.out);
+  const SphericalCamera camera{Angle::degrees(options.looking_deg), Angle::degrees(options.down_deg), options.zoom};
+  write_file(options.out / "plan.png", spherical_plan_picture(scene, survey));
+  write_file(options.out / "above.png", spherical_above_picture(scene, survey));
+  write_file(options.out / "solid.png", spherical_solid_picture(survey, camera));
+  const std::size_t cells = survey.grid->cells().size(), bytes = survey.grid->cells().bytes();
+  const int layers = survey.grid->layers().count(), directions = survey.grid->buckets().count();
+  if (options.json) {
+    print_json({{"scene", scene.about.title},
+                {"scans", survey.path.scans.size()},
+                {"beams", survey.beams},
+                {"echoes", survey.echoes},
+                {"dropped_echoes", survey.dropped_echoes},
+                {"cells", cells},
+                {"occupied", survey.occupied},
+                {"directions", directions},
+                {"layers", layers},
+                {"bytes", bytes},
+                {"median_error_m", survey.median_error_m},
+                {"worst_error_m", survey.worst_error_m}});
+    return kSuccess;
+  }
+  fmt::print("{}: {} scans, {} beams, {} echoes, of which {} left the range\n", scene.about.title,
+             survey.path.scans.size(), survey.beams, survey.echoes, survey.dropped_echoes);
+  fmt::print("{} cells of {} directions x {} layers, {} occupied, {:.2f} MB\n", cells, directions, layers,
+             survey.occupied, static_cast<double>(bytes) / 1e6);
+  fmt::print("occupied cells that echoed are {:.2f} m from a true wall (median), {:.2f} m at most\n",
+             survey.median_error_m, survey.worst_error_m);
+  fmt::print("written to {}: plan.png, above.png, solid.png\n", options.out.string());
+  return kSuccess;
+}
+
+}  // namespace
+
+Action add_sphere(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand(
+      "sphere", "A room of lines and arcs, scanned along a path, in the vehicle's spherical grid: three pictures");
+  command->add_option("SCENARIO", options->scene, "Scene (.toml) with prisms: scenarios/polygon_room.toml")->required();
+  command->add_option("--out", options->out, "Folder of the pictures")->capture_default_str();
+  command->add_option("--scans", options->scans, "Places along the path")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--range", options->range_m, "How far the sonar hears, m; default: the scene's")
+      ->check(CLI::Range(1.0, 2000.0));
+  command->add_option("--rule", options->rule, "log_odds, or maximum_response: the paper's")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"log_odds", "maximum_response"}));
+  command->add_option("--seed", options->seed, "Seed of every random number; default: the scene's")
+      ->check(CLI::Range(0, 2147483647));
+  command->add_option("--looking", options->looking_deg, "Bearing that solid.png looks along, degrees")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 360.0));
+  command->add_option("--down", options->down_deg, "How steeply it looks down, degrees")
+      ->capture_default_str()
+      ->check(CLI::Range(-90.0, 90.0));
+  command->add_option("--zoom", options->zoom, "Of solid.png")->capture_default_str()->check(CLI::Range(0.1, 100.0));
+  command->add_flag("--json", options->json, "One JSON object on standard output");
+  return [options] { return act(*options); };
+}
+
+}  // namespace isobath::app

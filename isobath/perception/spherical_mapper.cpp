@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/base/error.hpp>
+#include <isobath/perception/spherical_mapper.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kWidthOverSigma = 2.355;  // half-power width of a normal, 2 sqrt(2 ln 2)
+
+double number_from_log_odds(double l) { return l > 30 ? l : std::log1p(std::exp(l)); }
+double log_odds_from_number(double n) { return n > 30 ? n : std::log(std::expm1(n)); }
+
+}  // namespace
+
+std::vector<Field> fields(SphericalMapperConfig& c) {
+  using C = SphericalMapperConfig;
+  return {
+      Field::choice("rule", &c.rule, {{"log_odds", C::Rule::kLogOdds}, {"maximum_response", C::Rule::kMaximumResponse}},
+                    "How a reading changes cells; maximum_response is the paper's, which clears nothing."),
+      Field::choice("axes", &c.axes, {{"north_up", C::Axes::kNorthUp}, {"course_up", C::Axes::kCourseUp}},
+                    "Whether the grid's y axis points to the north or along the course."),
+      Field::real("sigma_m", &c.sigma_m, {0.001, 10}, "m", "Standard deviation of a range, at least."),
+      Field::real("sigma_share", &c.sigma_share, {0, 0.2}, "1", "Standard deviation of a range, as a share of it."),
+      Field::real("mask", &c.mask, {0.1, 5}, "1", "Standard deviations about an echo in which cells are changed."),
+      Field::integer("most_cells", &c.most_cells, {1, 10000}, "cells", "Of one echo."),
+      Field::real("hit", &c.hit, {0.01, 0.999}, "1", "Probability that an echo comes from something that stays."),
+      Field::real("pass", &c.pass, {0, 0.999}, "1", "Probability that what fills a beam would have echoed."),
+      Field::real("tau_s", &c.tau_s, {0, 1e7}, "s", "Time in which what is known fades to 1/e; 0: never."),
+  };
+}
+
+SphericalMapper::SphericalMapper(const SphericalMapperConfig& config, SphericalGrid& grid)
+    : config_(config), grid_(grid), kappa_(-std::log1p(-config.hit)) {}
+
+Vector3d SphericalMapper::to_grid(const Vector3d& v_W) const {
+  const Vector3d v = grid_axes_from_world(v_W);
+  const double c = cos(grid_.turned()), s = sin(grid_.turned());
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()};
+}
+
+void SphericalMapper::move_to(const Pose& X_WB, Time time) {
+  if (!X_WB_) {
+    faded_ = time;
+  } else {
+    grid_.translate(to_grid(X_WB.translation - X_WB_->translation));
+  }
+  X_WB_ = X_WB;
+  if (config_.axes == SphericalMapperConfig::Axes::kCourseUp) {
+    grid_.turn((X_WB.rotation.heading() - grid_.turned()).wrapped());
+  }
+  // Often enough for no state to be a hundredth late, and not at every beam.
+  const Duration tau = seconds(config_.tau_s);
+  if (config_.tau_s > 0 && time - faded_ >= tau / 100) {
+    grid_.decay(time - faded_, tau, time);
+    faded_ = time;
+  }
+}
+
+void SphericalMapper::take(const RangeReading& reading, const Pose& X_WB) {
+  move_to(X_WB, reading.time);
+  look_from(X_WB * reading.X_BS, Vector3d::UnitX(), reading.width, reading.range_m, reading.max_range_m, reading.time);
+}
+
+void SphericalMapper::take(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB) {
+  move_to(X_WB, ping.time);
+  const Pose X_WS = X_WB * ping.X_BS;
+  for (int beam = 0; beam < decisions.beams(); ++beam) {
+    std::optional<double> range;
+    for (int bin = 0; bin < decisions.bins() && !range; ++bin) {
+      if (decisions.hit(beam, bin) && decisions.tells(beam, bin)) range = ping.window.centre(bin);
+    }
+    const Angle a = ping.fan->azimuth[static_cast<std::size_t>(beam)];
+    look_from(X_WS, {cos(a), sin(a), 0}, ping.fan->width[static_cast<std::size_t>(beam)], range, ping.window.end_m(),
+              ping.time);
+  }
+}
+
+void SphericalMapper::look_from(const Pose& X_WS, const Vector3d& u_S, Angle width, std::optional<double> range_m,
+                                double max_range_m, Time time) {
+  add({to_grid(X_WS.translation - X_WB_->translation), to_grid(X_WS.rotation * u_S), width, range_m, max_range_m,
+       time});
+}
+
+void SphericalMapper::add(const SphericalLook& look) {
+  const double reach = std::min(look.range_m.value_or(look.max_range_m), grid_.config().range_m);
+  const Vector3d end_T = grid_.to_table(look.from + reach * look.axis);
+  const double range = end_T.norm();
+  if (!(range > 0)) return;
+  const double sigma = std::max(config_.sigma_m, config_.sigma_share * reach);
+  const ReadingGaussian reading{end_T / range, range, sigma, look.width.radians() / kWidthOverSigma};
+  const double until = look.range_m ? std::max(0.0, reach - config_.mask * sigma) : reach;
+  if (config_.rule == SphericalMapperConfig::Rule::kLogOdds) {
+    pass(reading, look.range_m ? std::max(0.0, range - config_.mask * sigma) : range);
+  }
+  grid_.add_clear(look.from, look.axis, look.width / 2, until, look.time);
+  if (!look.range_m || *look.range_m > grid_.config().range_m) return;
+  hit(reading);
+  grid_.add_echo(look.from + *look.range_m * look.axis, sigma, look.time);
+}
+
+void SphericalMapper::hit(const ReadingGaussian& reading) {
+  touched_cells(grid_, reading, config_.mask, config_.most_cells, touched_);
+  for (const TouchedCell& cell : touched_) {
+    const double l = grid_.log_odds(cell.place);
+    if (config_.rule == SphericalMapperConfig::Rule::kMaximumResponse) {
+      const double share = std::min(cell.response, 1 - 1e-12);
+      grid_.set_log_odds(cell.place, std::max(l, std::log(share / (1 - share))));
+    } else {
+      grid_.set_log_odds(cell.place, log_odds_from_number(number_from_log_odds(l) + kappa_ * cell.mass));
+    }
+  }
+}
+
+void SphericalMapper::pass(const ReadingGaussian& reading, double until_m) {
+  touched_directions(grid_, reading, config_.mask, directions_);
+  const SphericalLayers& layers = grid_.layers();
+  for (const TouchedDirection& d : directions_) {
+    for (const SphericalCell& cell : grid_.cells().beam(d.direction)) {
+      if (layers.outer(cell.layer) > until_m) break;
+      const double l = static_cast<double>(cell.log_odds);
+      const double left = number_from_log_odds(l) * (1 - config_.pass * d.share);
+      grid_.set_log_odds({d.direction, cell.layer}, log_odds_from_number(left));
+    }
+  }
+}
+
+SonarResolution listed_resolution(const std::string& name) {
+  if (name == "em_1000_shallow") return {name, 200, 0.15, Angle::degrees(2.5), Angle::degrees(2.5), 60};
+  if (name == "wesmar_ss150") return {name, 100, 0.5, Angle::degrees(6.5), Angle::degrees(6.5), 1};
+  if (name == "simulated_2_5") return {name, 50, 0.15, Angle::degrees(2.5), Angle::degrees(2.5), 144};
+  throw Error("no sonar \"" + name + "\" is listed", {}, "em_1000_shallow, wesmar_ss150 or simulated_2_5");
+}
+
+SphericalGridConfig grid_for(const SonarResolution& sonar) {
+  SphericalGridConfig config;
+  config.range_m = sonar.range_m;
+  config.finest_m = sonar.resolution_m;
+  config.bucket = Angle::degrees(180 / std::ceil(180 / sonar.beam_spacing.degrees() - 1e-9));
+  return config;
+}
+
+std::string coarser_than_sonar(const SphericalGridConfig& grid, const SonarResolution& sonar) {
+  if (grid.finest_m > sonar.resolution_m * 1.001) {
+    return fmt::format("layers of {:g} m are thicker than what the sonar resolves, {:g} m", grid.finest_m,
+                       sonar.resolution_m);
+  }
+  if (grid.bucket.degrees() > sonar.beam_spacing.degrees() * 1.001) {
+    return fmt::format("directions of {:g} degrees are wider than the sonar's beams are apart, {:g} degrees",
+                       grid.bucket.degrees(), sonar.beam_spacing.degrees());
+  }
+  return {};
+}
+
+}  // namespace isobath

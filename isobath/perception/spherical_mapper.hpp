@@ -1,0 +1,101 @@
+// SphericalMapper: range readings into a spherical grid (Auran, Silven 1995, 4.1, 5; ledger S4-01, S4-05, S4-19, S4-20,
+// S4-27, S4-28, S4-30, S4-50, S4-E04, S4-E08).
+//
+// An echo counts in the cell that holds it, and changes the state of the cells about it (ReadingGaussian). Two rules:
+//   maximum_response  the paper's: state = max(state, density at the cell's middle over its peak). Repeating an echo
+//                     changes nothing, and nothing is ever cleared.
+//   log_odds          Lambda = -ln(1 - P), the number of things to be expected in a cell, is proportional to volume.
+//                     A reading adds kappa x its mass in the cell, kappa = -ln(1 - hit): cells that are merged have the
+//                     state that a coarser grid would have. Cells before the echo keep Lambda (1 - pass x share) of it,
+//                     share the beam's power there. All fades to the prior with `tau_s`.
+// How far the water was heard to be clear is told to the grid, too.
+//
+// Frames: readings come with X_WB; the grid stands at the origin of B, its axes level: x' east, y' north (north_up), or
+// x' starboard, y' ahead (course_up). Lever arms of the sonar move the echo, and the Gaussian is about the line from
+// the grid's origin: exact where the arm is short against the range. Steps after warm-up allocate nothing. One thread.
+#pragma once
+
+#include <isobath/map/spherical_grid.hpp>
+#include <isobath/perception/reading_gaussian.hpp>
+#include <isobath/sonar/echo_decisions.hpp>
+#include <isobath/sonar/ping.hpp>
+#include <isobath/sonar/range_reading.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+struct SphericalMapperConfig {
+  enum class Rule : std::uint8_t { kLogOdds, kMaximumResponse } rule = Rule::kLogOdds;
+  enum class Axes : std::uint8_t { kNorthUp, kCourseUp } axes = Axes::kNorthUp;
+  double sigma_m = 0.15;
+  double sigma_share = 0.003;
+  double mask = 2;      ///< standard deviations
+  int most_cells = 75;  ///< of one echo
+  double hit = 0.9;
+  double pass = 0.5;
+  double tau_s = 600;  ///< 0: nothing fades
+};
+std::vector<Field> fields(SphericalMapperConfig& config);
+
+/// One beam, in the axes G of the grid.
+struct SphericalLook {
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitY();
+  Angle width;                    ///< full, half power
+  std::optional<double> range_m;  ///< empty: no echo
+  double max_range_m = 0;
+  Time time{};
+};
+
+class SphericalMapper {
+ public:
+  /// `grid` must outlive it.
+  SphericalMapper(const SphericalMapperConfig& config, SphericalGrid& grid);
+
+  /// Moves the grid to where the vehicle is, turns it (course_up), lets it fade.
+  void move_to(const Pose& X_WB, Time time);
+  void begin_scan() { grid_.begin_scan(); }
+  void take(const RangeReading& reading, const Pose& X_WB);
+  /// The nearest echo of each beam that the decisions hold; a beam of a fan is taken for a cone of its width.
+  void take(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
+  void add(const SphericalLook& look);
+
+  /// From W, relative to the vehicle, to the axes of the grid as it is turned.
+  [[nodiscard]] Eigen::Vector3d to_grid(const Eigen::Vector3d& v_W) const;
+  [[nodiscard]] const SphericalGrid& grid() const { return grid_; }
+
+ private:
+  void hit(const ReadingGaussian& reading);
+  void pass(const ReadingGaussian& reading, double until_m);
+  void look_from(const Pose& X_WS, const Eigen::Vector3d& u_S, Angle width, std::optional<double> range_m,
+                 double max_range_m, Time time);
+
+  SphericalMapperConfig config_;
+  SphericalGrid& grid_;
+  double kappa_;
+  std::optional<Pose> X_WB_;
+  Time faded_{};
+  std::vector<TouchedCell> touched_;
+  std::vector<TouchedDirection> directions_;
+};
+
+/// What a sonar can tell apart, as its data sheet says it.
+struct SonarResolution {
+  std::string name;
+  double range_m = 50;
+  double resolution_m = 0.15;
+  Angle beam_width = Angle::degrees(2.5), beam_spacing = Angle::degrees(2.5);
+  int beams = 144;
+};
+/// em_1000_shallow (60 beams 2.5 degrees apart: 150 degrees, S4-E01), wesmar_ss150, simulated_2_5. Throws Error for
+/// others (S4-36).
+SonarResolution listed_resolution(const std::string& name);
+/// A grid whose cells are as fine as the sonar: the finest layer its resolution, the buckets the beams' spacing, in a
+/// whole share of half a turn (S4-05).
+SphericalGridConfig grid_for(const SonarResolution& sonar);
+/// What of the sonar's detail is lost in a coarser grid; empty where nothing is.
+std::string coarser_than_sonar(const SphericalGridConfig& grid, const SonarResolution& sonar);
+
+}  // namespace isobath

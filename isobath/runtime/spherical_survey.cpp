@@ -1,0 +1,103 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/base/error.hpp>
+#include <isobath/runtime/spherical_survey.hpp>
+#include <limits>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+void judge_survey(const Scene& scene, const Vector3d& at, SphericalSurvey& survey) {
+  std::vector<double> errors;
+  survey.grid->cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
+    for (const SphericalCell& cell : beam) {
+      if (static_cast<double>(cell.log_odds) < survey.grid->occupied_log_odds()) continue;
+      ++survey.occupied;
+      if (cell.echoes == 0) continue;
+      const Vector3d p = at + world_from_grid_axes(survey.grid->point_of(cell));
+      errors.push_back(distance_to(PlaneSection(scene, p.z()), p.head<2>()));
+    }
+  });
+  if (errors.empty()) return;
+  std::sort(errors.begin(), errors.end());
+  survey.median_error_m = errors[errors.size() / 2];
+  survey.worst_error_m = errors.back();
+}
+
+}  // namespace
+
+double distance_to(const PlaneSection& section, const Vector2d& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const SectionLine& line : section.lines()) {
+    const Vector2d along = line.b - line.a;
+    const double share = std::clamp((p - line.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    least = std::min(least, (line.a + share * along - p).norm());
+  }
+  for (const SectionArc& arc : section.arcs()) {
+    const Vector2d m = p - arc.centre;
+    const double at = std::atan2(m.y(), m.x()) - arc.first.radians(), turn = 2 * std::numbers::pi;
+    if (at - turn * std::floor(at / turn) <= arc.sweep.radians()) {
+      least = std::min(least, std::abs(m.norm() - arc.radius));
+      continue;
+    }
+    for (const double end : {arc.first.radians(), (arc.first + arc.sweep).radians()}) {
+      least = std::min(least, (m - arc.radius * Vector2d(std::cos(end), std::sin(end))).norm());
+    }
+  }
+  return least;
+}
+
+SphericalSurveyConfig survey_config(const Scene& scene) {
+  SphericalSurveyConfig config;
+  if (scene.sonars.empty()) return config;
+  const SonarConfig& sonar = scene.sonars.front();
+  config.sonar.range_m = sonar.range_m;
+  config.sonar.beam_width = sonar.width;
+  config.sonar.beams = static_cast<int>(std::lround(2 * std::numbers::pi / sonar.width.radians()));
+  config.sonar.sigma = sonar.width / 2.355;
+  config.grid.bucket = grid_for({sonar.name, sonar.range_m, config.grid.finest_m, sonar.width, sonar.width, 1}).bucket;
+  config.grid.range_m = 1.5 * sonar.range_m;  // what was seen earlier from farther on
+  return config;
+}
+
+SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyConfig& config) {
+  Random random(static_cast<std::uint64_t>(config.seed >= 0 ? config.seed : scene.about.seed));
+  Random path_random = random.fork();
+  SphericalSurvey survey;
+  survey.path = scan_path(scene, config.scans, path_random);
+  survey.grid = std::make_unique<SphericalGrid>(config.grid);
+  SphericalGrid& grid = *survey.grid;
+  grid.on_dropped([&](const SphericalCell& cell, const Vector3d&) { survey.dropped_echoes += cell.echoes; });
+  SphericalMapper mapper(config.mapper, grid);
+  const double speed = scene.vehicle.speed > 0 ? scene.vehicle.speed : 1;
+  double gone = 0;
+  bool any = false;
+  for (std::size_t i = 0; i < survey.path.scans.size(); ++i) {
+    const ScanPosition& place = survey.path.scans[i];
+    if (i > 0) gone += (place.at - survey.path.scans[i - 1].at).head<2>().norm();
+    const Time time = Time{} + seconds(gone / speed);
+    mapper.move_to({Rotation::from_heading(place.course), place.at}, time);
+    mapper.begin_scan();
+    const PlaneSection section(scene, place.at.z());
+    any = any || !section.lines().empty() || !section.arcs().empty();
+    for (const SectionReading& reading : scan(section, place.at.head<2>(), config.sonar, random)) {
+      const Vector3d u_W(cos(reading.bearing), sin(reading.bearing), 0);
+      mapper.add({Vector3d::Zero(), mapper.to_grid(u_W), config.sonar.beam_width, reading.range_m, config.sonar.range_m,
+                  time});
+      ++survey.beams;
+      if (reading.range_m) ++survey.echoes;
+    }
+  }
+  if (!any) {
+    throw Error("no lines and arcs at the vehicle's depth", {scene.file}, "a scene with a [[prism]] round its path");
+  }
+  grid.on_dropped({});
+  judge_survey(scene, survey.path.scans.back().at, survey);
+  return survey;
+}
+
+}  // namespace isobath
