@@ -42,8 +42,10 @@ SpaceGrid::SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, 
       SpaceCell::kUnknown);
 
   // 2. block by block, what all sensors say of it
-  const int prior = to_evidence(log_odds_of(map.config().prior)), free = to_evidence(log_odds_of(map.config().free)),
-            occupied = to_evidence(log_odds_of(map.config().occupied));
+  const VoxelMapConfig& config = map.config();
+  const int prior = to_evidence(log_odds_of(config.prior)), free = to_evidence(log_odds_of(config.free)),
+            occupied = to_evidence(log_odds_of(config.occupied)),
+            most_measured = to_evidence(log_odds_of(kMostMeasured));
   std::vector<std::pair<const VoxelBlocks*, bool>> layers;
   for (const std::string& sensor : map.sensors()) {
     layers.emplace_back(map.find_layer(sensor), tells_height(heights, sensor));
@@ -52,9 +54,10 @@ SpaceGrid::SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, 
   for (corner.x() = least_.x(); corner.x() < most.x(); corner.x() += kSide) {
     for (corner.y() = least_.y(); corner.y() < most.y(); corner.y() += kSide) {
       for (corner.z() = least_.z(); corner.z() < most.z(); corner.z() += kSide) {
-        std::array<int, VoxelBlocks::kVolume> all;
+        std::array<int, VoxelBlocks::kVolume> all, heights_alone;
         std::array<std::uint8_t, VoxelBlocks::kVolume> seen{};  // 1: by any sensor, 2: by one that tells height
         all.fill(prior);
+        heights_alone.fill(prior);
         bool any = false;
         for (const auto& [layer, height] : layers) {
           const LogOdds16* evidence = layer->find(corner);
@@ -64,6 +67,7 @@ SpaceGrid::SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, 
           for (std::size_t i = 0; i < all.size(); ++i) {
             const bool said = evidence[i] != kUnseen;
             all[i] += said ? evidence[i] : 0;
+            heights_alone[i] += said && height ? evidence[i] : 0;
             seen[i] = static_cast<std::uint8_t>(seen[i] | (said ? mark : 0));
           }
         }
@@ -73,7 +77,9 @@ SpaceGrid::SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, 
           if (seen[at] == 0) continue;
           SpaceCell water = SpaceCell::kUnknown;
           if (all[at] >= occupied) water = SpaceCell::kOccupied;
-          if (all[at] <= free) water = (seen[at] & 2) != 0 ? SpaceCell::kMeasured : SpaceCell::kFree;
+          if (all[at] <= free) water = SpaceCell::kFree;
+          if ((seen[at] & 2) != 0 && heights_alone[at] <= free && all[at] <= most_measured)
+            water = SpaceCell::kMeasured;
           water_[index_of(corner + VoxelBlocks::place_of(i) - least_)] = water;
         }
       }

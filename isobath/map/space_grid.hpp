@@ -1,10 +1,11 @@
 // SpaceGrid: what was known of the voxels of a box at one instant, for those who plan through it: occupied, free,
 // measured, or unknown (Horner et al. c. 2009, 5; ledger S5-32, S5-33).
 //
-// Free is what all sensors together hold for free. Measured is what is free and was looked at by a sensor that tells
-// height: a fan that stands upright, or a beam that is narrow both ways. A fan that lies flat hears the whole of an arc
-// at once; that it hears nothing says little of any one place on it, least of all above or below a thing that it does
-// hear somewhere on the arc (S5-34, S5-35). A way over or under something needs measured water.
+// Free is what all sensors together hold for free. Measured is what the sensors that tell height (a fan that stands
+// upright, a beam that is narrow both ways) hold for free by themselves, and what is at most `kMostMeasured` likely to
+// be occupied by all. A fan that lies flat hears the whole of an arc at once: that it hears nothing says little of any
+// one place on it, and what it hears at a berm's range it says of all heights (S5-34, S5-35). A way over or under
+// something needs measured water.
 //
 // The box holds what the sensors that tell height have looked at, within a reach; outside, all is unknown. Never
 // changes once made, so that any thread may look at it. Cost: 3 ns a voxel to make.
@@ -22,6 +23,8 @@ enum class SpaceCell : std::uint8_t { kUnknown, kFree, kMeasured, kOccupied };
 
 class SpaceGrid {
  public:
+  static constexpr double kMostMeasured = 0.2;  ///< S5-33
+
   /// Of what lies within `reach_m` of a point of W, along each axis; `heights` names the layers that tell height.
   SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, const Eigen::Vector3d& centre_W, double reach_m);
 

@@ -50,10 +50,39 @@ SpaceRoom::SpaceRoom(const SpaceGrid& grid, const SpaceRoomTask& task)
   measure(task.most_m);
 }
 
+/// Of each hazard, whether it and all that it hangs together with are far.
+std::vector<bool> SpaceRoom::may_open(const SpaceRoomTask& task) {
+  const std::size_t count = task.hazards.size();
+  std::vector<bool> far(count, false);
+  if (task.look_on_m <= 0) return far;
+  std::vector<std::size_t> near;
+  for (std::size_t i = 0; i < count; ++i) {
+    far[i] = signed_distance(task.hazards[i].outline, task.vehicle_W.head<2>()) > task.look_on_m;
+    if (!far[i] && !is_for_good(task.hazards[i].kind)) near.push_back(i);
+  }
+  while (!near.empty()) {
+    const Polygon& from = task.hazards[near.back()].outline;
+    near.pop_back();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!far[i] || is_for_good(task.hazards[i].kind)) continue;
+      double apart = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < from.size(); ++k) {
+        const Vector2d& next = from[(k + 1) % from.size()];
+        apart = std::min(apart, isobath::leg_distance(task.hazards[i].outline, from[k], next).distance_m);
+      }
+      if (apart > task.apart_m) continue;
+      far[i] = false;
+      near.push_back(i);
+    }
+  }
+  return far;
+}
+
 /// For each column of the box, north then east.
 std::vector<std::uint8_t> SpaceRoom::columns_of(const SpaceRoomTask& task) const {
   std::vector<std::uint8_t> columns(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()),
                                     kNoHazard);
+  const std::vector<bool> far = may_open(task);
   for (const Hazard& hazard : task.hazards) {
     const double reach = std::max(hazard.margin_m, std::sqrt(0.5) * voxel_m_);  // a line closes the columns it meets
     Vector2d low = hazard.outline.front(), high = low;
@@ -68,9 +97,8 @@ std::vector<std::uint8_t> SpaceRoom::columns_of(const SpaceRoomTask& task) const
     };
     if (((high - low).array() > 1e6).any() || low.cwiseAbs().maxCoeff() > 1e7) continue;
     const auto north = cells(low.x(), high.x(), 0), east = cells(low.y(), high.y(), 1);
-    const double away = signed_distance(hazard.outline, task.vehicle_W.head<2>());
-    const bool may_open = task.look_on_m > 0 && away > task.look_on_m;
-    const std::uint8_t column = is_for_good(hazard.kind) ? kShut : may_open ? kFarHazard : kHazard;
+    const bool open = far[static_cast<std::size_t>(&hazard - task.hazards.data())];
+    const std::uint8_t column = is_for_good(hazard.kind) ? kShut : open ? kFarHazard : kHazard;
     for (int x = north.first; x <= north.second; ++x) {
       for (int y = east.first; y <= east.second; ++y) {
         std::uint8_t& at =

@@ -9,8 +9,9 @@
 // So surface and bed keep their distance too: neither is ever measured to be free. Everything else is open, like water
 // outside of all hazards is to the planners of the plane.
 //
-// A hazard that is farther from the vehicle than `look_on_m` may be left open for now, at the mission's depths, where
-// its water is neither measured nor held for occupied (unsure): there is time to look, and to turn away (S5-45).
+// A hazard that is farther from the vehicle than `look_on_m`, as are all that stand closer to it than `apart_m`, and
+// closer to these, may be left open for now, at the mission's depths, where its water is neither measured nor held for
+// occupied (unsure): there is time to look, and to turn away (S5-45).
 //
 // Distances are to the nearest closed voxel's faces, exact at centres of voxels, between them by interpolation; beyond
 // `most_m` they are that. Frame W. Immutable. Cost: 40 ns a voxel of the box.
@@ -30,6 +31,7 @@ struct SpaceRoomTask {
   double shallow_m = 0, deep_m = 0;  ///< the band of depths that is open without having been measured
   double most_m = 5;                 ///< distances beyond are not told apart
   Eigen::Vector3d vehicle_W = Eigen::Vector3d::Zero();
+  double apart_m = 0;    ///< hazards that leave no more between them are one
   double look_on_m = 0;  ///< hazards farther than this from the vehicle may turn out to be open; 0: none
 };
 
@@ -66,6 +68,7 @@ class SpaceRoom {
                static_cast<std::size_t>(size_.z()) +
            static_cast<std::size_t>(i.z());
   }
+  [[nodiscard]] static std::vector<bool> may_open(const SpaceRoomTask& task);
   [[nodiscard]] std::vector<std::uint8_t> columns_of(const SpaceRoomTask& task) const;
   void close(const SpaceGrid& grid, const SpaceRoomTask& task);
   void measure(double most_m);

@@ -322,6 +322,7 @@ SpaceRoom room_for(const SpaceGrid& grid, const SpaceRouteTask& task, const Spac
   box.most.z() = grid.size().isZero() ? box.deep_m : std::max(box.deep_m, deepest);
   box.most_m = std::max(need, wished) + 2 * grid.voxel_m();
   box.vehicle_W = task.start;
+  box.apart_m = 2 * need;
   box.look_on_m = look_on ? std::max(config.decide_m, grid.voxel_m()) : 0;
   return SpaceRoom(grid, box);
 }

@@ -62,14 +62,14 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
 RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
   make_folder(folder_);
-  for (const char* name : {"obstacles.geojson", "occupancy.tif",  "occupancy.png",
-                           "sonar.png",         "detections.png", "truth.json",
-                           "depth.tif",         "chart.png",      "confidence.png",
-                           "contours.geojson",  "decisions.json", "mission.json",
-                           "mission.png",       "clearance.png",  "voxels.bt",
-                           "voxels.ply",        "voxels.sqlite",  "voxels.sqlite-journal",
-                           "voxels.vdb",        "voxels.png",     "voxels-south.png",
-                           "voxels-east.png"}) {
+  for (const char* name : {"obstacles.geojson", "occupancy.tif",   "occupancy.png",
+                           "sonar.png",         "detections.png",  "truth.json",
+                           "depth.tif",         "chart.png",       "confidence.png",
+                           "contours.geojson",  "decisions.json",  "mission.json",
+                           "mission.png",       "clearance.png",   "voxels.bt",
+                           "voxels.ply",        "voxels.sqlite",   "voxels.sqlite-journal",
+                           "voxels.vdb",        "voxels.png",      "voxels-south.png",
+                           "voxels-east.png",   "voxels-depth.png"}) {
     std::filesystem::remove(folder_ /
                             name);  // not every run writes them, and an earlier run's must not pass for its own
   }

@@ -92,7 +92,7 @@ void VoxelModel::take(const PosedPing& posed) {
   sonar.mapper.set_surface(submerged ? 0 : -std::numeric_limits<double>::infinity());
   sonar.mapper.update(ping, posed.decisions, posed.X_WB, *sonar.layer);
   ++sonar.pings;
-  bound_memory(posed.X_WB.translation);
+  move_to(posed.X_WB.translation);
 }
 
 void VoxelModel::take(const Swath& swath, const Pose& X_WB) {
@@ -125,10 +125,11 @@ void VoxelModel::take(const Swath& swath, const Pose& X_WB) {
     }
   });
   ++shots_;
-  bound_memory(X_WB.translation);
+  move_to(X_WB.translation);
 }
 
-void VoxelModel::bound_memory(const Eigen::Vector3d& at_W) {
+void VoxelModel::move_to(const Eigen::Vector3d& at_W) {
+  vehicle_depth_m_ = at_W.z();
   const Eigen::Vector3d window = Eigen::Vector3d::Constant(config_.window_m);
   if (config_.window_m > 0 && config_.spill) {
     map_->spill_outside(at_W, window);
@@ -148,6 +149,7 @@ VoxelOutcome VoxelModel::outcome() const {
   VoxelOutcome outcome;
   if (!map_) return outcome;
   outcome.voxel_m = map_->voxel_m();
+  outcome.vehicle_depth_m = vehicle_depth_m_;
   outcome.megabytes = map_->bytes() / 1'000'000;
   for (const auto& s : sonars_) outcome.layers.push_back({s->name, s->pings});
   if (shots_ > 0) outcome.layers.push_back({kSoundings, shots_});

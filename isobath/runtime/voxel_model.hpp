@@ -45,6 +45,7 @@ struct VoxelOutcome {
   std::uint64_t seen = 0, occupied = 0, free = 0, blocks = 0;
   std::uint64_t megabytes = 0;
   std::optional<std::uint64_t> spilled;  ///< blocks in the file only, of each layer; where blocks can spill
+  double vehicle_depth_m = 0;            ///< at the end
   std::uint64_t left_out = 0;            ///< blocks that have no place in an OctoMap file
   std::optional<VoxelTruth> truth;       ///< of a simulated run
 };
@@ -77,13 +78,14 @@ class VoxelModel {
   };
   Sonar& sonar_of(const Ping& ping);
   void begin(double range_m);
-  void bound_memory(const Eigen::Vector3d& at_W);
+  void move_to(const Eigen::Vector3d& at_W);
 
   VoxelModelConfig config_;
   std::filesystem::path spill_file_;
   std::unique_ptr<VoxelMap> map_;
   std::vector<std::unique_ptr<Sonar>> sonars_;
   std::uint64_t shots_ = 0;  ///< swaths in the layer of soundings
+  double vehicle_depth_m_ = 0;
 };
 
 }  // namespace isobath

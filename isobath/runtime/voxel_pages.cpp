@@ -61,12 +61,11 @@ class Shadow {
       if (cell.suspected) return kSuspected;
       return !cell.seen ? kNeverSeen : cell.free ? kFreeWater : kUnsure;
     });
-    picture.finish({{intensity_colour(1), what},
-                    {intensity_colour(0.15), "farthest"},
-                    {kSuspected, "suspected"},
-                    {kFreeWater, "free"},
-                    {kUnsure, "unsure"},
-                    {kNeverSeen, "never seen"}});
+    std::vector<PlanPicture::LegendEntry> keys{{intensity_colour(1), what}};
+    if (box_.most[along_] > box_.least[along_]) keys.push_back({intensity_colour(0.15), "farthest"});
+    keys.insert(keys.end(),
+                {{kSuspected, "suspected"}, {kFreeWater, "free"}, {kUnsure, "unsure"}, {kNeverSeen, "never seen"}});
+    picture.finish(keys);
     return picture.png();
   }
 
@@ -129,6 +128,13 @@ VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesy
                             .picture({"The same from the south", "height (m)", "east (m)"}, "nearest", true);
   pictures.from_east = Shadow(map, box, kNorth, kDown, kEast, true)
                            .picture({"The same from the east", "height (m)", "north (m)"}, "nearest", true);
+  VoxelBox level = box;
+  level.least[kDown] = level.most[kDown] = map.voxel_at({0, 0, outcome.vehicle_depth_m}).z();
+  pictures.at_depth =
+      Shadow(map, level, kEast, kNorth, kDown, false)
+          .picture({fmt::format("At the vehicle's depth, {:.1f} m", outcome.vehicle_depth_m), "north (m)", "east (m)"},
+                   "occupied", false);
+  write("voxels-depth.png", pictures.at_depth);
   write("voxels.png", pictures.above);
   write("voxels-south.png", pictures.from_south);
   write("voxels-east.png", pictures.from_east);
@@ -174,6 +180,7 @@ void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictur
     page.figure(pictures.from_south, "The same from the south. Height is above the datum.");
     page.figure(pictures.from_east, "The same from the east: north runs to the right.");
     page.end_row();
+    page.figure(pictures.at_depth, "What is known of the water at the depth of the vehicle at the end of the run.");
   }
   const auto number = [](std::uint64_t count) { return fmt::format("{}", count); };
   const double cubic = outcome.voxel_m * outcome.voxel_m * outcome.voxel_m;

@@ -32,9 +32,9 @@ namespace isobath {
 using SimulatedEvent = std::variant<Ping, RangeReading, Navigation, Health, EchoTruth, TrueMotion>;
 
 struct SimulationConfig {
-  int seed = -1;          ///< -1: the scene's
-  double duration_s = 0;  ///< 0: the scene's
-  std::string without;    ///< name of a sonar that is switched off
+  int seed = -1;             ///< -1: the scene's
+  double duration_s = 0;     ///< 0: the scene's
+  std::string without = {};  ///< name of a sonar that is switched off
 };
 std::vector<Field> fields(SimulationConfig& config);
 

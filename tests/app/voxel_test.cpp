@@ -27,7 +27,8 @@ TEST_F(Voxels, OfTheBridgeHaveALayerForEachImagePlane) {
   EXPECT_EQ(voxels["layers"][0]["sensor"], "flat");
   EXPECT_EQ(voxels["layers"][1]["sensor"], "upright");
   EXPECT_GT(voxels["free"], 1000);
-  for (const char* name : {"voxels.bt", "voxels.ply", "voxels.png", "voxels-south.png", "voxels-east.png"}) {
+  for (const char* name :
+       {"voxels.bt", "voxels.ply", "voxels.png", "voxels-south.png", "voxels-east.png", "voxels-depth.png"}) {
     EXPECT_TRUE(fs::exists(out_ / name)) << name;
   }
   EXPECT_THAT(test::content_of(out_ / "report.html"), HasSubstr("In three dimensions"));

@@ -29,9 +29,10 @@ TEST(SpaceGrid, SaysOfEachVoxelWhatTheMapDoesAndWhetherAHeightWasTold) {
         const VoxelIndex v(x, y, z);
         SpaceCell want = SpaceCell::kUnknown;
         if (map.space(v) == Space::kOccupied) want = SpaceCell::kOccupied;
-        if (map.space(v) == Space::kFree) {
-          want = upright.at(v) != kUnseen ? SpaceCell::kMeasured : SpaceCell::kFree;
-        }
+        if (map.space(v) == Space::kFree) want = SpaceCell::kFree;
+        const LogOdds16 tall = upright.at(v);
+        const bool clear = tall != kUnseen && log_odds_of(0.05) + to_log_odds(tall) <= log_odds_of(0.04);
+        if (clear && map.probability(v) <= 0.2) want = SpaceCell::kMeasured;
         ASSERT_EQ(grid.at(v), want) << v.transpose();
         ++counts[static_cast<int>(want)];
       }

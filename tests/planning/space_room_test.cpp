@@ -124,6 +124,22 @@ TEST(SpaceRoom, WhatIsNotMeasuredMayStayOpenFartherOff) {
   EXPECT_FALSE(room.is_unsure({5, 0, 3}));
 }
 
+// ledger: S5-45
+TEST(SpaceRoom, WhatHangsTogetherIsAsNearAsItsNearestPart) {
+  const SpaceGrid nothing = MeasuredWater().grid();
+  SpaceRoomTask task = box({0, -40, 0.1}, {60, 40, 7.9});
+  const std::vector<Hazard> hazards = {block(20, 0, 2), block(20, 6, 2), block(20, 13, 2), block(20, 30, 2)};
+  task.hazards = hazards;
+  task.vehicle_W = {0, 0, 3};
+  task.look_on_m = 18.5;
+  task.apart_m = 3;
+  const SpaceRoom room(nothing, task);
+  EXPECT_TRUE(is_closed(room, {20, 0, 3})) << "18 m off";
+  EXPECT_TRUE(is_closed(room, {20, 6, 3})) << "18.4 m off";
+  EXPECT_TRUE(is_closed(room, {20, 13, 3})) << "21 m off, 3 m beside a near one";
+  EXPECT_TRUE(room.is_unsure({20, 30, 3})) << "13 m beside the others";
+}
+
 TEST(SpaceRoom, RefusesABoxThatNoMemoryHolds) {
   const SpaceGrid nothing = MeasuredWater().grid();
   EXPECT_THROW(SpaceRoom(nothing, box({0, 0, 0}, {1e4, 1e4, 100})), Error);

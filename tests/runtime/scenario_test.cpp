@@ -257,7 +257,7 @@ TEST(SimulatedLog, HoldsTheTruthBitForBit) {
 // The map of the plane has no use for a fan that stands upright; the map in three dimensions has.
 // ledger: S5-07
 TEST(Pipeline, KeepsUprightFansApartFromTheMapOfThePlane) {
-  const auto scene = load_scene((test::source_folder() / "scenarios/bridge.toml").string());
+  const auto scene = load_scenario((test::source_folder() / "scenarios/bridge.toml").string()).scene;
   SimulatedSource source(scene, {.duration_s = 2}, 1);
   test::ScanKeeper keeper;
   Pipeline pipeline({}, keeper);

@@ -23,7 +23,7 @@ class VoxelsAlone : public ResultSink {
 VoxelTruth score_of(const std::string& scene, double duration_s, Rule rule) {
   SimulationConfig simulation;
   simulation.duration_s = duration_s;
-  SimulatedSource source(load_scene((test::source_folder() / "scenarios" / scene).string()), simulation, 1);
+  SimulatedSource source(load_scenario((test::source_folder() / "scenarios" / scene).string()).scene, simulation, 1);
   VoxelModelConfig config;
   config.fans.rule = rule;
   VoxelsAlone sink(config);

@@ -18,7 +18,7 @@ namespace {
 using test::fan_of;
 using test::ping_of;
 
-const RangeWindow kWindow{1, 0.0508, 30};
+const RangeWindow kModelWindow{1, 0.0508, 30};
 
 /// A frequency-steered array: Rayleigh noise whose level varies with bearing, counts of 0 to 4000 (ledger S5-E11).
 struct SteeredSonar {
@@ -37,7 +37,7 @@ struct SteeredSonar {
   Ping ping(double share = 0, std::vector<std::uint8_t>* marks = nullptr) {
     if (marks) marks->clear();
     return ping_of<std::uint16_t>(
-        fan, kWindow,
+        fan, kModelWindow,
         [&](int b, int) {
           const bool object = share > 0 && random.uniform() < share;
           if (marks) marks->push_back(object ? 1 : 0);
@@ -90,7 +90,7 @@ TEST(HistogramModel, ApproachesTheTrueNoiseOfEachPixel) {
   ASSERT_DOUBLE_EQ(model.config.level_width, 160);
   int accepted = 0, pixels = 0;
   for (int beam = 0; beam < SteeredSonar::kBeams; ++beam) {
-    for (int bin = 0; bin < kWindow.bins; ++bin) {
+    for (int bin = 0; bin < kModelWindow.bins; ++bin) {
       // Chi-square over levels of five and more expected samples, the rest as one. Counts are rounded to whole numbers.
       double statistic = 0, rest_expected = 0, rest_seen = 0;
       int classes = 0;
@@ -176,7 +176,7 @@ TEST(HistogramModel, ObjectsInTheNoiseSetCostLessThanTwoPoints) {
       SteeredSonar fresh;
       fresh.random = Random(77);
       std::vector<std::uint8_t> marks;
-      std::vector<std::int16_t> out(SteeredSonar::kBeams * static_cast<std::size_t>(kWindow.bins));
+      std::vector<std::int16_t> out(SteeredSonar::kBeams * static_cast<std::size_t>(kModelWindow.bins));
       for (int i = 0; i < 100; ++i) {
         const Ping ping = fresh.ping(0.1, &marks);
         ratios.look_up(ping, out);
@@ -196,12 +196,12 @@ TEST(HistogramModel, DetectsMoreThanTheBestThresholdWhereNoiseVariesWithBearing)
   const LikelihoodRatios ratios(shared(learnt(sonar, HistogramConfig{})));
   Scores by_ratio, by_brightness;
   std::vector<std::uint8_t> marks;
-  std::vector<std::int16_t> out(SteeredSonar::kBeams * static_cast<std::size_t>(kWindow.bins));
+  std::vector<std::int16_t> out(SteeredSonar::kBeams * static_cast<std::size_t>(kModelWindow.bins));
   for (int i = 0; i < 150; ++i) {
     const Ping ping = sonar.ping(0.1, &marks);
     ratios.look_up(ping, out);
     for (std::size_t j = 0; j < out.size(); ++j) {
-      const int beam = static_cast<int>(j) / kWindow.bins, bin = static_cast<int>(j) % kWindow.bins;
+      const int beam = static_cast<int>(j) / kModelWindow.bins, bin = static_cast<int>(j) % kModelWindow.bins;
       const auto brightness = static_cast<double>(ping.intensity(beam, bin));
       (marks[j] ? by_ratio.object : by_ratio.noise).push_back(out[j]);
       (marks[j] ? by_brightness.object : by_brightness.noise).push_back(brightness);
@@ -223,8 +223,8 @@ TEST(HistogramModel, ObjectsHaveOneHistogramForAllPixels) {
     const Ping ping = sonar.ping(0.05, &marks);
     learner.add_marked(ping, marks);
     for (int b = 0; b < SteeredSonar::kBeams; ++b) {
-      for (int k = 0; k < kWindow.bins; ++k) {
-        if (!marks[static_cast<std::size_t>(b * kWindow.bins + k)]) continue;
+      for (int k = 0; k < kModelWindow.bins; ++k) {
+        if (!marks[static_cast<std::size_t>(b * kModelWindow.bins + k)]) continue;
         ++counted[static_cast<std::size_t>(std::min(24, static_cast<int>(ping.intensity(b, k)) / 160))];
       }
     }
@@ -245,15 +245,15 @@ TEST(LikelihoodRatios, TableIsTheEquation) {
   const auto model = shared(learnt(sonar, config, 20));
   const LikelihoodRatios ratios(model);
   const Ping ping = sonar.ping(0.1);
-  std::vector<std::int16_t> out(SteeredSonar::kBeams * static_cast<std::size_t>(kWindow.bins));
+  std::vector<std::int16_t> out(SteeredSonar::kBeams * static_cast<std::size_t>(kModelWindow.bins));
   ratios.look_up(ping, out);
   const double objects = std::accumulate(model->object.begin(), model->object.end(), 0.0);
   for (int b = 0; b < SteeredSonar::kBeams; ++b) {
-    for (int k = 0; k < kWindow.bins; ++k) {
+    for (int k = 0; k < kModelWindow.bins; ++k) {
       std::vector<double> n(25, 0);
       double all = 0;
       for (int i = std::max(0, b - 1); i <= std::min(SteeredSonar::kBeams - 1, b + 1); ++i) {
-        for (int j = std::max(0, k - 3); j <= std::min(kWindow.bins - 1, k + 3); ++j) {
+        for (int j = std::max(0, k - 3); j <= std::min(kModelWindow.bins - 1, k + 3); ++j) {
           for (int level = 0; level < 25; ++level) {
             n[static_cast<std::size_t>(level)] += model->counts(i, j)[static_cast<std::size_t>(level)];
             all += model->counts(i, j)[static_cast<std::size_t>(level)];
@@ -271,7 +271,7 @@ TEST(LikelihoodRatios, TableIsTheEquation) {
       const double h = (static_cast<double>(model->object[static_cast<std::size_t>(level)]) + 0.5) / (objects + 12.5);
       const double expected = std::clamp(std::log(h / e), -4.0, 4.0);
       ASSERT_NEAR(ratios.log_ratio(b, k, level), expected, LikelihoodRatios::kUnit);
-      ASSERT_EQ(out[static_cast<std::size_t>(b * kWindow.bins + k)],
+      ASSERT_EQ(out[static_cast<std::size_t>(b * kModelWindow.bins + k)],
                 std::lround(ratios.log_ratio(b, k, level) / LikelihoodRatios::kUnit));
     }
   }
@@ -305,7 +305,7 @@ TEST(LikelihoodRatios, OfWholeSamplesOfAnyOrderAreThoseOfFloats) {
 TEST(LikelihoodRatios, OperatingPointKeepsItsRateOnFreshNoise) {
   SteeredSonar sonar;
   const LikelihoodRatios ratios(shared(learnt(sonar, HistogramConfig{})));
-  std::vector<std::int16_t> out(SteeredSonar::kBeams * static_cast<std::size_t>(kWindow.bins));
+  std::vector<std::int16_t> out(SteeredSonar::kBeams * static_cast<std::size_t>(kModelWindow.bins));
   for (const double f : {0.005, 0.02, 0.05}) {
     const auto point = ratios.operating_point(f, 4);
     EXPECT_LE(point.false_alarm, f);
@@ -317,7 +317,7 @@ TEST(LikelihoodRatios, OperatingPointKeepsItsRateOnFreshNoise) {
       const Ping ping = sonar.ping(0.1, &marks);
       ratios.look_up(ping, out);
       for (std::size_t j = 0; j < out.size(); ++j) {
-        if (static_cast<int>(j) % kWindow.bins < 4) continue;
+        if (static_cast<int>(j) % kModelWindow.bins < 4) continue;
         (marks[j] ? objects : noise) += 1;
         if (out[j] >= point.threshold) (marks[j] ? hits : alarms) += 1;
       }
