@@ -28,7 +28,7 @@ const char* to_text(Baseline baseline);
 struct SuiteConfig {
   std::string title = "a suite", text;
   std::string scene;
-  std::string faults;  ///< or a folder of scenes that are named like the rows of the fault table
+  std::string faults;   ///< or a folder of scenes that are named like the rows of the fault table
   std::string without;  ///< name of a sonar that is switched off
   int runs = 100;
   int seed = 1;

@@ -130,6 +130,11 @@ VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesy
                            .picture({"The same from the east", "height (m)", "north (m)"}, "nearest", true);
   VoxelBox level = box;
   level.least[kDown] = level.most[kDown] = map.voxel_at({0, 0, outcome.vehicle_depth_m}).z();
+  const int narrow = (level.most[kNorth] - level.least[kNorth] - (level.most[kEast] - level.least[kEast])) / 2;
+  if (narrow > 0) {  // a lone upright fan looks at a strip: the legend needs more
+    level.least[kEast] -= narrow;
+    level.most[kEast] += narrow;
+  }
   pictures.at_depth =
       Shadow(map, level, kEast, kNorth, kDown, false)
           .picture({fmt::format("At the vehicle's depth, {:.1f} m", outcome.vehicle_depth_m), "north (m)", "east (m)"},

@@ -16,8 +16,8 @@ struct VoxelPictures {
 };
 
 /// Writes voxels.bt, voxels.ply, voxels.vdb where it is wanted, voxels.png, voxels-south.png, voxels-east.png and
-/// voxels-depth.png into `folder`; their names are appended to `files`, and what has no place in the tree is counted in `outcome`. Throws
-/// Error where they cannot be written.
+/// voxels-depth.png into `folder`; their names are appended to `files`, and what has no place in the tree is counted in
+/// `outcome`. Throws Error where they cannot be written.
 VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesystem::path& folder,
                                 VoxelOutcome& outcome, std::vector<std::filesystem::path>& files);
 void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictures& pictures);

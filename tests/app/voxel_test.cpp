@@ -1,4 +1,5 @@
 // The map in three dimensions as a user meets it: files, numbers, and one clear line where it cannot be.
+#include <fstream>
 #include <gmock/gmock.h>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
@@ -15,7 +16,20 @@ namespace fs = std::filesystem;
 class Voxels : public testing::Test {
  protected:
   fs::path out_ = fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
-  fs::path bridge_ = test::source_folder() / "scenarios/bridge.toml";
+  fs::path bridge_ = scene_of_the_bridge();
+
+ private:
+  /// Without its mission: the vehicle sails straight, and the run is over when its time is.
+  [[nodiscard]] fs::path scene_of_the_bridge() const {
+    const std::string text = test::content_of(test::source_folder() / "scenarios/bridge.toml");
+    fs::create_directories(out_.string() + "_scene/scenarios");
+    fs::create_directories(out_.string() + "_scene/vehicles");
+    fs::copy_file(test::source_folder() / "vehicles/remus100.toml", out_.string() + "_scene/vehicles/remus100.toml",
+                  fs::copy_options::overwrite_existing);
+    const fs::path file = out_.string() + "_scene/scenarios/bridge.toml";
+    std::ofstream(file) << text.substr(0, text.find("\n[mission]"));
+    return file;
+  }
 };
 
 // ledger: S5-03 S5-27 S5-30

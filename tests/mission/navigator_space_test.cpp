@@ -17,7 +17,8 @@ using testing::HasSubstr;
 /// A river between two banks with a berm across it: the plan view has no way.
 class NavigatorInSpace : public testing::Test {
  protected:
-  NavigatorInSpace() : agent(NavigatorConfig{.jump_m = 100}, RouteConfig{}, vehicle, SpaceRouteConfig{}), script(agent) {
+  NavigatorInSpace()
+      : agent(NavigatorConfig{.jump_m = 100}, RouteConfig{}, vehicle, SpaceRouteConfig{}), script(agent) {
     MissionPlan plan;
     plan.fence = {{-30, -20}, {120, -20}, {120, 20}, {-30, 20}};
     MissionOrder start;
