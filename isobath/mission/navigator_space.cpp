@@ -9,9 +9,12 @@ namespace isobath {
 
 using Eigen::Vector3d;
 
+/// With half of the water about them that a way in the plane would keep more: in a gap between two of them there is none
+/// but what was measured, unless it is wide.
 std::vector<Hazard> Navigator::hazards_W(const View& view) const {
   std::vector<Hazard> hazards(view.map.hazards().begin(), view.map.hazards().end());
   for (Hazard& hazard : hazards) {
+    hazard.margin_m += 0.5 * std::max(0.0, route_.clearance_m - space_route_.clearance_m);
     for (Eigen::Vector2d& corner : hazard.outline) corner = view.frame.to_world(corner);
   }
   return hazards;

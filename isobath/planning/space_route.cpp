@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <isobath/planning/space_route.hpp>
 #include <isobath/planning/turning.hpp>
@@ -12,12 +13,13 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using SpaceWay = std::vector<Vector3d>;
 
-constexpr double kFarthestGoal = 1e7;  // m
-constexpr double kTurnOff = 0.05;      // m: no vehicle holds its way to better
-constexpr double kArcSag = 0.1;        // m
-constexpr double kNearestGoal = 5;     // m: a way in part leads at least so far
-constexpr int kWidestCell = 20;        // voxels
-constexpr double kLittle = 0.1;        // m: what a start that is hemmed in may lose between centres of voxels
+constexpr double kFarthestGoal = 1e7;           // m
+constexpr double kTurnOff = 0.05;               // m: no vehicle holds its way to better
+constexpr double kArcSag = 0.1;                 // m
+constexpr double kNearestGoal = 5;              // m: a way in part leads at least so far
+constexpr std::array kAhead = {0.5, 1.0, 2.0};  // turning radii
+constexpr int kWidestCell = 20;                 // voxels
+constexpr double kLittle = 0.1;                 // m: what a start that is hemmed in may lose between centres of voxels
 
 class SpaceRouter {
  public:
@@ -38,9 +40,10 @@ class SpaceRouter {
     bool closed = false;
   };
   bool aim();
-  Result<SpaceWay, RouteRefusal> search();
+  Result<SpaceWay, RouteRefusal> search(const Vector3d& from);
+  Result<SpaceWay, RouteRefusal> turnable();
   [[nodiscard]] VoxelIndex voxel_of(std::size_t node) const;
-  [[nodiscard]] SpaceWay way_to(std::size_t node) const;
+  [[nodiscard]] SpaceWay way_to(std::size_t node, const Vector3d& from) const;
   [[nodiscard]] double need_at(const Vector3d& p) const;
   [[nodiscard]] bool keeps(const Vector3d& a, const Vector3d& b) const;
   [[nodiscard]] double price(const Vector3d& p) const;
@@ -122,10 +125,10 @@ VoxelIndex SpaceRouter::voxel_of(std::size_t node) const {
   return origin_ + cell.cwiseProduct(VoxelIndex(wide_, wide_, 1));
 }
 
-Result<SpaceWay, RouteRefusal> SpaceRouter::search() {
+Result<SpaceWay, RouteRefusal> SpaceRouter::search(const Vector3d& from) {
   // 1. cells about the start; a step along all axes rises no steeper than the vehicle can
   wide_ = task_.steepest >= 1 ? 1 : std::clamp(static_cast<int>(std::ceil(1 / task_.steepest)), 1, kWidestCell);
-  const VoxelIndex start = room_.voxel_at(task_.start), goal = room_.voxel_at(target_), step(wide_, wide_, 1);
+  const VoxelIndex start = room_.voxel_at(from), goal = room_.voxel_at(target_), step(wide_, wide_, 1);
   origin_ = VoxelIndex(start.x() % wide_, start.y() % wide_, 0);
   cells_ = ((room_.size() - origin_).array() + step.array() - 1) / step.array();
   nodes_.assign(static_cast<std::size_t>(cells_.cast<double>().prod()), {});
@@ -147,7 +150,7 @@ Result<SpaceWay, RouteRefusal> SpaceRouter::search() {
   std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
   const bool can_rise = task_.steepest >= 1;
   nodes_[index_of(first)].cost = 0;
-  open.emplace((aim_at - task_.start).norm(), 0, index_of(first));
+  open.emplace((aim_at - from).norm(), 0, index_of(first));
   while (!open.empty()) {
     const std::size_t at = std::get<2>(open.top());
     open.pop();
@@ -155,7 +158,7 @@ Result<SpaceWay, RouteRefusal> SpaceRouter::search() {
     nodes_[at].closed = true;
     const VoxelIndex voxel = voxel_of(at);
     const Vector3d here = room_.centre_of(voxel);
-    if (at == index_of(last)) return way_to(at);
+    if (at == index_of(last)) return way_to(at, from);
     if (++expanded_ > config_.most_expanded) return tl::unexpected(RouteRefusal::kOutOfBudget);
     for (int neighbour = 0; neighbour < 27; ++neighbour) {
       const VoxelIndex by(neighbour / 9 - 1, neighbour / 3 % 3 - 1, neighbour % 3 - 1);
@@ -177,7 +180,7 @@ Result<SpaceWay, RouteRefusal> SpaceRouter::search() {
   return tl::unexpected(RouteRefusal::kNoPath);
 }
 
-SpaceWay SpaceRouter::way_to(std::size_t node) const {
+SpaceWay SpaceRouter::way_to(std::size_t node, const Vector3d& from) const {
   SpaceWay way = {target_};
   for (std::size_t at = node; nodes_[at].came_by >= 0;) {
     way.push_back(room_.centre_of(voxel_of(at)));
@@ -187,7 +190,7 @@ SpaceWay SpaceRouter::way_to(std::size_t node) const {
         neighbour % 3 - 1;
     at = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) - back);
   }
-  way.push_back(task_.start);
+  way.push_back(from);
   std::reverse(way.begin(), way.end());
   return way;
 }
@@ -257,14 +260,35 @@ std::optional<SpaceWay> SpaceRouter::turned(const SpaceWay& way) const {
   return best;
 }
 
+/// A way that the vehicle can turn, without circling for it: where none comes of the shortest, one that goes on ahead
+/// for a while first.
+Result<SpaceWay, RouteRefusal> SpaceRouter::turnable() {
+  const double radius = task_.turning_radius_m;
+  auto found = search(task_.start);
+  if (!found) return tl::unexpected(found.error());
+  pull_straight(*found);
+  const double longest = way_length(*found) + std::numbers::pi * radius;
+  auto way = turned(*found);
+  if (way && way_length(*way) <= longest) return *std::move(way);
+  if (!task_.heading) return tl::unexpected(RouteRefusal::kCannotTurn);
+  for (const double ahead : kAhead) {
+    const Vector3d on = ahead * radius * Vector3d(cos(*task_.heading), sin(*task_.heading), 0);
+    const Vector3d from = task_.start + on;
+    if (!keeps(task_.start, from)) break;
+    auto later = search(from);
+    if (!later) continue;
+    pull_straight(*later);
+    later->insert(later->begin(), task_.start);
+    if (way_length(*later) <= longest && can_be_turned(*later)) return *std::move(later);
+  }
+  return tl::unexpected(RouteRefusal::kCannotTurn);
+}
+
 Result<SpaceRoutePath, RouteRefusal> SpaceRouter::plan() {
   if (at_start_ < task_.half_width_m) return tl::unexpected(RouteRefusal::kStartBlocked);
   if (!aim()) return tl::unexpected(RouteRefusal::kGoalBlocked);
-  auto found = search();
-  if (!found) return tl::unexpected(found.error());
-  pull_straight(*found);
-  auto way = turned(*found);
-  if (!way) return tl::unexpected(RouteRefusal::kCannotTurn);
+  auto way = turnable();
+  if (!way) return tl::unexpected(way.error());
   SpaceRoutePath path;
   path.clearance_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < way->size(); ++i) {

@@ -100,7 +100,7 @@ TEST_F(Voxels, OfAnImagingSonarShowAShip) {
 
 TEST_F(Voxels, ForOpenVdbAreWrittenOrRefusedAtOnce) {
   const ProgramResult run =
-      isobath_run(bridge_, out_, {"--set", "simulation.duration_s=2", "--set", "voxels.vdb=true"});
+      isobath_run(bridge_, out_, {"--set", "simulation.duration_s=6", "--set", "voxels.vdb=true"});
   if (run.exit_code == 0) {
     EXPECT_GT(fs::file_size(out_ / "voxels.vdb"), 10'000u);
   } else {

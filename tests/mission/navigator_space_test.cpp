@@ -18,7 +18,7 @@ using testing::HasSubstr;
 class NavigatorInSpace : public testing::Test {
  protected:
   NavigatorInSpace()
-      : agent(NavigatorConfig{.jump_m = 100}, RouteConfig{}, vehicle, SpaceRouteConfig{}), script(agent) {
+      : agent(NavigatorConfig{.jump_m = 100}, RouteConfig{}, vehicle, SpaceRouteConfig{.decide_m = 20}), script(agent) {
     MissionPlan plan;
     plan.fence = {{-30, -20}, {120, -20}, {120, 20}, {-30, 20}};
     MissionOrder start;
@@ -130,7 +130,7 @@ TEST_F(NavigatorInSpace, LooksOnWhileItIsFarAndRefusesWhenItMustKnow) {
   ask(3);
   const auto planned = only<RoutePlanned>(script.said);
   ASSERT_EQ(planned.size(), 1u);
-  EXPECT_THAT(planned[0].why, HasSubstr("known for 4"));
+  EXPECT_THAT(planned[0].why, HasSubstr("known for 38 m so far"));
   EXPECT_TRUE(only<RouteRefused>(sail(10, 3)).empty());
   EXPECT_TRUE(only<RouteRefused>(sail(19, 3)).empty());
   EXPECT_EQ(only<RouteRefused>(sail(21, 3)).size(), 1u);
