@@ -9,8 +9,8 @@ namespace isobath {
 
 using Eigen::Vector3d;
 
-/// With half of the water about them that a way in the plane would keep more: in a gap between two of them there is none
-/// but what was measured, unless it is wide.
+/// With half of the water about them that a way in the plane would keep more: in a gap between two of them there is
+/// none but what was measured, unless it is wide.
 std::vector<Hazard> Navigator::hazards_W(const View& view) const {
   std::vector<Hazard> hazards(view.map.hazards().begin(), view.map.hazards().end());
   for (Hazard& hazard : hazards) {
