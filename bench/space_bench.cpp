@@ -66,7 +66,7 @@ BENCHMARK(SpaceOfAScan)->Unit(benchmark::kMillisecond);
 void SpaceRoute(benchmark::State& bench) {
   MeasuredRiver river;
   const SpaceGrid grid(river.map, river.heights, {50, 0, 5}, 80);
-  river.task.turning_radius_m = bench.range(0);
+  river.task.turning_radius_m = static_cast<double>(bench.range(0));
   if (bench.range(0) > 0) river.task.heading = Angle::degrees(20);
   Result<SpaceRoutePath, RouteRefusal> path = tl::unexpected(RouteRefusal::kNoPath);
   for (auto _ : bench) path = plan_space_route(grid, river.task, river.config);

@@ -72,6 +72,74 @@ void FanBins(benchmark::State& state, FanMapperConfig::Rule rule) {
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * 200 * 512 * 500);
   state.counters["MB"] = megabytes;
 }
+/// The same bins scattered forwards, in double: each bin to the voxels of the midpoints of its arc, a voxel apart. A
+/// voxel in which any bin with an echo falls is hit.
+VoxelBlocks scattered(const WideFans& fans, std::size_t number) {
+  const Ping& ping = fans.ping;
+  const BeamFan& fan = *ping.fan;
+  const Pose X_WS = fans.poses[number] * ping.X_BS;
+  VoxelBlocks marks;
+  for (int beam = 0; beam < fan.beams(); ++beam) {
+    const double azimuth = fan.azimuth[static_cast<std::size_t>(beam)].radians();
+    for (int bin = 0; bin < ping.window.bins; ++bin) {
+      const double range = ping.window.centre(bin);
+      const double height = fan.height.radians();
+      const int pieces = static_cast<int>(std::ceil(range * height / kVoxel));
+      const bool hit = fans.decisions[number].hit(beam, bin);
+      for (int k = 0; k < pieces; ++k) {
+        const double elevation = ((k + 0.5) / pieces - 0.5) * height;
+        const Vector3d u(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                         -std::sin(elevation));
+        const VoxelIndex v = floor_of(X_WS * (range * u) * (1 / kVoxel));
+        LogOdds16& mark = marks.touch(v)[VoxelBlocks::offset(v)];
+        mark = hit ? LogOdds16{1} : std::max(mark, LogOdds16{-1});
+      }
+    }
+  }
+  return marks;
+}
+
+void FanAccuracy(benchmark::State& state) {
+  const WideFans& fans = wide_fans();
+  FanMapperConfig config;
+  config.rule = FanMapperConfig::Rule::kHitAndMiss;
+  config.hit = 0.5;
+  config.miss = -0.1;
+  config.shadow_bins = 0;
+  double voxels = 0, same = 0, hits = 0, hits_met = 0, mapped = 0, beside = 0;
+  for (auto _ : state) {
+    for (std::size_t number = 0; number < 200; number += 40) {
+      const VoxelBlocks reference = scattered(fans, number);
+      VoxelBlocks blocks;
+      FanMapper(config, kVoxel, std::log(0.05 / 0.95))
+          .update(fans.ping, fans.decisions[number], fans.poses[number], blocks);
+      reference.for_each(0, [&](const VoxelBlocks::Block& block) {
+        for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+          if (block.evidence[i] == kUnseen) continue;
+          const VoxelIndex v = block.corner + VoxelBlocks::place_of(i);
+          const LogOdds16 e = blocks.at(v);
+          ++voxels;
+          const bool hit = block.evidence[i] > 0;
+          same += e != kUnseen && (e > 0) == hit;
+          hits += hit;
+          hits_met += hit && e != kUnseen && e > 0;
+        }
+      });
+      blocks.for_each(0, [&](const VoxelBlocks::Block& block) {
+        for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+          if (block.evidence[i] == kUnseen) continue;
+          ++mapped;
+          beside += reference.at(block.corner + VoxelBlocks::place_of(i)) == kUnseen;
+        }
+      });
+    }
+  }
+  state.counters["same"] = same / voxels;
+  state.counters["hits_met"] = hits_met / hits;
+  state.counters["beside"] = beside / mapped;
+}
+BENCHMARK(FanAccuracy)->Unit(benchmark::kMillisecond)->Iterations(1);
+
 BENCHMARK_CAPTURE(FanBins, hit_and_miss, FanMapperConfig::Rule::kHitAndMiss)
     ->Arg(1)
     ->Arg(2)

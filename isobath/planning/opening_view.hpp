@@ -43,7 +43,8 @@ class OpeningView {
   [[nodiscard]] int rows() const { return rows_; }        ///< from the surface down
   /// 0: never known; n: known since the n-th look.
   [[nodiscard]] int known_since(int row, int column) const {
-    return known_since_[static_cast<std::size_t>(row * columns_ + column)];
+    return known_since_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                        static_cast<std::size_t>(column)];
   }
   [[nodiscard]] int looks() const { return looks_; }
 
