@@ -20,9 +20,10 @@ pkg_check_modules(GEOGRAPHIC REQUIRED IMPORTED_TARGET geographiclib)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 
-# Voxels as .vdb files, where OpenVDB is there. (Its own module asks for far more than a writer needs.)
+# Voxels as .vdb files, where OpenVDB is there. (Its own module asks for far more than a writer needs.) Not in sanitized builds:
+# TBB's headers cast what UBSan will not have cast.
 set(ISOBATH_OPENVDB AUTO CACHE STRING "Write voxels for OpenVDB: AUTO (where it is installed), ON or OFF")
-if(NOT ISOBATH_OPENVDB STREQUAL OFF AND NOT TARGET OpenVDB::openvdb)
+if(NOT ISOBATH_OPENVDB STREQUAL OFF AND NOT ISOBATH_SANITIZE AND NOT TARGET OpenVDB::openvdb)
   find_path(ISOBATH_OPENVDB_HEADERS openvdb/openvdb.h)
   find_library(ISOBATH_OPENVDB_LIBRARY openvdb)
   find_package(TBB CONFIG QUIET)

@@ -29,7 +29,7 @@ void ClearViews::set(View& view, const SphericalDirection& d, double clear_m) co
     row = static_cast<std::int32_t>(view.clear.size());
     view.clear.resize(view.clear.size() + static_cast<std::size_t>(buckets_.elevations()));
   }
-  view.clear[static_cast<std::size_t>(row + d.elevation)] = static_cast<float>(clear_m);
+  view.clear[static_cast<std::size_t>(row) + static_cast<std::size_t>(d.elevation)] = static_cast<float>(clear_m);
 }
 
 // The bucket of the axis, and those whose middle lies within half the beam's width of it in azimuth and in elevation:
@@ -68,7 +68,8 @@ bool ClearViews::is_clear(const Eigen::Vector3d& p) const {
     const SphericalDirection d = buckets_.at(q);
     const std::int32_t row = view.rows[static_cast<std::size_t>(d.azimuth)];
     if (row < 0) continue;
-    const double clear = static_cast<double>(view.clear[static_cast<std::size_t>(row + d.elevation)]);
+    const double clear =
+        static_cast<double>(view.clear[static_cast<std::size_t>(row) + static_cast<std::size_t>(d.elevation)]);
     if (r2 < clear * clear) return true;
   }
   return false;

@@ -57,7 +57,8 @@ void OpeningView::look(const Pose& X_WB) {
   const double far2 = pair_.range_m * pair_.range_m;
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
-      int& since = known_since_[static_cast<std::size_t>(row * columns_ + column)];
+      int& since = known_since_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                                static_cast<std::size_t>(column)];
       if (since != 0) continue;
       const Vector3d u_B = corner + column * aside + row * down;
       if (u_B.squaredNorm() > far2 || !in_horizontal_fan(pair_, u_B) || !in_vertical_fan(pair_, u_B)) continue;

@@ -125,11 +125,10 @@ void SpaceRoom::close(const SpaceGrid& grid, const SpaceRoomTask& task) {
         const SpaceCell water = grid.at(least_ + VoxelIndex(x, y, z));
         const double depth = (least_.z() + z + 0.5) * voxel_m_;
         const bool in_band = depth >= task.shallow_m && depth <= task.deep_m;
-        if (column == kShut || water == SpaceCell::kOccupied) {
+        const bool measured = water == SpaceCell::kMeasured;
+        if (column == kShut || water == SpaceCell::kOccupied || (!measured && (column == kHazard || !in_band))) {
           state_[at] = State::kClosed;
-        } else if (water != SpaceCell::kMeasured && (column == kHazard || !in_band)) {
-          state_[at] = State::kClosed;
-        } else if (water != SpaceCell::kMeasured && column == kFarHazard) {
+        } else if (!measured && column == kFarHazard) {
           state_[at] = State::kUnsure;
         }
       }

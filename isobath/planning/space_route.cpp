@@ -36,7 +36,7 @@ class SpaceRouter {
  private:
   struct Node {
     float cost = std::numeric_limits<float>::infinity();
-    std::int8_t came_by = -1;
+    std::int16_t came_by = -1;
     bool closed = false;
   };
   bool aim();
@@ -173,7 +173,7 @@ Result<SpaceWay, RouteRefusal> SpaceRouter::search(const Vector3d& from) {
       const double cost = nodes_[at].cost + (there - here).norm() * price(there);
       if (!(cost < next.cost) || !keeps(here, there)) continue;
       next.cost = static_cast<float>(cost);
-      next.came_by = static_cast<std::int8_t>(neighbour);
+      next.came_by = static_cast<std::int16_t>(neighbour);
       open.emplace(cost + (aim_at - there).norm(), -cost, index_of(cell));
     }
   }

@@ -56,7 +56,7 @@ class RatioCounts {
     ratios.look_up(frame.ping, looked_up_);
     for (std::size_t i = 0; i < looked_up_.size(); ++i) {
       if (static_cast<int>(i % static_cast<std::size_t>(bins)) < first_bin) continue;
-      const auto at = static_cast<std::size_t>(looked_up_[i] + kZero);
+      const auto at = static_cast<std::size_t>(std::ptrdiff_t{looked_up_[i]} + kZero);
       if (frame.background) ++noise_[at];
       if (!frame.background && frame.marked[i]) ++target_[at];
     }

@@ -336,7 +336,7 @@ LikelihoodRatios::OperatingPoint LikelihoodRatios::operating_point(double false_
     }
   };
   each([&](int, std::size_t, std::int16_t ratio, std::uint16_t count) {
-    seen[static_cast<std::size_t>(kZero + ratio)] += count;
+    seen[static_cast<std::size_t>(std::ptrdiff_t{ratio} + kZero)] += count;
     all += count;
   });
   OperatingPoint point;
