@@ -19,7 +19,7 @@
 //
 // Where a sonar tells height (SpaceSeen), a way may lead over, under or between what closes the plan view, through
 // water that was measured (planning/space_route.hpp; S5-35, S5-37): a way that does so already is kept; one is searched
-// where the plane has no way, or none that is not `switch_m` longer.
+// where the plane has no way, or one more than `switch_m` longer than straight.
 //
 // Where no way can be turned into, or the vehicle stands nearer to a hazard than the clearance, a smaller one must do.
 //
