@@ -24,7 +24,7 @@ std::size_t padded(std::size_t bytes) { return (bytes + kAlign - 1) / kAlign * k
 
 bool is_kind(std::uint8_t kind) {
   return kind >= static_cast<std::uint8_t>(DisplayKind::kScene) &&
-         kind <= static_cast<std::uint8_t>(DisplayKind::kRefusal);
+         kind <= static_cast<std::uint8_t>(DisplayKind::kTimes);
 }
 
 }  // namespace

@@ -35,6 +35,7 @@ enum class DisplayKind : std::uint8_t {
   kHealth,
   kClock,
   kRefusal,
+  kTimes,
 };
 
 /// One record, as it is sent and recorded; `gone`: the item is no more.
