@@ -312,7 +312,8 @@ TEST(Display, SaysWhatTheCrewDecidesAndWhatIsWrong) {
   EXPECT_EQ(health()["faults"][0]["fault"], "sonar silent");
   EXPECT_EQ(health()["faults"][0]["why"], "no ping for 3 s");
   bool lost = false;
-  for (const json& agent : health()["agents"]) lost = lost || (agent["name"] == "pilot" && agent["state"] == "lost");
+  const json agents = health()["agents"];
+  for (const json& agent : agents) lost = lost || (agent["name"] == "pilot" && agent["state"] == "lost");
   EXPECT_TRUE(lost);
   say("safety officer", SafetyReport{"sonar silent", false, false, MissionEnd::kSurface, ""}, 6);
   display.show(Time(seconds(6.0)), DisplayCounts{});
