@@ -148,8 +148,14 @@ int act(Options& options) {
     print(request, outcome);
   }
   const std::string failure = outcome.mission ? outcome.mission->failure() : std::string();
-  if (outcome.problem.empty() && failure.empty()) return kSuccess;
   std::fflush(stdout);
+  if (!outcome.recording_problem.empty()) {
+    std::fprintf(stderr, "isobath: %s; the recording ends there, %llu events and messages are not in it\n",
+                 outcome.recording_problem.c_str(), static_cast<unsigned long long>(outcome.not_recorded));
+  }
+  if (outcome.problem.empty() && failure.empty()) {
+    return outcome.recording_problem.empty() ? kSuccess : kFailedChecks;
+  }
   const std::string& problem = outcome.problem.empty() ? failure : outcome.problem;
   std::fprintf(stderr, "isobath: %s: %s\n", request.input.string().c_str(), problem.c_str());
   return outcome.problem.empty() ? kFailedChecks : kBadInput;

@@ -46,6 +46,11 @@ class NativeLogWriter {
   void write(Time time, const Setpoint& setpoint);
   /// What was decided and why, as one JSON object of the caller's, in /decisions; sources pass over it.
   void write_decision(Time time, const std::string& json);
+  /// A channel of the caller's, for what is made of the events. Sources pass over it where the name of its schema
+  /// begins with "isobath." or "foxglove."; group as McapWriter's: not 0, or events are read more slowly.
+  std::uint16_t add_channel(const std::string& topic, const std::string& message_encoding, McapSchema schema,
+                            int group);
+  void write(std::uint16_t channel, Time time, std::string_view message);
   /// A file beside the messages, such as the scene that was simulated.
   void attach(const std::string& name, const std::string& media_type, const std::string& data);
   /// Makes what was written safe from a crash.
@@ -54,7 +59,7 @@ class NativeLogWriter {
 
  private:
   std::uint16_t late_channel(std::uint16_t& id, const char* topic, const char* name, const std::string& definition);
-  void send(std::uint16_t channel, Time time);
+  void send(std::uint16_t channel, Time time, std::span<const std::uint8_t> message);
 
   McapWriter mcap_;
   std::uint16_t ping_ = 0, navigation_ = 0, range_ = 0, health_ = 0, swath_ = 0;

@@ -47,6 +47,20 @@ void mark_as_whole(std::string& records) {
   if (records.size() >= kHead) records[1] = static_cast<char>(records[1] | kForget);
 }
 
+std::size_t for_each_record(std::string_view records, const std::function<void(const DisplayRecord&)>& take) {
+  std::size_t at = 0;
+  while (records.size() - at >= kHead) {
+    RecordHead head;
+    std::memcpy(&head, records.data() + at, kHead);
+    const std::size_t size = kHead + padded(head.bytes);
+    if (!is_kind(head.kind) || head.zero != 0 || size > records.size() - at) return at;
+    take({static_cast<DisplayKind>(head.kind), (head.flags & kGone) != 0, (head.flags & kForget) != 0, head.number,
+          Time{Duration(head.time)}, records.substr(at + kHead, head.bytes)});
+    at += size;
+  }
+  return at;
+}
+
 std::size_t DisplayItems::KeyHash::operator()(const Key& key) const {
   const std::uint64_t mixed = (key.number ^ static_cast<std::uint64_t>(key.kind) << 56) * 0x9e3779b97f4a7c15u;
   return mixed ^ mixed >> 29;
@@ -85,22 +99,14 @@ void DisplayItems::remove(DisplayKind kind, std::uint64_t number, Time time) {
 }
 
 std::size_t DisplayItems::take(std::string_view records) {
-  std::size_t at = 0;
-  while (records.size() - at >= kHead) {
-    RecordHead head;
-    std::memcpy(&head, records.data() + at, kHead);
-    const std::size_t size = kHead + padded(head.bytes);
-    if (!is_kind(head.kind) || head.zero != 0 || size > records.size() - at) return at;
-    if ((head.flags & kForget) != 0) clear();
-    const Time time{Duration(head.time)};
-    if ((head.flags & kGone) != 0) {
-      remove(static_cast<DisplayKind>(head.kind), head.number, time);
+  return for_each_record(records, [this](const DisplayRecord& record) {
+    if (record.forget) clear();
+    if (record.gone) {
+      remove(record.kind, record.number, record.time);
     } else {
-      set(static_cast<DisplayKind>(head.kind), head.number, time, std::string(records.substr(at + kHead, head.bytes)));
+      set(record.kind, record.number, record.time, std::string(record.payload));
     }
-    at += size;
-  }
-  return at;
+  });
 }
 
 void DisplayItems::clear() {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <isobath/base/time.hpp>
 #include <list>
 #include <memory>
@@ -41,6 +42,16 @@ enum class DisplayKind : std::uint8_t {
 /// One record, as it is sent and recorded; `gone`: the item is no more.
 void append_record(std::string& out, DisplayKind kind, std::uint64_t number, Time time, std::string_view payload,
                    bool gone = false);
+/// One record, as it was read.
+struct DisplayRecord {
+  DisplayKind kind;
+  bool gone, forget;  ///< forget: all items before it
+  std::uint64_t number;
+  Time time;
+  std::string_view payload;
+};
+/// Returns how many bytes held whole records that fit.
+std::size_t for_each_record(std::string_view records, const std::function<void(const DisplayRecord&)>& take);
 /// Marks the first record of `records` so that a page forgets all before it takes it; appends nothing to nothing.
 void mark_as_whole(std::string& records);
 

@@ -5,7 +5,7 @@
 #include <isobath/mission/safety_officer.hpp>
 #include <isobath/mission/standard_crew.hpp>
 #include <isobath/runtime/mission_run.hpp>
-#include <isobath/runtime/run_log.hpp>
+#include <isobath/runtime/run_recorder.hpp>
 
 namespace isobath {
 namespace {

@@ -10,7 +10,7 @@
 #include <isobath/runtime/prefetch.hpp>
 #include <isobath/runtime/run.hpp>
 #include <isobath/runtime/run_folder.hpp>
-#include <isobath/runtime/run_log.hpp>
+#include <isobath/runtime/run_recorder.hpp>
 #include <isobath/runtime/run_source.hpp>
 #include <isobath/runtime/scenario.hpp>
 #include <thread>
@@ -44,6 +44,7 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     voxels.take(ping);
     folder_.on_ping(ping);
     if (judge) judge->on_ping(ping);
+    if (recorder) recorder->on_ping(ping);
     if (mission) mission->resume();
   }
   void on_scan(const ScanResult& scan) override {
@@ -53,25 +54,29 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     }
     folder_.on_scan(scan);
     if (judge) judge->on_scan(scan);
+    if (recorder) recorder->on_scan(scan);
     if (mission) mission->resume();
   }
-  void on_upright(const PosedPing& ping) override { voxels.take(ping); }
+  void on_upright(const PosedPing& ping) override {
+    voxels.take(ping);
+    if (recorder) recorder->on_upright(ping);
+  }
   void on_soundings(const Swath& swath, const Pose& X_WB) override { voxels.take(swath, X_WB); }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
 
   VoxelModel voxels;
+  std::optional<RunRecorder> recorder;  ///< the mission's crew tells it
   std::optional<MissionRun> mission;
   std::optional<TruthJudge> judge;
   std::optional<TrueTrack> track;
-  std::optional<RunLog> log;
 
  private:
   template <class Truth>
   void tell(const Truth& truth) {
     if (judge) judge->take(truth);
     if (track) track->take(truth);
-    if (log) log->take(truth);
+    if (recorder) recorder->take(truth);
   }
 
   RunFolder& folder_;
@@ -239,8 +244,12 @@ void prepare(Sinks& sinks, const RunRequest& request, const std::optional<Missio
   if (!request.live_speed) sinks.judge.emplace(simulated->simulator());
   if (setup) sinks.track.emplace(simulator);
   if (!request.record.empty()) {
-    sinks.log.emplace(request.record, simulator, scenario_text(request.input), request.configuration);
-    if (setup) sinks.log->attach(*setup);
+    RunRecorder& recorder = sinks.recorder.emplace(request.record, request.configuration);
+    recorder.describe(simulator, scenario_text(request.input));
+    if (setup) {
+      recorder.describe(*setup);
+      sinks.mission->show_messages_to([&recorder](const Envelope& envelope) { recorder.heard(envelope); });
+    }
   }
   simulated->tell_truth_to(&sinks);
 }
@@ -249,7 +258,10 @@ void prepare(Sinks& sinks, const RunRequest& request, const std::optional<Missio
 bool steer(Sinks& sinks, SimulatedSource* simulated, EndOfMission& end, Time time) {
   Helm& helm = sinks.mission->helm();
   const Setpoint setpoint = sinks.mission->steer();
-  if (sinks.log) sinks.log->write(time, setpoint, helm.decisions());
+  if (sinks.recorder) {
+    sinks.recorder->decided(helm.decisions());
+    sinks.recorder->setpoint(time, setpoint);
+  }
   if (!simulated) return true;
   simulated->simulator().command(setpoint);
   simulated->answer(helm.to_operator());
@@ -344,7 +356,7 @@ RunOutcome run(const RunRequest& asked) {
     if (!mapping || first == Time::max()) depths.locate(origin);  // a scene lies where it lies from the start
     if (setup && first == Time::max()) check_frame(setup->plan, origin);
     const Time time = time_of(*event);
-    if (sinks.log) sinks.log->write(*event);
+    if (sinks.recorder) sinks.recorder->take(*event);
     const auto taken = Clock::now();
     if (sinks.mission) sinks.mission->hear(*event);
     if (mapping) {
@@ -370,7 +382,11 @@ RunOutcome run(const RunRequest& asked) {
   outcome.source = source->report();
   if (frame) outcome.source.origin = frame;
   add_results(outcome, pipeline, depths, sinks.voxels.map() != nullptr);
-  if (sinks.log) sinks.log->close();
+  if (sinks.recorder) {
+    sinks.recorder->close();
+    outcome.recording_problem = sinks.recorder->problem();
+    outcome.not_recorded = sinks.recorder->left_out();
+  }
   if (sinks.judge) {
     outcome.truth = sinks.judge->score();
     folder.show_truth(sinks.judge->outlines());

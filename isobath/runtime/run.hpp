@@ -89,6 +89,8 @@ struct RunOutcome {
   std::optional<VoxelOutcome> voxels;        ///< where a fan of beams was heard
   std::optional<MissionOutcome> mission;     ///< where there was one
   std::optional<LiveOutcome> live;           ///< of a live run
+  std::string recording_problem;             ///< why the recording ends before the run does; empty where it does not
+  std::uint64_t not_recorded = 0;            ///< what came after that
   std::string undecided;                     ///< why no echo of a ping was decided at the end; else empty
   /// One line where the input itself is wrong (cut in the middle of a record, poses that are no numbers, time that runs
   /// backwards); empty when all is well. What could be used was used.
