@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <isobath/base/time.hpp>
+#include <limits>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -70,9 +71,13 @@ class DisplayItems {
   struct Changes {
     std::string records;      ///< oldest change first
     std::uint64_t stamp = 0;  ///< up to which they go
+    bool whole = false;       ///< what was there before is to be forgotten
+    bool more = false;        ///< there are later ones: ask again after the stamp
   };
-  /// What has changed after a stamp. After 0: all there is, whole.
-  [[nodiscard]] Changes changes_after(std::uint64_t stamp) const;
+  /// What has changed after a stamp. After 0: all there is, whole. No more than fits into `most_bytes`, but for one
+  /// item that alone does not.
+  [[nodiscard]] Changes changes_after(std::uint64_t stamp,
+                                      std::size_t most_bytes = std::numeric_limits<std::size_t>::max()) const;
   /// Bytes of all payloads.
   [[nodiscard]] std::size_t bytes() const;
 
