@@ -202,6 +202,20 @@ void Display::show_way(Time time) {
   items_.set(DisplayKind::kWay, 0, time, text_of(way));
 }
 
+void Display::look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) {
+  if (maps_.wants_depths(time)) {
+    if (auto snapshot = depths.snapshot()) maps_.show(time, std::move(snapshot));
+  }
+  if (const VoxelMap* map = voxels.map()) maps_.show(time, *map);
+  if (!wants_counts(time)) return;
+  DisplayCounts counts{pipeline.counts(), pipeline.rejected(), {}, {}, 0};
+  for (const EmergencyFlags* flags : {&pipeline.emergencies(), &depths.emergencies()}) {
+    for (const Alarm& alarm : alarms_of(*flags)) counts.alarms.push_back(to_text(alarm));
+  }
+  if (counts.pipeline.pings > 0) counts.undecided = pipeline.undecided();
+  show(time, counts);
+}
+
 bool Display::wants_counts(Time time) const { return passed(counted_, time, kCountInterval); }
 
 void Display::show(Time time, const DisplayCounts& counts) {

@@ -12,11 +12,13 @@
 #include <isobath/io/event.hpp>
 #include <isobath/mission/bus.hpp>
 #include <isobath/mission/mission_plan.hpp>
+#include <isobath/runtime/depth_model.hpp>
 #include <isobath/runtime/display_items.hpp>
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/map_display.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
 #include <isobath/runtime/sonar_display.hpp>
+#include <isobath/runtime/voxel_model.hpp>
 #include <map>
 #include <optional>
 #include <set>
@@ -60,8 +62,9 @@ class Display : public ResultSink {
   void heard(const Envelope& envelope);
   /// What the vehicle is told to do from now on.
   void want(const Setpoint& wanted) { wanted_ = wanted; }
-  [[nodiscard]] MapDisplay& maps() { return maps_; }
 
+  /// After each event: the maps and the counts, of which each is looked at when it is time.
+  void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
   /// Whether a second has gone by since the last counts.
   [[nodiscard]] bool wants_counts(Time time) const;
   void show(Time time, const DisplayCounts& counts);

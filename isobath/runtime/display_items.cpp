@@ -68,6 +68,8 @@ std::size_t DisplayItems::KeyHash::operator()(const Key& key) const {
 }
 
 void DisplayItems::put(Item item) {
+  last_ = first_ ? std::max(last_, item.time) : item.time;
+  if (!first_) first_ = item.time;
   const Key key{item.kind, item.number};
   const auto found = by_key_.find(key);
   if (found == by_key_.end()) {
@@ -154,6 +156,11 @@ DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp, std::size
   }
   if (changes.whole) mark_as_whole(changes.records);
   return changes;
+}
+
+std::pair<Time, Time> DisplayItems::times() const {
+  const std::lock_guard lock(mutex_);
+  return {first_.value_or(Time{}), last_};
 }
 
 std::size_t DisplayItems::bytes() const {

@@ -15,10 +15,12 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 namespace isobath {
 
@@ -78,6 +80,8 @@ class DisplayItems {
   /// item that alone does not.
   [[nodiscard]] Changes changes_after(std::uint64_t stamp,
                                       std::size_t most_bytes = std::numeric_limits<std::size_t>::max()) const;
+  /// Of the first change and of the latest; both 0 without any.
+  [[nodiscard]] std::pair<Time, Time> times() const;
   /// Bytes of all payloads.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -105,6 +109,8 @@ class DisplayItems {
   std::uint64_t stamp_ = 0;
   std::uint64_t cleared_ = 0;  ///< stamp at which all was forgotten
   std::size_t bytes_ = 0;
+  std::optional<Time> first_;
+  Time last_;
 };
 
 }  // namespace isobath
