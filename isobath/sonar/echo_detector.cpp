@@ -155,13 +155,35 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out, const WaterColum
   if (state_ == DetectorState::kReady) boundary_.sort_out(ping, water, thresholds_, out);
 }
 
+bool EchoDetector::listen(const Ping& ping) {
+  if (config_.method != DetectionMethod::kAutomatic) return true;
+  prepare_for(ping);
+  for (int beam = 0; beam < ping.intensity.beams(); ++beam) {
+    ping.intensity.copy_beam(beam, beam_.data());
+    tracker_.learn(beam_.data());
+  }
+  if (tracker_.update()) take_thresholds();
+  return state_ == DetectorState::kReady;
+}
+
+void EchoDetector::heard_all() {
+  if (config_.method != DetectionMethod::kAutomatic || tracker_.profiles() < kBeamsLearnt) return;
+  tracker_.update(true);
+  take_thresholds();
+}
+
+void EchoDetector::prepare_for(const Ping& ping) {
+  const bool by_pixel = config_.method == DetectionMethod::kHistogram;
+  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ ||
+      ping.intensity.type() != type_ || (by_pixel && ping.fan != fan_)) {
+    prepare(ping);
+  }
+}
+
 void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
   const Intensities& z = ping.intensity;
   const bool by_pixel = config_.method == DetectionMethod::kHistogram;
-  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ || z.type() != type_ ||
-      (by_pixel && ping.fan != fan_)) {
-    prepare(ping);
-  }
+  prepare_for(ping);
   if (config_.method == DetectionMethod::kAutomatic) learn(ping);
   out.reset(z.beams(), z.bins());
   describe(out);
@@ -255,7 +277,10 @@ void EchoDetector::learn(const Ping& ping) {
     tracker_.learn(beam_.data());
   }
   next_beam_ = (next_beam_ + 1) % beams;
-  if (!tracker_.update()) return;
+  if (tracker_.update()) take_thresholds();
+}
+
+void EchoDetector::take_thresholds() {
   state_ = DetectorState::kReady;
   std::copy(tracker_.thresholds().begin(), tracker_.thresholds().end(), thresholds_.begin());
   set_thresholds();

@@ -89,6 +89,12 @@ class EchoDetector {
   /// The ping must pass `check`.
   void detect(const Ping& ping, EchoDecisions& out, const WaterColumn& water = {});
 
+  /// Before the first `detect`, where the pings are there already: method `auto` learns from all beams of the ping and
+  /// decides nothing. Whether that is enough to decide, as it always is by the other methods.
+  bool listen(const Ping& ping);
+  /// No more pings will be listened to: what was heard is enough to decide by, if it is 16 beams or more.
+  void heard_all();
+
   /// Of the last ping.
   [[nodiscard]] DetectorState state() const { return state_; }
   /// In force for the last ping, a range bin (infinite: none); empty for CFAR and histograms, which have one a sample.
@@ -98,11 +104,13 @@ class EchoDetector {
 
  private:
   void decide(const Ping& ping, EchoDecisions& out);
+  void prepare_for(const Ping& ping);
   void prepare(const Ping& ping);
   void prepare_model(const Ping& ping);
   void prepare_histogram(const Ping& ping);
   void set_thresholds();
   void learn(const Ping& ping);
+  void take_thresholds();
   void describe(EchoDecisions& out) const;
   void decide_by_thresholds(const Ping& ping, EchoDecisions& out) const;
   void decide_by_cfar(const Ping& ping, EchoDecisions& out);
