@@ -178,8 +178,10 @@ std::vector<Field> fields(InputConfig& c) {
       Field::text("navigation", &c.navigation, "CSV of poses beside the log; empty: none."),
       Field::text("set", &c.set, "Which set of a folder that holds several; empty: the first by name."),
       Field::integer("pass", &c.pass, {0, 1e6}, "", "Which pass of a set that holds several; 0: the first."),
-      Field::integer("most_bins", &c.most_bins, {0, 1e6}, "bins",
-                     "Range bins of a beam at most; neighbours of a finer sonar are averaged, so that speckle is; 0: all."),
+      Field::integer(
+          "most_bins", &c.most_bins, {0, 1e6}, "bins",
+          "Range bins from the sonar to the end of its window at most: a finer sonar's are averaged, and their "
+          "speckle with them; 0: all as they are."),
   };
   for (Field& field : fields(c.survey)) all.push_back(std::move(field));
   return all;

@@ -31,14 +31,17 @@ class PooledBins final : public Source {
   std::optional<Event> next() override {
     std::optional<Event> event = source_->next();
     auto* ping = event ? std::get_if<Ping>(&*event) : nullptr;
-    if (ping && ping->window.bins > most_bins_ && check(*ping) == PingFault::kNone) pool(*ping);
+    if (!ping || check(*ping) != PingFault::kNone) return event;
+    const double fine = ping->window.end_m() / ping->window.bin_m / most_bins_;
+    const int together = static_cast<int>(std::min<double>(ping->window.bins, std::ceil(fine - 1e-9)));
+    if (together > 1) pool(*ping, together);
     return event;
   }
   [[nodiscard]] const SourceReport& report() const override { return source_->report(); }
 
  private:
-  void pool(Ping& ping) {
-    const int together = (ping.window.bins + most_bins_ - 1) / most_bins_, bins = ping.window.bins / together;
+  void pool(Ping& ping, int together) {
+    const int bins = ping.window.bins / together;
     const int beams = ping.intensity.beams(), size = bytes_of(ping.intensity.type());
     std::byte* const samples = arena_.take(static_cast<std::size_t>(beams) * bins * size);
     std::byte* to = samples;

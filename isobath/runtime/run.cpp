@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <deque>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/io/pose_track.hpp>
@@ -294,24 +293,6 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
     outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
 }
 
-/// The events of a log that the pipeline had to listen to before it could decide the first ping. None where somebody
-/// decides on the way, who in the vehicle's time could not have known what comes.
-std::deque<Event> listen_ahead(Source& source, Pipeline& pipeline) {
-  constexpr std::size_t kMost = 20'000;  // of a log without pings
-  std::deque<Event> ahead;
-  while (ahead.size() < kMost) {
-    auto event = source.next();
-    if (!event) {
-      pipeline.heard_all();
-      break;
-    }
-    ahead.push_back(std::move(*event));
-    const auto* ping = std::get_if<Ping>(&ahead.back());
-    if (ping && pipeline.listen(*ping)) break;
-  }
-  return ahead;
-}
-
 RunOutcome run(const RunRequest& asked) {
   RunRequest request = asked;
   std::optional<Scenario> scenario;
@@ -358,6 +339,7 @@ RunOutcome run(const RunRequest& asked) {
     mapping.emplace(map);
   }
   std::deque<Event> ahead;
+  // Who decides on the way could not have known, in the vehicle's time, what comes.
   if (!simulated && !setup) ahead = listen_ahead(*source, pipeline);
   const auto next = [&] {
     if (ahead.empty()) return source->next();
