@@ -43,14 +43,15 @@ class PooledBins final : public Source {
   void pool(Ping& ping, int together) {
     const int bins = ping.window.bins / together;
     const int beams = ping.intensity.beams(), size = bytes_of(ping.intensity.type());
-    std::byte* const samples = arena_.take(static_cast<std::size_t>(beams) * bins * size);
+    std::byte* const samples = arena_.take(std::size_t(beams) * std::size_t(bins) * std::size_t(size));
     std::byte* to = samples;
     beam_.resize(static_cast<std::size_t>(ping.window.bins));
     for (int b = 0; b < beams; ++b) {
       ping.intensity.copy_beam(b, beam_.data());
+      const float* fine = beam_.data();
       for (int k = 0; k < bins; ++k) {
         float sum = 0;
-        for (int i = 0; i < together; ++i) sum += beam_[static_cast<std::size_t>(k * together + i)];
+        for (int i = 0; i < together; ++i) sum += *fine++;
         to = put_mean(to, ping.intensity.type(), sum / static_cast<float>(together));
       }
     }
