@@ -435,8 +435,17 @@ RunOutcome run(const RunRequest& asked) {
   std::optional<WatchedPace> watched;
   if (request.watch) watched.emplace(*request.watch);
   const auto scene = [&] { return scene_of(request, *source, setup, simulated.get(), depths); };
+  std::deque<Event> ahead;
+  // Who decides on the way could not have known, in the vehicle's time, what comes.
+  if (!simulated && !setup) ahead = listen_ahead(*source, pipeline);
+  const auto next = [&] {
+    if (ahead.empty()) return source->next();
+    std::optional<Event> event = std::move(ahead.front());
+    ahead.pop_front();
+    return event;
+  };
   Time first = Time::max(), last = Time::min();
-  while (auto event = source->next()) {
+  while (auto event = next()) {
     const std::optional<GeoOrigin> origin = frame ? frame : source->report().origin;
     if (!mapping || first == Time::max()) depths.locate(origin);  // a scene lies where it lies from the start
     if (setup && first == Time::max()) check_frame(setup->plan, origin);
