@@ -1,4 +1,4 @@
-import type { Plugin } from 'vite';
+import { runnerImport, type Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
 
 /** The page is one file that works without a net: the script and the styles are set where the page would load them. */
@@ -29,16 +29,15 @@ function inOneFile(): Plugin {
 
 /** `npm run dev` shows the demonstration; ISOBATH_SERVE=host:port shows what a running `isobath serve` tells. */
 function demonstration(): Plugin {
+  const serve = async (server: unknown) => {
+    if (process.env.ISOBATH_SERVE || process.env.VITEST) return;
+    const { module } = await runnerImport<{ serveDemo(server: unknown): void }>('./fixtures/serve.ts');
+    module.serveDemo(server);
+  };
   return {
     name: 'demonstration',
-    async configureServer(server) {
-      const { serveDemo } = await import('./fixtures/serve');
-      if (server.httpServer && !process.env.ISOBATH_SERVE && !process.env.VITEST) serveDemo(server.httpServer as never);
-    },
-    async configurePreviewServer(server) {
-      const { serveDemo } = await import('./fixtures/serve');
-      if (!process.env.ISOBATH_SERVE) serveDemo(server.httpServer as never);
-    },
+    configureServer: ({ httpServer }) => serve(httpServer),
+    configurePreviewServer: ({ httpServer }) => serve(httpServer),
   };
 }
 

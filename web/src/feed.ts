@@ -85,7 +85,7 @@ export class SocketFeed implements Feed {
     }
     this.socket = socket;
     socket.binaryType = 'arraybuffer';
-    socket.onopen = () => this.become({ is: 'open' });
+    socket.onopen = () => socket === this.socket && this.become({ is: 'open' });
     socket.onmessage = ({ data }: { data: unknown }) => {
       if (!(data instanceof ArrayBuffer) || socket !== this.socket) return;
       this.wait = kFirstWait; // a door that opens and says nothing is no reason to knock faster

@@ -50,7 +50,7 @@ export class HealthView implements View {
   private troubles(health: Health): void {
     const list: HTMLElement[] = health.alarms.map((alarm) => trouble('Alarm', alarm, '', true));
     for (const { fault, why, action, active, since } of health.faults) {
-      const text = [why, action && `action: ${action}`, since !== undefined && `since ${units.elapsed(since)}`];
+      const text = [why, action && `action: ${action}`, since !== undefined && `${active ? 'since' : 'raised at'} ${units.elapsed(since)}`];
       list.push(trouble(active ? 'Fault' : 'Over', fault, text.filter(Boolean).join('; '), active));
     }
     if (list.length === 0) list.push(make('li', { class: 'trouble fine' }, '✓ No alarm, no fault'));

@@ -62,7 +62,7 @@ const day: Paint = {
   vehicleEdge: '#14202c',
   decision: '#d65e00',
   ruler: '#c00d1e',
-  hatch: 'rgb(255 255 255 / 0.75)',
+  hatch: 'rgb(255 255 255 / 0.5)',
   occupied: [166, 58, 0],
   free: [255, 255, 255],
   decided: [255, 64, 150],

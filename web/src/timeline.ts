@@ -24,7 +24,7 @@ export class Timeline implements View {
   constructor(
     private readonly shared: Shared,
     private readonly marks: Marks,
-    private readonly canLive: boolean,
+    canLive: boolean,
   ) {
     const { ask } = shared;
     this.playButton.addEventListener('click', () => this.toggle());
@@ -71,7 +71,9 @@ export class Timeline implements View {
     const now = this.scrubbed ?? model.now;
     say(byId('time-now'), units.elapsed(now));
     say(byId('time-end'), clock ? `of ${units.elapsed(clock.end, 0)}` : '');
-    say(byId('time-utc'), model.scene ? units.utc(model.scene.start + now) : '');
+    const [date = '', ...clockTime] = model.scene ? units.utc(model.scene.start + now).split(' ') : [];
+    say(byId('time-date'), date);
+    say(byId('time-clock'), clockTime.join(' '));
     this.strip.setAttribute('aria-valuemin', (clock?.start ?? 0).toFixed(1));
     this.strip.setAttribute('aria-valuemax', (clock?.end ?? now).toFixed(1));
     this.strip.setAttribute('aria-valuenow', now.toFixed(1));
@@ -187,7 +189,6 @@ export class Timeline implements View {
       this.seek(to);
     });
     strip.addEventListener('selectstart', (event) => event.preventDefault());
-    void this.canLive;
   }
 }
 

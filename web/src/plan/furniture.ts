@@ -29,11 +29,11 @@ export function drawGridNumbers(pen: Pen): void {
   const number = (v: number) => String(Math.round(v * 1000) / 1000).replace('-', '−');
   for (let n = Math.ceil(bottom / step) * step; n <= top; n += step) {
     const y = camera.y(n, 0);
-    if (y > 24 && y < camera.height - 60) words(pen, `N ${number(n)}`, 6, y, pen.paint.faint);
+    if (y > 90 && y < camera.height - 60) words(pen, `N ${number(n)}`, 6, y, pen.paint.faint);
   }
   for (let e = Math.ceil(left / step) * step; e <= right; e += step) {
     const x = camera.x(0, e);
-    if (x > 60 && x < camera.width - 200) words(pen, `E ${number(e)}`, x, 10, pen.paint.faint, 'center');
+    if (x > 75 && x < camera.width - 20) words(pen, `E ${number(e)}`, x, 10, pen.paint.faint, 'center');
   }
 }
 

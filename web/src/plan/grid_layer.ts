@@ -43,6 +43,6 @@ function occupancy(paint: Paint, threshold: number): Uint32Array {
     if (p >= limit) return packed(paint.occupied, Math.round(150 + 80 * ((p - limit) / (1 - limit))));
     const share = p / limit;
     if (share > 0.5) return packed(paint.occupied, Math.round(110 * (share - 0.5)));
-    return packed(paint.free, Math.round(130 * (0.5 - share)));
+    return packed(paint.free, Math.round(200 * (0.5 - share)));
   });
 }

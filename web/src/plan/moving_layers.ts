@@ -3,7 +3,7 @@ import type { Decision } from '../items';
 import type { Model } from '../model';
 import { metres, percent } from '../units';
 import { middle, spread } from './chart_layers';
-import { stroke, trace, words, type Pen } from './pen';
+import { label, stroke, trace, type Pen } from './pen';
 
 const kOldWays = 40;
 /** From this probability of its existence on, an obstacle is one; below, its outline is broken. */
@@ -31,7 +31,7 @@ export function drawObstacles(pen: Pen, model: Model, labels: boolean): void {
     if (!labels || camera.scale > 0.4 || (crowded && camera.scale > 0.06)) continue;
     const above = y - spread(pen, obstacle.outline) / 2 - 10;
     const more = camera.scale < 0.18 ? `, ${percent(existence)}, ${metres(obstacle.range)}` : '';
-    words(pen, `${obstacle.id}${more}`, x, above, colour, 'center');
+    label(pen, `${obstacle.id}${more}`, x, above, colour);
   }
 }
 
@@ -78,6 +78,7 @@ export function drawTrack(pen: Pen, model: Model): void {
   const { vehicle } = model;
   if (vehicle) drawing.lineTo(camera.x(vehicle.north, vehicle.east), camera.y(vehicle.north, vehicle.east));
   drawing.lineJoin = 'round';
+  stroke(pen, { colour: paint.halo, width: 4.5 });
   stroke(pen, { colour: paint.track, width: 2.2 });
 }
 

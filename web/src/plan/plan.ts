@@ -55,7 +55,7 @@ export class PlanView implements View, Gestured {
       legend.setAttribute('aria-expanded', String(open));
     };
     legend.addEventListener('click', () => fold(byId('plan-legend-box').hidden !== false));
-    fold(matchMedia('(min-width: 1200px)').matches);
+    fold(matchMedia('(min-width: 1700px)').matches);
     const shows = byId<HTMLSelectElement>('depth-shows');
     shows.addEventListener('change', () => {
       this.depth.shows = shows.value as DepthShows;
@@ -65,6 +65,7 @@ export class PlanView implements View, Gestured {
 
   frame(): void {
     const { model, theme } = this.shared;
+    if (this.canvas.clientWidth < 20 || this.canvas.clientHeight < 20) return;
     const resized = fit(this.canvas);
     const look = `${model.revision.join()} ${this.shared.selected?.number ?? ''}`;
     if (!this.dirty && !resized && look === this.shown && this.painted === theme.revision) return;
@@ -106,7 +107,7 @@ export class PlanView implements View, Gestured {
     const { camera, layers } = this;
     const drawing = context(this.canvas);
     const ratio = pixelRatio();
-    const pen: Pen = { drawing, camera, paint: theme.paint };
+    const pen: Pen = { drawing, camera, paint: theme.paint, taken: [] };
     drawing.setTransform(ratio, 0, 0, ratio, 0, 0);
     drawing.fillStyle = theme.paint.water;
     drawing.fillRect(0, 0, camera.width, camera.height);

@@ -30,7 +30,7 @@ export class FanView {
       this.painted = look;
     }
     const { left, right, up, down } = picture.box;
-    const margin = 26;
+    const margin = 20;
     this.scale = Math.max(0.01, Math.min((width - 2 * margin) / (right - left), (height - 2 * margin) / (up - down)));
     this.x = width / 2 - ((left + right) / 2) * this.scale;
     this.y = height / 2 + ((up + down) / 2) * this.scale;

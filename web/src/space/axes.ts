@@ -14,7 +14,8 @@ export class Axes {
   /** m; returns the steps of the grid: level and in depth. */
   build(extent: Extent, stretch: number, paint: Paint): void {
     const level = roundStep(Math.max(extent.high[0]! - extent.low[0]!, extent.high[1]! - extent.low[1]!) / 5);
-    const deep = roundStep(Math.max(1, extent.high[2]!) / 3);
+    // No closer than their numbers can stand.
+    const deep = roundStep(Math.max(Math.max(1, extent.high[2]!) / 3, (0.35 * level) / stretch));
     const low = [0, 1].map((k) => Math.floor(extent.low[k]! / level) * level) as [number, number];
     const high = [0, 1].map((k) => Math.ceil(extent.high[k]! / level) * level) as [number, number];
     const floor = Math.ceil(Math.max(1, extent.high[2]!) / deep) * deep;
@@ -28,7 +29,7 @@ export class Axes {
     };
     const size = 0.042 * Math.max(high[0] - low[0], high[1] - low[1]);
     const text = (words: string, n: number, e: number, d: number) => {
-      const sprite = label(words, paint, size);
+      const sprite = label(words, paint);
       sprite.position.copy(at(n, e, d * stretch));
       this.group.add(sprite);
     };
@@ -68,7 +69,10 @@ export class Axes {
   }
 }
 
-function label(words: string, paint: Paint, size: number): Sprite {
+/** Of the height of the view. */
+const kText = 0.03;
+
+function label(words: string, paint: Paint): Sprite {
   const canvas = sheet(1, 44);
   const font = '600 30px system-ui, "DejaVu Sans", sans-serif';
   const measure = context(canvas);
@@ -85,8 +89,9 @@ function label(words: string, paint: Paint, size: number): Sprite {
   pen.fillText(words, 6, 23);
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
-  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true }));
-  sprite.scale.set((size * canvas.width) / canvas.height, size, 1);
+  // As large on the screen, however far away.
+  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true, sizeAttenuation: false }));
+  sprite.scale.set((kText * canvas.width) / canvas.height, kText, 1);
   sprite.renderOrder = 5;
   return sprite;
 }

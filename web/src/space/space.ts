@@ -41,6 +41,8 @@ export class SpaceView implements View {
     fan: byId<HTMLInputElement>('space-fan'),
     follow: byId<HTMLInputElement>('space-follow'),
   };
+  private readonly ambient = new AmbientLight(0xffffff, 1.5);
+  private readonly sun = new DirectionalLight(0xffffff, 2);
   private stretch = 1;
   private dirty = true;
   private seen = '';
@@ -59,9 +61,8 @@ export class SpaceView implements View {
       new MeshBasicMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }),
     );
     this.stretched.add(this.voxels.mesh, this.surface.group);
-    const sun = new DirectionalLight(0xffffff, 1.9);
-    sun.position.set(-0.5, 0.6, 1);
-    this.world.add(new AmbientLight(0xffffff, 1.35), sun, this.stretched, this.axes.group, this.sea);
+    this.sun.position.set(-0.5, 0.6, 1);
+    this.world.add(this.ambient, this.sun, this.stretched, this.axes.group, this.sea);
     this.world.add(this.craft.group, this.fans.group, this.track.line, this.way.line);
     const touch = () => {
       this.dirty = true;
@@ -70,6 +71,7 @@ export class SpaceView implements View {
       shared.redraw();
     };
     for (const box of Object.values(this.boxes)) box.addEventListener('change', touch);
+    this.boxes.follow.addEventListener('change', () => (this.placed = false));
     const colour = byId<HTMLSelectElement>('space-colour');
     colour.addEventListener('change', () => {
       this.voxels.colour = colour.value as VoxelColour;
@@ -101,6 +103,8 @@ export class SpaceView implements View {
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     renderer.setClearColor(theme.paint.sky);
+    this.ambient.intensity = theme.name === 'day' ? 1.7 : 1.1;
+    this.sun.intensity = theme.name === 'day' ? 2 : 1.6;
     this.rebuild(now);
     this.move();
     renderer.render(this.world, this.camera);
@@ -139,8 +143,7 @@ export class SpaceView implements View {
     this.touched();
   }
   follow(): void {
-    this.boxes.follow.checked = !this.boxes.follow.checked;
-    this.touched();
+    this.boxes.follow.click();
   }
 
   private touched(): void {
@@ -247,8 +250,10 @@ export class SpaceView implements View {
     const follows = this.boxes.follow.checked && vehicle;
     const target = follows ? at(vehicle.north, vehicle.east, vehicle.down * this.stretch) : at(n, e, 0);
     this.controls!.target.copy(target);
-    const far = follows ? Math.min(wide, 70) : wide * 1.05 * Math.max(1, 1.1 / this.camera.aspect);
-    this.camera.position.copy(target).add(new Vector3(-0.45, -0.85, 0.62).multiplyScalar(far));
+    const half = (this.camera.fov / 2) * (Math.PI / 180);
+    const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
+    const far = follows ? Math.min(wide, 70) : (0.66 * wide) / Math.sin(narrow);
+    this.camera.position.copy(target).add(new Vector3(-0.4, -0.75, 0.62).normalize().multiplyScalar(far));
     this.camera.far = wide * 20;
     this.controls!.update();
   }
