@@ -41,6 +41,9 @@ function demonstration(): Plugin {
   };
 }
 
+/** The page must live with this much; a preview holds it to that. */
+const kPolicy =
+  "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self'";
 const behind = process.env.ISOBATH_SERVE;
 const proxy = behind ? { '/socket': { target: `ws://${behind}`, ws: true } } : {};
 
@@ -53,7 +56,7 @@ export default defineConfig({
     chunkSizeWarningLimit: 1000,
   },
   server: { proxy },
-  preview: { proxy },
+  preview: { proxy, headers: { 'Content-Security-Policy': kPolicy } },
   plugins: [inOneFile(), demonstration()],
   test: { include: ['test/*.test.ts'] },
 });

@@ -24,6 +24,7 @@ const model = new Model();
 const feed = feedOf(document);
 let waiting = false;
 let broken = 0;
+let adopted: Marks | null = null;
 const redraw = (): void => {
   if (waiting) return;
   waiting = true;
@@ -81,6 +82,7 @@ function draw(now: number): void {
 feed.start(
   (records) => {
     model.take(records);
+    if (feed.marks && feed.marks !== adopted) marks.adopt((adopted = feed.marks));
     redraw();
   },
   () => connection.tick(performance.now()),

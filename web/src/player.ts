@@ -38,7 +38,7 @@ export function readBlocks(bytes: Uint8Array): Block[] {
 }
 
 /** Each record's key of kind and number, and where it lies. */
-function each(records: Uint8Array, take: (key: string, from: number, to: number) => void): void {
+export function each(records: Uint8Array, take: (key: string, from: number, to: number) => void): void {
   const view = new DataView(records.buffer, records.byteOffset, records.byteLength);
   for (let at = 0; records.length - at >= kHead; ) {
     const end = at + kHead + padded(view.getUint32(at + 4, true));

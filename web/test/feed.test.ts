@@ -2,6 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { recording, Demo } from '../fixtures/demo';
 import { SocketFeed, type Socket } from '../src/feed';
 import { Model } from '../src/model';
+import { marksOf } from '../src/marks';
 import { Player, readBlocks } from '../src/player';
 
 /** A program at the other end, and a clock that moves only when told. */
@@ -199,6 +200,11 @@ describe('a recording', () => {
     model.take(player.ask({ ask: 'step', steps: -1 })!);
     expect(model.clock!.now).toBeCloseTo(9.9, 6);
     expect(essence(model)).toEqual(essence(plainly(9.9)));
+  });
+
+  it('is marked before it is played', () => {
+    const marks = [...marksOf(blocks).all.values()];
+    expect(marks.map(({ at, alarm }) => [Math.round(at * 10) / 10, alarm])).toEqual([[0, false], [0.3, false], [19, false]]);
   });
 
   it('has no now and no mission to command', () => {

@@ -17,6 +17,8 @@ import { VoxelMesh, type VoxelColour } from './voxel_mesh';
 
 /** ms between two rebuilds of what is dear to build. */
 const kRebuild = 300;
+/** ms between two pictures of what moves, where the processor has to draw them. */
+const kSlow = 400;
 
 export class SpaceView implements View {
   private readonly canvas = byId<HTMLCanvasElement>('space-canvas');
@@ -97,8 +99,10 @@ export class SpaceView implements View {
     const look = `${model.revision.join()} ${theme.revision} ${width} ${height}`;
     if (look !== this.seen) this.dirty = true;
     if (!this.dirty) return;
+    if (this.slow && !this.moved && now - this.rendered < kSlow) return;
+    this.rendered = now;
     this.seen = look;
-    this.dirty = false;
+    this.dirty = this.moved = false;
     renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
@@ -157,23 +161,29 @@ export class SpaceView implements View {
     if (this.renderer) return true;
     if (this.failed) return false;
     try {
-      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true });
+      this.slow = drawsInSoftware();
+      this.surface.most = this.slow ? 25_000 : 600_000;
+      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !this.slow });
     } catch {
       this.failed = true;
       byId('space-none').hidden = false;
       return false;
     }
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.renderer.setPixelRatio(this.slow ? 1 : Math.min(2, window.devicePixelRatio || 1));
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.zoomToCursor = true;
     this.controls.maxPolarAngle = Math.PI * 0.92;
     this.controls.addEventListener('change', () => {
-      this.dirty = true;
+      this.dirty = this.moved = true;
       this.shared.redraw();
     });
     return true;
   }
   private failed = false;
+  /** No graphics processor: fewer points, and a picture for every record would leave no time for the other views. */
+  private slow = false;
+  private moved = false;
+  private rendered = -Infinity;
 
   private rebuild(now: number): void {
     const { model, theme } = this.shared;
@@ -274,7 +284,7 @@ export class SpaceView implements View {
         target.copy(place);
         this.controls!.update();
         this.followed = place;
-        this.dirty = false;
+        this.dirty = this.moved = false;
       }
       this.controls!.zoomToCursor = !this.boxes.follow.checked;
       this.craft.place(vehicle, scene?.vehicle.length ?? 1.5, this.stretch, paint, this.camera.position.distanceTo(place));
@@ -315,6 +325,15 @@ export class SpaceView implements View {
     say(this.readout, parts.join(' · '));
     mark(this.canvas, 'voxels', String(this.voxels.shown));
   }
+}
+
+function drawsInSoftware(): boolean {
+  const probe = document.createElement('canvas').getContext('webgl2');
+  if (!probe) return false;
+  const names = probe.getExtension('WEBGL_debug_renderer_info');
+  const name: unknown = probe.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : probe.RENDERER);
+  probe.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
 }
 
 function level([n, e, d]: readonly [number, number, number], instead: number): [number, number, number] {

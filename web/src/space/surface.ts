@@ -7,8 +7,8 @@ import { put } from './frame';
 
 /** What the light has of a byte of the screen. */
 const kLinear = Float32Array.from({ length: 256 }, (_, byte) => (byte / 255) ** 2.2);
-/** Points a side of a tile: finer is not seen. */
-const kMostSide = 128;
+/** Points a side of a tile: finer is not seen, coarser says nothing. */
+const [kMostSide, kLeastSide] = [128, 8];
 
 interface Tile {
   revision: number;
@@ -18,12 +18,17 @@ interface Tile {
 
 export class Surface {
   readonly group = new Group();
+  /** Points of all tiles together, about. */
+  most = 600_000;
   private readonly tiles = new Map<string, Tile>();
   private readonly material = new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, transparent: true, opacity: 0.92 });
 
   /** At most `most` tiles at a time, so that a frame stays a frame. True: there is more to do. */
   build(model: Model, theme: Theme, deepest: number, most = 6): boolean {
-    const look = `${theme.name} ${deepest}`;
+    // By powers of two, or each new tile would make all others again.
+    const share = 2 ** Math.floor(Math.log2(Math.sqrt(this.most / Math.max(1, model.depth.size))));
+    const finest = Math.min(kMostSide, Math.max(kLeastSide, share));
+    const look = `${theme.name} ${deepest} ${finest}`;
     for (const [key, { mesh }] of this.tiles) {
       if (model.depth.has(key)) continue;
       this.group.remove(mesh);
@@ -37,7 +42,7 @@ export class Surface {
       const joined = `${look} ${beside.map((tile) => tile?.revision ?? 0).join()}`;
       if (known?.revision === revision && known.look === joined) continue;
       if (made++ >= most) return true;
-      const geometry = shape(item, beside.map((tile) => tile?.item), theme, deepest);
+      const geometry = shape(item, beside.map((tile) => tile?.item), theme, deepest, finest);
       if (known) {
         known.mesh.geometry.dispose();
         known.mesh.geometry = geometry;
@@ -58,8 +63,8 @@ function neighbours(model: Model, { row, column }: DepthTile): (Revised<DepthTil
   return [at(row + 1, column), at(row, column + 1), at(row + 1, column + 1)];
 }
 
-function shape(tile: DepthTile, beside: readonly (DepthTile | undefined)[], theme: Theme, deepest: number): BufferGeometry {
-  const step = Math.max(1, Math.ceil(tile.side / kMostSide));
+function shape(tile: DepthTile, beside: readonly (DepthTile | undefined)[], theme: Theme, deepest: number, finest: number): BufferGeometry {
+  const step = Math.max(1, Math.ceil(tile.side / finest));
   const side = Math.ceil(tile.side / step) + 1;
   const places = new Float32Array(3 * side * side);
   const colours = new Float32Array(3 * side * side);
