@@ -1,7 +1,11 @@
+import { readFileSync } from 'node:fs';
 import { runnerImport, type Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
 
-/** The page is one file that works without a net: the script and the styles are set where the page would load them. */
+/**
+ * The page is one file that works without a net: the script and the styles are set where the page would load them,
+ * with the licences of what is in it.
+ */
 function inOneFile(): Plugin {
   return {
     name: 'in-one-file',
@@ -13,7 +17,9 @@ function inOneFile(): Plugin {
       let html = String(page.source);
       for (const [name, file] of Object.entries(bundle)) {
         if (name === 'index.html') continue;
-        const link = new RegExp(`<(script|link)[^>]*(?:src|href)="[^"]*${name.replaceAll('.', '\\.')}"[^>]*>(</script>)?`);
+        const link = new RegExp(
+          `<(script|link)[^>]*(?:src|href)="[^"]*${name.replaceAll('.', '\\.')}"[^>]*>(</script>)?`,
+        );
         if (!link.test(html)) throw new Error(`${name} is not named by index.html, and one file has no room for it`);
         const inside =
           file.type === 'chunk'
@@ -22,7 +28,10 @@ function inOneFile(): Plugin {
         html = html.replace(link, () => inside);
         delete bundle[name];
       }
-      page.source = html;
+      const notices = ['three', 'uplot'].map(
+        (name) => `${name}: ${readFileSync(`node_modules/${name}/LICENSE`, 'utf8').trim()}`,
+      );
+      page.source = html.replace('<html', () => `<!--\nThis page holds:\n\n${notices.join('\n\n')}\n-->\n<html`);
     },
   };
 }

@@ -43,8 +43,11 @@ export class Marks {
     }
     for (const what of now) {
       // Who jumps into an alarm does not raise it again.
-      const known = [...this.all.values()].some((m) => m.alarm && m.what === what && Math.abs(m.at - model.now) < kSame);
-      if (!this.raised.has(what) && !known) this.put(`alarm ${what} ${model.now.toFixed(0)}`, { at: model.now, what, alarm: true });
+      const known = [...this.all.values()].some(
+        (m) => m.alarm && m.what === what && Math.abs(m.at - model.now) < kSame,
+      );
+      if (!this.raised.has(what) && !known)
+        this.put(`alarm ${what} ${model.now.toFixed(0)}`, { at: model.now, what, alarm: true });
     }
     this.raised = now;
   }

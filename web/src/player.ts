@@ -40,7 +40,7 @@ export function readBlocks(bytes: Uint8Array): Block[] {
 /** Each record's key of kind and number, and where it lies. */
 export function each(records: Uint8Array, take: (key: string, from: number, to: number) => void): void {
   const view = new DataView(records.buffer, records.byteOffset, records.byteLength);
-  for (let at = 0; records.length - at >= kHead; ) {
+  for (let at = 0; records.length - at >= kHead;) {
     const end = at + kHead + padded(view.getUint32(at + 4, true));
     const kind = view.getUint8(at);
     if (kind < 1 || kind > kLastKind || end > records.length) return;
@@ -89,7 +89,7 @@ export class Player {
     }
     this.next = last;
     const all = joined([...newest.values(), this.clock()]);
-    for (let at = 0, view = new DataView(all.buffer); at < all.length; ) {
+    for (let at = 0, view = new DataView(all.buffer); at < all.length;) {
       all[at + 1] = at === 0 ? 2 : all[at + 1]! & ~2;
       at += kHead + padded(view.getUint32(at + 4, true));
     }

@@ -48,7 +48,8 @@ export class Timeline implements View {
     const { clock } = model;
     this.marks.update();
     const resized = fit(this.canvas);
-    const look = `${model.revision[Kind.clock]} ${model.revision[Kind.scene]} ${this.marks.revision} ${theme.revision} ${this.scrubbed} ${this.hovered} ${model.now.toFixed(1)}`;
+    const told = `${model.revision[Kind.clock]} ${model.revision[Kind.scene]} ${this.marks.revision}`;
+    const look = `${told} ${theme.revision} ${this.scrubbed} ${this.hovered} ${model.now.toFixed(1)}`;
     if (look === this.drawn && !resized) return;
     this.drawn = look;
     this.tell(clock);
@@ -183,7 +184,11 @@ export class Timeline implements View {
     });
     strip.addEventListener('keydown', (event) => {
       const { clock, now } = shared.model;
-      const to = clock && ({ PageUp: now - 10, PageDown: now + 10, Home: clock.start, End: clock.end } as Record<string, number>)[event.key];
+      const to =
+        clock &&
+        ({ PageUp: now - 10, PageDown: now + 10, Home: clock.start, End: clock.end } as Record<string, number>)[
+          event.key
+        ];
       if (to === null || to === undefined) return;
       event.preventDefault();
       this.seek(to);
@@ -205,5 +210,8 @@ function triangle(drawing: CanvasRenderingContext2D, x: number, y: number, size:
 
 /** s: steps that clocks have. */
 function stepOf(least: number): number {
-  return [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400].find((s) => s >= least) ?? roundStep(least);
+  return (
+    [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400].find((s) => s >= least) ??
+    roundStep(least)
+  );
 }

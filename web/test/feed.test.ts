@@ -17,7 +17,11 @@ class Harbour {
     connect: (): Socket => {
       if (this.refuse) throw new Error('refused');
       const socket: Socket = {
-        binaryType: '', readyState: 0, onopen: null, onclose: null, onmessage: null,
+        binaryType: '',
+        readyState: 0,
+        onopen: null,
+        onclose: null,
+        onmessage: null,
         send: (text) => void this.sent.push(text),
         close: () => {},
       };
@@ -59,7 +63,10 @@ function started(): { harbour: Harbour; feed: SocketFeed; heard: number[] } {
   const harbour = new Harbour();
   const feed = new SocketFeed(harbour.around);
   const heard: number[] = [];
-  feed.start((bytes) => heard.push(bytes.length), () => {});
+  feed.start(
+    (bytes) => heard.push(bytes.length),
+    () => {},
+  );
   return { harbour, feed, heard };
 }
 
@@ -112,7 +119,10 @@ describe('the socket', () => {
     const harbour = new Harbour();
     harbour.refuse = true;
     const feed = new SocketFeed(harbour.around);
-    feed.start(() => {}, () => {});
+    feed.start(
+      () => {},
+      () => {},
+    );
     expect(feed.state.is).toBe('lost');
     harbour.refuse = false;
     harbour.pass(500);
@@ -150,7 +160,11 @@ describe('a recording', () => {
     return model;
   }
   const essence = (m: Model) => ({
-    vehicle: m.vehicle, decisions: m.decisions, way: m.way, obstacles: m.obstacles, health: m.health,
+    vehicle: m.vehicle,
+    decisions: m.decisions,
+    way: m.way,
+    obstacles: m.obstacles,
+    health: m.health,
     track: [...m.track].map(([k, { places }]) => [k, [...places]]).sort(),
     depth: [...m.depth].map(([k, { item }]) => [k, [...item.confidence]]).sort(),
     echoes: [...m.sonars].map(([k, image]) => [k, [...image.intensity], [...image.heard]]),
@@ -170,7 +184,8 @@ describe('a recording', () => {
       model.take(player.seek(35));
       model.take(player.seek(to));
       const [is, must] = [essence(model), essence(plainly(to))];
-      for (const key of Object.keys(is) as (keyof typeof is)[]) expect([to, key, is[key]]).toEqual([to, key, must[key]]);
+      for (const key of Object.keys(is) as (keyof typeof is)[])
+        expect([to, key, is[key]]).toEqual([to, key, must[key]]);
       expect(model.clock).toMatchObject({ now: to, start: 0, end: expect.closeTo(39.9, 6) as number, live: false });
     }
   });
@@ -204,7 +219,11 @@ describe('a recording', () => {
 
   it('is marked before it is played', () => {
     const marks = [...marksOf(blocks).all.values()];
-    expect(marks.map(({ at, alarm }) => [Math.round(at * 10) / 10, alarm])).toEqual([[0, false], [0.3, false], [19, false]]);
+    expect(marks.map(({ at, alarm }) => [Math.round(at * 10) / 10, alarm])).toEqual([
+      [0, false],
+      [0.3, false],
+      [19, false],
+    ]);
   });
 
   it('has no now and no mission to command', () => {

@@ -12,15 +12,37 @@ const json = (kind: number, value: unknown, more: Partial<NewRecord> = {}) =>
   writeRecord({ kind, time: at(0), payload: jsonBytes(value), ...more });
 const scene = (more: object = {}) => json(Kind.scene, { title: 'a run', start_ns: String(start), ...more });
 const decision = (n: number, seconds = n, more: Partial<NewRecord> = {}) =>
-  json(Kind.decision, { agent: 'Captain', what: `w${n}`, reason: 'r' }, { number: BigInt(n), time: at(seconds), ...more });
+  json(
+    Kind.decision,
+    { agent: 'Captain', what: `w${n}`, reason: 'r' },
+    { number: BigInt(n), time: at(seconds), ...more },
+  );
 const sonar = (bins = 4) =>
-  json(Kind.sonar, { name: 'head', azimuth: [-0.5, 0, 0.5], width: [0.1, 0.1, 0.1], first_m: 1, bin_m: 0.5, bins, scale: { unit: 'dB', low: 0, high: 51 } }, { number: 0n });
+  json(
+    Kind.sonar,
+    {
+      name: 'head',
+      azimuth: [-0.5, 0, 0.5],
+      width: [0.1, 0.1, 0.1],
+      first_m: 1,
+      bin_m: 0.5,
+      bins,
+      scale: { unit: 'dB', low: 0, high: 51 },
+    },
+    { number: 0n },
+  );
 const echoes = (first: number, decided: number[], seconds = 1, beams = 1) =>
   writeRecord({
-    kind: Kind.echoes, number: encode.pair(0, first), time: at(seconds),
+    kind: Kind.echoes,
+    number: encode.pair(0, first),
+    time: at(seconds),
     payload: encode.echoesBytes({
-      beams, bins: 4, place: [10, 20, 3], rotation: [Math.SQRT1_2, 0, 0, Math.SQRT1_2], // a quarter turn: looks east
-      intensity: Uint8Array.from({ length: 4 * beams }, (_, i) => i + 1), decided: Uint8Array.from(decided),
+      beams,
+      bins: 4,
+      place: [10, 20, 3],
+      rotation: [Math.SQRT1_2, 0, 0, Math.SQRT1_2], // a quarter turn: looks east
+      intensity: Uint8Array.from({ length: 4 * beams }, (_, i) => i + 1),
+      decided: Uint8Array.from(decided),
     }),
   });
 
@@ -65,20 +87,35 @@ describe('items', () => {
       decision(1),
       Uint8Array.of(1, 2, 3),
     );
-    expect([...model.malformed]).toEqual([['vehicle', 1], ['health', 1], ['obstacles', 1], ['message cut short', 1]]);
+    expect([...model.malformed]).toEqual([
+      ['vehicle', 1],
+      ['health', 1],
+      ['obstacles', 1],
+      ['message cut short', 1],
+    ]);
     expect(model.vehicle).toBeNull();
     expect(model.decisions).toHaveLength(1);
   });
 
   it('of JSON need none of their keys', () => {
-    const model = told(...[Kind.scene, Kind.way, Kind.decision, Kind.health].map((kind) => json(kind, {})), json(Kind.obstacles, [{}, null, 3]));
+    const model = told(
+      ...[Kind.scene, Kind.way, Kind.decision, Kind.health].map((kind) => json(kind, {})),
+      json(Kind.obstacles, [{}, null, 3]),
+    );
     expect(model.malformed.size).toBe(0);
     expect(model.scene?.vehicle.length).toBeGreaterThan(0);
     expect(model.obstacles).toHaveLength(1);
   });
 
   it('of JSON believe nothing of another type', () => {
-    const model = told(json(Kind.scene, { title: 4, fence: [[1], ['a', 2], [3, 4], [5, null]], mission: [{ at: 'x' }, { at: [1, 2], name: {} }], start_ns: 'soon' }));
+    const model = told(
+      json(Kind.scene, {
+        title: 4,
+        fence: [[1], ['a', 2], [3, 4], [5, null]],
+        mission: [{ at: 'x' }, { at: [1, 2], name: {} }],
+        start_ns: 'soon',
+      }),
+    );
     expect(model.scene).toMatchObject({ title: '', fence: [[3, 4]], start: 0 });
     expect(model.scene?.mission).toMatchObject([{ name: '', at: [1, 2] }]);
   });
@@ -136,12 +173,19 @@ describe('time', () => {
   });
 
   it('marks what was decided and what was raised, and keeps it over a jump back', () => {
-    const model = told(scene(), decision(0, 3), json(Kind.health, { faults: [{ fault: 'leak', active: true, since_s: 8 }] }));
+    const model = told(
+      scene(),
+      decision(0, 3),
+      json(Kind.health, { faults: [{ fault: 'leak', active: true, since_s: 8 }] }),
+    );
     const marks = new Marks(model);
     marks.update();
     model.take(json(Kind.scene, { title: 'a run', start_ns: String(start) }, { forget: true }));
     marks.update();
-    expect([...marks.all.values()]).toEqual([{ at: 3, what: 'Captain: w0', alarm: false }, { at: 8, what: 'leak', alarm: true }]);
+    expect([...marks.all.values()]).toEqual([
+      { at: 3, what: 'Captain: w0', alarm: false },
+      { at: 8, what: 'leak', alarm: true },
+    ]);
     model.take(json(Kind.scene, { start_ns: '5' }, { forget: true }));
     marks.update();
     expect(marks.all.size).toBe(0);
@@ -186,7 +230,8 @@ describe('a whole run', () => {
         places.push([from + kHead, payload.byteLength]);
         from += kHead + padded(payload.byteLength);
       });
-      for (const [begin, size] of places) for (let k = 0; k < 3 && size > 0; ++k) bad[begin + random(Math.min(size, 60))] = random(256);
+      for (const [begin, size] of places)
+        for (let k = 0; k < 3 && size > 0; ++k) bad[begin + random(Math.min(size, 60))] = random(256);
       expect(() => model.take(bad)).not.toThrow();
     }
     expect(model.malformed.size).toBeGreaterThan(0);

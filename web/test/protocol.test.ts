@@ -11,7 +11,10 @@ const hand = (...bytes: number[]) => Uint8Array.from(bytes);
 
 function records(bytes: Uint8Array): [protocol.RecordView[], number] {
   const all: protocol.RecordView[] = [];
-  return [all, protocol.readRecords(bytes, (record) => all.push({ ...record }))] as unknown as [protocol.RecordView[], number];
+  return [all, protocol.readRecords(bytes, (record) => all.push({ ...record }))] as unknown as [
+    protocol.RecordView[],
+    number,
+  ];
 }
 
 describe('records', () => {
@@ -26,7 +29,9 @@ describe('records', () => {
   });
 
   it('are written as they are read', () => {
-    expect(writeRecord({ kind: 9, number: (2n << 32n) | 1n, time: 1_500_000_000n, gone: true, forget: true })).toEqual(worked);
+    expect(writeRecord({ kind: 9, number: (2n << 32n) | 1n, time: 1_500_000_000n, gone: true, forget: true })).toEqual(
+      worked,
+    );
   });
 
   it('keep their times before 1970 and after 2038', () => {
@@ -48,7 +53,12 @@ describe('records', () => {
 
   it('end where the head cannot be right', () => {
     const good = writeRecord({ kind: Kind.scene, time: 0n, payload: jsonBytes({}) });
-    for (const [at, byte] of [[0, 0], [0, 99], [2, 1], [7, 255]] as const) {
+    for (const [at, byte] of [
+      [0, 0],
+      [0, 99],
+      [2, 1],
+      [7, 255],
+    ] as const) {
       const bad = good.slice();
       bad[at] = byte;
       const [all, read] = records(joined([good, bad, good]));
@@ -64,7 +74,20 @@ describe('PackBits', () => {
     const out = new Uint8Array(24);
     expect(unpackBits(packed, out)).toBe(true);
     expect([...out]).toEqual([
-      0xaa, 0xaa, 0xaa, 0x80, 0x00, 0x2a, 0xaa, 0xaa, 0xaa, 0xaa, 0x80, 0x00, 0x2a, 0x22,
+      0xaa,
+      0xaa,
+      0xaa,
+      0x80,
+      0x00,
+      0x2a,
+      0xaa,
+      0xaa,
+      0xaa,
+      0xaa,
+      0x80,
+      0x00,
+      0x2a,
+      0x22,
       ...new Array<number>(10).fill(0xaa),
     ]);
   });
@@ -96,11 +119,28 @@ describe('PackBits', () => {
 describe('payloads', () => {
   it('vehicle', () => {
     const bytes = encode.vehicleBytes({
-      place: [1234567.125, -2.5, 3], attitude: [0.25, -0.5, 3], velocity: [1, 2, 3], sigma: 0.5, altitude: NaN, wanted: [1, 2, NaN],
+      place: [1234567.125, -2.5, 3],
+      attitude: [0.25, -0.5, 3],
+      velocity: [1, 2, 3],
+      sigma: 0.5,
+      altitude: NaN,
+      wanted: [1, 2, NaN],
     });
     expect(protocol.readVehicle(view(bytes))).toEqual({
-      north: 1234567.125, east: -2.5, down: 3, roll: 0.25, pitch: -0.5, heading: 3, surge: 1, sway: 2, heave: 3, sigma: 0.5,
-      altitude: NaN, wantedHeading: 1, wantedDepth: 2, wantedSpeed: NaN,
+      north: 1234567.125,
+      east: -2.5,
+      down: 3,
+      roll: 0.25,
+      pitch: -0.5,
+      heading: 3,
+      surge: 1,
+      sway: 2,
+      heave: 3,
+      sigma: 0.5,
+      altitude: NaN,
+      wantedHeading: 1,
+      wantedDepth: 2,
+      wantedSpeed: NaN,
     });
     expect(protocol.readVehicle(view(bytes.slice(0, 79)))).toBeNull();
     bytes.fill(255, 0, 8);
@@ -110,7 +150,14 @@ describe('payloads', () => {
   it('echoes, with the bits of what was decided after the next multiple of 8', () => {
     const intensity = Uint8Array.from({ length: 15 }, (_, i) => 10 + i);
     const decided = Uint8Array.from({ length: 15 }, (_, i) => (i === 0 || i === 9 || i === 14 ? 1 : 0));
-    const bytes = encode.echoesBytes({ beams: 3, bins: 5, place: [1, 2, 3], rotation: [1, 0, 0, 0], intensity, decided });
+    const bytes = encode.echoesBytes({
+      beams: 3,
+      bins: 5,
+      place: [1, 2, 3],
+      rotation: [1, 0, 0, 0],
+      intensity,
+      decided,
+    });
     expect(bytes).toHaveLength(48 + 16 + 2);
     expect([...bytes.slice(64)]).toEqual([1, 0b01000010]);
     const echoes = protocol.readEchoes(view(bytes), 7)!;
@@ -129,7 +176,15 @@ describe('payloads', () => {
   });
 
   it('a grid that promises more than its bytes can hold reserves nothing', () => {
-    const bytes = encode.gridBytes({ nx: 2, ny: 2, cell: 1, corner: [0, 0], heading: 0, threshold: 0.5, cells: new Uint8Array(4) });
+    const bytes = encode.gridBytes({
+      nx: 2,
+      ny: 2,
+      cell: 1,
+      corner: [0, 0],
+      heading: 0,
+      threshold: 0.5,
+      cells: new Uint8Array(4),
+    });
     bytes.fill(255, 0, 4);
     expect(protocol.readGrid(view(bytes))).toBeNull();
   });
@@ -137,19 +192,35 @@ describe('payloads', () => {
   it('a depth tile', () => {
     const depth = Float32Array.from([1.25, NaN, 0, 655.34]);
     const bytes = encode.depthBytes({
-      side: 2, pixel: 0.5, corner: [-16, 32], unit: 0.01, depth, confidence: Uint8Array.from([1, 0, 20, 5]), flags: Uint8Array.from([1, 0, 2, 7]),
+      side: 2,
+      pixel: 0.5,
+      corner: [-16, 32],
+      unit: 0.01,
+      depth,
+      confidence: Uint8Array.from([1, 0, 20, 5]),
+      flags: Uint8Array.from([1, 0, 2, 7]),
     });
     const tile = protocol.readDepth(view(bytes), -1, 2)!;
     expect(tile).toMatchObject({ row: -1, column: 2, side: 2, pixel: 0.5, north: -16, east: 32 });
     expect(tile.depth[0]).toBeCloseTo(1.25, 5);
     expect(tile.depth[1]).toBeNaN();
     expect(tile.depth[3]).toBeCloseTo(655.34, 3);
-    expect([[...tile.confidence], [...tile.flags]]).toEqual([[1, 0, 20, 5], [1, 0, 2, 7]]);
+    expect([[...tile.confidence], [...tile.flags]]).toEqual([
+      [1, 0, 20, 5],
+      [1, 0, 2, 7],
+    ]);
     for (let cut = 0; cut < bytes.length; ++cut) expect(protocol.readDepth(view(bytes.slice(0, cut)), 0, 0)).toBeNull();
   });
 
   it('voxels', () => {
-    const bytes = encode.voxelBytes(0.25, [-16, 32, 0], [[1, 2, 3, 250], [15, 15, 15, 125]]);
+    const bytes = encode.voxelBytes(
+      0.25,
+      [-16, 32, 0],
+      [
+        [1, 2, 3, 250],
+        [15, 15, 15, 125],
+      ],
+    );
     const block = protocol.readVoxels(view(bytes))!;
     expect(block).toMatchObject({ size: 0.25, corner: [-16, 32, 0], count: 2 });
     expect([...block.voxels]).toEqual([1, 2, 3, 250, 15, 15, 15, 125]);
@@ -157,7 +228,10 @@ describe('payloads', () => {
   });
 
   it('a track of whole places', () => {
-    const bytes = encode.trackBytes([[0, 1, 2, 3], [0.5, 4, 5, 6]]);
+    const bytes = encode.trackBytes([
+      [0, 1, 2, 3],
+      [0.5, 4, 5, 6],
+    ]);
     expect([...protocol.readTrack(view(bytes))!]).toEqual([0, 1, 2, 3, 0.5, 4, 5, 6]);
     expect(protocol.readTrack(view(bytes.slice(0, 20)))).toBeNull();
   });

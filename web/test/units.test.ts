@@ -28,7 +28,12 @@ describe('bearings', () => {
   });
   it('from the bow say the side', () => {
     expect([0, 12, -12, 350, 180, 190].map(units.relativeBearing)).toEqual([
-      'ahead', '12° to starboard', '12° to port', '10° to port', 'astern', '170° to port',
+      'ahead',
+      '12° to starboard',
+      '12° to port',
+      '10° to port',
+      'astern',
+      '170° to port',
     ]);
   });
 });
@@ -50,13 +55,60 @@ describe('places', () => {
     expect(units.longitude(-0.99999999)).toBe('001°00.0000′ W');
   });
 
-  // A minute of latitude is a nautical mile, 1852 m, near 45 degrees; at the equator a degree of longitude is a / 57.29578.
-  it('are found on the ellipsoid', () => {
-    const origin = { latitude: 44.98, longitude: 10 };
-    expect(geoPlace(origin, 1852, 0).latitude).toBeCloseTo(44.98 + 1 / 60, 4);
-    expect(geoPlace({ latitude: 0, longitude: 0 }, 0, 6378137 * (Math.PI / 180)).longitude).toBeCloseTo(1, 9);
-    // Meridian radius at the equator: a (1 - e2).
-    expect(geoPlace({ latitude: 0, longitude: 0 }, 6335439.327 * (Math.PI / 180), 0).latitude).toBeCloseTo(1, 8);
+  // Origin, north and east, and what GeographicLib's LocalCartesian has for the point at height 0 there.
+  it('are those of GeographicLib to a millimetre', () => {
+    const worked: [[number, number], [number, number], [number, number]][] = [
+      [
+        [52.3375, 12.993],
+        [5000, 8000],
+        [52.382375705, 13.110489351],
+      ],
+      [
+        [52.3375, 12.993],
+        [-12000, 300],
+        [52.229656725, 12.997390714],
+      ],
+      [
+        [52.3375, 12.993],
+        [40, -25],
+        [52.337859473, 12.992633215],
+      ],
+      [
+        [1.3128, 103.742],
+        [5000, 8000],
+        [1.358017192, 103.813885297],
+      ],
+      [
+        [1.3128, 103.742],
+        [-12000, 300],
+        [1.204276122, 103.744695537],
+      ],
+      [
+        [1.3128, 103.742],
+        [40, -25],
+        [1.313161746, 103.741775363],
+      ],
+      [
+        [-63.5, -179.99],
+        [5000, 8000],
+        [-63.455054664, -179.829622732],
+      ],
+      [
+        [-63.5, -179.99],
+        [-12000, 300],
+        [-63.607651837, -179.983953647],
+      ],
+      [
+        [-63.5, -179.99],
+        [40, -25],
+        [-63.499641157, -179.990501959],
+      ],
+    ];
+    for (const [[latitude, longitude], [north, east], must] of worked) {
+      const is = geoPlace({ latitude, longitude }, north, east);
+      expect(is.latitude).toBeCloseTo(must[0], 8);
+      expect(is.longitude).toBeCloseTo(must[1], 8);
+    }
   });
 });
 

@@ -1,4 +1,6 @@
-/** What stands still: land, fence, keep-out, what a simulator says really stands there, and the points of the mission. */
+/**
+ * What stands still: land, fence, keep-out, what a simulator says really stands there, and the points of the mission.
+ */
 import type { Scene } from '../items';
 import { label, stroke, trace, words, type Pen } from './pen';
 
@@ -63,7 +65,11 @@ export function drawBodies(pen: Pen, scene: Scene): void {
 export function drawMission(pen: Pen, scene: Scene, target: number | undefined): void {
   const { camera, drawing, paint } = pen;
   if (scene.mission.length > 1) {
-    trace(pen, scene.mission.map(({ at }) => at), false);
+    trace(
+      pen,
+      scene.mission.map(({ at }) => at),
+      false,
+    );
     stroke(pen, { colour: paint.mission, width: 1.2, dash: [2, 4] });
   }
   scene.mission.forEach(({ name, at }, i) => {

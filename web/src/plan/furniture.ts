@@ -1,4 +1,7 @@
-/** What makes a picture a chart: a grid in metres with its numbers, a scale bar, a north arrow, a ruler, rings of range. */
+/**
+ * What makes a picture a chart: a grid in metres with its numbers, a scale bar, a north arrow, a ruler, rings of
+ * range.
+ */
 import { bearing, metres, roundStep } from '../units';
 import { kFont, stroke, trace, words, type Pen } from './pen';
 
@@ -105,5 +108,12 @@ export function drawRuler(pen: Pen, ruler: Ruler): void {
     drawing.fill();
   }
   const [x, y] = [camera.x(...ruler.to), camera.y(...ruler.to)];
-  words(pen, rulerText(ruler), Math.min(Math.max(90, x), camera.width - 90), y < 40 ? y + 20 : y - 16, paint.ruler, 'center');
+  words(
+    pen,
+    rulerText(ruler),
+    Math.min(Math.max(90, x), camera.width - 90),
+    y < 40 ? y + 20 : y - 16,
+    paint.ruler,
+    'center',
+  );
 }

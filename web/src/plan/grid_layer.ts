@@ -1,4 +1,6 @@
-/** The occupancy grid round the vehicle: what is free is a light veil, what is occupied is solid, unknown is nothing. */
+/**
+ * The occupancy grid round the vehicle: what is free is a light veil, what is occupied is solid, unknown is nothing.
+ */
 import { packed } from '../colours';
 import { context, sheet } from '../dom';
 import type { Grid } from '../protocol';

@@ -34,7 +34,14 @@ export function stroke({ drawing }: Pen, { colour, width = 1.5, dash = [] }: Lin
 export const kFont = '12px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
 /** With a halo, so that it can be read on anything. */
-export function words({ drawing, paint }: Pen, text: string, x: number, y: number, colour = paint.ink, align: CanvasTextAlign = 'left'): void {
+export function words(
+  { drawing, paint }: Pen,
+  text: string,
+  x: number,
+  y: number,
+  colour = paint.ink,
+  align: CanvasTextAlign = 'left',
+): void {
   drawing.font = kFont;
   drawing.textAlign = align;
   drawing.textBaseline = 'middle';

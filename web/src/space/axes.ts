@@ -1,6 +1,14 @@
 /** A frame round what is shown: a grid on the floor and numbers along north, east and depth. */
 import {
-  BufferAttribute, BufferGeometry, CanvasTexture, Group, LineBasicMaterial, LineSegments, SRGBColorSpace, Sprite, SpriteMaterial,
+  BufferAttribute,
+  BufferGeometry,
+  CanvasTexture,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  SRGBColorSpace,
+  Sprite,
+  SpriteMaterial,
 } from 'three';
 import { context, sheet } from '../dom';
 import type { Paint } from '../theme';
@@ -42,7 +50,8 @@ export class Axes {
       line([low[0], e, floor], [high[0], e, floor]);
       text(count(e), low[0] - 1.1 * size, e, floor);
     }
-    for (const [n, e] of [low, [high[0], low[1]], [low[0], high[1]]] as [number, number][]) line([n, e, 0], [n, e, floor]);
+    for (const [n, e] of [low, [high[0], low[1]], [low[0], high[1]]] as [number, number][])
+      line([n, e, 0], [n, e, floor]);
     for (let d = 0; d <= floor + 1e-6; d += deep) {
       line([high[0], low[1], d], [high[0] + size / 2, low[1] - size / 2, d]);
       text(d === 0 ? '0 m' : `${count(d)}`, high[0] + 0.8 * size, low[1] - 0.8 * size, d);
@@ -52,7 +61,9 @@ export class Axes {
     text(`Down, m${stretch > 1 ? `  (× ${stretch})` : ''}`, high[0] + 2 * size, low[1] - 2 * size, floor / 2);
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(Float32Array.from(lines), 3));
-    this.group.add(new LineSegments(geometry, new LineBasicMaterial({ color: paint.faint, transparent: true, opacity: 0.55 })));
+    this.group.add(
+      new LineSegments(geometry, new LineBasicMaterial({ color: paint.faint, transparent: true, opacity: 0.55 })),
+    );
   }
 
   private clear(): void {

@@ -1,7 +1,19 @@
-/** The view in space: voxels, bottom, vehicle and ways, to be turned with mouse, fingers or keys. Drawn only when something changed. */
+/**
+ * The view in space: voxels, bottom, vehicle and ways, to be turned with mouse, fingers or keys. Drawn only when
+ * something changed.
+ */
 import {
-  AmbientLight, DirectionalLight, DoubleSide, Group, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene,
-  Vector3, WebGLRenderer,
+  AmbientLight,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  PerspectiveCamera,
+  PlaneGeometry,
+  Scene,
+  Vector3,
+  WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { byId, mark, say } from '../dom';
@@ -188,7 +200,8 @@ export class SpaceView implements View {
   private rebuild(now: number): void {
     const { model, theme } = this.shared;
     const stretch = this.stretch;
-    const look = `${model.revision[Kind.voxels]} ${model.revision[Kind.depth]} ${model.revision[Kind.scene]} ${theme.revision}`;
+    const revisions = [Kind.voxels, Kind.depth, Kind.scene].map((kind) => model.revision[kind]);
+    const look = `${revisions.join()} ${theme.revision}`;
     if (look === this.built) return;
     if (now - this.rebuilt < kRebuild) {
       this.dirty = true; // soon
@@ -228,7 +241,11 @@ export class SpaceView implements View {
   private extent(): Extent {
     const { model } = this.shared;
     const extent = new Extent();
-    for (const { at: [n, e], depth } of model.scene?.mission ?? []) extent.add(n, e, depth ?? 0);
+    for (const {
+      at: [n, e],
+      depth,
+    } of model.scene?.mission ?? [])
+      extent.add(n, e, depth ?? 0);
     if (model.vehicle) extent.add(model.vehicle.north, model.vehicle.east, model.vehicle.down);
     for (const { item } of model.voxels.values()) {
       const [n, e, d] = item.corner.map((v) => v * item.size) as [number, number, number];
@@ -262,7 +279,7 @@ export class SpaceView implements View {
     this.controls!.target.copy(target);
     const half = (this.camera.fov / 2) * (Math.PI / 180);
     const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
-    const far = follows ? Math.min(wide, 70) : (0.66 * wide) / Math.sin(narrow);
+    const far = follows ? Math.min(wide, 70) : (0.61 * wide) / Math.sin(narrow);
     this.camera.position.copy(target).add(new Vector3(-0.4, -0.75, 0.62).normalize().multiplyScalar(far));
     this.camera.far = wide * 20;
     this.controls!.update();
@@ -287,7 +304,13 @@ export class SpaceView implements View {
         this.dirty = this.moved = false;
       }
       this.controls!.zoomToCursor = !this.boxes.follow.checked;
-      this.craft.place(vehicle, scene?.vehicle.length ?? 1.5, this.stretch, paint, this.camera.position.distanceTo(place));
+      this.craft.place(
+        vehicle,
+        scene?.vehicle.length ?? 1.5,
+        this.stretch,
+        paint,
+        this.camera.position.distanceTo(place),
+      );
     }
     this.fans.show(model, this.stretch, paint);
     const points = model.way?.points ?? [];
@@ -318,10 +341,14 @@ export class SpaceView implements View {
       : [];
     parts.push(`${units.count(this.voxels.shown)} voxels`);
     if (this.voxels.shown > 0 && this.voxels.colour === 'depth') {
-      parts.push(`light ${units.metres(this.voxels.range[0])} to dark ${units.metres(this.voxels.range[1])} deep`);
+      parts.push(
+        `voxels light ${units.metres(this.voxels.range[0])} to dark ${units.metres(this.voxels.range[1])} deep`,
+      );
     } else if (this.voxels.shown > 0) {
-      parts.push('dark 50 % to light 100 % likely');
+      parts.push('voxels dark 50 % to light 100 % likely');
     }
+    if (this.shared.model.depth.size > 0 && this.boxes.bottom.checked)
+      parts.push(`bottom light 0 m to dark ${this.deepest} m deep`);
     say(this.readout, parts.join(' · '));
     mark(this.canvas, 'voxels', String(this.voxels.shown));
   }

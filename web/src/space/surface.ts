@@ -21,7 +21,12 @@ export class Surface {
   /** Points of all tiles together, about. */
   most = 600_000;
   private readonly tiles = new Map<string, Tile>();
-  private readonly material = new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, transparent: true, opacity: 0.92 });
+  private readonly material = new MeshLambertMaterial({
+    vertexColors: true,
+    side: DoubleSide,
+    transparent: true,
+    opacity: 0.92,
+  });
 
   /** At most `most` tiles at a time, so that a frame stays a frame. True: there is more to do. */
   build(model: Model, theme: Theme, deepest: number, most = 6): boolean {
@@ -42,7 +47,13 @@ export class Surface {
       const joined = `${look} ${beside.map((tile) => tile?.revision ?? 0).join()}`;
       if (known?.revision === revision && known.look === joined) continue;
       if (made++ >= most) return true;
-      const geometry = shape(item, beside.map((tile) => tile?.item), theme, deepest, finest);
+      const geometry = shape(
+        item,
+        beside.map((tile) => tile?.item),
+        theme,
+        deepest,
+        finest,
+      );
       if (known) {
         known.mesh.geometry.dispose();
         known.mesh.geometry = geometry;
@@ -63,7 +74,13 @@ function neighbours(model: Model, { row, column }: DepthTile): (Revised<DepthTil
   return [at(row + 1, column), at(row, column + 1), at(row + 1, column + 1)];
 }
 
-function shape(tile: DepthTile, beside: readonly (DepthTile | undefined)[], theme: Theme, deepest: number, finest: number): BufferGeometry {
+function shape(
+  tile: DepthTile,
+  beside: readonly (DepthTile | undefined)[],
+  theme: Theme,
+  deepest: number,
+  finest: number,
+): BufferGeometry {
   const step = Math.max(1, Math.ceil(tile.side / finest));
   const side = Math.ceil(tile.side / step) + 1;
   const places = new Float32Array(3 * side * side);
@@ -85,13 +102,19 @@ function shape(tile: DepthTile, beside: readonly (DepthTile | undefined)[], them
       const word = table[Math.min(255, Math.max(0, Math.round((255 * depth) / deepest)))]!;
       // Less sure is greyer.
       const sure = 0.45 + 0.55 * Math.sqrt(Math.min(1, from.confidence[at]! / 20));
-      for (let k = 0; k < 3; ++k) colours[3 * i + k] = kLinear[Math.round(sure * ((word >> (8 * k)) & 255) + (1 - sure) * grey)]!;
+      for (let k = 0; k < 3; ++k)
+        colours[3 * i + k] = kLinear[Math.round(sure * ((word >> (8 * k)) & 255) + (1 - sure) * grey)]!;
     }
   }
   const corners: number[] = [];
   for (let row = 0; row + 1 < side; ++row) {
     for (let column = 0; column + 1 < side; ++column) {
-      const [a, b, c, d] = [row * side + column, row * side + column + 1, (row + 1) * side + column, (row + 1) * side + column + 1];
+      const [a, b, c, d] = [
+        row * side + column,
+        row * side + column + 1,
+        (row + 1) * side + column,
+        (row + 1) * side + column + 1,
+      ];
       if (known[a] && known[b] && known[c]) corners.push(a, b, c);
       if (known[b] && known[d] && known[c]) corners.push(b, d, c);
     }
