@@ -187,7 +187,7 @@ export function readWay(json: unknown): Way | null {
   return {
     version: number(json.version),
     points: all(json.points, point3),
-    avoiding: flag(json.avoiding) || (typeof json.avoiding === 'string' && json.avoiding !== ''),
+    avoiding: Array.isArray(json.avoiding) ? json.avoiding.length > 0 : Boolean(json.avoiding),
     why: words(json.why),
     phase: words(json.phase),
     reached: number(json.reached),
