@@ -676,7 +676,12 @@ WebServer::WebServer(const WebServerConfig& config, WebSite site)
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
-WebServer::~WebServer() { stop(); }
+WebServer::~WebServer() {
+  try {
+    stop();
+  } catch (...) {  // Asio may say that a timer could not be cancelled; it is about to go anyway
+  }
+}
 
 int WebServer::port() const { return state_->port; }
 
