@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstring>
 #include <isobath/runtime/display_items.hpp>
 #include <utility>
@@ -24,7 +25,7 @@ std::size_t padded(std::size_t bytes) { return (bytes + kAlign - 1) / kAlign * k
 
 bool is_kind(std::uint8_t kind) {
   return kind >= static_cast<std::uint8_t>(DisplayKind::kScene) &&
-         kind <= static_cast<std::uint8_t>(DisplayKind::kRefusal);
+         kind <= static_cast<std::uint8_t>(DisplayKind::kTimes);
 }
 
 }  // namespace
@@ -67,6 +68,8 @@ std::size_t DisplayItems::KeyHash::operator()(const Key& key) const {
 }
 
 void DisplayItems::put(Item item) {
+  last_ = first_ ? std::max(last_, item.time) : item.time;
+  if (!first_) first_ = item.time;
   const Key key{item.kind, item.number};
   const auto found = by_key_.find(key);
   if (found == by_key_.end()) {
@@ -122,28 +125,42 @@ std::uint64_t DisplayItems::stamp() const {
   return stamp_;
 }
 
-DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp) const {
+DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp, std::size_t most_bytes) const {
   std::vector<Item> changed;
   Changes changes;
-  bool whole = false;
+  std::size_t bytes = 0;
   {
     const std::lock_guard lock(mutex_);
-    whole = stamp <= cleared_;
-    auto first = items_.end();
-    while (first != items_.begin() && (whole || std::prev(first)->stamp > stamp)) --first;
-    changed.assign(first, items_.end());
+    const bool whole = stamp <= cleared_;
+    auto from = items_.end();
+    while (from != items_.begin() && (whole || std::prev(from)->stamp > stamp)) --from;
     changes.stamp = stamp_;
+    for (; from != items_.end(); ++from) {
+      if (whole && from->gone) continue;
+      const std::size_t size = kHead + (from->gone ? 0 : padded(from->payload->size()));
+      if (!changed.empty() && size > most_bytes - std::min(bytes, most_bytes)) {
+        changes.stamp = changed.back().stamp;
+        changes.more = true;
+        break;
+      }
+      bytes += size;
+      changed.push_back(*from);
+    }
+    if (whole && changed.empty()) changes.stamp = cleared_;  // nothing that could say so: still to be told
+    changes.whole = whole && !changed.empty();
   }
-  std::size_t bytes = 0;
-  for (const Item& item : changed) bytes += kHead + (item.gone ? 0 : padded(item.payload->size()));
   changes.records.reserve(bytes);
   for (const Item& item : changed) {
-    if (whole && item.gone) continue;
     append_record(changes.records, item.kind, item.number, item.time,
                   item.gone ? std::string_view() : std::string_view(*item.payload), item.gone);
   }
-  if (whole) mark_as_whole(changes.records);
+  if (changes.whole) mark_as_whole(changes.records);
   return changes;
+}
+
+std::pair<Time, Time> DisplayItems::times() const {
+  const std::lock_guard lock(mutex_);
+  return {first_.value_or(Time{}), last_};
 }
 
 std::size_t DisplayItems::bytes() const {

@@ -11,13 +11,16 @@
 #include <cstdint>
 #include <functional>
 #include <isobath/base/time.hpp>
+#include <limits>
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 namespace isobath {
 
@@ -36,6 +39,7 @@ enum class DisplayKind : std::uint8_t {
   kHealth,
   kClock,
   kRefusal,
+  kTimes,
 };
 
 /// One record, as it is sent and recorded; `gone`: the item is no more.
@@ -69,9 +73,15 @@ class DisplayItems {
   struct Changes {
     std::string records;      ///< oldest change first
     std::uint64_t stamp = 0;  ///< up to which they go
+    bool whole = false;       ///< what was there before is to be forgotten
+    bool more = false;        ///< there are later ones: ask again after the stamp
   };
-  /// What has changed after a stamp. After 0: all there is, whole.
-  [[nodiscard]] Changes changes_after(std::uint64_t stamp) const;
+  /// What has changed after a stamp. After 0: all there is, whole. No more than fits into `most_bytes`, but for one
+  /// item that alone does not.
+  [[nodiscard]] Changes changes_after(std::uint64_t stamp,
+                                      std::size_t most_bytes = std::numeric_limits<std::size_t>::max()) const;
+  /// Of the first change and of the latest; both 0 without any.
+  [[nodiscard]] std::pair<Time, Time> times() const;
   /// Bytes of all payloads.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -99,6 +109,8 @@ class DisplayItems {
   std::uint64_t stamp_ = 0;
   std::uint64_t cleared_ = 0;  ///< stamp at which all was forgotten
   std::size_t bytes_ = 0;
+  std::optional<Time> first_;
+  Time last_;
 };
 
 }  // namespace isobath

@@ -63,6 +63,7 @@ class MissionRun : public ResultSink {
   Setpoint steer() { return helm_->steer(); }
 
   [[nodiscard]] Helm& helm() { return *helm_; }
+  [[nodiscard]] MissionTimings timings() const { return times_->timings(); }
   /// So far, without what only the truth knows. With real threads: after settle, and while nobody maps.
   [[nodiscard]] MissionOutcome outcome() const;
 

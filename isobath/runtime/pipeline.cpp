@@ -58,6 +58,16 @@ Pipeline::~Pipeline() = default;
 
 // What happens to an event -------------------------------------------------------------------------------------------
 
+bool Pipeline::listen(const Ping& ping) {
+  if (check(ping) != PingFault::kNone) return false;
+  return (lies_flat(ping) ? echoes_ : upright_echoes_).listen(ping);
+}
+
+void Pipeline::heard_all() {
+  echoes_.heard_all();
+  upright_echoes_.heard_all();
+}
+
 void Pipeline::take(Event event) {
   alarms_.hear(event);                      // raw ranges, health: waits for nothing below
   const auto verdict = gate_.judge(event);  // finite, in order, fresh; else counted by its reason

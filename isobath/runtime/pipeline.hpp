@@ -102,6 +102,12 @@ class Pipeline {
   Pipeline(const Configuration& configuration, ResultSink& sink, SoundingSink* depths = nullptr);
   ~Pipeline();
 
+  /// Before the first event, where the events are there already (a log): learns the noise of the sonars from a ping, so
+  /// that the first can be decided. Whether nothing more need be heard.
+  bool listen(const Ping& ping);
+  /// No more pings will be listened to: the log is shorter than the warm-up, and what was heard must do.
+  void heard_all();
+
   void take(Event event);
   /// After the last event: pings that still wait for a fix, and the obstacles of a sweep that was not finished.
   void finish();

@@ -37,6 +37,13 @@ void bring_to(const DisplayItems& wanted, Time time, DisplayItems& items) {
 
 }  // namespace
 
+bool is_recording(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (file.extension() != ".mcap" || !std::filesystem::is_regular_file(file, ignored)) return false;
+  const McapIndex index(file);
+  return index.channel_of(kDisplayTopic).has_value();
+}
+
 RecordedDisplay::RecordedDisplay(const std::filesystem::path& file) : index_(file) {
   find_channels();
   if (index_.complete() && !changes_) {
@@ -92,17 +99,13 @@ void RecordedDisplay::advance(Time time, DisplayItems& items) {
   if (changes_) take_changes(log_time_of(*at_) + 1, log_time_of(time), items);
 }
 
-std::optional<Time> RecordedDisplay::next() {
-  const auto span = this->span();
-  if (!span) return std::nullopt;
-  if (!at_) return span->first;
-  const auto after = index_.time_after(*changes_, log_time_of(*at_));
+std::optional<Time> RecordedDisplay::moment_after(Time time) {
+  const auto after = changes_ ? index_.time_after(*changes_, log_time_of(time)) : std::nullopt;
   return after ? std::optional(time_of_log(*after)) : std::nullopt;
 }
 
-std::optional<Time> RecordedDisplay::previous() {
-  if (!changes_ || !at_) return std::nullopt;
-  const auto before = index_.time_before(*changes_, log_time_of(*at_));
+std::optional<Time> RecordedDisplay::moment_before(Time time) {
+  const auto before = changes_ ? index_.time_before(*changes_, log_time_of(time)) : std::nullopt;
   return before ? std::optional(time_of_log(*before)) : std::nullopt;
 }
 

@@ -13,6 +13,9 @@
 
 namespace isobath {
 
+/// Whether a file is a recording that a page can show; false for any other input.
+bool is_recording(const std::filesystem::path& file);
+
 class RecordedDisplay {
  public:
   /// Throws Error where the file is no MCAP, or is complete and holds no display.
@@ -36,9 +39,9 @@ class RecordedDisplay {
   void seek(Time time, DisplayItems& items);
   /// Goes on to the last moment at or before a time, which lies ahead; else it seeks.
   void advance(Time time, DisplayItems& items);
-  /// The moments beside the one that is shown.
-  [[nodiscard]] std::optional<Time> next();
-  [[nodiscard]] std::optional<Time> previous();
+  /// The moments beside a time, which is neither.
+  [[nodiscard]] std::optional<Time> moment_after(Time time);
+  [[nodiscard]] std::optional<Time> moment_before(Time time);
 
   [[nodiscard]] McapIndex::Counts counts() const { return index_.counts(); }
   [[nodiscard]] const SourceReport& report() const { return index_.report(); }

@@ -5,6 +5,7 @@
 #include <isobath/io/pose_track.hpp>
 #include <isobath/runtime/closed_loop.hpp>
 #include <isobath/runtime/depth_model.hpp>
+#include <isobath/runtime/display.hpp>
 #include <isobath/runtime/mission_chart.hpp>
 #include <isobath/runtime/mission_run.hpp>
 #include <isobath/runtime/prefetch.hpp>
@@ -45,6 +46,7 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     folder_.on_ping(ping);
     if (judge) judge->on_ping(ping);
     if (recorder) recorder->on_ping(ping);
+    if (display) display->on_ping(ping);
     if (mission) mission->resume();
   }
   void on_scan(const ScanResult& scan) override {
@@ -55,18 +57,23 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     folder_.on_scan(scan);
     if (judge) judge->on_scan(scan);
     if (recorder) recorder->on_scan(scan);
+    if (display) display->on_scan(scan);
     if (mission) mission->resume();
   }
   void on_upright(const PosedPing& ping) override {
     voxels.take(ping);
     if (recorder) recorder->on_upright(ping);
+    if (display) display->on_upright(ping);
   }
   void on_soundings(const Swath& swath, const Pose& X_WB) override { voxels.take(swath, X_WB); }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
 
   VoxelModel voxels;
-  std::optional<RunRecorder> recorder;  ///< the mission's crew tells it
+  DisplayItems items;  ///< of the display, where nobody looks on
+  DisplayItems* shown = &items;
+  std::optional<Display> display;       ///< the mission's crew tells it
+  std::optional<RunRecorder> recorder;  ///< likewise
   std::optional<MissionRun> mission;
   std::optional<TruthJudge> judge;
   std::optional<TrueTrack> track;
@@ -231,33 +238,64 @@ void check_live(const RunRequest& request, const std::optional<MissionSetup>& se
   }
 }
 
+void prepare_recorder(Sinks& sinks, const RunRequest& request, const std::optional<MissionSetup>& setup,
+                      SimulatedSource* simulated, const Source& source) {
+  RunRecorder& recorder = sinks.recorder.emplace(request.record, request.configuration);
+  if (simulated) {
+    recorder.describe(simulated->simulator(), scenario_text(request.input));
+  } else {
+    recorder.describe(source.report());
+  }
+  if (setup) recorder.describe(*setup);
+}
+
 void prepare(Sinks& sinks, const RunRequest& request, const std::optional<MissionSetup>& setup,
-             SimulatedSource* simulated) {
+             SimulatedSource* simulated, const Source& source) {
   check_live(request, setup, simulated != nullptr);
-  if (!request.record.empty() && !simulated) {
-    throw Error("only what is simulated can be recorded", {request.input.string(), {}, {}, {}, {}}, "a scene",
-                "isobath convert makes a log of a log");
-  }
   if (setup) sinks.mission.emplace(*setup, request.configuration, request.live_speed.has_value());
-  if (!simulated) return;
-  const Simulator& simulator = simulated->simulator();
-  if (!request.live_speed) sinks.judge.emplace(simulated->simulator());
-  if (setup) sinks.track.emplace(simulator);
-  if (!request.record.empty()) {
-    RunRecorder& recorder = sinks.recorder.emplace(request.record, request.configuration);
-    recorder.describe(simulator, scenario_text(request.input));
-    if (setup) {
-      recorder.describe(*setup);
-      sinks.mission->show_messages_to([&recorder](const Envelope& envelope) { recorder.heard(envelope); });
-    }
+  if (!request.record.empty()) prepare_recorder(sinks, request, setup, simulated, source);
+  if (request.watch && request.watch->display) sinks.shown = request.watch->display;
+  if (request.watch || sinks.recorder) sinks.display.emplace(*sinks.shown);
+  if (setup && sinks.display) {
+    sinks.mission->show_messages_to([&sinks](const Envelope& envelope) {
+      sinks.display->heard(envelope);
+      if (sinks.recorder) sinks.recorder->heard(envelope);
+    });
   }
+  if (!simulated) return;
+  if (!request.live_speed) sinks.judge.emplace(simulated->simulator());
+  if (setup) sinks.track.emplace(simulated->simulator());
   simulated->tell_truth_to(&sinks);
+}
+
+/// What a page is told of the run as a whole; bodies that move stand where they are now.
+DisplayScene scene_of(const RunRequest& request, const Source& source, const std::optional<MissionSetup>& setup,
+                      SimulatedSource* simulated, const DepthModel& depths) {
+  DisplayScene scene;
+  scene.source = request.input.empty() ? "embedded scene" : request.input.filename().string();
+  scene.title = setup && !setup->plan.title.empty() ? setup->plan.title : scene.source;
+  scene.origin = source.report().origin;
+  scene.safe_m = request.configuration.mission.route.clearance_m;
+  scene.depth_datum = depths.facts().datum;
+  if (setup) {
+    scene.plan = setup->plan;
+    if (setup->chart.objects) scene.charted = *setup->chart.objects;
+    scene.vehicle_length_m = 2 * setup->vehicle.hull_radius_m;
+    scene.vehicle_radius_m = setup->vehicle.half_width_m;
+  }
+  if (simulated) {
+    scene.simulated = true;
+    if (!setup) scene.title = simulated->simulator().scene().about.title;
+    scene.bodies = outlines_of(simulated->simulator().world());
+  }
+  return scene;
 }
 
 /// The end of an event's way: the set-point. False: the mission was over long enough.
 bool steer(Sinks& sinks, SimulatedSource* simulated, EndOfMission& end, Time time) {
   Helm& helm = sinks.mission->helm();
   const Setpoint setpoint = sinks.mission->steer();
+  if (sinks.display) sinks.display->want(setpoint);
   if (sinks.recorder) {
     sinks.recorder->decided(helm.decisions());
     sinks.recorder->setpoint(time, setpoint);
@@ -288,6 +326,50 @@ class Pace {
   Clock::time_point start_;
   double settled_s_ = 0;
 };
+
+/// Lets a run be looked at: not faster than the watch says, and stopped when it says so. A gap of time in a log is
+/// waited for no longer than kLongestWait.
+class WatchedPace {
+ public:
+  static constexpr double kLongestWait_s = 2;
+  explicit WatchedPace(const RunWatch& watch) : watch_(watch) {}
+
+  /// Before an event of this time is heard. False: it is to end here.
+  bool keep(Time time) {
+    if (watch_.stopped && watch_.stopped()) return false;
+    if (watch_.speed <= 0) return true;
+    const auto now = Clock::now();
+    const double ahead_s = last_ ? to_seconds(time - *last_) / watch_.speed : 0;
+    if (time > last_.value_or(Time::min())) last_ = time;
+    due_ += std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(std::clamp(ahead_s, 0.0, kLongestWait_s)));
+    due_ = std::max(due_, now - kMostBehind);  // what was slow is made up for, but not for long
+    while (due_ > Clock::now()) {
+      if (watch_.stopped && watch_.stopped()) return false;
+      std::this_thread::sleep_until(std::min(due_, Clock::now() + kMostBehind));
+    }
+    return true;
+  }
+
+ private:
+  static constexpr Clock::duration kMostBehind = std::chrono::milliseconds(500);
+  const RunWatch& watch_;
+  std::optional<Time> last_;
+  Clock::time_point due_ = Clock::now();
+};
+
+/// After an event has gone all its way.
+void show(Sinks& sinks, Time time, const Pipeline& pipeline, const DepthModel& depths,
+          const std::function<DisplayScene()>& scene) {
+  if (!sinks.display) return;
+  const bool full = sinks.display->wants_counts(time);
+  if (full) {
+    sinks.display->show(time, scene());
+    if (sinks.mission) sinks.display->show(time, sinks.mission->timings());
+  }
+  sinks.display->look(time, pipeline, depths, sinks.voxels);
+  if (sinks.recorder) sinks.recorder->sample(time, *sinks.shown);
+}
 
 /// What pipeline and depth map found (`mapped`: there are voxels), and whether the input was in order.
 void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths, bool mapped) {
@@ -329,7 +411,7 @@ RunOutcome run(const RunRequest& asked) {
   }
   RunFolder folder(request.out, request.configuration);
   Sinks sinks(folder, request);
-  prepare(sinks, request, setup, simulated.get());
+  prepare(sinks, request, setup, simulated.get(), *source);
   Pipeline pipeline(request.configuration, sinks, &depths);
   EndOfMission end;
   RunOutcome outcome;
@@ -350,13 +432,33 @@ RunOutcome run(const RunRequest& asked) {
     pace.emplace(*request.live_speed, *simulator);
     mapping.emplace(map);
   }
+  std::optional<WatchedPace> watched;
+  if (request.watch) watched.emplace(*request.watch);
+  const auto scene = [&] { return scene_of(request, *source, setup, simulated.get(), depths); };
+  std::deque<Event> ahead;
+  // Who decides on the way could not have known, in the vehicle's time, what comes.
+  if (!simulated && !setup) ahead = listen_ahead(*source, pipeline);
+  const auto next = [&] {
+    if (ahead.empty()) return source->next();
+    std::optional<Event> event = std::move(ahead.front());
+    ahead.pop_front();
+    return event;
+  };
   Time first = Time::max(), last = Time::min();
-  while (auto event = source->next()) {
+  while (auto event = next()) {
     const std::optional<GeoOrigin> origin = frame ? frame : source->report().origin;
     if (!mapping || first == Time::max()) depths.locate(origin);  // a scene lies where it lies from the start
     if (setup && first == Time::max()) check_frame(setup->plan, origin);
     const Time time = time_of(*event);
-    if (sinks.recorder) sinks.recorder->take(*event);
+    if (watched && !watched->keep(time)) break;
+    if (watched && simulated && setup && request.watch->ordered) {
+      if (const auto order = request.watch->ordered()) simulated->order(*order, setup->plan);
+    }
+    if (sinks.recorder) {
+      if (origin) sinks.recorder->locate(*origin);
+      sinks.recorder->take(*event);
+    }
+    if (sinks.display) sinks.display->hear(*event);
     const auto taken = Clock::now();
     if (sinks.mission) sinks.mission->hear(*event);
     if (mapping) {
@@ -368,7 +470,9 @@ RunOutcome run(const RunRequest& asked) {
     first = std::min(first, time);
     last = std::max(last, time);
     if (request.progress) request.progress(source->report(), mapping ? PipelineCounts{} : pipeline.counts());
-    if (sinks.mission && !steer(sinks, simulated.get(), end, time)) break;
+    const bool goes_on = !sinks.mission || steer(sinks, simulated.get(), end, time);
+    show(sinks, time, pipeline, depths, scene);
+    if (!goes_on) break;
   }
   if (mapping) {
     settle(*mapping, sinks.mission->helm());
@@ -383,6 +487,7 @@ RunOutcome run(const RunRequest& asked) {
   if (frame) outcome.source.origin = frame;
   add_results(outcome, pipeline, depths, sinks.voxels.map() != nullptr);
   if (sinks.recorder) {
+    sinks.recorder->sample(last, *sinks.shown, true);
     sinks.recorder->close();
     outcome.recording_problem = sinks.recorder->problem();
     outcome.not_recorded = sinks.recorder->left_out();

@@ -29,6 +29,16 @@ bool same_setpoint(const Setpoint& a, const Setpoint& b) {
          a.sway_speed == b.sway_speed;
 }
 
+/// Without what a real clock measured: the same run gives the same bytes.
+std::string of_the_run(const std::string& records) {
+  std::string kept;
+  for_each_record(records, [&](const DisplayRecord& record) {
+    if (record.kind == DisplayKind::kTimes) return;
+    append_record(kept, record.kind, record.number, record.time, record.payload, record.gone);
+  });
+  return kept;
+}
+
 }  // namespace
 
 RunRecorder::RunRecorder(const std::filesystem::path& file, const Configuration& configuration)
@@ -139,15 +149,18 @@ bool RunRecorder::sample(Time time, const DisplayItems& items, bool at_once) {
   guarded([&] {
     const DisplayItems::Changes changes = items.changes_after(stamp_);
     stamp_ = changes.stamp;
-    if (!changes.records.empty()) {
-      log_.write(display_, time, changes.records);
-      bytes_since_whole_ += changes.records.size();
+    std::string records = of_the_run(changes.records);
+    if (changes.whole) mark_as_whole(records);
+    if (!records.empty()) {
+      log_.write(display_, time, records);
+      bytes_since_whole_ += records.size();
     }
-    if (foxglove_) foxglove_->take_display(time, changes.records);
+    if (foxglove_) foxglove_->take_display(time, records);
     const bool due = whole_at_ && time - *whole_at_ >= seconds(config_.whole_s) && bytes_since_whole_ > items.bytes();
     if (whole_at_ && !due) return;
-    const std::string whole = items.changes_after(0).records;
+    std::string whole = of_the_run(items.changes_after(0).records);
     if (whole.empty()) return;
+    mark_as_whole(whole);
     log_.write(whole_, time, whole);
     whole_at_ = time;
     bytes_since_whole_ = 0;

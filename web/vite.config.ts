@@ -1,0 +1,60 @@
+import type { Plugin } from 'vite';
+import { defineConfig } from 'vitest/config';
+
+/** The page is one file that works without a net: the script and the styles are set where the page would load them. */
+function inOneFile(): Plugin {
+  return {
+    name: 'in-one-file',
+    apply: 'build',
+    enforce: 'post',
+    generateBundle(_, bundle) {
+      const page = bundle['index.html'];
+      if (page?.type !== 'asset') throw new Error('no index.html was built');
+      let html = String(page.source);
+      for (const [name, file] of Object.entries(bundle)) {
+        if (name === 'index.html') continue;
+        const link = new RegExp(`<(script|link)[^>]*(?:src|href)="[^"]*${name.replaceAll('.', '\\.')}"[^>]*>(</script>)?`);
+        if (!link.test(html)) throw new Error(`${name} is not named by index.html, and one file has no room for it`);
+        const inside =
+          file.type === 'chunk'
+            ? `<script type="module">${file.code.replaceAll('</script', '<\\/script')}</script>`
+            : `<style>${String(file.source)}</style>`;
+        html = html.replace(link, () => inside);
+        delete bundle[name];
+      }
+      page.source = html;
+    },
+  };
+}
+
+/** `npm run dev` shows the demonstration; ISOBATH_SERVE=host:port shows what a running `isobath serve` tells. */
+function demonstration(): Plugin {
+  return {
+    name: 'demonstration',
+    async configureServer(server) {
+      const { serveDemo } = await import('./fixtures/serve');
+      if (server.httpServer && !process.env.ISOBATH_SERVE && !process.env.VITEST) serveDemo(server.httpServer as never);
+    },
+    async configurePreviewServer(server) {
+      const { serveDemo } = await import('./fixtures/serve');
+      if (!process.env.ISOBATH_SERVE) serveDemo(server.httpServer as never);
+    },
+  };
+}
+
+const behind = process.env.ISOBATH_SERVE;
+const proxy = behind ? { '/socket': { target: `ws://${behind}`, ws: true } } : {};
+
+export default defineConfig({
+  base: './',
+  build: {
+    target: 'es2022',
+    modulePreload: false,
+    assetsInlineLimit: 1 << 24,
+    chunkSizeWarningLimit: 1000,
+  },
+  server: { proxy },
+  preview: { proxy },
+  plugins: [inOneFile(), demonstration()],
+  test: { include: ['test/*.test.ts'] },
+});
