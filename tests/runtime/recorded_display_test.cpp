@@ -96,19 +96,21 @@ TEST(RecordedDisplay, StepsFromMomentToMoment) {
   const auto moments = record_scene(file, 400);
   RecordedDisplay recorded(file);
   DisplayItems items;
-  EXPECT_EQ(recorded.next(), at_ms(0));
+  Time time = at_ms(-1);
   for (const auto& [ms, picture] : moments) {
-    ASSERT_EQ(recorded.next(), at_ms(ms));
-    recorded.advance(*recorded.next(), items);
+    ASSERT_EQ(recorded.moment_after(time), at_ms(ms));
+    time = at_ms(ms);
+    recorded.advance(time, items);
     ASSERT_TRUE(picture_of(items) == picture);
   }
-  EXPECT_FALSE(recorded.next());
+  EXPECT_FALSE(recorded.moment_after(time));
   for (auto moment = std::next(moments.rbegin()); moment != moments.rend(); ++moment) {
-    ASSERT_EQ(recorded.previous(), at_ms(moment->first));
-    recorded.seek(*recorded.previous(), items);
+    ASSERT_EQ(recorded.moment_before(time), at_ms(moment->first));
+    time = at_ms(moment->first);
+    recorded.seek(time, items);
     ASSERT_TRUE(picture_of(items) == moment->second);
   }
-  EXPECT_FALSE(recorded.previous());
+  EXPECT_FALSE(recorded.moment_before(time));
 }
 
 TEST(RecordedDisplay, BeforeTheFirstMomentThereIsNothing) {
