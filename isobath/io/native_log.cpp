@@ -663,8 +663,9 @@ void NativeLogWriter::write_decision(Time time, const std::string& json) {
 
 std::uint16_t NativeLogWriter::add_channel(const std::string& topic, const std::string& message_encoding,
                                            McapSchema schema, int group) {
-  const std::uint16_t id = mcap_.add_schema(std::move(schema));
-  return mcap_.add_channel({0, id, topic, message_encoding, {}}, group);
+  const auto [known, is_new] = schemas_.try_emplace(schema.name);
+  if (is_new) known->second = mcap_.add_schema(std::move(schema));
+  return mcap_.add_channel({0, known->second, topic, message_encoding, {}}, group);
 }
 
 void NativeLogWriter::write(std::uint16_t channel, Time time, std::string_view message) {

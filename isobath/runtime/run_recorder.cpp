@@ -48,6 +48,7 @@ RunRecorder::RunRecorder(const std::filesystem::path& file, const Configuration&
   display_ = log_.add_channel(kDisplayTopic, "isobath.display", layout, kDisplayGroup);
   whole_ = log_.add_channel(kWholeDisplayTopic, "isobath.display", layout, kWholeGroup);
   log_.attach(kConfigurationAttachment, kToml, to_toml(configuration, false));
+  log_.flush();  // whoever opens it now finds the channels
 }
 
 void RunRecorder::guarded(const std::function<void()>& write) {
