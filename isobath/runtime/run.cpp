@@ -40,26 +40,40 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
         folder_(folder),
         reach_m_(request.configuration.mission.space_route.reach_m) {}
   void on_ping(const PosedPing& ping) override {
+    load.enter(Stage::kAgents);
     if (mission) mission->on_ping(ping);
+    load.enter(Stage::kVoxels);
     voxels.take(ping);
+    load.enter(Stage::kReport);
     folder_.on_ping(ping);
     if (judge) judge->on_ping(ping);
     if (mission) mission->resume();
   }
   void on_scan(const ScanResult& scan) override {
     if (mission) {
-      if (const auto space = voxels.space_around(scan, reach_m_)) mission->on_space(scan.detection.time, space);
+      load.enter(Stage::kVoxels);
+      const auto space = voxels.space_around(scan, reach_m_);
+      load.enter(Stage::kAgents);
+      if (space) mission->on_space(scan.detection.time, space);
       mission->on_scan(scan);
     }
+    load.enter(Stage::kReport);
     folder_.on_scan(scan);
     if (judge) judge->on_scan(scan);
     if (mission) mission->resume();
   }
-  void on_upright(const PosedPing& ping) override { voxels.take(ping); }
-  void on_soundings(const Swath& swath, const Pose& X_WB) override { voxels.take(swath, X_WB); }
+  void on_upright(const PosedPing& ping) override {
+    load.enter(Stage::kVoxels);
+    voxels.take(ping);
+  }
+  void on_soundings(const Swath& swath, const Pose& X_WB) override {
+    load.enter(Stage::kVoxels);
+    voxels.take(swath, X_WB);
+  }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
 
+  StageLoad load;  ///< of whoever maps
   VoxelModel voxels;
   std::optional<MissionRun> mission;
   std::optional<TruthJudge> judge;
@@ -319,6 +333,7 @@ RunOutcome run(const RunRequest& asked) {
   Sinks sinks(folder, request);
   prepare(sinks, request, setup, simulated.get());
   Pipeline pipeline(request.configuration, sinks, &depths);
+  pipeline.watch(&sinks.load);
   EndOfMission end;
   RunOutcome outcome;
 
@@ -330,6 +345,7 @@ RunOutcome run(const RunRequest& asked) {
     if (sinks.mission) sinks.mission->begin(taken);
     const auto begun = Clock::now();
     pipeline.take(std::move(event));
+    sinks.load.leave();
     if (is_ping || pipeline.counts().pings > mapped) ping_ms.push_back(milliseconds_since(begun));
   };
   std::optional<MappingThread> mapping;
@@ -338,15 +354,24 @@ RunOutcome run(const RunRequest& asked) {
     pace.emplace(*request.live_speed, *simulator);
     mapping.emplace(map);
   }
+  StageLoad beside;  // of whoever senses and steers
+  const auto next = [&] {
+    beside.enter(Stage::kSource);
+    auto event = source->next();
+    beside.leave();
+    return event;
+  };
   Time first = Time::max(), last = Time::min();
-  while (auto event = source->next()) {
+  while (auto event = next()) {
     const std::optional<GeoOrigin> origin = frame ? frame : source->report().origin;
     if (!mapping || first == Time::max()) depths.locate(origin);  // a scene lies where it lies from the start
     if (setup && first == Time::max()) check_frame(setup->plan, origin);
     const Time time = time_of(*event);
     if (sinks.log) sinks.log->write(*event);
     const auto taken = Clock::now();
+    beside.enter(Stage::kAgents);
     if (sinks.mission) sinks.mission->hear(*event);
+    beside.leave();
     if (mapping) {
       mapping->take(std::move(*event));
       pace->keep(*mapping, sinks.mission->helm());
@@ -356,7 +381,10 @@ RunOutcome run(const RunRequest& asked) {
     first = std::min(first, time);
     last = std::max(last, time);
     if (request.progress) request.progress(source->report(), mapping ? PipelineCounts{} : pipeline.counts());
-    if (sinks.mission && !steer(sinks, simulated.get(), end, time)) break;
+    beside.enter(Stage::kAgents);
+    const bool over = sinks.mission && !steer(sinks, simulated.get(), end, time);
+    beside.leave();
+    if (over) break;
   }
   if (mapping) {
     settle(*mapping, sinks.mission->helm());
@@ -365,7 +393,10 @@ RunOutcome run(const RunRequest& asked) {
   if (sinks.mission) outcome.mission = outcome_of(sinks, request, simulated.get());  // before the sweep cut short
   pipeline.finish();
   depths.finish();
+  sinks.load.leave();
   outcome.timings = timings_of(ping_ms, milliseconds_since(start));
+  outcome.timings.load = load_of(sinks.load, beside);
+  if (mapping && outcome.mission) outcome.timings.load.add(Stage::kAgents, outcome.mission->timings.agents_s);
   outcome.log_s = last > first ? to_seconds(last - first) : 0;
   outcome.source = source->report();
   if (frame) outcome.source.origin = frame;
