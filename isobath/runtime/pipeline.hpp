@@ -22,6 +22,7 @@
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
+#include <isobath/runtime/stage_load.hpp>
 #include <isobath/sonar/echo_detector.hpp>
 #include <isobath/sonar/sweep.hpp>
 #include <memory>
@@ -109,6 +110,8 @@ class Pipeline {
   void heard_all();
 
   void take(Event event);
+  /// Says to it what it is doing, from now on.
+  void watch(StageLoad* load) { load_ = load; }
   /// After the last event: pings that still wait for a fix, and the obstacles of a sweep that was not finished.
   void finish();
 
@@ -123,6 +126,9 @@ class Pipeline {
   [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
 
  private:
+  void enter(Stage stage) {
+    if (load_) load_->enter(stage);
+  }
   void restart();
   using Waiting = std::variant<Ping, RangeReading, Swath>;
   void add_fix(const Navigation& fix);
@@ -140,6 +146,7 @@ class Pipeline {
   Configuration configuration_;
   ResultSink& sink_;
   SoundingSink* depths_;
+  StageLoad* load_ = nullptr;
   Alarms alarms_;
   EventGate gate_;
   PoseBuffer poses_;
