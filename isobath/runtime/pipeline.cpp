@@ -19,6 +19,13 @@ std::shared_ptr<const LikelihoodRatios> ratios_of(const SensorConfig& sensor) {
       std::make_shared<const HistogramModel>(load_histogram_model(sensor.histogram)));
 }
 
+EchoDetectorConfig for_sounder(const Configuration& configuration) {
+  EchoDetectorConfig echoes = configuration.echoes;
+  const bool open = configuration.sensor.model.empty() && configuration.sensor.histogram.empty();
+  if (open && echoes.method == DetectionMethod::kAutomatic) echoes.method = DetectionMethod::kOrderedStatistic;
+  return echoes;
+}
+
 /// About 100 cells each way; the vehicle in the middle.
 BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
   grid.cell_m = round_step(reach_m / 100, {1, 2, 5});
@@ -37,7 +44,15 @@ bool fits(const BodyGridConfig& grid, double reach_m) {
 }  // namespace
 
 bool lies_flat(const Ping& ping) {
-  return std::abs((ping.X_BS.rotation * Eigen::Vector3d::UnitY()).z()) < std::sqrt(0.5);
+  return std::abs((ping.X_BS.rotation * Eigen::Vector3d::UnitZ()).z()) > std::sqrt(0.5);
+}
+
+bool looks_down(const Ping& ping) {
+  const Eigen::Vector3d down = ping.X_BS.rotation.inverse() * Eigen::Vector3d::UnitZ();
+  const BeamFan& fan = *ping.fan;
+  const Angle aside = Angle::radians(std::atan2(down.y(), down.x()));
+  return fan.beams() > 1 && std::abs(down.z()) < std::sqrt(0.5) && aside >= fan.azimuth.front() &&
+         aside <= fan.azimuth.back();
 }
 
 Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, SoundingSink* depths)
@@ -50,6 +65,7 @@ Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, Soundin
       ratios_(ratios_of(configuration.sensor)),
       echoes_(configuration.echoes, model_of(configuration.sensor), ratios_),
       upright_echoes_(configuration.echoes, model_of(configuration.sensor), ratios_),
+      sounder_echoes_(for_sounder(configuration), model_of(configuration.sensor), ratios_),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMostWaiting);
 }
@@ -90,7 +106,10 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
 }
 
 void Pipeline::hear_upright(const Ping& ping, const Pose& X_WB, bool posed) {
-  upright_echoes_.detect(ping, decisions_, water_at(ping, X_WB, posed));
+  const bool sounds = looks_down(ping);
+  WaterColumn water = water_at(ping, X_WB, posed);
+  if (sounds) water.above_bottom_m.reset();
+  (sounds ? sounder_echoes_ : upright_echoes_).detect(ping, decisions_, water);
   sink_.on_upright({ping, X_WB, decisions_});
   ++counts_.upright;
 }

@@ -153,6 +153,7 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out, const WaterColum
   decide(ping, out);
   boundary_.learn(ping, water, first_bin_, out.false_alarm);
   if (state_ == DetectorState::kReady) boundary_.sort_out(ping, water, thresholds_, out);
+  if (ping.sampled) leave_unsampled(ping, out);
 }
 
 void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
@@ -251,6 +252,7 @@ void EchoDetector::learn(const Ping& ping) {
   const int learnt = std::min(beams, kBeamsLearnt);
   for (int i = 0; i < learnt; ++i) {
     const int beam = (next_beam_ + i * beams / learnt) % beams;
+    if (sampled_bins(ping, beam) != BinSpan{0, window_.bins}) continue;
     ping.intensity.copy_beam(beam, beam_.data());
     tracker_.learn(beam_.data());
   }
@@ -309,7 +311,27 @@ void EchoDetector::raise_noisy_beams(const Ping& ping, EchoDecisions& out) {
 void EchoDetector::decide_by_cfar(const Ping& ping, EchoDecisions& out) {
   for (int b = 0; b < ping.intensity.beams(); ++b) {
     ping.intensity.copy_beam(b, beam_.data());
-    cfar_.detect(beam_.data(), first_bin_, ping.intensity.bins(), out.hits(b));
+    const BinSpan span = sampled_bins(ping, b);
+    cfar_.detect(beam_.data(), std::max(first_bin_, span.first), span.end, out.hits(b));
+  }
+}
+
+/// What a beam has not sampled says neither echo nor none.
+void EchoDetector::leave_unsampled(const Ping& ping, EchoDecisions& out) {
+  for (int b = 0; b < out.beams(); ++b) {
+    const BinSpan span = sampled_bins(ping, b);
+    if (span == BinSpan{0, out.bins()}) continue;
+    dim_.assign(static_cast<std::size_t>(out.words()), 0);
+    p_dim_.assign(static_cast<std::size_t>(out.bins()), 0);
+    for (int k = 0; k < out.bins(); ++k) {
+      const std::uint64_t bit = std::uint64_t{1} << (k % 64);
+      const bool missing = k < span.first || k >= span.end;
+      const bool dim = !missing && out.dim(b) && (out.dim(b)[k / 64] & bit) != 0;
+      if (missing || dim) dim_[static_cast<std::size_t>(k / 64)] |= bit;
+      if (dim) p_dim_[static_cast<std::size_t>(k)] = out.p_dim(b, k);
+      if (missing) out.hits(b)[k / 64] &= ~bit;
+    }
+    out.set_dim(b, dim_.data(), p_dim_.data());
   }
 }
 
