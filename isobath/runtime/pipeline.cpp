@@ -6,6 +6,10 @@
 namespace isobath {
 namespace {
 
+// Chosen on two harbour recordings: a wall or bottom that a beam grazes fills tens of bins, and would be its own level;
+// a voxel spans hundreds of cells, of which none may hold a false echo; the transmission rings for up to 1 m.
+constexpr double kSounderFalseAlarm = 1e-4, kSounderBlind = 1;
+constexpr int kSounderGuard = 16, kSounderReference = 48;
 constexpr std::size_t kMostWaiting = 256;  // pings held for a fix; beyond it the oldest goes on with what is known
 
 std::optional<SensorModel> model_of(const SensorConfig& sensor) {
@@ -19,10 +23,19 @@ std::shared_ptr<const LikelihoodRatios> ratios_of(const SensorConfig& sensor) {
       std::make_shared<const HistogramModel>(load_histogram_model(sensor.histogram)));
 }
 
+bool leaves_method_open(const Configuration& configuration) {
+  return configuration.echoes.method == DetectionMethod::kAutomatic && configuration.sensor.model.empty() &&
+         configuration.sensor.histogram.empty();
+}
+
 EchoDetectorConfig for_sounder(const Configuration& configuration) {
   EchoDetectorConfig echoes = configuration.echoes;
-  const bool open = configuration.sensor.model.empty() && configuration.sensor.histogram.empty();
-  if (open && echoes.method == DetectionMethod::kAutomatic) echoes.method = DetectionMethod::kOrderedStatistic;
+  if (!leaves_method_open(configuration)) return echoes;
+  echoes.method = DetectionMethod::kOrderedStatistic;
+  echoes.false_alarm = std::min(echoes.false_alarm, kSounderFalseAlarm);
+  echoes.blind_m = std::max(echoes.blind_m, kSounderBlind);
+  echoes.cfar.guard = kSounderGuard;
+  echoes.cfar.reference = kSounderReference;
   return echoes;
 }
 
@@ -110,6 +123,7 @@ void Pipeline::hear_upright(const Ping& ping, const Pose& X_WB, bool posed) {
   WaterColumn water = water_at(ping, X_WB, posed);
   if (sounds) water.above_bottom_m.reset();
   (sounds ? sounder_echoes_ : upright_echoes_).detect(ping, decisions_, water);
+  if (sounds && leaves_method_open(configuration_)) side_lobes_.leave_out(ping, decisions_);
   sink_.on_upright({ping, X_WB, decisions_});
   ++counts_.upright;
 }

@@ -6,7 +6,8 @@
 //
 // A fan that looks straight down hears the bottom at the same ranges all the time: where the method of detection is
 // left open (echoes.method auto, no model), noise learnt from pings would be the bottom, and the ordered statistic of
-// the neighbouring bins decides. Its echoes of the bottom are what it is for, and are not told from others.
+// the neighbouring bins decides, side lobes left out. Its echoes of the bottom are what it is for, and are not told
+// from others.
 //
 // Which echoes are of the bottom or the surface follows from depth and altitude (S6-69): of the last sensor that looked
 // down, else of the depth map. Where neither says, echoes of the bottom count as any others, and the pings are counted.
@@ -27,6 +28,7 @@
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
 #include <isobath/sonar/echo_detector.hpp>
+#include <isobath/sonar/side_lobes.hpp>
 #include <isobath/sonar/sweep.hpp>
 #include <memory>
 #include <optional>
@@ -148,6 +150,7 @@ class Pipeline {
   BottomBelow bottom_;
   std::shared_ptr<const LikelihoodRatios> ratios_;  ///< of the histogram model; null: none
   EchoDetector echoes_, upright_echoes_, sounder_echoes_;
+  SideLobes side_lobes_;
   EchoDecisions decisions_;
   SweepFinder sweeps_;
   std::unique_ptr<GridMapper> mapper_;

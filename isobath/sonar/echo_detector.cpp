@@ -88,6 +88,15 @@ DetectorState state_of(ModelMismatch mismatch) {
   return DetectorState::kNoModel;
 }
 
+/// What a beam has not sampled says neither echo nor none.
+void leave_unsampled(const Ping& ping, EchoDecisions& out) {
+  for (int b = 0; b < out.beams(); ++b) {
+    const BinSpan span = sampled_bins(ping, b);
+    for (int k = 0; k < span.first; ++k) out.set_blind(b, k);
+    for (int k = span.end; k < out.bins(); ++k) out.set_blind(b, k);
+  }
+}
+
 }  // namespace
 
 std::vector<Field> fields(EchoDetectorConfig& c) {
@@ -313,25 +322,6 @@ void EchoDetector::decide_by_cfar(const Ping& ping, EchoDecisions& out) {
     ping.intensity.copy_beam(b, beam_.data());
     const BinSpan span = sampled_bins(ping, b);
     cfar_.detect(beam_.data(), std::max(first_bin_, span.first), span.end, out.hits(b));
-  }
-}
-
-/// What a beam has not sampled says neither echo nor none.
-void EchoDetector::leave_unsampled(const Ping& ping, EchoDecisions& out) {
-  for (int b = 0; b < out.beams(); ++b) {
-    const BinSpan span = sampled_bins(ping, b);
-    if (span == BinSpan{0, out.bins()}) continue;
-    dim_.assign(static_cast<std::size_t>(out.words()), 0);
-    p_dim_.assign(static_cast<std::size_t>(out.bins()), 0);
-    for (int k = 0; k < out.bins(); ++k) {
-      const std::uint64_t bit = std::uint64_t{1} << (k % 64);
-      const bool missing = k < span.first || k >= span.end;
-      const bool dim = !missing && out.dim(b) && (out.dim(b)[k / 64] & bit) != 0;
-      if (missing || dim) dim_[static_cast<std::size_t>(k / 64)] |= bit;
-      if (dim) p_dim_[static_cast<std::size_t>(k)] = out.p_dim(b, k);
-      if (missing) out.hits(b)[k / 64] &= ~bit;
-    }
-    out.set_dim(b, dim_.data(), p_dim_.data());
   }
 }
 

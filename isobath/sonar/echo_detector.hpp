@@ -112,7 +112,6 @@ class EchoDetector {
   void decide_by_ratios(const Ping& ping, EchoDecisions& out);
   void raise_noisy_beams(const Ping& ping, EchoDecisions& out);
   void drop_skirts(const Ping& ping, EchoDecisions& out);
-  void leave_unsampled(const Ping& ping, EchoDecisions& out);
 
   EchoDetectorConfig config_;
   std::optional<SensorModel> model_;
@@ -130,8 +129,6 @@ class EchoDetector {
   std::vector<std::uint64_t> reachable_;  ///< bins whose threshold an 8-bit sample can reach
   std::vector<float> p_detect_;           ///< 0: not usable
   std::vector<float> beam_;               ///< one beam as floats
-  std::vector<std::uint64_t> dim_;        ///< of one beam
-  std::vector<float> p_dim_;
   NoiseTracker tracker_;
   Cfar cfar_;
   std::shared_ptr<const BeamFan> fan_;  ///< that the histograms were compared with

@@ -333,6 +333,21 @@ TEST(NativeLog, SharesTheFanOfPingsOfOneGeometry) {
   EXPECT_NE(std::get<Ping>(events.at(0)).fan, std::get<Ping>(events.at(1)).fan);
 }
 
+TEST(NativeLog, KeepsWhichBinsWereSampled) {
+  const fs::path file = test::scratch_folder() / "log.mcap";
+  NativeLogWriter writer(file);
+  Ping ping = test::sample_ping(SampleType::kF32, 3, 1);
+  writer.write(ping);
+  ping.time += std::chrono::seconds(1);
+  ping.sampled = std::make_shared<std::vector<BinSpan>>(
+      std::vector<BinSpan>{{0, ping.window.bins}, {1, 2}, {ping.window.bins, ping.window.bins}});
+  writer.write(ping);
+  writer.close();
+  const auto events = read_events(*open_native_log(file, {}));
+  EXPECT_FALSE(std::get<Ping>(events.at(0)).sampled);
+  EXPECT_EQ(*std::get<Ping>(events.at(1)).sampled, *ping.sampled);
+}
+
 TEST(NativeLog, RefusesAPingThatNoReaderCouldUse) {
   const fs::path file = test::scratch_folder() / "log.mcap";
   NativeLogWriter writer(file);
