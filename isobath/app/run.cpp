@@ -101,6 +101,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
     fmt::print("{} ranges and {} swaths within {}; {:.2f} s of work\n", n.ranges, n.swaths, span_text(outcome.log_s),
                outcome.timings.wall_s);
   }
+  if (n.upright > 0) fmt::print("{} pings of upright fans, for the map in three dimensions\n", n.upright);
   for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
   for (const Damage& d : outcome.source.damages)

@@ -365,7 +365,7 @@ void KongsbergAll::take_water(const Datagram& d) {
   report_.note_setting("sonar", fmt::format("EM {}, serial {}", d.model, d.serial));
   report_.note_setting("water column",
                        water_setting(d.fields.at<std::uint8_t>(38), d.fields.at<std::int8_t>(39), water->beams.size()));
-  track_.add(std::move(*ping));
+  track_.add_ping(std::move(*ping));
 }
 
 void KongsbergAll::tell_counts() {

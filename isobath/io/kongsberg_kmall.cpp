@@ -248,7 +248,7 @@ void Kmall::take_water(const RecordView& d, Time time) {
   report_.note_setting("sonar", fmt::format("EM {}", d.at<std::uint16_t>(10)));
   report_.note_setting("water column",
                        water_setting(receiver.at<std::uint8_t>(6), receiver.at<std::int8_t>(7), ping->sampled->size()));
-  track_.add(std::move(*ping));
+  track_.add_ping(std::move(*ping));
 }
 
 /// Half way between the transmitter and the receiver, which a head holds both.

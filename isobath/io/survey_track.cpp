@@ -85,7 +85,7 @@ void SurveyTrack::add(SwathRecord record) {
   wait_for({time, std::move(record)});
 }
 
-void SurveyTrack::add(Ping ping) {
+void SurveyTrack::add_ping(Ping ping) {
   see(ping.time);
   waiting_soundings_ += weight_of(ping);
   const Time time = ping.time;

@@ -75,7 +75,7 @@ class SurveyTrack {
   void add(const PositionFix& fix);
   void add(SwathRecord record);
   /// Behind a swath of the same time, whose record says more of where the vehicle is. `ping.X_BS`: without roll.
-  void add(Ping ping);
+  void add_ping(Ping ping);
   /// Nothing follows: what waits is released.
   void finish();
   /// Empty: more input is wanted.

@@ -122,19 +122,20 @@ VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesy
   const VoxelBox box = box_around(map);
   if (box.empty()) return pictures;
   constexpr int kNorth = 0, kEast = 1, kDown = 2;
-  pictures.above = Shadow(map, box, kEast, kNorth, kDown, false)
+  VoxelBox wide = box;
+  const int narrow = (box.most[kNorth] - box.least[kNorth] - (box.most[kEast] - box.least[kEast])) / 2;
+  if (narrow > 0) {  // a lone upright fan looks at a strip: the legend needs more
+    wide.least[kEast] -= narrow;
+    wide.most[kEast] += narrow;
+  }
+  pictures.above = Shadow(map, wide, kEast, kNorth, kDown, false)
                        .picture({"Occupied, from above", "north (m)", "east (m)"}, "shallowest", false);
   pictures.from_south = Shadow(map, box, kEast, kDown, kNorth, false)
                             .picture({"The same from the south", "height (m)", "east (m)"}, "nearest", true);
   pictures.from_east = Shadow(map, box, kNorth, kDown, kEast, true)
                            .picture({"The same from the east", "height (m)", "north (m)"}, "nearest", true);
-  VoxelBox level = box;
+  VoxelBox level = wide;
   level.least[kDown] = level.most[kDown] = map.voxel_at({0, 0, outcome.vehicle_depth_m}).z();
-  const int narrow = (level.most[kNorth] - level.least[kNorth] - (level.most[kEast] - level.least[kEast])) / 2;
-  if (narrow > 0) {  // a lone upright fan looks at a strip: the legend needs more
-    level.least[kEast] -= narrow;
-    level.most[kEast] += narrow;
-  }
   pictures.at_depth =
       Shadow(map, level, kEast, kNorth, kDown, false)
           .picture({fmt::format("At the vehicle's depth, {:.1f} m", outcome.vehicle_depth_m), "north (m)", "east (m)"},

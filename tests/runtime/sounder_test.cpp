@@ -103,7 +103,7 @@ Section section_of(const std::filesystem::path& log) {
   return section;
 }
 
-// The README of the recordings: a quay wall 3.0 m to starboard, a floor that the sonar itself finds 8.2 to 8.8 m below
+// The README of the recordings: a quay wall 3.0 m to starboard, a floor that the sonar itself finds 8.4 to 8.8 m below
 // the water between the wall and 8 m to port. Default settings, five pings of a second each.
 // ledger: S5-07 S5-13 S5-16
 TEST(EchoSounder, ShowsTheQuayWallAndTheFloorOfAHarbour) {
@@ -118,22 +118,21 @@ TEST(EchoSounder, ShowsTheQuayWallAndTheFloorOfAHarbour) {
   EXPECT_EQ(harbour.filled(-8, 2.6, 0.2, floor, 0.4), 1);
   const auto off = [](const Eigen::Vector2d& p) { return p.x() < 2.6 && p.y() > 2.2 && p.y() < 8.0; };
   EXPECT_LT(harbour.share(off), 0.2) << "in the water between the wall and the vehicle's port side";
-  printf("a: off %.3f occupied %zu free %llu\n", harbour.share(off), harbour.occupied.size(),
-         (unsigned long long)harbour.outcome.free);
-  EXPECT_GT(harbour.outcome.free, 3000u) << "what lies between is known to be free";
+  EXPECT_GT(harbour.outcome.free, 8000u) << "what lies between is known to be free";
 }
 
-// The same sonar changes its frequency, its beams and its bins from ping to ping: still one layer.
+// The sonar changes its frequency, its beams and its bins from ping to ping: one layer for the modes whose beams are
+// about as wide, one for that whose are half as wide. The sonar's soundings lie 8.6 to 8.8 m below the water.
+// ledger: S5-07 S5-13
 TEST(EchoSounder, ShowsAFlatFloorThroughFourModes) {
   ISOBATH_NEEDS_DATA(folder, "kongsberg-pings");
   const Section harbour = section_of(folder / "em2042-harbour-c.kmall");
   EXPECT_EQ(harbour.counts.upright, 5u);
-  for (const auto& l : harbour.outcome.layers) printf("layer %s %llu\n", l.sensor.c_str(), (unsigned long long)l.pings);
+  ASSERT_EQ(harbour.outcome.layers.size(), 2u);
+  EXPECT_EQ(harbour.outcome.layers[0].pings, 4u);
   const auto floor = [](double starboard) { return Eigen::Vector2d(starboard, 8.65); };
   EXPECT_GT(harbour.filled(-6, 6, 0.25, floor, 0.4), 0.95);
   const auto off = [](const Eigen::Vector2d& p) { return p.y() > 2.2 && p.y() < 8.0; };
-  printf("c: off %.3f occupied %zu free %llu\n", harbour.share(off), harbour.occupied.size(),
-         (unsigned long long)harbour.outcome.free);
   EXPECT_LT(harbour.share(off), 0.2);
 }
 
