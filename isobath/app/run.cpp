@@ -112,6 +112,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   if (const std::string load = load_text(outcome.timings.load, n.pings, outcome.log_s); !load.empty()) {
     fmt::print("{}\n", load);
   }
+  if (n.upright > 0) fmt::print("{} pings of upright fans, for the map in three dimensions\n", n.upright);
   for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
   for (const Damage& d : outcome.source.damages)

@@ -4,6 +4,11 @@
 //   alarms -> gate -> pose of the transmit time -> echoes to decisions -> decisions to the body grid -> grid to
 //   obstacles, once a scan; ranges and soundings to the depth map
 //
+// A fan that looks straight down hears the bottom at the same ranges all the time: where the method of detection is
+// left open (echoes.method auto, no model), noise learnt from pings would be the bottom, and the ordered statistic of
+// the neighbouring bins decides, side lobes left out. Its echoes of the bottom are what it is for, and are not told
+// from others.
+//
 // Which echoes are of the bottom or the surface follows from depth and altitude (S6-69): of the last sensor that looked
 // down, else of the depth map. Where neither says, echoes of the bottom count as any others, and the pings are counted.
 //
@@ -24,6 +29,7 @@
 #include <isobath/runtime/pose_buffer.hpp>
 #include <isobath/runtime/stage_load.hpp>
 #include <isobath/sonar/echo_detector.hpp>
+#include <isobath/sonar/side_lobes.hpp>
 #include <isobath/sonar/sweep.hpp>
 #include <memory>
 #include <optional>
@@ -79,6 +85,9 @@ class SoundingSink {
 
 /// Whether the plane of a fan is nearer to level than to upright.
 bool lies_flat(const Ping& ping);
+
+/// Whether the vehicle's down axis lies within a fan: an echo sounder, which measures the bottom.
+bool looks_down(const Ping& ping);
 
 struct PipelineCounts {
   std::uint64_t pings = 0;    ///< that reached the map
@@ -153,7 +162,8 @@ class Pipeline {
   std::vector<Waiting> waiting_;  ///< for the fix that follows them, oldest first
   BottomBelow bottom_;
   std::shared_ptr<const LikelihoodRatios> ratios_;  ///< of the histogram model; null: none
-  EchoDetector echoes_, upright_echoes_;
+  EchoDetector echoes_, upright_echoes_, sounder_echoes_;
+  SideLobes side_lobes_;
   EchoDecisions decisions_;
   SweepFinder sweeps_;
   std::unique_ptr<GridMapper> mapper_;

@@ -14,6 +14,8 @@ namespace {
 // Of a sounding, which the sonar itself has picked as the strongest echo of a narrow beam: with even a scarce prior
 // (0.05) two agree on an occupied voxel. Chosen, not measured.
 constexpr const char* kSoundings = "soundings";  ///< layer of points with a height of their own
+/// Sizes of two pings' fans that differ by less are of one sonar, which steers its beams anew for each ping.
+constexpr double kAlike = 0.5;
 constexpr double kSoundingHit = 2.5, kSoundingMiss = -0.5;
 
 }  // namespace
@@ -58,13 +60,14 @@ VoxelModel::Sonar& VoxelModel::sonar_of(const Ping& ping) {
   const BeamFan& fan = *ping.fan;
   const bool flat = lies_flat(ping);
   const Angle span = fan.azimuth.back() - fan.azimuth.front();
+  const auto near = [](Angle a, Angle b) {
+    return std::abs(a.radians() - b.radians()) <= kAlike * std::max(a.radians(), b.radians());
+  };
   int alike = 1;
   for (const auto& s : sonars_) {
     if (s->flat != flat) continue;
-    if (s->beams == fan.beams() && s->width.radians() == fan.width.front().radians() &&
-        s->height.radians() == fan.height.radians() && s->span.radians() == span.radians()) {
-      return *s;
-    }
+    const bool same = near(s->width, fan.width.front()) && near(s->height, fan.height) && near(s->span, span);
+    if (s->beams == fan.beams() && same) return *s;
     ++alike;
   }
   std::string name = flat ? "flat" : "upright";

@@ -27,7 +27,20 @@ bool valid(const BeamFan& fan) {
   return wide(fan.height);
 }
 
+bool spans_fit(const Ping& ping) {
+  if (!ping.sampled) return true;
+  if (static_cast<int>(ping.sampled->size()) != ping.fan->beams()) return false;
+  for (const BinSpan& span : *ping.sampled) {
+    if (span.first < 0 || span.first > span.end || span.end > ping.window.bins) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+BinSpan sampled_bins(const Ping& ping, int beam) {
+  return ping.sampled ? (*ping.sampled)[static_cast<std::size_t>(beam)] : BinSpan{0, ping.window.bins};
+}
 
 float Intensities::operator()(int beam, int bin) const {
   const std::byte* at = data_ + beam * beam_stride_ + bin * bin_stride_;
@@ -56,6 +69,7 @@ PingFault check(const Ping& ping) {
   if (!ping.intensity.data() || ping.intensity.beams() != ping.fan->beams() || ping.intensity.bins() != w.bins) {
     return PingFault::kSizeMismatch;
   }
+  if (!spans_fit(ping)) return PingFault::kSizeMismatch;
   if (!ping.X_BS.is_finite() || !std::isfinite(ping.sound_speed) || !(ping.blind_m >= 0)) {
     return PingFault::kNotFinite;
   }
