@@ -116,6 +116,8 @@ class SphericalGrid {
   /// or below it, are forgotten. Views of clear water that nobody has looked from for tau, too (S4-50).
   void decay(Duration elapsed, Duration tau, Time now);
   void clear();
+  /// All that another grid of the same configuration holds: for readers in other threads (grid_snapshots.hpp).
+  void copy_from(const SphericalGrid& other);
 
   // Motion.
   // ------------------------------------------------------------------------------------------------------------
