@@ -1,4 +1,5 @@
 // The room of lines and arcs in the grid at position 10, and the pictures of it.
+#include <algorithm>
 #include <cairo/cairo.h>
 #include <cmath>
 #include <gmock/gmock.h>
@@ -44,6 +45,88 @@ TEST(SphericalSurvey, KnowsTheRoomAtPositionTenAsItWasSeenOnTheWay) {
   EXPECT_LT(known(-3, 3), 0.7) << "the parallelogram's far side, seen from 1 to 6";
   EXPECT_LT(known(-20, -20), 2.5) << "the farthest corner";
   EXPECT_GT(known(0, 0), 2) << "open water";
+}
+
+// The parallelogram's south face was heard by two scans only, aslant: twelve echoes in six metres, about one a cell. An
+// echo is spread over the cells that it may be of, so that none of them is likelier than not. They are obstacles all
+// the same, and the line through the echoes knows the face to 0.2 m. ledger: S4-D01 S4-45 S4-50
+TEST(SphericalSurvey, KnowsTheFaceThatOnlyTwoScansHeardAslant) {
+  const Scene scene = polygon_room();
+  const SphericalSurvey survey = run_spherical_survey(scene, survey_config(scene));
+  const Vector3d at = survey.path.scans.back().at;
+  const Eigen::Vector2d a(-6, 2), d(-8, 8);  // its ends
+  double sure = 0;
+  std::vector<std::pair<Eigen::Vector2d, double>> cells;
+  survey.grid->cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
+    for (const SphericalCell& cell : beam) {
+      const Vector3d p = world_from_grid_axes(survey.grid->point_of(cell)) + at;
+      const double share = (p.head<2>() - a).dot(d - a) / (d - a).squaredNorm();
+      const double off = (a + share * (d - a) - p.head<2>()).norm();
+      if (share > 0.25 && share < 0.9 && off < 0.5) sure = std::max(sure, SphericalGrid::probability(cell));
+      if (SphericalGrid::probability(cell) < survey.grid->config().occupied) continue;
+      cells.emplace_back(p.head<2>(), survey.grid->layers().thickness(cell.layer));
+    }
+  });
+  EXPECT_LT(sure, 0.5) << "no cell of it is likelier than not";
+  int covered = 0, places = 0;
+  for (double share = 0.025; share < 1; share += 0.05, ++places) {
+    const Eigen::Vector2d p = a + share * (d - a);
+    covered +=
+        std::any_of(cells.begin(), cells.end(), [&](const auto& cell) { return (cell.first - p).norm() < cell.second; })
+            ? 1
+            : 0;
+  }
+  EXPECT_GE(covered, places * 8 / 10) << "obstacles within a cell, all along it";
+  const auto& edges = survey.features.evidence.edges();
+  const auto south = std::find_if(edges.begin(), edges.end(), [](const SeenEdge& edge) {
+    return edge.line.normal.dot(Eigen::Vector2d(-6, -2).normalized()) > 0.99 && edge.line.length() < 10;
+  });
+  ASSERT_NE(south, edges.end());
+  EXPECT_EQ(south->last_scan, 2);
+  EXPECT_LE(south->line.support, 14);
+  EXPECT_LT(std::abs(south->line.height_of(a)), 0.3);
+  EXPECT_LT(std::abs(south->line.height_of(d)), 0.3);
+}
+
+// ledger: S4-D02 S4-42 S4-45 S4-47
+TEST(SphericalSurvey, TellsTheRoomAsEdgesArcsAndCornersThatItConfirmsOnTheWay) {
+  const Scene scene = polygon_room();
+  SphericalSurveyConfig config = survey_config(scene);
+  for (const int seed : {-1, 5}) {
+    config.seed = seed;
+    const SphericalSurvey survey = run_spherical_survey(scene, config);
+    const SurveyFeatures& features = survey.features;
+    EXPECT_EQ(features.accounted.size() + features.unaccounted.size(), survey.echoes);
+    EXPECT_LT(features.unaccounted.size(), survey.echoes / 25);
+    const auto corner_at = [&](double north, double east) -> const SeenCorner* {
+      for (const SeenCorner& seen : features.evidence.corners()) {
+        if (seen.corner.convex && (seen.corner.at - Eigen::Vector2d(north, east)).norm() < 0.4) return &seen;
+      }
+      return nullptr;
+    };
+    // west and south faces are heard from 1 and 2, the south one vanishes at 3; the north one appears at 5, the west
+    // one vanishes at 7, where it is less than a beam wide; the east one appears at 10
+    const SeenCorner *south_west = corner_at(-6, 2), *north_west = corner_at(0, 4), *north_east = corner_at(-2, 10);
+    ASSERT_TRUE(south_west && north_west && north_east) << seed;
+    EXPECT_LE(south_west->hypothesised, 2);
+    EXPECT_EQ(south_west->confirmed, 3);
+    EXPECT_EQ(north_west->hypothesised, 5);
+    EXPECT_EQ(north_west->confirmed, 7) << "within the next two";
+    EXPECT_GE(north_east->hypothesised, 9);
+    EXPECT_EQ(north_east->confirmed, 0) << "nobody has gone round it";
+    for (const SeenCorner& seen : features.evidence.corners()) {
+      if (seen.confirmed > 0) {
+        EXPECT_TRUE(&seen == south_west || &seen == north_west) << "no other corner is a body's";
+      }
+    }
+    const bool tank = std::any_of(features.arcs.begin(), features.arcs.end(), [](const SurveyArc& seen) {
+      return (seen.arc.centre - Eigen::Vector2d(12, -10)).norm() < 0.5 && std::abs(seen.arc.radius - 3) < 0.5;
+    });
+    EXPECT_TRUE(tank);
+    // four walls, three faces of four; the longest planes of the grid are walls, and they are upright
+    ASSERT_GE(features.planes.planes.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(features.planes.planes[i].normal.z(), 0, 1e-9);
+  }
 }
 
 // ledger: S4-D01 S4-E04 S4-E08
@@ -169,6 +252,8 @@ TEST(SphericalPages, AreThreePicturesTheSameForTheSameSurvey) {
   EXPECT_EQ(solid, spherical_solid_picture(again));
   const PngPixels plan = pixels_of(spherical_plan_picture(scene, survey));
   const PngPixels above = pixels_of(spherical_above_picture(scene, survey));
+  const PngPixels features = pixels_of(spherical_features_picture(scene, survey));
+  EXPECT_GT(std::count(features.argb.begin(), features.argb.end(), 0xff009e73u), 100) << "confirmed corners, green";
   EXPECT_GT(plan.width, 700);
   EXPECT_GT(above.width, 700);
   EXPECT_GT(dark_pixels(above), 20'000) << "walls of cells, not lines";
