@@ -22,7 +22,7 @@ BeamsTo beams_to(const PlaneScan& scan, const Vector2d& p, double margin_m) {
   const Angle bearing = plan_bearing(p - scan.from);
   int before = 0, behind = 0;
   for (const PlaneEcho& echo : scan.echoes) {
-    if (abs((echo.bearing - bearing).wrapped()) > scan.beam_width) continue;
+    if (abs((echo.bearing - bearing).wrapped()) > scan.beam_width.full) continue;
     before += echo.range_m < distance - margin_m ? 1 : 0;
     behind += echo.range_m > distance + margin_m ? 1 : 0;
   }
@@ -91,7 +91,7 @@ void CornerEvidence::weigh(const PlaneScan& scan, SeenCorner& corner) const {
   const Vector2d middle = gone.at(0.5 * (gone.begin_m + gone.end_m));
   const double margin = config_.gate * scan.range_sigma((middle - scan.from).norm());
   const BeamsTo beams = beams_to(scan, middle, margin);
-  if (width <= scan.beam_width && beams == BeamsTo::kEndBefore) ++corner.scans_for;
+  if (width <= scan.beam_width.full && beams == BeamsTo::kEndBefore) ++corner.scans_for;
   if (width >= config_.facing && beams == BeamsTo::kPass) ++corner.scans_against;
   const bool enough = corner.scans_for >= config_.enough && corner.scans_for > corner.scans_against;
   if (enough && corner.confirmed == 0) corner.confirmed = scans_;

@@ -60,7 +60,7 @@ struct PlaneCorner {
 };
 
 /// Of at least two of the scan's echoes, `factors` (1 each where empty) on their weights. `about`: a line near by, that
-/// of nearly the same echoes; one round is enough then. Empty where they are one point.
+/// of nearly the same echoes; one round is enough then, here as for arcs. Empty where they are one point.
 std::optional<PlaneLine> fit_line(const PlaneScan& scan, std::span<const std::size_t> echoes,
                                   std::span<const double> factors = {}, const PlaneLine* about = nullptr);
 /// Of at least four. Empty where they have no curvature.
