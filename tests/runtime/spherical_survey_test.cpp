@@ -4,6 +4,8 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
+#include <isobath/planning/route_planner.hpp>
+#include <isobath/planning/spherical_hazards.hpp>
 #include <isobath/runtime/spherical_pages.hpp>
 #include <isobath/runtime/spherical_survey.hpp>
 #include <tests/support/data.hpp>
@@ -127,6 +129,43 @@ TEST(SphericalSurvey, TellsTheRoomAsEdgesArcsAndCornersThatItConfirmsOnTheWay) {
     ASSERT_GE(features.planes.planes.size(), 4u);
     for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(features.planes.planes[i].normal.z(), 0, 1e-9);
   }
+}
+
+// ledger: S4-51
+TEST(SphericalSurvey, WaysPlannedOnTheGridKeepClearOfTheTrueWalls) {
+  const Scene scene = polygon_room();
+  const SphericalSurvey survey = run_spherical_survey(scene, survey_config(scene));
+  const Eigen::Vector2d at = survey.path.scans.back().at.head<2>();
+  const std::vector<Hazard> hazards = hazards_of(*survey.grid, 3);
+  ASSERT_GT(hazards.size(), 500u);
+  for (const Hazard& hazard : hazards) {  // 2.5 degrees across, whatever the range
+    const double across = (hazard.outline[2] - hazard.outline[3]).norm(), range = hazard.outline[2].norm();
+    ASSERT_NEAR(across / range, Angle::degrees(2.5).radians(), 1e-3) << "finer near, coarser far";
+  }
+  const HazardMap map(hazards);
+  const PlaneSection truth(scene, survey.path.scans.back().at.z());
+  RouteConfig config;
+  config.cell_m = 0.5;
+  config.clearance_m = 0.5;
+  config.wished_clearance_m = 1.5;
+  RouteTask task;
+  task.half_width_m = 0.4;
+  const std::vector<Eigen::Vector2d> goals{{-16, -14}, {16, 0}, {-3, -8}, {-15, 16}, {5, -16}};
+  for (const Eigen::Vector2d& goal : goals) {
+    task.goal = goal - at;
+    const auto way = plan_route(map, task, config);
+    ASSERT_TRUE(way) << goal.transpose();
+    double least = 1e9;
+    for (std::size_t i = 1; i < way->points.size(); ++i) {
+      for (double share = 0; share <= 1; share += 0.01) {
+        const Eigen::Vector2d p = at + way->points[i - 1] + share * (way->points[i] - way->points[i - 1]);
+        least = std::min(least, distance_to(truth, p));
+      }
+    }
+    EXPECT_GT(least, task.half_width_m) << goal.transpose();
+  }
+  // the straight way to the third goal leads through the parallelogram
+  EXPECT_FALSE(map.leg_is_clear({0, 0}, goals[2] - at, 0.4));
 }
 
 // ledger: S4-D01 S4-E04 S4-E08
