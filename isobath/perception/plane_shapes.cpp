@@ -150,7 +150,7 @@ std::optional<PlaneArc> fit_arc(const PlaneScan& scan, std::span<const std::size
   if (echoes.size() < 4) return {};
   std::optional<PlaneArc> arc = about ? *about : algebraic_circle(scan, echoes);
   if (!arc) return {};
-  for (int round = about ? kArcRounds - 1 : 0; round < kArcRounds; ++round) {
+  for (int round = about ? kArcRounds - 2 : 0; round < kArcRounds; ++round) {
     Matrix3d information = Matrix3d::Zero();
     Vector3d right = Vector3d::Zero();
     arc->residual = 0;

@@ -187,12 +187,12 @@ std::string spherical_features_picture(const Scene& scene, const SphericalSurvey
     const bool confirmed = corner.confirmed > 0;
     picture.dot(corner.corner.at, 5.5, confirmed ? palette::kTruth : kOpen);
     picture.label(corner.corner.at,
-                  confirmed ? fmt::format("supposed at {}, sure at {}", corner.hypothesised, corner.confirmed)
-                            : fmt::format("supposed at {}", corner.hypothesised));
+                  confirmed ? fmt::format("seen {}, sure {}", corner.hypothesised, corner.confirmed)
+                            : fmt::format("seen {}", corner.hypothesised));
   }
   picture.finish({{kTold, "edges and arcs"},
                   {kWalls, "true walls"},
-                  {palette::kTruth, "corner, confirmed"},
+                  {palette::kTruth, "corner, sure: numbers of the scans"},
                   {kOpen, "corner, supposed"},
                   {kAlone, "echoes of none of these"}});
   return picture.png();
