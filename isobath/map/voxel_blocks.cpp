@@ -159,13 +159,49 @@ std::size_t VoxelBlocks::keep_within(const VoxelIndex& least, const VoxelIndex& 
     for (const auto& stored : shelf_->revisions()) {
       if (leaves({corner_of(stored.first), 0, nullptr})) gone.push_back(stored.first);
     }
-    const auto spilled =
-        std::count_if(gone.begin(), gone.end(), [&](std::uint64_t key) { return slot_of(key) == kNone; });
-    shelf_->erase(gone);
-    spilled_ -= static_cast<std::size_t>(spilled);
+    erase_spilled(gone);
   }
   release(leaves);
   return before - blocks();
+}
+
+void VoxelBlocks::erase_spilled(const std::vector<std::uint64_t>& keys) {
+  const auto spilled =
+      std::count_if(keys.begin(), keys.end(), [&](std::uint64_t key) { return slot_of(key) == kNone; });
+  shelf_->erase(keys);
+  spilled_ -= static_cast<std::size_t>(spilled);
+}
+
+void VoxelBlocks::move(const VoxelIndex& by, std::uint64_t after) {
+  std::vector<VoxelIndex> corners;
+  std::vector<LogOdds16> evidence;
+  for_each(after, [&](const Block& b) {
+    corners.push_back(b.corner);
+    evidence.insert(evidence.end(), b.evidence, b.evidence + kVolume);
+  });
+  if (shelf_) {
+    std::vector<std::uint64_t> stored;
+    for (const VoxelIndex& corner : corners) {
+      if (const std::uint64_t key = key_of(corner); shelf_->holds(key)) stored.push_back(key);
+    }
+    erase_spilled(stored);
+  }
+  release([&](const Block& b) { return b.revision > after; });
+  for (std::size_t n = 0; n < corners.size(); ++n) {
+    const VoxelIndex to = corners[n] + by;
+    if (!holds(to) || !holds(to + VoxelIndex::Constant(kSide))) continue;  // beyond the end of all maps
+    const std::span from(evidence.data() + n * kVolume, kVolume);
+    const VoxelIndex first = place_of(offset(to));  // it comes to lie in up to eight blocks
+    std::array<LogOdds16*, 8> parts{};
+    for (int i = 0; i < kVolume; ++i) {
+      if (from[i] == kUnseen) continue;
+      const VoxelIndex v = to + place_of(i), beyond = (first + place_of(i)) / kSide;
+      LogOdds16*& part = parts[static_cast<std::size_t>(beyond.x() * 4 + beyond.y() * 2 + beyond.z())];
+      if (!part) part = touch(v);
+      LogOdds16& e = part[offset(v)];
+      e = sum(e, from[i]);
+    }
+  }
 }
 
 void VoxelBlocks::clear() {

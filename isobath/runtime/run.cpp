@@ -56,6 +56,10 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     if (mission) mission->resume();
   }
   void on_upright(const PosedPing& ping) override { voxels.take(ping); }
+  void on_jump(const Eigen::Vector3d& by_W) override {
+    voxels.move_along(by_W);
+    folder_.on_jump(by_W);
+  }
   void on_soundings(const Swath& swath, const Pose& X_WB) override { voxels.take(swath, X_WB); }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
@@ -370,6 +374,8 @@ RunOutcome run(const RunRequest& asked) {
   outcome.source = source->report();
   if (frame) outcome.source.origin = frame;
   add_results(outcome, pipeline, depths, sinks.voxels.map() != nullptr);
+  for (const auto& [reason, count] : sinks.voxels.refused())
+    outcome.rejected["left out of the voxels: " + reason] += count;
   if (sinks.log) sinks.log->close();
   if (sinks.judge) {
     outcome.truth = sinks.judge->score();

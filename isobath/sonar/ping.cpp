@@ -51,6 +51,8 @@ void Intensities::copy_beam(int beam, float* out) const {
 PingFault check(const Ping& ping) {
   if (!ping.fan) return PingFault::kNoFan;
   if (!valid(*ping.fan)) return PingFault::kBadFan;
+  // First and last beam of a whole turn are not the same.
+  if ((ping.fan->azimuth.back() - ping.fan->azimuth.front()).degrees() > 360) return PingFault::kTooWide;
   const RangeWindow& w = ping.window;
   if (!(w.bin_m > 0) || !std::isfinite(w.end_m()) || !(w.start_m >= 0) || w.bins <= 0) return PingFault::kBadWindow;
   if (!ping.intensity.data() || ping.intensity.beams() != ping.fan->beams() || ping.intensity.bins() != w.bins) {
@@ -74,6 +76,7 @@ const char* to_text(PingFault fault) {
     case PingFault::kNone: return "none";
     case PingFault::kNoFan: return "no beams";
     case PingFault::kBadFan: return "beams out of order or without width";
+    case PingFault::kTooWide: return "beams round more than a whole turn";
     case PingFault::kBadWindow: return "no usable range window";
     case PingFault::kSizeMismatch: return "samples do not match beams and bins";
     case PingFault::kNotFinite: return "value not finite";

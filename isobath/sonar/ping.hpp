@@ -87,8 +87,8 @@ struct Ping {
   double blind_m = 0;  ///< nearer than this the sonar hears its own transmission, as far as the device tells (S6-09)
 };
 
-/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order.
-enum class PingFault : std::uint8_t { kNone, kNoFan, kBadFan, kBadWindow, kSizeMismatch, kNotFinite };
+/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order or round more than a turn.
+enum class PingFault : std::uint8_t { kNone, kNoFan, kBadFan, kTooWide, kBadWindow, kSizeMismatch, kNotFinite };
 PingFault check(const Ping& ping);
 const char* to_text(PingFault fault);
 

@@ -21,13 +21,12 @@ class Voxels : public testing::Test {
  private:
   /// Without its mission: the vehicle sails straight, and the run is over when its time is.
   [[nodiscard]] fs::path scene_of_the_bridge() const {
-    const std::string text = test::content_of(test::source_folder() / "scenarios/bridge.toml");
     fs::create_directories(out_.string() + "_scene/scenarios");
     fs::create_directories(out_.string() + "_scene/vehicles");
     fs::copy_file(test::source_folder() / "vehicles/remus100.toml", out_.string() + "_scene/vehicles/remus100.toml",
                   fs::copy_options::overwrite_existing);
     const fs::path file = out_.string() + "_scene/scenarios/bridge.toml";
-    std::ofstream(file) << text.substr(0, text.find("\n[mission]"));
+    std::ofstream(file) << test::scene_text("bridge");
     return file;
   }
 };

@@ -14,7 +14,7 @@ inline void look_at(const Event& event) {
   const Ping* const ping = std::get_if<Ping>(&event);
   if (!ping) return;
   const PingFault fault = check(*ping);
-  ISOBATH_ASSERT(fault == PingFault::kNone || fault == PingFault::kNotFinite);
+  ISOBATH_ASSERT(fault == PingFault::kNone || fault == PingFault::kTooWide || fault == PingFault::kNotFinite);
   std::vector<float> line(static_cast<std::size_t>(ping->window.bins));
   float sum = 0;
   for (int b = 0; b < ping->fan->beams(); ++b) {
