@@ -123,10 +123,12 @@ class Sink : public ResultSink {
   VoxelModel model;
 
  private:
-  /// A fan of thousands of voxels is right, and no matter for a fuzzer.
+  /// A fan of hundreds of megabytes is right, and no matter for a fuzzer.
   void take(const PosedPing& posed) {
-    const double across = model.map() ? posed.ping.window.end_m() / model.map()->voxel_m() : 0;
-    if (across < 400) model.take(posed);
+    const BeamFan& fan = *posed.ping.fan;
+    const double across = model.map() ? posed.ping.window.end_m() / model.map()->voxel_m() : 200;
+    const double radians = (fan.azimuth.back() - fan.azimuth.front() + fan.width.front()).radians();
+    if (std::pow(across, 3) * radians * std::min(2.0, fan.height.radians()) / 3 < 1e6) model.take(posed);
   }
 };
 
@@ -137,6 +139,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Configuration configuration;
   configuration.echoes.method = DetectionMethod::kOrderedStatistic;
   configuration.voxels.sonars = VoxelModelConfig::Sonars::kAll;
+  configuration.voxels.fit = draw.byte() % 4 == 0;
+  configuration.voxels.map.voxel_m = 0.25 * (1 + draw.byte() % 8);
   configuration.voxels.fans.rule = static_cast<FanMapperConfig::Rule>(draw.byte() % 3);
   try {
     Sink sink(configuration.voxels);
