@@ -190,16 +190,23 @@ void VoxelBlocks::move(const VoxelIndex& by, std::uint64_t after) {
   for (std::size_t n = 0; n < corners.size(); ++n) {
     const VoxelIndex to = corners[n] + by;
     if (!holds(to) || !holds(to + VoxelIndex::Constant(kSide))) continue;  // beyond the end of all maps
-    const std::span from(evidence.data() + n * kVolume, kVolume);
-    const VoxelIndex first = place_of(offset(to));  // it comes to lie in up to eight blocks
+    const VoxelIndex first = place_of(offset(to));                         // it comes to lie in up to eight blocks
     std::array<LogOdds16*, 8> parts{};
-    for (int i = 0; i < kVolume; ++i) {
-      if (from[i] == kUnseen) continue;
-      const VoxelIndex v = to + place_of(i), beyond = (first + place_of(i)) / kSide;
-      LogOdds16*& part = parts[static_cast<std::size_t>(beyond.x() * 4 + beyond.y() * 2 + beyond.z())];
-      if (!part) part = touch(v);
-      LogOdds16& e = part[offset(v)];
-      e = sum(e, from[i]);
+    for (int i = 0; i < kVolume;) {
+      const VoxelIndex at = first + place_of(i), part = at / kSide;
+      const int end = i + std::min(kSide - (i & (kSide - 1)), kSide - (at.z() & (kSide - 1)));
+      const std::span run(evidence.data() + n * kVolume + static_cast<std::size_t>(i),
+                          evidence.data() + n * kVolume + static_cast<std::size_t>(end));
+      if (std::any_of(run.begin(), run.end(), [](LogOdds16 e) { return e != kUnseen; })) {
+        LogOdds16*& block = parts[static_cast<std::size_t>(part.x() * 4 + part.y() * 2 + part.z())];
+        if (!block) block = touch(to + place_of(i));
+        LogOdds16* there = block + offset(at);
+        for (const LogOdds16 e : run) {
+          if (e != kUnseen) *there = sum(*there, e);
+          ++there;
+        }
+      }
+      i = end;
     }
   }
 }

@@ -127,7 +127,7 @@ class VoxelBlocks {
   /// Brings all evidence nearer to none: times `kept`, in [0, 1], towards zero. What was seen stays seen.
   void fade(double kept);
   /// Moves by whole voxels what was said in the blocks touched after a revision. Where it comes to lie on what was not
-  /// moved, both are true of that place, and add up. Cost: 20 us a block.
+  /// moved, both are true of that place, and add up.
   void move(const VoxelIndex& by, std::uint64_t after);
   /// Forgets the blocks that have no voxel in the box [least, most]; each is shown first. Returns how many.
   std::size_t keep_within(const VoxelIndex& least, const VoxelIndex& most,

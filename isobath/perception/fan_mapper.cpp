@@ -345,7 +345,6 @@ void FanMapper::take_decisions(const EchoDecisions& decisions) {
 const char* FanMapper::fault_of(const Ping& ping, double voxel_m) {
   constexpr double kMostVoxels = 1e9, kMostAcross = 4000;
   const BeamFan& fan = *ping.fan;
-  if (!(ping.window.bin_m >= 1e-5 && ping.window.end_m() <= 1e6)) return "bins of a length that no sonar has";
   const double range = ping.window.end_m() / voxel_m;
   const double cells = (std::sqrt(3.0) * voxel_m / ping.window.bin_m + 2) * fan.beams();
   if (!(cells < 65536)) return "voxels far too large for the bins of a ping";

@@ -87,8 +87,18 @@ struct Ping {
   double blind_m = 0;  ///< nearer than this the sonar hears its own transmission, as far as the device tells (S6-09)
 };
 
-/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order or round more than a turn.
-enum class PingFault : std::uint8_t { kNone, kNoFan, kBadFan, kTooWide, kBadWindow, kSizeMismatch, kNotFinite };
+/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order or round more than a turn,
+/// a size that no sonar has: bins below 10 um, a range beyond 1000 km, a mount 10 km from the vehicle.
+enum class PingFault : std::uint8_t {
+  kNone,
+  kNoFan,
+  kBadFan,
+  kTooWide,
+  kBadWindow,
+  kBadScale,
+  kSizeMismatch,
+  kNotFinite
+};
 PingFault check(const Ping& ping);
 const char* to_text(PingFault fault);
 

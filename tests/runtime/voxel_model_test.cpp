@@ -318,6 +318,9 @@ TEST(PingsThatNoMapCanUse, AreCountedByTheirReasonAndChangeNothing) {
         with([](Ping&, BeamFan& f) { f.width[3] = Angle::degrees(-3); }),
         with([](Ping&, BeamFan& f) { f.height = {}; }),
         with([](Ping&, BeamFan& f) { f.height = Angle::radians(double{kInfinity}); })}},
+      {"bins, range or mount of a size that no sonar has",
+       {with([](Ping& p, BeamFan&) { p.window.bin_m = 1e-6; }), with([](Ping& p, BeamFan&) { p.window.bin_m = 2e4; }),
+        with([](Ping& p, BeamFan&) { p.X_BS.translation.x() = 1e300; })}},
       {"samples do not match beams and bins",
        {with([](Ping& p, BeamFan&) { p.window.bins = 99; }), with([](Ping& p, BeamFan&) { p.intensity = {}; }),
         with([](Ping&, BeamFan& f) { f.azimuth.pop_back(), f.width.pop_back(); })}},
@@ -365,11 +368,12 @@ TEST(PingsThatNoMapCanUse, OfAnotherScaleAreLeftOutOfTheVoxels) {
   EXPECT_TRUE(mapped.model.refused().empty());
   for (const double factor : {1e-4, 1e-9, 300.0, 1e6, 1e200}) mapped.pipeline.take(scaled(4, factor));
   mapped.pipeline.finish();
-  EXPECT_EQ(mapped.pipeline.counts().pings, 8u) << "the plan view takes them all";
+  EXPECT_EQ(mapped.pipeline.counts().pings, 5u) << "the plan view takes them all";
+  EXPECT_THAT(mapped.pipeline.rejected(),
+              testing::ElementsAre(Pair("bins, range or mount of a size that no sonar has", 3u)));
   EXPECT_THAT(mapped.model.refused(),
               testing::UnorderedElementsAre(Pair("voxels far too large for the bins of a ping", 1u),
-                                            Pair("voxels far too small for the range of a ping", 1u),
-                                            Pair("bins of a length that no sonar has", 3u)));
+                                            Pair("voxels far too small for the range of a ping", 1u)));
   EXPECT_EQ(mapped.model.outcome().layers.front().pings, 3u);
 }
 
