@@ -115,6 +115,10 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   if (n.upright > 0) fmt::print("{} pings of upright fans, for the map in three dimensions\n", n.upright);
   for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
+  if (n.jumps > 0) {
+    fmt::print("jumps of the position: {}, by up to {:.1f} m; what was seen around the vehicle moved along\n", n.jumps,
+               n.farthest_jump_m);
+  }
   for (const Damage& d : outcome.source.damages)
     fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
   if (!outcome.undecided.empty()) fmt::print("at the end no bin could be decided: {}\n", outcome.undecided);
