@@ -2,18 +2,18 @@
 import type { AlignedData } from 'uplot';
 import { Chart } from './chart';
 import { byId, make, say } from './dom';
-import type { Health } from './items';
+import type { Health, StageTime } from './items';
 import { Kind } from './protocol';
 import * as units from './units';
 import type { Shared, View } from './view';
 
-/** Samples of stage times kept, at one a health record. */
+/** Samples of stage times kept, at one a record. */
 const kHistory = 1800;
 
 export class HealthView implements View {
   private readonly chart: Chart;
   private readonly history = { time: [] as number[], p99: new Map<string, (number | null)[]>() };
-  private seen: Health | null = null;
+  private seen: readonly StageTime[] = [];
   private drawn = '';
   private readonly opened = performance.now();
 
@@ -24,13 +24,13 @@ export class HealthView implements View {
   frame(now: number): void {
     const { model, theme } = this.shared;
     const { health } = model;
-    if (health && health !== this.seen) this.remember(health, now);
-    this.seen = health;
+    if (model.times.length > 0 && model.times !== this.seen) this.remember(model.times, now);
+    this.seen = model.times;
     const troubles = health ? health.alarms.length + health.faults.filter(({ active }) => active).length : 0;
     say(byId('health-count'), troubles > 0 ? ` ▲ ${troubles}` : '');
     const panel = byId('health-body');
     if (panel.clientWidth === 0) return;
-    const look = `${model.revision[Kind.health]} ${theme.revision} ${panel.clientWidth}`;
+    const look = `${model.revision[Kind.health]} ${model.revision[Kind.times]} ${theme.revision} ${panel.clientWidth}`;
     if (look === this.drawn) return;
     this.drawn = look;
     byId('health-none').hidden = health !== null;
@@ -51,7 +51,7 @@ export class HealthView implements View {
         make('li', { 'data-agent': name }, make('strong', {}, name), ` ${state}${why ? `: ${why}` : ''}`),
       ),
     );
-    this.stages(health);
+    this.stages(model.times);
   }
 
   private troubles(health: Health): void {
@@ -68,9 +68,9 @@ export class HealthView implements View {
     byId('health-troubles').replaceChildren(...list);
   }
 
-  private stages(health: Health): void {
-    byId('stage-section').hidden = health.stages.length === 0;
-    const rows = health.stages.map(({ name, median, p99, worst, count }, i) => {
+  private stages(stages: readonly StageTime[]): void {
+    byId('stage-section').hidden = stages.length === 0;
+    const rows = stages.map(({ name, median, p99, worst, count }, i) => {
       const swatch = make('span', { class: 'class-swatch' });
       swatch.style.background = this.chart.colour(i);
       const cells = [median, p99, worst].map((ms) => make('td', {}, units.milliseconds(ms)));
@@ -88,14 +88,14 @@ export class HealthView implements View {
     }
   }
 
-  private remember(health: Health, now: number): void {
+  private remember(stages: readonly StageTime[], now: number): void {
     const { time, p99 } = this.history;
     time.push((now - this.opened) / 1000);
-    for (const { name } of health.stages) {
+    for (const { name } of stages) {
       if (!p99.has(name) && p99.size < 12) p99.set(name, new Array<number | null>(time.length - 1).fill(null));
     }
     for (const [name, values] of p99) {
-      const stage = health.stages.find((s) => s.name === name);
+      const stage = stages.find((s) => s.name === name);
       values.push(stage && Number.isFinite(stage.p99) ? stage.p99 : null);
     }
     if (time.length <= kHistory) return;

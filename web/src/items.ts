@@ -54,6 +54,8 @@ export interface Scene {
   land: Point[][];
   mission: MissionPoint[];
   bodies: { name: string; outline: Point[] }[];
+  /** Outlines of the obstacles of the chart. */
+  charted: Point[][];
   vehicle: { name: string; length: number; safe: number | undefined };
   datum: string;
   /** Of a recording, what the time line has to show before it was played. */
@@ -85,6 +87,10 @@ export function readScene(json: unknown): Scene | null {
       if (!isObject(v) || !at) return undefined;
       return { name: words(v.name), task: words(v.task), at, depth: number(v.depth_m), altitude: number(v.altitude_m) };
     }),
+    charted: all(json.charted, (v) => {
+      const [a, b] = isObject(v) ? [point(v.a), point(v.b)] : [];
+      return isObject(v) && a && b ? around(a, b, Math.max(0.1, number(v.radius_m) ?? 0)) : undefined;
+    }),
     bodies: all(json.bodies, (v) => (isObject(v) ? { name: words(v.name), outline: points(v.outline) } : undefined)),
     vehicle: {
       name: words(vehicle.name),
@@ -97,6 +103,18 @@ export function readScene(json: unknown): Scene | null {
       return isObject(v) && at !== undefined ? { at, what: words(v.what), alarm: flag(v.alarm) } : undefined;
     }),
   };
+}
+
+/** What lies within a radius of the line from a to b. */
+function around([an, ae]: Point, [bn, be]: Point, radius: number): Point[] {
+  const along = an === bn && ae === be ? 0 : Math.atan2(be - ae, bn - an);
+  const kCorners = 8;
+  const half = (n: number, e: number, from: number): Point[] =>
+    Array.from({ length: kCorners + 1 }, (_, i) => {
+      const angle = from + (Math.PI * i) / kCorners;
+      return [n + radius * Math.cos(angle), e + radius * Math.sin(angle)];
+    });
+  return [...half(bn, be, along - Math.PI / 2), ...half(an, ae, along + Math.PI / 2)];
 }
 
 /** Of whole nanoseconds, which a double could not hold. */
@@ -216,10 +234,10 @@ export function readDecision(json: unknown, n: number, time: number): Decision |
     agent: words(json.agent),
     what: words(json.what),
     reason: words(json.reason),
-    obstacle: point(json.obstacle),
+    obstacle: point(json.obstacle_m),
     leg: number(json.leg),
     margin: number(json.margin_m),
-    way: points(json.way),
+    way: points(json.way_m),
   };
 }
 
@@ -243,17 +261,22 @@ export interface Health {
   alarms: string[];
   faults: Fault[];
   agents: { name: string; state: string; why: string }[];
-  stages: StageTime[];
   /** Everything else that is said, to be listed as it stands. */
   more: [string, string][];
 }
-const kNamedHealth = new Set(['counts', 'refused', 'alarms', 'faults', 'agents', 'stages']);
+const kNamedHealth = new Set(['counts', 'refused', 'alarms', 'faults', 'agents', 'parts']);
 
 export function readHealth(json: unknown): Health | null {
   if (!isObject(json)) return null;
   const more: [string, string][] = [];
   for (const [key, value] of Object.entries(json)) {
     if (!kNamedHealth.has(key)) tell(key, value, more);
+  }
+  for (const part of list(json.parts)) {
+    if (!isObject(part)) continue;
+    const { name, ...says } = part;
+    if (says.note === '') delete says.note;
+    tell(words(name), says, more);
   }
   return {
     counts: counts(json.counts),
@@ -275,19 +298,23 @@ export function readHealth(json: unknown): Health | null {
     agents: all(json.agents, (v) =>
       isObject(v) ? { name: words(v.name), state: words(v.state), why: words(v.why) } : undefined,
     ),
-    stages: all(json.stages, (v) =>
-      isObject(v)
-        ? {
-            name: words(v.name),
-            median: number(v.median_ms) ?? NaN,
-            p99: number(v.p99_ms) ?? NaN,
-            worst: number(v.worst_ms) ?? NaN,
-            count: number(v.count) ?? 0,
-          }
-        : undefined,
-    ),
     more,
   };
+}
+
+export function readTimes(json: unknown): StageTime[] | null {
+  if (!Array.isArray(json)) return null;
+  return all(json, (v) =>
+    isObject(v)
+      ? {
+          name: words(v.name),
+          median: number(v.median_ms) ?? NaN,
+          p99: number(v.p99_ms) ?? NaN,
+          worst: number(v.worst_ms) ?? NaN,
+          count: number(v.count) ?? 0,
+        }
+      : undefined,
+  );
 }
 
 /** Flattens to lines of "depth pixels: 4100"; units that names carry are set behind the value. */

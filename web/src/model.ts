@@ -47,6 +47,8 @@ export class Model {
   readonly depth = new Map<string, Revised<protocol.DepthTile>>();
   readonly voxels = new Map<string, Revised<protocol.VoxelBlock>>();
   health: items.Health | null = null;
+  /** How long its stages take, by a real clock; of what happens now only. */
+  times: items.StageTime[] = [];
   clock: items.Clock | null = null;
   refusal: items.Refusal | null = null;
 
@@ -80,6 +82,7 @@ export class Model {
     this.vehicleTime = this.gridTime = this.newest = NaN;
     this.obstacles = [];
     this.decisions = [];
+    this.times = [];
     for (const map of [this.track, this.sonars, this.depth, this.voxels, this.waiting]) map.clear();
     this.trail.clear();
     for (let kind = 0; kind < this.revision.length; ++kind) ++this.revision[kind]!;
@@ -138,6 +141,8 @@ export class Model {
         );
       case Kind.health:
         return this.keep(items.readHealth(protocol.readJson(payload)), (health) => (this.health = health));
+      case Kind.times:
+        return this.keep(items.readTimes(protocol.readJson(payload)), (times) => (this.times = times));
       case Kind.clock:
         return this.keep(items.readClock(protocol.readJson(payload)), (clock) => (this.clock = clock));
       case Kind.refusal:
@@ -214,6 +219,9 @@ export class Model {
         break;
       case Kind.health:
         this.health = null;
+        break;
+      case Kind.times:
+        this.times = [];
         break;
       case Kind.clock:
         this.clock = null;

@@ -22,9 +22,10 @@ export const Kind = {
   health: 12,
   clock: 13,
   refusal: 14,
+  times: 15,
 } as const;
 export type Kind = (typeof Kind)[keyof typeof Kind];
-export const kLastKind = Kind.refusal;
+export const kLastKind = Kind.times;
 
 export const kHead = 24;
 const kGone = 1;
@@ -101,7 +102,7 @@ export interface Vehicle {
 }
 
 export function readVehicle(p: DataView): Vehicle | null {
-  if (p.byteLength < 80) return null;
+  if (p.byteLength < 72) return null;
   const f = (i: number) => p.getFloat32(24 + 4 * i, true);
   const vehicle = {
     north: p.getFloat64(0, true),

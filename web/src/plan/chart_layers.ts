@@ -5,7 +5,7 @@ import type { Scene } from '../items';
 import { label, stroke, trace, words, type Pen } from './pen';
 
 export function drawLand(pen: Pen, scene: Scene): void {
-  for (const outline of scene.land) {
+  for (const outline of [...scene.land, ...scene.charted]) {
     trace(pen, outline, true);
     pen.drawing.fillStyle = pen.paint.land;
     pen.drawing.fill();

@@ -117,7 +117,7 @@ export class PlanView implements View, Gestured {
       if (there && layers.shows(name)) paint();
     };
     layer('depth', this.depth.any, () => this.depth.draw(pen, model.revision[Kind.depth]!));
-    layer('land', (scene?.land.length ?? 0) > 0, () => drawLand(pen, scene!));
+    layer('land', (scene?.land.length ?? 0) + (scene?.charted.length ?? 0) > 0, () => drawLand(pen, scene!));
     drawGrid(pen);
     layer('grid', model.grid !== null, () => this.grid.draw(pen, model.grid!));
     layer('samples', model.sonars.size > 0, () => this.samples.draw(pen, model));
