@@ -8,9 +8,10 @@ JOBS ?= $(shell nproc)
 FUZZ_SECONDS ?= 60
 WERROR ?= OFF
 # Rooms with threads, and the groups of their tests that start any.
-THREADED := sim perception mission runtime app
+THREADED := sim perception mission runtime server app
 THREADED_TESTS := ThreadedCrew PrefetchSource MappingThread LiveHelm LostAgents ClosedLoop SmallEvaluation StartUp WorldLevel \
-  Simulator DepthMapperShift FanMapper Determinism Mission Sim Compare
+  Simulator DepthMapperShift FanMapper Determinism Mission Sim Compare \
+  WebServer WebServerRefuses WebServerHangsUp LivePage
 alternatives = ($(subst $() ,|,$(strip $(1))))
 DEMO_OUT ?= out/demo
 DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)

@@ -16,6 +16,7 @@ inline constexpr int kSuccess = 0, kFailedChecks = 1, kBadInput = 2;
 using Action = std::function<int()>;
 
 Action add_run(CLI::App& program);
+Action add_serve(CLI::App& program);
 Action add_sim(CLI::App& program);
 Action add_info(CLI::App& program);
 Action add_convert(CLI::App& program);

@@ -60,7 +60,9 @@ int act(const Options& options) {
     throw Error("cannot write this kind of file", {options.output.string(), {}, {}, {}, {}},
                 "a log as .mcap, a map as .tif, a chart as a folder without an ending");
   }
-  const auto source = open_source(options.input, options.config.read().input);
+  InputConfig input = options.config.read().input;
+  input.most_bins = 0;  // what is kept is kept whole
+  const auto source = open_source(options.input, input);
   NativeLogWriter log(options.output);
   log.set_details(source->report().details);
   const bool place_known = source->report().origin.has_value();

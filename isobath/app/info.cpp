@@ -187,7 +187,9 @@ Action add_info(CLI::App& program) {
       if (options->changes) margin = options->config.read().depth.evidence.margin_m;
       return act_on_map(options->input, options->json, margin);
     }
-    const auto source = open_source(options->input, options->config.read().input);
+    InputConfig input = options->config.read().input;
+    input.most_bins = 0;  // what is in the file
+    const auto source = open_source(options->input, input);
     ProgressLine progress;
     const Inspection facts = inspect(*source, [&](std::uint64_t events) {
       progress.show(source->report().bytes_read, source->report().bytes_total, events);

@@ -24,6 +24,13 @@ struct Options {
   std::string speed = "1";
 };
 
+/// Of one core, s: each stage, and the input and the report apart.
+ordered_json to_json(const RunLoad& load) {
+  ordered_json all;
+  for (std::size_t i = 0; i < kStages; ++i) all[to_text(static_cast<Stage>(i))] = load.stage_s[i];
+  return all;
+}
+
 ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   ordered_json files = ordered_json::array();
@@ -42,7 +49,8 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
             {"pings_per_s", wall > 0 ? static_cast<double>(n.pings) / wall : 0},
             {"times_real_time", wall > 0 ? outcome.log_s / wall : 0},
             {"ping_median_ms", outcome.timings.ping_median_ms},
-            {"ping_p99_ms", outcome.timings.ping_p99_ms}}},
+            {"ping_p99_ms", outcome.timings.ping_p99_ms},
+            {"stages_s", to_json(outcome.timings.load)}}},
           {"live", outcome.live ? ordered_json{{"lost_pings", outcome.live->lost_pings}} : ordered_json()},
           {"files", files}};
 }
@@ -102,6 +110,9 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
                outcome.timings.wall_s);
   }
   if (n.upright > 0) fmt::print("{} pings of upright fans, for the map in three dimensions\n", n.upright);
+  if (const std::string load = load_text(outcome.timings.load, n.pings, outcome.log_s); !load.empty()) {
+    fmt::print("{}\n", load);
+  }
   for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
   for (const Damage& d : outcome.source.damages)
@@ -149,8 +160,14 @@ int act(Options& options) {
     print(request, outcome);
   }
   const std::string failure = outcome.mission ? outcome.mission->failure() : std::string();
-  if (outcome.problem.empty() && failure.empty()) return kSuccess;
   std::fflush(stdout);
+  if (!outcome.recording_problem.empty()) {
+    std::fprintf(stderr, "isobath: %s; the recording ends there, %llu events and messages are not in it\n",
+                 outcome.recording_problem.c_str(), static_cast<unsigned long long>(outcome.not_recorded));
+  }
+  if (outcome.problem.empty() && failure.empty()) {
+    return outcome.recording_problem.empty() ? kSuccess : kFailedChecks;
+  }
   const std::string& problem = outcome.problem.empty() ? failure : outcome.problem;
   std::fprintf(stderr, "isobath: %s: %s\n", request.input.string().c_str(), problem.c_str());
   return outcome.problem.empty() ? kFailedChecks : kBadInput;

@@ -3,12 +3,16 @@
 // what messages mean.
 //
 // Writer: Schemas, channels, metadata and attachments stand outside the chunks, before the messages that need them;
-// every chunk goes to the disk as a whole with its index. So a file cut off anywhere is readable up to its last whole
-// chunk. Reader: in the order of the file, always. A valid summary (magic, CRC) helps where there is damage: channels
-// are known from it, and it says where the next chunk stands. Without one the next chunk is found by its look. A
-// damaged chunk costs that chunk. Errors: the writer throws Error when the disk refuses; the reader throws Error only
-// where the file does not begin as MCAP. Bounds: no more than kMaxChunkBytes a chunk, packed or not; nothing is
-// allocated by a length that the file cannot hold.
+// every chunk goes to the system as a whole with its index as soon as it is full or old enough. So a file cut off
+// anywhere is readable up to its last whole chunk, and a program that is killed loses less than one chunk of each group
+// of channels: channels that are read together share chunks, those of another group have chunks of their own, so that
+// a reader by index (mcap_index.hpp) unpacks nothing else. When the supply fails, what the system had not yet written
+// is lost too (seconds, by default half a minute), unless `sync` waits for the disk at each chunk. Reader: in the order
+// of the file, always. A valid summary (magic, CRC) helps where there is damage: channels are known from it, and it
+// says where the next chunk stands. Without one the next chunk is found by its look. A damaged chunk costs that chunk.
+// Errors: the writer throws Error when the disk refuses; the reader throws Error only where the file does not begin as
+// MCAP. Bounds: no more than kMaxChunkBytes a chunk, packed or not; nothing is allocated by a length that the file
+// cannot hold.
 #pragma once
 
 #include <cstdint>
@@ -33,6 +37,8 @@ enum class McapCompression : std::uint8_t { kNone, kLz4, kZstd };
 struct McapWriterConfig {
   McapCompression compression = McapCompression::kZstd;
   int chunk_kib = 1024;  ///< a chunk is written when its messages reach this size
+  double chunk_s = 5;    ///< or would be further apart than this; 0: whatever their times
+  bool sync = false;     ///< waits until the disk has it
 };
 std::vector<Field> fields(McapWriterConfig& config);
 
@@ -84,7 +90,8 @@ class McapWriter {
 
   /// Ids are given in order, from 1; the ids of the arguments are not looked at.
   std::uint16_t add_schema(McapSchema schema);
-  std::uint16_t add_channel(McapChannel channel);
+  /// Messages stand in the file in the order in which they were written within a group, not across groups.
+  std::uint16_t add_channel(McapChannel channel, int group = 0);
   /// On a channel that was added before.
   void write(const McapMessage& message);
   void add_metadata(const McapMetadata& metadata);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/io/mcap_records.hpp>
+#include <isobath/io/mcap_file.hpp>
 #include <istream>
 
 namespace isobath {
@@ -11,47 +11,14 @@ using mcap::Cursor;
 
 namespace {
 
-constexpr std::uint64_t kMaxOtherRecord = 64u << 20;  // schema, channel, metadata, attachment, message outside a chunk
-constexpr std::uint64_t kMaxSummary = 256u << 20;
 constexpr std::uint64_t kMaxAttachmentsKept = 256u << 20;
-constexpr std::uint64_t kFooterRecord = mcap::kRecordHead + 20;
-constexpr std::uint64_t kDataEndRecord = mcap::kRecordHead + 4;
-
-/// A file of which any stretch can be read; neighbouring stretches without moving the stream's buffer.
-class SeekableInput {
- public:
-  explicit SeekableInput(std::unique_ptr<std::istream> in) : in_(std::move(in)) {
-    in_->seekg(0, std::ios::end);
-    const auto end = in_->tellg();
-    size_ = end > 0 ? static_cast<std::uint64_t>(end) : 0;
-    in_->seekg(0);
-  }
-  [[nodiscard]] std::uint64_t size() const { return size_; }
-
-  /// False where the file has become shorter.
-  bool read(std::uint64_t offset, std::uint64_t count, Buffer& out) {
-    out.resize(count);
-    if (offset != at_) in_->seekg(static_cast<std::streamoff>(offset));
-    in_->read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(count));
-    at_ = offset + count;
-    if (*in_) return true;
-    in_->clear();
-    at_ = ~std::uint64_t{0};
-    return false;
-  }
-
- private:
-  std::unique_ptr<std::istream> in_;
-  std::uint64_t size_ = 0;
-  std::uint64_t at_ = 0;
-};
 
 }  // namespace
 
 struct McapReader::State {
   State(std::unique_ptr<std::istream> stream, const std::string& name);
 
-  SeekableInput input;
+  mcap::SeekableInput input;
   SourceReport report;
   std::map<std::uint16_t, McapSchema> schemas;
   std::map<std::uint16_t, McapChannel> channels;
@@ -78,7 +45,6 @@ struct McapReader::State {
   void add_definition(const mcap::Record& record);
   std::optional<McapMessage> known_channel(std::optional<McapMessage> message);
   void resynchronise(const std::string& reason);
-  std::uint64_t find_chunk(std::uint64_t from);
   bool load(std::uint64_t offset, std::uint64_t count) { return input.read(offset, count, scratch); }
 };
 
@@ -100,25 +66,9 @@ McapReader::State::State(std::unique_ptr<std::istream> stream, const std::string
 }
 
 bool McapReader::State::load_summary() {
-  constexpr std::uint64_t kEnd = kFooterRecord + 8;
-  if (input.size() < 8 + kEnd || !load(input.size() - kEnd, kEnd)) return false;
-  const Buffer end = scratch;
-  Cursor footer(end);
-  const auto record = mcap::take_record(footer);
-  if (!record || record->opcode != mcap::kFooter || record->content.size() != 20) return false;
-  if (!looks_like_mcap(footer.left())) return false;
-  Cursor content(record->content);
-  const auto start = content.number<std::uint64_t>();
-  (void)content.number<std::uint64_t>();
-  const auto crc = content.number<std::uint32_t>();
-  const std::uint64_t stop = input.size() - kEnd;
-  if (start < 8 + kDataEndRecord || start > stop || stop - start > kMaxSummary) return false;
-  // A summary follows the end of the data. One that does not would hide what stands behind its start.
-  if (!load(start - kDataEndRecord, kDataEndRecord) || scratch[0] != mcap::kDataEnd || scratch[1] != 4) return false;
-  if (!load(start, stop - start)) return false;
-  const std::uint32_t covered = mcap::crc32(std::span(end).first(kFooterRecord - 4), mcap::crc32(scratch));
-  if ((crc != 0 && crc != covered) || !parse_summary(scratch)) return false;
-  limit = start;
+  const auto summary = mcap::load_summary(input);
+  if (!summary || !parse_summary(summary->records)) return false;
+  limit = summary->start;
   std::sort(chunk_offsets.begin(), chunk_offsets.end());
   return true;
 }
@@ -231,7 +181,7 @@ std::optional<McapMessage> McapReader::State::take(std::uint8_t opcode, std::uin
     case mcap::kMessage:
     case mcap::kAttachment:
     case mcap::kMetadata: {
-      if (size > kMaxOtherRecord) {
+      if (size > mcap::kMaxOtherRecord) {
         ++report.rejected["record over 64 MiB"];
         break;
       }
@@ -327,28 +277,11 @@ void McapReader::State::resynchronise(const std::string& reason) {
     const auto at = std::upper_bound(chunk_offsets.begin(), chunk_offsets.end(), position);
     if (at != chunk_offsets.end()) to = std::min(*at, limit);
   } else {
-    to = find_chunk(position + 1);
+    to = mcap::find_chunk(input, position + 1, limit);
   }
   report.add_damage(position, to - position, reason);
   position = to;
   report.bytes_read = position;
-}
-
-/// The next place that looks like a chunk, or the limit.
-std::uint64_t McapReader::State::find_chunk(std::uint64_t from) {
-  constexpr std::uint64_t kStep = 1u << 20;
-  constexpr std::uint64_t kLook = mcap::kRecordHead + mcap::kChunkHeadBytes;
-  for (; from < limit; from += kStep) {
-    const std::uint64_t count = std::min(limit - from, kStep + kLook);
-    if (!load(from, count)) return limit;
-    for (std::uint64_t i = 0; i < std::min(count, kStep); ++i) {
-      if (scratch[i] != mcap::kChunk) continue;
-      Cursor head{std::span<const std::uint8_t>(scratch).subspan(i + 1)};
-      const auto size = head.number<std::uint64_t>();
-      if (head.ok() && size <= limit - from - i && mcap::chunk_can_begin_so(head.left(), size)) return from + i;
-    }
-  }
-  return limit;
 }
 
 bool looks_like_mcap(std::span<const std::uint8_t> head) {

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <fcntl.h>
 #include <fstream>
 #include <isobath/base/error.hpp>
 #include <isobath/io/mcap_records.hpp>
+#include <unistd.h>
 
 namespace isobath {
 
@@ -9,12 +11,15 @@ using mcap::Buffer;
 using mcap::Writer;
 
 std::vector<Field> fields(McapWriterConfig& c) {
-  return {Field::choice(
-              "compression", &c.compression,
-              {{"none", McapCompression::kNone}, {"lz4", McapCompression::kLz4}, {"zstd", McapCompression::kZstd}},
-              "Packing of the chunks of a log."),
-          Field::integer("chunk_kib", &c.chunk_kib, {1, 65536}, "KiB",
-                         "Size at which a chunk is packed and written: what a crash can cost.")};
+  return {
+      Field::choice(
+          "compression", &c.compression,
+          {{"none", McapCompression::kNone}, {"lz4", McapCompression::kLz4}, {"zstd", McapCompression::kZstd}},
+          "Packing of the chunks of a log."),
+      Field::integer("chunk_kib", &c.chunk_kib, {1, 65536}, "KiB", "Size at which a chunk is packed and written."),
+      Field::real("chunk_s", &c.chunk_s, {0, 3600}, "s",
+                  "Time that one chunk holds at most: what a crash can cost; 0: no bound."),
+      Field::flag("sync", &c.sync, "Each chunk is forced onto the disk: a failing supply costs no more than a crash.")};
 }
 
 struct McapWriter::State {
@@ -42,9 +47,14 @@ struct McapWriter::State {
   std::vector<McapSchema> schemas;
   std::vector<McapChannel> channels;
   std::map<std::uint16_t, std::uint64_t> counts;
-  Messages all, in_chunk;
-  Buffer chunk;
-  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_index;  // log time, offset
+  Messages all;
+  struct OpenChunk {
+    Messages in;
+    Buffer records;
+    std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> index;  // log time, offset
+  };
+  std::map<int, OpenChunk> open;  // by group
+  std::vector<int> groups;        // of each channel
   std::vector<ChunkEntry> chunks;
   Buffer attachment_indexes, metadata_indexes;
   std::uint32_t attachments = 0, metadata = 0;
@@ -65,8 +75,12 @@ struct McapWriter::State {
     w.record(opcode, [&] { fill(w); });
     put(buffer);
   }
-  void flush_chunk();
-  void write_chunk_indexes(ChunkEntry& entry);
+  void flush_chunk(OpenChunk& chunk);
+  void flush_chunks();
+  /// Out of memory, and, where it is asked for, out of that of the system too.
+  void make_safe();
+  void flush_older_than(std::uint64_t time);
+  void write_chunk_indexes(const OpenChunk& chunk, ChunkEntry& entry);
   void write_summary();
 };
 
@@ -111,7 +125,7 @@ std::uint16_t McapWriter::add_schema(McapSchema schema) {
   return s.schemas.back().id;
 }
 
-std::uint16_t McapWriter::add_channel(McapChannel channel) {
+std::uint16_t McapWriter::add_channel(McapChannel channel, int group) {
   State& s = *state_;
   ISOBATH_ASSERT(!s.closed && s.channels.size() < 0xffff && channel.schema_id <= s.schemas.size());
   channel.id = static_cast<std::uint16_t>(s.channels.size() + 1);
@@ -120,20 +134,25 @@ std::uint16_t McapWriter::add_channel(McapChannel channel) {
   put_channel(w, channel);
   s.put(buffer);
   s.channels.push_back(std::move(channel));
+  s.groups.push_back(group);
   return s.channels.back().id;
 }
 
 void McapWriter::write(const McapMessage& m) {
   State& s = *state_;
   ISOBATH_ASSERT(!s.closed && m.channel_id >= 1 && m.channel_id <= s.channels.size());
-  s.chunk_index[m.channel_id].emplace_back(m.log_time, s.chunk.size());
-  Writer w(s.chunk);
+  s.flush_older_than(m.log_time);
+  State::OpenChunk& chunk = s.open[s.groups[m.channel_id - 1u]];
+  chunk.index[m.channel_id].emplace_back(m.log_time, chunk.records.size());
+  Writer w(chunk.records);
   w.record(mcap::kMessage,
            [&] { w.number(m.channel_id).number(m.sequence).number(m.log_time).number(m.publish_time).bytes(m.data); });
-  s.in_chunk.add(m.log_time);
+  chunk.in.add(m.log_time);
   s.all.add(m.log_time);
   ++s.counts[m.channel_id];
-  if (s.chunk.size() >= static_cast<std::size_t>(s.config.chunk_kib) << 10) flush();
+  if (chunk.records.size() < static_cast<std::size_t>(s.config.chunk_kib) << 10) return;
+  s.flush_chunk(chunk);
+  s.make_safe();
 }
 
 void McapWriter::add_metadata(const McapMetadata& metadata) {
@@ -164,30 +183,59 @@ void McapWriter::add_attachment(const McapAttachment& a) {
 }
 
 void McapWriter::flush() {
-  state_->flush_chunk();
-  state_->out.flush();
-  state_->check();
+  state_->flush_chunks();
+  state_->make_safe();
 }
 
-void McapWriter::State::flush_chunk() {
-  if (in_chunk.count == 0) return;
-  const Buffer packed = mcap::pack(chunk, config.compression);
-  ChunkEntry entry{in_chunk.first, in_chunk.last, position, 0, 0, packed.size(), chunk.size(), {}};
+void McapWriter::State::flush_chunks() {
+  for (auto& [group, chunk] : open) flush_chunk(chunk);
+}
+
+/// Chunks that a message of this time would make too long, or whose messages it leaves that far behind.
+void McapWriter::State::flush_older_than(std::uint64_t time) {
+  if (!(config.chunk_s > 0)) return;
+  const auto longest = static_cast<std::uint64_t>(config.chunk_s * 1e9);
+  bool written = false;
+  for (auto& [group, chunk] : open) {
+    if (chunk.in.count == 0) continue;
+    const std::uint64_t first = std::min(chunk.in.first, time), last = std::max(chunk.in.last, time);
+    if (last - first <= longest) continue;
+    flush_chunk(chunk);
+    written = true;
+  }
+  if (written) make_safe();
+}
+
+void McapWriter::State::make_safe() {
+  out.flush();
+  check();
+  if (!config.sync) return;
+  const int handle = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);  // any handle of the file will do
+  const bool synced = handle >= 0 && ::fdatasync(handle) == 0;
+  if (handle >= 0) ::close(handle);
+  if (!synced) out.setstate(std::ios::badbit);
+  check();
+}
+
+void McapWriter::State::flush_chunk(OpenChunk& chunk) {
+  if (chunk.in.count == 0) return;
+  const Buffer packed = mcap::pack(chunk.records, config.compression);
+  ChunkEntry entry{chunk.in.first, chunk.in.last, position, 0, 0, packed.size(), chunk.records.size(), {}};
   put_record(mcap::kChunk, [&](Writer& w) {
-    w.number(entry.start).number(entry.end).number(entry.unpacked).number(mcap::crc32(chunk));
+    w.number(entry.start).number(entry.end).number(entry.unpacked).number(mcap::crc32(chunk.records));
     w.text(mcap::name_of(config.compression)).number(entry.packed).bytes(packed);
   });
   entry.length = position - entry.offset;
-  write_chunk_indexes(entry);
+  write_chunk_indexes(chunk, entry);
   chunks.push_back(std::move(entry));
-  chunk.clear();
-  chunk_index.clear();
-  in_chunk = {};
+  chunk.records.clear();
+  chunk.index.clear();
+  chunk.in = {};
 }
 
-void McapWriter::State::write_chunk_indexes(ChunkEntry& entry) {
+void McapWriter::State::write_chunk_indexes(const OpenChunk& chunk, ChunkEntry& entry) {
   const std::uint64_t start = position;
-  for (const auto& [channel, messages] : chunk_index) {
+  for (const auto& [channel, messages] : chunk.index) {
     entry.index_offsets[channel] = position;
     put_record(mcap::kMessageIndex, [&, id = channel, &list = messages](Writer& w) {
       w.number(id).counted([&] {
@@ -248,10 +296,11 @@ void McapWriter::close() {
   State& s = *state_;
   if (s.closed) return;
   s.closed = true;
-  s.flush_chunk();
+  s.flush_chunks();
   s.put_record(mcap::kDataEnd, [crc = s.crc](Writer& w) { w.number(crc); });
   s.write_summary();
   s.put(mcap::kMagic);
+  s.make_safe();
   s.out.close();
   s.check();
 }

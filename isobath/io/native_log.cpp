@@ -555,7 +555,8 @@ class NativeLogSource final : public Source {
 
   /// What no vehicle hears: truths, for judges alone; and what was made of the events, which is made again.
   static bool is_aside(const std::string& kind) {
-    return kind == kTrueMotion || kind == kEchoTruth || kind == kSetpoint || kind == kDecision;
+    return kind == kTrueMotion || kind == kEchoTruth || kind == kSetpoint || kind == kDecision ||
+           kind.starts_with("isobath.") || kind.starts_with("foxglove.");
   }
 
   std::optional<Event> decoded(const std::string& kind, const McapMessage& message) {
@@ -631,15 +632,14 @@ bool NativeLogWriter::write(const Event& event) {
   }
   const std::uint16_t channels[] = {ping_, range_, navigation_, health_, swath_, operator_};  // as in the variant
   static_assert(std::variant_size_v<Event> == std::size(channels));
-  send(channels[event.index()], time_of(event));
+  send(channels[event.index()], time_of(event), message_);
   return true;
 }
 
-/// The message that stands in message_.
-void NativeLogWriter::send(std::uint16_t channel, Time at) {
+void NativeLogWriter::send(std::uint16_t channel, Time at, std::span<const std::uint8_t> message) {
   // MCAP knows no time before 1970; the exact one stands in the message
   const auto time = static_cast<std::uint64_t>(std::max<std::int64_t>(at.time_since_epoch().count(), 0));
-  mcap_.write({channel, sequence_[channel]++, time, time, message_, nullptr});
+  mcap_.write({channel, sequence_[channel]++, time, time, message, nullptr});
 }
 
 std::uint16_t NativeLogWriter::late_channel(std::uint16_t& id, const char* topic, const char* name,
@@ -658,7 +658,7 @@ void NativeLogWriter::write(const TrueMotion& motion) {
   }
   put_doubles(
       w, [&](std::size_t) { return *motion.altitude_m; }, motion.altitude_m ? 1 : 0);
-  send(late_channel(motion_, "/truth/motion", kTrueMotion, kTrueMotionDefinition), motion.time);
+  send(late_channel(motion_, "/truth/motion", kTrueMotion, kTrueMotionDefinition), motion.time, message_);
 }
 
 void NativeLogWriter::write(const EchoTruth& echoes) {
@@ -670,14 +670,14 @@ void NativeLogWriter::write(const EchoTruth& echoes) {
     *out++ = static_cast<std::uint8_t>(label.code() & 0xff);
     *out++ = static_cast<std::uint8_t>(label.code() >> 8);
   }
-  send(late_channel(echoes_, "/truth/echoes", kEchoTruth, kEchoTruthDefinition), echoes.time);
+  send(late_channel(echoes_, "/truth/echoes", kEchoTruth, kEchoTruthDefinition), echoes.time, message_);
 }
 
 void NativeLogWriter::write(Time time, const Setpoint& setpoint) {
   CdrWriter w(message_);
   w.number(std::int64_t{time.time_since_epoch().count()}).number(setpoint.heading.radians());
   w.number(setpoint.depth).number(setpoint.speed).number(setpoint.sway_speed);
-  send(late_channel(setpoint_, "/setpoint", kSetpoint, kSetpointDefinition), time);
+  send(late_channel(setpoint_, "/setpoint", kSetpoint, kSetpointDefinition), time, message_);
 }
 
 void NativeLogWriter::write_decision(Time time, const std::string& json) {
@@ -685,8 +685,18 @@ void NativeLogWriter::write_decision(Time time, const std::string& json) {
     const std::uint16_t schema = mcap_.add_schema({0, kDecision, "jsonschema", kDecisionDefinition});
     decisions_ = mcap_.add_channel({0, schema, "/decisions", "json", {}});
   }
-  message_.assign(json.begin(), json.end());
-  send(decisions_, time);
+  write(decisions_, time, json);
+}
+
+std::uint16_t NativeLogWriter::add_channel(const std::string& topic, const std::string& message_encoding,
+                                           McapSchema schema, int group) {
+  const auto [known, is_new] = schemas_.try_emplace(schema.name);
+  if (is_new) known->second = mcap_.add_schema(std::move(schema));
+  return mcap_.add_channel({0, known->second, topic, message_encoding, {}}, group);
+}
+
+void NativeLogWriter::write(std::uint16_t channel, Time time, std::string_view message) {
+  send(channel, time, {reinterpret_cast<const std::uint8_t*>(message.data()), message.size()});
 }
 
 void NativeLogWriter::attach(const std::string& name, const std::string& media_type, const std::string& data) {

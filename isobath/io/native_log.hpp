@@ -46,6 +46,12 @@ class NativeLogWriter {
   void write(Time time, const Setpoint& setpoint);
   /// What was decided and why, as one JSON object of the caller's, in /decisions; sources pass over it.
   void write_decision(Time time, const std::string& json);
+  /// A channel of the caller's with a schema (one of the same name stands for it), for what is made of the events.
+  /// Sources pass over it where the name of its schema begins with "isobath." or "foxglove."; group as McapWriter's:
+  /// not 0, or events are read more slowly.
+  std::uint16_t add_channel(const std::string& topic, const std::string& message_encoding, McapSchema schema,
+                            int group);
+  void write(std::uint16_t channel, Time time, std::string_view message);
   /// A file beside the messages, such as the scene that was simulated.
   void attach(const std::string& name, const std::string& media_type, const std::string& data);
   /// Makes what was written safe from a crash.
@@ -54,13 +60,14 @@ class NativeLogWriter {
 
  private:
   std::uint16_t late_channel(std::uint16_t& id, const char* topic, const char* name, const std::string& definition);
-  void send(std::uint16_t channel, Time time);
+  void send(std::uint16_t channel, Time time, std::span<const std::uint8_t> message);
 
   McapWriter mcap_;
   std::uint16_t ping_ = 0, navigation_ = 0, range_ = 0, health_ = 0, swath_ = 0;
-  std::uint16_t operator_ = 0;                  ///< made with the first frame
-  std::uint16_t motion_ = 0, echoes_ = 0;       ///< made with the first truth: a vehicle's log has none
-  std::uint16_t setpoint_ = 0, decisions_ = 0;  ///< made with the first: without a mission there are none
+  std::uint16_t operator_ = 0;                    ///< made with the first frame
+  std::uint16_t motion_ = 0, echoes_ = 0;         ///< made with the first truth: a vehicle's log has none
+  std::uint16_t setpoint_ = 0, decisions_ = 0;    ///< made with the first: without a mission there are none
+  std::map<std::string, std::uint16_t> schemas_;  ///< of the caller's channels, by name
   std::map<std::uint16_t, std::uint32_t> sequence_;
   std::vector<std::uint8_t> message_;
 };

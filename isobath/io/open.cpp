@@ -10,6 +10,7 @@
 #include <isobath/io/oculus_logs.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/io/ping_logs.hpp>
+#include <isobath/io/pooled_bins.hpp>
 #include <isobath/io/pose_track.hpp>
 #include <isobath/io/scan_csv.hpp>
 #include <isobath/io/sonar3d.hpp>
@@ -197,7 +198,7 @@ std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& co
   const Candidate candidate{input, is_folder, head.first(std::min(head.size(), kHead)), config};
   const Format* const format = format_of(candidate);
   if (format == nullptr) refuse(candidate);
-  auto source = format->open(input, config);
+  auto source = with_pooled_bins(format->open(input, config), config.most_bins);
   return config.navigation.empty() ? std::move(source)
                                    : merge_by_time(std::move(source), open_pose_track(config.navigation));
 }
@@ -249,6 +250,10 @@ std::vector<Field> fields(InputConfig& c) {
           "Reads the water column of multibeam logs too, and the file beside them that holds it (.kmwcd, .wcd)."),
       Field::text("set", &c.set, "Which set of a folder that holds several; empty: the first by name."),
       Field::integer("pass", &c.pass, {0, 1e6}, "", "Which pass of a set that holds several; 0: the first."),
+      Field::integer(
+          "most_bins", &c.most_bins, {0, 1e6}, "bins",
+          "Range bins from the sonar to the end of its window at most: a finer sonar's are averaged, and their "
+          "speckle with them; 0: all as they are."),
   };
   for (Field& field : fields(c.survey)) all.push_back(std::move(field));
   return all;

@@ -29,11 +29,13 @@
 // A dim bin (bottom or surface are loud there) tells something only where it holds an echo.
 //
 // Frames: ledger. The evidence of a ping is the same, bit for bit, on any number of threads and whatever vector
-// instructions the processor has. Allocates at the first ping of a geometry and where the map grows. Not thread-safe.
+// instructions the processor has. Its threads wait from ping to ping. Allocates at the first ping of a geometry and
+// where the map grows. Not thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <isobath/base/config.hpp>
+#include <isobath/base/work_team.hpp>
 #include <isobath/map/voxel_map.hpp>
 #include <isobath/perception/fan_kernel.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
@@ -91,12 +93,13 @@ class FanMapper {
   [[nodiscard]] std::vector<Part> parts_of(const Pose& X_WF) const;
   void aim(const Pose& X_WF);
   void take_geometry(const Ping& ping);
-  void take_decisions(const EchoDecisions& decisions);
+  void take_decisions(const EchoDecisions& decisions, WorkTeam& team);
+  void take_beam(const EchoDecisions& decisions, int beam);
   void hide_shadows(const EchoDecisions& decisions, int beam, std::uint64_t* tells) const;
   [[nodiscard]] std::pair<int, int> counts(const MixedVoxel& voxel) const;
   template <class Visit>
-  void each_echo(const MixedVoxel& voxel, const EchoDecisions& decisions, const Visit& visit) const;
-  void explain(MixedVoxel& voxel, const EchoDecisions& decisions, const LogOdds16* block);
+  void each_echo(const MixedVoxel& voxel, const Visit& visit) const;
+  void explain(MixedVoxel& voxel, const LogOdds16* block, bool alone);
   void settle(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
               LogOdds16* block) const;
   [[nodiscard]] double probability(LogOdds16 evidence) const;
@@ -122,10 +125,14 @@ class FanMapper {
 
   // Of the ping at hand.
   std::vector<std::int32_t> sums_;
-  std::vector<std::uint64_t> tells_;
+  int words_ = 0;  ///< of a beam in the next three
+  std::vector<std::uint64_t> heard_,
+      echoes_;                      ///< bins that tell anything, beam after beam; and those that hold an echo
+  std::vector<std::uint64_t> fit_;  ///< bins in which an echo can be told from noise
   std::vector<float> clear_, clear_ratio_;
   std::vector<std::int32_t> explained_;  ///< of each cell that holds an echo: -ln E of all its voxels, fixed point
   std::vector<std::vector<MixedVoxel>> mixed_;  ///< of each block
+  std::unique_ptr<WorkTeam> team_;
 };
 
 }  // namespace isobath

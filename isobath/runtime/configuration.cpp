@@ -43,7 +43,8 @@ std::vector<Section> sections(Configuration& c) {
       {"crew", "How agents are run and watched, and who has the last word.", fields(c.crew)},
       {"calibration", "From marked recordings to a sensor model.", fields(c.calibration)},
       {"histogram", "From marked recordings to a histogram model.", fields(c.histogram)},
-      {"simulation", "What overrides a scene, where the input is one.", fields(c.simulation)}};
+      {"simulation", "What overrides a scene, where the input is one.", fields(c.simulation)},
+      {"recorder", "What a recording holds, how often, and how it is written.", fields(c.recorder)}};
   std::vector<Section> mission = sections(c.mission);
   const auto crew = std::find_if(all.begin(), all.end(), [](const Section& s) { return s.name == "safety"; });
   all.insert(crew, std::make_move_iterator(mission.begin()), std::make_move_iterator(mission.end()));

@@ -16,6 +16,7 @@
 #include <isobath/runtime/depth_prior.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
+#include <isobath/runtime/recorder_config.hpp>
 #include <isobath/runtime/voxel_config.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <isobath/sonar/calibration.hpp>
@@ -60,6 +61,7 @@ struct Configuration {
   CalibrationConfig calibration;
   HistogramConfig histogram;
   SimulationConfig simulation;
+  RecorderConfig recorder;
 };
 
 /// Bound to `configuration`, which must outlive them.

@@ -25,6 +25,7 @@ struct LiveHelm::State {
     const std::lock_guard lock(book_mutex);
     book.note(envelope);
     if (book.frames.size() > kMostFrames) book.frames.erase(book.frames.begin());
+    if (listener) listener(envelope);
   }
 
   void fail(const std::string& agent, bool hangs) {
@@ -48,6 +49,7 @@ struct LiveHelm::State {
   std::mutex ears_mutex, book_mutex;
   std::atomic<Duration::rep> now = 0;
   Logbook book, read;
+  Recorder listener;
   MissionEars ears;
   ThreadedCrew crew;  ///< last: its threads use all the others
 };
@@ -98,6 +100,11 @@ const std::vector<Decision>& LiveHelm::decisions() const { return state_->read.d
 std::vector<FrameBytes> LiveHelm::to_operator() {
   const std::lock_guard lock(state_->book_mutex);
   return std::exchange(state_->book.frames, {});
+}
+
+void LiveHelm::show_messages_to(Recorder recorder) {
+  const std::lock_guard lock(state_->book_mutex);
+  state_->listener = std::move(recorder);
 }
 
 CrewCounts LiveHelm::crew_counts() const { return state_->crew.counts(); }

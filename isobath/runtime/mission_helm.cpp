@@ -12,7 +12,11 @@ void Logbook::note(const Envelope& envelope) {
 
 MissionHelm::MissionHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
                          std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
-    : crew_(std::move(seats), vehicle, config, [this](const Envelope& envelope) { book_.note(envelope); }),
+    : crew_(std::move(seats), vehicle, config,
+            [this](const Envelope& envelope) {
+              book_.note(envelope);
+              if (listener_) listener_(envelope);
+            }),
       ears_(
           std::move(plan), std::move(chart), echo_contrast,
           [this](Message message, Time now) { crew_.hear(std::move(message), now); },

@@ -43,6 +43,7 @@ class MissionHelm : public Helm {
   [[nodiscard]] Setpoint steer() override;
   [[nodiscard]] MissionReport progress() const override { return book_.report; }
   [[nodiscard]] const std::vector<Decision>& decisions() const override { return book_.decisions; }
+  void show_messages_to(Recorder recorder) override { listener_ = std::move(recorder); }
   /// Those of the last event.
   [[nodiscard]] std::vector<FrameBytes> to_operator() override { return std::exchange(book_.frames, {}); }
   [[nodiscard]] CrewCounts crew_counts() const override { return crew_.counts(); }
@@ -56,6 +57,7 @@ class MissionHelm : public Helm {
   Crew crew_;  ///< holds a way back to this object, as do the ears
   MissionEars ears_;
   Logbook book_;
+  Recorder listener_;
 };
 
 }  // namespace isobath

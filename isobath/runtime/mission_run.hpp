@@ -12,6 +12,7 @@
 #include <isobath/runtime/scenario.hpp>
 #include <isobath/runtime/stage_times.hpp>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace isobath {
@@ -49,6 +50,8 @@ class MissionRun : public ResultSink {
   /// crew cannot be made.
   MissionRun(const MissionSetup& setup, const Configuration& configuration, bool live);
 
+  /// From now on; before the first event, if it is to hear all. Live, it is called from all threads, one at a time.
+  void show_messages_to(Recorder recorder) { helm_->show_messages_to(std::move(recorder)); }
   void hear(const Event& event);
   /// Of whoever maps, before the pipeline has the event that was taken at this time.
   void begin(StageTimes::Clock::time_point taken) { times_->begin(taken); }
@@ -60,6 +63,7 @@ class MissionRun : public ResultSink {
   Setpoint steer() { return helm_->steer(); }
 
   [[nodiscard]] Helm& helm() { return *helm_; }
+  [[nodiscard]] MissionTimings timings() const { return times_->timings(); }
   /// So far, without what only the truth knows. With real threads: after settle, and while nobody maps.
   [[nodiscard]] MissionOutcome outcome() const;
 

@@ -87,7 +87,23 @@ Pipeline::~Pipeline() = default;
 
 // What happens to an event -------------------------------------------------------------------------------------------
 
+EchoDetector& Pipeline::detector_of(const Ping& ping) {
+  return lies_flat(ping) ? echoes_ : looks_down(ping) ? sounder_echoes_ : upright_echoes_;
+}
+
+bool Pipeline::listen(const Ping& ping) {
+  if (check(ping) != PingFault::kNone) return false;
+  return detector_of(ping).listen(ping);
+}
+
+void Pipeline::heard_all() {
+  echoes_.heard_all();
+  upright_echoes_.heard_all();
+  sounder_echoes_.heard_all();
+}
+
 void Pipeline::take(Event event) {
+  enter(Stage::kDepths);
   alarms_.hear(event);                      // raw ranges, health: waits for nothing below
   const auto verdict = gate_.judge(event);  // finite, in order, fresh; else counted by its reason
   if (verdict == EventGate::Verdict::kRejected) return;
@@ -103,13 +119,16 @@ void Pipeline::take(Event event) {
 // What happens to a ping whose pose is known -------------------------------------------------------------------------
 
 void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
+  enter(Stage::kEchoes);
   if (!lies_flat(ping)) return hear_upright(ping, X_WB, posed);
   fit_map(ping, posed);                                       // a grid of the sonar's size
   const WaterColumn water = water_at(ping, X_WB, posed);      // where bottom and surface are
   echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
   const bool measured = !posed || poses_.knows_its_motion();  // else dead reckoned
+  enter(Stage::kPlane);
   mapper_->update(ping, decisions_, X_WB, {.position_fix = false, .velocity_log = measured});  // moves, then learns
   sink_.on_ping({ping, X_WB, decisions_});
+  enter(Stage::kPlane);
   count(decisions_);
   counts_.no_bottom += water.above_bottom_m ? 0 : 1;
   counts_.dead_reckoned += measured ? 0 : 1;
@@ -122,7 +141,7 @@ void Pipeline::hear_upright(const Ping& ping, const Pose& X_WB, bool posed) {
   const bool sounds = looks_down(ping);
   WaterColumn water = water_at(ping, X_WB, posed);
   if (sounds) water.above_bottom_m.reset();
-  (sounds ? sounder_echoes_ : upright_echoes_).detect(ping, decisions_, water);
+  detector_of(ping).detect(ping, decisions_, water);
   if (sounds && leaves_method_open(configuration_)) side_lobes_.leave_out(ping, decisions_);
   sink_.on_upright({ping, X_WB, decisions_});
   ++counts_.upright;
@@ -149,6 +168,7 @@ WaterColumn Pipeline::water_at(const Ping& ping, const Pose& X_WB, bool posed) c
 }
 
 void Pipeline::end_scan() {
+  enter(Stage::kObstacles);
   const Detection found = detector_.detect(mapper_->grid(), last_->time, last_->X_WB);
   sink_.on_scan({static_cast<int>(++counts_.scans), last_->posed, found, mapper_->grid()});
   sweep_open_ = false;
@@ -199,6 +219,7 @@ void Pipeline::release(Time now, bool all) {
 }
 
 void Pipeline::place(const Waiting& sensed) {
+  enter(Stage::kDepths);
   const auto* ping = std::get_if<Ping>(&sensed);
   const auto* range = std::get_if<RangeReading>(&sensed);
   const auto* swath = std::get_if<Swath>(&sensed);

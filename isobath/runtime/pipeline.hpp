@@ -27,6 +27,7 @@
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
+#include <isobath/runtime/stage_load.hpp>
 #include <isobath/sonar/echo_detector.hpp>
 #include <isobath/sonar/side_lobes.hpp>
 #include <isobath/sonar/sweep.hpp>
@@ -111,7 +112,15 @@ class Pipeline {
   Pipeline(const Configuration& configuration, ResultSink& sink, SoundingSink* depths = nullptr);
   ~Pipeline();
 
+  /// Before the first event, where the events are there already (a log): learns the noise of the sonars from a ping, so
+  /// that the first can be decided. Whether nothing more need be heard.
+  bool listen(const Ping& ping);
+  /// No more pings will be listened to: the log is shorter than the warm-up, and what was heard must do.
+  void heard_all();
+
   void take(Event event);
+  /// Says to it what it is doing, from now on.
+  void watch(StageLoad* load) { load_ = load; }
   /// After the last event: pings that still wait for a fix, and the obstacles of a sweep that was not finished.
   void finish();
 
@@ -126,6 +135,9 @@ class Pipeline {
   [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
 
  private:
+  void enter(Stage stage) {
+    if (load_) load_->enter(stage);
+  }
   void restart();
   using Waiting = std::variant<Ping, RangeReading, Swath>;
   void add_fix(const Navigation& fix);
@@ -133,6 +145,7 @@ class Pipeline {
   void release(Time now, bool all);
   void place(const Waiting& sensed);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
+  EchoDetector& detector_of(const Ping& ping);
   void hear_upright(const Ping& ping, const Pose& X_WB, bool posed);
   void map_depth(const Waiting& sensed, const PoseEstimate& pose);
   void fit_map(const Ping& ping, bool posed);
@@ -143,6 +156,7 @@ class Pipeline {
   Configuration configuration_;
   ResultSink& sink_;
   SoundingSink* depths_;
+  StageLoad* load_ = nullptr;
   Alarms alarms_;
   EventGate gate_;
   PoseBuffer poses_;

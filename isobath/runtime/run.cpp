@@ -5,12 +5,13 @@
 #include <isobath/io/pose_track.hpp>
 #include <isobath/runtime/closed_loop.hpp>
 #include <isobath/runtime/depth_model.hpp>
+#include <isobath/runtime/display.hpp>
 #include <isobath/runtime/mission_chart.hpp>
 #include <isobath/runtime/mission_run.hpp>
 #include <isobath/runtime/prefetch.hpp>
 #include <isobath/runtime/run.hpp>
 #include <isobath/runtime/run_folder.hpp>
-#include <isobath/runtime/run_log.hpp>
+#include <isobath/runtime/run_recorder.hpp>
 #include <isobath/runtime/run_source.hpp>
 #include <isobath/runtime/scenario.hpp>
 #include <thread>
@@ -40,38 +41,62 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
         folder_(folder),
         reach_m_(request.configuration.mission.space_route.reach_m) {}
   void on_ping(const PosedPing& ping) override {
+    load.enter(Stage::kAgents);
     if (mission) mission->on_ping(ping);
+    load.enter(Stage::kVoxels);
     voxels.take(ping);
+    load.enter(Stage::kReport);
     folder_.on_ping(ping);
     if (judge) judge->on_ping(ping);
+    if (recorder) recorder->on_ping(ping);
+    if (display) display->on_ping(ping);
     if (mission) mission->resume();
   }
   void on_scan(const ScanResult& scan) override {
     if (mission) {
-      if (const auto space = voxels.space_around(scan, reach_m_)) mission->on_space(scan.detection.time, space);
+      load.enter(Stage::kVoxels);
+      const auto space = voxels.space_around(scan, reach_m_);
+      load.enter(Stage::kAgents);
+      if (space) mission->on_space(scan.detection.time, space);
       mission->on_scan(scan);
     }
+    load.enter(Stage::kReport);
     folder_.on_scan(scan);
     if (judge) judge->on_scan(scan);
+    if (recorder) recorder->on_scan(scan);
+    if (display) display->on_scan(scan);
     if (mission) mission->resume();
   }
-  void on_upright(const PosedPing& ping) override { voxels.take(ping); }
-  void on_soundings(const Swath& swath, const Pose& X_WB) override { voxels.take(swath, X_WB); }
+  void on_upright(const PosedPing& ping) override {
+    load.enter(Stage::kVoxels);
+    voxels.take(ping);
+    load.enter(Stage::kReport);
+    if (recorder) recorder->on_upright(ping);
+    if (display) display->on_upright(ping);
+  }
+  void on_soundings(const Swath& swath, const Pose& X_WB) override {
+    load.enter(Stage::kVoxels);
+    voxels.take(swath, X_WB);
+  }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
 
+  StageLoad load;  ///< of whoever maps
   VoxelModel voxels;
+  DisplayItems items;  ///< of the display, where nobody looks on
+  DisplayItems* shown = &items;
+  std::optional<Display> display;       ///< the mission's crew tells it
+  std::optional<RunRecorder> recorder;  ///< likewise
   std::optional<MissionRun> mission;
   std::optional<TruthJudge> judge;
   std::optional<TrueTrack> track;
-  std::optional<RunLog> log;
 
  private:
   template <class Truth>
   void tell(const Truth& truth) {
     if (judge) judge->take(truth);
     if (track) track->take(truth);
-    if (log) log->take(truth);
+    if (recorder) recorder->take(truth);
   }
 
   RunFolder& folder_;
@@ -226,30 +251,68 @@ void check_live(const RunRequest& request, const std::optional<MissionSetup>& se
   }
 }
 
+void prepare_recorder(Sinks& sinks, const RunRequest& request, const std::optional<MissionSetup>& setup,
+                      SimulatedSource* simulated, const Source& source) {
+  RunRecorder& recorder = sinks.recorder.emplace(request.record, request.configuration);
+  if (simulated) {
+    recorder.describe(simulated->simulator(), scenario_text(request.input));
+  } else {
+    recorder.describe(source.report());
+  }
+  if (setup) recorder.describe(*setup);
+}
+
 void prepare(Sinks& sinks, const RunRequest& request, const std::optional<MissionSetup>& setup,
-             SimulatedSource* simulated) {
+             SimulatedSource* simulated, const Source& source) {
   check_live(request, setup, simulated != nullptr);
-  if (!request.record.empty() && !simulated) {
-    throw Error("only what is simulated can be recorded", {request.input.string(), {}, {}, {}, {}}, "a scene",
-                "isobath convert makes a log of a log");
-  }
   if (setup) sinks.mission.emplace(*setup, request.configuration, request.live_speed.has_value());
-  if (!simulated) return;
-  const Simulator& simulator = simulated->simulator();
-  if (!request.live_speed) sinks.judge.emplace(simulated->simulator());
-  if (setup) sinks.track.emplace(simulator);
-  if (!request.record.empty()) {
-    sinks.log.emplace(request.record, simulator, scenario_text(request.input), request.configuration);
-    if (setup) sinks.log->attach(*setup);
+  if (!request.record.empty()) prepare_recorder(sinks, request, setup, simulated, source);
+  if (request.watch && request.watch->display) sinks.shown = request.watch->display;
+  if (request.watch || sinks.recorder) sinks.display.emplace(*sinks.shown);
+  if (setup && sinks.display) {
+    sinks.mission->show_messages_to([&sinks](const Envelope& envelope) {
+      sinks.display->heard(envelope);
+      if (sinks.recorder) sinks.recorder->heard(envelope);
+    });
   }
+  if (!simulated) return;
+  if (!request.live_speed) sinks.judge.emplace(simulated->simulator());
+  if (setup) sinks.track.emplace(simulated->simulator());
   simulated->tell_truth_to(&sinks);
+}
+
+/// What a page is told of the run as a whole; bodies that move stand where they are now.
+DisplayScene scene_of(const RunRequest& request, const Source& source, const std::optional<MissionSetup>& setup,
+                      SimulatedSource* simulated, const DepthModel& depths) {
+  DisplayScene scene;
+  scene.source = request.input.empty() ? "embedded scene" : request.input.filename().string();
+  scene.title = setup && !setup->plan.title.empty() ? setup->plan.title : scene.source;
+  scene.origin = source.report().origin;
+  scene.safe_m = request.configuration.mission.route.clearance_m;
+  scene.depth_datum = depths.facts().datum;
+  if (setup) {
+    scene.plan = setup->plan;
+    if (setup->chart.objects) scene.charted = *setup->chart.objects;
+    scene.vehicle_length_m = 2 * setup->vehicle.hull_radius_m;
+    scene.vehicle_radius_m = setup->vehicle.half_width_m;
+  }
+  if (simulated) {
+    scene.simulated = true;
+    if (!setup) scene.title = simulated->simulator().scene().about.title;
+    scene.bodies = outlines_of(simulated->simulator().world());
+  }
+  return scene;
 }
 
 /// The end of an event's way: the set-point. False: the mission was over long enough.
 bool steer(Sinks& sinks, SimulatedSource* simulated, EndOfMission& end, Time time) {
   Helm& helm = sinks.mission->helm();
   const Setpoint setpoint = sinks.mission->steer();
-  if (sinks.log) sinks.log->write(time, setpoint, helm.decisions());
+  if (sinks.display) sinks.display->want(setpoint);
+  if (sinks.recorder) {
+    sinks.recorder->decided(helm.decisions());
+    sinks.recorder->setpoint(time, setpoint);
+  }
   if (!simulated) return true;
   simulated->simulator().command(setpoint);
   simulated->answer(helm.to_operator());
@@ -276,6 +339,50 @@ class Pace {
   Clock::time_point start_;
   double settled_s_ = 0;
 };
+
+/// Lets a run be looked at: not faster than the watch says, and stopped when it says so. A gap of time in a log is
+/// waited for no longer than kLongestWait.
+class WatchedPace {
+ public:
+  static constexpr double kLongestWait_s = 2;
+  explicit WatchedPace(const RunWatch& watch) : watch_(watch) {}
+
+  /// Before an event of this time is heard. False: it is to end here.
+  bool keep(Time time) {
+    if (watch_.stopped && watch_.stopped()) return false;
+    if (watch_.speed <= 0) return true;
+    const auto now = Clock::now();
+    const double ahead_s = last_ ? to_seconds(time - *last_) / watch_.speed : 0;
+    if (time > last_.value_or(Time::min())) last_ = time;
+    due_ += std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(std::clamp(ahead_s, 0.0, kLongestWait_s)));
+    due_ = std::max(due_, now - kMostBehind);  // what was slow is made up for, but not for long
+    while (due_ > Clock::now()) {
+      if (watch_.stopped && watch_.stopped()) return false;
+      std::this_thread::sleep_until(std::min(due_, Clock::now() + kMostBehind));
+    }
+    return true;
+  }
+
+ private:
+  static constexpr Clock::duration kMostBehind = std::chrono::milliseconds(500);
+  const RunWatch& watch_;
+  std::optional<Time> last_;
+  Clock::time_point due_ = Clock::now();
+};
+
+/// After an event has gone all its way.
+void show(Sinks& sinks, Time time, const Pipeline& pipeline, const DepthModel& depths,
+          const std::function<DisplayScene()>& scene) {
+  if (!sinks.display) return;
+  const bool full = sinks.display->wants_counts(time);
+  if (full) {
+    sinks.display->show(time, scene());
+    if (sinks.mission) sinks.display->show(time, sinks.mission->timings());
+  }
+  sinks.display->look(time, pipeline, depths, sinks.voxels);
+  if (sinks.recorder) sinks.recorder->sample(time, *sinks.shown);
+}
 
 /// What pipeline and depth map found (`mapped`: there are voxels), and whether the input was in order.
 void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths, bool mapped) {
@@ -317,8 +424,9 @@ RunOutcome run(const RunRequest& asked) {
   }
   RunFolder folder(request.out, request.configuration);
   Sinks sinks(folder, request);
-  prepare(sinks, request, setup, simulated.get());
+  prepare(sinks, request, setup, simulated.get(), *source);
   Pipeline pipeline(request.configuration, sinks, &depths);
+  pipeline.watch(&sinks.load);
   EndOfMission end;
   RunOutcome outcome;
 
@@ -330,6 +438,7 @@ RunOutcome run(const RunRequest& asked) {
     if (sinks.mission) sinks.mission->begin(taken);
     const auto begun = Clock::now();
     pipeline.take(std::move(event));
+    sinks.load.leave();
     if (is_ping || pipeline.counts().pings > mapped) ping_ms.push_back(milliseconds_since(begun));
   };
   std::optional<MappingThread> mapping;
@@ -338,15 +447,44 @@ RunOutcome run(const RunRequest& asked) {
     pace.emplace(*request.live_speed, *simulator);
     mapping.emplace(map);
   }
+  std::optional<WatchedPace> watched;
+  if (request.watch) watched.emplace(*request.watch);
+  const auto scene = [&] { return scene_of(request, *source, setup, simulated.get(), depths); };
+  std::deque<Event> ahead;
+  // Who decides on the way could not have known, in the vehicle's time, what comes.
+  if (!simulated && !setup) ahead = listen_ahead(*source, pipeline);
+  StageLoad beside;  // of whoever senses and steers
+  const auto next = [&] {
+    beside.enter(Stage::kSource);
+    std::optional<Event> event;
+    if (ahead.empty()) {
+      event = source->next();
+    } else {
+      event = std::move(ahead.front());
+      ahead.pop_front();
+    }
+    beside.leave();
+    return event;
+  };
   Time first = Time::max(), last = Time::min();
-  while (auto event = source->next()) {
+  while (auto event = next()) {
     const std::optional<GeoOrigin> origin = frame ? frame : source->report().origin;
     if (!mapping || first == Time::max()) depths.locate(origin);  // a scene lies where it lies from the start
     if (setup && first == Time::max()) check_frame(setup->plan, origin);
     const Time time = time_of(*event);
-    if (sinks.log) sinks.log->write(*event);
+    if (watched && !watched->keep(time)) break;
+    if (watched && simulated && setup && request.watch->ordered) {
+      if (const auto order = request.watch->ordered()) simulated->order(*order, setup->plan);
+    }
+    if (sinks.recorder) {
+      if (origin) sinks.recorder->locate(*origin);
+      sinks.recorder->take(*event);
+    }
+    if (sinks.display) sinks.display->hear(*event);
     const auto taken = Clock::now();
+    beside.enter(Stage::kAgents);
     if (sinks.mission) sinks.mission->hear(*event);
+    beside.leave();
     if (mapping) {
       mapping->take(std::move(*event));
       pace->keep(*mapping, sinks.mission->helm());
@@ -356,7 +494,12 @@ RunOutcome run(const RunRequest& asked) {
     first = std::min(first, time);
     last = std::max(last, time);
     if (request.progress) request.progress(source->report(), mapping ? PipelineCounts{} : pipeline.counts());
-    if (sinks.mission && !steer(sinks, simulated.get(), end, time)) break;
+    beside.enter(Stage::kAgents);
+    const bool over = sinks.mission && !steer(sinks, simulated.get(), end, time);
+    beside.enter(Stage::kReport);
+    show(sinks, time, pipeline, depths, scene);
+    beside.leave();
+    if (over) break;
   }
   if (mapping) {
     settle(*mapping, sinks.mission->helm());
@@ -365,12 +508,20 @@ RunOutcome run(const RunRequest& asked) {
   if (sinks.mission) outcome.mission = outcome_of(sinks, request, simulated.get());  // before the sweep cut short
   pipeline.finish();
   depths.finish();
+  sinks.load.leave();
   outcome.timings = timings_of(ping_ms, milliseconds_since(start));
+  outcome.timings.load = load_of(sinks.load, beside);
+  if (mapping && outcome.mission) outcome.timings.load.add(Stage::kAgents, outcome.mission->timings.agents_s);
   outcome.log_s = last > first ? to_seconds(last - first) : 0;
   outcome.source = source->report();
   if (frame) outcome.source.origin = frame;
   add_results(outcome, pipeline, depths, sinks.voxels.map() != nullptr);
-  if (sinks.log) sinks.log->close();
+  if (sinks.recorder) {
+    sinks.recorder->sample(last, *sinks.shown, true);
+    sinks.recorder->close();
+    outcome.recording_problem = sinks.recorder->problem();
+    outcome.not_recorded = sinks.recorder->left_out();
+  }
   if (sinks.judge) {
     outcome.truth = sinks.judge->score();
     folder.show_truth(sinks.judge->outlines());

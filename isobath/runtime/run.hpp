@@ -12,9 +12,11 @@
 #include <functional>
 #include <isobath/perception/depth_mapper.hpp>
 #include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/display_items.hpp>
 #include <isobath/runtime/found_objects.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
 #include <isobath/runtime/pipeline.hpp>
+#include <isobath/runtime/stage_load.hpp>
 #include <isobath/runtime/truth_judge.hpp>
 #include <isobath/runtime/voxel_model.hpp>
 #include <isobath/runtime/world_level.hpp>
@@ -24,6 +26,15 @@
 
 namespace isobath {
 
+/// Who looks on while it runs, from other threads: neither must wait.
+struct RunWatch {
+  DisplayItems* display = nullptr;  ///< filled as it goes
+  double speed = 0;                 ///< times real time at most; 0: as fast as it goes
+  std::function<bool()> stopped;    ///< asked before each event: whether to end here, as if the input did
+  /// Asked before each event of a simulated mission: what somebody at the page orders.
+  std::function<std::optional<OperatorCommand::Kind>()> ordered;
+};
+
 struct RunRequest {
   std::filesystem::path input;  ///< log, folder of frames, or scene (.toml); empty: the embedded scene
   std::filesystem::path out;    ///< made if absent
@@ -31,13 +42,14 @@ struct RunRequest {
   /// Mission file or scenario whose mission is run instead of the input's own: a scene runs in a closed loop, a log is
   /// heard by the same crew. Empty: the scene's own mission, if it has one.
   std::filesystem::path mission;
-  std::filesystem::path record;  ///< log (.mcap) to write of a scene; empty: none
+  std::filesystem::path record;  ///< recording (.mcap) to write of the run; empty: none
   Configuration configuration;
   /// Live, at so many times real time; 0: as fast as it goes, and then all threads are waited for ten times a simulated
   /// second. Empty: not live.
   std::optional<double> live_speed;
-  int threads = 2;       ///< 1: reading and mapping take turns; 2: reading goes ahead on a thread of its own
-  bool timings = false;  ///< measured times in the report; its bytes then differ from run to run
+  std::optional<RunWatch> watch;  ///< of a run that is not live
+  int threads = 2;                ///< 1: reading and mapping take turns; 2: reading goes ahead on a thread of its own
+  bool timings = false;           ///< measured times in the report; its bytes then differ from run to run
   std::function<void(const SourceReport&, const PipelineCounts&)> progress;  ///< called now and then
 };
 
@@ -45,6 +57,7 @@ struct RunTimings {
   double wall_s = 0;          ///< reading and mapping
   double ping_median_ms = 0;  ///< mapping alone, a ping
   double ping_p99_ms = 0;
+  RunLoad load;  ///< processor time, stage by stage
 };
 
 /// What real threads could not keep up with.
@@ -89,6 +102,8 @@ struct RunOutcome {
   std::optional<VoxelOutcome> voxels;        ///< where a fan of beams was heard
   std::optional<MissionOutcome> mission;     ///< where there was one
   std::optional<LiveOutcome> live;           ///< of a live run
+  std::string recording_problem;             ///< why the recording ends before the run does; empty where it does not
+  std::uint64_t not_recorded = 0;            ///< what came after that
   std::string undecided;                     ///< why no echo of a ping was decided at the end; else empty
   /// One line where the input itself is wrong (cut in the middle of a record, poses that are no numbers, time that runs
   /// backwards); empty when all is well. What could be used was used.

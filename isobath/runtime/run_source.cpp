@@ -71,4 +71,20 @@ std::unique_ptr<Source> open_run_source(const std::filesystem::path& input, cons
   return std::make_unique<PlacedSource>(inner, *frame, std::move(source));
 }
 
+std::deque<Event> listen_ahead(Source& source, Pipeline& pipeline) {
+  constexpr std::size_t kMost = 20'000;
+  std::deque<Event> ahead;
+  while (ahead.size() < kMost) {
+    auto event = source.next();
+    if (!event) {
+      pipeline.heard_all();
+      break;
+    }
+    ahead.push_back(std::move(*event));
+    const auto* ping = std::get_if<Ping>(&ahead.back());
+    if (ping && pipeline.listen(*ping)) break;
+  }
+  return ahead;
+}
+
 }  // namespace isobath

@@ -2,9 +2,11 @@
 // one already.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <isobath/io/event.hpp>
 #include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/pipeline.hpp>
 #include <memory>
 #include <optional>
 
@@ -18,5 +20,9 @@ std::unique_ptr<Source> open_run_source(const std::filesystem::path& input, cons
 
 /// `source`, which must outlive it, in the plane around `frame`.
 std::unique_ptr<Source> place_in(Source& source, const GeoOrigin& frame);
+
+/// Reads on until the pipeline has heard enough to decide the first ping (Pipeline::listen), and gives what it has
+/// read: the events to begin with. Of a log without pings 20 000 events are read.
+std::deque<Event> listen_ahead(Source& source, Pipeline& pipeline);
 
 }  // namespace isobath

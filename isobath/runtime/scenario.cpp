@@ -98,6 +98,12 @@ void SimulatedSource::add_operator(const std::vector<OperatorOrder>& orders, con
   if (!orders.empty()) operator_.emplace(orders, std::make_shared<const MissionPlan>(plan), simulator_.seed());
 }
 
+void SimulatedSource::order(OperatorCommand::Kind command, const MissionPlan& plan) {
+  if (!operator_)
+    operator_.emplace(std::vector<OperatorOrder>{}, std::make_shared<const MissionPlan>(plan), simulator_.seed());
+  operator_->order(command);
+}
+
 void SimulatedSource::answer(const std::vector<FrameBytes>& frames) {
   if (operator_) operator_->hear(frames, simulator_.faults(), Time(seconds(simulator_.now_s())));
 }

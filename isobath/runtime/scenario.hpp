@@ -62,6 +62,8 @@ class SimulatedSource : public Source {
   void tell_truth_to(TruthSink* sink) { truth_ = sink; }
   /// An operator who orders at times; without orders there is none. `plan`: what is started.
   void add_operator(const std::vector<OperatorOrder>& orders, const MissionPlan& plan);
+  /// Somebody at the link now: an operator who orders this, one who has ordered before or a new one.
+  void order(OperatorCommand::Kind command, const MissionPlan& plan);
   /// What the vehicle says to him now.
   void answer(const std::vector<FrameBytes>& frames);
   /// Null: there is none.

@@ -28,6 +28,10 @@ SimulatedOperator::SimulatedOperator(std::vector<OperatorOrder> orders, std::sha
                    [](const OperatorOrder& a, const OperatorOrder& b) { return a.at_s < b.at_s; });
 }
 
+void SimulatedOperator::order(OperatorCommand::Kind command) {
+  console_.command({command, command == OperatorCommand::Kind::kStart ? plan_ : nullptr});
+}
+
 bool SimulatedOperator::loses(const FaultSchedule& faults, Time now) {
   ++frames_;
   const FaultConfig* fault = faults.active("link", now);
@@ -38,8 +42,7 @@ bool SimulatedOperator::loses(const FaultSchedule& faults, Time now) {
 
 std::vector<OperatorFrame> SimulatedOperator::due(const FaultSchedule& faults, Time now) {
   while (!orders_.empty() && orders_.front().at_s <= to_seconds(now)) {
-    const OperatorCommand::Kind kind = orders_.front().command;
-    console_.command({kind, kind == OperatorCommand::Kind::kStart ? plan_ : nullptr});
+    order(orders_.front().command);
     orders_.erase(orders_.begin());
   }
   std::vector<OperatorFrame> arrived;

@@ -35,6 +35,8 @@ class SimulatedOperator {
   /// `plan`: what an order to start is about.
   SimulatedOperator(std::vector<OperatorOrder> orders, std::shared_ptr<const MissionPlan> plan, std::uint64_t seed);
 
+  /// One more order, to be given with the next frames.
+  void order(OperatorCommand::Kind command);
   /// Frames that reach the vehicle now.
   std::vector<OperatorFrame> due(const FaultSchedule& faults, Time now);
   /// Frames that the vehicle sends now.

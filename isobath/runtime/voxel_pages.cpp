@@ -102,6 +102,14 @@ VoxelBox box_around(const VoxelMap& map) {
   return occupied;
 }
 
+/// A narrow fan, or a lone upright one, looks at a strip: the legend needs more.
+VoxelBox as_wide_as_high(VoxelBox box, int right, int up) {
+  const int narrow = (box.most[up] - box.least[up] - (box.most[right] - box.least[right])) / 2;
+  box.least[right] -= std::max(0, narrow);
+  box.most[right] += std::max(0, narrow);
+  return box;
+}
+
 }  // namespace
 
 VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesystem::path& folder,
@@ -122,19 +130,14 @@ VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesy
   const VoxelBox box = box_around(map);
   if (box.empty()) return pictures;
   constexpr int kNorth = 0, kEast = 1, kDown = 2;
-  VoxelBox wide = box;
-  const int narrow = (box.most[kNorth] - box.least[kNorth] - (box.most[kEast] - box.least[kEast])) / 2;
-  if (narrow > 0) {  // a lone upright fan looks at a strip: the legend needs more
-    wide.least[kEast] -= narrow;
-    wide.most[kEast] += narrow;
-  }
-  pictures.above = Shadow(map, wide, kEast, kNorth, kDown, false)
+  const VoxelBox plan = as_wide_as_high(box, kEast, kNorth);
+  pictures.above = Shadow(map, plan, kEast, kNorth, kDown, false)
                        .picture({"Occupied, from above", "north (m)", "east (m)"}, "shallowest", false);
   pictures.from_south = Shadow(map, box, kEast, kDown, kNorth, false)
                             .picture({"The same from the south", "height (m)", "east (m)"}, "nearest", true);
   pictures.from_east = Shadow(map, box, kNorth, kDown, kEast, true)
                            .picture({"The same from the east", "height (m)", "north (m)"}, "nearest", true);
-  VoxelBox level = wide;
+  VoxelBox level = plan;
   level.least[kDown] = level.most[kDown] = map.voxel_at({0, 0, outcome.vehicle_depth_m}).z();
   pictures.at_depth =
       Shadow(map, level, kEast, kNorth, kDown, false)

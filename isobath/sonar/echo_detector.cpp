@@ -165,13 +165,61 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out, const WaterColum
   if (ping.sampled) leave_unsampled(ping, out);
 }
 
+bool EchoDetector::listen(const Ping& ping) {
+  if (config_.method != DetectionMethod::kAutomatic) return true;
+  prepare_for(ping);
+  listened_ = true;
+  for (int beam = 0; beam < ping.intensity.beams(); ++beam) {
+    if (sampled_bins(ping, beam) != BinSpan{0, window_.bins}) continue;
+    ping.intensity.copy_beam(beam, beam_.data());
+    tracker_.learn(beam_.data());
+  }
+  if (tracker_.update()) take_thresholds();
+  return state_ == DetectorState::kReady;
+}
+
+void EchoDetector::heard_all() {
+  if (config_.method != DetectionMethod::kAutomatic || tracker_.profiles() < kBeamsLearnt) return;
+  tracker_.update(true);
+  take_thresholds();
+}
+
+/// How loud each beam is beside the others.
+void EchoDetector::weigh_beams(const Ping& ping) {
+  constexpr double kQuantile = 0.8;  // targets fill less than the rest, and clipped noise is not 0 there
+  const int used = window_.bins - first_bin_, beams = ping.intensity.beams();
+  gains_.assign(static_cast<std::size_t>(beams), 1);
+  if (used < kBeamsLearnt || beams < kBeamsLearnt) return;
+  const auto quantile = [](auto first, auto last, double p) {
+    const auto at = first + static_cast<std::ptrdiff_t>(p * static_cast<double>(last - first - 1));
+    std::nth_element(first, at, last);
+    return static_cast<double>(*at);
+  };
+  for (int b = 0; b < beams; ++b) {
+    const BinSpan span = sampled_bins(ping, b);
+    const int first = std::max(first_bin_, span.first);
+    if (first >= span.end) continue;
+    ping.intensity.copy_beam(b, beam_.data());
+    for (int k = first; k < span.end; ++k) beam_[k] /= thresholds_[k];
+    gains_[b] = quantile(beam_.begin() + first, beam_.begin() + span.end, kQuantile);
+  }
+  std::vector<double> sorted = gains_;
+  const double middle = quantile(sorted.begin(), sorted.end(), 0.5);
+  for (double& gain : gains_) gain = middle > 0 ? gain / middle : 1;
+}
+
+void EchoDetector::prepare_for(const Ping& ping) {
+  const bool by_pixel = config_.method == DetectionMethod::kHistogram;
+  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ ||
+      ping.intensity.type() != type_ || (by_pixel && ping.fan != fan_)) {
+    prepare(ping);
+  }
+}
+
 void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
   const Intensities& z = ping.intensity;
   const bool by_pixel = config_.method == DetectionMethod::kHistogram;
-  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ || z.type() != type_ ||
-      (by_pixel && ping.fan != fan_)) {
-    prepare(ping);
-  }
+  prepare_for(ping);
   if (config_.method == DetectionMethod::kAutomatic) learn(ping);
   out.reset(z.beams(), z.bins());
   describe(out);
@@ -181,8 +229,11 @@ void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
   if (cfar) return decide_by_cfar(ping, out);
   if (by_pixel) return decide_by_ratios(ping, out);
   decide_by_thresholds(ping, out);
-  if (config_.method == DetectionMethod::kModel) raise_noisy_beams(ping, out);
-  if (config_.method == DetectionMethod::kAutomatic && config_.skirt_share > 0) drop_skirts(ping, out);
+  if (config_.method == DetectionMethod::kModel) raise_noisy_beams(ping, model_->beam_gains, out);
+  if (config_.method != DetectionMethod::kAutomatic) return;
+  if (listened_ && gains_.empty()) weigh_beams(ping);
+  raise_noisy_beams(ping, gains_, out);
+  if (config_.skirt_share > 0) drop_skirts(ping, out);
 }
 
 void EchoDetector::prepare(const Ping& ping) {
@@ -197,6 +248,8 @@ void EchoDetector::prepare(const Ping& ping) {
   std::fill_n(p_detect_.begin(), first_bin_, 0.0f);
   thresholds_.assign(window_.bins, std::numeric_limits<float>::infinity());
   next_beam_ = 0;
+  listened_ = false;
+  gains_.clear();
   state_ = DetectorState::kReady;
   switch (config_.method) {
     case DetectionMethod::kAutomatic:
@@ -266,7 +319,10 @@ void EchoDetector::learn(const Ping& ping) {
     tracker_.learn(beam_.data());
   }
   next_beam_ = (next_beam_ + 1) % beams;
-  if (!tracker_.update()) return;
+  if (tracker_.update()) take_thresholds();
+}
+
+void EchoDetector::take_thresholds() {
   state_ = DetectorState::kReady;
   std::copy(tracker_.thresholds().begin(), tracker_.thresholds().end(), thresholds_.begin());
   set_thresholds();
@@ -304,12 +360,12 @@ void EchoDetector::decide_by_thresholds(const Ping& ping, EchoDecisions& out) co
   }
 }
 
-void EchoDetector::raise_noisy_beams(const Ping& ping, EchoDecisions& out) {
+void EchoDetector::raise_noisy_beams(const Ping& ping, const std::vector<double>& gains, EchoDecisions& out) {
   constexpr double kNoisy = 1.05;
-  if (model_->beam_gains.size() != static_cast<std::size_t>(out.beams())) return;  // calibrated with another fan
+  if (gains.size() != static_cast<std::size_t>(out.beams())) return;  // none, or calibrated with another fan
   for (int b = 0; b < out.beams(); ++b) {
-    if (model_->beam_gains[b] <= kNoisy) continue;
-    const auto gain = static_cast<float>(model_->beam_gains[b]);
+    if (gains[b] <= kNoisy) continue;
+    const auto gain = static_cast<float>(gains[b]);
     ping.intensity.copy_beam(b, beam_.data());
     for (int k = 0; k < out.bins(); ++k) {
       if (beam_[k] < gain * thresholds_[k]) out.hits(b)[k / 64] &= ~(std::uint64_t{1} << (k % 64));

@@ -77,8 +77,8 @@ void NoiseTracker::learn(const float* beam) {
   }
 }
 
-bool NoiseTracker::update() {
-  if (profiles_ < due_) return false;
+bool NoiseTracker::update(bool at_once) {
+  if (profiles_ < due_ && !at_once) return false;
   due_ = profiles_ + std::clamp(profiles_ / 8, 1, 128);
   const Quantiles peaks = quantiles(peaks_.row(0));
   const double peak = peaks.zeros > 0.5 ? 0 : peaks.high;

@@ -39,9 +39,12 @@ class NoiseTracker {
   NoiseTracker(EchoLevels levels, int bins, int first_bin, double false_alarm, const NoiseTrackerConfig& config);
 
   void learn(const float* beam);
-  /// Renews the thresholds if enough beams came in (an eighth more, at most 128). Says whether they changed.
-  bool update();
+  /// Renews the thresholds if enough beams came in (an eighth more, at most 128), or `at_once`. Says whether they
+  /// changed.
+  bool update(bool at_once = false);
 
+  /// Beams learnt from so far.
+  [[nodiscard]] int profiles() const { return profiles_; }
   [[nodiscard]] bool warm() const { return profiles_ >= config_.warmup_profiles; }
   [[nodiscard]] const std::vector<float>& thresholds() const { return thresholds_; }
   /// Shape of the Weibull law in force.

@@ -168,7 +168,9 @@ TEST(Aris, SurvivesRandomDamage) {
 // Real: six frames of an ARIS 1200 that stands in a river. Its software shows a window of 3.33 to 23.63 m.
 TEST(ArisRecording, OfARiverIsReadWhole) {
   ISOBATH_NEEDS_DATA(folder, "aris-sample");
-  const auto source = open_source(folder / "sample.aris", {});
+  InputConfig whole;
+  whole.most_bins = 0;
+  const auto source = open_source(folder / "sample.aris", whole);
   EXPECT_EQ(source->report().format, "ARIS recording");
   const auto events = drain(*source);
   ASSERT_EQ(events.size(), 6u);

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 #include <isobath/runtime/voxel_model.hpp>
+#include <iterator>
+#include <set>
 #include <tests/runtime/kept_scans.hpp>
 #include <tests/support/data.hpp>
 
@@ -48,13 +50,14 @@ VoxelMap map_of(const std::vector<Kept>& pings, const FanMapperConfig& config) {
   c.prior = kPrior;
   VoxelMap map(c);
   FanMapper mapper(config, kVoxel, std::log(kPrior / (1 - kPrior)));
-  for (const Kept& k : pings) mapper.update(k.ping, k.decisions, k.X_WB, map.layer("flat"));
+  for (const Kept& k : pings) mapper.update(k.ping, k.decisions, k.X_WB, map.layer("flat"), 2);
   return map;
 }
 
 /// Of the voxels that one map is sure are occupied, where the other has looked too: how many have one that the other is
-/// sure of within a voxel.
-double agreement(const VoxelMap& a, const VoxelMap& b, double sure) {
+/// sure of within so many voxels.
+double agreement(const VoxelMap& a, const VoxelMap& b, double sure, int within = 1) {
+  const int edge = 2 * within + 1;
   int all = 0, met = 0;
   for (const VoxelIndex& corner : a.changed_after(0)) {
     for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
@@ -62,8 +65,10 @@ double agreement(const VoxelMap& a, const VoxelMap& b, double sure) {
       if (a.probability(v) < sure || !b.is_seen(v)) continue;
       ++all;
       bool near = false;
-      for (int n = 0; n < 27 && !near; ++n)
-        near = b.probability(v + VoxelIndex(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1)) >= sure;
+      for (int n = 0; n < edge * edge * edge && !near; ++n) {
+        const VoxelIndex by(n / (edge * edge) - within, n / edge % edge - within, n % edge - within);
+        near = b.probability(v + by) >= sure;
+      }
       met += near ? 1 : 0;
     }
   }
@@ -149,6 +154,45 @@ TEST(VoxelsOfAHull, StandWhereTheHullIsAlsoInNoise) {
   EXPECT_GT(clean, 0.97);
   EXPECT_GT(noisy_sure, 50);
   EXPECT_GT(noisy, 0.9);
+}
+
+/// Columns of voxels, seen from above, in which a map is sure of an occupied voxel.
+std::set<std::pair<int, int>> outline_from_above(const VoxelMap& map) {
+  std::set<std::pair<int, int>> columns;
+  for (const VoxelIndex& corner : map.changed_after(0)) {
+    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+      const VoxelIndex v = corner + VoxelBlocks::place_of(i);
+      if (map.probability(v) >= 0.9) columns.emplace(v.x(), v.y());
+    }
+  }
+  return columns;
+}
+
+// Passes through noise, at other heights and tilts than the clean ones, give the same hull, and more of it: the
+// thresholds of the clean ones follow their own strongest echoes. ledger: S5-32
+TEST(VoxelsOfAHull, OfNoisyPassesHoldTheHullOfTheCleanOnes) {
+  ISOBATH_NEEDS_DATA(folder, "holo-boat");
+  const VoxelMap clean = map_of(pings_of("clean", {1, 2, 3, 4}), by(Rule::kMarginal));
+  const VoxelMap noisy = map_of(pings_of("noisy", {1, 4, 5, 9, 10}), by(Rule::kMarginal));
+  int clean_sure = 0, noisy_sure = 0;
+  const double clean_inside = in_the_hull(clean, clean_sure), noisy_inside = in_the_hull(noisy, noisy_sure);
+  const auto clean_above = outline_from_above(clean), noisy_above = outline_from_above(noisy);
+  std::vector<std::pair<int, int>> both;
+  std::set_intersection(clean_above.begin(), clean_above.end(), noisy_above.begin(), noisy_above.end(),
+                        std::back_inserter(both));
+  std::printf("in the hull's box %.4f of %d clean, %.4f of %d noisy; from above %zu and %zu columns, %zu in both\n",
+              clean_inside, clean_sure, noisy_inside, noisy_sure, clean_above.size(), noisy_above.size(), both.size());
+  for (const int within : {1, 2, 3}) {
+    std::printf("within %d: clean in noisy %.3f, noisy in clean %.3f\n", within, agreement(clean, noisy, 0.9, within),
+                agreement(noisy, clean, 0.9, within));
+  }
+  EXPECT_GT(clean_inside, 0.99);
+  EXPECT_GT(noisy_inside, 0.99);
+  EXPECT_GT(agreement(clean, noisy, 0.9), 0.8);
+  EXPECT_GT(agreement(clean, noisy, 0.9, 3), 0.95);
+  EXPECT_GT(agreement(noisy, clean, 0.9), 0.4);
+  EXPECT_GT(agreement(noisy, clean, 0.9, 3), 0.75);
+  EXPECT_GT(static_cast<double>(both.size()), 0.9 * static_cast<double>(clean_above.size()));
 }
 
 }  // namespace

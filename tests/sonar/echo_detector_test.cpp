@@ -297,6 +297,77 @@ TEST(AutomaticThresholds, DecideNothingBeforeTheyHaveLearnt) {
   }
 }
 
+/// A fan in Rayleigh noise whose beams 20 to 23 hear all of it louder.
+Ping loud_in_the_middle(Random& random, double gain) {
+  const auto noise = test::rayleigh(15);
+  return test::ping_of<std::uint8_t>(test::fan_of(48), {0, 0.05, 400},
+                                     [&](int b, int) { return (b >= 20 && b < 24 ? gain : 1) * noise(random); });
+}
+
+double rate_of(const EchoDecisions& out, int from, int upto) {
+  double hits = 0, all = 0;
+  for (int b = from; b < upto; ++b) {
+    for (int k = 0; k < out.bins(); ++k) {
+      hits += out.hit(b, k);
+      all += out.usable(k);
+    }
+  }
+  return hits / std::max(1.0, all);
+}
+
+// A log of two pings, shorter than any warm-up.
+TEST(AutomaticThresholds, DecideTheFirstPingOfALogThatWasListenedTo) {
+  Random random(31);
+  const Ping first = loud_in_the_middle(random, 1), second = loud_in_the_middle(random, 1);
+  EchoDetectorConfig config = plain_automatic();
+  EchoDetector ahead(config), causal(config);
+  EXPECT_FALSE(ahead.listen(first));
+  EXPECT_FALSE(ahead.listen(second)) << "96 beams of 100";
+  ahead.heard_all();
+  EchoDecisions out;
+  ahead.detect(first, out);
+  EXPECT_EQ(ahead.state(), DetectorState::kReady);
+  EXPECT_NEAR(rate_of(out, 0, 48), config.false_alarm, 0.5 * config.false_alarm);
+  ahead.detect(second, out);
+  EXPECT_NEAR(rate_of(out, 0, 48), config.false_alarm, 0.5 * config.false_alarm);
+  causal.detect(first, out);
+  EXPECT_EQ(causal.state(), DetectorState::kWarmingUp) << "who does not listen ahead decides nothing";
+}
+
+TEST(AutomaticThresholds, AreNotLearntFromAFewBeams) {
+  Random random(32);
+  const auto noise = test::rayleigh(15);
+  EchoDetector detector(plain_automatic());
+  const auto fan = test::fan_of(1);
+  EchoDecisions out;
+  Ping ping;
+  for (int i = 0; i < 15; ++i) {
+    ping = test::ping_of<std::uint8_t>(fan, {0, 0.05, 90}, [&](int, int) { return noise(random); });
+    EXPECT_FALSE(detector.listen(ping));
+  }
+  detector.heard_all();
+  detector.detect(ping, out);
+  EXPECT_EQ(detector.state(), DetectorState::kWarmingUp);
+}
+
+TEST(AutomaticThresholds, RiseInABeamThatIsLouderThanTheOthers) {
+  Random random(33);
+  EchoDetectorConfig config = plain_automatic();
+  EchoDetector ahead(config), causal(config);
+  EchoDecisions with, without;
+  const Ping first = loud_in_the_middle(random, 1.3);
+  ahead.listen(first);
+  ahead.heard_all();
+  for (int i = 0; i < 20; ++i) {
+    const Ping ping = loud_in_the_middle(random, 1.3);
+    ahead.detect(ping, with);
+    causal.detect(ping, without);
+  }
+  EXPECT_GT(rate_of(without, 20, 24), 0.06) << "(0.02 ^ (1 / 1.69) is 0.1)";
+  EXPECT_LT(rate_of(with, 20, 24), 0.03);
+  EXPECT_NEAR(rate_of(with, 0, 20), rate_of(without, 0, 20), 0.004) << "the others stay";
+}
+
 TEST(SkirtRule, KeepsAnEchoThatStandsApartAndDropsAFoot) {
   EchoDetectorConfig config;
   config.blind_m = 0;

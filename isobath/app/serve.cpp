@@ -1,0 +1,200 @@
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <fmt/format.h>
+#include <future>
+#include <isobath/app/config_options.hpp>
+#include <isobath/app/speed.hpp>
+#include <isobath/base/error.hpp>
+#include <isobath/runtime/live_page.hpp>
+#include <isobath/runtime/mission_pages.hpp>
+#include <isobath/runtime/recorded_playback.hpp>
+#include <isobath/runtime/run.hpp>
+#include <isobath/server/page_site.hpp>
+#include <isobath/server/web_server.hpp>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+namespace isobath::app {
+namespace {
+
+struct ServeOptions {
+  ConfigOptions config;
+  RunRequest request;
+  std::string speed = "1";
+  std::string token_file;
+  WebServerConfig server;
+  std::optional<std::string> address;
+  std::optional<int> port;
+  std::vector<std::string> limits;
+  bool anew = false;
+};
+
+std::atomic<bool> interrupted{false};  // a signal may come at any time
+
+void interrupt(int /*signal*/) { interrupted = true; }
+
+/// Secrets have no place on a command line, which every user of the machine can read.
+std::string token_of(const std::string& file) {
+  if (file.empty()) return {};
+  std::string token = text_of_file(file);
+  while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back())) != 0) token.pop_back();
+  if (token.empty())
+    throw Error("holds no token", {file, {}, {}, {}, {}}, "one line", "make one with: openssl rand -hex 16");
+  return token;
+}
+
+WebServerConfig server_of(const ServeOptions& options) {
+  WebServerConfig server = options.server;
+  std::vector<Section> sections = {{"server", "The live page's server.", fields(server)}};
+  if (options.address) server.address = *options.address;
+  if (options.port) server.port = *options.port;
+  for (const std::string& limit : options.limits) set_from_text("server." + limit, sections);
+  return server;
+}
+
+std::string place_of(const WebServerConfig& config, int port) {
+  const bool any = config.address == "0.0.0.0" || config.address == "::";
+  const bool six = config.address.find(':') != std::string::npos && !any;
+  return fmt::format("http://{}{}{}:{}/", six ? "[" : "", any ? "localhost" : config.address, six ? "]" : "", port);
+}
+
+void wait_for_interrupt() {
+  while (!interrupted) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+}
+
+/// The page of a recording: nothing runs.
+int serve_recording(const ServeOptions& options, const WebServerConfig& config) {
+  const std::filesystem::path file = options.request.input;
+  { const RecordedPlayback readable(file); }  // says at once what is wrong
+  PageSources sources;
+  sources.open_playback = [file] { return std::make_unique<RecordedPlayback>(file); };
+  sources.version = ISOBATH_VERSION;
+  check_page_sources(sources);
+  WebServer server(config, page_site(sources));
+  fmt::print("{} shows {}; Ctrl-C ends\n", place_of(config, server.port()), file.string());
+  std::fflush(stdout);
+  wait_for_interrupt();
+  return kSuccess;
+}
+
+/// What somebody at a page orders, until the run asks.
+class Orders {
+ public:
+  std::string take(PageCommand command) {
+    const std::lock_guard lock(mutex_);
+    if (over_) return "the mission is over";
+    if (order_) return "the last order is still under way";
+    using Kind = OperatorCommand::Kind;
+    order_ = command == PageCommand::kHold     ? Kind::kHold
+             : command == PageCommand::kResume ? Kind::kResume
+                                               : Kind::kAbort;
+    return {};
+  }
+  std::optional<OperatorCommand::Kind> next() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(order_, std::nullopt);
+  }
+  void close() {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::optional<OperatorCommand::Kind> order_;
+  bool over_ = false;
+};
+
+/// When the run began and what it shows now, on its own clock.
+TimeSpan span_of(const DisplayItems& items) {
+  const auto [first, last] = items.times();
+  return {first, last};
+}
+
+int serve_run(ServeOptions& options, const WebServerConfig& config) {
+  RunRequest& request = options.request;
+  request.configuration = options.config.read();
+  if (request.record.empty()) request.record = request.out / "recording.mcap";
+  std::filesystem::create_directories(request.record.parent_path());
+  DisplayItems items;
+  SharedChanges shared(items);
+  Orders orders;
+  request.watch =
+      RunWatch{&items, speed_of(options.speed), [] { return interrupted.load(); }, [&] { return orders.next(); }};
+
+  PageSources sources;
+  sources.live = std::shared_ptr<SharedChanges>(&shared, [](SharedChanges*) {});
+  sources.live_span = [&items] { return span_of(items); };
+  sources.open_playback = [file = request.record] { return std::make_unique<RecordedPlayback>(file); };
+  sources.token = token_of(options.token_file);
+  if (!sources.token.empty()) sources.command = [&orders](PageCommand command) { return orders.take(command); };
+  sources.version = ISOBATH_VERSION;
+  check_page_sources(sources);
+
+  std::future<RunOutcome> running = std::async(std::launch::async, [&request] { return run(request); });
+  WebServer server(config, page_site(sources));
+  fmt::print("{} shows {}; Ctrl-C ends\n", place_of(config, server.port()),
+             request.input.empty() ? "the embedded scene" : request.input.string());
+  std::fflush(stdout);
+  while (running.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) continue;
+  orders.close();
+  RunOutcome outcome;
+  try {
+    outcome = running.get();
+  } catch (...) {
+    server.stop();
+    throw;
+  }
+  if (outcome.mission) {
+    for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
+  }
+  fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());
+  if (!outcome.problem.empty()) fmt::print("{}\n", outcome.problem);
+  if (!interrupted) fmt::print("the run is over; its page goes on\n");
+  std::fflush(stdout);
+  wait_for_interrupt();
+  server.stop();
+  return kSuccess;
+}
+
+int serve(ServeOptions& options) {
+  if (live_page().empty())
+    throw Error("this program was built without its page", {}, "", "build it with ISOBATH_PAGE=ON");
+  const WebServerConfig config = server_of(options);
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  const bool recorded = !options.anew && is_recording(options.request.input);
+  return recorded ? serve_recording(options, config) : serve_run(options, config);
+}
+
+}  // namespace
+
+Action add_serve(CLI::App& program) {
+  auto options = std::make_shared<ServeOptions>();
+  options->request.out = "out/serve";
+  CLI::App* command = program.add_subcommand("serve", "The main job with the live page, or the page of a recording");
+  command->add_option("INPUT", options->request.input,
+                      "Log, scene (.toml) or recording (.mcap); without it, the embedded scene");
+  command->add_option("--port", options->port, "Default: 8484; 0: any that is free")->check(CLI::Range(0, 65535));
+  command->add_option("--address", options->address,
+                      "Default: 127.0.0.1, this machine alone; 0.0.0.0: whoever can reach it");
+  command->add_option("--speed", options->speed, "Times real time, or max: as fast as it goes")->capture_default_str();
+  command->add_option("--token-file", options->token_file, "File with a token: who has it may hold, resume and abort")
+      ->type_name("FILE");
+  command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
+  command->add_option("--map", options->request.map, "Folder of a depth map to continue, or to begin")
+      ->type_name("FOLDER");
+  command->add_option("--mission", options->request.mission, "Mission file, or a scenario for its mission")
+      ->type_name("FILE");
+  command->add_option("--record", options->request.record, "Recording to write; default: recording.mcap in the folder")
+      ->type_name("FILE");
+  command->add_flag("--anew", options->anew, "Decide a recording anew instead of showing what was recorded");
+  command->add_option("--limit", options->limits, "One limit of the server, e.g. most_clients=4; may be repeated")
+      ->type_name("KEY=VALUE");
+  options->config.add_to(*command);
+  return [options] { return serve(*options); };
+}
+
+}  // namespace isobath::app

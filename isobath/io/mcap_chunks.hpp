@@ -1,0 +1,79 @@
+// The chunks of an MCAP file, for mcap_index.cpp only: where each stands, what is known of it without unpacking it, and
+// its messages once it is unpacked. mcap_index.hpp says what is promised of damaged and of growing files.
+#pragma once
+
+#include <isobath/io/mcap_file.hpp>
+#include <isobath/io/mcap_index.hpp>
+#include <list>
+
+namespace isobath::mcap {
+
+/// What is known of a chunk without unpacking it.
+struct IndexedChunk {
+  std::uint64_t start = 0, end = 0;                                   ///< log times
+  std::uint64_t offset = 0, length = 0;                               ///< of the record in the file
+  std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes = {};  ///< channel, place of its index of messages
+  bool knows_channels = false;                                        ///< whether these are all the channels in it
+  bool damaged = false;
+  [[nodiscard]] bool may_hold(std::uint16_t channel) const;
+};
+
+struct PlacedMessage {
+  std::uint64_t time = 0;
+  std::uint64_t offset = 0;  ///< of the content of its record
+  std::uint64_t size = 0;
+  std::uint16_t channel = 0;
+};
+
+struct UnpackedChunk {
+  std::size_t chunk = 0;
+  Buffer bytes;
+  std::vector<PlacedMessage> messages;  ///< in the order of the chunk
+  [[nodiscard]] std::uint64_t size() const { return bytes.size() + messages.size() * sizeof(PlacedMessage); }
+};
+using Unpacked = std::shared_ptr<const UnpackedChunk>;
+
+McapMessage message_at(const Unpacked& chunk, const PlacedMessage& at);
+
+class ChunkTable {
+ public:
+  ChunkTable(std::unique_ptr<std::istream> input, const std::string& name);
+
+  bool refresh();
+  [[nodiscard]] bool complete() const { return complete_; }
+  [[nodiscard]] const std::vector<IndexedChunk>& chunks() const { return chunks_; }
+  /// Null where it is damaged.
+  Unpacked unpacked(std::size_t chunk);
+  /// Of a channel's messages in a chunk, rising.
+  std::vector<std::uint64_t> times(std::size_t chunk, std::uint16_t channel);
+  /// Its index lied: from now on only its messages are believed.
+  void distrust(std::size_t chunk) { chunks_[chunk].knows_channels = false; }
+
+  std::map<std::uint16_t, McapSchema> schemas;
+  std::map<std::uint16_t, McapChannel> channels;
+  McapIndex::Counts counts;
+  SourceReport report;
+
+ private:
+  bool take_summary(const SummaryBytes& summary);
+  bool take_chunk_index(std::span<const std::uint8_t> content, std::uint64_t limit);
+  void add_definition(std::uint8_t opcode, std::span<const std::uint8_t> content);
+  void walk();
+  bool walk_record(std::uint8_t opcode, std::uint64_t size);
+  bool walk_chunk(std::uint64_t size);
+  void close_tail();
+  bool resynchronise(const char* reason);
+  std::string unpack(const IndexedChunk& at, UnpackedChunk& out);
+  void list_messages(UnpackedChunk& chunk);
+  std::optional<std::vector<std::uint64_t>> indexed_times(const IndexedChunk& chunk, std::uint16_t channel);
+
+  SeekableInput input_;
+  std::vector<IndexedChunk> chunks_;  ///< in the order of the file
+  bool complete_ = false;
+  std::uint64_t position_ = 8;  ///< where the walk stands
+  bool tail_open_ = false;      ///< indexes of the last chunk may still follow
+  std::list<Unpacked> cache_;   ///< the one used last in front
+  Buffer scratch_;
+};
+
+}  // namespace isobath::mcap

@@ -1,0 +1,104 @@
+// Display: the vehicle's mind as items for a page: what it sees, believes, plans, and why (docs/live-page.md).
+//
+//   events, results of the pipeline, messages of the crew, maps  ->  DisplayItems  ->  live page, recording, report
+//
+// Nothing here changes what is decided. All but kTimes is a function of the run: the same run shows the same items at
+// the same times of its own clock, so that a recording of them has the same bytes. Real clocks stand in kTimes alone.
+//
+// Cost of a run of 512 x 500 pings at 10 Hz: see `make bench` (DisplayOfAFan). One thread writes; any may read the
+// items.
+#pragma once
+
+#include <isobath/io/event.hpp>
+#include <isobath/mission/bus.hpp>
+#include <isobath/mission/mission_plan.hpp>
+#include <isobath/runtime/depth_model.hpp>
+#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/helm.hpp>
+#include <isobath/runtime/map_display.hpp>
+#include <isobath/runtime/mission_outcome.hpp>
+#include <isobath/runtime/sonar_display.hpp>
+#include <isobath/runtime/voxel_model.hpp>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+/// What does not change in a run, or seldom.
+struct DisplayScene {
+  std::string title, source;
+  bool simulated = false;
+  std::optional<GeoOrigin> origin;
+  std::optional<MissionPlan> plan;
+  std::vector<ChartObstacle> charted;
+  std::vector<TrueBody> bodies;  ///< what really stands there
+  double vehicle_length_m = 1.6, vehicle_radius_m = 0.36, safe_m = 0;
+  std::string depth_datum;
+};
+
+/// What a run counts, for the panel.
+struct DisplayCounts {
+  PipelineCounts pipeline;
+  std::map<std::string, std::uint64_t> refused;  ///< by reason
+  std::vector<std::string> alarms;
+  std::string undecided;
+  std::uint64_t lost_pings = 0;
+};
+
+class Display : public ResultSink {
+ public:
+  explicit Display(DisplayItems& items) : items_(items), sonars_(items), maps_(items) {}
+
+  /// At the first event, and again where something of it has changed.
+  void show(Time time, const DisplayScene& scene);
+  void hear(const Event& event);
+  void on_ping(const PosedPing& ping) override { sonars_.take(ping); }
+  void on_upright(const PosedPing& ping) override { sonars_.take(ping); }
+  void on_scan(const ScanResult& scan) override;
+  /// Every message of the crew.
+  void heard(const Envelope& envelope);
+  /// What the vehicle is told to do from now on.
+  void want(const Setpoint& wanted) { wanted_ = wanted; }
+
+  /// After each event: the maps and the counts, of which each is looked at when it is time.
+  void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
+  /// Whether a second has gone by since the last counts.
+  [[nodiscard]] bool wants_counts(Time time) const;
+  void show(Time time, const DisplayCounts& counts);
+  void show(Time time, const MissionTimings& timings);
+
+ private:
+  struct ActiveFault {
+    Time since;
+    std::string why, action;
+  };
+  void add_to_track(Time time, const Eigen::Vector3d& place);
+  void show_vehicle(const Navigation& fix);
+  void show_way(Time time);
+
+  DisplayItems& items_;
+  SonarDisplay sonars_;
+  MapDisplay maps_;
+  std::optional<Time> start_, vehicle_shown_, counted_;
+  std::optional<Setpoint> wanted_;
+  std::optional<double> altitude_m_;
+
+  std::string chunk_;  ///< places of the track since the last whole chunk
+  std::uint64_t places_ = 0;
+  std::optional<Time> last_place_;
+
+  RoutePlanned way_;
+  MissionReport mission_;
+  std::optional<std::size_t> target_;
+  std::uint64_t decisions_ = 0;
+
+  std::map<std::string, ActiveFault> faults_;
+  std::map<std::string, std::string> agents_lost_;
+  std::set<std::string> agents_;
+  std::map<std::string, Health> parts_;  ///< what each last said of itself
+};
+
+}  // namespace isobath

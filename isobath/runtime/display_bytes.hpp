@@ -1,0 +1,65 @@
+// Payloads of display items (docs/live-page.md) as bytes: little-endian numbers one after the other, and packed runs.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+
+namespace isobath {
+
+class DisplayBytes {
+ public:
+  template <class Number>
+  DisplayBytes& add(Number value) {
+    out_.append(reinterpret_cast<const char*>(&value), sizeof value);  // we build for little-endian machines
+    return *this;
+  }
+  DisplayBytes& add_floats(std::initializer_list<double> values) {
+    for (const double v : values) add(static_cast<float>(v));
+    return *this;
+  }
+  DisplayBytes& append(std::span<const std::uint8_t> bytes) {
+    out_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return *this;
+  }
+  DisplayBytes& pad_to(std::size_t multiple) {
+    out_.append((multiple - out_.size() % multiple) % multiple, '\0');
+    return *this;
+  }
+  /// PackBits: runs of two and more equal bytes in two bytes, others as they are.
+  DisplayBytes& append_packed(std::span<const std::uint8_t> bytes) {
+    constexpr std::size_t kMost = 128;
+    std::size_t at = 0;
+    while (at < bytes.size()) {
+      std::size_t run = 1;
+      while (run < kMost && at + run < bytes.size() && bytes[at + run] == bytes[at]) ++run;
+      if (run > 1) {
+        add(static_cast<std::uint8_t>(257 - run)).add(bytes[at]);
+        at += run;
+        continue;
+      }
+      std::size_t end = at + 1;  // until three equal ones follow: a pair amid others is not worth its own run
+      while (end < bytes.size() && end - at < kMost &&
+             !(end + 2 < bytes.size() && bytes[end] == bytes[end + 1] && bytes[end] == bytes[end + 2])) {
+        ++end;
+      }
+      add(static_cast<std::uint8_t>(end - at - 1)).append(bytes.subspan(at, end - at));
+      at = end;
+    }
+    return *this;
+  }
+  [[nodiscard]] std::size_t size() const { return out_.size(); }
+  /// Where a number is known only later.
+  template <class Number>
+  void put(std::size_t at, Number value) {
+    std::memcpy(out_.data() + at, &value, sizeof value);
+  }
+  std::string take() { return std::move(out_); }
+
+ private:
+  std::string out_;
+};
+
+}  // namespace isobath

@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/runtime/display_bytes.hpp>
+#include <isobath/runtime/map_display.hpp>
+#include <span>
+
+namespace isobath {
+namespace {
+
+constexpr double kProbabilityUnit = 250;
+constexpr std::uint8_t kUnknownCell = 255;
+constexpr std::uint16_t kUnknownUnits = 65535;
+constexpr double kFine_m = 0.01, kCoarse_m = 0.2;  ///< a unit of depth: down to 655 m, and beyond
+constexpr int kOverviewTile = 64;
+constexpr std::uint64_t kOverviewRow = 0x4000'0000;  ///< rows of the overview, apart from those of the window
+
+std::uint64_t pair_of(std::int64_t row, std::int64_t column) {
+  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(row)) << 32 | static_cast<std::uint32_t>(column);
+}
+
+/// A square of pixels as a tile of the page: rows from the north in, from the south out.
+std::string tile_of(std::span<const DepthPixel> pixels, int side, double pixel_m, const Eigen::Vector2d& south_west) {
+  double deepest = 0;
+  for (const DepthPixel& p : pixels) deepest = p.known() ? std::max(deepest, p.depth_m()) : deepest;
+  const double unit = deepest < kUnknownUnits * kFine_m ? kFine_m : kCoarse_m;
+  DisplayBytes bytes;
+  bytes.add(static_cast<std::uint16_t>(side)).add(std::uint16_t{0}).add(static_cast<float>(pixel_m));
+  bytes.add(south_west.x()).add(south_west.y());
+  bytes.add(static_cast<float>(unit)).add(std::uint32_t{0});
+  const auto each = [&](const auto& put) {
+    for (int row = side - 1; row >= 0; --row) {
+      for (int column = 0; column < side; ++column) put(pixels[static_cast<std::size_t>(row * side + column)]);
+    }
+  };
+  each([&](const DepthPixel& p) {
+    const double units = p.known() ? std::clamp(std::round(p.depth_m() / unit), 0.0, kUnknownUnits - 1.0) : 0;
+    bytes.add(p.known() ? static_cast<std::uint16_t>(units) : kUnknownUnits);
+  });
+  each([&](const DepthPixel& p) { bytes.add(static_cast<std::uint8_t>(p.confidence())); });
+  each([&](const DepthPixel& p) {
+    const unsigned charted = p.known() && !p.has(kSensed) ? 1 : 0;
+    const unsigned measured = p.has(kSensed) || p.has(kSeenByDepth) ? 2 : 0;
+    bytes.add(static_cast<std::uint8_t>(charted | measured | (p.has(kSeenByObstacle) ? 4U : 0U)));
+  });
+  return bytes.take();
+}
+
+/// The pixels of a chart that anybody knows, as one window; no width where there are none.
+PixelWindow known_of(const DepthTrees& trees) {
+  int west = 0, north = 0, east = 0, south = 0;
+  bool any = false;
+  trees.prior().for_each_leaf(trees.extent(), [&](std::uint32_t word, const PixelWindow& leaf) {
+    if (word == DepthPixel::kUnknownDepth) return;
+    west = any ? std::min(west, leaf.column) : leaf.column;
+    north = any ? std::min(north, leaf.row) : leaf.row;
+    east = any ? std::max(east, leaf.column + leaf.width) : leaf.column + leaf.width;
+    south = any ? std::max(south, leaf.row + leaf.height) : leaf.row + leaf.height;
+    any = true;
+  });
+  return {west, north, east - west, south - north};
+}
+
+}  // namespace
+
+bool MapDisplay::due(const std::optional<Time>& shown, Time now, Duration interval) {
+  return !shown || now < *shown || now - *shown >= interval;
+}
+
+void MapDisplay::show(Time time, const BodyGrid& grid, const Pose& X_WB) {
+  if (!due(grid_shown_, time, kGridInterval)) return;
+  grid_shown_ = time;
+  const CartesianGrid& cells = grid.cells();
+  // W from L, L from G: where the grid's corner lies and how it is turned
+  const Pose X_WL = level(X_WB);
+  const Eigen::Vector2d corner_L = grid.to_level_body(Eigen::Vector2d::Zero());
+  const Eigen::Vector2d ahead_L = grid.to_level_body(Eigen::Vector2d::UnitX()) - corner_L;
+  const auto in_W = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
+    return (X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
+  };
+  const Eigen::Vector2d corner = in_W(corner_L), ahead = in_W(corner_L + ahead_L) - corner;
+  std::vector<std::uint8_t> shades(cells.size());
+  for (std::size_t i = 0; i < shades.size(); ++i) {
+    const double p = probability_of(grid.log_odds()[i]);
+    const bool unknown = !grid.is_free(i) && p < grid.config().threshold / 9;
+    shades[i] = unknown ? kUnknownCell : static_cast<std::uint8_t>(std::lround(kProbabilityUnit * p));
+  }
+  DisplayBytes bytes;
+  bytes.add(static_cast<std::uint16_t>(cells.cells_x)).add(static_cast<std::uint16_t>(cells.cells_y));
+  bytes.add(static_cast<float>(cells.cell_m)).add(corner.x()).add(corner.y());
+  bytes.add_floats({std::atan2(ahead.y(), ahead.x()), grid.config().threshold});
+  items_.set(DisplayKind::kGrid, 0, time, bytes.append_packed(shades).take());
+}
+
+void MapDisplay::show(Time time, std::shared_ptr<const DepthSnapshot> depths) {
+  depths_shown_ = time;
+  if (!overview_shown_) show_overview(time, *depths);
+  overview_shown_ = true;
+  const DepthWindow& window = depths->window();
+  const Pixel first = window.first_tile();
+  for (int row = first.row; row < first.row + window.tiles(); ++row) {
+    for (int column = first.column; column < first.column + window.tiles(); ++column) {
+      const Pixel at{column, row};
+      const TilePtr& tile = window.tile(at);
+      if (!tile || (depths_ && depths_->window().holds_tile(at) && depths_->window().tile(at) == tile)) continue;
+      const auto spoken = [](const DepthPixel& p) { return p.flags() != 0; };
+      if (std::any_of(tile->pixels.begin(), tile->pixels.end(), spoken)) show_tile(time, at, depths->grid(), *tile);
+    }
+  }
+  depths_ = std::move(depths);
+}
+
+void MapDisplay::show_tile(Time time, Pixel tile, const PixelGrid& grid, const DepthTile& pixels) {
+  const double side_m = DepthTile::kSide * grid.pixel_m;
+  const Eigen::Vector2d south_west(grid.corner_m.x() - (tile.row + 1) * side_m,
+                                   grid.corner_m.y() + tile.column * side_m);
+  items_.set(DisplayKind::kDepth, pair_of(tile.row, tile.column), time,
+             tile_of(pixels.pixels, DepthTile::kSide, grid.pixel_m, south_west));
+}
+
+void MapDisplay::show_overview(Time time, const DepthSnapshot& depths) {
+  const PixelWindow known = known_of(depths.trees());
+  if (known.width == 0) return;
+  int each = 1;
+  while (std::max(known.width, known.height) > kOverview * each) each *= 2;
+  const PixelGrid grid = depths.grid();
+  const int span = kOverviewTile * each;
+  std::vector<DepthPixel> pixels(kOverviewTile * kOverviewTile);
+  for (int row = 0; row * span < known.height; ++row) {
+    for (int column = 0; column * span < known.width; ++column) {
+      bool any = false;
+      for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const int x = known.column + column * span + static_cast<int>(i % kOverviewTile) * each + each / 2;
+        const int y = known.row + row * span + static_cast<int>(i / kOverviewTile) * each + each / 2;
+        pixels[i] = depths.trees().at({x, y});
+        any = any || pixels[i].known();
+      }
+      if (!any) continue;
+      const Eigen::Vector2d south_west(grid.corner_m.x() - (known.row + (row + 1) * span) * grid.pixel_m,
+                                       grid.corner_m.y() + (known.column + column * span) * grid.pixel_m);
+      items_.set(DisplayKind::kDepth, pair_of(static_cast<std::int64_t>(kOverviewRow) + row, column), time,
+                 tile_of(pixels, kOverviewTile, each * grid.pixel_m, south_west));
+    }
+  }
+}
+
+void MapDisplay::show(Time time, const VoxelMap& voxels) {
+  if (!due(voxels_shown_, time, kVoxelInterval)) return;
+  voxels_shown_ = time;
+  const std::uint64_t revision = voxels.revision();
+  std::vector<const VoxelBlocks*> layers;
+  for (const std::string& sensor : voxels.sensors()) layers.push_back(voxels.find_layer(sensor));
+  for (const VoxelIndex& corner : voxels.changed_after(voxel_revision_)) {
+    DisplayBytes bytes;
+    bytes.add(static_cast<float>(voxels.voxel_m())).add(corner.x()).add(corner.y()).add(corner.z());
+    const std::size_t count_at = bytes.size();
+    bytes.add(std::uint16_t{0}).add(std::uint16_t{0});
+    std::vector<const LogOdds16*> evidence;
+    for (const VoxelBlocks* layer : layers) {
+      if (const LogOdds16* block = layer->find(corner)) evidence.push_back(block);
+    }
+    std::uint16_t count = 0;
+    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+      const auto speaks_for = [i](const LogOdds16* block) { return block[i] != kUnseen && block[i] > 0; };
+      if (std::none_of(evidence.begin(), evidence.end(), speaks_for)) continue;
+      const VoxelIndex place = VoxelBlocks::place_of(i);
+      const double p = voxels.probability(corner + place);
+      if (p < 0.5) continue;
+      for (const int part : {place.x(), place.y(), place.z()}) bytes.add(static_cast<std::uint8_t>(part));
+      bytes.add(static_cast<std::uint8_t>(std::lround(kProbabilityUnit * p)));
+      ++count;
+    }
+    const std::uint64_t number = VoxelBlocks::key_of(corner);
+    if (count == 0) {
+      items_.remove(DisplayKind::kVoxels, number, time);
+    } else {
+      bytes.put(count_at, count);
+      items_.set(DisplayKind::kVoxels, number, time, bytes.take());
+    }
+  }
+  voxel_revision_ = revision;
+}
+
+}  // namespace isobath

@@ -1,0 +1,49 @@
+// MapDisplay: the maps of a run as items for a page: occupancy around the vehicle, depths, voxels; of each only what
+// has changed.
+//
+// Depths: the whole of what is charted once, coarse enough to be one picture (kOverview pixels a side); then each tile
+// of the window in which a sonar has spoken, at full resolution, when it has changed. Voxels: of each block that has
+// changed those at least as likely occupied as not.
+//
+// Items: docs/live-page.md. Times are the events'; each map is shown at most as often as its interval says. One thread.
+#pragma once
+
+#include <isobath/geometry/pose.hpp>
+#include <isobath/map/body_grid.hpp>
+#include <isobath/map/depth_map.hpp>
+#include <isobath/map/voxel_map.hpp>
+#include <isobath/runtime/display_items.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace isobath {
+
+class MapDisplay {
+ public:
+  static constexpr int kOverview = 512;
+  static constexpr Duration kGridInterval = std::chrono::milliseconds(450);
+  static constexpr Duration kDepthInterval = std::chrono::seconds(1);
+  static constexpr Duration kVoxelInterval = std::chrono::seconds(1);
+
+  explicit MapDisplay(DisplayItems& items) : items_(items) {}
+
+  void show(Time time, const BodyGrid& grid, const Pose& X_WB);
+  /// Whether it is time to look at these again: a snapshot is not for nothing.
+  [[nodiscard]] bool wants_depths(Time time) const { return due(depths_shown_, time, kDepthInterval); }
+  void show(Time time, std::shared_ptr<const DepthSnapshot> depths);
+  void show(Time time, const VoxelMap& voxels);
+
+ private:
+  [[nodiscard]] static bool due(const std::optional<Time>& shown, Time now, Duration interval);
+  void show_overview(Time time, const DepthSnapshot& depths);
+  void show_tile(Time time, Pixel tile, const PixelGrid& grid, const DepthTile& pixels);
+
+  DisplayItems& items_;
+  std::optional<Time> grid_shown_, depths_shown_, voxels_shown_;
+  bool overview_shown_ = false;
+  std::shared_ptr<const DepthSnapshot> depths_;  ///< as they were shown
+  std::uint64_t voxel_revision_ = 0;
+};
+
+}  // namespace isobath

@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <isobath/base/error.hpp>
+#include <isobath/runtime/recorded_display.hpp>
+#include <isobath/runtime/run_recorder.hpp>
+#include <set>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+std::uint64_t log_time_of(Time time) {
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(time.time_since_epoch().count(), 0));
+}
+
+Time time_of_log(std::uint64_t ns) { return Time(Duration(static_cast<std::int64_t>(ns & ~(std::uint64_t{1} << 63)))); }
+
+std::string_view records_in(const McapMessage& message) {
+  return {reinterpret_cast<const char*>(message.data.data()), message.data.size()};
+}
+
+bool is_of_the_page(DisplayKind kind) { return kind == DisplayKind::kClock || kind == DisplayKind::kRefusal; }
+
+/// Makes `items` what `wanted` is; what is the same in both stays untouched.
+void bring_to(const DisplayItems& wanted, Time time, DisplayItems& items) {
+  const std::string want = wanted.changes_after(0).records, have = items.changes_after(0).records;
+  std::set<std::pair<DisplayKind, std::uint64_t>> kept;
+  for_each_record(want, [&](const DisplayRecord& record) {
+    if (is_of_the_page(record.kind) || record.gone) return;
+    kept.emplace(record.kind, record.number);
+    items.set(record.kind, record.number, record.time, std::string(record.payload));
+  });
+  for_each_record(have, [&](const DisplayRecord& record) {
+    if (is_of_the_page(record.kind) || record.gone || kept.contains({record.kind, record.number})) return;
+    items.remove(record.kind, record.number, time);
+  });
+}
+
+}  // namespace
+
+bool is_recording(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (file.extension() != ".mcap" || !std::filesystem::is_regular_file(file, ignored)) return false;
+  const McapIndex index(file);
+  return index.channel_of(kDisplayTopic).has_value();
+}
+
+RecordedDisplay::RecordedDisplay(const std::filesystem::path& file) : index_(file) {
+  find_channels();
+  if (index_.complete() && !changes_) {
+    throw Error("holds nothing that a page showed", {file.string(), {}, {}, {}, {}}, "a recording of isobath");
+  }
+}
+
+void RecordedDisplay::find_channels() {
+  if (!changes_) changes_ = index_.channel_of(kDisplayTopic);
+  if (!wholes_) wholes_ = index_.channel_of(kWholeDisplayTopic);
+}
+
+bool RecordedDisplay::refresh() {
+  const bool grown = index_.refresh();
+  if (grown) find_channels();
+  return grown;
+}
+
+std::optional<RecordedDisplay::Span> RecordedDisplay::span() {
+  if (!changes_) return std::nullopt;
+  const auto last = index_.time_before(*changes_, ~std::uint64_t{0});
+  if (!last) return std::nullopt;
+  const bool at_zero = index_.time_before(*changes_, 1).has_value();
+  const std::uint64_t first = at_zero ? 0 : index_.time_after(*changes_, 0).value_or(*last);
+  return Span{time_of_log(first), time_of_log(*last)};
+}
+
+void RecordedDisplay::take_changes(std::uint64_t from, std::uint64_t to, DisplayItems& items) {
+  const std::uint16_t channel = *changes_;
+  index_.visit({&channel, 1}, from, to, [&](const McapMessage& message) {
+    items.take(records_in(message));
+    at_ = time_of_log(message.log_time);
+    return true;
+  });
+}
+
+void RecordedDisplay::seek(Time time, DisplayItems& items) {
+  at_.reset();
+  DisplayItems then;
+  const std::uint64_t to = log_time_of(time);
+  std::uint64_t from = 0;
+  if (const auto whole = wholes_ ? index_.last(*wholes_, to) : std::nullopt) {
+    then.take(records_in(*whole));
+    at_ = time_of_log(whole->log_time);
+    from = whole->log_time + 1;
+  }
+  if (changes_) take_changes(from, to, then);
+  bring_to(then, time, items);
+}
+
+void RecordedDisplay::advance(Time time, DisplayItems& items) {
+  if (!at_ || time < *at_) return seek(time, items);
+  if (changes_) take_changes(log_time_of(*at_) + 1, log_time_of(time), items);
+}
+
+std::optional<Time> RecordedDisplay::moment_after(Time time) {
+  const auto after = changes_ ? index_.time_after(*changes_, log_time_of(time)) : std::nullopt;
+  return after ? std::optional(time_of_log(*after)) : std::nullopt;
+}
+
+std::optional<Time> RecordedDisplay::moment_before(Time time) {
+  const auto before = changes_ ? index_.time_before(*changes_, log_time_of(time)) : std::nullopt;
+  return before ? std::optional(time_of_log(*before)) : std::nullopt;
+}
+
+}  // namespace isobath

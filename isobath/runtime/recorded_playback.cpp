@@ -1,0 +1,44 @@
+#include <algorithm>
+#include <cstdlib>
+#include <isobath/base/error.hpp>
+#include <isobath/runtime/recorded_playback.hpp>
+
+namespace isobath {
+
+RecordedPlayback::RecordedPlayback(const std::filesystem::path& file) : display_(file), refreshed_(Clock::now()) {
+  const auto span = display_.span();
+  if (!span) throw Error("nothing of the run is recorded yet", {file.string(), {}, {}, {}, {}}, "", "ask again later");
+  span_ = {span->first, span->last};
+}
+
+TimeSpan RecordedPlayback::span() {
+  const Clock::time_point now = Clock::now();
+  if (display_.complete() || now - refreshed_ < kRefresh) return span_;
+  refreshed_ = now;
+  if (!display_.refresh()) return span_;
+  if (const auto span = display_.span()) span_ = {span->first, span->last};
+  return span_;
+}
+
+void RecordedPlayback::show(Time moment, DisplayItems& items) {
+  // far ahead a whole sample is nearer than all the changes on the way there
+  constexpr Duration kNear = std::chrono::seconds(5);
+  const auto at = display_.at();
+  if (at && moment >= *at && moment - *at < kNear) {
+    display_.advance(moment, items);
+  } else {
+    display_.seek(moment, items);
+  }
+}
+
+Time RecordedPlayback::step(Time from, int steps) {
+  Time moment = from;
+  for (int i = 0; i < std::abs(steps); ++i) {
+    const auto next = steps > 0 ? display_.moment_after(moment) : display_.moment_before(moment);
+    if (!next) break;
+    moment = *next;
+  }
+  return std::clamp(moment, span_.start, span_.end);
+}
+
+}  // namespace isobath

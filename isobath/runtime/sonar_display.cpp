@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/runtime/display_bytes.hpp>
+#include <isobath/runtime/sonar_display.hpp>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kLowest_db = -60;  ///< of what is shown in decibels
+constexpr int kMostSlots = 800, kFewestSlots = 24;
+
+int groups(int count, int each) { return (count + each - 1) / each; }
+
+/// Of the neighbours i to i + each of n: the middle of the first and the last.
+double middle(const std::vector<Angle>& angles, int i, int each) {
+  const int last = std::min<int>(i + each, static_cast<int>(angles.size())) - 1;
+  return 0.5 * (angles[i].radians() + angles[last].radians());
+}
+
+bool in_decibels(const Ping& ping) { return ping.intensity.type() != SampleType::kU8; }
+
+std::uint8_t shade(float value, double full_scale, bool decibels) {
+  const double share = value / full_scale;
+  if (!(share > 0)) return 0;
+  const double level = decibels ? 1 - 20 * std::log10(share) / kLowest_db : share;
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(level, 0.0, 1.0)));
+}
+
+}  // namespace
+
+SonarDisplay::Sonar& SonarDisplay::sonar_of(const Ping& ping, std::uint64_t& number) {
+  const bool scanning = ping.fan->beams() == 1, upright = !lies_flat(ping);
+  for (number = 0; number < sonars_.size(); ++number) {
+    Sonar& known = sonars_[number];
+    if (known.scanning != scanning || known.upright != upright) continue;
+    if (scanning || known.fan == ping.fan || known.fan->beams() == ping.fan->beams()) return known;
+  }
+  return sonars_.emplace_back(Sonar{scanning, upright, nullptr, {}, 0, {}, {}, 1, 1});
+}
+
+/// Whether the page knows what the ping looks like; says it where that has changed.
+bool SonarDisplay::describe(Sonar& sonar, std::uint64_t number, const Ping& ping) {
+  int slots = sonar.slots;
+  if (sonar.scanning) {
+    const double azimuth = ping.fan->azimuth[0].radians();
+    const double before = sonar.azimuth.value_or(azimuth);
+    sonar.azimuth = azimuth;
+    const double step = std::abs(std::remainder(azimuth - before, kTurn));
+    if (step > 1e-6) slots = std::clamp(static_cast<int>(std::lround(kTurn / step)), kFewestSlots, kMostSlots);
+    // a head that turns round or skips a beam tells of a coarser step: the finest one counts
+    slots = std::max(slots, sonar.slots);
+    if (slots == 0) return false;
+  }
+  if (sonar.fan && slots == sonar.slots && sonar.window == ping.window && (sonar.scanning || sonar.fan == ping.fan)) {
+    return true;
+  }
+  sonar.slots = slots;
+  sonar.fan = ping.fan;
+  sonar.window = ping.window;
+  sonar.beams_each = groups(ping.fan->beams(), kMostBeams);
+  sonar.bins_each = groups(ping.window.bins, kMostBins);
+  items_.set(DisplayKind::kSonar, number, ping.time, geometry(sonar, number, ping));
+  return true;
+}
+
+std::string SonarDisplay::geometry(const Sonar& sonar, std::uint64_t number, const Ping& ping) const {
+  nlohmann::ordered_json azimuth = nlohmann::ordered_json::array(), width = nlohmann::ordered_json::array();
+  const auto add = [&](double centre, double across) {
+    azimuth.push_back(std::round(1e5 * centre) / 1e5);
+    width.push_back(std::round(1e5 * across) / 1e5);
+  };
+  if (sonar.scanning) {
+    for (int i = 0; i < sonar.slots; ++i) {
+      const double step = kTurn / sonar.slots;
+      add(i * step, std::max(step, ping.fan->width[0].radians()));
+    }
+  } else {
+    for (int i = 0; i < ping.fan->beams(); i += sonar.beams_each) {
+      const int last = std::min(i + sonar.beams_each, ping.fan->beams()) - 1;
+      add(middle(ping.fan->azimuth, i, sonar.beams_each),
+          ping.fan->width[i].radians() + (ping.fan->azimuth[last].radians() - ping.fan->azimuth[i].radians()));
+    }
+  }
+  const bool decibels = in_decibels(ping);
+  const nlohmann::ordered_json scale =
+      decibels ? nlohmann::ordered_json{{"unit", "dB of full scale"}, {"low", kLowest_db}, {"high", 0}}
+               : nlohmann::ordered_json{{"unit", "% of full scale"}, {"low", 0}, {"high", 100}};
+  const nlohmann::ordered_json text = {{"name", number == 0 ? "sonar" : fmt::format("sonar {}", number + 1)},
+                                       {"scanning", sonar.scanning},
+                                       {"upright", sonar.upright},
+                                       {"azimuth", azimuth},
+                                       {"width", width},
+                                       {"height", ping.fan->height.radians()},
+                                       {"first_m", ping.window.start_m},
+                                       {"bin_m", ping.window.bin_m * sonar.bins_each},
+                                       {"bins", groups(ping.window.bins, sonar.bins_each)},
+                                       {"scale", scale}};
+  return text.dump();
+}
+
+std::string SonarDisplay::picture(const Sonar& sonar, const PosedPing& posed) {
+  const Ping& ping = posed.ping;
+  const int beams = groups(ping.fan->beams(), sonar.beams_each);
+  const int bins = groups(ping.window.bins, sonar.bins_each);
+  const std::size_t samples = static_cast<std::size_t>(beams) * static_cast<std::size_t>(bins);
+  beam_.resize(static_cast<std::size_t>(ping.window.bins));
+  pooled_.assign(samples, 0);
+  std::vector<std::uint8_t> hits((samples + 7) / 8);
+  for (int i = 0; i < ping.fan->beams(); ++i) {
+    ping.intensity.copy_beam(i, beam_.data());
+    const std::size_t row = static_cast<std::size_t>(i / sonar.beams_each) * static_cast<std::size_t>(bins);
+    for (int k = 0; k < ping.window.bins; ++k) {
+      const std::size_t at = row + static_cast<std::size_t>(k / sonar.bins_each);
+      pooled_[at] = std::max(pooled_[at], beam_[static_cast<std::size_t>(k)]);
+    }
+    for (int word = 0; word < posed.decisions.words(); ++word) {
+      std::uint64_t left = posed.decisions.hits(i)[word] & posed.decisions.usable()[word];
+      for (; left != 0; left &= left - 1) {
+        const int k = 64 * word + std::countr_zero(left);
+        const std::size_t at = row + static_cast<std::size_t>(k / sonar.bins_each);
+        hits[at / 8] = static_cast<std::uint8_t>(hits[at / 8] | 1U << at % 8);
+      }
+    }
+  }
+  const Pose X_WS = posed.X_WB * ping.X_BS;
+  const Eigen::Quaterniond& q = X_WS.rotation.quaternion();
+  DisplayBytes bytes;
+  bytes.add(static_cast<std::uint16_t>(beams)).add(static_cast<std::uint16_t>(bins)).add(std::uint32_t{0});
+  for (const double metres : {X_WS.translation.x(), X_WS.translation.y(), X_WS.translation.z()}) bytes.add(metres);
+  bytes.add_floats({q.w(), q.x(), q.y(), q.z()});
+  const bool decibels = in_decibels(ping);
+  for (const float value : pooled_) bytes.add(shade(value, ping.full_scale, decibels));
+  bytes.pad_to(8).append(hits);
+  return bytes.take();
+}
+
+void SonarDisplay::take(const PosedPing& posed) {
+  const Ping& ping = posed.ping;
+  std::uint64_t number = 0;
+  Sonar& sonar = sonar_of(ping, number);
+  if (!describe(sonar, number, ping)) return;
+  if (!sonar.scanning) {  // a little less than the interval: pings are not that punctual
+    constexpr double kInterval_s = 0.95 / kMostPerSecond;
+    if (sonar.shown && ping.time >= *sonar.shown && to_seconds(ping.time - *sonar.shown) < kInterval_s) return;
+    sonar.shown = ping.time;
+  }
+  std::uint64_t beam = 0;
+  if (sonar.scanning) {
+    const double place = ping.fan->azimuth[0].wrapped_positive().radians() / kTurn * sonar.slots;
+    beam = static_cast<std::uint64_t>(std::lround(place)) % static_cast<std::uint64_t>(sonar.slots);
+  }
+  items_.set(DisplayKind::kEchoes, number << 32 | beam, ping.time, picture(sonar, posed));
+}
+
+}  // namespace isobath

@@ -1,0 +1,227 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/server/page_session.hpp>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+using Ask = PageRequest::Ask;
+
+bool same_secret(std::string_view said, std::string_view secret) {
+  unsigned differs = said.size() == secret.size() ? 0 : 1;
+  for (std::size_t i = 0; i < said.size(); ++i) {
+    differs |= static_cast<unsigned char>(said[i]) ^ static_cast<unsigned char>(secret[i % secret.size()]);
+  }
+  return differs == 0;
+}
+
+double rounded_ms(Duration since) { return std::round(to_seconds(since) * 1e3) / 1e3; }
+
+}  // namespace
+
+void check_page_sources(const PageSources& sources) {
+  if (!sources.live && !sources.open_playback) throw Error("a page has neither a run nor a recording to look at");
+  if (sources.live && !sources.live_span) throw Error("a run that a page looks at has no clock");
+  if (!sources.token.empty() && sources.token.size() < PageSession::kLeastToken) {
+    throw Error("the token could be guessed", {}, "16 characters or more", "make one with: openssl rand -hex 16");
+  }
+}
+
+PageSession::PageSession(const PageSources& sources)
+    : sources_(sources), live_(sources.live != nullptr), last_refusal_(sources.clock()) {
+  if (live_) return;
+  playback_ = sources_.open_playback();
+  put_playhead(playback_->span().start);
+}
+
+Hearing PageSession::refuse(const BadRequest& refusal, std::string_view reason, bool hang_up) {
+  const Clock::time_point now = sources_.clock();
+  refusals_ = std::max(0.0, refusals_ - std::chrono::duration<double>(now - last_refusal_).count()) + 1;
+  last_refusal_ = now;
+  if (answers_.size() == kMostAnswers) answers_.erase(answers_.begin());
+  answers_.push_back(refusal_text(refusal));
+  return {reason, hang_up || refusals_ > kMostRefusals};
+}
+
+Hearing PageSession::hear(std::string_view text) {
+  const auto request = page_request_of(text);
+  if (!request) return refuse(request.error(), "ask");
+  try {
+    return follow(*request);
+  } catch (const Error& error) {
+    return refuse({"", error.what()}, "recording");
+  }
+}
+
+Hearing PageSession::follow(const PageRequest& request) {
+  switch (request.ask) {
+    case Ask::kControl: return control(request.word);
+    case Ask::kCommand: return command(request.word);
+    case Ask::kPlay:
+      if (live_) return {};  // it does
+      return play(true);
+    case Ask::kLive:
+      if (!sources_.live) return refuse({"live", "a recording has no now"}, "no_now");
+      look_at_now();
+      return {};
+    case Ask::kSpeed:
+      if (live_) return refuse({"speed", "now goes at its own speed"}, "no_recording");
+      put_playhead(playhead());
+      speed_ = request.number;
+      return {};
+    case Ask::kPause:
+    case Ask::kSeek:
+    case Ask::kStep: break;
+  }
+  if (!sources_.open_playback) {
+    return refuse({request.ask == Ask::kSeek ? "seek" : "pause", "nothing is recorded"}, "no_recording");
+  }
+  look_at_recording();
+  if (request.ask == Ask::kPause) return play(false);
+  if (request.ask == Ask::kStep) {
+    const Time from = playhead();
+    playing_ = false;
+    put_playhead(playback_->step(from, static_cast<int>(request.number)));
+    return {};
+  }
+  const TimeSpan all = span();
+  const double first = to_seconds(all.start - start()), last = to_seconds(all.end - start());
+  put_playhead(start() + seconds(std::clamp(request.number, first, last)));
+  return {};
+}
+
+Hearing PageSession::play(bool playing) {
+  const bool again = playing && !sources_.live && playhead() >= span().end;
+  put_playhead(again ? span().start : playhead());
+  playing_ = playing;
+  return {};
+}
+
+Hearing PageSession::control(const std::string& token) {
+  if (sources_.token.empty() || !sources_.command) {
+    return refuse({"control", "this program takes no commands"}, "no_control");
+  }
+  if (!same_secret(token, sources_.token)) {
+    ++wrong_tokens_;
+    return refuse({"control", "another token"}, "token", wrong_tokens_ >= kWrongTokens);
+  }
+  control_ = true;
+  return {};
+}
+
+Hearing PageSession::command(const std::string& word) {
+  static const std::pair<const char*, PageCommand> kWords[] = {
+      {"hold", PageCommand::kHold}, {"resume", PageCommand::kResume}, {"abort", PageCommand::kAbort}};
+  if (!control_) return refuse({"command", "this page may not command"}, "no_control");
+  const auto* found = std::find_if(std::begin(kWords), std::end(kWords), [&](auto& w) { return word == w.first; });
+  if (found == std::end(kWords)) return refuse({"command", "hold, resume or abort"}, "ask");
+  const std::string why = sources_.command(found->second);
+  return why.empty() ? Hearing{} : refuse({word, why}, "command");
+}
+
+void PageSession::look_at_now() {
+  if (live_) return;
+  live_ = true;
+  stamp_ = 0;
+  forget_ = true;
+}
+
+void PageSession::look_at_recording() {
+  if (!live_) return;
+  if (!playback_) playback_ = sources_.open_playback();
+  playing_ = true;
+  speed_ = 1;
+  put_playhead(sources_.live_span().end);
+  live_ = false;
+  shown_.clear();
+  shown_time_.reset();
+  stamp_ = 0;
+  forget_ = true;
+}
+
+/// What may be sought: nothing where nothing is recorded.
+TimeSpan PageSession::span() const {
+  if (playback_) return playback_->span();
+  const TimeSpan run = sources_.live_span();
+  return {sources_.open_playback ? run.start : run.end, run.end};
+}
+
+/// From which seconds are counted.
+Time PageSession::start() const { return sources_.live ? sources_.live_span().start : playback_->span().start; }
+
+Time PageSession::playhead() const {
+  if (!playing_) return head_;
+  const Time end = span().end;
+  const double gone = std::chrono::duration<double>(sources_.clock() - head_set_).count() * speed_;
+  const double left = std::max(0.0, to_seconds(end - head_));
+  return std::min(end, head_ + seconds(std::clamp(gone, 0.0, left)));
+}
+
+void PageSession::put_playhead(Time moment) {
+  const TimeSpan all = span();
+  head_ = std::clamp(moment, all.start, all.end);
+  head_set_ = sources_.clock();
+}
+
+void PageSession::show_recording() {
+  const Time moment = playhead();
+  if (moment >= span().end) {  // of a run that goes on: wait there for more
+    put_playhead(moment);
+    playing_ = playing_ && sources_.live;
+  }
+  if (shown_time_ == moment) return;
+  shown_time_ = moment;  // also where it fails: not again and again
+  playback_->show(moment, shown_);
+}
+
+std::string PageSession::clock_text() const {
+  const TimeSpan all = span();
+  const Time from = start();
+  const Time now = live_ ? sources_.live_span().end : playhead();
+  nlohmann::json clock{{"now_s", rounded_ms(now - from)},
+                       {"start_s", rounded_ms(all.start - from)},
+                       {"end_s", rounded_ms(all.end - from)},
+                       {"live", live_},
+                       {"playing", live_ || playing_},
+                       {"speed", live_ ? 1 : speed_},
+                       {"control", control_},
+                       {"version", sources_.version}};
+  if (sources_.live) clock["live_s"] = rounded_ms(sources_.live_span().end - from);
+  return clock.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+WebFrame PageSession::next() {
+  WebFrame frame;
+  SharedChanges::Piece piece;
+  if (live_) {
+    piece = sources_.live->after(stamp_, sources_.clock());
+  } else {
+    try {
+      show_recording();
+    } catch (const Error& error) {
+      if (shown_time_) put_playhead(*shown_time_);
+      playing_ = false;
+      refuse({"", error.what()}, "recording");
+    }
+    DisplayItems::Changes changes = shown_.changes_after(stamp_, SharedChanges::kPieceBytes);
+    piece = {nullptr, changes.stamp, changes.whole, changes.more};
+    if (!changes.records.empty()) piece.records = std::make_shared<const std::string>(std::move(changes.records));
+  }
+  stamp_ = piece.stamp;
+  frame.shared = std::move(piece.records);
+  frame.more = piece.more;
+
+  const std::string clock = clock_text();
+  const Time now = live_ ? sources_.live_span().end : playhead();
+  if (clock != said_clock_ || piece.whole || forget_) append_record(frame.own, DisplayKind::kClock, 0, now, clock);
+  if (forget_ && !frame.shared) mark_as_whole(frame.own);
+  forget_ = false;
+  said_clock_ = clock;
+  for (const std::string& answer : answers_) append_record(frame.own, DisplayKind::kRefusal, 0, now, answer);
+  answers_.clear();
+  return frame;
+}
+
+}  // namespace isobath

@@ -1,0 +1,12 @@
+// The site of the live page: its file, its sessions, and what it tells machines of itself.
+#pragma once
+
+#include <isobath/server/page_session.hpp>
+#include <isobath/server/web_server.hpp>
+
+namespace isobath {
+
+/// The sources must outlive the server, and have been checked.
+WebSite page_site(const PageSources& sources);
+
+}  // namespace isobath

@@ -1,0 +1,123 @@
+// What a page knows: items that replace one another, and what has changed since somebody asked.
+#include <cstring>
+#include <gtest/gtest.h>
+#include <isobath/runtime/display_bytes.hpp>
+#include <isobath/runtime/display_items.hpp>
+#include <rapidcheck/gtest.h>
+#include <tests/runtime/display_records.hpp>
+
+namespace isobath {
+namespace {
+
+using test::Record;
+using test::records_of;
+using Kind = DisplayKind;
+
+TEST(DisplayItems, TellOnlyWhatHasChangedAndOfThatTheNewest) {
+  DisplayItems items;
+  items.set(Kind::kScene, 0, Time(seconds(1.0)), "a lake");
+  items.set(Kind::kWay, 0, Time(seconds(2.0)), "north");
+  const auto first = items.changes_after(0);
+  EXPECT_EQ(records_of(first.records).size(), 2U);
+
+  items.set(Kind::kWay, 0, Time(seconds(3.0)), "east");
+  items.set(Kind::kWay, 0, Time(seconds(4.0)), "south");
+  items.set(Kind::kScene, 0, Time(seconds(4.0)), "a lake");  // as it was
+  const auto later = records_of(items.changes_after(first.stamp).records);
+  ASSERT_EQ(later.size(), 1U);
+  EXPECT_EQ(later[0].payload, "south");
+  EXPECT_EQ(later[0].time, Time(seconds(4.0)));
+  EXPECT_TRUE(records_of(items.changes_after(items.stamp()).records).empty());
+}
+
+TEST(DisplayItems, ASecondPingThatLooksTheSameIsNewsAllTheSame) {
+  DisplayItems items;
+  items.set(Kind::kEchoes, 7, Time(seconds(1.0)), "still water");
+  const std::uint64_t stamp = items.stamp();
+  items.set(Kind::kEchoes, 7, Time(seconds(2.0)), "still water");
+  EXPECT_EQ(records_of(items.changes_after(stamp).records).size(), 1U);
+}
+
+TEST(DisplayItems, WhatIsGoneIsToldOnceAndNeverToNewcomers) {
+  DisplayItems items;
+  items.set(Kind::kVoxels, 5, Time(seconds(1.0)), "block");
+  const std::uint64_t stamp = items.stamp();
+  items.remove(Kind::kVoxels, 5, Time(seconds(2.0)));
+  items.remove(Kind::kVoxels, 6, Time(seconds(2.0)));  // never was
+  const auto told = records_of(items.changes_after(stamp).records);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_TRUE(told[0].gone);
+  EXPECT_TRUE(records_of(items.changes_after(0).records).empty());
+  EXPECT_EQ(items.bytes(), 0U);
+}
+
+TEST(DisplayItems, WhoeverAskedBeforeAllWasForgottenGetsItWhole) {
+  DisplayItems items;
+  items.set(Kind::kScene, 0, Time(seconds(1.0)), "before");
+  const std::uint64_t stamp = items.stamp();
+  items.clear();
+  items.set(Kind::kWay, 0, Time(seconds(9.0)), "after");
+  const auto told = records_of(items.changes_after(stamp).records);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_TRUE(told[0].forget);
+  EXPECT_EQ(told[0].payload, "after");
+}
+
+TEST(DisplayItems, DamagedRecordsAreRefusedFromTheFirstThatDoesNotFit) {
+  std::string records;
+  append_record(records, Kind::kWay, 0, Time(seconds(1.0)), "whole");
+  const std::size_t whole = records.size();
+  append_record(records, Kind::kScene, 0, Time(seconds(1.0)), "cut in the middle");
+  DisplayItems items;
+  EXPECT_EQ(items.take(std::string_view(records).substr(0, records.size() - 9)), whole);
+  EXPECT_EQ(records_of(items.changes_after(0).records).size(), 1U);
+  records[whole] = 99;  // a kind that nobody knows
+  EXPECT_EQ(items.take(records), whole);
+  std::string lies = records.substr(0, whole);
+  const std::uint32_t endless = 0xffffffff;
+  std::memcpy(lies.data() + 4, &endless, 4);
+  EXPECT_EQ(items.take(lies), 0U);
+}
+
+/// Any order of changes, asked for at any moments: who takes them holds what the source holds.
+RC_GTEST_PROP(DisplayItems, APageThatAsksNowAndThenKnowsWhatThereIs, ()) {
+  DisplayItems source, page;
+  std::uint64_t stamp = 0;
+  const int steps = *rc::gen::inRange(1, 60);
+  for (int i = 0; i < steps; ++i) {
+    const auto number = *rc::gen::inRange<std::uint64_t>(0, 6);
+    const Kind kind = *rc::gen::element(Kind::kWay, Kind::kVoxels, Kind::kDepth);
+    switch (*rc::gen::inRange(0, 8)) {
+      case 0: source.remove(kind, number, Time(seconds(1.0 * i))); break;
+      case 1: source.clear(); break;
+      case 2: {
+        const auto changes = source.changes_after(stamp);
+        RC_ASSERT(page.take(changes.records) == changes.records.size());
+        if (changes.records.empty() && source.bytes() == 0) page.clear();
+        stamp = changes.stamp;
+        break;
+      }
+      default: source.set(kind, number, Time(seconds(1.0 * i)), *rc::gen::string<std::string>());
+    }
+  }
+  const auto changes = source.changes_after(stamp);
+  page.take(changes.records);
+  if (source.changes_after(0).records.empty()) page.clear();
+  RC_ASSERT(test::as_map(page.changes_after(0).records) == test::as_map(source.changes_after(0).records));
+}
+
+RC_GTEST_PROP(DisplayBytes, PackedRunsComeBack, ()) {
+  const auto bytes = *rc::gen::container<std::vector<std::uint8_t>>(rc::gen::inRange<std::uint8_t>(0, 3));
+  DisplayBytes packed;
+  packed.append_packed(bytes);
+  RC_ASSERT(test::unpacked(packed.take()) == bytes);
+}
+
+TEST(DisplayBytes, PackedRunsAreShort) {
+  DisplayBytes packed;
+  packed.append_packed(std::vector<std::uint8_t>(160'000, 255));
+  EXPECT_EQ(packed.size(), 2U * 160'000 / 128);
+}
+
+}  // namespace
+}  // namespace isobath

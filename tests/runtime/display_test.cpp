@@ -1,0 +1,324 @@
+// What a page is shown of a run: taken apart again and held against what was put in.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <isobath/runtime/display.hpp>
+#include <nlohmann/json.hpp>
+#include <tests/runtime/display_records.hpp>
+#include <tests/runtime/events.hpp>
+#include <tests/support/echoes.hpp>
+
+namespace isobath {
+namespace {
+
+using nlohmann::json;
+using test::number_at;
+using test::Record;
+using test::records_of;
+using Kind = DisplayKind;
+
+std::vector<Record> of_kind(const DisplayItems& items, Kind kind) {
+  std::vector<Record> found;
+  for (Record& r : records_of(items.changes_after(0).records)) {
+    if (r.kind == kind) found.push_back(std::move(r));
+  }
+  return found;
+}
+
+Record only(const DisplayItems& items, Kind kind) {
+  const auto found = of_kind(items, kind);
+  EXPECT_EQ(found.size(), 1U);
+  return found.at(0);
+}
+
+/// A ping whose decisions are: every sample of 200 and more.
+struct Heard {
+  Ping ping;
+  EchoDecisions decisions;
+  Pose X_WB;
+
+  explicit Heard(Ping p, Pose pose = {}) : ping(std::move(p)), X_WB(pose) {
+    decisions.reset(ping.fan->beams(), ping.window.bins);
+    for (int b = 0; b < ping.fan->beams(); ++b) {
+      for (int k = 0; k < ping.window.bins; ++k) {
+        if (ping.intensity(b, k) >= 200) decisions.set_hit(b, k);
+      }
+    }
+  }
+  [[nodiscard]] PosedPing posed() const { return {ping, X_WB, decisions}; }
+};
+
+TEST(SonarDisplay, ShowsAFanAsItWasHeard) {
+  DisplayItems items;
+  SonarDisplay display(items);
+  const auto value = [](int beam, int bin) { return beam == 2 && bin == 5 ? 220 : 10 * beam + bin; };
+  Ping ping = test::ping_of<std::uint8_t>(test::fan_of(4, Angle::degrees(-2)), {1, 0.5, 9}, value);
+  ping.time = Time(seconds(3.0));
+  const Heard heard(ping, {Rotation::from_heading(Angle::degrees(90)), {10, 20, 3}});
+  display.take(heard.posed());
+
+  const json sonar = json::parse(only(items, Kind::kSonar).payload);
+  EXPECT_EQ(sonar["azimuth"].size(), 4U);
+  EXPECT_NEAR(sonar["azimuth"][0].get<double>(), Angle::degrees(-2).radians(), 1e-5);
+  EXPECT_EQ(sonar["first_m"], 1.0);
+  EXPECT_EQ(sonar["bin_m"], 0.5);
+  EXPECT_EQ(sonar["bins"], 9);
+  EXPECT_FALSE(sonar["scanning"].get<bool>());
+  EXPECT_EQ(sonar["scale"]["high"], 100);
+
+  const Record echoes = only(items, Kind::kEchoes);
+  EXPECT_EQ(echoes.time, Time(seconds(3.0)));
+  ASSERT_EQ(echoes.payload.size(), 48U + 40 + 5);  // 36 samples, padded to 8, and a bit for each
+  EXPECT_EQ(number_at<std::uint16_t>(echoes.payload, 0), 4);
+  EXPECT_EQ(number_at<std::uint16_t>(echoes.payload, 2), 9);
+  EXPECT_EQ(number_at<double>(echoes.payload, 8), 10);
+  EXPECT_EQ(number_at<double>(echoes.payload, 16), 20);
+  EXPECT_NEAR(number_at<float>(echoes.payload, 32), std::sqrt(0.5), 1e-6);
+  for (int b = 0; b < 4; ++b) {
+    for (int k = 0; k < 9; ++k) {
+      const int i = 9 * b + k;
+      EXPECT_EQ(static_cast<std::uint8_t>(echoes.payload[48 + i]), value(b, k));
+      EXPECT_EQ(echoes.payload[88 + i / 8] >> (i % 8) & 1, b == 2 && k == 5) << b << ' ' << k;
+    }
+  }
+}
+
+TEST(SonarDisplay, PoolsALargeFanWithoutLosingAnEcho) {
+  DisplayItems items;
+  SonarDisplay display(items);
+  const auto value = [](int beam, int bin) { return beam == 301 && bin == 407 ? 255 : 0; };
+  display.take(
+      Heard(test::ping_of<std::uint8_t>(test::fan_of(512, {}, Angle::degrees(0.2)), {0, 0.1, 500}, value)).posed());
+  const std::string echoes = only(items, Kind::kEchoes).payload;
+  const int beams = number_at<std::uint16_t>(echoes, 0), bins = number_at<std::uint16_t>(echoes, 2);
+  EXPECT_LE(beams, SonarDisplay::kMostBeams);
+  EXPECT_LE(bins, SonarDisplay::kMostBins);
+  EXPECT_EQ(beams, 256);
+  EXPECT_EQ(bins, 250);
+  const std::size_t at = 150 * 250 + 203;
+  EXPECT_EQ(static_cast<std::uint8_t>(echoes[48 + at]), 255);
+  const std::size_t hits = 48 + 64000;
+  EXPECT_EQ(echoes[hits + at / 8] >> (at % 8) & 1, 1);
+  EXPECT_EQ(std::count(echoes.begin() + 48, echoes.begin() + 48 + 64000, '\0'), 63999);
+}
+
+TEST(SonarDisplay, ShowsDecibelsOfSamplesWithALargeRange) {
+  DisplayItems items;
+  SonarDisplay display(items);
+  const auto value = [](int, int bin) { return bin == 0 ? 1.0 : bin == 1 ? 0.1 : 0.0; };
+  display.take(Heard(test::ping_of<float>(test::fan_of(2), {0, 1, 3}, value, 1)).posed());
+  const std::string echoes = only(items, Kind::kEchoes).payload;
+  EXPECT_EQ(static_cast<std::uint8_t>(echoes[48]), 255);
+  EXPECT_EQ(static_cast<std::uint8_t>(echoes[49]), 170);  // -20 of -60 dB
+  EXPECT_EQ(static_cast<std::uint8_t>(echoes[50]), 0);
+}
+
+TEST(SonarDisplay, KeepsTheBeamsOfAScanningHeadByTheirPlaceInTheTurn) {
+  DisplayItems items;
+  SonarDisplay display(items);
+  for (int i = 0; i < 60; ++i) {
+    Heard heard(test::ping_at(0.1 * i, {1, 2, 3, static_cast<std::uint8_t>(i)}, Angle::degrees(6.0 * (i % 50))));
+    display.take(heard.posed());
+  }
+  const json sonar = json::parse(only(items, Kind::kSonar).payload);
+  EXPECT_TRUE(sonar["scanning"].get<bool>());
+  EXPECT_EQ(sonar["azimuth"].size(), 60U);
+  const auto beams = of_kind(items, Kind::kEchoes);
+  ASSERT_EQ(beams.size(), 50U);
+  for (const Record& beam : beams) {
+    const int i = static_cast<std::uint8_t>(beam.payload[48 + 3]);
+    EXPECT_EQ(beam.number, static_cast<std::uint64_t>(i % 50));
+    EXPECT_TRUE(i >= 10) << "of the second turn where there was one";
+  }
+}
+
+TEST(SonarDisplay, ShowsAFastFanTenTimesASecond) {
+  DisplayItems items;
+  SonarDisplay display(items);
+  const auto fan = test::fan_of(8);
+  std::uint64_t stamp = 0;
+  int shown = 0;
+  for (int i = 0; i < 80; ++i) {
+    Ping ping = test::ping_of<std::uint8_t>(fan, {0, 1, 4}, [](int, int) { return 3; });
+    ping.time = Time(seconds(i / 40.0));
+    display.take(Heard(ping).posed());
+    shown += items.stamp() > stamp ? 1 : 0;
+    stamp = items.stamp();
+  }
+  EXPECT_EQ(shown, 20);
+}
+
+TEST(MapDisplay, ShowsOccupancyWhereItLies) {
+  DisplayItems items;
+  MapDisplay display(items);
+  BodyGridConfig config;
+  config.cells_x = config.cells_y = 21;
+  BodyGrid grid(config);
+  const Pose X_WB{Rotation::from_heading(Angle::degrees(30)), {100, 200, 5}};
+  const Eigen::Vector2d buoy_L(6.5, -3.5);
+  grid.set_probability(*grid.cell_at(buoy_L), 0.9);
+  grid.set_probability(*grid.cell_at({2, 2}), 1e-3);
+  display.show(Time(seconds(1.0)), grid, X_WB);
+
+  const std::string bytes = only(items, Kind::kGrid).payload;
+  const auto cells = test::unpacked(bytes.substr(32));
+  ASSERT_EQ(cells.size(), 21U * 21);
+  const double cell = number_at<float>(bytes, 4), heading = number_at<float>(bytes, 24);
+  EXPECT_NEAR(number_at<float>(bytes, 28), 0.8, 1e-6);
+  const auto at = static_cast<std::size_t>(std::find(cells.begin(), cells.end(), 225) - cells.begin());
+  ASSERT_LT(at, cells.size());
+  // as docs/live-page.md has it: cell (x, y) at x * ny + y, x axis by the heading, y axis to starboard of it
+  const double x = (static_cast<double>(at / 21) + 0.5) * cell, y = (static_cast<double>(at % 21) + 0.5) * cell;
+  const double north = number_at<double>(bytes, 8) + x * std::cos(heading) - y * std::sin(heading);
+  const double east = number_at<double>(bytes, 16) + x * std::sin(heading) + y * std::cos(heading);
+  const Eigen::Vector3d buoy_W = X_WB * Eigen::Vector3d(buoy_L.x(), buoy_L.y(), 0);
+  EXPECT_NEAR(north, buoy_W.x(), cell);
+  EXPECT_NEAR(east, buoy_W.y(), cell);
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), 255), 21 * 21 - 2) << "what nobody has seen is unknown";
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), 0), 1) << "free";
+}
+
+TEST(MapDisplay, ShowsOccupiedVoxelsAndThatABlockIsEmptyAgain) {
+  DisplayItems items;
+  MapDisplay display(items);
+  VoxelMap voxels;
+  const VoxelIndex v(-3, 17, 40);
+  voxels.layer("sonar").add(v, 3000);
+  voxels.layer("sonar").add(v + VoxelIndex(1, 0, 0), -3000);
+  display.show(Time(seconds(1.0)), voxels);
+  const std::string block = only(items, Kind::kVoxels).payload;
+  ASSERT_EQ(block.size(), 20U + 4);
+  EXPECT_EQ(number_at<float>(block, 0), 0.25F);
+  EXPECT_EQ(number_at<std::uint16_t>(block, 16), 1);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto corner = number_at<std::int32_t>(block, 4 + 4 * static_cast<std::size_t>(axis));
+    EXPECT_EQ(corner + static_cast<std::uint8_t>(block[20 + axis]), v[axis]);
+  }
+  EXPECT_NEAR(static_cast<std::uint8_t>(block[23]) / 250.0, voxels.probability(v), 0.003);
+
+  voxels.advance();
+  voxels.layer("sonar").add(v, -6000);
+  display.show(Time(seconds(5.0)), voxels);
+  EXPECT_TRUE(of_kind(items, Kind::kVoxels).empty());
+}
+
+TEST(MapDisplay, ShowsMeasuredDepthsTileByTileFromTheSouthWest) {
+  DisplayItems items;
+  MapDisplay display(items);
+  DepthMapConfig config;
+  config.window_pixels = 128;
+  config.area_m = 256;
+  DepthMap map(config, area_of(config), DepthTrees(area_of(config).levels), {0, 0});
+  const Eigen::Vector2d place(7.2, -11.3);
+  const Pixel pixel = map.grid().at(place);
+  const std::uint32_t state = DepthPixel::word_of_state(7, kSensed | kSeenByDepth, 1);
+  map.window().set(pixel, {DepthPixel::word_of_depth(12.34), state});
+  display.show(Time(seconds(1.0)), map.snapshot());
+
+  const std::string tile = only(items, Kind::kDepth).payload;
+  const int side = number_at<std::uint16_t>(tile, 0);
+  const double pixel_m = number_at<float>(tile, 4), unit = number_at<float>(tile, 24);
+  const int row = static_cast<int>((place.x() - number_at<double>(tile, 8)) / pixel_m);
+  const int column = static_cast<int>((place.y() - number_at<double>(tile, 16)) / pixel_m);
+  const std::size_t i = static_cast<std::size_t>(row * side + column), pixels = static_cast<std::size_t>(side * side);
+  EXPECT_NEAR(number_at<std::uint16_t>(tile, 32 + 2 * i) * unit, 12.34, 0.006);
+  EXPECT_EQ(tile[32 + 2 * pixels + i], 7);
+  EXPECT_EQ(tile[32 + 3 * pixels + i], 2) << "measured, not charted";
+  EXPECT_EQ(number_at<std::uint16_t>(tile, 32 + 2 * (i + 1)), 65535) << "its neighbour nobody knows";
+
+  const std::uint64_t stamp = items.stamp();
+  display.show(Time(seconds(3.0)), map.snapshot());
+  EXPECT_EQ(items.stamp(), stamp) << "nothing has changed";
+}
+
+TEST(Display, ShowsTheVehicleItsTrackAndWhatItIsTold) {
+  DisplayItems items;
+  Display display(items);
+  for (int i = 0; i <= 1000; ++i) {
+    Navigation fix = test::fix_at(0.1 * i, 0.1 * i, 45);
+    fix.v_WB = Eigen::Vector3d(1, 1, 0);
+    display.hear(fix);
+    display.want({Angle::degrees(50), 2, 1.5, 0});
+  }
+  const std::string vehicle = only(items, Kind::kVehicle).payload;
+  ASSERT_EQ(vehicle.size(), 72U);
+  EXPECT_NEAR(number_at<double>(vehicle, 0), 100, 1e-9);
+  EXPECT_NEAR(number_at<float>(vehicle, 32), Angle::degrees(45).radians(), 1e-6);
+  EXPECT_NEAR(number_at<float>(vehicle, 36), std::sqrt(2), 1e-6) << "surge";
+  EXPECT_NEAR(number_at<float>(vehicle, 40), 0, 1e-6) << "sway";
+  EXPECT_TRUE(std::isnan(number_at<float>(vehicle, 52))) << "altitude";
+  EXPECT_NEAR(number_at<float>(vehicle, 56), Angle::degrees(50).radians(), 1e-6);
+
+  const auto track = of_kind(items, Kind::kTrack);
+  ASSERT_EQ(track.size(), 2U);
+  EXPECT_EQ(track[0].payload.size(), 64U * 16);
+  EXPECT_EQ(track[1].payload.size(), 37U * 16);
+  EXPECT_NEAR(number_at<float>(track[1].payload, 4), 64, 0.2);
+}
+
+TEST(Display, ShowsObstaclesInTheWorld) {
+  DisplayItems items;
+  Display display(items);
+  BodyGrid grid{BodyGridConfig{}};
+  Detection found;
+  found.time = Time(seconds(1.0));
+  found.X_WB = {Rotation::from_heading_pitch_roll(Angle::degrees(90), Angle::degrees(10), {}), {100, 200, 5}};
+  Obstacle o;
+  o.outline = {{10, -1}, {12, -1}, {12, 1}};
+  o.range_m = 10;
+  o.existence = 0.98;
+  o.nearest = o.centre = {10, 0};
+  o.covariance.setIdentity();
+  found.obstacles = {o};
+  display.on_scan({1, true, found, grid});
+  const json shown = json::parse(only(items, Kind::kObstacles).payload);
+  ASSERT_EQ(shown.size(), 1U);
+  EXPECT_NEAR(shown[0]["outline"][0][0].get<double>(), 101, 1e-3);
+  EXPECT_NEAR(shown[0]["outline"][0][1].get<double>(), 210, 1e-3);
+  EXPECT_EQ(shown[0]["existence"], 0.98);
+}
+
+TEST(Display, SaysWhatTheCrewDecidesAndWhatIsWrong) {
+  DisplayItems items;
+  Display display(items);
+  const auto say = [&](const char* sender, Message message, double t) {
+    display.heard({1, Time(seconds(t)), sender, std::move(message)});
+  };
+  RoutePlanned route;
+  route.version = 3;
+  route.waypoints = {{1, 2, 3, 1, {}}, {4, 5, 6, 1, {}}};
+  route.avoiding = true;
+  say("navigator", route, 1);
+  say("executive officer", RouteRequest{1, 4, {}, false}, 1.1);
+  const json way = json::parse(only(items, Kind::kWay).payload);
+  EXPECT_EQ(way["points"][1][2], 6.0);
+  EXPECT_EQ(way["target"], 4);
+  EXPECT_TRUE(way["avoiding"].get<bool>());
+
+  Decision decision;
+  decision.what = "replan";
+  say("navigator", decision, 2);
+  decision.what = "stop";
+  say("safety officer", decision, 3);
+  const auto decisions = of_kind(items, Kind::kDecision);
+  ASSERT_EQ(decisions.size(), 2U);
+  EXPECT_EQ(decisions[1].number, 1U);
+  EXPECT_EQ(json::parse(decisions[1].payload)["what"], "stop");
+
+  say("safety officer", SafetyReport{"sonar silent", true, false, MissionEnd::kSurface, "no ping for 3 s"}, 4);
+  say("supervisor", AgentLost{"pilot", true, "no turn for 0.5 s"}, 4);
+  EXPECT_TRUE(display.wants_counts(Time(seconds(4.0))));
+  display.show(Time(seconds(4.0)), DisplayCounts{});
+  const auto health = [&] { return json::parse(only(items, Kind::kHealth).payload); };
+  EXPECT_EQ(health()["faults"][0]["fault"], "sonar silent");
+  EXPECT_EQ(health()["faults"][0]["why"], "no ping for 3 s");
+  bool lost = false;
+  const json agents = health()["agents"];
+  for (const json& agent : agents) lost = lost || (agent["name"] == "pilot" && agent["state"] == "lost");
+  EXPECT_TRUE(lost);
+  say("safety officer", SafetyReport{"sonar silent", false, false, MissionEnd::kSurface, ""}, 6);
+  display.show(Time(seconds(6.0)), DisplayCounts{});
+  EXPECT_TRUE(health()["faults"].empty());
+}
+
+}  // namespace
+}  // namespace isobath

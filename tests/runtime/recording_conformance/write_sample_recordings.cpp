@@ -1,0 +1,125 @@
+// Writes <folder>/whole.mcap: half a minute of a simulated mission with everything that a recording can hold, numbers
+// that JSON lacks among it; cut.mcap, the same without its end; and expected.json: messages by topic, -1: some.
+#include <cstdio>
+#include <cstring>
+#include <fmt/format.h>
+#include <isobath/io/whole_file.hpp>
+#include <isobath/runtime/run_recorder.hpp>
+#include <limits>
+#include <tests/runtime/mission_runs.hpp>
+
+namespace isobath {
+namespace {
+
+/// Passes all on to a helm and to the recorder.
+class RecordedHelm : public Helm {
+ public:
+  RecordedHelm(Helm& helm, RunRecorder& recorder) : helm_(helm), recorder_(recorder) {
+    helm.show_messages_to([&recorder](const Envelope& envelope) { recorder.heard(envelope); });
+  }
+  void hear(const Event& event) override {
+    recorder_.take(event);
+    helm_.hear(event);
+    time_ = time_of(event);
+  }
+  void on_ping(const PosedPing& ping) override {
+    helm_.on_ping(ping);
+    recorder_.on_ping(ping);
+  }
+  void on_scan(const ScanResult& scan) override {
+    helm_.on_scan(scan);
+    recorder_.on_scan(scan);
+  }
+  Setpoint steer() override {
+    const Setpoint setpoint = helm_.steer();
+    recorder_.decided(helm_.decisions());
+    recorder_.setpoint(time_, setpoint);
+    show();
+    return setpoint;
+  }
+  MissionReport progress() const override { return helm_.progress(); }
+  const std::vector<Decision>& decisions() const override { return helm_.decisions(); }
+  Time time() const { return time_; }
+
+ private:
+  /// One block of voxels that grows, and a line of text.
+  void show() {
+    ++shown_;
+    const auto count = static_cast<std::uint16_t>(shown_ / 50 % 100);
+    std::string voxels(20 + 4 * std::size_t{count}, '\x7f');
+    const float edge = 0.25F;
+    const std::int32_t corner[] = {16, -32, 8};
+    std::memcpy(voxels.data(), &edge, 4);
+    std::memcpy(voxels.data() + 4, corner, 12);
+    std::memcpy(voxels.data() + 16, &count, 2);
+    items_.set(DisplayKind::kVoxels, 3, time_, voxels);
+    items_.set(DisplayKind::kVehicle, 0, time_, std::string(80, static_cast<char>(shown_)));
+    recorder_.sample(time_, items_);
+  }
+
+  Helm& helm_;
+  RunRecorder& recorder_;
+  DisplayItems items_;
+  Time time_;
+  int shown_ = 0;
+};
+
+template <std::size_t... kType>
+void say_one_of_each(RunRecorder& recorder, Time time, std::index_sequence<kType...>) {
+  std::uint64_t number = 1'000'000;
+  (recorder.heard({number++, time, "somebody \"quoted\" \xff", Message(std::in_place_index<kType>)}), ...);
+}
+
+void write_recordings(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  Scenario scenario = test::scenario_of("simulated_mission_1");
+  LoopRequest request;
+  request.configuration.simulation.duration_s = 30;
+  const MissionSetup setup = test::setup_of(scenario);
+  RunRecorder recorder(folder / "whole.mcap", request.configuration);
+  recorder.describe(Simulator(scenario.scene, {}), "[scene]\n");
+  recorder.describe(setup);
+  recorder.locate({1.5, 103.8});
+  const auto crew = make_mission_helm(setup, request.configuration);
+  RecordedHelm helm(*crew, recorder);
+  std::map<std::string, int> expected;
+  request.record = [&](const Event& event) {
+    if (std::holds_alternative<Navigation>(event)) ++expected["/navigation"];
+    if (std::holds_alternative<Ping>(event)) ++expected["/ping"];
+  };
+  run_closed_loop(scenario, helm, request);
+  say_one_of_each(recorder, helm.time(), std::make_index_sequence<kMessageTypes>());
+  HelmOrder order;
+  order.setpoint.depth = std::numeric_limits<double>::quiet_NaN();
+  recorder.heard({2, helm.time(), "pilot", order});
+  recorder.close();
+  if (!recorder.problem().empty()) throw std::runtime_error(recorder.problem());
+
+  for (const char* topic :
+       {"/messages", "/display", "/display/whole", "/setpoint", "/foxglove/tf", "/foxglove/pose", "/foxglove/location",
+        "/foxglove/points", "/foxglove/sonar", "/foxglove/occupancy", "/foxglove/obstacles", "/foxglove/plan",
+        "/foxglove/track", "/foxglove/voxels", "/foxglove/log"}) {
+    expected[topic] = -1;
+  }
+  std::string text;
+  for (const auto& [topic, count] : expected) {
+    text += fmt::format("{}\"{}\": {}", text.empty() ? "{" : ", ", topic, count);
+  }
+  write_whole_file(folder / "expected.json", text + "}\n");
+  auto bytes = read_whole_file(folder / "whole.mcap", 1 << 30);
+  bytes.resize(bytes.size() * 6 / 10);
+  write_whole_file(folder / "cut.mcap", bytes);
+}
+
+}  // namespace
+}  // namespace isobath
+
+int main(int count, char** arguments) {
+  if (count != 2) return 2;
+  try {
+    isobath::write_recordings(arguments[1]);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 1;
+  }
+}

@@ -1,0 +1,56 @@
+/** Elements by their id, and new ones: what others wrote is only ever set as text. */
+export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
+  const element = document.getElementById(id);
+  if (!element) throw new Error(`the page has no #${id}`);
+  return element as T;
+}
+
+type Attributes = Record<string, string | number | boolean | undefined>;
+
+export function make<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  attributes: Attributes = {},
+  ...inside: (Node | string)[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === false) continue;
+    element.setAttribute(name, value === true ? '' : String(value));
+  }
+  element.append(...inside);
+  return element;
+}
+
+/** Writes only what is new: a text that is set again makes the browser lay out again. */
+export function say(element: HTMLElement, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+export function mark(element: HTMLElement, name: string, value: string): void {
+  if (element.dataset[name] !== value) element.dataset[name] = value;
+}
+
+/** Fits a canvas to its box in the pixels of the screen. True where that changed it. */
+export function fit(canvas: HTMLCanvasElement): boolean {
+  const ratio = Math.min(2, window.devicePixelRatio || 1);
+  const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+  const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+  if (canvas.width === width && canvas.height === height) return false;
+  canvas.width = width;
+  canvas.height = height;
+  return true;
+}
+export const pixelRatio = (): number => Math.min(2, window.devicePixelRatio || 1);
+
+export function context(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
+  const drawing = canvas.getContext('2d');
+  if (!drawing) throw new Error('this browser draws no 2-D canvas');
+  return drawing;
+}
+
+/** A canvas that is not shown. */
+export function sheet(width: number, height: number): HTMLCanvasElement {
+  const canvas = document.createElement('canvas');
+  canvas.width = width;
+  canvas.height = height;
+  return canvas;
+}

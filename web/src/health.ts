@@ -1,0 +1,119 @@
+/** How the program fares: alarms and faults first, then what it counted, refused, and how long its stages take. */
+import type { AlignedData } from 'uplot';
+import { Chart } from './chart';
+import { byId, make, say } from './dom';
+import type { Health } from './items';
+import { Kind } from './protocol';
+import * as units from './units';
+import type { Shared, View } from './view';
+
+/** Samples of stage times kept, at one a health record. */
+const kHistory = 1800;
+
+export class HealthView implements View {
+  private readonly chart: Chart;
+  private readonly history = { time: [] as number[], p99: new Map<string, (number | null)[]>() };
+  private seen: Health | null = null;
+  private drawn = '';
+  private readonly opened = performance.now();
+
+  constructor(private readonly shared: Shared) {
+    this.chart = new Chart(byId('stage-chart'), shared.theme);
+  }
+
+  frame(now: number): void {
+    const { model, theme } = this.shared;
+    const { health } = model;
+    if (health && health !== this.seen) this.remember(health, now);
+    this.seen = health;
+    const troubles = health ? health.alarms.length + health.faults.filter(({ active }) => active).length : 0;
+    say(byId('health-count'), troubles > 0 ? ` ▲ ${troubles}` : '');
+    const panel = byId('health-body');
+    if (panel.clientWidth === 0) return;
+    const look = `${model.revision[Kind.health]} ${theme.revision} ${panel.clientWidth}`;
+    if (look === this.drawn) return;
+    this.drawn = look;
+    byId('health-none').hidden = health !== null;
+    if (!health) return;
+    this.troubles(health);
+    pairs(
+      byId('health-counts'),
+      health.counts.map(([name, n]) => [name, units.count(n)]),
+    );
+    pairs(
+      byId('health-refused'),
+      health.refused.map(([name, n]) => [name, units.count(n)]),
+      'nothing was refused',
+    );
+    pairs(byId('health-more'), health.more);
+    byId('health-agents').replaceChildren(
+      ...health.agents.map(({ name, state, why }) =>
+        make('li', { 'data-agent': name }, make('strong', {}, name), ` ${state}${why ? `: ${why}` : ''}`),
+      ),
+    );
+    this.stages(health);
+  }
+
+  private troubles(health: Health): void {
+    const list: HTMLElement[] = health.alarms.map((alarm) => trouble('Alarm', alarm, '', true));
+    for (const { fault, why, action, active, since } of health.faults) {
+      const text = [
+        why,
+        action && `action: ${action}`,
+        since !== undefined && `${active ? 'since' : 'raised at'} ${units.elapsed(since)}`,
+      ];
+      list.push(trouble(active ? 'Fault' : 'Over', fault, text.filter(Boolean).join('; '), active));
+    }
+    if (list.length === 0) list.push(make('li', { class: 'trouble fine' }, '✓ No alarm, no fault'));
+    byId('health-troubles').replaceChildren(...list);
+  }
+
+  private stages(health: Health): void {
+    byId('stage-section').hidden = health.stages.length === 0;
+    const rows = health.stages.map(({ name, median, p99, worst, count }, i) => {
+      const swatch = make('span', { class: 'class-swatch' });
+      swatch.style.background = this.chart.colour(i);
+      const cells = [median, p99, worst].map((ms) => make('td', {}, units.milliseconds(ms)));
+      return make('tr', {}, make('th', { scope: 'row' }, swatch, name), ...cells, make('td', {}, units.count(count)));
+    });
+    byId('stage-rows').replaceChildren(...rows);
+    const names = [...this.history.p99.keys()];
+    const data: AlignedData = [this.history.time, ...names.map((name) => this.history.p99.get(name)!)];
+    if (this.history.time.length > 1) {
+      this.chart.show(
+        data,
+        names.map((label, i) => ({ label, colour: i })),
+        { x: 's since the page was opened', y: 'p99, ms' },
+      );
+    }
+  }
+
+  private remember(health: Health, now: number): void {
+    const { time, p99 } = this.history;
+    time.push((now - this.opened) / 1000);
+    for (const { name } of health.stages) {
+      if (!p99.has(name) && p99.size < 12) p99.set(name, new Array<number | null>(time.length - 1).fill(null));
+    }
+    for (const [name, values] of p99) {
+      const stage = health.stages.find((s) => s.name === name);
+      values.push(stage && Number.isFinite(stage.p99) ? stage.p99 : null);
+    }
+    if (time.length <= kHistory) return;
+    for (const values of [time, ...p99.values()]) values.shift();
+  }
+}
+
+function trouble(kind: string, what: string, why: string, active: boolean): HTMLElement {
+  const inside = [make('strong', {}, `${active ? '▲ ' : '✓ '}${kind}: ${what}`)];
+  if (why) inside.push(make('span', {}, why));
+  return make(
+    'li',
+    { class: active ? 'trouble active' : 'trouble', 'data-trouble': what, 'data-active': active ? 'true' : 'false' },
+    ...inside,
+  );
+}
+
+function pairs(list: HTMLElement, rows: readonly (readonly [string, string])[], none = '–'): void {
+  const cells = rows.flatMap(([name, value]) => [make('dt', {}, name.replaceAll('_', ' ')), make('dd', {}, value)]);
+  list.replaceChildren(...(cells.length > 0 ? cells : [make('dd', { class: 'none' }, none)]));
+}

@@ -1,0 +1,78 @@
+/** The figures that a skipper looks for first, and the line of what is wrong. */
+import { byId, make, mark, say } from './dom';
+import { Kind } from './protocol';
+import * as units from './units';
+import type { Shared, View } from './view';
+
+/** s: older than that is not now. */
+const kStale = 2;
+
+export class Instruments implements View {
+  private readonly box = byId('instruments');
+  private readonly banner = byId('alarms');
+  private readonly cells = new Map<string, { value: HTMLElement; wish: HTMLElement; cell: HTMLElement }>();
+  private bannerLook = '';
+
+  constructor(private readonly shared: Shared) {
+    for (const name of ['Heading', 'Speed', 'Depth', 'Altitude', 'Position', 'Way']) {
+      const value = make('span', { class: 'value', id: `now-${name.toLowerCase()}` }, '–');
+      const wish = make('span', { class: 'wish' });
+      const cell = make('div', { class: 'instrument' }, make('span', { class: 'name' }, name), value, wish);
+      this.cells.set(name, { value, wish, cell });
+      this.box.append(cell);
+    }
+  }
+
+  frame(): void {
+    const { model } = this.shared;
+    const { vehicle: v, way, scene } = model;
+    say(byId('title'), scene?.title || 'Isobath');
+    say(byId('source'), scene ? `${scene.source}${scene.simulated ? ' (simulated)' : ''}` : '');
+    if (document.title !== (scene?.title || 'Isobath')) document.title = scene?.title || 'Isobath';
+    this.set('Heading', units.bearing(v?.heading), wish(v && units.bearing(v.wantedHeading), v?.wantedHeading));
+    this.set(
+      'Speed',
+      units.speed(v ? Math.hypot(v.surge, v.sway) : NaN),
+      wish(v && units.speed(v.wantedSpeed), v?.wantedSpeed),
+    );
+    this.set('Depth', units.metres(v?.down), wish(v && units.metres(v.wantedDepth), v?.wantedDepth));
+    this.set('Altitude', units.metres(v?.altitude), v ? 'above the bottom' : '');
+    this.set('Position', `± ${units.metres(v?.sigma)}`, v ? 'standard deviation' : '');
+    const target = way?.target !== undefined ? scene?.mission[way.target]?.name : undefined;
+    this.set(
+      'Way',
+      way ? (target ? `to ${target}` : way.phase || 'planned') : '–',
+      way ? [way.avoiding ? 'avoiding' : '', way.phase].filter(Boolean).join(', ') : '',
+    );
+    const age = model.age(model.vehicleTime);
+    const old = Number.isFinite(age) && age > kStale;
+    mark(this.box, 'stale', String(old));
+    say(byId('vehicle-age'), old ? `place is ${units.age(age)} old` : '');
+    this.alarms();
+  }
+
+  private set(name: string, value: string, wished: string): void {
+    const cell = this.cells.get(name)!;
+    say(cell.value, value);
+    say(cell.wish, wished);
+  }
+
+  /** Above everything, on every view. */
+  private alarms(): void {
+    const { health, revision } = this.shared.model;
+    const look = `${revision[Kind.health]}`;
+    if (look === this.bannerLook) return;
+    this.bannerLook = look;
+    const lines = (health?.alarms ?? []).map((alarm) => `Alarm: ${alarm}`);
+    for (const { fault, action, active } of health?.faults ?? []) {
+      if (active) lines.push(`Fault: ${fault}${action ? ` (action: ${action})` : ''}`);
+    }
+    const text = lines.map((line) => `▲ ${line}`).join('   ');
+    this.banner.hidden = lines.length === 0;
+    say(this.banner, text);
+  }
+}
+
+function wish(text: string | null, value: number | undefined): string {
+  return text !== null && value !== undefined && Number.isFinite(value) ? `wanted ${text}` : '';
+}

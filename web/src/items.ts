@@ -1,0 +1,342 @@
+/**
+ * The JSON payloads, as the page believes them: whatever is missing or of another type becomes its absent value, so
+ * that an older or newer program costs a line on the page, never the page. Only a payload that is not JSON of the
+ * right outer form is refused (null).
+ */
+import type { Point, Point3 } from './protocol';
+
+type Json = Record<string, unknown>;
+const isObject = (v: unknown): v is Json => typeof v === 'object' && v !== null && !Array.isArray(v);
+const list = (v: unknown): unknown[] => (Array.isArray(v) ? v : []);
+const number = (v: unknown): number | undefined => (typeof v === 'number' && Number.isFinite(v) ? v : undefined);
+const words = (v: unknown): string => (typeof v === 'string' ? v : '');
+const flag = (v: unknown): boolean => v === true;
+
+function point(v: unknown): Point | undefined {
+  const [n, e] = [number(list(v)[0]), number(list(v)[1])];
+  return n === undefined || e === undefined ? undefined : [n, e];
+}
+function point3(v: unknown): Point3 | undefined {
+  const at = point(v);
+  return at && [at[0], at[1], number(list(v)[2]) ?? NaN];
+}
+function all<T>(v: unknown, read: (entry: unknown) => T | undefined): T[] {
+  return list(v)
+    .map(read)
+    .filter((entry): entry is T => entry !== undefined);
+}
+const points = (v: unknown): Point[] => all(v, point);
+const outlines = (v: unknown): Point[][] =>
+  list(v)
+    .map(points)
+    .filter((outline) => outline.length > 1);
+function counts(v: unknown): [string, number][] {
+  if (!isObject(v)) return [];
+  return Object.entries(v).filter((entry): entry is [string, number] => number(entry[1]) !== undefined);
+}
+
+export interface MissionPoint {
+  name: string;
+  task: string;
+  at: Point;
+  depth: number | undefined;
+  altitude: number | undefined;
+}
+export interface Scene {
+  title: string;
+  source: string;
+  simulated: boolean;
+  /** s since 1970 */
+  start: number;
+  origin: { latitude: number; longitude: number } | undefined;
+  fence: Point[];
+  keepOut: Point[][];
+  land: Point[][];
+  mission: MissionPoint[];
+  bodies: { name: string; outline: Point[] }[];
+  vehicle: { name: string; length: number; safe: number | undefined };
+  datum: string;
+  /** Of a recording, what the time line has to show before it was played. */
+  marks: Mark[];
+}
+export interface Mark {
+  /** s since the start */
+  at: number;
+  what: string;
+  alarm: boolean;
+}
+
+export function readScene(json: unknown): Scene | null {
+  if (!isObject(json)) return null;
+  const origin = isObject(json.origin) ? json.origin : {};
+  const [latitude, longitude] = [number(origin.latitude), number(origin.longitude)];
+  const vehicle = isObject(json.vehicle) ? json.vehicle : {};
+  return {
+    title: words(json.title),
+    source: words(json.source),
+    simulated: flag(json.simulated),
+    start: typeof json.start_ns === 'string' && /^-?\d{1,19}$/.test(json.start_ns) ? seconds(json.start_ns) : 0,
+    origin: latitude === undefined || longitude === undefined ? undefined : { latitude, longitude },
+    fence: points(json.fence),
+    keepOut: outlines(json.keep_out),
+    land: outlines(json.land),
+    mission: all(json.mission, (v) => {
+      const at = isObject(v) ? point(v.at) : undefined;
+      if (!isObject(v) || !at) return undefined;
+      return { name: words(v.name), task: words(v.task), at, depth: number(v.depth_m), altitude: number(v.altitude_m) };
+    }),
+    bodies: all(json.bodies, (v) => (isObject(v) ? { name: words(v.name), outline: points(v.outline) } : undefined)),
+    vehicle: {
+      name: words(vehicle.name),
+      length: Math.min(500, Math.max(0.1, number(vehicle.length_m) ?? 1.5)),
+      safe: number(vehicle.safe_m),
+    },
+    datum: words(json.depth_datum),
+    marks: all(json.marks, (v) => {
+      const at = isObject(v) ? number(v.at_s) : undefined;
+      return isObject(v) && at !== undefined ? { at, what: words(v.what), alarm: flag(v.alarm) } : undefined;
+    }),
+  };
+}
+
+/** Of whole nanoseconds, which a double could not hold. */
+function seconds(nanoseconds: string): number {
+  const ns = BigInt(nanoseconds);
+  return Number(ns / 1_000_000_000n) + Number(ns % 1_000_000_000n) / 1e9;
+}
+
+export interface Sonar {
+  name: string;
+  scanning: boolean;
+  /** The fan stands on its side: its beams differ in elevation. */
+  upright: boolean;
+  azimuth: Float32Array;
+  width: Float32Array;
+  height: number;
+  first: number;
+  bin: number;
+  bins: number;
+  scale: { unit: string; low: number; high: number };
+}
+
+export const kMostBeams = 4096;
+export const kMostBins = 16384;
+
+export function readSonar(json: unknown): Sonar | null {
+  if (!isObject(json)) return null;
+  const azimuth = all(json.azimuth, number);
+  const bin = number(json.bin_m) ?? 0;
+  const bins = number(json.bins) ?? 0;
+  const fits = azimuth.length > 0 && azimuth.length <= kMostBeams && bin > 0 && bins >= 1 && bins <= kMostBins;
+  if (!fits || !Number.isInteger(bins)) return null;
+  const scale = isObject(json.scale) ? json.scale : {};
+  const widths = all(json.width, number);
+  return {
+    name: words(json.name),
+    scanning: flag(json.scanning),
+    upright: flag(json.upright),
+    azimuth: Float32Array.from(azimuth),
+    width: Float32Array.from(azimuth, (_, i) => widths[i] ?? widths[0] ?? number(json.width) ?? 0.02),
+    height: number(json.height) ?? 0,
+    first: number(json.first_m) ?? 0,
+    bin,
+    bins,
+    scale: { unit: words(scale.unit), low: number(scale.low) ?? 0, high: number(scale.high) ?? 255 },
+  };
+}
+
+export interface Obstacle {
+  id: number;
+  outline: Point[];
+  existence: number | undefined;
+  range: number | undefined;
+  bearing: number | undefined;
+  hits: number | undefined;
+  behind: boolean;
+  velocity: Point | undefined;
+}
+export function readObstacles(json: unknown): Obstacle[] | null {
+  if (!Array.isArray(json)) return null;
+  return all(json, (v) => {
+    if (!isObject(v)) return undefined;
+    return {
+      id: number(v.id) ?? 0,
+      outline: points(v.outline),
+      existence: number(v.existence),
+      range: number(v.range_m),
+      bearing: number(v.bearing_deg),
+      hits: number(v.hits),
+      behind: flag(v.behind),
+      velocity: point(v.velocity),
+    };
+  });
+}
+
+export interface Way {
+  version: number | undefined;
+  points: Point3[];
+  avoiding: boolean;
+  why: string;
+  phase: string;
+  reached: number | undefined;
+  dropped: number | undefined;
+  target: number | undefined;
+}
+export function readWay(json: unknown): Way | null {
+  if (!isObject(json)) return null;
+  return {
+    version: number(json.version),
+    points: all(json.points, point3),
+    avoiding: Array.isArray(json.avoiding) ? json.avoiding.length > 0 : Boolean(json.avoiding),
+    why: words(json.why),
+    phase: words(json.phase),
+    reached: number(json.reached),
+    dropped: number(json.dropped),
+    target: number(json.target),
+  };
+}
+
+export interface Decision {
+  number: number;
+  /** s since 1970 */
+  time: number;
+  agent: string;
+  what: string;
+  reason: string;
+  obstacle: Point | undefined;
+  leg: number | undefined;
+  margin: number | undefined;
+  way: Point[];
+}
+export function readDecision(json: unknown, n: number, time: number): Decision | null {
+  if (!isObject(json)) return null;
+  return {
+    number: n,
+    time,
+    agent: words(json.agent),
+    what: words(json.what),
+    reason: words(json.reason),
+    obstacle: point(json.obstacle),
+    leg: number(json.leg),
+    margin: number(json.margin_m),
+    way: points(json.way),
+  };
+}
+
+export interface Fault {
+  fault: string;
+  why: string;
+  action: string;
+  active: boolean;
+  since: number | undefined;
+}
+export interface StageTime {
+  name: string;
+  median: number;
+  p99: number;
+  worst: number;
+  count: number;
+}
+export interface Health {
+  counts: [string, number][];
+  refused: [string, number][];
+  alarms: string[];
+  faults: Fault[];
+  agents: { name: string; state: string; why: string }[];
+  stages: StageTime[];
+  /** Everything else that is said, to be listed as it stands. */
+  more: [string, string][];
+}
+const kNamedHealth = new Set(['counts', 'refused', 'alarms', 'faults', 'agents', 'stages']);
+
+export function readHealth(json: unknown): Health | null {
+  if (!isObject(json)) return null;
+  const more: [string, string][] = [];
+  for (const [key, value] of Object.entries(json)) {
+    if (!kNamedHealth.has(key)) tell(key, value, more);
+  }
+  return {
+    counts: counts(json.counts),
+    refused: counts(json.refused),
+    alarms: list(json.alarms)
+      .map(words)
+      .filter((alarm) => alarm !== ''),
+    faults: all(json.faults, (v) =>
+      isObject(v)
+        ? {
+            fault: words(v.fault),
+            why: words(v.why),
+            action: words(v.action),
+            active: flag(v.active),
+            since: number(v.since_s),
+          }
+        : undefined,
+    ),
+    agents: all(json.agents, (v) =>
+      isObject(v) ? { name: words(v.name), state: words(v.state), why: words(v.why) } : undefined,
+    ),
+    stages: all(json.stages, (v) =>
+      isObject(v)
+        ? {
+            name: words(v.name),
+            median: number(v.median_ms) ?? NaN,
+            p99: number(v.p99_ms) ?? NaN,
+            worst: number(v.worst_ms) ?? NaN,
+            count: number(v.count) ?? 0,
+          }
+        : undefined,
+    ),
+    more,
+  };
+}
+
+/** Flattens to lines of "depth pixels: 4100"; units that names carry are set behind the value. */
+function tell(name: string, value: unknown, lines: [string, string][]): void {
+  if (isObject(value)) {
+    for (const [key, inner] of Object.entries(value)) tell(`${name} ${key}`, inner, lines);
+  } else if (typeof value === 'number') {
+    const [, plain = name, unit = ''] = /^(.*?)(?:_(m|s|ms|v|share|deg))?$/.exec(name) ?? [];
+    const shown = Number.isInteger(value) ? value.toLocaleString('en-GB') : value.toPrecision(4);
+    const text = unit === 'share' ? `${(value * 100).toFixed(0)} %` : `${shown} ${unit === 'v' ? 'V' : unit}`.trim();
+    lines.push([plain.replaceAll('_', ' '), text]);
+  } else if (typeof value === 'string' || typeof value === 'boolean') {
+    lines.push([name.replaceAll('_', ' '), value === true ? 'yes' : value === false ? 'no' : value]);
+  }
+}
+
+export interface Clock {
+  now: number;
+  start: number;
+  end: number;
+  live: boolean;
+  playing: boolean;
+  speed: number;
+  /** Whether this page may command: absent where nobody may. */
+  control: boolean | undefined;
+  version: string;
+}
+export function readClock(json: unknown): Clock | null {
+  if (!isObject(json)) return null;
+  const now = number(json.now_s);
+  if (now === undefined) return null;
+  return {
+    now,
+    start: number(json.start_s) ?? 0,
+    end: number(json.end_s) ?? now,
+    live: flag(json.live),
+    playing: flag(json.playing),
+    speed: number(json.speed) ?? 1,
+    control: typeof json.control === 'boolean' ? json.control : undefined,
+    version: typeof json.version === 'number' ? String(json.version) : words(json.version),
+  };
+}
+
+export interface Refusal {
+  request: string;
+  why: string;
+}
+export function readRefusal(json: unknown): Refusal | null {
+  if (!isObject(json)) return null;
+  const request = isObject(json.request) ? words(json.request.ask) : words(json.request);
+  return { request, why: words(json.why) };
+}

@@ -1,0 +1,50 @@
+/** Which views are seen: all at once where there is room, one at a time on a phone. */
+import { byId } from './dom';
+
+export const views = ['plan', 'sonar', 'space', 'log', 'health'] as const;
+export type ViewName = (typeof views)[number];
+
+export class Layout {
+  view: ViewName = 'plan';
+  private upper: ViewName = 'sonar';
+  private lower: ViewName = 'log';
+
+  constructor(private readonly changed: () => void) {
+    for (const button of document.querySelectorAll<HTMLButtonElement>('[data-show]')) {
+      button.addEventListener('click', () => this.show(button.dataset.show as ViewName));
+    }
+    byId('enlarge').addEventListener('click', () => this.enlarge(document.body.dataset.large !== 'upper'));
+    window.addEventListener('resize', changed);
+    this.apply();
+  }
+
+  show(view: ViewName): void {
+    this.view = view;
+    if (view === 'sonar' || view === 'space') this.upper = view;
+    if (view === 'log' || view === 'health') this.lower = view;
+    if (view === 'plan') document.body.dataset.large = 'plan';
+    this.apply();
+  }
+
+  /** The upper panel takes the large place, and the chart the small one; or back. */
+  enlarge(on: boolean): void {
+    document.body.dataset.large = on ? 'upper' : 'plan';
+    byId('enlarge').setAttribute('aria-pressed', String(on));
+    this.changed();
+  }
+
+  private apply(): void {
+    const { dataset } = document.body;
+    dataset.view = this.view;
+    dataset.upper = this.upper;
+    dataset.lower = this.lower;
+    for (const button of document.querySelectorAll<HTMLButtonElement>('[data-show]')) {
+      const name = button.dataset.show as ViewName;
+      const phone = button.closest('#tabs') !== null;
+      const on = phone ? name === this.view : name === this.upper || name === this.lower;
+      button.setAttribute('aria-selected', String(on));
+      button.tabIndex = 0;
+    }
+    this.changed();
+  }
+}

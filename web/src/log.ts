@@ -1,0 +1,130 @@
+/** What was decided, by whom and why: newest first. What is chosen is shown on the chart. */
+import { byId, make, say } from './dom';
+import type { Decision } from './items';
+import { Kind } from './protocol';
+import * as units from './units';
+import type { Shared, View } from './view';
+
+/** Rows at a time: nobody reads a thousand, and the page need not hold them. */
+const kRows = 200;
+
+export class DecisionLog implements View {
+  private readonly list = byId('log-list');
+  private readonly filter = byId<HTMLInputElement>('log-filter');
+  private readonly agent = byId<HTMLSelectElement>('log-agent');
+  private readonly more = byId<HTMLButtonElement>('log-more');
+  private rows = kRows;
+  private drawn = '';
+  private agents = '';
+
+  constructor(
+    private readonly shared: Shared,
+    private readonly seek: (to: number) => void,
+  ) {
+    const again = () => {
+      this.rows = kRows;
+      shared.redraw();
+    };
+    this.filter.addEventListener('input', again);
+    this.agent.addEventListener('change', again);
+    this.more.addEventListener('click', () => {
+      this.rows += kRows;
+      shared.redraw();
+    });
+  }
+
+  frame(): void {
+    const { model, selected } = this.shared;
+    say(byId('log-count'), model.decisions.length > 0 ? ` ${units.count(model.decisions.length)}` : '');
+    if (this.list.clientWidth === 0) return;
+    const canSeek = (model.clock?.end ?? 0) > (model.clock?.start ?? 0);
+    const asked = `${this.filter.value} ${this.agent.value} ${this.rows}`;
+    const look = `${model.revision[Kind.decision]} ${asked} ${selected?.number} ${canSeek}`;
+    if (look === this.drawn) return;
+    this.drawn = look;
+    this.listAgents();
+    const wanted = this.filter.value.trim().toLowerCase();
+    const found = model.decisions.filter(
+      (d) =>
+        (this.agent.value === '' || d.agent === this.agent.value) &&
+        (wanted === '' || `${d.agent} ${d.what} ${d.reason}`.toLowerCase().includes(wanted)),
+    );
+    const shown = found.slice(-this.rows).reverse();
+    const focused = (document.activeElement as HTMLElement | null)?.closest<HTMLElement>('[data-decision]')?.dataset
+      .decision;
+    this.list.replaceChildren(...shown.map((decision) => this.row(decision, canSeek)));
+    if (focused) this.list.querySelector<HTMLElement>(`[data-decision="${focused}"] button`)?.focus();
+    this.more.hidden = found.length <= this.rows;
+    byId('log-none').hidden = shown.length > 0;
+    say(byId('log-none'), model.decisions.length > 0 ? 'No decision is like that.' : 'Nothing was decided yet.');
+  }
+
+  private row(decision: Decision, canSeek: boolean): HTMLElement {
+    const { model, selected } = this.shared;
+    const since = model.scene ? decision.time - model.scene.start : NaN;
+    const chosen = selected?.number === decision.number;
+    const head = make(
+      'span',
+      { class: 'log-head' },
+      make('span', { class: 'log-number' }, String(decision.number)),
+      make('time', {}, units.elapsed(since)),
+      make('span', { class: 'log-agent' }, decision.agent),
+      make('strong', {}, decision.what),
+      ...(decision.margin === undefined
+        ? []
+        : [make('span', { class: 'log-margin' }, `margin ${units.metres(decision.margin)}`)]),
+    );
+    const button = make(
+      'button',
+      { type: 'button', class: 'log-row', 'aria-pressed': chosen },
+      head,
+      make('span', { class: 'log-reason' }, decision.reason),
+    );
+    button.setAttribute('aria-pressed', String(chosen));
+    button.addEventListener('click', () => this.shared.showDecision(decision));
+    const item = make('li', { 'data-decision': decision.number, class: chosen ? 'chosen' : undefined }, button);
+    if (chosen) item.append(this.details(decision, since, canSeek));
+    return item;
+  }
+
+  private details(decision: Decision, since: number, canSeek: boolean): HTMLElement {
+    const parts: string[] = [];
+    if (decision.obstacle)
+      parts.push(`obstacle at N ${units.metres(decision.obstacle[0])}, E ${units.metres(decision.obstacle[1])}`);
+    if (decision.leg !== undefined) parts.push(`leg ${decision.leg + 1}`);
+    if (decision.way.length > 1)
+      parts.push(`way of ${decision.way.length} points, ${units.metres(lengthOf(decision.way), 0)}`);
+    const { scene } = this.shared.model;
+    if (scene) parts.push(units.utc(scene.start + since));
+    const box = make('div', { class: 'log-details' }, make('span', {}, parts.join(' · ')));
+    if (canSeek && Number.isFinite(since)) {
+      const go = make(
+        'button',
+        { type: 'button', class: 'small', 'data-action': 'seek' },
+        `Go to ${units.elapsed(since)}`,
+      );
+      go.addEventListener('click', () => this.seek(since));
+      box.append(go);
+    }
+    return box;
+  }
+
+  private listAgents(): void {
+    const names = [...new Set(this.shared.model.decisions.map(({ agent }) => agent))].sort();
+    const look = names.join('\n');
+    if (look === this.agents) return;
+    this.agents = look;
+    const chosen = this.agent.value;
+    this.agent.replaceChildren(
+      make('option', { value: '' }, 'all agents'),
+      ...names.map((name) => make('option', { value: name }, name)),
+    );
+    this.agent.value = names.includes(chosen) ? chosen : '';
+  }
+}
+
+function lengthOf(way: Decision['way']): number {
+  let length = 0;
+  for (let i = 1; i < way.length; ++i) length += Math.hypot(way[i]![0] - way[i - 1]![0], way[i]![1] - way[i - 1]![1]);
+  return length;
+}

@@ -1,0 +1,104 @@
+/** Puts the page together: records change the model, a frame draws what has changed. */
+import { Commands } from './commands';
+import { Connection, toast } from './connection';
+import { byId, say } from './dom';
+import { feedOf, StoredFeed } from './feed';
+import { HealthView } from './health';
+import { Instruments } from './instruments';
+import { listenToKeys } from './keyboard';
+import { Layout } from './layout';
+import { DecisionLog } from './log';
+import { Marks } from './marks';
+import { Model } from './model';
+import { PlanView } from './plan/plan';
+import { SonarView } from './sonar/sonar';
+import { SpaceView } from './space/space';
+import './style.css';
+import { Theme } from './theme';
+import { Timeline } from './timeline';
+import type { Shared, View } from './view';
+
+const kTick = 250;
+
+const model = new Model();
+const feed = feedOf(document);
+let waiting = false;
+let broken = 0;
+let adopted: Marks | null = null;
+const redraw = (): void => {
+  if (waiting) return;
+  waiting = true;
+  requestAnimationFrame(draw);
+};
+const theme = new Theme(redraw);
+const shared: Shared = {
+  model,
+  theme,
+  selected: null,
+  redraw,
+  ask(request) {
+    if (!feed.ask(request)) toast('Nobody can be asked now: there is no connection.');
+  },
+  showDecision(decision) {
+    shared.selected = shared.selected?.number === decision.number ? null : decision;
+    if (shared.selected) plan.showDecision(decision);
+    if (shared.selected && byId('plan').clientWidth === 0 && decision.way.length + (decision.obstacle ? 1 : 0) > 0)
+      layout.show('plan');
+    redraw();
+  },
+};
+
+const layout = new Layout(redraw);
+const plan = new PlanView(shared);
+const sonar = new SonarView(shared);
+const space = new SpaceView(shared);
+const marks = new Marks(model);
+const timeline = new Timeline(shared, marks, !(feed instanceof StoredFeed));
+const log = new DecisionLog(shared, (to) => timeline.seek(to));
+const all: View[] = [
+  new Instruments(shared),
+  plan,
+  sonar,
+  space,
+  log,
+  new HealthView(shared),
+  timeline,
+  new Commands(shared),
+];
+const connection = new Connection(shared, feed);
+listenToKeys({ shared, layout, plan, space, timeline, theme });
+
+const switcher = byId<HTMLButtonElement>('theme');
+const nameTheme = (): void => {
+  say(switcher, theme.name === 'day' ? '☾ Night' : '☀ Day');
+  switcher.setAttribute('aria-label', `Switch to ${theme.name === 'day' ? 'night' : 'day'} colours`);
+};
+switcher.addEventListener('click', () => theme.toggle());
+
+function draw(now: number): void {
+  waiting = false;
+  nameTheme();
+  for (const view of all) {
+    try {
+      view.frame(now);
+    } catch (error) {
+      // One view that fails must not take the alarms of the others with it.
+      if (broken++ < 10) console.error(error);
+    }
+  }
+  connection.drew();
+}
+
+feed.start(
+  (records) => {
+    model.take(records);
+    if (feed.marks && feed.marks !== adopted) marks.adopt((adopted = feed.marks));
+    redraw();
+  },
+  () => connection.tick(performance.now()),
+);
+window.setInterval(() => {
+  connection.tick(performance.now());
+  redraw();
+}, kTick);
+redraw();

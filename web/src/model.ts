@@ -1,0 +1,231 @@
+/**
+ * What the page knows of a run: the newest of each item. Views read it; only records change it.
+ *
+ * Each kind has a revision that grows with every change, and items that are dear to draw (tiles, blocks, sonars) have
+ * their own, so that a view draws again only what has changed since it looked last. Nobody is called back.
+ * Errors: a record that cannot be understood changes nothing and is counted by its kind.
+ */
+import * as items from './items';
+import * as protocol from './protocol';
+import { Kind } from './protocol';
+import { EchoTrail } from './echo_trail';
+import { SonarImage } from './sonar_image';
+
+export interface TrackPiece {
+  revision: number;
+  places: Float32Array;
+}
+export interface Revised<T> {
+  revision: number;
+  item: T;
+}
+
+const kMostDecisions = 5000;
+const kMostWaiting = 4096;
+const asSigned = (half: number) => half | 0;
+
+interface Waiting {
+  low: number;
+  time: number;
+  payload: DataView;
+}
+
+export class Model {
+  scene: items.Scene | null = null;
+  vehicle: protocol.Vehicle | null = null;
+  /** s since 1970, of the item of that name; NaN before there is one. */
+  vehicleTime = NaN;
+  gridTime = NaN;
+  readonly track = new Map<number, TrackPiece>();
+  readonly sonars = new Map<number, SonarImage>();
+  readonly trail = new EchoTrail();
+  grid: protocol.Grid | null = null;
+  obstacles: items.Obstacle[] = [];
+  way: items.Way | null = null;
+  /** In the order of their numbers. */
+  decisions: items.Decision[] = [];
+  readonly depth = new Map<string, Revised<protocol.DepthTile>>();
+  readonly voxels = new Map<string, Revised<protocol.VoxelBlock>>();
+  health: items.Health | null = null;
+  clock: items.Clock | null = null;
+  refusal: items.Refusal | null = null;
+
+  /** By kind; [0] grows when all was forgotten. */
+  readonly revision = new Uint32Array(protocol.kLastKind + 1);
+  readonly malformed = new Map<string, number>();
+  records = 0;
+  /** s since 1970, of the newest thing that was told. */
+  newest = NaN;
+  private stamp = 0;
+  /** Echoes that came before their sonar was told, as they may in a whole set. By sonar. */
+  private readonly waiting = new Map<number, Waiting[]>();
+
+  /** Takes a message. */
+  take(bytes: Uint8Array): void {
+    const read = protocol.readRecords(bytes, (record) => {
+      ++this.records;
+      if (record.forget) this.forget();
+      const taken = record.gone ? this.remove(record) : this.put(record);
+      if (!taken) return this.count(kindName(record.kind));
+      ++this.revision[record.kind]!;
+      if (record.kind !== Kind.scene && record.kind !== Kind.clock && !(record.time <= this.newest)) {
+        this.newest = record.time;
+      }
+    });
+    if (read < bytes.length) this.count('message cut short');
+  }
+
+  forget(): void {
+    this.scene = this.vehicle = this.grid = this.way = this.health = this.clock = this.refusal = null;
+    this.vehicleTime = this.gridTime = this.newest = NaN;
+    this.obstacles = [];
+    this.decisions = [];
+    for (const map of [this.track, this.sonars, this.depth, this.voxels, this.waiting]) map.clear();
+    this.trail.clear();
+    for (let kind = 0; kind < this.revision.length; ++kind) ++this.revision[kind]!;
+  }
+
+  /** s since the start of what is shown now. */
+  get now(): number {
+    if (this.clock) return this.clock.now;
+    return this.scene && Number.isFinite(this.newest) ? this.newest - this.scene.start : 0;
+  }
+  /** How old something told at `time` is, s; NaN where that is not known. */
+  age(time: number): number {
+    return this.scene ? this.scene.start + this.now - time : NaN;
+  }
+
+  private count(what: string): void {
+    this.malformed.set(what, (this.malformed.get(what) ?? 0) + 1);
+  }
+
+  private put(record: protocol.RecordView): boolean {
+    const { payload, high, low, time } = record;
+    switch (record.kind) {
+      case Kind.scene:
+        return this.keep(items.readScene(protocol.readJson(payload)), (scene) => (this.scene = scene));
+      case Kind.vehicle:
+        this.vehicleTime = time;
+        return this.keep(protocol.readVehicle(payload), (vehicle) => (this.vehicle = vehicle));
+      case Kind.track:
+        return this.keep(protocol.readTrack(payload), (places) =>
+          this.track.set(low, { revision: ++this.stamp, places }),
+        );
+      case Kind.sonar:
+        return this.keep(items.readSonar(protocol.readJson(payload)), (sonar) => {
+          this.sonars.set(low, new SonarImage(sonar, this.sonars.get(low)));
+          for (const echoes of this.waiting.get(low) ?? []) this.hear(low, echoes);
+          this.waiting.delete(low);
+        });
+      case Kind.echoes:
+        return this.hear(high, { low, time, payload });
+      case Kind.grid:
+        this.gridTime = time;
+        return this.keep(protocol.readGrid(payload), (grid) => (this.grid = grid));
+      case Kind.obstacles:
+        return this.keep(items.readObstacles(protocol.readJson(payload)), (all) => (this.obstacles = all));
+      case Kind.way:
+        return this.keep(items.readWay(protocol.readJson(payload)), (way) => (this.way = way));
+      case Kind.decision:
+        return this.keep(items.readDecision(protocol.readJson(payload), low, time), (d) => this.decide(d));
+      case Kind.depth:
+        return this.keep(protocol.readDepth(payload, asSigned(high), asSigned(low)), (item) =>
+          this.depth.set(`${high},${low}`, { revision: ++this.stamp, item }),
+        );
+      case Kind.voxels:
+        return this.keep(protocol.readVoxels(payload), (item) =>
+          this.voxels.set(`${high},${low}`, { revision: ++this.stamp, item }),
+        );
+      case Kind.health:
+        return this.keep(items.readHealth(protocol.readJson(payload)), (health) => (this.health = health));
+      case Kind.clock:
+        return this.keep(items.readClock(protocol.readJson(payload)), (clock) => (this.clock = clock));
+      case Kind.refusal:
+        return this.keep(items.readRefusal(protocol.readJson(payload)), (refusal) => (this.refusal = refusal));
+    }
+  }
+
+  private keep<T>(item: T | null, set: (item: T) => void): boolean {
+    if (item === null) return false;
+    set(item);
+    return true;
+  }
+
+  private hear(sonar: number, waiting: Waiting): boolean {
+    const image = this.sonars.get(sonar);
+    if (!image) {
+      const queue = this.waiting.get(sonar) ?? [];
+      if (queue.length >= kMostWaiting || this.waiting.size > 16) return false;
+      queue.push(waiting);
+      this.waiting.set(sonar, queue);
+      return true;
+    }
+    const echoes = protocol.readEchoes(waiting.payload, waiting.low);
+    if (!echoes || !image.take(echoes, waiting.time)) return false;
+    this.trail.take(image.sonar, echoes, waiting.time);
+    return true;
+  }
+
+  private decide(decision: items.Decision): void {
+    const last = this.decisions.at(-1);
+    if (!last || last.number < decision.number) {
+      this.decisions.push(decision);
+    } else {
+      const at = this.decisions.findIndex((d) => d.number >= decision.number);
+      this.decisions.splice(at, this.decisions[at]!.number === decision.number ? 1 : 0, decision);
+    }
+    if (this.decisions.length > kMostDecisions) this.decisions.splice(0, this.decisions.length - kMostDecisions);
+  }
+
+  private remove({ kind, high, low }: protocol.RecordView): boolean {
+    switch (kind) {
+      case Kind.scene:
+        this.scene = null;
+        break;
+      case Kind.vehicle:
+        this.vehicle = null;
+        break;
+      case Kind.track:
+        this.track.delete(low);
+        break;
+      case Kind.sonar:
+        this.sonars.delete(low);
+        break;
+      case Kind.echoes:
+        this.sonars.get(high)?.clear(low);
+        break;
+      case Kind.grid:
+        this.grid = null;
+        break;
+      case Kind.obstacles:
+        this.obstacles = [];
+        break;
+      case Kind.way:
+        this.way = null;
+        break;
+      case Kind.decision:
+        this.decisions = this.decisions.filter((d) => d.number !== low);
+        break;
+      case Kind.depth:
+        this.depth.delete(`${high},${low}`);
+        break;
+      case Kind.voxels:
+        this.voxels.delete(`${high},${low}`);
+        break;
+      case Kind.health:
+        this.health = null;
+        break;
+      case Kind.clock:
+        this.clock = null;
+        break;
+      case Kind.refusal:
+        this.refusal = null;
+        break;
+    }
+    return true;
+  }
+}
+
+function kindName(kind: Kind): string {
+  return Object.entries(Kind).find(([, value]) => value === kind)?.[0] ?? `kind ${kind}`;
+}

@@ -1,0 +1,64 @@
+/** Mouse, pen and fingers on a view that can be moved: one drags, two pinch, the wheel zooms where it points. */
+export interface Gestured {
+  drag(dx: number, dy: number): void;
+  zoom(factor: number, x: number, y: number): void;
+  /** Where a pointer rests or passes; null: it has left. */
+  hover(at: [number, number] | null): void;
+  /** True: this view takes the drag that begins here for itself (a ruler), told by `pull` until it ends. */
+  grasp(x: number, y: number): boolean;
+  pull(x: number, y: number): void;
+}
+
+export function listen(element: HTMLElement, view: Gestured): void {
+  const down = new Map<number, [number, number]>();
+  let pulling = false;
+  const at = (event: { clientX: number; clientY: number }): [number, number] => {
+    const box = element.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
+  const spread = () => {
+    const [a, b] = [...down.values()] as [[number, number], [number, number]];
+    return { x: (a[0] + b[0]) / 2, y: (a[1] + b[1]) / 2, far: Math.max(10, Math.hypot(a[0] - b[0], a[1] - b[1])) };
+  };
+
+  element.addEventListener('pointerdown', (event) => {
+    if (event.button !== 0) return;
+    element.setPointerCapture(event.pointerId);
+    down.set(event.pointerId, at(event));
+    pulling = down.size === 1 && view.grasp(...at(event));
+    view.hover(at(event));
+  });
+  element.addEventListener('pointermove', (event) => {
+    const before = down.get(event.pointerId);
+    const now = at(event);
+    if (!before) return view.hover(now);
+    if (down.size === 1) {
+      down.set(event.pointerId, now);
+      view.hover(now);
+      if (pulling) view.pull(...now);
+      else view.drag(now[0] - before[0], now[1] - before[1]);
+    } else if (down.size === 2) {
+      const was = spread();
+      down.set(event.pointerId, now);
+      const is = spread();
+      view.drag(is.x - was.x, is.y - was.y);
+      view.zoom(is.far / was.far, is.x, is.y);
+    }
+  });
+  for (const name of ['pointerup', 'pointercancel'] as const) {
+    element.addEventListener(name, (event) => {
+      down.delete(event.pointerId);
+      pulling = false;
+    });
+  }
+  element.addEventListener('pointerleave', () => down.size === 0 && view.hover(null));
+  element.addEventListener(
+    'wheel',
+    (event) => {
+      event.preventDefault();
+      const lines = event.deltaMode === 1 ? 16 : 1;
+      view.zoom(Math.exp(-event.deltaY * lines * 0.0018), ...at(event));
+    },
+    { passive: false },
+  );
+}

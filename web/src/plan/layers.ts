@@ -1,0 +1,185 @@
+/** The list of layers with their switches, which is the legend as well. */
+import { css } from '../colours';
+import { make } from '../dom';
+import type { Paint } from '../theme';
+
+export const layerNames = {
+  depth: 'Depth map',
+  grid: 'Occupancy: free, occupied',
+  samples: 'Sonar samples in place',
+  echoes: 'Decided echoes',
+  land: 'Land',
+  fence: 'Fence and keep-out',
+  bodies: 'What really stands there',
+  obstacles: 'Obstacles: number, existence, range',
+  mission: 'Mission points and legs',
+  oldWays: 'Ways planned before',
+  way: 'Way now',
+  track: 'Track',
+  vehicle: 'Vehicle, course for 10 s, 2σ',
+} as const;
+export type LayerName = keyof typeof layerNames;
+
+const kKey = 'isobath-layers';
+
+export class Layers {
+  readonly on = new Map<LayerName, boolean>();
+  private readonly rows = new Map<LayerName, HTMLElement>();
+
+  constructor(
+    private readonly box: HTMLElement,
+    changed: () => void,
+  ) {
+    const kept = read();
+    for (const name of Object.keys(layerNames) as LayerName[]) {
+      this.on.set(name, kept[name] ?? name !== 'samples');
+      const input = make('input', {
+        type: 'checkbox',
+        id: `layer-${name}`,
+        'data-layer': name,
+        checked: this.on.get(name),
+      });
+      input.addEventListener('change', () => {
+        this.on.set(name, input.checked);
+        keep(this.on);
+        changed();
+      });
+      const swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
+      const row = make('label', { class: 'layer' }, input, swatch, make('span', {}, layerNames[name]));
+      this.rows.set(name, row);
+      box.append(row);
+    }
+  }
+
+  shows(name: LayerName): boolean {
+    return this.on.get(name) === true;
+  }
+
+  paint(paint: Paint): void {
+    for (const [name, row] of this.rows) row.querySelector('.swatch')!.replaceChildren(swatch(name, paint));
+  }
+
+  /** What is not there cannot be switched. */
+  offer(name: LayerName, there: boolean): void {
+    const row = this.rows.get(name);
+    if (row && row.hidden === there) row.hidden = !there;
+  }
+
+  get element(): HTMLElement {
+    return this.box;
+  }
+}
+
+function read(): Partial<Record<LayerName, boolean>> {
+  try {
+    const kept: unknown = JSON.parse(localStorage.getItem(kKey) ?? '{}');
+    return typeof kept === 'object' && kept !== null ? kept : {};
+  } catch {
+    return {};
+  }
+}
+function keep(on: Map<LayerName, boolean>): void {
+  try {
+    localStorage.setItem(kKey, JSON.stringify(Object.fromEntries(on)));
+  } catch {
+    // Nothing may be kept here.
+  }
+}
+
+/** Drawn by the same colours and dashes as the map. */
+function swatch(name: LayerName, p: Paint): SVGElement {
+  const svg = element('svg', { width: 28, height: 16, viewBox: '0 0 28 16' });
+  const line = (stroke: string, width: number, dash = '') =>
+    svg.append(
+      element('line', { x1: 1, y1: 8, x2: 27, y2: 8, stroke, 'stroke-width': width, 'stroke-dasharray': dash }),
+    );
+  const box = (fill: string, stroke = 'none', dash = '') =>
+    svg.append(
+      element('rect', {
+        x: 2,
+        y: 2,
+        width: 24,
+        height: 12,
+        fill,
+        stroke,
+        'stroke-width': 1.5,
+        'stroke-dasharray': dash,
+      }),
+    );
+  switch (name) {
+    case 'depth':
+      for (let i = 0; i < 6; ++i)
+        svg.append(
+          element('rect', {
+            x: 2 + 4 * i,
+            y: 2,
+            width: 4.2,
+            height: 12,
+            fill: css([p.depth[i * 50]! & 255, (p.depth[i * 50]! >> 8) & 255, (p.depth[i * 50]! >> 16) & 255]),
+          }),
+        );
+      break;
+    case 'grid':
+      box(css(p.free, 0.6), p.faint);
+      svg.append(element('rect', { x: 14, y: 2, width: 12, height: 12, fill: css(p.occupied, 0.85) }));
+      break;
+    case 'samples':
+      svg.append(element('path', { d: 'M14 15 L3 4 A15 15 0 0 1 25 4 Z', fill: css(p.echo, 0.45), stroke: p.faint }));
+      break;
+    case 'echoes':
+      for (const [x, y] of [
+        [5, 10],
+        [10, 7],
+        [15, 6],
+        [20, 8],
+        [24, 11],
+      ] as const)
+        svg.append(element('rect', { x, y, width: 3, height: 3, fill: css(p.echo) }));
+      break;
+    case 'land':
+      box(p.land, p.shore);
+      break;
+    case 'fence':
+      line(p.fence, 2, '6 4');
+      break;
+    case 'bodies':
+      svg.append(
+        element('circle', {
+          cx: 14,
+          cy: 8,
+          r: 6,
+          fill: 'none',
+          stroke: p.truth,
+          'stroke-width': 1.5,
+          'stroke-dasharray': '3 3',
+        }),
+      );
+      break;
+    case 'obstacles':
+      box(p.obstacleFill, p.obstacle);
+      break;
+    case 'mission':
+      svg.append(element('circle', { cx: 14, cy: 8, r: 6, fill: 'none', stroke: p.mission, 'stroke-width': 2.2 }));
+      break;
+    case 'oldWays':
+      line(p.way, 1.5, '6 4');
+      svg.setAttribute('opacity', '0.5');
+      break;
+    case 'way':
+      line(p.way, 2.5);
+      break;
+    case 'track':
+      line(p.track, 2.2);
+      break;
+    case 'vehicle':
+      svg.append(element('path', { d: 'M24 8 L6 2 L10 8 L6 14 Z', fill: p.vehicle, stroke: p.vehicleEdge }));
+      break;
+  }
+  return svg;
+}
+
+function element(tag: string, attributes: Record<string, string | number>): SVGElement {
+  const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
+  return made;
+}

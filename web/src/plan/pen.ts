@@ -1,0 +1,79 @@
+/** Drawing in metres north and east on a canvas of pixels: what the layers of the plan view have in common. */
+import type { Paint } from '../theme';
+import type { Camera } from './camera';
+
+type Place = readonly [number, number, ...number[]];
+
+export interface Pen {
+  drawing: CanvasRenderingContext2D;
+  camera: Camera;
+  paint: Paint;
+  /** Where words stand already: left, top, right, bottom, px. */
+  taken: [number, number, number, number][];
+}
+
+export function trace({ drawing, camera }: Pen, places: readonly Place[], closed: boolean): void {
+  drawing.beginPath();
+  for (const [north, east] of places) drawing.lineTo(camera.x(north, east), camera.y(north, east));
+  if (closed) drawing.closePath();
+}
+
+export interface Line {
+  colour: string;
+  width?: number;
+  dash?: readonly number[];
+}
+export function stroke({ drawing }: Pen, { colour, width = 1.5, dash = [] }: Line): void {
+  drawing.strokeStyle = colour;
+  drawing.lineWidth = width;
+  drawing.setLineDash(dash as number[]);
+  drawing.stroke();
+  drawing.setLineDash([]);
+}
+
+export const kFont = '12px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
+
+/** With a halo, so that it can be read on anything. */
+export function words(
+  { drawing, paint }: Pen,
+  text: string,
+  x: number,
+  y: number,
+  colour = paint.ink,
+  align: CanvasTextAlign = 'left',
+): void {
+  drawing.font = kFont;
+  drawing.textAlign = align;
+  drawing.textBaseline = 'middle';
+  drawing.lineJoin = 'round';
+  drawing.strokeStyle = paint.halo;
+  drawing.lineWidth = 3.5;
+  drawing.strokeText(text, x, y);
+  drawing.fillStyle = colour;
+  drawing.fillText(text, x, y);
+}
+
+/** Words in the middle above or below a place; left out where others stand already. */
+export function label(pen: Pen, text: string, x: number, y: number, colour: string): void {
+  pen.drawing.font = kFont;
+  const half = pen.drawing.measureText(text).width / 2 + 2;
+  const box: [number, number, number, number] = [x - half, y - 8, x + half, y + 8];
+  if (pen.taken.some((t) => box[0] < t[2] && t[0] < box[2] && box[1] < t[3] && t[1] < box[3])) return;
+  pen.taken.push(box);
+  words(pen, text, x, y, colour, 'center');
+}
+
+/** An image whose rows go along a direction in W, from one corner: pixels are metres of `size` each way. */
+export function place(
+  { drawing, camera }: Pen,
+  image: CanvasImageSource,
+  corner: readonly [number, number],
+  heading: number,
+  size: readonly [number, number],
+): void {
+  drawing.save();
+  drawing.translate(camera.x(...corner), camera.y(...corner));
+  drawing.rotate(heading - camera.turn);
+  drawing.drawImage(image, 0, -size[0] / camera.scale, size[1] / camera.scale, size[0] / camera.scale);
+  drawing.restore();
+}

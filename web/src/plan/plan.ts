@@ -1,0 +1,273 @@
+/** The plan view: the chart with all that the vehicle knows on it. */
+import { byId, context, fit, make, mark, pixelRatio, say } from '../dom';
+import { geoPlace } from '../geo';
+import type { Decision } from '../items';
+import { DepthFlag, Kind } from '../protocol';
+import * as units from '../units';
+import type { Shared, View } from '../view';
+import { Camera } from './camera';
+import { drawBodies, drawFences, drawLand, drawMission } from './chart_layers';
+import { DepthLayer, type DepthShows } from './depth_layer';
+import { drawTrail, SampleLayer } from './echo_layer';
+import { drawGrid, drawGridNumbers, drawNorthArrow, drawRuler, drawScaleBar, rulerText, type Ruler } from './furniture';
+import { listen, type Gestured } from './gestures';
+import { GridLayer } from './grid_layer';
+import { Layers, type LayerName } from './layers';
+import * as moving from './moving_layers';
+import type { Pen } from './pen';
+import { DepthScale } from './depth_scale';
+
+export class PlanView implements View, Gestured {
+  private readonly canvas = byId<HTMLCanvasElement>('plan-canvas');
+  private readonly readout = byId('plan-readout');
+  private readonly followButton = byId<HTMLButtonElement>('plan-follow');
+  private readonly upButton = byId<HTMLButtonElement>('plan-up');
+  private readonly rulerButton = byId<HTMLButtonElement>('plan-ruler');
+  private readonly camera = new Camera();
+  private readonly depth: DepthLayer;
+  private readonly depthScale: DepthScale;
+  private readonly grid = new GridLayer();
+  private readonly samples = new SampleLayer();
+  private readonly layers: Layers;
+  private followed = true;
+  private headUp = false;
+  private ruler: Ruler | null = null;
+  private measuring = false;
+  private pointer: [number, number] | null = null;
+  private shown = '';
+  private painted = -1;
+  private placed = false;
+
+  constructor(private readonly shared: Shared) {
+    this.depth = new DepthLayer(shared.model, shared.theme);
+    this.layers = new Layers(byId('plan-layers'), () => shared.redraw());
+    this.depthScale = new DepthScale(byId('depth-scale'));
+    listen(this.canvas, this);
+    this.followButton.addEventListener('click', () => this.follow(!this.followed));
+    this.upButton.addEventListener('click', () => this.turnUp());
+    this.rulerButton.addEventListener('click', () => this.measure(!this.measuring));
+    byId('plan-in').addEventListener('click', () => this.zoomBy(1.5));
+    byId('plan-out').addEventListener('click', () => this.zoomBy(1 / 1.5));
+    byId('plan-fit').addEventListener('click', () => this.showAll());
+    const legend = byId<HTMLButtonElement>('plan-legend');
+    const fold = (open: boolean) => {
+      byId('plan-legend-box').hidden = !open;
+      legend.setAttribute('aria-expanded', String(open));
+    };
+    legend.addEventListener('click', () => fold(byId('plan-legend-box').hidden !== false));
+    fold(matchMedia('(min-width: 1700px)').matches);
+    const shows = byId<HTMLSelectElement>('depth-shows');
+    shows.addEventListener('change', () => {
+      this.depth.shows = shows.value as DepthShows;
+      shared.redraw();
+    });
+  }
+
+  frame(): void {
+    const { model, theme } = this.shared;
+    if (this.canvas.clientWidth < 20 || this.canvas.clientHeight < 20) return;
+    const resized = fit(this.canvas);
+    const look = `${model.revision.join()} ${this.shared.selected?.number ?? ''}`;
+    if (!this.dirty && !resized && look === this.shown && this.painted === theme.revision) return;
+    this.dirty = false;
+    this.shown = look;
+    if (this.painted !== theme.revision) this.layers.paint(theme.paint);
+    this.painted = theme.revision;
+    this.camera.width = this.canvas.clientWidth;
+    this.camera.height = this.canvas.clientHeight;
+    this.steer();
+    this.draw();
+    this.tell();
+  }
+  private dirty = true;
+
+  /** Something of this view alone has changed. */
+  private touch(): void {
+    this.dirty = true;
+    this.shared.redraw();
+  }
+
+  private steer(): void {
+    const { vehicle, scene } = this.shared.model;
+    if (!this.placed && (vehicle || scene) && this.camera.width > 50) {
+      this.placed = true;
+      this.showAll();
+      if (vehicle) this.follow(true);
+    }
+    if (vehicle && this.followed) {
+      this.camera.north = vehicle.north;
+      this.camera.east = vehicle.east;
+    }
+    this.camera.turn = this.headUp && vehicle ? vehicle.heading : 0;
+    this.camera.settle();
+  }
+
+  private draw(): void {
+    const { model, theme, selected } = this.shared;
+    const { camera, layers } = this;
+    const drawing = context(this.canvas);
+    const ratio = pixelRatio();
+    const pen: Pen = { drawing, camera, paint: theme.paint, taken: [] };
+    drawing.setTransform(ratio, 0, 0, ratio, 0, 0);
+    drawing.fillStyle = theme.paint.water;
+    drawing.fillRect(0, 0, camera.width, camera.height);
+    const { scene } = model;
+    const layer = (name: LayerName, there: boolean, paint: () => void) => {
+      layers.offer(name, there);
+      if (there && layers.shows(name)) paint();
+    };
+    layer('depth', this.depth.any, () => this.depth.draw(pen, model.revision[Kind.depth]!));
+    layer('land', (scene?.land.length ?? 0) > 0, () => drawLand(pen, scene!));
+    drawGrid(pen);
+    layer('grid', model.grid !== null, () => this.grid.draw(pen, model.grid!));
+    layer('samples', model.sonars.size > 0, () => this.samples.draw(pen, model));
+    layer('fence', !!scene && scene.fence.length + scene.keepOut.length > 0, () => drawFences(pen, scene!));
+    layer(
+      'oldWays',
+      model.decisions.some(({ way }) => way.length > 1),
+      () => moving.drawOldWays(pen, model),
+    );
+    layer('mission', (scene?.mission.length ?? 0) > 0, () => drawMission(pen, scene!, model.way?.target));
+    layer('track', model.track.size > 0, () => moving.drawTrack(pen, model));
+    layer('echoes', model.sonars.size > 0, () => drawTrail(pen, model));
+    layer('bodies', (scene?.bodies.length ?? 0) > 0, () => drawBodies(pen, scene!));
+    layer('obstacles', true, () => moving.drawObstacles(pen, model, true));
+    layer('way', model.way !== null, () => moving.drawWay(pen, model));
+    if (selected) moving.drawDecision(pen, selected);
+    layer('vehicle', true, () => moving.drawVehicle(pen, model));
+    if (this.ruler) drawRuler(pen, this.ruler);
+    drawGridNumbers(pen);
+    drawScaleBar(pen);
+    drawNorthArrow(pen, 34, 52);
+    const datum = scene?.datum ?? '';
+    this.depthScale.show(theme.paint, this.depth, datum, this.depth.any && layers.shows('depth'));
+  }
+
+  /** The line below the chart: what is under the pointer, or the place of the vehicle. */
+  private tell(): void {
+    const { scene, vehicle } = this.shared.model;
+    const at = this.pointer
+      ? this.camera.place(...this.pointer)
+      : vehicle
+        ? ([vehicle.north, vehicle.east] as const)
+        : null;
+    mark(this.canvas, 'north', this.camera.north.toFixed(2));
+    mark(this.canvas, 'east', this.camera.east.toFixed(2));
+    mark(this.canvas, 'scale', this.camera.scale.toFixed(4));
+    if (!at) return say(this.readout, 'nothing known yet');
+    const parts = [`${this.pointer ? 'Cursor' : 'Vehicle'} N ${units.metres(at[0])}, E ${units.metres(at[1])}`];
+    if (scene?.origin) {
+      const { latitude, longitude } = geoPlace(scene.origin, at[0], at[1]);
+      parts.push(`${units.latitude(latitude)} ${units.longitude(longitude)}`);
+    }
+    const bottom = this.depth.at(at[0], at[1]);
+    if (bottom) {
+      const known = (bottom.flags & DepthFlag.measured) !== 0 ? 'measured' : 'charted';
+      parts.push(`depth ${units.metres(bottom.depth)}, ${known}, confidence ${bottom.confidence} of 20`);
+    }
+    if (this.pointer && vehicle) {
+      const [n, e] = [at[0] - vehicle.north, at[1] - vehicle.east];
+      parts.push(`${units.metres(Math.hypot(n, e))}, ${units.bearing(Math.atan2(e, n))} from the vehicle`);
+    }
+    if (this.ruler) parts.unshift(rulerText(this.ruler));
+    const spans = parts.map((part) => make('span', {}, part));
+    if (this.readout.textContent !== parts.join('')) this.readout.replaceChildren(...spans);
+  }
+
+  drag(dx: number, dy: number): void {
+    this.follow(false);
+    this.camera.pan(dx, dy);
+    this.touch();
+  }
+  zoom(factor: number, x: number, y: number): void {
+    // While it follows, the vehicle stays in the middle.
+    if (this.followed) this.camera.zoom(factor);
+    else this.camera.zoom(factor, x, y);
+    this.touch();
+  }
+  zoomBy(factor: number): void {
+    this.camera.zoom(factor);
+    this.touch();
+  }
+  panBy(right: number, up: number): void {
+    this.drag(-right * 60, up * 60);
+  }
+  hover(at: [number, number] | null): void {
+    this.pointer = at;
+    this.touch();
+  }
+  grasp(x: number, y: number): boolean {
+    if (!this.measuring) return false;
+    const from = this.camera.place(x, y);
+    this.ruler = { from, to: from };
+    this.touch();
+    return true;
+  }
+  pull(x: number, y: number): void {
+    if (this.ruler) this.ruler.to = this.camera.place(x, y);
+    this.touch();
+  }
+
+  follow(on: boolean): void {
+    this.followed = on;
+    this.followButton.setAttribute('aria-pressed', String(on));
+    this.touch();
+  }
+  toggleFollow(): void {
+    this.follow(!this.followed);
+  }
+  measure(on: boolean): void {
+    this.measuring = on;
+    if (!on) this.ruler = null;
+    this.rulerButton.setAttribute('aria-pressed', String(on));
+    this.canvas.classList.toggle('measuring', on);
+    this.touch();
+  }
+  get isMeasuring(): boolean {
+    return this.measuring;
+  }
+  turnUp(): void {
+    this.headUp = !this.headUp;
+    this.upButton.setAttribute('aria-pressed', String(this.headUp));
+    say(this.upButton, this.headUp ? 'Head up' : 'North up');
+    this.touch();
+  }
+
+  /** Everything that has a place: the fence and the mission, the vehicle, its track. */
+  showAll(): void {
+    const { scene, vehicle, track } = this.shared.model;
+    const places: (readonly [number, number])[] = [
+      ...(scene?.fence ?? []),
+      ...(scene?.mission.map(({ at }) => at) ?? []),
+    ];
+    if (vehicle) places.push([vehicle.north, vehicle.east]);
+    for (const { places: piece } of track.values()) {
+      for (let i = 0; i + 3 < piece.length; i += 4) places.push([piece[i + 1]!, piece[i + 2]!]);
+    }
+    if (places.length === 0) return;
+    const range = (k: 0 | 1): [number, number] =>
+      places.reduce<[number, number]>(([a, b], p) => [Math.min(a, p[k]), Math.max(b, p[k])], [Infinity, -Infinity]);
+    this.follow(false);
+    const [north, east] = [range(0), range(1)];
+    if (places.length === 1) this.camera.show([north[0] - 30, north[1] + 30], [east[0] - 30, east[1] + 30]);
+    else this.camera.show(north, east, 0.08);
+    this.touch();
+  }
+
+  showDecision(decision: Decision): void {
+    const places = decision.obstacle ? [decision.obstacle] : decision.way;
+    if (places.length > 0) {
+      this.follow(false);
+      const all = [...places, ...decision.way];
+      const range = (k: 0 | 1): [number, number] => [
+        Math.min(...all.map((p) => p[k])),
+        Math.max(...all.map((p) => p[k])),
+      ];
+      const [n, e] = [range(0), range(1)];
+      const seen = Math.min(this.camera.width, this.camera.height) * this.camera.scale;
+      if (Math.max(n[1] - n[0], e[1] - e[0]) > seen || seen > 400) this.camera.show(n, e, 0.2);
+      else [this.camera.north, this.camera.east] = [(n[0] + n[1]) / 2, (e[0] + e[1]) / 2];
+    }
+    this.touch();
+  }
+}

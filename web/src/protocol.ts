@@ -1,0 +1,267 @@
+/**
+ * The wire protocol of docs/live-page.md: records out of bytes, and the payload of each kind.
+ *
+ * Bytes come from outside, so every length is checked before it is used. A payload that does not fit gives null: the
+ * model counts it and goes on. A record whose head does not fit ends the message, as nothing tells where the next one
+ * would start. Numbers are copied out of the message only where the model keeps them longer than the message.
+ */
+import { unpackBits } from './packbits';
+
+export const Kind = {
+  scene: 1,
+  vehicle: 2,
+  track: 3,
+  sonar: 4,
+  echoes: 5,
+  grid: 6,
+  obstacles: 7,
+  way: 8,
+  decision: 9,
+  depth: 10,
+  voxels: 11,
+  health: 12,
+  clock: 13,
+  refusal: 14,
+} as const;
+export type Kind = (typeof Kind)[keyof typeof Kind];
+export const kLastKind = Kind.refusal;
+
+export const kHead = 24;
+const kGone = 1;
+const kForget = 2;
+
+export interface RecordView {
+  kind: Kind;
+  gone: boolean;
+  /** Forget all items before this one is taken. */
+  forget: boolean;
+  /** The number of the item, as its two halves: no BigInt for what comes a thousand times a second. */
+  high: number;
+  low: number;
+  /** s since 1970, of what it tells; good to a microsecond. */
+  time: number;
+  payload: DataView;
+}
+
+export const padded = (bytes: number): number => Math.ceil(bytes / 8) * 8;
+
+/** Calls `take` for each whole record. Returns the number of bytes that were records; less than all: damage. */
+export function readRecords(bytes: Uint8Array, take: (record: RecordView) => void): number {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  let at = 0;
+  while (bytes.length - at >= kHead) {
+    const kind = view.getUint8(at);
+    const flags = view.getUint8(at + 1);
+    const size = view.getUint32(at + 4, true);
+    const end = at + kHead + padded(size);
+    if (kind < 1 || kind > kLastKind || view.getUint16(at + 2, true) !== 0 || end > bytes.length) return at;
+    take({
+      kind: kind as Kind,
+      gone: (flags & kGone) !== 0,
+      forget: (flags & kForget) !== 0,
+      low: view.getUint32(at + 8, true),
+      high: view.getUint32(at + 12, true),
+      time: view.getInt32(at + 20, true) * 4.294967296 + view.getUint32(at + 16, true) / 1e9,
+      payload: new DataView(bytes.buffer, bytes.byteOffset + at + kHead, size),
+    });
+    at = end;
+  }
+  return at;
+}
+
+export type Point = readonly [number, number];
+export type Point3 = readonly [number, number, number];
+
+const text = new TextDecoder('utf-8');
+
+export function readJson(payload: DataView): unknown {
+  try {
+    return JSON.parse(text.decode(new Uint8Array(payload.buffer, payload.byteOffset, payload.byteLength)));
+  } catch {
+    return null;
+  }
+}
+
+export interface Vehicle {
+  north: number;
+  east: number;
+  down: number;
+  roll: number;
+  pitch: number;
+  heading: number;
+  surge: number;
+  sway: number;
+  heave: number;
+  sigma: number;
+  /** NaN: unknown, as are the three wanted values where nothing is wanted. */
+  altitude: number;
+  wantedHeading: number;
+  wantedDepth: number;
+  wantedSpeed: number;
+}
+
+export function readVehicle(p: DataView): Vehicle | null {
+  if (p.byteLength < 80) return null;
+  const f = (i: number) => p.getFloat32(24 + 4 * i, true);
+  const vehicle = {
+    north: p.getFloat64(0, true),
+    east: p.getFloat64(8, true),
+    down: p.getFloat64(16, true),
+    roll: f(0),
+    pitch: f(1),
+    heading: f(2),
+    surge: f(3),
+    sway: f(4),
+    heave: f(5),
+    sigma: f(6),
+    altitude: f(7),
+    wantedHeading: f(8),
+    wantedDepth: f(9),
+    wantedSpeed: f(10),
+  };
+  const { north, east, down, roll, pitch, heading } = vehicle;
+  return [north, east, down, roll, pitch, heading].every(Number.isFinite) ? vehicle : null;
+}
+
+/** Four numbers a place: seconds since the start, north, east, down. */
+export function readTrack(p: DataView): Float32Array | null {
+  if (p.byteLength % 16 !== 0 || p.byteLength > 64 * 16) return null;
+  return floats(p, 0, p.byteLength / 4);
+}
+
+export interface Echoes {
+  first: number;
+  beams: number;
+  bins: number;
+  place: Point3;
+  /** Rotation of the sensor to W, w x y z. */
+  rotation: readonly [number, number, number, number];
+  intensity: Uint8Array;
+  decided: Uint8Array;
+}
+
+export function readEchoes(p: DataView, first: number): Echoes | null {
+  if (p.byteLength < 48) return null;
+  const beams = p.getUint16(0, true);
+  const bins = p.getUint16(2, true);
+  const samples = beams * bins;
+  const bits = padded(48 + samples);
+  if (samples === 0 || p.byteLength < bits + Math.ceil(samples / 8)) return null;
+  const f = (i: number) => p.getFloat32(32 + 4 * i, true);
+  const place: Point3 = [p.getFloat64(8, true), p.getFloat64(16, true), p.getFloat64(24, true)];
+  const rotation = [f(0), f(1), f(2), f(3)] as const;
+  if (![...place, ...rotation].every(Number.isFinite)) return null;
+  return {
+    first,
+    beams,
+    bins,
+    place,
+    rotation,
+    intensity: new Uint8Array(p.buffer, p.byteOffset + 48, samples),
+    decided: new Uint8Array(p.buffer, p.byteOffset + bits, Math.ceil(samples / 8)),
+  };
+}
+
+export interface Grid {
+  nx: number;
+  ny: number;
+  cell: number;
+  north: number;
+  east: number;
+  /** Of the x axis, clockwise from north. */
+  heading: number;
+  threshold: number;
+  /** Cell (x, y) at x * ny + y: 0..250: probability * 250; 255: unknown. */
+  cells: Uint8Array;
+}
+
+export function readGrid(p: DataView): Grid | null {
+  if (p.byteLength < 32) return null;
+  const nx = p.getUint16(0, true);
+  const ny = p.getUint16(2, true);
+  // PackBits makes at most 128 bytes of 2: a head that promises more is a lie, and nothing is reserved for it.
+  if (nx * ny > (p.byteLength - 32) * 64) return null;
+  const cells = new Uint8Array(nx * ny);
+  if (!unpackBits(new Uint8Array(p.buffer, p.byteOffset + 32, p.byteLength - 32), cells)) return null;
+  const grid = {
+    nx,
+    ny,
+    cell: p.getFloat32(4, true),
+    north: p.getFloat64(8, true),
+    east: p.getFloat64(16, true),
+    heading: p.getFloat32(24, true),
+    threshold: p.getFloat32(28, true),
+    cells,
+  };
+  return grid.cell > 0 && [grid.north, grid.east, grid.heading].every(Number.isFinite) ? grid : null;
+}
+
+export interface DepthTile {
+  row: number;
+  column: number;
+  side: number;
+  pixel: number;
+  /** Of the south-west corner. */
+  north: number;
+  east: number;
+  /** m; NaN: unknown. Row after row from the south, each from the west. */
+  depth: Float32Array;
+  /** 0..20 */
+  confidence: Uint8Array;
+  /** Bits of DepthFlag. */
+  flags: Uint8Array;
+}
+export const DepthFlag = { charted: 1, measured: 2, obstacle: 4 } as const;
+
+export function readDepth(p: DataView, row: number, column: number): DepthTile | null {
+  if (p.byteLength < 32) return null;
+  const side = p.getUint16(0, true);
+  const pixels = side * side;
+  if (side === 0 || p.byteLength < 32 + 4 * pixels) return null;
+  const unit = p.getFloat32(24, true);
+  const tile = {
+    row,
+    column,
+    side,
+    pixel: p.getFloat32(4, true),
+    north: p.getFloat64(8, true),
+    east: p.getFloat64(16, true),
+    depth: new Float32Array(pixels),
+    confidence: new Uint8Array(p.buffer, p.byteOffset + 32 + 2 * pixels, pixels).slice(),
+    flags: new Uint8Array(p.buffer, p.byteOffset + 32 + 3 * pixels, pixels).slice(),
+  };
+  if (!(tile.pixel > 0) || !Number.isFinite(tile.north) || !Number.isFinite(tile.east) || !(unit > 0)) return null;
+  for (let i = 0; i < pixels; ++i) {
+    const units = p.getUint16(32 + 2 * i, true);
+    tile.depth[i] = units === 65535 ? NaN : units * unit;
+  }
+  return tile;
+}
+
+export interface VoxelBlock {
+  size: number;
+  /** Lowest corner in voxels: north, east, down. */
+  corner: Point3;
+  count: number;
+  /** Four bytes a voxel: x, y, z within the block, probability * 250. */
+  voxels: Uint8Array;
+}
+
+export function readVoxels(p: DataView): VoxelBlock | null {
+  if (p.byteLength < 20) return null;
+  const size = p.getFloat32(0, true);
+  const count = p.getUint16(16, true);
+  if (!(size > 0) || p.byteLength < 20 + 4 * count) return null;
+  return {
+    size,
+    corner: [p.getInt32(4, true), p.getInt32(8, true), p.getInt32(12, true)],
+    count,
+    voxels: new Uint8Array(p.buffer, p.byteOffset + 20, 4 * count).slice(),
+  };
+}
+
+function floats(p: DataView, from: number, count: number): Float32Array {
+  const out = new Float32Array(count);
+  for (let i = 0; i < count; ++i) out[i] = p.getFloat32(from + 4 * i, true);
+  return out;
+}

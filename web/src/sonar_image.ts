@@ -1,0 +1,96 @@
+/**
+ * The newest samples of each beam of a sonar: of the whole fan, or of the whole turn of a scanning head, beam after
+ * beam as the sonar names them, with where the sensor stood when each was heard.
+ */
+import type { Sonar } from './items';
+import type { Echoes } from './protocol';
+
+export class SonarImage {
+  readonly beams: number;
+  readonly bins: number;
+  /** Samples, beam after beam, the nearest bin first. */
+  readonly intensity: Uint8Array;
+  /** 1 where a sample was decided as echo. */
+  readonly decided: Uint8Array;
+  /** A beam: north, east, down of the sensor; w, x, y, z of its rotation to W. */
+  readonly poses: Float64Array;
+  /** s since 1970; NaN: never heard. */
+  readonly heard: Float64Array;
+  /** Grows with each change of a beam. */
+  readonly revisions: Uint32Array;
+  revision = 0;
+  newest = -1;
+  time = NaN;
+
+  constructor(
+    readonly sonar: Sonar,
+    before?: SonarImage,
+  ) {
+    this.beams = sonar.azimuth.length;
+    this.bins = sonar.bins;
+    // A sonar that only changes its scale keeps what it has shown.
+    const same = before && before.beams === this.beams && before.bins === this.bins ? before : undefined;
+    this.intensity = same?.intensity ?? new Uint8Array(this.beams * this.bins);
+    this.decided = same?.decided ?? new Uint8Array(this.beams * this.bins);
+    this.poses = same?.poses ?? new Float64Array(this.beams * 7);
+    this.heard = same?.heard ?? new Float64Array(this.beams).fill(NaN);
+    this.revisions = same?.revisions ?? new Uint32Array(this.beams);
+    this.revision = (same?.revision ?? 0) + 1;
+    this.newest = same?.newest ?? -1;
+    this.time = same?.time ?? NaN;
+  }
+
+  /** False where the echoes are not of this sonar. */
+  take(echoes: Echoes, time: number): boolean {
+    const { first, beams, bins } = echoes;
+    if (bins !== this.bins || first + beams > this.beams) return false;
+    ++this.revision;
+    this.intensity.set(echoes.intensity, first * bins);
+    const samples = beams * bins;
+    const from = first * bins;
+    for (let i = 0; i < samples; ++i) this.decided[from + i] = (echoes.decided[i >> 3]! >> (i & 7)) & 1;
+    for (let beam = first; beam < first + beams; ++beam) {
+      this.poses.set(echoes.place, beam * 7);
+      this.poses.set(echoes.rotation, beam * 7 + 3);
+      this.heard[beam] = time;
+      this.revisions[beam] = this.revision;
+    }
+    this.newest = first + beams - 1;
+    this.time = time;
+    return true;
+  }
+
+  clear(beam: number): void {
+    if (beam >= this.beams) return;
+    this.intensity.fill(0, beam * this.bins, (beam + 1) * this.bins);
+    this.decided.fill(0, beam * this.bins, (beam + 1) * this.bins);
+    this.heard[beam] = NaN;
+    this.revisions[beam] = ++this.revision;
+  }
+
+  /** m, of the far side of the last bin. */
+  get reach(): number {
+    return this.sonar.first + this.sonar.bin * this.bins;
+  }
+  rangeOf(bin: number): number {
+    return this.sonar.first + (bin + 0.5) * this.sonar.bin;
+  }
+  valueOf(byte: number): number {
+    const { low, high } = this.sonar.scale;
+    return low + ((high - low) * byte) / 255;
+  }
+  /** Direction in W of a beam. */
+  direction(beam: number, out: Float64Array): void {
+    const at = beam * 7 + 3;
+    const azimuth = this.sonar.azimuth[beam]!;
+    const p = this.poses;
+    turn(p[at]!, p[at + 1]!, p[at + 2]!, p[at + 3]!, Math.cos(azimuth), Math.sin(azimuth), out);
+  }
+}
+
+/** (x, y, 0) turned by a unit quaternion. */
+export function turn(w: number, i: number, j: number, k: number, x: number, y: number, out: Float64Array): void {
+  out[0] = (1 - 2 * (j * j + k * k)) * x + 2 * (i * j - w * k) * y;
+  out[1] = 2 * (i * j + w * k) * x + (1 - 2 * (i * i + k * k)) * y;
+  out[2] = 2 * (i * k - w * j) * x + 2 * (j * k + w * i) * y;
+}

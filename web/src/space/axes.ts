@@ -1,0 +1,108 @@
+/** A frame round what is shown: a grid on the floor and numbers along north, east and depth. */
+import {
+  BufferAttribute,
+  BufferGeometry,
+  CanvasTexture,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  SRGBColorSpace,
+  Sprite,
+  SpriteMaterial,
+} from 'three';
+import { context, sheet } from '../dom';
+import type { Paint } from '../theme';
+import { roundStep } from '../units';
+import { at, type Extent } from './frame';
+
+export class Axes {
+  readonly group = new Group();
+  private look = '';
+
+  /** m; returns the steps of the grid: level and in depth. */
+  build(extent: Extent, stretch: number, paint: Paint): void {
+    const level = roundStep(Math.max(extent.high[0]! - extent.low[0]!, extent.high[1]! - extent.low[1]!) / 5);
+    // No closer than their numbers can stand.
+    const deep = roundStep(Math.max(Math.max(1, extent.high[2]!) / 3, (0.35 * level) / stretch));
+    const low = [0, 1].map((k) => Math.floor(extent.low[k]! / level) * level) as [number, number];
+    const high = [0, 1].map((k) => Math.ceil(extent.high[k]! / level) * level) as [number, number];
+    const floor = Math.ceil(Math.max(1, extent.high[2]!) / deep) * deep;
+    const look = [low, high, floor, level, deep, stretch, paint.ink].join();
+    if (look === this.look) return;
+    this.look = look;
+    this.clear();
+    const lines: number[] = [];
+    const line = (...ends: [number, number, number][]) => {
+      for (const [n, e, d] of ends) lines.push(...at(n, e, d * stretch).toArray());
+    };
+    const size = 0.042 * Math.max(high[0] - low[0], high[1] - low[1]);
+    const text = (words: string, n: number, e: number, d: number) => {
+      const sprite = label(words, paint);
+      sprite.position.copy(at(n, e, d * stretch));
+      this.group.add(sprite);
+    };
+    const count = (v: number) => String(Math.round(v * 100) / 100).replace('-', '−');
+    for (let n = low[0]; n <= high[0] + 1e-6; n += level) {
+      line([n, low[1], floor], [n, high[1], floor]);
+      text(count(n), n, low[1] - 1.1 * size, floor);
+    }
+    for (let e = low[1]; e <= high[1] + 1e-6; e += level) {
+      line([low[0], e, floor], [high[0], e, floor]);
+      text(count(e), low[0] - 1.1 * size, e, floor);
+    }
+    for (const [n, e] of [low, [high[0], low[1]], [low[0], high[1]]] as [number, number][])
+      line([n, e, 0], [n, e, floor]);
+    for (let d = 0; d <= floor + 1e-6; d += deep) {
+      line([high[0], low[1], d], [high[0] + size / 2, low[1] - size / 2, d]);
+      text(d === 0 ? '0 m' : `${count(d)}`, high[0] + 0.8 * size, low[1] - 0.8 * size, d);
+    }
+    text('North, m', (low[0] + high[0]) / 2 + level / 2, low[1] - 3.4 * size, floor);
+    text('East, m', low[0] - 2.6 * size, (low[1] + high[1]) / 2 + level / 2, floor);
+    text(`Down, m${stretch > 1 ? `  (× ${stretch})` : ''}`, high[0] + 2 * size, low[1] - 2 * size, floor / 2);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(Float32Array.from(lines), 3));
+    this.group.add(
+      new LineSegments(geometry, new LineBasicMaterial({ color: paint.faint, transparent: true, opacity: 0.55 })),
+    );
+  }
+
+  private clear(): void {
+    for (const child of this.group.children) {
+      if (child instanceof Sprite) {
+        child.material.map?.dispose();
+        child.material.dispose();
+      } else if (child instanceof LineSegments) {
+        child.geometry.dispose();
+        (child.material as LineBasicMaterial).dispose();
+      }
+    }
+    this.group.clear();
+  }
+}
+
+/** Of the height of the view. */
+const kText = 0.03;
+
+function label(words: string, paint: Paint): Sprite {
+  const canvas = sheet(1, 44);
+  const font = '600 30px system-ui, "DejaVu Sans", sans-serif';
+  const measure = context(canvas);
+  measure.font = font;
+  canvas.width = Math.ceil(measure.measureText(words).width) + 12;
+  const pen = context(canvas);
+  pen.font = font;
+  pen.textBaseline = 'middle';
+  pen.lineJoin = 'round';
+  pen.lineWidth = 6;
+  pen.strokeStyle = paint.halo;
+  pen.strokeText(words, 6, 23);
+  pen.fillStyle = paint.ink;
+  pen.fillText(words, 6, 23);
+  const map = new CanvasTexture(canvas);
+  map.colorSpace = SRGBColorSpace;
+  // As large on the screen, however far away.
+  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true, sizeAttenuation: false }));
+  sprite.scale.set((kText * canvas.width) / canvas.height, kText, 1);
+  sprite.renderOrder = 5;
+  return sprite;
+}

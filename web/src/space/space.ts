@@ -1,0 +1,368 @@
+/**
+ * The view in space: voxels, bottom, vehicle and ways, to be turned with mouse, fingers or keys. Drawn only when
+ * something changed.
+ */
+import {
+  AmbientLight,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  PerspectiveCamera,
+  PlaneGeometry,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { byId, mark, say } from '../dom';
+import { Kind } from '../protocol';
+import * as units from '../units';
+import type { Shared, View } from '../view';
+import { Axes } from './axes';
+import { Craft, FanOutlines } from './craft';
+import { Extent, at } from './frame';
+import { Thread } from './lines';
+import { Surface } from './surface';
+import { VoxelMesh, type VoxelColour } from './voxel_mesh';
+
+/** ms between two rebuilds of what is dear to build. */
+const kRebuild = 300;
+/** ms between two pictures of what moves, where the processor has to draw them. */
+const kSlow = 400;
+
+export class SpaceView implements View {
+  private readonly canvas = byId<HTMLCanvasElement>('space-canvas');
+  private readonly readout = byId('space-readout');
+  private readonly world = new Scene();
+  private readonly camera = new PerspectiveCamera(45, 1, 0.1, 20000);
+  private readonly voxels = new VoxelMesh();
+  private readonly surface = new Surface();
+  private readonly axes = new Axes();
+  private readonly craft = new Craft();
+  private readonly fans = new FanOutlines();
+  private readonly track = new Thread();
+  private readonly way = new Thread();
+  private readonly stretched = new Group();
+  private readonly sea: Mesh<PlaneGeometry, MeshBasicMaterial>;
+  private renderer: WebGLRenderer | null = null;
+  private controls: OrbitControls | null = null;
+  private readonly boxes = {
+    voxels: byId<HTMLInputElement>('space-voxels'),
+    bottom: byId<HTMLInputElement>('space-bottom'),
+    water: byId<HTMLInputElement>('space-water'),
+    fan: byId<HTMLInputElement>('space-fan'),
+    follow: byId<HTMLInputElement>('space-follow'),
+  };
+  private readonly ambient = new AmbientLight(0xffffff, 1.5);
+  private readonly sun = new DirectionalLight(0xffffff, 2);
+  private stretch = 1;
+  private dirty = true;
+  private seen = '';
+  private built = '';
+  private rebuilt = -Infinity;
+  private placed = false;
+  private deepest = 1;
+  /** What was looked at while following. */
+  private followed: Vector3 | null = null;
+
+  constructor(private readonly shared: Shared) {
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(-60, -90, 70);
+    this.sea = new Mesh(
+      new PlaneGeometry(1, 1),
+      new MeshBasicMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }),
+    );
+    this.stretched.add(this.voxels.mesh, this.surface.group);
+    this.sun.position.set(-0.5, 0.6, 1);
+    this.world.add(this.ambient, this.sun, this.stretched, this.axes.group, this.sea);
+    this.world.add(this.craft.group, this.fans.group, this.track.line, this.way.line);
+    const touch = () => {
+      this.dirty = true;
+      this.built = '';
+      this.rebuilt = -Infinity;
+      shared.redraw();
+    };
+    for (const box of Object.values(this.boxes)) box.addEventListener('change', touch);
+    this.boxes.follow.addEventListener('change', () => (this.placed = false));
+    const colour = byId<HTMLSelectElement>('space-colour');
+    colour.addEventListener('change', () => {
+      this.voxels.colour = colour.value as VoxelColour;
+      touch();
+    });
+    const stretch = byId<HTMLSelectElement>('space-stretch');
+    stretch.addEventListener('change', () => {
+      this.stretch = Number(stretch.value);
+      touch();
+    });
+    byId('space-fit').addEventListener('click', () => {
+      this.placed = false;
+      touch();
+    });
+    this.canvas.addEventListener('pointerdown', () => this.canvas.focus());
+  }
+
+  frame(now: number): void {
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    if (width < 20 || height < 20 || !this.start()) return;
+    const { model, theme } = this.shared;
+    const renderer = this.renderer!;
+    const look = `${model.revision.join()} ${theme.revision} ${width} ${height}`;
+    if (look !== this.seen) this.dirty = true;
+    if (!this.dirty) return;
+    if (this.slow && !this.moved && now - this.rendered < kSlow) return;
+    this.rendered = now;
+    this.seen = look;
+    this.dirty = this.moved = false;
+    renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    renderer.setClearColor(theme.paint.sky);
+    this.ambient.intensity = theme.name === 'day' ? 1.7 : 1.1;
+    this.sun.intensity = theme.name === 'day' ? 2 : 1.6;
+    this.rebuild(now);
+    this.move();
+    renderer.render(this.world, this.camera);
+    this.tell();
+  }
+
+  zoomBy(factor: number): void {
+    const controls = this.controls;
+    if (!controls) return;
+    this.camera.position.sub(controls.target).divideScalar(factor).add(controls.target);
+    this.touched();
+  }
+  /** Steps of about 6 degrees round and over what is looked at. */
+  turnBy(right: number, up: number): void {
+    const controls = this.controls;
+    if (!controls) return;
+    const arm = this.camera.position.clone().sub(controls.target);
+    const level = Math.hypot(arm.x, arm.y);
+    const azimuth = Math.atan2(arm.y, arm.x) + 0.1 * right;
+    const elevation = Math.min(1.54, Math.max(-1.4, Math.atan2(arm.z, level) + 0.1 * up));
+    const length = arm.length();
+    arm.set(Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation));
+    this.camera.position.copy(controls.target).addScaledVector(arm, length);
+    this.touched();
+  }
+  panBy(right: number, ahead: number): void {
+    const controls = this.controls;
+    if (!controls) return;
+    this.boxes.follow.checked = false;
+    const arm = controls.target.clone().sub(this.camera.position).setZ(0).normalize();
+    const side = new Vector3(arm.y, -arm.x, 0);
+    const step = this.camera.position.distanceTo(controls.target) * 0.06;
+    const by = arm.multiplyScalar(ahead * step).addScaledVector(side, right * step);
+    controls.target.add(by);
+    this.camera.position.add(by);
+    this.touched();
+  }
+  follow(): void {
+    this.boxes.follow.click();
+  }
+
+  private touched(): void {
+    this.controls?.update();
+    this.dirty = true;
+    this.shared.redraw();
+  }
+
+  /** The first time that this view is seen: who never looks here never pays for it. */
+  private start(): boolean {
+    if (this.renderer) return true;
+    if (this.failed) return false;
+    try {
+      this.slow = drawsInSoftware();
+      this.surface.most = this.slow ? 25_000 : 600_000;
+      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !this.slow });
+    } catch {
+      this.failed = true;
+      byId('space-none').hidden = false;
+      return false;
+    }
+    this.renderer.setPixelRatio(this.slow ? 1 : Math.min(2, window.devicePixelRatio || 1));
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.zoomToCursor = true;
+    this.controls.maxPolarAngle = Math.PI * 0.92;
+    this.controls.addEventListener('change', () => {
+      this.dirty = this.moved = true;
+      this.shared.redraw();
+    });
+    return true;
+  }
+  private failed = false;
+  /** No graphics processor: fewer points, and a picture for every record would leave no time for the other views. */
+  private slow = false;
+  private moved = false;
+  private rendered = -Infinity;
+
+  private rebuild(now: number): void {
+    const { model, theme } = this.shared;
+    const stretch = this.stretch;
+    const revisions = [Kind.voxels, Kind.depth, Kind.scene].map((kind) => model.revision[kind]);
+    const look = `${revisions.join()} ${theme.revision}`;
+    if (look === this.built) return;
+    if (now - this.rebuilt < kRebuild) {
+      this.dirty = true; // soon
+      this.shared.redraw();
+      return;
+    }
+    this.rebuilt = now;
+    const extent = this.extent();
+    if (!extent.empty) {
+      this.deepest = Math.max(1, Math.ceil(extent.high[2]!));
+      this.axes.build(extent, stretch, theme.paint);
+      this.spreadSea(extent);
+      if (!this.placed) this.lookAt(extent);
+    }
+    const before = this.voxels.mesh;
+    const mesh = this.voxels.build(model, theme);
+    if (mesh !== before) {
+      this.stretched.remove(before);
+      this.stretched.add(mesh);
+    }
+    const more = this.surface.build(model, theme, this.deepest);
+    this.stretched.scale.set(1, 1, stretch);
+    if (more) {
+      this.dirty = true;
+      this.rebuilt = -Infinity;
+      this.shared.redraw();
+    } else {
+      this.built = look;
+    }
+    mesh.visible = this.boxes.voxels.checked;
+    this.surface.group.visible = this.boxes.bottom.checked;
+    this.sea.visible = this.boxes.water.checked;
+    this.sea.material.color.set(theme.paint.track);
+    this.fans.group.visible = this.boxes.fan.checked;
+  }
+
+  private extent(): Extent {
+    const { model } = this.shared;
+    const extent = new Extent();
+    for (const {
+      at: [n, e],
+      depth,
+    } of model.scene?.mission ?? [])
+      extent.add(n, e, depth ?? 0);
+    if (model.vehicle) extent.add(model.vehicle.north, model.vehicle.east, model.vehicle.down);
+    for (const { item } of model.voxels.values()) {
+      const [n, e, d] = item.corner.map((v) => v * item.size) as [number, number, number];
+      extent.add(n, e, d);
+      extent.add(n + 16 * item.size, e + 16 * item.size, d);
+    }
+    for (const { item } of model.depth.values()) {
+      let deepest = -Infinity;
+      for (let i = 0; i < item.depth.length; i += 7) if (item.depth[i]! > deepest) deepest = item.depth[i]!;
+      if (deepest < 0) continue;
+      extent.add(item.north, item.east, deepest);
+      extent.add(item.north + item.side * item.pixel, item.east + item.side * item.pixel, deepest);
+    }
+    return extent;
+  }
+
+  private spreadSea(extent: Extent): void {
+    const [n, e] = [0, 1].map((k) => (extent.low[k]! + extent.high[k]!) / 2) as [number, number];
+    this.sea.position.copy(at(n, e, 0));
+    this.sea.scale.set(extent.high[1]! - extent.low[1]!, extent.high[0]! - extent.low[0]!, 1);
+  }
+
+  private lookAt(extent: Extent): void {
+    this.placed = true;
+    this.followed = null;
+    const { vehicle } = this.shared.model;
+    const wide = Math.max(20, extent.high[0]! - extent.low[0]!, extent.high[1]! - extent.low[1]!);
+    const [n, e] = [0, 1].map((k) => (extent.low[k]! + extent.high[k]!) / 2) as [number, number];
+    const follows = this.boxes.follow.checked && vehicle;
+    const target = follows ? at(vehicle.north, vehicle.east, vehicle.down * this.stretch) : at(n, e, 0);
+    this.controls!.target.copy(target);
+    const half = (this.camera.fov / 2) * (Math.PI / 180);
+    const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
+    const far = follows ? Math.min(wide, 70) : (0.61 * wide) / Math.sin(narrow);
+    this.camera.position.copy(target).add(new Vector3(-0.4, -0.75, 0.62).normalize().multiplyScalar(far));
+    this.camera.far = wide * 20;
+    this.controls!.update();
+  }
+
+  private move(): void {
+    const { model, theme } = this.shared;
+    const { paint } = theme;
+    const { vehicle, scene } = model;
+    this.craft.group.visible = vehicle !== null;
+    if (vehicle) {
+      const place = at(vehicle.north, vehicle.east, vehicle.down * this.stretch);
+      const { target } = this.controls!;
+      // Who drags the view away wants to look elsewhere.
+      if (this.followed && target.distanceTo(this.followed) > 1e-3) this.boxes.follow.checked = false;
+      this.followed = null;
+      if (this.boxes.follow.checked) {
+        this.camera.position.add(place.clone().sub(target));
+        target.copy(place);
+        this.controls!.update();
+        this.followed = place;
+        this.dirty = this.moved = false;
+      }
+      this.controls!.zoomToCursor = !this.boxes.follow.checked;
+      this.craft.place(
+        vehicle,
+        scene?.vehicle.length ?? 1.5,
+        this.stretch,
+        paint,
+        this.camera.position.distanceTo(place),
+      );
+    }
+    this.fans.show(model, this.stretch, paint);
+    const points = model.way?.points ?? [];
+    this.way.show(points.length, (i) => level(points[i]!, vehicle?.down ?? 0), this.stretch, paint.way);
+    const pieces = [...model.track.entries()].sort(([a], [b]) => a - b).map(([, piece]) => piece.places);
+    const all = pieces.reduce((sum, piece) => sum + piece.length / 4, 0);
+    let piece = 0;
+    let first = 0;
+    this.track.show(
+      all,
+      (i) => {
+        while (i - first >= pieces[piece]!.length / 4) first += pieces[piece++]!.length / 4;
+        const k = 4 * (i - first);
+        return [pieces[piece]![k + 1]!, pieces[piece]![k + 2]!, pieces[piece]![k + 3]!];
+      },
+      this.stretch,
+      paint.track,
+    );
+  }
+
+  private tell(): void {
+    const { vehicle } = this.shared.model;
+    const parts = vehicle
+      ? [
+          `${units.metres(vehicle.down)} deep, ${units.metres(vehicle.altitude)} above the bottom`,
+          `roll ${units.tilt(vehicle.roll)}, pitch ${units.tilt(vehicle.pitch)}`,
+        ]
+      : [];
+    parts.push(`${units.count(this.voxels.shown)} voxels`);
+    if (this.voxels.shown > 0 && this.voxels.colour === 'depth') {
+      parts.push(
+        `voxels light ${units.metres(this.voxels.range[0])} to dark ${units.metres(this.voxels.range[1])} deep`,
+      );
+    } else if (this.voxels.shown > 0) {
+      parts.push('voxels dark 50 % to light 100 % likely');
+    }
+    if (this.shared.model.depth.size > 0 && this.boxes.bottom.checked)
+      parts.push(`bottom light 0 m to dark ${this.deepest} m deep`);
+    say(this.readout, parts.join(' · '));
+    mark(this.canvas, 'voxels', String(this.voxels.shown));
+  }
+}
+
+function drawsInSoftware(): boolean {
+  const probe = document.createElement('canvas').getContext('webgl2');
+  if (!probe) return false;
+  const names = probe.getExtension('WEBGL_debug_renderer_info');
+  const name: unknown = probe.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : probe.RENDERER);
+  probe.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
+}
+
+function level([n, e, d]: readonly [number, number, number], instead: number): [number, number, number] {
+  return [n, e, Number.isFinite(d) ? d : instead];
+}

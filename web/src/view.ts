@@ -1,0 +1,21 @@
+/** What all views share, and what a view is. */
+import type { Decision } from './items';
+import type { Model } from './model';
+import type { Request } from './feed';
+import type { Theme } from './theme';
+
+export interface Shared {
+  model: Model;
+  theme: Theme;
+  ask(request: Request): void;
+  /** Draw at the next frame, though no record came. */
+  redraw(): void;
+  /** Opens a view, pans to the decision and marks it. */
+  showDecision(decision: Decision): void;
+  selected: Decision | null;
+}
+
+export interface View {
+  /** Called once a frame while something may have changed and the view can be seen. */
+  frame(now: number): void;
+}
