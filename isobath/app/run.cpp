@@ -109,12 +109,16 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
     fmt::print("{} ranges and {} swaths within {}; {:.2f} s of work\n", n.ranges, n.swaths, span_text(outcome.log_s),
                outcome.timings.wall_s);
   }
-  if (n.upright > 0) fmt::print("{} pings of upright fans, for the map in three dimensions\n", n.upright);
   if (const std::string load = load_text(outcome.timings.load, n.pings, outcome.log_s); !load.empty()) {
     fmt::print("{}\n", load);
   }
+  if (n.upright > 0) fmt::print("{} pings of upright fans, for the map in three dimensions\n", n.upright);
   for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
+  if (n.jumps > 0) {
+    fmt::print("jumps of the position: {}, by up to {:.1f} m; what was seen around the vehicle moved along\n", n.jumps,
+               n.farthest_jump_m);
+  }
   for (const Damage& d : outcome.source.damages)
     fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
   if (!outcome.undecided.empty()) fmt::print("at the end no bin could be decided: {}\n", outcome.undecided);

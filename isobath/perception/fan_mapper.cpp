@@ -23,6 +23,9 @@ std::int32_t explanation(double probability, const MixedVoxel& voxel) {
   return static_cast<std::int32_t>(0.5 - std::log1p(-probability / cells) / kExplained);
 }
 
+/// Beyond upright there is nothing more to ensonify.
+double sine_of_half(const BeamFan& fan) { return std::sin(std::min(0.5 * pi, 0.5 * fan.height.radians())); }
+
 bool bit(const std::uint64_t* words, int i) { return (words[i / 64] >> (i % 64) & 1) != 0; }
 
 }  // namespace
@@ -360,14 +363,27 @@ void FanMapper::take_decisions(const EchoDecisions& decisions, WorkTeam& team) {
 
 // The geometry of a sonar --------------------------------------------------------------------------------------------
 
+const char* FanMapper::fault_of(const Ping& ping, double voxel_m) {
+  constexpr double kMostVoxels = 1e9, kMostAcross = 4000;
+  const BeamFan& fan = *ping.fan;
+  const double range = ping.window.end_m() / voxel_m;
+  const double cells = (std::sqrt(3.0) * voxel_m / ping.window.bin_m + 2) * fan.beams();
+  if (!(cells < 65536)) return "voxels far too large for the bins of a ping";
+  const Angle span = fan.azimuth.back() - fan.azimuth.front() + fan.width.front() * 0.5 + fan.width.back() * 0.5;
+  const double angle = std::min(2 * pi, span.radians()) * 2 * std::max(sine_of_half(fan), 1 / range);  // steradians
+  if (!(range < kMostAcross && angle * range * range * range / 3 < kMostVoxels)) {
+    return "voxels far too small for the range of a ping";
+  }
+  return nullptr;
+}
+
 void FanMapper::take_geometry(const Ping& ping) {
   const BeamFan& fan = *ping.fan;
   const auto beams = static_cast<std::size_t>(fan.beams());
-  const double cells = (std::sqrt(3.0) * voxel_m_ / ping.window.bin_m + 2) * static_cast<double>(beams);
-  if (cells >= 65536) {
-    throw Error(fmt::format("voxels of {:g} m are too large for bins of {:g} m in {} beams", voxel_m_,
-                            ping.window.bin_m, beams),
-                {}, "fewer than 65536 bins to a voxel near the sonar", "make voxel_m smaller");
+  if (const char* fault = fault_of(ping, voxel_m_)) {
+    throw Error(fmt::format("voxels of {:g} m, bins of {:g} m to {:g} m in {} beams: {}", voxel_m_, ping.window.bin_m,
+                            ping.window.end_m(), beams, fault),
+                {}, "", "set voxel_m");
   }
   fan_ = ping.fan;
   window_ = ping.window;
@@ -385,7 +401,7 @@ void FanMapper::take_geometry(const Ping& ping) {
   const double middle = 0.5 * (left.front() + right.back());
   X_SF_ = {Rotation::from_heading(Angle::radians(middle)), Vector3d::Zero()};
   half_width_ = std::min(pi, 0.5 * (right.back() - left.front()));
-  sine_ = sin(fan.height * 0.5);
+  sine_ = sine_of_half(fan);
   beams_at_.assign(FanView::kDirections, 0);
   const auto index_of = [&](double azimuth) {
     const double a = std::clamp(azimuth - middle, -pi, pi);

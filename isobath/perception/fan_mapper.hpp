@@ -73,8 +73,13 @@ class FanMapper {
   /// Minus infinity, as at first: there is none.
   void set_surface(double depth_m) { surface_m_ = depth_m; }
 
-  /// The ping is valid, decisions have its size, the pose is finite. Throws Error where a voxel near the sonar spans
-  /// 65536 cells or more. Returns the blocks that it looked at.
+  /// Why a valid ping cannot go into voxels of this size; null: it can. They are so large that one near the sonar spans
+  /// 65536 cells or more, or so small that the fan is 4000 of them long, or holds
+  /// 10^9.
+  [[nodiscard]] static const char* fault_of(const Ping& ping, double voxel_m);
+
+  /// The ping is valid, decisions have its size, the pose is finite. Throws Error where `fault_of` says why. Returns
+  /// the blocks that it looked at.
   int update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, VoxelBlocks& layer, int threads = 1);
 
   /// What the same geometry would hear, f + (p_D - f) (1 - E), beam after beam; of the decisions only p_D and f count.

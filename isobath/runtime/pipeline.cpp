@@ -126,7 +126,8 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
   const bool measured = !posed || poses_.knows_its_motion();  // else dead reckoned
   enter(Stage::kPlane);
-  mapper_->update(ping, decisions_, X_WB, {.position_fix = false, .velocity_log = measured});  // moves, then learns
+  const Pose smooth{X_WB.rotation, X_WB.translation - jumped_};
+  mapper_->update(ping, decisions_, smooth, {.position_fix = false, .velocity_log = measured});  // moves, then learns
   sink_.on_ping({ping, X_WB, decisions_});
   enter(Stage::kPlane);
   count(decisions_);
@@ -190,10 +191,19 @@ void Pipeline::restart() {
 }
 
 void Pipeline::add_fix(const Navigation& fix) {
-  poses_.add(fix);
+  if (const Eigen::Vector3d jump = poses_.add(fix); !jump.isZero(0)) follow(jump);
   alarms_.moved(fix);
   ++counts_.navigation;
   if (depths_) depths_->on_passage(fix.time, fix.X_WB);
+}
+
+void Pipeline::follow(const Eigen::Vector3d& jump) {
+  ++counts_.jumps;
+  counts_.farthest_jump_m = std::max(counts_.farthest_jump_m, jump.norm());
+  jumped_ += jump;
+  if (last_ && last_->posed) last_->X_WB.translation += jump;
+  alarms_.jumped(jump);
+  sink_.on_jump(jump);
 }
 
 void Pipeline::hold(Waiting sensed) {

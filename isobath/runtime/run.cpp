@@ -78,6 +78,11 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     load.enter(Stage::kVoxels);
     voxels.take(swath, X_WB);
   }
+  void on_jump(const Eigen::Vector3d& by_W) override {
+    voxels.move_along(by_W);
+    folder_.on_jump(by_W);
+    if (display) display->on_jump(by_W);
+  }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
 
@@ -516,6 +521,8 @@ RunOutcome run(const RunRequest& asked) {
   outcome.source = source->report();
   if (frame) outcome.source.origin = frame;
   add_results(outcome, pipeline, depths, sinks.voxels.map() != nullptr);
+  for (const auto& [reason, count] : sinks.voxels.refused())
+    outcome.rejected["left out of the voxels: " + reason] += count;
   if (sinks.recorder) {
     sinks.recorder->sample(last, *sinks.shown, true);
     sinks.recorder->close();

@@ -64,8 +64,11 @@ void Intensities::copy_beam(int beam, float* out) const {
 PingFault check(const Ping& ping) {
   if (!ping.fan) return PingFault::kNoFan;
   if (!valid(*ping.fan)) return PingFault::kBadFan;
+  // First and last beam of a whole turn are not the same.
+  if ((ping.fan->azimuth.back() - ping.fan->azimuth.front()).degrees() > 360) return PingFault::kTooWide;
   const RangeWindow& w = ping.window;
   if (!(w.bin_m > 0) || !std::isfinite(w.end_m()) || !(w.start_m >= 0) || w.bins <= 0) return PingFault::kBadWindow;
+  if (w.bin_m < 1e-5 || w.end_m() > 1e6 || ping.X_BS.translation.norm() > 1e4) return PingFault::kBadScale;
   if (!ping.intensity.data() || ping.intensity.beams() != ping.fan->beams() || ping.intensity.bins() != w.bins) {
     return PingFault::kSizeMismatch;
   }
@@ -88,7 +91,9 @@ const char* to_text(PingFault fault) {
     case PingFault::kNone: return "none";
     case PingFault::kNoFan: return "no beams";
     case PingFault::kBadFan: return "beams out of order or without width";
+    case PingFault::kTooWide: return "beams round more than a whole turn";
     case PingFault::kBadWindow: return "no usable range window";
+    case PingFault::kBadScale: return "bins, range or mount of a size that no sonar has";
     case PingFault::kSizeMismatch: return "samples do not match beams and bins";
     case PingFault::kNotFinite: return "value not finite";
   }

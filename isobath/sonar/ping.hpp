@@ -98,8 +98,18 @@ struct Ping {
 /// The bins of a beam that were sampled.
 BinSpan sampled_bins(const Ping& ping, int beam);
 
-/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order.
-enum class PingFault : std::uint8_t { kNone, kNoFan, kBadFan, kBadWindow, kSizeMismatch, kNotFinite };
+/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order or round more than a turn,
+/// a size that no sonar has: bins below 10 um, a range beyond 1000 km, a mount 10 km from the vehicle.
+enum class PingFault : std::uint8_t {
+  kNone,
+  kNoFan,
+  kBadFan,
+  kTooWide,
+  kBadWindow,
+  kBadScale,
+  kSizeMismatch,
+  kNotFinite
+};
 PingFault check(const Ping& ping);
 const char* to_text(PingFault fault);
 

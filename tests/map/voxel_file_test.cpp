@@ -169,6 +169,37 @@ TEST_F(VoxelFiles, ForgetOnDiskWhatIsForgotten) {
   EXPECT_THAT(again.sensors(), testing::ElementsAre("flat"));
 }
 
+// Wherever its blocks are, a map moves as one in memory does, and its file forgets the places of before.
+// ledger: S5-13 S6-53
+TEST_F(VoxelFiles, MoveAsAMapInMemoryDoes) {
+  VoxelMap all, bounded;
+  bounded.spill_to(file_);
+  Random draws(18), same_draws(18);
+  std::uint64_t after = 0;
+  for (int step = 0; step < 60; ++step) {
+    hear_ping(all, draws, step);
+    hear_ping(bounded, same_draws, step);
+    if (step % 5 == 3) bounded.spill_beyond(60'000);
+    if (step % 13 == 7) bounded.save();
+    if (step % 20 == 19) {
+      const VoxelIndex by(3 * step, 7, -step);
+      EXPECT_GT(bounded.spilled(), 0u);
+      all.advance();
+      bounded.advance();
+      all.move(by, after);
+      bounded.move(by, after);
+      after = all.revision() - 8;
+      EXPECT_TRUE(content_of(bounded) == content_of(all)) << step;
+    }
+  }
+  bounded.save();
+  const Content content = content_of(bounded);
+  bounded = VoxelMap();
+  VoxelMap again;
+  again.spill_to(file_);
+  EXPECT_TRUE(content_of(again) == content);
+}
+
 TEST_F(VoxelFiles, OpenAgainAndGoOn) {
   VoxelMap all;
   Random draws(9), same_draws(9);
