@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <isobath/io/pooled_bins.hpp>
@@ -40,6 +41,16 @@ class PooledBins final : public Source {
   [[nodiscard]] const SourceReport& report() const override { return source_->report(); }
 
  private:
+  /// Of bins that were sampled as a whole.
+  static std::shared_ptr<const std::vector<BinSpan>> pooled(const std::vector<BinSpan>& fine, int together, int bins) {
+    auto spans = std::make_shared<std::vector<BinSpan>>();
+    for (const BinSpan& span : fine) {
+      const int first = std::min((span.first + together - 1) / together, bins);
+      spans->push_back({first, std::clamp(span.end / together, first, bins)});
+    }
+    return spans;
+  }
+
   void pool(Ping& ping, int together) {
     const int bins = ping.window.bins / together;
     const int beams = ping.intensity.beams(), size = bytes_of(ping.intensity.type());
@@ -57,6 +68,7 @@ class PooledBins final : public Source {
     }
     ping.intensity = Intensities(samples, ping.intensity.type(), beams, bins, std::ptrdiff_t{bins} * size, size);
     ping.storage = arena_.owner();
+    if (ping.sampled) ping.sampled = pooled(*ping.sampled, together, bins);
     ping.window.bin_m *= together;
     ping.window.bins = bins;
   }

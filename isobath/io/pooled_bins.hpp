@@ -6,7 +6,8 @@
 // the way from the sonar to the end of its window. Of an ARIS's samples of 1 cm up to 23 m, four go together.
 //
 // Means are of the counts as they are (decibels stay decibels) and rounded to whole ones where samples are whole. Bins
-// at the far end that fill no new one are dropped. Pings with few enough bins pass untouched, as do all other events.
+// at the far end that fill no new one are dropped, and a new bin counts as sampled where all of it was. Pings with few
+// enough bins pass untouched, as do all other events.
 #pragma once
 
 #include <isobath/io/event.hpp>

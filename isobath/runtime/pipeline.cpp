@@ -87,14 +87,19 @@ Pipeline::~Pipeline() = default;
 
 // What happens to an event -------------------------------------------------------------------------------------------
 
+EchoDetector& Pipeline::detector_of(const Ping& ping) {
+  return lies_flat(ping) ? echoes_ : looks_down(ping) ? sounder_echoes_ : upright_echoes_;
+}
+
 bool Pipeline::listen(const Ping& ping) {
   if (check(ping) != PingFault::kNone) return false;
-  return (lies_flat(ping) ? echoes_ : upright_echoes_).listen(ping);
+  return detector_of(ping).listen(ping);
 }
 
 void Pipeline::heard_all() {
   echoes_.heard_all();
   upright_echoes_.heard_all();
+  sounder_echoes_.heard_all();
 }
 
 void Pipeline::take(Event event) {
@@ -137,7 +142,7 @@ void Pipeline::hear_upright(const Ping& ping, const Pose& X_WB, bool posed) {
   const bool sounds = looks_down(ping);
   WaterColumn water = water_at(ping, X_WB, posed);
   if (sounds) water.above_bottom_m.reset();
-  (sounds ? sounder_echoes_ : upright_echoes_).detect(ping, decisions_, water);
+  detector_of(ping).detect(ping, decisions_, water);
   if (sounds && leaves_method_open(configuration_)) side_lobes_.leave_out(ping, decisions_);
   sink_.on_upright({ping, X_WB, decisions_});
   ++counts_.upright;

@@ -155,6 +155,7 @@ class Pipeline {
   void release(Time now, bool all);
   void place(const Waiting& sensed);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
+  EchoDetector& detector_of(const Ping& ping);
   void hear_upright(const Ping& ping, const Pose& X_WB, bool posed);
   void map_depth(const Waiting& sensed, const PoseEstimate& pose);
   void fit_map(const Ping& ping, bool posed);

@@ -170,6 +170,7 @@ bool EchoDetector::listen(const Ping& ping) {
   prepare_for(ping);
   listened_ = true;
   for (int beam = 0; beam < ping.intensity.beams(); ++beam) {
+    if (sampled_bins(ping, beam) != BinSpan{0, window_.bins}) continue;
     ping.intensity.copy_beam(beam, beam_.data());
     tracker_.learn(beam_.data());
   }
@@ -195,9 +196,12 @@ void EchoDetector::weigh_beams(const Ping& ping) {
     return static_cast<double>(*at);
   };
   for (int b = 0; b < beams; ++b) {
+    const BinSpan span = sampled_bins(ping, b);
+    const int first = std::max(first_bin_, span.first);
+    if (first >= span.end) continue;
     ping.intensity.copy_beam(b, beam_.data());
-    for (int k = first_bin_; k < window_.bins; ++k) beam_[k] /= thresholds_[k];
-    gains_[b] = quantile(beam_.begin() + first_bin_, beam_.end(), kQuantile);
+    for (int k = first; k < span.end; ++k) beam_[k] /= thresholds_[k];
+    gains_[b] = quantile(beam_.begin() + first, beam_.begin() + span.end, kQuantile);
   }
   std::vector<double> sorted = gains_;
   const double middle = quantile(sorted.begin(), sorted.end(), 0.5);

@@ -445,7 +445,9 @@ TEST(KongsbergWaterRecordings, StrongestEchoesStandOnTheSonarsOwnSoundings) {
   for (const Beside& r :
        {Beside{"em2042-harbour-c.kmall", 57, 0.3, 0.98}, Beside{"em2042-harbour-a.kmall", 57, 0.3, 0.98},
         Beside{"em2040-florida.kmall", 40, 0.3, 0.98}, Beside{"em2040c-australia.all", 35, 0.3, 0.97}}) {
-    const Heard heard(open_source(folder / r.log, {}));
+    InputConfig as_recorded;
+    as_recorded.most_bins = 0;
+    const Heard heard(open_source(folder / r.log, as_recorded));
     std::size_t beams = 0, near = 0, pings = 0;
     const Swath* swath = nullptr;
     Pose X_WB;

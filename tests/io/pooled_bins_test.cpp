@@ -53,6 +53,15 @@ void expect_means(float full_scale) {
   }
 }
 
+TEST(PooledBins, AreSampledWhereAllOfThemWas) {
+  Ping fine = test::ping_of<float>(
+      test::fan_of(4), {0, 0.02, 100}, [](int, int) { return 1.0; }, 1);
+  fine.sampled = std::make_shared<std::vector<BinSpan>>(std::vector<BinSpan>{{0, 100}, {3, 11}, {5, 7}, {0, 0}});
+  const Ping ping = pooled(fine, 25);
+  ASSERT_EQ(check(ping), PingFault::kNone);
+  EXPECT_EQ(*ping.sampled, (std::vector<BinSpan>{{0, 25}, {1, 2}, {2, 2}, {0, 0}}));
+}
+
 TEST(PooledBins, AreMeansOfTheirNeighbours) {
   expect_means<std::uint8_t>(255);
   expect_means<std::uint16_t>(4000);
