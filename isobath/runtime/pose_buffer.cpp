@@ -30,14 +30,20 @@ PoseBuffer::PoseBuffer(const PoseBufferConfig& config) : config_(config), ring_(
 
 Eigen::Vector3d PoseBuffer::add(const Navigation& fix) {
   const Eigen::Vector3d jump = jump_to(fix);
+  const Eigen::Vector3d moved = count_ > 0 ? fix.X_WB.translation - newest().X_WB.translation : jump;
+  const double dt = count_ > 0 ? to_seconds(fix.time - newest().time) : 0;
   if (!jump.isZero(0)) {
     for (std::size_t age = 0; age < count_; ++age)
       ring_[(next_ + kCapacity - 1 - age) % kCapacity].X_WB.translation += jump;
   }
-  const double dt = count_ > 0 ? to_seconds(fix.time - newest().time) : 0;
-  if (dt > 0) {
-    velocity_ = (fix.X_WB.translation - newest().X_WB.translation) / dt;
-    apart_s_ = dt;
+  if (!fix.v_WB && moved.isZero(0)) {
+    stood_s_ += dt;
+  } else if (dt > 0) {
+    apart_s_ = dt + stood_s_;
+    velocity_ = (moved - jump) / apart_s_;
+    doubted_.reset();
+    if (!jump.isZero(0)) doubted_ = moved / apart_s_;
+    stood_s_ = 0;
   }
   ring_[next_] = fix;
   next_ = (next_ + 1) % kCapacity;
@@ -48,6 +54,8 @@ Eigen::Vector3d PoseBuffer::add(const Navigation& fix) {
 void PoseBuffer::clear() {
   count_ = 0;
   velocity_.reset();
+  doubted_.reset();
+  stood_s_ = 0;
 }
 
 /// What of the way to a fix no motion explains.
@@ -58,17 +66,19 @@ Eigen::Vector3d PoseBuffer::jump_to(const Navigation& fix) const {
   const double dt = to_seconds(fix.time - newest().time);
   const Eigen::Vector3d moved = fix.X_WB.translation - newest().X_WB.translation;
   std::optional<Eigen::Vector3d> jump;
-  const auto explains = [&](const Eigen::Vector3d& velocity, double allowed_m) {
-    const Eigen::Vector3d rest = moved - dt * velocity;
+  const auto explains = [&](const Eigen::Vector3d& velocity, double over_s, double allowed_m) {
+    const Eigen::Vector3d rest = moved - over_s * velocity;
     if (!jump || rest.norm() < jump->norm()) jump = rest;
     return rest.norm() <= config_.jump_m + allowed_m;
   };
   const auto& stated = newest().v_WB;
-  if (stated && explains(*stated, 0.5 * kAcceleration * dt * dt)) return Eigen::Vector3d::Zero();
-  if (velocity_ && explains(*velocity_, 0.5 * kAcceleration * dt * (dt + apart_s_) + kJitter * dt / apart_s_)) {
-    return Eigen::Vector3d::Zero();
+  if (stated && explains(*stated, dt, 0.5 * kAcceleration * dt * dt)) return Eigen::Vector3d::Zero();
+  const double way_s = dt + stood_s_;
+  for (const auto& velocity : {velocity_, doubted_}) {
+    const double allowed = velocity ? 0.5 * kAcceleration * way_s * (way_s + apart_s_) + kJitter * way_s / apart_s_ : 0;
+    if (velocity && explains(*velocity, way_s, allowed)) return Eigen::Vector3d::Zero();
   }
-  if (!jump && explains(Eigen::Vector3d::Zero(), kFastest * dt)) return Eigen::Vector3d::Zero();
+  if (!jump && explains(Eigen::Vector3d::Zero(), 0, kFastest * way_s)) return Eigen::Vector3d::Zero();
   return *jump;
 }
 

@@ -6,8 +6,10 @@
 // A jump: a fix that lies farther than `jump_m` from where the vehicle can have moved to, by the velocity that the
 // last fix states or by the way from the fix before it, whichever explains more, and by an acceleration of 1 m/s2. It
 // corrects what was believed until then; so the fixes before it are moved to where they would have been, and a pose
-// that is asked for later is in line with the new place (ledger S6-53). What jumps is the position: a heading that
-// jumps is taken for a turn.
+// that is asked for later is in line with the new place (ledger S6-53). A way that goes on as the jump did was motion
+// after all: a boat that starts between two fixes, and states no velocity, is taken for a jump once. A position that
+// is repeated to the last bit, as frozen receivers do, is none that was measured. What jumps is the position: a heading
+// that jumps is taken for a turn.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -59,7 +61,9 @@ class PoseBuffer {
   std::size_t next_ = 0;
   std::size_t count_ = 0;
   std::optional<Eigen::Vector3d> velocity_;  ///< W, by the last two fixes, jumps left out
-  double apart_s_ = 0;                       ///< these two
+  std::optional<Eigen::Vector3d> doubted_;   ///< the same with the jump, if it was one: when it goes on, it was none
+  double apart_s_ = 0;                       ///< between these two
+  double stood_s_ = 0;  ///< that the position has been the same to the last bit, with no velocity stated
 };
 
 }  // namespace isobath

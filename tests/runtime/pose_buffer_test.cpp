@@ -2,6 +2,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
 #include <tests/runtime/events.hpp>
+#include <vector>
 
 namespace isobath {
 namespace {
@@ -63,6 +64,30 @@ TEST(PoseBuffer, SaysByHowMuchThePositionJumpsAndBringsWhatWasBeforeInLine) {
       const double before = 19.5 / rate_hz;  // half way to the jump
       EXPECT_LT((poses.at(at(before))->translation - Eigen::Vector3d(1.5 * before - 4.8, -6.4, 0)).norm(), 0.05);
     }
+  }
+}
+
+// A log of a GPS without velocities, in which a boat that lies still has 4 m/s with the next fix.
+TEST(PoseBuffer, SeesThatAJumpWhichGoesOnIsMotion) {
+  PoseBuffer poses({});
+  std::vector<int> jumps;
+  for (int i = 0; i < 20; ++i) {
+    const double north = i < 5 ? 0.01 * (i % 2) : 4.0 * (i - 4);
+    if (!poses.add(fix_at(i, north)).isZero(0)) jumps.push_back(i);
+  }
+  EXPECT_EQ(jumps, std::vector<int>{5});
+}
+
+// A receiver that holds its position for seconds and then catches up, as some do; but not a vehicle that says that it
+// stands.
+TEST(PoseBuffer, TakesNoFrozenPositionForAMeasurement) {
+  PoseBuffer poses({});
+  for (int i = 0; i < 60; ++i) EXPECT_TRUE(poses.add(fix_at(i, 1.2 * (i - i % (3 + i / 20)))).isZero(0)) << i;
+  PoseBuffer standing({});
+  for (int i = 0; i < 60; ++i) {
+    Navigation fix = fix_at(i, i < 40 ? 3 : 9);
+    fix.v_WB = Eigen::Vector3d::Zero();
+    EXPECT_EQ(standing.add(fix).isZero(0), i != 40) << i;
   }
 }
 
