@@ -4,9 +4,13 @@
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <isobath/base/random.hpp>
+#include <isobath/map/grid_snapshots.hpp>
 #include <isobath/map/spherical_grid.hpp>
 #include <isobath/map/spherical_passage.hpp>
+#include <isobath/perception/scan_shapes.hpp>
 #include <isobath/perception/spherical_mapper.hpp>
+#include <isobath/perception/tangential_clusters.hpp>
+#include <isobath/sim/plane_section.hpp>
 #include <numbers>
 
 namespace isobath {
@@ -41,6 +45,7 @@ void fill_with(SphericalGrid& grid, std::size_t cells) {
   }
 }
 
+// ledger: S4-30 S4-D04: `data_rates` says how many times as fast as 60 beams ten times a second echoes are taken in.
 void SphericalEchoes(benchmark::State& state) {
   SphericalGridConfig config;
   SphericalGrid grid(config);
@@ -57,6 +62,9 @@ void SphericalEchoes(benchmark::State& state) {
     for (const SphericalLook& look : looks) mapper.add(look);
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * looks.size()));
+  constexpr double kBeamsASecond = 600;
+  state.counters["data_rates"] = benchmark::Counter(static_cast<double>(looks.size()) / kBeamsASecond,
+                                                    benchmark::Counter::kIsIterationInvariantRate);
   state.counters["cells"] = static_cast<double>(grid.cells().size());
   state.counters["bytes_a_cell"] = static_cast<double>(grid.cells().bytes()) / static_cast<double>(grid.cells().size());
 }
@@ -134,6 +142,46 @@ void SphericalLives(benchmark::State& state) {
   }
 }
 BENCHMARK(SphericalLives)->Unit(benchmark::kMicrosecond);
+
+/// A copy for readers in other threads, with nobody reading (S4-48).
+void SphericalSnapshot(benchmark::State& state) {
+  SphericalGrid grid;
+  fill_with(grid, static_cast<std::size_t>(state.range(0)));
+  GridSnapshots snapshots({});
+  for (auto _ : state) snapshots.publish(grid, Time{}, Pose{});
+}
+BENCHMARK(SphericalSnapshot)->Arg(8'000)->Unit(benchmark::kMicrosecond);
+
+/// A turn of 144 beams in a room with a tank and a body, told as lines, arcs and corners (S4-45).
+void SphericalShapesOfScan(benchmark::State& state) {
+  PlaneSection room;
+  const std::vector<Eigen::Vector2d> walls{{-22, -20}, {20, -20}, {20, 22}, {-22, 22}},
+      body{{-6, 2}, {0, 4}, {-2, 10}, {-8, 8}};
+  for (const auto& outline : {walls, body}) {
+    for (std::size_t i = 0; i < 4; ++i) room.add(SectionLine{outline[i], outline[(i + 1) % 4]});
+  }
+  room.add(SectionArc{{12, -10}, 3, {}, Angle::degrees(360)});
+  Random random(6);
+  PlaneScan told;
+  told.from = {5, -2};
+  for (const SectionReading& reading : scan(room, told.from, {}, random)) {
+    if (reading.range_m) told.echoes.emplace_back(reading.bearing, *reading.range_m);
+  }
+  told.sort();
+  for (auto _ : state) benchmark::DoNotOptimize(shapes_of(told));
+  state.counters["echoes"] = static_cast<double>(told.echoes.size());
+}
+BENCHMARK(SphericalShapesOfScan)->Unit(benchmark::kMillisecond);
+
+/// Tangent planes of what a box of cells echoes (S4-44).
+void SphericalTangentPlanes(benchmark::State& state) {
+  SphericalGrid grid;
+  fill_with(grid, static_cast<std::size_t>(state.range(0)));
+  const std::vector<Vector3d> echoes = echoes_of(grid, 0);
+  for (auto _ : state) benchmark::DoNotOptimize(tangential_clusters(echoes));
+  state.counters["echoes"] = static_cast<double>(echoes.size());
+}
+BENCHMARK(SphericalTangentPlanes)->Arg(20'000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace isobath

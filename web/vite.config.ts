@@ -1,7 +1,11 @@
-import type { Plugin } from 'vite';
+import { readFileSync } from 'node:fs';
+import { runnerImport, type Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
 
-/** The page is one file that works without a net: the script and the styles are set where the page would load them. */
+/**
+ * The page is one file that works without a net: the script and the styles are set where the page would load them,
+ * with the licences of what is in it.
+ */
 function inOneFile(): Plugin {
   return {
     name: 'in-one-file',
@@ -13,7 +17,9 @@ function inOneFile(): Plugin {
       let html = String(page.source);
       for (const [name, file] of Object.entries(bundle)) {
         if (name === 'index.html') continue;
-        const link = new RegExp(`<(script|link)[^>]*(?:src|href)="[^"]*${name.replaceAll('.', '\\.')}"[^>]*>(</script>)?`);
+        const link = new RegExp(
+          `<(script|link)[^>]*(?:src|href)="[^"]*${name.replaceAll('.', '\\.')}"[^>]*>(</script>)?`,
+        );
         if (!link.test(html)) throw new Error(`${name} is not named by index.html, and one file has no room for it`);
         const inside =
           file.type === 'chunk'
@@ -22,26 +28,31 @@ function inOneFile(): Plugin {
         html = html.replace(link, () => inside);
         delete bundle[name];
       }
-      page.source = html;
+      const notices = ['three', 'uplot'].map(
+        (name) => `${name}: ${readFileSync(`node_modules/${name}/LICENSE`, 'utf8').trim()}`,
+      );
+      page.source = html.replace('<html', () => `<!--\nThis page holds:\n\n${notices.join('\n\n')}\n-->\n<html`);
     },
   };
 }
 
 /** `npm run dev` shows the demonstration; ISOBATH_SERVE=host:port shows what a running `isobath serve` tells. */
 function demonstration(): Plugin {
+  const serve = async (server: unknown) => {
+    if (process.env.ISOBATH_SERVE || process.env.VITEST) return;
+    const { module } = await runnerImport<{ serveDemo(server: unknown): void }>('./fixtures/serve.ts');
+    module.serveDemo(server);
+  };
   return {
     name: 'demonstration',
-    async configureServer(server) {
-      const { serveDemo } = await import('./fixtures/serve');
-      if (server.httpServer && !process.env.ISOBATH_SERVE && !process.env.VITEST) serveDemo(server.httpServer as never);
-    },
-    async configurePreviewServer(server) {
-      const { serveDemo } = await import('./fixtures/serve');
-      if (!process.env.ISOBATH_SERVE) serveDemo(server.httpServer as never);
-    },
+    configureServer: ({ httpServer }) => serve(httpServer),
+    configurePreviewServer: ({ httpServer }) => serve(httpServer),
   };
 }
 
+/** The page must live with this much; a preview holds it to that. */
+const kPolicy =
+  "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self'";
 const behind = process.env.ISOBATH_SERVE;
 const proxy = behind ? { '/socket': { target: `ws://${behind}`, ws: true } } : {};
 
@@ -54,7 +65,7 @@ export default defineConfig({
     chunkSizeWarningLimit: 1000,
   },
   server: { proxy },
-  preview: { proxy },
+  preview: { proxy, headers: { 'Content-Security-Policy': kPolicy } },
   plugins: [inOneFile(), demonstration()],
   test: { include: ['test/*.test.ts'] },
 });

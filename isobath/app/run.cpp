@@ -24,6 +24,13 @@ struct Options {
   std::string speed = "1";
 };
 
+/// Of one core, s: each stage, and the input and the report apart.
+ordered_json to_json(const RunLoad& load) {
+  ordered_json all;
+  for (std::size_t i = 0; i < kStages; ++i) all[to_text(static_cast<Stage>(i))] = load.stage_s[i];
+  return all;
+}
+
 ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   ordered_json files = ordered_json::array();
@@ -42,7 +49,8 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
             {"pings_per_s", wall > 0 ? static_cast<double>(n.pings) / wall : 0},
             {"times_real_time", wall > 0 ? outcome.log_s / wall : 0},
             {"ping_median_ms", outcome.timings.ping_median_ms},
-            {"ping_p99_ms", outcome.timings.ping_p99_ms}}},
+            {"ping_p99_ms", outcome.timings.ping_p99_ms},
+            {"stages_s", to_json(outcome.timings.load)}}},
           {"live", outcome.live ? ordered_json{{"lost_pings", outcome.live->lost_pings}} : ordered_json()},
           {"files", files}};
 }
@@ -101,8 +109,16 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
     fmt::print("{} ranges and {} swaths within {}; {:.2f} s of work\n", n.ranges, n.swaths, span_text(outcome.log_s),
                outcome.timings.wall_s);
   }
+  if (const std::string load = load_text(outcome.timings.load, n.pings, outcome.log_s); !load.empty()) {
+    fmt::print("{}\n", load);
+  }
+  if (n.upright > 0) fmt::print("{} pings of upright fans, for the map in three dimensions\n", n.upright);
   for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
+  if (n.jumps > 0) {
+    fmt::print("jumps of the position: {}, by up to {:.1f} m; what was seen around the vehicle moved along\n", n.jumps,
+               n.farthest_jump_m);
+  }
   for (const Damage& d : outcome.source.damages)
     fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
   if (!outcome.undecided.empty()) fmt::print("at the end no bin could be decided: {}\n", outcome.undecided);

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <isobath/app/commands.hpp>
@@ -20,6 +21,52 @@ struct Options {
   bool json = false;
 };
 
+/// Standard deviation of a place, m.
+double sigma_of(const PlaneCorner& corner) { return std::sqrt(corner.covariance.trace()); }
+
+nlohmann::json features_json(const SurveyFeatures& features) {
+  nlohmann::json corners = nlohmann::json::array();
+  for (const SeenCorner& seen : features.evidence.corners()) {
+    corners.push_back({{"north_m", seen.corner.at.x()},
+                       {"east_m", seen.corner.at.y()},
+                       {"sigma_m", sigma_of(seen.corner)},
+                       {"convex", seen.corner.convex},
+                       {"hypothesised", seen.hypothesised},
+                       {"confirmed", seen.confirmed},
+                       {"scans_for", seen.scans_for},
+                       {"scans_against", seen.scans_against}});
+  }
+  return {{"edges", features.evidence.edges().size()},
+          {"arcs", features.arcs.size()},
+          {"accounted_echoes", features.accounted.size()},
+          {"unaccounted_echoes", features.unaccounted.size()},
+          {"runs_of_constant_range", features.runs},
+          {"planes", features.planes.planes.size()},
+          {"corners", std::move(corners)}};
+}
+
+void print_features(const SurveyFeatures& features) {
+  const std::size_t all = features.accounted.size() + features.unaccounted.size();
+  fmt::print(
+      "{} edges and {} arcs account for {} of {} echoes; {} runs of constant range; {} tangent planes in the grid\n",
+      features.evidence.edges().size(), features.arcs.size(), features.accounted.size(), all, features.runs,
+      features.planes.planes.size());
+  fmt::print("\ncorner    north     east    +-      supposed at  confirmed at  for  against\n");
+  for (const SeenCorner& seen : features.evidence.corners()) {
+    if (!seen.corner.convex) continue;
+    fmt::print("        {:7.2f}  {:7.2f}  {:5.2f} m  {:11d}  {:>12}  {:3d}  {:7d}\n", seen.corner.at.x(),
+               seen.corner.at.y(), sigma_of(seen.corner), seen.hypothesised,
+               seen.confirmed > 0 ? std::to_string(seen.confirmed) : "no", seen.scans_for, seen.scans_against);
+  }
+  fmt::print("\ntarget    cells  echoes  scans  score\n");
+  for (const SurveyFeatures::Target& target : features.targets) {
+    if (target.score.echoes < 5) continue;
+    fmt::print("        {:7d} {:7d} {:6d}  {:5.2f}\n", target.cluster.cells.size(), target.score.echoes,
+               target.score.scans, target.score.value());
+  }
+  fmt::print("\n");
+}
+
 int act(const Options& options) {
   const Scene scene = open_scene(options.scene);
   SphericalSurveyConfig config = survey_config(scene);
@@ -33,6 +80,7 @@ int act(const Options& options) {
   write_file(options.out / "plan.png", spherical_plan_picture(scene, survey));
   write_file(options.out / "above.png", spherical_above_picture(scene, survey));
   write_file(options.out / "solid.png", spherical_solid_picture(survey, camera));
+  write_file(options.out / "features.png", spherical_features_picture(scene, survey));
   const std::size_t cells = survey.grid->cells().size(), bytes = survey.grid->cells().bytes();
   const int layers = survey.grid->layers().count(), directions = survey.grid->buckets().count();
   if (options.json) {
@@ -47,7 +95,8 @@ int act(const Options& options) {
                 {"layers", layers},
                 {"bytes", bytes},
                 {"median_error_m", survey.median_error_m},
-                {"worst_error_m", survey.worst_error_m}});
+                {"worst_error_m", survey.worst_error_m},
+                {"features", features_json(survey.features)}});
     return kSuccess;
   }
   fmt::print("{}: {} scans, {} beams, {} echoes, of which {} left the range\n", scene.about.title,
@@ -56,7 +105,8 @@ int act(const Options& options) {
              survey.occupied, static_cast<double>(bytes) / 1e6);
   fmt::print("occupied cells that echoed are {:.2f} m from a true wall (median), {:.2f} m at most\n",
              survey.median_error_m, survey.worst_error_m);
-  fmt::print("written to {}: plan.png, above.png, solid.png\n", options.out.string());
+  print_features(survey.features);
+  fmt::print("written to {}: plan.png, above.png, solid.png, features.png\n", options.out.string());
   return kSuccess;
 }
 
@@ -65,7 +115,8 @@ int act(const Options& options) {
 Action add_sphere(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand(
-      "sphere", "A room of lines and arcs, scanned along a path, in the vehicle's spherical grid: three pictures");
+      "sphere",
+      "A room of lines and arcs, scanned along a path, in the vehicle's spherical grid: pictures, edges, corners");
   command->add_option("SCENARIO", options->scene, "Scene (.toml) with prisms: scenarios/polygon_room.toml")->required();
   command->add_option("--out", options->out, "Folder of the pictures")->capture_default_str();
   command->add_option("--scans", options->scans, "Places along the path")

@@ -73,6 +73,8 @@ class CdrReader {
   }
 
   [[nodiscard]] bool ok() const { return ok_; }
+  /// Whether nothing is left: an older record without the fields that were added since.
+  [[nodiscard]] bool at_end() const { return ok_ && at_ == data_.size(); }
 
  private:
   std::span<const std::uint8_t> take(std::size_t alignment, std::uint64_t count) {

@@ -6,7 +6,10 @@
 #include <fmt/format.h>
 #include <isobath/io/framing.hpp>
 #include <isobath/io/kongsberg.hpp>
+#include <isobath/io/kongsberg_installation.hpp>
+#include <isobath/io/kongsberg_parts.hpp>
 #include <isobath/io/log_source.hpp>
+#include <isobath/io/scanning_head.hpp>
 #include <isobath/io/survey_track.hpp>
 
 namespace isobath {
@@ -50,6 +53,12 @@ std::optional<Time> time_of_day(std::uint32_t date, std::uint32_t ms) {
 }
 
 template <std::endian order>
+std::optional<Time> time_of_datagram(Bytes bytes) {
+  const RecordView view(bytes, order);
+  return time_of_day(view.at<std::uint32_t>(8), view.at<std::uint32_t>(12));
+}
+
+template <std::endian order>
 bool begins_datagram(Bytes bytes) {
   const RecordView view(bytes, order);
   const bool model = view.at<std::uint16_t>(6) > 0;
@@ -73,52 +82,6 @@ std::optional<std::endian> order_of(Bytes head) {
   return std::nullopt;
 }
 
-// The installation record: KEY=value, ...
-// ------------------------------------------------------------------------------
-
-std::optional<std::string_view> text_value(std::string_view text, std::string_view key) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    const std::string_view item = text.substr(at, end - at);
-    if (item.size() > key.size() && item.starts_with(key) && item[key.size()] == '=')
-      return item.substr(key.size() + 1);
-    at = end + 1;
-  }
-  return std::nullopt;
-}
-
-std::optional<double> number_value(std::string_view text, std::string_view key) {
-  const auto value = text_value(text, key);
-  double number = 0;
-  if (!value || std::from_chars(value->data(), value->data() + value->size(), number).ec != std::errc()) return {};
-  return std::abs(number) < 1e4 ? std::optional(number) : std::nullopt;
-}
-
-struct Installation {
-  double water_line_m = 0;
-  std::array<Eigen::Vector2d, 2> transducer{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};  ///< re the position
-  std::optional<std::uint16_t> second_head;  ///< serial number, where there are two
-
-  static Installation read(std::string_view text);
-};
-
-Installation Installation::read(std::string_view text) {
-  Installation result;
-  result.water_line_m = number_value(text, "WLZ").value_or(0);
-  const auto active = std::clamp(std::lround(number_value(text, "APS").value_or(0)), 0L, 2L) + 1;
-  const auto place = [&](const std::string& name) {
-    return Eigen::Vector2d(number_value(text, name + "X").value_or(0), number_value(text, name + "Y").value_or(0));
-  };
-  const Eigen::Vector2d antenna = place(fmt::format("P{}", active));
-  result.transducer = {place("S1") - antenna, place("S2") - antenna};
-  const auto configuration = number_value(text, "STC");
-  const auto second = number_value(text, "R2S");
-  if (configuration && std::lround(*configuration) == 2 && second && *second > 0) {
-    result.second_head = static_cast<std::uint16_t>(std::lround(*second));
-  }
-  return result;
-}
-
 // Reader
 // ---------------------------------------------------------------------------------------------------------------
 
@@ -137,9 +100,14 @@ std::optional<Angle> heading_of(std::uint16_t hundredths) {
 
 class KongsbergAll final : public LogSource {
  public:
-  explicit KongsbergAll(ByteWindow input) : LogSource(std::move(input), "Kongsberg .all"), track_(report_) {
+  KongsbergAll(ByteWindow input, std::optional<ByteWindow> beside, const InputConfig& config)
+      : LogSource(std::move(input), "Kongsberg .all", std::move(beside)),
+        config_(config),
+        track_(report_),
+        water_parts_(report_) {
     order_ = order_of(input_.want(kHead)).value_or(std::endian::little);
     report_.details["time"] = "of the sonar, UTC";
+    if (beside_) report_.details["beside"] = beside_name_ + ": water columns, attitude";
     if (order_ == std::endian::big) report_.details["byte order"] = "big-endian";
   }
 
@@ -155,16 +123,21 @@ class KongsbergAll final : public LogSource {
   void take_network_attitude(const Datagram& d);
   void take_installation(const Datagram& d);
   void take_profile(const Datagram& d);
+  void take_water(const Datagram& d);
   void add_attitude(Time time, const RecordView& fields, std::size_t at, std::uint8_t sensor);
   void add_sounding(Swath& swath, const Datagram& d, const Eigen::Vector3d& re_transducer, double transducer_m,
                     std::size_t beam, double quality);
   void add_swath(Swath swath, const Datagram& d);
   void tell_counts();
 
+  InputConfig config_;
   std::endian order_ = std::endian::little;
   SurveyTrack track_;
-  Installation installation_;
+  AllInstallation installation_;
   Angle beam_width_;
+  Angle across_, along_;  ///< width of a beam; 0: not stated
+  WaterParts water_parts_;
+  WaterPings water_;
   std::array<std::uint64_t, 256> others_{};
   std::uint64_t bad_checksums_ = 0, passive_positions_ = 0, passive_attitudes_ = 0;
   bool ended_ = false;
@@ -176,10 +149,14 @@ std::optional<Event> KongsbergAll::read() {
   for (;;) {
     if (auto event = track_.next()) return event;
     if (ended_) return {};
-    if (const auto datagram = next_frame(input_, frame_at, report_)) {
-      take(*datagram);
+    const auto time_at =
+        order_ == std::endian::little ? time_of_datagram<std::endian::little> : time_of_datagram<std::endian::big>;
+    if (const auto datagram = next_in_time(frame_at, time_at)) {
+      const char type = static_cast<char>(datagram->bytes[5]);
+      if (!datagram->beside || type == 'k' || type == 'A' || type == 'n') take(datagram->bytes);
     } else {
       ended_ = true;
+      water_parts_.finish();
       track_.finish();
       tell_counts();
     }
@@ -205,7 +182,13 @@ void KongsbergAll::take(Bytes bytes) {
     case 'n': return take_network_attitude(d);
     case 'I': return take_installation(d);
     case 'U': return take_profile(d);
+    case 'k':
+      if (config_.water_column) return take_water(d);
+      ++others_[static_cast<std::uint8_t>(d.type)];
+      return;
     case 'R':
+      along_ = Angle::degrees(0.1 * fields.at<std::uint16_t>(34));
+      across_ = Angle::degrees(0.1 * fields.at<std::uint8_t>(37));
       beam_width_ = Angle::degrees(0.1 * std::max<int>(fields.at<std::uint16_t>(34), fields.at<std::uint8_t>(37)));
       return;
     default: ++others_[static_cast<std::uint8_t>(d.type)];
@@ -273,8 +256,7 @@ void KongsbergAll::add_sounding(Swath& swath, const Datagram& d, const Eigen::Ve
   const Eigen::Vector3d& p = re_transducer;
   if (!p.allFinite() || p.norm() > 1e5) return reject("sounding that is not finite");
   if (p.isZero(0)) return reject("sounding without a detection");
-  const std::size_t head = installation_.second_head == d.serial ? 1 : 0;
-  const Eigen::Vector2d across = p.head<2>() - installation_.transducer[head];
+  const Eigen::Vector2d across = p.head<2>() - installation_.transmitter(d.serial).p_BS.head<2>();
   const double range = std::hypot(across.x(), across.y(), p.z());
   Sounding sounding;
   sounding.point = Eigen::Vector3d(p.x(), p.y(), p.z() + transducer_m).cast<float>();
@@ -356,10 +338,10 @@ void KongsbergAll::add_attitude(Time time, const RecordView& fields, std::size_t
 
 void KongsbergAll::take_installation(const Datagram& d) {
   const std::string_view text = text_of(d.fields.part(22, d.fields.size()));
-  installation_ = Installation::read(text);
+  installation_ = AllInstallation::read(text);
   track_.set_water_line(installation_.water_line_m);
   report_.note_setting("water line", fmt::format("{:g} m below the reference point", installation_.water_line_m));
-  const auto angle = [&](const char* key) { return number_value(text, key).value_or(0); };
+  const auto angle = [&](const char* key) { return AllInstallation::number(text, key).value_or(0); };
   report_.note_setting("motion sensor", fmt::format("mounted at roll {:g}, pitch {:g}, heading {:g} degrees",
                                                     angle("MSR"), angle("MSP"), angle("MSG")));
 }
@@ -367,6 +349,23 @@ void KongsbergAll::take_installation(const Datagram& d) {
 void KongsbergAll::take_profile(const Datagram& d) {
   report_.note_setting("sound speed profile",
                        fmt::format("{} depths, of {}", d.fields.at<std::uint16_t>(28), d.fields.at<std::uint32_t>(20)));
+}
+
+void KongsbergAll::take_water(const Datagram& d) {
+  WaterRecord* const water = water_parts_.take(d.fields, d.time);
+  if (!water) return;
+  const auto known = [](Angle width) { return width.radians() > 0 ? width : kWaterBeam; };
+  const BeamSize size = beam_size(config_, {known(across_), known(along_)});
+  water->width = size.width;
+  water->height = size.height;
+  water->mount = installation_.mount(d.serial);
+  if (!(water->sound_speed > 0)) water->sound_speed = config_.sound_speed;
+  auto ping = water_.ping(*water);
+  if (!ping) return reject(to_text(ping.error()));
+  report_.note_setting("sonar", fmt::format("EM {}, serial {}", d.model, d.serial));
+  report_.note_setting("water column",
+                       water_setting(d.fields.at<std::uint8_t>(38), d.fields.at<std::int8_t>(39), water->beams.size()));
+  track_.add_ping(std::move(*ping));
 }
 
 void KongsbergAll::tell_counts() {
@@ -392,8 +391,12 @@ void KongsbergAll::tell_counts() {
 
 bool looks_like_kongsberg_all(Bytes head) { return order_of(head).has_value(); }
 
-std::unique_ptr<Source> open_kongsberg_all(ByteWindow input, const InputConfig&) {
-  return std::make_unique<KongsbergAll>(std::move(input));
+std::unique_ptr<Source> open_kongsberg_all(ByteWindow input, const InputConfig& config) {
+  return std::make_unique<KongsbergAll>(std::move(input), std::nullopt, config);
+}
+
+std::unique_ptr<Source> open_kongsberg_all_with_water(ByteWindow input, ByteWindow beside, const InputConfig& config) {
+  return std::make_unique<KongsbergAll>(std::move(input), std::move(beside), config);
 }
 
 }  // namespace isobath

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <isobath/io/framing.hpp>
 #include <isobath/io/kongsberg.hpp>
+#include <isobath/io/kongsberg_water.hpp>
 #include <isobath/io/log_source.hpp>
+#include <isobath/io/scanning_head.hpp>
 #include <isobath/io/survey_track.hpp>
 #include <map>
 
@@ -13,6 +15,7 @@ namespace {
 
 constexpr std::size_t kHeader = 20;
 constexpr std::size_t kShortest = kHeader + 4;
+constexpr std::size_t kShortestBeam = 12;                     // of a water column, before its samples
 constexpr std::uint32_t kMaxLength = std::uint32_t{1} << 24;  // water column of a deep ping: a few megabytes
 
 bool is_type(Bytes name) {
@@ -59,6 +62,8 @@ std::optional<Time> time_at(const RecordView& fields, std::size_t at) {
   return Time{std::chrono::seconds(fields.at<std::uint32_t>(at)) + Duration(nanoseconds)};
 }
 
+std::optional<Time> time_of_datagram(Bytes bytes) { return time_at(RecordView(bytes), 12); }
+
 /// The parts of an #MRZ datagram, each of the size that it states itself.
 struct SoundingRecord {
   RecordView ping, receiver, soundings;
@@ -93,17 +98,40 @@ std::optional<SoundingRecord> parts_of(const RecordView& d) {
   return SoundingRecord{ping, receiver, RecordView(d.part(soundings_at, count * stride)), count, stride};
 }
 
+/// The beams of an #MWC datagram from `at` on; empty where they do not fit.
+std::vector<WaterBeam> beams_of(const RecordView& d, std::size_t at, const RecordView& receiver,
+                                const std::vector<double>& tilts_deg) {
+  const std::size_t count = receiver.at<std::uint16_t>(2), entry = receiver.at<std::uint8_t>(4);
+  const std::size_t phase = receiver.at<std::uint8_t>(5);  // bytes of it to a sample
+  if (entry < kShortestBeam || phase > 2) return {};
+  std::vector<WaterBeam> beams;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t samples = d.at<std::uint16_t>(at + 10), sector = d.at<std::uint16_t>(at + 8);
+    if (!d.holds(at, entry + samples * (1 + phase)) || sector >= tilts_deg.size()) return {};
+    beams.push_back({static_cast<double>(d.at<float>(at)), d.at<std::uint16_t>(at + 4), d.part(at + entry, samples),
+                     tilts_deg[sector]});
+    at += entry + samples * (1 + phase);
+  }
+  return beams;
+}
+
 class Kmall final : public LogSource {
  public:
-  Kmall(ByteWindow input, const InputConfig& config)
-      : LogSource(std::move(input), "Kongsberg .kmall"), track_(report_), sound_speed_(config.sound_speed) {
+  Kmall(ByteWindow input, std::optional<ByteWindow> beside, const InputConfig& config)
+      : LogSource(std::move(input), "Kongsberg .kmall", std::move(beside)),
+        track_(report_),
+        config_(config),
+        sound_speed_(config.sound_speed) {
     report_.details["time"] = "of the sonar, UTC";
+    if (beside_) report_.details["beside"] = beside_name_ + ": water columns";
   }
 
  private:
   std::optional<Event> read() override;
   void take(Bytes bytes);
   void take_soundings(const RecordView& d, Time time);
+  void take_water(const RecordView& d, Time time);
+  [[nodiscard]] WaterMount mount_of(const RecordView& common) const;
   void take_position(const RecordView& d);
   void take_motion(const RecordView& d);
   void take_installation(const RecordView& d);
@@ -111,7 +139,11 @@ class Kmall final : public LogSource {
   void tell_counts();
 
   SurveyTrack track_;
+  InputConfig config_;
   double sound_speed_;  ///< where a ping states none
+  WaterPings water_;
+  std::string installation_;
+  double receiver_share_ = 1;  ///< width of a beam across, in widths along
   std::map<std::string, std::uint64_t> others_;
   std::uint64_t passive_ = 0;
   bool ended_ = false;
@@ -121,8 +153,8 @@ std::optional<Event> Kmall::read() {
   for (;;) {
     if (auto event = track_.next()) return event;
     if (ended_) return {};
-    if (const auto datagram = next_frame(input_, datagram_at, report_)) {
-      take(*datagram);
+    if (const auto datagram = next_in_time(datagram_at, time_of_datagram)) {
+      if (!datagram->beside || text_of(datagram->bytes.subspan(4, 4)) == "#MWC") take(datagram->bytes);
     } else {
       ended_ = true;
       track_.finish();
@@ -137,6 +169,7 @@ void Kmall::take(Bytes bytes) {
   const auto time = time_at(d, 12);
   if (!time) return reject("datagram whose time is impossible");
   if (type == "#MRZ") return take_soundings(d, *time);
+  if (type == "#MWC" && config_.water_column) return take_water(d, *time);
   if (type == "#SPO") return take_position(d);
   if (type == "#SKM") return take_motion(d);
   if (type == "#IIP") return take_installation(d);
@@ -165,6 +198,8 @@ void Kmall::take_soundings(const RecordView& d, Time time) {
   if (speed > 0 && speed < 1e4) swath.sound_speed = speed;
   const double width = static_cast<double>(std::max(ping.at<float>(72), ping.at<float>(76)));
   if (width > 0 && width < 180) swath.beam_width = Angle::degrees(width);
+  const double transmit = static_cast<double>(ping.at<float>(72)), receive = static_cast<double>(ping.at<float>(76));
+  if (transmit > 0.1 && transmit < 90 && receive > 0.1 && receive < 90) receiver_share_ = receive / transmit;
   swath.soundings.reserve(parts->count);
   for (std::size_t i = 0; i < parts->count; ++i) {
     add_sounding(swath, RecordView(parts->soundings.part(i * parts->stride, parts->stride)), water_m);
@@ -175,6 +210,64 @@ void Kmall::take_soundings(const RecordView& d, Time time) {
   record.depth_m = -water_m;
   report_.note_setting("sonar", fmt::format("EM {}", d.at<std::uint16_t>(10)));
   track_.add(std::move(record));
+}
+
+// Transmit sectors state their tilt and the width of the beams along the track.
+void Kmall::take_water(const RecordView& d, Time time) {
+  if (d.at<std::uint16_t>(kHeader) != 1) return reject("part of a divided datagram");
+  constexpr std::size_t kCommon = kHeader + 4;
+  const RecordView common(sized(d, kCommon));
+  const std::size_t transmit_at = kCommon + common.size();
+  const RecordView transmit(sized(d, transmit_at));
+  const std::size_t sectors = transmit.at<std::uint16_t>(2), stride = transmit.at<std::uint16_t>(4);
+  const std::size_t sectors_at = transmit_at + transmit.size(), receiver_at = sectors_at + sectors * stride;
+  const RecordView receiver(sized(d, receiver_at));
+  const bool whole = common.size() > 0 && transmit.size() >= 6 && receiver.size() >= 16 && stride >= 12;
+  if (!whole) return reject(to_text(WaterFault::kBadSizes));
+  std::vector<double> tilts_deg;
+  double width_deg = 0;
+  for (std::size_t i = 0; i < sectors; ++i) {
+    const RecordView sector(d.part(sectors_at + i * stride, stride));
+    tilts_deg.push_back(static_cast<double>(sector.at<float>(0)));
+    const double width = static_cast<double>(sector.at<float>(8));
+    if (width > 0 && width < 45) width_deg = std::max(width_deg, width);
+  }
+  WaterRecord record;
+  record.time = time;
+  record.beams = beams_of(d, receiver_at + receiver.size(), receiver, tilts_deg);
+  record.sample_hz = static_cast<double>(receiver.at<float>(8));
+  record.sound_speed = static_cast<double>(receiver.at<float>(12));
+  if (!(record.sound_speed > 0)) record.sound_speed = sound_speed_;
+  record.mount = mount_of(common);
+  const Angle along = width_deg > 0 ? Angle::degrees(width_deg) : kWaterBeam;
+  const BeamSize size = beam_size(config_, {along * receiver_share_, along});
+  record.width = size.width;
+  record.height = size.height;
+  auto ping = water_.ping(record);
+  if (!ping) return reject(to_text(ping.error()));
+  report_.note_setting("sonar", fmt::format("EM {}", d.at<std::uint16_t>(10)));
+  report_.note_setting("water column",
+                       water_setting(receiver.at<std::uint8_t>(6), receiver.at<std::int8_t>(7), ping->sampled->size()));
+  track_.add_ping(std::move(*ping));
+}
+
+/// Half way between the transmitter and the receiver, which a head holds both.
+WaterMount Kmall::mount_of(const RecordView& common) const {
+  const auto place = [&](const std::string& group) -> std::optional<Eigen::Vector3d> {
+    const auto z = number_value(installation_, group, "Z");
+    if (!z) return std::nullopt;
+    return Eigen::Vector3d(number_value(installation_, group, "X").value_or(0),
+                           number_value(installation_, group, "Y").value_or(0), *z);
+  };
+  const int transmitter = common.at<std::uint8_t>(8) + 1, receiver = common.at<std::uint8_t>(9) + 1;
+  std::string array = fmt::format("TRAI_TX{}", transmitter);
+  if (!place(array)) array = fmt::format("TRAI_HD{}", receiver);
+  const auto from = place(array), to = place(fmt::format("TRAI_RX{}", receiver));
+  WaterMount mount;
+  if (from) mount.p_BS = to ? 0.5 * (*from + *to) : *from;
+  mount.heading_deg = number_value(installation_, array, "H").value_or(0);
+  mount.pitch_deg = number_value(installation_, array, "P").value_or(0);
+  return mount;
 }
 
 void Kmall::add_sounding(Swath& swath, const RecordView& s, double water_m) {
@@ -273,6 +366,7 @@ void Kmall::take_motion(const RecordView& d) {
 
 void Kmall::take_installation(const RecordView& d) {
   const std::string_view text = text_of(d.part(26, d.size()));
+  installation_ = text;
   const double water_m = number_value(text, "EMXI", "SWLZ").value_or(0);
   track_.set_water_line(water_m);
   report_.note_setting("water line", fmt::format("{:g} m below the reference point at rest", water_m));
@@ -298,7 +392,11 @@ bool looks_like_kmall(Bytes head) {
 }
 
 std::unique_ptr<Source> open_kmall(ByteWindow input, const InputConfig& config) {
-  return std::make_unique<Kmall>(std::move(input), config);
+  return std::make_unique<Kmall>(std::move(input), std::nullopt, config);
+}
+
+std::unique_ptr<Source> open_kmall_with_water(ByteWindow input, ByteWindow beside, const InputConfig& config) {
+  return std::make_unique<Kmall>(std::move(input), std::move(beside), config);
 }
 
 }  // namespace isobath

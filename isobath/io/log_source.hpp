@@ -1,9 +1,11 @@
 // LogSource: what all readers of files have in common. A reader gives read(); position, shrunken files and the report
-// are kept here.
+// are kept here. A log may have a second file beside it, as the water column of a survey: its frames come in between by
+// their times, its damages begin with its name.
 #pragma once
 
 #include <isobath/io/byte_window.hpp>
 #include <isobath/io/event.hpp>
+#include <isobath/io/framing.hpp>
 
 namespace isobath {
 
@@ -11,28 +13,46 @@ class LogSource : public Source {
  public:
   std::optional<Event> next() final {
     std::optional<Event> event = read();
-    report_.bytes_read = input_.position();
+    report_.bytes_read = input_.position() + (beside_ ? beside_->position() : 0);
     if (!event && !ended_) {
       ended_ = true;
-      report_.add_damage(input_.position(), input_.missing(), "the file shrank while it was read");
+      report_.add_damage(input_.position(), input_.missing(), kShrank);
+      if (beside_) report_.add_damage(beside_->position(), beside_->missing(), beside_name_ + ": " + kShrank);
     }
     return event;
   }
   [[nodiscard]] const SourceReport& report() const final { return report_; }
 
  protected:
-  LogSource(ByteWindow input, std::string format) : input_(std::move(input)) {
+  LogSource(ByteWindow input, std::string format, std::optional<ByteWindow> beside = std::nullopt)
+      : input_(std::move(input)), beside_(std::move(beside)) {
     report_.format = std::move(format);
-    report_.bytes_total = input_.size();
+    report_.bytes_total = input_.size() + (beside_ ? beside_->size() : 0);
+    if (beside_) beside_name_ = std::filesystem::path(beside_->name()).filename().string();
   }
   /// The next event; empty at the end of the input.
   virtual std::optional<Event> read() = 0;
   void reject(const char* reason) { ++report_.rejected[reason]; }
 
+  /// A frame of the log or of the file beside it; valid until the next is asked for.
+  struct LogFrame {
+    Bytes bytes;
+    bool beside;
+  };
+  using FrameTime = std::optional<Time> (*)(Bytes);
+  /// The earlier of both files' next frames, of equally early ones the log's own; one without a time is not waited for.
+  std::optional<LogFrame> next_in_time(FrameAt frame_at, FrameTime time_at);
+
   ByteWindow input_;
+  std::optional<ByteWindow> beside_;
+  std::string beside_name_;
   SourceReport report_;
 
  private:
+  static constexpr const char* kShrank = "the file shrank while it was read";
+  std::optional<Bytes> next_beside(FrameAt frame_at);
+
+  std::optional<Bytes> waiting_, waiting_beside_;
   bool ended_ = false;
 };
 

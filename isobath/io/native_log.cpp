@@ -48,7 +48,9 @@ const std::string kPingDefinition =
     "float64[] beam_width      # full -3 dB width of each beam, rad\n"
     "uint8[] samples_u8        # beam by beam, nearest bin first; one of the three lists is filled\n"
     "uint16[] samples_u16\n"
-    "float32[] samples_f32\n" +
+    "float32[] samples_f32\n"
+    "uint32[] sampled          # of each beam the first bin that was sampled and the one behind the last; empty: "
+    "all\n" +
     kPoseDefinition;
 
 const std::string kNavigationDefinition =
@@ -148,7 +150,8 @@ void put_doubles(CdrWriter& w, const Values& values, std::size_t count) {
 
 bool writable(const Ping& p) {
   return p.fan && p.fan->beams() > 0 && p.fan->width.size() == p.fan->azimuth.size() && p.intensity.data() &&
-         p.window.bins > 0 && p.intensity.beams() == p.fan->beams() && p.intensity.bins() == p.window.bins;
+         p.window.bins > 0 && p.intensity.beams() == p.fan->beams() && p.intensity.bins() == p.window.bins &&
+         (!p.sampled || p.sampled->size() == p.fan->azimuth.size());
 }
 
 std::size_t size_of(SampleType type) {
@@ -191,6 +194,12 @@ void put(CdrWriter& w, const Ping& p) {
   put_doubles(
       w, [&](std::size_t i) { return p.fan->width[i].radians(); }, p.fan->width.size());
   put_samples(w, p.intensity);
+  std::uint8_t* at = w.sequence<std::uint32_t>(p.sampled ? 2 * p.sampled->size() : 0);
+  for (int b = 0; p.sampled && b < p.fan->beams(); ++b, at += 8) {
+    const BinSpan span = sampled_bins(p, b);
+    const std::uint32_t ends[] = {static_cast<std::uint32_t>(span.first), static_cast<std::uint32_t>(span.end)};
+    std::memcpy(at, ends, sizeof ends);
+  }
 }
 
 void put(CdrWriter& w, const Navigation& n) {
@@ -429,6 +438,19 @@ class FanStore {
     return result;
   }
 
+  /// Of each beam first and end, of so many bins; null where one does not fit.
+  static std::shared_ptr<const std::vector<BinSpan>> spans(std::span<const std::uint8_t> ends, std::uint32_t bins) {
+    auto made = std::make_shared<std::vector<BinSpan>>();
+    for (std::size_t i = 0; i + 8 <= ends.size(); i += 8) {
+      std::uint32_t first = 0, end = 0;
+      std::memcpy(&first, ends.data() + i, 4);
+      std::memcpy(&end, ends.data() + i + 4, 4);
+      if (first > end || end > bins) return nullptr;
+      made->push_back({static_cast<int>(first), static_cast<int>(end)});
+    }
+    return made;
+  }
+
  private:
   static constexpr std::size_t kMaxBytes = 64u << 20;
   std::map<std::string, std::shared_ptr<const BeamFan>> fans_;
@@ -479,6 +501,11 @@ std::optional<Event> take_ping(const McapMessage& message, FanStore& fans) {
   p.intensity = Intensities(samples->bytes.data(), samples->type, static_cast<int>(beams), p.window.bins,
                             step * p.window.bins, step);
   p.storage = message.storage;
+  const bool older = r.at_end();  // before bins could be missing
+  const auto sampled = older ? std::span<const std::uint8_t>() : r.sequence<std::uint32_t>();
+  if (!r.ok() || (!sampled.empty() && sampled.size() != beams * 8)) return std::nullopt;
+  if (!sampled.empty()) p.sampled = fans.spans(sampled, bins);
+  if (!sampled.empty() && !p.sampled) return std::nullopt;
   return p;
 }
 

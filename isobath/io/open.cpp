@@ -26,6 +26,11 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kHead = 1 << 18;  // what probes may look at: a stream may begin with noise
 
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](char x) { return x >= 'A' && x <= 'Z' ? char(x - 'A' + 'a') : x; });
+  return text;
+}
+
 /// What there is: a folder, or a file with its first bytes.
 struct Candidate {
   const fs::path& path;
@@ -64,6 +69,63 @@ constexpr Format folder(const char* name) {
   return {name, [](const Candidate& c) { return c.is_folder && probe(c.path); }, open};
 }
 
+/// "log.KMWCD", "kmall" -> "log.kmall" or "log.KMALL", whichever is there; empty: none.
+fs::path file_beside(const fs::path& file, std::string ending) {
+  std::error_code ignored;
+  for (int i = 0; i < 2; ++i) {
+    fs::path beside = file;
+    beside.replace_extension(ending);
+    if (fs::is_regular_file(beside, ignored)) return beside;
+    std::ranges::transform(ending, ending.begin(),
+                           [](char x) { return x >= 'a' && x <= 'z' ? char(x - 'a' + 'A') : x; });
+  }
+  return {};
+}
+
+/// Endings of a log and of the file with its water columns, and what both look like.
+struct SurveyEndings {
+  const char *log, *water;
+  bool (*probe)(Bytes);
+};
+constexpr SurveyEndings kKmallEndings{"kmall", "kmwcd", looks_like_kmall};
+constexpr SurveyEndings kAllEndings{"all", "wcd", looks_like_kongsberg_all};
+
+struct SurveyPair {
+  fs::path log, water;  ///< `water` empty: there is none
+};
+
+bool holds_format(const fs::path& file, bool (*probe)(Bytes)) {
+  try {
+    ByteWindow window = ByteWindow::open(file);
+    const Bytes head = window.want(kHead);
+    return probe(head.first(std::min(head.size(), kHead)));
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// A file and what stands beside it, whichever of both was named.
+SurveyPair pair_of(const fs::path& file, const SurveyEndings& endings, const InputConfig& config) {
+  const std::string ending = lower_case(file.extension().string());
+  const bool is_log = ending == std::string(".") + endings.log, is_water = ending == std::string(".") + endings.water;
+  if (!config.water_column || (!is_log && !is_water)) return {file, {}};
+  const fs::path other = file_beside(file, is_log ? endings.water : endings.log);
+  if (other.empty() || !holds_format(other, endings.probe)) return {file, {}};
+  return is_log ? SurveyPair{file, other} : SurveyPair{other, file};
+}
+
+/// A row for a format of survey logs whose water columns stand in a file beside them.
+template <const SurveyEndings& endings, std::unique_ptr<Source> (*open)(ByteWindow, const InputConfig&),
+          std::unique_ptr<Source> (*open_both)(ByteWindow, ByteWindow, const InputConfig&)>
+constexpr Format survey_log(const char* name) {
+  return {name, [](const Candidate& c) { return !c.is_folder && endings.probe(c.head); },
+          [](const fs::path& path, const InputConfig& config) {
+            const SurveyPair pair = pair_of(path, endings, config);
+            if (pair.water.empty()) return open(ByteWindow::open(pair.log), config);
+            return open_both(ByteWindow::open(pair.log), ByteWindow::open(pair.water), config);
+          }};
+}
+
 /// The first that fits is taken: what has a signature stands before what must be searched for.
 constexpr std::array kFormats{
     folder<looks_like_frame_folder, open_frame_folder>("folder of PNG frames"),
@@ -82,8 +144,8 @@ constexpr std::array kFormats{
     file<looks_like_aris, open_aris>("ARIS recording"),
     file<looks_like_sonar3d, open_sonar3d>("Sonar 3D-15"),
     file<looks_like_xtf, open_xtf>("XTF"),
-    file<looks_like_kmall, open_kmall>("Kongsberg .kmall"),
-    file<looks_like_kongsberg_all, open_kongsberg_all>("Kongsberg .all"),
+    survey_log<kKmallEndings, open_kmall, open_kmall_with_water>("Kongsberg .kmall"),
+    survey_log<kAllEndings, open_kongsberg_all, open_kongsberg_all_with_water>("Kongsberg .all"),
     file<looks_like_oculus_stream, open_oculus_stream>("Oculus message stream"),
     file<looks_like_ping_stream, open_ping_stream>("ping protocol stream"),
     file<looks_like_tritech_stream, open_tritech_stream>("Tritech serial stream"),
@@ -110,8 +172,7 @@ std::string known_formats() {
     throw Error("is an SQLite file, as ViewPoint 2 writes them, which has no public description", {file},
                 known_formats(), "record with ViewPoint 1 or take the messages off the network");
   }
-  std::string ending = c.path.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](char x) { return x >= 'A' && x <= 'Z' ? char(x - 'A' + 'a') : x; });
+  const std::string ending = lower_case(c.path.extension().string());
   if (ending == ".v4log") {
     throw Error("not a known format; V4LOG of Seanet Pro has no public description", {file}, known_formats(),
                 "export it to CSV with Seanet Pro");
@@ -140,6 +201,14 @@ std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& co
   auto source = with_pooled_bins(format->open(input, config), config.most_bins);
   return config.navigation.empty() ? std::move(source)
                                    : merge_by_time(std::move(source), open_pose_track(config.navigation));
+}
+
+fs::path log_of_water_column(const fs::path& file, const InputConfig& config) {
+  for (const SurveyEndings* endings : {&kKmallEndings, &kAllEndings}) {
+    const SurveyPair pair = pair_of(file, *endings, config);
+    if (pair.water == file) return pair.log;
+  }
+  return {};
 }
 
 std::string format_of_file(const fs::path& file, const InputConfig& config) {
@@ -176,6 +245,9 @@ std::vector<Field> fields(InputConfig& c) {
       Field::flag("high_nibble_first", &c.high_nibble_first,
                   "Order of the two 4-bit samples in a byte from a Tritech head."),
       Field::text("navigation", &c.navigation, "CSV of poses beside the log; empty: none."),
+      Field::flag(
+          "water_column", &c.water_column,
+          "Reads the water column of multibeam logs too, and the file beside them that holds it (.kmwcd, .wcd)."),
       Field::text("set", &c.set, "Which set of a folder that holds several; empty: the first by name."),
       Field::integer("pass", &c.pass, {0, 1e6}, "", "Which pass of a set that holds several; 0: the first."),
       Field::integer(

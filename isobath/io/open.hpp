@@ -22,6 +22,7 @@ struct InputConfig {
   Angle beam_height;          ///< 0: what the format or the device type says
   double range_m = 0;         ///< whole range, for logs that do not state it; 0: what the device is set to by default
   bool high_nibble_first = true;  ///< order of two 4-bit samples in a byte (Tritech)
+  bool water_column = true;       ///< of multibeam logs is read, with that of the file beside them
   std::string navigation;         ///< CSV of poses beside the log; empty: none
   std::string set;                ///< of a folder that holds several: "clean", "noisy"; empty: the first by name
   int pass = 0;                   ///< of a set that holds several; 0: the first
@@ -33,6 +34,10 @@ std::vector<Field> fields(InputConfig& config);
 /// Throws Error: not there, empty, no known format, a header that cannot be right. Damage further on is reported, not
 /// thrown.
 std::unique_ptr<Source> open_source(const std::filesystem::path& input, const InputConfig& config);
+
+/// The log that open_source reads a file together with, which is a water column beside it (.kmwcd beside .kmall, .wcd
+/// beside .all, with the same stem); empty: none.
+std::filesystem::path log_of_water_column(const std::filesystem::path& file, const InputConfig& config);
 
 /// The format of a file as open_source would take it; empty: none, or not a file that can be read.
 std::string format_of_file(const std::filesystem::path& file, const InputConfig& config);

@@ -55,7 +55,10 @@ Survey survey_of(const fs::path& folder, const InputConfig& config) {
   for (const fs::path& path : regular_files(folder)) {
     const std::string name = path.filename().string();
     const std::string format = format_of_file(path, config);
-    if (format.empty()) {
+    const fs::path log = format.empty() ? fs::path() : log_of_water_column(path, config);
+    if (!log.empty() && chosen(log.filename().string(), config.survey)) {
+      survey.left_out.push_back({name, "water column, read with its log"});
+    } else if (format.empty()) {
       survey.left_out.push_back({name, "no known log"});
     } else if (!chosen(name, config.survey)) {
       survey.left_out.push_back({name, "not chosen"});
@@ -82,7 +85,9 @@ void order_by_time(Survey& survey, const InputConfig& config) {
   std::vector<SurveyFile> usable;
   for (SurveyFile& file : survey.files) {
     try {
-      const auto event = open_source(file.path, config)->next();
+      const auto source = open_source(file.path, config);
+      const auto event = source->next();
+      file.bytes = source->report().bytes_total;  // of both files, where one stands beside it
       if (event) {
         file.first = time_of(*event);
         usable.push_back(std::move(file));

@@ -41,6 +41,12 @@ double squared(double stated, double otherwise) {
   return sigma * sigma;
 }
 
+/// Samples that wait, in soundings of the same size in memory.
+std::size_t weight_of(const Ping& ping) {
+  return static_cast<std::size_t>(ping.fan->beams()) * static_cast<std::size_t>(ping.window.bins) * sizeof(float) /
+         sizeof(Sounding);
+}
+
 }  // namespace
 
 Eigen::Vector2d along(Angle course, double speed) { return {speed * cos(course), speed * sin(course)}; }
@@ -79,6 +85,13 @@ void SurveyTrack::add(SwathRecord record) {
   wait_for({time, std::move(record)});
 }
 
+void SurveyTrack::add_ping(Ping ping) {
+  see(ping.time);
+  waiting_soundings_ += weight_of(ping);
+  const Time time = ping.time;
+  wait_for({time, std::nullopt, std::move(ping)});
+}
+
 /// A place on the local plane, whose origin is the first one.
 std::optional<Vector2d> SurveyTrack::on_plane(const GeoPoint& point) {
   const bool unset = point.latitude_deg == 0 && point.longitude_deg == 0;
@@ -109,7 +122,10 @@ void SurveyTrack::see(Time time) {
 }
 
 void SurveyTrack::wait_for(Pending pending) {
-  insert_by_time<Pending>(pending_, std::move(pending), [](const Pending& p) { return p.time; });
+  auto at = std::upper_bound(pending_.begin(), pending_.end(), pending.time,
+                             [](Time t, const Pending& p) { return t < p.time; });
+  while (!pending.ping && at != pending_.begin() && std::prev(at)->ping && std::prev(at)->time == pending.time) --at;
+  pending_.insert(at, std::move(pending));
 }
 
 void SurveyTrack::finish() {
@@ -134,7 +150,7 @@ std::optional<Event> SurveyTrack::next() {
 bool SurveyTrack::due() const {
   if (pending_.empty()) return false;
   const Pending& front = pending_.front();
-  const bool needs_position = front.swath && !front.swath->position && positions_.empty();
+  const bool needs_position = ((front.swath && !front.swath->position) || front.ping) && positions_.empty();
   const Duration wait = needs_position ? kReach : kWait;
   return finished_ || *newest_ - front.time > wait || pending_.size() > kMaxPending || waiting_soundings_ > kMaxWaiting;
 }
@@ -143,6 +159,7 @@ void SurveyTrack::release_front() {
   Pending pending = std::move(pending_.front());
   pending_.pop_front();
   if (pending.swath) waiting_soundings_ -= pending.swath->swath.soundings.size();
+  if (pending.ping) waiting_soundings_ -= weight_of(*pending.ping);
   const Time time = pending.time;
   release(std::move(pending));
   forget_before(time - kReach);
@@ -151,7 +168,7 @@ void SurveyTrack::release_front() {
 void SurveyTrack::release(Pending pending) {
   const Time time = pending.time;
   SwathRecord* const record = pending.swath ? &*pending.swath : nullptr;
-  if (!record && last_stated_ && time - *last_stated_ <= kHold) return;
+  if (!record && !pending.ping && last_stated_ && time - *last_stated_ <= kHold) return;
   Duration away{};
   auto motion = motion_at(time, away);
   const bool tilted = record && record->swath.frame == Swath::Frame::kBody;
@@ -176,14 +193,24 @@ void SurveyTrack::release(Pending pending) {
     if (record && record->depth_m) fix.X_WB.translation.z() = *record->depth_m;
     ready_.emplace_back(std::move(fix));
     last_navigation_ = time;
+    last_roll_ = motion ? motion->roll : Angle{};
     ++fixes_;
     if (!motion) ++without_motion_;
     if (motion && away > Duration{}) ++beyond_samples_;
   } else if (!place || !heading) {
     if (record) ++without_position_;
-    if (!record) ++report_.rejected["position without a heading"];
+    if (pending.ping) ++pings_without_position_;
+    if (!record && !pending.ping) ++report_.rejected["position without a heading"];
   }
   if (record) ready_.emplace_back(std::move(record->swath));
+  if (pending.ping) release(std::move(*pending.ping));
+}
+
+void SurveyTrack::release(Ping ping) {
+  if (last_navigation_ == ping.time) {
+    ping.X_BS.rotation = Rotation::from_heading_pitch_roll({}, {}, -last_roll_) * ping.X_BS.rotation;
+  }
+  ready_.emplace_back(std::move(ping));
 }
 
 void SurveyTrack::forget_before(Time time) {
@@ -253,6 +280,8 @@ void SurveyTrack::tell_coverage() {
   }
   if (without_motion_ > 0) text += fmt::format("; none for {} of {} fixes: taken to be level", without_motion_, fixes_);
   if (fixes_ > 0) report_.details["roll and pitch"] = text;
+  if (pings_without_position_ > 0)
+    report_.details["pings"] = fmt::format("{} without a position", pings_without_position_);
   if (without_position_ > 0) report_.details["swaths"] = fmt::format("{} without a position", without_position_);
 }
 

@@ -1,7 +1,7 @@
 // SurveyTrack: what the logs of multibeam surveys have in common. Positions, attitudes and swaths go in as the recorder
-// wrote them, seconds out of order; out come Navigation and swaths in order of time.
+// wrote them, seconds out of order; out come Navigation, swaths and pings in order of time.
 //
-// A Navigation stands at the time of each position and of each swath, just before it. Its position is that of the
+// A Navigation stands at the time of each position, swath and ping, just before it. Its position is that of the
 // record itself, else interpolated on the local plane between the positions around it (no further apart than kReach),
 // else carried on from the nearest with its speed and course (at most kReach; kHold where they are not known). Roll,
 // pitch and heave are interpolated between attitude samples; beyond the samples the nearest one stands for at most
@@ -10,15 +10,16 @@
 // Depth of B: stated by the record, else heave (positive down) less the height of B's origin above the water line at
 // rest; 0 where a log says neither. Frame::kLevel soundings state depths below the water themselves: nothing of this is
 // added to them.
-// Covariance where the log states a quality of the position; what is not stated is taken from the resolution of the
-// records (0.01 degrees, 1 cm), which is a lower bound.
-// Where position records only repeat what the swaths state with more care (.kmall), they give a Navigation of their own
-// only where no swath has been for kHold.
-// Origin on the globe: the first valid position. Nothing is released before the log is kWait further on (recorders
-// write attitude by the second), or kReach where no position is known yet. A swath that never finds a position goes out
-// without a Navigation; one in kBody that finds no attitude within kTilt is refused, since it would be wrong. A time
-// that goes back by more than kSetBack is a clock set back: all that waits is released and memory begins anew.
-// Memory is bounded: kMaxHistory samples, kMaxPending events, kMaxWaiting soundings.
+// Pings are of fans whose beams have had the roll taken out (Kongsberg water columns): X_BS gets the roll of the
+// Navigation at the ping's time back, so that the fan stands upright in the world; none where that is taken to be
+// level. Covariance where the log states a quality of the position; what is not stated is taken from the resolution of
+// the records (0.01 degrees, 1 cm), which is a lower bound. Where position records only repeat what the swaths state
+// with more care (.kmall), they give a Navigation of their own only where no swath has been for kHold. Origin on the
+// globe: the first valid position. Nothing is released before the log is kWait further on (recorders write attitude by
+// the second), or kReach where no position is known yet. A swath that never finds a position goes out without a
+// Navigation; one in kBody that finds no attitude within kTilt is refused, since it would be wrong. A time that goes
+// back by more than kSetBack is a clock set back: all that waits is released and memory begins anew. Memory is bounded:
+// kMaxHistory samples, kMaxPending events, kMaxWaiting soundings.
 #pragma once
 
 #include <deque>
@@ -73,6 +74,8 @@ class SurveyTrack {
   void add(const MotionSample& sample);
   void add(const PositionFix& fix);
   void add(SwathRecord record);
+  /// Behind a swath of the same time, whose record says more of where the vehicle is. `ping.X_BS`: without roll.
+  void add_ping(Ping ping);
   /// Nothing follows: what waits is released.
   void finish();
   /// Empty: more input is wanted.
@@ -85,13 +88,15 @@ class SurveyTrack {
   };
   struct Pending {
     Time time;
-    std::optional<SwathRecord> swath;  ///< empty: a position
+    std::optional<SwathRecord> swath;  ///< this, or `ping`; neither: a position
+    std::optional<Ping> ping = {};
   };
   void see(Time time);
   void wait_for(Pending pending);
   [[nodiscard]] bool due() const;
   void release_front();
   void release(Pending pending);
+  void release(Ping ping);
   void forget_before(Time time);
   void tell_coverage();
   [[nodiscard]] std::optional<Eigen::Vector2d> on_plane(const GeoPoint& point);
@@ -111,9 +116,11 @@ class SurveyTrack {
   std::deque<Event> ready_;
   std::optional<Time> newest_;
   std::optional<Time> last_navigation_;
+  Angle last_roll_;                  ///< of that fix
   std::optional<Time> last_stated_;  ///< swath with a position of its own
   bool finished_ = false;
   std::uint64_t fixes_ = 0, beyond_samples_ = 0, without_motion_ = 0, without_position_ = 0;
+  std::uint64_t pings_without_position_ = 0;
 };
 
 }  // namespace isobath

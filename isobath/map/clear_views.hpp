@@ -25,6 +25,8 @@ class ClearViews {
   /// From `from`, nothing was heard along the unit vector u and within half_width of it, up to clear_m.
   void look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, double clear_m, Time time);
   [[nodiscard]] bool is_clear(const Eigen::Vector3d& p) const;
+  /// All views of another one, whose directions are the same.
+  void copy_from(const ClearViews& other) { views_ = other.views_; }
   /// p' = R p + t of everything.
   void move(const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
   /// Views whose last look was earlier.

@@ -10,6 +10,48 @@ bool tells_height(std::span<const std::string> heights, const std::string& senso
   return std::find(heights.begin(), heights.end(), sensor) != heights.end();
 }
 
+struct Thresholds {
+  int free, occupied, most_measured;
+};
+
+/// What a layer says of a block.
+struct Said {
+  const LogOdds16* evidence;
+  int height;  ///< all bits where it tells height, else none
+};
+
+/// Of each layer of a block, whether anything in it is measured.
+using Line = std::array<int, VoxelBlocks::kSide>;
+
+/// What all layers together say of a line along depth. Without branches: the compiler makes vectors of its loops.
+void pool_line(std::span<const Said> layers, int line, int prior, const Thresholds& at, SpaceCell* water,
+               Line& measured) {
+  constexpr std::size_t kSide = VoxelBlocks::kSide;
+  Line all, heights, seen{}, cells;  // seen: 1 by any sensor, 2 by one that tells height
+  all.fill(prior);
+  heights.fill(prior);
+  for (const Said& layer : layers) {
+    const LogOdds16* evidence = layer.evidence + line;
+    for (std::size_t k = 0; k < kSide; ++k) {
+      const int said = -static_cast<int>(evidence[k] != kUnseen), more = evidence[k] & said;
+      all[k] += more;
+      heights[k] += more & layer.height;
+      seen[k] |= said & (1 | (layer.height & 2));
+    }
+  }
+  for (std::size_t k = 0; k < kSide; ++k) {
+    const int occupied = -static_cast<int>(all[k] >= at.occupied), free = -static_cast<int>(all[k] <= at.free);
+    const int clear = -static_cast<int>(heights[k] <= at.free) & -static_cast<int>(all[k] <= at.most_measured) &
+                      -static_cast<int>((seen[k] & 2) != 0);
+    int cell = occupied & static_cast<int>(SpaceCell::kOccupied);
+    cell = (free & static_cast<int>(SpaceCell::kFree)) | (~free & cell);
+    cell = (clear & static_cast<int>(SpaceCell::kMeasured)) | (~clear & cell);
+    cells[k] = cell & -static_cast<int>(seen[k] != 0);
+    measured[k] |= clear;
+  }
+  for (std::size_t k = 0; k < kSide; ++k) water[k] = static_cast<SpaceCell>(cells[k]);
+}
+
 }  // namespace
 
 SpaceGrid::SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, const Eigen::Vector3d& centre_W,
@@ -24,67 +66,58 @@ SpaceGrid::SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, 
 
   // 1. what the sensors that tell height have looked at
   std::vector<VoxelIndex> corners;
-  VoxelIndex most = VoxelIndex::Zero();
   for (const std::string& sensor : map.sensors()) {
-    if (!tells_height(heights, sensor)) continue;
-    map.find_layer(sensor)->for_each(0, [&](const VoxelBlocks::Block& block) {
-      if (!within(block.corner)) return;
-      const VoxelIndex end = block.corner.array() + kSide;
-      least_ = corners.empty() ? block.corner : VoxelIndex(least_.cwiseMin(block.corner));
-      most = corners.empty() ? end : VoxelIndex(most.cwiseMax(end));
-      corners.push_back(block.corner);
-    });
+    if (tells_height(heights, sensor)) map.find_layer(sensor)->corners_after(0, corners);
   }
+  std::erase_if(corners, [&](const VoxelIndex& corner) { return !within(corner); });
   if (corners.empty()) return;
+  least_ = corners.front();
+  VoxelIndex most = corners.front();
+  for (const VoxelIndex& corner : corners) {
+    least_ = least_.cwiseMin(corner);
+    most = most.cwiseMax(corner);
+  }
+  most.array() += kSide;
   size_ = most - least_;
-  water_.assign(
+  std::vector<SpaceCell> water(
       static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()),
       SpaceCell::kUnknown);
 
   // 2. block by block, what all sensors say of it
   const VoxelMapConfig& config = map.config();
-  const int prior = to_evidence(log_odds_of(config.prior)), free = to_evidence(log_odds_of(config.free)),
-            occupied = to_evidence(log_odds_of(config.occupied)),
-            most_measured = to_evidence(log_odds_of(kMostMeasured));
+  const Thresholds at{to_evidence(log_odds_of(config.free)), to_evidence(log_odds_of(config.occupied)),
+                      to_evidence(log_odds_of(kMostMeasured))};
+  const int prior = to_evidence(log_odds_of(config.prior));
   std::vector<std::pair<const VoxelBlocks*, bool>> layers;
   for (const std::string& sensor : map.sensors()) {
     layers.emplace_back(map.find_layer(sensor), tells_height(heights, sensor));
   }
+  first_measured_ = most.z();
+  last_measured_ = least_.z() - 1;
+  std::vector<Said> said;
   VoxelIndex corner;
   for (corner.x() = least_.x(); corner.x() < most.x(); corner.x() += kSide) {
     for (corner.y() = least_.y(); corner.y() < most.y(); corner.y() += kSide) {
       for (corner.z() = least_.z(); corner.z() < most.z(); corner.z() += kSide) {
-        std::array<int, VoxelBlocks::kVolume> all, heights_alone;
-        std::array<std::uint8_t, VoxelBlocks::kVolume> seen{};  // 1: by any sensor, 2: by one that tells height
-        all.fill(prior);
-        heights_alone.fill(prior);
-        bool any = false;
+        said.clear();
         for (const auto& [layer, height] : layers) {
-          const LogOdds16* evidence = layer->find(corner);
-          if (!evidence) continue;
-          any = true;
-          const std::uint8_t mark = height ? 3 : 1;
-          for (std::size_t i = 0; i < all.size(); ++i) {
-            const bool said = evidence[i] != kUnseen;
-            all[i] += said ? evidence[i] : 0;
-            heights_alone[i] += said && height ? evidence[i] : 0;
-            seen[i] = static_cast<std::uint8_t>(seen[i] | (said ? mark : 0));
-          }
+          if (const LogOdds16* evidence = layer->find(corner)) said.push_back({evidence, height ? -1 : 0});
         }
-        if (!any) continue;
-        for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
-          const auto at = static_cast<std::size_t>(i);
-          if (seen[at] == 0) continue;
-          SpaceCell water = SpaceCell::kUnknown;
-          if (all[at] >= occupied) water = SpaceCell::kOccupied;
-          if (all[at] <= free) water = SpaceCell::kFree;
-          if ((seen[at] & 2) != 0 && heights_alone[at] <= free && all[at] <= most_measured)
-            water = SpaceCell::kMeasured;
-          water_[index_of(corner + VoxelBlocks::place_of(i) - least_)] = water;
+        if (said.empty()) continue;
+        Line measured{};
+        for (int line = 0; line < VoxelBlocks::kVolume; line += kSide) {
+          const VoxelIndex first = corner + VoxelBlocks::place_of(line) - least_;
+          pool_line(said, line, prior, at, &water[index_of(first)], measured);
+        }
+        for (int k = 0; k < kSide; ++k) {
+          if (measured[static_cast<std::size_t>(k)] == 0) continue;
+          first_measured_ = std::min(first_measured_, corner.z() + k);
+          last_measured_ = std::max(last_measured_, corner.z() + k);
         }
       }
     }
   }
+  water_ = std::make_shared<const std::vector<SpaceCell>>(std::move(water));
 }
 
 bool SpaceGrid::is_measured(const Eigen::Vector3d& p_W, double half_height_m) const {

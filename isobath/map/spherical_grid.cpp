@@ -200,6 +200,15 @@ void SphericalGrid::decay(Duration elapsed, Duration tau, Time now) {
   views_.forget_before(now - tau);
 }
 
+void SphericalGrid::copy_from(const SphericalGrid& other) {
+  ISOBATH_ASSERT(buckets_.count() == other.buckets_.count() && layers_.count() == other.layers_.count());
+  cells_ = other.cells_;
+  views_.copy_from(other.views_);
+  scan_ = other.scan_;
+  turned_ = other.turned_;
+  offset_ = other.offset_;
+}
+
 void SphericalGrid::clear() {
   cells_.clear();
   views_.forget_before(Time::max());

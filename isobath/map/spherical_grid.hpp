@@ -35,7 +35,7 @@ struct SphericalGridConfig {
   Angle bucket = Angle::degrees(2.5);  ///< of azimuth and elevation
   double range_m = 50;
   double prior = 0.01;        ///< of a cell that nothing is known of
-  double occupied = 0.5;      ///< from here on a cell is an obstacle
+  double occupied = 0.3;      ///< from here on a cell is an obstacle: one echo makes 0.3 to 0.5 of its cells
   double most_log_odds = 10;  ///< either way
   enum class Merging : std::uint8_t { kLargest, kDensity } merging = Merging::kLargest;
   double rebin_at = 0.5;    ///< of the finest layer
@@ -116,6 +116,8 @@ class SphericalGrid {
   /// or below it, are forgotten. Views of clear water that nobody has looked from for tau, too (S4-50).
   void decay(Duration elapsed, Duration tau, Time now);
   void clear();
+  /// All that another grid of the same configuration holds: for readers in other threads (grid_snapshots.hpp).
+  void copy_from(const SphericalGrid& other);
 
   // Motion.
   // ------------------------------------------------------------------------------------------------------------

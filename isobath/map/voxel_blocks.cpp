@@ -159,13 +159,56 @@ std::size_t VoxelBlocks::keep_within(const VoxelIndex& least, const VoxelIndex& 
     for (const auto& stored : shelf_->revisions()) {
       if (leaves({corner_of(stored.first), 0, nullptr})) gone.push_back(stored.first);
     }
-    const auto spilled =
-        std::count_if(gone.begin(), gone.end(), [&](std::uint64_t key) { return slot_of(key) == kNone; });
-    shelf_->erase(gone);
-    spilled_ -= static_cast<std::size_t>(spilled);
+    erase_spilled(gone);
   }
   release(leaves);
   return before - blocks();
+}
+
+void VoxelBlocks::erase_spilled(const std::vector<std::uint64_t>& keys) {
+  const auto spilled =
+      std::count_if(keys.begin(), keys.end(), [&](std::uint64_t key) { return slot_of(key) == kNone; });
+  shelf_->erase(keys);
+  spilled_ -= static_cast<std::size_t>(spilled);
+}
+
+void VoxelBlocks::move(const VoxelIndex& by, std::uint64_t after) {
+  std::vector<VoxelIndex> corners;
+  std::vector<LogOdds16> evidence;
+  for_each(after, [&](const Block& b) {
+    corners.push_back(b.corner);
+    evidence.insert(evidence.end(), b.evidence, b.evidence + kVolume);
+  });
+  if (shelf_) {
+    std::vector<std::uint64_t> stored;
+    for (const VoxelIndex& corner : corners) {
+      if (const std::uint64_t key = key_of(corner); shelf_->holds(key)) stored.push_back(key);
+    }
+    erase_spilled(stored);
+  }
+  release([&](const Block& b) { return b.revision > after; });
+  for (std::size_t n = 0; n < corners.size(); ++n) {
+    const VoxelIndex to = corners[n] + by;
+    if (!holds(to) || !holds(to + VoxelIndex::Constant(kSide))) continue;  // beyond the end of all maps
+    const VoxelIndex first = place_of(offset(to));                         // it comes to lie in up to eight blocks
+    std::array<LogOdds16*, 8> parts{};
+    for (int i = 0; i < kVolume;) {
+      const VoxelIndex at = first + place_of(i), part = at / kSide;
+      const int end = i + std::min(kSide - (i & (kSide - 1)), kSide - (at.z() & (kSide - 1)));
+      const std::span run(evidence.data() + n * kVolume + static_cast<std::size_t>(i),
+                          evidence.data() + n * kVolume + static_cast<std::size_t>(end));
+      if (std::any_of(run.begin(), run.end(), [](LogOdds16 e) { return e != kUnseen; })) {
+        LogOdds16*& block = parts[static_cast<std::size_t>(part.x() * 4 + part.y() * 2 + part.z())];
+        if (!block) block = touch(to + place_of(i));
+        LogOdds16* there = block + offset(at);
+        for (const LogOdds16 e : run) {
+          if (e != kUnseen) *there = sum(*there, e);
+          ++there;
+        }
+      }
+      i = end;
+    }
+  }
 }
 
 void VoxelBlocks::clear() {

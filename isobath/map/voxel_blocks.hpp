@@ -126,6 +126,9 @@ class VoxelBlocks {
 
   /// Brings all evidence nearer to none: times `kept`, in [0, 1], towards zero. What was seen stays seen.
   void fade(double kept);
+  /// Moves by whole voxels what was said in the blocks touched after a revision. Where it comes to lie on what was not
+  /// moved, both are true of that place, and add up.
+  void move(const VoxelIndex& by, std::uint64_t after);
   /// Forgets the blocks that have no voxel in the box [least, most]; each is shown first. Returns how many.
   std::size_t keep_within(const VoxelIndex& least, const VoxelIndex& most,
                           const std::function<void(const Block&)>& leaving = {});
@@ -192,6 +195,8 @@ class VoxelBlocks {
   [[nodiscard, gnu::cold]] LogOdds16 spilled_at(std::uint64_t key, int offset) const;
   void each_spilled(std::uint64_t after,
                     const std::function<void(std::uint64_t key, std::uint64_t revision)>& visit) const;
+  /// Takes blocks out of the shelf, where it holds them.
+  void erase_spilled(const std::vector<std::uint64_t>& keys);
   /// Frees the places of those that `leaves` says.
   void release(const std::function<bool(const Block&)>& leaves);
 

@@ -141,6 +141,10 @@ std::vector<VoxelIndex> VoxelMap::changed_after(std::uint64_t revision) const {
   return corners;
 }
 
+void VoxelMap::move(const VoxelIndex& by, std::uint64_t after) {
+  for (const auto& l : layers_) l->blocks.move(by, after);
+}
+
 std::size_t VoxelMap::keep_within(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& half_size_m) {
   const VoxelIndex least = voxel_at(centre_W - half_size_m), most = voxel_at(centre_W + half_size_m);
   std::size_t gone = 0;

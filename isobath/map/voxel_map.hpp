@@ -74,6 +74,9 @@ class VoxelMap {
   /// All that is written from now on is of the next revision.
   std::uint64_t advance();
 
+  /// Moves by whole voxels, in all layers, what lies in blocks that changed after a revision (VoxelBlocks::move).
+  void move(const VoxelIndex& by, std::uint64_t after);
+
   /// Bounds memory: forgets the blocks that lie wholly outside of a box about a point, m.
   std::size_t keep_within(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& half_size_m);
   [[nodiscard]] std::size_t bytes() const;  ///< of memory

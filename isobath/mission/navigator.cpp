@@ -257,7 +257,7 @@ std::optional<Vector2d> Navigator::safe_near(const Vector2d& goal, const Vector2
   return place ? std::optional(frame.to_world(*place)) : std::nullopt;
 }
 
-void Navigator::keep(const View& view, Outbox& out) {
+void Navigator::keep(View& view, Outbox& out) {
   const double tolerated = std::max(0.0, clearance() - config_.slack_m);
   if (const auto conflict = conflict_ahead(view.map, view.way, tolerated)) {
     if (!leads_through(view, *conflict, out)) avoid(view, *conflict, out);
@@ -267,7 +267,7 @@ void Navigator::keep(const View& view, Outbox& out) {
   if (new_scan_ && view.way.size() > 2) shorten(view, out);
 }
 
-void Navigator::avoid(const View& view, const Conflict& conflict, Outbox& out) {
+void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
   Decision d = about(view, view.way, conflict);
   d.what = "replan";
   auto aside = mended(view.map, view.way, clearance());
@@ -289,7 +289,7 @@ void Navigator::avoid(const View& view, const Conflict& conflict, Outbox& out) {
   refuse(refusal, out);
 }
 
-void Navigator::shorten(const View& view, Outbox& out) {
+void Navigator::shorten(View& view, Outbox& out) {
   const auto found = search(view);
   const auto through = search_space(view, length_of(view.way));
   const double saved = found ? length_of(view.way) - found->length_m : 0;
@@ -301,7 +301,7 @@ void Navigator::shorten(const View& view, Outbox& out) {
   take_way(view, found->points, decision("replan", "what the way went round is not there any more"), out);
 }
 
-void Navigator::start(const View& view, Outbox& out) {
+void Navigator::start(View& view, Outbox& out) {
   const auto found = search(view);
   Decision d = decision(refused_ ? "resume" : "plan", "the way is clear");
   const Way straight{view.way.front(), view.goal};

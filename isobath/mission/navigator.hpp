@@ -67,6 +67,12 @@ class Navigator : public Agent {
  private:
   using Way = std::vector<Eigen::Vector2d>;
   enum class Mode : std::uint8_t { kNormal, kEmergency };
+  /// What one cycle looks at in three dimensions, in W.
+  struct Space {
+    std::vector<Hazard> hazards;
+    SpaceRouteTask task;
+    SpaceRoom room;
+  };
   /// All that one cycle looks at, in the plan frame.
   struct View {
     HazardMap map;
@@ -74,6 +80,7 @@ class Navigator : public Agent {
     Way way;  ///< vehicle, what is left of the way; the vehicle alone without one
     Eigen::Vector2d goal;
     Angle heading;
+    std::unique_ptr<Space> space = {};  ///< made when it is first asked for
   };
   struct Refusal {
     RouteRefused::Reason reason = RouteRefused::Reason::kNoPath;
@@ -95,10 +102,10 @@ class Navigator : public Agent {
   [[nodiscard]] std::optional<Refusal> judge_goal(const PlanFrame& frame, std::vector<Hazard>& hazards);
   [[nodiscard]] std::optional<Eigen::Vector2d> safe_near(const Eigen::Vector2d& goal, const Eigen::Vector2d& vehicle,
                                                          const PlanFrame& frame, std::vector<Hazard> hazards) const;
-  void keep(const View& view, Outbox& out);
-  void avoid(const View& view, const Conflict& conflict, Outbox& out);
-  void shorten(const View& view, Outbox& out);
-  void start(const View& view, Outbox& out);
+  void keep(View& view, Outbox& out);
+  void avoid(View& view, const Conflict& conflict, Outbox& out);
+  void shorten(View& view, Outbox& out);
+  void start(View& view, Outbox& out);
   [[nodiscard]] Result<RoutePath, RouteRefusal> search(const View& view) const;
   [[nodiscard]] int most_expanded() const;
   [[nodiscard]] Refusal refusal_of(RouteRefusal refusal, const View& view) const;
@@ -112,8 +119,9 @@ class Navigator : public Agent {
   // in three dimensions: navigator_space.cpp
   [[nodiscard]] std::vector<Hazard> hazards_W(const View& view) const;
   [[nodiscard]] SpaceRouteTask space_task(std::span<const Hazard> hazards) const;
-  [[nodiscard]] bool leads_through(const View& view, const Conflict& conflict, Outbox& out);
-  [[nodiscard]] std::optional<SpaceRoutePath> search_space(const View& view, std::optional<double> plane_m) const;
+  [[nodiscard]] const Space& space_of(View& view) const;
+  [[nodiscard]] bool leads_through(View& view, const Conflict& conflict, Outbox& out);
+  [[nodiscard]] std::optional<SpaceRoutePath> search_space(View& view, std::optional<double> plane_m) const;
   void take_space_way(const View& view, const SpaceRoutePath& path, Decision decision, Outbox& out);
 
   void refuse(const Refusal& refusal, Outbox& out);

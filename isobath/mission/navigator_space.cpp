@@ -39,17 +39,28 @@ SpaceRouteTask Navigator::space_task(std::span<const Hazard> hazards) const {
   return task;
 }
 
+/// One room serves all questions of a cycle: those about the way that is under way, and searches.
+const Navigator::Space& Navigator::space_of(View& view) const {
+  if (!view.space) {
+    std::vector<Hazard> hazards = hazards_W(view);
+    SpaceRouteTask task = space_task(hazards);
+    SpaceRoom room = room_for(*space_, task, space_route_, true);
+    view.space = std::make_unique<Space>(Space{std::move(hazards), task, std::move(room)});
+  }
+  return *view.space;
+}
+
 /// Whether the way that is under way keeps clear of all that is not known to be water, in three dimensions. Of a way
 /// that was chosen so, what lies `decide_m` and more ahead need not be known yet.
-bool Navigator::leads_through(const View& view, const Conflict& conflict, Outbox& out) {
+bool Navigator::leads_through(View& view, const Conflict& conflict, Outbox& out) {
   if (!space_) return false;
-  const std::vector<Hazard> hazards = hazards_W(view);
-  const SpaceRouteTask task = space_task(hazards);
-  std::vector<Vector3d> way = {task.start};
+  const Space& space = space_of(view);
+  const SpaceRoom& room = space.room;
+  const Vector3d& start = space.task.start;
+  std::vector<Vector3d> way = {start};
   for (const Waypoint& w : way_) way.emplace_back(w.north, w.east, w.depth);
-  const SpaceRoom room = room_for(*space_, task, space_route_, true);
   const double wanted = vehicle_.half_width_m + std::max(0.0, space_route_.clearance_m - space_->voxel_m());
-  const double here = room.distance(task.start);
+  const double here = room.distance(start);
   if (here < vehicle_.half_width_m || !is_clear(room, way, std::min(wanted, here))) return false;
   if (!through_) {
     if (sure_length(room, way) < way_length(way)) return false;  // first see whether a way round it costs little
@@ -63,14 +74,15 @@ bool Navigator::leads_through(const View& view, const Conflict& conflict, Outbox
 }
 
 /// Empty where the way in the plane, if there is one, will do.
-std::optional<SpaceRoutePath> Navigator::search_space(const View& view, std::optional<double> plane_m) const {
+std::optional<SpaceRoutePath> Navigator::search_space(View& view, std::optional<double> plane_m) const {
   if (!space_) return {};
   const double straight = (view.goal - view.way.front()).norm();
   if (plane_m && *plane_m <= straight + config_.switch_m) return {};
-  const std::vector<Hazard> hazards = hazards_W(view);
+  if (!is_finite(space_task({}))) return {};
   SpaceRouteConfig config = space_route_;
   config.most_expanded = static_cast<int>(std::max(1.0, budget_share_ * space_route_.most_expanded));
-  auto path = plan_space_route(*space_, space_task(hazards), config);
+  const Space& space = space_of(view);
+  auto path = plan_space_route(space.room, space.task, config);
   if (!path || (plane_m && path->length_m + config_.switch_m > *plane_m)) return {};
   return *std::move(path);
 }

@@ -30,10 +30,10 @@ using Shorts = hn::Rebind<LogOdds16, Ints>;
 using F = hn::Vec<Floats>;
 using I = hn::Vec<Ints>;
 
-HWY_ATTR F absolute(F v) { return hn::Abs(v); }
+HWY_INLINE HWY_ATTR F absolute(F v) { return hn::Abs(v); }
 
 /// Where a pseudo-angle stands in the table of directions; what lies beyond its ends is at its ends.
-HWY_ATTR I direction_of(F pseudo) {
+HWY_INLINE HWY_ATTR I direction_of(F pseudo) {
   const Floats d;
   const F index = hn::Mul(hn::Add(pseudo, hn::Set(d, 2.0f)), hn::Set(d, FanView::kDirections / 4.0f));
   const F most = hn::Set(d, FanView::kDirections - 1.0f);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/base/split_work.hpp>
 #include <isobath/perception/fan_mapper.hpp>
 #include <numbers>
 
@@ -16,12 +15,16 @@ using Eigen::Vector3d;
 
 using std::numbers::pi;
 constexpr double kExplained = 1.0 / (1 << 14);  // unit of `explained_`
+constexpr int kBlocksAPiece = 8, kBeamsAPiece = 64;
 
 /// -ln(1 - P / n): of a voxel's being the source of an echo in one of its n cells.
 std::int32_t explanation(double probability, const MixedVoxel& voxel) {
   const int cells = (voxel.beam_end - voxel.beam) * (voxel.bin_end - voxel.bin);
   return static_cast<std::int32_t>(0.5 - std::log1p(-probability / cells) / kExplained);
 }
+
+/// Beyond upright there is nothing more to ensonify.
+double sine_of_half(const BeamFan& fan) { return std::sin(std::min(0.5 * pi, 0.5 * fan.height.radians())); }
 
 bool bit(const std::uint64_t* words, int i) { return (words[i / 64] >> (i % 64) & 1) != 0; }
 
@@ -119,7 +122,8 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
                       int threads) {
   ISOBATH_ASSERT(decisions.beams() == ping.fan->beams() && decisions.bins() == ping.window.bins);
   if (ping.fan != fan_ || ping.window != window_) take_geometry(ping);
-  take_decisions(decisions);
+  if (!team_ || team_->threads() != std::max(1, threads)) team_ = std::make_unique<WorkTeam>(threads);
+  take_decisions(decisions, *team_);
   const Pose X_WF = X_WB * ping.X_BS * X_SF_;
   aim(X_WF);
 
@@ -130,17 +134,18 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
   const bool marginal = config_.rule == FanMapperConfig::Rule::kMarginal;
   if (mixed_.size() < parts.size()) mixed_.resize(parts.size());
   if (marginal) explained_.assign(static_cast<std::size_t>(decisions.beams()) * decisions.bins(), 0);
-  split_work(count, threads, [&](int begin, int end) {
+  const bool alone = team_->threads() == 1;
+  team_->share(count, kBlocksAPiece, [&](int begin, int end) {
     for (int n = begin; n < end; ++n) {
       const Part& part = parts[static_cast<std::size_t>(n)];
       std::vector<MixedVoxel>& mixed = mixed_[static_cast<std::size_t>(n)];
       mixed.clear();
       look_at_block(view_, part.first, layer.bounds(), part.evidence, mixed);
       if (!marginal) continue;
-      for (MixedVoxel& v : mixed) explain(v, decisions, part.evidence);
+      for (MixedVoxel& v : mixed) explain(v, part.evidence, alone);
     }
   });
-  split_work(count, threads, [&](int begin, int end) {
+  team_->share(count, kBlocksAPiece, [&](int begin, int end) {
     for (int n = begin; n < end; ++n) {
       const Part& part = parts[static_cast<std::size_t>(n)];
       for (const MixedVoxel& v : mixed_[static_cast<std::size_t>(n)])
@@ -152,22 +157,30 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
 
 /// Calls visit(beam, bin) for each cell of a voxel that holds an echo.
 template <class Visit>
-void FanMapper::each_echo(const MixedVoxel& voxel, const EchoDecisions& decisions, const Visit& visit) const {
+void FanMapper::each_echo(const MixedVoxel& voxel, const Visit& visit) const {
+  const int first = voxel.bin / 64, last = (voxel.bin_end - 1) / 64;
   for (int beam = voxel.beam; beam < voxel.beam_end; ++beam) {
-    const std::uint64_t* tells = tells_.data() + static_cast<std::size_t>(beam) * decisions.words();
-    const std::uint64_t* hits = decisions.hits(beam);
-    for (int bin = voxel.bin; bin < voxel.bin_end; ++bin) {
-      if (bit(tells, bin) && bit(hits, bin)) visit(beam, bin);
+    const std::uint64_t* echoes = echoes_.data() + static_cast<std::size_t>(beam) * words_;
+    for (int word = first; word <= last; ++word) {
+      std::uint64_t left = echoes[word];
+      if (word == first) left &= ~std::uint64_t{0} << voxel.bin % 64;
+      if (word == last) left &= ~std::uint64_t{0} >> (63 - (voxel.bin_end - 1) % 64);
+      for (; left != 0; left &= left - 1) visit(beam, 64 * word + std::countr_zero(left));
     }
   }
 }
 
 /// Counts a voxel among those that may have given the echoes of its cells. Whole numbers: in any order the same.
-void FanMapper::explain(MixedVoxel& voxel, const EchoDecisions& decisions, const LogOdds16* block) {
+void FanMapper::explain(MixedVoxel& voxel, const LogOdds16* block, bool alone) {
+  if (counts(voxel).second == 0) return;
   voxel.own = explanation(probability(block[voxel.offset]), voxel);
-  each_echo(voxel, decisions, [&](int beam, int bin) {
-    const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
-    std::atomic_ref(explained_[cell]).fetch_add(voxel.own, std::memory_order_relaxed);
+  each_echo(voxel, [&](int beam, int bin) {
+    std::int32_t& cell = explained_[static_cast<std::size_t>(beam) * window_.bins + bin];
+    if (alone) {
+      cell += voxel.own;
+    } else {
+      std::atomic_ref(cell).fetch_add(voxel.own, std::memory_order_relaxed);
+    }
   });
 }
 
@@ -181,7 +194,7 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
   const bool graded = decisions.ratios(0) != nullptr;
   const double f = decisions.false_alarm;
   double ratios = 0;
-  each_echo(voxel, decisions, [&](int beam, int bin) {
+  each_echo(voxel, [&](int beam, int bin) {
     const std::uint64_t* dim = decisions.dim(beam);
     const bool is_dim = dim && bit(dim, bin);
     const double heard = is_dim ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
@@ -231,7 +244,8 @@ std::vector<EchoForecast> FanMapper::forecast(const Ping& ping, const EchoDecisi
   for (int beam = 0; beam < beams; ++beam) {
     std::copy_n(echoes_everywhere.usable(), echoes_everywhere.words(), echoes_everywhere.hits(beam));
   }
-  take_decisions(echoes_everywhere);
+  WorkTeam alone(1);
+  take_decisions(echoes_everywhere, alone);
   const Pose X_WF = X_WB * ping.X_BS * X_SF_;
   aim(X_WF);
   struct Cell {
@@ -283,43 +297,53 @@ void FanMapper::hide_shadows(const EchoDecisions& decisions, int beam, std::uint
   }
 }
 
-void FanMapper::take_decisions(const EchoDecisions& decisions) {
-  const int beams = decisions.beams(), bins = decisions.bins(), words = decisions.words();
-  tells_.assign(static_cast<std::size_t>(beams) * words, 0);
-  for (int beam = 0; beam < beams; ++beam) {
-    std::uint64_t* tells = tells_.data() + static_cast<std::size_t>(beam) * words;
-    const std::uint64_t* dim = decisions.dim(beam);
-    for (int w = 0; w < words; ++w) {
-      tells[w] = decisions.usable()[w];
-      if (!dim) continue;
-      tells[w] &= ~dim[w] | decisions.hits(beam)[w];
-      for (std::uint64_t loud = dim[w] & tells[w]; loud != 0; loud &= loud - 1) {
-        const int bin = 64 * w + std::countr_zero(loud);
-        if (!(decisions.p_dim(beam, bin) > decisions.false_alarm)) tells[w] &= ~(loud & -loud);
-      }
+/// What a beam tells, and the sums over its own bins.
+void FanMapper::take_beam(const EchoDecisions& decisions, int beam) {
+  const auto row = static_cast<std::size_t>(beam) * words_;
+  std::uint64_t *tells = heard_.data() + row, *echoes = echoes_.data() + row;
+  const std::uint64_t *dim = decisions.dim(beam), *hits = decisions.hits(beam);
+  for (int w = 0; w < words_; ++w) {
+    tells[w] = decisions.usable()[w] & fit_[w];
+    if (!dim) continue;
+    tells[w] &= ~dim[w] | hits[w];
+    for (std::uint64_t loud = dim[w] & tells[w]; loud != 0; loud &= loud - 1) {
+      const int bin = 64 * w + std::countr_zero(loud);
+      if (!(decisions.p_dim(beam, bin) > decisions.false_alarm)) tells[w] &= ~(loud & -loud);
     }
-    for (int bin = 0; bin < bins; ++bin) {
-      if (!(decisions.p_detect[bin] > decisions.false_alarm)) tells[bin / 64] &= ~(std::uint64_t{1} << (bin % 64));
-    }
-    if (config_.shadow_bins > 0) hide_shadows(decisions, beam, tells);
   }
+  if (config_.shadow_bins > 0) hide_shadows(decisions, beam, tells);
+  std::uint32_t sum = 0;  // two counters that wrap around; their differences over a rectangle do not
+  std::int32_t* sums =
+      sums_.data() + (static_cast<std::size_t>(beam) + 1) * (static_cast<std::size_t>(window_.bins) + 1);
+  sums[0] = 0;
+  for (int w = 0, bin = 0; w < words_; ++w) {
+    echoes[w] = tells[w] & hits[w];
+    std::uint64_t told = tells[w], hit = echoes[w];
+    for (const int end = std::min(64 * (w + 1), window_.bins); bin < end; ++bin, told >>= 1, hit >>= 1) {
+      sum += (static_cast<std::uint32_t>(told & 1) << 16) + static_cast<std::uint32_t>(hit & 1);
+      sums[bin + 1] = static_cast<std::int32_t>(sum);
+    }
+  }
+}
 
+void FanMapper::take_decisions(const EchoDecisions& decisions, WorkTeam& team) {
+  const int beams = decisions.beams(), bins = decisions.bins();
+  words_ = decisions.words();
+  fit_.assign(static_cast<std::size_t>(words_), 0);
+  for (int bin = 0; bin < bins; ++bin) {
+    if (decisions.p_detect[bin] > decisions.false_alarm) fit_[bin / 64] |= std::uint64_t{1} << (bin % 64);
+  }
   const auto stride = static_cast<std::size_t>(bins) + 1;
+  heard_.resize(static_cast<std::size_t>(beams) * words_);
+  echoes_.resize(heard_.size());
   sums_.resize((static_cast<std::size_t>(beams) + 1) * stride);
   std::fill_n(sums_.begin(), stride, 0);
-  for (int beam = 0; beam < beams; ++beam) {
-    const std::uint64_t* tells = tells_.data() + static_cast<std::size_t>(beam) * words;
-    const std::uint64_t* hits = decisions.hits(beam);
-    const std::int32_t* above = sums_.data() + static_cast<std::size_t>(beam) * stride;
-    std::int32_t* here = sums_.data() + (static_cast<std::size_t>(beam) + 1) * stride;
-    std::uint32_t sum = 0;  // two counters that wrap around; their differences over a rectangle do not
-    here[0] = 0;
-    for (int bin = 0; bin < bins; ++bin) {
-      const auto told = static_cast<std::uint32_t>(tells[bin / 64] >> (bin % 64) & 1);
-      const auto hit = static_cast<std::uint32_t>(hits[bin / 64] >> (bin % 64) & 1);
-      sum += (told << 16) + (told & hit);
-      here[bin + 1] = static_cast<std::int32_t>(static_cast<std::uint32_t>(above[bin + 1]) + sum);
-    }
+  team.share(beams, kBeamsAPiece, [&](int begin, int end) {
+    for (int beam = begin; beam < end; ++beam) take_beam(decisions, beam);
+  });
+  for (std::size_t i = stride; i < sums_.size(); ++i) {  // of the beams before it, too
+    sums_[i] =
+        static_cast<std::int32_t>(static_cast<std::uint32_t>(sums_[i]) + static_cast<std::uint32_t>(sums_[i - stride]));
   }
   view_.sums = sums_.data();
 
@@ -339,14 +363,27 @@ void FanMapper::take_decisions(const EchoDecisions& decisions) {
 
 // The geometry of a sonar --------------------------------------------------------------------------------------------
 
+const char* FanMapper::fault_of(const Ping& ping, double voxel_m) {
+  constexpr double kMostVoxels = 1e9, kMostAcross = 4000;
+  const BeamFan& fan = *ping.fan;
+  const double range = ping.window.end_m() / voxel_m;
+  const double cells = (std::sqrt(3.0) * voxel_m / ping.window.bin_m + 2) * fan.beams();
+  if (!(cells < 65536)) return "voxels far too large for the bins of a ping";
+  const Angle span = fan.azimuth.back() - fan.azimuth.front() + fan.width.front() * 0.5 + fan.width.back() * 0.5;
+  const double angle = std::min(2 * pi, span.radians()) * 2 * std::max(sine_of_half(fan), 1 / range);  // steradians
+  if (!(range < kMostAcross && angle * range * range * range / 3 < kMostVoxels)) {
+    return "voxels far too small for the range of a ping";
+  }
+  return nullptr;
+}
+
 void FanMapper::take_geometry(const Ping& ping) {
   const BeamFan& fan = *ping.fan;
   const auto beams = static_cast<std::size_t>(fan.beams());
-  const double cells = (std::sqrt(3.0) * voxel_m_ / ping.window.bin_m + 2) * static_cast<double>(beams);
-  if (cells >= 65536) {
-    throw Error(fmt::format("voxels of {:g} m are too large for bins of {:g} m in {} beams", voxel_m_,
-                            ping.window.bin_m, beams),
-                {}, "fewer than 65536 bins to a voxel near the sonar", "make voxel_m smaller");
+  if (const char* fault = fault_of(ping, voxel_m_)) {
+    throw Error(fmt::format("voxels of {:g} m, bins of {:g} m to {:g} m in {} beams: {}", voxel_m_, ping.window.bin_m,
+                            ping.window.end_m(), beams, fault),
+                {}, "", "set voxel_m");
   }
   fan_ = ping.fan;
   window_ = ping.window;
@@ -364,7 +401,7 @@ void FanMapper::take_geometry(const Ping& ping) {
   const double middle = 0.5 * (left.front() + right.back());
   X_SF_ = {Rotation::from_heading(Angle::radians(middle)), Vector3d::Zero()};
   half_width_ = std::min(pi, 0.5 * (right.back() - left.front()));
-  sine_ = sin(fan.height * 0.5);
+  sine_ = sine_of_half(fan);
   beams_at_.assign(FanView::kDirections, 0);
   const auto index_of = [&](double azimuth) {
     const double a = std::clamp(azimuth - middle, -pi, pi);

@@ -29,11 +29,13 @@
 // A dim bin (bottom or surface are loud there) tells something only where it holds an echo.
 //
 // Frames: ledger. The evidence of a ping is the same, bit for bit, on any number of threads and whatever vector
-// instructions the processor has. Allocates at the first ping of a geometry and where the map grows. Not thread-safe.
+// instructions the processor has. Its threads wait from ping to ping. Allocates at the first ping of a geometry and
+// where the map grows. Not thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <isobath/base/config.hpp>
+#include <isobath/base/work_team.hpp>
 #include <isobath/map/voxel_map.hpp>
 #include <isobath/perception/fan_kernel.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
@@ -71,8 +73,13 @@ class FanMapper {
   /// Minus infinity, as at first: there is none.
   void set_surface(double depth_m) { surface_m_ = depth_m; }
 
-  /// The ping is valid, decisions have its size, the pose is finite. Throws Error where a voxel near the sonar spans
-  /// 65536 cells or more. Returns the blocks that it looked at.
+  /// Why a valid ping cannot go into voxels of this size; null: it can. They are so large that one near the sonar spans
+  /// 65536 cells or more, or so small that the fan is 4000 of them long, or holds
+  /// 10^9.
+  [[nodiscard]] static const char* fault_of(const Ping& ping, double voxel_m);
+
+  /// The ping is valid, decisions have its size, the pose is finite. Throws Error where `fault_of` says why. Returns
+  /// the blocks that it looked at.
   int update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, VoxelBlocks& layer, int threads = 1);
 
   /// What the same geometry would hear, f + (p_D - f) (1 - E), beam after beam; of the decisions only p_D and f count.
@@ -91,12 +98,13 @@ class FanMapper {
   [[nodiscard]] std::vector<Part> parts_of(const Pose& X_WF) const;
   void aim(const Pose& X_WF);
   void take_geometry(const Ping& ping);
-  void take_decisions(const EchoDecisions& decisions);
+  void take_decisions(const EchoDecisions& decisions, WorkTeam& team);
+  void take_beam(const EchoDecisions& decisions, int beam);
   void hide_shadows(const EchoDecisions& decisions, int beam, std::uint64_t* tells) const;
   [[nodiscard]] std::pair<int, int> counts(const MixedVoxel& voxel) const;
   template <class Visit>
-  void each_echo(const MixedVoxel& voxel, const EchoDecisions& decisions, const Visit& visit) const;
-  void explain(MixedVoxel& voxel, const EchoDecisions& decisions, const LogOdds16* block);
+  void each_echo(const MixedVoxel& voxel, const Visit& visit) const;
+  void explain(MixedVoxel& voxel, const LogOdds16* block, bool alone);
   void settle(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
               LogOdds16* block) const;
   [[nodiscard]] double probability(LogOdds16 evidence) const;
@@ -122,10 +130,14 @@ class FanMapper {
 
   // Of the ping at hand.
   std::vector<std::int32_t> sums_;
-  std::vector<std::uint64_t> tells_;
+  int words_ = 0;  ///< of a beam in the next three
+  std::vector<std::uint64_t> heard_,
+      echoes_;                      ///< bins that tell anything, beam after beam; and those that hold an echo
+  std::vector<std::uint64_t> fit_;  ///< bins in which an echo can be told from noise
   std::vector<float> clear_, clear_ratio_;
   std::vector<std::int32_t> explained_;  ///< of each cell that holds an echo: -ln E of all its voxels, fixed point
   std::vector<std::vector<MixedVoxel>> mixed_;  ///< of each block
+  std::unique_ptr<WorkTeam> team_;
 };
 
 }  // namespace isobath

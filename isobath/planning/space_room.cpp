@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/planning/space_room.hpp>
+#include <limits>
+#include <type_traits>
 
 namespace isobath {
 namespace {
@@ -12,42 +14,90 @@ enum Column : std::uint8_t { kNoHazard, kFarHazard, kHazard, kShut };
 
 bool is_for_good(HazardKind kind) { return kind != HazardKind::kSeen && kind != HazardKind::kRemembered; }
 
-/// Squares of distances in voxels, from centres to the nearest face of a closed voxel, along one axis more: of a line
-/// of `count` values, `stride` apart. A voxel's cube reaches half a voxel from its centre.
-void widen(float* line, std::size_t count, std::size_t stride, int reach, std::vector<float>& padded) {
-  const std::size_t margin = static_cast<std::size_t>(reach);
-  const float far = std::numeric_limits<float>::max();
-  padded.assign(count + 2 * margin, far);
-  bool any = false;
-  for (std::size_t i = 0; i < count; ++i) {
-    padded[margin + i] = line[i * stride];
-    any = any || line[i * stride] < far;
+/// What lies `step` lines off, `squared` away, into a line of squares of distances in half voxels.
+template <class Square>
+void widen(Square* line, const Square* before, const Square* after, std::size_t count, Square squared) {
+  for (std::size_t z = 0; z < count; ++z) {
+    const Square nearer = static_cast<Square>(std::min(before[z], after[z]) + squared);
+    line[z] = std::min(line[z], nearer);
   }
-  if (!any) return;
-  for (std::size_t i = 0; i < count; ++i) {
-    float least = padded[margin + i];
-    for (int k = 1; k <= reach; ++k) {
-      const float off = static_cast<float>(k) - 0.5F;
-      const float nearer =
-          std::min(padded[margin + i - static_cast<std::size_t>(k)], padded[margin + i + static_cast<std::size_t>(k)]);
-      if (nearer < far) least = std::min(least, nearer + off * off);
-    }
-    line[i * stride] = least;
-  }
+}
+
+/// A voxel's cube reaches half a voxel from its centre.
+template <class Square>
+Square squared_half_voxels(int voxels) {
+  const int halves = voxels == 0 ? 0 : 2 * voxels - 1;
+  return static_cast<Square>(halves * halves);
 }
 
 }  // namespace
 
 SpaceRoom::SpaceRoom(const SpaceGrid& grid, const SpaceRoomTask& task)
-    : voxel_m_(grid.voxel_m()),
-      least_(floor_of(task.least / voxel_m_)),
-      size_(floor_of(task.most / voxel_m_) - least_ + VoxelIndex::Ones()) {
+    : grid_(grid),
+      least_(floor_of(task.least / grid.voxel_m())),
+      size_(floor_of(task.most / grid.voxel_m()) - least_ + VoxelIndex::Ones()),
+      most_m_(task.most_m),
+      reach_(static_cast<int>(std::ceil(task.most_m / grid.voxel_m() + 0.5))) {
   const double voxels = size_.cast<double>().prod();
   if (!((size_.array() > 0).all() && voxels <= kMostVoxels)) {
     throw Error("a box of water cannot be planned through", {}, "1 to 30 million voxels");
   }
-  close(grid, task);
-  measure(task.most_m);
+  trim(task);
+  columns_ = columns_of(task);
+  clear();
+}
+
+SpaceRoom SpaceRoom::of_what_is_known() const {
+  SpaceRoom known(*this);
+  std::replace(known.columns_.begin(), known.columns_.end(), std::uint8_t{kFarHazard}, std::uint8_t{kHazard});
+  return known;
+}
+
+SpaceRoom::SpaceRoom(const SpaceRoom& other)
+    : grid_(other.grid_),
+      least_(other.least_),
+      size_(other.size_),
+      shallowest_(other.shallowest_),
+      deepest_(other.deepest_),
+      most_m_(other.most_m_),
+      reach_(other.reach_),
+      in_band_(other.in_band_),
+      columns_(other.columns_) {
+  clear();
+}
+
+bool SpaceRoom::has_unsure() const {
+  return std::find(columns_.begin(), columns_.end(), std::uint8_t{kFarHazard}) != columns_.end();
+}
+
+void SpaceRoom::clear() {
+  tiles_x_ = (size_.x() + kTile - 1) / kTile;
+  tiles_y_ = (size_.y() + kTile - 1) / kTile;
+  looked_.assign(tile_of(tiles_x_, 0), 0);
+  measured_ = looked_;
+  const std::size_t voxels = index_of(size_.x(), 0);
+  along_.reset(new std::uint16_t[voxels]);  // not written yet: most of it never will be
+  distance_.reset(new float[voxels]);
+}
+
+/// Nothing is open above or below the mission's depths and what was measured: one closed layer each says as much as
+/// all.
+void SpaceRoom::trim(const SpaceRoomTask& task) {
+  shallowest_ = least_.z();
+  deepest_ = least_.z() + size_.z() - 1;
+  const auto in_band = [&](int layer) {
+    const double depth = (layer + 0.5) * voxel_m();
+    return depth >= task.shallow_m && depth <= task.deep_m;
+  };
+  int first = deepest_, last = shallowest_;
+  for (int layer = shallowest_; layer <= deepest_; ++layer) {
+    if (!in_band(layer) && (layer < grid_.first_measured() || layer > grid_.last_measured())) continue;
+    first = std::min(first, layer);
+    last = std::max(last, layer);
+  }
+  least_.z() = std::max(shallowest_, std::min(first, last) - 1);
+  size_.z() = std::min(deepest_, std::max(first, last) + 1) - least_.z() + 1;
+  for (int z = 0; z < size_.z(); ++z) in_band_.push_back(in_band(least_.z() + z) ? 1 : 0);
 }
 
 /// Of each hazard, whether it and all that it hangs together with are far.
@@ -80,19 +130,18 @@ std::vector<bool> SpaceRoom::may_open(const SpaceRoomTask& task) {
 
 /// For each column of the box, north then east.
 std::vector<std::uint8_t> SpaceRoom::columns_of(const SpaceRoomTask& task) const {
-  std::vector<std::uint8_t> columns(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()),
-                                    kNoHazard);
+  std::vector<std::uint8_t> columns(column_of(size_.x(), 0), kNoHazard);
   const std::vector<bool> far = may_open(task);
   for (const Hazard& hazard : task.hazards) {
-    const double reach = std::max(hazard.margin_m, std::sqrt(0.5) * voxel_m_);  // a line closes the columns it meets
+    const double reach = std::max(hazard.margin_m, std::sqrt(0.5) * voxel_m());  // a line closes the columns it meets
     Vector2d low = hazard.outline.front(), high = low;
     for (const Vector2d& corner : hazard.outline) {
       low = low.cwiseMin(corner);
       high = high.cwiseMax(corner);
     }
     const auto cells = [&](double from, double to, int axis) {
-      const int first = static_cast<int>(std::floor((from - reach) / voxel_m_)) - least_[axis],
-                last = static_cast<int>(std::floor((to + reach) / voxel_m_)) - least_[axis];
+      const int first = static_cast<int>(std::floor((from - reach) / voxel_m())) - least_[axis],
+                last = static_cast<int>(std::floor((to + reach) / voxel_m())) - least_[axis];
       return std::pair{std::max(first, 0), std::min(last, size_[axis] - 1)};
     };
     if (((high - low).array() > 1e6).any() || low.cwiseAbs().maxCoeff() > 1e7) continue;
@@ -101,8 +150,7 @@ std::vector<std::uint8_t> SpaceRoom::columns_of(const SpaceRoomTask& task) const
     const std::uint8_t column = is_for_good(hazard.kind) ? kShut : open ? kFarHazard : kHazard;
     for (int x = north.first; x <= north.second; ++x) {
       for (int y = east.first; y <= east.second; ++y) {
-        std::uint8_t& at =
-            columns[static_cast<std::size_t>(x) * static_cast<std::size_t>(size_.y()) + static_cast<std::size_t>(y)];
+        std::uint8_t& at = columns[column_of(x, y)];
         if (at >= column) continue;
         if (signed_distance(hazard.outline, centre_of({x, y, 0}).head<2>()) <= reach) at = column;
       }
@@ -111,75 +159,158 @@ std::vector<std::uint8_t> SpaceRoom::columns_of(const SpaceRoomTask& task) const
   return columns;
 }
 
-void SpaceRoom::close(const SpaceGrid& grid, const SpaceRoomTask& task) {
-  const std::vector<std::uint8_t> columns = columns_of(task);
-  state_.assign(
-      static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()),
-      State::kOpen);
-  std::size_t at = 0;
-  for (int x = 0; x < size_.x(); ++x) {
-    for (int y = 0; y < size_.y(); ++y) {
-      const std::uint8_t column =
-          columns[static_cast<std::size_t>(x) * static_cast<std::size_t>(size_.y()) + static_cast<std::size_t>(y)];
-      for (int z = 0; z < size_.z(); ++z, ++at) {
-        const SpaceCell water = grid.at(least_ + VoxelIndex(x, y, z));
-        const double depth = (least_.z() + z + 0.5) * voxel_m_;
-        const bool in_band = depth >= task.shallow_m && depth <= task.deep_m;
-        const bool measured = water == SpaceCell::kMeasured;
-        if (column == kShut || water == SpaceCell::kOccupied || (!measured && (column == kHazard || !in_band))) {
-          state_[at] = State::kClosed;
-        } else if (!measured && column == kFarHazard) {
-          state_[at] = State::kUnsure;
-        }
+/// Of the columns of a tile, what is closed, and how far along depth that is from each voxel.
+void SpaceRoom::look(int tile_x, int tile_y) const {
+  const int nz = size_.z();
+  for (int x = kTile * tile_x; x < std::min(kTile * (tile_x + 1), size_.x()); ++x) {
+    for (int y = kTile * tile_y; y < std::min(kTile * (tile_y + 1), size_.y()); ++y) {
+      const std::uint8_t column = columns_[column_of(x, y)];
+      std::uint16_t* along = &along_[index_of(x, y)];
+      const std::span<const SpaceCell> water = grid_.column(least_.x() + x, least_.y() + y);
+      const int above = grid_.least().z() - least_.z();  // layers of the room before the water's first
+      std::uint16_t since = kFar;
+      for (int z = 0; z < nz; ++z) {
+        const auto at = static_cast<std::size_t>(z - above);  // of layers above it: beyond its end
+        const SpaceCell cell = at < water.size() ? water[at] : SpaceCell::kUnknown;
+        const bool must_be_measured = column == kHazard || in_band_[static_cast<std::size_t>(z)] == 0;
+        const bool closed =
+            column == kShut || cell == SpaceCell::kOccupied || (must_be_measured && cell != SpaceCell::kMeasured);
+        since = closed ? std::uint16_t{0} : static_cast<std::uint16_t>(since + (since < kFar ? 1 : 0));
+        along[z] = since;
+      }
+      for (int z = nz - 2; z >= 0; --z) {
+        const int from_below = along[z + 1] < kFar ? along[z + 1] + 1 : int{kFar};
+        along[z] = static_cast<std::uint16_t>(std::min<int>(along[z], from_below));
       }
     }
   }
 }
 
-void SpaceRoom::measure(double most_m) {
-  const auto nx = static_cast<std::size_t>(size_.x()), ny = static_cast<std::size_t>(size_.y()),
-             nz = static_cast<std::size_t>(size_.z());
-  distance_.resize(state_.size());
-  std::transform(state_.begin(), state_.end(), distance_.begin(),
-                 [](State s) { return s == State::kClosed ? 0.0F : std::numeric_limits<float>::max(); });
-  const int reach = static_cast<int>(std::ceil(most_m / voxel_m_ + 0.5));
-  std::vector<float> padded;
-  for (std::size_t x = 0; x < nx; ++x) {
-    for (std::size_t y = 0; y < ny; ++y) widen(&distance_[(x * ny + y) * nz], nz, 1, reach, padded);
+void SpaceRoom::measure(int tile_x, int tile_y) const {
+  const int margin = (reach_ + kTile - 1) / kTile;
+  for (int x = std::max(0, tile_x - margin); x <= std::min(tiles_x_ - 1, tile_x + margin); ++x) {
+    for (int y = std::max(0, tile_y - margin); y <= std::min(tiles_y_ - 1, tile_y + margin); ++y) {
+      std::uint8_t& looked = looked_[tile_of(x, y)];
+      if (looked == 0) look(x, y);
+      looked = 1;
+    }
   }
-  for (std::size_t x = 0; x < nx; ++x) {
-    for (std::size_t z = 0; z < nz; ++z) widen(&distance_[x * ny * nz + z], ny, nz, reach, padded);
+  // Whole numbers of 16 bits wherever they do: their far, 64 voxels, is beyond `most_m` then.
+  if (reach_ < 64) {
+    measure_by<std::int16_t>(tile_x, tile_y);
+  } else {
+    measure_by<float>(tile_x, tile_y);
   }
-  for (std::size_t y = 0; y < ny; ++y) {
-    for (std::size_t z = 0; z < nz; ++z) widen(&distance_[y * nz + z], nx, ny * nz, reach, padded);
-  }
-  const auto most = static_cast<float>(most_m), voxel = static_cast<float>(voxel_m_);
-  for (float& d : distance_) d = std::min(most, voxel * std::sqrt(d));
+  measured_[tile_of(tile_x, tile_y)] = 1;
 }
 
-bool SpaceRoom::holds(const Vector3d& p_W) const { return inside(voxel_at(p_W)); }
+/// Squares of distances, along one axis more each time: depth (look), then east, then north.
+template <class Square>
+void SpaceRoom::measure_by(int tile_x, int tile_y) const {
+  const Square far = std::is_integral_v<Square> ? Square{0x4000} : std::numeric_limits<Square>::max();
+  const int x0 = kTile * tile_x, x1 = std::min(x0 + kTile, size_.x()), y0 = kTile * tile_y,
+            y1 = std::min(y0 + kTile, size_.y());
+  const int low_x = std::max(0, x0 - reach_), high_x = std::min(size_.x(), x1 + reach_),
+            low_y = std::max(0, y0 - reach_), high_y = std::min(size_.y(), y1 + reach_);
+  const auto nz = static_cast<std::size_t>(size_.z()), line = (nz + 15) / 16 * 16,
+             wide = static_cast<std::size_t>(high_y - low_y), tile_y_lines = static_cast<std::size_t>(y1 - y0);
+  std::vector<Square> squares(static_cast<std::size_t>(reach_) + 1);
+  for (int k = 0; k <= reach_; ++k) squares[static_cast<std::size_t>(k)] = squared_half_voxels<Square>(k);
+
+  std::vector<Square> along(wide * line, far), east(static_cast<std::size_t>(high_x - low_x) * tile_y_lines * line);
+  for (int x = low_x; x < high_x; ++x) {
+    for (int y = low_y; y < high_y; ++y) {
+      const std::uint16_t* from = &along_[index_of(x, y)];
+      Square* to = &along[static_cast<std::size_t>(y - low_y) * line];
+      for (std::size_t z = 0; z < nz; ++z) to[z] = from[z] <= reach_ ? squares[from[z]] : far;
+    }
+    for (int y = y0; y < y1; ++y) {
+      Square* to =
+          &east[(static_cast<std::size_t>(x - low_x) * tile_y_lines + static_cast<std::size_t>(y - y0)) * line];
+      const auto at = [&](int other) { return &along[static_cast<std::size_t>(other - low_y) * line]; };
+      std::copy_n(at(y), line, to);
+      for (int k = 1; k <= reach_; ++k) {
+        const int before = y - k, after = y + k;
+        if (before < low_y && after >= high_y) break;
+        widen(to, at(before < low_y ? after : before), at(after >= high_y ? before : after), line,
+              squares[static_cast<std::size_t>(k)]);
+      }
+    }
+  }
+  const auto most = static_cast<float>(most_m_), voxel = static_cast<float>(voxel_m());
+  std::vector<Square> all(line);
+  for (int x = x0; x < x1; ++x) {
+    for (int y = y0; y < y1; ++y) {
+      const auto at = [&](int other) {
+        return &east[(static_cast<std::size_t>(other - low_x) * tile_y_lines + static_cast<std::size_t>(y - y0)) *
+                     line];
+      };
+      std::copy_n(at(x), line, all.begin());
+      for (int k = 1; k <= reach_; ++k) {
+        const int before = x - k, after = x + k;
+        if (before < low_x && after >= high_x) break;
+        widen(all.data(), at(before < low_x ? after : before), at(after >= high_x ? before : after), line,
+              squares[static_cast<std::size_t>(k)]);
+      }
+      float* to = &distance_[index_of(x, y)];
+      for (std::size_t z = 0; z < nz; ++z) {
+        to[z] = std::min(most, voxel * std::sqrt(0.25F * static_cast<float>(all[z])));
+      }
+    }
+  }
+}
+
+bool SpaceRoom::holds(const Vector3d& p_W) const {
+  VoxelIndex i = voxel_at(p_W);
+  const int layer = least_.z() + i.z();
+  i.z() = 0;
+  return inside(i) && layer >= shallowest_ && layer <= deepest_;
+}
 
 double SpaceRoom::distance(const Vector3d& p_W) const {
-  const Vector3d at = p_W / voxel_m_ - Vector3d::Constant(0.5);
-  const VoxelIndex low = floor_of(at);
-  const Vector3d share = at - low.cast<double>();
+  const Vector3d at = p_W / voxel_m() - Vector3d::Constant(0.5);
+  const VoxelIndex low = floor_of(at), first = low - least_;
+  const Vector3d share = at - low.cast<double>(), rest = Vector3d::Ones() - share;
   double sum = 0;
+  if (is_within_a_tile(first)) {  // as below, without eight look-ups of their own
+    const std::size_t east = static_cast<std::size_t>(size_.z()), north = index_of(1, 0);
+    const float* corner = &distance_[index_of(first.x(), first.y()) + static_cast<std::size_t>(first.z())];
+    sum += rest.x() * (rest.y() * rest.z()) * corner[0];
+    sum += share.x() * (rest.y() * rest.z()) * corner[north];
+    sum += rest.x() * (share.y() * rest.z()) * corner[east];
+    sum += share.x() * (share.y() * rest.z()) * corner[north + east];
+    sum += rest.x() * (rest.y() * share.z()) * corner[1];
+    sum += share.x() * (rest.y() * share.z()) * corner[north + 1];
+    sum += rest.x() * (share.y() * share.z()) * corner[east + 1];
+    sum += share.x() * (share.y() * share.z()) * corner[north + east + 1];
+    return sum;
+  }
   for (int corner = 0; corner < 8; ++corner) {
     const VoxelIndex step(corner & 1, corner >> 1 & 1, corner >> 2);
-    const Vector3d weight = step.cast<double>().cwiseProduct(share) +
-                            (VoxelIndex::Ones() - step).cast<double>().cwiseProduct(Vector3d::Ones() - share);
-    sum += weight.prod() * distance(VoxelIndex(low + step - least_));
+    const double x = step.x() == 1 ? share.x() : rest.x(), y = step.y() == 1 ? share.y() : rest.y(),
+                 z = step.z() == 1 ? share.z() : rest.z();
+    sum += x * (y * z) * distance(VoxelIndex(first + step));
   }
   return sum;
 }
 
+/// Whether a voxel and its next ones are all of one tile, which has been measured.
+bool SpaceRoom::is_within_a_tile(const VoxelIndex& i) const {
+  constexpr int kLast = kTile - 1;
+  if (!inside(i) || !inside(i + VoxelIndex::Ones()) || (i.x() & kLast) == kLast || (i.y() & kLast) == kLast)
+    return false;
+  return measured_[tile_of(i.x() >> kTileLog2, i.y() >> kTileLog2)] != 0;
+}
+
 bool SpaceRoom::is_unsure(const Vector3d& p_W) const {
   const VoxelIndex i = voxel_at(p_W);
-  return inside(i) && state_[index_of(i)] == State::kUnsure;
+  if (!inside(i) || columns_[column_of(i.x(), i.y())] != kFarHazard) return false;
+  const SpaceCell cell = grid_.at(least_ + i);
+  return in_band_[static_cast<std::size_t>(i.z())] != 0 && cell != SpaceCell::kMeasured && cell != SpaceCell::kOccupied;
 }
 
 double SpaceRoom::leg_distance(const Vector3d& a_W, const Vector3d& b_W) const {
-  const int pieces = std::max(1, static_cast<int>(std::ceil((b_W - a_W).norm() / (0.5 * voxel_m_))));
+  const int pieces = std::max(1, static_cast<int>(std::ceil((b_W - a_W).norm() / (0.5 * voxel_m()))));
   double least = distance(a_W);
   for (int i = 1; i <= pieces && least > 0; ++i) {
     least = std::min(least, distance(Vector3d(a_W + (b_W - a_W) * i / pieces)));

@@ -14,12 +14,17 @@
 // occupied (unsure): there is time to look, and to turn away (S5-45).
 //
 // Distances are to the nearest closed voxel's faces, exact at centres of voxels, between them by interpolation; beyond
-// `most_m` they are that. Frame W. Immutable. Cost: 25 ns a voxel of the box (bench/space_bench.cpp).
+// `most_m` they are that.
+//
+// Frame W. What it says never changes, but it finds it out when it is asked, tile by tile of 32 x 32 columns: one
+// thread at a time. Cost: of all of a box 6 ns a voxel, of a way through it the tiles that it passes
+// (bench/space_bench.cpp).
 #pragma once
 
 #include <cstdint>
 #include <isobath/map/space_grid.hpp>
 #include <isobath/planning/hazard_map.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -41,42 +46,74 @@ class SpaceRoom {
 
   /// Throws Error where the box holds more than kMostVoxels.
   SpaceRoom(const SpaceGrid& grid, const SpaceRoomTask& task);
+  SpaceRoom(SpaceRoom&&) = default;
+  /// The same with all closed that is unsure.
+  [[nodiscard]] SpaceRoom of_what_is_known() const;
+  /// Whether anything in it can be unsure.
+  [[nodiscard]] bool has_unsure() const;
 
-  [[nodiscard]] double voxel_m() const { return voxel_m_; }
+  [[nodiscard]] double voxel_m() const { return grid_.voxel_m(); }
+  /// Voxels that can be open: above and below there is none, to the end of the box.
   [[nodiscard]] const VoxelIndex& size() const { return size_; }
+  /// Whether the box does.
   [[nodiscard]] bool holds(const Eigen::Vector3d& p_W) const;
   /// The centre of a voxel, counted from the box's least one; and the voxel of a place.
   [[nodiscard]] Eigen::Vector3d centre_of(const VoxelIndex& i) const {
-    return ((least_ + i).cast<double>().array() + 0.5) * voxel_m_;
+    return ((least_ + i).cast<double>().array() + 0.5) * voxel_m();
   }
-  [[nodiscard]] VoxelIndex voxel_at(const Eigen::Vector3d& p_W) const { return floor_of(p_W / voxel_m_) - least_; }
+  [[nodiscard]] VoxelIndex voxel_at(const Eigen::Vector3d& p_W) const { return floor_of(p_W / voxel_m()) - least_; }
 
   /// m; 0 outside of the box, and in what is closed.
-  [[nodiscard]] double distance(const VoxelIndex& i) const { return inside(i) ? distance_[index_of(i)] : 0; }
+  [[nodiscard]] double distance(const VoxelIndex& i) const {
+    if (!inside(i)) return 0;
+    const std::size_t tile = tile_of(i.x() >> kTileLog2, i.y() >> kTileLog2);
+    if (measured_[tile] == 0) measure(i.x() >> kTileLog2, i.y() >> kTileLog2);
+    return distance_[index_of(i.x(), i.y()) + static_cast<std::size_t>(i.z())];
+  }
   [[nodiscard]] double distance(const Eigen::Vector3d& p_W) const;
   [[nodiscard]] bool is_unsure(const Eigen::Vector3d& p_W) const;
   /// Least distance along a leg, looked at each half voxel.
   [[nodiscard]] double leg_distance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;
 
  private:
-  enum class State : std::uint8_t { kOpen, kUnsure, kClosed };
+  static constexpr int kTileLog2 = 5, kTile = 1 << kTileLog2;
+  static constexpr std::uint16_t kFar = 0xFFFF;
   [[nodiscard]] bool inside(const VoxelIndex& i) const {
     return (i.array() >= 0).all() && (i.array() < size_.array()).all();
   }
-  [[nodiscard]] std::size_t index_of(const VoxelIndex& i) const {
-    return (static_cast<std::size_t>(i.x()) * static_cast<std::size_t>(size_.y()) + static_cast<std::size_t>(i.y())) *
-               static_cast<std::size_t>(size_.z()) +
-           static_cast<std::size_t>(i.z());
+  [[nodiscard]] std::size_t column_of(int x, int y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(size_.y()) + static_cast<std::size_t>(y);
   }
+  [[nodiscard]] std::size_t index_of(int x, int y) const {
+    return column_of(x, y) * static_cast<std::size_t>(size_.z());
+  }
+  [[nodiscard]] std::size_t tile_of(int x, int y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(tiles_y_) + static_cast<std::size_t>(y);
+  }
+  SpaceRoom(const SpaceRoom& other);
+  [[nodiscard]] bool is_within_a_tile(const VoxelIndex& i) const;
+  void clear();
+  void trim(const SpaceRoomTask& task);
   [[nodiscard]] static std::vector<bool> may_open(const SpaceRoomTask& task);
   [[nodiscard]] std::vector<std::uint8_t> columns_of(const SpaceRoomTask& task) const;
-  void close(const SpaceGrid& grid, const SpaceRoomTask& task);
-  void measure(double most_m);
+  void look(int tile_x, int tile_y) const;
+  void measure(int tile_x, int tile_y) const;
+  template <class Square>
+  void measure_by(int tile_x, int tile_y) const;
 
-  double voxel_m_;
+  SpaceGrid grid_;
   VoxelIndex least_, size_;
-  std::vector<State> state_;
-  std::vector<float> distance_;
+  int shallowest_ = 0, deepest_ = 0;  ///< of the box, which may be taller than what is kept of it
+  double most_m_;
+  int reach_;                          ///< voxels that may matter
+  std::vector<std::uint8_t> in_band_;  ///< of each layer
+  std::vector<std::uint8_t> columns_;  ///< what stands there
+
+  // found out when asked
+  int tiles_x_ = 0, tiles_y_ = 0;
+  mutable std::vector<std::uint8_t> looked_, measured_;
+  std::unique_ptr<std::uint16_t[]> along_;  ///< voxels to the nearest closed one above or below, of tiles looked at
+  std::unique_ptr<float[]> distance_;       ///< m, of tiles measured
 };
 
 }  // namespace isobath

@@ -375,16 +375,25 @@ double sure_length(const SpaceRoom& room, std::span<const Vector3d> way) {
   return gone;
 }
 
-Result<SpaceRoutePath, RouteRefusal> plan_space_route(const SpaceGrid& grid, const SpaceRouteTask& task,
+Result<SpaceRoutePath, RouteRefusal> plan_space_route(const SpaceRoom& room, const SpaceRouteTask& task,
                                                       const SpaceRouteConfig& config) {
-  const auto far = [](const Vector3d& p) { return !p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthestGoal; };
-  if (far(task.start) || far(task.goal)) return tl::unexpected(RouteRefusal::kNotFinite);
-  const SpaceRoom known = room_for(grid, task, config, false);
+  if (!room.has_unsure()) return SpaceRouter(room, task, config).plan();
+  const SpaceRoom known = room.of_what_is_known();
   auto path = SpaceRouter(known, task, config).plan();
   if (path) return path;
-  const SpaceRoom hoped = room_for(grid, task, config, true);
-  auto tried = SpaceRouter(hoped, task, config).plan();
+  auto tried = SpaceRouter(room, task, config).plan();
   return tried ? std::move(tried) : std::move(path);
+}
+
+Result<SpaceRoutePath, RouteRefusal> plan_space_route(const SpaceGrid& grid, const SpaceRouteTask& task,
+                                                      const SpaceRouteConfig& config) {
+  if (!is_finite(task)) return tl::unexpected(RouteRefusal::kNotFinite);
+  return plan_space_route(room_for(grid, task, config, true), task, config);
+}
+
+bool is_finite(const SpaceRouteTask& task) {
+  const auto far = [](const Vector3d& p) { return !p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthestGoal; };
+  return !far(task.start) && !far(task.goal);
 }
 
 }  // namespace isobath

@@ -56,7 +56,7 @@ struct SpaceRoutePath {
 
 double way_length(std::span<const Eigen::Vector3d> way);
 
-/// Between these two, with what may be looked on from there open or not.
+/// Between these two; `look_on`: what may be looked on from there is unsure, else closed.
 SpaceRoom room_for(const SpaceGrid& grid, const SpaceRouteTask& task, const SpaceRouteConfig& config, bool look_on);
 
 /// Whether a way keeps `clearance_m` (hull not counted) as far as a room knows; what lies beyond its box is not asked.
@@ -65,7 +65,12 @@ bool is_clear(const SpaceRoom& room, std::span<const Eigen::Vector3d> way, doubl
 /// From the start of a way to the first place that nobody has measured, m; its length where there is none.
 double sure_length(const SpaceRoom& room, std::span<const Eigen::Vector3d> way);
 
+/// In the room of this very task, of which the first looks on.
+Result<SpaceRoutePath, RouteRefusal> plan_space_route(const SpaceRoom& room, const SpaceRouteTask& task,
+                                                      const SpaceRouteConfig& config);
 Result<SpaceRoutePath, RouteRefusal> plan_space_route(const SpaceGrid& grid, const SpaceRouteTask& task,
                                                       const SpaceRouteConfig& config);
+/// Whether a way between these two can be asked for at all.
+bool is_finite(const SpaceRouteTask& task);
 
 }  // namespace isobath

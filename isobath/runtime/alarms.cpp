@@ -54,6 +54,10 @@ void Alarms::moved(const Navigation& fix) {
   fix_ = fix;
 }
 
+void Alarms::jumped(const Eigen::Vector3d& by_W) {
+  if (fix_) fix_->X_WB.translation += by_W;
+}
+
 std::optional<Eigen::Vector3d> Alarms::velocity_at(Time time) const {
   if (!fix_ || time - fix_->time > kFreshFix) return std::nullopt;
   return v_B_;

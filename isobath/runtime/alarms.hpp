@@ -42,6 +42,8 @@ class Alarms {
   void hear(const Event& event);
   /// A fix that can be believed.
   void moved(const Navigation& fix);
+  /// Navigation corrected the position at once, m in W: no way that the vehicle went.
+  void jumped(const Eigen::Vector3d& by_W);
 
   [[nodiscard]] EmergencyFlags& flags() { return flags_; }
   [[nodiscard]] const EmergencyFlags& flags() const { return flags_; }

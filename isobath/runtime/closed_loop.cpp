@@ -26,6 +26,9 @@ class Watched : public SimulatedSource::TruthSink, public ResultSink {
   void on_upright(const PosedPing& ping) override {
     if (voxels_) voxels_->take(ping);
   }
+  void on_jump(const Eigen::Vector3d& by_W) override {
+    if (voxels_) voxels_->move_along(by_W);
+  }
   void on_scan(const ScanResult& scan) override {
     const auto space = voxels_ ? voxels_->space_around(scan, reach_m_) : nullptr;
     if (space) helm_.on_space(scan.detection.time, space);

@@ -156,6 +156,8 @@ void Display::on_scan(const ScanResult& scan) {
   items_.set(DisplayKind::kObstacles, 0, found.time, text_of(obstacles));
 }
 
+void Display::on_jump(const Eigen::Vector3d& /*by_W*/) { maps_.voxels_moved(vehicle_shown_.value_or(Time{})); }
+
 void Display::heard(const Envelope& envelope) {
   const Time time = envelope.time;
   agents_.insert(envelope.sender);

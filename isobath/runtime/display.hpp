@@ -58,6 +58,7 @@ class Display : public ResultSink {
   void on_ping(const PosedPing& ping) override { sonars_.take(ping); }
   void on_upright(const PosedPing& ping) override { sonars_.take(ping); }
   void on_scan(const ScanResult& scan) override;
+  void on_jump(const Eigen::Vector3d& by_W) override;
   /// Every message of the crew.
   void heard(const Envelope& envelope);
   /// What the vehicle is told to do from now on.

@@ -143,6 +143,13 @@ void MapDisplay::show_overview(Time time, const DepthSnapshot& depths) {
   }
 }
 
+void MapDisplay::voxels_moved(Time time) {
+  for (const std::uint64_t block : blocks_) items_.remove(DisplayKind::kVoxels, block, time);
+  blocks_.clear();
+  voxel_revision_ = 0;
+  voxels_shown_.reset();
+}
+
 void MapDisplay::show(Time time, const VoxelMap& voxels) {
   if (!due(voxels_shown_, time, kVoxelInterval)) return;
   voxels_shown_ = time;
@@ -171,8 +178,9 @@ void MapDisplay::show(Time time, const VoxelMap& voxels) {
     }
     const std::uint64_t number = VoxelBlocks::key_of(corner);
     if (count == 0) {
-      items_.remove(DisplayKind::kVoxels, number, time);
+      if (blocks_.erase(number) > 0) items_.remove(DisplayKind::kVoxels, number, time);
     } else {
+      blocks_.insert(number);
       bytes.put(count_at, count);
       items_.set(DisplayKind::kVoxels, number, time, bytes.take());
     }

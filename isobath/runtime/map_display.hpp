@@ -15,6 +15,7 @@
 #include <isobath/runtime/display_items.hpp>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 namespace isobath {
@@ -33,6 +34,8 @@ class MapDisplay {
   [[nodiscard]] bool wants_depths(Time time) const { return due(depths_shown_, time, kDepthInterval); }
   void show(Time time, std::shared_ptr<const DepthSnapshot> depths);
   void show(Time time, const VoxelMap& voxels);
+  /// The voxels stand elsewhere now: all of them are shown anew.
+  void voxels_moved(Time time);
 
  private:
   [[nodiscard]] static bool due(const std::optional<Time>& shown, Time now, Duration interval);
@@ -44,6 +47,7 @@ class MapDisplay {
   bool overview_shown_ = false;
   std::shared_ptr<const DepthSnapshot> depths_;  ///< as they were shown
   std::uint64_t voxel_revision_ = 0;
+  std::set<std::uint64_t> blocks_;  ///< that are shown
 };
 
 }  // namespace isobath

@@ -30,6 +30,7 @@ struct MissionTimings {
   StageTime detection;         ///< the end of a sweep: obstacles found
   StageTime planning;          ///< the Navigator's turn that a scan of obstacles gets
   StageTime scan_to_decision;  ///< from when the event came that ended a sweep until the Navigator has decided
+  double agents_s = 0;         ///< processor time of all agents' turns
 };
 
 /// Where the vehicle believed to be.

@@ -92,7 +92,8 @@ MissionRun::MissionRun(const MissionSetup& setup, const Configuration& configura
     : plan_(setup.plan), times_(std::make_shared<StageTimes>()) {
   std::vector<Seat> seats = whole_crew(setup, configuration);
   for (Seat& seat : seats) {
-    if (seat.name == "navigator") seat = timed(std::move(seat), times_);
+    const bool plans = seat.name == "navigator";
+    seat = timed(std::move(seat), times_, plans);
   }
   if (live) {
     helm_ = make_helm<LiveHelm>(setup, configuration, std::move(seats));

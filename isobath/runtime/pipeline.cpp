@@ -6,6 +6,10 @@
 namespace isobath {
 namespace {
 
+// Chosen on two harbour recordings: a wall or bottom that a beam grazes fills tens of bins, and would be its own level;
+// a voxel spans hundreds of cells, of which none may hold a false echo; the transmission rings for up to 1 m.
+constexpr double kSounderFalseAlarm = 1e-4, kSounderBlind = 1;
+constexpr int kSounderGuard = 16, kSounderReference = 48;
 constexpr std::size_t kMostWaiting = 256;  // pings held for a fix; beyond it the oldest goes on with what is known
 
 std::optional<SensorModel> model_of(const SensorConfig& sensor) {
@@ -17,6 +21,22 @@ std::shared_ptr<const LikelihoodRatios> ratios_of(const SensorConfig& sensor) {
   if (sensor.histogram.empty()) return nullptr;
   return std::make_shared<const LikelihoodRatios>(
       std::make_shared<const HistogramModel>(load_histogram_model(sensor.histogram)));
+}
+
+bool leaves_method_open(const Configuration& configuration) {
+  return configuration.echoes.method == DetectionMethod::kAutomatic && configuration.sensor.model.empty() &&
+         configuration.sensor.histogram.empty();
+}
+
+EchoDetectorConfig for_sounder(const Configuration& configuration) {
+  EchoDetectorConfig echoes = configuration.echoes;
+  if (!leaves_method_open(configuration)) return echoes;
+  echoes.method = DetectionMethod::kOrderedStatistic;
+  echoes.false_alarm = std::min(echoes.false_alarm, kSounderFalseAlarm);
+  echoes.blind_m = std::max(echoes.blind_m, kSounderBlind);
+  echoes.cfar.guard = kSounderGuard;
+  echoes.cfar.reference = kSounderReference;
+  return echoes;
 }
 
 /// About 100 cells each way; the vehicle in the middle.
@@ -37,7 +57,15 @@ bool fits(const BodyGridConfig& grid, double reach_m) {
 }  // namespace
 
 bool lies_flat(const Ping& ping) {
-  return std::abs((ping.X_BS.rotation * Eigen::Vector3d::UnitY()).z()) < std::sqrt(0.5);
+  return std::abs((ping.X_BS.rotation * Eigen::Vector3d::UnitZ()).z()) > std::sqrt(0.5);
+}
+
+bool looks_down(const Ping& ping) {
+  const Eigen::Vector3d down = ping.X_BS.rotation.inverse() * Eigen::Vector3d::UnitZ();
+  const BeamFan& fan = *ping.fan;
+  const Angle aside = Angle::radians(std::atan2(down.y(), down.x()));
+  return fan.beams() > 1 && std::abs(down.z()) < std::sqrt(0.5) && aside >= fan.azimuth.front() &&
+         aside <= fan.azimuth.back();
 }
 
 Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, SoundingSink* depths)
@@ -50,6 +78,7 @@ Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, Soundin
       ratios_(ratios_of(configuration.sensor)),
       echoes_(configuration.echoes, model_of(configuration.sensor), ratios_),
       upright_echoes_(configuration.echoes, model_of(configuration.sensor), ratios_),
+      sounder_echoes_(for_sounder(configuration), model_of(configuration.sensor), ratios_),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMostWaiting);
 }
@@ -69,6 +98,7 @@ void Pipeline::heard_all() {
 }
 
 void Pipeline::take(Event event) {
+  enter(Stage::kDepths);
   alarms_.hear(event);                      // raw ranges, health: waits for nothing below
   const auto verdict = gate_.judge(event);  // finite, in order, fresh; else counted by its reason
   if (verdict == EventGate::Verdict::kRejected) return;
@@ -84,13 +114,17 @@ void Pipeline::take(Event event) {
 // What happens to a ping whose pose is known -------------------------------------------------------------------------
 
 void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
+  enter(Stage::kEchoes);
   if (!lies_flat(ping)) return hear_upright(ping, X_WB, posed);
   fit_map(ping, posed);                                       // a grid of the sonar's size
   const WaterColumn water = water_at(ping, X_WB, posed);      // where bottom and surface are
   echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
   const bool measured = !posed || poses_.knows_its_motion();  // else dead reckoned
-  mapper_->update(ping, decisions_, X_WB, {.position_fix = false, .velocity_log = measured});  // moves, then learns
+  enter(Stage::kPlane);
+  const Pose smooth{X_WB.rotation, X_WB.translation - jumped_};
+  mapper_->update(ping, decisions_, smooth, {.position_fix = false, .velocity_log = measured});  // moves, then learns
   sink_.on_ping({ping, X_WB, decisions_});
+  enter(Stage::kPlane);
   count(decisions_);
   counts_.no_bottom += water.above_bottom_m ? 0 : 1;
   counts_.dead_reckoned += measured ? 0 : 1;
@@ -100,7 +134,11 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
 }
 
 void Pipeline::hear_upright(const Ping& ping, const Pose& X_WB, bool posed) {
-  upright_echoes_.detect(ping, decisions_, water_at(ping, X_WB, posed));
+  const bool sounds = looks_down(ping);
+  WaterColumn water = water_at(ping, X_WB, posed);
+  if (sounds) water.above_bottom_m.reset();
+  (sounds ? sounder_echoes_ : upright_echoes_).detect(ping, decisions_, water);
+  if (sounds && leaves_method_open(configuration_)) side_lobes_.leave_out(ping, decisions_);
   sink_.on_upright({ping, X_WB, decisions_});
   ++counts_.upright;
 }
@@ -126,6 +164,7 @@ WaterColumn Pipeline::water_at(const Ping& ping, const Pose& X_WB, bool posed) c
 }
 
 void Pipeline::end_scan() {
+  enter(Stage::kObstacles);
   const Detection found = detector_.detect(mapper_->grid(), last_->time, last_->X_WB);
   sink_.on_scan({static_cast<int>(++counts_.scans), last_->posed, found, mapper_->grid()});
   sweep_open_ = false;
@@ -147,10 +186,19 @@ void Pipeline::restart() {
 }
 
 void Pipeline::add_fix(const Navigation& fix) {
-  poses_.add(fix);
+  if (const Eigen::Vector3d jump = poses_.add(fix); !jump.isZero(0)) follow(jump);
   alarms_.moved(fix);
   ++counts_.navigation;
   if (depths_) depths_->on_passage(fix.time, fix.X_WB);
+}
+
+void Pipeline::follow(const Eigen::Vector3d& jump) {
+  ++counts_.jumps;
+  counts_.farthest_jump_m = std::max(counts_.farthest_jump_m, jump.norm());
+  jumped_ += jump;
+  if (last_ && last_->posed) last_->X_WB.translation += jump;
+  alarms_.jumped(jump);
+  sink_.on_jump(jump);
 }
 
 void Pipeline::hold(Waiting sensed) {
@@ -176,6 +224,7 @@ void Pipeline::release(Time now, bool all) {
 }
 
 void Pipeline::place(const Waiting& sensed) {
+  enter(Stage::kDepths);
   const auto* ping = std::get_if<Ping>(&sensed);
   const auto* range = std::get_if<RangeReading>(&sensed);
   const auto* swath = std::get_if<Swath>(&sensed);

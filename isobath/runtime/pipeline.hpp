@@ -4,8 +4,17 @@
 //   alarms -> gate -> pose of the transmit time -> echoes to decisions -> decisions to the body grid -> grid to
 //   obstacles, once a scan; ranges and soundings to the depth map
 //
+// A fan that looks straight down hears the bottom at the same ranges all the time: where the method of detection is
+// left open (echoes.method auto, no model), noise learnt from pings would be the bottom, and the ordered statistic of
+// the neighbouring bins decides, side lobes left out. Its echoes of the bottom are what it is for, and are not told
+// from others.
+//
 // Which echoes are of the bottom or the surface follows from depth and altitude (S6-69): of the last sensor that looked
 // down, else of the depth map. Where neither says, echoes of the bottom count as any others, and the pings are counted.
+//
+// A fix that corrects the position at once (PoseBuffer: a jump) says nothing of the water between vehicle and obstacle:
+// the body grid does not move by it, and who keeps a map of the surroundings in W is told to move it along (S6-53). The
+// depth map stays where it is: a chart of the world, whose readings carry the uncertainty of their place.
 //
 // Source: Ganesan 2015, chapter 3, figure 3.1; Oskard 1990; ledger S6-03, S6-15, S6-20 to S6-30, S1-02. Time is the
 // time of the events: a run is a function of its input and configuration. One thread. After warm-up, mapping allocates
@@ -22,7 +31,9 @@
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
+#include <isobath/runtime/stage_load.hpp>
 #include <isobath/sonar/echo_detector.hpp>
+#include <isobath/sonar/side_lobes.hpp>
 #include <isobath/sonar/sweep.hpp>
 #include <memory>
 #include <optional>
@@ -60,6 +71,9 @@ class ResultSink {
   virtual void on_scan(const ScanResult& scan) = 0;
   /// A ping of a fan that stands upright: it has no place in the map of the plane.
   virtual void on_upright(const PosedPing& /*ping*/) {}
+  /// The position jumped, m in W: what is right relative to the vehicle moves along. Poses of all that follows, also of
+  /// what was sensed before and had to wait, are in line with the new place.
+  virtual void on_jump(const Eigen::Vector3d& /*by_W*/) {}
   /// Soundings, each of them once; without any navigation the vehicle is taken to stand still.
   virtual void on_soundings(const Swath& /*swath*/, const Pose& /*X_WB*/) {}
 };
@@ -79,6 +93,9 @@ class SoundingSink {
 /// Whether the plane of a fan is nearer to level than to upright.
 bool lies_flat(const Ping& ping);
 
+/// Whether the vehicle's down axis lies within a fan: an echo sounder, which measures the bottom.
+bool looks_down(const Ping& ping);
+
 struct PipelineCounts {
   std::uint64_t pings = 0;    ///< that reached the map
   std::uint64_t unposed = 0;  ///< of these, without any navigation
@@ -93,6 +110,8 @@ struct PipelineCounts {
   std::uint64_t blind = 0;          ///< of these, those in which they hide it: they say nothing
   std::uint64_t dead_reckoned = 0;  ///< pings, of which the motion was known by a model of the thruster alone (S6-22)
   std::uint64_t no_bottom = 0;      ///< pings of which nobody knew how far below the bottom was
+  std::uint64_t jumps = 0;          ///< of the position, from one fix to the next
+  double farthest_jump_m = 0;
 };
 
 class Pipeline {
@@ -109,6 +128,8 @@ class Pipeline {
   void heard_all();
 
   void take(Event event);
+  /// Says to it what it is doing, from now on.
+  void watch(StageLoad* load) { load_ = load; }
   /// After the last event: pings that still wait for a fix, and the obstacles of a sweep that was not finished.
   void finish();
 
@@ -123,9 +144,13 @@ class Pipeline {
   [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
 
  private:
+  void enter(Stage stage) {
+    if (load_) load_->enter(stage);
+  }
   void restart();
   using Waiting = std::variant<Ping, RangeReading, Swath>;
   void add_fix(const Navigation& fix);
+  void follow(const Eigen::Vector3d& jump);
   void hold(Waiting sensed);
   void release(Time now, bool all);
   void place(const Waiting& sensed);
@@ -140,13 +165,16 @@ class Pipeline {
   Configuration configuration_;
   ResultSink& sink_;
   SoundingSink* depths_;
+  StageLoad* load_ = nullptr;
   Alarms alarms_;
   EventGate gate_;
   PoseBuffer poses_;
-  std::vector<Waiting> waiting_;  ///< for the fix that follows them, oldest first
+  Eigen::Vector3d jumped_ = Eigen::Vector3d::Zero();  ///< all jumps together
+  std::vector<Waiting> waiting_;                      ///< for the fix that follows them, oldest first
   BottomBelow bottom_;
   std::shared_ptr<const LikelihoodRatios> ratios_;  ///< of the histogram model; null: none
-  EchoDetector echoes_, upright_echoes_;
+  EchoDetector echoes_, upright_echoes_, sounder_echoes_;
+  SideLobes side_lobes_;
   EchoDecisions decisions_;
   SweepFinder sweeps_;
   std::unique_ptr<GridMapper> mapper_;

@@ -10,7 +10,10 @@ std::vector<Field> fields(PoseBufferConfig& c) {
           Field::real("max_extrapolation_s", &c.max_extrapolation_s, {0, 60}, "s",
                       "How far beyond the newest fix a pose is carried on with the last velocity."),
           Field::real("max_gap_s", &c.max_gap_s, {0, 3600}, "s",
-                      "The longest gap between two fixes that is still bridged by a straight line.")};
+                      "The longest gap between two fixes that is still bridged by a straight line."),
+          Field::real("jump_m", &c.jump_m, {0.01, 1e6}, "m",
+                      "A fix farther than this from where the motion leads corrects the position at once: what was "
+                      "seen around the vehicle moves along.")};
 }
 
 const char* to_text(PoseFault fault) {
@@ -25,10 +28,48 @@ const char* to_text(PoseFault fault) {
 
 PoseBuffer::PoseBuffer(const PoseBufferConfig& config) : config_(config), ring_(kCapacity) {}
 
-void PoseBuffer::add(const Navigation& fix) {
+Eigen::Vector3d PoseBuffer::add(const Navigation& fix) {
+  const Eigen::Vector3d jump = jump_to(fix);
+  if (!jump.isZero(0)) {
+    for (std::size_t age = 0; age < count_; ++age)
+      ring_[(next_ + kCapacity - 1 - age) % kCapacity].X_WB.translation += jump;
+  }
+  const double dt = count_ > 0 ? to_seconds(fix.time - newest().time) : 0;
+  if (dt > 0) {
+    velocity_ = (fix.X_WB.translation - newest().X_WB.translation) / dt;
+    apart_s_ = dt;
+  }
   ring_[next_] = fix;
   next_ = (next_ + 1) % kCapacity;
   count_ = std::min(count_ + 1, kCapacity);
+  return jump;
+}
+
+void PoseBuffer::clear() {
+  count_ = 0;
+  velocity_.reset();
+}
+
+/// What of the way to a fix no motion explains.
+Eigen::Vector3d PoseBuffer::jump_to(const Navigation& fix) const {
+  constexpr double kAcceleration = 1, kFastest = 30;  // m/s2, m/s
+  constexpr double kJitter = 0.1;                     // m, of a fix: what a velocity by two of them is good for
+  if (count_ == 0) return Eigen::Vector3d::Zero();
+  const double dt = to_seconds(fix.time - newest().time);
+  const Eigen::Vector3d moved = fix.X_WB.translation - newest().X_WB.translation;
+  std::optional<Eigen::Vector3d> jump;
+  const auto explains = [&](const Eigen::Vector3d& velocity, double allowed_m) {
+    const Eigen::Vector3d rest = moved - dt * velocity;
+    if (!jump || rest.norm() < jump->norm()) jump = rest;
+    return rest.norm() <= config_.jump_m + allowed_m;
+  };
+  const auto& stated = newest().v_WB;
+  if (stated && explains(*stated, 0.5 * kAcceleration * dt * dt)) return Eigen::Vector3d::Zero();
+  if (velocity_ && explains(*velocity_, 0.5 * kAcceleration * dt * (dt + apart_s_) + kJitter * dt / apart_s_)) {
+    return Eigen::Vector3d::Zero();
+  }
+  if (!jump && explains(Eigen::Vector3d::Zero(), kFastest * dt)) return Eigen::Vector3d::Zero();
+  return *jump;
 }
 
 Result<Pose, PoseFault> PoseBuffer::at(Time time) const {

@@ -112,6 +112,8 @@ ordered_json counts_json(const RunOutcome& outcome) {
           {"pings_without_altitude", n.no_bottom},
           {"pings_dead_reckoned", n.dead_reckoned},
           {"navigation", n.navigation},
+          {"position_jumps", n.jumps},
+          {"farthest_jump_m", tidy(n.farthest_jump_m)},
           {"ranges", n.ranges},
           {"swaths", n.swaths},
           {"scans", n.scans},
@@ -255,6 +257,7 @@ ordered_json voxels_json(const VoxelOutcome& voxels) {
   ordered_json json{{"voxel_m", voxels.voxel_m},   {"seen", voxels.seen},     {"occupied", voxels.occupied},
                     {"free", voxels.free},         {"blocks", voxels.blocks}, {"megabytes", voxels.megabytes},
                     {"left_out", voxels.left_out}, {"layers", layers}};
+  if (voxels.moved > 0) json["moved_with_jumps"] = voxels.moved;
   if (voxels.spilled) json["spilled"] = *voxels.spilled;
   if (!voxels.truth) return json;
   const VoxelTruth& truth = *voxels.truth;

@@ -41,8 +41,11 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
         folder_(folder),
         reach_m_(request.configuration.mission.space_route.reach_m) {}
   void on_ping(const PosedPing& ping) override {
+    load.enter(Stage::kAgents);
     if (mission) mission->on_ping(ping);
+    load.enter(Stage::kVoxels);
     voxels.take(ping);
+    load.enter(Stage::kReport);
     folder_.on_ping(ping);
     if (judge) judge->on_ping(ping);
     if (recorder) recorder->on_ping(ping);
@@ -51,9 +54,13 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
   }
   void on_scan(const ScanResult& scan) override {
     if (mission) {
-      if (const auto space = voxels.space_around(scan, reach_m_)) mission->on_space(scan.detection.time, space);
+      load.enter(Stage::kVoxels);
+      const auto space = voxels.space_around(scan, reach_m_);
+      load.enter(Stage::kAgents);
+      if (space) mission->on_space(scan.detection.time, space);
       mission->on_scan(scan);
     }
+    load.enter(Stage::kReport);
     folder_.on_scan(scan);
     if (judge) judge->on_scan(scan);
     if (recorder) recorder->on_scan(scan);
@@ -61,14 +68,25 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
     if (mission) mission->resume();
   }
   void on_upright(const PosedPing& ping) override {
+    load.enter(Stage::kVoxels);
     voxels.take(ping);
+    load.enter(Stage::kReport);
     if (recorder) recorder->on_upright(ping);
     if (display) display->on_upright(ping);
   }
-  void on_soundings(const Swath& swath, const Pose& X_WB) override { voxels.take(swath, X_WB); }
+  void on_soundings(const Swath& swath, const Pose& X_WB) override {
+    load.enter(Stage::kVoxels);
+    voxels.take(swath, X_WB);
+  }
+  void on_jump(const Eigen::Vector3d& by_W) override {
+    voxels.move_along(by_W);
+    folder_.on_jump(by_W);
+    if (display) display->on_jump(by_W);
+  }
   void take(const EchoTruth& echoes) override { tell(echoes); }
   void take(const TrueMotion& motion) override { tell(motion); }
 
+  StageLoad load;  ///< of whoever maps
   VoxelModel voxels;
   DisplayItems items;  ///< of the display, where nobody looks on
   DisplayItems* shown = &items;
@@ -413,6 +431,7 @@ RunOutcome run(const RunRequest& asked) {
   Sinks sinks(folder, request);
   prepare(sinks, request, setup, simulated.get(), *source);
   Pipeline pipeline(request.configuration, sinks, &depths);
+  pipeline.watch(&sinks.load);
   EndOfMission end;
   RunOutcome outcome;
 
@@ -424,6 +443,7 @@ RunOutcome run(const RunRequest& asked) {
     if (sinks.mission) sinks.mission->begin(taken);
     const auto begun = Clock::now();
     pipeline.take(std::move(event));
+    sinks.load.leave();
     if (is_ping || pipeline.counts().pings > mapped) ping_ms.push_back(milliseconds_since(begun));
   };
   std::optional<MappingThread> mapping;
@@ -438,10 +458,17 @@ RunOutcome run(const RunRequest& asked) {
   std::deque<Event> ahead;
   // Who decides on the way could not have known, in the vehicle's time, what comes.
   if (!simulated && !setup) ahead = listen_ahead(*source, pipeline);
+  StageLoad beside;  // of whoever senses and steers
   const auto next = [&] {
-    if (ahead.empty()) return source->next();
-    std::optional<Event> event = std::move(ahead.front());
-    ahead.pop_front();
+    beside.enter(Stage::kSource);
+    std::optional<Event> event;
+    if (ahead.empty()) {
+      event = source->next();
+    } else {
+      event = std::move(ahead.front());
+      ahead.pop_front();
+    }
+    beside.leave();
     return event;
   };
   Time first = Time::max(), last = Time::min();
@@ -460,7 +487,9 @@ RunOutcome run(const RunRequest& asked) {
     }
     if (sinks.display) sinks.display->hear(*event);
     const auto taken = Clock::now();
+    beside.enter(Stage::kAgents);
     if (sinks.mission) sinks.mission->hear(*event);
+    beside.leave();
     if (mapping) {
       mapping->take(std::move(*event));
       pace->keep(*mapping, sinks.mission->helm());
@@ -470,9 +499,12 @@ RunOutcome run(const RunRequest& asked) {
     first = std::min(first, time);
     last = std::max(last, time);
     if (request.progress) request.progress(source->report(), mapping ? PipelineCounts{} : pipeline.counts());
-    const bool goes_on = !sinks.mission || steer(sinks, simulated.get(), end, time);
+    beside.enter(Stage::kAgents);
+    const bool over = sinks.mission && !steer(sinks, simulated.get(), end, time);
+    beside.enter(Stage::kReport);
     show(sinks, time, pipeline, depths, scene);
-    if (!goes_on) break;
+    beside.leave();
+    if (over) break;
   }
   if (mapping) {
     settle(*mapping, sinks.mission->helm());
@@ -481,11 +513,16 @@ RunOutcome run(const RunRequest& asked) {
   if (sinks.mission) outcome.mission = outcome_of(sinks, request, simulated.get());  // before the sweep cut short
   pipeline.finish();
   depths.finish();
+  sinks.load.leave();
   outcome.timings = timings_of(ping_ms, milliseconds_since(start));
+  outcome.timings.load = load_of(sinks.load, beside);
+  if (mapping && outcome.mission) outcome.timings.load.add(Stage::kAgents, outcome.mission->timings.agents_s);
   outcome.log_s = last > first ? to_seconds(last - first) : 0;
   outcome.source = source->report();
   if (frame) outcome.source.origin = frame;
   add_results(outcome, pipeline, depths, sinks.voxels.map() != nullptr);
+  for (const auto& [reason, count] : sinks.voxels.refused())
+    outcome.rejected["left out of the voxels: " + reason] += count;
   if (sinks.recorder) {
     sinks.recorder->sample(last, *sinks.shown, true);
     sinks.recorder->close();

@@ -16,6 +16,7 @@
 #include <isobath/runtime/found_objects.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
 #include <isobath/runtime/pipeline.hpp>
+#include <isobath/runtime/stage_load.hpp>
 #include <isobath/runtime/truth_judge.hpp>
 #include <isobath/runtime/voxel_model.hpp>
 #include <isobath/runtime/world_level.hpp>
@@ -56,6 +57,7 @@ struct RunTimings {
   double wall_s = 0;          ///< reading and mapping
   double ping_median_ms = 0;  ///< mapping alone, a ping
   double ping_p99_ms = 0;
+  RunLoad load;  ///< processor time, stage by stage
 };
 
 /// What real threads could not keep up with.

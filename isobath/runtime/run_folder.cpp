@@ -45,6 +45,10 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
         {"of these without an altitude: echoes of the bottom are not told from obstacles", number(n.no_bottom)});
   }
   rows.push_back({"navigation fixes", number(n.navigation)});
+  if (n.jumps > 0) {
+    rows.push_back({"of these that corrected the position at once: what was seen around the vehicle moved along",
+                    fmt::format("{}, by up to {:.1f} m", n.jumps, n.farthest_jump_m)});
+  }
   rows.push_back({"range readings", number(n.ranges)});
   rows.push_back({"swaths", number(n.swaths)});
   if (!pinged) return rows;
@@ -76,6 +80,10 @@ RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
 }
 
 void RunFolder::on_ping(const PosedPing& posed) { sweep_.push_back({posed.ping, posed.X_WB}); }
+
+void RunFolder::on_jump(const Eigen::Vector3d& by_W) {
+  for (KeptPing& kept : sweep_) kept.X_WB.translation += by_W;
+}
 
 void RunFolder::on_scan(const ScanResult& scan) {
   const Detection& found = scan.detection;

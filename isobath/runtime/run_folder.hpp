@@ -30,6 +30,7 @@ class RunFolder : public ResultSink {
   RunFolder(std::filesystem::path folder, Configuration configuration);
 
   void on_ping(const PosedPing& ping) override;
+  void on_jump(const Eigen::Vector3d& by_W) override;
   void on_scan(const ScanResult& scan) override;
 
   /// Outlines of what was really there, in L of the last scan; for the pictures.

@@ -16,6 +16,7 @@ constexpr int kSidePixels = 720;
 constexpr double kLeastDrawn = 0.05;  // probability
 constexpr Colour kNotSeen{0.87, 0.91, 0.95, 1}, kClearWater{1, 1, 1, 1}, kWalls{0.84, 0.37, 0.0, 0.55};
 constexpr Colour kReference{0.0, 0.45, 0.7, 0.55};
+constexpr Colour kTold{0.0, 0.25, 0.5, 1}, kAlone{0.8, 0.0, 0.5, 1}, kOpen{0.95, 0.75, 0.1, 1};
 
 struct DrawnCell {
   SphericalPlace place;
@@ -158,6 +159,42 @@ std::string spherical_above_picture(const Scene& scene, const SphericalSurvey& s
                   {kClearWater, "seen to be clear"},
                   {kNotSeen, "not seen"},
                   {kWalls, "true walls"}});
+  return picture.png();
+}
+
+std::string spherical_features_picture(const Scene& scene, const SphericalSurvey& survey) {
+  const PlaneSection section(scene, survey.path.scans.back().at.z());
+  const SurveyFeatures& features = survey.features;
+  PlanPicture picture(with_margin(box_of_section(section)), kSidePixels,
+                      {"Edges, arcs and corners that the scans tell", "north (m)", "east (m)"});
+  draw_walls(picture, section, Vector2d::Zero(), {kWalls, 5, false});
+  for (const Vector2d& p : features.accounted) picture.dot(p, 0.9, palette::kFaint);
+  for (const SurveyArc& seen : features.arcs) {
+    const SectionArc arc{seen.arc.centre, seen.arc.radius, seen.arc.first, seen.arc.sweep, 0};
+    picture.polyline(arc_outline(arc), {kTold, 1.6, false});
+  }
+  for (const SeenEdge& edge : features.evidence.edges()) {
+    const std::array<Vector2d, 2> ends{edge.line.at(edge.line.begin_m), edge.line.at(edge.line.end_m)};
+    picture.polyline(ends, {kTold, 1.6, false});
+  }
+  for (const Vector2d& p : features.unaccounted) picture.dot(p, 2.2, kAlone);
+  for (const ScanPosition& scan : survey.path.scans) {
+    picture.dot(scan.at.head<2>(), 3, palette::kTrack);
+    picture.label(scan.at.head<2>(), fmt::format("{}", scan.number), palette::kTrack);
+  }
+  for (const SeenCorner& corner : features.evidence.corners()) {
+    if (!corner.corner.convex) continue;
+    const bool confirmed = corner.confirmed > 0;
+    picture.dot(corner.corner.at, 5.5, confirmed ? palette::kTruth : kOpen);
+    picture.label(corner.corner.at,
+                  confirmed ? fmt::format("seen {}, sure {}", corner.hypothesised, corner.confirmed)
+                            : fmt::format("seen {}", corner.hypothesised));
+  }
+  picture.finish({{kTold, "edges and arcs"},
+                  {kWalls, "true walls"},
+                  {palette::kTruth, "corner, sure: numbers of the scans"},
+                  {kOpen, "corner, supposed"},
+                  {kAlone, "echoes of none of these"}});
   return picture.png();
 }
 

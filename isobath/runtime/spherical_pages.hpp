@@ -1,6 +1,6 @@
-// The three pictures of a spherical survey (Auran, Silven 1995, 4.3; ledger S4-37 to S4-39, S4-D01): the room with the
-// path and its numbered scans, the grid from above, and the grid in three dimensions. PNG; the same bytes for the same
-// survey.
+// The pictures of a spherical survey (Auran, Silven 1995, 4.3; ledger S4-37 to S4-39, S4-D01, S4-D02): the room with
+// the path and its numbered scans, the grid from above, the grid in three dimensions, and what the scans were told as.
+// PNG; the same bytes for the same survey.
 //
 // Cells are as dark as they are probable. Each has points on its four outer corners, so that small ones are seen; every
 // 30 degrees a dotted line runs from the vehicle, in its own plane.
@@ -29,6 +29,9 @@ std::vector<Eigen::Vector3d> reference_lines(double length_m);
 
 std::string spherical_plan_picture(const Scene& scene, const SphericalSurvey& survey);
 std::string spherical_above_picture(const Scene& scene, const SphericalSurvey& survey);
+/// Edges and arcs as they were heard, echoes without one, and corners with the numbers of the scans that hypothesised
+/// and confirmed them (S4-42, S4-45).
+std::string spherical_features_picture(const Scene& scene, const SphericalSurvey& survey);
 std::string spherical_solid_picture(const SphericalSurvey& survey, const SphericalCamera& camera = {});
 
 }  // namespace isobath

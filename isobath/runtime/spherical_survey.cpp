@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <Eigen/LU>
 #include <isobath/base/error.hpp>
 #include <isobath/runtime/spherical_survey.hpp>
 #include <limits>
@@ -26,6 +27,56 @@ void judge_survey(const Scene& scene, const Vector3d& at, SphericalSurvey& surve
   std::sort(errors.begin(), errors.end());
   survey.median_error_m = errors[errors.size() / 2];
   survey.worst_error_m = errors.back();
+}
+
+/// Joins the arc that it agrees with: centre and radius within three standard deviations and half a metre.
+void add_arc(const PlaneArc& seen, std::vector<SurveyArc>& arcs) {
+  using Eigen::Matrix3d;
+  for (SurveyArc& known : arcs) {
+    const Vector3d off(seen.centre.x() - known.arc.centre.x(), seen.centre.y() - known.arc.centre.y(),
+                       seen.radius - known.arc.radius);
+    const Matrix3d both = seen.covariance + known.arc.covariance;
+    if (seen.hollow != known.arc.hollow || off.dot((both + 0.25 * Matrix3d::Identity()).inverse() * off) > 16) continue;
+    const Matrix3d gain = known.arc.covariance * both.inverse();
+    const Vector3d step = gain * off;
+    known.arc.centre += step.head<2>();
+    known.arc.radius += step.z();
+    known.arc.covariance = (Matrix3d::Identity() - gain) * known.arc.covariance;
+    known.arc.support += seen.support;
+    const Angle end = known.arc.first + known.arc.sweep, seen_end = seen.first + seen.sweep;
+    // the two sweeps together, gaps between them too
+    const Angle before = (known.arc.first - seen.first).wrapped(), behind = (seen_end - end).wrapped();
+    known.arc.sweep += std::max(before, Angle{}) + std::max(behind, Angle{});
+    known.arc.sweep = std::min(known.arc.sweep, Angle::degrees(360));
+    if (before > Angle{}) known.arc.first = seen.first;
+    ++known.scans;
+    return;
+  }
+  arcs.push_back({seen, 1});
+}
+
+void tell_scan(const PlaneScan& scan, SurveyFeatures& features) {
+  const ScanShapes told = shapes_of(scan);
+  features.evidence.add(scan, told);
+  features.runs += constant_range_runs(scan).size();
+  for (const ScanShape& shape : told.shapes) {
+    if (const PlaneArc* arc = shape.arc()) add_arc(*arc, features.arcs);
+    for (const std::size_t i : shape.echoes) features.accounted.push_back(scan.point(scan.echoes[i]));
+  }
+  for (const std::size_t i : told.unassigned) features.unaccounted.push_back(scan.point(scan.echoes[i]));
+}
+
+/// Of the grid at the end: level scans at several depths, which say that walls are upright.
+void tell_grid(const SphericalGrid& grid, SurveyFeatures& features) {
+  constexpr double kSureTarget = 0.5;  // below that bodies run into the walls behind them
+  const std::vector<Vector3d> echoes = echoes_of(grid, grid.config().occupied);
+  TangentialConfig config;
+  config.upright = true;
+  features.planes = tangential_clusters(echoes, config);
+  for (SphericalCluster& cluster : clusters(grid, kSureTarget)) {
+    const TargetScore score = target_score(grid, cluster);
+    features.targets.push_back({std::move(cluster), score});
+  }
 }
 
 }  // namespace
@@ -83,19 +134,26 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     mapper.move_to({Rotation::from_heading(place.course), place.at}, time);
     mapper.begin_scan();
     const PlaneSection section(scene, place.at.z());
+    PlaneScan told{place.at.head<2>(),      {}, config.sonar.beam_width, config.sonar.sigma, config.sonar.sigma_m,
+                   config.sonar.sigma_share};
     any = any || !section.lines().empty() || !section.arcs().empty();
     for (const SectionReading& reading : scan(section, place.at.head<2>(), config.sonar, random)) {
       const Vector3d u_W(cos(reading.bearing), sin(reading.bearing), 0);
       mapper.add({Vector3d::Zero(), mapper.to_grid(u_W), config.sonar.beam_width, reading.range_m, config.sonar.range_m,
                   time});
       ++survey.beams;
-      if (reading.range_m) ++survey.echoes;
+      if (!reading.range_m) continue;
+      ++survey.echoes;
+      told.echoes.emplace_back(reading.bearing, *reading.range_m);
     }
+    told.sort();
+    tell_scan(told, survey.features);
   }
   if (!any) {
     throw Error("no lines and arcs at the vehicle's depth", {scene.file}, "a scene with a [[prism]] round its path");
   }
   grid.on_dropped({});
+  tell_grid(grid, survey.features);
   judge_survey(scene, survey.path.scans.back().at, survey);
   return survey;
 }

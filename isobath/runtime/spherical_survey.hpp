@@ -1,10 +1,12 @@
 // SphericalSurvey: a room of lines and arcs scanned from numbered places along a path, in the spherical grid of the
-// vehicle at the last of them (Auran, Silven 1995, 3.2 and 4.3; ledger S4-D01, S4-31 to S4-35). `isobath sphere` runs
-// one.
+// vehicle at the last of them; and what stands there: edges, arcs, and corners that are confirmed on the way (Auran,
+// Silven 1995, 3.1, 3.2 and 4.3; ledger S4-D01, S4-D02, S4-31 to S4-35, S4-42 to S4-47). `isobath sphere` runs one.
 #pragma once
 
-#include <isobath/map/spherical_grid.hpp>
+#include <isobath/perception/corner_evidence.hpp>
 #include <isobath/perception/spherical_mapper.hpp>
+#include <isobath/perception/tangential_clusters.hpp>
+#include <isobath/perception/target_score.hpp>
 #include <isobath/sim/plane_section.hpp>
 #include <memory>
 
@@ -18,8 +20,28 @@ struct SphericalSurveyConfig {
   SphericalMapperConfig mapper;
 };
 
+/// A round thing, from all scans that told an arc of it.
+struct SurveyArc {
+  PlaneArc arc;
+  int scans = 0;
+};
+/// What the scans were told as.
+struct SurveyFeatures {
+  CornerEvidence evidence;  ///< edges and corners, W
+  std::vector<SurveyArc> arcs;
+  std::vector<Eigen::Vector2d> accounted, unaccounted;  ///< echoes, W
+  std::size_t runs = 0;                                 ///< of constant range
+  TangentialClusters planes;                            ///< of the grid at the last place, G
+  struct Target {
+    SphericalCluster cluster;
+    TargetScore score;
+  };
+  std::vector<Target> targets;  ///< clusters of the same grid, the largest first
+};
+
 struct SphericalSurvey {
   ScanPath path;
+  SurveyFeatures features;
   std::unique_ptr<SphericalGrid> grid;  ///< at the last place
   std::uint64_t beams = 0, echoes = 0;
   std::uint64_t dropped_echoes = 0;  ///< that left the grid's range

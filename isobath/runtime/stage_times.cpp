@@ -1,3 +1,4 @@
+#include <isobath/runtime/stage_load.hpp>
 #include <isobath/runtime/stage_times.hpp>
 #include <utility>
 
@@ -10,21 +11,27 @@ double milliseconds(StageTimes::Clock::duration d) { return std::chrono::duratio
 
 class TimedAgent final : public Agent {
  public:
-  TimedAgent(std::unique_ptr<Agent> agent, std::shared_ptr<StageTimes> times)
-      : agent_(std::move(agent)), times_(std::move(times)) {}
+  TimedAgent(std::unique_ptr<Agent> agent, std::shared_ptr<StageTimes> times, bool plans)
+      : agent_(std::move(agent)), times_(std::move(times)), plans_(plans) {}
 
   void hear(const Message& message, Time now, Outbox& out) override {
     const auto from = StageTimes::Clock::now();
+    const std::int64_t worked = thread_nanoseconds();
     agent_->hear(message, now, out);
-    if (const auto* scan = std::get_if<ObstacleScan>(&message)) {
-      times_->planned(scan->time, from, StageTimes::Clock::now());
-    }
+    times_->worked(thread_nanoseconds() - worked);
+    const auto* scan = plans_ ? std::get_if<ObstacleScan>(&message) : nullptr;
+    if (scan) times_->planned(scan->time, from, StageTimes::Clock::now());
   }
-  void tick(Time now, Outbox& out) override { agent_->tick(now, out); }
+  void tick(Time now, Outbox& out) override {
+    const std::int64_t worked = thread_nanoseconds();
+    agent_->tick(now, out);
+    times_->worked(thread_nanoseconds() - worked);
+  }
 
  private:
   std::unique_ptr<Agent> agent_;
   std::shared_ptr<StageTimes> times_;
+  bool plans_;
 };
 
 }  // namespace
@@ -78,11 +85,12 @@ void StageTimes::planned(Time scan, Clock::time_point from, Clock::time_point to
 MissionTimings StageTimes::timings() const {
   const std::lock_guard lock(mutex_);
   const auto stage = [](std::vector<double> ms) { return stage_time(ms); };
-  return {stage(heard_ms_), stage(mapped_ms_), stage(detected_ms_), stage(planned_ms_), stage(decided_ms_)};
+  return {stage(heard_ms_),   stage(mapped_ms_),  stage(detected_ms_),
+          stage(planned_ms_), stage(decided_ms_), 1e-9 * static_cast<double>(agents_ns_.load())};
 }
 
-Seat timed(Seat seat, std::shared_ptr<StageTimes> times) {
-  seat.agent = std::make_unique<TimedAgent>(std::move(seat.agent), std::move(times));
+Seat timed(Seat seat, std::shared_ptr<StageTimes> times, bool plans) {
+  seat.agent = std::make_unique<TimedAgent>(std::move(seat.agent), std::move(times), plans);
   return seat;
 }
 

@@ -14,7 +14,20 @@ namespace {
 // Of a sounding, which the sonar itself has picked as the strongest echo of a narrow beam: with even a scarce prior
 // (0.05) two agree on an occupied voxel. Chosen, not measured.
 constexpr const char* kSoundings = "soundings";  ///< layer of points with a height of their own
+/// Sizes of two pings' fans that differ by less are of one sonar, which steers its beams anew for each ping.
+constexpr double kAlike = 0.5;
 constexpr double kSoundingHit = 2.5, kSoundingMiss = -0.5;
+constexpr double kFarthestSounding = 4096;  // voxels: a swath of them fills some hundred megabytes
+
+constexpr const char* kTooFarOff = "too far from the origin for voxels of this size";
+constexpr const char* kLongSounding = "soundings of more than 4096 voxels";
+
+constexpr Duration kHeldFor = std::chrono::minutes(2), kNoted = std::chrono::seconds(1);
+
+/// Whether a map of such voxels holds all that is so near to a place.
+bool holds(double voxel_m, const Eigen::Vector3d& p_W, double range_m) {
+  return p_W.cwiseAbs().maxCoeff() + range_m < (VoxelBlocks::kFarthest - 1) * voxel_m;
+}
 
 }  // namespace
 
@@ -48,8 +61,13 @@ VoxelModel::VoxelModel(const VoxelModelConfig& config, std::filesystem::path spi
               "install libopenvdb-dev and build again");
 }
 
+double VoxelModel::voxel_for(double range_m) const {
+  if (map_) return map_->voxel_m();
+  return config_.fit ? round_step(range_m / 200, {1, 2.5, 5}) : config_.map.voxel_m;
+}
+
 void VoxelModel::begin(double range_m) {
-  if (config_.fit) config_.map.voxel_m = round_step(range_m / 200, {1, 2.5, 5});
+  config_.map.voxel_m = voxel_for(range_m);
   map_ = std::make_unique<VoxelMap>(config_.map);
   if (config_.memory_mb > 0 || (config_.window_m > 0 && config_.spill)) map_->spill_to(spill_file_);
 }
@@ -58,13 +76,14 @@ VoxelModel::Sonar& VoxelModel::sonar_of(const Ping& ping) {
   const BeamFan& fan = *ping.fan;
   const bool flat = lies_flat(ping);
   const Angle span = fan.azimuth.back() - fan.azimuth.front();
+  const auto near = [](Angle a, Angle b) {
+    return std::abs(a.radians() - b.radians()) <= kAlike * std::max(a.radians(), b.radians());
+  };
   int alike = 1;
   for (const auto& s : sonars_) {
     if (s->flat != flat) continue;
-    if (s->beams == fan.beams() && s->width.radians() == fan.width.front().radians() &&
-        s->height.radians() == fan.height.radians() && s->span.radians() == span.radians()) {
-      return *s;
-    }
+    const bool same = near(s->width, fan.width.front()) && near(s->height, fan.height) && near(s->span, span);
+    if (s->beams == fan.beams() && same) return *s;
     ++alike;
   }
   std::string name = flat ? "flat" : "upright";
@@ -85,9 +104,17 @@ void VoxelModel::take(const PosedPing& posed) {
         fmt::format("the map's window reaches {:g} m, and the sonar {:g} m", config_.window_m, ping.window.end_m()),
         {{}, {}, {}, {}, "voxels.window_m"}, "0, or the sonar's range and more");
   }
-  if (!map_) begin(ping.window.end_m());
+  const double range_m = ping.window.end_m(), voxel_m = voxel_for(range_m);
+  const char* fault = FanMapper::fault_of(ping, voxel_m);
+  const double about_m = std::max(range_m, config_.window_m) + ping.X_BS.translation.norm();
+  if (!fault && !holds(voxel_m, posed.X_WB.translation, about_m)) fault = kTooFarOff;
+  if (fault) {
+    ++refused_[fault];
+    return;
+  }
+  if (!map_) begin(range_m);
   Sonar& sonar = sonar_of(ping);
-  map_->advance();
+  note(ping.time);
   const bool submerged = config_.surface && (posed.X_WB * ping.X_BS).translation.z() > 0;
   sonar.mapper.set_surface(submerged ? 0 : -std::numeric_limits<double>::infinity());
   sonar.mapper.update(ping, posed.decisions, posed.X_WB, *sonar.layer);
@@ -102,18 +129,26 @@ void VoxelModel::take(const Swath& swath, const Pose& X_WB) {
     if (s.kind == Sounding::Kind::kWater) farthest = std::max<double>(farthest, s.range_m);
   }
   if (farthest == 0) return;
+  const double edge = voxel_for(farthest);
+  if (!holds(edge, X_WB.translation, config_.window_m)) {
+    ++refused_[kTooFarOff];
+    return;
+  }
   if (!map_) begin(farthest);
-  map_->advance();
+  note(swath.time);
   VoxelBlocks& layer = map_->layer(kSoundings);
-  const double edge = map_->voxel_m();
   const LogOdds16 hit = to_evidence(kSoundingHit), miss = to_evidence(kSoundingMiss);
   VoxelBlocks met;  // by this swath: negative where rays pass, positive where one ends
   std::vector<VoxelIndex> ends;
   for (const Sounding& s : swath.soundings) {
     const Eigen::Vector3d p_B = s.point.cast<double>(), to = X_WB * p_B / edge;
     const double far = p_B.norm();
-    if (s.kind != Sounding::Kind::kWater || far <= 0 || to.cwiseAbs().maxCoeff() >= VoxelBlocks::kFarthest - 1)
+    if (s.kind != Sounding::Kind::kWater || far <= 0) continue;
+    if (!(far < kFarthestSounding * edge && s.range_m < kFarthestSounding * edge)) {
+      ++refused_[kLongSounding];
       continue;
+    }
+    if (to.cwiseAbs().maxCoeff() >= VoxelBlocks::kFarthest - 1) continue;
     met.insert_ray(X_WB * (p_B * (1 - s.range_m / far)) / edge, to, -1, 0);
     ends.push_back(floor_of(to));
   }
@@ -126,6 +161,26 @@ void VoxelModel::take(const Swath& swath, const Pose& X_WB) {
   });
   ++shots_;
   move_to(X_WB.translation);
+}
+
+/// All that is heard from now on is of a new revision, and of this time.
+void VoxelModel::note(Time time) {
+  const std::uint64_t before = map_->revision();
+  map_->advance();
+  if (!heard_.empty() && time < heard_.back().time) heard_.clear();  // the clock was set back
+  if (heard_.empty() || time - heard_.back().time >= kNoted) heard_.push_back({time, before});
+  while (time - heard_.front().time > kHeldFor) heard_.pop_front();
+}
+
+void VoxelModel::move_along(const Eigen::Vector3d& jump_W) {
+  if (!map_) return;
+  constexpr double kOutOfTheMap = 2.0 * VoxelBlocks::kFarthest;
+  const Eigen::Array3d voxels = (jump_W / map_->voxel_m()).array().max(-kOutOfTheMap).min(kOutOfTheMap);
+  const std::uint64_t held = heard_.empty() ? map_->revision() : heard_.front().revision;
+  map_->advance();
+  map_->move(floor_of(voxels + 0.5), std::min(held, last_moved_));
+  last_moved_ = map_->revision();
+  ++moved_;
 }
 
 void VoxelModel::move_to(const Eigen::Vector3d& at_W) {
@@ -154,6 +209,7 @@ VoxelOutcome VoxelModel::outcome() const {
   for (const auto& s : sonars_) outcome.layers.push_back({s->name, s->pings});
   if (shots_ > 0) outcome.layers.push_back({kSoundings, shots_});
   outcome.blocks = map_->changed_after(0).size();
+  outcome.moved = moved_;
   if (map_->spills()) outcome.spilled = map_->spilled();
   for_each_seen(*map_, [&](const VoxelIndex& v) {
     ++outcome.seen;

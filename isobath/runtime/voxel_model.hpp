@@ -14,12 +14,19 @@
 // ends is occupied; each counts once a swath, by an echo where there is one. The arm from the vehicle to the sonar,
 // which a Swath does not carry, is taken to lie along the ray. Soundings of the bottom are the depth map's.
 //
-// Edge of the voxels: by the sonar's range, unless `fit` is off; the first ping decides. Errors: Error, from the ping
-// that shows it, where the window is smaller than the sonar's range; at once, where files are asked for that the
-// program was built without. One thread.
+// A position that jumps (Pipeline) says nothing of the water between vehicle and obstacle: what was heard since the
+// last jump, or in the last two minutes, moves along by whole voxels. So it is off, relative to the vehicle, by half a
+// voxel and what dead reckoning has drifted since it was heard. What is older stays where the fixes of its time have
+// put it.
+//
+// Edge of the voxels: by the sonar's range, unless `fit` is off; the first ping decides. Pings that voxels of this size
+// cannot hold (FanMapper::fault_of), and those from beyond the end of the map, are left out and counted. Errors: Error,
+// from the ping that shows it, where the window is smaller than the sonar's range; at once, where files are asked for
+// that the program was built without. One thread.
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <isobath/map/space_grid.hpp>
 #include <isobath/map/voxel_map.hpp>
@@ -27,6 +34,7 @@
 #include <isobath/runtime/pipeline.hpp>
 #include <isobath/runtime/voxel_config.hpp>
 #include <isobath/runtime/voxel_truth.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,6 +55,7 @@ struct VoxelOutcome {
   std::optional<std::uint64_t> spilled;  ///< blocks in the file only, of each layer; where blocks can spill
   double vehicle_depth_m = 0;            ///< at the end
   std::uint64_t left_out = 0;            ///< blocks that have no place in an OctoMap file
+  std::uint64_t moved = 0;               ///< jumps of the position that it moved along with
   std::optional<VoxelTruth> truth;       ///< of a simulated run
 };
 
@@ -57,11 +66,15 @@ class VoxelModel {
 
   void take(const PosedPing& posed);
   void take(const Swath& swath, const Pose& X_WB);
+  /// The position jumped, m.
+  void move_along(const Eigen::Vector3d& jump_W);
   /// Completes the file that blocks spill to, where there is one. Whether there is.
   bool save() const;
   /// Null before the first ping.
   [[nodiscard]] const VoxelMap* map() const { return map_.get(); }
   [[nodiscard]] VoxelOutcome outcome() const;
+  /// Pings and soundings of which no voxels could be made, by reason.
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& refused() const { return refused_; }
   /// What is known within a reach of the vehicle at the end of a sweep, for planning; null where no fan stands upright
   /// and no soundings come, since then nothing tells height, and without navigation.
   [[nodiscard]] std::shared_ptr<const SpaceGrid> space_around(const ScanResult& scan, double reach_m) const;
@@ -77,7 +90,9 @@ class VoxelModel {
     VoxelBlocks* layer;
   };
   Sonar& sonar_of(const Ping& ping);
+  [[nodiscard]] double voxel_for(double range_m) const;
   void begin(double range_m);
+  void note(Time time);
   void move_to(const Eigen::Vector3d& at_W);
 
   VoxelModelConfig config_;
@@ -86,6 +101,13 @@ class VoxelModel {
   std::vector<std::unique_ptr<Sonar>> sonars_;
   std::uint64_t shots_ = 0;  ///< swaths in the layer of soundings
   double vehicle_depth_m_ = 0;
+  std::uint64_t moved_ = 0, last_moved_ = 0;  ///< how often, and the revision then
+  struct Heard {
+    Time time;
+    std::uint64_t revision;
+  };
+  std::deque<Heard> heard_;  ///< a second apart, of the last two minutes
+  std::map<std::string, std::uint64_t> refused_;
 };
 
 }  // namespace isobath

@@ -202,6 +202,7 @@ void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictur
   rows.push_back({"of these free", number(outcome.free)});
   rows.push_back({"memory", fmt::format("{} MB in {} blocks", outcome.megabytes, outcome.blocks)});
   if (outcome.spilled) rows.push_back({"blocks on disk only (voxels.sqlite)", number(*outcome.spilled)});
+  if (outcome.moved > 0) rows.push_back({"jumps of the position that it moved along with", number(outcome.moved)});
   if (outcome.left_out > 0) rows.push_back({"blocks too far off for voxels.bt", number(outcome.left_out)});
   page.table({"what", "value"}, rows);
   if (outcome.truth) add_truth(page, *outcome.truth);

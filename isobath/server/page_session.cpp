@@ -47,7 +47,7 @@ Hearing PageSession::refuse(const BadRequest& refusal, std::string_view reason, 
 
 Hearing PageSession::hear(std::string_view text) {
   const auto request = page_request_of(text);
-  if (!request) return refuse(request.error(), "request");
+  if (!request) return refuse(request.error(), "ask");
   try {
     return follow(*request);
   } catch (const Error& error) {
@@ -116,7 +116,7 @@ Hearing PageSession::command(const std::string& word) {
       {"hold", PageCommand::kHold}, {"resume", PageCommand::kResume}, {"abort", PageCommand::kAbort}};
   if (!control_) return refuse({"command", "this page may not command"}, "no_control");
   const auto* found = std::find_if(std::begin(kWords), std::end(kWords), [&](auto& w) { return word == w.first; });
-  if (found == std::end(kWords)) return refuse({"command", "hold, resume or abort"}, "request");
+  if (found == std::end(kWords)) return refuse({"command", "hold, resume or abort"}, "ask");
   const std::string why = sources_.command(found->second);
   return why.empty() ? Hearing{} : refuse({word, why}, "command");
 }

@@ -86,7 +86,7 @@ std::optional<std::string> path_of_target(std::string_view target) {
 bool is_own_host(std::string_view host, const std::vector<std::string>& names) {
   std::array<unsigned char, sizeof(in6_addr)> address{};
   const std::size_t bracket = host.starts_with('[') ? host.find(']') : 0;
-  if (bracket == std::string_view::npos) return false;
+  if (bracket == std::string_view::npos || host.find('\0') != std::string_view::npos) return false;
   const std::size_t colon = host.find(':', bracket);
   if (colon != std::string_view::npos && !is_port(host.substr(colon + 1))) return false;
   const std::string name = lower_case(host.substr(0, colon));

@@ -559,6 +559,8 @@ struct EchoFormer::State {
 EchoFormer::EchoFormer(const SonarConfig& config, const World& world, const Water& water, int threads)
     : state_(std::make_unique<State>(config, world, water, threads)) {}
 EchoFormer::~EchoFormer() = default;
+EchoFormer::EchoFormer(EchoFormer&&) noexcept = default;
+EchoFormer& EchoFormer::operator=(EchoFormer&&) noexcept = default;
 
 const std::vector<double>& EchoFormer::beam_azimuths() const { return state_->view.beams; }
 void EchoFormer::set_floor(double power, std::vector<float> by_bin) {

@@ -44,6 +44,8 @@ class EchoFormer {
   /// `world` and `water` outlive it.
   EchoFormer(const SonarConfig& config, const World& world, const Water& water, int threads = 1);
   ~EchoFormer();
+  EchoFormer(EchoFormer&&) noexcept;
+  EchoFormer& operator=(EchoFormer&&) noexcept;
 
   /// Azimuth of each beam in S; one beam, 0, for a scanning head.
   [[nodiscard]] const std::vector<double>& beam_azimuths() const;

@@ -61,6 +61,8 @@ double unit_mean_gamma(Random& random, double shape) {
 SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, const Water& water, std::uint64_t seed,
                                int threads)
     : config_(config),
+      world_(&world),
+      water_(&water),
       former_(config, world, water, threads),
       seed_(seed),
       threads_(threads),
@@ -210,13 +212,20 @@ void SimulatedSonar::fill(int beam, Random random, Random speckle, const Disturb
   }
 }
 
+void SimulatedSonar::command(const ScanCommand& command) {
+  *this = SimulatedSonar(commanded(config_, command), *world_, *water_, seed_, threads_);
+  restarts_ = true;
+}
+
 SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::uint64_t number) {
+  if (restarts_) first_number_ = number;
+  restarts_ = false;
   Output out;
   Random chance = random_at(seed_, number, 0);
   if (chance.uniform() < config_.dropout_share) return out;
   const Pose X_BS = sensor_pose(config_);
   const bool scanning = config_.kind == SonarKind::kScanning;
-  const Angle head = scanning ? head_azimuth(number) : Angle{};
+  const Angle head = scanning ? head_azimuth(number - first_number_) : Angle{};
   if (scanning) noise_by_beam_[0] = factor_at(config_.noise_by_bearing, head.degrees());
   former_.form(X_WB * X_BS * Pose{Rotation::from_heading(head), {0, 0, 0}}, image_);
 

@@ -43,6 +43,9 @@ class SimulatedSonar {
   [[nodiscard]] Duration interval() const;
   /// Ping `number` (from 0: it sets where a scanning head looks), transmitted at X_WB.
   Output ping(Time time, const Pose& X_WB, std::uint64_t number);
+  /// The next ping obeys (S4-40); a scanning head begins its sector with it. Throws Error where no such sonar could be,
+  /// and nothing has changed then.
+  void command(const ScanCommand& command);
   /// Sample of an echo of unit power (relative to the source level) at the centre of a bin, before quantisation.
   [[nodiscard]] double gain(int bin) const { return gain_[static_cast<std::size_t>(bin)]; }
   /// Mean powers of the last ping: for those who check the physics.
@@ -62,6 +65,8 @@ class SimulatedSonar {
   void pick_ranges(const Ping& ping, Output& out) const;
 
   SonarConfig config_;
+  const World* world_;
+  const Water* water_;
   EchoFormer former_;
   std::uint64_t seed_;
   int threads_;
@@ -72,6 +77,8 @@ class SimulatedSonar {
   std::vector<std::shared_ptr<const BeamFan>> fans_;  ///< of a fan: one; of a scanning head: one a step
   EchoImage image_;
   std::vector<float> samples_;
+  bool restarts_ = false;           ///< with the next ping
+  std::uint64_t first_number_ = 0;  ///< of the ping that the head began its sector with
 };
 
 }  // namespace isobath

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/base/error.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <numbers>
 
@@ -265,6 +266,13 @@ void Simulator::navigate() {
   }
   for (const Navigation& fix : navigator_.advance(now_, state, arrived)) fix_channel_.push(now_, fix);
   deliver(fix_channel_);
+}
+
+void Simulator::command(const std::string& sonar, const ScanCommand& scan) {
+  for (const auto& device : devices_) {
+    if (device->sonar.config().name == sonar) return device->sonar.command(scan);
+  }
+  throw Error("no such sonar pings: \"" + sonar + "\"", {scene_.file}, "the name of a sonar of the scene");
 }
 
 void Simulator::ping_all() {

@@ -47,6 +47,8 @@ class Simulator {
   std::optional<SimulatedEvent> next();
   /// From the next step on the vehicle follows this instead of its way-points.
   void command(const Setpoint& setpoint) { command_ = setpoint; }
+  /// The next ping of a sonar obeys (S4-40). Throws Error for a sonar that the scene has not, or that cannot.
+  void command(const std::string& sonar, const ScanCommand& scan);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const World& world() const { return *world_; }

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <isobath/sim/sonar_config.hpp>
 #include <map>
 
@@ -316,6 +317,32 @@ void check(const SonarConfig& c) {
   check_profile("reverberation", c.reverberation);
   if (c.blind_m >= c.range_m) refuse("blind_m", "the sonar is blind over its whole range", "below range_m");
   if (c.name.empty()) refuse("name", "is empty", "a text");
+}
+
+SonarConfig commanded(SonarConfig config, const ScanCommand& command) {
+  const auto refuse = [&config](const char* key, const char* problem, const char* allowed) {
+    Place place = config.place;
+    place.key = std::string("sonar.") + key;
+    throw Error(problem, place, allowed);
+  };
+  config.heading = command.heading.value_or(config.heading);
+  config.pitch = command.pitch.value_or(config.pitch);
+  config.roll = command.roll.value_or(config.roll);
+  config.sector = command.sector.value_or(config.sector);
+  config.step = command.step.value_or(config.step);
+  config.width = command.width.value_or(config.width);
+  config.range_m = command.range_m.value_or(config.range_m);
+  config.beams = command.beams.value_or(config.beams);
+  if (!(config.sector.degrees() >= 0 && config.sector.degrees() <= 360))
+    refuse("sector_deg", "no sector", "0 to 360 deg");
+  if (!(config.step.degrees() > 0 && config.step.degrees() <= 180))
+    refuse("step_deg", "no step", "above 0, to 180 deg");
+  if (!(config.width.degrees() > 0 && config.width.degrees() < 180))
+    refuse("width_deg", "no beam", "above 0, below 180 deg");
+  if (!(config.range_m > 0 && std::isfinite(config.range_m))) refuse("range_m", "no range", "above 0 m");
+  if (config.beams < 1) refuse("beams", "no beam", "at least 1");
+  check(config);
+  return config;
 }
 
 }  // namespace isobath

@@ -9,6 +9,7 @@
 #include <isobath/geometry/pose.hpp>
 #include <isobath/sim/beam_pattern.hpp>
 #include <isobath/sonar/ping.hpp>
+#include <isobath/sonar/scan_command.hpp>
 #include <string>
 #include <vector>
 
@@ -85,6 +86,9 @@ std::vector<std::string> sonar_presets();
 SonarConfig sonar_preset(const std::string& name);
 /// What single fields cannot say: a fan of no beams, a beam wider than ... Throws Error with the place of the sonar.
 void check(const SonarConfig& config);
+
+/// As it looks after a command. Throws Error where no such sonar could be (S4-40).
+SonarConfig commanded(SonarConfig config, const ScanCommand& command);
 
 inline Pose sensor_pose(const SonarConfig& c) {
   return {Rotation::from_heading_pitch_roll(c.heading, c.pitch, c.roll), c.position};

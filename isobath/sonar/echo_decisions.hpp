@@ -66,6 +66,18 @@ class EchoDecisions {
     std::copy_n(p, bins_, p_dim_.begin() + std::ptrdiff_t(beam) * bins_);
   }
 
+  /// This bin of this beam says nothing, neither echo nor none.
+  void set_blind(int beam, int bin) {
+    if (dim_.empty()) {
+      dim_.assign(hits_.size(), 0);
+      p_dim_.resize(std::size_t(beams_) * bins_);
+    }
+    const std::uint64_t bit = std::uint64_t{1} << (bin % 64);
+    hits(beam)[bin / 64] &= ~bit;
+    dim_[std::size_t(beam) * words_ + bin / 64] |= bit;
+    p_dim_[std::size_t(beam) * bins_ + bin] = 0;
+  }
+
   /// P(intensity | target) / P(intensity | no target) of the bins of a beam that hold an echo; 1 in all others. Null:
   /// nothing is known of an echo but that it is one.
   [[nodiscard]] const float* ratios(int beam) const {

@@ -88,6 +88,15 @@ DetectorState state_of(ModelMismatch mismatch) {
   return DetectorState::kNoModel;
 }
 
+/// What a beam has not sampled says neither echo nor none.
+void leave_unsampled(const Ping& ping, EchoDecisions& out) {
+  for (int b = 0; b < out.beams(); ++b) {
+    const BinSpan span = sampled_bins(ping, b);
+    for (int k = 0; k < span.first; ++k) out.set_blind(b, k);
+    for (int k = span.end; k < out.bins(); ++k) out.set_blind(b, k);
+  }
+}
+
 }  // namespace
 
 std::vector<Field> fields(EchoDetectorConfig& c) {
@@ -153,6 +162,7 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out, const WaterColum
   decide(ping, out);
   boundary_.learn(ping, water, first_bin_, out.false_alarm);
   if (state_ == DetectorState::kReady) boundary_.sort_out(ping, water, thresholds_, out);
+  if (ping.sampled) leave_unsampled(ping, out);
 }
 
 bool EchoDetector::listen(const Ping& ping) {
@@ -300,6 +310,7 @@ void EchoDetector::learn(const Ping& ping) {
   const int learnt = std::min(beams, kBeamsLearnt);
   for (int i = 0; i < learnt; ++i) {
     const int beam = (next_beam_ + i * beams / learnt) % beams;
+    if (sampled_bins(ping, beam) != BinSpan{0, window_.bins}) continue;
     ping.intensity.copy_beam(beam, beam_.data());
     tracker_.learn(beam_.data());
   }
@@ -361,7 +372,8 @@ void EchoDetector::raise_noisy_beams(const Ping& ping, const std::vector<double>
 void EchoDetector::decide_by_cfar(const Ping& ping, EchoDecisions& out) {
   for (int b = 0; b < ping.intensity.beams(); ++b) {
     ping.intensity.copy_beam(b, beam_.data());
-    cfar_.detect(beam_.data(), first_bin_, ping.intensity.bins(), out.hits(b));
+    const BinSpan span = sampled_bins(ping, b);
+    cfar_.detect(beam_.data(), std::max(first_bin_, span.first), span.end, out.hits(b));
   }
 }
 

@@ -27,6 +27,9 @@
 // Where the water column is known, echoes of bottom and surface are no echoes of targets (boundary_echoes.hpp); this is
 // added to every method.
 //
+// Bins that a beam has not sampled (Ping::sampled) tell nothing: they are dim with p_D 0, no reference for CFAR, and a
+// beam that lacks some is not learnt from.
+//
 // Bins nearer than blind_m, or than the blind zone that the ping states, are not usable. `detect` allocates only at the
 // first ping of a geometry and throws nothing. Not thread-safe: one detector a sonar. Deterministic. Measured on one
 // core, 512 beams x 500 bins of 8 bits, G bins/s: thresholds 2.3 (beam after beam) and 1.6 (bin after bin), `auto` 0.7,

@@ -27,7 +27,20 @@ bool valid(const BeamFan& fan) {
   return wide(fan.height);
 }
 
+bool spans_fit(const Ping& ping) {
+  if (!ping.sampled) return true;
+  if (static_cast<int>(ping.sampled->size()) != ping.fan->beams()) return false;
+  for (const BinSpan& span : *ping.sampled) {
+    if (span.first < 0 || span.first > span.end || span.end > ping.window.bins) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+BinSpan sampled_bins(const Ping& ping, int beam) {
+  return ping.sampled ? (*ping.sampled)[static_cast<std::size_t>(beam)] : BinSpan{0, ping.window.bins};
+}
 
 float Intensities::operator()(int beam, int bin) const {
   const std::byte* at = data_ + beam * beam_stride_ + bin * bin_stride_;
@@ -51,11 +64,15 @@ void Intensities::copy_beam(int beam, float* out) const {
 PingFault check(const Ping& ping) {
   if (!ping.fan) return PingFault::kNoFan;
   if (!valid(*ping.fan)) return PingFault::kBadFan;
+  // First and last beam of a whole turn are not the same.
+  if ((ping.fan->azimuth.back() - ping.fan->azimuth.front()).degrees() > 360) return PingFault::kTooWide;
   const RangeWindow& w = ping.window;
   if (!(w.bin_m > 0) || !std::isfinite(w.end_m()) || !(w.start_m >= 0) || w.bins <= 0) return PingFault::kBadWindow;
+  if (w.bin_m < 1e-5 || w.end_m() > 1e6 || ping.X_BS.translation.norm() > 1e4) return PingFault::kBadScale;
   if (!ping.intensity.data() || ping.intensity.beams() != ping.fan->beams() || ping.intensity.bins() != w.bins) {
     return PingFault::kSizeMismatch;
   }
+  if (!spans_fit(ping)) return PingFault::kSizeMismatch;
   if (!ping.X_BS.is_finite() || !std::isfinite(ping.sound_speed) || !(ping.blind_m >= 0)) {
     return PingFault::kNotFinite;
   }
@@ -74,7 +91,9 @@ const char* to_text(PingFault fault) {
     case PingFault::kNone: return "none";
     case PingFault::kNoFan: return "no beams";
     case PingFault::kBadFan: return "beams out of order or without width";
+    case PingFault::kTooWide: return "beams round more than a whole turn";
     case PingFault::kBadWindow: return "no usable range window";
+    case PingFault::kBadScale: return "bins, range or mount of a size that no sonar has";
     case PingFault::kSizeMismatch: return "samples do not match beams and bins";
     case PingFault::kNotFinite: return "value not finite";
   }

@@ -36,6 +36,12 @@ struct RangeWindow {
   bool operator==(const RangeWindow&) const = default;
 };
 
+/// Bins [first, end) of a beam.
+struct BinSpan {
+  int first = 0, end = 0;
+  bool operator==(const BinSpan&) const = default;
+};
+
 enum class SampleType : std::uint8_t { kU8, kU16, kF32 };
 
 /// A view of beams x bins samples in somebody's buffer, of any alignment, little-endian. Strides are in bytes.
@@ -84,11 +90,26 @@ struct Ping {
   double sound_speed = 1500;            ///< m/s, that the range window was computed with
   float full_scale = 255;               ///< intensity of a saturated sample
   SweepMark sweep = SweepMark::kUnknown;
+  /// Of each beam, the bins that were sampled; the others hold 0 and tell nothing. Null: all of all beams.
+  std::shared_ptr<const std::vector<BinSpan>> sampled;
   double blind_m = 0;  ///< nearer than this the sonar hears its own transmission, as far as the device tells (S6-09)
 };
 
-/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order.
-enum class PingFault : std::uint8_t { kNone, kNoFan, kBadFan, kBadWindow, kSizeMismatch, kNotFinite };
+/// The bins of a beam that were sampled.
+BinSpan sampled_bins(const Ping& ping, int beam);
+
+/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order or round more than a turn,
+/// a size that no sonar has: bins below 10 um, a range beyond 1000 km, a mount 10 km from the vehicle.
+enum class PingFault : std::uint8_t {
+  kNone,
+  kNoFan,
+  kBadFan,
+  kTooWide,
+  kBadWindow,
+  kBadScale,
+  kSizeMismatch,
+  kNotFinite
+};
 PingFault check(const Ping& ping);
 const char* to_text(PingFault fault);
 

@@ -1,8 +1,11 @@
 // The map in three dimensions as a user meets it: files, numbers, and one clear line where it cannot be.
+#include <cmath>
 #include <fstream>
 #include <gmock/gmock.h>
+#include <isobath/io/native_log.hpp>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/echoes.hpp>
 
 namespace isobath {
 namespace {
@@ -21,13 +24,12 @@ class Voxels : public testing::Test {
  private:
   /// Without its mission: the vehicle sails straight, and the run is over when its time is.
   [[nodiscard]] fs::path scene_of_the_bridge() const {
-    const std::string text = test::content_of(test::source_folder() / "scenarios/bridge.toml");
     fs::create_directories(out_.string() + "_scene/scenarios");
     fs::create_directories(out_.string() + "_scene/vehicles");
     fs::copy_file(test::source_folder() / "vehicles/remus100.toml", out_.string() + "_scene/vehicles/remus100.toml",
                   fs::copy_options::overwrite_existing);
     const fs::path file = out_.string() + "_scene/scenarios/bridge.toml";
-    std::ofstream(file) << text.substr(0, text.find("\n[mission]"));
+    std::ofstream(file) << test::scene_text("bridge");
     return file;
   }
 };
@@ -83,6 +85,57 @@ TEST_F(Voxels, ThatSpillAreTheSameVoxels) {
     EXPECT_THAT(test::content_of(out_ / name / "report.html"), HasSubstr("blocks on disk only"));
   }
   EXPECT_GT(test::json_of(out_ / "bounded" / "manifest.json")["voxels"]["spilled"], 100);
+}
+
+/// A log of a fan of beams under way, with a fix that jumps by 8 m and five pings that are not as they should be.
+fs::path spoilt_log(const fs::path& folder) {
+  fs::create_directories(folder);
+  NativeLogWriter log(folder / "spoilt.mcap");
+  const auto fan = test::fan_of(40, Angle::degrees(-60), Angle::degrees(3));
+  for (int n = 0; n < 40; ++n) {
+    const Time time(seconds(0.25 * n));
+    Navigation fix;
+    fix.time = time;
+    fix.X_WB.translation = {0.3 * n + (n < 20 ? 0 : 8), 0, 5};
+    log.write(fix);
+    Ping ping = test::ping_of<float>(fan, {0, 0.2, 100}, [](int beam, int bin) {
+      return beam > 15 && beam < 25 && bin > 70 && bin < 74 ? 250.0 : 20.0 + (beam * 7 + bin * 13) % 5;
+    });
+    ping.time = time;
+    if (n == 4) ping.fan = test::fan_of(40, Angle::degrees(-200), Angle::degrees(10));
+    if (n == 8) ping.window.bin_m = 0;
+    if (n == 12) ping = test::ping_of<float>(fan, {0, 0.2, 100}, [](int, int bin) { return bin == 9 ? NAN : 20.0; });
+    if (n == 16) ping.window.bin_m = 2e-5;
+    if (n == 17) ping.window.bin_m = 400;
+    ping.time = time;
+    log.write(ping);
+  }
+  log.close();
+  return folder / "spoilt.mcap";
+}
+
+// What was refused and why stands in what is printed, in the report and in the manifest; the rest is mapped.
+// ledger: S6-53
+TEST_F(Voxels, OfASpoiltLogAreThoseOfTheRest) {
+  const fs::path log = spoilt_log(out_.string() + "_log");
+  const std::vector<std::string> arguments{"run", log, "--out", out_, "--set", "echoes.method=os_cfar"};
+  const ProgramResult run = test::isobath(arguments);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string report = test::content_of(out_ / "report.html");
+  const auto manifest = test::json_of(out_ / "manifest.json");
+  for (const char* reason : {"beams round more than a whole turn", "no usable range window", "value not finite",
+                             "left out of the voxels: voxels far too small for the range of a ping",
+                             "left out of the voxels: voxels far too large for the bins of a ping"}) {
+    EXPECT_THAT(run.out, HasSubstr(std::string("refused 1: ") + reason));
+    EXPECT_THAT(report, HasSubstr(reason));
+    EXPECT_EQ(manifest["rejected"][reason], 1) << reason;
+  }
+  EXPECT_EQ(manifest["counts"]["pings"], 37);
+  EXPECT_EQ(manifest["voxels"]["layers"][0]["pings"], 35);
+  EXPECT_THAT(run.out, HasSubstr("jumps of the position: 1, by up to 8.0 m"));
+  EXPECT_THAT(report, HasSubstr("what was seen around the vehicle moved along"));
+  EXPECT_EQ(manifest["counts"]["position_jumps"], 1);
+  EXPECT_EQ(manifest["voxels"]["moved_with_jumps"], 1);
 }
 
 TEST_F(Voxels, OfAnImagingSonarShowAShip) {

@@ -13,8 +13,10 @@ inline void look_at(const Event& event) {
   if (const Swath* const swath = std::get_if<Swath>(&event)) ISOBATH_ASSERT(check(*swath) == SwathFault::kNone);
   const Ping* const ping = std::get_if<Ping>(&event);
   if (!ping) return;
+  // Sizes and angles are passed on as the device states them; the gate refuses what no map can use.
   const PingFault fault = check(*ping);
-  ISOBATH_ASSERT(fault == PingFault::kNone || fault == PingFault::kNotFinite);
+  ISOBATH_ASSERT(fault == PingFault::kNone || fault == PingFault::kTooWide || fault == PingFault::kBadScale ||
+                 fault == PingFault::kNotFinite);
   std::vector<float> line(static_cast<std::size_t>(ping->window.bins));
   float sum = 0;
   for (int b = 0; b < ping->fan->beams(); ++b) {

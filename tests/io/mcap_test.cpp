@@ -333,6 +333,47 @@ TEST(NativeLog, SharesTheFanOfPingsOfOneGeometry) {
   EXPECT_NE(std::get<Ping>(events.at(0)).fan, std::get<Ping>(events.at(1)).fan);
 }
 
+TEST(NativeLog, KeepsWhichBinsWereSampled) {
+  const fs::path file = test::scratch_folder() / "log.mcap";
+  NativeLogWriter writer(file);
+  Ping ping = test::sample_ping(SampleType::kF32, 3, 1);
+  writer.write(ping);
+  ping.time += std::chrono::seconds(1);
+  ping.sampled = std::make_shared<std::vector<BinSpan>>(
+      std::vector<BinSpan>{{0, ping.window.bins}, {1, 2}, {ping.window.bins, ping.window.bins}});
+  writer.write(ping);
+  writer.close();
+  const auto events = read_events(*open_native_log(file, {}));
+  EXPECT_FALSE(std::get<Ping>(events.at(0)).sampled);
+  EXPECT_EQ(*std::get<Ping>(events.at(1)).sampled, *ping.sampled);
+}
+
+// A log from before bins could be missing: its messages end with the samples.
+TEST(NativeLog, OpensPingsThatDoNotSayWhichBinsWereSampled) {
+  const fs::path folder = test::scratch_folder();
+  const Ping ping = test::sample_ping(SampleType::kF32, 3, 1);
+  NativeLogWriter now(folder / "now.mcap");
+  now.write(ping);
+  now.close();
+  McapReader reader = reader_of(read_whole_file(folder / "now.mcap", 1 << 20));
+  const auto message = reader.next();
+  ASSERT_TRUE(message);
+  McapWriter older(folder / "older.mcap", {McapCompression::kNone, 1 << 20});
+  const McapChannel& channel = *reader.channel(message->channel_id);
+  const std::uint16_t schema = older.add_schema(*reader.schema(channel.schema_id));
+  McapChannel same = channel;
+  same.schema_id = schema;
+  McapMessage shorter = *message;
+  shorter.channel_id = older.add_channel(same);
+  shorter.data = message->data.first(message->data.size() - 4);  // the count of the list, which is empty
+  older.write(shorter);
+  older.close();
+  const auto events = read_events(*open_native_log(folder / "older.mcap", {}));
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(std::get<Ping>(events[0]).intensity(2, 0), ping.intensity(2, 0));
+  EXPECT_FALSE(std::get<Ping>(events[0]).sampled);
+}
+
 TEST(NativeLog, RefusesAPingThatNoReaderCouldUse) {
   const fs::path file = test::scratch_folder() / "log.mcap";
   NativeLogWriter writer(file);

@@ -199,6 +199,96 @@ inline std::string kmall_attitude(const std::vector<KmallMotion>& samples, std::
   return kmall_datagram("#SKM", samples.empty() ? 0 : samples[0].time_s, r.bytes());
 }
 
+// Water columns
+// --------------------------------------------------------------------------------------------------------
+
+struct WaterBeamBytes {
+  double to_port_deg = 0;
+  std::vector<std::int8_t> samples = {0, 20, -40};  ///< half decibels
+  std::uint16_t first = 1;
+  std::uint8_t sector = 0;
+};
+
+/// #MWC with 1500 m/s and 30 kHz: a sample every 25 mm.
+struct KmallWater {
+  double time_s = 1600000000;
+  std::vector<WaterBeamBytes> beams = {{60}, {0}, {-60}};
+  std::vector<float> tilts_deg = {0};
+  std::uint16_t parts = 1, transmit_bytes = 12, sector_bytes = 16, receiver_bytes = 16;
+  std::uint8_t entry_bytes = 16, phase = 0;
+  float sample_hz = 30000, sound_speed = 1500, along_deg = 1;
+
+  [[nodiscard]] std::string bytes() const {
+    Record r;
+    r.put(0, parts).put<std::uint16_t>(2, 1).put<std::uint16_t>(4, 12).put<std::uint16_t>(6, 17).put<std::uint8_t>(15,
+                                                                                                                   0);
+    std::size_t at = 16;
+    r.put(at, transmit_bytes).put(at + 2, static_cast<std::uint16_t>(tilts_deg.size())).put(at + 4, sector_bytes);
+    r.put(at + transmit_bytes - 1, '\0');
+    at += transmit_bytes;
+    for (const float tilt : tilts_deg) {
+      r.put(at, tilt).put(at + 4, 300e3F).put(at + 8, along_deg).put(at + sector_bytes - 1, '\0');
+      at += sector_bytes;
+    }
+    r.put(at, receiver_bytes).put(at + 2, static_cast<std::uint16_t>(beams.size())).put(at + 4, entry_bytes);
+    r.put(at + 5, phase).put<std::uint8_t>(at + 6, 30).put<std::int8_t>(at + 7, 20).put(at + 8, sample_hz);
+    r.put(at + receiver_bytes - 4, 0.0F).put(at + 12, sound_speed);
+    at += receiver_bytes;
+    for (const WaterBeamBytes& beam : beams) {
+      const auto count = static_cast<std::uint16_t>(beam.samples.size());
+      r.put(at, static_cast<float>(beam.to_port_deg)).put(at + 4, beam.first).put<std::uint16_t>(at + 6, 0);
+      r.put<std::uint16_t>(at + 8, beam.sector).put(at + 10, count).put(at + entry_bytes - 1, '\0');
+      at += entry_bytes;
+      for (const std::int8_t sample : beam.samples) r.put(at++, sample);
+      for (std::size_t i = 0; i < std::size_t{count} * phase; ++i) r.put(at++, '\x55');
+    }
+    return kmall_datagram("#MWC", time_s, r.bytes(), 2);
+  }
+};
+
+inline std::string kmall_installation(const std::string& text) {
+  Record r;
+  r.put<std::uint16_t>(0, static_cast<std::uint16_t>(6 + text.size()))
+      .put<std::uint16_t>(2, 0)
+      .put<std::uint16_t>(4, 0);
+  return kmall_datagram("#IIP", 1600000000, r.text(6, text).bytes());
+}
+
+/// k: a part of a ping's water column, with 1500 m/s and 30 kHz.
+inline AllDatagram all_water(std::uint32_t ms, const std::vector<WaterBeamBytes>& beams, int part = 1, int parts = 1,
+                             const std::vector<double>& tilts_deg = {0}, std::endian order = std::endian::little) {
+  AllDatagram d{.type = 'k', .ms = ms, .order = order, .fields = Record(order)};
+  d.fields.put(20, static_cast<std::uint16_t>(parts)).put(22, static_cast<std::uint16_t>(part));
+  d.fields.put(24, static_cast<std::uint16_t>(tilts_deg.size())).put<std::uint16_t>(26, 256);
+  d.fields.put(28, static_cast<std::uint16_t>(beams.size())).put<std::uint16_t>(30, 15000);
+  d.fields.put<std::uint32_t>(32, 3'000'000)
+      .put<std::int16_t>(36, 0)
+      .put<std::uint8_t>(38, 30)
+      .put<std::int8_t>(39, 20);
+  std::size_t at = 44;
+  for (std::size_t i = 0; i < tilts_deg.size(); ++i, at += 6) {
+    d.fields.put(at, static_cast<std::int16_t>(std::lround(100 * tilts_deg[i]))).put<std::uint16_t>(at + 2, 30000);
+    d.fields.put(at + 4, static_cast<std::uint8_t>(i)).put<std::uint8_t>(at + 5, 0);
+  }
+  for (const WaterBeamBytes& beam : beams) {
+    d.fields.put(at, static_cast<std::int16_t>(std::lround(100 * beam.to_port_deg))).put(at + 2, beam.first);
+    d.fields.put(at + 4, static_cast<std::uint16_t>(beam.samples.size())).put<std::uint16_t>(at + 6, 0);
+    d.fields.put(at + 8, beam.sector).put<std::uint8_t>(at + 9, 0);
+    at += 10;
+    for (const std::int8_t sample : beam.samples) d.fields.put(at++, sample);
+  }
+  return d;
+}
+
+/// R: widths of a beam along and across, 0.1 degrees.
+inline AllDatagram all_widths(int along, int across) {
+  AllDatagram d{.type = 'R'};
+  d.fields.put(34, static_cast<std::uint16_t>(along))
+      .put(37, static_cast<std::uint8_t>(across))
+      .put<std::uint8_t>(48, 0);
+  return d;
+}
+
 // XTF
 // ------------------------------------------------------------------------------------------------------------------
 

@@ -68,6 +68,20 @@ TEST(BodyGrid, StandsRoundTheVehicleAsConfigured) {
   EXPECT_NEAR(rear.probability({3, 4}), 0.01, 1e-15);
 }
 
+// What the thesis leaves open has the defaults of the ledger: with them unseen water is no obstacle, one echo is not
+// yet one (p_D 0.8, f 0.02), and two are. ledger: S6-10 S6-24 S6-E16
+TEST(BodyGrid, HasDefaultsWhereTheThesisNamesNone) {
+  const BodyGridConfig c;
+  EXPECT_EQ(c.cell_m, 1);
+  EXPECT_EQ(c.cells_x, 100);
+  EXPECT_EQ(c.cells_y, 100);
+  EXPECT_EQ(c.prior, 0.01);
+  const double after_one = log_odds_of(c.prior) + std::log(0.8 / 0.02);
+  EXPECT_LT(9 * c.prior, c.threshold);
+  EXPECT_LT(probability_of(after_one), c.threshold);
+  EXPECT_GT(probability_of(after_one + std::log(0.8 / 0.02)), c.threshold);
+}
+
 // ledger: S6-24 S6-E23
 TEST(BodyGrid, RefusesAPriorThatMakesUnseenWaterAnObstacle) {
   BodyGridConfig c;

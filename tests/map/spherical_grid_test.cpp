@@ -100,7 +100,7 @@ TEST(SphericalPassage, AgreesWithBruteForceOverAllCells) {
       double nearest = 1e9;
       grid.cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
         for (const SphericalCell& cell : beam) {
-          if (SphericalGrid::probability(cell) < 0.5) continue;
+          if (SphericalGrid::probability(cell) < grid.config().occupied) continue;
           const Vector3d p = grid.point_of(cell);
           const double along = p.dot(course), aside = (p - along * course).norm();
           const double wide = radius + grid.layers().thickness(cell.layer) / 2;

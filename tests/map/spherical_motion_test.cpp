@@ -1,11 +1,14 @@
 // The spherical grid under way: what it holds stays where it is in the world, whatever the vehicle does.
+#include <array>
 #include <cmath>
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
 #include <isobath/map/spherical_clusters.hpp>
 #include <isobath/map/spherical_grid.hpp>
+#include <map>
 #include <numbers>
+#include <set>
 #include <tests/support/count_allocations.hpp>
 #include <tests/support/directions.hpp>
 
@@ -138,13 +141,22 @@ TEST(SphericalMotion, HandsOverWhatLeavesTheRangeOnce) {
   SphericalGridConfig config = without_locks();
   config.range_m = 30;
   SphericalGrid grid(config);
-  for (int i = 0; i < 2000; ++i) grid.add_echo(point_between(random, 5, 30), 0.1, Time{});
+  std::vector<Vector3d> points;
+  for (int i = 0; i < 2000; ++i) {
+    points.push_back(point_between(random, 5, 30));
+    grid.add_echo(points.back(), 0.1, Time{});
+  }
   const std::uint64_t before = moments_of(grid).echoes;
   std::uint64_t dropped = 0;
-  double nearest = 1e9, way = 0;
+  double way = 0;
+  std::set<std::array<float, 3>> handed_over;  // means, as the world has them: no content comes twice
   grid.on_dropped([&](const SphericalCell& cell, const Vector3d& p_G) {
     dropped += cell.echoes;
-    nearest = std::min(nearest, p_G.norm());
+    EXPECT_GT(p_G.norm(), 30 - 1e-5) << "beyond the range as the vehicle stands, to the rounding of a float";
+    EXPECT_LT(p_G.norm(), 30 + 0.2 + 0.33) << "at the first step beyond it, or half of a content that was cut there";
+    const Vector3d p = p_G + Vector3d(0, way + 0.2, 0);
+    const auto mm = [](double m) { return static_cast<float>(std::round(1000 * m)); };
+    EXPECT_TRUE(handed_over.insert({mm(p.x()), mm(p.y()), mm(p.z())}).second);
   });
   for (; way < 25; way += 0.2) {
     grid.translate({0, 0.2, 0});
@@ -154,8 +166,9 @@ TEST(SphericalMotion, HandsOverWhatLeavesTheRangeOnce) {
     });
     ASSERT_EQ(moments_of(grid).echoes + dropped, before) << way;
   }
-  EXPECT_GT(dropped, 500u);
-  EXPECT_GE(nearest, 30 - 0.2);
+  const auto left = std::count_if(points.begin(), points.end(),
+                                  [&](const Vector3d& p) { return (p - Vector3d(0, way, 0)).norm() > 30; });
+  EXPECT_NEAR(static_cast<double>(dropped), static_cast<double>(left), 0.02 * static_cast<double>(left));
 }
 
 // ledger: S4-22 S4-E05
@@ -234,48 +247,94 @@ TEST(SphericalMotion, ATurnToStarboardOf30DegreesTurnsContentsBy30DegreesOfAzimu
   EXPECT_FALSE(grid.is_empty(towards(120.1, 0.1)));
 }
 
-// ledger: S4-15
-TEST(SphericalMotion, AKnownPileIsAtTheRightCellsFromAnyPoseAndTurns) {
-  const Vector3d foot(12, 9, -4), head(12, 9, 4);
-  const auto pile_in = [&](SphericalGrid& grid, const Vector3d& from) {
-    const double half = 0.2;
-    std::vector<Vector3d> ring;
-    for (int i = 0; i < 8; ++i)
-      ring.emplace_back(half * std::cos(i * 45 * kRadiansADegree), half * std::sin(i * 45 * kRadiansADegree), 0);
-    for (std::size_t i = 0; i < 8; ++i) {
-      const Vector3d &a = ring[i], &b = ring[(i + 1) % 8];
-      add_known_triangle(grid, {foot - from + a, foot - from + b, head - from + b});
-      add_known_triangle(grid, {foot - from + a, head - from + b, head - from + a});
+/// A pile of eight sides, 8 m high and 0.4 m across; its triangles, and points of them about 1 cm apart.
+struct Pile {
+  Vector3d foot = Vector3d(12, 9, -4), head = Vector3d(12, 9, 4);
+  std::vector<std::array<Vector3d, 3>> triangles;
+  std::vector<Vector3d> surface;
+
+  Pile() {
+    const auto rim = [](int i) {
+      const double a = i * 45 * kRadiansADegree;
+      return Vector3d(0.2 * std::cos(a), 0.2 * std::sin(a), 0);
+    };
+    for (int i = 0; i < 8; ++i) {
+      const Vector3d a = foot + rim(i), b = foot + rim(i + 1), up = head - foot;
+      triangles.push_back({a, b, b + up});
+      triangles.push_back({a, b + up, a + up});
+      for (double s = 0.03; s < 1; s += 0.06) {
+        for (double z = 0.00063; z < 1; z += 0.00125) surface.emplace_back(a + s * (b - a) + z * up);
+      }
     }
-  };
-  const auto covers = [&](const SphericalGrid& grid, const Vector3d& from, double turned) {
-    const Matrix3d R = Eigen::AngleAxisd(turned, Vector3d::UnitZ()).toRotationMatrix();
+  }
+  void put_into(SphericalGrid& grid, const Vector3d& from) const {
+    for (const auto& t : triangles) add_known_triangle(grid, {t[0] - from, t[1] - from, t[2] - from});
+  }
+};
+
+// ledger: S4-15
+TEST(SphericalMotion, AKnownPileIsInTheCellsThatItsSurfacePassesThroughFromAnyPose) {
+  const Pile pile;
+  Random random(5);
+  for (int i = 0; i < 5; ++i) {
+    const double x = random.uniform(-5, 5);
+    const double y = random.uniform(-5, 5);
+    const double z = random.uniform(-2, 2);
+    const Vector3d from(x, y, z);
+    SphericalGrid grid;
+    pile.put_into(grid, from);
+    std::map<SphericalPlace, int> passed;
+    for (const Vector3d& p : pile.surface) ++passed[*grid.place_at(p - from)];
     each_cell(grid, [&](const SphericalPlace& place, const SphericalCell& cell) {
       EXPECT_TRUE(cell.prior && cell.locked);
-      const Vector3d q = R.transpose() * grid.point_of(cell) + from;
-      const double cell_m = grid.layers().thickness(place.layer);
-      EXPECT_LT((q - foot).head<2>().norm(), 0.2 + cell_m);
-      EXPECT_LT(std::abs(q.z()), 4 + cell_m);
+      EXPECT_TRUE(passed.count(place)) << "a cell that the pile does not pass through";
+    });
+    // The surface is laid out in parts of half a cell: one that passes through a cell with less than a part may be left
+    // out of it, and a cell that holds a quarter of a cell's face is never.
+    for (const auto& [place, points] : passed) {
+      const double edge = grid.layers().middle(place.layer) * 2.5 * kRadiansADegree;
+      const double area = points * (0.4 * std::sin(22.5 * kRadiansADegree) * 0.06) * (8 * 0.00125);
+      if (area > edge * edge / 4) {
+        EXPECT_TRUE(grid.cells().find(place.direction, place.layer)) << area;
+      }
+    }
+  }
+}
+
+// ledger: S4-15 S4-21
+TEST(SphericalMotion, AKnownPileTurnsAndStaysWhereItIsOnTheWay) {
+  const Pile pile;
+  const auto covers = [&](const SphericalGrid& grid, const Vector3d& from, double turned) {
+    const Matrix3d R = Eigen::AngleAxisd(turned, Vector3d::UnitZ()).toRotationMatrix();
+    std::vector<Vector3d> known;
+    each_cell(grid, [&](const SphericalPlace& place, const SphericalCell& cell) {
+      EXPECT_TRUE(cell.prior && cell.locked);
+      known.push_back(R.transpose() * grid.point_of(cell) + from);
+      const double half = grid.layers().thickness(place.layer) / 2;
+      EXPECT_LT((known.back() - pile.foot).head<2>().norm(), 0.2 + half) << "within half a cell of the surface";
+      EXPECT_LT(std::abs(known.back().z()), 4 + half);
     });
     for (double z = -3.9; z < 3.9; z += 0.1) {
-      const Vector3d axis = R * (foot + Vector3d(0, 0, 4 + z) - from);
+      const Vector3d axis = pile.foot + Vector3d(0, 0, 4 + z);
       double least = 1e9;
-      each_cell(grid, [&](const SphericalPlace&, const SphericalCell& cell) {
-        least = std::min(least, (grid.point_of(cell) - axis).norm());
-      });
-      EXPECT_LT(least, 0.2 + axis.norm() * 2.5 * kRadiansADegree) << "no gap at " << z;
+      for (const Vector3d& p : known) least = std::min(least, (p - axis).norm());
+      const double cell = (axis - from).norm() * 2.5 * kRadiansADegree;
+      EXPECT_LT(least, std::hypot(0.2, cell / 2) + 0.25 * cell) << "no gap at " << z;
     }
   };
   Random random(5);
   for (int i = 0; i < 5; ++i) {
-    const Vector3d from(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-2, 2));
+    const double x = random.uniform(-5, 5);
+    const double y = random.uniform(-5, 5);
+    const double z = random.uniform(-2, 2);
+    const Vector3d from(x, y, z);
     SphericalGrid there;
-    pile_in(there, from);
+    pile.put_into(there, from);
     covers(there, from, 0);
     there.turn(Angle::degrees(37));
     covers(there, from, 37 * kRadiansADegree);
     SphericalGrid moved;
-    pile_in(moved, Vector3d::Zero());
+    pile.put_into(moved, Vector3d::Zero());
     const Vector3d step = from / 40;
     for (int k = 0; k < 40; ++k) moved.translate(step);
     covers(moved, from, 0);

@@ -7,6 +7,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/map/voxel_map.hpp>
 #include <map>
+#include <set>
 
 namespace isobath {
 namespace {
@@ -177,6 +178,58 @@ TEST(VoxelBlocks, FadeTowardsNoEvidenceAndStaySeen) {
   EXPECT_EQ(blocks.at({1, 2, 3}), 500);
 }
 
+// By any whole voxels, with what is older left where it is. ledger: S5-13 S6-53
+TEST(VoxelBlocks, MoveWhatIsNewAndLeaveWhatIsOld) {
+  Random random(11);
+  for (int round = 0; round < 12; ++round) {
+    const VoxelIndex by = random_voxel(random, round < 6 ? 5 : 90);
+    VoxelBlocks blocks({-3000, 5000});
+    std::map<Key, int> old_evidence, new_evidence;
+    blocks.begin(1);
+    for (int i = 0; i < 3000; ++i) {
+      const VoxelIndex v = random_voxel(random, 40);
+      const int more = static_cast<int>(random.index(2001)) - 1000;
+      blocks.add(v, static_cast<LogOdds16>(more));
+      old_evidence[key(v)] = std::clamp(old_evidence[key(v)] + more, -3000, 5000);
+    }
+    blocks.begin(2);
+    for (int i = 0; i < 3000; ++i) {
+      const VoxelIndex v = random_voxel(random, 20) + VoxelIndex(-10, 30, 5);
+      const int more = static_cast<int>(random.index(2001)) - 1000;
+      blocks.add(v, static_cast<LogOdds16>(more));
+      new_evidence[key(v)] += more;
+    }
+    // A block moves as a whole: what was in it before, too.
+    const auto block_of = [](const Key& v) { return Key{v[0] >> 4, v[1] >> 4, v[2] >> 4}; };
+    std::set<Key> moved_blocks;
+    for (const auto& [v, e] : new_evidence) moved_blocks.insert(block_of(v));
+    std::map<Key, int> expected, moved;
+    for (const auto& [v, e] : old_evidence) (moved_blocks.count(block_of(v)) ? moved : expected)[v] = e;
+    for (const auto& [v, e] : new_evidence) moved[v] = blocks.at({v[0], v[1], v[2]});
+    for (const auto& [v, e] : moved) {
+      int& at = expected[{v[0] + by.x(), v[1] + by.y(), v[2] + by.z()}];
+      at = std::clamp(at + e, -3000, 5000);
+    }
+    blocks.begin(3);
+    blocks.move(by, 1);
+    std::size_t seen = 0;
+    blocks.for_each(0, [&](const VoxelBlocks::Block& b) {
+      for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+        if (b.evidence[i] == kUnseen) continue;
+        const auto found = expected.find(key(b.corner + VoxelBlocks::place_of(i)));
+        ASSERT_NE(found, expected.end());
+        ASSERT_EQ(b.evidence[i], found->second);
+        ++seen;
+      }
+    });
+    EXPECT_EQ(seen, expected.size()) << "by " << by.transpose();
+  }
+  VoxelBlocks far;
+  far.add({VoxelBlocks::kFarthest - 40, 0, 0}, 5);
+  far.move({100, 0, 0}, 0);
+  EXPECT_EQ(far.blocks(), 0u) << "beyond the end of all maps";
+}
+
 TEST(VoxelBlocks, WhatLeavesTheWindowIsShownAndForgotten) {
   Random random(4);
   VoxelBlocks blocks;
@@ -207,7 +260,7 @@ TEST(VoxelBlocks, WhatLeavesTheWindowIsShownAndForgotten) {
 
 // Several sensors ----------------------------------------------------------------------------------------------------
 
-// ledger: S5-14 S5-17
+// The paper's example, with its two likelihoods the right way round. ledger: S5-14 S5-17 S5-E01 S5-E12
 TEST(VoxelMap, AReadingIsBayesRule) {
   VoxelMapConfig config;
   config.prior = 0.6;
@@ -219,7 +272,7 @@ TEST(VoxelMap, AReadingIsBayesRule) {
   EXPECT_NEAR(map.probability({0, 0, 0}), 3.0 / 7, 2e-4) << "what is as likely either way says nothing";
 }
 
-// ledger: S5-28 S5-29
+// ledger: S5-28 S5-29 S5-E13
 TEST(VoxelMap, PoolsSensorsAsOneJudgeOfAllTheirReadingsWould) {
   EXPECT_EQ(VoxelMap().probability({0, 0, 0}), 0.5);
   Random random(5);

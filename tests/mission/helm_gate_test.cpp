@@ -51,7 +51,7 @@ MissionOrder start(double max_depth_m) {
 }
 
 // Whoever orders it: an agent from a library may.
-// ledger: S6-37 S6-42
+// ledger: S5-01 S6-37 S6-42
 TEST(HelmGate, NothingGoesOutThatVehicleOrMissionDoNotAllow) {
   VehicleSheet sheet = hoverer();
   sheet.limits.max_depth = 40;
@@ -85,6 +85,7 @@ TEST(HelmGate, WaitsWhereItIsForTheFirstOrder) {
   EXPECT_FALSE(gate.take_change());
 }
 
+// Whoever orders from a back seat has the vehicle while he speaks, and again when he speaks again. ledger: S5-01
 TEST(HelmGate, StopsWhenOrdersAreOlderThanItsPatience) {
   HelmGate gate({2, ""}, hoverer());
   gate.hear(order(30, 5, 1.5), at(10));

@@ -116,7 +116,7 @@ Expected expected(const Look& look, const Pose& X_WS, double voxel, const VoxelI
   return e;
 }
 
-// ledger: S5-11 S5-12 S5-14 S5-16
+// ledger: S5-06 S5-11 S5-12 S5-14 S5-16 S5-E03
 TEST(FanMapper, SaysOfEachVoxelWhatItsCellsSayAtAnyAttitude) {
   constexpr double kVoxel = 0.25;
   Random random(3);
@@ -394,6 +394,51 @@ TEST(FanMapper, TwoCrossedFansFindThePlaceThatNeitherFinds) {
   EXPECT_LT((((best.cast<double>().array() + 0.5) * 0.25).matrix() - target).norm(), 0.45);
 }
 
+// What only one fan hears has the resolution of that fan: an arc as high as the beam. ledger: S5-09 S5-E17
+TEST(FanMapper, OneFanAloneKnowsOnlyAnArc) {
+  for (const bool flat : {true, false}) {
+    Look look = fan(61, 300, 0.1, 30, 15);
+    look.ping.X_BS = pose(0, 0, flat ? 0 : 90);
+    look.decisions.set_hit(30, 200);
+    VoxelBlocks map;
+    FanMapper(by(Rule::kStamp), 0.25, odds(0.02)).update(look.ping, look.decisions, {}, map);
+    double along_arc = 0, in_plane = 0;
+    for (const auto& [v, e] : contents(map)) {
+      if (e <= 0) continue;
+      const Vector3d p = (VoxelIndex(v[0], v[1], v[2]).cast<double>().array() + 0.5) * 0.25;
+      along_arc = std::max(along_arc, std::abs(flat ? p.z() : p.y()));
+      in_plane = std::max(in_plane, std::abs(flat ? p.y() : p.z()));
+    }
+    EXPECT_NEAR(along_arc, 20.05 * std::sin(Angle::degrees(7.5).radians()), 0.4);
+    EXPECT_LT(in_plane, 20.05 * Angle::degrees(1).radians() + 0.4);
+  }
+}
+
+// Depth grows downwards, elevation upwards: what a vehicle with its nose up hears ahead lies above it, and what an
+// upright fan hears to its right, below. ledger: S5-11 S5-E02
+TEST(FanMapper, PutsWhatIsHeardAboveAbove) {
+  const auto heard_at = [](const Pose& X_WB, const Pose& X_BS, int beam) {
+    Look look = fan(61, 300, 0.1, 30, 3);
+    look.ping.X_BS = X_BS;
+    look.decisions.set_hit(beam, 200);
+    VoxelBlocks map;
+    FanMapper(by(Rule::kStamp), 0.25, 0).update(look.ping, look.decisions, X_WB, map);
+    Vector3d sum = Vector3d::Zero();
+    int n = 0;
+    for (const auto& [v, e] : contents(map)) {
+      if (e <= 0) continue;
+      sum += ((VoxelIndex(v[0], v[1], v[2]).cast<double>().array() + 0.5) * 0.25).matrix();
+      ++n;
+    }
+    return Vector3d(sum / n);
+  };
+  const double range = 20.05, s20 = std::sin(Angle::degrees(20).radians()), c20 = std::sqrt(1 - s20 * s20);
+  const Vector3d level(0, 0, 40);
+  EXPECT_LT((heard_at(pose(0, 20, 0, level), {}, 30) - Vector3d(range * c20, 0, 40 - range * s20)).norm(), 0.3);
+  EXPECT_LT((heard_at({{}, level}, pose(0, 0, 90), 50) - Vector3d(range * c20, 0, 40 + range * s20)).norm(), 0.3);
+  EXPECT_LT((heard_at({{}, level}, pose(0, 0, 90), 10) - Vector3d(range * c20, 0, 40 - range * s20)).norm(), 0.3);
+}
+
 // ledger: S5-31
 TEST(FanMapper, ForecastsTheEchoesOfAMap) {
   // Nothing but one voxel is known: its cells echo by p_D where it fills them alone, all others by false alarm.
@@ -533,10 +578,29 @@ TEST(FanMapper, CountsBeamsWithinAWidthAsOneLook) {
   EXPECT_NEAR(clear_at_2_m(0.5), 4 * one, 0.01);               // no more than most_looks
 }
 
-TEST(FanMapper, RefusesVoxelsFarTooLargeForTheSonar) {
+TEST(FanMapper, RefusesVoxelsThatAreNotOfTheSonarsScale) {
   const Look look = fan(512, 500, 0.01, 60);
   VoxelBlocks map;
-  EXPECT_THROW(FanMapper(by(Rule::kStamp), 2, 0).update(look.ping, look.decisions, {}, map), Error);
+  EXPECT_EQ(FanMapper::fault_of(look.ping, 0.025), nullptr);
+  for (const double voxel_m : {2.0, 0.001}) {
+    EXPECT_NE(FanMapper::fault_of(look.ping, voxel_m), nullptr);
+    EXPECT_THROW(FanMapper(by(Rule::kStamp), voxel_m, 0).update(look.ping, look.decisions, {}, map), Error);
+  }
+  EXPECT_EQ(map.blocks(), 0u);
+}
+
+// A beam that reaches beyond upright hears all of the half-space ahead, and no more.
+TEST(FanMapper, HasNoElevationBeyondUpright) {
+  const auto heard = [](double height_deg) {
+    Look look = fan(9, 20, 0.2, 20, height_deg);
+    for (int b = 0; b < 9; ++b) look.decisions.set_hit(b, 15);
+    VoxelBlocks map;
+    FanMapper(by(Rule::kStamp), 0.25, 0).update(look.ping, look.decisions, {}, map);
+    return contents(map);
+  };
+  EXPECT_GT(heard(180).size(), 2 * heard(60).size());
+  EXPECT_EQ(heard(220), heard(180));
+  EXPECT_EQ(heard(360), heard(180));
 }
 
 }  // namespace

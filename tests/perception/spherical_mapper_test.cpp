@@ -1,10 +1,12 @@
 // Readings into the spherical grid: densities by numerical integrals, states by hand, and grids of two resolutions.
+#include <algorithm>
 #include <cmath>
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/perception/spherical_mapper.hpp>
+#include <map>
 #include <numbers>
 #include <tests/support/directions.hpp>
 
@@ -142,6 +144,43 @@ TEST(SphericalMapper, ByTheLargestResponseStatesNeverFallNorRiseByRepetition) {
       << "it can never clear a cell";
 }
 
+// ledger: S4-27
+TEST(SphericalMapper, ByTheLargestResponseNoStateOfAnyCellEverFalls) {
+  SphericalMapperConfig config;
+  config.rule = SphericalMapperConfig::Rule::kMaximumResponse;
+  SphericalGrid grid;  // with locks: they raise nothing
+  SphericalMapper mapper(config, grid);
+  Random random(8);
+  std::map<SphericalPlace, float> states;
+  const auto look_again = [&](bool repeated) {
+    std::size_t seen = 0;
+    grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
+      for (const SphericalCell& cell : beam) {
+        const auto [known, is_new] = states.try_emplace({d, cell.layer}, cell.log_odds);
+        ASSERT_FALSE(repeated && is_new);
+        ASSERT_TRUE(!repeated || cell.log_odds == known->second);
+        ASSERT_GE(cell.log_odds, known->second);
+        known->second = cell.log_odds;
+        ++seen;
+      }
+    });
+    ASSERT_EQ(seen, states.size()) << "none is gone";
+  };
+  for (int i = 0; i < 200; ++i) {
+    const double azimuth = random.uniform(-20, 20);
+    const double elevation = random.uniform(-10, 10);
+    const double range = random.uniform(5, 20);
+    const bool silent = random.uniform() < 0.2;
+    const SphericalLook look = beam_look(towards(azimuth, elevation), silent ? std::nullopt : std::optional(range));
+    mapper.begin_scan();
+    mapper.add(look);
+    look_again(false);
+    mapper.add(look);
+    look_again(true);
+  }
+  EXPECT_GT(states.size(), 1000u);
+}
+
 // ledger: S4-50 S4-E08
 TEST(SphericalMapper, ByLogOddsEchoesRaiseAndClearWaterLowers) {
   SphericalGrid grid;
@@ -258,20 +297,29 @@ TEST(SphericalMapper, AWallPassedEarlierIsStillThereAtTheRightPlace) {
     reading.X_BS.rotation = Rotation::from_heading(Angle::degrees(90));
     mapper.take(reading, X_WB);
   }
-  int occupied = 0;
+  std::uint32_t echoes = 0;
+  std::vector<std::pair<Vector3d, double>> occupied;
   grid.cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
     for (const SphericalCell& cell : beam) {
-      if (cell.echoes == 0 || SphericalGrid::probability(cell) < 0.5) continue;
+      echoes += cell.echoes;
+      if (cell.echoes == 0 || SphericalGrid::probability(cell) < grid.config().occupied) continue;
       const Vector3d p = world_from_grid_axes(grid.point_of(cell)) + X_WB.translation;
       const double cell_m = grid.layers().thickness(cell.layer);
       EXPECT_NEAR(p.y(), 8, cell_m);
       EXPECT_GT(p.x(), -cell_m);
       EXPECT_LT(p.x(), 10 + cell_m);
       EXPECT_NEAR(p.z(), 10, cell_m);
-      ++occupied;
+      occupied.emplace_back(p, cell_m);
     }
   });
-  EXPECT_GT(occupied, 5) << "cells of up to a metre, now";
+  EXPECT_EQ(echoes, 100u) << "all that it was heard by";
+  // 10 m of wall, 21 to 30 m astern by now, in cells of 0.9 to 1.3 m: all of it, and no more than one row of them
+  for (double x = 0; x < 10; x += 0.25) {
+    EXPECT_TRUE(std::any_of(occupied.begin(), occupied.end(),
+                            [&](const auto& cell) { return (cell.first - Vector3d(x, 8, 10)).norm() < cell.second; }))
+        << "a hole at " << x;
+  }
+  EXPECT_LE(occupied.size(), 2u * 12u) << "ten metres of cells, in the rows above and below the level";
 }
 
 // ledger: S4-06

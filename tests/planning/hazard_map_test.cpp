@@ -235,7 +235,7 @@ TEST(PlanFrame, TheVehicleIsTheOriginAheadIsXStarboardIsY) {
 }
 
 // x is north and the bearing is a compass's: heading east, what lies east is ahead, what lies south to starboard.
-// ledger: S6-45 S6-E06 S6-E07
+// ledger: S6-45 S6-E06 S6-E07 S6-E08
 TEST(PlanFrame, AxesAreNorthAndEast) {
   const PlanFrame frame{{100, 200}, Angle::degrees(90)};
   EXPECT_LT((frame.to_local({100, 207}) - Vector2d(7, 0)).norm(), 1e-12);

@@ -140,6 +140,117 @@ TEST(SpaceRoom, WhatHangsTogetherIsAsNearAsItsNearestPart) {
   EXPECT_TRUE(room.is_unsure({20, 30, 3})) << "13 m beside the others";
 }
 
+/// Water that is open between 2 and 6 m and, in places, deeper, with things in it, on many tiles.
+struct ManyTiles {
+  ManyTiles() {
+    water.clear({0, -24, 0}, {90, 24, 7});
+    water.clear({60, -10, 7}, {80, 10, 11});
+    Random random(17);
+    for (int i = 0; i < 25; ++i) {
+      const double north = static_cast<int>(random.index(170)) * 0.5,
+                   east = static_cast<int>(random.index(90)) * 0.5 - 23;
+      const double depth = static_cast<int>(random.index(12)) * 0.5;
+      water.occupy({north, east, depth}, {north + 1, east + 1, depth + 1});
+    }
+    task = box({0, -24.9, 0.1}, {89.9, 24.9, 15.9});
+    task.shallow_m = 2;
+    task.deep_m = 6;
+    task.hazards = hazards;
+    task.look_on_m = 30;
+  }
+  MeasuredWater water;
+  std::vector<Hazard> hazards = {block(20, -23, 4), block(70, 22, 5)};
+  SpaceRoomTask task;
+};
+
+// Distances across the borders of tiles, by 16 bits and by floats, against all closed voxels one by one; what lies
+// above and below the room's layers is closed, too, and changes none. ledger: S5-36
+TEST(SpaceRoom, MeasuresAcrossTilesAndToTheEndsOfItsLayers) {
+  ManyTiles tiles;
+  for (const double most : {3.0, 40.0}) {
+    tiles.task.most_m = most;
+    const SpaceRoom room(tiles.water.grid(), tiles.task);
+    const int first = room.voxel_at({0, 0, 0.1}).z(), last = room.voxel_at({0, 0, 15.9}).z();
+    ASSERT_LT(room.size().z(), last - first + 1) << "layers in which all is closed are left out";
+    std::vector<VoxelIndex> closed;
+    VoxelIndex v;
+    for (v.x() = 0; v.x() < room.size().x(); ++v.x()) {
+      for (v.y() = 0; v.y() < room.size().y(); ++v.y()) {
+        for (v.z() = first; v.z() <= last; ++v.z()) {
+          if (room.distance(v) == 0) closed.push_back(v);
+        }
+      }
+    }
+    Random random(18);
+    for (int i = 0; i < 40; ++i) {
+      v = VoxelIndex(static_cast<int>(random.index(180)), static_cast<int>(random.index(100)),
+                     static_cast<int>(random.index(static_cast<std::size_t>(room.size().z()))));
+      int least = 1 << 30;  // square of the distance to a face, in halves of a voxel
+      for (const VoxelIndex& c : closed) {
+        const VoxelIndex off = (2 * (v - c).cwiseAbs().array() - 1).max(0);
+        least = std::min(least, off.squaredNorm());
+      }
+      ASSERT_NEAR(room.distance(v), std::min(most, 0.25 * std::sqrt(least)), 1e-5) << v.transpose();
+    }
+  }
+}
+
+// Whoever asks first, a place within a tile is interpolated as one on its border is; and a way is held against the
+// whole box, not against the layers that can be open.
+TEST(SpaceRoom, SaysTheSameWhateverWasAskedBefore) {
+  const ManyTiles tiles;
+  const SpaceRoom room(tiles.water.grid(), tiles.task);
+  Random random(19);
+  for (int i = 0; i < 500; ++i) {
+    Vector3d p;
+    p.x() = random.uniform(0, 90);
+    p.y() = random.uniform(-25, 25);
+    p.z() = random.uniform(0, 12);
+    double sum = 0;
+    const Vector3d at = p / 0.5 - Vector3d::Constant(0.5);
+    const VoxelIndex low = floor_of(at), first = room.voxel_at(low.cast<double>() * 0.5 + Vector3d::Constant(0.25));
+    for (int corner = 0; corner < 8; ++corner) {
+      const VoxelIndex step(corner & 1, corner >> 1 & 1, corner >> 2);
+      double weight = 1;
+      for (int a = 0; a < 3; ++a) weight *= 1 - std::abs(at[a] - low[a] - step[a]);
+      sum += weight * room.distance(VoxelIndex(first + step));
+    }
+    ASSERT_NEAR(room.distance(p), sum, 1e-6) << p.transpose();
+    if (i % 50 == 0) {
+      const SpaceRoom fresh(tiles.water.grid(), tiles.task);
+      ASSERT_EQ(fresh.distance(p), room.distance(p));
+    }
+  }
+  EXPECT_TRUE(room.holds({40, 0, 14})) << "closed, but of the box";
+  EXPECT_EQ(room.distance(Vector3d(40, 0, 14)), 0);
+  EXPECT_FALSE(room.holds({40, 0, 17}));
+}
+
+// What is known is the room in which nobody looks on.
+// ledger: S5-45
+TEST(SpaceRoom, OfWhatIsKnownIsThatWithoutLookingOn) {
+  ManyTiles tiles;
+  const SpaceRoom hoped(tiles.water.grid(), tiles.task);
+  EXPECT_TRUE(hoped.has_unsure());
+  const SpaceRoom known = hoped.of_what_is_known();
+  EXPECT_FALSE(known.has_unsure());
+  tiles.task.look_on_m = 0;
+  const SpaceRoom never(tiles.water.grid(), tiles.task);
+  EXPECT_FALSE(never.has_unsure());
+  ASSERT_EQ(known.size(), never.size());
+  int differ = 0;
+  VoxelIndex v;
+  for (v.x() = 0; v.x() < known.size().x(); ++v.x()) {
+    for (v.y() = 0; v.y() < known.size().y(); ++v.y()) {
+      for (v.z() = 0; v.z() < known.size().z(); ++v.z()) {
+        ASSERT_EQ(known.distance(v), never.distance(v)) << v.transpose();
+        differ += hoped.distance(v) != known.distance(v) ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(differ, 100);
+}
+
 TEST(SpaceRoom, RefusesABoxThatNoMemoryHolds) {
   const SpaceGrid nothing = MeasuredWater().grid();
   EXPECT_THROW(SpaceRoom(nothing, box({0, 0, 0}, {1e4, 1e4, 100})), Error);

@@ -1,8 +1,11 @@
 // The room of lines and arcs in the grid at position 10, and the pictures of it.
+#include <algorithm>
 #include <cairo/cairo.h>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
+#include <isobath/planning/route_planner.hpp>
+#include <isobath/planning/spherical_hazards.hpp>
 #include <isobath/runtime/spherical_pages.hpp>
 #include <isobath/runtime/spherical_survey.hpp>
 #include <tests/support/data.hpp>
@@ -44,6 +47,144 @@ TEST(SphericalSurvey, KnowsTheRoomAtPositionTenAsItWasSeenOnTheWay) {
   EXPECT_LT(known(-3, 3), 0.7) << "the parallelogram's far side, seen from 1 to 6";
   EXPECT_LT(known(-20, -20), 2.5) << "the farthest corner";
   EXPECT_GT(known(0, 0), 2) << "open water";
+}
+
+/// How much of a wall is within a cell of one of this probability or more.
+double covered_share(const SphericalSurvey& survey, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                     double probability) {
+  const Vector3d at = survey.path.scans.back().at;
+  int covered = 0, places = 0;
+  for (double share = 0.025; share < 1; share += 0.05, ++places) {
+    const Eigen::Vector2d wall = a + share * (b - a);
+    bool any = false;
+    survey.grid->cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
+      for (const SphericalCell& cell : beam) {
+        if (SphericalGrid::probability(cell) < probability) continue;
+        const Vector3d p = world_from_grid_axes(survey.grid->point_of(cell)) + at;
+        any = any || (p.head<2>() - wall).norm() < survey.grid->layers().thickness(cell.layer);
+      }
+    });
+    covered += any ? 1 : 0;
+  }
+  return covered / static_cast<double>(places);
+}
+
+// The parallelogram's south face was heard by two scans only, aslant: twelve echoes in six metres, about one a cell. An
+// echo is spread over the cells that it may be of, so that none of them is likelier than not. They are obstacles all
+// the same, and the line through the echoes knows the face to 0.2 m. ledger: S4-D01 S4-45 S4-50
+TEST(SphericalSurvey, KnowsTheFaceThatOnlyTwoScansHeardAslant) {
+  const Scene scene = polygon_room();
+  SphericalSurveyConfig config = survey_config(scene);
+  for (const double pass : {0.5, 0.0}) {
+    config.mapper.pass = pass;
+    const SphericalSurvey unpassed = run_spherical_survey(scene, config);
+    EXPECT_LT(covered_share(unpassed, {-6, 2}, {-8, 8}, 0.5), 0.25) << "it is not what passed by that cleared it";
+    EXPECT_GT(covered_share(unpassed, {-6, 2}, {0, 4}, 0.5), 0.9) << "the west face, which was heard often";
+  }
+  config.mapper.pass = 0.5;
+  const SphericalSurvey survey = run_spherical_survey(scene, config);
+  EXPECT_GT(covered_share(survey, {-6, 2}, {-8, 8}, survey.grid->config().occupied), 0.8);
+  const Vector3d at = survey.path.scans.back().at;
+  const Eigen::Vector2d a(-6, 2), d(-8, 8);  // its ends
+  double sure = 0, nearest_sure = 1e9;
+  survey.grid->cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
+    for (const SphericalCell& cell : beam) {
+      const Vector3d p = world_from_grid_axes(survey.grid->point_of(cell)) + at;
+      const double share = (p.head<2>() - a).dot(d - a) / (d - a).squaredNorm();
+      const double off = (a + share * (d - a) - p.head<2>()).norm(), probability = SphericalGrid::probability(cell);
+      if (share > 0.25 && share < 0.9 && off < 0.5) sure = std::max(sure, probability);
+      if (probability >= 0.5) nearest_sure = std::min(nearest_sure, (p.head<2>() - 0.5 * (a + d)).norm());
+    }
+  });
+  EXPECT_LT(sure, 0.5) << "no cell of it is likelier than not";
+  EXPECT_GT(nearest_sure, 2) << "from its middle";
+  const auto& edges = survey.features.evidence.edges();
+  const auto south = std::find_if(edges.begin(), edges.end(), [](const SeenEdge& edge) {
+    return edge.line.normal.dot(Eigen::Vector2d(-6, -2).normalized()) > 0.99 && edge.line.length() < 10;
+  });
+  ASSERT_NE(south, edges.end());
+  EXPECT_EQ(south->last_scan, 2);
+  EXPECT_LE(south->line.support, 14);
+  EXPECT_LT(std::abs(south->line.height_of(a)), 0.3);
+  EXPECT_LT(std::abs(south->line.height_of(d)), 0.3);
+}
+
+// ledger: S4-D02 S4-42 S4-45 S4-47
+TEST(SphericalSurvey, TellsTheRoomAsEdgesArcsAndCornersThatItConfirmsOnTheWay) {
+  const Scene scene = polygon_room();
+  SphericalSurveyConfig config = survey_config(scene);
+  for (const int seed : {-1, 5}) {
+    config.seed = seed;
+    const SphericalSurvey survey = run_spherical_survey(scene, config);
+    const SurveyFeatures& features = survey.features;
+    EXPECT_EQ(features.accounted.size() + features.unaccounted.size(), survey.echoes);
+    EXPECT_LT(features.unaccounted.size(), survey.echoes / 25);
+    const auto corner_at = [&](double north, double east) -> const SeenCorner* {
+      for (const SeenCorner& seen : features.evidence.corners()) {
+        if (seen.corner.convex && (seen.corner.at - Eigen::Vector2d(north, east)).norm() < 0.4) return &seen;
+      }
+      return nullptr;
+    };
+    // west and south faces are heard from 1 and 2, the south one vanishes at 3; the north one appears at 5, the west
+    // one vanishes at 7, where it is less than a beam wide; the east one appears at 10
+    const SeenCorner *south_west = corner_at(-6, 2), *north_west = corner_at(0, 4), *north_east = corner_at(-2, 10);
+    ASSERT_TRUE(south_west && north_west && north_east) << seed;
+    EXPECT_LE(south_west->hypothesised, 2);
+    EXPECT_EQ(south_west->confirmed, 3);
+    EXPECT_EQ(north_west->hypothesised, 5);
+    EXPECT_EQ(north_west->confirmed, 7) << "within the next two";
+    EXPECT_GE(north_east->hypothesised, 9);
+    EXPECT_EQ(north_east->confirmed, 0) << "nobody has gone round it";
+    for (const SeenCorner& seen : features.evidence.corners()) {
+      if (seen.confirmed > 0) {
+        EXPECT_TRUE(&seen == south_west || &seen == north_west) << "no other corner is a body's";
+      }
+    }
+    const bool tank = std::any_of(features.arcs.begin(), features.arcs.end(), [](const SurveyArc& seen) {
+      return (seen.arc.centre - Eigen::Vector2d(12, -10)).norm() < 0.5 && std::abs(seen.arc.radius - 3) < 0.5;
+    });
+    EXPECT_TRUE(tank);
+    // four walls, three faces of four; the longest planes of the grid are walls, and they are upright
+    ASSERT_GE(features.planes.planes.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(features.planes.planes[i].normal.z(), 0, 1e-9);
+  }
+}
+
+// ledger: S4-51
+TEST(SphericalSurvey, WaysPlannedOnTheGridKeepClearOfTheTrueWalls) {
+  const Scene scene = polygon_room();
+  const SphericalSurvey survey = run_spherical_survey(scene, survey_config(scene));
+  const Eigen::Vector2d at = survey.path.scans.back().at.head<2>();
+  const std::vector<Hazard> hazards = hazards_of(*survey.grid, 3);
+  ASSERT_GT(hazards.size(), 500u);
+  for (const Hazard& hazard : hazards) {  // 2.5 degrees across, whatever the range
+    const double across = (hazard.outline[2] - hazard.outline[3]).norm(), range = hazard.outline[2].norm();
+    ASSERT_NEAR(across / range, Angle::degrees(2.5).radians(), 1e-3) << "finer near, coarser far";
+  }
+  const HazardMap map(hazards);
+  const PlaneSection truth(scene, survey.path.scans.back().at.z());
+  RouteConfig config;
+  config.cell_m = 0.5;
+  config.clearance_m = 0.5;
+  config.wished_clearance_m = 1.5;
+  RouteTask task;
+  task.half_width_m = 0.4;
+  const std::vector<Eigen::Vector2d> goals{{-16, -14}, {16, 0}, {-3, -8}, {-15, 16}, {5, -16}};
+  for (const Eigen::Vector2d& goal : goals) {
+    task.goal = goal - at;
+    const auto way = plan_route(map, task, config);
+    ASSERT_TRUE(way) << goal.transpose();
+    double least = 1e9;
+    for (std::size_t i = 1; i < way->points.size(); ++i) {
+      for (double share = 0; share <= 1; share += 0.01) {
+        const Eigen::Vector2d p = at + way->points[i - 1] + share * (way->points[i] - way->points[i - 1]);
+        least = std::min(least, distance_to(truth, p));
+      }
+    }
+    EXPECT_GT(least, task.half_width_m) << goal.transpose();
+  }
+  // the straight way to the third goal leads through the parallelogram
+  EXPECT_FALSE(map.leg_is_clear({0, 0}, goals[2] - at, 0.4));
 }
 
 // ledger: S4-D01 S4-E04 S4-E08
@@ -169,6 +310,8 @@ TEST(SphericalPages, AreThreePicturesTheSameForTheSameSurvey) {
   EXPECT_EQ(solid, spherical_solid_picture(again));
   const PngPixels plan = pixels_of(spherical_plan_picture(scene, survey));
   const PngPixels above = pixels_of(spherical_above_picture(scene, survey));
+  const PngPixels features = pixels_of(spherical_features_picture(scene, survey));
+  EXPECT_GT(std::count(features.argb.begin(), features.argb.end(), 0xff009e73u), 100) << "confirmed corners, green";
   EXPECT_GT(plan.width, 700);
   EXPECT_GT(above.width, 700);
   EXPECT_GT(dark_pixels(above), 20'000) << "walls of cells, not lines";

@@ -334,7 +334,7 @@ TEST(PageSession, CommandsNeedTheToken) {
   EXPECT_EQ(page.clock().at("control"), true);
   EXPECT_EQ(page.ask({{"ask", "command"}, {"command", "abort"}}).refused, "");
   EXPECT_EQ(page.ask({{"ask", "command"}, {"command", "hold"}}).refused, "");
-  EXPECT_EQ(page.ask({{"ask", "command"}, {"command", "dive"}}).refused, "request");
+  EXPECT_EQ(page.ask({{"ask", "command"}, {"command", "dive"}}).refused, "ask");
   EXPECT_EQ(page.ask({{"ask", "command"}, {"command", "resume"}}).refused, "command");
   EXPECT_EQ(page.refusal(), "nothing is held");
   EXPECT_THAT(page.commands, ElementsAre(PageCommand::kAbort, PageCommand::kHold, PageCommand::kResume));
@@ -386,7 +386,7 @@ TEST(PageSession, MalformedRequestsAreAnsweredAndCounted) {
     Page page(false, 5);
     page.frame();
     const Hearing hearing = page.session->hear(bad);
-    EXPECT_EQ(hearing.refused, "request") << bad;
+    EXPECT_EQ(hearing.refused, "ask") << bad;
     EXPECT_FALSE(hearing.hang_up);
     EXPECT_NE(page.refusal(), "") << bad;
   }

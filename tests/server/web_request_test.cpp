@@ -87,6 +87,8 @@ TEST(WebRequest, HostsThatNobodyElseCanPointHere) {
                            "user@localhost"}) {
     EXPECT_FALSE(is_own_host(host, names)) << host;
   }
+  EXPECT_FALSE(is_own_host(std::string_view("127.0.0.1\0.evil", 15), names));
+  EXPECT_FALSE(is_own_host(std::string_view("[::1\0]", 6), names));
 }
 
 TEST(WebRequest, OriginsOfPagesOfOurOwn) {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <bit>
 #include <fmt/format.h>
-#include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/sim/simulator.hpp>
 #include <set>
@@ -231,12 +230,9 @@ TEST(Simulator, ABodyInsideTheVehicleAndAStartBelowTheBottomAreRefusedWithTheirP
 
 // The scenes of the papers -------------------------------------------------------------------------------------------
 
-/// What stands after the scene, its mission, is not the simulator's.
 Scene scene_of(const std::string& name) {
   const auto file = test::source_folder() / ("scenarios/" + name + ".toml");
-  std::ifstream in(file);
-  const std::string text((std::istreambuf_iterator<char>(in)), {});
-  return parse_scene(text.substr(0, text.find("\n[mission]")), file.string());
+  return parse_scene(test::scene_text(name), file.string());
 }
 
 const Body& body(const Scene& scene, const std::string& name) {

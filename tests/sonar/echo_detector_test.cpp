@@ -131,6 +131,37 @@ TEST(EchoDetector, DecidesByTheRatioOfEachPixelAndPassesItOn) {
   EXPECT_THROW(EchoDetector{config}, Error);
 }
 
+// Beyond the last sample of a beam nobody has listened: neither an echo nor free water, by any method; and a level that
+// CFAR takes from there would be zero.
+TEST(EchoDetector, BinsThatWereNotSampledTellNothing) {
+  constexpr int kBins = 100;
+  Ping ping = test::ping_of<float>(
+      test::fan_of(2), {0, 0.1, kBins}, [](int b, int k) { return b == 1 && k >= 60 ? 0.0
+                                                                  : k == 30         ? 9.0
+                                                                                    : 1.0; }, 10);
+  ping.sampled = std::make_shared<std::vector<BinSpan>>(std::vector<BinSpan>{{0, kBins}, {10, 60}});
+  ASSERT_EQ(check(ping), PingFault::kNone);
+  for (const DetectionMethod method :
+       {DetectionMethod::kGlobal, DetectionMethod::kCellAveraging, DetectionMethod::kOrderedStatistic}) {
+    EchoDetectorConfig config = global_at(0.05);
+    config.method = method;
+    config.false_alarm = 1e-3;
+    EchoDetector detector(config);
+    EchoDecisions out;
+    detector.detect(ping, out);
+    for (int k = 0; k < kBins; ++k) {
+      EXPECT_TRUE(out.tells(0, k)) << k;
+      EXPECT_EQ(out.tells(1, k), k >= 10 && k < 60) << k;
+      const bool all = method == DetectionMethod::kGlobal;
+      EXPECT_EQ(out.hit(1, k), k >= 10 && k < 60 && (all || k == 30)) << k << " method " << static_cast<int>(method);
+    }
+  }
+  ping.sampled = std::make_shared<std::vector<BinSpan>>(std::vector<BinSpan>{{0, kBins}, {10, kBins + 1}});
+  EXPECT_EQ(check(ping), PingFault::kSizeMismatch);
+  ping.sampled = std::make_shared<std::vector<BinSpan>>(std::vector<BinSpan>{{0, kBins}});
+  EXPECT_EQ(check(ping), PingFault::kSizeMismatch);
+}
+
 TEST(EchoDetector, SaysWhyAModelDoesNotServe) {
   EchoDetector detector(EchoDetectorConfig{}, odd_model(100));
   EchoDecisions out;

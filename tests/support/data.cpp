@@ -1,4 +1,6 @@
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <tests/support/data.hpp>
 
 namespace isobath::test {
@@ -10,6 +12,12 @@ fs::path shared_data(const std::string& name) {
   const char* set = std::getenv("ISOBATH_DATA");
   const fs::path path = (set ? fs::path(set) : source_folder() / "../shared/data") / name;
   return fs::exists(path) ? fs::canonical(path) : fs::path();
+}
+
+std::string scene_text(const std::string& name) {
+  std::ifstream in(source_folder() / "scenarios" / (name + ".toml"));
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  return text.substr(0, text.find("\n[mission]"));
 }
 
 fs::path scratch_folder() {

@@ -16,6 +16,9 @@ std::filesystem::path scratch_folder();
 /// The project's own folder.
 std::filesystem::path source_folder();
 
+/// Of scenarios/<name>.toml the scene alone: what stands after it, a mission, is left out.
+std::string scene_text(const std::string& name);
+
 }  // namespace isobath::test
 
 /// Skips the test with a notice where the recordings are absent.

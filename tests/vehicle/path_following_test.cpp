@@ -190,7 +190,8 @@ TEST(PathFollowing, ConvergesFromTheTwoStartsAndVNeverRises) {
   }
 }
 
-// The rate of V by the law, against the rate that its proof promises. ledger: S5-52
+// The rate of V by the law, against the rate that its proof promises, with both rates of turn its own: of pitch and of
+// heading. ledger: S5-52 S5-E09
 TEST(PathFollowing, VFallsAsItsProofSays) {
   const SpacePath path(default_helix, 0, 12);
   const PathFollowingConfig c;

@@ -52,7 +52,11 @@ export class Chart {
   private options(curves: readonly Curve[], axes: Axes, width: number, height: number): uPlot.Options {
     const { paint, name } = this.theme;
     const colourOf = (colour: Curve['colour']) =>
-      typeof colour === 'number' ? kMany[name][colour % kMany[name].length]! : colour === 'decided' ? paint.obstacle : paint[colour];
+      typeof colour === 'number'
+        ? kMany[name][colour % kMany[name].length]!
+        : colour === 'decided'
+          ? paint.obstacle
+          : paint[colour];
     const axis = (label: string, size: number): uPlot.Axis => ({
       label,
       labelSize: 18,
@@ -70,7 +74,10 @@ export class Chart {
       cursor: { show: false },
       scales: {
         x: { time: false },
-        y: axes.low === undefined ? { range: (_, __, most) => [0, Math.max(1e-3, most * 1.1)] } : { range: [axes.low, axes.high ?? 1] },
+        y:
+          axes.low === undefined
+            ? { range: (_, __, most) => [0, Math.max(1e-3, most * 1.1)] }
+            : { range: [axes.low, axes.high ?? 1] },
       },
       axes: [axis(axes.x, 26), axis(axes.y, 40)],
       series: [

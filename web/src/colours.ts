@@ -51,7 +51,7 @@ const chart = Uint32Array.from({ length: 256 }, (_, i) => {
 /** The same for eyes that are used to the dark: shallow is what stands out. */
 const embers = Uint32Array.from({ length: 256 }, (_, i) => {
   const s = i / 255;
-  return packed(oklch(0.47 - 0.33 * s, 0.075 - 0.045 * s, ((48 - 20 * s) * Math.PI) / 180));
+  return packed(oklch(0.5 - 0.29 * s, 0.08 - 0.04 * s, ((48 - 20 * s) * Math.PI) / 180));
 });
 
 export const tables = {

@@ -1,4 +1,6 @@
-/** Hold, resume or abort, where the program lets this page command: with a token, and abort only on the second press. */
+/**
+ * Hold, resume or abort, where the program lets this page command: with a token, and abort only on the second press.
+ */
 import { byId, make, say } from './dom';
 import { Kind } from './protocol';
 import type { Shared, View } from './view';

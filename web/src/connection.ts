@@ -37,7 +37,10 @@ export class Connection {
     const text = this.trouble(state, old, now);
     this.notice.hidden = text === '';
     say(this.notice, text);
-    document.body.classList.toggle('stale', (state === 'lost' || state === 'silent' || state === 'connecting') && Number.isFinite(old));
+    document.body.classList.toggle(
+      'stale',
+      (state === 'lost' || state === 'silent' || state === 'connecting') && Number.isFinite(old),
+    );
     this.rates();
     this.refusals();
   }
@@ -45,12 +48,18 @@ export class Connection {
   private words(state: string): string {
     const { clock } = this.shared.model;
     switch (state) {
-      case 'open': return clock?.live ? '● live' : '● connected';
-      case 'connecting': return '○ connecting';
-      case 'lost': return '✕ connection lost';
-      case 'silent': return '▲ no data';
-      case 'unreadable': return '✕ unreadable';
-      default: return '■ stored run';
+      case 'open':
+        return clock?.live ? '● live' : '● connected';
+      case 'connecting':
+        return '○ connecting';
+      case 'lost':
+        return '✕ connection lost';
+      case 'silent':
+        return '▲ no data';
+      case 'unreadable':
+        return '✕ unreadable';
+      default:
+        return '■ stored run';
     }
   }
 
@@ -67,7 +76,10 @@ export class Connection {
   }
 
   private measure(now: number): void {
-    for (const [meter, count] of [[this.bytes, this.feed.bytes], [this.frames, this.frames.count]] as const) {
+    for (const [meter, count] of [
+      [this.bytes, this.feed.bytes],
+      [this.frames, this.frames.count],
+    ] as const) {
       if (now - meter.at < 1000) continue;
       const since = meter === this.bytes ? count - meter.count : count;
       meter.rate = (since * 1000) / (now - meter.at);

@@ -1,6 +1,7 @@
 /**
  * Where records come from and requests go to: the program's socket, or a run that is stored in the page.
  */
+import { marksOf, type Marks } from './marks';
 import { Player, readBlocks } from './player';
 
 export type Request =
@@ -24,6 +25,8 @@ export interface Feed {
   /** ms of performance.now() at which the last message came; NaN: none yet. */
   readonly heard: number;
   readonly bytes: number;
+  /** What a stored run marks on the time line, known before it is played. */
+  readonly marks?: Marks | null;
   start(take: (records: Uint8Array) => void, changed: () => void): void;
   /** False: nobody is there to be asked. */
   ask(request: Request): boolean;
@@ -85,7 +88,7 @@ export class SocketFeed implements Feed {
     }
     this.socket = socket;
     socket.binaryType = 'arraybuffer';
-    socket.onopen = () => this.become({ is: 'open' });
+    socket.onopen = () => socket === this.socket && this.become({ is: 'open' });
     socket.onmessage = ({ data }: { data: unknown }) => {
       if (!(data instanceof ArrayBuffer) || socket !== this.socket) return;
       this.wait = kFirstWait; // a door that opens and says nothing is no reason to knock faster
@@ -119,6 +122,7 @@ export class StoredFeed implements Feed {
   state: FeedState = { is: 'stored' };
   heard = NaN;
   bytes = 0;
+  marks: Marks | null = null;
   private player: Player | null = null;
   private take: (records: Uint8Array) => void = () => {};
   private last = 0;
@@ -131,6 +135,7 @@ export class StoredFeed implements Feed {
       .then((bytes) => {
         const blocks = readBlocks(bytes);
         if (blocks.length === 0) throw new Error('it holds no whole block');
+        this.marks = marksOf(blocks);
         this.player = new Player(blocks);
         this.give(this.player.seek(0));
         this.run(performance.now());

@@ -36,8 +36,15 @@ export class HealthView implements View {
     byId('health-none').hidden = health !== null;
     if (!health) return;
     this.troubles(health);
-    pairs(byId('health-counts'), health.counts.map(([name, n]) => [name, units.count(n)]));
-    pairs(byId('health-refused'), health.refused.map(([name, n]) => [name, units.count(n)]), 'nothing was refused');
+    pairs(
+      byId('health-counts'),
+      health.counts.map(([name, n]) => [name, units.count(n)]),
+    );
+    pairs(
+      byId('health-refused'),
+      health.refused.map(([name, n]) => [name, units.count(n)]),
+      'nothing was refused',
+    );
     pairs(byId('health-more'), health.more);
     byId('health-agents').replaceChildren(
       ...health.agents.map(({ name, state, why }) =>
@@ -50,7 +57,11 @@ export class HealthView implements View {
   private troubles(health: Health): void {
     const list: HTMLElement[] = health.alarms.map((alarm) => trouble('Alarm', alarm, '', true));
     for (const { fault, why, action, active, since } of health.faults) {
-      const text = [why, action && `action: ${action}`, since !== undefined && `since ${units.elapsed(since)}`];
+      const text = [
+        why,
+        action && `action: ${action}`,
+        since !== undefined && `${active ? 'since' : 'raised at'} ${units.elapsed(since)}`,
+      ];
       list.push(trouble(active ? 'Fault' : 'Over', fault, text.filter(Boolean).join('; '), active));
     }
     if (list.length === 0) list.push(make('li', { class: 'trouble fine' }, '✓ No alarm, no fault'));
@@ -69,7 +80,11 @@ export class HealthView implements View {
     const names = [...this.history.p99.keys()];
     const data: AlignedData = [this.history.time, ...names.map((name) => this.history.p99.get(name)!)];
     if (this.history.time.length > 1) {
-      this.chart.show(data, names.map((label, i) => ({ label, colour: i })), { x: 's since the page was opened', y: 'p99, ms' });
+      this.chart.show(
+        data,
+        names.map((label, i) => ({ label, colour: i })),
+        { x: 's since the page was opened', y: 'p99, ms' },
+      );
     }
   }
 
@@ -91,7 +106,11 @@ export class HealthView implements View {
 function trouble(kind: string, what: string, why: string, active: boolean): HTMLElement {
   const inside = [make('strong', {}, `${active ? '▲ ' : '✓ '}${kind}: ${what}`)];
   if (why) inside.push(make('span', {}, why));
-  return make('li', { class: active ? 'trouble active' : 'trouble', 'data-trouble': what, 'data-active': active ? 'true' : 'false' }, ...inside);
+  return make(
+    'li',
+    { class: active ? 'trouble active' : 'trouble', 'data-trouble': what, 'data-active': active ? 'true' : 'false' },
+    ...inside,
+  );
 }
 
 function pairs(list: HTMLElement, rows: readonly (readonly [string, string])[], none = '–'): void {

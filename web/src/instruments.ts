@@ -30,12 +30,20 @@ export class Instruments implements View {
     say(byId('source'), scene ? `${scene.source}${scene.simulated ? ' (simulated)' : ''}` : '');
     if (document.title !== (scene?.title || 'Isobath')) document.title = scene?.title || 'Isobath';
     this.set('Heading', units.bearing(v?.heading), wish(v && units.bearing(v.wantedHeading), v?.wantedHeading));
-    this.set('Speed', units.speed(v ? Math.hypot(v.surge, v.sway) : NaN), wish(v && units.speed(v.wantedSpeed), v?.wantedSpeed));
+    this.set(
+      'Speed',
+      units.speed(v ? Math.hypot(v.surge, v.sway) : NaN),
+      wish(v && units.speed(v.wantedSpeed), v?.wantedSpeed),
+    );
     this.set('Depth', units.metres(v?.down), wish(v && units.metres(v.wantedDepth), v?.wantedDepth));
     this.set('Altitude', units.metres(v?.altitude), v ? 'above the bottom' : '');
     this.set('Position', `± ${units.metres(v?.sigma)}`, v ? 'standard deviation' : '');
     const target = way?.target !== undefined ? scene?.mission[way.target]?.name : undefined;
-    this.set('Way', way ? (target ? `to ${target}` : way.phase || 'planned') : '–', way ? [way.avoiding ? 'avoiding' : '', way.phase].filter(Boolean).join(', ') : '');
+    this.set(
+      'Way',
+      way ? (target ? `to ${target}` : way.phase || 'planned') : '–',
+      way ? [way.avoiding ? 'avoiding' : '', way.phase].filter(Boolean).join(', ') : '',
+    );
     const age = model.age(model.vehicleTime);
     const old = Number.isFinite(age) && age > kStale;
     mark(this.box, 'stale', String(old));

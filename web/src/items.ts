@@ -21,10 +21,15 @@ function point3(v: unknown): Point3 | undefined {
   return at && [at[0], at[1], number(list(v)[2]) ?? NaN];
 }
 function all<T>(v: unknown, read: (entry: unknown) => T | undefined): T[] {
-  return list(v).map(read).filter((entry): entry is T => entry !== undefined);
+  return list(v)
+    .map(read)
+    .filter((entry): entry is T => entry !== undefined);
 }
 const points = (v: unknown): Point[] => all(v, point);
-const outlines = (v: unknown): Point[][] => list(v).map(points).filter((outline) => outline.length > 1);
+const outlines = (v: unknown): Point[][] =>
+  list(v)
+    .map(points)
+    .filter((outline) => outline.length > 1);
 function counts(v: unknown): [string, number][] {
   if (!isObject(v)) return [];
   return Object.entries(v).filter((entry): entry is [string, number] => number(entry[1]) !== undefined);
@@ -80,9 +85,7 @@ export function readScene(json: unknown): Scene | null {
       if (!isObject(v) || !at) return undefined;
       return { name: words(v.name), task: words(v.task), at, depth: number(v.depth_m), altitude: number(v.altitude_m) };
     }),
-    bodies: all(json.bodies, (v) =>
-      isObject(v) ? { name: words(v.name), outline: points(v.outline) } : undefined,
-    ),
+    bodies: all(json.bodies, (v) => (isObject(v) ? { name: words(v.name), outline: points(v.outline) } : undefined)),
     vehicle: {
       name: words(vehicle.name),
       length: Math.min(500, Math.max(0.1, number(vehicle.length_m) ?? 1.5)),
@@ -184,7 +187,7 @@ export function readWay(json: unknown): Way | null {
   return {
     version: number(json.version),
     points: all(json.points, point3),
-    avoiding: flag(json.avoiding) || (typeof json.avoiding === 'string' && json.avoiding !== ''),
+    avoiding: Array.isArray(json.avoiding) ? json.avoiding.length > 0 : Boolean(json.avoiding),
     why: words(json.why),
     phase: words(json.phase),
     reached: number(json.reached),
@@ -255,7 +258,9 @@ export function readHealth(json: unknown): Health | null {
   return {
     counts: counts(json.counts),
     refused: counts(json.refused),
-    alarms: list(json.alarms).map(words).filter((alarm) => alarm !== ''),
+    alarms: list(json.alarms)
+      .map(words)
+      .filter((alarm) => alarm !== ''),
     faults: all(json.faults, (v) =>
       isObject(v)
         ? {

@@ -35,26 +35,56 @@ function act(event: KeyboardEvent, parts: Parts, help: HTMLDialogElement): boole
   const { shared, layout, plan, space, timeline, theme } = parts;
   const inSpace = layout.view === 'space';
   switch (event.key) {
-    case ' ': timeline.toggle(); return true;
+    case ' ':
+      timeline.toggle();
+      return true;
     case 'ArrowLeft':
     case 'ArrowRight':
     case 'ArrowUp':
-    case 'ArrowDown': return arrow(event, parts, inSpace);
+    case 'ArrowDown':
+      return arrow(event, parts, inSpace);
     case '+':
-    case '=': (inSpace ? space : plan).zoomBy(1.4); return true;
+    case '=':
+      (inSpace ? space : plan).zoomBy(1.4);
+      return true;
     case '-':
-    case '_': (inSpace ? space : plan).zoomBy(1 / 1.4); return true;
-    case 'f': inSpace ? space.follow() : plan.toggleFollow(); return true;
-    case 'u': plan.turnUp(); return true;
-    case 'r': plan.measure(!plan.isMeasuring); return true;
-    case 'a': if (inSpace) space.panBy(-1, 0); else plan.showAll(); return true;
-    case 'w': if (inSpace) space.panBy(0, 1); return inSpace;
-    case 's': if (inSpace) space.panBy(0, -1); return inSpace;
-    case 'd': if (inSpace) space.panBy(1, 0); return inSpace;
-    case 'l': shared.ask({ ask: 'live' }); return true;
-    case 'n': theme.toggle(); return true;
-    case 'e': layout.enlarge(document.body.dataset.large !== 'upper'); return true;
-    case '?': help.showModal(); return true;
+    case '_':
+      (inSpace ? space : plan).zoomBy(1 / 1.4);
+      return true;
+    case 'f':
+      inSpace ? space.follow() : plan.toggleFollow();
+      return true;
+    case 'u':
+      plan.turnUp();
+      return true;
+    case 'r':
+      plan.measure(!plan.isMeasuring);
+      return true;
+    case 'a':
+      if (inSpace) space.panBy(-1, 0);
+      else plan.showAll();
+      return true;
+    case 'w':
+      if (inSpace) space.panBy(0, 1);
+      return inSpace;
+    case 's':
+      if (inSpace) space.panBy(0, -1);
+      return inSpace;
+    case 'd':
+      if (inSpace) space.panBy(1, 0);
+      return inSpace;
+    case 'l':
+      shared.ask({ ask: 'live' });
+      return true;
+    case 'n':
+      theme.toggle();
+      return true;
+    case 'e':
+      layout.enlarge(document.body.dataset.large !== 'upper');
+      return true;
+    case '?':
+      help.showModal();
+      return true;
     case 'Escape':
       plan.measure(false);
       shared.selected = null;

@@ -38,7 +38,8 @@ export class DecisionLog implements View {
     say(byId('log-count'), model.decisions.length > 0 ? ` ${units.count(model.decisions.length)}` : '');
     if (this.list.clientWidth === 0) return;
     const canSeek = (model.clock?.end ?? 0) > (model.clock?.start ?? 0);
-    const look = `${model.revision[Kind.decision]} ${this.filter.value} ${this.agent.value} ${this.rows} ${selected?.number} ${canSeek}`;
+    const asked = `${this.filter.value} ${this.agent.value} ${this.rows}`;
+    const look = `${model.revision[Kind.decision]} ${asked} ${selected?.number} ${canSeek}`;
     if (look === this.drawn) return;
     this.drawn = look;
     this.listAgents();
@@ -49,7 +50,8 @@ export class DecisionLog implements View {
         (wanted === '' || `${d.agent} ${d.what} ${d.reason}`.toLowerCase().includes(wanted)),
     );
     const shown = found.slice(-this.rows).reverse();
-    const focused = (document.activeElement as HTMLElement | null)?.closest<HTMLElement>('[data-decision]')?.dataset.decision;
+    const focused = (document.activeElement as HTMLElement | null)?.closest<HTMLElement>('[data-decision]')?.dataset
+      .decision;
     this.list.replaceChildren(...shown.map((decision) => this.row(decision, canSeek)));
     if (focused) this.list.querySelector<HTMLElement>(`[data-decision="${focused}"] button`)?.focus();
     this.more.hidden = found.length <= this.rows;
@@ -68,9 +70,16 @@ export class DecisionLog implements View {
       make('time', {}, units.elapsed(since)),
       make('span', { class: 'log-agent' }, decision.agent),
       make('strong', {}, decision.what),
-      ...(decision.margin === undefined ? [] : [make('span', { class: 'log-margin' }, `margin ${units.metres(decision.margin)}`)]),
+      ...(decision.margin === undefined
+        ? []
+        : [make('span', { class: 'log-margin' }, `margin ${units.metres(decision.margin)}`)]),
     );
-    const button = make('button', { type: 'button', class: 'log-row', 'aria-pressed': chosen }, head, make('span', { class: 'log-reason' }, decision.reason));
+    const button = make(
+      'button',
+      { type: 'button', class: 'log-row', 'aria-pressed': chosen },
+      head,
+      make('span', { class: 'log-reason' }, decision.reason),
+    );
     button.setAttribute('aria-pressed', String(chosen));
     button.addEventListener('click', () => this.shared.showDecision(decision));
     const item = make('li', { 'data-decision': decision.number, class: chosen ? 'chosen' : undefined }, button);
@@ -80,14 +89,20 @@ export class DecisionLog implements View {
 
   private details(decision: Decision, since: number, canSeek: boolean): HTMLElement {
     const parts: string[] = [];
-    if (decision.obstacle) parts.push(`obstacle at N ${units.metres(decision.obstacle[0])}, E ${units.metres(decision.obstacle[1])}`);
+    if (decision.obstacle)
+      parts.push(`obstacle at N ${units.metres(decision.obstacle[0])}, E ${units.metres(decision.obstacle[1])}`);
     if (decision.leg !== undefined) parts.push(`leg ${decision.leg + 1}`);
-    if (decision.way.length > 1) parts.push(`way of ${decision.way.length} points, ${units.metres(lengthOf(decision.way), 0)}`);
+    if (decision.way.length > 1)
+      parts.push(`way of ${decision.way.length} points, ${units.metres(lengthOf(decision.way), 0)}`);
     const { scene } = this.shared.model;
     if (scene) parts.push(units.utc(scene.start + since));
     const box = make('div', { class: 'log-details' }, make('span', {}, parts.join(' · ')));
     if (canSeek && Number.isFinite(since)) {
-      const go = make('button', { type: 'button', class: 'small', 'data-action': 'seek' }, `Go to ${units.elapsed(since)}`);
+      const go = make(
+        'button',
+        { type: 'button', class: 'small', 'data-action': 'seek' },
+        `Go to ${units.elapsed(since)}`,
+      );
       go.addEventListener('click', () => this.seek(since));
       box.append(go);
     }
@@ -100,7 +115,10 @@ export class DecisionLog implements View {
     if (look === this.agents) return;
     this.agents = look;
     const chosen = this.agent.value;
-    this.agent.replaceChildren(make('option', { value: '' }, 'all agents'), ...names.map((name) => make('option', { value: name }, name)));
+    this.agent.replaceChildren(
+      make('option', { value: '' }, 'all agents'),
+      ...names.map((name) => make('option', { value: name }, name)),
+    );
     this.agent.value = names.includes(chosen) ? chosen : '';
   }
 }

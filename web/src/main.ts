@@ -24,6 +24,7 @@ const model = new Model();
 const feed = feedOf(document);
 let waiting = false;
 let broken = 0;
+let adopted: Marks | null = null;
 const redraw = (): void => {
   if (waiting) return;
   waiting = true;
@@ -41,7 +42,8 @@ const shared: Shared = {
   showDecision(decision) {
     shared.selected = shared.selected?.number === decision.number ? null : decision;
     if (shared.selected) plan.showDecision(decision);
-    if (shared.selected && byId('plan').clientWidth === 0 && decision.way.length + (decision.obstacle ? 1 : 0) > 0) layout.show('plan');
+    if (shared.selected && byId('plan').clientWidth === 0 && decision.way.length + (decision.obstacle ? 1 : 0) > 0)
+      layout.show('plan');
     redraw();
   },
 };
@@ -53,7 +55,16 @@ const space = new SpaceView(shared);
 const marks = new Marks(model);
 const timeline = new Timeline(shared, marks, !(feed instanceof StoredFeed));
 const log = new DecisionLog(shared, (to) => timeline.seek(to));
-const all: View[] = [new Instruments(shared), plan, sonar, space, log, new HealthView(shared), timeline, new Commands(shared)];
+const all: View[] = [
+  new Instruments(shared),
+  plan,
+  sonar,
+  space,
+  log,
+  new HealthView(shared),
+  timeline,
+  new Commands(shared),
+];
 const connection = new Connection(shared, feed);
 listenToKeys({ shared, layout, plan, space, timeline, theme });
 
@@ -81,6 +92,7 @@ function draw(now: number): void {
 feed.start(
   (records) => {
     model.take(records);
+    if (feed.marks && feed.marks !== adopted) marks.adopt((adopted = feed.marks));
     redraw();
   },
   () => connection.tick(performance.now()),

@@ -3,10 +3,13 @@
  * time: what was decided later in a run is still to be found there. Another run forgets them.
  */
 import type { Mark } from './items';
-import type { Model } from './model';
+import { Model } from './model';
+import { each, type Block } from './player';
 import { Kind } from './protocol';
 
 const kMost = 5000;
+/** s */
+const kSame = 30;
 
 export class Marks {
   readonly all = new Map<string, Mark>();
@@ -39,9 +42,20 @@ export class Marks {
       else if (active) now.add(fault);
     }
     for (const what of now) {
-      if (!this.raised.has(what)) this.put(`alarm ${what} ${model.now.toFixed(0)}`, { at: model.now, what, alarm: true });
+      // Who jumps into an alarm does not raise it again.
+      const known = [...this.all.values()].some(
+        (m) => m.alarm && m.what === what && Math.abs(m.at - model.now) < kSame,
+      );
+      if (!this.raised.has(what) && !known)
+        this.put(`alarm ${what} ${model.now.toFixed(0)}`, { at: model.now, what, alarm: true });
     }
     this.raised = now;
+  }
+
+  /** Of a run that lies before the page as a whole. */
+  adopt(others: Marks): void {
+    this.start = others.start;
+    for (const [key, mark] of others.all) this.put(key, mark);
   }
 
   private put(key: string, mark: Mark): void {
@@ -49,4 +63,21 @@ export class Marks {
     this.all.set(key, mark);
     ++this.revision;
   }
+}
+
+/** All that a recording will have marked when it was played to its end. */
+export function marksOf(blocks: readonly Block[]): Marks {
+  const model = new Model();
+  const marks = new Marks(model);
+  const kinds = new Set<number>([Kind.scene, Kind.decision, Kind.health]);
+  for (const { records } of blocks) {
+    let news = false;
+    each(records, (_key, from, to) => {
+      if (!kinds.has(records[from]!)) return;
+      model.take(records.subarray(from, to));
+      news = true;
+    });
+    if (news) marks.update();
+  }
+  return marks;
 }

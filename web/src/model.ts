@@ -179,20 +179,48 @@ export class Model {
 
   private remove({ kind, high, low }: protocol.RecordView): boolean {
     switch (kind) {
-      case Kind.scene: this.scene = null; break;
-      case Kind.vehicle: this.vehicle = null; break;
-      case Kind.track: this.track.delete(low); break;
-      case Kind.sonar: this.sonars.delete(low); break;
-      case Kind.echoes: this.sonars.get(high)?.clear(low); break;
-      case Kind.grid: this.grid = null; break;
-      case Kind.obstacles: this.obstacles = []; break;
-      case Kind.way: this.way = null; break;
-      case Kind.decision: this.decisions = this.decisions.filter((d) => d.number !== low); break;
-      case Kind.depth: this.depth.delete(`${high},${low}`); break;
-      case Kind.voxels: this.voxels.delete(`${high},${low}`); break;
-      case Kind.health: this.health = null; break;
-      case Kind.clock: this.clock = null; break;
-      case Kind.refusal: this.refusal = null; break;
+      case Kind.scene:
+        this.scene = null;
+        break;
+      case Kind.vehicle:
+        this.vehicle = null;
+        break;
+      case Kind.track:
+        this.track.delete(low);
+        break;
+      case Kind.sonar:
+        this.sonars.delete(low);
+        break;
+      case Kind.echoes:
+        this.sonars.get(high)?.clear(low);
+        break;
+      case Kind.grid:
+        this.grid = null;
+        break;
+      case Kind.obstacles:
+        this.obstacles = [];
+        break;
+      case Kind.way:
+        this.way = null;
+        break;
+      case Kind.decision:
+        this.decisions = this.decisions.filter((d) => d.number !== low);
+        break;
+      case Kind.depth:
+        this.depth.delete(`${high},${low}`);
+        break;
+      case Kind.voxels:
+        this.voxels.delete(`${high},${low}`);
+        break;
+      case Kind.health:
+        this.health = null;
+        break;
+      case Kind.clock:
+        this.clock = null;
+        break;
+      case Kind.refusal:
+        this.refusal = null;
+        break;
     }
     return true;
   }

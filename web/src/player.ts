@@ -11,9 +11,9 @@ import type { Request } from './feed';
 const kBlockHead = 16;
 
 export interface Block {
-  /** s since 1970 */
-  time: number;
   ns: bigint;
+  /** s since the first block */
+  at: number;
   records: Uint8Array;
   /** Holds a record that makes the page forget: who goes back need not look before it. */
   whole: boolean;
@@ -31,16 +31,16 @@ export function readBlocks(bytes: Uint8Array): Block[] {
     const records = bytes.subarray(at + kBlockHead, at + kBlockHead + size);
     let whole = false;
     each(records, (_key, from) => (whole ||= (records[from + 1]! & 2) !== 0));
-    blocks.push({ time: Number(ns / 1000n) / 1e6, ns, records, whole });
+    blocks.push({ ns, at: Number(ns - (blocks[0]?.ns ?? ns)) / 1e9, records, whole });
     at += kBlockHead + size;
   }
   return blocks;
 }
 
 /** Each record's key of kind and number, and where it lies. */
-function each(records: Uint8Array, take: (key: string, from: number, to: number) => void): void {
+export function each(records: Uint8Array, take: (key: string, from: number, to: number) => void): void {
   const view = new DataView(records.buffer, records.byteOffset, records.byteLength);
-  for (let at = 0; records.length - at >= kHead; ) {
+  for (let at = 0; records.length - at >= kHead;) {
     const end = at + kHead + padded(view.getUint32(at + 4, true));
     const kind = view.getUint8(at);
     if (kind < 1 || kind > kLastKind || end > records.length) return;
@@ -55,16 +55,13 @@ export class Player {
   /** s since the first block */
   now = 0;
   private next = 0;
-  private readonly start: number;
 
   constructor(
     private readonly blocks: readonly Block[],
     /** Where it ends for now: less than the last block while a run still grows. */
-    public end: number = blocks.length > 0 ? blocks.at(-1)!.time - blocks[0]!.time : 0,
+    public end: number = blocks.at(-1)?.at ?? 0,
     private readonly more: () => object = () => ({}),
-  ) {
-    this.start = blocks[0]?.time ?? 0;
-  }
+  ) {}
 
   /** What has to be shown after `seconds` more; null: nothing new. */
   advance(seconds: number): Uint8Array | null {
@@ -92,7 +89,7 @@ export class Player {
     }
     this.next = last;
     const all = joined([...newest.values(), this.clock()]);
-    for (let at = 0, view = new DataView(all.buffer); at < all.length; ) {
+    for (let at = 0, view = new DataView(all.buffer); at < all.length;) {
       all[at + 1] = at === 0 ? 2 : all[at + 1]! & ~2;
       at += kHead + padded(view.getUint32(at + 4, true));
     }
@@ -116,7 +113,7 @@ export class Player {
       case 'step': {
         this.playing = false;
         const at = Math.min(this.blocks.length - 1, Math.max(0, this.indexAfter(this.now) - 1 + request.steps));
-        const to = (this.blocks[at]?.time ?? this.start) - this.start;
+        const to = this.blocks[at]?.at ?? 0;
         return request.steps > 0 ? ((this.now = Math.min(to, this.end)), this.upTo(this.now)) : this.seek(to);
       }
       default:
@@ -136,7 +133,7 @@ export class Player {
     let [low, high] = [0, this.blocks.length];
     while (low < high) {
       const middle = (low + high) >> 1;
-      if (this.blocks[middle]!.time - this.start <= now + 1e-9) low = middle + 1;
+      if (this.blocks[middle]!.at <= now + 1e-9) low = middle + 1;
       else high = middle;
     }
     return low;

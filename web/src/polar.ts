@@ -1,4 +1,7 @@
-/** Samples of a sonar as a picture: which sample each pixel shows is worked out once, then a ping is one table look-up a pixel. */
+/**
+ * Samples of a sonar as a picture: which sample each pixel shows is worked out once, then a ping is one table look-up
+ * a pixel.
+ */
 import { context, sheet } from './dom';
 import type { Sonar } from './items';
 import type { SonarImage } from './sonar_image';

@@ -24,7 +24,7 @@ export class Timeline implements View {
   constructor(
     private readonly shared: Shared,
     private readonly marks: Marks,
-    private readonly canLive: boolean,
+    canLive: boolean,
   ) {
     const { ask } = shared;
     this.playButton.addEventListener('click', () => this.toggle());
@@ -48,7 +48,8 @@ export class Timeline implements View {
     const { clock } = model;
     this.marks.update();
     const resized = fit(this.canvas);
-    const look = `${model.revision[Kind.clock]} ${model.revision[Kind.scene]} ${this.marks.revision} ${theme.revision} ${this.scrubbed} ${this.hovered} ${model.now.toFixed(1)}`;
+    const told = `${model.revision[Kind.clock]} ${model.revision[Kind.scene]} ${this.marks.revision}`;
+    const look = `${told} ${theme.revision} ${this.scrubbed} ${this.hovered} ${model.now.toFixed(1)}`;
     if (look === this.drawn && !resized) return;
     this.drawn = look;
     this.tell(clock);
@@ -71,7 +72,9 @@ export class Timeline implements View {
     const now = this.scrubbed ?? model.now;
     say(byId('time-now'), units.elapsed(now));
     say(byId('time-end'), clock ? `of ${units.elapsed(clock.end, 0)}` : '');
-    say(byId('time-utc'), model.scene ? units.utc(model.scene.start + now) : '');
+    const [date = '', ...clockTime] = model.scene ? units.utc(model.scene.start + now).split(' ') : [];
+    say(byId('time-date'), date);
+    say(byId('time-clock'), clockTime.join(' '));
     this.strip.setAttribute('aria-valuemin', (clock?.start ?? 0).toFixed(1));
     this.strip.setAttribute('aria-valuemax', (clock?.end ?? now).toFixed(1));
     this.strip.setAttribute('aria-valuenow', now.toFixed(1));
@@ -181,13 +184,16 @@ export class Timeline implements View {
     });
     strip.addEventListener('keydown', (event) => {
       const { clock, now } = shared.model;
-      const to = clock && ({ PageUp: now - 10, PageDown: now + 10, Home: clock.start, End: clock.end } as Record<string, number>)[event.key];
+      const to =
+        clock &&
+        ({ PageUp: now - 10, PageDown: now + 10, Home: clock.start, End: clock.end } as Record<string, number>)[
+          event.key
+        ];
       if (to === null || to === undefined) return;
       event.preventDefault();
       this.seek(to);
     });
     strip.addEventListener('selectstart', (event) => event.preventDefault());
-    void this.canLive;
   }
 }
 
@@ -204,5 +210,8 @@ function triangle(drawing: CanvasRenderingContext2D, x: number, y: number, size:
 
 /** s: steps that clocks have. */
 function stepOf(least: number): number {
-  return [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400].find((s) => s >= least) ?? roundStep(least);
+  return (
+    [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400].find((s) => s >= least) ??
+    roundStep(least)
+  );
 }

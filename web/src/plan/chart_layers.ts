@@ -1,6 +1,8 @@
-/** What stands still: land, fence, keep-out, what a simulator says really stands there, and the points of the mission. */
+/**
+ * What stands still: land, fence, keep-out, what a simulator says really stands there, and the points of the mission.
+ */
 import type { Scene } from '../items';
-import { stroke, trace, words, type Pen } from './pen';
+import { label, stroke, trace, words, type Pen } from './pen';
 
 export function drawLand(pen: Pen, scene: Scene): void {
   for (const outline of scene.land) {
@@ -56,14 +58,18 @@ export function drawBodies(pen: Pen, scene: Scene): void {
     const wide = spread(pen, outline);
     if (!name || camera.scale > 0.5 || wide < 3) continue;
     const [north, east] = middle(outline);
-    words(pen, name, camera.x(north, east), camera.y(north, east) + wide / 2 + 10, paint.truth, 'center');
+    label(pen, name, camera.x(north, east), camera.y(north, east) + wide / 2 + 10, paint.truth);
   }
 }
 
 export function drawMission(pen: Pen, scene: Scene, target: number | undefined): void {
   const { camera, drawing, paint } = pen;
   if (scene.mission.length > 1) {
-    trace(pen, scene.mission.map(({ at }) => at), false);
+    trace(
+      pen,
+      scene.mission.map(({ at }) => at),
+      false,
+    );
     stroke(pen, { colour: paint.mission, width: 1.2, dash: [2, 4] });
   }
   scene.mission.forEach(({ name, at }, i) => {

@@ -119,7 +119,7 @@ export class DepthLayer {
             out[to] = packed(paint.confidence[Math.min(4, Math.floor(confidence[i]! / 5))]!, 235);
           } else {
             const colour = rgbOf(paint.depth[Math.min(255, Math.max(0, Math.round((255 * d) / this.deepest)))]!);
-            out[to] = packed(colour, Math.round(255 * (0.5 + 0.5 * Math.sqrt(sure))));
+            out[to] = packed(colour, Math.round(255 * (0.35 + 0.65 * Math.sqrt(sure))));
             if ((bits & DepthFlag.measured) === 0) {
               veiled[to] = 0xff000000;
               unproven = true;
@@ -161,7 +161,7 @@ export class DepthLayer {
     const cell = sheet(8, 8);
     const pen = context(cell);
     pen.strokeStyle = this.theme.paint.hatch;
-    pen.lineWidth = 1.4;
+    pen.lineWidth = 1.2;
     for (const from of [-8, 0, 8]) {
       pen.moveTo(from - 1, 9);
       pen.lineTo(from + 9, -1);

@@ -50,7 +50,9 @@ export class SampleLayer {
       if (image.sonar.upright || image.newest < 0) continue;
       let laid = this.laid.get(number);
       if (!laid || laid.image !== image || laid.paint !== pen.paint) {
-        const picture = image.sonar.scanning ? null : new PolarPicture(image, Math.max(image.sonar.bin, image.reach / 300));
+        const picture = image.sonar.scanning
+          ? null
+          : new PolarPicture(image, Math.max(image.sonar.bin, image.reach / 300));
         laid = { image, paint: pen.paint, revision: -1, picture, wedges: [] };
         this.laid.set(number, laid);
       }
@@ -73,7 +75,13 @@ export class SampleLayer {
     if (hangsUpsideDown(image, at)) drawing.scale(-1, 1);
     const scale = 1 / camera.scale;
     const { width, height } = picture.canvas;
-    drawing.drawImage(picture.canvas, left * scale, -up * scale, width * picture.scale * scale, height * picture.scale * scale);
+    drawing.drawImage(
+      picture.canvas,
+      left * scale,
+      -up * scale,
+      width * picture.scale * scale,
+      height * picture.scale * scale,
+    );
     drawing.restore();
   }
 
@@ -137,7 +145,7 @@ function radial(drawing: CanvasRenderingContext2D, image: SonarImage, beam: numb
     let most = 0;
     for (let bin = from; bin < Math.min(bins, from + step); ++bin) most = Math.max(most, intensity[beam * bins + bin]!);
     const alpha = (40 + 200 * Math.min(1, most / 120)) / 255;
-    const at = (sonar.first + (Math.min(bins, from + step / 2)) * sonar.bin) / reach;
+    const at = (sonar.first + Math.min(bins, from + step / 2) * sonar.bin) / reach;
     fill.addColorStop(Math.min(1, Math.max(0, at)), css(rgbOf(table[most]!), alpha));
   }
   return fill;

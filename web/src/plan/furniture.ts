@@ -1,4 +1,7 @@
-/** What makes a picture a chart: a grid in metres with its numbers, a scale bar, a north arrow, a ruler, rings of range. */
+/**
+ * What makes a picture a chart: a grid in metres with its numbers, a scale bar, a north arrow, a ruler, rings of
+ * range.
+ */
 import { bearing, metres, roundStep } from '../units';
 import { kFont, stroke, trace, words, type Pen } from './pen';
 
@@ -29,11 +32,11 @@ export function drawGridNumbers(pen: Pen): void {
   const number = (v: number) => String(Math.round(v * 1000) / 1000).replace('-', '−');
   for (let n = Math.ceil(bottom / step) * step; n <= top; n += step) {
     const y = camera.y(n, 0);
-    if (y > 24 && y < camera.height - 60) words(pen, `N ${number(n)}`, 6, y, pen.paint.faint);
+    if (y > 90 && y < camera.height - 60) words(pen, `N ${number(n)}`, 6, y, pen.paint.faint);
   }
   for (let e = Math.ceil(left / step) * step; e <= right; e += step) {
     const x = camera.x(0, e);
-    if (x > 60 && x < camera.width - 200) words(pen, `E ${number(e)}`, x, 10, pen.paint.faint, 'center');
+    if (x > 75 && x < camera.width - 20) words(pen, `E ${number(e)}`, x, 10, pen.paint.faint, 'center');
   }
 }
 
@@ -105,5 +108,12 @@ export function drawRuler(pen: Pen, ruler: Ruler): void {
     drawing.fill();
   }
   const [x, y] = [camera.x(...ruler.to), camera.y(...ruler.to)];
-  words(pen, rulerText(ruler), Math.min(Math.max(90, x), camera.width - 90), y < 40 ? y + 20 : y - 16, paint.ruler, 'center');
+  words(
+    pen,
+    rulerText(ruler),
+    Math.min(Math.max(90, x), camera.width - 90),
+    y < 40 ? y + 20 : y - 16,
+    paint.ruler,
+    'center',
+  );
 }

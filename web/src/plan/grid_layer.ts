@@ -1,4 +1,6 @@
-/** The occupancy grid round the vehicle: what is free is a light veil, what is occupied is solid, unknown is nothing. */
+/**
+ * The occupancy grid round the vehicle: what is free is a light veil, what is occupied is solid, unknown is nothing.
+ */
 import { packed } from '../colours';
 import { context, sheet } from '../dom';
 import type { Grid } from '../protocol';
@@ -43,6 +45,6 @@ function occupancy(paint: Paint, threshold: number): Uint32Array {
     if (p >= limit) return packed(paint.occupied, Math.round(150 + 80 * ((p - limit) / (1 - limit))));
     const share = p / limit;
     if (share > 0.5) return packed(paint.occupied, Math.round(110 * (share - 0.5)));
-    return packed(paint.free, Math.round(130 * (0.5 - share)));
+    return packed(paint.free, Math.round(200 * (0.5 - share)));
   });
 }

@@ -5,7 +5,7 @@ import type { Paint } from '../theme';
 
 export const layerNames = {
   depth: 'Depth map',
-  grid: 'Occupancy near the vehicle',
+  grid: 'Occupancy: free, occupied',
   samples: 'Sonar samples in place',
   echoes: 'Decided echoes',
   land: 'Land',
@@ -33,7 +33,12 @@ export class Layers {
     const kept = read();
     for (const name of Object.keys(layerNames) as LayerName[]) {
       this.on.set(name, kept[name] ?? name !== 'samples');
-      const input = make('input', { type: 'checkbox', id: `layer-${name}`, 'data-layer': name, checked: this.on.get(name) });
+      const input = make('input', {
+        type: 'checkbox',
+        id: `layer-${name}`,
+        'data-layer': name,
+        checked: this.on.get(name),
+      });
       input.addEventListener('change', () => {
         this.on.set(name, input.checked);
         keep(this.on);
@@ -85,23 +90,90 @@ function keep(on: Map<LayerName, boolean>): void {
 function swatch(name: LayerName, p: Paint): SVGElement {
   const svg = element('svg', { width: 28, height: 16, viewBox: '0 0 28 16' });
   const line = (stroke: string, width: number, dash = '') =>
-    svg.append(element('line', { x1: 1, y1: 8, x2: 27, y2: 8, stroke, 'stroke-width': width, 'stroke-dasharray': dash }));
+    svg.append(
+      element('line', { x1: 1, y1: 8, x2: 27, y2: 8, stroke, 'stroke-width': width, 'stroke-dasharray': dash }),
+    );
   const box = (fill: string, stroke = 'none', dash = '') =>
-    svg.append(element('rect', { x: 2, y: 2, width: 24, height: 12, fill, stroke, 'stroke-width': 1.5, 'stroke-dasharray': dash }));
+    svg.append(
+      element('rect', {
+        x: 2,
+        y: 2,
+        width: 24,
+        height: 12,
+        fill,
+        stroke,
+        'stroke-width': 1.5,
+        'stroke-dasharray': dash,
+      }),
+    );
   switch (name) {
-    case 'depth': for (let i = 0; i < 6; ++i) svg.append(element('rect', { x: 2 + 4 * i, y: 2, width: 4.2, height: 12, fill: css([p.depth[i * 50]! & 255, (p.depth[i * 50]! >> 8) & 255, (p.depth[i * 50]! >> 16) & 255]) })); break;
-    case 'grid': box(css(p.free, 0.6), p.faint); svg.append(element('rect', { x: 14, y: 2, width: 12, height: 12, fill: css(p.occupied, 0.85) })); break;
-    case 'samples': svg.append(element('path', { d: 'M14 15 L3 4 A15 15 0 0 1 25 4 Z', fill: css(p.echo, 0.45), stroke: p.faint })); break;
-    case 'echoes': for (const [x, y] of [[5, 10], [10, 7], [15, 6], [20, 8], [24, 11]] as const) svg.append(element('rect', { x, y, width: 3, height: 3, fill: css(p.echo) })); break;
-    case 'land': box(p.land, p.shore); break;
-    case 'fence': line(p.fence, 2, '6 4'); break;
-    case 'bodies': svg.append(element('circle', { cx: 14, cy: 8, r: 6, fill: 'none', stroke: p.truth, 'stroke-width': 1.5, 'stroke-dasharray': '3 3' })); break;
-    case 'obstacles': box(p.obstacleFill, p.obstacle); break;
-    case 'mission': svg.append(element('circle', { cx: 14, cy: 8, r: 6, fill: 'none', stroke: p.mission, 'stroke-width': 2.2 })); break;
-    case 'oldWays': line(p.way, 1.5, '6 4'); svg.setAttribute('opacity', '0.5'); break;
-    case 'way': line(p.way, 2.5); break;
-    case 'track': line(p.track, 2.2); break;
-    case 'vehicle': svg.append(element('path', { d: 'M24 8 L6 2 L10 8 L6 14 Z', fill: p.vehicle, stroke: p.vehicleEdge })); break;
+    case 'depth':
+      for (let i = 0; i < 6; ++i)
+        svg.append(
+          element('rect', {
+            x: 2 + 4 * i,
+            y: 2,
+            width: 4.2,
+            height: 12,
+            fill: css([p.depth[i * 50]! & 255, (p.depth[i * 50]! >> 8) & 255, (p.depth[i * 50]! >> 16) & 255]),
+          }),
+        );
+      break;
+    case 'grid':
+      box(css(p.free, 0.6), p.faint);
+      svg.append(element('rect', { x: 14, y: 2, width: 12, height: 12, fill: css(p.occupied, 0.85) }));
+      break;
+    case 'samples':
+      svg.append(element('path', { d: 'M14 15 L3 4 A15 15 0 0 1 25 4 Z', fill: css(p.echo, 0.45), stroke: p.faint }));
+      break;
+    case 'echoes':
+      for (const [x, y] of [
+        [5, 10],
+        [10, 7],
+        [15, 6],
+        [20, 8],
+        [24, 11],
+      ] as const)
+        svg.append(element('rect', { x, y, width: 3, height: 3, fill: css(p.echo) }));
+      break;
+    case 'land':
+      box(p.land, p.shore);
+      break;
+    case 'fence':
+      line(p.fence, 2, '6 4');
+      break;
+    case 'bodies':
+      svg.append(
+        element('circle', {
+          cx: 14,
+          cy: 8,
+          r: 6,
+          fill: 'none',
+          stroke: p.truth,
+          'stroke-width': 1.5,
+          'stroke-dasharray': '3 3',
+        }),
+      );
+      break;
+    case 'obstacles':
+      box(p.obstacleFill, p.obstacle);
+      break;
+    case 'mission':
+      svg.append(element('circle', { cx: 14, cy: 8, r: 6, fill: 'none', stroke: p.mission, 'stroke-width': 2.2 }));
+      break;
+    case 'oldWays':
+      line(p.way, 1.5, '6 4');
+      svg.setAttribute('opacity', '0.5');
+      break;
+    case 'way':
+      line(p.way, 2.5);
+      break;
+    case 'track':
+      line(p.track, 2.2);
+      break;
+    case 'vehicle':
+      svg.append(element('path', { d: 'M24 8 L6 2 L10 8 L6 14 Z', fill: p.vehicle, stroke: p.vehicleEdge }));
+      break;
   }
   return svg;
 }

@@ -1,9 +1,11 @@
-/** What changes while the vehicle goes: obstacles, ways, track, the vehicle itself, and the decision that is looked at. */
+/**
+ * What changes while the vehicle goes: obstacles, ways, track, the vehicle itself, and the decision that is looked at.
+ */
 import type { Decision } from '../items';
 import type { Model } from '../model';
 import { metres, percent } from '../units';
 import { middle, spread } from './chart_layers';
-import { stroke, trace, words, type Pen } from './pen';
+import { label, stroke, trace, type Pen } from './pen';
 
 const kOldWays = 40;
 /** From this probability of its existence on, an obstacle is one; below, its outline is broken. */
@@ -25,13 +27,20 @@ export function drawObstacles(pen: Pen, model: Model, labels: boolean): void {
     const [north, east] = middle(obstacle.outline);
     const [x, y] = [camera.x(north, east), camera.y(north, east)];
     if (obstacle.velocity && Math.hypot(...obstacle.velocity) > 0.1) {
-      trace(pen, [[north, east], [north + 10 * obstacle.velocity[0], east + 10 * obstacle.velocity[1]]], false);
+      trace(
+        pen,
+        [
+          [north, east],
+          [north + 10 * obstacle.velocity[0], east + 10 * obstacle.velocity[1]],
+        ],
+        false,
+      );
       stroke(pen, { colour, width: 2 });
     }
     if (!labels || camera.scale > 0.4 || (crowded && camera.scale > 0.06)) continue;
     const above = y - spread(pen, obstacle.outline) / 2 - 10;
     const more = camera.scale < 0.18 ? `, ${percent(existence)}, ${metres(obstacle.range)}` : '';
-    words(pen, `${obstacle.id}${more}`, x, above, colour, 'center');
+    label(pen, `${obstacle.id}${more}`, x, above, colour);
   }
 }
 
@@ -78,6 +87,7 @@ export function drawTrack(pen: Pen, model: Model): void {
   const { vehicle } = model;
   if (vehicle) drawing.lineTo(camera.x(vehicle.north, vehicle.east), camera.y(vehicle.north, vehicle.east));
   drawing.lineJoin = 'round';
+  stroke(pen, { colour: paint.halo, width: 4.5 });
   stroke(pen, { colour: paint.track, width: 2.2 });
 }
 
@@ -139,7 +149,13 @@ function courseAndWish(pen: Pen, model: Model): void {
 function hull(drawing: CanvasRenderingContext2D, length: number): void {
   drawing.beginPath();
   if (length < 20) {
-    for (const [x, y] of [[0, -13], [8, 9], [0, 5], [-8, 9]] as const) drawing.lineTo(x, y);
+    for (const [x, y] of [
+      [0, -13],
+      [8, 9],
+      [0, 5],
+      [-8, 9],
+    ] as const)
+      drawing.lineTo(x, y);
   } else {
     const [half, wide] = [length / 2, length * 0.09];
     drawing.moveTo(0, -half);

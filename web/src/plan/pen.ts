@@ -8,6 +8,8 @@ export interface Pen {
   drawing: CanvasRenderingContext2D;
   camera: Camera;
   paint: Paint;
+  /** Where words stand already: left, top, right, bottom, px. */
+  taken: [number, number, number, number][];
 }
 
 export function trace({ drawing, camera }: Pen, places: readonly Place[], closed: boolean): void {
@@ -32,7 +34,14 @@ export function stroke({ drawing }: Pen, { colour, width = 1.5, dash = [] }: Lin
 export const kFont = '12px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
 /** With a halo, so that it can be read on anything. */
-export function words({ drawing, paint }: Pen, text: string, x: number, y: number, colour = paint.ink, align: CanvasTextAlign = 'left'): void {
+export function words(
+  { drawing, paint }: Pen,
+  text: string,
+  x: number,
+  y: number,
+  colour = paint.ink,
+  align: CanvasTextAlign = 'left',
+): void {
   drawing.font = kFont;
   drawing.textAlign = align;
   drawing.textBaseline = 'middle';
@@ -42,6 +51,16 @@ export function words({ drawing, paint }: Pen, text: string, x: number, y: numbe
   drawing.strokeText(text, x, y);
   drawing.fillStyle = colour;
   drawing.fillText(text, x, y);
+}
+
+/** Words in the middle above or below a place; left out where others stand already. */
+export function label(pen: Pen, text: string, x: number, y: number, colour: string): void {
+  pen.drawing.font = kFont;
+  const half = pen.drawing.measureText(text).width / 2 + 2;
+  const box: [number, number, number, number] = [x - half, y - 8, x + half, y + 8];
+  if (pen.taken.some((t) => box[0] < t[2] && t[0] < box[2] && box[1] < t[3] && t[1] < box[3])) return;
+  pen.taken.push(box);
+  words(pen, text, x, y, colour, 'center');
 }
 
 /** An image whose rows go along a direction in W, from one corner: pixels are metres of `size` each way. */

@@ -55,7 +55,7 @@ export class PlanView implements View, Gestured {
       legend.setAttribute('aria-expanded', String(open));
     };
     legend.addEventListener('click', () => fold(byId('plan-legend-box').hidden !== false));
-    fold(matchMedia('(min-width: 1200px)').matches);
+    fold(matchMedia('(min-width: 1700px)').matches);
     const shows = byId<HTMLSelectElement>('depth-shows');
     shows.addEventListener('change', () => {
       this.depth.shows = shows.value as DepthShows;
@@ -65,6 +65,7 @@ export class PlanView implements View, Gestured {
 
   frame(): void {
     const { model, theme } = this.shared;
+    if (this.canvas.clientWidth < 20 || this.canvas.clientHeight < 20) return;
     const resized = fit(this.canvas);
     const look = `${model.revision.join()} ${this.shared.selected?.number ?? ''}`;
     if (!this.dirty && !resized && look === this.shown && this.painted === theme.revision) return;
@@ -106,7 +107,7 @@ export class PlanView implements View, Gestured {
     const { camera, layers } = this;
     const drawing = context(this.canvas);
     const ratio = pixelRatio();
-    const pen: Pen = { drawing, camera, paint: theme.paint };
+    const pen: Pen = { drawing, camera, paint: theme.paint, taken: [] };
     drawing.setTransform(ratio, 0, 0, ratio, 0, 0);
     drawing.fillStyle = theme.paint.water;
     drawing.fillRect(0, 0, camera.width, camera.height);
@@ -121,7 +122,11 @@ export class PlanView implements View, Gestured {
     layer('grid', model.grid !== null, () => this.grid.draw(pen, model.grid!));
     layer('samples', model.sonars.size > 0, () => this.samples.draw(pen, model));
     layer('fence', !!scene && scene.fence.length + scene.keepOut.length > 0, () => drawFences(pen, scene!));
-    layer('oldWays', model.decisions.some(({ way }) => way.length > 1), () => moving.drawOldWays(pen, model));
+    layer(
+      'oldWays',
+      model.decisions.some(({ way }) => way.length > 1),
+      () => moving.drawOldWays(pen, model),
+    );
     layer('mission', (scene?.mission.length ?? 0) > 0, () => drawMission(pen, scene!, model.way?.target));
     layer('track', model.track.size > 0, () => moving.drawTrack(pen, model));
     layer('echoes', model.sonars.size > 0, () => drawTrail(pen, model));
@@ -141,7 +146,11 @@ export class PlanView implements View, Gestured {
   /** The line below the chart: what is under the pointer, or the place of the vehicle. */
   private tell(): void {
     const { scene, vehicle } = this.shared.model;
-    const at = this.pointer ? this.camera.place(...this.pointer) : vehicle ? [vehicle.north, vehicle.east] as const : null;
+    const at = this.pointer
+      ? this.camera.place(...this.pointer)
+      : vehicle
+        ? ([vehicle.north, vehicle.east] as const)
+        : null;
     mark(this.canvas, 'north', this.camera.north.toFixed(2));
     mark(this.canvas, 'east', this.camera.east.toFixed(2));
     mark(this.canvas, 'scale', this.camera.scale.toFixed(4));
@@ -227,7 +236,10 @@ export class PlanView implements View, Gestured {
   /** Everything that has a place: the fence and the mission, the vehicle, its track. */
   showAll(): void {
     const { scene, vehicle, track } = this.shared.model;
-    const places: (readonly [number, number])[] = [...(scene?.fence ?? []), ...(scene?.mission.map(({ at }) => at) ?? [])];
+    const places: (readonly [number, number])[] = [
+      ...(scene?.fence ?? []),
+      ...(scene?.mission.map(({ at }) => at) ?? []),
+    ];
     if (vehicle) places.push([vehicle.north, vehicle.east]);
     for (const { places: piece } of track.values()) {
       for (let i = 0; i + 3 < piece.length; i += 4) places.push([piece[i + 1]!, piece[i + 2]!]);
@@ -247,7 +259,10 @@ export class PlanView implements View, Gestured {
     if (places.length > 0) {
       this.follow(false);
       const all = [...places, ...decision.way];
-      const range = (k: 0 | 1): [number, number] => [Math.min(...all.map((p) => p[k])), Math.max(...all.map((p) => p[k]))];
+      const range = (k: 0 | 1): [number, number] => [
+        Math.min(...all.map((p) => p[k])),
+        Math.max(...all.map((p) => p[k])),
+      ];
       const [n, e] = [range(0), range(1)];
       const seen = Math.min(this.camera.width, this.camera.height) * this.camera.scale;
       if (Math.max(n[1] - n[0], e[1] - e[0]) > seen || seen > 400) this.camera.show(n, e, 0.2);

@@ -30,7 +30,7 @@ export class FanView {
       this.painted = look;
     }
     const { left, right, up, down } = picture.box;
-    const margin = 26;
+    const margin = 20;
     this.scale = Math.max(0.01, Math.min((width - 2 * margin) / (right - left), (height - 2 * margin) / (up - down)));
     this.x = width / 2 - ((left + right) / 2) * this.scale;
     this.y = height / 2 + ((up + down) / 2) * this.scale;
@@ -53,7 +53,9 @@ export class FanView {
     let beam = -1;
     let nearest = Infinity;
     for (let i = 0; i < image.beams; ++i) {
-      const off = Math.abs(Math.atan2(Math.sin(azimuth - image.sonar.azimuth[i]!), Math.cos(azimuth - image.sonar.azimuth[i]!)));
+      const off = Math.abs(
+        Math.atan2(Math.sin(azimuth - image.sonar.azimuth[i]!), Math.cos(azimuth - image.sonar.azimuth[i]!)),
+      );
       if (off < nearest) [nearest, beam] = [off, i];
     }
     return nearest < Math.max(0.03, image.sonar.width[beam] ?? 0) ? { beam, bin } : null;
@@ -103,7 +105,13 @@ export class FanView {
     drawing.lineWidth = 1;
     for (let range = step; range <= image.reach * 1.001; range += step) {
       drawing.beginPath();
-      drawing.arc(this.x, this.y, range * this.scale, (whole ? 0 : from) - Math.PI / 2, (whole ? 2 * Math.PI : to) - Math.PI / 2);
+      drawing.arc(
+        this.x,
+        this.y,
+        range * this.scale,
+        (whole ? 0 : from) - Math.PI / 2,
+        (whole ? 2 * Math.PI : to) - Math.PI / 2,
+      );
       drawing.stroke();
     }
     drawing.globalAlpha = 1;

@@ -1,6 +1,6 @@
 /** What a sonar hears: its samples as a fan and unrolled, the echoes that were decided, and one beam as a curve. */
 import { Chart } from '../chart';
-import { packed, rgbOf, tables, type TableName } from '../colours';
+import { css, packed, rgbOf, tables, type TableName } from '../colours';
 import { byId, context, fit, make, mark, pixelRatio, say } from '../dom';
 import { Kind } from '../protocol';
 import type { SonarImage } from '../sonar_image';
@@ -23,7 +23,10 @@ export class SonarView implements View {
   private readonly none = byId('sonar-none');
   private readonly profile: Chart;
   private readonly forms = { fan: new FanView(), strip: new StripView() };
-  private readonly buttons = { fan: byId<HTMLButtonElement>('sonar-fan'), strip: byId<HTMLButtonElement>('sonar-strip') };
+  private readonly buttons = {
+    fan: byId<HTMLButtonElement>('sonar-fan'),
+    strip: byId<HTMLButtonElement>('sonar-strip'),
+  };
   private form: Form = 'fan';
   private chosen = -1;
   private listed = '';
@@ -47,7 +50,8 @@ export class SonarView implements View {
     for (const form of ['fan', 'strip'] as const) {
       this.buttons[form].addEventListener('click', () => {
         this.form = form;
-        for (const other of ['fan', 'strip'] as const) this.buttons[other].setAttribute('aria-pressed', String(other === form));
+        for (const other of ['fan', 'strip'] as const)
+          this.buttons[other].setAttribute('aria-pressed', String(other === form));
         touch();
       });
     }
@@ -90,7 +94,11 @@ export class SonarView implements View {
       ...numbers.map((number) => {
         const { sonar } = model.sonars.get(number)!;
         const kind = sonar.scanning ? 'turning' : sonar.upright ? 'upright fan' : 'fan';
-        return make('option', { value: number, selected: number === this.chosen }, `${sonar.name || `sonar ${number}`} (${kind})`);
+        return make(
+          'option',
+          { value: number, selected: number === this.chosen },
+          `${sonar.name || `sonar ${number}`} (${kind})`,
+        );
       }),
     );
   }
@@ -106,12 +114,14 @@ export class SonarView implements View {
     const name = this.colours.value === 'auto' ? paint.intensity : (this.colours.value as TableName);
     const table = passing(tables[name], threshold);
     const mine = this.decided.checked ? packed(paint.decided) : 0;
+    this.scale(image, name);
     const look = `${image.revision} ${name} ${threshold} ${mine}`;
     const view = this.forms[this.form];
     view.draw(drawing, width, height, image, paint, table, mine, look);
     const under = this.pointer && view.sampleAt(...this.pointer, image);
     if (under) this.held = under;
-    const shown = under ?? (this.held ? { beam: this.held.beam, bin: -1 } : { beam: Math.max(0, image.newest), bin: -1 });
+    const shown =
+      under ?? (this.held ? { beam: this.held.beam, bin: -1 } : { beam: Math.max(0, image.newest), bin: -1 });
     if (shown.beam < image.beams) {
       view.point(drawing, image, shown, paint.ruler);
       this.curve(image, shown, threshold);
@@ -120,6 +130,19 @@ export class SonarView implements View {
     say(this.sliderText, threshold === 0 ? 'off' : `${value(image, threshold)}, ${share(image, threshold)} pass`);
     mark(this.canvas, 'sonar', image.sonar.name);
   }
+
+  /** Which colour is which level. */
+  private scale(image: SonarImage, name: TableName): void {
+    const look = `${name} ${JSON.stringify(image.sonar.scale)}`;
+    if (look === this.scaled) return;
+    this.scaled = look;
+    const [low, bar, high] = byId('sonar-scale').children as unknown as [HTMLElement, HTMLElement, HTMLElement];
+    say(low, String(image.sonar.scale.low).replace('-', '−'));
+    say(high, `${String(image.sonar.scale.high).replace('-', '−')} ${image.sonar.scale.unit}`.trim());
+    const stops = Array.from({ length: 9 }, (_, i) => css(rgbOf(tables[name][Math.min(255, 32 * i)]!)));
+    bar.style.background = `linear-gradient(90deg, ${stops.join(',')})`;
+  }
+  private scaled = '';
 
   private tell(image: SonarImage, { beam, bin }: Sample, threshold: number): void {
     const parts = [`Beam ${beam}, azimuth ${units.relativeBearing((image.sonar.azimuth[beam]! * 180) / Math.PI)}`];
@@ -151,7 +174,9 @@ export class SonarView implements View {
     const x = new Float64Array(bins);
     const y = new Float64Array(bins);
     const decided: (number | null)[] = new Array<number | null>(bins).fill(null);
-    const limit: (number | null)[] = new Array<number | null>(bins).fill(threshold > 0 ? image.valueOf(threshold) : null);
+    const limit: (number | null)[] = new Array<number | null>(bins).fill(
+      threshold > 0 ? image.valueOf(threshold) : null,
+    );
     const cursor: (number | null)[] = new Array<number | null>(bins).fill(null);
     for (let i = 0; i < bins; ++i) {
       x[i] = image.rangeOf(i);

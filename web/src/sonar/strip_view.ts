@@ -8,7 +8,7 @@ import type { Sample } from './sample';
 
 const kLeft = 46;
 const kRight = 12;
-const kTop = 12;
+const kTop = 24;
 const kBottom = 36;
 
 export class StripView {
@@ -115,7 +115,9 @@ export class StripView {
     }
     drawing.fillStyle = paint.faint;
     drawing.fillText(
-      image.sonar.upright ? 'elevation of the beam, in the frame of the sensor' : 'azimuth of the beam: port − , starboard +',
+      image.sonar.upright
+        ? 'elevation of the beam, in the frame of the sensor'
+        : 'azimuth of the beam: port − , starboard +',
       kLeft + this.box.width / 2,
       kTop + this.box.height + 26,
     );

@@ -1,6 +1,14 @@
 /** A frame round what is shown: a grid on the floor and numbers along north, east and depth. */
 import {
-  BufferAttribute, BufferGeometry, CanvasTexture, Group, LineBasicMaterial, LineSegments, SRGBColorSpace, Sprite, SpriteMaterial,
+  BufferAttribute,
+  BufferGeometry,
+  CanvasTexture,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  SRGBColorSpace,
+  Sprite,
+  SpriteMaterial,
 } from 'three';
 import { context, sheet } from '../dom';
 import type { Paint } from '../theme';
@@ -14,7 +22,8 @@ export class Axes {
   /** m; returns the steps of the grid: level and in depth. */
   build(extent: Extent, stretch: number, paint: Paint): void {
     const level = roundStep(Math.max(extent.high[0]! - extent.low[0]!, extent.high[1]! - extent.low[1]!) / 5);
-    const deep = roundStep(Math.max(1, extent.high[2]!) / 3);
+    // No closer than their numbers can stand.
+    const deep = roundStep(Math.max(Math.max(1, extent.high[2]!) / 3, (0.35 * level) / stretch));
     const low = [0, 1].map((k) => Math.floor(extent.low[k]! / level) * level) as [number, number];
     const high = [0, 1].map((k) => Math.ceil(extent.high[k]! / level) * level) as [number, number];
     const floor = Math.ceil(Math.max(1, extent.high[2]!) / deep) * deep;
@@ -28,7 +37,7 @@ export class Axes {
     };
     const size = 0.042 * Math.max(high[0] - low[0], high[1] - low[1]);
     const text = (words: string, n: number, e: number, d: number) => {
-      const sprite = label(words, paint, size);
+      const sprite = label(words, paint);
       sprite.position.copy(at(n, e, d * stretch));
       this.group.add(sprite);
     };
@@ -41,7 +50,8 @@ export class Axes {
       line([low[0], e, floor], [high[0], e, floor]);
       text(count(e), low[0] - 1.1 * size, e, floor);
     }
-    for (const [n, e] of [low, [high[0], low[1]], [low[0], high[1]]] as [number, number][]) line([n, e, 0], [n, e, floor]);
+    for (const [n, e] of [low, [high[0], low[1]], [low[0], high[1]]] as [number, number][])
+      line([n, e, 0], [n, e, floor]);
     for (let d = 0; d <= floor + 1e-6; d += deep) {
       line([high[0], low[1], d], [high[0] + size / 2, low[1] - size / 2, d]);
       text(d === 0 ? '0 m' : `${count(d)}`, high[0] + 0.8 * size, low[1] - 0.8 * size, d);
@@ -51,7 +61,9 @@ export class Axes {
     text(`Down, m${stretch > 1 ? `  (× ${stretch})` : ''}`, high[0] + 2 * size, low[1] - 2 * size, floor / 2);
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(Float32Array.from(lines), 3));
-    this.group.add(new LineSegments(geometry, new LineBasicMaterial({ color: paint.faint, transparent: true, opacity: 0.55 })));
+    this.group.add(
+      new LineSegments(geometry, new LineBasicMaterial({ color: paint.faint, transparent: true, opacity: 0.55 })),
+    );
   }
 
   private clear(): void {
@@ -68,7 +80,10 @@ export class Axes {
   }
 }
 
-function label(words: string, paint: Paint, size: number): Sprite {
+/** Of the height of the view. */
+const kText = 0.03;
+
+function label(words: string, paint: Paint): Sprite {
   const canvas = sheet(1, 44);
   const font = '600 30px system-ui, "DejaVu Sans", sans-serif';
   const measure = context(canvas);
@@ -85,8 +100,9 @@ function label(words: string, paint: Paint, size: number): Sprite {
   pen.fillText(words, 6, 23);
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
-  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true }));
-  sprite.scale.set((size * canvas.width) / canvas.height, size, 1);
+  // As large on the screen, however far away.
+  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true, sizeAttenuation: false }));
+  sprite.scale.set((kText * canvas.width) / canvas.height, kText, 1);
   sprite.renderOrder = 5;
   return sprite;
 }

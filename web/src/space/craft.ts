@@ -1,7 +1,18 @@
 /** The vehicle to scale, with a ring round it that is found from far away, and the outline of each sonar's fan. */
 import {
-  BufferAttribute, BufferGeometry, CapsuleGeometry, ConeGeometry, BoxGeometry, Group, Line, LineBasicMaterial, Mesh,
-  MeshLambertMaterial, MeshBasicMaterial, RingGeometry, DoubleSide,
+  BufferAttribute,
+  BufferGeometry,
+  CapsuleGeometry,
+  ConeGeometry,
+  BoxGeometry,
+  Group,
+  Line,
+  LineBasicMaterial,
+  Mesh,
+  MeshLambertMaterial,
+  MeshBasicMaterial,
+  RingGeometry,
+  DoubleSide,
 } from 'three';
 import type { Model } from '../model';
 import type { Vehicle } from '../protocol';
@@ -13,7 +24,12 @@ export class Craft {
   readonly group = new Group();
   private readonly hull = new MeshLambertMaterial();
   private readonly fin = new MeshLambertMaterial();
-  private readonly halo = new MeshBasicMaterial({ side: DoubleSide, transparent: true, opacity: 0.7, depthTest: false });
+  private readonly halo = new MeshBasicMaterial({
+    side: DoubleSide,
+    transparent: true,
+    opacity: 0.7,
+    depthTest: false,
+  });
   private readonly body = new Group();
   private readonly ring: Mesh;
 
@@ -28,7 +44,13 @@ export class Craft {
     const tail = new Mesh(new ConeGeometry(0.058, 0.2, 16), this.hull);
     tail.rotation.x = Math.PI;
     tail.position.y = -0.46;
-    this.body.add(hull, tail, box(0.32, 0.1, 0.012, 0, -0.4, 0), box(0.012, 0.1, 0.28, 0, -0.4, 0), box(0.02, 0.12, 0.1, 0, 0.1, 0.08));
+    this.body.add(
+      hull,
+      tail,
+      box(0.32, 0.1, 0.012, 0, -0.4, 0),
+      box(0.012, 0.1, 0.28, 0, -0.4, 0),
+      box(0.02, 0.12, 0.1, 0, 0.1, 0.08),
+    );
     this.ring = new Mesh(new RingGeometry(0.92, 1, 40), this.halo);
     this.ring.renderOrder = 4;
     this.group.add(this.body, this.ring);

@@ -15,7 +15,7 @@ export class Thread {
     this.line.material.color.set(colour);
     this.line.visible = count > 1;
     if (3 * count > this.places.length) {
-      this.places = new Float32Array(Math.ceil(4.5 * count));
+      this.places = new Float32Array(3 * Math.ceil(1.5 * count));
       this.line.geometry.dispose();
       this.line.geometry = new BufferGeometry();
       this.line.geometry.setAttribute('position', new BufferAttribute(this.places, 3));

@@ -1,7 +1,19 @@
-/** The view in space: voxels, bottom, vehicle and ways, to be turned with mouse, fingers or keys. Drawn only when something changed. */
+/**
+ * The view in space: voxels, bottom, vehicle and ways, to be turned with mouse, fingers or keys. Drawn only when
+ * something changed.
+ */
 import {
-  AmbientLight, DirectionalLight, DoubleSide, Group, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene,
-  Vector3, WebGLRenderer,
+  AmbientLight,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  PerspectiveCamera,
+  PlaneGeometry,
+  Scene,
+  Vector3,
+  WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { byId, mark, say } from '../dom';
@@ -17,6 +29,8 @@ import { VoxelMesh, type VoxelColour } from './voxel_mesh';
 
 /** ms between two rebuilds of what is dear to build. */
 const kRebuild = 300;
+/** ms between two pictures of what moves, where the processor has to draw them. */
+const kSlow = 400;
 
 export class SpaceView implements View {
   private readonly canvas = byId<HTMLCanvasElement>('space-canvas');
@@ -41,6 +55,8 @@ export class SpaceView implements View {
     fan: byId<HTMLInputElement>('space-fan'),
     follow: byId<HTMLInputElement>('space-follow'),
   };
+  private readonly ambient = new AmbientLight(0xffffff, 1.5);
+  private readonly sun = new DirectionalLight(0xffffff, 2);
   private stretch = 1;
   private dirty = true;
   private seen = '';
@@ -59,9 +75,8 @@ export class SpaceView implements View {
       new MeshBasicMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }),
     );
     this.stretched.add(this.voxels.mesh, this.surface.group);
-    const sun = new DirectionalLight(0xffffff, 1.9);
-    sun.position.set(-0.5, 0.6, 1);
-    this.world.add(new AmbientLight(0xffffff, 1.35), sun, this.stretched, this.axes.group, this.sea);
+    this.sun.position.set(-0.5, 0.6, 1);
+    this.world.add(this.ambient, this.sun, this.stretched, this.axes.group, this.sea);
     this.world.add(this.craft.group, this.fans.group, this.track.line, this.way.line);
     const touch = () => {
       this.dirty = true;
@@ -70,6 +85,7 @@ export class SpaceView implements View {
       shared.redraw();
     };
     for (const box of Object.values(this.boxes)) box.addEventListener('change', touch);
+    this.boxes.follow.addEventListener('change', () => (this.placed = false));
     const colour = byId<HTMLSelectElement>('space-colour');
     colour.addEventListener('change', () => {
       this.voxels.colour = colour.value as VoxelColour;
@@ -95,12 +111,16 @@ export class SpaceView implements View {
     const look = `${model.revision.join()} ${theme.revision} ${width} ${height}`;
     if (look !== this.seen) this.dirty = true;
     if (!this.dirty) return;
+    if (this.slow && !this.moved && now - this.rendered < kSlow) return;
+    this.rendered = now;
     this.seen = look;
-    this.dirty = false;
+    this.dirty = this.moved = false;
     renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     renderer.setClearColor(theme.paint.sky);
+    this.ambient.intensity = theme.name === 'day' ? 1.7 : 1.1;
+    this.sun.intensity = theme.name === 'day' ? 2 : 1.6;
     this.rebuild(now);
     this.move();
     renderer.render(this.world, this.camera);
@@ -139,8 +159,7 @@ export class SpaceView implements View {
     this.touched();
   }
   follow(): void {
-    this.boxes.follow.checked = !this.boxes.follow.checked;
-    this.touched();
+    this.boxes.follow.click();
   }
 
   private touched(): void {
@@ -154,28 +173,35 @@ export class SpaceView implements View {
     if (this.renderer) return true;
     if (this.failed) return false;
     try {
-      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true });
+      this.slow = drawsInSoftware();
+      this.surface.most = this.slow ? 25_000 : 600_000;
+      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !this.slow });
     } catch {
       this.failed = true;
       byId('space-none').hidden = false;
       return false;
     }
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.renderer.setPixelRatio(this.slow ? 1 : Math.min(2, window.devicePixelRatio || 1));
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.zoomToCursor = true;
     this.controls.maxPolarAngle = Math.PI * 0.92;
     this.controls.addEventListener('change', () => {
-      this.dirty = true;
+      this.dirty = this.moved = true;
       this.shared.redraw();
     });
     return true;
   }
   private failed = false;
+  /** No graphics processor: fewer points, and a picture for every record would leave no time for the other views. */
+  private slow = false;
+  private moved = false;
+  private rendered = -Infinity;
 
   private rebuild(now: number): void {
     const { model, theme } = this.shared;
     const stretch = this.stretch;
-    const look = `${model.revision[Kind.voxels]} ${model.revision[Kind.depth]} ${model.revision[Kind.scene]} ${theme.revision}`;
+    const revisions = [Kind.voxels, Kind.depth, Kind.scene].map((kind) => model.revision[kind]);
+    const look = `${revisions.join()} ${theme.revision}`;
     if (look === this.built) return;
     if (now - this.rebuilt < kRebuild) {
       this.dirty = true; // soon
@@ -215,7 +241,11 @@ export class SpaceView implements View {
   private extent(): Extent {
     const { model } = this.shared;
     const extent = new Extent();
-    for (const { at: [n, e], depth } of model.scene?.mission ?? []) extent.add(n, e, depth ?? 0);
+    for (const {
+      at: [n, e],
+      depth,
+    } of model.scene?.mission ?? [])
+      extent.add(n, e, depth ?? 0);
     if (model.vehicle) extent.add(model.vehicle.north, model.vehicle.east, model.vehicle.down);
     for (const { item } of model.voxels.values()) {
       const [n, e, d] = item.corner.map((v) => v * item.size) as [number, number, number];
@@ -247,8 +277,10 @@ export class SpaceView implements View {
     const follows = this.boxes.follow.checked && vehicle;
     const target = follows ? at(vehicle.north, vehicle.east, vehicle.down * this.stretch) : at(n, e, 0);
     this.controls!.target.copy(target);
-    const far = follows ? Math.min(wide, 70) : wide * 1.05 * Math.max(1, 1.1 / this.camera.aspect);
-    this.camera.position.copy(target).add(new Vector3(-0.45, -0.85, 0.62).multiplyScalar(far));
+    const half = (this.camera.fov / 2) * (Math.PI / 180);
+    const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
+    const far = follows ? Math.min(wide, 70) : (0.61 * wide) / Math.sin(narrow);
+    this.camera.position.copy(target).add(new Vector3(-0.4, -0.75, 0.62).normalize().multiplyScalar(far));
     this.camera.far = wide * 20;
     this.controls!.update();
   }
@@ -269,10 +301,16 @@ export class SpaceView implements View {
         target.copy(place);
         this.controls!.update();
         this.followed = place;
-        this.dirty = false;
+        this.dirty = this.moved = false;
       }
       this.controls!.zoomToCursor = !this.boxes.follow.checked;
-      this.craft.place(vehicle, scene?.vehicle.length ?? 1.5, this.stretch, paint, this.camera.position.distanceTo(place));
+      this.craft.place(
+        vehicle,
+        scene?.vehicle.length ?? 1.5,
+        this.stretch,
+        paint,
+        this.camera.position.distanceTo(place),
+      );
     }
     this.fans.show(model, this.stretch, paint);
     const points = model.way?.points ?? [];
@@ -303,13 +341,26 @@ export class SpaceView implements View {
       : [];
     parts.push(`${units.count(this.voxels.shown)} voxels`);
     if (this.voxels.shown > 0 && this.voxels.colour === 'depth') {
-      parts.push(`light ${units.metres(this.voxels.range[0])} to dark ${units.metres(this.voxels.range[1])} deep`);
+      parts.push(
+        `voxels light ${units.metres(this.voxels.range[0])} to dark ${units.metres(this.voxels.range[1])} deep`,
+      );
     } else if (this.voxels.shown > 0) {
-      parts.push('dark 50 % to light 100 % likely');
+      parts.push('voxels dark 50 % to light 100 % likely');
     }
+    if (this.shared.model.depth.size > 0 && this.boxes.bottom.checked)
+      parts.push(`bottom light 0 m to dark ${this.deepest} m deep`);
     say(this.readout, parts.join(' · '));
     mark(this.canvas, 'voxels', String(this.voxels.shown));
   }
+}
+
+function drawsInSoftware(): boolean {
+  const probe = document.createElement('canvas').getContext('webgl2');
+  if (!probe) return false;
+  const names = probe.getExtension('WEBGL_debug_renderer_info');
+  const name: unknown = probe.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : probe.RENDERER);
+  probe.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
 }
 
 function level([n, e, d]: readonly [number, number, number], instead: number): [number, number, number] {

@@ -39,11 +39,18 @@ export class VoxelMesh {
     const colour = new Color();
     const table = theme.name === 'night' ? tables.ember : tables.viridis;
     for (let i = 0; i < count; ++i) {
-      const [north, east, down, p, size] = cells.subarray(5 * i, 5 * i + 5) as unknown as [number, number, number, number, number];
+      const [north, east, down, p, size] = cells.subarray(5 * i, 5 * i + 5) as unknown as [
+        number,
+        number,
+        number,
+        number,
+        number,
+      ];
       matrix.makeScale(size * 0.96, size * 0.96, size * 0.96).setPosition(east, north, -down);
       this.mesh.setMatrixAt(i, matrix);
       // Shallow is light: it is what a keel meets first. Likely is light too.
-      const share = this.colour === 'depth' ? 1 - (down - this.range[0]) / (this.range[1] - this.range[0]) : (p - 0.5) * 2;
+      const share =
+        this.colour === 'depth' ? 1 - (down - this.range[0]) / (this.range[1] - this.range[0]) : (p - 0.5) * 2;
       const [r, g, b] = rgbOf(table[Math.min(255, Math.max(0, Math.round(30 + 225 * share)))]!);
       this.mesh.setColorAt(i, colour.setRGB(r / 255, g / 255, b / 255, 'srgb'));
     }
@@ -73,17 +80,31 @@ function visible(model: Model): Float32Array {
     all += item.count;
     for (let i = 0; i < item.count; ++i) {
       const v = 4 * i;
-      taken.add(key(item.corner[0] + item.voxels[v]!, item.corner[1] + item.voxels[v + 1]!, item.corner[2] + item.voxels[v + 2]!));
+      taken.add(
+        key(
+          item.corner[0] + item.voxels[v]!,
+          item.corner[1] + item.voxels[v + 1]!,
+          item.corner[2] + item.voxels[v + 2]!,
+        ),
+      );
     }
   }
   const out = new Float32Array(5 * all);
   let n = 0;
   for (const { item } of model.voxels.values()) {
     for (let i = 0; i < item.count; ++i) {
-      const [x, y, z] = [0, 1, 2].map((k) => item.corner[k as 0 | 1 | 2] + item.voxels[4 * i + k]!) as [number, number, number];
+      const [x, y, z] = [0, 1, 2].map((k) => item.corner[k as 0 | 1 | 2] + item.voxels[4 * i + k]!) as [
+        number,
+        number,
+        number,
+      ];
       const hidden =
-        taken.has(key(x + 1, y, z)) && taken.has(key(x - 1, y, z)) && taken.has(key(x, y + 1, z)) &&
-        taken.has(key(x, y - 1, z)) && taken.has(key(x, y, z + 1)) && taken.has(key(x, y, z - 1));
+        taken.has(key(x + 1, y, z)) &&
+        taken.has(key(x - 1, y, z)) &&
+        taken.has(key(x, y + 1, z)) &&
+        taken.has(key(x, y - 1, z)) &&
+        taken.has(key(x, y, z + 1)) &&
+        taken.has(key(x, y, z - 1));
       if (hidden) continue;
       const s = item.size;
       out.set([(x + 0.5) * s, (y + 0.5) * s, (z + 0.5) * s, item.voxels[4 * i + 3]! / 250, s], 5 * n++);

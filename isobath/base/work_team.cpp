@@ -1,0 +1,48 @@
+#include <algorithm>
+#include <isobath/base/work_team.hpp>
+
+namespace isobath {
+
+WorkTeam::WorkTeam(int threads) {
+  for (int t = 1; t < threads; ++t) {
+    others_.emplace_back([this] {
+      while (untaken_.load(std::memory_order_acquire) != kOver) {
+        take_pieces();
+        untaken_.wait(0, std::memory_order_acquire);
+      }
+    });
+  }
+}
+
+WorkTeam::~WorkTeam() {
+  untaken_.store(kOver, std::memory_order_release);
+  untaken_.notify_all();
+  for (std::thread& other : others_) other.join();
+}
+
+void WorkTeam::begin() {
+  pieces_ = (count_ + piece_ - 1) / piece_;
+  undone_.store(pieces_, std::memory_order_relaxed);
+  untaken_.store(pieces_, std::memory_order_release);  // from here on the job is everybody's
+  untaken_.notify_all();
+  take_pieces();
+  for (int left = undone_.load(std::memory_order_acquire); left != 0; left = undone_.load(std::memory_order_acquire)) {
+    undone_.wait(left, std::memory_order_acquire);
+  }
+}
+
+/// The job is looked at only with a piece of it in hand: until that is done, its giver waits and it stays what it is.
+void WorkTeam::take_pieces() {
+  int untaken = untaken_.load(std::memory_order_relaxed);
+  while (untaken > 0) {
+    if (!untaken_.compare_exchange_weak(untaken, untaken - 1, std::memory_order_acq_rel, std::memory_order_relaxed)) {
+      continue;
+    }
+    const int first = (pieces_ - untaken) * piece_;
+    run_(job_, first, std::min(first + piece_, count_));
+    if (undone_.fetch_sub(1, std::memory_order_acq_rel) == 1) undone_.notify_one();
+    untaken = untaken_.load(std::memory_order_relaxed);
+  }
+}
+
+}  // namespace isobath
