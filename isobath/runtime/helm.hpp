@@ -29,7 +29,7 @@ class Helm : public ResultSink {
   /// Frames for the operator since the last call (operator_link.hpp); not kept for ever where nobody asks.
   [[nodiscard]] virtual std::vector<FrameBytes> to_operator() { return {}; }
   /// Whoever is to see every message of its agents, in order, as a crew's recorder (bus.hpp).
-  virtual void show_messages_to(Recorder /*recorder*/) {}
+  virtual void show_messages_to(const Recorder& /*recorder*/) {}
   /// Of its agents, where it has any.
   [[nodiscard]] virtual CrewCounts crew_counts() const { return {}; }
   /// Waits until all that was heard is answered; one that has no threads of its own has nothing to wait for.

@@ -102,9 +102,9 @@ std::vector<FrameBytes> LiveHelm::to_operator() {
   return std::exchange(state_->book.frames, {});
 }
 
-void LiveHelm::show_messages_to(Recorder recorder) {
+void LiveHelm::show_messages_to(const Recorder& recorder) {
   const std::lock_guard lock(state_->book_mutex);
-  state_->listener = std::move(recorder);
+  state_->listener = recorder;
 }
 
 CrewCounts LiveHelm::crew_counts() const { return state_->crew.counts(); }

@@ -35,7 +35,7 @@ class LiveHelm : public Helm {
   [[nodiscard]] Setpoint steer() override;
   [[nodiscard]] MissionReport progress() const override;
   [[nodiscard]] const std::vector<Decision>& decisions() const override;
-  void show_messages_to(Recorder recorder) override;
+  void show_messages_to(const Recorder& recorder) override;
   [[nodiscard]] std::vector<FrameBytes> to_operator() override;
   [[nodiscard]] CrewCounts crew_counts() const override;
   /// All that was heard is answered, but for agents that are lost.

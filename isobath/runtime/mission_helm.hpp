@@ -43,7 +43,7 @@ class MissionHelm : public Helm {
   [[nodiscard]] Setpoint steer() override;
   [[nodiscard]] MissionReport progress() const override { return book_.report; }
   [[nodiscard]] const std::vector<Decision>& decisions() const override { return book_.decisions; }
-  void show_messages_to(Recorder recorder) override { listener_ = std::move(recorder); }
+  void show_messages_to(const Recorder& recorder) override { listener_ = recorder; }
   /// Those of the last event.
   [[nodiscard]] std::vector<FrameBytes> to_operator() override { return std::exchange(book_.frames, {}); }
   [[nodiscard]] CrewCounts crew_counts() const override { return crew_.counts(); }

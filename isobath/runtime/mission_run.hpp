@@ -51,7 +51,7 @@ class MissionRun : public ResultSink {
   MissionRun(const MissionSetup& setup, const Configuration& configuration, bool live);
 
   /// From now on; before the first event, if it is to hear all. Live, it is called from all threads, one at a time.
-  void show_messages_to(Recorder recorder) { helm_->show_messages_to(std::move(recorder)); }
+  void show_messages_to(const Recorder& recorder) { helm_->show_messages_to(recorder); }
   void hear(const Event& event);
   /// Of whoever maps, before the pipeline has the event that was taken at this time.
   void begin(StageTimes::Clock::time_point taken) { times_->begin(taken); }

@@ -123,8 +123,7 @@ TEST(RunRecorder, IsAFileOfItsKind) {
 }
 
 /// A stretch of a run: fixes, messages, a display that changes; deterministic.
-void record(RunRecorder& recorder, double from_s, double to_s) {
-  DisplayItems items;
+void record(RunRecorder& recorder, DisplayItems& items, double from_s, double to_s) {
   for (int i = static_cast<int>(from_s * 10); i < static_cast<int>(to_s * 10); ++i) {
     const Time time = Time(seconds(1e9)) + std::chrono::milliseconds(100 * i);
     Navigation fix = test::fix_at(0, i, i % 360);
@@ -142,7 +141,8 @@ TEST(RunRecorder, TheSameRunGivesTheSameBytes) {
   const auto folder = test::scratch_folder();
   for (const char* name : {"a.mcap", "b.mcap"}) {
     RunRecorder recorder(folder / name, {});
-    record(recorder, 0, 30);
+    DisplayItems items;
+    record(recorder, items, 0, 30);
     recorder.close();
     EXPECT_EQ(recorder.problem(), "");
     EXPECT_EQ(recorder.left_out(), 0u);
@@ -156,7 +156,8 @@ TEST(RunRecorder, OtherViewersChannelsCanBeLeftOut) {
     Configuration configuration;
     configuration.recorder.foxglove.on = on;
     RunRecorder recorder(folder / "run.mcap", configuration);
-    record(recorder, 0, 3);
+    DisplayItems items;
+    record(recorder, items, 0, 3);
     recorder.close();
     const McapIndex index(folder / "run.mcap");
     EXPECT_EQ(index.channel_of("/foxglove/tf").has_value(), on);
@@ -187,9 +188,10 @@ TEST(RunRecorder, SurvivesBeingKilled) {
   ASSERT_GE(child, 0);
   if (child == 0) {
     RunRecorder recorder(file, {});
-    record(recorder, 0, 60);
+    DisplayItems items;
+    record(recorder, items, 0, 60);
     (void)!write(ready[1], "x", 1);
-    for (double t = 60;; t += 1) record(recorder, t, t + 1);  // goes on until it is killed
+    for (double t = 60;; t += 1) record(recorder, items, t, t + 1);  // goes on until it is killed
   }
   char one = 0;
   ASSERT_EQ(read(ready[0], &one, 1), 1);
@@ -244,9 +246,10 @@ TEST(RunRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   const auto file = test::scratch_folder() / "full.mcap";
   {
     RunRecorder recorder(file, {});
+    DisplayItems items;
     {
       const SmallDisk disk(60'000);
-      EXPECT_NO_THROW(record(recorder, 0, 600));
+      EXPECT_NO_THROW(record(recorder, items, 0, 600));
     }
     EXPECT_THAT(recorder.problem(), testing::HasSubstr("full.mcap: byte"));
     EXPECT_THAT(recorder.problem(), testing::HasSubstr("cannot be written"));
