@@ -1,0 +1,189 @@
+// The live page as its users meet it: the program serves, a real browser looks.
+//
+// Needs ISOBATH_PROGRAM and ISOBATH_CHROMIUM; ISOBATH_SCREENSHOTS names a folder for pictures to be looked at.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { mkdtempSync, rmSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+
+const { chromium } = createRequire(new URL('../../web/package.json', import.meta.url))('playwright-core');
+const scratch = mkdtempSync(join(tmpdir(), 'isobath-page-'));
+const source = (path) => new URL(`../../${path}`, import.meta.url).pathname;
+const patience = 60_000; // ms; what is waited for comes far sooner, and a loaded machine decides nothing
+
+let browser;
+before(async () => {
+  const quiet = ['disable-background-networking', 'disable-component-update', 'disable-sync', 'no-first-run'];
+  const args = ['--no-sandbox', '--disable-gpu', '--disable-quic', ...quiet.map((flag) => `--${flag}`)];
+  browser = await chromium.launch({ executablePath: process.env.ISOBATH_CHROMIUM, args });
+});
+after(async () => {
+  await browser?.close();
+  rmSync(scratch, { recursive: true, force: true });
+});
+
+/** The program, until it says where its page is. */
+async function serve(name, ...args) {
+  const out = ['--out', join(scratch, name)];
+  const program = spawn(process.env.ISOBATH_PROGRAM, ['serve', ...args, ...out], { stdio: ['ignore', 'pipe', 'pipe'] });
+  const over = new Promise((resolve) => program.on('exit', resolve));
+  let said = '';
+  const url = await new Promise((resolve, reject) => {
+    const hear = (text) => {
+      said += text;
+      const found = /http:\/\/\S+/.exec(said);
+      if (found) resolve(found[0]);
+    };
+    program.stdout.on('data', hear);
+    program.stderr.on('data', hear);
+    program.on('exit', (code) => reject(new Error(`the program ended with ${code}: ${said}`)));
+  });
+  return {
+    url,
+    port: new URL(url).port,
+    said: () => said,
+    end: async (signal = 'SIGINT') => {
+      program.kill(signal);
+      return over;
+    },
+  };
+}
+
+async function open(url, width = 1400, height = 900, scheme = 'light') {
+  const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
+  page.setDefaultTimeout(patience);
+  page.troubles = [];
+  page.on('pageerror', (error) => page.troubles.push(String(error)));
+  page.on('requestfailed', (request) => page.troubles.push(`${request.url()} failed`));
+  await page.goto(url);
+  return page;
+}
+
+const state = (page, wanted) => page.waitForSelector(`#connection[data-state="${wanted}"]`);
+/** s since the start, as the page shows it. */
+const now = async (page) => Number(await page.getAttribute('#timeline', 'aria-valuenow'));
+const until = (page, seconds) =>
+  page.waitForFunction((s) => Number(document.querySelector('#timeline').getAttribute('aria-valuenow')) >= s, seconds);
+const count = (page, name) =>
+  page.evaluate((wanted) => {
+    const term = [...document.querySelectorAll('#health-counts *')].find((e) => e.textContent.trim() === wanted);
+    return Number((term?.nextElementSibling?.textContent ?? 'NaN').replaceAll(/[^0-9]/g, ''));
+  }, name);
+async function picture(page, name) {
+  if (process.env.ISOBATH_SCREENSHOTS) {
+    await page.screenshot({ path: join(process.env.ISOBATH_SCREENSHOTS, `${name}.png`) });
+  }
+}
+
+// ledger: S5-59
+test('a simulated mission is seen as it runs, its past as it was, and by two pages alike', async () => {
+  const program = await serve('pandan', '--port', '0', '--speed', '8');
+  const page = await open(program.url);
+  await state(page, 'open');
+  await until(page, 12);
+  assert.match(await page.textContent('#connection'), /live/);
+  assert.notEqual(await page.textContent('#title'), '');
+  await page.click('#tab-health');
+  await page.waitForFunction(() => /pings/.test(document.querySelector('#health-counts').textContent));
+  const pings = await count(page, 'pings');
+  assert.ok(pings > 0, 'pings are counted');
+  await until(page, (await now(page)) + 10);
+  assert.ok((await count(page, 'pings')) > pings, 'the map goes on growing');
+  await page.click('#tab-log');
+  await page.waitForSelector('#log-list li[data-decision]');
+  await picture(page, 'live-1400');
+
+  await until(page, 60);
+  const position = await page.textContent('#now-position');
+  const strip = await page.locator('#timeline').boundingBox();
+  await page.mouse.click(strip.x + 0.3 * strip.width, strip.y + strip.height / 2);
+  await page.waitForSelector('#live[aria-pressed="false"]');
+  await page.click('#play');
+  await page.waitForSelector('#play[data-playing="false"]');
+  const past = await now(page);
+  assert.ok(past < 45, `the past is shown, not ${past} s`);
+  assert.notEqual(await page.textContent('#now-position'), position);
+  await page.click('#step-forward');
+  await page.waitForFunction(
+    (s) => Number(document.querySelector('#timeline').getAttribute('aria-valuenow')) > s,
+    past,
+  );
+  await picture(page, 'past-1400');
+  await page.click('#live');
+  await page.waitForSelector('#live[aria-pressed="true"]');
+
+  const other = await open(program.url, 390, 844, 'dark');
+  await state(other, 'open');
+  await other.waitForSelector('#live[aria-pressed="true"]');
+  const decisions = (p) => p.$$eval('#log-list li[data-decision]', (all) => all.map((li) => li.textContent));
+  await until(other, 30);
+  const seen = await decisions(page);
+  const same = await decisions(other);
+  const shorter = Math.min(seen.length, same.length);
+  assert.ok(shorter > 0);
+  assert.deepEqual(seen.slice(-shorter), same.slice(-shorter), 'both pages tell the same decisions');
+  await picture(other, 'phone-390');
+  assert.deepEqual([...page.troubles, ...other.troubles], []);
+  assert.equal(await page.textContent('#malformed-count'), '0');
+  await page.close();
+  await other.close();
+  assert.equal(await program.end(), 0);
+});
+
+test('a fault appears in the panel and in the banner', async () => {
+  const program = await serve('fault', source('scenarios/faults/sonar_silent.toml'), '--port', '0', '--speed', '8');
+  const page = await open(program.url);
+  await state(page, 'open');
+  await page.click('#tab-health');
+  await page.waitForSelector('[data-trouble][data-active="true"]');
+  assert.match(await page.textContent('#health-troubles'), /sonar silent/);
+  assert.match(await page.textContent('#alarms'), /sonar silent/);
+  await picture(page, 'fault-1400');
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+  await program.end();
+});
+
+test('a broken connection says so, and recovers by itself', async () => {
+  let program = await serve('first', '--port', '0', '--speed', '4');
+  const page = await open(program.url);
+  await state(page, 'open');
+  await until(page, 2);
+  await program.end('SIGKILL');
+  await page.waitForSelector('#notice:not([hidden])');
+  assert.match(await page.textContent('#notice'), /old|lost|again/);
+  await picture(page, 'lost-1400');
+  program = await serve('second', '--port', program.port, '--speed', '4');
+  await state(page, 'open');
+  await page.waitForSelector('#notice', { state: 'hidden' });
+  await page.close();
+  await program.end();
+});
+
+test('a recording is scrubbed, decision by decision', async () => {
+  const first = await serve('taped', '--port', '0', '--speed', 'max', '--set', 'simulation.duration_s=40');
+  await new Promise((resolve) => {
+    const wait = setInterval(() => {
+      if (!/written to/.test(first.said())) return;
+      clearInterval(wait);
+      resolve();
+    }, 50);
+  });
+  await first.end();
+  const program = await serve('replay', join(scratch, 'taped', 'recording.mcap'), '--port', '0');
+  const page = await open(program.url);
+  await state(page, 'open');
+  await page.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuemax')) > 35);
+  assert.ok((await now(page)) < 30, 'a recording begins at its start');
+  const strip = await page.locator('#timeline').boundingBox();
+  await page.mouse.click(strip.x + 0.9 * strip.width, strip.y + strip.height / 2);
+  await until(page, 30);
+  await page.mouse.click(strip.x + 0.1 * strip.width, strip.y + strip.height / 2);
+  await page.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuenow')) < 15);
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+  await program.end();
+});
