@@ -79,7 +79,7 @@ void CornerEvidence::hypothesise(const ScanCorner& seen, std::size_t first, std:
     known.corner = fused(known.corner, seen);
     return;
   }
-  corners_.push_back({seen, first, second, scans_, 0, 0, 0});
+  corners_.push_back({static_cast<const PlaneCorner&>(seen), first, second, scans_, 0, 0, 0});
 }
 
 void CornerEvidence::weigh(const PlaneScan& scan, SeenCorner& corner) const {

@@ -28,7 +28,7 @@ double PlaneScan::variance_along(const Vector2d& n, const PlaneEcho& echo) const
 std::vector<RangeRun> constant_range_runs(const PlaneScan& scan, const RangeRunConfig& config) {
   const std::size_t n = scan.echoes.size();
   const Angle turn = Angle::degrees(360);
-  const auto bearing_of = [&](std::size_t i) { return scan.echoes[i % n].bearing + turn * static_cast<double>(i / n); };
+  const auto bearing_of = [&](std::size_t i) { return scan.echoes[i % n].bearing + (i < n ? Angle{} : turn); };
   const auto goes_on = [&](std::size_t i) {  // from i to the next
     const double a = scan.echoes[i % n].range_m, b = scan.echoes[(i + 1) % n].range_m;
     return bearing_of(i + 1) - bearing_of(i) <= config.neighbours &&

@@ -33,8 +33,7 @@ struct PlaneEcho {
 
 /// Of a beam, full; with the cosine and the sine of its half, which are asked for at every echo of every fit.
 struct BeamWidth {
-  BeamWidth(Angle width)
-      : full(width), cos_half(cos(width / 2)), sin_half(sin(width / 2)) {}  // NOLINT: an angle is one
+  explicit BeamWidth(Angle width) : full(width), cos_half(cos(width / 2)), sin_half(sin(width / 2)) {}
   Angle full;
   double cos_half, sin_half;
 };
@@ -42,7 +41,7 @@ struct BeamWidth {
 struct PlaneScan {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();  ///< the sonar
   std::vector<PlaneEcho> echoes;                   ///< by bearing, of [0, 360) degrees: sort()
-  BeamWidth beam_width = Angle::degrees(2.5);
+  BeamWidth beam_width{Angle::degrees(2.5)};
   Angle sigma = Angle::degrees(2.5 / 2.355);   ///< of a bearing
   double sigma_m = 0.15, sigma_share = 0.003;  ///< of a range: the larger one
 

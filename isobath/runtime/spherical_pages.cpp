@@ -186,9 +186,8 @@ std::string spherical_features_picture(const Scene& scene, const SphericalSurvey
     if (!corner.corner.convex) continue;
     const bool confirmed = corner.confirmed > 0;
     picture.dot(corner.corner.at, 5.5, confirmed ? palette::kTruth : kOpen);
-    picture.label(corner.corner.at,
-                  confirmed ? fmt::format("seen {}, sure {}", corner.hypothesised, corner.confirmed)
-                            : fmt::format("seen {}", corner.hypothesised));
+    picture.label(corner.corner.at, confirmed ? fmt::format("seen {}, sure {}", corner.hypothesised, corner.confirmed)
+                                              : fmt::format("seen {}", corner.hypothesised));
   }
   picture.finish({{kTold, "edges and arcs"},
                   {kWalls, "true walls"},

@@ -134,8 +134,9 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     mapper.move_to({Rotation::from_heading(place.course), place.at}, time);
     mapper.begin_scan();
     const PlaneSection section(scene, place.at.z());
-    PlaneScan told{place.at.head<2>(),      {}, config.sonar.beam_width, config.sonar.sigma, config.sonar.sigma_m,
-                   config.sonar.sigma_share};
+    PlaneScan told{
+        place.at.head<2>(),      {}, BeamWidth(config.sonar.beam_width), config.sonar.sigma, config.sonar.sigma_m,
+        config.sonar.sigma_share};
     any = any || !section.lines().empty() || !section.arcs().empty();
     for (const SectionReading& reading : scan(section, place.at.head<2>(), config.sonar, random)) {
       const Vector3d u_W(cos(reading.bearing), sin(reading.bearing), 0);

@@ -143,7 +143,8 @@ TEST(PlaneFits, TwoScansOfOneEdgeMergeToTheFitOfAllTheirEchoes) {
   Random random(5);
   const PlanRoom wall{{{{10, -15}, {10, 15}}}, {}};
   PlaneScan scan = plan_scan(wall, {0, 0}, random);
-  scan.beam_width = Angle{};  // points are where they are told, whatever the line: so that the sums can be compared
+  scan.beam_width =
+      BeamWidth(Angle{});  // points are where they are told, whatever the line: so that the sums can be compared
   std::vector<std::size_t> low, high;
   for (std::size_t i = 0; i < scan.echoes.size(); ++i) (scan.point(scan.echoes[i]).y() < 0 ? low : high).push_back(i);
   const PlaneLine both = merged(*fit_line(scan, low), *fit_line(scan, high));

@@ -52,7 +52,8 @@ inline PlaneScan plan_scan(const PlanRoom& room, const Eigen::Vector2d& from, Ra
     const double bearing = beam * 2.5 * std::numbers::pi / 180;
     double nearest = std::numeric_limits<double>::infinity();
     for (int ray = 0; ray < 11; ++ray) {
-      nearest = std::min(nearest, room.range(from, bearing + scan.beam_width.full.radians() * ((ray + 0.5) / 11 - 0.5)));
+      nearest =
+          std::min(nearest, room.range(from, bearing + scan.beam_width.full.radians() * ((ray + 0.5) / 11 - 0.5)));
     }
     const double in_angle = random.normal();
     const double in_range = random.normal();
