@@ -198,7 +198,7 @@ void VoxelBlocks::move(const VoxelIndex& by, std::uint64_t after) {
       const std::span run(evidence.data() + n * kVolume + static_cast<std::size_t>(i),
                           evidence.data() + n * kVolume + static_cast<std::size_t>(end));
       if (std::any_of(run.begin(), run.end(), [](LogOdds16 e) { return e != kUnseen; })) {
-        LogOdds16*& block = parts[static_cast<std::size_t>(part.x() * 4 + part.y() * 2 + part.z())];
+        LogOdds16*& block = parts[static_cast<std::size_t>(part.dot(VoxelIndex(4, 2, 1)))];
         if (!block) block = touch(to + place_of(i));
         LogOdds16* there = block + offset(at);
         for (const LogOdds16 e : run) {
