@@ -186,8 +186,8 @@ std::string PageSession::clock_text() const {
                        {"live", live_},
                        {"playing", live_ || playing_},
                        {"speed", live_ ? 1 : speed_},
-                       {"control", control_},
                        {"version", sources_.version}};
+  if (!sources_.token.empty()) clock["control"] = control_;
   if (sources_.live) clock["live_s"] = rounded_ms(sources_.live_span().end - from);
   return clock.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
