@@ -13,6 +13,8 @@ namespace {
 
 using Eigen::Vector2d;
 
+constexpr Duration kSpaceInterval = std::chrono::milliseconds(450);  // every scan of a sonar that pings twice a second
+
 Vector2d place_of(const Navigation& fix) { return fix.X_WB.translation.head<2>(); }
 
 double sigma_of(const Navigation& fix) {
@@ -291,10 +293,20 @@ void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
 
 void Navigator::shorten(View& view, Outbox& out) {
   const auto found = search(view);
-  const auto through = search_space(view, length_of(view.way));
-  const double saved = found ? length_of(view.way) - found->length_m : 0;
-  shorter_ = through || (found && saved > config_.shortcut_m) ? shorter_ + 1 : 0;
-  if (shorter_ < config_.sure_scans) return;
+  const bool look = !(now_ >= space_searched_ && now_ - space_searched_ < kSpaceInterval);
+  std::optional<SpaceRoutePath> through;
+  if (look) {
+    through = search_space(view, length_of(view.way));
+    space_searched_ = now_;
+    space_shorter_ = through.has_value();
+  }
+  const bool round_nothing = found && length_of(view.way) - found->length_m > config_.shortcut_m;
+  if (through || round_nothing) {
+    ++shorter_;
+  } else if (look || !space_shorter_) {  // what was found in space holds until the next look
+    shorter_ = 0;
+  }
+  if (shorter_ < config_.sure_scans || (!through && !round_nothing)) return;
   if (through) {
     return take_space_way(view, *through, decision("replan", "what the way went round can be passed"), out);
   }

@@ -14,6 +14,7 @@
 //   - it would come nearer to a hazard than the clearance less `slack_m`; then its corners are moved aside as far as
 //     needed, and a way that is searched anew is taken only if it is `switch_m` shorter than that one;
 //   - it goes round something that is not there any more: a way `shortcut_m` shorter was there for `sure_scans` scans.
+//     In three dimensions that is looked for twice a second at most: it costs tens of milliseconds.
 // A mission point on an obstacle, or with one within `drop_distance_m`, is refused (S6-51), as soon as `sure_scans`
 // scans agree; charted and injected obstacles are believed at once.
 //
@@ -152,6 +153,8 @@ class Navigator : public Agent {
   std::optional<RouteRefused::Reason> refused_;
   int goal_blocked_ = 0;  ///< scans in a row
   int shorter_ = 0;       ///< scans in a row that had a shorter way
+  Time space_searched_;   ///< for one that is shorter, and whether there was
+  bool space_shorter_ = false;
   bool through_ = false;  ///< the way leads through measured water, over or under a hazard of the plane
   Mode mode_ = Mode::kNormal;
   double budget_share_ = 1;  ///< that the computer leaves it

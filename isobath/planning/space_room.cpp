@@ -49,6 +49,7 @@ SpaceRoom::SpaceRoom(const SpaceGrid& grid, const SpaceRoomTask& task)
 
 SpaceRoom SpaceRoom::of_what_is_known() const {
   SpaceRoom known(*this);
+  known.hoped_ = this;
   std::replace(known.columns_.begin(), known.columns_.end(), std::uint8_t{kFarHazard}, std::uint8_t{kHazard});
   return known;
 }
@@ -61,7 +62,7 @@ SpaceRoom::SpaceRoom(const SpaceRoom& other)
       deepest_(other.deepest_),
       most_m_(other.most_m_),
       reach_(other.reach_),
-      in_band_(other.in_band_),
+      off_band_(other.off_band_),
       columns_(other.columns_) {
   clear();
 }
@@ -97,7 +98,7 @@ void SpaceRoom::trim(const SpaceRoomTask& task) {
   }
   least_.z() = std::max(shallowest_, std::min(first, last) - 1);
   size_.z() = std::min(deepest_, std::max(first, last) + 1) - least_.z() + 1;
-  for (int z = 0; z < size_.z(); ++z) in_band_.push_back(in_band(least_.z() + z) ? 1 : 0);
+  for (int z = 0; z < size_.z(); ++z) off_band_.push_back(in_band(least_.z() + z) ? 0 : 1);
 }
 
 /// Of each hazard, whether it and all that it hangs together with are far.
@@ -161,32 +162,66 @@ std::vector<std::uint8_t> SpaceRoom::columns_of(const SpaceRoomTask& task) const
 
 /// Of the columns of a tile, what is closed, and how far along depth that is from each voxel.
 void SpaceRoom::look(int tile_x, int tile_y) const {
-  const int nz = size_.z();
+  const auto nz = static_cast<std::size_t>(size_.z());
+  const int above = grid_.least().z() - least_.z();  // layers of the room before the water's first
+  std::vector<SpaceCell> water(nz, SpaceCell::kUnknown);
   for (int x = kTile * tile_x; x < std::min(kTile * (tile_x + 1), size_.x()); ++x) {
     for (int y = kTile * tile_y; y < std::min(kTile * (tile_y + 1), size_.y()); ++y) {
       const std::uint8_t column = columns_[column_of(x, y)];
       std::uint16_t* along = &along_[index_of(x, y)];
-      const std::span<const SpaceCell> water = grid_.column(least_.x() + x, least_.y() + y);
-      const int above = grid_.least().z() - least_.z();  // layers of the room before the water's first
-      std::uint16_t since = kFar;
-      for (int z = 0; z < nz; ++z) {
-        const auto at = static_cast<std::size_t>(z - above);  // of layers above it: beyond its end
-        const SpaceCell cell = at < water.size() ? water[at] : SpaceCell::kUnknown;
-        const bool must_be_measured = column == kHazard || in_band_[static_cast<std::size_t>(z)] == 0;
-        const bool closed =
-            column == kShut || cell == SpaceCell::kOccupied || (must_be_measured && cell != SpaceCell::kMeasured);
-        since = closed ? std::uint16_t{0} : static_cast<std::uint16_t>(since + (since < kFar ? 1 : 0));
-        along[z] = since;
+      if (column == kShut) {
+        std::fill_n(along, nz, std::uint16_t{0});
+        continue;
       }
-      for (int z = nz - 2; z >= 0; --z) {
-        const int from_below = along[z + 1] < kFar ? along[z + 1] + 1 : int{kFar};
-        along[z] = static_cast<std::uint16_t>(std::min<int>(along[z], from_below));
+      const std::span<const SpaceCell> known = grid_.column(least_.x() + x, least_.y() + y);
+      std::fill(water.begin(), water.end(), SpaceCell::kUnknown);
+      const int first = std::max(0, above), last = std::min(size_.z(), above + static_cast<int>(known.size()));
+      if (first < last) std::copy_n(known.begin() + (first - above), last - first, water.begin() + first);
+      const std::uint8_t measured_alone = column == kHazard ? 1 : 0;
+      for (std::size_t z = 0; z < nz; ++z) {  // without branches: vectors
+        const auto unmeasured = static_cast<std::uint16_t>(water[z] != SpaceCell::kMeasured),
+                   occupied = static_cast<std::uint16_t>(water[z] == SpaceCell::kOccupied);
+        const int closed = occupied | (unmeasured & (measured_alone | off_band_[z]));
+        along[z] = static_cast<std::uint16_t>(closed - 1);  // all bits of what is open
+      }
+      std::uint16_t off = kFar;  // voxels from the last closed one
+      for (std::size_t z = 0; z < nz; ++z) {
+        off = static_cast<std::uint16_t>((off + 1) & along[z]);
+        along[z] = off;
+      }
+      off = kFar;
+      for (std::size_t z = nz; z-- > 0;) {
+        off = std::min(along[z], static_cast<std::uint16_t>(off + 1));
+        along[z] = off;
       }
     }
   }
 }
 
+/// Whether anything within reach of a tile is unsure in the room that this one takes from.
+bool SpaceRoom::differs_about(int tile_x, int tile_y) const {
+  const int end_x = std::min(kTile * (tile_x + 1) + reach_, size_.x()),
+            end_y = std::min(kTile * (tile_y + 1) + reach_, size_.y());
+  for (int x = std::max(0, kTile * tile_x - reach_); x < end_x; ++x) {
+    const auto from = hoped_->columns_.begin() + static_cast<std::ptrdiff_t>(column_of(x, 0));
+    const auto first = from + std::max(0, kTile * tile_y - reach_), last = from + end_y;
+    if (std::find(first, last, std::uint8_t{kFarHazard}) != last) return true;
+  }
+  return false;
+}
+
 void SpaceRoom::measure(int tile_x, int tile_y) const {
+  const std::size_t tile = tile_of(tile_x, tile_y);
+  if (hoped_ && !differs_about(tile_x, tile_y)) {
+    if (hoped_->measured_[tile] == 0) hoped_->measure(tile_x, tile_y);
+    const std::size_t columns = static_cast<std::size_t>(std::min(kTile, size_.y() - kTile * tile_y));
+    for (int x = kTile * tile_x; x < std::min(kTile * (tile_x + 1), size_.x()); ++x) {
+      const std::size_t first = index_of(x, kTile * tile_y);
+      std::copy_n(&hoped_->distance_[first], columns * static_cast<std::size_t>(size_.z()), &distance_[first]);
+    }
+    measured_[tile] = 1;
+    return;
+  }
   const int margin = (reach_ + kTile - 1) / kTile;
   for (int x = std::max(0, tile_x - margin); x <= std::min(tiles_x_ - 1, tile_x + margin); ++x) {
     for (int y = std::max(0, tile_y - margin); y <= std::min(tiles_y_ - 1, tile_y + margin); ++y) {
@@ -201,7 +236,7 @@ void SpaceRoom::measure(int tile_x, int tile_y) const {
   } else {
     measure_by<float>(tile_x, tile_y);
   }
-  measured_[tile_of(tile_x, tile_y)] = 1;
+  measured_[tile] = 1;
 }
 
 /// Squares of distances, along one axis more each time: depth (look), then east, then north.
@@ -306,7 +341,8 @@ bool SpaceRoom::is_unsure(const Vector3d& p_W) const {
   const VoxelIndex i = voxel_at(p_W);
   if (!inside(i) || columns_[column_of(i.x(), i.y())] != kFarHazard) return false;
   const SpaceCell cell = grid_.at(least_ + i);
-  return in_band_[static_cast<std::size_t>(i.z())] != 0 && cell != SpaceCell::kMeasured && cell != SpaceCell::kOccupied;
+  return off_band_[static_cast<std::size_t>(i.z())] == 0 && cell != SpaceCell::kMeasured &&
+         cell != SpaceCell::kOccupied;
 }
 
 double SpaceRoom::leg_distance(const Vector3d& a_W, const Vector3d& b_W) const {

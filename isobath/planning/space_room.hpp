@@ -16,7 +16,7 @@
 // Distances are to the nearest closed voxel's faces, exact at centres of voxels, between them by interpolation; beyond
 // `most_m` they are that.
 //
-// Frame W. What it says never changes, but it finds it out when it is asked, tile by tile of 32 x 32 columns: one
+// Frame W. What it says never changes, but it finds it out when it is asked, tile by tile of 16 x 16 columns: one
 // thread at a time. Cost: of all of a box 6 ns a voxel, of a way through it the tiles that it passes
 // (bench/space_bench.cpp).
 #pragma once
@@ -46,8 +46,8 @@ class SpaceRoom {
 
   /// Throws Error where the box holds more than kMostVoxels.
   SpaceRoom(const SpaceGrid& grid, const SpaceRoomTask& task);
-  SpaceRoom(SpaceRoom&&) = default;
-  /// The same with all closed that is unsure.
+  SpaceRoom(SpaceRoom&&) = default;  ///< not while one of what is known takes from it
+  /// The same with all closed that is unsure. What does not differ it takes from this one, which must outlive it.
   [[nodiscard]] SpaceRoom of_what_is_known() const;
   /// Whether anything in it can be unsure.
   [[nodiscard]] bool has_unsure() const;
@@ -76,8 +76,8 @@ class SpaceRoom {
   [[nodiscard]] double leg_distance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;
 
  private:
-  static constexpr int kTileLog2 = 5, kTile = 1 << kTileLog2;
-  static constexpr std::uint16_t kFar = 0xFFFF;
+  static constexpr int kTileLog2 = 4, kTile = 1 << kTileLog2;
+  static constexpr std::uint16_t kFar = 0x7FFF;  ///< voxels; a column has fewer
   [[nodiscard]] bool inside(const VoxelIndex& i) const {
     return (i.array() >= 0).all() && (i.array() < size_.array()).all();
   }
@@ -93,6 +93,7 @@ class SpaceRoom {
   SpaceRoom(const SpaceRoom& other);
   [[nodiscard]] bool is_within_a_tile(const VoxelIndex& i) const;
   void clear();
+  [[nodiscard]] bool differs_about(int tile_x, int tile_y) const;
   void trim(const SpaceRoomTask& task);
   [[nodiscard]] static std::vector<bool> may_open(const SpaceRoomTask& task);
   [[nodiscard]] std::vector<std::uint8_t> columns_of(const SpaceRoomTask& task) const;
@@ -105,9 +106,11 @@ class SpaceRoom {
   VoxelIndex least_, size_;
   int shallowest_ = 0, deepest_ = 0;  ///< of the box, which may be taller than what is kept of it
   double most_m_;
-  int reach_;                          ///< voxels that may matter
-  std::vector<std::uint8_t> in_band_;  ///< of each layer
-  std::vector<std::uint8_t> columns_;  ///< what stands there
+  int reach_;                           ///< voxels that may matter
+  std::vector<std::uint8_t> off_band_;  ///< of each layer, 1 where it is off the mission's depths
+  std::vector<std::uint8_t> columns_;   ///< what stands there
+
+  const SpaceRoom* hoped_ = nullptr;  ///< whose unsure voxels are closed here; null: nobody's
 
   // found out when asked
   int tiles_x_ = 0, tiles_y_ = 0;

@@ -18,6 +18,7 @@ constexpr double kTurnOff = 0.05;               // m: no vehicle holds its way t
 constexpr double kArcSag = 0.1;                 // m
 constexpr double kNearestGoal = 5;              // m: a way in part leads at least so far
 constexpr std::array kAhead = {0.5, 1.0, 2.0};  // turning radii
+constexpr int kDoubtAfter = 10000;              // cells looked at, before it is asked whether there can be a way
 constexpr int kWidestCell = 20;                 // voxels
 constexpr double kLittle = 0.1;                 // m: what a start that is hemmed in may lose between centres of voxels
 
@@ -40,6 +41,9 @@ class SpaceRouter {
     bool closed = false;
   };
   bool aim();
+  [[nodiscard]] std::size_t node_of(const VoxelIndex& cell) const;
+  [[nodiscard]] bool is_open(const VoxelIndex& voxel) const;
+  [[nodiscard]] bool can_be_reached(const VoxelIndex& last) const;
   Result<SpaceWay, RouteRefusal> search(const Vector3d& from);
   Result<SpaceWay, RouteRefusal> turnable();
   [[nodiscard]] VoxelIndex voxel_of(std::size_t node) const;
@@ -125,6 +129,44 @@ VoxelIndex SpaceRouter::voxel_of(std::size_t node) const {
   return origin_ + cell.cwiseProduct(VoxelIndex(wide_, wide_, 1));
 }
 
+std::size_t SpaceRouter::node_of(const VoxelIndex& cell) const {
+  return (static_cast<std::size_t>(cell.x()) * static_cast<std::size_t>(cells_.y()) +
+          static_cast<std::size_t>(cell.y())) *
+             static_cast<std::size_t>(cells_.z()) +
+         static_cast<std::size_t>(cell.z());
+}
+
+bool SpaceRouter::is_open(const VoxelIndex& voxel) const {
+  const Vector3d there = room_.centre_of(voxel);
+  return room_.distance(voxel) >= need_at(there) && is_allowed(there);
+}
+
+/// Whether one can come from the last cell to any that the search has reached by open cells, never mind what lies
+/// between them. Where not, there is no way, and that shows long before the search has tried all.
+bool SpaceRouter::can_be_reached(const VoxelIndex& last) const {
+  const VoxelIndex step(wide_, wide_, 1);
+  if (!is_open(origin_ + last.cwiseProduct(step))) return false;
+  std::vector<bool> met(nodes_.size(), false);
+  std::vector<VoxelIndex> front = {last}, grown;
+  met[node_of(last)] = true;
+  while (!front.empty()) {
+    grown.clear();
+    for (const VoxelIndex& from : front) {
+      for (int neighbour = 0; neighbour < 27; ++neighbour) {
+        const VoxelIndex cell = from + VoxelIndex(neighbour / 9 - 1, neighbour / 3 % 3 - 1, neighbour % 3 - 1);
+        if ((cell.array() < 0).any() || (cell.array() >= cells_.array()).any()) continue;
+        const std::size_t node = node_of(cell);
+        if (met[node]) continue;
+        met[node] = true;
+        if (nodes_[node].cost < std::numeric_limits<float>::infinity()) return true;
+        if (is_open(origin_ + cell.cwiseProduct(step))) grown.push_back(cell);
+      }
+    }
+    front.swap(grown);
+  }
+  return false;
+}
+
 Result<SpaceWay, RouteRefusal> SpaceRouter::search(const Vector3d& from) {
   // 1. cells about the start; a step along all axes rises no steeper than the vehicle can
   wide_ = task_.steepest >= 1 ? 1 : std::clamp(static_cast<int>(std::ceil(1 / task_.steepest)), 1, kWidestCell);
@@ -132,12 +174,6 @@ Result<SpaceWay, RouteRefusal> SpaceRouter::search(const Vector3d& from) {
   origin_ = VoxelIndex(start.x() % wide_, start.y() % wide_, 0);
   cells_ = ((room_.size() - origin_).array() + step.array() - 1) / step.array();
   nodes_.assign(static_cast<std::size_t>(cells_.cast<double>().prod()), {});
-  const auto index_of = [&](const VoxelIndex& cell) {
-    return (static_cast<std::size_t>(cell.x()) * static_cast<std::size_t>(cells_.y()) +
-            static_cast<std::size_t>(cell.y())) *
-               static_cast<std::size_t>(cells_.z()) +
-           static_cast<std::size_t>(cell.z());
-  };
   const VoxelIndex first = (start - origin_).cwiseQuotient(step);
   const VoxelIndex last = ((goal - origin_).array() + step.array() / 2) / step.array();
   if ((last.array() < 0).any() || (last.array() >= cells_.array()).any()) {
@@ -149,8 +185,9 @@ Result<SpaceWay, RouteRefusal> SpaceRouter::search(const Vector3d& from) {
   using Open = std::tuple<double, double, std::size_t>;
   std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
   const bool can_rise = task_.steepest >= 1;
-  nodes_[index_of(first)].cost = 0;
-  open.emplace((aim_at - from).norm(), 0, index_of(first));
+  const int before = expanded_;
+  nodes_[node_of(first)].cost = 0;
+  open.emplace((aim_at - from).norm(), 0, node_of(first));
   while (!open.empty()) {
     const std::size_t at = std::get<2>(open.top());
     open.pop();
@@ -158,23 +195,24 @@ Result<SpaceWay, RouteRefusal> SpaceRouter::search(const Vector3d& from) {
     nodes_[at].closed = true;
     const VoxelIndex voxel = voxel_of(at);
     const Vector3d here = room_.centre_of(voxel);
-    if (at == index_of(last)) return way_to(at, from);
+    if (at == node_of(last)) return way_to(at, from);
     if (++expanded_ > config_.most_expanded) return tl::unexpected(RouteRefusal::kOutOfBudget);
+    if (expanded_ - before == kDoubtAfter && !can_be_reached(last)) break;
     for (int neighbour = 0; neighbour < 27; ++neighbour) {
       const VoxelIndex by(neighbour / 9 - 1, neighbour / 3 % 3 - 1, neighbour % 3 - 1);
       if (by.isZero() || (by.x() == 0 && by.y() == 0 && !can_rise)) continue;
       const VoxelIndex cell = (voxel - origin_).cwiseQuotient(step) + by;
       if ((cell.array() < 0).any() || (cell.array() >= cells_.array()).any()) continue;
-      Node& next = nodes_[index_of(cell)];
+      Node& next = nodes_[node_of(cell)];
       if (next.closed) continue;
       const VoxelIndex to = origin_ + cell.cwiseProduct(step);
+      if (!is_open(to)) continue;
       const Vector3d there = room_.centre_of(to);
-      if (room_.distance(to) < need_at(there) || !is_allowed(there)) continue;
       const double cost = nodes_[at].cost + (there - here).norm() * price(there);
       if (!(cost < next.cost) || !keeps(here, there)) continue;
       next.cost = static_cast<float>(cost);
       next.came_by = static_cast<std::int16_t>(neighbour);
-      open.emplace(cost + (aim_at - there).norm(), -cost, index_of(cell));
+      open.emplace(cost + (aim_at - there).norm(), -cost, node_of(cell));
     }
   }
   return tl::unexpected(RouteRefusal::kNoPath);

@@ -220,14 +220,18 @@ VoxelOutcome VoxelModel::outcome() const {
   return outcome;
 }
 
-std::shared_ptr<const SpaceGrid> VoxelModel::space_around(const ScanResult& scan, double reach_m) const {
+std::shared_ptr<const SpaceGrid> VoxelModel::space_around(const ScanResult& scan, double reach_m) {
   std::vector<std::string> heights;
+  std::uint64_t told = shots_;
   for (const auto& s : sonars_) {
-    if (!s->flat) heights.push_back(s->name);
+    if (s->flat) continue;
+    heights.push_back(s->name);
+    told += s->pings;
   }
   if (shots_ > 0) heights.push_back(kSoundings);
   const Eigen::Vector3d& centre = scan.detection.X_WB.translation;
-  if (heights.empty() || !scan.posed || centre.cwiseAbs().maxCoeff() + reach_m > map_->reach_m()) return nullptr;
+  if (told == heights_told_ || !scan.posed || centre.cwiseAbs().maxCoeff() + reach_m > map_->reach_m()) return nullptr;
+  heights_told_ = told;
   return std::make_shared<const SpaceGrid>(*map_, heights, centre, reach_m);
 }
 

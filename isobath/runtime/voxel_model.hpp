@@ -75,9 +75,10 @@ class VoxelModel {
   [[nodiscard]] VoxelOutcome outcome() const;
   /// Pings and soundings of which no voxels could be made, by reason.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& refused() const { return refused_; }
-  /// What is known within a reach of the vehicle at the end of a sweep, for planning; null where no fan stands upright
-  /// and no soundings come, since then nothing tells height, and without navigation.
-  [[nodiscard]] std::shared_ptr<const SpaceGrid> space_around(const ScanResult& scan, double reach_m) const;
+  /// What is known within a reach of the vehicle at the end of a sweep, for planning; null where none of the sonars
+  /// that tell height (a fan that stands upright, soundings) has been heard since it was last asked, and without
+  /// navigation.
+  [[nodiscard]] std::shared_ptr<const SpaceGrid> space_around(const ScanResult& scan, double reach_m);
 
  private:
   struct Sonar {
@@ -99,7 +100,8 @@ class VoxelModel {
   std::filesystem::path spill_file_;
   std::unique_ptr<VoxelMap> map_;
   std::vector<std::unique_ptr<Sonar>> sonars_;
-  std::uint64_t shots_ = 0;  ///< swaths in the layer of soundings
+  std::uint64_t shots_ = 0;         ///< swaths in the layer of soundings
+  std::uint64_t heights_told_ = 0;  ///< looks of all that tell height, when it was last asked what is around
   double vehicle_depth_m_ = 0;
   std::uint64_t moved_ = 0, last_moved_ = 0;  ///< how often, and the revision then
   struct Heard {
