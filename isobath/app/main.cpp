@@ -17,10 +17,10 @@ int run_program(int argc, char** argv) {
     Action action = make(program);
     commands.emplace_back(program.get_subcommands({}).back(), std::move(action));
   };
-  for (auto* make :
-       {isobath::app::add_run, isobath::app::add_serve, isobath::app::add_sim, isobath::app::add_info, isobath::app::add_convert,
-        isobath::app::add_calibrate, isobath::app::add_compare, isobath::app::add_crosscheck, isobath::app::add_path,
-        isobath::app::add_helix, isobath::app::add_sphere, isobath::app::add_eval, isobath::app::add_config}) {
+  for (auto* make : {isobath::app::add_run, isobath::app::add_serve, isobath::app::add_sim, isobath::app::add_info,
+                     isobath::app::add_convert, isobath::app::add_calibrate, isobath::app::add_compare,
+                     isobath::app::add_crosscheck, isobath::app::add_path, isobath::app::add_helix,
+                     isobath::app::add_sphere, isobath::app::add_eval, isobath::app::add_config}) {
     add(make);
   }
   try {

@@ -180,12 +180,9 @@ std::string PageSession::clock_text() const {
   const TimeSpan all = span();
   const Time from = start();
   const Time now = live_ ? sources_.live_span().end : playhead();
-  nlohmann::json clock{{"now_s", rounded_ms(now - from)},
-                       {"start_s", rounded_ms(all.start - from)},
-                       {"end_s", rounded_ms(all.end - from)},
-                       {"live", live_},
-                       {"playing", live_ || playing_},
-                       {"speed", live_ ? 1 : speed_},
+  nlohmann::json clock{{"now_s", rounded_ms(now - from)},     {"start_s", rounded_ms(all.start - from)},
+                       {"end_s", rounded_ms(all.end - from)}, {"live", live_},
+                       {"playing", live_ || playing_},        {"speed", live_ ? 1 : speed_},
                        {"version", sources_.version}};
   if (!sources_.token.empty()) clock["control"] = control_;
   if (sources_.live) clock["live_s"] = rounded_ms(sources_.live_span().end - from);
