@@ -354,7 +354,7 @@ TEST_F(KongsbergPair, WhatOnlyHasTheNameIsNotRead) {
 // Recordings
 // ------------------------------------------------------------------------------------------------------------
 
-constexpr const char* kFolder = "kongsberg-pings";
+constexpr const char* kWaterFolder = "kongsberg-pings";
 
 struct WaterRecording {
   const char* log;
@@ -378,7 +378,7 @@ const WaterRecording kWaterRecordings[] = {
 };
 
 TEST(KongsbergWaterRecordings, EveryPingIsReadWithItsFix) {
-  ISOBATH_NEEDS_DATA(folder, kFolder);
+  ISOBATH_NEEDS_DATA(folder, kWaterFolder);
   for (const WaterRecording& r : kWaterRecordings) {
     const Heard heard(open_source(folder / r.water, {}));
     EXPECT_EQ(heard.pings().size(), r.pings) << r.water;
@@ -441,7 +441,7 @@ struct Beside {
 // software, with its sound speed profile and attitude, puts the bottom.
 // ledger: S5-12
 TEST(KongsbergWaterRecordings, StrongestEchoesStandOnTheSonarsOwnSoundings) {
-  ISOBATH_NEEDS_DATA(folder, kFolder);
+  ISOBATH_NEEDS_DATA(folder, kWaterFolder);
   for (const Beside& r :
        {Beside{"em2042-harbour-c.kmall", 57, 0.3, 0.98}, Beside{"em2042-harbour-a.kmall", 57, 0.3, 0.98},
         Beside{"em2040-florida.kmall", 40, 0.3, 0.98}, Beside{"em2040c-australia.all", 35, 0.3, 0.97}}) {

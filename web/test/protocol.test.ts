@@ -142,7 +142,7 @@ describe('payloads', () => {
       wantedDepth: 2,
       wantedSpeed: NaN,
     });
-    expect(protocol.readVehicle(view(bytes.slice(0, 79)))).toBeNull();
+    expect(protocol.readVehicle(view(bytes.slice(0, 71)))).toBeNull();
     bytes.fill(255, 0, 8);
     expect(protocol.readVehicle(view(bytes))).toBeNull();
   });
