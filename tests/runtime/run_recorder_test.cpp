@@ -16,7 +16,7 @@
 namespace isobath {
 namespace {
 
-constexpr const char* kScene = R"(
+constexpr const char* kRecordedScene = R"(
 [scene]
 duration_s = 4
 latitude_deg = 1
@@ -44,12 +44,12 @@ Decision decision_at(double t, const std::string& what) {
 
 TEST(RunRecorder, KeepsEventsDecisionsAndWhatTheRunWasMadeOf) {
   const auto file = test::scratch_folder() / "run.mcap";
-  const Scenario scenario = parse_scenario(kScene, "s.toml");
+  const Scenario scenario = parse_scenario(kRecordedScene, "s.toml");
   const MissionSetup setup = test::setup_of(scenario);
   std::vector<Decision> decisions;
   {
     RunRecorder recorder(file, {});
-    recorder.describe(Simulator(scenario.scene, {}), kScene);
+    recorder.describe(Simulator(scenario.scene, {}), kRecordedScene);
     recorder.describe(setup);
     for (int i = 0; i < 5; ++i) {
       const double t = i;
@@ -69,7 +69,7 @@ TEST(RunRecorder, KeepsEventsDecisionsAndWhatTheRunWasMadeOf) {
   EXPECT_TRUE(source->report().rejected.empty()) << "what was made of the events is passed over in silence";
   ASSERT_TRUE(source->report().origin);
   EXPECT_EQ(source->report().origin->longitude_deg, 103);
-  EXPECT_EQ(attachment_in(file, kScenarioAttachment), kScene);
+  EXPECT_EQ(attachment_in(file, kScenarioAttachment), kRecordedScene);
   EXPECT_EQ(attachment_in(file, "nothing"), std::nullopt);
   const MissionPlan read = parse_mission(attachment_in(file, kMissionAttachment).value_or(""), "m.toml");
   ASSERT_EQ(read.points.size(), 1u);
@@ -84,7 +84,7 @@ TEST(RunRecorder, TheVehicleIsThatOfTheRecordedRun) {
   const MissionSetup setup = test::setup_of(scenario);
   {
     RunRecorder recorder(file, {});
-    recorder.describe(simulator, kScene);
+    recorder.describe(simulator, kRecordedScene);
     recorder.describe(setup);
     recorder.take(Event(test::fix_at(0, 0)));
     recorder.close();
