@@ -53,7 +53,9 @@ std::string to_base64(std::span<const std::uint8_t> bytes) {
   return out;
 }
 
-std::string text_of(const Message& message) { return message.dump(-1, ' ', false, Message::error_handler_t::replace); }
+std::string json_text(const Message& message) {
+  return message.dump(-1, ' ', false, Message::error_handler_t::replace);
+}
 
 Message packed(const char* name, int offset, int type) { return {{"name", name}, {"offset", offset}, {"type", type}}; }
 
@@ -123,16 +125,16 @@ Pose to_east_north_up(const Pose& X_WB) {
 std::string foxglove_transform(Time time, const Pose& X_WB) {
   if (!X_WB.is_finite()) return {};
   const Pose pose = to_east_north_up(X_WB);
-  return text_of({{"timestamp", stamp(time)},
-                  {"parent_frame_id", kMap},
-                  {"child_frame_id", "body"},
-                  {"translation", to_json(pose.translation)},
-                  {"rotation", to_json(pose.rotation)}});
+  return json_text({{"timestamp", stamp(time)},
+                    {"parent_frame_id", kMap},
+                    {"child_frame_id", "body"},
+                    {"translation", to_json(pose.translation)},
+                    {"rotation", to_json(pose.rotation)}});
 }
 
 std::string foxglove_pose(Time time, const Pose& X_WB) {
   if (!X_WB.is_finite()) return {};
-  return text_of({{"timestamp", stamp(time)}, {"frame_id", kMap}, {"pose", to_json(to_east_north_up(X_WB))}});
+  return json_text({{"timestamp", stamp(time)}, {"frame_id", kMap}, {"pose", to_json(to_east_north_up(X_WB))}});
 }
 
 std::string foxglove_location(Time time, const FoxglovePlace& place) {
@@ -157,7 +159,7 @@ std::string foxglove_location(Time time, const FoxglovePlace& place) {
   if (place.heading && std::isfinite(place.heading->radians())) {
     message["heading"] = rounded_share(place.heading->wrapped_positive().radians());
   }
-  return text_of(message);
+  return json_text(message);
 }
 
 std::string foxglove_points(Time time, std::span<const FoxglovePoint> points, const char* value) {
@@ -169,13 +171,13 @@ std::string foxglove_points(Time time, std::span<const FoxglovePoint> points, co
     const auto* raw = reinterpret_cast<const std::uint8_t*>(numbers);
     bytes.insert(bytes.end(), raw, raw + sizeof numbers);
   }
-  return text_of({{"timestamp", stamp(time)},
-                  {"frame_id", kMap},
-                  {"pose", to_json(Pose{})},
-                  {"point_stride", 16},
-                  {"fields", Message::array({packed("x", 0, kNumberF32), packed("y", 4, kNumberF32),
-                                             packed("z", 8, kNumberF32), packed(value, 12, kNumberF32)})},
-                  {"data", to_base64(bytes)}});
+  return json_text({{"timestamp", stamp(time)},
+                    {"frame_id", kMap},
+                    {"pose", to_json(Pose{})},
+                    {"point_stride", 16},
+                    {"fields", Message::array({packed("x", 0, kNumberF32), packed("y", 4, kNumberF32),
+                                               packed("z", 8, kNumberF32), packed(value, 12, kNumberF32)})},
+                    {"data", to_base64(bytes)}});
 }
 
 std::string foxglove_grid(Time time, const FoxgloveGrid& grid, const char* value) {
@@ -192,41 +194,41 @@ std::string foxglove_grid(Time time, const FoxgloveGrid& grid, const char* value
   }
   const Pose X_WG{Rotation::from_heading(grid.heading), grid.corner_W};
   const Pose corner{X_WG.rotation, X_WG * Vector3d(0, grid.cells_y * grid.cell_m, 0)};
-  return text_of({{"timestamp", stamp(time)},
-                  {"frame_id", kMap},
-                  {"pose", to_json(to_east_north_up(corner))},
-                  {"column_count", grid.cells_x},
-                  {"cell_size", {{"x", grid.cell_m}, {"y", grid.cell_m}}},
-                  {"row_stride", grid.cells_x},
-                  {"cell_stride", 1},
-                  {"fields", Message::array({packed(value, 0, kNumberU8)})},
-                  {"data", to_base64(rows)}});
+  return json_text({{"timestamp", stamp(time)},
+                    {"frame_id", kMap},
+                    {"pose", to_json(to_east_north_up(corner))},
+                    {"column_count", grid.cells_x},
+                    {"cell_size", {{"x", grid.cell_m}, {"y", grid.cell_m}}},
+                    {"row_stride", grid.cells_x},
+                    {"cell_stride", 1},
+                    {"fields", Message::array({packed(value, 0, kNumberU8)})},
+                    {"data", to_base64(rows)}});
 }
 
 std::string foxglove_scene(Time time, std::span<const FoxgloveEntity> entities) {
   Message list = Message::array();
   for (const FoxgloveEntity& entity : entities) list.push_back(to_json(time, entity));
-  return text_of({{"deletions", Message::array()}, {"entities", std::move(list)}});
+  return json_text({{"deletions", Message::array()}, {"entities", std::move(list)}});
 }
 
 std::string foxglove_image(Time time, int width, int height, std::span<const std::uint8_t> pixels) {
   ISOBATH_ASSERT(pixels.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  return text_of({{"timestamp", stamp(time)},
-                  {"frame_id", "sonar"},
-                  {"width", width},
-                  {"height", height},
-                  {"encoding", "mono8"},
-                  {"step", width},
-                  {"data", to_base64(pixels)}});
+  return json_text({{"timestamp", stamp(time)},
+                    {"frame_id", "sonar"},
+                    {"width", width},
+                    {"height", height},
+                    {"encoding", "mono8"},
+                    {"step", width},
+                    {"data", to_base64(pixels)}});
 }
 
 std::string foxglove_log(Time time, FoxgloveLevel level, std::string_view name, std::string_view message) {
-  return text_of({{"timestamp", stamp(time)},
-                  {"level", static_cast<int>(level)},
-                  {"message", std::string(message)},
-                  {"name", std::string(name)},
-                  {"file", ""},
-                  {"line", 0}});
+  return json_text({{"timestamp", stamp(time)},
+                    {"level", static_cast<int>(level)},
+                    {"message", std::string(message)},
+                    {"name", std::string(name)},
+                    {"file", ""},
+                    {"line", 0}});
 }
 
 }  // namespace isobath

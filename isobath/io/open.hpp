@@ -26,7 +26,7 @@ struct InputConfig {
   std::string navigation;         ///< CSV of poses beside the log; empty: none
   std::string set;                ///< of a folder that holds several: "clean", "noisy"; empty: the first by name
   int pass = 0;                   ///< of a set that holds several; 0: the first
-  int most_bins = 750;            ///< from the sonar to the end of its window; more are pooled; 0: never
+  int most_bins = 1500;           ///< from the sonar to the end of its window; more are pooled; 0: never
   SurveyInput survey;             ///< what logs of survey boats leave open
 };
 std::vector<Field> fields(InputConfig& config);

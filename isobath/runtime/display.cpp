@@ -30,11 +30,11 @@ ordered_json outline_json(const Points& points) {
   return outline;
 }
 
-std::string text_of(const ordered_json& json) {
+std::string display_text(const ordered_json& json) {
   return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-bool passed(const std::optional<Time>& last, Time now, Duration interval) {
+bool has_passed(const std::optional<Time>& last, Time now, Duration interval) {
   return !last || now < *last || now - *last >= interval;
 }
 
@@ -88,7 +88,7 @@ void Display::show(Time time, const DisplayScene& scene) {
   json["vehicle"] = {
       {"length_m", scene.vehicle_length_m}, {"radius_m", scene.vehicle_radius_m}, {"safe_m", scene.safe_m}};
   if (!scene.depth_datum.empty()) json["depth_datum"] = scene.depth_datum;
-  items_.set(DisplayKind::kScene, 0, time, text_of(json));
+  items_.set(DisplayKind::kScene, 0, time, display_text(json));
 }
 
 void Display::hear(const Event& event) {
@@ -101,7 +101,7 @@ void Display::hear(const Event& event) {
   const auto* fix = std::get_if<Navigation>(&event);
   if (!fix || !fix->X_WB.is_finite()) return;
   add_to_track(fix->time, fix->X_WB.translation);
-  if (!passed(vehicle_shown_, fix->time, kVehicleInterval)) return;
+  if (!has_passed(vehicle_shown_, fix->time, kVehicleInterval)) return;
   vehicle_shown_ = fix->time;
   show_vehicle(*fix);
 }
@@ -125,7 +125,7 @@ void Display::show_vehicle(const Navigation& fix) {
 }
 
 void Display::add_to_track(Time time, const Eigen::Vector3d& place) {
-  if (!passed(last_place_, time, kPlaceInterval)) return;
+  if (!has_passed(last_place_, time, kPlaceInterval)) return;
   last_place_ = time;
   if (places_ % kPlacesAChunk == 0) chunk_.clear();
   DisplayBytes bytes;
@@ -153,7 +153,7 @@ void Display::on_scan(const ScanResult& scan) {
                          {"hits", o.hits},
                          {"behind", o.behind}});
   }
-  items_.set(DisplayKind::kObstacles, 0, found.time, text_of(obstacles));
+  items_.set(DisplayKind::kObstacles, 0, found.time, display_text(obstacles));
 }
 
 void Display::on_jump(const Eigen::Vector3d& /*by_W*/) { maps_.voxels_moved(vehicle_shown_.value_or(Time{})); }
@@ -201,7 +201,7 @@ void Display::show_way(Time time) {
                    {"phase", to_text(mission_.phase)}, {"reached", mission_.reached},
                    {"dropped", mission_.dropped},      {"mission_why", mission_.why}};
   if (target_) way["target"] = *target_;
-  items_.set(DisplayKind::kWay, 0, time, text_of(way));
+  items_.set(DisplayKind::kWay, 0, time, display_text(way));
 }
 
 void Display::look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) {
@@ -218,7 +218,7 @@ void Display::look(Time time, const Pipeline& pipeline, const DepthModel& depths
   show(time, counts);
 }
 
-bool Display::wants_counts(Time time) const { return passed(counted_, time, kCountInterval); }
+bool Display::wants_counts(Time time) const { return has_passed(counted_, time, kCountInterval); }
 
 void Display::show(Time time, const DisplayCounts& counts) {
   counted_ = time;
@@ -261,7 +261,7 @@ void Display::show(Time time, const DisplayCounts& counts) {
                              {"leak", health.leak},
                              {"note", health.note}});
   }
-  items_.set(DisplayKind::kHealth, 0, time, text_of(json));
+  items_.set(DisplayKind::kHealth, 0, time, display_text(json));
 }
 
 void Display::show(Time time, const MissionTimings& t) {
@@ -270,7 +270,7 @@ void Display::show(Time time, const MissionTimings& t) {
                              timing_json("detection: obstacles of a scan", t.detection),
                              timing_json("planning: the Navigator's turn", t.planning),
                              timing_json("scan to decision", t.scan_to_decision)};
-  items_.set(DisplayKind::kTimes, 0, time, text_of(json));
+  items_.set(DisplayKind::kTimes, 0, time, display_text(json));
 }
 
 }  // namespace isobath

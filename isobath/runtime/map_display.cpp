@@ -19,7 +19,8 @@ std::uint64_t pair_of(std::int64_t row, std::int64_t column) {
 }
 
 /// A square of pixels as a tile of the page: rows from the north in, from the south out.
-std::string tile_of(std::span<const DepthPixel> pixels, int side, double pixel_m, const Eigen::Vector2d& south_west) {
+std::string page_tile_of(std::span<const DepthPixel> pixels, int side, double pixel_m,
+                         const Eigen::Vector2d& south_west) {
   double deepest = 0;
   for (const DepthPixel& p : pixels) deepest = p.known() ? std::max(deepest, p.depth_m()) : deepest;
   const double unit = deepest < kUnknownUnits * kFine_m ? kFine_m : kCoarse_m;
@@ -114,7 +115,7 @@ void MapDisplay::show_tile(Time time, Pixel tile, const PixelGrid& grid, const D
   const Eigen::Vector2d south_west(grid.corner_m.x() - (tile.row + 1) * side_m,
                                    grid.corner_m.y() + tile.column * side_m);
   items_.set(DisplayKind::kDepth, pair_of(tile.row, tile.column), time,
-             tile_of(pixels.pixels, DepthTile::kSide, grid.pixel_m, south_west));
+             page_tile_of(pixels.pixels, DepthTile::kSide, grid.pixel_m, south_west));
 }
 
 void MapDisplay::show_overview(Time time, const DepthSnapshot& depths) {
@@ -138,7 +139,7 @@ void MapDisplay::show_overview(Time time, const DepthSnapshot& depths) {
       const Eigen::Vector2d south_west(grid.corner_m.x() - (known.row + (row + 1) * span) * grid.pixel_m,
                                        grid.corner_m.y() + (known.column + column * span) * grid.pixel_m);
       items_.set(DisplayKind::kDepth, pair_of(static_cast<std::int64_t>(kOverviewRow) + row, column), time,
-                 tile_of(pixels, kOverviewTile, each * grid.pixel_m, south_west));
+                 page_tile_of(pixels, kOverviewTile, each * grid.pixel_m, south_west));
     }
   }
 }

@@ -57,7 +57,10 @@ bool fits(const BodyGridConfig& grid, double reach_m) {
 }  // namespace
 
 bool lies_flat(const Ping& ping) {
-  return std::abs((ping.X_BS.rotation * Eigen::Vector3d::UnitZ()).z()) > std::sqrt(0.5);
+  constexpr double kStraightDown = 0.966;  // within 15 degrees: no imaging sonar is tilted so far, sounders are
+  const Eigen::Vector3d ahead = ping.X_BS.rotation * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d across = ping.X_BS.rotation * Eigen::Vector3d::UnitY();
+  return std::abs(across.z()) < std::sqrt(0.5) && std::abs(ahead.z()) < kStraightDown;
 }
 
 bool looks_down(const Ping& ping) {

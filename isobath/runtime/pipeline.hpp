@@ -90,7 +90,8 @@ class SoundingSink {
   [[nodiscard]] virtual std::optional<double> bottom_depth(const Eigen::Vector2d& /*north_east*/) const { return {}; }
 };
 
-/// Whether the plane of a fan is nearer to level than to upright.
+/// Whether the beams of a fan lie beside each other rather than above each other, however far it is tilted down or up;
+/// the fan of a sounder, which looks straight down and athwart, does not lie flat.
 bool lies_flat(const Ping& ping);
 
 /// Whether the vehicle's down axis lies within a fan: an echo sounder, which measures the bottom.

@@ -99,7 +99,7 @@ TEST(ArisMap, OfSixFramesHoldsWhatAPersonSeesInThem) {
   while (auto event = source->next()) pipeline.take(std::move(*event));
   pipeline.finish();
   EXPECT_EQ(pipeline.undecided(), "");
-  EXPECT_EQ(sink.decided, 6 * 48 * 500) << "all bins of all frames, four samples each";
+  EXPECT_EQ(sink.decided, 6 * 48 * 1000) << "all bins of all frames, two samples each";
   const VoxelMap& map = *sink.model.map();
   EXPECT_EQ(map.voxel_m(), 0.25);
 

@@ -28,9 +28,10 @@ Ping fan_at(double heading_deg, double pitch_deg, double roll_deg, double half_d
 }
 
 // ledger: S5-06 S5-07
-TEST(Stance, IsThatOfTheFansPlaneNotOfItsBeams) {
+TEST(Stance, IsHowTheBeamsLieBesideEachOther) {
   EXPECT_TRUE(lies_flat(fan_at(0, 0, 0, 45)));
   EXPECT_TRUE(lies_flat(fan_at(120, -30, 180, 45)));
+  EXPECT_TRUE(lies_flat(fan_at(0, -60, 0, 14))) << "an imaging sonar tilted down";
   EXPECT_FALSE(lies_flat(fan_at(0, 0, 90, 23))) << "upright along the vehicle";
   EXPECT_FALSE(lies_flat(fan_at(0, -90, 0, 60))) << "upright athwart";
   EXPECT_FALSE(lies_flat(fan_at(0, 0, 60, 23)));

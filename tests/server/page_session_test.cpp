@@ -127,7 +127,7 @@ TEST(PageSession, TheClockIsToldWhenItMoves) {
   Page page(true);
   EXPECT_EQ(page.clock(),
             json::parse(R"({"now_s": 100.0, "start_s": 100.0, "end_s": 100.0, "live": true, "live_s": 100.0,
-      "playing": true, "speed": 1, "version": "v"})"));
+      "playing": true, "speed": 1, "control": false, "version": "v"})"));
   EXPECT_THAT(page.frame(), IsEmpty());
   page.live_now = at_s(100.25);
   EXPECT_EQ(page.clock().at("now_s"), 100.25);
