@@ -30,7 +30,8 @@ std::string page_tile_of(std::span<const DepthPixel> pixels, int side, double pi
   bytes.add(static_cast<float>(unit)).add(std::uint32_t{0});
   const auto each = [&](const auto& put) {
     for (int row = side - 1; row >= 0; --row) {
-      for (int column = 0; column < side; ++column) put(pixels[static_cast<std::size_t>(row * side + column)]);
+      for (int column = 0; column < side; ++column)
+        put(pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(side) + static_cast<std::size_t>(column)]);
     }
   };
   each([&](const DepthPixel& p) {
@@ -168,7 +169,7 @@ void MapDisplay::show(Time time, const VoxelMap& voxels) {
     }
     std::uint16_t count = 0;
     for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
-      const auto speaks_for = [i](const LogOdds16* block) { return block[i] != kUnseen && block[i] > 0; };
+      const auto speaks_for = [i](const LogOdds16* block) { return block[i] > 0; };
       if (std::none_of(evidence.begin(), evidence.end(), speaks_for)) continue;
       const VoxelIndex place = VoxelBlocks::place_of(i);
       const double p = voxels.probability(corner + place);
