@@ -133,8 +133,8 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   sources.version = ISOBATH_VERSION;
   check_page_sources(sources);
 
+  WebServer server(config, page_site(sources));  // first: an address that is taken is told before anything runs
   std::future<RunOutcome> running = std::async(std::launch::async, [&request] { return run(request); });
-  WebServer server(config, page_site(sources));
   fmt::print("{} shows {}; Ctrl-C ends\n", place_of(config, server.port()),
              request.input.empty() ? "the embedded scene" : request.input.string());
   std::fflush(stdout);
@@ -151,7 +151,9 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
     for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
   }
   fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());
-  if (!outcome.problem.empty()) fmt::print("{}\n", outcome.problem);
+  for (const std::string& problem : {outcome.problem, outcome.recording_problem}) {
+    if (!problem.empty()) fmt::print("{}\n", problem);
+  }
   if (!interrupted) fmt::print("the run is over; its page goes on\n");
   std::fflush(stdout);
   wait_for_interrupt();

@@ -380,10 +380,10 @@ class WatchedPace {
 void show(Sinks& sinks, Time time, const Pipeline& pipeline, const DepthModel& depths,
           const std::function<DisplayScene()>& scene) {
   if (!sinks.display) return;
-  const bool full = sinks.display->wants_counts(time);
-  if (full) {
+  if (sinks.display->wants_counts(time)) {
+    const bool looked_at = sinks.shown != &sinks.items;  // no recording holds what a real clock measured
     sinks.display->show(time, scene());
-    if (sinks.mission) sinks.display->show(time, sinks.mission->timings());
+    if (sinks.mission && looked_at) sinks.display->show(time, sinks.mission->timings());
   }
   sinks.display->look(time, pipeline, depths, sinks.voxels);
   if (sinks.recorder) sinks.recorder->sample(time, *sinks.shown);
