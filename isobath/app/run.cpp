@@ -21,13 +21,13 @@ struct Options : RunOptions {
 };
 
 /// Of one core, s: each stage, and the input and the report apart.
-ordered_json to_json(const RunLoad& load) {
+ordered_json load_json(const RunLoad& load) {
   ordered_json all;
   for (std::size_t i = 0; i < kStages; ++i) all[to_text(static_cast<Stage>(i))] = load.stage_s[i];
   return all;
 }
 
-ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
+ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   ordered_json files = ordered_json::array();
   for (const auto& file : outcome.files) files.push_back((request.out / file).string());
@@ -46,7 +46,7 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
             {"times_real_time", wall > 0 ? outcome.log_s / wall : 0},
             {"ping_median_ms", outcome.timings.ping_median_ms},
             {"ping_p99_ms", outcome.timings.ping_p99_ms},
-            {"stages_s", to_json(outcome.timings.load)}}},
+            {"stages_s", load_json(outcome.timings.load)}}},
           {"live", outcome.live ? ordered_json{{"lost_pings", outcome.live->lost_pings}} : ordered_json()},
           {"files", files}};
 }
@@ -151,7 +151,7 @@ int act(Options& options) {
   const RunOutcome outcome = run(request);
   progress.clear();
   if (options.json) {
-    print_json(to_json(request, outcome));
+    print_json(run_json(request, outcome));
   } else {
     print(request, outcome);
   }
