@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json to_json(const SourceReport& report, const Inspection& facts) {
+ordered_json source_json(const SourceReport& report, const Inspection& facts) {
   ordered_json json{{"format", report.format}, {"bytes", report.bytes_total}, {"bytes_skipped", report.bytes_skipped}};
   for (const auto& [key, value] : report.details) json["details"][key] = value;
   for (const StreamFacts& s : facts.streams) {
@@ -196,7 +196,7 @@ Action add_info(CLI::App& program) {
     });
     progress.clear();
     if (options->json) {
-      print_json(to_json(source->report(), facts));
+      print_json(source_json(source->report(), facts));
     } else {
       print(options->input, source->report(), facts);
     }

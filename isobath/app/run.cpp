@@ -1,8 +1,8 @@
 #include <cstdio>
 #include <fmt/format.h>
-#include <isobath/app/config_options.hpp>
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
 #include <isobath/runtime/mission_pages.hpp>
 #include <isobath/runtime/result_text.hpp>
@@ -15,23 +15,19 @@ namespace {
 
 using nlohmann::ordered_json;
 
-struct Options {
-  ConfigOptions config;
-  RunRequest request;
-  std::string model, set;
-  int pass = 0;
+struct Options : RunOptions {
   bool json = false, live = false;
   std::string speed = "1";
 };
 
 /// Of one core, s: each stage, and the input and the report apart.
-ordered_json to_json(const RunLoad& load) {
+ordered_json load_json(const RunLoad& load) {
   ordered_json all;
   for (std::size_t i = 0; i < kStages; ++i) all[to_text(static_cast<Stage>(i))] = load.stage_s[i];
   return all;
 }
 
-ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
+ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   ordered_json files = ordered_json::array();
   for (const auto& file : outcome.files) files.push_back((request.out / file).string());
@@ -50,7 +46,7 @@ ordered_json to_json(const RunRequest& request, const RunOutcome& outcome) {
             {"times_real_time", wall > 0 ? outcome.log_s / wall : 0},
             {"ping_median_ms", outcome.timings.ping_median_ms},
             {"ping_p99_ms", outcome.timings.ping_p99_ms},
-            {"stages_s", to_json(outcome.timings.load)}}},
+            {"stages_s", load_json(outcome.timings.load)}}},
           {"live", outcome.live ? ordered_json{{"lost_pings", outcome.live->lost_pings}} : ordered_json()},
           {"files", files}};
 }
@@ -146,11 +142,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
 }
 
 int act(Options& options) {
-  RunRequest& request = options.request;
-  if (!options.model.empty()) options.config.settings.push_back("sensor.model=" + options.model);
-  if (!options.set.empty()) options.config.settings.push_back("input.set=" + options.set);
-  if (options.pass > 0) options.config.settings.push_back("input.pass=" + std::to_string(options.pass));
-  request.configuration = options.config.read();
+  RunRequest& request = options.read();
   if (options.live) request.live_speed = speed_of(options.speed);
   ProgressLine progress;
   request.progress = [&](const SourceReport& source, const PipelineCounts& counts) {
@@ -159,45 +151,21 @@ int act(Options& options) {
   const RunOutcome outcome = run(request);
   progress.clear();
   if (options.json) {
-    print_json(to_json(request, outcome));
+    print_json(run_json(request, outcome));
   } else {
     print(request, outcome);
   }
-  const std::string failure = outcome.mission ? outcome.mission->failure() : std::string();
-  std::fflush(stdout);
-  if (!outcome.recording_problem.empty()) {
-    std::fprintf(stderr, "isobath: %s; the recording ends there, %llu events and messages are not in it\n",
-                 outcome.recording_problem.c_str(), static_cast<unsigned long long>(outcome.not_recorded));
-  }
-  if (outcome.problem.empty() && failure.empty()) {
-    return outcome.recording_problem.empty() ? kSuccess : kFailedChecks;
-  }
-  const std::string& problem = outcome.problem.empty() ? failure : outcome.problem;
-  std::fprintf(stderr, "isobath: %s: %s\n", request.input.string().c_str(), problem.c_str());
-  return outcome.problem.empty() ? kFailedChecks : kBadInput;
+  return conclude(request, outcome);
 }
 
 }  // namespace
 
 Action add_run(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  options->request.out = "out/run";
   CLI::App* command = program.add_subcommand("run", "The main job: log in; map, obstacles, pictures and report out");
   command->add_option("INPUT", options->request.input,
                       "Log, folder of frames, or scene (.toml); without it, the embedded scene");
-  command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
-  command->add_option("--map", options->request.map, "Folder of a depth map to continue, or to begin")
-      ->type_name("FOLDER");
-  command
-      ->add_option("--mission", options->request.mission,
-                   "Mission file, or a scenario for its mission: a scene runs in a closed loop, a log is decided anew")
-      ->type_name("FILE");
-  command->add_option("--record", options->request.record, "Log to write of a scene: .mcap")->type_name("FILE");
-  command->add_option("--model", options->model, "Sensor model made by isobath calibrate")->type_name("FILE");
-  command->add_option("--input-set", options->set, "Set of frames in a folder that holds several")->type_name("NAME");
-  command->add_option("--pass", options->pass, "Pass of a set that holds several; default: the first");
-  command->add_option("--threads", options->request.threads, "1 or 2; the results are the same")
-      ->check(CLI::Range(1, 64));
+  options->add_to(*command, "out/run");
   CLI::Option* live =
       command->add_flag("--live", options->live, "A scene's mission with real threads; not the same bytes every time");
   command->add_option("--speed", options->speed, "Of a live run: times real time, or max: as fast as it goes")
@@ -205,7 +173,6 @@ Action add_run(CLI::App& program) {
       ->needs(live);
   command->add_flag("--timings", options->request.timings, "Measured times in the report too");
   command->add_flag("--json", options->json, "One JSON object on standard output");
-  options->config.add_to(*command);
   return [options] { return act(*options); };
 }
 

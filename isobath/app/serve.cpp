@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <future>
-#include <isobath/app/config_options.hpp>
+#include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/runtime/live_page.hpp>
@@ -19,9 +19,7 @@
 namespace isobath::app {
 namespace {
 
-struct ServeOptions {
-  ConfigOptions config;
-  RunRequest request;
+struct ServeOptions : RunOptions {
   std::string speed = "1";
   std::string token_file;
   WebServerConfig server;
@@ -114,8 +112,7 @@ TimeSpan span_of(const DisplayItems& items) {
 }
 
 int serve_run(ServeOptions& options, const WebServerConfig& config) {
-  RunRequest& request = options.request;
-  request.configuration = options.config.read();
+  RunRequest& request = options.read();
   if (request.record.empty()) request.record = request.out / "recording.mcap";
   std::filesystem::create_directories(request.record.parent_path());
   DisplayItems items;
@@ -151,14 +148,13 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
     for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
   }
   fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());
-  for (const std::string& problem : {outcome.problem, outcome.recording_problem}) {
-    if (!problem.empty()) fmt::print("{}\n", problem);
-  }
+  // What was stopped on the way has not failed.
+  const int code = interrupted ? kSuccess : conclude(request, outcome);
   if (!interrupted) fmt::print("the run is over; its page goes on\n");
   std::fflush(stdout);
   wait_for_interrupt();
   server.stop();
-  return kSuccess;
+  return code;
 }
 
 int serve(ServeOptions& options) {
@@ -175,7 +171,6 @@ int serve(ServeOptions& options) {
 
 Action add_serve(CLI::App& program) {
   auto options = std::make_shared<ServeOptions>();
-  options->request.out = "out/serve";
   CLI::App* command = program.add_subcommand("serve", "The main job with the live page, or the page of a recording");
   command->add_option("INPUT", options->request.input,
                       "Log, scene (.toml) or recording (.mcap); without it, the embedded scene");
@@ -185,17 +180,10 @@ Action add_serve(CLI::App& program) {
   command->add_option("--speed", options->speed, "Times real time, or max: as fast as it goes")->capture_default_str();
   command->add_option("--token-file", options->token_file, "File with a token: who has it may hold, resume and abort")
       ->type_name("FILE");
-  command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
-  command->add_option("--map", options->request.map, "Folder of a depth map to continue, or to begin")
-      ->type_name("FOLDER");
-  command->add_option("--mission", options->request.mission, "Mission file, or a scenario for its mission")
-      ->type_name("FILE");
-  command->add_option("--record", options->request.record, "Recording to write; default: recording.mcap in the folder")
-      ->type_name("FILE");
   command->add_flag("--anew", options->anew, "Decide a recording anew instead of showing what was recorded");
   command->add_option("--limit", options->limits, "One limit of the server, e.g. most_clients=4; may be repeated")
       ->type_name("KEY=VALUE");
-  options->config.add_to(*command);
+  options->add_to(*command, "out/serve");
   return [options] { return serve(*options); };
 }
 

@@ -22,11 +22,11 @@ Message stamp(Time time) {
   return {{"sec", ns / 1'000'000'000}, {"nsec", ns % 1'000'000'000}};
 }
 
-Message to_json(const Vector3d& p) {
+Message foxglove_json(const Vector3d& p) {
   return {{"x", rounded_place(p.x())}, {"y", rounded_place(p.y())}, {"z", rounded_place(p.z())}};
 }
 
-Message to_json(const Rotation& rotation) {
+Message foxglove_json(const Rotation& rotation) {
   const Eigen::Quaterniond& q = rotation.quaternion();
   return {{"x", rounded_share(q.x())},
           {"y", rounded_share(q.y())},
@@ -34,11 +34,11 @@ Message to_json(const Rotation& rotation) {
           {"w", rounded_share(q.w())}};
 }
 
-Message to_json(const Pose& pose) {
-  return {{"position", to_json(pose.translation)}, {"orientation", to_json(pose.rotation)}};
+Message foxglove_json(const Pose& pose) {
+  return {{"position", foxglove_json(pose.translation)}, {"orientation", foxglove_json(pose.rotation)}};
 }
 
-Message to_json(const FoxgloveColor& c) { return {{"r", c.r}, {"g", c.g}, {"b", c.b}, {"a", c.a}}; }
+Message foxglove_json(const FoxgloveColor& c) { return {{"r", c.r}, {"g", c.g}, {"b", c.b}, {"a", c.a}}; }
 
 std::string to_base64(std::span<const std::uint8_t> bytes) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -62,7 +62,7 @@ Message packed(const char* name, int offset, int type) { return {{"name", name},
 Message points_of(const std::vector<Vector3d>& points_W) {
   Message points = Message::array();
   for (const Vector3d& p : points_W) {
-    if (p.allFinite()) points.push_back(to_json(to_east_north_up(p)));
+    if (p.allFinite()) points.push_back(foxglove_json(to_east_north_up(p)));
   }
   return points;
 }
@@ -81,31 +81,31 @@ Message entity_json(Time time, const std::string& id) {
   return entity;
 }
 
-Message to_json(Time time, const FoxgloveEntity& e) {
+Message foxglove_json(Time time, const FoxgloveEntity& e) {
   Message entity = entity_json(time, e.id);
   for (const FoxgloveLine& line : e.lines) {
     entity["lines"].push_back({{"type", line.closed ? 1 : 0},
-                               {"pose", to_json(Pose{})},
+                               {"pose", foxglove_json(Pose{})},
                                {"thickness", line.pixels},
                                {"scale_invariant", true},
                                {"points", points_of(line.points_W)},
-                               {"color", to_json(line.color)},
+                               {"color", foxglove_json(line.color)},
                                {"colors", Message::array()},
                                {"indices", Message::array()}});
   }
   for (const FoxgloveBall& ball : e.balls) {
     if (!ball.at_W.allFinite()) continue;
-    entity["spheres"].push_back({{"pose", to_json(Pose{{}, to_east_north_up(ball.at_W)})},
-                                 {"size", to_json(Vector3d(Vector3d::Constant(2 * ball.radius_m)))},
-                                 {"color", to_json(ball.color)}});
+    entity["spheres"].push_back({{"pose", foxglove_json(Pose{{}, to_east_north_up(ball.at_W)})},
+                                 {"size", foxglove_json(Vector3d(Vector3d::Constant(2 * ball.radius_m)))},
+                                 {"color", foxglove_json(ball.color)}});
   }
   for (const FoxgloveText& words : e.texts) {
     if (!words.at_W.allFinite()) continue;
-    entity["texts"].push_back({{"pose", to_json(Pose{{}, to_east_north_up(words.at_W)})},
+    entity["texts"].push_back({{"pose", foxglove_json(Pose{{}, to_east_north_up(words.at_W)})},
                                {"billboard", true},
                                {"font_size", 12.0},
                                {"scale_invariant", true},
-                               {"color", to_json(words.color)},
+                               {"color", foxglove_json(words.color)},
                                {"text", words.text}});
   }
   return entity;
@@ -128,13 +128,13 @@ std::string foxglove_transform(Time time, const Pose& X_WB) {
   return json_text({{"timestamp", stamp(time)},
                     {"parent_frame_id", kMap},
                     {"child_frame_id", "body"},
-                    {"translation", to_json(pose.translation)},
-                    {"rotation", to_json(pose.rotation)}});
+                    {"translation", foxglove_json(pose.translation)},
+                    {"rotation", foxglove_json(pose.rotation)}});
 }
 
 std::string foxglove_pose(Time time, const Pose& X_WB) {
   if (!X_WB.is_finite()) return {};
-  return json_text({{"timestamp", stamp(time)}, {"frame_id", kMap}, {"pose", to_json(to_east_north_up(X_WB))}});
+  return json_text({{"timestamp", stamp(time)}, {"frame_id", kMap}, {"pose", foxglove_json(to_east_north_up(X_WB))}});
 }
 
 std::string foxglove_location(Time time, const FoxglovePlace& place) {
@@ -173,7 +173,7 @@ std::string foxglove_points(Time time, std::span<const FoxglovePoint> points, co
   }
   return json_text({{"timestamp", stamp(time)},
                     {"frame_id", kMap},
-                    {"pose", to_json(Pose{})},
+                    {"pose", foxglove_json(Pose{})},
                     {"point_stride", 16},
                     {"fields", Message::array({packed("x", 0, kNumberF32), packed("y", 4, kNumberF32),
                                                packed("z", 8, kNumberF32), packed(value, 12, kNumberF32)})},
@@ -196,7 +196,7 @@ std::string foxglove_grid(Time time, const FoxgloveGrid& grid, const char* value
   const Pose corner{X_WG.rotation, X_WG * Vector3d(0, grid.cells_y * grid.cell_m, 0)};
   return json_text({{"timestamp", stamp(time)},
                     {"frame_id", kMap},
-                    {"pose", to_json(to_east_north_up(corner))},
+                    {"pose", foxglove_json(to_east_north_up(corner))},
                     {"column_count", grid.cells_x},
                     {"cell_size", {{"x", grid.cell_m}, {"y", grid.cell_m}}},
                     {"row_stride", grid.cells_x},
@@ -207,7 +207,7 @@ std::string foxglove_grid(Time time, const FoxgloveGrid& grid, const char* value
 
 std::string foxglove_scene(Time time, std::span<const FoxgloveEntity> entities) {
   Message list = Message::array();
-  for (const FoxgloveEntity& entity : entities) list.push_back(to_json(time, entity));
+  for (const FoxgloveEntity& entity : entities) list.push_back(foxglove_json(time, entity));
   return json_text({{"deletions", Message::array()}, {"entities", std::move(list)}});
 }
 

@@ -39,7 +39,7 @@ std::vector<fs::path> files_of(const fs::path& folder, bool folders, const char*
   return found;
 }
 
-std::string text_of(const fs::path& file) {
+std::string whole_text(const fs::path& file) {
   const auto bytes = read_whole_file(file, kMaxGeometryBytes);
   return {bytes.begin(), bytes.end()};
 }
@@ -51,7 +51,7 @@ fs::path geometry_file(const fs::path& folder) {
     if (file.filename() == "geometry.json") return file;
     std::error_code unknown;
     if (fs::file_size(file, unknown) > kMaxGeometryBytes || unknown) continue;
-    const std::string text = text_of(file);
+    const std::string text = whole_text(file);
     if (!looks_like_frame_geometry(text)) continue;
     const bool lists_angles = text.find("\"azimuths") != std::string::npos;
     if (lists_angles) return file;
@@ -306,7 +306,7 @@ FrameLayout frame_layout(const fs::path& given, const InputConfig& config) {
       std::any_of(layout.sets.begin(), layout.sets.end(), [](const auto& s) { return !s.poses.empty(); });
   if (file.empty() && !posed) throw Error("no geometry of the frames", {folder.string(), {}, {}, {}, {}}, "", kAdvice);
   layout.geometry = with_overrides(
-      file.empty() ? simulated_frame_geometry() : parse_frame_geometry(text_of(file), file.string()), config);
+      file.empty() ? simulated_frame_geometry() : parse_frame_geometry(whole_text(file), file.string()), config);
   return layout;
 }
 

@@ -23,7 +23,7 @@ std::byte* put_mean(std::byte* to, SampleType type, float mean) {
   return put_mean<float>(to, mean);
 }
 
-int bytes_of(SampleType type) { return type == SampleType::kU8 ? 1 : type == SampleType::kU16 ? 2 : 4; }
+int bytes_per_sample(SampleType type) { return type == SampleType::kU8 ? 1 : type == SampleType::kU16 ? 2 : 4; }
 
 class PooledBins final : public Source {
  public:
@@ -53,7 +53,7 @@ class PooledBins final : public Source {
 
   void pool(Ping& ping, int together) {
     const int bins = ping.window.bins / together;
-    const int beams = ping.intensity.beams(), size = bytes_of(ping.intensity.type());
+    const int beams = ping.intensity.beams(), size = bytes_per_sample(ping.intensity.type());
     std::byte* const samples = arena_.take(std::size_t(beams) * std::size_t(bins) * std::size_t(size));
     std::byte* to = samples;
     beam_.resize(static_cast<std::size_t>(ping.window.bins));

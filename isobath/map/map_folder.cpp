@@ -141,7 +141,7 @@ Record record_of(const std::string& text, const std::string& file) {
   }
 }
 
-std::string text_of_file(const fs::path& path) {
+std::string record_text(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error("cannot be read: " + error_text(), {path.string()});
   std::ostringstream text;
@@ -155,7 +155,7 @@ Record read_record(const fs::path& folder, std::vector<MapDamage>* damages) {
   for (const char* name : {kRecord, kCopy}) {
     try {
       const fs::path file = folder / name;
-      Record record = record_of(text_of_file(file), file.string());
+      Record record = record_of(record_text(file), file.string());
       if (first && damages) damages->push_back({kRecord, 0, 0, 0, first->what()});
       return record;
     } catch (const Error& e) {

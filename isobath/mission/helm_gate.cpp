@@ -8,7 +8,7 @@
 namespace isobath {
 namespace {
 
-bool is_finite(const Setpoint& s) {
+bool finite_setpoint(const Setpoint& s) {
   return std::isfinite(s.heading.radians()) && std::isfinite(s.depth) && std::isfinite(s.speed) &&
          std::isfinite(s.sway_speed);
 }
@@ -48,7 +48,7 @@ std::vector<Field> fields(HelmGateConfig& c) {
 void HelmGate::take_action(SafetyAction action) {
   const bool steers = action.kind == SafetyActionKind::kTurn || action.kind == SafetyActionKind::kSlow;
   const bool backwards = action.kind == SafetyActionKind::kSlow && action.setpoint.speed < 0;
-  if (steers && (!is_finite(action.setpoint) || backwards)) {
+  if (steers && (!finite_setpoint(action.setpoint) || backwards)) {
     ++refused_;
     action.kind = SafetyActionKind::kStop;
   }
@@ -64,7 +64,7 @@ void HelmGate::hear(const Message& message, Time now) {
     if (starts) deepest_ = std::min(vehicle_.limits.max_depth, order->plan->limits.max_depth_m);
   }
   if (const auto* order = std::get_if<HelmOrder>(&message)) {
-    if (!is_finite(order->setpoint)) {
+    if (!finite_setpoint(order->setpoint)) {
       ++refused_;
       return;
     }
@@ -114,7 +114,7 @@ Setpoint HelmGate::setpoint() const {
     case HelmState::kSurface:
       s.speed = vehicle_.min_speed;
       if (state_ == HelmState::kSurface || vehicle_.min_speed > 0) s.depth = 0;
-      if (state_ == HelmState::kSurface && !safety_lost_ && is_finite(action_.setpoint)) {
+      if (state_ == HelmState::kSurface && !safety_lost_ && finite_setpoint(action_.setpoint)) {
         s.heading = action_.setpoint.heading;
         if (vehicle_.min_speed > 0) s.speed = std::max(s.speed, action_.setpoint.speed);
       }

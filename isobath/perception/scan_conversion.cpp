@@ -10,7 +10,7 @@ using Eigen::Vector2d;
 constexpr double kLargest = 1 << 30;
 
 // Without std::floor and std::ceil, which are calls where the processor may be any.
-std::int32_t floor_of(double coordinate) {
+std::int32_t cell_below(double coordinate) {
   const double c = std::clamp(coordinate, -kLargest, kLargest);
   const auto truncated = static_cast<std::int32_t>(c);
   return truncated - static_cast<std::int32_t>(truncated > c);
@@ -93,15 +93,15 @@ void pixels_inside(std::span<const Vector2d> convex, const PixelWindow& clip, st
 void pixels_touched(std::span<const Vector2d> convex, const PixelWindow& clip, std::vector<PixelSpan>& out) {
   out.clear();
   if (convex.empty()) return;
-  start_rows(floor_of(highest_row_coordinate(convex)), std::int64_t{floor_of(lowest_row_coordinate(convex))} + 1, clip,
-             out);
+  start_rows(cell_below(highest_row_coordinate(convex)), std::int64_t{cell_below(lowest_row_coordinate(convex))} + 1,
+             clip, out);
   if (out.empty()) return;
   const std::int32_t first = out.front().row;
   const std::int32_t last = out.back().row;
   for (std::size_t i = 0; i < convex.size(); ++i) {
     const Side side(convex[i], convex[(i + 1) % convex.size()]);
-    const std::int32_t begin = std::max(floor_of(side.upper.y()), first);
-    const std::int32_t end = std::min(floor_of(side.lower.y()), last) + 1;
+    const std::int32_t begin = std::max(cell_below(side.upper.y()), first);
+    const std::int32_t end = std::min(cell_below(side.lower.y()), last) + 1;
     const double low_x = std::min(side.upper.x(), side.lower.x());
     const double high_x = std::max(side.upper.x(), side.lower.x());
     for (std::int32_t row = begin; row < end; ++row) {
@@ -110,8 +110,8 @@ void pixels_touched(std::span<const Vector2d> convex, const PixelWindow& clip, s
       const double leave =
           side.lower.y() <= row + 1.0 ? side.lower.x() : std::clamp(side.x_at(row + 1.0), low_x, high_x);
       PixelSpan& s = out[row - first];
-      s.column_begin = std::min(s.column_begin, floor_of(std::min(enter, leave)));
-      s.column_end = std::max(s.column_end, floor_of(std::max(enter, leave)) + 1);
+      s.column_begin = std::min(s.column_begin, cell_below(std::min(enter, leave)));
+      s.column_end = std::max(s.column_end, cell_below(std::max(enter, leave)) + 1);
     }
   }
   clip_columns(clip, out);

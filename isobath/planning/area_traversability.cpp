@@ -5,7 +5,7 @@ namespace {
 
 std::int32_t floor_divide(std::int32_t a, std::int32_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 
-void judge(const DepthSummary& b, double vehicle_z, double clearance, AreaTraversability& out) {
+void judge_block(const DepthSummary& b, double vehicle_z, double clearance, AreaTraversability& out) {
   if (b.known <= 0 || b.max_m - vehicle_z < clearance) {
     ++out.blocked;
   } else if (b.unknown == 0 && b.min_m - vehicle_z >= clearance) {
@@ -30,7 +30,7 @@ AreaTraversability area_traversability(const BlockMap& map, PixelWindow blocks, 
   AreaTraversability out;
   for (std::int32_t row = blocks.row; row < blocks.row + blocks.height; ++row) {
     for (std::int32_t column = blocks.column; column < blocks.column + blocks.width; ++column) {
-      judge(map.at({column, row}), vehicle_z + formation.depth_spread_m, clearance_m, out);
+      judge_block(map.at({column, row}), vehicle_z + formation.depth_spread_m, clearance_m, out);
     }
   }
   return out;
@@ -44,7 +44,7 @@ Result<AreaTraversability, CorridorRefusal> corridor_traversability(const BlockM
   if (!swept) return tl::unexpected(swept.error());
   AreaTraversability out;
   for (const SweptPixel& p : *swept) {
-    judge(map.at(map.block_of(p.pixel)), p.vehicle_z + formation.depth_spread_m, passage.clearance_m, out);
+    judge_block(map.at(map.block_of(p.pixel)), p.vehicle_z + formation.depth_spread_m, passage.clearance_m, out);
   }
   return out;
 }

@@ -49,7 +49,7 @@ SampleStatistics collect(const std::filesystem::path& input, const CompareReques
   return out;
 }
 
-double distance(const SampleStatistics& a, const SampleStatistics& b) {
+double histogram_distance(const SampleStatistics& a, const SampleStatistics& b) {
   const EchoDistribution da(a.levels, a.background), db(b.levels, b.background);
   double most = 0;
   for (double x = 0.5; x < kFullCounts; ++x)
@@ -63,7 +63,7 @@ std::string short_name(const std::string& name) {
   return path.filename().string();
 }
 
-ordered_json to_json(const RangeLevels& r) {
+ordered_json levels_json(const RangeLevels& r) {
   return {{"near_m", r.near_m},
           {"far_m", r.far_m},
           {"samples", r.samples},
@@ -78,9 +78,9 @@ ordered_json to_json(const RangeLevels& r) {
           {"background_limit", r.background_limit}};
 }
 
-ordered_json to_json(const SampleStatistics& s) {
+ordered_json samples_json(const SampleStatistics& s) {
   ordered_json ranges = ordered_json::array(), fits = ordered_json::array();
-  for (const RangeLevels& r : s.ranges) ranges.push_back(to_json(r));
+  for (const RangeLevels& r : s.ranges) ranges.push_back(levels_json(r));
   for (const NoiseFit& f : s.fits) {
     fits.push_back({{"law", to_text(f.law)},
                     {"location", f.location},
@@ -99,7 +99,7 @@ ordered_json to_json(const SampleStatistics& s) {
           {"pings_left_out", s.left_out},
           {"scans", s.scans},
           {"blind_m", s.blind_m},
-          {"all", to_json(s.all)},
+          {"all", levels_json(s.all)},
           {"spread_over_scans", s.spread_over_scans},
           {"spread_over_cells", s.spread_over_cells},
           {"background",
@@ -195,8 +195,9 @@ std::vector<ComparedValue> compared_values(const CompareOutcome& c) {
 }
 
 std::string to_json(const CompareOutcome& outcome) {
-  const ordered_json json = {
-      {"a", to_json(outcome.a)}, {"b", to_json(outcome.b)}, {"background_distance", outcome.background_distance}};
+  const ordered_json json = {{"a", samples_json(outcome.a)},
+                             {"b", samples_json(outcome.b)},
+                             {"background_distance", outcome.background_distance}};
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
@@ -204,7 +205,7 @@ CompareOutcome compare(const CompareRequest& request) {
   CompareOutcome outcome;
   outcome.a = collect(request.a, request);
   outcome.b = collect(request.b, request);
-  outcome.background_distance = distance(outcome.a, outcome.b);
+  outcome.background_distance = histogram_distance(outcome.a, outcome.b);
 
   const std::string a = "A: " + short_name(outcome.a.name), b = "B: " + short_name(outcome.b.name);
   make_folder(request.out);

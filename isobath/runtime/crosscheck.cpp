@@ -30,7 +30,7 @@ constexpr std::array<std::pair<int, int>, 5> kConfidenceClasses{{{0, 4}, {5, 9},
 bool holds(float depth_m) { return std::abs(depth_m) <= 1e7f; }
 
 /// Type 7 of the sorted values; they are not empty.
-double quantile(const std::vector<double>& sorted, double share) {
+double sorted_quantile(const std::vector<double>& sorted, double share) {
   const double at = share * static_cast<double>(sorted.size() - 1);
   const auto low = static_cast<std::size_t>(std::floor(at));
   const std::size_t high = std::min(low + 1, sorted.size() - 1);
@@ -79,7 +79,7 @@ DifferenceStatistics difference_statistics(std::vector<double> differences) {
   s.n = differences.size();
   if (differences.empty()) return s;
   std::sort(differences.begin(), differences.end());
-  s.median_m = quantile(differences, 0.5);
+  s.median_m = sorted_quantile(differences, 0.5);
   std::vector<double> distance(differences.size());
   const auto sorted_distance_from = [&](double centre) -> const std::vector<double>& {
     std::transform(differences.begin(), differences.end(), distance.begin(),
@@ -87,8 +87,8 @@ DifferenceStatistics difference_statistics(std::vector<double> differences) {
     std::sort(distance.begin(), distance.end());
     return distance;
   };
-  s.robust_sd_m = kNormalMad * quantile(sorted_distance_from(s.median_m), 0.5);
-  s.p95_m = quantile(sorted_distance_from(0), 0.95);
+  s.robust_sd_m = kNormalMad * sorted_quantile(sorted_distance_from(s.median_m), 0.5);
+  s.p95_m = sorted_quantile(sorted_distance_from(0), 0.95);
   return s;
 }
 

@@ -110,7 +110,7 @@ std::string calibration_plot(const CrosscheckResult& r) {
 }
 
 std::string metres(double v) { return std::isnan(v) ? "-" : fmt::format("{:.3f}", v); }
-HtmlReport::Row row_of(const std::string& name, const DifferenceStatistics& s) {
+HtmlReport::Row difference_row(const std::string& name, const DifferenceStatistics& s) {
   return {name, std::to_string(s.n), metres(s.median_m), metres(s.robust_sd_m), metres(s.p95_m)};
 }
 
@@ -119,13 +119,14 @@ void tables(const CrosscheckInput& input, const CrosscheckResult& r, HtmlReport&
     return HtmlReport::Row{first, "soundings", "median (m)", "robust sd (m)", "95 % of |difference| (m)"};
   };
   std::vector<HtmlReport::Row> rows;
-  for (const auto& c : r.by_depth) rows.push_back(row_of(fmt::format("{:g} to {:g}", c.from_m, c.to_m), c.differences));
+  for (const auto& c : r.by_depth)
+    rows.push_back(difference_row(fmt::format("{:g} to {:g}", c.from_m, c.to_m), c.differences));
   page.heading("By depth");
   page.table(header("sounded depth (m)"), rows);
   rows.clear();
   for (const auto& c : r.by_confidence) {
-    rows.push_back(
-        row_of(c.low == c.high ? std::to_string(c.low) : fmt::format("{} to {}", c.low, c.high), c.differences));
+    rows.push_back(difference_row(c.low == c.high ? std::to_string(c.low) : fmt::format("{} to {}", c.low, c.high),
+                                  c.differences));
   }
   page.heading("By confidence of the map");
   page.table(header("confidence"), rows);

@@ -82,7 +82,7 @@ struct DepthScale {
   }
 };
 
-PlanExtent extent_of(const DepthChart& chart) {
+PlanExtent chart_extent(const DepthChart& chart) {
   const PixelGrid& g = chart.grid;
   const double north = g.corner_m.x() - chart.window.row * g.pixel_m;
   const double west = g.corner_m.y() + chart.window.column * g.pixel_m;
@@ -202,7 +202,7 @@ std::vector<ContourLine> depth_contours(const DepthChart& chart, double node_m) 
 }
 
 std::string depth_chart_png(const DepthChart& chart, const ChartLook& look) {
-  ChartSheet sheet(extent_of(chart), look.plot_px, chart.title, chart.origin);
+  ChartSheet sheet(chart_extent(chart), look.plot_px, chart.title, chart.origin);
   const ChartField field = chart_field(chart, sheet.columns(), sheet.rows(), sheet.metres_per_px());
   const ChartNodes nodes = chart_nodes(chart, field, kNodePx);
   const DepthScale scale(field, nodes);
@@ -241,7 +241,7 @@ std::string depth_chart_png(const DepthChart& chart, const ChartLook& look) {
 }
 
 std::string confidence_chart_png(const DepthChart& chart, const ChartLook& look) {
-  ChartSheet sheet(extent_of(chart), look.plot_px, chart.title, chart.origin);
+  ChartSheet sheet(chart_extent(chart), look.plot_px, chart.title, chart.origin);
   const ChartField field = chart_field(chart, sheet.columns(), sheet.rows(), sheet.metres_per_px());
   const std::vector<int> confidence = confidence_cells(chart, field);
   const auto class_of = [](int c) {

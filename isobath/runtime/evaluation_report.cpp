@@ -17,23 +17,23 @@ constexpr int kPixels = 560;
 constexpr std::array<Colour, 5> kColours{
     {{0.0, 0.45, 0.7, 1}, {0.84, 0.37, 0.0, 1}, {0.8, 0.47, 0.65, 1}, {0.9, 0.62, 0.0, 1}, {0.34, 0.34, 0.34, 1}}};
 
-std::string text_of(const Share& s) {
+std::string cell_text(const Share& s) {
   return fmt::format("{} of {}: {:.1f} % ({:.1f} to {:.1f})", s.count, s.of, 100 * s.value(), 100 * s.low,
                      100 * s.high);
 }
 
-std::string text_of(const RowSummary& row) {
+std::string cell_text(const RowSummary& row) {
   if (row.shown.of == 0) return "not sailed";
   const std::string latest = row.latest_s < 0 ? "" : fmt::format(", after {:.2f} s at the latest", row.latest_s);
   return fmt::format("{} of {}{}", row.shown.count, row.shown.of, latest);
 }
 
-std::string text_of(const Spread& s, int digits) {
+std::string cell_text(const Spread& s, int digits) {
   if (s.count == 0) return "none";
   return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", s.median, digits, s.low, digits, s.high, digits);
 }
 
-std::string text_of(int count, const Share& runs) {
+std::string cell_text(int count, const Share& runs) {
   return fmt::format("{}: {:.2f} a run", count,
                      static_cast<double>(count) / std::max(1.0, static_cast<double>(runs.of)));
 }
@@ -167,27 +167,27 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
     for (const Summary& s : evaluation.summaries) line.push_back(cell(s));
   };
   row("", [](const Summary& s) { return s.name; });
-  row("goal reached", [](const Summary& s) { return text_of(s.goals); });
-  row("... without a collision", [](const Summary& s) { return text_of(s.safe_goals); });
-  row("collision", [](const Summary& s) { return text_of(s.collisions); });
-  row("near miss", [](const Summary& s) { return text_of(s.near_misses); });
-  row("encounter", [](const Summary& s) { return text_of(s.encounters); });
-  row("refused, with a reason", [](const Summary& s) { return text_of(s.refused); });
+  row("goal reached", [](const Summary& s) { return cell_text(s.goals); });
+  row("... without a collision", [](const Summary& s) { return cell_text(s.safe_goals); });
+  row("collision", [](const Summary& s) { return cell_text(s.collisions); });
+  row("near miss", [](const Summary& s) { return cell_text(s.near_misses); });
+  row("encounter", [](const Summary& s) { return cell_text(s.encounters); });
+  row("refused, with a reason", [](const Summary& s) { return cell_text(s.refused); });
   row("... where there is no way", [](const Summary& s) { return fmt::format("{}", s.no_way_there); });
-  row("neither goal nor reason", [](const Summary& s) { return text_of(s.lost); });
-  row("way by the shortest", [](const Summary& s) { return text_of(s.path_ratio, 3); });
-  row("time by the shortest", [](const Summary& s) { return text_of(s.time_ratio, 3); });
-  row("least clearance, m", [](const Summary& s) { return text_of(s.clearance_m, 1); });
-  row("detection delay, pings", [](const Summary& s) { return text_of(s.delay_pings, 0); });
-  row("range at detection, m", [](const Summary& s) { return text_of(s.first_range_m, 1); });
-  row("mission points dropped", [](const Summary& s) { return text_of(s.points_dropped, s.goals); });
-  row("replans", [](const Summary& s) { return text_of(s.replans, s.goals); });
-  row("replans for nothing", [](const Summary& s) { return text_of(s.false_replans, s.goals); });
-  row("safety actions", [](const Summary& s) { return text_of(s.safety_actions, s.goals); });
+  row("neither goal nor reason", [](const Summary& s) { return cell_text(s.lost); });
+  row("way by the shortest", [](const Summary& s) { return cell_text(s.path_ratio, 3); });
+  row("time by the shortest", [](const Summary& s) { return cell_text(s.time_ratio, 3); });
+  row("least clearance, m", [](const Summary& s) { return cell_text(s.clearance_m, 1); });
+  row("detection delay, pings", [](const Summary& s) { return cell_text(s.delay_pings, 0); });
+  row("range at detection, m", [](const Summary& s) { return cell_text(s.first_range_m, 1); });
+  row("mission points dropped", [](const Summary& s) { return cell_text(s.points_dropped, s.goals); });
+  row("replans", [](const Summary& s) { return cell_text(s.replans, s.goals); });
+  row("replans for nothing", [](const Summary& s) { return cell_text(s.false_replans, s.goals); });
+  row("safety actions", [](const Summary& s) { return cell_text(s.safety_actions, s.goals); });
   if (evaluation.summaries.front().rows.empty()) return rows;
-  row("faults as the table says", [](const Summary& s) { return text_of(s.shown); });
+  row("faults as the table says", [](const Summary& s) { return cell_text(s.shown); });
   for (std::size_t i = 0; i < fault_table().size(); ++i) {
-    row(fault_table()[i].name, [i](const Summary& s) { return text_of(s.rows[i]); });
+    row(fault_table()[i].name, [i](const Summary& s) { return cell_text(s.rows[i]); });
   }
   return rows;
 }

@@ -27,7 +27,7 @@ std::vector<Decision> about(const FaultRow& row, const std::vector<Decision>& de
   return own;
 }
 
-std::optional<double> time_of(const Decision* decision) {
+std::optional<double> decided_at(const Decision* decision) {
   return decision ? std::optional(to_seconds(decision->time)) : std::nullopt;
 }
 
@@ -47,7 +47,7 @@ double jump_of(const Scenario& scenario) {
 
 /// What a deadline counts from, by the clock of the decisions, s; empty: it did not come, or no time counts.
 std::optional<double> origin(Deadline::From from, const Scenario& scenario, const LoopResult& result) {
-  const std::optional<double> start = time_of(first_of(result.decisions, "captain", "start"));
+  const std::optional<double> start = decided_at(first_of(result.decisions, "captain", "start"));
   switch (from) {
     case Deadline::From::kInjection: {
       if (scenario.scene.faults.empty()) return std::nullopt;
@@ -56,7 +56,7 @@ std::optional<double> origin(Deadline::From from, const Scenario& scenario, cons
     case Deadline::From::kStart: return start;
     case Deadline::From::kOvertime:
       return start ? std::optional(*start + scenario.mission.limits.max_duration_s) : std::nullopt;
-    case Deadline::From::kRefusal: return time_of(first_of(result.decisions, "navigator", "refuse"));
+    case Deadline::From::kRefusal: return decided_at(first_of(result.decisions, "navigator", "refuse"));
     case Deadline::From::kCrossing: return crossing(scenario.mission.fence, result.track);
     case Deadline::From::kNearness: break;
   }

@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 constexpr const char* kSouthWest = "south-west";
 constexpr const char* kNorthEast = "north-east";
 
-Vector3d in_plane(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0}; }
+Vector3d corner_at(const Eigen::Vector2d& p) { return {p.x(), p.y(), 0}; }
 
 struct KnownObject {
   MapObject object;
@@ -48,8 +48,8 @@ bool enter(ObjectStore& store, ObjectId id, const ChangedRegion& region, Time se
   if (last && last->time >= seen && last->value == AttributeValue(region.shoalest_m)) return false;
   store.put(id, "depth", {seen, region.shoalest_m});
   store.put(id, "position", {seen, Vector3d(region.shoalest_at.x(), region.shoalest_at.y(), region.shoalest_m)});
-  store.put(id, kSouthWest, {seen, in_plane(region.south_west)});
-  store.put(id, kNorthEast, {seen, in_plane(region.north_east)});
+  store.put(id, kSouthWest, {seen, corner_at(region.south_west)});
+  store.put(id, kNorthEast, {seen, corner_at(region.north_east)});
   store.put(id, "last seen", {seen, to_text(seen)});
   store.put(id, "seen", {seen, 1.0});
   label(store, id, seen);

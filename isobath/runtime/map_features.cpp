@@ -13,7 +13,7 @@ constexpr const char* kDepth = "depth";
 constexpr const char* kClearTo = "clear to";
 
 /// To a millimetre: "12.500 -3.250 13.000 -3.000".
-std::string text_of(const std::vector<Vector2d>& points) {
+std::string points_text(const std::vector<Vector2d>& points) {
   std::string text;
   for (const Vector2d& p : points) fmt::format_to(std::back_inserter(text), "{:.3f} {:.3f} ", p.x(), p.y());
   return text;
@@ -39,14 +39,14 @@ std::vector<Vector2d> points_of(const std::string& text) {
 bool blocks(PriorPointKind kind) { return kind != PriorPointKind::kLand; }
 bool blocks(PriorLineKind kind) { return kind == PriorLineKind::kStructure || kind == PriorLineKind::kObstruction; }
 /// 0 where the chart does not say: up to the surface.
-double top_of(const PriorPoint& point) { return point.depth_m.value_or(point.clear_to_m.value_or(0)); }
+double highest_of(const PriorPoint& point) { return point.depth_m.value_or(point.clear_to_m.value_or(0)); }
 
 void store_point(ObjectStore& store, const PriorPoint& point, Time time) {
   MapObject object;
   object.capabilities = kChartedObject | (blocks(point.kind) ? kBlocksPassage : 0);
   object.kind = to_text(point.kind);
   object.name = point.name;
-  object.p_W = {point.north_east.x(), point.north_east.y(), top_of(point)};
+  object.p_W = {point.north_east.x(), point.north_east.y(), highest_of(point)};
   object.covariance(2, 2) = point.sigma_m * point.sigma_m;
   const ObjectId id = store.create(object);
   if (point.depth_m) store.put(id, kDepth, {time, *point.depth_m});
@@ -63,7 +63,7 @@ void store_line(ObjectStore& store, const PriorLine& line, Time time) {
   object.p_W = {line.points.front().x(), line.points.front().y(), line.depth_m.value_or(0)};
   const ObjectId id = store.create(object);
   if (line.depth_m) store.put(id, kDepth, {time, *line.depth_m});
-  store.put(id, kPoints, {time, text_of(line.points)});
+  store.put(id, kPoints, {time, points_text(line.points)});
 }
 
 }  // namespace
@@ -146,7 +146,7 @@ std::vector<ChartObstacle> obstacles_of(const std::vector<Prior>& priors) {
   std::vector<ChartObstacle> obstacles;
   for (const Prior& prior : priors) {
     for (const PriorPoint& point : prior.points) {
-      if (blocks(point.kind)) obstacles.push_back({point.north_east, point.north_east, 0, top_of(point)});
+      if (blocks(point.kind)) obstacles.push_back({point.north_east, point.north_east, 0, highest_of(point)});
     }
     for (const PriorLine& line : prior.lines) {
       if (!blocks(line.kind)) continue;

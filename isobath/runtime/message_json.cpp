@@ -19,14 +19,14 @@ Content exact_enough(const std::optional<Value>& value) {
   return value ? exact_enough(*value) : Content();
 }
 template <int kSize>
-Content row_of(const Eigen::Matrix<double, kSize, 1>& v) {
+Content components_of(const Eigen::Matrix<double, kSize, 1>& v) {
   Content row = Content::array();
   for (int i = 0; i < kSize; ++i) row.push_back(exact_enough(v[i]));
   return row;
 }
 Content pose_content(const Pose& X) {
   const Eigen::Quaterniond& q = X.rotation.quaternion();
-  return {{"place", row_of<3>(X.translation)},
+  return {{"place", components_of<3>(X.translation)},
           {"rotation_wxyz", {exact_enough(q.w()), exact_enough(q.x()), exact_enough(q.y()), exact_enough(q.z())}}};
 }
 Content waypoints_content(const std::vector<Waypoint>& waypoints) {
@@ -47,7 +47,7 @@ Content setpoint_content(const Setpoint& s) {
 }
 Content point_content(const MissionPoint& p) {
   return {{"name", p.name},
-          {"north_east", row_of<2>(p.north_east)},
+          {"north_east", components_of<2>(p.north_east)},
           {"depth", exact_enough(p.depth_m)},
           {"altitude", exact_enough(p.altitude_m)}};
 }
@@ -60,7 +60,7 @@ Content plan_content(const std::shared_ptr<const MissionPlan>& plan) {
 
 Content content_of(const Navigation& m) {
   Content content{{"pose", pose_content(m.X_WB)}};
-  if (m.v_WB) content["velocity"] = row_of<3>(*m.v_WB);
+  if (m.v_WB) content["velocity"] = components_of<3>(*m.v_WB);
   return content;
 }
 Content content_of(const RangeReading& m) {
@@ -107,7 +107,7 @@ Content content_of(const MissionOrder& m) {
           {"end", to_text(m.end)},
           {"why", m.why}};
 }
-Content content_of(const PointMoved& m) { return {{"point", m.point}, {"north_east", row_of<2>(m.north_east)}}; }
+Content content_of(const PointMoved& m) { return {{"point", m.point}, {"north_east", components_of<2>(m.north_east)}}; }
 Content content_of(const RouteRequest& m) {
   return {{"id", m.id}, {"point", m.point}, {"target", point_content(m.target)}, {"last", m.last}};
 }
@@ -120,7 +120,7 @@ Content content_of(const RoutePlanned& m) {
 }
 Content content_of(const RouteRefused& m) {
   Content content{{"reason", to_text(m.reason)}, {"request", m.request}, {"point", m.point}, {"why", m.why}};
-  if (m.safe_nearby) content["safe_nearby"] = row_of<2>(*m.safe_nearby);
+  if (m.safe_nearby) content["safe_nearby"] = components_of<2>(*m.safe_nearby);
   return content;
 }
 Content content_of(const PointReport& m) {
@@ -160,7 +160,7 @@ Content content_of(const TaskPlan& m) {
 }
 Content content_of(const Decision& m) {
   Content content{{"agent", m.agent}, {"what", m.what}, {"reason", m.reason}};
-  if (m.obstacle) content["obstacle"] = row_of<2>(*m.obstacle);
+  if (m.obstacle) content["obstacle"] = components_of<2>(*m.obstacle);
   if (m.leg) content["leg"] = *m.leg;
   if (m.margin_m) content["margin"] = exact_enough(*m.margin_m);
   if (!m.way.empty()) content["way"] = m.way.size();

@@ -12,7 +12,7 @@ namespace {
 constexpr Duration kBeatInterval = std::chrono::seconds(1);
 constexpr std::string_view kAgent = "agent.";
 
-bool is_finite(const Navigation& fix) {
+bool finite_fix(const Navigation& fix) {
   return fix.X_WB.is_finite() && (!fix.v_WB || fix.v_WB->allFinite()) &&
          (!fix.covariance || fix.covariance->allFinite());
 }
@@ -46,7 +46,7 @@ void MissionEars::hear_frame(const OperatorFrame& frame) {
 }
 
 void MissionEars::hear_fix(const Navigation& fix) {
-  if (!is_finite(fix)) return;
+  if (!finite_fix(fix)) return;
   Navigation own = fix;
   own.time += clock_.offset();
   if (own.covariance) sigma_m_ = std::sqrt(std::max(0.0, (*own.covariance)(0, 0) + (*own.covariance)(1, 1)) / 2);

@@ -17,7 +17,7 @@ ordered_json tidy(double value) {
 
 ordered_json place_json(const Eigen::Vector2d& p) { return ordered_json::array({tidy(p.x()), tidy(p.y())}); }
 
-ordered_json to_json(const Decision& d) {
+ordered_json decision_content(const Decision& d) {
   ordered_json json{{"time_ns", d.time.time_since_epoch().count()},
                     {"time", to_text(d.time)},
                     {"agent", d.agent},
@@ -37,7 +37,7 @@ std::string dump(const ordered_json& json, int indent) {
   return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-ordered_json to_json(const StageTime& t) {
+ordered_json stage_json(const StageTime& t) {
   return {{"count", t.count}, {"median_ms", t.median_ms}, {"p99_ms", t.p99_ms}, {"worst_ms", t.worst_ms}};
 }
 
@@ -77,12 +77,12 @@ std::optional<BelievedPlace> place_at(const MissionOutcome& outcome, Time time) 
   return *std::prev(after);
 }
 
-std::string decision_json(const Decision& decision) { return dump(to_json(decision), -1); }
+std::string decision_json(const Decision& decision) { return dump(decision_content(decision), -1); }
 
 std::string decisions_text(const std::vector<Decision>& decisions) {
   ordered_json json{{"frame", "world: north, east, metres, as the vehicle believes to be in it"},
                     {"decisions", ordered_json::array()}};
-  for (const Decision& d : decisions) json["decisions"].push_back(to_json(d));
+  for (const Decision& d : decisions) json["decisions"].push_back(decision_content(d));
   return dump(json, 1) + "\n";
 }
 
@@ -112,11 +112,11 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
   }
   if (outcome.recorded) json["recorded"] = {{"decisions", *outcome.recorded}, {"the_same", outcome.as_recorded}};
   if (with_timings) {
-    json["timings"] = {{"event_to_crew", to_json(outcome.timings.event_to_crew)},
-                       {"ping_to_grid", to_json(outcome.timings.ping_to_grid)},
-                       {"detection", to_json(outcome.timings.detection)},
-                       {"planning", to_json(outcome.timings.planning)},
-                       {"scan_to_decision", to_json(outcome.timings.scan_to_decision)}};
+    json["timings"] = {{"event_to_crew", stage_json(outcome.timings.event_to_crew)},
+                       {"ping_to_grid", stage_json(outcome.timings.ping_to_grid)},
+                       {"detection", stage_json(outcome.timings.detection)},
+                       {"planning", stage_json(outcome.timings.planning)},
+                       {"scan_to_decision", stage_json(outcome.timings.scan_to_decision)}};
   }
   return json;
 }

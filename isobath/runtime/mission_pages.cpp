@@ -39,7 +39,7 @@ Colour colour_of(const Decision& d) { return overrules(d) ? kSafety : kReplan; }
 
 // The chart ----------------------------------------------------------------------------------------------------------
 
-PlanExtent extent_of(const MissionOutcome& outcome) {
+PlanExtent mission_extent(const MissionOutcome& outcome) {
   Eigen::AlignedBox2d box;
   for (const MissionPoint& p : outcome.plan.points) {
     box.extend(Vector2d(p.north_east.array() + kCaptureRadius)).extend(Vector2d(p.north_east.array() - kCaptureRadius));
@@ -196,7 +196,7 @@ void legend(MissionSheet& sheet, const MissionOutcome& outcome) {
 
 std::string chart_png(const MissionOutcome& outcome) {
   const std::string title = outcome.plan.title.empty() ? "Mission" : outcome.plan.title;
-  MissionSheet sheet(extent_of(outcome), kPlotPixels, title, outcome.plan.origin);
+  MissionSheet sheet(mission_extent(outcome), kPlotPixels, title, outcome.plan.origin);
   sheet.water(kWater);
   draw_obstacles(sheet, outcome);
   if (!outcome.plan.fence.empty()) sheet.polyline(outcome.plan.fence, true, {kFence, 2, true});

@@ -49,7 +49,7 @@ BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
 
 constexpr const char* kNoPlace = "range or sounding without any navigation: no place in the depth map";
 
-bool fits(const BodyGridConfig& grid, double reach_m) {
+bool grid_fits(const BodyGridConfig& grid, double reach_m) {
   const double half = 0.5 * grid.cell_m * std::min(grid.cells_x, grid.cells_y);
   return reach_m <= half && reach_m > half / 4;
 }
@@ -259,7 +259,8 @@ void Pipeline::place(const Waiting& sensed) {
 /// Begins the map with the first ping; anew when the sonar's range changes beyond it, or when navigation sets in.
 void Pipeline::fit_map(const Ping& ping, bool posed) {
   const bool moored = last_ && last_->posed != posed;
-  if (mapper_ && !moored && (!configuration_.map.fit || fits(mapper_->grid().config(), ping.window.end_m()))) return;
+  if (mapper_ && !moored && (!configuration_.map.fit || grid_fits(mapper_->grid().config(), ping.window.end_m())))
+    return;
   if (configuration_.map.fit) configuration_.grid = fitted(configuration_.grid, ping.window.end_m());
   mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
 }

@@ -37,7 +37,7 @@ class RecordedDisplay {
   /// The items become what they were at the last moment at or before a time; none before the first. What the page
   /// itself adds (clock, refusal) stays.
   void seek(Time time, DisplayItems& items);
-  /// Goes on to the last moment at or before a time, which lies ahead; else it seeks.
+  /// As seek; by the changes alone where the time lies ahead, and not far.
   void advance(Time time, DisplayItems& items);
   /// The moments beside a time, which is neither.
   [[nodiscard]] std::optional<Time> moment_after(Time time);

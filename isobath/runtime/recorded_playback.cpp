@@ -20,16 +20,7 @@ TimeSpan RecordedPlayback::span() {
   return span_;
 }
 
-void RecordedPlayback::show(Time moment, DisplayItems& items) {
-  // far ahead a whole sample is nearer than all the changes on the way there
-  constexpr Duration kNear = std::chrono::seconds(5);
-  const auto at = display_.at();
-  if (at && moment >= *at && moment - *at < kNear) {
-    display_.advance(moment, items);
-  } else {
-    display_.seek(moment, items);
-  }
-}
+void RecordedPlayback::show(Time moment, DisplayItems& items) { display_.advance(moment, items); }
 
 Time RecordedPlayback::step(Time from, int steps) {
   Time moment = from;

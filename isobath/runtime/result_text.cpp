@@ -27,7 +27,7 @@ std::string dump(const ordered_json& json) {
   return json.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-ordered_json to_json(const std::vector<Obstacle>& obstacles) {
+ordered_json seen_json(const std::vector<Obstacle>& obstacles) {
   ordered_json list = ordered_json::array();
   for (const Obstacle& o : obstacles) {
     list.push_back({{"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
@@ -56,7 +56,7 @@ void add_scan(ordered_json& json, const ScanRecord& scan) {
     json["depth_m"] = tidy(scan.X_WB.translation.z());
     json["heading_deg"] = tidy(scan.X_WB.rotation.heading().wrapped_positive().degrees());
   }
-  json["obstacles"] = to_json(scan.obstacles);
+  json["obstacles"] = seen_json(scan.obstacles);
 }
 
 ordered_json sensors_json(const std::vector<SensorLearning::Sensor>& sensors) {

@@ -7,19 +7,16 @@
 // decides depends on who is faster, so it is not recorded, and what was seen is not held against what was there.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <functional>
-#include <isobath/perception/depth_mapper.hpp>
 #include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/depth_outcome.hpp>
 #include <isobath/runtime/display_items.hpp>
-#include <isobath/runtime/found_objects.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <isobath/runtime/stage_load.hpp>
 #include <isobath/runtime/truth_judge.hpp>
 #include <isobath/runtime/voxel_model.hpp>
-#include <isobath/runtime/world_level.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,29 +60,6 @@ struct RunTimings {
 /// What real threads could not keep up with.
 struct LiveOutcome {
   std::uint64_t lost_pings = 0;  ///< in a full queue before the map
-};
-
-/// The depth map of a run, in numbers.
-struct DepthOutcome {
-  DepthCounts counts;
-  std::map<std::string, std::uint64_t> refused;  ///< readings and soundings, by reason
-  std::uint64_t generation = 0;                  ///< of the stored map; 0: not stored
-  std::uint64_t known_pixels = 0, sensed_pixels = 0;
-  std::uint64_t confirmed_pixels = 0;                   ///< charted, and confirmed by a depth sonar
-  std::array<std::uint64_t, 5> sensed_by_confidence{};  ///< pixels of 0-4, 5-9, 10-14, 15-19, 20
-  double pixel_m = 0;
-  std::string datum;                            ///< what depths are below
-  std::optional<double> shoalest_m, deepest_m;  ///< of what was measured
-  std::uint64_t pixels_lost = 0;                ///< outside the operational area
-  std::uint64_t leaves = 0, bytes = 0;          ///< of all three trees
-  bool continued = false;
-  std::vector<std::string> priors;
-  std::map<std::string, std::uint64_t> prior_read, prior_left_out;
-  MapChanges changes;               ///< of the whole map against its charts
-  std::optional<GeoOrigin> origin;  ///< of the map
-  FoundObjects found;               ///< obstacles as objects of the stored map
-  std::vector<SensorLearning::Sensor> sensors;
-  std::vector<std::string> damages;  ///< of the map that was continued, one line each
 };
 
 struct RunOutcome {

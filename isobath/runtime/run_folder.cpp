@@ -29,7 +29,7 @@ std::string notes(const Obstacle& o) {
 }
 
 /// Of a log or a folder, whether or not a slash ends it.
-std::string name_of(const std::filesystem::path& input) {
+std::string input_name(const std::filesystem::path& input) {
   return (input.has_filename() ? input : input.parent_path()).filename().string();
 }
 
@@ -313,7 +313,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
                                              outcome.source.format, n.pings, outcome.log_s, n.scans, obstacles_.size())
                                : fmt::format("{} · {} ranges and {} swaths within {} · a map of depths",
                                              outcome.source.format, n.ranges, n.swaths, span_text(outcome.log_s));
-  HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : name_of(request.input)), lead);
+  HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : input_name(request.input)), lead);
   if (!outcome.problem.empty()) page.warning(outcome.problem);
   for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");

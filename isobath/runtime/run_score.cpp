@@ -42,7 +42,7 @@ Arrival arrival(const std::vector<TrueMotion>& track, const MissionPlan& mission
   return arrival;
 }
 
-double length_of(const std::vector<TrueMotion>& track, std::size_t last) {
+double path_length(const std::vector<TrueMotion>& track, std::size_t last) {
   double length = 0;
   for (std::size_t i = 1; i <= last && i < track.size(); ++i)
     length += (place_of(track[i]) - place_of(track[i - 1])).norm();
@@ -145,7 +145,7 @@ RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTr
                      result.report.dropped > 0;
   if (!s.goal_reached && !s.collision && ended) s.refused = refusal_of(result);
   const std::size_t last = end.reached ? end.sample : result.track.size();
-  s.path_m = length_of(result.track, last);
+  s.path_m = path_length(result.track, last);
   if (end.reached) {
     s.goal_s = to_seconds(result.track[end.sample].time);
     const double rest = (place_of(result.track[end.sample]) - mission.points.back().north_east).norm();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/io/survey_folder.hpp>
@@ -53,10 +54,6 @@ class PlacedSource final : public Source {
 
 }  // namespace
 
-std::unique_ptr<Source> place_in(Source& source, const GeoOrigin& frame) {
-  return std::make_unique<PlacedSource>(source, frame, nullptr);
-}
-
 std::unique_ptr<Source> open_run_source(const std::filesystem::path& input, const Configuration& configuration,
                                         const std::optional<GeoOrigin>& frame, int threads) {
   std::unique_ptr<Source> source;
@@ -85,6 +82,28 @@ std::deque<Event> listen_ahead(Source& source, Pipeline& pipeline) {
     if (ping && pipeline.listen(*ping)) break;
   }
   return ahead;
+}
+
+RunInput::RunInput(const std::filesystem::path& input, const std::optional<Scenario>& scenario,
+                   const Configuration& configuration, const std::optional<GeoOrigin>& frame, int threads)
+    : frame_(frame) {
+  if (!scenario) {
+    opened_ = open_run_source(input, configuration, frame, threads);
+    source_ = opened_.get();
+    return;
+  }
+  simulated_ = std::make_unique<SimulatedSource>(scenario->scene, configuration.simulation, std::min(threads, 2));
+  source_ = simulated_.get();
+  if (!frame) return;
+  opened_ = std::make_unique<PlacedSource>(*simulated_, *frame, nullptr);
+  source_ = opened_.get();
+}
+
+std::optional<Event> RunInput::next() {
+  if (ahead_.empty()) return source_->next();
+  Event event = std::move(ahead_.front());
+  ahead_.pop_front();
+  return event;
 }
 
 }  // namespace isobath

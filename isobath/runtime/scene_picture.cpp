@@ -35,7 +35,7 @@ PlanExtent around(const Simulator& simulator, std::span<const Vector2d> track) {
 }
 
 /// Deep water dark, like a chart at night turned round: light where it is shallow.
-Colour depth_colour(double share) {
+Colour bottom_colour(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
   return {0.91 - 0.62 * s, 0.95 - 0.47 * s, 0.98 - 0.28 * s, 1};
 }
@@ -78,7 +78,7 @@ std::string scene_picture(const Simulator& simulator, std::span<const Vector2d> 
     const int j = std::clamp(static_cast<int>((y - extent.y_min) / cell), 0, kDepths - 1);
     const double depth = depths[at(i, j)];
     if (std::isnan(depth)) return Colour{0.96, 0.96, 0.96, 1};
-    return depth_colour(deep - shallow < 0.01 ? 0.5 : (depth - shallow) / (deep - shallow));
+    return bottom_colour(deep - shallow < 0.01 ? 0.5 : (depth - shallow) / (deep - shallow));
   });
   const Pose X_WB{Rotation::from_heading(scene.vehicle.heading), scene.vehicle.start};
   for (const SonarConfig& sonar : scene.sonars) {
@@ -100,8 +100,8 @@ std::string scene_picture(const Simulator& simulator, std::span<const Vector2d> 
   picture.vehicle(legs[0], scene.vehicle.heading.radians());
   std::vector<PlanPicture::LegendEntry> legend;
   if (deep >= shallow) {
-    legend.push_back({depth_colour(0), fmt::format("{:.1f} m deep", shallow)});
-    if (deep - shallow > 0.01) legend.push_back({depth_colour(1), fmt::format("{:.1f} m", deep)});
+    legend.push_back({bottom_colour(0), fmt::format("{:.1f} m deep", shallow)});
+    if (deep - shallow > 0.01) legend.push_back({bottom_colour(1), fmt::format("{:.1f} m", deep)});
   }
   legend.push_back({palette::kInk, "bodies"});
   if (track.size() > 1) legend.push_back({palette::kTrack, "the vehicle's way"});

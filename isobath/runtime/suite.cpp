@@ -63,7 +63,7 @@ std::vector<std::pair<std::string, Baseline>> baseline_names() {
   return names;
 }
 
-void check(const Suite& s, const std::string& file) {
+void check_suite(const Suite& s, const std::string& file) {
   const auto refuse = [&file](const std::string& key, const std::string& problem, const std::string& allowed) {
     throw Error(problem, {.file = file, .key = key}, allowed);
   };
@@ -168,7 +168,7 @@ Suite load_suite(const fs::path& file) {
   Schema all = schema(suite);
   const std::string text = text_of_file(file.string());
   read_toml(text, file.string(), all);
-  check(suite, file.string());
+  check_suite(suite, file.string());
   suite.scenes = scenes_of(suite.about);
   suite.digest = digest_of(0xcbf29ce484222325u, text);
   for (const std::string& scene : suite.scenes) {

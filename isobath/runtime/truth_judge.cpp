@@ -18,7 +18,7 @@ std::int64_t square_of(double north, double east) {
 }
 
 /// Between two convex outlines; 0 where they overlap.
-double distance(const Polygon& a, const Polygon& b) {
+double gap_between(const Polygon& a, const Polygon& b) {
   double least = std::numeric_limits<double>::infinity();
   for (const Vector2d& p : a) least = std::min(least, (nearest_point(b, p) - p).norm());
   for (const Vector2d& p : b) least = std::min(least, (nearest_point(a, p) - p).norm());
@@ -162,7 +162,7 @@ void TruthJudge::on_scan(const ScanResult& scan) {
     bool owned = false;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const bool here = std::any_of(plans[i].begin(), plans[i].end(),
-                                    [&](const Polygon& part) { return distance(part, outline) <= tolerance; });
+                                    [&](const Polygon& part) { return gap_between(part, outline) <= tolerance; });
       if (!here) continue;
       owned = true;
       if (reported[i] < 0 || o.range_m < reported[i]) reported[i] = o.range_m;

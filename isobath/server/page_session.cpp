@@ -105,7 +105,7 @@ Hearing PageSession::control(const std::string& token) {
   }
   if (!same_secret(token, sources_.token)) {
     ++wrong_tokens_;
-    return refuse({"control", "another token"}, "token", wrong_tokens_ >= kWrongTokens);
+    return refuse({"control", "that is not the token"}, "token", wrong_tokens_ >= kWrongTokens);
   }
   control_ = true;
   return {};

@@ -107,7 +107,7 @@ bool clear_of(const Footprint& footprint, const std::vector<Vector2d>& way, doub
   return true;
 }
 
-void check(const ClutterConfig& c) {
+void check_clutter(const ClutterConfig& c) {
   const auto refuse = [](const std::string& key, const std::string& problem, const std::string& allowed) {
     throw Error(problem, {.key = "clutter." + key}, allowed);
   };
@@ -154,7 +154,7 @@ std::vector<Field> fields(ClutterConfig& c) {
 }
 
 ClutterField clutter_field(const ClutterConfig& c, std::uint64_t seed) {
-  check(c);
+  check_clutter(c);
   ClutterField field;
   if (c.density <= 0) return field;
   Random random(seed);

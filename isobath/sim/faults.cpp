@@ -119,7 +119,7 @@ std::string wanted_amount(FaultKind kind, double amount) {
   }
 }
 
-void check(const FaultConfig& f) {
+void check_fault(const FaultConfig& f) {
   const auto at = [&](const char* key) {
     Place place = f.place;
     place.key = std::string("fault.") + key;
@@ -354,7 +354,7 @@ SectionList section_list(std::vector<FaultConfig>& faults) {
 FaultSchedule::FaultSchedule(std::vector<FaultConfig> faults, std::uint64_t seed, Time start)
     : faults_(std::move(faults)), begin_(faults_.size()), seed_(seed) {
   for (std::size_t i = 0; i < faults_.size(); ++i) {
-    check(faults_[i]);
+    check_fault(faults_[i]);
     if (faults_[i].when.empty()) begin_[i] = start + seconds(faults_[i].at_s) + seconds(faults_[i].after_s);
   }
 }

@@ -33,7 +33,7 @@ void bounds_of(const RTCBoundsFunctionArguments* args) {
 }
 
 /// Directions in single precision are not quite of length one, which a small sphere far away would feel.
-std::optional<Meeting> meet(const ExactShape& shape, const RTCRay& ray) {
+std::optional<Meeting> meet_along(const ExactShape& shape, const RTCRay& ray) {
   const Vector3d p(ray.org_x, ray.org_y, ray.org_z), v(ray.dir_x, ray.dir_y, ray.dir_z);
   const double length = v.norm();
   auto found =
@@ -46,7 +46,7 @@ void intersect_exact(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   auto* both = reinterpret_cast<RTCRayHit*>(args->rayhit);
   const ExactShape& shape = *static_cast<const ExactShape*>(args->geometryUserPtr);
-  const auto found = meet(shape, both->ray);
+  const auto found = meet_along(shape, both->ray);
   if (!found) return;
   both->ray.tfar = static_cast<float>(found->range);
   both->hit.Ng_x = static_cast<float>(found->normal.x());
@@ -61,7 +61,7 @@ void occluded_exact(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
   auto* ray = reinterpret_cast<RTCRay*>(args->ray);
   const ExactShape& shape = *static_cast<const ExactShape*>(args->geometryUserPtr);
-  if (meet(shape, *ray)) ray->tfar = -std::numeric_limits<float>::infinity();
+  if (meet_along(shape, *ray)) ray->tfar = -std::numeric_limits<float>::infinity();
 }
 
 TriangleMesh bottom_mesh(const BottomConfig& c) {

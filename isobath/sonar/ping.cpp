@@ -17,7 +17,7 @@ void copy_strided(const std::byte* at, std::ptrdiff_t stride, int bins, float* o
   for (int k = 0; k < bins; ++k, at += stride) out[k] = load<Sample>(at);
 }
 
-bool valid(const BeamFan& fan) {
+bool fan_valid(const BeamFan& fan) {
   if (fan.azimuth.empty() || fan.width.size() != fan.azimuth.size()) return false;
   const auto wide = [](Angle a) { return a.radians() > 0 && a.degrees() <= 360; };
   for (std::size_t i = 0; i < fan.azimuth.size(); ++i) {
@@ -63,7 +63,7 @@ void Intensities::copy_beam(int beam, float* out) const {
 
 PingFault check(const Ping& ping) {
   if (!ping.fan) return PingFault::kNoFan;
-  if (!valid(*ping.fan)) return PingFault::kBadFan;
+  if (!fan_valid(*ping.fan)) return PingFault::kBadFan;
   // First and last beam of a whole turn are not the same.
   if ((ping.fan->azimuth.back() - ping.fan->azimuth.front()).degrees() > 360) return PingFault::kTooWide;
   const RangeWindow& w = ping.window;

@@ -102,6 +102,7 @@ TEST(Sim, DrawsTheSceneFromAbove) {
 
 struct Wrong {
   const char *toml, *words;
+  friend std::ostream& operator<<(std::ostream& out, const Wrong& wrong) { return out << wrong.words; }
 };
 class WrongScene : public testing::TestWithParam<Wrong> {};
 INSTANTIATE_TEST_SUITE_P(

@@ -79,6 +79,9 @@ TEST(LiveHelm, SailsItsLanesAndKeepsClearOfThePole) {
 struct LostAgent {
   const char* agent;
   FaultKind kind;
+  friend std::ostream& operator<<(std::ostream& out, const LostAgent& lost) {
+    return out << lost.agent << ", " << to_text(lost.kind);
+  }
 };
 class LostAgents : public testing::TestWithParam<LostAgent> {};
 

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <isobath/server/web_server.hpp>
 #include <nlohmann/json.hpp>
+#include <ostream>
 #include <stdexcept>
 #include <tests/server/wire.hpp>
 #include <thread>
@@ -195,6 +196,7 @@ struct BadWebRequest {
   std::string bytes;
   std::string status;
   std::string reason;
+  friend std::ostream& operator<<(std::ostream& out, const BadWebRequest& r) { return out << r.name; }
 };
 
 class WebServerRefuses : public testing::TestWithParam<BadWebRequest> {};
@@ -349,6 +351,7 @@ struct BadMessage {
   std::string bytes;
   int code;
   std::string reason;
+  friend std::ostream& operator<<(std::ostream& out, const BadMessage& m) { return out << m.name; }
 };
 
 class WebServerHangsUp : public testing::TestWithParam<BadMessage> {};

@@ -38,6 +38,9 @@ TEST(Cfar, FactorsHaveTheirClosedForms) {
 struct Case {
   bool ordered;
   CfarLaw law;
+  friend std::ostream& operator<<(std::ostream& out, const Case& c) {
+    return out << (c.ordered ? "ordered" : "mean") << ", law " << static_cast<int>(c.law);
+  }
 };
 
 class CfarRate : public testing::TestWithParam<Case> {};

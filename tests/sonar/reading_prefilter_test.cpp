@@ -76,6 +76,7 @@ struct Jump {
   const char* name;
   std::optional<double> range_m;
   Pose X_WB;
+  friend std::ostream& operator<<(std::ostream& out, const Jump& jump) { return out << jump.name; }
 };
 
 class Jumps : public testing::TestWithParam<Jump> {};

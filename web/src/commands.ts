@@ -1,17 +1,33 @@
 /**
  * Hold, resume or abort, where the program lets this page command: with a token, and abort only on the second press.
+ *
+ * The buttons stand above all views as soon as this page may command. A button that would do nothing in the phase of
+ * the mission is off; what was pressed is said until the mission has followed it.
  */
-import { byId, make, say } from './dom';
+import { byId, make, mark, say } from './dom';
 import { Kind } from './protocol';
 import type { Shared, View } from './view';
 
+/** ms within which abort has to be pressed again. */
 const kSure = 4000;
+/** ms from which on an order that changed nothing is no longer said to be under way. */
+const kFollowed = 10000;
+
+type Command = 'hold' | 'resume' | 'abort';
 
 export class Commands implements View {
   private readonly section = byId('commands');
+  private readonly bar = byId('command-bar');
+  private readonly state = byId('command-state');
   private readonly token = byId<HTMLInputElement>('command-token');
+  private readonly buttons = {
+    hold: byId<HTMLButtonElement>('command-hold'),
+    resume: byId<HTMLButtonElement>('command-resume'),
+    abort: byId<HTMLButtonElement>('command-abort'),
+  };
   private drawn = '';
   private armed = 0;
+  private ordered: { command: Command; phase: string; refusals: number; until: number } | null = null;
 
   constructor(private readonly shared: Shared) {
     byId<HTMLFormElement>('command-form').addEventListener('submit', (event) => {
@@ -20,34 +36,70 @@ export class Commands implements View {
       this.token.value = '';
     });
     for (const command of ['hold', 'resume'] as const) {
-      byId(`command-${command}`).addEventListener('click', () => shared.ask({ ask: 'command', command }));
+      this.buttons[command].addEventListener('click', () => this.order(command));
     }
-    const abort = byId('command-abort');
+    const { abort } = this.buttons;
     abort.addEventListener('click', () => {
       window.clearTimeout(this.armed);
       if (abort.dataset.armed === 'true') {
-        shared.ask({ ask: 'command', command: 'abort' });
-        this.disarm(abort);
+        this.order('abort');
+        this.disarm();
       } else {
         abort.dataset.armed = 'true';
         say(abort, 'Press again to abort');
-        this.armed = window.setTimeout(() => this.disarm(abort), kSure);
+        this.armed = window.setTimeout(() => this.disarm(), kSure);
       }
     });
   }
 
-  private disarm(abort: HTMLElement): void {
-    abort.dataset.armed = 'false';
-    abort.replaceChildren(make('span', {}, 'Abort'));
+  private order(command: Command): void {
+    const { model } = this.shared;
+    this.shared.ask({ ask: 'command', command });
+    const refusals = model.revision[Kind.refusal]!;
+    this.ordered = { command, phase: this.phase, refusals, until: performance.now() + kFollowed };
+    this.shared.redraw();
+  }
+
+  private disarm(): void {
+    this.buttons.abort.dataset.armed = 'false';
+    this.buttons.abort.replaceChildren(make('span', {}, 'Abort'));
+  }
+
+  private get phase(): string {
+    return this.shared.model.way?.phase ?? '';
   }
 
   frame(): void {
     const { clock, revision } = this.shared.model;
-    const look = `${revision[Kind.clock]}`;
+    const { ordered } = this;
+    const followed = ordered && (this.phase !== ordered.phase || revision[Kind.refusal] !== ordered.refusals);
+    if (followed || performance.now() > (ordered?.until ?? Infinity)) this.ordered = null;
+    const look = `${clock?.control} ${clock?.live} ${this.phase} ${this.ordered?.command}`;
     if (look === this.drawn) return;
     this.drawn = look;
+    const may = clock?.control === true;
     this.section.hidden = clock?.control === undefined;
-    byId('command-form').hidden = clock?.control === true;
-    byId('command-buttons').hidden = clock?.control !== true;
+    byId('command-form').hidden = may;
+    byId('command-granted').hidden = !may;
+    this.bar.hidden = !may;
+    mark(this.bar, 'phase', this.phase);
+    say(this.state, this.words(clock?.live ?? false));
+    // What is shown of the past says nothing of what can be done now.
+    const now = clock?.live ? this.phase : '';
+    this.buttons.hold.disabled = now !== '' && now !== 'under way';
+    this.buttons.resume.disabled = now !== '' && now !== 'holding';
+    this.buttons.abort.disabled = now === 'finished' || now === 'aborted';
+  }
+
+  private words(live: boolean): string {
+    if (this.ordered) return `${kDoing[this.ordered.command]} …`;
+    if (!live) return 'You look at the past; commands act now';
+    return this.phase ? `Mission ${this.phase}` : 'No mission';
   }
 }
+
+const kDoing: Record<Command, string> = {
+  hold: 'Hold is ordered',
+  resume: 'Resume is ordered',
+  abort: 'Abort is ordered',
+};

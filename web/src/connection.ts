@@ -105,9 +105,18 @@ export class Connection {
     const revision = this.shared.model.revision[14]!;
     if (!refusal || revision === this.refused) return;
     this.refused = revision;
-    toast(`Not done${refusal.request ? ` (${refusal.request})` : ''}: ${refusal.why}`);
+    const { request, why } = refusal;
+    const not = kNot[request] ?? `Not done${request ? ` (${request})` : ''}`;
+    toast(`${not}: ${why}`);
   }
 }
+
+const kNot: Record<string, string | undefined> = {
+  control: 'Control is not given',
+  hold: 'Hold is refused',
+  resume: 'Resume is refused',
+  abort: 'Abort is refused',
+};
 
 let fading = 0;
 export function toast(text: string): void {

@@ -18,6 +18,8 @@ export class EchoTrail {
   /** s since 1970 */
   readonly times = new Float64Array(EchoTrail.capacity);
   readonly lasts = new Float32Array(EchoTrail.capacity);
+  /** 1: heard by a fan that stands upright, which does not know to which side of its line. */
+  readonly upright = new Uint8Array(EchoTrail.capacity);
   /** Places held, and where the next one goes. */
   size = 0;
   next = 0;
@@ -30,6 +32,7 @@ export class EchoTrail {
   take(sonar: Sonar, echoes: Echoes, time: number): void {
     const { bins, decided, first, rotation, place } = echoes;
     const lasts = sonar.scanning ? kScanLasts : kFanLasts;
+    const upright = sonar.upright ? 1 : 0;
     for (let beam = 0; beam < echoes.beams; ++beam) {
       const azimuth = sonar.azimuth[first + beam] ?? 0;
       turn(rotation[0], rotation[1], rotation[2], rotation[3], Math.cos(azimuth), Math.sin(azimuth), this.along);
@@ -37,17 +40,24 @@ export class EchoTrail {
       for (let bin = 0; bin < bins; ++bin) {
         const i = beam * bins + bin;
         const here = ((decided[i >> 3]! >> (i & 7)) & 1) === 1;
-        if (here && !before) this.put(place, sonar.first + (bin + 0.5) * sonar.bin, time, lasts);
+        if (here && !before) this.put(place, sonar.first + (bin + 0.5) * sonar.bin, time, lasts, upright);
         before = here;
       }
     }
   }
 
-  private put(from: readonly [number, number, number], range: number, time: number, lasts: number): void {
+  private put(
+    from: readonly [number, number, number],
+    range: number,
+    time: number,
+    lasts: number,
+    upright: 0 | 1,
+  ): void {
     const at = this.next;
     for (let k = 0; k < 3; ++k) this.places[3 * at + k] = from[k]! + range * this.along[k]!;
     this.times[at] = time;
     this.lasts[at] = lasts;
+    this.upright[at] = upright;
     this.next = (at + 1) % EchoTrail.capacity;
     this.size = Math.min(this.size + 1, EchoTrail.capacity);
   }

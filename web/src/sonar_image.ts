@@ -86,6 +86,14 @@ export class SonarImage {
     const p = this.poses;
     turn(p[at]!, p[at + 1]!, p[at + 2]!, p[at + 3]!, Math.cos(azimuth), Math.sin(azimuth), out);
   }
+  /** Above the horizon, of an azimuth in the plane of the fan as it stood last, rad. */
+  elevation(azimuth: number): number {
+    const at = Math.max(0, this.newest) * 7 + 3;
+    const p = this.poses;
+    const out = new Float64Array(3);
+    turn(p[at]!, p[at + 1]!, p[at + 2]!, p[at + 3]!, Math.cos(azimuth), Math.sin(azimuth), out);
+    return Math.asin(Math.max(-1, Math.min(1, -out[2]!)));
+  }
 }
 
 /** (x, y, 0) turned by a unit quaternion. */

@@ -33,6 +33,12 @@ export function relativeBearing(degrees: number | undefined | null): string {
   if (whole === 180) return 'astern';
   return `${whole}° to ${d > 0 ? 'starboard' : 'port'}`;
 }
+/** Of a beam, above the horizon: "12° up", "3° down", "level". */
+export function elevation(radians: number | undefined | null): string {
+  if (!known(radians)) return `${kUnknown}°`;
+  const whole = Math.round(Math.abs(radians) / kDegree);
+  return whole === 0 ? 'level' : `${whole}° ${radians > 0 ? 'up' : 'down'}`;
+}
 export function tilt(radians: number | undefined | null): string {
   return known(radians) ? `${fixed(radians / kDegree, 1)}°` : `${kUnknown}°`;
 }

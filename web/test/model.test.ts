@@ -200,7 +200,7 @@ describe('a whole run', () => {
     const model = new Model();
     for (const block of blocks) model.take(block);
     expect([...model.malformed]).toEqual([]);
-    expect(model.sonars.size).toBe(2);
+    expect(model.sonars.size).toBe(3);
     expect(model.depth.size).toBe(25);
     expect(model.decisions.length).toBeGreaterThan(2);
     expect(model.obstacles.length).toBeGreaterThan(0);

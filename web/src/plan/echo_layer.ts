@@ -1,28 +1,53 @@
-/** Decided echoes where they are, fading with age; and the samples themselves, laid where the sonar heard them. */
+/**
+ * Decided echoes where they are, fading with age; and the samples themselves, laid where the sonar heard them.
+ *
+ * A fan that stands upright does not know to which side a thing lies, but how far off, and how deep. Its echoes are
+ * hollow, and its samples a thin line along the middle of the wedge that it covers, so that they neither hide nor pass
+ * for those of a fan that lies flat.
+ */
 import { css, packed, rgbOf, tables } from '../colours';
 import type { Model } from '../model';
 import { PolarPicture } from '../polar';
 import { SonarImage } from '../sonar_image';
 import type { Paint } from '../theme';
+import { uprightLine, type UprightLine } from './upright_line';
 import type { Pen } from './pen';
 
 const kFades = 4;
 const kStops = 40;
+/** px, of the line that an upright fan is seen from above. */
+const kLine = 4;
+/** px, of a hollow echo. */
+const kFrame = 10;
 
 export function drawTrail(pen: Pen, model: Model): void {
   const { drawing, camera, paint } = pen;
   const { trail } = model;
   const now = model.scene ? model.scene.start + model.now : model.newest;
   const size = Math.min(4, Math.max(2, 0.12 / camera.scale));
+  drawing.lineWidth = 1;
+  drawing.setLineDash([]);
+  const framed = new Set<number>();
   for (let fade = 0; fade < kFades; ++fade) {
     drawing.fillStyle = css(paint.echo, 0.9 - 0.22 * fade);
+    drawing.strokeStyle = drawing.fillStyle;
     for (let i = 0; i < trail.size; ++i) {
       const age = (now - trail.times[i]!) / trail.lasts[i]!;
       if (age < -0.05 || age >= 1 || Math.floor(Math.max(0, age) * kFades) !== fade) continue;
       const [north, east] = [trail.places[3 * i]!, trail.places[3 * i + 1]!];
-      drawing.fillRect(camera.x(north, east) - size / 2, camera.y(north, east) - size / 2, size, size);
+      const [x, y] = [camera.x(north, east), camera.y(north, east)];
+      if (trail.upright[i] === 1) frame(drawing, x, y, framed);
+      else drawing.fillRect(x - size / 2, y - size / 2, size, size);
     }
   }
+}
+
+/** A hollow square, unless one is there: surface and bottom echo all along the line of an upright fan. */
+function frame(drawing: CanvasRenderingContext2D, x: number, y: number, framed: Set<number>): void {
+  const cell = Math.floor(x / kFrame) * 65536 + Math.floor(y / kFrame);
+  if (framed.has(cell)) return;
+  framed.add(cell);
+  drawing.strokeRect(x - kFrame / 2, y - kFrame / 2, kFrame, kFrame);
 }
 
 interface Wedge {
@@ -37,28 +62,81 @@ interface Laid {
   wedges: (Wedge | undefined)[];
 }
 
+interface Seen {
+  image: SonarImage;
+  paint: Paint;
+  revision: number;
+  line: UprightLine | null;
+  fill: CanvasGradient | null;
+}
+
 /**
  * A fan is one picture at the pose of its ping. The beams of a scanning head were heard from many poses: each is a wedge
  * of its own with its samples along the radius, so that a turning vehicle does not smear what stands still.
  */
 export class SampleLayer {
   private readonly laid = new Map<number, Laid>();
+  private readonly lines = new Map<number, Seen>();
   private readonly along = new Float64Array(3);
 
   draw(pen: Pen, model: Model): void {
-    for (const [number, image] of model.sonars) {
-      if (image.sonar.upright || image.newest < 0) continue;
-      let laid = this.laid.get(number);
-      if (!laid || laid.image !== image || laid.paint !== pen.paint) {
-        const picture = image.sonar.scanning
-          ? null
-          : new PolarPicture(image, Math.max(image.sonar.bin, image.reach / 300));
-        laid = { image, paint: pen.paint, revision: -1, picture, wedges: [] };
-        this.laid.set(number, laid);
+    for (const upright of [false, true]) {
+      for (const [number, image] of model.sonars) {
+        if (image.sonar.upright !== upright || image.newest < 0) continue;
+        if (upright) this.line(pen, number, image);
+        else this.lay(pen, number, image);
       }
-      if (laid.picture) this.fan(pen, laid, laid.picture);
-      else this.turn(pen, laid);
     }
+  }
+
+  private lay(pen: Pen, number: number, image: SonarImage): void {
+    let laid = this.laid.get(number);
+    if (!laid || laid.image !== image || laid.paint !== pen.paint) {
+      const picture = image.sonar.scanning
+        ? null
+        : new PolarPicture(image, Math.max(image.sonar.bin, image.reach / 300));
+      laid = { image, paint: pen.paint, revision: -1, picture, wedges: [] };
+      this.laid.set(number, laid);
+    }
+    if (laid.picture) this.fan(pen, laid, laid.picture);
+    else this.turn(pen, laid);
+  }
+
+  private line(pen: Pen, number: number, image: SonarImage): void {
+    let seen = this.lines.get(number);
+    if (!seen || seen.image !== image || seen.paint !== pen.paint || seen.revision !== image.revision) {
+      const line = uprightLine(image);
+      const fill = line && stretches(pen, line);
+      seen = { image, paint: pen.paint, revision: image.revision, line, fill };
+      this.lines.set(number, seen);
+    }
+    const { line, fill } = seen;
+    if (!line || !fill) return;
+    const { drawing, camera, paint } = pen;
+    drawing.save();
+    drawing.translate(camera.x(line.north, line.east), camera.y(line.north, line.east));
+    drawing.rotate(line.heading - camera.turn);
+    drawing.scale(1 / camera.scale, 1 / camera.scale); // m from here on, the line leads up
+    const pixel = camera.scale;
+    drawing.beginPath();
+    for (const reach of [line.from, line.to]) {
+      const [sin, cos] = [Math.sin(line.half) * reach, Math.cos(line.half) * reach];
+      drawing.moveTo(0, 0);
+      drawing.lineTo(-sin, -cos);
+      drawing.moveTo(0, 0);
+      drawing.lineTo(sin, -cos);
+    }
+    drawing.lineWidth = pixel;
+    drawing.setLineDash([7 * pixel, 5 * pixel]);
+    drawing.strokeStyle = paint.ink;
+    drawing.stroke();
+    drawing.setLineDash([]);
+    drawing.fillStyle = paint.halo;
+    const width = kLine * pixel;
+    drawing.fillRect(-width / 2 - pixel, -line.to, width + 2 * pixel, line.to - line.from);
+    drawing.fillStyle = fill;
+    drawing.fillRect(-width / 2, -line.to, width, line.to - line.from);
+    drawing.restore();
   }
 
   private fan({ drawing, camera, paint }: Pen, laid: Laid, picture: PolarPicture): void {
@@ -147,6 +225,20 @@ function radial(drawing: CanvasRenderingContext2D, image: SonarImage, beam: numb
     const alpha = (40 + 200 * Math.min(1, most / 120)) / 255;
     const at = (sonar.first + Math.min(bins, from + step / 2) * sonar.bin) / reach;
     fill.addColorStop(Math.min(1, Math.max(0, at)), css(rgbOf(table[most]!), alpha));
+  }
+  return fill;
+}
+
+/** Of an upright fan that leads up from (0, 0): each stretch in the colour of its level, none between two. */
+function stretches({ drawing, paint }: Pen, { from, to, levels }: UprightLine): CanvasGradient {
+  const table = tables[paint.intensity];
+  const fill = drawing.createLinearGradient(0, -from, 0, -to);
+  const count = levels.length;
+  for (let cell = 0; cell < count; ++cell) {
+    const level = levels[cell]!;
+    const colour = css(rgbOf(table[Math.max(0, level)]!), level < 0 ? 0 : 1);
+    fill.addColorStop(cell / count, colour);
+    fill.addColorStop((cell + 1) / count, colour);
   }
   return fill;
 }

@@ -4,9 +4,9 @@ import type { SonarImage } from '../sonar_image';
 import type { Paint } from '../theme';
 import { roundStep } from '../units';
 import { kFont } from '../plan/pen';
-import type { Sample } from './sample';
+import { directionText, type Form, type Sample, type Sheet } from './sample';
 
-export class FanView {
+export class FanView implements Form {
   private picture: PolarPicture | null = null;
   private painted = '';
   /** px of CSS to a metre, and where the sensor stands. */
@@ -14,16 +14,7 @@ export class FanView {
   private x = 0;
   private y = 0;
 
-  draw(
-    drawing: CanvasRenderingContext2D,
-    width: number,
-    height: number,
-    image: SonarImage,
-    paint: Paint,
-    table: Uint32Array,
-    decided: number,
-    look: string,
-  ): void {
+  draw({ drawing, width, height, image, paint, table, decided, look }: Sheet): void {
     const picture = this.of(image, width, height);
     if (this.painted !== look) {
       picture.paint(table, decided);
@@ -61,7 +52,6 @@ export class FanView {
     return nearest < Math.max(0.03, image.sonar.width[beam] ?? 0) ? { beam, bin } : null;
   }
 
-  /** A cross at a sample, and its beam. */
   point(drawing: CanvasRenderingContext2D, image: SonarImage, { beam, bin }: Sample, colour: string): void {
     const azimuth = image.sonar.azimuth[beam]!;
     const to = (range: number): [number, number] => [
@@ -130,11 +120,11 @@ export class FanView {
       const [x, y] = [this.x + Math.sin(along) * range * this.scale, this.y - Math.cos(along) * range * this.scale];
       text(`${Math.round(range * 100) / 100} m`, x + (whole ? 4 : 8), y + (whole ? 0 : 6), 'left');
     }
-    const spokes = whole ? [0, 90, 180, -90] : [0, ...[from, to].map((a) => Math.round((a * 180) / Math.PI))];
-    for (const degrees of new Set(spokes)) {
-      const a = (degrees * Math.PI) / 180;
+    const spokes = whole ? [0, Math.PI / 2, Math.PI, -Math.PI / 2] : from < 0 && to > 0 ? [0, from, to] : [from, to];
+    for (const azimuth of spokes) {
       const far = image.reach * this.scale + 13;
-      text(`${degrees}°`.replace('-', '−'), this.x + Math.sin(a) * far, this.y - Math.cos(a) * far, 'center');
+      const [x, y] = [this.x + Math.sin(azimuth) * far, this.y - Math.cos(azimuth) * far];
+      text(directionText(image, azimuth), x, y, 'center');
     }
   }
 }

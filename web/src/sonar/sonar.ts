@@ -7,10 +7,10 @@ import type { SonarImage } from '../sonar_image';
 import * as units from '../units';
 import type { Shared, View } from '../view';
 import { FanView } from './fan_view';
-import type { Sample } from './sample';
+import type { Form, Sample } from './sample';
 import { StripView } from './strip_view';
 
-type Form = 'fan' | 'strip';
+type FormName = 'fan' | 'strip';
 
 export class SonarView implements View {
   private readonly canvas = byId<HTMLCanvasElement>('sonar-canvas');
@@ -22,12 +22,12 @@ export class SonarView implements View {
   private readonly readout = byId('sonar-readout');
   private readonly none = byId('sonar-none');
   private readonly profile: Chart;
-  private readonly forms = { fan: new FanView(), strip: new StripView() };
+  private readonly forms: Record<FormName, Form> = { fan: new FanView(), strip: new StripView() };
   private readonly buttons = {
     fan: byId<HTMLButtonElement>('sonar-fan'),
     strip: byId<HTMLButtonElement>('sonar-strip'),
   };
-  private form: Form = 'fan';
+  private form: FormName = 'fan';
   private chosen = -1;
   private listed = '';
   private drawn = '';
@@ -117,7 +117,7 @@ export class SonarView implements View {
     this.scale(image, name);
     const look = `${image.revision} ${name} ${threshold} ${mine}`;
     const view = this.forms[this.form];
-    view.draw(drawing, width, height, image, paint, table, mine, look);
+    view.draw({ drawing, width, height, image, paint, table, decided: mine, look });
     const under = this.pointer && view.sampleAt(...this.pointer, image);
     if (under) this.held = under;
     const shown =
@@ -145,7 +145,11 @@ export class SonarView implements View {
   private scaled = '';
 
   private tell(image: SonarImage, { beam, bin }: Sample, threshold: number): void {
-    const parts = [`Beam ${beam}, azimuth ${units.relativeBearing((image.sonar.azimuth[beam]! * 180) / Math.PI)}`];
+    const azimuth = image.sonar.azimuth[beam]!;
+    const aim = image.sonar.upright
+      ? `elevation ${units.elevation(image.elevation(azimuth))}`
+      : `azimuth ${units.relativeBearing((azimuth * 180) / Math.PI)}`;
+    const parts = [`Beam ${beam}, ${aim}`];
     if (bin >= 0) {
       const i = beam * image.bins + bin;
       const byte = image.intensity[i]!;

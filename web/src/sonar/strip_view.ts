@@ -4,14 +4,14 @@ import { kFont } from '../plan/pen';
 import type { SonarImage } from '../sonar_image';
 import type { Paint } from '../theme';
 import { roundStep } from '../units';
-import type { Sample } from './sample';
+import { directionText, type Form, type Sample, type Sheet } from './sample';
 
 const kLeft = 46;
 const kRight = 12;
 const kTop = 24;
 const kBottom = 36;
 
-export class StripView {
+export class StripView implements Form {
   private readonly canvas = sheet(1, 1);
   private pixels: ImageData | null = null;
   private order = new Int32Array(0);
@@ -19,16 +19,7 @@ export class StripView {
   private painted = '';
   private box = { width: 1, height: 1 };
 
-  draw(
-    drawing: CanvasRenderingContext2D,
-    width: number,
-    height: number,
-    image: SonarImage,
-    paint: Paint,
-    table: Uint32Array,
-    decided: number,
-    look: string,
-  ): void {
+  draw({ drawing, width, height, image, paint, table, decided, look }: Sheet): void {
     if (this.owner !== image) this.adopt(image);
     if (this.painted !== look) {
       this.paint(image, table, decided);
@@ -110,14 +101,11 @@ export class StripView {
     const every = Math.max(1, Math.floor(image.beams / Math.max(2, this.box.width / 70)));
     for (let column = Math.floor(every / 2); column < image.beams; column += every) {
       const x = kLeft + ((column + 0.5) / image.beams) * this.box.width;
-      const degrees = Math.round((image.sonar.azimuth[this.order[column]!]! * 180) / Math.PI);
-      drawing.fillText(`${degrees}°`.replace('-', '−'), x, kTop + this.box.height + 11);
+      drawing.fillText(directionText(image, image.sonar.azimuth[this.order[column]!]!), x, kTop + this.box.height + 11);
     }
     drawing.fillStyle = paint.faint;
     drawing.fillText(
-      image.sonar.upright
-        ? 'elevation of the beam, in the frame of the sensor'
-        : 'azimuth of the beam: port − , starboard +',
+      image.sonar.upright ? 'elevation of the beam above the horizon' : 'azimuth of the beam: port − , starboard +',
       kLeft + this.box.width / 2,
       kTop + this.box.height + 26,
     );

@@ -1,0 +1,46 @@
+#include <cstdio>
+#include <isobath/app/commands.hpp>
+#include <isobath/app/run_options.hpp>
+
+namespace isobath::app {
+
+void RunOptions::add_to(CLI::App& command, const std::string& out) {
+  request.out = out;
+  command.add_option("--out", request.out, "Folder for the results")->capture_default_str();
+  command.add_option("--map", request.map, "Folder of a depth map to continue, or to begin")->type_name("FOLDER");
+  command
+      .add_option("--mission", request.mission,
+                  "Mission file, or a scenario for its mission: a scene runs in a closed loop, a log is decided anew")
+      ->type_name("FILE");
+  command.add_option("--record", request.record, "Recording of the run to write: .mcap")->type_name("FILE");
+  command.add_option("--model", model_, "Sensor model made by isobath calibrate")->type_name("FILE");
+  command.add_option("--input-set", set_, "Set of frames in a folder that holds several")->type_name("NAME");
+  command.add_option("--pass", pass_, "Pass of a set that holds several; default: the first");
+  command.add_option("--threads", request.threads, "1 or 2; the results are the same")->check(CLI::Range(1, 64));
+  config.add_to(command);
+}
+
+RunRequest& RunOptions::read() {
+  if (!model_.empty()) config.settings.push_back("sensor.model=" + model_);
+  if (!set_.empty()) config.settings.push_back("input.set=" + set_);
+  if (pass_ > 0) config.settings.push_back("input.pass=" + std::to_string(pass_));
+  request.configuration = config.read();
+  return request;
+}
+
+int conclude(const RunRequest& request, const RunOutcome& outcome) {
+  const std::string failure = outcome.mission ? outcome.mission->failure() : std::string();
+  std::fflush(stdout);
+  if (!outcome.recording_problem.empty()) {
+    std::fprintf(stderr, "isobath: %s; the recording ends there, %llu events and messages are not in it\n",
+                 outcome.recording_problem.c_str(), static_cast<unsigned long long>(outcome.not_recorded));
+  }
+  if (outcome.problem.empty() && failure.empty()) {
+    return outcome.recording_problem.empty() ? kSuccess : kFailedChecks;
+  }
+  const std::string& problem = outcome.problem.empty() ? failure : outcome.problem;
+  std::fprintf(stderr, "isobath: %s: %s\n", request.input.string().c_str(), problem.c_str());
+  return outcome.problem.empty() ? kFailedChecks : kBadInput;
+}
+
+}  // namespace isobath::app
