@@ -92,6 +92,7 @@ class Sinks : public ResultSink, public SimulatedSource::TruthSink {
   DisplayItems* shown = &items;
   std::optional<Display> display;       ///< the mission's crew tells it
   std::optional<RunRecorder> recorder;  ///< likewise
+  std::optional<RunFilm> film;          ///< of the display, for the report
   std::optional<MissionRun> mission;
   std::optional<TruthJudge> judge;
   std::optional<TrueTrack> track;
@@ -273,7 +274,9 @@ void prepare(Sinks& sinks, const RunRequest& request, const std::optional<Missio
   if (setup) sinks.mission.emplace(*setup, request.configuration, request.live_speed.has_value());
   if (!request.record.empty()) prepare_recorder(sinks, request, setup, simulated, source);
   if (request.watch && request.watch->display) sinks.shown = request.watch->display;
-  if (request.watch || sinks.recorder) sinks.display.emplace(*sinks.shown);
+  if (RunFilm::wanted(request.configuration.report) && !request.live_speed)
+    sinks.film.emplace(request.configuration.report);
+  if (request.watch || sinks.recorder || sinks.film) sinks.display.emplace(*sinks.shown);
   if (setup && sinks.display) {
     sinks.mission->show_messages_to([&sinks](const Envelope& envelope) {
       sinks.display->heard(envelope);
@@ -387,6 +390,7 @@ void show(Sinks& sinks, Time time, const Pipeline& pipeline, const DepthModel& d
   }
   sinks.display->look(time, pipeline, depths, sinks.voxels);
   if (sinks.recorder) sinks.recorder->sample(time, *sinks.shown);
+  if (sinks.film) sinks.film->sample(time, *sinks.shown);
 }
 
 /// What pipeline and depth map found (`mapped`: there are voxels), and whether the input was in order.
@@ -529,6 +533,7 @@ RunOutcome run(const RunRequest& asked) {
     outcome.recording_problem = sinks.recorder->problem();
     outcome.not_recorded = sinks.recorder->left_out();
   }
+  if (sinks.film && last >= first) folder.show_run(*sinks.film, last, *sinks.shown);
   if (sinks.judge) {
     outcome.truth = sinks.judge->score();
     folder.show_truth(sinks.judge->outlines());
