@@ -12,8 +12,10 @@
 namespace isobath {
 namespace {
 
-constexpr double kRawPerPacked = 4;  ///< kept while it runs, for each byte that the report takes
-constexpr int kMostTries = 4;        ///< to come under the bound by thinning no more than is needed
+constexpr double kRawPerPacked = 4;   ///< kept while it runs, for each byte that the report takes
+constexpr int kFast = 1, kWell = 6;   ///< levels of zlib
+constexpr int kMostTries = 4;         ///< to come under the bound by thinning no more than is needed
+constexpr double kSurelyMore = 1.15;  ///< an estimate this far beyond the bound is not worth packing
 
 /// What base64 makes the most of a report's film out of.
 double packed_bytes(const ReportConfig& config) { return config.film_mb * 1e6 / 4 * 3 - 3; }
@@ -40,11 +42,11 @@ void append_block(std::string& out, Time time, const std::string& records) {
   out += records;
 }
 
-/// With a head that says nothing of where and when.
-std::string gzip_of(std::string_view bytes) {
+/// With a head that says nothing of where and when. Most of it is samples of echoes, of which few repeat: Z_FILTERED.
+std::string gzip_of(std::string_view bytes, int level) {
   constexpr int kGzip = 16, kAnySystem = 255;
   z_stream stream{};
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, MAX_WBITS + kGzip, 8, Z_DEFAULT_STRATEGY) != Z_OK) {
+  if (deflateInit2(&stream, level, Z_DEFLATED, MAX_WBITS + kGzip, 8, Z_FILTERED) != Z_OK) {
     throw std::bad_alloc();
   }
   gz_header head{};
@@ -59,6 +61,18 @@ std::string gzip_of(std::string_view bytes) {
   out.resize(stream.total_out);
   deflateEnd(&stream);
   return out;
+}
+
+/// What gzip_of would make of it, by a piece now and then.
+double packed_estimate(std::string_view bytes) {
+  constexpr std::size_t kPiece = 1 << 18, kEach = 8;
+  std::size_t taken = 0, packed = 0;
+  for (std::size_t at = 0; at < bytes.size(); at += kEach * kPiece) {
+    const std::string_view piece = bytes.substr(at, kPiece);
+    taken += piece.size();
+    packed += gzip_of(piece, kFast).size();
+  }
+  return static_cast<double>(packed) / static_cast<double>(taken) * static_cast<double>(bytes.size());
 }
 
 }  // namespace
@@ -189,9 +203,14 @@ std::string RunFilm::finish(Time last, const DisplayItems& items) {
   }
   const double most = packed_bytes(config_);
   for (int tries = 1;; ++tries) {
-    const std::string packed = gzip_of(blocks());
-    const auto size = static_cast<double>(packed.size());
-    if (size <= most) return to_base64(packed);
+    const std::string all = blocks();
+    std::string packed;
+    double size = static_cast<double>(all.size()) < most ? 0 : packed_estimate(all);
+    if (size <= kSurelyMore * most) {
+      packed = gzip_of(all, kWell);
+      size = static_cast<double>(packed.size());
+      if (size <= most) return to_base64(packed);
+    }
     const std::size_t before = replaced();
     const double share = tries < kMostTries ? 0.95 * most / size : 0;
     thin_to(static_cast<std::size_t>(share * static_cast<double>(before)));

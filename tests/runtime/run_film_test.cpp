@@ -249,7 +249,8 @@ TEST(RunFilm, LosesNoDecisionAndNoPlaceOfTheTrackHoweverSmall) {
   // each decision at the moment that first could show it
   for (const Block& block : blocks) {
     for (const Record& r : block.records) {
-      if (r.kind == Kind::kDecision && !block.whole) EXPECT_LT(block.time - r.time, seconds(0.5));
+      if (r.kind != Kind::kDecision || block.whole) continue;
+      EXPECT_LT(block.time - r.time, seconds(0.5));
     }
   }
 }
