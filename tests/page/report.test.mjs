@@ -18,8 +18,7 @@ let browser;
 let report;
 before(async () => {
   const out = join(scratch, 'run');
-  const short = ['--set', 'simulation.duration_s=90'];
-  execFileSync(process.env.ISOBATH_PROGRAM, ['run', ...short, '--out', out], { stdio: ['ignore', 'ignore', 'inherit'] });
+  execFileSync(process.env.ISOBATH_PROGRAM, ['run', '--out', out], { stdio: ['ignore', 'ignore', 'inherit'] });
   report = join(out, 'report.html');
   const quiet = ['disable-background-networking', 'disable-component-update', 'disable-sync', 'no-first-run'];
   const args = ['--no-sandbox', '--disable-gpu', '--disable-quic', ...quiet.map((flag) => `--${flag}`)];
@@ -90,7 +89,7 @@ test('a report shows its run again from a disk, from its end to its start and on
   await page.mouse.click(strip.x + 0.5 * strip.width, strip.y + strip.height / 2);
   await frame.waitForFunction(() => {
     const at = Number(document.querySelector('#timeline').getAttribute('aria-valuenow'));
-    return at > 40 && at < 50;
+    return at > 50 && at < 65;
   });
   assert.ok((await colours(frame, '#sonar-canvas')) > 20, 'the sonar is drawn');
   await picture(page, 'report-1400-middle');
@@ -155,8 +154,7 @@ test('without scripts, and in print, there is the written report alone', async (
 
 test('a report without its run is as small as what is written in it', () => {
   const out = join(scratch, 'plain');
-  const settings = ['--set', 'simulation.duration_s=90', '--set', 'report.film=false'];
-  execFileSync(process.env.ISOBATH_PROGRAM, ['run', ...settings, '--out', out], { stdio: 'ignore' });
+  execFileSync(process.env.ISOBATH_PROGRAM, ['run', '--set', 'report.film=false', '--out', out], { stdio: 'ignore' });
   const plain = readFileSync(join(out, 'report.html'), 'utf8');
   assert.ok(!plain.includes('<iframe') && !plain.includes('<script'));
 });
