@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <isobath/base/base64.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/io/foxglove.hpp>
 #include <nlohmann/json.hpp>
@@ -40,17 +41,8 @@ Message foxglove_json(const Pose& pose) {
 
 Message foxglove_json(const FoxgloveColor& c) { return {{"r", c.r}, {"g", c.g}, {"b", c.b}, {"a", c.a}}; }
 
-std::string to_base64(std::span<const std::uint8_t> bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (k < count ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) out += k <= count ? kDigits[word >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
+std::string base64_text(std::span<const std::uint8_t> bytes) {
+  return to_base64({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 std::string json_text(const Message& message) {
@@ -177,7 +169,7 @@ std::string foxglove_points(Time time, std::span<const FoxglovePoint> points, co
                     {"point_stride", 16},
                     {"fields", Message::array({packed("x", 0, kNumberF32), packed("y", 4, kNumberF32),
                                                packed("z", 8, kNumberF32), packed(value, 12, kNumberF32)})},
-                    {"data", to_base64(bytes)}});
+                    {"data", base64_text(bytes)}});
 }
 
 std::string foxglove_grid(Time time, const FoxgloveGrid& grid, const char* value) {
@@ -202,7 +194,7 @@ std::string foxglove_grid(Time time, const FoxgloveGrid& grid, const char* value
                     {"row_stride", grid.cells_x},
                     {"cell_stride", 1},
                     {"fields", Message::array({packed(value, 0, kNumberU8)})},
-                    {"data", to_base64(rows)}});
+                    {"data", base64_text(rows)}});
 }
 
 std::string foxglove_scene(Time time, std::span<const FoxgloveEntity> entities) {
@@ -219,7 +211,7 @@ std::string foxglove_image(Time time, int width, int height, std::span<const std
                     {"height", height},
                     {"encoding", "mono8"},
                     {"step", width},
-                    {"data", to_base64(pixels)}});
+                    {"data", base64_text(pixels)}});
 }
 
 std::string foxglove_log(Time time, FoxgloveLevel level, std::string_view name, std::string_view message) {

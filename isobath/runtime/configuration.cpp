@@ -44,7 +44,8 @@ std::vector<Section> sections(Configuration& c) {
       {"calibration", "From marked recordings to a sensor model.", fields(c.calibration)},
       {"histogram", "From marked recordings to a histogram model.", fields(c.histogram)},
       {"simulation", "What overrides a scene, where the input is one.", fields(c.simulation)},
-      {"recorder", "What a recording holds, how often, and how it is written.", fields(c.recorder)}};
+      {"recorder", "What a recording holds, how often, and how it is written.", fields(c.recorder)},
+      {"report", "What the report of a run carries beside what is written in it.", fields(c.report)}};
   std::vector<Section> mission = sections(c.mission);
   const auto crew = std::find_if(all.begin(), all.end(), [](const Section& s) { return s.name == "safety"; });
   all.insert(crew, std::make_move_iterator(mission.begin()), std::make_move_iterator(mission.end()));

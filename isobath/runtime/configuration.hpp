@@ -17,6 +17,7 @@
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
 #include <isobath/runtime/recorder_config.hpp>
+#include <isobath/runtime/report_config.hpp>
 #include <isobath/runtime/voxel_config.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <isobath/sonar/calibration.hpp>
@@ -62,6 +63,7 @@ struct Configuration {
   HistogramConfig histogram;
   SimulationConfig simulation;
   RecorderConfig recorder;
+  ReportConfig report;
 };
 
 /// Bound to `configuration`, which must outlive them.

@@ -1,4 +1,5 @@
 #include <fstream>
+#include <isobath/base/base64.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/runtime/html_report.hpp>
 
@@ -20,21 +21,13 @@ figcaption { color: var(--faint); font-size: .9rem; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { border-bottom: 1px solid var(--line); padding: .25rem .8rem .25rem 0; text-align: left; vertical-align: top; }
 th { font-weight: 600; } pre { overflow-x: auto; font-size: .85rem; } summary { cursor: pointer; }
-@media print { body { max-width: none; } details { display: none; } }
+.inside { --wide: min(100vw - 2.5rem, 110rem); width: var(--wide); margin: 1rem calc(50% - var(--wide) / 2); }
+.inside iframe { display: block; width: 100%; height: min(88vh, 60rem); border: 1px solid var(--line); }
+.inside p { color: var(--faint); font-size: .9rem; margin: .5rem 0; }
+@media (max-width: 50rem) { .inside { width: 100vw; margin-inline: calc(50% - 50vw); } .inside iframe { border-inline: 0; }
+                            .inside p { padding-inline: 1.25rem; } }
+@media print { body { max-width: none; } details, .inside { display: none; } }
 )";
-
-std::string base64(std::string_view bytes) {
-  static constexpr char kAlphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned word = 0;
-    for (std::size_t j = 0; j < 3; ++j)
-      word = word << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
-    for (std::size_t j = 0; j < 4; ++j) out += i + j > bytes.size() ? '=' : kAlphabet[word >> (18 - 6 * j) & 63];
-  }
-  return out;
-}
 
 }  // namespace
 
@@ -76,8 +69,8 @@ void HtmlReport::warning(const std::string& text) { body_ += "<p class=\"warning
 
 void HtmlReport::figure(const std::string& png, const std::string& caption) {
   const std::string words = escape_html(caption);
-  body_ += "<figure><img alt=\"" + words + "\" src=\"data:image/png;base64," + base64(png) + "\"><figcaption>" + words +
-           "</figcaption></figure>\n";
+  body_ += "<figure><img alt=\"" + words + "\" src=\"data:image/png;base64," + to_base64(png) + "\"><figcaption>" +
+           words + "</figcaption></figure>\n";
 }
 
 void HtmlReport::begin_row() { body_ += "<div class=\"row\">\n"; }
@@ -95,6 +88,12 @@ void HtmlReport::table(const Row& header, const std::vector<Row>& rows) {
   body_ += "</table></div>\n";
 }
 
+void HtmlReport::page_inside(const std::string& title, const std::string& html, const std::string& words) {
+  body_ += "<section class=\"inside\"><iframe title=\"" + escape_html(title) +
+           "\" sandbox=\"allow-scripts\" allow=\"fullscreen\" srcdoc=\"" + escape_html(html) + "\"></iframe>\n<p>" +
+           escape_html(words) + "</p></section>\n";
+}
+
 void HtmlReport::folded(const std::string& title, const std::string& preformatted) {
   body_ +=
       "<details><summary>" + escape_html(title) + "</summary><pre>" + escape_html(preformatted) + "</pre></details>\n";
@@ -103,7 +102,8 @@ void HtmlReport::folded(const std::string& title, const std::string& preformatte
 std::string HtmlReport::html() const {
   return "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-         escape_html(title_) + "</title>\n<style>" + std::string(kStyle) + "</style></head>\n<body>\n" + body_ +
+         escape_html(title_) + "</title>\n<style>" + std::string(kStyle) +
+         "</style>\n<noscript><style>.inside { display: none; }</style></noscript></head>\n<body>\n" + body_ +
          "</body>\n</html>\n";
 }
 

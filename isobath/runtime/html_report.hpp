@@ -1,5 +1,5 @@
-// HtmlReport: one self-contained page (pictures inside, no scripts, nothing fetched) that opens offline and prints
-// well.
+// HtmlReport: one self-contained page (pictures inside, nothing fetched) that opens offline and prints well. It has no
+// scripts; a page that it shows inside may have, and stays by itself.
 #pragma once
 
 #include <filesystem>
@@ -23,6 +23,8 @@ class HtmlReport {
   void end_row();
   using Row = std::vector<std::string>;
   void table(const Row& header, const std::vector<Row>& rows);
+  /// Another page, with scripts, shown inside where they run; else, and in print, neither it nor the words are there.
+  void page_inside(const std::string& title, const std::string& html, const std::string& words);
   /// Folded away until it is asked for.
   void folded(const std::string& title, const std::string& preformatted);
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <isobath/runtime/display_bytes.hpp>
 #include <isobath/runtime/map_display.hpp>
@@ -163,14 +164,15 @@ void MapDisplay::show(Time time, const VoxelMap& voxels) {
     bytes.add(static_cast<float>(voxels.voxel_m())).add(corner.x()).add(corner.y()).add(corner.z());
     const std::size_t count_at = bytes.size();
     bytes.add(std::uint16_t{0}).add(std::uint16_t{0});
-    std::vector<const LogOdds16*> evidence;
+    std::array<std::uint8_t, VoxelBlocks::kVolume> spoken_for{};  // in loops that a compiler makes wide: most are not
     for (const VoxelBlocks* layer : layers) {
-      if (const LogOdds16* block = layer->find(corner)) evidence.push_back(block);
+      const LogOdds16* block = layer->find(corner);
+      if (!block) continue;
+      for (int i = 0; i < VoxelBlocks::kVolume; ++i) spoken_for[i] |= static_cast<std::uint8_t>(block[i] > 0);
     }
     std::uint16_t count = 0;
     for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
-      const auto speaks_for = [i](const LogOdds16* block) { return block[i] > 0; };
-      if (std::none_of(evidence.begin(), evidence.end(), speaks_for)) continue;
+      if (spoken_for[i] == 0) continue;
       const VoxelIndex place = VoxelBlocks::place_of(i);
       const double p = voxels.probability(corner + place);
       if (p < 0.5) continue;

@@ -237,6 +237,7 @@ RunOutcome Run::outcome() {
     outcome.recording_problem = sinks_.recorder->problem();
     outcome.not_recorded = sinks_.recorder->left_out();
   }
+  if (sinks_.film && last_ >= first_) folder_.show_run(*sinks_.film, last_, *sinks_.shown);
   if (sinks_.judge) {
     outcome.truth = sinks_.judge->score();
     folder_.show_truth(sinks_.judge->outlines());
@@ -332,6 +333,7 @@ void Run::show(Time time) {
   }
   sinks_.display->look(time, pipeline_, depths_, sinks_.voxels);
   if (sinks_.recorder) sinks_.recorder->sample(time, *sinks_.shown);
+  if (sinks_.film) sinks_.film->sample(time, *sinks_.shown);
 }
 
 /// Once, and again where it has changed: a body moved, or somebody said where on the globe all this is.

@@ -4,6 +4,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/io/geotiff.hpp>
 #include <isobath/runtime/html_report.hpp>
+#include <isobath/runtime/live_page.hpp>
 #include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run_folder.hpp>
 #include <limits>
@@ -236,6 +237,43 @@ void add_truth(HtmlReport& page, const TruthScore& score) {
              rows);
 }
 
+// The run itself ------------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// What is shown less often than the rest, and how often.
+std::string rarer_in(const RunFilm& film, const ReportConfig& config) {
+  constexpr std::pair<DisplayKind, const char*> kNames[] = {
+      {DisplayKind::kEchoes, "echoes"},       {DisplayKind::kGrid, "occupancy"},
+      {DisplayKind::kDepth, "the depth map"}, {DisplayKind::kVoxels, "voxels"},
+      {DisplayKind::kVehicle, "the vehicle"}, {DisplayKind::kTrack, "the track"},
+      {DisplayKind::kObstacles, "obstacles"}, {DisplayKind::kWay, "the way"},
+      {DisplayKind::kScene, "the scene"},     {DisplayKind::kHealth, "counts"}};
+  std::string rarer;
+  for (const auto& [kind, name] : kNames) {
+    if (film.interval_s(kind) <= config.film_s) continue;
+    rarer += fmt::format("{}{} every {:g} s", rarer.empty() ? "" : ", ", name, film.interval_s(kind));
+  }
+  return rarer;
+}
+
+}  // namespace
+
+void RunFolder::show_run(RunFilm& film, Time last, const DisplayItems& items) {
+  const std::string recording = film.finish(last, items);
+  if (recording.empty()) {
+    film_words_ = "The run cannot be looked at again here: it takes more than report.film_mb lets the report carry.";
+    return;
+  }
+  const ReportConfig& config = configuration_.report;
+  film_page_ = page_with_recording(live_page(), recording);
+  film_words_ =
+      fmt::format("The whole run, to be looked at again: what was seen, believed, planned and decided, every {:g} s.",
+                  config.film_s);
+  const std::string rarer = rarer_in(film, config);
+  if (!rarer.empty()) film_words_ += fmt::format(" Less often, so that the report stays small: {}.", rarer);
+}
+
 // Files --------------------------------------------------------------------------------------------------------------
 
 void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
@@ -319,6 +357,11 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
   if (n.pings > 0 && n.unposed == n.pings) {
     page.paragraph("The log has no navigation: the vehicle is taken to stand still.");
+  }
+  if (!film_page_.empty()) {
+    page.page_inside("The run, to be looked at again", film_page_, film_words_);
+  } else if (!film_words_.empty()) {
+    page.paragraph(film_words_);
   }
   if (outcome.mission) {
     add_mission(page, *outcome.mission, pictures.mission);

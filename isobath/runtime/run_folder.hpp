@@ -17,6 +17,7 @@
 #include <isobath/runtime/plan_image.hpp>
 #include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run.hpp>
+#include <isobath/runtime/run_film.hpp>
 #include <isobath/runtime/voxel_pages.hpp>
 #include <optional>
 #include <string>
@@ -35,6 +36,8 @@ class RunFolder : public ResultSink {
 
   /// Outlines of what was really there, in L of the last scan; for the pictures.
   void show_truth(std::vector<Polygon> outlines) { truth_ = std::move(outlines); }
+  /// The run itself, for the report.
+  void show_run(RunFilm& film, Time last, const DisplayItems& items);
   /// Writes all files and lists them in `outcome.files`.
   void write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
              RunOutcome& outcome);
@@ -69,6 +72,7 @@ class RunFolder : public ResultSink {
   std::vector<Eigen::Vector2d> track_;  ///< N, E of every scan
   std::vector<Obstacle> obstacles_;
   std::vector<Polygon> truth_;
+  std::string film_page_, film_words_;  ///< empty: the report is without
 };
 
 }  // namespace isobath

@@ -10,7 +10,8 @@ RunSinks::RunSinks(const RunRequest& request, const std::optional<MissionSetup>&
   if (setup) mission.emplace(*setup, request.configuration, request.live_speed.has_value());
   if (!request.record.empty()) begin_recording(request, setup, input);
   if (request.watch && request.watch->display) shown = request.watch->display;
-  if (request.watch || recorder) display.emplace(*shown);
+  if (RunFilm::wanted(request.configuration.report) && !request.live_speed) film.emplace(request.configuration.report);
+  if (request.watch || recorder || film) display.emplace(*shown);
   if (mission && display) {
     mission->show_messages_to([this](const Envelope& envelope) {
       display->heard(envelope);

@@ -7,6 +7,7 @@
 #include <isobath/runtime/display.hpp>
 #include <isobath/runtime/mission_run.hpp>
 #include <isobath/runtime/run.hpp>
+#include <isobath/runtime/run_film.hpp>
 #include <isobath/runtime/run_folder.hpp>
 #include <isobath/runtime/run_recorder.hpp>
 #include <isobath/runtime/run_source.hpp>
@@ -37,6 +38,7 @@ class RunSinks : public ResultSink, public SimulatedSource::TruthSink {
   DisplayItems* shown = &items;         ///< what a page is shown: these, or a program's own (RunWatch)
   std::optional<Display> display;       ///< the crew tells it
   std::optional<RunRecorder> recorder;  ///< likewise
+  std::optional<RunFilm> film;          ///< of the display, for the report
   std::optional<MissionRun> mission;    ///< after both: its threads end first
   std::optional<TruthJudge> judge;
   std::optional<TrueTrack> track;

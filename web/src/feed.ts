@@ -137,7 +137,7 @@ export class StoredFeed implements Feed {
         if (blocks.length === 0) throw new Error('it holds no whole block');
         this.marks = marksOf(blocks);
         this.player = new Player(blocks);
-        this.give(this.player.seek(0));
+        this.give(this.player.seek(this.player.end)); // all that was found; `play` goes to the start
         this.run(performance.now());
       })
       .catch((error: unknown) => {

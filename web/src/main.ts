@@ -3,6 +3,7 @@ import { Commands } from './commands';
 import { Connection, toast } from './connection';
 import { byId, say } from './dom';
 import { feedOf, StoredFeed } from './feed';
+import { settleInFrame } from './framed';
 import { HealthView } from './health';
 import { Instruments } from './instruments';
 import { listenToKeys } from './keyboard';
@@ -67,6 +68,7 @@ const all: View[] = [
 ];
 const connection = new Connection(shared, feed);
 listenToKeys({ shared, layout, plan, space, timeline, theme });
+settleInFrame();
 
 const switcher = byId<HTMLButtonElement>('theme');
 const nameTheme = (): void => {

@@ -1,6 +1,6 @@
-import { describe, expect, it } from 'vitest';
+import { afterEach, describe, expect, it, vi } from 'vitest';
 import { recording, Demo } from '../fixtures/demo';
-import { SocketFeed, type Socket } from '../src/feed';
+import { SocketFeed, StoredFeed, type Socket } from '../src/feed';
 import { Model } from '../src/model';
 import { marksOf } from '../src/marks';
 import { Player, readBlocks } from '../src/player';
@@ -230,5 +230,53 @@ describe('a recording', () => {
     const player = new Player(blocks);
     expect(player.ask({ ask: 'live' })).toBeNull();
     expect(player.ask({ ask: 'command', command: 'abort' })).toBeNull();
+  });
+});
+
+describe('a run in the document', () => {
+  afterEach(() => vi.unstubAllGlobals());
+
+  /** As far as it has come once it is unpacked. */
+  async function opened(base64: string): Promise<{ feed: StoredFeed; model: Model }> {
+    vi.stubGlobal('requestAnimationFrame', () => 0);
+    const feed = new StoredFeed(base64);
+    const model = new Model();
+    await new Promise<void>((resolve) => {
+      feed.start(
+        (records) => {
+          model.take(records);
+          resolve();
+        },
+        () => resolve(),
+      );
+    });
+    return { feed, model };
+  }
+  const bytes = recording(20, new Demo(8, 20));
+  const text = Buffer.from(bytes).toString('base64');
+
+  it('shows first what was known at its end, and stands', async () => {
+    const { feed, model } = await opened(text);
+    expect(feed.state.is).toBe('stored');
+    expect(model.clock).toMatchObject({ now: expect.closeTo(19.9, 6) as number, playing: false });
+    expect(model.track.size).toBeGreaterThan(0);
+  });
+
+  it('plays from its start', async () => {
+    const { feed, model } = await opened(text);
+    expect(feed.ask({ ask: 'play' })).toBe(true);
+    expect(model.clock).toMatchObject({ now: 0, playing: true });
+  });
+
+  it('is the same when it is packed', async () => {
+    const packed = new Blob([bytes.slice()]).stream().pipeThrough(new CompressionStream('gzip'));
+    const gzip = Buffer.from(await new Response(packed).arrayBuffer()).toString('base64');
+    const { model } = await opened(gzip);
+    expect(model.vehicle).toEqual((await opened(text)).model.vehicle);
+  });
+
+  it('that is damaged says so', async () => {
+    const { feed } = await opened('AAAA');
+    expect(feed.state).toMatchObject({ is: 'unreadable' });
   });
 });

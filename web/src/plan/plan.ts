@@ -88,11 +88,12 @@ export class PlanView implements View, Gestured {
   }
 
   private steer(): void {
-    const { vehicle, scene } = this.shared.model;
+    const { vehicle, scene, clock } = this.shared.model;
     if (!this.placed && (vehicle || scene) && this.camera.width > 50) {
       this.placed = true;
       this.showAll();
-      if (vehicle) this.follow(true);
+      const over = clock !== null && !clock.live && !clock.playing && clock.now >= clock.end;
+      if (vehicle && !over) this.follow(true);
     }
     if (vehicle && this.followed) {
       this.camera.north = vehicle.north;
