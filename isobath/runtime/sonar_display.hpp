@@ -42,11 +42,14 @@ class SonarDisplay {
   Sonar& sonar_of(const Ping& ping, std::uint64_t& number);
   [[nodiscard]] bool describe(Sonar& sonar, std::uint64_t number, const Ping& ping);
   [[nodiscard]] std::string geometry(const Sonar& sonar, std::uint64_t number, const Ping& ping) const;
+  void pool(const Sonar& sonar, const Ping& ping);
+  [[nodiscard]] std::vector<std::uint8_t> hits(const Sonar& sonar, const EchoDecisions& decisions, int bins) const;
   [[nodiscard]] std::string picture(const Sonar& sonar, const PosedPing& posed);
 
   DisplayItems& items_;
   std::vector<Sonar> sonars_;
-  std::vector<float> beam_, pooled_;
+  std::vector<float> beam_, loudest_, pooled_;
+  std::vector<std::uint8_t> shades_;
 };
 
 }  // namespace isobath

@@ -4,7 +4,7 @@
 #include <isobath/runtime/display_bytes.hpp>
 #include <isobath/runtime/display_items.hpp>
 #include <rapidcheck/gtest.h>
-#include <tests/runtime/display_records.hpp>
+#include <tests/support/display_records.hpp>
 
 namespace isobath {
 namespace {
