@@ -79,6 +79,18 @@ TEST(DisplayItems, DamagedRecordsAreRefusedFromTheFirstThatDoesNotFit) {
   EXPECT_EQ(items.take(lies), 0U);
 }
 
+TEST(DisplayItems, HoweverFarBehindAPageIsItGetsWhatCameAfterItsStamp) {
+  for (const std::uint64_t count : {1U, 2U, 9U, 10U}) {
+    DisplayItems items;
+    for (std::uint64_t i = 1; i <= count; ++i) items.set(Kind::kTrack, i, Time(seconds(1.0)), "a place");
+    for (std::uint64_t stamp = 1; stamp <= count; ++stamp) {
+      const auto told = records_of(items.changes_after(stamp).records);
+      ASSERT_EQ(told.size(), count - stamp);
+      for (std::uint64_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].number, stamp + 1 + i);
+    }
+  }
+}
+
 /// Any order of changes, asked for at any moments: who takes them holds what the source holds.
 RC_GTEST_PROP(DisplayItems, APageThatAsksNowAndThenKnowsWhatThereIs, ()) {
   DisplayItems source, page;
