@@ -95,12 +95,7 @@ void BackSeatDriver::take(const TaskCall& call, Time now, Outbox& out) {
     call_ = call;
     out.say(TaskBid{call.id, name_, offered->suitability});
   } catch (const Error& error) {
-    Decision d;
-    d.time = now;
-    d.agent = name_;
-    d.what = "no bid";
-    d.reason = "task \"" + call.task + "\": " + error.what();
-    out.say(std::move(d));
+    out.say(Decision{now, name_, "no bid", "task \"" + call.task + "\": " + error.what()});
   }
 }
 
@@ -109,12 +104,9 @@ void BackSeatDriver::take(const TaskAward& award, Time now, Outbox& out) {
   const auto task = parse_task(call_->task);
   const auto offered = task ? offer(*task, call_->at, vehicle_) : std::nullopt;
   if (!offered) return;  // it could do it when it made its bid, and can now
-  Decision d;
-  d.time = now;
-  d.agent = name_;
-  d.what = "plan task";
-  d.reason = fmt::format("{} way-points for \"{}\" at {}", offered->waypoints.size(), call_->task, call_->at.name);
-  out.say(std::move(d));
+  out.say(
+      Decision{now, name_, "plan task",
+               fmt::format("{} way-points for \"{}\" at {}", offered->waypoints.size(), call_->task, call_->at.name)});
   out.say(TaskPlan{call_->id, name_, offered->waypoints});
 }
 

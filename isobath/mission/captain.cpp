@@ -187,12 +187,7 @@ void Captain::order(MissionOrder::Kind kind, const char* what, const std::string
 }
 
 void Captain::decide(const char* what, std::string reason, Outbox& out) const {
-  Decision d;
-  d.time = now_;
-  d.agent = "captain";
-  d.what = what;
-  d.reason = std::move(reason);
-  out.say(std::move(d));
+  out.say(Decision{now_, "captain", what, std::move(reason)});
 }
 
 void Captain::tell(const std::string& text, Outbox& out) const {

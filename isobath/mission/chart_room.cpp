@@ -57,12 +57,7 @@ double distance(const ChartObstacle& o, const Vector2d& p) {
 }
 
 Decision decision(Time now, const char* what, std::string reason) {
-  Decision d;
-  d.time = now;
-  d.agent = "chart room";
-  d.what = what;
-  d.reason = std::move(reason);
-  return d;
+  return {now, "chart room", what, std::move(reason)};
 }
 
 }  // namespace

@@ -320,12 +320,7 @@ void ExecutiveOfficer::report(MissionPhase phase, const std::string& why, Outbox
 }
 
 void ExecutiveOfficer::decide(const char* what, std::string reason, Outbox& out) const {
-  Decision d;
-  d.time = now_;
-  d.agent = "executive officer";
-  d.what = what;
-  d.reason = std::move(reason);
-  out.say(std::move(d));
+  out.say(Decision{now_, "executive officer", what, std::move(reason)});
 }
 
 std::optional<double> ExecutiveOfficer::value(const std::string& quantity, std::optional<int> of) const {

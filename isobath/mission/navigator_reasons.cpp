@@ -36,12 +36,7 @@ Navigator::Refusal Navigator::refusal_of(RouteRefusal refusal, const View& view)
 }
 
 Decision Navigator::decision(std::string what, std::string reason) const {
-  Decision d;
-  d.time = now_;
-  d.agent = "navigator";
-  d.what = std::move(what);
-  d.reason = std::move(reason);
-  return d;
+  return {now_, "navigator", std::move(what), std::move(reason)};
 }
 
 Decision Navigator::about(const View& view, const Way& way, const Conflict& conflict) const {

@@ -180,12 +180,8 @@ void SafetyOfficer::act(Time now, Outbox& out) {
   action_ = std::move(next);
   out.say(action_);
   if (told_ || !other) return;
-  Decision decision;
-  decision.time = now;
-  decision.agent = kName;
-  decision.what = action_.kind == SafetyActionKind::kNone ? "resume" : to_text(action_.kind);
-  decision.reason = fmt::format("{}: {}", action_.fault, action_.why);
-  out.say(decision);
+  const char* what = action_.kind == SafetyActionKind::kNone ? "resume" : to_text(action_.kind);
+  out.say(Decision{now, kName, what, fmt::format("{}: {}", action_.fault, action_.why)});
 }
 
 }  // namespace isobath

@@ -62,12 +62,7 @@ void SignalingOfficer::take_word(const FrameBytes& word, Time now, Outbox& out) 
   try {
     out.say(command_of(word));
   } catch (const Error& error) {
-    Decision d;
-    d.time = now;
-    d.agent = "signaling officer";
-    d.what = "refuse command";
-    d.reason = error.what();
-    out.say(std::move(d));
+    out.say(Decision{now, "signaling officer", "refuse command", error.what()});
     StatusReport refusal = status_;
     refusal.text = std::string("refused: ") + error.what();
     end_.send(to_bytes(refusal), true);

@@ -5,8 +5,8 @@
 // Nothing here changes what is decided. All but kTimes is a function of the run: the same run shows the same items at
 // the same times of its own clock, so that a recording of them has the same bytes. Real clocks stand in kTimes alone.
 //
-// Cost of a run of 512 x 500 pings at 10 Hz: see `make bench` (DisplayOfAFan). One thread writes; any may read the
-// items.
+// Cost of a run of 512 x 500 pings at 10 Hz: see `make bench` (DisplayOfAFan, live_run_bench). One thread writes; any
+// may read the items.
 #pragma once
 
 #include <isobath/io/event.hpp>

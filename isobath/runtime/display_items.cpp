@@ -132,8 +132,16 @@ DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp, std::size
   {
     const std::lock_guard lock(mutex_);
     const bool whole = stamp <= cleared_;
-    auto from = items_.end();
-    while (from != items_.begin() && (whole || std::prev(from)->stamp > stamp)) --from;
+    auto from = items_.begin();
+    if (!whole) {  // from both ends: who keeps up is near the one, who has just come near the other
+      for (auto end = items_.end(); from != end && from->stamp <= stamp; ++from) {
+        if (std::prev(end)->stamp <= stamp) {
+          from = end;
+          break;
+        }
+        --end;
+      }
+    }
     changes.stamp = stamp_;
     for (; from != items_.end(); ++from) {
       if (whole && from->gone) continue;

@@ -3,7 +3,7 @@
 //
 // Depths: the whole of what is charted once, coarse enough to be one picture (kOverview pixels a side); then each tile
 // of the window in which a sonar has spoken, at full resolution, when it has changed. Voxels: of each block that has
-// changed those at least as likely occupied as not.
+// changed those at least as likely occupied as not; an eighth of these blocks a look, so that no ping waits for all.
 //
 // Items: docs/live-page.md. Times are the events'; each map is shown at most as often as its interval says. One thread.
 #pragma once
@@ -41,13 +41,16 @@ class MapDisplay {
   [[nodiscard]] static bool due(const std::optional<Time>& shown, Time now, Duration interval);
   void show_overview(Time time, const DepthSnapshot& depths);
   void show_tile(Time time, Pixel tile, const PixelGrid& grid, const DepthTile& pixels);
+  void show_block(Time time, const VoxelMap& voxels, const VoxelIndex& corner);
 
   DisplayItems& items_;
   std::optional<Time> grid_shown_, depths_shown_, voxels_shown_;
   bool overview_shown_ = false;
   std::shared_ptr<const DepthSnapshot> depths_;  ///< as they were shown
   std::uint64_t voxel_revision_ = 0;
-  std::set<std::uint64_t> blocks_;  ///< that are shown
+  std::vector<VoxelIndex> changed_;  ///< corners of blocks still to be shown
+  std::size_t a_look_ = 0;           ///< so many of them
+  std::set<std::uint64_t> blocks_;   ///< that are shown
 };
 
 }  // namespace isobath

@@ -51,13 +51,6 @@ ordered_json points_json(const MissionPlan& plan) {
 
 }  // namespace
 
-StageTime stage_time(std::vector<double>& ms) {
-  StageTime time;
-  if (ms.empty()) return time;
-  std::sort(ms.begin(), ms.end());
-  return {ms.size(), ms[ms.size() / 2], ms[ms.size() * 99 / 100], ms.back()};
-}
-
 std::string MissionOutcome::failure() const {
   if (truth && truth->contact_s >= 0)
     return fmt::format("contact with {} at {:.1f} s", truth->contact_with, truth->contact_s);

@@ -21,8 +21,6 @@ struct StageTime {
   std::uint64_t count = 0;
   double median_ms = 0, p99_ms = 0, worst_ms = 0;
 };
-/// Of any number of measurements, which it sorts.
-StageTime stage_time(std::vector<double>& milliseconds);
 
 struct MissionTimings {
   StageTime event_to_crew;     ///< an event: heard by all agents; with real threads: in their mailboxes

@@ -38,7 +38,7 @@ class TimedAgent final : public Agent {
 
 void StageTimes::heard(Clock::duration lasted) {
   const std::lock_guard lock(mutex_);
-  heard_ms_.push_back(milliseconds(lasted));
+  heard_.add(milliseconds(lasted));
 }
 
 void StageTimes::begin(Clock::time_point taken) {
@@ -50,13 +50,13 @@ void StageTimes::begin(Clock::time_point taken) {
 void StageTimes::mapped() {
   const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
-  mapped_ms_.push_back(milliseconds(now - since_));
+  mapped_.add(milliseconds(now - since_));
 }
 
 void StageTimes::detected(Time sweep) {
   const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
-  detected_ms_.push_back(milliseconds(now - since_));
+  detected_.add(milliseconds(now - since_));
   sweeps_[sweep] = taken_;
   if (sweeps_.size() > kMostUndecided) sweeps_.erase(sweeps_.begin());
 }
@@ -75,18 +75,17 @@ void StageTimes::resume() {
 
 void StageTimes::planned(Time scan, Clock::time_point from, Clock::time_point to) {
   const std::lock_guard lock(mutex_);
-  planned_ms_.push_back(milliseconds(to - from));
+  planned_.add(milliseconds(to - from));
   const auto sweep = sweeps_.find(scan);
   if (sweep == sweeps_.end()) return;
-  decided_ms_.push_back(milliseconds(to - sweep->second));
+  decided_.add(milliseconds(to - sweep->second));
   sweeps_.erase(sweep);
 }
 
 MissionTimings StageTimes::timings() const {
   const std::lock_guard lock(mutex_);
-  const auto stage = [](std::vector<double> ms) { return stage_time(ms); };
-  return {stage(heard_ms_),   stage(mapped_ms_),  stage(detected_ms_),
-          stage(planned_ms_), stage(decided_ms_), 1e-9 * static_cast<double>(agents_ns_.load())};
+  return {heard_.time(),   mapped_.time(),  detected_.time(),
+          planned_.time(), decided_.time(), 1e-9 * static_cast<double>(agents_ns_.load())};
 }
 
 Seat timed(Seat seat, std::shared_ptr<StageTimes> times, bool plans) {

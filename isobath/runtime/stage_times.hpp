@@ -13,10 +13,10 @@
 #include <cstdint>
 #include <isobath/mission/agent.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
+#include <isobath/runtime/stage_spread.hpp>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <vector>
 
 namespace isobath {
 
@@ -42,7 +42,7 @@ class StageTimes {
   mutable std::mutex mutex_;
   Clock::time_point taken_, since_, aside_since_;
   std::map<Time, Clock::time_point> sweeps_;  ///< not decided yet: when their last event came
-  std::vector<double> heard_ms_, mapped_ms_, detected_ms_, planned_ms_, decided_ms_;
+  StageSpread heard_, mapped_, detected_, planned_, decided_;
 };
 
 /// The seat, with its agent timed; `plans`: each of its turns about a scan of obstacles is planning. The times live as

@@ -4,7 +4,7 @@
 #include <isobath/runtime/display_bytes.hpp>
 #include <isobath/runtime/display_items.hpp>
 #include <rapidcheck/gtest.h>
-#include <tests/runtime/display_records.hpp>
+#include <tests/support/display_records.hpp>
 
 namespace isobath {
 namespace {
@@ -77,6 +77,18 @@ TEST(DisplayItems, DamagedRecordsAreRefusedFromTheFirstThatDoesNotFit) {
   const std::uint32_t endless = 0xffffffff;
   std::memcpy(lies.data() + 4, &endless, 4);
   EXPECT_EQ(items.take(lies), 0U);
+}
+
+TEST(DisplayItems, HoweverFarBehindAPageIsItGetsWhatCameAfterItsStamp) {
+  for (const std::uint64_t count : {1U, 2U, 9U, 10U}) {
+    DisplayItems items;
+    for (std::uint64_t i = 1; i <= count; ++i) items.set(Kind::kTrack, i, Time(seconds(1.0)), "a place");
+    for (std::uint64_t stamp = 1; stamp <= count; ++stamp) {
+      const auto told = records_of(items.changes_after(stamp).records);
+      ASSERT_EQ(told.size(), count - stamp);
+      for (std::uint64_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].number, stamp + 1 + i);
+    }
+  }
 }
 
 /// Any order of changes, asked for at any moments: who takes them holds what the source holds.

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <isobath/runtime/display.hpp>
 #include <nlohmann/json.hpp>
-#include <tests/runtime/display_records.hpp>
 #include <tests/runtime/events.hpp>
+#include <tests/support/display_records.hpp>
 #include <tests/support/echoes.hpp>
 
 namespace isobath {
@@ -17,11 +17,7 @@ using test::records_of;
 using Kind = DisplayKind;
 
 std::vector<Record> of_kind(const DisplayItems& items, Kind kind) {
-  std::vector<Record> found;
-  for (Record& r : records_of(items.changes_after(0).records)) {
-    if (r.kind == kind) found.push_back(std::move(r));
-  }
-  return found;
+  return test::of_kind(records_of(items.changes_after(0).records), kind);
 }
 
 Record only(const DisplayItems& items, Kind kind) {
@@ -112,6 +108,20 @@ TEST(SonarDisplay, ShowsDecibelsOfSamplesWithALargeRange) {
   EXPECT_EQ(static_cast<std::uint8_t>(echoes[50]), 0);
 }
 
+TEST(SonarDisplay, ShadesOfDecibelsAreThoseOfTheLogarithm) {
+  constexpr int kBins = 300;
+  DisplayItems items;
+  SonarDisplay display(items);
+  const auto share = [](int bin) { return std::pow(10.0, -70.0 / 20 * bin / kBins); };  // 0 to -70 dB
+  const auto value = [&](int, int bin) { return 40'000 * share(bin); };
+  display.take(Heard(test::ping_of<std::uint16_t>(test::fan_of(2), {0, 1, kBins}, value, 40'000)).posed());
+  const std::string echoes = only(items, Kind::kEchoes).payload;
+  for (int k = 0; k < kBins; ++k) {
+    const double level = 255 * (1 + 20 * std::log10(std::round(value(0, k)) / 40'000) / 60);
+    EXPECT_NEAR(static_cast<std::uint8_t>(echoes[48 + k]), std::max(0.0, level), 0.6) << k;
+  }
+}
+
 TEST(SonarDisplay, KeepsTheBeamsOfAScanningHeadByTheirPlaceInTheTurn) {
   DisplayItems items;
   SonarDisplay display(items);
@@ -175,6 +185,45 @@ TEST(MapDisplay, ShowsOccupancyWhereItLies) {
   EXPECT_NEAR(east, buoy_W.y(), cell);
   EXPECT_EQ(std::count(cells.begin(), cells.end(), 255), 21 * 21 - 2) << "what nobody has seen is unknown";
   EXPECT_EQ(std::count(cells.begin(), cells.end(), 0), 1) << "free";
+}
+
+TEST(MapDisplay, ShadesOfCellsAreThoseOfTheirProbabilities) {
+  DisplayItems items;
+  MapDisplay display(items);
+  BodyGridConfig config;
+  config.cells_x = config.cells_y = 40;
+  BodyGrid grid(config);
+  for (std::size_t i = 0; i < grid.cells().size(); ++i) {
+    grid.log_odds()[i] = std::lerp(grid.log_odds_min(), grid.log_odds_max(), static_cast<double>(i) / 1599);
+  }
+  display.show(Time(seconds(1.0)), grid, Pose{});
+  const auto shades = test::unpacked(only(items, Kind::kGrid).payload.substr(32));
+  ASSERT_EQ(shades.size(), 1600U);
+  for (std::size_t i = 0; i < shades.size(); ++i) {
+    const double p = probability_of(grid.log_odds()[i]);
+    if (!grid.is_free(i) && p < config.threshold / 9) {
+      EXPECT_EQ(shades[i], 255) << i;
+    } else {
+      EXPECT_NEAR(shades[i], 250 * p, 0.7) << i;
+    }
+  }
+}
+
+TEST(MapDisplay, ManyVoxelsThatChangedAtOnceAreShownInEightLooks) {
+  constexpr int kBlocks = 400;
+  DisplayItems items;
+  MapDisplay display(items);
+  VoxelMap voxels;
+  voxels.advance();
+  for (int i = 0; i < kBlocks; ++i) voxels.layer("sonar").add({i * VoxelBlocks::kSide, 0, 0}, 3000);
+  const auto shown = [&](double s) {
+    display.show(Time(seconds(s)), voxels);
+    return of_kind(items, Kind::kVoxels).size();
+  };
+  EXPECT_EQ(shown(1), kBlocks / 8 + 1U);
+  for (int look = 1; look < 7; ++look) shown(1);
+  EXPECT_LT(of_kind(items, Kind::kVoxels).size(), 1U * kBlocks);
+  EXPECT_EQ(shown(1), 1U * kBlocks);
 }
 
 TEST(MapDisplay, ShowsOccupiedVoxelsAndThatABlockIsEmptyAgain) {

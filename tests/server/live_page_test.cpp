@@ -5,6 +5,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/server/page_session.hpp>
 #include <isobath/server/web_server.hpp>
+#include <latch>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <tests/server/records.hpp>
@@ -118,6 +119,62 @@ TEST(LivePage, EachPageEndsWithWhatTheRunHas) {
   EXPECT_EQ(server.counts().clients_ever, 5u);
   // And who took nothing all the while goes on from there.
   EXPECT_TRUE(stalled.comes_to(truth));
+}
+
+/// A page whose next frame takes until it is let go: the server's thread does nothing else meanwhile.
+class HeldPage final : public WebSession {
+ public:
+  HeldPage(const PageSources& sources, std::latch& held, std::latch& let_go)
+      : page_(sources), held_(held), let_go_(let_go) {}
+  Hearing hear(std::string_view text) override { return page_.hear(text); }
+  WebFrame next() override {
+    if (!std::exchange(was_held_, true)) {
+      held_.count_down();
+      let_go_.wait();
+    }
+    return page_.next();
+  }
+
+ private:
+  PageSession page_;
+  std::latch& held_;
+  std::latch& let_go_;
+  bool was_held_ = false;
+};
+
+// ledger: S6-31
+TEST(LivePage, TheRunGoesToItsEndWhileAPageHoldsTheServerUp) {
+  constexpr int kSteps = 300;
+  DisplayItems items;
+  std::atomic<std::int64_t> now = 0;
+  PageSources sources;
+  sources.live = std::make_shared<SharedChanges>(items);
+  sources.live_span = [&] { return TimeSpan{Time{}, Time{Duration(now.load())}}; };
+  std::latch held(1), let_go(1);
+  WebServerConfig config;
+  config.port = 0;
+  WebSite site;
+  site.open_session = [&] { return std::make_unique<HeldPage>(sources, held, let_go); };
+  WebServer server(config, std::move(site));
+
+  Reader page;
+  page.page.emplace(server.port());
+  held.wait();
+  sail(items, now, kSteps);  // in this thread: that it comes back at all is what is shown
+  EXPECT_EQ(server.counts().frames, 0u) << "nothing was sent all the while";
+  let_go.count_down();
+
+  Kept truth;
+  truth.take(items.changes_after(0).records);
+  std::size_t bytes = 0;
+  while (page.kept.items() != truth.items()) {
+    const auto message = page.page->next();
+    ASSERT_TRUE(message);
+    bytes += message->size();
+    page.kept.take(*message);
+  }
+  // What came in between is not made up for: of 300 pings the last alone.
+  EXPECT_LT(bytes, items.bytes() + 100 * truth.items().size() + 10'000);
 }
 
 TEST(LivePage, CommandsComeThroughForWhoMayGiveThem) {

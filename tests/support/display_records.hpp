@@ -6,6 +6,7 @@
 #include <cstring>
 #include <isobath/runtime/display_items.hpp>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,17 +28,29 @@ Number number_at(const std::string& bytes, std::size_t at) {
   return value;
 }
 
+/// Throws where they are not whole.
 inline std::vector<Record> records_of(const std::string& bytes) {
   std::vector<Record> records;
-  for (std::size_t at = 0; at + 24 <= bytes.size();) {
+  for (std::size_t at = 0; at < bytes.size();) {
+    if (bytes.size() - at < 24) throw std::runtime_error("cut in a head");
     const auto size = number_at<std::uint32_t>(bytes, at + 4);
+    const std::size_t whole = 24 + (std::size_t{size} + 7) / 8 * 8;
+    if (bytes.size() - at < whole) throw std::runtime_error("cut in a payload");
     const int flags = bytes[at + 1];
     records.push_back({static_cast<DisplayKind>(bytes[at]), (flags & 1) != 0, (flags & 2) != 0,
                        number_at<std::uint64_t>(bytes, at + 8), Time(Duration(number_at<std::int64_t>(bytes, at + 16))),
                        bytes.substr(at + 24, size)});
-    at += 24 + (size + 7) / 8 * 8;
+    at += whole;
   }
   return records;
+}
+
+inline std::vector<Record> of_kind(const std::vector<Record>& records, DisplayKind kind) {
+  std::vector<Record> found;
+  for (const Record& r : records) {
+    if (r.kind == kind) found.push_back(r);
+  }
+  return found;
 }
 
 inline std::map<std::pair<DisplayKind, std::uint64_t>, std::string> as_map(const std::string& bytes) {
