@@ -56,6 +56,10 @@ test-tsan: build/tsan/.configured-$(WERROR) ## Those that start threads, with th
 
 bench: build-bench ## Run the benchmarks
 	@for program in build/bench/bench/*_bench; do echo "== $$program"; "$$program"; done
+	@chromium=$$(command -v chromium chromium-browser google-chrome | head -n 1); \
+	if [[ -n "$$chromium" ]] && command -v node > /dev/null; then echo "== bench/click_to_picture.mjs"; \
+	  ISOBATH_PROGRAM=build/bench/bin/isobath ISOBATH_CHROMIUM=$$chromium node bench/click_to_picture.mjs; \
+	else echo "bench/click_to_picture.mjs: needs node and Chromium"; fi
 
 lint: setup ## Formatting, repository hygiene, headers that stand alone, clang-tidy; warnings are errors
 	@status=0; for check in files headers tidy; do $(MAKE) --no-print-directory $$check || status=1; done; exit $$status

@@ -2,8 +2,8 @@
 //
 // Usage: ISOBATH_PROGRAM=... ISOBATH_CHROMIUM=... node bench/click_to_picture.mjs [RECORDING.mcap]
 //
-// Without a recording it makes one of an hour first: a survey of lanes between piles, with a fan that lies flat and one
-// that stands upright (voxels), and a multibeam echo sounder (depth map).
+// Without a recording it makes one of an hour first: a survey of lanes between piles with a turning head (occupancy, and
+// what the crew decides), a fan of 93 beams that stands upright (voxels), and an altimeter (depth map).
 //
 // A click counts from the time stamp of its pointer event. The picture is there when all that the program sent for the
 // sought moment was taken, a frame after that has drawn all views (the WebGL canvas is read back, so that it waits for
@@ -32,10 +32,10 @@ function scene() {
   const wide = 12 * (lanes - 1);
   const piles = [1, 4, 8, 12, 15, 19].map(
     (gap, i) => `[[pylons]]\nname = "pile"\nfirst = [${30 + 7 * i}, ${12 * gap + 6}]\nstep = [33, 0]\ncount = 5
-radius = 0.7\ntop = -1\nbottom = 12.5\nmaterial = "concrete"\n`,
+radius = 0.7\ntop = -1\nbottom = 31\nmaterial = "concrete"\n`,
   );
   const mission = points.map(
-    ({ name, north, east }) => `[[mission_point]]\nname = "${name}"\nnorth = ${north}\neast = ${east}\ndepth_m = 3\n`,
+    ({ name, north, east }) => `[[mission_point]]\nname = "${name}"\nnorth = ${north}\neast = ${east}\ndepth_m = 14\n`,
   );
   return `[scene]
 title = "An hour of lanes between piles"
@@ -44,26 +44,27 @@ latitude_deg = 52.34
 longitude_deg = 12.99
 [water]
 temperature_c = 12
-wind = 2
 [bottom]
 kind = "terrain"
-material = "sand"
-depth = 12
+material = "mud"
+depth = 30
 extent_m = 400
 cell_m = 2
-relief_m = 0.8
+relief_m = 0.4
 wavelength_m = 60
 [vehicle]
-start = [-10, 0, 3]
+start = [-10, 0, 14]
 speed = 1.6
 [navigation]
-kind = "sensors"
+kind = "drift"
 [[sonar]]
-preset = "p450_horizontal"
-name = "flat"
-range_m = 45
-bins = 450
-interval_s = 1
+preset = "micron"
+name = "head"
+sector_deg = 120
+range_m = 40
+bins = 80
+interval_s = 0.06
+blind_m = 1.5
 [[sonar]]
 preset = "p450_vertical"
 name = "upright"
@@ -71,9 +72,8 @@ range_m = 45
 bins = 450
 interval_s = 1
 [[sonar]]
-preset = "multibeam_echo_sounder"
-name = "multibeam"
-interval_s = 1
+preset = "altimeter"
+name = "altimeter"
 ${piles.join('')}
 [mission]
 title = "Lanes between piles"

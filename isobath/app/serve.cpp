@@ -20,7 +20,7 @@ namespace isobath::app {
 namespace {
 
 struct ServeOptions : RunOptions {
-  std::string speed = "1";
+  std::string speed;
   std::string token_file;
   WebServerConfig server;
   std::optional<std::string> address;
@@ -56,6 +56,12 @@ std::string place_of(const WebServerConfig& config, int port) {
   const bool any = config.address == "0.0.0.0" || config.address == "::";
   const bool six = config.address.find(':') != std::string::npos && !any;
   return fmt::format("http://{}{}{}:{}/", six ? "[" : "", any ? "localhost" : config.address, six ? "]" : "", port);
+}
+
+/// Without a scene of somebody's own there is nothing to wait for: its sonar's first turn takes 12 s.
+std::string speed_words(const ServeOptions& options) {
+  if (!options.speed.empty()) return options.speed;
+  return options.request.input.empty() ? "4" : "1";
 }
 
 void wait_for_interrupt() {
@@ -118,8 +124,8 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   DisplayItems items;
   SharedChanges shared(items);
   Orders orders;
-  request.watch =
-      RunWatch{&items, speed_of(options.speed), [] { return interrupted.load(); }, [&] { return orders.next(); }};
+  request.watch = RunWatch{&items, speed_of(speed_words(options)), [] { return interrupted.load(); },
+                           [&] { return orders.next(); }};
 
   PageSources sources;
   sources.live = std::shared_ptr<SharedChanges>(&shared, [](SharedChanges*) {});
@@ -132,8 +138,8 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
 
   WebServer server(config, page_site(sources));  // first: an address that is taken is told before anything runs
   std::future<RunOutcome> running = std::async(std::launch::async, [&request] { return run(request); });
-  fmt::print("{} shows {}; Ctrl-C ends\n", place_of(config, server.port()),
-             request.input.empty() ? "the embedded scene" : request.input.string());
+  fmt::print("{} shows {}, speed {}; Ctrl-C ends\n", place_of(config, server.port()),
+             request.input.empty() ? "the embedded scene" : request.input.string(), speed_words(options));
   std::fflush(stdout);
   while (running.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) continue;
   orders.close();
@@ -177,7 +183,8 @@ Action add_serve(CLI::App& program) {
   command->add_option("--port", options->port, "Default: 8484; 0: any that is free")->check(CLI::Range(0, 65535));
   command->add_option("--address", options->address,
                       "Default: 127.0.0.1, this machine alone; 0.0.0.0: whoever can reach it");
-  command->add_option("--speed", options->speed, "Times real time, or max: as fast as it goes")->capture_default_str();
+  command->add_option("--speed", options->speed,
+                      "Times real time, or max: as fast as it goes; default: 1, of the embedded scene 4");
   command->add_option("--token-file", options->token_file, "File with a token: who has it may hold, resume and abort")
       ->type_name("FILE");
   command->add_flag("--anew", options->anew, "Decide a recording anew instead of showing what was recorded");

@@ -18,7 +18,7 @@ struct Options {
   double range_m = 0;
   std::string rule = "log_odds";
   double looking_deg = 20, down_deg = 35, zoom = 1;
-  bool json = false;
+  bool json = false, false_echoes = false;
 };
 
 /// Standard deviation of a place, m.
@@ -67,6 +67,16 @@ void print_features(const SurveyFeatures& features) {
   fmt::print("\n");
 }
 
+void print_causes(const SphericalSurvey& survey) {
+  fmt::print("\nechoes        told as  direct  multiple   false\n");
+  const char* const kEchoes[] = {"direct", "second bounces", "of nothing"};
+  for (std::size_t i = 0; i < survey.causes.size(); ++i) {
+    const auto& told = survey.causes[i];
+    fmt::print("{:<22} {:7d} {:9d} {:7d}\n", kEchoes[i], told[0], told[1], told[2]);
+  }
+  fmt::print("\n");
+}
+
 int act(const Options& options) {
   const Scene scene = open_scene(options.scene);
   SphericalSurveyConfig config = survey_config(scene);
@@ -74,6 +84,11 @@ int act(const Options& options) {
   config.seed = options.seed;
   if (options.range_m > 0) config.sonar.range_m = options.range_m;
   if (options.rule == "maximum_response") config.mapper.rule = SphericalMapperConfig::Rule::kMaximumResponse;
+  if (options.false_echoes) {
+    config.sonar.multiple_share = 0.3;
+    config.sonar.clutter_per_turn = 4;
+    config.leave_out_false = true;
+  }
   const SphericalSurvey survey = run_spherical_survey(scene, config);
   std::filesystem::create_directories(options.out);
   const SphericalCamera camera{Angle::degrees(options.looking_deg), Angle::degrees(options.down_deg), options.zoom};
@@ -105,6 +120,7 @@ int act(const Options& options) {
              survey.occupied, static_cast<double>(bytes) / 1e6);
   fmt::print("occupied cells that echoed are {:.2f} m from a true wall (median), {:.2f} m at most\n",
              survey.median_error_m, survey.worst_error_m);
+  if (options.false_echoes) print_causes(survey);
   print_features(survey.features);
   fmt::print("written to {}: plan.png, above.png, solid.png, features.png\n", options.out.string());
   return kSuccess;
@@ -136,6 +152,8 @@ Action add_sphere(CLI::App& program) {
       ->capture_default_str()
       ->check(CLI::Range(-90.0, 90.0));
   command->add_option("--zoom", options->zoom, "Of solid.png")->capture_default_str()->check(CLI::Range(0.1, 100.0));
+  command->add_flag("--false-echoes", options->false_echoes,
+                    "Three of ten square echoes come twice as late, four a turn are of nothing: told and left out");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   return [options] { return act(*options); };
 }

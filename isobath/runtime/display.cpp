@@ -1,4 +1,5 @@
 #include <cmath>
+#include <isobath/planning/plan_frame.hpp>
 #include <isobath/runtime/display.hpp>
 #include <isobath/runtime/display_bytes.hpp>
 #include <limits>
@@ -140,20 +141,28 @@ void Display::on_scan(const ScanResult& scan) {
   if (!vehicle_shown_) show_vehicle({found.time, found.X_WB, {}, {}, {}});  // nobody says where it is: it stands still
   maps_.show(found.time, scan.grid, found.X_WB);
   const Pose X_WL = level(found.X_WB);
+  seen_ = found.obstacles;
+  for (Obstacle& o : seen_) {
+    for (Eigen::Vector2d& p : o.outline) p = (X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
+  }
+  show_obstacles(found.time);
+}
+
+/// What is seen has no name: the next scan finds it anew. What the crew remembers keeps its number.
+void Display::show_obstacles(Time time) {
   ordered_json obstacles = ordered_json::array();
-  for (const Obstacle& o : found.obstacles) {
-    Polygon outline;
-    for (const Eigen::Vector2d& p : o.outline)
-      outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
-    obstacles.push_back({{"id", obstacles.size() + 1},
-                         {"outline", outline_json(outline)},
+  for (const Obstacle& o : seen_) {
+    obstacles.push_back({{"outline", outline_json(o.outline)},
                          {"existence", tidy_m(o.existence)},
                          {"range_m", tidy_m(o.range_m)},
                          {"bearing_deg", tidy_m(o.bearing.wrapped_positive().degrees())},
                          {"hits", o.hits},
                          {"behind", o.behind}});
   }
-  items_.set(DisplayKind::kObstacles, 0, found.time, display_text(obstacles));
+  for (const Hazard& h : remembered_) {
+    obstacles.push_back({{"id", h.id}, {"outline", outline_json(h.outline)}, {"margin_m", tidy_m(h.margin_m)}});
+  }
+  items_.set(DisplayKind::kObstacles, 0, time, display_text(obstacles));
 }
 
 void Display::on_jump(const Eigen::Vector3d& /*by_W*/) { maps_.voxels_moved(vehicle_shown_.value_or(Time{})); }
@@ -172,6 +181,14 @@ void Display::heard(const Envelope& envelope) {
   } else if (const auto* request = std::get_if<RouteRequest>(&envelope.message)) {
     target_ = request->point;
     show_way(time);
+  } else if (const auto* scan = std::get_if<ObstacleScan>(&envelope.message)) {
+    const PlanFrame frame = PlanFrame::of(scan->X_WL);
+    remembered_.clear();
+    for (const Hazard& h : scan->hazards) {
+      if (h.kind != HazardKind::kRemembered) continue;
+      for (Eigen::Vector2d& p : remembered_.emplace_back(h).outline) p = frame.to_world(p);
+    }
+    show_obstacles(time);
   } else if (const auto* fault = std::get_if<SafetyReport>(&envelope.message)) {
     if (fault->active) {
       ActiveFault& active = faults_.try_emplace(fault->fault, ActiveFault{time, {}, {}}).first->second;

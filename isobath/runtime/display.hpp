@@ -79,6 +79,7 @@ class Display : public ResultSink {
   void add_to_track(Time time, const Eigen::Vector3d& place);
   void show_vehicle(const Navigation& fix);
   void show_way(Time time);
+  void show_obstacles(Time time);
 
   DisplayItems& items_;
   SonarDisplay sonars_;
@@ -90,6 +91,9 @@ class Display : public ResultSink {
   std::string chunk_;  ///< places of the track since the last whole chunk
   std::uint64_t places_ = 0;
   std::optional<Time> last_place_;
+
+  std::vector<Obstacle> seen_;      ///< of the last scan, outlines in W
+  std::vector<Hazard> remembered_;  ///< of earlier scans, as the crew knows them, outlines in W
 
   RoutePlanned way_;
   MissionReport mission_;

@@ -66,16 +66,36 @@ void tell_scan(const PlaneScan& scan, SurveyFeatures& features) {
   for (const std::size_t i : told.unassigned) features.unaccounted.push_back(scan.point(scan.echoes[i]));
 }
 
+constexpr double kSureTarget = 0.5;  // below that bodies run into the walls behind them
+
 /// Of the grid at the end: level scans at several depths, which say that walls are upright.
-void tell_grid(const SphericalGrid& grid, SurveyFeatures& features) {
-  constexpr double kSureTarget = 0.5;  // below that bodies run into the walls behind them
+void tell_grid(const SphericalGrid& grid, const SphericalSurveyConfig& survey, SurveyFeatures& features) {
   const std::vector<Vector3d> echoes = echoes_of(grid, grid.config().occupied);
   TangentialConfig config;
   config.upright = true;
   features.planes = tangential_clusters(echoes, config);
   for (SphericalCluster& cluster : clusters(grid, kSureTarget)) {
     const TargetScore score = target_score(grid, cluster);
+    if (survey.leave_out_false && score.value() < survey.false_echoes.least_score) continue;
     features.targets.push_back({std::move(cluster), score});
+  }
+}
+
+/// What was heard on the way, to be told at the end by what stands then.
+struct HeardEchoes {
+  std::vector<Vector3d> points_W;
+  std::vector<SectionEcho> truth;
+  std::vector<bool> multiples;
+};
+
+void tell_causes(const HeardEchoes& heard, const Vector3d& at, const SphericalSurveyConfig& config,
+                 SphericalSurvey& survey) {
+  std::vector<Vector3d> points_G;
+  for (const Vector3d& p : heard.points_W) points_G.push_back(grid_axes_from_world(p - at));
+  const auto standing = standing_clusters(*survey.grid, config.grid.occupied, config.false_echoes);
+  const std::vector<EchoCause> told = causes_of(*survey.grid, standing, points_G, heard.multiples);
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    ++survey.causes[static_cast<std::size_t>(heard.truth[i])][static_cast<std::size_t>(told[i])];
   }
 }
 
@@ -126,6 +146,7 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
   SphericalMapper mapper(config.mapper, grid);
   const double speed = scene.vehicle.speed > 0 ? scene.vehicle.speed : 1;
   double gone = 0;
+  HeardEchoes heard;
   bool any = false;
   for (std::size_t i = 0; i < survey.path.scans.size(); ++i) {
     const ScanPosition& place = survey.path.scans[i];
@@ -138,14 +159,25 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
         place.at.head<2>(),      {}, BeamWidth(config.sonar.beam_width), config.sonar.sigma, config.sonar.sigma_m,
         config.sonar.sigma_share};
     any = any || !section.lines().empty() || !section.arcs().empty();
-    for (const SectionReading& reading : scan(section, place.at.head<2>(), config.sonar, random)) {
+    const std::vector<SectionReading> readings = scan(section, place.at.head<2>(), config.sonar, random);
+    for (const SectionReading& reading : readings) {
+      if (reading.range_m) told.echoes.emplace_back(reading.bearing, *reading.range_m);
+    }
+    std::vector<bool> multiples(told.echoes.size());
+    if (config.leave_out_false) multiples = multiples_in(told, grid, config.false_echoes);
+    std::size_t echo = 0;
+    for (const SectionReading& reading : readings) {
       const Vector3d u_W(cos(reading.bearing), sin(reading.bearing), 0);
+      ++survey.beams;
+      if (reading.range_m) {
+        ++survey.echoes;
+        heard.points_W.push_back(place.at + *reading.range_m * u_W);
+        heard.truth.push_back(reading.is);
+        heard.multiples.push_back(multiples[echo]);
+        if (multiples[echo++]) continue;
+      }
       mapper.add({Vector3d::Zero(), mapper.to_grid(u_W), config.sonar.beam_width, reading.range_m, config.sonar.range_m,
                   time});
-      ++survey.beams;
-      if (!reading.range_m) continue;
-      ++survey.echoes;
-      told.echoes.emplace_back(reading.bearing, *reading.range_m);
     }
     told.sort();
     tell_scan(told, survey.features);
@@ -154,7 +186,8 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     throw Error("no lines and arcs at the vehicle's depth", {scene.file}, "a scene with a [[prism]] round its path");
   }
   grid.on_dropped({});
-  tell_grid(grid, survey.features);
+  tell_grid(grid, config, survey.features);
+  if (config.leave_out_false) tell_causes(heard, survey.path.scans.back().at, config, survey);
   judge_survey(scene, survey.path.scans.back().at, survey);
   return survey;
 }

@@ -310,6 +310,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
     heard_.clear();
     if (!hearing.refused.empty()) hub_.refuse(hearing.refused);
     if (hearing.hang_up) refuse("hung_up");
+    ask();  // what it asked for need not wait for its turn
     const Clock::duration wait = messages_.take(Clock::now());
     if (wait == Clock::duration::zero() || closing_) return read();
     hub_.refuse("message_rate");

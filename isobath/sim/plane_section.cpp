@@ -35,6 +35,23 @@ Eigen::AlignedBox2d box_about(const std::vector<SectionLine>& lines, const std::
   return box;
 }
 
+/// Second bounces, and echoes of nothing: Poisson's, so that a beam has none with exp(-rate). Draws the same count of
+/// numbers for every beam.
+void add_false_echoes(const SectionSonarConfig& config, Random& random, SectionReading& reading) {
+  const bool bounces = random.uniform() < config.multiple_share;
+  const bool clutter = random.uniform() < 1 - std::exp(-config.clutter_per_turn / config.beams);
+  const double clutter_m = random.uniform() * config.range_m;
+  if (bounces && reading.range_m && reading.truth.incidence <= config.multiple_cone) {
+    reading.range_m = 2 * *reading.range_m;
+    reading.is = SectionEcho::kMultiple;
+    if (*reading.range_m > config.range_m) reading.range_m.reset();
+  }
+  if (clutter && (!reading.range_m || clutter_m < *reading.range_m)) {
+    reading.range_m = clutter_m;
+    reading.is = SectionEcho::kClutter;
+  }
+}
+
 }  // namespace
 
 PlaneSection::PlaneSection(const Scene& scene, double depth) {
@@ -105,6 +122,10 @@ std::vector<Field> fields(SectionSonarConfig& c) {
       Field::real("sigma_share", &c.sigma_share, {0, 0.2}, "1", "Standard deviation of a range, as a share of it."),
       Field::degrees("sigma_deg", &c.sigma, {0, 30}, "Standard deviation of a bearing."),
       Field::flag("noise", &c.noise, "Whether readings have errors."),
+      Field::real("multiple_share", &c.multiple_share, {0, 1}, "1",
+                  "Of surfaces that are met squarely: those reported at twice their range."),
+      Field::degrees("multiple_cone_deg", &c.multiple_cone, {0, 90}, "How squarely, at most."),
+      Field::real("clutter_per_turn", &c.clutter_per_turn, {0, 1000}, "echoes", "False ones, anywhere in range."),
   };
 }
 
@@ -114,7 +135,7 @@ std::vector<SectionReading> scan(const PlaneSection& section, const Vector2d& p,
   readings.reserve(static_cast<std::size_t>(config.beams));
   for (int beam = 0; beam < config.beams; ++beam) {
     const double bearing = kTurn * beam / config.beams;
-    SectionReading reading{Angle::radians(bearing), {}, {}};
+    SectionReading reading{Angle::radians(bearing), {}, SectionEcho::kDirect, {}};
     double best = -1;
     for (int ray = 0; ray < config.rays; ++ray) {
       const double aside = config.beam_width.radians() * ((ray + 0.5) / config.rays - 0.5);
@@ -137,6 +158,7 @@ std::vector<SectionReading> scan(const PlaneSection& section, const Vector2d& p,
         reading.range_m = std::max(0.0, *reading.range_m + sigma * in_range);
       }
     }
+    if (config.multiple_share > 0 || config.clutter_per_turn > 0) add_false_echoes(config, random, reading);
     readings.push_back(reading);
   }
   return readings;

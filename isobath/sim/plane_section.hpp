@@ -1,5 +1,5 @@
 // PlaneSection: lines and arcs at one depth, met by rays in closed form; and a scanning sonar in them, one reading a
-// beam (Auran, Silven 1995, 4.1; ledger S4-31 to S4-35).
+// beam (Auran, Silven 1995, 4.1; ledger S4-31 to S4-35, S4-52).
 //
 // It is the section of a scene's prisms at a depth: rows of lines and arcs, scaled about the middle of what they span.
 // A scan at several depths is a scene in three dimensions as the paper makes it: right where walls are upright, and
@@ -62,13 +62,19 @@ struct SectionSonarConfig {
   double sigma_m = 0.15, sigma_share = 0.003;  ///< of a range: the larger one (S4-E03)
   Angle sigma = Angle::degrees(2.5 / 2.355);   ///< of the direction that an echo comes from
   bool noise = true;
+  double multiple_share = 0;  ///< of surfaces met within multiple_cone, those that are reported at twice their range
+  Angle multiple_cone = Angle::degrees(15);
+  double clutter_per_turn = 0;  ///< false echoes, anywhere in range; the nearest echo of a beam is what it reports
 };
 std::vector<Field> fields(SectionSonarConfig& config);
+
+enum class SectionEcho : std::uint8_t { kDirect, kMultiple, kClutter };
 
 struct SectionReading {
   Angle bearing;                  ///< clockwise from north: of the beam as it is reported
   std::optional<double> range_m;  ///< empty: nothing within the range
-  SectionHit truth;               ///< of the ray that it is of; meaningless without a range
+  SectionEcho is = SectionEcho::kDirect;
+  SectionHit truth;  ///< of the ray that it is of; meaningless without a range
 };
 
 /// One turn from p, beams beginning at north. The strongest ray is the one that meets its wall most squarely, cos^2 of

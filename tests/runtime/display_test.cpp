@@ -326,6 +326,36 @@ TEST(Display, ShowsObstaclesInTheWorld) {
   EXPECT_EQ(shown[0]["existence"], 0.98);
 }
 
+// ledger: S6-66
+TEST(Display, ShowsWhatTheCrewRemembersByItsNumberBesideWhatIsSeen) {
+  DisplayItems items;
+  Display display(items);
+  BodyGrid grid{BodyGridConfig{}};
+  Detection found;
+  found.time = Time(seconds(1.0));
+  found.obstacles.emplace_back();
+  found.obstacles[0].outline = {{10, -1}, {12, -1}, {12, 1}};
+  display.on_scan({1, true, found, grid});
+  ObstacleScan scan;
+  scan.time = Time(seconds(1.0));
+  scan.X_WL = {Rotation::from_heading(Angle::degrees(90)), {100, 200, 5}};
+  scan.hazards = {{{{10, -1}, {12, -1}, {12, 1}}, 0.2, HazardKind::kSeen, 0},
+                  {{{5, 0}, {6, 0}, {6, 1}}, 1.5, HazardKind::kRemembered, 17},
+                  {{{8, 0}, {9, 0}, {9, 1}}, 0, HazardKind::kInjected, 0}};
+  display.heard({1, scan.time, "fls detector", scan});
+  const auto shown = [&] { return json::parse(only(items, Kind::kObstacles).payload); };
+  ASSERT_EQ(shown().size(), 2U);
+  EXPECT_FALSE(shown()[0].contains("id")) << "what is seen is found anew by each scan";
+  EXPECT_EQ(shown()[1]["id"], 17);
+  EXPECT_EQ(shown()[1]["margin_m"], 1.5);
+  EXPECT_NEAR(shown()[1]["outline"][0][0].get<double>(), 100, 1e-3);
+  EXPECT_NEAR(shown()[1]["outline"][0][1].get<double>(), 205, 1e-3);
+
+  scan.hazards.resize(1);  // it is seen again
+  display.heard({2, scan.time, "fls detector", scan});
+  EXPECT_EQ(shown().size(), 1U);
+}
+
 TEST(Display, SaysWhatTheCrewDecidesAndWhatIsWrong) {
   DisplayItems items;
   Display display(items);

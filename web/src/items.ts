@@ -164,28 +164,30 @@ export function readSonar(json: unknown): Sonar | null {
 }
 
 export interface Obstacle {
-  id: number;
+  /** Of what is remembered, which keeps its number; what is seen is found anew by each scan. */
+  id: number | undefined;
   outline: Point[];
   existence: number | undefined;
   range: number | undefined;
   bearing: number | undefined;
   hits: number | undefined;
   behind: boolean;
-  velocity: Point | undefined;
+  /** m: how far beyond its outline what is remembered may reach by now. */
+  margin: number;
 }
 export function readObstacles(json: unknown): Obstacle[] | null {
   if (!Array.isArray(json)) return null;
   return all(json, (v) => {
     if (!isObject(v)) return undefined;
     return {
-      id: number(v.id) ?? 0,
+      id: number(v.id),
       outline: points(v.outline),
       existence: number(v.existence),
       range: number(v.range_m),
       bearing: number(v.bearing_deg),
       hits: number(v.hits),
       behind: flag(v.behind),
-      velocity: point(v.velocity),
+      margin: Math.min(1000, Math.max(0, number(v.margin_m) ?? 0)),
     };
   });
 }

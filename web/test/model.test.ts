@@ -105,6 +105,21 @@ describe('items', () => {
     expect(model.malformed.size).toBe(0);
     expect(model.scene?.vehicle.length).toBeGreaterThan(0);
     expect(model.obstacles).toHaveLength(1);
+    expect(model.obstacles[0]!.id).toBeUndefined();
+  });
+
+  it('tell an obstacle that is remembered from one that is seen by its number', () => {
+    const outline = [[1, 2], [3, 4], [5, 6]]; // prettier-ignore
+    const model = told(
+      json(Kind.obstacles, [
+        { outline, existence: 0.9 },
+        { id: 0, outline, margin_m: 1.5 },
+      ]),
+    );
+    expect(model.obstacles.map(({ id, margin }) => [id, margin])).toEqual([
+      [undefined, 0],
+      [0, 1.5],
+    ]);
   });
 
   it('of JSON believe nothing of another type', () => {
