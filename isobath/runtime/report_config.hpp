@@ -6,9 +6,9 @@
 namespace isobath {
 
 struct ReportConfig {
-  bool film = true;     ///< the run itself, to be looked at again
-  double film_s = 0.5;  ///< between two moments of it
-  double film_mb = 7;   ///< of the report's bytes that it may take
+  bool film = true;      ///< the run itself, to be looked at again
+  double film_s = 0.5;   ///< between two moments of it
+  double film_mb = 7.5;  ///< of the report's bytes that it may take
 };
 std::vector<Field> fields(ReportConfig& config);
 

@@ -206,13 +206,15 @@ std::string RunFilm::finish(Time last, const DisplayItems& items) {
     const std::string all = blocks();
     std::string packed;
     double size = static_cast<double>(all.size()) < most ? 0 : packed_estimate(all);
-    if (size <= kSurelyMore * most) {
+    const bool estimated = size > kSurelyMore * most;
+    if (!estimated) {
       packed = gzip_of(all, kWell);
       size = static_cast<double>(packed.size());
       if (size <= most) return to_base64(packed);
     }
     const std::size_t before = replaced();
-    const double share = tries < kMostTries ? 0.95 * most / size : 0;
+    // An estimate is of kFast, and rather too high; an interval that is doubled in vain is not halved again.
+    const double share = tries < kMostTries ? (estimated ? 1.1 : 0.95) * most / size : 0;
     thin_to(static_cast<std::size_t>(share * static_cast<double>(before)));
     if (replaced() == before) return {};
   }

@@ -48,8 +48,10 @@ async function open(width, height, options = {}) {
 
 const now = async (frame) => Number(await frame.getAttribute('#timeline', 'aria-valuenow'));
 const end = async (frame) => Number(await frame.getAttribute('#timeline', 'aria-valuemax'));
-const isShown = (frame) =>
-  frame.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuemax')) > 80);
+async function isShown(frame) {
+  await frame.waitForSelector('#connection[data-state="stored"]');
+  await frame.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuemax')) > 80);
+}
 /** How many colours a canvas shows: an empty one has one. */
 const colours = (frame, selector) =>
   frame.$eval(selector, (canvas) => {
