@@ -118,6 +118,7 @@ test('with the token a mission is held, resumed and aborted; without it nothing 
   await picture(other, 'command-token-390');
   await say(other, token);
   await other.waitForSelector('#command-bar:not([hidden])');
+  assert.match(await other.textContent('#toast'), /may command/);
   await picture(other, 'command-aborted-390');
   await page.close();
   await other.close();
