@@ -6,8 +6,8 @@
 // what the crew decides), a fan of 93 beams that stands upright (voxels), and an altimeter (depth map).
 //
 // A click counts from the time stamp of its pointer event. The picture is there when all that the program sent for the
-// sought moment was taken, a frame after that has drawn all views (the WebGL canvas is read back, so that it waits for
-// the drawing), and the next frame begins, with which the browser has shown the one before. Paused, all that came until
+// sought moment was taken, a frame after that has drawn all views and none is behind (the WebGL canvas is read back, so
+// that it waits for the drawing), and the next frame begins, with which the browser has shown the one before. Paused, all that came until
 // half a second of silence belongs to the moment; playing, all up to the first message that is not a full piece of 1 MiB.
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
@@ -141,7 +141,7 @@ function watch() {
       }
       one.drawn = performance.now();
       seen.frames.push(one);
-      frame(() => (one.shown = performance.now()));
+      frame(() => Object.assign(one, { shown: performance.now(), behind: document.body.dataset.behind === 'true' }));
     });
   addEventListener(
     'pointerdown',
@@ -158,7 +158,8 @@ function picture(playing) {
   const kFull = 768 * 1024; // a piece of 1 MiB less an item that did not fit
   const last = playing ? messages.findIndex(({ bytes }, i) => i >= first && bytes < kFull) : messages.length - 1;
   if (last < 0 || (!playing && performance.now() - messages[last].at < 500)) return null;
-  const frame = frames.find(({ begun, shown }) => begun >= messages[last].at && shown > 0);
+  const after = frames.filter(({ begun }) => begun >= messages[last].at);
+  const frame = after.find(({ behind, shown }) => shown > 0 && !behind);
   if (!frame) return null;
   const answer = messages.slice(first, last + 1);
   return {
