@@ -21,7 +21,7 @@ const kBar = 200; // ms
 const kStartBar = 5; // s
 const kHour = 3600;
 /** An upright fan alone leaves hardly a voxel by the marginal rule: a page that draws many is measured. */
-const kMany = ['fans.rule=hit_and_miss', 'voxels.fit=false', 'voxels.voxel_m=0.5'];
+const kMany = ['fans.rule=hit_and_miss', 'voxels.fit=false', 'voxels.voxel_m=1'];
 
 /** Lanes between rows of piles. */
 function scene() {

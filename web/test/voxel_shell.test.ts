@@ -37,6 +37,18 @@ describe('the voxels that can be seen', () => {
     expect(count(new VoxelShell().of(model))).toBe(32 ** 3 - 30 ** 3);
   });
 
+  it('are larger cubes where they are too many, and none is left out', () => {
+    const model = new Model();
+    model.take(block(1n, [-16, 0, 0], [...cube(0, 3), [15, 15, 15, 250]]));
+    const shell = new VoxelShell();
+    expect(count(shell.of(model, 57))).toBe(57);
+    const [cells] = shell.of(model, 20) as [Float32Array];
+    expect(shell.side).toBe(2);
+    expect(cells.length / kCell).toBe(9);
+    expect([...cells.slice(0, kCell)]).toEqual([-7.5, 0.5, 0.5, expect.closeTo(0.8, 6), 1]);
+    expect([...cells.slice(8 * kCell)]).toEqual([-0.5, 7.5, 7.5, 1, 1]);
+  });
+
   it('change with the block beside', () => {
     const model = new Model();
     const shell = new VoxelShell();

@@ -189,6 +189,7 @@ export class SpaceView implements View {
     try {
       this.slow = drawsInSoftware();
       this.surface.most = this.slow ? 25_000 : 600_000;
+      this.voxels.most = this.slow ? 20_000 : 300_000;
       this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !this.slow });
     } catch {
       this.failed = true;
@@ -355,7 +356,9 @@ export class SpaceView implements View {
           `roll ${units.tilt(vehicle.roll)}, pitch ${units.tilt(vehicle.pitch)}`,
         ]
       : [];
-    parts.push(`${units.count(this.voxels.shown)} voxels`);
+    parts.push(
+      `${units.count(this.voxels.shown)} ${this.voxels.side > 1 ? `cubes of ${this.voxels.side}³ ` : ''}voxels`,
+    );
     if (this.voxels.shown > 0 && this.voxels.colour === 'depth') {
       parts.push(
         `voxels light ${units.metres(this.voxels.range[0])} to dark ${units.metres(this.voxels.range[1])} deep`,

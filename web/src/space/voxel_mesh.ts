@@ -6,13 +6,17 @@ import type { Theme } from '../theme';
 import { kCell, VoxelShell } from './voxel_shell';
 
 export type VoxelColour = 'depth' | 'probability';
-/** More than that is more than a screen shows, and a laptop draws. */
-const kMost = 300_000;
 
 export class VoxelMesh {
   mesh: InstancedMesh;
   colour: VoxelColour = 'depth';
+  /** Cubes: more than that is more than a screen shows, and a laptop draws. */
+  most = 300_000;
   shown = 0;
+  /** Voxels along an edge of a cube. */
+  get side(): number {
+    return this.shell.side;
+  }
   /** Depths of the scale of colours, m. */
   range: [number, number] = [0, 1];
   private readonly shell = new VoxelShell();
@@ -25,11 +29,8 @@ export class VoxelMesh {
 
   /** Returns the mesh to be shown, which is another one when it had to grow. */
   build(model: Model, theme: Theme): InstancedMesh {
-    const pieces = this.shell.of(model);
-    const count = Math.min(
-      kMost,
-      pieces.reduce((sum, cells) => sum + cells.length / kCell, 0),
-    );
+    const pieces = this.shell.of(model, this.most);
+    const count = pieces.reduce((sum, cells) => sum + cells.length / kCell, 0);
     if (count > this.mesh.instanceMatrix.count) {
       this.mesh.dispose();
       this.mesh = this.room(Math.ceil(count * 1.5));
@@ -41,7 +42,7 @@ export class VoxelMesh {
     const table = linear(theme.name === 'night' ? tables.ember : tables.viridis);
     let i = 0;
     for (const cells of pieces) {
-      for (let at = 0; at < cells.length && i < count; at += kCell, ++i) {
+      for (let at = 0; at < cells.length; at += kCell, ++i) {
         const [down, size] = [cells[at + 2]!, 0.96 * cells[at + 4]!];
         const m = 16 * i; // the rest of a matrix stays nought
         matrices[m] = matrices[m + 5] = matrices[m + 10] = size;

@@ -13,15 +13,19 @@ const kSteps = [1, -1].flatMap((step) => [0, 1, 2].map((axis) => [0, 1, 2].map((
 interface Found {
   revisions: string;
   cells: Float32Array;
+  /** The same in cubes of 2, 4, ... voxels a side. */
+  coarse: Map<number, Float32Array>;
 }
 type Block = Revised<VoxelBlock>;
 
 export class VoxelShell {
+  /** Voxels along an edge of the cubes that were told last. */
+  side = 1;
   private found = new Map<string, Found>();
   private readonly filled = new WeakMap<VoxelBlock, Uint8Array>();
 
-  /** By block. */
-  of(model: Model): Float32Array[] {
+  /** By block; in larger cubes where there are more than `most`, so that none is left out. */
+  of(model: Model, most = Infinity): Float32Array[] {
     const places = new Map<number, Block>();
     for (const block of model.voxels.values()) places.set(placeOf(block.item.corner), block);
     const found = new Map<string, Found>();
@@ -29,10 +33,18 @@ export class VoxelShell {
       const beside = kSteps.map((step) => places.get(placeOf(block.item.corner.map((v, k) => v + kSide * step[k]!))));
       const revisions = `${block.revision} ${beside.map((b) => b?.revision ?? 0).join()}`;
       const known = this.found.get(key);
-      found.set(key, known?.revisions === revisions ? known : { revisions, cells: this.look(block, beside) });
+      found.set(
+        key,
+        known?.revisions === revisions ? known : { revisions, cells: this.look(block, beside), coarse: new Map() },
+      );
     }
     this.found = found;
-    return [...found.values()].map(({ cells }) => cells);
+    for (let side = 1; ; side *= 2) {
+      const pieces = [...found.values()].map((block) => inCubes(block, side));
+      const count = pieces.reduce((sum, cells) => sum + cells.length / kCell, 0);
+      this.side = side;
+      if (count <= most || side === kSide) return pieces;
+    }
   }
 
   private look({ item }: Block, beside: readonly (Block | undefined)[]): Float32Array {
@@ -73,6 +85,25 @@ export class VoxelShell {
     }
     return filled;
   }
+}
+
+function inCubes({ cells, coarse }: Found, side: number): Float32Array {
+  if (side === 1) return cells;
+  let out = coarse.get(side);
+  if (out) return out;
+  const cubes = new Map<number, number>();
+  out = new Float32Array(cells.length);
+  let n = 0;
+  for (let at = 0; at < cells.length; at += kCell) {
+    const size = cells[at + 4]! * side;
+    const [x, y, z] = [0, 1, 2].map((k) => Math.floor(cells[at + k]! / size)) as [number, number, number];
+    const to = cubes.get(indexOf(x, y, z)) ?? kCell * n++;
+    cubes.set(indexOf(x, y, z), to);
+    out.set([(x + 0.5) * size, (y + 0.5) * size, (z + 0.5) * size, Math.max(out[to + 3]!, cells[at + 3]!), size], to);
+  }
+  out = out.slice(0, kCell * n);
+  coarse.set(side, out);
+  return out;
 }
 
 const indexOf = (x: number, y: number, z: number): number => ((x & 15) << 8) | ((y & 15) << 4) | (z & 15);
