@@ -25,7 +25,7 @@ const kMany = ['fans.rule=hit_and_miss', 'voxels.fit=false', 'voxels.voxel_m=1']
 
 /** Lanes between rows of piles. */
 function scene() {
-  const lanes = 25;
+  const lanes = 31; // more than an hour of them
   const points = [];
   for (let lane = 0; lane < lanes; ++lane) {
     const ends = lane % 2 === 0 ? [0, 240] : [240, 0];
@@ -41,7 +41,7 @@ radius = 0.7\ntop = -1\nbottom = 31\nmaterial = "concrete"\n`,
   );
   return `[scene]
 title = "An hour of lanes between piles"
-duration_s = ${kHour + 20}
+duration_s = ${2 * kHour}
 latitude_deg = 52.34
 longitude_deg = 12.99
 [water]
