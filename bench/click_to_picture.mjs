@@ -21,11 +21,11 @@ const kBar = 200; // ms
 const kStartBar = 5; // s
 const kHour = 3600;
 /** An upright fan alone leaves hardly a voxel by the marginal rule: a page that draws many is measured. */
-const kMany = ['fans.rule=hit_and_miss', 'voxels.fit=false', 'voxels.voxel_m=1'];
+const kMany = ['fans.rule=hit_and_miss', 'voxels.fit=false', 'voxels.voxel_m=0.5'];
 
 /** Lanes between rows of piles. */
 function scene() {
-  const lanes = 31; // more than an hour of them
+  const lanes = 25; // more than an hour of them
   const points = [];
   for (let lane = 0; lane < lanes; ++lane) {
     const ends = lane % 2 === 0 ? [0, 240] : [240, 0];
@@ -41,7 +41,7 @@ radius = 0.7\ntop = -1\nbottom = 31\nmaterial = "concrete"\n`,
   );
   return `[scene]
 title = "An hour of lanes between piles"
-duration_s = ${2 * kHour}
+duration_s = ${kHour + 20}
 latitude_deg = 52.34
 longitude_deg = 12.99
 [water]
@@ -93,8 +93,8 @@ async function recordAnHour() {
   const args = ['run', file, '--out', join(scratch, 'hour'), '--record', recording];
   for (const set of kMany) args.push('--set', set);
   const program = spawn(process.env.ISOBATH_PROGRAM, args, { stdio: ['ignore', 'ignore', 'inherit'] });
-  const [code] = await once(program, 'exit');
-  assert.equal(code, 0, `isobath ${args.join(' ')}`);
+  const [code] = await once(program, 'exit'); // 1: the mission is still under way
+  assert.ok(code === 0 || code === 1, `isobath ${args.join(' ')} ended with ${code}`);
   console.log(`recorded an hour in ${((performance.now() - began) / 1000).toFixed(0)} s`);
   return recording;
 }
