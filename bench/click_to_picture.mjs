@@ -6,8 +6,8 @@
 // what the crew decides), a fan of 93 beams that stands upright (voxels), and an altimeter (depth map).
 //
 // A click counts from the time stamp of its pointer event. The picture is there when all that the program sent for the
-// sought moment was taken, a frame after that has drawn all views (the WebGL canvas is read back, so that it waits for
-// the drawing), and the next frame begins, with which the browser has shown the one before. Paused, all that came until
+// sought moment was taken, a frame after that has drawn all views and none is behind (the WebGL canvas is read back, so
+// that it waits for the drawing), and the next frame begins, with which the browser has shown the one before. Paused, all that came until
 // half a second of silence belongs to the moment; playing, all up to the first message that is not a full piece of 1 MiB.
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
@@ -20,10 +20,12 @@ const kClicks = 15; // of each kind: chart and 3-D, paused and playing
 const kBar = 200; // ms
 const kStartBar = 5; // s
 const kHour = 3600;
+/** An upright fan alone leaves hardly a voxel by the marginal rule: a page that draws many is measured. */
+const kMany = ['fans.rule=hit_and_miss', 'voxels.fit=false', 'voxels.voxel_m=0.5'];
 
 /** Lanes between rows of piles. */
 function scene() {
-  const lanes = 23;
+  const lanes = 25; // more than an hour of them
   const points = [];
   for (let lane = 0; lane < lanes; ++lane) {
     const ends = lane % 2 === 0 ? [0, 240] : [240, 0];
@@ -89,9 +91,10 @@ async function recordAnHour() {
   const recording = join(scratch, 'hour', 'recording.mcap');
   const began = performance.now();
   const args = ['run', file, '--out', join(scratch, 'hour'), '--record', recording];
+  for (const set of kMany) args.push('--set', set);
   const program = spawn(process.env.ISOBATH_PROGRAM, args, { stdio: ['ignore', 'ignore', 'inherit'] });
-  const [code] = await once(program, 'exit');
-  assert.equal(code, 0, `isobath ${args.join(' ')}`);
+  const [code] = await once(program, 'exit'); // 1: the mission is still under way
+  assert.ok(code === 0 || code === 1, `isobath ${args.join(' ')} ended with ${code}`);
   console.log(`recorded an hour in ${((performance.now() - began) / 1000).toFixed(0)} s`);
   return recording;
 }
@@ -129,7 +132,7 @@ function watch() {
   const frame = window.requestAnimationFrame.bind(window);
   window.requestAnimationFrame = (draw) =>
     frame((time) => {
-      const one = { begun: performance.now(), drawn: NaN, shown: NaN };
+      const one = { time, begun: performance.now(), drawn: NaN, shown: NaN };
       draw(time);
       const space = document.querySelector('#space-canvas');
       if (space.clientWidth > 0) {
@@ -138,7 +141,7 @@ function watch() {
       }
       one.drawn = performance.now();
       seen.frames.push(one);
-      frame(() => (one.shown = performance.now()));
+      frame(() => Object.assign(one, { shown: performance.now(), behind: document.body.dataset.behind === 'true' }));
     });
   addEventListener(
     'pointerdown',
@@ -155,14 +158,15 @@ function picture(playing) {
   const kFull = 768 * 1024; // a piece of 1 MiB less an item that did not fit
   const last = playing ? messages.findIndex(({ bytes }, i) => i >= first && bytes < kFull) : messages.length - 1;
   if (last < 0 || (!playing && performance.now() - messages[last].at < 500)) return null;
-  const frame = frames.find(({ begun, shown }) => begun >= messages[last].at && shown > 0);
+  const after = frames.filter(({ begun }) => begun >= messages[last].at);
+  const frame = after.find(({ behind, shown }) => shown > 0 && !behind);
   if (!frame) return null;
   const answer = messages.slice(first, last + 1);
   return {
     whole: frame.shown - clicked,
     heard: answer[0].at - clicked,
     taken: frame.begun - answer[0].at,
-    drawn: frame.drawn - frame.begun,
+    drawn: frames.filter(({ time }) => time === frame.time).reduce((sum, f) => sum + f.drawn - f.begun, 0),
     bytes: answer.reduce((sum, { bytes }) => sum + bytes, 0),
   };
 }

@@ -324,6 +324,17 @@ TEST(WebServer, FramesAreWhatIsSharedThenWhatIsOwn) {
   EXPECT_EQ(counts.messages, 1u);
 }
 
+TEST(WebServer, WhatAPageAsksForDoesNotWaitForTheNextFrame) {
+  Site site([](WebServerConfig& c) { c.frames_hz = 0.1; });
+  SocketPage page(site.port());
+  ASSERT_TRUE(page.open()) << page.answer;
+  ASSERT_TRUE(page.next());
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(page.say("echo"));
+    EXPECT_EQ(page.next(3000), "echo");
+  }
+}
+
 TEST(WebServer, WhoLeavesIsForgotten) {
   Site site;
   {

@@ -4,6 +4,7 @@
  * The buttons stand above all views as soon as this page may command. A button that would do nothing in the phase of
  * the mission is off; what was pressed is said until the mission has followed it.
  */
+import { toast } from './connection';
 import { byId, make, mark, say } from './dom';
 import { Kind } from './protocol';
 import type { Shared, View } from './view';
@@ -46,7 +47,7 @@ export class Commands implements View {
         this.disarm();
       } else {
         abort.dataset.armed = 'true';
-        say(abort, 'Press again to abort');
+        say(abort, 'Press again');
         this.armed = window.setTimeout(() => this.disarm(), kSure);
       }
     });
@@ -78,6 +79,7 @@ export class Commands implements View {
     if (look === this.drawn) return;
     this.drawn = look;
     const may = clock?.control === true;
+    if (may && this.bar.hidden) toast('This page may command now.');
     this.section.hidden = clock?.control === undefined;
     byId('command-form').hidden = may;
     byId('command-granted').hidden = !may;

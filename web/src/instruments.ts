@@ -39,10 +39,14 @@ export class Instruments implements View {
     this.set('Altitude', units.metres(v?.altitude), v ? 'above the bottom' : '');
     this.set('Position', `± ${units.metres(v?.sigma)}`, v ? 'standard deviation' : '');
     const target = way?.target !== undefined ? scene?.mission[way.target]?.name : undefined;
+    const phase = way?.phase ?? '';
+    const goal = target && `to ${target}`;
+    // That a mission holds or is over matters more than where it went.
+    const [first, second] = goal && (phase === 'under way' || phase === '') ? [goal, phase] : [phase, goal];
     this.set(
       'Way',
-      way ? (target ? `to ${target}` : way.phase || 'planned') : '–',
-      way ? [way.avoiding ? 'avoiding' : '', way.phase].filter(Boolean).join(', ') : '',
+      way ? first || 'planned' : '–',
+      way ? [way.avoiding ? 'avoiding' : '', second].filter(Boolean).join(', ') : '',
     );
     const age = model.age(model.vehicleTime);
     const old = Number.isFinite(age) && age > kStale;

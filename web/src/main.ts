@@ -1,7 +1,7 @@
 /** Puts the page together: records change the model, a frame draws what has changed. */
 import { Commands } from './commands';
 import { Connection, toast } from './connection';
-import { byId, say } from './dom';
+import { byId, mark, say } from './dom';
 import { feedOf, StoredFeed } from './feed';
 import { settleInFrame } from './framed';
 import { HealthView } from './health';
@@ -89,6 +89,7 @@ function draw(now: number): void {
     }
   }
   connection.drew();
+  mark(document.body, 'behind', String(all.some(({ behind }) => behind === true)));
 }
 
 feed.start(

@@ -18,4 +18,6 @@ export interface Shared {
 export interface View {
   /** Called once a frame while something may have changed and the view can be seen. */
   frame(now: number): void;
+  /** Whether it can be seen and has still to draw some of what the model holds. */
+  readonly behind?: boolean;
 }

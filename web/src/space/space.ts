@@ -31,6 +31,10 @@ import { VoxelMesh, type VoxelColour } from './voxel_mesh';
 const kRebuild = 300;
 /** ms between two pictures of what moves, where the processor has to draw them. */
 const kSlow = 400;
+/** s of the run, at its own speed: a longer step is a jump. */
+const kJump = 3;
+/** ms after a jump in which nothing waits for its turn: what was sought comes in pieces. */
+const kArrives = 500;
 
 export class SpaceView implements View {
   private readonly canvas = byId<HTMLCanvasElement>('space-canvas');
@@ -61,6 +65,9 @@ export class SpaceView implements View {
   private dirty = true;
   private seen = '';
   private built = '';
+  private cubed = '';
+  private shown = NaN;
+  private jumped = -Infinity;
   private rebuilt = -Infinity;
   private placed = false;
   private deepest = 1;
@@ -80,7 +87,7 @@ export class SpaceView implements View {
     this.world.add(this.craft.group, this.fans.group, this.track.line, this.way.line);
     const touch = () => {
       this.dirty = true;
-      this.built = '';
+      this.built = this.cubed = '';
       this.rebuilt = -Infinity;
       shared.redraw();
     };
@@ -111,7 +118,10 @@ export class SpaceView implements View {
     const look = `${model.revision.join()} ${theme.revision} ${width} ${height}`;
     if (look !== this.seen) this.dirty = true;
     if (!this.dirty) return;
-    if (this.slow && !this.moved && now - this.rendered < kSlow) return;
+    if (Math.abs(model.now - this.shown) > kJump * Math.max(1, model.clock?.speed ?? 1)) this.jumped = now;
+    this.shown = model.now;
+    const atOnce = this.moved || now - this.jumped < kArrives;
+    if (this.slow && !atOnce && now - this.rendered < kSlow) return;
     this.rendered = now;
     this.seen = look;
     this.dirty = this.moved = false;
@@ -121,10 +131,14 @@ export class SpaceView implements View {
     renderer.setClearColor(theme.paint.sky);
     this.ambient.intensity = theme.name === 'day' ? 1.7 : 1.1;
     this.sun.intensity = theme.name === 'day' ? 2 : 1.6;
-    this.rebuild(now);
+    this.rebuild(now, now - this.jumped < kArrives);
     this.move();
     renderer.render(this.world, this.camera);
     this.tell();
+  }
+
+  get behind(): boolean {
+    return this.dirty && this.canvas.clientWidth >= 20 && !this.failed;
   }
 
   zoomBy(factor: number): void {
@@ -175,6 +189,7 @@ export class SpaceView implements View {
     try {
       this.slow = drawsInSoftware();
       this.surface.most = this.slow ? 25_000 : 600_000;
+      this.voxels.most = this.slow ? 20_000 : 300_000;
       this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !this.slow });
     } catch {
       this.failed = true;
@@ -197,13 +212,13 @@ export class SpaceView implements View {
   private moved = false;
   private rendered = -Infinity;
 
-  private rebuild(now: number): void {
+  private rebuild(now: number, atOnce: boolean): void {
     const { model, theme } = this.shared;
     const stretch = this.stretch;
     const revisions = [Kind.voxels, Kind.depth, Kind.scene].map((kind) => model.revision[kind]);
     const look = `${revisions.join()} ${theme.revision}`;
     if (look === this.built) return;
-    if (now - this.rebuilt < kRebuild) {
+    if (!atOnce && now - this.rebuilt < kRebuild) {
       this.dirty = true; // soon
       this.shared.redraw();
       return;
@@ -216,8 +231,10 @@ export class SpaceView implements View {
       this.spreadSea(extent);
       if (!this.placed) this.lookAt(extent);
     }
+    const cubes = `${model.revision[Kind.voxels]} ${theme.revision}`;
     const before = this.voxels.mesh;
-    const mesh = this.voxels.build(model, theme);
+    const mesh = cubes === this.cubed ? before : this.voxels.build(model, theme);
+    this.cubed = cubes;
     if (mesh !== before) {
       this.stretched.remove(before);
       this.stretched.add(mesh);
@@ -339,7 +356,9 @@ export class SpaceView implements View {
           `roll ${units.tilt(vehicle.roll)}, pitch ${units.tilt(vehicle.pitch)}`,
         ]
       : [];
-    parts.push(`${units.count(this.voxels.shown)} voxels`);
+    parts.push(
+      `${units.count(this.voxels.shown)} ${this.voxels.side > 1 ? `cubes of ${this.voxels.side}³ ` : ''}voxels`,
+    );
     if (this.voxels.shown > 0 && this.voxels.colour === 'depth') {
       parts.push(
         `voxels light ${units.metres(this.voxels.range[0])} to dark ${units.metres(this.voxels.range[1])} deep`,

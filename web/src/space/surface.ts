@@ -9,6 +9,8 @@ import { put } from './frame';
 const kLinear = Float32Array.from({ length: 256 }, (_, byte) => (byte / 255) ** 2.2);
 /** Points a side of a tile: finer is not seen, coarser says nothing. */
 const [kMostSide, kLeastSide] = [128, 8];
+/** ms a frame for tiles. */
+const kBuilds = 40;
 
 interface Tile {
   revision: number;
@@ -28,8 +30,9 @@ export class Surface {
     opacity: 0.92,
   });
 
-  /** At most `most` tiles at a time, so that a frame stays a frame. True: there is more to do. */
-  build(model: Model, theme: Theme, deepest: number, most = 6): boolean {
+  /** As many tiles as a frame has time for, so that it stays a frame. True: there is more to do. */
+  build(model: Model, theme: Theme, deepest: number): boolean {
+    const until = performance.now() + kBuilds;
     // By powers of two, or each new tile would make all others again.
     const share = 2 ** Math.floor(Math.log2(Math.sqrt(this.most / Math.max(1, model.depth.size))));
     const finest = Math.min(kMostSide, Math.max(kLeastSide, share));
@@ -40,13 +43,12 @@ export class Surface {
       mesh.geometry.dispose();
       this.tiles.delete(key);
     }
-    let made = 0;
     for (const [key, { item, revision }] of model.depth) {
       const known = this.tiles.get(key);
       const beside = neighbours(model, item);
       const joined = `${look} ${beside.map((tile) => tile?.revision ?? 0).join()}`;
       if (known?.revision === revision && known.look === joined) continue;
-      if (made++ >= most) return true;
+      if (performance.now() > until) return true;
       const geometry = shape(
         item,
         beside.map((tile) => tile?.item),
