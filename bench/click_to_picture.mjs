@@ -6,7 +6,7 @@
 // what the crew decides), a fan of 93 beams that stands upright (voxels), and an altimeter (depth map).
 //
 // A click counts from the time stamp of its pointer event. The picture is there when all that the program sent for the
-// sought moment was taken, a frame after that has drawn all views and none is behind (the WebGL canvas is read back, so
+// sought moment was taken (of the chart all but voxels, which come last), a frame after that has drawn all views and none is behind (the WebGL canvas is read back, so
 // that it waits for the drawing), and the next frame begins, with which the browser has shown the one before. Paused, all that came until
 // half a second of silence belongs to the moment; playing, all up to the first message that is not a full piece of 1 MiB.
 import assert from 'node:assert/strict';
@@ -107,7 +107,7 @@ function watch() {
     constructor(...address) {
       super(...address);
       this.addEventListener('message', ({ data }) => {
-        seen.messages.push({ at: performance.now(), bytes: data.byteLength, clock: clockOf(data) });
+        seen.messages.push({ at: performance.now(), bytes: data.byteLength, ...told(data) });
       });
     }
     send(text) {
@@ -116,18 +116,20 @@ function watch() {
       super.send(text);
     }
   };
-  /** s, of the clock record in a message. */
-  function clockOf(data) {
+  /** s, of the clock record in a message; and whether the chart shows anything of it. */
+  function told(data) {
     const view = new DataView(data);
     let clock = NaN;
+    let chart = false;
     for (let at = 0; at + 24 <= data.byteLength;) {
       const size = view.getUint32(at + 4, true);
+      chart ||= ![11, 13].includes(view.getUint8(at)); // voxels, clock
       if (view.getUint8(at) === 13) {
         clock = JSON.parse(new TextDecoder().decode(new Uint8Array(data, at + 24, size))).now_s;
       }
       at += 24 + 8 * Math.ceil(size / 8);
     }
-    return clock;
+    return { clock, chart };
   }
   const frame = window.requestAnimationFrame.bind(window);
   window.requestAnimationFrame = (draw) =>
@@ -151,14 +153,15 @@ function watch() {
 }
 
 /** Runs in the page: ms from the click to the picture and its parts; null: not there yet. */
-function picture(playing) {
+function picture({ playing, chart }) {
   const { clicked, sought, messages, frames } = window.seen;
   const first = messages.findIndex(({ clock }) => Math.abs(clock - sought) < (playing ? 1.5 : 0.0015));
   if (first < 0) return null;
   const kFull = 768 * 1024; // a piece of 1 MiB less an item that did not fit
   const last = playing ? messages.findIndex(({ bytes }, i) => i >= first && bytes < kFull) : messages.length - 1;
   if (last < 0 || (!playing && performance.now() - messages[last].at < 500)) return null;
-  const after = frames.filter(({ begun }) => begun >= messages[last].at);
+  const needed = chart ? messages.findLastIndex((message, i) => i <= last && (i === first || message.chart)) : last;
+  const after = frames.filter(({ begun }) => begun >= messages[needed].at);
   const frame = after.find(({ behind, shown }) => shown > 0 && !behind);
   if (!frame) return null;
   const answer = messages.slice(first, last + 1);
@@ -181,7 +184,7 @@ function random(seed) {
 const sorted = (list, of) => list.map(of).sort((a, b) => a - b);
 const quantile = (list, share) => list[Math.min(list.length - 1, Math.ceil(share * list.length) - 1)];
 
-async function clicks(page, name, playing, draw) {
+async function clicks(page, view, playing, draw) {
   const shown = (await page.getAttribute('#play', 'data-playing')) === 'true';
   if (shown !== playing) await page.click('#play');
   await page.waitForSelector(`#play[data-playing="${playing}"]`);
@@ -193,13 +196,13 @@ async function clicks(page, name, playing, draw) {
     await page.waitForTimeout(400);
     await page.mouse.down();
     await page.mouse.up();
-    const found = await page.waitForFunction(picture, playing);
+    const found = await page.waitForFunction(picture, { playing, chart: view === 'chart' });
     all.push(await found.jsonValue());
   }
   const ms = sorted(all, ({ whole }) => whole);
   const middle = (of) => quantile(sorted(all, of), 0.5).toFixed(0).padStart(5);
   console.log(
-    `${name.padEnd(22)}${[0.5, 0.95, 1].map((q) => quantile(ms, q).toFixed(0).padStart(7)).join('')}   ` +
+    `${`${view}, ${playing ? 'playing' : 'paused'}`.padEnd(22)}${[0.5, 0.95, 1].map((q) => quantile(ms, q).toFixed(0).padStart(7)).join('')}   ` +
       `${middle((c) => c.heard)} ${middle((c) => c.taken)} ${middle((c) => c.drawn)}  ` +
       `${middle((c) => c.bytes / 1024)} ${(Math.max(...all.map((c) => c.bytes)) / 1024).toFixed(0).padStart(6)}`,
   );
@@ -222,7 +225,7 @@ async function clickToPicture(recording) {
   for (const view of ['chart', '3-D']) {
     if (view === '3-D') await page.click('#tab-space');
     for (const playing of [false, true]) {
-      all.push(...(await clicks(page, `${view}, ${playing ? 'playing' : 'paused'}`, playing, draw)));
+      all.push(...(await clicks(page, view, playing, draw)));
     }
   }
   assert.deepEqual(page.troubles, []);

@@ -20,15 +20,18 @@ std::string_view records_in(const McapMessage& message) {
 
 bool is_of_the_page(DisplayKind kind) { return kind == DisplayKind::kClock || kind == DisplayKind::kRefusal; }
 
-/// Makes `items` what `wanted` is; what is the same in both stays untouched.
+/// Makes `items` what `wanted` is; what is the same in both stays untouched. Voxels come last: of all that a page shows
+/// they are most of the bytes, and the chart need not wait for them.
 void bring_to(const DisplayItems& wanted, Time time, DisplayItems& items) {
   const std::string want = wanted.changes_after(0).records, have = items.changes_after(0).records;
   std::set<std::pair<DisplayKind, std::uint64_t>> kept;
-  for_each_record(want, [&](const DisplayRecord& record) {
-    if (is_of_the_page(record.kind) || record.gone) return;
-    kept.emplace(record.kind, record.number);
-    items.set(record.kind, record.number, record.time, std::string(record.payload));
-  });
+  for (const bool voxels : {false, true}) {
+    for_each_record(want, [&](const DisplayRecord& record) {
+      if (is_of_the_page(record.kind) || record.gone || (record.kind == DisplayKind::kVoxels) != voxels) return;
+      kept.emplace(record.kind, record.number);
+      items.set(record.kind, record.number, record.time, std::string(record.payload));
+    });
+  }
   for_each_record(have, [&](const DisplayRecord& record) {
     if (is_of_the_page(record.kind) || record.gone || kept.contains({record.kind, record.number})) return;
     items.remove(record.kind, record.number, time);

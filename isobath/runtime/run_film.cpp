@@ -25,7 +25,7 @@ bool is_of_the_run(DisplayKind kind) {
   return kind != DisplayKind::kTimes && kind != DisplayKind::kClock && kind != DisplayKind::kRefusal;
 }
 
-DisplayKind kind_of(const std::string& record) { return static_cast<DisplayKind>(record[0]); }
+DisplayKind kind_of_record(const std::string& record) { return static_cast<DisplayKind>(record[0]); }
 bool is_gone(const std::string& record) { return (record[1] & 1) != 0; }
 std::uint64_t number_of(const std::string& record) {
   std::uint64_t number = 0;
@@ -132,7 +132,7 @@ void RunFilm::thin(DisplayKind kind) {
     const bool first = std::next(block) == blocks_.rend();
     const double stretch = first ? -1 : std::floor(to_seconds(block->time - blocks_.front().time) / interval_s);
     std::erase_if(block->records, [&](const std::string& record) {
-      if (kind_of(record) != kind) return false;
+      if (kind_of_record(record) != kind) return false;
       const auto [met, fresh] = kept.try_emplace(number_of(record), stretch);
       const bool older = !fresh && met->second == stretch;
       met->second = stretch;
@@ -147,7 +147,7 @@ void RunFilm::thin(DisplayKind kind) {
 DisplayKind RunFilm::heaviest() const {
   std::array<std::size_t, kKinds> bytes{};
   for (std::size_t i = 1; i < blocks_.size(); ++i) {
-    for (const std::string& record : blocks_[i].records) bytes[index_of(kind_of(record))] += record.size();
+    for (const std::string& record : blocks_[i].records) bytes[index_of(kind_of_record(record))] += record.size();
   }
   for (const auto& [key, newest] : newest_) bytes[index_of(key.first)] -= newest.bytes;
   return static_cast<DisplayKind>(std::max_element(bytes.begin(), bytes.end()) - bytes.begin());
@@ -173,7 +173,7 @@ std::string RunFilm::blocks() const {
     std::string records;
     for (const std::string& record : block.records) {
       records += record;
-      const Key key{kind_of(record), number_of(record)};
+      const Key key{kind_of_record(record), number_of(record)};
       const auto was = whole.find(key);
       if (was != whole.end()) whole_bytes -= was->second->size();
       if (is_gone(record)) {

@@ -104,6 +104,13 @@ std::optional<int> nearest_bin(const Ping& ping, const EchoDecisions& decisions,
   return std::nullopt;
 }
 
+/// Rayleigh's, as the amplitude of noise is.
+double contrast_of_fan(double contrast, int beams) {
+  constexpr double kMedian = 1.1774, kDeviation = 1.4826 * 0.4485;  // of its scale
+  const double level = kMedian + contrast * kDeviation;
+  return (std::sqrt(level * level + 2 * std::log(std::max(1, beams))) - kMedian) / kDeviation;
+}
+
 }  // namespace
 
 PingVitals vitals_of(const Ping& ping) {
@@ -149,8 +156,9 @@ void nearest_echoes(const Ping& ping, const EchoDecisions& decisions, const Rota
   const Pose X_LS = Pose{R_LB, Eigen::Vector3d::Zero()} * ping.X_BS;
   const Eigen::Vector3d boresight_L = X_LS.rotation * Eigen::Vector3d::UnitX();
   if (!(std::abs(boresight_L.z()) < kSteep)) return;
+  const double least = contrast_of_fan(contrast, decisions.beams());
   for (int b = 0; b < decisions.beams(); ++b) {
-    const std::optional<int> bin = nearest_bin(ping, decisions, b, contrast);
+    const std::optional<int> bin = nearest_bin(ping, decisions, b, least);
     if (!bin) continue;
     const double azimuth = ping.fan->azimuth[static_cast<std::size_t>(b)].radians();
     const Eigen::Vector3d p_S = ping.window.edge(*bin) * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0);

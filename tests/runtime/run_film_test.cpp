@@ -6,7 +6,7 @@
 #include <isobath/runtime/run_film.hpp>
 #include <random>
 #include <stdexcept>
-#include <tests/runtime/display_records.hpp>
+#include <tests/support/display_records.hpp>
 #include <zlib.h>
 
 namespace isobath {
