@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -19,8 +20,53 @@ constexpr int kBlocksAPiece = 8, kBeamsAPiece = 64;
 
 /// -ln(1 - P / n): of a voxel's being the source of an echo in one of its n cells.
 std::int32_t explanation(double probability, const MixedVoxel& voxel) {
+  constexpr double kSmall = 0.05;  // what the series leaves out is then a hundredth of the unit, and less
   const int cells = (voxel.beam_end - voxel.beam) * (voxel.bin_end - voxel.bin);
-  return static_cast<std::int32_t>(0.5 - std::log1p(-probability / cells) / kExplained);
+  const double p = probability / cells;
+  const double exact = p < kSmall ? p * (1 + p * (1.0 / 2 + p * (1.0 / 3 + p / 4))) : -std::log1p(-p);
+  return static_cast<std::int32_t>(0.5 + exact / kExplained);
+}
+
+/// exp(-n kExplained) from two tables, to 2e-16 of it; n from 0.
+class EmptyShare {
+ public:
+  EmptyShare() {
+    for (std::size_t i = 0; i < fine_.size(); ++i) fine_[i] = std::exp(-kExplained * static_cast<double>(i));
+    for (std::size_t i = 0; i < coarse_.size(); ++i) coarse_[i] = std::exp(-kExplained * 256 * static_cast<double>(i));
+  }
+  double operator()(std::int32_t n) const {
+    const auto whole = static_cast<std::uint32_t>(n);
+    return whole >> 8 < coarse_.size() ? coarse_[whole >> 8] * fine_[whole & 255] : 0.0;
+  }
+
+ private:
+  std::array<double, 256> fine_;
+  std::array<double, 40 * 64> coarse_;  ///< to exp(-40)
+};
+const EmptyShare& empty_share() {
+  static const EmptyShare share;
+  return share;
+}
+
+/// 1 / (1 + exp(-l)) of whole units of log-odds, an entry each: what evidence and a prior can be together.
+class Probabilities {
+ public:
+  Probabilities() : of_(2 * kMost + 1) {
+    for (int i = -kMost; i <= kMost; ++i) {
+      of_[static_cast<std::size_t>(i + kMost)] = 1 / (1 + std::exp(-kEvidenceUnit * i));
+    }
+  }
+  double operator()(int log_odds) const {
+    return of_[static_cast<std::size_t>(std::clamp(log_odds, -kMost, kMost) + kMost)];
+  }
+
+ private:
+  static constexpr int kMost = 48 * 1024;
+  std::vector<double> of_;
+};
+const Probabilities& probabilities() {
+  static const Probabilities all;
+  return all;
 }
 
 /// Beyond upright there is nothing more to ensonify.
@@ -193,6 +239,7 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
   const bool marginal = config_.rule == Rule::kMarginal;
   const bool graded = decisions.ratios(0) != nullptr;
   const double f = decisions.false_alarm;
+  const EmptyShare& empty_of = empty_share();
   double ratios = 0;
   each_echo(voxel, [&](int beam, int bin) {
     const std::uint64_t* dim = decisions.dim(beam);
@@ -200,7 +247,7 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
     const double heard = is_dim ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
     const double p = p_voxel(heard, f);
     const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
-    const double empty = marginal ? std::exp(-kExplained * (explained_[cell] - voxel.own)) : 1.0;
+    const double empty = marginal ? empty_of(explained_[cell] - voxel.own) : 1.0;
     if (graded && !is_dim) {
       const double ratio = 1 + config_.answers * (static_cast<double>(decisions.ratios(beam)[bin]) - 1);
       ratios += ratio / (ratio * (1 - empty) + empty);
@@ -220,7 +267,7 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
 }
 
 double FanMapper::probability(LogOdds16 evidence) const {
-  return 1 / (1 + std::exp(-kEvidenceUnit * (prior_ + (evidence == kUnseen ? 0 : evidence))));
+  return probabilities()(prior_ + (evidence == kUnseen ? 0 : evidence));
 }
 
 /// Of a voxel's cells: those that tell anything, and of these those that hold an echo.

@@ -117,8 +117,8 @@ test('keys and wheel belong to the report until its reader has gone into the run
   await page.waitForFunction(() => window.scrollY > 100);
   assert.equal(await scale(), as_it_was);
   assert.equal(await frame.getAttribute('html', 'data-theme'), 'day');
-  await page.evaluate(() => window.scrollTo(0, 0));
-  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await frame.locator('#plan-canvas').click(); // where it is by then: the report may still be gliding
+  await frame.waitForFunction(() => document.hasFocus());
   await page.mouse.wheel(0, 300);
   await frame.waitForFunction((was) => document.querySelector('#plan-canvas').dataset.scale !== was, as_it_was);
   await page.keyboard.press('n');

@@ -204,5 +204,35 @@ TEST(NearestEchoes, AreThoseThatStandOutBehindTheBlindZone) {
   EXPECT_TRUE(echoes.empty()) << "that is the bottom";
 }
 
+// One bin in 600,000 of Rayleigh noise stands out by six deviations: of 512 beams one a ping or two, near the vehicle
+// as anywhere, and two pings soon agree. All beams together are to have no more than one beam has. ledger: S1-44
+TEST(NearestEchoes, OfAWideFanOfNoiseAreNone) {
+  EchoDecisions everywhere;
+  everywhere.reset(512, kWindow.bins);
+  for (int b = 0; b < 512; ++b) std::copy_n(everywhere.usable(), everywhere.words(), everywhere.hits(b));
+  const Angle step = Angle::degrees(0.25);
+  std::vector<Eigen::Vector2d> echoes;
+  std::size_t of_the_fan = 0, of_its_beams = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    Random random(seed);
+    const auto background = test::rayleigh(0.1);
+    const Ping fan = test::ping_of<float>(
+        test::fan_of(512, -step * 256, step), kWindow, [&](int, int) { return background(random); }, 1);
+    nearest_echoes(fan, everywhere, Rotation(), 6, echoes);
+    of_the_fan += echoes.size();
+    for (int b = 0; b < 512; ++b) {  // each by itself
+      const Ping beam = test::ping_of<float>(
+          test::fan_of(1, Angle{}), kWindow, [&](int, int k) { return static_cast<double>(fan.intensity(b, k)); }, 1);
+      EchoDecisions one;
+      one.reset(1, kWindow.bins);
+      std::copy_n(one.usable(), one.words(), one.hits(0));
+      nearest_echoes(beam, one, Rotation(), 6, echoes);
+      of_its_beams += echoes.size();
+    }
+  }
+  EXPECT_GT(of_its_beams, 3u) << "of three million bins of noise";
+  EXPECT_EQ(of_the_fan, 0u);
+}
+
 }  // namespace
 }  // namespace isobath
