@@ -24,7 +24,7 @@ std::int32_t explanation(double probability, const MixedVoxel& voxel) {
   const int cells = (voxel.beam_end - voxel.beam) * (voxel.bin_end - voxel.bin);
   const double p = probability / cells;
   const double exact = p < kSmall ? p * (1 + p * (1.0 / 2 + p * (1.0 / 3 + p / 4))) : -std::log1p(-p);
-  return static_cast<std::int32_t>(0.5 + exact / kExplained);
+  return static_cast<std::int32_t>((exact + kExplained / 2) / kExplained);
 }
 
 /// exp(-n kExplained) from two tables, to 2e-16 of it; n from 0.
@@ -52,12 +52,13 @@ const EmptyShare& empty_share() {
 class Probabilities {
  public:
   Probabilities() : of_(2 * kMost + 1) {
-    for (int i = -kMost; i <= kMost; ++i) {
-      of_[static_cast<std::size_t>(i + kMost)] = 1 / (1 + std::exp(-kEvidenceUnit * i));
+    for (std::size_t i = 0; i < of_.size(); ++i) {
+      of_[i] = 1 / (1 + std::exp(-kEvidenceUnit * (static_cast<double>(i) - kMost)));
     }
   }
   double operator()(int log_odds) const {
-    return of_[static_cast<std::size_t>(std::clamp(log_odds, -kMost, kMost) + kMost)];
+    const int at = std::clamp(log_odds, -kMost, kMost) + kMost;
+    return of_[static_cast<std::size_t>(at)];
   }
 
  private:

@@ -32,11 +32,12 @@ std::vector<std::uint8_t> cell_shades(const BodyGrid& grid) {
         static_cast<std::uint8_t>(std::lround(kProbabilityUnit * probability_of(least + i * step)));
   }
   const double unknown_below = log_odds_of(grid.config().threshold / 9), steps_a_unit = 1 / step;
+  const double first = least - step / 2;  // of what is nearest to the table's first entry
   std::vector<std::uint8_t> shades(grid.cells().size());
   for (std::size_t i = 0; i < shades.size(); ++i) {
     const double log_odds = grid.log_odds()[i];
     const bool unknown = !grid.is_free(i) && log_odds < unknown_below;
-    shades[i] = unknown ? kUnknownCell : table[static_cast<std::size_t>((log_odds - least) * steps_a_unit + 0.5)];
+    shades[i] = unknown ? kUnknownCell : table[static_cast<std::size_t>((log_odds - first) * steps_a_unit)];
   }
   return shades;
 }

@@ -182,7 +182,7 @@ std::string SonarDisplay::picture(const Sonar& sonar, const PosedPing& posed) {
     std::transform(pooled_.begin(), pooled_.end(), shades_.begin(), shade);
   } else {
     const float most = ping.full_scale > 0 ? 255 / ping.full_scale : 0;
-    const auto shade = [=](float value) { return static_cast<std::uint8_t>(std::min(value * most, 255.0F) + 0.5F); };
+    const auto shade = [=](float value) { return static_cast<std::uint8_t>(std::min(value * most + 0.5F, 255.0F)); };
     std::transform(pooled_.begin(), pooled_.end(), shades_.begin(), shade);
   }
   const Pose X_WS = posed.X_WB * ping.X_BS;
