@@ -40,10 +40,11 @@ PingVitals vitals_of(const Ping& ping);
 
 /// The nearest echo of each beam that stands out: decided as echo, behind the blind zone, and `contrast` deviations
 /// (1.48 times the median one) above the median of its beam, so that of the false alarms that a map can afford next to
-/// none is left. Of a fan they must be so many more that all its beams together have no more false echoes than one beam
-/// has (of Rayleigh's law): 6 become 7.6 for 512 beams. Positions in L of the ping's instant, x forward, y starboard,
-/// m, as if at the height of the sonar. None where the sonar looks more than 45 degrees up or down: that is the bottom.
-/// Replaces what `out` held.
+/// none is left. Of a fan they must be so many more that all its beams together would have no more false echoes than
+/// one beam has, by Rayleigh's law: 6 become 7.6 for 512 beams. (They are told from 256 bins at most: of 200 the fan
+/// has a twentieth of its beams' false echoes.) Positions in L of the ping's instant, x forward, y starboard, m, as if
+/// at the height of the sonar. None where the sonar looks more than 45 degrees up or down: that is the bottom. Replaces
+/// what `out` held.
 void nearest_echoes(const Ping& ping, const EchoDecisions& decisions, const Rotation& R_LB, double contrast,
                     std::vector<Eigen::Vector2d>& out);
 

@@ -204,16 +204,17 @@ TEST(NearestEchoes, AreThoseThatStandOutBehindTheBlindZone) {
   EXPECT_TRUE(echoes.empty()) << "that is the bottom";
 }
 
-// One bin in 600,000 of Rayleigh noise stands out by six deviations: of 512 beams one a ping or two, near the vehicle
-// as anywhere, and two pings soon agree. All beams together are to have no more than one beam has. ledger: S1-44
-TEST(NearestEchoes, OfAWideFanOfNoiseAreNone) {
+// One bin in 200,000 of Rayleigh noise stands out by six deviations of 200 bins: of 512 beams one every other ping,
+// near the vehicle as anywhere, and two pings soon agree. A fan must not have as many as its beams by themselves.
+// ledger: S1-44
+TEST(NearestEchoes, OfAWideFanOfNoiseAreFarFewerThanOfItsBeams) {
   EchoDecisions everywhere;
   everywhere.reset(512, kWindow.bins);
   for (int b = 0; b < 512; ++b) std::copy_n(everywhere.usable(), everywhere.words(), everywhere.hits(b));
   const Angle step = Angle::degrees(0.25);
   std::vector<Eigen::Vector2d> echoes;
   std::size_t of_the_fan = 0, of_its_beams = 0;
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Random random(seed);
     const auto background = test::rayleigh(0.1);
     const Ping fan = test::ping_of<float>(
@@ -231,7 +232,8 @@ TEST(NearestEchoes, OfAWideFanOfNoiseAreNone) {
     }
   }
   EXPECT_GT(of_its_beams, 3u) << "of three million bins of noise";
-  EXPECT_EQ(of_the_fan, 0u);
+  EXPECT_GT(of_its_beams, 20u);
+  EXPECT_LE(10 * of_the_fan, of_its_beams);
 }
 
 }  // namespace
