@@ -56,7 +56,7 @@ std::vector<Field> way_fields(SafetyConfig& c) {
 std::vector<Field> collision_fields(SafetyConfig& c) {
   return {
       Field::real("echo_contrast", &c.echo_contrast, {1, 100}, "1",
-                  "Deviations above its beam that an echo must have to be looked at without a map."),
+                  "Deviations above its beam that an echo must have to be looked at without a map; of a fan more."),
       Field::real("confirm_m", &c.confirm_m, {0.05, 50}, "m", "Echoes of two pings that are no farther apart ..."),
       wait("confirm_s", &c.confirm_s, "... in place and in time confirm each other."),
       wait("memory_s", &c.memory_s, "How long a confirmed echo counts when nothing hears it again."),

@@ -159,7 +159,6 @@ class Run {
   const RunRequest request_;
   const std::vector<std::string> priors_;
   DepthModel depths_;
-  const std::optional<GeoOrigin> frame_;  ///< of the map that is continued
   RunInput input_;
   const std::optional<MissionSetup> setup_;
   RunFolder folder_;
@@ -181,8 +180,7 @@ Run::Run(const RunRequest& asked)
       request_(completed(asked, scenario_)),
       priors_(priors_of(request_)),
       depths_(request_.configuration, request_.map),
-      frame_(depths_.stored_origin()),
-      input_(request_.input, scenario_, request_.configuration, frame_, request_.threads),
+      input_(request_.input, scenario_, request_.configuration, depths_.stored_origin(), request_.threads),
       setup_(mission()),
       folder_(request_.out, request_.configuration),
       sinks_(request_, setup_, folder_, input_),
