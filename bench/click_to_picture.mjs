@@ -123,7 +123,7 @@ function watch() {
     let chart = false;
     for (let at = 0; at + 24 <= data.byteLength;) {
       const size = view.getUint32(at + 4, true);
-      chart ||= ![11, 13].includes(view.getUint8(at)); // voxels, clock
+      chart ||= ![11, 13, 16].includes(view.getUint8(at)); // voxels, clock, cubes
       if (view.getUint8(at) === 13) {
         clock = JSON.parse(new TextDecoder().decode(new Uint8Array(data, at + 24, size))).now_s;
       }

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace isobath {
 
@@ -61,5 +62,25 @@ class DisplayBytes {
  private:
   std::string out_;
 };
+
+/// What append_packed made, of `out.size()` bytes; false where it is anything else.
+inline bool unpack_bits(std::string_view packed, std::span<std::uint8_t> out) {
+  std::size_t from = 0, to = 0;
+  while (from < packed.size()) {
+    const auto head = static_cast<std::uint8_t>(packed[from++]);
+    if (head == 128) continue;
+    const bool as_is = head < 128;
+    const std::size_t count = as_is ? head + 1U : 257U - head, taken = as_is ? count : 1;
+    if (taken > packed.size() - from || count > out.size() - to) return false;
+    if (as_is) {
+      std::memcpy(out.data() + to, packed.data() + from, count);
+    } else {
+      std::memset(out.data() + to, static_cast<std::uint8_t>(packed[from]), count);
+    }
+    from += taken;
+    to += count;
+  }
+  return to == out.size();
+}
 
 }  // namespace isobath

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kHead = 24;
 constexpr std::size_t kAlign = 8;
-constexpr std::uint8_t kGone = 1, kForget = 2;
+constexpr std::uint8_t kGone = 1, kForget = 2, kForgetKind = 4;
 
 struct RecordHead {
   std::uint8_t kind;
@@ -24,8 +24,11 @@ static_assert(sizeof(RecordHead) == kHead);
 std::size_t padded(std::size_t bytes) { return (bytes + kAlign - 1) / kAlign * kAlign; }
 
 bool is_kind(std::uint8_t kind) {
-  return kind >= static_cast<std::uint8_t>(DisplayKind::kScene) &&
-         kind <= static_cast<std::uint8_t>(DisplayKind::kTimes);
+  return kind >= static_cast<std::uint8_t>(DisplayKind::kScene) && kind <= static_cast<std::uint8_t>(kLastDisplayKind);
+}
+
+bool is_of(DisplayPart part, DisplayKind kind) {
+  return part == DisplayPart::kAll || (kind == DisplayKind::kVoxels) == (part == DisplayPart::kVoxels);
 }
 
 }  // namespace
@@ -44,8 +47,9 @@ void append_record(std::string& out, DisplayKind kind, std::uint64_t number, Tim
   out.append(padded(payload.size()) - payload.size(), '\0');
 }
 
-void mark_as_whole(std::string& records) {
-  if (records.size() >= kHead) records[1] = static_cast<char>(records[1] | kForget);
+void mark_as_whole(std::string& records, DisplayPart part) {
+  if (records.size() < kHead) return;
+  records[1] = static_cast<char>(records[1] | (part == DisplayPart::kVoxels ? kForgetKind : kForget));
 }
 
 std::size_t for_each_record(std::string_view records, const std::function<void(const DisplayRecord&)>& take) {
@@ -55,8 +59,9 @@ std::size_t for_each_record(std::string_view records, const std::function<void(c
     std::memcpy(&head, records.data() + at, kHead);
     const std::size_t size = kHead + padded(head.bytes);
     if (!is_kind(head.kind) || head.zero != 0 || size > records.size() - at) return at;
-    take({static_cast<DisplayKind>(head.kind), (head.flags & kGone) != 0, (head.flags & kForget) != 0, head.number,
-          Time{Duration(head.time)}, records.substr(at + kHead, head.bytes)});
+    take({static_cast<DisplayKind>(head.kind), (head.flags & kGone) != 0, (head.flags & kForget) != 0,
+          (head.flags & kForgetKind) != 0, head.number, Time{Duration(head.time)},
+          records.substr(at + kHead, head.bytes)});
     at += size;
   }
   return at;
@@ -81,7 +86,7 @@ void DisplayItems::put(Item item) {
     return;
   }
   Item& was = *found->second;
-  const bool same = item.gone ? was.gone : !was.gone && *was.payload == *item.payload;
+  const bool same = item.gone ? was.gone : !was.gone && (was.payload == item.payload || *was.payload == *item.payload);
   if (same && was.kind != DisplayKind::kEchoes) return;
   if (!was.gone) bytes_ -= was.payload->size();
   if (!item.gone) bytes_ += item.payload->size();
@@ -104,12 +109,37 @@ void DisplayItems::remove(DisplayKind kind, std::uint64_t number, Time time) {
 std::size_t DisplayItems::take(std::string_view records) {
   return for_each_record(records, [this](const DisplayRecord& record) {
     if (record.forget) clear();
+    if (record.forget_kind) remove_all(record.kind, record.time);
     if (record.gone) {
       remove(record.kind, record.number, record.time);
     } else {
       set(record.kind, record.number, record.time, std::string(record.payload));
     }
   });
+}
+
+void DisplayItems::become(const DisplayItems& wanted, Time time) {
+  const std::scoped_lock lock(mutex_, wanted.mutex_);
+  std::vector<Item> gone;
+  for (const Item& item : items_) {
+    if (item.gone) continue;
+    const auto found = wanted.by_key_.find({item.kind, item.number});
+    if (found == wanted.by_key_.end() || found->second->gone)
+      gone.push_back({item.kind, true, item.number, 0, time, {}});
+  }
+  for (Item& item : gone) put(std::move(item));
+  for (const Item& item : wanted.items_) {
+    if (!item.gone) put(item);
+  }
+}
+
+void DisplayItems::remove_all(DisplayKind kind, Time time) {
+  const std::lock_guard lock(mutex_);
+  std::vector<Item> gone;
+  for (const Item& item : items_) {
+    if (item.kind == kind && !item.gone) gone.push_back({kind, true, item.number, 0, time, {}});
+  }
+  for (Item& item : gone) put(std::move(item));
 }
 
 void DisplayItems::clear() {
@@ -125,7 +155,7 @@ std::uint64_t DisplayItems::stamp() const {
   return stamp_;
 }
 
-DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp, std::size_t most_bytes) const {
+DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp, std::size_t most_bytes, DisplayPart part) const {
   std::vector<Item> changed;
   Changes changes;
   std::size_t bytes = 0;
@@ -144,7 +174,7 @@ DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp, std::size
     }
     changes.stamp = stamp_;
     for (; from != items_.end(); ++from) {
-      if (whole && from->gone) continue;
+      if ((whole && from->gone) || !is_of(part, from->kind)) continue;
       const std::size_t size = kHead + (from->gone ? 0 : padded(from->payload->size()));
       if (!changed.empty() && size > most_bytes - std::min(bytes, most_bytes)) {
         changes.stamp = changed.back().stamp;
@@ -162,7 +192,7 @@ DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp, std::size
     append_record(changes.records, item.kind, item.number, item.time,
                   item.gone ? std::string_view() : std::string_view(*item.payload), item.gone);
   }
-  if (changes.whole) mark_as_whole(changes.records);
+  if (changes.whole) mark_as_whole(changes.records, part);
   return changes;
 }
 

@@ -40,7 +40,13 @@ enum class DisplayKind : std::uint8_t {
   kClock,
   kRefusal,
   kTimes,
+  kCubes,
 };
+inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kCubes;
+
+/// Voxels (kVoxels) weigh more than all else, and the cubes (kCubes) show the same at a glance: they go apart, to who
+/// wants them, so that nothing waits for them.
+enum class DisplayPart : std::uint8_t { kAll, kAllButVoxels, kVoxels };
 
 /// One record, as it is sent and recorded; `gone`: the item is no more.
 void append_record(std::string& out, DisplayKind kind, std::uint64_t number, Time time, std::string_view payload,
@@ -49,14 +55,16 @@ void append_record(std::string& out, DisplayKind kind, std::uint64_t number, Tim
 struct DisplayRecord {
   DisplayKind kind;
   bool gone, forget;  ///< forget: all items before it
+  bool forget_kind;   ///< all items of this kind before it
   std::uint64_t number;
   Time time;
   std::string_view payload;
 };
 /// Returns how many bytes held whole records that fit.
 std::size_t for_each_record(std::string_view records, const std::function<void(const DisplayRecord&)>& take);
-/// Marks the first record of `records` so that a page forgets all before it takes it; appends nothing to nothing.
-void mark_as_whole(std::string& records);
+/// Marks the first record of `records` so that a page forgets all before it takes it, or all that is of a part; does
+/// nothing to nothing.
+void mark_as_whole(std::string& records, DisplayPart part = DisplayPart::kAll);
 
 class DisplayItems {
  public:
@@ -66,6 +74,9 @@ class DisplayItems {
   /// Records, as append_record writes them. Returns how many bytes of them were taken: less than all where a record
   /// does not fit.
   std::size_t take(std::string_view records);
+  /// These become those of another, which must not change meanwhile; what is the same in both stays untouched. `time`:
+  /// of what is no more.
+  void become(const DisplayItems& wanted, Time time);
   void clear();
 
   /// The stamp of the last change.
@@ -76,10 +87,11 @@ class DisplayItems {
     bool whole = false;       ///< what was there before is to be forgotten
     bool more = false;        ///< there are later ones: ask again after the stamp
   };
-  /// What has changed after a stamp. After 0: all there is, whole. No more than fits into `most_bytes`, but for one
-  /// item that alone does not.
+  /// What has changed of a part after a stamp. After 0: all there is of it, whole. No more than fits into `most_bytes`,
+  /// but for one item that alone does not.
   [[nodiscard]] Changes changes_after(std::uint64_t stamp,
-                                      std::size_t most_bytes = std::numeric_limits<std::size_t>::max()) const;
+                                      std::size_t most_bytes = std::numeric_limits<std::size_t>::max(),
+                                      DisplayPart part = DisplayPart::kAll) const;
   /// Of the first change and of the latest; both 0 without any.
   [[nodiscard]] std::pair<Time, Time> times() const;
   /// Bytes of all payloads.
@@ -102,6 +114,7 @@ class DisplayItems {
     std::size_t operator()(const Key& key) const;
   };
   void put(Item item);
+  void remove_all(DisplayKind kind, Time time);
 
   mutable std::mutex mutex_;
   std::list<Item> items_;  ///< the one changed last at the end

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
+#include <isobath/map/voxel_blocks.hpp>
+#include <isobath/runtime/display_bytes.hpp>
 #include <isobath/runtime/display_items.hpp>
 #include <isobath/runtime/foxglove_log.hpp>
 
@@ -254,23 +257,20 @@ void FoxgloveLog::take_display(Time time, std::string_view records) {
 }
 
 void FoxgloveLog::write_voxels(Time time) {
-  constexpr std::size_t kHead = 20;  // f32 voxel; i32 x, y, z; u16 n, u16 0
+  constexpr std::size_t kHead = 20;  // f32 voxel; i32 x, y, z; u32 n
   std::vector<FoxglovePoint> points;
+  std::array<std::uint8_t, VoxelBlocks::kVolume> shades;
   for (const auto& [number, payload] : voxels_) {
-    if (payload.size() < kHead) continue;
+    if (payload.size() < kHead || !unpack_bits(std::string_view(payload).substr(kHead), shades)) continue;
     float voxel_m = 0;
     std::int32_t corner[3] = {};
-    std::uint16_t count = 0;
     std::memcpy(&voxel_m, payload.data(), 4);
     std::memcpy(corner, payload.data() + 4, 12);
-    std::memcpy(&count, payload.data() + 16, 2);
-    const std::size_t whole = std::min<std::size_t>(count, (payload.size() - kHead) / 4);
-    for (std::size_t i = 0; i < whole; ++i) {
-      std::uint8_t cell[4];
-      std::memcpy(cell, payload.data() + kHead + 4 * i, 4);
-      const Eigen::Vector3f at(static_cast<float>(corner[0] + cell[0]), static_cast<float>(corner[1] + cell[1]),
-                               static_cast<float>(corner[2] + cell[2]));
-      points.push_back({(at.array() + 0.5f).matrix() * voxel_m, static_cast<float>(cell[3]) / 250.0f});
+    for (int i = 0; i < VoxelBlocks::kVolume; ++i) {
+      const std::uint8_t shade = shades[static_cast<std::size_t>(i)];
+      if (shade == 0) continue;
+      const VoxelIndex at = VoxelIndex(corner[0], corner[1], corner[2]) + VoxelBlocks::place_of(i);
+      points.push_back({(at.cast<float>().array() + 0.5f).matrix() * voxel_m, static_cast<float>(shade) / 250.0f});
     }
   }
   const std::string message = foxglove_points(time, points, "probability");

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <isobath/runtime/display_bytes.hpp>
 #include <isobath/runtime/map_display.hpp>
 #include <span>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -79,6 +81,21 @@ bool any_speaks_for(const std::vector<const LogOdds16*>& evidence, int run) {
   }
   return most > 0;
 }
+
+using Shades = std::array<std::uint8_t, VoxelBlocks::kVolume>;
+
+std::string voxel_bytes(double voxel_m, const VoxelIndex& corner, std::uint32_t count, const Shades& shades) {
+  DisplayBytes bytes;
+  bytes.add(static_cast<float>(voxel_m)).add(corner.x()).add(corner.y()).add(corner.z()).add(count);
+  return bytes.append_packed(shades).take();
+}
+
+VoxelIndex cube_of(const VoxelIndex& voxel) {
+  constexpr int kLog2 = std::countr_zero(static_cast<unsigned>(MapDisplay::kCube));
+  return {voxel.x() >> kLog2, voxel.y() >> kLog2, voxel.z() >> kLog2};
+}
+
+std::uint64_t region_of(const VoxelIndex& voxel) { return VoxelBlocks::key_of(cube_of(voxel)); }
 
 /// The pixels of a chart that anybody knows, as one window; no width where there are none.
 PixelWindow known_of(const DepthTrees& trees) {
@@ -174,8 +191,10 @@ void MapDisplay::show_overview(Time time, const DepthSnapshot& depths) {
 }
 
 void MapDisplay::voxels_moved(Time time) {
-  for (const std::uint64_t block : blocks_) items_.remove(DisplayKind::kVoxels, block, time);
+  for (const auto& [block, count] : blocks_) items_.remove(DisplayKind::kVoxels, block, time);
+  for (const auto& [region, cubes] : regions_) items_.remove(DisplayKind::kCubes, region, time);
   blocks_.clear();
+  regions_.clear();
   changed_.clear();
   voxel_revision_ = 0;
   voxels_shown_.reset();
@@ -188,10 +207,15 @@ void MapDisplay::show(Time time, const VoxelMap& voxels) {
     changed_ = voxels.changed_after(voxel_revision_);
     voxel_revision_ = voxels.revision();
     a_look_ = std::max(kFewestBlocks, changed_.size() / kLooks + 1);
+    std::sort(changed_.begin(), changed_.end(), [](const VoxelIndex& a, const VoxelIndex& b) {
+      return std::pair(region_of(a), VoxelBlocks::key_of(a)) < std::pair(region_of(b), VoxelBlocks::key_of(b));
+    });
   }
   for (std::size_t i = 0; i < a_look_ && !changed_.empty(); ++i, changed_.pop_back()) {
     show_block(time, voxels, changed_.back());
   }
+  for (const std::uint64_t region : told_anew_) show_cubes(time, kCube * voxels.voxel_m(), region);
+  told_anew_.clear();
 }
 
 void MapDisplay::show_block(Time time, const VoxelMap& voxels, const VoxelIndex& corner) {
@@ -199,11 +223,10 @@ void MapDisplay::show_block(Time time, const VoxelMap& voxels, const VoxelIndex&
   for (const std::string& sensor : voxels.sensors()) {
     if (const LogOdds16* block = voxels.find_layer(sensor)->find(corner)) evidence.push_back(block);
   }
-  DisplayBytes bytes;
-  bytes.add(static_cast<float>(voxels.voxel_m())).add(corner.x()).add(corner.y()).add(corner.z());
-  const std::size_t count_at = bytes.size();
-  bytes.add(std::uint16_t{0}).add(std::uint16_t{0});
-  std::uint16_t count = 0;
+  Shades shades{};
+  constexpr int kCubes = VoxelBlocks::kSide / kCube;  // along an edge of the block
+  std::array<std::uint8_t, kCubes * kCubes * kCubes> cubes{};
+  std::uint32_t count = 0;
   for (int run = 0; run < VoxelBlocks::kVolume; run += kVoxelRun) {
     if (!any_speaks_for(evidence, run)) continue;  // most of the water
     for (int i = run; i < run + kVoxelRun; ++i) {
@@ -212,19 +235,44 @@ void MapDisplay::show_block(Time time, const VoxelMap& voxels, const VoxelIndex&
       const VoxelIndex place = VoxelBlocks::place_of(i);
       const double p = voxels.probability(corner + place);
       if (p < 0.5) continue;
-      for (const int part : {place.x(), place.y(), place.z()}) bytes.add(static_cast<std::uint8_t>(part));
-      bytes.add(static_cast<std::uint8_t>(std::lround(kProbabilityUnit * p)));
+      const auto shade = static_cast<std::uint8_t>(std::lround(kProbabilityUnit * p));
+      shades[static_cast<std::size_t>(i)] = shade;
+      const int cube = (place.x() / kCube * kCubes + place.y() / kCube) * kCubes + place.z() / kCube;
+      std::uint8_t& most = cubes[static_cast<std::size_t>(cube)];
+      most = std::max(most, shade);
       ++count;
     }
   }
   const std::uint64_t number = VoxelBlocks::key_of(corner);
+  const auto known = blocks_.find(number);
+  const std::uint32_t before = known == blocks_.end() ? 0 : known->second;
+  if (count == 0 && before == 0) return;
   if (count == 0) {
-    if (blocks_.erase(number) > 0) items_.remove(DisplayKind::kVoxels, number, time);
+    blocks_.erase(known);
+    items_.remove(DisplayKind::kVoxels, number, time);
+  } else {
+    blocks_[number] = count;
+    items_.set(DisplayKind::kVoxels, number, time, voxel_bytes(voxels.voxel_m(), corner, count, shades));
+  }
+
+  Region& region = regions_[region_of(corner)];
+  region.voxels += count - before;
+  for (int i = 0; i < kCubes * kCubes * kCubes; ++i) {
+    const VoxelIndex at = cube_of(corner) + VoxelIndex(i / (kCubes * kCubes), i / kCubes % kCubes, i % kCubes);
+    region.cubes[static_cast<std::size_t>(VoxelBlocks::offset(at))] = cubes[static_cast<std::size_t>(i)];
+  }
+  told_anew_.insert(region_of(corner));
+}
+
+void MapDisplay::show_cubes(Time time, double cube_m, std::uint64_t region) {
+  const Region& cubes = regions_.at(region);
+  if (cubes.voxels == 0) {
+    regions_.erase(region);
+    items_.remove(DisplayKind::kCubes, region, time);
     return;
   }
-  blocks_.insert(number);
-  bytes.put(count_at, count);
-  items_.set(DisplayKind::kVoxels, number, time, bytes.take());
+  items_.set(DisplayKind::kCubes, region, time,
+             voxel_bytes(cube_m, VoxelBlocks::corner_of(region), cubes.voxels, cubes.cubes));
 }
 
 }  // namespace isobath

@@ -2,8 +2,6 @@
 #include <isobath/base/error.hpp>
 #include <isobath/runtime/recorded_display.hpp>
 #include <isobath/runtime/run_recorder.hpp>
-#include <set>
-#include <utility>
 
 namespace isobath {
 namespace {
@@ -16,26 +14,6 @@ Time time_of_log(std::uint64_t ns) { return Time(Duration(static_cast<std::int64
 
 std::string_view records_in(const McapMessage& message) {
   return {reinterpret_cast<const char*>(message.data.data()), message.data.size()};
-}
-
-bool is_of_the_page(DisplayKind kind) { return kind == DisplayKind::kClock || kind == DisplayKind::kRefusal; }
-
-/// Makes `items` what `wanted` is; what is the same in both stays untouched. Voxels come last: of all that a page shows
-/// they are most of the bytes, and the chart need not wait for them.
-void bring_to(const DisplayItems& wanted, Time time, DisplayItems& items) {
-  const std::string want = wanted.changes_after(0).records, have = items.changes_after(0).records;
-  std::set<std::pair<DisplayKind, std::uint64_t>> kept;
-  for (const bool voxels : {false, true}) {
-    for_each_record(want, [&](const DisplayRecord& record) {
-      if (is_of_the_page(record.kind) || record.gone || (record.kind == DisplayKind::kVoxels) != voxels) return;
-      kept.emplace(record.kind, record.number);
-      items.set(record.kind, record.number, record.time, std::string(record.payload));
-    });
-  }
-  for_each_record(have, [&](const DisplayRecord& record) {
-    if (is_of_the_page(record.kind) || record.gone || kept.contains({record.kind, record.number})) return;
-    items.remove(record.kind, record.number, time);
-  });
 }
 
 }  // namespace
@@ -94,7 +72,7 @@ void RecordedDisplay::seek(Time time, DisplayItems& items) {
     from = whole->log_time + 1;
   }
   if (changes_) take_changes(from, to, then);
-  bring_to(then, time, items);
+  items.become(then, time);
 }
 
 void RecordedDisplay::advance(Time time, DisplayItems& items) {

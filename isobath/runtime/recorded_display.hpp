@@ -34,8 +34,7 @@ class RecordedDisplay {
   /// The moment that the items show; empty before the first seek, and before the first moment.
   [[nodiscard]] std::optional<Time> at() const { return at_; }
 
-  /// The items become what they were at the last moment at or before a time; none before the first. What the page
-  /// itself adds (clock, refusal) stays.
+  /// The items become what they were at the last moment at or before a time; none before the first.
   void seek(Time time, DisplayItems& items);
   /// As seek; by the changes alone where the time lies ahead, and not far.
   void advance(Time time, DisplayItems& items);

@@ -107,7 +107,7 @@ void RunFilm::take(Time time, const DisplayItems& items) {
     forgotten.erase({record.kind, record.number});
     put(block, record);
   });
-  for (const auto& [kind, number] : forgotten) put(block, {kind, true, false, number, time, {}});
+  for (const auto& [kind, number] : forgotten) put(block, {kind, true, false, false, number, time, {}});
   if (replaced() > most_replaced_) thin_to(most_replaced_ / 4 * 3);
 }
 

@@ -66,7 +66,7 @@ class RunFilm {
     std::size_t bytes;  ///< 0: it stands in the first block
     bool gone;
   };
-  static constexpr std::size_t kKinds = static_cast<std::size_t>(DisplayKind::kTimes) + 1;
+  static constexpr std::size_t kKinds = static_cast<std::size_t>(kLastDisplayKind) + 1;
   static std::size_t index_of(DisplayKind kind) { return static_cast<std::size_t>(kind); }
 
   void take(Time time, const DisplayItems& items);

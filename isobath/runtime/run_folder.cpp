@@ -243,12 +243,17 @@ namespace {
 
 /// What is shown less often than the rest, and how often.
 std::string rarer_in(const RunFilm& film, const ReportConfig& config) {
-  constexpr std::pair<DisplayKind, const char*> kNames[] = {
-      {DisplayKind::kEchoes, "echoes"},       {DisplayKind::kGrid, "occupancy"},
-      {DisplayKind::kDepth, "the depth map"}, {DisplayKind::kVoxels, "voxels"},
-      {DisplayKind::kVehicle, "the vehicle"}, {DisplayKind::kTrack, "the track"},
-      {DisplayKind::kObstacles, "obstacles"}, {DisplayKind::kWay, "the way"},
-      {DisplayKind::kScene, "the scene"},     {DisplayKind::kHealth, "counts"}};
+  constexpr std::pair<DisplayKind, const char*> kNames[] = {{DisplayKind::kEchoes, "echoes"},
+                                                            {DisplayKind::kGrid, "occupancy"},
+                                                            {DisplayKind::kDepth, "the depth map"},
+                                                            {DisplayKind::kVoxels, "voxels"},
+                                                            {DisplayKind::kVehicle, "the vehicle"},
+                                                            {DisplayKind::kTrack, "the track"},
+                                                            {DisplayKind::kObstacles, "obstacles"},
+                                                            {DisplayKind::kWay, "the way"},
+                                                            {DisplayKind::kScene, "the scene"},
+                                                            {DisplayKind::kHealth, "counts"},
+                                                            {DisplayKind::kCubes, "voxels in larger cubes"}};
   std::string rarer;
   for (const auto& [kind, name] : kNames) {
     if (film.interval_s(kind) <= config.film_s) continue;

@@ -19,7 +19,7 @@ struct AskRule {
   const char* word = nullptr;  ///< key of a text
 };
 constexpr double kMostSeconds = 1e9;
-constexpr std::array<AskRule, 8> kRules{{
+constexpr std::array<AskRule, 9> kRules{{
     {"play", Ask::kPlay},
     {"pause", Ask::kPause},
     {"speed", Ask::kSpeed, "times", 0.1, 100},
@@ -28,6 +28,7 @@ constexpr std::array<AskRule, 8> kRules{{
     {"live", Ask::kLive},
     {"control", Ask::kControl, nullptr, 0, 0, false, "token"},
     {"command", Ask::kCommand, nullptr, 0, 0, false, "command"},
+    {"detail", Ask::kDetail, nullptr, 0, 0, false, "voxels"},
 }};
 
 /// No longer than 32 bytes, and whole characters.

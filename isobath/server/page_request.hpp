@@ -10,10 +10,10 @@
 namespace isobath {
 
 struct PageRequest {
-  enum class Ask { kPlay, kPause, kSpeed, kSeek, kStep, kLive, kControl, kCommand };
+  enum class Ask { kPlay, kPause, kSpeed, kSeek, kStep, kLive, kControl, kCommand, kDetail };
   Ask ask = Ask::kPlay;
   double number = 0;  ///< times, s or steps
-  std::string word;   ///< token or command
+  std::string word;   ///< token, command or detail
 };
 
 struct BadRequest {

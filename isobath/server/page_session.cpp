@@ -56,9 +56,11 @@ Hearing PageSession::hear(std::string_view text) {
 }
 
 Hearing PageSession::follow(const PageRequest& request) {
+  voxels_next_ = false;  // first what was asked for
   switch (request.ask) {
     case Ask::kControl: return control(request.word);
     case Ask::kCommand: return command(request.word);
+    case Ask::kDetail: return detail(request.word);
     case Ask::kPlay:
       if (live_) return {};  // it does
       return play(true);
@@ -119,6 +121,14 @@ Hearing PageSession::command(const std::string& word) {
   if (found == std::end(kWords)) return refuse({"command", "hold, resume or abort"}, "ask");
   const std::string why = sources_.command(found->second);
   return why.empty() ? Hearing{} : refuse({word, why}, "command");
+}
+
+Hearing PageSession::detail(const std::string& word) {
+  if (word != "all" && word != "cubes") return refuse({"detail", "voxels are all or cubes"}, "ask");
+  const bool wanted = word == "all";
+  if (wanted && !voxels_) voxel_stamp_ = 0;  // what it had of them may have been dropped
+  voxels_ = wanted;
+  return {};
 }
 
 void PageSession::look_at_now() {
@@ -189,12 +199,26 @@ std::string PageSession::clock_text() const {
   return clock.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-WebFrame PageSession::next() {
-  WebFrame frame;
+SharedChanges::Piece PageSession::changes(DisplayPart part, std::uint64_t& stamp) {
   SharedChanges::Piece piece;
   if (live_) {
-    piece = sources_.live->after(stamp_, sources_.clock());
+    piece = sources_.live->after(stamp, sources_.clock(), part);
   } else {
+    DisplayItems::Changes changes = shown_.changes_after(stamp, SharedChanges::kPieceBytes, part);
+    piece = {nullptr, changes.stamp, changes.whole, changes.more};
+    if (!changes.records.empty()) piece.records = std::make_shared<const std::string>(std::move(changes.records));
+  }
+  stamp = piece.stamp;
+  return piece;
+}
+
+WebFrame PageSession::next() {
+  if (std::exchange(voxels_next_, false)) {
+    WebFrame frame = next_voxels();
+    if (frame.shared) return frame;
+  }
+  WebFrame frame;
+  if (!live_) {
     try {
       show_recording();
     } catch (const Error& error) {
@@ -202,13 +226,12 @@ WebFrame PageSession::next() {
       playing_ = false;
       refuse({"", error.what()}, "recording");
     }
-    DisplayItems::Changes changes = shown_.changes_after(stamp_, SharedChanges::kPieceBytes);
-    piece = {nullptr, changes.stamp, changes.whole, changes.more};
-    if (!changes.records.empty()) piece.records = std::make_shared<const std::string>(std::move(changes.records));
   }
-  stamp_ = piece.stamp;
+  SharedChanges::Piece piece = changes(DisplayPart::kAllButVoxels, stamp_);
+  if (piece.whole || forget_) voxel_stamp_ = 0;
+  voxels_next_ = voxels_ && !piece.more;
   frame.shared = std::move(piece.records);
-  frame.more = piece.more;
+  frame.more = piece.more || voxels_next_;
 
   const std::string clock = clock_text();
   const Time now = live_ ? sources_.live_span().end : playhead();
@@ -218,7 +241,15 @@ WebFrame PageSession::next() {
   said_clock_ = clock;
   for (const std::string& answer : answers_) append_record(frame.own, DisplayKind::kRefusal, 0, now, answer);
   answers_.clear();
-  return frame;
+  if (frame.bytes() > 0 || !voxels_next_) return frame;
+  voxels_next_ = false;
+  return next_voxels();
+}
+
+/// Where there are more, all else has its turn before them.
+WebFrame PageSession::next_voxels() {
+  SharedChanges::Piece piece = changes(DisplayPart::kVoxels, voxel_stamp_);
+  return {std::move(piece.records), {}, piece.more};
 }
 
 }  // namespace isobath

@@ -5,6 +5,9 @@
 // its own: it goes with the clock, times the speed, over whatever time a frame took to send, and the page gets what was
 // to be seen there. Of the moments that a page asks for between two frames only the last is looked up.
 //
+// Voxels are most of the bytes, and go apart from all else: to a page that asked for them (it can draw so many, and
+// shows them), by turns with what else is new, and after all of it at first. Other pages have the larger cubes.
+//
 // Requests are untrusted. What cannot be followed is answered by a record, of which no more than kMostAnswers wait, and
 // counted; more than kMostRefusals, of which one is forgiven a second, or kWrongTokens wrong tokens hang up. Commands
 // need the token, which is compared in a time that does not depend on where it differs; without one there are none.
@@ -62,6 +65,7 @@ class PageSession final : public WebSession {
   Hearing play(bool playing);
   Hearing control(const std::string& token);
   Hearing command(const std::string& word);
+  Hearing detail(const std::string& word);
 
   void look_at_now();
   void look_at_recording();
@@ -70,6 +74,8 @@ class PageSession final : public WebSession {
   [[nodiscard]] Time playhead() const;
   void put_playhead(Time moment);
   void show_recording();
+  WebFrame next_voxels();
+  SharedChanges::Piece changes(DisplayPart part, std::uint64_t& stamp);
   [[nodiscard]] std::string clock_text() const;
 
   const PageSources& sources_;
@@ -83,8 +89,11 @@ class PageSession final : public WebSession {
   Clock::time_point head_set_;
   DisplayItems shown_;              ///< of the recording
   std::optional<Time> shown_time_;  ///< of which moment
-  std::uint64_t stamp_ = 0;
-  bool forget_ = false;  ///< what the page has is of something else
+  std::uint64_t stamp_ = 0;         ///< up to which it has all but voxels
+  std::uint64_t voxel_stamp_ = 0;   ///< up to which it has the voxels
+  bool voxels_ = false;             ///< it wants them
+  bool voxels_next_ = false;        ///< it is their turn
+  bool forget_ = false;             ///< what the page has is of something else
 
   std::vector<std::string> answers_;
   std::string said_clock_;

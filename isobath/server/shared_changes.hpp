@@ -29,14 +29,15 @@ class SharedChanges {
     std::uint64_t stamp = 0;                     ///< up to which they go
     bool whole = false, more = false;            ///< as of DisplayItems::Changes
   };
-  Piece after(std::uint64_t stamp, Clock::time_point now);
+  Piece after(std::uint64_t stamp, Clock::time_point now, DisplayPart part = DisplayPart::kAll);
   /// Pieces that were encoded rather than given again.
   [[nodiscard]] std::uint64_t encoded() const { return encoded_; }
 
  private:
-  static constexpr std::size_t kKept = 4;
+  static constexpr std::size_t kKept = 8;
   struct Kept {
     std::uint64_t from = 0;
+    DisplayPart part = DisplayPart::kAll;
     Clock::time_point made;
     Piece piece;
   };

@@ -63,6 +63,65 @@ TEST(DisplayItems, WhoeverAskedBeforeAllWasForgottenGetsItWhole) {
   EXPECT_EQ(told[0].payload, "after");
 }
 
+TEST(DisplayItems, VoxelsAreToldApartFromAllElse) {
+  DisplayItems items;
+  items.set(Kind::kWay, 0, Time(seconds(1.0)), "way");
+  items.set(Kind::kVoxels, 1, Time(seconds(1.0)), "first");
+  items.set(Kind::kCubes, 0, Time(seconds(1.0)), "cubes");
+  items.set(Kind::kVoxels, 2, Time(seconds(1.0)), "second");
+  const auto told = [&](DisplayPart part, std::uint64_t stamp) {
+    return records_of(items.changes_after(stamp, 1'000'000, part).records);
+  };
+  const auto rest = told(DisplayPart::kAllButVoxels, 0), voxels = told(DisplayPart::kVoxels, 0);
+  ASSERT_EQ(rest.size(), 2U);
+  EXPECT_EQ(rest[1].kind, Kind::kCubes);
+  EXPECT_TRUE(rest[0].forget);
+  ASSERT_EQ(voxels.size(), 2U);
+  EXPECT_FALSE(voxels[0].forget) << "all else stays";
+  EXPECT_TRUE(voxels[0].forget_kind);
+  EXPECT_FALSE(voxels[1].forget_kind);
+
+  // each part has its own stamp
+  items.set(Kind::kWay, 0, Time(seconds(2.0)), "another");
+  EXPECT_EQ(told(DisplayPart::kAllButVoxels, 4).size(), 1U);
+  EXPECT_TRUE(told(DisplayPart::kVoxels, 4).empty());
+  EXPECT_EQ(items.changes_after(4, 1'000'000, DisplayPart::kVoxels).stamp, 5U);
+  EXPECT_EQ(told(DisplayPart::kVoxels, 2).size(), 1U);
+}
+
+TEST(DisplayItems, APartThatIsForgottenLeavesTheRest) {
+  DisplayItems page, source;
+  page.set(Kind::kWay, 0, Time(seconds(1.0)), "way");
+  page.set(Kind::kVoxels, 1, Time(seconds(1.0)), "of long ago");
+  source.set(Kind::kVoxels, 2, Time(seconds(2.0)), "new");
+  page.take(source.changes_after(0, 1'000'000, DisplayPart::kVoxels).records);
+  const auto items = test::as_map(page.changes_after(0).records);
+  ASSERT_EQ(items.size(), 2U);
+  EXPECT_EQ(items.at({Kind::kWay, 0}), "way");
+  EXPECT_EQ(items.at({Kind::kVoxels, 2}), "new");
+}
+
+TEST(DisplayItems, BecomeThoseOfAnotherMoment) {
+  DisplayItems page, then;
+  page.set(Kind::kWay, 0, Time(seconds(1.0)), "way");
+  page.set(Kind::kDepth, 1, Time(seconds(1.0)), "tile");
+  page.set(Kind::kDecision, 7, Time(seconds(1.0)), "later");
+  then.set(Kind::kDepth, 1, Time(seconds(0.5)), "tile");
+  then.set(Kind::kWay, 0, Time(seconds(0.5)), "earlier");
+  then.set(Kind::kVoxels, 3, Time(seconds(0.5)), "block");
+  then.set(Kind::kVoxels, 4, Time(seconds(0.5)), "gone by then");
+  then.remove(Kind::kVoxels, 4, Time(seconds(0.6)));
+  const std::uint64_t stamp = page.stamp();
+  page.become(then, Time(seconds(0.6)));
+  const auto told = records_of(page.changes_after(stamp).records);
+  ASSERT_EQ(told.size(), 3U) << "the tile is the same";
+  EXPECT_TRUE(told[0].gone);
+  EXPECT_EQ(told[0].number, 7U);
+  EXPECT_EQ(told[0].time, Time(seconds(0.6)));
+  EXPECT_EQ(told[1].payload, "earlier");
+  EXPECT_EQ(test::as_map(page.changes_after(0).records), test::as_map(then.changes_after(0).records));
+}
+
 TEST(DisplayItems, DamagedRecordsAreRefusedFromTheFirstThatDoesNotFit) {
   std::string records;
   append_record(records, Kind::kWay, 0, Time(seconds(1.0)), "whole");
@@ -122,7 +181,18 @@ RC_GTEST_PROP(DisplayBytes, PackedRunsComeBack, ()) {
   const auto bytes = *rc::gen::container<std::vector<std::uint8_t>>(rc::gen::inRange<std::uint8_t>(0, 3));
   DisplayBytes packed;
   packed.append_packed(bytes);
-  RC_ASSERT(test::unpacked(packed.take()) == bytes);
+  const std::string record = packed.take();
+  RC_ASSERT(test::unpacked(record) == bytes);
+  std::vector<std::uint8_t> again(bytes.size());
+  RC_ASSERT(unpack_bits(record, again));
+  RC_ASSERT(again == bytes);
+}
+
+/// Whatever bytes come: what is accepted is what the plain reading gives, and nothing is read or written outside.
+RC_GTEST_PROP(DisplayBytes, DamagedRunsAreRefused, ()) {
+  const auto bytes = *rc::gen::container<std::string>(rc::gen::arbitrary<char>());
+  std::vector<std::uint8_t> out(*rc::gen::inRange<std::size_t>(0, 300));
+  if (unpack_bits(bytes, out)) RC_ASSERT(test::unpacked(bytes) == out);
 }
 
 TEST(DisplayBytes, PackedRunsAreShort) {

@@ -1,7 +1,10 @@
 // What a page is shown of a run: taken apart again and held against what was put in.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <isobath/runtime/display.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <tests/runtime/events.hpp>
 #include <tests/support/display_records.hpp>
@@ -235,19 +238,64 @@ TEST(MapDisplay, ShowsOccupiedVoxelsAndThatABlockIsEmptyAgain) {
   voxels.layer("sonar").add(v + VoxelIndex(1, 0, 0), -3000);
   display.show(Time(seconds(1.0)), voxels);
   const std::string block = only(items, Kind::kVoxels).payload;
-  ASSERT_EQ(block.size(), 20U + 4);
   EXPECT_EQ(number_at<float>(block, 0), 0.25F);
-  EXPECT_EQ(number_at<std::uint16_t>(block, 16), 1);
+  EXPECT_EQ(number_at<std::uint32_t>(block, 16), 1U);
+  const VoxelIndex corner(-16, 16, 32);
   for (int axis = 0; axis < 3; ++axis) {
-    const auto corner = number_at<std::int32_t>(block, 4 + 4 * static_cast<std::size_t>(axis));
-    EXPECT_EQ(corner + static_cast<std::uint8_t>(block[20 + axis]), v[axis]);
+    EXPECT_EQ(number_at<std::int32_t>(block, 4 + 4 * static_cast<std::size_t>(axis)), corner[axis]);
   }
-  EXPECT_NEAR(static_cast<std::uint8_t>(block[23]) / 250.0, voxels.probability(v), 0.003);
+  const auto shades = test::unpacked(block.substr(20));
+  ASSERT_EQ(shades.size(), 4096U);
+  const std::size_t place = (13U << 8) + (1U << 4) + 8;  // v from the corner
+  EXPECT_NEAR(shades[place] / 250.0, voxels.probability(v), 0.003);
+  EXPECT_EQ(std::count(shades.begin(), shades.end(), 0), 4095);
 
   voxels.advance();
   voxels.layer("sonar").add(v, -6000);
   display.show(Time(seconds(5.0)), voxels);
   EXPECT_TRUE(of_kind(items, Kind::kVoxels).empty());
+  EXPECT_TRUE(of_kind(items, Kind::kCubes).empty());
+}
+
+/// Each cube is as likely as the likeliest voxel in it, and the cubes of 64 x 64 x 64 voxels are one item.
+TEST(MapDisplay, ShowsVoxelsInLargerCubesToo) {
+  DisplayItems items;
+  MapDisplay display(items);
+  VoxelMap voxels;
+  const auto say = [&](const VoxelIndex& v, LogOdds16 evidence) { voxels.layer("sonar").add(v, evidence); };
+  say({-3, 17, 40}, 1000);
+  say({-4, 16, 43}, 3000);  // the same cube
+  say({-5, 16, 43}, 2000);  // the one beside it
+  say({0, 17, 40}, 3000);   // another region
+  display.show(Time(seconds(1.0)), voxels);
+  ASSERT_EQ(of_kind(items, Kind::kCubes).size(), 2U);
+  std::map<std::array<int, 3>, int> cubes;
+  std::uint32_t told = 0;
+  for (const auto& item : of_kind(items, Kind::kCubes)) {
+    EXPECT_EQ(number_at<float>(item.payload, 0), 1.0F) << "four voxels of 0.25 m";
+    told += number_at<std::uint32_t>(item.payload, 16);
+    const auto shades = test::unpacked(item.payload.substr(20));
+    ASSERT_EQ(shades.size(), 4096U);
+    for (int i = 0; i < 4096; ++i) {
+      if (shades[static_cast<std::size_t>(i)] == 0) continue;
+      const auto corner = [&](std::size_t axis) { return number_at<std::int32_t>(item.payload, 4 + 4 * axis); };
+      cubes[{corner(0) + (i >> 8), corner(1) + (i >> 4 & 15), corner(2) + (i & 15)}] =
+          shades[static_cast<std::size_t>(i)];
+    }
+  }
+  EXPECT_EQ(told, 4U);
+  ASSERT_EQ(cubes.size(), 3U);
+  const auto shade_of = [&](const VoxelIndex& v) { return static_cast<int>(std::lround(250 * voxels.probability(v))); };
+  EXPECT_EQ((cubes.at({-1, 4, 10})), shade_of({-4, 16, 43}));
+  EXPECT_EQ((cubes.at({-2, 4, 10})), shade_of({-5, 16, 43}));
+  EXPECT_EQ((cubes.at({0, 4, 10})), shade_of({0, 17, 40}));
+
+  voxels.advance();
+  say({-4, 16, 43}, -6000);
+  display.show(Time(seconds(5.0)), voxels);
+  told = 0;
+  for (const auto& item : of_kind(items, Kind::kCubes)) told += number_at<std::uint32_t>(item.payload, 16);
+  EXPECT_EQ(told, 3U) << "no more voxels than the blocks hold";
 }
 
 TEST(MapDisplay, ShowsMeasuredDepthsTileByTileFromTheSouthWest) {

@@ -4,6 +4,7 @@
 #include <isobath/server/page_session.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <tests/server/records.hpp>
 
 namespace isobath {
@@ -167,6 +168,79 @@ TEST(PageSession, APageThatCannotTakeAllAtOnceGetsItInPieces) {
   EXPECT_EQ(got[39].payload, "new");
   EXPECT_TRUE(got[0].forget);
   EXPECT_EQ(std::count_if(got.begin(), got.end(), [](const Record& r) { return r.forget; }), 1);
+}
+
+/// Voxels are most of the bytes: pages that do not show them get their cubes alone.
+TEST(PageSession, VoxelsGoToThoseWhoAskAndAfterAllElse) {
+  Page page(true);
+  page.items.set(DisplayKind::kVoxels, 1, at_s(0), "block");
+  page.items.set(DisplayKind::kCubes, 0, at_s(0), "cubes");
+  page.items.set(DisplayKind::kVehicle, 0, at_s(0), "here");
+  EXPECT_THAT(of_kind(page.frame(), DisplayKind::kCubes), SizeIs(1));
+  EXPECT_THAT(page.frame(), IsEmpty());
+
+  EXPECT_EQ(page.ask({{"ask", "detail"}, {"voxels", "all"}}).refused, "");
+  const auto voxels = page.frame();
+  ASSERT_THAT(voxels, SizeIs(1));
+  EXPECT_EQ(voxels[0].payload, "block");
+  EXPECT_TRUE(voxels[0].forget_kind) << "of what it had before some may be gone";
+  EXPECT_FALSE(voxels[0].forget);
+  EXPECT_THAT(page.frame(), IsEmpty());
+
+  page.items.set(DisplayKind::kVoxels, 1, at_s(1), "block grown");
+  page.items.set(DisplayKind::kVehicle, 0, at_s(1), "there");
+  WebFrame first = page.session->next();
+  EXPECT_THAT(of_kind(records_of(first), DisplayKind::kVehicle), SizeIs(1));
+  EXPECT_THAT(of_kind(records_of(first), DisplayKind::kVoxels), IsEmpty());
+  EXPECT_TRUE(first.more);
+  const auto second = page.frame();
+  ASSERT_THAT(second, SizeIs(1));
+  EXPECT_EQ(second[0].payload, "block grown");
+  EXPECT_FALSE(second[0].forget_kind);
+
+  EXPECT_EQ(page.ask({{"ask", "detail"}, {"voxels", "cubes"}}).refused, "");
+  page.items.set(DisplayKind::kVoxels, 1, at_s(2), "not told");
+  EXPECT_THAT(page.frame(), IsEmpty());
+  page.ask({{"ask", "detail"}, {"voxels", "all"}});
+  EXPECT_THAT(page.frame(), SizeIs(1));
+  EXPECT_EQ(page.ask({{"ask", "detail"}, {"voxels", "some"}}).refused, "ask");
+}
+
+TEST(PageSession, WhatIsNewHasItsTurnAmongManyVoxels) {
+  Page page(true);
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    page.items.set(DisplayKind::kVoxels, i, at_s(0), std::string(100'000, static_cast<char>('a' + i)));
+  }
+  page.ask({{"ask", "detail"}, {"voxels", "all"}});
+  std::set<std::uint64_t> got;
+  std::vector<DisplayKind> order;
+  for (int i = 0; i < 20; ++i) {
+    page.items.set(DisplayKind::kVehicle, 0, at_s(i), std::to_string(i));
+    const WebFrame frame = page.session->next();
+    EXPECT_LE(frame.bytes(), SharedChanges::kPieceBytes + 1000);
+    if (frame.bytes() == 0) break;
+    const auto records = records_of(frame);
+    order.push_back(records.front().kind);
+    for (const Record& r : of_kind(records, DisplayKind::kVoxels)) got.insert(r.number);
+    if (!frame.more) break;
+  }
+  EXPECT_THAT(got, SizeIs(40));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    EXPECT_EQ(order[i], i % 2 == 0 ? DisplayKind::kVehicle : DisplayKind::kVoxels) << i;
+  }
+}
+
+/// After a jump from now into the past nothing of now is left, voxels neither.
+TEST(PageSession, AWholePictureHasItsVoxelsWholeToo) {
+  Page page(true);
+  page.items.set(DisplayKind::kVoxels, 1, at_s(0), "block");
+  page.ask({{"ask", "detail"}, {"voxels", "all"}});
+  while (!page.frame().empty()) continue;
+  page.items.clear();
+  page.items.set(DisplayKind::kVehicle, 0, at_s(0), "again");
+  page.items.set(DisplayKind::kVoxels, 1, at_s(0), "block");
+  EXPECT_TRUE(page.frame()[0].forget);
+  EXPECT_THAT(of_kind(page.frame(), DisplayKind::kVoxels), SizeIs(1));
 }
 
 TEST(PageSession, ARecordingGoesWithTheClockTimesTheSpeed) {

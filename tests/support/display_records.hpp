@@ -15,7 +15,7 @@ namespace isobath::test {
 
 struct Record {
   DisplayKind kind;
-  bool gone, forget;
+  bool gone, forget, forget_kind;
   std::uint64_t number;
   Time time;
   std::string payload;
@@ -37,7 +37,7 @@ inline std::vector<Record> records_of(const std::string& bytes) {
     const std::size_t whole = 24 + (std::size_t{size} + 7) / 8 * 8;
     if (bytes.size() - at < whole) throw std::runtime_error("cut in a payload");
     const int flags = bytes[at + 1];
-    records.push_back({static_cast<DisplayKind>(bytes[at]), (flags & 1) != 0, (flags & 2) != 0,
+    records.push_back({static_cast<DisplayKind>(bytes[at]), (flags & 1) != 0, (flags & 2) != 0, (flags & 4) != 0,
                        number_at<std::uint64_t>(bytes, at + 8), Time(Duration(number_at<std::int64_t>(bytes, at + 16))),
                        bytes.substr(at + 24, size)});
     at += whole;

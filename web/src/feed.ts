@@ -10,6 +10,7 @@ export type Request =
   | { ask: 'seek'; to_s: number }
   | { ask: 'step'; steps: number }
   | { ask: 'control'; token: string }
+  | { ask: 'detail'; voxels: 'all' | 'cubes' }
   | { ask: 'command'; command: 'hold' | 'resume' | 'abort' };
 
 export type FeedState =

@@ -40,6 +40,7 @@ const shared: Shared = {
   ask(request) {
     if (!feed.ask(request)) toast('Nobody can be asked now: there is no connection.');
   },
+  wantVoxels: (all) => feed.ask({ ask: 'detail', voxels: all ? 'all' : 'cubes' }),
   showDecision(decision) {
     shared.selected = shared.selected?.number === decision.number ? null : decision;
     if (shared.selected) plan.showDecision(decision);

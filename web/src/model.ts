@@ -46,6 +46,8 @@ export class Model {
   decisions: items.Decision[] = [];
   readonly depth = new Map<string, Revised<protocol.DepthTile>>();
   readonly voxels = new Map<string, Revised<protocol.VoxelBlock>>();
+  /** The same in larger cubes, so many a block. */
+  readonly cubes = new Map<string, Revised<protocol.VoxelBlock>>();
   health: items.Health | null = null;
   /** How long its stages take, by a real clock; of what happens now only. */
   times: items.StageTime[] = [];
@@ -67,6 +69,7 @@ export class Model {
     const read = protocol.readRecords(bytes, (record) => {
       ++this.records;
       if (record.forget) this.forget();
+      if (record.forgetKind && record.kind === Kind.voxels) this.dropVoxels();
       const taken = record.gone ? this.remove(record) : this.put(record);
       if (!taken) return this.count(kindName(record.kind));
       ++this.revision[record.kind]!;
@@ -83,9 +86,15 @@ export class Model {
     this.obstacles = [];
     this.decisions = [];
     this.times = [];
-    for (const map of [this.track, this.sonars, this.depth, this.voxels, this.waiting]) map.clear();
+    for (const map of [this.track, this.sonars, this.depth, this.voxels, this.cubes, this.waiting]) map.clear();
     this.trail.clear();
     for (let kind = 0; kind < this.revision.length; ++kind) ++this.revision[kind]!;
+  }
+
+  /** They weigh much, and nobody looks at them. */
+  dropVoxels(): void {
+    this.voxels.clear();
+    ++this.revision[Kind.voxels]!;
   }
 
   /** s since the start of what is shown now. */
@@ -138,6 +147,10 @@ export class Model {
       case Kind.voxels:
         return this.keep(protocol.readVoxels(payload), (item) =>
           this.voxels.set(`${high},${low}`, { revision: ++this.stamp, item }),
+        );
+      case Kind.cubes:
+        return this.keep(protocol.readVoxels(payload), (item) =>
+          this.cubes.set(`${high},${low}`, { revision: ++this.stamp, item }),
         );
       case Kind.health:
         return this.keep(items.readHealth(protocol.readJson(payload)), (health) => (this.health = health));
@@ -216,6 +229,9 @@ export class Model {
         break;
       case Kind.voxels:
         this.voxels.delete(`${high},${low}`);
+        break;
+      case Kind.cubes:
+        this.cubes.delete(`${high},${low}`);
         break;
       case Kind.health:
         this.health = null;

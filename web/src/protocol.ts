@@ -23,19 +23,23 @@ export const Kind = {
   clock: 13,
   refusal: 14,
   times: 15,
+  cubes: 16,
 } as const;
 export type Kind = (typeof Kind)[keyof typeof Kind];
-export const kLastKind = Kind.times;
+export const kLastKind = Kind.cubes;
 
 export const kHead = 24;
 const kGone = 1;
 const kForget = 2;
+const kForgetKind = 4;
 
 export interface RecordView {
   kind: Kind;
   gone: boolean;
   /** Forget all items before this one is taken. */
   forget: boolean;
+  /** Forget all items of this kind before it. */
+  forgetKind: boolean;
   /** The number of the item, as its two halves: no BigInt for what comes a thousand times a second. */
   high: number;
   low: number;
@@ -60,6 +64,7 @@ export function readRecords(bytes: Uint8Array, take: (record: RecordView) => voi
       kind: kind as Kind,
       gone: (flags & kGone) !== 0,
       forget: (flags & kForget) !== 0,
+      forgetKind: (flags & kForgetKind) !== 0,
       low: view.getUint32(at + 8, true),
       high: view.getUint32(at + 12, true),
       time: view.getInt32(at + 20, true) * 4.294967296 + view.getUint32(at + 16, true) / 1e9,
@@ -239,25 +244,30 @@ export function readDepth(p: DataView, row: number, column: number): DepthTile |
   return tile;
 }
 
+/** Voxels along an edge of a cube (Kind.cubes). */
+export const kCubeSide = 4;
+
+/** 16 x 16 x 16 voxels, or cubes. */
 export interface VoxelBlock {
   size: number;
   /** Lowest corner in voxels: north, east, down. */
   corner: Point3;
+  /** Voxels that are shown; of cubes: the voxels in them. */
   count: number;
-  /** Four bytes a voxel: x, y, z within the block, probability * 250. */
-  voxels: Uint8Array;
+  /** Voxel (x, y, z) at x << 8 | y << 4 | z: probability * 250; 0: not shown. */
+  shades: Uint8Array;
 }
 
 export function readVoxels(p: DataView): VoxelBlock | null {
   if (p.byteLength < 20) return null;
   const size = p.getFloat32(0, true);
-  const count = p.getUint16(16, true);
-  if (!(size > 0) || p.byteLength < 20 + 4 * count) return null;
+  const shades = new Uint8Array(16 ** 3);
+  if (!(size > 0) || !unpackBits(new Uint8Array(p.buffer, p.byteOffset + 20, p.byteLength - 20), shades)) return null;
   return {
     size,
     corner: [p.getInt32(4, true), p.getInt32(8, true), p.getInt32(12, true)],
-    count,
-    voxels: new Uint8Array(p.buffer, p.byteOffset + 20, 4 * count).slice(),
+    count: p.getUint32(16, true),
+    shades,
   };
 }
 

@@ -9,15 +9,16 @@ export interface NewRecord {
   payload?: Uint8Array;
   gone?: boolean;
   forget?: boolean;
+  forgetKind?: boolean;
 }
 
-export function writeRecord({ kind, number = 0n, time, payload, gone, forget }: NewRecord): Uint8Array {
+export function writeRecord({ kind, number = 0n, time, payload, gone, forget, forgetKind }: NewRecord): Uint8Array {
   const body = gone ? undefined : payload;
   const size = body?.length ?? 0;
   const bytes = new Uint8Array(kHead + padded(size));
   const view = new DataView(bytes.buffer);
   view.setUint8(0, kind);
-  view.setUint8(1, (gone ? 1 : 0) | (forget ? 2 : 0));
+  view.setUint8(1, (gone ? 1 : 0) | (forget ? 2 : 0) | (forgetKind ? 4 : 0));
   view.setUint32(4, size, true);
   view.setBigUint64(8, BigInt.asUintN(64, number), true);
   view.setBigInt64(16, time, true);

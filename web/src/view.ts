@@ -8,6 +8,8 @@ export interface Shared {
   model: Model;
   theme: Theme;
   ask(request: Request): void;
+  /** Whether all voxels are to come, or their larger cubes alone. False: nobody was there to be asked. */
+  wantVoxels(all: boolean): boolean;
   /** Draw at the next frame, though no record came. */
   redraw(): void;
   /** Opens a view, pans to the decision and marks it. */

@@ -69,6 +69,16 @@ describe('items', () => {
     expect(model.voxels.size).toBe(0);
   });
 
+  it('of a kind are forgotten where a record says so of its kind', () => {
+    const tile = encode.voxelBytes(1, [0, 0, 0], [[0, 0, 0, 200]]);
+    const voxels = (number: bigint, forgetKind = false) =>
+      writeRecord({ kind: Kind.voxels, number, time: 0n, payload: tile, forgetKind });
+    const model = told(scene(), voxels(1n), voxels(2n));
+    model.take(joined([voxels(3n, true), voxels(4n)]));
+    expect([...model.voxels.keys()]).toEqual(['0,3', '0,4']);
+    expect(model.scene).not.toBeNull();
+  });
+
   it('are all forgotten where a record says so, and that record is taken', () => {
     const model = told(scene(), sonar(), echoes(0, [0, 1, 0, 0]), decision(0));
     model.take(decision(7, 7, { forget: true }));

@@ -7,6 +7,8 @@ import { kCell, VoxelShell } from '../src/space/voxel_shell';
 
 const block = (number: bigint, corner: [number, number, number], voxels: number[][]) =>
   writeRecord({ kind: Kind.voxels, number, time: 0n, payload: encode.voxelBytes(0.5, corner, voxels) });
+const cubes = (number: bigint, corner: [number, number, number], places: number[][], count: number) =>
+  writeRecord({ kind: Kind.cubes, number, time: 0n, payload: encode.voxelBytes(2, corner, places, count) });
 /** A solid cube of voxels from (a, a, a) to (b, b, b), both within. */
 function cube(a: number, b: number): number[][] {
   const out: number[][] = [];
@@ -47,6 +49,43 @@ describe('the voxels that can be seen', () => {
     expect(cells.length / kCell).toBe(9);
     expect([...cells.slice(0, kCell)]).toEqual([-7.5, 0.5, 0.5, expect.closeTo(0.8, 6), 1]);
     expect([...cells.slice(8 * kCell)]).toEqual([-0.5, 7.5, 7.5, 1, 1]);
+  });
+
+  it('are cubes where they have not come, and themselves from then on', () => {
+    const model = new Model();
+    const shell = new VoxelShell();
+    // 200 voxels in two blocks of one region, and a region beside it
+    model.take(cubes(1n, [-16, 0, 0], [[0, 0, 0, 240], [15, 15, 15, 130]], 28));
+    model.take(cubes(2n, [0, 0, 0], [[0, 0, 0, 200]], 1));
+    expect(shell.of(model).map((cells) => [...cells])).toEqual([
+      [-31, 1, 1, expect.closeTo(0.96, 6), 2, -1, 31, 31, expect.closeTo(0.52, 6), 2],
+      [1, 1, 1, expect.closeTo(0.8, 6), 2],
+    ]);
+    expect(shell.side).toBe(4);
+    model.take(block(1n, [-64, 0, 0], cube(0, 1)));
+    expect(count(shell.of(model)), 'most have not come').toBe(3);
+    model.take(block(1n, [-64, 0, 0], cube(0, 2)));
+    model.take(block(2n, [-16, 48, 48], [[15, 15, 15, 130]]));
+    const pieces = shell.of(model);
+    expect(count(pieces)).toBe(26 + 1 + 1);
+    expect(pieces.at(-1)![4], 'the other region is still in cubes').toBe(2);
+    expect(shell.side).toBe(4);
+    model.take(block(3n, [0, 0, 0], [[1, 1, 1, 200]]));
+    expect(count(shell.of(model))).toBe(26 + 1 + 1);
+    expect(shell.side).toBe(1);
+    model.dropVoxels();
+    expect(count(shell.of(model))).toBe(3);
+  });
+
+  it('are cubes of cubes where even these are too many', () => {
+    const model = new Model();
+    model.take(cubes(1n, [0, 0, 0], cube(0, 3), 4096));
+    const shell = new VoxelShell();
+    expect(count(shell.of(model))).toBe(56);
+    const [cells] = shell.of(model, 8) as [Float32Array];
+    expect(cells.length / kCell).toBe(8);
+    expect([...cells.slice(0, kCell)]).toEqual([2, 2, 2, expect.closeTo(0.8, 6), 4]);
+    expect(shell.side).toBe(8);
   });
 
   it('change with the block beside', () => {

@@ -1,9 +1,11 @@
 // Writes <folder>/whole.mcap: half a minute of a simulated mission with everything that a recording can hold, numbers
 // that JSON lacks among it; cut.mcap, the same without its end; and expected.json: messages by topic, -1: some.
+#include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <fmt/format.h>
 #include <isobath/io/whole_file.hpp>
+#include <isobath/map/voxel_blocks.hpp>
+#include <isobath/runtime/display_bytes.hpp>
 #include <isobath/runtime/run_recorder.hpp>
 #include <limits>
 #include <tests/runtime/mission_runs.hpp>
@@ -45,14 +47,12 @@ class RecordedHelm : public Helm {
   /// One block of voxels that grows, and a line of text.
   void show() {
     ++shown_;
-    const auto count = static_cast<std::uint16_t>(shown_ / 50 % 100);
-    std::string voxels(20 + 4 * std::size_t{count}, '\x7f');
-    const float edge = 0.25F;
-    const std::int32_t corner[] = {16, -32, 8};
-    std::memcpy(voxels.data(), &edge, 4);
-    std::memcpy(voxels.data() + 4, corner, 12);
-    std::memcpy(voxels.data() + 16, &count, 2);
-    items_.set(DisplayKind::kVoxels, 3, time_, voxels);
+    const std::uint32_t count = shown_ / 50 % 100;
+    std::vector<std::uint8_t> shades(VoxelBlocks::kVolume);
+    std::fill_n(shades.begin(), count, std::uint8_t{0x7f});
+    DisplayBytes voxels;
+    voxels.add(0.25F).add(16).add(-32).add(8).add(count).append_packed(shades);
+    items_.set(DisplayKind::kVoxels, 3, time_, voxels.take());
     items_.set(DisplayKind::kVehicle, 0, time_, std::string(80, static_cast<char>(shown_)));
     recorder_.sample(time_, items_);
   }

@@ -24,6 +24,7 @@ import { Axes } from './axes';
 import { Craft, FanOutlines } from './craft';
 import { Extent, at } from './frame';
 import { Thread } from './lines';
+import { kDaylight, kLight, kNightlight, kSunward } from './shading';
 import { Surface } from './surface';
 import { VoxelMesh, type VoxelColour } from './voxel_mesh';
 
@@ -33,6 +34,8 @@ const kRebuild = 300;
 const kSlow = 400;
 /** s of the run, at its own speed: a longer step is a jump. */
 const kJump = 3;
+/** Voxels for each cube that may be drawn: those inside are not, and larger cubes stand for the rest. */
+const kVoxelsEach = 4;
 /** ms after a jump in which nothing waits for its turn: what was sought comes in pieces. */
 const kArrives = 500;
 
@@ -70,6 +73,8 @@ export class SpaceView implements View {
   private jumped = -Infinity;
   private rebuilt = -Infinity;
   private placed = false;
+  /** Whether all voxels were asked for, of which start of the connection. */
+  private wanted = '';
   private deepest = 1;
   /** What was looked at while following. */
   private followed: Vector3 | null = null;
@@ -82,7 +87,7 @@ export class SpaceView implements View {
       new MeshBasicMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }),
     );
     this.stretched.add(this.voxels.mesh, this.surface.group);
-    this.sun.position.set(-0.5, 0.6, 1);
+    this.sun.position.copy(kSunward);
     this.world.add(this.ambient, this.sun, this.stretched, this.axes.group, this.sea);
     this.world.add(this.craft.group, this.fans.group, this.track.line, this.way.line);
     const touch = () => {
@@ -112,7 +117,9 @@ export class SpaceView implements View {
 
   frame(now: number): void {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    if (width < 20 || height < 20 || !this.start()) return;
+    const visible = width >= 20 && height >= 20 && this.start();
+    this.askForVoxels(visible);
+    if (!visible) return;
     const { model, theme } = this.shared;
     const renderer = this.renderer!;
     const look = `${model.revision.join()} ${theme.revision} ${width} ${height}`;
@@ -129,12 +136,25 @@ export class SpaceView implements View {
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     renderer.setClearColor(theme.paint.sky);
-    this.ambient.intensity = theme.name === 'day' ? 1.7 : 1.1;
-    this.sun.intensity = theme.name === 'day' ? 2 : 1.6;
+    kLight.copy(theme.name === 'day' ? kDaylight : kNightlight);
+    [this.ambient.intensity, this.sun.intensity] = [kLight.x, kLight.y];
     this.rebuild(now, now - this.jumped < kArrives);
     this.move();
     renderer.render(this.world, this.camera);
     this.tell();
+  }
+
+  /** All of them only where they are looked at, and can be drawn. */
+  private askForVoxels(visible: boolean): void {
+    const { model } = this.shared;
+    let count = 0;
+    for (const { item } of model.cubes.values()) count += item.count;
+    const all = visible && this.boxes.voxels.checked && count <= kVoxelsEach * this.voxels.most;
+    const wanted = `${all} ${model.revision[0]}`;
+    if (wanted === this.wanted || (!all && !this.wanted.startsWith('true'))) return;
+    if (!this.shared.wantVoxels(all)) return; // all come in any case, or nobody is there
+    this.wanted = wanted;
+    if (!all) model.dropVoxels();
   }
 
   get behind(): boolean {
@@ -215,7 +235,7 @@ export class SpaceView implements View {
   private rebuild(now: number, atOnce: boolean): void {
     const { model, theme } = this.shared;
     const stretch = this.stretch;
-    const revisions = [Kind.voxels, Kind.depth, Kind.scene].map((kind) => model.revision[kind]);
+    const revisions = [Kind.voxels, Kind.cubes, Kind.depth, Kind.scene].map((kind) => model.revision[kind]);
     const look = `${revisions.join()} ${theme.revision}`;
     if (look === this.built) return;
     if (!atOnce && now - this.rebuilt < kRebuild) {
@@ -231,14 +251,9 @@ export class SpaceView implements View {
       this.spreadSea(extent);
       if (!this.placed) this.lookAt(extent);
     }
-    const cubes = `${model.revision[Kind.voxels]} ${theme.revision}`;
-    const before = this.voxels.mesh;
-    const mesh = cubes === this.cubed ? before : this.voxels.build(model, theme);
+    const cubes = `${model.revision[Kind.voxels]} ${model.revision[Kind.cubes]} ${theme.revision}`;
+    if (cubes !== this.cubed) this.voxels.build(model, theme);
     this.cubed = cubes;
-    if (mesh !== before) {
-      this.stretched.remove(before);
-      this.stretched.add(mesh);
-    }
     const more = this.surface.build(model, theme, this.deepest);
     this.stretched.scale.set(1, 1, stretch);
     if (more) {
@@ -248,7 +263,7 @@ export class SpaceView implements View {
     } else {
       this.built = look;
     }
-    mesh.visible = this.boxes.voxels.checked;
+    this.voxels.mesh.visible = this.boxes.voxels.checked;
     this.surface.group.visible = this.boxes.bottom.checked;
     this.sea.visible = this.boxes.water.checked;
     this.sea.material.color.set(theme.paint.track);
@@ -264,7 +279,7 @@ export class SpaceView implements View {
     } of model.scene?.mission ?? [])
       extent.add(n, e, depth ?? 0);
     if (model.vehicle) extent.add(model.vehicle.north, model.vehicle.east, model.vehicle.down);
-    for (const { item } of model.voxels.values()) {
+    for (const { item } of [...model.voxels.values(), ...model.cubes.values()]) {
       const [n, e, d] = item.corner.map((v) => v * item.size) as [number, number, number];
       extent.add(n, e, d);
       extent.add(n + 16 * item.size, e + 16 * item.size, d);

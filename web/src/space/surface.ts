@@ -1,16 +1,23 @@
 /** The depth map as a surface: a mesh a tile, made again when its tile, the scale or the theme has changed. */
-import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, MeshLambertMaterial } from 'three';
+import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, ShaderMaterial } from 'three';
 import type { Model, Revised } from '../model';
 import type { DepthTile } from '../protocol';
 import type { Theme } from '../theme';
 import { put } from './frame';
+import { lightUniforms, shadedFragment, shadeInVertex } from './shading';
 
-/** What the light has of a byte of the screen. */
-const kLinear = Float32Array.from({ length: 256 }, (_, byte) => (byte / 255) ** 2.2);
 /** Points a side of a tile: finer is not seen, coarser says nothing. */
 const [kMostSide, kLeastSide] = [128, 8];
 /** ms a frame for tiles. */
 const kBuilds = 40;
+
+const kVertex = `
+attribute vec3 tint;
+${shadeInVertex}
+void main() {
+  shade(tint, normal);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`;
 
 interface Tile {
   revision: number;
@@ -23,11 +30,13 @@ export class Surface {
   /** Points of all tiles together, about. */
   most = 600_000;
   private readonly tiles = new Map<string, Tile>();
-  private readonly material = new MeshLambertMaterial({
-    vertexColors: true,
+  private readonly material = new ShaderMaterial({
+    uniforms: lightUniforms(0.92),
+    vertexShader: kVertex,
+    fragmentShader: shadedFragment,
     side: DoubleSide,
+    forceSinglePass: true,
     transparent: true,
-    opacity: 0.92,
   });
 
   /** As many tiles as a frame has time for, so that it stays a frame. True: there is more to do. */
@@ -86,7 +95,7 @@ function shape(
   const step = Math.max(1, Math.ceil(tile.side / finest));
   const side = Math.ceil(tile.side / step) + 1;
   const places = new Float32Array(3 * side * side);
-  const colours = new Float32Array(3 * side * side);
+  const colours = new Uint8Array(3 * side * side);
   const known = new Uint8Array(side * side);
   const table = theme.paint.depth;
   const grey = theme.name === 'day' ? 190 : 40;
@@ -105,7 +114,7 @@ function shape(
       // Less sure is greyer.
       const sure = 0.45 + 0.55 * Math.sqrt(Math.min(1, from.confidence[at]! / 20));
       for (let k = 0; k < 3; ++k)
-        colours[3 * i + k] = kLinear[Math.round(sure * ((word >> (8 * k)) & 255) + (1 - sure) * grey)]!;
+        colours[3 * i + k] = Math.round(sure * ((word >> (8 * k)) & 255) + (1 - sure) * grey);
     }
   }
   const corners: number[] = [];
@@ -123,7 +132,7 @@ function shape(
   }
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(places, 3));
-  geometry.setAttribute('color', new BufferAttribute(colours, 3));
+  geometry.setAttribute('tint', new BufferAttribute(colours, 3, true));
   geometry.setIndex(corners);
   geometry.computeVertexNormals();
   return geometry;

@@ -1,14 +1,35 @@
-/** The voxels as cubes of one mesh. */
-import { BoxGeometry, Color, InstancedBufferAttribute, InstancedMesh, MeshLambertMaterial } from 'three';
+/**
+ * The voxels as cubes of one mesh. Of a cube only the three sides towards the eye can be seen: only they are drawn, as
+ * the three of one corner, which is turned to the eye. Places and colours are read from textures by the number of the
+ * vertex: who draws in software does an instance at a time, at twenty times the cost.
+ */
+import {
+  BufferGeometry,
+  DataTexture,
+  DoubleSide,
+  FloatType,
+  Mesh,
+  RGBAFormat,
+  ShaderMaterial,
+  UnsignedByteType,
+  Vector3,
+} from 'three';
 import { rgbOf, tables } from '../colours';
 import type { Model } from '../model';
 import type { Theme } from '../theme';
+import { lightUniforms, shadeInVertex, shadedFragment } from './shading';
 import { kCell, VoxelShell } from './voxel_shell';
 
 export type VoxelColour = 'depth' | 'probability';
+/** Texels of a row. */
+const kRow = 1024;
+/** Vertices of a cube: three sides of two triangles. */
+const kVertices = 18;
+/** Of an edge: so much is drawn, the rest parts the cubes. */
+const kDrawn = 0.96;
 
 export class VoxelMesh {
-  mesh: InstancedMesh;
+  readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
   colour: VoxelColour = 'depth';
   /** Cubes: more than that is more than a screen shows, and a laptop draws. */
   most = 300_000;
@@ -20,56 +41,93 @@ export class VoxelMesh {
   /** Depths of the scale of colours, m. */
   range: [number, number] = [0, 1];
   private readonly shell = new VoxelShell();
-  private readonly material = new MeshLambertMaterial();
-  private readonly box = new BoxGeometry(1, 1, 1);
+  private places = texture(new Float32Array(4 * kRow), 1);
+  private tints = texture(new Uint8Array(4 * kRow), 1);
 
   constructor() {
-    this.mesh = this.room(1024);
+    const material = new ShaderMaterial({
+      uniforms: {
+        ...lightUniforms(),
+        eye: { value: new Vector3() },
+        places: { value: this.places },
+        tints: { value: this.tints },
+      },
+      vertexShader: kVertex,
+      fragmentShader: shadedFragment,
+      side: DoubleSide, // a corner that is turned is a corner seen in a mirror
+    });
+    this.mesh = new Mesh(new BufferGeometry(), material);
+    this.mesh.geometry.setDrawRange(0, 0);
+    this.mesh.frustumCulled = false;
+    this.mesh.onBeforeRender = (_renderer, _scene, camera) => {
+      this.mesh.worldToLocal(material.uniforms['eye']!.value.setFromMatrixPosition(camera.matrixWorld));
+    };
   }
 
-  /** Returns the mesh to be shown, which is another one when it had to grow. */
-  build(model: Model, theme: Theme): InstancedMesh {
+  build(model: Model, theme: Theme): void {
     const pieces = this.shell.of(model, this.most);
     const count = pieces.reduce((sum, cells) => sum + cells.length / kCell, 0);
-    if (count > this.mesh.instanceMatrix.count) {
-      this.mesh.dispose();
-      this.mesh = this.room(Math.ceil(count * 1.5));
-    }
+    this.reserve(count);
     this.range = rangeOf(pieces);
     const [low, high] = this.range;
-    const matrices = this.mesh.instanceMatrix.array;
-    const colours = this.mesh.instanceColor!.array;
-    const table = linear(theme.name === 'night' ? tables.ember : tables.viridis);
+    const places = this.places.image.data as Float32Array;
+    const tints = this.tints.image.data as Uint8Array;
+    const table = theme.name === 'night' ? tables.ember : tables.viridis;
     let i = 0;
     for (const cells of pieces) {
       for (let at = 0; at < cells.length; at += kCell, ++i) {
-        const [down, size] = [cells[at + 2]!, 0.96 * cells[at + 4]!];
-        const m = 16 * i; // the rest of a matrix stays nought
-        matrices[m] = matrices[m + 5] = matrices[m + 10] = size;
-        matrices[m + 12] = cells[at + 1]!;
-        matrices[m + 13] = cells[at]!;
-        matrices[m + 14] = -down;
-        matrices[m + 15] = 1;
+        const down = cells[at + 2]!;
+        places[4 * i] = cells[at + 1]!;
+        places[4 * i + 1] = cells[at]!;
+        places[4 * i + 2] = -down;
+        places[4 * i + 3] = kDrawn * cells[at + 4]!;
         // Shallow is light: it is what a keel meets first. Likely is light too.
         const share = this.colour === 'depth' ? 1 - (down - low) / (high - low) : (cells[at + 3]! - 0.5) * 2;
-        const entry = 3 * Math.min(255, Math.max(0, Math.round(30 + 225 * share)));
-        for (let k = 0; k < 3; ++k) colours[3 * i + k] = table[entry + k]!;
+        const word = table[Math.min(255, Math.max(0, Math.round(30 + 225 * share)))]!;
+        [tints[4 * i], tints[4 * i + 1], tints[4 * i + 2]] = rgbOf(word);
       }
     }
-    this.mesh.count = this.shown = count;
-    this.mesh.instanceMatrix.needsUpdate = true;
-    this.mesh.instanceColor!.needsUpdate = true;
-    return this.mesh;
+    this.places.needsUpdate = this.tints.needsUpdate = true;
+    this.mesh.geometry.setDrawRange(0, kVertices * count);
+    this.shown = count;
   }
 
-  private room(capacity: number): InstancedMesh {
-    const mesh = new InstancedMesh(this.box, this.material, capacity);
-    mesh.instanceColor = new InstancedBufferAttribute(new Float32Array(3 * capacity), 3);
-    mesh.count = 0;
-    mesh.frustumCulled = false;
-    return mesh;
+  private reserve(count: number): void {
+    if (count <= kRow * this.places.image.height) return;
+    this.places.dispose();
+    this.tints.dispose();
+    const rows = Math.ceil((1.5 * count) / kRow);
+    const { uniforms } = this.mesh.material;
+    uniforms['places']!.value = this.places = texture(new Float32Array(4 * kRow * rows), rows);
+    uniforms['tints']!.value = this.tints = texture(new Uint8Array(4 * kRow * rows), rows);
   }
 }
+
+function texture(data: Float32Array | Uint8Array, rows: number): DataTexture {
+  const type = data instanceof Float32Array ? FloatType : UnsignedByteType;
+  return new DataTexture(data, kRow, rows, RGBAFormat, type);
+}
+
+const kVertex = `
+uniform vec3 eye;
+uniform highp sampler2D places;
+uniform sampler2D tints;
+${shadeInVertex}
+const int kOrder[6] = int[6](0, 1, 2, 1, 3, 2);
+void main() {
+  int cube = gl_VertexID / ${kVertices};
+  int vertex = gl_VertexID - ${kVertices} * cube;
+  ivec2 texel = ivec2(cube & ${kRow - 1}, cube / ${kRow});
+  vec4 place = texelFetch(places, texel, 0);
+  vec3 turned = mix(vec3(-1.0), vec3(1.0), step(place.xyz, eye));
+  int side = vertex / 6;
+  int end = kOrder[vertex - 6 * side];
+  vec2 across = vec2(end & 1, end >> 1) - 0.5;
+  vec3 corner = side == 0 ? vec3(0.5, across) : side == 1 ? vec3(across.y, 0.5, across.x) : vec3(across, 0.5);
+  vec3 outward = vec3(side == 0, side == 1, side == 2);
+  shade(texelFetch(tints, texel, 0).rgb, outward * turned);
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(place.xyz + corner * turned * place.w, 1.0);
+}`;
 
 function rangeOf(pieces: readonly Float32Array[]): [number, number] {
   let [low, high] = [Infinity, -Infinity];
@@ -80,15 +138,4 @@ function rangeOf(pieces: readonly Float32Array[]): [number, number] {
     }
   }
   return low < high ? [low, high] : [0, 1];
-}
-
-/** Red, green, blue of a table as light adds them. */
-function linear(table: Uint32Array): Float32Array {
-  const colour = new Color();
-  const out = new Float32Array(3 * 256);
-  for (let i = 0; i < 256; ++i) {
-    const [r, g, b] = rgbOf(table[i]!);
-    colour.setRGB(r / 255, g / 255, b / 255, 'srgb').toArray(out, 3 * i);
-  }
-  return out;
 }

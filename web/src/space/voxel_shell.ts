@@ -1,113 +1,158 @@
 /**
- * The voxels that can be seen: those with nothing but neighbours round them are left out. What was found of a block is
- * kept until it or a block beside it changes.
+ * The voxels that can be seen: those with nothing but neighbours round them are left out. Of a region whose voxels have
+ * not come, or that a page did not ask for, its larger cubes stand for them. What was found of a block is kept until it
+ * or a block beside it changes.
  */
 import type { Model, Revised } from '../model';
-import type { VoxelBlock } from '../protocol';
+import { kCubeSide, type VoxelBlock } from '../protocol';
 
 /** Numbers a voxel: north, east, down of its middle, probability, size. */
 export const kCell = 5;
 const kSide = 16;
+const kLevels = Math.log2(kSide);
+const kCubeLevel = Math.log2(kCubeSide);
 const kSteps = [1, -1].flatMap((step) => [0, 1, 2].map((axis) => [0, 1, 2].map((k) => (k === axis ? step : 0))));
+/** Of a region's voxels; what came in the same message differs little. */
+const kNearlyAll = 0.9;
 
-interface Found {
-  revisions: string;
-  cells: Float32Array;
-  /** The same in cubes of 2, 4, ... voxels a side. */
-  coarse: Map<number, Float32Array>;
-}
 type Block = Revised<VoxelBlock>;
+interface Found {
+  block: Block;
+  /** Revisions of this block and of those beside it. */
+  revisions: readonly number[];
+  /** [k]: in cubes of 2^k voxels a side, as many as have one that can be seen. */
+  levels: Level[];
+}
+interface Level {
+  shades: Uint8Array;
+  /** As many numbers as kCell a cube that is there. */
+  cells: Float32Array;
+}
+/** One size of voxel. */
+class Layer {
+  private found = new Map<number, Found>();
 
-export class VoxelShell {
-  /** Voxels along an edge of the cubes that were told last. */
-  side = 1;
-  private found = new Map<string, Found>();
-  private readonly filled = new WeakMap<VoxelBlock, Uint8Array>();
-
-  /** By block; in larger cubes where there are more than `most`, so that none is left out. */
-  of(model: Model, most = Infinity): Float32Array[] {
+  look(blocks: Iterable<Block>): void {
     const places = new Map<number, Block>();
-    for (const block of model.voxels.values()) places.set(placeOf(block.item.corner), block);
-    const found = new Map<string, Found>();
-    for (const [key, block] of model.voxels) {
-      const beside = kSteps.map((step) => places.get(placeOf(block.item.corner.map((v, k) => v + kSide * step[k]!))));
-      const revisions = `${block.revision} ${beside.map((b) => b?.revision ?? 0).join()}`;
-      const known = this.found.get(key);
-      found.set(
-        key,
-        known?.revisions === revisions ? known : { revisions, cells: this.look(block, beside), coarse: new Map() },
-      );
+    for (const block of blocks) places.set(placeOf(block.item.corner), block);
+    const found = new Map<number, Found>();
+    for (const [place, block] of places) {
+      const [n, e, d] = block.item.corner;
+      const revisions = [block.revision];
+      for (const step of kSteps) {
+        const beside = places.get(placeOf([n + kSide * step[0]!, e + kSide * step[1]!, d + kSide * step[2]!]));
+        revisions.push(beside?.revision ?? 0);
+      }
+      const known = this.found.get(place);
+      const same = known && revisions.every((revision, i) => revision === known.revisions[i]);
+      found.set(place, same ? known : { block, revisions, levels: [] });
     }
     this.found = found;
-    for (let side = 1; ; side *= 2) {
-      const pieces = [...found.values()].map((block) => inCubes(block, side));
-      const count = pieces.reduce((sum, cells) => sum + cells.length / kCell, 0);
-      this.side = side;
-      if (count <= most || side === kSide) return pieces;
+  }
+
+  /** In cubes of 2^level voxels a side. */
+  *cells(level: number): Generator<Float32Array> {
+    for (const { block, levels } of this.found.values()) {
+      while (levels.length <= level) {
+        const finer = levels.at(-1)?.shades;
+        const shades = finer ? larger(finer, kSide >> levels.length) : this.seen(block.item);
+        levels.push({ shades, cells: cellsOf(block.item, shades, levels.length) });
+      }
+      yield levels[level]!.cells;
     }
   }
 
-  private look({ item }: Block, beside: readonly (Block | undefined)[]): Float32Array {
-    const here = this.fill(item);
-    const there = beside.map((block) => block && this.fill(block.item));
-    const { voxels, corner, count, size } = item;
-    const cells = new Float32Array(kCell * count);
-    let n = 0;
-    for (let v = 0; v < 4 * count; v += 4) {
-      const [x, y, z] = [voxels[v]!, voxels[v + 1]!, voxels[v + 2]!];
-      const i = indexOf(x, y, z);
+  private seen({ corner, shades }: VoxelBlock): Uint8Array {
+    const [north, east, below, south, west, above] = kSteps.map(
+      (step) => this.found.get(placeOf(corner.map((v, k) => v + kSide * step[k]!)))?.block.item.shades,
+    );
+    const out = new Uint8Array(shades.length);
+    for (let i = 0; i < shades.length; ++i) {
+      const shade = shades[i]!;
+      if (shade === 0) continue;
+      const [x, y, z] = [i & 0xf00, i & 0x0f0, i & 0x00f];
       // Across a side, the place in the next block differs in one coordinate only.
       const hidden =
-        (x < 15 ? here[i + 0x100] : there[0]?.[i & 0x0ff]) === 1 &&
-        (y < 15 ? here[i + 0x010] : there[1]?.[i & 0xf0f]) === 1 &&
-        (z < 15 ? here[i + 0x001] : there[2]?.[i & 0xff0]) === 1 &&
-        (x > 0 ? here[i - 0x100] : there[3]?.[i | 0xf00]) === 1 &&
-        (y > 0 ? here[i - 0x010] : there[4]?.[i | 0x0f0]) === 1 &&
-        (z > 0 ? here[i - 0x001] : there[5]?.[i | 0x00f]) === 1;
-      if (hidden) continue;
-      const to = kCell * n++;
-      cells[to] = (corner[0] + x + 0.5) * size;
-      cells[to + 1] = (corner[1] + y + 0.5) * size;
-      cells[to + 2] = (corner[2] + z + 0.5) * size;
-      cells[to + 3] = voxels[v + 3]! / 250;
-      cells[to + 4] = size;
+        (x < 0xf00 ? shades[i + 0x100] : north?.[i & 0x0ff]) &&
+        (y < 0x0f0 ? shades[i + 0x010] : east?.[i & 0xf0f]) &&
+        (z < 0x00f ? shades[i + 0x001] : below?.[i & 0xff0]) &&
+        (x > 0 ? shades[i - 0x100] : south?.[i | 0xf00]) &&
+        (y > 0 ? shades[i - 0x010] : west?.[i | 0x0f0]) &&
+        (z > 0 ? shades[i - 0x001] : above?.[i | 0x00f]);
+      if (!hidden) out[i] = shade;
     }
-    return cells.slice(0, kCell * n);
-  }
-
-  private fill(block: VoxelBlock): Uint8Array {
-    let filled = this.filled.get(block);
-    if (!filled) {
-      filled = new Uint8Array(kSide ** 3);
-      const { voxels } = block;
-      for (let v = 0; v < 4 * block.count; v += 4) filled[indexOf(voxels[v]!, voxels[v + 1]!, voxels[v + 2]!)] = 1;
-      this.filled.set(block, filled);
-    }
-    return filled;
+    return out;
   }
 }
 
-function inCubes({ cells, coarse }: Found, side: number): Float32Array {
-  if (side === 1) return cells;
-  let out = coarse.get(side);
-  if (out) return out;
-  const cubes = new Map<number, number>();
-  out = new Float32Array(cells.length);
-  let n = 0;
-  for (let at = 0; at < cells.length; at += kCell) {
-    const size = cells[at + 4]! * side;
-    const [x, y, z] = [0, 1, 2].map((k) => Math.floor(cells[at + k]! / size)) as [number, number, number];
-    const to = cubes.get(indexOf(x, y, z)) ?? kCell * n++;
-    cubes.set(indexOf(x, y, z), to);
-    out.set([(x + 0.5) * size, (y + 0.5) * size, (z + 0.5) * size, Math.max(out[to + 3]!, cells[at + 3]!), size], to);
+/** Eight in one, as likely as the likeliest; `across` of these a side. */
+function larger(finer: Uint8Array, across: number): Uint8Array {
+  const out = new Uint8Array(across ** 3);
+  const [two, row] = [2 * across, 4 * across * across];
+  for (let i = 0; i < finer.length; ++i) {
+    const shade = finer[i]!;
+    if (shade === 0) continue;
+    const x = (i / row) | 0;
+    const y = ((i / two) | 0) % two;
+    const to = ((x >> 1) * across + (y >> 1)) * across + ((i % two) >> 1);
+    if (out[to]! < shade) out[to] = shade;
   }
-  out = out.slice(0, kCell * n);
-  coarse.set(side, out);
   return out;
 }
 
-const indexOf = (x: number, y: number, z: number): number => ((x & 15) << 8) | ((y & 15) << 4) | (z & 15);
+function cellsOf({ corner, size }: VoxelBlock, shades: Uint8Array, level: number): Float32Array {
+  const across = kSide >> level;
+  const edge = size * 2 ** level;
+  let count = 0;
+  for (let i = 0; i < shades.length; ++i) if (shades[i] !== 0) ++count;
+  const cells = new Float32Array(kCell * count);
+  let to = 0;
+  for (let i = 0; i < shades.length; ++i) {
+    if (shades[i] === 0) continue;
+    cells[to++] = corner[0] * size + (((i / across / across) | 0) + 0.5) * edge;
+    cells[to++] = corner[1] * size + ((((i / across) | 0) % across) + 0.5) * edge;
+    cells[to++] = corner[2] * size + ((i % across) + 0.5) * edge;
+    cells[to++] = shades[i]! / 250;
+    cells[to++] = edge;
+  }
+  return cells;
+}
+
+export class VoxelShell {
+  /** Voxels along an edge of the largest cubes that were told last. */
+  side = 1;
+  private readonly voxels = new Layer();
+  private readonly cubes = new Layer();
+
+  /** By block; in larger cubes where there are more than `most`, so that none is left out. */
+  of(model: Model, most = Infinity): Float32Array[] {
+    const came = new Map<number, number>();
+    for (const { item } of model.voxels.values()) {
+      const region = regionOf(item);
+      came.set(region, (came.get(region) ?? 0) + item.count);
+    }
+    const inCubes = new Map<number, Block>();
+    for (const block of model.cubes.values()) {
+      const region = placeOf(block.item.corner);
+      if ((came.get(region) ?? 0) < kNearlyAll * block.item.count) inCubes.set(region, block);
+    }
+    this.voxels.look([...model.voxels.values()].filter(({ item }) => !inCubes.has(regionOf(item))));
+    this.cubes.look(inCubes.values());
+    for (let level = 0; ; ++level) {
+      const ofCubes = Math.max(0, level - kCubeLevel);
+      const pieces = [...this.voxels.cells(Math.min(level, kLevels)), ...this.cubes.cells(ofCubes)];
+      const count = pieces.reduce((sum, cells) => sum + cells.length / kCell, 0);
+      this.side = 2 ** (inCubes.size > 0 ? ofCubes + kCubeLevel : level);
+      if (count <= most || ofCubes === kLevels) return pieces;
+    }
+  }
+}
 
 /** 17 bits an axis, round nought: enough for a map of 30 km in quarters of a metre. */
-const placeOf = (corner: readonly number[]): number =>
-  ((corner[0]! & 0x1ffff) * 0x20000 + (corner[1]! & 0x1ffff)) * 0x20000 + (corner[2]! & 0x1ffff);
+function placeOf(corner: readonly number[]): number {
+  return ((corner[0]! & 0x1ffff) * 0x20000 + (corner[1]! & 0x1ffff)) * 0x20000 + (corner[2]! & 0x1ffff);
+}
+/** Where the cubes of a block's voxels are. */
+function regionOf({ corner }: VoxelBlock): number {
+  return placeOf(corner.map((v) => Math.floor(v / (kCubeSide * kSide)) * kSide));
+}
