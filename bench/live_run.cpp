@@ -189,11 +189,14 @@ class Vehicle : public ResultSink {
   DisplayScene scene_;
 };
 
-/// Reads all that comes, and counts it.
+constexpr const char* kWantsVoxels = R"({"ask": "detail", "voxels": "all"})";
+
+/// Shows the view in space: asks for all voxels, reads all that comes, and counts it.
 class Reader {
  public:
   explicit Reader(int port)
       : page_(port), thread_([this] {
+          page_.say(kWantsVoxels);
           while (const auto message = page_.next()) bytes_ += message->size();
         }) {}
   std::uint64_t bytes() {
@@ -230,6 +233,7 @@ Round sail(const Log& log, const Configuration& configuration, bool with_pages) 
   std::vector<std::unique_ptr<Reader>> readers;
   if (with_pages) {
     stalled.emplace(server.port(), "", 4096);
+    stalled->say(kWantsVoxels);
     for (int i = 0; i < kReaders; ++i) readers.push_back(std::make_unique<Reader>(server.port()));
   }
 

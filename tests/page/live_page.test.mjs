@@ -70,6 +70,46 @@ test('a simulated mission is seen as it runs, its past as it was, and by two pag
   assert.equal(await program.end(), 0);
 });
 
+test('voxels come to a page that shows them, and are drawn', async () => {
+  const scene = source('scenarios/bridge.toml');
+  const program = await serve('bridge', scene, '--port', '0', '--speed', '8', '--set', 'simulation.duration_s=40');
+  const page = await open('about:blank');
+  await page.addInitScript(() => {
+    const seen = (window.seen = { kinds: new Set(), asked: [] });
+    const Socket = window.WebSocket;
+    window.WebSocket = class extends Socket {
+      constructor(...address) {
+        super(...address);
+        this.addEventListener('message', ({ data }) => {
+          const view = new DataView(data);
+          for (let at = 0; at + 24 <= data.byteLength; at += 24 + 8 * Math.ceil(view.getUint32(at + 4, true) / 8)) {
+            seen.kinds.add(view.getUint8(at));
+          }
+        });
+      }
+      send(text) {
+        seen.asked.push(text);
+        super.send(text);
+      }
+    };
+  });
+  await page.goto(program.url);
+  await state(page, 'open');
+  await page.waitForFunction(() => window.seen.kinds.has(16)); // cubes
+  assert.equal(await page.evaluate(() => window.seen.kinds.has(11)), false, 'the chart needs no voxels');
+  await page.click('#tab-space');
+  await page.waitForFunction(() => window.seen.kinds.has(11));
+  await page.waitForFunction(() => Number(document.querySelector('#space-canvas').dataset.voxels) > 100);
+  await page.waitForFunction(() => /[0-9] voxels/.test(document.querySelector('#space-readout').textContent));
+  assert.doesNotMatch(await page.textContent('#space-readout'), /cubes/);
+  await picture(page, 'voxels-1400');
+  await page.click('#tab-sonar');
+  await page.waitForFunction(() => /cubes/.test(window.seen.asked.at(-1)));
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+  await program.end();
+});
+
 test('a fault appears in the panel and in the banner', async () => {
   const program = await serve('fault', source('scenarios/faults/sonar_silent.toml'), '--port', '0', '--speed', '8');
   const page = await open(program.url);
