@@ -1,4 +1,7 @@
-/** The depth map as a surface: a mesh a tile, made again when its tile, the scale or the theme has changed. */
+/**
+ * The depth map as a surface. A tile's piece of it is made again when the tile, the scale or the theme has changed, and
+ * drawn in one mesh with those round it: hundreds of small meshes take longer to draw than their points.
+ */
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, ShaderMaterial } from 'three';
 import type { Model, Revised } from '../model';
 import type { DepthTile } from '../protocol';
@@ -19,10 +22,25 @@ void main() {
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 
+/** Tiles along a side of a mesh. */
+const kTogether = 4;
+
 interface Tile {
   revision: number;
   look: string;
+  sheet: string;
+  piece: Piece;
+}
+interface Piece {
+  places: Float32Array;
+  normals: Float32Array;
+  tints: Uint8Array;
+  corners: ArrayLike<number>;
+}
+interface Sheet {
   mesh: Mesh<BufferGeometry>;
+  tiles: Set<string>;
+  stale: boolean;
 }
 
 export class Surface {
@@ -30,6 +48,7 @@ export class Surface {
   /** Points of all tiles together, about. */
   most = 600_000;
   private readonly tiles = new Map<string, Tile>();
+  private readonly sheets = new Map<string, Sheet>();
   private readonly material = new ShaderMaterial({
     uniforms: lightUniforms(0.92),
     vertexShader: kVertex,
@@ -46,37 +65,71 @@ export class Surface {
     const share = 2 ** Math.floor(Math.log2(Math.sqrt(this.most / Math.max(1, model.depth.size))));
     const finest = Math.min(kMostSide, Math.max(kLeastSide, share));
     const look = `${theme.name} ${deepest} ${finest}`;
-    for (const [key, { mesh }] of this.tiles) {
+    for (const [key, { sheet }] of this.tiles) {
       if (model.depth.has(key)) continue;
-      this.group.remove(mesh);
-      mesh.geometry.dispose();
+      const { tiles } = this.sheetOf(sheet);
+      tiles.delete(key);
       this.tiles.delete(key);
     }
+    let more = false;
     for (const [key, { item, revision }] of model.depth) {
       const known = this.tiles.get(key);
       const beside = neighbours(model, item);
       const joined = `${look} ${beside.map((tile) => tile?.revision ?? 0).join()}`;
       if (known?.revision === revision && known.look === joined) continue;
-      if (performance.now() > until) return true;
-      const geometry = shape(
-        item,
-        beside.map((tile) => tile?.item),
-        theme,
-        deepest,
-        finest,
-      );
-      if (known) {
-        known.mesh.geometry.dispose();
-        known.mesh.geometry = geometry;
-        Object.assign(known, { revision, look: joined });
+      if ((more = performance.now() > until)) break;
+      const sheet = `${Math.floor(item.row / kTogether)},${Math.floor(item.column / kTogether)}`;
+      this.sheetOf(sheet).tiles.add(key);
+      const ends = beside.map((tile) => tile?.item);
+      this.tiles.set(key, { revision, look: joined, sheet, piece: shape(item, ends, theme, deepest, finest) });
+    }
+    for (const [key, sheet] of this.sheets) {
+      if (!sheet.stale) continue;
+      sheet.stale = false;
+      sheet.mesh.geometry.dispose();
+      if (sheet.tiles.size === 0) {
+        this.group.remove(sheet.mesh);
+        this.sheets.delete(key);
       } else {
-        const mesh = new Mesh(geometry, this.material);
-        this.group.add(mesh);
-        this.tiles.set(key, { revision, look: joined, mesh });
+        sheet.mesh.geometry = joinedPieces([...sheet.tiles].map((tile) => this.tiles.get(tile)!.piece));
       }
     }
-    return false;
+    return more;
   }
+
+  /** To be changed. */
+  private sheetOf(key: string): Sheet {
+    let sheet = this.sheets.get(key);
+    if (!sheet) {
+      sheet = { mesh: new Mesh(new BufferGeometry(), this.material), tiles: new Set(), stale: true };
+      this.sheets.set(key, sheet);
+      this.group.add(sheet.mesh);
+    }
+    sheet.stale = true;
+    return sheet;
+  }
+}
+
+function joinedPieces(pieces: readonly Piece[]): BufferGeometry {
+  const points = pieces.reduce((sum, { places }) => sum + places.length / 3, 0);
+  const count = pieces.reduce((sum, { corners }) => sum + corners.length, 0);
+  const [places, normals] = [new Float32Array(3 * points), new Float32Array(3 * points)];
+  const tints = new Uint8Array(3 * points);
+  const corners = new Uint32Array(count);
+  let [first, at] = [0, 0];
+  for (const piece of pieces) {
+    places.set(piece.places, 3 * first);
+    normals.set(piece.normals, 3 * first);
+    tints.set(piece.tints, 3 * first);
+    for (let i = 0; i < piece.corners.length; ++i) corners[at++] = first + piece.corners[i]!;
+    first += piece.places.length / 3;
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(places, 3));
+  geometry.setAttribute('normal', new BufferAttribute(normals, 3));
+  geometry.setAttribute('tint', new BufferAttribute(tints, 3, true));
+  geometry.setIndex(new BufferAttribute(corners, 1));
+  return geometry;
 }
 
 /** To the north, the east and the north-east: the surface goes on to their first points, so that no gap is left. */
@@ -91,11 +144,11 @@ function shape(
   theme: Theme,
   deepest: number,
   finest: number,
-): BufferGeometry {
+): Piece {
   const step = Math.max(1, Math.ceil(tile.side / finest));
   const side = Math.ceil(tile.side / step) + 1;
   const places = new Float32Array(3 * side * side);
-  const colours = new Uint8Array(3 * side * side);
+  const tints = new Uint8Array(3 * side * side);
   const known = new Uint8Array(side * side);
   const table = theme.paint.depth;
   const grey = theme.name === 'day' ? 190 : 40;
@@ -114,7 +167,7 @@ function shape(
       // Less sure is greyer.
       const sure = 0.45 + 0.55 * Math.sqrt(Math.min(1, from.confidence[at]! / 20));
       for (let k = 0; k < 3; ++k)
-        colours[3 * i + k] = Math.round(sure * ((word >> (8 * k)) & 255) + (1 - sure) * grey);
+        tints[3 * i + k] = Math.round(sure * ((word >> (8 * k)) & 255) + (1 - sure) * grey);
     }
   }
   const corners: number[] = [];
@@ -132,8 +185,7 @@ function shape(
   }
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(places, 3));
-  geometry.setAttribute('tint', new BufferAttribute(colours, 3, true));
   geometry.setIndex(corners);
   geometry.computeVertexNormals();
-  return geometry;
+  return { places, normals: geometry.getAttribute('normal').array as Float32Array, tints, corners };
 }
