@@ -151,7 +151,8 @@ function shape(
   const tints = new Uint8Array(3 * side * side);
   const known = new Uint8Array(side * side);
   const table = theme.paint.depth;
-  const grey = theme.name === 'day' ? 190 : 40;
+  // Of a table's entries the last are as dark as the night round them.
+  const [darkest, grey] = theme.name === 'day' ? [230, 190] : [120, 70];
   for (let row = 0; row < side; ++row) {
     for (let column = 0; column < side; ++column) {
       const i = row * side + column;
@@ -163,7 +164,7 @@ function shape(
       known[i] = Number.isNaN(depth) ? 0 : 1;
       if (!known[i] || !from) continue;
       put(places, i, from.north + (y + 0.5) * from.pixel, from.east + (x + 0.5) * from.pixel, depth);
-      const word = table[Math.min(255, Math.max(0, Math.round((255 * depth) / deepest)))]!;
+      const word = table[Math.min(255, Math.max(0, Math.round((darkest * depth) / deepest)))]!;
       // Less sure is greyer.
       const sure = 0.45 + 0.55 * Math.sqrt(Math.min(1, from.confidence[at]! / 20));
       for (let k = 0; k < 3; ++k)
