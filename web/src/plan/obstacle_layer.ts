@@ -17,22 +17,44 @@ import type { Tracked } from './obstacle_tracks';
 const kSure = 0.5;
 /** s without a sight of it until it is as pale as it gets. */
 const kPale = 120;
+const kCrowd = 60;
+const kNamedOfACrowd = 12;
 
 export function drawObstacles(pen: Pen, model: Model, pointed: Tracked | null): void {
-  const { scale } = pen.camera;
-  const named = scale <= (model.obstacles.length > 60 ? 0.06 : 0.4);
+  const named = namesFor(pen, model);
   for (const { id, trail } of model.obstacles) if (id !== undefined) drawTrailOf(pen, trail);
   for (const obstacle of model.obstacles) {
     if (obstacle.outline.length === 0) continue;
     const unseen = Math.max(0, model.now - (obstacle.seen ?? model.now));
     const colour = obstacle.id !== undefined ? drawRemembered(pen, obstacle, unseen) : drawSeen(pen, obstacle);
-    if (!named) continue;
+    if (!named.has(obstacle)) continue;
     const [north, east] = middle(obstacle.outline);
     const above = pen.camera.y(north, east) - spread(pen, obstacle.outline) / 2 - 10;
-    const text = nameOf(obstacle, unseen, scale < 0.18);
+    const text = nameOf(obstacle, unseen, pen.camera.scale < 0.18);
     if (text) label(pen, text, pen.camera.x(north, east), above, colour);
   }
   if (pointed) point(pen, pointed);
+}
+
+/** Each number once; of a crowd, seen from afar, the nearest numbers to the vehicle only. */
+function namesFor({ camera }: Pen, { obstacles, vehicle }: Model): Set<Obstacle> {
+  if (camera.scale > 0.4) return new Set();
+  const drawn = obstacles.filter(({ outline }) => outline.length > 0);
+  const byNumber = new Map<number, Obstacle>();
+  for (const o of drawn) {
+    const number = o.id ?? o.of;
+    if (number !== undefined && !byNumber.has(number)) byNumber.set(number, o);
+  }
+  const numbered = [...byNumber.values()];
+  if (drawn.length <= kCrowd || camera.scale <= 0.06) {
+    return new Set([...numbered, ...drawn.filter((o) => (o.id ?? o.of) === undefined)]);
+  }
+  if (!vehicle) return new Set(numbered.slice(0, kNamedOfACrowd));
+  const far = ({ outline }: Obstacle) => {
+    const [north, east] = middle(outline);
+    return Math.hypot(north - vehicle.north, east - vehicle.east);
+  };
+  return new Set(numbered.sort((a, b) => far(a) - far(b)).slice(0, kNamedOfACrowd));
 }
 
 function nameOf({ id, of, margin, existence, range, seen }: Obstacle, unseen: number, near: boolean): string {
