@@ -1,5 +1,5 @@
 // What isobath_vdb.so takes: the module that links OpenVDB, so that only who writes a .vdb file loads it. OpenVDB has
-// fifty thousand places to be filled in when it is loaded, which is a third of the time that a program takes to start.
+// fifty thousand places to be filled in when it is loaded.
 //
 // Plain data on both sides; the module knows nothing else of Isobath. It is found where the loader looks for libraries
 // on behalf of the program (its RUNPATH, LD_LIBRARY_PATH, the system's folders); `isobath` looks in ../lib/isobath.
