@@ -89,9 +89,13 @@ test('an obstacle that is remembered says by its number since when it is known a
   await tape.until(/written to/);
   const page = await open(tape.url);
   await state(page, 'open');
-  const all = async (p) =>
-    ((await p.getAttribute('#plan-canvas', 'data-obstacles')) ?? '').split(';').map((one) => one.split(' ').map(Number));
-  const told = /^Obstacle (\d+): known for [\d.]+ (s|min), last seen [\d.]+ (s|min) ago, [\d.]+ m away, bearing (\d{3}|–)°, margin [\d.]+ m$/;
+  const all = async (p) => {
+    const told = (await p.getAttribute('#plan-canvas', 'data-obstacles')) ?? '';
+    return told.split(';').map((one) => one.split(' ').map(Number));
+  };
+  const ages = 'known for [\\d.]+ (s|min), last seen [\\d.]+ (s|min) ago';
+  const where = '[\\d.]+ m away, bearing (\\d{3}|–)°, margin [\\d.]+ m';
+  const told = new RegExp(`^Obstacle \\d+: ${ages}, ${where}$`);
   const says = (p, id) =>
     p.waitForFunction(
       (n) => document.querySelector('#plan-readout').firstChild?.textContent.startsWith(`Obstacle ${n}:`),
