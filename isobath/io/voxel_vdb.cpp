@@ -1,47 +1,33 @@
-#include <isobath/base/error.hpp>
-#include <isobath/io/voxel_vdb.hpp>
-#ifdef ISOBATH_HAS_OPENVDB
 #include <array>
 #include <cmath>
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fstream>
+#include <isobath/base/error.hpp>
+#include <isobath/io/vdb/vdb_module.hpp>
+#include <isobath/io/voxel_vdb.hpp>
 #include <isobath/map/seen_voxels.hpp>
-#include <openvdb/openvdb.h>
-#endif
+#include <string>
+#include <vector>
 
 namespace isobath {
-
-#ifdef ISOBATH_HAS_OPENVDB
-
 namespace {
 
-openvdb::FloatGrid::Ptr grid_of(const VoxelMap& map) {
-  const VoxelMapConfig& config = map.config();
-  const auto grid = openvdb::FloatGrid::create(static_cast<float>(std::log(config.prior / (1 - config.prior))));
-  const double edge = map.voxel_m();
-  const auto place = openvdb::math::Transform::createLinearTransform(edge);
-  place->postTranslate(openvdb::Vec3d(edge / 2));
-  grid->setTransform(place);
-  grid->setName("log_odds");
-  std::string sensors;
-  for (const std::string& sensor : map.sensors()) sensors += (sensors.empty() ? "" : ", ") + sensor;
-  grid->insertMeta("axes", openvdb::StringMetadata("x east, y north, z up, metres"));
-  grid->insertMeta("quantity", openvdb::StringMetadata("natural logarithm of the odds that a voxel is occupied"));
-  grid->insertMeta("sensors", openvdb::StringMetadata(sensors));
-  grid->insertMeta("prior", openvdb::DoubleMetadata(config.prior));
-  grid->insertMeta("occupied_from", openvdb::DoubleMetadata(config.occupied));
-  grid->insertMeta("free_to", openvdb::DoubleMetadata(config.free));
-
-  auto writer = grid->getAccessor();
-  for_each_seen(map, [&](const VoxelIndex& v) {
-    writer.setValueOn({v.y(), v.x(), -v.z() - 1}, static_cast<float>(map.log_odds(v)));
-  });
-  return grid;
+WriteVdb* vdb_writer() {
+#ifdef ISOBATH_HAS_OPENVDB
+  static WriteVdb* const writer = [] {
+    void* module = dlopen("isobath_vdb.so", RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    return module ? reinterpret_cast<WriteVdb*>(dlsym(module, "isobath_write_vdb")) : nullptr;
+  }();
+  return writer;
+#else
+  return nullptr;
+#endif
 }
 
 /// Every archive carries a random tag, a UUID as text, by which OpenVDB tells whether a file was exchanged while parts
 /// of it wait to be loaded. Here it is made from the map, so that one map is one file.
-void settle_tag(const std::filesystem::path& file, const openvdb::FloatGrid& grid) {
+void settle_tag(const std::filesystem::path& file, std::size_t voxels) {
   constexpr int kTagAt = 8 + 4 + 4 + 4 + 1;  // magic, versions of file and library, whether offsets follow
   constexpr std::size_t kTagSize = 36;
   std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
@@ -50,7 +36,7 @@ void settle_tag(const std::filesystem::path& file, const openvdb::FloatGrid& gri
   for (const std::size_t dash : {8u, 13u, 18u, 23u}) {
     if (!bytes || tag[dash] != '-') throw Error("OpenVDB has written a header of a kind that is not known here");
   }
-  const std::string own = fmt::format("00000000-0000-0000-0000-{:012x}", grid.activeVoxelCount() & 0xFFFFFFFFFFFF);
+  const std::string own = fmt::format("00000000-0000-0000-0000-{:012x}", voxels & 0xFFFFFFFFFFFF);
   bytes.seekp(kTagAt).write(own.data(), kTagSize);
   bytes.close();
   if (!bytes) throw Error("cannot be written", {file.string()});
@@ -58,28 +44,40 @@ void settle_tag(const std::filesystem::path& file, const openvdb::FloatGrid& gri
 
 }  // namespace
 
-bool has_openvdb() { return true; }
+bool has_openvdb() { return vdb_writer() != nullptr; }
 
 void write_vdb(const VoxelMap& map, const std::filesystem::path& file) {
-  openvdb::initialize();
-  try {
-    const openvdb::FloatGrid::Ptr grid = grid_of(map);
-    openvdb::io::File(file.string()).write({grid});
-    settle_tag(file, *grid);
-  } catch (const openvdb::Exception& e) {
-    throw Error(fmt::format("cannot be written: {}", e.what()), {file.string()});
+  WriteVdb* const write = vdb_writer();
+  if (!write) {
+    throw Error("cannot be written: this program was built without OpenVDB, or isobath_vdb.so is not found",
+                {file.string()}, {}, kVdbRemedy);
   }
+  const VoxelMapConfig& config = map.config();
+  std::string sensors;
+  for (const std::string& sensor : map.sensors()) sensors += (sensors.empty() ? "" : ", ") + sensor;
+  const std::vector<std::pair<std::string, std::string>> words = {
+      {"axes", "x east, y north, z up, metres"},
+      {"quantity", "natural logarithm of the odds that a voxel is occupied"},
+      {"sensors", sensors}};
+  const std::vector<std::pair<std::string, double>> numbers = {
+      {"prior", config.prior}, {"occupied_from", config.occupied}, {"free_to", config.free}};
+  std::vector<std::array<std::int32_t, 3>> places;
+  std::vector<float> values;
+  for_each_seen(map, [&](const VoxelIndex& v) {
+    places.push_back({v.y(), v.x(), -v.z() - 1});
+    values.push_back(static_cast<float>(map.log_odds(v)));
+  });
+  VdbGrid grid;
+  grid.name = "log_odds";
+  grid.edge_m = map.voxel_m();
+  grid.background = static_cast<float>(std::log(config.prior / (1 - config.prior)));
+  grid.words = words;
+  grid.numbers = numbers;
+  grid.places = places;
+  grid.values = values;
+  std::string why;
+  if (!write(grid, file.string(), why)) throw Error(fmt::format("cannot be written: {}", why), {file.string()});
+  settle_tag(file, places.size());
 }
-
-#else
-
-bool has_openvdb() { return false; }
-
-void write_vdb(const VoxelMap&, const std::filesystem::path& file) {
-  throw Error("cannot be written: this program was built without OpenVDB", {file.string()}, {},
-              "install libopenvdb-dev and build again");
-}
-
-#endif
 
 }  // namespace isobath

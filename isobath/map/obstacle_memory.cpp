@@ -107,7 +107,8 @@ bool ObstacleMemory::add(const MemorySweep& sweep) {
   const View view(sweep);
   const std::vector<Sighting> sightings = sightings_of(sweep);
   shift_ = shift_of(sightings);
-  for (const Sighting& s : sightings) take(s, view, sweep.time);
+  seen_as_.assign(sweep.obstacles.size(), 0);
+  for (const Sighting& s : sightings) seen_as_[s.number] = take(s, view, sweep.time);
   drop_contained();
   for (Entry& e : entries_) look_again(e, sightings, view);
   forget(sweep.time);
@@ -136,9 +137,11 @@ double ObstacleMemory::variance_since(const Entry& e) const {
 std::vector<ObstacleMemory::Sighting> ObstacleMemory::sightings_of(const MemorySweep& sweep) const {
   std::vector<Sighting> out;
   out.reserve(sweep.obstacles.size());
-  for (const Obstacle& o : sweep.obstacles) {
+  for (std::size_t i = 0; i < sweep.obstacles.size(); ++i) {
+    const Obstacle& o = sweep.obstacles[i];
     if (!usable(o.outline)) continue;
     Sighting s;
+    s.number = i;
     for (const Vector2d& p : o.outline) {
       s.outline_W.emplace_back((sweep.X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
     }
@@ -226,18 +229,18 @@ ObstacleMemory::Entry* ObstacleMemory::match(const Sighting& s) {
   return best;
 }
 
-void ObstacleMemory::take(const Sighting& s, const View& view, Time time) {
+std::uint32_t ObstacleMemory::take(const Sighting& s, const View& view, Time time) {
   if (Entry* known = match(s)) {
     see_again(*known, s, time);
     const double within = share_inside(s.samples, Vector2d::Zero(), known->seen.outline_W);
-    if (within >= kInside || grow(*known, s, view)) return;
+    if (within >= kInside || grow(*known, s, view)) return known->seen.id;
     // Free water between both, yet the same: it has drifted while it was watched.
     if (similar(s.area, known->area) && within >= 0.5) {
       set_outline(*known, s.outline_W);
-      return;
+      return known->seen.id;
     }
   }
-  if (s.doubtful) return;
+  if (s.doubtful) return 0;
   Entry fresh;
   fresh.seen.id = next_id_++;
   fresh.seen.first_seen = time;
@@ -245,6 +248,7 @@ void ObstacleMemory::take(const Sighting& s, const View& view, Time time) {
   set_outline(fresh, s.outline_W);
   stamp(fresh, time);
   entries_.push_back(std::move(fresh));
+  return entries_.back().seen.id;
 }
 
 void ObstacleMemory::stamp(Entry& e, Time time) const {
@@ -318,8 +322,8 @@ void ObstacleMemory::look_again(Entry& e, const std::vector<Sighting>& sightings
     free += !seen && view.is_free(view.to_grid(p));
   }
   const auto all = static_cast<double>(e.samples.size());
-  e.whole = static_cast<double>(shown + free) >= kExplained * all;
-  const bool clear = e.whole && fullest && static_cast<double>(free) >= kFreeInHull * all;
+  e.seen.whole = static_cast<double>(shown + free) >= kExplained * all;
+  const bool clear = e.seen.whole && fullest && static_cast<double>(free) >= kFreeInHull * all;
   e.clear_looks = clear ? e.clear_looks + 1 : 0;
   if (e.clear_looks < config_.clear_looks) return;
   set_outline(e, fullest->outline_W);
@@ -328,7 +332,7 @@ void ObstacleMemory::look_again(Entry& e, const std::vector<Sighting>& sightings
 
 // It was not seen: was it in view, wherever drift may have put it?
 void ObstacleMemory::look_for_missing(Entry& e, const View& view) const {
-  e.whole = false;
+  e.seen.whole = false;
   e.clear_looks = 0;
   const double sigma = std::sqrt(variance_since(e));
   if ((e.centre - view.here).norm() > view.reach + e.radius + kSpread * sigma) return;
@@ -368,6 +372,7 @@ void ObstacleMemory::drop_contained() {
       if ((large.centre - small.centre).norm() > large.radius) continue;
       if (share_inside(small.samples, Vector2d::Zero(), large.seen.outline_W) < kInside) continue;
       entries_[k].seen.sightings = std::max(large.seen.sightings, small.seen.sightings);
+      std::replace(seen_as_.begin(), seen_as_.end(), small.seen.id, large.seen.id);
       gone.push_back(i);
       break;
     }
@@ -397,13 +402,19 @@ void ObstacleMemory::forget(Time now) {
   std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) { return a.seen.id < b.seen.id; });
 }
 
-std::vector<RememberedObstacle> ObstacleMemory::remembered(const Vector2d& north_east, double radius_m) const {
+std::vector<RememberedObstacle> ObstacleMemory::known(const Vector2d& north_east, double radius_m) const {
   std::vector<RememberedObstacle> out;
   for (const Entry& e : entries_) {
-    if (e.seen.sightings < config_.confirmations || (e.sweep == sweeps_ && e.whole)) continue;
+    if (e.seen.sightings < config_.confirmations) continue;
     const double distance = (nearest_point(e.seen.outline_W, north_east) - north_east).norm();
     if (distance - e.seen.margin_m <= radius_m) out.push_back(e.seen);
   }
+  return out;
+}
+
+std::vector<RememberedObstacle> ObstacleMemory::remembered(const Vector2d& north_east, double radius_m) const {
+  std::vector<RememberedObstacle> out = known(north_east, radius_m);
+  std::erase_if(out, [](const RememberedObstacle& o) { return o.whole; });
   return out;
 }
 

@@ -81,6 +81,7 @@ struct RememberedObstacle {
   double existence = 0;
   int sightings = 0;
   Time first_seen, last_seen;
+  bool whole = false;  ///< the last sweep showed all of it
 };
 
 class ObstacleMemory {
@@ -90,11 +91,14 @@ class ObstacleMemory {
   /// Takes in a sweep. False, and nothing happens, where pose, sigma or time are not finite or time runs backwards.
   bool add(const MemorySweep& sweep);
 
-  /// Confirmed obstacles within `radius_m` of a place (north, east), margin included, that the last sweep did not show
-  /// whole: for planning. In order of id.
+  /// Confirmed obstacles within `radius_m` of a place (north, east), margin included. In order of id.
+  [[nodiscard]] std::vector<RememberedObstacle> known(const Eigen::Vector2d& north_east, double radius_m) const;
+  /// Those of them that the last sweep did not show whole: for planning.
   [[nodiscard]] std::vector<RememberedObstacle> remembered(const Eigen::Vector2d& north_east, double radius_m) const;
   /// All, in order of id, unconfirmed ones too.
   [[nodiscard]] std::vector<RememberedObstacle> all() const;
+  /// As which obstacle each of the last sweep was taken, by id; 0: as none.
+  [[nodiscard]] std::span<const std::uint32_t> seen_as() const { return seen_as_; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
   /// The drift that the last sweep has shown since what it saw was stored, in W, m; zero where it showed none.
   [[nodiscard]] const Eigen::Vector2d& shift() const { return shift_; }
@@ -113,13 +117,13 @@ class ObstacleMemory {
     double wander = 0, unmeasured = 0;     ///< of the memory then
     int clear_looks = 0;
     std::uint64_t sweep = 0;  ///< that last saw it
-    bool whole = false;       ///< that sweep showed all of it
   };
   struct Sighting {
     Polygon outline_W;
     Eigen::Vector2d centre;
     double radius = 0, area = 0, existence = 0;
-    bool doubtful = false;  ///< too weak to be taken in on its own
+    bool doubtful = false;   ///< too weak to be taken in on its own
+    std::size_t number = 0;  ///< in its sweep
     std::vector<Eigen::Vector2d> samples;
   };
   struct View;
@@ -130,7 +134,8 @@ class ObstacleMemory {
   [[nodiscard]] bool is_stale(const Entry& entry) const;
   [[nodiscard]] Eigen::Vector2d shift_of(const std::vector<Sighting>& sightings) const;
   [[nodiscard]] Entry* match(const Sighting& sighting);
-  void take(const Sighting& sighting, const View& view, Time time);
+  /// Returns the id of the obstacle that it is a sighting of; 0: of none.
+  std::uint32_t take(const Sighting& sighting, const View& view, Time time);
   void see_again(Entry& entry, const Sighting& sighting, Time time);
   [[nodiscard]] bool grow(Entry& entry, const Sighting& sighting, const View& view) const;
   void look_again(Entry& entry, const std::vector<Sighting>& sightings, const View& view) const;
@@ -142,6 +147,7 @@ class ObstacleMemory {
 
   ObstacleMemoryConfig config_;
   std::vector<Entry> entries_;  ///< in order of id
+  std::vector<std::uint32_t> seen_as_;
   std::uint32_t next_id_ = 1;
   std::uint64_t sweeps_ = 0;
   std::uint64_t refused_ = 0;

@@ -62,11 +62,11 @@ void FlsDetector::remember(const Sweep& sweep) {
   if (sweep.sigma_m > 0) seen.sigma_m = sweep.sigma_m;
   seen.obstacles = map.obstacles;
   seen.water = {map.cells, map.position, map.heading, map.free};
-  memory_.add(seen);
+  if (memory_.add(seen)) taken_in_ = sweep.number;
 }
 
 void FlsDetector::say_scan(Time time, const Pose& X_WL, bool posed, Outbox& out) {
-  ObstacleScan scan{++number_, time, X_WL, posed, seen_};
+  ObstacleScan scan{++number_, time, X_WL, posed, seen_, nullptr};
   const PlanFrame seen = PlanFrame::of(X_WL_seen_);
   const PlanFrame frame = PlanFrame::of(X_WL);
   const bool moved = seen.p_WP != frame.p_WP || seen.heading != frame.heading;
@@ -76,9 +76,13 @@ void FlsDetector::say_scan(Time time, const Pose& X_WL, bool posed, Outbox& out)
     }
   }
   if (posed) {
-    for (const RememberedObstacle& o : memory_.remembered(frame.p_WP, config_.memory_radius_m)) {
+    KnownObstacles known{taken_in_, memory_.known(frame.p_WP, config_.memory_radius_m), {}};
+    known.seen_as.assign(memory_.seen_as().begin(), memory_.seen_as().end());
+    for (const RememberedObstacle& o : known.obstacles) {
+      if (o.whole) continue;
       scan.hazards.push_back({to_local(frame, o.outline_W), o.margin_m, HazardKind::kRemembered, o.id});
     }
+    scan.known = std::make_shared<const KnownObstacles>(std::move(known));
     for (std::size_t i = 0; i < injected_.size(); ++i) {
       scan.hazards.push_back({to_local(frame, injected_[i]), 0, HazardKind::kInjected, static_cast<std::uint32_t>(i)});
     }

@@ -6,6 +6,7 @@
 //   remembered  what earlier sweeps confirmed and this one did not show whole, with the margin of the drift since
 //   injected    maps of the mission plan, from the time on for which they are given; the scan that first holds one has
 //               exactly that time, and the next pose that is known then
+// and all that is remembered around, seen again by this sweep or not, for whoever shows it.
 // Obstacles hidden by others, and those that may be echoes of a nearer one, are kept: one too many costs a detour, one
 // too few the vehicle. Only what is less probable than `least_existence` is left out.
 #pragma once
@@ -45,6 +46,7 @@ class FlsDetector final : public Agent {
   std::optional<Navigation> here_;
   Pose X_WL_seen_;            ///< of the last sweep
   std::vector<Hazard> seen_;  ///< in that frame
+  int taken_in_ = 0;          ///< the last sweep that is in the memory
   std::vector<Due> due_;      ///< in order of time
   std::vector<Polygon> injected_;
   int number_ = 0;

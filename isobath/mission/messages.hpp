@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/map/depth_field.hpp>
+#include <isobath/map/obstacle_memory.hpp>
 #include <isobath/map/space_grid.hpp>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
@@ -34,13 +35,21 @@ struct Sweep {
   std::shared_ptr<const Detection> map;  ///< never null
 };
 
+/// What is remembered around, whether or not the last sweep showed it; in W.
+struct KnownObstacles {
+  int sweep = 0;  ///< the last that was taken in
+  std::vector<RememberedObstacle> obstacles;
+  std::vector<std::uint32_t> seen_as;  ///< of each obstacle of that sweep, the id; 0: of none
+};
+
 /// FLSDetector -> Navigator: what is in the way: the last sweep, what is remembered, what a person injected.
 struct ObstacleScan {
   int number = 0;  ///< from 1
   Time time;
   Pose X_WL;  ///< of the instant of the sweep; the frame of `hazards`
   bool posed = true;
-  std::vector<Hazard> hazards;  ///< in L
+  std::vector<Hazard> hazards;                            ///< in L
+  std::shared_ptr<const KnownObstacles> known = nullptr;  ///< null: without a place
 };
 
 /// Map in three dimensions -> Navigator: the water around, where a sonar tells height; replaces what it said before.

@@ -1,5 +1,5 @@
+#include <algorithm>
 #include <cmath>
-#include <isobath/planning/plan_frame.hpp>
 #include <isobath/runtime/display.hpp>
 #include <isobath/runtime/display_bytes.hpp>
 #include <limits>
@@ -21,6 +21,9 @@ ordered_json tidy_m(double value) {
   if (!std::isfinite(value)) return nullptr;
   return std::round(value * 1e3) / 1e3;
 }
+
+/// To a tenth, of a second or a metre.
+double tidy_tenth(double value) { return std::round(value * 10) / 10; }
 
 ordered_json point_json(const Eigen::Vector2d& p) { return ordered_json::array({tidy_m(p.x()), tidy_m(p.y())}); }
 
@@ -140,6 +143,7 @@ void Display::on_scan(const ScanResult& scan) {
   const Detection& found = scan.detection;
   if (!vehicle_shown_) show_vehicle({found.time, found.X_WB, {}, {}, {}});  // nobody says where it is: it stands still
   maps_.show(found.time, scan.grid, found.X_WB);
+  scan_ = scan.number;
   const Pose X_WL = level(found.X_WB);
   seen_ = found.obstacles;
   for (Obstacle& o : seen_) {
@@ -148,21 +152,50 @@ void Display::on_scan(const ScanResult& scan) {
   show_obstacles(found.time);
 }
 
-/// What is seen has no name: the next scan finds it anew. What the crew remembers keeps its number.
+/// What is seen is found anew by the next scan, and says which of those that are remembered the crew took it for. What
+/// is remembered keeps its number.
 void Display::show_obstacles(Time time) {
+  if (!start_) start_ = time;
   ordered_json obstacles = ordered_json::array();
-  for (const Obstacle& o : seen_) {
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    const Obstacle& o = seen_[i];
     obstacles.push_back({{"outline", outline_json(o.outline)},
                          {"existence", tidy_m(o.existence)},
                          {"range_m", tidy_m(o.range_m)},
                          {"bearing_deg", tidy_m(o.bearing.wrapped_positive().degrees())},
                          {"hits", o.hits},
                          {"behind", o.behind}});
+    if (const auto id = taken_for(i)) obstacles.back()["of"] = *id;
   }
-  for (const Hazard& h : remembered_) {
-    obstacles.push_back({{"id", h.id}, {"outline", outline_json(h.outline)}, {"margin_m", tidy_m(h.margin_m)}});
+  if (known_) {
+    for (const RememberedObstacle& o : known_->obstacles) obstacles.push_back(remembered_json(o));
   }
   items_.set(DisplayKind::kObstacles, 0, time, display_text(obstacles));
+}
+
+/// An outline that the scan shows as well is not sent twice, and a trail of one place is none.
+nlohmann::ordered_json Display::remembered_json(const RememberedObstacle& o) const {
+  ordered_json json{{"id", o.id}};
+  if (!o.whole) json["outline"] = outline_json(o.outline_W);
+  json["margin_m"] = tidy_m(o.margin_m);
+  json["since_s"] = tidy_tenth(to_seconds(o.first_seen - *start_));
+  json["seen_s"] = tidy_tenth(to_seconds(o.last_seen - *start_));
+  const auto trail = trails_.of(o.id);
+  if (trail.size() < 2) return json;
+  json["trail"] = ordered_json::array();
+  for (const Eigen::Vector2d& p : trail) {
+    json["trail"].push_back(ordered_json::array({tidy_tenth(p.x()), tidy_tenth(p.y())}));
+  }
+  return json;
+}
+
+/// As which of the known obstacles the crew took one of the last scan.
+std::optional<std::uint32_t> Display::taken_for(std::size_t seen) const {
+  if (!known_ || known_->sweep != scan_ || seen >= known_->seen_as.size()) return std::nullopt;
+  const std::uint32_t id = known_->seen_as[seen];
+  const bool is_known = std::any_of(known_->obstacles.begin(), known_->obstacles.end(),
+                                    [id](const RememberedObstacle& o) { return o.id == id; });
+  return is_known ? std::optional(id) : std::nullopt;
 }
 
 void Display::on_jump(const Eigen::Vector3d& /*by_W*/) { maps_.voxels_moved(vehicle_shown_.value_or(Time{})); }
@@ -182,12 +215,8 @@ void Display::heard(const Envelope& envelope) {
     target_ = request->point;
     show_way(time);
   } else if (const auto* scan = std::get_if<ObstacleScan>(&envelope.message)) {
-    const PlanFrame frame = PlanFrame::of(scan->X_WL);
-    remembered_.clear();
-    for (const Hazard& h : scan->hazards) {
-      if (h.kind != HazardKind::kRemembered) continue;
-      for (Eigen::Vector2d& p : remembered_.emplace_back(h).outline) p = frame.to_world(p);
-    }
+    known_ = scan->known;
+    if (known_) trails_.take(*known_);
     show_obstacles(time);
   } else if (const auto* fault = std::get_if<SafetyReport>(&envelope.message)) {
     if (fault->active) {

@@ -17,9 +17,12 @@
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/map_display.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
+#include <isobath/runtime/obstacle_trails.hpp>
 #include <isobath/runtime/sonar_display.hpp>
 #include <isobath/runtime/voxel_model.hpp>
 #include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -80,6 +83,8 @@ class Display : public ResultSink {
   void show_vehicle(const Navigation& fix);
   void show_way(Time time);
   void show_obstacles(Time time);
+  [[nodiscard]] nlohmann::ordered_json remembered_json(const RememberedObstacle& obstacle) const;
+  [[nodiscard]] std::optional<std::uint32_t> taken_for(std::size_t seen) const;
 
   DisplayItems& items_;
   SonarDisplay sonars_;
@@ -92,8 +97,10 @@ class Display : public ResultSink {
   std::uint64_t places_ = 0;
   std::optional<Time> last_place_;
 
-  std::vector<Obstacle> seen_;      ///< of the last scan, outlines in W
-  std::vector<Hazard> remembered_;  ///< of earlier scans, as the crew knows them, outlines in W
+  std::vector<Obstacle> seen_;  ///< of the last scan, outlines in W
+  int scan_ = 0;                ///< its number
+  std::shared_ptr<const KnownObstacles> known_;
+  ObstacleTrails trails_;
 
   RoutePlanned way_;
   MissionReport mission_;

@@ -57,8 +57,8 @@ std::vector<Field> fields(VoxelModelConfig& c) {
 VoxelModel::VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file)
     : config_(config), spill_file_(std::move(spill_file)) {
   if (!config.vdb || has_openvdb()) return;
-  throw Error("this program was built without OpenVDB", {{}, {}, {}, {}, "voxels.vdb"}, "false",
-              "install libopenvdb-dev and build again");
+  throw Error("this program was built without OpenVDB, or isobath_vdb.so is not found", {{}, {}, {}, {}, "voxels.vdb"},
+              "false", kVdbRemedy);
 }
 
 double VoxelModel::voxel_for(double range_m) const {

@@ -161,20 +161,41 @@ TEST_F(Voxels, ForOpenVdbAreWrittenOrRefusedAtOnce) {
   }
 }
 
+/// A fan of 20 m, and 120 m of way.
+fs::path log_of_a_way(const fs::path& folder) {
+  fs::create_directories(folder);
+  NativeLogWriter log(folder / "way.mcap");
+  const auto fan = test::fan_of(40, Angle::degrees(-60), Angle::degrees(3));
+  for (int n = 0; n < 40; ++n) {
+    Navigation fix;
+    fix.time = Time(seconds(2.0 * n));
+    fix.X_WB.translation = {3.0 * n, 0, 5};
+    log.write(fix);
+    Ping ping = test::ping_of<float>(fan, {0, 0.2, 100}, [](int beam, int bin) {
+      return beam > 15 && beam < 25 && bin > 70 && bin < 74 ? 250.0 : 20.0 + (beam * 7 + bin * 13) % 5;
+    });
+    ping.time = fix.time;
+    log.write(ping);
+  }
+  log.close();
+  return folder / "way.mcap";
+}
+
 // ledger: S5-13 S5-60
 TEST_F(Voxels, OfAWindowForgetWhatIsFarBehind) {
-  ASSERT_EQ(
-      isobath_run(bridge_, out_ / "all", {"--set", "simulation.duration_s=8", "--set", "voxels.fit=false"}).exit_code,
-      0);
-  ASSERT_EQ(
-      isobath_run(bridge_, out_ / "near",
-                  {"--set", "simulation.duration_s=8", "--set", "voxels.fit=false", "--set", "voxels.window_m=90"})
-          .exit_code,
-      0);
-  const auto all = test::json_of(out_ / "all/manifest.json")["voxels"],
-             near = test::json_of(out_ / "near/manifest.json")["voxels"];
-  EXPECT_LE(near["blocks"], all["blocks"]);
-  EXPECT_EQ(all["voxel_m"], 0.25);
+  const fs::path log = log_of_a_way(out_.string() + "_log");
+  const auto voxels_of = [&](const char* name, const char* window) {
+    const std::vector<std::string> arguments{"run",   log,   "--out", out_ / name, "--set", "echoes.method=os_cfar",
+                                             "--set", window};
+    const ProgramResult run = test::isobath(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return test::json_of(out_ / name / "manifest.json")["voxels"];
+  };
+  const auto all = voxels_of("all", "voxels.window_m=0"), near = voxels_of("near", "voxels.window_m=25");
+  EXPECT_GT(all["blocks"], 0);
+  EXPECT_LT(near["blocks"], all["blocks"]);
+  EXPECT_LT(near["free"], all["free"]);
+  EXPECT_EQ(all["voxel_m"], near["voxel_m"]);
 }
 
 }  // namespace

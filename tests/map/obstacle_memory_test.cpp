@@ -357,6 +357,34 @@ TEST(ObstacleMemory, TakesInOnlyWhatWasConfirmed) {
 }
 
 // ledger: S6-66
+// ledger: S6-66
+TEST(ObstacleMemory, TellsAsWhichObstacleItTookEachOfASweep) {
+  ObstacleMemory memory;
+  const auto look = [&](double s, std::vector<Obstacle> seen) {
+    MemorySweep sweep;
+    sweep.time = t(s);
+    sweep.X_WL = at({0, 0});
+    sweep.obstacles = seen;
+    ASSERT_TRUE(memory.add(sweep));
+  };
+  look(1, {obstacle_of(box(10, 0, 1, 1)), obstacle_of(box(30, 0, 1, 1))});
+  ASSERT_EQ(memory.seen_as().size(), 2u);
+  const std::uint32_t first = memory.seen_as()[0], second = memory.seen_as()[1];
+  EXPECT_NE(first, second);
+  Obstacle doubtful = obstacle_of(box(-20, 0, 1, 1)), broken = obstacle_of({{0, 0}});
+  doubtful.possible_multiple = true;
+  look(2, {broken, obstacle_of(box(30.2, 0.1, 1, 1)), doubtful, obstacle_of(box(10, 0.3, 1, 1))});
+  EXPECT_EQ(std::vector(memory.seen_as().begin(), memory.seen_as().end()),
+            (std::vector<std::uint32_t>{0, second, 0, first}));
+  // one outline that holds both pieces of what was known: what is dropped as part of another is that other
+  look(3, {obstacle_of(box(50, 0, 1, 1)), obstacle_of(box(50, 4, 1, 1))});
+  look(4, {obstacle_of(box(50, 0, 1, 1)), obstacle_of(box(50, 4, 1, 1)), obstacle_of(box(50, 2, 1, 3.2))});
+  const auto all = memory.all();
+  for (const std::uint32_t id : memory.seen_as()) {
+    EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const RememberedObstacle& o) { return o.id == id; })) << id;
+  }
+}
+
 TEST(ObstacleMemory, IsBoundedAndNeverGivesAnIdTwice) {
   ObstacleMemoryConfig config;
   config.most = 20;

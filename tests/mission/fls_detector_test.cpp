@@ -91,6 +91,27 @@ TEST_F(FlsDetectorTest, RecallsWhatSweepsHaveConfirmedWhenTheVehicleComesBack) {
   EXPECT_TRUE(only<ObstacleScan>(sweep(11, pose(400, 50, 180), {})).at(0).hazards.empty()) << "out of reach";
 }
 
+// ledger: S6-66
+TEST_F(FlsDetectorTest, TellsWhatItRemembersInViewOrNotAndWhatItTookTheSweepFor) {
+  for (int i = 1; i <= 4; ++i) sweep(i, pose(0, 0, 0), {square(20, 0, 2)});
+  const auto scan = only<ObstacleScan>(sweep(5, pose(0, 0, 0), {square(40, 9, 2), square(20, 0, 2)})).at(0);
+  ASSERT_TRUE(scan.known);
+  EXPECT_EQ(scan.known->sweep, 5);
+  ASSERT_EQ(scan.known->obstacles.size(), 1u) << "the other was seen once";
+  const RememberedObstacle& rock = scan.known->obstacles[0];
+  EXPECT_EQ(rock.first_seen, at(1));
+  EXPECT_EQ(rock.last_seen, at(5));
+  EXPECT_TRUE(rock.whole);
+  ASSERT_EQ(scan.known->seen_as.size(), 2u);
+  EXPECT_NE(scan.known->seen_as[0], rock.id);
+  EXPECT_EQ(scan.known->seen_as[1], rock.id);
+  const auto away = only<ObstacleScan>(sweep(9, pose(0, 0, 180), {})).at(0);
+  ASSERT_EQ(away.known->obstacles.size(), 1u);
+  EXPECT_EQ(away.known->obstacles[0].last_seen, at(5));
+  EXPECT_FALSE(away.known->obstacles[0].whole);
+  EXPECT_TRUE(away.known->seen_as.empty());
+}
+
 TEST_F(FlsDetectorTest, RemembersNothingWithoutAPosition) {
   auto map = std::make_shared<Detection>();
   map->obstacles = {obstacle(square(20, 0, 2), 1)};
@@ -98,6 +119,7 @@ TEST_F(FlsDetectorTest, RemembersNothingWithoutAPosition) {
     map->time = at(i);
     const auto scan = only<ObstacleScan>(script.hear(Sweep{i, false, 0, map}, i));
     EXPECT_FALSE(scan.at(0).posed);
+    EXPECT_FALSE(scan.at(0).known);
     EXPECT_EQ(scan.at(0).hazards.size(), 1u);
   }
   EXPECT_TRUE(only<ObstacleScan>(sweep(6, pose(10, 0, 0), {})).at(0).hazards.empty());

@@ -124,6 +124,51 @@ test('a fault appears in the panel and in the banner', async () => {
   await program.end();
 });
 
+test('an obstacle that is remembered says by its number since when it is known and where it is', async () => {
+  const tape = await serve('obstacles', '--port', '0', '--speed', 'max', '--set', 'simulation.duration_s=150');
+  await tape.until(/written to/);
+  const page = await open(tape.url);
+  await state(page, 'open');
+  const all = async (p) => {
+    const told = (await p.getAttribute('#plan-canvas', 'data-obstacles')) ?? '';
+    return told.split(';').map((one) => one.split(' ').map(Number));
+  };
+  const ages = 'known for [\\d.]+ (s|min), last seen [\\d.]+ (s|min) ago';
+  const where = '[\\d.]+ m away, bearing (\\d{3}|–)°, margin [\\d.]+ m';
+  const told = new RegExp(`^Obstacle \\d+: ${ages}, ${where}$`);
+  const says = (p, id) =>
+    p.waitForFunction(
+      (n) => document.querySelector('#plan-readout').firstChild?.textContent.startsWith(`Obstacle ${n}:`),
+      id,
+    );
+  await page.waitForFunction(() => document.querySelector('#plan-canvas').dataset.obstacles);
+  await page.click('#plan-fit');
+  const canvas = await page.locator('#plan-canvas').boundingBox();
+  const inside = ([, x, y], box) => x > 60 && y > 60 && x < box.width - 60 && y < box.height - 60;
+  const [id, x, y] = (await all(page)).find((one) => inside(one, canvas));
+  await page.mouse.move(canvas.x + x, canvas.y + y);
+  await says(page, id);
+  assert.match(await page.textContent('#plan-readout span'), told);
+  await picture(page, 'obstacle-1400');
+  await page.mouse.move(canvas.x + 5, canvas.y + canvas.height - 5);
+  await page.waitForFunction(() => !/Obstacle/.test(document.querySelector('#plan-readout').textContent));
+
+  const phone = await open(tape.url, 390, 844, 'dark', true);
+  await state(phone, 'open');
+  await phone.waitForFunction(() => document.querySelector('#plan-canvas').dataset.obstacles);
+  await phone.click('#plan-fit');
+  const small = await phone.locator('#plan-canvas').boundingBox();
+  const [nr, px, py] = (await all(phone)).find((one) => inside(one, small));
+  await phone.touchscreen.tap(small.x + px, small.y + py);
+  await says(phone, nr);
+  assert.match(await phone.textContent('#plan-readout span'), told, 'and goes on saying so');
+  await picture(phone, 'obstacle-390');
+  assert.deepEqual([...page.troubles, ...phone.troubles], []);
+  await page.close();
+  await phone.close();
+  await tape.end();
+});
+
 test('a broken connection says so, and recovers by itself', async () => {
   let program = await serve('first', '--port', '0', '--speed', '4');
   const page = await open(program.url);
@@ -142,13 +187,7 @@ test('a broken connection says so, and recovers by itself', async () => {
 
 test('a recording is scrubbed, decision by decision', async () => {
   const first = await serve('taped', '--port', '0', '--speed', 'max', '--set', 'simulation.duration_s=40');
-  await new Promise((resolve) => {
-    const wait = setInterval(() => {
-      if (!/written to/.test(first.said())) return;
-      clearInterval(wait);
-      resolve();
-    }, 50);
-  });
+  await first.until(/written to/);
   await first.end();
   const program = await serve('replay', join(scratch, 'taped', 'recording.mcap'), '--port', '0');
   const page = await open(program.url);

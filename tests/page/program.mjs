@@ -46,6 +46,14 @@ export async function serve(name, ...args) {
     url,
     port: new URL(url).port,
     said: () => said,
+    until: (wanted) =>
+      new Promise((resolve) => {
+        const wait = setInterval(() => {
+          if (!wanted.test(said)) return;
+          clearInterval(wait);
+          resolve();
+        }, 50);
+      }),
     end: async (signal = 'SIGINT') => {
       program.kill(signal);
       return over;
@@ -53,8 +61,8 @@ export async function serve(name, ...args) {
   };
 }
 
-export async function open(url, width = 1400, height = 900, scheme = 'light') {
-  const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
+export async function open(url, width = 1400, height = 900, scheme = 'light', hasTouch = false) {
+  const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme, hasTouch });
   page.setDefaultTimeout(patience);
   page.troubles = [];
   page.on('pageerror', (error) => page.troubles.push(String(error)));

@@ -374,34 +374,94 @@ TEST(Display, ShowsObstaclesInTheWorld) {
   EXPECT_EQ(shown[0]["existence"], 0.98);
 }
 
+constexpr const char* kDetector = "fls detector";
+
+RememberedObstacle remembered(std::uint32_t id, const Eigen::Vector2d& middle, double last_seen_s = 0) {
+  RememberedObstacle o;
+  o.id = id;
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+    o.outline_W.emplace_back(middle + corner);
+  }
+  o.margin_m = 1.5;
+  o.last_seen = Time(seconds(last_seen_s));
+  return o;
+}
+
+/// What the crew says it remembers after a sweep.
+ObstacleScan scan_of(int sweep, std::vector<RememberedObstacle> obstacles, std::vector<std::uint32_t> seen_as = {}) {
+  ObstacleScan scan;
+  scan.time = Time(seconds(sweep));
+  scan.known = std::make_shared<const KnownObstacles>(KnownObstacles{sweep, std::move(obstacles), std::move(seen_as)});
+  return scan;
+}
+
 // ledger: S6-66
 TEST(Display, ShowsWhatTheCrewRemembersByItsNumberBesideWhatIsSeen) {
   DisplayItems items;
   Display display(items);
   BodyGrid grid{BodyGridConfig{}};
+  display.hear(test::fix_at(100, 0, 0));  // the run begins
   Detection found;
-  found.time = Time(seconds(1.0));
-  found.obstacles.emplace_back();
-  found.obstacles[0].outline = {{10, -1}, {12, -1}, {12, 1}};
-  display.on_scan({1, true, found, grid});
-  ObstacleScan scan;
-  scan.time = Time(seconds(1.0));
-  scan.X_WL = {Rotation::from_heading(Angle::degrees(90)), {100, 200, 5}};
-  scan.hazards = {{{{10, -1}, {12, -1}, {12, 1}}, 0.2, HazardKind::kSeen, 0},
-                  {{{5, 0}, {6, 0}, {6, 1}}, 1.5, HazardKind::kRemembered, 17},
-                  {{{8, 0}, {9, 0}, {9, 1}}, 0, HazardKind::kInjected, 0}};
-  display.heard({1, scan.time, "fls detector", scan});
-  const auto shown = [&] { return json::parse(only(items, Kind::kObstacles).payload); };
-  ASSERT_EQ(shown().size(), 2U);
-  EXPECT_FALSE(shown()[0].contains("id")) << "what is seen is found anew by each scan";
-  EXPECT_EQ(shown()[1]["id"], 17);
-  EXPECT_EQ(shown()[1]["margin_m"], 1.5);
-  EXPECT_NEAR(shown()[1]["outline"][0][0].get<double>(), 100, 1e-3);
-  EXPECT_NEAR(shown()[1]["outline"][0][1].get<double>(), 205, 1e-3);
+  found.time = Time(seconds(160));
+  found.obstacles.resize(4);
+  for (Obstacle& o : found.obstacles) o.outline = {{10, -1}, {12, -1}, {12, 1}};
 
-  scan.hazards.resize(1);  // it is seen again
-  display.heard({2, scan.time, "fls detector", scan});
-  EXPECT_EQ(shown().size(), 1U);
+  RememberedObstacle away = remembered(17, {105, 205}, 130.26), in_view = remembered(18, {110, 200}, 160);
+  away.first_seen = in_view.first_seen = Time(seconds(112));
+  in_view.whole = true;
+  // the third is one that the crew does not count on yet, the fourth it took for none
+  display.heard({1, found.time, kDetector, scan_of(9, {away, in_view}, {18, 18, 44, 0})});
+  display.on_scan({9, true, found, grid});
+  const json shown = json::parse(only(items, Kind::kObstacles).payload);
+  ASSERT_EQ(shown.size(), 6U);
+  for (const int i : {0, 1}) EXPECT_EQ(shown[i]["of"], 18) << "both are pieces of it";
+  for (const int i : {2, 3}) EXPECT_FALSE(shown[i].contains("of"));
+  for (const int i : {0, 1, 2, 3}) EXPECT_FALSE(shown[i].contains("id")) << "the next scan finds it anew";
+  EXPECT_EQ(shown[4]["id"], 17);
+  EXPECT_EQ(shown[4]["margin_m"], 1.5);
+  EXPECT_EQ(shown[4]["since_s"], 12.0) << "since the start of the run";
+  EXPECT_EQ(shown[4]["seen_s"], 30.3);
+  EXPECT_EQ(shown[4]["outline"][0], json::array({104.0, 204.0}));
+  EXPECT_FALSE(shown[4].contains("trail")) << "it was nowhere else";
+  EXPECT_EQ(shown[5]["id"], 18);
+  EXPECT_EQ(shown[5]["seen_s"], 60.0);
+  EXPECT_FALSE(shown[5].contains("outline")) << "the scan has shown all of it";
+
+  display.on_scan({10, true, found, grid});  // of which the crew has said nothing yet
+  for (const json& o : json::parse(only(items, Kind::kObstacles).payload)) EXPECT_FALSE(o.contains("of"));
+  display.heard({2, found.time, kDetector, scan_of(10, {})});
+  EXPECT_EQ(json::parse(only(items, Kind::kObstacles).payload).size(), 4U) << "forgotten";
+}
+
+TEST(Display, ShowsWhereTheMiddleOfARememberedObstacleHasBeen) {
+  DisplayItems items;
+  Display display(items);
+  const auto trail_after = [&](int sweep, const Eigen::Vector2d& middle) {
+    display.heard({1, Time(seconds(sweep)), kDetector, scan_of(sweep, {remembered(3, middle)})});
+    return json::parse(only(items, Kind::kObstacles).payload).at(0).value("trail", json::array());
+  };
+  EXPECT_TRUE(trail_after(1, {10, 20}).empty());
+  EXPECT_TRUE(trail_after(2, {10.3, 20.3}).empty()) << "not half a metre";
+  EXPECT_EQ(trail_after(3, {10.61, 20.44}), json::parse("[[10.0, 20.0], [10.6, 20.4]]"));
+}
+
+TEST(ObstacleTrails, KeepTheirBeginningAndTheirEndAndNeverMoreThanSixteenPlaces) {
+  ObstacleTrails trails;
+  std::size_t longest = 0;
+  for (int i = 0; i <= 1000; ++i) {
+    const Eigen::Vector2d middle(0.7 * i, 5);
+    trails.take({i, {remembered(1, middle), remembered(2, {0, 0})}, {}});
+    const auto trail = trails.of(1);
+    longest = std::max(longest, trail.size());
+    ASSERT_EQ(trail.front(), Eigen::Vector2d(0, 5));
+    ASSERT_LT((trail.back() - middle).norm(), ObstacleTrails::kStep_m);
+    for (std::size_t k = 1; k < trail.size(); ++k) ASSERT_LT(trail[k - 1].x(), trail[k].x()) << i;
+  }
+  EXPECT_EQ(longest, ObstacleTrails::kMostPlaces);
+  EXPECT_EQ(ObstacleTrails::kMostPlaces, 16U) << "as docs/live-page.md has it";
+  EXPECT_EQ(trails.of(2).size(), 1U) << "each has its own";
+  trails.take({1001, {remembered(2, {0, 0})}, {}});
+  EXPECT_TRUE(trails.of(1).empty()) << "what is forgotten begins anew";
 }
 
 TEST(Display, SaysWhatTheCrewDecidesAndWhatIsWrong) {

@@ -166,6 +166,9 @@ export function readSonar(json: unknown): Sonar | null {
 export interface Obstacle {
   /** Of what is remembered, which keeps its number; what is seen is found anew by each scan. */
   id: number | undefined;
+  /** Of what is seen: the number of the remembered obstacle that it was taken for. */
+  of: number | undefined;
+  /** None of a remembered one that the last scan showed whole. */
   outline: Point[];
   existence: number | undefined;
   range: number | undefined;
@@ -174,6 +177,11 @@ export interface Obstacle {
   behind: boolean;
   /** m: how far beyond its outline what is remembered may reach by now. */
   margin: number;
+  /** s since the start: when what is remembered was first seen, and last. */
+  since: number | undefined;
+  seen: number | undefined;
+  /** Where its middle was, the first place first. */
+  trail: Point[];
 }
 export function readObstacles(json: unknown): Obstacle[] | null {
   if (!Array.isArray(json)) return null;
@@ -181,6 +189,7 @@ export function readObstacles(json: unknown): Obstacle[] | null {
     if (!isObject(v)) return undefined;
     return {
       id: number(v.id),
+      of: number(v.of),
       outline: points(v.outline),
       existence: number(v.existence),
       range: number(v.range_m),
@@ -188,6 +197,9 @@ export function readObstacles(json: unknown): Obstacle[] | null {
       hits: number(v.hits),
       behind: flag(v.behind),
       margin: Math.min(1000, Math.max(0, number(v.margin_m) ?? 0)),
+      since: number(v.since_s),
+      seen: number(v.seen_s),
+      trail: points(v.trail),
     };
   });
 }

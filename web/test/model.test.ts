@@ -132,6 +132,20 @@ describe('items', () => {
     ]);
   });
 
+  it('tell of an obstacle since when it is known, where it was, and what the last scan has seen of it', () => {
+    const outline = [[1, 2], [3, 4], [5, 6]]; // prettier-ignore
+    const model = told(
+      json(Kind.obstacles, [
+        { outline, existence: 0.9, of: 7 },
+        { id: 7, margin_m: 1, since_s: 3.5, seen_s: 12, trail: [[1, 2], [1, 'x'], [2, 2.5]] }, // prettier-ignore
+      ]),
+    );
+    const [seen, known] = model.obstacles;
+    expect([seen!.of, seen!.id, seen!.trail]).toEqual([7, undefined, []]);
+    expect([known!.of, known!.since, known!.seen, known!.outline]).toEqual([undefined, 3.5, 12, []]);
+    expect(known!.trail).toEqual([[1, 2], [2, 2.5]]); // prettier-ignore
+  });
+
   it('of JSON believe nothing of another type', () => {
     const model = told(
       json(Kind.scene, {

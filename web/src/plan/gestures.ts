@@ -4,14 +4,21 @@ export interface Gestured {
   zoom(factor: number, x: number, y: number): void;
   /** Where a pointer rests or passes; null: it has left. */
   hover(at: [number, number] | null): void;
+  /** Pressed and let go at a place. */
+  tap?(x: number, y: number): void;
   /** True: this view takes the drag that begins here for itself (a ruler), told by `pull` until it ends. */
   grasp(x: number, y: number): boolean;
   pull(x: number, y: number): void;
 }
 
+/** px that a finger may slip in a tap. */
+const kSlip = 8;
+
 export function listen(element: HTMLElement, view: Gestured): void {
   const down = new Map<number, [number, number]>();
   let pulling = false;
+  /** Where the one pointer went down that may yet become a tap. */
+  let pressed: [number, number] | null = null;
   const at = (event: { clientX: number; clientY: number }): [number, number] => {
     const box = element.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -25,6 +32,7 @@ export function listen(element: HTMLElement, view: Gestured): void {
     if (event.button !== 0) return;
     element.setPointerCapture(event.pointerId);
     down.set(event.pointerId, at(event));
+    pressed = down.size === 1 ? at(event) : null;
     pulling = down.size === 1 && view.grasp(...at(event));
     view.hover(at(event));
   });
@@ -32,6 +40,7 @@ export function listen(element: HTMLElement, view: Gestured): void {
     const before = down.get(event.pointerId);
     const now = at(event);
     if (!before) return view.hover(now);
+    if (pressed && Math.hypot(now[0] - pressed[0], now[1] - pressed[1]) > kSlip) pressed = null;
     if (down.size === 1) {
       down.set(event.pointerId, now);
       view.hover(now);
@@ -49,6 +58,8 @@ export function listen(element: HTMLElement, view: Gestured): void {
     element.addEventListener(name, (event) => {
       down.delete(event.pointerId);
       pulling = false;
+      if (pressed && name === 'pointerup') view.tap?.(...pressed);
+      pressed = null;
     });
   }
   element.addEventListener('pointerleave', () => down.size === 0 && view.hover(null));

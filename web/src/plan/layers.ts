@@ -11,7 +11,7 @@ export const layerNames = {
   land: 'Land',
   fence: 'Fence and keep-out',
   bodies: 'What really stands there',
-  obstacles: 'Obstacles: existence, range; dotted: remembered, by number',
+  obstacles: 'Obstacles: existence, range; dotted: remembered; line: where it was',
   mission: 'Mission points and legs',
   oldWays: 'Ways planned before',
   way: 'Way now',

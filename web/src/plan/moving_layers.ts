@@ -1,60 +1,11 @@
 /**
- * What changes while the vehicle goes: obstacles, ways, track, the vehicle itself, and the decision that is looked at.
+ * What changes while the vehicle goes: ways, track, the vehicle itself, and the decision that is looked at.
  */
-import type { Decision, Obstacle } from '../items';
+import type { Decision } from '../items';
 import type { Model } from '../model';
-import { metres, percent } from '../units';
-import { middle, spread } from './chart_layers';
-import { label, stroke, trace, type Pen } from './pen';
+import { stroke, trace, type Pen } from './pen';
 
 const kOldWays = 40;
-/** From this probability of its existence on, an obstacle is one; below, its outline is broken. */
-const kSure = 0.5;
-
-export function drawObstacles(pen: Pen, model: Model, labels: boolean): void {
-  const crowded = model.obstacles.length > 60;
-  for (const obstacle of model.obstacles) {
-    if (obstacle.outline.length === 0) continue;
-    const colour = obstacle.id !== undefined ? drawRemembered(pen, obstacle) : drawSeen(pen, obstacle);
-    const { scale } = pen.camera;
-    if (!labels || scale > 0.4 || (crowded && scale > 0.06)) continue;
-    const [north, east] = middle(obstacle.outline);
-    const above = pen.camera.y(north, east) - spread(pen, obstacle.outline) / 2 - 10;
-    const text = nameOf(obstacle, scale < 0.18);
-    if (text) label(pen, text, pen.camera.x(north, east), above, colour);
-  }
-}
-
-function nameOf({ id, margin, existence, range }: Obstacle, near: boolean): string {
-  if (id !== undefined) return `M${id}${near ? `, remembered ± ${metres(margin)}` : ''}`;
-  return near ? `${percent(existence ?? 1)}, ${metres(range)}` : '';
-}
-
-function drawSeen(pen: Pen, obstacle: Obstacle): string {
-  const { drawing, paint } = pen;
-  const colour = obstacle.behind ? paint.behind : paint.obstacle;
-  const existence = obstacle.existence ?? 1;
-  trace(pen, obstacle.outline, true);
-  drawing.fillStyle = paint.obstacleFill;
-  drawing.globalAlpha = 0.25 + 0.75 * existence;
-  drawing.fill();
-  stroke(pen, { colour, width: 2, dash: existence < kSure ? [4, 3] : [] });
-  drawing.globalAlpha = 1;
-  return colour;
-}
-
-/** Where navigation put it then: a dotted outline, with all that it may reach by now as a pale band. */
-function drawRemembered(pen: Pen, { outline, margin }: Obstacle): string {
-  const { drawing, camera, paint } = pen;
-  drawing.lineJoin = 'round';
-  drawing.globalAlpha = 0.4;
-  trace(pen, outline, true);
-  stroke(pen, { colour: paint.obstacleFill, width: Math.max(1, (2 * margin) / camera.scale) });
-  drawing.globalAlpha = 1;
-  trace(pen, outline, true);
-  stroke(pen, { colour: paint.obstacle, width: 1.5, dash: [1.5, 3] });
-  return paint.obstacle;
-}
 
 export function drawOldWays(pen: Pen, model: Model): void {
   for (const { way } of model.decisions.slice(-kOldWays)) {

@@ -6,7 +6,7 @@ import { DepthFlag, Kind } from '../protocol';
 import * as units from '../units';
 import type { Shared, View } from '../view';
 import { Camera } from './camera';
-import { drawBodies, drawFences, drawLand, drawMission } from './chart_layers';
+import { drawBodies, drawFences, drawLand, drawMission, middle } from './chart_layers';
 import { DepthLayer, type DepthShows } from './depth_layer';
 import { drawTrail, SampleLayer } from './echo_layer';
 import { drawGrid, drawGridNumbers, drawNorthArrow, drawRuler, drawScaleBar, rulerText, type Ruler } from './furniture';
@@ -14,8 +14,13 @@ import { listen, type Gestured } from './gestures';
 import { GridLayer } from './grid_layer';
 import { Layers, type LayerName } from './layers';
 import * as moving from './moving_layers';
+import { drawObstacles } from './obstacle_layer';
+import * as tracks from './obstacle_tracks';
 import type { Pen } from './pen';
 import { DepthScale } from './depth_scale';
+
+/** px around an obstacle that a finger still means it by. */
+const kTouch = 14;
 
 export class PlanView implements View, Gestured {
   private readonly canvas = byId<HTMLCanvasElement>('plan-canvas');
@@ -34,6 +39,8 @@ export class PlanView implements View, Gestured {
   private ruler: Ruler | null = null;
   private measuring = false;
   private pointer: [number, number] | null = null;
+  /** The obstacle that was tapped: by its number, else by its place. */
+  private picked: { id: number | undefined; at: [number, number] } | null = null;
   private shown = '';
   private painted = -1;
   private placed = false;
@@ -132,7 +139,7 @@ export class PlanView implements View, Gestured {
     layer('track', model.track.size > 0, () => moving.drawTrack(pen, model));
     layer('echoes', model.sonars.size > 0, () => drawTrail(pen, model));
     layer('bodies', (scene?.bodies.length ?? 0) > 0, () => drawBodies(pen, scene!));
-    layer('obstacles', true, () => moving.drawObstacles(pen, model, true));
+    layer('obstacles', true, () => drawObstacles(pen, model, this.pointed()));
     layer('way', model.way !== null, () => moving.drawWay(pen, model));
     if (selected) moving.drawDecision(pen, selected);
     layer('vehicle', true, () => moving.drawVehicle(pen, model));
@@ -155,6 +162,8 @@ export class PlanView implements View, Gestured {
     mark(this.canvas, 'north', this.camera.north.toFixed(2));
     mark(this.canvas, 'east', this.camera.east.toFixed(2));
     mark(this.canvas, 'scale', this.camera.scale.toFixed(4));
+    const numbered = tracks.tracked(this.shared.model.obstacles).filter(({ id }) => id !== undefined);
+    mark(this.canvas, 'obstacles', numbered.map((t) => this.told(t)).join(';'));
     if (!at) return say(this.readout, 'nothing known yet');
     const parts = [`${this.pointer ? 'Cursor' : 'Vehicle'} N ${units.metres(at[0])}, E ${units.metres(at[1])}`];
     if (scene?.origin) {
@@ -170,9 +179,30 @@ export class PlanView implements View, Gestured {
       const [n, e] = [at[0] - vehicle.north, at[1] - vehicle.east];
       parts.push(`${units.metres(Math.hypot(n, e))}, ${units.bearing(Math.atan2(e, n))} from the vehicle`);
     }
+    const pointed = this.pointed();
+    const here = vehicle ? ([vehicle.north, vehicle.east] as const) : null;
+    if (pointed) parts.unshift(tracks.words(pointed, this.shared.model.now, here && [...here]));
     if (this.ruler) parts.unshift(rulerText(this.ruler));
     const spans = parts.map((part) => make('span', {}, part));
     if (this.readout.textContent !== parts.join('')) this.readout.replaceChildren(...spans);
+  }
+
+  /** The obstacle under the pointer, or else the one that was tapped and is still known. */
+  private pointed(): tracks.Tracked | null {
+    if (!this.layers.shows('obstacles')) return null;
+    const all = tracks.tracked(this.shared.model.obstacles);
+    const under = this.pointer && this.obstacleAt(all, this.camera.place(...this.pointer));
+    if (under || !this.picked) return under;
+    const { id, at } = this.picked;
+    return id === undefined ? this.obstacleAt(all, at) : (all.find((t) => t.id === id) ?? null);
+  }
+  /** Its number and where it is on the canvas. */
+  private told({ id, outlines }: tracks.Tracked): string {
+    const [north, east] = middle(outlines[0]!);
+    return `${id} ${this.camera.x(north, east).toFixed(0)} ${this.camera.y(north, east).toFixed(0)}`;
+  }
+  private obstacleAt(all: readonly tracks.Tracked[], at: [number, number]): tracks.Tracked | null {
+    return tracks.trackedAt(all, at, kTouch * this.camera.scale);
   }
 
   drag(dx: number, dy: number): void {
@@ -195,6 +225,13 @@ export class PlanView implements View, Gestured {
   }
   hover(at: [number, number] | null): void {
     this.pointer = at;
+    this.touch();
+  }
+  tap(x: number, y: number): void {
+    if (this.measuring) return;
+    const at = this.camera.place(x, y);
+    const there = this.obstacleAt(tracks.tracked(this.shared.model.obstacles), at);
+    this.picked = there && { id: there.id, at };
     this.touch();
   }
   grasp(x: number, y: number): boolean {

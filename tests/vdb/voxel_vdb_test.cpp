@@ -6,10 +6,8 @@
 #include <isobath/base/random.hpp>
 #include <isobath/io/voxel_vdb.hpp>
 #include <isobath/map/seen_voxels.hpp>
-#include <sstream>
-#ifdef ISOBATH_HAS_OPENVDB
 #include <openvdb/openvdb.h>
-#endif
+#include <sstream>
 
 namespace isobath {
 namespace {
@@ -17,8 +15,6 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 namespace fs = std::filesystem;
-
-#ifdef ISOBATH_HAS_OPENVDB
 
 VoxelMap vdb_map() {
   VoxelMapConfig config;
@@ -102,15 +98,6 @@ TEST(VoxelVdb, ThatCannotBeWrittenIsAnError) {
   EXPECT_THAT([] { write_vdb(VoxelMap(), "/no/such/folder/voxels.vdb"); },
               ThrowsMessage<Error>(HasSubstr("voxels.vdb: cannot be written")));
 }
-
-#else
-
-TEST(VoxelVdb, IsRefusedWhereTheLibraryHasNoOpenVdb) {
-  EXPECT_FALSE(has_openvdb());
-  EXPECT_THAT([] { write_vdb(VoxelMap(), "voxels.vdb"); }, ThrowsMessage<Error>(HasSubstr("built without OpenVDB")));
-}
-
-#endif
 
 }  // namespace
 }  // namespace isobath
