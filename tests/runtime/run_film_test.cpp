@@ -135,6 +135,7 @@ struct Voyage {
       }
       if (i % 37 == 0) items.set(Kind::kDecision, static_cast<std::uint64_t>(decisions++), time, noise(random, 90));
       if (i % 23 == 0) items.set(Kind::kVoxels, random() % 8, time, noise(random, 50));
+      if (i % 23 == 0) items.set(Kind::kCubes, 0, time, noise(random, 20));
       if (i % 41 == 0) items.remove(Kind::kVoxels, random() % 8, time);
       run_film.sample(time, items);
       most_replaced = std::max(most_replaced, run_film.replaced());
