@@ -1,12 +1,11 @@
 // A live run that is looked at: the page shows all of it, the recording holds what the page showed, the mission ends as
 // it does without, and whoever maps waits for neither.
-#include <cmath>
 #include <fcntl.h>
+#include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/runtime/recorded_display.hpp>
 #include <isobath/runtime/run.hpp>
 #include <isobath/runtime/run_display.hpp>
-#include <set>
 #include <sys/stat.h>
 #include <tests/runtime/mission_runs.hpp>
 #include <tests/support/data.hpp>
@@ -62,7 +61,7 @@ TEST(LiveRun, IsShownAndRecordedAsItGoesAndEndsAsItDoesWithout) {
   std::map<Kind, std::size_t> kinds;
   for (const auto& [key, payload] : test::as_map(items.changes_after(0).records)) ++kinds[key.first];
   for (const Kind kind : {Kind::kScene, Kind::kVehicle, Kind::kTrack, Kind::kSonar, Kind::kEchoes, Kind::kGrid,
-                          Kind::kObstacles, Kind::kWay, Kind::kDecision, Kind::kVoxels, Kind::kHealth, Kind::kTimes}) {
+                          Kind::kObstacles, Kind::kWay, Kind::kDecision, Kind::kHealth, Kind::kTimes}) {
     EXPECT_GT(kinds[kind], 0u) << "no item of kind " << static_cast<int>(kind);
   }
   EXPECT_EQ(kinds[Kind::kDecision], shown.mission->decisions.size());
@@ -93,6 +92,40 @@ TEST(LiveRun, IsShownAndRecordedAsItGoesAndEndsAsItDoesWithout) {
   EXPECT_FALSE(heard.mission->recorded) << "no claim that it must be the same";
   EXPECT_EQ(heard.mission->report.reached, shown.mission->report.reached);
   EXPECT_EQ(heard.counts.pings, shown.counts.pings) << "every ping is in the recording";
+}
+
+/// The river bridge, whose fans make voxels, with a sounder that makes depths.
+fs::path bridge_with_a_sounder(const fs::path& folder) {
+  std::string text = text_of_file((test::source_folder() / "scenarios" / "bridge.toml").string());
+  const std::string vehicles = "../vehicles";
+  text.replace(text.find(vehicles), vehicles.size(), (test::source_folder() / "vehicles").string());
+  std::ofstream(folder / "scene.toml") << text << "\n[[sonar]]\npreset = \"altimeter\"\n";
+  return folder / "scene.toml";
+}
+
+// Whoever maps goes on with its maps while they are shown.
+TEST(LiveRun, MapsOfAllKindsAreShownWhileTheyAreMade) {
+  const fs::path folder = test::scratch_folder();
+  DisplayItems items;
+  RunRequest request = live_request(folder / "out");
+  request.input = bridge_with_a_sounder(folder);
+  request.record = folder / "run.mcap";
+  request.configuration.simulation.duration_s = 20;
+  request.watch.emplace();
+  request.watch->display = &items;
+  const RunOutcome outcome = run(request);
+  ASSERT_TRUE(outcome.live && outcome.voxels && outcome.depth);
+  EXPECT_EQ(outcome.live->unshown_pings + outcome.live->unshown_notes, 0u);
+  const auto shown = test::records_of(items.changes_after(0).records);
+  for (const Kind kind : {Kind::kGrid, Kind::kDepth, Kind::kVoxels}) {
+    const auto maps = test::of_kind(shown, kind);
+    ASSERT_FALSE(maps.empty()) << "no item of kind " << static_cast<int>(kind);
+    EXPECT_GT(to_seconds(maps.back().time - items.times().first), 17) << "to the end";
+  }
+  RecordedDisplay recorded(request.record);
+  DisplayItems end;
+  recorded.seek(recorded.span()->last, end);
+  EXPECT_TRUE(run_picture(end) == run_picture(items));
 }
 
 TEST(LiveRun, FollowsWhatIsOrderedAtThePage) {
