@@ -11,7 +11,6 @@
 // are made into items by whoever maps, whose they are: an eighth of what has changed a look.
 #pragma once
 
-#include <functional>
 #include <isobath/runtime/display.hpp>
 #include <isobath/runtime/display_thread.hpp>
 #include <isobath/runtime/map_display.hpp>
@@ -59,7 +58,7 @@ class RunDisplay : public ResultSink, public SimulatedSource::TruthSink {
   /// Maps and counts, of which each is looked at when it is time.
   void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
 
-  /// Of the crew: every message. Not kept for.
+  /// Of the crew: every message.
   void heard(const Envelope& envelope);
 
   /// Live: waits until all that it was told is shown.
