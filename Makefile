@@ -9,8 +9,8 @@ FUZZ_SECONDS ?= 60
 WERROR ?= OFF
 # Rooms with threads, and the groups of their tests that start any.
 THREADED := sim perception mission runtime server app
-THREADED_TESTS := ThreadedCrew PrefetchSource MappingThread LiveHelm LostAgents ClosedLoop SmallEvaluation StartUp WorldLevel \
-  Simulator DepthMapperShift FanMapper Determinism Mission Sim Compare \
+THREADED_TESTS := ThreadedCrew PrefetchSource MappingThread DisplayThread RunDisplay LiveHelm LiveRun LostAgents ClosedLoop \
+  SmallEvaluation StartUp WorldLevel Simulator DepthMapperShift FanMapper Determinism Mission Sim Compare \
   WebServer WebServerRefuses WebServerHangsUp LivePage
 alternatives = ($(subst $() ,|,$(strip $(1))))
 DEMO_OUT ?= out/demo

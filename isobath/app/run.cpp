@@ -27,6 +27,13 @@ ordered_json load_json(const RunLoad& load) {
   return all;
 }
 
+ordered_json live_json(const LiveOutcome& live) {
+  return {{"lost_pings", live.lost_pings},
+          {"unshown_pings", live.unshown_pings},
+          {"unshown_notes", live.unshown_notes},
+          {"display_problem", live.display_problem}};
+}
+
 ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   ordered_json files = ordered_json::array();
@@ -47,7 +54,7 @@ ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
             {"ping_median_ms", outcome.timings.ping_median_ms},
             {"ping_p99_ms", outcome.timings.ping_p99_ms},
             {"stages_s", load_json(outcome.timings.load)}}},
-          {"live", outcome.live ? ordered_json{{"lost_pings", outcome.live->lost_pings}} : ordered_json()},
+          {"live", outcome.live ? live_json(*outcome.live) : ordered_json()},
           {"files", files}};
 }
 
@@ -130,7 +137,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   if (outcome.truth) print(*outcome.truth);
   if (outcome.mission) {
     for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
-    if (outcome.live) fmt::print("live: {} pings lost before the map\n", outcome.live->lost_pings);
+    if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
     if (outcome.live || request.timings) print(outcome.mission->timings);
   }
   for (const Obstacle& o : outcome.obstacles) {

@@ -9,6 +9,7 @@
 #include <isobath/runtime/live_page.hpp>
 #include <isobath/runtime/mission_pages.hpp>
 #include <isobath/runtime/recorded_playback.hpp>
+#include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run.hpp>
 #include <isobath/server/page_site.hpp>
 #include <isobath/server/web_server.hpp>
@@ -26,7 +27,7 @@ struct ServeOptions : RunOptions {
   std::optional<std::string> address;
   std::optional<int> port;
   std::vector<std::string> limits;
-  bool anew = false;
+  bool anew = false, live = false;
 };
 
 std::atomic<bool> interrupted{false};  // a signal may come at any time
@@ -124,8 +125,10 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   DisplayItems items;
   SharedChanges shared(items);
   Orders orders;
-  request.watch = RunWatch{&items, speed_of(speed_words(options)), [] { return interrupted.load(); },
-                           [&] { return orders.next(); }};
+  const double speed = speed_of(speed_words(options));
+  request.watch =
+      RunWatch{&items, options.live ? 0 : speed, [] { return interrupted.load(); }, [&] { return orders.next(); }};
+  if (options.live) request.live_speed = speed;
 
   PageSources sources;
   sources.live = std::shared_ptr<SharedChanges>(&shared, [](SharedChanges*) {});
@@ -138,8 +141,9 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
 
   WebServer server(config, page_site(sources));  // first: an address that is taken is told before anything runs
   std::future<RunOutcome> running = std::async(std::launch::async, [&request] { return run(request); });
-  fmt::print("{} shows {}, speed {}; Ctrl-C ends\n", place_of(config, server.port()),
-             request.input.empty() ? "the embedded scene" : request.input.string(), speed_words(options));
+  fmt::print("{} shows {}{}, speed {}; Ctrl-C ends\n", place_of(config, server.port()),
+             request.input.empty() ? "the embedded scene" : request.input.string(), options.live ? " live" : "",
+             speed_words(options));
   std::fflush(stdout);
   while (running.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) continue;
   orders.close();
@@ -153,6 +157,7 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   if (outcome.mission) {
     for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
   }
+  if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
   fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());
   // What was stopped on the way has not failed.
   const int code = interrupted ? kSuccess : conclude(request, outcome);
@@ -169,7 +174,7 @@ int serve(ServeOptions& options) {
   const WebServerConfig config = server_of(options);
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
-  const bool recorded = !options.anew && is_recording(options.request.input);
+  const bool recorded = !options.anew && !options.live && is_recording(options.request.input);
   return recorded ? serve_recording(options, config) : serve_run(options, config);
 }
 
@@ -185,6 +190,7 @@ Action add_serve(CLI::App& program) {
                       "Default: 127.0.0.1, this machine alone; 0.0.0.0: whoever can reach it");
   command->add_option("--speed", options->speed,
                       "Times real time, or max: as fast as it goes; default: 1, of the embedded scene 4");
+  command->add_flag("--live", options->live, "A scene's mission with real threads, as on a vehicle");
   command->add_option("--token-file", options->token_file, "File with a token: who has it may hold, resume and abort")
       ->type_name("FILE");
   command->add_flag("--anew", options->anew, "Decide a recording anew instead of showing what was recorded");

@@ -64,6 +64,15 @@ ordered_json timing_json(const char* name, const StageTime& t) {
 
 }  // namespace
 
+DisplayCounts display_counts(const Pipeline& pipeline, const DepthModel& depths) {
+  DisplayCounts counts{pipeline.counts(), pipeline.rejected(), {}, {}, 0};
+  for (const EmergencyFlags* flags : {&pipeline.emergencies(), &depths.emergencies()}) {
+    for (const Alarm& alarm : alarms_of(*flags)) counts.alarms.push_back(to_text(alarm));
+  }
+  if (counts.pipeline.pings > 0) counts.undecided = pipeline.undecided();
+  return counts;
+}
+
 void Display::show(Time time, const DisplayScene& scene) {
   if (!start_) start_ = time;
   ordered_json json{{"title", scene.title},
@@ -256,12 +265,7 @@ void Display::look(Time time, const Pipeline& pipeline, const DepthModel& depths
   }
   if (const VoxelMap* map = voxels.map()) maps_.show(time, *map);
   if (!wants_counts(time)) return;
-  DisplayCounts counts{pipeline.counts(), pipeline.rejected(), {}, {}, 0};
-  for (const EmergencyFlags* flags : {&pipeline.emergencies(), &depths.emergencies()}) {
-    for (const Alarm& alarm : alarms_of(*flags)) counts.alarms.push_back(to_text(alarm));
-  }
-  if (counts.pipeline.pings > 0) counts.undecided = pipeline.undecided();
-  show(time, counts);
+  show(time, display_counts(pipeline, depths));
 }
 
 bool Display::wants_counts(Time time) const { return has_passed(counted_, time, kCountInterval); }
@@ -285,6 +289,10 @@ void Display::show(Time time, const DisplayCounts& counts) {
                     {"faults", ordered_json::array()},
                     {"agents", ordered_json::array()},
                     {"parts", ordered_json::array()}};
+  if (counts.left_out) {
+    json["counts"]["pings and scans not shown"] = counts.left_out->pings;
+    json["counts"]["events and messages not shown"] = counts.left_out->notes;
+  }
   for (const auto& [reason, count] : counts.refused) json["refused"][reason] = count;
   if (!counts.undecided.empty()) json["undecided"] = counts.undecided;
   for (const auto& [name, fault] : faults_) {

@@ -14,6 +14,7 @@
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/runtime/depth_model.hpp>
 #include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_thread.hpp>
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/map_display.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
@@ -49,7 +50,10 @@ struct DisplayCounts {
   std::vector<std::string> alarms;
   std::string undecided;
   std::uint64_t lost_pings = 0;
+  std::optional<DisplayThread::LeftOut> left_out = {};  ///< of a live run: what was neither shown nor recorded
 };
+/// As whoever maps knows them now.
+DisplayCounts display_counts(const Pipeline& pipeline, const DepthModel& depths);
 
 class Display : public ResultSink {
  public:
@@ -69,6 +73,8 @@ class Display : public ResultSink {
 
   /// After each event: the maps and the counts, of which each is looked at when it is time.
   void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
+  /// The depths alone.
+  void show(Time time, std::shared_ptr<const DepthSnapshot> depths) { maps_.show(time, std::move(depths)); }
   /// Whether a second has gone by since the last counts.
   [[nodiscard]] bool wants_counts(Time time) const;
   void show(Time time, const DisplayCounts& counts);

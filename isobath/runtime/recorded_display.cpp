@@ -40,6 +40,7 @@ void RecordedDisplay::find_channels() {
 bool RecordedDisplay::refresh() {
   const bool grown = index_.refresh();
   if (grown) find_channels();
+  grown_ = grown_ || grown;
   return grown;
 }
 
@@ -63,6 +64,7 @@ void RecordedDisplay::take_changes(std::uint64_t from, std::uint64_t to, Display
 
 void RecordedDisplay::seek(Time time, DisplayItems& items) {
   at_.reset();
+  grown_ = false;
   DisplayItems then;
   const std::uint64_t to = log_time_of(time);
   std::uint64_t from = 0;
@@ -79,7 +81,9 @@ void RecordedDisplay::advance(Time time, DisplayItems& items) {
   // far ahead a whole sample is nearer than all the changes on the way there
   constexpr Duration kNear = std::chrono::seconds(5);
   if (!at_ || time < *at_ || time - *at_ > kNear) return seek(time, items);
-  if (changes_) take_changes(log_time_of(*at_) + 1, log_time_of(time), items);
+  // in a recording that has grown there may be a second sample at the time of the last one
+  const std::uint64_t from = log_time_of(*at_) + (std::exchange(grown_, false) ? 0 : 1);
+  if (changes_) take_changes(from, log_time_of(time), items);
 }
 
 std::optional<Time> RecordedDisplay::moment_after(Time time) {

@@ -53,6 +53,7 @@ class RecordedDisplay {
   McapIndex index_;
   std::optional<std::uint16_t> changes_, wholes_;  ///< channels
   std::optional<Time> at_;
+  bool grown_ = false;  ///< since at_
 };
 
 }  // namespace isobath

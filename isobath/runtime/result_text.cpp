@@ -270,6 +270,16 @@ ordered_json voxels_json(const VoxelOutcome& voxels) {
   return json;
 }
 
+std::string live_text(const LiveOutcome& live) {
+  std::string text = fmt::format("live: {} pings lost before the map", live.lost_pings);
+  if (live.unshown_pings + live.unshown_notes > 0) {
+    text += fmt::format("; neither shown nor recorded: {} pings and scans, {} events and messages", live.unshown_pings,
+                        live.unshown_notes);
+  }
+  if (!live.display_problem.empty()) text += "; the display failed: " + live.display_problem;
+  return text;
+}
+
 std::string span_text(double seconds) {
   if (seconds < 7200) return fmt::format("{:.1f} s", seconds);
   if (seconds < 48 * 3600) return fmt::format("{:.1f} h", seconds / 3600);

@@ -38,6 +38,8 @@ nlohmann::ordered_json depth_json(const DepthOutcome& depth);
 /// Found, missed and false, of a simulated run; and the same as a file.
 nlohmann::ordered_json truth_json(const TruthScore& score);
 std::string truth_text(const TruthScore& score);
+/// What real threads could not keep up with, as one line.
+std::string live_text(const LiveOutcome& live);
 /// "14.9 s", "2.5 h", "12.9 days".
 std::string span_text(double seconds);
 /// What was run: input, version, counts, rejections, files. Holds no time of day, and no path but those given.

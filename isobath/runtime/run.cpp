@@ -66,10 +66,8 @@ void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard)
 
 void check_live(const RunRequest& request, bool mission_in_a_scene) {
   if (!request.live_speed) return;
-  const Place input{request.input.string(), {}, {}, {}, {}};
-  if (!mission_in_a_scene) throw Error("only a scene with a mission can run live", input);
-  if (!request.record.empty()) {
-    throw Error("a live run is not recorded", input, "", "what it decides could not be decided again");
+  if (!mission_in_a_scene) {
+    throw Error("only a scene with a mission can run live", {request.input.string(), {}, {}, {}, {}});
   }
 }
 
@@ -154,6 +152,7 @@ class Run {
   void show_scene(Time time);
   MissionOutcome mission_outcome();
   void add_voxels(RunOutcome& outcome);
+  void finish_display(RunOutcome& outcome);
 
   const std::optional<Scenario> scenario_;
   const RunRequest request_;
@@ -166,6 +165,7 @@ class Run {
   Pipeline pipeline_;
 
   std::optional<WatchedPace> watched_;
+  std::string live_datum_;             ///< of a live run, whose depths belong to whoever maps
   std::optional<DisplayScene> scene_;  ///< as it was shown
   EndOfMission end_;
   Time first_ = Time::max(), last_ = Time::min();
@@ -189,6 +189,7 @@ Run::Run(const RunRequest& asked)
   pipeline_.watch(&sinks_.load);
   if (request_.watch) watched_.emplace(*request_.watch);
   if (request_.live_speed) {
+    live_datum_ = depths_.continues() ? depths_.facts().datum : request_.configuration.prior.datum;
     live_.emplace(*request_.live_speed, *input_.simulator());
     mapping_.emplace([this](Event event, Clock::time_point taken) { map(std::move(event), taken); });
   }
@@ -213,11 +214,12 @@ RunOutcome Run::outcome() {
   RunOutcome outcome;
   if (mapping_) {
     settle(*mapping_, sinks_.mission->helm());
-    outcome.live = LiveOutcome{mapping_->lost_pings()};
+    outcome.live.emplace().lost_pings = mapping_->lost_pings();
   }
   if (sinks_.mission) outcome.mission = mission_outcome();  // before the sweep cut short
   pipeline_.finish();
   depths_.finish();
+  if (mapping_) settle(*mapping_, sinks_.mission->helm());  // what the crew says of that sweep is recorded
   sinks_.load.leave();
   outcome.timings = timings_of(ping_ms_, milliseconds_since(start));
   outcome.timings.load = load_of(sinks_.load, beside_);
@@ -229,13 +231,7 @@ RunOutcome Run::outcome() {
   for (const auto& [reason, count] : sinks_.voxels.refused()) {
     outcome.rejected["left out of the voxels: " + reason] += count;
   }
-  if (sinks_.recorder) {
-    sinks_.recorder->sample(last_, *sinks_.shown, true);
-    sinks_.recorder->close();
-    outcome.recording_problem = sinks_.recorder->problem();
-    outcome.not_recorded = sinks_.recorder->left_out();
-  }
-  if (sinks_.film && last_ >= first_) folder_.show_run(*sinks_.film, last_, *sinks_.shown);
+  finish_display(outcome);
   if (sinks_.judge) {
     outcome.truth = sinks_.judge->score();
     folder_.show_truth(sinks_.judge->outlines());
@@ -247,6 +243,24 @@ RunOutcome Run::outcome() {
   if (sinks_.voxels.map()) add_voxels(outcome);
   folder_.write(request_, pipeline_.grid(), sinks_.voxels.map(), depths_, outcome);
   return outcome;
+}
+
+void Run::finish_display(RunOutcome& outcome) {
+  RunDisplay& display = sinks_.display;
+  display.finish(last_);
+  if (const RunRecorder* recorder = display.recorder()) {
+    outcome.recording_problem = recorder->problem();
+    outcome.not_recorded = recorder->left_out();
+  }
+  if (display.film() && last_ >= first_) folder_.show_run(*display.film(), last_, display.items());
+  if (!outcome.live) return;
+  const DisplayThread::LeftOut left_out = display.left_out();
+  outcome.live->unshown_pings = left_out.pings;
+  outcome.live->unshown_notes = left_out.notes;
+  outcome.live->display_problem = display.problem();
+  if (display.problem().empty() || !display.recorder() || !outcome.recording_problem.empty()) return;
+  outcome.recording_problem = display.problem();
+  outcome.not_recorded = left_out.pings + left_out.notes;
 }
 
 std::optional<Event> Run::next() {
@@ -269,7 +283,7 @@ bool Run::take(Event event) {
   beside_.leave();
   if (mapping_) {
     mapping_->take(std::move(event));
-    live_->keep(*mapping_, sinks_.mission->helm());
+    if (live_->keep(*mapping_, sinks_.mission->helm())) sinks_.display.settle();
   } else {
     map(std::move(event), taken);
   }
@@ -289,11 +303,7 @@ void Run::record(const Event& event) {
   if (watched_ && simulated && setup_ && request_.watch->ordered) {
     if (const auto order = request_.watch->ordered()) simulated->order(*order, setup_->plan);
   }
-  if (sinks_.recorder) {
-    if (const auto origin = input_.origin()) sinks_.recorder->locate(*origin);
-    sinks_.recorder->take(event);
-  }
-  if (sinks_.display) sinks_.display->hear(event);
+  if (sinks_.display.on()) sinks_.display.hear(event, input_.origin());
 }
 
 void Run::map(Event event, Clock::time_point taken) {
@@ -301,20 +311,22 @@ void Run::map(Event event, Clock::time_point taken) {
   const std::uint64_t mapped = pipeline_.counts().pings;
   if (sinks_.mission) sinks_.mission->begin(taken);
   const auto begun = Clock::now();
+  const Time time = time_of(event);
   pipeline_.take(std::move(event));
   sinks_.load.leave();
   if (is_ping || pipeline_.counts().pings > mapped) ping_ms_.push_back(milliseconds_since(begun));
+  if (mapping_ && sinks_.display.on()) {
+    sinks_.load.enter(Stage::kReport);
+    sinks_.display.look(time, pipeline_, depths_, sinks_.voxels);
+    sinks_.load.leave();
+  }
 }
 
 bool Run::steer(Time time) {
   if (!sinks_.mission) return true;
   Helm& helm = sinks_.mission->helm();
   const Setpoint setpoint = sinks_.mission->steer();
-  if (sinks_.display) sinks_.display->want(setpoint);
-  if (sinks_.recorder) {
-    sinks_.recorder->decided(helm.decisions());
-    sinks_.recorder->setpoint(time, setpoint);
-  }
+  if (sinks_.display.on()) sinks_.display.steered(time, setpoint, helm.decisions());
   SimulatedSource* simulated = input_.simulated();
   if (!simulated) return true;
   simulated->simulator().command(setpoint);
@@ -323,21 +335,20 @@ bool Run::steer(Time time) {
 }
 
 void Run::show(Time time) {
-  if (!sinks_.display) return;
-  if (sinks_.display->wants_counts(time)) {
+  RunDisplay& display = sinks_.display;
+  if (!display.on()) return;
+  if (display.wants_scene(time)) {
     show_scene(time);
-    const bool looked_at = sinks_.shown != &sinks_.items;  // no recording holds what a real clock measured
-    if (sinks_.mission && looked_at) sinks_.display->show(time, sinks_.mission->timings());
+    if (sinks_.mission) display.show(time, sinks_.mission->timings(), mapping_ ? mapping_->lost_pings() : 0);
   }
-  sinks_.display->look(time, pipeline_, depths_, sinks_.voxels);
-  if (sinks_.recorder) sinks_.recorder->sample(time, *sinks_.shown);
-  if (sinks_.film) sinks_.film->sample(time, *sinks_.shown);
+  if (!mapping_) display.look(time, pipeline_, depths_, sinks_.voxels);
+  display.sample(time);
 }
 
 /// Once, and again where it has changed: a body moved, or somebody said where on the globe all this is.
 void Run::show_scene(Time time) {
   const auto origin = input_.origin();
-  const std::string& datum = depths_.facts().datum;
+  const std::string& datum = mapping_ ? live_datum_ : depths_.facts().datum;
   const Simulator* simulator = input_.simulator();
   const auto bodies = simulator ? simulator->world().bodies() : std::span<const WorldBody>();
   const bool moved = std::any_of(bodies.begin(), bodies.end(), [](const WorldBody& body) { return body.moves; });
@@ -361,7 +372,7 @@ void Run::show_scene(Time time) {
   scene_->origin = origin;
   scene_->depth_datum = datum;
   if (simulator) scene_->bodies = outlines_of(simulator->world());
-  sinks_.display->show(time, *scene_);
+  sinks_.display.show(time, *scene_);
 }
 
 MissionOutcome Run::mission_outcome() {
@@ -370,6 +381,8 @@ MissionOutcome Run::mission_outcome() {
     mission.truth = sinks_.track->truth();
     mission.bodies = outlines_of(simulated->simulator().world());
     if (const SimulatedOperator* at_the_link = simulated->at_the_link()) mission.answers = at_the_link->answers();
+  } else if (input_.report().details.contains(kLiveDetail)) {
+    return mission;  // what a live run decides depends on who is faster: nothing to be held against
   } else if (const auto recorded = compare_with_log(mission.decisions, request_.input)) {
     mission.recorded = recorded->decisions;
     mission.as_recorded = recorded->the_same;

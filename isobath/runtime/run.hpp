@@ -4,7 +4,8 @@
 // run. Measured times are therefore in the outcome (and on the terminal), and in the report only if they are asked for.
 //
 // Live: a mission in a scene with real threads, one for mapping and one for each agent, as on a vehicle: what it
-// decides depends on who is faster, so it is not recorded, and what was seen is not held against what was there.
+// decides depends on who is faster, so what was seen is not held against what was there, and a recording of it is of
+// what happened: run again, the crew hears the same and may decide otherwise.
 #pragma once
 
 #include <filesystem>
@@ -26,7 +27,7 @@ namespace isobath {
 /// Who looks on while it runs, from other threads: neither must wait.
 struct RunWatch {
   DisplayItems* display = nullptr;  ///< filled as it goes
-  double speed = 0;                 ///< times real time at most; 0: as fast as it goes
+  double speed = 0;                 ///< times real time at most; 0: as fast as it goes, or as live_speed says
   std::function<bool()> stopped;    ///< asked before each event: whether to end here, as if the input did
   /// Asked before each event of a simulated mission: what somebody at the page orders.
   std::function<std::optional<OperatorCommand::Kind>()> ordered;
@@ -44,9 +45,9 @@ struct RunRequest {
   /// Live, at so many times real time; 0: as fast as it goes, and then all threads are waited for ten times a simulated
   /// second. Empty: not live.
   std::optional<double> live_speed;
-  std::optional<RunWatch> watch;  ///< of a run that is not live
-  int threads = 2;                ///< 1: reading and mapping take turns; 2: reading goes ahead on a thread of its own
-  bool timings = false;           ///< measured times in the report; its bytes then differ from run to run
+  std::optional<RunWatch> watch;
+  int threads = 2;       ///< 1: reading and mapping take turns; 2: reading goes ahead on a thread of its own
+  bool timings = false;  ///< measured times in the report; its bytes then differ from run to run
   std::function<void(const SourceReport&, const PipelineCounts&)> progress;  ///< called now and then
 };
 
@@ -60,6 +61,9 @@ struct RunTimings {
 /// What real threads could not keep up with.
 struct LiveOutcome {
   std::uint64_t lost_pings = 0;  ///< in a full queue before the map
+  /// Of a full queue before page and recording: pings and scans; events, messages and all else.
+  std::uint64_t unshown_pings = 0, unshown_notes = 0;
+  std::string display_problem;  ///< why nothing more was shown or recorded; empty where all went well
 };
 
 struct RunOutcome {

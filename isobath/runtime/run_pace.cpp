@@ -8,14 +8,16 @@ namespace isobath {
 LivePace::LivePace(double speed, const Simulator& simulator)
     : speed_(speed), simulator_(simulator), start_(std::chrono::steady_clock::now()) {}
 
-void LivePace::keep(MappingThread& mapping, Helm& helm) {
+bool LivePace::keep(MappingThread& mapping, Helm& helm) {
   const double now_s = simulator_.now_s();
   if (speed_ > 0) {
     std::this_thread::sleep_until(start_ + std::chrono::duration<double>(now_s / speed_));
   } else if (now_s - settled_s_ >= to_seconds(kTick)) {
     settle(mapping, helm);
     settled_s_ = now_s;
+    return true;
   }
+  return false;
 }
 
 bool WatchedPace::keep(Time time) {

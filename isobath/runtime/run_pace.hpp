@@ -15,7 +15,8 @@ namespace isobath {
 class LivePace {
  public:
   LivePace(double speed, const Simulator& simulator);
-  void keep(MappingThread& mapping, Helm& helm);
+  /// Whether all of them were waited for.
+  bool keep(MappingThread& mapping, Helm& helm);
 
  private:
   double speed_;
@@ -24,8 +25,8 @@ class LivePace {
   double settled_s_ = 0;
 };
 
-/// Lets a run be looked at: not faster than the watch says, and stopped when it says so. A gap of time in a log is
-/// waited for no longer than kLongestWait_s.
+/// Lets a run be looked at: stopped when the watch says so, and, but for a live run, not faster than the watch says,
+/// and stopped when it says so. A gap of time in a log is waited for no longer than kLongestWait_s.
 class WatchedPace {
  public:
   static constexpr double kLongestWait_s = 2;

@@ -64,9 +64,12 @@ void RunRecorder::guarded(const std::function<void()>& write) {
   ++left_out_;
 }
 
-void RunRecorder::describe(const Simulator& simulator, const std::string& scenario_toml) {
+void RunRecorder::describe(const Simulator& simulator, const std::string& scenario_toml, bool live) {
   guarded([&] {
-    log_.set_details({{"scene", simulator.scene().about.title}, {"seed", fmt::format("{}", simulator.seed())}});
+    std::map<std::string, std::string> details{{"scene", simulator.scene().about.title},
+                                               {"seed", fmt::format("{}", simulator.seed())}};
+    if (live) details[kLiveDetail] = "real threads; heard again, it may be decided otherwise";
+    log_.set_details(details);
     log_.attach(kScenarioAttachment, kToml, scenario_toml);
   });
   if (const auto origin = simulator.scene().origin()) locate(*origin);
@@ -144,7 +147,7 @@ void RunRecorder::setpoint(Time time, const Setpoint& setpoint) {
 }
 
 bool RunRecorder::sample(Time time, const DisplayItems& items, bool at_once) {
-  if (sampled_ && (time <= *sampled_ || (!at_once && time - *sampled_ < seconds(config_.display_s)))) return false;
+  if (sampled_ && (time < *sampled_ || (!at_once && time - *sampled_ < seconds(config_.display_s)))) return false;
   sampled_ = time;
   guarded([&] {
     const DisplayItems::Changes changes = items.changes_after(stamp_);
@@ -157,7 +160,8 @@ bool RunRecorder::sample(Time time, const DisplayItems& items, bool at_once) {
     }
     if (foxglove_) foxglove_->take_display(time, records);
     const bool due = whole_at_ && time - *whole_at_ >= seconds(config_.whole_s) && bytes_since_whole_ > items.bytes();
-    if (whole_at_ && !due) return;
+    const bool hidden = whole_at_ == time && !records.empty();  // a seek takes changes after a whole one's time
+    if (whole_at_ && !due && !hidden) return;
     std::string whole = of_the_run(items.changes_after(0).records);
     if (whole.empty()) return;
     mark_as_whole(whole);

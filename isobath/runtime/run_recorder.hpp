@@ -39,6 +39,8 @@ inline constexpr const char* kScenarioAttachment = "scene.toml";
 inline constexpr const char* kMissionAttachment = "mission.toml";
 inline constexpr const char* kVehicleAttachment = "vehicle_sheet.toml";
 inline constexpr const char* kConfigurationAttachment = "configuration.toml";
+/// Among the details of a source: a live run.
+inline constexpr const char* kLiveDetail = "live";
 /// Topics.
 inline constexpr const char* kDisplayTopic = "/display";
 inline constexpr const char* kWholeDisplayTopic = "/display/whole";
@@ -53,7 +55,8 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   ~RunRecorder() override = default;
 
   // What the run is made of: before the first event.
-  void describe(const Simulator& simulator, const std::string& scenario_toml);
+  /// `live`: by real threads, so that it may be decided otherwise when it is heard again (kLiveDetail).
+  void describe(const Simulator& simulator, const std::string& scenario_toml, bool live = false);
   void describe(const SourceReport& source);
   void describe(const MissionSetup& setup);
   /// Where on the globe the origin of W is, once that is known; the first word counts.
@@ -72,7 +75,8 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   /// Written where it changes.
   void setpoint(Time time, const Setpoint& setpoint);
   /// A sample of the display, when one is due, or `at_once`, such as at the end. Whether there was one; none is taken
-  /// at a time that is not after that of the last.
+  /// at a time before that of the last, and a second one at the same time only at once: what was changed after the last
+  /// event is seen at its time.
   bool sample(Time time, const DisplayItems& items, bool at_once = false);
 
   void close();

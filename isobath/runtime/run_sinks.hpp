@@ -1,15 +1,13 @@
 // RunSinks: all who hear what a run finds, each in its turn: the mission's crew, the voxels, the folder of results,
-// and, where there are any, the judge who knows the truth, the recording and the page.
+// and, where there are any, the judge who knows the truth, and page and recording (run_display.hpp).
 //
-// Whoever maps calls on_*; where mapping has a thread of its own, there is neither judge nor recording nor page.
+// Whoever maps calls on_*; where mapping has a thread of its own, there is no judge. Truth comes from whoever senses.
 #pragma once
 
-#include <isobath/runtime/display.hpp>
 #include <isobath/runtime/mission_run.hpp>
 #include <isobath/runtime/run.hpp>
-#include <isobath/runtime/run_film.hpp>
+#include <isobath/runtime/run_display.hpp>
 #include <isobath/runtime/run_folder.hpp>
-#include <isobath/runtime/run_recorder.hpp>
 #include <isobath/runtime/run_source.hpp>
 #include <isobath/runtime/stage_load.hpp>
 #include <isobath/runtime/true_track.hpp>
@@ -34,22 +32,17 @@ class RunSinks : public ResultSink, public SimulatedSource::TruthSink {
 
   StageLoad load;  ///< of whoever maps
   VoxelModel voxels;
-  DisplayItems items;                   ///< of the recording's display, where nobody looks on
-  DisplayItems* shown = &items;         ///< what a page is shown: these, or a program's own (RunWatch)
-  std::optional<Display> display;       ///< the crew tells it
-  std::optional<RunRecorder> recorder;  ///< likewise
-  std::optional<RunFilm> film;          ///< of the display, for the report
-  std::optional<MissionRun> mission;    ///< after both: its threads end first
+  RunDisplay display;                 ///< the crew tells it
+  std::optional<MissionRun> mission;  ///< after it: its threads end first
   std::optional<TruthJudge> judge;
   std::optional<TrueTrack> track;
 
  private:
-  void begin_recording(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input);
   template <class Truth>
   void tell(const Truth& truth) {
     if (judge) judge->take(truth);
     if (track) track->take(truth);
-    if (recorder) recorder->take(truth);
+    display.take(truth);
   }
 
   RunFolder& folder_;

@@ -185,6 +185,45 @@ test('a broken connection says so, and recovers by itself', async () => {
   await program.end();
 });
 
+// Threads of their own sense, map, decide, steer and show; the mission is as long as it takes.
+// ledger: S5-59 S6-31
+test('a mission with real threads is seen as it runs, its past as it was, and ends as it should', async () => {
+  const mission = source('scenarios/simulated_mission_1.toml');
+  const program = await serve('real-threads', mission, '--live', '--port', '0', '--speed', '4');
+  assert.match(program.said(), /live, speed 4/);
+  const page = await open(program.url);
+  await state(page, 'open');
+  await until(page, 20);
+  assert.match(await page.textContent('#connection'), /live/);
+  await page.waitForSelector('#log-list li[data-decision]');
+  await page.click('#tab-health');
+  await page.waitForFunction(() => /pings/.test(document.querySelector('#health-counts').textContent));
+  assert.ok((await count(page, 'pings')) > 0, 'pings are counted');
+  assert.equal(await count(page, 'events and messages not shown'), 0);
+  await picture(page, 'real-threads-health-1400');
+  await page.click('#tab-log');
+  await until(page, 45);
+  await picture(page, 'real-threads-1400');
+
+  const position = await page.textContent('#now-position');
+  const strip = await page.locator('#timeline').boundingBox();
+  await page.mouse.click(strip.x + 0.3 * strip.width, strip.y + strip.height / 2);
+  await page.waitForSelector('#live[aria-pressed="false"]');
+  await page.waitForFunction(
+    (shown) => document.querySelector('#now-position').textContent !== shown,
+    position,
+  );
+  await picture(page, 'real-threads-past-1400');
+  await page.click('#live');
+  await page.waitForSelector('#live[aria-pressed="true"]');
+  await page.waitForFunction(() => /finished/.test(document.querySelector('#instruments').textContent));
+  await picture(page, 'real-threads-end-1400');
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+  assert.equal(await program.end(), 0);
+  assert.match(program.said(), /Mission finished: 3 of 3 points reached/);
+});
+
 test('a recording is scrubbed, decision by decision', async () => {
   const first = await serve('taped', '--port', '0', '--speed', 'max', '--set', 'simulation.duration_s=40');
   await first.until(/written to/);
@@ -194,11 +233,14 @@ test('a recording is scrubbed, decision by decision', async () => {
   await state(page, 'open');
   await page.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuemax')) > 35);
   assert.ok((await now(page)) < 30, 'a recording begins at its start');
+  assert.equal(await page.isVisible('#live'), false, 'a recording has no now to go to');
+  await page.keyboard.press('l');
   const strip = await page.locator('#timeline').boundingBox();
   await page.mouse.click(strip.x + 0.9 * strip.width, strip.y + strip.height / 2);
   await until(page, 30);
   await page.mouse.click(strip.x + 0.1 * strip.width, strip.y + strip.height / 2);
   await page.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuenow')) < 15);
+  assert.equal(await page.isVisible('#toast'), false, 'nothing was refused');
   assert.deepEqual(page.troubles, []);
   await page.close();
   await program.end();

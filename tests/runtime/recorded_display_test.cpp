@@ -144,6 +144,62 @@ TEST(RecordedDisplay, ASeekChangesOnlyWhatDiffers) {
   EXPECT_EQ(picture_of(items).at({DisplayKind::kVehicle, 0}), "40");
 }
 
+// What is changed after the last event has the time of that event: it is seen there, whichever way one comes to it.
+TEST(RecordedDisplay, TheEndShowsWhatChangedAtItsVeryTime) {
+  for (const std::int64_t end_ms :
+       {0, 250, 10'000}) {  // with the first sample, a whole one; after it; with a later whole
+    const auto file = test::scratch_folder() / "run.mcap";
+    DisplayItems scene;
+    RunRecorder recorder(file, {});
+    for (std::int64_t ms = 0; ms <= end_ms; ms += 250) {
+      scene.set(DisplayKind::kVehicle, 0, at_ms(ms), std::to_string(ms));
+      scene.set(DisplayKind::kDepth, 0, at_ms(ms), std::string(1000, static_cast<char>(ms / 250)));
+      ASSERT_TRUE(recorder.sample(at_ms(ms), scene));
+    }
+    const Picture before = picture_of(scene);
+    EXPECT_FALSE(recorder.sample(at_ms(end_ms), scene)) << "one at a time, but at once";
+    scene.set(DisplayKind::kGrid, 0, at_ms(end_ms), "of the last sweep");
+    scene.remove(DisplayKind::kDepth, 0, at_ms(end_ms));
+    EXPECT_TRUE(recorder.sample(at_ms(end_ms), scene, true));
+    EXPECT_FALSE(recorder.sample(at_ms(end_ms - 1), scene, true)) << "never before the last";
+    recorder.close();
+    ASSERT_FALSE(picture_of(scene) == before);
+
+    RecordedDisplay sought(file), followed(file);
+    EXPECT_EQ(sought.span()->last, at_ms(end_ms));
+    DisplayItems items;
+    sought.seek(at_ms(end_ms), items);
+    EXPECT_TRUE(picture_of(items) == picture_of(scene)) << end_ms;
+    DisplayItems on_the_way;
+    for (std::int64_t ms = -100; ms <= end_ms; ms += 50) followed.advance(at_ms(ms), on_the_way);
+    EXPECT_TRUE(picture_of(on_the_way) == picture_of(scene)) << end_ms;
+  }
+}
+
+// Also for who was there already when it was written.
+TEST(RecordedDisplay, TheEndShowsWhatCameToItLater) {
+  const auto file = test::scratch_folder() / "run.mcap";
+  Configuration configuration;
+  configuration.recorder.log.chunk_kib = 1;
+  RunRecorder recorder(file, configuration);
+  DisplayItems scene;
+  for (std::int64_t ms = 0; ms <= 1000; ms += 250) {
+    scene.set(DisplayKind::kDepth, 0, at_ms(ms), std::string(3000, static_cast<char>(ms / 250)));  // more than a chunk
+    recorder.sample(at_ms(ms), scene);
+  }
+  RecordedDisplay recorded(file);
+  DisplayItems items;
+  recorded.seek(at_ms(900), items);
+  recorded.advance(at_ms(1000), items);
+  ASSERT_TRUE(picture_of(items) == picture_of(scene));
+  scene.set(DisplayKind::kGrid, 0, at_ms(1000), "of the last sweep");
+  recorder.sample(at_ms(1000), scene, true);
+  recorder.close();
+  EXPECT_TRUE(recorded.refresh());
+  recorded.advance(at_ms(1000), items);
+  EXPECT_TRUE(picture_of(items) == picture_of(scene));
+}
+
 // What is shown of a run that goes on is at most one chunk behind, and grows.
 TEST(RecordedDisplay, FollowsARecordingThatIsBeingMade) {
   const auto file = test::scratch_folder() / "run.mcap";

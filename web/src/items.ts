@@ -350,6 +350,8 @@ export interface Clock {
   start: number;
   end: number;
   live: boolean;
+  /** Whether there is a now to go back to: a recording alone has none. */
+  hasNow: boolean;
   playing: boolean;
   speed: number;
   /** Whether this page may command: absent where nobody may. */
@@ -365,6 +367,7 @@ export function readClock(json: unknown): Clock | null {
     start: number(json.start_s) ?? 0,
     end: number(json.end_s) ?? now,
     live: flag(json.live),
+    hasNow: flag(json.live) || number(json.live_s) !== undefined,
     playing: flag(json.playing),
     speed: number(json.speed) ?? 1,
     control: typeof json.control === 'boolean' ? json.control : undefined,

@@ -74,7 +74,7 @@ function act(event: KeyboardEvent, parts: Parts, help: HTMLDialogElement): boole
       if (inSpace) space.panBy(1, 0);
       return inSpace;
     case 'l':
-      shared.ask({ ask: 'live' });
+      timeline.goLive();
       return true;
     case 'n':
       theme.toggle();

@@ -2,7 +2,7 @@
 import { Commands } from './commands';
 import { Connection, toast } from './connection';
 import { byId, mark, say } from './dom';
-import { feedOf, StoredFeed } from './feed';
+import { feedOf } from './feed';
 import { settleInFrame } from './framed';
 import { HealthView } from './health';
 import { Instruments } from './instruments';
@@ -55,7 +55,7 @@ const plan = new PlanView(shared);
 const sonar = new SonarView(shared);
 const space = new SpaceView(shared);
 const marks = new Marks(model);
-const timeline = new Timeline(shared, marks, !(feed instanceof StoredFeed));
+const timeline = new Timeline(shared, marks);
 const log = new DecisionLog(shared, (to) => timeline.seek(to));
 const all: View[] = [
   new Instruments(shared),

@@ -24,20 +24,23 @@ export class Timeline implements View {
   constructor(
     private readonly shared: Shared,
     private readonly marks: Marks,
-    canLive: boolean,
   ) {
     const { ask } = shared;
     this.playButton.addEventListener('click', () => this.toggle());
-    this.liveButton.addEventListener('click', () => ask({ ask: 'live' }));
+    this.liveButton.addEventListener('click', () => this.goLive());
     byId('step-back').addEventListener('click', () => ask({ ask: 'step', steps: -1 }));
     byId('step-forward').addEventListener('click', () => ask({ ask: 'step', steps: 1 }));
     this.speed.addEventListener('change', () => ask({ ask: 'speed', times: Number(this.speed.value) }));
-    this.liveButton.hidden = !canLive;
+    this.liveButton.hidden = true;
     this.listen();
   }
 
   toggle(): void {
     this.shared.ask({ ask: this.shared.model.clock?.playing ? 'pause' : 'play' });
+  }
+  /** Where there is a now. */
+  goLive(): void {
+    if (this.shared.model.clock?.hasNow) this.shared.ask({ ask: 'live' });
   }
   seek(to: number): void {
     this.shared.ask({ ask: 'seek', to_s: Math.round(to * 1000) / 1000 });
@@ -63,6 +66,7 @@ export class Timeline implements View {
     mark(this.playButton, 'playing', String(playing));
     this.playButton.setAttribute('aria-label', playing ? 'Pause' : 'Play');
     this.playButton.title = playing ? 'Pause (space)' : 'Play (space)';
+    this.liveButton.hidden = !(clock?.hasNow ?? false);
     this.liveButton.setAttribute('aria-pressed', String(live));
     say(this.liveButton, live ? 'LIVE' : 'Go live');
     const times = String(clock?.speed ?? 1);

@@ -211,6 +211,12 @@ describe('time', () => {
     expect(model.age(model.decisions[0]!.time)).toBeCloseTo(2, 6);
   });
 
+  it('knows a now in a run alone, also while its past is shown', () => {
+    const clock = { now_s: 5, start_s: 0, end_s: 9, live: false, playing: true };
+    expect(told(json(Kind.clock, clock)).clock?.hasNow).toBe(false);
+    expect(told(json(Kind.clock, { ...clock, live_s: 12 })).clock?.hasNow).toBe(true);
+  });
+
   it('marks what was decided and what was raised, and keeps it over a jump back', () => {
     const model = told(
       scene(),
