@@ -133,6 +133,8 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   PageSources sources;
   sources.live = std::shared_ptr<SharedChanges>(&shared, [](SharedChanges*) {});
   sources.live_span = [&items] { return span_of(items); };
+  std::atomic<bool> over{false};
+  sources.over = [&over] { return over.load(); };
   sources.open_playback = [file = request.record] { return std::make_unique<RecordedPlayback>(file); };
   sources.token = token_of(options.token_file);
   if (!sources.token.empty()) sources.command = [&orders](PageCommand command) { return orders.take(command); };
@@ -147,6 +149,7 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   std::fflush(stdout);
   while (running.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) continue;
   orders.close();
+  over = true;
   RunOutcome outcome;
   try {
     outcome = running.get();

@@ -54,22 +54,25 @@ std::string page_tile_of(std::span<const DepthPixel> pixels, int side, double pi
   bytes.add(static_cast<std::uint16_t>(side)).add(std::uint16_t{0}).add(static_cast<float>(pixel_m));
   bytes.add(south_west.x()).add(south_west.y());
   bytes.add(static_cast<float>(unit)).add(std::uint32_t{0});
-  const auto each = [&](const auto& put) {
-    for (int row = side - 1; row >= 0; --row) {
-      for (int column = 0; column < side; ++column)
-        put(pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(side) + static_cast<std::size_t>(column)]);
+  // a plane of the like after the other: runs
+  const std::size_t count = pixels.size();
+  std::vector<std::uint8_t> planes(4 * count);
+  std::size_t to = 0;
+  for (int row = side - 1; row >= 0; --row) {
+    for (int column = 0; column < side; ++column, ++to) {
+      const DepthPixel& p =
+          pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(side) + static_cast<std::size_t>(column)];
+      const double units = p.known() ? std::clamp(std::round(p.depth_m() / unit), 0.0, kUnknownUnits - 1.0) : 0;
+      const std::uint16_t depth = p.known() ? static_cast<std::uint16_t>(units) : kUnknownUnits;
+      const unsigned charted = p.known() && !p.has(kSensed) ? 1 : 0;
+      const unsigned measured = p.has(kSensed) || p.has(kSeenByDepth) ? 2 : 0;
+      planes[to] = static_cast<std::uint8_t>(depth & 0xff);
+      planes[count + to] = static_cast<std::uint8_t>(depth >> 8);
+      planes[2 * count + to] = static_cast<std::uint8_t>(p.confidence());
+      planes[3 * count + to] = static_cast<std::uint8_t>(charted | measured | (p.has(kSeenByObstacle) ? 4U : 0U));
     }
-  };
-  each([&](const DepthPixel& p) {
-    const double units = p.known() ? std::clamp(std::round(p.depth_m() / unit), 0.0, kUnknownUnits - 1.0) : 0;
-    bytes.add(p.known() ? static_cast<std::uint16_t>(units) : kUnknownUnits);
-  });
-  each([&](const DepthPixel& p) { bytes.add(static_cast<std::uint8_t>(p.confidence())); });
-  each([&](const DepthPixel& p) {
-    const unsigned charted = p.known() && !p.has(kSensed) ? 1 : 0;
-    const unsigned measured = p.has(kSensed) || p.has(kSeenByDepth) ? 2 : 0;
-    bytes.add(static_cast<std::uint8_t>(charted | measured | (p.has(kSeenByObstacle) ? 4U : 0U)));
-  });
+  }
+  bytes.append_packed(planes);
   return bytes.take();
 }
 

@@ -62,7 +62,10 @@ Hearing PageSession::follow(const PageRequest& request) {
     case Ask::kCommand: return command(request.word);
     case Ask::kDetail: return detail(request.word);
     case Ask::kPlay:
-      if (live_) return {};  // it does
+      if (!live_) return play(true);
+      if (runs()) return {};  // it does
+      if (!sources_.open_playback) return refuse({"play", "nothing is recorded"}, "no_recording");
+      look_at_recording();
       return play(true);
     case Ask::kLive:
       if (!sources_.live) return refuse({"live", "a recording has no now"}, "no_now");
@@ -95,7 +98,7 @@ Hearing PageSession::follow(const PageRequest& request) {
 }
 
 Hearing PageSession::play(bool playing) {
-  const bool again = playing && !sources_.live && playhead() >= span().end;
+  const bool again = playing && !runs() && playhead() >= span().end;
   put_playhead(again ? span().start : playhead());
   playing_ = playing;
   return {};
@@ -151,6 +154,9 @@ void PageSession::look_at_recording() {
   forget_ = true;
 }
 
+/// Whether there is a now that goes on.
+bool PageSession::runs() const { return sources_.live && !(sources_.over && sources_.over()); }
+
 /// What may be sought: nothing where nothing is recorded.
 TimeSpan PageSession::span() const {
   if (playback_) return playback_->span();
@@ -179,7 +185,7 @@ void PageSession::show_recording() {
   const Time moment = playhead();
   if (moment >= span().end) {  // of a run that goes on: wait there for more
     put_playhead(moment);
-    playing_ = playing_ && sources_.live;
+    playing_ = playing_ && runs();
   }
   if (shown_time_ == moment) return;
   shown_time_ = moment;  // also where it fails: not again and again
@@ -190,11 +196,12 @@ std::string PageSession::clock_text() const {
   const TimeSpan all = span();
   const Time from = start();
   const Time now = live_ ? sources_.live_span().end : playhead();
-  nlohmann::json clock{{"now_s", rounded_ms(now - from)},     {"start_s", rounded_ms(all.start - from)},
-                       {"end_s", rounded_ms(all.end - from)}, {"live", live_},
-                       {"playing", live_ || playing_},        {"speed", live_ ? 1 : speed_},
+  nlohmann::json clock{{"now_s", rounded_ms(now - from)},      {"start_s", rounded_ms(all.start - from)},
+                       {"end_s", rounded_ms(all.end - from)},  {"live", live_},
+                       {"playing", live_ ? runs() : playing_}, {"speed", live_ ? 1 : speed_},
                        {"version", sources_.version}};
   if (!sources_.token.empty()) clock["control"] = control_;
+  if (sources_.live && !runs()) clock["over"] = true;
   if (sources_.live) clock["live_s"] = rounded_ms(sources_.live_span().end - from);
   return clock.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -34,6 +34,7 @@ enum class PageCommand { kHold, kResume, kAbort };
 struct PageSources {
   std::shared_ptr<SharedChanges> live = nullptr;  ///< null: no run is under way
   std::function<TimeSpan()> live_span = {};       ///< of the run: its start, and now; with `live`
+  std::function<bool()> over = {};                ///< of the run; null: never
   /// Null: nothing is recorded. Must be cheap: what is dear is shared.
   std::function<std::unique_ptr<Playback>()> open_playback = {};
   /// Says why a command was not taken; nothing where it was. Must not wait. Null: no commands.
@@ -69,6 +70,7 @@ class PageSession final : public WebSession {
 
   void look_at_now();
   void look_at_recording();
+  [[nodiscard]] bool runs() const;
   [[nodiscard]] TimeSpan span() const;
   [[nodiscard]] Time start() const;
   [[nodiscard]] Time playhead() const;

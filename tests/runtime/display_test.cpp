@@ -317,10 +317,13 @@ TEST(MapDisplay, ShowsMeasuredDepthsTileByTileFromTheSouthWest) {
   const int row = static_cast<int>((place.x() - number_at<double>(tile, 8)) / pixel_m);
   const int column = static_cast<int>((place.y() - number_at<double>(tile, 16)) / pixel_m);
   const std::size_t i = static_cast<std::size_t>(row * side + column), pixels = static_cast<std::size_t>(side * side);
-  EXPECT_NEAR(number_at<std::uint16_t>(tile, 32 + 2 * i) * unit, 12.34, 0.006);
-  EXPECT_EQ(tile[32 + 2 * pixels + i], 7);
-  EXPECT_EQ(tile[32 + 3 * pixels + i], 2) << "measured, not charted";
-  EXPECT_EQ(number_at<std::uint16_t>(tile, 32 + 2 * (i + 1)), 65535) << "its neighbour nobody knows";
+  const auto planes = test::unpacked(tile.substr(32));
+  ASSERT_EQ(planes.size(), 4 * pixels);
+  const auto units_of = [&](std::size_t at) { return planes[at] + 256 * planes[pixels + at]; };
+  EXPECT_NEAR(units_of(i) * unit, 12.34, 0.006);
+  EXPECT_EQ(planes[2 * pixels + i], 7);
+  EXPECT_EQ(planes[3 * pixels + i], 2) << "measured, not charted";
+  EXPECT_EQ(units_of(i + 1), 65535) << "its neighbour nobody knows";
 
   const std::uint64_t stamp = items.stamp();
   display.show(Time(seconds(3.0)), map.snapshot());

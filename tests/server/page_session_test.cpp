@@ -61,6 +61,7 @@ struct Page {
     if (live) {
       sources.live = std::make_shared<SharedChanges>(items);
       sources.live_span = [this] { return TimeSpan{at_s(0), live_now}; };
+      sources.over = [this] { return over; };
     }
     if (recorded_s >= 0) {
       sources.open_playback = [this, recorded_s] {
@@ -93,6 +94,7 @@ struct Page {
 
   std::chrono::steady_clock::time_point now{std::chrono::hours(1)};
   Time live_now = at_s(100);
+  bool over = false;
   DisplayItems items;
   CountedPlayback* playback = nullptr;
   PageSources sources;
@@ -355,6 +357,35 @@ TEST(PageSession, AtTheEndOfWhatIsRecordedOfARunItWaitsForMore) {
   page.pass(10);
   EXPECT_EQ(page.clock().at("now_s"), 90.0);
   EXPECT_EQ(page.last_clock.at("playing"), true);
+}
+
+/// Nobody waits for news of a run that has ended: the page says so, and plays it from its start.
+TEST(PageSession, ARunThatIsOverIsARecording) {
+  Page page(true, 50);
+  page.live_now = at_s(50);
+  EXPECT_FALSE(page.clock().contains("over"));
+  page.over = true;
+  json clock = page.clock();
+  EXPECT_EQ(clock.at("over"), true);
+  EXPECT_EQ(clock.at("live"), true) << "its end is what is shown";
+  EXPECT_EQ(clock.at("playing"), false);
+  EXPECT_EQ(page.ask({{"ask", "play"}}).refused, "");
+  page.pass(3);
+  clock = page.clock();
+  EXPECT_EQ(clock.at("now_s"), 3.0);
+  EXPECT_EQ(clock.at("live"), false);
+  EXPECT_EQ(clock.at("playing"), true);
+  page.pass(60);
+  page.frame();
+  clock = page.clock();
+  EXPECT_EQ(clock.at("now_s"), 50.0);
+  EXPECT_EQ(clock.at("playing"), false) << "no more will come";
+  page.ask({{"ask", "live"}});
+  EXPECT_EQ(page.clock().at("live"), true);
+
+  Page unrecorded(true);
+  unrecorded.over = true;
+  EXPECT_EQ(unrecorded.ask({{"ask", "play"}}).refused, "no_recording");
 }
 
 TEST(PageSession, WhatIsEmptyIsForgottenToo) {

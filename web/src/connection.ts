@@ -29,7 +29,7 @@ export class Connection {
     const { feed } = this;
     const { clock } = this.shared.model;
     const old = Number.isFinite(feed.heard) ? (now - feed.heard) / 1000 : NaN;
-    const runs = (clock?.playing ?? false) || (clock?.live ?? false);
+    const runs = (clock?.playing ?? false) || ((clock?.live ?? false) && !clock?.over);
     const silent = feed.state.is === 'open' && runs && old * 1000 > kSilent;
     const state = silent ? 'silent' : feed.state.is;
     mark(this.badge, 'state', state);
@@ -49,6 +49,7 @@ export class Connection {
     const { clock } = this.shared.model;
     switch (state) {
       case 'open':
+        if (clock?.over) return '■ run is over';
         return clock?.live ? '● live' : '● connected';
       case 'connecting':
         return '○ connecting';

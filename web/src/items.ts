@@ -352,6 +352,8 @@ export interface Clock {
   live: boolean;
   /** Whether there is a now to go back to: a recording alone has none. */
   hasNow: boolean;
+  /** The run has ended: now stands still. */
+  over: boolean;
   playing: boolean;
   speed: number;
   /** Whether this page may command: absent where nobody may. */
@@ -368,6 +370,7 @@ export function readClock(json: unknown): Clock | null {
     end: number(json.end_s) ?? now,
     live: flag(json.live),
     hasNow: flag(json.live) || number(json.live_s) !== undefined,
+    over: flag(json.over),
     playing: flag(json.playing),
     speed: number(json.speed) ?? 1,
     control: typeof json.control === 'boolean' ? json.control : undefined,

@@ -223,7 +223,10 @@ export function readDepth(p: DataView, row: number, column: number): DepthTile |
   if (p.byteLength < 32) return null;
   const side = p.getUint16(0, true);
   const pixels = side * side;
-  if (side === 0 || p.byteLength < 32 + 4 * pixels) return null;
+  // As of a grid: a head that promises more than the bytes can hold is a lie.
+  if (side === 0 || 4 * pixels > (p.byteLength - 32) * 64) return null;
+  const planes = new Uint8Array(4 * pixels);
+  if (!unpackBits(new Uint8Array(p.buffer, p.byteOffset + 32, p.byteLength - 32), planes)) return null;
   const unit = p.getFloat32(24, true);
   const tile = {
     row,
@@ -233,12 +236,12 @@ export function readDepth(p: DataView, row: number, column: number): DepthTile |
     north: p.getFloat64(8, true),
     east: p.getFloat64(16, true),
     depth: new Float32Array(pixels),
-    confidence: new Uint8Array(p.buffer, p.byteOffset + 32 + 2 * pixels, pixels).slice(),
-    flags: new Uint8Array(p.buffer, p.byteOffset + 32 + 3 * pixels, pixels).slice(),
+    confidence: planes.subarray(2 * pixels, 3 * pixels),
+    flags: planes.subarray(3 * pixels),
   };
   if (!(tile.pixel > 0) || !Number.isFinite(tile.north) || !Number.isFinite(tile.east) || !(unit > 0)) return null;
   for (let i = 0; i < pixels; ++i) {
-    const units = p.getUint16(32 + 2 * i, true);
+    const units = planes[i]! | (planes[pixels + i]! << 8);
     tile.depth[i] = units === 65535 ? NaN : units * unit;
   }
   return tile;

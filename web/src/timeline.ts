@@ -68,7 +68,7 @@ export class Timeline implements View {
     this.playButton.title = playing ? 'Pause (space)' : 'Play (space)';
     this.liveButton.hidden = !(clock?.hasNow ?? false);
     this.liveButton.setAttribute('aria-pressed', String(live));
-    say(this.liveButton, live ? 'LIVE' : 'Go live');
+    say(this.liveButton, clock?.over ? (live ? 'AT THE END' : 'Go to the end') : live ? 'LIVE' : 'Go live');
     const times = String(clock?.speed ?? 1);
     if (document.activeElement !== this.speed && [...this.speed.options].some(({ value }) => value === times)) {
       this.speed.value = times;
