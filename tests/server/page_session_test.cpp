@@ -376,7 +376,6 @@ TEST(PageSession, ARunThatIsOverIsARecording) {
   EXPECT_EQ(clock.at("live"), false);
   EXPECT_EQ(clock.at("playing"), true);
   page.pass(60);
-  page.frame();
   clock = page.clock();
   EXPECT_EQ(clock.at("now_s"), 50.0);
   EXPECT_EQ(clock.at("playing"), false) << "no more will come";
