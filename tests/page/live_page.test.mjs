@@ -227,6 +227,14 @@ test('a mission with real threads is seen as it runs, its past as it was, and en
 test('a recording is scrubbed, decision by decision', async () => {
   const first = await serve('taped', '--port', '0', '--speed', 'max', '--set', 'simulation.duration_s=40');
   await first.until(/written to/);
+  const end = await open(first.url);
+  await end.waitForFunction(() => /over/.test(document.querySelector('#connection').textContent));
+  await picture(end, 'over-1400');
+  await end.click('#play');
+  await end.waitForSelector('#live[aria-pressed="false"]');
+  await end.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuenow')) < 20);
+  assert.equal(await end.isHidden('#notice'), true, 'nobody waits for news');
+  await end.close();
   await first.end();
   const program = await serve('replay', join(scratch, 'taped', 'recording.mcap'), '--port', '0');
   const page = await open(program.url);
