@@ -131,7 +131,8 @@ void RunFilm::thin(DisplayKind kind) {
   for (auto block = blocks_.rbegin(); block != blocks_.rend(); ++block) {
     const bool first = std::next(block) == blocks_.rend();
     const double stretch = first ? -1 : std::floor(to_seconds(block->time - blocks_.front().time) / interval_s);
-    std::erase_if(block->records, [&](const std::string& record) {
+    std::vector<std::string>& records = block->records;
+    const auto from = std::remove_if(records.rbegin(), records.rend(), [&](const std::string& record) {
       if (kind_of_record(record) != kind) return false;
       const auto [met, fresh] = kept.try_emplace(number_of(record), stretch);
       const bool older = !fresh && met->second == stretch;
@@ -140,6 +141,7 @@ void RunFilm::thin(DisplayKind kind) {
       if (older && first) first_bytes_ -= record.size();
       return older;
     });
+    records.erase(records.begin(), from.base());
   }
 }
 

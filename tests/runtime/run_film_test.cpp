@@ -308,6 +308,22 @@ TEST(RunFilm, WhatComesAfterTheLastEventIsOfItsTime) {
   EXPECT_EQ(shown_at(blocks, Voyage::at(1), false), film_of(items));
 }
 
+/// What is told again at the time of the last sample replaces what that sample had, however much must be left out.
+TEST(RunFilm, OfAnItemToldTwiceAtTheEndTheLaterStays) {
+  std::mt19937 random(5);
+  DisplayItems items;
+  ReportConfig config;
+  config.film_mb = 0.01;
+  RunFilm film(config);
+  for (int i = 0; i <= 100; ++i) {
+    items.set(Kind::kWay, 0, Voyage::at(i), noise(random, 2000));
+    film.sample(Voyage::at(i), items);
+  }
+  items.set(Kind::kWay, 0, Voyage::at(100), noise(random, 1000));
+  const auto blocks = blocks_of(film.finish(Voyage::at(100), items));
+  EXPECT_EQ(shown_at(blocks, Voyage::at(100), false), film_of(items));
+}
+
 TEST(RunFilm, OfNothingThereIsNone) {
   DisplayItems items;
   RunFilm film(ReportConfig{});
