@@ -32,6 +32,8 @@ import { VoxelMesh, type VoxelColour } from './voxel_mesh';
 const kRebuild = 300;
 /** ms between two pictures of what moves, where the processor has to draw them. */
 const kSlow = 400;
+/** Cubes that a processor draws while things change, and once they have not for a while, ms. */
+const [kSlowCubes, kRestCubes, kRest] = [10_000, 40_000, 600];
 /** s of the run, at its own speed: a longer step is a jump. */
 const kJump = 3;
 /** Voxels for each cube that may be drawn: those inside are not, and larger cubes stand for the rest. */
@@ -124,6 +126,7 @@ export class SpaceView implements View {
     const renderer = this.renderer!;
     const look = `${model.revision.join()} ${theme.revision} ${width} ${height}`;
     if (look !== this.seen) this.dirty = true;
+    if (this.slow) this.rest(now);
     if (!this.dirty) return;
     if (Math.abs(model.now - this.shown) > kJump * Math.max(1, model.clock?.speed ?? 1)) this.jumped = now;
     this.shown = model.now;
@@ -144,12 +147,24 @@ export class SpaceView implements View {
     this.tell();
   }
 
+  /** Who stands still to look gets the finer cubes. */
+  private rest(now: number): void {
+    if (this.dirty) this.changed = now;
+    const rests = now - this.changed > kRest;
+    const most = rests ? kRestCubes : kSlowCubes;
+    if (most === this.voxels.most || (rests && this.voxels.side === 1)) return;
+    this.voxels.most = most;
+    this.built = this.cubed = '';
+    this.rebuilt = -Infinity;
+    this.dirty = true;
+  }
+
   /** All of them only where they are looked at, and can be drawn. */
   private askForVoxels(visible: boolean): void {
     const { model } = this.shared;
     let count = 0;
     for (const { item } of model.cubes.values()) count += item.count;
-    const all = visible && this.boxes.voxels.checked && count <= kVoxelsEach * this.voxels.most;
+    const all = visible && this.boxes.voxels.checked && count <= kVoxelsEach * (this.slow ? kSlowCubes : this.voxels.most);
     const wanted = `${all} ${model.revision[0]}`;
     if (wanted === this.wanted || (!all && !this.wanted.startsWith('true'))) return;
     if (!this.shared.wantVoxels(all)) return; // all come in any case, or nobody is there
@@ -208,8 +223,8 @@ export class SpaceView implements View {
     if (this.failed) return false;
     try {
       this.slow = drawsInSoftware();
-      this.surface.most = this.slow ? 25_000 : 600_000;
-      this.voxels.most = this.slow ? 20_000 : 300_000;
+      this.surface.most = this.slow ? 20_000 : 600_000;
+      this.voxels.most = this.slow ? kSlowCubes : 300_000;
       this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !this.slow });
     } catch {
       this.failed = true;
@@ -231,6 +246,7 @@ export class SpaceView implements View {
   private slow = false;
   private moved = false;
   private rendered = -Infinity;
+  private changed = -Infinity;
 
   private rebuild(now: number, atOnce: boolean): void {
     const { model, theme } = this.shared;
