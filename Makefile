@@ -5,6 +5,8 @@ SHELL := bash
 .DEFAULT_GOAL := help
 
 JOBS ?= $(shell nproc)
+# Tests at a time: one of them waits for a browser.
+TEST_JOBS ?= $(shell expr $(JOBS) + 1)
 FUZZ_SECONDS ?= 60
 WERROR ?= OFF
 # Rooms with threads, and the groups of their tests that start any.
@@ -40,7 +42,7 @@ build-%: build/%/.configured-$(WERROR)
 	@cmake --build build/$* --parallel $(JOBS)
 
 run-tests-%: build-%
-	ctest --test-dir build/$* --parallel $(JOBS) --output-on-failure --no-tests=error
+	ctest --test-dir build/$* --parallel $(TEST_JOBS) --output-on-failure --no-tests=error
 
 demo: build/release/.configured-$(WERROR) ## Run the program on what it brings along; says where the report is
 	@cmake --build build/release --parallel $(JOBS) --target isobath_app

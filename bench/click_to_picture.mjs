@@ -6,9 +6,11 @@
 // what the crew decides), a fan of 93 beams that stands upright (voxels), and an altimeter (depth map).
 //
 // A click counts from the time stamp of its pointer event. The picture is there when all that the program sent for the
-// sought moment was taken (of the chart all but voxels, which come last), a frame after that has drawn all views and none is behind (the WebGL canvas is read back, so
-// that it waits for the drawing), and the next frame begins, with which the browser has shown the one before. Paused, all that came until
-// half a second of silence belongs to the moment; playing, all up to the first message that is not a full piece of 1 MiB.
+// sought moment was taken (of the chart all but voxels and cubes), a frame after that has drawn all views and none is
+// behind (the WebGL canvas is read back, so that it waits for the drawing), and the next frame begins, with which the
+// browser has shown the one before. Paused, all that came until half a second of silence belongs to the moment;
+// playing, all up to the first message that is not a full piece of 1 MiB. In space, many voxels are shown as cubes of
+// theirs (docs/live-page.md), which without a graphics processor are finer once nothing has changed for a while.
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
 import { spawn } from 'node:child_process';
