@@ -164,7 +164,7 @@ export class SpaceView implements View {
     const { model } = this.shared;
     let count = 0;
     for (const { item } of model.cubes.values()) count += item.count;
-    const all = visible && this.boxes.voxels.checked && count <= kVoxelsEach * (this.slow ? kSlowCubes : this.voxels.most);
+    const all = visible && this.boxes.voxels.checked && count <= kVoxelsEach * (this.slow ? kRestCubes : this.voxels.most);
     const wanted = `${all} ${model.revision[0]}`;
     if (wanted === this.wanted || (!all && !this.wanted.startsWith('true'))) return;
     if (!this.shared.wantVoxels(all)) return; // all come in any case, or nobody is there
