@@ -2,7 +2,7 @@
  * What stands still: land, fence, keep-out, what a simulator says really stands there, and the points of the mission.
  */
 import type { Scene } from '../items';
-import { label, stroke, trace, words, type Pen } from './pen';
+import { label, stroke, trace, type Pen } from './pen';
 
 export function drawLand(pen: Pen, scene: Scene): void {
   for (const outline of [...scene.land, ...scene.charted]) {
@@ -51,14 +51,17 @@ function crossOut(pen: Pen, outline: readonly (readonly [number, number])[]): vo
 
 export function drawBodies(pen: Pen, scene: Scene): void {
   const { camera, paint } = pen;
+  const named = new Set<string>(); // a bank of many parts has one name
   for (const { name, outline } of scene.bodies) {
     if (outline.length < 2) continue;
     trace(pen, outline, true);
     stroke(pen, { colour: paint.truth, width: 1.5, dash: [3, 3] });
     const wide = spread(pen, outline);
-    if (!name || camera.scale > 0.5 || wide < 3) continue;
+    if (!name || named.has(name) || camera.scale > 0.5 || wide < 3) continue;
     const [north, east] = middle(outline);
-    label(pen, name, camera.x(north, east), camera.y(north, east) + wide / 2 + 10, paint.truth);
+    const [x, y] = [camera.x(north, east), camera.y(north, east) + wide / 2 + 10];
+    const seen = x > 0 && x < camera.width && y > 0 && y < camera.height;
+    if (seen && label(pen, name, x, y, paint.truth)) named.add(name);
   }
 }
 
@@ -72,7 +75,7 @@ export function drawMission(pen: Pen, scene: Scene, target: number | undefined):
     );
     stroke(pen, { colour: paint.mission, width: 1.2, dash: [2, 4] });
   }
-  scene.mission.forEach(({ name, at }, i) => {
+  scene.mission.forEach(({ at }, i) => {
     const [x, y] = [camera.x(...at), camera.y(...at)];
     drawing.beginPath();
     drawing.arc(x, y, 9, 0, 2 * Math.PI);
@@ -84,8 +87,12 @@ export function drawMission(pen: Pen, scene: Scene, target: number | undefined):
     drawing.arc(x, y, i === target ? 4.5 : 1.5, 0, 2 * Math.PI);
     drawing.fillStyle = paint.mission;
     drawing.fill();
-    words(pen, name || String(i + 1), x + 14, y - 10, paint.mission);
   });
+  const points = [...scene.mission.entries()];
+  if (target !== undefined) points.unshift(...points.splice(target, 1)); // where it goes is named in any case
+  for (const [i, { name, at }] of points) {
+    label(pen, name || String(i + 1), camera.x(...at) + 14, camera.y(...at) - 10, paint.mission, 'left');
+  }
 }
 
 export function middle(outline: readonly (readonly [number, number])[]): [number, number] {

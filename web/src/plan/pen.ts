@@ -53,14 +53,23 @@ export function words(
   drawing.fillText(text, x, y);
 }
 
-/** Words in the middle above or below a place; left out where others stand already. */
-export function label(pen: Pen, text: string, x: number, y: number, colour: string): void {
+/** Words beside a place; left out, and false, where others stand already. */
+export function label(
+  pen: Pen,
+  text: string,
+  x: number,
+  y: number,
+  colour: string,
+  align: 'center' | 'left' = 'center',
+): boolean {
   pen.drawing.font = kFont;
-  const half = pen.drawing.measureText(text).width / 2 + 2;
-  const box: [number, number, number, number] = [x - half, y - 8, x + half, y + 8];
-  if (pen.taken.some((t) => box[0] < t[2] && t[0] < box[2] && box[1] < t[3] && t[1] < box[3])) return;
+  const wide = pen.drawing.measureText(text).width;
+  const from = align === 'center' ? x - wide / 2 : x;
+  const box: [number, number, number, number] = [from - 2, y - 8, from + wide + 2, y + 8];
+  if (pen.taken.some((t) => box[0] < t[2] && t[0] < box[2] && box[1] < t[3] && t[1] < box[3])) return false;
   pen.taken.push(box);
-  words(pen, text, x, y, colour, 'center');
+  words(pen, text, x, y, colour, align);
+  return true;
 }
 
 /** An image whose rows go along a direction in W, from one corner: pixels are metres of `size` each way. */
