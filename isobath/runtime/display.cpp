@@ -38,10 +38,6 @@ std::string display_text(const ordered_json& json) {
   return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-bool has_passed(const std::optional<Time>& last, Time now, Duration interval) {
-  return !last || now < *last || now - *last >= interval;
-}
-
 ordered_json mission_points(const MissionPlan& plan) {
   ordered_json points = ordered_json::array();
   for (const MissionPoint& p : plan.points) {
@@ -114,7 +110,7 @@ void Display::hear(const Event& event) {
   const auto* fix = std::get_if<Navigation>(&event);
   if (!fix || !fix->X_WB.is_finite()) return;
   add_to_track(fix->time, fix->X_WB.translation);
-  if (!has_passed(vehicle_shown_, fix->time, kVehicleInterval)) return;
+  if (!show_again(vehicle_shown_, fix->time, kVehicleInterval)) return;
   vehicle_shown_ = fix->time;
   show_vehicle(*fix);
 }
@@ -138,7 +134,7 @@ void Display::show_vehicle(const Navigation& fix) {
 }
 
 void Display::add_to_track(Time time, const Eigen::Vector3d& place) {
-  if (!has_passed(last_place_, time, kPlaceInterval)) return;
+  if (!show_again(last_place_, time, kPlaceInterval)) return;
   last_place_ = time;
   if (places_ % kPlacesAChunk == 0) chunk_.clear();
   DisplayBytes bytes;
@@ -268,7 +264,7 @@ void Display::look(Time time, const Pipeline& pipeline, const DepthModel& depths
   show(time, display_counts(pipeline, depths));
 }
 
-bool Display::wants_counts(Time time) const { return has_passed(counted_, time, kCountInterval); }
+bool Display::wants_counts(Time time) const { return show_again(counted_, time, kCountInterval); }
 
 void Display::show(Time time, const DisplayCounts& counts) {
   counted_ = time;

@@ -48,6 +48,11 @@ inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kCubes;
 /// wants them, so that nothing waits for them.
 enum class DisplayPart : std::uint8_t { kAll, kAllButVoxels, kVoxels };
 
+/// Whether to show something again: it never was, time went back, or an interval has gone by since.
+inline bool show_again(const std::optional<Time>& shown, Time now, Duration interval) {
+  return !shown || now < *shown || now - *shown >= interval;
+}
+
 /// One record, as it is sent and recorded; `gone`: the item is no more.
 void append_record(std::string& out, DisplayKind kind, std::uint64_t number, Time time, std::string_view payload,
                    bool gone = false);

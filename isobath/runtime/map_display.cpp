@@ -117,12 +117,8 @@ PixelWindow known_of(const DepthTrees& trees) {
 
 }  // namespace
 
-bool MapDisplay::due(const std::optional<Time>& shown, Time now, Duration interval) {
-  return !shown || now < *shown || now - *shown >= interval;
-}
-
 void MapDisplay::show(Time time, const BodyGrid& grid, const Pose& X_WB) {
-  if (!due(grid_shown_, time, kGridInterval)) return;
+  if (!show_again(grid_shown_, time, kGridInterval)) return;
   grid_shown_ = time;
   const CartesianGrid& cells = grid.cells();
   // W from L, L from G: where the grid's corner lies and how it is turned
@@ -205,7 +201,7 @@ void MapDisplay::voxels_moved(Time time) {
 
 void MapDisplay::show(Time time, const VoxelMap& voxels) {
   if (changed_.empty()) {
-    if (!due(voxels_shown_, time, kVoxelInterval)) return;
+    if (!show_again(voxels_shown_, time, kVoxelInterval)) return;
     voxels_shown_ = time;
     changed_ = voxels.changed_after(voxel_revision_);
     voxel_revision_ = voxels.revision();

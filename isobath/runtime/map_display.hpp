@@ -4,7 +4,7 @@
 // Depths: the whole of what is charted once, coarse enough to be one picture (kOverview pixels a side); then each tile
 // of the window in which a sonar has spoken, at full resolution, when it has changed. Voxels: of each block that has
 // changed those at least as likely occupied as not; an eighth of these blocks a look, so that no ping waits for all.
-// And the same in cubes of kCube voxels a side, which are a fiftieth of the bytes: what a page can draw at a glance.
+// And the same in cubes of kCube voxels a side, which are a thirtieth of the bytes: what a page can draw at a glance.
 //
 // Items: docs/live-page.md. Times are the events'; each map is shown at most as often as its interval says. One thread.
 #pragma once
@@ -35,14 +35,13 @@ class MapDisplay {
 
   void show(Time time, const BodyGrid& grid, const Pose& X_WB);
   /// Whether it is time to look at these again: a snapshot is not for nothing.
-  [[nodiscard]] bool wants_depths(Time time) const { return due(depths_shown_, time, kDepthInterval); }
+  [[nodiscard]] bool wants_depths(Time time) const { return show_again(depths_shown_, time, kDepthInterval); }
   void show(Time time, std::shared_ptr<const DepthSnapshot> depths);
   void show(Time time, const VoxelMap& voxels);
   /// The voxels stand elsewhere now: all of them are shown anew.
   void voxels_moved(Time time);
 
  private:
-  [[nodiscard]] static bool due(const std::optional<Time>& shown, Time now, Duration interval);
   void show_overview(Time time, const DepthSnapshot& depths);
   void show_tile(Time time, Pixel tile, const PixelGrid& grid, const DepthTile& pixels);
   void show_block(Time time, const VoxelMap& voxels, const VoxelIndex& corner);

@@ -5,9 +5,6 @@
 namespace isobath {
 namespace {
 
-bool is_over(const std::optional<Time>& last, Time now, Duration interval) {
-  return !last || now < *last || now - *last >= interval;
-}
 constexpr Duration kLookInterval = std::chrono::milliseconds(950);
 
 }  // namespace
@@ -91,7 +88,7 @@ void RunDisplay::steered(Time time, const Setpoint& setpoint, const std::vector<
 
 bool RunDisplay::wants_scene(Time time) {
   if (!thread_) return display_->wants_counts(time);
-  if (!is_over(scene_shown_, time, kLookInterval)) return false;
+  if (!show_again(scene_shown_, time, kLookInterval)) return false;
   scene_shown_ = time;
   return true;
 }
@@ -149,13 +146,13 @@ void RunDisplay::on_jump(const Eigen::Vector3d& by_W) {
 void RunDisplay::look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) {
   if (!thread_) return display_->look(time, pipeline, depths, voxels);
   if (const VoxelMap* map = voxels.map()) voxels_->show(time, *map);
-  if (is_over(depths_shown_, time, MapDisplay::kDepthInterval)) {
+  if (show_again(depths_shown_, time, MapDisplay::kDepthInterval)) {
     depths_shown_ = time;
     if (auto snapshot = depths.snapshot()) {
       thread_->take(Kind::kNote, [this, time, snapshot] { display_->show(time, snapshot); });
     }
   }
-  if (!is_over(counted_, time, kLookInterval)) return;
+  if (!show_again(counted_, time, kLookInterval)) return;
   counted_ = time;
   thread_->take(Kind::kNote, [this, time, counts = display_counts(pipeline, depths)] {
     counts_ = counts;

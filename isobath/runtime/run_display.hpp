@@ -3,7 +3,8 @@
 //
 //   RunDisplay display(request, setup, input);
 //   display.hear(event, origin); display.on_ping(ping); display.heard(envelope); display.steered(...);
-//   display.look(...); display.sample(time);                              // after each event display.finish(last);
+//   display.look(...); display.sample(time);  // after each event
+//   display.finish(last);
 //
 // Of a run that takes its turns all of it is done here and now, in one order. A live run tells it from several threads:
 // whoever senses and steers (hear, take, steered, wants_scene, show, sample), whoever maps (on_*, look), the crew

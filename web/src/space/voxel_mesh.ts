@@ -1,7 +1,7 @@
 /**
  * The voxels as cubes of one mesh. Of a cube only the three sides towards the eye can be seen: only they are drawn, as
  * the three of one corner, which is turned to the eye. Places and colours are read from textures by the number of the
- * vertex: who draws in software does an instance at a time, at twenty times the cost.
+ * vertex: who draws in software does an instance at a time, at four times the cost.
  */
 import {
   BufferGeometry,
