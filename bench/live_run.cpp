@@ -13,14 +13,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/runtime/depth_model.hpp>
 #include <isobath/runtime/display.hpp>
-#include <isobath/runtime/mission_run.hpp>
-#include <isobath/runtime/pipeline.hpp>
+#include <isobath/runtime/mission_setup.hpp>
+#include <isobath/runtime/onboard.hpp>
 #include <isobath/runtime/run.hpp>
 #include <isobath/runtime/run_source.hpp>
-#include <isobath/runtime/stage_load.hpp>
-#include <isobath/runtime/voxel_model.hpp>
 #include <isobath/server/page_session.hpp>
 #include <isobath/server/page_site.hpp>
 #include <isobath/server/web_server.hpp>
@@ -99,18 +96,55 @@ struct Took {
   double processor;  ///< of this thread, for all of it: what neighbours on the machine cannot lengthen by much
 };
 
-/// All that goes on aboard, as in a run; the display apart by its own clock.
-class Vehicle : public ResultSink {
+/// A helm, and how long it takes.
+class TimedHelm : public Helm {
+ public:
+  explicit TimedHelm(std::unique_ptr<Helm> helm) : helm_(std::move(helm)) {}
+  void hear(const Event& event) override {
+    timed([&] { helm_->hear(event); });
+  }
+  void on_ping(const PosedPing& ping) override {
+    timed([&] { helm_->on_ping(ping); });
+  }
+  void on_scan(const ScanResult& scan) override {
+    timed([&] { helm_->on_scan(scan); });
+  }
+  void on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) override {
+    timed([&] { helm_->on_space(time, space); });
+  }
+  [[nodiscard]] Setpoint steer() override {
+    Setpoint setpoint;
+    timed([&] { setpoint = helm_->steer(); });
+    return setpoint;
+  }
+  [[nodiscard]] MissionReport progress() const override { return helm_->progress(); }
+  [[nodiscard]] const std::vector<Decision>& decisions() const override { return helm_->decisions(); }
+  void show_messages_to(const Recorder& recorder) override { helm_->show_messages_to(recorder); }
+  [[nodiscard]] double take_ms() { return std::exchange(ms_, 0); }
+
+ private:
+  template <class Work>
+  void timed(const Work& work) {
+    const auto begun = Clock::now();
+    work();
+    ms_ += ms_since(begun);
+  }
+  std::unique_ptr<Helm> helm_;
+  double ms_ = 0;
+};
+
+/// All that is on board, as in a run; the display apart by its own clock.
+class Vehicle : public OnboardObserver {
  public:
   Vehicle(const Log& log, const Configuration& configuration, DisplayItems& items)
       : depths_(configuration, {}),
-        voxels_(configuration.voxels),
-        mission_(log.setup, configuration, false),
+        times_(std::make_shared<StageTimes>()),
+        helm_(make_mission_helm(log.setup, configuration, times_)),
         display_(items),
-        pipeline_(configuration, *this, &depths_),
-        reach_m_(configuration.mission.space_route.reach_m) {
+        onboard_(configuration, depths_, {.helm = &helm_, .times = times_}) {
     depths_.locate(log.origin);
-    mission_.show_messages_to([this](const Envelope& envelope) { display_.heard(envelope); });
+    helm_.show_messages_to([this](const Envelope& envelope) { display_.heard(envelope); });
+    onboard_.show_to(*this);
     scene_.title = log.setup.plan.title;
     scene_.plan = log.setup.plan;
   }
@@ -119,51 +153,40 @@ class Vehicle : public ResultSink {
   std::optional<Took> take(const Event& heard) {
     Event event = heard;  // copied by whoever senses
     const Time time = time_of(event);
-    const std::uint64_t mapped = pipeline_.counts().pings;
-    display_ms_ = crew_ms_ = 0;
+    const std::uint64_t mapped = onboard_.pipeline().counts().pings;
+    display_ms_ = 0;
     const std::int64_t worked = thread_nanoseconds();
     const auto taken = Clock::now();
-    shown([&] { display_.hear(event); });
-    crewed([&] { mission_.hear(event); });
-    mission_.begin(taken);
-    pipeline_.take(std::move(event));
-    crewed([&] { display_.want(mission_.steer()); });
+    onboard_.take(std::move(event));
+    onboard_.steer();
     shown([&] {
       if (display_.wants_counts(time)) {
         display_.show(time, scene_);
-        display_.show(time, mission_.timings());
+        display_.show(time, onboard_.timings());
       }
-      display_.look(time, pipeline_, depths_, voxels_);
+      display_.look(time, onboard_.pipeline(), depths_, onboard_.voxels());
     });
-    const double all_ms = ms_since(taken);
-    if (pipeline_.counts().pings == mapped) return std::nullopt;
-    return Took{all_ms, all_ms - crew_ms_, display_ms_, 1e-6 * static_cast<double>(thread_nanoseconds() - worked)};
+    const double all_ms = ms_since(taken), crew_ms = helm_.take_ms();
+    if (onboard_.pipeline().counts().pings == mapped) return std::nullopt;
+    return Took{all_ms, all_ms - crew_ms, display_ms_, 1e-6 * static_cast<double>(thread_nanoseconds() - worked)};
   }
 
+  void on_event(const Event& event) override {
+    shown([&] { display_.hear(event); });
+  }
   void on_ping(const PosedPing& ping) override {
-    crewed([&] { mission_.on_ping(ping); });
-    voxels_.take(ping);
     shown([&] { display_.on_ping(ping); });
-    mission_.resume();
   }
   void on_scan(const ScanResult& scan) override {
-    const auto space = voxels_.space_around(scan, reach_m_);
-    crewed([&] {
-      if (space) mission_.on_space(scan.detection.time, space);
-      mission_.on_scan(scan);
-    });
     shown([&] { display_.on_scan(scan); });
-    mission_.resume();
   }
   void on_upright(const PosedPing& ping) override {
-    voxels_.take(ping);
     shown([&] { display_.on_upright(ping); });
   }
-  void on_soundings(const Swath& swath, const Pose& X_WB) override { voxels_.take(swath, X_WB); }
   void on_jump(const Eigen::Vector3d& by_W) override {
-    voxels_.move_along(by_W);
     shown([&] { display_.on_jump(by_W); });
   }
+  void on_setpoint(Time, const Setpoint& setpoint) override { display_.want(setpoint); }
 
  private:
   template <class Work>
@@ -172,20 +195,13 @@ class Vehicle : public ResultSink {
     work();
     display_ms_ += ms_since(begun);
   }
-  /// What the crew says is shown by the way, and counts as its own.
-  template <class Work>
-  void crewed(const Work& work) {
-    const auto begun = Clock::now();
-    work();
-    crew_ms_ += ms_since(begun);
-  }
 
   DepthModel depths_;
-  VoxelModel voxels_;
-  MissionRun mission_;
+  std::shared_ptr<StageTimes> times_;
+  TimedHelm helm_;
   Display display_;
-  Pipeline pipeline_;
-  double reach_m_, display_ms_ = 0, crew_ms_ = 0;
+  Onboard onboard_;
+  double display_ms_ = 0;
   DisplayScene scene_;
 };
 

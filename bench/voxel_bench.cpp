@@ -151,6 +151,12 @@ BENCHMARK_CAPTURE(FanBins, marginal, FanMapperConfig::Rule::kMarginal)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
+BENCHMARK_CAPTURE(FanBins, aspects, FanMapperConfig::Rule::kAspects)
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
 #ifdef ISOBATH_HAS_OCTOMAP
 /// A tenth of the rays: the whole takes minutes.
 void OctoMapRays(benchmark::State& state) {

@@ -32,6 +32,11 @@ void print(const CalibrateRequest& request, const CalibrateOutcome& outcome) {
     }
     fmt::print("\n");
   }
+  if (outcome.fan) {
+    for (const std::string& line : lines_of(*outcome.fan)) fmt::print("{}\n", line);
+    fmt::print("use it: isobath run LOG --set sensor.model={}\n", (request.out / "fan_model.json").string());
+  }
+  if (!outcome.no_fan.empty()) fmt::print("no fan model: {}\n", outcome.no_fan);
   fmt::print("written to {}: sensor_model.json and {} more files\n", request.out.string(), outcome.files.size() - 1);
 }
 
@@ -46,6 +51,7 @@ int act(Options& options) {
   progress.clear();
   if (options.json) {
     auto json = nlohmann::ordered_json::parse(to_json(outcome.result));
+    if (outcome.fan) json["fan"] = fan_json(*outcome.fan);
     add_files(json, request.out, outcome.files);
     print_json(json);
   } else {
@@ -59,9 +65,9 @@ int act(Options& options) {
 Action add_calibrate(CLI::App& program) {
   auto options = std::make_shared<Options>();
   options->request.out = "out/calibration";
-  CLI::App* command =
-      program.add_subcommand("calibrate", "Thresholds, ROC and noise laws from marked frames or background");
-  command->add_option("LOG", options->request.input, "Folder of frames with marks, or a log")->required();
+  CLI::App* command = program.add_subcommand(
+      "calibrate", "What a sonar hears, from an ordinary recording of a minute or from marked frames");
+  command->add_option("LOG", options->request.input, "A log, or a folder of frames, with or without marks")->required();
   command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
   command->add_option("--background-below", options->request.background_below,
                       "Without marks: pings whose strongest sample is below this many counts are background");

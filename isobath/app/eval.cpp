@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
@@ -13,6 +14,7 @@ struct Options {
   EvaluationRequest request;
   std::string suite;
   std::string out;
+  std::string variant;
   int only = -1;
   bool alone = false;
   bool json = false;
@@ -31,6 +33,19 @@ std::string program_version() {
   return fmt::format("{} {:016x}", ISOBATH_VERSION, digest);
 }
 
+/// Columns as wide as their widest cell; numbers to the right.
+void print_variants(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths(rows.empty() ? 0 : rows.front().size());
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  for (const auto& row : rows) {
+    fmt::print("{:<{}}", row.front(), widths.front());
+    for (std::size_t i = 1; i < row.size(); ++i) fmt::print("  {:>{}}", row[i], widths[i]);
+    fmt::print("\n");
+  }
+}
+
 void print(const EvaluationRequest& request, const Evaluation& evaluation) {
   fmt::print("{}: {} runs from seed {}", request.suite.about.title, evaluation.runs.size(),
              evaluation.runs.front().seed);
@@ -41,6 +56,7 @@ void print(const EvaluationRequest& request, const Evaluation& evaluation) {
     for (std::size_t i = 1; i < row.size(); ++i) fmt::print("  {:<35}", row[i]);
     fmt::print("\n");
   }
+  print_variants(variant_table(evaluation));
   for (const std::string& line : comparison_lines(evaluation)) fmt::print("{}\n", line);
   for (const auto& [why, count] : evaluation.summaries.front().reasons) fmt::print("refused {}: {}\n", count, why);
   for (const std::string& bar : evaluation.broken) fmt::print("BELOW THE BAR: {}\n", bar);
@@ -51,8 +67,12 @@ int act(Options& options) {
   EvaluationRequest& request = options.request;
   const Configuration configuration = options.config.read();
   const std::string name = std::filesystem::path(options.suite).stem().string();
-  request.out = options.out.empty() ? "out/eval/" + name : options.out;
+  // Runs of one variant have a folder of their own: those of the whole suite stay.
+  std::string folder = options.variant.empty() ? name : name + "-" + options.variant;
+  std::replace(folder.begin(), folder.end(), '/', '-');
+  request.out = options.out.empty() ? "out/eval/" + folder : options.out;
   request.suite = load_suite(find_suite(options.suite, request.out / "inputs"));
+  if (!options.variant.empty()) select_variants(request.suite, options.variant);
   if (options.alone) request.suite.baselines.clear();
   request.competitors = competitors_of(request.suite, configuration);
   request.version = program_version();
@@ -94,6 +114,8 @@ Action add_eval(CLI::App& program) {
   command->add_option("--seed", options->request.seed, "Of the first run; the next ones count on; default: the suite's")
       ->check(CLI::Range(0, 1'000'000'000));
   command->add_option("--only", options->only, "This run alone, counted from 0")->check(CLI::Range(0, 999'999));
+  command->add_option("--variant", options->variant,
+                      "Only this variant of the suite, or those with these parts of its name: remus100/altimeter");
   command->add_option("--threads", options->request.threads, "Runs at a time; the results are the same")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();

@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
+#include <isobath/perception/water_label.hpp>
+#include <isobath/runtime/fan_calibration.hpp>
 #include <isobath/runtime/mission_pages.hpp>
 #include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run.hpp>
@@ -41,6 +44,7 @@ ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
   const double wall = outcome.timings.wall_s;
   return {{"problem", outcome.problem},
           {"alarms", alarms_json(outcome)},
+          {"obstacles", obstacle_list(outcome.obstacles)},
           {"counts", counts_json(outcome)},
           {"rejected", rejected_json(outcome)},
           {"depth", outcome.depth ? depth_json(*outcome.depth) : ordered_json()},
@@ -54,6 +58,7 @@ ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
             {"ping_median_ms", outcome.timings.ping_median_ms},
             {"ping_p99_ms", outcome.timings.ping_p99_ms},
             {"stages_s", load_json(outcome.timings.load)}}},
+          {"fan_model", outcome.fan ? departure_json(*outcome.fan) : ordered_json()},
           {"live", outcome.live ? live_json(*outcome.live) : ordered_json()},
           {"files", files}};
 }
@@ -102,28 +107,51 @@ void print(const RunRequest& request, const DepthOutcome& depth) {
   }
 }
 
-void print(const RunRequest& request, const RunOutcome& outcome) {
+void print(const std::vector<Obstacle>& obstacles, std::uint64_t scans) {
+  constexpr std::size_t kMostPrinted = 10;  // the nearest come first
+  const auto hidden = static_cast<std::size_t>(
+      std::count_if(obstacles.begin(), obstacles.end(), [](const Obstacle& o) { return o.behind; }));
+  fmt::print("{} obstacle{} at the end of {} scan{}\n", obstacles.size(), obstacles.size() == 1 ? "" : "s", scans,
+             scans == 1 ? "" : "s");
+  std::size_t printed = 0;
+  for (const Obstacle& o : obstacles) {
+    if (o.behind || printed == kMostPrinted) continue;
+    ++printed;
+    fmt::print("  {:6.2f} m  bearing {:5.1f} deg  existence {:.3f}{}{}\n", o.range_m,
+               o.bearing.wrapped_positive().degrees(), o.existence,
+               o.label == WaterLabel::kUnknown ? "" : fmt::format("  {}", to_text(o.label)),
+               o.possible_multiple ? "  possible multiple echo" : "");
+  }
+  if (hidden > 0) fmt::print("  {} stand behind a nearer one\n", hidden);
+  if (printed + hidden < obstacles.size()) {
+    fmt::print("  and {} more in obstacles.json\n", obstacles.size() - printed - hidden);
+  }
+}
+
+/// What was heard, in numbers.
+void print_input(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
+  const std::string span = span_text(outcome.log_s);
   if (n.pings > 0 || !outcome.depth) {
-    fmt::print("{} pings in {:.1f} s of log, {} scans, {} echoes of {} bins; {:.2f} s of work ({:.0f} x real time)\n",
-               n.pings, outcome.log_s, n.scans, n.hits, n.bins, outcome.timings.wall_s,
-               outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0);
+    fmt::print("heard {} pings within {}: {} echoes in {} bins\n", n.pings, span, n.hits, n.bins);
   } else {
-    fmt::print("{} ranges and {} swaths within {}; {:.2f} s of work\n", n.ranges, n.swaths, span_text(outcome.log_s),
-               outcome.timings.wall_s);
+    fmt::print("heard {} ranges and {} swaths within {}\n", n.ranges, n.swaths, span);
   }
-  if (const std::string load = load_text(outcome.timings.load, n.pings, outcome.log_s); !load.empty()) {
-    fmt::print("{}\n", load);
-  }
-  if (n.upright > 0) fmt::print("{} pings of upright fans, for the map in three dimensions\n", n.upright);
-  for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
+  if (n.upright > 0) fmt::print("heard {} pings of upright fans, for the map in three dimensions\n", n.upright);
+}
+
+/// What the user may want to mend.
+void print_doubts(const RunOutcome& outcome) {
+  const PipelineCounts& n = outcome.counts;
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
+  for (const Damage& d : outcome.source.damages) {
+    fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
+  }
   if (n.jumps > 0) {
     fmt::print("jumps of the position: {}, by up to {:.1f} m; what was seen around the vehicle moved along\n", n.jumps,
                n.farthest_jump_m);
   }
-  for (const Damage& d : outcome.source.damages)
-    fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
+  if (outcome.fan) fmt::print("{}\n", to_text(*outcome.fan));
   if (!outcome.undecided.empty()) fmt::print("at the end no bin could be decided: {}\n", outcome.undecided);
   if (100 * n.no_bottom > n.pings) {  // the first pings of a log come before the first altitude
     fmt::print("no altitude for {} of {} pings: echoes of the bottom are not told from obstacles\n", n.no_bottom,
@@ -132,19 +160,31 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   if (n.blind > 0) {
     fmt::print("bottom or surface hide what stands in {} of {} bins: they count as unknown\n", n.blind, n.bins);
   }
-  if (outcome.depth) print(request, *outcome.depth);
-  if (n.pings > 0 || !outcome.depth) fmt::print("{} obstacles at the end\n", outcome.obstacles.size());
-  if (outcome.truth) print(*outcome.truth);
+}
+
+void print_timings(const RunOutcome& outcome) {
+  const RunTimings& timings = outcome.timings;
+  fmt::print("{:.2f} s of work, {:.0f} x real time\n", timings.wall_s,
+             timings.wall_s > 0 ? outcome.log_s / timings.wall_s : 0);
+  if (const std::string load = load_text(timings.load, outcome.counts.pings, outcome.log_s); !load.empty()) {
+    fmt::print("{}\n", load);
+  }
+  if (outcome.mission) print(outcome.mission->timings);
+}
+
+/// What was found comes first, then what it was found from, what to mend, and where all of it is.
+void print(const RunRequest& request, const RunOutcome& outcome) {
+  for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   if (outcome.mission) {
     for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
     if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
-    if (outcome.live || request.timings) print(outcome.mission->timings);
   }
-  for (const Obstacle& o : outcome.obstacles) {
-    if (o.behind) continue;
-    fmt::print("  bearing {:5.1f} deg  {:6.2f} m  existence {:.3f}\n", o.bearing.wrapped_positive().degrees(),
-               o.range_m, o.existence);
-  }
+  if (outcome.counts.pings > 0 || !outcome.depth) print(outcome.obstacles, outcome.counts.scans);
+  if (outcome.depth) print(request, *outcome.depth);
+  if (outcome.truth) print(*outcome.truth);
+  print_input(outcome);
+  print_doubts(outcome);
+  if (request.timings) print_timings(outcome);
   fmt::print("written to {}: report.html and {} more files\n", request.out.string(), outcome.files.size() - 1);
 }
 
@@ -178,7 +218,7 @@ Action add_run(CLI::App& program) {
   command->add_option("--speed", options->speed, "Of a live run: times real time, or max: as fast as it goes")
       ->capture_default_str()
       ->needs(live);
-  command->add_flag("--timings", options->request.timings, "Measured times in the report too");
+  command->add_flag("--timings", options->request.timings, "Measured times, here and in the report");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   return [options] { return act(*options); };
 }

@@ -82,17 +82,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-template <class Items>
-std::string nearest_name(std::string_view wanted, const Items& items) {
-  std::string best;
-  std::size_t distance = std::numeric_limits<std::size_t>::max();
-  for (const auto& item : items) {
-    const std::size_t d = edit_distance(wanted.substr(0, 64), item);
-    if (d < distance) std::tie(distance, best) = std::pair(d, std::string(item));
-  }
-  return best.empty() ? "" : "did you mean " + best + "?";
-}
-
 std::vector<std::string> names_of(const std::vector<Section>& sections) {
   std::vector<std::string> names;
   for (const Section& s : sections) names.push_back(s.name);
@@ -163,6 +152,16 @@ toml::table parse(std::string_view text, const std::string& file) {
 }
 
 }  // namespace
+
+std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& names) {
+  std::string best;
+  std::size_t distance = std::numeric_limits<std::size_t>::max();
+  for (const std::string& name : names) {
+    const std::size_t d = edit_distance(wanted.substr(0, 64), name);
+    if (d < distance) std::tie(distance, best) = std::pair(d, name);
+  }
+  return best.empty() ? "" : "did you mean " + best + "?";
+}
 
 Field::Field(std::string name, Target target, Range range, std::string unit, std::string sentence)
     : name_(std::move(name)),
@@ -338,7 +337,7 @@ void assign_table(std::vector<Field>& fields, const toml::table& table, const st
         std::any_of(fields.begin(), fields.end(), [name = key.str()](const Field& f) { return f.name() == name; });
     if (!known) {
       throw Error("unknown key", place_of(key.source(), file, section + "." + std::string(key.str())), "",
-                  nearest_name(key.str(), names_of(fields)));
+                  did_you_mean(key.str(), names_of(fields)));
     }
   }
   for (Field& field : fields) {
@@ -375,7 +374,7 @@ void read_toml(std::string_view text, const std::string& file, Schema& schema) {
       std::vector<std::string> names = names_of(schema.sections);
       for (const SectionList& l : schema.lists) names.push_back(l.name);
       throw Error("unknown section", place_of(key.source(), file, std::string(key.str())), listed(names),
-                  nearest_name(key.str(), names));
+                  did_you_mean(key.str(), names));
     }
     section->place = place_of(node.source(), file, section->name);
     const toml::table* table = node.as_table();

@@ -149,4 +149,7 @@ std::string write_toml(const std::vector<Section>& sections, bool annotated);
 /// A page about the format: every section and every list with one element of defaults, annotated.
 std::string write_template(const Schema& schema);
 
+/// "did you mean NAME?", of the name that is spelled most like it; empty where there are no names.
+std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& names);
+
 }  // namespace isobath

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <Eigen/Cholesky>
+#include <functional>
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/smooth_surface.hpp>
 #include <unordered_map>

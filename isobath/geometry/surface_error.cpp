@@ -4,6 +4,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/geometry/surface_error.hpp>
+#include <limits>
 #include <map>
 #include <unordered_map>
 

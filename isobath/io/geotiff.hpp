@@ -6,6 +6,7 @@
 // so. The same cells give the same bytes. Errors: throws Error when the file cannot be written.
 #pragma once
 
+#include <cstdint>
 #include <Eigen/Core>
 #include <filesystem>
 #include <isobath/base/angle.hpp>

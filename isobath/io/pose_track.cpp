@@ -4,6 +4,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/io/delimited_text.hpp>
 #include <isobath/io/pose_track.hpp>
+#include <utility>
 
 namespace isobath {
 namespace {

@@ -10,6 +10,9 @@
 
 namespace isobath {
 
+/// Where in the water column the echoes of an obstacle come from (perception/water_label.hpp).
+enum class WaterLabel : std::uint8_t { kUnknown, kStanding, kBottom, kSurface };
+
 struct Obstacle {
   Polygon outline;                 ///< convex, corners in the positive sense from x to y
   Eigen::Vector2d nearest;         ///< point of the outline nearest to the vehicle
@@ -22,6 +25,7 @@ struct Obstacle {
   Time last_hit;                   ///< of the last of them
   bool behind = false;             ///< a nearer obstacle hides most of it
   bool possible_multiple = false;  ///< at a multiple of the range of a nearer one in its direction
+  WaterLabel label = WaterLabel::kUnknown;
 };
 
 }  // namespace isobath

@@ -85,7 +85,8 @@ SpaceGrid::SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, 
 
   // 2. block by block, what all sensors say of it
   const VoxelMapConfig& config = map.config();
-  const Thresholds at{to_evidence(log_odds_of(config.free)), to_evidence(log_odds_of(config.occupied)),
+  const Thresholds at{to_evidence(log_odds_of(config.free)),
+                      to_evidence(log_odds_of(std::max(config.occupied, kLeastOccupied))),
                       to_evidence(log_odds_of(kMostMeasured))};
   const int prior = to_evidence(log_odds_of(config.prior));
   std::vector<std::pair<const VoxelBlocks*, bool>> layers;

@@ -1,6 +1,9 @@
 // SpaceGrid: what was known of the voxels of a box at one instant, for those who plan through it: occupied, free,
 // measured, or unknown (Horner et al. c. 2009, 5; ledger S5-32, S5-33).
 //
+// Occupied is what the map holds for occupied, and is at least `kLeastOccupied` likely to be: a voxel that is rather
+// water closes no way by itself. Where the plan view has an obstacle, it is closed all the same unless it is measured.
+//
 // Free is what all sensors together hold for free. Measured is what the sensors that tell height (a fan that stands
 // upright, a beam that is narrow both ways) hold for free by themselves, and what is at most `kMostMeasured` likely to
 // be occupied by all. A fan that lies flat hears the whole of an arc at once: that it hears nothing says little of any
@@ -26,6 +29,7 @@ enum class SpaceCell : std::uint8_t { kUnknown, kFree, kMeasured, kOccupied };
 class SpaceGrid {
  public:
   static constexpr double kMostMeasured = 0.2;  ///< S5-33
+  static constexpr double kLeastOccupied = 0.5;
 
   /// Of what lies within `reach_m` of a point of W, along each axis; `heights` names the layers that tell height.
   SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, const Eigen::Vector3d& centre_W, double reach_m);

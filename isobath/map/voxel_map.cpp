@@ -18,7 +18,7 @@ std::vector<Field> fields(VoxelMapConfig& c) {
   return {
       Field::real("voxel_m", &c.voxel_m, {0.01, 10}, "m", "Edge of a voxel."),
       Field::real("prior", &c.prior, {0.001, 0.999}, "1", "Probability that a voxel is occupied, before any look."),
-      Field::real("occupied", &c.occupied, {0.5, 0.9999}, "1", "From this probability on a voxel counts as occupied."),
+      Field::real("occupied", &c.occupied, {0.05, 0.9999}, "1", "From this probability on a voxel counts as occupied."),
       Field::real("free", &c.free, {0.0001, 0.5}, "1", "Up to this probability a voxel counts as free."),
       Field::real("most_log_odds", &c.most_log_odds, {1, 30}, "1",
                   "What one sensor can say of a voxel at most: 6.9 is a probability of 0.001 or 0.999 on even odds."),

@@ -43,6 +43,8 @@ std::vector<Field> fields(NavigatorConfig& c) {
       Field::real("shortcut_m", &c.shortcut_m, {0, 1000}, "m", "A clear way is left for one this much shorter."),
       Field::integer("sure_scans", &c.sure_scans, {1, 100}, "1",
                      "Scans in a row that must agree to refuse a mission point or to take a shortcut."),
+      Field::real("decide_within_m", &c.decide_within_m, {0, 100000}, "m",
+                  "A mission point is refused for what was seen at it no sooner than within this distance."),
       Field::real("sure_within_m", &c.sure_within_m, {0, 1000}, "m", "An obstacle this near is kept clear of at once."),
       Field::real("fence_clearance_m", &c.fence_clearance_m, {0, 1000}, "m", "From the vehicle's hull to the fence."),
       Field::real("chart_sigmas", &c.chart_sigmas, {0, 10}, "1",
@@ -231,7 +233,9 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   }
   goal_blocked_ = nearest != nullptr ? goal_blocked_ + static_cast<int>(new_scan_) : 0;
   if (nearest == nullptr) return {};
-  if (!sure && goal_blocked_ < config_.sure_scans) {
+  // From afar an obstacle at the point is not worth losing it for: the vehicle goes on and looks again.
+  const bool far = (goal - vehicle).norm() > config_.decide_within_m;
+  if (!sure && (far || goal_blocked_ < config_.sure_scans)) {
     std::erase_if(hazards,
                   [&](const Hazard& h) { return blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m; });
     return {};
@@ -261,11 +265,9 @@ std::optional<Vector2d> Navigator::safe_near(const Vector2d& goal, const Vector2
 
 void Navigator::keep(View& view, Outbox& out) {
   const double tolerated = std::max(0.0, clearance() - config_.slack_m);
-  if (const auto conflict = conflict_ahead(view.map, view.way, tolerated)) {
-    if (!leads_through(view, *conflict, out)) avoid(view, *conflict, out);
-    return;
-  }
-  through_ = false;
+  const auto conflict = conflict_ahead(view.map, view.way, tolerated);
+  if (conflict && !leads_through(view, *conflict, out)) return avoid(view, *conflict, out);
+  if (!conflict) through_ = false;
   if (new_scan_ && view.way.size() > 2) shorten(view, out);
 }
 

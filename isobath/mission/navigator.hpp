@@ -15,8 +15,9 @@
 //     needed, and a way that is searched anew is taken only if it is `switch_m` shorter than that one;
 //   - it goes round something that is not there any more: a way `shortcut_m` shorter was there for `sure_scans` scans.
 //     In three dimensions that is looked for twice a second at most: it costs tens of milliseconds.
-// A mission point on an obstacle, or with one within `drop_distance_m`, is refused (S6-51), as soon as `sure_scans`
-// scans agree; charted and injected obstacles are believed at once.
+// A mission point on an obstacle, or with one within `drop_distance_m`, is refused (S6-51), as soon as the
+// vehicle is within `decide_within_m` of it and `sure_scans` scans agree: from afar it is put off. Charted and injected
+// obstacles are believed at once.
 //
 // Where a sonar tells height (SpaceSeen), a way may lead over, under or between what closes the plan view, through
 // water that was measured (planning/space_route.hpp; S5-35, S5-37): a way that does so already is kept; one is searched
@@ -46,6 +47,7 @@ struct NavigatorConfig {
   double shortcut_m = 3;
   int sure_scans = 3;
   double sure_within_m = 20;
+  double decide_within_m = 30;
   double fence_clearance_m = 1;
   double chart_sigmas = 2;
   double jump_m = 2;

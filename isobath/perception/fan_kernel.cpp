@@ -151,10 +151,16 @@ HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBound
           }
           const F looks =
               hn::Min(most_looks, hn::Max(one, hn::Mul(hn::ConvertTo(d, hn::Sub(beam_end, beam)), looks_per_beam)));
-          const I more = hn::NearestInt(hn::Mul(looks, clear_evidence));
           LogOdds16* here = block + ((i << 2 * VoxelBlocks::kSideLog2) | (j << VoxelBlocks::kSideLog2) | k);
           const I old = hn::PromoteTo(di, hn::LoadU(ds, here));
           const I known = hn::IfThenZeroElse(hn::Eq(old, hn::Set(di, kUnseen)), old);
+          F counted = hn::Mul(looks, clear_evidence);
+          if (view.saturation) {
+            const I place = hn::Sub(hn::ShiftRight<FanView::kStepLog2>(known), hn::Set(di, FanView::kLeastStep));
+            const I entry = hn::Min(hn::Max(place, hn::Zero(di)), hn::Set(di, FanView::kSteps - 1));
+            counted = hn::Mul(counted, hn::GatherIndex(d, view.saturation, entry));
+          }
+          const I more = hn::NearestInt(counted);
           const I now = hn::Min(hn::Max(hn::Add(known, more), least), most);
           hn::StoreU(hn::DemoteTo(ds, hn::IfThenElse(clear, now, old)), ds, here);
         }

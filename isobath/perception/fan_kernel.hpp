@@ -29,6 +29,10 @@ struct FanView {
   const std::int32_t* sums;
   const float* clear;   ///< of each bin: evidence of a voxel that was looked at and gave no echo, units of LogOdds16
   float uniform_clear;  ///< the same where it is that of all bins, else 0
+  /// By what the voxel holds already, 2^kStepLog2 units an entry from kLeastStep: the share of `clear` that counts.
+  /// Null: all of it.
+  static constexpr int kStepLog2 = 4, kSteps = 1024, kLeastStep = -512;
+  const float* saturation;
 };
 
 /// A voxel that needs a second look: some cells of its rectangle [bin, bin_end) x [beam, beam_end) hold echoes, or tell

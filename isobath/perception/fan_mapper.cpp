@@ -79,9 +79,12 @@ bool bit(const std::uint64_t* words, int i) { return (words[i / 64] >> (i % 64) 
 
 std::vector<Field> fields(FanMapperConfig& c) {
   using Rule = FanMapperConfig::Rule;
-  return {
+  std::vector<Field> all{
       Field::choice("rule", &c.rule,
-                    {{"marginal", Rule::kMarginal}, {"stamp", Rule::kStamp}, {"hit_and_miss", Rule::kHitAndMiss}},
+                    {{"aspects", Rule::kAspects},
+                     {"marginal", Rule::kMarginal},
+                     {"stamp", Rule::kStamp},
+                     {"hit_and_miss", Rule::kHitAndMiss}},
                     "What an echo says of each voxel of its elevation arc."),
       Field::real("hit", &c.hit, {0, 10}, "1", "Log-odds of an echo by the rule hit_and_miss."),
       Field::real("miss", &c.miss, {-10, 0}, "1", "Log-odds of no echo by the rule hit_and_miss."),
@@ -91,11 +94,22 @@ std::vector<Field> fields(FanMapperConfig& c) {
       Field::integer("shadow_bins", &c.shadow_bins, {0, 1000}, "bins",
                      "An echo of so many bins in a row hides what stands behind it; 0: none does."),
   };
+  for (Field& field : fields(c.aspects)) all.push_back(std::move(field));
+  return all;
 }
 
 FanMapper::FanMapper(const FanMapperConfig& config, double voxel_m, double prior)
-    : config_(config), voxel_m_(voxel_m), prior_(static_cast<int>(std::lround(prior / kEvidenceUnit))) {
+    : config_(config),
+      voxel_m_(voxel_m),
+      prior_(static_cast<int>(std::lround(prior / kEvidenceUnit))),
+      law_(config.aspects) {
   ISOBATH_ASSERT(voxel_m > 0 && std::isfinite(prior));
+  if (config.rule != FanMapperConfig::Rule::kAspects) return;
+  saturation_.resize(FanView::kSteps);
+  for (int i = 0; i < FanView::kSteps; ++i) {
+    const double middle = (i + FanView::kLeastStep + 0.5) * (1 << FanView::kStepLog2);
+    saturation_[static_cast<std::size_t>(i)] = static_cast<float>(law_.share(kEvidenceUnit * middle));
+  }
 }
 
 // An update ---------------------------------------------------------------------------------------------------------
@@ -174,11 +188,15 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
   const Pose X_WF = X_WB * ping.X_BS * X_SF_;
   aim(X_WF);
 
+  if (last_W_) moved_W_ = X_WF.translation - *last_W_;
+  last_W_ = X_WF.translation;
+
   // The blocks are found and made one after another, in one order; then each is one thread's.
   std::vector<Part> parts = parts_of(X_WF);
   for (Part& part : parts) part.evidence = layer.touch(part.corner);
   const int count = static_cast<int>(parts.size());
-  const bool marginal = config_.rule == FanMapperConfig::Rule::kMarginal;
+  const bool aspects = config_.rule == FanMapperConfig::Rule::kAspects;
+  const bool marginal = config_.rule == FanMapperConfig::Rule::kMarginal || aspects;
   if (mixed_.size() < parts.size()) mixed_.resize(parts.size());
   if (marginal) explained_.assign(static_cast<std::size_t>(decisions.beams()) * decisions.bins(), 0);
   const bool alone = team_->threads() == 1;
@@ -196,7 +214,8 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
     for (int n = begin; n < end; ++n) {
       const Part& part = parts[static_cast<std::size_t>(n)];
       for (const MixedVoxel& v : mixed_[static_cast<std::size_t>(n)])
-        settle(v, decisions, layer.bounds(), part.evidence);
+        aspects ? settle_aspect(v, decisions, layer.bounds(), part)
+                : settle(v, decisions, layer.bounds(), part.evidence);
     }
   });
   return count;
@@ -220,7 +239,8 @@ void FanMapper::each_echo(const MixedVoxel& voxel, const Visit& visit) const {
 /// Counts a voxel among those that may have given the echoes of its cells. Whole numbers: in any order the same.
 void FanMapper::explain(MixedVoxel& voxel, const LogOdds16* block, bool alone) {
   if (counts(voxel).second == 0) return;
-  voxel.own = explanation(probability(block[voxel.offset]), voxel);
+  const double answers = config_.rule == FanMapperConfig::Rule::kAspects ? config_.aspects.answers : 1.0;
+  voxel.own = explanation(answers * probability(block[voxel.offset]), voxel);
   each_echo(voxel, [&](int beam, int bin) {
     std::int32_t& cell = explained_[static_cast<std::size_t>(beam) * window_.bins + bin];
     if (alone) {
@@ -264,6 +284,40 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
       config_.rule == Rule::kHitAndMiss ? (hits > 0 ? config_.hit : config_.miss) : looks * std::log(ratios / cells);
   const double total = (evidence == kUnseen ? 0 : evidence) + more / kEvidenceUnit;
   const double kept = std::clamp<double>(total, bounds.least, bounds.most);
+  evidence = static_cast<LogOdds16>(kept + (kept < 0 ? -0.5 : 0.5));
+}
+
+/// The same by the rule `aspects`.
+void FanMapper::settle_aspect(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
+                              const Part& part) const {
+  LogOdds16& evidence = part.evidence[voxel.offset];
+  const int old = evidence == kUnseen ? 0 : evidence;
+  const int cells = (voxel.beam_end - voxel.beam) * (voxel.bin_end - voxel.bin);
+  const auto [told, hits] = counts(voxel);
+  const int step = std::clamp((old >> FanView::kStepLog2) - FanView::kLeastStep, 0, FanView::kSteps - 1);
+  const double silence = static_cast<double>(clear_[std::min(window_.bins - 1, (voxel.bin + voxel.bin_end) / 2)]) *
+                         static_cast<double>(saturation_[static_cast<std::size_t>(step)]);
+  double more = silence * told / cells;  // units of evidence
+  if (hits > 0) {
+    const bool graded = decisions.ratios(0) != nullptr;
+    const double any = -std::expm1(told * std::log1p(-decisions.false_alarm));  // P(an echo | empty water)
+    const EmptyShare& empty_of = empty_share();
+    double ratios = 0;
+    each_echo(voxel, [&, cells_told = told](int beam, int bin) {
+      const std::uint64_t* dim = decisions.dim(beam);
+      const bool is_dim = dim && bit(dim, bin);
+      const double p = is_dim ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
+      const double empty = empty_of(explained_[static_cast<std::size_t>(beam) * decisions.bins() + bin] - voxel.own);
+      const double ratio = graded && !is_dim ? static_cast<double>(decisions.ratios(beam)[bin]) / cells_told : p / any;
+      ratios += ratio / (ratio * (1 - empty) + empty);
+    });
+    const VoxelIndex at = VoxelBlocks::place_of(voxel.offset);
+    const Vector3d p = Eigen::Map<const Eigen::Vector3f>(part.first).cast<double>() + voxel_m_ * at.cast<double>();
+    const double turned = law_.turned(p, moved_W_, voxel_m_);
+    more = law_.echo(to_log_odds(static_cast<LogOdds16>(old)), ratios / hits, turned) / kEvidenceUnit;
+    more = std::min(more, -silence * (1 - any) / any);  // of empty water the evidence must not rise on average
+  }
+  const double kept = std::clamp<double>(old + more, bounds.least, bounds.most);
   evidence = static_cast<LogOdds16>(kept + (kept < 0 ? -0.5 : 0.5));
 }
 
@@ -402,9 +456,15 @@ void FanMapper::take_decisions(const EchoDecisions& decisions, WorkTeam& team) {
         std::max(1e-6, (1 - p_voxel(decisions.p_detect[bin], decisions.false_alarm)) / (1 - decisions.false_alarm));
     const bool counted = config_.rule == FanMapperConfig::Rule::kHitAndMiss;
     clear_ratio_[bin] = static_cast<float>(ratio);
+    if (config_.rule == FanMapperConfig::Rule::kAspects) {
+      const double silence = law_.silence(decisions.p_detect[bin], decisions.false_alarm);
+      clear_[bin] = static_cast<float>(silence / kEvidenceUnit);
+      continue;
+    }
     clear_[bin] = static_cast<float>((counted ? config_.miss : std::log(ratio)) / kEvidenceUnit);
   }
   view_.clear = clear_.data();
+  view_.saturation = saturation_.empty() ? nullptr : saturation_.data();
   const bool uniform = std::all_of(clear_.begin(), clear_.end(), [&](float c) { return c == clear_.front(); });
   view_.uniform_clear = uniform ? clear_.front() : 0;
 }

@@ -22,6 +22,13 @@
 // p_D here is of a voxel: what is occupied echoes only from some directions (a hull mirrors most of the sound away), so
 // that the detector's p_D counts by `answers` and f by the rest; so does h, and L becomes 1 + answers (L - 1).
 //
+// By the rule `aspects` (the default) looks are not independent: pings from nearly one place say nearly the same.
+// Silence saturates and echoes from one direction have a limit (aspect_law.hpp). A voxel is heard where any cell of its
+// rectangle holds an echo, in empty water with probability F = 1 - (1 - f)^n. With R the mean over these cells of
+//   p_D / (p_D (1 - E) + F E),   or L / n for p_D / F where the detector knows ratios,
+// E as above, P counted by the share of directions that echo. An echo adds no more than (1 - F) / F times what silence
+// takes: however often noise is heard, the evidence of empty water does not rise on average.
+//
 // Beams nearer to each other than their width are not independent looks: the logarithm counts times the beams of the
 // rectangle, times their spacing over their width, but at least once and at most `most_looks` times.
 //
@@ -37,11 +44,13 @@
 #include <isobath/base/config.hpp>
 #include <isobath/base/work_team.hpp>
 #include <isobath/map/voxel_map.hpp>
+#include <isobath/perception/aspect_law.hpp>
 #include <isobath/perception/fan_kernel.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -55,10 +64,11 @@ struct EchoForecast {
 };
 
 struct FanMapperConfig {
-  enum class Rule : std::uint8_t { kMarginal, kStamp, kHitAndMiss } rule = Rule::kMarginal;
+  enum class Rule : std::uint8_t { kAspects, kMarginal, kStamp, kHitAndMiss } rule = Rule::kAspects;
   double hit = 0.847;     ///< of hit_and_miss, log-odds
   double miss = -0.405;   ///< the same
   double answers = 0.35;  ///< share of the looks at an occupied voxel in which it can echo at all
+  AspectConfig aspects;
   double most_looks = 1;  ///< of one ping at one voxel
   int shadow_bins = 3;    ///< 0: nothing hides anything
 };
@@ -72,6 +82,11 @@ class FanMapper {
   /// Depth of the surface in W, m: voxels whose centre is above it are no water and are left as they are (S5-39).
   /// Minus infinity, as at first: there is none.
   void set_surface(double depth_m) { surface_m_ = depth_m; }
+
+  /// The position jumped, m in W: the sonar has not moved by that much.
+  void move_along(const Eigen::Vector3d& jump_W) {
+    if (last_W_) *last_W_ += jump_W;
+  }
 
   /// Why a valid ping cannot go into voxels of this size; null: it can. They are so large that one near the sonar spans
   /// 65536 cells or more, or so small that the fan is 4000 of them long, or holds
@@ -107,6 +122,8 @@ class FanMapper {
   void explain(MixedVoxel& voxel, const LogOdds16* block, bool alone);
   void settle(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
               LogOdds16* block) const;
+  void settle_aspect(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
+                     const Part& part) const;
   [[nodiscard]] double probability(LogOdds16 evidence) const;
   /// Of an occupied voxel's giving an echo in its cell.
   [[nodiscard]] double p_voxel(double p_detect, double false_alarm) const {
@@ -116,6 +133,11 @@ class FanMapper {
   FanMapperConfig config_;
   double voxel_m_;
   int prior_;  ///< units of evidence
+
+  AspectLaw law_;
+  std::vector<float> saturation_;  ///< AspectLaw::share by evidence, FanView::kSteps; empty by the other rules
+  std::optional<Eigen::Vector3d> last_W_;
+  Eigen::Vector3d moved_W_ = Eigen::Vector3d::Zero();  ///< of the sonar since the ping before, m; zero at first
 
   double surface_m_ = -std::numeric_limits<double>::infinity();
 

@@ -89,10 +89,13 @@ void GridMapper::update(const Ping& ping, const EchoDecisions& decisions, const 
                         const DisplacementSource& source) {
   ISOBATH_ASSERT(decisions.beams() == ping.fan->beams() && decisions.bins() == ping.window.bins);
   advance(ping.time, X_WB, source);
-  take_sensor(ping, decisions);
   // Level body frame: heading removed, roll and pitch kept in the directions.
   const Rotation R_LB = Rotation::from_heading(-X_WB.rotation.heading()) * X_WB.rotation;
   const Rotation R_LS = R_LB * ping.X_BS.rotation;
+  take_tilt(R_LS * Vector3d::UnitX());
+  take_sensor(ping, decisions);
+  weight_ = double{decisions.weight};
+  echo_weight_ = double{std::min(decisions.weight, decisions.most_echo_weight)};
   const Vector2d sensor = grid_.from_level_body((R_LB * ping.X_BS.translation).head<2>());
   for (int b = 0; b < decisions.beams(); ++b) {
     const Angle a = ping.fan->azimuth[b];
@@ -100,6 +103,13 @@ void GridMapper::update(const Ping& ping, const EchoDecisions& decisions, const 
     const Angle azimuth = Angle::radians(std::atan2(u_L.y(), u_L.x())) + grid_.heading();
     update_beam(table_.row(b, azimuth, sensor), decisions, b);
   }
+}
+
+/// A new scale costs all rows of the table: only what tilts for good, or far, is worth one.
+void GridMapper::take_tilt(const Vector3d& ahead_L) {
+  constexpr double kStep = 0.02;
+  const double level = ahead_L.head<2>().norm();
+  if (std::abs(level - level_share_) > 0.75 * kStep) level_share_ = std::max(kStep, std::round(level / kStep) * kStep);
 }
 
 void GridMapper::take_sensor(const Ping& ping, const EchoDecisions& decisions) {
@@ -116,9 +126,9 @@ void GridMapper::take_sensor(const Ping& ping, const EchoDecisions& decisions) {
       if (decisions.usable(k)) gain_[k] = gain_of(p_detect_[k]);
     }
   }
-  start_m_ = ping.window.start_m;
-  bin_m_ = ping.window.bin_m;
-  table_.prepare(*ping.fan, ping.window, gain_);
+  start_m_ = level_share_ * ping.window.start_m;
+  bin_m_ = level_share_ * ping.window.bin_m;
+  table_.prepare(*ping.fan, {start_m_, bin_m_, ping.window.bins}, gain_);
 }
 
 void GridMapper::update_beam(const OverlapTable::Row& row, const EchoDecisions& decisions, int beam) {
@@ -178,7 +188,7 @@ void GridMapper::lift_looks() {
     const double gain = gain_[looks_[i].bin];
     for (std::size_t t = looks_[i].first; t < looks_[i + 1].first; ++t) {
       const Touch& touch = touches_[t];
-      if (touch.index >= 0) log_odds[touch.index] -= clear_increment(gain, double(touch.share));
+      if (touch.index >= 0) log_odds[touch.index] -= weight_ * clear_increment(gain, double(touch.share));
     }
   }
 }
@@ -190,13 +200,13 @@ void GridMapper::apply_clears(const OverlapTable::Row& row, const Placed& placed
   if (placed.inside) {
     for (std::size_t c = 0; c < n; ++c) {
       double& l = log_odds[placed(row.cells[c])];
-      l = std::max(l + row.clear[c], least);
+      l = std::max(l + weight_ * row.clear[c], least);
     }
     return;
   }
   for (std::size_t c = 0; c < n; ++c) {
     const std::ptrdiff_t i = placed.checked(row.cells[c]);
-    if (i >= 0) log_odds[i] = std::max(log_odds[i] + row.clear[c], least);
+    if (i >= 0) log_odds[i] = std::max(log_odds[i] + weight_ * row.clear[c], least);
   }
 }
 
@@ -210,7 +220,7 @@ void GridMapper::apply_dim_clears() {
       const Touch& touch = touches_[t];
       if (touch.index < 0) continue;
       double& l = log_odds[touch.index];
-      l = std::max(l + clear_increment(looks_[i].gain, double(touch.share)), least);
+      l = std::max(l + weight_ * clear_increment(looks_[i].gain, double(touch.share)), least);
     }
   }
 }
@@ -258,6 +268,7 @@ void GridMapper::apply_look(const OverlapTable::Row& row, const Look& look, std:
     update_hit(l, a, sensor, scratch_);
   }
   // The echo is noted for the cell whose odds it raised most.
+  const double weight = hit ? echo_weight_ : weight_;
   std::ptrdiff_t best = -1;
   double most = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -267,7 +278,8 @@ void GridMapper::apply_look(const OverlapTable::Row& row, const Look& look, std:
       most = l[i] - cell;
       best = index_[i];
     }
-    cell = std::clamp(l[i], grid_.log_odds_min(), grid_.log_odds_max());
+    const double raised = weight == 1 ? l[i] : cell + weight * (l[i] - cell);
+    cell = std::clamp(raised, grid_.log_odds_min(), grid_.log_odds_max());
   }
   if (hit && best >= 0) grid_.note_hit(static_cast<std::size_t>(best), time_);
 }

@@ -69,25 +69,82 @@ class BorrowedObjects {
   HistogramLearner learner_;
 };
 
-int add_log(Calibration& calibration, BorrowedObjects* borrowed, const CalibrateRequest& request) {
+/// What is learnt of a fan without marks. The second reading follows `prepare`.
+class FanPart {
+ public:
+  explicit FanPart(const Configuration& configuration) : config_(configuration.echoes.fan), survey_(config_) {
+    config_.blind_m = configuration.echoes.blind_m;
+  }
+  void survey(const Ping& ping) { survey_.add(ping); }
+  void prepare(CalibrateOutcome& outcome) {
+    const auto setting = survey_.most();
+    if (!setting) return;
+    setting_ = *setting;
+    try {
+      learner_.emplace(*setting, config_);
+    } catch (const Error& e) {
+      outcome.no_fan = e.what();
+    }
+  }
+  /// Whether the ping is of the setting that is learnt; any is, where there is no fan.
+  bool add(const Ping& ping) {
+    if (learner_) return learner_->add(ping);
+    return !setting_ || *setting_ == ping;
+  }
+  void finish(const std::string& source, CalibrateOutcome& outcome) const {
+    if (learner_) outcome.fan = {learner_->finish(source), survey_.pings() - setting_->pings};
+  }
+
+ private:
+  FanDetectorConfig config_;
+  FanSurvey survey_;
+  std::optional<FanSetting> setting_;
+  std::optional<FanLearner> learner_;
+};
+
+template <class Visit>
+void for_pings(const CalibrateRequest& request, const Visit& visit) {
   const auto source = open_source(request.input, request.configuration.input);
-  std::vector<float> beam;
-  int left_out = 0;
-  std::uint64_t pings = 0;
   while (const auto event = source->next()) {
     const auto* ping = std::get_if<Ping>(&*event);
-    if (!ping || check(*ping) != PingFault::kNone) continue;
-    const bool quiet = !request.background_below ||
-                       strongest(*ping, request.configuration.calibration.blind_m, beam) < *request.background_below;
-    if (quiet) {
-      calibration.add_background(*ping);
-      if (borrowed) borrowed->add(*ping);
-    } else {
-      ++left_out;
-    }
-    if (request.progress) request.progress(source->report(), ++pings);
+    if (ping && check(*ping) == PingFault::kNone) visit(*ping, source->report());
   }
-  return left_out;
+}
+
+/// A log is read twice; one of which only the quiet pings count, once, and not as a fan.
+void add_log(Calibration& calibration, BorrowedObjects* borrowed, const CalibrateRequest& request,
+             CalibrateOutcome& outcome) {
+  FanPart fan(request.configuration);
+  if (!request.background_below) {
+    for_pings(request, [&](const Ping& ping, const SourceReport&) { fan.survey(ping); });
+    fan.prepare(outcome);
+  }
+  std::vector<float> beam;
+  std::uint64_t pings = 0;
+  for_pings(request, [&](const Ping& ping, const SourceReport& report) {
+    const bool quiet = !request.background_below ||
+                       strongest(ping, request.configuration.calibration.blind_m, beam) < *request.background_below;
+    if (fan.add(ping) && quiet) {
+      calibration.add_background(ping);
+      if (borrowed) borrowed->add(ping);
+    } else {
+      ++outcome.left_out;
+    }
+    if (request.progress) request.progress(report, ++pings);
+  });
+  fan.finish(request.input.filename().string(), outcome);
+}
+
+/// Frames none of which is marked.
+void add_fan_frames(std::span<const MarkedFrame> frames, const CalibrateRequest& request, CalibrateOutcome& outcome) {
+  FanPart fan(request.configuration);
+  for (const MarkedFrame& frame : frames) {
+    if (!frame.background) return;
+    fan.survey(frame.ping);
+  }
+  fan.prepare(outcome);
+  for (const MarkedFrame& frame : frames) fan.add(frame.ping);
+  fan.finish(request.input.filename().string(), outcome);
 }
 
 // Charts -------------------------------------------------------------------------------------------------------------
@@ -210,8 +267,9 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
     frames = read_marked_frames(request.input, request.configuration.input);
     add_marked_frames(calibration, frames);
     if (borrowed) borrowed->add(frames);
+    add_fan_frames(frames, request, outcome);
   } else {
-    outcome.left_out = add_log(calibration, borrowed ? &*borrowed : nullptr, request);
+    add_log(calibration, borrowed ? &*borrowed : nullptr, request, outcome);
   }
   outcome.result = calibration.finish(request.input.filename().string());
   const CalibrationResult& result = outcome.result;
@@ -232,6 +290,12 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
   const std::string thresholds = threshold_chart(result);
   if (!roc.empty()) write("roc.png", roc);
   write("thresholds.png", thresholds);
+  std::string level, gains;
+  if (outcome.fan) {
+    write("fan_model.json", write_fan_model(outcome.fan->model));
+    write("fan_level.png", level = level_chart(outcome.fan->model));
+    write("fan_gains.png", gains = gain_chart(outcome.fan->model));
+  }
   std::string noise, objects;
   if (outcome.histograms) {
     const HistogramModel& model = outcome.histograms->model;
@@ -252,7 +316,15 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
     page.figure(noise, "Noise pixel by pixel, smoothed, with neighbours in range.");
     page.figure(objects, "How bright objects are, against all noise.");
   }
+  if (outcome.fan) {
+    page.figure(level, "How loud the water is, by range.");
+    page.figure(gains, "How loud each beam is beside the median beam.");
+  }
   page.end_row();
+  if (outcome.fan) {
+    page.heading("The fan, learnt without marks");
+    for (const std::string& line : lines_of(*outcome.fan)) page.paragraph(line);
+  }
   if (!result.comparison.empty()) add_comparison(page, result, outcome.histograms);
   add_fits(page, result);
   page.folded("Configuration in force", to_toml(request.configuration, true));

@@ -1,11 +1,13 @@
 // The calibration job: recordings of background, and of targets that somebody marked, in; a sensor model, noise fits,
 // ROC curves with intervals, and a report out (Ganesan 2015, chapters 3.1 and 4; ledger S6-04 to S6-09, S6-D01 to
-// S6-D03). Where there are marks, or objects of another model, a histogram model as well (histogram_calibration.hpp).
+// S6-D03). Of a fan without marks, a fan model as well (fan_calibration.hpp). Where there are marks, or objects of
+// another model, a histogram model as well (histogram_calibration.hpp).
 #pragma once
 
 #include <filesystem>
 #include <functional>
 #include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/fan_calibration.hpp>
 #include <isobath/runtime/histogram_calibration.hpp>
 #include <isobath/sonar/calibration.hpp>
 #include <optional>
@@ -29,6 +31,8 @@ struct CalibrateRequest {
 struct CalibrateOutcome {
   CalibrationResult result;
   std::optional<HistogramCalibration> histograms;  ///< where objects are known
+  std::optional<FanCalibration> fan;               ///< of a fan without marks
+  std::string no_fan;                              ///< why there is none, of a fan without marks; else empty
   int left_out = 0;                                ///< pings that were neither background nor marked
   std::vector<std::filesystem::path> files;        ///< written, relative to the folder
 };

@@ -1,18 +1,15 @@
 // ClosedLoop: a scene, a mission and a helm: the vehicle sees, decides and turns, on the simulator's clock (Ganesan
 // 2015, 6.1; ledger S6-57). What is returned is truth, for whoever judges the run.
 //
-//   simulator -> record -> helm.hear -> pipeline.take (results to the helm) -> helm.steer -> simulator.command
-//
-// A function of scenario, configuration and helm: the same events and set-points on any number of threads. But for a
-// live one: then mapping has a thread of its own (mapping_thread.hpp), and all are waited for ten times a second of the
-// simulator's clock; what is decided depends on who is faster.
+// What sees and decides is Onboard, as in `isobath run`. A function of scenario, configuration and helm: the same
+// events and set-points on any number of threads. But for a live one: there all threads are waited for ten times a
+// second of the simulator's clock; what is decided depends on who is faster.
 #pragma once
 
-#include <functional>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/helm.hpp>
-#include <isobath/runtime/mapping_thread.hpp>
+#include <isobath/runtime/onboard_observer.hpp>
 #include <isobath/runtime/scenario.hpp>
 #include <isobath/runtime/true_track.hpp>
 #include <isobath/runtime/truth_judge.hpp>
@@ -25,11 +22,11 @@ constexpr double kWatchAfterEnd_s = 5;
 struct LoopRequest {
   Configuration configuration;
   int threads = 1;
-  bool stop_at_contact = false;  ///< what a vehicle does after a collision says nothing
-  bool judge = false;            ///< whether to hold what was seen against what was there; not of a live one
-  bool live = false;             ///< for a LiveHelm, which bears that another thread maps
-  bool stop_when_done = true;    ///< end some seconds after the mission has finished or was aborted
-  std::function<void(const Event&)> record;  ///< sees every event that the vehicle gave, in order
+  bool stop_at_contact = false;             ///< what a vehicle does after a collision says nothing
+  bool judge = false;                       ///< whether to hold what was seen against what was there; not of a live one
+  bool live = false;                        ///< for a LiveHelm, which bears that another thread maps
+  bool stop_when_done = true;               ///< end some seconds after the mission has finished or was aborted
+  std::vector<OnboardObserver*> observers;  ///< look on; must outlive the run
 };
 
 struct LoopResult : TrackTruth {
@@ -42,9 +39,6 @@ struct LoopResult : TrackTruth {
 };
 
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request);
-
-/// Waits until all that was taken is mapped, heard and answered.
-void settle(MappingThread& mapping, Helm& helm);
 
 /// Says when a helm has been watched long enough: kWatchAfterEnd_s after its mission was finished or aborted.
 class EndOfMission {

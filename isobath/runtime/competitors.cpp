@@ -1,7 +1,7 @@
 #include <isobath/runtime/baseline_helms.hpp>
 #include <isobath/runtime/evaluation.hpp>
 #include <isobath/runtime/mission_chart.hpp>
-#include <isobath/runtime/mission_run.hpp>
+#include <isobath/runtime/mission_setup.hpp>
 
 namespace isobath {
 namespace {

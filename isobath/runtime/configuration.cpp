@@ -5,13 +5,14 @@
 namespace isobath {
 
 std::vector<Field> fields(SensorConfig& c) {
-  return {Field::text("model", &c.model, "Sensor model made by isobath calibrate; empty: none."),
+  return {Field::text("model", &c.model, "Sensor model or fan model made by isobath calibrate; empty: none."),
           Field::text("histogram", &c.histogram, "Histogram model made by isobath calibrate; empty: none.")};
 }
 
 std::vector<Field> fields(MapConfig& c) {
-  return {
-      Field::flag("fit", &c.fit, "Cell and size of the grid follow from the sonar's range; false: as [grid] says.")};
+  return {Field::flag("fit", &c.fit, "Cell and size of the grid follow from the sonar's range; false: as [grid] says."),
+          Field::real("fan_scan_s", &c.fan_scan_s, {0, 60}, "s",
+                      "Obstacles are taken from the grid this often for a fan of beams; 0: with each ping.")};
 }
 
 std::vector<Section> sections(Configuration& c) {

@@ -36,6 +36,7 @@ std::vector<Field> fields(SensorConfig& config);
 
 struct MapConfig {
   bool fit = true;  ///< cell and size of the grid from the sonar's range: about 100 cells each way, 1-2-5 steps
+  double fan_scan_s = 0.5;
 };
 std::vector<Field> fields(MapConfig& config);
 

@@ -170,6 +170,7 @@ void Display::show_obstacles(Time time) {
                          {"bearing_deg", tidy_m(o.bearing.wrapped_positive().degrees())},
                          {"hits", o.hits},
                          {"behind", o.behind}});
+    if (o.label != WaterLabel::kUnknown) obstacles.back()["label"] = to_text(o.label);
     if (const auto id = taken_for(i)) obstacles.back()["of"] = *id;
   }
   if (known_) {

@@ -9,12 +9,12 @@
 // may read the items.
 #pragma once
 
+#include <isobath/base/task_thread.hpp>
 #include <isobath/io/event.hpp>
 #include <isobath/mission/bus.hpp>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/runtime/depth_model.hpp>
 #include <isobath/runtime/display_items.hpp>
-#include <isobath/runtime/display_thread.hpp>
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/map_display.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
@@ -50,7 +50,7 @@ struct DisplayCounts {
   std::vector<std::string> alarms;
   std::string undecided;
   std::uint64_t lost_pings = 0;
-  std::optional<DisplayThread::LeftOut> left_out = {};  ///< of a live run: what was neither shown nor recorded
+  std::optional<TaskThread::LeftOut> left_out = {};  ///< of a live run: what was neither shown nor recorded
 };
 /// As whoever maps knows them now.
 DisplayCounts display_counts(const Pipeline& pipeline, const DepthModel& depths);

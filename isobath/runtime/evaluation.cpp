@@ -29,21 +29,36 @@ std::string fingerprint_of(const EvaluationRequest& request) {
   return fmt::format("{:016x}", digest);
 }
 
-ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> scenes, std::uint64_t seed) {
+/// `first`: the result of the first competitor.
+ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> scenes, std::uint64_t seed,
+                  LoopResult& first) {
   const SuiteRun run = make_run(request.suite, scenes, seed);
   const RunTruth truth(request.suite, run);
-  ScoredRun scored{seed, run.conditions, truth.way_m(), truth.no_way(), {}};
+  ScoredRun scored{seed, run.variant, run.conditions, truth.way_m(), truth.no_way(), {}};
   for (const Competitor& competitor : request.competitors) {
-    const LoopResult result = run_competitor(competitor, run, truth.vehicle());
+    LoopResult result = run_competitor(competitor, run, truth.vehicle());
     scored.scores.push_back(score(result, run.scenario.mission, truth, request.suite.about));
-    if (!run.row) continue;
-    scored.scores.back().proof = prove(*run.row, run.scenario, competitor.configuration.safety, result);
+    if (run.row) {
+      scored.scores.back().proof = prove(*run.row, run.scenario, competitor.configuration.safety, result);
+    }
+    if (&competitor == &request.competitors.front()) first = std::move(result);
   }
   return scored;
 }
 
+void keep_worst(const std::map<std::uint64_t, ScoredRun>& runs, std::map<std::uint64_t, LoopResult>& results) {
+  std::vector<ScoredRun> of_results;
+  for (const auto& [seed, result] : results) of_results.push_back(runs.at(seed));
+  std::map<std::uint64_t, LoopResult> worst;
+  for (const std::size_t i : worst_runs(of_results, kWorstRuns)) {
+    worst.insert(results.extract(of_results[i].seed));
+  }
+  results = std::move(worst);
+}
+
 /// Runs the seeds that are not there yet, on all threads.
-void run_missing(const EvaluationRequest& request, const std::vector<std::uint64_t>& seeds, RunStore& store, int done) {
+void run_missing(const EvaluationRequest& request, const std::vector<std::uint64_t>& seeds, RunStore& store, int done,
+                 std::map<std::uint64_t, LoopResult>& worst) {
   const std::vector<Scenario> scenes = load_scenes(request.suite);
   std::atomic<std::size_t> next{0};
   std::mutex lock;
@@ -52,9 +67,12 @@ void run_missing(const EvaluationRequest& request, const std::vector<std::uint64
   const auto work = [&] {
     for (std::size_t i = next++; i < seeds.size(); i = next++) {
       try {
-        const ScoredRun run = run_all(request, scenes, seeds[i]);
+        LoopResult first;
+        const ScoredRun run = run_all(request, scenes, seeds[i], first);
         const std::lock_guard<std::mutex> held(lock);
         store.add(run);
+        worst.emplace(seeds[i], std::move(first));
+        keep_worst(store.runs(), worst);
         if (request.progress) request.progress(++done, all);
       } catch (...) {
         const std::lock_guard<std::mutex> held(lock);
@@ -155,6 +173,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   Summary s;
   s.name = name;
   std::vector<double> path, time, clearance, delay, range;
+  double scans = 0;
   const auto count = [&](const auto& of) {
     return share(static_cast<std::size_t>(std::count_if(runs.begin(), runs.end(),
                                                         [&](const ScoredRun& r) { return of(r.scores[competitor]); })),
@@ -179,10 +198,15 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
     s.replans += r.replans;
     s.false_replans += r.false_replans;
     s.safety_actions += r.safety_actions;
+    scans += r.scans;
+    s.false_obstacles += r.false_obstacles;
+    s.near_false_obstacles += r.near_false_obstacles;
     if (r.refused.empty()) continue;
     ++s.reasons[without_numbers(r.refused)];
     s.no_way_there += !run.no_way.empty();
   }
+  s.false_obstacles /= std::max(scans, 1.0);
+  s.near_false_obstacles /= std::max(scans, 1.0);
   s.path_ratio = spread(path);
   s.time_ratio = spread(time);
   s.clearance_m = spread(clearance);
@@ -190,6 +214,17 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   s.first_range_m = spread(range);
   sum_up_rows(runs, competitor, s);
   return s;
+}
+
+std::vector<Summary> summarise_variants(const std::vector<SuiteVariant>& variants, const std::vector<ScoredRun>& runs) {
+  std::vector<Summary> summaries;
+  for (const SuiteVariant& variant : variants) {
+    std::vector<ScoredRun> own;
+    std::copy_if(runs.begin(), runs.end(), std::back_inserter(own),
+                 [&variant](const ScoredRun& run) { return run.variant == variant.name; });
+    if (!own.empty()) summaries.push_back(summarise(variant.name, own, 0));
+  }
+  return summaries;
 }
 
 std::vector<std::string> broken_bars(const BarsConfig& bars, const Summary& s) {
@@ -208,6 +243,10 @@ std::vector<std::string> broken_bars(const BarsConfig& bars, const Summary& s) {
   } else if (bars.path_ratio_median >= 0 && s.path_ratio.median > bars.path_ratio_median) {
     broken.push_back(
         fmt::format("path_ratio_median: {:.3f}, at most {:g}", s.path_ratio.median, bars.path_ratio_median));
+  }
+  if (bars.false_obstacles_20m >= 0 && s.near_false_obstacles > bars.false_obstacles_20m) {
+    broken.push_back(fmt::format("false_obstacles_20m: {:.3f} a scan, at most {:g}", s.near_false_obstacles,
+                                 bars.false_obstacles_20m));
   }
   if (bars.shown_share >= 0 && s.shown.value() < bars.shown_share) {
     broken.push_back(fmt::format("shown_share: {:.3f}, at least {:g}", s.shown.value(), bars.shown_share));
@@ -254,7 +293,7 @@ Evaluation evaluate(const EvaluationRequest& request) {
     if (store.runs().count(seed) == 0) missing.push_back(seed);
   }
   evaluation.taken_over = wanted - static_cast<int>(missing.size());
-  run_missing(request, missing, store, evaluation.taken_over);
+  run_missing(request, missing, store, evaluation.taken_over, evaluation.worst);
   store.close();
   for (int i = 0; i < wanted; ++i) {
     evaluation.runs.push_back(store.runs().at(static_cast<std::uint64_t>(first) + static_cast<std::uint64_t>(i)));
@@ -262,6 +301,7 @@ Evaluation evaluate(const EvaluationRequest& request) {
   for (std::size_t c = 0; c < request.competitors.size(); ++c) {
     evaluation.summaries.push_back(summarise(request.competitors[c].name, evaluation.runs, c));
   }
+  evaluation.variants = summarise_variants(request.suite.variants, evaluation.runs);
   evaluation.broken = broken_bars(request.suite.bars, evaluation.summaries.front());
   return evaluation;
 }

@@ -31,6 +31,7 @@ std::vector<Competitor> competitors_of(const Suite& suite, const Configuration& 
 
 struct ScoredRun {
   std::uint64_t seed = 0;
+  std::string variant;  ///< of the suite's variants; empty where it has none
   std::string conditions;
   double way_m = 0;              ///< of the planner with full truth
   std::string no_way;            ///< why it found none
@@ -68,11 +69,12 @@ struct RowSummary {
 };
 
 struct Summary {
-  std::string name;
+  std::string name;                                                 ///< of the competitor, or of the variant
   Share collisions, near_misses, encounters, goals, refused, lost;  ///< lost: none of goal, refusal, collision
   Share safe_goals;                                                 ///< goals without a collision
   Spread path_ratio, time_ratio;                                    ///< of the runs that came to the goal
   Spread clearance_m, delay_pings, first_range_m;
+  double false_obstacles = 0, near_false_obstacles = 0;  ///< a scan, over the scans of all runs
   int points_dropped = 0, bodies_missed = 0, replans = 0, false_replans = 0, safety_actions = 0;
   std::size_t no_way_there = 0;        ///< of the refused ones: the planner with full truth found none either
   std::map<std::string, int> reasons;  ///< of refusals; # for every number
@@ -80,8 +82,12 @@ struct Summary {
   std::vector<RowSummary> rows;        ///< all of the fault table, in its order; empty without such runs
 };
 Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t competitor);
+/// The first competitor's, a variant each, in their order; variants without runs are left out.
+std::vector<Summary> summarise_variants(const std::vector<SuiteVariant>& variants, const std::vector<ScoredRun>& runs);
 /// The bars that it stays below, each as a sentence.
 std::vector<std::string> broken_bars(const BarsConfig& bars, const Summary& summary);
+
+inline constexpr std::size_t kWorstRuns = 3;  ///< that a report shows
 
 struct EvaluationRequest {
   Suite suite;
@@ -97,8 +103,11 @@ struct EvaluationRequest {
 struct Evaluation {
   std::vector<ScoredRun> runs;
   std::vector<Summary> summaries;
+  std::vector<Summary> variants;  ///< of the first competitor: a suite's variants in their order, those that were run
   std::vector<std::string> broken;
   int taken_over = 0;  ///< runs that were already there
+  /// Of the runs that were done now, by their seeds: the first competitor's kWorstRuns worst, which the report shows.
+  std::map<std::uint64_t, LoopResult> worst;
 };
 
 /// Throws Error: a folder that cannot be written, a scene that cannot begin.

@@ -12,7 +12,6 @@ namespace {
 using Eigen::Vector2d;
 using nlohmann::ordered_json;
 
-constexpr std::size_t kWorst = 3;
 constexpr int kPixels = 560;
 constexpr std::array<Colour, 5> kColours{
     {{0.0, 0.45, 0.7, 1}, {0.84, 0.37, 0.0, 1}, {0.8, 0.47, 0.65, 1}, {0.9, 0.62, 0.0, 1}, {0.34, 0.34, 0.34, 1}}};
@@ -44,7 +43,7 @@ ordered_json json_of(const Spread& s) {
           {"median", s.median}, {"high", s.high},   {"most", s.most}};
 }
 
-ordered_json median_of(const Spread& s) { return s.count == 0 ? ordered_json(nullptr) : ordered_json(s.median); }
+ordered_json middle_of(const Spread& s) { return s.count == 0 ? ordered_json(nullptr) : ordered_json(s.median); }
 
 ordered_json json_of(const Share& s) {
   return {{"count", s.count}, {"of", s.of}, {"share", s.value()}, {"low", s.low}, {"high", s.high}};
@@ -72,11 +71,13 @@ ordered_json json_of(const Summary& s) {
           {"refused", s.refused.count},
           {"refused_where_no_way", s.no_way_there},
           {"lost", s.lost.count},
-          {"path_ratio_median", median_of(s.path_ratio)},
-          {"time_ratio_median", median_of(s.time_ratio)},
-          {"least_clearance_m_median", median_of(s.clearance_m)},
-          {"detection_delay_pings_median", median_of(s.delay_pings)},
-          {"first_range_m_median", median_of(s.first_range_m)},
+          {"path_ratio_median", middle_of(s.path_ratio)},
+          {"time_ratio_median", middle_of(s.time_ratio)},
+          {"least_clearance_m_median", middle_of(s.clearance_m)},
+          {"detection_delay_pings_median", middle_of(s.delay_pings)},
+          {"first_range_m_median", middle_of(s.first_range_m)},
+          {"false_obstacles_a_scan", s.false_obstacles},
+          {"false_obstacles_20m_a_scan", s.near_false_obstacles},
           {"points_dropped", s.points_dropped},
           {"bodies_missed", s.bodies_missed},
           {"replans", s.replans},
@@ -144,8 +145,14 @@ std::string verdict(const RunScore& s) {
   return text;
 }
 
-std::string how_to_run_again(const EvaluationRequest& request, std::uint64_t seed) {
-  return fmt::format("isobath eval {} --runs 1 --seed {}", request.suite.name, seed);
+std::string how_to_run_again(const EvaluationRequest& request, const ScoredRun& run) {
+  const std::string variant = run.variant.empty() ? "" : " --variant " + run.variant;
+  return fmt::format("isobath eval {} --runs 1 --seed {}{}", request.suite.name, run.seed, variant);
+}
+
+/// What was drawn, and for which variant.
+std::string conditions_of(const ScoredRun& run) {
+  return run.variant.empty() ? run.conditions : run.variant + "; " + run.conditions;
 }
 
 PlanExtent around(const RunTruth& truth, const SuiteRun& run, const LoopResult& result) {
@@ -180,6 +187,8 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("least clearance, m", [](const Summary& s) { return cell_text(s.clearance_m, 1); });
   row("detection delay, pings", [](const Summary& s) { return cell_text(s.delay_pings, 0); });
   row("range at detection, m", [](const Summary& s) { return cell_text(s.first_range_m, 1); });
+  row("false obstacles, a scan", [](const Summary& s) { return fmt::format("{:.3f}", s.false_obstacles); });
+  row("... within 20 m", [](const Summary& s) { return fmt::format("{:.3f}", s.near_false_obstacles); });
   row("mission points dropped", [](const Summary& s) { return cell_text(s.points_dropped, s.goals); });
   row("replans", [](const Summary& s) { return cell_text(s.replans, s.goals); });
   row("replans for nothing", [](const Summary& s) { return cell_text(s.false_replans, s.goals); });
@@ -188,6 +197,23 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("faults as the table says", [](const Summary& s) { return cell_text(s.shown); });
   for (std::size_t i = 0; i < fault_table().size(); ++i) {
     row(fault_table()[i].name, [i](const Summary& s) { return cell_text(s.rows[i]); });
+  }
+  return rows;
+}
+
+std::vector<std::vector<std::string>> variant_table(const Evaluation& evaluation) {
+  std::vector<std::vector<std::string>> rows;
+  if (evaluation.variants.empty()) return rows;
+  rows.push_back({"variant", "runs", "goal", "collision", "refused", "way by the shortest", "least clearance, m",
+                  "false obstacles", "within 20 m"});
+  const auto count = [](const Share& share) { return fmt::format("{}", share.count); };
+  const auto median = [](const Spread& s, int digits) {
+    return s.count == 0 ? std::string("none") : fmt::format("{:.{}f}", s.median, digits);
+  };
+  for (const Summary& s : evaluation.variants) {
+    rows.push_back({s.name, fmt::format("{}", s.goals.of), count(s.goals), count(s.collisions), count(s.refused),
+                    median(s.path_ratio, 3), median(s.clearance_m, 1), fmt::format("{:.3f}", s.false_obstacles),
+                    fmt::format("{:.3f}", s.near_false_obstacles)});
   }
   return rows;
 }
@@ -214,18 +240,23 @@ std::string to_json(const EvaluationRequest& request, const Evaluation& evaluati
   const Summary& ours = evaluation.summaries.front();
   json.update(json_of(ours));
   if (!ours.rows.empty()) json["faults"] = {{"shown", json_of(ours.shown)}, {"rows", json_of(ours.rows)}};
+  if (!evaluation.variants.empty()) {
+    ordered_json& variants = json["variants"] = ordered_json::object();
+    for (const Summary& s : evaluation.variants) variants[s.name] = json_of(s);
+  }
   json["broken_bars"] = evaluation.broken;
   ordered_json& baselines = json["baselines"] = ordered_json::object();
   for (std::size_t i = 1; i < evaluation.summaries.size(); ++i) {
     baselines[evaluation.summaries[i].name] = json_of(evaluation.summaries[i]);
   }
   ordered_json& worst = json["worst"] = ordered_json::array();
-  for (const std::size_t i : worst_runs(evaluation.runs, kWorst)) {
+  for (const std::size_t i : worst_runs(evaluation.runs, kWorstRuns)) {
     const ScoredRun& run = evaluation.runs[i];
     worst.push_back({{"seed", run.seed},
+                     {"variant", run.variant},
                      {"what", verdict(run.scores.front())},
                      {"conditions", run.conditions},
-                     {"again", how_to_run_again(request, run.seed)}});
+                     {"again", how_to_run_again(request, run)}});
   }
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
@@ -269,12 +300,19 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
   page.paragraph(fmt::format(
       "Shares with their 95 % intervals (Wilson); other values as the median with the 5 and 95 % of the runs. The "
       "shortest way is that of the route planner with every outline known, at the same clearance. A hull of {:g} m "
-      "collides below {:g} m, nearly misses below {:g} m and encounters below {:g} m; other hulls in proportion.",
-      kReferenceHull_m, kCollision_m, kNearMiss_m, kEncounter_m));
+      "collides below {:g} m, nearly misses below {:g} m and encounters below {:g} m; other hulls in proportion. False "
+      "obstacles: existence from {:g} on, with neither a body there nor a bottom in the vehicle's way.",
+      kReferenceHull_m, kCollision_m, kNearMiss_m, kEncounter_m, kSureObstacle));
   for (const std::string& line : comparison_lines(evaluation)) page.paragraph(ours.name + " " + line + ".");
   for (const Summary& s : evaluation.summaries) {
     for (const auto& [why, count] : s.reasons)
       page.paragraph(fmt::format("{} refused {} times: {}", s.name, count, why));
+  }
+  if (const auto variants = variant_table(evaluation); !variants.empty()) {
+    page.heading("Variants");
+    page.table(variants.front(), {variants.begin() + 1, variants.end()});
+    page.paragraph("Each by " + ours.name +
+                   ". Way and clearance are medians; false obstacles are means over all scans.");
   }
   page.heading("Distributions");
   page.begin_row();
@@ -288,13 +326,15 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
   page.end_row();
   page.heading("The worst runs");
   const std::vector<Scenario> scenes = load_scenes(request.suite);
-  for (const std::size_t i : worst_runs(evaluation.runs, kWorst)) {
+  for (const std::size_t i : worst_runs(evaluation.runs, kWorstRuns)) {
     const ScoredRun& scored = evaluation.runs[i];
     const SuiteRun run = make_run(request.suite, scenes, scored.seed);
     const RunTruth truth(request.suite, run);
-    const LoopResult result = run_competitor(ours, run, truth.vehicle());
+    const auto done = evaluation.worst.find(scored.seed);
+    const LoopResult result =
+        done != evaluation.worst.end() ? done->second : run_competitor(ours, run, truth.vehicle());
     page.figure(run_picture(run, truth, result, fmt::format("seed {}", scored.seed)),
-                fmt::format("{}. Again: {}", run.conditions, how_to_run_again(request, scored.seed)));
+                fmt::format("{}. Again: {}", conditions_of(scored), how_to_run_again(request, scored)));
     page.paragraph(fmt::format("Seed {}: {}.", scored.seed, verdict(scored.scores.front())));
     std::string decisions;
     for (const Decision& d : result.decisions) {

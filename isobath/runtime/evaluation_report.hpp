@@ -9,6 +9,8 @@ namespace isobath {
 
 /// A line a value: what, then the value for every helm, in their order. The first line holds the names.
 std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluation);
+/// A line a variant of the suite, by the first helm, under a line of headings; empty where the suite has none.
+std::vector<std::vector<std::string>> variant_table(const Evaluation& evaluation);
 /// How far the first helm is ahead of another: share of runs that came to the goal without a collision.
 std::vector<std::string> comparison_lines(const Evaluation& evaluation);
 std::string to_json(const EvaluationRequest& request, const Evaluation& evaluation);

@@ -6,18 +6,9 @@
 
 namespace isobath {
 
-/// The ears are used by two threads, one at a time; the crew below them has locks of its own.
 struct LiveHelm::State {
-  State(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
-        std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
-      : ears(
-            std::move(plan), std::move(chart), echo_contrast,
-            [this](Message message, Time time) {
-              now.store(time.time_since_epoch().count());
-              crew.hear(std::move(message));
-            },
-            [this](const std::string& agent, bool hangs) { fail(agent, hangs); }),
-        crew(
+  State(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config)
+      : crew(
             std::move(seats), vehicle, config, [this] { return Time(Duration(now.load())); },
             [this](const Envelope& envelope) { note(envelope); }) {}
 
@@ -26,15 +17,6 @@ struct LiveHelm::State {
     book.note(envelope);
     if (book.frames.size() > kMostFrames) book.frames.erase(book.frames.begin());
     if (listener) listener(envelope);
-  }
-
-  void fail(const std::string& agent, bool hangs) {
-    if (!crew.has(agent)) return;
-    if (hangs) {
-      crew.hang(agent);
-    } else {
-      crew.kill(agent);
-    }
   }
 
   /// What is new in the book, for the thread that steers.
@@ -46,41 +28,25 @@ struct LiveHelm::State {
     }
   }
 
-  std::mutex ears_mutex, book_mutex;
+  std::mutex book_mutex;
   std::atomic<Duration::rep> now = 0;
   Logbook book, read;
   Recorder listener;
-  MissionEars ears;
   ThreadedCrew crew;  ///< last: its threads use all the others
 };
 
 LiveHelm::LiveHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
                    std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
-    : state_(std::make_unique<State>(std::move(seats), vehicle, config, std::move(plan), std::move(chart),
-                                     echo_contrast)) {}
+    : CrewHelm(std::move(plan), std::move(chart), echo_contrast),
+      state_(std::make_unique<State>(std::move(seats), vehicle, config)) {}
 
 LiveHelm::~LiveHelm() = default;
 
-void LiveHelm::hear(const Event& event) {
-  const std::lock_guard lock(state_->ears_mutex);
-  state_->ears.hear(event);
-  state_->now.store(state_->ears.now().time_since_epoch().count());
-}
+void LiveHelm::moved(Time now) { state_->now.store(now.time_since_epoch().count()); }
 
-void LiveHelm::on_ping(const PosedPing& ping) {
-  const std::lock_guard lock(state_->ears_mutex);
-  state_->ears.on_ping(ping);
-}
+void LiveHelm::say(Message message, Time /*now*/) { state_->crew.hear(std::move(message)); }
 
-void LiveHelm::on_scan(const ScanResult& scan) {
-  const std::lock_guard lock(state_->ears_mutex);
-  state_->ears.on_scan(scan);
-}
-
-void LiveHelm::on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) {
-  const std::lock_guard lock(state_->ears_mutex);
-  state_->ears.on_space(time, space);
-}
+void LiveHelm::fail(const std::string& agent, bool hangs) { inject_failure(state_->crew, agent, hangs); }
 
 Setpoint LiveHelm::steer() {
   const Setpoint setpoint = state_->crew.helm();

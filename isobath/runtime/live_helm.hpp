@@ -12,12 +12,12 @@
 // cannot be.
 #pragma once
 
-#include <isobath/runtime/mission_helm.hpp>
+#include <isobath/runtime/crew_helm.hpp>
 #include <memory>
 
 namespace isobath {
 
-class LiveHelm : public Helm {
+class LiveHelm : public CrewHelm {
  public:
   static constexpr std::size_t kMostFrames = 256;  ///< kept for an operator; the oldest give way
 
@@ -28,10 +28,6 @@ class LiveHelm : public Helm {
   LiveHelm& operator=(const LiveHelm&) = delete;
   ~LiveHelm() override;
 
-  void hear(const Event& event) override;
-  void on_ping(const PosedPing& ping) override;
-  void on_scan(const ScanResult& scan) override;
-  void on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) override;
   [[nodiscard]] Setpoint steer() override;
   [[nodiscard]] MissionReport progress() const override;
   [[nodiscard]] const std::vector<Decision>& decisions() const override;
@@ -42,6 +38,10 @@ class LiveHelm : public Helm {
   void settle() override;
 
  private:
+  void moved(Time now) override;
+  void say(Message message, Time now) override;
+  void fail(const std::string& agent, bool hangs) override;
+
   struct State;
   std::unique_ptr<State> state_;
 };

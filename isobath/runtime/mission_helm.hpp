@@ -1,4 +1,4 @@
-// MissionHelm: the crew of agents at the helm: events become messages (mission_ears.hpp), messages set-points (Ganesan
+// MissionHelm: the crew of agents at the helm: events become messages (crew_helm.hpp), messages set-points (Ganesan
 // 2015, 5.1; ledger S6-32, S6-42, S6-57, S6-D09).
 //
 // The same object steers in the closed loop, before a log and on a vehicle: it knows nothing but the events that it
@@ -10,24 +10,14 @@
 #pragma once
 
 #include <isobath/mission/crew.hpp>
-#include <isobath/runtime/helm.hpp>
-#include <isobath/runtime/mission_ears.hpp>
+#include <isobath/runtime/crew_helm.hpp>
 #include <memory>
 #include <utility>
 #include <vector>
 
 namespace isobath {
 
-/// What is kept of all that a crew says.
-struct Logbook {
-  MissionReport report;  ///< the last
-  std::vector<Decision> decisions;
-  std::vector<FrameBytes> frames;  ///< for the operator, until they are fetched
-
-  void note(const Envelope& envelope);
-};
-
-class MissionHelm : public Helm {
+class MissionHelm : public CrewHelm {
  public:
   /// `echo_contrast`: of the echoes that the Safety Officer is shown (sonar_look.hpp).
   MissionHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
@@ -37,9 +27,6 @@ class MissionHelm : public Helm {
   ~MissionHelm() override = default;
 
   void hear(const Event& event) override;
-  void on_ping(const PosedPing& ping) override;
-  void on_scan(const ScanResult& scan) override;
-  void on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) override;
   [[nodiscard]] Setpoint steer() override;
   [[nodiscard]] MissionReport progress() const override { return book_.report; }
   [[nodiscard]] const std::vector<Decision>& decisions() const override { return book_.decisions; }
@@ -49,15 +36,14 @@ class MissionHelm : public Helm {
   [[nodiscard]] CrewCounts crew_counts() const override { return crew_.counts(); }
 
   [[nodiscard]] const Crew& crew() const { return crew_; }
-  [[nodiscard]] const MissionPlan& plan() const { return ears_.plan(); }
 
  private:
-  void fail(const std::string& agent, bool hangs);
+  void say(Message message, Time now) override { crew_.hear(std::move(message), now); }
+  void fail(const std::string& agent, bool hangs) override { inject_failure(crew_, agent, hangs); }
 
-  Crew crew_;  ///< holds a way back to this object, as do the ears
-  MissionEars ears_;
   Logbook book_;
   Recorder listener_;
+  Crew crew_;  ///< last: it tells the others
 };
 
 }  // namespace isobath

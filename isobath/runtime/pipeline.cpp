@@ -12,9 +12,11 @@ constexpr double kSounderFalseAlarm = 1e-4, kSounderBlind = 1;
 constexpr int kSounderGuard = 16, kSounderReference = 48;
 constexpr std::size_t kMostWaiting = 256;  // pings held for a fix; beyond it the oldest goes on with what is known
 
-std::optional<SensorModel> model_of(const SensorConfig& sensor) {
-  if (sensor.model.empty()) return std::nullopt;
-  return load_sensor_model(sensor.model);
+SonarModels models_of(const SensorConfig& sensor) {
+  if (sensor.model.empty()) return {};
+  const std::string text = text_of_file(sensor.model);
+  if (!looks_like_fan_model(text)) return {read_sensor_model(text, sensor.model), nullptr};
+  return {std::nullopt, std::make_shared<const FanModel>(read_fan_model(text, sensor.model))};
 }
 
 std::shared_ptr<const LikelihoodRatios> ratios_of(const SensorConfig& sensor) {
@@ -23,14 +25,22 @@ std::shared_ptr<const LikelihoodRatios> ratios_of(const SensorConfig& sensor) {
       std::make_shared<const HistogramModel>(load_histogram_model(sensor.histogram)));
 }
 
-bool leaves_method_open(const Configuration& configuration) {
-  return configuration.echoes.method == DetectionMethod::kAutomatic && configuration.sensor.model.empty() &&
+bool leaves_method_open(const Configuration& configuration, const SonarModels& models) {
+  return configuration.echoes.method == DetectionMethod::kAutomatic && !models.sensor &&
          configuration.sensor.histogram.empty();
 }
 
-EchoDetectorConfig for_sounder(const Configuration& configuration) {
+/// A fan that stands upright hears the bottom in beams of its own, at ranges of their own: there is no background
+/// across.
+EchoDetectorConfig for_upright(const Configuration& configuration, const SonarModels& models) {
   EchoDetectorConfig echoes = configuration.echoes;
-  if (!leaves_method_open(configuration)) return echoes;
+  if (leaves_method_open(configuration, models)) echoes.method = DetectionMethod::kLearnt;
+  return echoes;
+}
+
+EchoDetectorConfig for_sounder(const Configuration& configuration, const SonarModels& models) {
+  EchoDetectorConfig echoes = configuration.echoes;
+  if (!leaves_method_open(configuration, models)) return echoes;
   echoes.method = DetectionMethod::kOrderedStatistic;
   echoes.false_alarm = std::min(echoes.false_alarm, kSounderFalseAlarm);
   echoes.blind_m = std::max(echoes.blind_m, kSounderBlind);
@@ -39,9 +49,9 @@ EchoDetectorConfig for_sounder(const Configuration& configuration) {
   return echoes;
 }
 
-/// About 100 cells each way; the vehicle in the middle.
-BodyGridConfig fitted(BodyGridConfig grid, double reach_m) {
-  grid.cell_m = round_step(reach_m / 100, {1, 2, 5});
+/// About 100 cells each way, about 150 for a fan, whose beams are narrower; the vehicle in the middle.
+BodyGridConfig fitted(BodyGridConfig grid, double reach_m, bool fan) {
+  grid.cell_m = fan ? round_step(reach_m / 150, {1, 1.5, 2, 3, 5, 7}) : round_step(reach_m / 100, {1, 2, 5});
   grid.cells_x = grid.cells_y = 2 * static_cast<int>(std::ceil(1.05 * reach_m / grid.cell_m)) + 1;
   grid.home_x = grid.home_y = 0.5;
   return grid;
@@ -79,9 +89,12 @@ Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, Soundin
       gate_(configuration.gate),
       poses_(configuration.poses),
       ratios_(ratios_of(configuration.sensor)),
-      echoes_(configuration.echoes, model_of(configuration.sensor), ratios_),
-      upright_echoes_(configuration.echoes, model_of(configuration.sensor), ratios_),
-      sounder_echoes_(for_sounder(configuration), model_of(configuration.sensor), ratios_),
+      models_(models_of(configuration.sensor)),
+      echoes_(configuration.echoes, models_.sensor, ratios_, models_.fan),
+      upright_echoes_(for_upright(configuration, models_), models_.sensor, ratios_),
+      sounder_echoes_(for_sounder(configuration, models_), models_.sensor, ratios_),
+      faint_echoes_(for_upright(configuration, models_), models_.sensor, ratios_),
+      sweeps_(configuration.map.fan_scan_s),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMostWaiting);
 }
@@ -96,13 +109,16 @@ EchoDetector& Pipeline::detector_of(const Ping& ping) {
 
 bool Pipeline::listen(const Ping& ping) {
   if (check(ping) != PingFault::kNone) return false;
-  return detector_of(ping).listen(ping);
+  EchoDetector& detector = detector_of(ping);
+  if (&detector == &echoes_ && echoes_.method_for(ping) == DetectionMethod::kCells) faint_echoes_.listen(ping);
+  return detector.listen(ping);
 }
 
 void Pipeline::heard_all() {
   echoes_.heard_all();
   upright_echoes_.heard_all();
   sounder_echoes_.heard_all();
+  faint_echoes_.heard_all();
 }
 
 void Pipeline::take(Event event) {
@@ -130,13 +146,17 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   const bool measured = !posed || poses_.knows_its_motion();  // else dead reckoned
   enter(Stage::kPlane);
   const Pose smooth{X_WB.rotation, X_WB.translation - jumped_};
-  mapper_->update(ping, decisions_, smooth, {.position_fix = false, .velocity_log = measured});  // moves, then learns
-  sink_.on_ping({ping, X_WB, decisions_});
+  const bool faint = echoes_.looks() && sink_.hears_faint();
+  if (faint) faint_echoes_.detect(ping, faint_, water);
+  const PosedPing posed_ping{ping, X_WB, decisions_, echoes_.looks(), faint ? &faint_ : nullptr};
+  mapper_->update(posed_ping.look_ping(), posed_ping.look_decisions(), smooth,
+                  {.position_fix = false, .velocity_log = measured});  // moves, then learns
+  sink_.on_ping(posed_ping);
   enter(Stage::kPlane);
   count(decisions_);
   counts_.no_bottom += water.above_bottom_m ? 0 : 1;
   counts_.dead_reckoned += measured ? 0 : 1;
-  last_ = Placed{ping.time, X_WB, posed};
+  last_ = Placed{ping.time, posed, {X_WB, ping.X_BS, ping.fan->height, water}};
   sweep_open_ = true;
   if (sweeps_.add(ping)) end_scan();  // belief -> obstacles
 }
@@ -146,7 +166,7 @@ void Pipeline::hear_upright(const Ping& ping, const Pose& X_WB, bool posed) {
   WaterColumn water = water_at(ping, X_WB, posed);
   if (sounds) water.above_bottom_m.reset();
   detector_of(ping).detect(ping, decisions_, water);
-  if (sounds && leaves_method_open(configuration_)) side_lobes_.leave_out(ping, decisions_);
+  if (sounds && leaves_method_open(configuration_, models_)) side_lobes_.leave_out(ping, decisions_);
   sink_.on_upright({ping, X_WB, decisions_});
   ++counts_.upright;
 }
@@ -173,7 +193,8 @@ WaterColumn Pipeline::water_at(const Ping& ping, const Pose& X_WB, bool posed) c
 
 void Pipeline::end_scan() {
   enter(Stage::kObstacles);
-  const Detection found = detector_.detect(mapper_->grid(), last_->time, last_->X_WB);
+  Detection found = detector_.detect(mapper_->grid(), last_->time, last_->from.X_WB);
+  label_obstacles(found.obstacles, last_->from, sink_.heights());
   sink_.on_scan({static_cast<int>(++counts_.scans), last_->posed, found, mapper_->grid()});
   sweep_open_ = false;
 }
@@ -204,7 +225,7 @@ void Pipeline::follow(const Eigen::Vector3d& jump) {
   ++counts_.jumps;
   counts_.farthest_jump_m = std::max(counts_.farthest_jump_m, jump.norm());
   jumped_ += jump;
-  if (last_ && last_->posed) last_->X_WB.translation += jump;
+  if (last_ && last_->posed) last_->from.X_WB.translation += jump;
   alarms_.jumped(jump);
   sink_.on_jump(jump);
 }
@@ -261,7 +282,9 @@ void Pipeline::fit_map(const Ping& ping, bool posed) {
   const bool moored = last_ && last_->posed != posed;
   if (mapper_ && !moored && (!configuration_.map.fit || grid_fits(mapper_->grid().config(), ping.window.end_m())))
     return;
-  if (configuration_.map.fit) configuration_.grid = fitted(configuration_.grid, ping.window.end_m());
+  if (configuration_.map.fit)
+    configuration_.grid =
+        fitted(configuration_.grid, ping.window.end_m(), ping.fan->beams() >= FanDetector::kLeastBeams);
   mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
 }
 

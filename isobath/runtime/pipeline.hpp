@@ -26,6 +26,7 @@
 #include <isobath/map/obstacle.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/perception/water_label.hpp>
 #include <isobath/runtime/alarms.hpp>
 #include <isobath/runtime/bottom_below.hpp>
 #include <isobath/runtime/configuration.hpp>
@@ -46,7 +47,15 @@ namespace isobath {
 struct PosedPing {
   const Ping& ping;
   Pose X_WB;
-  const EchoDecisions& decisions;
+  const EchoDecisions& decisions;   ///< a sample each
+  const FanLooks* looks = nullptr;  ///< the same as looks that do not depend on each other; null: samples are such
+  /// A sample each at the rate `echoes.false_alarm`: fainter echoes, for voxels, which weigh many of them. Null:
+  /// `decisions` are such, or nobody hears them.
+  const EchoDecisions* faint = nullptr;
+
+  [[nodiscard]] const Ping& look_ping() const { return looks ? looks->ping : ping; }
+  [[nodiscard]] const EchoDecisions& look_decisions() const { return looks ? looks->decisions : decisions; }
+  [[nodiscard]] const EchoDecisions& faint_decisions() const { return faint ? *faint : decisions; }
 };
 
 /// The end of one sweep: what is believed now, and the obstacles in it.
@@ -71,6 +80,10 @@ class ResultSink {
   virtual void on_scan(const ScanResult& scan) = 0;
   /// A ping of a fan that stands upright: it has no place in the map of the plane.
   virtual void on_upright(const PosedPing& /*ping*/) {}
+  /// Whether PosedPing::faint is of use; they are not decided otherwise. Asked before every ping.
+  [[nodiscard]] virtual bool hears_faint() const { return true; }
+  /// What sensors that tell height have measured around the vehicle (W), for the labels of obstacles; null: nothing.
+  [[nodiscard]] virtual const SpaceGrid* heights() const { return nullptr; }
   /// The position jumped, m in W: what is right relative to the vehicle moves along. Poses of all that follows, also of
   /// what was sensed before and had to wait, are in line with the new place.
   virtual void on_jump(const Eigen::Vector3d& /*by_W*/) {}
@@ -115,6 +128,12 @@ struct PipelineCounts {
   double farthest_jump_m = 0;
 };
 
+/// What sensor.model names: one of both, or neither.
+struct SonarModels {
+  std::optional<SensorModel> sensor;
+  std::shared_ptr<const FanModel> fan;
+};
+
 class Pipeline {
  public:
   /// Throws Error where the configuration cannot work.
@@ -141,6 +160,8 @@ class Pipeline {
   [[nodiscard]] const EmergencyFlags& emergencies() const { return alarms_.flags(); }
   /// Why echoes could not be decided in the last ping (warming up, no fitting model); empty when they were.
   [[nodiscard]] std::string undecided() const;
+  /// How far the pings of the fan depart from the model that sensor.model names; empty: it names none of a fan.
+  [[nodiscard]] std::optional<FanDeparture> departure() const { return echoes_.departure(); }
   /// The grid; empty before the first ping.
   [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
 
@@ -175,9 +196,11 @@ class Pipeline {
   std::vector<Waiting> waiting_;                      ///< for the fix that follows them, oldest first
   BottomBelow bottom_;
   std::shared_ptr<const LikelihoodRatios> ratios_;  ///< of the histogram model; null: none
+  SonarModels models_;
   EchoDetector echoes_, upright_echoes_, sounder_echoes_;
+  EchoDetector faint_echoes_;  ///< of fans that are decided by cells
   SideLobes side_lobes_;
-  EchoDecisions decisions_;
+  EchoDecisions decisions_, faint_;
   SweepFinder sweeps_;
   std::unique_ptr<GridMapper> mapper_;
   ObstacleDetector detector_;
@@ -185,8 +208,8 @@ class Pipeline {
 
   struct Placed {
     Time time;
-    Pose X_WB;
     bool posed;
+    HeardFrom from;
   };
   std::optional<Placed> last_;  ///< the ping mapped last
   bool sweep_open_ = false;     ///< pings since the last scan

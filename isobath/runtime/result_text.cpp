@@ -1,6 +1,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/io/geojson.hpp>
+#include <isobath/runtime/fan_calibration.hpp>
 #include <isobath/runtime/result_text.hpp>
 #include <nlohmann/json.hpp>
 
@@ -27,23 +28,6 @@ std::string dump(const ordered_json& json) {
   return json.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-ordered_json seen_json(const std::vector<Obstacle>& obstacles) {
-  ordered_json list = ordered_json::array();
-  for (const Obstacle& o : obstacles) {
-    list.push_back({{"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
-                    {"range_m", tidy(o.range_m)},
-                    {"existence", tidy(o.existence)},
-                    {"outline_m", outline_of(o)},
-                    {"behind", o.behind},
-                    {"possible_multiple", o.possible_multiple},
-                    {"centre_m", {tidy(o.centre.x()), tidy(o.centre.y())}},
-                    {"covariance_m2", {tidy(o.covariance(0, 0)), tidy(o.covariance(0, 1)), tidy(o.covariance(1, 1))}},
-                    {"echoes", o.hits},
-                    {"last_echo", to_text(o.last_hit)}});
-  }
-  return list;
-}
-
 void add_scan(ordered_json& json, const ScanRecord& scan) {
   if (scan.number > 0) {
     json["scan"] = scan.number;
@@ -56,7 +40,7 @@ void add_scan(ordered_json& json, const ScanRecord& scan) {
     json["depth_m"] = tidy(scan.X_WB.translation.z());
     json["heading_deg"] = tidy(scan.X_WB.rotation.heading().wrapped_positive().degrees());
   }
-  json["obstacles"] = seen_json(scan.obstacles);
+  json["obstacles"] = obstacle_list(scan.obstacles);
 }
 
 ordered_json sensors_json(const std::vector<SensorLearning::Sensor>& sensors) {
@@ -72,6 +56,24 @@ ordered_json sensors_json(const std::vector<SensorLearning::Sensor>& sensors) {
 }
 
 }  // namespace
+
+ordered_json obstacle_list(const std::vector<Obstacle>& obstacles) {
+  ordered_json list = ordered_json::array();
+  for (const Obstacle& o : obstacles) {
+    list.push_back({{"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
+                    {"range_m", tidy(o.range_m)},
+                    {"existence", tidy(o.existence)},
+                    {"outline_m", outline_of(o)},
+                    {"behind", o.behind},
+                    {"possible_multiple", o.possible_multiple},
+                    {"label", to_text(o.label)},
+                    {"centre_m", {tidy(o.centre.x()), tidy(o.centre.y())}},
+                    {"covariance_m2", {tidy(o.covariance(0, 0)), tidy(o.covariance(0, 1)), tidy(o.covariance(1, 1))}},
+                    {"echoes", o.hits},
+                    {"last_echo", to_text(o.last_hit)}});
+  }
+  return list;
+}
 
 std::string obstacles_json(const ScanRecord& scan) {
   ordered_json json{{"frame", kFrame}};
@@ -99,7 +101,8 @@ std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin) {
                           {"range_m", tidy(o.range_m)},
                           {"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
                           {"behind", o.behind},
-                          {"possible_multiple", o.possible_multiple}};
+                          {"possible_multiple", o.possible_multiple},
+                          {"label", to_text(o.label)}};
     features.push_back(std::move(feature));
   }
   return geojson_text(features, origin);
@@ -303,6 +306,7 @@ std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) 
   for (const Damage& d : outcome.source.damages) {
     manifest["skipped"].push_back({{"offset", d.offset}, {"bytes", d.bytes}, {"reason", d.reason}});
   }
+  if (outcome.fan) manifest["fan_model"] = departure_json(*outcome.fan);
   if (outcome.voxels) manifest["voxels"] = voxels_json(*outcome.voxels);
   if (outcome.depth) manifest["depth"] = depth_json(*outcome.depth);
   for (const auto& file : outcome.files) manifest["files"].push_back(file.string());

@@ -22,6 +22,8 @@ struct ScanRecord {
 };
 
 /// `frame`, the time and pose of the scan, and its `obstacles`; an empty list where there was no scan.
+/// Obstacles in L, as in obstacles.json.
+nlohmann::ordered_json obstacle_list(const std::vector<Obstacle>& obstacles);
 std::string obstacles_json(const ScanRecord& scan);
 std::string scans_json(std::span<const ScanRecord> scans);
 /// RFC 7946: one polygon an obstacle, longitude and latitude.

@@ -6,12 +6,16 @@
 #include <isobath/runtime/closed_loop.hpp>
 #include <isobath/runtime/depth_model.hpp>
 #include <isobath/runtime/mission_chart.hpp>
+#include <isobath/runtime/mission_notes.hpp>
+#include <isobath/runtime/onboard.hpp>
 #include <isobath/runtime/run.hpp>
+#include <isobath/runtime/run_display.hpp>
 #include <isobath/runtime/run_folder.hpp>
 #include <isobath/runtime/run_pace.hpp>
-#include <isobath/runtime/run_sinks.hpp>
 #include <isobath/runtime/run_source.hpp>
 #include <isobath/runtime/scenario.hpp>
+#include <isobath/runtime/true_track.hpp>
+#include <isobath/runtime/truth_judge.hpp>
 #include <span>
 
 namespace isobath {
@@ -120,6 +124,7 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
   outcome.rejected = outcome.source.rejected;
   for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
   if (outcome.counts.pings > 0) outcome.undecided = pipeline.undecided();
+  outcome.fan = pipeline.departure();
   outcome.alarms = alarms_of(pipeline.emergencies());
   for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
   outcome.problem = problem_of(outcome);
@@ -130,8 +135,7 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
     outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
 }
 
-/// A run from its input to its folder. Each event goes one way: paced, recorded, heard by the crew, mapped, steered by,
-/// shown.
+/// A run from its input to its folder: what is on board, and who looks on.
 class Run {
  public:
   explicit Run(const RunRequest& asked);
@@ -139,15 +143,13 @@ class Run {
 
  private:
   std::optional<MissionSetup> mission();
+  std::unique_ptr<Helm> make_helm() const;
+  void invite_observers();
   std::optional<Event> next();
   /// The whole way of an event. False: nothing more is to come.
   bool take(Event event);
-  /// What is ordered at the page, then the event as it came.
-  void record(const Event& event);
-  /// Of whoever maps; `taken`: when the event was there.
-  void map(Event event, Clock::time_point taken);
-  /// The end of an event's way: the set-point. False: the mission was over long enough.
-  bool steer(Time time);
+  /// Tells the vehicle what the helm wants. False: the mission was over long enough.
+  bool steer();
   void show(Time time);
   void show_scene(Time time);
   MissionOutcome mission_outcome();
@@ -160,19 +162,24 @@ class Run {
   DepthModel depths_;
   RunInput input_;
   const std::optional<MissionSetup> setup_;
-  RunFolder folder_;
-  RunSinks sinks_;
-  Pipeline pipeline_;
 
+  // Observers.
+  RunFolder folder_;
+  std::optional<TruthJudge> judge_;
+  std::optional<TrueTrack> track_;
+  MissionNotes notes_;
+  RunDisplay display_;
+
+  const std::shared_ptr<StageTimes> times_ = std::make_shared<StageTimes>();
+  const std::unique_ptr<Helm> helm_;  ///< null: no mission
+  Onboard onboard_;
+
+  std::optional<LivePace> live_;
   std::optional<WatchedPace> watched_;
   std::string live_datum_;             ///< of a live run, whose depths belong to whoever maps
   std::optional<DisplayScene> scene_;  ///< as it was shown
   EndOfMission end_;
   Time first_ = Time::max(), last_ = Time::min();
-  StageLoad beside_;  ///< of whoever senses and steers
-  std::vector<double> ping_ms_;
-  std::optional<LivePace> live_;
-  std::optional<MappingThread> mapping_;  ///< last: it uses the others
 };
 
 Run::Run(const RunRequest& asked)
@@ -183,15 +190,19 @@ Run::Run(const RunRequest& asked)
       input_(request_.input, scenario_, request_.configuration, depths_.stored_origin(), request_.threads),
       setup_(mission()),
       folder_(request_.out, request_.configuration),
-      sinks_(request_, setup_, folder_, input_),
-      pipeline_(request_.configuration, sinks_, &depths_) {
+      display_(request_, setup_, input_),
+      helm_(make_helm()),
+      onboard_(request_.configuration, depths_,
+               {.helm = helm_.get(),
+                .times = times_,
+                .voxel_file = request_.out / "voxels.sqlite",
+                .live = request_.live_speed.has_value()}) {
   depths_.set_prior_files(priors_);
-  pipeline_.watch(&sinks_.load);
+  invite_observers();
   if (request_.watch) watched_.emplace(*request_.watch);
   if (request_.live_speed) {
     live_datum_ = depths_.continues() ? depths_.facts().datum : request_.configuration.prior.datum;
     live_.emplace(*request_.live_speed, *input_.simulator());
-    mapping_.emplace([this](Event event, Clock::time_point taken) { map(std::move(event), taken); });
   }
 }
 
@@ -204,151 +215,136 @@ std::optional<MissionSetup> Run::mission() {
   return setup;
 }
 
+std::unique_ptr<Helm> Run::make_helm() const {
+  if (!setup_) return nullptr;
+  if (request_.live_speed) return make_live_helm(*setup_, request_.configuration, times_);
+  return make_mission_helm(*setup_, request_.configuration, times_);
+}
+
+/// In this order each of them sees what happens.
+void Run::invite_observers() {
+  if (helm_) onboard_.show_to(notes_);
+  onboard_.show_to(folder_);
+  if (SimulatedSource* simulated = input_.simulated()) {
+    if (!request_.live_speed) {
+      onboard_.show_to(judge_.emplace(simulated->simulator()));
+      simulated->tell_truth_to(*judge_);
+    }
+    if (setup_) simulated->tell_truth_to(track_.emplace(simulated->simulator()));
+    simulated->tell_truth_to(display_);
+  }
+  if (!display_.on()) return;
+  onboard_.show_to(display_);
+  if (helm_) helm_->show_messages_to([this](const Envelope& envelope) { display_.heard(envelope); });
+}
+
 RunOutcome Run::outcome() {
   const auto start = Clock::now();
   // Who decides on the way could not have known, in the vehicle's time, what comes.
-  if (!input_.simulated() && !setup_) input_.listen_for(pipeline_);
+  if (!input_.simulated() && !setup_) input_.listen_for(onboard_.pipeline());
   while (auto event = next()) {
     if (!take(std::move(*event))) break;
   }
+  onboard_.settle();
   RunOutcome outcome;
-  if (mapping_) {
-    settle(*mapping_, sinks_.mission->helm());
-    outcome.live.emplace().lost_pings = mapping_->lost_pings();
+  if (helm_) outcome.mission = mission_outcome();  // before the sweep cut short
+  onboard_.finish();
+  std::vector<double> ping_ms = onboard_.ping_ms();
+  outcome.timings = timings_of(ping_ms, milliseconds_since(start));
+  outcome.timings.load = onboard_.load();
+  if (live_) {
+    outcome.live.emplace().lost_pings = onboard_.lost_pings();
+    outcome.timings.load.add(Stage::kAgents, outcome.mission->timings.agents_s);
   }
-  if (sinks_.mission) outcome.mission = mission_outcome();  // before the sweep cut short
-  pipeline_.finish();
-  depths_.finish();
-  if (mapping_) settle(*mapping_, sinks_.mission->helm());  // what the crew says of that sweep is recorded
-  sinks_.load.leave();
-  outcome.timings = timings_of(ping_ms_, milliseconds_since(start));
-  outcome.timings.load = load_of(sinks_.load, beside_);
-  if (mapping_ && outcome.mission) outcome.timings.load.add(Stage::kAgents, outcome.mission->timings.agents_s);
   outcome.log_s = last_ > first_ ? to_seconds(last_ - first_) : 0;
   outcome.source = input_.report();
   outcome.source.origin = input_.origin();
-  add_results(outcome, pipeline_, depths_, sinks_.voxels.map() != nullptr);
-  for (const auto& [reason, count] : sinks_.voxels.refused()) {
-    outcome.rejected["left out of the voxels: " + reason] += count;
-  }
+  const VoxelModel& voxels = onboard_.voxels();
+  add_results(outcome, onboard_.pipeline(), depths_, voxels.map() != nullptr);
+  for (const auto& [reason, count] : voxels.refused()) outcome.rejected["left out of the voxels: " + reason] += count;
   finish_display(outcome);
-  if (sinks_.judge) {
-    outcome.truth = sinks_.judge->score();
-    folder_.show_truth(sinks_.judge->outlines());
+  if (judge_) {
+    outcome.truth = judge_->score();
+    folder_.show_truth(judge_->outlines());
   }
   if (depths_.snapshot()) {
     depths_.commit(request_.input.empty() ? "embedded scene" : request_.input.string());
     outcome.depth = outcome_of(depths_);
   }
-  if (sinks_.voxels.map()) add_voxels(outcome);
-  folder_.write(request_, pipeline_.grid(), sinks_.voxels.map(), depths_, outcome);
+  if (voxels.map()) add_voxels(outcome);
+  folder_.write(request_, onboard_.pipeline().grid(), voxels.map(), depths_, outcome);
   return outcome;
 }
 
 void Run::finish_display(RunOutcome& outcome) {
-  RunDisplay& display = sinks_.display;
-  display.finish(last_);
-  if (const RunRecorder* recorder = display.recorder()) {
+  display_.finish(last_);
+  if (const RunRecorder* recorder = display_.recorder()) {
     outcome.recording_problem = recorder->problem();
     outcome.not_recorded = recorder->left_out();
   }
-  if (display.film() && last_ >= first_) folder_.show_run(*display.film(), last_, display.items());
+  if (display_.film() && last_ >= first_) folder_.show_run(*display_.film(), last_, display_.items());
   if (!outcome.live) return;
-  const DisplayThread::LeftOut left_out = display.left_out();
+  const TaskThread::LeftOut left_out = display_.left_out();
   outcome.live->unshown_pings = left_out.pings;
   outcome.live->unshown_notes = left_out.notes;
-  outcome.live->display_problem = display.problem();
-  if (display.problem().empty() || !display.recorder() || !outcome.recording_problem.empty()) return;
-  outcome.recording_problem = display.problem();
+  outcome.live->display_problem = display_.problem();
+  if (display_.problem().empty() || !display_.recorder() || !outcome.recording_problem.empty()) return;
+  outcome.recording_problem = display_.problem();
   outcome.not_recorded = left_out.pings + left_out.notes;
 }
 
 std::optional<Event> Run::next() {
-  beside_.enter(Stage::kSource);
+  onboard_.beside().enter(Stage::kSource);
   std::optional<Event> event = input_.next();
-  beside_.leave();
+  onboard_.beside().leave();
   return event;
 }
 
 bool Run::take(Event event) {
   const Time time = time_of(event);
   const bool is_first = first_ == Time::max();
-  if (!mapping_ || is_first) depths_.locate(input_.origin());  // a scene lies where it lies from the start
+  if (!live_ || is_first) depths_.locate(input_.origin());  // a scene lies where it lies from the start
   if (setup_ && is_first) check_frame(setup_->plan, input_.origin());
   if (watched_ && !watched_->keep(time)) return false;
-  record(event);
-  const auto taken = Clock::now();
-  beside_.enter(Stage::kAgents);
-  if (sinks_.mission) sinks_.mission->hear(event);
-  beside_.leave();
-  if (mapping_) {
-    mapping_->take(std::move(event));
-    if (live_->keep(*mapping_, sinks_.mission->helm())) sinks_.display.settle();
-  } else {
-    map(std::move(event), taken);
+  if (SimulatedSource* simulated = input_.simulated(); simulated && watched_ && setup_ && request_.watch->ordered) {
+    if (const auto order = request_.watch->ordered()) simulated->order(*order, setup_->plan);
   }
+  onboard_.take(std::move(event));
+  if (live_ && live_->keep(onboard_)) display_.settle();
   first_ = std::min(first_, time);
   last_ = std::max(last_, time);
-  if (request_.progress) request_.progress(input_.report(), mapping_ ? PipelineCounts{} : pipeline_.counts());
-  beside_.enter(Stage::kAgents);
-  const bool goes_on = steer(time);
-  beside_.enter(Stage::kReport);
+  if (request_.progress) request_.progress(input_.report(), live_ ? PipelineCounts{} : onboard_.pipeline().counts());
+  const bool goes_on = steer();
+  onboard_.beside().enter(Stage::kReport);
   show(time);
-  beside_.leave();
+  onboard_.beside().leave();
   return goes_on;
 }
 
-void Run::record(const Event& event) {
-  SimulatedSource* simulated = input_.simulated();
-  if (watched_ && simulated && setup_ && request_.watch->ordered) {
-    if (const auto order = request_.watch->ordered()) simulated->order(*order, setup_->plan);
-  }
-  if (sinks_.display.on()) sinks_.display.hear(event, input_.origin());
-}
-
-void Run::map(Event event, Clock::time_point taken) {
-  const bool is_ping = std::holds_alternative<Ping>(event);
-  const std::uint64_t mapped = pipeline_.counts().pings;
-  if (sinks_.mission) sinks_.mission->begin(taken);
-  const auto begun = Clock::now();
-  const Time time = time_of(event);
-  pipeline_.take(std::move(event));
-  sinks_.load.leave();
-  if (is_ping || pipeline_.counts().pings > mapped) ping_ms_.push_back(milliseconds_since(begun));
-  if (mapping_ && sinks_.display.on()) {
-    sinks_.load.enter(Stage::kReport);
-    sinks_.display.look(time, pipeline_, depths_, sinks_.voxels);
-    sinks_.load.leave();
-  }
-}
-
-bool Run::steer(Time time) {
-  if (!sinks_.mission) return true;
-  Helm& helm = sinks_.mission->helm();
-  const Setpoint setpoint = sinks_.mission->steer();
-  if (sinks_.display.on()) sinks_.display.steered(time, setpoint, helm.decisions());
+bool Run::steer() {
+  if (!helm_) return true;
+  const Setpoint setpoint = onboard_.steer();
   SimulatedSource* simulated = input_.simulated();
   if (!simulated) return true;
   simulated->simulator().command(setpoint);
-  simulated->answer(helm.to_operator());
-  return !end_.reached(helm.progress().phase, simulated->simulator().now_s());
+  simulated->answer(helm_->to_operator());
+  return !end_.reached(helm_->progress().phase, simulated->simulator().now_s());
 }
 
 void Run::show(Time time) {
-  RunDisplay& display = sinks_.display;
-  if (!display.on()) return;
-  if (display.wants_scene(time)) {
+  if (!display_.on()) return;
+  if (display_.wants_scene(time)) {
     show_scene(time);
-    if (sinks_.mission) display.show(time, sinks_.mission->timings(), mapping_ ? mapping_->lost_pings() : 0);
+    if (helm_) display_.show(time, onboard_.timings(), onboard_.lost_pings());
   }
-  if (!mapping_) display.look(time, pipeline_, depths_, sinks_.voxels);
-  display.sample(time);
+  if (!live_) display_.look(time, onboard_.pipeline(), depths_, onboard_.voxels());
+  display_.sample(time);
 }
 
 /// Once, and again where it has changed: a body moved, or somebody said where on the globe all this is.
 void Run::show_scene(Time time) {
   const auto origin = input_.origin();
-  const std::string& datum = mapping_ ? live_datum_ : depths_.facts().datum;
+  const std::string& datum = live_ ? live_datum_ : depths_.facts().datum;
   const Simulator* simulator = input_.simulator();
   const auto bodies = simulator ? simulator->world().bodies() : std::span<const WorldBody>();
   const bool moved = std::any_of(bodies.begin(), bodies.end(), [](const WorldBody& body) { return body.moves; });
@@ -372,13 +368,20 @@ void Run::show_scene(Time time) {
   scene_->origin = origin;
   scene_->depth_datum = datum;
   if (simulator) scene_->bodies = outlines_of(simulator->world());
-  sinks_.display.show(time, *scene_);
+  display_.show(time, *scene_);
 }
 
 MissionOutcome Run::mission_outcome() {
-  MissionOutcome mission = sinks_.mission->outcome();
+  MissionOutcome mission;
+  mission.plan = setup_->plan;
+  mission.report = helm_->progress();
+  mission.decisions = helm_->decisions();
+  mission.believed = notes_.believed();
+  mission.seen = notes_.seen();
+  mission.timings = onboard_.timings();
+  mission.crew = helm_->crew_counts();
   if (SimulatedSource* simulated = input_.simulated()) {
-    mission.truth = sinks_.track->truth();
+    mission.truth = track_->truth();
     mission.bodies = outlines_of(simulated->simulator().world());
     if (const SimulatedOperator* at_the_link = simulated->at_the_link()) mission.answers = at_the_link->answers();
   } else if (input_.report().details.contains(kLiveDetail)) {
@@ -392,11 +395,12 @@ MissionOutcome Run::mission_outcome() {
 
 void Run::add_voxels(RunOutcome& outcome) {
   constexpr std::uint64_t kJudged = 500'000;
-  outcome.voxels = sinks_.voxels.outcome();
-  if (sinks_.voxels.save()) outcome.files.emplace_back("voxels.sqlite");
-  if (!sinks_.judge) return;
+  const VoxelModel& voxels = onboard_.voxels();
+  outcome.voxels = voxels.outcome();
+  if (voxels.save()) outcome.files.emplace_back("voxels.sqlite");
+  if (!judge_) return;
   const std::uint64_t every = 1 + outcome.voxels->seen / kJudged;
-  outcome.voxels->truth = judge(*sinks_.voxels.map(), input_.simulator()->world(), every);
+  outcome.voxels->truth = judge(*voxels.map(), input_.simulator()->world(), every);
 }
 
 }  // namespace

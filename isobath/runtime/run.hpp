@@ -79,6 +79,7 @@ struct RunOutcome {
   std::optional<DepthOutcome> depth;         ///< where ranges or soundings had a place
   std::optional<VoxelOutcome> voxels;        ///< where a fan of beams was heard
   std::optional<MissionOutcome> mission;     ///< where there was one
+  std::optional<FanDeparture> fan;           ///< where sensor.model names a fan model and pings were decided by it
   std::optional<LiveOutcome> live;           ///< of a live run
   std::string recording_problem;             ///< why the recording ends before the run does; empty where it does not
   std::uint64_t not_recorded = 0;            ///< what came after that

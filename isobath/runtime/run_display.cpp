@@ -11,24 +11,54 @@ constexpr Duration kLookInterval = std::chrono::milliseconds(950);
 
 /// A ping for later: its samples stay where they are.
 struct RunDisplay::KeptPing {
-  explicit KeptPing(const PosedPing& posed) : ping(posed.ping), X_WB(posed.X_WB), decisions(posed.decisions) {}
-  [[nodiscard]] PosedPing posed() const { return {ping, X_WB, decisions}; }
   Ping ping;
   Pose X_WB;
   EchoDecisions decisions;
 };
 
 struct RunDisplay::KeptScan {
-  explicit KeptScan(const ScanResult& scan)
-      : number(scan.number), posed(scan.posed), detection(scan.detection), grid(scan.grid) {}
-  [[nodiscard]] ScanResult result() const { return {number, posed, detection, grid}; }
   int number;
   bool posed;
   Detection detection;
   BodyGrid grid;
 };
 
-RunDisplay::RunDisplay(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input) {
+std::shared_ptr<const RunDisplay::KeptPing> RunDisplay::keep(const PosedPing& ping) {
+  return std::make_shared<const KeptPing>(KeptPing{ping.ping, ping.X_WB, ping.decisions});
+}
+
+std::shared_ptr<const RunDisplay::KeptScan> RunDisplay::keep(const ScanResult& scan) {
+  return std::make_shared<const KeptScan>(KeptScan{scan.number, scan.posed, scan.detection, scan.grid});
+}
+
+namespace {
+
+/// What was kept, as it was told.
+template <class Kept>
+const Kept& as_told(const Kept& kept) {
+  return kept;
+}
+template <class Kept>
+auto as_told(const std::shared_ptr<const Kept>& kept) requires requires {
+  kept->decisions;
+}
+{ return PosedPing{kept->ping, kept->X_WB, kept->decisions}; }
+template <class Kept>
+auto as_told(const std::shared_ptr<const Kept>& kept) requires requires {
+  kept->grid;
+}
+{ return ScanResult{kept->number, kept->posed, kept->detection, kept->grid}; }
+
+}  // namespace
+
+template <class... Told>
+void RunDisplay::post(Kind kind, void (RunDisplay::*show)(const Told&...), const Told&... told) {
+  if (!thread_) return (this->*show)(told...);
+  thread_->take(kind, [this, show, ... kept = keep(told)] { (this->*show)(as_told(kept)...); });
+}
+
+RunDisplay::RunDisplay(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input)
+    : input_(input) {
   if (!request.record.empty()) begin_recording(request, setup, input);
   if (request.watch && request.watch->display) shown_ = request.watch->display;
   if (RunFilm::wanted(request.configuration.report) && !request.live_speed) film_.emplace(request.configuration.report);
@@ -36,7 +66,7 @@ RunDisplay::RunDisplay(const RunRequest& request, const std::optional<MissionSet
   display_.emplace(*shown_);
   if (!request.live_speed) return;
   voxels_.emplace(*shown_);
-  thread_.emplace();
+  thread_.emplace(kWaiting);
 }
 
 void RunDisplay::begin_recording(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input) {
@@ -49,10 +79,11 @@ void RunDisplay::begin_recording(const RunRequest& request, const std::optional<
   if (setup) recorder_->describe(*setup);
 }
 
-void RunDisplay::hear(const Event& event, const std::optional<GeoOrigin>& origin) {
-  if (!thread_) return show_event(event, origin);
+// Told by the thread that senses and steers ---------------------------------------------------------------------------
+
+void RunDisplay::on_event(const Event& event) {
   const Kind kind = std::holds_alternative<Ping>(event) ? Kind::kPing : Kind::kNote;
-  thread_->take(kind, [this, event, origin] { show_event(event, origin); });
+  post(kind, &RunDisplay::show_event, event, input_.origin());
 }
 
 void RunDisplay::show_event(const Event& event, const std::optional<GeoOrigin>& origin) {
@@ -63,27 +94,26 @@ void RunDisplay::show_event(const Event& event, const std::optional<GeoOrigin>& 
   display_->hear(event);
 }
 
-template <class Truth>
-void RunDisplay::take_truth(const Truth& truth) {
-  if (!recorder_) return;
-  if (!thread_) return recorder_->take(truth);
-  thread_->take(Kind::kNote, [this, truth] { recorder_->take(truth); });
+void RunDisplay::take(const EchoTruth& echoes) {
+  if (recorder_) post(Kind::kNote, &RunDisplay::show_truth<EchoTruth>, echoes);
 }
-template void RunDisplay::take_truth(const EchoTruth& truth);
-template void RunDisplay::take_truth(const TrueMotion& truth);
 
-void RunDisplay::steered(Time time, const Setpoint& setpoint, const std::vector<Decision>& decisions) {
-  if (!thread_) {
-    display_->want(setpoint);
-    if (!recorder_) return;
-    recorder_->decided(decisions);
-    recorder_->setpoint(time, setpoint);
-    return;
-  }
-  thread_->take(Kind::kNote, [this, time, setpoint] {
-    display_->want(setpoint);
-    if (recorder_) recorder_->setpoint(time, setpoint);
-  });
+void RunDisplay::take(const TrueMotion& motion) {
+  if (recorder_) post(Kind::kNote, &RunDisplay::show_truth<TrueMotion>, motion);
+}
+
+template <class Truth>
+void RunDisplay::show_truth(const Truth& truth) {
+  recorder_->take(truth);
+}
+
+void RunDisplay::on_setpoint(Time time, const Setpoint& setpoint) {
+  post(Kind::kNote, &RunDisplay::show_setpoint, time, setpoint);
+}
+
+void RunDisplay::show_setpoint(const Time& time, const Setpoint& setpoint) {
+  display_->want(setpoint);
+  if (recorder_) recorder_->setpoint(time, setpoint);
 }
 
 bool RunDisplay::wants_scene(Time time) {
@@ -93,45 +123,45 @@ bool RunDisplay::wants_scene(Time time) {
   return true;
 }
 
-void RunDisplay::show(Time time, const DisplayScene& scene) {
-  if (!thread_) return display_->show(time, scene);
-  thread_->take(Kind::kNote, [this, time, scene] { display_->show(time, scene); });
-}
+void RunDisplay::show(Time time, const DisplayScene& scene) { post(Kind::kNote, &RunDisplay::show_scene, time, scene); }
+
+void RunDisplay::show_scene(const Time& time, const DisplayScene& scene) { display_->show(time, scene); }
 
 void RunDisplay::show(Time time, const MissionTimings& timings, std::uint64_t lost_pings) {
-  if (!thread_) {
-    if (shown_ != &items_) display_->show(time, timings);  // no recording holds what a real clock measured
-    return;
-  }
-  thread_->take(Kind::kNote, [this, time, timings, lost_pings] {
-    lost_pings_ = lost_pings;
-    display_->show(time, timings);
-  });
+  post(Kind::kNote, &RunDisplay::show_timings, time, timings, lost_pings);
 }
 
-void RunDisplay::take_ping(const PosedPing& ping, void (RunDisplay::*show)(const PosedPing&)) {
-  if (!thread_) return (this->*show)(ping);
-  thread_->take(Kind::kPing,
-                [this, show, kept = std::make_shared<const KeptPing>(ping)] { (this->*show)(kept->posed()); });
+/// No recording of a run that takes its turns holds what a real clock has measured.
+void RunDisplay::show_timings(const Time& time, const MissionTimings& timings, const std::uint64_t& lost_pings) {
+  lost_pings_ = lost_pings;
+  if (thread_ || shown_ != &items_) display_->show(time, timings);
 }
 
-void RunDisplay::on_ping(const PosedPing& ping) { take_ping(ping, &RunDisplay::show_ping); }
-void RunDisplay::on_upright(const PosedPing& ping) { take_ping(ping, &RunDisplay::show_upright); }
+void RunDisplay::sample(Time time) { post(Kind::kNote, &RunDisplay::show_sample, time); }
+
+void RunDisplay::show_sample(const Time& time) {
+  if (recorder_) recorder_->sample(time, *shown_);
+  if (film_) film_->sample(time, *shown_);
+}
+
+// Told by the thread that maps
+// -----------------------------------------------------------------------------------------
+
+void RunDisplay::on_ping(const PosedPing& ping) { post(Kind::kPing, &RunDisplay::show_ping, ping); }
 
 void RunDisplay::show_ping(const PosedPing& ping) {
   if (recorder_) recorder_->on_ping(ping);
   display_->on_ping(ping);
 }
 
+void RunDisplay::on_upright(const PosedPing& ping) { post(Kind::kPing, &RunDisplay::show_upright, ping); }
+
 void RunDisplay::show_upright(const PosedPing& ping) {
   if (recorder_) recorder_->on_upright(ping);
   display_->on_upright(ping);
 }
 
-void RunDisplay::on_scan(const ScanResult& scan) {
-  if (!thread_) return show_scan(scan);
-  thread_->take(Kind::kPing, [this, kept = std::make_shared<const KeptScan>(scan)] { show_scan(kept->result()); });
-}
+void RunDisplay::on_scan(const ScanResult& scan) { post(Kind::kPing, &RunDisplay::show_scan, scan); }
 
 void RunDisplay::show_scan(const ScanResult& scan) {
   if (recorder_) recorder_->on_scan(scan);
@@ -143,21 +173,29 @@ void RunDisplay::on_jump(const Eigen::Vector3d& by_W) {
   voxels_->voxels_moved(counted_.value_or(Time{}));
 }
 
+void RunDisplay::on_mapped(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) {
+  if (thread_) look(time, pipeline, depths, voxels);
+}
+
 void RunDisplay::look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) {
   if (!thread_) return display_->look(time, pipeline, depths, voxels);
   if (const VoxelMap* map = voxels.map()) voxels_->show(time, *map);
   if (show_again(depths_shown_, time, MapDisplay::kDepthInterval)) {
     depths_shown_ = time;
-    if (auto snapshot = depths.snapshot()) {
-      thread_->take(Kind::kNote, [this, time, snapshot] { display_->show(time, snapshot); });
-    }
+    if (const auto snapshot = depths.snapshot()) post(Kind::kNote, &RunDisplay::show_depths, time, snapshot);
   }
   if (!show_again(counted_, time, kLookInterval)) return;
   counted_ = time;
-  thread_->take(Kind::kNote, [this, time, counts = display_counts(pipeline, depths)] {
-    counts_ = counts;
-    show_counts(time);
-  });
+  post(Kind::kNote, &RunDisplay::take_counts, time, display_counts(pipeline, depths));
+}
+
+void RunDisplay::show_depths(const Time& time, const std::shared_ptr<const DepthSnapshot>& snapshot) {
+  display_->show(time, snapshot);
+}
+
+void RunDisplay::take_counts(const Time& time, const DisplayCounts& counts) {
+  counts_ = counts;
+  show_counts(time);
 }
 
 void RunDisplay::show_counts(Time time) {
@@ -166,32 +204,19 @@ void RunDisplay::show_counts(Time time) {
   display_->show(time, *counts_);
 }
 
-void RunDisplay::heard(const Envelope& envelope) {
-  if (!thread_) return show_message(envelope);
-  thread_->take(Kind::kNote, [this, envelope] { show_message(envelope); });
-}
+// Told by the crew
+// -----------------------------------------------------------------------------------------------------
+
+void RunDisplay::heard(const Envelope& envelope) { post(Kind::kNote, &RunDisplay::show_message, envelope); }
 
 void RunDisplay::show_message(const Envelope& envelope) {
   display_->heard(envelope);
   if (recorder_) recorder_->heard(envelope);
-  if (!thread_) return;
-  const auto* decision = std::get_if<Decision>(&envelope.message);
-  if (decision && recorder_) {
-    decisions_.push_back(*decision);
-    recorder_->decided(decisions_);
-  }
   if (counts_ && display_->wants_counts(envelope.time)) show_counts(envelope.time);  // a fault is shown at once
 }
 
-void RunDisplay::sample(Time time) {
-  if (!thread_) return show_sample(time);
-  thread_->take(Kind::kNote, [this, time] { show_sample(time); });
-}
-
-void RunDisplay::show_sample(Time time) {
-  if (recorder_) recorder_->sample(time, *shown_);
-  if (film_) film_->sample(time, *shown_);
-}
+// The end
+// --------------------------------------------------------------------------------------------------------------
 
 void RunDisplay::settle() {
   if (thread_) thread_->settle();
@@ -204,8 +229,8 @@ void RunDisplay::finish(Time last) {
   recorder_->close();
 }
 
-DisplayThread::LeftOut RunDisplay::left_out() const { return thread_ ? thread_->left_out() : DisplayThread::LeftOut{}; }
+TaskThread::LeftOut RunDisplay::left_out() const { return thread_ ? thread_->left_out() : TaskThread::LeftOut{}; }
 
-std::string RunDisplay::problem() const { return thread_ ? thread_->problem() : std::string(); }
+std::string RunDisplay::problem() const { return thread_ ? words_of(thread_->failure()) : std::string(); }
 
 }  // namespace isobath

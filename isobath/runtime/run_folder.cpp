@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/io/geotiff.hpp>
+#include <isobath/runtime/fan_calibration.hpp>
 #include <isobath/runtime/html_report.hpp>
 #include <isobath/runtime/live_page.hpp>
 #include <isobath/runtime/result_text.hpp>
@@ -25,7 +26,11 @@ std::string degrees(Angle a) { return fmt::format("{:.1f}", a.wrapped_positive()
 std::string notes(const Obstacle& o) {
   std::string text;
   if (o.behind) text = "behind a nearer obstacle";
-  if (o.possible_multiple) text += std::string(text.empty() ? "" : "; ") + "possible multiple echo";
+  const auto add = [&](const char* note) { text += std::string(text.empty() ? "" : "; ") + note; };
+  if (o.possible_multiple) add("possible multiple echo");
+  if (o.label == WaterLabel::kStanding) add("stands in the water");
+  if (o.label == WaterLabel::kBottom) add("bottom");
+  if (o.label == WaterLabel::kSurface) add("surface");
   return text;
 }
 
@@ -360,6 +365,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
   if (!outcome.problem.empty()) page.warning(outcome.problem);
   for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
+  if (outcome.fan) page.paragraph("Sensor model: " + to_text(*outcome.fan) + ".");
   if (n.pings > 0 && n.unposed == n.pings) {
     page.paragraph("The log has no navigation: the vehicle is taken to stand still.");
   }

@@ -13,7 +13,7 @@
 #include <isobath/runtime/depth_pages.hpp>
 #include <isobath/runtime/html_report.hpp>
 #include <isobath/runtime/mission_pages.hpp>
-#include <isobath/runtime/pipeline.hpp>
+#include <isobath/runtime/onboard_observer.hpp>
 #include <isobath/runtime/plan_image.hpp>
 #include <isobath/runtime/result_text.hpp>
 #include <isobath/runtime/run.hpp>
@@ -25,7 +25,7 @@
 
 namespace isobath {
 
-class RunFolder : public ResultSink {
+class RunFolder : public OnboardObserver {
  public:
   /// Makes the folder; throws Error if it cannot.
   RunFolder(std::filesystem::path folder, Configuration configuration);

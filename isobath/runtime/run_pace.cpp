@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <isobath/runtime/closed_loop.hpp>
 #include <isobath/runtime/run_pace.hpp>
 #include <thread>
 
@@ -8,12 +7,12 @@ namespace isobath {
 LivePace::LivePace(double speed, const Simulator& simulator)
     : speed_(speed), simulator_(simulator), start_(std::chrono::steady_clock::now()) {}
 
-bool LivePace::keep(MappingThread& mapping, Helm& helm) {
+bool LivePace::keep(Onboard& onboard) {
   const double now_s = simulator_.now_s();
   if (speed_ > 0) {
     std::this_thread::sleep_until(start_ + std::chrono::duration<double>(now_s / speed_));
   } else if (now_s - settled_s_ >= to_seconds(kTick)) {
-    settle(mapping, helm);
+    onboard.settle();
     settled_s_ = now_s;
     return true;
   }

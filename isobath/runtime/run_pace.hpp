@@ -2,8 +2,7 @@
 #pragma once
 
 #include <chrono>
-#include <isobath/runtime/helm.hpp>
-#include <isobath/runtime/mapping_thread.hpp>
+#include <isobath/runtime/onboard.hpp>
 #include <isobath/runtime/run.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <optional>
@@ -16,7 +15,7 @@ class LivePace {
  public:
   LivePace(double speed, const Simulator& simulator);
   /// Whether all of them were waited for.
-  bool keep(MappingThread& mapping, Helm& helm);
+  bool keep(Onboard& onboard);
 
  private:
   double speed_;

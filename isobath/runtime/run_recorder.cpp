@@ -132,12 +132,8 @@ void RunRecorder::heard(const Envelope& envelope) {
     log_.write(messages_, envelope.time, message_json(envelope));
     if (foxglove_) foxglove_->heard(envelope);
   });
-}
-
-void RunRecorder::decided(const std::vector<Decision>& decisions) {
-  for (; decided_ < decisions.size(); ++decided_) {
-    guarded([&] { log_.write_decision(decisions[decided_].time, decision_json(decisions[decided_])); });
-  }
+  const auto* decision = std::get_if<Decision>(&envelope.message);
+  if (decision) guarded([&] { log_.write_decision(decision->time, decision_json(*decision)); });
 }
 
 void RunRecorder::setpoint(Time time, const Setpoint& setpoint) {

@@ -7,7 +7,7 @@
 //   recorder.describe(simulator, scenario_toml);  recorder.describe(setup);
 //   recorder.take(event);                         // each, before anybody else has it
 //   recorder.on_ping(ping); recorder.on_scan(scan); recorder.heard(envelope);
-//   recorder.decided(decisions); recorder.setpoint(time, setpoint);
+//   recorder.heard(envelope); recorder.setpoint(time, setpoint);
 //   recorder.sample(time, items);                 // after each event: takes one every `display_s`
 //   recorder.close();
 //
@@ -25,7 +25,7 @@
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/display_items.hpp>
 #include <isobath/runtime/foxglove_log.hpp>
-#include <isobath/runtime/mission_run.hpp>
+#include <isobath/runtime/mission_setup.hpp>
 #include <isobath/runtime/scenario.hpp>
 #include <mutex>
 #include <optional>
@@ -69,9 +69,8 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   void on_ping(const PosedPing& ping) override;
   void on_upright(const PosedPing& ping) override { on_ping(ping); }
   void on_scan(const ScanResult& scan) override;
+  /// A message of the crew; a decision is written apart, too.
   void heard(const Envelope& envelope);
-  /// All decisions so far: those that are new are written.
-  void decided(const std::vector<Decision>& decisions);
   /// Written where it changes.
   void setpoint(Time time, const Setpoint& setpoint);
   /// A sample of the display, when one is due, or `at_once`, such as at the end. Whether there was one; none is taken
@@ -97,7 +96,6 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   std::uint16_t messages_ = 0;  ///< made with the first: without a mission there are none
   bool located_ = false;
   std::optional<Setpoint> last_setpoint_;
-  std::size_t decided_ = 0;  ///< decisions that are in the log
   std::optional<Time> sampled_, whole_at_;
   std::uint64_t stamp_ = 0;  ///< of the display, up to which it is in the log
   std::uint64_t bytes_since_whole_ = 0;

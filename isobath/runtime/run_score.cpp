@@ -8,8 +8,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kAboveAndBelow_m = 1;  // beyond the hull: what is there has to be gone round
-
 Vector2d place_of(const TrueMotion& motion) { return motion.state.X_WB.translation.head<2>(); }
 
 struct Arrival {
@@ -164,6 +162,9 @@ RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTr
     s.delay_pings.push_back(body.delay_pings);
     s.first_range_m.push_back(body.first_range_m);
   }
+  s.scans = result.sight.scans;
+  s.false_obstacles = result.sight.false_obstacles;
+  s.near_false_obstacles = result.sight.near_false_obstacles;
   judge_decisions(result.decisions, truth, suite.near_body_m, s);
   return s;
 }

@@ -46,6 +46,9 @@ struct RunScore {
   int bodies_missed = 0;                           ///< heard, never found
   int replans = 0, false_replans = 0, safety_actions = 0;
 
+  int scans = 0;
+  int false_obstacles = 0, near_false_obstacles = 0;  ///< over all scans; near: within kNearObstacle_m (TruthJudge)
+
   FaultProof proof;  ///< of a run of a fault
 };
 

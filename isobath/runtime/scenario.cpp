@@ -128,9 +128,10 @@ std::optional<Event> SimulatedSource::next() {
     if (auto* reading = std::get_if<RangeReading>(&*event)) return std::move(*reading);
     if (auto* fix = std::get_if<Navigation>(&*event)) return std::move(*fix);
     if (auto* health = std::get_if<Health>(&*event)) return std::move(*health);
-    if (!truth_) continue;
-    if (const auto* echoes = std::get_if<EchoTruth>(&*event)) truth_->take(*echoes);
-    if (const auto* motion = std::get_if<TrueMotion>(&*event)) truth_->take(*motion);
+    for (TruthSink* sink : truth_) {
+      if (const auto* echoes = std::get_if<EchoTruth>(&*event)) sink->take(*echoes);
+      if (const auto* motion = std::get_if<TrueMotion>(&*event)) sink->take(*motion);
+    }
   }
 }
 

@@ -59,7 +59,8 @@ class SimulatedSource : public Source {
 
   std::optional<Event> next() override;
   [[nodiscard]] const SourceReport& report() const override { return report_; }
-  void tell_truth_to(TruthSink* sink) { truth_ = sink; }
+  /// To each of those that it was given; they must outlive it.
+  void tell_truth_to(TruthSink& sink) { truth_.push_back(&sink); }
   /// An operator who orders at times; without orders there is none. `plan`: what is started.
   void add_operator(const std::vector<OperatorOrder>& orders, const MissionPlan& plan);
   /// Somebody at the link now: an operator who orders this, one who has ordered before or a new one.
@@ -75,7 +76,7 @@ class SimulatedSource : public Source {
 
   Simulator simulator_;
   SourceReport report_;
-  TruthSink* truth_ = nullptr;
+  std::vector<TruthSink*> truth_;
   struct HostPart {
     std::string source;
     bool lost = false;

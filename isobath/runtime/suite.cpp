@@ -14,11 +14,17 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kFolder = "suites/", kEnding = ".toml";
 
-std::vector<Field> about_fields(SuiteConfig& c) {
+std::vector<Field> about_fields(SuiteConfig& c, AltimeterChoice& altimeter) {
   return {Field::text("title", &c.title, "What it is."),
           Field::text("text", &c.text, "What it shows."),
           Field::file("scene", &c.scene, "The scene, with its mission, that all runs are made from."),
           Field::file("faults", &c.faults, "Or a folder with a scene for each row of the fault table, named like it."),
+          Field::choice("altimeter", &altimeter,
+                        {{"scene", AltimeterChoice::kAsScene},
+                         {"with", AltimeterChoice::kWith},
+                         {"without", AltimeterChoice::kWithout},
+                         {"both", AltimeterChoice::kBoth}},
+                        "Whether the vehicle has an altimeter; scene: as the scene says, both: in turn."),
           Field::text("without", &c.without, "Name of a sonar of the scene that is switched off; empty: none."),
           Field::integer("runs", &c.runs, {1, 1'000'000}, "", "How many, unless the command line says otherwise."),
           Field::integer("seed", &c.seed, {0, 1'000'000'000}, "", "Of the first run; the next ones count on."),
@@ -49,6 +55,8 @@ std::vector<Field> bar_fields(BarsConfig& c) {
       Field::real("refused_share", &c.refused_share, {-1, 1}, "1", "Of the runs, at most; -1: no bar."),
       Field::real("path_ratio_median", &c.path_ratio_median, {-1, 100}, "1",
                   "Length of the way by that of the planner with full truth, at most; -1: no bar."),
+      Field::real("false_obstacles_20m", &c.false_obstacles_20m, {-1, 1000}, "",
+                  "Obstacles of nothing within 20 m of the vehicle, in a scan on average, at most; -1: no bar."),
       Field::real("shown_share", &c.shown_share, {-1, 1}, "1",
                   "Of the runs of faults, those that show what the table says, at least; -1: no bar."),
   };
@@ -63,7 +71,7 @@ std::vector<std::pair<std::string, Baseline>> baseline_names() {
   return names;
 }
 
-void check_suite(const Suite& s, const std::string& file) {
+void check_suite(Suite& s, const std::string& file) {
   const auto refuse = [&file](const std::string& key, const std::string& problem, const std::string& allowed) {
     throw Error(problem, {.file = file, .key = key}, allowed);
   };
@@ -73,6 +81,10 @@ void check_suite(const Suite& s, const std::string& file) {
   if (s.about.scene.empty() == s.about.faults.empty()) {
     refuse("suite.scene", s.about.scene.empty() ? "is missing" : "stands beside faults", "a scene file, or faults");
   }
+  if (!s.about.faults.empty() && !s.axes.empty()) {
+    refuse("suite.faults", "stands beside vehicles, sonars or an altimeter", "a scene, where there are variants");
+  }
+  s.variants = variants_of(s.axes);
   ordered("vary.drift", s.vary.drift);
   ordered("vary.noise", s.vary.noise);
   ordered("vary.density", s.vary.density);
@@ -151,14 +163,27 @@ const char* to_text(Baseline baseline) {
 
 Schema schema(Suite& s) {
   Schema all;
-  all.sections = {{"suite", "What is run.", about_fields(s.about)},
+  all.sections = {{"suite", "What is run.", about_fields(s.about, s.axes.altimeter)},
                   {"vary", "What differs from run to run.", vary_fields(s.vary)},
                   {"clutter", "A random field of obstacles, added to the scene.", fields(s.clutter)},
                   {"bars", "What must hold.", bar_fields(s.bars)}};
-  all.lists = {{"baseline", "A method to compare with, on the same runs.", [&s](const Place&) {
-                  Baseline& helm = s.baselines.emplace_back(Baseline::kNoAvoidance);
-                  return std::vector<Field>{Field::choice("helm", &helm, baseline_names(), "Which.")};
-                }}};
+  all.lists = {
+      {"baseline", "A method to compare with, on the same runs.",
+       [&s](const Place&) {
+         Baseline& helm = s.baselines.emplace_back(Baseline::kNoAvoidance);
+         return std::vector<Field>{Field::choice("helm", &helm, baseline_names(), "Which.")};
+       }},
+      {"vehicle", "A vehicle that runs are made with, in turn, instead of the scene's.",
+       [&s](const Place& place) {
+         SuiteVehicle& vehicle = s.axes.vehicles.emplace_back();
+         vehicle.place = place;
+         return fields(vehicle);
+       }},
+      {"sonar", "An imaging sonar that runs are made with, in turn, instead of the scene's.", [&s](const Place& place) {
+         SonarConfig& sonar = s.axes.sonars.emplace_back();
+         sonar.place = place;
+         return fields(sonar);
+       }}};
   return all;
 }
 
@@ -176,7 +201,15 @@ Suite load_suite(const fs::path& file) {
     const std::string vehicle = load_scenario(scene).scene.vehicle.file;
     if (!vehicle.empty()) suite.digest = digest_of(suite.digest, text_of_file(vehicle));
   }
+  for (const SuiteVehicle& vehicle : suite.axes.vehicles) {
+    suite.digest = digest_of(suite.digest, text_of_file(vehicle.file));
+  }
   return suite;
+}
+
+void select_variants(Suite& suite, const std::string& name) {
+  suite.variants = matching(suite.variants, name);
+  for (const SuiteVariant& variant : suite.variants) suite.digest = digest_of(suite.digest, variant.name);
 }
 
 std::vector<Scenario> load_scenes(const Suite& suite) {
@@ -217,6 +250,11 @@ SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uin
   if (!suite.about.faults.empty()) {
     run.row = &fault_table()[which];
     run.conditions = std::string(run.row->name) + "; ";
+  }
+  if (!suite.variants.empty()) {
+    const SuiteVariant& variant = suite.variants[seed % suite.variants.size()];
+    apply(variant, run.scenario);
+    run.variant = variant.name;
   }
   Scene& scene = run.scenario.scene;
   scene.about.seed = static_cast<int>(seed);

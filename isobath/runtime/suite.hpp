@@ -4,6 +4,9 @@
 // A suite of faults has a scene for each row of the fault table instead, and takes them in turn: the run of a seed
 // sails that of row seed mod their number, and is to show what the row says (fault_proof.hpp).
 //
+// A suite of variants (suite_variants.hpp) takes them in turn in the same way: vehicles, sonars, with and without an
+// altimeter.
+//
 // A run is a function of the suite and its seed alone: run k of `runs` has the seed `seed` + k, so that any of them can
 // be had again as the first of a suite of one. What is drawn: start, heading, current, drift of the navigation, level
 // of the sonar's noise, the field of obstacles; each uniformly, in this order, each from a stream of its own.
@@ -14,6 +17,7 @@
 #include <isobath/base/config.hpp>
 #include <isobath/mission/fault_table.hpp>
 #include <isobath/runtime/scenario.hpp>
+#include <isobath/runtime/suite_variants.hpp>
 #include <isobath/sim/clutter.hpp>
 #include <span>
 #include <string>
@@ -55,7 +59,8 @@ struct BarsConfig {
   double goals_share = -1;
   double refused_share = -1;
   double path_ratio_median = -1;
-  double shown_share = -1;  ///< of the runs of faults, those that show what their rows say
+  double false_obstacles_20m = -1;  ///< within 20 m of the vehicle, a scan
+  double shown_share = -1;          ///< of the runs of faults, those that show what their rows say
 };
 
 struct Suite {
@@ -65,14 +70,18 @@ struct Suite {
   BarsConfig bars;
   ClutterConfig clutter;
   std::vector<Baseline> baselines;
-  std::vector<std::string> scenes;  ///< files: one, or one a row of the fault table
-  std::uint64_t digest = 0;         ///< of the texts of suite, scenes and vehicles
+  VariantAxes axes;
+  std::vector<SuiteVariant> variants;  ///< that the runs take in turn; none: the scene as it is
+  std::vector<std::string> scenes;     ///< files: one, or one a row of the fault table
+  std::uint64_t digest = 0;  ///< of the texts of suite, scenes and vehicles, and of the variants that are left
 };
 
 /// Bound to `suite`, which must outlive it.
 Schema schema(Suite& suite);
 /// Throws Error with line and column.
 Suite load_suite(const std::filesystem::path& file);
+/// Leaves the variants that have every part of `name`. Throws Error where none has.
+void select_variants(Suite& suite, const std::string& name);
 
 /// Names of the suites in the program.
 std::vector<std::string> embedded_suites();
@@ -88,6 +97,7 @@ std::vector<Scenario> load_scenes(const Suite& suite);
 struct SuiteRun {
   std::uint64_t seed = 0;
   Scenario scenario;
+  std::string variant;            ///< its name; empty in a suite without variants
   std::string conditions;         ///< what was drawn, in words
   const FaultRow* row = nullptr;  ///< that it is to show, in a suite of faults
 };

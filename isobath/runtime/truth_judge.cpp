@@ -38,7 +38,8 @@ Polygon in_frame(const Polygon& polygon, const Pose& X) {
 
 }  // namespace
 
-TruthJudge::TruthJudge(Simulator& simulator) : simulator_(simulator) {
+TruthJudge::TruthJudge(Simulator& simulator)
+    : simulator_(simulator), keel_m_(simulator.vehicle().height / 2 + kAboveAndBelow_m) {
   for (const WorldBody& body : simulator.world().bodies()) {
     bodies_.emplace_back();
     bodies_.back().score.name = body.name;
@@ -65,8 +66,6 @@ Pose TruthJudge::true_level_pose(Time time) const {
   return level(interpolate(before.state.X_WB, after->state.X_WB, share));
 }
 
-void TruthJudge::mark(const Vector2d& at, std::uint8_t kind) { marks_[square_of(at.x(), at.y())] |= kind; }
-
 void TruthJudge::on_ping(const PosedPing& posed) {
   const Ping& ping = posed.ping;
   const auto truth = std::find_if(waiting_.begin(), waiting_.end(), [&ping](const EchoTruth& t) {
@@ -79,7 +78,12 @@ void TruthJudge::on_ping(const PosedPing& posed) {
   std::vector<bool> heard(bodies_.size());
   const std::vector<std::vector<Polygon>> plans = plans_now();
   const Pose X_WS = X_WL * ping.X_BS;
+  const Vector2d origin = X_WS.translation.head<2>();
   for (int b = 0; b < truth->beams; ++b) {
+    const Angle a = ping.fan->azimuth[static_cast<std::size_t>(b)];
+    const Vector2d along = (X_WS.rotation * Vector3d(cos(a), sin(a), 0)).head<2>();
+    std::int64_t marked_square = 0;  // reverberation fills many bins of one square on end
+    std::uint8_t marked = 0;
     const EchoLabel* labels =
         truth->labels.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(truth->bins);
     for (int k = 0; k < truth->bins; ++k) {
@@ -90,8 +94,7 @@ void TruthJudge::on_ping(const PosedPing& posed) {
         continue;  // whoever makes an obstacle of these is wrong
       }
       const double r = ping.window.centre(k);
-      const Angle a = ping.fan->azimuth[static_cast<std::size_t>(b)];
-      const Vector2d at = (X_WS * Vector3d(r * cos(a), r * sin(a), 0)).head<2>();
+      const Vector2d at = origin + r * along;
       const bool direct = label.path() == EchoPath::kDirect;
       if (label.target() >= kFirstBody) {
         // Close under the surface a bounce can be louder than the straight echo, and as good a sign of the body.
@@ -103,7 +106,11 @@ void TruthJudge::on_ping(const PosedPing& posed) {
       }
       std::uint8_t kind = kMirrorEcho;
       if (direct) kind = label.target() == kBottom ? kBottomEcho : kSurfaceEcho;
-      mark(at, kind);
+      const std::int64_t square = square_of(at.x(), at.y());
+      if (kind == marked && square == marked_square) continue;
+      marks_[square] |= kind;
+      marked_square = square;
+      marked = kind;
     }
   }
   const double now = to_seconds(ping.time);
@@ -148,6 +155,14 @@ std::uint8_t TruthJudge::kinds_near(const Polygon& outline, double within) const
   return kinds;
 }
 
+bool TruthJudge::bottom_in_the_way(const Polygon& outline) const {
+  const double needed = X_WL_.translation.z() + keel_m_;
+  return std::any_of(outline.begin(), outline.end(), [&](const Vector2d& p) {
+    const auto bottom = simulator_.world().bottom_depth(p.x(), p.y());
+    return bottom && *bottom < needed;
+  });
+}
+
 void TruthJudge::on_scan(const ScanResult& scan) {
   X_WL_ = true_level_pose(scan.detection.time);
   const Vector2d vehicle = X_WL_.translation.head<2>();
@@ -175,6 +190,9 @@ void TruthJudge::on_scan(const ScanResult& scan) {
                                         : score_.false_alarms;
     ++count;
     any_false = any_false || &count == &score_.false_alarms;
+    if (owned || o.existence < kSureObstacle || bottom_in_the_way(outline)) continue;
+    ++score_.false_obstacles;
+    score_.near_false_obstacles += o.range_m <= kNearObstacle_m;
   }
   score_.scans_with_false_alarms += any_false;
   const double now = to_seconds(scan.detection.time);

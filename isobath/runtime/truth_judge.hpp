@@ -6,16 +6,24 @@
 // that came from there are labelled so; else it is a false alarm. Positions are compared in the true world: an error of
 // navigation counts. Delay: pings whose truth held the body above the background, up to the end of the first scan that
 // shows it.
+//
+// Apart from where an obstacle comes from, what it does to the vehicle: a false obstacle is one that the map is sure of
+// (existence from kSureObstacle on) with nothing there that the vehicle would have to avoid: near no body, and over a
+// bottom that lies deeper than the hull and 1 m.
 #pragma once
 
 #include <isobath/map/obstacle.hpp>
-#include <isobath/runtime/pipeline.hpp>
+#include <isobath/runtime/onboard_observer.hpp>
 #include <isobath/runtime/scenario.hpp>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 namespace isobath {
+
+inline constexpr double kSureObstacle = 0.95;  ///< existence from which a false obstacle counts
+inline constexpr double kNearObstacle_m = 20;  ///< from the vehicle: what its planner acts on
+inline constexpr double kAboveAndBelow_m = 1;  ///< beyond the hull: what is there has to be avoided
 
 struct BodyScore {
   std::string name;
@@ -36,16 +44,17 @@ struct TruthScore {
   int obstacles = 0;              ///< over all scans; each is one of:
   int of_bodies = 0, of_bottom = 0, of_surface = 0, of_mirrors = 0, false_alarms = 0;
   int scans_with_false_alarms = 0;
+  int false_obstacles = 0, near_false_obstacles = 0;  ///< over all scans; near: within kNearObstacle_m
 };
 
-class TruthJudge : public SimulatedSource::TruthSink {
+class TruthJudge : public SimulatedSource::TruthSink, public OnboardObserver {
  public:
   explicit TruthJudge(Simulator& simulator);
 
   void take(const EchoTruth& echoes) override;
   void take(const TrueMotion& motion) override;
-  void on_ping(const PosedPing& ping);
-  void on_scan(const ScanResult& scan);
+  void on_ping(const PosedPing& ping) override;
+  void on_scan(const ScanResult& scan) override;
 
   [[nodiscard]] const TruthScore& score();
   /// Outlines of all bodies where they are now, in L of the last scan (x forward, y starboard), for pictures.
@@ -58,11 +67,12 @@ class TruthJudge : public SimulatedSource::TruthSink {
     double first_heard_s = -1;
     double error_sum = 0, error_squares = 0;
   };
-  void mark(const Eigen::Vector2d& at, std::uint8_t kind);
   [[nodiscard]] std::uint8_t kinds_near(const Polygon& outline, double within) const;
   /// Of every body, where it is now.
   [[nodiscard]] std::vector<std::vector<Polygon>> plans_now() const;
   [[nodiscard]] Pose true_level_pose(Time time) const;
+  /// Whether the bottom there is one that the vehicle cannot go over.
+  [[nodiscard]] bool bottom_in_the_way(const Polygon& outline) const;
 
   Simulator& simulator_;
   std::vector<Watch> bodies_;
@@ -71,6 +81,7 @@ class TruthJudge : public SimulatedSource::TruthSink {
   std::vector<TrueMotion> motions_;                                    ///< the last few
   double beam_ = 0, bin_ = 0;
   Pose X_WL_;
+  double keel_m_ = 0;  ///< depth that the vehicle needs under its middle
   TruthScore score_;
 };
 

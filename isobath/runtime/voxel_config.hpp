@@ -15,7 +15,7 @@ struct VoxelModelConfig {
   bool spill = false;   ///< what leaves the window goes to a file
   bool vdb = false;     ///< writes voxels.vdb too
   int memory_mb = 0;    ///< 0: no bound
-  VoxelMapConfig map{.voxel_m = 0.25, .prior = 0.05, .occupied = 0.7, .free = 0.04, .most_log_odds = 6.9};
+  VoxelMapConfig map{.voxel_m = 0.25, .prior = 0.05, .occupied = 0.25, .free = 0.045, .most_log_odds = 6.9};
   FanMapperConfig fans;
 };
 std::vector<Field> fields(VoxelModelConfig& config);

@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kSoundings = "soundings";  ///< layer of points with a height of their own
 /// Sizes of two pings' fans that differ by less are of one sonar, which steers its beams anew for each ping.
 constexpr double kAlike = 0.5;
-constexpr double kSoundingHit = 2.5, kSoundingMiss = -0.5;
+constexpr double kSoundingHit = 1.5, kSoundingMiss = -0.5;
 constexpr double kFarthestSounding = 4096;  // voxels: a swath of them fills some hundred megabytes
 
 constexpr const char* kTooFarOff = "too far from the origin for voxels of this size";
@@ -117,7 +117,7 @@ void VoxelModel::take(const PosedPing& posed) {
   note(ping.time);
   const bool submerged = config_.surface && (posed.X_WB * ping.X_BS).translation.z() > 0;
   sonar.mapper.set_surface(submerged ? 0 : -std::numeric_limits<double>::infinity());
-  sonar.mapper.update(ping, posed.decisions, posed.X_WB, *sonar.layer);
+  sonar.mapper.update(ping, posed.faint_decisions(), posed.X_WB, *sonar.layer);
   ++sonar.pings;
   move_to(posed.X_WB.translation);
 }
@@ -179,6 +179,7 @@ void VoxelModel::move_along(const Eigen::Vector3d& jump_W) {
   const std::uint64_t held = heard_.empty() ? map_->revision() : heard_.front().revision;
   map_->advance();
   map_->move(floor_of(voxels + 0.5), std::min(held, last_moved_));
+  for (const auto& s : sonars_) s->mapper.move_along(jump_W);
   last_moved_ = map_->revision();
   ++moved_;
 }

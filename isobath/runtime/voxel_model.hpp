@@ -64,6 +64,8 @@ class VoxelModel {
   /// Blocks spill to this file, if by the configuration they spill at all.
   explicit VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file = {});
 
+  /// Whether it maps pings at all.
+  [[nodiscard]] bool listens() const { return config_.sonars != VoxelModelConfig::Sonars::kNone; }
   void take(const PosedPing& posed);
   void take(const Swath& swath, const Pose& X_WB);
   /// The position jumped, m.

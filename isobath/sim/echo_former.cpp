@@ -2,6 +2,7 @@
 #include <cmath>
 #include <isobath/base/split_work.hpp>
 #include <isobath/sim/echo_former.hpp>
+#include <isobath/sim/fan_loops.hpp>
 #include <isobath/sim/field_of_view.hpp>
 #include <isobath/sim/scattering.hpp>
 #include <numbers>
@@ -16,6 +17,7 @@ constexpr double kSurfaceLoss = 0.7;   // intensity kept in a bounce off a rough
 constexpr double kLeastGain = 3e-5;    // of a receive beam: what is below is not heard
 constexpr double kLeastChange = 0.07;  // of range within a cell, that is worth cutting it
 constexpr int kMostPieces = 64;
+constexpr double kTilt = 0.6;           // of the range: how far a cell may lean out of it, at most
 constexpr double kLoudestSurface = 16;  // sigma of a glint
 constexpr double kSmall = 4;            // a body below so many cells, in one direction, gets cells of its own
 
@@ -30,7 +32,7 @@ Span span_of(const ViewCell& cell, double range, const Vector3d& u, const Vector
              const Vector3d& normal) {
   const double straight = normal.dot(u);
   const double slant_across = cell.half_across * normal.dot(across), slant_up = cell.half_up * normal.dot(up);
-  const double tilt = std::min(std::abs(slant_across) + std::abs(slant_up), 0.6 * std::abs(straight));
+  const double tilt = std::min(std::abs(slant_across) + std::abs(slant_up), kTilt * std::abs(straight));
   return {range * straight / (straight - tilt), range * straight / (straight + tilt)};
 }
 
@@ -46,21 +48,13 @@ void EchoImage::resize(int beam_count, int bin_count) {
   labels.resize(size);
 }
 
-void EchoImage::clear() {
-  std::fill(rough.begin(), rough.end(), 0.f);
-  std::fill(steady.begin(), steady.end(), 0.f);
-  std::fill(strongest.begin(), strongest.end(), 0.f);
-  std::fill(labels.begin(), labels.end(), EchoLabel());
-}
-
 struct EchoFormer::State {
   SonarConfig config;
   const World& world;
   const Water& water;
   int threads;
   double floor = 0;
-  std::vector<float> by_bin;
-
+  std::vector<float> by_bin;  ///< gain of the receiver, 1 where it is largest
   FieldOfView view;
   /// What came back in each direction, not yet through the receive patterns.
   struct Row {
@@ -85,20 +79,23 @@ struct EchoFormer::State {
   double head_reflection = 0;
   SeaSurface sea;
   double absorb = 0;                  ///< per metre, one way, natural
+  std::vector<double> back_from;      ///< of each bin: attenuation there and back
   std::vector<bool> small;            ///< by body: it has cells of its own
   std::vector<Scatterer> scatterers;  ///< by target, from the bottom on
 
   State(const SonarConfig& c, const World& w, const Water& wa, int t)
       : config(c), world(w), water(wa), threads(t), view(c), sea(wa.config().wind, c.frequency) {
     head_reflection = from_db(config.head_reflection_db);
+    by_bin.assign(static_cast<std::size_t>(config.bins), 1.f);
+    back_from = std::vector<double>(by_bin.size());
     scatterers.emplace_back(world.material(kBottom));
     for (const WorldBody& body : world.bodies()) scatterers.emplace_back(*body.material);
     rows.resize(view.directions.size());
     for (Row& row : rows) {
-      const auto bins = static_cast<std::size_t>(config.bins);
-      row.power.resize(bins);
-      row.strongest.resize(bins);
-      row.labels.resize(bins);
+      const auto bins = static_cast<std::size_t>(config.bins), padded = bins + kLoopPad;
+      row.power.resize(padded);
+      row.strongest.resize(padded);
+      row.labels.resize(padded);
       row.volume.resize(bins + 1);
     }
   }
@@ -108,8 +105,10 @@ struct EchoFormer::State {
   template <class Visit>
   void pieces(const ViewCell& cell, double range, const Vector3d& u, const Vector3d& up, const Vector3d& normal,
               const Visit& visit) const {
-    const double straight = -normal.dot(u);
-    const double change = std::abs(2 * cell.half_up * normal.dot(up)) / std::max(straight, 1e-6);
+    const double straight = -normal.dot(u), across_up = std::abs(2 * cell.half_up * normal.dot(up));
+    // Beyond the window, all of it: kTilt and the speed of sound bring an echo nearer by less than one half.
+    if (straight * range > 2 * (config.range_m + config.resolution_m) * (straight + across_up)) return;
+    const double change = across_up / std::max(straight, 1e-6);
     const double loudest = 0.003 * cell.gain * attenuation(2 * range) * cell.solid_angle / (range * range);
     if (change < kLeastChange || loudest < floor) return visit(cell, range, u, up);
     const double bins = change * range / bin_m();
@@ -135,6 +134,8 @@ struct EchoFormer::State {
 
   [[nodiscard]] double bin_m() const { return config.range_m / config.bins; }
   [[nodiscard]] double attenuation(double path) const { return std::exp(-absorb * path); }
+  /// Nothing at these ranges, or twice as far, comes back within the window.
+  [[nodiscard]] bool too_far(const Span& read) const { return read.near - config.resolution_m >= config.range_m; }
   /// From metres to metres as the device reads them.
   [[nodiscard]] double stretch(double depth) const {
     return config.sound_speed / water.mean_sound_speed(X_WS.translation.z(), depth);
@@ -167,6 +168,7 @@ struct EchoFormer::State {
              const Span span = span_of(piece, range, v, across_W, up, hit->normal);
              const double k = stretch(p.z() + range * v.z());
              const Span read{k * span.near, k * span.far};
+             if (too_far(read)) return;
              if (!silent) put(read, echo(piece, range, *hit, v), EchoLabel(hit->target, EchoPath::kDirect));
              if (config.multiple) repeat(piece, range, *hit, v, read, put);
            });
@@ -204,14 +206,15 @@ struct EchoFormer::State {
   void meet_surface(const ViewCell& cell, const Vector3d& p, const Vector3d& u, double range, const Put& put) const {
     const Vector3d normal(0, 0, 1);
     if (config.surface_reverberation) {
+      const double k = stretch(0);
       const Vector3d across_W = R_WS * cell.across, up_W = R_WS * cell.up;
       pieces(cell, range, u, up_W, normal, [&](const ViewCell& piece, double r, const Vector3d& v, const Vector3d& up) {
+        const Span span = span_of(piece, r, v, across_W, up, normal);
+        const Span read{k * span.near, k * span.far};
+        if (too_far(read)) return;
         const double sine = std::max(-v.z(), kLeastCosine);
         const double sigma = sea(sine);
-        const Span span = span_of(piece, r, v, across_W, up, normal);
-        const double k = stretch(0);
-        put(Span{k * span.near, k * span.far},
-            piece.gain * attenuation(2 * r) * sigma * piece.solid_angle / (sine * r * r),
+        put(read, piece.gain * attenuation(2 * r) * sigma * piece.solid_angle / (sine * r * r),
             EchoLabel(kSurface, EchoPath::kDirect));
       });
     }
@@ -264,7 +267,8 @@ struct EchoFormer::State {
     pieces(cell, range, v, up_v, hit.normal,
            [&](const ViewCell& piece, double r, const Vector3d& w, const Vector3d& up) {
              const Span there = span_of(piece, r, w, across_v, up, hit.normal);
-             put(Span{k * there.near, k * there.far}, kept * kept * echo(piece, r, hit, w), label);
+             const Span read{k * there.near, k * there.far};
+             if (!too_far(read)) put(read, kept * kept * echo(piece, r, hit, w), label);
            });
     const Vector3d back = at - p;
     const double d = back.norm();
@@ -298,21 +302,13 @@ struct EchoFormer::State {
     const double middle_bin = 0.5 * (a + b);
     const double slope = b - a > 2 ? std::min(3 / middle_bin, 1.8 / (b - a)) : 0;
     const int first = std::max(0, static_cast<int>(a)), last = std::min(config.bins - 1, static_cast<int>(b));
-    for (int k = first; k <= last; ++k) {
-      double share = std::min(b, k + 1.0) - std::max(a, static_cast<double>(k));
-      if (pulse == 0 && far - near <= 1e-6) share = k == first ? 1 : 0;  // a point lies in one bin
-      // Within a span the echo falls with range, as that of a grazed plane does: about with its third power.
-      const double lean = 1 - slope * (k + 0.5 - middle_bin);
-      const auto value = static_cast<float>(height_of * std::max(share, 0.0) * lean);
-      power[k] += value;
-      // Many rays meet the same thing: what they bring together counts.
-      if (labels[k] == label) {
-        strongest[k] += value;
-      } else if (value > strongest[k]) {
-        strongest[k] = value;
-        labels[k] = label;
-      }
+    // Within a span the echo falls with range, as that of a grazed plane does: about with its third power.
+    // Many rays meet the same thing: what they bring together counts.
+    if (pulse > 0 || far - near > 1e-6) {
+      return add_echo({a, b, middle_bin, slope, height_of, label}, first, last, power, strongest, labels);
     }
+    // A point lies in one bin.
+    add_echo({double(first), first + 1.0, middle_bin, 0, height_of, label}, first, first, power, strongest, labels);
   }
 
   void look(int direction) {
@@ -333,10 +329,7 @@ struct EchoFormer::State {
       row.volume[static_cast<std::size_t>(end)] -= cell.gain * cell.solid_angle;
     }
     if (config.volume_reverberation) fill_volume(row);
-    row.loudest = 0;
-    for (std::size_t k = 0; k < row.strongest.size(); ++k) {
-      row.loudest = std::max(row.loudest, row.strongest[k] * (by_bin.empty() ? 1 : by_bin[k]));
-    }
+    row.loudest = largest_product(row.strongest.data(), by_bin.data(), config.bins);
   }
 
   void fill_volume(Row& row) const {
@@ -346,7 +339,7 @@ struct EchoFormer::State {
     for (int k = 0; k < config.bins; ++k) {
       open += row.volume[static_cast<std::size_t>(k)];
       const double r = (k + 0.5) * bin;
-      const auto value = static_cast<float>(strength * open * pulse / (r * r) * attenuation(2 * r));
+      const auto value = static_cast<float>(strength * open * pulse / (r * r) * back_from[static_cast<std::size_t>(k)]);
       row.power[static_cast<std::size_t>(k)] += value;
       if (value > row.strongest[static_cast<std::size_t>(k)]) {
         row.strongest[static_cast<std::size_t>(k)] = value;
@@ -475,42 +468,54 @@ struct EchoFormer::State {
 
   struct Scratch {
     explicit Scratch(int bins)
-        : from(static_cast<std::size_t>(bins)), power(from.size()), strongest(from.size()), labels(from.size()) {}
-    std::vector<int> from;
+        : from(static_cast<std::size_t>(bins)),
+          power(from.size() + kLoopPad),
+          strongest(power.size()),
+          labels(power.size()) {}
+    std::vector<const float*> rows;
+    std::vector<float> gains;
+    std::vector<FieldOfView::Weight> loud;
+    std::vector<std::int32_t> from;
     std::vector<float> power, strongest;
     std::vector<EchoLabel> labels;
   };
 
   void gather(int beam, EchoImage& image, Scratch& scratch) const {
-    std::vector<int>& from = scratch.from;
     const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(image.bins);
-    float* __restrict rough = image.rough.data() + start;
-    float* __restrict strongest = image.strongest.data() + start;
-    EchoLabel* labels = image.labels.data() + start;
-    std::fill(from.begin(), from.end(), -1);
     const auto& heard = view.weights[static_cast<std::size_t>(beam)];
-    for (int i = 0; i < static_cast<int>(heard.size()); ++i) {
-      const Row& row = rows[static_cast<std::size_t>(heard[static_cast<std::size_t>(i)].direction)];
-      // A fan's beam hears the mean over the directions; a cell's solid angle is already in its power.
-      const float gain = heard[static_cast<std::size_t>(i)].gain;
-      const float* __restrict power = row.power.data();
-      for (int k = 0; k < image.bins; ++k) rough[k] += gain * power[k];
-      // Only what stands out of the background gets a label.
-      if (gain * row.loudest < 5 * static_cast<float>(floor)) continue;
-      const float* __restrict best = row.strongest.data();
-      int* __restrict source = from.data();
-      for (int k = 0; k < image.bins; ++k) {
-        const float value = gain * best[k];
-        source[k] = value > strongest[k] ? i : source[k];
-        strongest[k] = std::max(strongest[k], value);
-      }
+    const auto row_of = [this](const FieldOfView::Weight& w) -> const Row& {
+      return rows[static_cast<std::size_t>(w.direction)];
+    };
+    // A fan's beam hears the mean over the directions; a cell's solid angle is already in its power.
+    scratch.rows.clear();
+    scratch.gains.clear();
+    for (const FieldOfView::Weight& w : heard) {
+      scratch.rows.push_back(row_of(w).power.data());
+      scratch.gains.push_back(w.gain);
     }
+    sum_rows(scratch.rows.data(), scratch.gains.data(), static_cast<int>(heard.size()), image.bins,
+             image.rough.data() + start);
+    // Only what stands out of the background gets a label.
+    scratch.rows.clear();
+    scratch.gains.clear();
+    scratch.loud.clear();
+    for (const FieldOfView::Weight& w : heard) {
+      if (w.gain * row_of(w).loudest < 5 * static_cast<float>(floor)) continue;
+      scratch.rows.push_back(row_of(w).strongest.data());
+      scratch.gains.push_back(w.gain);
+      scratch.loud.push_back(w);
+    }
+    find_loudest(scratch.rows.data(), scratch.gains.data(), static_cast<int>(scratch.loud.size()), image.bins,
+                 image.strongest.data() + start, scratch.from.data());
     for (int k = 0; k < image.bins; ++k) {
-      const int i = from[static_cast<std::size_t>(k)];
+      const std::int32_t i = scratch.from[static_cast<std::size_t>(k)];
+      EchoLabel& label = image.labels[start + static_cast<std::size_t>(k)];
+      label = {};
       if (i < 0) continue;
-      const FieldOfView::Weight& w = heard[static_cast<std::size_t>(i)];
-      labels[k] = heard_as(rows[static_cast<std::size_t>(w.direction)].labels[static_cast<std::size_t>(k)], w.gain);
+      const FieldOfView::Weight& w = scratch.loud[static_cast<std::size_t>(i)];
+      label = heard_as(row_of(w).labels[static_cast<std::size_t>(k)], w.gain);
     }
+    std::fill_n(image.steady.begin() + static_cast<std::ptrdiff_t>(start), image.bins, 0.f);
     for (std::size_t i = 0; i < points.size();) i = hear_body(i, beam, image, scratch);
   }
 
@@ -565,7 +570,7 @@ EchoFormer& EchoFormer::operator=(EchoFormer&&) noexcept = default;
 const std::vector<double>& EchoFormer::beam_azimuths() const { return state_->view.beams; }
 void EchoFormer::set_floor(double power, std::vector<float> by_bin) {
   state_->floor = power;
-  state_->by_bin = std::move(by_bin);
+  if (!by_bin.empty()) state_->by_bin = std::move(by_bin);
 }
 
 void EchoFormer::form(const Pose& X_WS, EchoImage& image) {
@@ -574,7 +579,9 @@ void EchoFormer::form(const Pose& X_WS, EchoImage& image) {
   s.R_WS = X_WS.rotation.matrix();
   s.absorb = s.water.absorption_db(s.config.frequency, std::max(0.0, X_WS.translation.z())) * std::log(10.0) / 10;
   image.resize(static_cast<int>(s.view.beams.size()), s.config.bins);
-  image.clear();
+  for (int k = 0; k < s.config.bins; ++k) {
+    s.back_from[static_cast<std::size_t>(k)] = s.attenuation(2 * ((k + 0.5) * s.bin_m()));
+  }
   s.look_at_small_bodies();
   split_work(static_cast<int>(s.view.directions.size()), s.threads, [&s](int first, int last) {
     for (int d = first; d < last; ++d) s.look(d);

@@ -36,7 +36,6 @@ struct EchoImage {
   std::vector<float> strongest;   ///< power of the strongest contribution alone
   std::vector<EchoLabel> labels;  ///< of the strongest contribution
   void resize(int beam_count, int bin_count);
-  void clear();
 };
 
 class EchoFormer {

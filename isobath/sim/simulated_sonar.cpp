@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/base/log_gamma.hpp>
 #include <isobath/base/split_work.hpp>
+#include <isobath/sim/fan_loops.hpp>
 #include <isobath/sim/simulated_sonar.hpp>
 #include <limits>
 #include <numbers>
@@ -40,12 +42,6 @@ std::shared_ptr<const void> packed(const std::vector<float>& values, double full
 
 }  // namespace
 
-Random random_at(std::uint64_t seed, std::uint64_t a, std::uint64_t b) {
-  const std::uint64_t first = Random(seed).bits() ^ a;
-  const std::uint64_t second = Random(first).bits() ^ b;
-  return Random(Random(second).bits());
-}
-
 double unit_mean_gamma(Random& random, double shape) {
   if (shape < 1) {
     const double u = positive_uniform(random);
@@ -76,6 +72,7 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
     const double tvg =
         config.tvg_spreading * std::log10(std::max(r, 1e-3)) + (config.tvg_absorption ? 2 * absorption * r : 0);
     gain_.push_back(kFullScale * std::pow(10, (config.source_level_db + tvg - config.saturation_db) / 20));
+    power_gain_.push_back(gain_.back() * gain_.back());
     noise_by_bin_.push_back(factor_at(config.noise_by_range, r));
     const double mean = config.reverberation.empty() ? 0 : factor_at(config.reverberation, r);
     reverberation_.push_back(4 / std::numbers::pi * mean * mean);  // power of a Rayleigh amplitude, counts^2
@@ -85,13 +82,16 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
   for (const double gain : gain_) by_bin.push_back(static_cast<float>((gain / most) * (gain / most)));
   former_.set_floor(std::pow(0.1 * std::max(config.noise_level, 1.0) / most, 2), std::move(by_bin));
   const double v = config.noise_shape;  // the mean of the square root of the texture is not one
-  k_root_ = std::exp(std::lgamma(v + 0.5) - std::lgamma(v)) / std::sqrt(v);
+  k_root_ = std::exp(log_gamma(v + 0.5) - log_gamma(v)) / std::sqrt(v);
   BeamFan fan;
   fan.height = config.height;
   for (const double azimuth : former_.beam_azimuths()) {
     fan.azimuth.push_back(Angle::radians(azimuth));
     fan.width.push_back(config.width);
     noise_by_beam_.push_back(factor_at(config.noise_by_bearing, azimuth * 180 / std::numbers::pi));
+  }
+  if (config.kind == SonarKind::kFan && config.correlated) {
+    fluctuations_.emplace(config, water.config().wind, random_at(seed, ~0ull, 0).bits());
   }
   if (config.kind != SonarKind::kScanning) {
     fans_.push_back(std::make_shared<const BeamFan>(std::move(fan)));
@@ -163,6 +163,27 @@ double SimulatedSonar::sample(Random& random, double mean, double fluctuating, d
   return std::hypot(steady + scale * x, scale * y);
 }
 
+/// The same with chance from elsewhere: background and speckle are waves of their own, which add up.
+double SimulatedSonar::sample(const FanFluctuations::Row& shared, std::size_t bin, double mean, double fluctuating,
+                              double steady) const {
+  const double noise_re = static_cast<double>(shared.noise_re[bin]);
+  const double speckle_re = static_cast<double>(shared.speckle_re[bin]);
+  const double speckle_im = static_cast<double>(shared.speckle_im[bin]);
+  if (config_.noise == BackgroundLaw::kNone || config_.noise == BackgroundLaw::kGaussian) {
+    const double power = fluctuating * (speckle_re * speckle_re + speckle_im * speckle_im);
+    const double amplitude = std::sqrt(steady * steady + power);
+    if (config_.noise == BackgroundLaw::kNone) return amplitude;
+    const double share = config_.noise_level > 0 ? mean / config_.noise_level : 1;
+    return mean + config_.noise_sigma * share * std::numbers::sqrt2 * noise_re + amplitude;
+  }
+  double noise = 2 * mean * mean / (kRayleighMean * kRayleighMean);
+  if (config_.noise == BackgroundLaw::kK) noise *= static_cast<double>(shared.texture[bin]) / (k_root_ * k_root_);
+  const double of_noise = std::sqrt(noise), of_speckle = std::sqrt(fluctuating);
+  const double x = steady + of_noise * noise_re + of_speckle * speckle_re;
+  const double y = of_noise * static_cast<double>(shared.noise_im[bin]) + of_speckle * speckle_im;
+  return std::sqrt(x * x + y * y);
+}
+
 double SimulatedSonar::received(double amplitude) const {
   double sample = std::max(amplitude - config_.black_level, 0.0);
   if (config_.span_db > 0) {
@@ -171,45 +192,99 @@ double SimulatedSonar::received(double amplitude) const {
   return std::clamp(sample, 0.0, config_.ceiling > 0 ? config_.ceiling : std::numeric_limits<double>::infinity());
 }
 
-void SimulatedSonar::fill(int beam, Random random, Random speckle, const Disturbances& now, float* samples,
+void SimulatedSonar::fill(int beam, Random random, Random speckle, const FanFluctuations::Row* shared,
+                          const Disturbances& now, std::vector<double>& amplitudes, float* samples,
                           EchoLabel* labels) const {
-  const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(config_.bins);
-  const double bin = config_.range_m / config_.bins;
-  const double level = config_.noise_level * noise_by_beam_[static_cast<std::size_t>(beam)];
-  for (int k = 0; k < config_.bins; ++k) {
-    const std::size_t at = start + static_cast<std::size_t>(k);
-    const double mean = level * noise_by_bin_[static_cast<std::size_t>(k)];
-    const double gain = gain_[static_cast<std::size_t>(k)], gain2 = gain * gain;
-    const double negligible = 1e-4 * mean * mean;  // power, counts^2
-    const double diffuse = reverberation_[static_cast<std::size_t>(k)];
-    double rough = gain2 * static_cast<double>(image_.rough[at]) + diffuse;
-    double steady2 = gain2 * static_cast<double>(image_.steady[at]);
-    double fluctuating = 0;
-    // Still speckle: a number a bin, used or not, so that the same bin of the next turn finds the same one.
-    if (config_.still && config_.speckle) rough *= -std::log(positive_uniform(speckle));
-    (config_.speckle && !config_.still ? fluctuating : steady2) += rough;
-    double steady = steady2 > negligible ? std::sqrt(steady2) : 0;
-    const double spread = config_.noise == BackgroundLaw::kGaussian ? config_.noise_sigma
-                          : config_.noise == BackgroundLaw::kNone   ? 0
-                                                                    : kRayleighSpread * mean;
-    double strongest2 = gain2 * static_cast<double>(image_.strongest[at]);
-    const double least = std::max(spread, audible_);
-    labels[k] = strongest2 > std::max(least * least, diffuse) ? image_.labels[at] : EchoLabel();
-    const auto disturb = [&](double amplitude, EchoPath path) {
-      steady += amplitude;
-      if (amplitude * amplitude <= std::max(strongest2, spread * spread)) return;
-      labels[k] = EchoLabel(kNothing, path);
-      strongest2 = amplitude * amplitude;
-    };
-    if (beam == now.spurious_beam && k == now.spurious_bin) disturb(config_.spurious_level, EchoPath::kSpurious);
-    if (beam == now.streak || k == now.ring || now.burst) {
-      disturb(config_.disturbance_level * (0.5 + random.uniform()), EchoPath::kDisturbance);
-    }
-    const double r = (k + 0.5) * bin;
-    if (r < config_.blind_m) disturb(config_.ringing_level * std::exp(-3 * r / config_.blind_m), EchoPath::kRinging);
-    if (fluctuating <= negligible) fluctuating = 0;
-    samples[k] = static_cast<float>(received(sample(random, mean, fluctuating, steady)));
+  const bool envelope = config_.noise == BackgroundLaw::kRayleigh || config_.noise == BackgroundLaw::kK;
+  const bool quiet = !now.burst && beam != now.streak && now.ring < 0 && beam != now.spurious_beam;
+  int done = 0;
+  if (shared && envelope && quiet && !(config_.still && config_.speckle)) {
+    done = fill_fast(beam, *shared, amplitudes, samples, labels);
   }
+  const auto fill_one = [&](int k) { fill_bin(beam, k, random, speckle, shared, now, samples[k], labels[k]); };
+  int k = 0;  // the transmission rings in the first bins
+  for (; k < config_.bins && (k + 0.5) * (config_.range_m / config_.bins) < config_.blind_m; ++k) fill_one(k);
+  for (k = std::max(k, done); k < config_.bins; ++k) fill_one(k);
+}
+
+/// The bins of a fan without disturbances, most of them: as fill_bin would, many at a time. How many it did.
+int SimulatedSonar::fill_fast(int beam, const FanFluctuations::Row& shared, std::vector<double>& amplitudes,
+                              float* samples, EchoLabel* labels) const {
+  const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(config_.bins);
+  FanWaves waves;
+  waves.noise_re = shared.noise_re.data();
+  waves.noise_im = shared.noise_im.data();
+  waves.speckle_re = shared.speckle_re.data();
+  waves.speckle_im = shared.speckle_im.data();
+  waves.texture = config_.noise == BackgroundLaw::kK ? shared.texture.data() : nullptr;
+  waves.rough = image_.rough.data() + start;
+  waves.steady = image_.steady.data() + start;
+  waves.gain = power_gain_.data();
+  waves.diffuse = reverberation_.data();
+  waves.noise = noise_by_bin_.data();
+  waves.level = config_.noise_level * noise_by_beam_[static_cast<std::size_t>(beam)];
+  waves.texture_share = k_root_ * k_root_;
+  waves.mean_square = kRayleighMean * kRayleighMean;
+  waves.speckle = config_.speckle;
+  waves.strongest = image_.strongest.data() + start;
+  waves.labels = image_.labels.data() + start;
+  waves.spread = kRayleighSpread;
+  waves.audible = audible_;
+  amplitudes.resize(static_cast<std::size_t>(config_.bins));
+  const int done = add_waves(waves, config_.bins, amplitudes.data(), labels);
+  const double* amplitude = amplitudes.data();
+  if (config_.span_db > 0 || config_.ceiling > 0) {
+    for (int k = 0; k < done; ++k) samples[k] = static_cast<float>(received(amplitude[k]));
+  } else {
+    const double black = config_.black_level;
+    for (int k = 0; k < done; ++k) samples[k] = static_cast<float>(std::max(amplitude[k] - black, 0.0));
+  }
+  return done;
+}
+
+void SimulatedSonar::fill_bin(int beam, int k, Random& random, Random& speckle, const FanFluctuations::Row* shared,
+                              const Disturbances& now, float& sample_out, EchoLabel& label) const {
+  const std::size_t at =
+      static_cast<std::size_t>(beam) * static_cast<std::size_t>(config_.bins) + static_cast<std::size_t>(k);
+  const double level = config_.noise_level * noise_by_beam_[static_cast<std::size_t>(beam)];
+  const double mean = level * noise_by_bin_[static_cast<std::size_t>(k)];
+  const double gain2 = power_gain_[static_cast<std::size_t>(k)];
+  const double negligible = 1e-4 * mean * mean;  // power, counts^2
+  const double diffuse = reverberation_[static_cast<std::size_t>(k)];
+  double rough = gain2 * static_cast<double>(image_.rough[at]) + diffuse;
+  double steady2 = gain2 * static_cast<double>(image_.steady[at]);
+  double fluctuating = 0;
+  // Still speckle: a number a bin, used or not, so that the same bin of the next turn finds the same one.
+  if (config_.still && config_.speckle) {
+    const auto i = static_cast<std::size_t>(k);
+    rough *= shared ? static_cast<double>(shared->speckle_re[i] * shared->speckle_re[i] +
+                                          shared->speckle_im[i] * shared->speckle_im[i])
+                    : -std::log(positive_uniform(speckle));
+  }
+  (config_.speckle && !config_.still ? fluctuating : steady2) += rough;
+  double steady = steady2 > negligible ? std::sqrt(steady2) : 0;
+  const double spread = config_.noise == BackgroundLaw::kGaussian ? config_.noise_sigma
+                        : config_.noise == BackgroundLaw::kNone   ? 0
+                                                                  : kRayleighSpread * mean;
+  double strongest2 = gain2 * static_cast<double>(image_.strongest[at]);
+  const double least = std::max(spread, audible_);
+  label = strongest2 > std::max(least * least, diffuse) ? image_.labels[at] : EchoLabel();
+  const auto disturb = [&](double amplitude, EchoPath path) {
+    steady += amplitude;
+    if (amplitude * amplitude <= std::max(strongest2, spread * spread)) return;
+    label = EchoLabel(kNothing, path);
+    strongest2 = amplitude * amplitude;
+  };
+  if (beam == now.spurious_beam && k == now.spurious_bin) disturb(config_.spurious_level, EchoPath::kSpurious);
+  if (beam == now.streak || k == now.ring || now.burst) {
+    disturb(config_.disturbance_level * (0.5 + random.uniform()), EchoPath::kDisturbance);
+  }
+  const double r = (k + 0.5) * (config_.range_m / config_.bins);
+  if (r < config_.blind_m) disturb(config_.ringing_level * std::exp(-3 * r / config_.blind_m), EchoPath::kRinging);
+  if (fluctuating <= negligible) fluctuating = 0;
+  const double amplitude = shared ? sample(*shared, static_cast<std::size_t>(k), mean, fluctuating, steady)
+                                  : sample(random, mean, fluctuating, steady);
+  sample_out = static_cast<float>(received(amplitude));
 }
 
 void SimulatedSonar::command(const ScanCommand& command) {
@@ -234,12 +309,16 @@ SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::ui
   samples_.resize(image_.labels.size());
   const Disturbances now = draw(chance);
   const auto direction = static_cast<std::uint64_t>(std::llround(head.wrapped_positive().radians() * 1e6));
+  if (fluctuations_) fluctuations_->advance(number, time, X_WB * X_BS, image_, threads_);
   split_work(image_.beams, threads_, [&](int first, int last) {
+    FanFluctuations::Row shared;
+    std::vector<double> amplitudes;
     for (int b = first; b < last; ++b) {
+      if (fluctuations_) fluctuations_->read(b, shared);
       const std::size_t start = static_cast<std::size_t>(b) * static_cast<std::size_t>(image_.bins);
       const auto stream = static_cast<std::uint64_t>(b) + 1;
-      fill(b, random_at(seed_, number, stream), random_at(~seed_, direction, stream), now, samples_.data() + start,
-           out.truth.labels.data() + start);
+      fill(b, random_at(seed_, number, stream), random_at(~seed_, direction, stream), fluctuations_ ? &shared : nullptr,
+           now, amplitudes, samples_.data() + start, out.truth.labels.data() + start);
     }
   });
 

@@ -9,13 +9,20 @@
 // bits: times 257; floats: not cut off). Last comes what the device does to the amplitude: a black level taken off,
 // compression to decibels (Tritech's heads: full scale over a span of dB above a threshold), a ceiling. Reverberation
 // of a closed basin is the diffuse field that is left of paths nobody follows: Rayleigh, in addition. Ranges are picked
-// before samples saturate. Every random number follows from (seed, ping, beam): the same samples on any number of
+// before samples saturate.
+//
+// Samples of a fan fluctuate together where beams, pulses and pings have water in common (fan_fluctuations.hpp): its
+// pings follow from those before. All other samples are independent of each other, and so are a fan's where
+// `correlated` is off; a ping can then be made without those before it. The law of each sample is the same.
+//
+// Every random number follows from (seed, ping, beam): the same samples on any number of
 // threads, and other settings of one sonar do not disturb another. Sonars of one seed have the same noise: give each
 // its own.
 #pragma once
 
-#include <isobath/base/random.hpp>
 #include <isobath/sim/echo_former.hpp>
+#include <isobath/sim/fan_fluctuations.hpp>
+#include <isobath/sim/random_at.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <isobath/sonar/range_reading.hpp>
 #include <memory>
@@ -24,8 +31,6 @@
 
 namespace isobath {
 
-/// A stream of random numbers of its own for each place in (a, b, c).
-Random random_at(std::uint64_t seed, std::uint64_t a, std::uint64_t b);
 /// Gamma of shape k > 0 and mean 1 (Marsaglia and Tsang 2000).
 double unit_mean_gamma(Random& random, double shape);
 
@@ -58,8 +63,16 @@ class SimulatedSonar {
   };
   [[nodiscard]] Angle head_azimuth(std::uint64_t number) const;
   [[nodiscard]] Disturbances draw(Random random) const;
-  void fill(int beam, Random random, Random speckle, const Disturbances& now, float* samples, EchoLabel* labels) const;
+  /// `shared`: chance that samples have in common; null: `random` and `speckle` alone. `amplitudes`: room to work in.
+  void fill(int beam, Random random, Random speckle, const FanFluctuations::Row* shared, const Disturbances& now,
+            std::vector<double>& amplitudes, float* samples, EchoLabel* labels) const;
+  int fill_fast(int beam, const FanFluctuations::Row& shared, std::vector<double>& amplitudes, float* samples,
+                EchoLabel* labels) const;
+  void fill_bin(int beam, int k, Random& random, Random& speckle, const FanFluctuations::Row* shared,
+                const Disturbances& now, float& sample_out, EchoLabel& label) const;
   [[nodiscard]] double sample(Random& random, double mean, double fluctuating, double steady) const;
+  [[nodiscard]] double sample(const FanFluctuations::Row& shared, std::size_t bin, double mean, double fluctuating,
+                              double steady) const;
   /// Counts of linear amplitude to the sample that the device gives.
   [[nodiscard]] double received(double amplitude) const;
   void pick_ranges(const Ping& ping, Output& out) const;
@@ -73,9 +86,10 @@ class SimulatedSonar {
   double full_scale_;
   double audible_;  ///< amplitude below which the device is silent, counts
   double k_root_ = 1;
-  std::vector<double> gain_, noise_by_bin_, noise_by_beam_, reverberation_;
+  std::vector<double> gain_, power_gain_, noise_by_bin_, noise_by_beam_, reverberation_;
   std::vector<std::shared_ptr<const BeamFan>> fans_;  ///< of a fan: one; of a scanning head: one a step
   EchoImage image_;
+  std::optional<FanFluctuations> fluctuations_;
   std::vector<float> samples_;
   bool restarts_ = false;           ///< with the next ping
   std::uint64_t first_number_ = 0;  ///< of the ping that the head began its sector with

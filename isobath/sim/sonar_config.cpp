@@ -76,6 +76,16 @@ SonarConfig oculus_m1200d_high() {
   return c;
 }
 
+// Blueprint Subsea Oculus M750d data sheet, low frequency: 750 kHz, 130 degrees, 512 beams, 1 degree, 20 degrees; 120 m
+// at most, where the travel time allows 6 pings a second: here 60 m at 10 a second. Levels as the M1200d's.
+SonarConfig oculus_m750d() {
+  SonarConfig c = oculus_m1200d();
+  c.frequency = 750e3;
+  c.width = Angle::degrees(1);
+  c.range_m = 60;
+  return c;
+}
+
 // Horner et al. c. 2009, 2.2 and 3 (S5-03 to S5-08): 450 kHz, 1 degree, 2 inches; 15 degrees across the image plane,
 // which is a top hat (S5-05). The vertical head looks 5 degrees down.
 SonarConfig p450_horizontal() {
@@ -177,6 +187,7 @@ const std::map<std::string, SonarConfig (*)()>& presets() {
       {"none", [] { return SonarConfig{}; }},
       {"micron", micron},
       {"ping360", ping360},
+      {"oculus_m750d", oculus_m750d},
       {"oculus_m1200d", oculus_m1200d},
       {"oculus_m1200d_high", oculus_m1200d_high},
       {"p450_horizontal", p450_horizontal},
@@ -270,6 +281,9 @@ std::vector<Field> fields(SonarConfig& c) {
                   "Factor on the background by azimuth."),
       Field::flag("speckle", &c.speckle, "Whether echoes of rough surfaces fluctuate."),
       Field::flag("still", &c.still, "Speckle is the same whenever the sonar looks the same way: nothing moves."),
+      Field::flag(
+          "correlated", &c.correlated,
+          "Samples of a fan fluctuate together as far as beams overlap and pings hear the same; false: each alone."),
       Field::rows("reverberation", &c.reverberation, 2, {0, 1e6}, "m, counts",
                   "What many bounces in a basin leave: mean amplitude by range, beside the paths that are followed."),
       Field::flag("surface_reverberation", &c.surface_reverberation, "Echoes of the rough sea surface."),

@@ -63,6 +63,7 @@ struct SonarConfig {
   std::vector<double> noise_by_bearing;  ///< rows of azimuth (deg) and factor
   bool speckle = true;
   bool still = false;                 ///< speckle is the same whenever the sonar looks the same way: nothing moves
+  bool correlated = true;             ///< of a fan: neighbouring beams, bins and pings fluctuate together
   std::vector<double> reverberation;  ///< rows of range (m) and mean amplitude (counts): what many bounces leave
   bool surface_reverberation = true, bottom_reverberation = true, volume_reverberation = true;
   bool surface_bounce = true, bottom_bounce = true, body_bounce = false, multiple = false;

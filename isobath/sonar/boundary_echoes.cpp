@@ -3,6 +3,7 @@
 #include <cmath>
 #include <isobath/sonar/beam_cone.hpp>
 #include <isobath/sonar/boundary_echoes.hpp>
+#include <isobath/sonar/hidden_target.hpp>
 #include <limits>
 #include <numbers>
 
@@ -38,12 +39,6 @@ float tilt_of(const WaterColumn& water, Angle azimuth) {
 }
 
 bool known(const WaterColumn& water) { return water.above_bottom_m || water.below_surface_m; }
-
-/// Of a target that is found with p in water where f is the rate of false echoes, in a background louder by `ratio`.
-double p_in(double ratio, double p, double f) {
-  const double snr = std::log(f) / std::log(p) - 1;
-  return std::pow(f, 1 / (1 + snr / (ratio * ratio)));
-}
 
 }  // namespace
 
@@ -208,8 +203,8 @@ void BoundaryEchoes::expect(const RangeWindow& window, std::span<const float> th
     if (learnt && !(loudest > kLouder * open) && !(thresholds.empty() && loudest > 0)) continue;
     if (loudest > static_cast<float>(config_.loudest) * open) continue;  // walls all round, for all that is known
     const double f = decisions.false_alarm;
-    const double p =
-        learnt ? p_in(static_cast<double>(loudest / open), static_cast<double>(decisions.p_detect[k]), f) : 0;
+    const double ratio = static_cast<double>(loudest / open);  // of amplitudes
+    const double p = learnt ? hidden_p_detect(ratio * ratio, static_cast<double>(decisions.p_detect[k]), f) : 0;
     beam_.threshold[k] = loudest;
     beam_.p_detect[k] = p > kLeastTelling * f ? static_cast<float>(p) : 0;
     beam_.dim[k / 64] |= std::uint64_t{1} << (k % 64);

@@ -27,6 +27,7 @@ class EchoDecisions {
     p_detect.assign(bins, 0);
     dim_.clear();
     has_ratios_ = false;
+    weight = most_echo_weight = 1;
   }
 
   [[nodiscard]] int beams() const { return beams_; }
@@ -91,6 +92,8 @@ class EchoDecisions {
 
   std::vector<float> p_detect;  ///< p_D(k) of each bin; above false_alarm where the bin is usable
   double false_alarm = 0.02;    ///< f, the same for all bins
+  float weight = 1;             ///< share of an independent look that the ping is; maps count its evidence so often
+  float most_echo_weight = 1;   ///< its echoes count for no more
 
  private:
   int beams_ = 0;

@@ -11,6 +11,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "eight bins are compared in one little-endian word");
 
+constexpr int kFansListened = 20;
 constexpr int kBeamsLearnt = 16;  // of a multibeam ping: enough, at a fraction of the cost
 constexpr std::uint64_t kTops = 0x8080808080808080u;
 
@@ -104,12 +105,15 @@ std::vector<Field> fields(EchoDetectorConfig& c) {
   std::vector<Field> all = {
       Field::choice<M>("method", &c.method,
                        {{"auto", M::kAutomatic},
+                        {"learnt", M::kLearnt},
+                        {"cells", M::kCells},
                         {"model", M::kModel},
                         {"global", M::kGlobal},
                         {"ca_cfar", M::kCellAveraging},
                         {"os_cfar", M::kOrderedStatistic},
                         {"histogram", M::kHistogram}},
-                       "How echoes are told from noise; auto: by the model if one is given, else learnt."),
+                       "How echoes are told from noise; auto: by the model if one is given, else by cells for fans, "
+                       "learnt for others."),
       Field::real("false_alarm", &c.false_alarm, {1e-6, 0.5}, "1",
                   "Probability that a bin without target reports an echo; a sensor model brings its own."),
       Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1",
@@ -117,10 +121,11 @@ std::vector<Field> fields(EchoDetectorConfig& c) {
       Field::real("blind_m", &c.blind_m, {0, 100}, "m", "Nearer bins are never used: the transmitter still rings."),
       Field::real("global_threshold", &c.global_threshold, {0, 1}, "1",
                   "Threshold of method global, share of full scale."),
-      Field::real("skirt_share", &c.skirt_share, {0, 1}, "1",
-                  "Method auto only: a hit below this share of a stronger echo just behind it is its skirt; 0: keep."),
+      Field::real(
+          "skirt_share", &c.skirt_share, {0, 1}, "1",
+          "Method learnt only: a hit below this share of a stronger echo just behind it is its skirt; 0: keep."),
       Field::real("skirt_m", &c.skirt_m, {0, 10}, "m", "How far behind a hit that stronger echo may stand.")};
-  for (auto&& list : {fields(c.noise), fields(c.cfar), fields(c.boundary)})
+  for (auto&& list : {fields(c.noise), fields(c.cfar), fields(c.boundary), fields(c.fan)})
     all.insert(all.end(), list.begin(), list.end());
   return all;
 }
@@ -139,8 +144,15 @@ const char* to_text(DetectorState state) {
 }
 
 EchoDetector::EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model,
-                           std::shared_ptr<const LikelihoodRatios> ratios)
-    : config_(config), model_(std::move(model)), ratios_(std::move(ratios)), boundary_(config.boundary) {
+                           std::shared_ptr<const LikelihoodRatios> ratios, std::shared_ptr<const FanModel> fan_model)
+    : config_(config),
+      model_(std::move(model)),
+      ratios_(std::move(ratios)),
+      boundary_(config.boundary),
+      unchecked_fan_(std::move(fan_model)) {
+  config_.fan.blind_m = config_.blind_m;
+  fan_detector_ = FanDetector(config_.fan);
+  if (unchecked_fan_) fan_detector_.start_from(unchecked_fan_);
   if (ratios_ && config_.method == DetectionMethod::kAutomatic) config_.method = DetectionMethod::kHistogram;
   if (model_ && config_.method == DetectionMethod::kAutomatic) config_.method = DetectionMethod::kModel;
   if (config_.method == DetectionMethod::kModel) {
@@ -158,7 +170,20 @@ double EchoDetector::false_alarm() const {
   return config_.method == DetectionMethod::kModel ? model_->false_alarm : config_.false_alarm;
 }
 
+DetectionMethod EchoDetector::method_for(const Ping& ping) const {
+  const bool fan = ping.fan->beams() >= FanDetector::kLeastBeams;
+  const bool open = config_.method == DetectionMethod::kAutomatic || config_.method == DetectionMethod::kCells;
+  return !open ? config_.method : fan ? DetectionMethod::kCells : DetectionMethod::kLearnt;
+}
+
 void EchoDetector::detect(const Ping& ping, EchoDecisions& out, const WaterColumn& water) {
+  by_cells_ = method_for(ping) == DetectionMethod::kCells;
+  if (by_cells_) {
+    if (unchecked_fan_) require_same_sonar(*unchecked_fan_, ping);
+    unchecked_fan_.reset();
+    state_ = DetectorState::kReady;
+    return fan_detector_.detect(ping, water, out, looks_);
+  }
   decide(ping, out);
   boundary_.learn(ping, water, first_bin_, out.false_alarm);
   if (state_ == DetectorState::kReady) boundary_.sort_out(ping, water, thresholds_, out);
@@ -166,7 +191,14 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out, const WaterColum
 }
 
 bool EchoDetector::listen(const Ping& ping) {
-  if (config_.method != DetectionMethod::kAutomatic) return true;
+  const DetectionMethod method = method_for(ping);
+  if (method == DetectionMethod::kCells) {
+    if (unchecked_fan_) return true;  // it knows the thresholds
+    EchoDecisions unused;
+    fan_detector_.detect(ping, {}, unused, looks_);
+    return ++listened_fans_ >= kFansListened;
+  }
+  if (method != DetectionMethod::kLearnt) return true;
   prepare_for(ping);
   listened_ = true;
   for (int beam = 0; beam < ping.intensity.beams(); ++beam) {
@@ -179,7 +211,7 @@ bool EchoDetector::listen(const Ping& ping) {
 }
 
 void EchoDetector::heard_all() {
-  if (config_.method != DetectionMethod::kAutomatic || tracker_.profiles() < kBeamsLearnt) return;
+  if (tracker_.profiles() < kBeamsLearnt) return;
   tracker_.update(true);
   take_thresholds();
 }
@@ -220,7 +252,8 @@ void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
   const Intensities& z = ping.intensity;
   const bool by_pixel = config_.method == DetectionMethod::kHistogram;
   prepare_for(ping);
-  if (config_.method == DetectionMethod::kAutomatic) learn(ping);
+  const DetectionMethod method = method_for(ping);
+  if (method == DetectionMethod::kLearnt) learn(ping);
   out.reset(z.beams(), z.bins());
   describe(out);
   if (state_ != DetectorState::kReady) return;
@@ -230,7 +263,7 @@ void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
   if (by_pixel) return decide_by_ratios(ping, out);
   decide_by_thresholds(ping, out);
   if (config_.method == DetectionMethod::kModel) raise_noisy_beams(ping, model_->beam_gains, out);
-  if (config_.method != DetectionMethod::kAutomatic) return;
+  if (method != DetectionMethod::kLearnt) return;
   if (listened_ && gains_.empty()) weigh_beams(ping);
   raise_noisy_beams(ping, gains_, out);
   if (config_.skirt_share > 0) drop_skirts(ping, out);
@@ -253,6 +286,8 @@ void EchoDetector::prepare(const Ping& ping) {
   state_ = DetectorState::kReady;
   switch (config_.method) {
     case DetectionMethod::kAutomatic:
+    case DetectionMethod::kCells:  // of too few beams
+    case DetectionMethod::kLearnt:
       tracker_ =
           NoiseTracker(EchoLevels(type_, full_scale_), window_.bins, first_bin_, config_.false_alarm, config_.noise);
       state_ = DetectorState::kWarmingUp;

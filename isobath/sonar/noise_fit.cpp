@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/base/error.hpp>
+#include <isobath/base/log_gamma.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/sonar/noise_fit.hpp>
 #include <isobath/sonar/roc.hpp>
@@ -83,7 +84,7 @@ double k_cumulative(double x, double shape, double scale) {
   // Nearer to 0 the Bessel function overflows; there the share is below 1e-5 (shape >= 1) or 1e-20 (shape >= 0.1).
   if (!(u > (shape >= 1 ? 1e-3 : 1e-100))) return 0;
   if (u > 600) return 1;
-  const double log_factor = std::log(2.0) - std::lgamma(shape) + shape * std::log(u / 2);
+  const double log_factor = std::log(2.0) - log_gamma(shape) + shape * std::log(u / 2);
   return std::clamp(1 - std::exp(log_factor + std::log(std::cyl_bessel_k(shape, u))), 0.0, 1.0);
 }
 

@@ -1,15 +1,15 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <initializer_list>
+#include <isobath/base/error.hpp>
 #include <isobath/sonar/sensor_model.hpp>
+#include <isobath/sonar/strict_json.hpp>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
 namespace isobath {
 namespace {
 
-using Json = nlohmann::ordered_json;
 constexpr int kVersion = 1;
 constexpr const char* kFormat = "isobath-sensor-model";
 constexpr int kMaxBins = 1 << 20;
@@ -19,64 +19,11 @@ void require(bool good, const std::string& file, const std::string& key, const s
   if (!good) throw Error(problem, {file, {}, {}, {}, key}, allowed, "calibrate again");
 }
 
-/// Strict access: every key that is there was asked for, and the other way round.
-class Reader {
- public:
-  Reader(const Json& object, std::string file, std::string path, std::initializer_list<const char*> keys)
-      : object_(object), file_(std::move(file)), path_(std::move(path)) {
-    if (!object.is_object()) fail({}, "not an object", "{...}");
-    for (const auto& item : object.items()) {
-      bool known = false;
-      for (const char* key : keys) known = known || item.key() == key;
-      if (!known) fail(item.key(), "unknown key", {});
-    }
-    for (const char* key : keys) {
-      if (!object.contains(key)) fail(key, "missing key", {});
-    }
-  }
-  [[nodiscard]] double number(const char* key) const {
-    if (!object_[key].is_number()) fail(key, "wrong type", "a number");
-    return object_[key].get<double>();
-  }
-  [[nodiscard]] int integer(const char* key, int low, int high) const {
-    const double value = number(key);
-    if (!(value >= low && value <= high) || value != std::floor(value)) {
-      fail(key, "out of range", std::to_string(low) + " .. " + std::to_string(high) + ", whole");
-    }
-    return static_cast<int>(value);
-  }
-  [[nodiscard]] std::string text(const char* key) const {
-    if (!object_[key].is_string()) fail(key, "wrong type", "a text");
-    return object_[key].get<std::string>();
-  }
-  [[nodiscard]] bool flag(const char* key) const {
-    if (!object_[key].is_boolean()) fail(key, "wrong type", "true or false");
-    return object_[key].get<bool>();
-  }
-  [[noreturn]] void fail(const std::string& key, const std::string& problem, const std::string& allowed) const {
-    throw Error(problem, {file_, {}, {}, {}, path_ + key}, allowed, "a sensor model is written by `isobath calibrate`");
-  }
-
- private:
-  const Json& object_;
-  std::string file_;
-  std::string path_;
-};
-
-Json parse(std::string_view text, const std::string& file) {
-  try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& e) {
-    throw Error("no JSON", {file, e.byte, {}, {}, {}}, {}, "a sensor model is written by `isobath calibrate`");
-  } catch (const Json::exception&) {  // a number that no double holds
-    throw Error("no JSON: a number out of range", {file, {}, {}, {}, {}}, {},
-                "a sensor model is written by `isobath calibrate`");
-  }
-}
+constexpr const char* kAdvice = "a sensor model is written by `isobath calibrate`";
 
 SensorModel::Bin read_bin(const Json& json, const std::string& file, std::size_t index) {
-  const Reader r(json, file, "bins[" + std::to_string(index) + "].",
-                 {"threshold", "p_detect", "noise_mean", "noise_deviation", "blind"});
+  const JsonObject r(json, file, "bins[" + std::to_string(index) + "].", kAdvice,
+                     {"threshold", "p_detect", "noise_mean", "noise_deviation", "blind"});
   return {r.number("threshold"), r.number("p_detect"), r.number("noise_mean"), r.number("noise_deviation"),
           r.flag("blind")};
 }
@@ -162,12 +109,12 @@ std::string write_sensor_model(const SensorModel& model) {
 }
 
 SensorModel read_sensor_model(std::string_view text, const std::string& file) {
-  const Json json = parse(text, file);
-  const Reader top(json, file, "",
-                   {"format", "version", "source", "window", "full_scale", "false_alarm", "beam_gains", "bins"});
+  const Json json = parse_json(text, file, kAdvice);
+  const JsonObject top(json, file, "", kAdvice,
+                       {"format", "version", "source", "window", "full_scale", "false_alarm", "beam_gains", "bins"});
   if (top.text("format") != kFormat) top.fail("format", "not a sensor model", kFormat);
   if (top.number("version") != kVersion) top.fail("version", "unknown version", std::to_string(kVersion));
-  const Reader window(json["window"], file, "window.", {"start_m", "bin_m", "bins"});
+  const JsonObject window(json["window"], file, "window.", kAdvice, {"start_m", "bin_m", "bins"});
   SensorModel model;
   model.source = top.text("source");
   model.window = {window.number("start_m"), window.number("bin_m"), window.integer("bins", 1, kMaxBins)};

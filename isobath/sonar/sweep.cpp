@@ -12,7 +12,7 @@ constexpr double kStill = 1e-6;  // rad: steps below it are the same bearing
 }  // namespace
 
 std::optional<Scan> SweepFinder::add(const Ping& ping) {
-  if (ping.fan->beams() > 1) return Scan{1, ping.time, ping.time, false, true};
+  if (ping.fan->beams() > 1) return add_fan(ping);
   begun_ ? advance(ping) : begin_at(ping);
   last_azimuth_ = ping.fan->azimuth[0];
   ++pings_;
@@ -23,6 +23,17 @@ std::optional<Scan> SweepFinder::add(const Ping& ping) {
   if (std::abs(position_ - start_) > kTurn - 1.5 * typical_step()) return end_turn(ping);
   if ((extreme_ - position_) * direction_ >= 1.5 * typical_step()) return end_reversed(ping);
   return std::nullopt;
+}
+
+/// A tenth of the time is left for pings that do not come quite evenly.
+std::optional<Scan> SweepFinder::add_fan(const Ping& ping) {
+  if (pings_++ == 0) begin_ = ping.time;
+  const bool backwards = fan_ended_ && ping.time < *fan_ended_;
+  if (fan_ended_ && !backwards && ping.time - *fan_ended_ < fan_scan_ * 9 / 10) return std::nullopt;
+  const Scan scan{pings_, begin_, ping.time, false, true};
+  fan_ended_ = ping.time;
+  pings_ = 0;
+  return scan;
 }
 
 void SweepFinder::begin_at(const Ping& ping) {

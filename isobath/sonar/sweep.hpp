@@ -1,9 +1,11 @@
 // SweepFinder: where one scan of the surroundings ends and the next begins (ledger S6-01).
 //
-// A multibeam ping is a scan of its own. A scanning head (fans of one beam) ends a scan when it has turned through 360
-// degrees, or when it turns back (sector sweeps), or flies back. A bearing that repeats at the end of a sweep begins
-// the next one: 31 pings from -45 to +45 degrees at 3 degrees, both ends included, whatever the direction. Where the
-// log marks its sweeps (Ping::sweep), the marks are believed.
+// A fan of beams looks everywhere with each ping: its scans end with the first ping that comes `fan_scan_s` or more
+// after the end of the scan before, so that what is asked of several scans is asked of a time, not of a ping rate. A
+// scanning head (fans of one beam) ends a scan when it has turned through 360 degrees, or when it turns back (sector
+// sweeps), or flies back. A bearing that repeats at the end of a sweep begins the next one: 31 pings from -45 to +45
+// degrees at 3 degrees, both ends included, whatever the direction. Where the log marks its sweeps (Ping::sweep), the
+// marks are believed.
 //
 // A full turn, a multibeam ping and a marked end are known with their last ping; a reversal is known when the head has
 // gone back by 1.5 steps, so up to two pings late. Skipped bearings and jitter below that do not disturb; steps of 180
@@ -26,12 +28,15 @@ struct Scan {
 
 class SweepFinder {
  public:
+  explicit SweepFinder(double fan_scan_s = 0) : fan_scan_(seconds(fan_scan_s)) {}
+
   /// The scan that this ping ends or shows to have ended, if it does.
   std::optional<Scan> add(const Ping& ping);
   /// Pings since the end of the last scan.
   [[nodiscard]] int pings() const { return pings_; }
 
  private:
+  std::optional<Scan> add_fan(const Ping& ping);
   void begin_at(const Ping& ping);
   void advance(const Ping& ping);
   void follow_extreme(const Ping& ping);
@@ -40,6 +45,8 @@ class SweepFinder {
   Scan end_turn(const Ping& ping);
   Scan end_reversed(const Ping& ping);
 
+  Duration fan_scan_;
+  std::optional<Time> fan_ended_;  ///< of the last scan of a fan
   bool begun_ = false;
   int pings_ = 0;
   Time begin_;

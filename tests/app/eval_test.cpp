@@ -55,6 +55,16 @@ TEST_F(Eval, RunsOneOfManyAlone) {
   EXPECT_EQ(json["first_seed"], 34);
 }
 
+TEST_F(Eval, RunsOneVariantAlone) {
+  const std::string sonars = "[[sonar]]\npreset = \"micron\"\nrange_m = 40\n[[sonar]]\nname = \"off\"\non = false\n";
+  const auto json = nlohmann::json::parse(eval(sonars, {"--json", "--alone", "--runs", "2", "--variant", "off"}).out);
+  EXPECT_EQ(json["runs"], 2);
+  EXPECT_EQ(json["variants"].size(), 1u);
+  EXPECT_EQ(json["variants"]["off"]["runs"], 2);
+  EXPECT_THAT(json["worst"][0]["again"].get<std::string>(), HasSubstr("--variant off"));
+  EXPECT_THAT(eval(sonars, {"--variant", "on"}), ends_with_one_line(HasSubstr("one of micron, off")));
+}
+
 // The run of a seed sails one row of the fault table: this is that of the leak.
 // ledger: S6-39
 TEST_F(Eval, OfFaultsSaysWhatEachRowShowed) {

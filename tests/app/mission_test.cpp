@@ -57,7 +57,7 @@ TEST(Mission, TheSummaryNamesEachReplanWithItsReason) {
 
 // A recorded run, heard again by the same crew, decides the same, bit for bit, on any number of threads.
 // ledger: S6-57 S6-D09
-TEST(Mission, AReplayReproducesEveryDecision) {
+TEST(MissionReplay, ReproducesEveryDecision) {
   const fs::path folder = scratch_folder(), log = folder / "run.mcap";
   const fs::path file = scenario("field_mission_2");
   ASSERT_EQ(isobath_run(file, folder / "live", {"--record", log}).exit_code, 0);
@@ -81,7 +81,7 @@ TEST(Mission, AReplayReproducesEveryDecision) {
 
 // What the vehicle was led by is in the scenario, and so the same for the replay: its chart, its operator.
 // ledger: S6-32 S6-40 S6-57
-TEST(Mission, AReplayGoesByTheChartAndHearsTheOperator) {
+TEST(MissionReplay, GoesByTheChartAndHearsTheOperator) {
   const fs::path folder = scratch_folder();
   for (const char* name : {"charted_shoals", "operator_on_the_link"}) {
     const fs::path file = scenario(name), log = folder / (std::string(name) + ".mcap");

@@ -91,8 +91,17 @@ TEST(Outputs, WithoutJsonAFewLinesForAPerson) {
       isobath::test::isobath({"run", write(folder / "wall.csv", wall_csv(150)), "--out", folder / "out"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
-  EXPECT_THAT(result.out, testing::StartsWith("150 pings in 14.9 s of log, 3 scans"));
+  EXPECT_THAT(result.out, testing::ContainsRegex("^[0-9]+ obstacles at the end of 3 scans\n")) << "the outcome first";
+  EXPECT_THAT(result.out, HasSubstr("heard 150 pings within"));
   EXPECT_THAT(result.out, HasSubstr("report.html"));
+  EXPECT_THAT(result.out, testing::Not(HasSubstr("of work"))) << "times only where they are asked for";
+  const auto listed = [&](const std::string& text) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find("  bearing"); at != std::string::npos; at = text.find("  bearing", at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(listed(result.out), 10u);
+  EXPECT_THAT(result.out, testing::ContainsRegex("and [0-9]+ more in obstacles.json"));
 }
 
 // ledger: S6-28 S6-29

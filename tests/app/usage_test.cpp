@@ -1,4 +1,5 @@
 // What the program says about itself: help, version, and a configuration that explains every key.
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
@@ -27,7 +28,33 @@ TEST(Usage, HelpAndVersion) {
   }
   const auto version = test::isobath({"--version"});
   EXPECT_EQ(version.exit_code, 0);
-  EXPECT_THAT(version.out, testing::MatchesRegex("isobath [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_THAT(version.out,
+              testing::MatchesRegex("isobath [0-9]+\\.[0-9]+\\.[0-9]+ \\(.*commit.*, .* [0-9]+\\..*\\)\n"));
+}
+
+TEST(Usage, HelpIsACommandToo) {
+  EXPECT_EQ(test::isobath({"help", "run"}).out, test::isobath({"run", "--help"}).out);
+  EXPECT_EQ(test::isobath({"help"}).out, test::isobath({"--help"}).out);
+  EXPECT_EQ(test::isobath({"help", "fly"}).exit_code, 2);
+}
+
+TEST(Usage, AMistypedCommandNamesTheNearest) {
+  const auto result = test::isobath({"sevre"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("no command is called 'sevre'; did you mean serve?"));
+  EXPECT_THAT(test::isobath({"run", "--no-such-option"}).err, testing::Not(HasSubstr("did you mean")));
+}
+
+TEST(Usage, WithJsonAnErrorIsAnObjectToo) {
+  const auto folder = test::scratch_folder();
+  const auto file = write(folder / "bad.toml", "[echoes]\nfalse_alarn = 0.1\n");
+  const auto result = test::isobath({"run", "--json", "--config", file, "--out", folder / "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("did you mean false_alarm?"));
+  const auto error = nlohmann::json::parse(result.out)["error"];
+  EXPECT_THAT(error["problem"].get<std::string>(), HasSubstr("false_alarm"));
+  EXPECT_EQ(error["key"], "echoes.false_alarn");
+  EXPECT_EQ(error["line"], 2);
 }
 
 TEST(Usage, ConfigurationThatIsPrintedIsAValidConfiguration) {

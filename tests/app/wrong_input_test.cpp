@@ -9,7 +9,7 @@ namespace isobath {
 namespace {
 namespace fs = std::filesystem;
 using namespace test;
-using testing::AllOf, testing::HasSubstr, testing::IsEmpty;
+using testing::AllOf, testing::HasSubstr;
 
 class WrongInput : public testing::Test {
  protected:
@@ -18,11 +18,12 @@ class WrongInput : public testing::Test {
   ProgramResult run(const fs::path& input, const std::vector<std::string>& more = {}) {
     return isobath_run(input, out(), more);
   }
-  /// Nothing could be used: one line, nothing on standard output, and no folder of results.
+  /// Nothing could be used: one line, the same as an object on standard output, and no folder of results.
   void refuses(const fs::path& input, const std::string& words) {
     const ProgramResult result = run(input);
     EXPECT_THAT(result, ends_with_one_line(AllOf(HasSubstr(input.string()), HasSubstr(words))));
-    EXPECT_THAT(result.out, IsEmpty());
+    EXPECT_EQ("isobath: " + nlohmann::json::parse(result.out)["error"]["problem"].get<std::string>() + "\n",
+              result.err);
     EXPECT_FALSE(fs::exists(out())) << "no results of nothing";
   }
   /// Something is wrong, but not with all of it: one line, and the results of the rest.

@@ -5,11 +5,14 @@
 #include <fstream>
 #include <functional>
 #include <gmock/gmock.h>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <tests/support/data.hpp>
+#include <utility>
+#include <vector>
 
 namespace isobath {
 namespace {
@@ -214,6 +217,93 @@ TEST(Floors, ARunIsAFunctionOfItsInput) {
     const bool real = file.room == "runtime" || file.room == "server";  // they measure, and show in real time
     const std::string clock = real ? "(system|high_resolution)" : "\\w+";
     return random + first_match(file.text, "\\b" + clock + "_clock::now\\b|\\bgettimeofday\\b|\\bgetenv\\b");
+  });
+  EXPECT_THAT(found, testing::IsEmpty());
+}
+
+/// Names of the standard library -> the headers that bring them. Those stand here that a precompiled header could hide.
+const std::map<std::string, Names>& standard_names() {
+  static const std::map<std::string, Names> table = [] {
+    const std::vector<std::pair<std::string, std::string>> lines = {
+        {"vector", "vector"},
+        {"string to_string stoi", "string"},
+        {"string_view", "string_view string"},
+        {"optional nullopt", "optional"},
+        {"function reference_wrapper hash", "functional"},
+        {"map multimap", "map"},
+        {"set multiset", "set"},
+        {"unordered_map", "unordered_map"},
+        {"unordered_set", "unordered_set"},
+        {"deque", "deque"},
+        {"queue priority_queue", "queue"},
+        {"array", "array span"},
+        {"span", "span"},
+        {"variant visit get_if holds_alternative monostate", "variant"},
+        {"unique_ptr shared_ptr weak_ptr make_unique make_shared", "memory"},
+        {"mutex lock_guard unique_lock scoped_lock", "mutex condition_variable"},
+        {"condition_variable", "condition_variable"},
+        {"thread jthread", "thread"},
+        {"atomic", "atomic"},
+        {"chrono", "chrono thread condition_variable"},
+        {"filesystem", "filesystem"},
+        {"ifstream ofstream fstream", "fstream"},
+        {"numeric_limits", "limits"},
+        {"numbers", "numbers"},
+        {"bit_cast popcount bit_width countl_zero countr_zero", "bit"},
+        {"accumulate iota gcd lerp midpoint", "numeric cmath"},
+        {"sqrt sin cos tan atan2 hypot exp log log1p pow fabs floor ceil round lround isfinite isnan fmod", "cmath"},
+        {"sort stable_sort clamp max_element min_element nth_element transform fill copy_if any_of all_of none_of "
+         "find_if lower_bound upper_bound binary_search rotate reverse unique",
+         "algorithm"},
+        {"int8_t uint8_t int16_t uint16_t int32_t uint32_t int64_t uint64_t", "cstdint"},
+        {"exchange", "utility"},
+        {"memcpy memcmp memset strlen", "cstring"},
+        {"from_chars to_chars", "charconv"},
+    };
+    const auto words = [](const std::string& text) {
+      std::istringstream stream(text);
+      return Names(std::istream_iterator<std::string>(stream), {});
+    };
+    std::map<std::string, Names> named;
+    for (const auto& [names, headers] : lines)
+      for (const std::string& name : words(names)) named[name] = words(headers);
+    return named;
+  }();
+  return table;
+}
+
+/// What a source includes, itself and by headers of the project. Headers of other libraries are not looked into.
+const Names& reached(const std::string& path) {
+  static std::map<std::string, Names> known;
+  const auto [entry, fresh] = known.try_emplace(path);
+  if (!fresh) return entry->second;
+  const auto file = std::ranges::find(sources(), path, &SourceFile::path);
+  Names names;
+  if (file != sources().end()) {
+    for (const std::string& include : file->includes) {
+      names.insert(include);
+      if (room_of_include(include).empty()) continue;
+      const Names further = reached(include);
+      names.insert(further.begin(), further.end());
+    }
+  }
+  return known[path] = names;
+}
+
+// The builds use precompiled headers, which bring the standard library to every source; so no compiler says what is
+// missing.
+TEST(Floors, EverySourceIncludesTheStandardHeadersOfWhatItNames) {
+  static const std::regex named(R"(\bstd::(?:ranges::)?(\w+))");
+  const auto found = complaints([](const SourceFile& file) -> std::string {
+    const Names& own = reached(file.path);
+    for (std::sregex_iterator match(file.text.begin(), file.text.end(), named), end; match != end; ++match) {
+      const auto line = standard_names().find((*match)[1].str());
+      if (line == standard_names().end()) continue;
+      const auto brings = [&](const std::string& header) { return own.contains(header); };
+      if (std::ranges::none_of(line->second, brings))
+        return "names std::" + line->first + ", includes no " + *line->second.begin();
+    }
+    return "";
   });
   EXPECT_THAT(found, testing::IsEmpty());
 }

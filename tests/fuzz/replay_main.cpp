@@ -1,4 +1,5 @@
-// Runs a fuzz target over every file of a folder, each also cut short and with a byte changed: the corpus as a test.
+// fuzz_replay <target> <folder>: runs a fuzz target over every file of a folder, each also cut short and with a byte
+// changed. So the corpus is a test.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -8,37 +9,50 @@
 #include <string>
 #include <vector>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+using FuzzTarget = int (*)(const std::uint8_t* data, std::size_t size);
+#define ISOBATH_FUZZ_TARGET(name) extern "C" int isobath_fuzz_##name(const std::uint8_t* data, std::size_t size);
+#include "fuzz_targets.inc"
+#undef ISOBATH_FUZZ_TARGET
 
 namespace {
 
-void run(const std::string& bytes) {
-  // Exactly as long as the input: a sanitizer sees the first byte read beyond it.
-  const std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
-  LLVMFuzzerTestOneInput(copy.data(), copy.size());
+FuzzTarget find_target(const std::string& wanted) {
+#define ISOBATH_FUZZ_TARGET(name) \
+  if (wanted == #name) return isobath_fuzz_##name;
+#include "fuzz_targets.inc"
+#undef ISOBATH_FUZZ_TARGET
+  return nullptr;
 }
 
-void run_with_neighbours(const std::string& bytes) {
-  run(bytes);
+void run(FuzzTarget target, const std::string& bytes) {
+  // Exactly as long as the input: a sanitizer sees the first byte read beyond it.
+  const std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
+  target(copy.data(), copy.size());
+}
+
+void run_with_neighbours(FuzzTarget target, const std::string& bytes) {
+  run(target, bytes);
   const std::size_t step = std::max<std::size_t>(1, bytes.size() / 64);
   for (std::size_t i = 0; i < bytes.size(); i += step) {
-    run(bytes.substr(0, i));
+    run(target, bytes.substr(0, i));
     std::string changed = bytes;
     changed[i] = static_cast<char>(~changed[i]);
-    run(changed);
+    run(target, changed);
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc != 3) return 2;
+  const FuzzTarget target = find_target(argv[1]);
+  if (target == nullptr) return 2;
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(argv[1])) files.push_back(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(argv[2])) files.push_back(entry.path());
   std::ranges::sort(files);
   for (const auto& file : files) {
     std::ifstream stream(file, std::ios::binary);
-    run_with_neighbours({std::istreambuf_iterator<char>(stream), {}});
+    run_with_neighbours(target, {std::istreambuf_iterator<char>(stream), {}});
   }
   std::printf("%zu seeds\n", files.size());
   return files.empty() ? 1 : 0;

@@ -7,6 +7,7 @@
 #include <isobath/map/obstacle_memory.hpp>
 #include <limits>
 #include <set>
+#include <tests/support/sanitized.hpp>
 #include <vector>
 
 namespace isobath {
@@ -102,6 +103,7 @@ void see(ObstacleMemory& memory, const std::vector<Polygon>& outlines_L, const P
 // variance. Whatever rock was seen twice must stay blocked wherever the vehicle then believes to be, until it is seen
 // again; and drift must not multiply rocks. ledger: S6-66 S6-F04
 TEST(ObstacleMemory, LosesNoRockBetweenLanesInSpiteOfDrift) {
+  ISOBATH_NOT_SANITIZED();
   int checked = 0, covered = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Random random(seed);

@@ -155,7 +155,7 @@ TEST_F(NavigatorTest, RefusesAPointWithAnObstacleNearerThanTenMetres) {
 // ledger: S6-51
 TEST_F(NavigatorTest, BelievesAnObstacleAtThePointWhenThreeScansAgreeAndKeepsClearOfANearOneAtOnce) {
   const Polygon rock = square(100, 5, 2);
-  sail_from(0, 0);
+  sail_from(75, 0);
   scan({});
   ask(point(100, 0));
   EXPECT_TRUE(scan({rock}).empty());
@@ -172,6 +172,18 @@ TEST_F(NavigatorTest, BelievesAnObstacleAtThePointWhenThreeScansAgreeAndKeepsCle
   EXPECT_EQ(only<RoutePlanned>(scan({on_the_way})).size(), 1u);
   EXPECT_TRUE(only<RouteRefused>(scan({on_the_way})).empty());
   EXPECT_EQ(only<RouteRefused>(scan({on_the_way})).size(), 1u);
+}
+
+// A vehicle far away goes on and looks again; near the point it decides.
+// ledger: S6-51
+TEST_F(NavigatorTest, PutsAnObstacleAtAPointOffUntilItIsNear) {
+  const Polygon rock = square(100, 5, 2);
+  sail_from(0, 0);
+  scan({});
+  ask(point(100, 0));
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(only<RouteRefused>(scan({rock})).empty()) << i;
+  sail_from(75, 0);
+  EXPECT_EQ(only<RouteRefused>(scan({rock})).size(), 1u) << "30 m, and seen for long enough";
 }
 
 // ledger: S6-65

@@ -6,6 +6,7 @@
 #include <limits>
 #include <tests/perception/mapper_rig.hpp>
 #include <tests/support/count_allocations.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath::test {
 namespace {
@@ -305,6 +306,7 @@ TEST(DepthMapper, readings_that_failed_change_nothing_and_are_counted) {
 
 // ledger: S1-55
 TEST(DepthMapper, rolling_over_a_step_maps_its_edge_within_a_pixel) {
+  ISOBATH_NOT_SANITIZED();
   const auto world = [](double, double east) { return east < 10 ? 22.0 : 17.0; };
   const auto edge_of = [&](bool with_attitude) {
     Rig rig;

@@ -1,5 +1,5 @@
 // Fans into voxels against the same rules written out in double, cell by cell; against enumeration of an arc; and what
-// must hold of any map: no bin is dropped, nothing behind changes, the same bits from every processor.
+// must hold of any map: no bin is dropped, nothing behind changes.
 #include <algorithm>
 #include <cmath>
 #include <gmock/gmock.h>
@@ -9,67 +9,17 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <tests/perception/fan_looks.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
 
 using Eigen::Vector3d;
 using Rule = FanMapperConfig::Rule;
+using namespace test;
 
 constexpr double kTurn = 2 * std::numbers::pi;
-
-double odds(double p) { return std::log(p / (1 - p)); }
-
-struct Look {
-  Ping ping;
-  EchoDecisions decisions;
-};
-
-/// A fan that hears nothing, of beams as wide as they stand apart unless a width is given.
-Look fan(int beams, int bins, double bin_m, double half_deg, double height_deg = 15, double width_deg = 0) {
-  Look look;
-  auto f = std::make_shared<BeamFan>();
-  const double spacing = beams > 1 ? 2 * half_deg / (beams - 1) : 2 * half_deg;
-  for (int b = 0; b < beams; ++b) {
-    f->azimuth.push_back(Angle::degrees(beams > 1 ? -half_deg + spacing * b : 0));
-    f->width.push_back(Angle::degrees(width_deg > 0 ? width_deg : spacing));
-  }
-  f->height = Angle::degrees(height_deg);
-  look.ping.fan = f;
-  look.ping.window = {0, bin_m, bins};
-  look.decisions.reset(beams, bins);
-  look.decisions.p_detect.assign(static_cast<std::size_t>(bins), 0.8f);
-  return look;
-}
-
-Pose pose(double heading, double pitch, double roll, const Vector3d& at = Vector3d::Zero()) {
-  return {Rotation::from_heading_pitch_roll(Angle::degrees(heading), Angle::degrees(pitch), Angle::degrees(roll)), at};
-}
-
-using Key = std::array<int, 3>;
-std::map<Key, int> contents(const VoxelBlocks& blocks) {
-  std::map<Key, int> all;
-  blocks.for_each(0, [&](const VoxelBlocks::Block& b) {
-    for (int i = 0; i < 16; ++i) {
-      for (int j = 0; j < 16; ++j) {
-        for (int k = 0; k < 16; ++k) {
-          const VoxelIndex v = b.corner + VoxelIndex(i, j, k);
-          if (const LogOdds16 e = b.evidence[VoxelBlocks::offset(v)]; e != kUnseen) all[{v.x(), v.y(), v.z()}] = e;
-        }
-      }
-    }
-  });
-  return all;
-}
-
-FanMapperConfig by(Rule rule, int shadow_bins = 0) {
-  FanMapperConfig config;
-  config.rule = rule;
-  config.shadow_bins = shadow_bins;
-  config.answers = 1;
-  config.most_looks = 4;
-  return config;
-}
 
 /// The rule of stamping on an empty map, in double and with real angles. `sure` is false where a rectangle ends so near
 /// to the border of a cell that rounding decides.
@@ -161,6 +111,7 @@ TEST(FanMapper, SaysOfEachVoxelWhatItsCellsSayAtAnyAttitude) {
 
 // ledger: S5-16 S5-60
 TEST(FanMapper, DropsNoBin) {
+  ISOBATH_NOT_SANITIZED();
   for (const double attitude : {0.0, 23.0}) {
     Look look = fan(24, 80, 0.05, 30, 15, 60);
     const Pose X_WB = pose(45 + attitude, attitude, 2 * attitude, {0.1, 0.2, 5});
@@ -180,41 +131,59 @@ TEST(FanMapper, DropsNoBin) {
   }
 }
 
-Look noisy_fan(Random& random) {
-  Look look = fan(64, 100, 0.1, 60);
-  for (int b = 0; b < 64; ++b) {
-    for (int k = 0; k < 100; ++k) {
-      if (random.uniform() < 0.1) look.decisions.set_hit(b, k);
+// Silence by the rule `aspects`, voxel by voxel the law of dependent looks. ledger: S5-14
+TEST(FanMapper, LetsSilenceSaturateByTheLawOfAspects) {
+  const Look look = fan(16, 60, 0.2, 20);
+  VoxelBlocks map;
+  FanMapperConfig config = by(Rule::kAspects);
+  config.most_looks = 1;
+  FanMapper mapper(config, 0.25, odds(0.05));
+  const AspectLaw law{config.aspects};
+  double expected = 0;
+  for (int n = 1; n <= 60; ++n) {
+    mapper.update(look.ping, look.decisions, {}, map);
+    expected += law.silence(0.8f, 0.02) * law.share(expected);
+    for (const auto& [v, e] : contents(map)) {
+      ASSERT_NEAR(to_log_odds(static_cast<LogOdds16>(e)), expected, 0.02) << "after " << n << " pings";
     }
   }
-  for (int k = 0; k < 6; ++k) look.decisions.set_unusable(k);
-  return look;
+  EXPECT_GT(expected, 0.2 * 60 * law.silence(0.8f, 0.02)) << "the sum of as many independent looks is five times it";
 }
 
-// ledger: S5-60
-TEST(FanMapper, GivesTheSameBitsOnAnyThreadsAndProcessor) {
-  const auto mapped = [](int threads) {
-    Random random(5);
-    VoxelBlocks map;
-    FanMapper mapper(by(Rule::kMarginal, 3), 0.25, odds(0.05));
-    for (int n = 0; n < 5; ++n) {
-      const Look look = noisy_fan(random);
-      mapper.update(look.ping, look.decisions, pose(20.0 * n, 3.0 * n, -10, {0.3 * n, 0, 4}), map, threads);
-    }
-    return contents(map);
-  };
-  const auto one = mapped(1);
-  EXPECT_GT(one.size(), 10'000u);
-  EXPECT_EQ(mapped(2), one);
-  EXPECT_EQ(mapped(3), one);
-  const auto targets = fan_kernel_targets();
-  EXPECT_GE(targets.size(), 2u);
-  for (const char* target : targets) {
-    use_fan_kernel_target(target);
-    EXPECT_EQ(mapped(1), one) << target;
+// By the rule `aspects` an arc that is heard again and again from one place is suspected, and no voxel of it is more.
+// ledger: S5-31
+TEST(FanMapper, RaisesAnArcHeardFromOnePlaceToTheLimitOfOneDirection) {
+  Look look = fan(9, 60, 0.2, 20);
+  for (int b = 0; b < 9; ++b) look.decisions.set_hit(b, 50);
+  VoxelBlocks map;
+  FanMapperConfig config = by(Rule::kAspects);
+  FanMapper mapper(config, 0.25, odds(0.05));
+  for (int n = 0; n < 50; ++n) mapper.update(look.ping, look.decisions, {}, map);
+  double most = -100;
+  for (const auto& [v, e] : contents(map)) most = std::max(most, to_log_odds(static_cast<LogOdds16>(e)));
+  EXPECT_NEAR(most, config.aspects.limit, 0.001);
+
+  // From another place, where the line of sight has turned by a right angle, it rises farther.
+  const VoxelIndex at = floor_of(Vector3d(10.1, 0, 0.1) / 0.25);
+  for (int n = 0; n < 8; ++n) {
+    mapper.update(look.ping, look.decisions, pose(90, 0, 0, {10.1, -10.1, 0.1}), map);
+    mapper.update(look.ping, look.decisions, {}, map);
   }
-  use_fan_kernel_target("");
-  EXPECT_THROW(use_fan_kernel_target("abacus"), Error);
+  EXPECT_GT(to_log_odds(map.at(at)), config.aspects.limit + 0.1);
+}
+
+// An echo is what the detector says: with the delivered false-alarm rate a single one raises more. ledger: S6-14
+TEST(FanMapper, WeighsAnEchoByTheFalseAlarmRateThatItIsTold) {
+  const auto raised = [](double false_alarm) {
+    Look look = fan(9, 60, 0.2, 20);
+    look.decisions.false_alarm = false_alarm;
+    look.decisions.set_hit(4, 50);
+    VoxelBlocks map;
+    FanMapper(by(Rule::kAspects), 0.25, odds(0.05)).update(look.ping, look.decisions, {}, map);
+    return to_log_odds(map.at(floor_of(Vector3d(10.1, 0, 0.1) / 0.25)));
+  };
+  EXPECT_GT(raised(0.02), 0);
+  EXPECT_GT(raised(0.0001), raised(0.02));
 }
 
 /// P(occupied) of each of n voxels after one echo from their arc, by all of their 2^n states.

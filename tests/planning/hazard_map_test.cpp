@@ -3,6 +3,7 @@
 #include <isobath/planning/hazard_map.hpp>
 #include <isobath/planning/plan_frame.hpp>
 #include <tests/planning/random_hazards.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -156,6 +157,7 @@ TEST(HazardMap, OnlyWhatIsOnTheTrackAsksForAnotherWay) {
 }
 
 TEST(HazardMap, DistancesOfLegsAreThoseOfDenseSamples) {
+  ISOBATH_NOT_SANITIZED();
   Random random(5);
   constexpr double kStep = 0.002;
   for (int trial = 0; trial < 200; ++trial) {
@@ -180,6 +182,7 @@ TEST(HazardMap, DistancesOfLegsAreThoseOfDenseSamples) {
 
 // ledger: S6-47
 TEST(HazardMap, ConflictsAreThoseOfDenseSamples) {
+  ISOBATH_NOT_SANITIZED();
   Random random(7);
   constexpr double kStep = 0.01;
   int found = 0, clear = 0;

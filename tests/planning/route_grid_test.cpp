@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <isobath/planning/route_grid.hpp>
 #include <tests/planning/random_hazards.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -15,6 +16,7 @@ std::optional<std::size_t> beside(const RouteWindow& w, std::size_t cell, std::s
 // Every step of random maps; hazards smaller than a cell and larger than many, half of them beyond the window's edge.
 // ledger: S6-47 S6-49
 TEST(RouteGrid, AStepIsOpenWhereItKeepsTheClearance) {
+  ISOBATH_NOT_SANITIZED();
   Random random(1);
   std::int64_t open = 0, closed = 0, close_calls = 0;
   for (int trial = 0; trial < 60; ++trial) {

@@ -3,6 +3,7 @@
 #include <isobath/planning/plan_frame.hpp>
 #include <isobath/planning/route_planner.hpp>
 #include <tests/planning/random_hazards.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -68,6 +69,7 @@ TEST(RoutePlanner, RoundAnObstacleAtTheWishedClearance) {
 // dearer; the same request gives the same way.
 // ledger: S6-48 S6-52
 TEST(RoutePlanner, KeepsTheClearanceOnRandomMaps) {
+  ISOBATH_NOT_SANITIZED();
   Random random(1);
   int ways = 0, straight = 0, none = 0;
   for (int trial = 0; trial < 1000; ++trial) {
@@ -212,6 +214,7 @@ double of_centres(const HazardMap& map, const RoutePath& path, bool goal_is_cent
 // Every alignment of a rock to the coarse cells, in steps of half a metre; rocks from a point to 7 m.
 // ledger: S6-44 S6-49 S6-52 S6-E17 S6-E18
 TEST(RoutePlanner, CoarseCellsKeepHalfACellInAllAlignments) {
+  ISOBATH_NOT_SANITIZED();
   RouteConfig careful = RouteConfig::as_printed();
   careful.cut_corners = false;
   RouteConfig dilated = careful;

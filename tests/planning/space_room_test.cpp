@@ -3,6 +3,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/planning/space_room.hpp>
 #include <tests/planning/measured_water.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -166,6 +167,7 @@ struct ManyTiles {
 // Distances across the borders of tiles, by 16 bits and by floats, against all closed voxels one by one; what lies
 // above and below the room's layers is closed, too, and changes none. ledger: S5-36
 TEST(SpaceRoom, MeasuresAcrossTilesAndToTheEndsOfItsLayers) {
+  ISOBATH_NOT_SANITIZED();
   ManyTiles tiles;
   for (const double most : {3.0, 40.0}) {
     tiles.task.most_m = most;

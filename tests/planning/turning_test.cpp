@@ -4,6 +4,7 @@
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/planning/turning.hpp>
 #include <tests/planning/random_hazards.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -154,6 +155,7 @@ TEST(Turning, AVehicleThatHeadsAwayTurnsFirst) {
 // A way that a lean at the start begins as well does not go round a circle first (11 of these 400 did).
 // ledger: S6-52
 TEST(Turning, DoesNotCircleWhereALeanWillDo) {
+  ISOBATH_NOT_SANITIZED();
   Random random(11);
   int ways = 0, circles = 0;
   for (int i = 0; i < 400; ++i) {
@@ -175,6 +177,7 @@ TEST(Turning, DoesNotCircleWhereALeanWillDo) {
 // the way as it stands keeps it wholly.
 // ledger: S6-52
 TEST(Turning, WhatComesOutCanBeDriven) {
+  ISOBATH_NOT_SANITIZED();
   Random random(11);
   int ways = 0, cannot = 0, corners = 0;
   for (int trial = 0; trial < 300; ++trial) {
@@ -207,6 +210,7 @@ TEST(Turning, WhatComesOutCanBeDriven) {
 // Starts amid hazards, a large circle, no heading: what a way for a point cannot do, one of arcs can. Each is driven.
 // ledger: S6-52
 TEST(Turning, WaysOfArcsWhereCornersAreTooSharp) {
+  ISOBATH_NOT_SANITIZED();
   Random random(11);
   int ways = 0, cannot = 0;
   for (int trial = 0; trial < 60; ++trial) {

@@ -5,7 +5,7 @@
 #include <isobath/runtime/closed_loop.hpp>
 #include <isobath/runtime/mission_chart.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
-#include <isobath/runtime/mission_run.hpp>
+#include <isobath/runtime/mission_setup.hpp>
 #include <string>
 #include <tests/support/data.hpp>
 
@@ -31,14 +31,12 @@ struct Sailed {
   }
 };
 
-/// Passes all on to a helm and keeps the scans.
-class ScanLog : public Helm {
+/// Keeps events and scans.
+class ScanLog : public OnboardObserver {
  public:
-  ScanLog(Helm& helm, Sailed& sailed) : helm_(helm), sailed_(sailed) {}
-  void hear(const Event& event) override { helm_.hear(event); }
-  void on_ping(const PosedPing& ping) override { helm_.on_ping(ping); }
+  explicit ScanLog(Sailed& sailed) : sailed_(sailed) {}
+  void on_event(const Event& event) override { sailed_.events.push_back(event); }
   void on_scan(const ScanResult& scan) override {
-    helm_.on_scan(scan);
     const Pose X_WL = level(scan.detection.X_WB);
     auto& seen = sailed_.scans.emplace_back(scan.detection.time, std::vector<SeenObstacle>{}).second;
     for (const Obstacle& o : scan.detection.obstacles) {
@@ -48,22 +46,17 @@ class ScanLog : public Helm {
       }
     }
   }
-  Setpoint steer() override { return helm_.steer(); }
-  MissionReport progress() const override { return helm_.progress(); }
-  const std::vector<Decision>& decisions() const override { return helm_.decisions(); }
-  std::vector<FrameBytes> to_operator() override { return helm_.to_operator(); }
 
  private:
-  Helm& helm_;
   Sailed& sailed_;
 };
 
 inline Sailed sail(const Scenario& scenario, LoopRequest request = {}) {
   Sailed sailed;
   const auto crew = make_mission_helm(setup_of(scenario, request.configuration), request.configuration);
-  ScanLog helm(*crew, sailed);
-  request.record = [&](const Event& event) { sailed.events.push_back(event); };
-  sailed.result = run_closed_loop(scenario, helm, request);
+  ScanLog log(sailed);
+  request.observers.push_back(&log);
+  sailed.result = run_closed_loop(scenario, *crew, request);
   return sailed;
 }
 

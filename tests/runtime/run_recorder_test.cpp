@@ -54,8 +54,10 @@ TEST(RunRecorder, KeepsEventsDecisionsAndWhatTheRunWasMadeOf) {
     for (int i = 0; i < 5; ++i) {
       const double t = i;
       recorder.take(Event(test::fix_at(t, t)));
-      if (i == 2) decisions = {decision_at(t, "plan"), decision_at(t, "replan")};
-      recorder.decided(decisions);
+      if (i == 2) {
+        decisions = {decision_at(t, "plan"), decision_at(t, "replan")};
+        for (const Decision& d : decisions) recorder.heard({100, d.time, d.agent, d});
+      }
       recorder.setpoint(Time(seconds(t)), {Angle::degrees(i < 3 ? 10 : 20), 1, 1});
       recorder.heard({static_cast<std::uint64_t>(i + 1), Time(seconds(t)), "captain", PointReport{}});
     }
@@ -105,7 +107,7 @@ TEST(RunRecorder, DecisionsAreToldApartFromThoseRecorded) {
   std::vector<Decision> decisions{decision_at(1, "plan"), decision_at(2, "replan"), decision_at(3, "finish")};
   {
     RunRecorder recorder(file, {});
-    recorder.decided(decisions);
+    for (const Decision& d : decisions) recorder.heard({1, d.time, d.agent, d});
     recorder.close();
   }
   EXPECT_EQ(compare_with_log(decisions, file)->the_same, 3u);

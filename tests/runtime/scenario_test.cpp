@@ -34,7 +34,7 @@ struct Judged {
 Judged run_scene(Scene scene, const SimulationConfig& simulation, Configuration configuration = {}) {
   SimulatedSource source(std::move(scene), simulation, 1);
   Both sinks(source.simulator());
-  source.tell_truth_to(&sinks.judge);
+  source.tell_truth_to(sinks.judge);
   Pipeline pipeline(configuration, sinks);
   while (auto event = source.next()) pipeline.take(std::move(*event));
   pipeline.finish();

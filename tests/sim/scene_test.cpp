@@ -217,7 +217,7 @@ TEST(Template, ReadsBackAndNamesEverySectionAndList) {
 
 TEST(Presets, LoadPassTheirCheckAndPing) {
   const Tank tank("[bottom]\nkind = \"flat\"\ndepth = 12\n");
-  EXPECT_EQ(sonar_presets().size(), 11u);
+  EXPECT_EQ(sonar_presets().size(), 12u);
   for (const std::string& name : sonar_presets()) {
     const Scene scene = parse_scene("[scene]\n[[sonar]]\npreset = \"" + name + "\"\n", "lake.toml");
     SonarConfig sonar = scene.sonars.at(0);

@@ -127,7 +127,15 @@ TEST(Background, IsIndependentBetweenBinsBeamsAndPings) {
 }
 
 // Jakeman and Pusey 1976: P(> x) = 2 / Gamma(v) (b x / 2)^v K_v(b x), whose mean is sqrt(pi) Gamma(v + 1/2) / (Gamma(v)
-// b).
+// b). Here the mean is 12.
+std::function<double(double)> k_law(double v) {
+  const double b = std::sqrt(std::numbers::pi) * std::tgamma(v + 0.5) / (std::tgamma(v) * 12);
+  return [v, b](double x) {
+    if (x < 1e-9) return 0.0;
+    return 1 - 2 / std::tgamma(v) * std::pow(b * x / 2, v) * std::cyl_bessel_k(v, b * x);
+  };
+}
+
 // ledger: S6-02
 TEST(Background, KNoiseIsKOfTheStatedMeanAndShape) {
   const Tank tank(kEmpty);
@@ -136,14 +144,33 @@ TEST(Background, KNoiseIsKOfTheStatedMeanAndShape) {
     sonar.noise = BackgroundLaw::kK;
     sonar.noise_level = 12;
     sonar.noise_shape = v;
-    const double b = std::sqrt(std::numbers::pi) * std::tgamma(v + 0.5) / (std::tgamma(v) * 12);
-    const auto law = [&](double x) {
-      if (x < 1e-9) return 0.0;
-      return 1 - 2 / std::tgamma(v) * std::pow(b * x / 2, v) * std::cyl_bessel_k(v, b * x);
-    };
+    sonar.correlated = false;
     const Heard h = hear(tank, sonar);
-    EXPECT_LT(distance_of_laws(h.samples, law), kOnceInAThousand) << v;
+    EXPECT_LT(distance_of_laws(h.samples, k_law(v)), kOnceInAThousand) << v;
     EXPECT_NEAR(mean(h.samples) / 12, 1, v < 1 ? 0.02 : 0.01) << v;
+  }
+}
+
+// A ping meets few patches of texture: the law is that of samples far from each other.
+TEST(Background, KNoiseOfACorrelatedFanIsKFromPlaceToPlace) {
+  const Tank tank(kEmpty);
+  for (const double v : {0.6, 2.0}) {
+    SonarConfig sonar = silent_fan(1, 6);
+    sonar.sector = Angle{};
+    sonar.range_m = 60;
+    sonar.noise = BackgroundLaw::kK;
+    sonar.noise_level = 12;
+    sonar.noise_shape = v;
+    SimulatedSonar device(sonar, *tank.world, *tank.water, 3, 1);
+    std::vector<double> all;
+    for (std::uint64_t n = 0; n < 800; ++n) {
+      const double t = 100.0 * static_cast<double>(n);
+      const auto out = device.ping(Time(seconds(t)), {Rotation{}, {t, 0, 10}}, n);
+      const std::vector<double> heard = samples(*out.ping);
+      all.insert(all.end(), heard.begin(), heard.end());
+    }
+    EXPECT_LT(distance_of_laws(all, k_law(v)), kOnceInAThousand) << v;
+    EXPECT_NEAR(mean(all) / 12, 1, 0.04) << v;
   }
 }
 
@@ -498,6 +525,7 @@ TEST(Samples, DoNotDependOnWhatElseWasHeard) {
   SonarConfig sonar = OverBottom::sonar(), other = silent_fan(7, 50);
   sonar.noise = BackgroundLaw::kRayleigh;
   sonar.speckle = true;
+  sonar.correlated = false;
   SimulatedSonar alone(sonar, *over.tank.world, *over.tank.water, 9, 1);
   SimulatedSonar beside(sonar, *over.tank.world, *over.tank.water, 9, 1);
   SimulatedSonar neighbour(other, *over.tank.world, *over.tank.water, 9, 1);
@@ -506,7 +534,7 @@ TEST(Samples, DoNotDependOnWhatElseWasHeard) {
     const auto a = alone.ping(Time{}, over.pose, n), b = beside.ping(Time{}, over.pose, n);
     EXPECT_EQ(samples(*a.ping), samples(*b.ping));
   }
-  // Any ping can be made without those before it.
+  // Where nothing is shared between pings, any of them can be made without those before it.
   SimulatedSonar late(sonar, *over.tank.world, *over.tank.water, 9, 1);
   EXPECT_EQ(samples(*late.ping(Time{}, over.pose, 2).ping), samples(*alone.ping(Time{}, over.pose, 2).ping));
 }

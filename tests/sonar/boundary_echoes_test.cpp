@@ -192,9 +192,10 @@ TEST(BoundaryEchoes, WallsAllRoundAreNoRing) {
 // Without depth and altitude nothing changes.
 // ledger: S6-69
 TEST(BoundaryEchoes, UnknownWaterIsAsBefore) {
-  EchoDetectorConfig off;
+  EchoDetectorConfig on, off;
+  on.method = off.method = DetectionMethod::kLearnt;
   off.boundary.tell_boundaries = false;
-  EchoDetector with({}), without(off);
+  EchoDetector with(on), without(off);
   EchoDecisions a, b;
   Random random(3);
   for (int i = 0; i < 30; ++i) {

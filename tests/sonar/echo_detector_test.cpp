@@ -213,8 +213,9 @@ struct Trial {
   }
 };
 
-EchoDetectorConfig plain_automatic() {
+EchoDetectorConfig plain_learnt() {
   EchoDetectorConfig config;
+  config.method = DetectionMethod::kLearnt;
   config.skirt_share = 0;
   config.noise.contrast = 0;
   return config;
@@ -222,23 +223,23 @@ EchoDetectorConfig plain_automatic() {
 
 // The law is not told: its shape is found. Level falls with range as spreading does.
 // ledger: S6-06 S6-70
-TEST(AutomaticThresholds, KeepTheRateUnderEachLaw) {
+TEST(LearntThresholds, KeepTheRateUnderEachLaw) {
   const std::pair<const char*, test::Background> laws[] = {
       {"Gaussian", test::gaussian(80, 8)}, {"Rayleigh", test::rayleigh(20)}, {"exponential", test::exponential(12)}};
   for (const auto& [name, law] : laws) {
     Random random(21);
-    EchoDetector whole(plain_automatic());
+    EchoDetector whole(plain_learnt());
     const auto at_range = [&, &noise = law](int, int k) { return noise(random) * (1.0 - 0.003 * k); };
     EXPECT_NEAR(Trial{}.rate<std::uint8_t>(whole, at_range), 0.02, 0.006) << name;
-    EchoDetector real(plain_automatic());
+    EchoDetector real(plain_learnt());
     EXPECT_NEAR(Trial{}.rate<float>(real, at_range), 0.02, 0.006) << name;
   }
 }
 
 // ledger: S6-70
-TEST(AutomaticThresholds, FollowTheNoiseFromLakeToSea) {
+TEST(LearntThresholds, FollowTheNoiseFromLakeToSea) {
   Random random(22);
-  EchoDetectorConfig config = plain_automatic();
+  EchoDetectorConfig config = plain_learnt();
   config.noise.memory_profiles = 400;
   EchoDetector detector(config);
   const auto lake = [&, law = test::gaussian(60, 6)](int, int) { return law(random); };
@@ -249,9 +250,9 @@ TEST(AutomaticThresholds, FollowTheNoiseFromLakeToSea) {
   EXPECT_NEAR(after_50_scans.rate<float>(detector, sea), 0.02, 0.006);
 }
 
-TEST(AutomaticThresholds, SeeTargetsThatFillAThirdOfTheBearings) {
+TEST(LearntThresholds, SeeTargetsThatFillAThirdOfTheBearings) {
   Random random(23);
-  EchoDetector detector(plain_automatic());
+  EchoDetector detector(plain_learnt());
   EchoDecisions out;
   const auto noise = test::rayleigh(15);
   const auto fan = test::fan_of(30);
@@ -266,9 +267,9 @@ TEST(AutomaticThresholds, SeeTargetsThatFillAThirdOfTheBearings) {
   for (int b = 0; b < 10; ++b) EXPECT_TRUE(out.hit(b, 100)) << b;
 }
 
-TEST(AutomaticThresholds, SeeAWallThatFillsAllBearingsButIsThin) {
+TEST(LearntThresholds, SeeAWallThatFillsAllBearingsButIsThin) {
   Random random(24);
-  EchoDetector detector(plain_automatic());
+  EchoDetector detector(plain_learnt());
   EchoDecisions out;
   const auto noise = test::rayleigh(15);
   const auto fan = test::fan_of(30);
@@ -280,8 +281,8 @@ TEST(AutomaticThresholds, SeeAWallThatFillsAllBearingsButIsThin) {
   for (int b = 0; b < 30; ++b) EXPECT_TRUE(out.hit(b, 103)) << b;
 }
 
-TEST(AutomaticThresholds, DecideNothingBeforeTheyHaveLearnt) {
-  EchoDetectorConfig config = plain_automatic();
+TEST(LearntThresholds, DecideNothingBeforeTheyHaveLearnt) {
+  EchoDetectorConfig config = plain_learnt();
   config.noise.warmup_profiles = 100;
   EchoDetector detector(config);
   EchoDecisions out;
@@ -316,10 +317,10 @@ double rate_of(const EchoDecisions& out, int from, int upto) {
 }
 
 // A log of two pings, shorter than any warm-up.
-TEST(AutomaticThresholds, DecideTheFirstPingOfALogThatWasListenedTo) {
+TEST(LearntThresholds, DecideTheFirstPingOfALogThatWasListenedTo) {
   Random random(31);
   const Ping first = loud_in_the_middle(random, 1), second = loud_in_the_middle(random, 1);
-  EchoDetectorConfig config = plain_automatic();
+  EchoDetectorConfig config = plain_learnt();
   EchoDetector ahead(config), causal(config);
   EXPECT_FALSE(ahead.listen(first));
   EXPECT_FALSE(ahead.listen(second)) << "96 beams of 100";
@@ -334,10 +335,10 @@ TEST(AutomaticThresholds, DecideTheFirstPingOfALogThatWasListenedTo) {
   EXPECT_EQ(causal.state(), DetectorState::kWarmingUp) << "who does not listen ahead decides nothing";
 }
 
-TEST(AutomaticThresholds, AreNotLearntFromAFewBeams) {
+TEST(LearntThresholds, AreNotLearntFromAFewBeams) {
   Random random(32);
   const auto noise = test::rayleigh(15);
-  EchoDetector detector(plain_automatic());
+  EchoDetector detector(plain_learnt());
   const auto fan = test::fan_of(1);
   EchoDecisions out;
   Ping ping;
@@ -350,9 +351,9 @@ TEST(AutomaticThresholds, AreNotLearntFromAFewBeams) {
   EXPECT_EQ(detector.state(), DetectorState::kWarmingUp);
 }
 
-TEST(AutomaticThresholds, RiseInABeamThatIsLouderThanTheOthers) {
+TEST(LearntThresholds, RiseInABeamThatIsLouderThanTheOthers) {
   Random random(33);
-  EchoDetectorConfig config = plain_automatic();
+  EchoDetectorConfig config = plain_learnt();
   EchoDetector ahead(config), causal(config);
   EchoDecisions with, without;
   const Ping first = loud_in_the_middle(random, 1.3);

@@ -9,6 +9,7 @@ namespace isobath::test {
 
 inline VehicleModel remus() { return load_vehicle(source_folder() / "vehicles" / "remus100.toml"); }
 inline VehicleModel rov() { return load_vehicle(source_folder() / "vehicles" / "hovering_rov.toml"); }
+inline VehicleModel six_thrusters() { return load_vehicle(source_folder() / "vehicles" / "bluerov2.toml"); }
 
 /// Neutral, centres together, no damping, no actuators; M as `of` has it.
 inline VehicleModel frictionless(VehicleModel of) {

@@ -91,6 +91,35 @@ TEST(Plant, HoversInPlaceInACurrent) {
   EXPECT_NEAR(vehicle.state().X_WB.rotation.heading().degrees(), 90, 1);
 }
 
+// Without thrusters for pitch, at the speed at which Munk's moments would tip it over if nothing opposed them.
+TEST(Plant, SixThrustersHoldDepthAndHeadingUnderWay) {
+  for (const double speed : {0.4, 0.8, 1.0}) {
+    DynamicVehicle vehicle(test::six_thrusters(), test::at_speed(speed, 5));
+    const WaterConditions water{1025, {0.1, 0.2, 0}};
+    double deepest = 0, steepest = 0, off = 0;
+    for (int i = 0; i < 900; ++i) {
+      const Angle heading = Angle::degrees(i < 450 ? 0 : 60);
+      vehicle.step({heading, i < 100 ? 5.0 : 7.0, speed, 0}, water, kDt);
+      const VehicleState& s = vehicle.state();
+      steepest = std::max(steepest, std::abs(s.X_WB.rotation.pitch().degrees()));
+      if (i % 450 < 300) continue;
+      deepest = std::max(deepest, std::abs(s.X_WB.translation.z() - 7));
+      off = std::max(off, std::abs((s.X_WB.rotation.heading() - heading).wrapped().degrees()));
+    }
+    EXPECT_LT(deepest, 0.1) << speed;
+    EXPECT_LT(off, 1) << speed;
+    EXPECT_LT(steepest, 15) << speed;
+    EXPECT_NEAR(vehicle.state().v_B.x(), speed, 0.05);
+  }
+}
+
+TEST(Plant, SixThrustersFollowWaypoints) {
+  const auto rover = make_plant(test::six_thrusters(), PlantKind::kDynamic, test::at_speed(0, 3));
+  const Outcome small = run(*rover, kSmallBox, {2, 0.5, 0});
+  EXPECT_EQ(small.reached, 4u);
+  EXPECT_LT(small.worst_offset, 0.2);
+}
+
 // ledger: S7-06
 TEST(Plant, GoesOnWithALostThruster) {
   DynamicVehicle vehicle(test::rov(), test::at_speed(0, 5));

@@ -175,6 +175,8 @@ export interface Obstacle {
   bearing: number | undefined;
   hits: number | undefined;
   behind: boolean;
+  /** Where in the water its echoes come from, as far as that is known. */
+  label: 'standing' | 'bottom' | 'surface' | undefined;
   /** m: how far beyond its outline what is remembered may reach by now. */
   margin: number;
   /** s since the start: when what is remembered was first seen, and last. */
@@ -196,6 +198,7 @@ export function readObstacles(json: unknown): Obstacle[] | null {
       bearing: number(v.bearing_deg),
       hits: number(v.hits),
       behind: flag(v.behind),
+      label: v.label === 'standing' || v.label === 'bottom' || v.label === 'surface' ? v.label : undefined,
       margin: Math.min(1000, Math.max(0, number(v.margin_m) ?? 0)),
       since: number(v.since_s),
       seen: number(v.seen_s),

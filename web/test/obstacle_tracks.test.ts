@@ -66,4 +66,11 @@ describe('what is known of an obstacle', () => {
       'Obstacle: seen by the last scan, not yet remembered, existence 88 %, 19.0 m away, bearing 090°',
     );
   });
+
+  it('says where in the water it is, as far as that is known', () => {
+    const [t] = all({ id: 3, outline: square(15.2, 0) }, { of: 3, outline: square(15.2, 0), label: 'standing' });
+    expect(words(t!, 112, null)).toBe('Obstacle 3: stands in the water, margin 0.0 m');
+    const [other] = all({ outline: square(15.2, 0), existence: 1, label: 'a hat' });
+    expect(words(other!, 112, null)).toBe('Obstacle: seen by the last scan, not yet remembered, existence 100 %');
+  });
 });

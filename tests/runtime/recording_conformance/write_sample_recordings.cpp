@@ -13,35 +13,25 @@
 namespace isobath {
 namespace {
 
-/// Passes all on to a helm and to the recorder.
-class RecordedHelm : public Helm {
+/// Tells the recorder of all that happens, and counts.
+class Recording : public OnboardObserver {
  public:
-  RecordedHelm(Helm& helm, RunRecorder& recorder) : helm_(helm), recorder_(recorder) {
-    helm.show_messages_to([&recorder](const Envelope& envelope) { recorder.heard(envelope); });
-  }
-  void hear(const Event& event) override {
+  explicit Recording(RunRecorder& recorder) : recorder_(recorder) {}
+  void on_event(const Event& event) override {
     recorder_.take(event);
-    helm_.hear(event);
     time_ = time_of(event);
+    fixes += std::holds_alternative<Navigation>(event) ? 1 : 0;
+    pings += std::holds_alternative<Ping>(event) ? 1 : 0;
   }
-  void on_ping(const PosedPing& ping) override {
-    helm_.on_ping(ping);
-    recorder_.on_ping(ping);
-  }
-  void on_scan(const ScanResult& scan) override {
-    helm_.on_scan(scan);
-    recorder_.on_scan(scan);
-  }
-  Setpoint steer() override {
-    const Setpoint setpoint = helm_.steer();
-    recorder_.decided(helm_.decisions());
-    recorder_.setpoint(time_, setpoint);
+  void on_ping(const PosedPing& ping) override { recorder_.on_ping(ping); }
+  void on_scan(const ScanResult& scan) override { recorder_.on_scan(scan); }
+  void on_setpoint(Time time, const Setpoint& setpoint) override {
+    recorder_.setpoint(time, setpoint);
     show();
-    return setpoint;
   }
-  MissionReport progress() const override { return helm_.progress(); }
-  const std::vector<Decision>& decisions() const override { return helm_.decisions(); }
   Time time() const { return time_; }
+
+  int fixes = 0, pings = 0;
 
  private:
   /// One block of voxels that grows, and a line of text.
@@ -57,7 +47,6 @@ class RecordedHelm : public Helm {
     recorder_.sample(time_, items_);
   }
 
-  Helm& helm_;
   RunRecorder& recorder_;
   DisplayItems items_;
   Time time_;
@@ -81,17 +70,15 @@ void write_recordings(const std::filesystem::path& folder) {
   recorder.describe(setup);
   recorder.locate({1.5, 103.8});
   const auto crew = make_mission_helm(setup, request.configuration);
-  RecordedHelm helm(*crew, recorder);
-  std::map<std::string, int> expected;
-  request.record = [&](const Event& event) {
-    if (std::holds_alternative<Navigation>(event)) ++expected["/navigation"];
-    if (std::holds_alternative<Ping>(event)) ++expected["/ping"];
-  };
-  run_closed_loop(scenario, helm, request);
-  say_one_of_each(recorder, helm.time(), std::make_index_sequence<kMessageTypes>());
+  crew->show_messages_to([&recorder](const Envelope& envelope) { recorder.heard(envelope); });
+  Recording recording(recorder);
+  request.observers.push_back(&recording);
+  run_closed_loop(scenario, *crew, request);
+  std::map<std::string, int> expected{{"/navigation", recording.fixes}, {"/ping", recording.pings}};
+  say_one_of_each(recorder, recording.time(), std::make_index_sequence<kMessageTypes>());
   HelmOrder order;
   order.setpoint.depth = std::numeric_limits<double>::quiet_NaN();
-  recorder.heard({2, helm.time(), "pilot", order});
+  recorder.heard({2, recording.time(), "pilot", order});
   recorder.close();
   if (!recorder.problem().empty()) throw std::runtime_error(recorder.problem());
 

@@ -74,6 +74,8 @@ function holds(outline: readonly Point[], [n, e]: Point): boolean {
   return inside;
 }
 
+const kLabels = { standing: 'stands in the water', bottom: 'bottom', surface: 'surface' };
+
 /** "Obstacle 3: known for 12 s, last seen 2.0 s ago, 14.2 m away, bearing 031°, margin 1.2 m". */
 export function words(t: Tracked, now: number, vehicle: Point | null): string {
   const parts: string[] = [];
@@ -85,6 +87,8 @@ export function words(t: Tracked, now: number, vehicle: Point | null): string {
     parts.push('seen by the last scan, not yet remembered');
     if (t.seen[0]?.existence !== undefined) parts.push(`existence ${percent(t.seen[0].existence)}`);
   }
+  const label = t.seen.find((o) => o.label !== undefined)?.label;
+  if (label !== undefined) parts.push(kLabels[label]);
   if (vehicle) {
     const away = distanceTo(t, vehicle);
     parts.push(`${metres(away.metres)} away`, `bearing ${bearing(away.bearing)}`);

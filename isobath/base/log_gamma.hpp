@@ -1,0 +1,14 @@
+// The logarithm of the gamma function.
+#pragma once
+
+#include <math.h>
+
+namespace isobath {
+
+/// ln |Gamma(x)|, on any number of threads at once; std::lgamma writes the sign to a variable that all threads share.
+inline double log_gamma(double x) {
+  int sign = 0;
+  return ::lgamma_r(x, &sign);
+}
+
+}  // namespace isobath

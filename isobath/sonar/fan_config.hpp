@@ -1,0 +1,26 @@
+// Settings of the decisions about a fan (fan_detector.hpp) and of the background that they are made against
+// (fan_background.hpp).
+#pragma once
+
+#include <isobath/base/config.hpp>
+
+namespace isobath {
+
+struct FanBackgroundConfig {
+  Angle window = Angle::degrees(24);
+  double memory_s = 2;
+  double spread = 4;  ///< in power
+};
+std::vector<Field> fields(FanBackgroundConfig& config);
+
+struct FanDetectorConfig {
+  double false_alarm = 1e-4;
+  double p_detect = 0.5;
+  double blind_m = 0.6;  ///< nearer cells are not usable
+  double look_s = 0.5;
+  int range_cells = 200;
+  FanBackgroundConfig background;
+};
+std::vector<Field> fields(FanDetectorConfig& config);
+
+}  // namespace isobath
