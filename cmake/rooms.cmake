@@ -1,5 +1,16 @@
 # One static library a room, named isobath::<room>: every .cpp that stands in its folder, and the rooms below it.
 include(GNUInstallDirs)
+# The law: ISOBATH_LAW has the rooms from the ground up, ISOBATH_LAW_<room> the rooms that it may include.
+file(STRINGS ${PROJECT_SOURCE_DIR}/isobath/rooms.toml ISOBATH_LAW_LINES REGEX "^[a-z]")
+set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/isobath/rooms.toml)
+set(ISOBATH_LAW "")
+foreach(line IN LISTS ISOBATH_LAW_LINES)
+  string(REGEX MATCHALL "[a-z]+" words "${line}")
+  list(POP_FRONT words room)
+  list(APPEND ISOBATH_LAW ${room})
+  set(ISOBATH_LAW_${room} ${words})
+endforeach()
+
 set(ISOBATH_ROOMS "" CACHE INTERNAL "targets of all rooms")
 
 set(ISOBATH_NO_FALSE_ALARM "")
@@ -84,7 +95,7 @@ function(isobath_room_units target name)
   endif()
 endfunction()
 
-# isobath_room(<name> USES <targets that its headers need> PRIVATE <targets that only its sources need>)
+# isobath_room(<name> USES <other libraries that its headers need> PRIVATE <targets that only its sources need>)
 function(isobath_room name)
   cmake_parse_arguments(ARG "" "" "USES;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
@@ -96,7 +107,8 @@ function(isobath_room name)
   target_compile_features(isobath_${name} PUBLIC cxx_std_20)
   target_include_directories(isobath_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_link_libraries(isobath_${name} PUBLIC ${ARG_USES} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:isobath_build>)
+  list(TRANSFORM ISOBATH_LAW_${name} PREPEND isobath_ OUTPUT_VARIABLE rooms)
+  target_link_libraries(isobath_${name} PUBLIC ${rooms} ${ARG_USES} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:isobath_build>)
   install(TARGETS isobath_${name} EXPORT isobath ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/isobath/${name})
   set(ISOBATH_ROOMS ${ISOBATH_ROOMS} isobath_${name} CACHE INTERNAL "targets of all rooms")

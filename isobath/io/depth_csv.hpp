@@ -18,7 +18,8 @@
 
 #include <filesystem>
 #include <isobath/io/bytes.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/event.hpp>
+#include <isobath/io/input_config.hpp>
 #include <istream>
 #include <memory>
 #include <string>

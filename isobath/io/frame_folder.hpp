@@ -18,7 +18,7 @@
 #include <filesystem>
 #include <isobath/io/event.hpp>
 #include <isobath/io/frame_geometry.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/input_config.hpp>
 #include <memory>
 #include <string>
 #include <vector>

@@ -13,8 +13,9 @@
 // another size gives no ping.
 #pragma once
 
+#include <isobath/io/event.hpp>
 #include <isobath/io/gray_image.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/input_config.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <memory>
 #include <optional>

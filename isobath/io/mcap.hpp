@@ -68,6 +68,13 @@ struct McapMessage {
   std::shared_ptr<const void> storage;  ///< of a message that was read: keeps `data` alive
 };
 
+/// What McapIndex has done to answer its questions.
+struct McapChunkCounts {
+  std::uint64_t chunks = 0;
+  std::uint64_t unpacked = 0;        ///< times that a chunk was read and unpacked
+  std::uint64_t unpacked_bytes = 0;  ///< of these
+};
+
 struct McapAttachment {
   std::uint64_t log_time = 0;
   std::uint64_t create_time = 0;

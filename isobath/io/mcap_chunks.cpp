@@ -16,7 +16,8 @@ McapMessage message_at(const Unpacked& chunk, const PlacedMessage& at) {
   return *std::move(message);
 }
 
-ChunkTable::ChunkTable(std::unique_ptr<std::istream> stream, const std::string& name) : input_(std::move(stream)) {
+ChunkTable::ChunkTable(std::unique_ptr<std::istream> stream, const std::string& name, std::uint64_t cache_bytes)
+    : input_(std::move(stream)), cache_bytes_(cache_bytes) {
   report.format = "MCAP";
   if (input_.size() < 8 || !input_.read(0, 8, scratch_) || !looks_like_mcap(scratch_)) {
     throw Error("not MCAP", {name, 0, {}, {}, {}});
@@ -176,7 +177,7 @@ Unpacked ChunkTable::unpacked(std::size_t chunk) {
   std::uint64_t bytes = 0;
   for (auto at = cache_.begin(); at != cache_.end();) {
     bytes += (*at)->size();
-    at = bytes > McapIndex::kCacheBytes && at != cache_.begin() ? cache_.erase(at) : std::next(at);
+    at = bytes > cache_bytes_ && at != cache_.begin() ? cache_.erase(at) : std::next(at);
   }
   return cache_.front();
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <isobath/io/mcap_file.hpp>
-#include <isobath/io/mcap_index.hpp>
 #include <list>
 
 namespace isobath::mcap {
@@ -37,7 +36,8 @@ McapMessage message_at(const Unpacked& chunk, const PlacedMessage& at);
 
 class ChunkTable {
  public:
-  ChunkTable(std::unique_ptr<std::istream> input, const std::string& name);
+  /// Keeps up to `cache_bytes` of the chunks that it unpacked last.
+  ChunkTable(std::unique_ptr<std::istream> input, const std::string& name, std::uint64_t cache_bytes);
 
   bool refresh();
   [[nodiscard]] bool complete() const { return complete_; }
@@ -51,7 +51,7 @@ class ChunkTable {
 
   std::map<std::uint16_t, McapSchema> schemas;
   std::map<std::uint16_t, McapChannel> channels;
-  McapIndex::Counts counts;
+  McapChunkCounts counts;
   SourceReport report;
 
  private:
@@ -68,6 +68,7 @@ class ChunkTable {
   std::optional<std::vector<std::uint64_t>> indexed_times(const IndexedChunk& chunk, std::uint16_t channel);
 
   SeekableInput input_;
+  std::uint64_t cache_bytes_;
   std::vector<IndexedChunk> chunks_;  ///< in the order of the file
   bool complete_ = false;
   std::uint64_t position_ = 8;  ///< where the walk stands

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <isobath/base/error.hpp>
 #include <isobath/io/mcap_chunks.hpp>
+#include <isobath/io/mcap_index.hpp>
 
 namespace isobath {
 
@@ -10,7 +11,7 @@ using mcap::PlacedMessage;
 using mcap::Unpacked;
 
 struct McapIndex::State {
-  State(std::unique_ptr<std::istream> input, const std::string& name) : table(std::move(input), name) {}
+  State(std::unique_ptr<std::istream> input, const std::string& name) : table(std::move(input), name, kCacheBytes) {}
 
   mcap::ChunkTable table;
 

@@ -64,11 +64,7 @@ class McapIndex {
   std::optional<std::uint64_t> time_before(std::uint16_t channel, std::uint64_t time);
   std::optional<std::uint64_t> time_after(std::uint16_t channel, std::uint64_t time);
 
-  struct Counts {
-    std::uint64_t chunks = 0;
-    std::uint64_t unpacked = 0;        ///< times that a chunk was read and unpacked
-    std::uint64_t unpacked_bytes = 0;  ///< of these
-  };
+  using Counts = McapChunkCounts;
   [[nodiscard]] Counts counts() const;
   [[nodiscard]] const SourceReport& report() const;
 

@@ -12,8 +12,8 @@
 
 #include <filesystem>
 #include <isobath/io/event.hpp>
+#include <isobath/io/input_config.hpp>
 #include <isobath/io/mcap.hpp>
-#include <isobath/io/open.hpp>
 #include <isobath/sonar/echo_truth.hpp>
 #include <isobath/vehicle/autopilot.hpp>
 #include <isobath/vehicle/vehicle_state.hpp>

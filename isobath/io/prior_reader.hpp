@@ -3,8 +3,9 @@
 #pragma once
 
 #include <functional>
+#include <isobath/geometry/geodesy.hpp>
 #include <isobath/io/gdal_session.hpp>
-#include <isobath/io/prior.hpp>
+#include <isobath/io/prior_data.hpp>
 #include <memory>
 
 class GDALDataset;

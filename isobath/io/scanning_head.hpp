@@ -4,7 +4,8 @@
 // body (mount_heading) goes into X_BS. Fans are made once a bearing, so that pointer equality says "same direction".
 #pragma once
 
-#include <isobath/io/open.hpp>
+#include <isobath/io/event.hpp>
+#include <isobath/io/input_config.hpp>
 #include <map>
 
 namespace isobath {

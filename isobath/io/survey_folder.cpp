@@ -48,14 +48,14 @@ bool chosen(const std::string& name, const SurveyInput& config) {
 }
 
 /// The files of the format that most of the chosen files have.
-Survey survey_of(const fs::path& folder, const InputConfig& config) {
+Survey survey_of(const fs::path& folder, const InputConfig& config, const LogFiles& logs) {
   Survey survey;
   std::vector<std::pair<std::string, SurveyFile>> known;
   std::map<std::string, int> count;
   for (const fs::path& path : regular_files(folder)) {
     const std::string name = path.filename().string();
-    const std::string format = format_of_file(path, config);
-    const fs::path log = format.empty() ? fs::path() : log_of_water_column(path, config);
+    const std::string format = logs.format_of(path, config);
+    const fs::path log = format.empty() ? fs::path() : logs.log_of_water_column(path, config);
     if (!log.empty() && chosen(log.filename().string(), config.survey)) {
       survey.left_out.push_back({name, "water column, read with its log"});
     } else if (format.empty()) {
@@ -81,11 +81,11 @@ Survey survey_of(const fs::path& folder, const InputConfig& config) {
 }
 
 /// Finds the first time of each file, leaves out those that have none, and sorts.
-void order_by_time(Survey& survey, const InputConfig& config) {
+void order_by_time(Survey& survey, const InputConfig& config, const LogFiles& logs) {
   std::vector<SurveyFile> usable;
   for (SurveyFile& file : survey.files) {
     try {
-      const auto source = open_source(file.path, config);
+      const auto source = logs.open(file.path, config);
       const auto event = source->next();
       file.bytes = source->report().bytes_total;  // of both files, where one stands beside it
       if (event) {
@@ -120,7 +120,8 @@ std::string listed(const std::vector<LeftOut>& files) {
 
 class SurveyFolder final : public Source {
  public:
-  SurveyFolder(Survey survey, const InputConfig& config) : survey_(std::move(survey)), config_(config) {
+  SurveyFolder(Survey survey, const InputConfig& config, const LogFiles& logs)
+      : survey_(std::move(survey)), config_(config), logs_(logs) {
     for (const SurveyFile& file : survey_.files) finished_.bytes_total += file.bytes;
     update_report();
   }
@@ -157,6 +158,7 @@ class SurveyFolder final : public Source {
 
   Survey survey_;
   InputConfig config_;
+  LogFiles logs_;
   std::size_t at_ = 0;  ///< of the next file to open
   std::unique_ptr<Source> source_;
   std::size_t files_read_ = 0;
@@ -173,7 +175,7 @@ bool SurveyFolder::open_next() {
   while (at_ < survey_.files.size()) {
     const SurveyFile& file = survey_.files[at_++];
     try {
-      source_ = open_source(file.path, config_);
+      source_ = logs_.open(file.path, config_);
     } catch (const Error& error) {  // it was there a moment ago
       survey_.left_out.push_back({file.name, error.what()});
       continue;
@@ -283,25 +285,25 @@ Navigation in_plane(const Navigation& fix, const LocalPlane& from, const LocalPl
   return result;
 }
 
-bool looks_like_survey_folder(const fs::path& folder, const InputConfig& config) {
+bool looks_like_survey_folder(const fs::path& folder, const InputConfig& config, const LogFiles& logs) {
   return std::ranges::any_of(regular_files(folder),
-                             [&](const fs::path& file) { return !format_of_file(file, config).empty(); });
+                             [&](const fs::path& file) { return !logs.format_of(file, config).empty(); });
 }
 
-std::unique_ptr<Source> open_survey_folder(const fs::path& folder, const InputConfig& config) {
+std::unique_ptr<Source> open_survey_folder(const fs::path& folder, const InputConfig& config, const LogFiles& logs) {
   InputConfig one = config;
   one.navigation.clear();  // it belongs to the survey, not to each file
-  Survey survey = survey_of(folder, one);
+  Survey survey = survey_of(folder, one, logs);
   if (survey.files.empty()) {
     throw Error("no log is left by input.only and input.without", {folder.string(), {}, {}, {}, {}}, {},
                 "left out: " + listed(survey.left_out));
   }
-  order_by_time(survey, one);
+  order_by_time(survey, one, logs);
   if (survey.files.empty()) {
     throw Error("holds no log that can be read", {folder.string(), {}, {}, {}, {}}, {},
                 "left out: " + listed(survey.left_out));
   }
-  return std::make_unique<SurveyFolder>(std::move(survey), one);
+  return std::make_unique<SurveyFolder>(std::move(survey), one, logs);
 }
 
 }  // namespace isobath

@@ -16,15 +16,25 @@
 #pragma once
 
 #include <filesystem>
-#include <isobath/io/open.hpp>
+#include <isobath/io/event.hpp>
+#include <isobath/io/input_config.hpp>
 #include <memory>
+#include <string>
 #include <string_view>
 
 namespace isobath {
 
+/// How the logs of the folder are told and opened: the functions of open.hpp.
+struct LogFiles {
+  std::string (*format_of)(const std::filesystem::path& file, const InputConfig& config);
+  std::filesystem::path (*log_of_water_column)(const std::filesystem::path& file, const InputConfig& config);
+  std::unique_ptr<Source> (*open)(const std::filesystem::path& file, const InputConfig& config);
+};
+
 /// Whether it holds a log of a known format, chosen or not.
-bool looks_like_survey_folder(const std::filesystem::path& folder, const InputConfig& config);
-std::unique_ptr<Source> open_survey_folder(const std::filesystem::path& folder, const InputConfig& config);
+bool looks_like_survey_folder(const std::filesystem::path& folder, const InputConfig& config, const LogFiles& logs);
+std::unique_ptr<Source> open_survey_folder(const std::filesystem::path& folder, const InputConfig& config,
+                                           const LogFiles& logs);
 
 /// The same fix in another plane. The planes' origins lie within 1000 km of the fix and not at a pole.
 Navigation in_plane(const Navigation& fix, const LocalPlane& from, const LocalPlane& to);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <isobath/io/byte_window.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/event.hpp>
+#include <isobath/io/input_config.hpp>
+#include <memory>
 
 namespace isobath {
 

@@ -24,7 +24,7 @@
 #include <cstdlib>
 #include <Eigen/Core>
 #include <functional>
-#include <limits>
+#include <isobath/map/voxel_evidence.hpp>
 #include <memory>
 #include <vector>
 
@@ -32,34 +32,9 @@ namespace isobath {
 
 class VoxelShelf;
 
-/// Voxel (i, j, k) is the cube [i, i + 1) x [j, j + 1) x [k, k + 1) times its edge, in W: north, east, down.
-using VoxelIndex = Eigen::Vector3i;
-/// 1/1024 of a natural logarithm of odds.
-using LogOdds16 = std::int16_t;
-
-/// The voxel of a point in edges of voxels; each coordinate must fit an int. (std::floor is a call where the processor
-/// that is compiled for need not have the instruction.)
-inline VoxelIndex floor_of(const Eigen::Vector3d& p) {
-  const auto floored = [](double c) {
-    const int cut = static_cast<int>(c);
-    return cut - static_cast<int>(c < cut);
-  };
-  return {floored(p.x()), floored(p.y()), floored(p.z())};
-}
-
-inline constexpr LogOdds16 kUnseen = std::numeric_limits<LogOdds16>::min();
-inline constexpr double kEvidenceUnit = 1.0 / 1024;
-/// To the nearest step; saturates.
-LogOdds16 to_evidence(double log_odds);
-inline double to_log_odds(LogOdds16 evidence) { return kEvidenceUnit * evidence; }
-
-struct EvidenceBounds {
-  LogOdds16 least = -7066, most = 7066;  ///< 6.9, p = 0.001 and 0.999 on even odds (S5-15)
-};
-
 class VoxelBlocks {
  public:
-  static constexpr int kSideLog2 = 4, kSide = 1 << kSideLog2, kVolume = kSide * kSide * kSide;
+  static constexpr int kSideLog2 = kBlockSideLog2, kSide = 1 << kSideLog2, kVolume = kBlockVolume;
   /// Indices beyond have no block: 8.4 million voxels from the origin, 2097 km at 0.25 m.
   static constexpr int kFarthest = 1 << 23;
 

@@ -7,7 +7,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kPlainBytes = VoxelBlocks::kVolume * sizeof(LogOdds16);
+constexpr std::size_t kPlainBytes = kBlockVolume * sizeof(LogOdds16);
 static_assert(std::endian::native == std::endian::little, "evidence is stored as it stands in memory");
 
 SqliteSchema voxel_schema() {
@@ -68,7 +68,7 @@ std::int64_t checksum_of(std::int64_t layer, std::uint64_t key, std::uint64_t re
 // A shelf ------------------------------------------------------------------------------------------------------------
 
 void VoxelShelf::read_row(std::uint64_t key, std::span<LogOdds16> evidence) const {
-  ISOBATH_ASSERT(evidence.size() == VoxelBlocks::kVolume);
+  ISOBATH_ASSERT(evidence.size() == kBlockVolume);
   const auto damaged = [&](const char* how) {
     const VoxelIndex corner = VoxelBlocks::corner_of(key);
     return Error(
@@ -151,7 +151,7 @@ void VoxelShelf::erase(std::span<const std::uint64_t> keys) {
 
 void VoxelShelf::rewrite(std::uint64_t revision, const std::function<void(LogOdds16* evidence)>& change) {
   if (revisions_.empty()) return;
-  std::vector<LogOdds16> evidence(VoxelBlocks::kVolume);
+  std::vector<LogOdds16> evidence(kBlockVolume);
   file_.transact([&] {
     for (const auto& [key, old] : revisions_) {
       read_row(key, evidence);

@@ -19,7 +19,7 @@
 #include <filesystem>
 #include <functional>
 #include <isobath/map/sqlite_file.hpp>
-#include <isobath/map/voxel_blocks.hpp>
+#include <isobath/map/voxel_evidence.hpp>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -37,7 +37,7 @@ class VoxelShelf {
  public:
   struct Block {
     std::uint64_t key = 0, revision = 0;
-    const LogOdds16* evidence = nullptr;  ///< VoxelBlocks::kVolume of them
+    const LogOdds16* evidence = nullptr;  ///< kBlockVolume of them
   };
   VoxelShelf(VoxelFile& file, std::int64_t layer) : file_(file), layer_(layer) {}
 
@@ -60,7 +60,7 @@ class VoxelShelf {
   friend class VoxelFile;
   struct Copy {
     std::uint64_t key = ~std::uint64_t{0};
-    std::array<LogOdds16, VoxelBlocks::kVolume> evidence;
+    std::array<LogOdds16, kBlockVolume> evidence;
   };
   static constexpr std::size_t kCopies = 64;
   void read_row(std::uint64_t key, std::span<LogOdds16> evidence) const;

@@ -27,36 +27,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <isobath/base/config.hpp>
 #include <isobath/base/time.hpp>
 #include <isobath/map/depth_map.hpp>
-#include <isobath/perception/reading_evidence.hpp>
-#include <isobath/perception/sounding_gate.hpp>
+#include <isobath/perception/depth_parts.hpp>
 #include <isobath/sonar/range_reading.hpp>
-#include <isobath/sonar/reading_prefilter.hpp>
 #include <isobath/sonar/swath.hpp>
 #include <memory>
 
 namespace isobath {
-
-struct DepthMapperConfig {
-  bool prefilter = true;     ///< alike readings of a sensor become one of more weight (S1-68)
-  bool quarantine = true;    ///< depths that nothing supports are held back
-  bool honest = true;        ///< steps fall with range and doubt of place (S1-73)
-  bool explain = true;       ///< an echo that the map predicts affirms it and denies nothing (S1-66)
-  double spread_sigmas = 1;  ///< a sounding speaks of its footprint widened by so many sigmas of the vehicle's place
-  bool queue_all = true;     ///< during a shift; false: only readings that changed something are kept (S1-33)
-  bool background = false;   ///< windows shift beside the readings, in a thread of their own
-};
-std::vector<Field> fields(DepthMapperConfig& config);
-
-struct DepthMapperParts {
-  DepthMapperConfig mapper;
-  DepthRules rules;
-  ReadingEvidenceConfig evidence;
-  ReadingPrefilterConfig prefilter;
-  SoundingGateConfig gate;
-};
 
 /// Why a reading or a sounding does not count.
 enum class DepthRefusal : std::uint8_t {
@@ -85,16 +63,6 @@ struct DepthCounts {
   std::uint64_t waited = 0;   ///< times that the queue was full or the next shift due before the last was over
   std::uint64_t outside = 0;  ///< readings that lay wholly outside the window
   std::array<std::uint64_t, kDepthRefusals> refused{};  ///< by DepthRefusal
-};
-
-/// What a depth with this standard deviation is worth, as a share of one whose sigma is a third of the margin within
-/// which depths agree: the ratio of the log-odds that it agrees because it is right (S1-73). 0 .. 1.
-double evidence_share(double sigma_m, double margin_m);
-
-/// One change of a pixel, for audits (S1-02): replayed on a copy of the starting map it gives the final one.
-struct PixelChange {
-  Pixel pixel;
-  DepthPixel before, after;
 };
 
 class DepthMapper {

@@ -7,7 +7,7 @@
 
 #include <functional>
 #include <isobath/map/depth_map.hpp>
-#include <isobath/perception/depth_mapper.hpp>
+#include <isobath/perception/depth_parts.hpp>
 #include <isobath/perception/range_prediction.hpp>
 #include <isobath/perception/reading_evidence.hpp>
 #include <optional>
@@ -51,6 +51,10 @@ struct UpdateOutcome {
   bool explained = false;                                    ///< by the map
   std::uint32_t affirmed = 0, conflicted = 0, replaced = 0;  ///< pixels
 };
+
+/// What a depth with this standard deviation is worth, as a share of one whose sigma is a third of the margin within
+/// which depths agree: the ratio of the log-odds that it agrees because it is right (S1-73). 0 .. 1.
+double evidence_share(double sigma_m, double margin_m);
 
 class DepthUpdate {
  public:

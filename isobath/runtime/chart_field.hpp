@@ -6,11 +6,43 @@
 #pragma once
 
 #include <cstdint>
-#include <isobath/runtime/depth_chart.hpp>
+#include <Eigen/Core>
+#include <functional>
+#include <isobath/geometry/contours.hpp>
+#include <isobath/geometry/geodesy.hpp>
+#include <isobath/map/pixel_grid.hpp>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace isobath {
+
+using DepthSurface = std::function<std::optional<double>(double north_m, double east_m)>;
+
+struct DepthChart {
+  struct Point {
+    Eigen::Vector2d north_east{0, 0};
+    std::string label;  ///< may be empty
+  };
+
+  PixelGrid grid;
+  PixelWindow window;
+  std::vector<float> depth_m;            ///< width * height, row-major; NaN where nothing is known
+  std::vector<std::uint8_t> confidence;  ///< 0..20, 255 unknown; as many, or empty
+  std::vector<std::uint8_t> flags;       ///< PixelFlag; as many, or empty: then every known depth is measured
+  std::vector<std::vector<Eigen::Vector2d>> tracks;
+  std::vector<std::vector<Eigen::Vector2d>> shore;  ///< closed rings, the first corner not repeated
+  std::vector<Point> obstructions;
+  std::optional<GeoOrigin> origin;  ///< without it the frame shows metres
+  int charted_confidence = 5;       ///< of a charted depth at most; with more, a sonar has confirmed it
+  std::string title;
+  std::string datum;     ///< "Depths below mean water of January 2025"
+  DepthSurface surface;  ///< may be empty: then nothing is interpolated
+  /// m; 0: three times the mean measured depth, 25 m at least, the widest spacing of soundings that IHO S-44 (edition
+  /// 6, 3.5) accepts where not all is covered.
+  double reach_m = 0;
+};
 
 struct ChartField {
   int columns = 0, rows = 0;
@@ -33,7 +65,7 @@ struct ChartField {
 /// `columns` * `cell_m` need not be the whole width of the window.
 ChartField chart_field(const DepthChart& chart, int columns, int rows, double cell_m);
 
-/// Whether a sensor stands for the depth of this pixel.
+/// Whether a pixel's depth is a sensor's, or a charted one that a depth sonar has confirmed.
 bool measured_at(const DepthChart& chart, std::size_t pixel);
 
 /// Mean confidence of the known pixels under each cell, rounded down; -1 where none is known.

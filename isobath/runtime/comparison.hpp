@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <functional>
 #include <isobath/io/event.hpp>
+#include <isobath/runtime/compare_outcome.hpp>
 #include <isobath/runtime/configuration.hpp>
-#include <isobath/runtime/sample_statistics.hpp>
 #include <string>
 #include <vector>
 
@@ -18,12 +18,6 @@ struct CompareRequest {
   Configuration configuration;
   int threads = 2;
   std::function<void(const SourceReport&, std::uint64_t pings)> progress;
-};
-
-struct CompareOutcome {
-  SampleStatistics a, b;
-  double background_distance = 0;            ///< largest difference of the cumulative shares (Kolmogorov-Smirnov)
-  std::vector<std::filesystem::path> files;  ///< written, relative to the folder
 };
 
 /// Throws Error: an input that cannot be opened or has no image of a sonar, a folder that cannot be written.

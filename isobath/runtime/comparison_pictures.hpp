@@ -2,7 +2,7 @@
 // scans. `a` and `b` are what the legends call them.
 #pragma once
 
-#include <isobath/runtime/comparison.hpp>
+#include <isobath/runtime/compare_outcome.hpp>
 #include <isobath/runtime/picture.hpp>
 #include <string>
 

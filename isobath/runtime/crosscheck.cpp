@@ -23,19 +23,10 @@ constexpr std::array<Allowance, 5> kOrders{{{"Exclusive", 0.15, 0.0075},
                                             {"1b", 0.5, 0.013},
                                             {"2", 1.0, 0.023}}};
 constexpr double kOrderShare = 0.95;
-constexpr double kNormalMad = 1.4826;  // standard deviations of a normal law in one median absolute deviation
 constexpr std::array<std::pair<int, int>, 5> kConfidenceClasses{{{0, 4}, {5, 9}, {10, 14}, {15, 19}, {20, 20}}};
 
 /// What a map can hold; a NaN is not within.
 bool holds(float depth_m) { return std::abs(depth_m) <= 1e7f; }
-
-/// Type 7 of the sorted values; they are not empty.
-double sorted_quantile(const std::vector<double>& sorted, double share) {
-  const double at = share * static_cast<double>(sorted.size() - 1);
-  const auto low = static_cast<std::size_t>(std::floor(at));
-  const std::size_t high = std::min(low + 1, sorted.size() - 1);
-  return sorted[low] + (at - static_cast<double>(low)) * (sorted[high] - sorted[low]);
-}
 
 Json json(const DifferenceStatistics& s) {
   return {{"n", s.n}, {"median_m", s.median_m}, {"robust_sd_m", s.robust_sd_m}, {"p95_m", s.p95_m}};
@@ -73,24 +64,6 @@ bool comparable(const CrosscheckSample& s) {
 }
 
 double total_vertical_uncertainty(double a_m, double b, double depth_m) { return std::hypot(a_m, b * depth_m); }
-
-DifferenceStatistics difference_statistics(std::vector<double> differences) {
-  DifferenceStatistics s;
-  s.n = differences.size();
-  if (differences.empty()) return s;
-  std::sort(differences.begin(), differences.end());
-  s.median_m = sorted_quantile(differences, 0.5);
-  std::vector<double> distance(differences.size());
-  const auto sorted_distance_from = [&](double centre) -> const std::vector<double>& {
-    std::transform(differences.begin(), differences.end(), distance.begin(),
-                   [centre](double d) { return std::abs(d - centre); });
-    std::sort(distance.begin(), distance.end());
-    return distance;
-  };
-  s.robust_sd_m = kNormalMad * sorted_quantile(sorted_distance_from(s.median_m), 0.5);
-  s.p95_m = sorted_quantile(sorted_distance_from(0), 0.95);
-  return s;
-}
 
 CrosscheckResult crosscheck(const CrosscheckInput& input) {
   CrosscheckResult r;

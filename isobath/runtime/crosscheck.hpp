@@ -21,6 +21,7 @@
 
 #include <array>
 #include <cstdint>
+#include <isobath/runtime/difference_statistics.hpp>
 #include <isobath/runtime/html_report.hpp>
 #include <isobath/runtime/position_offset.hpp>
 #include <isobath/sonar/roc.hpp>
@@ -58,15 +59,6 @@ struct CrosscheckInput {
   double margin_share = 0.02;       ///< of the sounded depth
   std::vector<SlopeSample> slopes;  ///< of the samples around which the map knows its slope
 };
-
-struct DifferenceStatistics {
-  std::uint64_t n = 0;
-  double median_m = std::numeric_limits<double>::quiet_NaN();
-  double robust_sd_m = std::numeric_limits<double>::quiet_NaN();
-  double p95_m = std::numeric_limits<double>::quiet_NaN();
-};
-/// The order of the differences does not matter. All finite.
-DifferenceStatistics difference_statistics(std::vector<double> differences_m);
 
 struct CrosscheckResult {
   DifferenceStatistics all;

@@ -21,47 +21,13 @@
 // within reach.
 #pragma once
 
-#include <cstdint>
-#include <Eigen/Core>
-#include <functional>
 #include <isobath/geometry/contours.hpp>
-#include <isobath/geometry/geodesy.hpp>
-#include <isobath/map/pixel_grid.hpp>
+#include <isobath/runtime/chart_field.hpp>
 #include <isobath/runtime/picture.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace isobath {
-
-using DepthSurface = std::function<std::optional<double>(double north_m, double east_m)>;
-
-struct DepthChart {
-  struct Point {
-    Eigen::Vector2d north_east{0, 0};
-    std::string label;  ///< may be empty
-  };
-
-  PixelGrid grid;
-  PixelWindow window;
-  std::vector<float> depth_m;            ///< width * height, row-major; NaN where nothing is known
-  std::vector<std::uint8_t> confidence;  ///< 0..20, 255 unknown; as many, or empty
-  std::vector<std::uint8_t> flags;       ///< PixelFlag; as many, or empty: then every known depth is measured
-  std::vector<std::vector<Eigen::Vector2d>> tracks;
-  std::vector<std::vector<Eigen::Vector2d>> shore;  ///< closed rings, the first corner not repeated
-  std::vector<Point> obstructions;
-  std::optional<GeoOrigin> origin;  ///< without it the frame shows metres
-  int charted_confidence = 5;       ///< of a charted depth at most; with more, a sonar has confirmed it
-  std::string title;
-  std::string datum;     ///< "Depths below mean water of January 2025"
-  DepthSurface surface;  ///< may be empty: then nothing is interpolated
-  /// m; 0: three times the mean measured depth, 25 m at least, the widest spacing of soundings that IHO S-44 (edition
-  /// 6, 3.5) accepts where not all is covered.
-  double reach_m = 0;
-};
-
-/// Whether a pixel's depth is a sensor's, or a charted one that a depth sonar has confirmed.
-bool measured_at(const DepthChart& chart, std::size_t pixel);
 
 struct ChartLook {
   int plot_px = 1400;  ///< longer side of the plot

@@ -47,7 +47,9 @@ void DepthModel::begin(Time time, const Pose& X_WB) {
     facts_.area = area_of(config);
     facts_.epoch = time;
     facts_.datum = configuration_.prior.datum;
-    prior_ = prior_files_.empty() ? DepthPrior{} : read_depth_prior(prior_files_, configuration_, facts_.area, origin_);
+    prior_ = prior_files_.empty()
+                 ? DepthPrior{}
+                 : read_depth_prior(prior_files_, configuration_.prior, configuration_.depth, facts_.area, origin_);
     facts_.priors = prior_.sources;
     if (folder_) std::filesystem::remove(folder_->objects_file());  // of a map that was never committed
     if (folder_ && !prior_.files.empty()) {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <isobath/runtime/depth_outcome.hpp>
 #include <isobath/runtime/depth_model.hpp>
 #include <isobath/runtime/html_report.hpp>
-#include <isobath/runtime/run.hpp>
 #include <string>
 #include <vector>
 

@@ -2,8 +2,7 @@
 #include <cmath>
 #include <Eigen/Geometry>
 #include <isobath/base/error.hpp>
-#include <isobath/perception/depth_mapper.hpp>
-#include <isobath/runtime/configuration.hpp>
+#include <isobath/perception/depth_update.hpp>
 #include <isobath/runtime/depth_prior.hpp>
 #include <limits>
 
@@ -88,23 +87,24 @@ std::vector<Field> fields(DepthPriorConfig& c) {
 
 DepthTrees DepthPrior::trees(int levels) const { return depth ? DepthTrees(*depth, *state) : DepthTrees(levels); }
 
-DepthPrior read_depth_prior(const std::vector<std::string>& files, const Configuration& configuration,
-                            const DepthArea& area, const std::optional<GeoOrigin>& origin) {
+DepthPrior read_depth_prior(const std::vector<std::string>& files, const DepthPriorConfig& config,
+                            const DepthMapperParts& mapper, const DepthArea& area,
+                            const std::optional<GeoOrigin>& origin) {
   DepthPrior prior;
   if (!origin) {
     throw Error("a prior needs a place on the globe, and the input does not say where it is", {files.front()}, {},
                 "use a log with latitudes and longitudes");
   }
-  const int coarser = coarser_by(configuration.prior, area);
+  const int coarser = coarser_by(config, area);
   const int levels = area.levels - coarser;
   const int side = 1 << levels;
   const PriorWindow window{{area.grid.corner_m, std::ldexp(area.grid.pixel_m, coarser)}, side, side};
   const LocalPlane plane(*origin);
-  PriorConfig reading = configuration.prior.reading;
-  if (configuration.prior.datum != DepthPriorConfig{}.datum) reading.map_datum = configuration.prior.datum;
+  PriorConfig reading = config.reading;
+  if (config.datum != DepthPriorConfig{}.datum) reading.map_datum = config.datum;
   std::vector<std::uint32_t> depth(static_cast<std::size_t>(side) * side, DepthPixel::kUnknownDepth);
   std::vector<std::uint32_t> state(depth.size(), 0);
-  const DepthRules& rules = configuration.depth.rules;
+  const DepthRules& rules = mapper.rules;
   for (const std::string& file : files) {
     Prior read = read_prior(file, reading, plane, window);
     keep_near_water(read);
@@ -113,7 +113,7 @@ DepthPrior read_depth_prior(const std::vector<std::string>& files, const Configu
       if (!std::isfinite(raster.depth_m[i]) || depth[i] != DepthPixel::kUnknownDepth) continue;
       depth[i] = DepthPixel::word_of_depth(static_cast<double>(raster.depth_m[i]));
       const double sigma = std::isfinite(raster.sigma_m[i]) ? static_cast<double>(raster.sigma_m[i]) : 1e3;
-      const double share = evidence_share(sigma, configuration.depth.evidence.margin_m);
+      const double share = evidence_share(sigma, mapper.evidence.margin_m);
       const int confidence = static_cast<int>(std::lround(rules.base_prior * share));
       state[i] = DepthPixel::word_of_state(std::clamp(confidence, rules.threshold, rules.base_prior), 0, 0);
     }
@@ -121,7 +121,7 @@ DepthPrior read_depth_prior(const std::vector<std::string>& files, const Configu
     prior.sources.push_back(file);
     prior.files.push_back(std::move(read));
   }
-  if (configuration.prior.rough_m > 0) doubt_rough_ground(depth, state, side, configuration.prior.rough_m, rules);
+  if (config.rough_m > 0) doubt_rough_ground(depth, state, side, config.rough_m, rules);
   // A tree of squares is the tree of their pixels: the same quadrants, named by other levels.
   const auto finer = [&](const std::vector<std::uint32_t>& words) {
     const RegionQuadtree tree = RegionQuadtree::from_raster(levels, words, side, side, 0);

@@ -16,13 +16,12 @@
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/io/prior.hpp>
 #include <isobath/map/depth_map.hpp>
+#include <isobath/perception/depth_parts.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace isobath {
-
-struct Configuration;
 
 struct DepthPriorConfig {
   std::string file;                     ///< chart, grid, outline or soundings; empty: none
@@ -42,8 +41,9 @@ struct DepthPrior {
   [[nodiscard]] DepthTrees trees(int levels) const;
 };
 
-/// Throws Error where a file cannot be used.
-DepthPrior read_depth_prior(const std::vector<std::string>& files, const Configuration& configuration,
-                            const DepthArea& area, const std::optional<GeoOrigin>& origin);
+/// Confidences by the rules of the mapper that goes on with it. Throws Error where a file cannot be used.
+DepthPrior read_depth_prior(const std::vector<std::string>& files, const DepthPriorConfig& config,
+                            const DepthMapperParts& mapper, const DepthArea& area,
+                            const std::optional<GeoOrigin>& origin);
 
 }  // namespace isobath

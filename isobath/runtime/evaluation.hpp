@@ -29,15 +29,6 @@ struct Competitor {
 /// Isobath's own command first, then the suite's baselines.
 std::vector<Competitor> competitors_of(const Suite& suite, const Configuration& configuration);
 
-struct ScoredRun {
-  std::uint64_t seed = 0;
-  std::string variant;  ///< of the suite's variants; empty where it has none
-  std::string conditions;
-  double way_m = 0;              ///< of the planner with full truth
-  std::string no_way;            ///< why it found none
-  std::vector<RunScore> scores;  ///< in the order of the competitors
-};
-
 struct Share {
   std::size_t count = 0, of = 0;
   double low = 0, high = 1;  ///< 95 %

@@ -19,7 +19,8 @@ PriorMapOutcome make_map_of_prior(const std::filesystem::path& prior, const std:
   facts.origin = origin;
   facts.area = area_of(configuration.depth_map);
   facts.datum = configuration.prior.datum;
-  const DepthPrior read = read_depth_prior({prior.string()}, configuration, facts.area, origin);
+  const DepthPrior read =
+      read_depth_prior({prior.string()}, configuration.prior, configuration.depth, facts.area, origin);
   facts.priors = read.sources;
   facts.configuration = to_toml(configuration, false);
   MapFolder stored(folder);

@@ -27,7 +27,7 @@ ChartUpdate chart_of(const std::filesystem::path& map, const std::vector<std::st
   if (priors.empty() || !origin) return {};
   MapFacts facts;
   facts.area = area_of(configuration.depth_map);
-  const DepthPrior prior = read_depth_prior(priors, configuration, facts.area, origin);
+  const DepthPrior prior = read_depth_prior(priors, configuration.prior, configuration.depth, facts.area, origin);
   return chart({facts, prior.trees(facts.area.levels), {}}, obstacles_of(prior.files));
 }
 

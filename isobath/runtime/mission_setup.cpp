@@ -5,7 +5,6 @@
 #include <isobath/mission/safety_officer.hpp>
 #include <isobath/mission/standard_crew.hpp>
 #include <isobath/runtime/mission_setup.hpp>
-#include <isobath/runtime/run_recorder.hpp>
 
 namespace isobath {
 namespace {

@@ -13,6 +13,9 @@
 
 namespace isobath {
 
+/// Name of the vehicle sheet among the attachments of a recording.
+inline constexpr const char* kVehicleAttachment = "vehicle_sheet.toml";
+
 /// What a crew is made for.
 struct MissionSetup {
   MissionPlan plan;

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <Eigen/Dense>
 #include <fmt/format.h>
-#include <isobath/runtime/crosscheck.hpp>
+#include <isobath/runtime/difference_statistics.hpp>
 #include <isobath/runtime/position_offset.hpp>
 #include <vector>
 

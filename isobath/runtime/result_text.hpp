@@ -4,7 +4,8 @@
 
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/map/obstacle.hpp>
-#include <isobath/runtime/run.hpp>
+#include <isobath/runtime/run_outcome.hpp>
+#include <isobath/runtime/run_request.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>

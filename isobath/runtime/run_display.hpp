@@ -18,9 +18,9 @@
 #include <isobath/runtime/map_display.hpp>
 #include <isobath/runtime/mission_setup.hpp>
 #include <isobath/runtime/onboard_observer.hpp>
-#include <isobath/runtime/run.hpp>
 #include <isobath/runtime/run_film.hpp>
 #include <isobath/runtime/run_recorder.hpp>
+#include <isobath/runtime/run_request.hpp>
 #include <isobath/runtime/run_source.hpp>
 #include <memory>
 #include <optional>

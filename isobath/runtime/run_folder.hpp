@@ -16,8 +16,9 @@
 #include <isobath/runtime/onboard_observer.hpp>
 #include <isobath/runtime/plan_image.hpp>
 #include <isobath/runtime/result_text.hpp>
-#include <isobath/runtime/run.hpp>
 #include <isobath/runtime/run_film.hpp>
+#include <isobath/runtime/run_outcome.hpp>
+#include <isobath/runtime/run_request.hpp>
 #include <isobath/runtime/voxel_pages.hpp>
 #include <optional>
 #include <string>

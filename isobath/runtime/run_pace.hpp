@@ -3,7 +3,7 @@
 
 #include <chrono>
 #include <isobath/runtime/onboard.hpp>
-#include <isobath/runtime/run.hpp>
+#include <isobath/runtime/run_request.hpp>
 #include <isobath/sim/simulator.hpp>
 #include <optional>
 

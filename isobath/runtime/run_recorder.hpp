@@ -37,7 +37,6 @@ namespace isobath {
 /// Names of what is attached.
 inline constexpr const char* kScenarioAttachment = "scene.toml";
 inline constexpr const char* kMissionAttachment = "mission.toml";
-inline constexpr const char* kVehicleAttachment = "vehicle_sheet.toml";
 inline constexpr const char* kConfigurationAttachment = "configuration.toml";
 /// Among the details of a source: a live run.
 inline constexpr const char* kLiveDetail = "live";

@@ -78,4 +78,14 @@ class RunTruth {
 
 RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTruth& truth, const SuiteConfig& suite);
 
+/// What became of one run of a suite under each of the competitors.
+struct ScoredRun {
+  std::uint64_t seed = 0;
+  std::string variant;  ///< of the suite's variants; empty where it has none
+  std::string conditions;
+  double way_m = 0;              ///< of the planner with full truth
+  std::string no_way;            ///< why it found none
+  std::vector<RunScore> scores;  ///< in the order of the competitors
+};
+
 }  // namespace isobath

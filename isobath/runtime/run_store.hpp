@@ -4,7 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
-#include <isobath/runtime/evaluation.hpp>
+#include <isobath/runtime/run_score.hpp>
 #include <map>
 #include <optional>
 

@@ -20,27 +20,20 @@ namespace {
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
-/// Room -> the rooms that it may include, apart from itself. A new room needs a line here.
+/// Room -> the rooms that it may include, apart from itself: isobath/rooms.toml.
 const std::map<std::string, Names>& law() {
-  static const std::map<std::string, Names> table = {
-      {"base", {}},
-      {"geometry", {"base"}},
-      {"vehicle", {"geometry", "base"}},
-      {"map", {"geometry", "base"}},
-      {"sonar", {"geometry", "base"}},
-      {"io", {"sonar", "map", "vehicle", "geometry", "base"}},
-      {"sim", {"sonar", "vehicle", "geometry", "base"}},
-      {"planning", {"map", "vehicle", "geometry", "base"}},
-      {"perception", {"sonar", "map", "geometry", "base"}},
-      {"mission", {"perception", "planning", "vehicle", "map", "sonar", "geometry", "base"}},
-      {"runtime", {"mission", "io", "sim", "planning", "perception", "sonar", "map", "vehicle", "geometry", "base"}},
-      {"python",
-       {"runtime", "mission", "io", "sim", "planning", "perception", "sonar", "map", "vehicle", "geometry", "base"}},
-      {"server", {"runtime", "mission", "map", "geometry", "base"}},
-      {"app",
-       {"server", "runtime", "mission", "io", "sim", "planning", "perception", "sonar", "map", "vehicle", "geometry",
-        "base"}},
-  };
+  static const std::map<std::string, Names> table = [] {
+    static const std::regex line(R"re(([a-z]+) = "([a-z ]*)")re");
+    std::map<std::string, Names> rooms;
+    std::ifstream file(test::source_folder() / "isobath" / "rooms.toml");
+    for (std::string text; std::getline(file, text);) {
+      std::smatch match;
+      if (!std::regex_match(text, match, line)) continue;
+      std::istringstream words(match[2].str());
+      rooms[match[1]] = Names(std::istream_iterator<std::string>(words), {});
+    }
+    return rooms;
+  }();
   return table;
 }
 
@@ -151,6 +144,7 @@ TEST(Floors, TableHasNoCircle) {
 TEST(Floors, EveryFolderIsARoomOfTheTable) {
   ASSERT_GT(sources().size(), 10u);
   for (const auto& entry : fs::directory_iterator(test::source_folder() / "isobath")) {
+    if (entry.path().filename() == "rooms.toml") continue;
     EXPECT_TRUE(entry.is_directory()) << entry.path() << " stands in no room";
     EXPECT_TRUE(law().contains(entry.path().filename().string())) << entry.path() << " is no room of the table";
     EXPECT_FALSE(fs::is_empty(entry.path())) << entry.path() << " is empty";
@@ -168,6 +162,88 @@ TEST(Floors, RoomsIncludeOnlyWhatTheirLineAllows) {
     return "";
   });
   EXPECT_THAT(found, testing::IsEmpty());
+}
+
+TEST(Floors, TheTableOfContributingIsTheLaw) {
+  static const std::regex row(R"re(\| \d+ \| `([a-z]+)` \| ([a-z ]*)\|.*)re");
+  std::map<std::string, Names> table;
+  std::ifstream file(test::source_folder() / "CONTRIBUTING.md");
+  for (std::string text; std::getline(file, text);) {
+    std::smatch match;
+    if (!std::regex_match(text, match, row)) continue;
+    std::istringstream words(match[2].str());
+    table[match[1]] = Names(std::istream_iterator<std::string>(words), {});
+  }
+  EXPECT_EQ(table, law());
+}
+
+using Graph = std::map<std::string, Names>;
+
+/// Files that include each other, from one of them round to itself; empty where there is no circle.
+std::vector<std::string> circle_in(const Graph& graph) {
+  Names done;
+  std::vector<std::string> way;
+  std::function<bool(const std::string&)> walk = [&](const std::string& file) {
+    const auto met = std::find(way.begin(), way.end(), file);
+    const bool closed = met != way.end();
+    if (closed) way.erase(way.begin(), met);
+    if (closed || done.contains(file)) return closed;
+    way.push_back(file);
+    const auto node = graph.find(file);
+    if (node != graph.end() && std::any_of(node->second.begin(), node->second.end(), walk)) return true;
+    way.pop_back();
+    done.insert(file);
+    return false;
+  };
+  const auto from = std::find_if(graph.begin(), graph.end(), [&](const auto& node) { return walk(node.first); });
+  return from == graph.end() ? std::vector<std::string>{} : way;
+}
+
+/// A header and its source are one.
+Graph include_graph() {
+  Graph graph;
+  const auto unit = [](const std::string& path) { return path.substr(0, path.rfind('.')); };
+  for (const SourceFile& file : sources()) {
+    Names& includes = graph[unit(file.path)];
+    for (const std::string& include : file.includes) {
+      if (!room_of_include(include).empty() && unit(include) != unit(file.path)) includes.insert(unit(include));
+    }
+  }
+  return graph;
+}
+
+/// What the modules of the live page import, types too.
+Graph page_graph() {
+  static const std::regex import(R"re(from '(\.[^']+)')re");
+  Graph graph;
+  const fs::path root = test::source_folder() / "web" / "src";
+  for (const auto& entry : fs::recursive_directory_iterator(root)) {
+    if (entry.path().extension() != ".ts") continue;
+    std::ostringstream text;
+    text << std::ifstream(entry.path()).rdbuf();
+    const std::string source = text.str();
+    Names& imports = graph[fs::relative(entry.path(), root).replace_extension().string()];
+    for (std::sregex_iterator match(source.begin(), source.end(), import), end; match != end; ++match) {
+      imports.insert(fs::relative((entry.path().parent_path() / (*match)[1].str()).lexically_normal(), root).string());
+    }
+  }
+  return graph;
+}
+
+TEST(Floors, NoCircleOfIncludesAmongFiles) {
+  EXPECT_GT(include_graph().size(), 300u);
+  EXPECT_THAT(circle_in(include_graph()), testing::IsEmpty());
+  EXPECT_GT(page_graph().size(), 30u);
+  EXPECT_THAT(circle_in(page_graph()), testing::IsEmpty());
+}
+
+TEST(Floors, APlantedCircleIsFound) {
+  Graph graph = include_graph();
+  graph["isobath/base/angle"].insert("isobath/runtime/run");  // which reaches it by many ways
+  EXPECT_THAT(circle_in(graph), testing::Contains("isobath/base/angle"));
+  Graph page = page_graph();
+  page["request"].insert("feed");
+  EXPECT_THAT(circle_in(page), testing::UnorderedElementsAre("feed", "request"));
 }
 
 TEST(Floors, IncludesAreByFullPath) {

@@ -3,15 +3,7 @@
  */
 import { marksOf, type Marks } from './marks';
 import { Player, readBlocks } from './player';
-
-export type Request =
-  | { ask: 'play' | 'pause' | 'live' }
-  | { ask: 'speed'; times: number }
-  | { ask: 'seek'; to_s: number }
-  | { ask: 'step'; steps: number }
-  | { ask: 'control'; token: string }
-  | { ask: 'detail'; voxels: 'all' | 'cubes' }
-  | { ask: 'command'; command: 'hold' | 'resume' | 'abort' };
+import type { Request } from './request';
 
 export type FeedState =
   | { is: 'connecting' }

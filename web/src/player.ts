@@ -6,7 +6,7 @@
  */
 import { kHead, kLastKind, Kind, padded } from './protocol';
 import { joined, jsonBytes, writeRecord } from './record_writer';
-import type { Request } from './feed';
+import type { Request } from './request';
 
 const kBlockHead = 16;
 

@@ -1,7 +1,7 @@
 /** What all views share, and what a view is. */
 import type { Decision } from './items';
 import type { Model } from './model';
-import type { Request } from './feed';
+import type { Request } from './request';
 import type { Theme } from './theme';
 
 export interface Shared {

@@ -1,0 +1,9 @@
+/** What a page asks of its feed. */
+export type Request =
+  | { ask: 'play' | 'pause' | 'live' }
+  | { ask: 'speed'; times: number }
+  | { ask: 'seek'; to_s: number }
+  | { ask: 'step'; steps: number }
+  | { ask: 'control'; token: string }
+  | { ask: 'detail'; voxels: 'all' | 'cubes' }
+  | { ask: 'command'; command: 'hold' | 'resume' | 'abort' };
