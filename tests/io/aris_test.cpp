@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
 #include <isobath/io/aris.hpp>
+#include <isobath/io/open.hpp>
 #include <tests/io/aris_frames.hpp>
 #include <tests/support/data.hpp>
 

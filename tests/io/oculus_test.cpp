@@ -3,6 +3,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/io/oculus_device.hpp>
 #include <isobath/io/oculus_logs.hpp>
+#include <isobath/io/open.hpp>
 #include <tests/io/oculus_messages.hpp>
 #include <tests/support/data.hpp>
 
