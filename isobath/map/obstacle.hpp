@@ -1,4 +1,4 @@
-// Obstacle: something to keep clear of, as a convex outline in the level body frame L (x forward, y starboard, m) of
+// Obstacle: something to keep clear of, or one convex piece of it, as an outline in the level body frame L (x forward, y starboard, m) of
 // the moment of its detection.
 #pragma once
 
@@ -26,6 +26,9 @@ struct Obstacle {
   bool behind = false;             ///< a nearer obstacle hides most of it
   bool possible_multiple = false;  ///< at a multiple of the range of a nearer one in its direction
   WaterLabel label = WaterLabel::kUnknown;
+  /// Pieces of one connected obstacle share it: a wall is cut into convex pieces. Obstacles of one scan count from 0,
+  /// nearest first.
+  int number = 0;
 };
 
 }  // namespace isobath

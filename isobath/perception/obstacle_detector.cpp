@@ -69,6 +69,17 @@ Interval seen(const Obstacle& o) {
   return {middle + i.low, middle + i.high};
 }
 
+/// Obstacles come sorted by range, numbered below `count` in another order.
+void number_nearest_first(std::vector<Obstacle>& obstacles, int count) {
+  std::vector<int> numbers(static_cast<std::size_t>(count), -1);
+  int next = 0;
+  for (Obstacle& o : obstacles) {
+    int& number = numbers[static_cast<std::size_t>(o.number)];
+    if (number < 0) number = next++;
+    o.number = number;
+  }
+}
+
 bool overlaps(const Interval& a, const Interval& b) {
   const Angle apart = abs(((a.low + a.high) / 2 - (b.low + b.high) / 2).wrapped());
   return apart <= (a.high - a.low + b.high - b.low) / 2;
@@ -93,12 +104,18 @@ Detection ObstacleDetector::detect(const BodyGrid& grid, Time time, const Pose& 
   result.free.resize(grid.cells().size());
   for (std::size_t i = 0; i < result.free.size(); ++i) result.free[i] = grid.is_free(i);
   taken_.assign(grid.cells().size(), 0);
+  int regions = 0;
   for (std::size_t i = 0; i < taken_.size(); ++i) {
-    if (detected_[i] && !taken_[i]) take_region(grid, i, result.obstacles);
+    if (!detected_[i] || taken_[i]) continue;
+    const std::size_t before = result.obstacles.size();
+    take_region(grid, i, result.obstacles);
+    for (std::size_t o = before; o < result.obstacles.size(); ++o) result.obstacles[o].number = regions;
+    ++regions;
   }
   std::sort(result.obstacles.begin(), result.obstacles.end(), [](const Obstacle& a, const Obstacle& b) {
     return a.range_m < b.range_m || (a.range_m == b.range_m && a.bearing < b.bearing);
   });
+  number_nearest_first(result.obstacles, regions);
   relate(result.obstacles, grid.cells().cell_m);
   return result;
 }

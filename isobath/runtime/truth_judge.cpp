@@ -2,6 +2,7 @@
 #include <cmath>
 #include <isobath/runtime/truth_judge.hpp>
 #include <limits>
+#include <set>
 
 namespace isobath {
 namespace {
@@ -170,18 +171,29 @@ void TruthJudge::on_scan(const ScanResult& scan) {
   std::vector<double> reported(bodies_.size(), -1);  // nearest obstacle of each body
   ++score_.scans;
   bool any_false = false;
+  struct Piece {
+    Polygon outline;
+    double tolerance, gap;  ///< to the nearest body
+  };
+  std::vector<Piece> pieces;
+  std::set<int> of_body;  // numbers of the obstacles that belong to one
   for (const Obstacle& o : scan.detection.obstacles) {
-    const Polygon outline = in_frame(o.outline, X_WL_);
-    const double tolerance = 0.5 * beam_ * o.range_m + bin_ + scan.detection.cells.cell_m;
-    ++score_.obstacles;
-    bool owned = false;
+    Piece piece{in_frame(o.outline, X_WL_), 0.5 * beam_ * o.range_m + bin_ + scan.detection.cells.cell_m,
+                std::numeric_limits<double>::infinity()};
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      const bool here = std::any_of(plans[i].begin(), plans[i].end(),
-                                    [&](const Polygon& part) { return gap_between(part, outline) <= tolerance; });
-      if (!here) continue;
-      owned = true;
-      if (reported[i] < 0 || o.range_m < reported[i]) reported[i] = o.range_m;
+      double gap = std::numeric_limits<double>::infinity();
+      for (const Polygon& part : plans[i]) gap = std::min(gap, gap_between(part, piece.outline));
+      piece.gap = std::min(piece.gap, gap);
+      if (gap <= piece.tolerance && (reported[i] < 0 || o.range_m < reported[i])) reported[i] = o.range_m;
     }
+    if (piece.gap <= piece.tolerance) of_body.insert(o.number);
+    pieces.push_back(std::move(piece));
+  }
+  for (std::size_t at = 0; at < pieces.size(); ++at) {
+    const Obstacle& o = scan.detection.obstacles[at];
+    const auto& [outline, tolerance, gap] = pieces[at];
+    const bool owned = gap <= (of_body.count(o.number) > 0 ? std::max(tolerance, kAttached_m) : tolerance);
+    ++score_.obstacles;
     const std::uint8_t kinds = owned ? 0 : kinds_near(outline, tolerance);
     int& count = owned                  ? score_.of_bodies
                  : kinds & kBottomEcho  ? score_.of_bottom

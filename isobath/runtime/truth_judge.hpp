@@ -4,7 +4,8 @@
 // outlines come within a tolerance of each other: half a beam's width at that range, a range bin and a cell. One that
 // belongs to no body is an echo of the bottom, of the surface, or a mirror image of something, if samples of the sweep
 // that came from there are labelled so; else it is a false alarm. Positions are compared in the true world: an error of
-// navigation counts. Delay: pings whose truth held the body above the background, up to the end of the first scan that
+// navigation counts. The other pieces of an obstacle (Obstacle::number) that belongs to a body belong to it as well, up
+// to kAttached_m from it: side lobes and echoes of its upper and lower parts draw a body larger than it is. Delay: pings whose truth held the body above the background, up to the end of the first scan that
 // shows it.
 //
 // Apart from where an obstacle comes from, what it does to the vehicle: a false obstacle is one that the map is sure of
@@ -23,6 +24,7 @@ namespace isobath {
 
 inline constexpr double kSureObstacle = 0.95;  ///< existence from which a false obstacle counts
 inline constexpr double kNearObstacle_m = 20;  ///< from the vehicle: what its planner acts on
+inline constexpr double kAttached_m = 2;       ///< of a body: pieces of its obstacle that stand so near are no others
 inline constexpr double kAboveAndBelow_m = 1;  ///< beyond the hull: what is there has to be avoided
 
 struct BodyScore {

@@ -18,6 +18,7 @@ constexpr int kColumn = 8;                        // blocks along a beam, to eac
 constexpr float kLoudBeam = 1.3f;                 // mean ratio of its power to its background
 constexpr double kRingMemory = 1;                 // s
 constexpr int kNarrow = 13;                       // cells along the range
+constexpr float kUneven = 4;    // of its median over the fan, in power: no part of a ring from below or above is louder
 constexpr float kAbove = 1.3f;                    // a narrow ring stands out by this much
 constexpr double kSteady = 10;                    // s
 constexpr double kWideFan = 80 * std::numbers::pi / 180;
@@ -177,12 +178,23 @@ void FanBackground::settle_rings(double dt_s, const WaterColumn& water) {
     steady = fills ? steady + static_cast<float>(dt_s) : 0;
     const double range = start_m_ + (k + 0.5) * bin_m_;
     const bool known = beside(water.above_bottom_m, range) || beside(water.below_surface_m, range);
-    const bool all = known || steady > kSteady;
+    const float even = known ? kUneven * lower_median_of_rings(k) : 0.f;
     for (std::size_t s = 0; s < sectors_.size(); ++s) {
       const auto at = s * static_cast<std::size_t>(bins_) + static_cast<std::size_t>(k);
-      wide_[at] = all ? rings_[at] : std::min(rings_[at], kAbove * wide_[at]);
+      if (steady > kSteady) {
+        wide_[at] = rings_[at];
+      } else {
+        wide_[at] = std::min(rings_[at], std::max(even, kAbove * wide_[at]));
+      }
     }
   }
+}
+
+/// Over the sectors, at one range.
+float FanBackground::lower_median_of_rings(int bin) {
+  for (std::size_t s = 0; s < sectors_.size(); ++s)
+    scratch_[s] = rings_[s * static_cast<std::size_t>(bins_) + static_cast<std::size_t>(bin)];
+  return quantile_of(scratch_, sectors_.size(), 0.5);
 }
 
 /// Of blocks of kBlock x kBlock cells: the same low quantile over a neighbourhood wide in both directions, in which no

@@ -60,6 +60,7 @@ class FanBackground {
   void follow_gain();
   void settle_rings(double dt_s, const WaterColumn& water);
   void open_row(const float* in, float* out);
+  [[nodiscard]] float lower_median_of_rings(int bin);
   [[nodiscard]] std::size_t block_at(int across, int along) const {
     return static_cast<std::size_t>(across) * static_cast<std::size_t>(blocks_along_) + static_cast<std::size_t>(along);
   }

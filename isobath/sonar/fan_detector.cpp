@@ -338,7 +338,7 @@ void FanDetector::State::hide_shadows(const Geometry& g, EchoDecisions& out) {
   body_.assign(static_cast<std::size_t>(beams), Front{bins});
   any_.assign(static_cast<std::size_t>(beams), Front{bins});
   for (int b = 0; b < beams; ++b) {
-    cast(any_, b, first_loud(g, out, b, false), thick);
+    cast(any_, b, first_loud(g, out, b, false), 1);
     cast(body_, b, first_loud(g, out, b, true), thick);
   }
   for (int b = 0; b < beams; ++b) {
