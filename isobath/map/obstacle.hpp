@@ -1,5 +1,5 @@
-// Obstacle: something to keep clear of, or one convex piece of it, as an outline in the level body frame L (x forward, y starboard, m) of
-// the moment of its detection.
+// Obstacle: something to keep clear of, or one convex piece of it, as an outline in the level body frame L (x forward,
+// y starboard, m) of the moment of its detection.
 #pragma once
 
 #include <cstdint>

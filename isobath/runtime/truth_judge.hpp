@@ -5,8 +5,8 @@
 // belongs to no body is an echo of the bottom, of the surface, or a mirror image of something, if samples of the sweep
 // that came from there are labelled so; else it is a false alarm. Positions are compared in the true world: an error of
 // navigation counts. The other pieces of an obstacle (Obstacle::number) that belongs to a body belong to it as well, up
-// to kAttached_m from it: side lobes and echoes of its upper and lower parts draw a body larger than it is. Delay: pings whose truth held the body above the background, up to the end of the first scan that
-// shows it.
+// to kAttached_m from it: side lobes and echoes of its upper and lower parts draw a body larger than it is. Delay:
+// pings whose truth held the body above the background, up to the end of the first scan that shows it.
 //
 // Apart from where an obstacle comes from, what it does to the vehicle: a false obstacle is one that the map is sure of
 // (existence from kSureObstacle on) with nothing there that the vehicle would have to avoid: near no body, and over a

@@ -11,16 +11,17 @@ constexpr double kQuantile = 0.3;
 constexpr double kStraightQuantile =
     0.7;  // at the range of altitude and depth, whose echo fills part of a fan that rolls
 constexpr double kStraightFrom = 0.97, kStraightTo = 1.08;
-constexpr int kAcross = 5;                        // beams that are averaged
-constexpr int kBlock = 4;                         // cells
-constexpr int kPatchAcross = 1, kPatchAlong = 3;  // blocks to each side
-constexpr int kColumn = 8;                        // blocks along a beam, to each side
-constexpr float kLoudBeam = 1.3f;                 // mean ratio of its power to its background
-constexpr double kRingMemory = 1;                 // s
-constexpr int kNarrow = 13;                       // cells along the range
+constexpr int kAcross = 5;         // beams that are averaged
+constexpr int kBlock = 4;          // cells
+constexpr double kPatch_m = 1.5;   // of the window of a patch, to each side
+constexpr int kMostAcross = 6;     // blocks across that a patch is taken from, beside its middle
+constexpr int kColumn = 8;         // blocks along a beam, to each side
+constexpr float kLoudBeam = 1.3f;  // mean ratio of its power to its background
+constexpr double kRingMemory = 1;  // s
+constexpr int kNarrow = 13;        // cells along the range
 constexpr float kUneven = 4;    // of its median over the fan, in power: no part of a ring from below or above is louder
-constexpr float kAbove = 1.3f;                    // a narrow ring stands out by this much
-constexpr double kSteady = 10;                    // s
+constexpr float kAbove = 1.3f;  // a narrow ring stands out by this much
+constexpr double kSteady = 10;  // s
 constexpr double kWideFan = 80 * std::numbers::pi / 180;
 constexpr float kStep = 1.4f;       // of the power of most of the fan, within one ping
 constexpr float kLeast = 0.8f;      // of the ring: no cell is taken to be fainter
@@ -76,9 +77,17 @@ void FanBackground::begin(const FanCells& cells, int first_bin, float faintest) 
   const auto blocks = static_cast<std::size_t>(blocks_across_) * static_cast<std::size_t>(blocks_along_);
   block_.assign(blocks, 0);
   patch_.assign(blocks, 0);
+  eroded_.assign(blocks, 0);
+  const auto blocks_in = [](double metres) { return std::max(1, static_cast<int>(std::lround(kPatch_m / metres))); };
+  half_along_ = blocks_in(kBlock * bin_m_);
+  half_across_.clear();
+  for (int j = 0; j < blocks_along_; ++j) {
+    const double range = start_m_ + (j + 0.5) * kBlock * bin_m_;
+    half_across_.push_back(std::min(blocks_across_, blocks_in(std::max(0.01, kBlock * spacing * range))));
+  }
   steady_s_.assign(static_cast<std::size_t>(bins_), 0);
-  scratch_.resize(
-      std::max({rings, std::size_t{64}, static_cast<std::size_t>(beams_), static_cast<std::size_t>(bins_)}));
+  scratch_.resize(std::max({rings, static_cast<std::size_t>((kMostAcross + 2) * (2 * half_along_ + 1)), std::size_t{64},
+                            static_cast<std::size_t>(beams_), static_cast<std::size_t>(bins_)}));
   scratch2_.resize(scratch_.size());
   begun_ = false;
   pings_ = 0;
@@ -215,17 +224,36 @@ void FanBackground::find_patches() {
       block_[block_at(i, j)] = count > 0 ? sum / count : -1.f;
     }
   }
-  for (int i = 0; i < blocks_across_; ++i) {
-    for (int j = 0; j < blocks_along_; ++j) {
+  for (int j = 0; j < blocks_along_; ++j) {
+    const int along = half_along_, across = half_across_[static_cast<std::size_t>(j)];
+    const int step = 1 + (2 * across) / kMostAcross;
+    for (int i = 0; i < blocks_across_; ++i) {
       std::size_t count = 0;
-      for (int m = std::max(0, i - kPatchAcross); m <= std::min(blocks_across_ - 1, i + kPatchAcross); ++m) {
-        for (int n = std::max(0, j - kPatchAlong); n <= std::min(blocks_along_ - 1, j + kPatchAlong); ++n) {
+      for (int m = i - across; m <= i + across; m += step) {
+        if (m < 0 || m >= blocks_across_) continue;
+        for (int n = std::max(0, j - along); n <= std::min(blocks_along_ - 1, j + along); ++n) {
           const float value = block_[block_at(m, n)];
           if (value >= 0) scratch_[count++] = value;
         }
       }
+      eroded_[block_at(i, j)] = count > 0 ? quantile_of(scratch_, count, kQuantile) : 0.f;
+    }
+  }
+  for (int i = 0; i < blocks_across_; ++i) {  // dilated, along the range first
+    for (int j = 0; j < blocks_along_; ++j) {
+      const auto from = eroded_.begin() + static_cast<std::ptrdiff_t>(block_at(i, std::max(0, j - half_along_)));
+      const auto end =
+          eroded_.begin() + static_cast<std::ptrdiff_t>(block_at(i, std::min(blocks_along_ - 1, j + half_along_))) + 1;
+      block_[block_at(i, j)] = *std::max_element(from, end);
+    }
+  }
+  for (int i = 0; i < blocks_across_; ++i) {
+    for (int j = 0; j < blocks_along_; ++j) {
+      const int across = half_across_[static_cast<std::size_t>(j)];
+      float now = 0;
+      for (int m = std::max(0, i - across); m <= std::min(blocks_across_ - 1, i + across); ++m)
+        now = std::max(now, block_[block_at(m, j)]);
       float& patch = patch_[block_at(i, j)];
-      const float now = count > 0 ? quantile_of(scratch_, count, kQuantile) : 0.f;
       patch += a * (now - patch);
     }
   }

@@ -7,12 +7,14 @@
 // over kRingMemory seconds.
 //
 // A ring that is narrow in range, less than kNarrow cells, is a wall that fills the fan, not bottom or surface: it is
-// no background (grey-scale opening along the range). Two narrow rings are: the echo of bottom or surface straight
-// below or above, by way of the side lobes, at the range of altitude or depth where these are known; and one that fills
-// a fan of 80 degrees and more at the same range for kSteady seconds, which no flat wall can.
+// no background (grey-scale opening along the range). Two narrow rings are background: the echo of bottom or surface
+// straight below or above, by way of the side lobes, at the range of altitude or depth where these are known, up to
+// four times its median over the fan; and one that fills a fan of 80 degrees and more at the same range for kSteady
+// seconds, which no flat wall can.
 //
-// Reverberation that fills part of the fan, as by roll or a slope, fills a patch that is wide in direction and in
-// range: the same quantile over 12 beams by 28 ranges, in which no wall is wide, is background too.
+// Reverberation that fills part of the fan, as by roll or a slope, and clouds of clutter fill a patch that is wide in
+// direction and in range. A window of 3 m by 3 m that is loud but for the same low quantile is background, wherever it
+// lies (a grey-scale opening by that window): no wall is so thick, no pole so wide.
 //
 // A beam that is loud over 64 cells of its range hears a wall by way of bottom and surface, or interference: a low
 // quantile along the beam is background as well. The near end of a wall that lies along a beam stays.
@@ -84,10 +86,12 @@ class FanBackground {
   std::vector<float> wide_;          ///< rings without what is narrow
   std::vector<float> steady_s_;      ///< bins: since when a narrow ring has filled the fan
   int blocks_across_ = 0, blocks_along_ = 0;
-  std::vector<float> block_, patch_;  ///< blocks of cells: mean power, and background of their neighbourhood
-  std::vector<float> local_, level_;  ///< beams x bins
-  std::vector<float> base_;           ///< beams x bins: ring or patch
-  std::vector<float> known_relief_;   ///< of each row, before the first ping; empty: not known
+  std::vector<float> block_, eroded_, patch_;  ///< blocks of cells: mean power; of their neighbourhoods
+  int half_along_ = 1;                         ///< blocks to each side that a neighbourhood reaches
+  std::vector<int> half_across_;               ///< the same across, by range
+  std::vector<float> local_, level_;           ///< beams x bins
+  std::vector<float> base_;                    ///< beams x bins: ring or patch
+  std::vector<float> known_relief_;            ///< of each row, before the first ping; empty: not known
   std::vector<float> scratch_, scratch2_;
   float quiet_ = 1;
 };

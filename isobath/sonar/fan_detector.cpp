@@ -23,13 +23,14 @@ constexpr double kFull = 0.25;
 constexpr float kClutter = 0.004f, kClutterMemory = 0.01f;  // share of cells; of pings
 constexpr int kClutteredThirds = 2;                         // of nine ninths, those that may be free of it
 constexpr float kOnePing = 0.5f;                            // of a look, at most: no ping makes an obstacle alone
-constexpr int kUnsettled = 8, kSettled = 40;                // pings after which what was learnt before counts an eighth
-constexpr float kDead = 0.01f;                              // of the median beam, in power
-constexpr float kSideLobe = 1.f / 16;                       // of the loudest at a range, in power
-constexpr float kOfSaturated = 1.f / 4;                     // where that one is clipped
-constexpr int kClippedRun = 3;                              // cells
-constexpr double kThick_m = 1.5;                            // of a body that casts a shadow
-constexpr float kBehind = 0.5f;                             // of the power of the echo in front: another body
+constexpr float kOfClutter = 0.33f;           // of the weight of a ping: spikes of clutter stay for seconds
+constexpr int kUnsettled = 8, kSettled = 40;  // pings after which what was learnt before counts an eighth
+constexpr float kDead = 0.01f;                // of the median beam, in power
+constexpr float kSideLobe = 1.f / 16;         // of the loudest at a range, in power
+constexpr float kOfSaturated = 1.f / 4;       // where that one is clipped
+constexpr int kClippedRun = 3;                // cells
+constexpr double kThick_m = 1.5;              // of a body that casts a shadow
+constexpr float kBehind = 0.5f;               // of the power of the echo in front: another body
 constexpr int kThickCells = 4, kShadowBeams = 3;
 constexpr float kGhost = 0.1f;  // of that power: may be its own by a detour
 constexpr int kBodyBeams = 4,
@@ -606,6 +607,7 @@ void FanDetector::State::detect(const Ping& ping, const WaterColumn& water, Echo
     out.most_echo_weight = kOnePing;
     const double since_s = g.heard ? to_seconds(ping.time - g.time) : config_.look_s;
     out.weight = static_cast<float>(std::clamp(since_s / config_.look_s, 0.05, 1.0));
+    if (is_cluttered(g)) out.most_echo_weight = std::min(kOnePing, kOfClutter * out.weight);
   }
   g.time = ping.time;
   g.heard = true;

@@ -16,7 +16,8 @@
 // What a decision tells. p_D is `fan_p_detect` in quiet water. Where the background is louder a target hides: p_D falls
 // as that of a fluctuating target (Swerling 1), p_D = f^(1 / (1 + s)), s its signal to noise ratio; below twice f the
 // cell says nothing. `weight` is the share of an independent look that the ping is: pings that follow each other faster
-// than `look_s` share one. Echoes of one ping count for no more than half of one, so that no ping makes an obstacle.
+// than `look_s` share one. Echoes of one ping count for no more than half of one, so that no ping makes an obstacle; in
+// clutter, whose spikes stay for seconds, for a third of that.
 //
 // Geometries. The state of the last four pairs of fan and range window is kept, so that pings may interlace; a new one
 // takes over the thresholds, since u has no unit. Beams that are dead (below a hundredth of the median beam) say
