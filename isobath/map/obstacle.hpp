@@ -1,5 +1,5 @@
-// Obstacle: something to keep clear of, as a convex outline in the level body frame L (x forward, y starboard, m) of
-// the moment of its detection.
+// Obstacle: an obstacle to avoid, as a convex outline in the level body frame L (x forward, y starboard, m) at the
+// moment of its detection.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace isobath {
 
-/// Where in the water column the echoes of an obstacle come from (perception/water_label.hpp).
+/// The part of the water column that an obstacle's echoes come from (perception/water_label.hpp).
 enum class WaterLabel : std::uint8_t { kUnknown, kStanding, kBottom, kSurface };
 
 struct Obstacle {
@@ -22,9 +22,9 @@ struct Obstacle {
   Eigen::Vector2d centre;          ///< mean of the cells that carry the evidence
   Eigen::Matrix2d covariance;      ///< extent: second moment of these cells about the centre, m2
   std::uint32_t hits = 0;          ///< echoes that support it
-  Time last_hit;                   ///< of the last of them
+  Time last_hit;                   ///< of the last of these echoes
   bool behind = false;             ///< a nearer obstacle hides most of it
-  bool possible_multiple = false;  ///< at a multiple of the range of a nearer one in its direction
+  bool possible_multiple = false;  ///< at a multiple of the range of a nearer obstacle in the same direction
   WaterLabel label = WaterLabel::kUnknown;
 };
 
