@@ -3,8 +3,8 @@ import { runnerImport, type Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
 
 /**
- * The page is one file that works without a net: the script and the styles are set where the page would load them,
- * with the licences of what is in it.
+ * Makes one file that works without a network: script and styles replace the elements that would load them. The
+ * licences of the libraries are added.
  */
 function inOneFile(): Plugin {
   return {
@@ -36,7 +36,7 @@ function inOneFile(): Plugin {
   };
 }
 
-/** `npm run dev` shows the demonstration; ISOBATH_SERVE=host:port shows what a running `isobath serve` tells. */
+/** `npm run dev` shows the demonstration; ISOBATH_SERVE=host:port shows the run of an `isobath serve`. */
 function demonstration(): Plugin {
   const serve = async (server: unknown) => {
     if (process.env.ISOBATH_SERVE || process.env.VITEST) return;
@@ -50,7 +50,7 @@ function demonstration(): Plugin {
   };
 }
 
-/** The page must live with this much; a preview holds it to that. */
+/** The strictest policy that the page must work under; the preview applies it. */
 const kPolicy =
   "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self'";
 const behind = process.env.ISOBATH_SERVE;

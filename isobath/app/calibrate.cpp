@@ -66,13 +66,13 @@ Action add_calibrate(CLI::App& program) {
   auto options = std::make_shared<Options>();
   options->request.out = "out/calibration";
   CLI::App* command = program.add_subcommand(
-      "calibrate", "What a sonar hears, from an ordinary recording of a minute or from marked frames");
+      "calibrate", "Learn the model of a sonar from an ordinary recording of one minute or from marked frames");
   command->add_option("LOG", options->request.input, "A log, or a folder of frames, with or without marks")->required();
   command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
   command->add_option("--background-below", options->request.background_below,
                       "Without marks: pings whose strongest sample is below this many counts are background");
   command->add_option("--objects", options->request.objects,
-                      "Histogram model whose objects count as marked: makes one of a log without marks");
+                      "Histogram model whose object histogram is used, for a log without marks");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   options->config.add_to(*command);
   return [options] { return act(*options); };

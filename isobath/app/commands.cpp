@@ -11,7 +11,7 @@ Eigen::Vector2d pair_of(const std::string& text) {
   const bool comma = a.ec == std::errc() && a.ptr != end && *a.ptr == ',';
   const auto b = comma ? std::from_chars(a.ptr + 1, end, second) : a;
   if (!comma || b.ec != std::errc() || b.ptr != end) {
-    throw Error("\"" + text + "\" is no way-point", {}, "two numbers with a comma between: 41.66,-82.82");
+    throw Error("\"" + text + "\" is not a way-point", {}, "two numbers separated by a comma: 41.66,-82.82");
   }
   return {first, second};
 }

@@ -12,7 +12,7 @@ namespace isobath::app {
 
 inline constexpr int kSuccess = 0, kFailedChecks = 1, kBadInput = 2;
 
-/// What a subcommand does once its options are read; returns the exit code, throws isobath::Error for bad input.
+/// Runs a subcommand after its options are parsed. Returns the exit code; throws isobath::Error for bad input.
 using Action = std::function<int()>;
 
 Action add_run(CLI::App& program);
@@ -30,7 +30,7 @@ Action add_sphere(CLI::App& program);
 
 Action add_config(CLI::App& program);
 
-/// "41.66,-82.82" as two numbers; throws Error where it is not.
+/// Parses "41.66,-82.82" into two numbers; throws Error for any other text.
 Eigen::Vector2d pair_of(const std::string& text);
 
 }  // namespace isobath::app

@@ -43,12 +43,11 @@ int act(Options& options) {
 Action add_compare(CLI::App& program) {
   auto options = std::make_shared<Options>();
   options->request.out = "out/comparison";
-  CLI::App* command =
-      program.add_subcommand("compare", "Statistics of two recordings, real or simulated, side by side");
+  CLI::App* command = program.add_subcommand("compare", "Compare the statistics of two recordings, real or simulated");
   command->add_option("A", options->request.a, "Log, folder of frames, or scene (.toml)")->required();
   command->add_option("B", options->request.b, "Log, folder of frames, or scene (.toml)")->required();
   command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
-  command->add_option("--threads", options->request.threads, "1 or 2; the results are the same")
+  command->add_option("--threads", options->request.threads, "Number of threads, 1 or 2; the results are the same")
       ->check(CLI::Range(1, 64));
   command->add_flag("--json", options->json, "One JSON object on standard output");
   options->config.add_to(*command);

@@ -13,7 +13,7 @@ Action add_config(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("config", "Print the annotated configuration: defaults, with --config and --set applied");
   options->config.add_to(*command);
-  command->add_flag("--plain", options->plain, "Without the explanations");
+  command->add_flag("--plain", options->plain, "Leave out the explanations");
   return [options] {
     std::fputs(to_toml(options->config.read(), !options->plain).c_str(), stdout);
     return kSuccess;

@@ -13,7 +13,7 @@ struct ConfigOptions {
   std::vector<std::string> settings;
 
   void add_to(CLI::App& command);
-  /// Defaults, then the file, then the settings in their order. Throws Error.
+  /// Applies the file, then the settings in their order, to the defaults. Throws Error.
   [[nodiscard]] Configuration read() const;
 };
 

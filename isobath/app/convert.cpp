@@ -19,12 +19,12 @@ struct Options {
   int pixels_a_cell = 0;
 };
 
-/// A depth map as bands of a raster.
+/// Writes a depth map as the bands of a raster.
 int write_map(const Options& options) {
   const StoredMap map = open_map(options.input);
   for (const MapDamage& damage : map.damages) fmt::print("damaged: {}\n", to_text(damage));
   const PixelWindow known = known_extent(map.trees);
-  if (known.width == 0) throw Error("the map knows no depth: there is nothing to write", {options.input.string()});
+  if (known.width == 0) throw Error("the map has no depths, so there is nothing to write", {options.input.string()});
   const MapRaster raster = read_raster(*snapshot_of(map), known, options.pixels_a_cell);
   write_map_geotiff(raster, map.facts, options.output);
   fmt::print("{} x {} cells of {} m written to {}: depth, confidence, age, source\n", raster.window.width,
@@ -32,13 +32,14 @@ int write_map(const Options& options) {
   return kSuccess;
 }
 
-/// A chart as the map that a mission begins with.
+/// Makes a depth map from a chart, for a mission to start from.
 int make_map(const Options& options) {
   std::optional<GeoOrigin> origin;
   if (!options.origin.empty()) {
     const Eigen::Vector2d p = pair_of(options.origin);
     origin = GeoOrigin{p.x(), p.y()};
-    if (!valid(*origin)) throw Error("\"" + options.origin + "\" is no place on the globe", {}, "latitude,longitude");
+    if (!valid(*origin))
+      throw Error("\"" + options.origin + "\" is not a position on the globe", {}, "latitude,longitude");
   }
   const PriorMapOutcome made = make_map_of_prior(options.input, options.output, options.config.read(), origin);
   for (const auto& [what, count] : made.read) fmt::print("  read {}: {}\n", what, count);
@@ -58,10 +59,10 @@ int act(const Options& options) {
   if (ending_of(options.output).empty() && !looks_like_map(options.input)) return make_map(options);
   if (ending_of(options.output) != ".mcap" || looks_like_map(options.input)) {
     throw Error("cannot write this kind of file", {options.output.string(), {}, {}, {}, {}},
-                "a log as .mcap, a map as .tif, a chart as a folder without an ending");
+                "a log as .mcap, a map as .tif, a chart as a folder without an extension");
   }
   InputConfig input = options.config.read().input;
-  input.most_bins = 0;  // what is kept is kept whole
+  input.most_bins = 0;  // the converted log keeps every bin
   const auto source = open_source(options.input, input);
   NativeLogWriter log(options.output);
   log.set_details(source->report().details);
@@ -87,15 +88,15 @@ int act(const Options& options) {
 Action add_convert(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand(
-      "convert", "A log to the native log (.mcap), a depth map to a raster (.tif), a chart to a map");
+      "convert", "Convert a log to the native log (.mcap), a depth map to a raster (.tif), or a chart to a map");
   command->add_option("IN", options->input, "Log, folder of frames, depth map, or chart")->required();
-  command->add_option("OUT", options->output, "File to write, .mcap or .tif; a folder for a map made of a chart")
+  command->add_option("OUT", options->output, "File to write, .mcap or .tif; a folder for a map made from a chart")
       ->required();
-  command->add_option("--origin", options->origin, "Origin of a map made of a chart; default: its middle")
+  command->add_option("--origin", options->origin, "Origin of a map made from a chart; default: its centre")
       ->type_name("LAT,LON");
   command
       ->add_option("--pixels-a-cell", options->pixels_a_cell,
-                   "Cells of a raster that are coarser than pixels; 0: as fine as 16 million cells allow")
+                   "Pixels along the side of a raster cell; 0: as fine as 16 million cells allow")
       ->check(CLI::Range(0, 4096));
   options->config.add_to(*command);
   return [options] { return act(*options); };

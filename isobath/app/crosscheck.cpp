@@ -42,10 +42,10 @@ int act(Options& options) {
 
 Action add_crosscheck(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("crosscheck", "How well a map predicts soundings that it has not seen");
+  CLI::App* command = program.add_subcommand("crosscheck", "Compare a map with soundings that are not in it");
   command->add_option("MAP", options->request.map, "Folder of a depth map")->required();
   command->add_option("LOG", options->request.input, "Log, folder of logs, or scene (.toml)")->required();
-  command->add_option("--out", options->request.out, "Folder for a report; without it, none")->type_name("FOLDER");
+  command->add_option("--out", options->request.out, "Folder for a report; default: no report")->type_name("FOLDER");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   options->config.add_to(*command);
   return [options] { return act(*options); };

@@ -20,7 +20,7 @@ struct Options {
   bool json = false;
 };
 
-/// Of the program itself, so that results of another build are not taken for this one's.
+/// Version and digest of the program itself, so that results of another build are not reused.
 std::string program_version() {
   std::uint64_t digest = 0xcbf29ce484222325u;
   if (std::FILE* self = std::fopen("/proc/self/exe", "rb")) {
@@ -33,7 +33,7 @@ std::string program_version() {
   return fmt::format("{} {:016x}", ISOBATH_VERSION, digest);
 }
 
-/// Columns as wide as their widest cell; numbers to the right.
+/// Prints a table. Each column is as wide as its widest cell; numbers are aligned to the right.
 void print_variants(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths(rows.empty() ? 0 : rows.front().size());
   for (const auto& row : rows) {
@@ -49,7 +49,7 @@ void print_variants(const std::vector<std::vector<std::string>>& rows) {
 void print(const EvaluationRequest& request, const Evaluation& evaluation) {
   fmt::print("{}: {} runs from seed {}", request.suite.about.title, evaluation.runs.size(),
              evaluation.runs.front().seed);
-  if (evaluation.taken_over > 0) fmt::print(", {} of them taken over from before", evaluation.taken_over);
+  if (evaluation.taken_over > 0) fmt::print(", {} of them from an earlier evaluation", evaluation.taken_over);
   fmt::print("\n");
   for (const auto& row : evaluation_table(evaluation)) {
     fmt::print("{:<24}", row.front());
@@ -67,7 +67,7 @@ int act(Options& options) {
   EvaluationRequest& request = options.request;
   const Configuration configuration = options.config.read();
   const std::string name = std::filesystem::path(options.suite).stem().string();
-  // Runs of one variant have a folder of their own: those of the whole suite stay.
+  // The runs of one variant get their own folder, so that those of the whole suite are kept.
   std::string folder = options.variant.empty() ? name : name + "-" + options.variant;
   std::replace(folder.begin(), folder.end(), '/', '-');
   request.out = options.out.empty() ? "out/eval/" + folder : options.out;
@@ -104,23 +104,25 @@ Action add_eval(CLI::App& program) {
   auto options = std::make_shared<Options>();
   options->request.threads = 2;
   CLI::App* command = program.add_subcommand(
-      "eval", "Scored runs of a suite, beside other methods; exit code 1 below the suite's bars");
+      "eval", "Score the runs of a suite beside baseline methods; exit code 1 below the suite's bars");
   command
       ->add_option("SUITE", options->suite,
                    fmt::format("File (.toml), or one of {}", fmt::join(embedded_suites(), ", ")))
       ->required();
-  command->add_option("--runs", options->request.runs, "How many; default: the suite's")
+  command->add_option("--runs", options->request.runs, "Number of runs; default: the suite's")
       ->check(CLI::Range(1, 1'000'000));
-  command->add_option("--seed", options->request.seed, "Of the first run; the next ones count on; default: the suite's")
+  command
+      ->add_option("--seed", options->request.seed, "Seed of the first run; the next runs add 1; default: the suite's")
       ->check(CLI::Range(0, 1'000'000'000));
-  command->add_option("--only", options->only, "This run alone, counted from 0")->check(CLI::Range(0, 999'999));
+  command->add_option("--only", options->only, "Only this run, counted from 0")->check(CLI::Range(0, 999'999));
   command->add_option("--variant", options->variant,
-                      "Only this variant of the suite, or those with these parts of its name: remus100/altimeter");
-  command->add_option("--threads", options->request.threads, "Runs at a time; the results are the same")
+                      "Only this variant of the suite, or those whose names have these parts: remus100/altimeter");
+  command->add_option("--threads", options->request.threads, "Runs in parallel; the results are the same")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_option("--out", options->out, "Folder for the results; goes on where it was; default: out/eval/SUITE");
-  command->add_flag("--alone", options->alone, "Without the baselines");
+  command->add_option("--out", options->out,
+                      "Folder for the results; runs that are finished there are kept; default: out/eval/SUITE");
+  command->add_flag("--alone", options->alone, "Leave out the baselines");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   options->config.add_to(*command);
   return [options] { return act(*options); };

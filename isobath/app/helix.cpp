@@ -19,7 +19,7 @@ struct HelixOptions {
   bool json = false;
 };
 
-/// The file first, then the settings in their order, then the options.
+/// Applies the file, then the settings in their order, then the options.
 void read_settings(HelixOptions& options) {
   HelixRequest& request = options.request;
   std::vector<Section> all = sections(request);
@@ -69,19 +69,18 @@ int fly(HelixOptions& options) {
 Action add_helix(CLI::App& program) {
   auto options = std::make_shared<HelixOptions>();
   CLI::App* command = program.add_subcommand(
-      "helix",
-      "Approach an opening by a helix and straight: what a pair of fans knows of it, as pictures and a report");
+      "helix", "Approach an opening on a helix and on a straight line; report what a pair of fans sees of it");
   command->add_option("--out,-o", options->out, "Folder for the results")->capture_default_str();
-  command->add_option("--width", options->width, "Of the opening, m; 25 unless set");
-  command->add_option("--height", options->height, "Of the opening, surface to bed, m; 8 unless set");
-  command->add_option("--from", options->from, "Where the approach begins, m before the opening; 60 unless set");
-  command->add_option("--speed", options->speed, "m/s; 1.5 unless set");
-  command->add_option("--vehicle", options->vehicle, "Vehicle file; without it the one that the program brings along");
+  command->add_option("--width", options->width, "Width of the opening, m; default: 25");
+  command->add_option("--height", options->height, "Height of the opening, surface to bottom, m; default: 8");
+  command->add_option("--from", options->from, "Start of the approach, m before the opening; default: 60");
+  command->add_option("--speed", options->speed, "Speed, m/s; default: 1.5");
+  command->add_option("--vehicle", options->vehicle, "Vehicle file; default: the embedded vehicle");
   command->add_option("--config", options->config, "TOML file with settings")->type_name("FILE");
   command->add_option("--set", options->settings, "One setting, e.g. --set helix.advance=4; may be repeated")
       ->type_name("SECTION.KEY=VALUE")
       ->allow_extra_args(false);
-  command->add_flag("--settings", options->show_settings, "Print all settings, annotated, and do nothing");
+  command->add_flag("--settings", options->show_settings, "Print all settings, annotated, and exit");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   return [options] { return fly(*options); };
 }

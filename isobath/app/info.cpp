@@ -175,11 +175,11 @@ Action add_info(CLI::App& program) {
     bool changes = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("info", "What is in a file: streams, rates, gaps, damage");
+  CLI::App* command = program.add_subcommand("info", "Describe a file: streams, rates, gaps, damage");
   command->add_option("FILE", options->input, "Log, folder of frames or of logs, or depth map")->required();
   command->add_flag("--json", options->json, "One JSON object instead of text");
   command->add_flag("--changes", options->changes,
-                    "Of a depth map: what sonar changed against the chart, and the track");
+                    "For a depth map: list what sonar changed against the chart, and the track");
   options->config.add_to(*command);
   return [options] {
     if (looks_like_map(options->input)) {
@@ -188,7 +188,7 @@ Action add_info(CLI::App& program) {
       return act_on_map(options->input, options->json, margin);
     }
     InputConfig input = options->config.read().input;
-    input.most_bins = 0;  // what is in the file
+    input.most_bins = 0;  // describe the bins as they are in the file
     const auto source = open_source(options->input, input);
     ProgressLine progress;
     const Inspection facts = inspect(*source, [&](std::uint64_t events) {

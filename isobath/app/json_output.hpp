@@ -1,5 +1,5 @@
-// What --json prints: one JSON object on standard output. Text that is no UTF-8 (names of files, words of a log) is
-// replaced, not refused.
+// Output of --json: one JSON object on standard output. Bytes that are not UTF-8 (in file names, in texts of a log) are
+// replaced.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 namespace isobath::app {
 
 void print_json(const nlohmann::ordered_json& json);
-/// Adds the names of the files in `folder` to which results were written, as "files".
+/// Adds the paths of the result files in `folder` as "files".
 void add_files(nlohmann::ordered_json& json, const std::filesystem::path& folder,
                const std::vector<std::filesystem::path>& files);
 

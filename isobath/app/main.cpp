@@ -15,7 +15,7 @@ namespace {
 using isobath::app::Action;
 using Commands = std::vector<std::pair<CLI::App*, Action>>;
 
-/// On standard error; with --json as an object on standard output too.
+/// Prints a problem to standard error; with --json also as an object to standard output.
 int complain(const std::string& problem, bool as_json, const isobath::Place& where = {}) {
   fmt::print(stderr, "isobath: {}\n", problem);
   if (as_json) {
@@ -41,7 +41,7 @@ int act(const Action& action, bool as_json) {
   }
 }
 
-/// Where the first word is no command: that, and which one was meant; else empty.
+/// If the first argument is not a command: a message that names the nearest command; else empty.
 std::string no_such_command(const Commands& commands, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return "";
   std::vector<std::string> names{"help"};
@@ -67,7 +67,7 @@ int run_program(int argc, char** argv) {
     add(make);
   }
   std::string about;
-  CLI::App* help = program.add_subcommand("help", "What the program or one of its commands can do");
+  CLI::App* help = program.add_subcommand("help", "Print the help of the program or of one command");
   help->add_option("COMMAND", about, "run, serve, ...");
   try {
     program.parse(argc, argv);
@@ -95,7 +95,7 @@ int run_program(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return run_program(argc, argv);
-  } catch (const std::exception& e) {  // not complain(): it may throw
+  } catch (const std::exception& e) {  // not complain(), which may throw
     std::fprintf(stderr, "isobath: %s\n", e.what());
   } catch (...) {
     std::fputs("isobath: an unknown error\n", stderr);

@@ -24,7 +24,8 @@ int act(Options& options) {
       continue;
     }
     const GeoPoint point{p.x(), p.y()};
-    if (!valid(point)) throw Error("\"" + text + "\" is no place on the globe", {}, "latitude,longitude in degrees");
+    if (!valid(point))
+      throw Error("\"" + text + "\" is not a position on the globe", {}, "latitude,longitude in degrees");
     request.points.push_back(point);
   }
   const PathOutcome outcome = check_path(request);
@@ -42,7 +43,7 @@ int act(Options& options) {
                                       {"map_version", t.map_version}};
     fmt::print("{}\n", json.dump(2));
   } else if (clear) {
-    fmt::print("clear: {:.0f} m of path, {} pixels, all with the water wanted\n", outcome.length_m, t.pixels);
+    fmt::print("clear: {:.0f} m of path, {} pixels, all with enough water\n", outcome.length_m, t.pixels);
   } else {
     fmt::print("refused: {}\n{:.1f} % of {} pixels are clear, {} are unknown\n", outcome.reason, 100 * t.fraction,
                t.pixels, t.unknown);
@@ -56,13 +57,16 @@ int act(Options& options) {
 Action add_path(CLI::App& program) {
   auto options = std::make_shared<Options>();
   PathRequest& request = options->request;
-  CLI::App* command = program.add_subcommand("path", "Whether a path over a map has the water that a vehicle needs");
+  CLI::App* command =
+      program.add_subcommand("path", "Check whether a path over a map has the water that a vehicle needs");
   command->add_option("MAP", request.map, "Folder of a depth map")->required();
   command->add_option("POINT", options->points, "Way-points: latitude,longitude")->required()->expected(1, 10000);
   command->add_flag("--metres", options->metres, "Way-points are metres north,east of the map's origin");
   command->add_option("--draught", request.draught_m, "Depth of the vehicle's lowest part, m")->capture_default_str();
-  command->add_option("--clearance", request.passage.clearance_m, "Water wanted below it, m")->capture_default_str();
-  command->add_option("--half-width", request.passage.half_width_m, "Of the corridor, m")->capture_default_str();
+  command->add_option("--clearance", request.passage.clearance_m, "Water required below the vehicle, m")
+      ->capture_default_str();
+  command->add_option("--half-width", request.passage.half_width_m, "Half the width of the corridor, m")
+      ->capture_default_str();
   command->add_option("--around-objects", request.obstacle_radius_m, "Distance to keep from charted objects, m")
       ->capture_default_str();
   command->add_flag("--json", options->json, "One JSON object on standard output");

@@ -15,7 +15,7 @@ void ProgressLine::show(std::uint64_t done, std::uint64_t total, std::uint64_t r
   shown_ = true;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const double rate = static_cast<double>(readings) / elapsed;
-  std::string line = fmt::format("{} {}, {:.{}f} a second", readings, what, rate, rate < 10 ? 2 : 0);
+  std::string line = fmt::format("{} {}, {:.{}f} per second", readings, what, rate, rate < 10 ? 2 : 0);
   if (total > 0 && done > 0) {
     const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
     line = fmt::format("{:5.1f} %  {}, {:.0f} s left", 100 * share, line, elapsed * (1 - share) / share);

@@ -1,4 +1,4 @@
-// A line on the terminal that shows how far long work has come; nothing at all in a pipe.
+// ProgressLine: one line on the terminal that shows the progress of long work. It prints nothing into a pipe.
 #pragma once
 
 #include <chrono>

@@ -23,7 +23,7 @@ struct Options : RunOptions {
   std::string speed = "1";
 };
 
-/// Of one core, s: each stage, and the input and the report apart.
+/// CPU time of each stage, s; the input and the report are stages of their own.
 ordered_json load_json(const RunLoad& load) {
   ordered_json all;
   for (std::size_t i = 0; i < kStages; ++i) all[to_text(static_cast<Stage>(i))] = load.stage_s[i];
@@ -69,7 +69,7 @@ void print(const char* stage, const StageTime& t) {
 
 void print(const MissionTimings& t) {
   fmt::print("  {:<30} {:>9} {:>9} {:>9}  {:>7}\n", "latency, ms", "median", "99 %", "worst", "count");
-  print("hearing: an event by the crew", t.event_to_crew);
+  print("agents: handling of an event", t.event_to_crew);
   print("mapping: a ping into the grid", t.ping_to_grid);
   print("detection: obstacles of a scan", t.detection);
   print("planning: the Navigator's turn", t.planning);
@@ -77,14 +77,14 @@ void print(const MissionTimings& t) {
 }
 
 void print(const TruthScore& truth) {
-  fmt::print("truth: {} obstacles in {} scans, {} of them of nothing\n", truth.obstacles, truth.scans,
+  fmt::print("ground truth: {} obstacles in {} scans, {} of them false\n", truth.obstacles, truth.scans,
              truth.false_alarms);
   for (const BodyScore& b : truth.bodies) {
     if (b.scans_found == 0) {
-      fmt::print("  {}: heard by {} pings, not found\n", b.name, b.pings_heard);
+      fmt::print("  {}: echoes in {} pings, not detected\n", b.name, b.pings_heard);
       continue;
     }
-    fmt::print("  {}: found at {:.1f} m, {} pings ({:.1f} s) after it was first heard", b.name, b.first_range_m,
+    fmt::print("  {}: detected at {:.1f} m, {} pings ({:.1f} s) after its first echo", b.name, b.first_range_m,
                b.delay_pings, b.delay_s);
     if (b.compact) fmt::print("; range error {:+.2f} m mean, {:.2f} m rms", b.range_error_mean_m, b.range_error_rms_m);
     fmt::print("\n");
@@ -122,25 +122,25 @@ void print(const std::vector<Obstacle>& obstacles, std::uint64_t scans) {
                o.label == WaterLabel::kUnknown ? "" : fmt::format("  {}", to_text(o.label)),
                o.possible_multiple ? "  possible multiple echo" : "");
   }
-  if (hidden > 0) fmt::print("  {} stand behind a nearer one\n", hidden);
+  if (hidden > 0) fmt::print("  {} are hidden behind nearer ones\n", hidden);
   if (printed + hidden < obstacles.size()) {
     fmt::print("  and {} more in obstacles.json\n", obstacles.size() - printed - hidden);
   }
 }
 
-/// What was heard, in numbers.
+/// Prints the numbers of pings, echoes, ranges and swaths received.
 void print_input(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   const std::string span = span_text(outcome.log_s);
   if (n.pings > 0 || !outcome.depth) {
-    fmt::print("heard {} pings within {}: {} echoes in {} bins\n", n.pings, span, n.hits, n.bins);
+    fmt::print("received {} pings in {}: {} echoes in {} bins\n", n.pings, span, n.hits, n.bins);
   } else {
-    fmt::print("heard {} ranges and {} swaths within {}\n", n.ranges, n.swaths, span);
+    fmt::print("received {} ranges and {} swaths in {}\n", n.ranges, n.swaths, span);
   }
-  if (n.upright > 0) fmt::print("heard {} pings of upright fans, for the map in three dimensions\n", n.upright);
+  if (n.upright > 0) fmt::print("received {} pings of vertical fans, for the voxel map\n", n.upright);
 }
 
-/// What the user may want to mend.
+/// Prints what the user may want to correct: refusals, damage, jumps, missing altitudes.
 void print_doubts(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
@@ -148,17 +148,17 @@ void print_doubts(const RunOutcome& outcome) {
     fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
   }
   if (n.jumps > 0) {
-    fmt::print("jumps of the position: {}, by up to {:.1f} m; what was seen around the vehicle moved along\n", n.jumps,
+    fmt::print("jumps of the position: {}, by up to {:.1f} m; the maps around the vehicle moved along\n", n.jumps,
                n.farthest_jump_m);
   }
   if (outcome.fan) fmt::print("{}\n", to_text(*outcome.fan));
-  if (!outcome.undecided.empty()) fmt::print("at the end no bin could be decided: {}\n", outcome.undecided);
+  if (!outcome.undecided.empty()) fmt::print("at the end of the run no bin could be decided: {}\n", outcome.undecided);
   if (100 * n.no_bottom > n.pings) {  // the first pings of a log come before the first altitude
-    fmt::print("no altitude for {} of {} pings: echoes of the bottom are not told from obstacles\n", n.no_bottom,
+    fmt::print("no altitude for {} of {} pings: bottom echoes are not separated from obstacles\n", n.no_bottom,
                n.pings);
   }
   if (n.blind > 0) {
-    fmt::print("bottom or surface hide what stands in {} of {} bins: they count as unknown\n", n.blind, n.bins);
+    fmt::print("echoes of bottom or surface mask {} of {} bins: these count as unknown\n", n.blind, n.bins);
   }
 }
 
@@ -172,7 +172,7 @@ void print_timings(const RunOutcome& outcome) {
   if (outcome.mission) print(outcome.mission->timings);
 }
 
-/// What was found comes first, then what it was found from, what to mend, and where all of it is.
+/// Prints the results first, then the input, the problems and the output folder.
 void print(const RunRequest& request, const RunOutcome& outcome) {
   for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   if (outcome.mission) {
@@ -209,16 +209,16 @@ int act(Options& options) {
 
 Action add_run(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("run", "The main job: log in; map, obstacles, pictures and report out");
+  CLI::App* command = program.add_subcommand("run", "Map a log or a scene; write map, obstacles, pictures and report");
   command->add_option("INPUT", options->request.input,
-                      "Log, folder of frames, or scene (.toml); without it, the embedded scene");
+                      "Log, folder of frames, or scene (.toml); default: the embedded scene");
   options->add_to(*command, "out/run");
-  CLI::Option* live =
-      command->add_flag("--live", options->live, "A scene's mission with real threads; not the same bytes every time");
-  command->add_option("--speed", options->speed, "Of a live run: times real time, or max: as fast as it goes")
+  CLI::Option* live = command->add_flag("--live", options->live,
+                                        "Run the scene's mission with real threads; the output is not deterministic");
+  command->add_option("--speed", options->speed, "Speed of a live run: a multiple of real time, or max")
       ->capture_default_str()
       ->needs(live);
-  command->add_flag("--timings", options->request.timings, "Measured times, here and in the report");
+  command->add_flag("--timings", options->request.timings, "Print measured times, here and in the report");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   return [options] { return act(*options); };
 }

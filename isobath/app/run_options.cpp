@@ -7,16 +7,17 @@ namespace isobath::app {
 void RunOptions::add_to(CLI::App& command, const std::string& out) {
   request.out = out;
   command.add_option("--out", request.out, "Folder for the results")->capture_default_str();
-  command.add_option("--map", request.map, "Folder of a depth map to continue, or to begin")->type_name("FOLDER");
+  command.add_option("--map", request.map, "Folder of a depth map to continue or to start")->type_name("FOLDER");
   command
       .add_option("--mission", request.mission,
-                  "Mission file, or a scenario for its mission: a scene runs in a closed loop, a log is decided anew")
+                  "Mission file, or a scenario with a mission; a scene runs in a closed loop, a log is decided again")
       ->type_name("FILE");
-  command.add_option("--record", request.record, "Recording of the run to write: .mcap")->type_name("FILE");
+  command.add_option("--record", request.record, "Recording of the run to write (.mcap)")->type_name("FILE");
   command.add_option("--model", model_, "Sensor model made by isobath calibrate")->type_name("FILE");
   command.add_option("--input-set", set_, "Set of frames in a folder that holds several")->type_name("NAME");
   command.add_option("--pass", pass_, "Pass of a set that holds several; default: the first");
-  command.add_option("--threads", request.threads, "1 or 2; the results are the same")->check(CLI::Range(1, 64));
+  command.add_option("--threads", request.threads, "Number of threads, 1 or 2; the results are the same")
+      ->check(CLI::Range(1, 64));
   config.add_to(command);
 }
 
@@ -32,7 +33,7 @@ int conclude(const RunRequest& request, const RunOutcome& outcome) {
   const std::string failure = outcome.mission ? outcome.mission->failure() : std::string();
   std::fflush(stdout);
   if (!outcome.recording_problem.empty()) {
-    std::fprintf(stderr, "isobath: %s; the recording ends there, %llu events and messages are not in it\n",
+    std::fprintf(stderr, "isobath: %s; the recording ends there, %llu events and messages are missing\n",
                  outcome.recording_problem.c_str(), static_cast<unsigned long long>(outcome.not_recorded));
   }
   if (outcome.problem.empty() && failure.empty()) {

@@ -1,4 +1,4 @@
-// The options that every command with a run has, and how a run ends for the shell.
+// RunOptions: the options of every command that runs a pipeline, and the exit code of a run.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,7 +12,7 @@ struct RunOptions {
   ConfigOptions config;
   RunRequest request;
 
-  /// `out`: the folder of the results, where none is named.
+  /// `out`: the default folder of the results.
   void add_to(CLI::App& command, const std::string& out);
   /// The request, with its configuration. Throws Error.
   RunRequest& read();
@@ -22,7 +22,7 @@ struct RunOptions {
   int pass_ = 0;
 };
 
-/// Prints to the standard error what was wrong, and returns the exit code: the input, the mission, the recording.
+/// Prints the problems of the input, the mission and the recording to standard error. Returns the exit code.
 int conclude(const RunRequest& request, const RunOutcome& outcome);
 
 }  // namespace isobath::app

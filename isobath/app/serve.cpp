@@ -34,7 +34,7 @@ std::atomic<bool> interrupted{false};  // a signal may come at any time
 
 void interrupt(int /*signal*/) { interrupted = true; }
 
-/// Secrets have no place on a command line, which every user of the machine can read.
+/// Reads the token from a file, because every user of the machine can read the command line.
 std::string token_of(const std::string& file) {
   if (file.empty()) return {};
   std::string token = text_of_file(file);
@@ -59,7 +59,7 @@ std::string place_of(const WebServerConfig& config, int port) {
   return fmt::format("http://{}{}{}:{}/", six ? "[" : "", any ? "localhost" : config.address, six ? "]" : "", port);
 }
 
-/// Without a scene of somebody's own there is nothing to wait for: its sonar's first turn takes 12 s.
+/// The default is 4 for the embedded scene, whose sonar takes 12 s for its first turn, else 1.
 std::string speed_words(const ServeOptions& options) {
   if (!options.speed.empty()) return options.speed;
   return options.request.input.empty() ? "4" : "1";
@@ -69,28 +69,28 @@ void wait_for_interrupt() {
   while (!interrupted) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
-/// The page of a recording: nothing runs.
+/// Serves the page of a recording; nothing runs.
 int serve_recording(const ServeOptions& options, const WebServerConfig& config) {
   const std::filesystem::path file = options.request.input;
-  { const RecordedPlayback readable(file); }  // says at once what is wrong
+  { const RecordedPlayback readable(file); }  // throws now if the file cannot be read
   PageSources sources;
   sources.open_playback = [file] { return std::make_unique<RecordedPlayback>(file); };
   sources.version = ISOBATH_VERSION;
   check_page_sources(sources);
   WebServer server(config, page_site(sources));
-  fmt::print("{} shows {}; Ctrl-C ends\n", place_of(config, server.port()), file.string());
+  fmt::print("{} shows {}; press Ctrl-C to end\n", place_of(config, server.port()), file.string());
   std::fflush(stdout);
   wait_for_interrupt();
   return kSuccess;
 }
 
-/// What somebody at a page orders, until the run asks.
+/// The command of a page that waits for the run, if there is one. Any thread may call it.
 class Orders {
  public:
   std::string take(PageCommand command) {
     const std::lock_guard lock(mutex_);
     if (over_) return "the mission is over";
-    if (order_) return "the last order is still under way";
+    if (order_) return "the previous command is still pending";
     using Kind = OperatorCommand::Kind;
     order_ = command == PageCommand::kHold     ? Kind::kHold
              : command == PageCommand::kResume ? Kind::kResume
@@ -112,7 +112,7 @@ class Orders {
   bool over_ = false;
 };
 
-/// When the run began and what it shows now, on its own clock.
+/// Start of the run and its present time, on its own clock.
 TimeSpan span_of(const DisplayItems& items) {
   const auto [first, last] = items.times();
   return {first, last};
@@ -141,9 +141,9 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   sources.version = ISOBATH_VERSION;
   check_page_sources(sources);
 
-  WebServer server(config, page_site(sources));  // first: an address that is taken is told before anything runs
+  WebServer server(config, page_site(sources));  // first, so that an address in use fails before the run
   std::future<RunOutcome> running = std::async(std::launch::async, [&request] { return run(request); });
-  fmt::print("{} shows {}{}, speed {}; Ctrl-C ends\n", place_of(config, server.port()),
+  fmt::print("{} shows {}{}, speed {}; press Ctrl-C to end\n", place_of(config, server.port()),
              request.input.empty() ? "the embedded scene" : request.input.string(), options.live ? " live" : "",
              speed_words(options));
   std::fflush(stdout);
@@ -162,9 +162,9 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   }
   if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
   fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());
-  // What was stopped on the way has not failed.
+  // A run that the user stopped has not failed.
   const int code = interrupted ? kSuccess : conclude(request, outcome);
-  if (!interrupted) fmt::print("the run is over; its page goes on\n");
+  if (!interrupted) fmt::print("the run is over; its page stays up\n");
   std::fflush(stdout);
   wait_for_interrupt();
   server.stop();
@@ -173,7 +173,7 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
 
 int serve(ServeOptions& options) {
   if (live_page().empty())
-    throw Error("this program was built without its page", {}, "", "build it with ISOBATH_PAGE=ON");
+    throw Error("this program was built without the live page", {}, "", "build it with ISOBATH_PAGE=ON");
   const WebServerConfig config = server_of(options);
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
@@ -185,18 +185,21 @@ int serve(ServeOptions& options) {
 
 Action add_serve(CLI::App& program) {
   auto options = std::make_shared<ServeOptions>();
-  CLI::App* command = program.add_subcommand("serve", "The main job with the live page, or the page of a recording");
+  CLI::App* command =
+      program.add_subcommand("serve", "Run like isobath run and show the live page, or show a recording");
   command->add_option("INPUT", options->request.input,
-                      "Log, scene (.toml) or recording (.mcap); without it, the embedded scene");
-  command->add_option("--port", options->port, "Default: 8484; 0: any that is free")->check(CLI::Range(0, 65535));
+                      "Log, scene (.toml) or recording (.mcap); default: the embedded scene");
+  command->add_option("--port", options->port, "Port; 0: any free port; default: 8484")->check(CLI::Range(0, 65535));
   command->add_option("--address", options->address,
-                      "Default: 127.0.0.1, this machine alone; 0.0.0.0: whoever can reach it");
+                      "Address to serve at; 0.0.0.0: all networks; default: 127.0.0.1, this machine only");
   command->add_option("--speed", options->speed,
-                      "Times real time, or max: as fast as it goes; default: 1, of the embedded scene 4");
-  command->add_flag("--live", options->live, "A scene's mission with real threads, as on a vehicle");
-  command->add_option("--token-file", options->token_file, "File with a token: who has it may hold, resume and abort")
+                      "A multiple of real time, or max; default: 1, for the embedded scene 4");
+  command->add_flag("--live", options->live, "Run the scene's mission with real threads, as on a vehicle");
+  command
+      ->add_option("--token-file", options->token_file,
+                   "File with a token; a page that sends it may hold, resume and abort the mission")
       ->type_name("FILE");
-  command->add_flag("--anew", options->anew, "Decide a recording anew instead of showing what was recorded");
+  command->add_flag("--anew", options->anew, "Run a recording again instead of showing what was recorded");
   command->add_option("--limit", options->limits, "One limit of the server, e.g. most_clients=4; may be repeated")
       ->type_name("KEY=VALUE");
   options->add_to(*command, "out/serve");

@@ -28,7 +28,7 @@ struct Counts {
   std::uint64_t pings = 0, ranges = 0, navigation = 0, health = 0;
 };
 
-using Clock = std::chrono::steady_clock;  // for pace and timings alone: no result depends on it
+using Clock = std::chrono::steady_clock;  // for pace and timings only; no result depends on it
 
 void write(const SimulatedEvent& event, NativeLogWriter* log, Counts& n, std::vector<Eigen::Vector2d>& track) {
   if (const auto* motion = std::get_if<TrueMotion>(&event)) {
@@ -51,7 +51,7 @@ void write(const SimulatedEvent& event, NativeLogWriter* log, Counts& n, std::ve
   }
 }
 
-/// What the scene was, beside what came of it.
+/// Opens the log and attaches the scene file to it.
 std::unique_ptr<NativeLogWriter> open_log(const Options& options, const Simulator& simulator) {
   if (options.out.empty()) return nullptr;
   if (options.out.extension() != ".mcap") {
@@ -111,16 +111,17 @@ int act(const Options& options) {
 Action add_sim(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      program.add_subcommand("sim", "A scene in; the log that a vehicle would give, with the truth, out");
-  command->add_option("SCENARIO", options->scene, "Scene (.toml); without it, the embedded one");
-  command->add_option("--out", options->out, "Log to write, .mcap; without it, nothing is kept");
-  command->add_option("--picture", options->picture, "PNG of the scene from above, with the vehicle's way");
+      program.add_subcommand("sim", "Simulate a scene; write the log of the vehicle in it, with the ground truth");
+  command->add_option("SCENARIO", options->scene, "Scene (.toml); default: the embedded scene");
+  command->add_option("--out", options->out, "Log to write (.mcap); default: none");
+  command->add_option("--picture", options->picture, "PNG of the scene from above, with the vehicle's track");
   command->add_option("--seed", options->simulation.seed, "Seed of every random number; default: the scene's")
       ->check(CLI::Range(0, 2147483647));
   command->add_option("--duration", options->simulation.duration_s, "Seconds to simulate; default: the scene's")
       ->check(CLI::Range(0.1, 1e6));
-  command->add_option("--speed", options->speed, "max, or how many times real time")->capture_default_str();
-  command->add_option("--threads", options->threads, "1 or 2; the results are the same")->check(CLI::Range(1, 64));
+  command->add_option("--speed", options->speed, "max, or a multiple of real time")->capture_default_str();
+  command->add_option("--threads", options->threads, "Number of threads, 1 or 2; the results are the same")
+      ->check(CLI::Range(1, 64));
   command->add_flag("--format", options->format, "Print every key of a scene, with its default, range and unit");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   return [options] { return act(*options); };

@@ -10,9 +10,9 @@ double speed_of(const std::string& speed) {
     std::size_t used = 0;
     const double value = std::stod(speed, &used);
     if (used == speed.size() && value > 0 && value < 1e6) return value;
-  } catch (const std::exception&) {  // not a number: said below
+  } catch (const std::exception&) {  // not a number: reported below
   }
-  throw Error("no speed: " + speed, {"--speed"}, "max, or how many times real time, above 0");
+  throw Error("not a speed: " + speed, {"--speed"}, "max, or a multiple of real time, above 0");
 }
 
 }  // namespace isobath::app

@@ -1,11 +1,11 @@
-// How fast a simulation is to go, as --speed says it.
+// The value of --speed: the pace of a simulation.
 #pragma once
 
 #include <string>
 
 namespace isobath::app {
 
-/// How many simulated seconds pass in a real one; 0 ("max"): as many as go. Throws Error.
+/// Simulated seconds per real second; 0 ("max"): no limit. Throws Error.
 double speed_of(const std::string& speed);
 
 }  // namespace isobath::app

@@ -21,7 +21,7 @@ struct Options {
   bool json = false, false_echoes = false;
 };
 
-/// Standard deviation of a place, m.
+/// Standard deviation of the corner's position, m.
 double sigma_of(const PlaneCorner& corner) { return std::sqrt(corner.covariance.trace()); }
 
 nlohmann::json features_json(const SurveyFeatures& features) {
@@ -68,8 +68,8 @@ void print_features(const SurveyFeatures& features) {
 }
 
 void print_causes(const SphericalSurvey& survey) {
-  fmt::print("\nechoes        told as  direct  multiple   false\n");
-  const char* const kEchoes[] = {"direct", "second bounces", "of nothing"};
+  fmt::print("\nechoes  classified as   direct  multiple   false\n");
+  const char* const kEchoes[] = {"direct", "second bounces", "false"};
   for (std::size_t i = 0; i < survey.causes.size(); ++i) {
     const auto& told = survey.causes[i];
     fmt::print("{:<22} {:7d} {:9d} {:7d}\n", kEchoes[i], told[0], told[1], told[2]);
@@ -132,28 +132,30 @@ Action add_sphere(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand(
       "sphere",
-      "A room of lines and arcs, scanned along a path, in the vehicle's spherical grid: pictures, edges, corners");
+      "Scan a room of lines and arcs along a path into the spherical grid; write pictures, edges and corners");
   command->add_option("SCENARIO", options->scene, "Scene (.toml) with prisms: scenarios/polygon_room.toml")->required();
-  command->add_option("--out", options->out, "Folder of the pictures")->capture_default_str();
-  command->add_option("--scans", options->scans, "Places along the path")
+  command->add_option("--out", options->out, "Folder for the pictures")->capture_default_str();
+  command->add_option("--scans", options->scans, "Number of scans along the path")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--range", options->range_m, "How far the sonar hears, m; default: the scene's")
+  command->add_option("--range", options->range_m, "Maximum range of the sonar, m; default: the scene's")
       ->check(CLI::Range(1.0, 2000.0));
-  command->add_option("--rule", options->rule, "log_odds, or maximum_response: the paper's")
+  command->add_option("--rule", options->rule, "log_odds, or maximum_response, the paper's rule")
       ->capture_default_str()
       ->check(CLI::IsMember({"log_odds", "maximum_response"}));
   command->add_option("--seed", options->seed, "Seed of every random number; default: the scene's")
       ->check(CLI::Range(0, 2147483647));
-  command->add_option("--looking", options->looking_deg, "Bearing that solid.png looks along, degrees")
+  command->add_option("--looking", options->looking_deg, "Bearing of the view in solid.png, degrees")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 360.0));
-  command->add_option("--down", options->down_deg, "How steeply it looks down, degrees")
+  command->add_option("--down", options->down_deg, "Depression of the view in solid.png, degrees")
       ->capture_default_str()
       ->check(CLI::Range(-90.0, 90.0));
-  command->add_option("--zoom", options->zoom, "Of solid.png")->capture_default_str()->check(CLI::Range(0.1, 100.0));
+  command->add_option("--zoom", options->zoom, "Zoom of solid.png")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 100.0));
   command->add_flag("--false-echoes", options->false_echoes,
-                    "Three of ten square echoes come twice as late, four a turn are of nothing: told and left out");
+                    "Simulate second bounces (3 of 10 perpendicular echoes) and 4 random echoes a turn; remove them");
   command->add_flag("--json", options->json, "One JSON object on standard output");
   return [options] { return act(*options); };
 }

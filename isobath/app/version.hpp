@@ -1,4 +1,4 @@
-// What this program was built from, for --version.
+// The commit and the compiler of this build, for --version.
 #pragma once
 
 namespace isobath::app {

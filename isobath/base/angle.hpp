@@ -1,5 +1,6 @@
-// Angle: a true type, because degrees, gradians and radians are confused in practice. It opens by named doors only.
-// Bearings, azimuths and headings are clockwise from forward (or north) seen from above (ledger: Shared notation).
+// Angle: a separate type, because degrees, gradians and radians are confused in practice. Only named functions convert
+// from and to numbers. Bearings, azimuths and headings are clockwise from forward (or north) seen from above (ledger:
+// Shared notation).
 #pragma once
 
 #include <cmath>

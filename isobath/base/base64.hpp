@@ -1,4 +1,4 @@
-// Bytes as text of 64 letters (RFC 4648, section 4), as pages and JSON carry them.
+// to_base64: bytes as Base64 text (RFC 4648, section 4), as pages and JSON carry them.
 #pragma once
 
 #include <string>

@@ -275,7 +275,7 @@ std::string Field::assign_rows(const Rows& rows) {
   for (const auto& row : rows) {
     const bool empty = rows.size() == 1 && row.empty();
     if (table.width > 1 && !empty && row.size() != static_cast<std::size_t>(table.width)) {
-      return fmt::format("a row of {} numbers where {} are wanted", row.size(), table.width);
+      return fmt::format("a row of {} numbers instead of {}", row.size(), table.width);
     }
     flat.insert(flat.end(), row.begin(), row.end());
   }
@@ -329,7 +329,7 @@ std::string Field::assign(const Value& value) {
 
 namespace {
 
-/// In the order of the fields; keys that are no field are refused first.
+/// Assigns keys in the order of the fields, after it has refused unknown keys.
 void assign_table(std::vector<Field>& fields, const toml::table& table, const std::string& file,
                   const std::string& section) {
   for (const auto& [key, value] : table) {

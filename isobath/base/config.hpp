@@ -1,6 +1,5 @@
 // Configuration: a plain struct with defaults stands beside the class that it configures, together with one function
-// that lists its fields. Reading, writing, checking and the documentation all come from that list; nothing is stated
-// twice.
+// that lists its fields. Reading, writing, checking and the documentation all use that list; nothing is stated twice.
 //
 //   struct DetectorConfig {
 //     double threshold = 0.8;
@@ -38,14 +37,14 @@ class Field {
   static Field integer(std::string name, int* value, Range range, std::string unit, std::string sentence);
   static Field flag(std::string name, bool* value, std::string sentence);
   static Field text(std::string name, std::string* value, std::string sentence);
-  /// A text that names a file; a relative one is taken from the folder of the file that it stands in.
+  /// The path of a file; a relative path starts at the folder of the configuration file that contains it.
   static Field file(std::string name, std::string* value, std::string sentence);
-  /// `count` numbers in a row, such as a vector: [1.0, 2.0, 3.0].
+  /// An array of `count` numbers, such as a vector: [1.0, 2.0, 3.0].
   static Field numbers(std::string name, double* first, int count, Range range, std::string unit, std::string sentence);
   /// Any number of rows of `width` numbers each, kept flat: [[0.0, 1.0], [5.0, 2.0]]; width 1: [0.0, 5.0].
   static Field rows(std::string name, std::vector<double>* flat, int width, Range range, std::string unit,
                     std::string sentence);
-  /// One of a list of names; `then` acts on the choice, before the keys that stand after it in the list of fields.
+  /// One of a list of names; `then` acts on the choice before the fields later in the list are assigned.
   static Field named(std::string name, std::string* value, std::vector<std::string> names, std::function<void()> then,
                      std::string sentence);
   /// The name must end in "_deg".
@@ -114,18 +113,18 @@ struct Section {
   std::string name;
   std::string sentence;
   std::vector<Field> fields;
-  Place place = {};  ///< of its header in the file; empty if it was not there
+  Place place = {};  ///< of its header in the file; empty if the file has no such header
 };
 
 /// An array of TOML tables: [[name]], any number of times.
 struct SectionList {
   std::string name;
   std::string sentence;
-  /// Makes a new element, with its place in the file, and returns its fields; they are used before the next call.
+  /// Makes a new element with its place in the file and returns its fields. The caller uses them before its next call.
   std::function<std::vector<Field>(const Place& place)> append;
 };
 
-/// Keys are assigned in the order of the list of fields, not of the file.
+/// Keys are assigned in the order of the list of fields, not in the order of the file.
 struct Schema {
   std::vector<Section> sections;
   std::vector<SectionList> lists;
@@ -136,20 +135,20 @@ struct Schema {
 void read_toml(std::string_view text, const std::string& file, std::vector<Section>& sections);
 
 void read_toml(std::string_view text, const std::string& file, Schema& schema);
-/// The same from a file. Throws Error also where it cannot be read.
+/// The same from a file. Also throws Error where the file cannot be read.
 void read_toml_file(const std::string& file, Schema& schema);
-/// All of a text file; throws Error where it cannot be read.
+/// The contents of a text file; throws Error where it cannot be read.
 std::string text_of_file(const std::string& file);
 
 /// Sets one value from "section.key=value" (the value as TOML, or a bare word for a text or a choice). Throws Error.
 void set_from_text(std::string_view assignment, std::vector<Section>& sections);
 
-/// The values in force as TOML; annotated with sentence, unit and allowed values if wanted. `read_toml` reads it back.
+/// The values in force as TOML; with sentence, unit and allowed values if `annotated`. `read_toml` reads it back.
 std::string write_toml(const std::vector<Section>& sections, bool annotated);
-/// A page about the format: every section and every list with one element of defaults, annotated.
+/// A description of the format: every section, and one element with defaults of every list, annotated.
 std::string write_template(const Schema& schema);
 
-/// "did you mean NAME?", of the name that is spelled most like it; empty where there are no names.
+/// "did you mean NAME?" with the name whose spelling is closest; empty where there are no names.
 std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& names);
 
 }  // namespace isobath

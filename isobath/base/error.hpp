@@ -1,9 +1,10 @@
 // Errors in three tiers.
 //
 // 1. A programmer's mistake: ISOBATH_ASSERT. Stops the program, in every build type.
-// 2. A bad file, configuration or argument when something is built or opened: `Error` is thrown, with what is wrong,
-//    where it stands, what is allowed, and what to do.
-// 3. What is expected while running (no path, stale sonar, a damaged record): a value, `Result<T, E>`, E a small enum.
+// 2. A bad file, configuration or argument when something is built or opened: `Error` is thrown. It says what is wrong,
+//    where, what is allowed, and what to do.
+// 3. An expected condition at run time (no path, stale sonar, a damaged record): a value, `Result<T, E>`, where E is a
+//    small enum.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,7 @@
 
 namespace isobath {
 
-/// Where in the input something is wrong; whatever does not apply stays empty.
+/// Where the input is wrong; members that do not apply stay empty.
 struct Place {
   std::string file = {};
   std::optional<std::uint64_t> byte = {};  ///< offset from the start of the file

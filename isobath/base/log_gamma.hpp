@@ -5,7 +5,7 @@
 
 namespace isobath {
 
-/// ln |Gamma(x)|, on any number of threads at once; std::lgamma writes the sign to a variable that all threads share.
+/// ln |Gamma(x)|, safe on any number of threads; std::lgamma writes the sign to a variable that all threads share.
 inline double log_gamma(double x) {
   int sign = 0;
   return ::lgamma_r(x, &sign);

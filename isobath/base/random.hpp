@@ -1,5 +1,5 @@
-// Random numbers that are the same on every machine: splitmix64, uniform from the top 53 bits, normal by Box-Muller
-// (cosine branch, one pair of uniforms a number). Small, seeded, copyable; not for cryptography.
+// Random: random numbers that are the same on every machine: splitmix64, uniform from the top 53 bits, normal by
+// Box-Muller (cosine branch, one pair of uniforms a number). Small, seeded, copyable; not for cryptography.
 #pragma once
 
 #include <cmath>
@@ -31,7 +31,7 @@ class Random {
     const double v = uniform();
     return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
   }
-  /// An independent stream, for a part that must not disturb the others' numbers.
+  /// An independent stream, for a part whose draws must not change the numbers of the others.
   constexpr Random fork() { return Random(bits()); }
 
  private:

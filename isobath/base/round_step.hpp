@@ -1,4 +1,4 @@
-// Round numbers for cells and voxels.
+// round_step: round sizes for cells and voxels.
 #pragma once
 
 #include <cmath>
@@ -6,8 +6,8 @@
 
 namespace isobath {
 
-/// The least of `steps` (ascending, in [1, 10)) and 10, times a power of ten, that is not below a positive value by
-/// more than a thousandth.
+/// The smallest of `steps` (ascending, in [1, 10)) and 10, times a power of ten, that reaches a positive value or falls
+/// short of it by at most a thousandth.
 inline double round_step(double value, std::initializer_list<double> steps) {
   const double decade = std::pow(10, std::floor(std::log10(value)));
   for (const double step : steps) {

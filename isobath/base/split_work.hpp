@@ -1,4 +1,4 @@
-// split_work: independent pieces of one job on a few threads.
+// split_work: runs independent pieces of one job on a few threads.
 #pragma once
 
 #include <thread>
@@ -6,7 +6,8 @@
 
 namespace isobath {
 
-/// Runs work(first, last) on parts of [0, count), one a thread, this one among them; returns when all are done.
+/// Runs work(first, last) on parts of [0, count), one per thread, the calling thread included; returns when all are
+/// done.
 template <class Work>
 void split_work(int count, int threads, const Work& work) {
   if (threads <= 1 || count < 2 * threads) return work(0, count);

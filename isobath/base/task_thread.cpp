@@ -32,7 +32,7 @@ void TaskThread::take(Kind kind, Task task) {
 
 void TaskThread::leave_out(Kind kind) { ++(kind == Kind::kPing ? left_out_.pings : left_out_.notes); }
 
-/// What has to go for one more of this kind.
+/// Makes room for one more task of this kind; returns the task that was dropped for it.
 TaskThread::Item TaskThread::make_room(Kind kind) {
   const bool full = (kind == Kind::kPing && pings_ >= bounds_.pings) || queue_.size() >= bounds_.all;
   const bool ping = pings_ > 0;
@@ -102,9 +102,9 @@ std::string words_of(const std::exception_ptr& failure) {
     std::rethrow_exception(failure);
   } catch (const std::exception& e) {
     const std::string words = e.what();
-    return words.empty() ? "an exception without words" : words;
+    return words.empty() ? "an exception without a message" : words;
   } catch (...) {
-    return "an exception of no known kind";
+    return "an unknown exception";
   }
 }
 

@@ -1,16 +1,16 @@
-// TaskThread: does tasks one after the other in a thread of its own; who gives it one goes on at once, however long
-// those before it take (ledger S6-31).
+// TaskThread: runs tasks one after the other in its own thread. `take` returns at once, however long the earlier tasks
+// run (ledger S6-31).
 //
 //   TaskThread thread({.pings = 256, .all = 4096});
 //   thread.take(TaskThread::Kind::kPing, [=] { ... });  // from any thread
 //   thread.settle();                                    // all of them are done
 //
-// Bounded: of more tasks of kind kPing than `pings`, and of more tasks than `all`, the oldest give way, those of kind
-// kPing before the others. What gave way is counted. take holds the lock for as long as it takes to put a task into the
-// queue, and never waits for one to be done.
+// The queue is bounded: when it would hold more than `pings` tasks of kind kPing, or more than `all` tasks, the oldest
+// are dropped, those of kind kPing first. Dropped tasks are counted. `take` holds the lock only while it puts a task
+// into the queue; it never waits for a task to finish.
 //
-// Where a task throws, nothing more is done: what waits and all that comes counts as left out; `failure` says what was
-// thrown.
+// After a task has thrown, no further task runs: waiting and later tasks count as left out, and `failure` returns the
+// exception.
 #pragma once
 
 #include <condition_variable>
@@ -29,32 +29,32 @@ class TaskThread {
  public:
   enum class Kind : std::uint8_t { kPing, kNote };  ///< kPing: holds a ping, or all of a scan
   struct Bounds {
-    std::size_t pings = 256;  ///< that wait
-    std::size_t all = 4096;   ///< that wait
-    bool keep_notes = false;  ///< kNote never gives way, however many wait
+    std::size_t pings = 256;  ///< waiting tasks of kind kPing
+    std::size_t all = 4096;   ///< waiting tasks of both kinds
+    bool keep_notes = false;  ///< tasks of kind kNote are never dropped, however many wait
   };
   using Task = std::function<void()>;
 
   explicit TaskThread(const Bounds& bounds);
   TaskThread(const TaskThread&) = delete;
   TaskThread& operator=(const TaskThread&) = delete;
-  /// As close.
+  /// Calls `close`.
   ~TaskThread();
 
   void take(Kind kind, Task task);
-  /// Waits until all that was taken is done.
+  /// Waits until every task that was taken has run.
   void settle();
-  /// Does what was taken, then ends: what comes later is let go. Once, by the thread that made it.
+  /// Runs the tasks taken so far, then ends the thread; later tasks are discarded. The owner's thread calls it once.
   void close();
 
-  /// What was taken and not done.
+  /// Tasks that were taken but not run.
   struct LeftOut {
     std::uint64_t pings = 0, notes = 0;
   };
   [[nodiscard]] LeftOut left_out() const;
-  /// Null as long as all is well.
+  /// Null while no task has thrown.
   [[nodiscard]] std::exception_ptr failure() const;
-  /// Throws what a task has thrown.
+  /// Rethrows the exception that a task has thrown.
   void check() const;
 
  private:
@@ -78,7 +78,7 @@ class TaskThread {
   std::thread thread_;  ///< last: it uses all the others
 };
 
-/// In words; empty for null.
+/// The exception's message; empty for null.
 std::string words_of(const std::exception_ptr& failure);
 
 }  // namespace isobath

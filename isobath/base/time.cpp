@@ -9,7 +9,7 @@ bool representable_seconds(double value) { return std::isfinite(value) && std::a
 
 Duration seconds(double value) {
   ISOBATH_ASSERT(representable_seconds(value));
-  const double whole = std::floor(value);  // apart from the fraction: a double holds no nanoseconds beside a date
+  const double whole = std::floor(value);  // split off: a double cannot hold a date and nanoseconds together
   return Duration(static_cast<std::int64_t>(whole) * 1'000'000'000 + std::llround((value - whole) * 1e9));
 }
 

@@ -53,11 +53,11 @@ class TomlText {
   [[nodiscard]] bool more() const { return at_ < text_.size(); }
   [[nodiscard]] char before() const { return at_ == begin_ ? '\n' : text_[at_ - 1]; }
 
-  /// Behind the [ or [[ that begin a header.
+  /// Checks the first character after the [ or [[ of a table header.
   void header_name(char c) {
     if (blank(c)) return;
     const bool second = c == '[' && before() == '[' && brackets_.size() == 1;
-    if (!second && c != ']' && !begins_name(c)) fail("no name behind the [ of a table");
+    if (!second && c != ']' && !begins_name(c)) fail("no name after the [ of a table");
     header_ = second;
   }
 
@@ -65,7 +65,7 @@ class TomlText {
     if (c == ' ' && ends_in_date()) fail("a date and a time; write them as a text in quotes");
     if (white(c) || one_of(",]}", c)) {
       word_.clear();
-    } else if (c != '_') {  // which the parser passes over
+    } else if (c != '_') {  // the parser ignores it
       word_ += c;
     }
     if (one_of("\n=,[{", c)) key_parts_ = 1;
@@ -82,8 +82,8 @@ class TomlText {
   }
 
   void close(char opened, char c) {
-    if (brackets_.empty()) fail(fmt::format("a {} that closes nothing", c));
-    if (brackets_.back() != opened) fail(fmt::format("a {} where {} is to be closed", c, brackets_.back()));
+    if (brackets_.empty()) fail(fmt::format("a {} without an opening bracket", c));
+    if (brackets_.back() != opened) fail(fmt::format("a {} cannot close a {}", c, brackets_.back()));
     brackets_.pop_back();
   }
 
@@ -117,7 +117,7 @@ class TomlText {
       }
     }
     at_ = opening;
-    fail("a text without its closing quote");
+    fail("a text without a closing quote");
   }
 
   /// From the backslash to the last byte that belongs to it.
@@ -128,18 +128,18 @@ class TomlText {
     while (at_ + 1 < text_.size() && white(text_[at_ + 1])) ++at_;
     if (at_ + 1 == text_.size() || ascii(text_[at_ + 1])) return;
     ++at_;
-    fail("a character that is not ASCII first on a continued line; write it as \\u and four digits");
+    fail("a character that is not ASCII at the start of a continued line; write \\u and four digits");
   }
 
   std::string_view text_;
   const std::string& file_;
-  std::size_t begin_ = 0;  ///< behind the byte order mark
+  std::size_t begin_ = 0;  ///< after the byte order mark
   std::size_t at_ = 0;
   std::string brackets_;     ///< opened and not yet closed, outermost first
   std::string word_;         ///< since the last space, comma or closing bracket
-  int key_parts_ = 1;        ///< of the key that may stand here
+  int key_parts_ = 1;        ///< of the current key, if there is one
   bool line_begins_ = true;  ///< only white space so far
-  bool header_ = false;      ///< a table's name must come
+  bool header_ = false;      ///< a table's name must follow
 };
 
 }  // namespace

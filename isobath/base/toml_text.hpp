@@ -1,15 +1,16 @@
-// What is refused of a TOML text before the parser sees it. The parser of toml++ 3.3 takes some texts for impossible:
-// it stops the program at an assertion, or its behaviour is undefined. A file is untrusted, so that each of them is an
-// Error here, with line and column:
+// check_toml_text: refuses texts that the TOML parser cannot survive. On these texts the parser of toml++ 3.3 stops the
+// program at an assertion, or its behaviour is undefined. Files are untrusted, so each such text is an Error here, with
+// line and column:
 //
-// - a byte that is not ASCII outside quotes and comments, after a backslash, or first on a continued line of a text
-//   (in quotes and comments UTF-8 is as welcome as TOML has it);
-// - a table header without a name, a bracket that closes another kind or none, a quote inside a word or never closed;
-// - a date with a time behind a space, which no key of ours takes;
-// - brackets nested deeper than kDeepestBrackets and keys of more than kMostKeyParts parts: tables in tables without
-//   end would use up the stack.
+// - a byte that is not ASCII outside quotes and comments, after a backslash, or at the start of a continued line of a
+//   text (inside quotes and comments UTF-8 is accepted, as in TOML);
+// - a table header without a name, a bracket that closes another kind or none, a quote inside a word, a quote that is
+//   never closed;
+// - a date and a time with a space between them, which no key takes;
+// - brackets nested deeper than kDeepestBrackets, and keys of more than kMostKeyParts parts: tables nested without a
+//   limit would overflow the stack.
 //
-// All other texts that are not TOML are left to the parser and its own message.
+// The parser reports all other texts that are not TOML with its own message.
 #pragma once
 
 #include <string>

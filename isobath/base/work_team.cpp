@@ -23,7 +23,7 @@ WorkTeam::~WorkTeam() {
 void WorkTeam::begin() {
   pieces_ = (count_ + piece_ - 1) / piece_;
   undone_.store(pieces_, std::memory_order_relaxed);
-  untaken_.store(pieces_, std::memory_order_release);  // from here on the job is everybody's
+  untaken_.store(pieces_, std::memory_order_release);  // from here on every thread may take pieces
   untaken_.notify_all();
   take_pieces();
   for (int left = undone_.load(std::memory_order_acquire); left != 0; left = undone_.load(std::memory_order_acquire)) {
@@ -31,7 +31,8 @@ void WorkTeam::begin() {
   }
 }
 
-/// The job is looked at only with a piece of it in hand: until that is done, its giver waits and it stays what it is.
+/// A thread reads the job only while it holds a piece of it: until that piece is done, the thread that gave the job
+/// waits and the job does not change.
 void WorkTeam::take_pieces() {
   int untaken = untaken_.load(std::memory_order_relaxed);
   while (untaken > 0) {

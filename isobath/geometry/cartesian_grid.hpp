@@ -1,5 +1,5 @@
-// CartesianGrid: where the square cells of a plane grid lie. Cell (0, 0) has its low corner at the origin of the grid
-// frame; cell (x, y) covers [x, x + 1) * cell_m by [y, y + 1) * cell_m. Cells are stored with y running fastest.
+// CartesianGrid: the square cells of a plane grid. Cell (0, 0) has its low corner at the origin of the grid frame; cell
+// (x, y) covers [x, x + 1) * cell_m by [y, y + 1) * cell_m. Cells are stored with y running fastest.
 #pragma once
 
 #include <cmath>

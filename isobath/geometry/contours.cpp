@@ -41,7 +41,7 @@ class LevelTracer {
     const double mean = (corners[0] + corners[1] + corners[2] + corners[3]) / 4;
     if (std::isnan(mean)) return;
 
-    // Walking round the cell, the border changes between low and high in turn.
+    // Around the cell, the border alternates between low and high.
     std::array<Edge, 2> rise{}, fall{};
     std::array<std::size_t, 2> rise_at{}, fall_at{};
     std::size_t rises = 0, falls = 0;
@@ -74,7 +74,7 @@ class LevelTracer {
     return frame_.first + column * frame_.per_column + row * frame_.per_row;
   }
 
-  /// An edge has two cells at most, so that at most one piece begins and one ends at it.
+  /// Links pieces to lines. An edge has at most two cells, so at most one piece begins and one ends at it.
   void link(std::vector<ContourLine>& lines) {
     const auto by_from = [](const Piece& a, const Piece& b) { return a.from < b.from; };
     std::sort(pieces_.begin(), pieces_.end(), by_from);
@@ -104,7 +104,7 @@ class LevelTracer {
     }
   }
 
-  /// A line through a node meets several edges in one point.
+  /// Appends a point once: a line through a node meets several edges in one point.
   static void append(std::vector<Vector2d>& points, const Vector2d& p) {
     if (points.empty() || points.back() != p) points.push_back(p);
   }
@@ -115,7 +115,7 @@ class LevelTracer {
   std::vector<Piece> pieces_;
 };
 
-/// Steps as whole tenths, so that their multiples are the nearest doubles: 0.3, never 0.30000000000000004.
+/// The step in whole tenths, so that its multiples are the nearest doubles: 0.3, never 0.30000000000000004.
 std::int64_t step_in_tenths(double low, double high, double wanted) {
   std::int64_t best = 1;
   double best_misfit = INFINITY;

@@ -17,7 +17,7 @@ class Expansion {
   void append(double term) {
     if (term != 0) terms_[static_cast<std::size_t>(size_++)] = term;
   }
-  /// The largest term; it has the sign of the whole.
+  /// The largest term; it has the sign of the sum.
   [[nodiscard]] double leading() const { return size_ > 0 ? (*this)[size_ - 1] : 0; }
 
  private:
@@ -135,7 +135,7 @@ double orientation(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   const double right = (a.y() - c.y()) * (b.x() - c.x());
   const double det = left - right;
   if (std::abs(det) >= kOrientationBound * (std::abs(left) + std::abs(right)) && det != 0) return det;
-  if (left == 0 && right == 0) return 0;  // a factor is exactly zero on either side
+  if (left == 0 && right == 0) return 0;  // each product has a factor that is exactly zero
   return exact_orientation(a, b, c);
 }
 

@@ -29,7 +29,7 @@ GeoPoint LocalPlane::to_geo(const Eigen::Vector2d& north_east) const {
   const GeographicLib::LocalCartesian plane(origin_.latitude_deg, origin_.longitude_deg);
   GeoPoint point;
   double up = 0, height = 0;
-  for (int i = 0; i < 20; ++i) {  // down the plane's normal until the water is met; converges by 1/40 a step at 160 km
+  for (int i = 0; i < 20; ++i) {  // along the plane's normal down to the water; converges by 1/40 a step at 160 km
     plane.Reverse(north_east.y(), north_east.x(), up, point.latitude_deg, point.longitude_deg, height);
     if (std::abs(height) < 1e-9) break;
     up -= height;
@@ -39,7 +39,7 @@ GeoPoint LocalPlane::to_geo(const Eigen::Vector2d& north_east) const {
 
 GeoOrigin origin_from(const GeoPoint& point, const Eigen::Vector2d& north_east) {
   GeoOrigin origin = LocalPlane(point).to_geo(-north_east);
-  for (int i = 0; i < 20; ++i) {  // meridians converge: correct by what the plane of the guess makes of the point
+  for (int i = 0; i < 20; ++i) {  // meridians converge: correct the origin by the point's error in its plane
     const Eigen::Vector2d miss = LocalPlane(origin).to_plane(point) - north_east;
     if (miss.norm() < 1e-9) break;
     origin = LocalPlane(origin).to_geo(miss);

@@ -1,9 +1,9 @@
 // Geodesy: the local plane of a mission on the WGS 84 ellipsoid.
 //
-// W is north-east-down with its origin on the mean water surface. LocalPlane ties its north and east to latitude and
+// W is north-east-down with its origin on the mean water surface. LocalPlane maps its north and east to latitude and
 // longitude of points ON that surface, by the tangent plane at the origin (GeographicLib LocalCartesian, height 0).
-// Depth takes no part: it stays measured from the water, not from the plane, which leaves the water by 8 cm at 1 km.
-// Accuracy: to_plane and to_geo are inverse to 1e-6 m within 100 km of the origin.
+// Depth is not part of the mapping: it is measured from the water, not from the plane, which departs from the water by
+// 8 cm at 1 km. Accuracy: to_plane and to_geo are inverse to 1e-6 m within 100 km of the origin.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,13 +18,13 @@ struct GeoPoint {
   bool operator==(const GeoPoint&) const = default;
 };
 
-/// What the local metres mean on the globe; logs without it have no geographic output.
+/// The geographic position of the local origin; logs without it have no geographic output.
 using GeoOrigin = GeoPoint;
 
 /// Finite, latitude within +-90 and longitude within +-180 degrees.
 bool valid(const GeoPoint& point);
 
-/// Along the geodesic (Karney 2013), m; any two points, to 15 nm.
+/// Length of the geodesic (Karney 2013), m; any two points, to 15 nm.
 double distance_m(const GeoPoint& a, const GeoPoint& b);
 
 class LocalPlane {
@@ -33,8 +33,8 @@ class LocalPlane {
   explicit LocalPlane(GeoOrigin origin);
 
   [[nodiscard]] const GeoOrigin& origin() const { return origin_; }
-  /// North and east of a point on the water, m.
-  /// Beyond 1000 km it means nothing: the far side of the globe falls onto this one.
+  /// North and east of a point on the water, m. Invalid beyond 1000 km: the far side of the globe maps onto the near
+  /// one.
   [[nodiscard]] Eigen::Vector2d to_plane(const GeoPoint& point) const;
   /// The point on the water below or above (north, east); both within 1000 km.
   [[nodiscard]] GeoPoint to_geo(const Eigen::Vector2d& north_east) const;
@@ -43,12 +43,12 @@ class LocalPlane {
   GeoOrigin origin_;
 };
 
-/// The origin of the plane in which `point` lies at (north, east); not within ten degrees of a pole, where north turns
-/// fast.
+/// The origin of the plane in which `point` lies at (north, east). Not within ten degrees of a pole, where the
+/// direction of north changes fast.
 GeoOrigin origin_from(const GeoPoint& point, const Eigen::Vector2d& north_east);
 
-/// A point given in a zone 1 .. 60 of the Universal Transverse Mercator grid (WGS 84), m; empty where it lies outside
-/// of what the grid covers.
+/// A point given in a zone 1 .. 60 of the Universal Transverse Mercator grid (WGS 84), m; empty outside the area of the
+/// grid.
 std::optional<GeoPoint> from_utm(int zone, bool northern, double easting, double northing);
 
 }  // namespace isobath

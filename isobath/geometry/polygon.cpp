@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kBorder = 1e-9;  // of the size of the coordinates: what is nearer to a border lies on it
+constexpr double kBorder = 1e-9;  // of the size of the coordinates: a point nearer to a border lies on it
 
 Vector2d nearest_on_side(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   const Vector2d side = b - a;
@@ -18,7 +18,7 @@ Vector2d nearest_on_side(const Vector2d& a, const Vector2d& b, const Vector2d& p
   return a + std::clamp((p - a).dot(side) / length2, 0.0, 1.0) * side;
 }
 
-/// p is on the line through a and b.
+/// p must be on the line through a and b.
 bool between(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   return (p.array() >= a.array().min(b.array())).all() && (p.array() <= a.array().max(b.array())).all();
 }
@@ -37,7 +37,7 @@ bool meet(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2
          (b_side == 0 && between(c, d, b));
 }
 
-/// Neighbouring sides a-b and b-c lie on one another.
+/// Whether the neighbouring sides a-b and b-c overlap.
 bool folds_back(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return orientation(a, b, c) == 0 && (b - a).dot(c - b) < 0;
 }
@@ -51,7 +51,7 @@ double border_distance(const Polygon& polygon, const Vector2d& p) {
   return std::sqrt(least2);
 }
 
-/// Every share of the segment at which it may pass from inside to outside; more do no harm.
+/// Every share of the segment at which it may cross the border; additional ones do no harm.
 std::vector<double> cuts(const Polygon& polygon, const Vector2d& a, const Vector2d& b) {
   std::vector<double> shares{0, 1};
   const Vector2d way = b - a;

@@ -36,7 +36,7 @@ Rotation Rotation::exp(const Eigen::Vector3d& w) {
 }
 
 Eigen::Vector3d Rotation::log() const {
-  const double sign = q_.w() < 0 ? -1 : 1;  // q and -q are the same rotation: take the short way
+  const double sign = q_.w() < 0 ? -1 : 1;  // q and -q are the same rotation: take the shorter one
   const double sine = q_.vec().norm();
   const double angle = 2 * std::atan2(sine, sign * q_.w());
   const double scale = sine < 1e-9 ? 2 : angle / sine;

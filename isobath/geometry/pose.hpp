@@ -1,4 +1,4 @@
-// Rotations SO(3) and poses SE(3), in monogram notation.
+// Rotation and Pose: rotations SO(3) and poses SE(3), in monogram notation.
 //
 // R_WB turns components in B into components in W: v_W = R_WB v_B. X_WB is the pose of B in W: p_W = X_WB p_B. Poses
 // chain where the inner letters agree: X_WS = X_WB X_BS. World W is north-east-down, body B forward-starboard-down
@@ -16,14 +16,14 @@ class Rotation {
  public:
   Rotation() = default;
   static Rotation from_heading_pitch_roll(Angle heading, Angle pitch, Angle roll);
-  /// About the down axis: a turn to starboard.
+  /// A rotation about the down axis: a turn to starboard.
   static Rotation from_heading(Angle heading) { return from_heading_pitch_roll(heading, {}, {}); }
-  /// Any matrix within 1e-3 of a rotation (text files round their entries); the nearest rotation is kept.
-  /// `valid` says whether a matrix is that close.
+  /// From any matrix within 1e-3 of a rotation (text files round their entries); keeps the nearest rotation. `valid`
+  /// tells whether a matrix is that close.
   static Rotation from_matrix(const Eigen::Matrix3d& matrix);
   static bool valid(const Eigen::Matrix3d& matrix);
   static Rotation from_quaternion(const Eigen::Quaterniond& q);
-  /// Keeps q bit for bit, for logs that must read back as they were written. The caller knows that |q| = 1.
+  /// Keeps q bit for bit, for logs that must read back exactly as written. The caller guarantees |q| = 1.
   static Rotation from_unit_quaternion(const Eigen::Quaterniond& q) { return Rotation(q); }
   /// The rotation by |w| about w (radians).
   static Rotation exp(const Eigen::Vector3d& w);
@@ -55,7 +55,7 @@ struct Pose {
   [[nodiscard]] bool is_finite() const;
 };
 
-/// X_WL of X_WB: the same place and heading with roll and pitch removed (frame L of the ledger).
+/// X_WL of X_WB: the same position and heading with roll and pitch removed (frame L of the ledger).
 Pose level(const Pose& X_WB);
 
 /// From a (share 0) to b (share 1): translation on the straight line, rotation on the shortest arc.

@@ -24,7 +24,7 @@ Wedge::Piece clip(const Wedge::Piece& in, const Vector2d& normal) {
   return out;
 }
 
-// Angle from a to b. Pieces of a bin are narrow: for those the series to t^11 is exact in double precision, and much
+// Angle from a to b. Pieces of a bin are narrow; for them the series to t^11 is exact in double precision, and much
 // faster.
 double angle_between(const Vector2d& a, const Vector2d& b) {
   const double y = cross(a, b);

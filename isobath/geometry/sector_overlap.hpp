@@ -1,10 +1,10 @@
-// Exact area of overlap of a range bin, which is an annular sector, with a square cell (Ganesan 2015, 3.3, equations
-// 3.7-3.10; ledger S6-11).
+// overlap_area: the exact area of overlap of a range bin, which is an annular sector, with a square cell (Ganesan 2015,
+// 3.3, equations 3.7-3.10; ledger S6-11).
 //
-// The square is clipped by the two radial half-planes of the beam, which leaves a convex polygon; its overlap with the
-// bin is its overlap with the outer disc less that with the inner one, in closed form (triangles and circular sectors).
-// The apex of the sector is the origin; angles run from x to y. Sectors wider than 180 degrees are cut in two. Error:
-// about 1e-15 r^2.
+// The square is clipped by the two radial half-planes of the beam, which leaves a convex polygon. The polygon's overlap
+// with the bin is its overlap with the outer disc less that with the inner one, in closed form (triangles and circular
+// sectors). The apex of the sector is the origin; angles run from x to y. Sectors wider than 180 degrees are cut in
+// two. Error: about 1e-15 r^2.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ struct Square {
 
 double overlap_area(const AnnularSector& sector, const Square& square);
 
-/// A wedge with its apex at the origin, at most 180 degrees wide: what one beam sees.
+/// A wedge with its apex at the origin, at most 180 degrees wide: the sector of one beam.
 class Wedge {
  public:
   Wedge(Angle centre, Angle width);

@@ -19,14 +19,14 @@ std::vector<Vector2d> places(const std::vector<SurveyPoint>& soundings) {
   return points;
 }
 
-/// A point of the surface around a node, in lengths of the farthest.
+/// A neighbour of a node: its offset in units of the farthest neighbour's distance, and its rise.
 struct Neighbour {
   Vector2d at;
   double rise;
 };
 
-/// Slope at the origin of the quadratic through it that fits the neighbours best. Second derivatives are damped by a
-/// millionth, so that points in a row leave them at zero; planes do not feel it.
+/// Slope at the origin of the quadratic through the origin that best fits the neighbours. Second derivatives are damped
+/// by a millionth, so that points in a row leave them at zero; planes are not affected.
 Vector2d slope_of_quadratic(const std::vector<Neighbour>& neighbours) {
   using Vector5d = Eigen::Matrix<double, 5, 1>;
   using Matrix5d = Eigen::Matrix<double, 5, 5>;
@@ -70,7 +70,7 @@ struct Macro {
   double f[3];
   Vector2d g[3];
 
-  /// Ordinate beside the centre of side k (the one that faces corner k): the slope across the side is linear.
+  /// Ordinate next to the centre of side k (the one that faces corner k): the slope across the side is linear.
   [[nodiscard]] double beside(int k) const {
     const int a = (k + 1) % 3, b = (k + 2) % 3;
     const Vector2d side = v[b] - v[a];
@@ -82,7 +82,7 @@ struct Macro {
     return (at_a + at_b) / 2 + (1 - t) * ab + t * ba;
   }
 
-  /// The cubic of the third beside side k; corners a, b, centroid.
+  /// The cubic of the third at side k; corners a, b, centroid.
   [[nodiscard]] Cubic third(int k) const {
     const double m[3] = {beside(0), beside(1), beside(2)};
     double spoke[3], inner[3], centre = 0;
@@ -120,7 +120,7 @@ std::vector<SurveyPoint> merged(std::span<const SurveyPoint> soundings, double c
   std::vector<SurveyPoint> result;
   std::vector<double> count;
   for (const SurveyPoint& s : soundings) {
-    Square square{s.north_east.x() + 0.0, s.north_east.y() + 0.0};  // -0 and 0 are one place
+    Square square{s.north_east.x() + 0.0, s.north_east.y() + 0.0};  // -0 and 0 are the same place
     if (cell_m > 0) square = {std::floor(square.x / cell_m) + 0.0, std::floor(square.y / cell_m) + 0.0};
     const auto [found, fresh] = index.emplace(square, result.size());
     if (fresh) {
@@ -150,8 +150,8 @@ SmoothSurface::SmoothSurface(std::vector<SurveyPoint> soundings, std::vector<Vec
   ISOBATH_ASSERT(gradients_.size() == soundings_.size());
 }
 
-// The neighbours and their neighbours: rings of the triangulation reach across from one survey line to the next where
-// the nearest points would all lie on one line.
+// Uses the neighbours and their neighbours: these rings of the triangulation extend to the next survey line, where the
+// nearest points would all lie on one line.
 void SmoothSurface::estimate_gradients() {
   gradients_.assign(soundings_.size(), Vector2d::Zero());
   std::vector<int> seen(soundings_.size(), -1);
@@ -204,7 +204,7 @@ std::optional<SmoothSurface::Sample> SmoothSurface::at(const Vector2d& p) const 
   const int a = (k + 1) % 3, b = (k + 2) % 3;
   Vector3d slope;
   macro.third(k).evaluate({w[a] - w[k], w[b] - w[k], 3 * w[k]}, sample.depth_m, slope);
-  // d/dp of the weights of a, b and the centroid in the third
+  // derivatives of the weights of a, b and the centroid in the third by p
   const double twice = cross(macro.v[a], macro.v[b]);
   const Vector2d da(macro.v[b].y() / twice, -macro.v[b].x() / twice);
   const Vector2d db(-macro.v[a].y() / twice, macro.v[a].x() / twice);

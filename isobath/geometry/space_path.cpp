@@ -23,16 +23,16 @@ Vector3d mirrored(const Vector3d& v, const Vector3d& across) {
   return c > 0 ? Vector3d(v - 2 / c * across.dot(v) * across) : v;
 }
 
-/// One step of the double reflection: from (p0, T0, N0) to N at (p1, T1).
+/// One step of the double reflection: carries N from (p0, T0) to (p1, T1).
 Vector3d carried_normal(const Vector3d& p0, const Vector3d& tangent0, const Vector3d& normal0, const Vector3d& p1,
                         const Vector3d& tangent1) {
   const Vector3d chord = p1 - p0;
   const Vector3d normal = mirrored(normal0, chord), tangent = mirrored(tangent0, chord);
   const Vector3d carried = mirrored(normal, tangent1 - tangent);
-  return (carried - tangent1.dot(carried) * tangent1).normalized();  // rounding must not pile up
+  return (carried - tangent1.dot(carried) * tangent1).normalized();  // keeps rounding errors from accumulating
 }
 
-/// T' by arc length.
+/// T' by arc length, from the derivatives by the parameter.
 Vector3d bend_of(const CurveJet& jet) {
   const double w2 = jet.d1.squaredNorm();
   return (jet.d2 - jet.d1.dot(jet.d2) / w2 * jet.d1) / w2;
@@ -77,7 +77,7 @@ SpacePath::SpacePath(Curve curve, double u_begin, double u_end, double step_m) :
     const double u = u_begin + (u_end - u_begin) * i / count;
     const CurveJet jet = curve_(u);
     if (!jet.p.allFinite() || !(jet.d1.norm() > 1e-12)) {
-      throw Error("a path in space stands still, or is not finite, at its parameter " + std::to_string(u));
+      throw Error("a path in space has a zero or non-finite derivative at its parameter " + std::to_string(u));
     }
     if (i > 0) s += way(samples_.back().u, u);
     Sample next{u, s, jet.p, jet.d1.normalized(), {}};

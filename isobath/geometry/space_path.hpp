@@ -1,19 +1,19 @@
 // SpacePath: a smooth curve in space by its arc length, with a frame that moves along it without a jump.
 //
-// A curve is given as a function of any parameter u, with its first three derivatives. Its parameter is no measure of
-// the way (ledger S5-E15): arc length s is found by Gauss-Legendre quadrature and inverted by Newton's method. Beyond
-// its ends the path goes on straight.
+// A curve is given as a function of any parameter u, with its first three derivatives. The parameter does not measure
+// distance (ledger S5-E15): arc length s is found by Gauss-Legendre quadrature and inverted by Newton's method. Beyond
+// its ends the path continues straight.
 //
-// Frames F, columns of R_WF, have their first axis T along the path. All obey, with ' = d/ds,
+// Frames F, columns of R_WF, have their first axis T along the path. All frames obey, with ' = d/ds,
 //   T' = k1 N + k2 B,   N' = -k1 T + torsion B,   B' = -k2 T - torsion N.
-// Serret-Frenet: k1 the curvature, k2 = 0 (S5-49); undefined on straights, and it jumps at inflections. Rotation-
-// minimising: torsion = 0, two curvatures; continuous along any smooth path (Bishop 1975; S5-55). It begins with N
-// level to starboard and B as near to down as T allows, and is carried on by double reflection (Wang, Juettler, Zheng,
-// Liu 2008).
+// Serret-Frenet: k1 the curvature, k2 = 0 (S5-49); undefined on straights, and it jumps at inflections.
+// Rotation-minimising: torsion = 0, two curvatures; continuous along any smooth path (Bishop 1975; S5-55). It begins
+// with N level to starboard and B as near to down as T allows, and is propagated by double reflection (Wang, Juettler,
+// Zheng, Liu 2008).
 //
 // Lengths in m, curvatures in 1/m. Accuracy: s to 1e-9 of the length, the rotation-minimising frame to 1e-8 rad a metre
-// for radii above a metre. Building costs about 1 us a sample; asking, the same. Nothing changes after construction;
-// asking does not allocate.
+// for radii above a metre. Construction costs about 1 us a sample, and so does a query. Nothing changes after
+// construction; queries do not allocate.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ struct CurveJet {
   Eigen::Vector3d d3 = Eigen::Vector3d::Zero();
 };
 
-/// The same curve seen from another frame.
+/// The same curve in another frame.
 CurveJet operator*(const Pose& X_WL, const CurveJet& jet_L);
 
 /// A frame of a path at one of its points.
@@ -43,29 +43,29 @@ struct PathFrame {
   double torsion = 0;                                  ///< 1/m
 
   [[nodiscard]] Eigen::Vector3d tangent() const { return R_WF.col(0); }
-  /// Angular velocity of F in W a metre of way, components in F, rad/m.
+  /// Angular velocity of F in W per metre of path, components in F, rad/m.
   [[nodiscard]] Eigen::Vector3d turn_F() const { return {torsion, -k2, k1}; }
 };
 
-/// Serret-Frenet frame; empty where the curve is straight (curvature below 1e-9 / m) or stands still.
+/// Serret-Frenet frame; empty where the curve is straight (curvature below 1e-9 / m) or its derivative is zero.
 std::optional<PathFrame> frenet_frame(const CurveJet& jet);
 
 class SpacePath {
  public:
   using Curve = std::function<CurveJet(double u)>;
 
-  /// From u_begin to u_end, above it. `step_m`: about the distance of the samples that the frame is carried along, at
-  /// most a quarter of the least radius. Throws Error where the curve stands still or is not finite.
+  /// From u_begin up to u_end. `step_m`: approximate distance between the samples along which the frame is propagated,
+  /// at most a quarter of the minimum radius. Throws Error where the curve's derivative is zero or not finite.
   SpacePath(Curve curve, double u_begin, double u_end, double step_m = 0.25);
 
   [[nodiscard]] double length() const { return samples_.back().s; }
   [[nodiscard]] double u_begin() const { return samples_.front().u; }
   [[nodiscard]] double u_end() const { return samples_.back().u; }
-  /// The parameter of an arc length; beyond the ends that of the end.
+  /// The parameter of an arc length; clamped at the ends.
   [[nodiscard]] double parameter_at(double s) const;
   /// The curve itself, at the parameter.
   [[nodiscard]] CurveJet jet_at(double s) const { return curve_(parameter_at(s)); }
-  /// Rotation-minimising.
+  /// Rotation-minimising frame.
   [[nodiscard]] PathFrame frame_at(double s) const;
 
  private:

@@ -15,26 +15,26 @@ using Eigen::Vector2d;
 using Miss = std::pair<double, double>;  // distance to the nearest sounding left, error of the surface
 
 constexpr std::size_t kFewest = 30;
-constexpr double kWeightOfRule = 4;  // local roughness counts as much as the rule from this many misses on
+constexpr double kWeightOfRule = 4;  // local roughness counts as much as the rule once there are this many misses
 
 struct LocalMiss {
   int sounding;
   Miss miss;
 };
 
-/// The value below which the share lies; the list is not empty.
+/// The value below which this share of the values lies; the list must not be empty.
 double quantile(std::vector<double> values, double share) {
   const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + at, values.end());
   return values[static_cast<std::size_t>(at)];
 }
 
-/// The scale that puts 68.3 % within one and 95.4 % within two.
+/// The scale that puts at least 68.3 % within one sigma and 95.4 % within two.
 double covering_scale(const std::vector<double>& absolute) {
   return std::max(quantile(absolute, 0.683), quantile(absolute, 0.954) / 2);
 }
 
-/// What every run adds on its own: the smallest sigma that, beside that of the surface, covers the misses.
+/// The additional sigma of each run: the smallest that, combined with that of the surface, covers the misses.
 double sigma_of_runs(const std::vector<Miss>& sigma_and_miss) {
   double low = 0, high = 0;
   for (const Miss& m : sigma_and_miss) high = std::max(high, m.second);
@@ -63,14 +63,14 @@ double mean_spacing(const Triangulation& t) {
   return sum / count;
 }
 
-/// Soundings by squares, to find those in a disc.
+/// Soundings in a grid of squares, to find those in a disc.
 class Squares {
  public:
   Squares(const std::vector<SurveyPoint>& soundings, double edge) : soundings_(soundings), edge_(edge) {
     for (std::size_t i = 0; i < soundings.size(); ++i)
       bins_[key(soundings[i].north_east)].push_back(static_cast<int>(i));
   }
-  /// Radius up to the edge.
+  /// `radius` must not exceed the edge.
   template <class Visit>
   void visit(const Vector2d& centre, double radius, const Visit& each) const {
     for (int i = -1; i <= 1; ++i) {
@@ -86,7 +86,7 @@ class Squares {
 
  private:
   [[nodiscard]] std::uint64_t key(const Vector2d& p) const {
-    const auto square = [this](double at) {  // at the end of the range squares only grow longer
+    const auto square = [this](double at) {  // at the end of the range the squares are longer
       return static_cast<std::int32_t>(std::clamp(std::floor(at / edge_), -2e9, 2e9));
     };
     const std::int32_t x = square(p.x()), y = square(p.y());
@@ -97,7 +97,7 @@ class Squares {
   std::unordered_map<std::uint64_t, std::vector<int>> bins_;
 };
 
-/// Empties discs around soundings drawn at random until the share is gone.
+/// Empties discs around random soundings until the share is removed.
 std::vector<std::uint8_t> empty_discs(const std::vector<SurveyPoint>& all, double radius, double share, Random random) {
   std::vector<std::uint8_t> removed(all.size(), 0);
   const Squares squares(all, radius);
@@ -113,7 +113,7 @@ std::vector<std::uint8_t> empty_discs(const std::vector<SurveyPoint>& all, doubl
   return removed;
 }
 
-/// Empty where all soundings are of one run.
+/// The runs with the most soundings; empty if all soundings are of one run.
 std::vector<int> largest_runs(const std::vector<SurveyPoint>& all, int most) {
   std::map<int, std::size_t> size;
   for (const SurveyPoint& s : all) ++size[s.run];
@@ -145,7 +145,7 @@ void compare(const SmoothSurface& surface, const std::vector<std::uint8_t>& remo
   try {
     rest.emplace(std::move(kept));
   } catch (const Error&) {
-    return;  // what is left lies on one line
+    return;  // the remaining soundings lie on one line
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!removed[i]) continue;
@@ -180,7 +180,7 @@ SurfaceError::SurfaceError(const SmoothSurface& surface, const SurfaceErrorConfi
     power[static_cast<std::size_t>(m.sounding)] += std::min(ratio_of(m) * ratio_of(m), 25.0);
     ++count[static_cast<std::size_t>(m.sounding)];
   }
-  // How much larger the misses at a sounding and its neighbours are than the rule.
+  // The ratio of the misses at a sounding and its neighbours to the rule.
   const auto roughness_at = [&](int sounding, double share_of_its_own) {
     double p = kWeightOfRule + share_of_its_own * power[static_cast<std::size_t>(sounding)];
     double n = kWeightOfRule + share_of_its_own * count[static_cast<std::size_t>(sounding)];
@@ -191,7 +191,7 @@ SurfaceError::SurfaceError(const SmoothSurface& surface, const SurfaceErrorConfi
     return std::sqrt(p / n);
   };
   for (std::size_t i = 0; i < roughness_.size(); ++i) roughness_[i] = roughness_at(static_cast<int>(i), 1);
-  std::vector<double> ratios(misses.size());  // a miss must not excuse itself: each is judged by the others
+  std::vector<double> ratios(misses.size());  // each miss is scaled by the roughness of the others only
   std::transform(misses.begin(), misses.end(), ratios.begin(),
                  [&](const LocalMiss& m) { return ratio_of(m) / roughness_at(m.sounding, 0); });
   const double scale = covering_scale(ratios);
@@ -209,7 +209,7 @@ SurfaceError::SurfaceError(const SmoothSurface& surface, const SurfaceErrorConfi
   comparisons_ += between_runs.size();
 }
 
-/// Sigma in classes of distance with the same number of misses, made to rise by pooling neighbours that fall.
+/// Fits sigma in distance classes of equal size, made monotonic by pooling neighbours that fall.
 void SurfaceError::fit_growth(std::vector<Miss> misses) {
   std::sort(misses.begin(), misses.end());
   const std::size_t classes = std::clamp<std::size_t>(misses.size() / kFewest, 1, 24);
@@ -249,7 +249,7 @@ double SurfaceError::sigma_at_distance(double distance_m) const {
     const auto& [d1, s1] = growth_[i];
     return s0 + (s1 - s0) * (distance_m - d0) / (d1 - d0);
   }
-  return growth_.back().second * distance_m / growth_.back().first;  // farther than ever seen: in proportion
+  return growth_.back().second * distance_m / growth_.back().first;  // beyond the largest distance: in proportion
 }
 
 double SurfaceError::sigma_m(const SmoothSurface::Sample& sample) const {

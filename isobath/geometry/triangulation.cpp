@@ -12,12 +12,12 @@ namespace {
 using Eigen::Vector2d;
 using Triangle = Triangulation::Triangle;
 
-constexpr int kInfinity = -1;  // the corner of the triangles outside the hull while it grows
+constexpr int kInfinity = -1;  // the corner of the triangles outside the hull during growth
 
 int after(int k) { return k == 2 ? 0 : k + 1; }
 int before(int k) { return k == 0 ? 2 : k - 1; }
 
-/// Place along a Hilbert curve through 2^16 x 2^16 cells.
+/// Position along a Hilbert curve through 2^16 x 2^16 cells.
 std::uint32_t hilbert(std::uint32_t x, std::uint32_t y) {
   std::uint32_t place = 0;
   for (std::uint32_t s = 1U << 15; s > 0; s >>= 1) {
@@ -47,14 +47,14 @@ std::vector<int> hilbert_order(const std::vector<Vector2d>& points, const Vector
   return order;
 }
 
-/// Whether p, on the line through a and b, lies strictly between them.
+/// Whether p, which is on the line through a and b, lies strictly between them.
 bool between(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   const int axis = a.x() != b.x() ? 0 : 1;
   return std::min(a[axis], b[axis]) < p[axis] && p[axis] < std::max(a[axis], b[axis]);
 }
 
-/// Grows the triangulation point by point. The outside of the hull is covered by triangles with a corner at infinity,
-/// so that every side has two triangles and no case is special.
+/// Builds the triangulation point by point. Triangles with a corner at infinity cover the outside of the hull, so that
+/// every side has two triangles and there are no special cases.
 class Growth {
  public:
   explicit Growth(const std::vector<Vector2d>& points) : points_(points), spoke_(points.size() + 1, -1) {
@@ -62,7 +62,7 @@ class Growth {
   }
   void start(int a, int b, int c);
   void insert(int p);
-  /// Without those at infinity.
+  /// The triangles without a corner at infinity.
   [[nodiscard]] std::vector<Triangle> finite() const;
 
  private:
@@ -83,9 +83,9 @@ class Growth {
   const std::vector<Vector2d>& points_;
   std::vector<Triangle> triangles_;
   std::vector<std::uint8_t> dug_;
-  std::vector<int> hole_;  ///< triangles whose circles hold the point
+  std::vector<int> hole_;  ///< triangles whose circles contain the point
   std::vector<Rim> rim_;
-  std::vector<int> spoke_;  ///< of a corner of the rim: the new triangle whose side on the rim starts there
+  std::vector<int> spoke_;  ///< by corner of the rim: the new triangle whose side on the rim starts there
   int last_ = 0;            ///< a finite triangle near the last point
 };
 
@@ -98,7 +98,7 @@ void Growth::start(int a, int b, int c) {
   dug_.assign(4, 0);
 }
 
-/// Towards p across the sides that it lies beyond: in a Delaunay triangulation this always ends.
+/// Walks towards p across the sides that separate it from p; in a Delaunay triangulation this always ends.
 int Growth::walk(const Vector2d& p) const {
   int t = last_;
   while (true) {
@@ -142,7 +142,7 @@ void Growth::dig(int seed, const Vector2d& p) {
   }
 }
 
-/// A fan of triangles from the rim to p; there are two more than the hole had.
+/// Makes a fan of triangles from the rim to p: two more than the hole had.
 void Growth::fill(int p) {
   while (hole_.size() < rim_.size()) {
     hole_.push_back(static_cast<int>(triangles_.size()));
@@ -228,7 +228,7 @@ Triangulation::Triangulation(std::vector<Vector2d> points) : points_(std::move(p
 }
 
 void Triangulation::list_neighbours() {
-  // each triangle gives each corner the next one; a corner on the hull has one more, behind its last triangle
+  // each triangle gives each corner the next one; a corner on the hull has one more, after its last triangle
   std::vector<int> next_on_hull(points_.size(), kNone), previous_on_hull(points_.size(), kNone);
   first_.assign(points_.size() + 1, 0);
   int from = kNone;
@@ -278,7 +278,7 @@ std::span<const int> Triangulation::around(int point) const {
 
 int Triangulation::start_for(const Vector2d& p) const {
   const Vector2d c = (p - low_) / cell_;
-  const auto place = [](double at, int cells) {  // what is no number is at 0
+  const auto place = [](double at, int cells) {  // NaN maps to 0
     return static_cast<std::size_t>(at > 0 ? std::min(at, cells - 1.0) : 0.0);
   };
   const std::size_t x = place(c.x(), cells_x_), y = place(c.y(), cells_y_);
@@ -319,7 +319,7 @@ Eigen::Vector3d Triangulation::barycentric(int triangle, const Vector2d& p) cons
 int Triangulation::nearest_point(const Vector2d& p) const {
   int best = triangles_[static_cast<std::size_t>(start_for(p))].corner[0];
   double best2 = (points_[static_cast<std::size_t>(best)] - p).squaredNorm();
-  for (bool nearer = true; nearer;) {  // a point with no nearer neighbour is the nearest: its Voronoi cell holds p
+  for (bool nearer = true; nearer;) {  // a point with no nearer neighbour is the nearest: its Voronoi cell contains p
     nearer = false;
     for (const int other : around(best)) {
       const double other2 = (points_[static_cast<std::size_t>(other)] - p).squaredNorm();

@@ -1,11 +1,12 @@
 // Triangulation: the Delaunay triangulation of scattered points in the plane (ledger S1-14).
 //
-// No circle through the corners of a triangle holds another point. Points are inserted one after the other along a
-// Hilbert curve, each by retriangulating the triangles whose circles hold it (Bowyer 1981, Watson 1981), with exact
-// predicates: any input of finite points gives a valid triangulation, grids and points in a row included. Points that
-// coincide exactly with an earlier one are corners of no triangle. Corners turn in the positive sense, from x to y.
-// Cost: 0.07 s for 1e5 random points on one core, 0.18 s for a grid, where all is on one circle. Memory: about 100
-// bytes a point. Errors: throws Error when the points span no area. Threads: reading from any number.
+// No circle through the corners of a triangle contains another point. Points are inserted one after the other along a
+// Hilbert curve; each insertion retriangulates the triangles whose circles contain the point (Bowyer 1981, Watson
+// 1981), with exact predicates. Any input of finite points gives a valid triangulation, grids and points in a row
+// included. Points that coincide exactly with an earlier one are corners of no triangle. Corners turn in the positive
+// sense, from x to y. Cost: 0.07 s for 1e5 random points on one core, 0.18 s for a grid, where the corners of a cell
+// lie on one circle. Memory: about 100 bytes a point. Errors: throws Error when the points span no area. Threads: any
+// number may read.
 #pragma once
 
 #include <array>
@@ -35,13 +36,13 @@ class Triangulation {
   /// Corners of the convex hull in the positive sense, those on its straight sides included.
   [[nodiscard]] const std::vector<int>& hull() const { return hull_; }
 
-  /// The triangle that holds p, on its border included; kNone outside the hull.
+  /// The triangle that contains p, border included; kNone outside the hull.
   [[nodiscard]] int triangle_at(const Eigen::Vector2d& p) const;
-  /// The same with a triangle to start from, for queries one beside the other.
+  /// The same from a starting triangle, for queries near one another.
   [[nodiscard]] int triangle_at(const Eigen::Vector2d& p, int start) const;
-  /// Weights of the three corners at p: they sum to 1, and none is negative inside (but for rounding).
+  /// Weights of the three corners at p: they sum to 1, and inside the triangle none is negative (except by rounding).
   [[nodiscard]] Eigen::Vector3d barycentric(int triangle, const Eigen::Vector2d& p) const;
-  /// The point nearest to p, inside the hull or out.
+  /// The point nearest to p, inside or outside the hull.
   [[nodiscard]] int nearest_point(const Eigen::Vector2d& p) const;
 
  private:
@@ -52,9 +53,9 @@ class Triangulation {
   std::vector<Eigen::Vector2d> points_;
   std::vector<Triangle> triangles_;
   std::vector<int> hull_;
-  std::vector<int> first_;     ///< of each point in around_, and the end
+  std::vector<int> first_;     ///< start of each point in around_, and the end
   std::vector<int> around_;    ///< compressed rows
-  Eigen::Vector2d low_{0, 0};  ///< corner of the grid of starts
+  Eigen::Vector2d low_{0, 0};  ///< corner of the grid of starting triangles
   double cell_ = 1;            ///< its edge
   int cells_x_ = 1, cells_y_ = 1;
   std::vector<int> starts_;  ///< a triangle in or near each cell

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kFlat = 1e-4;         // of the spread of the transponders, squared
 constexpr double kMostVariance = 1e6;  // of range_sigma^2
-constexpr double kSameImage = 1e-6;    // m: the vehicle is on the mirror
+constexpr double kSameImage = 1e-6;    // m: the vehicle lies on the mirror plane
 
 /// In the plane (D = 2) at a given depth, or in space (D = 3).
 template <int D>
@@ -28,7 +28,7 @@ struct Problem {
   [[nodiscard]] double distance(const TransponderRange& r, const Vector& p) const {
     return std::max(std::hypot((p - place(r)).norm(), out_of_plane(r)), 1e-9);
   }
-  /// Of the distance, by the place.
+  /// Gradient of the distance by the position.
   [[nodiscard]] Vector gradient(const TransponderRange& r, const Vector& p) const {
     return (p - place(r)) / distance(r, p);
   }
@@ -38,12 +38,12 @@ struct Problem {
     std::optional<Vector> image;
   };
   [[nodiscard]] std::optional<Start> start() const;
-  /// Gauss-Newton; (J^T J)^-1 where it exists.
+  /// Gauss-Newton; returns (J^T J)^-1 if it exists.
   std::optional<Matrix> refine(Vector& p) const;
 };
 
-/// Differences of squared ranges are linear in the place. Where the transponders do not span the space, they fix the
-/// foot of the vehicle on their line or plane, and the ranges its distance from it.
+/// Differences of squared ranges are linear in the position. Where the transponders do not span the space, they
+/// determine the foot of the vehicle on their line or plane, and the ranges determine its distance from it.
 template <int D>
 auto Problem<D>::start() const -> std::optional<Start> {
   const Vector first = place(ranges[0]);
@@ -109,7 +109,7 @@ void judge_residuals(const Problem<D>& problem, const typename Problem<D>::Vecto
     const double error = r.range - problem.distance(r, p);
     sum += error * error;
     const double free = 1 - row.dot(inverse * row);
-    if (free < 1e-6) continue;  // nothing checks this range
+    if (free < 1e-6) continue;  // no other range checks this one
     const double normalised = std::abs(error) / (aid.range_sigma * std::sqrt(free));
     if (normalised <= worst) continue;
     worst = normalised;

@@ -8,9 +8,9 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 1024;  // of the file and of each frame
+constexpr std::size_t kHeaderBytes = 1024;  // header of the file and of each frame
 constexpr std::string_view kSignature("DDF\x05");
-constexpr std::size_t kSignatureAt = 12;  // in a frame
+constexpr std::size_t kSignatureAt = 12;  // offset in a frame
 constexpr std::uint32_t kMostSamples = 16384;
 constexpr Angle kArisHeight = Angle::degrees(14), kArisTelephotoHeight = Angle::degrees(3);
 
@@ -19,7 +19,7 @@ constexpr std::array<int, 13> kBeams{0, 48, 48, 96, 96, 96, 64, 64, 64, 128, 128
 
 enum class ArisSystem : std::uint32_t { k1800 = 0, k3000 = 1, k1200 = 2 };
 
-/// Azimuth of a beam, degrees: linear u + cubic u^3, u from -1 at the first to 1 at the last.
+/// Azimuth of a beam, degrees: linear u + cubic u^3, with u from -1 at the first beam to 1 at the last.
 struct ArisLens {
   int beams;
   bool telephoto;
@@ -42,7 +42,7 @@ struct ArisHeader {
   [[nodiscard]] std::size_t bytes() const { return kHeaderBytes + static_cast<std::size_t>(beams()) * samples; }
 };
 
-/// The header at the first byte, of kHeaderBytes; empty where it contradicts itself.
+/// Reads a header of kHeaderBytes; empty if it contradicts itself.
 std::optional<ArisHeader> aris_header_of(Bytes header) {
   const RecordView fields(header);
   ArisHeader f;
@@ -60,12 +60,12 @@ std::optional<ArisHeader> aris_header_of(Bytes header) {
   f.ordered = fields.at<std::uint32_t>(516);
   const bool sized = f.beams() > 0 && f.samples > 0 && f.samples <= kMostSamples;
   const bool timed = f.period_us > 0 && f.period_us <= 10'000 && f.delay_us <= 10'000'000;
-  // All samples are taken within the cycle: a wrong number of them would swallow the next frame.
+  // All samples must lie within the cycle, since a wrong number of samples would swallow the next frame.
   const bool fits = f.cycle_us == 0 || f.delay_us + std::uint64_t{f.period_us} * f.samples <= f.cycle_us;
   return sized && timed && fits ? std::optional(f) : std::nullopt;
 }
 
-/// Whether another frame begins within the samples of this one: part of it was lost.
+/// Whether another frame begins within the samples of this one, so that part of this frame was lost.
 bool holds_next(Bytes frame) {
   const std::string_view text = text_of(frame);
   for (std::size_t at = kSignatureAt;;) {
@@ -108,7 +108,7 @@ const char* aris_frequency(const ArisHeader& frame) {
     case ArisSystem::k3000: return high ? "3 MHz" : "1.8 MHz";
     case ArisSystem::k1200: return high ? "1.2 MHz" : "0.7 MHz";
   }
-  return high ? "the higher one" : "the lower one";
+  return high ? "high" : "low";
 }
 
 class Aris final : public LogSource {
@@ -119,7 +119,7 @@ class Aris final : public LogSource {
       throw Error("ends within its header or right after it: nothing was recorded", {input_.name(), head.size()});
     }
     input_.advance(kHeaderBytes);
-    report_.details["time"] = "of the recorder";
+    report_.details["time"] = "clock of the recorder";
     report_.details["samples"] = "8 bits, 80 dB over 255 counts";
   }
 

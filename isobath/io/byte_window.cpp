@@ -21,7 +21,7 @@ ByteWindow ByteWindow::open(const fs::path& file) {
   ByteWindow window(file.string(), {}, nullptr);
   window.file_.reset(std::fopen(file.c_str(), "rb"));
   if (!window.file_) throw Error("cannot be read", {file.string()}, {}, "check its permissions");
-  std::setvbuf(window.file_.get(), nullptr, _IONBF, 0);  // blocks are large: a second buffer would only copy
+  std::setvbuf(window.file_.get(), nullptr, _IONBF, 0);  // blocks are large; a second buffer would only add copies
   if (fs::is_regular_file(status)) {
     window.size_ = fs::file_size(file, failed);
     if (failed) window.size_ = 0;
@@ -42,9 +42,9 @@ void ByteWindow::advance(std::size_t count) {
   position_ += count;
 }
 
-// A new block: what is left of the old one, then as much of the file as fits.
+// Makes a new block: the rest of the old one, then as much of the file as fits.
 void ByteWindow::refill(std::size_t count) {
-  // Half a block more than is wanted: a search that wants as much at every step then copies once for many steps.
+  // Half a block more than wanted, so that a search that wants this much at every step rarely copies.
   std::size_t capacity = std::max(count + kBlock / 2, kBlock);
   if (size_ > 0) capacity = static_cast<std::size_t>(std::min<std::uint64_t>(capacity, size_ - position_));
   if (capacity <= view_.size()) {

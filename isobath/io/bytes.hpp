@@ -1,4 +1,4 @@
-// Bytes that others wrote: views of them, and a cursor that cannot leave them.
+// Untrusted bytes: views of them, and a cursor that cannot leave them.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@ using Bytes = std::span<const std::byte>;
 inline Bytes bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 inline std::string_view text_of(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-/// Reads numbers one after the other, of either byte order. A read beyond the end gives zero and makes ok() false for
-/// good: read a group, then ask once.
+/// Reads numbers of either byte order one after the other. A read beyond the end gives zero and makes ok() false
+/// permanently, so one check after a group of reads is enough.
 class ByteCursor {
  public:
   explicit ByteCursor(Bytes bytes, std::size_t at = 0) : bytes_(bytes), at_(0) { skip(at); }
@@ -62,7 +62,7 @@ class ByteCursor {
 };
 
 /// The fields of a record by their offsets, for formats whose records state their own size and have grown over the
-/// years: a field that lies beyond the end is absent, and zero.
+/// years. A field beyond the end is absent and reads as zero.
 class RecordView {
  public:
   explicit RecordView(Bytes bytes, std::endian order = std::endian::little) : bytes_(bytes), order_(order) {}
@@ -81,7 +81,7 @@ class RecordView {
   [[nodiscard]] bool holds(std::size_t offset, std::size_t count) const {
     return offset <= bytes_.size() && count <= bytes_.size() - offset;
   }
-  /// What is there of `count` bytes.
+  /// The available part of `count` bytes.
   [[nodiscard]] Bytes part(std::size_t offset, std::size_t count) const {
     if (offset >= bytes_.size()) return {};
     return bytes_.subspan(offset, count < bytes_.size() - offset ? count : bytes_.size() - offset);

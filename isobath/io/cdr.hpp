@@ -1,6 +1,8 @@
-// CDR, the serialisation of ROS 2 messages (OMG XCDR1, little-endian): numbers aligned to their own size, counted from
-// behind a header of four bytes; sequences with a 32-bit count in front. A CdrReader never reads outside its bytes:
-// once something does not fit, `ok` is false and all that follows is zero.
+// CDR, the serialisation of ROS 2 messages (OMG XCDR1, little-endian).
+//
+// Numbers are aligned to their own size, counted from the end of a header of four bytes. Sequences start with a 32-bit
+// count. A CdrReader never reads outside its bytes: after the first value that does not fit, `ok` is false and all
+// further values are zero.
 #pragma once
 
 #include <cstdint>
@@ -24,14 +26,14 @@ class CdrWriter {
     out_.insert(out_.end(), bytes, bytes + sizeof value);
     return *this;
   }
-  /// Length with the closing zero in front.
+  /// Writes the length, including the closing zero, and then the text.
   CdrWriter& text(std::string_view value) {
     number(static_cast<std::uint32_t>(value.size() + 1));
     out_.insert(out_.end(), value.begin(), value.end());
     out_.push_back(0);
     return *this;
   }
-  /// Count in front; room for the elements, all zero, for the caller to fill at once.
+  /// Writes the count and zeroed elements. The caller must fill the elements before the next write.
   template <class Number>
   std::uint8_t* sequence(std::size_t count) {
     number(static_cast<std::uint32_t>(count));
@@ -73,7 +75,7 @@ class CdrReader {
   }
 
   [[nodiscard]] bool ok() const { return ok_; }
-  /// Whether nothing is left: an older record without the fields that were added since.
+  /// Whether all bytes are read: an older record lacks the fields that were added later.
   [[nodiscard]] bool at_end() const { return ok_ && at_ == data_.size(); }
 
  private:

@@ -32,7 +32,7 @@ DelimitedText::DelimitedText(std::unique_ptr<std::istream> input, std::string fi
   names_.assign(cells_.begin(), cells_.end());
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (!names_[i].empty() && column(names_[i]) != static_cast<int>(i)) {
-      refuse_names("column \"" + names_[i] + "\" stands there twice");
+      refuse_names("column \"" + names_[i] + "\" appears twice");
     }
   }
 }

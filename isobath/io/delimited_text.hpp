@@ -1,8 +1,7 @@
 // DelimitedText: tables of comma-separated text with a line of column names, read line by line.
 //
-// Empty lines and lines that start with # are passed over; names and cells lose surrounding blanks and quotes. A line
-// longer than 64 KiB ends the table (`overlong`). Errors about the line of names are thrown as Error with file and
-// line.
+// Empty lines and lines that start with # are skipped. Surrounding blanks and quotes are stripped from names and cells.
+// A line longer than 64 KiB ends the table (`overlong`). Errors: a bad line of names throws Error with file and line.
 #pragma once
 
 #include <cstdint>
@@ -18,19 +17,19 @@ namespace isobath {
 
 class DelimitedText {
  public:
-  /// Reads the line of names. Throws Error: nothing there, or a name twice.
+  /// Reads the line of names. Throws Error if it is missing or repeats a name.
   DelimitedText(std::unique_ptr<std::istream> input, std::string file);
 
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
-  /// Place of a column, or -1 where there is none.
+  /// Index of a column, or -1 if there is none.
   [[nodiscard]] int column(std::string_view name) const;
-  /// Throws Error where there is none.
+  /// Index of a column. Throws Error if there is none.
   [[nodiscard]] int required(std::string_view name) const;
   [[noreturn]] void refuse_names(const std::string& problem, const std::string& allowed = {}) const;
 
   /// Moves to the next row; false at the end.
   bool next();
-  /// The current row: its cell as text (empty where the row is short), as a finite number, as a whole number.
+  /// A cell of the current row as text (empty where the row is short), as a finite number, or as a whole number.
   [[nodiscard]] std::string_view cell(int column) const;
   [[nodiscard]] std::optional<double> number(int column) const;
   [[nodiscard]] std::optional<std::int64_t> integer(int column) const;
@@ -53,7 +52,7 @@ class DelimitedText {
   bool overlong_ = false;
 };
 
-/// Opens a file for it. Throws Error.
+/// Opens a file as a table. Throws Error.
 DelimitedText open_delimited_text(const std::string& file);
 
 }  // namespace isobath

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Angle kBeamWidth = Angle::degrees(7);
-constexpr double kStep = 1;  // m, of which a course can be told
+constexpr double kStep = 1;  // m, shortest step that gives a course
 
 enum Column : std::uint8_t { kTime, kLatitude, kLongitude, kNorthing, kEasting, kDepth, kHeading, kColumns };
 constexpr std::array<std::string_view, kColumns> kKeys{"time",    "latitude", "longitude", "northing",
@@ -108,7 +108,7 @@ class DepthCsv final : public Source {
         utm_ ? column_[kNorthing] >= 0 && column_[kEasting] >= 0 : column_[kLatitude] >= 0 && column_[kLongitude] >= 0;
     if (positions && column_[kDepth] >= 0) return;
     const char* needed = utm_ ? "northing, easting and depth" : "latitude, longitude and depth";
-    table_.refuse_names(fmt::format("input.csv_columns does not say which columns are {}", needed),
+    table_.refuse_names(fmt::format("input.csv_columns must declare the columns of {}", needed),
                         fmt::format("{}", fmt::join(table_.names(), ", ")));
   }
 
@@ -178,7 +178,7 @@ class DepthCsv final : public Source {
   BoatFixes fixes_;
   std::optional<UtmZone> utm_;
   Angle width_;
-  double scale_ = 1;  ///< from the depth as written to metres below the water
+  double scale_ = 1;  ///< factor from the written depth to metres below the water
   std::array<int, kColumns> column_{-1, -1, -1, -1, -1, -1, -1};
   Time clock_{};
   Angle course_;
@@ -192,7 +192,7 @@ std::string_view unquoted(std::string_view name) {
   return trimmed(name);
 }
 
-/// The line of names as DelimitedText finds it.
+/// The line of names, found by the same rule as in DelimitedText.
 std::string_view line_of_names(Bytes head) {
   std::string_view text = text_of(head);
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);

@@ -1,19 +1,22 @@
-// DepthCsv: tables of comma-separated text with a position and a depth in each row, whose columns the user declares.
+// DepthCsv: tables of comma-separated text with a position and a depth in each row. The user declares the columns.
 //
-// Nothing is guessed: InputConfig::survey says what the columns are (csv_columns, "time=Date,latitude=Lat,
-// longitude=Lon,depth=Depth"), the unit of depths and their sense, the kind of positions and of times. Depths are below
-// the water. What a column can be:
+// Nothing is guessed. InputConfig::survey states the columns (csv_columns, for example
+// "time=Date,latitude=Lat,longitude=Lon,depth=Depth"), the unit and sign of depths, the kind of positions and the kind
+// of times. Depths are below the water surface. The columns are
 //   latitude and longitude   degrees on WGS 84 (csv_position "degrees")
 //   northing and easting     metres in a zone of the UTM grid (csv_position "utm 33N")
-//   depth                    needed
-//   time                     ISO 8601 in UTC or, less utc_offset_h, local; or seconds. Absent: one second from row to
-//   row heading                  degrees from true north. Absent: the course from the last position 1 m away or more
+//   depth                    required
+//   time                     ISO 8601, in UTC or in local time (less utc_offset_h); or seconds. Absent: one second from
+//                            row to row
+//   heading                  degrees from true north. Absent: the course over the last 1 m or more of track
 // A row gives a Navigation (B on the water, roll and pitch 0) and a RangeReading that looks down from
-// transducer_depth_m. The beam is not known: 7 degrees, as in nmea.hpp, unless InputConfig::beam_width says otherwise.
+// transducer_depth_m. The beam is not known: its width is 7 degrees, as in nmea.hpp, unless InputConfig::beam_width
+// sets it.
 //
-// Rows with a missing or impossible time or position are refused and counted; a depth of 0 or above the water is "no
-// bottom": counted, and no reading, its position stays. Throws Error: no declaration (naming the columns that there
-// are), one that names a column that is not there or no depth or position, an unknown kind of position.
+// Rows with a missing or impossible time or position are refused and counted. A depth of 0 or above the water means "no
+// bottom": it is counted and gives no reading, but the row still gives its position. Errors: throws Error if no columns
+// are declared (the message lists the columns of the file), if a declared column is missing, if no depth or position is
+// declared, or if the kind of position is unknown.
 #pragma once
 
 #include <filesystem>
@@ -26,16 +29,16 @@
 
 namespace isobath {
 
-/// Whether columns are declared and the first line of the text holds one of them.
+/// Whether columns are declared and the line of names holds one of them.
 bool looks_like_depth_csv(Bytes head, const SurveyInput& config);
 std::unique_ptr<Source> open_depth_csv(const std::filesystem::path& file, const InputConfig& config);
 std::unique_ptr<Source> open_depth_csv(std::unique_ptr<std::istream> input, const std::string& name,
                                        const InputConfig& config);
 
-/// The names in the first line of a text that looks like a table with names, joined by ", "; empty: it does not.
+/// The column names of a text that looks like a table, joined by ", "; empty: it does not look like one.
 std::string table_names(Bytes head);
 inline constexpr const char* kDeclareColumns =
-    "say what they are, as in --set input.csv_columns=\"latitude=NAME,longitude=NAME,depth=NAME\", with "
+    "declare them, as in --set input.csv_columns=\"latitude=NAME,longitude=NAME,depth=NAME\", with "
     "input.csv_depth_unit and input.csv_depth_sign";
 
 }  // namespace isobath

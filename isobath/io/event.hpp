@@ -1,4 +1,4 @@
-// Event: everything that reaches the program, each with a time. Source: whatever makes events (device, log, simulator).
+// Event: one input of the program, with its time. Source: what produces events (device, log, simulator).
 #pragma once
 
 #include <cstdint>
@@ -29,28 +29,28 @@ struct Damage {
   std::string reason;
 };
 
-/// What a source says about itself while it is read; complete when it is at its end.
+/// What a source reports about itself while it is read; complete at its end.
 struct SourceReport {
   static constexpr std::size_t kMaxDamages = 1000;
 
   std::string format;                             ///< "Ping Viewer log", "MCAP", ...
   std::uint64_t bytes_total = 0;                  ///< 0: unknown (a device)
-  std::uint64_t bytes_read = 0;                   ///< position: for progress
+  std::uint64_t bytes_read = 0;                   ///< position, for a progress display
   std::uint64_t bytes_skipped = 0;                ///< sum over all damage
-  std::vector<Damage> damages;                    ///< the first kMaxDamages stretches; adjacent ones are joined
-  std::map<std::string, std::uint64_t> rejected;  ///< whole records that were read and refused, by reason
+  std::vector<Damage> damages;                    ///< first kMaxDamages stretches; adjacent ones are joined
+  std::map<std::string, std::uint64_t> rejected;  ///< complete records that the source refused, by reason
   std::map<std::string, std::string> details;     ///< "sonar" -> "Ping360, 750 kHz, gain 1", ...
   std::optional<GeoOrigin> origin;
 
   void add_damage(std::uint64_t offset, std::uint64_t bytes, const std::string& reason);
-  /// A setting of the device among the details: its last value, and whether there were others.
+  /// Adds a device setting to the details: its last value, marked if earlier values differ.
   void note_setting(const std::string& key, const std::string& value);
 };
 
 class Source {
  public:
   virtual ~Source() = default;
-  /// The next event in the order of the input; empty at the end. Throws nothing: damage is skipped and reported.
+  /// The next event in the order of the input; empty at the end. Throws nothing: the source skips and reports damage.
   virtual std::optional<Event> next() = 0;
   [[nodiscard]] virtual const SourceReport& report() const = 0;
 };

@@ -59,7 +59,7 @@ Message points_of(const std::vector<Vector3d>& points_W) {
   return points;
 }
 
-/// Of an entity without anything in it.
+/// An entity without content.
 Message entity_json(Time time, const std::string& id) {
   Message entity{{"timestamp", stamp(time)},
                  {"frame_id", kMap},
@@ -108,7 +108,7 @@ Message foxglove_json(Time time, const FoxgloveEntity& e) {
 Vector3d to_east_north_up(const Vector3d& p_W) { return {p_W.y(), p_W.x(), -p_W.z()}; }
 
 Pose to_east_north_up(const Pose& X_WB) {
-  // R = A R_WB B, where A swaps north and east and turns down up, and B turns starboard and down about.
+  // R = A R_WB B, where A swaps north and east and negates down, and B negates starboard and down.
   const Eigen::Matrix3d A = (Eigen::Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, -1).finished();
   const Eigen::Matrix3d R = A * X_WB.rotation.matrix() * Vector3d(1, -1, -1).asDiagonal();
   return {Rotation::from_quaternion(Eigen::Quaterniond(R)), to_east_north_up(X_WB.translation)};
@@ -175,7 +175,7 @@ std::string foxglove_points(Time time, std::span<const FoxglovePoint> points, co
 std::string foxglove_grid(Time time, const FoxgloveGrid& grid, const char* value) {
   ISOBATH_ASSERT(grid.values.size() == static_cast<std::size_t>(grid.cells_x) * static_cast<std::size_t>(grid.cells_y));
   if (!grid.corner_W.allFinite() || !std::isfinite(grid.heading.radians())) return {};
-  // Its rows run to port, since its z axis points up: the first row is the one farthest to starboard.
+  // The message's rows run to port, since its z axis points up: the first row is the farthest to starboard.
   std::vector<std::uint8_t> rows;
   rows.reserve(grid.values.size());
   for (int y = grid.cells_y - 1; y >= 0; --y) {

@@ -1,10 +1,10 @@
-// Messages in the schemas that Foxglove and other viewers know without any plug-in (https://docs.foxglove.dev, JSON):
-// each function gives the text of one message, for a channel with the schema of its name.
+// Messages in the JSON schemas that Foxglove and other viewers know without a plug-in (https://docs.foxglove.dev).
+// Each function returns the text of one message for a channel whose schema has the name of the message.
 //
-// Conversion happens here: in are W (north-east-down) and B (forward-starboard-down), out are the frames "map"
-// (east-north-up, same origin) and "body" (forward-port-up). What is not finite is not written, since JSON has no word
-// for it: such a point is left out, and of a pose or place that is not finite the text is empty: there is nothing to
-// write. Numbers are rounded: places to 0.1 mm, directions to 1e-6. Times before 1970 become 1970.
+// The frames are converted here: inputs are in W (north-east-down) and B (forward-starboard-down), messages are in the
+// frames "map" (east-north-up, same origin) and "body" (forward-port-up). JSON has no non-finite numbers: a non-finite
+// point is left out, and for a non-finite pose or position the text is empty. Numbers are rounded: positions to 0.1 mm,
+// directions to 1e-6. Times before 1970 become 1970.
 #pragma once
 
 #include <cstdint>
@@ -31,21 +31,21 @@ enum class FoxgloveKind : std::uint8_t {
 };
 /// "foxglove.FrameTransform".
 const char* foxglove_name(FoxgloveKind kind);
-/// JSON Schema, as in the package @foxglove/schemas without its prose.
+/// JSON Schema, as in the package @foxglove/schemas without the descriptions.
 std::string foxglove_schema(FoxgloveKind kind);
 
 Eigen::Vector3d to_east_north_up(const Eigen::Vector3d& p_W);
-/// Of B in W: that of the body with x forward, y to port, z up in "map".
+/// Converts the pose of B in W to the pose, in "map", of the body with axes x forward, y to port, z up.
 Pose to_east_north_up(const Pose& X_WB);
 
-/// Of the body in "map", as foxglove.FrameTransform and as foxglove.PoseInFrame.
+/// The pose of the body in "map", as foxglove.FrameTransform and as foxglove.PoseInFrame.
 std::string foxglove_transform(Time time, const Pose& X_WB);
 std::string foxglove_pose(Time time, const Pose& X_WB);
 
 struct FoxglovePlace {
   GeoPoint at;
   double depth_m = 0;
-  std::optional<Eigen::Matrix3d> covariance_W = {};  ///< of north, east, down, m2
+  std::optional<Eigen::Matrix3d> covariance_W = {};  ///< north, east, down, m2
   std::optional<Angle> heading = {};
 };
 std::string foxglove_location(Time time, const FoxglovePlace& place);
@@ -54,18 +54,18 @@ struct FoxglovePoint {
   Eigen::Vector3f p_W;
   float value = 0;
 };
-/// Fields x, y, z and one of a name: float each.
+/// Fields x, y, z and a field named `value`, each a float.
 std::string foxglove_points(Time time, std::span<const FoxglovePoint> points, const char* value);
 
 /// Square cells in a level plane: cell (x, y) at x * cells_y + y, x along the heading, y to starboard of it.
 struct FoxgloveGrid {
-  Eigen::Vector3d corner_W;  ///< of cell (0, 0)
+  Eigen::Vector3d corner_W;  ///< outer corner of cell (0, 0)
   Angle heading;
   int cells_x = 0, cells_y = 0;
   double cell_m = 1;
   std::span<const std::uint8_t> values;
 };
-/// One field of a name: a byte.
+/// One field named `value`: a byte.
 std::string foxglove_grid(Time time, const FoxgloveGrid& grid, const char* value);
 
 struct FoxgloveColor {
@@ -87,7 +87,7 @@ struct FoxgloveText {
   std::string text;
   FoxgloveColor color;
 };
-/// Replaces the one of the same id.
+/// Replaces an earlier entity of the same id.
 struct FoxgloveEntity {
   std::string id;
   std::vector<FoxgloveLine> lines = {};
@@ -96,7 +96,7 @@ struct FoxgloveEntity {
 };
 std::string foxglove_scene(Time time, std::span<const FoxgloveEntity> entities);
 
-/// mono8, row after row from above.
+/// mono8, row after row from the top.
 std::string foxglove_image(Time time, int width, int height, std::span<const std::uint8_t> pixels);
 
 enum class FoxgloveLevel : std::uint8_t { kDebug = 1, kInfo, kWarning, kError, kFatal };

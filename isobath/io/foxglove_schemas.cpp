@@ -18,7 +18,7 @@ SchemaJson list(SchemaJson items) { return {{"type", "array"}, {"items", std::mo
 
 using Properties = std::initializer_list<std::pair<const char*, SchemaJson>>;
 
-/// The properties of `optional` need not be there.
+/// The properties named in `optional` are not required.
 SchemaJson object(const char* title, Properties required, Properties optional = {}) {
   SchemaJson schema{
       {"title", title}, {"type", "object"}, {"properties", SchemaJson::object()}, {"required", SchemaJson::array()}};

@@ -44,7 +44,7 @@ std::string whole_text(const fs::path& file) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// geometry.json, or else a geometry file by its content; of two, the one that lists the angle of each beam.
+/// geometry.json, else a file that looks like a geometry; a file that lists the angle of each beam has precedence.
 fs::path geometry_file(const fs::path& folder) {
   fs::path best;
   for (const fs::path& file : files_of(folder, false, ".json")) {
@@ -60,7 +60,7 @@ fs::path geometry_file(const fs::path& folder) {
   return best;
 }
 
-/// "<set>.csv" beside the set, if its columns are those of posed frames.
+/// "<set>.csv" beside the set, if it has the columns of frames with poses.
 fs::path poses_beside(const fs::path& set) {
   const fs::path file = set.parent_path() / (set.filename().string() + ".csv");
   std::error_code unknown;
@@ -102,7 +102,7 @@ const FrameSet& chosen_set(const FrameLayout& layout, const fs::path& folder, co
   throw Error("no set \"" + name + "\" here", {folder.string(), {}, {}, {}, "set"}, names);
 }
 
-/// Reads the rows of posed frames. Columns are found once.
+/// Reads the rows of frames with poses. Columns are looked up once.
 class PoseRows {
  public:
   explicit PoseRows(const fs::path& file) : table_(open_delimited_text(file.string())) {
@@ -120,7 +120,7 @@ class PoseRows {
     PosedFrame posed;
   };
   bool next() { return table_.next(); }
-  /// Empty where a value is missing, not finite, or no rotation.
+  /// Empty where a value is missing or not finite, or where the matrix is not a rotation.
   [[nodiscard]] std::optional<Row> row() const {
     const auto frame = table_.integer(frame_), pass = table_.integer(pass_);
     const auto t_s = table_.number(t_s_);
@@ -132,7 +132,7 @@ class PoseRows {
   }
 
  private:
-  /// x y z, then the rotation by rows.
+  /// Columns x y z, then the rotation by rows.
   [[nodiscard]] std::vector<int> pose_columns(const std::string& head) const {
     std::vector<int> columns;
     for (const char* name : {"x", "y", "z", "00", "01", "02", "10", "11", "12", "20", "21", "22"}) {
@@ -161,7 +161,7 @@ class PoseRows {
     return to_ned() * Vector3d(*x, *y, *z);
   }
 
-  /// From x east, y north, z up.
+  /// Converts from x east, y north, z up.
   static Matrix3d to_ned() { return (Matrix3d() << 0, 1, 0, 1, 0, 0, 0, 0, -1).finished(); }
 
   DelimitedText table_;
@@ -304,7 +304,8 @@ FrameLayout frame_layout(const fs::path& given, const InputConfig& config) {
   const fs::path file = geometry_of(folder);
   const bool posed =
       std::any_of(layout.sets.begin(), layout.sets.end(), [](const auto& s) { return !s.poses.empty(); });
-  if (file.empty() && !posed) throw Error("no geometry of the frames", {folder.string(), {}, {}, {}, {}}, "", kAdvice);
+  if (file.empty() && !posed)
+    throw Error("no geometry file for the frames", {folder.string(), {}, {}, {}, {}}, "", kAdvice);
   layout.geometry = with_overrides(
       file.empty() ? simulated_frame_geometry() : parse_frame_geometry(whole_text(file), file.string()), config);
   return layout;

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kDidsonHeightDeg = 14;  // the instrument's vertical beam, which the data set's file does not state
+constexpr double kDidsonHeightDeg = 14;  // vertical beam of the instrument; the geometry file does not state it
 
 [[noreturn]] void refuse(const std::string& file, const std::string& key, const std::string& problem,
                          const std::string& allowed = {}) {
@@ -34,7 +34,7 @@ int whole(const Json& json, const std::string& file, const std::string& key, int
   return static_cast<int>(value);
 }
 
-/// True for the second of two words, false for the first or where the key is absent.
+/// True for the second of two words, false for the first and if the key is absent.
 bool second_of(const Json& json, const std::string& file, const std::string& key, const char* first,
                const char* second) {
   const auto at = json.find(key);
@@ -47,7 +47,7 @@ std::vector<Angle> listed_azimuths(const Json& json, const std::string& file, co
                                    double unit_rad) {
   const Json& list = json[key];
   if (!list.is_array() || list.size() != static_cast<std::size_t>(beams)) {
-    refuse(file, key, "not a list of one angle a beam", fmt::format("{} numbers", beams));
+    refuse(file, key, "not a list of one angle per beam", fmt::format("{} numbers", beams));
   }
   std::vector<Angle> azimuths;
   for (const Json& item : list) {
@@ -94,7 +94,7 @@ void set_beams(FrameGeometry& g, std::vector<Angle> azimuths, Angle width, Angle
   } else if (azimuths.size() > 1) {
     fan->width = widths_between(azimuths);
   } else {
-    refuse(file, "width_deg", "is missing, and one beam alone does not tell it");
+    refuse(file, "width_deg", "is missing, and a single beam has no spacing to derive it from");
   }
   fan->azimuth = std::move(azimuths);
   fan->height = height;
@@ -102,7 +102,7 @@ void set_beams(FrameGeometry& g, std::vector<Angle> azimuths, Angle width, Angle
 }
 
 void set_window(FrameGeometry& g, double low, double high, int bins, const std::string& file, const std::string& key) {
-  if (!(high - low > 1e-6 * bins)) refuse(file, key, "not beyond the nearest range by a micrometre a bin");
+  if (!(high - low > 1e-6 * bins)) refuse(file, key, "must exceed the nearest range by over a micrometre per bin");
   g.window = {low, (high - low) / bins, bins};
 }
 
@@ -170,7 +170,7 @@ FrameGeometry parse_frame_geometry(std::string_view text, const std::string& fil
   } catch (const Json::parse_error& e) {
     throw Error("not JSON", {file, e.byte, {}, {}, {}}, "", "write a geometry.json as the documentation shows");
   } catch (const Json::exception&) {
-    throw Error("a number too large for any computer", {file, {}, {}, {}, {}});
+    throw Error("a number is out of range", {file, {}, {}, {}, {}});
   }
   if (!json.is_object()) throw Error("not a JSON object", {file, {}, {}, {}, {}});
   return is_didson(json) ? didson_geometry(json, file) : own_geometry(json, file);

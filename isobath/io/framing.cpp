@@ -19,9 +19,9 @@ Framing noise_until(Bytes bytes, char start) {
 
 const char* to_text(MessageFault fault) {
   switch (fault) {
-    case MessageFault::kShort: return "message shorter than it says";
+    case MessageFault::kShort: return "message shorter than its stated length";
     case MessageFault::kNoSamples: return "message without samples";
-    case MessageFault::kBadBearing: return "bearing that the device does not have";
+    case MessageFault::kBadBearing: return "bearing out of the range of the device";
     case MessageFault::kBadRange: return "no usable range setting";
     case MessageFault::kOutOfOrder: return "beams not in the order of their bearings";
     case MessageFault::kOtherDevice: return "message of another kind of device";
@@ -45,7 +45,7 @@ std::optional<Bytes> next_frame(ByteWindow& input, FrameAt frame_at, SourceRepor
       wanted = found.bytes;
       continue;
     }
-    if (incomplete) reason = kBeyond;  // for all that follows, unless a frame does
+    if (incomplete) reason = kBeyond;  // applies to all bytes that follow, unless a frame follows
     const std::size_t skipped = incomplete ? 1 : found.bytes;
     report.add_damage(input.position(), skipped, reason);
     input.advance(skipped);
@@ -65,7 +65,7 @@ bool holds_frame(Bytes bytes, FrameAt frame_at) {
 void FrameStream::push(Bytes chunk, Time time, std::uint64_t offset) {
   finished_ = false;
   if (chunk.empty()) return;
-  if (at_ > 0) {  // what has been consumed makes room
+  if (at_ > 0) {  // drop the consumed bytes
     const std::size_t first = waiting() > 0 ? chunk_of(at_) : chunks_.size();
     chunks_.erase(chunks_.begin(), chunks_.begin() + std::ptrdiff_t(first));
     for (Chunk& c : chunks_) {
@@ -85,7 +85,7 @@ std::size_t FrameStream::chunk_of(std::size_t at) const {
   return static_cast<std::size_t>(after - chunks_.begin()) - 1;
 }
 
-// Noise may lie across chunks that do not lie side by side in the input.
+// Noise may span chunks that are not adjacent in the input.
 void FrameStream::skip(std::size_t count, SourceReport& report) {
   while (count > 0) {
     const std::size_t i = chunk_of(at_);

@@ -1,9 +1,9 @@
-// Framing: finding the messages of a protocol in bytes that may be noisy, cut and damaged.
+// Framing: finds the messages of a protocol in bytes that may be noisy, truncated or damaged.
 //
-// A protocol gives one function, FrameAt, that says what stands at the start of some bytes. Files are walked by
-// next_frame without copying; a device link pushes whatever chunks arrive into a FrameStream. Both find the same
-// frames: a verdict that was given on a part of the bytes is the verdict on all of them. After damage the search goes
-// on one byte further, so that a false start never costs the true frame behind it.
+// A protocol supplies one function, FrameAt, that classifies the start of some bytes. next_frame walks through a
+// file without copying. A device link pushes the chunks that arrive into a FrameStream. Both find the same frames: a
+// verdict on a part of the bytes must hold for all of them. After damage the search continues one byte further, so that
+// a false start never hides the true frame behind it.
 #pragma once
 
 #include <isobath/base/time.hpp>
@@ -17,8 +17,8 @@ namespace isobath {
 
 struct Framing {
   enum class Kind : std::uint8_t {
-    kFrame,       ///< a whole frame of `bytes`
-    kIncomplete,  ///< may become one: `bytes` must be there, more than there are
+    kFrame,       ///< a complete frame of `bytes`
+    kIncomplete,  ///< may become a frame: needs `bytes`, more than there are
     kNoise        ///< nothing starts in the first `bytes`, at least 1
   };
   Kind kind;
@@ -26,20 +26,20 @@ struct Framing {
 };
 using FrameAt = Framing (*)(Bytes);
 
-/// No frame starts at the first byte: on to the next one that has the value of a start.
+/// The verdict that no frame starts at the first byte: noise up to the next byte with the value `start`.
 Framing noise_until(Bytes bytes, char start);
 
-/// What is wrong with a whole frame whose content cannot be used.
+/// What is wrong with a complete frame whose content cannot be used.
 enum class MessageFault : std::uint8_t { kShort, kNoSamples, kBadBearing, kBadRange, kOutOfOrder, kOtherDevice };
 const char* to_text(MessageFault fault);
 
-/// The next frame of an input, a view into it; what lies before it is added to the report's damages. Empty at the end.
+/// The next frame of an input, as a view into it. Bytes before it are reported as damage. Empty at the end.
 std::optional<Bytes> next_frame(ByteWindow& input, FrameAt frame_at, SourceReport& report);
 
-/// Whether a whole frame stands anywhere in some bytes.
+/// Whether the bytes contain a complete frame.
 bool holds_frame(Bytes bytes, FrameAt frame_at);
 
-/// The frames of chunks that arrive one after the other, of any size. Each frame has the time and the place of the
+/// The frames of chunks of any size that arrive one after the other. Each frame has the time and the offset of the
 /// chunk in which it begins. Memory: the longest frame that the protocol allows, and one chunk.
 class FrameStream {
  public:
@@ -50,12 +50,12 @@ class FrameStream {
     Time time;
     std::uint64_t offset = 0;
   };
-  /// `offset`: of the chunk in its input.
+  /// `offset`: position of the chunk in its input.
   void push(Bytes chunk, Time time, std::uint64_t offset);
-  /// What waits for more bytes will not be continued: it is noise.
+  /// Ends the input: an incomplete frame becomes noise.
   void finish() { finished_ = true; }
   std::optional<Found> next(SourceReport& report);
-  /// Bytes that wait for more.
+  /// Number of bytes held back until more arrive.
   [[nodiscard]] std::size_t waiting() const { return buffer_.size() - at_; }
 
  private:

@@ -14,7 +14,7 @@ void keep(CPLErr level, CPLErrorNum, const char* text) {
   }
 }
 
-/// HDF5, under GDAL, prints its complaints unless it is told not to; its switch is found where it was loaded.
+/// Turns off the printing of errors in HDF5, which GDAL uses; the function is looked up in the loaded library.
 void quiet_hdf5() {
   using SetAuto = int (*)(std::int64_t stack, void* handler, void* data);
   if (void* found = dlsym(RTLD_DEFAULT, "H5Eset_auto2")) reinterpret_cast<SetAuto>(found)(0, nullptr, nullptr);

@@ -1,5 +1,5 @@
-// GdalSession: what GDAL says stays with us. While one lives, GDAL prints nothing on this thread, its drivers are
-// registered, and its complaints are kept.
+// GdalSession: registers GDAL's drivers and collects GDAL's messages. While a session lives, GDAL prints nothing on
+// this thread.
 #pragma once
 
 #include <string>
@@ -15,10 +15,10 @@ class GdalSession {
 
   [[nodiscard]] int warnings() const { return warnings_; }
   [[nodiscard]] int failures() const { return failures_; }
-  /// The first failure, else the last warning, in one line; empty without either.
+  /// The first failure, else the last warning, in one line; empty if there is neither.
   [[nodiscard]] const std::string& complaint() const { return failures_ > 0 ? first_failure_ : last_warning_; }
   void forget();
-  /// For the handler of errors.
+  /// Called by the error handler.
   void note(bool failure, const char* text);
 
  private:

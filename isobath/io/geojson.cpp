@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Eigen::Vector2d;
 
-/// Twice the area, positive where the corners turn from east to north.
+/// Twice the area, positive if the corners turn from east to north.
 double turning(const std::vector<Vector2d>& north_east) {
   double sum = 0;
   for (std::size_t i = 0; i < north_east.size(); ++i) {

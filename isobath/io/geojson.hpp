@@ -1,7 +1,8 @@
-// GeoJSON (RFC 7946): outlines, lines and points on the globe with properties, for charts.
+// GeoJSON (RFC 7946): polygons, lines and points on the globe with properties, for charts.
 //
-// Positions are longitude, latitude in degrees (WGS 84), to 1e-9 degrees; rings are closed and counter-clockwise. The
-// same features give the same text. A property that is not finite becomes null: JSON has no other word for it.
+// Positions are longitude, latitude in degrees (WGS 84), rounded to 1e-9 degrees. Rings are closed and
+// counter-clockwise. The same features give the same text. A property that is not finite becomes null, since JSON has
+// no non-finite numbers.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +18,9 @@
 namespace isobath {
 
 enum class GeoShape : std::uint8_t {
-  kPolygon,  ///< three corners or more, in either sense, not closed
+  kPolygon,  ///< three corners or more, in either direction, not closed
   kLine,     ///< two or more
-  kPoint,    ///< one, or more for several points of one feature
+  kPoint,    ///< one point, or several points of one feature
 };
 
 struct GeoFeature {
@@ -31,7 +32,7 @@ struct GeoFeature {
 };
 
 std::string geojson_text(std::span<const GeoFeature> features, const GeoOrigin& origin);
-/// Throws Error when the file cannot be written.
+/// Throws Error if the file cannot be written.
 void write_geojson(const std::filesystem::path& file, std::span<const GeoFeature> features, const GeoOrigin& origin);
 
 }  // namespace isobath

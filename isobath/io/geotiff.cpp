@@ -14,7 +14,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const GdalSession& gdal) {
   throw Error(fmt::format("cannot be written as GeoTIFF: {}", gdal.complaint()), {file.string(), {}, {}, {}, {}}, "",
-              "check the folder, its rights and free space");
+              "check the folder, its permissions and the free space");
 }
 
 OGRSpatialReference reference_of(const RasterFrame& frame) {
@@ -30,7 +30,7 @@ OGRSpatialReference reference_of(const RasterFrame& frame) {
   return reference;
 }
 
-/// Bands of one type, one after the other.
+/// Writes bands of one sample type.
 void write_raster(const std::filesystem::path& file, const RasterFrame& frame, std::span<const RasterMeaning> meanings,
                   GDALDataType type, std::span<const void* const> bands, std::optional<double> no_data) {
   ISOBATH_ASSERT(frame.columns > 0 && frame.rows > 0 && frame.cell_m > 0);

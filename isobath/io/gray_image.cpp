@@ -11,10 +11,10 @@ namespace isobath {
 namespace {
 
 constexpr std::uint64_t kMaxFileBytes = 1u << 30;
-constexpr std::uint64_t kMaxInflation = 1032;  // of deflate: a picture cannot be larger than this times its file
+constexpr std::uint64_t kMaxInflation = 1032;  // deflate's maximum ratio; bounds the image size by the file size
 
-// libpng reports errors by longjmp. Everything that outlives a jump stands here, outside the functions that call
-// setjmp.
+// libpng reports errors by longjmp. These structs hold everything that must survive a jump, outside the functions that
+// call setjmp.
 struct Reading {
   std::span<const std::uint8_t> left;
   png_structp png = nullptr;
@@ -69,9 +69,9 @@ void read_header(Reading& r, std::size_t file_bytes) {
   r.row_bytes = png_get_rowbytes(r.png, r.info);
   r.channels = png_get_channels(r.png, r.info);
   const std::uint64_t total = std::uint64_t(r.row_bytes) * png_get_image_height(r.png, r.info);
-  // expansion of a 1-bit palette to 8-bit colour with alpha makes 32 bytes of one
+  // expanding a 1-bit palette to 8-bit colour with alpha turns one byte into 32
   if (total / 32 / kMaxInflation > file_bytes)
-    png_error(r.png, "the picture's size cannot be right for so short a file");
+    png_error(r.png, "the stated image size is impossible for so short a file");
 }
 
 bool read_rows(Reading& r, std::size_t file_bytes) {

@@ -1,8 +1,8 @@
-// GrayImage: 8- and 16-bit grey pictures as PNG, the form in which polar sonar frames and masks are kept.
+// GrayImage: 8-bit and 16-bit grey images as PNG, the format in which polar sonar frames and masks are stored.
 //
-// Reading takes grey, grey with alpha, and colour (its first channel); 1, 2 and 4 bits are scaled up to 8, palettes to
-// colour. Values are taken as stored: no gamma, no alpha blending. Writing the same image gives the same bytes. Errors:
-// a file that is not a whole PNG, or larger than kMaxSide a side, throws Error.
+// Reading accepts grey, grey with alpha, and colour (its first channel). Samples of 1, 2 and 4 bits are scaled up to 8;
+// palettes are expanded to colour. Values are used as stored, without gamma or alpha blending. Writing the same image
+// gives the same bytes. Errors: throws Error if the file is not a complete PNG or has a side longer than kMaxSide.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct GrayImage {
   int width = 0;
   int height = 0;
   int sample_bytes = 1;               ///< 1 or 2
-  std::vector<std::uint8_t> samples;  ///< rows from the top, little-endian where sample_bytes is 2
+  std::vector<std::uint8_t> samples;  ///< rows from the top; little-endian if sample_bytes is 2
 
   [[nodiscard]] int operator()(int column, int row) const {
     const std::size_t at = (static_cast<std::size_t>(row) * width + column) * sample_bytes;

@@ -1,4 +1,4 @@
-// InputConfig: what the readers of logs must be told, because the logs do not say it.
+// InputConfig: settings of the log readers, for what logs do not state.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -8,24 +8,24 @@
 
 namespace isobath {
 
-/// What logs do not say about the sonar and how it is mounted.
+/// What logs do not state about the sonar and its mounting.
 struct InputConfig {
-  double sound_speed = 1500;  ///< m/s, for devices that leave it to the host
-  Angle mount_heading;        ///< of the sonar's zero bearing in the body
-  Angle mount_pitch;          ///< of a multibeam head that looks down, in logs that do not state it
-  Angle mount_roll;           ///< likewise
-  double mount_m[3] = {};     ///< likewise: forward, starboard, down of the point that navigation states
-  bool clockwise = true;      ///< sense of a scanning head's bearings seen from above
-  Angle beam_width;           ///< 0: what the format or the device type says
-  Angle beam_height;          ///< 0: what the format or the device type says
-  double range_m = 0;         ///< whole range, for logs that do not state it; 0: what the device is set to by default
+  double sound_speed = 1500;      ///< m/s, for devices that leave the speed of sound to the host
+  Angle mount_heading;            ///< direction of the sonar's zero bearing in the body
+  Angle mount_pitch;              ///< pitch of a downward-looking multibeam head, for logs that do not state it
+  Angle mount_roll;               ///< its roll, likewise
+  double mount_m[3] = {};         ///< likewise: forward, starboard, down of the navigation's reference point
+  bool clockwise = true;          ///< whether a scanning head's bearings grow clockwise seen from above
+  Angle beam_width;               ///< 0: as the format or the device type states
+  Angle beam_height;              ///< 0: as the format or the device type states
+  double range_m = 0;             ///< full range, for logs that do not state it; 0: the device's default
   bool high_nibble_first = true;  ///< order of two 4-bit samples in a byte (Tritech)
-  bool water_column = true;       ///< of multibeam logs is read, with that of the file beside them
-  std::string navigation;         ///< CSV of poses beside the log; empty: none
-  std::string set;                ///< of a folder that holds several: "clean", "noisy"; empty: the first by name
-  int pass = 0;                   ///< of a set that holds several; 0: the first
-  int most_bins = 1500;           ///< from the sonar to the end of its window; more are pooled; 0: never
-  SurveyInput survey;             ///< what logs of survey boats leave open
+  bool water_column = true;       ///< reads the water column of multibeam logs, and of the file beside them
+  std::string navigation;         ///< CSV file of poses for the log; empty: none
+  std::string set;                ///< set in a folder that holds several ("clean", "noisy"); empty: first by name
+  int pass = 0;                   ///< pass in a set that holds several; 0: the first
+  int most_bins = 1500;           ///< from the sonar to the end of its window; finer bins are pooled; 0: never
+  SurveyInput survey;             ///< what logs of survey boats do not state
 };
 std::vector<Field> fields(InputConfig& config);
 

@@ -15,7 +15,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kHeader = 20;                           // of a datagram: length, STX, type ... serial number
+constexpr std::size_t kHeader = 20;                           // datagram header: length, STX, type ... serial number
 constexpr std::size_t kTrailer = 3;                           // ETX, checksum
 constexpr std::uint32_t kMaxLength = std::uint32_t{1} << 20;  // water column datagrams reach 64 KiB
 constexpr char kStart = 2, kEnd = 3;
@@ -34,7 +34,7 @@ Framing datagram_at(Bytes bytes) {
     if (!view.holds(0, end)) return {Framing::Kind::kIncomplete, end};
     if (view.at<char>(end - kTrailer) == kEnd) return {Framing::Kind::kFrame, end};
   }
-  const Framing next = noise_until(bytes.subspan(4), kStart);  // the length stands before the start
+  const Framing next = noise_until(bytes.subspan(4), kStart);  // the length precedes the start byte
   return {Framing::Kind::kNoise, next.bytes};
 }
 
@@ -66,7 +66,8 @@ bool begins_datagram(Bytes bytes) {
          time_of_day(view.at<std::uint32_t>(8), view.at<std::uint32_t>(12));
 }
 
-/// The order of the first datagram whose time is possible and whose checksum holds; the first bytes need no checksum.
+/// The byte order of the first datagram with a possible time and a right checksum. At the first byte of the file, the
+/// checksum is not required.
 std::optional<std::endian> order_of(Bytes head) {
   if (begins_datagram<std::endian::little>(head)) return std::endian::little;
   if (begins_datagram<std::endian::big>(head)) return std::endian::big;
@@ -93,7 +94,7 @@ struct Datagram {
   Time time;
 };
 
-/// Of a heading of 0.01 degrees.
+/// A heading in units of 0.01 degrees.
 std::optional<Angle> heading_of(std::uint16_t hundredths) {
   return hundredths < 36000 ? std::optional(Angle::degrees(hundredths * 0.01)) : std::nullopt;
 }
@@ -106,7 +107,7 @@ class KongsbergAll final : public LogSource {
         track_(report_),
         water_parts_(report_) {
     order_ = order_of(input_.want(kHead)).value_or(std::endian::little);
-    report_.details["time"] = "of the sonar, UTC";
+    report_.details["time"] = "clock of the sonar, UTC";
     if (beside_) report_.details["beside"] = beside_name_ + ": water columns, attitude";
     if (order_ == std::endian::big) report_.details["byte order"] = "big-endian";
   }
@@ -224,7 +225,7 @@ void KongsbergAll::take_depth(const Datagram& d) {
   const double z_unit = 0.01 * d.fields.at<std::uint8_t>(28), xy_unit = 0.01 * d.fields.at<std::uint8_t>(29);
   const double transducer_m =
       0.01 * d.fields.at<std::uint16_t>(24) + 655.36 * d.fields.at<std::int8_t>(kBeams + count * kBeam);
-  const bool deep = d.model == 120 || d.model == 300;  // their depths are unsigned
+  const bool deep = d.model == 120 || d.model == 300;  // these models write unsigned depths
   Swath swath;
   swath.soundings.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -240,7 +241,7 @@ void KongsbergAll::take_depth(const Datagram& d) {
   add_swath(std::move(swath), d);
 }
 
-/// Both kinds of depth datagram begin alike.
+/// Completes a swath and adds it. Heading and sound speed have the same offsets in both kinds of depth datagram.
 void KongsbergAll::add_swath(Swath swath, const Datagram& d) {
   swath.time = d.time;
   swath.frame = Swath::Frame::kLevel;
@@ -275,7 +276,7 @@ void KongsbergAll::take_position(const Datagram& d) {
   }
   const auto latitude = d.fields.at<std::int32_t>(20), longitude = d.fields.at<std::int32_t>(24);
   if (!d.fields.holds(20, 17) || latitude == 0x7FFFFFFF || longitude == 0x7FFFFFFF) {
-    return reject("position that is none");
+    return reject("invalid position");
   }
   PositionFix fix;
   fix.time = d.time;
@@ -288,7 +289,7 @@ void KongsbergAll::take_position(const Datagram& d) {
   track_.add(fix);
 }
 
-// Bits of the sensor descriptor: 0 heading is active; 1, 2, 3 roll, pitch, heave are not.
+// Bits of the sensor descriptor: bit 0: heading is active; bits 1, 2, 3: roll, pitch, heave are inactive.
 void KongsbergAll::take_attitude(const Datagram& d) {
   constexpr std::size_t kSamples = 22, kSample = 12;
   const std::size_t count = d.fields.at<std::uint16_t>(20);
@@ -301,7 +302,7 @@ void KongsbergAll::take_attitude(const Datagram& d) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = kSamples + i * kSample;
     const auto status = d.fields.at<std::uint8_t>(at + 2);
-    if (status >= 0x9A && status <= 0xAF) {  // as the sensors of the EM 3000 format say it
+    if (status >= 0x9A && status <= 0xAF) {  // invalid, as coded in the EM 3000 sensor format
       reject("attitude sample that its sensor calls invalid");
       continue;
     }
@@ -325,7 +326,7 @@ void KongsbergAll::take_network_attitude(const Datagram& d) {
   }
 }
 
-/// Roll, pitch, heave, heading from `at` on.
+/// Reads roll, pitch, heave and heading at `at`.
 void KongsbergAll::add_attitude(Time time, const RecordView& fields, std::size_t at, std::uint8_t sensor) {
   MotionSample sample;
   sample.time = time;
@@ -347,8 +348,8 @@ void KongsbergAll::take_installation(const Datagram& d) {
 }
 
 void KongsbergAll::take_profile(const Datagram& d) {
-  report_.note_setting("sound speed profile",
-                       fmt::format("{} depths, of {}", d.fields.at<std::uint16_t>(28), d.fields.at<std::uint32_t>(20)));
+  report_.note_setting("sound speed profile", fmt::format("{} depths, taken {}", d.fields.at<std::uint16_t>(28),
+                                                          d.fields.at<std::uint32_t>(20)));
 }
 
 void KongsbergAll::take_water(const Datagram& d) {
@@ -379,10 +380,10 @@ void KongsbergAll::tell_counts() {
   }
   if (!text.empty()) report_.details["other datagrams"] = text;
   if (bad_checksums_ > 0) {
-    report_.details["checksums"] = fmt::format("{} datagrams with a wrong one, used all the same", bad_checksums_);
+    report_.details["checksums"] = fmt::format("{} datagrams with a wrong checksum, used nevertheless", bad_checksums_);
   }
   if (passive_positions_ + passive_attitudes_ > 0) {
-    report_.details["other sensors"] = fmt::format("{} positions and {} attitude records of such as are not active",
+    report_.details["other sensors"] = fmt::format("{} positions and {} attitude records of inactive sensors, not used",
                                                    passive_positions_, passive_attitudes_);
   }
 }

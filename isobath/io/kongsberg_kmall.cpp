@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kHeader = 20;
 constexpr std::size_t kShortest = kHeader + 4;
-constexpr std::size_t kShortestBeam = 12;                     // of a water column, before its samples
-constexpr std::uint32_t kMaxLength = std::uint32_t{1} << 24;  // water column of a deep ping: a few megabytes
+constexpr std::size_t kShortestBeam = 12;                     // beam entry of a water column, before its samples
+constexpr std::uint32_t kMaxLength = std::uint32_t{1} << 24;  // the water column of a deep ping has a few megabytes
 
 bool is_type(Bytes name) {
   const std::string_view text = text_of(name);
@@ -32,7 +32,7 @@ Framing datagram_at(Bytes bytes) {
     if (!view.holds(0, length)) return {Framing::Kind::kIncomplete, length};
     if (view.at<std::uint32_t>(length - 4) == length) return {Framing::Kind::kFrame, length};
   }
-  return {Framing::Kind::kNoise, noise_until(bytes.subspan(4), '#').bytes};  // the length stands before the name
+  return {Framing::Kind::kNoise, noise_until(bytes.subspan(4), '#').bytes};  // the length precedes the name
 }
 
 /// The value of "key=..." in a group that begins with `group:`, up to the next of ",;".
@@ -64,13 +64,13 @@ std::optional<Time> time_at(const RecordView& fields, std::size_t at) {
 
 std::optional<Time> time_of_datagram(Bytes bytes) { return time_at(RecordView(bytes), 12); }
 
-/// The parts of an #MRZ datagram, each of the size that it states itself.
+/// The parts of an #MRZ datagram. Each states its own size.
 struct SoundingRecord {
   RecordView ping, receiver, soundings;
   std::size_t count = 0, stride = 0;
 };
 
-/// A structure that begins with its own size as u16; empty where it does not fit.
+/// A structure that begins with its own size as u16; empty if it does not fit.
 Bytes sized(const RecordView& fields, std::size_t at) {
   const std::size_t size = fields.at<std::uint16_t>(at);
   return size >= 2 && fields.holds(at, size) ? fields.part(at, size) : Bytes();
@@ -92,17 +92,17 @@ std::optional<SoundingRecord> parts_of(const RecordView& d) {
   const std::size_t stride = receiver.at<std::uint16_t>(6);
   const std::size_t classes = std::size_t{receiver.at<std::uint16_t>(28)} * receiver.at<std::uint16_t>(30);
   const std::size_t soundings_at = receiver_at + receiver.size() + classes;
-  constexpr std::size_t kUpToPoint = 108;  // bytes of a sounding that end with x
+  constexpr std::size_t kUpToPoint = 108;  // bytes of a sounding up to the end of x
   const bool fits = count == 0 || (stride >= kUpToPoint && d.holds(soundings_at, count * stride));
   if (!fits || count > Swath::kMaxSoundings) return std::nullopt;
   return SoundingRecord{ping, receiver, RecordView(d.part(soundings_at, count * stride)), count, stride};
 }
 
-/// The beams of an #MWC datagram from `at` on; empty where they do not fit.
+/// The beams of an #MWC datagram from `at` on; empty if they do not fit.
 std::vector<WaterBeam> beams_of(const RecordView& d, std::size_t at, const RecordView& receiver,
                                 const std::vector<double>& tilts_deg) {
   const std::size_t count = receiver.at<std::uint16_t>(2), entry = receiver.at<std::uint8_t>(4);
-  const std::size_t phase = receiver.at<std::uint8_t>(5);  // bytes of it to a sample
+  const std::size_t phase = receiver.at<std::uint8_t>(5);  // phase bytes per sample
   if (entry < kShortestBeam || phase > 2) return {};
   std::vector<WaterBeam> beams;
   for (std::size_t i = 0; i < count; ++i) {
@@ -122,7 +122,7 @@ class Kmall final : public LogSource {
         track_(report_),
         config_(config),
         sound_speed_(config.sound_speed) {
-    report_.details["time"] = "of the sonar, UTC";
+    report_.details["time"] = "clock of the sonar, UTC";
     if (beside_) report_.details["beside"] = beside_name_ + ": water columns";
   }
 
@@ -140,10 +140,10 @@ class Kmall final : public LogSource {
 
   SurveyTrack track_;
   InputConfig config_;
-  double sound_speed_;  ///< where a ping states none
+  double sound_speed_;  ///< for pings that state none
   WaterPings water_;
   std::string installation_;
-  double receiver_share_ = 1;  ///< width of a beam across, in widths along
+  double receiver_share_ = 1;  ///< beam width across the track over beam width along it
   std::map<std::string, std::uint64_t> others_;
   std::uint64_t passive_ = 0;
   bool ended_ = false;
@@ -175,7 +175,7 @@ void Kmall::take(Bytes bytes) {
   if (type == "#IIP") return take_installation(d);
   if (type == "#SVP") {
     report_.note_setting("sound speed profile",
-                         fmt::format("{} depths, of {}", d.at<std::uint16_t>(22),
+                         fmt::format("{} depths, taken {}", d.at<std::uint16_t>(22),
                                      to_text(Time{std::chrono::seconds(d.at<std::uint32_t>(28))})));
     return;
   }
@@ -212,7 +212,7 @@ void Kmall::take_soundings(const RecordView& d, Time time) {
   track_.add(std::move(record));
 }
 
-// Transmit sectors state their tilt and the width of the beams along the track.
+// The transmit sectors state their tilt and the width of the beams along the track.
 void Kmall::take_water(const RecordView& d, Time time) {
   if (d.at<std::uint16_t>(kHeader) != 1) return reject("part of a divided datagram");
   constexpr std::size_t kCommon = kHeader + 4;
@@ -251,7 +251,7 @@ void Kmall::take_water(const RecordView& d, Time time) {
   track_.add_ping(std::move(*ping));
 }
 
-/// Half way between the transmitter and the receiver, which a head holds both.
+/// The point half way between transmitter and receiver; a combined head has only one position.
 WaterMount Kmall::mount_of(const RecordView& common) const {
   const auto place = [&](const std::string& group) -> std::optional<Eigen::Vector3d> {
     const auto z = number_value(installation_, group, "Z");
@@ -296,7 +296,7 @@ void Kmall::take_position(const RecordView& d) {
   constexpr std::uint16_t kActive = 1, kInvalid = 1 << 4;
   const Bytes common = sized(d, kHeader);
   const std::size_t at = kHeader + common.size();
-  if (common.size() < 6 || !d.holds(at, 28)) return reject("position shorter than it must be");
+  if (common.size() < 6 || !d.holds(at, 28)) return reject("position datagram too short");
   const auto status = RecordView(common).at<std::uint16_t>(4);
   if ((status & kActive) == 0) {
     ++passive_;
@@ -304,7 +304,7 @@ void Kmall::take_position(const RecordView& d) {
   }
   const auto time = time_at(d, at);
   const GeoPoint point{d.at<double>(at + 12), d.at<double>(at + 20)};
-  if ((status & kInvalid) != 0 || !valid(point) || !time) return reject("position that is none");
+  if ((status & kInvalid) != 0 || !valid(point) || !time) return reject("invalid position");
   PositionFix fix;
   fix.time = *time;
   fix.point = point;
@@ -316,7 +316,7 @@ void Kmall::take_position(const RecordView& d) {
   track_.add(fix);
 }
 
-// Samples of the sensor's own binary format, each with its own time.
+// Samples in the sensor's own binary format, each with its own time.
 void Kmall::take_motion(const RecordView& d) {
   constexpr std::uint8_t kActive = 1;
   constexpr std::uint32_t kNoTilt = 1 << 1, kNoHeading = 1 << 2, kNoHeave = 1 << 3;
@@ -379,7 +379,8 @@ void Kmall::tell_counts() {
   std::string text;
   for (const auto& [type, count] : others_) text += fmt::format("{}{} x {}", text.empty() ? "" : ", ", type, count);
   if (!text.empty()) report_.details["other datagrams"] = text;
-  if (passive_ > 0) report_.details["other sensors"] = fmt::format("{} records of such as are not active", passive_);
+  if (passive_ > 0)
+    report_.details["other sensors"] = fmt::format("{} records of inactive sensors, not used", passive_);
 }
 
 }  // namespace

@@ -12,14 +12,14 @@ WaterRecord* WaterParts::take(const RecordView& record, Time time) {
     reject(to_text(WaterFault::kBadSizes));
     return nullptr;
   }
-  std::array<double, 256> tilts_deg{};  // by the number of a sector
+  std::array<double, 256> tilts_deg{};  // by sector number
   for (std::size_t i = 0; i < sectors; ++i) {
     const std::size_t at = kSectors + i * kSector;
     tilts_deg[record.at<std::uint8_t>(at + 4)] = 0.01 * record.at<std::int16_t>(at);
   }
   Waiting& ping = waiting_of(record, time, count);
   if (!ping.parts[number - 1].empty()) {
-    reject("part of a water column that is there twice");
+    reject("duplicate part of a water column");
     return nullptr;
   }
   std::vector<Beam> part;
@@ -57,7 +57,7 @@ WaterRecord* WaterParts::take(const RecordView& record, Time time) {
   return &whole_;
 }
 
-/// What waits for its other parts, of the head that a record is of; of another ping it begins anew.
+/// The incomplete ping of the record's head. A record of another ping starts a new one.
 WaterParts::Waiting& WaterParts::waiting_of(const RecordView& record, Time time, std::size_t parts) {
   const auto counter = record.at<std::uint16_t>(16), serial = record.at<std::uint16_t>(18);
   const auto found =
@@ -73,7 +73,7 @@ WaterParts::Waiting& WaterParts::waiting_of(const RecordView& record, Time time,
 }
 
 void WaterParts::forget(std::vector<Waiting>::iterator ping) {
-  if (ping->missing > 0) reject("water column of which parts are missing");
+  if (ping->missing > 0) reject("water column with missing parts");
   waiting_.erase(ping);
 }
 

@@ -1,6 +1,7 @@
-// WaterParts: the water column of a Kongsberg ping out of the k records that it is spread over (Kongsberg 160692). They
-// belong together by serial number, counter and time, state how many there are and which one each is, and those of two
-// heads alternate. Bounded: one ping a head, kMostHeads heads, kMostParts parts. Refusals are counted in the report.
+// WaterParts: assembles the water column of a Kongsberg ping from its k records (Kongsberg 160692). Records of one ping
+// share serial number, counter and time; each states its own number and the number of records. The records of two heads
+// alternate. Memory is bounded: one ping per head, kMostHeads heads, kMostParts parts. Refusals are counted in the
+// report.
 #pragma once
 
 #include <isobath/io/event.hpp>
@@ -12,25 +13,25 @@ class WaterParts {
  public:
   static constexpr std::size_t kMostHeads = 8, kMostParts = 256;
 
-  /// `report` must live as long as this.
+  /// `report` must outlive this object.
   explicit WaterParts(SourceReport& report) : report_(report) {}
 
-  /// A record from its length field to its last sample. The whole, if this was the last part, without mount and widths;
-  /// valid until the next call.
+  /// Takes a record, from its length field to its last sample. Returns the water column, without mount and widths, if
+  /// this was its last part; it is valid until the next call.
   WaterRecord* take(const RecordView& record, Time time);
-  /// Nothing follows: pings of which parts are missing are counted.
+  /// Ends the input: counts the pings that lack parts.
   void finish();
 
  private:
   struct Beam {
     double to_port_deg;
-    std::size_t first, at, count;  ///< `at`: of its samples in `samples`
+    std::size_t first, at, count;  ///< `at`: offset of its samples in `samples`
     double tilt_deg;
   };
   struct Waiting {
     std::uint16_t serial, counter;
     Time time;
-    std::vector<std::vector<Beam>> parts;  ///< by number; empty: not here yet
+    std::vector<std::vector<Beam>> parts;  ///< by number; empty: not yet received
     std::size_t missing;
     std::vector<std::byte> samples;
   };

@@ -7,11 +7,11 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMostCells = std::size_t{1} << 24;  // of one ping: 64 MiB
-constexpr std::size_t kMostSparse = 16;                   // cells to a sample that is there
+constexpr std::size_t kMostCells = std::size_t{1} << 24;  // in one ping: 64 MiB
+constexpr std::size_t kMostSparse = 16;                   // cells per recorded sample
 constexpr std::size_t kMostBins = std::size_t{1} << 17;
 
-/// Amplitude by the byte of a sample.
+/// Amplitude for each value of a sample byte.
 const std::array<float, 256>& amplitudes() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> made{};
@@ -24,7 +24,7 @@ const std::array<float, 256>& amplitudes() {
   return table;
 }
 
-/// Samples [first, end) that any beam has; the transmission itself, sample 0, has no bin that is centred on it.
+/// Samples [first, end) that at least one beam has. Sample 0 is the transmission and gets no bin.
 struct SampleReach {
   std::size_t first = kMostBins, end = 0, samples = 0;
 };
@@ -39,7 +39,8 @@ SampleReach reach_of(const std::vector<WaterBeam>& beams) {
   return reach;
 }
 
-/// Heading and pitch of an array that is mounted backwards are those of the same array seen from its other end.
+/// For an array that is mounted backwards, heading and pitch are converted to those of the same array turned by 180
+/// degrees.
 Rotation rotation_of(const WaterMount& mount, double tilt_deg) {
   const double heading = Angle::degrees(mount.heading_deg).wrapped().degrees();
   const bool backwards = std::abs(heading) > 90;
@@ -51,7 +52,7 @@ Rotation rotation_of(const WaterMount& mount, double tilt_deg) {
 struct Tilts {
   double mean_deg = 0, spread_deg = 0;
 };
-/// Of beams that point somewhere, from port to starboard; else empty.
+/// The tilts of the beams; empty if the angles are impossible or the beams do not run from port to starboard.
 std::optional<Tilts> tilts_of(const std::vector<WaterBeam>& beams) {
   double sum = 0, least = beams[0].tilt_deg, most = least;
   for (std::size_t i = 0; i < beams.size(); ++i) {
@@ -149,7 +150,7 @@ std::shared_ptr<const BeamFan> WaterPings::fan_of(const WaterRecord& record, Ang
   };
   const auto known = std::find_if(fans_.begin(), fans_.end(), same);
   if (known != fans_.end()) {
-    std::rotate(fans_.begin(), known, known + 1);  // the last used in front
+    std::rotate(fans_.begin(), known, known + 1);  // most recently used first
     return fans_.front();
   }
   BeamFan fan;

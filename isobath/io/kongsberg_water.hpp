@@ -1,22 +1,23 @@
-// The water columns of Kongsberg EM echo sounders (#MWC of .kmall and .kmwcd, k of .all and .wcd), as pings of a fan
-// that stands upright athwart the vehicle. Descriptions: Kongsberg 410224 and 160692.
+// Water columns of Kongsberg EM echo sounders (#MWC of .kmall and .kmwcd, k of .all and .wcd), as pings of a vertical
+// fan athwart the vehicle. Descriptions: Kongsberg 410224 and 160692.
 //
-// Frames. x_S points down, y_S to starboard; the azimuth of a beam is its angle off the vertical to starboard (the
-// records count to port). The records give these angles with the roll taken out, so that X_BS holds the mounting alone
-// and SurveyTrack takes the roll of the ping's time out of it. The fan's plane is that of the transmit array: turned by
-// its heading, tilted forward by its pitch and by the tilt of its transmit sectors, the mean over the beams; an array
-// that is mounted backwards tilts the other way. What the sectors differ by counts as height of the beams.
-// Measured: without rays being bent a beam's detected range lands within 0.05 m of the sonar's own sounding across the
-// track (harbour, 8 m deep) and the tilt within 0.1 degrees of that of the soundings where the array looks ahead;
-// of EM 2042 recordings with a backward one up to 0.6 degrees off.
+// Frames. x_S points down, y_S to starboard. The azimuth of a beam is its angle off the vertical, positive to starboard
+// (the records count to port). The recorder has removed the roll from these angles, so X_BS holds the mounting alone,
+// and SurveyTrack compensates it for the roll at the time of the ping. The fan lies in the plane of the transmit array:
+// the array's heading turns it, and the array's pitch and the tilt of the transmit sectors, averaged over the beams,
+// tilt it forward, or the other way for an array that is mounted backwards. Differences of tilt between sectors are
+// added to the beam height.
+// Measured: without a correction for ray bending, the detected range of a beam is within 0.05 m of the sonar's own
+// sounding across the track (harbour, 8 m deep). The tilt is within 0.1 degrees of that of the soundings if the array
+// looks forward, and up to 0.6 degrees off in EM 2042 recordings with a backward array.
 //
-// Ranges: sample i is at i times sound speed over twice the sample rate, and in the middle of its bin. Beams that begin
-// and end at different samples share one window; Ping::sampled says which bins are whose. So that pings of one setting
+// Ranges: sample i is at i times sound speed over twice the sample rate, in the middle of its bin. Beams that begin and
+// end at different samples share one window; Ping::sampled states which bins each beam has. To let pings of one setting
 // share fan and window, the length of a bin is kept while it differs by less than kSameBin, a fan while no beam moves
-// by kSameAngle, and the number of bins is a multiple of kBinStep.
+// by kSameAngle, and the number of bins is rounded up to a multiple of kBinStep.
 //
-// Intensities: the record's half decibels as amplitude, 10^(dB / 20), full scale at the largest that it can say. The
-// gain that the sonar has applied (TVG) is left in.
+// Intensities: the record's half decibels as amplitude, 10^(dB / 20); full scale is the largest value that the record
+// can state. The time-varying gain (TVG) that the sonar has applied is not removed.
 #pragma once
 
 #include <array>
@@ -29,24 +30,24 @@
 
 namespace isobath {
 
-/// Of a beam along the track and across it, where no record states one.
+/// Width of a beam along and across the track, where no record states it.
 constexpr Angle kWaterBeam = Angle::degrees(1.5);
 
 /// "256 beams, half decibels, with a gain of 30 log r + 30 dB"
 std::string water_setting(int gain, int offset_db, std::size_t beams);
 
-/// A beam as its record has it.
+/// A beam as recorded.
 struct WaterBeam {
   double to_port_deg;  ///< off the vertical
   std::size_t first;   ///< number of its first sample
   Bytes samples;       ///< half decibels, signed
-  double tilt_deg;     ///< of its transmit sector, forward
+  double tilt_deg;     ///< tilt of its transmit sector, forward
 };
 
-/// Where a transducer is and how it is turned, of the installation record.
+/// Position and orientation of a transducer, from the installation record.
 struct WaterMount {
   Eigen::Vector3d p_BS = Eigen::Vector3d::Zero();
-  double heading_deg = 0, pitch_deg = 0;  ///< of the transmit array
+  double heading_deg = 0, pitch_deg = 0;  ///< orientation of the transmit array
 };
 
 struct WaterRecord {
@@ -54,7 +55,7 @@ struct WaterRecord {
   double sample_hz = 0;
   double sound_speed = 0;  ///< m/s
   WaterMount mount;
-  Angle width, height;  ///< of a beam across and along
+  Angle width, height;  ///< of a beam, across and along the track
   std::vector<WaterBeam> beams;
 };
 
@@ -62,18 +63,18 @@ struct WaterRecord {
 enum class WaterFault : std::uint8_t { kNoSamples, kBadRate, kBadSoundSpeed, kBadSizes, kBadBeams };
 const char* to_text(WaterFault fault);
 
-/// Makes pings of records. One sonar may have several fans and windows in turn. Not for several threads.
+/// Makes pings from records. A sonar may alternate between several fans and windows. One thread at a time.
 class WaterPings {
  public:
-  static constexpr double kSameBin = 5e-4;  ///< of its length
+  static constexpr double kSameBin = 5e-4;  ///< share of its length
   static constexpr Angle kSameAngle = Angle::degrees(0.05);
   static constexpr int kBinStep = 128;
 
-  /// A ping that passes check. X_BS is that of a vehicle without roll.
+  /// A ping that passes check(). X_BS holds for a vehicle without roll.
   Result<Ping, WaterFault> ping(const WaterRecord& record);
 
  private:
-  static constexpr std::size_t kKept = 16;  ///< of fans and of lengths: more settings than a survey turns between
+  static constexpr std::size_t kKept = 16;  ///< fans and bin lengths that are kept; more than a survey uses
   void take_samples(const WaterRecord& record, std::size_t first, Ping& ping);
   std::shared_ptr<const BeamFan> fan_of(const WaterRecord& record, Angle height);
   double bin_of(double exact_m);

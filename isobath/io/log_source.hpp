@@ -1,6 +1,6 @@
-// LogSource: what all readers of files have in common. A reader gives read(); position, shrunken files and the report
-// are kept here. A log may have a second file beside it, as the water column of a survey: its frames come in between by
-// their times, its damages begin with its name.
+// LogSource: the common base of the file readers. A reader implements read(); LogSource keeps the position, the report,
+// and the damage of files that shrink. A log may have a second file beside it, such as the water column of a survey.
+// Its frames are merged by time, and its damages begin with its name.
 #pragma once
 
 #include <isobath/io/byte_window.hpp>
@@ -34,13 +34,13 @@ class LogSource : public Source {
   virtual std::optional<Event> read() = 0;
   void reject(const char* reason) { ++report_.rejected[reason]; }
 
-  /// A frame of the log or of the file beside it; valid until the next is asked for.
+  /// A frame of the log or of the file beside it; valid until the next call of next_in_time.
   struct LogFrame {
     Bytes bytes;
     bool beside;
   };
   using FrameTime = std::optional<Time> (*)(Bytes);
-  /// The earlier of both files' next frames, of equally early ones the log's own; one without a time is not waited for.
+  /// The earlier of both files' next frames; at equal times, the log's own. A frame without a time comes at once.
   std::optional<LogFrame> next_in_time(FrameAt frame_at, FrameTime time_at);
 
   ByteWindow input_;
@@ -56,10 +56,10 @@ class LogSource : public Source {
   bool ended_ = false;
 };
 
-/// Times for a log that has none: the first event at zero, each further one after the interval of the one before.
+/// Makes times for a log that has none: the first event at zero, each later one an interval after the one before.
 class SyntheticClock {
  public:
-  /// `interval`: from this event to the next.
+  /// `interval`: time from this event to the next.
   Event stamped(Event event, Duration interval) {
     std::visit([&](auto& e) { e.time = next_; }, event);
     next_ += interval;
@@ -70,13 +70,13 @@ class SyntheticClock {
   Time next_{};
 };
 
-/// Time of day that passes midnight, as a time that does not.
+/// Converts a time of day, which wraps at midnight, to a continuous time.
 class DayClock {
  public:
   Time at(Duration time_of_day) {
     constexpr Duration kDay = std::chrono::hours(24);
-    // A small step back is disorder, which the pipeline judges; one of most of a day is midnight, unless a single
-    // damaged time lies between times of a morning.
+    // A small step back is disorder, which the pipeline handles. A step back of over half a day is midnight, unless it
+    // follows a single damaged time between two times in the morning.
     const bool evening = before_last_.value_or(kDay) > kDay / 2;
     if (last_ && time_of_day < *last_ - kDay / 2 && evening) days_ += kDay;
     before_last_ = last_;

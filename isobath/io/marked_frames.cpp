@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kMostAnnotationBytes = 64 << 20;  // LabelMe may keep the picture in it
+constexpr std::uint64_t kMostAnnotationBytes = 64 << 20;  // LabelMe may embed the image
 
 fs::path mask_of(const fs::path& frame) {
   std::string stem = frame.stem().string();
@@ -19,7 +19,7 @@ fs::path mask_of(const fs::path& frame) {
   return fs::exists(mask) ? mask : fs::path();
 }
 
-/// Annotations of LabelMe beside the frame.
+/// The LabelMe annotations beside the frame; empty: none.
 fs::path polygons_of(const fs::path& frame) {
   std::string stem = frame.stem().string();
   std::vector<std::string> stems{stem};
@@ -36,7 +36,7 @@ fs::path polygons_of(const fs::path& frame) {
   return {};
 }
 
-/// The picture of the marks: 255 inside.
+/// The marks as an image: 255 inside.
 GrayImage drawn_marks(const fs::path& polygons, const GrayImage& frame) {
   const auto bytes = read_whole_file(polygons, kMostAnnotationBytes);
   GrayImage mask{frame.width, frame.height, 1,
@@ -48,7 +48,7 @@ GrayImage drawn_marks(const fs::path& polygons, const GrayImage& frame) {
 
 Ping ping_of(const fs::path& file, const FrameGeometry& geometry, const InputConfig& config) {
   auto ping = ping_from_frame(geometry, read_gray_png(file), config);
-  if (!ping) throw Error("the frame's size is not the geometry's", {file.string(), {}, {}, {}, {}});
+  if (!ping) throw Error("the size of the frame differs from the geometry", {file.string(), {}, {}, {}, {}});
   ping->time = time_of_frame(file).value_or(Time{});
   ping->X_BS.rotation = Rotation::from_heading(config.mount_heading);
   return *std::move(ping);

@@ -1,17 +1,18 @@
-// MCAP: the container that logs of this field use (https://mcap.dev/spec): records with a type and a length; messages
-// on channels, in compressed chunks with checksums; a summary at the end. McapWriter and McapReader know nothing of
-// what messages mean.
+// MCAP: the container for logs that is common in this field (https://mcap.dev/spec). A file is a sequence of records
+// with a type and a length: messages on channels, in compressed chunks with checksums, and a summary at the end.
+// McapWriter and McapReader do not interpret the messages.
 //
-// Writer: Schemas, channels, metadata and attachments stand outside the chunks, before the messages that need them;
-// every chunk goes to the system as a whole with its index as soon as it is full or old enough. So a file cut off
-// anywhere is readable up to its last whole chunk, and a program that is killed loses less than one chunk of each group
-// of channels: channels that are read together share chunks, those of another group have chunks of their own, so that
-// a reader by index (mcap_index.hpp) unpacks nothing else. When the supply fails, what the system had not yet written
-// is lost too (seconds, by default half a minute), unless `sync` waits for the disk at each chunk. Reader: in the order
-// of the file, always. A valid summary (magic, CRC) helps where there is damage: channels are known from it, and it
-// says where the next chunk stands. Without one the next chunk is found by its look. A damaged chunk costs that chunk.
-// Errors: the writer throws Error when the disk refuses; the reader throws Error only where the file does not begin as
-// MCAP. Bounds: no more than kMaxChunkBytes a chunk, packed or not; nothing is allocated by a length that the file
+// Writer: schemas, channels, metadata and attachments are outside the chunks, before the messages that need them. The
+// writer passes each chunk with its index to the operating system as a whole when it is full or old enough. A truncated
+// file is therefore readable up to its last complete chunk, and a killed program loses less than one chunk per group of
+// channels. Channels that are read together share chunks; another group has its own chunks, so that a reader by index
+// (mcap_index.hpp) unpacks nothing else. A power failure also loses what the operating system has not yet written
+// (seconds, by default up to half a minute), unless `sync` waits for the disk at each chunk.
+// Reader: always in the order of the file. A valid summary (magic, CRC) helps with damage: it gives the channels and
+// the position of the next chunk. Without a summary, the reader searches for a plausible chunk head. Damage in a chunk
+// loses that chunk.
+// Errors: the writer throws Error if the disk refuses. The reader throws Error only if the file does not begin as MCAP.
+// Bounds: at most kMaxMcapChunkBytes per chunk, packed or unpacked; nothing is allocated by a length that the file
 // cannot hold.
 #pragma once
 
@@ -37,8 +38,8 @@ enum class McapCompression : std::uint8_t { kNone, kLz4, kZstd };
 struct McapWriterConfig {
   McapCompression compression = McapCompression::kZstd;
   int chunk_kib = 1024;  ///< a chunk is written when its messages reach this size
-  double chunk_s = 5;    ///< or would be further apart than this; 0: whatever their times
-  bool sync = false;     ///< waits until the disk has it
+  double chunk_s = 5;    ///< or when its messages span more than this; 0: no limit
+  bool sync = false;     ///< waits until each chunk is on the disk
 };
 std::vector<Field> fields(McapWriterConfig& config);
 
@@ -65,14 +66,14 @@ struct McapMessage {
   std::uint64_t log_time = 0;  ///< ns
   std::uint64_t publish_time = 0;
   std::span<const std::uint8_t> data;
-  std::shared_ptr<const void> storage;  ///< of a message that was read: keeps `data` alive
+  std::shared_ptr<const void> storage;  ///< set for messages that were read: keeps `data` alive
 };
 
-/// What McapIndex has done to answer its questions.
+/// The work that McapIndex has done for its queries.
 struct McapChunkCounts {
   std::uint64_t chunks = 0;
-  std::uint64_t unpacked = 0;        ///< times that a chunk was read and unpacked
-  std::uint64_t unpacked_bytes = 0;  ///< of these
+  std::uint64_t unpacked = 0;        ///< how often a chunk was read and unpacked
+  std::uint64_t unpacked_bytes = 0;  ///< bytes of these chunks, unpacked
 };
 
 struct McapAttachment {
@@ -91,19 +92,19 @@ struct McapMetadata {
 class McapWriter {
  public:
   McapWriter(const std::filesystem::path& file, const McapWriterConfig& config);
-  ~McapWriter();  ///< closes; an error then stays unseen, so call close()
+  ~McapWriter();  ///< closes; hides errors, so call close() first
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
 
-  /// Ids are given in order, from 1; the ids of the arguments are not looked at.
+  /// The writer assigns ids in order, from 1; it ignores the ids of the arguments.
   std::uint16_t add_schema(McapSchema schema);
-  /// Messages stand in the file in the order in which they were written within a group, not across groups.
+  /// Within a group, messages keep the order in which they were written; across groups they may not.
   std::uint16_t add_channel(McapChannel channel, int group = 0);
-  /// On a channel that was added before.
+  /// Writes a message on a channel that was added before.
   void write(const McapMessage& message);
   void add_metadata(const McapMetadata& metadata);
   void add_attachment(const McapAttachment& attachment);
-  /// Writes what is left of the messages, to make them safe.
+  /// Writes all buffered messages to make them safe.
   void flush();
   /// Writes the summary; nothing can be added afterwards.
   void close();
@@ -121,17 +122,17 @@ class McapReader {
   McapReader(std::unique_ptr<std::istream> input, const std::string& name);
   ~McapReader();
 
-  /// In the order of the file; empty at the end.
+  /// The next message in the order of the file; empty at the end.
   std::optional<McapMessage> next();
 
-  /// Known so far: complete at the end, and from the start where the file has a summary. Null where there is none.
+  /// Those known so far; complete at the end, or from the start if the file has a summary. Null: unknown id.
   [[nodiscard]] const McapSchema* schema(std::uint16_t id) const;
   [[nodiscard]] const McapChannel* channel(std::uint16_t id) const;
   [[nodiscard]] const std::map<std::uint16_t, McapChannel>& channels() const;
-  /// Those that were passed so far; the ones at the head of the file are known from the start.
+  /// Those read so far; those at the head of the file are known from the start.
   [[nodiscard]] const std::vector<McapMetadata>& metadata() const;
   [[nodiscard]] const std::vector<McapAttachment>& attachments() const;
-  /// What the summary says, where it is valid.
+  /// The number of messages that a valid summary states.
   [[nodiscard]] std::optional<std::uint64_t> messages_in_summary() const;
   [[nodiscard]] const SourceReport& report() const;
   [[nodiscard]] SourceReport& report();

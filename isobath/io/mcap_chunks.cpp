@@ -49,7 +49,7 @@ bool ChunkTable::take_summary(const SummaryBytes& summary) {
   }
   std::sort(chunks_.begin(), chunks_.end(),
             [](const IndexedChunk& a, const IndexedChunk& b) { return a.offset < b.offset; });
-  return !chunks_.empty();  // a summary need not list them
+  return !chunks_.empty();  // a summary may omit them
 }
 
 bool ChunkTable::take_chunk_index(std::span<const std::uint8_t> content, std::uint64_t limit) {
@@ -88,16 +88,16 @@ void ChunkTable::walk() {
     const auto opcode = head.number<std::uint8_t>();
     const auto size = head.number<std::uint64_t>();
     if (size > input_.size() - position_ - kRecordHead) {
-      if (!resynchronise("record longer than the file")) return;  // it is still being written, or never will be
+      if (!resynchronise("record longer than the file")) return;  // the rest is still to be written, or was lost
     } else if (walk_record(opcode, size)) {
       position_ += kRecordHead + size;
-    } else if (!resynchronise("no such record")) {
+    } else if (!resynchronise("unknown record type")) {
       return;
     }
   }
 }
 
-/// The record at `position_`, which the file holds as a whole. False: it is none.
+/// Reads the record at `position_`, which lies completely in the file. False: not a valid record.
 bool ChunkTable::walk_record(std::uint8_t opcode, std::uint64_t size) {
   if (opcode == 0 || (opcode > kDataEnd && opcode < 0x80)) return false;
   if (opcode == kChunk) return walk_chunk(size);
@@ -133,18 +133,18 @@ bool ChunkTable::walk_chunk(std::uint64_t size) {
   return true;
 }
 
-/// All indexes of the last chunk have been seen. Without any, only unpacking it tells its channels.
+/// Called when all message indexes of the last chunk are read. A chunk without any is unpacked to find its channels.
 void ChunkTable::close_tail() {
   if (!std::exchange(tail_open_, false)) return;
   const std::size_t last = chunks_.size() - 1;
   chunks_[last].knows_channels = !chunks_[last].indexes.empty();
   const auto is_unknown = [&](const auto& index) { return !channels.contains(index.first); };
   const auto& indexes = chunks_[last].indexes;
-  const bool defines = std::any_of(indexes.begin(), indexes.end(), is_unknown);  // others define channels in chunks_
+  const bool defines = std::any_of(indexes.begin(), indexes.end(), is_unknown);  // a channel may be defined in a chunk
   if (defines || indexes.empty()) (void)unpacked(last);
 }
 
-/// From something that is no record to the next chunk; false where none has come yet.
+/// Skips from an invalid record to the next chunk; false if there is none yet.
 bool ChunkTable::resynchronise(const char* reason) {
   const std::uint64_t to = find_chunk(input_, position_ + 1, input_.size());
   if (to >= input_.size()) return false;
@@ -215,7 +215,7 @@ void ChunkTable::list_messages(UnpackedChunk& chunk) {
   }
 }
 
-/// As the chunk's index of messages says; empty where it has none that can be read.
+/// The times in the chunk's message index; empty if there is no readable index.
 std::optional<std::vector<std::uint64_t>> ChunkTable::indexed_times(const IndexedChunk& chunk, std::uint16_t channel) {
   std::vector<std::uint64_t> times;
   for (const auto& [id, offset] : chunk.indexes) {
@@ -236,7 +236,7 @@ std::optional<std::vector<std::uint64_t>> ChunkTable::indexed_times(const Indexe
       times.push_back(entries.number<std::uint64_t>());
       (void)entries.number<std::uint64_t>();
     }
-    break;  // there is one a channel; were it believed to be many, a small file could ask for much
+    break;  // one index per channel: accepting more would let a small file cost much work
   }
   std::sort(times.begin(), times.end());
   return times;
@@ -260,7 +260,7 @@ bool ChunkTable::refresh() {
   if (complete_) return false;
   const std::uint64_t before = position_;
   input_.measure();
-  if (input_.size() < position_) return false;  // it has become shorter: what is gone will be found damaged
+  if (input_.size() < position_) return false;  // the file has shrunk: its lost chunks will be reported as damaged
   walk();
   report.bytes_total = report.bytes_read = input_.size();
   return position_ != before;

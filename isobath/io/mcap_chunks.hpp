@@ -1,5 +1,5 @@
-// The chunks of an MCAP file, for mcap_index.cpp only: where each stands, what is known of it without unpacking it, and
-// its messages once it is unpacked. mcap_index.hpp says what is promised of damaged and of growing files.
+// ChunkTable: the chunks of an MCAP file: the position of each, what is known without unpacking it, and its messages
+// once it is unpacked. Internal to mcap_index.cpp; mcap_index.hpp states the guarantees for damaged and growing files.
 #pragma once
 
 #include <isobath/io/mcap_file.hpp>
@@ -10,16 +10,16 @@ namespace isobath::mcap {
 /// What is known of a chunk without unpacking it.
 struct IndexedChunk {
   std::uint64_t start = 0, end = 0;                                   ///< log times
-  std::uint64_t offset = 0, length = 0;                               ///< of the record in the file
-  std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes = {};  ///< channel, place of its index of messages
-  bool knows_channels = false;                                        ///< whether these are all the channels in it
+  std::uint64_t offset = 0, length = 0;                               ///< position of the record in the file
+  std::vector<std::pair<std::uint16_t, std::uint64_t>> indexes = {};  ///< channel, offset of its message index
+  bool knows_channels = false;                                        ///< whether `indexes` lists all its channels
   bool damaged = false;
   [[nodiscard]] bool may_hold(std::uint16_t channel) const;
 };
 
 struct PlacedMessage {
   std::uint64_t time = 0;
-  std::uint64_t offset = 0;  ///< of the content of its record
+  std::uint64_t offset = 0;  ///< position of the record's content in the chunk
   std::uint64_t size = 0;
   std::uint16_t channel = 0;
 };
@@ -36,17 +36,17 @@ McapMessage message_at(const Unpacked& chunk, const PlacedMessage& at);
 
 class ChunkTable {
  public:
-  /// Keeps up to `cache_bytes` of the chunks that it unpacked last.
+  /// Caches up to `cache_bytes` of the most recently used unpacked chunks.
   ChunkTable(std::unique_ptr<std::istream> input, const std::string& name, std::uint64_t cache_bytes);
 
   bool refresh();
   [[nodiscard]] bool complete() const { return complete_; }
   [[nodiscard]] const std::vector<IndexedChunk>& chunks() const { return chunks_; }
-  /// Null where it is damaged.
+  /// An unpacked chunk; null if it is damaged.
   Unpacked unpacked(std::size_t chunk);
-  /// Of a channel's messages in a chunk, rising.
+  /// The log times of a channel's messages in a chunk, rising.
   std::vector<std::uint64_t> times(std::size_t chunk, std::uint16_t channel);
-  /// Its index lied: from now on only its messages are believed.
+  /// Marks a chunk whose index was wrong: from now on only its messages are used.
   void distrust(std::size_t chunk) { chunks_[chunk].knows_channels = false; }
 
   std::map<std::uint16_t, McapSchema> schemas;
@@ -71,9 +71,9 @@ class ChunkTable {
   std::uint64_t cache_bytes_;
   std::vector<IndexedChunk> chunks_;  ///< in the order of the file
   bool complete_ = false;
-  std::uint64_t position_ = 8;  ///< where the walk stands
-  bool tail_open_ = false;      ///< indexes of the last chunk may still follow
-  std::list<Unpacked> cache_;   ///< the one used last in front
+  std::uint64_t position_ = 8;  ///< position of the walk
+  bool tail_open_ = false;      ///< whether message indexes of the last chunk may still follow
+  std::list<Unpacked> cache_;   ///< most recently used first
   Buffer scratch_;
 };
 

@@ -44,7 +44,7 @@ std::optional<SummaryBytes> load_summary(SeekableInput& input) {
   if (summary.start < 8 + kDataEndRecord || summary.start > stop || stop - summary.start > kMaxSummary) {
     return std::nullopt;
   }
-  // A summary follows the end of the data. One that does not would hide what stands behind its start.
+  // A summary must follow the end-of-data record; otherwise it would hide records after its start.
   Buffer& before = summary.records;
   if (!input.read(summary.start - kDataEndRecord, kDataEndRecord, before)) return std::nullopt;
   if (before[0] != kDataEnd || before[1] != 4) return std::nullopt;

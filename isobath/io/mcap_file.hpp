@@ -1,5 +1,5 @@
-// Any stretch of an MCAP file, for mcap_reader.cpp and mcap_index.cpp only: its bytes, its summary where that is valid,
-// and the next chunk where something is no record.
+// SeekableInput: access to any stretch of an MCAP file, its summary if that is valid, and the search for the next chunk
+// after damage. Internal to mcap_reader.cpp and mcap_chunks.cpp.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@ constexpr std::uint64_t kMaxOtherRecord = 64u << 20;  ///< schema, channel, meta
 constexpr std::uint64_t kFooterRecord = kRecordHead + 20;
 constexpr std::uint64_t kDataEndRecord = kRecordHead + 4;
 
-/// A file of which any stretch can be read; neighbouring stretches without moving the stream's buffer.
+/// Reads any stretch of a file; reading adjacent stretches keeps the stream's buffer.
 class SeekableInput {
  public:
   explicit SeekableInput(std::unique_ptr<std::istream> in);
   ~SeekableInput();
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  /// Of a file that grows.
+  /// Updates the size of a growing file.
   void measure();
-  /// False where the file has become shorter.
+  /// False if the file has become shorter.
   bool read(std::uint64_t offset, std::uint64_t count, Buffer& out);
 
  private:
@@ -32,14 +32,14 @@ class SeekableInput {
   std::uint64_t at_ = kNowhere;
 };
 
-/// The records of a summary whose place and checksum are right.
+/// The records of a summary whose position and checksum are right.
 struct SummaryBytes {
-  std::uint64_t start = 0;  ///< in the file; the data end here
+  std::uint64_t start = 0;  ///< position in the file; the data end here
   Buffer records;
 };
 std::optional<SummaryBytes> load_summary(SeekableInput& input);
 
-/// The next place from `from` on that looks like a chunk, or `limit`.
+/// The first position from `from` on that looks like a chunk, or `limit`.
 std::uint64_t find_chunk(SeekableInput& input, std::uint64_t from, std::uint64_t limit);
 
 }  // namespace isobath::mcap

@@ -23,7 +23,7 @@ struct McapIndex::State {
   std::optional<Found> last_of(std::uint16_t channel, std::uint64_t time);
 };
 
-/// Sound ones that may hold messages of these channels in this span, by their start.
+/// The undamaged chunks that may hold messages of these channels in this span, by start time.
 std::vector<std::size_t> McapIndex::State::chunks_of(std::span<const std::uint16_t> wanted, std::uint64_t from,
                                                      std::uint64_t to) const {
   const std::vector<IndexedChunk>& chunks = table.chunks();
@@ -40,7 +40,7 @@ std::vector<std::size_t> McapIndex::State::chunks_of(std::span<const std::uint16
   return found;
 }
 
-/// The last time of a channel at or before one, and the last chunk that has it.
+/// The last message time of a channel at or before `time`, and the last chunk that has it.
 std::optional<McapIndex::State::Found> McapIndex::State::last_of(std::uint16_t channel, std::uint64_t time) {
   const std::vector<IndexedChunk>& chunks = table.chunks();
   std::vector<std::size_t> candidates = chunks_of({&channel, 1}, 0, time);
@@ -104,14 +104,14 @@ void McapIndex::visit(std::span<const std::uint16_t> channels, std::uint64_t fro
   State& s = *state_;
   struct Waiting {
     Unpacked chunk;
-    std::vector<PlacedMessage> messages;  ///< the wanted ones, by time
+    std::vector<PlacedMessage> messages;  ///< the requested messages, by time
     std::size_t next = 0;
     [[nodiscard]] std::uint64_t time() const { return messages[next].time; }
   };
   const auto later = [](const Waiting& a, const Waiting& b) {
     return a.time() != b.time() ? a.time() > b.time() : a.chunk->chunk > b.chunk->chunk;
   };
-  std::vector<Waiting> waiting;  // a heap, the next message in front
+  std::vector<Waiting> waiting;  // a heap; the next message is in the first element
   std::uint64_t bytes = 0;
   const auto give = [&] {
     std::pop_heap(waiting.begin(), waiting.end(), later);
@@ -150,7 +150,7 @@ std::optional<McapMessage> McapIndex::last(std::uint16_t channel, std::uint64_t 
   State& s = *state_;
   while (const auto found = s.last_of(channel, time)) {
     const Unpacked chunk = s.table.unpacked(found->chunk);
-    if (!chunk) continue;  // damaged: not asked again
+    if (!chunk) continue;  // damaged: the next search skips it
     const auto at = std::find_if(chunk->messages.rbegin(), chunk->messages.rend(),
                                  [&](const PlacedMessage& m) { return m.channel == channel && m.time == found->time; });
     if (at != chunk->messages.rend()) return mcap::message_at(chunk, *at);

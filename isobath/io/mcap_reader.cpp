@@ -26,12 +26,12 @@ struct McapReader::State {
   std::vector<McapAttachment> attachments;
   std::uint64_t attachment_bytes = 0;
   std::optional<std::uint64_t> messages_in_summary;
-  std::vector<std::uint64_t> chunk_offsets;  // of a valid summary, rising
-  std::uint64_t limit = 0;                   // where the data section ends at the latest
+  std::vector<std::uint64_t> chunk_offsets;  // from a valid summary, rising
+  std::uint64_t limit = 0;                   // latest possible end of the data section
   std::uint64_t position = 0;
   bool has_summary = false;
   Buffer scratch;
-  std::shared_ptr<Buffer> chunk;  // being read
+  std::shared_ptr<Buffer> chunk;  // the chunk that is being read
   Cursor chunk_rest{{}};
 
   bool load_summary();
@@ -87,14 +87,14 @@ bool McapReader::State::parse_summary(std::span<const std::uint8_t> summary) {
       (void)c.bytes(16);
       chunk_offsets.push_back(c.number<std::uint64_t>());
     } else if (record->opcode < mcap::kChunkIndex) {
-      return false;  // data
+      return false;  // a data record
     }
     if (!c.ok()) return false;
   }
   return true;
 }
 
-/// Takes what stands before the first message, so that metadata is known before it.
+/// Reads the records before the first message, so that metadata is known from the start.
 void McapReader::State::read_head() {
   while (position + mcap::kRecordHead <= limit && load(position, mcap::kRecordHead)) {
     Cursor head(scratch);
@@ -139,7 +139,7 @@ std::optional<McapMessage> McapReader::State::next_in_chunk() {
   if (record->opcode == mcap::kSchema || record->opcode == mcap::kChannel) {
     add_definition(*record);
   } else if (record->opcode < 0x80) {
-    ++report.rejected["record that a chunk must not hold"];
+    ++report.rejected["record that is not allowed in a chunk"];
   }
   return std::nullopt;
 }
@@ -160,7 +160,7 @@ std::optional<McapMessage> McapReader::State::next_in_file() {
   return take(opcode, size);
 }
 
-/// The record at `position`, whose length fits into the file; moves behind it.
+/// Reads the record at `position`, whose length fits into the file, and moves behind it.
 std::optional<McapMessage> McapReader::State::take(std::uint8_t opcode, std::uint64_t size) {
   const std::uint64_t content = position + mcap::kRecordHead;
   const std::uint64_t behind = content + size;
@@ -170,11 +170,11 @@ std::optional<McapMessage> McapReader::State::take(std::uint8_t opcode, std::uin
       if (size == 4 && (!has_summary || behind == limit)) {
         position = limit = behind;
       } else {
-        resynchronise("an end of data in the middle");
+        resynchronise("end-of-data record before the end of the data");
       }
       report.bytes_read = position;
       return std::nullopt;
-    case mcap::kMessageIndex: break;  // messages are taken in the order of the file
+    case mcap::kMessageIndex: break;  // not needed: messages are read in the order of the file
     case mcap::kHeader:
     case mcap::kSchema:
     case mcap::kChannel:
@@ -199,7 +199,7 @@ std::optional<McapMessage> McapReader::State::take(std::uint8_t opcode, std::uin
     }
     default:
       if (opcode < 0x80) {
-        resynchronise("no such record");
+        resynchronise("unknown record type");
         return std::nullopt;
       }
   }
@@ -232,7 +232,7 @@ void McapReader::State::add_definition(const mcap::Record& record) {
     if (!item) {
       ++report.rejected[fmt::format("{} that cannot be read", kind)];
     } else if (const auto [at, is_new] = known.try_emplace(item->id, *item); !is_new && !(at->second == *item)) {
-      ++report.rejected[fmt::format("{} defined twice, and differently", kind)];
+      ++report.rejected[fmt::format("{} defined twice with different content", kind)];
     }
   };
   if (record.opcode == mcap::kSchema) {
@@ -270,7 +270,7 @@ std::optional<McapMessage> McapReader::State::known_channel(std::optional<McapMe
   return message;
 }
 
-/// From something that is no record to the next chunk.
+/// Skips from an invalid record to the next chunk.
 void McapReader::State::resynchronise(const std::string& reason) {
   std::uint64_t to = limit;
   if (has_summary && !chunk_offsets.empty()) {

@@ -11,7 +11,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Grows `out` by what the decoder really gives; false beyond `limit`.
+/// Grows `out` as the decoder needs it; false at `limit`.
 bool make_room(Buffer& out, std::size_t used, std::uint64_t limit) {
   if (used < out.size()) return true;
   if (used >= limit) return false;
@@ -31,7 +31,7 @@ std::string unpack_zstd(const ChunkHead& chunk, Buffer& out) {
     used += piece.pos;
     if (ZSTD_isError(left)) return "damaged zstd data";
     if (left == 0) break;
-    if (piece.pos == 0 && in.pos == in_before) return room ? "zstd data cut off" : "more data than its size says";
+    if (piece.pos == 0 && in.pos == in_before) return room ? "zstd data cut off" : "more data than the stated size";
   }
   out.resize(used);
   return {};
@@ -39,7 +39,7 @@ std::string unpack_zstd(const ChunkHead& chunk, Buffer& out) {
 
 std::string unpack_lz4(const ChunkHead& chunk, Buffer& out) {
   LZ4F_dctx* raw = nullptr;
-  if (LZ4F_isError(LZ4F_createDecompressionContext(&raw, LZ4F_VERSION))) return "no memory";
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&raw, LZ4F_VERSION))) return "out of memory";
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(raw,
                                                                                      LZ4F_freeDecompressionContext);
   std::span<const std::uint8_t> in = chunk.records;
@@ -52,7 +52,7 @@ std::string unpack_lz4(const ChunkHead& chunk, Buffer& out) {
     used += given;
     in = in.subspan(taken);
     if (left == 0) break;
-    if (given == 0 && taken == 0) return room ? "lz4 data cut off" : "more data than its size says";
+    if (given == 0 && taken == 0) return room ? "lz4 data cut off" : "more data than the stated size";
   }
   out.resize(used);
   return {};
@@ -190,7 +190,7 @@ const char* name_of(McapCompression compression) {
 Buffer pack(std::span<const std::uint8_t> records, McapCompression compression) {
   if (compression == McapCompression::kNone) return {records.begin(), records.end()};
   const bool zstd = compression == McapCompression::kZstd;
-  constexpr int kFastLevel = 1;  // echoes are noise: higher levels gain little and a vehicle records in real time
+  constexpr int kFastLevel = 1;  // higher levels gain little on noisy echoes, and a vehicle records in real time
   Buffer out(zstd ? ZSTD_compressBound(records.size()) : LZ4F_compressFrameBound(records.size(), nullptr));
   const std::size_t size = zstd ? ZSTD_compress(out.data(), out.size(), records.data(), records.size(), kFastLevel)
                                 : LZ4F_compressFrame(out.data(), out.size(), records.data(), records.size(), nullptr);
@@ -204,7 +204,7 @@ std::string unpack(const ChunkHead& chunk, Buffer& out) {
   out.clear();
   std::string problem = unpack_records(chunk, out);
   if (!problem.empty()) return "chunk: " + problem;
-  if (out.size() != chunk.unpacked_size) return "chunk: another size than it says";
+  if (out.size() != chunk.unpacked_size) return "chunk: size differs from the stated size";
   if (chunk.unpacked_crc != 0 && crc32(out) != chunk.unpacked_crc) return "chunk: checksum differs";
   return {};
 }

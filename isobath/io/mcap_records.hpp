@@ -1,5 +1,5 @@
-// Bytes of MCAP records, for mcap_writer.cpp and mcap_reader.cpp only: little-endian numbers, strings and maps with a
-// length in front, the opcodes, and packing of chunks.
+// The bytes of MCAP records: little-endian numbers, strings and maps with a length in front, the opcodes, and the
+// packing of chunks. Internal to the mcap_*.cpp files.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ enum Opcode : std::uint8_t {
 using Buffer = std::vector<std::uint8_t>;
 using TextMap = std::map<std::string, std::string>;
 
-/// Appends to a buffer.
+/// Appends values to a buffer.
 class Writer {
  public:
   explicit Writer(Buffer& out) : out_(out) {}
@@ -40,7 +40,7 @@ class Writer {
   template <class Number>
   Writer& number(Number value) {
     return bytes(
-        {reinterpret_cast<const std::uint8_t*>(&value), sizeof value});  // the machines we build for are little-endian
+        {reinterpret_cast<const std::uint8_t*>(&value), sizeof value});  // all supported machines are little-endian
   }
   Writer& bytes(std::span<const std::uint8_t> data) {
     out_.insert(out_.end(), data.begin(), data.end());
@@ -51,7 +51,7 @@ class Writer {
     return bytes({reinterpret_cast<const std::uint8_t*>(value.data()), value.size()});
   }
   Writer& map(const TextMap& values);
-  /// Length in 32 bits, then what `fill` appends.
+  /// Writes a 32-bit length and the bytes that `fill` appends.
   template <class Fill>
   Writer& counted(Fill fill) {
     const std::size_t at = out_.size();
@@ -61,7 +61,7 @@ class Writer {
     std::memcpy(out_.data() + at, &size, 4);
     return *this;
   }
-  /// Opcode, length, then what `fill` appends.
+  /// Writes opcode, length and the bytes that `fill` appends.
   template <class Fill>
   Writer& record(Opcode opcode, Fill fill) {
     number(static_cast<std::uint8_t>(opcode));
@@ -77,7 +77,7 @@ class Writer {
   Buffer& out_;
 };
 
-/// Takes from bytes that may lie: once something does not fit, `ok` is false and everything is zero.
+/// Reads untrusted bytes: after the first value that does not fit, `ok` is false and all further values are zero.
 class Cursor {
  public:
   explicit Cursor(std::span<const std::uint8_t> data) : left_(data) {}
@@ -114,7 +114,7 @@ struct Record {
   std::uint8_t opcode = 0;
   std::span<const std::uint8_t> content;
 };
-/// The record at the cursor; empty at the end and where it does not fit.
+/// The record at the cursor; empty at the end and if the record does not fit.
 std::optional<Record> take_record(Cursor& cursor);
 
 struct ChunkHead {
@@ -130,17 +130,18 @@ std::optional<McapSchema> parse_schema(std::span<const std::uint8_t> content);
 std::optional<McapChannel> parse_channel(std::span<const std::uint8_t> content);
 std::optional<McapMessage> parse_message(std::span<const std::uint8_t> content);
 std::optional<McapMetadata> parse_metadata(std::span<const std::uint8_t> content);
-/// Empty where the checksum is wrong, too.
+/// Also empty if the checksum is wrong.
 std::optional<McapAttachment> parse_attachment(std::span<const std::uint8_t> content);
 std::optional<ChunkHead> parse_chunk(std::span<const std::uint8_t> content);
-/// Whether the first bytes of a chunk's content could be those of a chunk of this size: cheap, and wrong once in 2^64.
+/// Whether a chunk of this size can begin with these bytes. Cheap; random bytes pass once in 2^64.
 bool chunk_can_begin_so(std::span<const std::uint8_t> content_head, std::uint64_t content_size);
 constexpr std::size_t kChunkHeadBytes = 44;  ///< the longest head that chunk_can_begin_so looks at
 
 std::uint32_t crc32(std::span<const std::uint8_t> data, std::uint32_t before = 0);
 const char* name_of(McapCompression compression);
 Buffer pack(std::span<const std::uint8_t> records, McapCompression compression);
-/// What is wrong with the chunk, or an empty text; memory grows with what really comes out, up to `unpacked_size`.
+/// Unpacks a chunk. Returns what is wrong with it, or an empty text. Memory grows with the unpacked data, up to
+/// `unpacked_size`.
 std::string unpack(const ChunkHead& chunk, Buffer& out);
 
 }  // namespace isobath::mcap

@@ -15,11 +15,12 @@ std::vector<Field> fields(McapWriterConfig& c) {
       Field::choice(
           "compression", &c.compression,
           {{"none", McapCompression::kNone}, {"lz4", McapCompression::kLz4}, {"zstd", McapCompression::kZstd}},
-          "Packing of the chunks of a log."),
-      Field::integer("chunk_kib", &c.chunk_kib, {1, 65536}, "KiB", "Size at which a chunk is packed and written."),
+          "Compression of the chunks of a log."),
+      Field::integer("chunk_kib", &c.chunk_kib, {1, 65536}, "KiB", "Size at which a chunk is compressed and written."),
       Field::real("chunk_s", &c.chunk_s, {0, 3600}, "s",
-                  "Time that one chunk holds at most: what a crash can cost; 0: no bound."),
-      Field::flag("sync", &c.sync, "Each chunk is forced onto the disk: a failing supply costs no more than a crash.")};
+                  "Maximum time span of one chunk, and so of what a crash can lose; 0: no limit."),
+      Field::flag("sync", &c.sync,
+                  "Forces each chunk onto the disk, so that a power failure loses no more than a crash.")};
 }
 
 struct McapWriter::State {
@@ -54,7 +55,7 @@ struct McapWriter::State {
     std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> index;  // log time, offset
   };
   std::map<int, OpenChunk> open;  // by group
-  std::vector<int> groups;        // of each channel
+  std::vector<int> groups;        // group of each channel
   std::vector<ChunkEntry> chunks;
   Buffer attachment_indexes, metadata_indexes;
   std::uint32_t attachments = 0, metadata = 0;
@@ -77,7 +78,7 @@ struct McapWriter::State {
   }
   void flush_chunk(OpenChunk& chunk);
   void flush_chunks();
-  /// Out of memory, and, where it is asked for, out of that of the system too.
+  /// Passes the buffered bytes to the operating system and, with `sync`, waits until they are on the disk.
   void make_safe();
   void flush_older_than(std::uint64_t time);
   void write_chunk_indexes(const OpenChunk& chunk, ChunkEntry& entry);
@@ -109,7 +110,7 @@ McapWriter::McapWriter(const std::filesystem::path& file, const McapWriterConfig
 McapWriter::~McapWriter() {
   try {
     close();
-  } catch (const Error&) {  // the caller who wants to know calls close()
+  } catch (const Error&) {  // call close() to see errors
   }
 }
 
@@ -191,7 +192,7 @@ void McapWriter::State::flush_chunks() {
   for (auto& [group, chunk] : open) flush_chunk(chunk);
 }
 
-/// Chunks that a message of this time would make too long, or whose messages it leaves that far behind.
+/// Writes the chunks whose span, with a message of this time, would exceed chunk_s.
 void McapWriter::State::flush_older_than(std::uint64_t time) {
   if (!(config.chunk_s > 0)) return;
   const auto longest = static_cast<std::uint64_t>(config.chunk_s * 1e9);
@@ -210,7 +211,7 @@ void McapWriter::State::make_safe() {
   out.flush();
   check();
   if (!config.sync) return;
-  const int handle = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);  // any handle of the file will do
+  const int handle = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);  // fdatasync works on any handle of the file
   const bool synced = handle >= 0 && ::fdatasync(handle) == 0;
   if (handle >= 0) ::close(handle);
   if (!synced) out.setstate(std::ios::badbit);

@@ -232,7 +232,7 @@ void put(CdrWriter& w, const OperatorFrame& f) {
   std::copy(f.bytes.begin(), f.bytes.end(), w.sequence<std::uint8_t>(f.bytes.size()));
 }
 
-/// One number of every sounding, as a list.
+/// Writes one member of every sounding as a list.
 template <class Number, class Member>
 void put_column(CdrWriter& w, const std::vector<Sounding>& soundings, Member member) {
   std::uint8_t* at = w.sequence<Number>(soundings.size());
@@ -263,14 +263,13 @@ double double_at(std::span<const std::uint8_t> bytes, std::size_t i) {
   return value;
 }
 
-/// Marks `bad` where the quaternion is finite but no rotation.
+/// Sets `bad` if the quaternion is finite but not a rotation.
 Pose take_pose(CdrReader& r, bool& bad) {
   Pose pose;
   for (int i = 0; i < 3; ++i) pose.translation[i] = r.number<double>();
   Quaterniond q;
   for (int i = 0; i < 4; ++i) q.coeffs()[i] = r.number<double>();
-  bad =
-      bad || std::abs(q.norm() - 1) > 1e-6;  // false for nan: a pose that was not finite stays so, and is refused later
+  bad = bad || std::abs(q.norm() - 1) > 1e-6;  // false for nan: a pose that is not finite is refused later
   pose.rotation = Rotation::from_unit_quaternion(q);
   return pose;
 }
@@ -415,7 +414,7 @@ std::optional<EchoTruth> take_echoes(std::span<const std::uint8_t> data) {
   return truth;
 }
 
-/// Fans by their bytes, so that pings of the same geometry share one.
+/// Stores fans by their bytes, so that pings of the same geometry share one.
 class FanStore {
  public:
   std::shared_ptr<const BeamFan> fan(double height, std::span<const std::uint8_t> azimuths,
@@ -434,11 +433,11 @@ class FanStore {
       bytes_ = fans_.size() == 1 ? key.size() : bytes_ + key.size();
     }
     auto result = known;
-    if (bytes_ > kMaxBytes) fans_.clear();  // a log whose every ping has beams of its own must not fill the memory
+    if (bytes_ > kMaxBytes) fans_.clear();  // bounds the memory if every ping has other beams
     return result;
   }
 
-  /// Of each beam first and end, of so many bins; null where one does not fit.
+  /// The sampled span of each beam, as pairs of first and end; null if a span does not fit into `bins`.
   static std::shared_ptr<const std::vector<BinSpan>> spans(std::span<const std::uint8_t> ends, std::uint32_t bins) {
     auto made = std::make_shared<std::vector<BinSpan>>();
     for (std::size_t i = 0; i + 8 <= ends.size(); i += 8) {
@@ -462,7 +461,7 @@ struct Samples {
   SampleType type = SampleType::kU8;
 };
 
-/// The one list that is filled; empty where none or several are.
+/// The one list that is filled; empty if none or several are filled.
 std::optional<Samples> take_samples(CdrReader& r) {
   const Samples lists[] = {{r.sequence<std::uint8_t>(), SampleType::kU8},
                            {r.sequence<std::uint16_t>(), SampleType::kU16},
@@ -501,7 +500,7 @@ std::optional<Event> take_ping(const McapMessage& message, FanStore& fans) {
   p.intensity = Intensities(samples->bytes.data(), samples->type, static_cast<int>(beams), p.window.bins,
                             step * p.window.bins, step);
   p.storage = message.storage;
-  const bool older = r.at_end();  // before bins could be missing
+  const bool older = r.at_end();  // from before this field was added
   const auto sampled = older ? std::span<const std::uint8_t>() : r.sequence<std::uint32_t>();
   if (!r.ok() || (!sampled.empty() && sampled.size() != beams * 8)) return std::nullopt;
   if (!sampled.empty()) p.sampled = fans.spans(sampled, bins);
@@ -522,7 +521,7 @@ class NativeLogSource final : public Source {
       ours = ours || is_ours(channel);
     }
     if (!ours) {
-      throw Error("MCAP without channels of Isobath", {name, {}, {}, {}, {}},
+      throw Error("MCAP without Isobath channels", {name, {}, {}, {}, {}},
                   fmt::format("{}, {}, {}, {}", kPing, kNavigation, kRange, kSwath),
                   topics.empty() ? "" : "it holds " + topics.substr(0, 200));
     }
@@ -538,7 +537,7 @@ class NativeLogSource final : public Source {
       const McapSchema* schema = reader_.schema(channel.schema_id);
       if (schema && is_aside(schema->name)) continue;
       if (!is_ours(channel)) {
-        ++reader_.report().rejected["message of a channel that is not Isobath's"];
+        ++reader_.report().rejected["message of a channel that is not from Isobath"];
         continue;
       }
       if (auto event = decoded(schema->name, *message)) return event;
@@ -553,7 +552,8 @@ class NativeLogSource final : public Source {
     return schema && channel.message_encoding == "cdr" && schema->name.starts_with("isobath/msg/");
   }
 
-  /// What no vehicle hears: truths, for judges alone; and what was made of the events, which is made again.
+  /// Channels that are not inputs of a vehicle: ground truth, which only the scorer may read, and derived data, which
+  /// is computed again.
   static bool is_aside(const std::string& kind) {
     return kind == kTrueMotion || kind == kEchoTruth || kind == kSetpoint || kind == kDecision ||
            kind.starts_with("isobath.") || kind.starts_with("foxglove.");
@@ -630,14 +630,14 @@ bool NativeLogWriter::write(const Event& event) {
   if (std::holds_alternative<OperatorFrame>(event)) {
     late_channel(operator_, "/operator", kOperatorFrame, kOperatorFrameDefinition);
   }
-  const std::uint16_t channels[] = {ping_, range_, navigation_, health_, swath_, operator_};  // as in the variant
+  const std::uint16_t channels[] = {ping_, range_, navigation_, health_, swath_, operator_};  // in variant order
   static_assert(std::variant_size_v<Event> == std::size(channels));
   send(channels[event.index()], time_of(event), message_);
   return true;
 }
 
 void NativeLogWriter::send(std::uint16_t channel, Time at, std::span<const std::uint8_t> message) {
-  // MCAP knows no time before 1970; the exact one stands in the message
+  // MCAP has no times before 1970; the message holds the exact time
   const auto time = static_cast<std::uint64_t>(std::max<std::int64_t>(at.time_since_epoch().count(), 0));
   mcap_.write({channel, sequence_[channel]++, time, time, message, nullptr});
 }
@@ -748,7 +748,7 @@ std::optional<std::string> attachment_in(const std::filesystem::path& file, cons
     }
     return std::nullopt;
   };
-  auto text = found();  // those at the head are known from the start
+  auto text = found();  // attachments at the head are known from the start
   while (!text && reader.next()) text = found();
   return text ? text : found();
 }

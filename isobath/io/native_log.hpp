@@ -1,13 +1,12 @@
-// Isobath's own log: every Event, exactly, in an MCAP container (mcap.hpp).
+// Isobath's native log: every Event, exactly, in an MCAP container (mcap.hpp).
 //
-// Channels /ping, /navigation, /range, /health, /swath and, where an operator was heard, /operator carry CDR
-// (little-endian) with ros2msg definitions isobath/msg/Ping, Navigation, RangeReading, Health, Swath and OperatorFrame
-// inside the file, so that other viewers decode every field by name. Reading gives back the same events in the same
+// Channels /ping, /navigation, /range, /health, /swath and, if there are operator frames, /operator carry CDR
+// (little-endian). The file contains the ros2msg definitions isobath/msg/Ping, Navigation, RangeReading, Health, Swath
+// and OperatorFrame, so that other viewers decode every field by name. Reading returns the same events in the same
 // order: times, poses, beams and samples bit for bit. Pings of the same fan share one BeamFan. Samples are stored beam
-// by beam, whatever the strides of the source were. A log's metadata holds the origin on the globe, what the source
-// said about itself, and the configuration. Errors: see McapWriter; open_native_log throws Error for a file that is no
-// MCAP or holds no channel of ours. Damage, other channels' messages and messages that cannot be decoded are counted in
-// the report.
+// by beam, whatever the strides of the source were. The metadata hold the origin on the globe, the details of the
+// source, and the configuration. Errors: as McapWriter. open_native_log throws Error if the file is not MCAP or has no
+// Isobath channel. The report counts damage, messages of other channels and messages that cannot be decoded.
 #pragma once
 
 #include <filesystem>
@@ -30,31 +29,31 @@ class NativeLogWriter {
  public:
   explicit NativeLogWriter(const std::filesystem::path& file, const McapWriterConfig& config = {});
 
-  /// Any time before close, most useful before the first event: "sonar" -> "Ping360 ...", configuration as TOML,
-  /// origin.
+  /// Details ("sonar" -> "Ping360 ..."), the configuration as TOML, and the origin can be set at any time before close;
+  /// readers know them from the start if they are set before the first event.
   void set_details(const std::map<std::string, std::string>& details);
   void set_configuration(const std::string& toml);
   void set_origin(const GeoOrigin& origin);
 
-  /// False, and nothing is written, for a ping without beams or whose samples are not beams x bins: no reader could use
-  /// it.
+  /// Writes an event. False, and nothing is written, for an unusable ping: one without beams, or whose samples are not
+  /// beams x bins.
   bool write(const Event& event);
-  /// What only a simulator knows, in channels of its own (/truth/motion, /truth/echoes), which sources pass over.
+  /// Ground truth of a simulator, in separate channels (/truth/motion, /truth/echoes) that sources skip.
   void write(const TrueMotion& motion);
   void write(const EchoTruth& echoes);
-  /// What the vehicle is told to do from this time on, in /setpoint; sources pass over it.
+  /// The set-point of the vehicle from this time on, in /setpoint; sources skip it.
   void write(Time time, const Setpoint& setpoint);
-  /// What was decided and why, as one JSON object of the caller's, in /decisions; sources pass over it.
+  /// A decision and its reason, as one JSON object of the caller, in /decisions; sources skip it.
   void write_decision(Time time, const std::string& json);
-  /// A channel of the caller's with a schema (one of the same name stands for it), for what is made of the events.
-  /// Sources pass over it where the name of its schema begins with "isobath." or "foxglove."; group as McapWriter's:
-  /// not 0, or events are read more slowly.
+  /// Adds a channel for derived data, with a schema; a schema of the same name is reused. Sources skip the channel if
+  /// the name of its schema begins with "isobath." or "foxglove.". `group` as in McapWriter: not 0, or reading events
+  /// becomes slower.
   std::uint16_t add_channel(const std::string& topic, const std::string& message_encoding, McapSchema schema,
                             int group);
   void write(std::uint16_t channel, Time time, std::string_view message);
-  /// A file beside the messages, such as the scene that was simulated.
+  /// Attaches a file to the log, such as the simulated scene.
   void attach(const std::string& name, const std::string& media_type, const std::string& data);
-  /// Makes what was written safe from a crash.
+  /// Makes the written events safe from a crash.
   void flush() { mcap_.flush(); }
   void close() { mcap_.close(); }
 
@@ -64,16 +63,16 @@ class NativeLogWriter {
 
   McapWriter mcap_;
   std::uint16_t ping_ = 0, navigation_ = 0, range_ = 0, health_ = 0, swath_ = 0;
-  std::uint16_t operator_ = 0;                    ///< made with the first frame
-  std::uint16_t motion_ = 0, echoes_ = 0;         ///< made with the first truth: a vehicle's log has none
-  std::uint16_t setpoint_ = 0, decisions_ = 0;    ///< made with the first: without a mission there are none
-  std::map<std::string, std::uint16_t> schemas_;  ///< of the caller's channels, by name
+  std::uint16_t operator_ = 0;                    ///< added with the first operator frame
+  std::uint16_t motion_ = 0, echoes_ = 0;         ///< added with the first truth; a vehicle's log has none
+  std::uint16_t setpoint_ = 0, decisions_ = 0;    ///< added with the first; a log without a mission has none
+  std::map<std::string, std::uint16_t> schemas_;  ///< schemas of the caller's channels, by name
   std::map<std::uint16_t, std::uint32_t> sequence_;
   std::vector<std::uint8_t> message_;
 };
 
-/// The truths of a simulated log, in order; none in a log from a vehicle. Messages that cannot be decoded are passed
-/// over.
+/// Reads the ground truth of a simulated log, in order; a vehicle's log has none. Messages that cannot be decoded are
+/// skipped.
 class TruthReader {
  public:
   explicit TruthReader(const std::filesystem::path& file);
@@ -84,10 +83,10 @@ class TruthReader {
   std::unique_ptr<McapReader> reader_;
 };
 
-/// The decisions of a recorded run, in order, as they were written; none in a log without a mission. Throws Error where
-/// the file is no MCAP.
+/// The decisions of a recorded run, in order, as written; a log without a mission has none. Throws Error if the file is
+/// not MCAP.
 std::vector<std::string> decisions_in(const std::filesystem::path& file);
-/// What stands beside the messages under this name; empty where nothing does. Throws Error likewise.
+/// The attachment of this name; empty if there is none. Throws Error likewise.
 std::optional<std::string> attachment_in(const std::filesystem::path& file, const std::string& name);
 
 std::unique_ptr<Source> open_native_log(const std::filesystem::path& file, const InputConfig& config);

@@ -13,16 +13,16 @@ namespace {
 constexpr std::size_t kLongestHeader = 1 << 20;
 constexpr std::uint64_t kMost = std::uint64_t{1} << 50;
 
-/// The header of a classic file, which is big-endian and padded to four bytes.
+/// The header of a classic file: big-endian, padded to four bytes.
 class Header {
  public:
   explicit Header(std::vector<unsigned char> bytes) : bytes_(std::move(bytes)), version_(bytes_[3]) {}
 
-  /// Bytes that the file needs; empty where the header says nothing that can be.
+  /// The size in bytes that the header requires; empty if the header is invalid.
   std::optional<std::uint64_t> needed() {
     at_ = 4;
     std::uint64_t records = count();
-    if (records == (version_ == 5 ? ~std::uint64_t{0} : 0xffffffffU)) records = 0;  // being written
+    if (records == (version_ == 5 ? ~std::uint64_t{0} : 0xffffffffU)) records = 0;  // still being written
     skip(4);
     std::vector<std::uint64_t> lengths(bounded(count()));
     for (std::uint64_t& length : lengths) {
@@ -48,7 +48,7 @@ class Header {
       }
       attributes();
       bytes = product(bytes, size_of(number(4)));
-      number(version_ == 5 ? 8 : 4);  // its own idea of the size, which large variables overflow
+      number(version_ == 5 ? 8 : 4);  // the stated size, which overflows for large variables
       const std::uint64_t start = number(version_ == 1 ? 4 : 8);
       good_ = good_ && start < kMost;
       if (of_records) {
@@ -60,7 +60,7 @@ class Header {
         end = std::max(end, start + bytes);
       }
     }
-    if (record_variables == 1) record_bytes = unpadded;  // a lone record variable is not padded
+    if (record_variables == 1) record_bytes = unpadded;  // a single record variable is not padded
     if (record_variables > 0 && records > 0) {
       end = std::max(end, last_start + unpadded + product(records - 1, record_bytes));
     }
@@ -79,7 +79,7 @@ class Header {
     return value;
   }
   std::uint64_t count() { return number(version_ == 5 ? 8 : 4); }
-  /// How many things follow: no more than there are bytes for.
+  /// A count of items; invalid if it exceeds the number of bytes.
   std::size_t bounded(std::uint64_t value) {
     if (value > bytes_.size()) good_ = false;
     return good_ ? static_cast<std::size_t>(value) : 0;

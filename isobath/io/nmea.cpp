@@ -13,7 +13,7 @@ constexpr std::size_t kHead = 1 << 16;
 constexpr std::size_t kMaxFields = 40;
 constexpr std::size_t kMaxSentence = 256;
 constexpr double kKnot = 1852.0 / 3600;  // m/s
-constexpr double kMoving = 0.5;          // m/s: below, a course is the receiver's noise
+constexpr double kMoving = 0.5;          // m/s: at lower speeds, the course is noise of the receiver
 constexpr Duration kHeadingAge = std::chrono::seconds(5);
 constexpr Angle kBeamWidth = Angle::degrees(7);
 
@@ -44,7 +44,7 @@ std::optional<int> digits(std::string_view text, std::size_t at) {
                                                                                         : std::nullopt;
 }
 
-/// "092211.00": since midnight; 60 seconds are a leap second, 24 hours are none.
+/// Time since midnight from "092211.00". 60 seconds are allowed (leap second), 24 hours are not.
 std::optional<Duration> time_of_day(std::string_view text) {
   text = trimmed(text);
   const auto h = digits(text, 0), m = digits(text, 2);
@@ -61,7 +61,7 @@ std::optional<std::chrono::sys_days> date_of(int year, int month, int day) {
   return date.ok() ? std::optional(sys_days(date)) : std::nullopt;
 }
 
-/// "200715" of RMC.
+/// The date of RMC, such as "200715".
 std::optional<std::chrono::sys_days> date_of_rmc(std::string_view text) {
   text = trimmed(text);
   const auto d = digits(text, 0), m = digits(text, 2), y = digits(text, 4);
@@ -76,7 +76,7 @@ std::optional<std::chrono::sys_days> date_of_zda(const Fields& f) {
   return date_of(static_cast<int>(*y), static_cast<int>(*m), static_cast<int>(*d));
 }
 
-/// "5759.097", "N": degrees, minutes and a hemisphere.
+/// Degrees from degrees and minutes with a hemisphere, such as "5759.097", "N".
 std::optional<double> degrees_of(std::string_view text, std::string_view hemisphere, std::string_view both) {
   double value = 0;
   hemisphere = trimmed(hemisphere);
@@ -96,7 +96,7 @@ bool states_date(const Fields& f) {
   return (f.type() == "RMC" && date_of_rmc(f[9])) || (f.type() == "ZDA" && date_of_zda(f));
 }
 
-/// Whether sentences of some text state a date.
+/// Whether any sentence of the text states a date.
 bool has_date(std::string_view text) {
   while (!text.empty()) {
     const std::size_t end = text.find_first_of("\r\n");
@@ -107,7 +107,7 @@ bool has_date(std::string_view text) {
   return false;
 }
 
-/// The time of the log.
+/// Converts times of day to times of the log.
 class NmeaClock {
  public:
   explicit NmeaClock(bool dated) : dated_(dated) {}
@@ -116,12 +116,12 @@ class NmeaClock {
     date_ = date;
     at_date_ = time_of_day;
   }
-  /// Empty as long as no date is known in a log that has one.
+  /// Empty while no date is known in a log that has dates.
   std::optional<Time> at(Duration time_of_day) {
     if (!dated_) return days_.at(time_of_day);
     if (!date_) return std::nullopt;
     constexpr Duration kHalfDay = std::chrono::hours(12);
-    int days = 0;  // from the date as it was stated to this time
+    int days = 0;  // from the stated date to this time
     if (time_of_day < at_date_ - kHalfDay) days = 1;
     if (time_of_day > at_date_ + kHalfDay) days = -1;
     return Time{date_->time_since_epoch() + std::chrono::days(days) + time_of_day};
@@ -158,7 +158,7 @@ class Nmea final : public LogSource {
         fixes_(survey_, report_),
         clock_(has_date(text_of(input_.want(kHead)))) {
     width_ = config.beam_width.radians() > 0 ? config.beam_width : kBeamWidth;
-    report_.details["sonar"] = fmt::format("echo sounder, {:g} degrees wide as configured", width_.degrees());
+    report_.details["sonar"] = fmt::format("echo sounder, beam assumed {:g} degrees wide", width_.degrees());
   }
 
  private:
@@ -180,7 +180,7 @@ class Nmea final : public LogSource {
   std::optional<Eigen::Vector3d> v_WB_;
   std::optional<Eigen::Vector2d> position_variance_;
   int far_older_ = 0;    ///< positions in a row that are much older than the clock
-  std::string sounder_;  ///< talker and type of the depths that are taken
+  std::string sounder_;  ///< talker and type of the depth sentences in use
   std::uint64_t unused_ = 0, encapsulated_ = 0;
 };
 
@@ -189,7 +189,7 @@ std::optional<Event> Nmea::read() {
   while (const auto line = next_line(input_, report_, LineEnd::kAny)) {
     if (trimmed(line->text).empty()) continue;
     const NmeaSentence sentence = sentence_of(line->text);
-    if (sentence.state == State::kNone) line->add_damage(report_, "text that is no sentence");
+    if (sentence.state == State::kNone) line->add_damage(report_, "text that is not a sentence");
     if (sentence.state == State::kNoChecksum) reject("sentence without a checksum");
     if (sentence.state == State::kWrongChecksum) reject("sentence with a wrong checksum");
     if (sentence.state == State::kOther) ++encapsulated_;
@@ -244,12 +244,12 @@ std::optional<Event> Nmea::position(const Fields& f, std::size_t time, std::size
     reject(reason);
     return std::nullopt;
   };
-  if (!valid || !where) return refused("position that is not valid");
+  if (!valid || !where) return refused("invalid position");
   if (!at) return refused("position without a time");
   if (now_ && *at < *now_ && !clock_was_wrong(*at)) return refused("position older than the clock");
   if (last_fix_ && *at == *last_fix_) return refused("repeat of a position");
   auto fix = fixes_.fix(*at, *where, Rotation::from_heading(headings_.at(*at)));
-  if (!fix) return refused("position that is not valid");
+  if (!fix) return refused("invalid position");
   now_ = last_fix_ = at;
   far_older_ = 0;
   fix->v_WB = v_WB_;
@@ -257,7 +257,7 @@ std::optional<Event> Nmea::position(const Fields& f, std::size_t time, std::size
   return *fix;
 }
 
-/// After many positions that are all much older, it was one wrong date that set the clock ahead.
+/// True after many positions in a row that are much older: then a wrong date has set the clock ahead.
 bool Nmea::clock_was_wrong(Time older) {
   constexpr int kEnough = 20;
   if (*now_ - older > std::chrono::minutes(1)) ++far_older_;

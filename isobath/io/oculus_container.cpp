@@ -15,7 +15,7 @@ constexpr std::size_t kItemHeader = 40;
 constexpr std::uint32_t kMinItemHeader = 36;
 constexpr std::uint32_t kMaxHeader = 4096;
 constexpr std::uint16_t kOculusMessage = 10;
-constexpr std::size_t kZlibMaxRatio = 1032;  // deflate cannot do better: bounds what a small item may make us allocate
+constexpr std::size_t kZlibMaxRatio = 1032;  // maximum ratio of deflate: bounds the allocation for a small item
 
 struct Item {
   std::uint32_t header_bytes = 0;
@@ -25,7 +25,7 @@ struct Item {
   std::uint32_t payload_bytes = 0;
 };
 
-/// The item that starts at the first byte, if one does.
+/// The item that starts at the first byte; empty: none.
 std::optional<Item> item_at(Bytes bytes) {
   ByteCursor cursor(bytes);
   Item item;
@@ -42,7 +42,7 @@ std::optional<Item> item_at(Bytes bytes) {
   return good ? std::optional(item) : std::nullopt;
 }
 
-/// Where the next item starts at or after `from`; bytes.size() where none does.
+/// Start of the first item at or after `from`; bytes.size() if there is none.
 std::size_t find_item(Bytes bytes, std::size_t from) {
   const std::string_view text = text_of(bytes);
   for (std::size_t at = from;; ++at) {
@@ -57,7 +57,7 @@ class OculusContainer final : public LogSource {
   OculusContainer(ByteWindow input, const InputConfig& config)
       : LogSource(std::move(input), ".oculus log"), device_(config, report_) {
     read_header();
-    report_.details["time"] = "of the recorder";
+    report_.details["time"] = "clock of the recorder";
   }
 
  private:
@@ -110,13 +110,13 @@ std::optional<Event> OculusContainer::read() {
 
 void OculusContainer::skip_to_item(Bytes view) {
   const std::size_t found = find_item(view, 1);
-  // An item may begin in the last bytes of the view and end beyond it.
+  // An item may begin in the last bytes of the view.
   const std::size_t sure = view.size() >= kMaxHeader ? view.size() - kItemHeader + 1 : view.size();
   report_.add_damage(input_.position(), std::min(found, sure), "no item starts here");
   input_.advance(std::min(found, sure));
 }
 
-// The payload's length is believed where the next item follows; else it reaches up to the next item.
+// The stated payload length is used if the next item follows it; otherwise the item ends where the next one starts.
 std::size_t OculusContainer::item_end(const Item& item) {
   const std::size_t promised = std::size_t{item.header_bytes} + item.payload_bytes;
   const Bytes view = input_.want(promised + kItemHeader);
@@ -125,10 +125,10 @@ std::size_t OculusContainer::item_end(const Item& item) {
   return std::min({promised, view.size(), find_item(view.first(reach), kMinItemHeader)});
 }
 
-/// The event of an item of `bytes` at the input's position.
+/// The event of an item of `bytes` bytes at the input's position.
 std::optional<Event> OculusContainer::take(const Item& item, Bytes payload, std::size_t bytes) {
   if (item.type != kOculusMessage) {
-    report_.details["other items"] = fmt::format("{}, passed over", ++other_items_);
+    report_.details["other items"] = fmt::format("{}, not read", ++other_items_);
     return {};
   }
   const bool compressed = item.compression == 1;
@@ -145,7 +145,7 @@ std::optional<Event> OculusContainer::take(const Item& item, Bytes payload, std:
   return device_.event(*message, Time{seconds(item.time_s)}, compressed ? arena_.owner() : input_.owner());
 }
 
-/// qCompress: the size in big-endian order, then a zlib stream.
+/// Unpacks the format of qCompress: a big-endian size, then a zlib stream.
 std::optional<Bytes> OculusContainer::inflate(Bytes payload) {
   ByteCursor cursor(payload);
   const auto size = cursor.big<std::uint32_t>();

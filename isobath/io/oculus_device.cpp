@@ -8,15 +8,15 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMaxFans = 16;  // a sonar alternates between a few tables
+constexpr std::size_t kMaxFans = 16;  // a sonar alternates between a few bearing tables
 constexpr Angle kHeight = Angle::degrees(20);
 
 struct Model {
   const char* name;
-  double low_khz, high_khz;  ///< of the band that this model alone has
+  double low_khz, high_khz;  ///< band that only this model has
   BeamSize beam;
 };
-// Data sheets of the maker. Bands that two models share (1.2 MHz) are not here.
+// From the maker's data sheets, without the bands that two models share (1.2 MHz).
 constexpr std::array<Model, 4> kModels{{
     {"Oculus M370s", 300, 450, {Angle::degrees(2), Angle::degrees(20)}},
     {"Oculus M750d, low frequency", 650, 850, {Angle::degrees(1), Angle::degrees(20)}},
@@ -51,7 +51,7 @@ double ping_interval(const OculusPing& ping) {
   return std::max(1 / rate, 2 * ping.range_step_m * ping.ranges / 1500);
 }
 
-/// 24-bit and 32-bit samples of one row, without its gain.
+/// Converts the 24-bit or 32-bit samples of one row, without its gain, to floats.
 void widen(Bytes row, int bytes_per_sample, float* out) {
   ByteCursor cursor(row);
   const auto count = row.size() / static_cast<std::size_t>(bytes_per_sample);
@@ -117,7 +117,7 @@ Result<const OculusDevice::CachedFan*, MessageFault> OculusDevice::fan(const Ocu
   return &fans_.emplace_back(std::move(made));
 }
 
-// A lost ping leaves its gap: ping numbers count on.
+// Lost pings leave a gap, since the ping numbers go on counting.
 Time OculusDevice::made_time(const OculusPing& ping) {
   if (ping.version == 2 && ping.start_time > 0 && representable_seconds(ping.start_time)) {
     return Time{seconds(ping.start_time)};
@@ -163,13 +163,13 @@ void OculusDevice::describe(const OculusPing& ping) {
   report_.details["sonar"] = fmt::format("{}, {} beams", model ? model->name : "Oculus", ping.beams);
   report_.note_setting("frequency", fmt::format("{:.4g} kHz", ping.frequency_hz / 1e3));
   report_.note_setting("gain",
-                       fmt::format("{:.3g} %{}", ping.gain_percent, ping.gain_per_row ? ", per row, not undone" : ""));
+                       fmt::format("{:.3g} %{}", ping.gain_percent, ping.gain_per_row ? ", per row, not removed" : ""));
   report_.note_setting("gamma",
-                       ping.gamma == 0 || ping.gamma == 0xff ? "1" : fmt::format("{} of 255, not undone", ping.gamma));
+                       ping.gamma == 0 || ping.gamma == 0xff ? "1" : fmt::format("{} of 255, not removed", ping.gamma));
   report_.note_setting(
       "range", fmt::format("{:.4g} m in {} bins of {:.4g} mm, {} bits", ping.range_step_m * ping.ranges, ping.ranges,
                            ping.range_step_m * 1e3, 8 * ping.bytes_per_sample));
-  report_.details["sound speed"] = fmt::format("{:.6g} m/s, in the device", ping.sound_speed);
+  report_.details["sound speed"] = fmt::format("{:.6g} m/s, as set in the device", ping.sound_speed);
 }
 
 }  // namespace isobath

@@ -1,9 +1,10 @@
-// OculusDevice: what an Oculus says, message by message, as pings of a fan of beams.
+// OculusDevice: converts the messages of an Oculus multibeam sonar to pings.
 //
-// Bearings come from the table in each message (starboard positive), ranges are (row + 0.5) x step from the head. 8-bit
-// and 16-bit samples are viewed in place, wider ones become floats. Samples are left as they are: gains per row and
-// gamma are named in the report, not undone, since no public document says how. The message has no beam size: it is
-// that of the model where the frequency tells it, else the spacing of the beams, 20 degrees high.
+// Bearings come from the table in each message (starboard positive); ranges are (row + 0.5) x step from the head. 8-bit
+// and 16-bit samples are viewed in place; wider samples are converted to floats. Samples are not corrected: the report
+// states the gains per row and gamma, but no public document describes how to remove them. The message does not state
+// the beam size: it is that of the model if the frequency identifies the model, else the width is the beam spacing and
+// the height 20 degrees.
 #pragma once
 
 #include <array>
@@ -15,17 +16,17 @@ namespace isobath {
 
 class OculusDevice {
  public:
-  /// `report` must live as long as this.
+  /// `report` must outlive this object.
   OculusDevice(const InputConfig& config, SourceReport& report);
 
-  /// The event of one message of oculus_message_at, whose bytes `owner` keeps. `time`: of the recorder, where there is
-  /// one; else the device's own time since power-up, or one made from the ping rate.
+  /// The event of one message from oculus_message_at; `owner` keeps its bytes alive. `time`: the recorder's time, if
+  /// there is one. Otherwise the event gets the device's time since power-up, or a time estimated from the ping rate.
   std::optional<Event> event(Bytes message, std::optional<Time> time, const std::shared_ptr<const void>& owner);
 
  private:
   struct CachedFan {
     std::vector<std::byte> bearings;
-    std::uint64_t frequency_bits;  ///< of the number, so that one that is none equals itself
+    std::uint64_t frequency_bits;  ///< bits of the number, so that NaN equals itself
     std::shared_ptr<const BeamFan> fan;
     bool mirrored;  ///< the table runs from starboard to port
   };

@@ -1,4 +1,4 @@
-// Logs of Blueprint Subsea's Oculus. oculus_device.hpp says what becomes of the messages.
+// Logs of Blueprint Subsea's Oculus. oculus_device.hpp describes how messages become events.
 #pragma once
 
 #include <isobath/io/byte_window.hpp>
@@ -8,14 +8,15 @@
 
 namespace isobath {
 
-/// Messages back to back as they come over TCP. Times: of the device since power-up (version 2), else made from the
-/// ping rate and the ping numbers. Throws Error where the file begins with a message that promises more than any sonar
-/// sends.
+/// Messages back to back as sent over TCP. Times: the device's time since power-up (version 2), else estimated from the
+/// ping rate and the ping numbers. Throws Error if the file begins with a message that states a larger payload than any
+/// sonar sends.
 bool looks_like_oculus_stream(Bytes head);
 std::unique_ptr<Source> open_oculus_stream(ByteWindow input, const InputConfig& config);
 
-/// The `.oculus` container of ViewPoint 1: items with the recorder's time around the messages, some of them compressed.
-/// A damaged item costs itself. Throws Error: encrypted, cut off in its header, nothing behind it.
+/// The `.oculus` container of ViewPoint 1: each message is in an item with the recorder's time; some items are
+/// compressed. A damaged item loses only itself. Throws Error if the file is encrypted, truncated in its header, or
+/// empty after it.
 bool looks_like_oculus_container(Bytes head);
 std::unique_ptr<Source> open_oculus_container(ByteWindow input, const InputConfig& config);
 

@@ -27,7 +27,7 @@ struct Header {
   }
   [[nodiscard]] bool is_ping() const { return id == oculus::kSimplePingResult; }
   [[nodiscard]] std::uint64_t total() const { return kHeader + std::uint64_t{payload}; }
-  /// Up to the bearings.
+  /// Size of the fields up to the bearings.
   [[nodiscard]] std::size_t struct_bytes() const { return version == 2 ? 202 : 122; }
   [[nodiscard]] bool plausible() const {
     const bool large = is_ping() || id == kFullPingResult;
@@ -36,7 +36,7 @@ struct Header {
   }
 };
 
-/// Offsets and sizes of a ping result, of which struct_bytes() are there.
+/// Offsets and sizes of a ping result; reads its first struct_bytes().
 struct Layout {
   OculusPing ping;
   std::uint32_t image_offset = 0;
@@ -48,7 +48,7 @@ struct Layout {
     read_settings(cursor);
     read_results(cursor);
   }
-  /// All sizes agree with each other and with the message.
+  /// Whether all sizes agree with each other and with the message.
   [[nodiscard]] bool consistent(const Header& header) const {
     if (ping.beams < 1 || ping.beams > kMaxBeams || ping.ranges < 1 || ping.ranges > kMaxRanges) return false;
     if (ping.bytes_per_sample < 1 || ping.bytes_per_sample > 4) return false;
@@ -67,7 +67,7 @@ struct Layout {
     ping.gain_per_row = ping.flags & kGainPerRow;
     ping.range_setting = cursor.little<double>();
     ping.gain_percent = cursor.little<double>();
-    cursor.skip(16);                         // speed of sound and salinity asked for
+    cursor.skip(16);                         // requested speed of sound and salinity
     if (ping.version == 2) cursor.skip(36);  // further flags
   }
   void read_results(ByteCursor& cursor) {
@@ -92,8 +92,8 @@ struct Layout {
   }
 };
 
-/// Where another ping result starts inside of a message, which therefore has lost bytes; 0: nowhere. At the very end
-/// only the first bytes of the other are there: those that name the same devices and message are enough, down to four.
+/// Where another ping result starts inside a message, which has therefore lost bytes; 0: nowhere. At the very end,
+/// where no complete header fits, four to eight bytes that equal the message's own header are enough.
 std::size_t next_ping_inside(Bytes message) {
   const std::string_view text = text_of(message);
   for (std::size_t at = text.find("SO", 1); at != std::string_view::npos; at = text.find("SO", at + 1)) {

@@ -2,9 +2,9 @@
 //
 // Source: the open readers liboculus, oculus_driver and hydroformats; version 1 was checked on recorded pings. Packed,
 // little-endian: u16 0x4F53, u16 source, u16 destination, u16 message id, u16 version, u32 payload bytes, u16 spare,
-// payload. There is no checksum: a ping result must agree in all its sizes, and may not hold the start of another ping
-// result: then bytes are missing from it. Image: one row a range, nearest first, with an optional 4-byte gain in front
-// of each row.
+// payload. There is no checksum. Instead, all sizes of a ping result must agree, and it must not contain the start of
+// another ping result, since that means that bytes are missing. Image: one row per range, nearest first, each with an
+// optional 4-byte gain in front.
 #pragma once
 
 #include <isobath/io/framing.hpp>
@@ -12,10 +12,10 @@
 namespace isobath {
 
 Framing oculus_message_at(Bytes bytes);
-/// Whether a ping result starts here, as far as its first bytes tell: a header at least, all sizes where they are
+/// Whether a ping result starts here, judged by the bytes that are there: at least a header, and all sizes if they are
 /// there.
 bool starts_oculus_ping(Bytes bytes);
-/// The payload that the header of a ping result promises; 0 where none starts here.
+/// The payload size that the header of a ping result states; 0 if no ping result starts here.
 std::uint32_t oculus_payload_promised(Bytes bytes);
 constexpr std::uint32_t kOculusMaxPayload = 32u << 20;
 
@@ -33,7 +33,7 @@ struct OculusPing {
   double gain_percent = 0;
   std::uint32_t ping_id = 0;
   double frequency_hz = 0;
-  double sound_speed = 0;    ///< m/s, that was used
+  double sound_speed = 0;    ///< m/s, used by the sonar
   double start_time = 0;     ///< s since power-up; version 2 only
   int bytes_per_sample = 1;  ///< 1..4
   double range_step_m = 0;
@@ -48,7 +48,7 @@ struct OculusPing {
     return row_gain_bytes() + static_cast<std::size_t>(beams) * static_cast<std::size_t>(bytes_per_sample);
   }
 };
-/// Of a message that oculus_message_at found; empty for one that is not a ping result.
+/// The ping result in a message from oculus_message_at; empty for other messages.
 std::optional<OculusPing> oculus_ping(Bytes message);
 
 }  // namespace isobath

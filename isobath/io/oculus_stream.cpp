@@ -6,7 +6,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kHeaderOfPing = 202;  // with all its sizes
+constexpr std::size_t kHeaderOfPing = 202;  // up to the last size
 
 class OculusStream final : public LogSource {
  public:
@@ -14,10 +14,10 @@ class OculusStream final : public LogSource {
       : LogSource(std::move(input), "Oculus message stream"), device_(config, report_) {
     const std::uint32_t promised = oculus_payload_promised(input_.want(16));
     if (promised > kOculusMaxPayload) {
-      throw Error(fmt::format("the first message promises {} bytes", promised), {input_.name(), 10, {}, {}, "payload"},
-                  fmt::format("up to {} bytes", kOculusMaxPayload));
+      throw Error(fmt::format("the first message states a payload of {} bytes", promised),
+                  {input_.name(), 10, {}, {}, "payload"}, fmt::format("up to {} bytes", kOculusMaxPayload));
     }
-    report_.details["time"] = "of the device, or made from the ping rate: the stream has no recorder's time";
+    report_.details["time"] = "clock of the device, or estimated from the ping rate: the stream has no recorder's time";
   }
 
  private:
@@ -34,7 +34,7 @@ class OculusStream final : public LogSource {
 }  // namespace
 
 bool looks_like_oculus_stream(Bytes head) {
-  if (oculus_payload_promised(head) > kOculusMaxPayload) return true;  // to be refused by name
+  if (oculus_payload_promised(head) > kOculusMaxPayload) return true;  // so that opening reports the size
   const std::string_view text = text_of(head);
   for (std::size_t at = text.find("SO"); at != std::string_view::npos; at = text.find("SO", at + 1)) {
     const Bytes rest = head.subspan(at);

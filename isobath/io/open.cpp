@@ -24,14 +24,14 @@ namespace isobath {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::size_t kHead = 1 << 18;  // what probes may look at: a stream may begin with noise
+constexpr std::size_t kHead = 1 << 18;  // bytes that probes may read, since a stream may begin with noise
 
 std::string lower_case(std::string text) {
   std::ranges::transform(text, text.begin(), [](char x) { return x >= 'A' && x <= 'Z' ? char(x - 'A' + 'a') : x; });
   return text;
 }
 
-/// What there is: a folder, or a file with its first bytes.
+/// The input to recognise: a folder, or a file with its first bytes.
 struct Candidate {
   const fs::path& path;
   bool is_folder;
@@ -45,14 +45,14 @@ struct Format {
   std::unique_ptr<Source> (*open)(const fs::path&, const InputConfig&);
 };
 
-/// A row for a format that is recognised by the first bytes of a file and read through a window.
+/// The entry of a format that is recognised by the first bytes of a file and read through a ByteWindow.
 template <bool (*probe)(Bytes), std::unique_ptr<Source> (*open)(ByteWindow, const InputConfig&)>
 constexpr Format file(const char* name) {
   return {name, [](const Candidate& c) { return !c.is_folder && probe(c.head); },
           [](const fs::path& path, const InputConfig& config) { return open(ByteWindow::open(path), config); }};
 }
 
-/// A row for a format that opens its files by itself.
+/// The entry of a format that opens its files itself.
 template <bool (*probe)(std::span<const std::uint8_t>),
           std::unique_ptr<Source> (*open)(const fs::path&, const InputConfig&)>
 constexpr Format own_file(const char* name) {
@@ -63,13 +63,13 @@ constexpr Format own_file(const char* name) {
           open};
 }
 
-/// A row for a format that is a folder.
+/// The entry of a format that is a folder.
 template <bool (*probe)(const fs::path&), std::unique_ptr<Source> (*open)(const fs::path&, const InputConfig&)>
 constexpr Format folder(const char* name) {
   return {name, [](const Candidate& c) { return c.is_folder && probe(c.path); }, open};
 }
 
-/// "log.KMWCD", "kmall" -> "log.kmall" or "log.KMALL", whichever is there; empty: none.
+/// "log.KMWCD", "kmall" -> the existing one of "log.kmall" and "log.KMALL"; empty: none.
 fs::path file_beside(const fs::path& file, std::string ending) {
   std::error_code ignored;
   for (int i = 0; i < 2; ++i) {
@@ -82,7 +82,7 @@ fs::path file_beside(const fs::path& file, std::string ending) {
   return {};
 }
 
-/// Endings of a log and of the file with its water columns, and what both look like.
+/// File endings of a log and of the file with its water columns, and the probe for both.
 struct SurveyEndings {
   const char *log, *water;
   bool (*probe)(Bytes);
@@ -91,7 +91,7 @@ constexpr SurveyEndings kKmallEndings{"kmall", "kmwcd", looks_like_kmall};
 constexpr SurveyEndings kAllEndings{"all", "wcd", looks_like_kongsberg_all};
 
 struct SurveyPair {
-  fs::path log, water;  ///< `water` empty: there is none
+  fs::path log, water;  ///< `water` is empty if there is none
 };
 
 bool holds_format(const fs::path& file, bool (*probe)(Bytes)) {
@@ -104,7 +104,7 @@ bool holds_format(const fs::path& file, bool (*probe)(Bytes)) {
   }
 }
 
-/// A file and what stands beside it, whichever of both was named.
+/// The log and its water column file, given either of them.
 SurveyPair pair_of(const fs::path& file, const SurveyEndings& endings, const InputConfig& config) {
   const std::string ending = lower_case(file.extension().string());
   const bool is_log = ending == std::string(".") + endings.log, is_water = ending == std::string(".") + endings.water;
@@ -114,7 +114,7 @@ SurveyPair pair_of(const fs::path& file, const SurveyEndings& endings, const Inp
   return is_log ? SurveyPair{file, other} : SurveyPair{other, file};
 }
 
-/// A row for a format of survey logs whose water columns stand in a file beside them.
+/// The entry of a survey log format with water columns in a file beside the log.
 template <const SurveyEndings& endings, std::unique_ptr<Source> (*open)(ByteWindow, const InputConfig&),
           std::unique_ptr<Source> (*open_both)(ByteWindow, ByteWindow, const InputConfig&)>
 constexpr Format survey_log(const char* name) {
@@ -128,7 +128,7 @@ constexpr Format survey_log(const char* name) {
 
 constexpr LogFiles kLogFiles{format_of_file, log_of_water_column, open_source};
 
-/// The first that fits is taken: what has a signature stands before what must be searched for.
+/// The first format that fits is used. Formats with a signature come before formats that need a search.
 constexpr std::array kFormats{
     folder<looks_like_frame_folder, open_frame_folder>("folder of PNG frames"),
     Format{"survey folder",
@@ -167,7 +167,7 @@ std::string known_formats() {
   return names;
 }
 
-/// What is known and cannot be read, with what to do instead.
+/// Throws for an unknown format; names known formats that cannot be read, with an alternative.
 [[noreturn]] void refuse(const Candidate& c) {
   const std::string file = c.path.string();
   if (text_of(c.head).starts_with("SQLite format 3")) {
@@ -181,7 +181,7 @@ std::string known_formats() {
   }
   if (const std::string names = table_names(c.head); !names.empty() && !c.is_folder) {
     const std::string problem = c.config.survey.csv_columns.empty()
-                                    ? "is a table whose columns nothing explains: " + names
+                                    ? "is a table whose columns are not declared: " + names
                                     : "is a table without the columns that input.csv_columns names: " + names;
     throw Error(problem, {file}, {}, kDeclareColumns);
   }
@@ -192,7 +192,7 @@ std::string known_formats() {
 }  // namespace
 
 std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& config) {
-  std::error_code ignored;  // what cannot be looked at is reported by opening it
+  std::error_code ignored;  // opening reports inputs that cannot be examined
   const bool is_folder = fs::is_directory(input, ignored);
   std::optional<ByteWindow> window;
   if (!is_folder) window = ByteWindow::open(input);

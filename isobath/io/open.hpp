@@ -1,4 +1,4 @@
-// Opens any input that Isobath knows, recognised by its content and never by its name.
+// Opens any input that Isobath can read. The format is recognised by the content, never by the name.
 #pragma once
 
 #include <filesystem>
@@ -9,15 +9,15 @@
 
 namespace isobath {
 
-/// Throws Error: not there, empty, no known format, a header that cannot be right. Damage further on is reported, not
-/// thrown.
+/// Throws Error if the input does not exist, is empty, has no known format, or has an impossible header. Later damage
+/// is reported, not thrown.
 std::unique_ptr<Source> open_source(const std::filesystem::path& input, const InputConfig& config);
 
-/// The log that open_source reads a file together with, which is a water column beside it (.kmwcd beside .kmall, .wcd
-/// beside .all, with the same stem); empty: none.
+/// The log that open_source reads together with a water column file (.kmall for .kmwcd, .all for .wcd, with the same
+/// stem); empty: none.
 std::filesystem::path log_of_water_column(const std::filesystem::path& file, const InputConfig& config);
 
-/// The format of a file as open_source would take it; empty: none, or not a file that can be read.
+/// The format that open_source would read a file as; empty: unknown, or the file cannot be read.
 std::string format_of_file(const std::filesystem::path& file, const InputConfig& config);
 
 }  // namespace isobath

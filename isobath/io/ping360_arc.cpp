@@ -10,7 +10,7 @@ namespace isobath {
 namespace {
 
 constexpr BeamSize kBeam{Angle::degrees(2), Angle::degrees(25)};
-constexpr double kDefaultRange = 2;  // m: what a Ping360 is set to when it starts
+constexpr double kDefaultRange = 2;  // m: setting of a Ping360 after its start
 constexpr double kStepTime = 0.020;  // s
 constexpr std::string_view kHeading = "Angle (gradian)";
 
@@ -25,11 +25,12 @@ class Ping360Arc final : public LogSource {
     if (input_.want(1).empty()) throw Error("nothing follows the heading", {input_.name(), input_.position()});
     report_.details["sonar"] =
         fmt::format("Ping360, beam {:g} x {:g} degrees", head_.beam().width.degrees(), head_.beam().height.degrees());
-    report_.details["range"] = fmt::format(
-        "{:g} m, {}", range_m_, config.range_m > 0 ? "as configured" : "assumed: set range_m, the table does not say");
+    report_.details["range"] =
+        fmt::format("{:g} m, {}", range_m_,
+                    config.range_m > 0 ? "as configured" : "assumed: the table does not state it, set input.range_m");
     report_.details["sound speed"] =
-        fmt::format("{:g} m/s, as configured: the table does not say", head_.sound_speed());
-    report_.details["time"] = "made from the range: the table has none";
+        fmt::format("{:g} m/s, as configured: the table does not state it", head_.sound_speed());
+    report_.details["time"] = "estimated from the range: the table has no times";
   }
 
  private:

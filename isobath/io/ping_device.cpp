@@ -7,9 +7,9 @@ namespace {
 
 constexpr BeamSize kPing360Beam{Angle::degrees(2), Angle::degrees(25)};
 constexpr BeamSize kPing1DBeam{Angle::degrees(25), Angle::degrees(25)};
-constexpr double kPing360Blind = 0.75;   // m: pulse and ring-down in practice
+constexpr double kPing360Blind = 0.75;   // m: pulse and ring-down, in practice
 constexpr double kStepTime = 0.020;      // s: a turn of 400 lines takes 9 s at 2 m and 35 s at 50 m
-constexpr double kSounderPause = 0.050;  // s: what a Ping1D does between two pings, about
+constexpr double kSounderPause = 0.050;  // s: approximate pause of a Ping1D between two pings
 constexpr std::array<const char*, 3> kGains = {"low", "normal", "high"};
 
 }  // namespace
@@ -89,7 +89,7 @@ void PingDevice::describe(const Ping360Line& line) {
                                                          : fmt::format("{}", line.gain));
   report_.note_setting("range", fmt::format("{:.4g} m in {} bins of {:.4g} mm, pulse {} us", line.bin_m(c) * bins, bins,
                                             line.bin_m(c) * 1e3, line.pulse_us));
-  report_.details["sound speed"] = fmt::format("{:g} m/s, as configured: the log does not say", c);
+  report_.details["sound speed"] = fmt::format("{:g} m/s, as configured: the log does not state it", c);
 }
 
 void PingDevice::describe(const Ping1DReading& reading) {
@@ -97,7 +97,7 @@ void PingDevice::describe(const Ping1DReading& reading) {
   report_.note_setting("gain", fmt::format("{}", reading.gain));
   report_.note_setting("range", fmt::format("{:g} .. {:g} m", reading.start_mm * 1e-3,
                                             reading.start_mm * 1e-3 + reading.length_mm * 1e-3));
-  report_.details["sound speed"] = fmt::format("{:g} m/s, in the device", device_sound_speed_);
+  report_.details["sound speed"] = fmt::format("{:g} m/s, as set in the device", device_sound_speed_);
 }
 
 }  // namespace isobath

@@ -1,10 +1,10 @@
-// PingDevice: what a Blue Robotics device says, frame by frame, as events.
+// PingDevice: converts the frames of a Blue Robotics device to events.
 //
-// Ping360: 0 gradians is the head's forward mark; the range of bin k is c T (k + 0.5) / 2 with the sample period T; the
-// speed of sound c is the host's. Beam 2 x 25 degrees. Ping1D: ranges are computed on board with the device's own speed
-// of sound; a distance is a RangeReading (no echo where the device states no confidence), a profile a ping of one beam
-// ahead. Cone 25 degrees. Messages that cannot be used are counted in the report, by reason; those without echoes are
-// passed over.
+// Ping360: 0 gradians is the head's forward mark. The range of bin k is c T (k + 0.5) / 2 with the sample period T; the
+// host sets the speed of sound c. Beam 2 x 25 degrees. Ping1D: the device computes ranges with its own speed of sound.
+// A distance becomes a RangeReading (no echo if the device states no confidence), a profile becomes a ping of one beam
+// ahead. Cone 25 degrees. Messages that cannot be used are counted in the report, by reason; messages without echoes
+// are skipped.
 #pragma once
 
 #include <isobath/io/ping_protocol.hpp>
@@ -14,13 +14,13 @@ namespace isobath {
 
 class PingDevice {
  public:
-  /// `report` must live as long as this.
+  /// `report` must outlive this object.
   PingDevice(const InputConfig& config, SourceReport& report);
 
   void set_type(PingDeviceType type) { type_ = type; }
-  /// The event of the bytes of one frame of ping_frame_at, which `owner` keeps.
+  /// The event of one frame from ping_frame_at; `owner` keeps its bytes alive.
   std::optional<Event> event(Bytes bytes, Time time, const std::shared_ptr<const void>& owner);
-  /// For logs without times: an estimate of the time from the last event to the next: listening, and turning the head.
+  /// For logs without times: estimated time from the last event to the next, for listening and turning the head.
   [[nodiscard]] Duration interval() const { return interval_; }
 
  private:
@@ -36,7 +36,7 @@ class PingDevice {
   PingDeviceType type_ = PingDeviceType::kUnknown;
   double device_sound_speed_ = 1500;
   Duration interval_{};
-  /// The settings that the report describes already: texts are made only when they change.
+  /// The settings that the report already describes; texts are made only when they change.
   struct Described {
     std::array<std::uint32_t, 5> values{};
     bool any = false;

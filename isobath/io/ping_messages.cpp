@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxPayload = 10240;
 constexpr std::size_t kOverhead = 10;
 
-/// Sizes of a message's fields in the order in which they are printed; a list of bytes may follow them.
+/// Sizes of a message's fields in printed order; a list of bytes may follow them.
 std::span<const std::uint8_t> field_sizes(std::uint16_t id) {
   static constexpr std::array<std::uint8_t, 8> kDeviceData{1, 1, 2, 2, 2, 2, 2, 2};
   static constexpr std::array<std::uint8_t, 12> kAutoDeviceData{1, 1, 2, 2, 2, 2, 2, 2, 1, 1, 2, 2};
@@ -25,7 +25,7 @@ std::span<const std::uint8_t> field_sizes(std::uint16_t id) {
   }
 }
 
-/// The number behind "name: " in a line.
+/// The number after "name: " in a line.
 bool value_of(std::string_view line, std::string_view name, std::uint32_t& value) {
   const std::size_t at = line.find(name);
   if (at == std::string_view::npos) return false;
@@ -33,7 +33,7 @@ bool value_of(std::string_view line, std::string_view name, std::uint32_t& value
   return parse_number(rest.substr(0, rest.find(' ')), value);
 }
 
-/// A frame that grows as its text is read.
+/// A frame that is rebuilt as its text is read.
 class FrameText {
  public:
   /// "Header: start_1: 66 start_2: 82 payload_length: 1214 message_id: 2300 src_device_id: 2 dst_device_id: 0"
@@ -48,7 +48,7 @@ class FrameText {
     known_ = !fields_.empty();
     return put('B', 1) && put('R', 1) && put(v[0], 2) && put(v[1], 2) && put(v[2], 1) && put(v[3], 1);
   }
-  /// "  - angle: 150"
+  /// A field, such as "  - angle: 150".
   bool field(std::string_view line) {
     const std::size_t colon = line.find(": ");
     if (colon == std::string_view::npos) return false;
@@ -59,7 +59,7 @@ class FrameText {
     fields_ = fields_.subspan(1);
     return parse_number(value, number) && put(number, size);
   }
-  /// "Checksum: 17245 check: 17245 pass: True": the end.
+  /// The end, such as "Checksum: 17245 check: 17245 pass: True".
   std::optional<Bytes> finish(std::string_view line) {
     std::uint32_t sum = 0;
     if (!value_of(line, "Checksum: ", sum) || !put(sum, 2) || size_ != capacity_) return {};
@@ -68,7 +68,7 @@ class FrameText {
     if (found.kind != Framing::Kind::kFrame || found.bytes != size_) return {};
     return frame;
   }
-  /// A message whose fields are not in the table is passed over.
+  /// False for a message whose fields are not in the table; it is skipped.
   [[nodiscard]] bool known() const { return known_; }
 
  private:
@@ -77,7 +77,7 @@ class FrameText {
     for (std::size_t i = 0; i < size; ++i) frame_[size_++] = static_cast<std::byte>(value >> (8 * i));
     return true;
   }
-  /// ['0x4c', '0x98', ...]
+  /// A list of bytes, such as ['0x4c', '0x98', ...].
   bool bytes(std::string_view list) {
     for (std::size_t at = list.find("0x"); at != std::string_view::npos; at = list.find("0x", at)) {
       std::uint8_t value = 0;
@@ -101,7 +101,7 @@ class PingMessages final : public LogSource {
  public:
   PingMessages(ByteWindow input, const InputConfig& config)
       : LogSource(std::move(input), "printed ping messages"), device_(config, report_) {
-    report_.details["time"] = "made from the range setting: the text has none";
+    report_.details["time"] = "estimated from the range setting: the text has no times";
   }
 
  private:
@@ -157,7 +157,7 @@ class PingMessages final : public LogSource {
   SyntheticClock clock_;
   SampleArena arena_;
   std::optional<FrameText> message_;
-  std::uint64_t begin_ = 0;  ///< of message_ in the input
+  std::uint64_t begin_ = 0;  ///< position of message_ in the input
   std::uint64_t end_ = 0;
   bool good_ = true;
 };

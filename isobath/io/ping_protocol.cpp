@@ -5,9 +5,9 @@ namespace {
 
 constexpr std::size_t kHeader = 8;
 constexpr std::size_t kFrameOverhead = 10;
-constexpr std::size_t kMaxPayload = 10240;  // longer than any message; noise promises up to 65535
+constexpr std::size_t kMaxPayload = 10240;  // longer than any message; noise may state up to 65535
 
-/// N samples that a message promises; what follows them is ignored.
+/// The `count` samples that a message states; later bytes are ignored.
 Result<Bytes, MessageFault> samples(ByteCursor& cursor, std::size_t count) {
   const Bytes data = cursor.take(count);
   if (!cursor.ok()) return tl::unexpected(MessageFault::kShort);
@@ -48,7 +48,7 @@ PingFrame ping_frame(Bytes frame) {
 }
 
 Result<Ping360Line, MessageFault> ping360_line(const PingFrame& frame) {
-  ByteCursor cursor(frame.payload, 1);  // behind the mode
+  ByteCursor cursor(frame.payload, 1);  // after the mode
   Ping360Line line;
   line.gain = cursor.little<std::uint8_t>();
   line.angle_grad = cursor.little<std::uint16_t>();
@@ -59,7 +59,7 @@ Result<Ping360Line, MessageFault> ping360_line(const PingFrame& frame) {
     cursor.skip(5);  // sector and step
     line.delay_ms = cursor.little<std::uint8_t>();
   }
-  cursor.skip(2);  // number_of_samples: what was asked for, not what came
+  cursor.skip(2);  // number_of_samples: the requested number, not the delivered one
   const auto data = samples(cursor, cursor.little<std::uint16_t>());
   if (!data) return tl::unexpected(data.error());
   if (line.angle_grad >= 400) return tl::unexpected(MessageFault::kBadBearing);
@@ -74,7 +74,7 @@ Result<Ping1DReading, MessageFault> ping1d_reading(const PingFrame& frame) {
   reading.distance_mm = cursor.little<std::uint32_t>();
   if (frame.id == ping_message::kDistanceSimple) {
     reading.confidence_percent = cursor.little<std::uint8_t>();
-    reading.length_mm = reading.distance_mm;  // nothing further is known to have been looked at
+    reading.length_mm = reading.distance_mm;  // the scanned range beyond the echo is not known
   } else {
     reading.confidence_percent = cursor.little<std::uint16_t>();
     cursor.skip(6);  // transmit duration, ping number

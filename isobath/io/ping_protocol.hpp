@@ -16,7 +16,7 @@ struct PingFrame {
   std::uint8_t source = 0;
   Bytes payload;
 };
-/// Of a frame that ping_frame_at found.
+/// The parts of a frame from ping_frame_at.
 PingFrame ping_frame(Bytes frame);
 /// The low 16 bits of the sum of all bytes.
 std::uint16_t ping_checksum(Bytes bytes);
@@ -38,12 +38,12 @@ struct Ping360Line {
   std::uint8_t gain = 0;         ///< 0 low, 1 normal, 2 high
   std::uint16_t angle_grad = 0;  ///< 0..399
   std::uint16_t pulse_us = 0;
-  std::uint16_t sample_period = 0;  ///< ticks of 25 ns, of the two-way travel
+  std::uint16_t sample_period = 0;  ///< in ticks of 25 ns, two-way travel time
   std::uint16_t frequency_khz = 0;
-  std::uint8_t delay_ms = 0;  ///< that the head waits between lines
+  std::uint8_t delay_ms = 0;  ///< pause of the head between lines
   Bytes samples;              ///< nearest first
 
-  /// Length of a bin: the echo of one sample period travels there and back.
+  /// Length of a bin: half the distance that sound travels in one sample period.
   [[nodiscard]] double bin_m(double sound_speed) const { return sound_speed * sample_period * 25e-9 / 2; }
 };
 Result<Ping360Line, MessageFault> ping360_line(const PingFrame& frame);
@@ -55,7 +55,7 @@ struct Ping1DReading {
   std::uint32_t start_mm = 0;
   std::uint32_t length_mm = 0;
   std::uint32_t gain = 0;
-  Bytes samples;  ///< of a profile, nearest first; empty for a distance
+  Bytes samples;  ///< profile samples, nearest first; empty for a distance
 
   [[nodiscard]] bool detected() const { return confidence_percent > 0 && confidence_percent <= 100 && distance_mm > 0; }
 };

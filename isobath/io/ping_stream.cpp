@@ -9,7 +9,7 @@ class PingStream final : public LogSource {
  public:
   PingStream(ByteWindow input, const InputConfig& config)
       : LogSource(std::move(input), "ping protocol stream"), device_(config, report_) {
-    report_.details["time"] = "made from the range setting: the stream has none";
+    report_.details["time"] = "estimated from the range setting: the stream has no times";
   }
 
  private:

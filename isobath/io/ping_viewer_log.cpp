@@ -14,9 +14,9 @@ constexpr std::string_view kClock = "00:00:00.000";  // the shape of a time stam
 constexpr std::uint32_t kNull = 0xffffffff;
 constexpr std::uint32_t kMaxText = 4096;
 constexpr std::size_t kMaxHeader = 7 * (kMaxText + 4) + 16;
-constexpr std::size_t kMaxRecord = 1 << 16;  // bytes received at once; the viewer's own buffer is a sixth of it
+constexpr std::size_t kMaxRecord = 1 << 16;  // bytes received at once; the viewer's own buffer is a sixth of this
 
-/// Texts are UTF-16BE as Qt writes them, or UTF-8 as other writers do.
+/// Encoding of the texts: UTF-16BE as written by Qt, or UTF-8 as written by others.
 class TextCoding {
  public:
   TextCoding() = default;
@@ -38,7 +38,7 @@ class TextCoding {
   std::size_t unit_ = 2;
 };
 
-/// The time of day of a stamp that begins at the first byte, if one does.
+/// The time of day of a stamp that begins at the first byte; empty: none.
 std::optional<Duration> stamp(Bytes bytes, TextCoding coding) {
   if (bytes.size() < coding.stamp_bytes()) return {};
   if (ByteCursor(bytes).big<std::uint32_t>() != kClock.size() * coding.unit()) return {};
@@ -62,7 +62,7 @@ std::optional<Duration> stamp(Bytes bytes, TextCoding coding) {
          std::chrono::milliseconds(part[3]);
 }
 
-/// Where the next stamp begins at or after `from`; bytes.size() where none does.
+/// Start of the first stamp at or after `from`; bytes.size() if there is none.
 std::size_t find_stamp(Bytes bytes, std::size_t from, TextCoding coding) {
   const char size = static_cast<char>(kClock.size() * coding.unit());
   const std::array<char, 4> prefix{0, 0, 0, size};
@@ -102,11 +102,11 @@ class PingViewerLog final : public LogSource {
   PingDevice device_;
   TextCoding coding_;
   DayClock clock_;
-  Time time_{};               ///< of the record
-  Bytes record_;              ///< what is left of it
-  std::uint64_t offset_ = 0;  ///< of record_
+  Time time_{};               ///< time of the record
+  Bytes record_;              ///< unread rest of the record
+  std::uint64_t offset_ = 0;  ///< position of record_ in the input
   std::shared_ptr<const void> owner_;
-  FrameStream carried_;  ///< frames that do not stand in one record as a whole
+  FrameStream carried_;  ///< frames that are spread over several records
   SampleArena arena_;
   bool finished_ = false;
 };
@@ -149,15 +149,15 @@ void PingViewerLog::read_header() {
   }
 }
 
-// A stamp, a length, and that many bytes. The length is believed where the next stamp follows; else up to the next
-// stamp.
+// A record is a stamp, a length, and that many bytes. The length is used if the next stamp follows; otherwise the
+// record ends at the next stamp.
 bool PingViewerLog::next_record() {
   const Bytes view = input_.want(kMaxRecord);
   if (view.empty()) return false;
   const auto time = stamp(view, coding_);
   if (!time) {
     const std::size_t skipped = find_stamp(view, 1, coding_);
-    // A stamp may begin in the last bytes of the view and end beyond it.
+    // A stamp may begin in the last bytes of the view.
     const std::size_t sure = view.size() >= kMaxRecord ? view.size() - coding_.stamp_bytes() : view.size();
     report_.add_damage(input_.position(), std::min(skipped, sure), "no record starts here");
     input_.advance(std::min(skipped, sure));
@@ -172,7 +172,7 @@ bool PingViewerLog::next_record() {
   const auto promised = ByteCursor(view, coding_.stamp_bytes()).big<std::uint32_t>();
   const std::size_t end = promised == kNull ? content : record_end(view, content, promised);
   if (end < content || (end == content && promised != kNull && promised > 0)) {
-    report_.add_damage(input_.position(), end, "record without the bytes that it promises");
+    report_.add_damage(input_.position(), end, "record shorter than its stated length");
     input_.advance(end);
     return true;
   }
@@ -191,13 +191,12 @@ std::size_t PingViewerLog::record_end(Bytes view, std::size_t content, std::uint
   return std::min({end, view.size(), find_stamp(view.first(reach), coding_.stamp_bytes(), coding_)});
 }
 
-/// Whole frames at the start of the record are viewed in place; the rest waits for what follows it.
+/// Complete frames at the start of the record are viewed in place; the rest waits for the next record.
 std::optional<Event> PingViewerLog::from_record() {
   while (!record_.empty()) {
     const Framing found = ping_frame_at(record_);
     const bool whole = found.kind == Framing::Kind::kFrame;
-    if (whole &&
-        carried_.waiting() > 0) {  // what waited is not continued by a record that begins with a frame of its own
+    if (whole && carried_.waiting() > 0) {  // a record that begins with a frame does not continue the bytes that wait
       carried_.finish();
       if (auto event = from_carried()) return event;
     }

@@ -45,7 +45,7 @@ void MarksReader::count_point(MarkPolygon& polygon, double x, double y) {
   polygon.push_back({x, y});
 }
 
-/// Row by row: the pixels whose centres lie between an odd and the next even crossing.
+/// Marks, row by row, the pixels whose centres lie between an odd and the next even crossing.
 void MarksReader::add(const MarkPolygon& polygon) {
   if (++shapes_ > kMostShapes) refuse("too many shapes", "up to 10000");
   if (polygon.size() < 3) refuse("a polygon of fewer than three points");
@@ -63,7 +63,7 @@ void MarksReader::add(const MarkPolygon& polygon) {
     }
     std::sort(crossings.begin(), crossings.end());
     for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-      const auto column = [&](double x) {  // the first whose centre is not left of x
+      const auto column = [&](double x) {  // the first column whose centre is not left of x
         return static_cast<int>(std::clamp(std::ceil(x - 0.5), 0.0, static_cast<double>(width_)));
       };
       const auto begin = marks_.begin() + static_cast<std::ptrdiff_t>(row) * width_;
@@ -77,12 +77,12 @@ void MarksReader::add(const MarkPolygon& polygon) {
 
 void MarksReader::read_json(std::string_view text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("shapes") || !json["shapes"].is_array()) refuse("no annotations of LabelMe");
+  if (!json.is_object() || !json.contains("shapes") || !json["shapes"].is_array()) refuse("no LabelMe annotations");
   const auto sized = [&](const char* key, int wanted) {
     const auto found = json.find(key);
     if (found == json.end() || found->is_null()) return;
     if (!found->is_number() || found->get<double>() != wanted) {
-      refuse(std::string(key) + " is not the picture's", std::to_string(wanted));
+      refuse(std::string(key) + " differs from the picture", std::to_string(wanted));
     }
   };
   sized("imageWidth", width_);
@@ -105,7 +105,7 @@ void MarksReader::read_json(std::string_view text) {
       const MarkPoint a = polygon[0], b = polygon[1];
       polygon = {a, {b.x, a.y}, b, {a.x, b.y}};
     } else if (type != "polygon") {
-      refuse("a shape that is no polygon", "polygon, rectangle");
+      refuse("a shape that is not a polygon", "polygon, rectangle");
     }
     add(polygon);
   }
@@ -113,7 +113,7 @@ void MarksReader::read_json(std::string_view text) {
 
 // XML -----------------------------------------------------------------------------------------------------------------
 
-/// What stands between <tag> and </tag>, from `at` on; moves `at` behind it. Empty: no such element.
+/// The content of the next <tag> element from `at` on; moves `at` behind the element. Empty: no such element.
 std::optional<std::string_view> next_element(std::string_view text, std::string_view tag, std::size_t& at) {
   const std::string open = "<" + std::string(tag) + ">", close = "</" + std::string(tag) + ">";
   const std::size_t begin = text.find(open, at);
@@ -150,7 +150,7 @@ void MarksReader::read_xml(std::string_view text) {
   }
 }
 
-/// The first character that tells, behind white space and a mark of byte order.
+/// The first character after white space and a byte order mark.
 char first_of(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   return first == std::string_view::npos ? '\0' : text[first];

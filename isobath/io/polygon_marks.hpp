@@ -1,13 +1,14 @@
-// Objects that somebody drew round on pictures, as LabelMe keeps them: the JSON of the program (Wada) and the XML of
-// the web tool of 2008 (Russell et al.), which Horner et al. c. 2009, 4.1.2, used (ledger S5-24).
+// Outlines that a person drew on pictures with LabelMe: the JSON of the program (Wada) and the XML of the web tool of
+// 2008 (Russell et al.), which Horner et al. c. 2009, 4.1.2, used (ledger S5-24).
 //
-// A pixel is of an object where its centre lies inside a polygon (even-odd, the left and upper edges belong to it);
-// pixels of several polygons count once. Coordinates are pixels of the picture, (0, 0) its upper left corner. JSON:
-// "shapes" of "shape_type" polygon or rectangle, whatever their label; "imageWidth" and "imageHeight", where stated,
-// must be the picture's. XML: <object> with <polygon> of <pt>; objects <deleted>1</deleted> are left out.
+// A pixel is marked if its centre lies inside a polygon (even-odd rule; the left and upper edges belong to the
+// polygon). Pixels of several polygons count once. Coordinates are pixels of the picture; (0, 0) is its upper left
+// corner. JSON: "shapes" with "shape_type" polygon or rectangle, whatever their label; "imageWidth" and "imageHeight",
+// if stated, must equal the picture's. XML: <object> with <polygon> of <pt>; objects with <deleted>1</deleted> are left
+// out.
 //
-// Input is untrusted. Errors: throws Error: neither of both formats, another shape, a coordinate that is no number or
-// far outside, more than 10000 shapes or a million points.
+// Input is untrusted. Errors: throws Error if the text has neither format, another shape, a coordinate that is not a
+// number or far outside, over 10000 shapes or over a million points.
 #pragma once
 
 #include <cstdint>

@@ -41,7 +41,7 @@ class PooledBins final : public Source {
   [[nodiscard]] const SourceReport& report() const override { return source_->report(); }
 
  private:
-  /// Of bins that were sampled as a whole.
+  /// The spans of the new bins that were sampled completely.
   static std::shared_ptr<const std::vector<BinSpan>> pooled(const std::vector<BinSpan>& fine, int together, int bins) {
     auto spans = std::make_shared<std::vector<BinSpan>>();
     for (const BinSpan& span : fine) {

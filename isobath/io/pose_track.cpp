@@ -13,9 +13,9 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFarthest = 1e6;  // m from the origin: beyond, a plane has no meaning
+constexpr double kFarthest = 1e6;  // m from the origin: limit of the local plane
 
-/// Three or four columns that must stand together.
+/// Columns, up to four, that are only valid together.
 struct Group {
   int column[4] = {-1, -1, -1, -1};
   int count = 0;
@@ -63,7 +63,7 @@ class PoseTrack final : public Source {
   static constexpr const char* kPositions = "north_m, east_m, depth_m; x, y, z; or lat_deg, lon_deg";
   static constexpr const char* kAttitudes = "heading_deg (pitch_deg, roll_deg), or qw, qx, qy, qz";
 
-  /// All of the columns, or none: some of them alone are an error.
+  /// All of the columns, or none. Throws Error if only some of them exist.
   [[nodiscard]] Group group(std::initializer_list<const char*> names) const {
     Group g;
     for (const char* name : names) {
@@ -222,7 +222,7 @@ class MergedSource final : public Source {
   }
 
   void update_report() {
-    if (event_ && since_report_++ % 64 != 0) return;  // a report holds many strings; the first and the last are exact
+    if (event_ && since_report_++ % 64 != 0) return;  // copying a report is slow; the first and the last are exact
     const SourceReport& track = track_->report();
     report_ = log_->report();
     if (replaced_ > 0) report_.rejected["fix of the log, replaced by the pose track"] = replaced_;

@@ -17,7 +17,7 @@ struct Closer {
 };
 using Dataset = std::unique_ptr<GDALDataset, Closer>;
 
-/// Only what is meant: a virtual raster or a service could reach anywhere.
+/// Opens a file with the named drivers only: a virtual raster or a web service could access anything.
 Dataset open(const std::string& file, unsigned kind, std::vector<const char*> drivers,
              std::vector<const char*> options = {}) {
   drivers.push_back(nullptr);
@@ -30,7 +30,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// A raster whose cells are of several sizes is resampled by the driver to the wanted one.
+/// Lets the driver resample a raster with several cell sizes to the size of the map's pixels.
 Dataset resampled(const PriorJob& job, Dataset data) {
   const char* several = data->GetMetadataItem("HAS_SUPERGRIDS");
   if (!several || !EQUAL(several, "TRUE")) return data;
@@ -65,7 +65,7 @@ Opened open_any(const PriorJob& job) {
   if (Dataset data = open(job.file, GDAL_OF_VECTOR, {"ESRI Shapefile", "GeoJSON", "GPKG"})) {
     return {Kind::kOutline, std::move(data)};
   }
-  job.refuse(fmt::format("no survey, chart or outline that can be read{}{}", job.gdal.complaint().empty() ? "" : ": ",
+  job.refuse(fmt::format("not a readable survey, chart or outline{}{}", job.gdal.complaint().empty() ? "" : ": ",
                          job.gdal.complaint()),
              "GeoTIFF, BAG, netCDF, ASCII grid, S-57, shapefile, GeoJSON, or text with columns");
 }
@@ -81,7 +81,7 @@ PriorOfFile read_any(const PriorJob& job) {
   return read_text_prior(job);
 }
 
-/// The box of all layers in the file's own coordinates, and the system of the first that has one.
+/// The bounding box of all layers in the file's coordinates, and the first coordinate system found.
 std::optional<OGREnvelope> box_of(GDALDataset& data, const OGRSpatialReference*& system) {
   OGREnvelope all;
   double t[6];
@@ -104,18 +104,19 @@ std::optional<OGREnvelope> box_of(GDALDataset& data, const OGRSpatialReference*&
 
 bool same_datum(const std::string& a, const std::string& b) { return lower(a) == lower(b); }
 
-/// What is added to every depth of the file. Refuses datums that cannot be compared.
+/// The offset to add to every depth of the file. Refuses datums that cannot be compared.
 double datum_offset(const PriorJob& job, const std::string& datum) {
   if (job.config.datum_offset_m.size() > 1) job.refuse("datum_offset_m takes one number");
   if (!job.config.datum_offset_m.empty()) return job.config.datum_offset_m[0];
   if (datum.empty()) {
     job.refuse("the vertical datum of the depths is unknown",
-               "say prior.datum and prior.map_datum, or prior.datum_offset_m from it to the map's water surface");
+               "set prior.datum and prior.map_datum, or prior.datum_offset_m from the file's datum to the map's water "
+               "surface");
   }
   if (job.config.map_datum.empty() || !same_datum(datum, job.config.map_datum)) {
-    job.refuse(fmt::format("depths are below {}, the map's are below {}", datum,
+    job.refuse(fmt::format("depths are below {}, those of the map are below {}", datum,
                            job.config.map_datum.empty() ? "the water surface" : job.config.map_datum),
-               "say prior.datum_offset_m, the height of the map's surface above that datum");
+               "set prior.datum_offset_m, the height of the map's surface above that datum");
   }
   return 0;
 }
@@ -144,7 +145,7 @@ void apply_offset(Prior& prior, double offset, double sigma) {
   }
 }
 
-/// Land stays land, whatever the water does.
+/// Sets land back to depth 0: the datum offset does not apply to land.
 void paint_land(Prior& prior, double sigma) {
   for (const PriorArea& area : prior.areas) {
     if (area.kind != PriorAreaKind::kLand) continue;
@@ -165,19 +166,19 @@ int depth_sign(const PriorJob& job, PriorSign convention, std::uint64_t positive
   const auto all = static_cast<double>(positive + negative);
   const PriorSign said = job.config.sign == PriorSign::kAutomatic ? convention : job.config.sign;
   if (said == PriorSign::kAutomatic) {
-    job.refuse("nothing says whether the numbers are depths or heights",
-               "prior.sign = \"up\" or prior.sign = \"down\"");
+    job.refuse("it is unknown whether the numbers are depths or heights",
+               "set prior.sign = \"up\" or prior.sign = \"down\"");
   }
   const auto under_water = static_cast<double>(said == PriorSign::kDown ? positive : negative);
   if (job.config.sign == PriorSign::kAutomatic && all > 0 && under_water <= 0.99 * all) {
-    job.refuse(fmt::format("{:.1f} % of the numbers would lie above the datum if they grow {} as the format has it",
+    job.refuse(fmt::format("{:.1f} % of the numbers lie above the datum if they are positive {}, as in this format",
                            100 * (1 - under_water / all), said == PriorSign::kDown ? "down" : "up"),
-               "say prior.sign = \"up\" or prior.sign = \"down\"");
+               "set prior.sign = \"up\" or prior.sign = \"down\"");
   }
   if (all > 0 && under_water < 0.01 * all) {
-    job.refuse(fmt::format("the numbers do not grow {}: {} are positive, {} negative",
+    job.refuse(fmt::format("the numbers are not positive {}: {} are positive, {} negative",
                            said == PriorSign::kDown ? "down" : "up", positive, negative),
-               said == PriorSign::kDown ? "prior.sign = \"up\"" : "prior.sign = \"down\"");
+               said == PriorSign::kDown ? "set prior.sign = \"up\"" : "set prior.sign = \"down\"");
   }
   return said == PriorSign::kDown ? 1 : -1;
 }

@@ -1,8 +1,8 @@
-// Charts and outlines: objects with shapes.
+// Readers of charts and outlines: objects with shapes.
 //
-// Attributes of S-57 (IHO, edition 3.1, object catalogue): VALSOU depth of the top, WATLEV how it stands to the water,
-// QUASOU what the depth is worth, DRVAL1 and DRVAL2 limits of a depth area, VALDCO depth of a contour, CATZOC zone of
-// confidence. Zones promise 95 % within a m + b of the depth: sigma is half of that.
+// Attributes of S-57 (IHO, edition 3.1, object catalogue): VALSOU depth of the top, WATLEV height relative to the
+// water, QUASOU quality of the depth, DRVAL1 and DRVAL2 limits of a depth area, VALDCO depth of a contour, CATZOC zone
+// of confidence. A zone states that 95 % of depths are within a m + b of the depth: sigma is half of that.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -20,10 +20,10 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kMostPoints = 20'000'000;
-constexpr double kSoundingSpacingOnPaper = 0.025;  // m: soundings are printed no farther apart where it matters
-constexpr double kLineSpacingOnPaper = 0.002;      // m: contours are drawn from points no farther apart
+constexpr double kSoundingSpacingOnPaper = 0.025;  // m: maximum spacing of printed soundings where it matters
+constexpr double kLineSpacingOnPaper = 0.002;      // m: maximum spacing of the points of drawn contours
 
-/// IHO S-57, attribute VERDAT.
+/// Names of the vertical datums, IHO S-57, attribute VERDAT.
 const char* datum_named(int code) {
   static constexpr std::array kNames = {"",
                                         "MLWS",
@@ -60,12 +60,12 @@ const char* datum_named(int code) {
 }
 
 struct Zone {
-  double fixed, share;  ///< 95 %
+  double fixed, share;  ///< metres and share of the depth, 95 %
   [[nodiscard]] double sigma(double depth) const { return 0.5 * (fixed + share * std::abs(depth)); }
 };
 /// Zones A1, A2, B, C, D; U is like D.
 constexpr std::array<Zone, 6> kZones = {{{0.5, 0.01}, {1, 0.02}, {1, 0.02}, {2, 0.05}, {4, 0.1}, {4, 0.1}}};
-/// Without zones, by scale: harbours are surveyed better than oceans.
+/// The zone to assume without zones, by scale: harbours are surveyed better than oceans.
 const Zone& zone_of_scale(double scale) { return kZones[scale <= 25000 ? 2 : scale <= 100000 ? 3 : 4]; }
 
 class Shapes {
@@ -76,9 +76,9 @@ class Shapes {
     std::vector<std::vector<Vector2d>> lines;
     std::vector<std::vector<Polygon>> areas;
     std::vector<Vector2d> points;
-    std::vector<double> heights;  ///< the third coordinates of the points
+    std::vector<double> heights;  ///< third coordinates of the points
   };
-  /// Empty, and counted, where there is no shape or a vertex lies elsewhere.
+  /// The shapes of an object; empty, and counted, if it has none or a vertex is too far away.
   Found of(OGRGeometry* geometry, const std::string& name) {
     Found found;
     if (!geometry || geometry->IsEmpty()) {
@@ -86,7 +86,7 @@ class Shapes {
       return {};
     }
     if (!collect(*geometry, found, 0)) {
-      ++prior_.left_out[name + " elsewhere on the globe"];
+      ++prior_.left_out[name + " too far from the map"];
       return {};
     }
     return found;
@@ -195,7 +195,7 @@ std::map<std::string, std::string> attributes(const OGRFeature& feature) {
   return all;
 }
 
-/// Points of a line no farther apart than `spacing`.
+/// Appends the points of a line, at most `spacing` apart.
 void densify(const std::vector<Vector2d>& line, double spacing, double depth, std::vector<SurveyPoint>& out) {
   for (std::size_t i = 0; i < line.size(); ++i) {
     out.push_back({line[i], depth, 0});
@@ -239,7 +239,7 @@ class ChartReading {
   std::int64_t promised_ = -1;
   std::int64_t found_ = 0;
   std::vector<SurveyPoint> lines_;                                   ///< contours and coast, as points
-  std::vector<std::pair<std::vector<Polygon>, std::size_t>> zones_;  ///< and their place in kZones
+  std::vector<std::pair<std::vector<Polygon>, std::size_t>> zones_;  ///< areas and their index in kZones
 };
 
 void ChartReading::read_header() {
@@ -258,7 +258,7 @@ void ChartReading::read_header() {
   promised_ = static_cast<std::int64_t>(sum);
 }
 
-/// A depth attribute, where it is plausible.
+/// A depth attribute, if it is plausible.
 std::optional<double> ChartReading::depth(const OGRFeature& feature, const char* name) {
   const auto value = number(feature, name);
   if (!value) return {};
@@ -280,7 +280,7 @@ void ChartReading::add_areas(PriorAreaKind kind, const OGRFeature& feature, Shap
   }
 }
 
-/// OBSTRN, WRECKS, UWTROC, PILPNT.
+/// Reads OBSTRN, WRECKS, UWTROC and PILPNT.
 void ChartReading::read_danger(const std::string& type, const OGRFeature& feature, const Shapes::Found& found) {
   PriorPoint point;
   point.kind = type == "WRECKS"   ? PriorPointKind::kWreck
@@ -292,11 +292,11 @@ void ChartReading::read_danger(const std::string& type, const OGRFeature& featur
   const auto top = depth(feature, "VALSOU");
   const int water = static_cast<int>(number(feature, "WATLEV").value_or(0));
   if (lists(feature, "QUASOU", 7)) {
-    point.clear_to_m = top;  // least depth unknown, safe clearance at the depth shown
+    point.clear_to_m = top;  // QUASOU 7: least depth unknown, safe clearance at the depth shown
   } else if (top) {
     point.depth_m = top;
   } else if (water == 1 || water == 2 || water == 4 || water == 5 || water == 6 || type == "PILPNT") {
-    point.depth_m = 0;  // it reaches the surface now and then, or always
+    point.depth_m = 0;  // the object reaches the surface at times, or always
   }
   const double at = top.value_or(0);
   const auto stated = number(feature, "SOUACC");
@@ -318,7 +318,7 @@ void ChartReading::read_danger(const std::string& type, const OGRFeature& featur
 void ChartReading::read_depth_area(const std::string& type, const OGRFeature& feature, Shapes::Found& found) {
   auto least = depth(feature, "DRVAL1"), greatest = depth(feature, "DRVAL2");
   if (least && greatest && *greatest < *least) {
-    ++prior_.left_out[type + " whose limits are the wrong way round"];
+    ++prior_.left_out[type + " with swapped limits"];
     return;
   }
   add_areas(type == "DRGARE" ? PriorAreaKind::kDredged : PriorAreaKind::kDepth, feature, found, least, greatest);
@@ -386,7 +386,7 @@ void ChartReading::read_layer(OGRLayer& layer) {
   }
 }
 
-/// The surface of soundings, contours and coast, between the limits of the areas.
+/// Writes the surface of soundings, contours and coast, within the limits of the areas.
 void ChartReading::paint() {
   PriorRaster& raster = prior_.raster;
   std::vector<std::size_t> zone(raster.depth_m.size(), kZones.size());
@@ -430,7 +430,7 @@ PriorOfFile ChartReading::read() {
     if (OGRLayer* layer = data_.GetLayer(i)) read_layer(*layer);
   }
   if (found_ < promised_) {
-    prior_.left_out["objects that the chart announces and that could not be read"] =
+    prior_.left_out["objects that the chart header counts but that could not be read"] =
         static_cast<std::uint64_t>(promised_ - found_);
   }
   if (!shapes_.any() && !prior_.read.empty()) {
@@ -445,7 +445,7 @@ PriorOfFile ChartReading::read() {
     negative += s.depth_m < 0;
   }
   if (depth_sign(job_, PriorSign::kDown, positive, negative) < 0)
-    job_.refuse("depths of charts grow down", "sign = \"automatic\"");
+    job_.refuse("chart depths are positive down", "set prior.sign = \"automatic\"");
   paint();
   return {std::move(prior_), true};
 }
@@ -471,7 +471,7 @@ PriorOfFile read_outline_prior(const PriorJob& job, GDALDataset& data) {
       prior.areas.push_back({PriorAreaKind::kWater, std::move(rings), {}, {}, text(*feature, "name")});
     }
   }
-  if (prior.areas.empty()) job.refuse("no area in it outlines a water body", "polygons are wanted");
+  if (prior.areas.empty()) job.refuse("it contains no polygon of a water body", "draw the outline as polygons");
   if (job.gdal.failures() > 0) job.refuse("the outline is damaged or cut off: " + job.gdal.complaint());
   prior.raster = empty_raster(window_over(job, shapes.low(), shapes.high()));
   std::vector<bool> water(prior.raster.depth_m.size(), false);

@@ -29,7 +29,7 @@ using Transformation = std::unique_ptr<OGRCoordinateTransformation>;
 struct PlaneMapping::Parts {
   explicit Parts(const LocalPlane& of) : plane(of) {}
   LocalPlane plane;
-  bool local = false;  ///< coordinates are W's own
+  bool local = false;  ///< coordinates are those of W
   bool degrees = false;
   Transformation to_globe, from_globe;
 };
@@ -44,10 +44,10 @@ PlaneMapping::PlaneMapping(const PriorJob& job, const OGRSpatialReference* syste
   OGRSpatialReference own;
   if (job.config.epsg > 0) {
     if (own.importFromEPSG(job.config.epsg) != OGRERR_NONE) {
-      job.refuse(fmt::format("there is no system of coordinates EPSG:{}", job.config.epsg));
+      job.refuse(fmt::format("there is no coordinate system EPSG:{}", job.config.epsg));
     }
   } else if (!system || system->IsEmpty()) {
-    job.refuse("nothing says which coordinates these are", "epsg = 32633 for UTM 33 north, 4326 for WGS 84 degrees");
+    job.refuse("the coordinate system is unknown", "set prior.epsg: 32633 for UTM 33 north, 4326 for WGS 84 degrees");
   } else if (system->IsLocal()) {
     parts_->local = true;
     return;
@@ -55,13 +55,13 @@ PlaneMapping::PlaneMapping(const PriorJob& job, const OGRSpatialReference* syste
     own = *system;
   }
   own.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  if (own.IsCompound()) own.StripVertical();  // depths are ours to convert
+  if (own.IsCompound()) own.StripVertical();  // depths are converted separately
   parts_->degrees = own.IsGeographic() != 0;
   const OGRSpatialReference globe = wgs84();
   parts_->to_globe.reset(OGRCreateCoordinateTransformation(&own, &globe));
   parts_->from_globe.reset(OGRCreateCoordinateTransformation(&globe, &own));
   if (!parts_->to_globe || !parts_->from_globe) {
-    job.refuse("its coordinates cannot be tied to the globe: " + job.gdal.complaint(), "say epsg");
+    job.refuse("its coordinates cannot be converted to WGS 84: " + job.gdal.complaint(), "set prior.epsg");
   }
 }
 
@@ -85,7 +85,7 @@ std::optional<Vector2d> PlaneMapping::to_plane(double x, double y) const {
   const GeoPoint point{y, std::remainder(x, 360.0)};
   if (!valid(point)) return {};
   const Vector2d p = parts_->plane.to_plane(point);
-  const GeoOrigin& o = parts_->plane.origin();  // the far side of the globe projects into the plane as well
+  const GeoOrigin& o = parts_->plane.origin();  // the far side of the globe also projects into the plane
   const double a = point.latitude_deg * kDegree, b = o.latitude_deg * kDegree;
   const double apart = std::cos((point.longitude_deg - o.longitude_deg) * kDegree);
   const bool near = std::sin(a) * std::sin(b) + std::cos(a) * std::cos(b) * apart > 0.98;
@@ -105,9 +105,10 @@ PriorWindow window_over(const PriorJob& job, const Vector2d& low, const Vector2d
   PriorWindow window = job.wanted;
   const PixelGrid& grid = window.grid;
   const auto outside = [&] {
-    job.refuse(fmt::format("it lies elsewhere: north {:.0f} .. {:.0f} m, east {:.0f} .. {:.0f} m of the map's origin",
-                           low.x(), high.x(), low.y(), high.y()),
-               "check the origin of the map and the file's coordinates (epsg)");
+    job.refuse(
+        fmt::format("it lies outside the map: north {:.0f} .. {:.0f} m, east {:.0f} .. {:.0f} m of the map's origin",
+                    low.x(), high.x(), low.y(), high.y()),
+        "check the origin of the map and the file's coordinates (prior.epsg)");
   };
   if (!(low.cwiseAbs().maxCoeff() < 1e6 && high.cwiseAbs().maxCoeff() < 1e6)) outside();
   const double north = grid.corner_m.x(), west = grid.corner_m.y(), px = grid.pixel_m;
@@ -149,7 +150,7 @@ void fill(const std::vector<Polygon>& rings, const PriorWindow& window, const st
   }
   const PixelGrid& grid = window.grid;
   const double rows = window.rows, columns = window.columns;
-  const auto row_of = [&](double at) {  // the first row whose centre is not north of it
+  const auto row_of = [&](double at) {  // the first row whose centre is not north of `at`
     return static_cast<int>(std::clamp(std::ceil((grid.corner_m.x() - at) / grid.pixel_m - 0.5), 0.0, rows));
   };
   const auto column_of = [&](double at) {

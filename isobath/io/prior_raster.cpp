@@ -1,4 +1,4 @@
-// Rasters of depths: tiles of the map's pixels, each with the piece of the file that it needs.
+// Reader of depth rasters: works in tiles of the map's pixels and reads the part of the file that each tile needs.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kTile = 32;  // pixels: the way between coordinates is linear enough within
+constexpr int kTile = 32;  // pixels; within a tile, the coordinate mapping is linear enough
 constexpr double kMostTileCells = 1 << 22;
 constexpr std::array kCustomaryNoData = {-9999.0, -99999.0, -32767.0, -32768.0};
 
@@ -34,7 +34,7 @@ double unit_named(const std::string& text) {
   return 0;
 }
 
-/// What the vertical part of a system says.
+/// The vertical part of a coordinate system.
 struct Vertical {
   std::string datum;
   PriorSign sign = PriorSign::kAutomatic;
@@ -53,7 +53,7 @@ Vertical vertical_of(const OGRSpatialReference* system) {
   return v;
 }
 
-/// A depth or height by the names that netCDF conventions give.
+/// Whether a variable is a depth or a height, by the names of the netCDF conventions.
 PriorSign sign_of_netcdf(GDALRasterBand& band) {
   const auto item = [&band](const char* key) {
     const char* text = band.GetMetadataItem(key);
@@ -77,7 +77,7 @@ class RasterReading {
   struct Tile {
     int column, row, width, height;
   };
-  struct Piece {  ///< cells of the file, as numbers of the file; NaN where there is none
+  struct Piece {  ///< cells in the numbers of the file; NaN: no data
     int column = 0, row = 0, width = 0, height = 0;
     std::vector<float> value, sigma;
 
@@ -113,9 +113,9 @@ class RasterReading {
   int columns_, rows_;
   PlaneMapping mapping_;
   Prior prior_;
-  double factor_ = 1;  ///< metres a unit
+  double factor_ = 1;  ///< metres per unit
   int sign_ = 1;
-  std::vector<bool> counted_;  ///< cells that have been counted already
+  std::vector<bool> counted_;  ///< cells that are already counted
   int first_column_ = 0, first_row_ = 0, counted_width_ = 0;
   std::uint64_t positive_ = 0, negative_ = 0;
   double least_ = 1e300, greatest_ = -1e300;
@@ -129,7 +129,7 @@ RasterReading::RasterReading(const PriorJob& job, GDALDataset& data)
       rows_(data.GetRasterYSize()),
       mapping_(job, data.GetSpatialRef()) {
   if (data.GetGeoTransform(place_.data()) != CE_None || !GDALInvGeoTransform(place_.data(), inverse_.data())) {
-    job.refuse("the raster does not say where it lies");
+    job.refuse("the raster does not state its position");
   }
   for (int i = 2; i <= data.GetRasterCount() && !sigma_band_; ++i) {
     const std::string name = lower(data.GetRasterBand(i)->GetDescription());
@@ -141,7 +141,7 @@ RasterReading::RasterReading(const PriorJob& job, GDALDataset& data)
   check_frame();
 }
 
-/// Degrees that call themselves metres, and metres that call themselves degrees.
+/// Refuses degrees that are declared as metres, and metres that are declared as degrees.
 void RasterReading::check_frame() const {
   double x_most = 0, y_most = 0;
   for (const auto& [c, r] : {std::pair{0, 0}, {columns_, 0}, {0, rows_}, {columns_, rows_}}) {
@@ -149,17 +149,17 @@ void RasterReading::check_frame() const {
     y_most = std::max(y_most, std::abs(place_[3] + c * place_[4] + r * place_[5]));
   }
   if (mapping_.geographic() && (x_most > 541 || y_most > 91)) {
-    job_.refuse("the raster says degrees, but its numbers are none", "say epsg");
+    job_.refuse("the raster declares degrees, but its coordinates are out of range", "set prior.epsg");
   }
   const OGRSpatialReference* system = data_.GetSpatialRef();
   const char* projection = system ? system->GetAttrValue("PROJECTION") : nullptr;
   const bool about_itself = projection && std::string(projection).find("Azimuthal_Equidistant") != std::string::npos;
   if (projection && !about_itself && !mapping_.geographic() && x_most <= 360 && y_most <= 90) {
-    job_.refuse("the raster says metres, but its numbers look like degrees", "say epsg = 4326");
+    job_.refuse("the raster declares metres, but its coordinates look like degrees", "set prior.epsg = 4326");
   }
 }
 
-/// Column and row in the file, whole at the north-west corners of cells.
+/// Column and row in the file; whole numbers are the north-west corners of cells.
 std::optional<Vector2d> RasterReading::cell_of(const Vector2d& north_east) const {
   auto at = mapping_.from_plane(north_east);
   if (!at) return {};
@@ -172,16 +172,16 @@ std::optional<Vector2d> RasterReading::cell_of(const Vector2d& north_east) const
 }
 
 PriorWindow RasterReading::window() const {
-  if (job_.wanted.columns > 0 && job_.wanted.rows > 0) {  // what a raster reaches is seen in its own columns and rows
+  if (job_.wanted.columns > 0 && job_.wanted.rows > 0) {  // overlap is checked in the raster's own columns and rows
     return window_over(job_, job_.wanted.grid.corner_m, job_.wanted.grid.corner_m);
   }
   Vector2d low = Vector2d::Constant(1e300), high = -low;
-  for (int i = 0; i <= 16; ++i) {  // along the border: projections bend it
+  for (int i = 0; i <= 16; ++i) {  // along the border, which projections bend
     for (const auto& [c, r] : {std::pair{i / 16.0, 0.0}, {i / 16.0, 1.0}, {0.0, i / 16.0}, {1.0, i / 16.0}}) {
       const double column = c * columns_, row = r * rows_;
       const auto p = mapping_.to_plane(place_[0] + column * place_[1] + row * place_[2],
                                        place_[3] + column * place_[4] + row * place_[5]);
-      if (!p) job_.refuse("it reaches farther than a local plane can", "ask for a window");
+      if (!p) job_.refuse("it is larger than a local plane", "ask for a window");
       low = low.cwiseMin(*p);
       high = high.cwiseMax(*p);
     }
@@ -189,7 +189,7 @@ PriorWindow RasterReading::window() const {
   return window_over(job_, low, high);
 }
 
-/// The part of the file under the window: refused where it is none or too much.
+/// Finds the part of the file under the window; refuses if it is empty or too large.
 void RasterReading::reserve_cells() {
   const PriorWindow& w = prior_.raster.window;
   Vector2d low = Vector2d::Constant(1e300), high = -low;
@@ -209,10 +209,10 @@ void RasterReading::reserve_cells() {
                r1 = std::clamp(high.y() + margin, 0.0, double(rows_));
   if (high.x() < 0 || low.x() > columns_ || high.y() < 0 || low.y() > rows_ || c1 <= c0 || r1 <= r0) {
     job_.refuse("it does not reach the window of the map",
-                "check the origin of the map and the file's coordinates (epsg)");
+                "check the origin of the map and the file's coordinates (prior.epsg)");
   }
   if ((c1 - c0) * (r1 - r0) > job_.config.most_cells) {
-    job_.refuse(fmt::format("{:.3g} cells lie under the window, {:.3g} are read at most", (c1 - c0) * (r1 - r0),
+    job_.refuse(fmt::format("{:.3g} cells lie under the window, the maximum is {:.3g}", (c1 - c0) * (r1 - r0),
                             job_.config.most_cells),
                 "make a coarser copy (gdalwarp -tr), or ask for a smaller window");
   }
@@ -245,7 +245,7 @@ void RasterReading::check_cell(const Piece& piece, std::size_t i, float& value, 
   }
   const double s = static_cast<double>(sigma);
   const bool known_sigma = std::isfinite(s) && s > 0 && s < 1e6 - 1;
-  if (sigma_band_ && !known_sigma && fresh) ++prior_.left_out["uncertainties that are none (default used)"];
+  if (sigma_band_ && !known_sigma && fresh) ++prior_.left_out["invalid uncertainties (default used)"];
   if (!known_sigma) sigma = NAN;
   if (!fresh) return;
   ++prior_.read["cells"];
@@ -290,8 +290,8 @@ RasterReading::Spot RasterReading::spot_at(const Piece& piece, int c, int r) con
   return {static_cast<double>(piece.value[piece.at(c, r)]), sigma * sigma};
 }
 
-/// The cells whose centres lie within a pixel. "Shoalest" is decided once the sign is known: the pixel keeps the lowest
-/// of the numbers as they stand if they grow down, the highest if up.
+/// Combines the cells whose centres lie within a pixel. "Shoalest" uses the sign of the file: the lowest number if
+/// numbers are positive down, the highest if positive up.
 RasterReading::Spot RasterReading::spot_of_area(const Piece& piece, const Vector2d& cell, const Vector2d& half) const {
   double count = 0, sum = 0, squares = 0, variance = 0, known = 0;
   Spot shoalest;
@@ -320,7 +320,7 @@ RasterReading::Spot RasterReading::spot_of_area(const Piece& piece, const Vector
   return {base + mean, (known > 0 ? variance / known : NAN) + spread};
 }
 
-/// Between the centres of cells.
+/// Interpolates between the centres of cells.
 RasterReading::Spot RasterReading::spot_between(const Piece& piece, const Vector2d& cell) const {
   const int c = static_cast<int>(std::floor(cell.x() - 0.5)), r = static_cast<int>(std::floor(cell.y() - 0.5));
   const double right = cell.x() - 0.5 - c, down = cell.y() - 0.5 - r;
@@ -376,7 +376,7 @@ void RasterReading::read_tile(const Tile& tile) {
   load(piece);
   const Vector2d along = (corner[1] - corner[0]) / tile.width, down = (corner[2] - corner[0]) / tile.height;
   const Vector2d half = 0.5 * (along.cwiseAbs() + down.cwiseAbs());
-  const bool finer = half.minCoeff() >= 0.75;  // one and a half cells or more in a pixel
+  const bool finer = half.minCoeff() >= 0.75;  // a pixel spans one and a half cells or more
   for (int r = 0; r < tile.height; ++r) {
     for (int c = 0; c < tile.width; ++c) {
       const double u = (c + 0.5) / tile.width, v = (r + 0.5) / tile.height;
@@ -389,7 +389,7 @@ void RasterReading::read_tile(const Tile& tile) {
   }
 }
 
-/// Numbers of the file become depths.
+/// Converts the numbers of the file to depths.
 void RasterReading::settle_sign(PriorSign convention) {
   const int sign = depth_sign(job_, convention, positive_, negative_);
   ISOBATH_ASSERT(sign == sign_);
@@ -434,7 +434,7 @@ PriorOfFile RasterReading::read() {
   settle_sign(vertical.sign);
   const double a = depth_of(static_cast<float>(least_)), b = depth_of(static_cast<float>(greatest_));
   prior_.details["depths"] = fmt::format("{:.2f} .. {:.2f} m", std::min(a, b), std::max(a, b));
-  prior_.details["uncertainty"] = sigma_band_ ? "as the file says" : "as configured: the file does not say";
+  prior_.details["uncertainty"] = sigma_band_ ? "as the file states" : "as configured: the file states none";
   return {std::move(prior_), true};
 }
 

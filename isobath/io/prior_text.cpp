@@ -1,4 +1,4 @@
-// Soundings in columns of text.
+// Reader of soundings in columns of text.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -29,7 +29,7 @@ std::string lower(std::string_view text) {
   return copy;
 }
 
-/// Cells of a line: at commas, semicolons or tabs where there are any, else at blanks.
+/// Splits a line at commas, semicolons or tabs if there are any, else at blanks.
 void split(std::string_view line, std::vector<std::string_view>& cells) {
   cells.clear();
   const std::size_t mark = line.find_first_of(",;\t");
@@ -47,7 +47,7 @@ void split(std::string_view line, std::vector<std::string_view>& cells) {
   }
 }
 
-/// What names of columns mean.
+/// The meaning of column names.
 enum class Axis : std::uint8_t { kPlane, kDegrees, kUnsaid };
 struct Meaning {
   const char* name;
@@ -64,7 +64,7 @@ constexpr Meaning kMeanings[] = {
     {"altitude", 2, {}, PriorSign::kUp}, {"z", 2, {}, PriorSign::kAutomatic},
 };
 
-/// "Depth (m)" means "depth".
+/// Ignores case and units: "Depth (m)" means "depth".
 const Meaning* meaning_of(std::string_view name) {
   std::string plain = lower(name);
   plain = std::string(trimmed(plain.substr(0, plain.find_first_of("([_"))));
@@ -75,7 +75,7 @@ const Meaning* meaning_of(std::string_view name) {
 }
 
 struct Columns {
-  int of[3] = {0, 1, 2};  ///< x, y, z
+  int of[3] = {0, 1, 2};  ///< columns of x, y, z
   int run = -1;
   Axis axis = Axis::kUnsaid;
   PriorSign sign = PriorSign::kAutomatic;
@@ -102,7 +102,7 @@ class TextReading {
   const PriorJob& job_;
   Columns columns_;
   bool chosen_ = false;
-  std::optional<GeoOrigin> grid_origin_;  ///< of "north, east, down" files
+  std::optional<GeoOrigin> grid_origin_;  ///< origin of "north, east, down" files
   std::vector<Raw> raw_;
   std::uint64_t bad_ = 0;
   std::uint64_t first_bad_ = 0;
@@ -110,7 +110,7 @@ class TextReading {
   Prior prior_;
 };
 
-/// "#LLH Offset: latitude, longitude (radians), height": cells in north, east, down follow.
+/// Reads "#LLH Offset: latitude, longitude (radians), height": the rows after it are north, east, down.
 void TextReading::comment(std::string_view line) {
   double latitude = 0, longitude = 0;
   const std::string text(line.substr(0, 200));
@@ -121,7 +121,7 @@ void TextReading::comment(std::string_view line) {
     if (cells.size() >= 2 && parse_number(cells[0], latitude) && parse_number(cells[1], longitude)) {
       const GeoPoint origin{latitude * 180 / std::numbers::pi, longitude * 180 / std::numbers::pi};
       if (!valid(origin))
-        job_.refuse("the origin of its cells is no place on the globe", "latitude, longitude in radians");
+        job_.refuse("the origin of its cells is not a valid position", "latitude, longitude in radians");
       grid_origin_ = origin;
       columns_ = {{1, 0, 2}, -1, Axis::kPlane, PriorSign::kDown};
       chosen_ = true;
@@ -158,7 +158,7 @@ void TextReading::choose(const std::vector<std::string_view>& names) {
   for (int k = 0; k < 3; ++k) {
     if (!wanted[k]->empty()) take(k, named(*wanted[k], names));
   }
-  for (const bool vague : {false, true}) {  // "z" is a depth only where nothing says "depth"
+  for (const bool vague : {false, true}) {  // "z" is the depth only if no column is named "depth"
     for (std::size_t i = 0; i < names.size(); ++i) {
       const Meaning* m = meaning_of(names[i]);
       if (m && found[m->column] < 0 && (std::string_view(m->name) == "z") == vague)
@@ -167,14 +167,14 @@ void TextReading::choose(const std::vector<std::string_view>& names) {
   }
   for (int k = 0; k < 3; ++k) {
     if (found[k] < 0)
-      job_.refuse("its columns do not say where east, north and depth stand", "x_column, y_column, z_column");
+      job_.refuse("the columns of east, north and depth are unknown", "set prior.x_column, y_column, z_column");
     columns_.of[k] = found[k];
   }
   columns_.axis = axes[0] == axes[1] ? axes[0] : Axis::kUnsaid;
   if (!job_.config.run_column.empty()) columns_.run = named(job_.config.run_column, names);
 }
 
-/// Without names: x, y, z from the left, or the columns that were numbered.
+/// For text without names: x, y, z from the left, or the configured column numbers.
 void TextReading::choose_numbers() {
   chosen_ = true;
   const std::string* wanted[3] = {&job_.config.x_column, &job_.config.y_column, &job_.config.z_column};
@@ -211,8 +211,8 @@ PlaneMapping TextReading::mapping() const {
     for (const Raw& r : raw_) {
       if (std::abs(r.x) <= 360 && std::abs(r.y) <= 90) continue;
       job_.refuse(
-          fmt::format("columns called longitude and latitude hold {:g} and {:g}, which are no degrees", r.x, r.y),
-          "say epsg");
+          fmt::format("columns named longitude and latitude hold {:g} and {:g}, which are not degrees", r.x, r.y),
+          "set prior.epsg");
     }
     return PlaneMapping::of_degrees(job_);
   }
@@ -247,7 +247,7 @@ void TextReading::place_soundings() {
     auto p = way.to_plane(r.x, r.y);
     if (p && p->norm() < 1e6 && shifted) p = job_.plane.to_plane(grid.to_geo(*p));
     if (!p || p->norm() >= 1e6) {
-      ++prior_.left_out["soundings elsewhere on the globe"];
+      ++prior_.left_out["soundings too far from the map"];
       continue;
     }
     prior_.soundings.push_back({*p, depth, r.run});
@@ -281,16 +281,17 @@ PriorOfFile TextReading::read() {
     row(cells, number);
   }
   if (raw_.empty() || bad_ > raw_.size() / 10) {
-    throw Error(fmt::format("{} of {} lines are not numbers in columns", bad_, bad_ + raw_.size()),
-                {job_.file, {}, bad_ > 0 ? std::optional(first_bad_) : std::nullopt, {}, {}}, "",
-                "x y z, longitude latitude depth, or say x_column, y_column, z_column; decimal points, not commas");
+    throw Error(
+        fmt::format("{} of {} lines are not numbers in columns", bad_, bad_ + raw_.size()),
+        {job_.file, {}, bad_ > 0 ? std::optional(first_bad_) : std::nullopt, {}, {}}, "",
+        "use x y z or longitude latitude depth, or set x_column, y_column, z_column; decimal points, not commas");
   }
   prior_.format = "soundings in text";
   if (bad_ > 0) prior_.left_out["lines that are not numbers in columns"] = bad_;
   place_soundings();
   prior_.read["soundings"] = prior_.soundings.size();
   if (prior_.soundings.empty())
-    job_.refuse("none of its soundings can be used", "check epsg, unit_m, plausible depths");
+    job_.refuse("none of its soundings can be used", "check prior.epsg, unit_m and the plausible depths");
   Vector2d low = Vector2d::Constant(1e300), high = -low;
   for (const SurveyPoint& s : prior_.soundings) {
     low = low.cwiseMin(s.north_east);

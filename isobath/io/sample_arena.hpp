@@ -1,5 +1,5 @@
-// SampleArena: room for the samples of pings that cannot be views of their input (text, packed or compressed). Slices
-// of large blocks: a ping keeps its block alive, and only one allocation in hundreds of pings happens.
+// SampleArena: memory for the samples of pings that cannot be views of their input (text, packed or compressed). The
+// arena hands out slices of large blocks: a ping keeps its block alive, and hundreds of pings need only one allocation.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace isobath {
 
 class SampleArena {
  public:
-  /// `count` bytes of undefined value, valid as long as owner() of this moment is held.
+  /// `count` bytes of undefined value, valid as long as the current owner() is held.
   std::byte* take(std::size_t count) {
     if (count > size_ - used_) {
       size_ = std::max(count, kBlock);
@@ -21,7 +21,7 @@ class SampleArena {
     used_ += count;
     return block_.get() + used_ - count;
   }
-  /// The end of the slice taken last, which turned out not to be needed.
+  /// Returns the unused end of the last slice.
   void give_back(std::size_t count) { used_ -= std::min(count, used_); }
   [[nodiscard]] const std::shared_ptr<const void>& owner() const { return owner_; }
 

@@ -52,7 +52,7 @@ void ScanCsv::check_first_line() {
   Heading heading;
   TextRow row(first_line(view), ',');
   if (heading.read(row) && (heading.bins < 1 || heading.bins > kMaxBins)) {
-    throw Error(fmt::format("the first line promises {} bins", heading.bins),
+    throw Error(fmt::format("the first line states {} bins", heading.bins),
                 {input_.name(), input_.position(), {}, {}, "nbins"}, fmt::format("1 .. {}", kMaxBins));
   }
 }
@@ -72,7 +72,7 @@ std::optional<Event> ScanCsv::parse(const TextLine& line) {
   std::byte* samples = arena_.take(static_cast<std::size_t>(bins));
   if (row.samples(samples, bins) != bins) {
     arena_.give_back(static_cast<std::size_t>(bins));
-    return damaged("line whose samples are not the number of bins that it promises, 0..255 each");
+    return damaged("line without its stated number of samples, each 0..255");
   }
   const RangeWindow window{0, heading.bin_m, bins};
   if (window != described_) describe(heading);
@@ -87,8 +87,9 @@ void ScanCsv::describe(const Heading& heading) {
                                          head_.beam().height.degrees());
   report_.note_setting("range", fmt::format("{:.4g} m in {} bins of {:.5g} mm", heading.bin_m * double(heading.bins),
                                             heading.bins, heading.bin_m * 1e3));
-  report_.details["sound speed"] = fmt::format("{:g} m/s, as configured: the log does not say", head_.sound_speed());
-  report_.details["time"] = "of the log; its start is not known";
+  report_.details["sound speed"] =
+      fmt::format("{:g} m/s, as configured: the log does not state it", head_.sound_speed());
+  report_.details["time"] = "seconds since an unknown start";
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMaxFans = 1 << 16;  // more directions than any head has: only an odd log reaches it
+constexpr std::size_t kMaxFans = 1 << 16;  // more directions than any head has; only abnormal logs reach it
 
 }  // namespace
 

@@ -1,7 +1,7 @@
-// ScanningHead: lines of echo of a mechanically scanned sonar, as pings of one beam (ledger S6-01).
+// ScanningHead: makes pings of one beam from the echo lines of a mechanically scanned sonar (ledger S6-01).
 //
-// The bearing of a line goes into the fan's azimuth, clockwise seen from above; the direction of bearing zero in the
-// body (mount_heading) goes into X_BS. Fans are made once a bearing, so that pointer equality says "same direction".
+// The bearing of a line becomes the azimuth of the fan, clockwise seen from above; the direction of bearing zero in the
+// body (mount_heading) is in X_BS. There is one fan per bearing, so that equal pointers mean equal directions.
 #pragma once
 
 #include <isobath/io/event.hpp>
@@ -14,18 +14,18 @@ struct BeamSize {
   Angle width;
   Angle height;
 };
-/// What the user says, else what the device has.
+/// The beam size of the configuration, else that of the device.
 BeamSize beam_size(const InputConfig& config, BeamSize device);
 
-/// X_BS of a sonar that stands in the body's origin, turned by mount_heading.
+/// X_BS of a sonar at the origin of the body, turned by mount_heading.
 Pose mounted(const InputConfig& config);
 
 class ScanningHead {
  public:
   ScanningHead(const InputConfig& config, BeamSize device);
 
-  /// `bearing` from the head's zero direction, in the sense of the device. `samples`: window.bins bytes kept by
-  /// `owner`.
+  /// `bearing`: from the head's zero direction, in the device's direction of growth. `samples`: window.bins bytes that
+  /// `owner` keeps alive.
   Ping ping(Angle bearing, const RangeWindow& window, const std::byte* samples,
             const std::shared_ptr<const void>& owner);
   [[nodiscard]] const BeamSize& beam() const { return beam_; }

@@ -12,7 +12,7 @@ namespace {
 constexpr BeamSize kBeam{Angle::degrees(3), Angle::degrees(35)};
 constexpr int kMaxBins = 65536;
 
-/// "HH:MM:SS.fff"
+/// The time of day from "HH:MM:SS.fff".
 std::optional<Duration> time_of_day(std::string_view text) {
   TextRow row(text, ':');
   int hours = 0, minutes = 0;
@@ -83,7 +83,7 @@ std::optional<Event> SeanetCsv::parse(const TextLine& line) {
   std::byte* samples = arena_.take(static_cast<std::size_t>(c.bins));
   if (row.samples(samples, c.bins) != c.bins) {
     arena_.give_back(static_cast<std::size_t>(c.bins));
-    line.add_damage(report_, "line whose samples are not the number of bins that it promises, 0..255 each");
+    line.add_damage(report_, "line without its stated number of samples, each 0..255");
     return {};
   }
   const double range_m = tritech::range_scale_m(static_cast<std::uint16_t>(c.range_scale));
@@ -106,7 +106,7 @@ void SeanetCsv::describe(const Columns& c) {
                                          head_.beam().height.degrees());
   report_.note_setting("gain", fmt::format("{:.0f} %", c.gain / 2.1));
   report_.note_setting("range", fmt::format("{:.4g} m by its label, in {} bins", range_m, c.bins));
-  report_.details["sound speed"] = "that of Seanet Pro when it recorded: the range label is taken as it is";
+  report_.details["sound speed"] = "as set in Seanet Pro during recording: the range label is used unchanged";
 }
 
 }  // namespace

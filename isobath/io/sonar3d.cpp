@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kPacketMagic = "RIP2";
 constexpr std::size_t kLeastPacket = 4 + 4 + 1 + 4, kMostPacket = 1 << 20;
-constexpr std::size_t kMostPlain = 4 << 20;  // unpacked
+constexpr std::size_t kMostPlain = 4 << 20;  // maximum unpacked size
 
 Framing rip2_packet_at(Bytes bytes) {
   const std::string_view text = text_of(bytes);
@@ -28,8 +28,8 @@ Framing rip2_packet_at(Bytes bytes) {
   return {Framing::Kind::kFrame, length};
 }
 
-/// The fields of a protocol-buffer message (protobuf.dev, encoding), one after the other. A message that is cut or is
-/// none ends early, and ok() is false.
+/// The fields of a protocol-buffer message (protobuf.dev, encoding), one after the other. A truncated or invalid
+/// message ends early, and ok() is false.
 class WireFields {
  public:
   explicit WireFields(Bytes message) : cursor_(message) {}
@@ -58,7 +58,7 @@ class WireFields {
   [[nodiscard]] float real() const { return std::bit_cast<float>(static_cast<std::uint32_t>(value_)); }
   [[nodiscard]] Bytes bytes() const { return bytes_; }
 
-  /// Seven bits a byte, lowest first.
+  /// A number with seven bits per byte, lowest bits first.
   static std::uint64_t varint(ByteCursor& cursor) {
     std::uint64_t value = 0;
     for (int shift = 0; shift < 70; shift += 7) {
@@ -66,7 +66,7 @@ class WireFields {
       if (shift < 64) value |= static_cast<std::uint64_t>(byte & 0x7F) << shift;
       if ((byte & 0x80) == 0) return value;
     }
-    cursor.skip(cursor.left() + 1);  // longer than any: no number
+    cursor.skip(cursor.left() + 1);  // too long to be a number
     return 0;
   }
 
@@ -123,16 +123,16 @@ bool read_image(Bytes message, RangeImage& image) {
   return good && fields.ok();
 }
 
-/// Why it is no image; null where it is one.
+/// Why the image is invalid; null if it is valid.
 const char* fault_of(const RangeImage& image) {
   const auto within = [](float value, float most) { return value > 0 && value <= most; };
   if (image.width < 2 || image.height < 2 || image.width > Swath::kMaxSoundings ||
       image.height > Swath::kMaxSoundings || image.width * image.height > Swath::kMaxSoundings ||
       image.counts.size() != image.width * image.height) {
-    return "image whose size does not fit its echoes";
+    return "image whose size disagrees with its echoes";
   }
-  if (!within(image.width_deg, 360) || !within(image.height_deg, 180)) return "image of a view that cannot be";
-  if (!within(image.metres_a_count, 10)) return "image of a scale that cannot be";
+  if (!within(image.width_deg, 360) || !within(image.height_deg, 180)) return "image with an impossible view";
+  if (!within(image.metres_a_count, 10)) return "image with an impossible scale";
   if (!representable_seconds(static_cast<double>(image.seconds)) || image.nanoseconds < 0 ||
       image.nanoseconds >= 1'000'000'000) {
     return "time out of range";
@@ -182,11 +182,11 @@ std::optional<Event> Sonar3d::take(Bytes payload) {
     }
   }
   if (!type.ends_with("RangeImage")) {
-    report_.details["other packets"] = fmt::format("{}, passed over", ++others_);
+    report_.details["other packets"] = fmt::format("{}, not read", ++others_);
     return {};
   }
   RangeImage image;
-  const char* fault = read_image(message, image) ? fault_of(image) : "image that is cut";
+  const char* fault = read_image(message, image) ? fault_of(image) : "truncated image";
   if (fault) {
     reject(fault);
     return {};

@@ -18,13 +18,13 @@ constexpr std::size_t kMaxFields = 64;
 constexpr const char* kNoTime = "sample without a readable time";
 constexpr const char* kNoPosition = "sample without a valid position";
 
-/// What stands in a line, by the names of the heading.
+/// The columns that are read, by their names in the heading.
 enum Column : std::uint8_t { kTime, kLatitude, kLongitude, kHeading, kPitch, kRoll, kVertical, kSlant1, kColumns = 11 };
 constexpr std::array<std::string_view, kColumns> kNames{
     "Date/Time",    "Latitude (deg)",     "Longitude (deg)",    "Heading (deg)",      "Pitch (deg)",       "Roll (deg)",
     "VB Depth (m)", "BT Beam1 Depth (m)", "BT Beam2 Depth (m)", "BT Beam3 Depth (m)", "BT Beam4 Depth (m)"};
 
-/// A whole number up to a separator, which is taken off too; at the end of the text where `until` is 0.
+/// Reads an integer up to the separator `until`, and removes both; 0: up to the end of the text.
 bool take(std::string_view& rest, char until, int& value) {
   const std::size_t end = until == 0 ? rest.size() : rest.find(until);
   if (end == std::string_view::npos || !parse_number(rest.substr(0, end), value)) return false;
@@ -32,7 +32,7 @@ bool take(std::string_view& rest, char until, int& value) {
   return value >= 0;
 }
 
-/// "1/17/2025 4:03:47 PM"; without AM or PM a 24-hour clock.
+/// The time in a text such as "1/17/2025 4:03:47 PM"; without AM or PM, on a 24-hour clock.
 std::optional<Time> time_from_us(std::string_view text) {
   using namespace std::chrono;
   text = trimmed(text);
@@ -53,7 +53,7 @@ std::optional<Time> time_from_us(std::string_view text) {
   return Time{sys_days(date).time_since_epoch() + hours(hour) + minutes(minute) + std::chrono::seconds(second)};
 }
 
-/// 52<degree sign> 20' 32.37": one to three numbers with anything but digits between them.
+/// The angle in a text such as 52<degree sign> 20' 32.37": one to three numbers, separated by anything but digits.
 std::optional<double> degrees_from_dms(std::string_view text) {
   text = trimmed(text);
   const bool negative = text.starts_with('-') || text.ends_with('S') || text.ends_with('W');
@@ -67,7 +67,7 @@ std::optional<double> degrees_from_dms(std::string_view text) {
     if (parts == 3 || !parse_number(std::string_view(begin, end), part[parts++])) return std::nullopt;
     text = std::string_view(end, text.end());
   }
-  if (parts == 0 || part[1] > 60 || part[2] > 60) return std::nullopt;  // 60.00 is 59.996 rounded
+  if (parts == 0 || part[1] > 60 || part[2] > 60) return std::nullopt;  // 60.00 is rounded from 59.996
   const double degrees = part[0] + part[1] / 60 + part[2] / 3600;
   return negative ? -degrees : degrees;
 }
@@ -79,11 +79,11 @@ class SontekSum final : public LogSource {
     width_ = config.beam_width.radians() > 0 ? config.beam_width : kBeamWidth;
     find_columns();
     events_.reserve(2 + kSlantBeams);
-    report_.details["sonar"] = fmt::format("vertical beam and {} that lean {:g} degrees, each {:g} degrees wide",
+    report_.details["sonar"] = fmt::format("vertical beam and {} beams that lean {:g} degrees, each {:g} degrees wide",
                                            kSlantBeams, kLean.degrees(), width_.degrees());
     report_.details["time"] = survey_.utc_offset_h == 0
-                                  ? "local, taken as UTC (input.utc_offset_h)"
-                                  : fmt::format("local, {:+g} h of UTC as configured", survey_.utc_offset_h);
+                                  ? "local, taken as UTC; set input.utc_offset_h"
+                                  : fmt::format("local, UTC {:+g} h as configured", survey_.utc_offset_h);
   }
 
  private:
@@ -105,7 +105,7 @@ class SontekSum final : public LogSource {
   BoatFixes fixes_;
   Angle width_;
   std::array<std::size_t, kColumns> column_{};
-  std::vector<Event> events_;  ///< of one sample
+  std::vector<Event> events_;  ///< the events of one sample
   std::size_t at_ = 0;
 };
 
@@ -140,7 +140,7 @@ void SontekSum::parse(const TextLine& line) {
   }
   std::array<double, kColumns> number{};
   for (std::size_t i = kHeading; i < kColumns; ++i) {
-    if (!parse_number(field[i], number[i])) return line.add_damage(report_, "line with a field that is no number");
+    if (!parse_number(field[i], number[i])) return line.add_damage(report_, "line with a field that is not a number");
   }
   auto time = time_from_us(field[kTime]);
   if (!time) return reject(kNoTime);
@@ -168,7 +168,7 @@ void SontekSum::parse(const TextLine& line) {
   }
 }
 
-/// The range at which the beam of this attitude is at the recorded depth.
+/// Adds a reading with the range at which the beam's axis reaches the recorded depth.
 void SontekSum::add_reading(const Navigation& fix, double depth, const Pose& X_BS) {
   if (depth == 0) return;
   const Pose X_WS = fix.X_WB * X_BS;

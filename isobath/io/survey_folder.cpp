@@ -11,9 +11,9 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
 constexpr Duration kBetweenUndated = std::chrono::seconds(10);
-constexpr Time kDated{std::chrono::days(3653)};  // as to_text has it: before, a log knows no date
-constexpr double kFarthest = 9e5;                // m: beyond, a plane has no meaning
-constexpr std::size_t kNamedFiles = 40;          // in the details
+constexpr Time kDated{std::chrono::days(3653)};  // as in to_text: earlier times belong to logs without a date
+constexpr double kFarthest = 9e5;                // m: limit of the local plane
+constexpr std::size_t kNamedFiles = 40;          // maximum number of files named in the details
 
 struct SurveyFile {
   fs::path path;
@@ -47,7 +47,7 @@ bool chosen(const std::string& name, const SurveyInput& config) {
   return (config.only.empty() || fits(name, config.only)) && !fits(name, config.without);
 }
 
-/// The files of the format that most of the chosen files have.
+/// The files of the most common format among the selected files.
 Survey survey_of(const fs::path& folder, const InputConfig& config, const LogFiles& logs) {
   Survey survey;
   std::vector<std::pair<std::string, SurveyFile>> known;
@@ -59,7 +59,7 @@ Survey survey_of(const fs::path& folder, const InputConfig& config, const LogFil
     if (!log.empty() && chosen(log.filename().string(), config.survey)) {
       survey.left_out.push_back({name, "water column, read with its log"});
     } else if (format.empty()) {
-      survey.left_out.push_back({name, "no known log"});
+      survey.left_out.push_back({name, "not a known log"});
     } else if (!chosen(name, config.survey)) {
       survey.left_out.push_back({name, "not chosen"});
     } else {
@@ -80,32 +80,32 @@ Survey survey_of(const fs::path& folder, const InputConfig& config, const LogFil
   return survey;
 }
 
-/// Finds the first time of each file, leaves out those that have none, and sorts.
+/// Finds the first time of each file, leaves out files without events, and sorts.
 void order_by_time(Survey& survey, const InputConfig& config, const LogFiles& logs) {
   std::vector<SurveyFile> usable;
   for (SurveyFile& file : survey.files) {
     try {
       const auto source = logs.open(file.path, config);
       const auto event = source->next();
-      file.bytes = source->report().bytes_total;  // of both files, where one stands beside it
+      file.bytes = source->report().bytes_total;  // includes the file beside it, if there is one
       if (event) {
         file.first = time_of(*event);
         usable.push_back(std::move(file));
       } else {
-        survey.left_out.push_back({file.name, "holds no event"});
+        survey.left_out.push_back({file.name, "contains no event"});
       }
     } catch (const Error& error) {
       survey.left_out.push_back({file.name, error.what()});
     }
   }
-  std::ranges::stable_sort(usable, [](const SurveyFile& a, const SurveyFile& b) {  // the files stand by name
+  std::ranges::stable_sort(usable, [](const SurveyFile& a, const SurveyFile& b) {  // files are already by name
     const bool dated = a.first >= kDated || b.first >= kDated;
     return dated && a.first < b.first;
   });
   survey.files = std::move(usable);
 }
 
-/// "no known log: README.md, lake.shp; not chosen: 1.sum"
+/// A list such as "not a known log: README.md, lake.shp; not chosen: 1.sum".
 std::string listed(const std::vector<LeftOut>& files) {
   std::map<std::string, std::string> names;
   for (std::size_t i = 0; i < std::min(files.size(), kNamedFiles); ++i) {
@@ -159,15 +159,15 @@ class SurveyFolder final : public Source {
   Survey survey_;
   InputConfig config_;
   LogFiles logs_;
-  std::size_t at_ = 0;  ///< of the next file to open
+  std::size_t at_ = 0;  ///< index of the next file to open
   std::unique_ptr<Source> source_;
   std::size_t files_read_ = 0;
   std::uint64_t overlaps_ = 0;
   Duration shift_{};
   std::optional<Time> last_;
   bool first_of_file_ = false;
-  std::optional<std::optional<GeoOrigin>> origin_;  ///< empty before the first fix of all
-  SourceReport finished_;                           ///< of the files that are read
+  std::optional<std::optional<GeoOrigin>> origin_;  ///< empty before the first fix
+  SourceReport finished_;                           ///< the sum over the finished files
   SourceReport report_;
 };
 
@@ -176,7 +176,7 @@ bool SurveyFolder::open_next() {
     const SurveyFile& file = survey_.files[at_++];
     try {
       source_ = logs_.open(file.path, config_);
-    } catch (const Error& error) {  // it was there a moment ago
+    } catch (const Error& error) {  // it has changed since it was listed
       survey_.left_out.push_back({file.name, error.what()});
       continue;
     }
@@ -205,7 +205,7 @@ void SurveyFolder::close() {
   update_report();
 }
 
-/// Onto the plane of the first fix; false where there is none for it.
+/// Converts a fix to the plane of the first fix; false if that is impossible.
 bool SurveyFolder::place(Navigation& fix) {
   const std::optional<GeoOrigin>& own = source_->report().origin;
   if (!origin_) {
@@ -214,7 +214,7 @@ bool SurveyFolder::place(Navigation& fix) {
   }
   if (own == *origin_) return true;
   if (!own || !*origin_) {
-    ++finished_.rejected["fix without a place on the globe, in a survey of which others have one, or the reverse"];
+    ++finished_.rejected["fix without a position on the globe in a survey whose first fix has one, or the reverse"];
     return false;
   }
   if (!(fix.X_WB.translation.norm() < kFarthest)) {
@@ -233,13 +233,13 @@ void SurveyFolder::update_report() {
   report_.format = "folder of " + survey_.format;
   report_.details["files"] = fmt::format("{} of {} read", files_read_, survey_.files.size());
   if (!survey_.left_out.empty()) report_.details["left out"] = listed(survey_.left_out);
-  if (overlaps_ > 0) report_.details["overlap"] = fmt::format("{} files begin before the one ahead ends", overlaps_);
+  if (overlaps_ > 0) report_.details["overlap"] = fmt::format("{} files begin before the previous one ends", overlaps_);
 }
 
-/// Linear in the name for each star: only the last star is ever tried again.
+/// Matches a name against a pattern, in linear time for each star: only the last star is retried.
 bool fits_one(std::string_view name, std::string_view pattern) {
   std::size_t n = 0, p = 0;
-  std::optional<std::pair<std::size_t, std::size_t>> star;  // what follows it, in pattern and in name
+  std::optional<std::pair<std::size_t, std::size_t>> star;  // positions after the star, in pattern and in name
   while (n < name.size()) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = {++p, n};
@@ -292,10 +292,10 @@ bool looks_like_survey_folder(const fs::path& folder, const InputConfig& config,
 
 std::unique_ptr<Source> open_survey_folder(const fs::path& folder, const InputConfig& config, const LogFiles& logs) {
   InputConfig one = config;
-  one.navigation.clear();  // it belongs to the survey, not to each file
+  one.navigation.clear();  // the pose track is for the survey, not for each file
   Survey survey = survey_of(folder, one, logs);
   if (survey.files.empty()) {
-    throw Error("no log is left by input.only and input.without", {folder.string(), {}, {}, {}, {}}, {},
+    throw Error("input.only and input.without leave no log", {folder.string(), {}, {}, {}, {}}, {},
                 "left out: " + listed(survey.left_out));
   }
   order_by_time(survey, one, logs);

@@ -8,8 +8,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kFarthest = 1e6;  // m from the origin: beyond, a plane has no meaning
-// Standard deviation of a number that is uniform within its last digit.
+constexpr double kFarthest = 1e6;  // m from the origin: limit of the local plane
+// Standard deviation of rounding to the last digit (uniform distribution).
 const double kAngleRounding = Angle::degrees(0.01).radians() / std::sqrt(12.0);
 const double kHeaveRounding = 0.01 / std::sqrt(12.0);
 
@@ -41,7 +41,7 @@ double squared(double stated, double otherwise) {
   return sigma * sigma;
 }
 
-/// Samples that wait, in soundings of the same size in memory.
+/// The memory of a ping's samples, counted in soundings.
 std::size_t weight_of(const Ping& ping) {
   return static_cast<std::size_t>(ping.fan->beams()) * static_cast<std::size_t>(ping.window.bins) * sizeof(float) /
          sizeof(Sounding);
@@ -54,7 +54,7 @@ Eigen::Vector2d along(Angle course, double speed) { return {speed * cos(course),
 SurveyTrack::SurveyTrack(SourceReport& report) : report_(report) {}
 SurveyTrack::~SurveyTrack() = default;
 
-// What comes in
+// Input
 // --------------------------------------------------------------------------------------------------------
 
 void SurveyTrack::add(const MotionSample& sample) {
@@ -92,11 +92,11 @@ void SurveyTrack::add_ping(Ping ping) {
   wait_for({time, std::nullopt, std::move(ping)});
 }
 
-/// A place on the local plane, whose origin is the first one.
+/// A position on the local plane, whose origin is the first position.
 std::optional<Vector2d> SurveyTrack::on_plane(const GeoPoint& point) {
   const bool unset = point.latitude_deg == 0 && point.longitude_deg == 0;
   if (!valid(point) || unset) {
-    ++report_.rejected["position that is none"];
+    ++report_.rejected["invalid position"];
     return std::nullopt;
   }
   if (!plane_) {
@@ -133,7 +133,7 @@ void SurveyTrack::finish() {
   tell_coverage();
 }
 
-// What goes out
+// Output
 // --------------------------------------------------------------------------------------------------------
 
 std::optional<Event> SurveyTrack::next() {
@@ -276,9 +276,10 @@ Navigation SurveyTrack::navigation(Time time, const Placed& place, const std::op
 void SurveyTrack::tell_coverage() {
   std::string text = "interpolated to the time of each fix";
   if (beyond_samples_ > 0) {
-    text += fmt::format("; beyond the samples for {} of {} fixes: that of the nearest", beyond_samples_, fixes_);
+    text += fmt::format("; from the nearest sample for {} of {} fixes", beyond_samples_, fixes_);
   }
-  if (without_motion_ > 0) text += fmt::format("; none for {} of {} fixes: taken to be level", without_motion_, fixes_);
+  if (without_motion_ > 0)
+    text += fmt::format("; missing for {} of {} fixes, taken to be level", without_motion_, fixes_);
   if (fixes_ > 0) report_.details["roll and pitch"] = text;
   if (pings_without_position_ > 0)
     report_.details["pings"] = fmt::format("{} without a position", pings_without_position_);

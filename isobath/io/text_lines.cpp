@@ -79,7 +79,7 @@ int TextRow::samples(std::byte* out, int capacity) {
   const char* const end = at + rest_.size();
   int count = 0;
   if (at_end_) return 0;
-  for (;; ++at) {  // behind a separator
+  for (;; ++at) {  // after a separator
     while (at < end && is_blank(*at)) ++at;
     std::uint8_t value = 0;
     const auto [after, failed] = std::from_chars(at, end, value);

@@ -1,4 +1,4 @@
-// Lines of text files, and the values in them. Numbers are read by std::from_chars: no locale, no allocation, and a
+// Lines of text files, and the values in them. Numbers are read by std::from_chars, without locale or allocation; a
 // value must fill its field.
 #pragma once
 
@@ -18,20 +18,20 @@ struct TextLine {
   void add_damage(SourceReport& report, const std::string& reason) const { report.add_damage(offset, bytes, reason); }
 };
 
-/// What ends a line: LF (a CR before it is dropped), or any of CR, LF and CR LF, which then gives an empty line
-/// between.
+/// The line ends: LF only (a CR before it is dropped), or any of CR, LF and CR LF. With kAny, CR LF gives an empty line
+/// in between.
 enum class LineEnd : std::uint8_t { kNewline, kAny };
 
 /// The next line of up to a megabyte; longer ones are skipped as damage. Empty at the end.
 std::optional<TextLine> next_line(ByteWindow& input, SourceReport& report, LineEnd ending = LineEnd::kNewline);
-/// The first line of some bytes, whole or cut.
+/// The first line of some bytes, complete or truncated.
 std::string_view first_line(Bytes bytes);
-/// Mostly printable: what a person would call a text file.
+/// Whether the bytes are mostly printable characters.
 bool looks_like_text(Bytes head);
 
 std::string_view trimmed(std::string_view text);
 
-/// A whole field as a number, blanks around it allowed. Not finite is no number.
+/// Parses a complete field as a number; blanks around it are allowed. A value that is not finite fails.
 template <class T>
 bool parse_number(std::string_view field, T& value) {
   field = trimmed(field);
@@ -46,7 +46,7 @@ class TextRow {
  public:
   TextRow(std::string_view text, char separator) : rest_(text), separator_(separator) {}
 
-  /// Empty fields count; false behind the last.
+  /// The next field, which may be empty; false after the last.
   bool next(std::string_view& field);
   template <class T>
   bool number(T& value) {
@@ -54,9 +54,10 @@ class TextRow {
     return next(field) && parse_number(field, value);
   }
   bool skip(int fields);
-  /// All that is left as samples 0..255, at most `capacity`; -1 where something else stands, or more.
+  /// Reads all remaining fields as samples 0..255. Returns their number, or -1 on other content or more than
+  /// `capacity`.
   int samples(std::byte* out, int capacity);
-  /// An upper bound of the number of fields left.
+  /// An upper bound of the number of remaining fields.
   [[nodiscard]] std::size_t fields_left() const;
 
  private:

@@ -6,11 +6,11 @@ namespace isobath {
 namespace {
 
 constexpr BeamSize kBeam{Angle::degrees(3), Angle::degrees(35)};
-constexpr double kByteTime = 10.0 / 115200;  // s: the head's default serial line, which is slower than its motor
+constexpr double kByteTime = 10.0 / 115200;  // s: default serial line of the head, slower than its motor
 constexpr std::size_t kMaxJoined = 65536;
 
 SweepMark sweep_mark(const TritechLine& line) {
-  if (line.head_control & tritech::kContinuous) return SweepMark::kUnknown;  // a full circle meets no limit
+  if (line.head_control & tritech::kContinuous) return SweepMark::kUnknown;  // a full circle has no limits
   return line.sweep_code == 1 || line.sweep_code == 2 ? SweepMark::kEnd : SweepMark::kInside;
 }
 
@@ -66,7 +66,7 @@ std::optional<Event> TritechDevice::line(Bytes payload, Time time, const std::sh
   described_ = setting;
   if (!line->widths_agree()) {
     report_.details["sample width"] =
-        fmt::format("command and head status disagree in {} lines; the command counts", ++widths_disagree_);
+        fmt::format("command and head status disagree in {} lines; the command is used", ++widths_disagree_);
   }
   const std::byte* samples = line->samples.data();
   if (!line->eight_bit()) {
@@ -94,7 +94,7 @@ void TritechDevice::describe(const TritechLine& line) {
   report_.note_setting("range", fmt::format("{:.4g} m in {} bins of {:.4g} mm, {} bits{}", line.bin_m(c) * line.bins(),
                                             line.bins(), line.bin_m(c) * 1e3, line.eight_bit() ? 8 : 4,
                                             line.bin_time > 0 ? "" : ", by its label: the bin time is missing"));
-  report_.details["sound speed"] = fmt::format("{:g} m/s, as configured: the log does not say", c);
+  report_.details["sound speed"] = fmt::format("{:g} m/s, as configured: the log does not state it", c);
 }
 
 }  // namespace isobath

@@ -1,9 +1,8 @@
-// TritechDevice: what an imaging head of Tritech says, frame by frame, as pings.
+// TritechDevice: converts the frames of a Tritech imaging head to pings.
 //
-// Bearing 3200 is ahead (the transducer's boss forward), growing clockwise for a head that stands upright; a head
-// mounted upside down with its invert bit set corrects that itself. Range follows from the bin time and the host's
-// speed of sound, not from the range label. Beam 3 x 35 degrees. Sweep codes become sweep marks where the head scans a
-// sector.
+// Bearing 3200 is ahead (the transducer's boss forward), growing clockwise for an upright head; a head that is mounted
+// upside down with its invert bit set corrects the bearing itself. Range follows from the bin time and the host's speed
+// of sound, not from the range label. Beam 3 x 35 degrees. Sweep codes become sweep marks if the head scans a sector.
 #pragma once
 
 #include <isobath/io/sample_arena.hpp>
@@ -14,16 +13,16 @@ namespace isobath {
 
 class TritechDevice {
  public:
-  /// `report` must live as long as this.
+  /// `report` must outlive this object.
   TritechDevice(const InputConfig& config, SourceReport& report);
 
-  /// The event of the bytes of one frame of tritech_frame_at, which `owner` keeps.
+  /// The event of one frame from tritech_frame_at; `owner` keeps its bytes alive.
   std::optional<Event> event(Bytes bytes, Time time, const std::shared_ptr<const void>& owner);
-  /// For logs without times: an estimate of the time from the last event to the next: listening, and the serial line.
+  /// For logs without times: estimated time from the last event to the next, for listening and the serial line.
   [[nodiscard]] Duration interval() const { return interval_; }
 
  private:
-  /// The joined payload of a message of several packets, once the last is there.
+  /// The joined payload of a message of several packets, after its last packet.
   std::optional<Bytes> join(const TritechFrame& frame);
   std::optional<Event> line(Bytes payload, Time time, const std::shared_ptr<const void>& owner);
   void describe(const TritechLine& line);

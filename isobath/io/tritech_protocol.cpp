@@ -6,8 +6,8 @@ namespace {
 
 constexpr std::size_t kMaxFrame = 4096;
 constexpr std::size_t kOverhead = 14;    // around the payload
-constexpr std::size_t kPayload = 13;     // offset
-constexpr std::size_t kLengthsEnd = 7;   // both lengths are known here
+constexpr std::size_t kPayload = 13;     // offset of the payload
+constexpr std::size_t kLengthsEnd = 7;   // offset after both lengths
 constexpr std::uint16_t kMinLength = 8;  // L of an empty payload
 constexpr std::uint8_t kAlive = 4;
 constexpr std::uint8_t kVersionData = 1;
@@ -25,7 +25,7 @@ int hex_length(Bytes digits) {
   return value;
 }
 
-/// What is known of the lengths of message types.
+/// Checks the length of the message types with a known length.
 bool length_fits(Bytes frame) {
   const auto id = std::to_integer<std::uint8_t>(frame[10]);
   const bool single = std::to_integer<std::uint8_t>(frame[11]) == kSinglePacket;
@@ -73,7 +73,7 @@ double TritechLine::bin_m(double sound_speed) const {
 }
 
 Result<TritechLine, MessageFault> tritech_line(Bytes payload) {
-  ByteCursor cursor(payload, 3);  // behind count and device type
+  ByteCursor cursor(payload, 3);  // after count and device type
   TritechLine line;
   line.head_status = cursor.little<std::uint8_t>();
   line.sweep_code = cursor.little<std::uint8_t>();

@@ -9,7 +9,7 @@ class TritechStream final : public LogSource {
  public:
   TritechStream(ByteWindow input, const InputConfig& config)
       : LogSource(std::move(input), "Tritech serial stream"), device_(config, report_) {
-    report_.details["time"] = "made from the range setting and the serial line: the stream has none";
+    report_.details["time"] = "estimated from the range setting and the serial line: the stream has no times";
   }
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSide = VoxelBlocks::kSide, kMiddle = 32768, kBlockDepth = 16 - VoxelBlocks::kSideLog2;
 
-/// East, north and up of a voxel of W as a tree counts them: centre = (key - 32768 + 1/2) edges.
+/// East, north and up keys of a voxel of W in the tree: centre = (key - 32768 + 1/2) edges.
 std::array<int, 3> key_of(const VoxelIndex& v) { return {v.y() + kMiddle, v.x() + kMiddle, -v.z() - 1 + kMiddle}; }
 
 bool has_key(const VoxelIndex& corner) {
@@ -21,7 +21,7 @@ bool has_key(const VoxelIndex& corner) {
   return std::all_of(key.begin(), key.end(), [](int k) { return k >= kSide && k < 2 * kMiddle - kSide; });
 }
 
-/// Of the block that a voxel lies in: the bits of its place, east lowest, one octree level after another.
+/// The Morton code of the block that a voxel lies in: one octree level after another, east in the lowest bit.
 std::uint64_t morton(const VoxelIndex& corner) {
   const auto key = key_of(corner);
   std::uint64_t code = 0;
@@ -45,11 +45,11 @@ class TreeWriter {
  public:
   explicit TreeWriter(const VoxelMap& map) : map_(map) {}
 
-  /// All blocks of one cube of the tree: `depth` levels below the root.
+  /// Writes all blocks of one cube of the tree, `depth` levels below the root.
   Node write(std::span<const Placed> blocks, int depth) {
     if (blocks.empty()) return Node::kUnknown;
     if (depth == kBlockDepth) {
-      const VoxelIndex& c = blocks.front().corner;  // up is the other way
+      const VoxelIndex& c = blocks.front().corner;  // z of the tree points up
       return cube({c.x(), c.y(), c.z() + kSide - 1}, kSide);
     }
     return parts([&](int child) {
@@ -65,7 +65,7 @@ class TreeWriter {
   [[nodiscard]] std::uint64_t nodes() const { return nodes_ + 1; }
 
  private:
-  /// The cube whose lowest voxel (greatest z) this is.
+  /// Writes the cube with this lowest voxel (greatest z).
   Node cube(const VoxelIndex& least, int side) {
     if (side == 1) {
       switch (map_.space(least)) {
@@ -80,7 +80,8 @@ class TreeWriter {
       return cube(least + step, half);
     });
   }
-  /// An inner node's two bytes and what follows them; a leaf, and nothing written, where all eight are the same.
+  /// Writes the two bytes of an inner node and its children. If all eight are equal leaves, writes nothing and returns
+  /// that leaf.
   template <class Child>
   Node parts(const Child& child) {
     const std::size_t at = bytes_.size();

@@ -25,8 +25,9 @@ WriteVdb* vdb_writer() {
 #endif
 }
 
-/// Every archive carries a random tag, a UUID as text, by which OpenVDB tells whether a file was exchanged while parts
-/// of it wait to be loaded. Here it is made from the map, so that one map is one file.
+/// Every archive carries a random tag, a UUID as text. OpenVDB uses it to detect that a file was replaced while parts
+/// of it wait to be loaded. This function replaces it by a tag made from the number of voxels, so that the same map
+/// gives the same file.
 void settle_tag(const std::filesystem::path& file, std::size_t voxels) {
   constexpr int kTagAt = 8 + 4 + 4 + 4 + 1;  // magic, versions of file and library, whether offsets follow
   constexpr std::size_t kTagSize = 36;
@@ -34,7 +35,7 @@ void settle_tag(const std::filesystem::path& file, std::size_t voxels) {
   std::array<char, kTagSize> tag{};
   bytes.seekg(kTagAt).read(tag.data(), kTagSize);
   for (const std::size_t dash : {8u, 13u, 18u, 23u}) {
-    if (!bytes || tag[dash] != '-') throw Error("OpenVDB has written a header of a kind that is not known here");
+    if (!bytes || tag[dash] != '-') throw Error("OpenVDB has written a header of an unknown kind");
   }
   const std::string own = fmt::format("00000000-0000-0000-0000-{:012x}", voxels & 0xFFFFFFFFFFFF);
   bytes.seekp(kTagAt).write(own.data(), kTagSize);

@@ -27,7 +27,7 @@ void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes)
   out.close();
   if (!out) {
     throw Error("cannot be written", {file.string(), {}, {}, {}, {}}, "",
-                "check the folder, its rights and free space");
+                "check the folder, its permissions and the free space");
   }
 }
 

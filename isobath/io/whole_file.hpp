@@ -1,4 +1,4 @@
-// Reads and writes files as a whole, for formats that are small by nature. Throws Error.
+// Reads and writes complete files, for formats with small files. Throws Error.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace isobath {
 
-/// Refuses files over `max_bytes` before anything is allocated.
+/// Refuses files over `max_bytes` before any allocation.
 std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& file, std::uint64_t max_bytes);
 
 void write_whole_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint8_t kFileMark = 123;
 constexpr std::uint16_t kPacketMark = 0xFACE;
-constexpr std::size_t kFileHeader = 1024;  // longer by whole multiples with more than six channels
+constexpr std::size_t kFileHeader = 1024;  // a multiple of this with more than six channels
 constexpr std::size_t kMaxFileHeader = 1 << 16;
 constexpr std::size_t kPacketHeader = 14;
 constexpr std::uint32_t kMaxPacket = std::uint32_t{1} << 24;
@@ -29,7 +29,7 @@ Framing packet_at(Bytes bytes) {
   return noise_until(bytes, static_cast<char>(0xCE));
 }
 
-/// Where the first packet stands; 0 where none does.
+/// Offset of the first packet; 0: none found.
 std::size_t header_size(Bytes head) {
   for (std::size_t at = kFileHeader; at <= kMaxFileHeader && at + kPacketHeader <= head.size(); at += kFileHeader) {
     if (packet_at(head.subspan(at)).kind != Framing::Kind::kNoise) return at;
@@ -37,7 +37,7 @@ std::size_t header_size(Bytes head) {
   return 0;
 }
 
-/// Year u16, then month, day, hour, minute and second as u8.
+/// A date and time: year u16, then month, day, hour, minute and second as u8.
 std::optional<Time> date_at(const RecordView& fields, std::size_t at) {
   using namespace std::chrono;
   const int y = fields.at<std::uint16_t>(at);
@@ -47,10 +47,10 @@ std::optional<Time> date_at(const RecordView& fields, std::size_t at) {
   return Time{sys_days(date).time_since_epoch() + hours(byte(2)) + minutes(byte(3)) + std::chrono::seconds(byte(4))};
 }
 
-/// The block of an R2Sonic head: big-endian sections of a two-letter name and a size.
+/// The block of an R2Sonic head: big-endian sections, each with a two-letter name and a size.
 struct R2SonicBlock {
   RecordView header{{}}, ranges{{}}, angles{{}}, flags{{}};
-  bool even_angles = false;  ///< first and last angle; else steps
+  bool even_angles = false;  ///< `angles` holds the first and last angle; else steps
 };
 
 std::optional<R2SonicBlock> block_of(Bytes bytes) {
@@ -114,12 +114,12 @@ void Xtf::skip_header() {
 
 void Xtf::describe() {
   const Eigen::Vector3d& p = X_BS_.translation;
-  report_.details["time"] = "of the recorder";
+  report_.details["time"] = "clock of the recorder";
   report_.details["lever arms"] = fmt::format(
       "not in the log: head at {:g}, {:g}, {:g} m forward, starboard, down of the position and motion sensors, as "
       "configured",
       p.x(), p.y(), p.z());
-  report_.details["ray bending"] = "not taken out: the log has no sound speed profile";
+  report_.details["ray bending"] = "not corrected: the log has no sound speed profile";
 }
 
 std::optional<Event> Xtf::read() {
@@ -146,7 +146,7 @@ void Xtf::take(Bytes bytes) {
 }
 
 void Xtf::take_attitude(const RecordView& packet) {
-  if (!packet.holds(0, 63)) return reject("attitude packet shorter than it must be");
+  if (!packet.holds(0, 63)) return reject("attitude packet too short");
   const auto date = date_at(packet, 54);
   const auto milliseconds = packet.at<std::uint16_t>(61);
   if (!date || milliseconds > 999) return reject("attitude packet whose date is impossible");
@@ -164,9 +164,9 @@ void Xtf::take_attitude(const RecordView& packet) {
 }
 
 void Xtf::take_position(const RecordView& packet) {
-  if (!packet.holds(0, 39)) return reject("position packet shorter than it must be");
+  if (!packet.holds(0, 39)) return reject("position packet too short");
   const auto date = date_at(packet, 14);
-  const auto tenths = packet.at<std::uint16_t>(21);  // of a millisecond
+  const auto tenths = packet.at<std::uint16_t>(21);  // tenths of a millisecond
   if (!date || tenths > 9999) return reject("position packet whose date is impossible");
   const GeoPoint point{packet.at<double>(23), packet.at<double>(31)};
   if (projected_) return reject("position in metres of an unknown projection");
@@ -187,7 +187,8 @@ void Xtf::take_bathymetry(const RecordView& packet) {
   const auto nanoseconds = block->header.at<std::uint32_t>(32);
   const Time stated{std::chrono::seconds(block->header.at<std::uint32_t>(28)) + Duration(nanoseconds)};
   const bool agree = nanoseconds < 1'000'000'000 && std::chrono::abs(stated - recorded) < std::chrono::seconds(1);
-  report_.note_setting("clock of the head", agree ? "that of the recorder" : "not that of the recorder, not used");
+  report_.note_setting("clock of the head",
+                       agree ? "agrees with the recorder" : "disagrees with the recorder, not used");
   const double sound_speed = static_cast<double>(block->header.at<float>(44));
   if (!(sound_speed > 1000 && sound_speed < 2000)) return reject("bathymetry whose sound speed is impossible");
   Swath swath;
@@ -219,14 +220,14 @@ bool Xtf::add_soundings(const R2SonicBlock& block, Swath& swath) {
     return false;
   const double unit = 0.5 * swath.sound_speed * static_cast<double>(block.ranges.at<float>(4));
   const double first = static_cast<double>(block.angles.at<float>(4));
-  const double second = static_cast<double>(block.angles.at<float>(8));  // last angle, or what a step counts
+  const double second = static_cast<double>(block.angles.at<float>(8));  // last angle, or angle per step count
   std::uint32_t steps = 0;
   swath.soundings.reserve(points);
   for (std::size_t i = 0; i < points; ++i) {
     if (!block.even_angles) steps += block.angles.at<std::uint16_t>(kSteps + 2 * i);
     const double share = points > 1 ? static_cast<double>(i) / static_cast<double>(points - 1) : 0;
     const double angle = block.even_angles ? first + share * (second - first) : first + second * steps;
-    // Four flags a point, the first point in the upper half of a byte: phase, magnitude, two reserved.
+    // Four flags per point, the first point in the upper half of a byte: phase, magnitude, two reserved.
     const auto flags = block.flags.at<std::uint8_t>(4 + i / 2) >> (i % 2 == 0 ? 4 : 0);
     const bool detected = !flagged || (flags & 0xC) != 0;
     const double range = detected ? unit * block.ranges.at<std::uint16_t>(kRanges + 2 * i) : 0;

@@ -1,13 +1,13 @@
-// BlockPool: where the internal nodes of region quadtrees stand (Oskard 1990, III-A; ledger S1-12).
+// BlockPool: storage for the internal nodes of region quadtrees (Oskard 1990, III-A; ledger S1-12).
 //
-// A block is four 32-bit descriptors side by side, named by its index, so that words stay 32 bits wide and a pool can
-// be written to a file and mapped back as it is. Blocks stand in pages of 1024 (16 KiB). A copy of the pool shares all
+// A block is four adjacent 32-bit descriptors, named by its index, so that words stay 32 bits wide and a pool can be
+// written to a file and mapped back unchanged. Blocks lie in pages of 1024 (16 KiB). A copy of the pool shares all
 // pages: it costs one table of pages, and each side clones a page when it first writes to it. Pages adopted from a
-// read-only mapped file are cloned in the same way. Free blocks are a list that runs through their first words.
+// read-only mapped file are cloned in the same way. Free blocks form a list that runs through their first words.
 //
-// Threads: copies may be read, copied and destroyed in any threads while the original is written on in its own. One
-// pool must not be copied and written at the same time: a page with a single holder is written in place, and only a
-// copy of that holder could make it two.
+// Threads: other threads may read, copy and destroy copies while the original's own thread writes to it. No thread may
+// copy a pool while another writes to it: a page with a single holder is written in place, and only a copy of that
+// holder could add a second one.
 #pragma once
 
 #include <algorithm>
@@ -31,9 +31,9 @@ class BlockPool {
   static constexpr std::uint32_t kMostBlocks = 0x7fffffff;  ///< a link is an index of 31 bits
 
   BlockPool() = default;
-  /// Blocks 0 .. end - 1 in `pages` pages at `words`, which `owner` keeps alive and nobody writes.
+  /// Blocks 0 .. end - 1 in `pages` pages at `words`; `owner` keeps the pages alive, and no thread writes to them.
   BlockPool(const std::uint32_t* words, std::uint32_t pages, std::shared_ptr<const void> owner, std::uint32_t end);
-  /// Blocks of adopted pages that are free. The list must have been checked.
+  /// The free blocks of the adopted pages. The caller has checked the list.
   void adopt_free_list(std::uint32_t head, std::uint32_t count) { free_head_ = head, free_count_ = count; }
 
   [[nodiscard]] Block block(std::uint32_t index) const {
@@ -45,7 +45,7 @@ class BlockPool {
     return pages_[index / kBlocksPerPage].words + std::size_t{4} * (index % kBlocksPerPage);
   }
   void write(std::uint32_t index, const Block& block) { std::copy(block.begin(), block.end(), edit(index)); }
-  /// Clones the block's page if others see it too. Valid until the pool is copied.
+  /// Clones the block's page if another pool shares it. Valid until the pool is copied.
   std::uint32_t* edit(std::uint32_t index) {
     Page& page = pages_[index / kBlocksPerPage];
     if (!page.own()) page = clone(page);
@@ -53,7 +53,7 @@ class BlockPool {
   }
   std::uint32_t allocate(const Block& block);
   void release(std::uint32_t index);
-  /// Every block whose mark is false becomes free, the first one to be used next.
+  /// Frees every block whose mark is false; the first of them is allocated next.
   void free_unmarked(const std::vector<bool>& marks);
 
   [[nodiscard]] std::uint32_t in_use() const { return end_ - free_count_; }
@@ -63,9 +63,9 @@ class BlockPool {
   [[nodiscard]] std::uint32_t pages() const { return static_cast<std::uint32_t>(pages_.size()); }
   [[nodiscard]] const std::uint32_t* page(std::uint32_t number) const { return pages_[number].words; }
   [[nodiscard]] std::uint32_t mapped_pages() const;
-  /// Pages that stand at the same place in memory in both pools.
+  /// Pages that have the same address in both pools.
   [[nodiscard]] std::uint32_t shared_pages(const BlockPool& other) const;
-  /// Blocks ever handed out, to see that nothing is built and thrown away (S1-15).
+  /// Blocks that were ever allocated, to see that nothing is built and thrown away (S1-15).
   [[nodiscard]] std::uint64_t allocations() const { return allocations_; }
 
  private:
@@ -76,7 +76,7 @@ class BlockPool {
   /// One holder's share in a page.
   struct Page {
     const std::uint32_t* words = nullptr;
-    HeapPage* heap = nullptr;  ///< null: in the mapped file
+    HeapPage* heap = nullptr;  ///< null for a page of the mapped file
 
     explicit Page(const std::uint32_t* mapped) : words(mapped) {}
     explicit Page(std::unique_ptr<HeapPage> fresh) : words(fresh->words.data()), heap(fresh.release()) {}
@@ -92,7 +92,7 @@ class BlockPool {
     ~Page() {
       if (heap != nullptr && heap->holders.fetch_sub(1, std::memory_order_acq_rel) == 1) delete heap;
     }
-    /// Acquire: what the last other holder has read of the page, it has read before it let go.
+    /// Acquire: the last other holder finished its reads of the page before it released it.
     [[nodiscard]] bool own() const { return heap != nullptr && heap->holders.load(std::memory_order_acquire) == 1; }
   };
   static Page clone(const Page& page);

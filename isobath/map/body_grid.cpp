@@ -32,11 +32,11 @@ void check(const BodyGridConfig& c) {
     wrong("cells_x, cells_y", "the grid has no usable size", "1 .. 16384 cells a side", "");
   }
   if (!(c.home_x >= 0 && c.home_x <= 1 && c.home_y >= 0 && c.home_y <= 1)) {
-    wrong("home_x, home_y", "the vehicle stands outside its grid", "0 .. 1", "");
+    wrong("home_x, home_y", "the vehicle lies outside its grid", "0 .. 1", "");
   }
   if (!(c.p_min > 0 && c.p_min < c.prior)) wrong("p_min", "no room below the prior", "above 0, below prior", "");
   if (!(9 * c.prior < c.threshold)) {
-    wrong("prior", std::to_string(c.prior) + " makes unseen water an obstacle: nine cells of it reach the threshold",
+    wrong("prior", std::to_string(c.prior) + " makes unseen water an obstacle: nine unseen cells reach the threshold",
           "below threshold / 9", "lower the prior or raise the threshold");
   }
   if (!(c.diffuse_at > 0 && c.diffuse_at <= 0.5)) wrong("diffuse_at", "out of range", "above 0, up to 0.5 cells", "");
@@ -47,7 +47,7 @@ Cell home_of(const BodyGridConfig& c) {
           std::min(static_cast<int>(c.home_y * c.cells_y), c.cells_y - 1)};
 }
 
-// Moves the contents by (dx, dy) cells; what enters is `fill`.
+// Moves the contents by (dx, dy) cells; cells that enter the grid become `fill`.
 template <class T>
 void move_cells(std::vector<T>& field, const CartesianGrid& grid, int dx, int dy, const T& fill) {
   if (std::abs(dx) >= grid.cells_x || std::abs(dy) >= grid.cells_y) {
@@ -113,22 +113,22 @@ std::vector<Field> fields(BodyGridConfig& c) {
   return {
       Field::real("cell_m", &c.cell_m, {0.005, 100}, "m", "Edge of a cell."),
       Field::integer("cells_x", &c.cells_x, {1, 16384}, "cells", "Cells along the vehicle's first heading."),
-      Field::integer("cells_y", &c.cells_y, {1, 16384}, "cells", "Cells across it."),
-      Field::real("home_x", &c.home_x, {0, 1}, "1", "Where the vehicle stands in the grid, from its rear end."),
-      Field::real("home_y", &c.home_y, {0, 1}, "1", "Where the vehicle stands in the grid, from its port side."),
-      Field::real("prior", &c.prior, {1e-6, 0.2}, "1", "Probability that a cell nobody has seen is occupied."),
+      Field::integer("cells_y", &c.cells_y, {1, 16384}, "cells", "Cells across the vehicle's first heading."),
+      Field::real("home_x", &c.home_x, {0, 1}, "1", "The vehicle's position in the grid, from the rear edge."),
+      Field::real("home_y", &c.home_y, {0, 1}, "1", "The vehicle's position in the grid, from the port edge."),
+      Field::real("prior", &c.prior, {1e-6, 0.2}, "1", "Probability that an unseen cell is occupied."),
       Field::real("p_min", &c.p_min, {1e-9, 0.1}, "1", "Probabilities stay within p_min and 1 - p_min."),
       Field::choice("shifting", &c.shifting,
                     {{"whole_cells", C::Shifting::kWholeCells},
                      {"interpolated", C::Shifting::kInterpolated},
                      {"printed", C::Shifting::kPrinted}},
-                    "How displacements move the contents; all but whole_cells blur them and are there to compare."),
+                    "How displacements move the contents; all but whole_cells blur them and exist for comparison."),
       Field::choice("turning", &c.turning, {{"exact", C::Turning::kExact}, {"resampled", C::Turning::kResampled}},
                     "Whether the heading is carried beside the grid, or turns its contents in steps of 1 degree."),
       Field::choice("moved", &c.moved, {{"sum", C::Moved::kSum}, {"any_target", C::Moved::kAnyTarget}},
-                    "Whether shares of moved cells add as expectations or as chances of at least one target."),
+                    "Whether shares of moved cells add up as expectations or as chances of at least one target."),
       Field::real("diffuse_at", &c.diffuse_at, {0.01, 0.5}, "cells",
-                  "Standard deviation of the motion that has to add up before it spreads the contents."),
+                  "The uncertainty of the motion accumulates; it is applied when its standard deviation reaches this."),
   };
 }
 
@@ -264,7 +264,7 @@ void BodyGrid::convolve(const MotionKernel& kernel) {
   write_probabilities();
 }
 
-// Ganesan 2015, equation 3.20, with the reach that is needed (S6-23, S6-E12). Contents turn by -turn about the vehicle.
+// Ganesan 2015, equation 3.20, with the necessary reach (S6-23, S6-E12). Contents turn by -turn about the vehicle.
 void BodyGrid::resample(Angle turn) {
   heading_ = (heading_ - turn).wrapped();
   read_probabilities();

@@ -32,9 +32,9 @@ void ClearViews::set(View& view, const SphericalDirection& d, double clear_m) co
   view.clear[static_cast<std::size_t>(row) + static_cast<std::size_t>(d.elevation)] = static_cast<float>(clear_m);
 }
 
-// The bucket of the axis, and those whose middle lies within half the beam's width of it in azimuth and in elevation:
-// so beams as far apart as buckets leave none between them. What is clear is a ray from where the vehicle was; seen
-// from the view's own place it ends at another range, in nearly the same direction.
+// Sets the bucket of the axis, and those whose middle lies within half the beam's width of it in azimuth and in
+// elevation, so that beams one bucket apart leave no gap between them. The clear range is a ray from the vehicle's
+// position; seen from the view's own origin it ends at another range, in nearly the same direction.
 void ClearViews::look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, double clear_m,
                       Time time) {
   View& view = view_at(from);

@@ -1,13 +1,15 @@
-// ClearViews: how far the water was seen to be clear, from the places that the vehicle has looked from. It tells free
-// water from water nobody has looked at (ledger S4-12, S4-50), which cells cannot: only what echoed is stored as cells.
+// ClearViews: the range up to which the water was seen to be clear, from each place that the vehicle has looked from.
+// It tells free water from water that was never observed (ledger S4-12, S4-50); cells cannot, because only echoes are
+// stored as cells.
 //
-// A view is a place and, for each direction that was looked at from it, the range up to which nothing was heard. Views
-// move with the vehicle as wholes, so that nothing is ever re-binned and no error adds up; a point is clear where any
-// view reaches it. A look from within `apart` of the newest view goes into it: a new one begins beyond. The oldest view
-// is forgotten for it, and any that is older than is asked for.
+// A view is a place and, for each direction that was observed from it, the range up to which there was no echo. Views
+// move rigidly with the vehicle, so that nothing is ever re-binned and no error accumulates. A point is clear where any
+// view reaches it. A look from within `apart` of the newest view goes into that view; a look from farther away begins a
+// new view. A new view replaces the oldest one when all are in use; views older than a given time are forgotten on
+// request.
 //
-// Whether something stands in clear water is not asked here: cells say so, and they come first. Frames: axes T of the
-// grid, m. `is_clear` looks at each view at most once. One thread.
+// This class does not know whether something stands in clear water: cells do, and they take precedence. Frames: axes T
+// of the grid, m. `is_clear` examines each view at most once. One thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,17 +21,17 @@ namespace isobath {
 
 class ClearViews {
  public:
-  /// `buckets` must outlive it.
+  /// `buckets` must outlive this object.
   ClearViews(const DirectionBuckets& buckets, int most_views, double apart_m);
 
-  /// From `from`, nothing was heard along the unit vector u and within half_width of it, up to clear_m.
+  /// From `from`, there was no echo along the unit vector u and within half_width of it, up to clear_m.
   void look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, double clear_m, Time time);
   [[nodiscard]] bool is_clear(const Eigen::Vector3d& p) const;
-  /// All views of another one, whose directions are the same.
+  /// Copies all views of another object that has the same directions.
   void copy_from(const ClearViews& other) { views_ = other.views_; }
-  /// p' = R p + t of everything.
+  /// Applies p' = R p + t to all views.
   void move(const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
-  /// Views whose last look was earlier.
+  /// Removes views whose last look was earlier than `time`.
   void forget_before(Time time);
   [[nodiscard]] int views() const { return static_cast<int>(views_.size()); }
   [[nodiscard]] std::size_t bytes() const;
@@ -37,9 +39,9 @@ class ClearViews {
  private:
   struct View {
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< from T to the axes that the view was begun in
+    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< from T to the axes in which the view began
     Time last{};
-    std::vector<std::int32_t> rows;  ///< by azimuth, where its elevations start in `clear`; -1: none
+    std::vector<std::int32_t> rows;  ///< by azimuth: where its elevations start in `clear`; -1: none
     std::vector<float> clear;        ///< m
   };
   View& view_at(const Eigen::Vector3d& from);

@@ -1,8 +1,8 @@
-// DepthField: a map of depths as planners see it: pixels to read, at one version (ledger S1-03).
+// DepthField: a depth map as planners see it: readable pixels of one version (ledger S1-03).
 //
-// A pixel outside of what is stored is unknown, like any other that nobody has seen: unknown depth is not safe depth.
-// A field does not change while it is read; implementations are immutable snapshots, so that any number of threads may
-// read at once.
+// A pixel outside the stored area is unknown, like any pixel that was never observed: unknown depth is not safe depth.
+// A field does not change while it is read. Implementations are immutable snapshots, so any number of threads may read
+// at once.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class DepthField {
   [[nodiscard]] virtual PixelGrid grid() const = 0;
   /// Row by row from the north-west; `out` holds width x height pixels.
   virtual void read(PixelWindow window, std::span<DepthPixel> out) const = 0;
-  /// Grows with every change of the map that this is a snapshot of.
+  /// Grows with every change of the map of which this is a snapshot.
   [[nodiscard]] virtual std::uint64_t version() const = 0;
 
   [[nodiscard]] DepthPixel at(Pixel p) const {

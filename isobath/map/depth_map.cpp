@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMostLevels = 20;  // 2^20 pixels a side: 524 km of 0.5 m
 
-/// Pixels of a window that lie within another, row by row into `out`, which is laid out as the first.
+/// Calls take(pixel, index) for the pixels of `wanted` that lie within `held`; index counts row by row in `wanted`.
 template <class Take>
 void for_overlap(const PixelWindow& wanted, const PixelWindow& held, Take take) {
   const int left = std::max(wanted.column, held.column), top = std::max(wanted.row, held.row);
@@ -31,8 +31,8 @@ std::vector<Field> fields(DepthMapConfig& c) {
           Field::integer("window_pixels", &c.window_pixels, {64, 4096}, "1",
                          "Side of the local window in pixels; a power of two."),
           Field::real("area_m", &c.area_m, {64, 500000}, "m",
-                      "Least side of the operational area around the origin; a map keeps the one that it was made "
-                      "with.")};
+                      "Minimum side of the operational area around the origin; an existing map keeps the side that it "
+                      "was made with.")};
 }
 
 DepthArea area_of(const DepthMapConfig& config) {
@@ -92,7 +92,7 @@ DepthMap::DepthMap(const DepthMapConfig& config, const DepthArea& area, DepthTre
       published_(std::make_shared<const DepthTrees>(trees_)),
       window_(config.window_pixels / DepthTile::kSide) {
   ISOBATH_ASSERT(trees_.levels() == area_.levels);
-  // The window, the one that is made beside it, and what is cloned while both stand.
+  // The window, the one that is made beside it, and the tiles that are cloned while both exist.
   pool_->reserve(static_cast<std::size_t>(window_.tiles()) * window_.tiles() * 4);
   const auto shift = begin_shift(centred(start));
   shift->run();

@@ -1,9 +1,9 @@
-// DepthPixel: what a depth map knows of one pixel, and the two 31-bit words that quadtrees keep of it (Oskard 1990,
+// DepthPixel: what a depth map knows about one pixel, and the two 31-bit words in which quadtrees keep it (Oskard 1990,
 // III-A; ledger S1-12, S1-16 to S1-18, S1-45).
 //
-// Depth word: 0 is "nobody knows"; else the depth of the bottom below the map's datum in centimetres, offset by 2^30
-// (negative depths dry out). State word: 5 bits of confidence 0..20, the flags, and the minutes since the map's epoch
-// at which a reading last spoke of the pixel (22 bits: 8 years, then it stays at the end).
+// Depth word: 0 is unknown; else the depth of the bottom below the map's datum in centimetres, offset by 2^30 (negative
+// depths dry out). State word: 5 bits of confidence 0..20, the flags, and the time of the last reading of the pixel in
+// minutes since the map's epoch (22 bits: 8 years, then it saturates).
 #pragma once
 
 #include <algorithm>
@@ -17,9 +17,9 @@ inline constexpr int kFullConfidence = 20;
 
 enum PixelFlag : std::uint8_t {
   kTrack = 1,           ///< the vehicle passed here
-  kSeenByDepth = 2,     ///< a downward sonar stands for its depth: has put it there or affirmed it
-  kSeenByObstacle = 4,  ///< a forward sonar does; alone, the depth is a bound: clear down to it, or up to it
-  kSensed = 8,          ///< its depth is a sensor's, not the prior's (S1-E05)
+  kSeenByDepth = 2,     ///< a downward sonar measured or affirmed its depth
+  kSeenByObstacle = 4,  ///< a forward sonar did; alone, the depth is a bound: clear down to it, or up to it
+  kSensed = 8,          ///< its depth comes from a sensor, not from the prior (S1-E05)
 };
 
 struct DepthPixel {

@@ -1,12 +1,13 @@
-// DepthRules: how one reading changes what is believed of one pixel (Oskard 1990, IV-A and IV-B; ledger S1-45 to S1-51,
-// S1-62, S1-63, S1-76, S1-E05, S1-E06, S1-E09).
+// DepthRules: how one reading changes the depth and confidence of one pixel (Oskard 1990, IV-A and IV-B; ledger S1-45
+// to S1-51, S1-62, S1-63, S1-76, S1-E05, S1-E06, S1-E09).
 //
-// Each pixel holds a depth and a confidence 0..20. A reading affirms it (confidence rises by the step), conflicts with
-// it (falls by the step; below the threshold the depth is replaced and the confidence set to the sensor's base), or
-// says nothing. A pixel whose depth nobody knows takes the first depth that it is given: there is nothing to defend.
+// Each pixel holds a depth and a confidence 0..20. A reading affirms the depth (confidence rises by the step),
+// conflicts with it (confidence falls by the step; below the threshold the depth is replaced and the confidence set to
+// the sensor's base), or is irrelevant to it. A pixel of unknown depth takes the first depth that a reading gives it,
+// because there is no old depth to defend.
 //
-// A new depth is believed after floor((c0 - threshold) / step) + 1 conflicting readings, c0 being the confidence at the
-// start; a confirmed one is unlearned after full - threshold + 1 readings at a step of one.
+// A new depth replaces the old one after floor((c0 - threshold) / step) + 1 conflicting readings, where c0 is the
+// confidence at the start; a fully confirmed depth is replaced after full - threshold + 1 readings at a step of one.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,7 @@ namespace isobath {
 
 struct DepthRules {
   int base_prior = 5;   ///< confidence of a charted depth
-  int base_sensor = 6;  ///< of a depth that a sensor has just put in its place
+  int base_sensor = 6;  ///< confidence of a depth that a sensor has just replaced
   int threshold = 2;    ///< a depth is replaced when its confidence falls below this
   bool refine = false;  ///< agreeing depth soundings move the depth by step / (confidence + step) of the difference
 
@@ -28,12 +29,12 @@ struct DepthRules {
 };
 std::vector<Field> fields(DepthRules& rules);
 
-/// What a reading says of a pixel.
+/// What a reading says about a pixel.
 enum class Claim : std::uint8_t {
   kBottomAt,   ///< depth sonar: the bottom is at `depth`, give or take `margin`
-  kAtLeast,    ///< clear water down to `depth`: a shallower pixel conflicts, a deeper one is not spoken of
-  kAtMost,     ///< the bottom, or what stands on it, reaches up to `depth`
-  kSomewhere,  ///< an echo that the map explains already: affirms a pixel that reaches up to `depth`, never conflicts
+  kAtLeast,    ///< clear water down to `depth`: a shallower pixel conflicts, a deeper one is irrelevant
+  kAtMost,     ///< the bottom, or an object on it, reaches up to `depth`
+  kSomewhere,  ///< an echo that the map already explains: affirms a pixel that reaches up to `depth`, never conflicts
 };
 
 enum class Verdict : std::uint8_t { kIrrelevant, kAffirmed, kConflicted, kReplaced };
@@ -47,7 +48,7 @@ struct PixelReading {
   std::uint32_t minute = 0;
 };
 
-/// Whether `pixel` agrees, conflicts, or is not spoken of (S1-51). For kBottomAt the last does not occur.
+/// Whether `pixel` agrees, conflicts, or is irrelevant (S1-51). kBottomAt is never irrelevant.
 inline Verdict judge(const DepthPixel& pixel, const PixelReading& reading) {
   if (!pixel.known()) return reading.claim == Claim::kSomewhere ? Verdict::kIrrelevant : Verdict::kConflicted;
   const std::int32_t depth = pixel.depth_cm();
@@ -83,7 +84,7 @@ inline Verdict apply(DepthPixel& pixel, const PixelReading& reading, const Depth
     return verdict;
   }
   pixel.depth_word = static_cast<std::uint32_t>(reading.depth_cm + DepthPixel::kDepthOffset);
-  // The flags say who stands for this depth: those who spoke for the one before do not.
+  // The flags say which sensors support this depth; those that supported the previous one do not.
   const unsigned kept = pixel.flags() & kTrack;
   pixel.state_word = DepthPixel::word_of_state(rules.base_sensor, kept | reading.flag | kSensed, reading.minute);
   return Verdict::kReplaced;

@@ -73,8 +73,8 @@ std::size_t TilePool::allocated() const {
 }
 
 DepthTile& TilePtr::own() {
-  // Only the owner of this reference makes new ones, so a count of one cannot rise behind our back; acquire pairs with
-  // the release of whoever let go last, whose reads must be over before we write.
+  // Only the owner of this reference makes new ones, so a count of one cannot rise meanwhile. Acquire pairs with the
+  // release by the last other holder, whose reads must be over before we write.
   if (tile_->references_.load(std::memory_order_acquire) != 1) {
     TilePtr clone = tile_->pool_->take();
     clone.tile_->pixels = tile_->pixels;

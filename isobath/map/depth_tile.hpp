@@ -1,14 +1,14 @@
 // DepthTile: 32 x 32 pixels of a local map, shared by copy-on-write; DepthWindow: a square of them around the vehicle.
 //
-// A window is a ring of tiles addressed modulo its side, so that it moves by exchanging tiles and copies nothing that
-// stays (toroidal; Oskard 1990, III-C; ledger S1-27, S1-28). Copying a window copies pointers: the copy is a snapshot
-// for readers in other threads, for a flush, or for the buffer of a shift, and whoever writes on clones a tile at its
-// first write to it (about 1 us). Each tile keeps the least and greatest known depth of its 4 x 4 blocks of 8 x 8
-// pixels: the group and vehicle level (S1-38, S1-40): a depth that becomes shallower lowers the minimum at once, one
-// that was the minimum and deepens has its block of 64 pixels looked at again.
+// A window is a ring of tiles addressed modulo its side: it moves by exchanging tiles, and tiles that stay are not
+// copied (toroidal; Oskard 1990, III-C; ledger S1-27, S1-28). Copying a window copies pointers. The copy is a snapshot
+// for readers in other threads, for a flush, or for the buffer of a shift; the writer then clones each tile at its
+// first write to it (about 1 us). Each tile keeps the minimum and maximum known depth of its 4 x 4 blocks of 8 x 8
+// pixels, which are the group and vehicle level (S1-38, S1-40). A pixel that becomes shallower lowers the minimum at
+// once; when a pixel that held the minimum deepens, its block of 64 pixels is surveyed again.
 //
-// Threads: one writer a window; snapshots may be read, copied and dropped in any thread. Tiles come from a pool that
-// keeps freed ones, so that steady work allocates nothing.
+// Threads: one writer a window; any thread may read, copy and drop snapshots. Tiles come from a pool that keeps freed
+// tiles, so that steady work allocates nothing.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@
 
 namespace isobath {
 
-/// Least and greatest known depth of a block of 8 x 8 pixels, and how many of its pixels nobody knows.
+/// Minimum and maximum known depth of a block of 8 x 8 pixels, and how many of its pixels are unknown.
 struct DepthBlock {
   static constexpr int kPixels = 8;  ///< a side: 4 m of 0.5 m pixels
   std::int32_t min_cm = std::numeric_limits<std::int32_t>::max();
@@ -40,9 +40,9 @@ struct DepthTile {
 
   std::array<DepthPixel, kPixels> pixels;
   std::array<DepthBlock, kBlocks * kBlocks> blocks;
-  std::array<std::uint32_t, kSide> changed;  ///< a bit a pixel: not yet in the trees
+  std::array<std::uint32_t, kSide> changed;  ///< one bit a pixel: not yet in the trees
 
-  /// Blocks anew from the pixels.
+  /// Recomputes the blocks from the pixels.
   void survey();
   void survey(int block);
 
@@ -53,18 +53,18 @@ struct DepthTile {
   class TilePool* pool_ = nullptr;
 };
 
-/// Keeps tiles that nobody uses any more for the next who needs one. Lives longer than all of its tiles.
+/// Keeps unused tiles for later use. Must outlive all of its tiles.
 class TilePool {
  public:
   TilePool();
   ~TilePool();
   TilePool(const TilePool&) = delete;
   TilePool& operator=(const TilePool&) = delete;
-  /// Memory for `count` tiles at hand.
+  /// Allocates memory for `count` free tiles.
   void reserve(std::size_t count);
-  /// Contents are those of whoever had it before.
+  /// The tile's contents are left over from its last use.
   class TilePtr take();
-  /// Tiles that were ever allocated.
+  /// Number of tiles ever allocated.
   [[nodiscard]] std::size_t allocated() const;
 
  private:
@@ -93,7 +93,7 @@ class TilePtr {
   const DepthTile& operator*() const { return *tile_; }
   explicit operator bool() const { return tile_ != nullptr; }
   bool operator==(const TilePtr&) const = default;
-  /// The tile to write to: itself where nobody else holds it, else a clone that takes its place.
+  /// The tile to write to: itself if this is the only reference, else a clone that takes its place.
   DepthTile& own();
 
  private:
@@ -104,7 +104,7 @@ class TilePtr {
 
 class DepthWindow {
  public:
-  /// `tiles`: a side, a power of two. Empty until tiles are put in.
+  /// `tiles`: a side, a power of two. The window is empty until tiles are put in.
   explicit DepthWindow(int tiles = 16);
 
   [[nodiscard]] int tiles() const { return tiles_; }
@@ -127,10 +127,10 @@ class DepthWindow {
   [[nodiscard]] const TilePtr& tile(Pixel tile) const { return ring_[slot(tile)]; }
   TilePtr& tile(Pixel tile) { return ring_[slot(tile)]; }
 
-  /// Another north-west tile; the tiles that stay within the window keep their place, the others are let go.
+  /// Sets another north-west tile; tiles that stay within the window keep their place, the others are released.
   void move_to(Pixel first_tile);
 
-  /// Writes one pixel: keeps the blocks and the mark of change right.
+  /// Writes one pixel and updates its block and its mark of change.
   void set(Pixel p, const DepthPixel& pixel);
   static void set(DepthTile& tile, int index, const DepthPixel& pixel);
 

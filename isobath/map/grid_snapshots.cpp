@@ -32,7 +32,7 @@ void GridSnapshots::publish(const SphericalGrid& grid, Time time, const Pose& X_
     const std::lock_guard lock(newest_mutex_);
     newest_.swap(shown);
   }
-}  // the one before goes back here, outside of the lock, unless a reader has it
+}  // the previous snapshot is given back here, outside the lock, unless a reader holds it
 
 std::shared_ptr<const GridSnapshot> GridSnapshots::newest() const {
   const std::lock_guard lock(newest_mutex_);

@@ -32,14 +32,14 @@ std::uint32_t checksum(const std::string& text) {
 
 void make_lasting(const fs::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) throw Error("cannot be opened to make it lasting: " + error_text(), {path.string()});
+  if (file < 0) throw Error("cannot be opened for a flush to disk: " + error_text(), {path.string()});
   const bool done = ::fsync(file) == 0;
   const std::string reason = error_text();
   ::close(file);
-  if (!done) throw Error("cannot be made lasting on the disk: " + reason, {path.string()});
+  if (!done) throw Error("cannot be flushed to disk: " + reason, {path.string()});
 }
 
-/// Whole or not at all.
+/// Replaces the whole file or nothing.
 void replace_file(const fs::path& path, const std::string& text) {
   const fs::path aside = path.string() + ".part";
   {
@@ -51,7 +51,7 @@ void replace_file(const fs::path& path, const std::string& text) {
   make_lasting(aside);
   std::error_code failed;
   fs::rename(aside, path, failed);
-  if (failed) throw Error("cannot be put in place: " + failed.message(), {path.string()});
+  if (failed) throw Error("cannot be replaced: " + failed.message(), {path.string()});
 }
 
 // Commit records -----------------------------------------------------------------------------------------------------
@@ -93,12 +93,12 @@ Record record_of(const std::string& text, const std::string& file) {
   const auto refuse = [&](const std::string& what) -> Error { return Error(what, {file}, {}, {}); };
   const ordered_json whole = ordered_json::parse(text, nullptr, false);
   if (!whole.is_object() || !whole.contains("isobath_map") || !whole.contains("crc32")) {
-    throw refuse("is no commit record of a map");
+    throw refuse("is not a commit record of a map");
   }
   const ordered_json& map = whole["isobath_map"];
   const std::string body = map.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
   if (!whole["crc32"].is_number_unsigned() || whole["crc32"].get<std::uint64_t>() != checksum(body)) {
-    throw refuse("the commit record is damaged: its checksum does not fit");
+    throw refuse("the commit record is damaged: its checksum does not match");
   }
   try {
     if (map.at("version").get<int>() != kVersion) {
@@ -120,7 +120,7 @@ Record record_of(const std::string& text, const std::string& file) {
     if (map.contains("origin")) {
       f.origin =
           GeoOrigin{map["origin"].at("latitude_deg").get<double>(), map["origin"].at("longitude_deg").get<double>()};
-      if (!valid(*f.origin)) throw refuse("the origin is no place on the globe");
+      if (!valid(*f.origin)) throw refuse("the origin is not a valid position");
     }
     for (const ordered_json& v : map.at("visits")) {
       f.visits.push_back({v.at("input").get<std::string>(), time_of(v.at("first_ns")), time_of(v.at("last_ns")),
@@ -135,7 +135,7 @@ Record record_of(const std::string& text, const std::string& file) {
     }
     return record;
   } catch (const nlohmann::json::exception& e) {
-    throw refuse(std::string("the commit record lacks something: ") + e.what());
+    throw refuse(std::string("the commit record is incomplete: ") + e.what());
   } catch (const std::out_of_range&) {
     throw refuse("the commit record does not name all trees");
   }
@@ -149,7 +149,7 @@ std::string record_text(const fs::path& path) {
   return text.str();
 }
 
-/// The commit record, or its copy where it is damaged or not there.
+/// The commit record, or its copy where the record is damaged or missing.
 Record read_record(const fs::path& folder, std::vector<MapDamage>* damages) {
   std::optional<Error> first;
   for (const char* name : {kRecord, kCopy}) {
@@ -165,7 +165,7 @@ Record read_record(const fs::path& folder, std::vector<MapDamage>* damages) {
   throw Error(*first);
 }
 
-/// What cannot be read of a tree reads as 0: nothing known. A tree whose header is gone is empty.
+/// Damaged parts of a tree read as 0, which means unknown. A tree with a damaged header reads as empty.
 TreeFile read_tree(const fs::path& folder, const Record& record, const char* name, std::vector<MapDamage>& damages) {
   const std::string& file = record.files.at(name);
   const int levels = record.facts.area.levels;
@@ -188,15 +188,15 @@ TreeFile read_tree(const fs::path& folder, const Record& record, const char* nam
   const auto note = [&](const TreeFile::Damage& d, const char* what) {
     damages.push_back({file, d.page, d.byte, std::exchange(lost, 0), what});
   };
-  for (const TreeFile::Damage& d : opened.damaged_pages) note(d, "the checksum does not fit");
+  for (const TreeFile::Damage& d : opened.damaged_pages) note(d, "the checksum does not match");
   for (const std::uint64_t byte : opened.spare_damage) {
-    damages.push_back({file, 0, byte, 0, "a spare copy or padding is not as it was written; nothing is lost"});
+    damages.push_back({file, 0, byte, 0, "a spare copy or padding has changed; nothing is lost"});
   }
-  for (const TreeFile::Damage& d : opened.bad_links) note(d, "a link leads nowhere");
+  for (const TreeFile::Damage& d : opened.bad_links) note(d, "a link is invalid");
   return opened;
 }
 
-/// What is left by a run that ended before its first commit is no stranger.
+/// Accepts also files that a run left when it ended before its first commit.
 bool is_of_map(const std::string& name) {
   return name == "lock" || name.starts_with(kRecord) || name.starts_with("objects.sqlite") || name.ends_with(".tree") ||
          name.ends_with(".tree.part");
@@ -210,7 +210,7 @@ void refuse_what_is_no_map(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, failed)) {
     const std::string name = entry.path().filename().string();
     if (is_of_map(name)) continue;
-    throw Error("holds something else than a map: " + name, {folder.string()}, {},
+    throw Error("holds something other than a map: " + name, {folder.string()}, {},
                 "name a new or an empty folder for the map");
   }
 }
@@ -230,14 +230,14 @@ bool looks_like_map(const fs::path& folder) {
 
 StoredMap open_map(const fs::path& folder) {
   if (!looks_like_map(folder)) {
-    throw Error("is no map: it holds no map.json", {folder.string()}, {}, "make one with isobath run LOG --map FOLDER");
+    throw Error("is not a map: no map.json", {folder.string()}, {}, "make one with isobath run LOG --map FOLDER");
   }
   std::vector<MapDamage> damages;
   Record record = read_record(folder, &damages);
   TreeFile prior = read_tree(folder, record, "prior", damages);
   TreeFile sensed = read_tree(folder, record, "sensed", damages);
   TreeFile state = read_tree(folder, record, "state", damages);
-  // Where only the state is lost, the depths that were sensed there still count, with no confidence at all.
+  // Where only the state is lost, the sensed depths still count, with confidence 0.
   for (const PixelWindow& window : state.lost) {
     sensed.tree.for_each_leaf(window, [&](std::uint32_t depth_word, const PixelWindow& leaf) {
       if (depth_word != DepthPixel::kUnknownDepth) state.tree.fill(leaf, DepthPixel::word_of_state(0, kSensed, 0));
@@ -251,7 +251,7 @@ MapFolder::MapFolder(fs::path folder) : folder_(std::move(folder)) {
   std::error_code failed;
   if (!looks_like_map(folder_)) refuse_what_is_no_map(folder_);
   fs::create_directories(folder_, failed);
-  if (failed) throw Error("cannot be made: " + failed.message(), {folder_.string()});
+  if (failed) throw Error("cannot be created: " + failed.message(), {folder_.string()});
   const fs::path lock = folder_ / "lock";
   lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (lock_ < 0) throw Error("cannot be written to: " + error_text(), {folder_.string()});
@@ -269,7 +269,7 @@ void MapFolder::commit(MapFacts& facts, const DepthTrees& trees) {
     try {
       last = read_record(folder_, nullptr);
     } catch (const Error&) {
-      last = {};  // nothing that could be kept; its files are removed below
+      last = {};  // nothing to keep; its files are removed below
     }
   }
   facts.generation = std::max(facts.generation, last.facts.generation) + 1;
@@ -277,7 +277,7 @@ void MapFolder::commit(MapFacts& facts, const DepthTrees& trees) {
   const RegionQuadtree* all[] = {&trees.prior(), &trees.sensed(), &trees.state()};
   for (int i = 0; i < 3; ++i) {
     const std::string name = fmt::format("{}.{}.tree", kTrees[i], facts.generation);
-    // A map keeps the prior that it was made with.
+    // A map keeps its original prior.
     const bool stays = i == 0 && last.files.contains("prior") && last.facts.epoch == facts.epoch &&
                        last.facts.area.levels == facts.area.levels;
     record.files[kTrees[i]] = stays ? last.files[kTrees[i]] : name;
@@ -288,7 +288,7 @@ void MapFolder::commit(MapFacts& facts, const DepthTrees& trees) {
   make_lasting(folder_);
   replace_file(folder_ / kCopy, text);
   make_lasting(folder_);
-  std::error_code ignored;  // a file that stays is in nobody's way
+  std::error_code ignored;  // a file that cannot be removed does no harm
   for (const auto& entry : fs::directory_iterator(folder_, ignored)) {
     const std::string name = entry.path().filename().string();
     const bool ours = name.ends_with(".tree") || name.ends_with(".tree.part");

@@ -1,16 +1,17 @@
-// A depth map on disk: one folder that the next mission opens again (ledger S1-26, S1-81; design, section 5).
+// MapFolder: a depth map on disk, in one folder that the next mission opens again (ledger S1-26, S1-81; design, section
+// 5).
 //
-//   map.json            what the map is, and which files are its committed state; this is the commit record
+//   map.json            facts about the map, and the files of its committed state; this is the commit record
 //   prior.N.tree sensed.N.tree state.N.tree    region quadtrees of generation N (tree_file.hpp)
-//   objects.sqlite      objects, lines and their attributes, with transactions of their own (object_store.hpp)
+//   objects.sqlite      objects, lines and their attributes, with its own transactions (object_store.hpp)
 //
-// A commit writes the changed trees under new names, makes them last, and then puts map.json in place by one rename;
-// only after that are the files of earlier generations removed. Whoever is killed at any instant leaves the last
-// committed map. map.json carries its own checksum and is kept twice (map.json.copy), so that one flipped bit loses
-// nothing. A damaged block of a tree is reported with file, block and place; the rest of the map is read.
+// A commit writes the changed trees under new names, flushes them to disk, and then replaces map.json by one rename;
+// only then does it remove the files of earlier generations. A crash at any instant leaves the last committed map.
+// map.json carries its own checksum and has a copy (map.json.copy), so that one flipped bit loses nothing. A damaged
+// block of a tree is reported with file, block and byte; the rest of the map is read.
 //
-// Errors: Error, where the folder is no map, is of another version, or lacks a file; and where it cannot be written.
-// One writer a folder: a lock file is held while a map is open for writing. Threads: none.
+// Errors: throws Error where the folder is not a map, is of another version, or lacks a file, and where it cannot be
+// written. One writer a folder: a lock file is held while a map is open for writing. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -33,19 +34,19 @@ struct MapVisit {
   std::map<std::string, std::uint64_t> counts;  ///< "range readings" -> 31000
 };
 
-/// What a map says of itself.
+/// Facts about a map, stored with it.
 struct MapFacts {
   std::optional<GeoOrigin> origin;  ///< of W; empty: local metres
   DepthArea area;
-  Time epoch;         ///< from which the pixels count minutes
-  std::string datum;  ///< what depths are below: "water surface", "LAT", ...
+  Time epoch;         ///< the start of the pixels' minutes
+  std::string datum;  ///< the reference of depths: "water surface", "LAT", ...
   std::uint64_t generation = 0;
-  std::vector<std::string> priors;  ///< what the prior was made from, for people
+  std::vector<std::string> priors;  ///< the sources of the prior, for people
   std::vector<MapVisit> visits;     ///< in order
   std::string configuration;        ///< TOML in force at the last commit
 };
 
-/// A block of a file that was damaged, and what it took with it; the pixels of a file are counted with its first block.
+/// A damaged block of a file, and what was lost with it. The lost pixels of a file are counted with its first block.
 struct MapDamage {
   std::string file;
   std::uint64_t block = 0;
@@ -54,7 +55,7 @@ struct MapDamage {
   std::string reason;
 };
 
-/// "state.3.tree, block 2 at byte 36864: the checksum does not fit; 4096 pixels lost".
+/// "state.3.tree, block 2 at byte 36864: the checksum does not match; 4096 pixels lost".
 std::string to_text(const MapDamage& damage);
 
 struct StoredMap {
@@ -69,8 +70,8 @@ StoredMap open_map(const std::filesystem::path& folder);
 
 class MapFolder {
  public:
-  /// Makes the folder where it is not there, takes the lock; throws Error where another holds it, and where the folder
-  /// holds something else than a map.
+  /// Makes the folder if it does not exist, and takes the lock. Throws Error where another program holds the lock, and
+  /// where the folder holds something other than a map.
   explicit MapFolder(std::filesystem::path folder);
   ~MapFolder();
   MapFolder(const MapFolder&) = delete;
@@ -79,8 +80,8 @@ class MapFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
   [[nodiscard]] bool holds_map() const { return looks_like_map(folder_); }
   [[nodiscard]] std::filesystem::path objects_file() const { return folder_ / "objects.sqlite"; }
-  /// Raises facts.generation and makes this the committed state. The prior keeps
-  /// its file: a map keeps the one that it was made with. Safe against a crash at any instant.
+  /// Raises facts.generation and makes this the committed state. The prior keeps its file, because a map keeps its
+  /// original prior. Safe against a crash at any instant.
   void commit(MapFacts& facts, const DepthTrees& trees);
 
  private:

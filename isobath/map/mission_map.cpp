@@ -12,7 +12,7 @@ PixelWindow all_cells(const DepthSnapshot& snapshot) {
   return {0, 0, side, side};
 }
 
-/// Whether nobody has ever known anything of it: one look instead of 16384.
+/// Whether the whole window is unknown: one query instead of 16384.
 bool untouched(const DepthSnapshot& snapshot, const PixelWindow& window) {
   const PixelWindow both = overlap(window, snapshot.window().extent());
   if (both.width > 0 && both.height > 0) return false;

@@ -1,11 +1,11 @@
-// MissionMap: the coarsest level, for plans of whole missions (Oskard 1990, III-D; ledger S1-37, S1-40, S1-E02,
+// MissionMap: the coarsest map level, for planning whole missions (Oskard 1990, III-D; ledger S1-37, S1-40, S1-E02,
 // S1-E11).
 //
 // Cells of 128 x 128 pixels: 64 m for pixels of 0.5 m, 25 a mile (the paper's 25 x 25 a square mile, rounded to whole
-// tiles of the finest map). Each holds the mean of the known depths in it, the share of its area that is known, and
-// the rates at which a vehicle there is detected and destroyed, per metre of path: a rate, so that the risk of a path
-// does not depend on how it is sampled. Depths come from the maps below: `refresh` takes over what the local window may
-// have changed, and is exact. Cells are addressed in cells of the map (pixel / 128).
+// tiles of the finest map). Each cell holds the mean of its known depths, the share of its area that is known, and the
+// rates at which a vehicle there is detected and destroyed, per metre of path: a rate, so that the risk of a path does
+// not depend on how it is sampled. Depths come from the finer maps: `refresh` updates the cells that the local window
+// may have changed, and is exact. Cells are addressed in cells of the map (pixel / 128).
 #pragma once
 
 #include <isobath/map/depth_map.hpp>
@@ -30,12 +30,12 @@ class MissionMap {
   MissionMap(const DepthSnapshot& snapshot, const PixelWindow& cells);
 
   [[nodiscard]] const PixelWindow& extent() const { return extent_; }
-  /// Where the cells lie: pixel_m is the side of a cell.
+  /// The position of the cells; pixel_m is the side of a cell.
   [[nodiscard]] const PixelGrid& grid() const { return grid_; }
   [[nodiscard]] const MissionCell& at(Pixel cell) const { return cells_[slot(cell)]; }
-  /// Threats of a cell, from prior knowledge only.
+  /// Sets the threats of a cell, from prior knowledge only.
   void set_threat(Pixel cell, double detection_per_m, double destruction_per_m);
-  /// The cells under the local window anew: nothing else can have changed since the last refresh or the shift before.
+  /// Recomputes the cells under the local window; no other cell can have changed since the last refresh or shift.
   void refresh(const DepthSnapshot& snapshot);
 
  private:

@@ -12,8 +12,8 @@ std::vector<Field> fields(MotionConfig& c) {
                      {"none", MotionKind::kIgnored}},
                     "Whether displacements count as exact; auto: exact with a position fix or a velocity log."),
       Field::real("along", &c.along, {0, 10}, "m/sqrt(s)",
-                  "Standard deviation of dead reckoning ahead after a second."),
-      Field::real("across", &c.across, {0, 10}, "m/sqrt(s)", "The same to the side."),
+                  "Standard deviation of dead reckoning along the heading after one second."),
+      Field::real("across", &c.across, {0, 10}, "m/sqrt(s)", "The same across the heading."),
   };
 }
 

@@ -1,6 +1,7 @@
-// Motion: how uncertain the vehicle's displacement is, by what measured it (Ganesan 2015, 3.4.1; ledger S6-22).
+// MotionConfig: how uncertain the vehicle's displacement is, by the sensor that measured it (Ganesan 2015, 3.4.1;
+// ledger S6-22).
 //
-// With a position fix or a velocity log the motion counts as deterministic: no covariance. Without either it is dead
+// With a position fix or a velocity log the motion counts as deterministic: no covariance. Without either, it is dead
 // reckoning on the thruster model, whose error grows as a random walk along and across the vehicle.
 #pragma once
 
@@ -12,10 +13,10 @@
 
 namespace isobath {
 
-/// kIgnored leaves the contents where they are, as if the vehicle stood still: to show what the motion model is worth.
+/// kIgnored leaves the contents in place, as if the vehicle stood still; it shows what the motion model contributes.
 enum class MotionKind : std::uint8_t { kAuto, kDeterministic, kProbabilistic, kIgnored };
 
-/// What the displacement since the last ping rests on.
+/// The sensors that measured the displacement since the last ping.
 struct DisplacementSource {
   bool position_fix = true;
   bool velocity_log = true;
@@ -29,10 +30,10 @@ struct MotionConfig {
 
 std::vector<Field> fields(MotionConfig& config);
 
-/// The kind in force: never kAuto.
+/// The kind in force; never kAuto.
 MotionKind motion_kind(const MotionConfig& config, const DisplacementSource& source);
 
-/// Covariance of a displacement that took `elapsed`, in the level body frame, m2.
+/// Covariance of a displacement over `elapsed`, in the level body frame, m2.
 Eigen::Matrix2d displacement_covariance(const MotionConfig& config, const DisplacementSource& source, Duration elapsed);
 
 }  // namespace isobath

@@ -15,7 +15,7 @@ double normal_integral(double z) { return std::erfc(-z / std::numbers::sqrt2) / 
 // G(z) = z Phi(z) + phi(z), the integral of Phi.
 double second_integral(double z) { return z * normal_integral(z) + normal_density(z); }
 
-// Share of a unit cell, moved by N(mean, sigma), that arrives i cells further.
+// Share of a unit cell, moved by N(mean, sigma), that arrives in the cell i cells farther.
 double expected_share(int i, double mean, double sigma) {
   if (sigma < 1e-9) return std::max(0.0, 1 - std::abs(mean - i));
   const double z = (i - mean) / sigma;
@@ -70,8 +70,8 @@ MotionKernel MotionKernel::bilinear(const Vector2d& mean) {
   return k;
 }
 
-// Separable where the axes are independent. Otherwise y given x is normal too: its share in closed form, x by Simpson's
-// rule.
+// Separable where the axes are independent. Otherwise y given x is normal too: its share has a closed form, and x is
+// integrated by Simpson's rule.
 template <class Form>
 MotionKernel MotionKernel::gaussian(const Vector2d& mean, const Matrix2d& covariance, int reach_x, int reach_y, Form) {
   MotionKernel k(-reach_x, -reach_y, 2 * reach_x + 1, 2 * reach_y + 1);
@@ -94,7 +94,7 @@ MotionKernel MotionKernel::gaussian(const Vector2d& mean, const Matrix2d& covari
       for (int n = 0; n <= kPanels; ++n) {
         const double at = low + 0.5 * n / kPanels;
         const double simpson = (n == 0 || n == kPanels ? 1.0 : n % 2 == 1 ? 4.0 : 2.0) * 0.5 / kPanels / 3;
-        // Ends of a box belong to the panel inside it.
+        // The ends of a box belong to the panel inside it.
         const double shape = Form::shape(x, n == 0 ? at + 1e-12 : n == kPanels ? at - 1e-12 : at);
         const double density = shape * normal_density((at - mean.x()) / sigma_x) / sigma_x * simpson;
         if (density == 0) continue;

@@ -1,6 +1,6 @@
-// MotionKernel: how the contents of a grid spread over the neighbouring cells when the vehicle moves (Ganesan
-// 2015, 3.4.1, equations 3.18 and 3.19; ledger S6-20 S6-21 S6-25). Weight (i, j) is the share of a cell that arrives i
-// cells further in x and j in y. All lengths in cells; `mean` is the movement of the content, which is opposite to the
+// MotionKernel: how the contents of a grid spread over the neighbouring cells when the vehicle moves (Ganesan 2015,
+// 3.4.1, equations 3.18 and 3.19; ledger S6-20 S6-21 S6-25). Weight (i, j) is the share of a cell that arrives i cells
+// farther in x and j in y. All lengths in cells; `mean` is the movement of the content, which is opposite to the
 // vehicle's (S6-E11).
 #pragma once
 
@@ -17,10 +17,10 @@ class MotionKernel {
   /// Expected overlap under N(mean, covariance): sums to 1 within 2e-4, has that mean, and becomes bilinear as the
   /// covariance goes to 0. Reaches |mean| + 4 sigma + 1 cells (S6-21, S6-E10).
   static MotionKernel expected_overlap(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance);
-  /// As printed: N(mean, covariance) integrated over each cell. `size` 3 is the thesis's; 0 means as large as needed.
+  /// As printed: N(mean, covariance) integrated over each cell. `size` 3 is the thesis's; 0 is as large as necessary.
   static MotionKernel printed(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance, int size = 0);
-  /// 3 x 3 weights without mean whose covariance is exactly the given one, so that repeated use adds no blur of its
-  /// own. Variances at most 0.5; a correlation that would need a negative weight is reduced.
+  /// 3 x 3 weights of zero mean whose covariance is exactly the given one, so that repeated use adds no further blur.
+  /// Variances at most 0.5; a correlation that would need a negative weight is reduced.
   static MotionKernel diffusion(const Eigen::Matrix2d& covariance);
 
   [[nodiscard]] int first_x() const { return first_x_; }

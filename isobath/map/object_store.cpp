@@ -88,7 +88,7 @@ std::vector<std::string> statements() {
   sql[kSetCapacity] = "UPDATE attribute SET capacity=? WHERE id=?";
   sql[kCountUp] = "UPDATE attribute SET written = written + 1 WHERE id=? RETURNING written";
   sql[kPut] = "INSERT INTO entry VALUES(?,?,?,?,?,?,?,?,?,?)";
-  sql[kTrim] =  // what is older than the N-th newest, if there is one
+  sql[kTrim] =  // entries older than the N-th newest, if there is one
       "DELETE FROM entry WHERE attribute = ?1 AND (time_ns, sequence) < (SELECT time_ns, sequence FROM entry WHERE "
       "attribute = ?1 ORDER BY time_ns DESC, sequence DESC LIMIT 1 OFFSET ?2 - 1)";
   sql[kHistory] = "SELECT " + entry + ", sequence";
@@ -112,7 +112,7 @@ std::optional<Eigen::Vector3d> velocity(std::span<const AttributeEntry> history,
       newest = &*entry;
       continue;
     }
-    // Times of a file may be centuries apart: their difference needs the 64th bit.
+    // Times in a file may be centuries apart: their difference needs the 64th bit.
     const std::uint64_t gap = static_cast<std::uint64_t>(newest->time.time_since_epoch().count()) -
                               static_cast<std::uint64_t>(entry->time.time_since_epoch().count());
     if (gap == 0 || (apart.count() > 0 && gap < static_cast<std::uint64_t>(apart.count()))) continue;
@@ -179,7 +179,7 @@ Columns columns_of(const AttributeValue& value, const std::string& file) {
   if (const auto* shape = std::get_if<ShapeReference>(&value)) {
     c = {shape->volume_m3, shape->centroid, shape->file, shape->holes};
     if (!stays_inside(shape->file)) {
-      throw Error(fmt::format("the shape file \"{}\" does not stand in the map's folder", shape->file), {file},
+      throw Error(fmt::format("the shape file \"{}\" is outside the map's folder", shape->file), {file},
                   "a relative path without ..");
     }
   }
@@ -204,7 +204,7 @@ AttributeEntry entry_of(SqliteUse& use, const std::string& file) {
     case 1: entry.value = v; break;
     case 2: entry.value = std::move(text); break;
     default:
-      if (!stays_inside(text)) throw Error(fmt::format("the shape file \"{}\" stands outside", text), {file});
+      if (!stays_inside(text)) throw Error(fmt::format("the shape file \"{}\" is outside the folder", text), {file});
       entry.value = ShapeReference{std::move(text), number, v, holes};
   }
   return entry;
@@ -212,12 +212,12 @@ AttributeEntry entry_of(SqliteUse& use, const std::string& file) {
 
 }  // namespace
 
-/// Room for `capacity` entries: the oldest go.
+/// Keeps the newest `capacity` entries and deletes older ones.
 void ObjectStore::Database::trim(std::int64_t attribute, std::int64_t capacity) const {
   use(kTrim).with(attribute).with(capacity).run();
 }
 
-/// Of an object that exists; a new attribute keeps `kDefaultHistory` entries.
+/// For an object that exists; a new attribute keeps `kDefaultHistory` entries.
 std::optional<ObjectStore::Database::Attribute> ObjectStore::Database::attribute(ObjectId object,
                                                                                  const std::string& name) const {
   use(kMakeAttribute).with(name).with(std::int64_t{kDefaultHistory}).with(object).run();

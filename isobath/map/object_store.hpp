@@ -1,24 +1,23 @@
-// ObjectStore: objects and what has been observed of them, in one SQLite file (Oskard 1990, II; ledger S1-07 S1-08
-// S1-09 S1-25).
+// ObjectStore: objects and the observations of them, in one SQLite file (Oskard 1990, II; ledger S1-07 S1-08 S1-09
+// S1-25).
 //
-// An object has an identification number that is never given twice, a mask of 32 capabilities, a kind, a name, and a
-// position in W (north, east, depth; m) with its covariance (m2). Attributes hang on it by name. Each keeps its newest
-// N entries (time, value) in the order of time, N = 16 unless set otherwise: a full history drops its oldest entry,
-// which is the new one itself where that comes too late. A value is a number, a vector, a text or a reference to a
-// shape: a file of the map's folder with what is asked of it most often.
+// An object has an identification number that is never reused, a mask of 32 capabilities, a kind, a name, and a
+// position in W (north, east, depth; m) with its covariance (m2). It has attributes, each with a name. Each attribute
+// keeps its newest N entries (time, value) in the order of time, N = 16 unless set otherwise. A full history drops its
+// oldest entry, which may be the new one if that arrives too late. A value is a number, a vector, a text or a reference
+// to a shape: a file of the map's folder together with its most requested properties.
 //
-// Spatial trees keep ids; `find` touches exactly the records that it is asked for, and `touched` proves it (S1-25).
-// `with_attribute` reads an index, `in_rectangle` the index of norths within the rectangle; queries by mask read all
-// objects.
+// Spatial trees keep ids; `find` reads exactly the requested records, and `touched` proves it (S1-25). `with_attribute`
+// uses an index; `in_rectangle` uses the index of norths within the rectangle; queries by mask read all objects.
 //
-// On disk: rollback journal, every commit is flushed before it returns; a crash at any instant leaves the last commit.
-// One program at a time: the file stays locked, so that no reader can make the vehicle's writing fail. The schema is
-// compared word for word and every page is checked on opening, so that a foreign or damaged file is refused before
-// anything is read from it or written to it; opening costs about 8 ms for 1000 objects with 16 entries each (0.6 MB)
-// and grows with the file. Measured on one core: find 1 us, history of 16 entries 20 us, put 40 us
-// within a Transaction.
+// On disk: rollback journal; every commit is flushed before it returns; a crash at any instant leaves the last commit.
+// One program at a time: the file stays locked, so that no reader can make the vehicle's writes fail. On opening, the
+// schema is compared word for word and every page is checked, so that a foreign or damaged file is refused before
+// anything is read from it or written to it. Opening costs about 8 ms for 1000 objects with 16 entries each (0.6 MB)
+// and grows with the file. Measured on one core: find 1 us, history of 16 entries 20 us, put 40 us within a
+// Transaction.
 //
-// Errors: throws Error on a file that cannot be used, when the disk fails, and on values that are not finite or name a
+// Errors: throws Error on an unusable file, on a failing disk, on values that are not finite, and on values that name a
 // file outside the folder. Not for the mapping path: it allocates, and a commit waits for the disk (some milliseconds
 // to some tens), so put many changes into one Transaction. One thread at a time.
 #pragma once
@@ -40,7 +39,7 @@ namespace isobath {
 using ObjectId = std::int64_t;
 
 struct MapObject {
-  ObjectId id = 0;                 ///< given by `create`
+  ObjectId id = 0;                 ///< assigned by `create`
   std::uint32_t capabilities = 0;  ///< one bit each
   std::string kind;
   std::string name;
@@ -48,7 +47,7 @@ struct MapObject {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< symmetric; the upper half is kept
 };
 
-/// A full 3-D representation that stands in a file of its own (S1-09).
+/// A full 3-D representation in a separate file (S1-09).
 struct ShapeReference {
   std::string file;  ///< relative to the map's folder, inside it
   double volume_m3 = 0;
@@ -64,8 +63,8 @@ struct AttributeEntry {
   AttributeValue value;
 };
 
-/// Velocity from the newest entry that is a vector and the newest one before it that is at least `apart` older (and
-/// older at all): units of the attribute per second. Entries in order of time.
+/// Velocity from the newest vector entry and the newest vector entry that is older by at least `apart` (and not of the
+/// same time): units of the attribute per second. Entries in order of time.
 std::optional<Eigen::Vector3d> velocity(std::span<const AttributeEntry> history, Duration apart = {});
 
 class ObjectStore {
@@ -73,14 +72,14 @@ class ObjectStore {
   static constexpr int kDefaultHistory = 16;
   static constexpr int kLongestHistory = 65536;
 
-  /// Opens the file, or makes it. Throws Error.
+  /// Opens the file, or creates it. Throws Error.
   explicit ObjectStore(const std::filesystem::path& file);
   ObjectStore(ObjectStore&&) noexcept;
   ObjectStore& operator=(ObjectStore&&) noexcept;
   ~ObjectStore();
 
-  /// All changes of its lifetime at once, or none: without `commit` they are undone. Not nested. A change made outside
-  /// is a transaction of its own.
+  /// Applies all changes of its lifetime at once, or none: without `commit` they are undone. Not nested. A change
+  /// outside a Transaction is a transaction of its own.
   class Transaction {
    public:
     explicit Transaction(ObjectStore& store);
@@ -94,9 +93,9 @@ class ObjectStore {
     bool open_ = true;
   };
 
-  /// `object.id` is not looked at.
+  /// Ignores `object.id`.
   ObjectId create(const MapObject& object);
-  /// These return false where there is no such object.
+  /// These return false if the object does not exist.
   bool update(const MapObject& object);
   bool erase(ObjectId id);
   bool put(ObjectId id, const std::string& attribute, const AttributeEntry& entry);
@@ -104,25 +103,25 @@ class ObjectStore {
   bool set_history(ObjectId id, const std::string& attribute, int entries);
 
   [[nodiscard]] std::optional<MapObject> find(ObjectId id) const;
-  /// In the order of the ids; those that do not exist are left out.
+  /// In the order of `ids`; ids that do not exist are left out.
   [[nodiscard]] std::vector<MapObject> find(std::span<const ObjectId> ids) const;
-  /// Ids in ascending order, of the objects that have all, or at least one, of the capabilities.
+  /// Ids of the objects that have all, or at least one, of the capabilities, in ascending order.
   [[nodiscard]] std::vector<ObjectId> with_all(std::uint32_t mask) const;
   [[nodiscard]] std::vector<ObjectId> with_any(std::uint32_t mask) const;
   [[nodiscard]] std::vector<ObjectId> with_attribute(const std::string& attribute) const;
-  /// Corners (north, east) south-west and north-east; borders belong to it.
+  /// Corners (north, east) south-west and north-east, borders included.
   [[nodiscard]] std::vector<ObjectId> in_rectangle(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
 
   [[nodiscard]] std::vector<std::string> attributes(ObjectId id) const;  ///< names, sorted
   [[nodiscard]] std::optional<AttributeEntry> latest(ObjectId id, const std::string& attribute) const;
-  /// In order of time, entries of one time in the order of their coming; empty where there is none.
+  /// In order of time, entries of equal time in order of arrival; empty where there is none.
   [[nodiscard]] std::vector<AttributeEntry> history(ObjectId id, const std::string& attribute) const;
 
   struct Touched {
     std::uint64_t records = 0;  ///< objects read
-    std::uint64_t scanned = 0;  ///< steps from record to record where no index led to it
+    std::uint64_t scanned = 0;  ///< records read in a scan without an index
   };
-  /// Since the file was opened.
+  /// Counts since the file was opened.
   [[nodiscard]] Touched touched() const;
 
  private:

@@ -1,5 +1,5 @@
-// Obstacle: something to keep clear of, or one convex piece of it, as an outline in the level body frame L (x forward,
-// y starboard, m) of the moment of its detection.
+// Obstacle: an obstacle to avoid, or a convex piece of one, as an outline in the level body frame L (x forward,
+// y starboard, m) at the moment of its detection.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace isobath {
 
-/// Where in the water column the echoes of an obstacle come from (perception/water_label.hpp).
+/// The part of the water column that an obstacle's echoes come from (perception/water_label.hpp).
 enum class WaterLabel : std::uint8_t { kUnknown, kStanding, kBottom, kSurface };
 
 struct Obstacle {
@@ -22,12 +22,12 @@ struct Obstacle {
   Eigen::Vector2d centre;          ///< mean of the cells that carry the evidence
   Eigen::Matrix2d covariance;      ///< extent: second moment of these cells about the centre, m2
   std::uint32_t hits = 0;          ///< echoes that support it
-  Time last_hit;                   ///< of the last of them
+  Time last_hit;                   ///< of the last of these echoes
   bool behind = false;             ///< a nearer obstacle hides most of it
-  bool possible_multiple = false;  ///< at a multiple of the range of a nearer one in its direction
+  bool possible_multiple = false;  ///< at a multiple of the range of a nearer obstacle in the same direction
   WaterLabel label = WaterLabel::kUnknown;
-  /// Pieces of one connected obstacle share it: a wall is cut into convex pieces. Obstacles of one scan count from 0,
-  /// nearest first.
+  /// The convex pieces of one connected obstacle share its number. The obstacles of a scan are numbered from 0, nearest
+  /// first.
   int number = 0;
 };
 

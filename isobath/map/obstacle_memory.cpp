@@ -12,15 +12,15 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kSpread = 1.5;         // standard deviations from the middle place to the eight around it
-constexpr double kSurest = 0.99;        // existence, so that evidence to the contrary still counts
+constexpr double kSurest = 0.99;        // maximum existence, so that evidence to the contrary still counts
 constexpr double kFree = 0.8;           // share of an outline that must be free before it counts as a miss
-constexpr double kExplained = 0.95;     // share of an outline in view before it was seen whole
-constexpr double kInside = 0.9;         // share of an outline within another that makes it part of that
+constexpr double kExplained = 0.95;     // share of an outline that must be in view before it counts as seen whole
+constexpr double kInside = 0.9;         // share of an outline within another that makes it part of that one
 constexpr double kLooseness = 1.25;     // area of a hull over the areas that it joins
 constexpr double kFreeInHull = 0.15;    // share of a hull that may be free water
-constexpr std::size_t kCorners = 24;    // of an outline
-constexpr std::size_t kShifts = 32;     // that are tried
-constexpr double kMiddleBelief = 0.36;  // of a normal distribution, nearer to the middle than to the eight around it
+constexpr std::size_t kCorners = 24;    // maximum of an outline
+constexpr std::size_t kShifts = 32;     // maximum number of shifts that are tried
+constexpr double kMiddleBelief = 0.36;  // mass of a normal distribution nearer to the middle than to the other places
 
 Vector2d offset_of(std::size_t place, double sigma) {
   constexpr double kHalf = std::numbers::sqrt2 / 2;
@@ -43,25 +43,25 @@ bool similar(double area_a, double area_b) { return area_a < 2.5 * area_b && are
 std::vector<Field> fields(ObstacleMemoryConfig& c) {
   return {
       Field::real("confidence", &c.confidence, {0, 10}, "1",
-                  "Standard deviations of the margin of what is remembered."),
+                  "Margin of a remembered obstacle, in standard deviations."),
       Field::real("detection_sigma", &c.detection_sigma, {0.01, 100}, "m",
-                  "How well an outline stands relative to the vehicle when it is seen."),
+                  "Standard deviation of an outline relative to the vehicle when it is seen."),
       Field::real("drift_share", &c.drift_share, {0, 1}, "1",
-                  "Drift as a share of the way travelled, where navigation states no variance."),
-      Field::real("least_seen", &c.least_seen, {0, 1}, "1", "Existence of an obstacle that is taken in."),
-      Field::integer("confirmations", &c.confirmations, {1, 100}, "sweeps", "That must have seen it before it counts."),
+                  "Drift as a share of the distance travelled, where navigation gives no variance."),
+      Field::real("least_seen", &c.least_seen, {0, 1}, "1", "Minimum existence of an obstacle that is stored."),
+      Field::integer("confirmations", &c.confirmations, {1, 100}, "sweeps", "Sightings before an obstacle counts."),
       Field::real("unconfirmed_age", &c.unconfirmed_age, {0, 1e6}, "s",
-                  "After which one that was not seen so often is forgotten."),
-      Field::real("miss", &c.miss, {0.01, 0.99}, "1", "Chance that a sweep calls the place of an obstacle free."),
-      Field::real("least_existence", &c.least_existence, {0, 1}, "1", "Below it an obstacle is forgotten."),
-      Field::real("max_age", &c.max_age, {1, 1e9}, "s", "Since it was last seen, before it is forgotten."),
-      Field::real("max_margin", &c.max_margin, {0.1, 1e6}, "m", "Of an obstacle, before it is forgotten."),
-      Field::integer("clear_looks", &c.clear_looks, {1, 100}, "sweeps", "That must agree before an outline shrinks."),
-      Field::integer("most", &c.most, {1, 100'000}, "1", "Obstacles that are kept; the least certain goes first."),
+                  "An obstacle with fewer sightings is forgotten this long after the last one."),
+      Field::real("miss", &c.miss, {0.01, 0.99}, "1", "Chance that a sweep sees an obstacle's place as free."),
+      Field::real("least_existence", &c.least_existence, {0, 1}, "1", "Below this existence an obstacle is forgotten."),
+      Field::real("max_age", &c.max_age, {1, 1e9}, "s", "An obstacle is forgotten this long after its last sighting."),
+      Field::real("max_margin", &c.max_margin, {0.1, 1e6}, "m", "An obstacle with a larger margin is forgotten."),
+      Field::integer("clear_looks", &c.clear_looks, {1, 100}, "sweeps", "Agreeing sweeps before an outline shrinks."),
+      Field::integer("most", &c.most, {1, 100'000}, "1", "Maximum number of obstacles; the least certain go first."),
   };
 }
 
-/// The water of a sweep, as seen from W.
+/// The free water of a sweep, queried by positions in W.
 struct ObstacleMemory::View {
   explicit View(const MemorySweep& sweep) : water(sweep.water), here(sweep.X_WL.translation.head<2>()) {
     const Angle turn = water.heading - sweep.X_WL.rotation.heading();
@@ -115,7 +115,7 @@ bool ObstacleMemory::add(const MemorySweep& sweep) {
   return true;
 }
 
-// What navigation lost or corrected since the last sweep.
+// Accumulates the changes of the position variance, and the distance travelled without one.
 void ObstacleMemory::measure_drift(const MemorySweep& sweep) {
   const Vector2d here = sweep.X_WL.translation.head<2>();
   if (sweep.sigma_m) {
@@ -157,12 +157,12 @@ std::vector<ObstacleMemory::Sighting> ObstacleMemory::sightings_of(const MemoryS
   return out;
 }
 
-// Drift since it was last seen is worth a thought.
+// Whether the drift since the last sighting is large enough to matter.
 bool ObstacleMemory::is_stale(const Entry& e) const {
   return variance_since(e) > 0.25 * config_.detection_sigma * config_.detection_sigma;
 }
 
-// The shift from stored to seen places that the most sightings agree on; the shorter one of equals.
+// The shift from stored to seen places on which the most sightings agree; the shorter one if two are equal.
 Vector2d ObstacleMemory::shift_of(const std::vector<Sighting>& sightings) const {
   struct Pair {
     std::size_t sighting;
@@ -204,7 +204,7 @@ Vector2d ObstacleMemory::shift_of(const std::vector<Sighting>& sightings) const 
   return best;
 }
 
-// Of those that it overlaps the one that it overlaps most; else the nearest within reach of its drift.
+// The obstacle that overlaps the sighting most; if none overlaps it, the nearest one within reach of its drift.
 ObstacleMemory::Entry* ObstacleMemory::match(const Sighting& s) {
   Entry* best = nullptr;
   double best_score = 0, nearest = std::numeric_limits<double>::infinity();
@@ -234,7 +234,7 @@ std::uint32_t ObstacleMemory::take(const Sighting& s, const View& view, Time tim
     see_again(*known, s, time);
     const double within = share_inside(s.samples, Vector2d::Zero(), known->seen.outline_W);
     if (within >= kInside || grow(*known, s, view)) return known->seen.id;
-    // Free water between both, yet the same: it has drifted while it was watched.
+    // Free water lies between both, yet it is the same obstacle: it has drifted while it was in view.
     if (similar(s.area, known->area) && within >= 0.5) {
       set_outline(*known, s.outline_W);
       return known->seen.id;
@@ -262,7 +262,7 @@ void ObstacleMemory::stamp(Entry& e, Time time) const {
   e.belief[0] = kMiddleBelief;
 }
 
-// It is where it is seen now.
+// Moves the obstacle to where it is seen now.
 void ObstacleMemory::see_again(Entry& e, const Sighting& s, Time time) {
   if (e.sweep != sweeps_ && is_stale(e)) {
     Vector2d shift = shift_;
@@ -296,7 +296,7 @@ void ObstacleMemory::set_outline(Entry& e, Polygon outline) {
   e.seen.outline_W = std::move(outline);
 }
 
-// What the water of the sweep says of an obstacle.
+// Updates an obstacle from the free water of the sweep.
 void ObstacleMemory::look_again(Entry& e, const std::vector<Sighting>& sightings, const View& view) const {
   if (e.sweep != sweeps_) {
     look_for_missing(e, view);
@@ -330,7 +330,7 @@ void ObstacleMemory::look_again(Entry& e, const std::vector<Sighting>& sightings
   e.clear_looks = 0;
 }
 
-// It was not seen: was it in view, wherever drift may have put it?
+// The obstacle was not seen: checks whether it was in view, for each place where drift may have put it.
 void ObstacleMemory::look_for_missing(Entry& e, const View& view) const {
   e.seen.whole = false;
   e.clear_looks = 0;
@@ -346,7 +346,7 @@ void ObstacleMemory::look_for_missing(Entry& e, const View& view) const {
     return static_cast<double>(free) >= kFree * static_cast<double>(samples_G.size());
   };
   double left = 0;                         // of the belief
-  if (sigma <= config_.detection_sigma) {  // all places are one
+  if (sigma <= config_.detection_sigma) {  // the places are the same
     left = misses(0) ? config_.miss : 1;
   } else {
     for (std::size_t i = 0; i < kPlaces; ++i) {
@@ -359,7 +359,7 @@ void ObstacleMemory::look_for_missing(Entry& e, const View& view) const {
   e.seen.existence = p * left / (p * left + 1 - p);
 }
 
-// Pieces that growth has made part of another.
+// Removes obstacles that another one contains after it has grown.
 void ObstacleMemory::drop_contained() {
   std::vector<std::size_t> gone;
   for (std::size_t i = 0; i < entries_.size(); ++i) {

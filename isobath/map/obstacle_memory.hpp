@@ -1,31 +1,33 @@
-// ObstacleMemory: the obstacles that the body grid confirmed, kept in the world for when the vehicle comes back
-// (ledger S6-66, S6-F04; Ganesan 2015, 7.2.4 asks for it and leaves it open).
+// ObstacleMemory: the obstacles that the body grid confirmed, kept in the world until the vehicle comes back (ledger
+// S6-66, S6-F04; Ganesan 2015, 7.2.4 asks for it and leaves it open).
 //
-// Each is a convex outline in W where navigation put it when it was last seen. Navigation drifts, so that place is
-// uncertain relative to the vehicle NOW by what was added since:
+// Each obstacle is a convex outline in W, at the place that navigation gave when it was last seen. Navigation drifts,
+// so this place is uncertain relative to the vehicle's PRESENT position by the drift since then:
 //
 //   margin = confidence sqrt(s2 + detection_sigma^2),
 //   s2 = min(sum |change of var|, var_then + var_now) + (drift_share distance)^2
 //
-// var is the variance of the position in the plane as navigation states it: dead reckoning alone makes the sum var_now
-// - var_then, a fix adds the jump that it made, and independent errors bound both. The distance is the part of the way
-// since that navigation gave no variance for.
+// var is the variance of the position in the plane as navigation gives it. Under dead reckoning alone the sum is
+// var_now - var_then; a fix adds its jump; independent errors bound both. The distance is the part of the path since
+// then for which navigation gave no variance.
 //
-// A sweep is compared with what is remembered where both are now. What is found within their combined uncertainty is
-// the same obstacle: it takes the new place and loses its margin, and becomes more certain. The shift that most of the
-// sweep agrees on is taken off first: it is drift, and tells which stored obstacle belongs to which seen one; obstacles
-// that were not seen do not move by it. Outlines grow to the hull of both, where that swallows no free water and is not
-// much larger than both; they shrink to what is seen when all of them was in view several times, and the rest is free.
+// A sweep is compared with the stored obstacles at their present places. A sighting within the combined uncertainty of
+// a stored obstacle is the same obstacle: the obstacle takes the new place, loses its margin, and becomes more certain.
+// First the shift on which most of the sweep agrees is removed: it is drift, and it shows which stored obstacle belongs
+// to which sighting. Obstacles that were not seen do not move with it. Outlines grow to the hull of both, where that
+// hull contains no free water and is not much larger than both. An outline shrinks to what is seen when all of it was
+// in view several times and the rest of it is free.
 //
-// What is not found where it could be seen loses existence: nine places, the middle and eight at 1.5 sigma around it,
-// share the belief of where drift has put it; a sweep that sees a place free multiplies its share by `miss`. What lies
-// in unseen water loses nothing. An obstacle is forgotten when its existence is below `least_existence`, it is older
-// than `max_age`, or its margin is above `max_margin`: drift does not block free water for ever.
+// An obstacle that is not found where it should be visible loses existence. Nine places, the middle and eight at 1.5
+// sigma around it, share the belief of where drift has put it; a sweep that sees a place free multiplies the place's
+// share by `miss`. An obstacle in unseen water loses nothing. An obstacle is forgotten when its existence is below
+// `least_existence`, it is older than `max_age`, or its margin is above `max_margin`, so that drift does not block free
+// water permanently.
 //
-// Frames: W north and east; L the level body frame of the sweep; outlines in the positive sense, m. Bounded by `most`:
-// what is out of view and least certain goes first. Ids rise and are never given twice. Deterministic. One thread at a
-// time. Measured, one core, 300 obstacles: 0.12 ms a sweep that shows thirty of them, 0.08 ms where all are in view and
-// none is seen. It does not promise to follow what moves by itself.
+// Frames: W north and east; L the level body frame of the sweep; outlines in the positive sense, m. At most `most`
+// obstacles are kept: those out of view and least certain are dropped first. Ids rise and are never reused.
+// Deterministic. One thread at a time. Measured, one core, 300 obstacles: 0.12 ms for a sweep that shows thirty of
+// them, 0.08 ms where all are in view and none is seen. It does not track obstacles that move.
 #pragma once
 
 #include <array>
@@ -44,10 +46,10 @@ struct ObstacleMemoryConfig {
   double confidence = 2;         ///< standard deviations of the margin
   double detection_sigma = 0.5;  ///< m, of an outline relative to the vehicle when it is seen
   double drift_share = 0.02;     ///< of the distance travelled, where navigation gives no variance
-  double least_seen = 0.8;       ///< existence of an obstacle that is taken in
-  int confirmations = 2;         ///< sweeps that must have seen it before it counts
-  double unconfirmed_age = 60;   ///< s, after which one that was not seen so often is forgotten
-  double miss = 0.35;            ///< chance that a sweep calls the place of an obstacle free
+  double least_seen = 0.8;       ///< minimum existence of an obstacle that is stored
+  int confirmations = 2;         ///< sightings before an obstacle counts
+  double unconfirmed_age = 60;   ///< s since the last sighting before an obstacle with fewer sightings is forgotten
+  double miss = 0.35;            ///< chance that a sweep sees an obstacle's place as free
   double least_existence = 0.3;
   double max_age = 7200;   ///< s since it was last seen
   double max_margin = 15;  ///< m
@@ -57,8 +59,8 @@ struct ObstacleMemoryConfig {
 
 std::vector<Field> fields(ObstacleMemoryConfig& config);
 
-/// Which water a sweep has seen to be free: cells of a grid whose frame G holds L at a position and a heading, as
-/// Detection has them. Empty `free`: nothing is known to be free.
+/// The water that a sweep has seen to be free: cells of a grid whose frame G holds L at a position and a heading, as in
+/// Detection. Empty `free`: nothing is known to be free.
 struct FreeWater {
   CartesianGrid cells;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
@@ -77,7 +79,7 @@ struct MemorySweep {
 struct RememberedObstacle {
   std::uint32_t id = 0;
   Polygon outline_W;    ///< north, east
-  double margin_m = 0;  ///< how far beyond it the obstacle may reach, as things stand now
+  double margin_m = 0;  ///< how far the obstacle may now extend beyond the outline
   double existence = 0;
   int sightings = 0;
   Time first_seen, last_seen;
@@ -88,19 +90,19 @@ class ObstacleMemory {
  public:
   explicit ObstacleMemory(const ObstacleMemoryConfig& config = {});
 
-  /// Takes in a sweep. False, and nothing happens, where pose, sigma or time are not finite or time runs backwards.
+  /// Adds a sweep. Returns false and changes nothing if pose, sigma or time are not finite or time runs backwards.
   bool add(const MemorySweep& sweep);
 
   /// Confirmed obstacles within `radius_m` of a place (north, east), margin included. In order of id.
   [[nodiscard]] std::vector<RememberedObstacle> known(const Eigen::Vector2d& north_east, double radius_m) const;
-  /// Those of them that the last sweep did not show whole: for planning.
+  /// The known obstacles that the last sweep did not show whole, for planning.
   [[nodiscard]] std::vector<RememberedObstacle> remembered(const Eigen::Vector2d& north_east, double radius_m) const;
-  /// All, in order of id, unconfirmed ones too.
+  /// All obstacles in order of id, unconfirmed ones too.
   [[nodiscard]] std::vector<RememberedObstacle> all() const;
-  /// As which obstacle each of the last sweep was taken, by id; 0: as none.
+  /// For each obstacle of the last sweep, the id of the stored obstacle that it belongs to; 0: none.
   [[nodiscard]] std::span<const std::uint32_t> seen_as() const { return seen_as_; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  /// The drift that the last sweep has shown since what it saw was stored, in W, m; zero where it showed none.
+  /// The drift between stored places and the last sweep, in W, m; zero where the sweep showed none.
   [[nodiscard]] const Eigen::Vector2d& shift() const { return shift_; }
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
@@ -109,20 +111,20 @@ class ObstacleMemory {
   struct Entry {
     RememberedObstacle seen;
     Eigen::Vector2d centre;  ///< of the outline's box
-    double radius = 0;       ///< of the circle about it that holds the outline
+    double radius = 0;       ///< of the circle about the centre that contains the outline
     double area = 0;
     std::vector<Eigen::Vector2d> samples;  ///< spread over the outline, in W
-    std::array<double, kPlaces> belief;    ///< of the places that drift may have put it; sum 1
-    double variance = 0;                   ///< of the vehicle when it was last seen, m2
-    double wander = 0, unmeasured = 0;     ///< of the memory then
+    std::array<double, kPlaces> belief;    ///< over the places where drift may have put it; sum 1
+    double variance = 0;                   ///< of the vehicle's position when it was last seen, m2
+    double wander = 0, unmeasured = 0;     ///< of the memory at that time
     int clear_looks = 0;
-    std::uint64_t sweep = 0;  ///< that last saw it
+    std::uint64_t sweep = 0;  ///< the last one that saw it
   };
   struct Sighting {
     Polygon outline_W;
     Eigen::Vector2d centre;
     double radius = 0, area = 0, existence = 0;
-    bool doubtful = false;   ///< too weak to be taken in on its own
+    bool doubtful = false;   ///< too weak to be stored as a new obstacle
     std::size_t number = 0;  ///< in its sweep
     std::vector<Eigen::Vector2d> samples;
   };
@@ -134,7 +136,7 @@ class ObstacleMemory {
   [[nodiscard]] bool is_stale(const Entry& entry) const;
   [[nodiscard]] Eigen::Vector2d shift_of(const std::vector<Sighting>& sightings) const;
   [[nodiscard]] Entry* match(const Sighting& sighting);
-  /// Returns the id of the obstacle that it is a sighting of; 0: of none.
+  /// Returns the id of the obstacle that the sighting belongs to; 0: none.
   std::uint32_t take(const Sighting& sighting, const View& view, Time time);
   void see_again(Entry& entry, const Sighting& sighting, Time time);
   [[nodiscard]] bool grow(Entry& entry, const Sighting& sighting, const View& view) const;
@@ -155,7 +157,7 @@ class ObstacleMemory {
   std::optional<Eigen::Vector2d> last_place_;
   std::optional<double> variance_;  ///< now, m2
   double wander_ = 0;               ///< sum of |change of variance|, m2
-  double unmeasured_ = 0;           ///< way without variance, m
+  double unmeasured_ = 0;           ///< distance travelled without variance, m
   Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();
 };
 

@@ -1,7 +1,8 @@
-// Outlines of obstacles, compared: how far two convex outlines are apart, and how much of one lies within the other.
+// Comparison of obstacle outlines: the gap between two convex outlines, and the share of one that lies within the
+// other.
 //
-// Areas are measured by points spread evenly over an outline, about fourteen: shares are good to a tenth, which is
-// better than sonar knows an outline. Units are the caller's.
+// Areas are measured with about fourteen points spread evenly over an outline: shares are good to a tenth, which is
+// better than sonar measures an outline. Units are the caller's.
 #pragma once
 
 #include <isobath/geometry/polygon.hpp>
@@ -15,15 +16,15 @@ struct Circle {
   double radius = 0;
 };
 
-/// About the middle of the box of an outline, holding all of it.
+/// A circle about the middle of an outline's box that contains the outline.
 Circle circle_of(const Polygon& outline);
-/// A convex outline of sixteen corners at most that holds the other.
+/// A convex outline with at most sixteen corners that contains the given one.
 Polygon fewer_corners(const Polygon& outline);
-/// Points evenly spread over a convex outline; never none.
+/// Points spread evenly over a convex outline; at least one.
 std::vector<Eigen::Vector2d> spread_over(const Polygon& outline);
-/// Share of points, each moved by the same, that lie within a convex outline.
+/// Share of the points, each shifted by `moved`, that lie within a convex outline.
 double share_inside(std::span<const Eigen::Vector2d> points, const Eigen::Vector2d& moved, const Polygon& outline);
-/// From a to b, both convex, where they are nearest; zero where a corner of one lies in the other.
+/// Vector from a to b, both convex, where they are nearest; zero where a corner of one lies in the other.
 Eigen::Vector2d gap(const Polygon& a, const Polygon& b);
 Polygon moved_by(Polygon outline, const Eigen::Vector2d& shift);
 

@@ -1,6 +1,6 @@
-// PixelGrid: the square pixels of a chart and where they lie in the world (ledger S1-27, S1-28).
+// PixelGrid: the square pixels of a chart and their position in the world (ledger S1-27, S1-28).
 //
-// Column grows east and row grows south from the north-west corner of pixel (0, 0), so that rows stand in memory as a
+// Column grows east and row grows south from the north-west corner of pixel (0, 0), so that rows lie in memory as a
 // chart is printed and the quadrants of a quadtree are NW, NE, SW, SE in this order (S1-35). Points are (north, east)
 // of W in metres. A pixel owns its west and north edges.
 #pragma once

@@ -14,7 +14,7 @@ bool nearer(const Found& a, const Found& b) {
   return a.distance < b.distance || (a.distance == b.distance && a.id < b.id);
 }
 
-/// The slots that a search has met: a hash table that starts on the stack, so that searches share nothing.
+/// The slots that a search has visited: a hash table that starts on the stack, so that searches share no state.
 class Seen {
  public:
   bool first_time(std::uint32_t slot) {
@@ -80,7 +80,7 @@ std::optional<PmrQuadtree::Placed> PmrQuadtree::inside(const Segment& s) const {
   const Vector2d d = s.b - s.a;
   double first = 0;
   double last = 1;
-  const auto cut = [&](double step, double room) {  // of the side where step * t <= room
+  const auto cut = [&](double step, double room) {  // keeps the side where step * t <= room
     if (step == 0) return room >= 0;
     const double t = room / step;
     (step < 0 ? first : last) = step < 0 ? std::max(first, t) : std::min(last, t);
@@ -139,7 +139,7 @@ std::uint32_t PmrQuadtree::insert_in(std::uint32_t node, const SquareBlock& bloc
   append_slots(leaf, slots);
   release_list(leaf);
   SquareBlocks::Block quadrants{kNone, kNone, kNone, kNone};
-  for (int q = 0; q < 4; ++q) {  // once: the children keep what they get
+  for (int q = 0; q < 4; ++q) {  // splits once: the children are not split again
     const SquareBlock quadrant = block.quadrant(q);
     for (const std::uint32_t s : slots) {
       if (meets(placed_[s], quadrant)) quadrants[q] = with(quadrants[q], s);
@@ -196,7 +196,7 @@ std::uint32_t PmrQuadtree::new_chunk(std::uint32_t slot, std::uint32_t next) {
   return index << 1 | 1U;
 }
 
-// Only the first chunk of a list may have room.
+// Only the first chunk of a list may have a free slot.
 std::uint32_t PmrQuadtree::with(std::uint32_t leaf, std::uint32_t slot) {
   if (leaf == kNone || chunks_[leaf >> 1].count == Chunk::kSlots) return new_chunk(slot, leaf);
   Chunk& chunk = chunks_[leaf >> 1];

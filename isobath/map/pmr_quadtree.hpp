@@ -1,17 +1,16 @@
-// PmrQuadtree: line segments (pipelines, ravines, walls, wires) found by place (PMR quadtree: Oskard 1990, III-B, after
-// Nelson and Samet 1986; ledger S1-22, S1-23, S1-25, S1-E14).
+// PmrQuadtree: a spatial index of line segments (pipelines, ravines, walls, wires) (PMR quadtree: Oskard 1990, III-B,
+// after Nelson and Samet 1986; ledger S1-22, S1-23, S1-25, S1-E14).
 //
-// Every leaf lists the segments that cross it. A leaf that an insertion brings above the threshold splits once, and its
-// children are not split again by that insertion, however many they hold; erasing merges four sibling leaves when their
-// distinct segments number at most the threshold, again and again upwards (S1-E14). The shape may depend on the order
-// of insertions; what searches find does not.
+// Every leaf lists the segments that cross it. A leaf that exceeds the threshold at an insertion splits once, and that
+// insertion does not split its children again, however many segments they hold. Erasing merges four sibling leaves when
+// they hold at most the threshold of distinct segments, and repeats this upwards (S1-E14). The shape may depend on the
+// order of insertions; the results of searches do not.
 //
-// Points are (north, east) of W in metres. The tree's map ends at its square: of a segment that leaves it, the part
-// inside is placed and measured (one that only touches the square's edge is inside), and the ends are kept as they were
-// given.
+// Points are (north, east) of W in metres. The tree's map ends at its square: only the part of a segment inside the
+// square is placed and measured (a segment that only touches the square's edge is inside); the ends are kept as given.
 //
-// Searches test each segment once, are exact, and give equal distances in the order of ids. They may run in several
-// threads at once, not beside an edit. Deterministic. Nearest of 100,000: 1.3 us (bench/quadtree_bench.cpp).
+// Searches test each segment once, are exact, and return equal distances in the order of ids. They may run in several
+// threads at once, but not during an edit. Deterministic. Nearest of 100,000: 1.3 us (bench/quadtree_bench.cpp).
 #pragma once
 
 #include <cstdint>
@@ -33,12 +32,12 @@ class PmrQuadtree {
   };
   struct Found {
     std::uint64_t id = 0;
-    Eigen::Vector2d foot{0, 0};  ///< the point of the segment that is nearest
+    Eigen::Vector2d foot{0, 0};  ///< the nearest point of the segment
     double distance = 0;         ///< m
   };
   struct Statistics {
     std::size_t internal_nodes = 0;
-    std::size_t leaves = 0;  ///< empty ones, too
+    std::size_t leaves = 0;  ///< empty ones included
     std::size_t entries = 0;
     std::size_t largest_leaf = 0;
     std::size_t bytes = 0;
@@ -57,24 +56,24 @@ class PmrQuadtree {
   // `point` must be finite and may lie outside the square.
 
   [[nodiscard]] std::optional<Found> nearest(const Eigen::Vector2d& point, SearchEffort* effort = nullptr) const;
-  /// All at most `radius_m` away, by distance.
+  /// All segments at most `radius_m` away, by distance.
   [[nodiscard]] std::vector<Found> within(const Eigen::Vector2d& point, double radius_m) const;
-  /// Ids of all that meet a rectangle of (north, east), edges included, ascending.
+  /// Ids of all segments that meet a rectangle of (north, east), edges included, ascending.
   [[nodiscard]] std::vector<std::uint64_t> in_window(const Eigen::AlignedBox2d& window) const;
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;  ///< an empty leaf; else a leaf is chunk << 1 | 1
 
-  /// What is searched: the part inside the square.
+  /// The part inside the square, which searches use.
   struct Placed {
     Eigen::Vector2d a{0, 0};
     Eigen::Vector2d b{0, 0};
   };
-  /// A piece of a leaf's list: 32 bytes, and one is enough for most leaves.
+  /// A piece of a leaf's list: 32 bytes; one is enough for most leaves.
   struct Chunk {
     static constexpr std::uint32_t kSlots = 6;
     std::uint32_t count = 0;
-    std::uint32_t next = kNone;  ///< as a leaf
+    std::uint32_t next = kNone;  ///< encoded as a leaf
     std::array<std::uint32_t, kSlots> slots{};
   };
 
@@ -97,7 +96,7 @@ class PmrQuadtree {
   SquareBlock square_;
   std::size_t threshold_;
   int levels_;
-  double slack_m_;  ///< more than rounding can shift a foot point
+  double slack_m_;  ///< exceeds the shift of a foot point by rounding
   std::uint32_t root_ = kNone;
   SquareBlocks blocks_;
   std::vector<Chunk> chunks_;

@@ -1,13 +1,14 @@
-// PrQuadtree: objects at points, found by place (PR quadtree: Oskard 1990, III-B, after Samet 1984; ledger S1-20,
-// S1-21, S1-25).
+// PrQuadtree: a spatial index of point objects (PR quadtree: Oskard 1990, III-B, after Samet 1984; ledger S1-20, S1-21,
+// S1-25).
 //
-// A block splits while it holds more than one point, so that any two points end in different leaves, unless they are
-// closer than the smallest block: those share one (S1-20). Erasing merges blocks again that hold at most one point.
-// Points are (north, east) of W in metres, inside the tree's square; an object has an id of the caller's and 32 bits of
-// kinds that searches filter by. Ids are those of a database whose records no search touches (S1-25).
+// A block splits while it holds more than one point, so that any two points end in different leaves. Points that are
+// closer than the smallest block share one (S1-20). Erasing merges blocks that hold at most one point. Points are
+// (north, east) of W in metres, inside the tree's square. An object has an id chosen by the caller and 32 bits of kinds
+// by which searches filter. Ids are those of a database, whose records no search touches (S1-25).
 //
-// Searches are best-first on the distance to blocks, exact, and give equal distances in the order of ids. They may run
-// in several threads at once, not beside an edit. Deterministic. Nearest of 100,000: 1.3 us (bench/quadtree_bench.cpp).
+// Searches are best-first on the distance to blocks, exact, and return equal distances in the order of ids. They may
+// run in several threads at once, but not during an edit. Deterministic. Nearest of 100,000: 1.3 us
+// (bench/quadtree_bench.cpp).
 #pragma once
 
 #include <cstdint>
@@ -44,21 +45,21 @@ class PrQuadtree {
 
   [[nodiscard]] std::size_t size() const { return slots_.size(); }
   [[nodiscard]] std::optional<Object> object(std::uint64_t id) const;
-  /// Internal nodes.
+  /// Number of internal nodes.
   [[nodiscard]] std::size_t internal_nodes() const { return blocks_.in_use(); }
   [[nodiscard]] std::size_t bytes() const;
 
-  // An object is meant where it has a kind of `kinds`; kEveryKind means objects without any kind, too. `point` must be
+  // An object matches if it has one of `kinds`; kEveryKind matches objects without any kind, too. `point` must be
   // finite and may lie outside the square.
 
   [[nodiscard]] std::optional<Found> nearest(const Eigen::Vector2d& point, std::uint32_t kinds = kEveryKind,
                                              SearchEffort* effort = nullptr) const;
-  /// The `count` nearest, by distance.
+  /// The `count` nearest objects, by distance.
   [[nodiscard]] std::vector<Found> nearest(const Eigen::Vector2d& point, std::size_t count, std::uint32_t kinds) const;
-  /// All at most `radius_m` away, by distance.
+  /// All objects at most `radius_m` away, by distance.
   [[nodiscard]] std::vector<Found> within(const Eigen::Vector2d& point, double radius_m,
                                           std::uint32_t kinds = kEveryKind) const;
-  /// Ids of all in a rectangle of (north, east), edges included, ascending.
+  /// Ids of all objects in a rectangle of (north, east), edges included, ascending.
   [[nodiscard]] std::vector<std::uint64_t> in_window(const Eigen::AlignedBox2d& window,
                                                      std::uint32_t kinds = kEveryKind) const;
 

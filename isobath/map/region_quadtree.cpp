@@ -15,7 +15,7 @@ constexpr std::uint32_t leaf_of(std::uint32_t value) { return RegionQuadtree::le
 
 bool all_one_leaf(const Block& b) { return is_leaf(b[0]) && b[0] == b[1] && b[0] == b[2] && b[0] == b[3]; }
 
-/// The descriptor of a square whose quadrants have become `now`; `node` was its own, `before` were theirs.
+/// The descriptor of a square whose quadrants were `before` and are `now`; `node` is the square's old descriptor.
 std::uint32_t settle(BlockPool& pool, std::uint32_t node, const Block& before, const Block& now) {
   if (now == before) return node;
   if (all_one_leaf(now)) {
@@ -63,12 +63,12 @@ class Raster {
   Rows rows_;
 };
 
-/// Puts a raster into a tree: quadrants before the square that they make up, so that a node is made only if it stays.
+/// Writes a raster into a tree, quadrants before the square that they form, so that only nodes that stay are made.
 class Builder {
  public:
   Builder(BlockPool& pool, const Raster& raster) : pool_(pool), raster_(raster) {}
 
-  /// The square of `node`, of which the raster covers some pixels, all or none.
+  /// Writes the square of `node`; the raster covers all, some or none of its pixels.
   std::uint32_t square(std::uint32_t node, const Square& s) {
     const Raster::Covers covers = raster_.covers(s);
     if (covers == Raster::Covers::kNothing) return node;
@@ -81,11 +81,11 @@ class Builder {
   }
 
   [[nodiscard]] std::size_t located() const { return located_; }
-  /// All values together: a bit that one of them has is set.
+  /// The bitwise or of all values.
   [[nodiscard]] std::uint32_t bits() const { return bits_; }
 
  private:
-  /// A square that was one leaf and gets all of its pixels.
+  /// A square that was one leaf and whose pixels all get new values.
   std::uint32_t fresh(const std::uint32_t* pixels, int level) {
     if (level == 1) return four_fresh_pixels(pixels);
     const std::ptrdiff_t half = std::ptrdiff_t{1} << (level - 1);
@@ -104,7 +104,7 @@ class Builder {
   }
   std::uint32_t joined(const Block& b) { return all_one_leaf(b) ? b[0] : RegionQuadtree::link_to(pool_.allocate(b)); }
 
-  /// A covered square; `changed` is null where all of its pixels are meant.
+  /// A square that the raster covers; `changed` is null if all of its pixels have changed.
   std::uint32_t covered(std::uint32_t node, const std::uint32_t* pixels, const std::uint8_t* changed, int level);
   std::uint32_t pixel(std::uint32_t node, const std::uint32_t* value, const std::uint8_t* changed) {
     if (changed != nullptr && *changed == 0) return node;
@@ -119,7 +119,7 @@ class Builder {
     return bits != 0;
   }
 
-  static constexpr int kLookAhead = 4;  ///< levels of which unchanged squares are passed over without a visit
+  static constexpr int kLookAhead = 4;  ///< unchanged squares up to this level are skipped without a visit
 
   BlockPool& pool_;
   const Raster& raster_;

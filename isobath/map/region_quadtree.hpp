@@ -1,22 +1,22 @@
-// RegionQuadtree: a square map of 2^levels x 2^levels pixels in which equal neighbours cost nothing (Oskard 1990,
-// III-A, III-C; ledger S1-11, S1-12, S1-15, S1-16, S1-34, S1-35).
+// RegionQuadtree: a square map of 2^levels x 2^levels pixels that merges equal neighbours (Oskard 1990, III-A, III-C;
+// ledger S1-11, S1-12, S1-15, S1-16, S1-34, S1-35).
 //
-// A square is a leaf of one value or is split into NW, NE, SW, SE; four equal leaves merge, always, so that equal
-// contents are equal trees. Values have 31 bits. A descriptor is value << 1 | 1 for a leaf, block index << 1 for a
-// link; only internal nodes have storage (BlockPool), hence L leaves take 4 (L - 1) / 3 words and one for the root: (4L
-// - 1) / 3 (S1-E01). Columns grow east, rows grow south. Beyond the square every pixel reads as the value `outside`,
-// which is also what a new map is filled with.
+// A square is a leaf of one value or is split into NW, NE, SW, SE. Four equal leaves always merge, so that equal
+// contents give equal trees. Values have 31 bits. A descriptor is value << 1 | 1 for a leaf and block index << 1 for a
+// link. Only internal nodes have storage (BlockPool), hence L leaves take 4 (L - 1) / 3 words and one for the root, or
+// (4L - 1) / 3 (S1-E01). Columns grow east, rows grow south. Every pixel beyond the square reads as the value
+// `outside`, which also fills a new map.
 //
-// A copy is a snapshot: it shares all pages of memory until one side writes. Threads: as of BlockPool; readers in other
-// threads take copies, which the owner makes between its writes.
+// A copy is a snapshot: it shares all pages of memory until one side writes. Threads: as for BlockPool; readers in
+// other threads use copies, which the owner makes between its writes.
 //
-// Errors: a value of 32 bits, a window with negative size or a pixel outside the square where one is asked for is an
-// assertion. Windows may reach beyond the square.
+// Errors: assertions refuse a value of 32 bits, a window of negative size, and a pixel outside the square where one
+// inside is required. Windows may extend beyond the square.
 //
 // Cost on one core of a 2.6 GHz machine under load (bench/quadtree_bench.cpp): a raster of 2048 x 2048 becomes a tree
-// at 300 M pixels/s where every pixel is a leaf, 500 M/s and more where they merge; a window of 512 x 512 of such
-// pixels is read in 0.35 ms (copied from a plain array in 0.03 ms) and written in 1.7 ms, or 0.14 ms where one pixel in
-// a hundred has changed; a snapshot of 1400 pages takes 10 us. 5.3 bytes a leaf.
+// at 300 M pixels/s where every pixel is a leaf, and at 500 M/s and more where pixels merge. A window of 512 x 512 of
+// such pixels is read in 0.35 ms (copied from a plain array in 0.03 ms) and written in 1.7 ms, or 0.14 ms where one
+// pixel in a hundred has changed. A snapshot of 1400 pages takes 10 us. 5.3 bytes a leaf.
 #pragma once
 
 #include <cstddef>
@@ -41,24 +41,25 @@ class RegionQuadtree {
     std::uint64_t internal_nodes = 0;
     std::uint64_t words = 0;  ///< (4 leaves - 1) / 3
     std::uint64_t pages = 0;
-    std::uint64_t mapped_pages = 0;  ///< of these, still in the file
+    std::uint64_t mapped_pages = 0;  ///< pages that are still in the file
     std::uint64_t bytes = 0;         ///< of all pages
   };
-  /// Rows of pixels; `stride` is from one to the next. `changed` has a byte a pixel, not 0 where the pixel is meant.
+  /// Rows of pixels; `stride` is the step between rows. `changed` has a byte a pixel, nonzero where the pixel is
+  /// written.
   struct Rows {
     const std::uint32_t* values = nullptr;
     std::ptrdiff_t stride = 0;
-    const std::uint8_t* changed = nullptr;  ///< null: all are meant
+    const std::uint8_t* changed = nullptr;  ///< null: all pixels are written
     std::ptrdiff_t changed_stride = 0;
   };
 
   /// 0 <= levels <= 24.
   explicit RegionQuadtree(int levels, std::uint32_t outside = 0);
-  /// From width * height values; pixels beyond them are `outside`. One pass in Morton order that makes no node which
+  /// From width * height values; pixels beyond them are `outside`. One pass in Morton order, which makes no node that
   /// does not stay (S1-15).
   static RegionQuadtree from_raster(int levels, std::span<const std::uint32_t> values, int width, int height,
                                     std::uint32_t outside);
-  /// Of a pool and a root that have been checked (tree_file).
+  /// From a pool and a root that have been checked (tree_file).
   RegionQuadtree(int levels, std::uint32_t outside, std::uint32_t root, BlockPool pool);
 
   [[nodiscard]] int levels() const { return levels_; }
@@ -71,10 +72,11 @@ class RegionQuadtree {
   void set(Pixel pixel, std::uint32_t value);     ///< inside the square
   void fill(const PixelWindow& window, std::uint32_t value);
 
-  /// Window into an array, by a traversal that enters only what overlaps it (S1-34). Nodes visited.
+  /// Reads a window into an array; the traversal enters only squares that overlap it (S1-34). Returns the nodes
+  /// visited.
   std::size_t read(const PixelWindow& window, std::uint32_t* out, std::ptrdiff_t stride) const;
-  /// Array into the map, in Morton order: each node is located once (S1-35). Pages without change are not touched.
-  /// Internal nodes located.
+  /// Writes an array into the map in Morton order: each node is located once (S1-35). Unchanged pages are not written.
+  /// Returns the internal nodes located.
   std::size_t write(const PixelWindow& window, const Rows& rows);
 
   /// visit(value, part of the leaf's window inside `window`), NW to SE.
@@ -86,7 +88,7 @@ class RegionQuadtree {
   [[nodiscard]] Statistics statistics() const;
   [[nodiscard]] const BlockPool& pool() const { return pool_; }
   [[nodiscard]] std::uint32_t root() const { return root_; }
-  /// Of the contents; how they are stored may differ.
+  /// Compares the contents; their storage may differ.
   friend bool operator==(const RegionQuadtree& a, const RegionQuadtree& b);
 
   static constexpr bool is_leaf(std::uint32_t descriptor) { return (descriptor & 1U) != 0; }
@@ -119,7 +121,7 @@ class RegionQuadtree {
   BlockPool pool_;
 };
 
-/// What both cover; empty ones have width or height 0.
+/// The common part of both; an empty one has width or height 0.
 PixelWindow overlap(const PixelWindow& a, const PixelWindow& b);
 
 template <class Visit>

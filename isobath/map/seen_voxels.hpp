@@ -1,4 +1,4 @@
-// A walk over the voxels of a map that any sensor has said anything of.
+// for_each_seen: visits the voxels of a map that any sensor has observed.
 #pragma once
 
 #include <isobath/map/voxel_map.hpp>

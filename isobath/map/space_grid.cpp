@@ -14,20 +14,20 @@ struct Thresholds {
   int free, occupied, most_measured;
 };
 
-/// What a layer says of a block.
+/// The evidence of one layer in a block.
 struct Said {
   const LogOdds16* evidence;
-  int height;  ///< all bits where it tells height, else none
+  int height;  ///< all bits if the layer resolves height, else none
 };
 
-/// Of each layer of a block, whether anything in it is measured.
+/// One number for each z layer of a block.
 using Line = std::array<int, VoxelBlocks::kSide>;
 
-/// What all layers together say of a line along depth. Without branches: the compiler makes vectors of its loops.
+/// Pools all layers along a line in depth. Free of branches, so that the compiler vectorises its loops.
 void pool_line(std::span<const Said> layers, int line, int prior, const Thresholds& at, SpaceCell* water,
                Line& measured) {
   constexpr std::size_t kSide = VoxelBlocks::kSide;
-  Line all, heights, seen{}, cells;  // seen: 1 by any sensor, 2 by one that tells height
+  Line all, heights, seen{}, cells;  // seen: 1 by any sensor, 2 by one that resolves height
   all.fill(prior);
   heights.fill(prior);
   for (const Said& layer : layers) {
@@ -64,7 +64,7 @@ SpaceGrid::SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, 
     return (corner.array() + kSide > low.array()).all() && (corner.array() <= high.array()).all();
   };
 
-  // 1. what the sensors that tell height have looked at
+  // 1. the box that the height-resolving sensors have observed
   std::vector<VoxelIndex> corners;
   for (const std::string& sensor : map.sensors()) {
     if (tells_height(heights, sensor)) map.find_layer(sensor)->corners_after(0, corners);
@@ -83,7 +83,7 @@ SpaceGrid::SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, 
       static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) * static_cast<std::size_t>(size_.z()),
       SpaceCell::kUnknown);
 
-  // 2. block by block, what all sensors say of it
+  // 2. block by block, the pooled evidence of all sensors
   const VoxelMapConfig& config = map.config();
   const Thresholds at{to_evidence(log_odds_of(config.free)),
                       to_evidence(log_odds_of(std::max(config.occupied, kLeastOccupied))),

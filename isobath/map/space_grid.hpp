@@ -1,17 +1,18 @@
-// SpaceGrid: what was known of the voxels of a box at one instant, for those who plan through it: occupied, free,
-// measured, or unknown (Horner et al. c. 2009, 5; ledger S5-32, S5-33).
+// SpaceGrid: the state of the voxels of a box at one instant, for planners: occupied, free, measured, or unknown
+// (Horner et al. c. 2009, 5; ledger S5-32, S5-33).
 //
-// Occupied is what the map holds for occupied, and is at least `kLeastOccupied` likely to be: a voxel that is rather
-// water closes no way by itself. Where the plan view has an obstacle, it is closed all the same unless it is measured.
+// Occupied voxels are those that the map counts as occupied and whose probability is at least `kLeastOccupied`: a voxel
+// that is more likely water closes no passage by itself. Where the plan view has an obstacle, a voxel that is not
+// measured is closed all the same.
 //
-// Free is what all sensors together hold for free. Measured is what the sensors that tell height (a fan that stands
-// upright, a beam that is narrow both ways) hold for free by themselves, and what is at most `kMostMeasured` likely to
-// be occupied by all. A fan that lies flat hears the whole of an arc at once: that it hears nothing says little of any
-// one place on it, and what it hears at a berm's range it says of all heights (S5-34, S5-35). A way over or under
-// something needs measured water.
+// Free voxels are those that all sensors together count as free. Measured voxels are those that the height-resolving
+// sensors (a vertical fan, or a beam that is narrow in both directions) count as free by themselves, and whose
+// probability by all sensors is at most `kMostMeasured`. A horizontal fan receives a whole vertical arc at once: the
+// absence of an echo says little about any one place on the arc, and an echo at a berm's range applies to all heights
+// (S5-34, S5-35). A passage over or under something requires measured water.
 //
-// The box holds what the sensors that tell height have looked at, within a reach; outside, all is unknown. Never
-// changes once made, so that any thread may look at it; copies share it. Cost: 1 ns a voxel to make
+// The box contains what the height-resolving sensors have observed within a reach; outside, all is unknown. A grid
+// never changes once made, so any thread may read it; copies share the voxels. Cost: 1 ns a voxel to make
 // (bench/space_bench.cpp).
 #pragma once
 
@@ -31,11 +32,11 @@ class SpaceGrid {
   static constexpr double kMostMeasured = 0.2;  ///< S5-33
   static constexpr double kLeastOccupied = 0.5;
 
-  /// Of what lies within `reach_m` of a point of W, along each axis; `heights` names the layers that tell height.
+  /// Covers `reach_m` around a point of W along each axis; `heights` names the layers that resolve height.
   SpaceGrid(const VoxelMap& map, std::span<const std::string> heights, const Eigen::Vector3d& centre_W, double reach_m);
 
   [[nodiscard]] double voxel_m() const { return voxel_m_; }
-  /// Its least voxel, and how many there are along north, east and down; none where nothing was measured.
+  /// The lowest voxel, and the number of voxels along north, east and down; zero where nothing was measured.
   [[nodiscard]] const VoxelIndex& least() const { return least_; }
   [[nodiscard]] const VoxelIndex& size() const { return size_; }
 
@@ -44,17 +45,17 @@ class SpaceGrid {
     if ((i.array() < 0).any() || (i.array() >= size_.array()).any()) return SpaceCell::kUnknown;
     return (*water_)[index_of(i)];
   }
-  /// All of a column, from least().z() on; empty outside of the box.
+  /// The whole column, from least().z() on; empty outside the box.
   [[nodiscard]] std::span<const SpaceCell> column(int x, int y) const {
     const VoxelIndex i(x - least_.x(), y - least_.y(), 0);
     if ((i.array() < 0).any() || (i.array() >= size_.array()).any()) return {};
     return {water_->data() + index_of(i), static_cast<std::size_t>(size_.z())};
   }
-  /// Layers between which all lies that is measured; where nothing is, the first is greater than the last.
+  /// The range of z layers that contains every measured voxel; if there is none, the first is greater than the last.
   [[nodiscard]] int first_measured() const { return first_measured_; }
   [[nodiscard]] int last_measured() const { return last_measured_; }
 
-  /// Whether all that is up to `half_height_m` above and below a place of W is measured.
+  /// Whether everything up to `half_height_m` above and below a point of W is measured.
   [[nodiscard]] bool is_measured(const Eigen::Vector3d& p_W, double half_height_m) const;
 
  private:

@@ -45,7 +45,7 @@ std::uint32_t SphericalCells::make_beam(const SphericalDirection& d) {
   return id;
 }
 
-// A beam at the end of the array grows where it is; any other moves there, into twice its room.
+// A beam at the end of the array grows in place; any other moves to the end, with twice its capacity.
 void SphericalCells::make_room(std::uint32_t id) {
   Beam& beam = beams_[id];
   if (beam.count < beam.room) return;
@@ -64,7 +64,7 @@ void SphericalCells::make_room(std::uint32_t id) {
   if (wasted_ > size_ + 4096) compact();
 }
 
-// In the order of beams, so that walks read the array from one end to the other.
+// Sorts the array by beams, so that walks read it from one end to the other.
 void SphericalCells::compact() {
   old_pool_.swap(pool_);
   pool_.clear();

@@ -1,15 +1,15 @@
 // SphericalCells: the stored cells of a spherical grid, by direction and layer (Auran, Silven 1995, 4.2; ledger S4-06
 // to S4-10, S4-13, S4-16, S4-E10).
 //
-// Cells of one direction lie side by side in one array, nearest first, beside a bit for each layer that has one: the
-// cell of a layer is found by counting bits, and whether anything stands nearer than a range is a mask. Three ordered
-// walks as the paper links them: beams by azimuth and elevation, forwards and backwards; cells of a beam by range;
-// cells of one layer in the order of beams (from the bits: nothing is kept up for it). Beams own the cells, the rest is
-// views.
+// The cells of one direction are adjacent in one array, nearest first, with a bit for each layer that has a cell. The
+// cell of a layer is found by counting bits, and a mask tells whether any cell is nearer than a range. There are three
+// ordered walks, as the paper links them: beams by azimuth and elevation, forwards and backwards; cells of a beam by
+// range; cells of one layer in the order of beams (from the bits, without any further structure). Beams own the cells;
+// the walks are views.
 //
-// Directions are those of the table as it is turned (S4-21): a turn moves directions, and no cell. One thread.
-// Adding behind the last cell of a beam moves no cell, unless its room has to double. References and spans are good
-// until the next change.
+// Directions are those of the turned table (S4-21): a turn changes directions and moves no cell. One thread. Adding a
+// cell after the last one of a beam moves no cell, unless the beam's capacity has to double. References and spans are
+// valid until the next change.
 #pragma once
 
 #include <array>
@@ -22,15 +22,15 @@
 
 namespace isobath {
 
-/// What is known of one cell. Its content, the echoes that fell into it, is a box in the axes T (spherical_grid.hpp):
-/// moments of it move with the vehicle exactly, while cells stay where they are (S4-23).
+/// One cell. Its content, the echoes that fell into it, is a box in the axes T (spherical_grid.hpp): its moments move
+/// with the vehicle exactly, while cells stay in place (S4-23).
 struct SphericalCell {
-  std::array<float, 3> mean{};    ///< of the content, m; of its middle where no echo fell into it
+  std::array<float, 3> mean{};    ///< of the content, m; the middle of a cell without echoes
   std::array<float, 6> spread{};  ///< covariance of the content: xx, xy, xz, yy, yz, zz, m2
-  float weight = 0;               ///< of the content where contents meet: 1 an echo
+  float weight = 0;               ///< of the content when contents merge: 1 an echo
   float log_odds = 0;             ///< of being occupied
   std::uint32_t echoes = 0;
-  std::uint32_t scans = 0;  ///< that had echoes in it
+  std::uint32_t scans = 0;  ///< with echoes in this cell
   std::uint32_t last_scan = 0;
   Time first_echo{}, last_echo{};
   std::uint16_t layer = 0;
@@ -50,7 +50,7 @@ class SphericalCells {
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] const DirectionTable& directions() const { return table_; }
-  /// Of a direction, nearest first; empty for none.
+  /// The cells of a direction, nearest first; empty for none.
   [[nodiscard]] std::span<const SphericalCell> beam(const SphericalDirection& d) const {
     const std::uint32_t id = table_.find(d);
     if (id == DirectionTable::kNone) return {};
@@ -71,20 +71,20 @@ class SphericalCells {
   void each_beam(const Visit& visit) const {
     for (auto d = table_.first(); d; d = table_.after(*d)) visit(*d, beam(*d));
   }
-  /// Records that had to be moved to make or to fill room, since it was made.
+  /// Records moved since construction, to grow a beam or to compact the array.
   [[nodiscard]] std::uint64_t records_moved() const { return records_moved_; }
 
   // Writing.
   // -----------------------------------------------------------------------------------------------------------
-  /// The cell of a direction and layer, made if there is none (all zero but its layer). `made` says so.
+  /// The cell of a direction and layer; makes it if there is none (all zero but its layer) and then sets `made`.
   SphericalCell& at(const SphericalDirection& d, int layer, bool& made);
   SphericalCell* find(const SphericalDirection& d, int layer) {
     return const_cast<SphericalCell*>(std::as_const(*this).find(d, layer));
   }
   void mark_occupied(const SphericalDirection& d, int layer, bool occupied);
-  /// False where there was none.
+  /// Returns false if there is no such cell.
   bool erase(const SphericalDirection& d, int layer);
-  /// Those that `wanted(cell)` is true of.
+  /// Erases the cells for which `wanted(cell)` is true.
   template <class Wanted>
   void erase_all(const Wanted& wanted) {
     for (auto d = table_.first(); d;) {
@@ -98,7 +98,7 @@ class SphericalCells {
   }
   void clear();
   void turn(int buckets) { table_.turn(buckets); }
-  /// Every cell once, in no order that matters: `change(cell)` returns whether it is occupied now.
+  /// Changes every cell once, in any order: `change(cell)` returns whether the cell is now occupied.
   template <class Change>
   void change_all(const Change& change) {
     for (auto d = table_.first(); d; d = table_.after(*d)) {
@@ -112,7 +112,7 @@ class SphericalCells {
     }
   }
 
-  // All cells anew, in the order of beams (of the table as it is turned): begin, then beams with their cells by layer.
+  // Rebuilds all cells in the order of beams (of the turned table): begin, then beams with their cells by layer.
   void begin_again();
   void begin_beam(const SphericalDirection& d);
   void append(const SphericalCell& cell, bool occupied);

@@ -8,7 +8,7 @@
 namespace isobath {
 namespace {
 
-/// Sets that are joined: each element points towards the first of its set.
+/// Disjoint sets: each element points towards the first of its set.
 class JoinedSets {
  public:
   explicit JoinedSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
@@ -69,7 +69,7 @@ std::vector<SphericalCluster> clusters(const SphericalGrid& grid, double probabi
     const bool at_pole = d->elevation == 0 || d->elevation == elevations - 1;
     const int around = at_pole ? azimuths - 1 : 1;
     for (int a = 0; a <= around; ++a) {
-      for (int e = a == 0 ? 0 : -1; e <= 1; ++e) {  // each pair from one side
+      for (int e = a == 0 ? 0 : -1; e <= 1; ++e) {  // each pair once
         const SphericalDirection other{(d->azimuth + a) % azimuths, d->elevation + e};
         if (other.elevation < 0 || other.elevation >= elevations || (a > 1 && e != 0)) continue;
         const std::uint32_t id = table.find(other);
@@ -124,7 +124,7 @@ void zoom(const SphericalGrid& grid, ZoomRule rule, SphericalGrid& coarse) {
   }
 }
 
-// Halved along its longest side until it is within half a cell of one place.
+// Halves the triangle along its longest side until each part is within half a cell of one place.
 void add_known_triangle(SphericalGrid& grid, const std::array<Eigen::Vector3d, 3>& corners_G) {
   std::vector<std::array<Eigen::Vector3d, 3>> waiting{corners_G};
   while (!waiting.empty()) {

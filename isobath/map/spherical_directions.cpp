@@ -40,7 +40,7 @@ DirectionBuckets::DirectionBuckets(Angle step)
     : step_(step), azimuths_(2 * static_cast<int>(std::lround(std::numbers::pi / step.radians()))) {
   const double off = std::abs(azimuths_ * step.radians() - 2 * std::numbers::pi);
   if (!(step.degrees() >= 0.25 && step.degrees() <= 30) || off > 1e-6) {
-    throw Error("half a turn is no multiple of the buckets", {{}, {}, {}, {}, "bucket_deg"},
+    throw Error("half a turn is not a multiple of the bucket width", {{}, {}, {}, {}, "bucket_deg"},
                 "0.25 .. 30 degrees, a divisor of 180");
   }
   for (int i = 0; i < azimuths_; ++i) {
@@ -53,7 +53,7 @@ DirectionBuckets::DirectionBuckets(Angle step)
     cos_elevation_.push_back(std::cos(e));
     sin_elevation_.push_back(std::sin(e));
   }
-  // The same expressions as in `at`, of points on the edges.
+  // The same expressions as in `at`, for points on the edges.
   for (int i = 0; i <= azimuths_; ++i) {
     const double a = 2 * std::numbers::pi * i / azimuths_ - std::numbers::pi, x = std::cos(a), y = std::sin(a);
     const double span = std::abs(x) + std::abs(y);
@@ -78,7 +78,7 @@ void DirectionBuckets::Scale::index(double top) {
   std::uint16_t bucket = 0;
   for (int k = 0; k <= static_cast<int>(top * steps) + 1; ++k) {
     while (bucket + 2u < edges.size() && k / steps >= edges[bucket + 1u]) ++bucket;
-    // one step early: k / steps and at * steps round on their own
+    // one step early, because k / steps and at * steps round independently
     first.push_back(k == 0 ? std::uint16_t{0} : bucket);
   }
   for (std::size_t k = first.size() - 1; k > 0; --k) {
@@ -154,7 +154,7 @@ std::size_t DirectionTable::bytes() const {
 // Azimuths in order are places shift_ .. end, then 0 .. shift_: place p has azimuth p + shift_, wrapped.
 int DirectionTable::next_azimuth(int from) const {
   if (from >= azimuths_) return -1;
-  const int start = static_cast<int>(place(from)), turn = azimuths_ - shift_;  // azimuth 0 stands at place `turn`
+  const int start = static_cast<int>(place(from)), turn = azimuths_ - shift_;  // azimuth 0 is at place `turn`
   if (start >= turn) {
     const int at = next_bit(first_bits_.data(), start, azimuths_);
     if (at >= 0) return azimuth_of(at);

@@ -1,4 +1,4 @@
-// Directions of a spherical grid: buckets of equal angles, and the two tables that find what is stored in a bucket
+// Directions of a spherical grid: buckets of equal angles, and the two tables that find the contents of a bucket
 // (Auran, Silven 1995, 4.2; ledger S4-02, S4-03, S4-07, S4-09, S4-10, S4-21, S4-E02).
 //
 // Grid axes x', y', z' (up): x' = r cos eps cos alpha, y' = r cos eps sin alpha, z' = r sin eps; azimuth alpha in
@@ -21,18 +21,18 @@ struct SphericalDirection {
   auto operator<=>(const SphericalDirection&) const = default;  ///< the order of beams: elevation within azimuth
 };
 
-/// From angles to buckets and back. Immutable. `at` calls no arc function: it compares pseudo-angles with those of the
-/// edges, which a table finds to within a bucket or two.
+/// Converts between angles and buckets. Immutable. `at` calls no trigonometric inverse: it compares pseudo-angles with
+/// those of the edges, which a table locates to within one or two buckets.
 class DirectionBuckets {
  public:
-  /// Throws Error where half a turn is no multiple of the step, or the step is not within 0.25 and 30 degrees.
+  /// Throws Error if half a turn is not a multiple of the step, or the step is not within 0.25 and 30 degrees.
   explicit DirectionBuckets(Angle step);
 
   [[nodiscard]] Angle step() const { return step_; }
   [[nodiscard]] int azimuths() const { return azimuths_; }
   [[nodiscard]] int elevations() const { return azimuths_ / 2; }
   [[nodiscard]] int count() const { return azimuths() * elevations(); }
-  /// Of a point in grid axes, any length but 0.
+  /// The bucket of a point in grid axes at any distance but 0.
   [[nodiscard]] SphericalDirection at(const Eigen::Vector3d& p) const {
     return at(p.x(), p.y(), p.z(), std::sqrt(p.x() * p.x() + p.y() * p.y()));
   }
@@ -42,7 +42,7 @@ class DirectionBuckets {
     const double share = x / span, turn = y <= 0 ? 1 + share : 3 - share;
     return {azimuth_.find(turn), elevation_.find(1 + z / (level + std::abs(z)))};
   }
-  /// Lower edge of a bucket; of the one past the last, the end.
+  /// Lower edge of a bucket; one past the last bucket gives the end.
   [[nodiscard]] Angle azimuth_edge(int bucket) const { return step_ * bucket - Angle::degrees(180); }
   [[nodiscard]] Angle elevation_edge(int bucket) const { return step_ * bucket - Angle::degrees(90); }
   /// Unit vector of the middle of a bucket.
@@ -53,7 +53,7 @@ class DirectionBuckets {
             sin_elevation_[static_cast<std::size_t>(d.elevation)]};
   }
   [[nodiscard]] double cos_elevation(int bucket) const { return cos_elevation_[static_cast<std::size_t>(bucket)]; }
-  /// From a point of a bucket to the nearer of its sides in azimuth, two planes, or in elevation, two cones.
+  /// Distance from a point of a bucket to the nearer side in azimuth (two planes) or in elevation (two cones).
   [[nodiscard]] double to_azimuth_edge(int bucket, double x, double y) const {
     const auto i = static_cast<std::size_t>(bucket);
     return std::min(y * azimuth_sides_[i].x() - x * azimuth_sides_[i].y(),
@@ -64,19 +64,19 @@ class DirectionBuckets {
     return std::min(z * elevation_sides_[i].x() - level * elevation_sides_[i].y(),
                     level * elevation_sides_[i + 1].y() - z * elevation_sides_[i + 1].x());
   }
-  /// d_alpha (sin eps2 - sin eps1), sr.
+  /// Solid angle of a bucket, d_alpha (sin eps2 - sin eps1), sr.
   [[nodiscard]] double solid_angle(int elevation) const;
 
  private:
-  /// Pseudo-angles of the edges of one angle.
+  /// Pseudo-angles of the bucket edges in azimuth or in elevation.
   struct Scale {
     std::vector<double> edges;  ///< the last one is infinite
     std::vector<std::uint16_t> first;
-    double steps = 0;  ///< of `first`, a unit: so close that a step holds one edge at most, and one more by rounding
+    double steps = 0;  ///< of `first` a unit: so fine that a step holds at most one edge, and one more by rounding
     void index(double top);
     [[nodiscard]] int find(double at) const {
       std::size_t i = first[static_cast<std::size_t>(at * steps)];
-      i += at >= edges[i + 1] ? 1 : 0;  // no branches: nobody could foretell them
+      i += at >= edges[i + 1] ? 1 : 0;  // branch-free, because the branches would be unpredictable
       i += at >= edges[i + 1] ? 1 : 0;
       return static_cast<int>(i);
     }
@@ -88,9 +88,9 @@ class DirectionBuckets {
   std::vector<double> cos_azimuth_, sin_azimuth_, cos_elevation_, sin_elevation_;
 };
 
-/// What is stored in which direction: a table of azimuths, and a table of elevations only for azimuths in use. Nothing
-/// is linked: each table has a bit for every entry in use, so that walks in either order go from one to the next
-/// without looking at empty entries. A turn about the polar axis by whole buckets changes one number.
+/// Maps directions to ids: a table of azimuths, and a table of elevations for each azimuth in use. Nothing is linked:
+/// each table has a bit for every entry, so that walks in either order go from one used entry to the next without
+/// reading empty entries. A turn about the polar axis by whole buckets changes one number.
 class DirectionTable {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -100,7 +100,7 @@ class DirectionTable {
     const std::int32_t second = first_[place(d.azimuth)];
     return second < 0 ? kNone : ids_[entry(second, d.elevation)];
   }
-  /// `id` is not kNone.
+  /// `id` must not be kNone.
   void set(const SphericalDirection& d, std::uint32_t id);
   void erase(const SphericalDirection& d);
   void clear();
@@ -114,9 +114,9 @@ class DirectionTable {
   [[nodiscard]] std::optional<SphericalDirection> after(const SphericalDirection& d) const;
   [[nodiscard]] std::optional<SphericalDirection> before(const SphericalDirection& d) const;
 
-  /// What is at azimuth k goes to k + buckets.
+  /// Moves the contents of azimuth k to azimuth k + buckets.
   void turn(int buckets) { shift_ = wrap(shift_ + buckets); }
-  /// Buckets turned since it was made, of [0, azimuths).
+  /// Buckets turned since construction, in [0, azimuths).
   [[nodiscard]] int turned() const { return shift_; }
 
  private:
@@ -140,14 +140,14 @@ class DirectionTable {
   [[nodiscard]] SphericalDirection end_of(int azimuth, bool low) const;
 
   int azimuths_, elevations_;
-  std::size_t words_;  ///< of 64 bits, a second table
+  std::size_t words_;  ///< 64-bit words per second table
   int shift_ = 0, size_ = 0;
   std::vector<std::int32_t> first_;        ///< second table of each azimuth, -1: none
   std::vector<std::uint64_t> first_bits_;  ///< azimuths in use
   std::vector<std::uint32_t> ids_;         ///< of all second tables
   std::vector<std::uint64_t> bits_;        ///< of all second tables: elevations in use
-  std::vector<std::uint16_t> used_;        ///< entries of each second table
-  std::vector<std::int32_t> free_;         ///< second tables that no azimuth has
+  std::vector<std::uint16_t> used_;        ///< number of entries of each second table
+  std::vector<std::int32_t> free_;         ///< second tables that no azimuth uses
 };
 
 }  // namespace isobath

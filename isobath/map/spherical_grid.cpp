@@ -22,7 +22,7 @@ void check_spherical(const SphericalGridConfig& c) {
   if (!(c.rebin_at > 0 && c.rebin_at <= 2)) refuse("rebin_at", "out of range", "above 0, up to 2 layers");
 }
 
-/// About the polar axis, azimuth growing.
+/// Turns a vector about the polar axis; azimuth grows.
 Vector3d turned_about_pole(const Vector3d& v, Angle by) {
   const double c = cos(by), s = sin(by);
   return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()};
@@ -35,18 +35,18 @@ std::vector<Field> fields(SphericalGridConfig& c) {
   return {
       Field::real("finest_m", &c.finest_m, {0.01, 10}, "m", "Thickness of the nearest layers: the sonar's resolution."),
       Field::degrees("bucket_deg", &c.bucket, {0.25, 30}, "Width of a direction; a divisor of 180."),
-      Field::real("range_m", &c.range_m, {1, 2000}, "m", "What is farther from the vehicle is dropped."),
-      Field::real("prior", &c.prior, {1e-6, 0.4}, "1", "Probability that a cell nobody has seen is occupied."),
-      Field::real("occupied", &c.occupied, {1e-3, 0.999}, "1", "Probability from which on a cell is an obstacle."),
-      Field::real("most_log_odds", &c.most_log_odds, {1, 15}, "1", "Bound of a cell's log-odds, either way."),
+      Field::real("range_m", &c.range_m, {1, 2000}, "m", "Cells farther from the vehicle are dropped."),
+      Field::real("prior", &c.prior, {1e-6, 0.4}, "1", "Probability that an unseen cell is occupied."),
+      Field::real("occupied", &c.occupied, {1e-3, 0.999}, "1", "A cell of at least this probability is an obstacle."),
+      Field::real("most_log_odds", &c.most_log_odds, {1, 15}, "1", "Maximum magnitude of a cell's log-odds."),
       Field::choice("merging", &c.merging, {{"largest", Merging::kLargest}, {"density", Merging::kDensity}},
-                    "What cells that meet believe: the most, or what they have to the volume; and parts of one cell."),
-      Field::real("rebin_at", &c.rebin_at, {0.01, 2}, "1", "Way, in finest layers, after which cells are filled anew."),
-      Field::integer("lock_echoes", &c.lock_echoes, {0, 1000000}, "echoes", "That lock a cell; 0: nothing does."),
-      Field::integer("lock_scans", &c.lock_scans, {1, 1000000}, "scans", "That must have heard them."),
-      Field::real("lock_state", &c.lock_state, {0.01, 1}, "1", "Probability that the cell must have."),
+                    "Log-odds of merged cells: the largest, or from summed expected numbers, which a split halves."),
+      Field::real("rebin_at", &c.rebin_at, {0.01, 2}, "1", "Travel, in finest layers, before cells are re-binned."),
+      Field::integer("lock_echoes", &c.lock_echoes, {0, 1000000}, "echoes", "Echoes that lock a cell; 0: none do."),
+      Field::integer("lock_scans", &c.lock_scans, {1, 1000000}, "scans", "Scans with echoes that lock a cell."),
+      Field::real("lock_state", &c.lock_state, {0.01, 1}, "1", "Minimum probability of a locked cell."),
       Field::integer("views", &c.views, {1, 1000}, "views", "Places from which clear water is remembered."),
-      Field::real("view_apart_m", &c.view_apart_m, {0, 100}, "m", "Distance between them."),
+      Field::real("view_apart_m", &c.view_apart_m, {0, 100}, "m", "Minimum distance between these places."),
   };
 }
 
@@ -95,9 +95,9 @@ double SphericalGrid::clamped(double log_odds) const {
   return std::clamp(log_odds, -config_.most_log_odds, config_.most_log_odds);
 }
 
-// A content that nothing more is known of than its cell.
+// A content of which nothing is known but its cell.
 void SphericalGrid::fill(SphericalCell& cell, const SphericalPlace& place) const {
-  constexpr float kHardly = 1e-3f;  // what is heard outweighs it
+  constexpr float kHardly = 1e-3f;  // any echo outweighs it
   const Vector3d u = axis_in_table(place.direction), p = layers_.middle(place.layer) * u;
   const double thickness = layers_.thickness(place.layer),
                edge = layers_.middle(place.layer) * config_.bucket.radians();
@@ -118,7 +118,7 @@ std::optional<SphericalPlace> SphericalGrid::add_echo(const Vector3d& p_G, doubl
   bool made = false;
   SphericalCell& cell = cells_.at(place->direction, place->layer, made);
   if (made) fill(cell, *place);
-  // Across the beam an echo fills its bucket, along it what its range is known to.
+  // Across the beam an echo fills its bucket; along the beam it extends as far as its range is uncertain.
   const double range = p.norm(), edge = range * config_.bucket.radians();
   const Vector3d u = p / range;
   const double along = std::min(sigma_m * sigma_m, std::pow(layers_.thickness(place->layer), 2) / 12);
@@ -228,7 +228,7 @@ void SphericalGrid::turn(Angle turn) {
 
 Angle SphericalGrid::remainder() const { return (turned_ - config_.bucket * cells_.directions().turned()).wrapped(); }
 
-// What `turn` has turned stays turned: R acts in G.
+// R acts in G: the turn that `turn` has applied stays applied.
 void SphericalGrid::rotate(const Eigen::Matrix3d& R) {
   Eigen::Matrix3d R_GT;
   R_GT << cos(turned_), -sin(turned_), 0, sin(turned_), cos(turned_), 0, 0, 0, 1;

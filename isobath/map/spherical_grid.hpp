@@ -1,22 +1,24 @@
-// SphericalGrid: a first model of the water within sonar range, centred on the vehicle: what was heard in which
-// direction and at which range, from here and from where the vehicle has been (Auran, Silven 1995; ledger S4-01, S4-03,
-// S4-06, S4-11, S4-13 to S4-15, S4-21 to S4-24, S4-E05, S4-E07, S4-E09, S4-E10).
+// SphericalGrid: a first model of the water within sonar range, centred on the vehicle: the echoes by direction and
+// range, from the present position and from earlier ones (Auran, Silven 1995; ledger S4-01, S4-03, S4-06, S4-11, S4-13
+// to S4-15, S4-21 to S4-24, S4-E05, S4-E07, S4-E09, S4-E10).
 //
-// Directions are buckets of equal angles, ranges are geometric layers, only touched cells exist (spherical_cells.hpp);
-// how far the water was seen to be clear is beside them (clear_views.hpp). What a reading says of cells is not decided
-// here: perception/spherical_mapper.hpp. Cells are independent; their state is a log-odds.
+// Directions are buckets of equal angles, ranges are geometric layers, and only touched cells exist
+// (spherical_cells.hpp); clear_views.hpp records how far the water was seen to be clear.
+// perception/spherical_mapper.hpp decides what a reading says about cells. Cells are independent; their state is a
+// log-odds.
 //
-// Frames. G: origin at the vehicle, x', y', z' up, as of S4-02; callers speak G. T: the axes that G had at the start;
-// cells stand in T. `turn` changes only the angle between the two, of which the table takes whole buckets (S4-21): a
-// bucket of G is right to half a bucket, points (`point_of`) are exact.
+// Frames. G: origin at the vehicle, x', y', z' up, as of S4-02; callers use G. T: the axes that G had at the start;
+// cells are fixed in T. `turn` changes only the angle between the two, of which the table takes whole buckets (S4-21):
+// a bucket of G is accurate to half a bucket, points (`point_of`) are exact.
 //
-// Motion. The contents of cells move exactly, by their mean and their spread; cells are filled anew when the vehicle
-// has gone `rebin_at` of the finest layer, or the grid is tilted. A content that is wider than its new cell is split in
-// two, again and again, so that an approached wall has no holes; contents that meet in one cell merge. Splitting and
-// merging keep the number of echoes and the first two moments, so that going and coming spreads nothing. What leaves
-// the range is handed over. Above 75 degrees of elevation cells are narrower than what fills them; there holes may be.
+// Motion. The contents of cells move exactly, by their mean and their spread; cells are re-binned when the vehicle has
+// moved by `rebin_at` of the finest layer, or when the grid is tilted. A content that is wider than its new cell is
+// split in two, repeatedly, so that an approached wall has no holes; contents that meet in one cell merge. Splitting
+// and merging keep the number of echoes and the first two moments, so that moving to and fro spreads nothing. Cells
+// that leave the range are handed over (`on_dropped`). Above 75 degrees of elevation cells are narrower than their
+// contents; there may be holes there.
 //
-// Cost (bench/README.md): an emptiness test is two look-ups; 20,000 cells are filled anew within 2 ms. After warm-up
+// Cost (bench/README.md): an emptiness test is two look-ups; 20,000 cells are re-binned within 2 ms. After warm-up
 // nothing allocates. Errors: the constructor throws Error. One thread.
 #pragma once
 
@@ -34,15 +36,15 @@ struct SphericalGridConfig {
   double finest_m = 0.15;              ///< D0
   Angle bucket = Angle::degrees(2.5);  ///< of azimuth and elevation
   double range_m = 50;
-  double prior = 0.01;        ///< of a cell that nothing is known of
-  double occupied = 0.3;      ///< from here on a cell is an obstacle: one echo makes 0.3 to 0.5 of its cells
-  double most_log_odds = 10;  ///< either way
+  double prior = 0.01;        ///< of an unseen cell
+  double occupied = 0.3;      ///< a cell is an obstacle from this on: one echo gives its cells 0.3 to 0.5
+  double most_log_odds = 10;  ///< magnitude
   enum class Merging : std::uint8_t { kLargest, kDensity } merging = Merging::kLargest;
   double rebin_at = 0.5;    ///< of the finest layer
-  int lock_echoes = 5;      ///< a cell is locked from so many echoes on; 0: none is
-  int lock_scans = 2;       ///< and so many scans
-  double lock_state = 0.9;  ///< and this probability (S4-14)
-  int views = 32;           ///< of clear water, that are remembered
+  int lock_echoes = 5;      ///< a cell locks after so many echoes; 0: none does
+  int lock_scans = 2;       ///< in so many scans
+  double lock_state = 0.9;  ///< and with this probability (S4-14)
+  int views = 32;           ///< of clear water that are remembered
   double view_apart_m = 1;
 };
 std::vector<Field> fields(SphericalGridConfig& config);
@@ -73,7 +75,7 @@ class SphericalGrid {
   [[nodiscard]] Eigen::Vector3d point_of(const SphericalCell& cell) const { return from_table(cell.point()); }
   /// Empty beyond the range.
   [[nodiscard]] std::optional<SphericalPlace> place_at(const Eigen::Vector3d& p_T) const;
-  /// Of a cell's middle, in T; of a direction's axis.
+  /// The middle of a cell, in T; the axis of a direction.
   [[nodiscard]] Eigen::Vector3d middle_in_table(const SphericalPlace& place) const {
     return layers_.middle(place.layer) * axis_in_table(place.direction);
   }
@@ -83,9 +85,10 @@ class SphericalGrid {
 
   // What is known.
   // -----------------------------------------------------------------------------------------------------
-  /// Whether nothing has echoed in this direction (S4-11); u_G of any length but 0.
+  /// Whether there was no echo in this direction (S4-11); u_G of any length but 0.
   [[nodiscard]] bool is_empty(const Eigen::Vector3d& u_G) const { return !cells_.any(direction_of(u_G)); }
-  /// Whether no occupied cell of this one direction begins within `range_m`. Clear is not free: see clear().
+  /// Whether no occupied cell of this one direction begins within `range_m`. This is not proof of free water: see
+  /// was_clear().
   [[nodiscard]] bool is_unobstructed(const Eigen::Vector3d& u_G, double range_m) const;
   /// Whether a point was seen to be in clear water.
   [[nodiscard]] bool was_clear(const Eigen::Vector3d& p_G) const { return views_.is_clear(to_table(p_G)); }
@@ -97,40 +100,40 @@ class SphericalGrid {
 
   // Echoes.
   // ------------------------------------------------------------------------------------------------------------
-  /// Echoes from now on are of a further scan.
+  /// Starts a new scan; later echoes belong to it.
   void begin_scan() { ++scan_; }
-  /// Counts an echo at a point, in the cell that holds it; `sigma_m` is of its range. Empty beyond the range.
+  /// Counts an echo at a point in the cell that contains it; `sigma_m` is that of its range. Empty beyond the range.
   std::optional<SphericalPlace> add_echo(const Eigen::Vector3d& p_G, double sigma_m, Time time);
-  /// Makes the cell where there is none; a locked one keeps its state (S4-14). Clamped.
+  /// Makes the cell if there is none; a locked one keeps its state (S4-14). The value is clamped.
   void set_log_odds(const SphericalPlace& place, double log_odds);
-  /// False where there is no cell.
+  /// Returns false if there is no cell.
   bool lock(const SphericalPlace& place, bool locked);
-  /// A known surface passes through this point, of about `edge_m` across: a locked cell, flagged (S4-15).
+  /// A known surface passes through this point, about `edge_m` across: locks and flags the cell (S4-15).
   void add_known(const Eigen::Vector3d& p_G, double edge_m);
-  /// The content of a cell of another grid, without its state and its lock (S4-17).
+  /// Adds the content of a cell of another grid, without its state and its lock (S4-17).
   void add_content(const Eigen::Vector3d& p_G, const SphericalCell& other);
-  /// Nothing was heard along u_G, within half_width of it, up to clear_m.
+  /// There was no echo along u_G, within half_width of it, up to clear_m.
   void add_clear(const Eigen::Vector3d& from_G, const Eigen::Vector3d& u_G, Angle half_width, double clear_m,
                  Time time);
-  /// l = l_0 + (l - l_0) exp(-elapsed / tau) of every cell that is not locked; those that are hardly above the prior,
-  /// or below it, are forgotten. Views of clear water that nobody has looked from for tau, too (S4-50).
+  /// Applies l = l_0 + (l - l_0) exp(-elapsed / tau) to every cell that is not locked, and forgets those that are
+  /// hardly above the prior, or below it. Also forgets views of clear water without a look for tau (S4-50).
   void decay(Duration elapsed, Duration tau, Time now);
   void clear();
-  /// All that another grid of the same configuration holds: for readers in other threads (grid_snapshots.hpp).
+  /// Copies another grid of the same configuration, for readers in other threads (grid_snapshots.hpp).
   void copy_from(const SphericalGrid& other);
 
   // Motion.
   // ------------------------------------------------------------------------------------------------------------
-  /// The vehicle has gone by a displacement, in G (S4-23).
+  /// The vehicle has moved by a displacement, in G (S4-23).
   void translate(const Eigen::Vector3d& displacement_G);
-  /// Azimuths of everything grow by a turn about z' (S4-21): a turn of the vehicle to starboard.
+  /// Adds a turn about z' to all azimuths (S4-21): a turn of the vehicle to starboard.
   void turn(Angle turn);
-  /// What lies in direction n lies in direction R n from now on (S4-22).
+  /// Moves everything in direction n to direction R n (S4-22).
   void rotate(const Eigen::Matrix3d& R);
   [[nodiscard]] Angle turned() const { return turned_; }
-  /// What of it the table has not taken: at most half a bucket.
+  /// The part of the turn that the table has not taken: at most half a bucket.
   [[nodiscard]] Angle remainder() const;
-  /// Given each cell that leaves the range, once, and its content's mean in G as the vehicle stands then (S4-24).
+  /// Gets each cell that leaves the range, once, and its content's mean in G at the vehicle's present pose (S4-24).
   using Dropped = std::function<void(const SphericalCell& cell, const Eigen::Vector3d& p_G)>;
   void on_dropped(Dropped dropped) { dropped_ = std::move(dropped); }
 
@@ -154,8 +157,8 @@ class SphericalGrid {
     enum Axis : std::uint8_t { kRange, kAzimuth, kElevation, kFits, kBeyond };
     std::uint32_t direction;  ///< of T, elevation within azimuth
     std::uint16_t layer;
-    Axis widest;     ///< of the axes of its cell, if it is too wide for it
-    float variance;  ///< along that
+    Axis widest;     ///< the cell axis along which the content is widest, if too wide
+    float variance;  ///< along that axis
   };
   [[nodiscard]] Fit fit(const SphericalCell& content) const;
   SphericalCell halve(SphericalCell& content, const Fit& f) const;
@@ -171,16 +174,16 @@ class SphericalGrid {
   ClearViews views_;
   std::uint32_t scan_ = 0;
   Angle turned_;
-  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  ///< p_TG: of the vehicle since the last filling
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  ///< p_TG: of the vehicle since the last re-binning
   Dropped dropped_;
   std::vector<float> room_of_layer_;  ///< thickness squared
-  // Of a motion: contents in any order, where they go, and that order by direction.
+  // Buffers of a motion: contents in any order, their targets, and their order by direction.
   std::vector<SphericalCell> contents_;
   std::vector<Fit> fits_;
   std::vector<std::uint32_t> halved_, starts_, order_;
 };
 
-/// Of echoes that are told in W, relative to the vehicle: x' east, y' north, z' up (S4-19).
+/// Grid axes for vectors in W relative to the vehicle: x' east, y' north, z' up (S4-19).
 inline Eigen::Vector3d grid_axes_from_world(const Eigen::Vector3d& v_W) { return {v_W.y(), v_W.x(), -v_W.z()}; }
 inline Eigen::Vector3d world_from_grid_axes(const Eigen::Vector3d& v_G) { return {v_G.y(), v_G.x(), -v_G.z()}; }
 

@@ -1,5 +1,5 @@
-// SphericalGrid's cells filled anew after a motion: every content moves, is split where it is wider than its new cell,
-// and merges with those that it meets there (S4-22 to S4-24).
+// Re-binning of SphericalGrid's cells after a motion: every content moves, is split where it is wider than its new
+// cell, and merges with contents that it meets there (S4-22 to S4-24).
 #include <algorithm>
 #include <cmath>
 #include <isobath/map/spherical_grid.hpp>
@@ -8,19 +8,19 @@
 namespace isobath {
 namespace {
 
-// A content is split where it is wider than its cell and one of the halves, a quarter of its length to either side of
-// its middle, lies in another cell. So no cell between two contents that touch goes without: each reaches less than
-// half a cell into it. Some less than wider, because contents that have merged are no boxes.
+// A content is split where it is wider than its cell and one of its halves, a quarter of its length to either side of
+// its middle, lies in another cell. So no cell between two contents that touch stays empty: each extends less than half
+// a cell into it. The limit is less than the width, because merged contents are not boxes.
 constexpr float kWider = 0.8f * 0.8f;
-// Cells narrow towards the poles; contents are not split finer than those at this cosine of the elevation.
+// Cells narrow towards the poles; contents are not split finer than cells at this cosine of the elevation.
 constexpr float kLeastCosine = 0.26f;
-constexpr int kMostRounds = 6;  // of halving one content, at one motion
+constexpr int kMostRounds = 6;  // of halving one content in one motion
 
-/// l to Lambda = -ln(1 - P), the expected number of things in a cell, and back.
+/// Converts l to Lambda = -ln(1 - P), the expected number of objects in a cell, and back.
 double number_of(double log_odds) { return log_odds > 30 ? log_odds : std::log1p(std::exp(log_odds)); }
 double log_odds_of_number(double number) { return number > 30 ? number : std::log(std::expm1(number)); }
 
-/// Covariance after a rotation.
+/// Rotates a covariance.
 void rotate_spread(const Eigen::Matrix3f& R, std::array<float, 6>& c) {
   Eigen::Matrix3f spread;
   spread << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
@@ -30,7 +30,7 @@ void rotate_spread(const Eigen::Matrix3f& R, std::array<float, 6>& c) {
 
 }  // namespace
 
-// Without branches: nobody could foretell them, and contents of which the one after the other is awaited take longer.
+// Free of branches: they would be unpredictable, and the processor could not work on several contents at once.
 SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
   const float x = content.mean[0], y = content.mean[1], z = content.mean[2];
   const std::array<float, 6>& c = content.spread;
@@ -44,7 +44,7 @@ SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
   const float round = c[0] * y * y - 2 * c[1] * x * y + c[3] * x * x;
   const float in_range = along / range2, in_azimuth = round / level2;
   const float in_elevation = std::max(0.0f, c[0] + c[3] + c[5] - in_range - in_azimuth);
-  // a uniform content as long as L has the variance L^2 / 12
+  // a uniform content of length L has the variance L^2 / 12
   const float step = static_cast<float>(config_.bucket.radians()), unit = kWider / 12;
   const float high = unit * step * step * range2;
   const float nearest_edge =
@@ -53,7 +53,7 @@ SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
       static_cast<float>(buckets_.to_azimuth_edge(d.azimuth, static_cast<double>(x), static_cast<double>(y)));
   const auto slope =
       static_cast<float>(buckets_.to_elevation_edge(d.elevation, static_cast<double>(level), static_cast<double>(z)));
-  constexpr float kToHalf = 4.0f / 3;  // the halves stand off by sqrt(3/4 variance)
+  constexpr float kToHalf = 4.0f / 3;  // the centres of the halves are sqrt(3/4 variance) from the middle
   const float wide = std::max(unit * step * step * level2, kLeastCosine * kLeastCosine * high);
   const std::array<float, 3> room{
       std::max(unit * room_of_layer_[static_cast<std::size_t>(layer)], kToHalf * nearest_edge * nearest_edge),
@@ -72,9 +72,9 @@ SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
   return f;
 }
 
-// Of a content with the variance lambda along the unit vector e, halves with the means m -+ C e sqrt(3 / (4 lambda))
-// and the covariance C - 3/4 C e e^T C / lambda together have its moments; of a uniform content they are its two
-// halves.
+// Splits a content with the variance lambda along the unit vector e. Halves with the means m -+ C e sqrt(3 / (4
+// lambda)) and the covariance C - 3/4 C e e^T C / lambda together have its moments; for a uniform content they are its
+// two halves.
 SphericalCell SphericalGrid::halve(SphericalCell& content, const Fit& f) const {
   const float x = content.mean[0], y = content.mean[1], z = content.mean[2];
   const float level = std::hypot(x, y), range = std::hypot(level, z);
@@ -105,7 +105,7 @@ SphericalCell SphericalGrid::halve(SphericalCell& content, const Fit& f) const {
   return other;
 }
 
-// Rounds: what was halved is looked at again, and so are the halves.
+// Works in rounds: each round checks the halved contents and their halves again.
 void SphericalGrid::split_wide() {
   fits_.resize(contents_.size());
   for (std::size_t i = 0; i < contents_.size(); ++i) fits_[i] = fit(contents_[i]);
@@ -127,7 +127,7 @@ void SphericalGrid::split_wide() {
   }
 }
 
-// Moments of both together; of the state as configured (S4-50).
+// Combines the moments of both, and the state as configured (S4-50).
 void SphericalGrid::merge(SphericalCell& into, const SphericalCell& other) const {
   const float weight = into.weight + other.weight, share = other.weight / weight, both = share * (1 - share);
   std::array<float, 3> apart;
@@ -176,7 +176,7 @@ void SphericalGrid::add_content(const Eigen::Vector3d& p_G, const SphericalCell&
   cells_.mark_occupied(place->direction, place->layer, static_cast<double>(cell.log_odds) >= occupied_);
 }
 
-// By direction (counting), within it by layer; contents of one cell merge in the order that they came in.
+// Sorts by direction (counting sort) and then by layer; contents of one cell merge in the order of their arrival.
 void SphericalGrid::gather() {
   starts_.assign(static_cast<std::size_t>(buckets_.count()) + 1, 0);
   for (std::size_t i = 0; i < fits_.size(); ++i) {
@@ -196,7 +196,7 @@ void SphericalGrid::gather() {
   std::size_t begin = 0;
   while (begin < order_.size()) {
     const std::uint32_t direction = fits_[order_[begin]].direction;
-    const std::size_t end = starts_[direction];  // the start of the next, by now
+    const std::size_t end = starts_[direction];  // by now the start of the next direction
     for (std::size_t i = begin + 1; i < end; ++i) {
       const std::uint32_t at = order_[i];
       std::size_t k = i;

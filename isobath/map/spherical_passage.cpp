@@ -7,12 +7,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The nearest occupied cell along the way.
+/// The nearest occupied cell along the path.
 void find_blocking(const SphericalGrid& grid, const Vector3d& course_G, double distance_m, double radius_m,
                    WayAhead& way) {
   const SphericalLayers& layers = grid.layers();
   const Vector3d from = grid.to_table(Vector3d::Zero()), course = grid.to_table(course_G) - from;
-  // A content is anywhere in its cell, and the vehicle within a step of the cells' origin.
+  // A content may lie anywhere in its cell, and the vehicle within a step of the cells' origin.
   const double half_cell = 0.5 * layers.thickness(layers.layer_at(std::min(distance_m, layers.range_m())));
   const double slack = grid.buckets().step().radians(), off = from.norm();
   double nearest = distance_m;
@@ -36,7 +36,7 @@ void find_blocking(const SphericalGrid& grid, const Vector3d& course_G, double d
   way.blocked_m = way.blocking ? nearest : 0;
 }
 
-/// Along the way, up to where its middle and its sides at the same level were all seen to be clear.
+/// The distance up to which the path's middle and its sides at the same level were all seen to be clear.
 double clear_along(const SphericalGrid& grid, const Vector3d& course, double until, double radius_m) {
   const double level = course.head<2>().norm();
   const Vector3d side = level > 1e-9 ? Vector3d(-course.y() / level, course.x() / level, 0) : Vector3d(1, 0, 0);

@@ -1,11 +1,11 @@
-// Whether the vehicle can go a way (Auran, Silven 1995, 3.3; ledger S4-12).
+// way_ahead: whether the vehicle can follow a straight path (Auran, Silven 1995, 3.3; ledger S4-12).
 //
-// What blocks: an occupied cell whose content lies within the vehicle's radius, and half a cell more, of the straight
-// way. Where nothing does, the way was seen to be clear along its middle and both its sides at the same level, or it is
-// unknown from some range on: water that nobody has looked at is not free water. Above and below the middle a level fan
-// of beams sees nothing, so that is not asked for.
+// An occupied cell blocks the path if its content lies within the vehicle's radius, plus half a cell, of the path. If
+// no cell blocks it, the path is either clear, where its middle and both its sides at the same level were seen to be
+// clear, or unknown from some range on: water that was never observed is not free water. A level fan of beams sees
+// nothing above and below the middle, so no clear water is required there.
 //
-// Cost: stored beams once each, by the bits of their cells; points of three lines, one a layer (bench/README.md).
+// Cost: each stored beam once, by the bits of its cells; points of three lines, one a layer (bench/README.md).
 #pragma once
 
 #include <isobath/map/spherical_grid.hpp>
@@ -15,8 +15,8 @@ namespace isobath {
 
 struct WayAhead {
   enum class Verdict : std::uint8_t { kClear, kUnknown, kBlocked } verdict = Verdict::kUnknown;
-  double clear_m = 0;    ///< along the way, until the first that blocks or is unknown
-  double blocked_m = 0;  ///< where the first cell that blocks lies along the way; meaningless for the others
+  double clear_m = 0;    ///< along the path, up to the first cell that blocks or point that is unknown
+  double blocked_m = 0;  ///< distance along the path to the first cell that blocks; valid only for kBlocked
   std::optional<SphericalPlace> blocking;
 };
 const char* to_text(WayAhead::Verdict verdict);

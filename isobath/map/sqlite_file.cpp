@@ -126,12 +126,12 @@ void SqliteFile::open(const SqliteSchema& schema) {
   for (const std::string& sql : schema.tables) make += sql + ";";
   make +=
       fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}; COMMIT", schema.application, schema.version);
-  execute(make, "cannot be made");
+  execute(make, "cannot be created");
 }
 
-/// Throws Error where it holds something else than the schema.
+/// Throws Error where the file holds something other than the schema.
 bool SqliteFile::is_empty(const SqliteSchema& schema) const {
-  const std::string not_one = "is no " + schema.what;
+  const std::string not_one = "cannot be read as the " + schema.what;
   const auto count = [&](const std::string& condition) {
     return ask("SELECT count(*) FROM sqlite_schema WHERE " + condition, not_one);
   };
@@ -139,7 +139,7 @@ bool SqliteFile::is_empty(const SqliteSchema& schema) const {
   const std::string version = ask("PRAGMA user_version", not_one);
   if (application == "0" && version == "0" && count("true") == "0") return true;
   if (application != std::to_string(schema.application)) {
-    throw Error("is a database, but no " + schema.what, {name_}, {}, "give another file");
+    throw Error("is a database, but not of the " + schema.what, {name_}, {}, "give another file");
   }
   if (version != std::to_string(schema.version)) {
     throw Error(fmt::format("has schema version {}", version), {name_}, std::to_string(schema.version),
@@ -147,7 +147,7 @@ bool SqliteFile::is_empty(const SqliteSchema& schema) const {
   }
   bool same = count("name NOT LIKE 'sqlite\\_%' ESCAPE '\\'") == std::to_string(schema.tables.size());
   for (const std::string& sql : schema.tables) same = same && count(fmt::format("sql = '{}'", sql)) == "1";
-  if (!same) throw Error("has tables that are not those of an " + schema.what, {name_}, {}, "give another file");
+  if (!same) throw Error("has tables that do not belong to the " + schema.what, {name_}, {}, "give another file");
   return false;
 }
 

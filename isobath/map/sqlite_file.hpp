@@ -1,9 +1,9 @@
-// SqliteFile: one SQLite database that belongs to one program and holds one known schema, and its statements.
+// SqliteFile: an SQLite database that belongs to one program and holds one known schema, and its statements.
 //
-// The file stays locked while it is open. Rollback journal; every commit is flushed, the folder with it, before it
-// returns. Opening refuses, and leaves as it is, a file that is no database, that another kind of program made, whose
-// schema differs in a word (it could bring triggers along), or in which PRAGMA integrity_check finds damage: page
-// structure, types, constraints, and indices that do not agree with their tables, which quick_check would pass over.
+// The file stays locked while it is open. Rollback journal; every commit flushes the file and its folder before it
+// returns. Opening refuses, and does not change, a file that is not a database, that another kind of program made,
+// whose schema differs in a word (it could contain triggers), or in which PRAGMA integrity_check finds damage: page
+// structure, types, constraints, and indices that do not agree with their tables, which quick_check would not find.
 //
 // Throws Error with one line that names the file. One thread at a time. Hides sqlite3.h.
 #pragma once
@@ -28,7 +28,7 @@ struct SqliteSchema {
   std::vector<std::string> tables;  ///< CREATE ... word for word
 };
 
-/// One use of a prepared statement: values go in from the left, columns come out from the left.
+/// One use of a prepared statement: values are bound and columns are read from left to right.
 class SqliteUse {
  public:
   SqliteUse(sqlite3* connection, const std::string& file, sqlite3_stmt* statement)
@@ -41,17 +41,17 @@ class SqliteUse {
   SqliteUse& with(double value);
   SqliteUse& with(const std::string& value);
   SqliteUse& with(std::span<const std::byte> value);
-  /// Whether there is a row.
+  /// Advances; returns whether there is a row.
   bool step();
   void run() {
     while (step()) {
     }
   }
   std::int64_t integer();
-  double finite(const char* what);  ///< throws Error where it is not
+  double finite(const char* what);  ///< throws Error if the value is not finite
   std::string text();
-  std::span<const std::byte> bytes();  ///< good until the next step
-  /// Steps from record to record where no index led to the next, since the last call.
+  std::span<const std::byte> bytes();  ///< valid until the next step
+  /// Records read in a scan without an index since the last call.
   [[nodiscard]] std::uint64_t scanned() const;
 
  private:
@@ -68,7 +68,7 @@ class SqliteFile {
  public:
   static constexpr int kLongestValue = 1 << 20;  ///< bytes of a text or a row
 
-  /// Opens the file, or makes it with the schema. The statements are used by their place in the list.
+  /// Opens the file, or creates it with the schema. The index of a statement is its position in the list.
   SqliteFile(const std::filesystem::path& path, const SqliteSchema& schema, const std::vector<std::string>& statements);
   SqliteFile(const SqliteFile&) = delete;
   SqliteFile& operator=(const SqliteFile&) = delete;
@@ -80,7 +80,7 @@ class SqliteFile {
 
   void begin() { execute("BEGIN IMMEDIATE", "cannot be written"); }
   void commit() { execute("COMMIT", "cannot be written"); }
-  void roll_back() noexcept;  ///< nothing to do where the disk failed: SQLite has done it
+  void roll_back() noexcept;  ///< does nothing where the disk failed: SQLite has rolled back
   [[nodiscard]] bool in_transaction() const;
 
  private:

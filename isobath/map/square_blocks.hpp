@@ -1,8 +1,8 @@
-// What the quadtrees of points and of segments share: the geometry of their blocks and the pool that these stand in
-// (ledger S1-20 to S1-23). Points are (north, east) in metres; quadrants are NW, NE, SW, SE.
+// SquareBlocks: the geometry of blocks and the pool of nodes that the quadtrees of points and of segments share (ledger
+// S1-20 to S1-23). Points are (north, east) in metres; quadrants are NW, NE, SW, SE.
 //
-// A block's halves are cut at one computed middle, used for placing and for measuring alike, so that a distance to a
-// block is never larger than the computed distance to something in it: searches are exact, not exact up to rounding.
+// Placing and measuring use the same computed middle of a block, so that a distance to a block is never larger than the
+// computed distance to something in it: searches are exact, not exact up to rounding.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ struct SquareBlock {
     ((q & 1) != 0 ? b.west : b.east) = middle_east();
     return b;
   }
-  /// Edges belong to it.
+  /// Edges included.
   [[nodiscard]] bool contains(const Eigen::Vector2d& p) const {
     return p.x() >= south && p.x() <= north && p.y() >= west && p.y() <= east;
   }
@@ -46,28 +46,28 @@ struct SquareBlock {
   }
 };
 
-/// Why an edit of a tree was not done.
+/// The result of an edit: done, or the reason why not.
 enum class TreeEdit : std::uint8_t {
   kDone,
-  kOutside,    ///< of the tree's square, or not finite
+  kOutside,    ///< outside the tree's square, or not finite
   kKnownId,    ///< the id is in the tree already
   kUnknownId,  ///< the id is not in the tree
 };
 
-/// Of one search: what was looked at.
+/// The work of one search.
 struct SearchEffort {
   std::size_t nodes = 0;    ///< internal nodes and leaves
   std::size_t objects = 0;  ///< distances computed
 };
 
-/// Blocks of four descriptors: `index << 1` links to a block; what a leaf's 31 bits mean is the tree's business.
+/// Blocks of four descriptors: `index << 1` links to a block; each tree defines the 31 bits of its leaves.
 class SquareBlocks {
  public:
   using Block = std::array<std::uint32_t, 4>;
 
   Block& operator[](std::uint32_t node) { return blocks_[node >> 1]; }
   const Block& operator[](std::uint32_t node) const { return blocks_[node >> 1]; }
-  /// A link to a new block.
+  /// Stores a new block; returns a link to it.
   std::uint32_t allocate(const Block& block) {
     if (free_.empty()) {
       blocks_.push_back(block);
@@ -87,9 +87,9 @@ class SquareBlocks {
   std::vector<std::uint32_t> free_;
 };
 
-/// Best-first search: leaf(descriptor) for every leaf that is not farther than bound(), which may shrink meanwhile. The
-/// descent to the leaf nearest to the point comes first, and what it passes by waits only if that leaf has not made it
-/// too far: nearly nothing has to wait.
+/// Best-first search: calls leaf(descriptor) for every leaf not farther than bound(), which may shrink meanwhile. The
+/// search first descends to the leaf nearest to the point. A sibling on the way enters the queue only if that leaf has
+/// not made it too far, so the queue stays nearly empty.
 template <class Bound, class Leaf>
 class BestFirstSearch {
  public:
@@ -99,7 +99,7 @@ class BestFirstSearch {
   BestFirstSearch(const SquareBlocks& blocks, const Eigen::Vector2d& point, Bound bound, Leaf leaf)
       : blocks_(blocks), point_(point), bound_(bound), leaf_(leaf) {}
 
-  /// Nodes visited.
+  /// Returns the number of nodes visited.
   std::size_t run(std::uint32_t root, const SquareBlock& square) {
     if (root == kEmpty) return 0;
     descend({square.squared_distance(point_), root, square});

@@ -25,7 +25,7 @@ constexpr std::uint32_t kVersion = 1;
 constexpr int kCrownLevels = 5;
 constexpr std::size_t kMostCrown = 341;  // 1 + 4 + 16 + 64 + 256
 constexpr std::size_t kAlignment = 4096;
-constexpr std::size_t kMapFrom = std::size_t{4} << 20;  // smaller files are read
+constexpr std::size_t kMapFrom = std::size_t{4} << 20;  // smaller files are read into memory
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -43,7 +43,7 @@ struct Header {
   std::uint32_t crown_blocks = 0;
   std::uint32_t crown_crc = 0;
   std::uint32_t unused = 0;
-  std::uint32_t crc = 0;  ///< of all before it and of the metadata
+  std::uint32_t crc = 0;  ///< of the header before it and of the metadata
 };
 static_assert(sizeof(Header) == 72 && std::is_trivially_copyable_v<Header>);
 
@@ -53,7 +53,7 @@ struct CrownBlock {
 };
 static_assert(sizeof(CrownBlock) == 20);
 
-/// Where the parts of a file stand.
+/// The offsets of the parts of a file.
 struct Layout {
   explicit Layout(const Header& h)
       : table(sizeof(Header) + (std::size_t{h.metadata_bytes} + 3) / 4 * 4),
@@ -78,7 +78,7 @@ std::uint32_t header_crc(const Header& header, const void* metadata) {
   throw Error(fmt::format("{}: {}", what, std::strerror(error)), {file});
 }
 
-/// An open file; closed at the end.
+/// An open file; the destructor closes it.
 class DiskFile {
  public:
   DiskFile(const fs::path& file, int flags) : file_(file), number_(::open(file.c_str(), flags | O_CLOEXEC, 0644)) {
@@ -98,7 +98,7 @@ class DiskFile {
       bytes += n, at += static_cast<std::size_t>(n), size -= static_cast<std::size_t>(n);
     }
   }
-  /// Bytes read: fewer than asked for where the file ends.
+  /// Returns the bytes read: fewer than requested where the file ends.
   std::size_t read(void* data, std::size_t size) const {
     std::size_t got = 0;
     while (got < size) {
@@ -111,7 +111,7 @@ class DiskFile {
     return got;
   }
   void flush() const {
-    if (::fsync(number_) != 0) fail(file_, "cannot be flushed to the disk", errno);
+    if (::fsync(number_) != 0) fail(file_, "cannot be flushed to disk", errno);
   }
 
  private:
@@ -157,7 +157,7 @@ void write_parts(const DiskFile& out, const RegionQuadtree& tree, std::uint64_t 
   out.write(front.data(), front.size(), 0);
 }
 
-/// Throws Error where the header is not one.
+/// Throws Error where the header is invalid.
 Header checked_header(std::span<const std::uint8_t> bytes, const std::string& name) {
   Header h;
   const auto refuse = [&](std::size_t byte, const std::string& problem, const std::string& allowed = {},
@@ -186,18 +186,18 @@ Header checked_header(std::span<const std::uint8_t> bytes, const std::string& na
   if (h.outside > RegionQuadtree::kLargestValue) refuse(offsetof(Header, outside), "value has more than 31 bits");
   if (h.blocks > BlockPool::kMostBlocks ||
       h.pages != (h.blocks + BlockPool::kBlocksPerPage - 1) / BlockPool::kBlocksPerPage) {
-    refuse(offsetof(Header, pages), "numbers of pages and of blocks contradict each other");
+    refuse(offsetof(Header, pages), "the numbers of pages and of blocks contradict each other");
   }
   if (h.crown_blocks > kMostCrown) refuse(offsetof(Header, crown_blocks), "crown too large", "0 .. 341");
   const std::size_t end = Layout(h).end;
   if (bytes.size() != end) {
-    refuse(std::min(bytes.size(), end), fmt::format("{} bytes where the header promises {}", bytes.size(), end), {},
+    refuse(std::min(bytes.size(), end), fmt::format("{} bytes instead of the {} in the header", bytes.size(), end), {},
            bytes.size() < end ? "the file was cut off" : "something was appended to the file");
   }
   return h;
 }
 
-/// Follows every link once and makes what it finds a sound tree.
+/// Follows every link once and repairs the tree.
 class Inspection {
  public:
   Inspection(const Header& header, std::span<const std::uint8_t> bytes, BlockPool& pool, std::uint32_t lost,
@@ -213,7 +213,7 @@ class Inspection {
     check_crown(bytes);
   }
 
-  /// The root of the sound tree; the pool's list of free blocks is in order afterwards.
+  /// The root of the sound tree; afterwards the pool's list of free blocks is valid.
   std::uint32_t run() {
     const std::uint32_t root = node(header_.root, {0, 0, static_cast<int>(header_.levels)}, kNoParent, 0);
     if (!free_list_sound()) {
@@ -235,7 +235,7 @@ class Inspection {
       report_.damaged_pages.push_back({i, layout_.pages + BlockPool::kPageBytes * i});
     }
   }
-  /// Nothing stands between the parts.
+  /// Reports bytes that are not 0 between the parts.
   void check_empty(std::span<const std::uint8_t> bytes, std::size_t from, std::size_t to) {
     for (std::size_t at = from; at < to; ++at) {
       if (bytes[at] == 0) continue;
@@ -260,7 +260,7 @@ class Inspection {
     }
   }
 
-  /// The descriptor of a square, sound; `parent` and `quadrant` say where it was found.
+  /// The descriptor of a square, repaired; `parent` and `quadrant` are the place of the link.
   std::uint32_t node(std::uint32_t found, const Square& square, std::uint32_t parent, int quadrant) {
     if (RegionQuadtree::is_leaf(found)) return found;
     const std::uint32_t index = found >> 1;
@@ -281,7 +281,7 @@ class Inspection {
       if (!RegionQuadtree::is_leaf(before[q])) now[q] = node(before[q], square.quadrant(q), index, q);
     }
     if (RegionQuadtree::is_leaf(now[0]) && now[0] == now[1] && now[0] == now[2] && now[0] == now[3]) {
-      merged_.push_back(index);  // still marked: a block that is met twice must stop the walk, whatever it holds
+      merged_.push_back(index);  // stays marked: a block that is met twice must stop the walk, whatever it holds
       return now[0];
     }
     if (now != before) pool_.write(index, now);
@@ -297,7 +297,7 @@ class Inspection {
             layout_.pages + sizeof(Block) * parent + sizeof(std::uint32_t) * quadrant};
   }
 
-  /// The free blocks of the file are those that the tree does not use, each once.
+  /// Whether the file's free blocks are those that the tree does not use, each once.
   bool free_list_sound() {
     if (!merged_.empty() || !report_.damaged_pages.empty() || !report_.bad_links.empty()) return false;
     if (header_.free_count != header_.blocks - reached_count_) return false;
@@ -325,7 +325,7 @@ class Inspection {
   std::vector<std::uint32_t> merged_;  ///< blocks of four equal leaves
 };
 
-/// The whole file: mapped where it is large, else read.
+/// The whole file: mapped if it is large, else read.
 std::shared_ptr<const void> contents(const DiskFile& in, std::size_t size, const fs::path& file) {
   if (size >= kMapFrom) {
     void* map = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, in.number(), 0);

@@ -1,28 +1,29 @@
-// Region quadtrees on disk, one file a tree, as they stand in memory (ledger S1-26; also S1-16).
+// tree_file: region quadtrees on disk, one file a tree, in their layout in memory (ledger S1-26; also S1-16).
 //
-// Words are of the machine that wrote them; a mark tells their order. Format 1:
+// Words have the byte order of the machine that wrote them; a mark records it. Format 1:
 //   header     72 bytes: magic, order mark, version, generation, levels, value outside, root, pages, blocks, head and
 //              count of the free blocks, bytes of metadata, blocks in the crown, CRC of the crown, CRC of header and
 //              metadata
-//   metadata   the caller's text (UTF-8, JSON say), up to 64 KiB
+//   metadata   the caller's text (UTF-8, for example JSON), up to 64 KiB
 //   table      a CRC a page
-//   crown      index and four words of each block of the five topmost levels, once more
+//   crown      a second copy of the index and four words of each block of the five topmost levels
 //   pages      from the next multiple of 4096 on: 16 KiB each, to the end of the file
 // CRC is that of zlib (CRC-32, ISO 3309).
 //
-// Writing: into `file`.part, which is flushed to the disk, renamed, and its folder flushed: at any instant the file is
-// the old map or the new one, and a map that is mapped from the old file keeps it. Writers only ever rename. A program
-// of others that truncates a mapped file in place ends the process that reads it (SIGBUS), which no reader can prevent;
-// files below 4 MiB are read into memory, where nothing can happen to them.
+// Writing goes into `file`.part, which is flushed to disk and renamed; then its folder is flushed. At any instant the
+// file is the old map or the new one, and a program that has mapped the old file keeps it. Writers only ever rename.
+// Another program that truncates a mapped file in place ends the reading process (SIGBUS), which no reader can prevent;
+// files below 4 MiB are read into memory, where this cannot happen.
 //
-// Opening trusts nothing. A bad header is an Error. A page with a wrong CRC is reported and not used: the squares
-// below links into it read as `lost`, the rest of the map stays; the crown keeps the loss small, for a page that holds
-// a block of the top would else take a quarter of the map with it. All links are followed once on opening: in range,
-// no deeper than the levels, no block twice; so later traversals need no check, and a map that is open is sound. (To
-// check on the way would cost each later traversal, and would let edits meet a list of free blocks that are in use.)
-// What hangs below a bad link reads as `lost`, too.
+// Opening trusts nothing. A bad header is an Error. A page with a wrong CRC is reported and not used: the squares below
+// links into it read as `lost`, and the rest of the map stays. The crown keeps the loss small, because a page that
+// holds a block of the top levels would otherwise lose a quarter of the map. All links are followed once on opening and
+// must be in range, no deeper than the levels, and never reach a block twice; so later traversals need no check, and an
+// open map is sound. (Checks during later traversals would slow each of them down, and edits could meet a list of free
+// blocks that are in use.) Squares below a bad link also read as `lost`.
 //
-// Threads: any, on different files. Cost of opening: 1 GB/s, of it 4 GB/s the checksums and the rest the links.
+// Threads: any, on different files. Cost of opening: 1 GB/s; the checksums alone run at 4 GB/s, and the links take the
+// rest of the time.
 #pragma once
 
 #include <cstdint>
@@ -37,13 +38,13 @@ namespace isobath {
 
 inline constexpr std::size_t kMostTreeMetadata = 65536;
 
-/// Throws Error: metadata too long; cannot be written or renamed: the file is then the old one; the folder cannot be
-/// flushed: it is the new one, and a loss of power may bring back the old.
+/// Throws Error if the metadata is too long, if the file cannot be written or renamed (it is then the old one), or if
+/// the folder cannot be flushed (the file is then the new one, and a loss of power may bring back the old one).
 void write_tree_file(const std::filesystem::path& file, const RegionQuadtree& tree, std::uint64_t generation,
                      const std::string& metadata);
 
 struct TreeFile {
-  /// One page that is not what was written, or one link that leads nowhere.
+  /// A page whose contents have changed, or an invalid link.
   struct Damage {
     std::uint32_t page = 0;
     std::uint64_t byte = 0;  ///< in the file, of the page or of the link
@@ -55,17 +56,17 @@ struct TreeFile {
   std::string metadata;
   std::vector<Damage> damaged_pages;  ///< ascending
   std::vector<Damage> bad_links;
-  /// Bytes at which the second copy of the top, or what should be empty, is not as written: nothing is lost by it.
+  /// Bytes where the second copy of the top levels or the padding has changed; nothing is lost by it.
   std::vector<std::uint64_t> spare_damage;
   std::vector<PixelWindow> lost;  ///< squares that read as the value given for them
 
   [[nodiscard]] bool sound() const { return damaged_pages.empty() && bad_links.empty() && spare_damage.empty(); }
 };
 
-/// `lost`: what pixels read whose page is damaged. Throws Error: not there, cut off, of another format, version or byte
-/// order, header damaged.
+/// `lost`: the value of pixels in damaged parts. Throws Error if the file does not exist, was cut off, is of another
+/// format, version or byte order, or has a damaged header.
 TreeFile open_tree_file(const std::filesystem::path& file, std::uint32_t lost);
-/// The same from bytes in memory, aligned to 4, that `owner` keeps alive; `name` is for messages.
+/// The same from bytes in memory, aligned to 4; `owner` keeps them alive. `name` is for messages.
 TreeFile parse_tree_file(std::span<const std::uint8_t> bytes, std::shared_ptr<const void> owner,
                          const std::string& name, std::uint32_t lost);
 

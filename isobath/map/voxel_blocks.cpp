@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Parts of a line's length, as whole numbers: what is compared and added at each step takes one cycle, not four.
+/// Parts of a line's length as whole numbers: a comparison and an addition per step take one cycle, not four.
 using Share = std::int64_t;
 constexpr double kWhole = 0x1p52;
 constexpr double kNever = 0x1p61;
@@ -31,7 +31,7 @@ struct Axis {
     each = to_share(length > 0 ? 1 / length : kNever);
     next = to_share(length > 0 ? (way < 0 ? from - voxel : voxel + 1 - from) / length : kNever);
   }
-  Share next, each;  ///< at which the next border is met, and from one to another
+  Share next, each;  ///< of the next border, and between two borders
   int step;
 };
 
@@ -69,7 +69,7 @@ VoxelBlocks::Slab VoxelBlocks::new_slab() {
   Slab slab(static_cast<LogOdds16*>(std::aligned_alloc(kBytes, kBytes)));
   if (!slab) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
-  madvise(slab.get(), kBytes, MADV_HUGEPAGE);  // only a wish: a random voxel is then one miss, not two
+  madvise(slab.get(), kBytes, MADV_HUGEPAGE);  // a hint: a random voxel then costs one miss, not two
 #endif
   return slab;
 }
@@ -89,7 +89,7 @@ LogOdds16* VoxelBlocks::touch(const VoxelIndex& v) {
     if (2 * (used_ + 1) > table_.size()) grow(2 * table_.size());
     slot = free_.back();
     if (back) {
-      shelf_->read(key, {evidence_of(slot), kVolume});  // where it fails, nothing has changed
+      shelf_->read(key, {evidence_of(slot), kVolume});  // if it fails, nothing has changed
       --spilled_;
     } else {
       std::fill_n(evidence_of(slot), kVolume, kUnseen);
@@ -189,8 +189,8 @@ void VoxelBlocks::move(const VoxelIndex& by, std::uint64_t after) {
   release([&](const Block& b) { return b.revision > after; });
   for (std::size_t n = 0; n < corners.size(); ++n) {
     const VoxelIndex to = corners[n] + by;
-    if (!holds(to) || !holds(to + VoxelIndex::Constant(kSide))) continue;  // beyond the end of all maps
-    const VoxelIndex first = place_of(offset(to));                         // it comes to lie in up to eight blocks
+    if (!holds(to) || !holds(to + VoxelIndex::Constant(kSide))) continue;  // beyond the limits of every map
+    const VoxelIndex first = place_of(offset(to));                         // the block now overlaps up to eight blocks
     std::array<LogOdds16*, 8> parts{};
     for (int i = 0; i < kVolume;) {
       const VoxelIndex at = first + place_of(i), part = at / kSide;
@@ -267,7 +267,7 @@ std::size_t VoxelBlocks::bytes() const {
          table_.size() * sizeof(Entry) + free_.capacity() * sizeof(std::uint32_t) + (shelf_ ? shelf_->bytes() : 0);
 }
 
-// LogOdds16 -----------------------------------------------------------------------------------------------------------
+// Evidence -----------------------------------------------------------------------------------------------------------
 
 void VoxelBlocks::fade(double kept) {
   ISOBATH_ASSERT(kept >= 0 && kept <= 1);
@@ -294,7 +294,7 @@ std::int64_t VoxelBlocks::insert_ray(const Vector3d& from, const Vector3d& to, L
   const std::int64_t passed = (last - at).cast<std::int64_t>().cwiseAbs().sum();
   Axis x(from.x(), to.x(), at.x()), y(from.y(), to.y(), at.y()), z(from.z(), to.z(), at.z());
 
-  // What is written lies in other lines than what comes next: each is asked for kAhead steps before it is needed.
+  // Consecutive voxels lie in different cache lines: each line is prefetched kAhead steps before it is written.
   constexpr int kAhead = 32, kInside = kSide - 1;
   std::array<LogOdds16*, 2 * kAhead> met;
   const auto pass = [&](std::int64_t step) {

@@ -1,22 +1,22 @@
-// VoxelBlocks: what one sensor has said of space, voxel by voxel, in blocks of 16 x 16 x 16 found by hashing.
+// VoxelBlocks: the evidence of one sensor about space, voxel by voxel, in blocks of 16 x 16 x 16 found by hashing.
 //
-// Evidence. A voxel holds the sum of the log-likelihood ratios ln P(reading | occupied) / P(reading | empty) that it
-// was given (Horner et al. c. 2009, 4; ledger S5-15), in fixed point, 1/1024, kept within [least, most]. Zero is no
-// evidence either way, which is not the same as never looked at: that reads as kUnseen. The prior is not in it (S5-29),
-// so that sensors add up (VoxelMap). Whole numbers: while no bound is met, a sum depends neither on the order of its
-// parts nor on who adds them.
+// Evidence. A voxel holds the sum of its log-likelihood ratios ln P(reading | occupied) / P(reading | empty) (Horner et
+// al. c. 2009, 4; ledger S5-15), in fixed point, 1/1024, kept within [least, most]. Zero means no evidence either way;
+// a voxel that was never observed reads as kUnseen. The prior is not included (S5-29), so that sensors add up
+// (VoxelMap). The sums are whole numbers: while no bound is met, a sum depends neither on the order of its parts nor on
+// the thread that adds them.
 //
-// Layout. Within a block a column along z is contiguous (32 bytes, one vector), columns follow along y, then x. Blocks
-// are taken from slabs of two megabytes and never move; a table of open addressing with half its places empty says
-// where. Each block carries the revision of its own last change, so that a reader asks for what is new since it looked.
+// Layout. Within a block a column along z is contiguous (32 bytes, one vector); columns follow along y, then x. Blocks
+// come from slabs of two megabytes and never move; a table of open addressing, at most half full, locates them. Each
+// block carries the revision of its last change, so that a reader can ask for changes since its last read.
 //
-// Memory. A block that is changed stays in memory until somebody has it forgotten (keep_within) or written away
-// (spill): then a shelf of a file holds it (voxel_file.hpp), and it comes back, bit for bit, when it is touched.
-// Reading does not bring it back, so that a walk over all of a large map takes no more memory; the answers are the
-// same. While there is a shelf, whatever reads or touches throws Error where the file is damaged or the disk fails.
+// Memory. A changed block stays in memory until the caller makes it forgotten (keep_within) or written to a file
+// (spill). Then a shelf of the file holds it (voxel_file.hpp), and it returns, bit for bit, when it is touched. Reading
+// does not bring it back into memory, so that a walk over a large map needs no more memory; the results are the same.
+// While there is a shelf, all functions that read or touch throw Error where the file is damaged or the disk fails.
 //
-// Cost (one core, bench/voxel_bench.cpp): 0.9 million rays of 187 voxels, 24 million random questions a second. One
-// thread writes; while nobody writes, any number read.
+// Cost (one core, bench/voxel_bench.cpp): 0.9 million rays of 187 voxels, 24 million random queries a second. One
+// thread writes; while no thread writes, any number may read.
 #pragma once
 
 #include <algorithm>
@@ -35,12 +35,12 @@ class VoxelShelf;
 class VoxelBlocks {
  public:
   static constexpr int kSideLog2 = kBlockSideLog2, kSide = 1 << kSideLog2, kVolume = kBlockVolume;
-  /// Indices beyond have no block: 8.4 million voxels from the origin, 2097 km at 0.25 m.
+  /// Indices beyond this have no block: 8.4 million voxels from the origin, 2097 km at 0.25 m.
   static constexpr int kFarthest = 1 << 23;
 
-  /// What there is of a block; good while the map lives and keeps it in memory.
+  /// A view of a block; valid while the map lives and keeps the block in memory.
   struct Block {
-    VoxelIndex corner;  ///< the least voxel
+    VoxelIndex corner;  ///< the lowest voxel
     std::uint64_t revision = 0;
     LogOdds16* evidence = nullptr;  ///< kVolume of them
   };
@@ -49,7 +49,7 @@ class VoxelBlocks {
     return ((v.x() & kMask) << 2 * kSideLog2) | ((v.y() & kMask) << kSideLog2) | (v.z() & kMask);
   }
 
-  /// Of the voxel at an offset, from the block's corner.
+  /// Position of the voxel at an offset, relative to the block's corner.
   static VoxelIndex place_of(int offset) {
     constexpr int kMask = kSide - 1;
     return {offset >> 2 * kSideLog2, offset >> kSideLog2 & kMask, offset & kMask};
@@ -58,71 +58,73 @@ class VoxelBlocks {
   explicit VoxelBlocks(const EvidenceBounds& bounds = {});
 
   [[nodiscard]] static bool holds(const VoxelIndex& v) { return v.maxCoeff() < kFarthest && v.minCoeff() > -kFarthest; }
-  /// kUnseen where nothing was ever said. Of a voxel that the map `holds`, as for all that follow: the indices of
-  /// others come round again.
+  /// kUnseen where there is no evidence. The voxel must be one that the map `holds`, here and in all functions below:
+  /// the indices of others wrap around.
   [[nodiscard]] LogOdds16 at(const VoxelIndex& v) const {
     const std::uint64_t key = key_of(v);
     const std::uint32_t slot = slot_of(key);
     if (slot != kNone) return evidence_of(slot)[offset(v)];
     return shelf_ == nullptr ? kUnseen : spilled_at(key, offset(v));
   }
-  /// The evidence of the block of a voxel; null where memory holds none.
+  /// The evidence of the voxel's block; null if the block is not in memory.
   [[nodiscard]] const LogOdds16* find(const VoxelIndex& v) const {
     const std::uint32_t slot = slot_of(key_of(v));
     return slot == kNone ? nullptr : evidence_of(slot);
   }
-  /// The same to write to, made where there is none, and marked as changed in this revision.
+  /// The same for writing: makes the block if there is none, and marks it as changed in this revision.
   LogOdds16* touch(const VoxelIndex& v);
-  /// One more piece of evidence.
+  /// Adds a piece of evidence.
   void add(const VoxelIndex& v, LogOdds16 more) {
     LogOdds16& e = touch(v)[offset(v)];
     e = sum(e, more);
   }
-  /// What both say together, within the bounds.
+  /// The sum of both within the bounds.
   [[nodiscard]] LogOdds16 sum(LogOdds16 old, LogOdds16 more) const {
     const int total = (old == kUnseen ? 0 : old) + more;
     return static_cast<LogOdds16>(std::min<int>(std::max<int>(total, bounds_.least), bounds_.most));
   }
 
-  /// Along a straight line of sight from `from` to `to` (voxels and fractions of them): `miss` for each voxel that it
-  /// passes through before the one that holds `to` (six-connected: every voxel that the line meets), then `end` for
-  /// that one. An `end` of zero leaves it as it is. Returns the voxels passed; nothing happens, and 0 is returned,
-  /// where an end is not finite or too far off.
+  /// Adds evidence along a straight line of sight from `from` to `to` (in fractional voxels): `miss` to each voxel that
+  /// the line passes before the one that holds `to` (six-connected: every voxel that the line meets), then `end` to
+  /// that one. An `end` of zero leaves it unchanged. Returns the number of voxels passed. Does nothing and returns 0 if
+  /// an end point is not finite or too far away.
   std::int64_t insert_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to, LogOdds16 miss, LogOdds16 end);
 
-  /// Blocks touched from now on carry this revision; none is 0.
+  /// Blocks touched from now on carry this revision, which must not be 0.
   void begin(std::uint64_t revision) { revision_ = revision; }
-  /// Those touched after a revision, and all with 0; in no order. Of a spilled one a copy, good while visited.
+  /// Visits the blocks touched after a revision (0: all), in no order. For a spilled block it passes a copy, valid
+  /// during the visit.
   void for_each(std::uint64_t after, const std::function<void(const Block&)>& visit) const;
-  /// All that memory holds, in no order.
+  /// Visits all blocks in memory, in no order.
   void for_each_held(const std::function<void(const Block&)>& visit) const;
-  /// The corners of those touched after a revision, without a look into the file.
+  /// The corners of the blocks touched after a revision, without reading the file.
   void corners_after(std::uint64_t after, std::vector<VoxelIndex>& corners) const;
 
-  /// Brings all evidence nearer to none: times `kept`, in [0, 1], towards zero. What was seen stays seen.
+  /// Scales all evidence by `kept`, in [0, 1], rounded towards zero. Observed voxels stay observed.
   void fade(double kept);
-  /// Moves by whole voxels what was said in the blocks touched after a revision. Where it comes to lie on what was not
-  /// moved, both are true of that place, and add up.
+  /// Moves the evidence of the blocks touched after a revision by whole voxels. Where it lands on evidence that did not
+  /// move, the two add up.
   void move(const VoxelIndex& by, std::uint64_t after);
-  /// Forgets the blocks that have no voxel in the box [least, most]; each is shown first. Returns how many.
+  /// Forgets the blocks that have no voxel in the box [least, most] and passes each to `leaving` first. Returns their
+  /// number.
   std::size_t keep_within(const VoxelIndex& least, const VoxelIndex& most,
                           const std::function<void(const Block&)>& leaving = {});
   void clear();
 
-  /// From now on blocks can spill; those that the shelf holds are of the map. It must outlive this, and one of both
-  /// must be empty.
+  /// Allows blocks to spill; the blocks that the shelf holds become part of the map. The shelf must outlive this
+  /// object, and one of the two must be empty.
   void spill_to(VoxelShelf& shelf);
-  /// Takes blocks out of memory, all that `leaves` says at once or, with an Error, none. Returns how many.
+  /// Moves all blocks for which `leaves` is true out of memory at once or, with an Error, none. Returns their number.
   std::size_t spill(const std::function<bool(const Block&)>& leaves);
-  /// Writes to the file what memory holds, and keeps it.
+  /// Writes the blocks in memory to the file, and keeps them in memory.
   void save() const;
 
   [[nodiscard]] std::size_t blocks() const { return used_ + spilled_; }
-  [[nodiscard]] std::size_t spilled() const { return spilled_; }  ///< of these, in the file only
+  [[nodiscard]] std::size_t spilled() const { return spilled_; }  ///< blocks in the file only
   [[nodiscard]] std::size_t bytes() const;                        ///< of memory
   [[nodiscard]] const EvidenceBounds& bounds() const { return bounds_; }
 
-  /// A number for a block, 20 bits an axis, from any of its voxels; and its corner.
+  /// A number for a block, 20 bits an axis, from any of its voxels; and the inverse, to its corner.
   [[nodiscard]] static std::uint64_t key_of(const VoxelIndex& v) {
     constexpr std::uint64_t kMask = (1u << 20) - 1;
     const auto part = [](int i) {
@@ -131,7 +133,7 @@ class VoxelBlocks {
     return part(v.x()) << 40 | part(v.y()) << 20 | part(v.z());
   }
   [[nodiscard]] static VoxelIndex corner_of(std::uint64_t key) {
-    const auto part = [&](int shift) {  // the sign stands in the highest of 20 bits
+    const auto part = [&](int shift) {  // the sign is the highest of 20 bits
       return static_cast<int>(static_cast<std::uint32_t>(key >> shift) << 12) >> 12 << kSideLog2;
     };
     return {part(40), part(20), part(0)};
@@ -170,9 +172,9 @@ class VoxelBlocks {
   [[nodiscard, gnu::cold]] LogOdds16 spilled_at(std::uint64_t key, int offset) const;
   void each_spilled(std::uint64_t after,
                     const std::function<void(std::uint64_t key, std::uint64_t revision)>& visit) const;
-  /// Takes blocks out of the shelf, where it holds them.
+  /// Erases these blocks from the shelf, if it holds them.
   void erase_spilled(const std::vector<std::uint64_t>& keys);
-  /// Frees the places of those that `leaves` says.
+  /// Frees the slots of the blocks for which `leaves` is true.
   void release(const std::function<bool(const Block&)>& leaves);
 
   EvidenceBounds bounds_;

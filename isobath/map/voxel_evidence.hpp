@@ -1,5 +1,5 @@
-// What a voxel holds, and how many voxels a block has: what blocks in memory (voxel_blocks.hpp) and blocks in a file
-// (voxel_file.hpp) share.
+// The value of a voxel and the size of a block: definitions that blocks in memory (voxel_blocks.hpp) and blocks in a
+// file (voxel_file.hpp) share.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ using VoxelIndex = Eigen::Vector3i;
 /// 1/1024 of a natural logarithm of odds.
 using LogOdds16 = std::int16_t;
 
-/// The voxel of a point in edges of voxels; each coordinate must fit an int. (std::floor is a call where the processor
-/// that is compiled for need not have the instruction.)
+/// The voxel of a point given in voxel edges; each coordinate must fit an int. (std::floor is a function call if the
+/// target processor may lack the instruction.)
 inline VoxelIndex floor_of(const Eigen::Vector3d& p) {
   const auto floored = [](double c) {
     const int cut = static_cast<int>(c);
@@ -25,7 +25,7 @@ inline VoxelIndex floor_of(const Eigen::Vector3d& p) {
 
 inline constexpr LogOdds16 kUnseen = std::numeric_limits<LogOdds16>::min();
 inline constexpr double kEvidenceUnit = 1.0 / 1024;
-/// To the nearest step; saturates.
+/// Rounds to the nearest step; saturates.
 LogOdds16 to_evidence(double log_odds);
 inline double to_log_odds(LogOdds16 evidence) { return kEvidenceUnit * evidence; }
 

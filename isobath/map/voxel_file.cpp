@@ -8,7 +8,7 @@ namespace isobath {
 namespace {
 
 constexpr std::size_t kPlainBytes = kBlockVolume * sizeof(LogOdds16);
-static_assert(std::endian::native == std::endian::little, "evidence is stored as it stands in memory");
+static_assert(std::endian::native == std::endian::little, "evidence is stored in its layout in memory");
 
 SqliteSchema voxel_schema() {
   return {"voxel map",
@@ -76,7 +76,7 @@ void VoxelShelf::read_row(std::uint64_t key, std::span<LogOdds16> evidence) cons
         {file_.file_.name()}, {}, "move the file away to start anew");
   };
   SqliteUse use = file_.file_.use(kReadBlock);
-  if (!use.with(layer_).with(static_cast<std::int64_t>(key)).step()) throw damaged("it is not there");
+  if (!use.with(layer_).with(static_cast<std::int64_t>(key)).step()) throw damaged("it is missing");
   const auto revision = static_cast<std::uint64_t>(use.integer());
   const std::int64_t checksum = use.integer();
   const std::span<const std::byte> packed = use.bytes();
@@ -85,12 +85,12 @@ void VoxelShelf::read_row(std::uint64_t key, std::span<LogOdds16> evidence) cons
                               reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size()));
   if (code != Z_OK || size != kPlainBytes) throw damaged("it cannot be unpacked");
   if (revision != revisions_.at(key) || checksum_of(layer_, key, revision, evidence.data()) != checksum) {
-    throw damaged("its checksum does not fit");
+    throw damaged("its checksum does not match");
   }
 }
 
 void VoxelShelf::write_row(const Block& block) {
-  std::array<std::byte, kPlainBytes + kPlainBytes / 8> packed;  // compressBound is less: see the check
+  std::array<std::byte, kPlainBytes + kPlainBytes / 8> packed;  // larger than compressBound: see the check
   uLongf size = packed.size();
   const int code = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
                              reinterpret_cast<const Bytef*>(block.evidence), kPlainBytes, Z_BEST_SPEED);
@@ -110,7 +110,7 @@ LogOdds16 VoxelShelf::at(std::uint64_t key, int offset) const {
   std::unique_ptr<Copy>& copy = copy_of(key);
   if (!copy) copy = std::make_unique<Copy>();
   if (copy->key != key) {
-    copy->key = ~std::uint64_t{0};  // should the reading fail
+    copy->key = ~std::uint64_t{0};  // stays so if the read fails
     read_row(key, copy->evidence);
     copy->key = key;
   }
@@ -189,7 +189,7 @@ void VoxelFile::check_map(double voxel_m, const EvidenceBounds& bounds) {
   if (edge != voxel_m || least != bounds.least || most != bounds.most) {
     throw Error(fmt::format("is a map of voxels of {:g} m with evidence from {} to {}", edge, least, most),
                 {file_.name()}, fmt::format("{:g} m, {} to {}", voxel_m, bounds.least, bounds.most),
-                "give another file, or the configuration that it was made with");
+                "give another file, or the configuration that made it");
   }
 }
 

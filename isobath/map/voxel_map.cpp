@@ -17,11 +17,11 @@ int steps(double log_odds) { return static_cast<int>(std::lround(log_odds / kEvi
 std::vector<Field> fields(VoxelMapConfig& c) {
   return {
       Field::real("voxel_m", &c.voxel_m, {0.01, 10}, "m", "Edge of a voxel."),
-      Field::real("prior", &c.prior, {0.001, 0.999}, "1", "Probability that a voxel is occupied, before any look."),
-      Field::real("occupied", &c.occupied, {0.05, 0.9999}, "1", "From this probability on a voxel counts as occupied."),
-      Field::real("free", &c.free, {0.0001, 0.5}, "1", "Up to this probability a voxel counts as free."),
+      Field::real("prior", &c.prior, {0.001, 0.999}, "1", "Probability that an unseen voxel is occupied."),
+      Field::real("occupied", &c.occupied, {0.05, 0.9999}, "1", "A voxel of at least this probability is occupied."),
+      Field::real("free", &c.free, {0.0001, 0.5}, "1", "A voxel of at most this probability is free."),
       Field::real("most_log_odds", &c.most_log_odds, {1, 30}, "1",
-                  "What one sensor can say of a voxel at most: 6.9 is a probability of 0.001 or 0.999 on even odds."),
+                  "Maximum log-odds from one sensor: 6.9 is a probability of 0.001 or 0.999 on even odds."),
   };
 }
 
@@ -41,7 +41,7 @@ VoxelMap::VoxelMap(const VoxelMapConfig& config) : config_(config) {
     throw Error(problem, place, allowed);
   };
   if (!(config.voxel_m > 0)) refuse("voxel_m", "a voxel needs a size", "above 0 m");
-  if (!(config.prior > 0 && config.prior < 1)) refuse("prior", "is no probability that can change", "between 0 and 1");
+  if (!(config.prior > 0 && config.prior < 1)) refuse("prior", "a prior of 0 or 1 cannot change", "between 0 and 1");
   if (!(config.free > 0 && config.free < config.occupied && config.occupied < 1)) {
     refuse("free", "free and occupied overlap", "0 < free < occupied < 1");
   }
@@ -164,9 +164,9 @@ void VoxelMap::spill_to(const std::filesystem::path& file) {
   auto opened = std::make_unique<VoxelFile>(file, config_.voxel_m, bounds_);
   const bool empty = std::all_of(layers_.begin(), layers_.end(), [](const auto& l) { return l->blocks.blocks() == 0; });
   if (opened->revision() > 0 && !empty) {
-    throw Error("holds voxels already, and so does the map", {file.string()}, {}, "give another file");
+    throw Error("already holds voxels, and so does the map", {file.string()}, {}, "give another file");
   }
-  if (file_) throw Error("the map has a file already", {file.string()});
+  if (file_) throw Error("the map already has a file", {file.string()});
   revision_ = std::max(revision_, opened->revision());
   file_ = std::move(opened);
   for (const auto& l : layers_) l->blocks.spill_to(file_->shelf(l->sensor));
@@ -192,7 +192,7 @@ std::size_t VoxelMap::spill_beyond(std::size_t bytes) {
   for (const auto& l : layers_) held += l->blocks.blocks() - l->blocks.spilled();
   if (held * kBlockBytes <= bytes) return 0;
 
-  // Equal revisions by their place: which blocks go does not depend on where the tables keep them.
+  // Blocks of equal revision are ordered by place, so that the choice does not depend on the layout of the tables.
   using Age = std::tuple<std::uint64_t, std::uint64_t>;
   const auto age = [](const VoxelBlocks::Block& b) { return Age(b.revision, VoxelBlocks::key_of(b.corner)); };
   std::vector<Age> ages;

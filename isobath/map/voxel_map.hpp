@@ -1,18 +1,18 @@
-// VoxelMap: what all sensors together say of the space around: occupied, free or unknown, with a probability.
+// VoxelMap: the evidence of all sensors about the surrounding space: occupied, free or unknown, with a probability.
 //
-// One layer of evidence a sensor, pooled when it is read: with n sensors of log-odds l_i and a prior l_0 that all
-// share, l = sum l_i - (n - 1) l_0 (ledger S5-27 to S5-30; the paper's rule is the one of prior 0.5). Layers hold
-// evidence without the prior, so that the sum of the layers, plus the prior once, is just that. A sensor joins by its
-// name and leaves without a trace.
+// Each sensor has one layer of evidence, and reading pools the layers: with n sensors of log-odds l_i and a common
+// prior l_0, l = sum l_i - (n - 1) l_0 (ledger S5-27 to S5-30; the paper's rule is the case of prior 0.5). Layers hold
+// evidence without the prior, so that l is the sum of the layers plus the prior once. A sensor joins by its name and
+// can be removed without a trace.
 //
-// Memory is bounded in two ways: by forgetting what is far away (keep_within), or, without loss, by a file that blocks
-// spill to and come back from (VoxelFile): after spill_to the map may be larger than memory, and every answer is bit
-// for bit that of a map without bound. Spilling is never done behind the back of an update: the caller says when,
-// between two of them; an update brings back what it touches. A file that a killed program left opens with the blocks
-// of its last spill or save.
+// Memory is bounded in two ways: by forgetting what is far away (keep_within), or, without loss, by a file to which
+// blocks spill and from which they return (VoxelFile). After spill_to the map may be larger than memory, and every
+// query gives, bit for bit, the result of a map without a bound. The map never spills during an update: the caller
+// spills between two updates; an update brings back the blocks that it touches. After a crash the file opens with the
+// blocks of its last spill or save.
 //
-// Three classes for planning (S5-32, S5-33): occupied from `occupied` on, free up to `free`, else unknown; what nobody
-// has looked at is unknown whatever the prior.
+// Three classes for planning (S5-32, S5-33): occupied from `occupied` on, free up to `free`, else unknown. A voxel that
+// was never observed is unknown, whatever the prior.
 #pragma once
 
 #include <filesystem>
@@ -41,7 +41,7 @@ const char* to_text(Space space);
 
 class VoxelMap {
  public:
-  /// Throws Error where a voxel has no size, or the thresholds are out of order.
+  /// Throws Error if a voxel has no size, or the thresholds are out of order.
   explicit VoxelMap(const VoxelMapConfig& config = {});
   VoxelMap(VoxelMap&&) noexcept;
   VoxelMap& operator=(VoxelMap&&) noexcept;
@@ -54,43 +54,44 @@ class VoxelMap {
   [[nodiscard]] Eigen::Vector3d centre_of(const VoxelIndex& v) const;
   [[nodiscard]] double reach_m() const { return (VoxelBlocks::kFarthest - 1) * config_.voxel_m; }
 
-  /// The layer of a sensor, made when it is first asked for. References stay good until that layer is removed.
+  /// The layer of a sensor, made at the first request. References are valid until that layer is removed.
   VoxelBlocks& layer(std::string_view sensor);
   [[nodiscard]] const VoxelBlocks* find_layer(std::string_view sensor) const;
-  /// Whether there was one.
+  /// Returns whether there was one.
   bool remove_layer(std::string_view sensor);
   [[nodiscard]] std::vector<std::string> sensors() const;
 
-  /// Of all layers together: ln P / (1 - P), and P. The prior where nobody has looked.
+  /// All layers pooled: ln P / (1 - P), and P; the prior where no sensor has observed the voxel.
   [[nodiscard]] double log_odds(const VoxelIndex& v) const;
   [[nodiscard]] double probability(const VoxelIndex& v) const;
-  /// Whether any sensor has said anything of it.
+  /// Whether any sensor has observed the voxel.
   [[nodiscard]] bool is_seen(const VoxelIndex& v) const;
   [[nodiscard]] Space space(const VoxelIndex& v) const;
 
   /// Corners of the blocks that any sensor has changed after a revision, each once, in order of x, y, z.
   [[nodiscard]] std::vector<VoxelIndex> changed_after(std::uint64_t revision) const;
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
-  /// All that is written from now on is of the next revision.
+  /// Begins the next revision; all later writes belong to it.
   std::uint64_t advance();
 
-  /// Moves by whole voxels, in all layers, what lies in blocks that changed after a revision (VoxelBlocks::move).
+  /// Moves by whole voxels, in all layers, the blocks that changed after a revision (VoxelBlocks::move).
   void move(const VoxelIndex& by, std::uint64_t after);
 
-  /// Bounds memory: forgets the blocks that lie wholly outside of a box about a point, m.
+  /// Bounds memory: forgets the blocks that lie wholly outside a box about a point, m.
   std::size_t keep_within(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& half_size_m);
   [[nodiscard]] std::size_t bytes() const;  ///< of memory
 
-  /// Opens a file for blocks, or makes it. Where it holds some, they are the map's, which must hold none itself then.
-  /// Throws Error, as do, from here on, all that read or touch a damaged block or meet a disk that fails.
+  /// Opens a file for blocks, or creates it. If the file holds blocks, they become the map's, which must then be empty.
+  /// Throws Error; from here on all functions that read or touch a damaged block, or meet a failing disk, throw it,
+  /// too.
   void spill_to(const std::filesystem::path& file);
   [[nodiscard]] bool spills() const { return file_ != nullptr; }
-  /// Out of memory what lies wholly outside of a box about a point, m. These two return how many blocks went.
+  /// Moves blocks wholly outside a box about a point, m, out of memory. These two return the number of blocks moved.
   std::size_t spill_outside(const Eigen::Vector3d& centre_W, const Eigen::Vector3d& half_size_m);
-  /// Where memory holds evidence of more than so many bytes: the least recently changed blocks go until it is an eighth
-  /// less, so that a spill is not for a block or two.
+  /// If the evidence in memory exceeds `bytes`, moves out the least recently changed blocks until it is an eighth
+  /// below, so that a spill is not for a block or two.
   std::size_t spill_beyond(std::size_t bytes);
-  /// Writes all to the file, and keeps in memory what is there.
+  /// Writes all blocks to the file and keeps those in memory there.
   void save() const;
   [[nodiscard]] std::size_t spilled() const;  ///< blocks in the file only, over all layers
 

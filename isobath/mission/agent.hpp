@@ -1,8 +1,8 @@
-// Agent: one role of command and control, deaf to everything but messages and time (Ganesan 2015, 5.1; ledger S6-32,
-// S6-33). An agent keeps its own state, knows no other agent, and says what it has to say into the Outbox that it is
-// handed. It may throw: whoever runs it takes that for its death, and the others go on.
+// Agent: one role of command and control, whose only inputs are messages and time (Ganesan 2015, 5.1; ledger S6-32,
+// S6-33). An agent keeps its own state, knows no other agent, and puts its messages into the Outbox that it is given.
+// It may throw: the executor then counts it as dead, and the other agents go on.
 //
-// hear and tick are never called at the same time for one agent; two agents may run in two threads.
+// `hear` and `tick` are never called at the same time for one agent; two agents may run in two threads.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 
 namespace isobath {
 
-/// From one turn of an agent to the next.
+/// Interval between two ticks of an agent.
 inline constexpr Duration kTick = std::chrono::milliseconds(100);
 
 enum class AgentLevel : std::uint8_t { kSupervisory, kMission, kVehicle };
 
-/// Where an agent puts what it says; handed on when its turn is over, in order.
+/// Collects the messages of one turn; they are posted in order when the turn is over.
 class Outbox {
  public:
   template <class T>
@@ -39,13 +39,13 @@ class Agent {
   Agent& operator=(const Agent&) = delete;
   virtual ~Agent() = default;
 
-  /// `now`: the logical time at which it is delivered, not before that of any call before.
+  /// `now`: the logical time of delivery, never before that of an earlier call.
   virtual void hear(const Message& message, Time now, Outbox& out) = 0;
-  /// Ten times a second of logical time.
+  /// Called ten times a second of logical time.
   virtual void tick(Time now, Outbox& out) = 0;
 };
 
-/// An agent with its place in the ship.
+/// An agent with its name and its level.
 struct Seat {
   std::string name;  ///< "navigator"
   AgentLevel level = AgentLevel::kMission;

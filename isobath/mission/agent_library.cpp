@@ -18,22 +18,23 @@ const AgentEntry& entry_of(const std::string& library, const Place& place) {
   if (!std::filesystem::is_regular_file(library, unreadable)) {
     throw Error("no such file: '" + library + "'", place, "a shared library");
   }
-  const std::string path = std::filesystem::absolute(library).string();  // a bare name would be looked for elsewhere
+  const std::string path = std::filesystem::absolute(library).string();  // dlopen would look for a bare name elsewhere
   void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!handle) throw Error("'" + library + "' cannot be loaded", place, "a shared library", last_problem());
   const void* symbol = dlsym(handle, "isobath_agent");
   if (!symbol) {
-    throw Error("'" + library + "' holds no agent", place, "a library with ISOBATH_AGENT(...)", last_problem());
+    throw Error("'" + library + "' exports no agent", place, "a library with ISOBATH_AGENT(...)", last_problem());
   }
   const auto& entry = *static_cast<const AgentEntry*>(symbol);
   const AgentEntry ours;
   if (entry.interface != ours.interface || entry.message_types != ours.message_types ||
       entry.message_bytes != ours.message_bytes) {
-    throw Error(fmt::format("'{}' was built for another interface: {}, {} messages of {} bytes", library,
-                            entry.interface, entry.message_types, entry.message_bytes),
-                place,
-                fmt::format("{}, {} messages of {} bytes", ours.interface, ours.message_types, ours.message_bytes),
-                "build it again with the headers of this version");
+    throw Error(
+        fmt::format("'{}' was built for another interface: version {}, {} message types of {} bytes", library,
+                    entry.interface, entry.message_types, entry.message_bytes),
+        place,
+        fmt::format("version {}, {} message types of {} bytes", ours.interface, ours.message_types, ours.message_bytes),
+        "build it again with the headers of this version");
   }
   return entry;
 }
@@ -42,13 +43,13 @@ const AgentEntry& entry_of(const std::string& library, const Place& place) {
 
 std::vector<Field> fields(AgentFile& a) {
   return {
-      Field::text("name", &a.name, "Name of its seat."),
+      Field::text("name", &a.name, "Name of the agent."),
       Field::choice("level", &a.level,
                     {{"supervisory", AgentLevel::kSupervisory},
                      {"mission", AgentLevel::kMission},
                      {"vehicle", AgentLevel::kVehicle}},
-                    "Its level in the ship."),
-      Field::file("library", &a.library, "The shared library that holds it."),
+                    "Level of the agent."),
+      Field::file("library", &a.library, "Shared library that contains the agent."),
   };
 }
 
@@ -65,7 +66,7 @@ Seat load_agent(const AgentFile& agent) {
   try {
     return {agent.name, agent.level, entry.make()};
   } catch (const std::exception& e) {
-    throw Error("the agent '" + agent.name + "' could not be made: " + e.what(), agent.place);
+    throw Error("the agent '" + agent.name + "' could not be created: " + e.what(), agent.place);
   }
 }
 

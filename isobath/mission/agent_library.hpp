@@ -1,4 +1,4 @@
-// Agents from shared libraries: a new agent is loaded by configuration, not compiled in (Ganesan 2015, 5.1; ledger
+// Agents from shared libraries: the configuration loads an agent that is not compiled in (Ganesan 2015, 5.1; ledger
 // S6-33).
 //
 //   [[agent]]                                 // my_agent.cpp, built as a shared library against these headers
@@ -9,7 +9,7 @@
 // A library that was built against other messages is refused: interface version, number of message types and size of a
 // message must be the same. This guards against mistakes, not against malice: a library is code, and runs as such.
 //
-// Libraries stay loaded for good: what an agent has said may outlive it, and is released by code of its library.
+// Libraries are never unloaded: a message may outlive its agent, and code of the agent's library releases it.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -17,7 +17,7 @@
 
 namespace isobath {
 
-/// What both sides must agree on. To be counted up when a message or Agent changes its meaning, not its size.
+/// Both sides must have the same number. Raise it when a message or Agent changes its meaning but not its size.
 inline constexpr std::uint32_t kAgentInterface = 1;
 
 /// What a library exports as `isobath_agent`.
@@ -35,11 +35,11 @@ struct AgentFile {
   std::string library;
 };
 std::vector<Field> fields(AgentFile& agent);
-/// [[agent]] tables; what is read goes to the end of `agents`, which must outlive the reading.
+/// [[agent]] tables. Each one that is read is appended to `agents`, which must outlive the reading.
 SectionList agent_list(std::vector<AgentFile>& agents);
 
-/// Throws Error with the place where there is no such file, it is no library or has no agent, it was built against
-/// another interface, or its agent throws when it is made.
+/// Throws Error with the place where the file does not exist, is no library or exports no agent, where it was built for
+/// another interface, or where its agent throws in its constructor.
 Seat load_agent(const AgentFile& agent);
 
 }  // namespace isobath

@@ -10,10 +10,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kOwnTask = 0.9;     // what a driver is made for
-constexpr double kOtherTask = 0.5;   // what it can do too
-constexpr double kTightTurns = 0.5;  // of a suitability, where every turn needs a loop
-constexpr int kCircleSides = 16;     // a chord leaves the circle by 1 - cos(pi / 16) of the radius
+constexpr double kOwnTask = 0.9;     // the driver's own kind of task
+constexpr double kOtherTask = 0.5;   // another task that it can do
+constexpr double kTightTurns = 0.5;  // factor on the suitability where every turn needs a loop
+constexpr int kCircleSides = 16;     // a chord deviates from the circle by 1 - cos(pi / 16) of the radius
 
 std::string_view word_of(std::string_view& rest) {
   const std::size_t first = std::min(rest.find_first_not_of(" \t"), rest.size());
@@ -23,7 +23,7 @@ std::string_view word_of(std::string_view& rest) {
   return word;
 }
 
-/// Takes the numbers that a driver knows out of a task; what is left at the end it does not know.
+/// Takes the numbers that a driver knows out of a task; those that are left at the end are unknown to it.
 class Numbers {
  public:
   explicit Numbers(const Task& task) : task_(task), left_(task.numbers.begin(), task.numbers.end()) {}
@@ -37,7 +37,7 @@ class Numbers {
     throw Error(fmt::format("{} is out of range", value), place(name), fmt::format("{} .. {}", low, high));
   }
   void refuse_others() const {
-    if (!left_.empty()) throw Error("no such number", place(left_.begin()->first));
+    if (!left_.empty()) throw Error("unknown number", place(left_.begin()->first));
   }
 
  private:
@@ -68,7 +68,7 @@ Result<Task, std::string> parse_task(std::string_view text) {
     const bool number = failed == std::errc() && end == said.data() + said.size() && std::isfinite(value);
     if (equals == 0 || !number) return tl::unexpected(fmt::format("\"{}\" is not name=number", word));
     if (!task.numbers.emplace(word.substr(0, equals), value).second) {
-      return tl::unexpected(fmt::format("\"{}\" stands twice", word.substr(0, equals)));
+      return tl::unexpected(fmt::format("\"{}\" is given twice", word.substr(0, equals)));
     }
   }
   return task;
@@ -89,7 +89,7 @@ void BackSeatDriver::take(const TaskCall& call, Time now, Outbox& out) {
   try {
     const auto task = parse_task(call.task);
     if (!task) throw Error("cannot be read: " + task.error());
-    if (!call.at.north_east.allFinite()) throw Error("a point that is nowhere");
+    if (!call.at.north_east.allFinite()) throw Error("the position of the point is not finite");
     const auto offered = offer(*task, call.at, vehicle_);
     if (!offered) return;
     call_ = call;
@@ -103,7 +103,7 @@ void BackSeatDriver::take(const TaskAward& award, Time now, Outbox& out) {
   if (!call_ || award.id != call_->id || award.driver != name_) return;
   const auto task = parse_task(call_->task);
   const auto offered = task ? offer(*task, call_->at, vehicle_) : std::nullopt;
-  if (!offered) return;  // it could do it when it made its bid, and can now
+  if (!offered) return;  // the offer held when the driver bid, and still does
   out.say(
       Decision{now, name_, "plan task",
                fmt::format("{} way-points for \"{}\" at {}", offered->waypoints.size(), call_->task, call_->at.name)});
@@ -111,11 +111,11 @@ void BackSeatDriver::take(const TaskAward& award, Time now, Outbox& out) {
 }
 
 std::vector<Field> fields(SurveyConfig& c) {
-  return {Field::real("length_m", &c.length_m, {1, 1e4}, "m", "Of lanes, where the task does not say."),
-          Field::real("breadth_m", &c.breadth_m, {1, 1e4}, "m", "Across lanes, where the task does not say."),
-          Field::real("spacing_m", &c.spacing_m, {0.5, 1e3}, "m", "Between lanes, where the task does not say."),
-          Field::real("speed", &c.speed, {0.01, 10}, "m/s", "Where the mission point does not say."),
-          Field::real("most_m", &c.most_m, {1, 1e6}, "m", "Of all lanes.")};
+  return {Field::real("length_m", &c.length_m, {1, 1e4}, "m", "Length of a lane, where the task gives none."),
+          Field::real("breadth_m", &c.breadth_m, {1, 1e4}, "m", "Breadth across the lanes, where the task gives none."),
+          Field::real("spacing_m", &c.spacing_m, {0.5, 1e3}, "m", "Distance between lanes, where the task gives none."),
+          Field::real("speed", &c.speed, {0.01, 10}, "m/s", "Speed, where the mission point gives none."),
+          Field::real("most_m", &c.most_m, {1, 1e6}, "m", "Maximum total length of the lanes of a task.")};
 }
 
 std::optional<BackSeatDriver::Offer> SurveyDriver::offer(const Task& task, const MissionPoint& at,
@@ -125,7 +125,7 @@ std::optional<BackSeatDriver::Offer> SurveyDriver::offer(const Task& task, const
   Numbers numbers(task);
   double length = config_.length_m, breadth = config_.breadth_m;
   if (inspect) {
-    (void)numbers.take("turns", 1, 0, 1e9);  // lanes look at everything once
+    (void)numbers.take("turns", 1, 0, 1e9);  // lanes cover everything once
     length = breadth = 2 * numbers.take("radius_m", config_.breadth_m / 2, 0.5, 5e3);
   } else {
     length = numbers.take("length_m", length, 1, 1e4);
@@ -136,8 +136,7 @@ std::optional<BackSeatDriver::Offer> SurveyDriver::offer(const Task& task, const
   numbers.refuse_others();
   const auto lanes = static_cast<int>(std::ceil(breadth / spacing));
   if (lanes * length > config_.most_m) {
-    throw Error(fmt::format("{} lanes of {} m are too long a way", lanes, length), {},
-                fmt::format("{} m", config_.most_m));
+    throw Error(fmt::format("{} lanes of {} m are too long", lanes, length), {}, fmt::format("{} m", config_.most_m));
   }
 
   Vector2d along(std::cos(heading.radians()), std::sin(heading.radians()));
@@ -159,10 +158,10 @@ std::optional<BackSeatDriver::Offer> SurveyDriver::offer(const Task& task, const
 }
 
 std::vector<Field> fields(CircleConfig& c) {
-  return {Field::real("radius_m", &c.radius_m, {0.5, 5e3}, "m", "Where the task does not say."),
-          Field::real("turns", &c.turns, {0.1, 1000}, "", "Where the task does not say."),
-          Field::real("speed", &c.speed, {0.01, 10}, "m/s", "Where the mission point does not say."),
-          Field::real("most_turns", &c.most_turns, {1, 1000}, "", "That it does.")};
+  return {Field::real("radius_m", &c.radius_m, {0.5, 5e3}, "m", "Radius of the circle, where the task gives none."),
+          Field::real("turns", &c.turns, {0.1, 1000}, "", "Number of turns, where the task gives none."),
+          Field::real("speed", &c.speed, {0.01, 10}, "m/s", "Speed, where the mission point gives none."),
+          Field::real("most_turns", &c.most_turns, {1, 1000}, "", "Maximum number of turns of a task.")};
 }
 
 std::optional<BackSeatDriver::Offer> CircleDriver::offer(const Task& task, const MissionPoint& at,

@@ -1,10 +1,11 @@
-// Back-seat drivers: planners that offer to do what a mission point asks for, and do it when they are taken (Ganesan
+// BackSeatDriver: a planner that bids for the task of a mission point, and plans it when it gets the award (Ganesan
 // 2015, 5.1; ledger S6-41).
 //
-// A task is one word and numbers: "survey length_m=80 breadth_m=40". A driver hears TaskCall, TaskAward and Navigation;
-// it bids for what it can do, and says its way-points when the award is its own. It does not bid for a task with a
-// number that it does not know, or out of range, and says so (Decision): a task done differently than asked is worse
-// than none. Way-points have the depth of the point, and its speed if it has one. `turning_radius_m` is the vehicle's.
+// A task is one word and numbers: "survey length_m=80 breadth_m=40". A driver receives TaskCall, TaskAward and
+// Navigation. It bids for the tasks that it can do, and sends its way-points when it gets the award. It does not bid
+// for a task with an unknown number or a number out of range, and reports why (Decision): a task done differently than
+// asked is worse than none. Way-points have the depth of the point, and its speed if it has one. `turning_radius_m` is
+// the vehicle's.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -19,7 +20,7 @@ struct Task {
   std::map<std::string, double, std::less<>> numbers;
 };
 
-/// The reason why not: a word that is no name=number, a name twice, a number that is not finite.
+/// On failure the reason: a word that is not name=number, a name that is given twice, a number that is not finite.
 Result<Task, std::string> parse_task(std::string_view text);
 
 class BackSeatDriver : public Agent {
@@ -30,12 +31,12 @@ class BackSeatDriver : public Agent {
   void tick(Time, Outbox&) final {}
 
  protected:
-  /// What it makes of a task that it can do.
+  /// The plan for a task that the driver can do.
   struct Offer {
     double suitability = 0;  ///< above 0, up to 1
     std::vector<Waypoint> waypoints;
   };
-  /// Empty: not a task of this driver. Throws Error where it is one, but cannot be done as asked.
+  /// Empty where the driver has no such task. Throws Error where it has, but cannot do it as asked.
   [[nodiscard]] virtual std::optional<Offer> offer(const Task& task, const MissionPoint& at,
                                                    const std::optional<Eigen::Vector2d>& vehicle) const = 0;
 
@@ -44,17 +45,17 @@ class BackSeatDriver : public Agent {
   void take(const TaskAward& award, Time now, Outbox& out);
 
   std::string name_;
-  std::optional<TaskCall> call_;  ///< the last that it has bid for
+  std::optional<TaskCall> call_;  ///< the last call that the driver bid for
   std::optional<Eigen::Vector2d> vehicle_;
 };
 
-/// "survey": lanes over a rectangle about the point, the first at its corner nearest to the vehicle: length_m along
-/// heading_deg, breadth_m across, spacing_m or less between lanes. "inspect": the square about it. Lanes nearer than
-/// its turns are wide make it less suitable.
+/// "survey": lanes over a rectangle about the point, `length_m` along `heading_deg`, `breadth_m` across, at most
+/// `spacing_m` between lanes; the first lane begins at the corner nearest to the vehicle. "inspect": the square about
+/// the point. Lanes that are closer together than the vehicle's turns are wide lower the suitability.
 struct SurveyConfig {
-  double length_m = 60, breadth_m = 40, spacing_m = 10;  ///< where the task does not say
+  double length_m = 60, breadth_m = 40, spacing_m = 10;  ///< where the task gives none
   double speed = 1.2;
-  double most_m = 20'000;  ///< of all lanes
+  double most_m = 20'000;  ///< maximum total length of all lanes
 };
 std::vector<Field> fields(SurveyConfig& config);
 
@@ -70,10 +71,10 @@ class SurveyDriver final : public BackSeatDriver {
   double turning_radius_m_;
 };
 
-/// "circle" and "inspect": round the point at radius_m, clockwise, so many turns, from its side that is nearest to the
-/// vehicle; the way keeps within 2 % of the radius. Circles tighter than its turns cannot be done.
+/// "circle" and "inspect": clockwise around the point at `radius_m` for `turns` turns, from the side nearest to the
+/// vehicle; the path keeps within 2 % of the radius. A circle tighter than the vehicle's turns is refused.
 struct CircleConfig {
-  double radius_m = 10, turns = 1;  ///< where the task does not say
+  double radius_m = 10, turns = 1;  ///< where the task gives none
   double speed = 0.8;
   double most_turns = 100;
 };

@@ -5,7 +5,7 @@
 namespace isobath {
 namespace {
 
-/// One name a type: a type without a name does not compile, and the order of Message does not matter.
+/// One name per type: a type without a name does not compile, and the order of Message does not matter.
 constexpr const char* name(const Navigation*) { return "navigation"; }
 constexpr const char* name(const RangeReading*) { return "range reading"; }
 constexpr const char* name(const Health*) { return "health"; }
@@ -49,7 +49,7 @@ std::string why_of(const std::exception_ptr& thrown) {
   } catch (const std::exception& e) {
     return e.what();
   } catch (...) {
-    return "threw what is no exception";
+    return "threw something that is not an exception";
   }
 }
 

@@ -7,7 +7,7 @@
 namespace isobath {
 namespace {
 
-// Without these the vehicle is not led, or sees nothing.
+// Without these agents the vehicle is not controlled, or sees nothing.
 bool matters(const std::string& agent) {
   constexpr const char* kNeeded[] = {"executive officer", "navigator", "pilot", "fls detector", "safety officer"};
   return std::find(std::begin(kNeeded), std::end(kNeeded), agent) != std::end(kNeeded);
@@ -62,10 +62,10 @@ void Captain::start(const OperatorCommand& command, Outbox& out) {
   if (!command.plan) {
     problem = "there is no mission";
   } else if (under_way()) {
-    if (command.plan == plan_) return;  // the link repeats what was not answered
+    if (command.plan == plan_) return;  // the link repeats a command that was not acknowledged
     problem = "a mission is under way";
   } else if (!faults_.empty()) {
-    problem = "a fault stands: " + *faults_.begin();
+    problem = "a fault is active: " + *faults_.begin();
   } else {
     try {
       check_mission(*command.plan);
@@ -103,12 +103,12 @@ void Captain::take(const AgentLost& lost, Outbox& out) {
     faults_.insert(what);
     return abort(MissionEnd::kSurface, what, out);
   }
-  decide("go on", what + "; the mission can do without", out);
+  decide("go on", what + "; the mission goes on without it", out);
   bids_.erase(lost.agent);
   if (lost.agent == awarded_) award(out);
 }
 
-// S6-65. What is not moved the Executive Officer drops.
+// S6-65. The Executive Officer drops a point that is not moved.
 void Captain::take(const RouteRefused& refused, Outbox& out) {
   if (refused.reason != RouteRefused::Reason::kGoalBlocked || !refused.safe_nearby) return;
   if (!plan_ || refused.point >= plan_->points.size()) return;
@@ -160,11 +160,11 @@ void Captain::take(const TaskBid& bid) {
 void Captain::award(Outbox& out) {
   bids_until_.reset();
   const auto best = std::max_element(bids_.begin(), bids_.end(), [](const auto& a, const auto& b) {
-    return a.second < b.second;  // the first of equal ones, and they stand by name
+    return a.second < b.second;  // of equal bids the first, and bids are sorted by name
   });
   awarded_ = best == bids_.end() ? "" : best->first;
   decide("award task",
-         awarded_.empty() ? fmt::format("no driver is there for {}; the mission goes on", call_.task)
+         awarded_.empty() ? fmt::format("no driver bids for {}; the mission goes on", call_.task)
                           : fmt::format("{} does {}: suitability {:.3g}, the highest of {}", awarded_, call_.task,
                                         best->second, bids_.size()),
          out);

@@ -1,16 +1,19 @@
-// Captain: starts missions, ends them when anything is abnormal, and decides what nobody below may decide (Ganesan
-// 2015, 5.1, 7.2.3; ledger S6-34, S6-41, S6-56, S6-65).
+// Captain: starts missions, ends them when anything is abnormal, and takes the decisions that no lower agent may take
+// (Ganesan 2015, 5.1, 7.2.3; ledger S6-34, S6-41, S6-56, S6-65).
 //
-// Hears OperatorCommand, SafetyReport, AgentLost, RouteRefused, PointReport, MissionReport, TaskBid; says MissionOrder,
-// PointMoved, TaskCall, TaskAward, StatusReport, Decision. All that comes of a message is said in the same turn.
+// Receives OperatorCommand, SafetyReport, AgentLost, RouteRefused, PointReport, MissionReport, TaskBid. Sends
+// MissionOrder, PointMoved, TaskCall, TaskAward, StatusReport, Decision. It sends its responses to a message in the
+// same turn.
 //
-// A mission is started if it is sound (check_mission) and no fault stands that would end it. A SafetyReport that asks
-// for it, or the loss of an agent that the vehicle cannot be led without, ends it at once; a later reason may still
-// change holding or returning into surfacing, never the other way. A mission point that is blocked is moved to the safe
-// place that the Navigator found, if it is no further from where the mission file has it than the file allows.
+// The Captain starts a mission if the plan is sound (check_mission) and no fault is active that would end it. A
+// SafetyReport that asks for it, or the loss of an agent without which the vehicle cannot be controlled, ends the
+// mission at once. A later reason may still change holding or returning into surfacing, never the other way round. If a
+// mission point is blocked, the Captain moves it to the safe place that the Navigator found, provided that this is no
+// farther from the position in the mission file than the file allows.
 //
-// A task is offered to all back-seat drivers; after `bid_s` the highest suitability wins, of equal ones the first name,
-// in whatever order they came. A winner that is lost is followed by the next; an award without a driver says that there
+// A task is offered to all back-seat drivers. After `bid_s` the highest suitability wins; of equal bids the first name
+// wins, in whatever order they arrived. If the winner is lost, the next best bid wins. An award without a driver means
+// that no driver has bid.
 // is none.
 #pragma once
 
@@ -52,8 +55,8 @@ class Captain final : public Agent {
   CaptainConfig config_;
   std::shared_ptr<const MissionPlan> plan_;
   MissionPhase phase_ = MissionPhase::kWaiting;
-  std::optional<MissionEnd> aborted_;  ///< how it was last ended
-  std::set<std::string> faults_;       ///< that stand and would end a mission
+  std::optional<MissionEnd> aborted_;  ///< how the mission was last ended
+  std::set<std::string> faults_;       ///< active faults that would end a mission
   std::size_t point_ = 0;
   Time now_;
   Time started_;

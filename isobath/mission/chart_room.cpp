@@ -12,10 +12,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kMostPixels = 1000;  // from the vehicle to the edge of what is looked at
+constexpr double kMostPixels = 1000;  // from the vehicle to the edge of the area that is read
 constexpr double kMostPixelIndex = 0x1p29;
 
-/// A chart whose unknown water is deep.
+/// A chart in which unknown water is deep.
 class KnownShoals final : public DepthField {
  public:
   explicit KnownShoals(const DepthField& chart) : chart_(chart) {}
@@ -33,7 +33,7 @@ class KnownShoals final : public DepthField {
   const DepthField& chart_;
 };
 
-/// A chart without a depth: what is left is its objects.
+/// A chart without depths, for its objects alone.
 class NoDepths final : public DepthField {
  public:
   [[nodiscard]] PixelGrid grid() const override { return {}; }
@@ -64,15 +64,20 @@ Decision decision(Time now, const char* what, std::string reason) {
 
 std::vector<Field> fields(ChartRoomConfig& c) {
   return {
-      Field::real("reach_m", &c.reach_m, {1, 10000}, "m", "Half the side of the square around the vehicle."),
-      Field::real("again_share", &c.again_share, {0.01, 1}, "1", "Share of the reach after which it looks again."),
-      Field::real("depth_step_m", &c.depth_step_m, {0.01, 100}, "m", "Change of depth after which it looks again."),
-      Field::real("clearance_m", &c.clearance_m, {0, 1000}, "m", "Water wanted below the vehicle."),
-      Field::real("half_width_m", &c.half_width_m, {0, 1000}, "m", "Of the corridor along a leg."),
+      Field::real("reach_m", &c.reach_m, {1, 10000}, "m",
+                  "Half the side of the square around the vehicle in which the chart is checked."),
+      Field::real("again_share", &c.again_share, {0.01, 1}, "1",
+                  "The chart is checked again when the vehicle has moved by this share of the reach."),
+      Field::real("depth_step_m", &c.depth_step_m, {0.01, 100}, "m",
+                  "The chart is checked again when the vehicle's depth has changed by this much."),
+      Field::real("clearance_m", &c.clearance_m, {0, 1000}, "m", "Water required below the vehicle."),
+      Field::real("half_width_m", &c.half_width_m, {0, 1000}, "m", "Half the width of the corridor along a leg."),
       Field::real("margin_m", &c.margin_m, {0, 1000}, "m", "How far hazards may reach beyond their outlines."),
-      Field::real("overreach_m", &c.overreach_m, {0, 1000}, "m", "How far outlines may reach over water, to be few."),
-      Field::integer("most_outlines", &c.most_outlines, {1, 100000}, "", "Of shallow water, at most."),
-      Field::flag("unknown_blocks", &c.unknown_blocks, "Whether water that nobody knows is blocked."),
+      Field::real("overreach_m", &c.overreach_m, {0, 1000}, "m",
+                  "How far outlines may reach over deep water; a larger value gives fewer outlines."),
+      Field::integer("most_outlines", &c.most_outlines, {1, 100000}, "",
+                     "Maximum number of outlines of shallow water."),
+      Field::flag("unknown_blocks", &c.unknown_blocks, "Whether water of unknown depth is blocked."),
   };
 }
 
@@ -179,7 +184,7 @@ std::optional<Decision> ChartRoom::check_leg(const MissionPlan& plan, std::size_
   }
   if (!verdict->blocking) return std::nullopt;
   const PassagePlace& place = *verdict->blocking;
-  const std::string reason = verdict->reason();  // "leg 1: ...": of the path that was asked about
+  const std::string reason = verdict->reason();  // begins with "leg 1: ", which counts the legs of the path above
   d.reason = fmt::format("leg {} to {}{}", number, to.name, reason.substr(std::min(reason.find(':'), reason.size())));
   d.obstacle = verdict->grid.centre(place.pixel);
   if (place.depth_m && !place.obstacle) d.margin_m = *place.depth_m - place.vehicle_z - passage.clearance_m;

@@ -9,13 +9,14 @@ namespace isobath {
 std::vector<Field> fields(CrewConfig& c) {
   std::vector<Field> all = {
       Field::integer("missed_ticks", &c.missed_ticks, {1, 600}, "1",
-                     "An agent that misses so many ticks, ten a second, is lost."),
+                     "An agent that misses this many ticks (ten a second) in a row is lost."),
       Field::integer("most_said", &c.most_said, {1, 100000}, "1",
-                     "Messages that an agent may say between two ticks; more are cut."),
+                     "Maximum number of messages of an agent between two ticks; further ones are dropped."),
       Field::integer("most_ticks", &c.most_ticks, {1, 100000}, "1",
-                     "Ticks that are made up for when the clock jumps ahead."),
-      Field::integer("mailbox", &c.mailbox, {16, 1000000}, "1",
-                     "Messages that wait for one agent in a thread of its own; older ones give way."),
+                     "Maximum number of ticks that are made up for when the clock jumps ahead."),
+      Field::integer(
+          "mailbox", &c.mailbox, {16, 1000000}, "1",
+          "Maximum number of messages that wait for an agent in a thread of its own; the oldest are dropped."),
   };
   for (Field& f : fields(c.gate)) all.push_back(std::move(f));
   return all;
@@ -24,16 +25,17 @@ std::vector<Field> fields(CrewConfig& c) {
 void check_seats(const std::vector<Seat>& seats, const CrewConfig& config) {
   std::set<std::string> names = {"", kFromOutside, kSupervisor, kHelmGate, kRecorder};
   for (const Seat& seat : seats) {
-    if (!seat.agent) throw Error("no agent sits on the seat '" + seat.name + "'");
+    if (!seat.agent) throw Error("the slot '" + seat.name + "' has no agent");
     if (!names.insert(seat.name).second) {
-      throw Error("the name of a seat is empty or taken: '" + seat.name + "'", {}, "a name of its own");
+      throw Error("the name of an agent is empty or taken: '" + seat.name + "'", {}, "a unique name");
     }
   }
   const std::string& safety_officer = config.gate.safety_officer;
   const bool seated = std::any_of(seats.begin(), seats.end(), [&](const Seat& s) { return s.name == safety_officer; });
   if (!seated && !safety_officer.empty()) {
-    throw Error("no seat for the safety officer '" + safety_officer + "'", {{}, {}, {}, {}, "safety_officer"},
-                "the name of a seat, or empty", "without one nothing keeps the vehicle off what the mission overlooks");
+    throw Error("no agent has the name of the safety officer, '" + safety_officer + "'",
+                {{}, {}, {}, {}, "safety_officer"}, "the name of an agent, or empty",
+                "without a safety officer, nothing keeps the vehicle off obstacles that the mission overlooks");
   }
 }
 
@@ -155,7 +157,7 @@ void Crew::end_turn(Member& m, Turn turn) {
   if (turn.died) return lose(m, false, *turn.died);
   for (Message& message : turn.said) {
     if (m.said == config_.most_said) {
-      decide("cut", fmt::format("the {} said more than {} messages between two ticks", m.seat.name, config_.most_said));
+      decide("cut", fmt::format("the {} sent more than {} messages between two ticks", m.seat.name, config_.most_said));
     }
     if (m.said++ < config_.most_said) {
       post(m.seat.name, std::move(message));

@@ -1,21 +1,22 @@
-// Crew: the agents of a vehicle, run one after the other on a logical clock (Ganesan 2015, 5.1; ledger S6-32, S6-33).
+// Crew: the executor that runs the agents of a vehicle one after the other on a logical clock (Ganesan 2015, 5.1;
+// ledger S6-32, S6-33).
 //
 //   Crew crew(std::move(seats), sheet_of(model), config, [&](const Envelope& e) { log.write(e); });
-//   crew.hear(navigation, time);           // as often as something is sensed
+//   crew.hear(navigation, time);           // for each sensor input
 //   vehicle.obey(crew.helm(time));
 //
-// The clock starts with the first call. It ticks every 0.1 s after that: first each agent has its turn to tick, in the
-// order of the seats, then what they said is heard. Messages stand in one queue, first in, first out; each is heard by
-// all seats in their order, its sender's included, and what an agent says in its turn joins the queue. Ticks that are
-// due come before what is sensed at the same instant.
+// The clock starts with the first call and ticks every 0.1 s after that. At each tick, the agents take their turns in
+// the order of their slots; then their messages are delivered. Messages wait in one queue, first in, first out. All
+// agents receive each message in their order, its sender included; the messages of their turns join the queue. Ticks
+// that are due come before sensor input of the same instant.
 //
-// Supervision: an agent that throws is dead, one that misses `missed_ticks` ticks is hung: it gets no further turn, and
-// all others hear AgentLost. The others go on. What an agent says beyond `most_said` messages between two ticks is cut,
-// counted and reported by a Decision. A clock that goes back is refused and counted; one that jumps ahead by more than
-// `most_ticks` ticks skips the first of them, and a Decision says so.
+// Supervision: an agent that throws is dead; one that misses `missed_ticks` ticks is hung. A lost agent gets no further
+// turn; all others receive AgentLost and go on. The messages of an agent beyond `most_said` between two ticks are
+// dropped, counted, and reported by a Decision. A clock that goes back is refused and counted. If the clock jumps ahead
+// by more than `most_ticks` ticks, the first of them are skipped, and a Decision reports it.
 //
 // Deterministic: the same calls give the same envelopes and set-points. One thread at a time. Cost: 0.8 us a message
-// for nine seats that do nothing.
+// for nine agents that do nothing.
 #pragma once
 
 #include <deque>
@@ -29,7 +30,7 @@ struct CrewConfig {
   int missed_ticks = 5;
   int most_said = 256;
   int most_ticks = 50;
-  int mailbox = 1024;  ///< messages that wait for one agent; of agents in threads of their own only
+  int mailbox = 1024;  ///< maximum number of messages that wait for one agent; ThreadedCrew only
   HelmGateConfig gate;
 };
 std::vector<Field> fields(CrewConfig& config);
@@ -38,33 +39,33 @@ struct CrewCounts {
   std::uint64_t ticks = 0;
   std::uint64_t skipped_ticks = 0;
   std::uint64_t refused = 0;   ///< calls with a time before that of an earlier one
-  std::uint64_t cut = 0;       ///< messages of agents that said too much
-  std::uint64_t overflow = 0;  ///< messages that found a mailbox full
-  std::uint64_t lost = 0;      ///< agents
-  std::uint64_t limited = 0;   ///< set-points that were cut to what vehicle and mission allow (helm_gate.hpp)
+  std::uint64_t cut = 0;       ///< messages dropped because their agent sent too many
+  std::uint64_t overflow = 0;  ///< messages dropped from full mailboxes
+  std::uint64_t lost = 0;      ///< lost agents
+  std::uint64_t limited = 0;   ///< set-points that were limited to what vehicle and mission allow (helm_gate.hpp)
 };
 
-/// Throws Error where a name is empty, taken twice or a sender of its own, a seat has no agent, or the gate's Safety
-/// Officer has no seat.
+/// Throws Error where a name is empty, taken twice or reserved for another sender, a slot has no agent, or no agent has
+/// the name of the gate's Safety Officer.
 void check_seats(const std::vector<Seat>& seats, const CrewConfig& config);
 
 class Crew {
  public:
-  /// Throws Error as check_seats.
+  /// Throws Error like check_seats.
   Crew(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config = {}, Recorder recorder = {});
 
-  /// All of these: false where the time is before that of an earlier call; then nothing happens.
+  /// `hear` and `advance` return false where the time is before that of an earlier call; the call is then refused.
   bool hear(Message sensed, Time now);
   bool advance(Time now);
-  /// What the vehicle shall do from now on; of the latest instant where `now` is before it.
+  /// The set-point from now on; that of the latest instant where `now` is before it.
   Setpoint helm(Time now);
 
-  /// Faults for tests: from now on it gets no turn, and nobody is told; or it dies in its next turn. The name must be
-  /// that of a seat.
+  /// Faults for tests: `hang` gives an agent no further turn and sends no message about it; `kill` makes an agent die
+  /// in its next turn. The name must be that of an agent.
   void hang(std::string_view name);
   void kill(std::string_view name);
 
-  [[nodiscard]] bool has(std::string_view name) const;  ///< whether there is such a seat
+  [[nodiscard]] bool has(std::string_view name) const;  ///< whether there is such an agent
   [[nodiscard]] bool lost(std::string_view name) const;
   [[nodiscard]] const CrewCounts& counts() const { return counts_; }
   [[nodiscard]] const std::map<std::string, Bus::Counts>& said() const { return bus_.said(); }
@@ -82,7 +83,7 @@ class Crew {
   Member& member(std::string_view name);
   bool set_clock(Time now);
   void tick();
-  void settle();  ///< until nobody has anything to say
+  void settle();  ///< until no message is left
   void drain();
   void end_turn(Member& member, Turn turn);
   void lose(Member& member, bool hung, const std::string& why);

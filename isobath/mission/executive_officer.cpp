@@ -6,13 +6,13 @@ namespace isobath {
 namespace {
 
 constexpr double kAtSurface = 0.5;  // m of depth
-constexpr int kMostSteps = 1000;    // of a graph in one instant: one that runs in a circle must not hang the vehicle
+constexpr int kMostSteps = 1000;  // of a graph in one instant: a graph that runs in a circle must not hang the vehicle
 
 PlanAction at_point(const char* name, std::size_t point) { return {name, {{"point", static_cast<double>(point)}}}; }
 
 int index(std::size_t point) { return static_cast<int>(point); }
 
-// The nodes of an ending; the first of them.
+// Adds the nodes of an ending; returns the first of them.
 std::size_t add_end(PlanGraph& graph, MissionEnd end, const std::string& name, std::size_t points,
                     const ExecutiveConfig& config) {
   if (end == MissionEnd::kHold) return graph.add(name, {"finish"});
@@ -34,20 +34,21 @@ std::size_t add_end(PlanGraph& graph, MissionEnd end, const std::string& name, s
 std::vector<Field> fields(ExecutiveConfig& c) {
   return {
       Field::real("patience_s", &c.patience_s, {0, 1e6}, "s",
-                  "How long it waits for a way to a point, all told, before it drops it."),
+                  "Total time without a route to a point after which the point is dropped."),
       Field::real("move_wait_s", &c.move_wait_s, {0, 600}, "s",
-                  "How long the Captain may take to move a point that is blocked."),
-      Field::real("task_wait_s", &c.task_wait_s, {0, 1e6}, "s", "The longest that a task may take."),
-      Field::real("surface_wait_s", &c.surface_wait_s, {0, 1e6}, "s", "The longest that surfacing may take."),
-      Field::integer("approaches", &c.approaches, {1, 100}, "1", "How often a point that was missed is approached."),
+                  "How long the Captain may take to move a blocked point."),
+      Field::real("task_wait_s", &c.task_wait_s, {0, 1e6}, "s", "Maximum duration of a task."),
+      Field::real("surface_wait_s", &c.surface_wait_s, {0, 1e6}, "s", "Maximum duration of surfacing."),
+      Field::integer("approaches", &c.approaches, {1, 100}, "1",
+                     "Maximum number of approaches to a point that is passed abeam."),
   };
 }
 
 PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config) {
   PlanGraph graph{plan.title};
   struct Nodes {
-    std::size_t go, drop, last;  // `last`: of what is done at the point
-    PlanEvent over;              // when that is done
+    std::size_t go, drop, last;  // `last`: the last node of the work at the point
+    PlanEvent over;              // the event that ends this work
   };
   std::vector<Nodes> at;
   for (std::size_t i = 0; i < plan.points.size(); ++i) {
@@ -150,7 +151,7 @@ void ExecutiveOfficer::start(const MissionOrder& order, Outbox& out) {
   executor_.emplace(from_library ? stored->second : mission_graph(*plan_, config_));
   decide("start",
          fmt::format("{}, {} points, by a plan graph {}", plan_->title.empty() ? "mission" : plan_->title,
-                     points_.size(), from_library ? "from the library" : "worked out from the mission"),
+                     points_.size(), from_library ? "from the library" : "derived from the mission"),
          out);
   report(MissionPhase::kUnderWay, order.why, out);
   act(executor_->start(now_), out);
@@ -212,7 +213,7 @@ void ExecutiveOfficer::take(const TaskPlan& plan, Outbox& out) {
       executor_ && executor_->started() ? &executor_->graph().nodes[executor_->node()].action : nullptr;
   if (action == nullptr || action->name != "task" || plan.id != point_ + 1 || errand_ == Errand::kTask) return;
   visits_.assign(plan.waypoints.begin(), plan.waypoints.end());
-  decide("task", fmt::format("{} does {} by {} way-points", plan.driver, points_[point_].task, visits_.size()), out);
+  decide("task", fmt::format("{} does {} with {} way-points", plan.driver, points_[point_].task, visits_.size()), out);
   give_up_leg("", out);
 }
 
@@ -294,7 +295,7 @@ void ExecutiveOfficer::drop(const std::string& why, Outbox& out) {
   decide("drop point", name_of(points_[point_], point_) + ": " + why, out);
 }
 
-// A mission point is dropped, of a task the next place is taken.
+// Drops a mission point; within a task, goes on to the next place.
 void ExecutiveOfficer::give_up_leg(const std::string& why, Outbox& out) {
   if (errand_ == Errand::kPoint) return drop(why, out);
   if (visits_.empty()) {

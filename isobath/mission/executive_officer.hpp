@@ -1,18 +1,18 @@
-// ExecutiveOfficer: leads the vehicle through a mission, point by point (Ganesan 2015, 5.1; Herman 1988, 2; ledger
+// ExecutiveOfficer: takes the vehicle through a mission, point by point (Ganesan 2015, 5.1; Herman 1988, 2; ledger
 // S6-35, S6-51, S6-E21, S2-06 to S2-09).
 //
-// Hears MissionOrder, PointMoved, RoutePlanned, RouteRefused, WaypointPassed, TaskAward, TaskPlan, Navigation and
-// AgentLost; says RouteRequest, FollowOrder, PointReport, MissionReport, Decision.
+// Receives MissionOrder, PointMoved, RoutePlanned, RouteRefused, WaypointPassed, TaskAward, TaskPlan, Navigation and
+// AgentLost. Sends RouteRequest, FollowOrder, PointReport, MissionReport, Decision.
 //
-// The mission is a plan graph: a node a point, and nodes for what is done there and at the end. It is worked out from
-// the MissionPlan, or taken from the library that the constructor is given, by its title (S2-09). The events of the
+// The mission is a plan graph: one node per point, and nodes for the work there and for the end. The graph is derived
+// from the MissionPlan, or taken by its title from the library that the constructor receives (S2-09). The events of the
 // graph are
 //   point reached (i), point dropped (i), task done (i), returned     facts
-//   waited (i)      s without a way to point i, all told; i = number of points: of the way back
+//   waited (i)      total time without a route to point i, s; i = number of points: without a route back
 //   depth           m
-// A way that changes replaces what is left of the one before. Without a way the vehicle holds its place until there is
-// one; a point is dropped after `patience_s` of that. A point that is passed abeam is approached anew, `approaches`
-// times in all. Lost without a Captain, it surfaces.
+// A new route replaces the rest of the one before. Without a route the vehicle holds its position until there is one;
+// after a total of `patience_s` without a route the point is dropped. A point that is passed abeam is approached again,
+// `approaches` times in all. If the Captain is lost, the vehicle surfaces.
 #pragma once
 
 #include <deque>
@@ -34,7 +34,7 @@ std::vector<Field> fields(ExecutiveConfig& config);
 
 /// Actions: "go to", "drop", "hold", "task" (each with "point"), "return", "surface", "finish".
 PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config);
-/// Only what is done at the end.
+/// The nodes for the end of the mission only.
 PlanGraph end_graph(MissionEnd end, std::size_t points, const ExecutiveConfig& config);
 
 class ExecutiveOfficer final : public Agent, private PlanDatabase {
@@ -74,7 +74,7 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   ExecutiveConfig config_;
   std::map<std::string, PlanGraph> library_;
   std::shared_ptr<const MissionPlan> plan_;
-  std::vector<MissionPoint> points_;  ///< of the plan, where they stand now
+  std::vector<MissionPoint> points_;  ///< of the plan, with their positions now
   std::optional<PlanExecutor> executor_;
   std::map<std::pair<std::string, int>, double> facts_;
   MissionPhase phase_ = MissionPhase::kWaiting;
@@ -86,15 +86,15 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   Eigen::Vector2d home_ = Eigen::Vector2d::Zero();  ///< where the mission started
 
   Errand errand_ = Errand::kNone;
-  std::size_t point_ = 0;  ///< that the errand is about
+  std::size_t point_ = 0;  ///< of the errand
   MissionPoint target_;
   std::uint32_t request_ = 0;
-  std::uint32_t version_ = 0;  ///< of the way that is followed
+  std::uint32_t version_ = 0;  ///< of the route that is followed
   int approaches_ = 0;
   bool no_way_ = false;
   std::string no_way_why_;
-  std::optional<Time> move_until_;  ///< so long the Captain may move the point
-  std::deque<Waypoint> visits_;     ///< of the task under way
+  std::optional<Time> move_until_;  ///< the Captain may move the point until then
+  std::deque<Waypoint> visits_;     ///< way-points that are left of the current task
 };
 
 }  // namespace isobath

@@ -7,7 +7,7 @@ namespace {
 
 using Act = SafetyActionKind;
 
-/// "1.5 s" of a field; empty for a name that the configuration does not have.
+/// Value and unit of a setting, such as "1.5 s"; empty for a name that the configuration does not have.
 std::string value_of(std::vector<Field>& all, const std::string& name) {
   const auto field = std::find_if(all.begin(), all.end(), [&](const Field& f) { return f.name() == name; });
   if (field == all.end()) return {};
@@ -21,8 +21,8 @@ std::string wait_text(const After& after, const SafetyConfig& config) {
 std::string action_text(const FaultRow& row, const SafetyConfig& config) {
   std::string text = row.action == Act::kNone ? "report" : to_text(row.action);
   if (row.fault == Fault::kCollisionUnavoidable)
-    text = "turn to the freer side, or take the way out that is left; surface where there is none";
-  if (row.fault == Fault::kCollisionAhead) text = "stop, then turn on the spot to where the way leads";
+    text = "turn to the freer side, or take the escape manoeuvre that is left; surface where there is none";
+  if (row.fault == Fault::kCollisionAhead) text = "stop, then turn on the spot to the ordered heading";
   if (row.fault == Fault::kTooLow) text = "slow and rise, stop at the surface";
   if (row.later != Act::kNone) text += fmt::format("; {}{}", to_text(row.later), wait_text(row.later_after, config));
   if (row.abort.when != After::When::kNever) text += "; abort" + wait_text(row.abort, config);
@@ -54,21 +54,21 @@ std::string deadline_text(const Deadline& deadline) {
 
 constexpr const char* kHead = R"(# Faults
 
-What can go wrong, how the Safety Officer notices it, what it does and what shows it. The table is the one that the
-program acts by; limits are those of `[safety]` in [configuration.md](configuration.md) with their defaults, or of the
-mission file.
+What can go wrong, how the Safety Officer notices it, what it does about it, and which test shows it. The program acts
+by this table. Limits are settings of `[safety]` in [configuration.md](configuration.md) with their defaults, or limits
+of the mission file.
 
-- The Safety Officer looks ten times a second, stands above planning and steering, and can only slow, stop, turn away or
-  surface: never does it ask for more speed than was ordered. Of several actions the strongest holds.
-- *stop* of a vehicle that needs way on to hold its depth, or that was ordered to surface, is *surface*.
-- A fault is over when its cause was gone for `leave_s` ({} s); those of routes with the next route, and those with
-  a dagger stay.
+- The Safety Officer judges ten times a second and overrides planning and steering. It can only slow, stop, turn away or
+  surface: it never asks for more speed than was ordered. If several faults are active, the strongest action is taken.
+- *stop* becomes *surface* for a vehicle that needs forward speed to hold its depth, or that was ordered to surface.
+- A fault is over when its cause has been gone for `leave_s` ({} s). Faults of routes are over with the next route, and
+  faults with a dagger stay.
 - *abort* ends the mission as `abort_end` says ({}), unless the row says otherwise. Each fault, its end and each action
-  is a decision with its reason in the log.
-- Sensors that have not spoken `startup_s` after the start of a mission are silent.
-- A fault of a scene is injected by `[[fault]]` ([scene-format.md](scene-format.md)).
-- `isobath eval faults` brings every row about in a closed loop ([scenarios/faults](../scenarios/faults)), and each must be
-  raised by its deadline: so long after the injection, unless it says otherwise, and not before.
+  is logged as a decision with its reason.
+- A sensor that has not reported `startup_s` after the start of a mission is silent.
+- A scene injects a fault with `[[fault]]` ([scene-format.md](scene-format.md)).
+- `isobath eval faults` causes every fault in a closed loop ([scenarios/faults](../scenarios/faults)). Each must be
+  raised by its deadline, counted from the injection unless the row says otherwise, and not before the injection.
 
 | fault | noticed by | limit | action | injected by | deadline | test |
 | --- | --- | --- | --- | --- | --- | --- |

@@ -1,8 +1,8 @@
-// Fault table: what can go wrong, how it is noticed, what is done, in which order, and what shows it (design: a
-// published table of faults, each with a limit, an action and a test; ledger S6-39, S2-28, S1-43, S1-44).
+// Fault table: what can go wrong, how it is noticed, what is done about it, in which order, and what shows it (design:
+// a published table of faults, each with a limit, an action and a test; ledger S6-39, S2-28, S1-43, S1-44).
 //
-// The one statement of it: the Safety Officer acts by these rows, docs/faults.md is fault_page(), and tests compare
-// both. `isobath eval faults` brings each of them about and holds the whole crew to it (fault_proof.hpp).
+// The table is stated only here: the Safety Officer acts by these rows, docs/faults.md is fault_page(), and tests
+// compare both. `isobath eval faults` causes each fault and checks how all agents together respond (fault_proof.hpp).
 #pragma once
 
 #include <array>
@@ -49,7 +49,7 @@ enum class Fault : std::uint8_t {
 };
 inline constexpr std::size_t kFaults = 30;
 
-/// A step that comes never, at once, or after a time of the configuration.
+/// A step that is taken never, at once, or after a time of the configuration.
 struct After {
   enum class When : std::uint8_t { kNever, kAtOnce, kLater } when = When::kNever;
   double SafetyConfig::*wait = nullptr;
@@ -59,19 +59,19 @@ struct After {
   }
 };
 
-/// When a row is over: once its cause is gone, `leave_s` later, or never by itself.
+/// When a row is over: `leave_s` after its cause is gone, as soon as its cause is gone, or never by itself.
 enum class Over : std::uint8_t { kLater, kAtOnce, kNever };
 
-/// The latest that a whole crew may raise a row in a closed loop: so many seconds after one of these, or before the
-/// vehicle is this near.
+/// The latest time at which a complete set of agents may raise a row in a closed loop: this many seconds after one of
+/// these events, or at this distance.
 struct Deadline {
   enum class From : std::uint8_t {
-    kInjection,  ///< the fault of the scene
-    kStart,      ///< the start of the mission
-    kOvertime,   ///< the longest time that the mission may take
-    kRefusal,    ///< the first route that is refused
-    kCrossing,   ///< of the fence, in truth; not at all where it is not crossed
-    kNearness,   ///< no time: metres from hull to body or bottom, in truth
+    kInjection,  ///< the scene injects the fault
+    kStart,      ///< the mission starts
+    kOvertime,   ///< the mission reaches its maximum duration
+    kRefusal,    ///< the first route is refused
+    kCrossing,   ///< the fence is crossed, by ground truth; no deadline where it is not
+    kNearness,   ///< no time: metres from hull to body or bottom, by ground truth
   } from = From::kInjection;
   double value = 0;  ///< s, or m
 };
@@ -79,15 +79,15 @@ struct Deadline {
 struct FaultRow {
   Fault fault;
   const char* name;                 ///< as in SafetyAction::fault
-  const char* noticed;              ///< how, for people
+  const char* noticed;              ///< how it is noticed, for people
   std::vector<const char*> limits;  ///< names among the fields of SafetyConfig, or limits of the mission
   SafetyActionKind action = SafetyActionKind::kNone;
   SafetyActionKind later = SafetyActionKind::kNone;  ///< what replaces the action ...
   After later_after = {};                            ///< ... and when
   After abort = {};                                  ///< when the mission ends
-  const char* end = "";                              ///< how it ends, where not by abort_end; for people
+  const char* end = "";                              ///< how the mission ends, where not by abort_end; for people
   Over over = Over::kLater;
-  const char* injected = "";  ///< fault of a scene: "sonar: off"; or what else brings it about
+  const char* injected = "";  ///< fault of a scene: "sonar: off"; or another cause
   Deadline deadline = {};
   const char* test = "";  ///< name of the test on a stream of messages
 };
@@ -96,7 +96,7 @@ struct FaultRow {
 std::span<const FaultRow> fault_table();
 const FaultRow& row_of(Fault fault);
 inline const char* to_text(Fault fault) { return row_of(fault).name; }
-/// "sonar_silent", of "sonar silent": what files of the row are called.
+/// Base name of the files of a row: "sonar_silent" for "sonar silent".
 std::string file_name_of(const FaultRow& row);
 
 /// docs/faults.md, with the limits of this configuration.

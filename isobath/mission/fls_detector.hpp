@@ -1,14 +1,14 @@
-// FlsDetector: at the end of each sweep, all that is in the way, as one list for the Navigator (Ganesan 2015, 5.1, 6.1;
+// FlsDetector: sends all obstacles as one list to the Navigator at the end of each sweep (Ganesan 2015, 5.1, 6.1;
 // ledger S6-38, S6-58, S6-66).
 //
-// Hears Sweep, Navigation and MissionOrder; says ObstacleScan, with hazards in the level body frame of its pose:
-//   seen        obstacles of the last sweep, with a margin of a share of the grid's cell
-//   remembered  what earlier sweeps confirmed and this one did not show whole, with the margin of the drift since
-//   injected    maps of the mission plan, from the time on for which they are given; the scan that first holds one has
-//               exactly that time, and the next pose that is known then
-// and all that is remembered around, seen again by this sweep or not, for whoever shows it.
-// Obstacles hidden by others, and those that may be echoes of a nearer one, are kept: one too many costs a detour, one
-// too few the vehicle. Only what is less probable than `least_existence` is left out.
+// Receives Sweep, Navigation and MissionOrder. Sends ObstacleScan, with hazards in the level body frame of its pose:
+//   seen        obstacles of the last sweep, with a share of the grid's cell as margin
+//   remembered  obstacles that earlier sweeps confirmed and this one did not show whole, with the drift since as margin
+//   injected    maps of the mission plan, from the time given there on; the first scan that contains one has exactly
+//               that time, and the last pose known at the next tick
+// The scan also lists all remembered obstacles around the vehicle, seen again by this sweep or not, for display.
+// Obstacles hidden by others, and those that may be echoes of a nearer one, are kept: a false obstacle costs a detour,
+// a missed one the vehicle. Only obstacles less probable than `least_existence` are left out.
 #pragma once
 
 #include <isobath/map/obstacle_memory.hpp>
@@ -44,9 +44,9 @@ class FlsDetector final : public Agent {
   FlsDetectorConfig config_;
   ObstacleMemory memory_;
   std::optional<Navigation> here_;
-  Pose X_WL_seen_;            ///< of the last sweep
+  Pose X_WL_seen_;            ///< at the last sweep
   std::vector<Hazard> seen_;  ///< in that frame
-  int taken_in_ = 0;          ///< the last sweep that is in the memory
+  int taken_in_ = 0;          ///< number of the last sweep in the memory
   std::vector<Due> due_;      ///< in order of time
   std::vector<Polygon> injected_;
   int number_ = 0;

@@ -39,9 +39,10 @@ const char* to_text(HelmState state) {
 
 std::vector<Field> fields(HelmGateConfig& c) {
   return {
-      Field::real("order_patience", &c.patience_s, {0.1, 60}, "s", "The vehicle stops without an order for so long."),
+      Field::real("order_patience", &c.patience_s, {0.1, 60}, "s",
+                  "The vehicle stops when it has had no order for this long."),
       Field::text("safety_officer", &c.safety_officer,
-                  "The seat whose loss makes the vehicle surface; empty: no such seat."),
+                  "The agent whose loss makes the vehicle surface; empty: no such agent."),
   };
 }
 
@@ -95,7 +96,7 @@ HelmGate::Verdict HelmGate::judge(Time now) const {
   }
   if (!order_) return {HelmState::kWaiting, "", "no order has come yet"};
   if (action_.kind == SafetyActionKind::kSlow) return acted(HelmState::kSlow);
-  return {HelmState::kOrders, "", "nothing stands against the order"};
+  return {HelmState::kOrders, "", "no fault overrides the order"};
 }
 
 Setpoint HelmGate::setpoint() const {
@@ -123,7 +124,7 @@ Setpoint HelmGate::setpoint() const {
   return s;
 }
 
-/// Sway gives way where both together would be too fast.
+/// Sway is reduced where both speeds together would be too fast.
 Setpoint HelmGate::allowed(Setpoint s) const {
   const double most = vehicle_.limits.max_speed;
   s.depth = std::clamp(s.depth, 0.0, deepest_);

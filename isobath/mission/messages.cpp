@@ -20,7 +20,7 @@ const char* to_text(RouteRefused::Reason reason) {
     case RouteRefused::Reason::kNoPath: return "no path";
     case RouteRefused::Reason::kOutOfBudget: return "no path within the budget";
     case RouteRefused::Reason::kOutsideFence: return "the point is outside the fence";
-    case RouteRefused::Reason::kNoMap: return "nothing was seen for too long";
+    case RouteRefused::Reason::kNoMap: return "there was no scan for too long";
   }
   return "";
 }

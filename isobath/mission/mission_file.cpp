@@ -22,54 +22,60 @@ Field end_field(std::string name, MissionEnd* end, std::string sentence) {
 }
 
 std::vector<Field> mission_fields(MissionKeys& k) {
-  return {Field::text("title", &k.plan.title, "What it is for."),
-          Field::real("speed", &k.plan.speed, {0.01, kMostSpeed}, "m/s", "Where a point does not say another."),
-          end_field("at_end", &k.plan.at_end, "What is done after the last point; return: to where it started."),
-          end_field("if_dropped", &k.plan.if_dropped, "What is done when the last point had to be dropped."),
-          Field::flag("waits_for_operator", &k.plan.waits_for_operator,
-                      "Whether it starts when the operator says so; else as soon as it has looked around."),
+  return {Field::text("title", &k.plan.title, "Title of the mission."),
+          Field::real("speed", &k.plan.speed, {0.01, kMostSpeed}, "m/s", "Speed on the way to points that give none."),
+          end_field("at_end", &k.plan.at_end,
+                    "What the vehicle does after the last point; return: goes back to where the mission started."),
+          end_field("if_dropped", &k.plan.if_dropped, "What the vehicle does when the last point had to be dropped."),
+          Field::flag(
+              "waits_for_operator", &k.plan.waits_for_operator,
+              "Whether the mission starts at the operator's command; else as soon as the vehicle has looked around."),
           Field::real("latitude_deg", &k.latitude_deg, kLatitude, "deg",
-                      "Of the origin of north and east; with longitude 0: nowhere."),
-          Field::real("longitude_deg", &k.longitude_deg, kLongitude, "deg", "Of the origin.")};
+                      "Latitude of the origin of north and east; 0 with longitude 0: no origin."),
+          Field::real("longitude_deg", &k.longitude_deg, kLongitude, "deg", "Longitude of the origin.")};
 }
 
 std::vector<Field> limit_fields(MissionLimits& l) {
-  return {Field::real("min_depth_m", &l.min_depth_m, {0, 12000}, "m", "Never shallower."),
-          Field::real("max_depth_m", &l.max_depth_m, {0, 12000}, "m", "Never deeper."),
-          Field::real("min_altitude_m", &l.min_altitude_m, {0, 1000}, "m", "Never nearer to the bottom."),
-          Field::real("max_position_sigma_m", &l.max_position_sigma_m, {0, 1e5}, "m",
-                      "Of the vehicle's own estimate of its place; beyond it the mission is aborted."),
-          Field::real("max_duration_s", &l.max_duration_s, {0, 1e8}, "s", "Of the whole mission; 0: any."),
-          Field::real("low_battery_share", &l.low_battery_share, {0, 1}, "1",
-                      "Of a full charge; below it the mission is aborted.")};
+  return {
+      Field::real("min_depth_m", &l.min_depth_m, {0, 12000}, "m", "Minimum depth."),
+      Field::real("max_depth_m", &l.max_depth_m, {0, 12000}, "m", "Maximum depth."),
+      Field::real("min_altitude_m", &l.min_altitude_m, {0, 1000}, "m", "Minimum altitude above the bottom."),
+      Field::real("max_position_sigma_m", &l.max_position_sigma_m, {0, 1e5}, "m",
+                  "Maximum standard deviation of the estimated position; beyond it the mission is aborted."),
+      Field::real("max_duration_s", &l.max_duration_s, {0, 1e8}, "s", "Maximum duration of the mission; 0: no limit."),
+      Field::real("low_battery_share", &l.low_battery_share, {0, 1}, "1",
+                  "Share of a full charge below which the mission is aborted.")};
 }
 
 std::vector<Field> fence_fields(MissionKeys& k) {
   return {
       Field::rows("corners", &k.corners, 2, kMetres, "m", "Corners of a simple polygon: north, east; none: no fence."),
-      Field::rows("corners_deg", &k.corners_deg, 2, {-180, 180}, "deg", "Instead: latitude, longitude.")};
+      Field::rows("corners_deg", &k.corners_deg, 2, {-180, 180}, "deg",
+                  "Corners as latitude, longitude, instead of `corners`.")};
 }
 
 std::vector<Field> point_fields(PointKeys& k) {
   MissionPoint& p = k.point;
-  return {Field::text("name", &p.name, "What reports call it."),
-          Field::real("north", &p.north_east.x(), kMetres, "m", "North of the origin."),
-          Field::real("east", &p.north_east.y(), kMetres, "m", "East of it."),
-          Field::real("latitude_deg", &k.latitude_deg, kLatitude, "deg",
-                      "Instead of north and east, where the mission has an origin; with longitude 0: not given."),
-          Field::real("longitude_deg", &k.longitude_deg, kLongitude, "deg", "With it."),
-          Field::real("depth_m", &p.depth_m, {0, 12000}, "m", "Below the surface, where no altitude is asked for."),
-          Field::real("altitude_m", &k.altitude_m, {0, 12000}, "m", "Above the bottom; 0: go by depth."),
-          Field::real("speed", &p.speed, {0, kMostSpeed}, "m/s", "On the way to it; 0: the mission's."),
-          Field::real("hold_s", &p.hold_s, {0, 1e7}, "s", "How long to stay there."),
-          Field::real("move_m", &p.move_m, {0, 1e4}, "m",
-                      "How far it may be moved off an obstacle that stands on it; 0: then it is dropped."),
-          Field::text("task", &p.task,
-                      "What a back-seat driver does there, such as \"survey length_m=80\"; empty: nothing.")};
+  return {
+      Field::text("name", &p.name, "Name of the point in reports."),
+      Field::real("north", &p.north_east.x(), kMetres, "m", "North of the origin."),
+      Field::real("east", &p.north_east.y(), kMetres, "m", "East of the origin."),
+      Field::real(
+          "latitude_deg", &k.latitude_deg, kLatitude, "deg",
+          "Latitude, instead of north and east, where the mission has an origin; 0 with longitude 0: not given."),
+      Field::real("longitude_deg", &k.longitude_deg, kLongitude, "deg", "Longitude, with latitude_deg."),
+      Field::real("depth_m", &p.depth_m, {0, 12000}, "m", "Depth below the surface, where no altitude is given."),
+      Field::real("altitude_m", &k.altitude_m, {0, 12000}, "m", "Altitude above the bottom; 0: depth_m is used."),
+      Field::real("speed", &p.speed, {0, kMostSpeed}, "m/s", "Speed on the way to the point; 0: that of the mission."),
+      Field::real("hold_s", &p.hold_s, {0, 1e7}, "s", "How long the vehicle stays at the point."),
+      Field::real("move_m", &p.move_m, {0, 1e4}, "m",
+                  "How far the point may be moved off an obstacle that stands on it; 0: the point is dropped."),
+      Field::text("task", &p.task,
+                  "Task of a back-seat driver at the point, such as \"survey length_m=80\"; empty: none.")};
 }
 
 std::vector<Field> outline_fields(OutlineKeys& k) {
-  return {Field::real("at_s", &k.at_s, {0, 1e7}, "s", "After the start of the mission."),
+  return {Field::real("at_s", &k.at_s, {0, 1e7}, "s", "Time after the start of the mission."),
           Field::rows("outline", &k.outline, 2, kMetres, "m", "Corners of a convex obstacle: north, east.")};
 }
 
@@ -102,7 +108,7 @@ std::optional<GeoOrigin> given(double latitude_deg, double longitude_deg) {
   return GeoOrigin{latitude_deg, longitude_deg};
 }
 
-/// Degrees to metres of the mission.
+/// Converts degrees to metres of the mission.
 class Degrees {
  public:
   explicit Degrees(const std::optional<GeoOrigin>& origin) {
@@ -125,7 +131,7 @@ MissionPoint point_of(const PointKeys& keys, const Degrees& degrees) {
   if (keys.altitude_m != 0) point.altitude_m = keys.altitude_m;
   if (const auto place = given(keys.latitude_deg, keys.longitude_deg)) {
     if (point.north_east != Vector2d::Zero()) {
-      refuse(point.place, "latitude_deg", "the point stands in degrees and in metres", "one of both");
+      refuse(point.place, "latitude_deg", "the point is given in degrees and in metres", "one of the two");
     }
     point.north_east = degrees.metres(*place, point.place, "latitude_deg");
   }
@@ -134,7 +140,8 @@ MissionPoint point_of(const PointKeys& keys, const Degrees& degrees) {
 
 Polygon fence_of(const MissionKeys& keys, const Degrees& degrees, const Place& place) {
   if (keys.corners_deg.empty()) return polygon_of(keys.corners);
-  if (!keys.corners.empty()) refuse(place, "corners_deg", "the fence stands in degrees and in metres", "one of both");
+  if (!keys.corners.empty())
+    refuse(place, "corners_deg", "the fence is given in degrees and in metres", "one of the two");
   Polygon fence;
   for (const Vector2d& p : polygon_of(keys.corners_deg)) {
     fence.push_back(degrees.metres({p.x(), p.y()}, place, "corners_deg"));
@@ -151,7 +158,7 @@ void inject(const OutlineKeys& keys, std::vector<InjectedMap>& maps) {
   map->outlines.push_back(std::move(outline));
 }
 
-/// An element of a list is written like a section of this name.
+/// The section name under which an element of a list is written.
 std::string in_brackets(const char* list) { return fmt::format("[{}]", list); }
 
 }  // namespace
@@ -159,16 +166,17 @@ std::string in_brackets(const char* list) { return fmt::format("[{}]", list); }
 Schema schema(MissionKeys& k) {
   Schema all;
   all.sections = {{"mission", "What the vehicle is asked to do.", mission_fields(k)},
-                  {"mission_limits", "What holds all along.", limit_fields(k.plan.limits)},
-                  {"geofence", "Where the vehicle may be.", fence_fields(k)}};
-  all.lists = {{"mission_point", "Where to go, one after the other.",
+                  {"mission_limits", "Limits that hold during the whole mission.", limit_fields(k.plan.limits)},
+                  {"geofence", "Area that the vehicle must not leave.", fence_fields(k)}};
+  all.lists = {{"mission_point", "The points of the mission, in order.",
                 [&k](const Place& place) {
                   PointKeys& point = k.points.emplace_back();
                   point.point.place = place;
                   point.point.name = fmt::format("point {}", k.points.size());
                   return point_fields(point);
                 }},
-               {"injected_map", "An obstacle that is taken as seen from some time on; those of one time make one map.",
+               {"injected_map",
+                "An obstacle that counts as seen from a given time on; obstacles with the same time make one map.",
                 [&k](const Place& place) {
                   OutlineKeys& outline = k.outlines.emplace_back();
                   outline.place = place;
@@ -201,7 +209,7 @@ MissionPlan parse_toml(std::string_view text, const std::string& file) {
   return plan;
 }
 
-/// That of a .moos file of the same name beside a behaviour file.
+/// The origin of a .moos file of the same name beside a behaviour file.
 std::optional<GeoOrigin> origin_beside(const std::string& file) {
   std::filesystem::path beside = file;
   beside.replace_extension(".moos");

@@ -6,7 +6,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMostKinds = 200;  // that a report names
+constexpr std::size_t kMostKinds = 200;  // kinds of left-out items that a report names
 
 [[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed,
                          const std::string& advice = {}) {
@@ -43,7 +43,7 @@ void check_limits(const MissionPlan& plan) {
 void check_fence(const MissionPlan& plan) {
   if (plan.fence.empty()) return;
   const Place& place = plan.fence_place;
-  if (plan.fence.size() < 3) refuse(place, "corners", "fewer than 3 corners", "3 corners and more, or none");
+  if (plan.fence.size() < 3) refuse(place, "corners", "fewer than 3 corners", "3 corners or more, or none");
   if (plan.fence.size() > kMostFenceCorners) {
     refuse(place, "corners", fmt::format("{} corners", plan.fence.size()), fmt::format("up to {}", kMostFenceCorners));
   }
@@ -103,7 +103,7 @@ void ImportReport::leave_out(const std::string& what, const std::string& why) {
   if (left_out.size() < kMostKinds) {
     left_out.push_back({what, why, 1});
   } else {
-    left_out.back() = {"things of other kinds", "too many to name", left_out.back().count + 1};
+    left_out.back() = {"items of other kinds", "too many to name", left_out.back().count + 1};
   }
 }
 
@@ -126,7 +126,7 @@ std::string ImportReport::text() const {
 void check_outline(const Polygon& outline, const Place& place) {
   const bool near = std::all_of(outline.begin(), outline.end(), on_the_plane);
   if (!near) refuse(place, "outline", "a corner that is not on the plane", far_text());
-  if (outline.size() < 3) refuse(place, "outline", "fewer than 3 corners", "3 corners and more");
+  if (outline.size() < 3) refuse(place, "outline", "fewer than 3 corners", "3 corners or more");
   if (outline.size() > kMostFenceCorners || !is_convex(outline)) {
     refuse(place, "outline", "not convex", fmt::format("a convex polygon of up to {} corners", kMostFenceCorners),
            "cut it into convex pieces");
@@ -135,11 +135,12 @@ void check_outline(const Polygon& outline, const Place& place) {
 
 void check_mission(const MissionPlan& plan) {
   check_range(plan.place, "speed", plan.speed, 0.01, kMostSpeed, " m/s");
-  if (plan.origin && !valid(*plan.origin)) refuse(plan.place, "latitude_deg", "no place on the globe", "-90 .. 90 deg");
+  if (plan.origin && !valid(*plan.origin))
+    refuse(plan.place, "latitude_deg", "not a place on the globe", "-90 .. 90 deg");
   check_limits(plan);
   check_fence(plan);
   if (plan.points.empty()) {
-    throw Error("the mission has no points", plan.place, "one [[mission_point]] and more");
+    throw Error("the mission has no points", plan.place, "one [[mission_point]] or more");
   }
   for (const MissionPoint& p : plan.points) check_point(plan, p);
   for (const InjectedMap& map : plan.injected) {

@@ -1,5 +1,5 @@
-// MissionPlan: what the vehicle is asked to do: mission points in order, and the limits that hold all along (Ganesan
-// 2015, 5.1; ledger S6-43, S6-58, S6-65). Way-points between the points are the Navigator's.
+// MissionPlan: what the vehicle is to do: mission points in order, and limits that hold during the whole mission
+// (Ganesan 2015, 5.1; ledger S6-43, S6-58, S6-65). The Navigator plans the way-points between the points.
 //
 // Frames: W, north and east in m, depth below the surface. Plain data; mission_file.hpp reads and checks it.
 #pragma once
@@ -19,15 +19,15 @@ struct MissionPoint {
   Place place;  ///< in the file it comes from
   std::string name;
   Eigen::Vector2d north_east = Eigen::Vector2d::Zero();
-  double depth_m = 1;                ///< where no altitude is asked for
+  double depth_m = 1;                ///< where no altitude is given
   std::optional<double> altitude_m;  ///< above the bottom, instead of a depth
-  double speed = 0;                  ///< on the way to it, m/s; 0: the mission's
-  double hold_s = 0;                 ///< stay there so long
+  double speed = 0;                  ///< on the way to the point, m/s; 0: that of the mission
+  double hold_s = 0;                 ///< how long to stay there
   double move_m = 0;                 ///< how far the Captain may move it off an obstacle; 0: it is dropped (S6-65)
   std::string task;                  ///< what a back-seat driver does there; empty: nothing
 };
 
-/// What is done when there is no further point.
+/// What the vehicle does when there is no further point.
 enum class MissionEnd : std::uint8_t { kHold, kSurface, kReturn };
 const char* to_text(MissionEnd end);
 
@@ -42,12 +42,12 @@ struct MissionLimits {
   double min_depth_m = 0;
   double max_depth_m = 100;
   double min_altitude_m = 1;
-  double max_position_sigma_m = 30;  ///< of the vehicle's own estimate; beyond it the mission is aborted
+  double max_position_sigma_m = 30;  ///< of the estimated position; beyond it the mission is aborted
   double max_duration_s = 0;         ///< 0: none
   double low_battery_share = 0.15;
 };
 
-/// Something that a file asked for and that the plan does not hold, or not as it was asked.
+/// An item of a file that the plan does not contain, or not as it was given.
 struct LeftOut {
   std::string what;  ///< "command 201 (DO_SET_ROI)"
   std::string why;
@@ -55,13 +55,13 @@ struct LeftOut {
   bool operator==(const LeftOut&) const = default;
 };
 
-/// What became of a file of another program: nothing is dropped without a word.
+/// The result of importing a file of another program: no item is dropped silently.
 struct ImportReport {
   std::string format;     ///< "QGroundControl plan"; empty: Isobath's own
   std::size_t taken = 0;  ///< items, points and settings that are in the plan
   std::vector<LeftOut> left_out;
 
-  /// Adds to the line of the same words, if there is one.
+  /// Adds to the entry with the same texts, if there is one.
   void leave_out(const std::string& what, const std::string& why);
   [[nodiscard]] std::size_t left_out_count() const;
   /// One line; empty for a file of Isobath's own.
@@ -77,22 +77,22 @@ struct MissionPlan {
   Place fence_place;
   MissionLimits limits;
   MissionEnd at_end = MissionEnd::kHold;
-  MissionEnd if_dropped = MissionEnd::kHold;  ///< what is done when the last point was dropped (S6-E21)
-  bool waits_for_operator = false;            ///< starts at his order; else as soon as it has looked around
+  MissionEnd if_dropped = MissionEnd::kHold;  ///< what the vehicle does when the last point was dropped (S6-E21)
+  bool waits_for_operator = false;  ///< starts at the operator's command; else as soon as it has looked around
   std::vector<InjectedMap> injected;
   std::optional<GeoOrigin> origin;
   ImportReport import;
 };
 
-/// What no single value shows. Throws Error with the place of what is wrong: no points; a number that is not finite or
-/// out of range; a point outside the fence (S6-43), beyond the depth limits or nearer to the bottom than they allow; a
+/// Checks what no single value shows. Throws Error with the place of the mistake: no points; a number that is not
+/// finite or out of range; a point outside the fence (S6-43), beyond the depth limits or below the minimum altitude; a
 /// fence that is not a simple polygon; an injected outline that is not convex.
 void check_mission(const MissionPlan& plan);
-/// The same for one outline to inject.
+/// The same check for one outline to inject.
 void check_outline(const Polygon& outline, const Place& place);
 
-inline constexpr double kMostMetres = 1e5;              ///< from the origin to anything of a mission, each axis
+inline constexpr double kMostMetres = 1e5;              ///< maximum distance from the origin, along each axis
 inline constexpr double kMostSpeed = 10;                ///< m/s
-inline constexpr std::size_t kMostFenceCorners = 1000;  ///< every place is held against every side
+inline constexpr std::size_t kMostFenceCorners = 1000;  ///< every place is checked against every side
 
 }  // namespace isobath

@@ -7,8 +7,8 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMostPoints = 10'000;  // what repeat may make of a list
-constexpr const char* kNoSuchSetting = "no such setting in a mission";
+constexpr std::size_t kMostPoints = 10'000;  // of a file, with all repeats
+constexpr const char* kNoSuchSetting = "a mission has no such setting";
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r");
@@ -22,7 +22,7 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-/// As text that may stand anywhere: files may hold any bytes.
+/// Replaces bytes that are not printable: files may hold any bytes.
 std::string printable(std::string_view text) {
   std::string out(text.substr(0, 80));
   for (char& c : out) {
@@ -40,7 +40,7 @@ std::optional<double> number(std::string_view text) {
   return value;
 }
 
-/// Up to the separator, which is taken off too.
+/// The text up to the separator; removes both from `rest`.
 std::string_view split(std::string_view& rest, char separator) {
   const std::size_t at = std::min(rest.find(separator), rest.size());
   const std::string_view part = trimmed(rest.substr(0, at));
@@ -48,7 +48,7 @@ std::string_view split(std::string_view& rest, char separator) {
   return part;
 }
 
-/// A line without its comment; lines without '=' are a value without a key.
+/// A line without its comment; a line without '=' is a value without a key.
 struct Entry {
   std::uint64_t line = 0;
   std::string key;  ///< lower case
@@ -81,7 +81,7 @@ class Lines {
   std::uint64_t number_ = 0;
 };
 
-/// What one BHV_Waypoint, or the lines outside of all behaviours, say.
+/// The settings of one BHV_Waypoint, or of the lines outside all behaviours.
 struct PointList {
   std::string name;
   std::vector<Eigen::Vector2d> points;  ///< north, east
@@ -130,7 +130,7 @@ class MoosReader {
     while (!behaviour.empty() && (behaviour.back() == '{' || behaviour.back() == ' ')) behaviour.remove_suffix(1);
     behaviour_ = lower(behaviour);
     const bool known = waypoints() || region() || behaviour_ == "bhv_constantdepth";
-    if (!known) leave_out("behaviour " + printable(behaviour), "no such behaviour in a mission");
+    if (!known) leave_out("behaviour " + printable(behaviour), "a mission has no such behaviour");
   }
   [[nodiscard]] bool waypoints() const { return behaviour_.empty() || behaviour_ == "bhv_waypoint"; }
   [[nodiscard]] bool region() const { return behaviour_.starts_with("bhv_opregion"); }
@@ -170,7 +170,7 @@ class MoosReader {
     if (entry.key == "processconfig") {
       close();
       behaviour_ = "processconfig";
-      return leave_out("ProcessConfig " + printable(entry.value), "no such thing in a mission");
+      return leave_out("ProcessConfig " + printable(entry.value), "a mission has no such section");
     }
     if (entry.value.find("$(") != std::string_view::npos || entry.value.find("%(") != std::string_view::npos) {
       return leave_out(printable(entry.key), "a macro that nsplug fills in");
@@ -182,7 +182,7 @@ class MoosReader {
       ++plan_.import.taken;
     } else if (behaviour_ == "bhv_constantdepth") {
       leave_out(printable(entry.key), kNoSuchSetting);
-    }  // what stands in other behaviours goes with them
+    }  // settings of other behaviours are left out with them
   }
 
   void take_waypoint_key(const Entry& entry) {
@@ -204,7 +204,7 @@ class MoosReader {
       const auto times = number(entry.value);
       const bool fits = times && *times >= 0 && *times <= static_cast<double>(kMostPoints);
       if (fits) list_.repeat = static_cast<int>(*times);
-      if (!fits) leave_out("repeat " + printable(entry.value), "a mission ends");
+      if (!fits) leave_out("repeat " + printable(entry.value), "a mission must end");
     } else if (entry.key == "name" || entry.key == "label") {
       list_.name = printable(entry.value);
     } else if (entry.key == "latorigin" || entry.key == "longorigin") {
@@ -214,12 +214,12 @@ class MoosReader {
     }
   }
 
-  /// In a behaviour the last list holds, as in pHelmIvP; outside of all, lists follow one another.
+  /// In a behaviour the last list replaces the others, as in pHelmIvP; outside behaviours, lists follow one another.
   void take_points(const Entry& entry, bool replaces) {
     std::vector<Eigen::Vector2d> points;
     if (!vertices(entry, points)) return;
     if (replaces && !list_.points.empty()) {
-      leave_out("list of points", "another one in the same behaviour stands after it");
+      leave_out("list of points", "a later list of the same behaviour replaces it");
       list_.points.clear();
       list_.lines.clear();
     }
@@ -256,7 +256,7 @@ class MoosReader {
     throw Error("\"" + printable(entry.value) + "\" is not a number", place(entry), "a finite number");
   }
 
-  /// x is east, y is north. False where they are to be made by a pattern.
+  /// x is east, y is north. False where a pattern generates the points.
   bool vertices(const Entry& entry, std::vector<Eigen::Vector2d>& out) {
     std::string_view text = entry.value;
     if (text.find("format") != std::string_view::npos) {
@@ -300,7 +300,7 @@ class MoosReader {
 }  // namespace
 
 Eigen::Vector2d metres_of(const LocalPlane& plane, const GeoPoint& point, const Place& place) {
-  if (!valid(point)) throw Error("no place on the globe", place, "-90 .. 90 deg and -180 .. 180 deg");
+  if (!valid(point)) throw Error("not a place on the globe", place, "-90 .. 90 deg and -180 .. 180 deg");
   if (distance_m(plane.origin(), point) > kMostMetres) {
     throw Error(fmt::format("{}, {} is far from the origin", point.latitude_deg, point.longitude_deg), place,
                 fmt::format("within {} m of it", kMostMetres));

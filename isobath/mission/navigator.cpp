@@ -21,7 +21,7 @@ double sigma_of(const Navigation& fix) {
   if (!fix.covariance) return 0;
   const Eigen::Matrix2d c = fix.covariance->topLeftCorner<2, 2>();
   const double half = (c(0, 0) - c(1, 1)) / 2;
-  return std::sqrt(std::max(0.0, c.trace() / 2 + std::hypot(half, c(0, 1))));  // of the worst direction
+  return std::sqrt(std::max(0.0, c.trace() / 2 + std::hypot(half, c(0, 1))));  // along the worst direction
 }
 
 double outline_distance(const Hazard& hazard, const Vector2d& p) {
@@ -36,28 +36,33 @@ std::vector<Field> fields(NavigatorConfig& c) {
   return {
       Field::real("drop_distance_m", &c.drop_distance_m, {0, 1000}, "m",
                   "A mission point with an obstacle nearer than this is refused."),
-      Field::real("slack_m", &c.slack_m, {0, 100}, "m",
-                  "A way that was planned with the clearance may come this much nearer before it is changed."),
+      Field::real(
+          "slack_m", &c.slack_m, {0, 100}, "m",
+          "A route that was planned with the clearance may come this much nearer to a hazard before it is changed."),
       Field::real("switch_m", &c.switch_m, {0, 1000}, "m",
-                  "A new way is preferred to one with its corners moved aside if it is this much shorter."),
-      Field::real("shortcut_m", &c.shortcut_m, {0, 1000}, "m", "A clear way is left for one this much shorter."),
+                  "A new route is preferred to one with its corners moved aside if it is this much shorter."),
+      Field::real("shortcut_m", &c.shortcut_m, {0, 1000}, "m",
+                  "A clear route is replaced by one that is this much shorter."),
       Field::integer("sure_scans", &c.sure_scans, {1, 100}, "1",
                      "Scans in a row that must agree to refuse a mission point or to take a shortcut."),
       Field::real("decide_within_m", &c.decide_within_m, {0, 100000}, "m",
-                  "A mission point is refused for what was seen at it no sooner than within this distance."),
-      Field::real("sure_within_m", &c.sure_within_m, {0, 1000}, "m", "An obstacle this near is kept clear of at once."),
-      Field::real("fence_clearance_m", &c.fence_clearance_m, {0, 1000}, "m", "From the vehicle's hull to the fence."),
+                  "Distance within which a mission point may be refused for an obstacle that was seen at it."),
+      Field::real("sure_within_m", &c.sure_within_m, {0, 1000}, "m",
+                  "An obstacle at the mission point that is this near to the vehicle is avoided at once."),
+      Field::real("fence_clearance_m", &c.fence_clearance_m, {0, 1000}, "m",
+                  "Clearance from the vehicle's hull to the fence."),
       Field::real("chart_sigmas", &c.chart_sigmas, {0, 10}, "1",
-                  "Charted obstacles grow by so many standard deviations of the vehicle's position."),
+                  "Charted obstacles grow by this many standard deviations of the vehicle's position."),
       Field::real("jump_m", &c.jump_m, {0.01, 1000}, "m",
-                  "A fix this far from where the vehicle should be moves what was seen with it."),
+                  "A fix this far from the predicted position moves the last scan and the route with it."),
       Field::real("map_age_s", &c.map_age_s, {0, 3600}, "s",
-                  "Without a scan for so long there is no way; 0: no limit."),
+                  "Without a scan for this long every route is refused; 0: no limit."),
       Field::real("tight_m", &c.tight_m, {0, 100}, "m",
-                  "A way with less room than this beyond the clearance is taken slowly."),
-      Field::real("tight_speed", &c.tight_speed, {0.1, 1}, "1", "Share of its speed that it is taken with."),
+                  "A route with less room than this beyond the clearance is followed slowly."),
+      Field::real("tight_speed", &c.tight_speed, {0.1, 1}, "1",
+                  "Share of its speed at which such a route is followed."),
       Field::integer("emergency_factor", &c.emergency_factor, {1, 1000}, "1",
-                     "How many times more a search may expand in an emergency."),
+                     "Factor on the number of cells that a search may expand in an emergency."),
   };
 }
 
@@ -89,13 +94,13 @@ void Navigator::tick(Time now, Outbox& out) {
   now_ = now;
   const bool past = way_.size() <= 1 && !refused_ && action_ == SafetyActionKind::kNone;
   if (mode_ == Mode::kEmergency && past) {
-    enter(Mode::kNormal, "what was in the way is past; the mission goes on as it was ordered", out);
+    enter(Mode::kNormal, "the obstacle is passed; the mission goes on as ordered", out);
   }
   if (look_at_tick_ || (request_ && !refused_ && blind())) look(out);
 }
 
-// A position that jumps says nothing about the water between vehicle and obstacle: what was seen, and the corners round
-// it, jump with it (S6-53).
+// A jump of the position says nothing about the water between vehicle and obstacle: the last scan, and the corners
+// round its obstacles, jump with it (S6-53).
 void Navigator::take_fix(const Navigation& fix, Outbox& out) {
   if (!fix.X_WB.is_finite()) return;
   const std::optional<Navigation> before = here_;
@@ -108,14 +113,14 @@ void Navigator::take_fix(const Navigation& fix, Outbox& out) {
   const double may_move = fast ? 0.5 * vehicle_.limits.max_acceleration * dt * dt : vehicle_.limits.max_speed * dt;
   if (!(jump.norm() > config_.jump_m + may_move)) return;
   if (scan_) scan_->X_WL.translation.head<2>() += jump;
-  space_.reset();  // it is of the place before; the next one is not
+  space_.reset();  // it belongs to the old position; the next one does not
   for (std::size_t i = 0; i + 1 < way_.size(); ++i) {
     way_[i].north += jump.x();
     way_[i].east += jump.y();
   }
   if (!request_ || way_.empty()) return;
   Decision d =
-      decision("position fix", fmt::format("the position jumped by {:.1f} m; the way round what was seen moves "
+      decision("position fix", fmt::format("the position jumped by {:.1f} m; the route round the obstacles moves "
                                            "with it, the mission point does not",
                                            jump.norm()));
   if (way_.size() > 1) {
@@ -164,7 +169,7 @@ void Navigator::take_action(const SafetyAction& action, Outbox& out) {
   action_ = action.kind;
 }
 
-// One cycle: what is in the way, whether the point can stay, whether the way can (Ganesan 2015, 5.2).
+// One cycle: the hazards, whether the point can stay, whether the route can (Ganesan 2015, 5.2).
 void Navigator::look(Outbox& out) {
   look_at_tick_ = false;
   if (!request_ || !here_) return;
@@ -205,7 +210,7 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
   }
   std::erase_if(hazards, [](const Hazard& h) { return h.outline.empty(); });
   if (!plan_ || plan_->fence.empty()) return hazards;
-  // The fence does not move and is no danger: it is kept at a distance of its own, less than that from obstacles.
+  // The fence does not move and is no danger: it has a clearance of its own, smaller than that from obstacles.
   const double margin = config_.fence_clearance_m - route_.clearance_m;
   for (std::size_t i = 0; i < plan_->fence.size(); ++i) {
     const Vector2d& next = plan_->fence[(i + 1) % plan_->fence.size()];
@@ -215,7 +220,7 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
   return hazards;
 }
 
-// S6-39, S6-51. Obstacles at the point that are not believed yet are taken out.
+// S6-39, S6-51. Removes the obstacles at the point that are not believed yet.
 std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, std::vector<Hazard>& hazards) {
   const Vector2d& goal_W = request_->target.north_east;
   if (!inside_fence(goal_W, 0)) return Refusal{RouteRefused::Reason::kOutsideFence, "the point is outside the fence"};
@@ -233,7 +238,7 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   }
   goal_blocked_ = nearest != nullptr ? goal_blocked_ + static_cast<int>(new_scan_) : 0;
   if (nearest == nullptr) return {};
-  // From afar an obstacle at the point is not worth losing it for: the vehicle goes on and looks again.
+  // From afar an obstacle is no reason to give up the point: the vehicle goes on and looks again.
   const bool far = (goal - vehicle).norm() > config_.decide_within_m;
   if (!sure && (far || goal_blocked_ < config_.sure_scans)) {
     std::erase_if(hazards,
@@ -245,7 +250,7 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   const std::string where =
       distance > 0 ? fmt::format("{:.1f} m from it ({:.1f} m wanted)", distance, config_.drop_distance_m) : "on it";
   return Refusal{RouteRefused::Reason::kGoalBlocked,
-                 fmt::format("{} stands {}, at {}", text_of(nearest->kind), where, text_of(place)),
+                 fmt::format("{} is {}, at {}", text_of(nearest->kind), where, text_of(place)),
                  safe_near(goal, vehicle, frame, hazards), place};
 }
 
@@ -305,19 +310,20 @@ void Navigator::shorten(View& view, Outbox& out) {
   const bool round_nothing = found && length_of(view.way) - found->length_m > config_.shortcut_m;
   if (through || round_nothing) {
     ++shorter_;
-  } else if (look || !space_shorter_) {  // what was found in space holds until the next look
+  } else if (look || !space_shorter_) {  // a route found in space counts until the next search there
     shorter_ = 0;
   }
   if (shorter_ < config_.sure_scans || (!through && !round_nothing)) return;
   if (through) {
-    return take_space_way(view, *through, decision("replan", "what the way went round can be passed"), out);
+    return take_space_way(view, *through, decision("replan", "the obstacle that the route went round can be passed"),
+                          out);
   }
-  take_way(view, found->points, decision("replan", "what the way went round is not there any more"), out);
+  take_way(view, found->points, decision("replan", "the obstacle that the route went round is gone"), out);
 }
 
 void Navigator::start(View& view, Outbox& out) {
   const auto found = search(view);
-  Decision d = decision(refused_ ? "resume" : "plan", "the way is clear");
+  Decision d = decision(refused_ ? "resume" : "plan", "the route is clear");
   const Way straight{view.way.front(), view.goal};
   const auto through = search_space(view, found ? std::optional(found->length_m) : std::nullopt);
   if (!found && !through) return refuse(refusal_of(found.error(), view), out);
@@ -342,7 +348,7 @@ Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   task.turning_radius_m = turning_radius();
   if (task.turning_radius_m > 0) task.heading = view.heading.radians();
   auto found = plan_route(view.map, task, config);
-  // Near what it must get away from, a vehicle that needs room to turn takes what room there is.
+  // Where hazards hem it in, a vehicle that needs room to turn is given a smaller clearance.
   for (const double share : {0.6, 0.3}) {
     const bool hemmed_in =
         !found && (found.error() == RouteRefusal::kCannotTurn || found.error() == RouteRefusal::kStartBlocked);
@@ -353,7 +359,7 @@ Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   return found;
 }
 
-/// At the speed that the point is gone to with.
+/// At the speed at which the vehicle goes to the point.
 double Navigator::turning_radius() const {
   const double least = vehicle_.limits.turning_radius;
   const double rate = vehicle_.limits.max_yaw_rate.radians();
@@ -370,7 +376,7 @@ int Navigator::most_expanded() const {
   return static_cast<int>(std::clamp<double>(all, 1, std::numeric_limits<int>::max()));
 }
 
-/// Slower where there is little room: more looks a metre, before what stands behind comes into sight.
+/// Slower where there is little room: more scans per metre before hidden obstacles come into sight.
 double Navigator::speed_on(const View& view, const Way& way) const {
   const double speed = wanted_speed();
   double room = std::numeric_limits<double>::infinity();
@@ -423,7 +429,7 @@ void Navigator::refuse(const Refusal& refusal, Outbox& out) {
     d.obstacle = refusal.obstacle;
     out.say(std::move(d));
   }
-  // Whoever asked drops the point, moves it, or asks again.
+  // The Executive Officer drops the point, has it moved, or asks again.
   if (refusal.reason == Reason::kGoalBlocked || refusal.reason == Reason::kOutsideFence) return request_.reset();
   if (refusal.reason == Reason::kNoMap || mode_ == Mode::kEmergency) return;
   enter(Mode::kEmergency, refusal.why, out);

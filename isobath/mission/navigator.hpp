@@ -1,35 +1,37 @@
-// Navigator: the way to the mission point, kept clear of what is seen (Ganesan 2015, 5.1, 5.2; ledger S6-36, S6-39,
-// S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to S2-31).
+// Navigator: plans the route to the mission point, and keeps it clear of obstacles (Ganesan 2015, 5.1, 5.2; ledger
+// S6-36, S6-39, S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to
+// S2-31).
 //
-// Hears RouteRequest, ObstacleScan, SpaceSeen, ChartedHazards, Navigation, WaypointPassed, MissionOrder (fence, speed),
-// SafetyAction and Health (of the planner: how much of its budget an overloaded computer leaves it); says RoutePlanned,
-// RouteRefused, Decision.
+// Receives RouteRequest, ObstacleScan, SpaceSeen, ChartedHazards, Navigation, WaypointPassed, MissionOrder (fence,
+// speed), SafetyAction and Health (of the planner: the share of its budget that an overloaded computer leaves it).
+// Sends RoutePlanned, RouteRefused, Decision.
 //
-// Each scan is one cycle: what is left of the way, from the vehicle on, is turned into the frame L of the scan,
-// checked there, and if anything changes, turned back with the same pose; an error of the position that is the same for
-// way and obstacles so has no say (S6-53). A position fix that jumps moves the corners and what was seen with it; the
-// mission point, which is a place in the world, it does not move.
+// Each scan is one cycle: the rest of the route, from the vehicle on, is transformed into the frame L of the scan,
+// checked there, and, if anything changes, transformed back with the same pose. A position error that route and
+// obstacles share therefore has no effect (S6-53). When a position fix jumps, the corners of the route and the last
+// scan move with it; the mission point, which is a place in the world, does not.
 //
-// The way changes only for a reason (S6-54, S6-55):
-//   - it would come nearer to a hazard than the clearance less `slack_m`; then its corners are moved aside as far as
-//     needed, and a way that is searched anew is taken only if it is `switch_m` shorter than that one;
-//   - it goes round something that is not there any more: a way `shortcut_m` shorter was there for `sure_scans` scans.
-//     In three dimensions that is looked for twice a second at most: it costs tens of milliseconds.
-// A mission point on an obstacle, or with one within `drop_distance_m`, is refused (S6-51), as soon as the
-// vehicle is within `decide_within_m` of it and `sure_scans` scans agree: from afar it is put off. Charted and injected
-// obstacles are believed at once.
+// The route changes only for a reason (S6-54, S6-55):
+//   - it would come nearer to a hazard than the clearance less `slack_m`. Its corners are then moved aside as far as
+//     needed; a newly searched route is taken only if it is `switch_m` shorter than that;
+//   - it goes round something that is no longer there: a route shorter by `shortcut_m` existed for `sure_scans` scans.
+//     In three dimensions this search runs at most twice a second: it costs tens of milliseconds.
+// A mission point on an obstacle, or with one within `drop_distance_m`, is refused (S6-51) as soon as the vehicle is
+// within `decide_within_m` of it and `sure_scans` scans agree; from farther away the refusal is put off. Charted and
+// injected obstacles are believed at once.
 //
-// Where a sonar tells height (SpaceSeen), a way may lead over, under or between what closes the plan view, through
-// water that was measured (planning/space_route.hpp; S5-35, S5-37): a way that does so already is kept; one is searched
-// where the plane has no way, or one more than `switch_m` longer than straight.
+// Where a sonar measures height (SpaceSeen), a route may lead over, under or between hazards that close the plan view,
+// through water that was measured (planning/space_route.hpp; S5-35, S5-37). A route that already does so is kept. A new
+// one is searched where the plane has no route, or only one that is more than `switch_m` longer than the straight line.
 //
-// Where no way can be turned into, or the vehicle stands nearer to a hazard than the clearance, a smaller one must do.
+// If no route fits the turning radius, or the vehicle is nearer to a hazard than the clearance, a smaller clearance is
+// used.
 //
-// A refusal stands until a way is found: it looks again at each scan. After a refusal, or where the Safety Officer has
-// stopped or turned the vehicle, the mode is emergency: it looks again at the next tick, with `emergency_factor` times
-// the expansions. Normal mode resumes when the vehicle has passed what was in the way.
+// A refusal stands until a route is found: the Navigator searches again at each scan. After a refusal, or when the
+// Safety Officer has stopped or turned the vehicle, the mode is emergency: the Navigator searches again at the next
+// tick, with `emergency_factor` times the expansions. Normal mode resumes when the vehicle has passed the obstacle.
 //
-// Frames: messages in W, planning in L of the scan. Does not promise that water nobody has looked at is free.
+// Frames: messages in W, planning in L of the scan. Not promised: that water that no sensor has observed is free.
 #pragma once
 
 #include <isobath/mission/agent.hpp>
@@ -70,20 +72,20 @@ class Navigator : public Agent {
  private:
   using Way = std::vector<Eigen::Vector2d>;
   enum class Mode : std::uint8_t { kNormal, kEmergency };
-  /// What one cycle looks at in three dimensions, in W.
+  /// The data of one cycle in three dimensions, in W.
   struct Space {
     std::vector<Hazard> hazards;
     SpaceRouteTask task;
     SpaceRoom room;
   };
-  /// All that one cycle looks at, in the plan frame.
+  /// The data of one cycle, in the plan frame.
   struct View {
     HazardMap map;
     PlanFrame frame;
-    Way way;  ///< vehicle, what is left of the way; the vehicle alone without one
+    Way way;  ///< vehicle, then the rest of the route; the vehicle alone without a route
     Eigen::Vector2d goal;
     Angle heading;
-    std::unique_ptr<Space> space = {};  ///< made when it is first asked for
+    std::unique_ptr<Space> space = {};  ///< created when first needed
   };
   struct Refusal {
     RouteRefused::Reason reason = RouteRefused::Reason::kNoPath;
@@ -119,7 +121,7 @@ class Navigator : public Agent {
   void take_way(const View& view, const Way& way, Decision decision, Outbox& out);
   void adopt(std::vector<Waypoint> waypoints, double longer_m, Decision decision, Outbox& out);
 
-  // in three dimensions: navigator_space.cpp
+  // three dimensions: navigator_space.cpp
   [[nodiscard]] std::vector<Hazard> hazards_W(const View& view) const;
   [[nodiscard]] SpaceRouteTask space_task(std::span<const Hazard> hazards) const;
   [[nodiscard]] const Space& space_of(View& view) const;
@@ -146,23 +148,23 @@ class Navigator : public Agent {
   Time now_;
   Time scan_heard_;
   ChartedHazards chart_;
-  std::shared_ptr<const SpaceGrid> space_;  ///< null where no sonar tells height
+  std::shared_ptr<const SpaceGrid> space_;  ///< null where no sonar measures height
 
   std::optional<RouteRequest> request_;
-  std::vector<Waypoint> way_;  ///< what is left; the last is the mission point
+  std::vector<Waypoint> way_;  ///< the rest of the route; the last is the mission point
   std::uint32_t version_ = 0;
-  std::size_t passed_ = 0;  ///< way-points of this version that are behind
+  std::size_t passed_ = 0;  ///< way-points of this version that lie behind
   std::optional<RouteRefused::Reason> refused_;
-  int goal_blocked_ = 0;  ///< scans in a row
-  int shorter_ = 0;       ///< scans in a row that had a shorter way
-  Time space_searched_;   ///< for one that is shorter, and whether there was
-  bool space_shorter_ = false;
-  bool through_ = false;  ///< the way leads through measured water, over or under a hazard of the plane
+  int goal_blocked_ = 0;        ///< scans in a row
+  int shorter_ = 0;             ///< scans in a row with a shorter route
+  Time space_searched_;         ///< last search in three dimensions for a shorter route
+  bool space_shorter_ = false;  ///< whether that search found one
+  bool through_ = false;        ///< the route leads through measured water, over or under a hazard of the plane
   Mode mode_ = Mode::kNormal;
-  double budget_share_ = 1;  ///< that the computer leaves it
+  double budget_share_ = 1;  ///< share of the budget that the computer leaves
   SafetyActionKind action_ = SafetyActionKind::kNone;
   bool look_at_tick_ = false;
-  bool new_scan_ = false;  ///< the cycle under way is that of a new scan
+  bool new_scan_ = false;  ///< the current cycle is that of a new scan
 };
 
 }  // namespace isobath

@@ -1,4 +1,4 @@
-// What the Navigator says of its decisions: which obstacle, which leg, how near.
+// The reasons of the Navigator's decisions: which obstacle, which leg, how near.
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/mission/navigator.hpp>
@@ -19,20 +19,21 @@ Navigator::Refusal Navigator::refusal_of(RouteRefusal refusal, const View& view)
   switch (refusal) {
     case RouteRefusal::kStartBlocked: return {RouteRefused::Reason::kStartBlocked, "the vehicle is inside " + obstacle};
     case RouteRefusal::kGoalBlocked:
-      return {RouteRefused::Reason::kGoalBlocked, fmt::format("the point is within {:.1f} m of what is in the way",
-                                                              std::max(0.0, view.map.distance(view.goal)))};
+      return {RouteRefused::Reason::kGoalBlocked,
+              fmt::format("the point is within {:.1f} m of a hazard", std::max(0.0, view.map.distance(view.goal)))};
     case RouteRefusal::kOutOfBudget:
       return {
           RouteRefused::Reason::kOutOfBudget,
-          fmt::format("no way within {} expansions{}{}", route_.most_expanded,
-                      mode_ == Mode::kEmergency ? fmt::format(" times {}", config_.emergency_factor) : "",
-                      budget_share_ < 1 ? fmt::format(", of which its computer leaves it {:g}", budget_share_) : "")};
+          fmt::format(
+              "no path within {} expansions{}{}", route_.most_expanded,
+              mode_ == Mode::kEmergency ? fmt::format(" times {}", config_.emergency_factor) : "",
+              budget_share_ < 1 ? fmt::format(", of which the computer leaves a share of {:g}", budget_share_) : "")};
     case RouteRefusal::kCannotTurn:
-      return {RouteRefused::Reason::kNoPath, "there is no way that the vehicle can turn; nearest to it: " + obstacle};
+      return {RouteRefused::Reason::kNoPath, "no path fits the turning radius; nearest to the vehicle: " + obstacle};
     case RouteRefusal::kNotFinite:
     case RouteRefusal::kNoPath: break;
   }
-  return {RouteRefused::Reason::kNoPath, "there is no way; nearest to the vehicle: " + obstacle};
+  return {RouteRefused::Reason::kNoPath, "there is no path; nearest to the vehicle: " + obstacle};
 }
 
 Decision Navigator::decision(std::string what, std::string reason) const {
@@ -41,7 +42,7 @@ Decision Navigator::decision(std::string what, std::string reason) const {
 
 Decision Navigator::about(const View& view, const Way& way, const Conflict& conflict) const {
   const Hazard& hazard = view.map.hazards()[conflict.hazard];
-  const bool through = conflict.distance_m + hazard.margin_m <= 0;  // then where it would first be met
+  const bool through = conflict.distance_m + hazard.margin_m <= 0;  // then the place where the route first meets it
   Decision d = decision("", "");
   d.obstacle =
       view.frame.to_world(through ? nearest_point(hazard.outline, point_at(way, conflict.along_m)) : conflict.place);

@@ -1,4 +1,5 @@
-// Ways of the Navigator in three dimensions: over, under or between what closes the plan view (ledger S5-35, S5-37).
+// Three-dimensional routes of the Navigator: over, under or between hazards that close the plan view (ledger S5-35,
+// S5-37).
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -9,8 +10,8 @@ namespace isobath {
 
 using Eigen::Vector3d;
 
-/// With half of the water about them that a way in the plane would keep more: in a gap between two of them there is
-/// none but what was measured, unless it is wide.
+/// Hazards in W, grown by half of the clearance that a path in the plane would keep in addition. A gap between two of
+/// them is then open only through measured water, unless it is wide.
 std::vector<Hazard> Navigator::hazards_W(const View& view) const {
   std::vector<Hazard> hazards(view.map.hazards().begin(), view.map.hazards().end());
   for (Hazard& hazard : hazards) {
@@ -39,7 +40,7 @@ SpaceRouteTask Navigator::space_task(std::span<const Hazard> hazards) const {
   return task;
 }
 
-/// One room serves all questions of a cycle: those about the way that is under way, and searches.
+/// One clearance field serves all queries of a cycle: those about the current route, and searches.
 const Navigator::Space& Navigator::space_of(View& view) const {
   if (!view.space) {
     std::vector<Hazard> hazards = hazards_W(view);
@@ -50,8 +51,8 @@ const Navigator::Space& Navigator::space_of(View& view) const {
   return *view.space;
 }
 
-/// Whether the way that is under way keeps clear of all that is not known to be water, in three dimensions. Of a way
-/// that was chosen so, what lies `decide_m` and more ahead need not be known yet.
+/// Whether the current route keeps clear, in three dimensions, of all that is not known to be water. On a route that
+/// was chosen in three dimensions, water that lies `decide_m` or more ahead need not be known yet.
 bool Navigator::leads_through(View& view, const Conflict& conflict, Outbox& out) {
   if (!space_) return false;
   const Space& space = space_of(view);
@@ -63,17 +64,17 @@ bool Navigator::leads_through(View& view, const Conflict& conflict, Outbox& out)
   const double here = room.distance(start);
   if (here < vehicle_.half_width_m || !is_clear(room, way, std::min(wanted, here))) return false;
   if (!through_) {
-    if (sure_length(room, way) < way_length(way)) return false;  // first see whether a way round it costs little
+    if (sure_length(room, way) < way_length(way)) return false;  // a route round it may cost little: search first
     through_ = true;
     Decision d = about(view, view.way, conflict);
     d.what = "keep";
-    d.reason += "; the water there was measured, and is clear at the depth of the way";
+    d.reason += "; the water there was measured, and is clear at the depth of the route";
     out.say(std::move(d));
   }
   return true;
 }
 
-/// Empty where the way in the plane, if there is one, will do.
+/// Empty where the path in the plane, if there is one, is good enough.
 std::optional<SpaceRoutePath> Navigator::search_space(View& view, std::optional<double> plane_m) const {
   if (!space_) return {};
   const double straight = (view.goal - view.way.front()).norm();
@@ -100,7 +101,7 @@ void Navigator::take_space_way(const View& view, const SpaceRoutePath& path, Dec
     shallowest = std::min(shallowest, p.z());
     deepest = std::max(deepest, p.z());
   }
-  d.reason += fmt::format("; between {:.1f} and {:.1f} m of depth there is room of {:.1f} m", shallowest, deepest,
+  d.reason += fmt::format("; between {:.1f} and {:.1f} m of depth the clearance is {:.1f} m", shallowest, deepest,
                           path.clearance_m - vehicle_.half_width_m);
   if (path.sure_m < path.length_m - 1) d.reason += fmt::format(", known for {:.0f} m so far", path.sure_m);
   through_ = true;

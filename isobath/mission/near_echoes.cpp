@@ -7,8 +7,8 @@
 namespace isobath {
 namespace {
 
-constexpr std::int64_t kCellsAcross = 3;  // of what confirms: where an echo is must be told finer than that
-constexpr double kFarthest = 1e8;         // m from the origin: beyond it a place is no place
+constexpr std::int64_t kCellsAcross = 3;  // per `confirm_m`: the places of echoes must be resolved finer than that
+constexpr double kFarthest = 1e8;         // m from the origin: farther places are invalid
 constexpr double kStraight = 1e-6;        // 1/m
 
 }  // namespace
@@ -37,7 +37,7 @@ void NearEchoes::put(const Eigen::Vector2d& place_W, const SafetyConfig& config,
     const Key last{i, key.second + kCellsAcross};
     for (auto other = cells_.lower_bound({i, key.second - kCellsAcross}); other != cells_.end(); ++other) {
       if (other->first > last) break;
-      // Of the same ping: no second witness.
+      // Echoes of the same ping do not confirm each other.
       if (!(other->second.heard_s < now_s) || now_s - other->second.heard_s > config.confirm_s) continue;
       other->second.confirmed = true;
       echo.confirmed = true;
@@ -87,7 +87,7 @@ double free_way(std::span<const Eigen::Vector2d> points, double curvature, doubl
   const double reach = straight ? reach_m : std::min(reach_m, std::numbers::pi * radius);
   for (const Eigen::Vector2d& p : points) {
     double along = p.x(), beside = p.y();
-    if (!straight) {  // polar about the centre of the turn, which lies abeam
+    if (!straight) {  // polar coordinates about the centre of the turn, which lies abeam
       const double y = curvature > 0 ? p.y() : -p.y();
       along = radius * std::atan2(p.x(), radius - y);
       beside = std::hypot(p.x(), radius - y) - radius;

@@ -22,7 +22,7 @@ std::uint64_t number_at(Bytes bytes, std::size_t at, std::size_t count) {
   return value;
 }
 
-/// That of Ethernet: reflected, polynomial 0x04c11db7.
+/// CRC-32 of Ethernet: reflected, polynomial 0x04c11db7.
 std::uint32_t crc32(Bytes bytes) {
   std::uint32_t crc = 0xffffffffU;
   for (const std::uint8_t byte : bytes) {

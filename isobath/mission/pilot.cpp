@@ -8,9 +8,10 @@ using Eigen::Vector2d;
 
 std::vector<Field> fields(PilotConfig& c) {
   return {
-      Field::real("point_radius", &c.point_radius, {0.1, 1000}, "m", "A mission point this near is reached."),
-      Field::real("hold_speed", &c.hold_speed, {0.01, 10}, "m/s", "The most that is used to keep a place."),
-      Field::real("silent_s", &c.silent_s, {0.1, 3600}, "s", "Without navigation for so long it stops."),
+      Field::real("point_radius", &c.point_radius, {0.1, 1000}, "m",
+                  "Distance within which a mission point is reached."),
+      Field::real("hold_speed", &c.hold_speed, {0.01, 10}, "m/s", "Maximum speed for holding a position."),
+      Field::real("silent_s", &c.silent_s, {0.1, 3600}, "s", "Without navigation for this long the vehicle stops."),
   };
 }
 
@@ -75,7 +76,7 @@ void Pilot::take_limits(const MissionLimits& limits) {
   depth_ = DepthKeeper(depth_config_, vehicle_);
 }
 
-// Where it comes to rest with its full braking: to hold the place of the order itself would be to turn back to it.
+// Holds where the vehicle comes to rest under full braking: to hold the place of the order it would have to turn back.
 void Pilot::hold_where_it_stops() {
   task_ = order_.surface ? Task::kSurface : Task::kHold;
   if (!here_) return;
@@ -89,7 +90,7 @@ void Pilot::hold_where_it_stops() {
   station_.hold({place.x(), place.y(), depth, hold_speed()});
 }
 
-/// A vehicle that cannot hover circles as fast as it went: fins steer by the water that passes them.
+/// A vehicle that cannot hover circles as fast as it went: fins need flow to steer.
 double Pilot::hold_speed() const {
   return vehicle_.min_speed > 0 ? std::max({config_.hold_speed, vehicle_.min_speed, went_}) : config_.hold_speed;
 }
@@ -122,7 +123,7 @@ double Pilot::distance_to(const Waypoint& place) const {
   return (Vector2d(place.north, place.east) - here_->X_WB.translation.head<2>()).norm();
 }
 
-// Heading and depth of the instant when it came to rest: to follow each estimate would be to turn with its errors.
+// Heading and depth of the instant when it came to rest: to follow each new estimate would turn it with the errors.
 Setpoint Pilot::at_rest() {
   if (!rest_) rest_ = Setpoint{here_->X_WB.rotation.heading(), here_->X_WB.translation.z(), vehicle_.min_speed, 0};
   return *rest_;

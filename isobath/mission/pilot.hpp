@@ -1,16 +1,16 @@
-// Pilot: way-points, or a place to hold, become set-points for heading, speed and depth (Ganesan 2015, 5.1, 6.1.1;
-// ledger S6-37).
+// Pilot: turns way-points, or a position to hold, into set-points for heading, speed and depth (Ganesan 2015, 5.1,
+// 6.1.1; ledger S6-37).
 //
-// Hears FollowOrder, Navigation, RangeReading (those that look down), MissionOrder (limits) and AgentLost; says
-// WaypointPassed as way-points come to lie behind, and a HelmOrder at each tick.
+// Receives FollowOrder, Navigation, RangeReading (of downward sensors), MissionOrder (limits) and AgentLost. Sends
+// WaypointPassed when a way-point comes to lie behind, and a HelmOrder at each tick.
 //
 // The last way-point is the mission point: it is reached within `point_radius`. Those before it are corners round
-// obstacles, and are turned at within the acceptance radius of the guidance, which is less, since whoever turns early
-// cuts the corner. One that is passed abeam counts as passed, not as reached. After the last one, and on an empty
-// order, it keeps the place where it can come to rest. Without navigation for `silent_s` it stops; without an Executive
-// Officer it surfaces.
+// obstacles. The vehicle turns at them within the acceptance radius of the guidance, which is smaller, because an early
+// turn cuts the corner. A way-point that is passed abeam counts as passed, not as reached. After the last way-point the
+// Pilot holds it; on an empty order it holds the place where the vehicle can come to rest. Without navigation for
+// `silent_s` the vehicle stops; without an Executive Officer it surfaces.
 //
-// Leaves to others: obstacles (Navigator), and whether an order is safe (Safety Officer).
+// The Navigator avoids obstacles, and the Safety Officer decides whether an order is safe; the Pilot does neither.
 #pragma once
 
 #include <isobath/mission/agent.hpp>
@@ -54,15 +54,15 @@ class Pilot final : public Agent {
   VehicleSheet vehicle_;
   StationKeeper station_;
   DepthKeeper depth_;
-  std::optional<LineOfSight> line_of_sight_;  ///< kept from order to order: what it has learnt of the current stays
+  std::optional<LineOfSight> line_of_sight_;  ///< kept from order to order, with its estimate of the current
 
   Task task_ = Task::kNone;
   FollowOrder order_;
-  double went_ = 0;       ///< speed of the last way, m/s
+  double went_ = 0;       ///< speed of the last route, m/s
   std::size_t told_ = 0;  ///< way-points that were reported as passed
   std::optional<Navigation> here_;
   std::optional<Time> last_tick_;
-  std::optional<Setpoint> rest_;  ///< while it has nothing to do
+  std::optional<Setpoint> rest_;  ///< while there is no task
 };
 
 }  // namespace isobath

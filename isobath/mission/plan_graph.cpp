@@ -17,7 +17,7 @@ std::optional<T> parameter_of(const PlanAction& action, const std::string& name)
 
 void check_node(const PlanNode& node, std::set<std::string>& names) {
   if (!names.insert(node.name).second) {
-    throw Error("the name of a node is empty or taken: '" + node.name + "'", {}, "a name of its own");
+    throw Error("the name of a node is empty or taken: '" + node.name + "'", {}, "a unique name");
   }
   if (node.action.name.empty()) throw Error("the node '" + node.name + "' has no action");
   for (const auto& [name, value] : node.action.parameters) {
@@ -129,7 +129,7 @@ void check_plan_graph(const PlanGraph& graph) {
   const auto lonely = static_cast<std::size_t>(std::find(reached.begin(), reached.end(), false) - reached.begin());
   if (lonely < graph.nodes.size()) {
     throw Error(
-        fmt::format("no way leads from the node '{}' to the node '{}'", graph.nodes[0].name, graph.nodes[lonely].name),
+        fmt::format("no path leads from the node '{}' to the node '{}'", graph.nodes[0].name, graph.nodes[lonely].name),
         {}, "every node is reached from the first", "join it, or leave it out");
   }
   std::vector<bool> left(graph.nodes.size(), false);

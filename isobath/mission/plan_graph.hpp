@@ -9,12 +9,12 @@
 //   graph.join(first, PlanEvent::timeout(60), end);
 //
 // An event is a predicate over a database of quantities: of the world ("range" below 10), of the system itself
-// ("battery" below 0.2), of the mission (the fact "point reached" of point 0), or a time since the node was arrived at.
-// A quantity that the database does not know makes no event true: neither below nor above.
+// ("battery" below 0.2), of the mission (the fact "point reached" of point 0), or a time since the arrival at the node.
+// A quantity that the database does not know makes no event true, neither below nor above.
 //
-// Executor: arriving at a node issues its action. Each cycle looks at the arcs that leave the node in the order in
-// which they were joined and follows the first whose event is true, at most one a cycle; an event that was true before
-// arrival fires in the first cycle after it. Pure functions of database and time. One thread at a time.
+// Executor: the arrival at a node issues its action. Each cycle tests the arcs that leave the node, in the order in
+// which they were joined, and follows the first whose event is true, at most one per cycle. An event that was true
+// before the arrival fires in the first cycle after it. Pure functions of database and time. One thread at a time.
 #pragma once
 
 #include <isobath/base/error.hpp>
@@ -34,7 +34,7 @@ struct PlanAction {
   std::string name;
   std::map<std::string, std::variant<double, std::string>> parameters = {};
 
-  /// Nothing where there is no such parameter, or one of the other kind.
+  /// Empty where there is no such parameter, or one of the other type.
   [[nodiscard]] std::optional<double> number(const std::string& parameter) const;
   [[nodiscard]] std::optional<std::string> text(const std::string& parameter) const;
   bool operator==(const PlanAction&) const = default;
@@ -44,8 +44,8 @@ struct PlanEvent {
   enum class Test : std::uint8_t { kFact, kBelow, kAbove, kTimeout };
   Test test = Test::kFact;
   std::string quantity;   ///< "range", "battery", "point reached"; empty with kTimeout
-  std::optional<int> of;  ///< which one, where there are many: the point, the vehicle
-  double limit = 0;       ///< of kBelow and kAbove; s of kTimeout
+  std::optional<int> of;  ///< index, where there are several: of the point, of the vehicle
+  double limit = 0;       ///< for kBelow and kAbove; s for kTimeout
 
   /// True while the quantity is known and not 0.
   static PlanEvent fact(std::string quantity, std::optional<int> of = {});
@@ -72,12 +72,12 @@ struct PlanArc {
 
 struct PlanGraph {
   std::string title;
-  std::vector<PlanNode> nodes = {};  ///< it starts at the first
+  std::vector<PlanNode> nodes = {};  ///< the first is the start
   std::vector<PlanArc> arcs = {};
 
   std::size_t add(std::string name, PlanAction action);
   void join(std::size_t from, PlanEvent event, std::size_t to);
-  /// No arc leaves it.
+  /// Whether no arc leaves the node.
   [[nodiscard]] bool terminal(std::size_t node) const;
   bool operator==(const PlanGraph&) const = default;
 };
@@ -91,33 +91,33 @@ std::string write_plan_graph(const PlanGraph& graph);
 /// Throws Error with the byte of a syntax error or the key of what is wrong, and as check_plan_graph.
 PlanGraph read_plan_graph(std::string_view text, const std::string& file);
 
-/// What an executor may ask.
+/// The quantities that an executor asks for.
 class PlanDatabase {
  public:
   PlanDatabase() = default;
   PlanDatabase(const PlanDatabase&) = delete;
   PlanDatabase& operator=(const PlanDatabase&) = delete;
   virtual ~PlanDatabase() = default;
-  /// Nothing where it is not known.
+  /// Empty where the quantity is unknown.
   [[nodiscard]] virtual std::optional<double> value(const std::string& quantity, std::optional<int> of) const = 0;
 };
 
 class PlanExecutor {
  public:
-  /// Throws Error as check_plan_graph.
+  /// Throws Error like check_plan_graph.
   explicit PlanExecutor(PlanGraph graph);
 
-  /// Arrives at the first node, also when it has started before.
+  /// Arrives at the first node, also when the executor was started before.
   const PlanAction& start(Time now);
-  /// The action of a node that was arrived at in this cycle, or null. It must have started.
+  /// The action of a node that was reached in this cycle, or null. `start` must have been called.
   const PlanAction* cycle(Time now, const PlanDatabase& database);
 
   [[nodiscard]] bool started() const { return node_.has_value(); }
-  /// At a terminal node.
+  /// Whether the node is terminal.
   [[nodiscard]] bool finished() const { return node_ && graph_.terminal(*node_); }
   [[nodiscard]] std::size_t node() const { return node_.value_or(0); }
   [[nodiscard]] Time arrived() const { return arrived_; }
-  /// By which it came to this node; null at the start.
+  /// The arc that led to this node; null at the start.
   [[nodiscard]] const PlanArc* followed() const { return followed_ ? &graph_.arcs[*followed_] : nullptr; }
   [[nodiscard]] const PlanGraph& graph() const { return graph_; }
 

@@ -37,12 +37,12 @@ Json json(const PlanEvent& event) {
   return j;
 }
 
-/// One object of the file: its members by name, strictly.
+/// One object of the file; reads its members by name, strictly.
 class Reader {
  public:
   Reader(const Json& object, std::string file, std::string key)
       : object_(object), file_(std::move(file)), key_(std::move(key)) {
-    if (!object.is_object()) fail(key_, "no object", "{...}");
+    if (!object.is_object()) fail(key_, "not an object", "{...}");
   }
 
   [[noreturn]] void fail(const std::string& key, const std::string& problem, const std::string& allowed) const {
@@ -57,25 +57,25 @@ class Reader {
   [[nodiscard]] bool has(const char* name) const { return object_.contains(name); }
   [[nodiscard]] std::string text(const char* name) const {
     const Json& j = member(name, "a text");
-    return j.is_string() ? j.get<std::string>() : (fail(inside(name), "no text", "a text"), "");
+    return j.is_string() ? j.get<std::string>() : (fail(inside(name), "not a text", "a text"), "");
   }
   [[nodiscard]] double number(const char* name) const {
     const Json& j = member(name, "a number");
-    if (!j.is_number()) fail(inside(name), "no number", "a number");
+    if (!j.is_number()) fail(inside(name), "not a number", "a number");
     return j.get<double>();
   }
   [[nodiscard]] int whole(const char* name) const {
     const Json& j = member(name, "a whole number");
     const double value = j.is_number_integer() ? j.get<double>() : 0.5;
     if (value != static_cast<double>(static_cast<std::int32_t>(std::clamp(value, -2e9, 2e9)))) {
-      fail(inside(name), "no whole number", "-2e9 .. 2e9");
+      fail(inside(name), "not a whole number", "-2e9 .. 2e9");
     }
     return static_cast<int>(value);
   }
   [[nodiscard]] Reader object(const char* name) const { return {member(name, "{...}"), file_, inside(name)}; }
   [[nodiscard]] std::vector<Reader> list(const char* name) const {
     const Json& j = member(name, "[...]");
-    if (!j.is_array()) fail(inside(name), "no list", "[...]");
+    if (!j.is_array()) fail(inside(name), "not a list", "[...]");
     std::vector<Reader> all;
     for (std::size_t i = 0; i < j.size(); ++i) all.emplace_back(j[i], file_, fmt::format("{}[{}]", inside(name), i));
     return all;
@@ -135,9 +135,9 @@ Json parse(std::string_view text, const std::string& file) {
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& e) {
-    throw Error("no JSON", {file, e.byte, {}, {}, ""}, "", e.what());
+    throw Error("not JSON", {file, e.byte, {}, {}, ""}, "", e.what());
   } catch (const Json::exception& e) {  // a number out of range
-    throw Error("no JSON", {file, {}, {}, {}, ""}, "", e.what());
+    throw Error("not JSON", {file, {}, {}, {}, ""}, "", e.what());
   }
 }
 
@@ -158,7 +158,7 @@ std::string write_plan_graph(const PlanGraph& graph) {
   try {
     return all.dump(1) + "\n";
   } catch (const Json::exception& e) {
-    throw Error("a text of the plan graph is no UTF-8", {}, "UTF-8", e.what());
+    throw Error("a text of the plan graph is not UTF-8", {}, "UTF-8", e.what());
   }
 }
 
@@ -176,7 +176,7 @@ PlanGraph read_plan_graph(std::string_view text, const std::string& file) {
   const auto node_of = [&](const Reader& arc, const char* end) {
     const auto found = index.find(arc.text(end));
     if (found == index.end())
-      arc.fail(arc.inside(end), "no node of this name: '" + arc.text(end) + "'", "the name of a node");
+      arc.fail(arc.inside(end), "no node has this name: '" + arc.text(end) + "'", "the name of a node");
     return found->second;
   };
   for (const Reader& arc : top.list("arcs")) {

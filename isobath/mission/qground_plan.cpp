@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Json = nlohmann::json;
 
-constexpr int kFenceSides = 32;  // of the polygon that stands for a circle
+constexpr int kFenceSides = 32;  // of the polygon that replaces a circle
 
 // Numbers of MAV_CMD, common.xml of MAVLink.
 enum Command : int {
@@ -56,7 +56,7 @@ const Json* member(const Json& object, const char* name) {
   return found == object.end() ? nullptr : &*found;
 }
 
-/// Not a number where there is none.
+/// NaN where there is no number.
 double number(const Json* node) {
   return node && node->is_number() ? node->get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
@@ -86,7 +86,7 @@ struct Item {
   Place place;
   int command = 0;
   int frame = 0;
-  std::array<double, 7> params{};  ///< not a number where the file has null
+  std::array<double, 7> params{};  ///< NaN where the file has null
 
   [[nodiscard]] bool has_place() const {
     return std::isfinite(params[4]) && std::isfinite(params[5]) && (params[4] != 0 || params[5] != 0);
@@ -102,13 +102,13 @@ class PlanReader {
     plan_.import.format = "QGroundControl plan";
     plan_.title = "QGroundControl plan";
     const Json* mission = member(root, "mission");
-    if (!mission) throw Error("a plan without a mission", place("mission"));
+    if (!mission) throw Error("the plan has no mission", place("mission"));
     find_origin(*mission);
     take_speed(*mission);
     take_items(list(*mission, "items"), "mission.items");
     if (const Json* fence = member(root, "geoFence")) take_fences(*fence);
     if (const Json* rally = member(root, "rallyPoints")) {
-      for (std::size_t i = 0; i < list(*rally, "points").size(); ++i) leave_out("rally point", "no such thing here");
+      for (std::size_t i = 0; i < list(*rally, "points").size(); ++i) leave_out("rally point", "not supported");
     }
     return std::move(plan_);
   }
@@ -117,7 +117,7 @@ class PlanReader {
   [[nodiscard]] Place place(const std::string& key) const { return {plan_.place.file, {}, {}, {}, key}; }
   void leave_out(const std::string& what, const std::string& why) { plan_.import.leave_out(what, why); }
 
-  /// The planned home, else the first item that has a place.
+  /// The planned home, else the first item with a position.
   void find_origin(const Json& mission) {
     const Json& home = list(mission, "plannedHomePosition");
     GeoOrigin origin{element(home, 0), element(home, 1)};
@@ -126,7 +126,7 @@ class PlanReader {
     } else if (const auto first = first_place(list(mission, "items"))) {
       origin = *first;
     } else {
-      throw Error("neither a home nor an item with a place", place("mission.plannedHomePosition"));
+      throw Error("neither a home nor an item with a position", place("mission.plannedHomePosition"));
     }
     plan_.origin = origin;
     plane_.emplace(origin);
@@ -141,7 +141,7 @@ class PlanReader {
     return std::nullopt;
   }
 
-  /// That of multirotors for them, that of all others else.
+  /// The hover speed for multirotors, else the cruise speed.
   void take_speed(const Json& mission) {
     const double type = number(mission, "vehicleType");
     const bool hovers = type == 2 || type == 13 || type == 14 || type == 15;
@@ -150,7 +150,7 @@ class PlanReader {
       plan_.speed = speed;
       ++plan_.import.taken;
     } else if (std::isfinite(speed)) {
-      leave_out(fmt::format("speed {} m/s", speed), "not one of a vehicle in the water");
+      leave_out(fmt::format("speed {} m/s", speed), "not a speed of a vehicle in the water");
     }
   }
 
@@ -177,7 +177,7 @@ class PlanReader {
       } else if (const auto item = item_of(items[i], place(here))) {
         take(*item);
       } else {
-        leave_out("item without a command", "nothing to do");
+        leave_out("item without a command", "there is nothing to do");
       }
     }
   }
@@ -186,9 +186,9 @@ class PlanReader {
     const std::string type = word(entry, "complexItemType");
     const Json* transects = member(entry, "TransectStyleComplexItem");
     if (!transects || list(*transects, "Items").empty()) {
-      leave_out("complex item " + type, "it was not laid out to way-points");
+      leave_out("complex item " + type, "it has no way-points");
     } else if (in_complex_) {  // a survey holds plain items only
-      leave_out("complex item " + type, "inside another one");
+      leave_out("complex item " + type, "inside another complex item");
     } else {
       in_complex_ = true;
       take_items(list(*transects, "Items"), key + ".TransectStyleComplexItem.Items");
@@ -208,7 +208,7 @@ class PlanReader {
       case kReturn: return take_end(item, MissionEnd::kReturn);
       case kDelay: return take_delay(item);
       case kChangeSpeed: return take_change(item);
-      default: leave_out(command_text(item.command), "no such thing here");
+      default: leave_out(command_text(item.command), "not supported");
     }
   }
 
@@ -220,12 +220,12 @@ class PlanReader {
   }
 
   void take_point(const Item& item, double hold_s, const std::string& task) {
-    if (!item.has_place()) return leave_out(command_text(item.command), "it has no place");
+    if (!item.has_place()) return leave_out(command_text(item.command), "it has no position");
     MissionPoint point;
     point.place = item.place;
     point.name = fmt::format("point {}", plan_.points.size() + 1);
     point.north_east = metres_of(*plane_, {item.params[4], item.params[5]}, item.place);
-    if (!take_height(item, point)) return leave_out(command_text(item.command), "its frame is not known here");
+    if (!take_height(item, point)) return leave_out(command_text(item.command), "its frame is unknown");
     point.speed = speed_;
     point.hold_s = std::max(0.0, hold_s);
     point.task = task;
@@ -261,7 +261,8 @@ class PlanReader {
   }
 
   void take_delay(const Item& item) {
-    if (plan_.points.empty() || !(item.params[0] > 0)) return leave_out(command_text(kDelay), "nothing to wait at");
+    if (plan_.points.empty() || !(item.params[0] > 0))
+      return leave_out(command_text(kDelay), "there is no point to wait at");
     plan_.points.back().hold_s += item.params[0];
     ++plan_.import.taken;
   }
@@ -285,12 +286,13 @@ class PlanReader {
     return polygon;
   }
 
-  /// Inside of the circle, or around it.
+  /// A polygon inside the circle, or around it.
   Polygon circle_of(const Json& circle, bool inside, const std::string& key) const {
     const Json& centre = list(circle, "center");
     const Vector2d middle = metres_of(*plane_, {element(centre, 0), element(centre, 1)}, place(key + ".center"));
     double radius = number(circle, "radius");
-    if (!(radius > 0 && radius <= kMostMetres)) throw Error("no radius", place(key + ".radius"), "more than 0 m");
+    if (!(radius > 0 && radius <= kMostMetres))
+      throw Error("not a valid radius", place(key + ".radius"), "more than 0 m");
     if (!inside) radius /= std::cos(std::numbers::pi / kFenceSides);
     Polygon polygon;
     for (int i = 0; i < kFenceSides; ++i) {
@@ -363,7 +365,7 @@ MissionPlan import_qground_plan(std::string_view text, const std::string& file) 
     throw Error("a number out of range in the JSON", {file});
   }
   if (word(root, "fileType") != "Plan") {
-    throw Error("JSON that is no QGroundControl plan", {file, {}, {}, {}, "fileType"}, "\"Plan\"");
+    throw Error("JSON that is not a QGroundControl plan", {file, {}, {}, {}, "fileType"}, "\"Plan\"");
   }
   return PlanReader(file).read(root);
 }

@@ -1,4 +1,4 @@
-// What the Safety Officer finds in each cycle, row by row of the fault table.
+// The causes for which the Safety Officer checks in each cycle, row by row of the fault table.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kToMove = 0.1;  // m/s: slower orders are to stay
+constexpr double kToMove = 0.1;  // m/s: a slower order is an order to stay
 constexpr double kFresh = 2;     // s
 
 double distance(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -42,7 +42,7 @@ void SafetyOfficer::check_sonars() {
   }
   for (const auto& [source, state] : states_) {
     if (source.starts_with("sonar") && state == HealthState::kLost) {
-      find(Fault::kSonarSilent, "the host says that " + source + " is lost");
+      find(Fault::kSonarSilent, "the host reports that " + source + " is lost");
     }
   }
   for (const auto& [name, sonar] : sonars_) {
@@ -50,14 +50,14 @@ void SafetyOfficer::check_sonars() {
     if (silent > config_.sonar_silent_s && since_start > config_.sonar_silent_s) {
       find(Fault::kSonarSilent, fmt::format("no ping of {} for {:.1f} s", name, silent));
     }
-    if (sonar.frozen()) find(Fault::kSonarFrozen, name + " repeats itself to the last bit");
+    if (sonar.frozen()) find(Fault::kSonarFrozen, name + " sends identical pings");
     if (sonar.saturated()) {
       find(Fault::kSonarSaturated,
            fmt::format("{:.0f} % of the samples of {} at full scale", 100 * sonar.last().full_scale, name));
     }
-    if (sonar.deaf(config_, clock_s_)) find(Fault::kSonarDeaf, name + " hears nothing, not even itself");
-    if (sonar.port_blind()) find(Fault::kSonarBlindSide, name + " hears nothing to port");
-    if (sonar.starboard_blind()) find(Fault::kSonarBlindSide, name + " hears nothing to starboard");
+    if (sonar.deaf(config_, clock_s_)) find(Fault::kSonarDeaf, name + " delivers only zeros");
+    if (sonar.port_blind()) find(Fault::kSonarBlindSide, name + " receives nothing from port");
+    if (sonar.starboard_blind()) find(Fault::kSonarBlindSide, name + " receives nothing from starboard");
     if (sonar.garbled()) {
       find(Fault::kSonarGarbled,
            fmt::format("neighbouring bins of {} differ by {:.2f} of full scale", name, sonar.last().roughness));
@@ -68,14 +68,14 @@ void SafetyOfficer::check_sonars() {
 void SafetyOfficer::check_navigation() {
   const auto depth = states_.find("depth");
   if (watching() && depth != states_.end() && depth->second == HealthState::kLost) {
-    find(Fault::kDepthLost, "the host says that the depth sensor is lost");
+    find(Fault::kDepthLost, "the host reports that the depth sensor is lost");
   }
   if (!jump_.empty() && watching()) find(Fault::kNavigationJump, jump_);
   jump_.clear();
   if (!watching()) return;
   const auto host = states_.find("navigation");
   if (host != states_.end() && host->second == HealthState::kLost) {
-    find(Fault::kNavigationSilent, "the host says that navigation is lost");
+    find(Fault::kNavigationSilent, "the host reports that navigation is lost");
   }
   if (!fix_) {
     if (clock_s_ - started_s_ > config_.startup_s) {
@@ -94,14 +94,16 @@ void SafetyOfficer::check_navigation() {
   } else if (!to_move_since_s_) {
     to_move_since_s_ = clock_s_;
   }
-  const double standing = moved_s_ ? clock_s_ - *moved_s_ : 0;  // a vehicle that was to stand has the same fix, too
+  const double standing = moved_s_ ? clock_s_ - *moved_s_ : 0;  // a vehicle ordered to stay has constant fixes, too
   const double still = to_move ? std::min(standing, clock_s_ - *to_move_since_s_) : standing;
   if (still > config_.navigation_silent_s && (to_move || raised(Fault::kNavigationSilent))) {
-    find(Fault::kNavigationSilent, fmt::format("the same fix for {:.1f} s while it is to move", still));
+    find(Fault::kNavigationSilent,
+         fmt::format("the same fix for {:.1f} s while the vehicle is ordered to move", still));
   }
   const double most = plan_->limits.max_position_sigma_m;
   if (fix_->sigma_m > most * (raised(Fault::kNavigationDrift) ? config_.leave_share : 1)) {
-    find(Fault::kNavigationDrift, fmt::format("its place is known to {:.1f} m, {:.1f} m allowed", fix_->sigma_m, most));
+    find(Fault::kNavigationDrift,
+         fmt::format("the position is known to {:.1f} m, {:.1f} m allowed", fix_->sigma_m, most));
   }
 }
 
@@ -109,7 +111,7 @@ void SafetyOfficer::check_altitude() {
   if (!watching()) return;
   for (const auto& [source, state] : states_) {
     if (source.starts_with("altimeter") && state == HealthState::kLost) {
-      find(Fault::kAltitudeLost, "the host says that " + source + " is lost");
+      find(Fault::kAltitudeLost, "the host reports that " + source + " is lost");
     }
   }
   const double since_start = clock_s_ - started_s_;
@@ -117,7 +119,7 @@ void SafetyOfficer::check_altitude() {
                                   [](const MissionPoint& p) { return p.altitude_m.has_value(); });
   if (!altitude_.spoken) {
     if (wanted && since_start > config_.startup_s)
-      find(Fault::kAltitudeLost, "nothing measures the altitude asked for");
+      find(Fault::kAltitudeLost, "no sensor measures the altitude that the mission asks for");
     return;
   }
   const double silent = std::min(clock_s_ - altitude_.heard_s, since_start);
@@ -126,7 +128,8 @@ void SafetyOfficer::check_altitude() {
   }
   const double unheard = std::min(clock_s_ - altitude_.echo_s, since_start);
   if (way_ && way_->altitude && unheard > config_.altitude_silent_s) {
-    find(Fault::kAltitudeLost, fmt::format("no echo of the bottom for {:.1f} s, and an altitude to hold", unheard));
+    find(Fault::kAltitudeLost,
+         fmt::format("no echo of the bottom for {:.1f} s while an altitude is to be held", unheard));
   }
   if (std::popcount(altitude_.low) >= 2) {
     find(Fault::kTooLow,
@@ -153,7 +156,7 @@ void SafetyOfficer::check_way() {
     way_->off_since_s = clock_s_;
   }
   if (way_->off_since_s && clock_s_ - *way_->off_since_s >= config_.off_way_s) {
-    find(Fault::kWayNotFollowed, fmt::format("{:.1f} m beside its way, {:.1f} m allowed", beside, most));
+    find(Fault::kWayNotFollowed, fmt::format("{:.1f} m off the route, {:.1f} m allowed", beside, most));
   }
   const double left = (way_->points[way_->next] - here).norm();
   const bool free = action_.kind == SafetyActionKind::kNone || action_.kind == SafetyActionKind::kSlow;
@@ -179,7 +182,7 @@ void SafetyOfficer::check_route() {
     case RouteRefused::Reason::kNoMap: find(Fault::kNoPath, refusal_->why); break;
     case RouteRefused::Reason::kOutOfBudget: find(Fault::kPlannerOverBudget, refusal_->why); break;
     case RouteRefused::Reason::kGoalBlocked:
-    case RouteRefused::Reason::kOutsideFence: break;  // the point is at fault, not the way to it
+    case RouteRefused::Reason::kOutsideFence: break;  // the point is at fault, not the route to it
   }
 }
 
@@ -206,7 +209,7 @@ void SafetyOfficer::check_limits() {
   const double reach = stop_way(speed, config_.reaction_s) + config_.collision_margin_m;
   const Eigen::Vector2d there = here + fix_->v_W / speed * std::min(reach, 1e6);
   if (first_exit(plan_->fence, here, there)) {
-    find(Fault::kFenceAhead, fmt::format("the fence lies within the {:.1f} m that it needs to stop", reach));
+    find(Fault::kFenceAhead, fmt::format("the fence lies within the stopping distance of {:.1f} m", reach));
   }
 }
 
@@ -216,14 +219,14 @@ void SafetyOfficer::check_host() {
   const double least = plan_ ? plan_->limits.low_battery_share : 0;
   if (battery_share_ && *battery_share_ < least) {
     find(Fault::kBatteryLow,
-         fmt::format("{:.0f} % of a charge left, {:.0f} % to be kept", 100 * *battery_share_, 100 * least));
+         fmt::format("{:.0f} % of a charge left, {:.0f} % required", 100 * *battery_share_, 100 * least));
   }
   for (const auto& [source, state] : states_) {
     if (state == HealthState::kOk) continue;
-    if (source.starts_with("thruster")) find(Fault::kThrusterLost, source + " gives less than it should");
-    if (source.starts_with("disk")) find(Fault::kDiskFull, "nothing more is recorded");
+    if (source.starts_with("thruster")) find(Fault::kThrusterLost, source + " delivers less than it should");
+    if (source.starts_with("disk")) find(Fault::kDiskFull, "recording has stopped");
     if (source == "vehicle" && state == HealthState::kLost)
-      find(Fault::kHealthSilent, "the vehicle says that it is lost");
+      find(Fault::kHealthSilent, "the vehicle reports that it is lost");
   }
   if (watching()) {
     const double silent = clock_s_ - std::max(health_s_, started_s_);
@@ -232,7 +235,7 @@ void SafetyOfficer::check_host() {
       find(Fault::kHealthSilent, fmt::format("no report of the vehicle's health for {:.0f} s", silent));
     }
     if (beat_s_ && clock_s_ - *beat_s_ > config_.link_silent_s) {
-      find(Fault::kLinkLost, fmt::format("the operator was last heard {:.0f} s ago", clock_s_ - *beat_s_));
+      find(Fault::kLinkLost, fmt::format("the last message from the operator is {:.0f} s old", clock_s_ - *beat_s_));
     }
   }
   if (!jumped_.empty()) find(Fault::kClockJump, jumped_);

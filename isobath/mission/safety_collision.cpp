@@ -1,4 +1,4 @@
-// The Safety Officer's look ahead, on raw echoes and ranges alone.
+// The Safety Officer's collision check, from raw echoes and ranges alone.
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -9,8 +9,8 @@ namespace isobath {
 namespace {
 
 constexpr double kFreshFix = 3;     // s
-constexpr double kDrifting = 0.05;  // m/s: slower, the direction of travel is noise
-constexpr double kTurning = 0.2;    // m/s: slower, the turn of the moment says nothing about the way
+constexpr double kDrifting = 0.05;  // m/s: below it, the direction of travel is noise
+constexpr double kTurning = 0.2;    // m/s: below it, the current turn says nothing about the path
 constexpr double kStanding = 0.1;   // m/s
 constexpr Angle kTurned = Angle::degrees(15);
 constexpr double kLeastBraking = 0.001;  // m/s2
@@ -44,7 +44,7 @@ SafetyOfficer::Travel SafetyOfficer::travel() const {
   return t;
 }
 
-/// Whether the water there, at the depth of a place, was measured to be clear: what echoes there stands above or below.
+/// Whether the water at this place and depth was measured to be clear: an echo there then comes from above or below.
 bool SafetyOfficer::passes_by(const Eigen::Vector3d& p_W) const {
   return space_ && space_->is_measured(p_W, config_.height_margin_m);
 }
@@ -67,7 +67,7 @@ void SafetyOfficer::check_collision() {
   Travel t = travel();
   stopped_ = stopped_ || (raised(Fault::kCollisionAhead) && t.speed < kStanding);
   double speed = t.speed;
-  if (stopped_) {  // would it be free to go where it points?
+  if (stopped_) {  // is the path along its heading free?
     t.curvature = 0;
     t.drift = 0;
     speed = std::max(speed, order_ ? order_->speed : 0);
@@ -82,7 +82,7 @@ void SafetyOfficer::check_collision() {
   const std::string where = std::isfinite(way) ? fmt::format("an echo {:.1f} m ahead", way) : "short ranges ahead";
   if (!stopped_ && way < least) {
     const Angle heading = fix_->navigation.X_WB.rotation.heading();
-    const bool turned = turn_ && abs((*turn_ - heading).wrapped()) < kTurned;  // and something stands there, too
+    const bool turned = turn_ && abs((*turn_ - heading).wrapped()) < kTurned;  // an obstacle stands there, too
     if (!raised(Fault::kCollisionUnavoidable) || turned) choose_turn(points, t);
     const char* side = hemmed_in_                                   ? "neither side is free"
                        : (*turn_ - heading).wrapped().radians() > 0 ? "starboard is freer"
@@ -92,7 +92,7 @@ void SafetyOfficer::check_collision() {
     row(Fault::kCollisionUnavoidable).margin_m = std::isfinite(way) ? std::optional(way - least) : std::nullopt;
     return;
   }
-  find(Fault::kCollisionAhead, fmt::format("{} at {:.1f} m/s, {:.1f} m wanted to stop in", where, t.speed, reach));
+  find(Fault::kCollisionAhead, fmt::format("{} at {:.1f} m/s, {:.1f} m wanted to stop", where, t.speed, reach));
   Row& ahead = row(Fault::kCollisionAhead);
   ahead.margin_m = std::isfinite(way) ? std::optional(way - least) : std::nullopt;
   if (std::isfinite(way)) {
@@ -110,8 +110,8 @@ void SafetyOfficer::choose_turn(std::span<const Eigen::Vector2d> points, const T
     return free_way(points, curvature, t.half_width_m, vehicle_.hull_radius_m, reach);
   };
   const double port = free(-1 / radius), starboard = free(1 / radius);
-  hemmed_in_ = std::isfinite(port) && std::isfinite(starboard);  // then where it gets farther
-  double beside = 0;                                             // which side of the way the nearest echo stands on
+  hemmed_in_ = std::isfinite(port) && std::isfinite(starboard);  // then the side on which the hull gets farther
+  double beside = 0;                                             // side of the path on which the nearest echo stands
   double nearest = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector2d& p : points) {
     if (p.x() > 0 && p.norm() < nearest) {

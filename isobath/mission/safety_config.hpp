@@ -7,7 +7,7 @@
 
 namespace isobath {
 
-/// What is done when the operator is not heard any more.
+/// What the vehicle does when the link to the operator is lost.
 enum class LinkPolicy : std::uint8_t { kContinue, kReturn, kSurface };
 
 struct SafetyConfig {
@@ -70,7 +70,7 @@ struct SafetyConfig {
   LinkPolicy link_policy = LinkPolicy::kContinue;
 };
 
-/// One that turns on the spot is taken to turn in no less, m.
+/// Minimum turning radius that is assumed, also for a vehicle that turns on the spot, m.
 inline constexpr double kLeastRadius = 0.5;
 
 std::vector<Field> fields(SafetyConfig& config);

@@ -1,4 +1,5 @@
-// The Safety Officer's look ahead for a vehicle that cannot stop: it is safe while it has a way out (escape.hpp).
+// The Safety Officer's collision check for a vehicle that cannot stop: it is safe while it has an escape manoeuvre
+// (escape.hpp).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,17 +13,17 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLookAhead = 2;       // s: for so long an order must leave a way out
+constexpr double kLookAhead = 2;       // s: after this time under an order there must be an escape manoeuvre
 constexpr double kLeastTurn = 0.01;    // rad/s
 constexpr double kLeastSpeed = 0.1;    // m/s
-constexpr double kTurnsWithin = 0.25;  // of its radius: the water in which a turn comes up
+constexpr double kTurnsWithin = 0.25;  // of its radius: the distance in which a turn builds up
 constexpr double kQuarter = std::numbers::pi / 2;
-/// Of the margin: where no way has all of it, one with less is better than none.
+/// Shares of the margin: where no escape manoeuvre keeps all of it, one that keeps less is better than none.
 constexpr std::array<double, 2> kNarrower = {0.5, 0.25};
 
 }  // namespace
 
-/// What is known around the vehicle, in its frame: raw echoes, and the outlines of obstacles, seen and remembered.
+/// The known points around the vehicle, in its frame: raw echoes, and the outlines of obstacles, seen and remembered.
 std::vector<Vector2d> SafetyOfficer::known_points(const Pose& X_WL, std::span<const Vector2d> echoes_L) const {
   std::vector<Vector2d> points(echoes_L.begin(), echoes_L.end());
   const Pose X_LW = X_WL.inverse();
@@ -41,7 +42,7 @@ EscapeTask SafetyOfficer::escape_task() const {
   task.drift = {drift_W.dot(ahead), drift_W.dot(aside)};
   task.speed = std::max({fix_->v_W.dot(ahead) - task.drift.x(), vehicle_.min_speed, kLeastSpeed});
   const double radius = std::max(vehicle_.limits.turning_radius, kLeastRadius);
-  // Fins turn by the water that passes them, and a current from astern that was never crossed is not known.
+  // Fins turn the vehicle by the water that flows past them; a current from astern that was never crossed is unknown.
   const double flow = std::max({task.speed - config_.unknown_current, vehicle_.min_speed, kLeastSpeed});
   task.turn_rate = std::min(std::max(vehicle_.limits.max_yaw_rate.radians(), kLeastTurn), flow / radius);
   task.lag_s = kTurnsWithin * radius / flow;
@@ -51,7 +52,7 @@ EscapeTask SafetyOfficer::escape_task() const {
   return task;
 }
 
-/// From the heading of the moment to the one that is ordered, or held on the way up, rad.
+/// Turn from the current heading to the one that is ordered, or that is held while surfacing, rad.
 double SafetyOfficer::ordered_turn() const {
   const Angle heading = fix_->navigation.X_WB.rotation.heading();
   const bool surfacing = action_.kind == SafetyActionKind::kSurface;
@@ -67,7 +68,7 @@ void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> ech
   const bool safe = search.free(ordered) && !imminent_.raised();
   const bool taking = raised(Fault::kCollisionUnavoidable) && turn_;
   if (safe && !taking) return;
-  // 1. the way out: the one under way as long as it is free
+  // 1. the escape manoeuvre: the current one as long as it is free
   const Angle heading = fix_->navigation.X_WB.rotation.heading();
   if (taking) {
     way_out_.turn -= (heading - way_out_from_).wrapped().radians();
@@ -85,7 +86,7 @@ void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> ech
     escape = way_out(EscapeSearch(points, task));
   }
   bool free = search.free(escape);
-  if (safe && !free) {  // to go on as ordered is one
+  if (safe && !free) {  // going on as ordered is free
     escape = {0, ordered_turn(), ordered.free_s, ordered.room_m, {}};
     free = true;
   }
@@ -97,12 +98,12 @@ void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> ech
   if (safe) return;
   std::optional<Vector2d> place;
   if (ordered.meets) place = (X_WL * Eigen::Vector3d(ordered.meets->x(), ordered.meets->y(), 0)).head<2>();
-  const std::string why = place ? fmt::format("the order leaves no way past an obstacle at {}", text_of(*place))
+  const std::string why = place ? fmt::format("the order leaves no escape past an obstacle at {}", text_of(*place))
                                 : std::string("short ranges ahead");
   const double turn_deg = std::min(std::abs(escape.turn) * 180 / std::numbers::pi, 360.0);
   find(Fault::kCollisionUnavoidable,
-       fmt::format("{}, at {:.1f} m/s, and a vehicle that cannot stop; {}: {:.0f} degrees to {}", why, task.speed,
-                   free ? "a way out is left" : fmt::format("none is left that is free for {:.0f} s", task.horizon_s),
+       fmt::format("{}, at {:.1f} m/s, and the vehicle cannot stop; {}: {:.0f} degrees to {}", why, task.speed,
+                   free ? "an escape is left" : fmt::format("none is left that is free for {:.0f} s", task.horizon_s),
                    turn_deg, escape.turn < 0 ? "port" : "starboard"));
   row(Fault::kCollisionUnavoidable).place = place;
   row(Fault::kCollisionUnavoidable).margin_m =

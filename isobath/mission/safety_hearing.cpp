@@ -1,4 +1,4 @@
-// What the Safety Officer makes of what it hears; it judges in its ticks (safety_checks.cpp).
+// The Safety Officer's processing of its input; its ticks judge the result (safety_checks.cpp).
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -10,15 +10,15 @@ namespace {
 
 constexpr double kFarthest = 1e8;       // m
 constexpr double kNextFix = 5;          // s: fixes farther apart say nothing about each other
-constexpr double kDown = 0.7071;        // a sensor that looks more than 45 degrees down hears the bottom
+constexpr double kDown = 0.7071;        // a sensor that looks more than 45 degrees down measures the bottom
 constexpr double kFreshSpeed = 3;       // s
 constexpr double kSmooth = 0.3;         // share of the newest turn
-constexpr std::size_t kMostNames = 64;  // of sonars and of sources of health; further ones are not kept
-constexpr double kBeside = 0.5;         // s: speakers heard so lately are compared
+constexpr std::size_t kMostNames = 64;  // of sonars and of health sources; further ones are not kept
+constexpr double kBeside = 0.5;         // s: sources with messages this recent are compared
 constexpr double kDriftTime = 4;        // s
-constexpr double kApart = 1;            // m, of the points that stand for an outline
-constexpr double kMapped = 40;          // m: obstacles farther off say nothing about ways out
-constexpr double kBeyondReach = 20;     // m: echoes are kept from farther off than it takes to stop
+constexpr double kApart = 1;            // m, between the points that stand for an outline
+constexpr double kMapped = 40;          // m: farther obstacles do not matter to an escape
+constexpr double kBeyondReach = 20;     // m: echoes are kept up to this far beyond the stopping distance
 
 bool usable(const Navigation& fix) {
   return fix.X_WB.is_finite() && fix.X_WB.translation.cwiseAbs().maxCoeff() < kFarthest &&
@@ -36,7 +36,7 @@ bool same_place(const Navigation& a, const Navigation& b) {
          a.X_WB.rotation.quaternion().coeffs() == b.X_WB.rotation.quaternion().coeffs();
 }
 
-/// Agents without whom nobody leads the vehicle; by the letters of their names.
+/// Agents without which the vehicle is not controlled; compared by the letters of their names.
 bool leads(const std::string& agent) {
   std::string letters;
   for (const char c : agent) {
@@ -50,7 +50,7 @@ bool leads(const std::string& agent) {
   return false;
 }
 
-/// Along an outline, not farther apart than that.
+/// Points along an outline, at most `apart_m` apart.
 std::vector<Eigen::Vector2d> points_round(const Polygon& outline, double apart_m) {
   std::vector<Eigen::Vector2d> points;
   for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -73,7 +73,7 @@ void SafetyOfficer::set_clock(Time now) {
   const double gap = to_seconds(now) - to_seconds(*now_);
   if (!(gap > 0)) return;
   if (gap > config_.clock_jump_s) {
-    jumped_ = fmt::format("the logical clock went on by {:.1f} s at once", gap);
+    jumped_ = fmt::format("the logical clock jumped by {:.1f} s", gap);
     clock_s_ += to_seconds(kTick);
   } else {
     clock_s_ += gap;
@@ -81,13 +81,13 @@ void SafetyOfficer::set_clock(Time now) {
   now_ = now;
 }
 
-/// False: so late beside what others say that it is no news.
+/// False where a message is so much later than those of other sensors that it does not count.
 bool SafetyOfficer::in_time(Speaker speaker, Time said, Time now) {
   static constexpr std::array<const char*, kSpeakers> kNames = {"navigation", "the sonar", "ranges", "health reports"};
   const double off = to_seconds(said) - to_seconds(now);
   Offset& own = offsets_[speaker];
   if (own.known && std::abs(off - own.s) > config_.clock_jump_s) {
-    jumped_ = fmt::format("the times of {} went off by {:.1f} s at once", kNames[speaker], off - own.s);
+    jumped_ = fmt::format("the times of {} jumped by {:.1f} s", kNames[speaker], off - own.s);
   }
   own = {true, off, clock_s_};
   double newest = off;
@@ -151,7 +151,7 @@ void SafetyOfficer::hear_fix(const Navigation& fix, Time now) {
                            0.5 * std::max(0.0, vehicle_.limits.max_speed) * dt;
     const bool jumped = off.norm() > allowed;
     if (jumped) {
-      jump_ = fmt::format("a fix {:.1f} m from where it should be, with {:.1f} m to be expected", off.norm(), allowed);
+      jump_ = fmt::format("a fix {:.1f} m from the predicted position, {:.1f} m allowed", off.norm(), allowed);
       echoes_.shift(off);
       for (Eigen::Vector2d& p : mapped_W_) p += off;
       space_.reset();
@@ -235,7 +235,7 @@ void SafetyOfficer::hear_command(const OperatorCommand& command) {
 
 void SafetyOfficer::hear_scan(const ObstacleScan& scan) {
   mapped_W_.clear();
-  if (scan.posed && vehicle_.min_speed > 0) {  // ways out are those of a vehicle that cannot stop
+  if (scan.posed && vehicle_.min_speed > 0) {  // only a vehicle that cannot stop needs an escape
     for (const Hazard& hazard : scan.hazards) {
       if (hazard.kind == HazardKind::kFence) continue;
       for (const Eigen::Vector2d& p_L : points_round(hazard.outline, kApart)) {
@@ -260,7 +260,7 @@ void SafetyOfficer::hear_lost(const AgentLost& lost) {
   lost_agent_ = fmt::format("the {} {}: {}", lost.agent, lost.hung ? "hangs" : "died", lost.why);
 }
 
-/// The order to the captain and the captain's own name the same plan: the second changes nothing.
+/// The order to the Captain and the Captain's own order name the same plan: the second changes nothing.
 void SafetyOfficer::start(const std::shared_ptr<const MissionPlan>& plan) {
   if (!plan || (plan == plan_ && phase_ == MissionPhase::kUnderWay)) return;
   plan_ = plan;
@@ -284,7 +284,7 @@ void SafetyOfficer::follow(const FollowOrder& order) {
   for (const Waypoint& w : order.waypoints) way.points.emplace_back(w.north, w.east);
   const bool finite = std::all_of(way.points.begin(), way.points.end(),
                                   [](const auto& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthest; });
-  // A way that is planned again and again to the same point must bring the vehicle nearer all the same.
+  // A route that is planned again and again to the same point must still bring the vehicle nearer.
   const bool same = way_ && finite && way.from && way.points.size() > 1 && way_->points.size() > 1 &&
                     (way_->points.back() - way.points.back()).norm() < config_.progress_m;
   way.nearest_m = same ? (way.points[1] - *way.from).norm() : std::numeric_limits<double>::infinity();

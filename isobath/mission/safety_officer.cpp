@@ -146,10 +146,10 @@ Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
     case SafetyActionKind::kNone: return {};
     case SafetyActionKind::kSlow: s.speed = config_.slow_speed; return s;
     case SafetyActionKind::kStop: return {heading, std::max(0.0, depth), 0, 0};
-    case SafetyActionKind::kSurface: {  // on the heading of that instant, unless something stands there
+    case SafetyActionKind::kSurface: {  // on the heading of that instant, unless an obstacle stands there
       const bool held = action_.kind == SafetyActionKind::kSurface;
       const bool away = raised(Fault::kCollisionUnavoidable) && turn_;
-      // On a way out as fast as it was: fins turn a vehicle by the water that passes them.
+      // An escape keeps the ordered speed: fins turn a vehicle by the water that flows past them.
       const double speed = away ? ordered : std::min(ordered, vehicle_.min_speed);
       return {away ? *turn_ : held ? action_.setpoint.heading : heading, 0, vehicle_.min_speed > 0 ? speed : 0, 0};
     }
@@ -158,7 +158,7 @@ Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
   if (raised(Fault::kTooLow)) {
     const double least = (plan_ ? plan_->limits.min_altitude_m : 0) / std::max(config_.leave_share, 0.1);
     s.depth = std::clamp(depth - (least - altitude_.last_m) - kRise, 0.0, std::max(0.0, depth));
-    const bool may_rise = depth > kOtherDepth;  // else every metre ahead brings it nearer to a bottom that rises
+    const bool may_rise = depth > kOtherDepth;  // else every metre ahead brings it nearer to a rising bottom
     s.speed = may_rise ? std::min(ordered, std::max(config_.slow_speed, vehicle_.min_speed)) : 0;
   }
   for (const FaultRow& about : fault_table()) {

@@ -1,27 +1,30 @@
-// SafetyOfficer: watches over everything else, apart from planning, and can only make things safer (Ganesan 2015, 5.1;
-// Herman 1988, 3.4; Oskard 1990, III-D; ledger S6-39, S2-28, S2-E10, S1-43, S1-44).
+// SafetyOfficer: watches over all other agents, independently of planning, and can only make things safer (Ganesan
+// 2015, 5.1; Herman 1988, 3.4; Oskard 1990, III-D; ledger S6-39, S2-28, S2-E10, S1-43, S1-44).
 //
-// It hears what is sensed and what is said, and judges ten times a second: for each row of the fault table whether its
-// cause holds, since when, and what that asks for. A row is raised with the first cycle in which its limit is exceeded
-// and over `leave_s` after its cause is gone. What it says: SafetyAction, the strongest of what the raised rows ask
-// for, whenever that changes; SafetyReport to the Captain when a row is raised, when it asks for the end of the
-// mission, and when it is over (with `abort` still set where it asked for that); a Decision with the reason for each.
-// No action asks for more speed than was ordered last, and a slow-down is a limit.
+// It receives sensor input and the messages of all agents. Ten times a second it judges for each row of the fault table
+// whether its cause holds, since when, and what action that requires. A row is raised in the first cycle in which its
+// limit is exceeded, and is over `leave_s` after its cause is gone. The Safety Officer sends SafetyAction, the
+// strongest action that the raised rows require, whenever that changes; SafetyReport to the Captain when a row is
+// raised, when it requires the end of the mission, and when it is over (with `abort` still set where it required that);
+// and a Decision with the reason for each. No action asks for more speed than the last order, and a slow-down is a
+// limit.
 //
-// Collisions: from the ground speed v and the turn of the moment the hull's way is predicted over v t + v^2 / 2b and a
-// margin; raw echoes that two pings agree on, and raw ranges, must not lie in it (near_echoes.hpp,
-// imminent_collision.hpp). It stops while it can; else it turns to the freer side; else it surfaces, and says that the
-// collision could not be avoided. A vehicle that cannot stop must always have a way out: a turn, and then straight on,
-// that meets nothing of what is known, for `escape_s`; before an order leads where there is none, the officer takes the
-// last (safety_escape.cpp). Once it has stopped, it turns on the spot to where it was ordered to go, and the stop
-// is over when the way lies free there for the ordered speed. Echoes are taken as at the height of the sonar.
-// A place where all water at the vehicle's depth, and `height_margin_m` above and below it, was measured to be clear by
-// a sonar that tells height (SpaceSeen) is passed over or under: it counts neither as echo nor as obstacle (S5-35).
-// Those that bottom or surface explain do not come here where depth and altitude are known (sonar/boundary_echoes.hpp);
-// where the altitude is not, a bottom within the beam's reach stops it.
+// Collisions: from the ground speed v and the current turn, the hull's path is predicted over v t + v^2 / 2b and a
+// margin. Raw echoes on which two pings agree, and raw ranges, must not lie in it (near_echoes.hpp,
+// imminent_collision.hpp). The vehicle stops while it can; else it turns to the freer side; else it surfaces, and the
+// Safety Officer reports that the collision could not be avoided. A vehicle that cannot stop must always have an escape
+// manoeuvre: a turn, and then a straight line, that meets no known obstacle for `escape_s`. Before an order leads to
+// where there is none, the Safety Officer takes the last one (safety_escape.cpp). A vehicle that has stopped turns on
+// the spot to the ordered heading, and the stop is over when the path there is free at the ordered speed. Echoes are
+// taken to be at the height of the sonar.
 //
-// Times in messages are held against the logical clock and never used as one: a clock that jumps trips no watchdog but
-// its own. All numbers are untrusted; what is not finite is as good as not said. One thread at a time.
+// Where a sonar that measures height (SpaceSeen) has measured all water clear at the vehicle's depth and
+// `height_margin_m` above and below it, the vehicle passes over or under: neither echoes nor obstacles count at that
+// place (S5-35). Echoes that bottom or surface explain do not arrive here where depth and altitude are known
+// (sonar/boundary_echoes.hpp); where the altitude is unknown, a bottom within the beam's reach stops the vehicle.
+//
+// Times in messages are compared with the logical clock and never used as a clock: a clock that jumps trips no watchdog
+// but its own. All numbers are untrusted; a value that is not finite counts as not received. One thread at a time.
 #pragma once
 
 #include <array>
@@ -59,17 +62,17 @@ class SafetyOfficer final : public Agent {
     bool cause = false;  ///< found in this cycle
     std::string why;
     bool raised = false;
-    double since_s = 0;       ///< raised
-    double last_cause_s = 0;  ///< in force
+    double since_s = 0;       ///< when it was raised
+    double last_cause_s = 0;  ///< when its cause last held
     bool aborted = false;
     std::optional<Eigen::Vector2d> place = {};  ///< N, E
     std::optional<double> margin_m = {};
   };
-  /// Whose times are held against the logical clock.
+  /// The sources whose times are compared with the logical clock.
   enum Speaker : std::uint8_t { kNavigator, kSonar, kRanger, kHost, kSpeakers };
   struct Offset {
     bool known = false;
-    double s = 0;  ///< of the time in its messages, from the logical clock
+    double s = 0;  ///< of the time in its messages from the logical clock
     double heard_s = 0;
   };
   struct Fix {
@@ -85,10 +88,10 @@ class SafetyOfficer final : public Agent {
   };
   struct Way {
     std::uint32_t version = 0;
-    std::optional<Eigen::Vector2d> from;  ///< where it was ordered, or where the vehicle was found first
+    std::optional<Eigen::Vector2d> from;  ///< where the vehicle was at the order, or at the first fix after it
     std::vector<Eigen::Vector2d> points;  ///< `from` is the first
     std::size_t next = 1;
-    double nearest_m = 0;  ///< to the next point, so far
+    double nearest_m = 0;  ///< minimum distance to the next point so far
     double progress_s = 0;
     std::optional<double> off_since_s;
     bool altitude = false;
@@ -98,10 +101,10 @@ class SafetyOfficer final : public Agent {
     double heard_s = 0;
     double echo_s = 0;
     double last_m = 0;
-    std::uint32_t low = 0;  ///< of the last three, the newest in bit 0
+    std::uint32_t low = 0;  ///< whether each of the last three readings was low, the newest in bit 0
   };
 
-  // Hearing (safety_hearing.cpp)
+  // Input (safety_hearing.cpp)
   void set_clock(Time now);
   bool in_time(Speaker speaker, Time said, Time now);
   void hear_fix(const Navigation& fix, Time now);
@@ -141,7 +144,7 @@ class SafetyOfficer final : public Agent {
   void check_collision();
   void choose_turn(std::span<const Eigen::Vector2d> points, const Travel& travel);
 
-  // Ways out, of a vehicle that cannot stop (safety_escape.cpp)
+  // Escape manoeuvres of a vehicle that cannot stop (safety_escape.cpp)
   [[nodiscard]] bool passes_by(const Eigen::Vector3d& p_W) const;
   [[nodiscard]] std::vector<Eigen::Vector2d> at_its_depth(const Pose& X_WL,
                                                           std::span<const Eigen::Vector2d> echoes_L) const;
@@ -164,10 +167,10 @@ class SafetyOfficer final : public Agent {
   VehicleSheet vehicle_;
   std::array<Row, kFaults> rows_;
   SafetyAction action_;
-  bool told_ = false;  ///< a row changed in this cycle: its decision covers the change of action
+  bool told_ = false;  ///< a row changed in this cycle; its decision covers the change of action
 
   std::optional<Time> now_;
-  double clock_s_ = 0;  ///< logical time since the first call, less what it jumped
+  double clock_s_ = 0;  ///< logical time since the first call, less its jumps
   std::array<Offset, kSpeakers> offsets_;
   std::string jumped_;
 
@@ -178,20 +181,20 @@ class SafetyOfficer final : public Agent {
   std::map<std::string, SonarWatch> sonars_;
   std::map<std::string, HealthState> states_;
   NearEchoes echoes_;
-  std::vector<Eigen::Vector2d> mapped_W_;   ///< what the last scan's obstacles are made of
-  std::shared_ptr<const SpaceGrid> space_;  ///< null where no sonar tells height
-  double blind_m_ = 0;                      ///< nearer than this the sonar hears nothing
+  std::vector<Eigen::Vector2d> mapped_W_;   ///< points on the outlines of the last scan's obstacles
+  std::shared_ptr<const SpaceGrid> space_;  ///< null where no sonar measures height
+  double blind_m_ = 0;                      ///< blanking distance of the sonar
   SensorTable rangers_;
   ImminentCollision imminent_;
   std::optional<Fix> fix_;
   std::optional<double> moved_s_;          ///< when a fix last differed from the one before
-  std::optional<double> to_move_since_s_;  ///< ordered to, and not held back
+  std::optional<double> to_move_since_s_;  ///< since when it has been ordered to move, and not held back
   std::string jump_;
   Altitude altitude_;
   std::optional<Setpoint> order_;
   std::optional<Way> way_;
   bool ever_planned_ = false;
-  bool surfacing_ = false;  ///< the last order is to surface: what would stop the vehicle lets it
+  bool surfacing_ = false;  ///< the last order is to surface: a stop becomes surfacing
   std::optional<Refusal> refusal_;
   std::string inside_;
 
@@ -200,12 +203,12 @@ class SafetyOfficer final : public Agent {
   std::optional<double> battery_share_;
   double health_s_ = 0;
   std::optional<double> beat_s_;
-  bool stopped_ = false;       ///< since a collision lay ahead
-  std::optional<Angle> turn_;  ///< away from a collision: where it gets farther
+  bool stopped_ = false;       ///< the vehicle has stopped since a collision lay ahead
+  std::optional<Angle> turn_;  ///< heading away from a collision, to the freer side
   bool hemmed_in_ = false;     ///< neither side was free when the turn was chosen
-  Drift drift_;                ///< of the vehicle, as far as it was crossed
-  Escape way_out_;             ///< what is left of the one that a vehicle that cannot stop takes
-  Angle way_out_from_;         ///< heading when that was so
+  Drift drift_;                ///< drift across the hull, as far as the headings so far have shown it
+  Escape way_out_;             ///< rest of the current escape manoeuvre of a vehicle that cannot stop
+  Angle way_out_from_;         ///< heading at that time
 };
 
 }  // namespace isobath

@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kMostRows = 64;  // of one outline: each row added looks at all of them
+constexpr std::size_t kMostRows = 64;  // of one outline: each added row checks all of them
 
 /// Which cells of a rectangle are blocked. Columns count east, rows south.
 struct Mask {
@@ -46,7 +46,7 @@ Mask coarser(const Mask& fine) {
   return mask;
 }
 
-/// Cells from `west` to before `east` of one row.
+/// Cells of one row, from `west` up to but not including `east`.
 struct Run {
   int west = 0;
   int east = 0;
@@ -66,7 +66,7 @@ std::vector<Run> runs_of(const Mask& mask, int row) {
   return runs;
 }
 
-/// Where a convex outline (x columns, y rows) begins and ends at one y.
+/// The west and the east end of a convex outline (x columns, y rows) at one y.
 std::pair<double, double> breadth(const Polygon& hull, double y) {
   double west = INFINITY, east = -INFINITY;
   for (std::size_t i = 0; i < hull.size(); ++i) {
@@ -82,7 +82,7 @@ std::pair<double, double> breadth(const Polygon& hull, double y) {
   return {west, east};
 }
 
-/// Runs of rows that follow one another, with their hull.
+/// Runs of successive rows, with their convex hull.
 struct Strip {
   int top = 0;
   std::vector<Run> runs;
@@ -91,7 +91,7 @@ struct Strip {
   Strip(int row, const Run& run) : top(row) { add(run); }
 
   [[nodiscard]] bool touches(const Run& run) const { return runs.back().touches(run); }
-  /// False, and nothing is changed, where the hull would reach over a row by more than `overreach` cells.
+  /// Returns false and changes nothing where the hull would reach over a row by more than `overreach` cells.
   bool grow(const Run& run, double overreach) {
     if (runs.size() >= kMostRows) return false;
     Strip grown = *this;

@@ -20,10 +20,10 @@ void send(FrameBytes bytes, Outbox& out) { out.say(LinkFrame{LinkFrame::Way::kTo
 }  // namespace
 
 std::vector<Field> fields(SignalingConfig& c) {
-  return {
-      Field::real("repeat_s", &c.repeat_s, {0.01, 3600}, "s", "After which what is not acknowledged is sent again."),
-      Field::real("beat_limit_s", &c.beat_limit_s, {0.1, 1e6}, "s",
-                  "An operator who was heard and is not for so long is lost.")};
+  return {Field::real("repeat_s", &c.repeat_s, {0.01, 3600}, "s",
+                      "Interval after which an unacknowledged message is sent again."),
+          Field::real("beat_limit_s", &c.beat_limit_s, {0.1, 1e6}, "s",
+                      "The link to an operator who was connected is lost after this time without a frame.")};
 }
 
 void SignalingOfficer::hear(const Message& message, Time now, Outbox& out) {
@@ -40,21 +40,21 @@ void SignalingOfficer::tick(Time now, Outbox& out) {
   send_due(now, out);
   if (lost_ || !last_heard_ || now - *last_heard_ <= beat_limit_) return;
   lost_ = true;
-  say_health(HealthState::kLost, fmt::format("nothing heard for {:.1f} s", to_seconds(now - *last_heard_)), now, out);
+  say_health(HealthState::kLost, fmt::format("no frame for {:.1f} s", to_seconds(now - *last_heard_)), now, out);
 }
 
 void SignalingOfficer::take(const LinkFrame& frame, Time now, Outbox& out) {
   LinkEnd::Received received = end_.receive(frame.bytes);
   if (!received.valid) return;
   last_heard_ = now;
-  if (lost_) say_health(HealthState::kOk, "heard again", now, out);
+  if (lost_) say_health(HealthState::kOk, "connected again", now, out);
   lost_ = false;
   if (received.answer) send(std::move(*received.answer), out);
   if (received.word) {
     take_word(*received.word, now, out);
   } else {
     out.say(OperatorCommand{OperatorCommand::Kind::kBeat});
-    send_due(now, out);  // an acknowledgement makes way for what follows
+    send_due(now, out);  // an acknowledgement lets the next message follow
   }
 }
 

@@ -1,10 +1,11 @@
-// Signaling Officer: the vehicle's end of the link to the operator (Ganesan 2015, 5.1; ledger S6-40).
+// SignalingOfficer: the vehicle's end of the link to the operator (Ganesan 2015, 5.1; ledger S6-40).
 //
-// Hears LinkFrame (from the operator) and StatusReport; says OperatorCommand, LinkFrame (to the operator), Health of
-// "operator link" and Decision. A command is given to the crew once, however often it came; of status reports the
-// newest is sent until it is acknowledged. Any whole frame is a beat. An operator who was heard and then is not for
-// `beat_limit_s` is lost, until the next frame; one who was never heard is not missed. A command that cannot be read,
-// or a mission that cannot be, is refused: the operator is told why, and nothing is given to the crew.
+// Receives LinkFrame (from the operator) and StatusReport. Sends OperatorCommand, LinkFrame (to the operator), Health
+// of "operator link" and Decision. A command is passed to the agents once, however often it arrived. Only the newest
+// status report is sent, until it is acknowledged. Any whole frame is a heartbeat. An operator who was connected and
+// then silent for `beat_limit_s` is lost until the next frame; an operator who was never connected is not missed. A
+// command that cannot be read, or that has an invalid mission, is refused: the operator receives the reason, and the
+// agents receive nothing.
 #pragma once
 
 #include <isobath/base/config.hpp>

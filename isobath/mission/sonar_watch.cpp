@@ -4,7 +4,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kSlowMean = 0.1;    // share of the newest look
+constexpr double kSlowMean = 0.1;    // share of the newest ping
 constexpr double kHeard = 0.002;     // level of a side, of full scale, below which it says nothing about the other
 constexpr double kNearlyAll = 0.98;  // share of samples at an end of the scale, where pings may well be equal
 

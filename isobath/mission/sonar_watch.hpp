@@ -1,6 +1,6 @@
-// SonarWatch: whether one sonar can still be believed, from what its pings say about themselves (SonarLook). Levels
-// have hysteresis by counts of looks in a row; one_side by looks of that side alone, so that a head that steps from
-// side to side is judged like a fan.
+// SonarWatch: whether one sonar can still be trusted, judged by the quality of its pings (SonarLook). Faults have
+// hysteresis by counts of pings in a row. A blind side is judged by the pings of that side alone, so that a head that
+// steps from side to side is judged like a fan.
 //
 // Time is a clock of the caller's, s. One thread; allocates nothing.
 #pragma once
@@ -12,7 +12,7 @@
 
 namespace isobath {
 
-/// Up after `enter` bad ones in a row, down after `leave` good ones.
+/// Up after `enter` bad pings in a row, down after `leave` good ones.
 class Streak {
  public:
   void add(bool bad, int enter, int leave);
@@ -25,7 +25,7 @@ class Streak {
 
 class SonarWatch {
  public:
-  /// A look of the time of the one before says nothing: the same ping, told again.
+  /// Ignores data with the time of the last one: it is the same ping again.
   void hear(const SonarLook& look, const SafetyConfig& config, double now_s);
 
   [[nodiscard]] double last_s() const { return last_s_; }

@@ -4,22 +4,22 @@ namespace isobath {
 
 std::vector<Section> sections(MissionConfig& c) {
   return {
-      {"captain", "Who starts and ends missions.", fields(c.captain)},
-      {"executive", "Who leads from point to point.", fields(c.executive)},
-      {"navigator", "When a way is kept, changed or given up.", fields(c.navigator)},
-      {"route", "How a way past obstacles is searched.", fields(c.route)},
-      {"space_route", "How a way over, under or between them is searched, where a sonar tells height.",
+      {"captain", "The agent that starts and ends missions.", fields(c.captain)},
+      {"executive", "The agent that takes the vehicle from point to point.", fields(c.executive)},
+      {"navigator", "When a route is kept, changed or given up.", fields(c.navigator)},
+      {"route", "How a path past obstacles is searched.", fields(c.route)},
+      {"space_route", "How a path over, under or between obstacles is searched, where a sonar measures height.",
        fields(c.space_route)},
       {"pilot", "How way-points become set-points.", fields(c.pilot)},
       {"guidance", "How a line is followed.", fields(c.guidance)},
-      {"station", "How a place is kept.", fields(c.station)},
+      {"station", "How a position is held.", fields(c.station)},
       {"depth_keeping", "How depth and altitude are kept.", fields(c.depth_keeping)},
-      {"fls_detector", "What the Navigator is told of obstacles.", fields(c.fls_detector)},
+      {"fls_detector", "Which obstacles are sent to the Navigator.", fields(c.fls_detector)},
       {"memory", "How long obstacles are remembered, and how well.", fields(c.memory)},
-      {"chart_room", "What of the chart is in the way.", fields(c.chart_room)},
+      {"chart_room", "Which parts of the chart are hazards.", fields(c.chart_room)},
       {"signaling", "The vehicle's end of the link to the operator.", fields(c.signaling)},
       {"survey", "The back-seat driver that surveys in lanes.", fields(c.survey)},
-      {"circle", "The back-seat driver that goes round a place.", fields(c.circle)},
+      {"circle", "The back-seat driver that circles a point.", fields(c.circle)},
   };
 }
 

@@ -1,5 +1,5 @@
-// The standard crew: the seats that every vehicle has, and all that can be set of them (Ganesan 2015, 5.1; ledger
-// S6-32, S6-40, S6-41). Others (the Safety Officer, those of libraries) are added to the list.
+// The standard agents: those that every vehicle has, and their configuration (Ganesan 2015, 5.1; ledger S6-32, S6-40,
+// S6-41). Others (the Safety Officer, those of libraries) are added to the list.
 #pragma once
 
 #include <isobath/mission/back_seat.hpp>
@@ -20,11 +20,11 @@ struct MissionConfig {
   RouteConfig route;
   SpaceRouteConfig space_route;
   PilotConfig pilot;
-  GuidanceConfig guidance = {.acceptance_radius = 1};  ///< of corners: an obstacle stands inside of each
+  GuidanceConfig guidance = {.acceptance_radius = 1};  ///< of corners: each goes round an obstacle
   StationConfig station;
   DepthKeeperConfig depth_keeping;
   FlsDetectorConfig fls_detector;
-  ObstacleMemoryConfig memory = {.least_seen = 0.95, .confirmations = 3};  ///< what is kept must be sure
+  ObstacleMemoryConfig memory = {.least_seen = 0.95, .confirmations = 3};  ///< only sure obstacles are kept
   ChartRoomConfig chart_room;
   SignalingConfig signaling;
   SurveyConfig survey;
@@ -34,8 +34,8 @@ struct MissionConfig {
 /// Bound to `config`.
 std::vector<Section> sections(MissionConfig& config);
 
-/// In the order in which they hear: fls detector, navigator, captain, executive officer, pilot, chart room, signaling
-/// officer; then the back-seat drivers, survey and circle.
+/// In the order in which they receive messages: fls detector, navigator, captain, executive officer, pilot, chart room,
+/// signaling officer; then the back-seat drivers, survey and circle.
 std::vector<Seat> standard_crew(const MissionConfig& config, const VehicleSheet& vehicle);
 
 }  // namespace isobath

@@ -8,7 +8,7 @@
 
 namespace isobath {
 
-/// One agent with its mailbox; kept alive by the crew, and by its thread for as long as that runs.
+/// One agent with its mailbox; kept alive by the executor, and by its thread for as long as that runs.
 struct ThreadedCrew::Post {
   struct Item {
     std::shared_ptr<const Envelope> envelope;  ///< null: a tick
@@ -19,7 +19,7 @@ struct ThreadedCrew::Post {
   std::condition_variable work;
   std::deque<Item> mailbox;
   bool tick_waits = false;
-  bool full = false;  ///< told, until the mailbox has been empty
+  bool full = false;  ///< reported, until the mailbox has been empty
   bool lost = false;
   bool hanging = false;
   bool dying = false;
@@ -28,7 +28,7 @@ struct ThreadedCrew::Post {
   std::optional<Time> turn_since;
 };
 
-/// All that threads share, under one mutex: it is held for queues only, never for a turn.
+/// All that threads share, under one mutex. The mutex is held for queues only, never during a turn.
 struct ThreadedCrew::State {
   State(const VehicleSheet& vehicle, const CrewConfig& c, std::function<Time()> of_clock, Recorder recorder)
       : config(c), clock(std::move(of_clock)), bus(std::move(recorder)), gate(c.gate, vehicle) {}
@@ -141,7 +141,7 @@ void ThreadedCrew::State::end_turn(Post& post, Turn turn) {
   if (turn.died) return lose(post, false, *turn.died);
   for (Message& message : turn.said) {
     if (post.said == config.most_said) {
-      decide("cut", fmt::format("the {} said more than {} messages between two ticks", post.name, config.most_said));
+      decide("cut", fmt::format("the {} sent more than {} messages between two ticks", post.name, config.most_said));
     }
     if (post.said++ < config.most_said) {
       say(post.name, std::move(message));
@@ -194,7 +194,7 @@ ThreadedCrew::ThreadedCrew(std::vector<Seat> seats, const VehicleSheet& vehicle,
     }
   } catch (const std::system_error& e) {
     stop();
-    throw Error("no thread for an agent", {}, "", e.what());
+    throw Error("no thread is left for an agent", {}, "", e.what());
   }
 }
 

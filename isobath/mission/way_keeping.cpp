@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector2d;
 using Way = std::vector<Vector2d>;
 
-// The parts of a way before and after `along`, which both hold that point; `leg` is where it was cut.
+// The parts of a path before and after `along`, which both hold that point; `leg` is the leg that was cut.
 struct Cut {
   Way head;
   Way tail;
@@ -59,7 +59,7 @@ std::optional<Conflict> conflict_ahead(const HazardMap& map, std::span<const Vec
   if (way.empty()) return {};
   const double here = map.distance(way.front());
   if (here >= clearance_m || way.size() < 2 || here <= 0) return map.conflict(way, clearance_m);
-  constexpr double kRounding = 0.05;  // m: one that drifts along a hazard is not nearer for that
+  constexpr double kRounding = 0.05;  // m: a vehicle that drifts along a hazard does not count as nearer
   const Cut parts = cut(way, 2 * (clearance_m - here) + 1);
   if (auto conflict = map.conflict(parts.head, std::max(0.0, here - kRounding))) return conflict;
   if (parts.tail.size() < 2) return {};
@@ -87,7 +87,8 @@ std::optional<Way> mended(const HazardMap& map, std::span<const Vector2d> way, d
       const Vector2d away = result[corner] - nearest_point(hazard.outline, result[corner]);
       const double distance = away.norm();
       if (distance < 1e-6) continue;
-      // Moving both ends by what the leg lacks moves the leg by it; a corner that alone is too near moves by its own.
+      // Moving both ends by what the leg lacks moves the leg by it; a corner that alone is too near moves by its own
+      // lack.
       const double lack = std::max(clearance_m - conflict->distance_m, clearance_m + hazard.margin_m - distance);
       result[corner] += away / distance * (lack + kBeyond);
       moved = true;

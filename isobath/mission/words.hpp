@@ -1,4 +1,4 @@
-// Words: how agents speak of places, obstacles and points in their reasons.
+// Words: texts for places, obstacles and points in the reasons of agents.
 #pragma once
 
 #include <isobath/mission/messages.hpp>
@@ -10,7 +10,7 @@ namespace isobath {
 const char* text_of(HazardKind kind);
 /// "north 44.6, east 3.9 m".
 std::string text_of(const Eigen::Vector2d& north_east);
-/// Its name, or "point 2" (from 1) where it has none.
+/// The name of the point, or "point 2" (from 1) where it has none.
 std::string name_of(const MissionPoint& point, std::size_t index);
 
 }  // namespace isobath

@@ -7,8 +7,8 @@
 namespace isobath {
 namespace {
 
-// For each cell, the chance that any other one fires, 1 - prod_{i != x} (1 - fire_i), given fire_i in `fire`; into
-// `others`. `fire` is used up.
+// Writes to `others` for each cell the probability that any other cell fires, 1 - prod_{i != x} (1 - fire_i), given
+// fire_i in `fire`. Overwrites `fire`.
 void any_other(std::span<double> fire, std::span<double> others) {
   double before = 0;
   for (std::size_t i = 0; i < fire.size(); ++i) {
@@ -38,10 +38,10 @@ void hit(std::span<double> log_odds, std::span<const double> share, double gain,
 
 }  // namespace
 
-// Here and above log(1 + x) would lose digits of small increments as log1p(x) does not; but increments are added to
-// log-odds of the order of 1, whose last digit is as coarse, and log takes a third of the time.
+// Uses log(1 + x) although log1p(x) keeps more digits of small increments: they are added to log-odds of the order of
+// 1, whose last digit is as coarse, and log takes a third of the time.
 double clear_increment(double gain, double share) {
-  constexpr double kSmall = 0.01;  // of six terms what is left out is below 2e-15
+  constexpr double kSmall = 0.01;  // the remainder after six terms is below 2e-15
   const double x = gain * share;
   if (x < kSmall) return -x * (1 + x * (1.0 / 2 + x * (1.0 / 3 + x * (1.0 / 4 + x * (1.0 / 5 + x / 6)))));
   return std::max(std::log(1 - std::min(x, 1.0)), -50.0);
@@ -71,7 +71,7 @@ void update_any_target(bool hit, std::span<double> log_odds, std::span<const dou
   for (std::size_t i = 0; i < n; ++i) occupied[i] = share[i] * probability_of(log_odds[i]);
   any_other(occupied, others);
   const double rise = sensor.p_detect - sensor.false_alarm;
-  // P(S | cell free) and P(S | cell occupied); an impossible S teaches nothing.
+  // P(S | cell free) and P(S | cell occupied); an impossible S changes nothing.
   const double certain = hit ? sensor.p_detect : 1 - sensor.p_detect;
   const double change = hit ? -rise : rise;
   for (std::size_t i = 0; i < n; ++i) {

@@ -9,13 +9,13 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-/// The angle that an edge takes up, seen from p; 0 from behind.
+/// The angle that an edge spans as seen from p; 0 from behind.
 Angle width_from(const PlaneLine& edge, const Vector2d& p) {
   if (edge.height_of(p) <= 0) return {};
   return abs((plan_bearing(edge.at(edge.end_m) - p) - plan_bearing(edge.at(edge.begin_m) - p)).wrapped());
 }
 
-/// What the beams towards a point heard: something before it, or nothing until behind it.
+/// Whether the beams towards a point end before it or pass it.
 enum class BeamsTo : std::uint8_t { kEndBefore, kPass, kUndecided };
 BeamsTo beams_to(const PlaneScan& scan, const Vector2d& p, double margin_m) {
   const double distance = (p - scan.from).norm();
@@ -44,7 +44,7 @@ bool CornerEvidence::agree(const PlaneLine& edge, const PlaneLine& line) const {
   const double turned = std::acos(std::clamp(edge.normal.dot(line.normal), -1.0, 1.0));
   const double turn_variance = edge.bearing_variance() + line.bearing_variance() + std::pow(config_.floor.radians(), 2);
   if (turned * turned > config_.gate * config_.gate * turn_variance) return false;
-  // where they come nearest to one another, so that neither has to be drawn out far
+  // compares them where they overlap or come nearest, so that neither is extrapolated far
   const double begin = edge.along_of(line.at(line.begin_m)), end = edge.along_of(line.at(line.end_m));
   const double low = std::min(begin, end), high = std::max(begin, end);
   if (low > edge.end_m + config_.gap_m || high < edge.begin_m - config_.gap_m) return false;

@@ -1,16 +1,16 @@
-// CornerEvidence: edges over the places that they were heard from, and the corners between them, confirmed by what
-// appears and what vanishes on the way round (Auran, Silven 1995, 3.2 and figure 3; ledger S4-42, S4-D02).
+// CornerEvidence: edges merged over scans from several positions, and the corners between them, confirmed by the edges
+// that become visible or hidden as the vehicle passes (Auran, Silven 1995, 3.2 and figure 3; ledger S4-42, S4-D02).
 //
-// Lines of a new scan join the edge that they agree with in direction, in place and in extent; their moments merge.
-// Where two lines of a scan meet there is a hypothesis of a corner. From then on, each scan that hears one of its edges
-// and not the other says something of it:
-//   for      the other edge cannot be heard from here if the corner is one: the vehicle stands behind its line, or so
-//            near to it that it is no wider than a beam; and beams that way end before it, on what hides it.
-//   against  the other edge faces the vehicle, wide enough to be heard, and beams that way went through it.
-// A corner is confirmed by `enough` scans for it, more than are against it. A hollow corner, of a room, hides nothing
-// and is never confirmed; its place is known as well. Places are fused over scans by their covariances.
+// A line of a new scan joins the edge that it matches in direction, position and extent; their moments merge. Two lines
+// of a scan that meet form a corner hypothesis. A later scan that detects only one of its edges is evidence:
+//   for      the other edge cannot be visible from here if the corner is real: the vehicle is behind its line, or so
+//            near to the line that the edge is narrower than a beam; and the beams towards it end at a nearer echo.
+//   against  the other edge faces the vehicle and is wide enough to be detected, and the beams towards it pass through.
+// A corner is confirmed by at least `enough` scans for it, if they outnumber the scans against it. A concave corner, of
+// a room, hides nothing and is never confirmed, but its position is known as well. Positions are fused over scans by
+// their covariances.
 //
-// Plan coordinates (north, east) of W, m: places of the scans are taken to be right. One thread.
+// Plan coordinates (north, east) of W, m. Positions of the scans are taken as exact. One thread.
 #pragma once
 
 #include <isobath/perception/scan_shapes.hpp>
@@ -19,12 +19,12 @@
 namespace isobath {
 
 struct CornerEvidenceConfig {
-  double gate = 3;                    ///< standard deviations, of angles and places that are the same
-  double floor_m = 0.15;              ///< that a place is never better known than
-  Angle floor = Angle::degrees(2);    ///< nor a direction
-  double gap_m = 2;                   ///< between parts of one edge
-  int enough = 1;                     ///< scans
-  Angle facing = Angle::degrees(10);  ///< what is so wide and not heard is missed
+  double gate = 3;                    ///< standard deviations within which angles and positions match
+  double floor_m = 0.15;              ///< minimum standard deviation of a position
+  Angle floor = Angle::degrees(2);    ///< minimum standard deviation of a direction
+  double gap_m = 2;                   ///< maximum gap between parts of one edge
+  int enough = 1;                     ///< scans that confirm a corner
+  Angle facing = Angle::degrees(10);  ///< angular width from which an edge should be detected
 };
 
 struct SeenEdge {
@@ -34,8 +34,8 @@ struct SeenEdge {
 struct SeenCorner {
   PlaneCorner corner;
   std::size_t first = 0, second = 0;  ///< edges
-  int hypothesised = 0;               ///< number of the scan
-  int confirmed = 0;                  ///< 0: not yet
+  int hypothesised = 0;               ///< number of the first scan
+  int confirmed = 0;                  ///< number of the confirming scan; 0: not confirmed
   int scans_for = 0, scans_against = 0;
 };
 
@@ -43,7 +43,7 @@ class CornerEvidence {
  public:
   explicit CornerEvidence(const CornerEvidenceConfig& config = {}) : config_(config) {}
 
-  /// The next scan, and what it was told as. Scans are numbered from 1.
+  /// Adds the next scan and its shapes. Scans are numbered from 1.
   void add(const PlaneScan& scan, const ScanShapes& shapes);
   [[nodiscard]] int scans() const { return scans_; }
   [[nodiscard]] const std::vector<SeenEdge>& edges() const { return edges_; }
@@ -61,7 +61,7 @@ class CornerEvidence {
   std::vector<SeenCorner> corners_;
 };
 
-/// Of one place told twice, independently.
+/// Fuses two independent estimates of one corner.
 PlaneCorner fused(const PlaneCorner& a, const PlaneCorner& b);
 
 }  // namespace isobath

@@ -1,10 +1,10 @@
-// Fixes of the vehicle's position by corners of known objects (Auran, Silven 1995, 3.2; ledger S4-49): what is seen of
-// a charted body bounds the drift of an inertial unit, which grows with time.
+// Corner fix: corrects the vehicle's position by corners of charted objects (Auran, Silven 1995, 3.2; ledger S4-49).
+// Observed corners bound the drift of an inertial unit, which grows with time.
 //
-// Corners that were told in W as if the vehicle stood where it believes, and stand elsewhere on the chart, say how far
-// it is off: the mean of chart - seen, each weighing by its covariance and by the error of the heading, which swings a
-// corner across the line of sight. A corner is taken for the charted one that it fits; where it fits two, or none
-// within the gate, it says nothing.
+// Observed corners are placed in W by the estimated position. Their offsets from the charted corners give the position
+// error: the mean of chart - observed, weighted by the covariance of each corner, including the heading error, which
+// moves a corner across the line of sight. An observed corner is matched to the charted corner within the gate. It is
+// ignored if it matches none or more than one.
 //
 // Plan coordinates (north, east) of W, m. Pure.
 #pragma once
@@ -20,15 +20,15 @@ struct PlanePosition {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 struct CornerFix : PlanePosition {
-  int corners = 0;  ///< that it is of
+  int corners = 0;  ///< number of matched corners
 };
 
-/// `gate` in standard deviations of seen and believed places together.
+/// `gate`: in standard deviations of observed corner and estimated position combined.
 std::optional<CornerFix> corner_fix(const PlanePosition& believed, std::span<const PlaneCorner> seen,
                                     std::span<const Eigen::Vector2d> charted, Angle heading_sigma = {},
                                     double gate = 3);
 
-/// Of two independent ones (the update of a Kalman filter).
+/// Fuses two independent positions (Kalman update).
 PlanePosition fused(const PlanePosition& a, const PlanePosition& b);
 
 }  // namespace isobath

@@ -17,10 +17,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kLongestQueue = 65536;  // looks that wait for a shift
-constexpr std::size_t kCaughtUp = 4;          // of these, given to the new window with each new one
+constexpr std::size_t kLongestQueue = 65536;  // maximum number of looks queued during a shift
+constexpr std::size_t kCaughtUp = 4;          // queued looks applied to the new window with each new look
 
-/// Runs one shift at a time beside the caller.
+/// Runs one shift at a time in a thread of its own.
 class ShiftWorker {
  public:
   ShiftWorker() : thread_([this] { work(); }) {}
@@ -32,7 +32,7 @@ class ShiftWorker {
     wake_.notify_all();
     thread_.join();
   }
-  /// Not while a shift runs.
+  /// Must not be set while a shift runs.
   std::function<void()> before;
   void start(DepthMap::Shift* shift) {
     {
@@ -112,7 +112,7 @@ struct DepthMapper::Work {
     return static_cast<std::uint32_t>(std::clamp<std::int64_t>(minutes, 0, DepthPixel::kLastMinute));
   }
   void refuse(DepthRefusal why, std::uint64_t n = 1) { counts.refused[static_cast<std::size_t>(why)] += n; }
-  /// Spread evenly over 0 .. 1 in whatever part of the sequence: multiples of the golden ratio.
+  /// Evenly spread over 0 .. 1 in each part of the sequence: multiples of the golden ratio.
   double draw_lot() { return 0x1p-32 * (lots += 0x9e3779b9U); }
   void admit(const MergedReading& one, double sigma_m);
   void use(const DepthLook& look);
@@ -139,12 +139,12 @@ struct DepthMapper::Work {
   std::optional<Vector2d> last_place;
   std::unique_ptr<DepthMap::Shift> shift;
   std::unique_ptr<ShiftWorker> worker;
-  std::vector<DepthLook> queue;  ///< came since the shift began; the first `caught_up` are in the new window already
+  std::vector<DepthLook> queue;  ///< looks since the shift began; the first `caught_up` are in the new window
   std::size_t caught_up = 0;
   DepthUpdate::Listener listener;
 };
 
-// What happens to a reading ------------------------------------------------------------------------------------------
+// Readings -----------------------------------------------------------------------------------------------------------
 
 void DepthMapper::take(const RangeReading& reading, const Pose& X_WB, double sigma_m) {
   Work& w = *work_;
@@ -161,7 +161,7 @@ void DepthMapper::take(const RangeReading& reading, const Pose& X_WB, double sig
   for (const MergedReading& one : w.merged) w.admit(one, sigma_m);
 }
 
-/// Quarantine of depths; other readings go on.
+/// Quarantines depths; other readings pass.
 void DepthMapper::Work::admit(const MergedReading& one, double sigma_m) {
   counts.merged += static_cast<std::uint64_t>(one.count - 1);
   const std::optional<BeamCone> cone = update.cone(one.reading, one.X_WB);
@@ -186,7 +186,7 @@ void DepthMapper::Work::admit(const MergedReading& one, double sigma_m) {
       aside.push_back(look);
       return;
     case SoundingGate::Verdict::kConfirmed: {
-      // Of what is held only the row that agreed is confirmed; the gate counts this reading into it.
+      // Confirms only the last held readings, those that agree; the gate counts this reading as one of them.
       const std::size_t row = std::min(aside.size(), believe_after - 1);
       refuse(DepthRefusal::kHeldAlone, aside.size() - row);
       for (std::size_t i = aside.size() - row; i < aside.size(); ++i) use(aside[i]);
@@ -200,7 +200,8 @@ void DepthMapper::Work::admit(const MergedReading& one, double sigma_m) {
   }
 }
 
-/// Into the window at once. While another is made, for that one too: it has the last word on what is counted and heard.
+/// Applies a look to the window at once. During a shift it is also queued for the new window, which then decides on
+/// counts and reported changes.
 void DepthMapper::Work::use(const DepthLook& look) {
   catch_up(false);
   if (shift && queue.size() == kLongestQueue) {
@@ -210,7 +211,7 @@ void DepthMapper::Work::use(const DepthLook& look) {
   const UpdateOutcome outcome = update.apply(map.window(), look, shift ? nullptr : &listener);
   if (!shift) return count(look, outcome);
   if (!config.queue_all && !outcome.changed) {
-    // What lies within both windows finds the same pixels in both, and changes none in either.
+    // A look within both windows finds the same pixels in both, and changes none in either.
     const PixelWindow reach = update.reach(look);
     if (overlap(reach, map.window().extent()) == reach && overlap(reach, shift->extent()) == reach) {
       ++counts.spared;
@@ -282,8 +283,7 @@ void DepthMapper::passed(Time time, const Pose& X_WB) {
   w.use(look);
   const auto target = w.map.wanted(place, w.shift.get());
   if (!target) return;
-  if (w.shift) {  // due again before the last one is over: the map is that of shifts without duration, so it comes
-                  // first
+  if (w.shift) {  // the last shift has not ended: complete it first, so that the map is that of instantaneous shifts
     ++counts_.waited;
     w.catch_up(true);
   }
@@ -313,8 +313,8 @@ void DepthMapper::Work::begin_shift(Pixel target) {
   shift.reset();
 }
 
-/// Once the new window is made: gives it what came since, a few looks at a time so that none waits long, and puts it in
-/// place when it has them all.
+/// Once the new window is ready: applies queued looks to it, a few per call so that no call takes long, and installs it
+/// when none is left.
 void DepthMapper::Work::catch_up(bool wait) {
   if (!shift) return;
   if (wait) worker->wait();

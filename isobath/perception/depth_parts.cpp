@@ -4,16 +4,19 @@ namespace isobath {
 
 std::vector<Field> fields(DepthMapperConfig& c) {
   return {
-      Field::flag("prefilter", &c.prefilter, "Alike readings of one sensor become one of more weight."),
-      Field::flag("quarantine", &c.quarantine, "Depths that nothing around them supports are held back."),
-      Field::flag("honest", &c.honest, "Steps of confidence fall with range and doubt of place; false: as published."),
-      Field::flag("explain", &c.explain, "An echo that the map predicts affirms it and denies nothing."),
+      Field::flag("prefilter", &c.prefilter, "Whether similar readings of one sensor merge into one of more weight."),
+      Field::flag("quarantine", &c.quarantine, "Whether depths without support around them are held back."),
+      Field::flag("honest", &c.honest,
+                  "Whether steps of confidence fall with range and position uncertainty; false: as published."),
+      Field::flag("explain", &c.explain,
+                  "Whether an echo that the map predicts affirms the map and contradicts nothing."),
       Field::real("spread_sigmas", &c.spread_sigmas, {0, 5}, "1",
-                  "A sounding speaks of its footprint widened by so many standard deviations of the vehicle's place."),
-      Field::flag(
-          "queue_all", &c.queue_all,
-          "While the window shifts all readings are kept for the new one; false: those that changed something."),
-      Field::flag("background", &c.background, "The window shifts in a thread of its own; the map is the same."),
+                  "Widening of a sounding's footprint, in standard deviations of the vehicle's position."),
+      Field::flag("queue_all", &c.queue_all,
+                  "Whether all readings during a window shift are kept for the new window; false: only those that "
+                  "changed something."),
+      Field::flag("background", &c.background,
+                  "Whether the window shifts in a thread of its own; the map is the same."),
   };
 }
 

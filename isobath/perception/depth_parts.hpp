@@ -1,5 +1,4 @@
-// DepthMapperParts: what the depth mapper is configured with, part by part; and what it says of a pixel that it
-// changed.
+// DepthMapperParts: the configuration of the depth mapper's parts; and PixelChange, its record of a changed pixel.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -12,13 +11,13 @@
 namespace isobath {
 
 struct DepthMapperConfig {
-  bool prefilter = true;     ///< alike readings of a sensor become one of more weight (S1-68)
-  bool quarantine = true;    ///< depths that nothing supports are held back
-  bool honest = true;        ///< steps fall with range and doubt of place (S1-73)
-  bool explain = true;       ///< an echo that the map predicts affirms it and denies nothing (S1-66)
-  double spread_sigmas = 1;  ///< a sounding speaks of its footprint widened by so many sigmas of the vehicle's place
-  bool queue_all = true;     ///< during a shift; false: only readings that changed something are kept (S1-33)
-  bool background = false;   ///< windows shift beside the readings, in a thread of their own
+  bool prefilter = true;     ///< similar readings of a sensor merge into one of more weight (S1-68)
+  bool quarantine = true;    ///< depths without support are held back
+  bool honest = true;        ///< steps fall with range and position uncertainty (S1-73)
+  bool explain = true;       ///< an echo that the map predicts affirms it and contradicts nothing (S1-66)
+  double spread_sigmas = 1;  ///< widening of a sounding's footprint, in sigmas of the vehicle's position
+  bool queue_all = true;     ///< during a shift; false: only readings that changed something are queued (S1-33)
+  bool background = false;   ///< windows shift in a thread of their own
 };
 std::vector<Field> fields(DepthMapperConfig& config);
 
@@ -30,7 +29,7 @@ struct DepthMapperParts {
   SoundingGateConfig gate;
 };
 
-/// One change of a pixel, for audits (S1-02): replayed on a copy of the starting map it gives the final one.
+/// One change of a pixel, for audits (S1-02). All changes, replayed on a copy of the starting map, give the final map.
 struct PixelChange {
   Pixel pixel;
   DepthPixel before, after;

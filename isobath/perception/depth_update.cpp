@@ -12,9 +12,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kSteep = 80 * std::numbers::pi / 180;
-constexpr double kWrongDepths = 10;  // m over which a wrong echo's depth may lie (S1-73)
+constexpr double kWrongDepths = 10;  // m: span of possible depths of a wrong echo (S1-73)
 
-/// Log-odds that a reading which agrees within the margin does so because it is right (S1-73).
+/// Log-odds that a reading that agrees within the margin does so because it is right (S1-73).
 double evidence_of(double sigma_m, double margin_m) {
   const double right = std::clamp(std::erf(margin_m / (std::numbers::sqrt2 * sigma_m)), 1e-6, 1 - 1e-6);
   const double wrong = std::min(2 * margin_m / kWrongDepths, 0.5);
@@ -31,10 +31,10 @@ Claim claim_of(PixelEvidence::Kind kind) {
   return Claim::kSomewhere;
 }
 
-/// Nearest integer of |x| < 2^22, ties to even, as lrint does it but without a call: the compiler may not inline that
-/// while it has to keep errno.
+/// Nearest integer of |x| < 2^22, ties to even, like lrint but without a call: the compiler cannot inline lrint while
+/// it has to keep errno.
 std::int32_t rounded(float x) {
-  constexpr double kShift = 6755399441055744;  // 1.5 * 2^52: the fraction falls off the end
+  constexpr double kShift = 6755399441055744;  // 1.5 * 2^52: the fraction is rounded off
   return static_cast<std::int32_t>((static_cast<double>(x) + kShift) - kShift);
 }
 
@@ -62,7 +62,7 @@ std::optional<BeamCone> DepthUpdate::cone(const RangeReading& reading, const Pos
 }
 
 bool DepthUpdate::has_pixels(const Vector2d& north_east) const {
-  // The greatest of coefficients says nothing of those that are no numbers.
+  // maxCoeff may ignore NaN, so finiteness is checked first.
   return north_east.allFinite() && (north_east - grid_.corner_m).cwiseAbs().maxCoeff() < grid_.pixel_m * (1 << 28);
 }
 
@@ -70,10 +70,10 @@ PixelWindow DepthUpdate::reach(const DepthLook& look) const {
   Vector2d middle = look.X_WB.translation.head<2>();
   double radius = 0;  // m
   const double spread = config_.spread_sigmas * look.sigma_m;
-  constexpr double kLongest = 10;  // of an ellipse over its width
+  constexpr double kLongest = 10;  // largest axis ratio of a footprint ellipse
   switch (look.kind) {
     case DepthLook::Kind::kRange: {
-      // A prediction looks a tenth beyond the range, along a cone that may be wide.
+      // A prediction reads pixels up to a tenth beyond the range, along a cone that may be wide.
       const double cap = evidence_.config().range_cap_m;
       const double range = std::max(cap, look.reading.range_m.value_or(0));
       const double spot = cap * std::tan(look.reading.width.radians() / 2);
@@ -146,8 +146,8 @@ UpdateOutcome DepthUpdate::apply_range(DepthWindow& window, const DepthLook& loo
   return apply_evidence(window, found, look, kSeenByObstacle, listener);
 }
 
-/// What the sonar should report, where the bottom is within its reach at all: blocks of 8 x 8 pixels are asked first,
-/// and only the rectangle around those that are is looked at.
+/// The expected range; empty if no bottom is within reach. Tests blocks of 8 x 8 pixels first, and then reads only the
+/// rectangle around the blocks within reach.
 std::optional<RangePrediction> DepthUpdate::predict(const DepthWindow& window, const BeamCone& cone,
                                                     double max_range_m) {
   const PixelWindow all = overlap(predictor_.window(cone, max_range_m), window.extent());
@@ -156,7 +156,7 @@ std::optional<RangePrediction> DepthUpdate::predict(const DepthWindow& window, c
   const double deepest = cone.apex().z() + RangePredictor::kBeyond * max_range_m * std::sin(down);
   const auto reach_cm = static_cast<std::int32_t>(std::ceil(100 * std::clamp(deepest, -1e6, 1e6)));
   constexpr int kA = DepthBlock::kPixels;
-  // Nearer than this the lower side of the beam has not come down to the ground of a block yet.
+  // At shorter distances the lower side of the beam is still above the ground of a block.
   const bool slants = down < kSteep;
   const double fall = slants ? std::tan(down) : 0;
   const double corner = grid_.pixel_m * kA * std::numbers::sqrt2 / 2;
@@ -202,9 +202,9 @@ std::optional<RangePrediction> DepthUpdate::predict(const DepthWindow& window, c
   return predictor_.predict_listed(cone, max_range_m, {wanted, std::span(patch_).first(size)});
 }
 
-/// Confidence units: the weight where the evidence is that of a sigma of a third of the margin, less where it is
-/// weaker. What is worth less than half a unit counts as one now and then, by lot: so that many weak readings that
-/// agree are heard in the end, and a wrong chart does not stand for ever in water that is only seen from afar.
+/// Confidence units: the weight if sigma is at most a third of the margin, less if it is larger. A reading worth less
+/// than half a unit counts as one unit at random, with a probability equal to its worth. So many weak readings that
+/// agree count in the end, and a wrong chart does not stand permanently in water that is only seen from afar.
 int DepthUpdate::step_of(const Evidence& found, double lot) const {
   if (!config_.honest) return found.weight;
   const double margin = std::max(static_cast<double>(found.margin_m), evidence_.config().margin_m);
@@ -238,7 +238,7 @@ UpdateOutcome DepthUpdate::apply_evidence(DepthWindow& window, const Evidence& f
     says.depth_cm = rounded(100 * e.bound_m);
     // Most pixels of most beams are clear water over a bottom far below.
     if (judge(before, says) == Verdict::kIrrelevant) continue;
-    // What stands in the way counts however unsure it is: doubt may only make the vehicle more careful.
+    // An obstacle counts however uncertain it is: uncertainty may only make the vehicle more careful.
     says.step = says.claim == Claim::kAtMost ? std::max(step, 1) : step;
     if (says.step == 0 && before.known()) continue;
     DepthPixel after = before;

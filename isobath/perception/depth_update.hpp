@@ -1,7 +1,7 @@
-// DepthUpdate: what one look of a sonar does to a window of the depth map (ledger S1-02, S1-48 to S1-66, S1-73):
-// evidence on pixels, whether the map explains the echo already, the rule, pixel by pixel.
+// DepthUpdate: applies one look of a sonar to a window of the depth map (ledger S1-02, S1-48 to S1-66, S1-73): evidence
+// on pixels, whether the map already predicts the echo, the confidence rule, pixel by pixel.
 //
-// The outcome is a function of the look and of the window's contents alone, so that a look may be given to two windows.
+// The outcome depends on the look and the window's contents alone, so that a look can be applied to two windows.
 // Frames: W of the map. One thread. Throws nothing; allocates nothing once the largest look has been seen.
 #pragma once
 
@@ -15,17 +15,17 @@
 
 namespace isobath {
 
-inline constexpr double kTrackBreak = 100;  ///< m between fixes that are no track any more
+inline constexpr double kTrackBreak = 100;  ///< m between fixes beyond which they do not form a track
 
-/// Everything that speaks to the map, in one form: what waits for a shift.
+/// An input of the map in one form, for the queue of a shift: a reading, a sounding or a part of the track.
 struct DepthLook {
   enum class Kind : std::uint8_t { kRange, kSounding, kTrack };
   Kind kind = Kind::kRange;
-  bool depth_sonar = false;  ///< of kRange
+  bool depth_sonar = false;  ///< kRange only
   std::uint32_t minute = 0;
   int count = 1;
-  double sigma_m = 0;  ///< of the place of the vehicle
-  double lot = 0.5;    ///< 0 .. 1: whether it counts, where it is worth less than half a unit of confidence
+  double sigma_m = 0;  ///< standard deviation of the vehicle's position
+  double lot = 0.5;    ///< 0 .. 1: decides whether a look worth less than half a unit of confidence counts
   RangeReading reading;
   Pose X_WB;
   // A sounding: bottom at p seen along u. A track: from p to q.
@@ -36,24 +36,24 @@ struct DepthLook {
   Angle half_angle;
 };
 
-/// Whether a chart or a depth sonar stands for this depth. Where only forward beams have spoken it is a bound: clear
-/// water down to it, or something that reaches up to it at least; an echo from there may be of something new, and is
-/// not explained by it.
+/// Whether this depth comes from a chart or a depth sonar. A depth from forward beams alone is a bound: clear water
+/// down to it, or an object that reaches at least up to it. An echo from there may be of a new object, so such a depth
+/// does not predict it.
 inline bool vouched(const DepthPixel& pixel) {
   return pixel.known() && (!pixel.has(kSensed) || pixel.has(kSeenByDepth));
 }
 
 struct UpdateOutcome {
-  bool changed = false;                                      ///< any pixel, in depth, confidence, flags or age
-  bool useless = false;                                      ///< it said nothing of any map
-  bool outside = false;                                      ///< it lay wholly outside this window
-  bool weak = false;                                         ///< too unsure to count
-  bool explained = false;                                    ///< by the map
+  bool changed = false;                                      ///< a pixel changed in depth, confidence, flags or age
+  bool useless = false;                                      ///< the look has no evidence on any map
+  bool outside = false;                                      ///< the look is wholly outside this window
+  bool weak = false;                                         ///< too uncertain to count
+  bool explained = false;                                    ///< the map predicts the echo
   std::uint32_t affirmed = 0, conflicted = 0, replaced = 0;  ///< pixels
 };
 
-/// What a depth with this standard deviation is worth, as a share of one whose sigma is a third of the margin within
-/// which depths agree: the ratio of the log-odds that it agrees because it is right (S1-73). 0 .. 1.
+/// Weight of a depth with this standard deviation, relative to one whose sigma is a third of the margin within which
+/// depths agree: the ratio of the log-odds that it agrees because it is right (S1-73). 0 .. 1.
 double evidence_share(double sigma_m, double margin_m);
 
 class DepthUpdate {
@@ -64,9 +64,9 @@ class DepthUpdate {
 
   /// `listener` may be null or empty.
   UpdateOutcome apply(DepthWindow& window, const DepthLook& look, const Listener* listener);
-  /// Pixels beyond which the look neither asks nor says anything: wide, cheap, never too narrow.
+  /// A window that contains all pixels that the look reads or writes: cheap to compute, wide rather than tight.
   [[nodiscard]] PixelWindow reach(const DepthLook& look) const;
-  /// The cone of a reading of use, near enough to the map to have pixels.
+  /// The cone of a reading; empty if the reading is unusable or too far from the map to have pixels.
   [[nodiscard]] std::optional<BeamCone> cone(const RangeReading& reading, const Pose& X_WB) const;
   [[nodiscard]] bool has_pixels(const Eigen::Vector2d& north_east) const;
   [[nodiscard]] bool is_depth_sonar(const BeamCone& cone) const { return cone.axis().z() >= cos_depth_within_; }

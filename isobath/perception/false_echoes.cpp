@@ -6,7 +6,7 @@
 namespace isobath {
 namespace {
 
-/// Whether cells of the grid that are occupied lie along a bearing, level, between two ranges.
+/// Whether the grid has an occupied cell along a level bearing between two ranges.
 bool stands_between(const SphericalGrid& grid, Angle bearing, double from_m, double to_m) {
   const Eigen::Vector3d u_G(sin(bearing), cos(bearing), 0);
   for (double range = from_m; range <= to_m; range += grid.config().finest_m) {

@@ -1,43 +1,46 @@
-// FanMapper: pings of an imaging sonar, each beam wide in elevation, into voxels (Horner et al. c. 2009, 4; ledger
-// S5-12, S5-14 to S5-16, S5-31, S5-57).
+// FanMapper: inserts pings of an imaging sonar, whose beams are wide in elevation, into voxels (Horner et al. c. 2009,
+// 4; ledger S5-12, S5-14 to S5-16, S5-31, S5-57).
 //
-// Voxel-centred: of every voxel in the ensonified sector the rectangle of (beam, bin) cells that its cube spans is
-// looked up, and what they say is added once. With mount, roll, pitch and heading; bins are slant ranges. The voxel
-// that holds a point hears the cell that holds it: no bin is dropped.
+// The update is voxel-centred: for each voxel of the ensonified sector, the rectangle of (beam, bin) cells that its
+// cube spans is looked up, and its evidence is added once. Mount, roll, pitch and heading are included; bins are slant
+// ranges. The rectangle of a voxel that contains a point includes the cell that contains the point, so no bin is
+// dropped.
 //
-// What a rectangle says. Of its n cells, the one that an echo of the voxel would fall into is not known; so the
-// likelihood ratio P(cells | occupied) / P(cells | empty) is the mean over the n of the ratio of each: (1 - p_D) / (1 -
-// f) where it is clear, 1 where it tells nothing, and where it holds an echo one of
-//   marginal     p_D / (p_D (1 - E) + f E), E the probability that no other voxel gave it, the product over all voxels
-//                that span the cell of 1 - P / n, P from what this sensor has said before: an echo that another voxel
-//                of the arc explains says little here (S5-31);
-//   stamp        p_D / f: the paper's update, all of the arc alike;
-//   hit_and_miss no likelihoods: `hit` where any cell of the rectangle holds an echo, else `miss`.
-// Where the detector knows how likely the intensity of an echo is (EchoDecisions::ratios), with L = h / e, h its
-// probability where something echoes and e in noise, the same derivation gives
-//   marginal     L / (L (1 - E) + E):  given the voxel echoes, the intensity has probability h; given it does not, some
-//                other one gave it with probability 1 - E, so that it has (1 - E) h + E e; divided by e;
-//   stamp        L;
-// and an echo or none is the case of two intensities, L = p_D / f. Below the threshold all intensities count as one.
-// p_D here is of a voxel: what is occupied echoes only from some directions (a hull mirrors most of the sound away), so
-// that the detector's p_D counts by `answers` and f by the rest; so does h, and L becomes 1 + answers (L - 1).
+// Evidence of a rectangle. It is not known into which of its n cells an echo of the voxel would fall. So the likelihood
+// ratio P(cells | occupied) / P(cells | empty) is the mean over the n cells of the ratio of each. A clear cell has the
+// ratio (1 - p_D) / (1 - f), an uninformative cell 1. A cell with an echo has a ratio by rule:
+//   marginal     p_D / (p_D (1 - E) + f E). E is the probability that no other voxel gave the echo: the product of
+//                1 - P / n over all voxels that span the cell, P from the earlier evidence of this sensor. An echo that
+//                another voxel of the arc explains adds little here (S5-31);
+//   stamp        p_D / f: the paper's update, the same for the whole arc;
+//   hit_and_miss no likelihoods: `hit` if any cell of the rectangle holds an echo, else `miss`.
+// If the detector knows the likelihood of an echo's intensity (EchoDecisions::ratios), L = h / e, with h the
+// probability of the intensity given an echo and e in noise, the same derivation gives
+//   marginal     L / (L (1 - E) + E):  if the voxel echoes, the intensity has probability h; if not, another voxel gave
+//                it with probability 1 - E, so it has (1 - E) h + E e; divided by e;
+//   stamp        L.
+// A detector of echo or no echo is the case of two intensities, L = p_D / f. Below the threshold all intensities count
+// as one. The p_D above is that of a voxel. An occupied voxel echoes only towards some directions (a hull reflects most
+// of the sound away), so it is the detector's p_D with weight `answers` and f with the rest; h likewise, and L becomes
+// 1 + answers (L - 1).
 //
-// By the rule `aspects` (the default) looks are not independent: pings from nearly one place say nearly the same.
-// Silence saturates and echoes from one direction have a limit (aspect_law.hpp). A voxel is heard where any cell of its
-// rectangle holds an echo, in empty water with probability F = 1 - (1 - f)^n. With R the mean over these cells of
-//   p_D / (p_D (1 - E) + F E),   or L / n for p_D / F where the detector knows ratios,
-// E as above, P counted by the share of directions that echo. An echo adds no more than (1 - F) / F times what silence
-// takes: however often noise is heard, the evidence of empty water does not rise on average.
+// With the rule `aspects` (the default) looks are not independent: pings from nearly one position give nearly the same
+// information. Evidence of silence saturates, and echoes from one direction have a limit (aspect_law.hpp). A voxel has
+// an echo if any cell of its rectangle holds one; in empty water the probability is F = 1 - (1 - f)^n. R is the mean
+// over these cells of
+//   p_D / (p_D (1 - E) + F E),   or L / n for p_D / F if the detector knows ratios,
+// with E as above and P weighted by the share of directions that echo. An echo adds at most (1 - F) / F times what a
+// silent look subtracts, so the evidence of empty water does not rise on average, however often noise gives an echo.
 //
-// Beams nearer to each other than their width are not independent looks: the logarithm counts times the beams of the
-// rectangle, times their spacing over their width, but at least once and at most `most_looks` times.
+// Beams closer than their width are not independent looks: the logarithm is weighted by the number of beams of the
+// rectangle times their spacing over their width, clamped to 1 .. `most_looks`.
 //
-// Behind an echo of `shadow_bins` bins in a row clear bins of the beam tell nothing: what is there is hidden (S5-57).
-// A dim bin (bottom or surface are loud there) tells something only where it holds an echo.
+// Behind an echo of `shadow_bins` consecutive bins, clear bins of the beam are not informative: objects there are
+// hidden (S5-57). A dim bin (bottom or surface are loud there) is informative only if it holds an echo.
 //
-// Frames: ledger. The evidence of a ping is the same, bit for bit, on any number of threads and whatever vector
-// instructions the processor has. Its threads wait from ping to ping. Allocates at the first ping of a geometry and
-// where the map grows. Not thread-safe.
+// Frames: ledger. The evidence of a ping is the same, bit for bit, on any number of threads and with any vector
+// instructions. Its threads wait between pings. Allocates at the first ping of a geometry and where the map grows. Not
+// thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -56,8 +59,8 @@
 
 namespace isobath {
 
-/// Of one cell of a ping: how likely an echo is, by a map; and the share of the voxels that could give one which any
-/// sensor has looked at.
+/// Forecast for one cell of a ping: the probability of an echo by a map, and the share of the cell's voxels that any
+/// sensor has observed.
 struct EchoForecast {
   float p_echo = 0;
   float seen = 0;
@@ -65,12 +68,12 @@ struct EchoForecast {
 
 struct FanMapperConfig {
   enum class Rule : std::uint8_t { kAspects, kMarginal, kStamp, kHitAndMiss } rule = Rule::kAspects;
-  double hit = 0.847;     ///< of hit_and_miss, log-odds
-  double miss = -0.405;   ///< the same
-  double answers = 0.35;  ///< share of the looks at an occupied voxel in which it can echo at all
+  double hit = 0.847;     ///< hit_and_miss: log-odds of an echo
+  double miss = -0.405;   ///< hit_and_miss: log-odds of none
+  double answers = 0.35;  ///< share of looks at an occupied voxel in which it can echo
   AspectConfig aspects;
-  double most_looks = 1;  ///< of one ping at one voxel
-  int shadow_bins = 3;    ///< 0: nothing hides anything
+  double most_looks = 1;  ///< maximum number of independent looks of one ping at one voxel
+  int shadow_bins = 3;    ///< consecutive bins with echoes that cast a shadow; 0: no shadows
 };
 std::vector<Field> fields(FanMapperConfig& config);
 
@@ -79,26 +82,25 @@ class FanMapper {
   /// `prior`: log-odds of a voxel before any look, for the marginal rule.
   FanMapper(const FanMapperConfig& config, double voxel_m, double prior);
 
-  /// Depth of the surface in W, m: voxels whose centre is above it are no water and are left as they are (S5-39).
-  /// Minus infinity, as at first: there is none.
+  /// Depth of the surface in W, m. Voxels whose centre is above it are not water and stay unchanged (S5-39). Minus
+  /// infinity, the default: no surface.
   void set_surface(double depth_m) { surface_m_ = depth_m; }
 
-  /// The position jumped, m in W: the sonar has not moved by that much.
+  /// Reports a jump of the estimated position, m in W, that is not a motion of the sonar.
   void move_along(const Eigen::Vector3d& jump_W) {
     if (last_W_) *last_W_ += jump_W;
   }
 
-  /// Why a valid ping cannot go into voxels of this size; null: it can. They are so large that one near the sonar spans
-  /// 65536 cells or more, or so small that the fan is 4000 of them long, or holds
-  /// 10^9.
+  /// The reason why a valid ping cannot be inserted into voxels of this size; null: it can. The voxels are so large
+  /// that one near the sonar spans 65536 cells or more, or so small that the fan is 4000 voxels long or holds 10^9.
   [[nodiscard]] static const char* fault_of(const Ping& ping, double voxel_m);
 
-  /// The ping is valid, decisions have its size, the pose is finite. Throws Error where `fault_of` says why. Returns
-  /// the blocks that it looked at.
+  /// Inserts a ping. The ping must be valid, the decisions have its size and the pose be finite. Throws Error if
+  /// `fault_of` gives a reason. Returns the number of blocks visited.
   int update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, VoxelBlocks& layer, int threads = 1);
 
-  /// What the same geometry would hear, f + (p_D - f) (1 - E), beam after beam; of the decisions only p_D and f count.
-  /// E as of the marginal rule, by the pooled probabilities of a map of the same voxels.
+  /// Forecast of a ping of the same geometry, f + (p_D - f) (1 - E), beam by beam; of the decisions only p_D and f are
+  /// used. E as in the marginal rule, from the pooled probabilities of a map with the same voxel size.
   std::vector<EchoForecast> forecast(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB,
                                      const VoxelMap& map);
 

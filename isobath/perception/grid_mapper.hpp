@@ -1,16 +1,16 @@
-// GridMapper: pings into the body-fixed grid (Ganesan 2015, 3.3 and 3.4; ledger S6-09, S6-12 to S6-27).
+// GridMapper: inserts pings into the body-fixed grid (Ganesan 2015, 3.3 and 3.4; ledger S6-09, S6-12 to S6-27).
 //
-// Each ping first moves the grid by the vehicle's displacement since the last one, then updates it beam by beam, in the
-// order of the fan: a fan of beams counts exactly as its beams one after another. Within a beam all clear bins come
-// first, pooled into one addition a cell, then the echoes in the order of range. Bins are independent looks, so that
-// any order is valid sequential Bayes up to the independence of the cells (S6-72); this one is fixed, so the result is
-// deterministic. Bins that are not usable, or whose p_D is not above f, leave the grid as it is, whatever they hold.
-// Dim bins count with the p_D of their own. All evidence of a ping counts EchoDecisions::weight times, echoes at most
-// `most_echo_weight` times.
+// Each ping first moves the grid by the vehicle's displacement since the previous ping, and then updates it beam by
+// beam in the order of the fan. A fan of beams therefore gives the same result as its beams one after another. Within a
+// beam all clear bins come first, pooled into one addition per cell, then the echoes in order of range. Bins are
+// independent looks, so any order is valid sequential Bayes up to the independence of the cells (S6-72); a fixed order
+// makes the result deterministic. Bins that are not usable, or whose p_D is not above f, do not change the grid,
+// whether they hold an echo or not. Dim bins have their own p_D. All evidence of a ping is weighted by
+// EchoDecisions::weight, that of echoes by at most `most_echo_weight`.
 //
-// Beams are projected to the level plane: azimuth from the whole attitude, roll and pitch removed; slant ranges times
-// the cosine of the tilt of the sonar's axis, to 1.5 % of the range, so that up to 10 degrees of tilt change nothing.
-// Cells beyond the border count with their prior.
+// Beams are projected to the level plane. The azimuth is that of the full attitude, with roll and pitch removed. Slant
+// ranges are multiplied by the cosine of the tilt of the sonar's axis, accurate to 1.5 % of the range, so a tilt of up
+// to 10 degrees has no effect. Cells beyond the border count with their prior.
 //
 // After warm-up (a few pings of each sensor set-up) nothing allocates in the grid's default modes. One thread.
 #pragma once
@@ -30,7 +30,7 @@ namespace isobath {
 
 struct GridMapperConfig {
   enum class Update : std::uint8_t { kBin, kPrinted, kAnyTarget } update = Update::kBin;
-  int block = 3;  ///< r of the printed form, cells
+  int block = 3;  ///< r of the printed form, in cells
   MotionConfig motion;
   OverlapTableConfig table;
 };
@@ -42,11 +42,12 @@ class GridMapper {
   /// Throws Error.
   GridMapper(const BodyGridConfig& grid, const GridMapperConfig& config);
 
-  /// The ping is valid (check() finds no fault), decisions have its size, the pose is finite.
+  /// Inserts a ping. The ping must be valid (check() finds no fault), the decisions have its size, and the pose be
+  /// finite.
   void update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB,
               const DisplacementSource& source = {});
 
-  /// The motion alone: brings the grid to a pose without an echo (S6-27).
+  /// Moves the grid to a pose without a ping (S6-27).
   void advance(Time time, const Pose& X_WB, const DisplacementSource& source = {});
 
   [[nodiscard]] const BodyGrid& grid() const { return grid_; }

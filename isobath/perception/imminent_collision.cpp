@@ -6,7 +6,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kStanding = 0.05;  // m/s: slower, the direction of travel is noise
+constexpr double kStanding = 0.05;  // m/s: below it the direction of travel is noise
 
 bool usable(const RangeReading& r, double min_confidence) {
   if (!(r.confidence >= min_confidence) || !r.X_BS.is_finite()) return false;
@@ -17,16 +17,18 @@ bool usable(const RangeReading& r, double min_confidence) {
 
 std::vector<Field> fields(ImminentCollisionConfig& c) {
   return {
-      Field::real("reaction_s", &c.reaction_s, {0, 60}, "s", "From an echo that is too near until the vehicle brakes."),
-      Field::real("braking", &c.braking, {0.001, 20}, "m/s2", "Deceleration that the vehicle can be sure of."),
-      Field::real("margin_m", &c.margin_m, {0, 100}, "m", "Water to be left between vehicle and obstacle."),
-      Field::integer("hits", &c.hits, {1, 32}, "1", "So many dangerous readings of one sensor ..."),
-      Field::integer("looks", &c.looks, {1, 32}, "1", "... among its last so many raise the bit."),
+      Field::real("reaction_s", &c.reaction_s, {0, 60}, "s",
+                  "Time from an echo that is too near until the vehicle brakes."),
+      Field::real("braking", &c.braking, {0.001, 20}, "m/s2", "Deceleration that the vehicle reliably achieves."),
+      Field::real("margin_m", &c.margin_m, {0, 100}, "m", "Distance to be left between vehicle and obstacle."),
+      Field::integer("hits", &c.hits, {1, 32}, "1",
+                     "Dangerous readings of one sensor, among its last `looks`, that raise the alarm."),
+      Field::integer("looks", &c.looks, {1, 32}, "1", "Number of last readings of a sensor that are considered."),
       Field::degrees("cone_slack_deg", &c.cone_slack, {0, 90},
                      "A direction of travel this far outside a sensor's cone still counts as ahead of it."),
-      Field::real("unknown_speed", &c.unknown_speed, {0, 20}, "m/s", "Taken for the speed while it is not known."),
+      Field::real("unknown_speed", &c.unknown_speed, {0, 20}, "m/s", "Assumed speed while the velocity is not known."),
       Field::real("min_confidence", &c.min_confidence, {0, 1}, "1",
-                  "Readings that the device trusts less are no look."),
+                  "Minimum confidence of a reading, as stated by the device."),
   };
 }
 

@@ -1,17 +1,17 @@
-// ImminentCollision: a backup that acts straight on raw ranges, so that neither a delay nor a defect of a map can hide
-// an obstacle (Oskard 1990, III-D; ledger S1-44 S1-F10).
+// ImminentCollision: a backup collision check on raw ranges, so that neither a delay nor a defect of a map can hide an
+// obstacle (Oskard 1990, III-D; ledger S1-44 S1-F10).
 //
 //   dangerous  <=>  R - v t_react - v^2 / (2 b) < margin,        v >= 0 closing speed, b braking, m/s2
 //
-// A reading counts where the direction of travel lies within its cone, widened by `cone_slack`; what it has seen may
-// then be right ahead, so v is the whole speed. One spurious short reading is no collision and one missed echo no
-// all-clear: the bit is up while, of the last `looks` readings of some sensor, `hits` were dangerous (two in three).
-// No echo is a look that saw nothing; a reading without a usable number is no look, and is counted. A sensor that the
-// direction of travel leaves is cleared look by look. A vehicle that stands still travels ahead; one whose velocity is
-// not known does `unknown_speed` ahead.
+// A reading counts if the direction of travel lies within its cone, widened by `cone_slack`. The echo may then be right
+// ahead, so v is the whole speed. One spurious short reading does not raise the alarm and one missed echo does not
+// clear it: the alarm is raised while `hits` of the last `looks` readings of a sensor were dangerous (two in three). A
+// reading without an echo counts as not dangerous. A reading without a usable number is not a look, and is counted. If
+// the direction of travel leaves a sensor's cone, its next looks clear it one by one. A vehicle at rest counts as
+// travelling ahead; one whose velocity is not known as travelling ahead at `unknown_speed`.
 //
 // As long as t_react covers the time to the second dangerous reading (two cycles of 0.6 s by default), the vehicle
-// stops with the margin left; each look that is lost just then costs the way of one period. The map is not asked.
+// stops with the margin left; each look lost at that moment costs the distance travelled in one period. No map is used.
 // Frames: velocity over ground in B. One thread at a time; update allocates nothing.
 #pragma once
 
@@ -32,17 +32,17 @@ struct ImminentCollisionConfig {
   int looks = 3;
   Angle cone_slack = Angle::degrees(5);
   double unknown_speed = 2;   ///< m/s
-  double min_confidence = 0;  ///< of a reading
+  double min_confidence = 0;  ///< minimum confidence of a reading
 };
 
 std::vector<Field> fields(ImminentCollisionConfig& config);
 
 class ImminentCollision {
  public:
-  /// Throws Error where `hits` is above `looks`.
+  /// Throws Error if `hits` is above `looks`.
   ImminentCollision(const ImminentCollisionConfig& config, std::size_t sensors);
 
-  /// Whether the bit is up now. Velocity of B over ground, components in B; empty: not known.
+  /// Returns whether the alarm is raised. `v_B`: velocity of B over ground, components in B; empty: not known.
   bool update(std::size_t sensor, const RangeReading& reading, const std::optional<Eigen::Vector3d>& v_B);
   [[nodiscard]] bool raised() const { return raised_; }
   [[nodiscard]] std::uint64_t unusable() const { return unusable_; }
@@ -53,7 +53,7 @@ class ImminentCollision {
   [[nodiscard]] bool dangerous(const RangeReading& reading, const std::optional<Eigen::Vector3d>& v_B) const;
 
   ImminentCollisionConfig config_;
-  std::vector<std::uint32_t> looks_;  ///< of each sensor, the newest in bit 0
+  std::vector<std::uint32_t> looks_;  ///< by sensor, the newest look in bit 0
   bool raised_ = false;
   std::uint64_t unusable_ = 0;
 };

@@ -32,9 +32,11 @@ std::vector<Field> fields(ObjectLabelConfig& c) {
   return {
       Field::real("position_sigma", &c.position_sigma, {0.001, 1000}, "m",
                   "Standard deviation of an observed position, each axis."),
-      Field::real("moving_gate", &c.moving_gate, {1, 1000}, "1", "Squared speed over its variance that is no noise."),
-      Field::real("min_speed", &c.min_speed, {0, 10}, "m/s", "What drifts more slowly lies still."),
-      Field::integer("misses", &c.misses, {1, 1000}, "1", "Looks in vain, one after the other, until it has vanished."),
+      Field::real("moving_gate", &c.moving_gate, {1, 1000}, "1",
+                  "Squared speed over its variance above which an object moves."),
+      Field::real("min_speed", &c.min_speed, {0, 10}, "m/s", "Minimum speed of a moving object."),
+      Field::integer("misses", &c.misses, {1, 1000}, "1",
+                     "Consecutive looks without a detection after which an object has vanished."),
   };
 }
 

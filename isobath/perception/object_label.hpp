@@ -1,12 +1,13 @@
-// Labels of objects by what their attributes have been (ledger S1-06).
+// Object labels: classifies objects by the history of their attributes (ledger S1-06).
 //
 //   moving    a straight track at constant speed through the positions has a speed that noise does not explain: with v
 //             and its covariance C by least squares, v^T C^-1 v > `moving_gate`, and |v| at least `min_speed`
-//   vanished  the last `misses` looks at its place saw nothing: time alone makes nothing vanish that nobody looked for
-//   static    neither, from at least three positions
+//   vanished  the last `misses` looks at its position found nothing; the passage of time alone never makes an object
+//             vanish
+//   static    neither, with at least three positions
 //   unknown   fewer positions
 //
-// The noise of a position is the larger of `position_sigma` and what the track leaves over. Positions in m, W. Pure.
+// The noise of a position is the larger of `position_sigma` and the residual of the track. Positions in m, W. Pure.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +31,8 @@ struct ObjectLabelConfig {
 
 std::vector<Field> fields(ObjectLabelConfig& config);
 
-/// `positions`: vectors; `looks`: numbers, 0 where a look at its place did not find it. Both in order of time, as
-/// ObjectStore::history gives them; entries of another type are passed over.
+/// `positions`: vectors; `looks`: numbers, 0 if a look at its position did not find it. Both in order of time, as
+/// ObjectStore::history gives them; entries of another type are ignored.
 ObjectLabel label_object(const ObjectLabelConfig& config, std::span<const AttributeEntry> positions,
                          std::span<const AttributeEntry> looks);
 

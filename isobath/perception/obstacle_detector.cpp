@@ -9,7 +9,7 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-// Calls visit(cell) for the cells of the (2 reach + 1)-block round c that exist.
+// Calls visit(cell) for the existing cells of the (2 reach + 1)-block around c.
 template <class Visit>
 void for_block(const CartesianGrid& cells, Cell c, int reach, Visit visit) {
   for (int x = std::max(0, c.x - reach); x <= std::min(cells.cells_x - 1, c.x + reach); ++x) {
@@ -17,7 +17,7 @@ void for_block(const CartesianGrid& cells, Cell c, int reach, Visit visit) {
   }
 }
 
-// In cells of the grid.
+// Convex hull in units of cells.
 Polygon hull_of(const std::vector<Cell>& piece) {
   std::vector<Vector2d> corners;
   corners.reserve(4 * piece.size());
@@ -45,14 +45,14 @@ Moments moments(const std::vector<Cell>& piece, Weight weight) {
     const Vector2d d = Vector2d(c.x + 0.5, c.y + 0.5) - m.mean;
     m.covariance += weight(c) / total * d * d.transpose();
   }
-  m.covariance += Matrix2d::Identity() / 12;  // of a cell about its centre
+  m.covariance += Matrix2d::Identity() / 12;  // variance of a cell about its centre
   return m;
 }
 
 Angle bearing_of(const Vector2d& p) { return Angle::radians(std::atan2(p.y(), p.x())); }
 Vector2d direction_of(Angle bearing) { return {cos(bearing), sin(bearing)}; }
 
-// Directions in which an outline that does not hold the vehicle is seen.
+// Range of directions of an outline that does not contain the vehicle.
 struct Interval {
   Angle low;
   Angle high;
@@ -89,11 +89,13 @@ bool overlaps(const Interval& a, const Interval& b) {
 
 std::vector<Field> fields(ObstacleDetectorConfig& c) {
   return {
-      Field::integer("slack_cells", &c.slack_cells, {0, 50}, "cells", "How far an outline may reach from evidence."),
-      Field::integer("max_multiple", &c.max_multiple, {1, 10}, "1",
-                     "Echoes that went to and fro up to so many times are marked as possible multiples."),
+      Field::integer("slack_cells", &c.slack_cells, {0, 50}, "cells",
+                     "Largest distance of an outline's cells from evidence."),
+      Field::integer(
+          "max_multiple", &c.max_multiple, {1, 10}, "1",
+          "Largest order of multiples: obstacles at up to this many times the range of a nearer one are marked."),
       Field::real("multiple_tolerance", &c.multiple_tolerance, {0, 0.3}, "1",
-                  "How near its range has to come to the multiple, as a share of it."),
+                  "Tolerance of the range of a multiple, as a share of the range."),
   };
 }
 
@@ -147,7 +149,7 @@ void ObstacleDetector::sum_neighbourhoods(const BodyGrid& grid) {
 
 void ObstacleDetector::mark_evidence(const CartesianGrid& cells, double threshold) {
   detected_.resize(cells.size());
-  // Rounding of the sum must not cost the detection of exactly the threshold (S6-E19).
+  // A sum of exactly the threshold must be detected despite rounding (S6-E19).
   std::transform(sum_.begin(), sum_.end(), detected_.begin(),
                  [&](double n) -> std::uint8_t { return n >= threshold - 1e-9; });
   evidence_.assign(cells.size(), 0);
@@ -163,7 +165,8 @@ void ObstacleDetector::mark_evidence(const CartesianGrid& cells, double threshol
       evidence_[at] = p_[at] >= largest / 2;
     });
   }
-  // No detection without an outline: where stronger neighbours left a detected cell bare, its block counts as it is.
+  // Each detection needs an outline: if stronger neighbours leave a detected cell without evidence, its whole block
+  // counts.
   for (std::size_t i = 0; i < cells.size(); ++i) {
     bool bare = true;
     in_detected(i, [&](Cell, std::size_t at) { bare = bare && !evidence_[at]; });
@@ -252,7 +255,7 @@ Obstacle ObstacleDetector::describe(const BodyGrid& grid, const std::vector<Cell
   return o;
 }
 
-// Obstacles come sorted by range, so whatever hides one, or whatever it is a multiple of, stands before it.
+// Obstacles are sorted by range, so one that hides another, or whose multiple another is, comes before it.
 void ObstacleDetector::relate(std::vector<Obstacle>& obstacles, double cell_m) const {
   constexpr int kRays = 17;
   const Vector2d vehicle = Vector2d::Zero();

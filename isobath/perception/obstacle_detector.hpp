@@ -1,15 +1,15 @@
-// ObstacleDetector: from the body-fixed grid to obstacles, once at the end of each scan (Ganesan 2015, 3.5,
+// ObstacleDetector: extracts obstacles from the body-fixed grid at the end of each scan (Ganesan 2015, 3.5,
 // equation 3.21; ledger S6-28 to S6-30, S6-E19).
 //
-// A cell is detected where the expected number of obstacles in its 3 x 3 neighbourhood, the sum of p over the cells
-// that exist, is at or above BodyGridConfig::threshold. Detected cells join into regions over sides and corners. The
-// sum reaches one cell beyond what was seen, so an outline is drawn round the cells with evidence of their own: p at or
-// above threshold / 9 and at least half the largest p beside it. Each region is cut across its long axis until every
-// piece is convex and tight: no cell of its hull is more than `slack_cells` from evidence, so that an L or a ring does
-// not swallow the water within.
+// A cell is detected if the expected number of obstacles in its 3 x 3 neighbourhood, the sum of p over the existing
+// cells, is at least BodyGridConfig::threshold. Detected cells join into regions over sides and corners. The sum
+// reaches one cell beyond the observed obstacle, so an outline includes only cells with evidence of their own: p at
+// least threshold / 9 and at least half the largest p beside it. Each region is cut across its long axis until every
+// piece is convex and tight: no cell of its hull is more than `slack_cells` from evidence. So the outline of an L or a
+// ring does not include the water inside.
 //
-// An outline covers whole cells. `existence` is 1 - prod(1 - p) over the strongest 3 x 3 block alone: neighbouring
-// cells share their echoes and are not independent witnesses. Order: by range, then bearing.
+// An outline covers whole cells. `existence` is 1 - prod(1 - p) over the strongest 3 x 3 block alone, since
+// neighbouring cells share their echoes and are not independent. Order: by range, then bearing.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -22,14 +22,14 @@ namespace isobath {
 
 struct ObstacleDetectorConfig {
   int slack_cells = 1;
-  int max_multiple = 3;              ///< echoes that went to and fro up to so many times are looked for
-  double multiple_tolerance = 0.05;  ///< of the range
+  int max_multiple = 3;              ///< largest order of multiples that are marked
+  double multiple_tolerance = 0.05;  ///< as a share of the range
 };
 
 std::vector<Field> fields(ObstacleDetectorConfig& config);
 
-/// The binary map of one scan, and what was made of it. Cell (x, y) lies in the grid's axes G, in which the vehicle's
-/// level body frame has the given position and heading.
+/// The binary map of one scan and its obstacles. Cell (x, y) is in the grid's axes G, in which the vehicle's level body
+/// frame has the given position and heading.
 struct Detection {
   Time time;
   Pose X_WB;

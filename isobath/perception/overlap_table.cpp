@@ -35,7 +35,7 @@ double farthest(std::span<const Vector2d> polygon) {
   return std::sqrt(best);
 }
 
-// One axis of a place on the lattice of 1/steps cells, and its mirror image.
+// One axis of a position on the lattice of 1/steps cells, and its mirror image.
 struct Lattice {
   int cell;
   int part;
@@ -80,10 +80,10 @@ struct OverlapTable::Header {
 
 std::vector<Field> fields(OverlapTableConfig& c) {
   return {
-      Field::integer("table_mb", &c.table_mb, {1, 65536}, "MB", "Memory for overlaps of beams with cells."),
+      Field::integer("table_mb", &c.table_mb, {1, 65536}, "MB", "Memory for the overlaps of beams with cells."),
       Field::integer("offset_steps", &c.offset_steps, {1, 16}, "1",
-                     "Places of the sensor within a cell, along each axis, that are told apart."),
-      Field::degrees("bearing_step_deg", &c.bearing_step, {0.001, 5}, "Rounding of beam directions, at most."),
+                     "Distinct positions of the sensor within a cell, along each axis."),
+      Field::degrees("bearing_step_deg", &c.bearing_step, {0.001, 5}, "Maximum rounding of beam directions."),
   };
 }
 
@@ -122,7 +122,7 @@ void OverlapTable::adopt(const BeamFan& fan, const RangeWindow& window) {
   octant_ = static_cast<int>(std::clamp(std::ceil(kPi / 4 / step), 1.0, limit));
   slot_.assign(places * static_cast<std::size_t>(octant_ + 1), 0);
   forget();
-  // A beam touches about its area and twice its outline in cells; larger rows grow the scratch space once.
+  // A beam touches about as many cells as its area plus twice its outline; larger rows grow the scratch space once.
   const double cells = widths_.back().radians() / 2 * far * far + 4 * far + 16;
   cells_.reserve(static_cast<std::size_t>(std::min(cells, 1e6)));
   found_.reserve(static_cast<std::size_t>(std::min(cells * (2 + 1.5 / bin_), 2e6)));
@@ -158,8 +158,7 @@ OverlapTable::Row OverlapTable::row(int beam, Angle azimuth, const Vector2d& sen
   const int turn = 8 * octant_;
   const auto rounded = static_cast<int>(std::floor(azimuth.wrapped_positive().radians() / (kPi / 4) * octant_ + 0.5));
   int bearing = rounded % turn;
-  // Mirrored axis: offset u stands for cell -u - 1 counted from the lattice's integer, -u where the sensor is inside a
-  // cell.
+  // Mirrored axis: offset u is cell -u - 1 counted from the lattice's integer, or -u if the sensor is inside a cell.
   const auto mirror = [steps](Lattice& axis) {
     axis.cell -= axis.part == 0 ? 1 : 0;
     axis.part = (steps - axis.part) % steps;
@@ -212,7 +211,7 @@ OverlapTable::Header* OverlapTable::find_or_build(std::uint32_t key, Angle width
   return store(key);
 }
 
-// The columns of cells that the wedge meets, and in each the rows that it meets.
+// Visits the columns of cells that the wedge intersects, and in each column the rows that it intersects.
 void OverlapTable::build(Angle width, int bearing, int qx, int qy) {
   cells_.clear();
   found_.clear();
@@ -248,7 +247,7 @@ void OverlapTable::build_cell(const Wedge& wedge, int u, int v, const Vector2d& 
   const double far = farthest(polygon);
   const double last = std::min<double>(window_.bins, std::ceil((far - start_) / bin_));
   if (first >= last) return;
-  // Most cells meet few bins: the discs that hold nothing or all of the polygon are worth a short cut.
+  // Most cells overlap few bins: discs that contain none or all of the polygon take a short cut.
   const double whole = disc_overlap(polygon, 2 * far);
   const auto within = [&](double radius) {
     return radius <= near ? 0 : radius >= far ? whole : disc_overlap(polygon, radius);
@@ -313,7 +312,7 @@ void OverlapTable::pool(Header& row) const {
   row.gain_version = gain_version_;
 }
 
-// Rows lie in [tail, head), or where the arena has wrapped in [tail, wrap) and [0, head).
+// Rows occupy [tail, head), or [tail, wrap) and [0, head) if the arena has wrapped.
 std::byte* OverlapTable::allocate(std::size_t bytes) {
   if (bytes > arena_size_) return nullptr;
   for (;;) {

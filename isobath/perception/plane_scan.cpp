@@ -36,7 +36,7 @@ std::vector<RangeRun> constant_range_runs(const PlaneScan& scan, const RangeRunC
   };
   std::vector<RangeRun> runs;
   if (n < 2) return runs;
-  std::size_t start = 0;  // behind a break, if there is one
+  std::size_t start = 0;  // starts after a break, if there is one
   while (start < n && goes_on(start + n - 1)) ++start;
   start %= n;
   for (std::size_t i = start; i < start + n;) {

@@ -1,13 +1,13 @@
-// PlaneScan: the echoes of one level turn of a scanning sonar, and the runs of constant range in it (Auran, Silven
-// 1995, 3.1, after Leonard, Durrant-Whyte and Cox 1992; ledger S4-43).
+// PlaneScan: the echoes of one level turn of a scanning sonar, and their runs of constant range (Auran, Silven 1995,
+// 3.1, after Leonard, Durrant-Whyte and Cox 1992; ledger S4-43).
 //
-// A reading says where its echo is to sigma_r along the beam and range x sigma across it, and more: a beam is wide, and
-// its echo that of the nearest thing in it. So the point that echoed lies off the axis of the beam, by up to half its
-// width, on the side where the surface comes nearer (`point_towards`).
+// The position of an echo has the standard deviation sigma_r along the beam and range x sigma across it. Besides, a
+// beam is wide, and its echo is that of the nearest object in it. So the point that echoed lies off the beam's axis, by
+// up to half its width, on the side where the surface is nearer (`point_towards`).
 //
-// A run is a set of neighbouring directions, as many as possible, in which the range changes by no more than `step`
-// from each to the next: a surface that is met squarely. A cylinder has one about its bearing, a plane has one about
-// its normal, and echoes that came by way of a second surface have short ones or none.
+// A run is a maximal set of neighbouring directions in which the range changes by at most `step` from one to the next:
+// a surface at normal incidence. A cylinder has a run about its bearing, a plane has one about its normal, and echoes
+// by a second reflection have short runs or none.
 //
 // Plan coordinates are (north, east) of W, m; bearings are clockwise from north. Pure.
 #pragma once
@@ -26,12 +26,12 @@ inline Angle plan_bearing(const Eigen::Vector2d& v) { return Angle::radians(std:
 
 struct PlaneEcho {
   PlaneEcho(Angle of_axis, double range) : bearing(of_axis), axis(plan_direction(of_axis)), range_m(range) {}
-  Angle bearing;  ///< of the beam's axis
+  Angle bearing;  ///< bearing of the beam's axis
   Eigen::Vector2d axis;
   double range_m;
 };
 
-/// Of a beam, full; with the cosine and the sine of its half, which are asked for at every echo of every fit.
+/// Full width of a beam, with the cosine and sine of its half, which each echo of each fit needs.
 struct BeamWidth {
   explicit BeamWidth(Angle width) : full(width), cos_half(cos(width / 2)), sin_half(sin(width / 2)) {}
   Angle full;
@@ -40,36 +40,36 @@ struct BeamWidth {
 
 struct PlaneScan {
   Eigen::Vector2d from = Eigen::Vector2d::Zero();  ///< the sonar
-  std::vector<PlaneEcho> echoes;                   ///< by bearing, of [0, 360) degrees: sort()
+  std::vector<PlaneEcho> echoes;                   ///< in order of bearing, 0 .. 360 degrees; see sort()
   BeamWidth beam_width{Angle::degrees(2.5)};
-  Angle sigma = Angle::degrees(2.5 / 2.355);   ///< of a bearing
-  double sigma_m = 0.15, sigma_share = 0.003;  ///< of a range: the larger one
+  Angle sigma = Angle::degrees(2.5 / 2.355);   ///< standard deviation of a bearing
+  double sigma_m = 0.15, sigma_share = 0.003;  ///< standard deviation of a range: the larger one
 
-  /// Wraps all bearings and puts the echoes in their order.
+  /// Wraps all bearings and sorts the echoes by bearing.
   void sort();
   [[nodiscard]] double range_sigma(double range_m) const { return std::max(sigma_m, sigma_share * range_m); }
   [[nodiscard]] Eigen::Vector2d point(const PlaneEcho& echo) const { return from + echo.range_m * echo.axis; }
-  /// Where the echo came from, if what it is of is nearest in the direction `nearest`, a unit vector.
+  /// The point that echoed, if its surface is nearest in the direction `nearest`, a unit vector.
   [[nodiscard]] Eigen::Vector2d point_towards(const PlaneEcho& echo, const Eigen::Vector2d& nearest) const;
   /// Variance of a point along the unit vector n.
   [[nodiscard]] double variance_along(const Eigen::Vector2d& n, const PlaneEcho& echo) const;
 };
 
-/// Echoes `first`, `first + 1`, ... `first + count - 1`, counted on from the last to the first.
+/// Echoes `first`, `first + 1`, ... `first + count - 1`; the indices wrap after the last echo.
 struct RangeRun {
   std::size_t first = 0, count = 0;
-  Angle begin, end;    ///< bearings of the first and the last; `end` may be beyond 360 degrees
+  Angle begin, end;    ///< bearings of the first and the last echo; `end` may be beyond 360 degrees
   double range_m = 0;  ///< the mean
 
   [[nodiscard]] Angle middle() const { return (begin + (end - begin) / 2).wrapped_positive(); }
 };
 
 struct RangeRunConfig {
-  double step = 2;  ///< standard deviations of a range, from a direction to the next
+  double step = 2;  ///< maximum change of range to the next direction, standard deviations
   Angle least = Angle::degrees(2.5);
-  Angle neighbours = Angle::degrees(5);  ///< directions farther apart are none
+  Angle neighbours = Angle::degrees(5);  ///< maximum angle between neighbouring directions
 };
-/// In order of bearing.
+/// The runs, in order of bearing.
 std::vector<RangeRun> constant_range_runs(const PlaneScan& scan, const RangeRunConfig& config = {});
 
 }  // namespace isobath

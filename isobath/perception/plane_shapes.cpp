@@ -17,9 +17,9 @@ using Eigen::Vector3d;
 
 constexpr int kLineRounds = 3, kArcRounds = 12;
 
-/// The foot of the perpendicular from the sonar is a line's nearest point.
+/// Direction to the nearest point of a line, the foot of the perpendicular from the sonar.
 Vector2d nearest_of(const PlaneLine& line) { return -line.normal; }
-/// Of a circle: on the way to the centre from outside, away from it from inside.
+/// Direction to the nearest point of a circle: towards the centre from outside, away from it from inside.
 Vector2d nearest_of(const PlaneArc& arc, const Vector2d& from) {
   return (arc.hollow ? from - arc.centre : arc.centre - from).normalized();
 }
@@ -42,7 +42,7 @@ PlaneMoments moments_of(const PlaneLine& line) {
       line.weight, line.centre,
       line.spread * line.along() * line.along().transpose() + line.residual * line.normal * line.normal.transpose()};
 }
-/// The line of the least sum of squares, its normal to the side of `to`.
+/// The least-squares line, with its normal on the side of `to`.
 PlaneLine line_of(const PlaneMoments& m, const Vector2d& to) {
   const Eigen::SelfAdjointEigenSolver<Matrix2d> axes(m.scatter);
   PlaneLine line;
@@ -80,7 +80,7 @@ std::optional<PlaneArc> algebraic_circle(const PlaneScan& scan, std::span<const 
   return arc;
 }
 
-/// Distance of an echo from the circle, its variance, and the way that the distance grows.
+/// Distance of an echo from the circle, its variance, and its gradient.
 struct ArcResidual {
   double value, variance;
   Vector2d outward;
@@ -100,7 +100,7 @@ void span_of(const PlaneScan& scan, std::span<const std::size_t> echoes, PlaneLi
   }
 }
 
-/// The widest gap between its echoes, as seen from the centre, is what it does not cover.
+/// The sweep of an arc excludes the widest gap between its echoes, as seen from the centre.
 void sweep_of(const PlaneScan& scan, std::span<const std::size_t> echoes, PlaneArc& arc) {
   std::vector<double> at;
   for (const std::size_t i : echoes) {

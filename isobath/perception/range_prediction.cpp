@@ -11,15 +11,15 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBeyond = RangePredictor::kBeyond;
 
-/// The beam above one pixel, seen from the apex: between w = top h and w = bottom h, where h runs from the pixel's near
-/// side to its far side. A cone keeps its shape under scaling, so the two slopes hold for all h.
+/// The beam over one pixel, relative to the apex: between w = top h and w = bottom h, with h from the pixel's near side
+/// to its far side. A cone is scale-invariant, so the two slopes hold for all h.
 struct Column {
   double near_m;
   double far_m;
   double top;
   double bottom;
 
-  /// Smallest distance from the apex to ground that begins w below it.
+  /// Smallest distance from the apex to ground whose top is w below it.
   [[nodiscard]] double contact(double w) const {
     double h = near_m;
     if (w > 0) {
@@ -44,12 +44,12 @@ std::pair<double, double> reach2_of(const Eigen::Vector2d& centre, double pixel_
   return {near_n * near_n + near_e * near_e, far_n * far_n + far_e * far_e};
 }
 
-/// Whether the beam stands on the pixel at this place from the apex, and its slopes there.
+/// Whether the beam covers the pixel at this offset from the apex, and its slopes there.
 bool find_slopes(const BeamCone& cone, const Eigen::Vector2d& centre, double pixel_m, Column& column) {
   const Eigen::Vector2d& e = cone.heading();
   const double x = e.dot(centre);
   double y = e.x() * centre.y() - e.y() * centre.x();
-  // A beam thinner than a pixel still stands on it: across the beam, its nearest point counts.
+  // A beam thinner than a pixel still covers it: across the beam, the nearest point of the pixel counts.
   if (!cone.contains_vertical()) y = std::copysign(std::max(std::abs(y) - pixel_m / 2, 0.0), y);
   Eigen::Vector2d at = x * e + y * Eigen::Vector2d(-e.y(), e.x());
   if (at.squaredNorm() < 1e-12) at = 1e-6 * e;
@@ -80,12 +80,12 @@ double RangeDeviation::total(double range_m, double navigation) const {
 
 std::vector<Field> fields(RangeDeviation& c) {
   return {
-      Field::real("floor_m", &c.floor_m, {0, 100}, "m", "Standard deviation of a range at no distance."),
-      Field::real("share", &c.share, {0, 1}, "1", "What it grows by with each metre of range."),
+      Field::real("floor_m", &c.floor_m, {0, 100}, "m", "Standard deviation of a range at distance 0."),
+      Field::real("share", &c.share, {0, 1}, "1", "Growth of this standard deviation per metre of range."),
       Field::real("navigation_m", &c.navigation_m, {0, 1000}, "m",
-                  "Standard deviation of the vehicle's position where navigation does not state it."),
+                  "Standard deviation of the vehicle's position if navigation does not state one."),
       Field::real("vertical_m", &c.vertical_m, {0, 100}, "m",
-                  "Standard deviation of the vehicle's depth against those of the map."),
+                  "Standard deviation of the vehicle's depth relative to the map's depths."),
       Field::degrees("attitude_deg", &c.attitude, {0, 45}, "Standard deviation of the direction of a beam."),
   };
 }
@@ -130,11 +130,11 @@ RangePrediction RangePredictor::predict_listed(const BeamCone& cone, double max_
                                                const DepthPatch& patch) const {
   ISOBATH_ASSERT(static_cast<std::size_t>(patch.window.width) * static_cast<std::size_t>(patch.window.height) ==
                  patch.depth_m.size());
-  // Variance of a bottom's height against the beam: what is the same everywhere, and what grows with distance.
+  // Variance of the bottom's height relative to the beam: a constant part, and one that grows with distance.
   const double steady = deviation_.vertical_m * deviation_.vertical_m;
   const double turning = deviation_.attitude.radians() * deviation_.attitude.radians();
   const double steepest = cone.contains_vertical() ? kInfinity : cone.planes(1).bottom_m - cone.apex().z();
-  // What lies deeper than this is out of reach anywhere: the deviation of a height is at most `most` and a share of it.
+  // Ground deeper than this is out of reach everywhere: the deviation of a height is at most `most` plus a share of it.
   const double share = deviation_.attitude.radians();
   const double farthest = kBeyond * max_range_m + 4 * grid_.pixel_m;
   const double most = deviation_.vertical_m + share * farthest;
@@ -150,8 +150,8 @@ RangePrediction RangePredictor::predict_listed(const BeamCone& cone, double max_
     const Eigen::Vector2d centre = grid_.centre({c, r}) - cone.apex().head<2>();
     const std::pair<double, double> reach2 = reach2_of(centre, grid_.pixel_m);
     const double near2 = reach2.first, far2 = reach2.second;
-    // Whether ground that begins w below the apex could be met in this column nearer than `best`: the middle of the
-    // beam reaches down the most.
+    // Whether ground whose top is `below` the apex could have a contact in this column nearer than `best`: the middle
+    // of the beam is the steepest.
     const auto may_improve = [&](double below, double best) {
       if (below <= 0) return near2 < best * best;
       return far2 >= flattest2 * below * below && near2 + below * below < best * best;
@@ -168,7 +168,7 @@ RangePrediction RangePredictor::predict_listed(const BeamCone& cone, double max_
     expected = std::min(expected, column.contact(w));
     lowered = std::min(lowered, column.contact(w + up));
   };
-  // From the apex outwards, so that most of what is farther than the first echo is passed over.
+  // From the apex outwards, so that most pixels beyond the first echo are skipped.
   const Pixel middle{patch.window.column + patch.window.width / 2, patch.window.row + patch.window.height / 2};
   const Eigen::Vector2d ahead = grid_.centre(middle) - cone.apex().head<2>();
   for (std::size_t i = 0; i < spans_.size(); ++i) {
@@ -178,7 +178,7 @@ RangePrediction RangePredictor::predict_listed(const BeamCone& cone, double max_
     for (std::int32_t k = 0; k < count; ++k) {
       const std::int32_t c = ahead.y() > 0 ? span.column_begin + k : span.column_end - 1 - k;
       const double depth = row[c - patch.window.column];
-      if (depth <= deepest) look(c, span.row, depth);  // not so where it is unknown
+      if (depth <= deepest) look(c, span.row, depth);  // false for NaN, an unknown depth
     }
   }
   RangePrediction out;

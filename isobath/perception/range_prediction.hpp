@@ -1,20 +1,19 @@
-// RangePredictor: the range that a sonar should report, from the depth map, the pose and the beam (Oskard 1990, I;
-// ledger S1-04, S1-66), and how sure that is.
+// RangePredictor: the range that a sonar should report, and its standard deviation, from the depth map, the pose and
+// the beam (Oskard 1990, I; ledger S1-04, S1-66).
 //
 // Each pixel is a column of solid ground from its stored depth downwards. The prediction is the smallest true distance
 // from the apex to ground inside the exact cone (S1-65), over all columns of the beam's plan. Within a pixel the
-// contact is placed where the cone meets it, not at its centre: a flat bottom at altitude A is predicted at A, and by a
-// forward beam at A / sin(delta + a), without the step of a pixel.
+// contact is where the cone meets it, not at its centre: a flat bottom at altitude A is predicted at A, and for a
+// forward beam at A / sin(delta + a), without steps of a pixel.
 //
-// The standard deviation is half the difference between the same search with all ground raised and with all ground
-// lowered by its vertical uncertainty: of depths, and of attitude times distance. It so grows by itself where the beam
-// grazes: two metres above a flat bottom a level beam of 6 degrees expects its echo at 38 +- 4 m. The deviation of the
-// measured range itself is not in it; the gate adds it (S1-04).
+// The standard deviation is half the difference of two searches: with all ground raised, and with all ground lowered,
+// by its vertical uncertainty (depths, and attitude times distance). It therefore grows where the beam grazes: two
+// metres above a flat bottom a level beam of 6 degrees expects its echo at 38 +- 4 m. It does not include the deviation
+// of the measured range; the gate adds that (S1-04).
 //
 // Frames: W; depths positive down, m. Nothing allocates after the first prediction of the widest beam. One thread.
-// Cost of a
-// level beam of 6 degrees to 50 m, pixels of 0.5 m, on a 2.6 GHz core under load: 8 us over a bottom out of reach, 14
-// us over one that it meets.
+// Cost for a level beam of 6 degrees to 50 m, pixels of 0.5 m, on a 2.6 GHz core under load: 8 us over a bottom out of
+// reach, 14 us over one within reach.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -28,14 +27,14 @@
 
 namespace isobath {
 
-/// Standard deviations: sigma^2 = (floor + share R)^2 + navigation^2 + (R attitude)^2 (S1-73). What moves a predicted
-/// range is the height of the beam over the ground: vertical^2 + (R attitude)^2, where a position fix's error has no
-/// part.
+/// Standard deviations: sigma^2 = (floor + share R)^2 + navigation^2 + (R attitude)^2 (S1-73). A predicted range
+/// depends on the height of the beam over the ground, of variance vertical^2 + (R attitude)^2; the horizontal position
+/// error does not enter.
 struct RangeDeviation {
   double floor_m = 0.1;
   double share = 0.005;
   double navigation_m = 0.25;
-  double vertical_m = 0.15;  ///< of the vehicle's depth against the map's
+  double vertical_m = 0.15;  ///< of the vehicle's depth relative to the map's depths
   Angle attitude = Angle::degrees(0.25);
 
   [[nodiscard]] double of_range(double range_m) const { return floor_m + share * range_m; }
@@ -52,26 +51,27 @@ struct DepthPatch {
 };
 
 struct RangePrediction {
-  double expected_m = std::numeric_limits<double>::infinity();  ///< also a little beyond the maximum
+  double expected_m = std::numeric_limits<double>::infinity();  ///< may be slightly beyond the maximum
   double sigma_m = 0;
   double max_range_m = 0;
 
-  /// None where no echo is expected.
+  /// Empty if no echo is expected.
   [[nodiscard]] std::optional<double> range_m() const;
-  /// Whether a reading, or that there was no echo, agrees within n standard deviations.
+  /// Whether a reading, or the absence of an echo, agrees within n standard deviations.
   [[nodiscard]] bool agrees(const std::optional<double>& measured_m, double sigma_range_m, double n) const;
 };
 
 class RangePredictor {
  public:
-  /// An echo just within the limit may be of a bottom expected just beyond it: how far beyond, as a factor.
+  /// Predictions reach this factor beyond the maximum range: an echo just within the limit may be that of a bottom that
+  /// is expected just beyond it.
   static constexpr double kBeyond = 1.1;
 
   RangePredictor(const RangeDeviation& deviation, const PixelGrid& grid) : deviation_(deviation), grid_(grid) {}
 
-  /// The pixels that a prediction looks at: what a DepthPatch should hold.
+  /// The window of pixels that a prediction needs: the window of its DepthPatch.
   [[nodiscard]] PixelWindow window(const BeamCone& cone, double max_range_m) const;
-  /// Of these, the pixels that it reads; clipped to `patch`. Until the next call.
+  /// The pixels in this window that it reads, clipped to `patch`. Valid until the next call.
   std::span<const PixelSpan> pixels(const BeamCone& cone, double max_range_m, const PixelWindow& patch);
   [[nodiscard]] RangePrediction predict(const BeamCone& cone, double max_range_m, const DepthPatch& patch);
   /// The same after pixels() with the same cone, range and window.
@@ -83,7 +83,7 @@ class RangePredictor {
   std::vector<PixelSpan> spans_;
 };
 
-/// First echo of the water surface, depth 0: in closed form (S1-66).
+/// First echo of the water surface (depth 0), in closed form (S1-66).
 RangePrediction predict_surface(const BeamCone& cone, double max_range_m, const RangeDeviation& deviation);
 
 }  // namespace isobath

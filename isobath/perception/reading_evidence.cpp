@@ -14,11 +14,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kWidestHalfAngle = 89 * std::numbers::pi / 180;
-constexpr double kLongest = 10;  // footprint along the tilt over across it: of soundings at 84 degrees
+constexpr double kLongest = 10;  // maximum axis ratio of a footprint: that of soundings at 84 degrees
 constexpr double kReservedHalfAngle = 15 * std::numbers::pi / 180;
 
 /// Pixel centres in a beam's axes: x along its azimuth, y across it, from the apex. Rows and columns count from the
-/// pixel of the apex, so that floats carry them without loss.
+/// pixel of the apex, so that floats represent them exactly.
 struct BeamAxes {
   std::int32_t column;
   std::int32_t row;
@@ -40,7 +40,7 @@ struct BeamAxes {
   }
 };
 
-/// Semi-axes `radius` across the tilt of a direction and `stretch` times that along it, about the origin.
+/// Ellipse about the origin with semi-axes `radius` across the tilt of a direction and `stretch` times that along it.
 class Ellipse {
  public:
   Ellipse(const Vector3d& u, double radius, double stretch) : radius2_(radius * radius) {
@@ -51,7 +51,7 @@ class Ellipse {
     mixed_ = t.x() * t.y() * (k - 1);
     north2_ = t.x() * t.x() * k + t.y() * t.y();
   }
-  /// From west to east on a line north of the middle; the wrong way round where it misses.
+  /// West and east limits on the line `north` of the middle; in reverse order if the line misses the ellipse.
   [[nodiscard]] std::pair<double, double> east_at(double north) const {
     const double middle = -mixed_ * north / east2_;
     const double square = (radius2_ - (north2_ - mixed_ * mixed_ / east2_) * north * north) / east2_;
@@ -79,27 +79,27 @@ std::vector<Field> fields(ReadingEvidenceConfig& c) {
       Field::choice(
           "footprint", &c.footprint,
           {{"square", C::Footprint::kSquare}, {"circle", C::Footprint::kCircle}, {"ellipse", C::Footprint::kEllipse}},
-          "What stands for the spot of a depth sonar on the bottom; the square is a quarter larger than it."),
-      Field::choice(
-          "geometry", &c.geometry, {{"exact", C::Geometry::kExact}, {"planes", C::Geometry::kPlanes}},
-          "The exact cone at the full attitude, or two planes of a level vehicle, which is there to compare."),
+          "Shape of a depth sonar's footprint on the bottom; the square is a quarter larger than the circle."),
+      Field::choice("geometry", &c.geometry, {{"exact", C::Geometry::kExact}, {"planes", C::Geometry::kPlanes}},
+                    "Geometry of a beam: the exact cone at the full attitude, or, for comparison, two planes of a "
+                    "level vehicle."),
       Field::choice("coverage", &c.coverage, {{"centre", C::Coverage::kCentre}, {"touched", C::Coverage::kTouched}},
-                    "Pixels of a beam: those whose centres lie in it, or all that it touches."),
+                    "Pixels of a beam: those whose centres are in it, or all that it touches."),
       Field::real("range_cap_m", &c.range_cap_m, {0.5, 1000}, "m",
-                  "Echoes of forward sonars from farther away count as none."),
-      Field::real("margin_m", &c.margin_m, {0, 100}, "m", "Depths that differ less from a sounding agree with it."),
+                  "Maximum range of forward sonars: echoes beyond it count as none."),
+      Field::real("margin_m", &c.margin_m, {0, 100}, "m", "Margin within which depths agree with a sounding."),
       Field::real("margin_share", &c.margin_share, {0, 1}, "1", "The same as a share of the range; the larger counts."),
-      Field::real("extension_px", &c.extension_px, {0, 100}, "pixels", "How far a beam is lengthened past its echo."),
+      Field::real("extension_px", &c.extension_px, {0, 100}, "pixels", "Extension of a beam beyond its echo."),
       Field::degrees("depth_within_deg", &c.depth_within, {0, 90},
-                     "A sonar that looks down at most so far from the vertical measures depth."),
+                     "Maximum angle between the axis of a depth sonar and the vertical."),
       Field::integer("depth_weight", &c.depth_weight, {0, 20}, "1", "Confidence units of a reading of the bottom."),
       Field::integer("obstacle_weight", &c.obstacle_weight, {0, 20}, "1",
                      "Confidence units of a reading of a forward sonar."),
       Field::integer("weight_cap", &c.weight_cap, {1, 20}, "1",
-                     "Confidence units of one reading, merged or not, at most."),
-      Field::real("gate", &c.gate, {0, 20}, "1", "Standard deviations within which an echo is the one expected."),
+                     "Maximum confidence units of one reading, merged or not."),
+      Field::real("gate", &c.gate, {0, 20}, "1", "Standard deviations within which an echo counts as predicted."),
       Field::real("least_confidence", &c.least_confidence, {0, 1}, "1",
-                  "Readings of which the sonar itself is less sure are passed over."),
+                  "Minimum confidence of a reading, as stated by the sonar."),
   };
 }
 
@@ -204,7 +204,7 @@ void ReadingEvidence::fill_footprint(const Vector3d& p_W, const Vector3d& u_W, d
   const Vector2d p = p_W.head<2>();
   const double limit = grid_.pixel_m * (1 << 29);
   if (!((p - grid_.corner_m).cwiseAbs().maxCoeff() < limit)) return;
-  radius_m = std::min(radius_m, config_.range_cap_m);  // whatever a file says of a beam
+  radius_m = std::min(radius_m, config_.range_cap_m);  // beam widths from files are not trusted
   const bool square = config_.footprint == Footprint::kSquare;
   double stretch = 1;
   if (config_.footprint == Footprint::kEllipse) stretch = std::min(u_W.norm() / std::abs(u_W.z()), kLongest);
@@ -251,7 +251,7 @@ void ReadingEvidence::fill_beam(const BeamCone& cone, double range_m, const Read
   const PlanFootprint footprint = plan_footprint(cone, range_m, extension, tangent);
   list_pixels(footprint, context.window);
   const Kind beyond = out.explained ? Kind::kConfirm : Kind::kObstructed;
-  // Over all the plan the lower side of the cone is under water: then every pixel counts and none needs a question.
+  // If the lower side of the cone is under water over the whole plan, all pixels count and none needs a test.
   const double s_z = cone.apex().z();
   const double lowest_rise = std::min(cone.axis().z() * cone.cos_depression() / cone.vertical_term(), 0.0);
   const bool submerged = s_z >= 0 && s_z + (range_m + extension + grid_.pixel_m) * lowest_rise >= 0;
@@ -287,8 +287,8 @@ void ReadingEvidence::list_pixels(const PlanFootprint& footprint, const PixelWin
   }
 }
 
-// S1-65 with x = h cos eta, y = h sin eta: sqrt(D) h = sqrt(sin^2 a x^2 - A y^2). One line an equation, no branch: the
-// compiler turns it into vectors.
+// S1-65 with x = h cos eta, y = h sin eta: sqrt(D) h = sqrt(sin^2 a x^2 - A y^2). One line per equation and no branch,
+// so that the compiler vectorises it.
 void ReadingEvidence::judge_by_cone(const BeamCone& cone, double range_m, double plan_tangent, Kind beyond) {
   const BeamAxes axes(cone, grid_);
   const double a_term = cone.vertical_term();
@@ -307,7 +307,7 @@ void ReadingEvidence::judge_by_cone(const BeamCone& cone, double range_m, double
   for (std::size_t i = 0; i < n; ++i) {
     const auto column = static_cast<float>(p[i].column - axes.column);
     const auto row = static_cast<float>(p[i].row - axes.row);
-    // A pixel that the beam only touches is judged by the side of the beam.
+    // A pixel that the beam only touches takes the bounds at the beam's side.
     const float ahead = axes.x + column * axes.x_of_column + row * axes.x_of_row;
     const float x = ahead > least ? ahead : least;
     const float side = axes.y + column * axes.y_of_column + row * axes.y_of_row;
@@ -330,7 +330,7 @@ void ReadingEvidence::judge_by_cone(const BeamCone& cone, double range_m, double
   }
 }
 
-// The same column by column, for cones about the vertical and for beams that leave the water.
+// The same column by column, for cones that contain the vertical and for beams that leave the water.
 void ReadingEvidence::judge_by_columns(const BeamCone& cone, double range_m, Kind beyond) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -340,7 +340,7 @@ void ReadingEvidence::judge_by_columns(const BeamCone& cone, double range_m, Kin
     if (!interval || interval->bottom_m < 0) continue;
     const double h2 = (at - cone.apex().head<2>()).squaredNorm();
     const double slant = cone.slant_range(at);
-    const bool behind = std::isinf(slant);  // only of a cone about the vertical: its echo is not looked for there
+    const bool behind = std::isinf(slant);  // only in cones that contain the vertical; no echo is expected there
     if (slant < range_m || behind) {
       if (!(h2 < range_m * range_m)) continue;
       const double sphere = cone.apex().z() + std::sqrt(range_m * range_m - h2);

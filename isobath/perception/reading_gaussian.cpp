@@ -9,21 +9,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of a standard normal, between a and b.
+/// Probability of a standard normal number between a and b.
 double normal_between(double a, double b) {
   return 0.5 * (std::erf(b / std::numbers::sqrt2) - std::erf(a / std::numbers::sqrt2));
 }
 
 double great_circle(const Vector3d& u, const Vector3d& v) { return std::atan2(u.cross(v).norm(), u.dot(v)); }
 
-/// How a bucket of directions lies to a beam: `across` and `up` are the angles from its middle to the beam's axis.
+/// Offset of a beam from a bucket of directions: `across` and `up` are the angles from its middle to the beam's axis.
 struct BucketOffset {
-  SphericalDirection direction;  ///< as the table is turned
+  SphericalDirection direction;  ///< in the turned table
   Vector3d middle;
   double across, up, half_wide, half_high;
 };
 
-/// `visit` of every bucket that the beam reaches within `reach` of its axis.
+/// Calls `visit` for each bucket within `reach` of the beam's axis.
 template <class Visit>
 void each_bucket_of_beam(const SphericalGrid& grid, const Vector3d& axis, double reach, const Visit& visit) {
   const DirectionBuckets& buckets = grid.buckets();
@@ -43,7 +43,7 @@ void each_bucket_of_beam(const SphericalGrid& grid, const Vector3d& axis, double
       const Vector3d to_east{-middle.y() / wide, middle.x() / wide, 0};
       const Vector3d to_up{-sine * middle.x() / wide, -sine * middle.y() / wide, wide};
       const double x = axis.dot(to_east), y = axis.dot(to_up);
-      // from the plane that touches the sphere in the middle back to angles
+      // converts from the tangent plane at the middle to angles
       const double sideways = std::hypot(x, y), stretch = sideways > 1e-9 ? std::atan2(sideways, ahead) / sideways : 1;
       const BucketOffset offset{
           {(d.azimuth + turned) % n, e}, middle, x * stretch, y * stretch, 0.5 * step * wide, 0.5 * step};

@@ -35,7 +35,7 @@ ScanChoice ScanControl::next(const SphericalGrid& grid, Angle looking) {
   for (int i = 0; i < wide; ++i) inside += worths[index(now - i)];
   ScanChoice best;
   int best_last = now;
-  for (int k = 0; k < n; ++k) {  // sectors of the buckets last - wide + 1 ... last, clockwise: azimuths fall
+  for (int k = 0; k < n; ++k) {  // sectors of the buckets last - wide + 1 ... last; clockwise, so azimuths decrease
     const int last = now - k;
     if (k > 0) inside += worths[index(last - wide + 1)] - worths[index(last + 1)];
     const Angle middle = (edge + step * (last + 1 - 0.5 * wide)).wrapped();

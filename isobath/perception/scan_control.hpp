@@ -1,14 +1,13 @@
-// ScanControl: where a sonar that can be told how to scan should look next: where the spherical grid is least sure
-// (Auran, Silven 1995, 2, 3.2 and 5; ledger S4-41). Water that nothing echoed in is dull and gets no more than its
-// turn.
+// ScanControl: chooses the next sector of a steerable sonar: the one in which the spherical grid is least certain
+// (Auran, Silven 1995, 2, 3.2 and 5; ledger S4-41). Water without echoes has little worth and is not favoured.
 //
 //   worth of a sector = sum of H(p) / (1 + looks) over the stored cells that its beams pass
 //                       - turn_cost x the turn to its middle,
 //   H(p) = -p ln p - (1 - p) ln(1 - p), nats.
-// `looks` are the times that this azimuth was chosen: of n looks each brings about 1 / n of what the first did, and a
-// thing whose outline never gets sure, because its echoes scatter, would be looked at for ever without. Locked cells
-// are settled and count nothing. Sectors begin at each bucket of azimuth; the worthiest is chosen, of equals the first
-// clockwise from where the sonar looks. Cost: stored cells once each. One thread.
+// `looks` is the number of times that this azimuth was chosen: the n-th look gains about 1 / n of the first. Without
+// it, an object whose outline stays uncertain because its echoes scatter would be chosen permanently. Locked cells are
+// settled and count nothing. Sectors begin at each bucket of azimuth. The sector of the greatest worth is chosen; of
+// equal ones, the first clockwise from the present direction. Cost: one pass over the stored cells. One thread.
 #pragma once
 
 #include <isobath/map/spherical_grid.hpp>
@@ -18,28 +17,28 @@ namespace isobath {
 
 struct ScanLimits {
   Angle sector = Angle::degrees(30);
-  Angle height = Angle::degrees(10);  ///< of the beams, about the level
-  double turn_cost = 0.1;             ///< nats a radian
+  Angle height = Angle::degrees(10);  ///< height of the beams, centred on the horizontal
+  double turn_cost = 0.1;             ///< nats per radian
 };
 struct ScanChoice {
-  Angle azimuth;  ///< of the sector's middle, in G
+  Angle azimuth;  ///< middle of the sector, in G
   double worth = 0;
 };
 
 double binary_entropy(double probability);
-/// Sums of H over the cells of each azimuth that beams of this height pass, in G as the table is turned.
+/// For each azimuth of the turned table in G, the sum of H over the cells that beams of this height pass.
 std::vector<double> entropy_by_azimuth(const SphericalGrid& grid, Angle height);
 
 class ScanControl {
  public:
   explicit ScanControl(const ScanLimits& limits = {}) : limits_(limits) {}
 
-  /// Counts as looked at, by then. `looking` is the azimuth in G of what the sonar looks at now.
+  /// Chooses the next sector and counts it as looked at. `looking`: present azimuth of the sonar in G.
   ScanChoice next(const SphericalGrid& grid, Angle looking);
 
  private:
   ScanLimits limits_;
-  std::vector<double> looks_;  ///< by azimuth of the table as it was at the start
+  std::vector<double> looks_;  ///< by azimuth of the unturned table
 };
 
 }  // namespace isobath

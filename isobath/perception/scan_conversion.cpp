@@ -9,20 +9,20 @@ using Eigen::Vector2d;
 
 constexpr double kLargest = 1 << 30;
 
-// Without std::floor and std::ceil, which are calls where the processor may be any.
+// Floor without std::floor, which is a function call in a build for any processor.
 std::int32_t cell_below(double coordinate) {
   const double c = std::clamp(coordinate, -kLargest, kLargest);
   const auto truncated = static_cast<std::int32_t>(c);
   return truncated - static_cast<std::int32_t>(truncated > c);
 }
-/// First pixel whose centre is at or beyond the coordinate.
+/// Index of the first pixel whose centre is at or beyond the coordinate.
 std::int32_t first_centre(double coordinate) {
   const double c = std::clamp(coordinate, -kLargest, kLargest) - 0.5;
   const auto truncated = static_cast<std::int32_t>(c);
   return truncated + static_cast<std::int32_t>(truncated < c);
 }
 
-/// A side from its upper to its lower corner, so that neighbours see the same numbers in the same order.
+/// A side from its upper to its lower corner, so that neighbouring polygons use the same numbers in the same order.
 struct Side {
   Vector2d upper;
   Vector2d lower;
@@ -30,7 +30,7 @@ struct Side {
   Side(const Vector2d& a, const Vector2d& b) : upper(a), lower(b) {
     if (b.y() < a.y() || (b.y() == a.y() && b.x() < a.x())) std::swap(upper, lower);
   }
-  /// Rounded once where the products are exact: no tie is then missed.
+  /// If the products are exact there is a single rounding, so that no tie is missed.
   [[nodiscard]] double x_at(double y) const {
     const double height = lower.y() - upper.y();
     return (upper.x() * (lower.y() - y) + lower.x() * (y - upper.y())) / height;
@@ -48,7 +48,7 @@ double highest_row_coordinate(std::span<const Vector2d> convex) {
   return y;
 }
 
-/// Rows begin .. end of the window, each with a span to be widened.
+/// Starts rows begin .. end of the window, each with an empty span to be widened.
 void start_rows(std::int64_t begin, std::int64_t end, const PixelWindow& clip, std::vector<PixelSpan>& out) {
   begin = std::max<std::int64_t>(begin, clip.row);
   end = std::min<std::int64_t>(end, std::int64_t{clip.row} + clip.height);
@@ -105,7 +105,7 @@ void pixels_touched(std::span<const Vector2d> convex, const PixelWindow& clip, s
     const double low_x = std::min(side.upper.x(), side.lower.x());
     const double high_x = std::max(side.upper.x(), side.lower.x());
     for (std::int32_t row = begin; row < end; ++row) {
-      // A side that ends in this row is taken to its corner.
+      // A side that ends in this row ends at its corner.
       const double enter = side.upper.y() >= row ? side.upper.x() : std::clamp(side.x_at(row), low_x, high_x);
       const double leave =
           side.lower.y() <= row + 1.0 ? side.lower.x() : std::clamp(side.x_at(row + 1.0), low_x, high_x);

@@ -1,17 +1,16 @@
-// Scan conversion: the pixels of a triangle or a convex polygon, row by row (Oskard 1990, IV-B.2, citing Newman and
-// Sproull; ledger S1-59).
+// Scan conversion: lists the pixels of a triangle or a convex polygon, row by row (Oskard 1990, IV-B.2, citing Newman
+// and Sproull; ledger S1-59).
 //
 // Corners are in pixel coordinates: x grows with the column (east), y with the row (south), and pixel (c, r) is the
 // square [c, c + 1) x [r, r + 1). Either sense of rotation.
 //
-// `pixels_inside`: pixels whose centres lie inside; a centre on a west or north side is inside, on an east or south
-// side outside. Polygons that share a side therefore share no pixel and leave none out, bit for bit, where they state
-// its corners with equal numbers. `pixels_touched`: every pixel whose square meets the polygon, border and corners
-// included; a polygon without an area is a line and works too. Both cover at least and at most what they say, to the
-// rounding of doubles.
+// `pixels_inside`: pixels whose centres are inside. A centre on a west or north side is inside, on an east or south
+// side outside. Polygons that share a side therefore neither share nor miss a pixel, bit for bit, if they state its
+// corners with equal numbers. `pixels_touched`: all pixels whose square meets the polygon, border and corners included;
+// a polygon without an area is a line, which also works. Both are exact to the rounding of doubles.
 //
-// Spans come one a row from north to south, none empty, clipped to a window. `out` is replaced, and grows to at most
-// the rows of the window. |coordinates| < 2^30. Cost: about two divisions a row.
+// Spans come one per row from north to south, none empty, clipped to a window. `out` is replaced; it grows to at most
+// the rows of the window. |coordinates| < 2^30. Cost: about two divisions per row.
 #pragma once
 
 #include <array>

@@ -11,10 +11,10 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kMostOutliers = 0.25;     // of a shape's echoes; longer runs from there are not tried
-constexpr double kLeastSquareness = 0.05;  // sine of the angle between a line and the beams: below it any range fits
+constexpr double kMostOutliers = 0.25;     // share of a run's echoes above which the run is not extended
+constexpr double kLeastSquareness = 0.05;  // sine of the angle between a line and the beams below which any range fits
 
-/// One way to account for a run of echoes.
+/// One shape for a run of echoes, and its cost.
 struct Account {
   double cost = kNever;
   ScanShape shape;
@@ -38,7 +38,7 @@ void count_in(const PlaneScan& scan, std::span<const std::size_t> echoes, const 
   }
 }
 
-/// Whether the echoes of a shape hang together.
+/// Whether the echoes of a shape have no gap above gap_m.
 bool is_whole(const PlaneScan& scan, const ScanShape& shape, double gap_m) {
   for (std::size_t k = 1; k < shape.echoes.size(); ++k) {
     const Vector2d a = scan.point(scan.echoes[shape.echoes[k - 1]]), b = scan.point(scan.echoes[shape.echoes[k]]);
@@ -47,11 +47,11 @@ bool is_whole(const PlaneScan& scan, const ScanShape& shape, double gap_m) {
   return true;
 }
 
-/// A line does not lie along the beams: any range would fit.
+/// Rejects lines along the beams, which fit any range.
 bool can_be_heard(const PlaneScan& scan, const PlaneLine& line, const ScanShapesConfig& /*config*/) {
   return line.height_of(scan.from) >= kLeastSquareness * (line.centre - scan.from).norm();
 }
-/// A round body turns one side to the sonar.
+/// Rejects arcs that turn too little, or whose convex side does not face the sonar.
 bool can_be_heard(const PlaneScan& scan, const PlaneArc& arc, const ScanShapesConfig& config) {
   if (arc.sweep < config.least_sweep || (!arc.hollow && arc.sweep > Angle::degrees(180))) return false;
   const Angle middle = arc.first + arc.sweep / 2;
@@ -59,7 +59,7 @@ bool can_be_heard(const PlaneScan& scan, const PlaneArc& arc, const ScanShapesCo
   return arc.hollow || facing > 0;
 }
 
-/// Whether chance leaves so large a chi^2 in one of a thousand cases or more (Wilson and Hilferty 1931).
+/// Whether chance gives so large a chi^2 with a probability of at least 0.001 (Wilson and Hilferty 1931).
 bool is_likely(double chi_square, int freedom) {
   const double k = std::max(1, freedom), share = 2 / (9 * k);
   return chi_square <= k * std::pow(1 - share + 3.1 * std::sqrt(share), 3);
@@ -67,8 +67,8 @@ bool is_likely(double chi_square, int freedom) {
 bool is_likely(const PlaneLine& line) { return is_likely(line.residual, line.support - 2); }
 bool is_likely(const PlaneArc& arc) { return is_likely(arc.residual, arc.support - 3); }
 
-/// Fitted twice: with all, and with those that the first fit accounts for. `near` is the shape of the run that is one
-/// echo shorter, and becomes that of this one.
+/// Fits twice: with all echoes, and with those that the first fit explains. `near`: the shape of the run that is one
+/// echo shorter; becomes the shape of this run.
 template <class Shape, class Fit>
 Account account_for(const PlaneScan& scan, std::span<const std::size_t> echoes, const ScanShapesConfig& config,
                     std::optional<Shape>& near, const Fit& fit) {
@@ -92,7 +92,7 @@ Account account_for(const PlaneScan& scan, std::span<const std::size_t> echoes, 
   return account;
 }
 
-/// Of runs that begin at one echo, each one longer than the last.
+/// Fits runs that begin at one echo, each run longer than the previous one.
 class RunFitter {
  public:
   RunFitter(const PlaneScan& scan, const ScanShapesConfig& config) : scan_(scan), config_(config) {}
@@ -101,7 +101,7 @@ class RunFitter {
     Account line = account_for(
         scan_, run, config_, line_,
         [&](std::span<const std::size_t> of, const PlaneLine* about) { return fit_line(scan_, of, {}, about); });
-    // A straight line that fits as well as chance allows is not looked at for a bend.
+    // If a line fits within the noise, no arc is tried.
     if (line.cost <= config_.line_price + static_cast<double>(run.size())) return line;
     Account arc = account_for(scan_, run, config_, arc_, [&](std::span<const std::size_t> of, const PlaneArc* about) {
       return fit_arc(scan_, of, about);
@@ -116,7 +116,7 @@ class RunFitter {
   std::optional<PlaneArc> arc_;
 };
 
-/// Echoes in order, from behind the widest gap in bearing on.
+/// Indices of the echoes in order, starting after the widest gap in bearing.
 std::vector<std::size_t> order_from_gap(const PlaneScan& scan) {
   const std::size_t n = scan.echoes.size();
   std::size_t start = 0;
@@ -126,7 +126,7 @@ std::vector<std::size_t> order_from_gap(const PlaneScan& scan) {
   for (std::size_t i = 1; i < n; ++i) {
     const double gap = (scan.echoes[i].bearing - scan.echoes[i - 1].bearing).radians();
     const double step = std::abs(scan.echoes[i].range_m - scan.echoes[i - 1].range_m);
-    // where no echo is missing, the greatest step in range parts bodies as well
+    // without a clear gap in bearing, the largest step in range separates bodies
     if (gap > 2 * widest || (gap > 0.5 * widest && step > jump)) {
       start = i;
       widest = std::max(widest, gap);
@@ -169,7 +169,7 @@ void find_corners(const PlaneScan& scan, const ScanShapesConfig& config, ScanSha
 
 }  // namespace
 
-// cost[k]: of the first k echoes in order; how[k]: the shape that ends there, if one does.
+// cost[k]: cost of the first k echoes in order; how[k]: the shape that ends at k, if any.
 ScanShapes shapes_of(const PlaneScan& scan, const ScanShapesConfig& config) {
   ScanShapes told;
   const std::size_t n = scan.echoes.size();

@@ -7,16 +7,19 @@ namespace isobath {
 
 std::vector<Field> fields(SoundingGateConfig& c) {
   return {
-      Field::real("slack_m", &c.slack_m, {0, 1000}, "m", "By how much a depth may differ from the last without more."),
-      Field::real("slack_share", &c.slack_share, {0, 1}, "1", "The same as a share of the depth; the larger counts."),
-      Field::real("steepest", &c.steepest, {0, 1000}, "m/m", "Slope of the bottom that needs no confirmation."),
-      Field::integer("believe_after", &c.believe_after, {1, 1000}, "1",
-                     "Implausible depths in a row, in agreement among themselves, that are believed together."),
-      Field::real("highest_m", &c.highest_m, {-1000, 0}, "m",
-                  "The least depth that can be; drying heights are negative."),
-      Field::real("deepest_m", &c.deepest_m, {0.1, 12000}, "m", "The greatest depth that can be in these waters."),
+      Field::real("slack_m", &c.slack_m, {0, 1000}, "m",
+                  "Allowed difference of a depth from the last one, on a level bottom."),
+      Field::real("slack_share", &c.slack_share, {0, 1}, "1",
+                  "Allowed difference as a share of the depth; the larger one counts."),
+      Field::real("steepest", &c.steepest, {0, 1000}, "m/m",
+                  "Steepest slope of the bottom that needs no confirmation."),
+      Field::integer(
+          "believe_after", &c.believe_after, {1, 1000}, "1",
+          "Number of consecutive implausible depths that are accepted together if they agree among themselves."),
+      Field::real("highest_m", &c.highest_m, {-1000, 0}, "m", "Smallest possible depth; drying heights are negative."),
+      Field::real("deepest_m", &c.deepest_m, {0.1, 12000}, "m", "Largest possible depth in these waters."),
       Field::integer("neighbours", &c.neighbours, {1, 100}, "1",
-                     "Beams on either side that a sounding of a swath is compared with."),
+                     "Beams on either side with which a sounding of a swath is compared."),
   };
 }
 
@@ -39,7 +42,7 @@ SoundingGate::Verdict SoundingGate::judge(int sensor, const Eigen::Vector3d& p_W
     s.in_row = 0;
     return Verdict::kBelieved;
   }
-  // The first reading of all has nothing to lean on either.
+  // The first reading of a sensor has nothing to compare with, so it is held too.
   s.in_row = s.in_row > 0 && plausible(s.held, p_W) ? s.in_row + 1 : 1;
   s.held = p_W;
   if (s.in_row < config_.believe_after) return Verdict::kHeld;
@@ -57,14 +60,14 @@ void SoundingGate::judge_swath(std::span<const Eigen::Vector3d> points, std::spa
     depths_.clear();
     for (std::ptrdiff_t k = first; k <= last; ++k) {
       const double depth = points[static_cast<std::size_t>(k)].z();
-      if (possible(depth)) depths_.push_back(depth);  // among them none that is not a number
+      if (possible(depth)) depths_.push_back(depth);  // excludes NaN
     }
     believed[static_cast<std::size_t>(i)] = 0;
     if (!possible(points[static_cast<std::size_t>(i)].z())) continue;
     const auto middle = depths_.begin() + static_cast<std::ptrdiff_t>(depths_.size() / 2);
     std::nth_element(depths_.begin(), middle, depths_.end());
     const Eigen::Vector3d& p = points[static_cast<std::size_t>(i)];
-    // The median's own place is unknown: it may lie as far off as the beams that it was taken from.
+    // The position of the median is unknown: it may be as far off as the outermost of its beams.
     const double reach = std::max((points[static_cast<std::size_t>(first)] - p).head<2>().norm(),
                                   (points[static_cast<std::size_t>(last)] - p).head<2>().norm());
     const bool supported = plausible({0, 0, *middle}, {reach, 0, p.z()});

@@ -1,13 +1,12 @@
-// SoundingGate: quarantine for depths that nothing around them supports (ledger S1-72: the bottom is usually smooth).
+// SoundingGate: quarantine for depths without support around them (ledger S1-72: the bottom is usually smooth).
 //
-// A depth sonar's reading is compared with the one that its sensor was last believed in: it is plausible where the
-// depth differs by no more than the larger of `slack_m` and `slack_share` of the depth, plus `steepest` times the
-// distance in the plane. What is not plausible is held, not used; when `believe_after` held ones in a row agree among
-// themselves (a quay, a wreck, another place) they are confirmed together, and all of them count. A depth outside
-// [highest_m, deepest_m] is impossible and never used. Soundings of a swath are compared with the median of the beams
-// beside them instead.
+// A depth sonar's reading is compared with the last accepted reading of its sensor. It is plausible if the depths
+// differ by at most the larger of `slack_m` and `slack_share` of the depth, plus `steepest` times the horizontal
+// distance. Implausible readings are held. When `believe_after` consecutive held readings agree among themselves (a
+// quay, a wreck, another place) they are all confirmed. A depth outside [highest_m, deepest_m] is impossible and never
+// used. Soundings of a swath are compared with the median of the neighbouring beams instead.
 //
-// Points p_W are those of the bottom, north-east-down, m. One gate a vehicle, one thread. Nothing allocates after
+// Points p_W are those of the bottom, north-east-down, m. One gate per vehicle, one thread. Nothing allocates after
 // construction.
 #pragma once
 
@@ -38,14 +37,14 @@ class SoundingGate {
   explicit SoundingGate(const SoundingGateConfig& config);
 
   enum class Verdict : std::uint8_t {
-    kBelieved,   ///< use it; what was held of this sensor was wrong
-    kHeld,       ///< keep it aside
-    kConfirmed,  ///< use it, and all that is held of this sensor
+    kBelieved,   ///< use it, and discard the held readings of this sensor
+    kHeld,       ///< hold it
+    kConfirmed,  ///< use it, and the last `believe_after` - 1 held readings of this sensor
     kImpossible,
   };
   /// 0 <= sensor < kSensors.
   Verdict judge(int sensor, const Eigen::Vector3d& p_W);
-  /// One a sounding: whether the beams around it support it. `believed` has as many elements as `points`.
+  /// Writes for each sounding whether the beams around it support it. `believed` has as many elements as `points`.
   void judge_swath(std::span<const Eigen::Vector3d> points, std::span<std::uint8_t> believed);
 
  private:

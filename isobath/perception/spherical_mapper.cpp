@@ -21,16 +21,17 @@ std::vector<Field> fields(SphericalMapperConfig& c) {
   using C = SphericalMapperConfig;
   return {
       Field::choice("rule", &c.rule, {{"log_odds", C::Rule::kLogOdds}, {"maximum_response", C::Rule::kMaximumResponse}},
-                    "How a reading changes cells; maximum_response is the paper's, which clears nothing."),
+                    "Rule by which a reading changes cells; maximum_response is the paper's, which clears nothing."),
       Field::choice("axes", &c.axes, {{"north_up", C::Axes::kNorthUp}, {"course_up", C::Axes::kCourseUp}},
-                    "Whether the grid's y axis points to the north or along the course."),
-      Field::real("sigma_m", &c.sigma_m, {0.001, 10}, "m", "Standard deviation of a range, at least."),
+                    "Whether the grid's y axis points north or along the course."),
+      Field::real("sigma_m", &c.sigma_m, {0.001, 10}, "m", "Minimum standard deviation of a range."),
       Field::real("sigma_share", &c.sigma_share, {0, 0.2}, "1", "Standard deviation of a range, as a share of it."),
-      Field::real("mask", &c.mask, {0.1, 5}, "1", "Standard deviations about an echo in which cells are changed."),
-      Field::integer("most_cells", &c.most_cells, {1, 10000}, "cells", "Of one echo."),
-      Field::real("hit", &c.hit, {0.01, 0.999}, "1", "Probability that an echo comes from something that stays."),
-      Field::real("pass", &c.pass, {0, 0.999}, "1", "Probability that what fills a beam would have echoed."),
-      Field::real("tau_s", &c.tau_s, {0, 1e7}, "s", "Time in which what is known fades to 1/e; 0: never."),
+      Field::real("mask", &c.mask, {0.1, 5}, "1", "Standard deviations about an echo within which cells change."),
+      Field::integer("most_cells", &c.most_cells, {1, 10000}, "cells",
+                     "Maximum number of cells that one echo changes."),
+      Field::real("hit", &c.hit, {0.01, 0.999}, "1", "Probability that an echo comes from a stationary object."),
+      Field::real("pass", &c.pass, {0, 0.999}, "1", "Probability that an object that fills a beam echoes."),
+      Field::real("tau_s", &c.tau_s, {0, 1e7}, "s", "Time in which evidence fades to 1/e; 0: no fading."),
   };
 }
 
@@ -53,7 +54,7 @@ void SphericalMapper::move_to(const Pose& X_WB, Time time) {
   if (config_.axes == SphericalMapperConfig::Axes::kCourseUp) {
     grid_.turn((X_WB.rotation.heading() - grid_.turned()).wrapped());
   }
-  // Often enough for no state to be a hundredth late, and not at every beam.
+  // Fades in steps of a hundredth of tau, not at each beam.
   const Duration tau = seconds(config_.tau_s);
   if (config_.tau_s > 0 && time - faded_ >= tau / 100) {
     grid_.decay(time - faded_, tau, time);
@@ -133,7 +134,7 @@ SonarResolution listed_resolution(const std::string& name) {
   if (name == "em_1000_shallow") return {name, 200, 0.15, Angle::degrees(2.5), Angle::degrees(2.5), 60};
   if (name == "wesmar_ss150") return {name, 100, 0.5, Angle::degrees(6.5), Angle::degrees(6.5), 1};
   if (name == "simulated_2_5") return {name, 50, 0.15, Angle::degrees(2.5), Angle::degrees(2.5), 144};
-  throw Error("no sonar \"" + name + "\" is listed", {}, "em_1000_shallow, wesmar_ss150 or simulated_2_5");
+  throw Error("unknown sonar \"" + name + "\"", {}, "em_1000_shallow, wesmar_ss150 or simulated_2_5");
 }
 
 SphericalGridConfig grid_for(const SonarResolution& sonar) {
@@ -146,11 +147,11 @@ SphericalGridConfig grid_for(const SonarResolution& sonar) {
 
 std::string coarser_than_sonar(const SphericalGridConfig& grid, const SonarResolution& sonar) {
   if (grid.finest_m > sonar.resolution_m * 1.001) {
-    return fmt::format("layers of {:g} m are thicker than what the sonar resolves, {:g} m", grid.finest_m,
+    return fmt::format("layers of {:g} m are thicker than the sonar's resolution, {:g} m", grid.finest_m,
                        sonar.resolution_m);
   }
   if (grid.bucket.degrees() > sonar.beam_spacing.degrees() * 1.001) {
-    return fmt::format("directions of {:g} degrees are wider than the sonar's beams are apart, {:g} degrees",
+    return fmt::format("directions of {:g} degrees are wider than the spacing of the sonar's beams, {:g} degrees",
                        grid.bucket.degrees(), sonar.beam_spacing.degrees());
   }
   return {};

@@ -1,18 +1,19 @@
-// SphericalMapper: range readings into a spherical grid (Auran, Silven 1995, 4.1, 5; ledger S4-01, S4-05, S4-19, S4-20,
-// S4-27, S4-28, S4-30, S4-50, S4-E04, S4-E08).
+// SphericalMapper: inserts range readings into a spherical grid (Auran, Silven 1995, 4.1, 5; ledger S4-01, S4-05,
+// S4-19, S4-20, S4-27, S4-28, S4-30, S4-50, S4-E04, S4-E08).
 //
-// An echo counts in the cell that holds it, and changes the state of the cells about it (ReadingGaussian). Two rules:
-//   maximum_response  the paper's: state = max(state, density at the cell's middle over its peak). Repeating an echo
-//                     changes nothing, and nothing is ever cleared.
-//   log_odds          Lambda = -ln(1 - P), the number of things to be expected in a cell, is proportional to volume.
-//                     A reading adds kappa x its mass in the cell, kappa = -ln(1 - hit): cells that are merged have the
-//                     state that a coarser grid would have. Cells before the echo keep Lambda (1 - pass x share) of it,
-//                     share the beam's power there. All fades to the prior with `tau_s`.
-// How far the water was heard to be clear is told to the grid, too.
+// An echo is counted in the cell that contains it, and changes the state of the cells around it (ReadingGaussian). Two
+// rules:
+//   maximum_response  the paper's: state = max(state, density at the cell's middle over its peak). A repeated echo
+//                     changes nothing, and no cell is ever cleared.
+//   log_odds          Lambda = -ln(1 - P), the expected number of objects in a cell, is proportional to volume. A
+//                     reading adds kappa x its mass in the cell, kappa = -ln(1 - hit), so merged cells have the state
+//                     of a coarser grid. Cells before the echo keep Lambda (1 - pass x share), share the beam's power
+//                     there. All cells fade to the prior with `tau_s`.
+// The grid also stores the range to which the water was clear.
 //
-// Frames: readings come with X_WB; the grid stands at the origin of B, its axes level: x' east, y' north (north_up), or
+// Frames: readings come with X_WB. The grid is at the origin of B, its axes level: x' east, y' north (north_up), or
 // x' starboard, y' ahead (course_up). Lever arms of the sonar move the echo, and the Gaussian is about the line from
-// the grid's origin: exact where the arm is short against the range. Steps after warm-up allocate nothing. One thread.
+// the grid's origin: exact if the arm is short against the range. Steps after warm-up allocate nothing. One thread.
 #pragma once
 
 #include <isobath/map/spherical_grid.hpp>
@@ -31,11 +32,11 @@ struct SphericalMapperConfig {
   enum class Axes : std::uint8_t { kNorthUp, kCourseUp } axes = Axes::kNorthUp;
   double sigma_m = 0.15;
   double sigma_share = 0.003;
-  double mask = 2;      ///< standard deviations
-  int most_cells = 75;  ///< of one echo
+  double mask = 2;      ///< standard deviations about an echo in which cells change
+  int most_cells = 75;  ///< maximum number of cells that one echo changes
   double hit = 0.9;
   double pass = 0.5;
-  double tau_s = 600;  ///< 0: nothing fades
+  double tau_s = 600;  ///< 0: no fading
 };
 std::vector<Field> fields(SphericalMapperConfig& config);
 
@@ -51,18 +52,18 @@ struct SphericalLook {
 
 class SphericalMapper {
  public:
-  /// `grid` must outlive it.
+  /// `grid` must outlive the mapper.
   SphericalMapper(const SphericalMapperConfig& config, SphericalGrid& grid);
 
-  /// Moves the grid to where the vehicle is, turns it (course_up), lets it fade.
+  /// Moves the grid to the vehicle, turns it (course_up) and fades it.
   void move_to(const Pose& X_WB, Time time);
   void begin_scan() { grid_.begin_scan(); }
   void take(const RangeReading& reading, const Pose& X_WB);
-  /// The nearest echo of each beam that the decisions hold; a beam of a fan is taken for a cone of its width.
+  /// Inserts the nearest echo of each beam of the decisions; a beam of a fan is treated as a cone of its width.
   void take(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
   void add(const SphericalLook& look);
 
-  /// From W, relative to the vehicle, to the axes of the grid as it is turned.
+  /// Turns a vector of W components into the axes of the turned grid.
   [[nodiscard]] Eigen::Vector3d to_grid(const Eigen::Vector3d& v_W) const;
   [[nodiscard]] const SphericalGrid& grid() const { return grid_; }
 
@@ -81,7 +82,7 @@ class SphericalMapper {
   std::vector<TouchedDirection> directions_;
 };
 
-/// What a sonar can tell apart, as its data sheet says it.
+/// Resolution of a sonar, from its data sheet.
 struct SonarResolution {
   std::string name;
   double range_m = 50;
@@ -92,10 +93,10 @@ struct SonarResolution {
 /// em_1000_shallow (60 beams 2.5 degrees apart: 150 degrees, S4-E01), wesmar_ss150, simulated_2_5. Throws Error for
 /// others (S4-36).
 SonarResolution listed_resolution(const std::string& name);
-/// A grid whose cells are as fine as the sonar: the finest layer its resolution, the buckets the beams' spacing, in a
-/// whole share of half a turn (S4-05).
+/// A grid as fine as the sonar: the finest layer has the sonar's range resolution; buckets have at most the beams'
+/// spacing and divide half a turn into equal parts (S4-05).
 SphericalGridConfig grid_for(const SonarResolution& sonar);
-/// What of the sonar's detail is lost in a coarser grid; empty where nothing is.
+/// A message if the grid is coarser than the sonar; empty if it is not.
 std::string coarser_than_sonar(const SphericalGridConfig& grid, const SonarResolution& sonar);
 
 }  // namespace isobath

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Neighbours of all echoes, one list behind the other.
+/// Neighbours of all echoes, in consecutive lists.
 struct EchoNeighbours {
   std::vector<std::size_t> begin;
   std::vector<std::uint32_t> of;
@@ -47,7 +47,7 @@ EchoNeighbours neighbours_of(std::span<const Vector3d> echoes, const TangentialC
   return neighbours;
 }
 
-/// Growing sums of points, and the plane of the least sum of squares through them.
+/// Running sums of points, and the least-squares plane through them.
 class PlaneSums {
  public:
   void add(const Vector3d& p) {
@@ -95,7 +95,7 @@ class PlaneGrower {
   TangentialClusters grow() {
     std::vector<std::uint32_t> seeds(echoes_.size());
     std::iota(seeds.begin(), seeds.end(), 0u);
-    // by the deviation of their neighbourhood in standard deviations: near echoes are no flatter for being near
+    // by the residual of their neighbourhood in standard deviations, so that near echoes have no advantage
     const auto roughness = [&](std::uint32_t i) {
       return local_[i] ? local_[i]->rms_m / sigma(echoes_[i]) : std::numeric_limits<double>::infinity();
     };
@@ -112,7 +112,7 @@ class PlaneGrower {
   [[nodiscard]] double sigma(const Vector3d& p) const {
     return std::max(config_.sigma_m, config_.sigma_share * p.norm());
   }
-  /// In standard deviations of the range, which is what errs along the normal.
+  /// Distance in standard deviations of the range, the dominant error along the normal.
   [[nodiscard]] double deviation(const TangentPlane& plane, const Vector3d& p) const {
     return std::abs(plane.normal.dot(p) + plane.distance_m) / sigma(p);
   }
@@ -146,7 +146,7 @@ class PlaneGrower {
     }
     for (const std::uint32_t i : members) plane_of_[i] = -1;
   }
-  /// Each echo to the nearest of the planes of its neighbours, and the planes to what they have then.
+  /// Assigns each echo to the nearest of its neighbours' planes, and refits the planes.
   void settle() {
     std::vector<int> nearest = plane_of_;
     for (std::uint32_t i = 0; i < echoes_.size(); ++i) {

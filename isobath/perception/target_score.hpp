@@ -1,13 +1,13 @@
-// TargetScore: how much speaks for a cluster of the spherical grid to be a thing that stands there: many echoes, heard
-// again, in the same place (Auran, Silven 1995, 3.1; ledger S4-46).
+// TargetScore: the evidence that a cluster of the spherical grid is a stationary object: many echoes, detected again in
+// the same place (Auran, Silven 1995, 3.1; ledger S4-46).
 //
 //   score = n / (n + 3)  x  (s - 1) / s  x  q
 //     n  echoes of the cluster
-//     s  scans that heard its most often heard cell
-//     q  share of its echoes in cells that two scans or more have heard: 1 for what stands; what swims leaves a track
-//        of cells that are heard once each
-// A false echo scores 0 alone, and little where two happen to meet. The records of the cells say all of that, so
-// nothing has to be followed. Between 0 and 1. Pure.
+//     s  scans that detected its most often detected cell
+//     q  share of its echoes in cells that at least two scans detected: 1 for a stationary object; a swimming one
+//        leaves a track of cells that are detected once each
+// A single false echo scores 0, and two that coincide score little. The records of the cells suffice, so no tracking is
+// needed. Between 0 and 1. Pure.
 #pragma once
 
 #include <isobath/map/spherical_clusters.hpp>
@@ -25,7 +25,7 @@ struct TargetScore {
   }
 };
 
-/// Of a cluster of the grid as it is.
+/// Score of a cluster of the present grid.
 TargetScore target_score(const SphericalGrid& grid, const SphericalCluster& cluster);
 
 }  // namespace isobath

@@ -8,18 +8,18 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kBoundary_m = 1;     // nearer to bottom or surface, something may be part of it
-constexpr int kFewest = 2;            // voxels of something that stands
+constexpr double kBoundary_m = 1;     // an object nearer to bottom or surface may be part of it
+constexpr int kFewest = 2;            // minimum number of voxels of a standing object
 constexpr double kMostlyKnown = 0.5;  // share of the water over a bottom, or under a surface, that must be measured
 
 bool is_over(const Polygon& convex, const Vector2d& p, double by_m) {
   return (nearest_point(convex, p) - p).norm() <= by_m;
 }
 
-/// What is known of the columns of voxels under an outline.
+/// Counts over the columns of voxels within an outline.
 struct Columns {
   int standing = 0, at_bottom = 0, at_surface = 0;  ///< occupied voxels
-  int between = 0, measured = 0;  ///< voxels between the boundaries, and of these those known as water
+  int between = 0, measured = 0;                    ///< voxels between the boundaries; those of them measured as water
 };
 
 Columns columns_of(const Polygon& outline_W, double surface, double bottom, const SpaceGrid& space) {
@@ -77,7 +77,7 @@ WaterLabel label_by_reach(const Obstacle& obstacle, const HeardFrom& from) {
   const double range = p_S.head<2>().norm();
   const BoundaryReach reach =
       boundary_reach(from.water, Angle::radians(std::atan2(p_S.y(), p_S.x())),
-                     std::clamp(from.height, Angle::degrees(1), Angle::degrees(89)));  // to where its main lobe ends
+                     std::clamp(from.height, Angle::degrees(1), Angle::degrees(89)));  // to the edge of its main lobe
   return reach.label(range) == BinLabel::kClear ? WaterLabel::kStanding : WaterLabel::kUnknown;
 }
 

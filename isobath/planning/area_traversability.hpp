@@ -1,14 +1,15 @@
-// Area traversability at group and vehicle level: from the least and greatest known depth of each block alone (Oskard
+// Area traversability at group and vehicle level, from the minimum and maximum known depth of each block alone (Oskard
 // 1990, III-D; ledger S1-82, blocks of S1-38).
 //
 //   clear    if every pixel is known and min - z >= clearance
 //   blocked  if max - z < clearance, or nothing is known
-//   mixed    else: some of it is too shallow, or unknown
-// The value is the share that is clear plus half of what is mixed. Along a corridor the shares are those of the fine
-// pixels that it meets, each judged by its block, so that `least` and `most` bracket what traversability (S1-41) finds
-// on the fine map. Vehicles in line abreast need the corridor of them all, at the depth of the deepest.
+//   mixed    otherwise: part of it is too shallow, or unknown
+// The value is the clear share plus half of the mixed share. Along a corridor the shares are those of the fine pixels
+// that it meets, each judged by its block, so that `least` and `most` bracket the result of traversability (S1-41) on
+// the fine map. Vehicles in line abreast need the corridor of all of them, at the depth of the deepest.
 //
-// Unknown blocks are no water. Pure. Points (north, east, depth) in W, m, of a vehicle's lowest part.
+// Unknown blocks do not count as water. Pure functions. Points (north, east, depth) in W, m, of a vehicle's lowest
+// part.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,7 +40,7 @@ struct BlockMap {
 struct Formation {
   int vehicles = 1;
   double spacing_m = 0;       ///< between neighbours
-  double depth_spread_m = 0;  ///< how much deeper than planned the deepest may be
+  double depth_spread_m = 0;  ///< how much deeper than planned the deepest vehicle may be
 
   [[nodiscard]] double half_width_m(double of_one) const { return of_one + 0.5 * (vehicles - 1) * spacing_m; }
 };
@@ -53,7 +54,7 @@ struct AreaTraversability {
   [[nodiscard]] double most() const { return share(1); }
   [[nodiscard]] double value() const { return share(0.5); }
   [[nodiscard]] double mixed_share() const { return value_of(mixed); }
-  /// Mixed blocks could all be clear.
+  /// No block is blocked; mixed blocks could all be clear.
   [[nodiscard]] bool possible() const { return blocked == 0 && clear + mixed > 0; }
   [[nodiscard]] bool sure() const { return blocked + mixed == 0 && clear > 0; }
 
@@ -65,7 +66,7 @@ struct AreaTraversability {
   [[nodiscard]] double share(double of_mixed) const { return value_of(clear) + of_mixed * value_of(mixed); }
 };
 
-/// All blocks of a window at one depth.
+/// Judges all blocks of a window at one depth.
 AreaTraversability area_traversability(const BlockMap& map, PixelWindow blocks, double vehicle_z, double clearance_m,
                                        const Formation& formation = {});
 /// Along a path that the middle of the formation follows; `passage` is that of one vehicle.

@@ -1,12 +1,12 @@
-// Awareness: how much a map says of the water that a vehicle is about to enter (ledger S5-58; Horner et al. c. 2009
+// Awareness: how much a map knows of the water that a vehicle is about to enter (ledger S5-58; Horner et al. c. 2009
 // speak of situational awareness and define no measure).
 //
-//   entropy      of a voxel, H(P) = -P log2 P - (1 - P) log2 (1 - P), summed over a corridor: what is not known yet, in
-//                bits. A voxel that nobody has looked at counts with the map's prior.
-//   known share  of the voxels, free or occupied by the map's thresholds.
-//   free share   of the voxels, free.
+//   entropy      of a voxel, H(P) = -P log2 P - (1 - P) log2 (1 - P), summed over a corridor: the missing knowledge in
+//                bits. A voxel that no sensor has observed counts with the map's prior.
+//   known share  share of the voxels that are free or occupied by the map's thresholds.
+//   free share   share of the voxels that are free.
 //
-// A voxel belongs to the box that holds its middle. Costs about 60 ns a voxel.
+// A voxel belongs to the box that holds its centre. Costs about 60 ns a voxel.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@
 
 namespace isobath {
 
-/// A box along its own axes: x ahead, y to starboard, z down; origin in its middle.
+/// A box along its own axes: x ahead, y to starboard, z down; origin at its centre.
 struct WaterBox {
   Pose X_WC;
   Eigen::Vector3d size_m = Eigen::Vector3d::Ones();

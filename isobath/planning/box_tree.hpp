@@ -1,9 +1,9 @@
-// BoxTree: which of many boxes are near, without asking each: a static binary tree of bounding boxes, halved at the
-// median centre along the longer side. Shapes of any extent mix well (a rock beside a fence of a kilometre), and what
-// is far is passed over in one look.
+// BoxTree: finds which of many boxes are near without a test of each: a static binary tree of bounding boxes, halved at
+// the median centre along the longer side. Shapes of any extent mix well (a rock beside a fence of a kilometre), and
+// one test skips all that is far.
 //
-// The tree knows boxes only; exact shapes are the caller's. Frame and units are the caller's. Immutable once built;
-// the order of visits depends on the boxes alone. Cost: N log N to build, about 4 log N boxes a query.
+// The tree holds boxes only; the caller keeps the exact shapes and chooses frame and units. Immutable once built; the
+// order of visits depends on the boxes alone. Cost: N log N to build, about 4 log N boxes a query.
 #pragma once
 
 #include <algorithm>
@@ -19,11 +19,11 @@ class BoxTree {
   BoxTree() = default;
   explicit BoxTree(const std::vector<Eigen::AlignedBox2d>& boxes);
 
-  /// Of all boxes; empty without any.
+  /// Bounds of all boxes; empty without any.
   [[nodiscard]] Eigen::AlignedBox2d bounds() const { return nodes_.empty() ? Eigen::AlignedBox2d() : nodes_[0].box; }
 
-  /// Walks down where `enter(box)` says so and calls `use(i)` for the boxes reached; what `enter` says may change as
-  /// `use` learns.
+  /// Descends where `enter(box)` is true and calls `use(i)` for the boxes that are reached; the answers of `enter` may
+  /// change as `use` learns.
   template <class Enter, class Use>
   void visit(const Enter& enter, const Use& use) const {
     if (nodes_.empty()) return;

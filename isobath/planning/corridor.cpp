@@ -8,9 +8,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kTouch = 1e-9;  // m: what touches, meets
+constexpr double kTouch = 1e-9;  // m: shapes that touch count as meeting
 
-/// Grows to hold the interval [from, to] of parameters; empty where from > to.
+/// Grows to hold the interval [from, to] of parameters; ignores it where from > to.
 struct Hull {
   double from = INFINITY;
   double to = -INFINITY;
@@ -21,7 +21,7 @@ struct Hull {
   }
 };
 
-/// The line p + t u, t any number, |u| = 1, against a disc.
+/// Adds the part of the line p + t u, t any number, |u| = 1, that lies in a disc.
 void add_disc(Hull& hull, const Vector2d& p, const Vector2d& u, const Vector2d& centre, double radius) {
   const double middle = u.dot(centre - p);
   const double off2 = (centre - p).squaredNorm() - middle * middle;
@@ -30,7 +30,7 @@ void add_disc(Hull& hull, const Vector2d& p, const Vector2d& u, const Vector2d& 
   hull.add(middle - std::sqrt(rest), middle + std::sqrt(rest));
 }
 
-/// Against the rectangle centre +- half_x axis_x +- half_y axis_y.
+/// Adds the part that lies in the rectangle centre +- half_x axis_x +- half_y axis_y.
 void add_box(Hull& hull, const Vector2d& p, const Vector2d& u, const Vector2d& centre, const Vector2d& axis_x,
              double half_x, double half_y) {
   const Vector2d axis_y(-axis_x.y(), axis_x.x());
@@ -78,7 +78,7 @@ class Sweeper {
  public:
   Sweeper(const PixelGrid& grid, double half_width) : grid_(grid), half_width_(half_width) {}
 
-  /// At most about so many pixels; exact to a factor of two.
+  /// Estimated number of pixels, correct to a factor of two.
   [[nodiscard]] double estimate(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
     const double wide = 2 * half_width_ / grid_.pixel_m + 1;
     return ((to - from).head<2>().norm() / grid_.pixel_m + wide) * wide;
@@ -104,7 +104,7 @@ class Sweeper {
     }
   }
 
-  /// Each pixel once: first met, deepest.
+  /// Each pixel once: with its first contact and its greatest depth.
   std::vector<SweptPixel> take() {
     std::stable_sort(pixels_.begin(), pixels_.end(), [](const SweptPixel& a, const SweptPixel& b) {
       return a.pixel.row != b.pixel.row ? a.pixel.row < b.pixel.row : a.pixel.column < b.pixel.column;
@@ -124,7 +124,7 @@ class Sweeper {
  private:
   [[nodiscard]] double reach() const { return half_width_ + 2 * kTouch; }
 
-  /// Least and greatest east of the part of the leg between two norths.
+  /// Minimum and maximum east of the part of the leg between two norths.
   static std::pair<double, double> easts(const Leg& leg, double south, double north) {
     double from = 0, to = leg.length;
     if (std::abs(leg.u.x()) > 1e-12) {

@@ -13,9 +13,9 @@ using Eigen::Vector2d;
 using std::numbers::pi;
 
 constexpr double kStep = 0.25;       // s
-constexpr double kNearer = 0.1;      // m that a vehicle that stands too near may come nearer at first
-constexpr double kLeaving = 0.2;     // m/s that it then must get away
-constexpr double kPlenty = 2;        // times the room that is wanted: more is no better
+constexpr double kNearer = 0.1;      // m that a vehicle too near at the start may come nearer
+constexpr double kLeaving = 0.2;     // m/s at which it must then get away
+constexpr double kPlenty = 2;        // times the wanted room: more is no better
 constexpr double kRound = 100 * pi;  // rad: more than any horizon holds
 constexpr std::array<double, 7> kTurns = {pi / 6, pi / 3, pi / 2, 2 * pi / 3, 5 * pi / 6, pi, kRound};
 constexpr std::array<double, 3> kWaits = {0, 1.5, 3};  // s

@@ -53,7 +53,7 @@ void add_joint(Line& out, const Vector2d& corner, const Vector2d& before, const 
       const double angle = sweep_angle * i / parts;
       out.push_back(corner + offset * (std::cos(angle) * n0 + std::sin(angle) * starboard(n0)));
     }
-  } else {  // the two cross somewhere before: see without_loops
+  } else {  // the two offset legs cross before the corner: see without_loops
     out.push_back(corner + offset * n0);
     out.push_back(corner + offset * n1);
   }
@@ -90,7 +90,7 @@ Line without_loops(const Line& raw, std::span<const Vector2d> line, double offse
   return out;
 }
 
-/// Deepest that the rule allows on a leg.
+/// Maximum depth that the rule allows on a leg.
 Result<double, CourseRefusal> safe_depth(const Vector2d& a, const Vector2d& b, const FeatureCourseConfig& config,
                                          const DepthField& map) {
   const std::array<Eigen::Vector3d, 2> leg = {Eigen::Vector3d(a.x(), a.y(), 0), Eigen::Vector3d(b.x(), b.y(), 0)};
@@ -114,7 +114,8 @@ Line divided(const Line& course, double leg_m) {
   return out;
 }
 
-/// Of each way-point: no deeper than its leg and the next allow, nor than can be climbed from by the end of the next.
+/// For each way-point a depth that its leg and the next allow, and from which the vehicle can climb by the end of the
+/// next.
 Result<std::vector<double>, CourseRefusal> depths_over_bottom(const Line& course, const FeatureCourseConfig& config,
                                                               const DepthField& map) {
   std::vector<double> depths(course.size(), config.max_depth_m);
@@ -130,7 +131,7 @@ Result<std::vector<double>, CourseRefusal> depths_over_bottom(const Line& course
   return depths;
 }
 
-/// Takes from `rest` what goes on best from the end of the line.
+/// Moves from `rest` to the line the segment that best continues its end.
 bool extend(Line& line, std::vector<FeatureSegment>& rest, double tolerance) {
   const Vector2d end = line.back(), along = end - line[line.size() - 2];
   std::size_t best = rest.size();
@@ -158,18 +159,21 @@ bool extend(Line& line, std::vector<FeatureSegment>& rest, double tolerance) {
 
 std::vector<Field> fields(FeatureCourseConfig& c) {
   return {
-      Field::real("offset_m", &c.offset_m, {-10000, 10000}, "m", "Distance to starboard of the feature."),
-      Field::real("mitre_limit", &c.mitre_limit, {1, 10}, "1", "Mitres beyond so many offsets become round."),
-      Field::real("chord_m", &c.chord_m, {0.001, 100}, "m", "How far a round joint may be cut short."),
-      Field::real("speed", &c.speed, {0, 20}, "m/s", "Along the course."),
+      Field::real("offset_m", &c.offset_m, {-10000, 10000}, "m",
+                  "Distance of the route to starboard of the feature; negative: to port."),
+      Field::real("mitre_limit", &c.mitre_limit, {1, 10}, "1",
+                  "Mitres that reach beyond this many offsets become round."),
+      Field::real("chord_m", &c.chord_m, {0.001, 100}, "m", "How far a round joint may cut its arc short."),
+      Field::real("speed", &c.speed, {0, 20}, "m/s", "Speed along the route."),
       Field::choice("rule", &c.rule, {{"constant", DepthRule::kConstant}, {"altitude", DepthRule::kAltitude}},
-                    "A depth, or a height above the bottom."),
+                    "Constant depth, or altitude above the bottom."),
       Field::real("depth_m", &c.depth_m, {0, 11000}, "m", "Constant depth."),
-      Field::real("altitude_m", &c.altitude_m, {0, 1000}, "m", "Height above the shallowest bottom of a leg."),
-      Field::real("max_depth_m", &c.max_depth_m, {0, 11000}, "m", "Never deeper."),
-      Field::real("unknown_depth_m", &c.unknown_depth_m, {0, 11000}, "m", "Never deeper over unknown bottom."),
-      Field::real("half_width_m", &c.half_width_m, {0, 1000}, "m", "Half of the corridor whose bottom counts."),
-      Field::real("slope", &c.slope, {0.001, 10}, "1", "Metres of climb a metre."),
+      Field::real("altitude_m", &c.altitude_m, {0, 1000}, "m", "Altitude above the shallowest bottom of a leg."),
+      Field::real("max_depth_m", &c.max_depth_m, {0, 11000}, "m", "Maximum depth."),
+      Field::real("unknown_depth_m", &c.unknown_depth_m, {0, 11000}, "m", "Maximum depth over unknown bottom."),
+      Field::real("half_width_m", &c.half_width_m, {0, 1000}, "m",
+                  "Half the width of the corridor whose bottom counts."),
+      Field::real("slope", &c.slope, {0.001, 10}, "1", "Maximum climb, metres per metre of route."),
       Field::real("leg_m", &c.leg_m, {0.1, 10000}, "m", "Longer legs are divided to follow the bottom."),
   };
 }

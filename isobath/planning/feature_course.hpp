@@ -1,18 +1,19 @@
-// Course along a linear feature: way-points that follow a ravine, a ridge or a pipeline at a distance (Oskard 1990,
-// III-B; ledger S1-24, S1-F05).
+// FeatureCourse: a route along a linear feature: way-points that follow a ravine, a ridge or a pipeline at a distance
+// (Oskard 1990, III-B; ledger S1-24, S1-F05).
 //
-// The segments of a feature, in any order and sense, are chained to a line that starts near a point. The course lies
-// `offset_m` to starboard of it in the sense of travel (negative: to port). Outside of a bend the joint is mitred, or
-// round where the mitre would reach beyond `mitre_limit` offsets; inside of a bend tighter than the offset, what comes
-// nearer to the line than the offset is cut off. No point of the course is nearer to the line than the offset less
-// `chord_m`, nor farther than mitre_limit offsets.
+// The segments of a feature, in any order and sense, are chained into a line that starts near a point. The route lies
+// `offset_m` to starboard of the line in the direction of travel (negative: to port). On the outside of a bend the
+// joint is mitred, or round where the mitre would reach beyond `mitre_limit` offsets. On the inside of a bend tighter
+// than the offset, the part of the route that would be nearer to the line than the offset is cut off. No point of the
+// route is nearer to the line than the offset less `chord_m`, nor farther than `mitre_limit` offsets.
 //
-// Depth: constant, or an altitude above the shallowest known bottom of the corridor of each leg and of the next, so
-// that the vehicle has climbed before it is needed, no steeper than `slope`; over unknown bottom never below
+// Depth: constant, or an altitude above the shallowest known bottom in the corridor of each leg and of the next, so
+// that the vehicle has climbed before it must, no steeper than `slope`. Over unknown bottom the route never lies below
 // `unknown_depth_m`.
 //
 // Lateral tolerance: a REMUS-100 under LineOfSight (lookahead 8 m, acceptance 3 m) at 1.5 m/s stays within 0.5 m of the
-// course along 20 segments of 25 m with bends of up to 20 degrees (tests/planning). Points (north, east) in W, m. Pure.
+// route along 20 segments of 25 m with bends of up to 20 degrees (tests/planning). Points (north, east) in W, m. Pure
+// functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,8 +31,9 @@ struct FeatureSegment {
   Eigen::Vector2d b;
 };
 
-/// The line that the segments make, from its end nearer to `start`, built from the segment nearest to it. Ends within
-/// `tolerance_m` meet; where several do, the straightest goes on. Segments that do not connect are left out.
+/// The line that the segments make, from its end nearer to `start`, built from the segment nearest to `start`. Ends
+/// within `tolerance_m` of each other are joined; where several are, the straightest segment continues the line.
+/// Segments that do not connect are left out.
 std::vector<Eigen::Vector2d> chain_segments(std::span<const FeatureSegment> segments, const Eigen::Vector2d& start,
                                             double tolerance_m);
 
@@ -52,15 +54,15 @@ struct FeatureCourseConfig {
   double max_depth_m = 100;    ///< whatever the bottom
   double unknown_depth_m = 0;  ///< over unknown bottom
   double half_width_m = 2;     ///< of the corridor whose bottom counts
-  double slope = 0.25;         ///< metres of climb a metre
-  double leg_m = 20;           ///< longer legs are divided for the depth to follow
+  double slope = 0.25;         ///< metres of climb per metre
+  double leg_m = 20;           ///< longer legs are divided so that the depth follows the bottom
 };
 
 std::vector<Field> fields(FeatureCourseConfig& config);
 
 enum class CourseRefusal : std::uint8_t { kNoFeature, kNotFinite, kTooLarge };
 
-/// `map` is asked only for the altitude rule, and may be null otherwise.
+/// `map` is used only by the altitude rule, and may be null otherwise.
 Result<std::vector<Waypoint>, CourseRefusal> feature_course(std::span<const Eigen::Vector2d> line,
                                                             const FeatureCourseConfig& config, const DepthField* map);
 

@@ -1,20 +1,20 @@
-// GridSearch: A* over the cells of a rectangle, eight neighbours, flat arrays (Ganesan 2015, algorithm 1, corrected;
-// ledger S6-48; S1-42 uses it too).
+// GridSearch: A* over the cells of a rectangle with eight neighbours, in flat arrays (Ganesan 2015, algorithm 1,
+// corrected; ledger S6-48; S1-42 uses it too).
 //
-// As printed the algorithm fails inside its loop and never opens what it finds (S6-E09). Here: a neighbour that is new,
-// or that is reached at less cost, is opened with its cost and the step that led there; failure is known only when
-// nothing is open any more, that is, when all that can be reached was looked at; the path is rebuilt from the steps.
+// The algorithm as printed fails inside its loop and never opens the cells that it finds (S6-E09). Here, a neighbour
+// that is new, or that is reached at lower cost, is opened with its cost and the step that led there. The search fails
+// only when no cell is open, that is, when all reachable cells have been expanded. The path is rebuilt from the steps.
 //
-// The heuristic is the straight line over eight directions, cell_m (max + (sqrt 2 - 1) min): consistent so long as no
-// step costs less than its length, which the ground promises. Then the path is the cheapest, and costs are found in
-// their order. Ties: least bound first, of equal ones the farther on, then the smaller cell: the same path on every
-// machine.
+// The heuristic is the straight line over eight directions, cell_m (max + (sqrt 2 - 1) min). It is consistent as long
+// as no step costs less than its length, which the ground guarantees. The path is then the cheapest, and costs are
+// found in increasing order. Ties: smallest bound first, of equal ones the larger cost so far, then the smaller cell:
+// the same path on every machine.
 //
-// A ground says, for cells numbered row by row:
-//   bool enterable(from, to, step)   whether the step may be possible; cheap, asked first
-//   bool passable(from, step)        whether it is; asked only where it would be an improvement
+// A ground provides, for cells numbered row by row:
+//   bool enterable(from, to, step)   whether the step may be possible; cheap, called first
+//   bool passable(from, step)        whether it is possible; called only where it would be an improvement
 //   double step_cost(from, to, step) at least the step's length, m
-// Cost: about 0.1 us a cell expanded, with a ground of tables.
+// Cost: about 0.1 us per expanded cell, with a ground of tables.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ struct GridStep {
   std::int32_t column = 0;
   std::int32_t row = 0;
 };
-/// Straight ones first; the opposite of a step is two further, in its own half.
+/// Straight steps first; the opposite of a step is two further, in its own half.
 inline constexpr std::array<GridStep, 8> kGridSteps = {
     {{0, -1}, {1, 0}, {0, 1}, {-1, 0}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}}};
 inline constexpr std::size_t opposite(std::size_t step) { return step < 4 ? (step + 2) % 4 : 4 + (step + 2) % 4; }
@@ -57,10 +57,10 @@ class GridSearch {
     cost_[start] = 0;
     open_.push({left(at(start)), 0, static_cast<std::uint32_t>(start)});
     while (!open_.empty()) {
-      // 1. the most promising cell that is open
+      // 1. the most promising open cell
       const Open best = open_.top();
       open_.pop();
-      if (closed_[best.cell] != 0) continue;  // by a cheaper way that was found since
+      if (closed_[best.cell] != 0) continue;  // by a cheaper path that was found since
       closed_[best.cell] = 1;
       if (best.cell == goal) return GridOutcome::kReached;
       if (expanded_ >= budget) return GridOutcome::kOutOfBudget;
@@ -68,7 +68,7 @@ class GridSearch {
       // 2. its neighbours
       expand(best.cell);
     }
-    return GridOutcome::kNoPath;  // 3. nothing is open: all that can be reached was expanded
+    return GridOutcome::kNoPath;  // 3. no cell is open: all reachable cells were expanded
   }
 
   [[nodiscard]] double cost(std::size_t cell) const { return cost_[cell]; }
@@ -76,7 +76,7 @@ class GridSearch {
   [[nodiscard]] std::int64_t queries() const { return queries_; }  ///< calls of `passable`
   [[nodiscard]] std::size_t step_to(std::size_t cell) const { return static_cast<std::uint8_t>(came_by_[cell]); }
 
-  /// From the start to a cell that was reached, with both.
+  /// The cells from the start to a cell that was reached, both included.
   [[nodiscard]] std::vector<std::size_t> path_to(std::size_t cell) const {
     std::vector<std::size_t> cells = {cell};
     while (cell != start_) {
@@ -89,9 +89,9 @@ class GridSearch {
   }
 
  private:
-  static constexpr double kRounding = 1e-12;  ///< what sums of the same steps in another order may differ by
+  static constexpr double kRounding = 1e-12;  ///< by which sums of the same steps in another order may differ
   struct Open {
-    double bound;  ///< cost so far and what is left at least
+    double bound;  ///< cost so far plus the minimum cost that is left
     float cost;    ///< so far; for ties only
     std::uint32_t cell;
   };

@@ -11,7 +11,7 @@ namespace {
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 
-constexpr double kTouch = 1e-9;    // m: what touches, meets
+constexpr double kTouch = 1e-9;    // m: shapes that touch count as meeting
 constexpr double kFarthest = 1e7;  // m
 
 Vector2d nearest_on_segment(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
@@ -21,7 +21,8 @@ Vector2d nearest_on_segment(const Vector2d& a, const Vector2d& b, const Vector2d
   return a + std::clamp((p - a).dot(side) / length2, 0.0, 1.0) * side;
 }
 
-/// Whether the insides of both segments cross at a point; what only touches is found by the distances of ends.
+/// Whether the insides of both segments cross at a point; segments that only touch are found by the distances of their
+/// ends.
 bool cross_each_other(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
   const Vector2d ab = b - a, cd = d - c;
   const bool c_left = cross(ab, c - a) > 0, d_left = cross(ab, d - a) > 0;
@@ -29,13 +30,13 @@ bool cross_each_other(const Vector2d& a, const Vector2d& b, const Vector2d& c, c
   return c_left != d_left && a_left != b_left;
 }
 
-/// Not above the distance from a point, or a leg, to anything in a box; without a limit below for what is in it.
+/// Lower bound of the distance from a point to anything in a box; minus infinity for a point in the box.
 double bound_of(const AlignedBox2d& box, const Vector2d& p) {
   const double outside = box.exteriorDistance(p);
   return outside > 0 ? outside : -INFINITY;
 }
 
-/// The same for legs.
+/// The same for a leg.
 struct LegBound {
   Vector2d a, normal;
   AlignedBox2d box;
@@ -54,7 +55,7 @@ struct LegBound {
   }
 };
 
-/// Where on the leg the outline first is within `reach`, m from a.
+/// Where the leg first comes within `reach` of the outline, m from a.
 std::optional<double> first_within(const Polygon& convex, const Vector2d& a, const Vector2d& b, double reach) {
   if (contains(convex, a)) return 0;
   std::optional<double> first;
@@ -128,7 +129,7 @@ HazardMap::HazardMap(std::vector<Hazard> hazards) : hazards_(std::move(hazards))
   for (std::size_t i = 0; i < hazards_.size(); ++i) {
     Hazard& h = hazards_[i];
     if (!usable(h)) {
-      throw Error("hazard " + std::to_string(i) + " has no outline, or outline or margin are not finite", {},
+      throw Error("hazard " + std::to_string(i) + " has no outline, or its outline or margin is not finite", {},
                   "one corner or more, within 1e7 m of the origin; margin within 1e7 m");
     }
     h.outline = convex_hull(std::move(h.outline));

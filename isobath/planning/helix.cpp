@@ -38,10 +38,10 @@ Jet root_of(const Jet& a) {
   return r;
 }
 
-/// a where it is above zero, else zero, rounded off over `width`.
+/// a where it is above zero, else zero, smoothed over `width`.
 Jet above_zero(const Jet& a, double width) { return 0.5 * (a + root_of(a * a + width * width)); }
 
-/// From 0 to 1 while t goes from 0 to 1, with three derivatives that are zero at both ends.
+/// Rises from 0 to 1 while t goes from 0 to 1, with three derivatives that are zero at both ends.
 Jet smooth_rise(const Jet& t) {
   if (t.v <= 0) return {};
   if (t.v >= 1) return {1, 0, 0, 0};
@@ -49,7 +49,7 @@ Jet smooth_rise(const Jet& t) {
   return t2 * t2 * (-20.0 * (t2 * t) + 70.0 * t2 + -84.0 * t + 35.0);
 }
 
-/// The polynomial of seventh degree that begins with `start` and is zero, with three derivatives, from `length` on.
+/// The polynomial of seventh degree that begins with `start` and vanishes, with three derivatives, from `length` on.
 Jet fading(const Jet& start, const Jet& h, double length) {
   if (h.v >= length) return {};
   const Jet t = (1 / length) * h, rest = -1.0 * t + 1.0;
@@ -72,16 +72,16 @@ struct Offsets {
   Jet lateral, vertical;
 };
 
-/// Beside and below the line, x metres along it.
+/// Offsets beside and below the line, x metres along it.
 Offsets nominal_at(const Shape& shape, double x) {
   const Jet along{x, 1, 0, 0};
   const Jet distance = -1.0 * along + shape.opening_x;
-  // After it is left the helix grows no more.
+  // After the vehicle has left the helix, the helix no longer grows.
   const Jet held = above_zero(distance + -shape.leave, 2) + shape.leave;
   const Jet begun = smooth_rise((1 / shape.rise) * along);
   const Jet ended = smooth_rise((1 / shape.fall) * (along + (shape.leave - shape.opening_x)));
   const Jet share = shape.amplitude * (begun * (-1.0 * ended + 1.0));
-  // Phase -pi/2 at the start: the view goes to starboard first.
+  // Phase -pi/2 at the start: the view turns to starboard first.
   const double t = x / shape.advance, k = 1 / shape.advance;
   const Jet cosine{std::sin(t), k * std::cos(t), -k * k * std::sin(t), -k * k * k * std::cos(t)};
   const Jet sine{-std::cos(t), k * std::sin(t), k * k * std::cos(t), -k * k * k * std::sin(t)};
@@ -98,7 +98,7 @@ Offsets offsets_at(const Shape& shape, double x) {
   return o;
 }
 
-/// `next` where it begins as `last` has it there.
+/// `next`, changed so that it begins where and as `last` is there.
 Shape taking_over_from(const Shape& last, Shape next) {
   const Offsets old = offsets_at(last, next.from), nominal = nominal_at(next, next.from);
   next.lateral_gap = old.lateral - nominal.lateral;
@@ -205,17 +205,20 @@ Opening opening_seen(const Vector3d& p_W, Angle line, double distance_m, const O
 }
 
 std::vector<Field> fields(HelixConfig& c) {
-  return {Field::real("advance", &c.advance_m, {0.1, 100}, "m", "Of the helix, in a radian of its phase."),
-          Field::degrees("half_beam_deg", &c.half_beam, {0, 45}, "Half the width of what both fans see."),
-          Field::degrees("max_swing_deg", &c.max_swing, {1, 80}, "Of the heading off the approach line."),
-          Field::degrees("max_pitch_deg", &c.max_pitch, {1, 80}, "Up and down."),
-          Field::real("rise", &c.rise_m, {0.5, 1000}, "m", "In which the helix begins."),
-          Field::real("fall", &c.fall_m, {0.5, 1000}, "m", "In which it ends."),
-          Field::real("settle", &c.settle_m, {0.5, 1000}, "m", "In which a new plan takes over from the old one."),
-          Field::real("reaction", &c.reaction_s, {0, 60}, "s", "From an echo that is believed to a new course."),
-          Field::real("clearance", &c.clearance_m, {0, 100}, "m", "From the opening's plane, when turning away."),
-          Field::real("pass_share", &c.pass_share, {0, 1}, "1", "Of the opening known to be free, to go through."),
-          Field::real("margin", &c.margin_m, {0, 100}, "m", "Of free water round the hull, to go through.")};
+  return {
+      Field::real("advance", &c.advance_m, {0.1, 100}, "m", "Advance of the helix per radian of its phase."),
+      Field::degrees("half_beam_deg", &c.half_beam, {0, 45}, "Half the width of the common beam of both fans."),
+      Field::degrees("max_swing_deg", &c.max_swing, {1, 80}, "Maximum swing of the heading off the approach line."),
+      Field::degrees("max_pitch_deg", &c.max_pitch, {1, 80}, "Maximum pitch, up and down."),
+      Field::real("rise", &c.rise_m, {0.5, 1000}, "m", "Length over which the helix begins."),
+      Field::real("fall", &c.fall_m, {0.5, 1000}, "m", "Length over which the helix ends."),
+      Field::real("settle", &c.settle_m, {0.5, 1000}, "m", "Length over which a new plan takes over from the old one."),
+      Field::real("reaction", &c.reaction_s, {0, 60}, "s",
+                  "Time from an echo until it is believed and the vehicle is on a new heading."),
+      Field::real("clearance", &c.clearance_m, {0, 100}, "m", "Distance from the opening's plane when turning away."),
+      Field::real("pass_share", &c.pass_share, {0, 1}, "1",
+                  "Share of the opening that must be known to be free to go through."),
+      Field::real("margin", &c.margin_m, {0, 100}, "m", "Free water round the hull that is required to go through.")};
 }
 
 HelixAmplitudes helix_amplitudes(const HelixConfig& config, const OpeningAngles& angles) {
@@ -233,9 +236,9 @@ double latest_decision_m(const HelixConfig& config, const VehicleSheet& sheet, d
 HelixPlanner::HelixPlanner(const HelixConfig& config, const VehicleSheet& sheet, double speed, const Vector3d& start_W,
                            const Opening& opening)
     : config_(config), sheet_(sheet), speed_(speed), latest_m_(latest_decision_m(config, sheet, speed)) {
-  if (!(speed > 0)) throw Error("a helix needs a speed ahead", {}, "above 0 m/s");
+  if (!(speed > 0)) throw Error("a helix needs a forward speed", {}, "above 0 m/s");
   const Eigen::Vector2d way = (opening.X_WO.translation - start_W).head<2>();
-  if (!(way.norm() > 1)) throw Error("the opening must lie ahead of where its approach begins", {}, "1 m or more");
+  if (!(way.norm() > 1)) throw Error("the opening must lie ahead of the start of its approach", {}, "1 m or more");
   const Rotation R_WL = Rotation::from_heading(Angle::radians(std::atan2(way.y(), way.x())));
   X_WL_ = {R_WL, start_W};
   last_ = Shape{config.advance_m,
@@ -271,7 +274,7 @@ HelixPlan HelixPlanner::plan(const Opening& opening, double along_m, double ampl
   const double distance = middle.x() - along_m;
 
   shape.leave = left_ ? last_.leave : std::min(latest_m_, distance);
-  // The whole path with its end counts: the nearest place to leave the helix is found by trying.
+  // The whole path with its end counts: the nearest place to leave the helix is found by trial.
   const auto fits = [&] {
     const Shape tried = taking_over_from(last_, shape);
     return within(demand_of(tried, tried.opening_x + beyond_m, speed_), config_, sheet_.limits);

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// The part of a leg, as shares of it, inside the window's rectangle: first above second where there is none.
+/// The part of a leg inside the window's rectangle, as shares of the leg; first above second where there is none.
 std::pair<double, double> inside(const Vector2d& a, const Vector2d& d, const Vector2d& low, const Vector2d& high) {
   double from = 0, to = 1;
   for (int i = 0; i < 2; ++i) {
@@ -77,11 +77,11 @@ PathRisk path_risk(const RiskGrid& risk, std::span<const Vector2d> path) {
     std::sort(cuts.begin(), cuts.end());
     for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
       Pixel p = risk.grid.at(a + d * ((cuts[k] + cuts[k + 1]) / 2));
-      // The window's far edges belong to it as much as the near ones.
+      // The window's far edges belong to it like the near ones.
       p.column = std::clamp(p.column, w.column, w.column + w.width - 1);
       p.row = std::clamp(p.row, w.row, w.row + w.height - 1);
       const double piece = (cuts[k + 1] - cuts[k]) * length;
-      if (!(piece > 0)) continue;  // an infinite rate over nothing
+      if (!(piece > 0)) continue;  // an infinite rate over zero length
       const auto row = static_cast<std::size_t>(p.row - w.row);
       out.cost +=
           piece *

@@ -1,11 +1,13 @@
-// Mission risk: what a path through threats costs (Oskard 1990, III-D; ledger S1-37).
+// Mission risk: the cost of a path through threats (Oskard 1990, III-D; ledger S1-37).
 //
-// A probability per pixel means nothing without the way on which it was met. Kept is its rate: lambda = -ln(1 - p) / L
-// for probability p over a reference length L, so that over a length l it is 1 - exp(-lambda l). Survival multiplies,
-// so the cost is additive: sum lambda l over the pixels of the path, each with the exact length of the path within it;
-// sampling the path more finely changes nothing. Rates of independent threats (detection, destruction) add.
+// A probability per pixel means nothing without the distance over which it was met. The grid therefore holds its rate:
+// lambda = -ln(1 - p) / L for probability p over a reference length L, so that over a length l the probability is
+// 1 - exp(-lambda l). Survival multiplies, so the cost is additive: sum lambda l over the pixels of the path, each with
+// the exact length of the path within it; finer sampling of the path changes nothing. Rates of independent threats
+// (detection, destruction) add.
 //
-// Points are (north, east) of W, m. The part of a path outside of the grid is not judged; its length is told. Pure.
+// Points are (north, east) of W, m. The part of a path outside the grid is not judged; its length is reported. Pure
+// functions.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +17,7 @@
 
 namespace isobath {
 
-/// 1/m. p in [0, 1): 1 gives an infinite rate.
+/// 1/m. p in [0, 1]; 1 gives an infinite rate.
 double rate_of_probability(double probability, double reference_m);
 double probability_of_rate(double rate_per_m, double length_m);
 

@@ -8,7 +8,7 @@ using Eigen::Vector3d;
 
 std::optional<double> first_occupied(const VoxelMap& map, const SpacePath& path, double reach_m) {
   const double voxel = map.voxel_m();
-  // Half the diagonal of a voxel: what it holds may lie in its nearest corner.
+  // Half the diagonal of a voxel: its content may lie in its nearest corner.
   const double reach = reach_m + 0.5 * std::sqrt(3.0) * voxel;
   const int parts = std::max(1, static_cast<int>(std::ceil(path.length() / voxel)));
   for (int i = 0; i <= parts; ++i) {
@@ -63,9 +63,9 @@ ApproachPhase OpeningApproach::step(const Vector3d& p_W, const Opening& opening,
   if (phase_ == ApproachPhase::kTurnAway) return phase_;
   const double along = planner_.along(p_W);
   const double distance = planner_.along(opening.X_WO.translation) - along;
-  const bool committed = phase_ == ApproachPhase::kPass && distance < planner_.latest_m();  // there is no way back
+  const bool committed = phase_ == ApproachPhase::kPass && distance < planner_.latest_m();  // too late to turn away
   const bool clear = replan(opening, along, map);
-  // Now, if by the next image it were too late.
+  // Leave now if it would be too late by the next image.
   const bool leaves = distance - (along - last_along_) <= plan_->leave_m;
   last_along_ = along;
   if (phase_ == ApproachPhase::kHelix && leaves) {

@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 int cells_along(double size_m, double cell_m) { return std::max(1, static_cast<int>(std::lround(size_m / cell_m))); }
 
-/// In a fan that lies in the x-y plane of its frame.
+/// Whether a direction is in a fan that lies in the x-y plane of its frame.
 bool in_fan(const Vector3d& u_S, Angle sector, Angle thickness) {
   const double level = u_S.head<2>().norm();
   return std::abs(std::atan2(u_S.y(), u_S.x())) <= sector.radians() / 2 &&
@@ -21,11 +21,12 @@ bool in_fan(const Vector3d& u_S, Angle sector, Angle thickness) {
 }  // namespace
 
 std::vector<Field> fields(FanPair& p) {
-  return {Field::degrees("horizontal_sector_deg", &p.horizontal_sector, {1, 180}, "Of the flat fan."),
-          Field::degrees("vertical_sector_deg", &p.vertical_sector, {1, 180}, "Of the upright fan."),
-          Field::degrees("thickness_deg", &p.thickness, {0.1, 90}, "Of both, across their planes."),
-          Field::degrees("vertical_pitch_deg", &p.vertical_pitch, {-90, 90}, "Of the upright fan's middle, up."),
-          Field::real("range", &p.range_m, {1, 1000}, "m", "From where a look counts.")};
+  return {Field::degrees("horizontal_sector_deg", &p.horizontal_sector, {1, 180}, "Sector of the horizontal fan."),
+          Field::degrees("vertical_sector_deg", &p.vertical_sector, {1, 180}, "Sector of the vertical fan."),
+          Field::degrees("thickness_deg", &p.thickness, {0.1, 90}, "Thickness of both fans, across their planes."),
+          Field::degrees("vertical_pitch_deg", &p.vertical_pitch, {-90, 90},
+                         "Pitch of the middle of the vertical fan, up."),
+          Field::real("range", &p.range_m, {1, 1000}, "m", "Maximum distance from which a look counts.")};
 }
 
 bool in_horizontal_fan(const FanPair& pair, const Vector3d& u_B) {
@@ -34,7 +35,7 @@ bool in_horizontal_fan(const FanPair& pair, const Vector3d& u_B) {
 
 bool in_vertical_fan(const FanPair& pair, const Vector3d& u_B) {
   const double c = cos(pair.vertical_pitch), s = sin(pair.vertical_pitch);
-  // Pitched, then rolled by a quarter turn: its plane stands upright.
+  // Pitched, then rolled by a quarter turn: its plane is vertical.
   const Vector3d u_S(c * u_B.x() - s * u_B.z(), s * u_B.x() + c * u_B.z(), -u_B.y());
   return in_fan(u_S, pair.vertical_sector, pair.thickness);
 }

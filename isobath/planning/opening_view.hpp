@@ -1,14 +1,14 @@
-// OpeningView: which part of an opening a pair of forward-looking fans has seen, and so knows to be free (Horner et al.
-// c. 2009, 3 and 6; ledger S5-40, S5-46).
+// OpeningView: which part of an opening a pair of forward-looking fans has seen, so that it is known to be free (Horner
+// et al. c. 2009, 3 and 6; ledger S5-40, S5-46).
 //
-// One fan lies flat, one stands upright. Each tells range and one angle; where a point lies across its own plane it
-// cannot tell (S5-05), so that an echo of the bed in the flat fan, or of a pylon in the upright one, may stand for any
-// water at that range. What both see in one look is known in all three coordinates (S5-09): here, water that both fans
-// have looked at from within `range_m` in the same look is known to be free. A straight approach leaves the edges of
-// the opening unknown, because the common beam is narrow.
+// One fan is horizontal, one vertical. Each measures range and one angle, but not where a point lies across its own
+// plane (S5-05): an echo of the bed in the horizontal fan, or of a pylon in the vertical one, may stand for any water
+// at that range. A point that both fans see in one look is known in all three coordinates (S5-09): here, water that
+// both fans have looked at from within `range_m` in the same look is known to be free. A straight approach leaves the
+// edges of the opening unknown, because the common beam is narrow.
 //
 // Pure geometry in open water: no echo, no shadow, no noise, and the opening is flat. The opening's face is divided
-// into square cells, judged by their middles. Costs about 5 ns a cell and look. Nothing allocates after construction.
+// into square cells, judged by their centres. Costs about 5 ns per cell and look. Nothing allocates after construction.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,18 @@
 
 namespace isobath {
 
-/// Both at the vehicle's reference point; the flat one looks straight ahead.
+/// Both fans are at the vehicle's reference point; the horizontal one looks straight ahead.
 struct FanPair {
   Angle horizontal_sector = Angle::degrees(90);  ///< full, in azimuth
   Angle vertical_sector = Angle::degrees(46);    ///< full, in elevation
   Angle thickness = Angle::degrees(15);          ///< full, across the plane of each
-  Angle vertical_pitch = Angle::degrees(-5);     ///< of the upright fan's middle, up
-  double range_m = 60;                           ///< from where a degree is a metre wide
+  Angle vertical_pitch = Angle::degrees(-5);     ///< of the middle of the vertical fan, up
+  double range_m = 60;                           ///< at which a degree is a metre wide
 };
 
 std::vector<Field> fields(FanPair& pair);
 
-/// Whether a direction (components in B, any length) is in the flat fan, in the upright one.
+/// Whether a direction (components in B, any length) is in the horizontal fan, or in the vertical one.
 bool in_horizontal_fan(const FanPair& pair, const Eigen::Vector3d& u_B);
 bool in_vertical_fan(const FanPair& pair, const Eigen::Vector3d& u_B);
 
@@ -37,7 +37,7 @@ class OpeningView {
   explicit OpeningView(const Opening& opening, const FanPair& pair = {}, double cell_m = 0.25);
 
   void look(const Pose& X_WB);
-  /// Of all cells: seen by both fans in one look.
+  /// Share of all cells that both fans have seen in one look.
   [[nodiscard]] double known_share() const;
   [[nodiscard]] int columns() const { return columns_; }  ///< from port to starboard
   [[nodiscard]] int rows() const { return rows_; }        ///< from the surface down
@@ -57,7 +57,7 @@ class OpeningView {
   std::vector<int> known_since_;
 };
 
-/// What a helix costs and brings (S5-46): its stretch, and the share of an opening that a pair of fans knows after one
+/// Cost and benefit of a helix (S5-46): its stretch, and the share of an opening that a pair of fans knows after one
 /// turn of it, flown about the opening's middle line and ended `nearest_m` before it. B = C = 0 is the straight line.
 struct HelixWorth {
   double stretch = 1;

@@ -11,9 +11,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kWidest = 500;  // pixels, half of a vehicle: every step looks at its whole corridor
+constexpr double kWidest = 500;  // pixels, half-width of a vehicle: every step checks its whole corridor
 
-/// What of an area is clear, and how safe it is round each pixel.
+/// Which pixels of an area are clear, and how safe it is round each.
 class Area {
  public:
   Area(const DepthField& map, PixelWindow window, double vehicle_z, const PilotSearchConfig& config,
@@ -57,7 +57,7 @@ class Area {
       return clear({from.column + off.column, from.row + off.row});
     });
   }
-  /// The corridor of a short leg to the centre of a pixel.
+  /// Whether the corridor of a short leg to the centre of a pixel is clear.
   [[nodiscard]] bool leg_is_clear(const Vector3d& from, Pixel to, double half_width) const {
     const Vector2d centre = grid_.centre(to);
     const std::array<Vector3d, 2> leg = {from, Vector3d(centre.x(), centre.y(), from.z())};
@@ -72,7 +72,7 @@ class Area {
     const Vector2d middle = grid_.centre({window_.column + window_.width / 2, window_.row + window_.height / 2});
     if (!within_reach_of_segment(o.a, o.b, middle, middle, reach)) return;
     const auto covered = sweep(grid_, line, o.radius_m);
-    if (!covered) {  // larger than can be swept: all of it, rather than none
+    if (!covered) {  // too large to sweep: block all pixels rather than none
       std::fill(clear_.begin(), clear_.end(), false);
       return;
     }
@@ -128,7 +128,7 @@ class Area {
   std::array<std::vector<Pixel>, 8> footprints_;
 };
 
-/// The area as GridSearch asks about it.
+/// The area as a ground of GridSearch.
 struct PilotGround {
   const Area& area;
   double pixel_m;
@@ -177,10 +177,12 @@ std::optional<PixelWindow> window_round(const PixelGrid& grid, const Vector3d& a
 std::vector<Field> fields(PilotSearchConfig& c) {
   std::vector<Field> all = fields(c.passage);
   std::vector<Field> own = {
-      Field::real("risk_weight", &c.risk_weight, {0, 1000}, "1", "Metres of detour per e-fold of risk and metre."),
+      Field::real("risk_weight", &c.risk_weight, {0, 1000}, "1",
+                  "Detour in metres that one e-fold of risk is worth per metre of path."),
       Field::real("risk_reach_m", &c.risk_reach_m, {0, 1000}, "m", "Shallow water within this distance is a risk."),
-      Field::real("margin_m", &c.margin_m, {0, 100000}, "m", "Searched around the box of start and goal."),
-      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1", "Pixels after which it gives up."),
+      Field::real("margin_m", &c.margin_m, {0, 100000}, "m", "Margin of the search around the box of start and goal."),
+      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1",
+                     "Maximum number of pixels that a search expands."),
   };
   all.insert(all.end(), own.begin(), own.end());
   return all;
@@ -200,7 +202,7 @@ const char* to_text(PilotRefusal refusal) {
 
 Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Vector3d& start, const Vector3d& goal,
                                             const PilotSearchConfig& config, std::span<const ChartObstacle> chart) {
-  // 1. the area, and what of it is clear
+  // 1. the area, and its clear pixels
   if (!start.allFinite() || !goal.allFinite()) return tl::unexpected(PilotRefusal::kNotFinite);
   const PixelGrid grid = map.grid();
   const double half_width = config.passage.half_width_m;

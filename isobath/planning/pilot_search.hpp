@@ -1,18 +1,19 @@
 // PilotSearch: the safest, most efficient path over the pixels of a depth map, by A* (Oskard 1990, III-D; ledger
 // S1-42).
 //
-// From pixel centre to pixel centre over eight neighbours. A step is possible where the corridor of the vehicle's
-// half-width between both centres is clear (traversability S1-41, strict: unknown is not clear, no corner is cut), so
-// that the whole path is. Its cost is
+// The path leads from pixel centre to pixel centre over eight neighbours. A step is possible where the corridor of the
+// vehicle's half-width between both centres is clear (traversability S1-41, strict: unknown is not clear, no corner is
+// cut), so that the whole path is clear. Its cost is
 //   length - w integral ln T ds,     T the fraction of clear pixels within `risk_reach_m` (a square), trapezoid a step
-// so that w says how many metres of detour one e-fold of traversability is worth per metre of path; w = 0 gives the
-// shortest path. The straight line over eight directions never overestimates, since T <= 1: the path is the cheapest.
+// so that w is the detour in metres that one e-fold of traversability is worth per metre of path; w = 0 gives the
+// shortest path. The straight line over eight directions never overestimates the cost, since T <= 1: the path is the
+// cheapest.
 //
-// The same over blocks of a coarser map: give it a field whose pixels are the blocks' least depths. Replanning is
-// calling it again; `traversability` of what it returned says when.
+// To search the blocks of a coarser map, pass a field whose pixels are the blocks' minimum depths. To replan, call it
+// again; `traversability` of the returned path says when.
 //
-// One depth for the search, that of the deeper end; points (north, east, depth) in W, m, of the vehicle's lowest part.
-// Pure: same input, same path. Cost on one core: 0.05 us a pixel of the area to prepare, 1 us a pixel expanded.
+// The search has one depth, that of the deeper end; points (north, east, depth) in W, m, of the vehicle's lowest part.
+// Pure: same input, same path. Cost on one core: 0.05 us per pixel of the area to prepare, 1 us per expanded pixel.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +27,7 @@ namespace isobath {
 struct PilotSearchConfig {
   PassageConfig passage;
   double risk_weight = 1;         ///< w
-  double risk_reach_m = 5;        ///< at least the half-width for it to see more than the search does
+  double risk_reach_m = 5;        ///< must be at least the half-width to see more than the search does
   double margin_m = 50;           ///< searched around the box of start and goal
   int most_expanded = 1'000'000;  ///< pixels, the budget
 };
@@ -49,7 +50,7 @@ struct PilotPath {
   std::vector<Eigen::Vector3d> points;  ///< start, corners, goal
   double cost = 0;                      ///< from the start's pixel to the goal's
   double length_m = 0;                  ///< likewise
-  std::int64_t queries = 0;             ///< steps whose corridor was looked at
+  std::int64_t queries = 0;             ///< steps whose corridor was checked
   std::int64_t expanded = 0;
   std::uint64_t map_version = 0;
 };

@@ -1,10 +1,10 @@
-// PlanFrame: the level frame P in which avoidance plans: where it stands in the world and which way its x axis points
+// PlanFrame: the level frame P in which avoidance plans: its position in the world and the direction of its x axis
 // (Ganesan 2015, equations 5.1 to 5.3, corrected; ledger S6-45, S6-46).
 //
-// World W: x north, y east. With the vehicle's place and heading P is its level body frame L: x forward, y starboard,
-// heading clockwise from north. As printed the matrix moves by the vehicle's place where it must by -R^T of it
-// (S6-E06), and leaves axes and bearing open (S6-E07). A way that is planned in P from what is seen in P takes no harm
-// from an error of this frame, so long as the same frame leads there and back.
+// World W: x north, y east. With the vehicle's position and heading, P is its level body frame L: x forward, y
+// starboard, heading clockwise from north. As printed, the matrix translates by the vehicle's position where it must
+// translate by -R^T of it (S6-E06), and leaves axes and bearing open (S6-E07). An error of this frame does not affect a
+// path that is planned in P from obstacles in P, as long as the same frame leads there and back.
 #pragma once
 
 #include <cmath>

@@ -9,13 +9,13 @@ namespace {
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 
-constexpr int kAround = 3;             // cells that a window holds around all that matters
+constexpr int kAround = 3;             // cells that a window adds around all that matters
 constexpr double kTouch = 1e-9;        // m
-constexpr double kEscapeFactor = 4;    // what a metre too near costs more than one that is clear
+constexpr double kEscapeFactor = 4;    // extra cost of a metre that is too near
 constexpr std::uint16_t kFar = 30000;  // thirds of a cell
 
 /// The lines through cell centres along one step, in units of cells: line m holds the centres (column, row) =
-/// first(m) + k step; p lies `off` m-lines and `along` steps from centre k = 0 of line 0, but for shift(m).
+/// first(m) + k step. A point lies `off` lines and `along` steps from centre k = 0 of line 0, apart from shift(m).
 struct Lines {
   GridStep step;
   Vector2d u, n;
@@ -31,7 +31,7 @@ struct Lines {
   [[nodiscard]] double shift(std::int32_t m) const { return diagonal() ? step.row * m * spacing : 0; }
 };
 
-/// Where a line meets a dilated convex outline: its corners' discs, and its sides moved outwards.
+/// The part of a line inside a dilated convex outline: discs at its corners, and its sides moved outwards.
 class DilatedOutline {
  public:
   DilatedOutline(const Polygon& outline, double reach, const Lines& lines) : reach_(reach) {
@@ -51,9 +51,9 @@ class DilatedOutline {
       high = std::max(high, c.y() + reach);
     }
   }
-  double low = INFINITY, high = -INFINITY;  ///< offs that it reaches
+  double low = INFINITY, high = -INFINITY;  ///< range of `off` that it covers
 
-  /// Alongs between which the line is in it; empty where the first is the greater.
+  /// The interval of `along` in which the line is inside; empty where the first is the greater.
   [[nodiscard]] std::pair<double, double> cut(double off) const {
     double from = INFINITY, to = -INFINITY;
     for (const Vector2d& c : corners_) {
@@ -145,7 +145,7 @@ void RouteGrid::close_lines(const Polygon& outline_in_cells, double reach_in_cel
   const std::int64_t stride = std::int64_t{by.row} * w + by.column;
   const std::int32_t last = clamped(std::floor(outline.high / lines.spacing), -all - 1, all);
   for (std::int32_t m = clamped(std::ceil(outline.low / lines.spacing), -all, all + 1); m <= last; ++m) {
-    // 1. the numbers k of the line's cells that lie in the window
+    // 1. the indices k of the line's cells that lie in the window
     const GridStep zero = lines.first(m);
     std::int32_t k_first = 0, k_last = by.column != 0 ? w - 1 : h - 1;
     if (by.column == 0 && (zero.column < 0 || zero.column >= w)) continue;
@@ -155,7 +155,7 @@ void RouteGrid::close_lines(const Polygon& outline_in_cells, double reach_in_cel
       k_last = std::min(k_last, by.row > 0 ? h - 1 - zero.row : zero.row);
     }
     if (k_first > k_last) continue;
-    // 2. those between which the outline lies
+    // 2. the indices between which the outline lies
     auto [from, to] = outline.cut(m * lines.spacing);
     if (from > to) continue;
     from = (from - lines.shift(m)) / lines.length;

@@ -1,17 +1,18 @@
 // RouteGrid: hazards laid out over cells for the search: which steps between neighbouring cell centres keep the
 // clearance, and what they cost (Ganesan 2015, 5.2.2; ledger S6-44, S6-49, S6-50).
 //
-// exact(): a step is open where the whole segment between both centres keeps at least `reach_m` from every hazard, its
-// margin taken off. A dilated convex outline meets the lines through the cell centres (rows, columns, both diagonals)
-// in one interval each, known in closed form: every step is decided exactly, however small a hazard, and no corner is
-// cut. coarse(): the paper's map: a cell is blocked where its square comes within `reach_m` of a hazard (0: touches
-// it), which makes obstacles larger by 0 to a cell, as it happens to lie (S6-E17); a way through free centres is then
-// half a cell or more from every hazard, provided that diagonal steps past a blocked cell are refused (S6-E18).
+// exact(): a step is open where the whole segment between both centres keeps at least `reach_m` from every hazard,
+// beyond the hazard's margin. A dilated convex outline meets each line through cell centres (rows, columns, both
+// diagonals) in one interval, known in closed form: every step is decided exactly, however small a hazard, and no
+// corner is cut. coarse(): the paper's map: a cell is blocked where its square comes within `reach_m` of a hazard (0:
+// touches it). This enlarges an obstacle by up to a cell, depending on where it lies (S6-E17). A path through free
+// centres is then half a cell or more from every hazard, provided that diagonal steps past a blocked cell are refused
+// (S6-E18).
 //
-// A step costs its length times the mean of both cells' factors, at least 1 (GridSearch's ground). prefer_room makes
+// A step costs its length times the mean of both cells' factors, at least 1 (GridSearch's ground). prefer_room sets
 //   factor = 1 + weight max(0, 1 - d / band),  d: beyond the clearance, by a chamfer distance over cells
-// so that a way stands off as far as `band` where that costs less than `weight` of detour a metre. d is good to 8 % and
-// a cell: it is a preference, no promise.
+// so that a path keeps off by up to `band` where that costs less than `weight` of detour per metre. d is accurate to
+// 8 % and a cell: a preference, not a promise.
 //
 // Cells are numbered row by row; columns count along x, rows along y.
 #pragma once
@@ -27,10 +28,11 @@ struct RouteWindow {
   struct Extent {
     double cell_m = 1;
     double margin_m = 30;  ///< around start and goal
-    double reach_m = 0;    ///< of hazards beyond their margins
+    double reach_m = 0;    ///< around hazards, beyond their margins
   };
-  /// The box of both ends with a margin, no larger than all that can matter, which is the box of ends and hazards;
-  /// `whole` says whether it is all of that. The start is the centre of a cell. Above kMostRouteCells cells are larger.
+  /// The box of both ends with a margin, but no larger than the box of ends and hazards, which is all that can matter;
+  /// `whole` says whether it is all of that. The start is the centre of a cell. Cells are larger where there would be
+  /// more than kMostRouteCells.
   static RouteWindow around(const Eigen::Vector2d& start, const Eigen::Vector2d& goal, const HazardMap& map,
                             const Extent& extent, bool& whole);
 
@@ -45,7 +47,7 @@ struct RouteWindow {
     const std::size_t row = cell / width;
     return origin + cell_m * Eigen::Vector2d(static_cast<double>(cell % width), static_cast<double>(row));
   }
-  /// The cell that holds p, if one does.
+  /// The cell that contains p, if there is one.
   [[nodiscard]] std::optional<std::size_t> at(const Eigen::Vector2d& p) const;
 };
 
@@ -55,10 +57,11 @@ class RouteGrid {
   static RouteGrid coarse(const HazardMap& map, const RouteWindow& window, double reach_m, bool cut_corners);
 
   void prefer_room(double band_m, double weight);
-  /// Lets a vehicle that stands too near leave: opens steps from `start`, and on from blocked cells, that come nowhere
-  /// nearer to a hazard than the start is. Blocked cells cost dear, so that it leaves soon. Looks as far as `far_m`.
+  /// Lets a vehicle that is too near to a hazard leave: opens steps from `start`, and on from blocked cells, that come
+  /// nowhere nearer to a hazard than the start is. Blocked cells are expensive, so that the vehicle leaves soon.
+  /// Reaches as far as `far_m`.
   void open_escape(const HazardMap& map, std::size_t start, double far_m);
-  /// The same for coarse cells: the start's is freed (S6-50).
+  /// The same for coarse cells: frees the cell of the start (S6-50).
   void free_cell(std::size_t cell);
 
   [[nodiscard]] const RouteWindow& window() const { return window_; }
@@ -85,7 +88,7 @@ class RouteGrid {
   [[nodiscard]] std::optional<std::size_t> neighbour(std::size_t cell, std::size_t step) const;
 
   RouteWindow window_;
-  std::vector<std::uint8_t> open_;  ///< a bit a step
+  std::vector<std::uint8_t> open_;  ///< one bit per step
   std::vector<std::uint8_t> blocked_;
   std::vector<double> factor_;
 };

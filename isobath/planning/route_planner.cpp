@@ -19,10 +19,10 @@ using Way = std::vector<Vector2d>;
 
 constexpr double kKept = 1e-6;     // m more than asked: survives a change of frame and back
 constexpr double kTouch = 1e-9;    // m
-constexpr double kOff = 0.05;      // m: no vehicle holds its way to better
-constexpr double kSag = 0.01;      // m, of arcs to the chords that stand for them
+constexpr double kOff = 0.05;      // m: no vehicle follows its path more accurately
+constexpr double kSag = 0.01;      // m, from arcs to the chords that replace them
 constexpr double kFarthest = 1e7;  // m
-constexpr double kGrowth = 3;      // of the margin, from one window to the next
+constexpr double kGrowth = 3;      // factor on the margin, from one window to the next
 /// Shares of the turning radius: how deep an arc cuts a corner of 60 degrees.
 constexpr std::array<double, 2> kRounder = {0, 0.16};
 
@@ -32,7 +32,7 @@ double length_of(const Way& way) {
   return sum;
 }
 
-/// A way and how much of it, by points from the start, leaves the neighbourhood of a hazard.
+/// A path, and the number of its points from the start that leave the neighbourhood of a hazard.
 struct Found {
   Way way;
   std::size_t escape = 0;
@@ -72,7 +72,7 @@ class Router {
   const RouteConfig& config_;
   double need_;      ///< of the vehicle's centre
   Vector2d target_;  ///< of the search: the goal, or a place on the way there beyond all hazards
-  double at_start_;  ///< what the start has
+  double at_start_;  ///< distance of the start to a hazard
   std::int64_t expanded_ = 0;
   bool shut_in_ = false;  ///< the last search could not leave its window
 };
@@ -82,9 +82,9 @@ Result<RoutePath, RouteRefusal> Router::exact() {
   if (map_.holding(task_.start)) return tl::unexpected(RouteRefusal::kStartBlocked);
   const double at_goal = map_.distance(task_.goal);
   if (at_goal < need_) return tl::unexpected(RouteRefusal::kGoalBlocked);
-  // 2. a way; where it cannot be turned, one that stands off further
+  // 2. a path; where it does not fit the turning radius, one that keeps farther off
   double tried = 0;
-  std::optional<Way> circling;  // first round a circle, where the vehicle need only lean
+  std::optional<Way> circling;  // a path that begins with a circle
   for (const double share : kRounder) {
     const double need = std::min(need_ + share * task_.turning_radius_m, at_goal);
     if (need == tried) continue;
@@ -101,7 +101,7 @@ Result<RoutePath, RouteRefusal> Router::exact() {
     if (length_of(*way) <= length_of(found->way) + half_a_circle) return finished(std::move(*way));
     if (!circling || length_of(*way) < length_of(*circling)) circling = std::move(way);
   }
-  // 3. a way made of arcs and straight legs
+  // 3. a path made of arcs and straight legs
   auto way = of_arcs();
   if (circling && (!way || length_of(*circling) < length_of(*way))) way = std::move(circling);
   if (!way) return tl::unexpected(RouteRefusal::kCannotTurn);
@@ -164,7 +164,7 @@ Result<Found, RouteRefusal> Router::search(RouteGrid& grid, double need) {
   return found;
 }
 
-/// The nearest to the goal of those around it from which it can be reached.
+/// The cell nearest to the goal, of those around it from which the goal can be reached.
 std::optional<std::size_t> Router::goal_cell(const RouteGrid& grid, double need) const {
   std::optional<std::size_t> best;
   double least = INFINITY;
@@ -189,7 +189,7 @@ Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& gr
   expanded_ += search.expanded();
   if (outcome == GridOutcome::kReached) return search.path_to(to);
   if (outcome == GridOutcome::kOutOfBudget) return tl::unexpected(RouteRefusal::kOutOfBudget);
-  // All that can be reached was looked at: was it anything, and is there more of it beyond the window?
+  // All reachable cells were expanded: did the search get away from the hazard, and does it touch the window's edge?
   bool left = false;
   shut_in_ = true;
   for (std::int32_t row = 0, cell = 0; row < w.rows; ++row) {
@@ -204,8 +204,9 @@ Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& gr
   return tl::unexpected(left ? RouteRefusal::kNoPath : RouteRefusal::kStartBlocked);
 }
 
-/// A goal far beyond all hazards: as far beyond them as they are wide, on the straight line to the start, from where
-/// the rest of that line is free. What this costs is known only to ways on another side of all hazards.
+/// For a goal far beyond all hazards: the place on the straight line to the start that lies as far beyond them as they
+/// are wide, from which the rest of that line is free. This affects only the cost of paths on another side of all
+/// hazards.
 Vector2d Router::near_target(double reach) const {
   if (map_.bounds().isEmpty()) return task_.goal;
   AlignedBox2d all = map_.bounds();
@@ -223,7 +224,8 @@ Vector2d Router::near_target(double reach) const {
   return task_.start + share * leg;
 }
 
-/// Whether a piece keeps the clearance, `more_m` more; while the vehicle is leaving a hazard, what it had at the start.
+/// Whether a piece keeps the clearance plus `more_m`; while the vehicle leaves a hazard, the distance that the start
+/// had.
 bool Router::keeps(const Vector2d& a, const Vector2d& b, double more_m) const {
   if (map_.leg_is_clear(a, b, need_ + more_m)) return true;
   return at_start_ < need_ && map_.distance(a) < need_ && map_.leg_distance(a, b) >= at_start_ + more_m - kTouch;
@@ -244,7 +246,8 @@ bool Router::can_be_turned(const Way& way) const {
   return true;
 }
 
-/// The way as the vehicle can go it: as it is, or with a turn at its start to one of its points; the shortest.
+/// The path as the vehicle can follow it: unchanged, or with a turn at its start towards one of its points; the
+/// shortest.
 std::optional<Way> Router::turned(const Way& way) const {
   const double radius = task_.turning_radius_m;
   if (radius == 0) return way;
@@ -277,7 +280,7 @@ std::optional<Way> Router::of_arcs() const {
   if (!way) return std::nullopt;
   if (target_ != task_.goal) way->push_back(task_.goal);
   if (!can_be_turned(*way)) return std::nullopt;
-  // Corners that the way can do without go.
+  // Remove corners that the path can do without.
   const auto starts_ahead = [&](const Vector2d& next) {
     if (!task_.heading) return true;
     const Vector2d ahead(std::cos(*task_.heading), std::sin(*task_.heading));
@@ -356,15 +359,19 @@ std::vector<Field> fields(RouteConfig& c) {
   using Method = RouteConfig::Method;
   return {
       Field::choice("method", &c.method, {{"exact", Method::kExact}, {"coarse", Method::kCoarse}},
-                    "Exact steps, smooth ways; or the paper's coarse cells, through their centres."),
+                    "Exact steps and smooth paths, or the paper's coarse cells and paths through their centres."),
       Field::real("cell_m", &c.cell_m, {0.05, 100}, "m", "Edge of a cell of the search."),
-      Field::real("clearance_m", &c.clearance_m, {0, 1000}, "m", "Kept from hull to hazards; coarse: around cells."),
-      Field::real("wished_clearance_m", &c.wished_clearance_m, {0, 1000}, "m", "Kept where there is room."),
+      Field::real("clearance_m", &c.clearance_m, {0, 1000}, "m",
+                  "Clearance from the hull to hazards; coarse cells: around cells."),
+      Field::real("wished_clearance_m", &c.wished_clearance_m, {0, 1000}, "m",
+                  "Clearance that is kept where there is room."),
       Field::real("room_weight", &c.room_weight, {0, 100}, "1", "Share of detour that the wished clearance is worth."),
-      Field::real("margin_m", &c.margin_m, {0, 100000}, "m", "First searched around start and goal; grows at need."),
-      Field::flag("smooth", &c.smooth, "Pull ways straight and heed the turning radius; not for coarse cells."),
-      Field::flag("cut_corners", &c.cut_corners, "Coarse cells: diagonal steps past blocked cells, as printed."),
-      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1", "Cells after which it gives up."),
+      Field::real("margin_m", &c.margin_m, {0, 100000}, "m",
+                  "Initial margin of the search around start and goal; it grows as needed."),
+      Field::flag("smooth", &c.smooth, "Pull paths straight and respect the turning radius; not for coarse cells."),
+      Field::flag("cut_corners", &c.cut_corners, "Coarse cells: allow diagonal steps past blocked cells, as printed."),
+      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1",
+                     "Maximum number of cells that a search expands."),
   };
 }
 
@@ -373,9 +380,9 @@ const char* to_text(RouteRefusal refusal) {
     case RouteRefusal::kNotFinite: return "start or goal is not finite, or too far away";
     case RouteRefusal::kStartBlocked: return "the start is in a hazard, or cannot leave its neighbourhood";
     case RouteRefusal::kGoalBlocked: return "the goal is too near to a hazard";
-    case RouteRefusal::kNoPath: return "no way keeps the clearance";
-    case RouteRefusal::kOutOfBudget: return "no way was found within the budget";
-    case RouteRefusal::kCannotTurn: return "no way was found that the vehicle can turn";
+    case RouteRefusal::kNoPath: return "no path keeps the clearance";
+    case RouteRefusal::kOutOfBudget: return "no path was found within the budget";
+    case RouteRefusal::kCannotTurn: return "no path was found for the turning radius";
   }
   return "";
 }

@@ -21,7 +21,7 @@ void pull_straight(Way& way, const HazardMap& map, const RouteGrid& grid, double
     return grid.leg_cost(way[i], way[j]) <= (cost[j] - cost[i]) * (1 + 1e-9) &&
            map.leg_is_clear(way[i], way[j], clearance_m);
   };
-  // 1. along the way, each leg as long as it will go
+  // 1. along the path, each leg as long as possible
   measure();
   Way pulled = {way.front()};
   for (std::size_t from = 0; from + 1 < way.size();) {

@@ -14,7 +14,7 @@ enum Column : std::uint8_t { kNoHazard, kFarHazard, kHazard, kShut };
 
 bool is_for_good(HazardKind kind) { return kind != HazardKind::kSeen && kind != HazardKind::kRemembered; }
 
-/// What lies `step` lines off, `squared` away, into a line of squares of distances in half voxels.
+/// Lowers a line of squared distances, in half voxels, to those of two lines that are `squared` away.
 template <class Square>
 void widen(Square* line, const Square* before, const Square* after, std::size_t count, Square squared) {
   for (std::size_t z = 0; z < count; ++z) {
@@ -40,7 +40,7 @@ SpaceRoom::SpaceRoom(const SpaceGrid& grid, const SpaceRoomTask& task)
       reach_(static_cast<int>(std::ceil(task.most_m / grid.voxel_m() + 0.5))) {
   const double voxels = size_.cast<double>().prod();
   if (!((size_.array() > 0).all() && voxels <= kMostVoxels)) {
-    throw Error("a box of water cannot be planned through", {}, "1 to 30 million voxels");
+    throw Error("the box of water is empty or too large to plan in", {}, "1 to 30 million voxels");
   }
   trim(task);
   columns_ = columns_of(task);
@@ -77,11 +77,11 @@ void SpaceRoom::clear() {
   looked_.assign(tile_of(tiles_x_, 0), 0);
   measured_ = looked_;
   const std::size_t voxels = index_of(size_.x(), 0);
-  along_.reset(new std::uint16_t[voxels]);  // not written yet: most of it never will be
+  along_.reset(new std::uint16_t[voxels]);  // not initialised: most of it is never used
   distance_.reset(new float[voxels]);
 }
 
-/// Nothing is open above or below the mission's depths and what was measured: one closed layer each says as much as
+/// Nothing is open above or below the mission's depths and the measured water: one closed layer on each side stands for
 /// all.
 void SpaceRoom::trim(const SpaceRoomTask& task) {
   shallowest_ = least_.z();
@@ -101,7 +101,7 @@ void SpaceRoom::trim(const SpaceRoomTask& task) {
   for (int z = 0; z < size_.z(); ++z) off_band_.push_back(in_band(least_.z() + z) ? 0 : 1);
 }
 
-/// Of each hazard, whether it and all that it hangs together with are far.
+/// For each hazard, whether it and all hazards connected with it are far.
 std::vector<bool> SpaceRoom::may_open(const SpaceRoomTask& task) {
   const std::size_t count = task.hazards.size();
   std::vector<bool> far(count, false);
@@ -129,7 +129,7 @@ std::vector<bool> SpaceRoom::may_open(const SpaceRoomTask& task) {
   return far;
 }
 
-/// For each column of the box, north then east.
+/// The kind of each column of the box, north then east.
 std::vector<std::uint8_t> SpaceRoom::columns_of(const SpaceRoomTask& task) const {
   std::vector<std::uint8_t> columns(column_of(size_.x(), 0), kNoHazard);
   const std::vector<bool> far = may_open(task);
@@ -160,10 +160,11 @@ std::vector<std::uint8_t> SpaceRoom::columns_of(const SpaceRoomTask& task) const
   return columns;
 }
 
-/// Of the columns of a tile, what is closed, and how far along depth that is from each voxel.
+/// For the columns of a tile: which voxels are closed, and how far along depth the nearest closed one is from each
+/// voxel.
 void SpaceRoom::look(int tile_x, int tile_y) const {
   const auto nz = static_cast<std::size_t>(size_.z());
-  const int above = grid_.least().z() - least_.z();  // layers of the room before the water's first
+  const int above = grid_.least().z() - least_.z();  // layers of this field before the grid's first
   std::vector<SpaceCell> water(nz, SpaceCell::kUnknown);
   for (int x = kTile * tile_x; x < std::min(kTile * (tile_x + 1), size_.x()); ++x) {
     for (int y = kTile * tile_y; y < std::min(kTile * (tile_y + 1), size_.y()); ++y) {
@@ -178,11 +179,11 @@ void SpaceRoom::look(int tile_x, int tile_y) const {
       const int first = std::max(0, above), last = std::min(size_.z(), above + static_cast<int>(known.size()));
       if (first < last) std::copy_n(known.begin() + (first - above), last - first, water.begin() + first);
       const std::uint8_t measured_alone = column == kHazard ? 1 : 0;
-      for (std::size_t z = 0; z < nz; ++z) {  // without branches: vectors
+      for (std::size_t z = 0; z < nz; ++z) {  // without branches, so that it vectorises
         const auto unmeasured = static_cast<std::uint16_t>(water[z] != SpaceCell::kMeasured),
                    occupied = static_cast<std::uint16_t>(water[z] == SpaceCell::kOccupied);
         const int closed = occupied | (unmeasured & (measured_alone | off_band_[z]));
-        along[z] = static_cast<std::uint16_t>(closed - 1);  // all bits of what is open
+        along[z] = static_cast<std::uint16_t>(closed - 1);  // all bits set where open
       }
       std::uint16_t off = kFar;  // voxels from the last closed one
       for (std::size_t z = 0; z < nz; ++z) {
@@ -198,7 +199,7 @@ void SpaceRoom::look(int tile_x, int tile_y) const {
   }
 }
 
-/// Whether anything within reach of a tile is unsure in the room that this one takes from.
+/// Whether any voxel within reach of a tile is unsure in the field from which this one takes its values.
 bool SpaceRoom::differs_about(int tile_x, int tile_y) const {
   const int end_x = std::min(kTile * (tile_x + 1) + reach_, size_.x()),
             end_y = std::min(kTile * (tile_y + 1) + reach_, size_.y());
@@ -230,7 +231,7 @@ void SpaceRoom::measure(int tile_x, int tile_y) const {
       looked = 1;
     }
   }
-  // Whole numbers of 16 bits wherever they do: their far, 64 voxels, is beyond `most_m` then.
+  // 16-bit integers where they suffice: their largest distance, 64 voxels, is then beyond `most_m`.
   if (reach_ < 64) {
     measure_by<std::int16_t>(tile_x, tile_y);
   } else {
@@ -239,7 +240,7 @@ void SpaceRoom::measure(int tile_x, int tile_y) const {
   measured_[tile] = 1;
 }
 
-/// Squares of distances, along one axis more each time: depth (look), then east, then north.
+/// Squared distances, with one more axis each time: depth (look), then east, then north.
 template <class Square>
 void SpaceRoom::measure_by(int tile_x, int tile_y) const {
   const Square far = std::is_integral_v<Square> ? Square{0x4000} : std::numeric_limits<Square>::max();
@@ -307,7 +308,7 @@ double SpaceRoom::distance(const Vector3d& p_W) const {
   const VoxelIndex low = floor_of(at), first = low - least_;
   const Vector3d share = at - low.cast<double>(), rest = Vector3d::Ones() - share;
   double sum = 0;
-  if (is_within_a_tile(first)) {  // as below, without eight look-ups of their own
+  if (is_within_a_tile(first)) {  // as below, without eight separate look-ups
     const std::size_t east = static_cast<std::size_t>(size_.z()), north = index_of(1, 0);
     const float* corner = &distance_[index_of(first.x(), first.y()) + static_cast<std::size_t>(first.z())];
     sum += rest.x() * (rest.y() * rest.z()) * corner[0];
@@ -329,7 +330,7 @@ double SpaceRoom::distance(const Vector3d& p_W) const {
   return sum;
 }
 
-/// Whether a voxel and its next ones are all of one tile, which has been measured.
+/// Whether a voxel and its next ones all lie in one tile, which has been measured.
 bool SpaceRoom::is_within_a_tile(const VoxelIndex& i) const {
   constexpr int kLast = kTile - 1;
   if (!inside(i) || !inside(i + VoxelIndex::Ones()) || (i.x() & kLast) == kLast || (i.y() & kLast) == kLast)

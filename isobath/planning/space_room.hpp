@@ -1,24 +1,24 @@
-// SpaceRoom: how much room there is about each place of a box of water, for a way that may lead over or under what the
-// plan view takes for closed (Horner et al. c. 2009, 5; ledger S5-33 to S5-37, S5-39).
+// SpaceRoom: the clearance at each place of a box of water, for paths that may lead over or under hazards that close
+// the plan view (Horner et al. c. 2009, 5; ledger S5-33 to S5-37, S5-39).
 //
-// Closed is
-//   - what the voxel map holds for occupied;
-//   - where a hazard of the plan view stands, from surface to bed, all that is not measured: free, and looked at by a
-//     sensor that tells height (space_grid.hpp). A fence, a charted or an injected obstacle is closed altogether;
-//   - what lies outside the band of depths that the mission goes through anyway, and is not measured.
-// So surface and bed keep their distance too: neither is ever measured to be free. Everything else is open, like water
-// outside of all hazards is to the planners of the plane.
+// Closed are
+//   - voxels that the voxel map holds for occupied;
+//   - at a hazard of the plan view, from surface to bed, all voxels that were not measured; a measured voxel was found
+//     free by a sensor that measures height (space_grid.hpp). A fence, a charted or an injected obstacle is closed
+//     completely;
+//   - voxels outside the band of depths that the mission goes through anyway, unless they were measured.
+// Paths therefore keep their distance from surface and bed too: neither is ever measured to be free. All other voxels
+// are open, as water outside all hazards is to the planners of the plane.
 //
-// A hazard that is farther from the vehicle than `look_on_m`, as are all that stand closer to it than `apart_m`, and
-// closer to these, may be left open for now, at the mission's depths, where its water is neither measured nor held for
-// occupied (unsure): there is time to look, and to turn away (S5-45).
+// A hazard that is farther from the vehicle than `look_on_m` may be left open for now, at the mission's depths, where
+// its water is neither measured nor occupied (unsure): there is time to look, and to turn away (S5-45). This holds only
+// if all hazards that are within `apart_m` of it, and of these in turn, are that far too.
 //
-// Distances are to the nearest closed voxel's faces, exact at centres of voxels, between them by interpolation; beyond
-// `most_m` they are that.
+// Distances are to the faces of the nearest closed voxel: exact at the centres of voxels, interpolated between them.
+// Distances beyond `most_m` are given as `most_m`.
 //
-// Frame W. What it says never changes, but it finds it out when it is asked, tile by tile of 16 x 16 columns: one
-// thread at a time. Cost: of all of a box 6 ns a voxel, of a way through it the tiles that it passes
-// (bench/space_bench.cpp).
+// Frame W. The answers never change, but they are computed when first needed, in tiles of 16 x 16 columns: one thread
+// at a time. Cost: 6 ns per voxel for a whole box; for a path, the tiles that it passes (bench/space_bench.cpp).
 #pragma once
 
 #include <cstdint>
@@ -34,9 +34,9 @@ struct SpaceRoomTask {
   Eigen::Vector3d least = Eigen::Vector3d::Zero(), most = Eigen::Vector3d::Zero();  ///< the box, W
   std::span<const Hazard> hazards;                                                  ///< of the plan view, in W
   double shallow_m = 0, deep_m = 0;  ///< the band of depths that is open without having been measured
-  double most_m = 5;                 ///< distances beyond are not told apart
+  double most_m = 5;                 ///< distances beyond are not resolved
   Eigen::Vector3d vehicle_W = Eigen::Vector3d::Zero();
-  double apart_m = 0;    ///< hazards that leave no more between them are one
+  double apart_m = 0;    ///< hazards with no more than this between them count as one
   double look_on_m = 0;  ///< hazards farther than this from the vehicle may turn out to be open; 0: none
 };
 
@@ -46,24 +46,25 @@ class SpaceRoom {
 
   /// Throws Error where the box holds more than kMostVoxels.
   SpaceRoom(const SpaceGrid& grid, const SpaceRoomTask& task);
-  SpaceRoom(SpaceRoom&&) = default;  ///< not while one of what is known takes from it
-  /// The same with all closed that is unsure. What does not differ it takes from this one, which must outlive it.
+  SpaceRoom(SpaceRoom&&) = default;  ///< not while a field from of_what_is_known takes values from it
+  /// The same field with all unsure voxels closed. It takes the values that do not differ from this one, which must
+  /// outlive it.
   [[nodiscard]] SpaceRoom of_what_is_known() const;
-  /// Whether anything in it can be unsure.
+  /// Whether any voxel can be unsure.
   [[nodiscard]] bool has_unsure() const;
 
   [[nodiscard]] double voxel_m() const { return grid_.voxel_m(); }
-  /// Voxels that can be open: above and below there is none, to the end of the box.
+  /// Number of voxels that can be open: the layers above and below them, to the end of the box, are closed.
   [[nodiscard]] const VoxelIndex& size() const { return size_; }
-  /// Whether the box does.
+  /// Whether the box contains the place.
   [[nodiscard]] bool holds(const Eigen::Vector3d& p_W) const;
-  /// The centre of a voxel, counted from the box's least one; and the voxel of a place.
+  /// The centre of a voxel, counted from the box's first one; and the voxel of a place.
   [[nodiscard]] Eigen::Vector3d centre_of(const VoxelIndex& i) const {
     return ((least_ + i).cast<double>().array() + 0.5) * voxel_m();
   }
   [[nodiscard]] VoxelIndex voxel_at(const Eigen::Vector3d& p_W) const { return floor_of(p_W / voxel_m()) - least_; }
 
-  /// m; 0 outside of the box, and in what is closed.
+  /// m; 0 outside the box, and in closed voxels.
   [[nodiscard]] double distance(const VoxelIndex& i) const {
     if (!inside(i)) return 0;
     const std::size_t tile = tile_of(i.x() >> kTileLog2, i.y() >> kTileLog2);
@@ -72,7 +73,7 @@ class SpaceRoom {
   }
   [[nodiscard]] double distance(const Eigen::Vector3d& p_W) const;
   [[nodiscard]] bool is_unsure(const Eigen::Vector3d& p_W) const;
-  /// Least distance along a leg, looked at each half voxel.
+  /// Minimum distance along a leg, sampled at each half voxel.
   [[nodiscard]] double leg_distance(const Eigen::Vector3d& a_W, const Eigen::Vector3d& b_W) const;
 
  private:
@@ -104,19 +105,19 @@ class SpaceRoom {
 
   SpaceGrid grid_;
   VoxelIndex least_, size_;
-  int shallowest_ = 0, deepest_ = 0;  ///< of the box, which may be taller than what is kept of it
+  int shallowest_ = 0, deepest_ = 0;  ///< of the box, which may be taller than the layers that are kept
   double most_m_;
-  int reach_;                           ///< voxels that may matter
-  std::vector<std::uint8_t> off_band_;  ///< of each layer, 1 where it is off the mission's depths
-  std::vector<std::uint8_t> columns_;   ///< what stands there
+  int reach_;                           ///< distance within which voxels matter, in voxels
+  std::vector<std::uint8_t> off_band_;  ///< for each layer, 1 where it is off the mission's depths
+  std::vector<std::uint8_t> columns_;   ///< kind of hazard in each column
 
-  const SpaceRoom* hoped_ = nullptr;  ///< whose unsure voxels are closed here; null: nobody's
+  const SpaceRoom* hoped_ = nullptr;  ///< the field whose unsure voxels are closed here; null: none
 
-  // found out when asked
+  // computed when first needed
   int tiles_x_ = 0, tiles_y_ = 0;
   mutable std::vector<std::uint8_t> looked_, measured_;
-  std::unique_ptr<std::uint16_t[]> along_;  ///< voxels to the nearest closed one above or below, of tiles looked at
-  std::unique_ptr<float[]> distance_;       ///< m, of tiles measured
+  std::unique_ptr<std::uint16_t[]> along_;  ///< voxels to the nearest closed one above or below, in tiles looked at
+  std::unique_ptr<float[]> distance_;       ///< m, in tiles measured
 };
 
 }  // namespace isobath

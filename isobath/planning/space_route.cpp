@@ -14,13 +14,13 @@ using Eigen::Vector3d;
 using SpaceWay = std::vector<Vector3d>;
 
 constexpr double kFarthestGoal = 1e7;           // m
-constexpr double kTurnOff = 0.05;               // m: no vehicle holds its way to better
+constexpr double kTurnOff = 0.05;               // m: no vehicle follows its path more accurately
 constexpr double kArcSag = 0.1;                 // m
-constexpr double kNearestGoal = 5;              // m: a way in part leads at least so far
+constexpr double kNearestGoal = 5;              // m: a partial path leads at least this far
 constexpr std::array kAhead = {0.5, 1.0, 2.0};  // turning radii
-constexpr int kDoubtAfter = 10000;              // cells looked at, before it is asked whether there can be a way
-constexpr int kWidestCell = 20;                 // voxels
-constexpr double kLittle = 0.1;                 // m: what a start that is hemmed in may lose between centres of voxels
+constexpr int kDoubtAfter = 10000;  // cells expanded before the search checks whether the goal can be reached
+constexpr int kWidestCell = 20;     // voxels
+constexpr double kLittle = 0.1;     // m that a start that is hemmed in may lose between centres of voxels
 
 class SpaceRouter {
  public:
@@ -63,13 +63,13 @@ class SpaceRouter {
   const SpaceRouteConfig& config_;
   double band_, need_, at_start_;
   Vector3d target_ = Vector3d::Zero();
-  int wide_ = 1;  ///< voxels a cell, along north and east; along depth one
+  int wide_ = 1;  ///< voxels per cell along north and east; one along depth
   VoxelIndex origin_ = VoxelIndex::Zero(), cells_ = VoxelIndex::Zero();
   std::vector<Node> nodes_;
   int expanded_ = 0;
 };
 
-/// The farthest place on the straight way to the goal, within reach, that keeps clear.
+/// Aims at the farthest place on the straight line to the goal that is within reach and clear.
 bool SpaceRouter::aim() {
   const Vector3d leg = task_.goal - task_.start;
   const double all = leg.head<2>().norm();
@@ -83,7 +83,7 @@ bool SpaceRouter::aim() {
   return false;
 }
 
-/// From a start that is hemmed in, half a metre more a metre gone.
+/// For a start that is hemmed in, the required distance grows by half a metre per metre travelled.
 double SpaceRouter::need_at(const Vector3d& p) const {
   return at_start_ >= need_ ? need_ : std::min(need_, at_start_ + 0.5 * (p - task_.start).norm());
 }
@@ -111,7 +111,7 @@ double SpaceRouter::leg_price(const Vector3d& a, const Vector3d& b) const {
   return sum * length / pieces;
 }
 
-/// Within the depths of the mission, or on the way to them.
+/// Whether a place is within the depths of the mission, or on the way to them.
 bool SpaceRouter::is_allowed(const Vector3d& p) const {
   const double shallow = std::min(task_.least_depth_m, task_.start.z()),
                deep = std::max(task_.most_depth_m, task_.start.z());
@@ -141,8 +141,8 @@ bool SpaceRouter::is_open(const VoxelIndex& voxel) const {
   return room_.distance(voxel) >= need_at(there) && is_allowed(there);
 }
 
-/// Whether one can come from the last cell to any that the search has reached by open cells, never mind what lies
-/// between them. Where not, there is no way, and that shows long before the search has tried all.
+/// Whether open cells connect the last cell with any that the search has reached, whatever lies between cells. If not,
+/// there is no path; this check finds that out long before the search has tried all cells.
 bool SpaceRouter::can_be_reached(const VoxelIndex& last) const {
   const VoxelIndex step(wide_, wide_, 1);
   if (!is_open(origin_ + last.cwiseProduct(step))) return false;
@@ -168,7 +168,7 @@ bool SpaceRouter::can_be_reached(const VoxelIndex& last) const {
 }
 
 Result<SpaceWay, RouteRefusal> SpaceRouter::search(const Vector3d& from) {
-  // 1. cells about the start; a step along all axes rises no steeper than the vehicle can
+  // 1. cells about the start; a step along all axes is no steeper than the vehicle can climb
   wide_ = task_.steepest >= 1 ? 1 : std::clamp(static_cast<int>(std::ceil(1 / task_.steepest)), 1, kWidestCell);
   const VoxelIndex start = room_.voxel_at(from), goal = room_.voxel_at(target_), step(wide_, wide_, 1);
   origin_ = VoxelIndex(start.x() % wide_, start.y() % wide_, 0);
@@ -181,7 +181,7 @@ Result<SpaceWay, RouteRefusal> SpaceRouter::search(const Vector3d& from) {
   }
   const Vector3d aim_at = room_.centre_of(origin_ + last.cwiseProduct(step));
 
-  // 2. A*: least bound first, of equal ones the farther on, then the smaller cell
+  // 2. A*: smallest bound first, of equal ones the larger cost so far, then the smaller cell
   using Open = std::tuple<double, double, std::size_t>;
   std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
   const bool can_rise = task_.steepest >= 1;
@@ -273,7 +273,7 @@ bool SpaceRouter::can_be_turned(const SpaceWay& way) const {
   return true;
 }
 
-/// As it is, or with a turn at its start to one of its points: the shortest that the vehicle can go.
+/// The path unchanged, or with a turn at its start towards one of its points: the shortest that the vehicle can follow.
 std::optional<SpaceWay> SpaceRouter::turned(const SpaceWay& way) const {
   if (task_.turning_radius_m == 0) return way;
   if (!task_.heading) return can_be_turned(way) ? std::optional(way) : std::nullopt;
@@ -298,8 +298,8 @@ std::optional<SpaceWay> SpaceRouter::turned(const SpaceWay& way) const {
   return best;
 }
 
-/// A way that the vehicle can turn, without circling for it: where none comes of the shortest, one that goes on ahead
-/// for a while first.
+/// A path that fits the turning radius without a circle. Where the shortest path gives none, the vehicle first goes
+/// straight ahead for a while.
 Result<SpaceWay, RouteRefusal> SpaceRouter::turnable() {
   const double radius = task_.turning_radius_m;
   auto found = search(task_.start);
@@ -345,16 +345,19 @@ Result<SpaceRoutePath, RouteRefusal> SpaceRouter::plan() {
 std::vector<Field> fields(SpaceRouteConfig& c) {
   return {
       Field::real("clearance_m", &c.clearance_m, {0, 100}, "m",
-                  "From the hull to what is not known to be clear, all round."),
-      Field::real("wished_clearance_m", &c.wished_clearance_m, {0, 100}, "m", "Kept where there is room."),
-      Field::real("room_weight", &c.room_weight, {0, 100}, "1", "The detour a metre that the wish is worth."),
+                  "Clearance from the hull to water that is not known to be clear, all round."),
+      Field::real("wished_clearance_m", &c.wished_clearance_m, {0, 100}, "m",
+                  "Clearance that is kept where there is room."),
+      Field::real("room_weight", &c.room_weight, {0, 100}, "1", "Detour per metre that the wished clearance is worth."),
       Field::real("depth_weight", &c.depth_weight, {0, 10}, "1/m",
-                  "The detour a metre that a metre off the depth is worth."),
+                  "Detour per metre that a metre off the goal's depth is worth."),
       Field::real("decide_m", &c.decide_m, {0, 1000}, "m",
-                  "This far before water that nobody has measured the vehicle must have another way."),
-      Field::real("reach_m", &c.reach_m, {10, 1000}, "m", "A goal farther off is gone for in part."),
-      Field::real("margin_m", &c.margin_m, {0, 1000}, "m", "Looked at around start and goal."),
-      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1", "Cells that a search may look at."),
+                  "Distance before unmeasured water at which the vehicle must have another path."),
+      Field::real("reach_m", &c.reach_m, {10, 1000}, "m",
+                  "To a goal farther than this only a partial path is planned."),
+      Field::real("margin_m", &c.margin_m, {0, 1000}, "m", "Margin of the box around start and goal."),
+      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1",
+                     "Maximum number of cells that a search expands."),
   };
 }
 
@@ -374,7 +377,7 @@ SpaceRoom room_for(const SpaceGrid& grid, const SpaceRouteTask& task, const Spac
   box.least = task.start.cwiseMin(end) - margin;
   box.most = task.start.cwiseMax(end) + margin;
   box.hazards = task.hazards;
-  // the band that the mission goes through anyway, with the room that it takes there
+  // the band that the mission goes through anyway, with the clearance that it needs there
   const double more = need + grid.voxel_m();
   box.shallow_m = std::min(task.start.z(), task.goal.z()) - more;
   box.deep_m = std::max(task.start.z(), task.goal.z()) + more;

@@ -5,7 +5,7 @@ namespace isobath {
 
 std::vector<Hazard> hazards_of(const SphericalGrid& grid, double half_height_m) {
   std::vector<Hazard> hazards;
-  // the vehicle may have gone so far since cells were filled
+  // distance that the vehicle may have gone since cells were filled
   const double stale_m = grid.config().rebin_at * grid.config().finest_m;
   grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
     const Angle first = grid.buckets().azimuth_edge(d.azimuth) + grid.remainder();
@@ -16,7 +16,7 @@ std::vector<Hazard> hazards_of(const SphericalGrid& grid, double half_height_m) 
       const double half_cell = grid.layers().thickness(cell.layer) / 2;
       if (std::abs(grid.point_of(cell).z()) > half_height_m + half_cell) continue;
       const double near = level * grid.layers().inner(cell.layer);
-      const double far = level * grid.layers().outer(cell.layer) / cos(grid.buckets().step() / 2);  // round its arc
+      const double far = level * grid.layers().outer(cell.layer) / cos(grid.buckets().step() / 2);  // outside its arc
       const auto corner = [](double radius, Angle azimuth) {
         return Eigen::Vector2d(radius * sin(azimuth), radius * cos(azimuth));
       };

@@ -10,8 +10,8 @@ using Eigen::Vector2d;
 
 double weight_of(const DepthPixel& p) { return p.known() ? (1.0 + p.confidence()) / (1.0 + kFullConfidence) : 1.0; }
 
-/// The chart's obstacles that come within the half-width of the path; whether they reach up to the vehicle is asked
-/// pixel by pixel.
+/// The charted obstacles within the half-width of the path; whether they reach up to the vehicle is checked pixel by
+/// pixel.
 std::vector<std::size_t> near_obstacles(std::span<const Eigen::Vector3d> path, std::span<const ChartObstacle> chart,
                                         double half_width) {
   std::vector<std::size_t> near;
@@ -31,7 +31,7 @@ bool covers(const ChartObstacle& o, const PixelGrid& grid, Pixel p) {
   return within_reach_of_box(o.a, o.b, grid.centre(p) - half, grid.centre(p) + half, o.radius_m).has_value();
 }
 
-/// The pixels of each row in runs without gaps, so that a map is read in pieces that lie together.
+/// Splits the pixels of each row into runs without gaps, so that a map is read in contiguous pieces.
 template <class Act>
 void for_each_run(const std::vector<SweptPixel>& swept, const Act& act) {
   for (std::size_t first = 0; first < swept.size();) {
@@ -84,8 +84,8 @@ std::string place_text(const PixelGrid& grid, Pixel p) {
 
 std::vector<Field> fields(PassageConfig& c) {
   return {
-      Field::real("half_width_m", &c.half_width_m, {0, 1000}, "m", "Half of the breadth that must be free."),
-      Field::real("clearance_m", &c.clearance_m, {0, 1000}, "m", "Water wanted below the vehicle."),
+      Field::real("half_width_m", &c.half_width_m, {0, 1000}, "m", "Half of the width that must be free."),
+      Field::real("clearance_m", &c.clearance_m, {0, 1000}, "m", "Water required below the vehicle."),
   };
 }
 

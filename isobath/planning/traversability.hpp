@@ -1,12 +1,12 @@
-// Traversability: whether a vehicle can pass along a hypothesised path, and where not (Oskard 1990, III-D; ledger
+// Traversability: whether a vehicle can pass along a hypothesised path, and where it cannot (Oskard 1990, III-D; ledger
 // S1-41).
 //
 // A pixel of the swept corridor is clear where depth - z_vehicle >= clearance. Unknown depth is not safe depth: such
-// pixels count apart, and as not clear. Three forms, all in [0, 1]:
+// pixels are counted separately, and as not clear. Three forms, all in [0, 1]:
 //   fraction   share of the corridor's pixels that are clear
-//   strict     1 if all are, else 0
-//   weighted   the share where each pixel weighs (1 + c) / (1 + 20), c its confidence 0..20, an unknown one 1: what is
-//              hardly known neither clears nor blocks much, what is not known at all blocks in full
+//   strict     1 if all are clear, else 0
+//   weighted   the share where each pixel weighs (1 + c) / (1 + 20), c its confidence 0..20, an unknown one 1: a pixel
+//              that is hardly known neither clears nor blocks much, an unknown pixel blocks in full
 // Rocks and pipelines of the chart, given as discs and segments with a radius, block the pixels that they meet where
 // their top is nearer to the vehicle than the clearance.
 //
@@ -29,12 +29,12 @@ namespace isobath {
 
 struct PassageConfig {
   double half_width_m = 1;
-  double clearance_m = 1;  ///< water wanted below the vehicle
+  double clearance_m = 1;  ///< water required below the vehicle
 };
 
 std::vector<Field> fields(PassageConfig& config);
 
-/// A point (a = b) or a line of the chart with all within `radius_m` of it, from the bottom up to `top_m`.
+/// A point (a = b) or a line of the chart with everything within `radius_m` of it, from the bottom up to `top_m`.
 struct ChartObstacle {
   Eigen::Vector2d a = Eigen::Vector2d::Zero();
   Eigen::Vector2d b = Eigen::Vector2d::Zero();
@@ -42,14 +42,14 @@ struct ChartObstacle {
   double top_m = -std::numeric_limits<double>::infinity();  ///< depth of its top; by default above the surface
 };
 
-/// A place on the path that decides.
+/// A place on the path that decides the result.
 struct PassagePlace {
   Pixel pixel;
   std::int32_t leg = 0;  ///< from 0
   double along_m = 0;    ///< from the start of the path, horizontally
   double vehicle_z = 0;
   std::optional<double> depth_m;        ///< empty: unknown
-  std::optional<std::size_t> obstacle;  ///< the chart's, that blocks it
+  std::optional<std::size_t> obstacle;  ///< the charted one that blocks it
 };
 
 enum class TraversabilityForm : std::uint8_t { kFraction, kStrict, kWeighted };
@@ -60,8 +60,8 @@ struct Traversability {
   std::size_t pixels = 0;
   std::size_t clear = 0;
   std::size_t unknown = 0;               ///< the rest is known and too shallow, or under a chart obstacle
-  std::optional<PassagePlace> worst;     ///< least water below the vehicle, of the known pixels
-  std::optional<PassagePlace> blocking;  ///< the first along the way that is not clear
+  std::optional<PassagePlace> worst;     ///< minimum water below the vehicle, of the known pixels
+  std::optional<PassagePlace> blocking;  ///< the first along the path that is not clear
   std::uint64_t map_version = 0;
   PixelGrid grid;
   PassageConfig passage;

@@ -15,7 +15,7 @@ constexpr double kLargestCorner = pi / 6;  // rad
 
 Vector2d at_angle(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
-/// From the direction a -> b to b -> c, in (-pi, pi].
+/// Turn from the direction a -> b to b -> c, in (-pi, pi].
 double turn_at(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return std::atan2(cross(b - a, c - b), (b - a).dot(c - b));
 }

@@ -16,8 +16,8 @@ using std::numbers::pi;
 constexpr int kHeadings = 16;
 constexpr double kTurn = 2 * pi / kHeadings;
 constexpr std::size_t kHalfCircle = 6;  // corners of turn_towards
-constexpr int kMore = 300;  // states looked at once there is a way, if it has more than half a circle at its end
-constexpr double kTurningCosts = 1.05;  // of straight on: between ways as long the straighter one
+constexpr int kMore = 300;              // states expanded after a first path that ends with more than half a circle
+constexpr double kTurningCosts = 1.05;  // times straight on: of equally long paths the straighter one
 
 struct State {
   Vector2d place;
@@ -51,7 +51,7 @@ class TurningSearch {
   std::optional<Way> run() {
     const auto goal = grid_.window().at(task_.goal);
     if (!goal) return std::nullopt;
-    // 1. what is left from every cell: all that can be reached from the goal; no cell is the end of that search
+    // 1. the cost from every cell to the goal: all cells that can be reached from the goal; no cell ends that search
     rest_.run(*goal, grid_.window().size(), std::numeric_limits<std::int64_t>::max());
     // 2. the states
     for (int k = 0; k < (task_.heading ? 1 : kHeadings); ++k) offer({task_.start, k});
@@ -122,7 +122,7 @@ class TurningSearch {
     double length = 0;
     std::size_t corners = 0;
   };
-  /// By an arc and a straight leg to the goal, the shorter side that is clear.
+  /// Goes by an arc and a straight leg to the goal, on the shorter side that is clear.
   [[nodiscard]] std::optional<Ending> finish(std::int32_t number) const {
     const State& here = states_[static_cast<std::size_t>(number)];
     std::optional<Ending> best;

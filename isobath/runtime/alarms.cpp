@@ -45,7 +45,7 @@ void Alarms::look(const RangeReading& reading) {
 void Alarms::moved(const Navigation& fix) {
   std::optional<Eigen::Vector3d> v_W = fix.v_WB;
   const Duration since = fix_ ? fix.time - fix_->time : kFreshFix * 2;
-  if (!v_W && since == Duration::zero()) return;  // the same moment again: nothing new of the speed
+  if (!v_W && since == Duration::zero()) return;  // a second fix of the same time carries no speed
   if (!v_W && since > Duration::zero() && since <= kFreshFix) {
     v_W = (fix.X_WB.translation - fix_->X_WB.translation) / to_seconds(since);
   }

@@ -1,12 +1,12 @@
-// Alarms: the emergency flags of a run, raised from raw ranges and health reports before anything waits for a pose or
-// a map (Oskard 1990, III-D; ledger S1-05, S1-43, S1-44).
+// Alarms: the emergency flags of a run. They are raised from raw ranges and health reports, before any stage waits for
+// a pose or a map (Oskard 1990, III-D; ledger S1-05, S1-43, S1-44).
 //
-// Every range reading is a look for ImminentCollision, as it comes: no gate, no filter, no map stands before it. The
-// speed is that of the last fix, or of the way between the last two where fixes carry none; a fix older than
-// kFreshFix says nothing of it. Beyond SensorTable::kMost sensors the last one's looks are shared.
+// ImminentCollision gets every range reading on arrival, without a gate, a filter or a map. The speed is that of the
+// last fix, or follows from the last two positions where fixes carry no velocity. A fix older than kFreshFix is not
+// used. Sensors beyond SensorTable::kMost share the looks of the last one.
 //
-// Times are those of the events. One thread hears; the flags may be watched from any. Ranges and fixes allocate
-// nothing.
+// Times are those of the events. One thread calls `hear`, `moved` and `jumped`; any thread may read the flags. Ranges
+// and fixes allocate nothing.
 #pragma once
 
 #include <isobath/io/event.hpp>
@@ -20,29 +20,29 @@
 
 namespace isobath {
 
-/// A flag that was up.
+/// A flag that was raised.
 struct Alarm {
   std::string what;  ///< "imminent collision"
   Time first;
-  bool lasting = false;  ///< up still, by its cause or latched
+  bool lasting = false;  ///< still raised: its cause lasts, or it is latched
 };
 /// "imminent collision, first at 2026-05-01T10:00:04.200Z, over at the end".
 std::string to_text(const Alarm& alarm);
-/// All that were ever raised, in the order of their bits.
+/// All flags that were ever raised, in the order of their bits.
 std::vector<Alarm> alarms_of(const EmergencyFlags& flags);
 
 class Alarms {
  public:
   static constexpr Duration kFreshFix = std::chrono::seconds(3);
 
-  /// Throws Error where the configuration cannot work.
+  /// Throws Error if the configuration is invalid.
   Alarms(const ImminentCollisionConfig& collision, const StateEvaluatorConfig& state);
 
-  /// Ranges and health reports; other events say nothing here.
+  /// Range readings and health reports; other events are ignored.
   void hear(const Event& event);
-  /// A fix that can be believed.
+  /// A fix that the gate has admitted.
   void moved(const Navigation& fix);
-  /// Navigation corrected the position at once, m in W: no way that the vehicle went.
+  /// Navigation corrected the position by this much, m in W: not a motion of the vehicle.
   void jumped(const Eigen::Vector3d& by_W);
 
   [[nodiscard]] EmergencyFlags& flags() { return flags_; }

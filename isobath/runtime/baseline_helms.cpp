@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kScans = 3;
-constexpr double kLeastSpeedShare = 0.3;  // of a potential field: a vehicle with fins must keep its way on
+constexpr double kLeastSpeedShare = 0.3;  // of PotentialFieldHelm: a vehicle with fins needs flow to steer
 
 GuidanceConfig guidance_for(const VehicleSheet& vehicle) {
   GuidanceConfig config;
@@ -122,7 +122,7 @@ Setpoint PotentialFieldHelm::decide(const Setpoint& wanted) {
     if (d >= reach || distance < 1e-6) continue;
     repulsion += eta * (1 / d - 1 / reach) / (d * d) * away / distance;
   }
-  if (repulsion.isZero()) return wanted;  // the pull alone: line of sight, which holds against the current
+  if (repulsion.isZero()) return wanted;  // attraction alone: line of sight, which corrects for the current
   const Vector2d force = Vector2d(cos(wanted.heading), sin(wanted.heading)) + repulsion;
   Setpoint setpoint = wanted;
   setpoint.heading = Angle::radians(std::atan2(force.y(), force.x()));
@@ -210,19 +210,19 @@ void ImageThresholdHelm::replan() {
   if (!route) {
     if (!stopped_) {
       stopped_ = now();
-      decided("stop", std::string("no way round the believed echoes: ") + to_text(route.error()));
+      decided("stop", std::string("no route around the confirmed echoes: ") + to_text(route.error()));
     }
     return;
   }
   stopped_.reset();
   follow({route->points.begin() + 1, route->points.end()});
-  decided("replan", fmt::format("{} believed echoes", map.hazards().size()),
+  decided("replan", fmt::format("{} confirmed echoes", map.hazards().size()),
           conflict ? std::optional<Vector2d>(conflict->place) : std::nullopt);
 }
 
 Setpoint ImageThresholdHelm::decide(const Setpoint& wanted) {
   if (!stopped_) return wanted;
-  if (to_seconds(now() - *stopped_) > config_.patience_s) give_up("no way round the believed echoes");
+  if (to_seconds(now() - *stopped_) > config_.patience_s) give_up("no route around the confirmed echoes");
   Setpoint setpoint = wanted;
   setpoint.speed = 0;
   return setpoint;

@@ -1,19 +1,20 @@
-// Baselines: helms that the command of this library is compared with, on the same runs (ledger S6-62).
+// Baselines: simple helms that Isobath's agents are compared with, on the same runs (ledger S6-62).
 //
-// Each goes by the vehicle's own navigation and holds the course by line of sight with integral action, as ours does;
-// they differ in what they make of the sonar.
+// Each baseline uses the vehicle's own navigation and holds its course by line of sight with integral action, as the
+// agents do. They differ in how they use the sonar:
 //
-// LineOfSightHelm       nothing: straight from mission point to mission point.
+// LineOfSightHelm       ignores it: straight from mission point to mission point.
 // PotentialFieldHelm    Khatib 1986 (Int. J. Robotics Research 5 (1), 90-98): the mission point attracts with force 1,
 //                       every obstacle of the last scan nearer than `reach_m` repels with eta (1/d - 1/reach) / d^2, d
-//                       from the hull, eta such that it balances the attraction at the clearance. It steers along the
-//                       sum, slower the further it looks away from it. Known to be caught in hollows.
-// ImageThresholdHelm    samples of a scan at 75 % of its maximum and above (ledger S6-62; Ganesan 2015, 2.1); believed
-//                       where the two scans before had one within `same_m`; no grid. Echoes believed in the last three
-//                       scans are gone round by the route planner that ours uses; without a way it stops, and gives up
-//                       when there was none for `patience_s`.
+//                       from the hull, eta such that it balances the attraction at the clearance. The helm steers along
+//                       the sum, and more slowly the further its heading is from it. Known to be trapped by concave
+//                       obstacles.
+// ImageThresholdHelm    detects samples of a scan at 75 % of its maximum and above (ledger S6-62; Ganesan 2015, 2.1). A
+//                       sample is confirmed if each of the two scans before had one within `same_m`; there is no grid.
+//                       The route planner of the agents avoids the echoes confirmed in the last three scans. Without a
+//                       route the vehicle stops, and gives up after `patience_s`.
 //
-// Each is a function of what it hears. Source of what they do not share with ours: as named.
+// Each is a function of its inputs. Where a method differs from the agents', its source is named above.
 #pragma once
 
 #include <deque>
@@ -26,7 +27,7 @@
 
 namespace isobath {
 
-/// Follows way-points and says how far it has come; without more, the baseline that avoids nothing.
+/// Follows way-points and reports progress; by itself, the baseline without avoidance.
 class LineOfSightHelm : public Helm {
  public:
   LineOfSightHelm(const MissionPlan& mission, const VehicleSheet& vehicle);
@@ -39,9 +40,9 @@ class LineOfSightHelm : public Helm {
   [[nodiscard]] const std::vector<Decision>& decisions() const override { return decisions_; }
 
  protected:
-  /// After every fix: the set-point, given what line of sight wants.
+  /// Called after every fix: the set-point, given that of line of sight.
   virtual Setpoint decide(const Setpoint& wanted) { return wanted; }
-  /// A way to the mission point ahead, instead of the straight one; its last point is the mission point.
+  /// A path to the next mission point instead of the straight one; its last point is the mission point.
   void follow(const std::vector<Eigen::Vector2d>& way);
   void give_up(const std::string& why);
   void decided(const std::string& what, const std::string& why, const std::optional<Eigen::Vector2d>& obstacle = {});
@@ -51,7 +52,7 @@ class LineOfSightHelm : public Helm {
   [[nodiscard]] const VehicleSheet& vehicle() const { return vehicle_; }
   [[nodiscard]] Eigen::Vector2d here() const { return state_.X_WB.translation.head<2>(); }
   [[nodiscard]] const MissionPoint& point() const { return mission_.points[point_]; }
-  /// What is left of the way to it, from here.
+  /// The rest of the path to it, from here.
   [[nodiscard]] std::vector<Eigen::Vector2d> way_ahead() const;
 
  private:
@@ -91,7 +92,7 @@ class PotentialFieldHelm : public LineOfSightHelm {
 
 struct ImageThresholdConfig {
   double share = 0.75;  ///< of the scan's maximum
-  double same_m = 1.5;  ///< echoes of two scans this near are of the same thing
+  double same_m = 1.5;  ///< echoes of two scans this near belong to the same object
   double patience_s = 60;
   RouteConfig route;
 };
@@ -101,7 +102,7 @@ class ImageThresholdHelm : public LineOfSightHelm {
   ImageThresholdHelm(const MissionPlan& mission, const VehicleSheet& vehicle, const ImageThresholdConfig& config);
   void on_ping(const PosedPing& posed) override;
   void on_scan(const ScanResult& scan) override;
-  /// Believed, of the last scan, in W.
+  /// Confirmed echoes of the last scan, in W.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& believed() const { return believed_.back(); }
 
  protected:
@@ -122,9 +123,9 @@ class ImageThresholdHelm : public LineOfSightHelm {
   ImageThresholdConfig config_;
   std::vector<Beam> scan_;
   double bin_m_ = 0;
-  std::deque<Points> echoes_;    ///< of the last three scans
-  std::deque<Points> believed_;  ///< of the last three, never empty
-  std::optional<Time> stopped_;  ///< since
+  std::deque<Points> echoes_;    ///< detected in the last three scans
+  std::deque<Points> believed_;  ///< confirmed in the last three, never empty
+  std::optional<Time> stopped_;  ///< since when
 };
 
 }  // namespace isobath

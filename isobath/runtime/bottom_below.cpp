@@ -6,7 +6,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kDown = 0.7071;  // a sensor that looks more than 45 degrees down hears the bottom
+constexpr double kDown = 0.7071;  // sensors that look more than 45 degrees down measure the bottom
 constexpr Angle kWidest = Angle::degrees(170);
 
 }  // namespace
@@ -17,7 +17,7 @@ void BottomBelow::hear(const RangeReading& reading, const Pose& X_WB) {
   if (!(reading.width < kWidest)) return;
   const BeamCone cone(reading, X_WB);
   if (!(cone.axis().z() > kDown)) return;
-  // The range to a level one metre below says how far below this one lies.
+  // Slant range per metre of depth below the sensor.
   const double slant = cone.range_to_level(cone.apex().z() + 1).value_or(1);
   last_[next_] = {reading.time, cone.apex().z() + *reading.range_m / slant};
   next_ = (next_ + 1) % last_.size();

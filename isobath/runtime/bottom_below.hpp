@@ -1,9 +1,9 @@
-// BottomBelow: how deep the water is where the vehicle is, from its sensors that look down (ledger S6-69).
+// BottomBelow: the depth of the bottom below the vehicle, from its sensors that look down (ledger S6-69).
 //
-// The median of the last three readings, so that one fish is no bottom, or the newest while there are fewer; a reading
-// without an echo says nothing. Each counts for kFresh. A cone that holds the vertical hears a level bottom straight
-// below, another one under its steeper edge (BeamCone). Depths below the datum of W, positive down, m. Allocates
-// nothing. One thread.
+// It is the median of the last three readings, so that one fish is not taken for the bottom, or the newest reading
+// while there are fewer. Readings without an echo are ignored. A reading counts for kFresh. A cone that contains the
+// vertical measures a level bottom straight below; any other cone measures it under its steeper edge (BeamCone). Depths
+// are below the datum of W, positive down, m. Allocates nothing. One thread.
 #pragma once
 
 #include <array>
@@ -17,9 +17,9 @@ class BottomBelow {
  public:
   static constexpr Duration kFresh = std::chrono::seconds(5);
 
-  /// The pose is that of the reading's time.
+  /// `X_WB`: at the time of the reading.
   void hear(const RangeReading& reading, const Pose& X_WB);
-  /// Empty: nobody has heard the bottom lately.
+  /// Empty if the newest reading is older than kFresh.
   [[nodiscard]] std::optional<double> depth(Time now) const;
 
  private:

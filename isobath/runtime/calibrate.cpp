@@ -38,7 +38,7 @@ void add_marked_frames(Calibration& calibration, std::span<const MarkedFrame> fr
   }
 }
 
-/// The noise of what is learnt, the objects of another model.
+/// Learns the noise of a recording, and takes the objects of another model.
 class BorrowedObjects {
  public:
   BorrowedObjects(const std::filesystem::path& model, HistogramConfig config)
@@ -69,7 +69,7 @@ class BorrowedObjects {
   HistogramLearner learner_;
 };
 
-/// What is learnt of a fan without marks. The second reading follows `prepare`.
+/// Learns a fan model without marks: survey() in the first reading, then prepare(), add() in the second reading.
 class FanPart {
  public:
   explicit FanPart(const Configuration& configuration) : config_(configuration.echoes.fan), survey_(config_) {
@@ -86,7 +86,7 @@ class FanPart {
       outcome.no_fan = e.what();
     }
   }
-  /// Whether the ping is of the setting that is learnt; any is, where there is no fan.
+  /// Whether the ping has the setting that is learnt; true for every ping if there is no fan.
   bool add(const Ping& ping) {
     if (learner_) return learner_->add(ping);
     return !setting_ || *setting_ == ping;
@@ -111,7 +111,7 @@ void for_pings(const CalibrateRequest& request, const Visit& visit) {
   }
 }
 
-/// A log is read twice; one of which only the quiet pings count, once, and not as a fan.
+/// Reads a log twice, to survey and to learn a fan. With `background_below` reads it once, and learns no fan.
 void add_log(Calibration& calibration, BorrowedObjects* borrowed, const CalibrateRequest& request,
              CalibrateOutcome& outcome) {
   FanPart fan(request.configuration);
@@ -135,7 +135,7 @@ void add_log(Calibration& calibration, BorrowedObjects* borrowed, const Calibrat
   fan.finish(request.input.filename().string(), outcome);
 }
 
-/// Frames none of which is marked.
+/// Learns a fan from frames, if none of them is marked.
 void add_fan_frames(std::span<const MarkedFrame> frames, const CalibrateRequest& request, CalibrateOutcome& outcome) {
   FanPart fan(request.configuration);
   for (const MarkedFrame& frame : frames) {
@@ -192,7 +192,7 @@ std::string threshold_chart(const CalibrationResult& result) {
                      {"range (m)", model.window.start_m, model.window.end_m(), false},
                      {"intensity (counts)", 0, 1.1 * top, false});
   chart.band(range, low, high, {0.0, 0.45, 0.7, 0.18});
-  chart.curve(range, mean, {palette::kTrack, 2, false}, "noise: mean, and one deviation");
+  chart.curve(range, mean, {palette::kTrack, 2, false}, "noise: mean and standard deviation");
   chart.curve(range, threshold, {palette::kObstacle, 2, false}, "threshold t");
   chart.finish();
   return chart.png();
@@ -223,9 +223,8 @@ std::string with_interval(const Rate& rate) {
 void add_fits(HtmlReport& page, const CalibrationResult& result) {
   page.heading("Noise laws");
   page.paragraph(
-      "Anderson-Darling statistic of each law (smaller is nearer), with the p-value of a parametric bootstrap. With "
-      "many "
-      "samples every law is rejected on real noise; the statistics tell which is nearest.");
+      "Anderson-Darling statistic of each law (smaller fits better), with the p-value of a parametric bootstrap. With "
+      "many samples every law is rejected on real noise; the statistics show which law fits best.");
   std::vector<HtmlReport::Row> rows;
   for (const RangeGroup& group : result.groups) {
     HtmlReport::Row row{fmt::format("{:.2f} to {:.2f}", group.near_m, group.far_m)};
@@ -241,10 +240,10 @@ void add_fits(HtmlReport& page, const CalibrationResult& result) {
 
 void add_comparison(HtmlReport& page, const CalibrationResult& result,
                     const std::optional<HistogramCalibration>& histograms) {
-  page.heading("Thresholds a bin, and histograms a pixel, against one threshold for all bins");
+  page.heading("Per-bin thresholds and per-pixel histograms, against one threshold for all bins");
   page.paragraph(
-      "On frames that were not used for the thresholds (cross-validation), at the same measured false-alarm rate; 95 % "
-      "intervals after Wilson.");
+      "Measured on frames that were not used for the thresholds (cross-validation), at the same measured false-alarm "
+      "rate, with 95 % Wilson intervals.");
   std::vector<HtmlReport::Row> rows;
   const auto worth = histograms ? std::span(histograms->worth) : std::span<const HistogramCalibration::Worth>();
   for (std::size_t i = 0; i < result.comparison.size(); ++i) {
@@ -252,7 +251,7 @@ void add_comparison(HtmlReport& page, const CalibrationResult& result,
     rows.push_back({fmt::format("{:g}", c.nominal_false_alarm), with_interval(c.false_alarm), with_interval(c.per_bin),
                     with_interval(c.global), i < worth.size() ? with_interval(worth[i].detected) : ""});
   }
-  page.table({"f asked for", "f measured", "p, thresholds a bin", "p, one threshold", "p, histograms a pixel"}, rows);
+  page.table({"nominal f", "measured f", "p, per-bin thresholds", "p, one threshold", "p, per-pixel histograms"}, rows);
 }
 
 }  // namespace
@@ -310,19 +309,19 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
                               result.model.false_alarm));
   page.begin_row();
   if (!roc.empty()) page.figure(roc, "Receiver operating characteristic by range, with 95 % bands of p.");
-  page.figure(thresholds, "What the model asks of an echo, bin by bin.");
-  page.figure(detection_chart(result), "How many targets pass it.");
+  page.figure(thresholds, "Echo threshold of the model by range bin.");
+  page.figure(detection_chart(result), "Share of targets above the threshold.");
   if (outcome.histograms) {
-    page.figure(noise, "Noise pixel by pixel, smoothed, with neighbours in range.");
-    page.figure(objects, "How bright objects are, against all noise.");
+    page.figure(noise, "Noise of single pixels, smoothed with their neighbours in range.");
+    page.figure(objects, "Intensity of objects, against that of all noise.");
   }
   if (outcome.fan) {
-    page.figure(level, "How loud the water is, by range.");
-    page.figure(gains, "How loud each beam is beside the median beam.");
+    page.figure(level, "Level of the water by range.");
+    page.figure(gains, "Gain of each beam relative to the median beam.");
   }
   page.end_row();
   if (outcome.fan) {
-    page.heading("The fan, learnt without marks");
+    page.heading("Fan model, learnt without marks");
     for (const std::string& line : lines_of(*outcome.fan)) page.paragraph(line);
   }
   if (!result.comparison.empty()) add_comparison(page, result, outcome.histograms);

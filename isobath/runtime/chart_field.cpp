@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// The map pixels that a row or column of the picture overlaps.
+/// The range of map pixels that a row or column of the picture overlaps.
 struct Span {
   int from, to;
 };
@@ -21,7 +21,7 @@ Span overlapped(int cell, double cells_per_pixel, int pixels) {
   return {from, std::clamp(static_cast<int>(std::ceil(high - 1e-9)), from, pixels)};
 }
 
-/// visit(cell, map pixel) for every cell and every pixel under it.
+/// Calls visit(cell, map pixel) for every cell and every pixel under it.
 template <class Visit>
 void for_each_overlap(const DepthChart& chart, const ChartField& field, Visit visit) {
   const double scale = chart.grid.pixel_m / field.cell_m;
@@ -80,7 +80,7 @@ void envelope(std::vector<double>& f, std::vector<int>& at, std::vector<double>&
   f.swap(out);
 }
 
-/// One pass of the binomial filter over three neighbours along both axes, among what is known.
+/// One pass of the 3 x 3 binomial filter over the known values.
 std::vector<float> smoothed(const std::vector<float>& values, int columns, int rows) {
   std::vector<float> out(values.size(), kNone);
   const auto at = [&](int c, int r) {
@@ -265,7 +265,7 @@ ChartNodes chart_nodes(const DepthChart& chart, const ChartField& field, int ste
       const int middle_row = std::min(field.rows - 1, row * step + step / 2);
       const std::size_t middle = field.index(middle_column, middle_row);
       const double distance = field.distance_m[middle];
-      // A little beyond the reach and the shore, so that the colours end there and not at a node.
+      // Evaluate the surface a little beyond the reach and the shore, so that the colours end there and not at a node.
       if (chart.surface && distance <= field.reach_m + 2 * node_m && near_water(middle_column, middle_row)) {
         if (const auto depth = chart.surface(p.x(), p.y())) nodes.surface_m[node] = static_cast<float>(*depth);
       }

@@ -13,11 +13,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLeft = 96, kTop = 84, kRight = 40, kBottom = 64, kBand = 9;  // px, round the plot
+constexpr double kLeft = 96, kTop = 84, kRight = 40, kBottom = 64, kBand = 9;  // px, around the plot
 constexpr double kPanel = 300, kText = 15, kSmall = 13;
 constexpr int kLeastHeight = 900;  // the panel needs it
 constexpr Colour kWhite{1, 1, 1, 1};
-constexpr Colour kMagenta{0.65, 0.10, 0.45, 1};  // as on charts: what warns
+constexpr Colour kMagenta{0.65, 0.10, 0.45, 1};  // colour of warnings on charts
 
 int plot_pixels(double length_m, double longest_m, int plot_px) {
   return std::max(1, static_cast<int>(std::ceil(length_m / longest_m * plot_px - 1e-6)));
@@ -135,7 +135,7 @@ void ChartSheet::contour(std::span<const Vector2d> points, bool closed, const St
     dashed.push_back(approximate && approximate(points[i % points.size()]));
     if (i > 0) at.push_back(at.back() + (px[i] - px[i - 1]).norm());
   }
-  // 1. Where the label goes: the straightest stretches, far enough apart, that nobody else has taken.
+  // 1. Place the labels on straight stretches, far enough apart, where there is no other text.
   const double width = text_width(label, kSmall) + 8;
   constexpr double kApart = 420, kLeastLine = 110, kStraight = 0.985;
   std::vector<std::pair<std::size_t, std::size_t>> gaps;
@@ -154,7 +154,7 @@ void ChartSheet::contour(std::span<const Vector2d> points, bool closed, const St
     gaps.emplace_back(i, j);
     last = at[j];
   }
-  // 2. The line, in runs of one kind, without the gaps.
+  // 2. Draw the line in solid and dashed runs, without the gaps.
   begin_plot();
   std::size_t gap = 0;
   for (std::size_t i = 1; i < px.size(); ++i) {
@@ -184,7 +184,7 @@ void ChartSheet::text_at_angle(const Vector2d& centre, double angle, const std::
 
 bool ChartSheet::sounding(const Vector2d& at, double depth_m) {
   const double magnitude = std::abs(depth_m);
-  // The shoaler value: less deep, or drying higher.
+  // Round to the shoaler value: less deep, or drying higher.
   const double tenths = depth_m >= 0 ? std::floor(10 * magnitude + 1e-6) : std::ceil(10 * magnitude - 1e-6);
   const auto whole = static_cast<int>(std::floor(tenths / 10));
   const int tenth = static_cast<int>(tenths) - 10 * whole;
@@ -289,7 +289,7 @@ void ChartSheet::colour_bars(const std::string& caption, double low, double high
     line(right - 6, y, right, y, {palette::kInk, 1, false});
     text(right + 5, y + 5, plain(v), kSmall, palette::kInk);
   }
-  // Captions of the bars, one above the other, each with a hook to its bar.
+  // Captions of the bars, one below the other; left, middle and right name the bar.
   double y = top + 12;
   for (std::size_t b = 0; b < bars.size() && bars.size() > 1; ++b, y += 20) {
     text(right + 44, y,
@@ -381,7 +381,7 @@ void ChartSheet::graduate(const Side& side) const {
     return 60 * (side.latitude ? g.latitude_deg : g.longitude_deg);
   };
   const double low = value(0), high = value(1);
-  if (!(high > low)) return;  // a side across the date line stays bare
+  if (!(high > low)) return;  // a side that crosses the date line gets no ticks
   const auto px_of = [&](double v) {
     double share = (v - low) / (high - low);
     for (int i = 0; i < 3; ++i) share += (v - value(share)) / (high - low);

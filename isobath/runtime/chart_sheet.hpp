@@ -1,9 +1,9 @@
-// ChartSheet: the paper of a chart: a plot in (north, east) within a graduated frame, and a panel beside it with the
-// north arrow, the scale bar, colour bars, the legend and notes.
+// ChartSheet: the layout of a printed chart: a plot in (north, east) within a graduated frame, and a panel beside it
+// with the north arrow, the scale bar, colour bars, the legend and notes.
 //
-// North is up. With an origin the frame shows latitude and longitude (WGS 84) in degrees and decimal minutes, and each
-// side is graduated on its own, so that the convergence of meridians shows; without one it shows metres. Drawn at 150
-// pixels an inch: the smallest letters are 2.4 mm high. Text that does not fit into the panel is broken between words.
+// North is up. With an origin the frame shows latitude and longitude (WGS 84) in degrees and decimal minutes. Each side
+// is graduated on its own, so that the convergence of meridians is visible. Without an origin the frame shows metres.
+// The resolution is 150 pixels an inch: the smallest letters are 2.4 mm high. Text too wide for the panel is wrapped.
 #pragma once
 
 #include <isobath/geometry/geodesy.hpp>
@@ -26,11 +26,11 @@ class ChartSheet : public Canvas {
   /// columns * rows colours, row-major from the north-west.
   void raster(const std::vector<Colour>& colours);
   void polyline(std::span<const Eigen::Vector2d> points, bool closed, const Stroke& stroke);
-  /// A line with its depth written along it wherever there is room, upright, with a gap in the line; parts where
+  /// A line with `label` written upright along it, in a gap of the line, wherever there is room. Parts where
   /// `approximate` holds are dashed.
   void contour(std::span<const Eigen::Vector2d> points, bool closed, const Stroke& stroke, const std::string& label,
                const std::function<bool(const Eigen::Vector2d&)>& approximate);
-  /// A sounding as charts print it: whole metres, decimetres small below the line. False where there is no room.
+  /// A sounding as charts print it: whole metres, and small, lowered decimetres. False if there is no room.
   bool sounding(const Eigen::Vector2d& at, double depth_m);
   /// A danger: a cross in a dotted circle, and its name.
   void danger(const Eigen::Vector2d& at, const std::string& label);
@@ -49,7 +49,7 @@ class ChartSheet : public Canvas {
   void legend_danger(const std::string& text);
   void note(const std::string& text, bool strong = false);
 
-  /// The frame: call last.
+  /// Draws the frame. Call it last.
   void finish();
 
  protected:
@@ -57,13 +57,13 @@ class ChartSheet : public Canvas {
     double x, y, half_width, half_height;
   };
   [[nodiscard]] Eigen::Vector2d to_px(const Eigen::Vector2d& north_east) const;
-  /// False, and nothing is taken, where another has it already or it is outside of the plot.
+  /// Reserves the box. False, without reserving it, if it overlaps another one or leaves the plot.
   [[nodiscard]] bool take_room(const Box& box);
   void begin_plot() const;
   void end_plot() const;
   void trace(std::span<const Eigen::Vector2d> points_px) const;
   [[nodiscard]] double text_width(const std::string& text, double size) const;
-  /// Where the next entry of the legend stands; moves on by `height_px`.
+  /// Position of the next entry of the legend; advances by `height_px`.
   Eigen::Vector2d next_entry(double height_px);
 
  private:

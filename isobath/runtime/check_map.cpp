@@ -19,12 +19,12 @@ constexpr const char* kNoEcho = "no echo";
 constexpr const char* kNotDown = "not of a depth sonar";
 constexpr const char* kInWater = "echo in the water column";
 
-constexpr int kMostReach = 64;        // pixels of a sounding's neighbourhood to either side
-constexpr double kSlopeReach = 5;     // m around a sounding from which the map's slope is taken
+constexpr int kMostReach = 64;        // pixels around a sounding, to either side
+constexpr double kSlopeReach = 5;     // m around a sounding, over which the map's slope is fitted
 constexpr double kFewestAround = 40;  // pixels
-constexpr double kNarrowest = 1;      // m, standard deviation of their places across
+constexpr double kNarrowest = 1;      // m, standard deviation of their positions across
 
-/// Compares each sounding with the pixel that it falls on.
+/// Compares each sounding with the map.
 class Comparer final : public SoundingSink, public ResultSink {
  public:
   Comparer(const StoredMap& map, const DepthMapperParts& parts) : map_(map), parts_(parts), gate_(parts.gate) {}
@@ -72,8 +72,8 @@ class Comparer final : public SoundingSink, public ResultSink {
  private:
   void leave_out(const char* reason) { ++reasons_[reason]; }
 
-  /// The map's prediction is the mean of the measured pixels that the sounding may have looked at, each weighed by its
-  /// confidence: footprint, and doubt of place.
+  /// The map's prediction is the mean over the pixels within the footprint, widened by the position uncertainty, each
+  /// weighted by 1 + confidence. Charted land, and pixels known only as clear down to a depth, are skipped.
   void compare(const Eigen::Vector3d& p_W, double footprint_m, double sigma_m, Time time) {
     const PixelGrid& grid = map_.facts.area.grid;
     const double radius = footprint_m + parts_.mapper.spread_sigmas * sigma_m;
@@ -109,7 +109,7 @@ class Comparer final : public SoundingSink, public ResultSink {
     }
   }
 
-  /// Of the plane through the measured pixels around: north and east. Empty where they are few, or on one line.
+  /// Gradient (north, east) of the plane through the sounded pixels around. Empty if they are few, or on one line.
   std::optional<Eigen::Vector2d> gradient_at(const Eigen::Vector2d& north_east) {
     const PixelGrid& grid = map_.facts.area.grid;
     const int reach = std::max(1, static_cast<int>(std::lround(kSlopeReach / grid.pixel_m)));
@@ -127,7 +127,7 @@ class Comparer final : public SoundingSink, public ResultSink {
       normal += a * a.transpose();
       right += pixel.depth_m() * a;
     }
-    // Spread of the pixels along their narrower direction: a single track tells the slope along it alone.
+    // Spread of the pixels along their narrower direction: a single track gives only the slope along it.
     if (normal(0, 0) < kFewestAround) return std::nullopt;
     const Eigen::Vector2d mean = normal.block<2, 1>(1, 0) / normal(0, 0);
     const Eigen::Matrix2d spread = normal.block<2, 2>(1, 1) / normal(0, 0) - mean * mean.transpose();
@@ -157,7 +157,7 @@ CheckOutcome check_map(const CheckRequest& request) {
   Comparer comparer(map, request.configuration.depth);
   Pipeline pipeline(request.configuration, comparer, &comparer);
   while (auto event = source->next()) {
-    if (std::holds_alternative<Ping>(*event)) continue;  // tells of no depth
+    if (std::holds_alternative<Ping>(*event)) continue;  // no depth in it
     pipeline.take(std::move(*event));
     if (request.progress) request.progress(source->report(), pipeline.counts());
   }

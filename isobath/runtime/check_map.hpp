@@ -1,10 +1,9 @@
-// A map against soundings that it has not seen, as hydrographers check a survey with cross lines.
+// check_map: compares a depth map with independent soundings, as hydrographers check a survey with cross lines.
 //
-// Each depth sounding of a log is placed with its pose, and compared with what the map says of the pixels that it may
-// have looked at (its footprint, widened by the doubt of place): their mean, weighed by confidence. Not compared, and
-// counted by reason: echoes of obstacle sonars, echoes out of the water column, depths that nothing around them
-// supports (the same quarantine as when mapping), places that the map does not know, or knows only as clear down to a
-// depth.
+// Each depth sounding of a log is placed with its pose and compared with the pixels within its footprint, widened by
+// the position uncertainty: with their mean, weighted by confidence. Readings that are not compared are counted by
+// reason: echoes of obstacle sonars, echoes in the water column, depths that no neighbour supports (the same quarantine
+// as when mapping), and places that the map does not know, or knows only as clear down to a depth.
 #pragma once
 
 #include <filesystem>
@@ -32,7 +31,7 @@ struct CheckOutcome {
   std::vector<std::filesystem::path> files;  ///< written, relative to the folder
 };
 
-/// Throws Error if the map or the log cannot be opened, or lie in frames that cannot be brought together.
+/// Throws Error if the map or the log cannot be opened, or if their frames cannot be related.
 CheckOutcome check_map(const CheckRequest& request);
 
 }  // namespace isobath

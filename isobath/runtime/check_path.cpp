@@ -8,9 +8,9 @@
 namespace isobath {
 namespace {
 
-constexpr double kFarthest = 9e5;  // m, on the globe and on the plane: what a local plane holds
+constexpr double kFarthest = 9e5;  // m, on the globe and on the plane: the radius of a local plane
 
-/// " (41.79300, -82.68881)"; empty where the map has no place on the globe.
+/// " (41.79300, -82.68881)"; empty if the map has no geographic origin.
 std::string place_of(const MapFacts& facts, Pixel pixel) {
   if (!facts.origin) return {};
   const GeoPoint p = LocalPlane(*facts.origin).to_geo(facts.area.grid.centre(pixel));
@@ -33,7 +33,7 @@ PathOutcome check_path(const PathRequest& request) {
   std::vector<Eigen::Vector3d> path;
   if (!request.points.empty()) {
     if (!map.facts.origin) {
-      throw Error("the map does not say where on the globe it is", {request.map.string()}, {},
+      throw Error("the map has no geographic origin", {request.map.string()}, {},
                   "give the path in metres north and east");
     }
     const LocalPlane plane(*map.facts.origin);
@@ -61,7 +61,7 @@ PathOutcome check_path(const PathRequest& request) {
   PathOutcome outcome{*verdict, verdict->strict() == 1 ? "" : verdict->reason(), {}, 0};
   if (!outcome.reason.empty() && verdict->blocking) outcome.reason += place_of(map.facts, verdict->blocking->pixel);
   if (verdict->worst && verdict->worst->depth_m) {
-    outcome.least = fmt::format("least water on the way: {:.2f} m{}", *verdict->worst->depth_m,
+    outcome.least = fmt::format("least depth on the path: {:.2f} m{}", *verdict->worst->depth_m,
                                 place_of(map.facts, verdict->worst->pixel));
   }
   for (std::size_t i = 1; i < path.size(); ++i) outcome.length_m += (path[i] - path[i - 1]).norm();

@@ -7,7 +7,7 @@
 namespace isobath {
 namespace {
 
-/// Only with a fan that stands upright is a map in three dimensions worth its time here.
+/// Whether the scene has a vertical fan: only then is the voxel map worth its time.
 bool tells_height(const Scene& scene) {
   return std::any_of(scene.sonars.begin(), scene.sonars.end(), [](const SonarConfig& sonar) {
     return sonar.on && sonar.kind == SonarKind::kFan && std::abs(sin(sonar.roll)) > std::sqrt(0.5);

@@ -1,9 +1,9 @@
-// ClosedLoop: a scene, a mission and a helm: the vehicle sees, decides and turns, on the simulator's clock (Ganesan
-// 2015, 6.1; ledger S6-57). What is returned is truth, for whoever judges the run.
+// ClosedLoop: runs a scene, a mission and a helm in a closed loop on the simulator's clock (Ganesan 2015, 6.1; ledger
+// S6-57). The result holds the ground truth, for scoring.
 //
-// What sees and decides is Onboard, as in `isobath run`. A function of scenario, configuration and helm: the same
-// events and set-points on any number of threads. But for a live one: there all threads are waited for ten times a
-// second of the simulator's clock; what is decided depends on who is faster.
+// Onboard maps and steers, as in `isobath run`. The result is a function of scenario, configuration and helm: the same
+// events and set-points on any number of threads. Live runs are not deterministic: the loop waits for all threads ten
+// times a second of the simulator's clock, and decisions depend on the timing of the threads.
 #pragma once
 
 #include <isobath/mission/mission_plan.hpp>
@@ -16,17 +16,17 @@
 
 namespace isobath {
 
-/// How long the vehicle is watched after its mission has ended.
+/// How long the run goes on after the end of the mission.
 constexpr double kWatchAfterEnd_s = 5;
 
 struct LoopRequest {
   Configuration configuration;
   int threads = 1;
-  bool stop_at_contact = false;             ///< what a vehicle does after a collision says nothing
-  bool judge = false;                       ///< whether to hold what was seen against what was there; not of a live one
-  bool live = false;                        ///< for a LiveHelm, which bears that another thread maps
+  bool stop_at_contact = false;             ///< what a vehicle does after a collision is not scored
+  bool judge = false;                       ///< whether to score detections against the ground truth; ignored if live
+  bool live = false;                        ///< mapping has its own thread; needs a LiveHelm
   bool stop_when_done = true;               ///< end some seconds after the mission has finished or was aborted
-  std::vector<OnboardObserver*> observers;  ///< look on; must outlive the run
+  std::vector<OnboardObserver*> observers;  ///< must outlive the run
 };
 
 struct LoopResult : TrackTruth {
@@ -34,13 +34,13 @@ struct LoopResult : TrackTruth {
   MissionReport report;
   PipelineCounts counts;
   double duration_s = 0;                ///< simulated
-  TruthScore sight;                     ///< how well the bodies were seen; where it was asked for
-  std::vector<OperatorAnswer> answers;  ///< what the operator heard, where there was one
+  TruthScore sight;                     ///< how well the bodies were detected; if `judge`
+  std::vector<OperatorAnswer> answers;  ///< received by the operator, if there is one
 };
 
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request);
 
-/// Says when a helm has been watched long enough: kWatchAfterEnd_s after its mission was finished or aborted.
+/// Detects the end of a run: kWatchAfterEnd_s after the mission was finished or aborted.
 class EndOfMission {
  public:
   [[nodiscard]] bool reached(MissionPhase phase, double now_s);

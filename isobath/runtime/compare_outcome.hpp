@@ -1,4 +1,4 @@
-// CompareOutcome: what two recordings have in common and what not (comparison.hpp).
+// CompareOutcome: the sample statistics of two recordings, and how far apart they are (comparison.hpp).
 #pragma once
 
 #include <filesystem>

@@ -117,7 +117,7 @@ ordered_json samples_json(const SampleStatistics& s) {
           {"ranges", ranges}};
 }
 
-/// Counts of both in eight stretches of the range that they share.
+/// Levels of both recordings in eight intervals of their common range.
 std::vector<HtmlReport::Row> range_rows(const CompareOutcome& c) {
   const double near = std::max(c.a.all.near_m, c.b.all.near_m), far = std::min(c.a.all.far_m, c.b.all.far_m);
   std::vector<HtmlReport::Row> rows;
@@ -168,9 +168,9 @@ std::vector<ComparedValue> compared_values(const CompareOutcome& c) {
   add("background: mean; standard deviation, counts",
       [](const S& s) { return fmt::format("{:.1f}; {:.1f}", s.background_mean, s.background_deviation); });
   for (std::size_t i = 0; i < c.a.fits.size(); ++i) {
-    add(fmt::format("{} fitted to it (misfit a sample, x 1000)", law_name(c.a.fits[i].law)), [i](const S& s) {
+    add(fmt::format("{} fitted to it (misfit per sample, x 1000)", law_name(c.a.fits[i].law)), [i](const S& s) {
       const NoiseFit& f = s.fits[i];
-      if (!std::isfinite(f.statistic)) return std::string("cannot be it");
+      if (!std::isfinite(f.statistic)) return std::string("does not apply");
       const std::string misfit = fmt::format("{:.0f}", 1000 * f.statistic / static_cast<double>(f.samples));
       if (f.law == NoiseLaw::kGaussian)
         return fmt::format("mean {:.1f}, sigma {:.1f} ({})", f.location, f.scale, misfit);
@@ -238,10 +238,10 @@ CompareOutcome compare(const CompareRequest& request) {
                               outcome.a.name, outcome.a.format, outcome.b.name, outcome.b.format, outcome.a.all.near_m,
                               outcome.b.all.near_m));
   if (outcome.a.left_out + outcome.b.left_out > 0) {
-    page.warning(fmt::format("{} pings of A and {} of B have another range or other beams than the first: left out.",
+    page.warning(fmt::format("Left out: {} pings of A and {} of B whose range or beams differ from the first ping's.",
                              outcome.a.left_out, outcome.b.left_out));
   }
-  page.heading("What they look like");
+  page.heading("Images");
   page.begin_row();
   page.figure(scan_a, "One scan of A. Brightness is the square root of the level, the same in all four pictures.");
   page.figure(scan_b, "One scan of B.");
@@ -250,18 +250,16 @@ CompareOutcome compare(const CompareRequest& request) {
   page.figure(mean_a, "Mean of all scans of A.");
   page.figure(mean_b, "Mean of all scans of B.");
   page.end_row();
-  page.heading("In numbers");
+  page.heading("Statistics");
   std::vector<HtmlReport::Row> rows;
   for (const ComparedValue& v : compared_values(outcome)) rows.push_back({v.what, v.a, v.b});
   page.table({"", a, b}, rows);
   page.paragraph(fmt::format(
-      "Background is what stays below the median of its range plus three times the distance from the 16 % level to the "
-      "median (from the median to the 84 % level where 40 % and more of the samples are 0). Bright is what is 12 dB "
-      "above the mean background of its range, and at least {:.0f} counts. In "
-      "brackets: "
-      "16 to 84 % of the scans. The misfit is the Anderson-Darling statistic: smaller is nearer. The backgrounds "
-      "differ "
-      "by {:.1f} % of the samples at most (Kolmogorov-Smirnov).",
+      "Background samples stay below the median of their range plus three times the distance from the 16 % level to "
+      "the median (from the median to the 84 % level if at least 40 % of the samples are 0). Bright samples are at "
+      "least 12 dB above the mean background of their range, and at least {:.0f} counts. Brackets give 16 to 84 % of "
+      "the scans. The misfit is the Anderson-Darling statistic: smaller fits better. The backgrounds differ by at most "
+      "{:.1f} % of the samples (Kolmogorov-Smirnov).",
       kBrightLeast, 100 * outcome.background_distance));
   page.heading("By range");
   page.figure(levels, "All bearings together, echoes included.");
@@ -270,8 +268,8 @@ CompareOutcome compare(const CompareRequest& request) {
              range_rows(outcome));
   page.heading("By value");
   page.begin_row();
-  page.figure(background, "The background: a logarithmic scale.");
-  page.figure(exceedance, "All samples behind the blind zone.");
+  page.figure(background, "The background, on a logarithmic scale.");
+  page.figure(exceedance, "All samples beyond the blind zone.");
   page.end_row();
   page.folded("Configuration in force", to_toml(request.configuration, true));
   write("report.html", page.html());

@@ -1,5 +1,5 @@
-// Two recordings of imaging sonars side by side, as statistics of their samples (sample_statistics.hpp): is this
-// simulation like that sea, is this device like that one?
+// compare: the sample statistics of two recordings of imaging sonars side by side (sample_statistics.hpp), to judge how
+// well a simulation matches the sea, or one device another.
 #pragma once
 
 #include <filesystem>
@@ -20,11 +20,11 @@ struct CompareRequest {
   std::function<void(const SourceReport&, std::uint64_t pings)> progress;
 };
 
-/// Throws Error: an input that cannot be opened or has no image of a sonar, a folder that cannot be written.
+/// Throws Error if an input cannot be opened or has no sonar image, or if the folder cannot be written.
 CompareOutcome compare(const CompareRequest& request);
 std::string to_json(const CompareOutcome& outcome);
 
-/// A line of the table: what, in words with its unit; and the value on either side, as text.
+/// A row of the table: the quantity with its unit, and its value in both recordings as text.
 struct ComparedValue {
   std::string what, a, b;
 };

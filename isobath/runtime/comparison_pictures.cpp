@@ -14,7 +14,7 @@ const Colour kColourA = palette::kTrack, kColourB = palette::kObstacle;
 
 Colour faint(Colour c) { return {c.red, c.green, c.blue, 0.16}; }
 
-/// Counts to brightness: a square root, so that background and echoes are both seen.
+/// Counts to brightness: a square root, so that both background and echoes are visible.
 double brightness(double counts, double top) { return std::sqrt(std::clamp(counts / top, 0.0, 1.0)); }
 
 bool whole_turn(const PolarImage& image) {
@@ -72,7 +72,7 @@ std::string background_chart(const CompareOutcome& c, const std::string& a, cons
   }
   ChartPicture chart(760, 420, "Background: share of the samples by value, and the law that fits best (dashed)",
                      {"value (counts of 255)", 0, static_cast<double>(to)},
-                     {"share of the background samples, a count", 1e-7, 1, true});
+                     {"share of the background samples per count", 1e-7, 1, true});
   std::vector<double> x(static_cast<std::size_t>(to) + 1);
   std::iota(x.begin(), x.end(), 0.0);
   const int step = std::max(1, (to + 23) / 48);
@@ -83,7 +83,7 @@ std::string background_chart(const CompareOutcome& c, const std::string& a, cons
     const auto best = std::min_element(s->fits.begin(), s->fits.end(),
                                        [](const NoiseFit& u, const NoiseFit& v) { return u.statistic < v.statistic; });
     for (const double v : x) law.push_back(cumulative(*best, v + 0.5) - (v > 0 ? cumulative(*best, v - 0.5) : 0));
-    // Devices leave values out (two of three, say): steps wide enough to see the law and not the gaps.
+    // Some devices skip values (two of three, for example): the steps are wide enough to show the law and not the gaps.
     const auto in_steps = [&](const std::vector<double>& of) {
       std::vector<double> means{of[0]};
       for (int v = 1; v + step - 1 <= to; v += step) {
@@ -94,7 +94,7 @@ std::string background_chart(const CompareOutcome& c, const std::string& a, cons
       return means;
     };
     chart.curve(at, in_steps(shares), {colour, 2.5, false},
-                fmt::format("{}; nearest: {} law", name, law_name(best->law)));
+                fmt::format("{}; best fit: {} law", name, law_name(best->law)));
     chart.curve(at, in_steps(law), {colour, 1.2, true}, "");
   }
   chart.finish();
@@ -156,7 +156,7 @@ std::string image_picture(const PolarImage& image, const PlanExtent& extent, dou
       }
     }
     if (off > reach) return kNothing;
-    // Few shades: a picture of noise is large otherwise.
+    // Few shades keep the PNG of a noisy image small.
     return intensity_colour(std::round(24 * brightness(static_cast<double>(image(best, bin)), top)) / 24);
   });
   const double far = image.window.end_m();

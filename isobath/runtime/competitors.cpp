@@ -13,13 +13,13 @@ std::unique_ptr<Helm> make_crew(const Scenario& scenario, const VehicleSheet& ve
   return make_mission_helm({scenario.mission, vehicle, chart_of(scenario, configuration)}, configuration);
 }
 
-/// The paper's own way of it: the update of the grid as printed (ledger S6-E01 ff.), cells of 5 m, corners cut, nothing
-/// remembered beyond the grid.
+/// The method as the paper prints it: its update of the grid (ledger S6-E01 ff.), route cells of 5 m, corners cut, no
+/// memory beyond the grid.
 Configuration as_printed(Configuration configuration) {
   configuration.update.update = GridMapperConfig::Update::kPrinted;
   configuration.grid.shifting = BodyGridConfig::Shifting::kPrinted;
   configuration.mission.route = RouteConfig::as_printed();
-  configuration.crew.gate.safety_officer.clear();  // it watches the fence alone there
+  configuration.crew.gate.safety_officer.clear();  // the paper's watches only the fence
   configuration.mission.fls_detector.memory_radius_m = 0;
   configuration.mission.fls_detector.margin_cells = 0;
   return configuration;

@@ -1,4 +1,4 @@
-// The whole configuration: the structs of all classes, under the names that they have in a file.
+// Configuration: the structs of all classes, under the names that they have in a configuration file.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -35,7 +35,7 @@ struct SensorConfig {
 std::vector<Field> fields(SensorConfig& config);
 
 struct MapConfig {
-  bool fit = true;  ///< cell and size of the grid from the sonar's range: about 100 cells each way, 1-2-5 steps
+  bool fit = true;  ///< set cell and size of the grid by the sonar's range: about 100 cells each way, 1-2-5 steps
   double fan_scan_s = 0.5;
 };
 std::vector<Field> fields(MapConfig& config);
@@ -59,7 +59,7 @@ struct Configuration {
   MissionConfig mission;
   SafetyConfig safety;
   CrewConfig crew;
-  std::vector<AgentFile> agents;  ///< [[agent]]: seated beside the standard crew
+  std::vector<AgentFile> agents;  ///< [[agent]]: added to the standard agents
   CalibrationConfig calibration;
   HistogramConfig histogram;
   SimulationConfig simulation;
@@ -69,9 +69,9 @@ struct Configuration {
 
 /// Bound to `configuration`, which must outlive them.
 std::vector<Section> sections(Configuration& configuration);
-/// The same with the lists: all that a file may hold.
+/// The same with the lists: everything that a file may hold.
 Schema schema(Configuration& configuration);
-/// The values in force; what `schema` reads back.
+/// The values in force, as `schema` reads them.
 std::string to_toml(const Configuration& configuration, bool annotated);
 
 }  // namespace isobath

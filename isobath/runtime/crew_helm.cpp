@@ -99,7 +99,7 @@ void CrewHelm::beat() {
   next_beat_ = now() + kBeatInterval;
 }
 
-/// As faults name them: in the order of their first pings.
+/// The name of the sonar in faults; sonars are numbered in the order of their first pings.
 std::string CrewHelm::name_of(const Ping& ping) {
   const std::size_t index = sonars_.index_of(ping.X_BS).value_or(0);
   return index == 0 ? "sonar" : fmt::format("sonar.{}", index + 1);

@@ -1,19 +1,19 @@
-// CrewHelm: a crew of agents at the helm: events, and what the pipeline makes of them, become messages (Ganesan 2015,
-// 5.1; ledger S6-42). MissionHelm runs the crew in one thread, LiveHelm each agent in its own.
+// CrewHelm: turns events and the results of the pipeline into messages for the mission's agents (Ganesan 2015, 5.1;
+// ledger S6-42). MissionHelm runs the agents in one thread, LiveHelm each agent in its own.
 //
-// The chart is told first of all. Navigation, ranges, health, frames of the operator's link and what a ping says of its
-// sonar are told as they come, its echoes and each sweep as soon as the pipeline has placed them. The order to start
-// follows the first sweep that could be decided, or kLongestWarmUp after the first fix: a sonar that never hears is for
-// the Safety Officer, not to be waited for. A mission that waits for the operator starts by his frame alone. As long as
-// no operator has been heard, whoever started the program counts as one: a beat is given each second, but while a
-// health report calls the link lost. Times are those of the mission's clock (mission_clock.hpp), which every event
-// moves. A health report of "agent.NAME" is no message but a fault of this computer, injected by a simulator or found
-// in its log (kHangs of scenario.hpp).
+// The chart is the first message. Navigation, ranges, health, frames of the operator's link and the quality of each
+// ping are sent on arrival; echoes and sweeps are sent as soon as the pipeline has placed them. The start command
+// follows the first sweep that could be decided, or kLongestWarmUp after the first fix: the mission does not wait for a
+// sonar that never works; the Safety Officer handles that. A mission that waits for the operator starts only by an
+// operator's frame. Until the first such frame, the person who started the program counts as the operator: CrewHelm
+// sends a heartbeat each second, except while a health report says that the link is lost.
 //
-// A sweep most of whose pings could not be decided has looked at nothing: it is told to nobody.
+// Times are those of the mission's clock (mission_clock.hpp), which every event advances. A health report of
+// "agent.NAME" is not a message but a fault of this computer, injected by a simulator or found in its log (kHangs of
+// scenario.hpp). Sweeps in which at most half of the pings could be decided are dropped. Non-finite events are
+// discarded; the watchdog reports the silent sensor.
 //
-// Events whose numbers are not finite are for nobody: their sender falls silent. A function of the events. Any thread
-// may call hear and on_*.
+// A function of the events. Any thread may call `hear` and `on_*`.
 #pragma once
 
 #include <isobath/runtime/helm.hpp>
@@ -29,7 +29,7 @@ class CrewHelm : public Helm {
  public:
   static constexpr Duration kLongestWarmUp = std::chrono::seconds(20);
 
-  /// `echo_contrast`: of the echoes that the Safety Officer is shown (sonar_look.hpp).
+  /// `echo_contrast`: least contrast of the echoes that the Safety Officer gets (sonar_look.hpp).
   CrewHelm(std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast);
 
   void hear(const Event& event) override;
@@ -40,15 +40,15 @@ class CrewHelm : public Helm {
   [[nodiscard]] const MissionPlan& plan() const { return *plan_; }
 
  protected:
-  /// On the mission's clock. Not while anything else is heard.
+  /// On the mission's clock. Not while another thread calls `hear` or `on_*`.
   [[nodiscard]] Time now() const { return clock_.now(); }
 
  private:
-  /// The mission's clock has come to this time.
+  /// The mission's clock has advanced to this time.
   virtual void moved(Time /*now*/) {}
-  /// For all agents to hear.
+  /// Sends a message to all agents.
   virtual void say(Message message, Time now) = 0;
-  /// An agent dies, or hangs.
+  /// Makes an agent die, or hang.
   virtual void fail(const std::string& agent, bool hangs) = 0;
 
   void hear_fix(const Navigation& fix);
@@ -62,7 +62,7 @@ class CrewHelm : public Helm {
 
   std::mutex mutex_;
   std::shared_ptr<const MissionPlan> plan_;
-  std::optional<ChartUpdate> chart_;  ///< until it is told
+  std::optional<ChartUpdate> chart_;  ///< until it is sent
   double echo_contrast_;
   MissionClock clock_;
   SensorTable sonars_;
@@ -72,10 +72,10 @@ class CrewHelm : public Helm {
   bool operator_heard_ = false;
   std::optional<Time> next_beat_;
   double sigma_m_ = 0;           ///< of the last fix
-  int heard_ = 0, decided_ = 0;  ///< pings of the sweep under way, and those in which echoes could be told from noise
+  int heard_ = 0, decided_ = 0;  ///< pings of the current sweep, and those of them that could be decided
 };
 
-/// What is kept of all that a crew says.
+/// What a run keeps of its agents' messages.
 struct Logbook {
   MissionReport report;  ///< the last
   std::vector<Decision> decisions;
@@ -84,7 +84,7 @@ struct Logbook {
   void note(const Envelope& envelope);
 };
 
-/// An injected fault of the computer (kHangs of scenario.hpp); none where the crew has no such seat.
+/// Makes an agent die or hang (kHangs of scenario.hpp); does nothing if there is no such agent.
 template <class AnyCrew>
 void inject_failure(AnyCrew& crew, const std::string& agent, bool hangs) {
   if (!crew.has(agent)) return;

@@ -25,7 +25,7 @@ constexpr std::array<Allowance, 5> kOrders{{{"Exclusive", 0.15, 0.0075},
 constexpr double kOrderShare = 0.95;
 constexpr std::array<std::pair<int, int>, 5> kConfidenceClasses{{{0, 4}, {5, 9}, {10, 14}, {15, 19}, {20, 20}}};
 
-/// What a map can hold; a NaN is not within.
+/// Whether a map can hold the depth; false for NaN.
 bool holds(float depth_m) { return std::abs(depth_m) <= 1e7f; }
 
 Json json(const DifferenceStatistics& s) {
@@ -153,7 +153,7 @@ std::string to_json(const CrosscheckResult& r) {
                            {"promised", p.promised},
                            {"interval", {p.interval.low, p.interval.high}}});
   }
-  Json offset;  // null where it cannot be told
+  Json offset;  // null if unknown
   if (r.offset) {
     offset = {{"n", r.offset->n},
               {"north_m", r.offset->offset_m.x()},

@@ -1,22 +1,23 @@
-// Crosscheck: the honest check of a depth map, against soundings that did not make it.
+// Crosscheck: checks a depth map against independent soundings, which are not part of it.
 //
 // A difference is the sounding minus the map: negative where the bottom is shoaler than the map says, which is what
-// runs a vehicle aground. Of the differences: median; robust standard deviation, 1.4826 times the median absolute
-// deviation from the median; and the 95 % quantile of their magnitude (quantiles by linear interpolation between order
-// statistics, Hyndman and Fan 1996, type 7). The same by classes of sounded depth and of the map's confidence.
+// runs a vehicle aground. Statistics of the differences are the median; the robust standard deviation, 1.4826 times the
+// median absolute deviation from the median; and the 95 % quantile of their magnitude (quantiles by linear
+// interpolation between order statistics, Hyndman and Fan 1996, type 7). The same statistics are given by classes of
+// sounded depth and of the map's confidence.
 //
 // S-44: the share of the soundings within the total vertical uncertainty that each order of survey allows at 95 %,
-// TVU(d) = sqrt(a^2 + (b d)^2) at the sounded depth d (IHO S-44, edition 6, 3.2.3 and table 1). The soundings' own
-// errors are in the differences, so the map is judged too hard rather than too kindly. An order is met by the numbers
-// where 95 % and more lie within.
+// TVU(d) = sqrt(a^2 + (b d)^2) at the sounded depth d (IHO S-44, edition 6, 3.2.3 and table 1). The differences include
+// the errors of the soundings, so the check is stricter on the map than the order. The map meets an order in this
+// respect if at least 95 % of the soundings lie within.
 //
-// Calibration: does confidence mean what it says? For every confidence c of the map, the share of the soundings that
-// agree with it within max(floor, share of depth), the margin within which a reading affirms a pixel, against the
-// promise of 5 % a step (Oskard 1990, IV-A; ledger S1-45, S1-76), with Wilson's 95 % interval. Soundings one beside the
-// other are not independent: the interval is too narrow for them, and says so on the page.
+// Calibration of the confidence: for every confidence c of the map, the share of the soundings that agree with it
+// within max(floor, share of depth), the margin within which a reading affirms a pixel, against the promise of 5 % a
+// step (Oskard 1990, IV-A; ledger S1-45, S1-76), with Wilson's 95 % interval. Neighbouring soundings are not
+// independent, so the interval is too narrow; the page says so.
 //
-// Metres, days. Numbers that do not exist (of no sounding) are NaN, null in JSON. No state, any thread; 30000 samples
-// in 10 ms. Errors: none; samples that are not `comparable` are left out and counted.
+// Metres, days. Statistics without a sounding are NaN, null in JSON. No state, any thread; 30000 samples in 10 ms.
+// Errors: none; samples that are not `comparable` are left out and counted.
 #pragma once
 
 #include <array>
@@ -42,7 +43,7 @@ struct CrosscheckSample {
   float age_days = 0;      ///< of the pixel when the sounding was made
 };
 
-/// Whether both depths are numbers that a map can hold (within 1e7 m) and the confidence is one.
+/// Whether a map can hold both depths (within 1e7 m), and the confidence is valid.
 bool comparable(const CrosscheckSample& sample);
 /// The sounding minus the map, m.
 inline double difference(const CrosscheckSample& s) {
@@ -53,11 +54,11 @@ struct CrosscheckInput {
   std::string map, log;  ///< names, for the page
   std::vector<CrosscheckSample> samples;
   std::uint64_t offered = 0;  ///< soundings in the log; at least as many as samples
-  /// Why the others were not used, and how many: "no depth in the map", "position unknown", ...
+  /// Soundings that were not used, by reason: "no depth in the map", "position unknown", ...
   std::vector<std::pair<std::string, std::uint64_t>> left_out;
   double margin_floor_m = 0.5;
   double margin_share = 0.02;       ///< of the sounded depth
-  std::vector<SlopeSample> slopes;  ///< of the samples around which the map knows its slope
+  std::vector<SlopeSample> slopes;  ///< of the samples where the slope of the map is known
 };
 
 struct CrosscheckResult {
@@ -95,7 +96,7 @@ struct CrosscheckResult {
     Interval interval;
   };
   std::vector<Promise> calibration;      ///< only the confidences that occur
-  std::optional<PositionOffset> offset;  ///< of the log beside the map, where the bottom can tell
+  std::optional<PositionOffset> offset;  ///< of the log from the map, if the bottom is uneven enough
   /// Mean |share - promised| over the soundings.
   double calibration_error = std::numeric_limits<double>::quiet_NaN();
 };

@@ -15,7 +15,7 @@ namespace {
 constexpr Colour kBars{0.35, 0.60, 0.80, 0.9}, kDots{0.10, 0.35, 0.60, 0.25};
 constexpr std::size_t kMostDots = 4000;
 
-/// Half the width of the pictures: most differences, and not the few that are far out.
+/// Half the width of the pictures, which covers most differences without the outliers.
 double shown_width(const CrosscheckResult& r) {
   const double width = std::max({0.1, 1.5 * r.all.p95_m, 4 * r.all.robust_sd_m + std::abs(r.all.median_m)});
   const double step = nice_step(0, width, 5);
@@ -68,7 +68,7 @@ std::string against_depth(const std::vector<CrosscheckSample>& samples, const Cr
     x.push_back(samples[i].observed_m);
     y.push_back(std::clamp(difference(samples[i]), -width, width));
   }
-  chart.points(x, y, kDots, every == 1 ? "soundings" : fmt::format("every {}. sounding", every));
+  chart.points(x, y, kDots, every == 1 ? "soundings" : fmt::format("one of {} soundings", every));
   for (const auto& order : r.s44) {
     const std::string name = order.name;
     if (name != "Special" && name != "1a") continue;
@@ -93,7 +93,7 @@ std::string against_depth(const std::vector<CrosscheckSample>& samples, const Cr
 }
 
 std::string calibration_plot(const CrosscheckResult& r) {
-  ChartPicture chart(640, 380, "Does confidence mean what it says?", {"confidence of the map", 0, kFullConfidence},
+  ChartPicture chart(640, 380, "Calibration of the confidence", {"confidence of the map", 0, kFullConfidence},
                      {"soundings that agree (%)", 0, 100});
   chart.curve(std::vector<double>{0, kFullConfidence}, std::vector<double>{0, 100}, {palette::kFaint, 1.5, true},
               "promised: 5 % a step");
@@ -104,7 +104,7 @@ std::string calibration_plot(const CrosscheckResult& r) {
     chart.curve(std::vector<double>(2, p.confidence), std::vector<double>{100 * p.interval.low, 100 * p.interval.high},
                 {palette::kTrack, 1.5, false}, "");
   }
-  chart.points(x, y, palette::kTrack, "found, with 95 % interval");
+  chart.points(x, y, palette::kTrack, "measured, with 95 % interval");
   chart.finish();
   return chart.png();
 }
@@ -133,8 +133,8 @@ void tables(const CrosscheckInput& input, const CrosscheckResult& r, HtmlReport&
 
   if (r.offset) {
     page.heading("Position");
-    page.paragraph("By what its depths say where the bottom slopes, " + to_text(*r.offset) +
-                   ". Nothing has been corrected by it.");
+    page.paragraph("Judged by its depths where the bottom slopes, " + to_text(*r.offset) +
+                   ". This is a diagnosis; nothing was corrected.");
   }
   page.heading("Against the orders of IHO S-44");
   rows.clear();
@@ -144,9 +144,8 @@ void tables(const CrosscheckInput& input, const CrosscheckResult& r, HtmlReport&
   }
   page.table({"order", "allowed at 95 % (m)", "soundings within", "95 % within"}, rows);
   page.paragraph(
-      "Edition 6, vertical uncertainty only: an order asks for coverage, detection of features and position as well. "
-      "The "
-      "errors of the soundings themselves count against the map.");
+      "Edition 6, vertical uncertainty only: an order also requires coverage, detection of features and positioning. "
+      "The errors of the soundings themselves count against the map.");
 
   page.heading("Confidence");
   rows.clear();
@@ -157,17 +156,16 @@ void tables(const CrosscheckInput& input, const CrosscheckResult& r, HtmlReport&
   }
   page.table({"confidence", "soundings", "agree", "promised", "95 % interval (Wilson)"}, rows);
   page.paragraph(fmt::format(
-      "A sounding agrees when it differs from the map by {:g} m or {:g} % of the depth at most, whichever is larger. "
-      "The "
-      "found and the promised share differ by {:.1f} % on average. Soundings one beside the other share their errors: "
-      "the intervals are narrower than they ought to be.",
+      "A sounding agrees if it differs from the map by at most {:g} m or {:g} % of the depth, whichever is larger. The "
+      "measured and the promised share differ by {:.1f} % on average. Neighbouring soundings share their errors, so "
+      "the intervals are too narrow.",
       input.margin_floor_m, 100 * input.margin_share, 100 * r.calibration_error));
 }
 
 }  // namespace
 
 HtmlReport crosscheck_page(const CrosscheckInput& input, const CrosscheckResult& r) {
-  HtmlReport page("Isobath: a map checked against soundings that did not make it",
+  HtmlReport page("Isobath: a depth map checked against independent soundings",
                   fmt::format("Map: {}. Soundings: {}. Differences are the sounding minus the map: negative where the "
                               "bottom is shoaler than the map says.",
                               input.map, input.log));
@@ -175,8 +173,8 @@ HtmlReport crosscheck_page(const CrosscheckInput& input, const CrosscheckResult&
     page.warning(fmt::format("None of the {} soundings could be compared with the map.", r.offered));
   } else {
     page.paragraph(fmt::format(
-        "Of {} soundings {} ({:.1f} %) fell on known parts of the map. Median {:.3f} m, robust standard deviation "
-        "{:.3f} m, 95 % within {:.3f} m.",
+        "{1} of {0} soundings ({2:.1f} %) fell on known parts of the map. Median {3:.3f} m, robust standard deviation "
+        "{4:.3f} m, 95 % within {5:.3f} m.",
         r.offered, r.all.n, 100 * r.covered, r.all.median_m, r.all.robust_sd_m, r.all.p95_m));
     if (r.shoaler > 0) {
       page.warning(
@@ -193,10 +191,10 @@ HtmlReport crosscheck_page(const CrosscheckInput& input, const CrosscheckResult&
   std::copy_if(input.samples.begin(), input.samples.end(), std::back_inserter(samples), comparable);
   page.begin_row();
   page.figure(histogram(samples, r),
-              "How often each difference was found. Dashed: a normal law of the same median and spread.");
+              "Histogram of the differences. Dashed: a normal law of the same median and spread.");
   page.figure(against_depth(samples, r), "Differences beyond the picture are drawn at its edge.");
   page.end_row();
-  page.figure(calibration_plot(r), "Above the line the map is better than it says; below it, worse.");
+  page.figure(calibration_plot(r), "Above the line the map is better than its confidence says; below it, worse.");
   tables(input, r, page);
   return page;
 }

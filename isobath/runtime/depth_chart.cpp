@@ -17,7 +17,7 @@ constexpr Colour kShoreLine{0.30, 0.24, 0.12, 1}, kTrackLine{0.10, 0.10, 0.14, 0
 constexpr Colour kUnknown{0.86, 0.86, 0.86, 1};
 constexpr int kNodePx = 3;           // picture pixels between the nodes of contours
 constexpr int kFigurePx = 74;        // side of the squares that have one sounding each
-constexpr float kMeasuredPx = 1.2f;  // a measured pixel colours its neighbours so far
+constexpr float kMeasuredPx = 1.2f;  // radius of picture pixels that a measured one colours
 constexpr double kChartedPaleness = 0.35, kNearPaleness = 0.36, kFarPaleness = 0.80;
 
 struct ConfidenceClass {
@@ -36,7 +36,7 @@ Colour paler(const Colour& c, double share) {
   return {mixed(c.red), mixed(c.green), mixed(c.blue), 1};
 }
 
-/// What no sensor has confirmed.
+/// Hatching of depths that no sensor has confirmed.
 bool hatched(int column, int row) { return (column + row) % 8 == 0; }
 
 /// Björn Ottosson's Oklab (2020), lightness, chroma and hue, to sRGB.
@@ -91,7 +91,7 @@ PlanExtent chart_extent(const DepthChart& chart) {
 
 std::vector<Colour> depth_colours(const ChartField& field, const ChartNodes& nodes, const DepthScale& scale) {
   std::vector<Colour> colours(field.measured.size(), kPaper);
-  // A measured cell colours its neighbours, so that a sounding line shows at any scale.
+  // A measured cell colours its neighbours, so that a sounding line is visible at any scale.
   const auto measured_near = [&](int column, int row) {
     float sum = 0;
     int count = 0;
@@ -118,7 +118,7 @@ std::vector<Colour> depth_colours(const ChartField& field, const ChartNodes& nod
         colours[i] = hatched(column, row) ? kPaper : paler(scale.colour(field.charted[i]), kChartedPaleness);
       } else if (const float d = nodes.surface_at(column, row);
                  !std::isnan(d) && field.distance_m[i] <= field.reach_m) {
-        const double share = field.distance_m[i] / field.reach_m;  // slowly at first: the depth is to be read
+        const double share = field.distance_m[i] / field.reach_m;  // slow at first, so that depths stay readable
         colours[i] = paler(scale.colour(d), kNearPaleness + (kFarPaleness - kNearPaleness) * share * share);
       }
     }
@@ -126,7 +126,7 @@ std::vector<Colour> depth_colours(const ChartField& field, const ChartNodes& nod
   return colours;
 }
 
-/// The shoalest measured pixel of each square of the sheet, shoalest first: where there is no room for two, that stays.
+/// The shoalest measured pixel of each square of the sheet, shoalest first: where only one fits, the shoaler is drawn.
 struct Figure {
   Vector2d north_east;
   double depth_m;
@@ -178,7 +178,7 @@ void finish(const DepthChart& chart, ChartSheet& sheet) {
   sheet.note("");
   if (!chart.datum.empty()) sheet.note(chart.datum);
   sheet.note(chart.origin ? "Positions: WGS 84. North is true north at the origin of the map."
-                          : "No position on the globe is known: the frame shows metres of the map.");
+                          : "No geographic position: the frame shows metres of the map.");
   sheet.note("NOT FOR NAVIGATION", true);
   sheet.finish();
 }
@@ -187,7 +187,7 @@ void finish(const DepthChart& chart, ChartSheet& sheet) {
 
 Colour depth_colour(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
-  // Lightness falls evenly; hue turns from cyan to blue; chroma stays inside of what a screen can show.
+  // Lightness falls evenly; hue turns from cyan to blue; chroma stays within what a screen can show.
   constexpr double kDegree = 0.017453292519943295;
   return from_oklch(0.955 - 0.645 * s, 0.030 + 0.36 * s * (1 - s) * 0.75 + 0.055 * s, (212 + 46 * s) * kDegree);
 }
@@ -253,14 +253,14 @@ std::string confidence_chart_png(const DepthChart& chart, const ChartLook& look)
       const std::size_t i = field.index(column, row);
       int shown = confidence[i];
       bool sounded = !std::isnan(field.measured[i]);
-      // Where nothing is known, the least of the neighbours: lines stay visible and nothing looks better than it is.
+      // An unknown cell shows the least confidence around it: lines stay visible, and no cell looks better than it is.
       for (int y = std::max(0, row - 1); confidence[i] < 0 && y <= std::min(field.rows - 1, row + 1); ++y) {
         for (int x = std::max(0, column - 1); x <= std::min(field.columns - 1, column + 1); ++x) {
           const std::size_t neighbour = field.index(x, y);
           const int c = confidence[neighbour];
           const bool heard = !std::isnan(field.measured[neighbour]);
           sounded = sounded || heard;
-          if (c < 0 || (!heard && field.charted[neighbour] == 0)) continue;  // land lends its confidence to no water
+          if (c < 0 || (!heard && field.charted[neighbour] == 0)) continue;  // not from land
           shown = shown < 0 ? c : std::min(shown, c);
         }
       }
@@ -286,13 +286,13 @@ std::string confidence_chart_png(const DepthChart& chart, const ChartLook& look)
     for (std::size_t k = 0; k < kClasses.size(); ++k) count[k] += c >= kClasses[k].low && c <= kClasses[k].high ? 1 : 0;
   }
   sheet.north_arrow_and_scale();
-  sheet.note("Confidence, of 20, and its share of the pixels with a depth (without land)");
+  sheet.note("Confidence (of 20), and its share of the pixels with a depth, without land");
   for (std::size_t k = 0; k < kClasses.size(); ++k) {
     const double share = known > 0 ? 100.0 * static_cast<double>(count[k]) / static_cast<double>(known) : 0;
     sheet.legend_fill(kClasses[k].colour, fmt::format("{}: {:.1f} %", kClasses[k].name, share));
   }
   if (shows_charted(field)) sheet.legend_fill(kClasses[1].colour, "hatched: charted, not confirmed", true);
-  sheet.legend_fill(kUnknown, "nothing known");
+  sheet.legend_fill(kUnknown, "unknown");
   finish(chart, sheet);
   return sheet.png();
 }

@@ -27,14 +27,14 @@ DepthModel::~DepthModel() = default;
 
 std::optional<GeoOrigin> DepthModel::stored_origin() const { return continues() ? facts_.origin : std::nullopt; }
 
-/// The first reading with a place: now it is known where and when the map begins.
+/// At the first positioned reading, which fixes where and when the map begins.
 void DepthModel::begin(Time time, const Pose& X_WB) {
   const Eigen::Vector2d start = X_WB.translation.head<2>();
   DepthMapConfig& config = configuration_.depth_map;
   if (stored_) {
     if (facts_.origin.has_value() != origin_.has_value()) {
-      throw Error(facts_.origin ? "the input does not say where on the globe it is, and the map does"
-                                : "the map does not say where on the globe it is, and the input does",
+      throw Error(facts_.origin ? "the input has no geographic origin, and the map has one"
+                                : "the map has no geographic origin, and the input has one",
                   {folder_->path().string()}, {}, "use another folder for --map");
     }
     refuse_far(start);
@@ -63,7 +63,7 @@ void DepthModel::begin(Time time, const Pose& X_WB) {
   evaluator_ = std::make_unique<StateEvaluator>(configuration_.state, WorldLevel::watched(), time);
 }
 
-/// A boat may come from some way off; who begins farther away than the whole area is wide has the wrong map.
+/// A run may begin outside the area, but not farther away than the area is wide: then the map is the wrong one.
 void DepthModel::refuse_far(const Eigen::Vector2d& start) const {
   const DepthArea& area = facts_.area;
   const Eigen::AlignedBox2d covered = box_of(area);
@@ -102,7 +102,7 @@ std::span<const ModuleStatus> DepthModel::watch(Time now, unsigned worked) {
   return evaluator_->evaluate(now, flags_);
 }
 
-/// The trees first: an object that they do not hold would be taken for one that has gone.
+/// Commits the trees first: an object that they do not hold would count as gone.
 void DepthModel::keep(const std::string& input) {
   const DepthCounts& n = mapper_->counts();
   facts_.visits.push_back({input, *first_, *last_, {{"range readings", n.readings}, {"soundings", n.soundings}}});
@@ -113,7 +113,7 @@ void DepthModel::keep(const std::string& input) {
   found_ = store_found(objects, changes_, facts_, *last_);
 }
 
-// What happens to a reading ------------------------------------------------------------------------------------------
+// Readings -----------------------------------------------------------------------------------------------------------
 
 void DepthModel::on_range(const RangeReading& reading, const PoseEstimate& pose) {
   if (!mapper_) begin(reading.time, pose.X_WB);

@@ -1,14 +1,14 @@
-// DepthModel: the depth map of a run, from its first reading that has a place to its files.
+// DepthModel: the depth map of a run, from its first positioned reading to its files.
 //
-// Begins with what there is: a stored map (--map), else a prior (chart, grid, outline), else nothing (ledger S1-26,
-// S1-81). Takes ranges and soundings from the pipeline, and gives them to the DepthMapper. At the end the map is
-// committed to its folder, if it has one, with the obstacles that were found as objects (S1-26), and drawn.
+// It starts from a stored map (--map), else from a prior (chart, grid, outline), else empty (ledger S1-26, S1-81). It
+// takes ranges and soundings from the pipeline and gives them to the DepthMapper. At the end it commits the map to its
+// folder, if it has one, together with the obstacles that were found, as objects (S1-26); depth_pages.hpp draws it.
 //
-// It is a level of the world model (S1-01): its six parts are `level()`, and any of them may be replaced before the
-// first reading.
+// DepthModel is a level of the world model (S1-01): `level()` holds its six parts, any of which may be replaced before
+// the first reading.
 //
-// The frame W of a run is that of its source, unless a stored map is continued: then the source is placed in the map's
-// frame (`origin`) before it gets here. Errors: throws Error for a map or a prior that cannot be used.
+// The frame W of a run is that of its source. If a stored map is continued, the source is placed in the map's frame
+// (`origin`) before its events get here. Errors: throws Error for a map or a prior that cannot be used.
 #pragma once
 
 #include <filesystem>
@@ -29,27 +29,28 @@ namespace isobath {
 
 class DepthModel final : public SoundingSink {
  public:
-  /// `folder`: of the map; empty: it lives as long as the run does.
+  /// `folder`: of the stored map; empty: the map is not stored.
   DepthModel(const Configuration& configuration, const std::filesystem::path& folder);
   ~DepthModel() override;
 
-  /// Of the stored map, if there is one.
+  /// Origin of the stored map, if there is one.
   [[nodiscard]] std::optional<GeoOrigin> stored_origin() const;
-  /// Whether a stored map goes on.
+  /// Whether a stored map is continued.
   [[nodiscard]] bool continues() const { return stored_ || continued_; }
-  /// Where W lies: before the first reading. Throws Error where the stored map lies elsewhere.
+  /// Origin of W. Call it before the first reading, which throws Error if only one of input and stored map has an
+  /// origin.
   void locate(const std::optional<GeoOrigin>& origin) { origin_ = origin; }
-  /// What is known of the place from charts; used when the map is begun anew.
+  /// Charts and other priors of the place; used if no stored map is continued.
   void set_prior_files(std::vector<std::string> files) { prior_files_ = std::move(files); }
 
   void on_range(const RangeReading& reading, const PoseEstimate& pose) override;
   void on_swath(const Swath& swath, const PoseEstimate& pose) override;
   void on_passage(Time time, const Pose& X_WB) override;
-  /// Of a pixel in the window for which a chart or a depth sonar vouches.
+  /// Depth of a pixel in the window, if a chart or a depth sonar vouches for it.
   [[nodiscard]] std::optional<double> bottom_depth(const Eigen::Vector2d& north_east) const override;
-  /// After the last event.
+  /// Call it after the last event.
   void finish();
-  /// Makes what is known the committed state of the folder. Does nothing without one.
+  /// Commits the map to its folder. Does nothing without a folder.
   void commit(const std::string& input);
 
   [[nodiscard]] WorldLevel& level() { return level_; }
@@ -57,20 +58,20 @@ class DepthModel final : public SoundingSink {
   [[nodiscard]] std::shared_ptr<const DepthSnapshot> snapshot() const {
     return level_.serve ? level_.serve() : nullptr;
   }
-  /// Against the charts; known after finish().
+  /// Changes against the charts; known after finish().
   [[nodiscard]] const MapChanges& changes() const { return changes_; }
   [[nodiscard]] const FoundObjects& found() const { return found_; }
   [[nodiscard]] std::vector<SensorLearning::Sensor> sensors() const { return learning_.sensors(); }
-  /// Of the level's own parts.
+  /// Emergency flags of the level's own parts.
   [[nodiscard]] const EmergencyFlags& emergencies() const { return flags_; }
   [[nodiscard]] const DepthCounts& counts() const;
   [[nodiscard]] const MapFacts& facts() const { return facts_; }
   [[nodiscard]] const std::vector<MapDamage>& damages() const { return damages_; }
   [[nodiscard]] const DepthPrior& prior() const { return prior_; }
-  /// Confidence of a charted depth at most, before any sonar has spoken.
+  /// Highest confidence of a charted depth that no sonar has confirmed.
   [[nodiscard]] int charted_confidence() const { return configuration_.depth.rules.base_prior; }
   [[nodiscard]] std::uint64_t pixels_lost() const { return map_ ? map_->pixels_lost() : 0; }
-  /// Where the vehicle went in this run; a new one after a gap of time.
+  /// Tracks of the vehicle in this run; a new one starts after a gap of time.
   [[nodiscard]] const std::vector<std::vector<Eigen::Vector2d>>& tracks() const { return tracks_; }
 
  private:
@@ -83,7 +84,7 @@ class DepthModel final : public SoundingSink {
 
   Configuration configuration_;
   std::unique_ptr<MapFolder> folder_;
-  std::optional<StoredMap> stored_;  ///< until it is begun
+  std::optional<StoredMap> stored_;  ///< until the first reading
   bool continued_ = false;
   std::optional<GeoOrigin> origin_;
   std::vector<std::string> prior_files_;

@@ -1,4 +1,4 @@
-// The depth map of a run, in numbers, for reports.
+// DepthOutcome: the figures of a run's depth map, for reports.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ struct DepthOutcome {
   std::uint64_t confirmed_pixels = 0;                   ///< charted, and confirmed by a depth sonar
   std::array<std::uint64_t, 5> sensed_by_confidence{};  ///< pixels of 0-4, 5-9, 10-14, 15-19, 20
   double pixel_m = 0;
-  std::string datum;                            ///< what depths are below
-  std::optional<double> shoalest_m, deepest_m;  ///< of what was measured
+  std::string datum;                            ///< depths are below it
+  std::optional<double> shoalest_m, deepest_m;  ///< of the measured pixels
   std::uint64_t pixels_lost = 0;                ///< outside the operational area
   std::uint64_t leaves = 0, bytes = 0;          ///< of all three trees
   bool continued = false;
@@ -33,7 +33,7 @@ struct DepthOutcome {
   std::vector<std::string> damages;  ///< of the map that was continued, one line each
 };
 
-/// Of all that is known; the map must have a place (snapshot).
+/// Over all known pixels. `model.snapshot()` must not be null.
 DepthOutcome outcome_of(const DepthModel& model);
 
 }  // namespace isobath

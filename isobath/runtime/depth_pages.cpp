@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 constexpr std::size_t kMostNodes = 40000;  // of the surface between soundings
 constexpr double kShoreStep = 5;           // m
 
-/// Measured depths, thinned until a surface through them is quick to make, and the shore at depth 0.
+/// Measured depths, thinned so that a surface through them is quick to make, and the shore at depth 0.
 std::vector<SurveyPoint> nodes_of(const MapRaster& raster, const DepthChart& chart) {
   std::vector<SurveyPoint> measured;
   for (int row = 0; row < raster.window.height; ++row) {
@@ -81,14 +81,14 @@ DepthPictures write_depth_files(const DepthModel& model, const std::filesystem::
     try {
       surface = std::make_shared<const SmoothSurface>(nodes);
     } catch (const Error&) {
-      surface = nullptr;  // soundings in one line span no surface: the chart shows them alone
+      surface = nullptr;  // soundings on one line span no surface: the chart shows only them
     }
   }
   if (surface) {
     chart.surface = [surface](double north, double east) -> std::optional<double> {
       const auto sample = surface->at({north, east});
       if (!sample) return std::nullopt;
-      // A smooth surface swings over between the shore and the nearest soundings: it makes no land.
+      // A smooth surface may overshoot between the shore and the nearest soundings: it must not make land.
       return std::max(0.0, sample->depth_m);
     };
   }
@@ -110,16 +110,16 @@ DepthPictures write_depth_files(const DepthModel& model, const std::filesystem::
 
 namespace {
 
-/// What a reader wants to know first.
+/// The first sentences of the section.
 std::string summary(const DepthOutcome& depth) {
   std::string text =
       fmt::format("{:.2f} ha measured", static_cast<double>(depth.sensed_pixels) * depth.pixel_m * depth.pixel_m / 1e4);
   if (depth.deepest_m) text += fmt::format(", {:.1f} to {:.1f} m deep", *depth.shoalest_m, *depth.deepest_m);
   text += ", below " + depth.datum + ".";
-  if (depth.continued) text += " The map that was there before goes on.";
+  if (depth.continued) text += " This run continues a stored map.";
   std::uint64_t refused = 0;
   for (const auto& [reason, count] : depth.refused) refused += count;
-  if (refused > 0) text += fmt::format(" {} readings were refused or held back; the reasons are below.", refused);
+  if (refused > 0) text += fmt::format(" {} readings were rejected or held back; the reasons follow.", refused);
   return text;
 }
 
@@ -127,11 +127,11 @@ std::string summary(const DepthOutcome& depth) {
 
 void add_changes(HtmlReport& page, const MapChanges& changes, const std::optional<GeoOrigin>& origin,
                  std::size_t most) {
-  page.heading("Changed against the chart");
+  page.heading("Changes against the chart");
   const std::size_t all = changes.regions.size();
   page.paragraph(
       fmt::format("{} obstacles where the chart has water, and {} other regions shoaler or deeper than charted; {} "
-                  "of {} measured pixels lie where there is no chart.{}",
+                  "of {} measured pixels are uncharted.{}",
                   changes.obstacles(), all - changes.obstacles(), changes.uncharted_pixels, changes.sensed_pixels,
                   all > most ? fmt::format(" The first {} follow.", most) : ""));
   std::optional<LocalPlane> plane;
@@ -162,32 +162,32 @@ void add_depth(HtmlReport& page, const DepthOutcome& depth, const DepthPictures&
   if (!pictures.depth.empty()) {
     page.figure(pictures.depth,
                 "Depths in metres. Full colour is measured; paler is interpolated between soundings, or charted. The "
-                "figures are the shoalest soundings around.");
+                "figures are the shoalest soundings of their surroundings.");
     page.figure(
         pictures.confidence,
-        "How sure the map is of each measured place. Confidence begins low, rises with every reading that agrees "
-        "and falls with every one that does not; 20 is full confidence.");
+        "Confidence of each measured pixel. It starts low, rises with every reading that agrees and falls with every "
+        "one that does not; 20 is full confidence.");
   }
   const DepthCounts& n = depth.counts;
   const auto number = [](std::uint64_t value) { return fmt::format("{}", value); };
   std::vector<HtmlReport::Row> rows{
-      {"ranges, of single beams", number(n.readings)},
-      {"soundings, of swaths", number(n.soundings)},
-      {"ranges that became one with others alike", number(n.merged)},
+      {"ranges of single-beam sonars", number(n.readings)},
+      {"soundings of swath sonars", number(n.soundings)},
+      {"ranges merged with similar ones", number(n.merged)},
       {"readings used for the map", number(n.applied)},
-      {"times that a reading agreed with a pixel", number(n.affirmed)},
-      {"times that one contradicted a pixel", number(n.conflicted)},
-      {"times that a pixel got a new depth", number(n.replaced)},
-      {"echoes of forward sonars that the map had predicted", number(n.explained)},
-      {"pixels with a depth, charted land among them", number(depth.known_pixels)},
-      {"of these measured", number(depth.sensed_pixels)},
-      {"of these charted and confirmed by a sounding", number(depth.confirmed_pixels)},
+      {"agreements of a reading with a pixel", number(n.affirmed)},
+      {"contradictions of a reading and a pixel", number(n.conflicted)},
+      {"new depths of a pixel", number(n.replaced)},
+      {"echoes of forward sonars that the map predicted", number(n.explained)},
+      {"pixels with a depth, charted land included", number(depth.known_pixels)},
+      {"of which measured", number(depth.sensed_pixels)},
+      {"of which charted and confirmed by a sounding", number(depth.confirmed_pixels)},
       {"shifts of the working window", number(n.shifts)},
       {"memory of the trees",
        fmt::format("{:.1f} MB in {} leaves", static_cast<double>(depth.bytes) / 1e6, depth.leaves)}};
   if (depth.generation > 0) rows.push_back({"committed as generation", number(depth.generation)});
   if (depth.pixels_lost > 0) rows.push_back({"pixels outside the operational area", number(depth.pixels_lost)});
-  page.table({"what", "how many"}, rows);
+  page.table({"quantity", "count"}, rows);
   rows.clear();
   const char* classes[] = {"0-4", "5-9", "10-14", "15-19", "20"};
   for (std::size_t i = 0; i < depth.sensed_by_confidence.size(); ++i) {
@@ -199,7 +199,7 @@ void add_depth(HtmlReport& page, const DepthOutcome& depth, const DepthPictures&
   rows.clear();
   for (const auto& [reason, count] : depth.refused) rows.push_back({reason, number(count)});
   for (const auto& [reason, count] : depth.prior_left_out) rows.push_back({"prior: " + reason, number(count)});
-  if (!rows.empty()) page.table({"refused or held back", "how many"}, rows);
+  if (!rows.empty()) page.table({"rejected or held back", "count"}, rows);
   rows.clear();
   for (const std::string& prior : depth.priors) rows.push_back({"file", prior});
   for (const auto& [what, count] : depth.prior_read) rows.push_back({what, number(count)});
@@ -211,7 +211,7 @@ void add_depth(HtmlReport& page, const DepthOutcome& depth, const DepthPictures&
                     number(s.counts.irrelevant), fmt::format("{:.3f}", s.counts.reliability())});
   }
   if (!rows.empty()) {
-    page.table({"range sensor looks", "readings as the map predicts", "not so", "no prediction", "reliability"}, rows);
+    page.table({"sensor points", "as the map predicts", "not as predicted", "no prediction", "reliability"}, rows);
   }
   if (depth.changes.sensed_pixels > 0) add_changes(page, depth.changes, depth.origin);
 }

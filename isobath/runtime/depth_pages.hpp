@@ -1,26 +1,27 @@
-// What a run writes of its depth map: charts, contours, a raster, and the part of the report that shows them.
+// Files and report pages of a run's depth map: charts, contours, a raster, and the section of the report that shows
+// them.
 #pragma once
 
 #include <filesystem>
-#include <isobath/runtime/depth_outcome.hpp>
 #include <isobath/runtime/depth_model.hpp>
+#include <isobath/runtime/depth_outcome.hpp>
 #include <isobath/runtime/html_report.hpp>
 #include <string>
 #include <vector>
 
 namespace isobath {
 
-/// PNG; empty where nothing is known.
+/// PNG; empty if nothing is known.
 struct DepthPictures {
   std::string depth, confidence;
 };
 
-/// Writes depth.tif, chart.png, confidence.png, and contours.geojson where the place is known, into `folder`; their
-/// names are appended to `files`. Throws Error where they cannot be written.
+/// Writes depth.tif, chart.png, confidence.png and, if the map has an origin, contours.geojson into `folder`, and
+/// appends their names to `files`. Throws Error if they cannot be written.
 DepthPictures write_depth_files(const DepthModel& model, const std::filesystem::path& folder,
                                 std::vector<std::filesystem::path>& files);
 
-/// What sonar changed against the charts: the first `most` regions.
+/// Table of the regions that sonar changed against the charts: the first `most`.
 void add_changes(HtmlReport& page, const MapChanges& changes, const std::optional<GeoOrigin>& origin,
                  std::size_t most = 50);
 void add_depth(HtmlReport& page, const DepthOutcome& depth, const DepthPictures& pictures);

@@ -13,7 +13,7 @@ constexpr int kSquaresAcross = 12;  // 2^12 squares span the area
 
 constexpr double kLandAround = 50;  // m of land that an outline puts around its water
 
-/// Of an outline everything outside is land; what lies far from the water is none of the map's business.
+/// An outline makes everything outside it land. Removes the land farther than kLandAround from the water's box.
 void keep_near_water(Prior& prior) {
   Eigen::AlignedBox2d water;
   for (const PriorArea& area : prior.areas) {
@@ -73,12 +73,12 @@ int coarser_by(const DepthPriorConfig& config, const DepthArea& area) {
 
 std::vector<Field> fields(DepthPriorConfig& c) {
   std::vector<Field> all{
-      Field::file("file", &c.file, "Chart, grid, outline or soundings that a new map begins with; empty: none."),
-      Field::real("pixel_m", &c.pixel_m, {0, 1000}, "m", "Side of the prior's squares; 0: by the size of the area."),
+      Field::file("file", &c.file, "Chart, grid, outline or soundings that a new map starts from; empty: none."),
+      Field::real("pixel_m", &c.pixel_m, {0, 1000}, "m", "Side of the prior's squares; 0: set by the area's size."),
       Field::real(
           "rough_m", &c.rough_m, {0, 1000}, "m",
-          "Charted ground whose depths vary by much more than this from square to square is less sure; 0: off."),
-      Field::text("map_datum", &c.datum, "What the map's depths are below.")};
+          "Charted ground whose depths vary between squares by much more than this gets less confidence; 0: off."),
+      Field::text("map_datum", &c.datum, "Vertical datum of the map's depths.")};
   for (Field& field : fields(c.reading)) {
     if (field.name() != "map_datum") all.push_back(std::move(field));
   }
@@ -92,7 +92,7 @@ DepthPrior read_depth_prior(const std::vector<std::string>& files, const DepthPr
                             const std::optional<GeoOrigin>& origin) {
   DepthPrior prior;
   if (!origin) {
-    throw Error("a prior needs a place on the globe, and the input does not say where it is", {files.front()}, {},
+    throw Error("a prior needs geographic positions, and the input has none", {files.front()}, {},
                 "use a log with latitudes and longitudes");
   }
   const int coarser = coarser_by(config, area);
@@ -122,7 +122,7 @@ DepthPrior read_depth_prior(const std::vector<std::string>& files, const DepthPr
     prior.files.push_back(std::move(read));
   }
   if (config.rough_m > 0) doubt_rough_ground(depth, state, side, config.rough_m, rules);
-  // A tree of squares is the tree of their pixels: the same quadrants, named by other levels.
+  // The tree of the squares is that of their pixels: the same quadrants with other numbers of levels.
   const auto finer = [&](const std::vector<std::uint32_t>& words) {
     const RegionQuadtree tree = RegionQuadtree::from_raster(levels, words, side, side, 0);
     return RegionQuadtree(area.levels, 0, tree.root(), tree.pool());

@@ -1,5 +1,6 @@
-// Statistics of differences between soundings and a map, m: median; robust standard deviation, 1.4826 times the median
-// absolute deviation from the median; 95 % quantile of the magnitude (Hyndman and Fan 1996, type 7).
+// DifferenceStatistics: statistics of the differences between soundings and a map, m: median; robust standard
+// deviation, 1.4826 times the median absolute deviation from the median; 95 % quantile of the magnitude (Hyndman and
+// Fan 1996, type 7).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,7 @@ struct DifferenceStatistics {
   double robust_sd_m = std::numeric_limits<double>::quiet_NaN();
   double p95_m = std::numeric_limits<double>::quiet_NaN();
 };
-/// The order of the differences does not matter. All finite.
+/// All differences must be finite; their order does not matter.
 DifferenceStatistics difference_statistics(std::vector<double> differences_m);
 
 }  // namespace isobath

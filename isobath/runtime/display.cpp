@@ -16,13 +16,13 @@ constexpr Duration kCountInterval = std::chrono::milliseconds(950);
 constexpr std::uint64_t kPlacesAChunk = 64;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// To a millimetre: finer than any picture.
+/// Rounded to a millimetre, finer than any picture.
 ordered_json tidy_m(double value) {
   if (!std::isfinite(value)) return nullptr;
   return std::round(value * 1e3) / 1e3;
 }
 
-/// To a tenth, of a second or a metre.
+/// Rounded to a tenth, of a second or a metre.
 double tidy_tenth(double value) { return std::round(value * 10) / 10; }
 
 ordered_json point_json(const Eigen::Vector2d& p) { return ordered_json::array({tidy_m(p.x()), tidy_m(p.y())}); }
@@ -146,7 +146,7 @@ void Display::add_to_track(Time time, const Eigen::Vector3d& place) {
 
 void Display::on_scan(const ScanResult& scan) {
   const Detection& found = scan.detection;
-  if (!vehicle_shown_) show_vehicle({found.time, found.X_WB, {}, {}, {}});  // nobody says where it is: it stands still
+  if (!vehicle_shown_) show_vehicle({found.time, found.X_WB, {}, {}, {}});  // without navigation it stands still
   maps_.show(found.time, scan.grid, found.X_WB);
   scan_ = scan.number;
   const Pose X_WL = level(found.X_WB);
@@ -157,8 +157,8 @@ void Display::on_scan(const ScanResult& scan) {
   show_obstacles(found.time);
 }
 
-/// What is seen is found anew by the next scan, and says which of those that are remembered the crew took it for. What
-/// is remembered keeps its number.
+/// Obstacles of the last scan, each with the id of the remembered obstacle that the agents matched it to, then the
+/// remembered obstacles, which keep their ids.
 void Display::show_obstacles(Time time) {
   if (!start_) start_ = time;
   ordered_json obstacles = ordered_json::array();
@@ -179,7 +179,7 @@ void Display::show_obstacles(Time time) {
   items_.set(DisplayKind::kObstacles, 0, time, display_text(obstacles));
 }
 
-/// An outline that the scan shows as well is not sent twice, and a trail of one place is none.
+/// Leaves out an outline that the scan shows as well, and a trail of a single point.
 nlohmann::ordered_json Display::remembered_json(const RememberedObstacle& o) const {
   ordered_json json{{"id", o.id}};
   if (!o.whole) json["outline"] = outline_json(o.outline_W);
@@ -195,7 +195,7 @@ nlohmann::ordered_json Display::remembered_json(const RememberedObstacle& o) con
   return json;
 }
 
-/// As which of the known obstacles the crew took one of the last scan.
+/// Id of the known obstacle that the agents matched an obstacle of the last scan to.
 std::optional<std::uint32_t> Display::taken_for(std::size_t seen) const {
   if (!known_ || known_->sweep != scan_ || seen >= known_->seen_as.size()) return std::nullopt;
   const std::uint32_t id = known_->seen_as[seen];
@@ -316,7 +316,7 @@ void Display::show(Time time, const DisplayCounts& counts) {
 }
 
 void Display::show(Time time, const MissionTimings& t) {
-  const ordered_json json = {timing_json("hearing: an event by the crew", t.event_to_crew),
+  const ordered_json json = {timing_json("agents: handling of an event", t.event_to_crew),
                              timing_json("mapping: a ping into the grid", t.ping_to_grid),
                              timing_json("detection: obstacles of a scan", t.detection),
                              timing_json("planning: the Navigator's turn", t.planning),

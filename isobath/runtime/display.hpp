@@ -1,9 +1,9 @@
-// Display: the vehicle's mind as items for a page: what it sees, believes, plans, and why (docs/live-page.md).
+// Display: turns what the vehicle sees, maps, plans and decides into items for a page (docs/live-page.md).
 //
-//   events, results of the pipeline, messages of the crew, maps  ->  DisplayItems  ->  live page, recording, report
+//   events, results of the pipeline, messages of the agents, maps  ->  DisplayItems  ->  live page, recording, report
 //
-// Nothing here changes what is decided. All but kTimes is a function of the run: the same run shows the same items at
-// the same times of its own clock, so that a recording of them has the same bytes. Real clocks stand in kTimes alone.
+// The display changes no decision. All items but kTimes are a function of the run: the same run shows the same items at
+// the same times of its own clock, so that a recording of them has the same bytes. Only kTimes holds real time.
 //
 // Cost of a run of 512 x 500 pings at 10 Hz: see `make bench` (DisplayOfAFan, live_run_bench). One thread writes; any
 // may read the items.
@@ -31,51 +31,51 @@
 
 namespace isobath {
 
-/// What does not change in a run, or seldom.
+/// The facts of a run that change seldom or never.
 struct DisplayScene {
   std::string title, source;
   bool simulated = false;
   std::optional<GeoOrigin> origin;
   std::optional<MissionPlan> plan;
   std::vector<ChartObstacle> charted;
-  std::vector<TrueBody> bodies;  ///< what really stands there
+  std::vector<TrueBody> bodies;  ///< ground truth
   double vehicle_length_m = 1.6, vehicle_radius_m = 0.36, safe_m = 0;
   std::string depth_datum;
 };
 
-/// What a run counts, for the panel.
+/// Counts of a run, for the health panel.
 struct DisplayCounts {
   PipelineCounts pipeline;
   std::map<std::string, std::uint64_t> refused;  ///< by reason
   std::vector<std::string> alarms;
   std::string undecided;
   std::uint64_t lost_pings = 0;
-  std::optional<TaskThread::LeftOut> left_out = {};  ///< of a live run: what was neither shown nor recorded
+  std::optional<TaskThread::LeftOut> left_out = {};  ///< of a live run: dropped from page and recording
 };
-/// As whoever maps knows them now.
+/// The current counts. Call it from the mapping thread.
 DisplayCounts display_counts(const Pipeline& pipeline, const DepthModel& depths);
 
 class Display : public ResultSink {
  public:
   explicit Display(DisplayItems& items) : items_(items), sonars_(items), maps_(items) {}
 
-  /// At the first event, and again where something of it has changed.
+  /// Call it at the first event, and again when the scene has changed.
   void show(Time time, const DisplayScene& scene);
   void hear(const Event& event);
   void on_ping(const PosedPing& ping) override { sonars_.take(ping); }
   void on_upright(const PosedPing& ping) override { sonars_.take(ping); }
   void on_scan(const ScanResult& scan) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
-  /// Every message of the crew.
+  /// Every message of the agents.
   void heard(const Envelope& envelope);
-  /// What the vehicle is told to do from now on.
+  /// The set-point from now on.
   void want(const Setpoint& wanted) { wanted_ = wanted; }
 
-  /// After each event: the maps and the counts, of which each is looked at when it is time.
+  /// Call it after each event: shows the maps and counts that are due.
   void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
-  /// The depths alone.
+  /// Shows the depths alone.
   void show(Time time, std::shared_ptr<const DepthSnapshot> depths) { maps_.show(time, std::move(depths)); }
-  /// Whether a second has gone by since the last counts.
+  /// Whether the last counts are a second old.
   [[nodiscard]] bool wants_counts(Time time) const;
   void show(Time time, const DisplayCounts& counts);
   void show(Time time, const MissionTimings& timings);
@@ -99,7 +99,7 @@ class Display : public ResultSink {
   std::optional<Setpoint> wanted_;
   std::optional<double> altitude_m_;
 
-  std::string chunk_;  ///< places of the track since the last whole chunk
+  std::string chunk_;  ///< points of the track since the last full chunk
   std::uint64_t places_ = 0;
   std::optional<Time> last_place_;
 
@@ -116,7 +116,7 @@ class Display : public ResultSink {
   std::map<std::string, ActiveFault> faults_;
   std::map<std::string, std::string> agents_lost_;
   std::set<std::string> agents_;
-  std::map<std::string, Health> parts_;  ///< what each last said of itself
+  std::map<std::string, Health> parts_;  ///< the last report of each
 };
 
 }  // namespace isobath

@@ -1,4 +1,5 @@
-// Payloads of display items (docs/live-page.md) as bytes: little-endian numbers one after the other, and packed runs.
+// DisplayBytes: writes the payload of a display item (docs/live-page.md): little-endian numbers in sequence, and packed
+// runs.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +15,7 @@ class DisplayBytes {
  public:
   template <class Number>
   DisplayBytes& add(Number value) {
-    out_.append(reinterpret_cast<const char*>(&value), sizeof value);  // we build for little-endian machines
+    out_.append(reinterpret_cast<const char*>(&value), sizeof value);  // all supported machines are little-endian
     return *this;
   }
   DisplayBytes& add_floats(std::initializer_list<double> values) {
@@ -29,7 +30,7 @@ class DisplayBytes {
     out_.append((multiple - out_.size() % multiple) % multiple, '\0');
     return *this;
   }
-  /// PackBits: runs of two and more equal bytes in two bytes, others as they are.
+  /// PackBits: a run of two or more equal bytes takes two bytes, other bytes are copied.
   DisplayBytes& append_packed(std::span<const std::uint8_t> bytes) {
     constexpr std::size_t kMost = 128;
     std::size_t at = 0;
@@ -41,7 +42,7 @@ class DisplayBytes {
         at += run;
         continue;
       }
-      std::size_t end = at + 1;  // until three equal ones follow: a pair amid others is not worth its own run
+      std::size_t end = at + 1;  // until three equal bytes follow: a pair amid others is not worth a run of its own
       while (end < bytes.size() && end - at < kMost &&
              !(end + 2 < bytes.size() && bytes[end] == bytes[end + 1] && bytes[end] == bytes[end + 2])) {
         ++end;
@@ -52,7 +53,7 @@ class DisplayBytes {
     return *this;
   }
   [[nodiscard]] std::size_t size() const { return out_.size(); }
-  /// Where a number is known only later.
+  /// Overwrites a number that is known only later.
   template <class Number>
   void put(std::size_t at, Number value) {
     std::memcpy(out_.data() + at, &value, sizeof value);
@@ -63,7 +64,7 @@ class DisplayBytes {
   std::string out_;
 };
 
-/// What append_packed made, of `out.size()` bytes; false where it is anything else.
+/// Unpacks the bytes of append_packed into `out`; false if they are not exactly `out.size()` bytes.
 inline bool unpack_bits(std::string_view packed, std::span<std::uint8_t> out) {
   std::size_t from = 0, to = 0;
   while (from < packed.size()) {

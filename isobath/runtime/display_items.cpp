@@ -163,7 +163,7 @@ DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp, std::size
     const std::lock_guard lock(mutex_);
     const bool whole = stamp <= cleared_;
     auto from = items_.begin();
-    if (!whole) {  // from both ends: who keeps up is near the one, who has just come near the other
+    if (!whole) {  // search from both ends: readers are near the beginning or, if they keep up, near the end
       for (auto end = items_.end(); from != end && from->stamp <= stamp; ++from) {
         if (std::prev(end)->stamp <= stamp) {
           from = end;
@@ -184,7 +184,7 @@ DisplayItems::Changes DisplayItems::changes_after(std::uint64_t stamp, std::size
       bytes += size;
       changed.push_back(*from);
     }
-    if (whole && changed.empty()) changes.stamp = cleared_;  // nothing that could say so: still to be told
+    if (whole && changed.empty()) changes.stamp = cleared_;  // no record to mark: the next call must be whole too
     changes.whole = whole && !changed.empty();
   }
   changes.records.reserve(bytes);

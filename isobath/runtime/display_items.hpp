@@ -1,11 +1,12 @@
-// DisplayItems: what a page knows of a run, as items that replace one another: each of a kind, with a number, a time
-// and bytes that nobody here looks into (docs/live-page.md has the kinds and the form of a record).
+// DisplayItems: what a page knows of a run, as items that replace one another. An item has a kind, a number, a time and
+// opaque bytes (docs/live-page.md has the kinds and the form of a record).
 //
-// Who shows something asks for what has changed since it asked last, and gets the newest of each item: whoever is slow
-// gets less, not later. The live page, the recorder and a recording that is played all hold one of these.
+// A reader asks for what has changed since its last request and gets the newest of each item: a slow reader gets fewer
+// versions of an item, never older ones. The live page, the recorder and the player of a recording each hold one
+// DisplayItems.
 //
-// Stamps count changes from 1. Any number of threads; a call holds the lock only for as long as it takes to copy
-// pointers. Errors: take() refuses records that do not fit and says how many bytes were whole.
+// Stamps count changes from 1. Any number of threads; a call holds the lock only while it copies pointers. Errors:
+// take() rejects records that do not fit and returns how many bytes were whole.
 #pragma once
 
 #include <cstdint>
@@ -44,43 +45,42 @@ enum class DisplayKind : std::uint8_t {
 };
 inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kCubes;
 
-/// Voxels (kVoxels) weigh more than all else, and the cubes (kCubes) show the same at a glance: they go apart, to who
-/// wants them, so that nothing waits for them.
+/// Voxels (kVoxels) are most of the bytes, and cubes (kCubes) show the same more coarsely. So voxels are sent apart, to
+/// readers that ask for them, and nothing waits for them.
 enum class DisplayPart : std::uint8_t { kAll, kAllButVoxels, kVoxels };
 
-/// Whether to show something again: it never was, time went back, or an interval has gone by since.
+/// Whether something is due: it was never shown, time went back, or `interval` has passed since.
 inline bool show_again(const std::optional<Time>& shown, Time now, Duration interval) {
   return !shown || now < *shown || now - *shown >= interval;
 }
 
-/// One record, as it is sent and recorded; `gone`: the item is no more.
+/// Appends one record in the form that is sent and recorded. `gone`: the item was removed.
 void append_record(std::string& out, DisplayKind kind, std::uint64_t number, Time time, std::string_view payload,
                    bool gone = false);
-/// One record, as it was read.
+/// One record, as read.
 struct DisplayRecord {
   DisplayKind kind;
-  bool gone, forget;  ///< forget: all items before it
-  bool forget_kind;   ///< all items of this kind before it
+  bool gone, forget;  ///< forget: first forget all items
+  bool forget_kind;   ///< first forget all items of this kind
   std::uint64_t number;
   Time time;
   std::string_view payload;
 };
-/// Returns how many bytes held whole records that fit.
+/// Returns how many bytes held whole, valid records.
 std::size_t for_each_record(std::string_view records, const std::function<void(const DisplayRecord&)>& take);
-/// Marks the first record of `records` so that a page forgets all before it takes it, or all that is of a part; does
-/// nothing to nothing.
+/// Marks the first record of `records` so that a page first forgets all items, or those of `part`. Does nothing without
+/// a record.
 void mark_as_whole(std::string& records, DisplayPart part = DisplayPart::kAll);
 
 class DisplayItems {
  public:
-  /// An item that is as it was changes nothing, but for echoes: each ping is news. `time`: of what it tells.
+  /// The same payload again is no change, except for echoes: each ping is one. `time`: of the content.
   void set(DisplayKind kind, std::uint64_t number, Time time, std::string payload);
   void remove(DisplayKind kind, std::uint64_t number, Time time);
-  /// Records, as append_record writes them. Returns how many bytes of them were taken: less than all where a record
-  /// does not fit.
+  /// Takes records as append_record writes them. Returns how many bytes were taken: fewer than all if a record does not
+  /// fit.
   std::size_t take(std::string_view records);
-  /// These become those of another, which must not change meanwhile; what is the same in both stays untouched. `time`:
-  /// of what is no more.
+  /// Makes these items equal to those of `wanted`; items that are the same stay untouched. `time`: of the removals.
   void become(const DisplayItems& wanted, Time time);
   void clear();
 
@@ -88,16 +88,16 @@ class DisplayItems {
   [[nodiscard]] std::uint64_t stamp() const;
   struct Changes {
     std::string records;      ///< oldest change first
-    std::uint64_t stamp = 0;  ///< up to which they go
-    bool whole = false;       ///< what was there before is to be forgotten
-    bool more = false;        ///< there are later ones: ask again after the stamp
+    std::uint64_t stamp = 0;  ///< of the last change included
+    bool whole = false;       ///< the reader must forget what it has
+    bool more = false;        ///< there are later changes: ask again after the stamp
   };
-  /// What has changed of a part after a stamp. After 0: all there is of it, whole. No more than fits into `most_bytes`,
-  /// but for one item that alone does not.
+  /// The changes of a part after a stamp; after 0, the whole part. At most `most_bytes`, unless the first item alone is
+  /// larger.
   [[nodiscard]] Changes changes_after(std::uint64_t stamp,
                                       std::size_t most_bytes = std::numeric_limits<std::size_t>::max(),
                                       DisplayPart part = DisplayPart::kAll) const;
-  /// Of the first change and of the latest; both 0 without any.
+  /// Times of the first and of the latest change; both 0 without any.
   [[nodiscard]] std::pair<Time, Time> times() const;
   /// Bytes of all payloads.
   [[nodiscard]] std::size_t bytes() const;
@@ -122,10 +122,10 @@ class DisplayItems {
   void remove_all(DisplayKind kind, Time time);
 
   mutable std::mutex mutex_;
-  std::list<Item> items_;  ///< the one changed last at the end
+  std::list<Item> items_;  ///< the last changed at the end
   std::unordered_map<Key, std::list<Item>::iterator, KeyHash> by_key_;
   std::uint64_t stamp_ = 0;
-  std::uint64_t cleared_ = 0;  ///< stamp at which all was forgotten
+  std::uint64_t cleared_ = 0;  ///< stamp of the last clear()
   std::size_t bytes_ = 0;
   std::optional<Time> first_;
   Time last_;

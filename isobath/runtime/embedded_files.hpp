@@ -1,5 +1,5 @@
-// The files that the program brings along: suites, with the scenes and vehicles that they name. Made at build time from
-// the repository's own.
+// EmbeddedFile: a file that is part of the program: suites, with the scenes and vehicles that they name. The build
+// copies them from the repository.
 #pragma once
 
 #include <span>

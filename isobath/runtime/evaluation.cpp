@@ -56,7 +56,7 @@ void keep_worst(const std::map<std::uint64_t, ScoredRun>& runs, std::map<std::ui
   results = std::move(worst);
 }
 
-/// Runs the seeds that are not there yet, on all threads.
+/// Runs the missing seeds, on all threads.
 void run_missing(const EvaluationRequest& request, const std::vector<std::uint64_t>& seeds, RunStore& store, int done,
                  std::map<std::uint64_t, LoopResult>& worst) {
   const std::vector<Scenario> scenes = load_scenes(request.suite);
@@ -89,7 +89,7 @@ void run_missing(const EvaluationRequest& request, const std::vector<std::uint64
   if (failure) std::rethrow_exception(failure);
 }
 
-/// Reasons differ in their places: what is left is the kind.
+/// Reasons of one kind differ only in their numbers.
 std::string without_numbers(const std::string& reason) {
   std::string kind;
   for (const char c : reason) {
@@ -239,7 +239,7 @@ std::vector<std::string> broken_bars(const BarsConfig& bars, const Summary& s) {
     broken.push_back(fmt::format("refused_share: {:.3f}, at most {:g}", s.refused.value(), bars.refused_share));
   }
   if (bars.path_ratio_median >= 0 && s.path_ratio.count == 0) {
-    broken.push_back(fmt::format("path_ratio_median: no way to compare, at most {:g}", bars.path_ratio_median));
+    broken.push_back(fmt::format("path_ratio_median: no run to compare, at most {:g}", bars.path_ratio_median));
   } else if (bars.path_ratio_median >= 0 && s.path_ratio.median > bars.path_ratio_median) {
     broken.push_back(
         fmt::format("path_ratio_median: {:.3f}, at most {:g}", s.path_ratio.median, bars.path_ratio_median));

@@ -22,8 +22,8 @@ std::string cell_text(const Share& s) {
 }
 
 std::string cell_text(const RowSummary& row) {
-  if (row.shown.of == 0) return "not sailed";
-  const std::string latest = row.latest_s < 0 ? "" : fmt::format(", after {:.2f} s at the latest", row.latest_s);
+  if (row.shown.of == 0) return "not run";
+  const std::string latest = row.latest_s < 0 ? "" : fmt::format(", within {:.2f} s", row.latest_s);
   return fmt::format("{} of {}{}", row.shown.count, row.shown.of, latest);
 }
 
@@ -33,7 +33,7 @@ std::string cell_text(const Spread& s, int digits) {
 }
 
 std::string cell_text(int count, const Share& runs) {
-  return fmt::format("{}: {:.2f} a run", count,
+  return fmt::format("{}: {:.2f} per run", count,
                      static_cast<double>(count) / std::max(1.0, static_cast<double>(runs.of)));
 }
 
@@ -103,7 +103,7 @@ ordered_json json_of(const Summary& s) {
 std::string distribution_chart(const EvaluationRequest& request, const Evaluation& evaluation, const std::string& title,
                                const std::string& label, double low, double high,
                                const std::function<double(const RunScore&)>& value) {
-  ChartPicture chart(kPixels, 380, title, {label, low, high}, {"share of runs up to it", 0, 1});
+  ChartPicture chart(kPixels, 380, title, {label, low, high}, {"share of runs up to this value", 0, 1});
   for (std::size_t c = 0; c < request.competitors.size(); ++c) {
     std::vector<double> sample;
     for (const ScoredRun& run : evaluation.runs) {
@@ -133,7 +133,7 @@ std::string verdict(const RunScore& s) {
   } else if (!s.proof.failure.empty()) {
     text = s.proof.fault + ": " + s.proof.failure;
   } else if (s.goal_reached) {
-    text = s.path_ratio > 0 ? fmt::format("reached the goal by {:.2f} times the shortest way", s.path_ratio)
+    text = s.path_ratio > 0 ? fmt::format("reached the goal on {:.2f} times the shortest path", s.path_ratio)
                             : "reached the goal";
   } else if (!s.refused.empty()) {
     text = "refused: " + s.refused;
@@ -141,7 +141,7 @@ std::string verdict(const RunScore& s) {
     text = fmt::format("never came nearer to the goal than {:.1f} m", s.goal_distance_m);
   }
   if (!s.nearest_body.empty())
-    text += fmt::format("; least clearance {:.2f} m, to {}", s.least_clearance_m, s.nearest_body);
+    text += fmt::format("; minimum clearance {:.2f} m, to {}", s.least_clearance_m, s.nearest_body);
   return text;
 }
 
@@ -150,7 +150,7 @@ std::string how_to_run_again(const EvaluationRequest& request, const ScoredRun& 
   return fmt::format("isobath eval {} --runs 1 --seed {}{}", request.suite.name, run.seed, variant);
 }
 
-/// What was drawn, and for which variant.
+/// The conditions that were drawn, and the variant.
 std::string conditions_of(const ScoredRun& run) {
   return run.variant.empty() ? run.conditions : run.variant + "; " + run.conditions;
 }
@@ -180,21 +180,21 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("near miss", [](const Summary& s) { return cell_text(s.near_misses); });
   row("encounter", [](const Summary& s) { return cell_text(s.encounters); });
   row("refused, with a reason", [](const Summary& s) { return cell_text(s.refused); });
-  row("... where there is no way", [](const Summary& s) { return fmt::format("{}", s.no_way_there); });
+  row("... where no path exists", [](const Summary& s) { return fmt::format("{}", s.no_way_there); });
   row("neither goal nor reason", [](const Summary& s) { return cell_text(s.lost); });
-  row("way by the shortest", [](const Summary& s) { return cell_text(s.path_ratio, 3); });
-  row("time by the shortest", [](const Summary& s) { return cell_text(s.time_ratio, 3); });
-  row("least clearance, m", [](const Summary& s) { return cell_text(s.clearance_m, 1); });
+  row("path ratio", [](const Summary& s) { return cell_text(s.path_ratio, 3); });
+  row("time ratio", [](const Summary& s) { return cell_text(s.time_ratio, 3); });
+  row("minimum clearance, m", [](const Summary& s) { return cell_text(s.clearance_m, 1); });
   row("detection delay, pings", [](const Summary& s) { return cell_text(s.delay_pings, 0); });
   row("range at detection, m", [](const Summary& s) { return cell_text(s.first_range_m, 1); });
-  row("false obstacles, a scan", [](const Summary& s) { return fmt::format("{:.3f}", s.false_obstacles); });
+  row("false obstacles per scan", [](const Summary& s) { return fmt::format("{:.3f}", s.false_obstacles); });
   row("... within 20 m", [](const Summary& s) { return fmt::format("{:.3f}", s.near_false_obstacles); });
   row("mission points dropped", [](const Summary& s) { return cell_text(s.points_dropped, s.goals); });
   row("replans", [](const Summary& s) { return cell_text(s.replans, s.goals); });
-  row("replans for nothing", [](const Summary& s) { return cell_text(s.false_replans, s.goals); });
+  row("false replans", [](const Summary& s) { return cell_text(s.false_replans, s.goals); });
   row("safety actions", [](const Summary& s) { return cell_text(s.safety_actions, s.goals); });
   if (evaluation.summaries.front().rows.empty()) return rows;
-  row("faults as the table says", [](const Summary& s) { return cell_text(s.shown); });
+  row("faults handled as the table says", [](const Summary& s) { return cell_text(s.shown); });
   for (std::size_t i = 0; i < fault_table().size(); ++i) {
     row(fault_table()[i].name, [i](const Summary& s) { return cell_text(s.rows[i]); });
   }
@@ -204,7 +204,7 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
 std::vector<std::vector<std::string>> variant_table(const Evaluation& evaluation) {
   std::vector<std::vector<std::string>> rows;
   if (evaluation.variants.empty()) return rows;
-  rows.push_back({"variant", "runs", "goal", "collision", "refused", "way by the shortest", "least clearance, m",
+  rows.push_back({"variant", "runs", "goal", "collision", "refused", "path ratio", "minimum clearance, m",
                   "false obstacles", "within 20 m"});
   const auto count = [](const Share& share) { return fmt::format("{}", share.count); };
   const auto median = [](const Spread& s, int digits) {
@@ -226,8 +226,8 @@ std::vector<std::string> comparison_lines(const Evaluation& evaluation) {
     const ShareDifference goals = difference(ours.safe_goals, other.safe_goals);
     const ShareDifference collisions = difference(other.collisions, ours.collisions);
     lines.push_back(fmt::format(
-        "against {}: {:+.1f} points of goals without a collision ({:+.1f} to {:+.1f}), {:+.1f} points of collisions "
-        "avoided ({:+.1f} to {:+.1f})",
+        "against {}: {:+.1f} percentage points of goals without a collision ({:+.1f} to {:+.1f}), {:+.1f} percentage "
+        "points of collisions avoided ({:+.1f} to {:+.1f})",
         other.name, 100 * goals.value, 100 * goals.low, 100 * goals.high, 100 * collisions.value, 100 * collisions.low,
         100 * collisions.high));
   }
@@ -283,9 +283,9 @@ std::string run_picture(const SuiteRun& run, const RunTruth& truth, const LoopRe
     picture.vehicle(X_WB.translation.head<2>(), X_WB.rotation.heading().radians());
   }
   picture.finish({{palette::kInk, "bodies"},
-                  {palette::kTrack, "the vehicle's way"},
-                  {palette::kTruth, "shortest way, all known"},
-                  {palette::kObstacle, "what it decided for"}});
+                  {palette::kTrack, "vehicle track"},
+                  {palette::kTruth, "shortest path, all known"},
+                  {palette::kObstacle, "obstacles of its decisions"}});
   return picture.png();
 }
 
@@ -293,15 +293,16 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
   write_file(request.out / "results.json", to_json(request, evaluation));
   const Competitor& ours = request.competitors.front();
   HtmlReport page("Isobath: " + request.suite.about.title, request.suite.about.text);
-  for (const std::string& bar : evaluation.broken) page.warning("Below the bar: " + bar + ".");
+  for (const std::string& bar : evaluation.broken) page.warning("Bar missed: " + bar + ".");
   page.heading("Results");
   const auto table = evaluation_table(evaluation);
   page.table(table.front(), {table.begin() + 1, table.end()});
   page.paragraph(fmt::format(
-      "Shares with their 95 % intervals (Wilson); other values as the median with the 5 and 95 % of the runs. The "
-      "shortest way is that of the route planner with every outline known, at the same clearance. A hull of {:g} m "
-      "collides below {:g} m, nearly misses below {:g} m and encounters below {:g} m; other hulls in proportion. False "
-      "obstacles: existence from {:g} on, with neither a body there nor a bottom in the vehicle's way.",
+      "Shares have their 95 % intervals (Wilson); other values are the median with the 5 and 95 % quantiles of the "
+      "runs. The path ratio is the path length over that of the route planner with every outline known, at the same "
+      "clearance. For a hull of {:g} m, a clearance below {:g} m is a collision, below {:g} m a near miss and below "
+      "{:g} m an encounter; other hulls in proportion. False obstacles have an existence probability of at least {:g}, "
+      "and neither a body nor a bottom that the vehicle must avoid is there.",
       kReferenceHull_m, kCollision_m, kNearMiss_m, kEncounter_m, kSureObstacle));
   for (const std::string& line : comparison_lines(evaluation)) page.paragraph(ours.name + " " + line + ".");
   for (const Summary& s : evaluation.summaries) {
@@ -311,18 +312,18 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
   if (const auto variants = variant_table(evaluation); !variants.empty()) {
     page.heading("Variants");
     page.table(variants.front(), {variants.begin() + 1, variants.end()});
-    page.paragraph("Each by " + ours.name +
-                   ". Way and clearance are medians; false obstacles are means over all scans.");
+    page.paragraph("All of " + ours.name +
+                   ". Path ratio and clearance are medians; false obstacles are means over all scans.");
   }
   page.heading("Distributions");
   page.begin_row();
   page.figure(distribution_chart(
-                  request, evaluation, "Least clearance", "m from the hull", 0, 15,
+                  request, evaluation, "Minimum clearance", "m from the hull", 0, 15,
                   [](const RunScore& s) { return s.nearest_body.empty() ? -1 : std::max(0.0, s.least_clearance_m); }),
-              "Least distance of a run from the hull to a body. Further to the right is safer.");
-  page.figure(distribution_chart(request, evaluation, "Length of the way", "times the shortest", 0.9, 2,
+              "Minimum distance from the hull to a body in each run. Further to the right is safer.");
+  page.figure(distribution_chart(request, evaluation, "Path length", "times the shortest", 0.9, 2,
                                  [](const RunScore& s) { return s.path_ratio; }),
-              "Runs that came to the goal alone: the height at the right end is their share.");
+              "Only runs that reached the goal; the height at the right end is their share.");
   page.end_row();
   page.heading("The worst runs");
   const std::vector<Scenario> scenes = load_scenes(request.suite);
@@ -334,13 +335,13 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
     const LoopResult result =
         done != evaluation.worst.end() ? done->second : run_competitor(ours, run, truth.vehicle());
     page.figure(run_picture(run, truth, result, fmt::format("seed {}", scored.seed)),
-                fmt::format("{}. Again: {}", conditions_of(scored), how_to_run_again(request, scored)));
+                fmt::format("{}. To repeat it: {}", conditions_of(scored), how_to_run_again(request, scored)));
     page.paragraph(fmt::format("Seed {}: {}.", scored.seed, verdict(scored.scores.front())));
     std::string decisions;
     for (const Decision& d : result.decisions) {
       decisions += fmt::format("{:7.2f} s  {}: {}: {}\n", to_seconds(d.time), d.agent, d.what, d.reason);
     }
-    page.folded("What it decided", decisions);
+    page.folded("Decisions", decisions);
   }
   page.folded("Configuration in force", to_toml(ours.configuration, true));
   write_file(request.out / "report.html", page.html());

@@ -1,4 +1,4 @@
-// What an evaluation says: as a table, as JSON, and as a page with its worst runs drawn.
+// The results of an evaluation as a table, as JSON, and as a page with pictures of its worst runs.
 #pragma once
 
 #include <isobath/runtime/evaluation.hpp>
@@ -7,18 +7,18 @@
 
 namespace isobath {
 
-/// A line a value: what, then the value for every helm, in their order. The first line holds the names.
+/// One line per quantity: its name, then its value for every helm, in their order. The first line holds their names.
 std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluation);
-/// A line a variant of the suite, by the first helm, under a line of headings; empty where the suite has none.
+/// One line per variant of the suite, for the first helm, under a line of headings; empty if there are no variants.
 std::vector<std::vector<std::string>> variant_table(const Evaluation& evaluation);
-/// How far the first helm is ahead of another: share of runs that came to the goal without a collision.
+/// How far the first helm is ahead of each other one, in goals without a collision and in collisions avoided.
 std::vector<std::string> comparison_lines(const Evaluation& evaluation);
 std::string to_json(const EvaluationRequest& request, const Evaluation& evaluation);
 
-/// One run from above: bodies, mission, the way of the planner with full truth, the vehicle's way, its replans.
+/// Plan view of a run: bodies, mission, path of the planner with full truth, track, obstacles of its decisions.
 std::string run_picture(const SuiteRun& run, const RunTruth& truth, const LoopResult& result, const std::string& title);
 
-/// Writes results.json and report.html into the request's folder; the worst runs are run again to be drawn.
+/// Writes results.json and report.html into the request's folder; repeats worst runs whose results are not at hand.
 void write_evaluation(const EvaluationRequest& request, const Evaluation& evaluation);
 
 }  // namespace isobath

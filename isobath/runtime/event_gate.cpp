@@ -30,22 +30,22 @@ const char* content_fault(const Swath& swath) {
   return fault == SwathFault::kNone ? nullptr : to_text(fault);
 }
 
-/// What is no frame the end of the link passes over.
+/// The end of the link skips bytes that are no frame.
 const char* content_fault(const OperatorFrame&) { return nullptr; }
 
 }  // namespace
 
 std::vector<Field> fields(EventGateConfig& c) {
   return {Field::real("max_age_s", &c.max_age_s, {0, 3600}, "s",
-                      "Events that lie further than this behind the newest one are rejected."),
+                      "Events that are older than the newest one by more than this are rejected."),
           Field::integer("restart_after", &c.restart_after, {2, 1000000}, "1",
-                         "Late events in a row, in order among themselves, after which the clock counts as set back."),
+                         "Late events in a row, in order among themselves, that count as a clock set back."),
           Field::real("most_speed", &c.most_speed, {0.1, 1000}, "m/s",
-                      "The fastest that the vehicle can move from one fix to the next."),
+                      "Maximum speed of the vehicle from one fix to the next."),
           Field::real("leap_m", &c.leap_m, {0, 1e6}, "m",
-                      "By how much navigation may correct itself at once; a fix farther off is refused as a leap."),
+                      "Largest correction of the position at once; a fix farther off is rejected as a jump."),
           Field::integer("believe_leap_after", &c.believe_leap_after, {1, 1000000}, "1",
-                         "Fixes in a row, in agreement among themselves, after which a leap is believed.")};
+                         "Fixes in a row, in agreement among themselves, after which a jump is accepted.")};
 }
 
 EventGate::Verdict EventGate::judge(const Event& event) {

@@ -1,12 +1,13 @@
-// EventGate: the first stage of the pipeline. Lets through what is finite, in order and fresh; counts every rejection
-// by its reason (design, section 3). Each stream (pings, navigation, ranges, swaths) is ordered on its own.
+// EventGate: the first stage of the pipeline. It admits events that are finite, in order and fresh, and counts every
+// rejection by its reason (design, section 3). Each stream (pings, navigation, ranges, swaths) is ordered on its own.
 //
-// A clock that was set back is told from a single stray stamp: after `restart_after` rejections in a row whose own
-// order is right, the gate starts anew from there, and says so once (`restarted`), so that maps can be begun afresh.
+// The gate distinguishes a clock that was set back from a single stray stamp: after `restart_after` rejections in a row
+// that are in order among themselves, it starts anew from there and reports it once (kRestarted), so that maps can
+// start afresh.
 //
-// A fix that lies farther from the last one than any vehicle gets in the time between is a leap: it is refused, and
-// believed only after `believe_leap_after` fixes in a row that agree among themselves. Readings taken meanwhile have no
-// fresh pose, and so put nothing in a wrong place of the map.
+// A fix that lies farther from the last one than any vehicle moves in the time between is a jump of the position. The
+// gate rejects it, and accepts the jump only after `believe_leap_after` fixes in a row that agree among themselves.
+// Readings taken meanwhile have no fresh pose, and so put nothing in a wrong place of the map.
 #pragma once
 
 #include <array>
@@ -20,8 +21,8 @@ namespace isobath {
 struct EventGateConfig {
   double max_age_s = 2;    ///< behind the newest event of any stream
   int restart_after = 20;  ///< events in a row that are late but in order among themselves
-  double most_speed = 30;  ///< m/s, of the vehicle, between two fixes
-  double leap_m = 100;     ///< that navigation may correct itself by at once
+  double most_speed = 30;  ///< m/s, fastest that the vehicle moves between two fixes
+  double leap_m = 100;     ///< largest correction by navigation that is no jump
   int believe_leap_after = 5;
 };
 std::vector<Field> fields(EventGateConfig& config);
@@ -48,7 +49,7 @@ class EventGate {
  private:
   struct Stream {
     Time newest = Time::min();
-    Time late_newest = Time::min();  ///< of the present row of rejections
+    Time late_newest = Time::min();  ///< of the current row of rejections
     int late_in_order = 0;
   };
   const char* order_fault(Stream& stream, Time time);
@@ -62,7 +63,7 @@ class EventGate {
   EventGateConfig config_;
   std::array<Stream, std::variant_size_v<Event>> streams_;
   Time newest_ = Time::min();
-  std::optional<Place> last_, leapt_;  ///< the last fix, and the last of the present row of leaps
+  std::optional<Place> last_, leapt_;  ///< the last fix, and the last of the current row of jumps
   int leaps_ = 0;
   std::map<std::string, std::uint64_t> rejected_;
 };

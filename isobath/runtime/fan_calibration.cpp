@@ -13,7 +13,7 @@ namespace {
 using nlohmann::ordered_json;
 
 std::string delivered_text(const FanModel::Delivered& d) {
-  return d.cells > 0 ? fmt::format("{:.2f} [{:.2f}, {:.2f}]", d.ratio, d.low, d.high) : "not known";
+  return d.cells > 0 ? fmt::format("{:.2f} [{:.2f}, {:.2f}]", d.ratio, d.low, d.high) : "unknown";
 }
 
 ordered_json delivered_json(const FanModel::Delivered& d) {
@@ -27,10 +27,10 @@ std::string gains_text(const FanModel& model) {
   for (const double g : model.gains_db) {
     if (g > FanModel::kFaintest_db) heard.push_back(g);
   }
-  if (heard.empty()) return "no beam hears anything";
+  if (heard.empty()) return "all beams are silent";
   const auto [low, high] = std::minmax_element(heard.begin(), heard.end());
   const auto apart = std::count_if(heard.begin(), heard.end(), [](double g) { return std::abs(g) > 3; });
-  return fmt::format("{:+.1f} to {:+.1f} dB beside the median beam, {} of {} rows of cells beyond 3 dB", *low, *high,
+  return fmt::format("{:+.1f} to {:+.1f} dB from the median beam, {} of {} rows of cells beyond 3 dB", *low, *high,
                      apart, model.gains_db.size());
 }
 
@@ -45,7 +45,7 @@ std::vector<std::string> lines_of(const FanCalibration& calibration) {
       fmt::format("recording: {} pings in {:.1f} s, {} of other settings left out", m.pings, m.seconds,
                   calibration.left_out),
       m.blind_m > w.start_m ? fmt::format("blind zone: to {:.2f} m", m.blind_m)
-                            : std::string("blind zone: none seen within the window"),
+                            : std::string("blind zone: none found within the window"),
       "gains: " + gains_text(m),
       m.dead_beams.empty() ? std::string("dead beams: none")
                            : fmt::format("dead beams: {} (counted from 0)", fmt::join(m.dead_beams, ", ")),
@@ -55,7 +55,7 @@ std::vector<std::string> lines_of(const FanCalibration& calibration) {
                   m.correlation.beams, m.correlation.bins, m.correlation.pings, m.looks)};
   for (std::size_t i = 0; i < m.quality.size(); ++i) {
     const FanModel::Quality& q = m.quality[i];
-    lines.push_back(fmt::format("false alarms at {:g}, delivered over asked: {}; near {}, middle {}, far {}",
+    lines.push_back(fmt::format("false alarms at {:g}, measured over nominal: {}; near {}, middle {}, far {}",
                                 FanModel::kAsked[i], delivered_text(q.whole), delivered_text(q.thirds[0]),
                                 delivered_text(q.thirds[1]), delivered_text(q.thirds[2])));
   }
@@ -121,7 +121,7 @@ std::string gain_chart(const FanModel& model) {
     most = std::max(most, std::abs(gain.back()) + 1);
   }
   ChartPicture chart(640, 380, "Gain of the beams", {"beam", 0, static_cast<double>(model.beams), false},
-                     {"beside the median beam (dB)", -most, most, false});
+                     {"gain over the median beam (dB)", -most, most, false});
   chart.curve(beam, gain, {palette::kTrack, 2, false}, "gain");
   chart.finish();
   return chart.png();
@@ -129,14 +129,14 @@ std::string gain_chart(const FanModel& model) {
 
 std::string to_text(const FanDeparture& d) {
   std::string text = fmt::format("fan model of {}: ", d.source);
-  if (!d.same_setting) text += "another setting, only its tail laws were used; ";
-  if (d.dropped) text += "its tail laws were dropped, the first pings contradict them; ";
+  if (!d.same_setting) text += "another setting, so only its tail laws were used; ";
+  if (d.dropped) text += "its tail laws were dropped because the first pings contradict them; ";
   if (d.same_setting) {
-    text += fmt::format("level {:+.1f} dB beside the model's, {} of {} rows of cells differ by more than 3 dB, ",
+    text += fmt::format("level {:+.1f} dB relative to the model, {} of {} rows of cells differ by more than 3 dB, ",
                         d.level_db, d.beams_apart, d.rows);
   }
   return text + fmt::format(
-                    "cells exceed its thresholds {:.2f} times as often as asked ({:g}), {:.2f} % of the samples "
+                    "cells exceed its thresholds {:.2f} times as often as nominal ({:g}), {:.2f} % of the samples "
                     "at full scale (model {:.2f} %)",
                     d.exceeding / d.asked, d.asked, 100 * d.clipped, 100 * d.model_clipped);
 }

@@ -1,5 +1,5 @@
-// What a calibration tells people of a fan that nobody marked (fan_learner.hpp): the model in plain lines, a picture,
-// and how far a run departs from it.
+// FanCalibration: the model of a fan without marks (fan_learner.hpp) as text, JSON and charts, and how far a run
+// departs from it.
 #pragma once
 
 #include <isobath/sonar/fan_learner.hpp>

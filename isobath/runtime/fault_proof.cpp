@@ -8,9 +8,9 @@
 namespace isobath {
 namespace {
 
-constexpr double kTouched_m = 1;   // nearer than this is as good as touched
-constexpr double kCycle_s = 0.25;  // a cycle of the Safety Officer, and the way of a reading
-constexpr double kNeverSure = 10;  // of nine cells together: no sum of probabilities is that high
+constexpr double kTouched_m = 1;   // nearer than this counts as a contact
+constexpr double kCycle_s = 0.25;  // one cycle of the Safety Officer, and the latency of a reading
+constexpr double kNeverSure = 10;  // above any sum of the probabilities of nine cells
 
 const Decision* first_of(const std::vector<Decision>& decisions, const std::string& agent, const std::string& what) {
   const auto found = std::find_if(decisions.begin(), decisions.end(),
@@ -18,7 +18,7 @@ const Decision* first_of(const std::vector<Decision>& decisions, const std::stri
   return found != decisions.end() ? &*found : nullptr;
 }
 
-/// What the Safety Officer decided about the row, in order.
+/// Decisions of the Safety Officer about the row, in order.
 std::vector<Decision> about(const FaultRow& row, const std::vector<Decision>& decisions) {
   std::vector<Decision> own;
   std::copy_if(decisions.begin(), decisions.end(), std::back_inserter(own), [&](const Decision& d) {
@@ -39,13 +39,13 @@ std::optional<double> crossing(const Polygon& fence, const std::vector<TrueMotio
   return std::nullopt;
 }
 
-/// How far the clock of the decisions was put forward at the instant of a deadline, s: they may bear any time between.
+/// By how much the fault sets the clock of the decisions forward, s: they may have any time in between.
 double jump_of(const Scenario& scenario) {
   const auto& faults = scenario.scene.faults;
   return !faults.empty() && faults.front().kind == FaultKind::kClockJump ? std::max(0.0, faults.front().amount) : 0;
 }
 
-/// What a deadline counts from, by the clock of the decisions, s; empty: it did not come, or no time counts.
+/// When a deadline starts, by the clock of the decisions, s; empty: it never did, or the deadline is no time.
 std::optional<double> origin(Deadline::From from, const Scenario& scenario, const LoopResult& result) {
   const std::optional<double> start = decided_at(first_of(result.decisions, "captain", "start"));
   switch (from) {
@@ -64,9 +64,9 @@ std::optional<double> origin(Deadline::From from, const Scenario& scenario, cons
 }
 
 std::string out_of_time(const Deadline& deadline, double raised_s, std::optional<double> since_s, double jump_s) {
-  if (deadline.from == Deadline::From::kNearness) return "";  // held against the truth
+  if (deadline.from == Deadline::From::kNearness) return "";  // too_near() checks the ground truth
   const bool before = deadline.from == Deadline::From::kCrossing;
-  if (!since_s) return before && deadline.value == 0 ? "" : "what it is to be raised for did not come";
+  if (!since_s) return before && deadline.value == 0 ? "" : "its cause did not occur";
   const double after_s = raised_s - *since_s;
   if (after_s > deadline.value) return fmt::format("raised after {:.2f} s, {:g} s allowed", after_s, deadline.value);
   if (after_s < -jump_s && !before) return fmt::format("raised {:.2f} s before its cause", -after_s);
@@ -83,8 +83,8 @@ std::string too_near(const Deadline& deadline, const LoopResult& result) {
   return nearest_m < deadline.value ? fmt::format("{:.2f} m away, {:g} m allowed", nearest_m, deadline.value) : "";
 }
 
-/// A vehicle that needs way on, or that is to surface, surfaces for a stop; one that is to end its mission at once
-/// does.
+/// A vehicle that cannot stop, or is to surface, surfaces instead of stopping; one that is to end its mission at once
+/// aborts.
 bool is_action(const FaultRow& row, const std::string& what) {
   if (what == "abort") return row.abort.when == After::When::kAtOnce;
   if (row.action == SafetyActionKind::kNone) return what == "report";
@@ -92,7 +92,7 @@ bool is_action(const FaultRow& row, const std::string& what) {
          (row.action == SafetyActionKind::kStop && what == to_text(SafetyActionKind::kSurface));
 }
 
-/// What stood above the orders at the helm by then; by the names that the gate calls its actions.
+/// The safety action in force at the helm at `by_s`, by the decisions of the helm gate.
 SafetyActionKind at_the_helm(const std::vector<Decision>& decisions, double by_s) {
   SafetyActionKind kind = SafetyActionKind::kNone;
   for (const Decision& d : decisions) {
@@ -107,28 +107,28 @@ SafetyActionKind at_the_helm(const std::vector<Decision>& decisions, double by_s
 }
 
 std::string wrong_action(const FaultRow& row, const Decision& raised, const std::vector<Decision>& all) {
-  if (!is_action(row, raised.what)) return "the wrong action: " + raised.what;
+  if (!is_action(row, raised.what)) return "wrong action: " + raised.what;
   const SafetyActionKind taken = at_the_helm(all, to_seconds(raised.time) + kCycle_s);
-  return taken < row.action ? fmt::format("not taken at the helm: {}", to_text(row.action)) : "";
+  return taken < row.action ? fmt::format("not in force at the helm: {}", to_text(row.action)) : "";
 }
 
 std::string wrong_end(const FaultRow& row, const SafetyConfig& config, const std::vector<Decision>& own,
                       const LoopResult& result) {
   const auto asked = std::find_if(own.begin(), own.end(), [](const Decision& d) { return d.what == "abort"; });
   const bool aborted = result.report.phase == MissionPhase::kAborted;
-  if (asked != own.end() && !aborted) return fmt::format("asked for the end, but {}", to_text(result.report.phase));
+  if (asked != own.end() && !aborted) return fmt::format("mission end requested, but {}", to_text(result.report.phase));
   const bool asks = row.fault != Fault::kLinkLost || config.link_policy != LinkPolicy::kContinue;
   if (row.abort.when == After::When::kNever || !asks) return "";
   const double held_s = row.abort.when == After::When::kLater ? config.*row.abort.wait : 0;
   const double due_s = to_seconds(own.front().time) + held_s;
   if (asked != own.end()) {
     const double late_s = to_seconds(asked->time) - due_s;
-    return late_s > kCycle_s ? fmt::format("asked for the end {:.2f} s late", late_s) : "";
+    return late_s > kCycle_s ? fmt::format("mission end requested {:.2f} s late", late_s) : "";
   }
   const auto over = std::find_if(own.begin(), own.end(), [](const Decision& d) { return d.what == "over"; });
   const double until_s = over != own.end() ? to_seconds(over->time) : result.duration_s;
   const bool goes_on = !aborted && result.report.phase != MissionPhase::kFinished;
-  return goes_on && until_s > due_s + kCycle_s ? "asked for no end of the mission" : "";
+  return goes_on && until_s > due_s + kCycle_s ? "mission end not requested" : "";
 }
 
 }  // namespace

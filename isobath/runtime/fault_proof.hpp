@@ -1,10 +1,11 @@
-// FaultProof: whether a closed loop in which something breaks shows what its row of the fault table says (design: every
-// fault of the table is injected, and a test shows the action within its limit; ledger S6-39, S2-28, S1-43, S1-44).
+// FaultProof: checks that a closed loop with an injected fault behaves as the fault's row of the fault table says
+// (design: every fault of the table is injected, and a test shows the action within its limit; ledger S6-39, S2-28,
+// S1-43, S1-44).
 //
-// Shown is a row that is raised by its deadline and, where that counts from an instant, not before; with the action of
-// the row, or what stands for it, in force at the helm with the next cycle; with the end of the mission where the row
-// lasted until that was due; and a hull that came nowhere nearer than 1 m to a body and touched nothing. One scene a
-// row, named like it: scenarios/faults.
+// A row passes if it is raised by its deadline and, except at the fence, not before its cause; if the action of the
+// row, or an equivalent one, is in force at the helm with the next cycle; if the mission ends where the row lasted
+// until that was due; and if the hull came nowhere nearer than 1 m to a body and touched nothing. Each row has one
+// scene of its name: scenarios/faults.
 #pragma once
 
 #include <isobath/mission/fault_table.hpp>
@@ -14,16 +15,16 @@
 namespace isobath {
 
 struct FaultProof {
-  std::string fault;    ///< name of the row; empty: nothing was to be shown
-  double after_s = -1;  ///< from what the deadline counts from until it was raised; -1: not known
-  std::string failure;  ///< what was not shown; empty: all was
+  std::string fault;    ///< name of the row; empty: the run tests no row
+  double after_s = -1;  ///< from the start of the deadline until the row was raised; -1: unknown
+  std::string failure;  ///< what failed; empty: passed
 };
 
 /// `config`: that of the Safety Officer in the run.
 FaultProof prove(const FaultRow& row, const Scenario& scenario, const SafetyConfig& config, const LoopResult& result);
 
-/// The configuration to sail the row's scene with: where the Safety Officer alone is to see what is ahead, the map is
-/// blinded.
+/// The configuration for the row's scene. If only the Safety Officer is to see what is ahead, the grid reports no
+/// obstacles.
 Configuration proving(const FaultRow& row, Configuration configuration);
 
 }  // namespace isobath

@@ -34,7 +34,7 @@ std::vector<KnownObject> known_objects(const ObjectStore& store) {
   return known;
 }
 
-/// The map knows no more: what it has forgotten was looked at by many readings, so one miss is enough.
+/// Labels the object. One miss is enough: the map forgets an obstacle only after many readings.
 void label(ObjectStore& store, ObjectId id, Time time) {
   ObjectLabelConfig config;
   config.misses = 1;
@@ -42,7 +42,7 @@ void label(ObjectStore& store, ObjectId id, Time time) {
   store.put(id, "label", {time, std::string(to_text(label_object(config, positions, looks)))});
 }
 
-/// Whether anything new is known of it.
+/// Enters the attributes. False if there is nothing new.
 bool enter(ObjectStore& store, ObjectId id, const ChangedRegion& region, Time seen) {
   const auto last = store.latest(id, "depth");
   if (last && last->time >= seen && last->value == AttributeValue(region.shoalest_m)) return false;

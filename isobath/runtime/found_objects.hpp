@@ -1,11 +1,12 @@
-// Obstacles that sonar has found, as objects of a map: each mission meets the same obstacle as the same object (ledger
-// S1-06, S1-07, S1-08, S1-26).
+// FoundObjects: stores the obstacles that sonar has found as objects of a map, so that each mission meets the same
+// obstacle as the same object (ledger S1-06, S1-07, S1-08, S1-26).
 //
-// A region that find_changes calls an obstacle is the object whose last extent it meets, else a new one: kind
-// "obstacle", capabilities kFoundObject and kBlocksPassage, its shoalest place. Attributes, entered anew whenever a
-// sonar has spoken of it again: "depth" (m), "position", "south-west" and "north-east" (of its extent), "last seen",
-// "seen" (1; 0 once the map no longer holds it, which also lets passages through), "label" (object_label). Where two
-// objects have grown into one region the older lives on; the younger keeps its history, and "merged into".
+// A region that find_changes calls an obstacle is matched to the object whose last extent it meets. Otherwise it
+// becomes a new object: kind "obstacle", capabilities kFoundObject and kBlocksPassage, at its shoalest point. Whenever
+// a sonar has seen it again, new values of its attributes are entered: "depth" (m), "position", "south-west" and
+// "north-east" (of its extent), "last seen", "seen" (1; 0 once the map no longer holds it, and then it no longer blocks
+// passages), "label" (object_label). Where two objects have grown into one region, the older one continues; the younger
+// one keeps its history, and gets "merged into".
 #pragma once
 
 #include <isobath/map/object_store.hpp>
@@ -17,7 +18,7 @@ struct FoundObjects {
   std::size_t met_first = 0, met_again = 0, gone = 0;
 };
 
-/// In one transaction. `now`: the time of the map's last reading.
+/// Works in one transaction. `now`: the time of the map's last reading.
 FoundObjects store_found(ObjectStore& store, const MapChanges& changes, const MapFacts& facts, Time now);
 
 }  // namespace isobath

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kFewBeams = 8;  // with fewer, a ping alone is no picture
+constexpr int kFewBeams = 8;  // with fewer, one ping makes no image
 constexpr std::size_t kMostColumns = 1440;
 constexpr double kVoxelBytesPerSecond = 20e3;
 
@@ -65,7 +65,7 @@ bool FoxgloveLog::Turn::take(Time now, double interval_s) {
 FoxgloveLog::FoxgloveLog(NativeLogWriter& log, const FoxgloveConfig& config, int group)
     : log_(log), config_(config), group_(group) {}
 
-/// An empty text is nothing to write.
+/// Does not write empty messages.
 void FoxgloveLog::write(FoxgloveKind kind, const std::string& topic, Time time, const std::string& message) {
   if (message.empty()) return;
   const auto [channel, is_new] = channels_.try_emplace(topic);
@@ -105,7 +105,7 @@ void FoxgloveLog::on_ping(const PosedPing& posed) {
   add_image(posed);
 }
 
-/// Echoes of a head that turns add up; of a whole fan one ping is enough.
+/// Echoes of a scanning head accumulate; of a fan, one ping is enough.
 void FoxgloveLog::add_echoes(const PosedPing& posed) {
   const Ping& ping = posed.ping;
   const bool due = !points_.last || ping.time < *points_.last || ping.time - *points_.last >= seconds(config_.points_s);
@@ -144,7 +144,7 @@ void FoxgloveLog::add_image(const PosedPing& posed) {
   write_image(topic_of(number), ping.time, in_order);
 }
 
-/// Columns from port to starboard, the far end above.
+/// Columns from port to starboard, the far end at the top.
 void FoxgloveLog::write_image(const std::string& topic, Time time, const std::vector<const Column*>& columns) {
   const auto count = static_cast<int>(columns.size());
   const int width = std::min(count, kMostPixels);

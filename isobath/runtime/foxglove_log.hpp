@@ -1,19 +1,19 @@
-// FoxgloveLog: what a run does in channels that Foxglove and other viewers show without a plug-in (io/foxglove.hpp),
-// beside those of Isobath's own in the same log:
+// FoxgloveLog: writes a run to channels that Foxglove and other viewers show without a plug-in (io/foxglove.hpp),
+// beside Isobath's own channels in the same log:
 //
-//   /foxglove/tf, /pose        where the vehicle is                     FrameTransform, PoseInFrame
-//   /foxglove/location         the same on the globe, where known       LocationFix
-//   /foxglove/points           echoes that were decided                 PointCloud
+//   /foxglove/tf, /pose        pose of the vehicle                      FrameTransform, PoseInFrame
+//   /foxglove/location         its geographic position, if known        LocationFix
+//   /foxglove/points           detected echoes                          PointCloud
 //   /foxglove/sonar            the fan, or a turn of a scanning head    RawImage; each further sonar /sonar.2 ...
 //   /foxglove/occupancy        the grid around the vehicle              Grid
-//   /foxglove/obstacles        of the last scan                         SceneUpdate
-//   /foxglove/plan, /track     the way it follows, and where it was     SceneUpdate
-//   /foxglove/voxels           the occupied ones                        PointCloud
+//   /foxglove/obstacles        obstacles of the last scan               SceneUpdate
+//   /foxglove/plan, /track     the route, and the track so far          SceneUpdate
+//   /foxglove/voxels           occupied voxels                          PointCloud
 //   /foxglove/log              decisions, faults, lost agents           Log
 //
-// Rates are bounded by the configuration; all voxels at once are written the more rarely the more there are: 20 kB a
-// second of the run on average. An image has at most kMostPixels a side, a pixel the loudest sample that it covers.
-// Errors: those of the log's writer. One thread at a time.
+// The configuration bounds the rates. All voxels are written at once, less often the more there are: 20 kB a second of
+// the run on average. An image has at most kMostPixels a side; a pixel shows the loudest sample that it covers. Errors:
+// those of the log's writer. One thread at a time.
 #pragma once
 
 #include <isobath/io/foxglove.hpp>
@@ -32,26 +32,26 @@ namespace isobath {
 class FoxgloveLog {
  public:
   static constexpr int kMostPixels = 256;
-  static constexpr std::size_t kMostPoints = 20'000;  ///< of echoes, at a time
-  static constexpr std::size_t kMostTrack = 512;      ///< places of the track: beyond, every other is let go
+  static constexpr std::size_t kMostPoints = 20'000;  ///< echoes in a message
+  static constexpr std::size_t kMostTrack = 512;      ///< points of the track; beyond, every other one is dropped
 
   /// `log` must outlive it; `group` of its channels.
   FoxgloveLog(NativeLogWriter& log, const FoxgloveConfig& config, int group);
 
-  /// Where on the globe the origin of W is.
+  /// The geographic origin of W.
   void locate(const GeoOrigin& origin) { plane_.emplace(origin); }
   void take(const Navigation& fix);
   void on_ping(const PosedPing& ping);
   void on_scan(const ScanResult& scan);
   void heard(const Envelope& envelope);
-  /// Records of the display (display_items.hpp): of these it takes the voxels.
+  /// Records of the display (display_items.hpp); only the voxels are used.
   void take_display(Time time, std::string_view records);
 
  private:
-  /// When something was written last.
+  /// Limits the rate of a channel.
   struct Turn {
     std::optional<Time> last;
-    /// Whether it is due; then it counts as done.
+    /// True if a message is due; then marks it as written.
     bool take(Time now, double interval_s);
   };
   struct Column {
@@ -59,7 +59,7 @@ class FoxgloveLog {
     std::vector<std::uint8_t> pixels;
   };
   struct Sonar {
-    std::vector<Column> columns;  ///< of the sweep under way, of a scanning head
+    std::vector<Column> columns;  ///< of the current sweep of a scanning head
     Turn image;
   };
   void write(FoxgloveKind kind, const std::string& topic, Time time, const std::string& message);

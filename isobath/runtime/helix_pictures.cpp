@@ -17,7 +17,7 @@ constexpr Colour kHelix = palette::kTrack, kStraightWay = palette::kObstacle;
 constexpr Colour kTangent{0.0, 0.45, 0.7, 1}, kNormal{0.84, 0.37, 0.0, 1}, kBinormal{0.0, 0.62, 0.45, 1};
 constexpr int kChartWidth = 760, kChartHeight = 420;
 
-/// Space in parallel projection, seen from abaft, to starboard and above; x ahead, y to starboard, z down.
+/// A scene in parallel projection, seen from astern, starboard and above; x ahead, y to starboard, z down.
 class SpacePicture : public Canvas {
  public:
   SpacePicture(const Eigen::AlignedBox3d& box, int width_px, const std::string& title)
@@ -50,7 +50,7 @@ class SpacePicture : public Canvas {
     const Vector2d p = px(at);
     text(p.x() + dx, p.y() + dy, word, 11, colour, align, true);
   }
-  /// The floor below, with a grid of metres, and the heights at the far left.
+  /// Draws the floor with a grid in metres, and the heights at the far left.
   void room(double step_m) const {
     const Vector3d a = box_.min(), b = box_.max();
     const Stroke faint{palette::kFaint, 0.6, false};
@@ -113,7 +113,7 @@ struct Series {
   std::vector<double> before, value;
 };
 
-/// Until the opening.
+/// The samples before the opening.
 template <class Value>
 Series series_of(const ApproachLog& log, const Value& value) {
   Series s;
@@ -162,15 +162,15 @@ std::string helix_frames_picture(const EllipticHelix& helix, const Convergence& 
     picture.arrow(frame.p_W, kArrow * frame.R_WF.col(2), kBinormal);
   }
   picture.legend({{{kTangent, 3, false}, "T: along the path"},
-                  {{kNormal, 3, false}, "N: to the inside of its bend"},
-                  {{kBinormal, 3, false}, "B: across both"},
-                  {{{0.8, 0.3, 0.6, 1}, 2, false}, "a vehicle that begins off the helix and is led onto it"},
-                  {{{0.6, 0.62, 0.65, 0.8}, 2, false}, "the helix from above, on the floor of the picture"}});
+                  {{kNormal, 3, false}, "N: towards the centre of curvature"},
+                  {{kBinormal, 3, false}, "B: normal to both"},
+                  {{{0.8, 0.3, 0.6, 1}, 2, false}, "a vehicle that starts off the helix and converges to it"},
+                  {{{0.6, 0.62, 0.65, 0.8}, 2, false}, "projection of the helix onto the floor"}});
   return picture.png();
 }
 
 std::string convergence_chart(const HelixStudy& study) {
-  ChartPicture chart(kChartWidth, kChartHeight, "Path following: off the helix (m, solid) and Lyapunov value (dashed)",
+  ChartPicture chart(kChartWidth, kChartHeight, "Path following: distance (m, solid) and Lyapunov value (dashed)",
                      {"time (s)", 0, 45}, {"metres; Lyapunov value", 1e-12, 1e2, true});
   const std::vector<Colour> colours{kHelix, kStraightWay};
   for (std::size_t i = 0; i < study.convergence.size(); ++i) {
@@ -201,8 +201,8 @@ std::string known_share_chart(const HelixStudy& study) {
 }
 
 std::string entropy_chart(const HelixStudy& study) {
-  ChartPicture chart(kChartWidth, kChartHeight, "What the map does not know of the water up to the opening",
-                     {"distance before the opening (m)", start_of(study), 0}, {"entropy (bits a voxel)", 0, 1.04});
+  ChartPicture chart(kChartWidth, kChartHeight, "Entropy of the map of the water up to the opening",
+                     {"distance before the opening (m)", start_of(study), 0}, {"entropy (bits per voxel)", 0, 1.04});
   const auto bits = [](const ApproachSample& s) { return s.bits_a_voxel; };
   const Series helix = series_of(study.helix, bits), straight = series_of(study.straight, bits);
   chart.curve(straight.before, straight.value, {kStraightWay, 2.5, false}, "straight");
@@ -277,8 +277,9 @@ std::string approach_picture(const HelixStudy& study) {
 std::string worth_chart(const HelixStudy& study) {
   double most = 1.05;
   for (const WorthPoint& w : study.worth) most = std::max(most, w.worth.stretch);
-  ChartPicture chart(kChartWidth, kChartHeight, "What one turn of a steady helix shows, and what it costs",
-                     {"way of the helix over way of the line", 1, most}, {"share of the opening known (%)", 0, 104});
+  ChartPicture chart(kChartWidth, kChartHeight, "One turn of a steady helix: benefit and cost",
+                     {"path length of the helix over that of the line", 1, most},
+                     {"share of the opening known (%)", 0, 104});
   const std::vector<Colour> colours{kHelix, kStraightWay, kBinormal};
   const std::vector<std::string> names{"flat: C = 0", "C = B / 2", "round: C = B"};
   const std::size_t each = study.worth.size() / names.size();
@@ -309,25 +310,25 @@ std::vector<std::filesystem::path> write_helix_report(const HelixStudy& study, c
   std::vector<HtmlReport::Row> rows;
   for (const auto& [what, value] : helix_facts(study)) rows.push_back({what, value});
   page.table({"what", "value"}, rows);
-  page.heading("What is known of the opening");
-  add("helix-known.png", known_share_chart(study), "Seen by both fans at once from within their range.");
+  page.heading("Known parts of the opening");
+  add("helix-known.png", known_share_chart(study), "Parts that both fans have seen at once, within their range.");
   page.begin_row();
   add("helix-opening.png", opening_picture(study, study.helix, "The opening, after the helix"),
-      "Seen from the vehicle; the shade is the distance from where it was known.");
+      "Seen from the vehicle; the shade is the distance at which a part became known.");
   add("helix-opening-straight.png", opening_picture(study, study.straight, "The opening, after the straight approach"),
       "The same without the helix.");
   page.end_row();
-  add("helix-entropy.png", entropy_chart(study), "Of a map of the water from the start to the opening.");
+  add("helix-entropy.png", entropy_chart(study), "Entropy of a map of the water from the start to the opening.");
   page.heading("The manoeuvre");
   page.begin_row();
-  add("helix-approach.png", approach_picture(study), "Helix, decision, and what followed.");
+  add("helix-approach.png", approach_picture(study), "Helix, decision, and the track after it.");
   add("helix-swing.png", swing_chart(study), "Amplitudes grow as the opening comes nearer.");
   page.end_row();
-  add("helix-worth.png", worth_chart(study), "A dot for every half metre of B.");
+  add("helix-worth.png", worth_chart(study), "One dot for every half metre of B.");
   page.heading("Path following");
   add("helix-frames.png", helix_frames_picture(study.reference, study.convergence.back()),
       "The Serret-Frenet frame along a steady helix.");
-  add("helix-errors.png", convergence_chart(study), "From two places off the helix.");
+  add("helix-errors.png", convergence_chart(study), "From two starts off the helix.");
   page.save(folder / "report.html");
   files.emplace_back("report.html");
   return files;

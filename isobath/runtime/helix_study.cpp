@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 constexpr double kStep = 0.05;    // s, of the simulation
 constexpr double kVoxel = 1;      // m
 constexpr double kMiss = -0.405;  // log-odds of a look that sees nothing (FanMapperConfig::miss)
-constexpr double kThrough = 8;    // m behind the opening
+constexpr double kThrough = 8;    // m beyond the opening
 
 VehicleModel vehicle_of(const HelixRequest& request) {
   if (!request.vehicle.empty()) return load_vehicle(request.vehicle);
@@ -22,7 +22,7 @@ VehicleModel vehicle_of(const HelixRequest& request) {
   for (const EmbeddedFile& file : embedded_files()) {
     if (file.name == kName) return parse_vehicle(file.text, std::string(kName));
   }
-  throw Error("the program has no vehicle of its own", {}, {}, "name a vehicle file");
+  throw Error("the program has no embedded vehicle", {}, {}, "name a vehicle file");
 }
 
 Opening opening_of(const HelixRequest& request) {
@@ -31,7 +31,7 @@ Opening opening_of(const HelixRequest& request) {
   return {{R_WO, start_W + R_WO * Vector3d(request.from_m, 0, 0)}, request.width_m, request.height_m};
 }
 
-/// Marks what both fans see in one image as once more found empty, in the layer of each.
+/// Adds one miss to each voxel that both fans see in one image, in both layers.
 void hear_nothing(VoxelMap& map, const WaterBox& water, const FanPair& fans, const Pose& X_WB) {
   const Pose X_BW = X_WB.inverse();
   const LogOdds16 miss = to_evidence(kMiss);
@@ -69,15 +69,15 @@ Convergence converge(const SpacePath& path, const PathFollowingConfig& config, c
 
 std::vector<Section> sections(HelixRequest& r) {
   std::vector<Field> approach{
-      Field::real("width", &r.width_m, {0.5, 1000}, "m", "Of the opening."),
-      Field::real("height", &r.height_m, {0.5, 1000}, "m", "Of the opening, from the surface to the bed."),
-      Field::real("from", &r.from_m, {2, 1000}, "m", "Where the approach begins, before the opening."),
-      Field::degrees("course_deg", &r.course, {-360, 360}, "Of the approach line, clockwise from north."),
-      Field::real("speed", &r.speed, {0.1, 20}, "m/s", "Through the water."),
-      Field::real("images", &r.images_per_s, {0.1, 20}, "1/s", "Of the pair of fans; each plans the approach anew."),
+      Field::real("width", &r.width_m, {0.5, 1000}, "m", "Width of the opening."),
+      Field::real("height", &r.height_m, {0.5, 1000}, "m", "Height of the opening, from the surface to the bed."),
+      Field::real("from", &r.from_m, {2, 1000}, "m", "Distance of the start before the opening."),
+      Field::degrees("course_deg", &r.course, {-360, 360}, "Course of the approach line, clockwise from north."),
+      Field::real("speed", &r.speed, {0.1, 20}, "m/s", "Speed through the water."),
+      Field::real("images", &r.images_per_s, {0.1, 20}, "1/s", "Image rate; each image plans the approach anew."),
       Field::choice("plant", &r.plant, {{"dynamic", PlantKind::kDynamic}, {"kinematic", PlantKind::kKinematic}},
-                    "Whether the vehicle has inertia and an autopilot."),
-      Field::file("vehicle", &r.vehicle, "Vehicle file; empty: the one that the program brings along.")};
+                    "Vehicle model; dynamic has inertia and an autopilot."),
+      Field::file("vehicle", &r.vehicle, "Vehicle file; empty: the embedded vehicle.")};
   return {{"approach", "The opening and the vehicle.", std::move(approach)},
           {"helix", "The helix and the decision.", fields(r.helix)},
           {"fans", "The pair of forward-looking fans.", fields(r.fans)},
@@ -98,7 +98,7 @@ ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model,
   start.v_B.x() = request.speed;
   const auto plant = make_plant(model, request.plant, start);
   PathHelmConfig steering = request.helm;
-  if (request.plant == PlantKind::kKinematic) steering.heading_lag_s = 0;  // it turns and dives as it is told
+  if (request.plant == PlantKind::kKinematic) steering.heading_lag_s = 0;  // it follows set-points without lag
   PathHelm helm(share > 0 ? approach.plan().path : straight, steering,
                 request.plant == PlantKind::kDynamic ? loop : DepthLoop{}, request.speed);
 
@@ -164,7 +164,7 @@ HelixStudy study_helix(const HelixRequest& request) {
   }
   const VehicleModel model = vehicle_of(request);
   if (request.speed > model.limits.max_speed || request.speed < model.autopilot.min_flow) {
-    throw Error("the vehicle cannot go at this speed", {}, "above the flow that its fins need, up to its greatest");
+    throw Error("the vehicle cannot go at this speed", {}, "above the flow that its fins need, up to its maximum");
   }
   const EllipticHelix reference;
   const DepthLoop loop = measured_depth_loop(model, request.speed, reference.way_m() / request.speed);
@@ -197,19 +197,19 @@ std::vector<std::pair<std::string, std::string>> helix_facts(const HelixStudy& s
   std::vector<std::pair<std::string, std::string>> facts{
       {"opening known to be free, helix", percent(helix.view.known_share())},
       {"opening known to be free, straight", percent(straight.view.known_share())},
-      {"entropy of the water before it, helix", fmt::format("{:.3f} bits a voxel", helix.samples.back().bits_a_voxel)},
-      {"the same, straight", fmt::format("{:.3f} bits a voxel", straight.samples.back().bits_a_voxel)},
+      {"entropy of the water, helix", fmt::format("{:.3f} bits per voxel", helix.samples.back().bits_a_voxel)},
+      {"entropy of the water, straight", fmt::format("{:.3f} bits per voxel", straight.samples.back().bits_a_voxel)},
       {"decision", fmt::format("{}, {:.1f} m before it", to_text(helix.samples.back().phase), helix.leave_m)},
       {"latest decision", fmt::format("{:.1f} m before it", s.latest_decision_m)},
-      {"nearest to the opening", helix.nearest_m > 0 ? fmt::format("{:.1f} m", helix.nearest_m) : "went through"},
-      {"way to the decision over the line's",
+      {"closest to the opening", helix.nearest_m > 0 ? fmt::format("{:.1f} m", helix.nearest_m) : "went through"},
+      {"path length to the decision over the line's",
        fmt::format("{:.3f}", helix.way_m / (helix.samples.front().distance_m - helix.leave_m))},
-      {"off the planned helix, rms",
+      {"deviation from the planned helix, rms",
        fmt::format("{:.2f} m vertically, {:.2f} m across", helix.vertical_rms_m, helix.lateral_rms_m)},
-      {"depth loop, as identified",
-       fmt::format("asked = z + {:.2f} s z' + {:.2f} s2 z''", s.depth_loop.lag_s, s.depth_loop.lag2_s2)},
+      {"identified depth loop",
+       fmt::format("commanded = z + {:.2f} s z' + {:.2f} s2 z''", s.depth_loop.lag_s, s.depth_loop.lag2_s2)},
       {"helix of A, B, C = 6, 4, 2 m",
-       fmt::format("{:.1f} m a turn, way {:.1f} m, heading {:.1f} deg, pitch {:.1f} deg, {:.1f} deg/s at 1.5 m/s",
+       fmt::format("{:.1f} m per turn, path {:.1f} m, heading {:.1f} deg, pitch {:.1f} deg, {:.1f} deg/s at 1.5 m/s",
                    s.reference.turn_m(), s.reference.way_m(), s.reference.heading_swing().degrees(),
                    s.reference.pitch_swing().degrees(), Angle::radians(1.5 * s.reference.max_curvature()).degrees())}};
   for (const Convergence& c : s.convergence) {

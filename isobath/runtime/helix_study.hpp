@@ -1,10 +1,10 @@
-// Two approaches to an opening in open water, by the same simulated vehicle under its autopilot: straight, and by the
-// helix manoeuvre; and what a pair of fans comes to know of the opening on the way (ledger S5-40, S5-45 to S5-47,
-// S5-53, S5-58, S5-D07 to S5-D09). And the path-following law by itself, from two places off the helix.
+// HelixStudy: two approaches to an opening in open water by the same simulated vehicle under its autopilot, straight
+// and by the helix manoeuvre, and what a pair of fans learns of the opening on the way (ledger S5-40, S5-45 to S5-47,
+// S5-53, S5-58, S5-D07 to S5-D09). It also runs the path-following law by itself, from two starts off the helix.
 //
-// What is known follows from geometry alone (OpeningView): each image looks, with no echo that could be missed. Entropy
-// is that of a map of one-metre voxels in the water from the start to the opening, where a voxel that both fans see in
-// one image hears one `miss` from each. Each image plans the approach anew. A pure function of its request.
+// Knowledge of the opening follows from geometry alone (OpeningView): each image is a look, and no echo can be missed.
+// Entropy is that of a map of one-metre voxels in the water from the start to the opening; a voxel that both fans see
+// in one image gets one `miss` from each. The approach is planned anew with each image. A pure function of its request.
 #pragma once
 
 #include <isobath/planning/awareness.hpp>
@@ -21,19 +21,19 @@ namespace isobath {
 
 struct HelixRequest {
   double width_m = 25, height_m = 8;  ///< of the opening; its upper edge is the water surface
-  double from_m = 60;                 ///< where the approach begins, before the opening
+  double from_m = 60;                 ///< start of the approach, before the opening
   Angle course = Angle::degrees(0);   ///< of the approach line
   double speed = 1.5;                 ///< m/s
   double images_per_s = 5;
   PlantKind plant = PlantKind::kDynamic;
-  std::string vehicle;  ///< file; empty: the torpedo-shaped one that the program brings along
+  std::string vehicle;  ///< file; empty: the embedded torpedo-shaped one
   HelixConfig helix;
   PathFollowingConfig following;
   PathHelmConfig helm;
   FanPair fans;
 };
 
-/// All of it, as `--config` and `--set` name it; bound to `request`, which must outlive them.
+/// All settings, as `--config` and `--set` name them; bound to `request`, which must outlive them.
 std::vector<Section> sections(HelixRequest& request);
 
 /// One image of an approach.
@@ -55,11 +55,11 @@ struct ApproachLog {
   double leave_m = 0;                   ///< distance at which the helix was left; 0: none was flown
   double way_m = 0;                     ///< from the start to where the helix was left
   double nearest_m = 0;                 ///< to the opening's plane; 0: went through
-  double vertical_rms_m = 0;            ///< beside the target, while the helix lasts
+  double vertical_rms_m = 0;            ///< from the target, during the helix
   double lateral_rms_m = 0;
 };
 
-/// The law from one place: errors and V by time.
+/// The law from one start: errors and V over time.
 struct Convergence {
   Eigen::Vector3d start_F;
   std::vector<double> time_s, off_m, lyapunov;
@@ -83,13 +83,13 @@ struct HelixStudy {
   std::vector<WorthPoint> worth;
 };
 
-/// Throws Error where the request makes no sense.
+/// Throws Error if the request is invalid.
 HelixStudy study_helix(const HelixRequest& request);
 
-/// What came of it, one line each: what, and how much.
+/// The results, one line each: quantity and value.
 std::vector<std::pair<std::string, std::string>> helix_facts(const HelixStudy& study);
 
-/// Flies one approach; `share` 0: straight.
+/// Flies one approach; `share` above 0: by helix, 0: straight.
 ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model, const DepthLoop& loop, double share);
 
 }  // namespace isobath

@@ -1,7 +1,8 @@
-// Helm: whoever steers the vehicle in a closed loop. The mission's agents are one; the baselines that they are compared
+// Helm: steers the vehicle in a closed loop. The mission's agents are one helm; the baselines that they are compared
 // with are others.
 //
-// A helm is a function of the events that it hears and of their times: the same events give the same set-points.
+// A helm is a function of its events and their times: the same events give the same set-points, unless the helm has
+// threads of its own (LiveHelm).
 #pragma once
 
 #include <isobath/io/event.hpp>
@@ -16,23 +17,23 @@ namespace isobath {
 
 class Helm : public ResultSink {
  public:
-  /// Every event as it comes, before the pipeline has it.
+  /// Every event on arrival, before the pipeline gets it.
   virtual void hear(const Event& event) = 0;
-  /// What is known of the water around in three dimensions, before the scan that it goes with; never null. Only where a
-  /// sonar tells height.
+  /// The voxels around the vehicle as occupied, free, measured or unknown; never null. Called before the scan that they
+  /// belong to, and only if a sonar measures height.
   virtual void on_space(Time /*time*/, const std::shared_ptr<const SpaceGrid>& /*space*/) {}
-  /// What the vehicle shall do from now on. Called after each event.
+  /// The set-point from now on. Called after each event.
   [[nodiscard]] virtual Setpoint steer() = 0;
   [[nodiscard]] virtual MissionReport progress() const = 0;
-  /// All so far, in order.
+  /// All decisions so far, in order.
   [[nodiscard]] virtual const std::vector<Decision>& decisions() const = 0;
-  /// Frames for the operator since the last call (operator_link.hpp); not kept for ever where nobody asks.
+  /// Frames for the operator since the last call (operator_link.hpp). Frames that are not fetched may be dropped.
   [[nodiscard]] virtual std::vector<FrameBytes> to_operator() { return {}; }
-  /// Whoever is to see every message of its agents, in order, as a crew's recorder (bus.hpp).
+  /// `recorder` gets every message of the agents, in order (bus.hpp).
   virtual void show_messages_to(const Recorder& /*recorder*/) {}
-  /// Of its agents, where it has any.
+  /// Counts of its agents, if it has any.
   [[nodiscard]] virtual CrewCounts crew_counts() const { return {}; }
-  /// Waits until all that was heard is answered; one that has no threads of its own has nothing to wait for.
+  /// Waits until all events so far are answered. Returns at once if the helm has no threads of its own.
   virtual void settle() {}
 };
 

@@ -9,9 +9,9 @@
 namespace isobath {
 namespace {
 
-constexpr int kFramesTogether = 4;    // of background, in one fold: as in Calibration
-constexpr double kWithin = 0.999;     // of the background, below the open level
-constexpr double kLeastShare = 1e-5;  // the foot of a chart, with room for its legend
+constexpr int kFramesTogether = 4;    // neighbouring background frames in one fold, as in Calibration
+constexpr double kWithin = 0.999;     // share of the background below the open level
+constexpr double kLeastShare = 1e-5;  // lower end of a chart, with room for its legend
 
 /// Calls visit(frame, fold) for each frame.
 template <class Visit>
@@ -45,7 +45,7 @@ double fitting_width(std::span<const MarkedFrame> frames, int levels, double bli
   return std::clamp(std::ceil(width), 1.0, std::max(1.0, std::ceil(most)));
 }
 
-/// Samples of held-out pixels by their ratio.
+/// Counts samples of held-out pixels by their likelihood ratio.
 class RatioCounts {
  public:
   RatioCounts() : noise_(kCount, 0), target_(kCount, 0) {}
@@ -74,7 +74,7 @@ class RatioCounts {
   std::vector<std::int16_t> looked_up_;
 };
 
-/// A histogram as a line of steps, over `levels` levels; shares of nothing at the foot of the picture.
+/// Draws a histogram as steps, one per level; empty levels lie at the lower end of the chart.
 void steps(ChartPicture& chart, const HistogramModel& model, const std::vector<double>& shares, const Stroke& stroke,
            const std::string& name) {
   std::vector<double> x, y;
@@ -91,7 +91,7 @@ ChartPicture histogram_picture(const HistogramModel& model, const std::string& t
   return {720,
           440,
           title,
-          {fmt::format("intensity (counts); from {:g} on: all above", end - model.config.level_width), 0, end, false},
+          {fmt::format("intensity (counts); open level from {:g}", end - model.config.level_width), 0, end, false},
           {"share of samples", kLeastShare, 1, true}};
 }
 
@@ -139,7 +139,7 @@ HistogramCalibration learn_histograms(std::span<const MarkedFrame> frames, const
 }
 
 std::string noise_histogram_chart(const HistogramModel& model) {
-  ChartPicture chart = histogram_picture(model, "Noise at some pixels: range, bearing");
+  ChartPicture chart = histogram_picture(model, "Noise of some pixels, by range and bearing");
   const auto nearest_beam = [&](double degrees) {
     const auto nearer = [&](Angle a, Angle b) {
       return std::abs(a.degrees() - degrees) < std::abs(b.degrees() - degrees);

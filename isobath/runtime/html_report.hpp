@@ -1,5 +1,5 @@
 // HtmlReport: one self-contained page (pictures inside, nothing fetched) that opens offline and prints well. It has no
-// scripts; a page that it shows inside may have, and stays by itself.
+// scripts; an embedded page may have some, and runs in a sandbox.
 #pragma once
 
 #include <filesystem>
@@ -15,17 +15,17 @@ class HtmlReport {
 
   void heading(const std::string& title);
   void paragraph(const std::string& text);
-  /// A sentence that must not be overlooked.
+  /// A highlighted sentence.
   void warning(const std::string& text);
   void figure(const std::string& png, const std::string& caption);
-  /// Figures that follow stand side by side where the screen is wide enough.
+  /// The following figures stand side by side if the screen is wide enough.
   void begin_row();
   void end_row();
   using Row = std::vector<std::string>;
   void table(const Row& header, const std::vector<Row>& rows);
-  /// Another page, with scripts, shown inside where they run; else, and in print, neither it nor the words are there.
+  /// Embeds a page with scripts, and `words` below it. Both are hidden in print and where scripts do not run.
   void page_inside(const std::string& title, const std::string& html, const std::string& words);
-  /// Folded away until it is asked for.
+  /// A section that is folded until the reader opens it.
   void folded(const std::string& title, const std::string& preformatted);
 
   [[nodiscard]] std::string html() const;
@@ -36,10 +36,10 @@ class HtmlReport {
   std::string body_;
 };
 
-/// Untrusted text (file names, device strings) made safe to stand in a page.
+/// Escapes untrusted text (file names, device strings) for a page.
 std::string escape_html(std::string_view text);
 
-/// Makes a folder for results, if it is not there; throws Error if it cannot.
+/// Makes a folder for results if it does not exist; throws Error if it cannot.
 void make_folder(const std::filesystem::path& folder);
 
 /// Writes a whole file; throws Error if it cannot.

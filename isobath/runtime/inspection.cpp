@@ -5,7 +5,7 @@
 namespace isobath {
 namespace {
 
-/// Collects the times of one stream; intervals are kept as floats: an hour at 100 Hz is 1.4 MB.
+/// Collects the times of one stream. Intervals are kept as floats: an hour at 100 Hz takes 1.4 MB.
 class StreamCount {
  public:
   explicit StreamCount(std::string name) { facts_.name = std::move(name); }

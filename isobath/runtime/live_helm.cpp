@@ -19,7 +19,7 @@ struct LiveHelm::State {
     if (listener) listener(envelope);
   }
 
-  /// What is new in the book, for the thread that steers.
+  /// Copies what is new in the book for the thread that steers.
   void read_book() {
     const std::lock_guard lock(book_mutex);
     read.report = book.report;
@@ -32,7 +32,7 @@ struct LiveHelm::State {
   std::atomic<Duration::rep> now = 0;
   Logbook book, read;
   Recorder listener;
-  ThreadedCrew crew;  ///< last: its threads use all the others
+  ThreadedCrew crew;  ///< last, because its threads use all other members
 };
 
 LiveHelm::LiveHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,

@@ -1,15 +1,15 @@
-// LiveHelm: the same crew as MissionHelm's with real threads, one for each agent (Herman 1988, 2; ledger S2-12, S6-31,
-// S6-33): an agent that plans for long, dies or hangs does not keep the others waiting.
+// LiveHelm: runs the same agents as MissionHelm, each in a thread of its own (Herman 1988, 2; ledger S2-12, S6-31,
+// S6-33). An agent that plans for long, dies or hangs does not delay the others.
 //
-// Messages reach mailboxes (threaded_crew.hpp) and are answered when their agents come to it: what a run decides
-// depends on who is faster. A recorded run is replayed by MissionHelm.
+// Messages go into mailboxes (threaded_crew.hpp), and each agent handles its own when it has time. Decisions depend on
+// the timing of the threads, so live runs are not deterministic. MissionHelm replays a recorded run.
 //
-// Time is that of the events, here too. Whoever hears a source that is faster than the world must call settle between
-// its steps, or the watchdog takes agents that are merely slower for hung.
+// Time is that of the events, as in MissionHelm. If the source runs faster than real time, the caller must call settle
+// between its steps; otherwise the watchdog takes agents that are merely slow for hung ones.
 //
-// Threads: two may use it, one that hears and steers, one that maps (on_ping, on_scan); progress, decisions and
-// to_operator belong to the first, and say what was known at its last steer or settle. Throws Error where the crew
-// cannot be.
+// Threads: the source thread calls hear, steer and settle; the mapping thread calls on_ping, on_scan and on_space.
+// progress, decisions and to_operator belong to the source thread; progress and decisions return the state at its last
+// steer or settle. Throws Error if the agents cannot be set up.
 #pragma once
 
 #include <isobath/runtime/crew_helm.hpp>
@@ -19,9 +19,9 @@ namespace isobath {
 
 class LiveHelm : public CrewHelm {
  public:
-  static constexpr std::size_t kMostFrames = 256;  ///< kept for an operator; the oldest give way
+  static constexpr std::size_t kMostFrames = 256;  ///< kept for the operator; beyond it the oldest frame is dropped
 
-  /// As MissionHelm's.
+  /// Takes the same arguments as MissionHelm.
   LiveHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
            std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast);
   LiveHelm(const LiveHelm&) = delete;
@@ -34,7 +34,7 @@ class LiveHelm : public CrewHelm {
   void show_messages_to(const Recorder& recorder) override;
   [[nodiscard]] std::vector<FrameBytes> to_operator() override;
   [[nodiscard]] CrewCounts crew_counts() const override;
-  /// All that was heard is answered, but for agents that are lost.
+  /// Waits until the agents have handled all messages; lost agents are not waited for.
   void settle() override;
 
  private:

@@ -1,11 +1,11 @@
-// The live page (web/): one HTML file with all that it needs, as the program carries it.
+// live_page: the live page (web/) as one self-contained HTML file, compiled into the program.
 #pragma once
 
 #include <string_view>
 
 namespace isobath {
 
-/// Empty where the program was built without it (ISOBATH_PAGE).
+/// Empty if the program was built without the page (ISOBATH_PAGE).
 std::string_view live_page();
 
 }  // namespace isobath

@@ -12,19 +12,19 @@ constexpr int kSide = DepthTile::kSide;
 
 enum class Sense : std::uint8_t { kSame, kShoaler, kDeeper };
 
-/// Changed pixels of one row that lie side by side.
+/// Adjacent changed pixels of one row.
 struct Run {
   std::int32_t begin = 0, end = 0;
   Sense sense = Sense::kSame;
   std::size_t region = 0;
 };
 
-/// Joins the runs of rows that come from the north into regions.
+/// Joins the runs of consecutive rows, from the north, into regions.
 class RegionList {
  public:
   explicit RegionList(const PixelGrid& grid) : grid_(grid) {}
 
-  /// Runs in the order of their columns; rows in theirs, empty ones may be left out.
+  /// Runs come in the order of their columns, rows from the north; empty rows may be left out.
   void add_row(std::int32_t row, std::vector<Run> runs) {
     if (row != row_ + 1) above_.clear();
     std::size_t first = 0;
@@ -110,7 +110,7 @@ class RegionList {
   std::int32_t row_ = -2;
 };
 
-/// Rows of tiles, each with the columns of those in which something was sensed or passed.
+/// The rows of tiles, each with the columns of the tiles that hold sensed pixels or track.
 std::map<std::int32_t, std::set<std::int32_t>> tiles_in_use(const DepthTrees& trees) {
   std::map<std::int32_t, std::set<std::int32_t>> tiles;
   trees.state().for_each_leaf(trees.extent(), [&](std::uint32_t word, const PixelWindow& leaf) {

@@ -13,18 +13,18 @@ namespace {
 constexpr double kProbabilityUnit = 250;
 constexpr std::uint8_t kUnknownCell = 255;
 constexpr std::uint16_t kUnknownUnits = 65535;
-constexpr double kFine_m = 0.01, kCoarse_m = 0.2;  ///< a unit of depth: down to 655 m, and beyond
+constexpr double kFine_m = 0.01, kCoarse_m = 0.2;  ///< units of depth: the fine one down to 655 m, else the coarse one
 constexpr int kOverviewTile = 64;
-constexpr std::size_t kFewestBlocks = 16, kLooks = 8;  ///< of voxels a look; looks until all that changed are shown
+constexpr std::size_t kFewestBlocks = 16, kLooks = 8;  ///< minimum blocks per call; calls until all changes are shown
 constexpr int kVoxelRun = 64;
-constexpr std::uint64_t kOverviewRow = 0x4000'0000;  ///< rows of the overview, apart from those of the window
+constexpr std::uint64_t kOverviewRow = 0x4000'0000;  ///< keeps the rows of the overview apart from those of the window
 
 std::uint64_t pair_of(std::int64_t row, std::int64_t column) {
   return static_cast<std::uint64_t>(static_cast<std::uint32_t>(row)) << 32 | static_cast<std::uint32_t>(column);
 }
 
-/// Shades of all cells, from a table by their log-odds: a tenth of the time that an exponential each would take, and
-/// beside the exact shade by no more than one, where that is between two.
+/// The shades of all cells, looked up in a table by log-odds. This takes a tenth of the time of one exponential per
+/// cell; a shade is off by at most one, where the exact value lies close to the border of two shades.
 std::vector<std::uint8_t> cell_shades(const BodyGrid& grid) {
   constexpr int kSteps = 4096;
   const double least = grid.log_odds_min(), step = (grid.log_odds_max() - least) / kSteps;
@@ -34,7 +34,7 @@ std::vector<std::uint8_t> cell_shades(const BodyGrid& grid) {
         static_cast<std::uint8_t>(std::lround(kProbabilityUnit * probability_of(least + i * step)));
   }
   const double unknown_below = log_odds_of(grid.config().threshold / 9), steps_a_unit = 1 / step;
-  const double first = least - step / 2;  // of what is nearest to the table's first entry
+  const double first = least - step / 2;  // lower bound of the values that round to the table's first entry
   std::vector<std::uint8_t> shades(grid.cells().size());
   for (std::size_t i = 0; i < shades.size(); ++i) {
     const double log_odds = grid.log_odds()[i];
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> cell_shades(const BodyGrid& grid) {
   return shades;
 }
 
-/// A square of pixels as a tile of the page: rows from the north in, from the south out.
+/// Encodes a square of pixels as a tile of the page. Input rows come from the north, output rows from the south.
 std::string page_tile_of(std::span<const DepthPixel> pixels, int side, double pixel_m,
                          const Eigen::Vector2d& south_west) {
   double deepest = 0;
@@ -54,7 +54,7 @@ std::string page_tile_of(std::span<const DepthPixel> pixels, int side, double pi
   bytes.add(static_cast<std::uint16_t>(side)).add(std::uint16_t{0}).add(static_cast<float>(pixel_m));
   bytes.add(south_west.x()).add(south_west.y());
   bytes.add(static_cast<float>(unit)).add(std::uint32_t{0});
-  // a plane of the like after the other: runs
+  // one plane after another, because equal bytes in sequence pack well
   const std::size_t count = pixels.size();
   std::vector<std::uint8_t> planes(4 * count);
   std::size_t to = 0;
@@ -76,7 +76,7 @@ std::string page_tile_of(std::span<const DepthPixel> pixels, int side, double pi
   return bytes.take();
 }
 
-/// Whether any of kVoxelRun voxels is more likely occupied than not, to one sensor at least.
+/// Whether at least one sensor holds any of the kVoxelRun voxels for more likely occupied than not.
 bool any_speaks_for(const std::vector<const LogOdds16*>& evidence, int run) {
   LogOdds16 most = kUnseen;
   for (const LogOdds16* block : evidence) {
@@ -100,7 +100,7 @@ VoxelIndex cube_of(const VoxelIndex& voxel) {
 
 std::uint64_t region_of(const VoxelIndex& voxel) { return VoxelBlocks::key_of(cube_of(voxel)); }
 
-/// The pixels of a chart that anybody knows, as one window; no width where there are none.
+/// The bounding window of all pixels with a charted depth; its width is 0 if there are none.
 PixelWindow known_of(const DepthTrees& trees) {
   int west = 0, north = 0, east = 0, south = 0;
   bool any = false;
@@ -121,7 +121,7 @@ void MapDisplay::show(Time time, const BodyGrid& grid, const Pose& X_WB) {
   if (!show_again(grid_shown_, time, kGridInterval)) return;
   grid_shown_ = time;
   const CartesianGrid& cells = grid.cells();
-  // W from L, L from G: where the grid's corner lies and how it is turned
+  // W from L, L from G: position and orientation of the grid's corner
   const Pose X_WL = level(X_WB);
   const Eigen::Vector2d corner_L = grid.to_level_body(Eigen::Vector2d::Zero());
   const Eigen::Vector2d ahead_L = grid.to_level_body(Eigen::Vector2d::UnitX()) - corner_L;
@@ -227,7 +227,7 @@ void MapDisplay::show_block(Time time, const VoxelMap& voxels, const VoxelIndex&
   std::array<std::uint8_t, kCubes * kCubes * kCubes> cubes{};
   std::uint32_t count = 0;
   for (int run = 0; run < VoxelBlocks::kVolume; run += kVoxelRun) {
-    if (!any_speaks_for(evidence, run)) continue;  // most of the water
+    if (!any_speaks_for(evidence, run)) continue;  // true for most of the water
     for (int i = run; i < run + kVoxelRun; ++i) {
       const auto speaks_for = [i](const LogOdds16* block) { return block[i] > 0; };
       if (std::none_of(evidence.begin(), evidence.end(), speaks_for)) continue;

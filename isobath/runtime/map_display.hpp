@@ -1,12 +1,14 @@
-// MapDisplay: the maps of a run as items for a page: occupancy around the vehicle, depths, voxels; of each only what
-// has changed.
+// MapDisplay: encodes the maps of a run as items for the live page: occupancy around the vehicle, depths and voxels.
+// Only what has changed is encoded.
 //
-// Depths: the whole of what is charted once, coarse enough to be one picture (kOverview pixels a side); then each tile
-// of the window in which a sonar has spoken, at full resolution, when it has changed. Voxels: of each block that has
-// changed those at least as likely occupied as not; an eighth of these blocks a look, so that no ping waits for all.
-// And the same in cubes of kCube voxels a side, which are a thirtieth of the bytes: what a page can draw at a glance.
+// Depths: the charted area is encoded once, as one coarse picture (at most kOverview pixels a side). After that, each
+// tile of the window with sonar readings is encoded at full resolution whenever it has changed. Voxels: each changed
+// block is encoded with its voxels of probability 0.5 and more. One call encodes about an eighth of the changed blocks,
+// so that no ping waits for all of them. The same voxels are also encoded as cubes of kCube voxels a side, which take a
+// thirtieth of the bytes and give the page a quick overview.
 //
-// Items: docs/live-page.md. Times are the events'; each map is shown at most as often as its interval says. One thread.
+// Items: docs/live-page.md. Times are those of the events. Each map has a minimum interval between two encodings. One
+// thread.
 #pragma once
 
 #include <array>
@@ -34,11 +36,11 @@ class MapDisplay {
   explicit MapDisplay(DisplayItems& items) : items_(items) {}
 
   void show(Time time, const BodyGrid& grid, const Pose& X_WB);
-  /// Whether it is time to look at these again: a snapshot is not for nothing.
+  /// Whether the next depths are due. Making a snapshot costs time, so ask first.
   [[nodiscard]] bool wants_depths(Time time) const { return show_again(depths_shown_, time, kDepthInterval); }
   void show(Time time, std::shared_ptr<const DepthSnapshot> depths);
   void show(Time time, const VoxelMap& voxels);
-  /// The voxels stand elsewhere now: all of them are shown anew.
+  /// Call after the voxel map has moved: all voxels are encoded again.
   void voxels_moved(Time time);
 
  private:
@@ -50,19 +52,19 @@ class MapDisplay {
   DisplayItems& items_;
   std::optional<Time> grid_shown_, depths_shown_, voxels_shown_;
   bool overview_shown_ = false;
-  std::shared_ptr<const DepthSnapshot> depths_;  ///< as they were shown
+  std::shared_ptr<const DepthSnapshot> depths_;  ///< as last shown
   std::uint64_t voxel_revision_ = 0;
-  std::vector<VoxelIndex> changed_;                ///< corners of blocks still to be shown
-  std::size_t a_look_ = 0;                         ///< so many of them
-  std::map<std::uint64_t, std::uint32_t> blocks_;  ///< that are shown: their voxels
+  std::vector<VoxelIndex> changed_;                ///< corners of the blocks still to be shown
+  std::size_t a_look_ = 0;                         ///< blocks per call
+  std::map<std::uint64_t, std::uint32_t> blocks_;  ///< voxels of each block that is shown
 
-  /// As many cubes a side as a block has voxels.
+  /// The cubes of one region, which has as many cubes a side as a block has voxels.
   struct Region {
     std::array<std::uint8_t, VoxelBlocks::kVolume> cubes{};  ///< the most likely voxel of each
     std::uint32_t voxels = 0;
   };
   std::map<std::uint64_t, Region> regions_;
-  std::set<std::uint64_t> told_anew_;  ///< regions of the blocks of this look
+  std::set<std::uint64_t> told_anew_;  ///< regions of the blocks of this call
 };
 
 }  // namespace isobath

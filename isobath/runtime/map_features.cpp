@@ -19,7 +19,7 @@ std::string points_text(const std::vector<Vector2d>& points) {
   return text;
 }
 
-/// What is no number ends the line.
+/// Parsing stops at the first text that is not a finite number.
 std::vector<Vector2d> points_of(const std::string& text) {
   std::vector<double> numbers;
   const char* at = text.data();
@@ -38,7 +38,7 @@ std::vector<Vector2d> points_of(const std::string& text) {
 
 bool blocks(PriorPointKind kind) { return kind != PriorPointKind::kLand; }
 bool blocks(PriorLineKind kind) { return kind == PriorLineKind::kStructure || kind == PriorLineKind::kObstruction; }
-/// 0 where the chart does not say: up to the surface.
+/// 0 if the chart does not say: the object then reaches up to the surface.
 double highest_of(const PriorPoint& point) { return point.depth_m.value_or(point.clear_to_m.value_or(0)); }
 
 void store_point(ObjectStore& store, const PriorPoint& point, Time time) {
@@ -90,7 +90,7 @@ std::size_t store_features(ObjectStore& store, const std::vector<Prior>& priors,
 
 Eigen::AlignedBox2d box_of(const DepthArea& area) {
   const double side = std::ldexp(area.grid.pixel_m, area.levels);
-  const Vector2d south_west{area.grid.corner_m.x() - side, area.grid.corner_m.y()};  // its corner is the north-west
+  const Vector2d south_west{area.grid.corner_m.x() - side, area.grid.corner_m.y()};  // corner_m is the north-west one
   return {south_west, south_west + Vector2d(side, side)};
 }
 
@@ -126,7 +126,7 @@ std::vector<ChartObstacle> obstacles_near(const MapFeatures& features, const Eig
     ChartObstacle obstacle;
     obstacle.a = obstacle.b = object.p_W.head<2>();
     obstacle.radius_m = radius_m;
-    obstacle.top_m = object.p_W.z();  // depth of its top; 0 where the chart does not say: up to the surface
+    obstacle.top_m = object.p_W.z();  // depth of its top; 0, at the surface, if the chart does not say
     obstacles.push_back(obstacle);
   }
   for (const std::uint64_t id : features.segments.in_window(wide)) {

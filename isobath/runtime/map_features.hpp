@@ -1,8 +1,9 @@
-// What stands in and around the water of a map, beside depths: obstructions, wrecks, rocks as objects; coast, contours,
+// MapFeatures: the features of a map beside depths: obstructions, wrecks and rocks as objects; coast, contours and
 // pipelines as lines (ledger S1-07, S1-20 to S1-25).
 //
-// All is kept in the map's object store: an object of its kind each, its depth as the attribute "depth" or "clear to",
-// a line's points as the attribute "points". The trees that find what is near are made when the map is opened.
+// The map's object store holds one object per feature, with its kind. The attribute "depth" or "clear to" holds its
+// depth, and the attribute "points" holds the points of a line. The trees for spatial queries are built when the map is
+// opened.
 #pragma once
 
 #include <cstdint>
@@ -24,10 +25,10 @@ inline constexpr std::uint32_t kBlocksPassage = 1U << 1;  ///< a vehicle must no
 inline constexpr std::uint32_t kLineFeature = 1U << 2;
 inline constexpr std::uint32_t kFoundObject = 1U << 3;  ///< capability: found by sonar (found_objects)
 
-/// Writes points and lines of priors into the store, in one transaction. Returns how many objects.
+/// Writes points, lines and coasts of priors into the store, in one transaction. Returns the number of features.
 std::size_t store_features(ObjectStore& store, const std::vector<Prior>& priors, Time time);
 
-/// What an area covers, north and east in m.
+/// The extent of an area: north and east, m.
 Eigen::AlignedBox2d box_of(const DepthArea& area);
 
 struct MapFeatures {
@@ -37,19 +38,19 @@ struct MapFeatures {
     std::vector<Eigen::Vector2d> points;
     bool blocks = false;
   };
-  std::vector<MapObject> objects;  ///< of the points
+  std::vector<MapObject> objects;  ///< the point features
   std::vector<Line> lines;
   PrQuadtree points;     ///< index into `objects`
   PmrQuadtree segments;  ///< id: line index << 32 | segment
 };
 MapFeatures load_features(const ObjectStore& store, const DepthArea& area);
 
-/// What a passage through a window (north, east) must keep away from: objects that block and lines that are solid, with
-/// `radius_m` of doubt around each. Only what is near is looked at (S1-25).
+/// The obstacles that a passage through a window (north, east) must avoid: blocking objects and blocking lines, each
+/// with `radius_m` of uncertainty around it. Only features near the window are examined (S1-25).
 std::vector<ChartObstacle> obstacles_near(const MapFeatures& features, const Eigen::AlignedBox2d& window,
                                           double radius_m);
 
-/// The same of priors, without a store between.
+/// The obstacles of priors, without an object store.
 std::vector<ChartObstacle> obstacles_of(const std::vector<Prior>& priors);
 
 }  // namespace isobath

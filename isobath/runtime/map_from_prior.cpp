@@ -7,12 +7,12 @@ namespace isobath {
 PriorMapOutcome make_map_of_prior(const std::filesystem::path& prior, const std::filesystem::path& folder,
                                   const Configuration& configuration, std::optional<GeoOrigin> origin) {
   if (looks_like_map(folder)) {
-    throw Error("holds a map already, which keeps the prior that it was made with", {folder.string()}, {},
+    throw Error("already holds a map, and the prior of a map cannot be changed", {folder.string()}, {},
                 "name another folder");
   }
   if (!origin) origin = centre_of_prior(prior, configuration.prior.reading);
   if (!origin) {
-    throw Error("does not say where on the globe its middle is", {prior.string()}, {}, "give --origin LAT,LON");
+    throw Error("has no georeference, so the map has no origin", {prior.string()}, {}, "give --origin LAT,LON");
   }
   PriorMapOutcome outcome;
   MapFacts& facts = outcome.facts;
@@ -24,7 +24,7 @@ PriorMapOutcome make_map_of_prior(const std::filesystem::path& prior, const std:
   facts.priors = read.sources;
   facts.configuration = to_toml(configuration, false);
   MapFolder stored(folder);
-  std::filesystem::remove(stored.objects_file());  // of a map that was never committed
+  std::filesystem::remove(stored.objects_file());  // left over from a map that was never committed
   ObjectStore objects(stored.objects_file());
   outcome.features = store_features(objects, read.files, facts.epoch);
   const DepthTrees trees = read.trees(facts.area.levels);

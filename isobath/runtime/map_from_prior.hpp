@@ -1,4 +1,4 @@
-// A depth map made of a chart alone: what a mission may begin with before any sonar has been in the water.
+// make_map_of_prior: makes a depth map from a chart alone, so that a mission can start before any sonar survey.
 #pragma once
 
 #include <filesystem>
@@ -18,8 +18,8 @@ struct PriorMapOutcome {
   std::uint64_t known_pixels = 0;
 };
 
-/// Makes `folder` a map with this prior, around `origin` or the middle of what the file covers. Throws Error where the
-/// file cannot be used, or the folder holds a map already.
+/// Makes a map in `folder` from this prior, around `origin` or else around the middle of the prior. Throws Error if the
+/// file cannot be used, if its middle is not georeferenced and `origin` is empty, or if the folder already holds a map.
 PriorMapOutcome make_map_of_prior(const std::filesystem::path& prior, const std::filesystem::path& folder,
                                   const Configuration& configuration, std::optional<GeoOrigin> origin);
 

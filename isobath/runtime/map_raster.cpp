@@ -17,7 +17,7 @@ DepthSource source_of(unsigned flags) {
   return down && ahead ? DepthSource::kBoth : down ? DepthSource::kDepthSonar : DepthSource::kObstacleSonar;
 }
 
-/// The union of the leaves that say something.
+/// Extends the window `all` to include `part`.
 void extend(PixelWindow& all, const PixelWindow& part) {
   if (all.width == 0) {
     all = part;
@@ -122,7 +122,7 @@ DepthChart chart_of(const MapRaster& raster, const MapFacts& facts) {
   chart.depth_m = raster.depth_m;
   chart.confidence = raster.confidence;
   chart.flags = raster.flags;
-  for (std::size_t i = 0; i < chart.flags.size(); ++i) {  // a bound by a forward sonar is no depth to print
+  for (std::size_t i = 0; i < chart.flags.size(); ++i) {  // a bound set by forward sonar is not a depth to print
     const bool bound = (raster.flags[i] & kSensed) != 0 && (raster.flags[i] & kSeenByDepth) == 0;
     if (!bound) continue;
     chart.depth_m[i] = kNothing;

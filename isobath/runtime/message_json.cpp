@@ -56,7 +56,7 @@ Content plan_content(const std::shared_ptr<const MissionPlan>& plan) {
   return {{"title", plan->title}, {"points", plan->points.size()}};
 }
 
-// One a type: a message without one does not compile.
+// One function per message type; a type without one does not compile.
 
 Content content_of(const Navigation& m) {
   Content content{{"pose", pose_content(m.X_WB)}};

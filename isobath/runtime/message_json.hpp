@@ -1,6 +1,7 @@
-// A message of the crew as JSON, for whoever reads a recording: one object with number, time_ns, sender, type and
-// content. What is large (maps, plans, grids) is told by its size; what is exact stands in the channels of events.
-// Numbers are rounded to 1e-6, one that is not finite is null. SI units, angles in radians, positions in W.
+// message_json: a message of the agents as JSON, for readers of a recording: one object with number, time_ns, sender,
+// type and content. Large content (maps, plans, grids) is given by its size. Exact values stand in the channels of
+// events. Numbers are rounded to 1e-6; one that is not finite becomes null. SI units, angles in radians, positions
+// in W.
 #pragma once
 
 #include <isobath/mission/bus.hpp>
@@ -9,7 +10,7 @@
 namespace isobath {
 
 std::string message_json(const Envelope& envelope);
-/// JSON Schema of these objects.
+/// The JSON Schema of these objects.
 const char* message_schema();
 
 }  // namespace isobath

@@ -1,8 +1,9 @@
-// MissionClock: the times of events as one clock that never goes back, for agents that count on it.
+// MissionClock: turns the times of events into one clock that never goes back; the agents rely on that.
 //
-// It is the newest time that any event had. A late event changes nothing. Where `kSetBackAfter` events in a row, each
-// in order after the last, lie behind it by more than `kLate`, the clock of the vehicle was set back: from then on it
-// counts on from where it stood. A clock that was set forward, and silence, cannot be told apart: time has passed.
+// The clock shows the newest time of any event. A late event does not change it. If `kSetBackAfter` events in a row,
+// in order among themselves, are more than `kLate` behind it, then the clock of the vehicle was set back: MissionClock
+// then goes on from the time that it shows. A clock that was set forward cannot be told from silence: in both cases
+// time has passed.
 #pragma once
 
 #include <isobath/base/time.hpp>
@@ -14,10 +15,10 @@ class MissionClock {
   static constexpr int kSetBackAfter = 20;
   static constexpr Duration kLate = std::chrono::milliseconds(500);
 
-  /// The logical time at which an event of this time is heard.
+  /// Takes the time of the next event. Returns the logical time of its arrival.
   Time hear(Time event);
   [[nodiscard]] Time now() const { return now_; }
-  /// What an event's own time must be moved by to be on this clock.
+  /// Added to an event's own time, it gives the time on this clock.
   [[nodiscard]] Duration offset() const { return offset_; }
 
  private:

@@ -1,12 +1,13 @@
-// MissionHelm: the crew of agents at the helm: events become messages (crew_helm.hpp), messages set-points (Ganesan
-// 2015, 5.1; ledger S6-32, S6-42, S6-57, S6-D09).
+// MissionHelm: runs the agents that steer the vehicle: events become messages (crew_helm.hpp), and messages become
+// set-points (Ganesan 2015, 5.1; ledger S6-32, S6-42, S6-57, S6-D09).
 //
-// The same object steers in the closed loop, before a log and on a vehicle: it knows nothing but the events that it
-// hears and what the pipeline makes of them. Every event moves its clock, so that agents notice what has fallen silent.
-// A health report of "agent.NAME" is a fault of this computer: the agent hangs where the note says so, else it dies;
-// both are for good.
+// The same class steers in simulation, in the replay of a log and on a vehicle. Its only inputs are the events and the
+// results of the pipeline. Every event advances its clock, so the agents notice a sensor that has fallen silent. A
+// health report of "agent.NAME" is a fault of this computer: the agent hangs if the note says so, otherwise it dies.
+// Both faults are permanent.
 //
-// A function of the events. One thread; live_helm.hpp has real ones. Throws Error where the crew cannot be (crew.hpp).
+// The set-points are a function of the events. One thread; in LiveHelm each agent has its own. Throws Error if the
+// agents cannot be set up (crew.hpp).
 #pragma once
 
 #include <isobath/mission/crew.hpp>
@@ -19,7 +20,7 @@ namespace isobath {
 
 class MissionHelm : public CrewHelm {
  public:
-  /// `echo_contrast`: of the echoes that the Safety Officer is shown (sonar_look.hpp).
+  /// `echo_contrast`: contrast of the echoes that the Safety Officer receives (sonar_look.hpp).
   MissionHelm(std::vector<Seat> seats, const VehicleSheet& vehicle, const CrewConfig& config,
               std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast);
   MissionHelm(const MissionHelm&) = delete;
@@ -31,7 +32,7 @@ class MissionHelm : public CrewHelm {
   [[nodiscard]] MissionReport progress() const override { return book_.report; }
   [[nodiscard]] const std::vector<Decision>& decisions() const override { return book_.decisions; }
   void show_messages_to(const Recorder& recorder) override { listener_ = recorder; }
-  /// Those of the last event.
+  /// The frames since the last event.
   [[nodiscard]] std::vector<FrameBytes> to_operator() override { return std::exchange(book_.frames, {}); }
   [[nodiscard]] CrewCounts crew_counts() const override { return crew_.counts(); }
 
@@ -43,7 +44,7 @@ class MissionHelm : public CrewHelm {
 
   Logbook book_;
   Recorder listener_;
-  Crew crew_;  ///< last: it tells the others
+  Crew crew_;  ///< last, because its recorder uses the other members
 };
 
 }  // namespace isobath

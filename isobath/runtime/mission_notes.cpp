@@ -3,7 +3,7 @@
 namespace isobath {
 namespace {
 
-constexpr Duration kBelievedInterval = std::chrono::milliseconds(95);  // ten a second, whatever the jitter
+constexpr Duration kBelievedInterval = std::chrono::milliseconds(95);  // ten a second, with some jitter allowed
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// MissionNotes: where the vehicle believed to be and what it saw, for the pages of a mission.
+// MissionNotes: records estimated positions and detected obstacles, for the pages of a mission.
 #pragma once
 
 #include <isobath/runtime/mission_outcome.hpp>

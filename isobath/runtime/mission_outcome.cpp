@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// To 1e-6: finer than any sonar, and readable. Infinite: null.
+/// Rounded to 1e-6, which is finer than any sonar and still readable; null if not finite.
 ordered_json tidy(double value) {
   if (!std::isfinite(value)) return nullptr;
   return std::round(value * 1e6) / 1e6;
@@ -58,7 +58,7 @@ std::string MissionOutcome::failure() const {
   if (report.phase != MissionPhase::kFinished) return fmt::format("the mission did not end: {}", to_text(report.phase));
   if (report.reached == 0) return "no mission point was reached";
   if (recorded && (*recorded != decisions.size() || as_recorded != decisions.size())) {
-    return fmt::format("decision {} is not that of the recorded run", as_recorded + 1);
+    return fmt::format("decision {} differs from the recorded run", as_recorded + 1);
   }
   return {};
 }
@@ -73,7 +73,7 @@ std::optional<BelievedPlace> place_at(const MissionOutcome& outcome, Time time) 
 std::string decision_json(const Decision& decision) { return dump(decision_content(decision), -1); }
 
 std::string decisions_text(const std::vector<Decision>& decisions) {
-  ordered_json json{{"frame", "world: north, east, metres, as the vehicle believes to be in it"},
+  ordered_json json{{"frame", "world: north, east, metres, as estimated by the vehicle"},
                     {"decisions", ordered_json::array()}};
   for (const Decision& d : decisions) json["decisions"].push_back(decision_content(d));
   return dump(json, 1) + "\n";

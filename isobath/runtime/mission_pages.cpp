@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kPlotPixels = 1100;
-constexpr double kCaptureRadius = 5;  // m: within it a mission point is reached (S6-37)
+constexpr double kCaptureRadius = 5;  // m; within it a mission point counts as reached (S6-37)
 constexpr Colour kWater{0.91, 0.95, 0.985, 1};
 constexpr Colour kBody{0.45, 0.42, 0.38, 1};
 constexpr Colour kFence{0.65, 0.10, 0.45, 1};
@@ -25,8 +25,8 @@ bool changes_the_way(const Decision& d) { return !d.way.empty(); }
 
 bool gives_up_or_moves_a_point(const Decision& d) { return d.what == "drop point" || d.what == "move point"; }
 
-/// What a skipper looks for on the chart; the rest stands in the table alone: who waits for a first look, and a refusal
-/// that a dropped or a moved point answers at once.
+/// Whether a decision gets a number on the chart. Refusals without an obstacle (such as: no scan yet), and refusals
+/// that a dropped or moved point follows at once, stand in the table only.
 bool stands_on_chart(const std::vector<Decision>& decisions, std::size_t i) {
   const Decision& d = decisions[i];
   if (d.what != "refuse") return overrules(d) || changes_the_way(d) || gives_up_or_moves_a_point(d);
@@ -54,7 +54,7 @@ PlanExtent mission_extent(const MissionOutcome& outcome) {
   Eigen::AlignedBox2d with_fence = box;
   for (const Vector2d& p : outcome.plan.fence) with_fence.extend(p);
   if (with_fence.sizes().maxCoeff() < 3 * box.sizes().maxCoeff()) box = with_fence;
-  // A narrow way is shown with the water beside it.
+  // A narrow track is shown with the water beside it.
   const double least = std::max(0.55 * box.sizes().maxCoeff(), 20.0);
   const Vector2d half = (0.5 * box.sizes()).cwiseMax(0.5 * least) * 1.06;
   const Vector2d c = box.center();
@@ -97,7 +97,7 @@ void draw_tracks(MissionSheet& sheet, const MissionOutcome& outcome) {
   if (believed.size() > 1) sheet.polyline(believed, false, {palette::kInk, 1.3, !went.empty()});
 }
 
-/// Whether, by the decisions, this point was given up.
+/// Whether a decision dropped this point.
 bool was_dropped(const MissionOutcome& outcome, const MissionPoint& point) {
   return std::any_of(outcome.decisions.begin(), outcome.decisions.end(), [&](const Decision& d) {
     return d.what.find("drop") != std::string::npos && d.reason.find(point.name) != std::string::npos;
@@ -120,7 +120,7 @@ bool is_small(const TrueBody& body, double metres_per_px) {
   return box.diagonal().norm() < 12 * metres_per_px;
 }
 
-/// What is too small to be seen stands on the chart as a danger.
+/// Bodies that are too small to be seen are drawn with the chart symbol of a danger.
 void draw_dangers(MissionSheet& sheet, const MissionOutcome& outcome) {
   for (const TrueBody& body : outcome.bodies) {
     if (is_small(body, sheet.metres_per_px())) sheet.danger(body.outline.front(), body.name);
@@ -160,37 +160,37 @@ std::string how_it_ended(const MissionOutcome& outcome) {
 
 std::string how_clear(const TrackTruth& truth) {
   if (truth.contact_s >= 0) return fmt::format("CONTACT with {} at {:.1f} s.", truth.contact_with, truth.contact_s);
-  if (!std::isfinite(truth.least_clearance_m)) return "No body stood in the water.";
-  return fmt::format("Least clearance {:.1f} m, from {}.", truth.least_clearance_m, truth.nearest_body);
+  if (!std::isfinite(truth.least_clearance_m)) return "There were no bodies in the water.";
+  return fmt::format("Minimum clearance {:.1f} m, to {}.", truth.least_clearance_m, truth.nearest_body);
 }
 
 void legend(MissionSheet& sheet, const MissionOutcome& outcome) {
   sheet.north_arrow_and_scale();
   const bool true_way = outcome.truth && !outcome.truth->track.empty();
-  if (true_way) sheet.legend_line({palette::kTrack, 3.2, false}, "way of the vehicle, true");
-  sheet.legend_line({palette::kInk, 1.3, true_way}, true_way ? "as it believes to have gone" : "way of the vehicle");
-  sheet.legend_line({kWay, 2, false}, "way planned last");
-  sheet.legend_line({kOldWay, 1.6, true}, "ways planned before");
+  if (true_way) sheet.legend_line({palette::kTrack, 3.2, false}, "true track");
+  sheet.legend_line({palette::kInk, 1.3, true_way}, true_way ? "estimated track" : "track of the vehicle");
+  sheet.legend_line({kWay, 2, false}, "last planned route");
+  sheet.legend_line({kOldWay, 1.6, true}, "earlier routes");
   if (!outcome.plan.fence.empty()) sheet.legend_line({kFence, 2, true}, "fence");
-  sheet.legend_circle({kReached, 2.4, false}, "mission point, 5 m round");
-  if (outcome.report.dropped > 0) sheet.legend_circle({kSafety, 2.4, false}, "given up", true);
+  sheet.legend_circle({kReached, 2.4, false}, "mission point, radius 5 m");
+  if (outcome.report.dropped > 0) sheet.legend_circle({kSafety, 2.4, false}, "dropped point", true);
   const auto small = [&](const TrueBody& body) { return is_small(body, sheet.metres_per_px()); };
   if (!std::all_of(outcome.bodies.begin(), outcome.bodies.end(), small)) {
-    sheet.legend_fill({kBody.red, kBody.green, kBody.blue, 0.8}, "what really stands there");
+    sheet.legend_fill({kBody.red, kBody.green, kBody.blue, 0.8}, "true bodies");
   }
   if (std::any_of(outcome.bodies.begin(), outcome.bodies.end(), small)) {
-    sheet.legend_danger("small body, true place");
+    sheet.legend_danger("small body, true position");
   }
-  sheet.legend_fill({0.84, 0.37, 0.0, 0.35}, "obstacles as seen");
-  sheet.legend_number(kReplan, "decision, numbered as listed");
+  sheet.legend_fill({0.84, 0.37, 0.0, 0.35}, "detected obstacles");
+  sheet.legend_number(kReplan, "decision, number as in table");
   if (std::any_of(outcome.decisions.begin(), outcome.decisions.end(), overrules)) {
-    sheet.legend_number(kSafety, "the Safety Officer's");
+    sheet.legend_number(kSafety, "the same, of the Safety Officer");
   }
   sheet.gap();
   sheet.note(how_it_ended(outcome), true);
   if (outcome.truth) {
     sheet.note(how_clear(*outcome.truth), outcome.truth->contact_s >= 0);
-    sheet.note(fmt::format("{:.0f} m of way.", outcome.truth->length_m));
+    sheet.note(fmt::format("{:.0f} m travelled.", outcome.truth->length_m));
   }
 }
 
@@ -261,14 +261,14 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
   page.heading("Mission");
   if (const std::string failure = outcome.failure(); !failure.empty()) page.warning("Failed: " + failure + ".");
   std::string lead = how_it_ended(outcome);
-  if (outcome.truth) lead += fmt::format(" {} {:.0f} m of way.", how_clear(*outcome.truth), outcome.truth->length_m);
+  if (outcome.truth) lead += fmt::format(" {} {:.0f} m travelled.", how_clear(*outcome.truth), outcome.truth->length_m);
   page.paragraph(lead);
   if (!outcome.report.why.empty()) page.paragraph(outcome.report.why);
   if (!pictures.chart.empty()) {
-    page.figure(pictures.chart, "The way of the vehicle, north up; numbers are those of the decisions below.");
+    page.figure(pictures.chart, "Track of the vehicle, north up. The numbers are those of the decisions below.");
   }
   if (!pictures.clearance.empty()) {
-    page.figure(pictures.clearance, "How near the hull came to anything, and when it was decided to go another way.");
+    page.figure(pictures.clearance, "Clearance from the hull to the nearest body, with the numbered decisions.");
   }
   page.heading("Decisions");
   std::vector<HtmlReport::Row> rows;
@@ -283,11 +283,11 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
 std::vector<std::string> mission_summary(const MissionOutcome& outcome) {
   std::vector<std::string> lines{how_it_ended(outcome)};
   if (outcome.truth) {
-    lines.push_back(fmt::format("{} {:.0f} m of way.", how_clear(*outcome.truth), outcome.truth->length_m));
+    lines.push_back(fmt::format("{} {:.0f} m travelled.", how_clear(*outcome.truth), outcome.truth->length_m));
   }
   if (outcome.recorded) {
     lines.push_back(
-        fmt::format("{} of {} decisions are those of the recorded run.", outcome.as_recorded, *outcome.recorded));
+        fmt::format("{} of {} decisions equal those of the recorded run.", outcome.as_recorded, *outcome.recorded));
   }
   for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
     const Decision& d = outcome.decisions[i];

@@ -1,10 +1,9 @@
-// The pages of a mission: a chart of its way with every replan where it happened, the clearance over time, and the
-// table of decisions with their reasons (ledger S6-56, S6-59).
+// add_mission: the pages of a mission: a chart of the track with every replan at its place, the clearance over time,
+// and the table of decisions with their reasons (ledger S6-56, S6-59).
 //
-// The chart stands in the water as the vehicle believes to be in it; the true way and the true bodies of a simulated
-// run are drawn where they are: their distance from what is believed is the error of navigation. Numbers on the chart
-// are those of the table. A decision has its number drawn where the vehicle was, if it changed the way or overruled
-// it.
+// The chart uses estimated positions. The true track and the true bodies of a simulated run are drawn at their true
+// positions, so their distance from the estimates shows the navigation error. Numbers on the chart are those of the
+// table. A decision that changed or overruled the route has its number drawn at the position of the vehicle.
 #pragma once
 
 #include <isobath/runtime/html_report.hpp>
@@ -13,17 +12,17 @@
 
 namespace isobath {
 
-/// PNG; empty where there is nothing to draw.
+/// PNG files; empty if there is nothing to draw.
 struct MissionPictures {
   std::string chart, clearance;
 };
 
-/// `planned_clearance_m`: from the hull, what way-points are planned with; for the limits of the chart of clearances.
+/// `planned_clearance_m`: clearance from the hull that routes are planned with; drawn as a limit in that chart.
 MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m);
 
 void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionPictures& pictures);
 
-/// The outcome in a few sentences for a terminal, one line each: how it ended, and each decision that changed the way.
+/// The outcome as lines for a terminal: how the mission ended, and each decision that changed the route.
 std::vector<std::string> mission_summary(const MissionOutcome& outcome);
 
 }  // namespace isobath

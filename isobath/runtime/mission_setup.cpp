@@ -21,7 +21,7 @@ bool is_mcap(const fs::path& file) {
 }  // namespace
 
 std::vector<Section> vehicle_sections(VehicleSheet& sheet) {
-  return {{"vehicle", "What command must know of the vehicle.", fields(sheet)}};
+  return {{"vehicle", "Parameters of the vehicle that the agents use.", fields(sheet)}};
 }
 
 std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::path& input, const Simulator* simulator) {

@@ -1,4 +1,4 @@
-// MissionSetup: what a crew is made for, from the files that say so, and the crew itself.
+// MissionSetup: the plan, vehicle parameters and chart of a mission, read from files, and the agents made for them.
 #pragma once
 
 #include <filesystem>
@@ -13,34 +13,34 @@
 
 namespace isobath {
 
-/// Name of the vehicle sheet among the attachments of a recording.
+/// Name of the attachment of a recording that holds the vehicle parameters.
 inline constexpr const char* kVehicleAttachment = "vehicle_sheet.toml";
 
-/// What a crew is made for.
+/// What the agents of a mission are made for.
 struct MissionSetup {
   MissionPlan plan;
   VehicleSheet vehicle;
   ChartUpdate chart = {};
 };
-/// A vehicle's sheet as a file has it: [vehicle].
+/// The vehicle parameters as the section [vehicle] of a file.
 std::vector<Section> vehicle_sections(VehicleSheet& sheet);
 
-/// For an input that is a scenario or a log: `mission` names a mission file or another scenario, or, empty, leaves it
-/// to the scenario itself. The vehicle is the simulator's; of a log the one that it was recorded with, else the
-/// default one. Empty where there is no mission point. Throws Error.
+/// The setup for an input that is a scenario or a log. `mission` names a mission file or another scenario; if it is
+/// empty, the mission of the scenario is used. The vehicle is that of the simulator, or the one recorded in the log, or
+/// the default one. Returns nothing if the mission has no points. Throws Error if a file cannot be used.
 std::optional<MissionSetup> mission_setup(const std::filesystem::path& mission, const std::filesystem::path& input,
                                           const Simulator* simulator);
-/// All agents, the Safety Officer and those of libraries among them. Throws Error where one cannot be made.
+/// All agents, including the Safety Officer and the agents loaded from libraries. Throws Error if one cannot be made.
 std::vector<Seat> whole_crew(const MissionSetup& setup, const Configuration& configuration);
-/// The whole crew at the helm, in one thread, or each agent in its own. `times`: that its seats are timed by; null:
-/// they are not. Throws Error where it cannot be made.
+/// The helm with all agents: in one thread (MissionHelm), or each agent in its own (LiveHelm). `times` receives the
+/// times of the agents' turns; null: they are not timed. Throws Error if the helm cannot be made.
 std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration,
                                                const std::shared_ptr<StageTimes>& times = nullptr);
 std::unique_ptr<LiveHelm> make_live_helm(const MissionSetup& setup, const Configuration& configuration,
                                          const std::shared_ptr<StageTimes>& times = nullptr);
 
-/// How many decisions, from the first on, are those that the log holds, and how many it holds; empty where the input is
-/// no log with decisions.
+/// The number of decisions in the log, and how many of them, from the first on, equal those of this run. Empty if the
+/// input is not a log with decisions.
 struct Recorded {
   std::uint64_t decisions = 0, the_same = 0;
 };

@@ -1,11 +1,11 @@
-// ObstacleTrails: where the middles of the obstacles that the crew remembers lay at successive scans, for a page.
+// ObstacleTrails: the past centres of the obstacles that the agents remember, scan by scan, for the live page.
 //
-// A place is kept where the middle of an outline has come kStep_m from the last one kept. Of an obstacle that has
-// kMostPlaces, every second is dropped but the first and the last: a trail begins where the obstacle was first known,
-// ends within a step of where it is, and is the finer the later. Middles move as outlines grow, as drift is taken off,
-// and a little with what moves: whether it moves is not said here.
+// A centre is kept if the centre of the outline has moved kStep_m from the last one kept. When a trail has kMostPlaces
+// centres, every second one is dropped, except the first and the last. A trail thus begins where the obstacle was first
+// known, ends within a step of where it is, and is denser towards its end. Centres move as outlines grow, as drift is
+// corrected, and as the obstacle moves; a trail does not tell these apart.
 //
-// What the crew no longer tells is forgotten. Frames: W, m. Deterministic. One thread.
+// Obstacles that the agents no longer report are forgotten. Frame W, m. Deterministic. One thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ class ObstacleTrails {
   static constexpr std::size_t kMostPlaces = 16;
 
   void take(const KnownObstacles& known);
-  /// North and east, the first place first; empty of an obstacle that is not known.
+  /// Centres (north, east), the oldest first; empty if the obstacle is not known.
   [[nodiscard]] std::span<const Eigen::Vector2d> of(std::uint32_t id) const;
 
  private:

@@ -23,7 +23,7 @@ Onboard::Onboard(const Configuration& configuration, DepthModel& depths, Onboard
   if (parts.live) mapping_.emplace(TaskThread::Bounds{kLongestQueue, kLongestQueue, true});
 }
 
-// The way of an event ------------------------------------------------------------------------------------------------
+// The path of an event -----------------------------------------------------------------------------------------------
 
 void Onboard::take(Event event) {
   now_ = time_of(event);
@@ -81,7 +81,7 @@ void Onboard::finish() {
   settle();
 }
 
-// What the pipeline finds --------------------------------------------------------------------------------------------
+// Results of the pipeline --------------------------------------------------------------------------------------------
 
 void Onboard::on_ping(const PosedPing& ping) {
   times_->mapped();

@@ -1,8 +1,8 @@
-// Onboard: all that runs on a vehicle, composed once: gate, poses, perception, the maps, and the agents at the helm
-// (design, 3; ledger S6-57). `run`, `serve`, `eval`, live runs and tests differ in where events come from, in where
-// set-points go and in who looks on; what they run is this.
+// Onboard: everything that runs on a vehicle, composed once: gate, poses, perception, the maps, and the helm with its
+// agents (design, 3; ledger S6-57). `run`, `serve`, `eval`, live runs and tests all use this class. They differ in the
+// source of events, the receiver of set-points and the observers.
 //
-//   event -> observers -> helm hears -> gate, poses, echoes, maps -> helm hears of pings and scans -> set-point
+//   event -> observers -> helm -> gate, poses, echoes, maps -> helm (pings and scans) -> set-point
 //
 //   Onboard onboard(configuration, depths, {.helm = &helm});
 //   onboard.show_to(recorder);
@@ -12,11 +12,11 @@
 //   }
 //   onboard.finish();
 //
-// A function of the events and the configuration, unless it is live: then mapping has a thread of its own,
-// so that planning never blocks it and it never blocks the thread that senses (ledger S6-31), and what is decided
-// depends on who is faster. A queue that is full loses its oldest ping; navigation, ranges and health reports are never
-// lost. Where mapping throws, the next take or settle throws the same. take, steer, settle and finish belong to one
-// thread; what the other one uses may be asked for after settle, until the next take.
+// Set-points are a function of the events and the configuration, unless the run is live. In a live run mapping has a
+// thread of its own, so that planning never blocks mapping and mapping never blocks the source thread (ledger S6-31);
+// decisions then depend on the timing of the threads. A full queue drops its oldest ping; navigation, ranges and health
+// reports are never dropped. If mapping throws, the next take or settle throws the same. take, steer, settle and finish
+// belong to the source thread. It may read what the mapping thread uses after settle, until the next take.
 #pragma once
 
 #include <filesystem>
@@ -34,40 +34,40 @@
 namespace isobath {
 
 struct OnboardParts {
-  Helm* helm = nullptr;                    ///< must outlive it; null: nobody steers
-  std::shared_ptr<StageTimes> times = {};  ///< that the seats of the helm are timed by; null: its own
-  std::filesystem::path voxel_file = {};   ///< that voxels spill to, where they are configured to
-  bool voxels = true;                      ///< whether a map in three dimensions is kept
-  bool live = false;                       ///< mapping has a thread of its own; then so must the helm's agents
+  Helm* helm = nullptr;                    ///< must outlive Onboard; null: the vehicle is not steered
+  std::shared_ptr<StageTimes> times = {};  ///< the times that the agents of the helm report to; null: its own
+  std::filesystem::path voxel_file = {};   ///< file for voxels that leave memory, if so configured
+  bool voxels = true;                      ///< whether to keep a voxel map
+  bool live = false;                       ///< gives mapping its own thread; the agents must then have theirs, too
 };
 
 class Onboard : private ResultSink {
  public:
-  static constexpr std::size_t kLongestQueue = 1024;  ///< events that wait to be mapped
+  static constexpr std::size_t kLongestQueue = 1024;  ///< maximum number of events that wait to be mapped
 
-  /// `depths` must outlive it. Throws Error where the configuration cannot work.
+  /// `depths` must outlive Onboard. Throws Error if the configuration cannot work.
   Onboard(const Configuration& configuration, DepthModel& depths, OnboardParts parts);
 
-  /// Before the first event. `observer` must outlive it.
+  /// Call before the first event. `observer` must outlive Onboard.
   void show_to(OnboardObserver& observer) { observers_.push_back(&observer); }
 
   void take(Event event);
-  /// After each event. Of no use without a helm.
+  /// Call after each event. Requires a helm.
   Setpoint steer();
-  /// Waits until all that was taken is mapped, heard and answered. Live; else there is nothing to wait for.
+  /// Live: waits until all events are mapped and the agents have handled all messages. Otherwise returns at once.
   void settle();
-  /// After the last event: what still waits, the sweep that was not finished, the depth map.
+  /// Call after the last event: handles the pings that still wait, ends the open sweep, completes the depth map.
   void finish();
 
   [[nodiscard]] Pipeline& pipeline() { return pipeline_; }
   [[nodiscard]] const VoxelModel& voxels() const { return voxels_; }
   [[nodiscard]] const DepthModel& depths() const { return depths_; }
-  /// Where mapping is live: pings that a full queue lost.
+  /// Live: pings that a full queue dropped.
   [[nodiscard]] std::uint64_t lost_pings() const { return mapping_ ? mapping_->left_out().pings : 0; }
   [[nodiscard]] MissionTimings timings() const { return times_->timings(); }
   /// Time of each ping in the pipeline, ms.
   [[nodiscard]] const std::vector<double>& ping_ms() const { return ping_ms_; }
-  /// Work by stage; `beside`: of the thread that senses and steers.
+  /// Processor time by stage, of both threads. `beside`: that of the source thread.
   [[nodiscard]] RunLoad load() const { return load_of(load_, beside_); }
   [[nodiscard]] StageLoad& beside() { return beside_; }
 
@@ -75,7 +75,7 @@ class Onboard : private ResultSink {
   using Clock = StageTimes::Clock;
   void map(Event event, Clock::time_point taken);
 
-  // What the pipeline finds.
+  // Results of the pipeline.
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_upright(const PosedPing& ping) override;
@@ -88,14 +88,14 @@ class Onboard : private ResultSink {
   std::shared_ptr<StageTimes> times_;
   DepthModel& depths_;
   VoxelModel voxels_;
-  std::shared_ptr<const SpaceGrid> heights_;  ///< as of the last scan at which there was news
+  std::shared_ptr<const SpaceGrid> heights_;  ///< the newest snapshot of the voxels around the vehicle
   double reach_m_;
   std::vector<OnboardObserver*> observers_;
-  StageLoad load_, beside_;  ///< of the thread that maps, of the one that senses and steers
+  StageLoad load_, beside_;  ///< of the mapping thread, of the source thread
   std::vector<double> ping_ms_;
   Time now_;
   Pipeline pipeline_;
-  std::optional<TaskThread> mapping_;  ///< last: it uses the others
+  std::optional<TaskThread> mapping_;  ///< last, because its tasks use the other members
 };
 
 }  // namespace isobath

@@ -400,7 +400,7 @@ void ChartPicture::finish() {
 }  // namespace isobath
 
 #if defined(__SANITIZE_ADDRESS__)
-// Fontconfig, which Cairo finds its fonts with, keeps some of what it allocates until the process ends.
+// Cairo finds its fonts through Fontconfig, which keeps some of its allocations until the process ends.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }  // NOLINT
 extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }       // NOLINT
 #endif

@@ -1,8 +1,8 @@
-// Pictures for people: plan views in metres and charts of curves, as PNG. Drawn by Cairo, the same bytes for the same
-// input.
+// PlanPicture and ChartPicture: plan views in metres and charts of curves, as PNG. Drawn by Cairo; the same input gives
+// the same bytes.
 //
 // A plan view shows the level body frame L (x forward is up, y starboard is right) or the world (north up, east right):
-// both are "x up, y right" in metres, so one class serves. Colours are told apart by people who are colour-blind.
+// both are "x up, y right" in metres, so one class serves. Colour-blind readers can tell the colours apart.
 #pragma once
 
 #include <array>
@@ -23,9 +23,9 @@ struct Colour {
   double red = 0, green = 0, blue = 0, alpha = 1;
 };
 
-/// Dark blue over grey to yellow, even in lightness; share in 0..1.
+/// From dark blue through grey to yellow, with even steps of lightness; share in 0..1.
 Colour intensity_colour(double share);
-/// Unknown grey; free towards blue-white; occupied towards dark orange. Probability in 0..1.
+/// Unknown is grey, free blue-white, occupied dark orange. Probability in 0..1.
 Colour occupancy_colour(double probability, double prior);
 
 namespace palette {
@@ -54,7 +54,7 @@ class Canvas {
   Canvas(int width_px, int height_px);
   /// Throws Error if the file cannot be written.
   void save(const std::filesystem::path& file) const;
-  /// The PNG itself.
+  /// The bytes of the PNG file.
   [[nodiscard]] std::string png() const;
 
  protected:
@@ -82,21 +82,21 @@ class PlanPicture : public Canvas {
   };
   PlanPicture(const PlanExtent& extent, int plot_px, Labels labels);
 
-  /// Fills the plot: `colour(x, y)` for the centre of each pixel.
+  /// Fills the plot with `colour(x, y)` of the centre of each pixel.
   void raster(const std::function<Colour(double x, double y)>& colour);
   void polygon(std::span<const Eigen::Vector2d> points, const Stroke& stroke, Colour filling = {0, 0, 0, 0});
   void polyline(std::span<const Eigen::Vector2d> points, const Stroke& stroke);
   void label(const Eigen::Vector2d& at, const std::string& text, Colour colour = palette::kInk);
   void dot(const Eigen::Vector2d& at, double radius_px, Colour colour);
-  /// A dart at `at`, pointing along heading (clockwise from up).
+  /// A dart at `at` that points along the heading (clockwise from up).
   void vehicle(const Eigen::Vector2d& at, double heading_rad);
-  /// Circles of equal range about the vehicle.
+  /// Circles of equal range around `centre`, every `step_m`.
   void range_rings(const Eigen::Vector2d& centre, double step_m);
   struct LegendEntry {
     Colour colour;
     std::string text;
   };
-  /// Frame, ticks, titles and the legend below: call last.
+  /// Draws frame, ticks, titles and the legend below. Call it last.
   void finish(const std::vector<LegendEntry>& legend);
 
  private:
@@ -116,18 +116,18 @@ class ChartPicture : public Canvas {
  public:
   struct Axis {
     std::string label;
-    double low = 0, high = 1;  ///< a linear axis may run down: high below low
+    double low = 0, high = 1;  ///< a linear axis may run backwards, with high below low
     bool logarithmic = false;
   };
   ChartPicture(int width_px, int height_px, std::string title, Axis x, Axis y);
 
   void curve(std::span<const double> x, std::span<const double> y, const Stroke& stroke, const std::string& name);
-  /// Filled between low and high; no entry in the legend.
+  /// Fills the area between low and high; makes no entry in the legend.
   void band(std::span<const double> x, std::span<const double> low, std::span<const double> high, Colour colour);
   void points(std::span<const double> x, std::span<const double> y, Colour colour, const std::string& name);
-  /// An upright line with a word at its head.
+  /// A vertical line with a label at its top.
   void mark(double x, const std::string& label, Colour colour);
-  /// Frame, ticks and legend: call last.
+  /// Draws frame, ticks and legend. Call it last.
   void finish();
 
  private:

@@ -6,11 +6,12 @@
 namespace isobath {
 namespace {
 
-// Chosen on two harbour recordings: a wall or bottom that a beam grazes fills tens of bins, and would be its own level;
-// a voxel spans hundreds of cells, of which none may hold a false echo; the transmission rings for up to 1 m.
+// Chosen on two harbour recordings. A wall or bottom that a beam grazes fills tens of bins and would become its own
+// reference. A voxel spans hundreds of cells, and none of them may hold a false echo. The transmission rings for up to
+// 1 m.
 constexpr double kSounderFalseAlarm = 1e-4, kSounderBlind = 1;
 constexpr int kSounderGuard = 16, kSounderReference = 48;
-constexpr std::size_t kMostWaiting = 256;  // pings held for a fix; beyond it the oldest goes on with what is known
+constexpr std::size_t kMostWaiting = 256;  // measurements held for a fix; beyond it the oldest is placed without one
 
 SonarModels models_of(const SensorConfig& sensor) {
   if (sensor.model.empty()) return {};
@@ -30,8 +31,8 @@ bool leaves_method_open(const Configuration& configuration, const SonarModels& m
          configuration.sensor.histogram.empty();
 }
 
-/// A fan that stands upright hears the bottom in beams of its own, at ranges of their own: there is no background
-/// across.
+/// A vertical fan receives the bottom in some beams only, and at a different range in each: the background across the
+/// beams is not usable.
 EchoDetectorConfig for_upright(const Configuration& configuration, const SonarModels& models) {
   EchoDetectorConfig echoes = configuration.echoes;
   if (leaves_method_open(configuration, models)) echoes.method = DetectionMethod::kLearnt;
@@ -49,7 +50,7 @@ EchoDetectorConfig for_sounder(const Configuration& configuration, const SonarMo
   return echoes;
 }
 
-/// About 100 cells each way, about 150 for a fan, whose beams are narrower; the vehicle in the middle.
+/// About 100 cells each way from the vehicle in the middle, about 150 for a fan, whose beams are narrower.
 BodyGridConfig fitted(BodyGridConfig grid, double reach_m, bool fan) {
   grid.cell_m = fan ? round_step(reach_m / 150, {1, 1.5, 2, 3, 5, 7}) : round_step(reach_m / 100, {1, 2, 5});
   grid.cells_x = grid.cells_y = 2 * static_cast<int>(std::ceil(1.05 * reach_m / grid.cell_m)) + 1;
@@ -57,7 +58,7 @@ BodyGridConfig fitted(BodyGridConfig grid, double reach_m, bool fan) {
   return grid;
 }
 
-constexpr const char* kNoPlace = "range or sounding without any navigation: no place in the depth map";
+constexpr const char* kNoPlace = "range or sounding without any navigation: no position in the depth map";
 
 bool grid_fits(const BodyGridConfig& grid, double reach_m) {
   const double half = 0.5 * grid.cell_m * std::min(grid.cells_x, grid.cells_y);
@@ -67,7 +68,7 @@ bool grid_fits(const BodyGridConfig& grid, double reach_m) {
 }  // namespace
 
 bool lies_flat(const Ping& ping) {
-  constexpr double kStraightDown = 0.966;  // within 15 degrees: no imaging sonar is tilted so far, sounders are
+  constexpr double kStraightDown = 0.966;  // within 15 degrees: only sounders are tilted so far, no imaging sonar is
   const Eigen::Vector3d ahead = ping.X_BS.rotation * Eigen::Vector3d::UnitX();
   const Eigen::Vector3d across = ping.X_BS.rotation * Eigen::Vector3d::UnitY();
   return std::abs(across.z()) < std::sqrt(0.5) && std::abs(ahead.z()) < kStraightDown;
@@ -123,8 +124,8 @@ void Pipeline::heard_all() {
 
 void Pipeline::take(Event event) {
   enter(Stage::kDepths);
-  alarms_.hear(event);                      // raw ranges, health: waits for nothing below
-  const auto verdict = gate_.judge(event);  // finite, in order, fresh; else counted by its reason
+  alarms_.hear(event);                      // raw ranges and health: first, so that nothing delays an alarm
+  const auto verdict = gate_.judge(event);  // finite, in order, fresh; else rejected and counted by reason
   if (verdict == EventGate::Verdict::kRejected) return;
   if (verdict == EventGate::Verdict::kRestarted) restart();
   const Time now = time_of(event);
@@ -143,14 +144,14 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   fit_map(ping, posed);                                       // a grid of the sonar's size
   const WaterColumn water = water_at(ping, X_WB, posed);      // where bottom and surface are
   echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
-  const bool measured = !posed || poses_.knows_its_motion();  // else dead reckoned
+  const bool measured = !posed || poses_.knows_its_motion();  // else the motion is dead reckoned
   enter(Stage::kPlane);
   const Pose smooth{X_WB.rotation, X_WB.translation - jumped_};
   const bool faint = echoes_.looks() && sink_.hears_faint();
   if (faint) faint_echoes_.detect(ping, faint_, water);
   const PosedPing posed_ping{ping, X_WB, decisions_, echoes_.looks(), faint ? &faint_ : nullptr};
   mapper_->update(posed_ping.look_ping(), posed_ping.look_decisions(), smooth,
-                  {.position_fix = false, .velocity_log = measured});  // moves, then learns
+                  {.position_fix = false, .velocity_log = measured});  // moves the grid, then updates it
   sink_.on_ping(posed_ping);
   enter(Stage::kPlane);
   count(decisions_);
@@ -158,7 +159,7 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   counts_.dead_reckoned += measured ? 0 : 1;
   last_ = Placed{ping.time, posed, {X_WB, ping.X_BS, ping.fan->height, water}};
   sweep_open_ = true;
-  if (sweeps_.add(ping)) end_scan();  // belief -> obstacles
+  if (sweeps_.add(ping)) end_scan();  // body grid -> obstacles
 }
 
 void Pipeline::hear_upright(const Ping& ping, const Pose& X_WB, bool posed) {
@@ -178,7 +179,7 @@ void Pipeline::map_depth(const Waiting& sensed, const PoseEstimate& pose) {
   if (const auto* swath = std::get_if<Swath>(&sensed)) depths_->on_swath(*swath, pose);
 }
 
-/// A depth of nothing is that of a boat, or of a log that knows none.
+/// A depth of 0 is that of a boat, or of a log without depth; the distance to the surface then stays unknown.
 WaterColumn Pipeline::water_at(const Ping& ping, const Pose& X_WB, bool posed) const {
   const Pose X_WS = X_WB * ping.X_BS;
   WaterColumn water{X_WS.rotation, {}, {}};
@@ -240,7 +241,7 @@ void Pipeline::hold(Waiting sensed) {
   waiting_.push_back(std::move(sensed));
 }
 
-/// Lets go of the pings whose pose can get no better, or that have waited long enough.
+/// Places the measurements whose pose no later fix can improve, or that have waited long enough.
 void Pipeline::release(Time now, bool all) {
   const Duration patience = seconds(configuration_.poses.wait_s);
   std::size_t done = 0;
@@ -262,7 +263,7 @@ void Pipeline::place(const Waiting& sensed) {
     if (swath) sink_.on_soundings(*swath, Pose{});
     if (!ping && !depths_) return;
     if (!ping) return gate_.count(kNoPlace);
-    ++counts_.unposed;  // no navigation at all: the vehicle is taken to stand still
+    ++counts_.unposed;  // no navigation at all: the vehicle is assumed to stand still
     return map_ping(*ping, Pose{}, false);
   }
   const Time time = std::visit([](const auto& s) { return s.time; }, sensed);
@@ -277,7 +278,7 @@ void Pipeline::place(const Waiting& sensed) {
 
 // The map ------------------------------------------------------------------------------------------------------------
 
-/// Begins the map with the first ping; anew when the sonar's range changes beyond it, or when navigation sets in.
+/// Creates the grid at the first ping; again if the range of the sonar no longer fits it, or when navigation sets in.
 void Pipeline::fit_map(const Ping& ping, bool posed) {
   const bool moored = last_ && last_->posed != posed;
   if (mapper_ && !moored && (!configuration_.map.fit || grid_fits(mapper_->grid().config(), ping.window.end_m())))

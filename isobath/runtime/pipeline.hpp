@@ -1,23 +1,24 @@
-// Pipeline: what happens to an event, from the gate to the list of obstacles. One code path for live, replay and
-// simulation: only the source and the sink differ.
+// Pipeline: handles an event from the gate to the list of obstacles. Live runs, replay and simulation use the same
+// code; only the source and the sink differ.
 //
-//   alarms -> gate -> pose of the transmit time -> echoes to decisions -> decisions to the body grid -> grid to
-//   obstacles, once a scan; ranges and soundings to the depth map
+//   alarms -> gate -> pose at the transmit time -> echoes to decisions -> decisions to the body grid -> grid to
+//   obstacles, once per scan; ranges and soundings to the depth map
 //
-// A fan that looks straight down hears the bottom at the same ranges all the time: where the method of detection is
-// left open (echoes.method auto, no model), noise learnt from pings would be the bottom, and the ordered statistic of
-// the neighbouring bins decides, side lobes left out. Its echoes of the bottom are what it is for, and are not told
-// from others.
+// A vertical fan that looks straight down (an echo sounder) receives the bottom at the same ranges in every ping. If
+// the detection method is left open (echoes.method auto, no model), noise learnt from the pings would be the bottom
+// itself; so the ordered statistic of the neighbouring bins decides, and echoes of side lobes are left out. The bottom
+// echoes of such a fan are what it is for, and are not separated from others.
 //
-// Which echoes are of the bottom or the surface follows from depth and altitude (S6-69): of the last sensor that looked
-// down, else of the depth map. Where neither says, echoes of the bottom count as any others, and the pings are counted.
+// Depth and altitude tell which echoes come from the bottom or the surface (S6-69). The altitude comes from the last
+// sensor that looked down, else from the depth map. If neither knows it, bottom echoes count like any others, and the
+// pings are counted.
 //
-// A fix that corrects the position at once (PoseBuffer: a jump) says nothing of the water between vehicle and obstacle:
-// the body grid does not move by it, and who keeps a map of the surroundings in W is told to move it along (S6-53). The
-// depth map stays where it is: a chart of the world, whose readings carry the uncertainty of their place.
+// A fix that corrects the position at once (PoseBuffer: a jump) does not change the distance from vehicle to obstacle.
+// The body grid therefore does not move with the jump, and on_jump lets other maps of the surroundings in W move along
+// (S6-53). The depth map stays: it is a chart of the world, and its readings carry their position uncertainty.
 //
-// Source: Ganesan 2015, chapter 3, figure 3.1; Oskard 1990; ledger S6-03, S6-15, S6-20 to S6-30, S1-02. Time is the
-// time of the events: a run is a function of its input and configuration. One thread. After warm-up, mapping allocates
+// Source: Ganesan 2015, chapter 3, figure 3.1; Oskard 1990; ledger S6-03, S6-15, S6-20 to S6-30, S1-02. Time is that of
+// the events, so a run is a function of its input and configuration. One thread. After warm-up, mapping allocates
 // nothing and throws nothing.
 #pragma once
 
@@ -43,14 +44,14 @@
 
 namespace isobath {
 
-/// A ping with the pose of its transmit time. Without navigation the vehicle is taken to stand still.
+/// A ping with the pose at its transmit time. Without navigation the vehicle is assumed to stand still.
 struct PosedPing {
   const Ping& ping;
   Pose X_WB;
-  const EchoDecisions& decisions;   ///< a sample each
-  const FanLooks* looks = nullptr;  ///< the same as looks that do not depend on each other; null: samples are such
-  /// A sample each at the rate `echoes.false_alarm`: fainter echoes, for voxels, which weigh many of them. Null:
-  /// `decisions` are such, or nobody hears them.
+  const EchoDecisions& decisions;   ///< one per sample
+  const FanLooks* looks = nullptr;  ///< the same as independent looks; null: the samples are independent
+  /// One decision per sample at the rate `echoes.false_alarm`: fainter echoes for the voxel map, which weighs many of
+  /// them. Null: `decisions` serve for this, or the sink does not use them.
   const EchoDecisions* faint = nullptr;
 
   [[nodiscard]] const Ping& look_ping() const { return looks ? looks->ping : ping; }
@@ -58,7 +59,7 @@ struct PosedPing {
   [[nodiscard]] const EchoDecisions& faint_decisions() const { return faint ? *faint : decisions; }
 };
 
-/// The end of one sweep: what is believed now, and the obstacles in it.
+/// The end of one sweep: the body grid, and the obstacles in it.
 struct ScanResult {
   int number = 0;              ///< from 1
   bool posed = false;          ///< whether the pose comes from navigation
@@ -66,69 +67,69 @@ struct ScanResult {
   const BodyGrid& grid;
 };
 
-/// A pose of the vehicle and how sure its place in the plane is: standard deviation in m, 0 where nobody says.
+/// A pose of the vehicle and the standard deviation of its horizontal position, m; 0: not stated.
 struct PoseEstimate {
   Pose X_WB;
   double sigma_m = 0;
 };
 
-/// Takes results. References hold only during the call.
+/// Receives the results. References are valid only during the call.
 class ResultSink {
  public:
   virtual ~ResultSink() = default;
   virtual void on_ping(const PosedPing& ping) = 0;
   virtual void on_scan(const ScanResult& scan) = 0;
-  /// A ping of a fan that stands upright: it has no place in the map of the plane.
+  /// A ping of a vertical fan. It is not mapped into the horizontal body grid.
   virtual void on_upright(const PosedPing& /*ping*/) {}
-  /// Whether PosedPing::faint is of use; they are not decided otherwise. Asked before every ping.
+  /// Whether the sink uses PosedPing::faint; if not, faint echoes are not detected. Called before every ping.
   [[nodiscard]] virtual bool hears_faint() const { return true; }
-  /// What sensors that tell height have measured around the vehicle (W), for the labels of obstacles; null: nothing.
+  /// Occupancy around the vehicle (W) from sensors that resolve height, for the labels of obstacles; null: none.
   [[nodiscard]] virtual const SpaceGrid* heights() const { return nullptr; }
-  /// The position jumped, m in W: what is right relative to the vehicle moves along. Poses of all that follows, also of
-  /// what was sensed before and had to wait, are in line with the new place.
+  /// The position jumped by this much, m in W. Maps that are right relative to the vehicle must move along. All later
+  /// poses agree with the new position, also those of measurements that were made before and had to wait.
   virtual void on_jump(const Eigen::Vector3d& /*by_W*/) {}
-  /// Soundings, each of them once; without any navigation the vehicle is taken to stand still.
+  /// Each swath once. Without any navigation the vehicle is assumed to stand still.
   virtual void on_soundings(const Swath& /*swath*/, const Pose& /*X_WB*/) {}
 };
 
-/// Takes what tells of depth, each with the pose of its time, in order. References hold only during the call.
+/// Receives depth measurements in order, each with the pose at its time. References are valid only during the call.
 class SoundingSink {
  public:
   virtual ~SoundingSink() = default;
   virtual void on_range(const RangeReading& reading, const PoseEstimate& pose) = 0;
   virtual void on_swath(const Swath& swath, const PoseEstimate& pose) = 0;
-  /// A place that the vehicle has come to.
+  /// A pose that the vehicle has reached: one call per fix.
   virtual void on_passage(Time time, const Pose& X_WB) = 0;
-  /// Depth of the bottom at a place (north, east), m below the datum; empty: not known.
+  /// Depth of the bottom at a position (north, east), m below the datum; empty: unknown.
   [[nodiscard]] virtual std::optional<double> bottom_depth(const Eigen::Vector2d& /*north_east*/) const { return {}; }
 };
 
-/// Whether the beams of a fan lie beside each other rather than above each other, however far it is tilted down or up;
-/// the fan of a sounder, which looks straight down and athwart, does not lie flat.
+/// Whether a fan is horizontal: its beams lie side by side rather than one above the other, however far the fan is
+/// tilted up or down. The fan of an echo sounder, which looks straight down and athwart, is not horizontal.
 bool lies_flat(const Ping& ping);
 
-/// Whether the vehicle's down axis lies within a fan: an echo sounder, which measures the bottom.
+/// Whether the down axis of the vehicle lies within the fan: it is an echo sounder, which measures the bottom.
 bool looks_down(const Ping& ping);
 
 struct PipelineCounts {
-  std::uint64_t pings = 0;    ///< that reached the map
-  std::uint64_t unposed = 0;  ///< of these, without any navigation
-  std::uint64_t upright = 0;  ///< pings of upright fans: no part of `pings`
+  std::uint64_t pings = 0;    ///< mapped pings
+  std::uint64_t unposed = 0;  ///< mapped pings without any navigation
+  std::uint64_t upright = 0;  ///< pings of vertical fans; not included in `pings`
   std::uint64_t navigation = 0;
   std::uint64_t ranges = 0;
   std::uint64_t swaths = 0;
   std::uint64_t scans = 0;
-  std::uint64_t bins = 0;           ///< decided, blind ones left out
-  std::uint64_t hits = 0;           ///< decided as echo
-  std::uint64_t dim = 0;            ///< of the decided bins, those in which bottom or surface may hide a target (S6-69)
-  std::uint64_t blind = 0;          ///< of these, those in which they hide it: they say nothing
-  std::uint64_t dead_reckoned = 0;  ///< pings, of which the motion was known by a model of the thruster alone (S6-22)
-  std::uint64_t no_bottom = 0;      ///< pings of which nobody knew how far below the bottom was
-  std::uint64_t jumps = 0;          ///< of the position, from one fix to the next
+  std::uint64_t bins = 0;           ///< decided bins, without those in the blind zone
+  std::uint64_t hits = 0;           ///< bins decided as echo
+  std::uint64_t dim = 0;            ///< decided bins in which bottom or surface may hide a target (S6-69)
+  std::uint64_t blind = 0;          ///< dim bins in which a target would be hidden: they carry no information
+  std::uint64_t dead_reckoned = 0;  ///< pings whose motion was known only from a model of the thruster (S6-22)
+  std::uint64_t no_bottom = 0;      ///< pings with unknown altitude
+  std::uint64_t jumps = 0;          ///< jumps of the position from one fix to the next
   double farthest_jump_m = 0;
 };
 
-/// What sensor.model names: one of both, or neither.
+/// The model that sensor.model names: one of the two kinds, or neither.
 struct SonarModels {
   std::optional<SensorModel> sensor;
   std::shared_ptr<const FanModel> fan;
@@ -136,31 +137,30 @@ struct SonarModels {
 
 class Pipeline {
  public:
-  /// Throws Error where the configuration cannot work.
-  /// `depths`: whoever keeps the depth map; null: nobody.
+  /// `depths` keeps the depth map; null: there is none. Throws Error if the configuration cannot work.
   Pipeline(const Configuration& configuration, ResultSink& sink, SoundingSink* depths = nullptr);
   ~Pipeline();
 
-  /// Before the first event, where the events are there already (a log): learns the noise of the sonars from a ping, so
-  /// that the first can be decided. Whether nothing more need be heard.
+  /// For logs, before the first event: learns the noise of the sonars from a ping of the log, so that echoes are
+  /// detected from the first ping on. Returns whether enough has been learnt.
   bool listen(const Ping& ping);
-  /// No more pings will be listened to: the log is shorter than the warm-up, and what was heard must do.
+  /// Ends the learning: the log is shorter than the warm-up, and the noise learnt so far is used.
   void heard_all();
 
   void take(Event event);
-  /// Says to it what it is doing, from now on.
+  /// Reports the stage of its work to `load` from now on.
   void watch(StageLoad* load) { load_ = load; }
-  /// After the last event: pings that still wait for a fix, and the obstacles of a sweep that was not finished.
+  /// Call after the last event: maps the pings that still wait for a fix, and reports the obstacles of the open sweep.
   void finish();
 
   [[nodiscard]] const PipelineCounts& counts() const { return counts_; }
-  /// Every datum that was refused, by reason.
+  /// Counts of rejected data, by reason.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& rejected() const { return gate_.rejected(); }
-  /// Emergencies, by raw readings and health reports; with or without a map.
+  /// Emergencies according to raw readings and health reports; they do not depend on a map.
   [[nodiscard]] const EmergencyFlags& emergencies() const { return alarms_.flags(); }
-  /// Why echoes could not be decided in the last ping (warming up, no fitting model); empty when they were.
+  /// Why echoes could not be decided in the last ping (warming up, no fitting model); empty if they were.
   [[nodiscard]] std::string undecided() const;
-  /// How far the pings of the fan depart from the model that sensor.model names; empty: it names none of a fan.
+  /// How far the pings of the fan depart from the fan model that sensor.model names; empty: it names no fan model.
   [[nodiscard]] std::optional<FanDeparture> departure() const { return echoes_.departure(); }
   /// The grid; empty before the first ping.
   [[nodiscard]] const BodyGrid* grid() const { return mapper_ ? &mapper_->grid() : nullptr; }
@@ -192,13 +192,13 @@ class Pipeline {
   Alarms alarms_;
   EventGate gate_;
   PoseBuffer poses_;
-  Eigen::Vector3d jumped_ = Eigen::Vector3d::Zero();  ///< all jumps together
-  std::vector<Waiting> waiting_;                      ///< for the fix that follows them, oldest first
+  Eigen::Vector3d jumped_ = Eigen::Vector3d::Zero();  ///< sum of all jumps
+  std::vector<Waiting> waiting_;                      ///< measurements that wait for the next fix, oldest first
   BottomBelow bottom_;
   std::shared_ptr<const LikelihoodRatios> ratios_;  ///< of the histogram model; null: none
   SonarModels models_;
   EchoDetector echoes_, upright_echoes_, sounder_echoes_;
-  EchoDetector faint_echoes_;  ///< of fans that are decided by cells
+  EchoDetector faint_echoes_;  ///< for fans with one decision per resolution cell
   SideLobes side_lobes_;
   EchoDecisions decisions_, faint_;
   SweepFinder sweeps_;
@@ -212,7 +212,7 @@ class Pipeline {
     HeardFrom from;
   };
   std::optional<Placed> last_;  ///< the ping mapped last
-  bool sweep_open_ = false;     ///< pings since the last scan
+  bool sweep_open_ = false;     ///< pings were mapped since the last scan
 };
 
 }  // namespace isobath

@@ -22,7 +22,7 @@ void PlanImage::add(const Ping& ping, const Pose& X_PS) {
   profile_.resize(static_cast<std::size_t>(ping.window.bins));
   for (int b = 0; b < fan.beams(); ++b) {
     const auto i = static_cast<std::size_t>(b);
-    Angle half = fan.width[i] / 2;  // neighbours that stand further apart than they are wide: no gaps in the picture
+    Angle half = fan.width[i] / 2;  // widened below if beams are further apart, so that the picture has no gaps
     if (fan.beams() > 1) {
       const std::size_t other = i > 0 ? i - 1 : 1;
       half = std::max(half, abs(fan.azimuth[i] - fan.azimuth[other]) / 2);

@@ -1,5 +1,5 @@
-// PlanImage: echoes drawn in plan, where they were seen: each bin covers its sector at the pose of its ping. Where bins
-// overlap, the strongest echo is shown. Ranges are taken as horizontal.
+// PlanImage: a plan view of echoes: each bin covers its sector at the pose of its ping. Where bins overlap, the image
+// shows the strongest echo. Ranges are treated as horizontal.
 #pragma once
 
 #include <isobath/geometry/pose.hpp>
@@ -17,7 +17,7 @@ class PlanImage {
 
   /// `X_PS`: sensor in the frame of the picture (x up, y right).
   void add(const Ping& ping, const Pose& X_PS);
-  /// Share of the strongest echo of the whole image; empty where nothing was looked at.
+  /// Intensity relative to the strongest echo of the whole image; empty where no beam looked.
   [[nodiscard]] std::optional<double> share(double x, double y) const;
 
  private:
@@ -27,7 +27,7 @@ class PlanImage {
   PlanExtent extent_;
   double pixel_m_;
   std::ptrdiff_t rows_, columns_;
-  std::vector<float> strongest_;  ///< negative: not looked at
+  std::vector<float> strongest_;  ///< negative: no beam looked there
   std::vector<float> profile_;
   float maximum_ = 0;
 };

@@ -1,10 +1,12 @@
-// Playback: a recording as a page looks at it: what was to be seen at any moment of it.
+// Playback: a recording as the page plays it: the items of the page at any moment of the recording.
 //
-// Each page has one of its own and calls it from one thread; what is dear (the index of a file, decoded blocks) is
-// better shared between them. A page that is dragged through a recording asks for another moment ten times a second,
-// and all pages wait for each other: a call should take a few milliseconds, and must not wait for who records.
+// Each page has its own Playback and calls it from one thread. Implementations should share costly parts (the index of
+// a file, decoded blocks) between pages. A page whose user drags the timeline asks for another moment ten times a
+// second, and all pages wait for each other. A call should therefore take a few milliseconds, and it must not wait for
+// the recorder.
 //
-// Errors: Error where the recording cannot be read; the page is told, stands still, and may ask again.
+// Errors: a call throws Error if the recording cannot be read. The page shows the error, stands still, and may ask
+// again.
 #pragma once
 
 #include <isobath/base/time.hpp>
@@ -23,12 +25,13 @@ class Playback {
 
   /// The first and the last moment. The end grows while the recording is still being written.
   virtual TimeSpan span() = 0;
-  /// Makes of `items` what they were at a moment of the span: of each item the newest as of then, and no other. They
-  /// are as the last call left them, so that going on takes only what lies between; items that stay as they were are
-  /// better left alone than cleared and set again, because all that is set again is sent again.
+  /// Sets `items` to their state at a moment of the span: the newest version of each item at that moment, and no other
+  /// items. `items` come as the last call left them, so going forward needs only the changes in between. Leave items
+  /// that do not change as they are: an item that is set again is sent again.
   virtual void show(Time moment, DisplayItems& items) = 0;
-  /// The moment with something new that comes `steps` after `from`, or before it if negative; at an end of the span
-  /// where there are fewer. `from` need be none of them: the first step leads to the next beside it.
+  /// Moments are the times at which an item changes. Returns the moment that is `steps` moments after `from`, or before
+  /// it if negative; an end of the span if there are fewer. `from` itself need not be a moment: the first step then
+  /// leads to the nearest one in that direction.
   virtual Time step(Time from, int steps) = 0;
 };
 

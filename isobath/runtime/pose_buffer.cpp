@@ -8,12 +8,12 @@ std::vector<Field> fields(PoseBufferConfig& c) {
   return {Field::real("wait_s", &c.wait_s, {0, 60}, "s",
                       "How long, in log time, a ping waits for the fix that follows it."),
           Field::real("max_extrapolation_s", &c.max_extrapolation_s, {0, 60}, "s",
-                      "How far beyond the newest fix a pose is carried on with the last velocity."),
+                      "Maximum time beyond the newest fix for which a pose is extrapolated with the last velocity."),
           Field::real("max_gap_s", &c.max_gap_s, {0, 3600}, "s",
-                      "The longest gap between two fixes that is still bridged by a straight line."),
+                      "Maximum gap between two fixes across which a pose is interpolated on a straight line."),
           Field::real("jump_m", &c.jump_m, {0.01, 1e6}, "m",
-                      "A fix farther than this from where the motion leads corrects the position at once: what was "
-                      "seen around the vehicle moves along.")};
+                      "A fix farther than this from the predicted position counts as a correction of the position: "
+                      "the maps around the vehicle move along with it.")};
 }
 
 const char* to_text(PoseFault fault) {
@@ -58,10 +58,10 @@ void PoseBuffer::clear() {
   stood_s_ = 0;
 }
 
-/// What of the way to a fix no motion explains.
+/// The part of the displacement to a fix that no plausible motion explains.
 Eigen::Vector3d PoseBuffer::jump_to(const Navigation& fix) const {
   constexpr double kAcceleration = 1, kFastest = 30;  // m/s2, m/s
-  constexpr double kJitter = 0.1;                     // m, of a fix: what a velocity by two of them is good for
+  constexpr double kJitter = 0.1;                     // m, of a fix: limits the accuracy of a velocity from two fixes
   if (count_ == 0) return Eigen::Vector3d::Zero();
   const double dt = to_seconds(fix.time - newest().time);
   const Eigen::Vector3d moved = fix.X_WB.translation - newest().X_WB.translation;
@@ -101,7 +101,7 @@ Result<Pose, PoseFault> PoseBuffer::at(Time time) const {
 }
 
 bool PoseBuffer::knows_its_motion() const {
-  constexpr double kGood = 0.1;  // m/s: in the 4 s of a scan less than the cell of a grid
+  constexpr double kGood = 0.1;  // m/s: in the 4 s of a scan the error is less than one cell of a grid
   return count_ == 0 || !newest().v_sigma || *newest().v_sigma <= kGood;
 }
 

@@ -1,15 +1,17 @@
 // PoseBuffer: the pose of the body at the transmit time of a ping, from the fixes around it (design, section 3).
 //
-// Between two fixes: interpolation (straight line, shortest arc). After the newest fix: carried on with its velocity,
-// for at most `max_extrapolation_s`. Holds a bounded number of fixes; nothing allocates after construction.
+// Between two fixes the pose is interpolated (straight line, shortest arc). After the newest fix it is extrapolated
+// with the velocity of that fix, for at most `max_extrapolation_s`. The buffer holds a bounded number of fixes; nothing
+// allocates after construction.
 //
-// A jump: a fix that lies farther than `jump_m` from where the vehicle can have moved to, by the velocity that the
-// last fix states or by the way from the fix before it, whichever explains more, and by an acceleration of 1 m/s2. It
-// corrects what was believed until then; so the fixes before it are moved to where they would have been, and a pose
-// that is asked for later is in line with the new place (ledger S6-53). A way that goes on as the jump did was motion
-// after all: a boat that starts between two fixes, and states no velocity, is taken for a jump once. A position that
-// is repeated to the last bit, as frozen receivers do, is none that was measured. What jumps is the position: a heading
-// that jumps is taken for a turn.
+// A fix is a jump if it lies farther than `jump_m` from any position that the vehicle can have reached. The reachable
+// positions follow from the velocity that the last fix states, or from the last two fixes, whichever explains more of
+// the displacement, and from an acceleration of 1 m/s2. A jump corrects the estimated position. The buffer therefore
+// moves all earlier fixes by the jump, so that later queries agree with the new position (ledger S6-53).
+//
+// If the motion goes on at the rate of the jump, it was motion: a boat that starts between two fixes, and states no
+// velocity, is taken for a jump once. A position that repeats to the last bit, as from a frozen receiver, does not
+// count as measured. Only positions jump; a jump of the heading is taken for a turn.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -21,10 +23,10 @@
 namespace isobath {
 
 struct PoseBufferConfig {
-  double wait_s = 0.5;               ///< that a ping waits for the fix after it
+  double wait_s = 0.5;               ///< how long a ping waits for the next fix
   double max_extrapolation_s = 1.0;  ///< beyond the newest fix
-  double max_gap_s = 5.0;            ///< between two fixes that are still joined by a straight line
-  double jump_m = 1.0;               ///< from where the motion leads to, beyond which a fix is a correction
+  double max_gap_s = 5.0;            ///< between two fixes that are interpolated
+  double jump_m = 1.0;               ///< distance from the predicted position beyond which a fix is a jump
 };
 std::vector<Field> fields(PoseBufferConfig& config);
 
@@ -35,17 +37,18 @@ class PoseBuffer {
  public:
   explicit PoseBuffer(const PoseBufferConfig& config);
 
-  /// Fixes come in order of time. Returns by how much the position jumped, m in W; zero: it did not.
+  /// Fixes come in order of time. Returns the jump of the position, m in W; zero if there was none.
   Eigen::Vector3d add(const Navigation& fix);
   void clear();
   [[nodiscard]] bool empty() const { return count_ == 0; }
-  /// Whether a later fix could still change the answer for this time.
+  /// Whether later fixes can no longer change the interpolated pose of this time.
   [[nodiscard]] bool settled(Time time) const { return count_ > 0 && newest().time >= time; }
   [[nodiscard]] Result<Pose, PoseFault> at(Time time) const;
-  /// Standard deviation of the place in the plane along its longer axis, as the newest fix states it, m; 0: not stated.
+  /// Standard deviation of the horizontal position along the longer axis of its ellipse, m, as the newest fix states
+  /// it; 0: not stated.
   [[nodiscard]] double sigma_m() const;
-  /// Whether displacements rest on more than dead reckoning by a model of the thruster: the newest fix states its
-  /// velocity to 0.1 m/s, or states no accuracy (ledger S6-22).
+  /// Whether displacements come from more than dead reckoning with a model of the thruster: the newest fix states its
+  /// velocity to 0.1 m/s or better, or states no accuracy (ledger S6-22).
   [[nodiscard]] bool knows_its_motion() const;
 
  private:
@@ -60,10 +63,10 @@ class PoseBuffer {
   std::vector<Navigation> ring_;
   std::size_t next_ = 0;
   std::size_t count_ = 0;
-  std::optional<Eigen::Vector3d> velocity_;  ///< W, by the last two fixes, jumps left out
-  std::optional<Eigen::Vector3d> doubted_;   ///< the same with the jump, if it was one: when it goes on, it was none
-  double apart_s_ = 0;                       ///< between these two
-  double stood_s_ = 0;  ///< that the position has been the same to the last bit, with no velocity stated
+  std::optional<Eigen::Vector3d> velocity_;  ///< in W, from the last two fixes, without the jump
+  std::optional<Eigen::Vector3d> doubted_;   ///< the same with the jump: if the motion goes on so, it was no jump
+  double apart_s_ = 0;                       ///< time between these two fixes
+  double stood_s_ = 0;  ///< how long the position has been the same to the last bit, with no velocity stated
 };
 
 }  // namespace isobath

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kFewest = 100;
 constexpr int kRounds = 8;
-constexpr double kLeastSlope = 0.02;  // root mean square of the slope along either axis
+constexpr double kLeastSlope = 0.02;  // minimum root mean square of the slope along either axis
 
 double robust_sd(std::vector<double> values) { return difference_statistics(std::move(values)).robust_sd_m; }
 
@@ -59,8 +59,8 @@ std::optional<PositionOffset> position_offset(std::span<const SlopeSample> sampl
 
 std::string to_text(const PositionOffset& o) {
   return fmt::format(
-      "the log lies beside the map: {:+.1f} m north and {:+.1f} m east would bring it there, {:+.2f} m in depth; the "
-      "robust spread would fall from {:.2f} to {:.2f} m ({} soundings over slopes the map knows)",
+      "the log is offset from the map: moving it by {:+.1f} m north, {:+.1f} m east and {:+.2f} m in depth would align "
+      "it; the robust spread would fall from {:.2f} to {:.2f} m ({} soundings over slopes known to the map)",
       o.offset_m.x(), o.offset_m.y(), -o.bias_m, o.robust_sd_m, o.robust_sd_left_m, o.n);
 }
 

@@ -42,7 +42,7 @@ std::optional<Event> PrefetchSource::next() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return done_ || !ready_.empty(); });
     if (ready_.empty()) {
-      report_ = inner_->report();  // the thread touches it no more
+      report_ = inner_->report();  // the reading thread no longer uses it
       return std::nullopt;
     }
     batch_ = std::move(ready_.front());

@@ -1,5 +1,5 @@
-// PrefetchSource: reads ahead on a thread of its own, in the order of the input, so that decoding and mapping overlap.
-// The events are the same, in the same order, as without it.
+// PrefetchSource: reads ahead in a thread of its own, in the order of the input, so that decoding and mapping overlap.
+// The events and their order are the same as without it.
 #pragma once
 
 #include <condition_variable>
@@ -17,7 +17,7 @@ class PrefetchSource : public Source {
   ~PrefetchSource() override;
 
   std::optional<Event> next() override;
-  /// Position and origin while reading; complete at the end.
+  /// While reading, only bytes read and origin are up to date; the report is complete at the end.
   [[nodiscard]] const SourceReport& report() const override { return report_; }
 
  private:

@@ -28,7 +28,7 @@ bool is_recording(const std::filesystem::path& file) {
 RecordedDisplay::RecordedDisplay(const std::filesystem::path& file) : index_(file) {
   find_channels();
   if (index_.complete() && !changes_) {
-    throw Error("holds nothing that a page showed", {file.string(), {}, {}, {}, {}}, "a recording of isobath");
+    throw Error("is not a recording of a run", {file.string(), {}, {}, {}, {}}, "a recording of isobath");
   }
 }
 
@@ -78,10 +78,10 @@ void RecordedDisplay::seek(Time time, DisplayItems& items) {
 }
 
 void RecordedDisplay::advance(Time time, DisplayItems& items) {
-  // far ahead a whole sample is nearer than all the changes on the way there
+  // far ahead, a complete sample takes less to read than all changes until there
   constexpr Duration kNear = std::chrono::seconds(5);
   if (!at_ || time < *at_ || time - *at_ > kNear) return seek(time, items);
-  // in a recording that has grown there may be a second sample at the time of the last one
+  // a recording that has grown may hold a second sample at the time of the last one
   const std::uint64_t from = log_time_of(*at_) + (std::exchange(grown_, false) ? 0 : 1);
   if (changes_) take_changes(from, log_time_of(time), items);
 }

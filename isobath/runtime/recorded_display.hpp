@@ -1,9 +1,10 @@
-// RecordedDisplay: what the live page showed at any time of a recording (RunRecorder), also while it is being made.
+// RecordedDisplay: the items that the live page showed at any time of a recording (RunRecorder). The recording may
+// still be growing.
 //
-// A seek reads the last whole sample at or before the time and the changes after it; going on reads the changes alone.
-// What is handed out are changes of the items: a page that shows them gets what differs and nothing else. A stretch of
-// the file that is damaged is passed over: items may be older there than they should be, until the next whole sample.
-// Times are those of samples: "moments". One thread at a time.
+// A seek reads the last complete sample at or before the time and the changes after it; going forward reads only the
+// changes. The items are changed in place, so a page that shows them gets only what differs. A damaged part of the file
+// is skipped: items may be too old there, until the next complete sample. The times of samples are called moments. One
+// thread at a time.
 #pragma once
 
 #include <filesystem>
@@ -13,17 +14,17 @@
 
 namespace isobath {
 
-/// Whether a file is a recording that a page can show; false for any other input.
+/// Whether a file is a recording that a page can show.
 bool is_recording(const std::filesystem::path& file);
 
 class RecordedDisplay {
  public:
-  /// Throws Error where the file is no MCAP, or is complete and holds no display.
+  /// Throws Error if the file is not MCAP, or if it is complete and holds no display.
   explicit RecordedDisplay(const std::filesystem::path& file);
 
-  /// Takes in what was recorded since; whether there was any.
+  /// Reads what was recorded since the last call. Returns whether there was anything.
   bool refresh();
-  /// Whether nothing more will come.
+  /// Whether the recording is finished.
   [[nodiscard]] bool complete() const { return index_.complete(); }
 
   struct Span {
@@ -34,11 +35,11 @@ class RecordedDisplay {
   /// The moment that the items show; empty before the first seek, and before the first moment.
   [[nodiscard]] std::optional<Time> at() const { return at_; }
 
-  /// The items become what they were at the last moment at or before a time; none before the first.
+  /// Sets the items to their state at the last moment at or before `time`; before the first moment there are none.
   void seek(Time time, DisplayItems& items);
-  /// As seek; by the changes alone where the time lies ahead, and not far.
+  /// The same as seek. Reads only the changes if `time` is a few seconds ahead.
   void advance(Time time, DisplayItems& items);
-  /// The moments beside a time, which is neither.
+  /// The next moment after, and the last one before a time.
   [[nodiscard]] std::optional<Time> moment_after(Time time);
   [[nodiscard]] std::optional<Time> moment_before(Time time);
 
@@ -47,13 +48,13 @@ class RecordedDisplay {
 
  private:
   void find_channels();
-  /// The changes from a time to another are taken.
+  /// Applies the changes from one time to another.
   void take_changes(std::uint64_t from, std::uint64_t to, DisplayItems& items);
 
   McapIndex index_;
   std::optional<std::uint16_t> changes_, wholes_;  ///< channels
   std::optional<Time> at_;
-  bool grown_ = false;  ///< since at_
+  bool grown_ = false;  ///< the recording has grown since at_
 };
 
 }  // namespace isobath

@@ -7,7 +7,7 @@ namespace isobath {
 
 RecordedPlayback::RecordedPlayback(const std::filesystem::path& file) : display_(file), refreshed_(Clock::now()) {
   const auto span = display_.span();
-  if (!span) throw Error("nothing of the run is recorded yet", {file.string(), {}, {}, {}, {}}, "", "ask again later");
+  if (!span) throw Error("the recording is still empty", {file.string(), {}, {}, {}, {}}, "", "try again later");
   span_ = {span->first, span->last};
 }
 

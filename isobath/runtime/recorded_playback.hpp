@@ -1,7 +1,7 @@
-// RecordedPlayback: a recording (RunRecorder) as a page plays it, finished or still growing.
+// RecordedPlayback: plays a recording (RunRecorder) for a page. The recording may be finished or still growing.
 //
-// One that grows is looked at again at most every kRefresh of a real clock; its end is the end of its last whole chunk,
-// so that it lags behind what happens by `recorder.log.chunk_s` at most.
+// A growing recording is read again at most every kRefresh of a real clock. It ends with its last complete chunk, so it
+// lags behind the run by at most `recorder.log.chunk_s`.
 #pragma once
 
 #include <chrono>
@@ -14,7 +14,7 @@ class RecordedPlayback final : public Playback {
  public:
   static constexpr std::chrono::milliseconds kRefresh{500};
 
-  /// Throws Error where the file is no recording, or holds no moment yet.
+  /// Throws Error if the file is not a recording, or holds no moment yet.
   explicit RecordedPlayback(const std::filesystem::path& file);
 
   TimeSpan span() override;

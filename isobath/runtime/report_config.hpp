@@ -1,4 +1,4 @@
-// What the report of a run carries beside what is written in it (RunFilm).
+// ReportConfig: the replay of the run that the report embeds (RunFilm).
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -6,9 +6,9 @@
 namespace isobath {
 
 struct ReportConfig {
-  bool film = true;      ///< the run itself, to be looked at again
-  double film_s = 0.5;   ///< between two moments of it
-  double film_mb = 7.5;  ///< of the report's bytes that it may take
+  bool film = true;      ///< embed the replay
+  double film_s = 0.5;   ///< between two moments of the replay
+  double film_mb = 7.5;  ///< maximum size of the replay in the report
 };
 std::vector<Field> fields(ReportConfig& config);
 

@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// To 1e-6: finer than any sonar, and readable.
+/// Rounded to 1e-6, which is finer than any sonar and still readable.
 double tidy(double value) { return std::round(value * 1e6) / 1e6; }
 
 ordered_json outline_of(const Obstacle& o) {
@@ -274,7 +274,7 @@ ordered_json voxels_json(const VoxelOutcome& voxels) {
 }
 
 std::string live_text(const LiveOutcome& live) {
-  std::string text = fmt::format("live: {} pings lost before the map", live.lost_pings);
+  std::string text = fmt::format("live: {} pings dropped before mapping", live.lost_pings);
   if (live.unshown_pings + live.unshown_notes > 0) {
     text += fmt::format("; neither shown nor recorded: {} pings and scans, {} events and messages", live.unshown_pings,
                         live.unshown_notes);

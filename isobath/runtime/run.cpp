@@ -21,13 +21,13 @@
 namespace isobath {
 namespace {
 
-using Clock = std::chrono::steady_clock;  // for timings alone: no result depends on it
+using Clock = std::chrono::steady_clock;  // only for timings: no result depends on it
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// A folder of logs with one outline beside them: that of the water.
+/// The prior of the configuration; else, for a folder of logs with one outline (.shp), that outline of the water.
 std::vector<std::string> priors_of(const RunRequest& request) {
   if (!request.configuration.prior.file.empty()) return {request.configuration.prior.file};
   std::error_code ignored;
@@ -38,19 +38,19 @@ std::vector<std::string> priors_of(const RunRequest& request) {
   return outlines.size() == 1 ? outlines : std::vector<std::string>{};
 }
 
-/// Of an input that is one.
+/// The scenario, if the input is one.
 std::optional<Scenario> scenario_of_input(const RunRequest& request) {
   return is_scene(request.input) ? std::optional(open_scenario(request.input)) : std::nullopt;
 }
 
-/// Where --mission names a scenario: what was run once is decided again by the same chart.
+/// The scenario, if --mission names one: a replay must use the same chart as the recorded run.
 std::optional<Scenario> scenario_of_mission(const RunRequest& request) {
   if (request.mission.empty()) return std::nullopt;
   const std::string file = request.mission.string(), text = text_of_file(file);
   return looks_like_scene(text) ? std::optional(parse_scenario(text, file)) : std::nullopt;
 }
 
-/// With the prior of the scenario, if it has one.
+/// Adds the prior of the scenario, if it has one.
 RunRequest completed(RunRequest request, const std::optional<Scenario>& scenario) {
   if (const auto named = scenario ? scenario : scenario_of_mission(request)) {
     request.configuration = named->with_prior(request.configuration);
@@ -58,14 +58,13 @@ RunRequest completed(RunRequest request, const std::optional<Scenario>& scenario
   return request;
 }
 
-/// North and east of a mission mean those of what it hears.
+/// Throws Error unless the mission and the input have the same origin.
 void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard) {
   if (!plan.origin || !heard) return;
   const double apart_m = distance_m(*plan.origin, *heard);
   if (apart_m <= 1) return;
-  throw Error(
-      fmt::format("north and east of the mission count from a place {:.0f} m away from that of the input", apart_m),
-      plan.place, "the same origin in both");
+  throw Error(fmt::format("the origin of the mission is {:.0f} m away from the origin of the input", apart_m),
+              plan.place, "the same origin in both");
 }
 
 void check_live(const RunRequest& request, bool mission_in_a_scene) {
@@ -75,7 +74,7 @@ void check_live(const RunRequest& request, bool mission_in_a_scene) {
   }
 }
 
-/// Outlines from above of all that stands in a scene, where it is now.
+/// The plan outlines of all bodies of a scene, at their current positions.
 std::vector<TrueBody> outlines_of(const World& world) {
   std::vector<TrueBody> outlines;
   for (const WorldBody& body : world.bodies()) {
@@ -97,20 +96,20 @@ RunTimings timings_of(std::vector<double>& ping_ms, double wall_ms) {
   return timings;
 }
 
-/// What makes the input itself wrong, as one line. A damaged stretch in the middle is none of these.
+/// A problem of the input itself, as one line. A damaged part in the middle is not a problem in this sense.
 std::string problem_of(const RunOutcome& outcome) {
   const SourceReport& source = outcome.source;
   if (!source.damages.empty() && source.bytes_total > 0) {
     const Damage& last = source.damages.back();
     if (last.offset + last.bytes >= source.bytes_total) {
-      return fmt::format("the log is cut off: its last {} bytes, from byte {}, are no whole record ({})", last.bytes,
-                         last.offset, last.reason);
+      return fmt::format("the log is cut off: its last {} bytes, from byte {}, are not a complete record ({})",
+                         last.bytes, last.offset, last.reason);
     }
   }
   for (const char* reason : {EventGate::kBadNavigation, EventGate::kBackwards, kBadPose, kPoseBackwards}) {
     const auto found = outcome.rejected.find(reason);
     if (found != outcome.rejected.end()) {
-      return fmt::format("{}: {} of {} events were refused for it", reason, found->second,
+      return fmt::format("{}: {} of {} events were rejected for this", reason, found->second,
                          found->second + outcome.counts.pings + outcome.counts.navigation + outcome.counts.ranges +
                              outcome.counts.swaths);
     }
@@ -118,7 +117,7 @@ std::string problem_of(const RunOutcome& outcome) {
   return {};
 }
 
-/// What pipeline and depth map found (`mapped`: there are voxels), and whether the input was in order.
+/// Adds the results of the pipeline and the depth map (`mapped`: there are voxels), and any problem of the input.
 void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths, bool mapped) {
   outcome.counts = pipeline.counts();
   outcome.rejected = outcome.source.rejected;
@@ -130,12 +129,12 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
   outcome.problem = problem_of(outcome);
   if (outcome.counts.pings + outcome.counts.upright + outcome.counts.ranges + outcome.counts.swaths == 0 &&
       outcome.problem.empty())
-    outcome.problem = "no ping, range or sounding in it could be used";
+    outcome.problem = "no ping, range or sounding of the input could be used";
   if (outcome.counts.pings + outcome.counts.upright == 0 && !depths.snapshot() && !mapped && outcome.problem.empty())
-    outcome.problem = "none of its ranges and soundings has a place; say where the vehicle was (input.navigation)";
+    outcome.problem = "no range or sounding has a position; give the track of the vehicle (input.navigation)";
 }
 
-/// A run from its input to its folder: what is on board, and who looks on.
+/// A run from its input to its folder: the input, Onboard and the observers.
 class Run {
  public:
   explicit Run(const RunRequest& asked);
@@ -146,9 +145,9 @@ class Run {
   std::unique_ptr<Helm> make_helm() const;
   void invite_observers();
   std::optional<Event> next();
-  /// The whole way of an event. False: nothing more is to come.
+  /// Handles one event completely. Returns false if the run is to end.
   bool take(Event event);
-  /// Tells the vehicle what the helm wants. False: the mission was over long enough.
+  /// Sends the set-point of the helm to the vehicle. Returns false once the mission has been over for long enough.
   bool steer();
   void show(Time time);
   void show_scene(Time time);
@@ -176,8 +175,8 @@ class Run {
 
   std::optional<LivePace> live_;
   std::optional<WatchedPace> watched_;
-  std::string live_datum_;             ///< of a live run, whose depths belong to whoever maps
-  std::optional<DisplayScene> scene_;  ///< as it was shown
+  std::string live_datum_;             ///< live: the depth datum; depths_ itself belongs to the mapping thread
+  std::optional<DisplayScene> scene_;  ///< as last shown
   EndOfMission end_;
   Time first_ = Time::max(), last_ = Time::min();
 };
@@ -221,7 +220,7 @@ std::unique_ptr<Helm> Run::make_helm() const {
   return make_mission_helm(*setup_, request_.configuration, times_);
 }
 
-/// In this order each of them sees what happens.
+/// Onboard calls the observers in this order.
 void Run::invite_observers() {
   if (helm_) onboard_.show_to(notes_);
   onboard_.show_to(folder_);
@@ -240,14 +239,14 @@ void Run::invite_observers() {
 
 RunOutcome Run::outcome() {
   const auto start = Clock::now();
-  // Who decides on the way could not have known, in the vehicle's time, what comes.
+  // A mission must not see future pings, so with a mission there is no look-ahead.
   if (!input_.simulated() && !setup_) input_.listen_for(onboard_.pipeline());
   while (auto event = next()) {
     if (!take(std::move(*event))) break;
   }
   onboard_.settle();
   RunOutcome outcome;
-  if (helm_) outcome.mission = mission_outcome();  // before the sweep cut short
+  if (helm_) outcome.mission = mission_outcome();  // before finish() ends the open sweep
   onboard_.finish();
   std::vector<double> ping_ms = onboard_.ping_ms();
   outcome.timings = timings_of(ping_ms, milliseconds_since(start));
@@ -303,7 +302,7 @@ std::optional<Event> Run::next() {
 bool Run::take(Event event) {
   const Time time = time_of(event);
   const bool is_first = first_ == Time::max();
-  if (!live_ || is_first) depths_.locate(input_.origin());  // a scene lies where it lies from the start
+  if (!live_ || is_first) depths_.locate(input_.origin());  // the origin of a scene is known from the start
   if (setup_ && is_first) check_frame(setup_->plan, input_.origin());
   if (watched_ && !watched_->keep(time)) return false;
   if (SimulatedSource* simulated = input_.simulated(); simulated && watched_ && setup_ && request_.watch->ordered) {
@@ -341,7 +340,7 @@ void Run::show(Time time) {
   display_.sample(time);
 }
 
-/// Once, and again where it has changed: a body moved, or somebody said where on the globe all this is.
+/// Shows the scene once, and again when it has changed: a body moved, or the origin or the datum became known.
 void Run::show_scene(Time time) {
   const auto origin = input_.origin();
   const std::string& datum = live_ ? live_datum_ : depths_.facts().datum;
@@ -385,7 +384,7 @@ MissionOutcome Run::mission_outcome() {
     mission.bodies = outlines_of(simulated->simulator().world());
     if (const SimulatedOperator* at_the_link = simulated->at_the_link()) mission.answers = at_the_link->answers();
   } else if (input_.report().details.contains(kLiveDetail)) {
-    return mission;  // what a live run decides depends on who is faster: nothing to be held against
+    return mission;  // live runs are not deterministic: their decisions are not compared
   } else if (const auto recorded = compare_with_log(mission.decisions, request_.input)) {
     mission.recorded = recorded->decisions;
     mission.as_recorded = recorded->the_same;

@@ -1,11 +1,11 @@
-// The main job: an input in; map, obstacles, decisions, pictures and a report out, in one folder.
+// run: the main job. Reads an input, and writes map, obstacles, decisions, pictures and a report into one folder.
 //
-// The same input, configuration and seed give the same bytes in every file, on any number of threads, but for a live
-// run. Measured times are therefore in the outcome (and on the terminal), and in the report only if they are asked for.
+// The same input, configuration and seed give the same bytes in every file, on any number of threads; live runs are the
+// exception. Measured times are therefore in the outcome (and on the terminal), and in the report only on request.
 //
-// Live: a mission in a scene with real threads, one for mapping and one for each agent, as on a vehicle: what it
-// decides depends on who is faster, so what was seen is not held against what was there, and a recording of it is of
-// what happened: run again, the crew hears the same and may decide otherwise.
+// A live run is a mission in a scene with real threads, one for mapping and one for each agent, as on a vehicle. Live
+// runs are not deterministic; their detections are not scored. A recording holds what happened: in a replay the agents
+// receive the same events and may decide otherwise.
 #pragma once
 
 #include <isobath/runtime/run_outcome.hpp>

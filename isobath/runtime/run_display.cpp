@@ -9,7 +9,7 @@ constexpr Duration kLookInterval = std::chrono::milliseconds(950);
 
 }  // namespace
 
-/// A ping for later: its samples stay where they are.
+/// A copy of a ping for the display thread. It shares the samples.
 struct RunDisplay::KeptPing {
   Ping ping;
   Pose X_WB;
@@ -33,7 +33,7 @@ std::shared_ptr<const RunDisplay::KeptScan> RunDisplay::keep(const ScanResult& s
 
 namespace {
 
-/// What was kept, as it was told.
+/// Turns the kept copy into the argument of the call.
 template <class Kept>
 const Kept& as_told(const Kept& kept) {
   return kept;
@@ -79,7 +79,7 @@ void RunDisplay::begin_recording(const RunRequest& request, const std::optional<
   if (setup) recorder_->describe(*setup);
 }
 
-// Told by the thread that senses and steers ---------------------------------------------------------------------------
+// Called by the source thread ----------------------------------------------------------------------------------------
 
 void RunDisplay::on_event(const Event& event) {
   const Kind kind = std::holds_alternative<Ping>(event) ? Kind::kPing : Kind::kNote;
@@ -131,7 +131,7 @@ void RunDisplay::show(Time time, const MissionTimings& timings, std::uint64_t lo
   post(Kind::kNote, &RunDisplay::show_timings, time, timings, lost_pings);
 }
 
-/// No recording of a run that takes its turns holds what a real clock has measured.
+/// Times of a real clock must not enter the recording of a sequential run.
 void RunDisplay::show_timings(const Time& time, const MissionTimings& timings, const std::uint64_t& lost_pings) {
   lost_pings_ = lost_pings;
   if (thread_ || shown_ != &items_) display_->show(time, timings);
@@ -144,8 +144,7 @@ void RunDisplay::show_sample(const Time& time) {
   if (film_) film_->sample(time, *shown_);
 }
 
-// Told by the thread that maps
-// -----------------------------------------------------------------------------------------
+// Called by the mapping thread ---------------------------------------------------------------------------------------
 
 void RunDisplay::on_ping(const PosedPing& ping) { post(Kind::kPing, &RunDisplay::show_ping, ping); }
 
@@ -204,19 +203,17 @@ void RunDisplay::show_counts(Time time) {
   display_->show(time, *counts_);
 }
 
-// Told by the crew
-// -----------------------------------------------------------------------------------------------------
+// Called by the agents' threads --------------------------------------------------------------------------------------
 
 void RunDisplay::heard(const Envelope& envelope) { post(Kind::kNote, &RunDisplay::show_message, envelope); }
 
 void RunDisplay::show_message(const Envelope& envelope) {
   display_->heard(envelope);
   if (recorder_) recorder_->heard(envelope);
-  if (counts_ && display_->wants_counts(envelope.time)) show_counts(envelope.time);  // a fault is shown at once
+  if (counts_ && display_->wants_counts(envelope.time)) show_counts(envelope.time);  // shows a fault at once
 }
 
-// The end
-// --------------------------------------------------------------------------------------------------------------
+// The end ------------------------------------------------------------------------------------------------------------
 
 void RunDisplay::settle() {
   if (thread_) thread_->settle();

@@ -1,5 +1,5 @@
-// RunDisplay: what a run shows and writes down as it goes: the items of the page, the recording, the film of the
-// report.
+// RunDisplay: shows and records a run while it goes on: the items of the live page, the recording, and the replay in
+// the report.
 //
 //   RunDisplay display(request, setup, input);
 //   onboard.show_to(display);
@@ -7,10 +7,10 @@
 //   display.look(...); display.sample(time);  // after each event
 //   display.finish(last);
 //
-// Of a run that takes its turns all of it is done here and now, in one order. A live run tells it from several threads:
-// whoever senses and steers (on_event, take, on_setpoint, wants_scene, show, sample), whoever maps (all other on_*),
-// the crew (heard). There a TaskThread does it, and nobody waits: what is told is copied, and handed over. The
-// voxels alone are made into items by whoever maps, whose they are: an eighth of what has changed a look.
+// In a sequential run every call does its work at once. In a live run several threads call: the source thread
+// (on_event, take, on_setpoint, wants_scene, show, sample), the mapping thread (all other on_*) and the agents' threads
+// (heard). Each call then copies its arguments and posts them to a TaskThread, the display thread, so that no caller
+// waits. Only voxels are encoded by the mapping thread, one eighth of the changed blocks per call.
 #pragma once
 
 #include <isobath/base/task_thread.hpp>
@@ -30,49 +30,49 @@ namespace isobath {
 
 class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
  public:
-  /// That wait in a live run: 64 MiB of pings of 512 beams x 500 samples.
+  /// Bounds of the queue of a live run: 64 MiB of pings of 512 beams x 500 samples.
   static constexpr TaskThread::Bounds kWaiting{.pings = 256, .all = 4096};
 
-  /// Throws Error where the recording cannot be made.
+  /// Throws Error if the recording cannot be created.
   RunDisplay(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input);
 
-  /// Whether the run is shown, recorded or filmed at all; without it nothing else need be called.
+  /// Whether the run is shown, recorded or embedded in the report. If not, no other call is needed.
   [[nodiscard]] bool on() const { return display_.has_value(); }
   [[nodiscard]] const RunRecorder* recorder() const { return recorder_ ? &*recorder_ : nullptr; }
-  /// Null: the report is without.
+  /// Null: the report has no replay.
   [[nodiscard]] RunFilm* film() { return film_ ? &*film_ : nullptr; }
   [[nodiscard]] const DisplayItems& items() const { return *shown_; }
 
-  // Of whoever senses and steers.
+  // Called by the source thread.
   void on_event(const Event& event) override;
   void take(const EchoTruth& echoes) override;
   void take(const TrueMotion& motion) override;
   void on_setpoint(Time time, const Setpoint& setpoint) override;
-  /// Whether to show the scene and the timings again.
+  /// Whether the scene and the timings are due again.
   [[nodiscard]] bool wants_scene(Time time);
   void show(Time time, const DisplayScene& scene);
-  /// Shown, not recorded: no two runs have the same. `lost_pings`: in a full queue before the map.
+  /// Shown but not recorded, because timings differ from run to run. `lost_pings`: dropped from the mapping queue.
   void show(Time time, const MissionTimings& timings, std::uint64_t lost_pings);
   void sample(Time time);
 
-  // Of whoever maps.
+  // Called by the mapping thread.
   void on_ping(const PosedPing& ping) override;
   void on_upright(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   void on_mapped(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) override;
-  /// Maps and counts, of which each is looked at when it is time. Where the run takes its turns, after `show`.
+  /// Shows those maps and counts that are due. In a sequential run the caller calls it after `show`.
   void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
 
-  /// Of the crew: every message.
+  /// Every message of the agents; called by their threads.
   void heard(const Envelope& envelope);
 
-  /// Live: waits until all that it was told is shown.
+  /// Live: waits until everything posted is shown.
   void settle();
-  /// After the last event, which was at `last`: the last sample, and the end of the recording. What is told later goes
-  /// nowhere.
+  /// Call after the last event, whose time is `last`: takes the last sample and ends the recording. Later calls have no
+  /// effect.
   void finish(Time last);
-  /// Live: what could not be shown, and why nothing more was; after finish.
+  /// Live, after finish: what was dropped, and why the display failed, if it did.
   [[nodiscard]] TaskThread::LeftOut left_out() const;
   [[nodiscard]] std::string problem() const;
 
@@ -81,7 +81,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   struct KeptPing;
   struct KeptScan;
   void begin_recording(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input);
-  /// Has something shown: here and now, or, live, by the display's thread, of a copy.
+  /// Shows something: at once, or, live, a copy of it in the display thread.
   template <class... Told>
   void post(Kind kind, void (RunDisplay::*show)(const Told&...), const Told&... told);
   static std::shared_ptr<const KeptPing> keep(const PosedPing& ping);
@@ -90,7 +90,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   static const Told& keep(const Told& told) {
     return told;
   }
-  // What is posted.
+  // The posted work.
   void show_event(const Event& event, const std::optional<GeoOrigin>& origin);
   void show_ping(const PosedPing& ping);
   void show_upright(const PosedPing& ping);
@@ -106,19 +106,19 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   void show_counts(Time time);
   void show_sample(const Time& time);
 
-  const RunInput& input_;          ///< which says where W lies as soon as that is known
-  DisplayItems items_;             ///< where nobody looks on
-  DisplayItems* shown_ = &items_;  ///< what a page is shown: these, or a program's own (RunWatch)
+  const RunInput& input_;          ///< knows the origin of W as soon as the input states it
+  DisplayItems items_;             ///< used if no page watches
+  DisplayItems* shown_ = &items_;  ///< the items in use: items_, or those of the program that watches (RunWatch)
   std::optional<RunFilm> film_;
   std::optional<Display> display_;
   std::optional<RunRecorder> recorder_;
 
   // Live.
-  std::optional<MapDisplay> voxels_;                          ///< of whoever maps
-  std::optional<Time> scene_shown_, depths_shown_, counted_;  ///< the first of whoever senses, the others of who maps
-  std::optional<DisplayCounts> counts_;                       ///< the rest of the display's thread
+  std::optional<MapDisplay> voxels_;                          ///< mapping thread
+  std::optional<Time> scene_shown_, depths_shown_, counted_;  ///< the first: source thread; the others: mapping thread
+  std::optional<DisplayCounts> counts_;                       ///< this and lost_pings_: display thread
   std::uint64_t lost_pings_ = 0;
-  std::optional<TaskThread> thread_;  ///< last: it uses all the others
+  std::optional<TaskThread> thread_;  ///< last, because its tasks use all other members
 };
 
 }  // namespace isobath

@@ -12,15 +12,15 @@
 namespace isobath {
 namespace {
 
-constexpr double kRawPerPacked = 4;   ///< kept while it runs, for each byte that the report takes
+constexpr double kRawPerPacked = 4;   ///< raw bytes kept during the run, per packed byte in the report
 constexpr int kFast = 1, kWell = 6;   ///< levels of zlib
-constexpr int kMostTries = 4;         ///< to come under the bound by thinning no more than is needed
-constexpr double kSurelyMore = 1.15;  ///< an estimate this far beyond the bound is not worth packing
+constexpr int kMostTries = 4;         ///< attempts to get under the bound without thinning more than needed
+constexpr double kSurelyMore = 1.15;  ///< if the estimate exceeds the bound by this factor, packing is not tried
 
-/// What base64 makes the most of a report's film out of.
+/// Maximum number of packed bytes, so that base64 of them fits into film_mb.
 double packed_bytes(const ReportConfig& config) { return config.film_mb * 1e6 / 4 * 3 - 3; }
 
-/// Of a film: neither what real clocks measured nor what one page alone is told.
+/// Whether a kind of item belongs into the replay: no times of real clocks, and no items of a single page.
 bool is_of_the_run(DisplayKind kind) {
   return kind != DisplayKind::kTimes && kind != DisplayKind::kClock && kind != DisplayKind::kRefusal;
 }
@@ -33,7 +33,7 @@ std::uint64_t number_of(const std::string& record) {
   return number;
 }
 
-/// A block's head: time, bytes of its records, 0.
+/// Appends a block. Its header holds time, bytes of its records, 0.
 void append_block(std::string& out, Time time, const std::string& records) {
   const std::int64_t ns = time.time_since_epoch().count();
   const std::uint32_t sizes[2] = {static_cast<std::uint32_t>(records.size()), 0};
@@ -42,7 +42,8 @@ void append_block(std::string& out, Time time, const std::string& records) {
   out += records;
 }
 
-/// With a head that says nothing of where and when. Most of it is samples of echoes, of which few repeat: Z_FILTERED.
+/// The header states no file name, time or system, so that equal input gives equal bytes. Most of the data are echo
+/// samples with few repetitions; hence Z_FILTERED.
 std::string gzip_of(std::string_view bytes, int level) {
   constexpr int kGzip = 16, kAnySystem = 255;
   z_stream stream{};
@@ -63,7 +64,7 @@ std::string gzip_of(std::string_view bytes, int level) {
   return out;
 }
 
-/// What gzip_of would make of it, by a piece now and then.
+/// The size that gzip_of would give, estimated from every eighth piece.
 double packed_estimate(std::string_view bytes) {
   constexpr std::size_t kPiece = 1 << 18, kEach = 8;
   std::size_t taken = 0, packed = 0;
@@ -99,7 +100,7 @@ void RunFilm::take(Time time, const DisplayItems& items) {
     }
   }
   if (blocks_.empty() && changes.records.empty()) return;
-  // What comes after the last event is of its time.
+  // Changes after the last event get the time of that event.
   if (blocks_.empty() || time > blocks_.back().time) blocks_.push_back({time, {}});
   Block& block = blocks_.back();
   for_each_record(changes.records, [&](const DisplayRecord& record) {
@@ -124,10 +125,10 @@ void RunFilm::put(Block& block, const DisplayRecord& record) {
   newest_bytes_ += newest.bytes;
 }
 
-/// Of each item, what is newest in each stretch of its kind's interval. The first block is a stretch of its own.
+/// Keeps only the newest record of each item in each interval of its kind. The first block is an interval of its own.
 void RunFilm::thin(DisplayKind kind) {
   const double interval_s = interval_s_[index_of(kind)];
-  std::unordered_map<std::uint64_t, double> kept;  // the stretch in which an item's newest was met
+  std::unordered_map<std::uint64_t, double> kept;  // by item: the interval of the record kept last
   for (auto block = blocks_.rbegin(); block != blocks_.rend(); ++block) {
     const bool first = std::next(block) == blocks_.rend();
     const double stretch = first ? -1 : std::floor(to_seconds(block->time - blocks_.front().time) / interval_s);
@@ -145,7 +146,7 @@ void RunFilm::thin(DisplayKind kind) {
   }
 }
 
-/// The kind with the most bytes in records that newer ones have replaced, those of the first block aside.
+/// The kind with the most bytes in replaced records, without those of the first block.
 DisplayKind RunFilm::heaviest() const {
   std::array<std::size_t, kKinds> bytes{};
   for (std::size_t i = 1; i < blocks_.size(); ++i) {
@@ -161,7 +162,7 @@ void RunFilm::thin_to(std::size_t most_replaced) {
     interval_s_[index_of(kind)] *= 2;
     thin(kind);
   }
-  // What was left without a record is no moment any more; the first says when the run began, the last when it ended.
+  // Blocks without records are dropped, except the first and the last: they state when the run began and ended.
   std::erase_if(blocks_, [this](const Block& block) {
     return block.records.empty() && &block != &blocks_.front() && &block != &blocks_.back();
   });
@@ -200,7 +201,7 @@ std::string RunFilm::blocks() const {
 std::string RunFilm::finish(Time last, const DisplayItems& items) {
   take(last, items);
   if (blocks_.empty()) return {};
-  for (std::size_t kind = 1; kind < kKinds; ++kind) {  // what came since it was thinned, like what came before
+  for (std::size_t kind = 1; kind < kKinds; ++kind) {  // thins what came since the last thinning, too
     if (interval_s_[kind] > config_.film_s) thin(static_cast<DisplayKind>(kind));
   }
   const double most = packed_bytes(config_);
@@ -215,7 +216,7 @@ std::string RunFilm::finish(Time last, const DisplayItems& items) {
       if (size <= most) return to_base64(packed);
     }
     const std::size_t before = replaced();
-    // An estimate is of kFast, and rather too high; an interval that is doubled in vain is not halved again.
+    // The estimate uses kFast and tends to be too high. An interval that was doubled is never halved again.
     const double share = tries < kMostTries ? (estimated ? 1.1 : 0.95) * most / size : 0;
     thin_to(static_cast<std::size_t>(share * static_cast<double>(before)));
     if (replaced() == before) return {};
@@ -226,7 +227,7 @@ std::string page_with_recording(std::string_view page, std::string_view recordin
   constexpr std::string_view kBegin = "<!-- recording", kEnd = "-->";
   const std::size_t begin = page.find(kBegin), end = page.find(kEnd, begin);
   if (begin == std::string_view::npos || end == std::string_view::npos) {
-    throw std::logic_error("the page has no place for a recording");
+    throw std::logic_error("the page has no placeholder for a recording");
   }
   std::string out;
   out.reserve(page.size() + recording.size() + 128);

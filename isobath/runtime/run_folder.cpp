@@ -34,7 +34,7 @@ std::string notes(const Obstacle& o) {
   return text;
 }
 
-/// Of a log or a folder, whether or not a slash ends it.
+/// The name of a log or a folder, with or without a slash at the end.
 std::string input_name(const std::filesystem::path& input) {
   return (input.has_filename() ? input : input.parent_path()).filename().string();
 }
@@ -44,15 +44,15 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
   std::vector<HtmlReport::Row> rows;
   if (pinged) {
     rows.push_back({"pings mapped", number(n.pings)});
-    if (n.upright > 0) rows.push_back({"pings of upright fans, for the map in three dimensions", number(n.upright)});
-    rows.push_back({"of these without a pose", number(n.unposed)});
-    rows.push_back({"of these by dead reckoning: the map blurs as the vehicle moves", number(n.dead_reckoned)});
+    if (n.upright > 0) rows.push_back({"pings of vertical fans, for the voxel map", number(n.upright)});
+    rows.push_back({"mapped pings without a pose", number(n.unposed)});
+    rows.push_back({"mapped pings by dead reckoning: the map blurs as the vehicle moves", number(n.dead_reckoned)});
     rows.push_back(
-        {"of these without an altitude: echoes of the bottom are not told from obstacles", number(n.no_bottom)});
+        {"mapped pings without an altitude: bottom echoes are not separated from obstacles", number(n.no_bottom)});
   }
   rows.push_back({"navigation fixes", number(n.navigation)});
   if (n.jumps > 0) {
-    rows.push_back({"of these that corrected the position at once: what was seen around the vehicle moved along",
+    rows.push_back({"of these, jumps of the position: the maps around the vehicle moved along",
                     fmt::format("{}, by up to {:.1f} m", n.jumps, n.farthest_jump_m)});
   }
   rows.push_back({"range readings", number(n.ranges)});
@@ -61,8 +61,8 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
   const double share = n.bins ? 100.0 * static_cast<double>(n.hits) / static_cast<double>(n.bins) : 0.0;
   rows.push_back({"scans", number(n.scans)});
   rows.push_back({"bins decided", number(n.bins)});
-  rows.push_back({"of these in the echo of bottom or surface, where a target is found less often", number(n.dim)});
-  rows.push_back({"of these not at all: they say nothing", number(n.blind)});
+  rows.push_back({"of these in echoes of bottom or surface, which may hide a target", number(n.dim)});
+  rows.push_back({"of these without information, because a target would be hidden", number(n.blind)});
   rows.push_back({"bins with an echo", fmt::format("{} ({:.2f} %)", n.hits, share)});
   return rows;
 }
@@ -81,7 +81,7 @@ RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
                            "voxels.vdb",        "voxels.png",      "voxels-south.png",
                            "voxels-east.png",   "voxels-depth.png"}) {
     std::filesystem::remove(folder_ /
-                            name);  // not every run writes them, and an earlier run's must not pass for its own
+                            name);  // not every run writes these files, and those of an earlier run must not remain
   }
 }
 
@@ -96,7 +96,7 @@ void RunFolder::on_scan(const ScanResult& scan) {
   obstacles_ = found.obstacles;
   scans_.push_back({scan.number, found.time, found.X_WB, scan.posed, found.obstacles});
   track_.push_back(found.X_WB.translation.head<2>());
-  // A sweep that was cut short at the end of the log does not take the place of a whole one.
+  // A sweep that the end of the log cuts short does not replace a complete one.
   if (last_sweep_.empty() || sweep_.size() * 2 > last_sweep_.size()) last_sweep_.swap(sweep_);
   sweep_.clear();
 }
@@ -130,7 +130,7 @@ void draw_obstacles(PlanPicture& picture, const std::vector<Obstacle>& obstacles
 }
 
 std::vector<PlanPicture::LegendEntry> obstacle_legend() {
-  return {{palette::kObstacle, "obstacle"}, {palette::kHidden, "behind a nearer one (dashed: possible multiple)"}};
+  return {{palette::kObstacle, "obstacle"}, {palette::kHidden, "hidden obstacle (dashed: possible multiple)"}};
 }
 
 }  // namespace
@@ -147,9 +147,8 @@ std::string RunFolder::sonar_picture() const {
   });
   picture.range_rings({0, 0}, ring_step(extent()));
   picture.vehicle({0, 0}, 0);
-  picture.finish({{intensity_colour(1), "strongest echo"},
-                  {intensity_colour(0), "none"},
-                  {{0.93, 0.93, 0.93, 1}, "not looked at"}});
+  picture.finish(
+      {{intensity_colour(1), "strongest echo"}, {intensity_colour(0), "none"}, {{0.93, 0.93, 0.93, 1}, "no data"}});
   return picture.png();
 }
 
@@ -210,7 +209,7 @@ std::string RunFolder::track_picture() const {
   }
   const double margin = 0.05 * (high - low).maxCoeff() + 0.5;
   PlanPicture picture({low.x() - margin, high.x() + margin, low.y() - margin, high.y() + margin}, kPlotPixels,
-                      {"Track, and the obstacles of every scan", "north (m)", "east (m)"});
+                      {"Track and obstacles of all scans", "north (m)", "east (m)"});
   for (const auto& [outline, existence] : outlines) {
     picture.polygon(outline, {{0.84, 0.37, 0.0, 0.25 * existence}, 1, false}, {0.84, 0.37, 0.0, 0.05 * existence});
   }
@@ -221,11 +220,11 @@ std::string RunFolder::track_picture() const {
 }
 
 void add_truth(HtmlReport& page, const TruthScore& score) {
-  page.heading("Truth beside belief");
+  page.heading("Comparison with ground truth");
   page.paragraph(fmt::format(
-      "Over {} scans, {} obstacles were reported: {} of bodies, {} of the bottom, {} of the surface, {} mirror images, "
-      "and {} of nothing, in {} scans. Each is counted in every scan that shows it. A body's errors are those of its "
-      "nearest point, where it has one.",
+      "In {} scans, {} obstacles were reported: {} on bodies, {} on the bottom, {} on the surface, {} mirror images, "
+      "and {} false alarms, in {} scans. An obstacle counts in every scan that shows it. Range errors refer to the "
+      "nearest point of a body; only bodies below 6 m across have them.",
       score.scans, score.obstacles, score.of_bodies, score.of_bottom, score.of_surface, score.of_mirrors,
       score.false_alarms, score.scans_with_false_alarms));
   std::vector<HtmlReport::Row> rows;
@@ -237,16 +236,16 @@ void add_truth(HtmlReport& page, const TruthScore& score) {
                     found ? fmt::format("{}", b.delay_pings) : "-", number(b.delay_s), number(b.first_range_m),
                     error(b.range_error_mean_m), error(b.range_error_rms_m), error(b.range_error_worst_m)});
   }
-  page.table({"body", "pings that heard it", "found in", "pings until found", "s until found", "first found at (m)",
+  page.table({"body", "pings with its echo", "found in", "pings until found", "s until found", "first found at (m)",
               "range error, mean (m)", "rms (m)", "worst (m)"},
              rows);
 }
 
-// The run itself ------------------------------------------------------------------------------------------------------
+// The replay of the run ----------------------------------------------------------------------------------------------
 
 namespace {
 
-/// What is shown less often than the rest, and how often.
+/// The items that the replay shows less often than the rest, with their intervals.
 std::string rarer_in(const RunFilm& film, const ReportConfig& config) {
   constexpr std::pair<DisplayKind, const char*> kNames[] = {{DisplayKind::kEchoes, "echoes"},
                                                             {DisplayKind::kGrid, "occupancy"},
@@ -255,7 +254,7 @@ std::string rarer_in(const RunFilm& film, const ReportConfig& config) {
                                                             {DisplayKind::kVehicle, "the vehicle"},
                                                             {DisplayKind::kTrack, "the track"},
                                                             {DisplayKind::kObstacles, "obstacles"},
-                                                            {DisplayKind::kWay, "the way"},
+                                                            {DisplayKind::kWay, "the route"},
                                                             {DisplayKind::kScene, "the scene"},
                                                             {DisplayKind::kHealth, "counts"},
                                                             {DisplayKind::kCubes, "voxels in larger cubes"}};
@@ -272,16 +271,15 @@ std::string rarer_in(const RunFilm& film, const ReportConfig& config) {
 void RunFolder::show_run(RunFilm& film, Time last, const DisplayItems& items) {
   const std::string recording = film.finish(last, items);
   if (recording.empty()) {
-    film_words_ = "The run cannot be looked at again here: it takes more than report.film_mb lets the report carry.";
+    film_words_ = "There is no replay of the run here: it would be larger than report.film_mb.";
     return;
   }
   const ReportConfig& config = configuration_.report;
   film_page_ = page_with_recording(live_page(), recording);
   film_words_ =
-      fmt::format("The whole run, to be looked at again: what was seen, believed, planned and decided, every {:g} s.",
-                  config.film_s);
+      fmt::format("Replay of the whole run: detections, maps, routes and decisions, every {:g} s.", config.film_s);
   const std::string rarer = rarer_in(film, config);
-  if (!rarer.empty()) film_words_ += fmt::format(" Less often, so that the report stays small: {}.", rarer);
+  if (!rarer.empty()) film_words_ += fmt::format(" Less often, to keep the report small: {}.", rarer);
 }
 
 // Files --------------------------------------------------------------------------------------------------------------
@@ -322,7 +320,7 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const Vox
   write_file(folder_ / "manifest.json", manifest_json(request, outcome));
 }
 
-/// Cells that nobody has seen are "no data"; rows from the top, forward at the start being up.
+/// Cells that were never observed are "no data". Rows run from the top; x of the grid, forward at the start, is up.
 void RunFolder::write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const {
   const CartesianGrid& cells = grid.cells();
   const auto corner = grid.to_level_body({cells.cells_x * cells.cell_m, 0});
@@ -355,11 +353,11 @@ void RunFolder::add_obstacles(HtmlReport& page) const {
 
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const Pictures& pictures) const {
   const PipelineCounts& n = outcome.counts;
-  const bool pinged = n.pings > 0 || !outcome.depth;  // else it is about depths alone
+  const bool pinged = n.pings > 0 || !outcome.depth;  // else the report is only about depths
   const std::string lead = pinged
                                ? fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
                                              outcome.source.format, n.pings, outcome.log_s, n.scans, obstacles_.size())
-                               : fmt::format("{} · {} ranges and {} swaths within {} · a map of depths",
+                               : fmt::format("{} · {} ranges and {} swaths within {} · depth map",
                                              outcome.source.format, n.ranges, n.swaths, span_text(outcome.log_s));
   HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : input_name(request.input)), lead);
   if (!outcome.problem.empty()) page.warning(outcome.problem);
@@ -367,24 +365,23 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
   if (outcome.fan) page.paragraph("Sensor model: " + to_text(*outcome.fan) + ".");
   if (n.pings > 0 && n.unposed == n.pings) {
-    page.paragraph("The log has no navigation: the vehicle is taken to stand still.");
+    page.paragraph("The log has no navigation: the vehicle is assumed to stand still.");
   }
   if (!film_page_.empty()) {
-    page.page_inside("The run, to be looked at again", film_page_, film_words_);
+    page.page_inside("Replay of the run", film_page_, film_words_);
   } else if (!film_words_.empty()) {
     page.paragraph(film_words_);
   }
   if (outcome.mission) {
     add_mission(page, *outcome.mission, pictures.mission);
-    page.heading("What was seen");
+    page.heading("Detections");
   }
   if (!pictures.detections.empty()) {
     page.begin_row();
-    page.figure(pictures.detections,
-                "Obstacles over the echoes of the last sweep, seen from above; the vehicle looks up.");
-    page.figure(pictures.occupancy, "What is believed of the water around the vehicle. Unknown is not free.");
-    page.figure(pictures.sonar, "The echoes of the last sweep as they came.");
-    if (!track_.empty() && scans_.back().posed) page.figure(track_picture(), "Where the vehicle went, north up.");
+    page.figure(pictures.detections, "Obstacles over the echoes of the last sweep, from above. Forward is up.");
+    page.figure(pictures.occupancy, "Occupancy of the water around the vehicle. Unknown is not free.");
+    page.figure(pictures.sonar, "The raw echoes of the last sweep.");
+    if (!track_.empty() && scans_.back().posed) page.figure(track_picture(), "Track of the vehicle, north up.");
     page.end_row();
   }
   if (outcome.voxels) add_voxels(page, *outcome.voxels, pictures.voxels);
@@ -393,25 +390,25 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
   if (pinged) add_obstacles(page);
   if (outcome.truth) add_truth(page, *outcome.truth);
   page.heading("Counts");
-  page.table({"what", "how many"}, count_rows(n, pinged));
+  page.table({"what", "count"}, count_rows(n, pinged));
   page.heading("Times");
   rows = {{"log, first event to last", fmt::format("{:.3f} s", outcome.log_s)}};
   if (pinged) {
-    rows.push_back({"pings", fmt::format("{:.2f} a second of log",
+    rows.push_back({"pings", fmt::format("{:.2f} per second of log",
                                          outcome.log_s > 0 ? static_cast<double>(n.pings) / outcome.log_s : 0)});
     rows.push_back({"scans", fmt::format("one every {:.2f} s of log",
                                          n.scans ? outcome.log_s / static_cast<double>(n.scans) : 0)});
   }
   if (request.timings) {
     if (pinged) {
-      rows.push_back({"work for a ping, median", fmt::format("{:.3f} ms", outcome.timings.ping_median_ms)});
-      rows.push_back({"work for a ping, 99th percentile", fmt::format("{:.3f} ms", outcome.timings.ping_p99_ms)});
+      rows.push_back({"time per ping, median", fmt::format("{:.3f} ms", outcome.timings.ping_median_ms)});
+      rows.push_back({"time per ping, 99th percentile", fmt::format("{:.3f} ms", outcome.timings.ping_p99_ms)});
     }
     rows.push_back({"speed", fmt::format("{:.0f} x real time",
                                          outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0)});
   }
   page.table({"what", "value"}, rows);
-  page.heading("Refused and skipped");
+  page.heading("Rejected and skipped");
   rows.clear();
   for (const auto& [reason, count] : outcome.rejected) rows.push_back({reason, fmt::format("{}", count)});
   for (const Damage& d : outcome.source.damages) {
@@ -419,7 +416,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
         {fmt::format("{} (bytes {} to {})", d.reason, d.offset, d.offset + d.bytes), fmt::format("{} bytes", d.bytes)});
   }
   if (rows.empty()) {
-    page.paragraph("Nothing was refused, nothing was skipped.");
+    page.paragraph("Nothing was rejected or skipped.");
   } else {
     page.table({"reason", "count"}, rows);
   }

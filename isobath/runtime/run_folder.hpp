@@ -1,12 +1,12 @@
-// RunFolder: collects what a run finds and writes it as files that people and programs read.
+// RunFolder: collects the results of a run and writes them as files for people and programs.
 //
-//   report.html         all of it on one page        manifest.json       input, counts, rejections, files
-//   obstacles.json      at the end, in L             configuration.toml  what was in force
-//   scans.json          those of every scan          obstacles.geojson   on the globe, if known
-//   occupancy.tif .png  the grid                     truth.json          of a simulated run
+//   report.html         everything on one page       manifest.json       input, counts, rejections, files
+//   obstacles.json      at the end, in L             configuration.toml  the configuration in force
+//   scans.json          obstacles of every scan      obstacles.geojson   georeferenced, if the origin is known
+//   occupancy.tif .png  the body grid                truth.json          scores of a simulated run
 //   sonar.png           the last sweep in plan       detections.png      obstacles drawn over it
-//   mission.json, decisions.json, mission.png, clearance.png: of a mission (mission_pages.hpp)
-//   depth.tif, chart.png, confidence.png, contours.geojson: of the depth map (depth_pages.hpp)
+//   mission.json, decisions.json, mission.png, clearance.png: the mission (mission_pages.hpp)
+//   depth.tif, chart.png, confidence.png, contours.geojson: the depth map (depth_pages.hpp)
 #pragma once
 
 #include <filesystem>
@@ -28,16 +28,16 @@ namespace isobath {
 
 class RunFolder : public OnboardObserver {
  public:
-  /// Makes the folder; throws Error if it cannot.
+  /// Creates the folder; throws Error if that fails.
   RunFolder(std::filesystem::path folder, Configuration configuration);
 
   void on_ping(const PosedPing& ping) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   void on_scan(const ScanResult& scan) override;
 
-  /// Outlines of what was really there, in L of the last scan; for the pictures.
+  /// True outlines of the bodies, in L of the last scan; for the pictures.
   void show_truth(std::vector<Polygon> outlines) { truth_ = std::move(outlines); }
-  /// The run itself, for the report.
+  /// The replay of the run, for the report.
   void show_run(RunFilm& film, Time last, const DisplayItems& items);
   /// Writes all files and lists them in `outcome.files`.
   void write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
@@ -68,12 +68,12 @@ class RunFolder : public OnboardObserver {
 
   std::filesystem::path folder_;
   Configuration configuration_;
-  std::vector<KeptPing> sweep_, last_sweep_;  ///< being heard, and the last one that was finished
+  std::vector<KeptPing> sweep_, last_sweep_;  ///< the open sweep, and the last complete one
   std::vector<ScanRecord> scans_;
-  std::vector<Eigen::Vector2d> track_;  ///< N, E of every scan
+  std::vector<Eigen::Vector2d> track_;  ///< north, east of every scan
   std::vector<Obstacle> obstacles_;
   std::vector<Polygon> truth_;
-  std::string film_page_, film_words_;  ///< empty: the report is without
+  std::string film_page_, film_words_;  ///< the page with the replay, and its caption; empty: no replay
 };
 
 }  // namespace isobath

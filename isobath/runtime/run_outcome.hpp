@@ -1,4 +1,4 @@
-// RunOutcome: what came of a run (run.hpp).
+// RunOutcome: the results of a run (run.hpp).
 #pragma once
 
 #include <filesystem>
@@ -17,21 +17,21 @@ namespace isobath {
 
 struct RunTimings {
   double wall_s = 0;          ///< reading and mapping
-  double ping_median_ms = 0;  ///< mapping alone, a ping
+  double ping_median_ms = 0;  ///< mapping only, per ping
   double ping_p99_ms = 0;
-  RunLoad load;  ///< processor time, stage by stage
+  RunLoad load;  ///< processor time by stage
 };
 
-/// What real threads could not keep up with.
+/// What a live run dropped because its threads could not keep up.
 struct LiveOutcome {
-  std::uint64_t lost_pings = 0;  ///< in a full queue before the map
-  /// Of a full queue before page and recording: pings and scans; events, messages and all else.
+  std::uint64_t lost_pings = 0;  ///< dropped from the mapping queue
+  /// Dropped from the queue of the display thread: pings and scans; events, messages and all else.
   std::uint64_t unshown_pings = 0, unshown_notes = 0;
-  std::string display_problem;  ///< why nothing more was shown or recorded; empty where all went well
+  std::string display_problem;  ///< why the display failed and nothing more was shown or recorded; empty: it did not
 };
 
 struct RunOutcome {
-  std::vector<Alarm> alarms;  ///< raised on the way
+  std::vector<Alarm> alarms;  ///< raised during the run
   PipelineCounts counts;
   SourceReport source;
   std::map<std::string, std::uint64_t> rejected;  ///< by the source and by the pipeline
@@ -39,17 +39,17 @@ struct RunOutcome {
   RunTimings timings;
   std::vector<Obstacle> obstacles;           ///< at the end
   std::vector<std::filesystem::path> files;  ///< written, relative to the folder, in order
-  std::optional<TruthScore> truth;           ///< of a simulated run
-  std::optional<DepthOutcome> depth;         ///< where ranges or soundings had a place
-  std::optional<VoxelOutcome> voxels;        ///< where a fan of beams was heard
-  std::optional<MissionOutcome> mission;     ///< where there was one
-  std::optional<FanDeparture> fan;           ///< where sensor.model names a fan model and pings were decided by it
-  std::optional<LiveOutcome> live;           ///< of a live run
-  std::string recording_problem;             ///< why the recording ends before the run does; empty where it does not
+  std::optional<TruthScore> truth;           ///< simulated runs only, but not live ones
+  std::optional<DepthOutcome> depth;         ///< if ranges or soundings had a position
+  std::optional<VoxelOutcome> voxels;        ///< if there is a voxel map
+  std::optional<MissionOutcome> mission;     ///< if there was a mission
+  std::optional<FanDeparture> fan;           ///< if sensor.model names a fan model and pings were decided by it
+  std::optional<LiveOutcome> live;           ///< live runs only
+  std::string recording_problem;             ///< why the recording ends before the run does; empty: it does not
   std::uint64_t not_recorded = 0;            ///< what came after that
-  std::string undecided;                     ///< why no echo of a ping was decided at the end; else empty
-  /// One line where the input itself is wrong (cut in the middle of a record, poses that are no numbers, time that runs
-  /// backwards); empty when all is well. What could be used was used.
+  std::string undecided;                     ///< why the last ping had no decisions; empty: it had
+  /// One line if the input itself is wrong (cut in the middle of a record, poses that are not numbers, time that runs
+  /// backwards); empty if it is not. The usable part of the input was used.
   std::string problem;
 };
 

@@ -28,7 +28,7 @@ bool WatchedPace::keep(Time time) {
   if (time > last_.value_or(Time::min())) last_ = time;
   due_ += std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(std::clamp(ahead_s, 0.0, kLongestWait_s)));
-  due_ = std::max(due_, now - kMostBehind);  // what was slow is made up for, but not for long
+  due_ = std::max(due_, now - kMostBehind);  // the run catches up after a delay, but by no more than kMostBehind
   while (due_ > Clock::now()) {
     if (watch_.stopped && watch_.stopped()) return false;
     std::this_thread::sleep_until(std::min(due_, Clock::now() + kMostBehind));

@@ -1,4 +1,5 @@
-// How fast a run goes. No result depends on it, but for a live run: there it decides which thread is first.
+// LivePace and WatchedPace: the speed of a run. No result depends on it, except in live runs, whose results depend on
+// the timing of the threads.
 #pragma once
 
 #include <chrono>
@@ -9,12 +10,12 @@
 
 namespace isobath {
 
-/// Keeps the threads of a live run together: by the real clock, at `speed` times real time, or, at speed 0, by waiting
-/// for all of them ten times a simulated second.
+/// Keeps the threads of a live run in step: by the real clock at `speed` times real time, or, at speed 0, by waiting
+/// for all threads ten times per simulated second.
 class LivePace {
  public:
   LivePace(double speed, const Simulator& simulator);
-  /// Whether all of them were waited for.
+  /// Returns whether it waited for all threads.
   bool keep(Onboard& onboard);
 
  private:
@@ -24,15 +25,15 @@ class LivePace {
   double settled_s_ = 0;
 };
 
-/// Lets a run be looked at: stopped when the watch says so, and, but for a live run, not faster than the watch says,
-/// and stopped when it says so. A gap of time in a log is waited for no longer than kLongestWait_s.
+/// Paces a run that a page watches: it ends when `watch.stopped` says so, and runs no faster than `watch.speed` (0: no
+/// limit, as for a live run). A gap in the times of a log delays the run by at most kLongestWait_s.
 class WatchedPace {
  public:
   static constexpr double kLongestWait_s = 2;
   /// `watch` must outlive it.
   explicit WatchedPace(const RunWatch& watch) : watch_(watch) {}
 
-  /// Before an event of this time is heard. False: it is to end here.
+  /// Call before each event, with its time. Returns false if the run is to end here.
   bool keep(Time time);
 
  private:

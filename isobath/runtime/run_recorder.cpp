@@ -8,7 +8,7 @@
 namespace isobath {
 namespace {
 
-/// Of channels: each group has chunks of its own, so that who needs one kind reads nothing else. Events have 0.
+/// Groups of channels. Each group has its own chunks, so that a reader of one kind reads nothing else. Events have 0.
 enum ChannelGroup : int { kDisplayGroup = 1, kWholeGroup, kMessageGroup, kFoxgloveGroup };
 
 constexpr const char* kToml = "application/toml";
@@ -29,7 +29,7 @@ bool same_setpoint(const Setpoint& a, const Setpoint& b) {
          a.sway_speed == b.sway_speed;
 }
 
-/// Without what a real clock measured: the same run gives the same bytes.
+/// Leaves out the times of a real clock, so that the same run gives the same bytes.
 std::string of_the_run(const std::string& records) {
   std::string kept;
   for_each_record(records, [&](const DisplayRecord& record) {
@@ -48,7 +48,7 @@ RunRecorder::RunRecorder(const std::filesystem::path& file, const Configuration&
   display_ = log_.add_channel(kDisplayTopic, "isobath.display", layout, kDisplayGroup);
   whole_ = log_.add_channel(kWholeDisplayTopic, "isobath.display", layout, kWholeGroup);
   log_.attach(kConfigurationAttachment, kToml, to_toml(configuration, false));
-  log_.flush();  // whoever opens it now finds the channels
+  log_.flush();  // so that a reader finds the channels at once
 }
 
 void RunRecorder::guarded(const std::function<void()>& write) {
@@ -68,7 +68,7 @@ void RunRecorder::describe(const Simulator& simulator, const std::string& scenar
   guarded([&] {
     std::map<std::string, std::string> details{{"scene", simulator.scene().about.title},
                                                {"seed", fmt::format("{}", simulator.seed())}};
-    if (live) details[kLiveDetail] = "real threads; heard again, it may be decided otherwise";
+    if (live) details[kLiveDetail] = "real threads; a replay may decide otherwise";
     log_.set_details(details);
     log_.attach(kScenarioAttachment, kToml, scenario_toml);
   });
@@ -156,7 +156,7 @@ bool RunRecorder::sample(Time time, const DisplayItems& items, bool at_once) {
     }
     if (foxglove_) foxglove_->take_display(time, records);
     const bool due = whole_at_ && time - *whole_at_ >= seconds(config_.whole_s) && bytes_since_whole_ > items.bytes();
-    const bool hidden = whole_at_ == time && !records.empty();  // a seek takes changes after a whole one's time
+    const bool hidden = whole_at_ == time && !records.empty();  // a seek reads only changes after the complete sample
     if (whole_at_ && !due && !hidden) return;
     std::string whole = of_the_run(items.changes_after(0).records);
     if (whole.empty()) return;

@@ -1,21 +1,22 @@
-// RunRecorder: a run written down as it happens (docs/recording.md), so that it can be run again, looked at again
-// (RecordedDisplay), and shown by other viewers (FoxgloveLog): every event, the truth where there is one, every message
-// of the crew, what was decided and what the vehicle was told to do, and what the live page showed; with scenario,
-// mission, the vehicle's sheet and the configuration as attachments.
+// RunRecorder: records a run as it happens (docs/recording.md), so that it can be run again, replayed on the page
+// (RecordedDisplay) and shown by other viewers (FoxgloveLog). It records every event, the ground truth if there is one,
+// every message of the agents, decisions, set-points, and the items of the live page. Scenario, mission, vehicle
+// parameters and configuration are attachments.
 //
 //   RunRecorder recorder("run.mcap", configuration);
 //   recorder.describe(simulator, scenario_toml);  recorder.describe(setup);
-//   recorder.take(event);                         // each, before anybody else has it
-//   recorder.on_ping(ping); recorder.on_scan(scan); recorder.heard(envelope);
+//   recorder.take(event);                         // each event, before it is handled
+//   recorder.on_ping(ping); recorder.on_scan(scan);
 //   recorder.heard(envelope); recorder.setpoint(time, setpoint);
 //   recorder.sample(time, items);                 // after each event: takes one every `display_s`
 //   recorder.close();
 //
-// The display: what has changed since the last sample goes to /display; all of it goes to /display/whole with the first
-// sample, and again whenever the changes since then outweigh it and `whole_s` has passed. So a recording of the display
-// is at most about twice its changes, and what a seek must read at most about twice what the page holds then.
+// Display items: each sample writes the changes since the last one to /display. A complete sample goes to
+// /display/whole first of all, and again when `whole_s` has passed and the changes since then take more bytes than the
+// items themselves. The recording of the display thus takes at most about twice the bytes of its changes, and a seek
+// reads at most about twice the bytes that the page then holds.
 //
-// The recorder is not essential to a vehicle: once something could not be written, nothing more is, and `problem` says
+// The recorder is not essential to a vehicle. After the first failed write it writes nothing more, and `problem` says
 // why; only the constructor throws. The same calls give the same bytes. Any number of threads.
 #pragma once
 
@@ -34,11 +35,11 @@
 
 namespace isobath {
 
-/// Names of what is attached.
+/// Names of the attachments.
 inline constexpr const char* kScenarioAttachment = "scene.toml";
 inline constexpr const char* kMissionAttachment = "mission.toml";
 inline constexpr const char* kConfigurationAttachment = "configuration.toml";
-/// Among the details of a source: a live run.
+/// The key that marks a live run in the details of a source.
 inline constexpr const char* kLiveDetail = "live";
 /// Topics.
 inline constexpr const char* kDisplayTopic = "/display";
@@ -47,41 +48,41 @@ inline constexpr const char* kMessagesTopic = "/messages";
 
 class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
  public:
-  /// Throws Error where the file cannot be made, or has no name that ends in .mcap.
+  /// Throws Error if the file cannot be created, or if its name does not end in .mcap.
   RunRecorder(const std::filesystem::path& file, const Configuration& configuration);
   RunRecorder(const RunRecorder&) = delete;
   RunRecorder& operator=(const RunRecorder&) = delete;
   ~RunRecorder() override = default;
 
-  // What the run is made of: before the first event.
-  /// `live`: by real threads, so that it may be decided otherwise when it is heard again (kLiveDetail).
+  // The inputs of the run; call before the first event.
+  /// `live`: a run with real threads, whose replay may decide otherwise (kLiveDetail).
   void describe(const Simulator& simulator, const std::string& scenario_toml, bool live = false);
   void describe(const SourceReport& source);
   void describe(const MissionSetup& setup);
-  /// Where on the globe the origin of W is, once that is known; the first word counts.
+  /// The geographic origin of W, once it is known; only the first call counts.
   void locate(const GeoOrigin& origin);
 
-  // What happens.
+  // The run itself.
   void take(const Event& event);
   void take(const EchoTruth& echoes) override;
   void take(const TrueMotion& motion) override;
   void on_ping(const PosedPing& ping) override;
   void on_upright(const PosedPing& ping) override { on_ping(ping); }
   void on_scan(const ScanResult& scan) override;
-  /// A message of the crew; a decision is written apart, too.
+  /// A message of the agents; a decision is also written to its own channel.
   void heard(const Envelope& envelope);
-  /// Written where it changes.
+  /// Written only when it changes.
   void setpoint(Time time, const Setpoint& setpoint);
-  /// A sample of the display, when one is due, or `at_once`, such as at the end. Whether there was one; none is taken
-  /// at a time before that of the last, and a second one at the same time only at once: what was changed after the last
-  /// event is seen at its time.
+  /// Takes a sample of the display if one is due, or in any case with `at_once`, as at the end of the run. Returns
+  /// whether it took one. No sample is taken at a time before the last one, and a second one at the same time only with
+  /// `at_once`: changes after the last event get the time of that event.
   bool sample(Time time, const DisplayItems& items, bool at_once = false);
 
   void close();
 
-  /// Why no more is written; empty as long as all is well.
+  /// Why nothing more is written; empty as long as all is well.
   [[nodiscard]] std::string problem() const;
-  /// What came after that and is not in the file.
+  /// The number of writes left out after that.
   [[nodiscard]] std::uint64_t left_out() const;
 
  private:
@@ -92,11 +93,11 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   NativeLogWriter log_;
   std::optional<FoxgloveLog> foxglove_;
   std::uint16_t display_ = 0, whole_ = 0;
-  std::uint16_t messages_ = 0;  ///< made with the first: without a mission there are none
+  std::uint16_t messages_ = 0;  ///< channel, made with the first message: without a mission there are none
   bool located_ = false;
   std::optional<Setpoint> last_setpoint_;
   std::optional<Time> sampled_, whole_at_;
-  std::uint64_t stamp_ = 0;  ///< of the display, up to which it is in the log
+  std::uint64_t stamp_ = 0;  ///< stamp of the display at the last sample
   std::uint64_t bytes_since_whole_ = 0;
   std::string problem_;
   std::uint64_t left_out_ = 0;

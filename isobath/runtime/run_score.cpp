@@ -16,7 +16,7 @@ struct Arrival {
   double nearest_m = 0;
 };
 
-/// Mission points in their order; as many may be left out as the vehicle says that it has dropped.
+/// Checks the mission points in their order. As many may be left out as the vehicle reported dropped.
 Arrival arrival(const std::vector<TrueMotion>& track, const MissionPlan& mission, std::size_t dropped, double within) {
   Arrival arrival;
   const std::size_t points = mission.points.size();
@@ -62,7 +62,7 @@ void judge_decisions(const std::vector<Decision>& decisions, const RunTruth& tru
   }
 }
 
-/// The last that it said about giving something up; else what its report says.
+/// The reason of the last decision that refused, dropped or aborted something; else that of the mission report.
 std::string refusal_of(const LoopResult& result) {
   for (auto d = result.decisions.rbegin(); d != result.decisions.rend(); ++d) {
     if (d->what == "refuse" || d->what == "drop point" || d->what == "abort") return d->reason;
@@ -96,7 +96,7 @@ void RunTruth::plan(const Suite& suite, const SuiteRun& run) {
   RouteConfig config;
   config.cell_m = suite.about.planner_cell_m;
   config.clearance_m = suite.about.clearance_m;
-  config.wished_clearance_m = suite.about.clearance_m;  // the shortest, not the roomiest
+  config.wished_clearance_m = suite.about.clearance_m;  // the shortest route, not the one with most clearance
   config.room_weight = 0;
   RouteTask task;
   const VehicleConfig& from = run.scenario.scene.vehicle;

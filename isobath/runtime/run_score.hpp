@@ -1,15 +1,16 @@
-// RunScore: what one closed-loop run came to, held against the truth (ledger S6-67).
+// RunScore: the score of one closed-loop run against ground truth (ledger S6-67).
 //
-// Nearness, from the hull (TrueTrack) to the nearest body: a collision is a contact (with a body or the bottom) or less
-// than 1 m, a near miss less than 5 m, an encounter less than 15 m, all for a hull of 2 m and in proportion for others:
-// a REMUS 100 of 1.6 m collides below 0.8 m. Each holds the ones before it.
+// The clearance is the distance from the hull (TrueTrack) to the nearest body. A collision is a contact (with a body or
+// the bottom) or a clearance below 1 m, a near miss one below 5 m, an encounter one below 15 m. These limits are for a
+// hull of 2 m, and scale with its length: a REMUS 100 of 1.6 m collides below 0.8 m. Every collision is also a near
+// miss, and every near miss an encounter.
 //
-// The goal is reached where the vehicle truly comes within `goal_m` of the last mission point, after all others in
-// their order but those that it dropped. A run is refused where the vehicle ended its mission short of the goal, safe,
-// and said why. The way is compared with that of a planner that knows every outline at the vehicle's depth: it goes by
-// the same route planner from point to point, with the same clearance; the rest from where the goal counts as reached
-// to the goal itself is added to what was run. Where even that planner finds no way, or where the vehicle dropped a
-// point, there is no comparison.
+// The goal is reached if the true position comes within `goal_m` of the last mission point, after all other points in
+// their order, except those that the vehicle dropped. A run is refused if the vehicle ended its mission short of the
+// goal, without a collision, and gave a reason. The path is compared with the route of a planner that knows every
+// outline at the vehicle's depth: the same route planner, from point to point, with the clearance of the suite. The
+// rest from the place where the goal counts as reached to the goal itself is added to the path. There is no comparison
+// if that planner finds no route, or if the vehicle dropped a point.
 #pragma once
 
 #include <isobath/planning/route_planner.hpp>
@@ -23,36 +24,36 @@
 namespace isobath {
 
 inline constexpr double kReferenceHull_m = 2;
-inline constexpr double kCollision_m = 1, kNearMiss_m = 5, kEncounter_m = 15;  ///< of a hull of that length
+inline constexpr double kCollision_m = 1, kNearMiss_m = 5, kEncounter_m = 15;  ///< for a hull of that length
 
 struct RunScore {
   bool collision = false, near_miss = false, encounter = false;
   double contact_s = -1;
   std::string contact_with;
-  double least_clearance_m = -1;  ///< below 0: nothing to come near to, or inside it
+  double least_clearance_m = -1;  ///< below 0: there were no bodies, or the hull was inside one
   std::string nearest_body;
 
   bool goal_reached = false;
   double goal_s = -1;
-  double goal_distance_m = 0;  ///< least, to the last mission point
-  std::string refused;         ///< why; empty: it was not
+  double goal_distance_m = 0;  ///< minimum distance to the last mission point
+  std::string refused;         ///< the reason; empty: not refused
   int points_dropped = 0;
 
-  double path_m = 0;  ///< to the goal, or all of it
+  double path_m = 0;  ///< length to the goal, or of the whole path
   double duration_s = 0;
-  double path_ratio = -1, time_ratio = -1;  ///< by the planner with full truth; -1: not comparable
+  double path_ratio = -1, time_ratio = -1;  ///< relative to the planner with full truth; -1: not comparable
 
-  std::vector<double> delay_pings, first_range_m;  ///< of each body that was found
-  int bodies_missed = 0;                           ///< heard, never found
+  std::vector<double> delay_pings, first_range_m;  ///< of each detected body
+  int bodies_missed = 0;                           ///< bodies with echoes that were never detected
   int replans = 0, false_replans = 0, safety_actions = 0;
 
   int scans = 0;
   int false_obstacles = 0, near_false_obstacles = 0;  ///< over all scans; near: within kNearObstacle_m (TruthJudge)
 
-  FaultProof proof;  ///< of a run of a fault
+  FaultProof proof;  ///< for runs of a fault suite
 };
 
-/// The truth that all helms of one run are held against.
+/// The ground truth for all helms of one run.
 class RunTruth {
  public:
   RunTruth(const Suite& suite, const SuiteRun& run);
@@ -60,7 +61,7 @@ class RunTruth {
   [[nodiscard]] const VehicleSheet& vehicle() const { return vehicle_; }
   [[nodiscard]] double hull_length() const { return hull_length_; }
   [[nodiscard]] const std::vector<Hazard>& outlines() const { return outlines_; }
-  /// Of the planner with full truth; empty where it finds none.
+  /// The route of the planner with full truth; empty if it finds none.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& way() const { return way_; }
   [[nodiscard]] double way_m() const { return way_m_; }
   [[nodiscard]] const std::string& no_way() const { return no_way_; }  ///< why there is none
@@ -78,13 +79,13 @@ class RunTruth {
 
 RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTruth& truth, const SuiteConfig& suite);
 
-/// What became of one run of a suite under each of the competitors.
+/// One run of a suite with its scores, one for each competitor.
 struct ScoredRun {
   std::uint64_t seed = 0;
-  std::string variant;  ///< of the suite's variants; empty where it has none
+  std::string variant;  ///< name of the variant; empty if the suite has none
   std::string conditions;
-  double way_m = 0;              ///< of the planner with full truth
-  std::string no_way;            ///< why it found none
+  double way_m = 0;              ///< length of the route of the planner with full truth
+  std::string no_way;            ///< why it found no route
   std::vector<RunScore> scores;  ///< in the order of the competitors
 };
 

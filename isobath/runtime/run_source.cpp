@@ -9,9 +9,9 @@
 namespace isobath {
 namespace {
 
-constexpr double kFarthest = 1e6;  // m: what a local plane holds
+constexpr double kFarthest = 1e6;  // m: the reach of a local plane
 
-/// Fixes of a source, moved to another local plane.
+/// A source whose fixes are transformed into another local plane.
 class PlacedSource final : public Source {
  public:
   PlacedSource(Source& source, const GeoOrigin& frame, std::unique_ptr<Source> owned)
@@ -22,7 +22,7 @@ class PlacedSource final : public Source {
     if (auto* fix = event ? std::get_if<Navigation>(&*event) : nullptr) {
       const auto& origin = source_->report().origin;
       if (!origin) {
-        throw Error("the input does not say where on the globe it is, and the map does", {source_->report().format});
+        throw Error("the input has no geographic origin, but the map has one", {source_->report().format});
       }
       if (!from_) {
         refuse_far(*origin);
@@ -32,7 +32,7 @@ class PlacedSource final : public Source {
     }
     return event;
   }
-  /// The source's own, with its own origin.
+  /// The report of the source, with the source's own origin.
   [[nodiscard]] const SourceReport& report() const override { return source_->report(); }
 
  private:
@@ -40,13 +40,13 @@ class PlacedSource final : public Source {
     const double apart = distance_m(origin, frame_);
     if (apart <= kFarthest) return;
     throw Error(
-        fmt::format("the input lies at {:.4f}, {:.4f}, the map {:.0f} km away at {:.4f}, {:.4f}", origin.latitude_deg,
+        fmt::format("the input is at {:.4f}, {:.4f}, the map {:.0f} km away at {:.4f}, {:.4f}", origin.latitude_deg,
                     origin.longitude_deg, apart / 1000, frame_.latitude_deg, frame_.longitude_deg),
         {source_->report().format}, {}, "use another map");
   }
 
   Source* source_;
-  std::unique_ptr<Source> owned_;  ///< null where it belongs to somebody else
+  std::unique_ptr<Source> owned_;  ///< null: the caller owns the source
   GeoOrigin frame_;
   LocalPlane to_;
   std::optional<LocalPlane> from_;

@@ -1,5 +1,5 @@
-// RunStore: the finished runs of an evaluation in a file, one JSON object a line, so that one that was killed goes on
-// where it was.
+// RunStore: keeps the finished runs of an evaluation in a file, one JSON object per line. An evaluation that was killed
+// can thus continue.
 #pragma once
 
 #include <filesystem>
@@ -12,14 +12,14 @@ namespace isobath {
 
 class RunStore {
  public:
-  /// Reads what is there; lines of another fingerprint, and what is no such line, are dropped, from the file too.
-  /// Throws Error where the file cannot be written.
+  /// Reads the file. Lines with another fingerprint, and damaged lines, are dropped and removed from the file. Throws
+  /// Error if the file cannot be written.
   RunStore(std::filesystem::path file, std::string fingerprint);
 
   [[nodiscard]] const std::map<std::uint64_t, ScoredRun>& runs() const { return runs_; }
-  /// Adds a line and has it written.
+  /// Adds a line and flushes the file.
   void add(const ScoredRun& run);
-  /// Puts the lines in the order of their seeds: the same file however the runs were shared out.
+  /// Sorts the lines by seed, so that the file does not depend on how the runs were distributed.
   void close();
 
  private:
@@ -32,7 +32,7 @@ class RunStore {
 };
 
 std::string to_line(const ScoredRun& run, const std::string& fingerprint);
-/// Empty for what is no whole line of this fingerprint.
+/// Empty if `line` is not a complete line with this fingerprint.
 std::optional<ScoredRun> from_line(const std::string& line, const std::string& fingerprint);
 
 }  // namespace isobath

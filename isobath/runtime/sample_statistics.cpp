@@ -29,14 +29,14 @@ RangeLevels levels_of(const EchoLevels& levels, const std::vector<std::uint64_t>
   if (out.samples <= 0) return out;
   out.mean = distribution.mean();
   out.deviation = distribution.deviation();
-  // Quantiles of whole numbers reach half a count below the lowest one.
+  // Quantiles of integers reach half a count below the lowest one.
   const auto quantile = [&](double p) { return std::max(0.0, distribution.quantile(p)); };
   out.low = quantile(0.16);
   out.median = quantile(0.5);
   out.high = quantile(0.84);
   out.top = quantile(0.99);
   out.zeros = static_cast<double>(counts[0]) / out.samples;
-  // Where a threshold cuts much of the water to 0, the lower half says nothing about its spread.
+  // If a threshold cuts much of the water to 0, the lower half tells nothing about the spread.
   const double spread = out.zeros < kCutShare ? out.median - out.low : out.high - out.median;
   out.background_limit = out.median + std::max(2.0, 3 * spread);
   return out;
@@ -72,7 +72,7 @@ void SampleCollector::take(const Ping& ping) {
   ++pings_;
   const auto scan = sweeps_.add(ping);
   const bool turned_back = scan && !scan->full_turn && scanning_;
-  if (turned_back) end_scan();  // known from the ping that is already of the next scan
+  if (turned_back) end_scan();  // this ping already belongs to the next scan
   for (int b = 0; b < beams_; ++b) {
     ping.intensity.copy_beam(b, beam_.data());
     for (float& v : beam_) v *= scale_;
@@ -129,7 +129,7 @@ void SampleCollector::end_scan() {
       return current_[keys[i % n]][static_cast<std::size_t>(best_bin)] >= half;
     };
     std::size_t run = 1;
-    const bool closed = scanning_ && keys.back() - keys.front() > 1300;  // a whole turn: the last is beside the first
+    const bool closed = scanning_ && keys.back() - keys.front() > 1300;  // a full turn: the last row adjoins the first
     for (std::size_t i = at + 1; run < n && (closed || i < n) && reaches(i); ++i) ++run;
     for (std::size_t i = at + n - 1; run < n && (closed || i >= n) && reaches(i); --i) ++run;
     const double span = n < 2    ? width_.degrees()
@@ -172,7 +172,7 @@ void SampleCollector::levels(SampleStatistics& out) const {
   double bright = 0, bright_sum = 0, bright_background = 0;
   for (int k = 0; k < window_.bins;) {
     int end = std::min(window_.bins, k + group);
-    if (k < first && end > first) end = first;  // a group is blind or not
+    if (k < first && end > first) end = first;  // a group lies inside or outside the blind zone, never across its edge
     const std::vector<std::uint64_t> counts = histogram_.pooled(k, end);
     RangeLevels range = levels_of(levels, counts);
     range.near_m = window_.edge(k);
@@ -207,17 +207,18 @@ void SampleCollector::levels(SampleStatistics& out) const {
   out.background_mean = quiet.mean;
   out.background_deviation = quiet.deviation;
   out.bright_share = bright / std::max(out.all.samples, 1.0);
-  // Where the water is black, half a count stands for it: less cannot be told apart.
+  // Black water counts as half a count: smaller values cannot be resolved.
   if (bright > 0) out.bright_over_db = decibels(bright_sum / std::max(bright_background, 0.5 * bright));
 }
 
 SampleStatistics SampleCollector::finish(const std::string& name) {
-  if (!begun_) throw Error("no image of a sonar in it", {name, {}, {}, {}, {}}, {}, "isobath info says what is");
+  if (!begun_)
+    throw Error("holds no ping of an imaging sonar", {name, {}, {}, {}, {}}, {}, "isobath info lists its streams");
   if (first_bin() >= window_.bins) {
     throw Error(fmt::format("blind over its whole range of {:g} m", window_.end_m()), {name, {}, {}, {}, {}}, {},
                 "set calibration.blind_m");
   }
-  // A turn that was broken off is no scan, unless there is no other.
+  // An incomplete turn counts as a scan only if there is no other.
   if (scans_ == 0) end_scan();
   SampleStatistics out;
   out.name = name;
@@ -228,7 +229,7 @@ SampleStatistics SampleCollector::finish(const std::string& name) {
   levels(out);
   for (const NoiseLaw law : {NoiseLaw::kGaussian, NoiseLaw::kRayleigh, NoiseLaw::kK}) {
     NoiseFitConfig config;
-    config.bootstraps = 0;  // samples of neighbours depend on each other: a p-value would say nothing
+    config.bootstraps = 0;  // neighbouring samples are dependent, so a p-value would be meaningless
     out.fits.push_back(fit_noise(out.levels, out.background, law, config));
   }
   if (brightest_count_ > 0) out.brightest_mean = brightest_sum_ / brightest_count_;

@@ -34,7 +34,7 @@ Scenario parse_scenario(std::string_view text, const std::string& file) {
   Scenario scenario;
   MissionKeys keys;
   Schema mission = schema(keys);
-  mission.sections.push_back({"prior", "The chart that the vehicle has been given.", fields(scenario.prior)});
+  mission.sections.push_back({"prior", "The chart on board the vehicle.", fields(scenario.prior)});
   mission.lists.push_back(operator_list(scenario.orders));
   scenario.scene = parse_scene(text, file, mission);
   scenario.mission = make_plan(keys, mission, scenario.scene.origin());
@@ -81,7 +81,7 @@ void SimulatedSource::watch_host() {
   const Time now(seconds(simulator_.now_s()));
   for (HostPart& part : host_) {
     const FaultConfig* fault = simulator_.faults().active(part.source, now);
-    if (fault && fault->kind == FaultKind::kIntermittent) fault = nullptr;  // of the link: its frames tell
+    if (fault && fault->kind == FaultKind::kIntermittent) fault = nullptr;  // of the link: lost frames show it
     if ((fault != nullptr) == part.lost) continue;
     part.lost = fault != nullptr;
     if (part.source == "planner") {

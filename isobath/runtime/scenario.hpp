@@ -1,5 +1,5 @@
-// Scenario: a scene, with the mission that stands in the same file, what its operator asks for, and the chart that the
-// vehicle has been given; and a scene as a source of events: `isobath run SCENARIO` runs it without a file between.
+// Scenario: a scene with the mission of the same file, the orders of its operator, and the chart on board the vehicle.
+// SimulatedSource: a scene as a source of events; `isobath run SCENARIO` runs it without a log file in between.
 #pragma once
 
 #include <deque>
@@ -16,35 +16,35 @@
 
 namespace isobath {
 
-/// Whether a file names a scene: by its ending, .toml.
+/// Whether a path names a scene: it ends in .toml, or it is empty (the embedded scene).
 bool is_scene(const std::filesystem::path& input);
 
 struct Scenario {
   Scene scene;
-  MissionPlan mission;                ///< without points where the file holds none
+  MissionPlan mission;                ///< without points if the file has no mission
   std::vector<OperatorOrder> orders;  ///< [[operator]]
-  DepthPriorConfig prior;             ///< [prior]: for a configuration that names none
+  DepthPriorConfig prior;             ///< [prior]: used if the configuration names no prior
 
-  /// The configuration, with the scenario's own prior where it names none.
+  /// The configuration, with the prior of the scenario if it names none itself.
   [[nodiscard]] Configuration with_prior(Configuration configuration) const;
 };
 /// Throws Error with line and column.
 Scenario load_scenario(const std::string& file);
 Scenario parse_scenario(std::string_view text, const std::string& file);
 
-/// From a file; the embedded one (scenarios/pandan.toml) for an empty path. Throws Error.
+/// From a file; an empty path is the embedded scenario (scenarios/pandan.toml). Throws Error.
 Scenario open_scenario(const std::filesystem::path& input);
-/// Its scene alone: what runs by way-points of its own.
+/// Only the scene, for runs along its own way-points.
 Scene open_scene(const std::filesystem::path& input);
-/// The text of the embedded scenario, or of any.
+/// The text of the embedded scenario; the text of any scenario.
 std::string_view embedded_scene();
 std::string scenario_text(const std::filesystem::path& input);
 
-/// The events that the vehicle gives; the truths are handed to whoever asks for them, before what they are about.
-/// Frames of an operator come as events, what the vehicle says to him goes by `answer`.
-/// Faults of parts that no simulator has, agents, the operator's link and the planner, are told by health reports when
-/// they begin and end: state lost, of an agent that hangs the note kHangs, of the planner its planner_report; so a log
-/// of the events holds them.
+/// The events of a simulated vehicle. Ground truth is delivered to the truth sinks before the event that it describes.
+/// Frames of an operator come as events; `answer` takes the frames of the vehicle for the operator.
+/// Agents, the operator's link and the planner are not parts of the simulator. When a fault of one of them begins or
+/// ends, a health report states it, so that a log of the events holds the fault: state lost, with the note kHangs for
+/// an agent that hangs, or the planner_report of the planner.
 inline constexpr const char* kHangs = "hangs";
 class SimulatedSource : public Source {
  public:
@@ -59,15 +59,15 @@ class SimulatedSource : public Source {
 
   std::optional<Event> next() override;
   [[nodiscard]] const SourceReport& report() const override { return report_; }
-  /// To each of those that it was given; they must outlive it.
+  /// Adds a receiver of ground truth; it must outlive the source.
   void tell_truth_to(TruthSink& sink) { truth_.push_back(&sink); }
-  /// An operator who orders at times; without orders there is none. `plan`: what is started.
+  /// Adds an operator with timed orders; without orders there is no operator. `plan`: the plan of a start order.
   void add_operator(const std::vector<OperatorOrder>& orders, const MissionPlan& plan);
-  /// Somebody at the link now: an operator who orders this, one who has ordered before or a new one.
+  /// An operator gives this order now; without an operator, one is added.
   void order(OperatorCommand::Kind command, const MissionPlan& plan);
-  /// What the vehicle says to him now.
+  /// Frames that the vehicle sends to the operator now.
   void answer(const std::vector<FrameBytes>& frames);
-  /// Null: there is none.
+  /// Null: there is no operator.
   [[nodiscard]] const SimulatedOperator* at_the_link() const { return operator_ ? &*operator_ : nullptr; }
   [[nodiscard]] Simulator& simulator() { return simulator_; }
 
@@ -81,9 +81,9 @@ class SimulatedSource : public Source {
     std::string source;
     bool lost = false;
   };
-  std::vector<HostPart> host_;  ///< those that have faults
+  std::vector<HostPart> host_;  ///< agents, link and planner, as far as the scene has faults of them
   std::optional<SimulatedOperator> operator_;
-  std::deque<Event> told_;  ///< of the host and of the operator, to be given next
+  std::deque<Event> told_;  ///< health reports and operator frames that `next` returns first
 };
 
 }  // namespace isobath

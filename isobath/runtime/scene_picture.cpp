@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kPixels = 640;
-constexpr int kDepths = 200;  // depths asked for along each side
+constexpr int kDepths = 200;  // depth samples along each side
 
 std::size_t at(int row, int column) {
   return static_cast<std::size_t>(row) * kDepths + static_cast<std::size_t>(column);
@@ -34,13 +34,13 @@ PlanExtent around(const Simulator& simulator, std::span<const Vector2d> track) {
   return {c.x() - half, c.x() + half, c.y() - half, c.y() + half};
 }
 
-/// Deep water dark, like a chart at night turned round: light where it is shallow.
+/// Deep water is dark, shallow water light.
 Colour bottom_colour(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
   return {0.91 - 0.62 * s, 0.95 - 0.47 * s, 0.98 - 0.28 * s, 1};
 }
 
-/// The sector that a sonar looks at from the start, at its range; nothing for one that looks down.
+/// The sector that a sonar covers at the start, out to its range.
 Polygon field_of_view(const SonarConfig& sonar, const Pose& X_WB) {
   const Pose X_WS = X_WB * sensor_pose(sonar);
   Polygon points{X_WS.translation.head<2>()};
@@ -104,8 +104,8 @@ std::string scene_picture(const Simulator& simulator, std::span<const Vector2d> 
     if (deep - shallow > 0.01) legend.push_back({bottom_colour(1), fmt::format("{:.1f} m", deep)});
   }
   legend.push_back({palette::kInk, "bodies"});
-  if (track.size() > 1) legend.push_back({palette::kTrack, "the vehicle's way"});
-  legend.push_back({{0.9, 0.6, 0.1, 1}, "a sonar's view at the start"});
+  if (track.size() > 1) legend.push_back({palette::kTrack, "track"});
+  legend.push_back({{0.9, 0.6, 0.1, 1}, "sonar field of view at the start"});
   picture.finish(legend);
   return picture.png();
 }

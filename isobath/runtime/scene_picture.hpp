@@ -1,5 +1,5 @@
-// A scene from above: depths, bodies, the way of the vehicle and what its sonars look at. For the docs and for whoever
-// writes a scene.
+// scene_picture: a scene from above: depths, bodies, the track of the vehicle and the fields of view of its sonars. For
+// the documentation and for authors of scenes.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace isobath {
 
-/// PNG. `track`: north, east of the vehicle, where it was run; else its way-points are drawn alone.
+/// PNG. `track`: north and east of the vehicle if the scene was run; if it is empty, only the way-points are drawn.
 std::string scene_picture(const Simulator& simulator, std::span<const Eigen::Vector2d> track);
 
 }  // namespace isobath

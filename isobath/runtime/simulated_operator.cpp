@@ -6,15 +6,15 @@ namespace isobath {
 
 std::vector<Field> fields(OperatorOrder& o) {
   using Kind = OperatorCommand::Kind;
-  return {Field::real("at_s", &o.at_s, {0, 1e7}, "s", "When the operator gives it."),
+  return {Field::real("at_s", &o.at_s, {0, 1e7}, "s", "Time at which the operator gives the order."),
           Field::choice(
               "command", &o.command,
               {{"start", Kind::kStart}, {"hold", Kind::kHold}, {"resume", Kind::kResume}, {"abort", Kind::kAbort}},
-              "What is asked of the vehicle.")};
+              "The order to the vehicle.")};
 }
 
 SectionList operator_list(std::vector<OperatorOrder>& orders) {
-  return {"operator", "What the operator asks for, over the link.", [&orders](const Place& place) {
+  return {"operator", "An order of the operator, sent over the link.", [&orders](const Place& place) {
             OperatorOrder& order = orders.emplace_back();
             order.place = place;
             return fields(order);

@@ -1,12 +1,13 @@
-// SimulatedOperator: the operator of a simulated vehicle: commands at their times, beats between them, and an ear for
-// what the vehicle answers, over the real frames (operator_link.hpp; Ganesan 2015, 5.1; ledger S6-40).
+// SimulatedOperator: the operator of a simulated vehicle. It sends commands at their times and heartbeats between them,
+// and receives the answers of the vehicle, in the frames of the real link (operator_link.hpp; Ganesan 2015, 5.1; ledger
+// S6-40).
 //
 //   [[operator]]
 //   at_s = 60
 //   command = "hold"
 //
-// A fault of "link" keeps frames away both ways: all of them (off), or a share (intermittent). What is lost is sent
-// again until it is acknowledged. A function of the scenario and its seed.
+// A fault of "link" drops frames both ways: all of them (off), or a share (intermittent). Lost frames are sent again
+// until they are acknowledged. The frames are a function of the scenario and its seed.
 #pragma once
 
 #include <isobath/base/random.hpp>
@@ -17,7 +18,7 @@
 namespace isobath {
 
 struct OperatorOrder {
-  Place place;  ///< in the file it comes from
+  Place place;  ///< in the scenario file
   double at_s = 0;
   OperatorCommand::Kind command = OperatorCommand::Kind::kStart;
 };
@@ -32,26 +33,26 @@ struct OperatorAnswer {
 
 class SimulatedOperator {
  public:
-  /// `plan`: what an order to start is about.
+  /// `plan`: the plan that a start order starts.
   SimulatedOperator(std::vector<OperatorOrder> orders, std::shared_ptr<const MissionPlan> plan, std::uint64_t seed);
 
-  /// One more order, to be given with the next frames.
+  /// Adds an order; the next frames carry it.
   void order(OperatorCommand::Kind command);
-  /// Frames that reach the vehicle now.
+  /// Returns the frames that reach the vehicle now.
   std::vector<OperatorFrame> due(const FaultSchedule& faults, Time now);
-  /// Frames that the vehicle sends now.
+  /// Takes the frames that the vehicle sends now.
   void hear(const std::vector<FrameBytes>& frames, const FaultSchedule& faults, Time now);
 
-  /// What the operator knows of the vehicle: each status once, as it arrived.
+  /// The status reports that the operator has received, each once, in the order of arrival.
   [[nodiscard]] const std::vector<OperatorAnswer>& answers() const { return answers_; }
   [[nodiscard]] bool all_acknowledged() const { return orders_.empty() && console_.all_acknowledged(); }
-  [[nodiscard]] std::uint64_t frames() const { return frames_; }  ///< sent, both ways
-  [[nodiscard]] std::uint64_t lost() const { return lost_; }      ///< of them
+  [[nodiscard]] std::uint64_t frames() const { return frames_; }  ///< frames sent, both ways
+  [[nodiscard]] std::uint64_t lost() const { return lost_; }      ///< frames lost, both ways
 
  private:
   bool loses(const FaultSchedule& faults, Time now);
 
-  std::vector<OperatorOrder> orders_;  ///< still to be given, in the order of time
+  std::vector<OperatorOrder> orders_;  ///< not given yet, in the order of time
   std::shared_ptr<const MissionPlan> plan_;
   OperatorConsole console_;
   Random random_;

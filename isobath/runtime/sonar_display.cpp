@@ -12,12 +12,12 @@ namespace isobath {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kLowest_db = -60;  ///< of what is shown in decibels
+constexpr double kLowest_db = -60;  ///< lower end of the decibel scale
 constexpr int kMostSlots = 800, kFewestSlots = 24;
 
 int groups(int count, int each) { return (count + each - 1) / each; }
 
-/// Of the neighbours i to i + each of n: the middle of the first and the last.
+/// The mean of the first and the last of the angles from i to i + each, at most to the end of the list.
 double middle(const std::vector<Angle>& angles, int i, int each) {
   const int last = std::min<int>(i + each, static_cast<int>(angles.size())) - 1;
   return 0.5 * (angles[i].radians() + angles[last].radians());
@@ -25,9 +25,9 @@ double middle(const std::vector<Angle>& angles, int i, int each) {
 
 bool in_decibels(const Ping& ping) { return ping.intensity.type() != SampleType::kU8; }
 
-/// Decibels of a share of full scale as a shade, from a table by the first bits of the share: a logarithm for each of
-/// 64,000 samples takes longer than all the rest of a picture. Beside the exact shade by no more than one, where that
-/// is between two.
+/// The shade of a share of full scale on the decibel scale, looked up in a table by the leading bits of the share: one
+/// logarithm for each of 64,000 samples takes longer than the rest of a picture. A shade is off by at most one, where
+/// the exact value lies close to the border of two shades.
 class DecibelShades {
  public:
   explicit DecibelShades(float full_scale) : share_(full_scale > 0 ? 1 / full_scale : 0) {}
@@ -39,7 +39,7 @@ class DecibelShades {
 
  private:
   static constexpr float kLeast = 1.0F / 1024;  ///< -60.2 dB
-  static constexpr int kBits = 11;              ///< of the mantissa that count
+  static constexpr int kBits = 11;              ///< leading bits of the mantissa in use
   static constexpr std::size_t kPlaces = std::size_t{10} << kBits;
   using Table = std::array<std::uint8_t, kPlaces>;
 
@@ -73,7 +73,7 @@ SonarDisplay::Sonar& SonarDisplay::sonar_of(const Ping& ping, std::uint64_t& num
   return sonars_.emplace_back(Sonar{scanning, upright, nullptr, {}, 0, {}, {}, 1, 1});
 }
 
-/// Whether the page knows what the ping looks like; says it where that has changed.
+/// Sends the geometry of the ping to the page if it has changed. Returns false while the geometry is unknown.
 bool SonarDisplay::describe(Sonar& sonar, std::uint64_t number, const Ping& ping) {
   int slots = sonar.slots;
   if (sonar.scanning) {
@@ -82,7 +82,7 @@ bool SonarDisplay::describe(Sonar& sonar, std::uint64_t number, const Ping& ping
     sonar.azimuth = azimuth;
     const double step = std::abs(std::remainder(azimuth - before, kTurn));
     if (step > 1e-6) slots = std::clamp(static_cast<int>(std::lround(kTurn / step)), kFewestSlots, kMostSlots);
-    // a head that turns round or skips a beam tells of a coarser step: the finest one counts
+    // a head that turns back or skips a beam makes a larger step, so the smallest step counts
     slots = std::max(slots, sonar.slots);
     if (slots == 0) return false;
   }
@@ -133,7 +133,7 @@ std::string SonarDisplay::geometry(const Sonar& sonar, std::uint64_t number, con
   return text.dump();
 }
 
-/// The loudest of each group of bins of each group of beams, from 0 up.
+/// Pools each group of bins of each group of beams by its maximum, at least 0.
 void SonarDisplay::pool(const Sonar& sonar, const Ping& ping) {
   const auto bins = static_cast<std::size_t>(ping.window.bins), each = static_cast<std::size_t>(sonar.bins_each);
   const int beams = ping.fan->beams();
@@ -154,7 +154,7 @@ void SonarDisplay::pool(const Sonar& sonar, const Ping& ping) {
   }
 }
 
-/// What was decided as echo, a bit for each sample of the picture.
+/// The decided echoes, one bit per sample of the picture.
 std::vector<std::uint8_t> SonarDisplay::hits(const Sonar& sonar, const EchoDecisions& decisions, int bins) const {
   std::vector<std::uint8_t> hits((pooled_.size() + 7) / 8);
   for (int i = 0; i < decisions.beams(); ++i) {
@@ -199,7 +199,7 @@ void SonarDisplay::take(const PosedPing& posed) {
   std::uint64_t number = 0;
   Sonar& sonar = sonar_of(ping, number);
   if (!describe(sonar, number, ping)) return;
-  if (!sonar.scanning) {  // a little less than the interval: pings are not that punctual
+  if (!sonar.scanning) {  // a little less than the interval, because pings have jitter
     constexpr double kInterval_s = 0.95 / kMostPerSecond;
     if (sonar.shown && ping.time >= *sonar.shown && to_seconds(ping.time - *sonar.shown) < kInterval_s) return;
     sonar.shown = ping.time;

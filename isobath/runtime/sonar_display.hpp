@@ -1,11 +1,12 @@
-// SonarDisplay: pings as pictures for a page: what each sonar heard, beam by beam, and what was decided of it.
+// SonarDisplay: pings as pictures for the live page: the samples of each sonar, beam by beam, and the decided echoes.
 //
-// A sonar is known by the stance of its fan and by the fan itself, as in VoxelModel; a head that scans gives one beam a
-// ping, and its beams are kept by their place in the turn. A fan of more than kMostBeams beams or kMostBins bins is
-// pooled by maxima, so that no echo is lost to the eye. Samples of 8 bits are shown as they are, others in decibels
-// below full scale.
+// A sonar is identified by the stance of its fan (horizontal or vertical) and by the fan itself. A scanning head gives
+// one beam per ping; its beams are kept by their position in the turn. A fan of more than kMostBeams beams or kMostBins
+// bins is pooled by maxima, so that no echo becomes invisible. Samples of 8 bits are shown as they are, others in
+// decibels below full scale.
 //
-// Items: sonar and echoes (docs/live-page.md). Times are those of the pings: at most kMostPerSecond of a fan are shown.
+// Items: sonar and echoes (docs/live-page.md). Times are those of the pings; each fan is shown at most kMostPerSecond
+// times per second.
 // Cost: 0.35 ms for 512 beams x 500 bins (DisplayOfAFan).
 #pragma once
 
@@ -28,9 +29,9 @@ class SonarDisplay {
  private:
   struct Sonar {
     bool scanning = false, upright = false;
-    std::shared_ptr<const BeamFan> fan;  ///< of the ping before
+    std::shared_ptr<const BeamFan> fan;  ///< fan of the last described ping
     RangeWindow window;
-    int slots = 0;  ///< beams of a scanning head's turn; 0: not known yet
+    int slots = 0;  ///< beams in a turn of a scanning head; 0: not known yet
     std::optional<double> azimuth;
     std::optional<Time> shown;
     int beams_each = 1, bins_each = 1;  ///< pooled into one

@@ -22,7 +22,7 @@ struct DrawnCell {
   SphericalPlace place;
   double probability;
 };
-/// The most probable last, so that they lie on top.
+/// In increasing order of probability, so that the most probable cells are drawn on top.
 std::vector<DrawnCell> drawn_cells(const SphericalGrid& grid) {
   std::vector<DrawnCell> all;
   grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
@@ -36,7 +36,7 @@ std::vector<DrawnCell> drawn_cells(const SphericalGrid& grid) {
   return all;
 }
 
-/// Corners at a radius: low left, low right, high right, high left, azimuth growing.
+/// Corners at a radius: low left, low right, high right, high left; azimuth grows to the right.
 std::array<Vector3d, 4> corners_at(const SphericalGrid& grid, const SphericalDirection& d, double radius) {
   const DirectionBuckets& buckets = grid.buckets();
   const double a0 = buckets.azimuth_edge(d.azimuth).radians() + grid.remainder().radians();
@@ -118,7 +118,7 @@ std::string spherical_plan_picture(const Scene& scene, const SphericalSurvey& su
   picture.vehicle(survey.path.scans.back().at.head<2>(), survey.path.scans.back().course.radians());
   picture.finish({{palette::kInk, "walls"},
                   {palette::kTrack, "path; scans by number and (depth)"},
-                  {palette::kVehicle, "the vehicle at the last"}});
+                  {palette::kVehicle, "vehicle at the last scan"}});
   return picture.png();
 }
 
@@ -154,10 +154,10 @@ std::string spherical_above_picture(const Scene& scene, const SphericalSurvey& s
   }
   picture.range_rings(Vector2d::Zero(), 10);
   picture.vehicle(Vector2d::Zero(), place.course.radians());
-  picture.finish({{state_colour(1), "surely occupied"},
-                  {state_colour(0.5), "as likely as not"},
-                  {kClearWater, "seen to be clear"},
-                  {kNotSeen, "not seen"},
+  picture.finish({{state_colour(1), "occupied"},
+                  {state_colour(0.5), "probability 0.5"},
+                  {kClearWater, "observed clear"},
+                  {kNotSeen, "not observed"},
                   {kWalls, "true walls"}});
   return picture.png();
 }
@@ -166,7 +166,7 @@ std::string spherical_features_picture(const Scene& scene, const SphericalSurvey
   const PlaneSection section(scene, survey.path.scans.back().at.z());
   const SurveyFeatures& features = survey.features;
   PlanPicture picture(with_margin(box_of_section(section)), kSidePixels,
-                      {"Edges, arcs and corners that the scans tell", "north (m)", "east (m)"});
+                      {"Edges, arcs and corners found in the scans", "north (m)", "east (m)"});
   draw_walls(picture, section, Vector2d::Zero(), {kWalls, 5, false});
   for (const Vector2d& p : features.accounted) picture.dot(p, 0.9, palette::kFaint);
   for (const SurveyArc& seen : features.arcs) {
@@ -186,20 +186,20 @@ std::string spherical_features_picture(const Scene& scene, const SphericalSurvey
     if (!corner.corner.convex) continue;
     const bool confirmed = corner.confirmed > 0;
     picture.dot(corner.corner.at, 5.5, confirmed ? palette::kTruth : kOpen);
-    picture.label(corner.corner.at, confirmed ? fmt::format("seen {}, sure {}", corner.hypothesised, corner.confirmed)
+    picture.label(corner.corner.at, confirmed ? fmt::format("seen {}, conf. {}", corner.hypothesised, corner.confirmed)
                                               : fmt::format("seen {}", corner.hypothesised));
   }
   picture.finish({{kTold, "edges and arcs"},
                   {kWalls, "true walls"},
-                  {palette::kTruth, "corner, sure: numbers of the scans"},
-                  {kOpen, "corner, supposed"},
-                  {kAlone, "echoes of none of these"}});
+                  {palette::kTruth, "confirmed corner, with scan numbers"},
+                  {kOpen, "hypothesised corner"},
+                  {kAlone, "other echoes"}});
   return picture.png();
 }
 
 namespace {
 
-/// The grid from aside, without perspective: far things are as large as near ones, so that lengths can be compared.
+/// The grid in orthographic projection: far cells are as large as near ones, so that lengths can be compared.
 class SolidPicture : public Canvas {
  public:
   SolidPicture(const SphericalCamera& camera, double reach_m) : Canvas(900, 640), scale_(camera.zoom * 430 / reach_m) {
@@ -316,9 +316,9 @@ std::string spherical_solid_picture(const SphericalSurvey& survey, const Spheric
                   fmt::format("The grid at position {}, looking towards {:03.0f} degrees from {:.0f} degrees above",
                               place.number, camera.looking.degrees(), camera.down.degrees()),
                   14);
-  picture.swatch(20, 622, state_colour(1), "surely occupied");
-  picture.swatch(150, 622, state_colour(0.5), "as likely as not");
-  picture.swatch(290, 622, state_colour(0.1), "hardly");
+  picture.swatch(20, 622, state_colour(1), "occupied");
+  picture.swatch(150, 622, state_colour(0.5), "probability 0.5");
+  picture.swatch(290, 622, state_colour(0.1), "0.1");
   picture.swatch(370, 622, palette::kTrack, "path and scans");
   picture.swatch(490, 622, kReference, "every 30 degrees, at the vehicle's depth");
   return picture.png();

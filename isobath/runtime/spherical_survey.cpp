@@ -29,7 +29,8 @@ void judge_survey(const Scene& scene, const Vector3d& at, SphericalSurvey& surve
   survey.worst_error_m = errors.back();
 }
 
-/// Joins the arc that it agrees with: centre and radius within three standard deviations and half a metre.
+/// Merges an arc into the known arc that it agrees with: centre and radius within four standard deviations, to which
+/// half a metre is added.
 void add_arc(const PlaneArc& seen, std::vector<SurveyArc>& arcs) {
   using Eigen::Matrix3d;
   for (SurveyArc& known : arcs) {
@@ -44,7 +45,7 @@ void add_arc(const PlaneArc& seen, std::vector<SurveyArc>& arcs) {
     known.arc.covariance = (Matrix3d::Identity() - gain) * known.arc.covariance;
     known.arc.support += seen.support;
     const Angle end = known.arc.first + known.arc.sweep, seen_end = seen.first + seen.sweep;
-    // the two sweeps together, gaps between them too
+    // the union of the two sweeps, including a gap between them
     const Angle before = (known.arc.first - seen.first).wrapped(), behind = (seen_end - end).wrapped();
     known.arc.sweep += std::max(before, Angle{}) + std::max(behind, Angle{});
     known.arc.sweep = std::min(known.arc.sweep, Angle::degrees(360));
@@ -66,9 +67,9 @@ void tell_scan(const PlaneScan& scan, SurveyFeatures& features) {
   for (const std::size_t i : told.unassigned) features.unaccounted.push_back(scan.point(scan.echoes[i]));
 }
 
-constexpr double kSureTarget = 0.5;  // below that bodies run into the walls behind them
+constexpr double kSureTarget = 0.5;  // with a lower limit, bodies merge with the walls behind them
 
-/// Of the grid at the end: level scans at several depths, which say that walls are upright.
+/// Finds planes and targets in the final grid. Walls are taken as vertical: the scans are level, at several depths.
 void tell_grid(const SphericalGrid& grid, const SphericalSurveyConfig& survey, SurveyFeatures& features) {
   const std::vector<Vector3d> echoes = echoes_of(grid, grid.config().occupied);
   TangentialConfig config;
@@ -81,7 +82,7 @@ void tell_grid(const SphericalGrid& grid, const SphericalSurveyConfig& survey, S
   }
 }
 
-/// What was heard on the way, to be told at the end by what stands then.
+/// The echoes of all scans, to be classified at the end, when the final grid is known.
 struct HeardEchoes {
   std::vector<Vector3d> points_W;
   std::vector<SectionEcho> truth;
@@ -131,7 +132,7 @@ SphericalSurveyConfig survey_config(const Scene& scene) {
   config.sonar.beams = static_cast<int>(std::lround(2 * std::numbers::pi / sonar.width.radians()));
   config.sonar.sigma = sonar.width / 2.355;
   config.grid.bucket = grid_for({sonar.name, sonar.range_m, config.grid.finest_m, sonar.width, sonar.width, 1}).bucket;
-  config.grid.range_m = 1.5 * sonar.range_m;  // what was seen earlier from farther on
+  config.grid.range_m = 1.5 * sonar.range_m;  // keeps echoes of earlier positions
   return config;
 }
 
@@ -183,7 +184,7 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     tell_scan(told, survey.features);
   }
   if (!any) {
-    throw Error("no lines and arcs at the vehicle's depth", {scene.file}, "a scene with a [[prism]] round its path");
+    throw Error("no lines and arcs at the vehicle's depth", {scene.file}, "a scene with a [[prism]] around its path");
   }
   grid.on_dropped({});
   tell_grid(grid, config, survey.features);

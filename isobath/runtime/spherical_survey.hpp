@@ -1,7 +1,7 @@
-// SphericalSurvey: a room of lines and arcs scanned from numbered places along a path, in the spherical grid of the
-// vehicle at the last of them; and what stands there: edges, arcs, and corners that are confirmed on the way (Auran,
-// Silven 1995, 3.1, 3.2 and 4.3; ledger S4-D01, S4-D02, S4-31 to S4-35, S4-42 to S4-47, S4-52). `isobath sphere` runs
-// one.
+// SphericalSurvey: scans a room of lines and arcs from numbered positions along a path into a spherical grid, which is
+// centred on the vehicle at the last position. It also finds the features of the room: edges, arcs, and corners that
+// later scans confirm (Auran, Silven 1995, 3.1, 3.2 and 4.3; ledger S4-D01, S4-D02, S4-31 to S4-35, S4-42 to S4-47,
+// S4-52). `isobath sphere` runs a survey.
 #pragma once
 
 #include <array>
@@ -17,26 +17,26 @@ namespace isobath {
 
 struct SphericalSurveyConfig {
   int scans = 10;
-  int seed = -1;  ///< -1: the scene's
+  int seed = -1;  ///< -1: the seed of the scene
   SectionSonarConfig sonar;
   SphericalGridConfig grid;
   SphericalMapperConfig mapper;
-  bool leave_out_false = false;  ///< multiples, and clusters that do not stand
+  bool leave_out_false = false;  ///< leaves out multiple echoes, and clusters with too low a score
   FalseEchoConfig false_echoes;
 };
 
-/// A round thing, from all scans that told an arc of it.
+/// A round body, merged from the arcs of all scans that show it.
 struct SurveyArc {
   PlaneArc arc;
   int scans = 0;
 };
-/// What the scans were told as.
+/// The features found in the scans.
 struct SurveyFeatures {
   CornerEvidence evidence;  ///< edges and corners, W
   std::vector<SurveyArc> arcs;
   std::vector<Eigen::Vector2d> accounted, unaccounted;  ///< echoes, W
-  std::size_t runs = 0;                                 ///< of constant range
-  TangentialClusters planes;                            ///< of the grid at the last place, G
+  std::size_t runs = 0;                                 ///< runs of constant range
+  TangentialClusters planes;                            ///< planes in the grid at the last position, G
   struct Target {
     SphericalCluster cluster;
     TargetScore score;
@@ -47,21 +47,21 @@ struct SurveyFeatures {
 struct SphericalSurvey {
   ScanPath path;
   SurveyFeatures features;
-  std::unique_ptr<SphericalGrid> grid;  ///< at the last place
+  std::unique_ptr<SphericalGrid> grid;  ///< at the last position
   std::uint64_t beams = 0, echoes = 0;
-  std::uint64_t dropped_echoes = 0;  ///< that left the grid's range
+  std::uint64_t dropped_echoes = 0;  ///< echoes that left the range of the grid
   std::uint64_t occupied = 0;
-  std::array<std::array<std::uint64_t, 3>, 3> causes{};  ///< echoes by SectionEcho, and by what they were told as
-  /// Of the echoes' cells that are occupied, from their middles to the true walls at their depth, m.
+  std::array<std::array<std::uint64_t, 3>, 3> causes{};  ///< echoes by true cause (SectionEcho) and found EchoCause
+  /// Distance from the centres of occupied cells with echoes to the true walls at their depth, m.
   double median_error_m = 0, worst_error_m = 0;
 };
 
-/// Of the sonar in the scene: its range and the width of its beams, buckets as wide.
+/// The configuration for the first sonar of the scene: its range, its beam width, and buckets as wide.
 SphericalSurveyConfig survey_config(const Scene& scene);
-/// Throws Error where the scene has neither lines nor arcs, or its vehicle goes nowhere.
+/// Throws Error if the scene has neither lines nor arcs, or if its vehicle does not move.
 SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyConfig& config);
 
-/// From a plan point to the nearest line or arc, m.
+/// Distance from a plan point to the nearest line or arc, m.
 double distance_to(const PlaneSection& section, const Eigen::Vector2d& p);
 
 }  // namespace isobath

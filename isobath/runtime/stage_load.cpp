@@ -61,16 +61,17 @@ RunLoad load_of(const StageLoad& one, const StageLoad& other) {
 std::string load_text(const RunLoad& load, std::uint64_t pings, double log_s) {
   if (pings == 0 || !(log_s > 0)) return {};
   const double count = static_cast<double>(pings);
-  std::string text = fmt::format("work of one core: {:.1f} ms a ping, {:.0f} % of the time that they took:",
-                                 1000 * load.sum_s() / count, 100 * load.sum_s() / log_s);
+  std::string text =
+      fmt::format("load of one core: {:.1f} ms per ping, {:.0f} % of real time:", 1000 * load.sum_s() / count,
+                  100 * load.sum_s() / log_s);
   const char* before = " ";
   for (std::size_t i = 0; i < place_of(Stage::kSource); ++i) {
     text += fmt::format("{}{} {:.1f}", before, to_text(static_cast<Stage>(i)), 1000 * load.stage_s[i] / count);
     before = ", ";
   }
-  text +=
-      fmt::format("; besides, input {:.1f} and report {:.1f}", 1000 * load.stage_s[place_of(Stage::kSource)] / count,
-                  1000 * load.stage_s[place_of(Stage::kReport)] / count);
+  text += fmt::format("; in addition, input {:.1f} and report {:.1f}",
+                      1000 * load.stage_s[place_of(Stage::kSource)] / count,
+                      1000 * load.stage_s[place_of(Stage::kReport)] / count);
   return text;
 }
 

@@ -1,7 +1,7 @@
-// StageLoad: how much of one core each stage of a run takes: processor time of the thread that does it, so that
-// neighbours on the same machine count little. No result depends on it.
+// StageLoad: the processor time that each stage of a run takes. It is the time of the working thread, so other load on
+// the machine has little effect. No result depends on it.
 //
-//   load.enter(Stage::kVoxels);  // from here on; what was under way ends
+//   load.enter(Stage::kVoxels);  // begins a stage and ends the one before
 //   ...
 //   load.leave();
 //
@@ -28,22 +28,22 @@ class StageLoad {
  private:
   std::array<std::int64_t, kStages> nanoseconds_{};
   Stage stage_ = Stage::kReport;
-  std::int64_t since_ = -1;  ///< processor time of the thread; -1: nothing is under way
+  std::int64_t since_ = -1;  ///< processor time of the thread at `enter`; -1: no stage is open
 };
 
 /// Processor time of the calling thread so far, ns.
 std::int64_t thread_nanoseconds();
 
-/// The work of a run by stage, s; what the input (a simulator, a reader) and the report take is no part of its sum.
+/// Processor time of a run by stage, s. The sum excludes the input (a simulator, a reader) and the report.
 struct RunLoad {
   std::array<double, kStages> stage_s{};
   void add(Stage stage, double seconds) { stage_s[static_cast<std::size_t>(stage)] += seconds; }
   [[nodiscard]] double sum_s() const;
 };
-/// Of two threads, or of one that is watched in two places.
+/// The sum of two loads: of two threads, or of two parts of one thread.
 RunLoad load_of(const StageLoad& one, const StageLoad& other);
 
-/// As one line, of `pings` that took `log_s`: the sum, and each stage in ms a ping. Empty where there were none.
+/// One line for `pings` in `log_s` of log: the sum, and each stage in ms per ping. Empty if there were no pings.
 std::string load_text(const RunLoad& load, std::uint64_t pings, double log_s);
 
 }  // namespace isobath

@@ -1,7 +1,7 @@
-// StageSpread: how the times of one stage are spread: median, 99th percentile, worst. Steps of 1 % from 1 us to 100 s
-// are counted, so that what it keeps and what a look costs are the same after a day as after a minute.
+// StageSpread: the distribution of the times of one stage: median, 99th percentile, worst. It is a histogram with steps
+// of 1 % from 1 us to 100 s, so its memory and the cost of a query do not grow with the run.
 //
-// Error of a share of the times: 0.5 % of it; below 1 us, 1 us. The worst is exact.
+// Percentiles are accurate to 0.5 %; below 1 us, to 1 us. The worst time is exact.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ class StageSpread {
   static constexpr double kLeast_ms = 1e-3, kRatio = 1.01;
   static constexpr std::size_t kSteps = 1852;
 
-  /// Of the times in order, the one at this place.
+  /// The time at this position of the sorted times.
   [[nodiscard]] double at(std::uint64_t place) const {
     std::uint64_t before = 0;
     std::size_t step = 0;

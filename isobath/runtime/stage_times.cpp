@@ -5,7 +5,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMostUndecided = 64;  // sweeps: a Navigator that is lost decides on none
+constexpr std::size_t kMostUndecided = 64;  // sweeps; bounds the list if the Navigator is lost and decides on none
 
 double milliseconds(StageTimes::Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 

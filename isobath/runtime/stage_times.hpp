@@ -1,11 +1,11 @@
-// StageTimes: how long each stage takes of the way from an event to a decision, by a real clock: no result depends on
-// it (ledger S6-31).
+// StageTimes: measures by a real clock how long each stage takes from an event to a decision (ledger S6-31). No result
+// depends on it.
 //
-// Whoever maps says when an event is begun (begin), when its ping is in the grid (mapped) and when the obstacles of its
-// sweep are found (detected); what it does for others from `aside` to `resume` counts for no stage. Agents are timed in
-// their seats (timed). A sweep that was heard after the clock was set back is not followed to its decision.
+// The mapping thread reports when it begins an event (begin), when its ping is in the grid (mapped) and when the
+// obstacles of its sweep are found (detected). The time from `aside` to `resume` counts for no stage. `timed` wraps an
+// agent to measure its turns. A sweep that came after the clock was set back is not followed to its decision.
 //
-// begin, mapped, detected, aside and resume belong to one thread at a time; the rest to any.
+// begin, mapped, detected, aside and resume belong to one thread at a time; any thread may call the rest.
 #pragma once
 
 #include <atomic>
@@ -30,9 +30,9 @@ class StageTimes {
   void detected(Time sweep);
   void aside();
   void resume();
-  /// The Navigator's turn about a scan.
+  /// A turn of the Navigator on a scan.
   void planned(Time scan, Clock::time_point from, Clock::time_point to);
-  /// Processor time of any agent's turn.
+  /// Processor time of a turn of any agent.
   void worked(std::int64_t nanoseconds) { agents_ns_ += nanoseconds; }
 
   [[nodiscard]] MissionTimings timings() const;
@@ -41,12 +41,12 @@ class StageTimes {
   std::atomic<std::int64_t> agents_ns_{0};
   mutable std::mutex mutex_;
   Clock::time_point taken_, since_, aside_since_;
-  std::map<Time, Clock::time_point> sweeps_;  ///< not decided yet: when their last event came
+  std::map<Time, Clock::time_point> sweeps_;  ///< undecided sweeps: arrival of their last event
   StageSpread heard_, mapped_, detected_, planned_, decided_;
 };
 
-/// The seat, with its agent timed; `plans`: each of its turns about a scan of obstacles is planning. The times live as
-/// long as the agent.
+/// Returns the seat with a timed agent. `plans`: its turns on scans of obstacles count as planning. The agent keeps
+/// `times` alive.
 Seat timed(Seat seat, std::shared_ptr<StageTimes> times, bool plans);
 
 }  // namespace isobath

@@ -15,50 +15,60 @@ namespace fs = std::filesystem;
 constexpr std::string_view kFolder = "suites/", kEnding = ".toml";
 
 std::vector<Field> about_fields(SuiteConfig& c, AltimeterChoice& altimeter) {
-  return {Field::text("title", &c.title, "What it is."),
-          Field::text("text", &c.text, "What it shows."),
-          Field::file("scene", &c.scene, "The scene, with its mission, that all runs are made from."),
-          Field::file("faults", &c.faults, "Or a folder with a scene for each row of the fault table, named like it."),
-          Field::choice("altimeter", &altimeter,
-                        {{"scene", AltimeterChoice::kAsScene},
-                         {"with", AltimeterChoice::kWith},
-                         {"without", AltimeterChoice::kWithout},
-                         {"both", AltimeterChoice::kBoth}},
-                        "Whether the vehicle has an altimeter; scene: as the scene says, both: in turn."),
-          Field::text("without", &c.without, "Name of a sonar of the scene that is switched off; empty: none."),
-          Field::integer("runs", &c.runs, {1, 1'000'000}, "", "How many, unless the command line says otherwise."),
-          Field::integer("seed", &c.seed, {0, 1'000'000'000}, "", "Of the first run; the next ones count on."),
-          Field::real("duration_s", &c.duration_s, {0, 1e5}, "s",
-                      "A run that has not ended by then is over; 0: as long as its scene says."),
-          Field::real("goal_m", &c.goal_m, {0.1, 1000}, "m", "So near the last mission point is reached, in truth."),
-          Field::real("near_body_m", &c.near_body_m, {0, 1000}, "m",
-                      "A replan for an obstacle further than this from every body was for nothing."),
-          Field::real("clearance_m", &c.clearance_m, {0, 100}, "m", "That the planner with full truth keeps."),
-          Field::real("planner_cell_m", &c.planner_cell_m, {0.1, 10}, "m", "Cell of the planner with full truth.")};
+  return {
+      Field::text("title", &c.title, "Title of the suite."),
+      Field::text("text", &c.text, "What the suite shows."),
+      Field::file("scene", &c.scene, "The scene, with its mission, of all runs."),
+      Field::file("faults", &c.faults,
+                  "Instead of a scene: a folder with one scene for each row of the fault table, named like it."),
+      Field::choice("altimeter", &altimeter,
+                    {{"scene", AltimeterChoice::kAsScene},
+                     {"with", AltimeterChoice::kWith},
+                     {"without", AltimeterChoice::kWithout},
+                     {"both", AltimeterChoice::kBoth}},
+                    "Whether the vehicle has an altimeter; scene: as in the scene, both: in turn."),
+      Field::text("without", &c.without, "Name of a sonar of the scene that is switched off; empty: none."),
+      Field::integer("runs", &c.runs, {1, 1'000'000}, "", "Number of runs; the command line can override it."),
+      Field::integer("seed", &c.seed, {0, 1'000'000'000}, "",
+                     "Seed of the first run; each further run has the next number."),
+      Field::real("duration_s", &c.duration_s, {0, 1e5}, "s",
+                  "Maximum duration of a run; 0: the duration of its scene."),
+      Field::real("goal_m", &c.goal_m, {0.1, 1000}, "m",
+                  "True distance at which the last mission point counts as reached."),
+      Field::real("near_body_m", &c.near_body_m, {0, 1000}, "m",
+                  "A replan for an obstacle farther than this from every body counts as false."),
+      Field::real("clearance_m", &c.clearance_m, {0, 100}, "m", "Clearance of the planner with full truth."),
+      Field::real("planner_cell_m", &c.planner_cell_m, {0.1, 10}, "m", "Cell size of the planner with full truth.")};
 }
 
 std::vector<Field> vary_fields(VariationConfig& c) {
   return {Field::numbers("start", c.start.data(), 2, {0, 1000}, "m", "Half width of the start, north and east."),
           Field::degrees("heading_deg", &c.heading, {0, 180}, "Half width of the heading at the start."),
           Field::real("current", &c.current, {0, 2}, "m/s",
-                      "Fastest current, from any direction; with faults on top of the scene's own."),
+                      "Maximum speed of the current, in any direction. In suites of faults it is added to the current "
+                      "of the scene, else it replaces it."),
           Field::numbers("drift", c.drift.data(), 2, {0, 0.5}, "1",
-                         "Least and greatest drift of the navigation, share of the way; with navigation.kind drift."),
-          Field::numbers("noise", c.noise.data(), 2, {0, 10}, "1", "Least and greatest factor on the sonars' noise."),
-          Field::numbers("density", c.density.data(), 2, {0, 10}, "1", "Least and greatest factor on the clutter.")};
+                         "Minimum and maximum drift of the navigation, as a share of the distance travelled; needs "
+                         "navigation.kind drift."),
+          Field::numbers("noise", c.noise.data(), 2, {0, 10}, "1",
+                         "Minimum and maximum factor on the noise of the sonars."),
+          Field::numbers("density", c.density.data(), 2, {0, 10}, "1",
+                         "Minimum and maximum factor on the density of the clutter.")};
 }
 
 std::vector<Field> bar_fields(BarsConfig& c) {
   return {
-      Field::integer("collisions", &c.collisions, {-1, 1'000'000}, "", "At most; -1: no bar."),
-      Field::real("goals_share", &c.goals_share, {-1, 1}, "1", "Of the runs, at least; -1: no bar."),
-      Field::real("refused_share", &c.refused_share, {-1, 1}, "1", "Of the runs, at most; -1: no bar."),
+      Field::integer("collisions", &c.collisions, {-1, 1'000'000}, "", "Maximum number of collisions; -1: no bar."),
+      Field::real("goals_share", &c.goals_share, {-1, 1}, "1",
+                  "Minimum share of the runs that reach the goal; -1: no bar."),
+      Field::real("refused_share", &c.refused_share, {-1, 1}, "1",
+                  "Maximum share of the runs that are refused; -1: no bar."),
       Field::real("path_ratio_median", &c.path_ratio_median, {-1, 100}, "1",
-                  "Length of the way by that of the planner with full truth, at most; -1: no bar."),
+                  "Maximum median ratio of the path length to that of the planner with full truth; -1: no bar."),
       Field::real("false_obstacles_20m", &c.false_obstacles_20m, {-1, 1000}, "",
-                  "Obstacles of nothing within 20 m of the vehicle, in a scan on average, at most; -1: no bar."),
+                  "Maximum mean number of false obstacles within 20 m of the vehicle, per scan; -1: no bar."),
       Field::real("shown_share", &c.shown_share, {-1, 1}, "1",
-                  "Of the runs of faults, those that show what the table says, at least; -1: no bar."),
+                  "Minimum share of the fault runs that show what the fault table states; -1: no bar."),
   };
 }
 
@@ -76,13 +86,14 @@ void check_suite(Suite& s, const std::string& file) {
     throw Error(problem, {.file = file, .key = key}, allowed);
   };
   const auto ordered = [&](const std::string& key, const Eigen::Vector2d& range) {
-    if (range[0] > range[1]) refuse(key, "the first number is above the second", "least, greatest");
+    if (range[0] > range[1]) refuse(key, "the first number is above the second", "minimum, maximum");
   };
   if (s.about.scene.empty() == s.about.faults.empty()) {
-    refuse("suite.scene", s.about.scene.empty() ? "is missing" : "stands beside faults", "a scene file, or faults");
+    refuse("suite.scene", s.about.scene.empty() ? "is missing" : "cannot be combined with faults",
+           "a scene file, or faults");
   }
   if (!s.about.faults.empty() && !s.axes.empty()) {
-    refuse("suite.faults", "stands beside vehicles, sonars or an altimeter", "a scene, where there are variants");
+    refuse("suite.faults", "cannot be combined with vehicles, sonars or an altimeter", "a scene instead of faults");
   }
   s.variants = variants_of(s.axes);
   ordered("vary.drift", s.vary.drift);
@@ -90,7 +101,7 @@ void check_suite(Suite& s, const std::string& file) {
   ordered("vary.density", s.vary.density);
   for (std::size_t i = 0; i < s.baselines.size(); ++i) {
     if (std::count(s.baselines.begin(), s.baselines.end(), s.baselines[i]) > 1) {
-      refuse("baseline.helm", fmt::format("{} stands there twice", to_text(s.baselines[i])), "each once");
+      refuse("baseline.helm", fmt::format("{} is listed twice", to_text(s.baselines[i])), "each once");
     }
   }
 }
@@ -163,23 +174,23 @@ const char* to_text(Baseline baseline) {
 
 Schema schema(Suite& s) {
   Schema all;
-  all.sections = {{"suite", "What is run.", about_fields(s.about, s.axes.altimeter)},
-                  {"vary", "What differs from run to run.", vary_fields(s.vary)},
+  all.sections = {{"suite", "The runs of the suite.", about_fields(s.about, s.axes.altimeter)},
+                  {"vary", "What varies from run to run.", vary_fields(s.vary)},
                   {"clutter", "A random field of obstacles, added to the scene.", fields(s.clutter)},
-                  {"bars", "What must hold.", bar_fields(s.bars)}};
+                  {"bars", "The bars that the runs must meet.", bar_fields(s.bars)}};
   all.lists = {
       {"baseline", "A method to compare with, on the same runs.",
        [&s](const Place&) {
          Baseline& helm = s.baselines.emplace_back(Baseline::kNoAvoidance);
-         return std::vector<Field>{Field::choice("helm", &helm, baseline_names(), "Which.")};
+         return std::vector<Field>{Field::choice("helm", &helm, baseline_names(), "Name of the method.")};
        }},
-      {"vehicle", "A vehicle that runs are made with, in turn, instead of the scene's.",
+      {"vehicle", "A vehicle that replaces that of the scene; the runs take the vehicles in turn.",
        [&s](const Place& place) {
          SuiteVehicle& vehicle = s.axes.vehicles.emplace_back();
          vehicle.place = place;
          return fields(vehicle);
        }},
-      {"sonar", "An imaging sonar that runs are made with, in turn, instead of the scene's.", [&s](const Place& place) {
+      {"sonar", "An imaging sonar instead of those of the scene; runs take them in turn.", [&s](const Place& place) {
          SonarConfig& sonar = s.axes.sonars.emplace_back();
          sonar.place = place;
          return fields(sonar);

@@ -14,7 +14,7 @@ constexpr const char *kWithAltimeter = "altimeter", *kWithoutAltimeter = "no-alt
   throw Error(problem, place, allowed);
 }
 
-/// Names are parts of a variant's name, which a command line takes apart at each /.
+/// Names are parts of a variant's name, which the command line splits at each /.
 template <class Part>
 void check_names(const std::vector<Part>& parts, const std::string& section) {
   std::vector<std::string> seen{kWithAltimeter, kWithoutAltimeter};
@@ -24,7 +24,7 @@ void check_names(const std::vector<Part>& parts, const std::string& section) {
              "a word without / and spaces");
     }
     if (std::find(seen.begin(), seen.end(), part.name) != seen.end()) {
-      refuse(part.place, section + ".name", part.name + " stands there twice, or is taken", "another name");
+      refuse(part.place, section + ".name", part.name + " is used twice, or is reserved", "another name");
     }
     seen.push_back(part.name);
   }
@@ -47,7 +47,7 @@ std::vector<std::string> parts_of(std::string_view name) {
   return parts;
 }
 
-/// At least one element: what a suite does not list is one choice, the scene's own.
+/// At least one element: a part that the suite does not list has one choice, that of the scene.
 template <class Part>
 std::vector<std::optional<Part>> choices_of(const std::vector<Part>& parts) {
   if (parts.empty()) return {std::nullopt};
@@ -67,9 +67,9 @@ std::vector<std::optional<bool>> choices_of(AltimeterChoice altimeter) {
 }  // namespace
 
 std::vector<Field> fields(SuiteVehicle& v) {
-  return {Field::text("name", &v.name, "Its part of a variant's name; empty: that of the file."),
+  return {Field::text("name", &v.name, "The part of a variant's name that stands for this vehicle; empty: file name."),
           Field::file("file", &v.file, "Vehicle file."),
-          Field::real("speed", &v.speed, {0.01, 30}, "m/s", "At which its missions are run.")};
+          Field::real("speed", &v.speed, {0.01, 30}, "m/s", "Speed of its missions.")};
 }
 
 std::vector<SuiteVariant> variants_of(VariantAxes& axes) {

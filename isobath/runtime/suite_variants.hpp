@@ -1,10 +1,10 @@
-// SuiteVariants: the vehicles and sonars that a suite's runs are made with in turn: every [[vehicle]] with every
-// [[sonar]] of the suite, with and without an altimeter as the suite says. The run of a seed has variant seed mod their
-// number, so that as many runs on end as there are variants have each once.
+// SuiteVariant: one combination of vehicle and sonar in a suite. The variants are every [[vehicle]] with every
+// [[sonar]] of the suite, with or without an altimeter as the suite states; the runs take them in turn. The run of a
+// seed has the variant seed mod their number, so N consecutive runs cover N variants once each.
 //
-// A variant replaces the scene's vehicle with its speed, and its imaging sonars; what the suite does not list stays the
-// scene's own. Without an altimeter means without any sonar that gives ranges.
-// What else is drawn for a run follows from its seed alone: two variants of one seed meet the same water.
+// A variant replaces the vehicle of the scene with its speed, and its imaging sonars. Parts that the suite does not
+// list stay those of the scene. Without an altimeter means without any sonar that gives ranges. All other drawn values
+// follow from the seed alone: with the same seed, two variants meet the same water.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace isobath {
 
 struct SuiteVehicle {
   Place place;
-  std::string name;  ///< empty: of the file, without its ending
+  std::string name;  ///< empty: the file name without its extension
   std::string file;
   double speed = 1.5;  ///< m/s
 };
@@ -27,10 +27,10 @@ std::vector<Field> fields(SuiteVehicle& vehicle);
 
 enum class AltimeterChoice : std::uint8_t { kAsScene, kWith, kWithout, kBoth };
 
-/// What a suite lists; the variants are all its combinations.
+/// The lists of a suite; the variants are all their combinations.
 struct VariantAxes {
   std::vector<SuiteVehicle> vehicles;
-  std::vector<SonarConfig> sonars;  ///< named as their preset unless the file says otherwise
+  std::vector<SonarConfig> sonars;  ///< named after their preset unless the file names them
   AltimeterChoice altimeter = AltimeterChoice::kAsScene;
 
   [[nodiscard]] bool empty() const {
@@ -39,17 +39,18 @@ struct VariantAxes {
 };
 
 struct SuiteVariant {
-  std::string name;  ///< its parts with / between: "remus100/oculus_m750d/no-altimeter"
+  std::string name;  ///< its parts, separated by /: "remus100/oculus_m750d/no-altimeter"
   std::optional<SuiteVehicle> vehicle;
   std::optional<SonarConfig> sonar;
   std::optional<bool> altimeter;
 };
 
-/// All combinations, vehicles changing fastest and the altimeter slowest; none for empty axes. Gives vehicles and
-/// sonars their names first. Throws Error with the place of a vehicle or a sonar that makes no sense.
+/// All combinations; vehicles change fastest, the altimeter slowest. Empty axes give none. First sets the missing names
+/// of vehicles and sonars. Throws Error with the place of an invalid vehicle or sonar.
 std::vector<SuiteVariant> variants_of(VariantAxes& axes);
 
-/// Those that have every part of `name`: "remus100/no-altimeter". Throws Error, with the names, where none has.
+/// The variants that have every part of `name`, such as "remus100/no-altimeter". Throws Error with all names if there
+/// is none.
 std::vector<SuiteVariant> matching(const std::vector<SuiteVariant>& variants, std::string_view name);
 
 void apply(const SuiteVariant& variant, Scenario& scenario);

@@ -6,10 +6,10 @@ void TrueTrack::take(const TrueMotion& motion) {
   const Eigen::Vector3d p_WB = motion.state.X_WB.translation;
   const double t_s = to_seconds(motion.time), hull = simulator_.hull_radius();
   const auto bodies = simulator_.world().bodies();
-  double nearest = std::numeric_limits<double>::infinity();  // from the middle of the vehicle
+  double nearest = std::numeric_limits<double>::infinity();  // from the vehicle reference point
   std::size_t which = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    // The world stands as it was at the last ping: the body is looked at from where it will have gone since.
+    // The world holds the bodies as of the last ping, so the query point is moved to allow for their motion since then.
     const Eigen::Vector3d p = p_WB - displacement(*bodies[i].body, t_s);
     if (bodies[i].box.exteriorDistance(p) >= nearest) continue;
     const double away = simulator_.world().distance(static_cast<int>(i), p + bodies[i].moved);

@@ -1,10 +1,10 @@
-// TrueTrack: where a simulated vehicle really went, and how near its hull came to what stands there. For whoever judges
-// a closed loop; the vehicle knows nothing of it.
+// TrueTrack: the true track of a simulated vehicle, and the clearance of its hull from the bodies of the scene. Scores
+// of a closed loop use it; nothing on board can see it.
 //
-// Looked at ten times a second, with every body where it is at that instant. The hull is a level disc of half the
-// diagonal of its plan (Simulator::hull_radius) for bodies, and half its height for the bottom: both hold the hull, so
-// that what is called clear is clear. A body is asked for its exact distance only where its box is near enough to
-// matter; of a mesh that is every triangle.
+// It is evaluated ten times a second, with every body at its position of that instant. For bodies, the hull is a level
+// disc with half the diagonal of its plan as radius (Simulator::hull_radius); for the bottom, it is half the height.
+// Both enclose the hull, so the clearance is never overstated. The exact distance of a body, which for a mesh tests
+// every triangle, is computed only if its bounding box is near enough to matter.
 #pragma once
 
 #include <isobath/runtime/scenario.hpp>
@@ -15,14 +15,14 @@
 namespace isobath {
 
 struct TrackTruth {
-  std::vector<TrueMotion> track;    ///< ten a second
-  std::vector<double> clearance_m;  ///< from the hull to the nearest body, at each of them; infinite without bodies
+  std::vector<TrueMotion> track;    ///< ten per second
+  std::vector<double> clearance_m;  ///< from the hull to the nearest body, for each of them; infinite without bodies
   double contact_s = -1;            ///< when the hull first touched a body or the bottom; -1: never
   std::string contact_with;
-  double least_clearance_m = std::numeric_limits<double>::infinity();  ///< from the hull to the nearest body, all along
+  double least_clearance_m = std::numeric_limits<double>::infinity();  ///< minimum of clearance_m
   std::string nearest_body;
-  double least_altitude_m = std::numeric_limits<double>::infinity();  ///< of the keel above the bottom
-  double length_m = 0;                                                ///< of the track in plan
+  double least_altitude_m = std::numeric_limits<double>::infinity();  ///< minimum of the keel above the bottom
+  double length_m = 0;                                                ///< length of the track in plan
 };
 
 class TrueTrack : public SimulatedSource::TruthSink {

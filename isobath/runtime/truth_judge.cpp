@@ -10,15 +10,15 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kSquare = 1;   // m, of the marks
-constexpr double kCompact = 6;  // m
+constexpr double kSquare = 1;   // m, edge of a square of marks
+constexpr double kCompact = 6;  // m, maximum extent of a compact body
 
 std::int64_t square_of(double north, double east) {
   return static_cast<std::int64_t>(std::floor(north / kSquare)) << 32 ^
          (static_cast<std::int64_t>(std::floor(east / kSquare)) & 0xffffffff);
 }
 
-/// Between two convex outlines; 0 where they overlap.
+/// The distance between two convex outlines; 0 if they overlap.
 double gap_between(const Polygon& a, const Polygon& b) {
   double least = std::numeric_limits<double>::infinity();
   for (const Vector2d& p : a) least = std::min(least, (nearest_point(b, p) - p).norm());
@@ -55,7 +55,7 @@ void TruthJudge::take(const TrueMotion& motion) {
   motions_.push_back(motion);
 }
 
-/// Where the vehicle really was, without roll and pitch.
+/// The true pose of the vehicle, without roll and pitch.
 Pose TruthJudge::true_level_pose(Time time) const {
   const auto after =
       std::lower_bound(motions_.begin(), motions_.end(), time, [](const TrueMotion& m, Time t) { return m.time < t; });
@@ -83,7 +83,7 @@ void TruthJudge::on_ping(const PosedPing& posed) {
   for (int b = 0; b < truth->beams; ++b) {
     const Angle a = ping.fan->azimuth[static_cast<std::size_t>(b)];
     const Vector2d along = (X_WS.rotation * Vector3d(cos(a), sin(a), 0)).head<2>();
-    std::int64_t marked_square = 0;  // reverberation fills many bins of one square on end
+    std::int64_t marked_square = 0;  // reverberation fills many consecutive bins of one square
     std::uint8_t marked = 0;
     const EchoLabel* labels =
         truth->labels.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(truth->bins);
@@ -92,13 +92,13 @@ void TruthJudge::on_ping(const PosedPing& posed) {
       if (label.path() == EchoPath::kNoise) continue;
       if (label.path() == EchoPath::kVolume || label.path() == EchoPath::kSpurious ||
           label.path() == EchoPath::kDisturbance || label.path() == EchoPath::kRinging) {
-        continue;  // whoever makes an obstacle of these is wrong
+        continue;  // an obstacle from these is a false alarm
       }
       const double r = ping.window.centre(k);
       const Vector2d at = origin + r * along;
       const bool direct = label.path() == EchoPath::kDirect;
       if (label.target() >= kFirstBody) {
-        // Close under the surface a bounce can be louder than the straight echo, and as good a sign of the body.
+        // Close under the surface a bounce can be louder than the direct echo; it shows the body just as well.
         const auto body = static_cast<std::size_t>(label.target() - kFirstBody);
         if (direct || near(plans[body], at, bin_ + 0.5 * beam_ * r)) {
           heard[body] = true;

@@ -11,20 +11,20 @@
 namespace isobath {
 namespace {
 
-// Of a sounding, which the sonar itself has picked as the strongest echo of a narrow beam: with even a scarce prior
-// (0.05) two agree on an occupied voxel. Chosen, not measured.
-constexpr const char* kSoundings = "soundings";  ///< layer of points with a height of their own
-/// Sizes of two pings' fans that differ by less are of one sonar, which steers its beams anew for each ping.
+constexpr const char* kSoundings = "soundings";  ///< layer of soundings, which have a height of their own
+/// Two fans whose sizes differ by less than this share are of one sonar, which steers its beams anew for each ping.
 constexpr double kAlike = 0.5;
+// Log-odds of a sounding, which the sonar itself has picked as the strongest echo of a narrow beam: two soundings are
+// enough for an occupied voxel even with a low prior (0.05). Chosen, not measured.
 constexpr double kSoundingHit = 1.5, kSoundingMiss = -0.5;
-constexpr double kFarthestSounding = 4096;  // voxels: a swath of them fills some hundred megabytes
+constexpr double kFarthestSounding = 4096;  // voxels: a swath that long fills some hundred megabytes
 
 constexpr const char* kTooFarOff = "too far from the origin for voxels of this size";
 constexpr const char* kLongSounding = "soundings of more than 4096 voxels";
 
 constexpr Duration kHeldFor = std::chrono::minutes(2), kNoted = std::chrono::seconds(1);
 
-/// Whether a map of such voxels holds all that is so near to a place.
+/// Whether a map with such voxels covers everything within `range_m` of a position.
 bool holds(double voxel_m, const Eigen::Vector3d& p_W, double range_m) {
   return p_W.cwiseAbs().maxCoeff() + range_m < (VoxelBlocks::kFarthest - 1) * voxel_m;
 }
@@ -35,20 +35,20 @@ std::vector<Field> fields(VoxelModelConfig& c) {
   using Sonars = VoxelModelConfig::Sonars;
   std::vector<Field> all{
       Field::choice("sonars", &c.sonars, {{"none", Sonars::kNone}, {"fans", Sonars::kFans}, {"all", Sonars::kAll}},
-                    "Whose pings make the map: of those with several beams, or of all."),
+                    "Sonars that are mapped: none, those with several beams (fans), or all."),
       Field::flag("fit", &c.fit,
-                  "The voxels' edge follows from the sonar's range, about 200 of them; false: it is voxel_m."),
+                  "The edge of the voxels follows from the sonar's range, about 200 of them; false: it is voxel_m."),
       Field::flag("surface", &c.surface,
-                  "A vehicle below the datum is below the surface: what lies above it is no water."),
-      Field::real(
-          "window_m", &c.window_m, {0, 100'000}, "m",
-          "What is farther from the vehicle than this, along north, east or down, is forgotten; 0: nothing is."),
+                  "A sonar below the datum is below the water surface: there is no water above the datum."),
+      Field::real("window_m", &c.window_m, {0, 100'000}, "m",
+                  "Voxels farther from the vehicle than this, along north, east or down, are forgotten; 0: none are."),
       Field::flag("spill", &c.spill,
-                  "What leaves the window goes to voxels.sqlite, and comes back as it was; false: it is forgotten."),
+                  "Voxels that leave the window go to voxels.sqlite and can come back; false: they are forgotten."),
       Field::integer("memory_mb", &c.memory_mb, {0, 1'000'000}, "MB",
-                     "Beyond so much evidence in memory, what changed longest ago goes to voxels.sqlite; 0: no bound."),
+                     "Maximum memory of the voxels; beyond it, those that changed longest ago go to voxels.sqlite. "
+                     "0: no bound."),
       Field::flag("vdb", &c.vdb,
-                  "Writes voxels.vdb too, a grid for OpenVDB's readers, where it was built with OpenVDB."),
+                  "Also writes voxels.vdb, a grid for readers of OpenVDB, if the program was built with OpenVDB."),
   };
   for (Field& field : fields(c.map)) all.push_back(std::move(field));
   return all;
@@ -102,7 +102,7 @@ void VoxelModel::take(const PosedPing& posed) {
   if (config_.window_m > 0 && config_.window_m < ping.window.end_m()) {
     throw Error(
         fmt::format("the map's window reaches {:g} m, and the sonar {:g} m", config_.window_m, ping.window.end_m()),
-        {{}, {}, {}, {}, "voxels.window_m"}, "0, or the sonar's range and more");
+        {{}, {}, {}, {}, "voxels.window_m"}, "0, or at least the sonar's range");
   }
   const double range_m = ping.window.end_m(), voxel_m = voxel_for(range_m);
   const char* fault = FanMapper::fault_of(ping, voxel_m);
@@ -138,7 +138,7 @@ void VoxelModel::take(const Swath& swath, const Pose& X_WB) {
   note(swath.time);
   VoxelBlocks& layer = map_->layer(kSoundings);
   const LogOdds16 hit = to_evidence(kSoundingHit), miss = to_evidence(kSoundingMiss);
-  VoxelBlocks met;  // by this swath: negative where rays pass, positive where one ends
+  VoxelBlocks met;  // voxels of this swath: negative where rays pass, positive where one ends
   std::vector<VoxelIndex> ends;
   for (const Sounding& s : swath.soundings) {
     const Eigen::Vector3d p_B = s.point.cast<double>(), to = X_WB * p_B / edge;
@@ -163,7 +163,7 @@ void VoxelModel::take(const Swath& swath, const Pose& X_WB) {
   move_to(X_WB.translation);
 }
 
-/// All that is heard from now on is of a new revision, and of this time.
+/// Begins a new revision for the evidence from now on, and notes its time.
 void VoxelModel::note(Time time) {
   const std::uint64_t before = map_->revision();
   map_->advance();

@@ -1,28 +1,30 @@
-// VoxelModel: the three-dimensional map of a run. Every ping of a fan of beams, lying flat or standing upright, goes
-// into the layer of its image plane; what they say together is the map (Horner et al. c. 2009, 4; ledger S5-07, S5-13,
-// S5-27 to S5-30).
+// VoxelModel: the three-dimensional map of a run. Every ping of a fan, horizontal or vertical, goes into the layer of
+// its sonar; the layers together are the map (Horner et al. c. 2009, 4; ledger S5-07, S5-13, S5-27 to S5-30).
 //
-// A sonar is known by the stance of its fan (flat or upright, to 45 degrees) and by the fan itself: as many beams, as
-// wide, as high. So two sonars on one vehicle have a layer each, and a fan that is tilted on the way keeps its own.
+// A sonar is identified by the stance of its fan (horizontal or vertical, divided at 45 degrees) and by the fan itself:
+// number, width and height of the beams, and the sector. Two sonars on one vehicle thus have one layer each, and a fan
+// that is tilted during the run keeps its layer.
 //
-// Memory: without a bound; within a window about the vehicle, what leaves it forgotten or spilled to a file; or up to
-// so many megabytes, beyond which what changed longest ago spills. Spilling happens after a ping, so that one ping's
-// blocks come on top. A spilled map gives the same files as one without bound (VoxelMap).
+// Memory is unbounded by default. It can be bounded by a window around the vehicle, outside which blocks are forgotten
+// or spilled to a file, or by a number of megabytes, beyond which the blocks that changed longest ago spill. Spilling
+// happens after a ping, so the blocks of one ping come on top. A spilled map gives the same files as one without a
+// bound (VoxelMap).
 //
-// Soundings in the water (Sounding::Kind::kWater, in the body frame), as an imaging sonar gives them with true
-// elevation, are narrow beams and have a layer of their own: the voxels that a ray passes are free, the one where it
-// ends is occupied; each counts once a swath, by an echo where there is one. The arm from the vehicle to the sonar,
-// which a Swath does not carry, is taken to lie along the ray. Soundings of the bottom are the depth map's.
+// Soundings in the water (Sounding::Kind::kWater, in the body frame) come from imaging sonars with true elevation. They
+// are narrow beams and have a layer of their own: the voxels that a ray passes are free, the voxel where it ends is
+// occupied. Each voxel counts once per swath, as occupied if any ray ends in it. A Swath does not state the lever arm
+// from the vehicle to the sonar, so the arm is assumed to lie along the ray. Soundings of the bottom belong to the
+// depth map.
 //
-// A position that jumps (Pipeline) says nothing of the water between vehicle and obstacle: what was heard since the
-// last jump, or in the last two minutes, moves along by whole voxels. So it is off, relative to the vehicle, by half a
-// voxel and what dead reckoning has drifted since it was heard. What is older stays where the fixes of its time have
-// put it.
+// A jump of the position (Pipeline) does not change the distance from vehicle to obstacle. Blocks with evidence since
+// the last jump, or from the last two minutes, therefore move along by whole voxels. Relative to the vehicle they are
+// off by half a voxel plus the drift of dead reckoning since the measurement. Older evidence stays where the fixes of
+// its time placed it.
 //
-// Edge of the voxels: by the sonar's range, unless `fit` is off; the first ping decides. Pings that voxels of this size
-// cannot hold (FanMapper::fault_of), and those from beyond the end of the map, are left out and counted. Errors: Error,
-// from the ping that shows it, where the window is smaller than the sonar's range; at once, where files are asked for
-// that the program was built without. One thread.
+// The edge of the voxels follows from the sonar's range at the first ping, unless `fit` is off. Pings that voxels of
+// this size cannot represent (FanMapper::fault_of), and pings beyond the end of the map, are left out and counted.
+// Errors: take throws Error if the window is smaller than the sonar's range; the constructor throws Error if the
+// configuration asks for files that the program was built without. One thread.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +44,7 @@
 
 namespace isobath {
 
-/// The map of a run, in numbers.
+/// Counts of the voxel map of a run.
 struct VoxelOutcome {
   struct Layer {
     std::string sensor;
@@ -52,34 +54,33 @@ struct VoxelOutcome {
   double voxel_m = 0;
   std::uint64_t seen = 0, occupied = 0, free = 0, blocks = 0;
   std::uint64_t megabytes = 0;
-  std::optional<std::uint64_t> spilled;  ///< blocks in the file only, of each layer; where blocks can spill
+  std::optional<std::uint64_t> spilled;  ///< blocks, over all layers, that are only in the file; if blocks can spill
   double vehicle_depth_m = 0;            ///< at the end
-  std::uint64_t left_out = 0;            ///< blocks that have no place in an OctoMap file
-  std::uint64_t moved = 0;               ///< jumps of the position that it moved along with
-  std::optional<VoxelTruth> truth;       ///< of a simulated run
+  std::uint64_t left_out = 0;            ///< blocks outside the range of an OctoMap file
+  std::uint64_t moved = 0;               ///< jumps of the position that moved the map
+  std::optional<VoxelTruth> truth;       ///< simulated runs only
 };
 
 class VoxelModel {
  public:
-  /// Blocks spill to this file, if by the configuration they spill at all.
+  /// `spill_file`: used if the configuration lets blocks spill.
   explicit VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file = {});
 
   /// Whether it maps pings at all.
   [[nodiscard]] bool listens() const { return config_.sonars != VoxelModelConfig::Sonars::kNone; }
   void take(const PosedPing& posed);
   void take(const Swath& swath, const Pose& X_WB);
-  /// The position jumped, m.
+  /// Moves recent evidence along with a jump of the position, m.
   void move_along(const Eigen::Vector3d& jump_W);
-  /// Completes the file that blocks spill to, where there is one. Whether there is.
+  /// Completes the spill file. Returns whether there is one.
   bool save() const;
   /// Null before the first ping.
   [[nodiscard]] const VoxelMap* map() const { return map_.get(); }
   [[nodiscard]] VoxelOutcome outcome() const;
-  /// Pings and soundings of which no voxels could be made, by reason.
+  /// Counts of rejected pings and soundings, by reason.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& refused() const { return refused_; }
-  /// What is known within a reach of the vehicle at the end of a sweep, for planning; null where none of the sonars
-  /// that tell height (a fan that stands upright, soundings) has been heard since it was last asked, and without
-  /// navigation.
+  /// A snapshot of the occupancy within a reach of the vehicle at the end of a sweep, for planning. Null without
+  /// navigation, and if no sonar that resolves height (vertical fan, soundings) has delivered data since the last call.
   [[nodiscard]] std::shared_ptr<const SpaceGrid> space_around(const ScanResult& scan, double reach_m);
 
  private:
@@ -103,14 +104,14 @@ class VoxelModel {
   std::unique_ptr<VoxelMap> map_;
   std::vector<std::unique_ptr<Sonar>> sonars_;
   std::uint64_t shots_ = 0;         ///< swaths in the layer of soundings
-  std::uint64_t heights_told_ = 0;  ///< looks of all that tell height, when it was last asked what is around
+  std::uint64_t heights_told_ = 0;  ///< pings and swaths of sonars that resolve height, at the last space_around
   double vehicle_depth_m_ = 0;
-  std::uint64_t moved_ = 0, last_moved_ = 0;  ///< how often, and the revision then
+  std::uint64_t moved_ = 0, last_moved_ = 0;  ///< number of moves, and the revision at the last one
   struct Heard {
     Time time;
     std::uint64_t revision;
   };
-  std::deque<Heard> heard_;  ///< a second apart, of the last two minutes
+  std::deque<Heard> heard_;  ///< revisions of the last two minutes, a second apart
   std::map<std::string, std::uint64_t> refused_;
 };
 

@@ -14,7 +14,7 @@ constexpr int kPlotPixels = 640;
 constexpr Colour kNeverSeen{0.93, 0.93, 0.93, 1}, kFreeWater{1, 1, 1, 1}, kUnsure{0.82, 0.86, 0.9, 1},
     kSuspected{0.98, 0.82, 0.6, 1};
 
-/// Least and greatest voxel of a set.
+/// Minimum and maximum indices of a set of voxels.
 struct VoxelBox {
   VoxelIndex least = VoxelIndex::Constant(std::numeric_limits<int>::max());
   VoxelIndex most = VoxelIndex::Constant(std::numeric_limits<int>::min());
@@ -25,10 +25,10 @@ struct VoxelBox {
   [[nodiscard]] bool empty() const { return least.x() > most.x(); }
 };
 
-/// Likelier than before anything was heard of it, and not by chance.
+/// Whether a voxel is clearly more probable than its prior.
 bool is_suspected(const VoxelMap& map, const VoxelIndex& v) { return map.probability(v) > 2 * map.config().prior; }
 
-/// A look at the map along one of its axes: the nearest occupied voxel of each line of sight, else what is known there.
+/// A view of the map along one of its axes: the nearest occupied voxel of each line of sight, else what is known there.
 class Shadow {
  public:
   Shadow(const VoxelMap& map, const VoxelBox& box, int right, int up, int along, bool from_most)
@@ -50,7 +50,7 @@ class Shadow {
 
   [[nodiscard]] std::string picture(const PlanPicture::Labels& labels, const std::string& what, bool height) const {
     const double edge = map_.voxel_m();
-    const double sign = height ? -1 : 1;  // up the page is up
+    const double sign = height ? -1 : 1;  // with height, up is upwards on the page
     const double a = sign * edge * box_.least[up_], b = sign * edge * (box_.most[up_] + 1);
     const PlanExtent extent{std::min(a, b), std::max(a, b), edge * box_.least[right_], edge * (box_.most[right_] + 1)};
     PlanPicture picture(extent, kPlotPixels, labels);
@@ -64,7 +64,7 @@ class Shadow {
     std::vector<PlanPicture::LegendEntry> keys{{intensity_colour(1), what}};
     if (box_.most[along_] > box_.least[along_]) keys.push_back({intensity_colour(0.15), "farthest"});
     keys.insert(keys.end(),
-                {{kSuspected, "suspected"}, {kFreeWater, "free"}, {kUnsure, "unsure"}, {kNeverSeen, "never seen"}});
+                {{kSuspected, "suspected"}, {kFreeWater, "free"}, {kUnsure, "unsure"}, {kNeverSeen, "not observed"}});
     picture.finish(keys);
     return picture.png();
   }
@@ -102,7 +102,7 @@ VoxelBox box_around(const VoxelMap& map) {
   return occupied;
 }
 
-/// A narrow fan, or a lone upright one, looks at a strip: the legend needs more.
+/// A narrow fan, or a single vertical one, covers only a strip; the legend needs a wider picture.
 VoxelBox as_wide_as_high(VoxelBox box, int right, int up) {
   const int narrow = (box.most[up] - box.least[up] - (box.most[right] - box.least[right])) / 2;
   box.least[right] -= std::max(0, narrow);
@@ -132,11 +132,11 @@ VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesy
   constexpr int kNorth = 0, kEast = 1, kDown = 2;
   const VoxelBox plan = as_wide_as_high(box, kEast, kNorth);
   pictures.above = Shadow(map, plan, kEast, kNorth, kDown, false)
-                       .picture({"Occupied, from above", "north (m)", "east (m)"}, "shallowest", false);
+                       .picture({"Occupied voxels from above", "north (m)", "east (m)"}, "shallowest", false);
   pictures.from_south = Shadow(map, box, kEast, kDown, kNorth, false)
-                            .picture({"The same from the south", "height (m)", "east (m)"}, "nearest", true);
+                            .picture({"Occupied voxels from the south", "height (m)", "east (m)"}, "nearest", true);
   pictures.from_east = Shadow(map, box, kNorth, kDown, kEast, true)
-                           .picture({"The same from the east", "height (m)", "north (m)"}, "nearest", true);
+                           .picture({"Occupied voxels from the east", "height (m)", "north (m)"}, "nearest", true);
   VoxelBox level = plan;
   level.least[kDown] = level.most[kDown] = map.voxel_at({0, 0, outcome.vehicle_depth_m}).z();
   pictures.at_depth =
@@ -153,8 +153,8 @@ VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesy
 namespace {
 
 std::string reliability_picture(const VoxelTruth& truth) {
-  ChartPicture chart(560, 360, "How sure it is, and how often it is right", {"said to be occupied", 0, 1},
-                     {"is occupied", 0, 1});
+  ChartPicture chart(560, 360, "Reliability of the probabilities", {"predicted probability", 0, 1},
+                     {"observed share", 0, 1});
   std::vector<double> said, is;
   for (const VoxelTruth::Said& s : truth.by_probability) {
     if (s.voxels == 0) continue;
@@ -162,8 +162,8 @@ std::string reliability_picture(const VoxelTruth& truth) {
     is.push_back(static_cast<double>(s.surface) / static_cast<double>(s.voxels));
   }
   const std::vector<double> ends{0, 1};
-  chart.curve(ends, ends, {palette::kFaint, 1, true}, "as it should be");
-  chart.curve(said, is, {palette::kTrack, 2, false}, "voxels by what was said of them");
+  chart.curve(ends, ends, {palette::kFaint, 1, true}, "ideal");
+  chart.curve(said, is, {palette::kTrack, 2, false}, "voxels");
   chart.points(said, is, palette::kTrack, "");
   chart.finish();
   return chart.png();
@@ -171,25 +171,24 @@ std::string reliability_picture(const VoxelTruth& truth) {
 
 void add_truth(HtmlReport& page, const VoxelTruth& truth) {
   page.paragraph(fmt::format(
-      "Of {} voxels held against the scene, {} hold a surface, and {:.1f} % of these are found, to a voxel; of {} that "
-      "are "
-      "said to be occupied, {:.1f} % are. Log-loss {:.4f} nats a voxel.",
+      "{} voxels were compared with the scene. {} hold a surface; {:.1f} % of these were found to within a voxel. {} "
+      "are mapped as occupied; {:.1f} % of these are right to within a voxel. Log-loss {:.4f} nats per voxel.",
       truth.judged, truth.surface, 100 * truth.recall(), truth.occupied, 100 * truth.precision(), truth.log_loss));
   page.figure(reliability_picture(truth),
-              "Voxels by the probability that the map gives them: how many of them hold a surface.");
+              "Share of the voxels that hold a surface, by the probability that the map gives them.");
 }
 
 }  // namespace
 
 void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictures& pictures) {
-  page.heading("In three dimensions");
+  page.heading("Voxel map");
   if (!pictures.above.empty()) {
     page.begin_row();
-    page.figure(pictures.above, "Occupied voxels from above, north up; what hides lower ones lies above them.");
+    page.figure(pictures.above, "Occupied voxels from above, north up. Upper voxels hide lower ones.");
     page.figure(pictures.from_south, "The same from the south. Height is above the datum.");
-    page.figure(pictures.from_east, "The same from the east: north runs to the right.");
+    page.figure(pictures.from_east, "The same from the east. North is to the right.");
     page.end_row();
-    page.figure(pictures.at_depth, "What is known of the water at the depth of the vehicle at the end of the run.");
+    page.figure(pictures.at_depth, "Occupancy at the depth of the vehicle at the end of the run.");
   }
   const auto number = [](std::uint64_t count) { return fmt::format("{}", count); };
   const double cubic = outcome.voxel_m * outcome.voxel_m * outcome.voxel_m;
@@ -197,13 +196,13 @@ void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictur
   for (const auto& layer : outcome.layers)
     rows.push_back({"pings of the layer \"" + layer.sensor + "\"", number(layer.pings)});
   rows.push_back(
-      {"voxels seen", fmt::format("{} ({:.1f} m3)", outcome.seen, static_cast<double>(outcome.seen) * cubic)});
+      {"voxels observed", fmt::format("{} ({:.1f} m3)", outcome.seen, static_cast<double>(outcome.seen) * cubic)});
   rows.push_back({"of these occupied", number(outcome.occupied)});
   rows.push_back({"of these free", number(outcome.free)});
   rows.push_back({"memory", fmt::format("{} MB in {} blocks", outcome.megabytes, outcome.blocks)});
   if (outcome.spilled) rows.push_back({"blocks on disk only (voxels.sqlite)", number(*outcome.spilled)});
-  if (outcome.moved > 0) rows.push_back({"jumps of the position that it moved along with", number(outcome.moved)});
-  if (outcome.left_out > 0) rows.push_back({"blocks too far off for voxels.bt", number(outcome.left_out)});
+  if (outcome.moved > 0) rows.push_back({"jumps of the position that moved the map", number(outcome.moved)});
+  if (outcome.left_out > 0) rows.push_back({"blocks too far away for voxels.bt", number(outcome.left_out)});
   page.table({"what", "value"}, rows);
   if (outcome.truth) add_truth(page, *outcome.truth);
 }

@@ -1,4 +1,4 @@
-// What a run writes of its three-dimensional map: pictures from above and from the side, an OctoMap tree, points, and
+// voxel_pages: what a run writes of its voxel map: pictures from above and from the side, an OctoMap tree, points, and
 // the part of the report that shows them.
 #pragma once
 
@@ -10,14 +10,14 @@
 
 namespace isobath {
 
-/// PNG; empty where nothing was seen.
+/// PNG files; empty if nothing was observed.
 struct VoxelPictures {
   std::string above, from_south, from_east, at_depth;
 };
 
-/// Writes voxels.bt, voxels.ply, voxels.vdb where it is wanted, voxels.png, voxels-south.png, voxels-east.png and
-/// voxels-depth.png into `folder`; their names are appended to `files`, and what has no place in the tree is counted in
-/// `outcome`. Throws Error where they cannot be written.
+/// Writes voxels.bt, voxels.ply, voxels.vdb (with `vdb`), voxels.png, voxels-south.png, voxels-east.png and
+/// voxels-depth.png into `folder`, and appends their names to `files`. Blocks outside the range of the tree are counted
+/// in `outcome`. Throws Error if a file cannot be written.
 VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesystem::path& folder,
                                 VoxelOutcome& outcome, std::vector<std::filesystem::path>& files);
 void add_voxels(HtmlReport& page, const VoxelOutcome& outcome, const VoxelPictures& pictures);

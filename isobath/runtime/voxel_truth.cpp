@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 enum class Truth : std::uint8_t { kUnasked, kEmpty, kSurface, kBelow };
 
-/// What is true of the voxels about the map's own, found out once each.
+/// The true states of the map's voxels and their neighbours; each is computed once.
 class TrueVoxels {
  public:
   TrueVoxels(const VoxelMap& map, const World& world) : map_(map), world_(world) {}

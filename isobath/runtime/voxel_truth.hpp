@@ -1,11 +1,11 @@
-// VoxelTruth: a map in three dimensions held against the scene that it was made of.
+// VoxelTruth: the score of a voxel map against the scene.
 //
-// A voxel is truly occupied where a surface of the scene (bottom or body, where they stand now) crosses one of the
-// three axes through its centre, within its cube. What lies wholly below the bottom is left out: no sonar looks there.
-// All other voxels that any sensor has looked at are judged; the inside of a body, which sonar does not reach either,
-// counts as empty where something was said of it.
+// A voxel is truly occupied if a surface of the scene (the bottom, or a body at its current position) crosses one of
+// the three axes through its centre, within its cube. Voxels entirely below the bottom are left out, because no sonar
+// looks there. All other voxels that any sensor has observed are scored. The inside of a body, which sonar does not
+// reach either, counts as empty if the map holds evidence there.
 //
-// Cost: about a microsecond a voxel. One thread.
+// Cost: about a microsecond per voxel. One thread.
 #pragma once
 
 #include <array>
@@ -17,22 +17,22 @@ namespace isobath {
 
 struct VoxelTruth {
   std::uint64_t judged = 0;
-  std::uint64_t surface = 0;   ///< of these, truly occupied
-  std::uint64_t found = 0;     ///< of these, with an occupied voxel of the map within one voxel
-  std::uint64_t occupied = 0;  ///< said to be
-  std::uint64_t right = 0;     ///< of these, with a surface within one voxel
-  double log_loss = 0;         ///< mean of -ln P(what is true), nats a voxel; P within [1e-4, 1 - 1e-4]
+  std::uint64_t surface = 0;   ///< truly occupied voxels
+  std::uint64_t found = 0;     ///< truly occupied voxels with an occupied voxel of the map within one voxel
+  std::uint64_t occupied = 0;  ///< voxels that the map calls occupied
+  std::uint64_t right = 0;     ///< voxels that the map calls occupied, with a surface within one voxel
+  double log_loss = 0;         ///< mean of -ln P(true state), nats per voxel; P within [1e-4, 1 - 1e-4]
   struct Said {
     std::uint64_t voxels = 0, surface = 0;
-    double probability = 0;  ///< mean of what was said
+    double probability = 0;  ///< mean probability in the map
   };
   std::array<Said, 10> by_probability{};  ///< [0, 0.1), [0.1, 0.2) ...
 
-  [[nodiscard]] double precision() const;  ///< 0 where nothing is said to be occupied
-  [[nodiscard]] double recall() const;     ///< 0 where there is no surface
+  [[nodiscard]] double precision() const;  ///< 0 if the map has no occupied voxel
+  [[nodiscard]] double recall() const;     ///< 0 if there is no surface
 };
 
-/// Of every so many of the seen voxels, in the order of the map.
+/// Scores every n-th observed voxel (n = `every`), in the order of the map.
 VoxelTruth judge(const VoxelMap& map, const World& world, std::uint64_t every = 1);
 
 }  // namespace isobath

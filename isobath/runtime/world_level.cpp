@@ -21,7 +21,7 @@ void WorldLevel::take(const LevelInput& input) const {
   if (input.range && predict) expected = predict(*input.range, input.pose.X_WB);
   if (input.range && learn) learn(*input.range, expected);
   if (update) update(input);
-  // What has no work with this input is idle, not silent; what is not there is silent.
+  // A part without work for this input is idle, not silent. A part that is missing is silent.
   const unsigned worked =
       (update ? bit_of(kUpdate) : 0) | (predict ? bit_of(kPrediction) : 0) | (learn ? bit_of(kLearning) : 0);
   if (evaluate) evaluate(input.time, worked);

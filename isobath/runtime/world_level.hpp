@@ -1,13 +1,13 @@
-// WorldLevel: one level of the world model as its six parts, each behind the one door through which it is used (Oskard
-// 1990, I; ledger S1-01 to S1-06).
+// WorldLevel: one level of the world model as its six parts, each with one function as its interface (Oskard 1990, I;
+// ledger S1-01 to S1-06).
 //
 //   update      the only writer of the map                  serve     one version of the map for planners (data server)
 //   predict     the range that a sonar should report        evaluate  whether all parts work (state evaluator)
-//   learn       how reliable each sensor is                 store     makes what is known last (database)
+//   learn       how reliable each sensor is                 store     makes the map persistent (database)
 //
-// A part is a function: whoever replaces one replaces nothing else, and a part that is not there (empty) is done
-// without: what it would have said is unknown, and the state evaluator misses its beat. DepthModel fills all six from
-// the configuration. Threads: those of the parts.
+// Each part is a function that can be replaced without the others. Without a part (an empty function), its result is
+// unknown, and the state evaluator misses its heartbeat. DepthModel sets all six from the configuration. Thread rules
+// are those of the parts.
 #pragma once
 
 #include <functional>
@@ -26,7 +26,7 @@
 
 namespace isobath {
 
-/// A range or a swath with the pose of its time; neither: the vehicle has come here.
+/// A range or a swath with the pose at its time; without either, only a pose that the vehicle has reached.
 struct LevelInput {
   Time time;
   PoseEstimate pose;
@@ -35,25 +35,25 @@ struct LevelInput {
 };
 
 struct WorldLevel {
-  /// The parts that must beat, in the order of the state evaluator's table.
+  /// The parts with a heartbeat, in the order of the state evaluator's table.
   enum Part : std::uint8_t { kUpdate, kPrediction, kLearning };
   static const std::vector<WatchedModule>& watched();
 
   std::function<void(const LevelInput&)> update;
   std::function<std::shared_ptr<const DepthSnapshot>()> serve;
-  /// None: the map does not know the water in the beam well enough to say.
+  /// Empty if the map does not know the water in the beam well enough.
   std::function<std::optional<RangePrediction>(const RangeReading&, const Pose& X_WB)> predict;
   std::function<void(const RangeReading&, const std::optional<RangePrediction>&)> learn;
-  /// `worked`: which parts did something at `now`, a bit each.
+  /// `worked`: one bit for each part that worked at `now`.
   std::function<std::span<const ModuleStatus>(Time now, unsigned worked)> evaluate;
   std::function<void(const std::string& input)> store;
 
-  /// What happens to a reading: predicted from what was known before it, compared, then given to the map.
+  /// Handles a reading: predicts it from the map so far, compares it, and then updates the map with it.
   void take(const LevelInput& input) const;
 };
 
-/// Predictions from the ground that a chart or a depth sonar vouches for; where other ground, or none, lies in the
-/// beam, there is none. Allocates nothing after the widest beam.
+/// Predicts ranges only from bottom that a chart or a depth sonar has confirmed. If any other pixel lies in the beam,
+/// there is no prediction. Allocates nothing after the widest beam.
 class MapPrediction {
  public:
   MapPrediction(const ReadingEvidenceConfig& config, const PixelGrid& grid)
@@ -66,7 +66,7 @@ class MapPrediction {
   std::vector<float> patch_;
 };
 
-/// Counts of each sensor, told apart by their mounting; those beyond the 64th are not counted.
+/// Reliability counts per sensor. Sensors are identified by their mounting; those beyond the 64th are not counted.
 class SensorLearning {
  public:
   explicit SensorLearning(const ReadingEvidenceConfig& config)

@@ -32,7 +32,7 @@ constexpr std::array<AskRule, 9> kRules{{
     {"detail", Ask::kDetail, nullptr, 0, 0, false, "voxels"},
 }};
 
-/// No longer than 32 bytes, and whole characters.
+/// Truncates to 32 bytes at a character boundary.
 std::string name_of_request(const std::string& asked) {
   std::size_t end = std::min<std::size_t>(asked.size(), 32);
   while (end > 0 && end < asked.size() && (static_cast<unsigned char>(asked[end]) & 0xc0) == 0x80) --end;
@@ -53,7 +53,7 @@ Result<PageRequest, BadRequest> page_request_of(std::string_view text) {
 
   const auto rule = std::find_if(kRules.begin(), kRules.end(), [&](const AskRule& r) { return asked == r.name; });
   if (rule == kRules.end()) return refused("unknown");
-  if (message.size() != (rule->number || rule->word ? 2u : 1u)) return refused("it takes other keys");
+  if (message.size() != (rule->number || rule->word ? 2u : 1u)) return refused("wrong keys");
   PageRequest request{rule->ask, 0, {}};
   if (rule->number) {
     const auto number = message.find(rule->number);

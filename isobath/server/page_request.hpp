@@ -1,6 +1,7 @@
-// PageRequest: what a page may ask for (docs/live-page.md), read from its message.
+// PageRequest: a request of a page (docs/live-page.md), parsed from its message.
 //
-// Input is untrusted: one JSON object with the keys of its request and no other, numbers finite and within their range.
+// The input is untrusted. A message is one JSON object with exactly the keys of its request; numbers are finite and
+// within their range.
 #pragma once
 
 #include <isobath/base/error.hpp>
@@ -17,7 +18,7 @@ struct PageRequest {
 };
 
 struct BadRequest {
-  std::string request;  ///< what it called itself, as far as that can be told; no more than 32 bytes
+  std::string request;  ///< its name, if the message has one; at most 32 bytes
   std::string why;
 };
 

@@ -22,10 +22,10 @@ double rounded_ms(Duration since) { return std::round(to_seconds(since) * 1e3) /
 }  // namespace
 
 void check_page_sources(const PageSources& sources) {
-  if (!sources.live && !sources.open_playback) throw Error("a page has neither a run nor a recording to look at");
-  if (sources.live && !sources.live_span) throw Error("a run that a page looks at has no clock");
+  if (!sources.live && !sources.open_playback) throw Error("a page has neither a run nor a recording to show");
+  if (sources.live && !sources.live_span) throw Error("the run that a page shows has no clock");
   if (!sources.token.empty() && sources.token.size() < PageSession::kLeastToken) {
-    throw Error("the token could be guessed", {}, "16 characters or more", "make one with: openssl rand -hex 16");
+    throw Error("the token is too short", {}, "16 characters or more", "make one with: openssl rand -hex 16");
   }
 }
 
@@ -56,23 +56,23 @@ Hearing PageSession::hear(std::string_view text) {
 }
 
 Hearing PageSession::follow(const PageRequest& request) {
-  voxels_next_ = false;  // first what was asked for
+  voxels_next_ = false;  // the answer to the request comes first
   switch (request.ask) {
     case Ask::kControl: return control(request.word);
     case Ask::kCommand: return command(request.word);
     case Ask::kDetail: return detail(request.word);
     case Ask::kPlay:
       if (!live_) return play(true);
-      if (runs()) return {};  // it does
+      if (runs()) return {};  // it plays already
       if (!sources_.open_playback) return refuse({"play", "nothing is recorded"}, "no_recording");
       look_at_recording();
       return play(true);
     case Ask::kLive:
-      if (!sources_.live) return refuse({"live", "a recording has no now"}, "no_now");
+      if (!sources_.live) return refuse({"live", "a recording has no live view"}, "no_now");
       look_at_now();
       return {};
     case Ask::kSpeed:
-      if (live_) return refuse({"speed", "now goes at its own speed"}, "no_recording");
+      if (live_) return refuse({"speed", "the live view has its own speed"}, "no_recording");
       put_playhead(playhead());
       speed_ = request.number;
       return {};
@@ -121,15 +121,15 @@ Hearing PageSession::command(const std::string& word) {
       {"hold", PageCommand::kHold}, {"resume", PageCommand::kResume}, {"abort", PageCommand::kAbort}};
   if (!control_) return refuse({"command", "this page may not command"}, "no_control");
   const auto* found = std::find_if(std::begin(kWords), std::end(kWords), [&](auto& w) { return word == w.first; });
-  if (found == std::end(kWords)) return refuse({"command", "hold, resume or abort"}, "ask");
+  if (found == std::end(kWords)) return refuse({"command", "the command must be hold, resume or abort"}, "ask");
   const std::string why = sources_.command(found->second);
   return why.empty() ? Hearing{} : refuse({word, why}, "command");
 }
 
 Hearing PageSession::detail(const std::string& word) {
-  if (word != "all" && word != "cubes") return refuse({"detail", "voxels are all or cubes"}, "ask");
+  if (word != "all" && word != "cubes") return refuse({"detail", "voxels must be all or cubes"}, "ask");
   const bool wanted = word == "all";
-  if (wanted && !voxels_) voxel_stamp_ = 0;  // what it had of them may have been dropped
+  if (wanted && !voxels_) voxel_stamp_ = 0;  // the page may have dropped those that it had
   voxels_ = wanted;
   return {};
 }
@@ -154,17 +154,17 @@ void PageSession::look_at_recording() {
   forget_ = true;
 }
 
-/// Whether there is a now that goes on.
+/// Whether the run is in progress.
 bool PageSession::runs() const { return sources_.live && !(sources_.over && sources_.over()); }
 
-/// What may be sought: nothing where nothing is recorded.
+/// The times that a page may seek; an empty span if nothing is recorded.
 TimeSpan PageSession::span() const {
   if (playback_) return playback_->span();
   const TimeSpan run = sources_.live_span();
   return {sources_.open_playback ? run.start : run.end, run.end};
 }
 
-/// From which seconds are counted.
+/// The zero of the page's seconds.
 Time PageSession::start() const { return sources_.live ? sources_.live_span().start : playback_->span().start; }
 
 Time PageSession::playhead() const {
@@ -183,12 +183,12 @@ void PageSession::put_playhead(Time moment) {
 
 void PageSession::show_recording() {
   const Time moment = playhead();
-  if (moment >= span().end) {  // of a run that goes on: wait there for more
+  if (moment >= span().end) {  // at the end of what is recorded: wait there while the run goes on
     put_playhead(moment);
     playing_ = playing_ && runs();
   }
   if (shown_time_ == moment) return;
-  shown_time_ = moment;  // also where it fails: not again and again
+  shown_time_ = moment;  // also if it fails, so that it is not retried in every frame
   playback_->show(moment, shown_);
 }
 
@@ -253,7 +253,7 @@ WebFrame PageSession::next() {
   return next_voxels();
 }
 
-/// Where there are more, all else has its turn before them.
+/// Further voxels wait until all other items have had their turn.
 WebFrame PageSession::next_voxels() {
   SharedChanges::Piece piece = changes(DisplayPart::kVoxels, voxel_stamp_);
   return {std::move(piece.records), {}, piece.more};

@@ -1,18 +1,20 @@
-// PageSession: what one page looks at, and what it may do: a run that is under way, what was recorded of it so far, or
-// a recording alone (docs/live-page.md has the messages).
+// PageSession: the view and the rights of one page. A page shows a run in progress, what was recorded of that run so
+// far, or a recording (docs/live-page.md has the messages).
 //
-// A page that looks at now gets what has changed since the last frame. One that looks at a recording has a playhead of
-// its own: it goes with the clock, times the speed, over whatever time a frame took to send, and the page gets what was
-// to be seen there. Of the moments that a page asks for between two frames only the last is looked up.
+// A live page gets what has changed since the last frame. A page of a recording has a playhead of its own, which
+// advances by the clock times the speed, however long a frame takes to send; the page gets the items at the playhead.
+// If a page seeks several times between two frames, only the last seek is looked up.
 //
-// Voxels are most of the bytes, and go apart from all else: to a page that asked for them (it can draw so many, and
-// shows them), by turns with what else is new, and after all of it at first. Other pages have the larger cubes.
+// Voxels are most of the bytes, so they are sent separately. They go only to pages that ask for them, because they show
+// and can draw them: at first after all other items, later by turns with what else is new. Other pages get the larger
+// cubes only.
 //
-// Requests are untrusted. What cannot be followed is answered by a record, of which no more than kMostAnswers wait, and
-// counted; more than kMostRefusals, of which one is forgiven a second, or kWrongTokens wrong tokens hang up. Commands
-// need the token, which is compared in a time that does not depend on where it differs; without one there are none.
+// Requests are untrusted. The session answers a request that it cannot follow with a refusal record, and the server
+// counts it. At most kMostAnswers refusals wait. The session closes the connection after more than kMostRefusals
+// refusals (one is forgiven per second) or after kWrongTokens wrong tokens. Commands need the token; its comparison
+// takes the same time wherever a wrong token differs. Without a token there are no commands.
 //
-// One thread, that of the server; the clock is given, so that a test can set it.
+// One thread, that of the server. The clock is a parameter, so that a test can set it.
 #pragma once
 
 #include <chrono>
@@ -30,21 +32,21 @@ namespace isobath {
 
 enum class PageCommand { kHold, kResume, kAbort };
 
-/// What all pages of a server look at. Either of `live` and `open_playback` must be there.
+/// What the pages of a server show. At least one of `live` and `open_playback` must be set.
 struct PageSources {
-  std::shared_ptr<SharedChanges> live = nullptr;  ///< null: no run is under way
-  std::function<TimeSpan()> live_span = {};       ///< of the run: its start, and now; with `live`
-  std::function<bool()> over = {};                ///< of the run; null: never
-  /// Null: nothing is recorded. Must be cheap: what is dear is shared.
+  std::shared_ptr<SharedChanges> live = nullptr;  ///< null: no run is in progress
+  std::function<TimeSpan()> live_span = {};       ///< start of the run and its present time; required with `live`
+  std::function<bool()> over = {};                ///< whether the run has ended; null: never
+  /// Null: nothing is recorded. Must be cheap; expensive parts are shared between pages.
   std::function<std::unique_ptr<Playback>()> open_playback = {};
-  /// Says why a command was not taken; nothing where it was. Must not wait. Null: no commands.
+  /// Returns why the command was refused; empty: it was accepted. Must not block. Null: no commands.
   std::function<std::string(PageCommand)> command = {};
-  std::string token = {};    ///< of those who may command; empty: nobody
-  std::string version = {};  ///< a page of another version should load itself again
+  std::string token = {};    ///< gives the right to command; empty: no page has it
+  std::string version = {};  ///< a page of another version should reload
   std::function<std::chrono::steady_clock::time_point()> clock = std::chrono::steady_clock::now;
 };
 
-/// Throws Error where the sources lack what pages need, or the token could be guessed.
+/// Throws Error if the sources are incomplete or the token is too short.
 void check_page_sources(const PageSources& sources);
 
 class PageSession final : public WebSession {
@@ -52,7 +54,7 @@ class PageSession final : public WebSession {
   static constexpr int kMostAnswers = 8, kWrongTokens = 3, kMostRefusals = 30;
   static constexpr std::size_t kLeastToken = 16;  ///< characters
 
-  /// The sources must outlive it, and have been checked. Throws Error where a recording cannot be opened.
+  /// The sources must outlive the session and have been checked. Throws Error if a recording cannot be opened.
   explicit PageSession(const PageSources& sources);
 
   Hearing hear(std::string_view text) override;
@@ -89,13 +91,13 @@ class PageSession final : public WebSession {
   double speed_ = 1;
   Time head_;  ///< where the playhead was at head_set_
   Clock::time_point head_set_;
-  DisplayItems shown_;              ///< of the recording
-  std::optional<Time> shown_time_;  ///< of which moment
-  std::uint64_t stamp_ = 0;         ///< up to which it has all but voxels
-  std::uint64_t voxel_stamp_ = 0;   ///< up to which it has the voxels
-  bool voxels_ = false;             ///< it wants them
-  bool voxels_next_ = false;        ///< it is their turn
-  bool forget_ = false;             ///< what the page has is of something else
+  DisplayItems shown_;              ///< items of the recording at shown_time_
+  std::optional<Time> shown_time_;  ///< the moment that was looked up last
+  std::uint64_t stamp_ = 0;         ///< the page has all changes up to here, except voxels
+  std::uint64_t voxel_stamp_ = 0;   ///< the page has the voxels up to here
+  bool voxels_ = false;             ///< the page asked for voxels
+  bool voxels_next_ = false;        ///< the next frame is one of voxels
+  bool forget_ = false;             ///< the page must drop its items: it shows another source now
 
   std::vector<std::string> answers_;
   std::string said_clock_;

@@ -43,7 +43,7 @@ WebSite page_site(const PageSources& sources) {
         .dump();
   };
   site.metrics = [&sources] {
-    return "# HELP isobath_run_seconds How far the run that is shown has come, on its own clock.\n"
+    return "# HELP isobath_run_seconds Seconds since the start of the run that is shown, on its own clock.\n"
            "# TYPE isobath_run_seconds gauge\n"
            "isobath_run_seconds " +
            std::to_string(seconds_shown(sources)) + "\n";

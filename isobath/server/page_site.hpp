@@ -1,4 +1,4 @@
-// The site of the live page: its file, its sessions, and what it tells machines of itself.
+// The site of the live page: its file, its sessions, and its pages for machines (/health, /metrics).
 #pragma once
 
 #include <isobath/server/page_session.hpp>
@@ -6,7 +6,7 @@
 
 namespace isobath {
 
-/// The sources must outlive the server, and have been checked.
+/// The sources must outlive the server and have been checked.
 WebSite page_site(const PageSources& sources);
 
 }  // namespace isobath

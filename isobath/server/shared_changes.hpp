@@ -1,10 +1,10 @@
-// SharedChanges: what has changed of DisplayItems, encoded once for all who ask for the same at about the same time.
+// SharedChanges: encodes the changes of DisplayItems once for all clients that are at the same stamp.
 //
-// A server asks for all its clients in turn. Who got the same last time gets the very same bytes again, though the
-// items may have moved on by a few milliseconds in between: so those who keep up stay together, and ten of them cost
-// one encoding. Memory: kKept pieces of kPieceBytes, and what is under way to clients.
+// The server asks for its clients one after the other. Clients with the same stamp that ask within kShared get the same
+// bytes, although the items may have changed in between. Clients that keep up therefore stay together, and ten of them
+// cost one encoding. Memory: kKept pieces of kPieceBytes, and the pieces that are being sent.
 //
-// One thread; the items may be filled by others.
+// One thread calls it; other threads may fill the items.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace isobath {
 class SharedChanges {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Beyond so many bytes the rest goes with the next piece: what is under way to one client is bounded.
+  /// A piece has at most so many bytes, which bounds what is being sent to one client; the rest follows.
   static constexpr std::size_t kPieceBytes = 1 << 20;
   static constexpr Clock::duration kShared = std::chrono::milliseconds(20);
 
@@ -26,11 +26,11 @@ class SharedChanges {
 
   struct Piece {
     std::shared_ptr<const std::string> records;  ///< null: nothing has changed
-    std::uint64_t stamp = 0;                     ///< up to which they go
-    bool whole = false, more = false;            ///< as of DisplayItems::Changes
+    std::uint64_t stamp = 0;                     ///< stamp of the last change in it
+    bool whole = false, more = false;            ///< as in DisplayItems::Changes
   };
   Piece after(std::uint64_t stamp, Clock::time_point now, DisplayPart part = DisplayPart::kAll);
-  /// Pieces that were encoded rather than given again.
+  /// Number of pieces that were encoded; reused ones do not count.
   [[nodiscard]] std::uint64_t encoded() const { return encoded_; }
 
  private:

@@ -19,7 +19,7 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// Calls `each` with what stands between the separators, without blanks around it.
+/// Calls `each` with every part between separators, without surrounding blanks.
 template <class Each>
 void split(std::string_view text, char separator, const Each& each) {
   for (std::size_t at = 0; at <= text.size();) {

@@ -1,4 +1,4 @@
-// One thread runs all handlers: no fences between them, which the thread sanitizer could not follow.
+// One thread runs all handlers, so they need no fences, which the thread sanitizer could not follow.
 #define BOOST_ASIO_DISABLE_FENCED_BLOCK
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -24,19 +24,21 @@ namespace isobath {
 std::vector<Field> fields(WebServerConfig& c) {
   constexpr Range kWait{0.1, 3600};
   return {
-      Field::text("address", &c.address, "Where the page is served: 127.0.0.1 is this machine only, 0.0.0.0 all."),
-      Field::integer("port", &c.port, {0, 65535}, "1", "Port; 0: any that is free."),
-      Field::text("hosts", &c.hosts, "Names, with commas between, under which browsers may ask, beside addresses."),
-      Field::integer("most_clients", &c.most_clients, {1, 1000}, "1", "Pages that are shown something at once."),
+      Field::text("address", &c.address,
+                  "Address at which the page is served: 127.0.0.1 is this machine only, 0.0.0.0 all."),
+      Field::integer("port", &c.port, {0, 65535}, "1", "Port; 0: any free port."),
+      Field::text("hosts", &c.hosts, "Host names that requests may use besides addresses, separated by commas."),
+      Field::integer("most_clients", &c.most_clients, {1, 1000}, "1", "Pages on the socket at a time."),
       Field::integer("most_connections", &c.most_connections, {2, 10000}, "1",
-                     "Connections at once, pages among them."),
-      Field::integer("most_message_bytes", &c.most_message_bytes, {256, 65536}, "byte", "Size of a page's message."),
-      Field::real("messages_hz", &c.messages_hz, {1, 1000}, "1/s", "Messages of a page that are taken; more wait."),
-      Field::real("frames_hz", &c.frames_hz, {0.1, 60}, "1/s", "How often a page is told what is new."),
-      Field::real("request_s", &c.request_s, kWait, "s", "A request that is not whole by then is dropped."),
-      Field::real("silent_s", &c.silent_s, kWait, "s", "A page that answers no ping for so long is dropped."),
+                     "Connections at a time, including pages."),
+      Field::integer("most_message_bytes", &c.most_message_bytes, {256, 65536}, "byte",
+                     "Size of a message from a page."),
+      Field::real("messages_hz", &c.messages_hz, {1, 1000}, "1/s", "Messages accepted from a page; further ones wait."),
+      Field::real("frames_hz", &c.frames_hz, {0.1, 60}, "1/s", "Frames sent to a page."),
+      Field::real("request_s", &c.request_s, kWait, "s", "A request that is not complete by then is dropped."),
+      Field::real("silent_s", &c.silent_s, kWait, "s", "A page that answers no ping for this long is dropped."),
       Field::real("stalled_s", &c.stalled_s, kWait, "s",
-                  "A page that takes nothing of a frame for so long is dropped."),
+                  "A page that takes nothing of a frame for this long is dropped."),
   };
 }
 
@@ -50,16 +52,16 @@ using tcp = net::ip::tcp;
 using Clock = std::chrono::steady_clock;
 using beast::error_code;
 
-constexpr std::size_t kPieceBytes = 64 * 1024;  ///< of a frame, written at a time: a client that takes one is alive
-constexpr int kMostFragments = 64;              ///< of a message
-constexpr int kFloodSeconds = 2;                ///< at the limit of bytes, one after the other
+constexpr std::size_t kPieceBytes = 64 * 1024;  ///< written at a time; a client that takes a piece is alive
+constexpr int kMostFragments = 64;              ///< per message
+constexpr int kFloodSeconds = 2;                ///< consecutive seconds at the limit of bytes
 constexpr Clock::duration kCloseWithin = std::chrono::milliseconds(500);
 constexpr Clock::duration kReportsKept = std::chrono::milliseconds(100);
 
 Clock::duration ticks_of(double s) { return std::chrono::duration_cast<Clock::duration>(seconds(s)); }
 double seconds_of(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
-/// A RatePolicy of Beast's: bounds all that is read from a connection, also what never becomes a message.
+/// A RatePolicy of Beast. It bounds all bytes that are read from a connection, also those that become no message.
 class ReadLimit {
  public:
   explicit ReadLimit(std::size_t bytes_a_second) : most_(bytes_a_second), left_(bytes_a_second) {}
@@ -84,7 +86,7 @@ struct Stream : beast::basic_stream<tcp, net::any_io_executor, ReadLimit> {
   using basic_stream::basic_stream;
 };
 
-/// Beast ends a socket by this, and would wait for a client that broke the rules to close its end.
+/// Beast closes a socket with this function. The default would wait for a misbehaving client to close its end.
 template <class Handler>
 void async_teardown(beast::role_type, Stream& stream, Handler&& handler) {
   error_code ignored;
@@ -92,11 +94,11 @@ void async_teardown(beast::role_type, Stream& stream, Handler&& handler) {
   net::post(stream.get_executor(), beast::bind_front_handler(std::forward<Handler>(handler), error_code()));
 }
 
-/// So many a second, a second's worth at once.
+/// A rate limit of `hz` per second, with bursts of one second's worth.
 class Allowance {
  public:
   explicit Allowance(double hz) : hz_(hz), left_(hz) {}
-  /// Takes one, perhaps in advance; returns how long to wait until the next may be taken.
+  /// Takes one, possibly in advance. Returns the time to wait before the next may be taken.
   Clock::duration take(Clock::time_point now) {
     left_ = std::min(hz_, left_ + seconds_of(now - last_) * hz_) - 1;
     last_ = now;
@@ -111,15 +113,15 @@ class Allowance {
 class HttpConnection;
 class SocketClient;
 
-/// What all connections share. Connections live as long as operations of theirs are under way; those end with the
-/// context, which is the first to go.
+/// State that all connections share. A connection lives as long as one of its operations is pending; all operations
+/// end with the context, which is destroyed first.
 struct Hub {
   Hub(const WebServerConfig& c, WebSite s) : config(c), site(std::move(s)), hosts(names_of_list(c.hosts)) {}
 
   WebServerConfig config;
   WebSite site;
   std::vector<std::string> hosts;
-  mutable std::mutex mutex;  ///< of the counts
+  mutable std::mutex mutex;  ///< guards the counts
   WebCounts counts;
   std::map<std::uint64_t, HttpConnection*> requesting;  ///< the oldest first
   std::set<SocketClient*> clients;
@@ -149,7 +151,7 @@ struct Hub {
   const std::string& report(Report& report, const std::function<std::string()>& make);
 };
 
-/// A place among the connections.
+/// Counts one connection for as long as it lives.
 class Seating {
  public:
   explicit Seating(Hub& hub) : hub_(&hub) {
@@ -203,7 +205,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
     });
   }
 
-  /// Once a frame's time.
+  /// Called once per frame period.
   void tick(Clock::time_point now) {
     if (closing_) {
       if (now - closing_since_ > kCloseWithin) drop();
@@ -213,7 +215,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
     } else if (lowest().rate_policy().seconds_full() >= kFloodSeconds) {
       refuse("flood");
     } else if (session_ && !asked_) {
-      asked_ = true;  // in its turn: what the others have to read goes between
+      asked_ = true;  // posted, so that reads of other clients come in between
       net::post(hub_.context, [self = shared_from_this()] {
         self->asked_ = false;
         self->ask();
@@ -238,7 +240,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
     read();
   }
 
-  /// What a session throws ends its connection. Returns whether it threw nothing.
+  /// Calls a session; an exception ends its connection. Returns whether none was thrown.
   template <class Function>
   bool call(const Function& function) {
     const auto begun = Clock::now();
@@ -262,7 +264,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
 
   void on_read(error_code ec) {
     if (ec) return on_read_error(ec);
-    if (closing_) {  // until the close has come back
+    if (closing_) {  // wait for the client's close
       heard_.clear();
       return read();
     }
@@ -292,7 +294,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
     }
   }
 
-  /// Beast has said why. Closed at once, with bytes still to be read, that might not arrive.
+  /// Beast has sent the reason. A close at once, with bytes still unread, could keep it from arriving.
   void break_off(std::string_view reason) {
     hub_.refuse(reason);
     closing_ = true;
@@ -310,7 +312,7 @@ class SocketClient : public std::enable_shared_from_this<SocketClient> {
     heard_.clear();
     if (!hearing.refused.empty()) hub_.refuse(hearing.refused);
     if (hearing.hang_up) refuse("hung_up");
-    ask();  // what it asked for need not wait for its turn
+    ask();  // answer at once, not at the next tick
     const Clock::duration wait = messages_.take(Clock::now());
     if (wait == Clock::duration::zero() || closing_) return read();
     hub_.refuse("message_rate");
@@ -483,8 +485,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     Response response{status, 11};
     response.set(http::field::content_type, beast::string_view(type.data(), type.size()));
     response.set(http::field::cache_control, beast::string_view(cache.data(), cache.size()));
-    // One file with script and style within: nothing from elsewhere, nowhere to send to but here. Older browsers do not
-    // count the socket as 'self'.
+    // The page is one file with script and style: it loads nothing from elsewhere and sends only to this server. Older
+    // browsers do not count the socket as 'self'.
     response.set("Content-Security-Policy",
                  fmt::format("default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; "
                              "img-src 'self' data: blob:; font-src 'self' data:; worker-src 'self' blob:; "
@@ -501,7 +503,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void refuse(http::status status, std::string_view reason) {
     hub_.refuse(reason);
     keep_alive_ = false;
-    if (reason == "host" || status == http::status::bad_request) host_.clear();  // stands in no header
+    if (reason == "host" || status == http::status::bad_request) host_.clear();  // must not be in a header
     text_ = fmt::format("{} ({})\n", view(http::obsolete_reason(status)), reason);
     Response response = response_of(status, "text/plain; charset=utf-8", "no-store");
     if (status == http::status::method_not_allowed) response.set(http::field::allow, "GET, HEAD");
@@ -516,7 +518,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response_.content_length(body.size());
     response_.keep_alive(keep_alive_);
     serializer_.emplace(response_);
-    // A page may come over a slow link; nobody needs longer than at 10 kB/s.
+    // The page may be sent over a slow link; 10 kB/s is the slowest allowed.
     stream_.expires_after(ticks_of(hub_.config.request_s + static_cast<double>(body.size()) / 1e4));
     auto sent = [self = shared_from_this()](error_code ec, std::size_t) { self->on_sent(ec); };
     if (head_) {
@@ -531,7 +533,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (ec == beast::error::timeout) hub_.refuse("request_time");
     if (ec) return;
     if (keep_alive_) return read();
-    // What the other end still sends would take the answer from it (RFC 9112, 9.6): end our half, hear its end out.
+    // If the client is still sending, a full close could destroy the answer (RFC 9112, 9.6). So close only our half and
+    // read on until the client closes.
     stream_.socket().shutdown(tcp::socket::shutdown_send, ec);
     linger();
   }
@@ -602,7 +605,7 @@ void Hub::enter(tcp::socket socket) {
     number = c.connections_ever;
     full = c.connections >= config.most_connections;
   });
-  if (full) {  // who has waited longest with a request has had its chance
+  if (full) {  // drop the connection that has waited longest for its request
     refuse("connections");
     if (requesting.empty()) return;
     requesting.begin()->second->drop();
@@ -664,7 +667,7 @@ WebServer::WebServer(const WebServerConfig& config, WebSite site)
   Hub& hub = state_->hub;
   hub.listen();
   state_->port = hub.acceptor.local_endpoint().port();
-  // Signals are for the thread that waits for them.
+  // The server's thread blocks all signals; the main thread handles them.
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -672,7 +675,7 @@ WebServer::WebServer(const WebServerConfig& config, WebSite site)
     state_->thread = std::thread([&hub] { hub.run(); });
   } catch (const std::system_error&) {
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
-    throw Error("the system has no thread left for the page");
+    throw Error("the system cannot start a thread for the page");
   }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
@@ -680,7 +683,7 @@ WebServer::WebServer(const WebServerConfig& config, WebSite site)
 WebServer::~WebServer() {
   try {
     stop();
-  } catch (...) {  // Asio may say that a timer could not be cancelled; it is about to go anyway
+  } catch (...) {  // Asio may report that a timer could not be cancelled, which does not matter here
   }
 }
 

@@ -1,21 +1,22 @@
-// WebServer: a page, a socket (WebSocket, RFC 6455) and two pages for machines, over HTTP 1.1. It knows nothing of what
-// is shown: that is the WebSessions' (one a client) and the site's.
+// WebServer: serves a page, a socket (WebSocket, RFC 6455) and two pages for machines over HTTP 1.1. The content comes
+// from the site and from the WebSessions, one per client.
 //
 //   /socket           frames to the client, text messages from it
-//   /health, /metrics JSON, and text for Prometheus; asked for no more than ten times a second
+//   /health, /metrics JSON, and text for Prometheus; made anew at most ten times a second
 //   anything else     a file of the site, in memory; there is no file system behind it
 //
-// Pull, not push: `frames_hz` times a second each client whose last frame is gone is asked what is new. A slow client
-// so gets fewer frames, never older ones; for each there is one frame under way, and kUnsentBytes in the system. One
-// that takes nothing for `stalled_s` is dropped.
+// Pull, not push: `frames_hz` times a second the server asks the session of each client whose last frame is sent for
+// what is new. A slow client therefore gets fewer frames, never older ones. Per client one frame is being sent, with at
+// most kUnsentBytes in the system. The server drops a client that takes nothing for `stalled_s`.
 //
-// Open to the own machine only, unless `address` says otherwise, and to pages of its own only: a Host that is neither
-// an address, localhost nor one of `hosts` is refused, and so is a socket that a page of another origin opens. All of a
-// request is bounded: kMostHeader bytes of header, no body, `request_s` until it is whole; of a client, message size,
-// messages a second, bytes a second. What is refused, held back or dropped is counted by reason. It speaks no TLS.
+// By default the server listens to this machine only (`address`) and serves its own pages only: it refuses a Host that
+// is neither a numeric address, localhost nor one of `hosts`, and a socket that a page of another origin opens. A
+// request is bounded: kMostHeader bytes of header, no body, complete within `request_s`. A client is bounded in message
+// size, messages per second and bytes per second. Everything refused, held back or dropped is counted by reason. There
+// is no TLS.
 //
-// One thread of its own; nobody else ever waits for it. Errors: Error where the address cannot be used; later nothing
-// is thrown: what a session or the site throws ends that request.
+// The server has one thread of its own; no other thread waits for it. Errors: the constructor throws Error if the
+// address cannot be used. Later nothing is thrown; an exception of a session or of the site ends that request.
 #pragma once
 
 #include <functional>
@@ -31,7 +32,7 @@ namespace isobath {
 
 struct WebServerConfig {
   std::string address = "127.0.0.1";
-  int port = 8484;  ///< 0: any that is free
+  int port = 8484;  ///< 0: any free port
   std::string hosts;
   int most_clients = 16;
   int most_connections = 64;
@@ -47,15 +48,15 @@ std::vector<Field> fields(WebServerConfig& config);
 struct WebFile {
   std::string media_type;  ///< "text/html; charset=utf-8"
   std::string bytes;
-  std::string gzipped = {};  ///< the same as gzip, for who takes it; may be empty
+  std::string gzipped = {};  ///< the same bytes as gzip, for clients that accept it; may be empty
 };
 
-/// All is called by the server's thread, and must neither wait nor outlive what it leans on.
+/// The server's thread calls all functions. They must not block, and what they refer to must outlive the server.
 struct WebSite {
   std::map<std::string, WebFile, std::less<>> files;  ///< by path: "/"
   std::function<std::unique_ptr<WebSession>()> open_session;
   std::function<std::string()> health = {};   ///< a JSON object
-  std::function<std::string()> metrics = {};  ///< lines to stand after the server's own
+  std::function<std::string()> metrics = {};  ///< lines to append to the server's own
 };
 
 class WebServer {
@@ -70,7 +71,7 @@ class WebServer {
 
   [[nodiscard]] int port() const;
   [[nodiscard]] WebCounts counts() const;  ///< from any thread
-  /// Ends all connections; returns when no session is called any more, which is at once.
+  /// Closes all connections. Returns at once; no session is called afterwards.
   void stop();
 
  private:

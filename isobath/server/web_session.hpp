@@ -1,8 +1,9 @@
-// WebSession: what one client of a WebServer is told and may ask. The server knows bytes and clients; what is shown is
-// known here only.
+// WebSession: the content that one client of a WebServer gets and the requests that it may make. The server knows only
+// bytes and clients; a session knows what is shown.
 //
-// Made when a client has connected, ended when it is gone; the server's thread calls it, one call at a time. A call
-// keeps all other clients waiting. What it throws ends the connection of its client, and is counted.
+// The server makes a session when a client has connected and destroys it when the client is gone. The server's thread
+// calls it, one call at a time; all other clients wait meanwhile. An exception ends the connection of this client and
+// is counted.
 #pragma once
 
 #include <memory>
@@ -11,17 +12,17 @@
 
 namespace isobath {
 
-/// What came of a message. `refused`: why it was not followed, a word of a closed list that the server counts by.
+/// The outcome of a message. `refused`: the reason for a refusal, from a closed list, by which the server counts it.
 struct Hearing {
   std::string_view refused = {};
   bool hang_up = false;
 };
 
-/// One binary message: what many clients get alike, then what is this client's own.
+/// One binary message: a part that is shared between clients, then a part of this client.
 struct WebFrame {
   std::shared_ptr<const std::string> shared = nullptr;
   std::string own = {};
-  bool more = false;  ///< there is more to send as soon as this is gone
+  bool more = false;  ///< ask again as soon as this is sent
 
   [[nodiscard]] std::size_t bytes() const { return (shared ? shared->size() : 0) + own.size(); }
 };
@@ -30,9 +31,9 @@ class WebSession {
  public:
   virtual ~WebSession() = default;
 
-  /// A text message; UTF-8, no longer than the server allows.
+  /// Handles a text message: UTF-8, no longer than the server allows.
   virtual Hearing hear(std::string_view text) = 0;
-  /// What has changed since the last frame, all of which has been sent; without bytes: nothing.
+  /// The changes since the last frame, which has been sent completely; empty if nothing has changed.
   virtual WebFrame next() = 0;
 };
 

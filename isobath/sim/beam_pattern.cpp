@@ -28,7 +28,7 @@ BeamPattern::BeamPattern(PatternKind kind, Angle width, double side_lobe_db)
     : kind_(kind), half_width_(width.radians() / 2) {
   ISOBATH_ASSERT(half_width_ > 0 && half_width_ <= std::numbers::pi);
   power_ = std::max(1.0, side_lobe_db / kFirstLobeDb);
-  // sin: an array's pattern is a function of the sine of the angle; very wide beams keep to the angle.
+  // An array's pattern is a function of the sine of the angle; very wide beams use the angle itself.
   scale_ = half_power_point(power_) / (half_width_ < 0.6 ? std::sin(half_width_) : half_width_);
   table_.resize(kTable + 2);
   for (int i = 0; i < kTable + 2; ++i) {

@@ -1,9 +1,9 @@
-// BeamPattern: what a beam hears of an echo that does not come along its axis.
+// BeamPattern: the gain of a beam for an echo that arrives off its axis.
 //
-// The two-way intensity pattern of a tapered line array: (sin z / z)^(2p), where p lowers the first side lobe from the
-// -13.3 dB of an untapered array (p = 1) to the level asked for, and z is scaled so that the pattern is -3 dB at half
-// the stated width. `ideal` is a top hat (S5-05), `gaussian` has no side lobes. Urick 1983, 3.6; widths as a sonar's
-// data sheet states them: full, at -3 dB.
+// The two-way intensity pattern of a tapered line array is (sin z / z)^(2p). The exponent p lowers the first side lobe
+// from the -13.3 dB of an untapered array (p = 1) to the requested level; z is scaled so that the pattern is -3 dB at
+// half the stated width. `ideal` is a top hat (S5-05), `gaussian` has no side lobes. Source: Urick 1983, 3.6. Widths
+// are full widths at -3 dB, as on a sonar's data sheet.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,14 @@ enum class PatternKind : std::uint8_t { kLine, kGaussian, kIdeal };
 
 class BeamPattern {
  public:
-  /// `side_lobe_db`: level of the first side lobe below the axis, 13.3 to 60 dB, two-way; of a line alone.
+  /// `side_lobe_db`: level of the first side lobe below the axis, 13.3 to 60 dB, two-way; only kLine uses it.
   BeamPattern(PatternKind kind, Angle width, double side_lobe_db);
 
-  /// Two-way intensity, 1 on the axis; off_axis in radians, any sign.
+  /// Two-way intensity, 1 on the axis. `off_axis` is in radians and has any sign.
   [[nodiscard]] double gain(double off_axis) const;
   /// The largest gain at this angle or beyond.
   [[nodiscard]] double envelope(double off_axis) const;
-  /// Beyond it the gain stays below `level` (intensity); pi where it never does.
+  /// The angle (rad) beyond which the gain stays below `level` (intensity); pi if there is none.
   [[nodiscard]] double reach(double level) const;
 
  private:

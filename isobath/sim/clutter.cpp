@@ -11,16 +11,16 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kTries = 200;
-constexpr double kLegs_m = 20;         // length of a leg of the passage, about
-constexpr double kSlope = 0.7;         // of a leg to the straight way, at most: the passage never turns back
-constexpr double kSample_m = 0.25;     // of the passage, where distances are checked
-constexpr double kThick_m = 0.4;       // of walls
+constexpr double kLegs_m = 20;         // approximate length of a leg of the passage
+constexpr double kSlope = 0.7;         // maximum slope of a leg against the straight line: the passage never turns back
+constexpr double kSample_m = 0.25;     // spacing of the points of the passage at which distances are checked
+constexpr double kThick_m = 0.4;       // thickness of walls
 constexpr double kSquareMetres = 1e4;  // a hectare
 
 double whole_cm(double metres) { return std::round(metres * 100) / 100; }
 double draw_cm(Random& random, double low, double high) { return whole_cm(random.uniform(low, high)); }
 
-/// Whole degrees, in [0, 180): uprights look the same from behind.
+/// Whole degrees in [0, 180): an upright body looks the same after half a turn.
 int draw_heading(Random& random) { return static_cast<int>(random.index(180)); }
 
 Vector2d along(int heading_deg) {
@@ -28,7 +28,7 @@ Vector2d along(int heading_deg) {
   return {cos(a), sin(a)};
 }
 
-/// What a body covers from above: everything within `round` of a convex outline.
+/// The plan area of a body: everything within `round` of a convex outline.
 struct Footprint {
   Polygon outline;
   double round = 0;
@@ -85,7 +85,7 @@ std::vector<Vector2d> passage_of(Random& random, const ClutterConfig& c) {
   const int legs = std::max(2, static_cast<int>(c.length_m / kLegs_m));
   const double leg = c.length_m / legs;
   for (int i = 1; i < legs; ++i) {
-    // Never further off than the rest of the way can bring it back.
+    // The remaining legs must be able to return to the straight line.
     const double back = std::min(within, kSlope * leg * (legs - i));
     const double low = std::max(-back, way.back().y() - kSlope * leg);
     const double high = std::min(back, way.back().y() + kSlope * leg);
@@ -124,7 +124,7 @@ void check_clutter(const ClutterConfig& c) {
 }
 
 Body basin_wall(const ClutterConfig& c) {
-  // The inside is what is heard: walls along the field's sides, and behind start and goal.
+  // Sonar sees the inside: walls along the field's sides, and behind start and goal.
   const double side = c.breadth_m / 2, south = -c.free_m, north = c.length_m + c.free_m;
   Wall shape;
   shape.line = {south, -side, north, -side, north, side, south, side, south, -side};
@@ -139,18 +139,20 @@ Body basin_wall(const ClutterConfig& c) {
 }  // namespace
 
 std::vector<Field> fields(ClutterConfig& c) {
-  return {Field::real("density", &c.density, {0, 1000}, "1/ha", "Bodies a hectare; 0: no field."),
-          Field::real("length_m", &c.length_m, {20, 1000}, "m", "From start to goal, to the north."),
-          Field::real("breadth_m", &c.breadth_m, {10, 1000}, "m", "Of the field, to both sides of the straight way."),
-          Field::real("free_m", &c.free_m, {2, 500}, "m", "No body is nearer to start and goal."),
-          Field::real("passage_m", &c.passage_m, {0, 1000}, "m", "Width of a way that is left free; 0: none."),
-          Field::real("wander_m", &c.wander_m, {0, 500}, "m", "How far that way leaves the straight one at most."),
+  return {Field::real("density", &c.density, {0, 1000}, "1/ha", "Bodies per hectare; 0: no field."),
+          Field::real("length_m", &c.length_m, {20, 1000}, "m",
+                      "Distance from the start to the goal, which lies to the north."),
+          Field::real("breadth_m", &c.breadth_m, {10, 1000}, "m",
+                      "Width of the field, centred on the line from start to goal."),
+          Field::real("free_m", &c.free_m, {2, 500}, "m", "Radius around start and goal that is kept free of bodies."),
+          Field::real("passage_m", &c.passage_m, {0, 1000}, "m", "Width of a path that is left free; 0: none."),
+          Field::real("wander_m", &c.wander_m, {0, 500}, "m", "Largest distance of that path from the straight line."),
           Field::real("pole_share", &c.pole_share, {0, 1}, "1", "Share of poles, 0.2 to 0.8 m in radius."),
           Field::real("box_share", &c.box_share, {0, 1}, "1",
-                      "Share of boxes, 2 to 7 m; the rest: walls, 6 to 16 m by 0.4 m."),
+                      "Share of boxes, 2 to 7 m; the rest are walls, 6 to 16 m by 0.4 m."),
           Field::real("top_m", &c.top_m, {-100, 12000}, "m", "Depth of their tops."),
           Field::real("bottom_m", &c.bottom_m, {-100, 12000}, "m", "Depth of their feet."),
-          Field::flag("basin", &c.basin, "Whether sheer walls stand round the field.")};
+          Field::flag("basin", &c.basin, "Whether vertical walls surround the field.")};
 }
 
 ClutterField clutter_field(const ClutterConfig& c, std::uint64_t seed) {
@@ -164,7 +166,7 @@ ClutterField clutter_field(const ClutterConfig& c, std::uint64_t seed) {
   const Vector2d start = Vector2d::Zero(), goal(c.length_m, 0);
   const long wanted = std::lround(c.density * inside * c.breadth_m / kSquareMetres);
   for (long i = 0; i < wanted; ++i) {
-    Random one = random.fork();  // tries of one body do not move the others
+    Random one = random.fork();  // the number of tries of one body does not move the others
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const double north = draw_cm(one, c.free_m, c.length_m - c.free_m);
       const double left = one.uniform();

@@ -1,18 +1,18 @@
-// Clutter: a seeded random field of poles, boxes and walls across the way from a start to a goal, for runs that must
-// show what a vehicle does in water that nobody laid out for it (ledger S6-67).
+// Clutter: a seeded random field of poles, boxes and walls between a start and a goal. It tests how a vehicle behaves
+// in water that was not laid out by hand (ledger S6-67).
 //
-// The field lies north of a start in W's origin and south of a goal `length_m` further north; all bodies stand upright
-// from `top_m` to `bottom_m`. Their number follows from the density: bodies a hectare of the field, whose breadth they
-// fill with the middle twice as dense as the edges are on average, so that the straight way is seldom free. No body
-// comes nearer to start and goal than `free_m`. With a passage there is a way from start to goal, a polyline that
-// wanders, from which every body stands at least half its width away: a way that a vehicle of that room can follow,
-// not always the shortest one. Without, the field may be closed. `basin` puts sheer walls round it.
+// The start is at W's origin, the goal `length_m` north of it. All bodies stand upright from `top_m` to `bottom_m`. The
+// density (bodies per hectare of the field) sets their number. The middle of the field is twice as dense as it is on
+// average over its breadth, so the straight line is seldom free. All bodies keep `free_m` away from start and goal.
+// With a passage, there is a winding polyline from start to goal that all bodies clear by half the passage's width. A
+// vehicle that fits into this width can follow it; it is not always the shortest path. Without a passage, the field may
+// be closed. `basin` adds vertical walls around the field.
 //
-// Walls are slabs: a sheet without thickness that is met end on would return no sound, and no sonar could find it.
+// Walls are slabs: an infinitely thin sheet seen edge-on would return no echo.
 //
-// A function of configuration and seed; all lengths are whole centimetres and all headings whole degrees, so that the
-// last digit of a sine cannot matter: the same field on every machine. Bodies may overlap. A body that finds no free
-// place in 200 tries is left out: full fields hold fewer than asked for.
+// The field is a function of configuration and seed. All lengths are whole centimetres and all headings whole degrees,
+// so the last digit of a sine does not matter and the field is the same on every machine. Bodies may overlap. A body
+// that finds no free place in 200 tries is left out, so dense fields hold fewer bodies than requested.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +23,12 @@
 namespace isobath {
 
 struct ClutterConfig {
-  double density = 0;     ///< bodies a hectare; 0: no field
+  double density = 0;     ///< bodies per hectare; 0: no field
   double length_m = 120;  ///< from start to goal
-  double breadth_m = 80;  ///< of the field, middle on the straight way
-  double free_m = 20;     ///< around start and goal
-  double passage_m = 16;  ///< width of the way that is left free; 0: none
-  double wander_m = 20;   ///< how far that way leaves the straight one at most
+  double breadth_m = 80;  ///< width of the field, centred on the line from start to goal
+  double free_m = 20;     ///< free radius around start and goal
+  double passage_m = 16;  ///< width of the path that is left free; 0: none
+  double wander_m = 20;   ///< largest distance of that path from the straight line
   double pole_share = 0.5;
   double box_share = 0.3;  ///< the rest are walls
   double top_m = 0, bottom_m = 30;
@@ -38,10 +38,10 @@ std::vector<Field> fields(ClutterConfig& config);
 
 struct ClutterField {
   std::vector<Body> bodies;
-  std::vector<Eigen::Vector2d> passage;  ///< its middle, from start to goal; empty without one
+  std::vector<Eigen::Vector2d> passage;  ///< its centre line, from start to goal; empty without one
 };
 
-/// Throws Error where the field has no room: 2 free_m must be below length_m, the passage within the breadth.
+/// Throws Error if the field has no room: 2 free_m must be below length_m, and passage_m at most breadth_m.
 ClutterField clutter_field(const ClutterConfig& config, std::uint64_t seed);
 
 }  // namespace isobath

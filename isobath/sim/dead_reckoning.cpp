@@ -7,27 +7,27 @@ namespace isobath {
 namespace {
 
 constexpr double kDriftAtM = 1000;   // the distance at which S5-02 states the drift
-constexpr double kAttitudeTime = 2;  // s, roll and pitch follow the attitude unit
+constexpr double kAttitudeTime = 2;  // s, with which roll and pitch follow the attitude unit
 constexpr double kFixGate = 16;      // chi-square, 2 degrees of freedom: 99.97 %
 constexpr int kRefusedInARow = 5;
 constexpr double kResidualGate = 4;      // standard deviations of a range
-constexpr double kGyroBiasSigma = 0.01;  // rad/s, before the compass has told
+constexpr double kGyroBiasSigma = 0.01;  // rad/s, before the compass has corrected it
 constexpr double kUnmeasuredTurn = 0.2;  // rad/s, without a gyro
 
 double wrap(double angle) { return Angle::radians(angle).wrapped().radians(); }
 
-/// Whether a sensor with this rate has fallen silent.
+/// Whether the last reading of a sensor with this rate is recent; false: the sensor is silent.
 bool fresh(const std::optional<Time>& at, Time now, double rate_hz) {
   return at && to_seconds(now - *at) <= std::max(1.0, 3 / rate_hz);
 }
 
-/// Variance of one axis after d metres, for a rate of unit variance.
+/// Variance of one axis after d metres, for an error rate of unit variance.
 double drift_variance(double d, double length) {
   if (length <= 0) return d;
   return 2 * length * (d - length * -std::expm1(-d / length));
 }
 
-/// Of roll, pitch and heading.
+/// Rates of roll, pitch and heading.
 Eigen::Vector3d euler_rates(const Eigen::Vector3d& w_B, double roll, double pitch) {
   const double s = std::sin(roll), c = std::cos(roll);
   const double turn = (w_B.y() * s + w_B.z() * c) / std::max(0.1, std::cos(pitch));
@@ -61,23 +61,24 @@ std::vector<Field> fields(DeadReckoningConfig& c) {
       Field::choice(
           "kind", &c.kind,
           {{"truth", NavigatorKind::kTruth}, {"drift", NavigatorKind::kDrift}, {"sensors", NavigatorKind::kSensors}},
-          "What the vehicle knows of its place: all, all but a drift, or what its sensors say."),
-      Field::real("rate_hz", &c.rate_hz, {0.01, 1000}, "Hz", "Fixes a second."),
-      Field::real("start_sigma", &c.start_sigma, {0, 1e4}, "m", "Standard deviation of the place of the start."),
+          "How the vehicle estimates its pose: from the truth, from the truth with a drift, or from its sensors."),
+      Field::real("rate_hz", &c.rate_hz, {0.01, 1000}, "Hz", "Fixes per second."),
+      Field::real("start_sigma", &c.start_sigma, {0, 1e4}, "m", "Standard deviation of the start position."),
       Field::real("drift_share", &c.drift_share, {0, 1}, "1",
-                  "drift: standard deviation after 1000 m of travel, as a share of them."),
+                  "drift: standard deviation after 1000 m of travel, as a share of 1000 m."),
       Field::real("drift_length_m", &c.drift_length_m, {0, 1e5}, "m",
-                  "drift: distance over which the error keeps its direction."),
+                  "drift: correlation length of the velocity error along the track."),
       Field::degrees("compass_bias_sigma_deg", &c.compass_bias_sigma, {0, 90},
-                     "sensors: standard deviation that it grants the bias of the compass."),
+                     "sensors: assumed standard deviation of the compass bias."),
       Field::real("dvl_scale_sigma", &c.dvl_scale_sigma, {0, 0.5}, "1",
-                  "sensors: standard deviation that it grants the scale of the DVL."),
+                  "sensors: assumed standard deviation of the DVL's scale error."),
       Field::real("current_sigma", &c.current_sigma, {0, 5}, "m/s",
-                  "sensors: standard deviation of the current, each axis."),
+                  "sensors: assumed standard deviation of the current, each axis."),
       Field::real("current_walk", &c.current_walk, {0, 1}, "m/s/sqrt(s)",
-                  "sensors: how far the current changes in one second."),
+                  "sensors: assumed random walk of the current: standard deviation after one second."),
       Field::real("speed_walk", &c.speed_walk, {0, 10}, "m/s/sqrt(s)",
-                  "sensors: how far the velocity changes in one second while none is measured."),
+                  "sensors: assumed random walk of the velocity while no sensor measures it: standard deviation after "
+                  "one second."),
   };
 }
 
@@ -194,19 +195,19 @@ Rotation DeadReckoning::attitude() const {
                                            Angle::radians(roll_));
 }
 
-/// By what is measured; the states 4 and 5 add what is not.
+/// The measured velocity; states 4 and 5 add the unmeasured one.
 Eigen::Vector3d DeadReckoning::velocity_W() const {
   if (velocity_ == Velocity::kNone) return Eigen::Vector3d::Zero();
   return attitude() * (v_B_ / (1 + x_[3]));
 }
 
-/// The unmeasured velocity means something else from here on: all of it, the current, or nothing.
+/// Changes the meaning of the unmeasured velocity: the whole velocity, the current, or nothing.
 void DeadReckoning::change_velocity(Velocity next) {
   Matrix6 T = Matrix6::Identity();
   T.bottomRows<2>().setZero();
   Eigen::Vector2d unmeasured = Eigen::Vector2d::Zero();
   double sigma = config_.current_sigma;
-  if (next == Velocity::kNone) {  // it goes on as it was, with the errors that it had
+  if (next == Velocity::kNone) {  // keeps its value and its errors
     const Eigen::Vector2d v = velocity_W().head<2>();
     T.block<2, 1>(4, 2) = Eigen::Vector2d(v.y(), -v.x());
     T.block<2, 1>(4, 3) = -v / (1 + x_[3]);
@@ -261,7 +262,7 @@ void DeadReckoning::propagate_position(const Eigen::Vector3d& v_W, double dt) {
   x_.head<2>() += v_W.head<2>() * dt;
   if (velocity_ != Velocity::kOverGround) x_.head<2>() += x_.tail<2>() * dt;
   P_ = (F * P_ * F.transpose()).eval();
-  // White noise of a rate f walks the integral like spectral density sigma^2 / f, whatever filter lies between.
+  // White noise sampled at rate f acts on the integral as spectral density sigma^2 / f, whatever filter lies between.
   const double dvl = velocity_ == Velocity::kNone ? 0 : sheet_.dvl.noise * sheet_.dvl.noise / sheet_.dvl.rate_hz;
   const double compass = sheet_.compass.noise.radians() * sheet_.compass.noise.radians() / sheet_.compass.rate_hz;
   P_.topLeftCorner<2, 2>() += Eigen::Matrix2d::Identity() * (dvl * dt) + across * across.transpose() * (compass * dt);
@@ -283,7 +284,7 @@ void DeadReckoning::use(const NavReading& reading) {
     roll_ = wrap(roll_ + gain * wrap(ahrs->roll.radians() - roll_));
     pitch_ += gain * (ahrs->pitch.radians() - pitch_);
   } else if (const auto* gyro = std::get_if<GyroReading>(&reading.value)) {
-    // The old rate was held until now; the mean of both is nearer.
+    // The old rate was held until now; the mean of the old and the new rate is more accurate.
     if (fresh(gyro_at_, time_, sheet_.gyro.rate_hz)) {
       const Eigen::Vector3d missed = (euler_rates(gyro->w_B, roll_, pitch_) - euler_rates(w_B_, roll_, pitch_)) *
                                      (to_seconds(time_ - *gyro_at_) / 2);
@@ -294,7 +295,7 @@ void DeadReckoning::use(const NavReading& reading) {
     w_B_ = gyro->w_B;
     gyro_at_ = time_;
   } else if (const auto* velocity = std::get_if<VelocityReading>(&reading.value)) {
-    if (velocity_ != Velocity::kNone && over_ground_ == velocity->over_ground) {  // likewise
+    if (velocity_ != Velocity::kNone && over_ground_ == velocity->over_ground) {  // the same for the velocity
       const Eigen::Vector3d missed = attitude() * (velocity->v_B - v_B_) * (to_seconds(time_ - *dvl_at_) / 2);
       x_.head<2>() += missed.head<2>();
       depth_ += missed.z();
@@ -324,7 +325,7 @@ void DeadReckoning::use_heading(double heading) {
     P(0, 1) = P(1, 0) = 0;
     heading_known_ = true;
   } else {
-    if (!fresh(compass_at_, time_, sheet_.compass.rate_hz)) {  // back again: no more uncertain than at the start
+    if (!fresh(compass_at_, time_, sheet_.compass.rate_hz)) {  // the compass is back: start anew
       P_.row(2).setZero();
       P_.col(2).setZero();
       P_(2, 2) = config_.compass_bias_sigma.radians() * config_.compass_bias_sigma.radians();
@@ -343,7 +344,7 @@ void DeadReckoning::use_position(const Eigen::Vector2d& north_east, const Eigen:
   if (!(S.determinant() > 0)) return;
   const Eigen::Matrix2d S_inverse = S.inverse();
   if (innovation.dot(S_inverse * innovation) > kFixGate && ++refused_ <= kRefusedInARow) return;
-  if (refused_ > kRefusedInARow) {  // we are lost, not they
+  if (refused_ > kRefusedInARow) {  // the estimate is wrong, not the fixes
     x_.head<2>() = north_east;
     P_.topRows<2>().setZero();
     P_.leftCols<2>().setZero();

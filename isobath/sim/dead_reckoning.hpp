@@ -1,23 +1,23 @@
-// DeadReckoning: the navigator of a simulated vehicle, from readings of its sensors to Navigation fixes (ledger S5-02,
-// S2-47).
+// DeadReckoning: the navigator of a simulated vehicle. It turns readings of the vehicle's sensors into Navigation fixes
+// (ledger S5-02, S2-47).
 //
-//   truth    the pose as it is, covariance 0.
-//   drift    the error in position that is quoted for a good inertial unit with a Doppler log: 0.5 % of the distance
+//   truth    the true pose, covariance 0.
+//   drift    the position error that is quoted for a good inertial unit with a Doppler log: 0.5 % of the distance
 //            (S5-02). The velocity has an error b, a Gauss-Markov process over the distance d travelled with
 //            correlation length L, so that the track stays smooth; per axis
 //              var(d) = 2 s^2 L (d - L (1 - exp(-d / L))),  var(1000 m) = (share x 1000 m)^2.
 //            Attitude and depth are exact. A GPS fix resets the error to that of the fix.
-//   sensors  readings only. Heading: Kalman filter of heading and gyro bias. Roll and pitch: gyro, pulled to the
+//   sensors  readings only. Heading: Kalman filter of heading and gyro bias. Roll and pitch: gyro, corrected by the
 //            attitude unit with a time constant of 2 s. Position: Kalman filter of (north, east, compass bias, scale
-//            error of the DVL, velocity that nothing measures: the current when the DVL tracks water, all of it when
-//            there is none); a fix by GPS or transponders updates it. A fix beyond 99.97 % of what the covariance
-//            allows is refused, the sixth in a row believed.
+//            error of the DVL, unmeasured velocity); GPS or transponder fixes update it. The unmeasured velocity is the
+//            current when the DVL tracks water, and the whole velocity when there is no DVL reading. The filter rejects
+//            a fix outside the 99.97 % gate of its covariance; the sixth such fix in a row resets the position to it.
 //
-// Covariance: of (position in W, rotation vector in B). Consistent when the errors of the sensors are as their
-// configuration and the `*_sigma` below say: the normalised squared error of north and east is 2.04 (2 expected) over
-// 1000 seeds of 160 s, 2.03 with transponder fixes, 2.06 on water track in an unknown current. A bias of roll, pitch,
-// depth or DVL is not accounted for. Cost with the sensors: 0.25 us a reading.
-// Readings that are not finite are ignored. Units SI, radians. One thread; allocates nothing after the first fixes.
+// Covariance: of (position in W, rotation vector in B). It is consistent if the errors of the sensors match their
+// configuration and the `*_sigma` below: the normalised squared error of north and east is 2.04 (2 expected) over
+// 1000 seeds of 160 s, 2.03 with transponder fixes, 2.06 on water track in an unknown current. It does not model a bias
+// of roll, pitch, depth or DVL. Cost with the sensors: 0.25 us per reading.
+// Non-finite readings are ignored. SI units, radians. One thread; allocates nothing after the first fixes.
 #pragma once
 
 #include <cstdint>
@@ -37,11 +37,11 @@ enum class NavigatorKind : std::uint8_t { kTruth, kDrift, kSensors };
 struct DeadReckoningConfig {
   NavigatorKind kind = NavigatorKind::kSensors;
   double rate_hz = 10;
-  double start_sigma = 0;  ///< m: how well the place of the start is known, each axis
+  double start_sigma = 0;  ///< m: standard deviation of the start position, each axis
   // drift
-  double drift_share = 0.005;  ///< standard deviation of each axis after 1000 m, as a share of them
+  double drift_share = 0.005;  ///< standard deviation of each axis after 1000 m, as a share of 1000 m
   double drift_length_m = 100;
-  // sensors: what their configuration does not say
+  // sensors: assumptions that their configuration does not state
   Angle compass_bias_sigma = Angle::degrees(1);
   double dvl_scale_sigma = 0.003;
   double current_sigma = 0.3;  ///< m/s, each axis
@@ -52,12 +52,12 @@ std::vector<Field> fields(DeadReckoningConfig& config);
 
 class DeadReckoning {
  public:
-  /// `data_sheet`: noise and rates of the sensors, which the navigator knows; their biases it does not read.
+  /// `data_sheet`: the navigator reads the noise and the rates of the sensors from it, but not their biases.
   DeadReckoning(const DeadReckoningConfig& config, const NavigationSensorsConfig& data_sheet, std::uint64_t seed);
 
-  /// The fixes due since the last call, up to and including `now`. `readings`: what has arrived since, oldest first;
-  /// one that is older than the last fix counts as made now. The kind `sensors` looks at the truth in the first call
-  /// only: that is where it is launched. Valid until the next call.
+  /// The fixes due since the last call, up to and including `now`. `readings`: those that have arrived since then,
+  /// oldest first; a reading older than the last fix counts as made at `now`. The kind `sensors` uses the truth in the
+  /// first call only, as the launch position. Valid until the next call.
   const std::vector<Navigation>& advance(Time now, const VehicleState& truth, std::span<const NavReading> readings);
 
  private:
@@ -87,26 +87,26 @@ class DeadReckoning {
   Random random_;
   Ticker ticker_;
   std::vector<Navigation> fixes_;
-  std::optional<Time> last_;  ///< call
+  std::optional<Time> last_;  ///< time of the last call
   VehicleState last_state_;
 
   // drift
   Eigen::Vector2d error_ = Eigen::Vector2d::Zero();       ///< m
-  Eigen::Vector2d error_rate_ = Eigen::Vector2d::Zero();  ///< m of error a metre travelled
+  Eigen::Vector2d error_rate_ = Eigen::Vector2d::Zero();  ///< m of error per metre travelled
   double rate_sigma_ = 0;
   double reset_variance_ = 0;  ///< m2, at the last reset
   double since_reset_m_ = 0;
 
   // sensors
-  Time time_ = {};                                     ///< of the estimate
-  Eigen::Vector2d heading_ = Eigen::Vector2d::Zero();  ///< heading as the compass has it, bias of the gyro
+  Time time_ = {};                                     ///< time of the estimate
+  Eigen::Vector2d heading_ = Eigen::Vector2d::Zero();  ///< heading as the compass reads it, bias of the gyro
   Eigen::Matrix2d heading_covariance_ = Eigen::Matrix2d::Zero();
   double roll_ = 0, pitch_ = 0;
   Vector6 x_ = Vector6::Zero();  ///< north, east, bias of the compass, scale error of the DVL, unmeasured velocity
   Matrix6 P_ = Matrix6::Zero();
   double depth_ = 0, depth_variance_ = 0;
   Eigen::Vector3d w_B_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d v_B_ = Eigen::Vector3d::Zero();  ///< as the DVL has it
+  Eigen::Vector3d v_B_ = Eigen::Vector3d::Zero();  ///< as the DVL reads it
   bool over_ground_ = true;
   Velocity velocity_ = Velocity::kOverGround;
   std::optional<Time> compass_at_, gyro_at_, dvl_at_;

@@ -14,12 +14,12 @@ using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kSurfaceLoss = 0.7;   // intensity kept in a bounce off a rough surface (APL-UW TR 9407, about 1.5 dB)
-constexpr double kLeastGain = 3e-5;    // of a receive beam: what is below is not heard
-constexpr double kLeastChange = 0.07;  // of range within a cell, that is worth cutting it
+constexpr double kLeastGain = 3e-5;    // gain of a receive beam below which an echo is ignored
+constexpr double kLeastChange = 0.07;  // relative change of range within a cell above which the cell is divided
 constexpr int kMostPieces = 64;
-constexpr double kTilt = 0.6;           // of the range: how far a cell may lean out of it, at most
-constexpr double kLoudestSurface = 16;  // sigma of a glint
-constexpr double kSmall = 4;            // a body below so many cells, in one direction, gets cells of its own
+constexpr double kTilt = 0.6;           // largest depth of a cell along the ray, as a share of the range
+constexpr double kLoudestSurface = 16;  // largest sigma of a glint
+constexpr double kSmall = 4;            // a body smaller than so many cells in one direction gets cells of its own
 
 double from_db(double db) { return std::pow(10, db / 10); }
 
@@ -27,7 +27,7 @@ struct Span {
   double near, far;
 };
 
-/// The ranges at which a cell meets the tangent plane of a surface that its ray meets at `range`. All in one frame.
+/// The ranges between which a cell meets the tangent plane of the surface at `range`. All vectors in one frame.
 Span span_of(const ViewCell& cell, double range, const Vector3d& u, const Vector3d& across, const Vector3d& up,
              const Vector3d& normal) {
   const double straight = normal.dot(u);
@@ -54,14 +54,14 @@ struct EchoFormer::State {
   const Water& water;
   int threads;
   double floor = 0;
-  std::vector<float> by_bin;  ///< gain of the receiver, 1 where it is largest
+  std::vector<float> by_bin;  ///< gain of the receiver, 1 at its largest
   FieldOfView view;
-  /// What came back in each direction, not yet through the receive patterns.
+  /// Echoes of each direction, before the receive patterns.
   struct Row {
     std::vector<float> power, strongest;
     std::vector<EchoLabel> labels;
-    float loudest = 0;           ///< as the receiver will have it
-    std::vector<double> volume;  ///< differences of (gain x solid angle) that looks through the water at a bin
+    float loudest = 0;           ///< after the gain of the receiver
+    std::vector<double> volume;  ///< differences along the bins of the (gain x solid angle) of open water
   };
   std::vector<Row> rows;
 
@@ -71,16 +71,16 @@ struct EchoFormer::State {
     double power;
     EchoLabel label;
   };
-  std::vector<Point> points;  ///< of small bodies
+  std::vector<Point> points;  ///< points of small bodies
 
-  // Of the ping at hand.
+  // State of the present ping.
   Pose X_WS;
   Eigen::Matrix3d R_WS = Eigen::Matrix3d::Identity();
   double head_reflection = 0;
   SeaSurface sea;
   double absorb = 0;                  ///< per metre, one way, natural
-  std::vector<double> back_from;      ///< of each bin: attenuation there and back
-  std::vector<bool> small;            ///< by body: it has cells of its own
+  std::vector<double> back_from;      ///< two-way attenuation of each bin
+  std::vector<bool> small;            ///< by body: whether it has cells of its own
   std::vector<Scatterer> scatterers;  ///< by target, from the bottom on
 
   State(const SonarConfig& c, const World& w, const Water& wa, int t)
@@ -100,13 +100,13 @@ struct EchoFormer::State {
     }
   }
 
-  /// A surface that is grazed lies at many ranges within one cell: it is cut along the elevation, by its tangent plane,
-  /// so that each piece has a range and a power of its own. Calls visit(piece, range, direction, up).
+  /// Within one cell a surface at grazing incidence spans many ranges. Its tangent plane is divided along the
+  /// elevation, and each piece has its own range and power. Calls visit(piece, range, direction, up).
   template <class Visit>
   void pieces(const ViewCell& cell, double range, const Vector3d& u, const Vector3d& up, const Vector3d& normal,
               const Visit& visit) const {
     const double straight = -normal.dot(u), across_up = std::abs(2 * cell.half_up * normal.dot(up));
-    // Beyond the window, all of it: kTilt and the speed of sound bring an echo nearer by less than one half.
+    // All of it is beyond the window: kTilt and the speed of sound bring an echo nearer by less than one half.
     if (straight * range > 2 * (config.range_m + config.resolution_m) * (straight + across_up)) return;
     const double change = across_up / std::max(straight, 1e-6);
     const double loudest = 0.003 * cell.gain * attenuation(2 * range) * cell.solid_angle / (range * range);
@@ -134,9 +134,9 @@ struct EchoFormer::State {
 
   [[nodiscard]] double bin_m() const { return config.range_m / config.bins; }
   [[nodiscard]] double attenuation(double path) const { return std::exp(-absorb * path); }
-  /// Nothing at these ranges, or twice as far, comes back within the window.
+  /// Whether all echoes at these ranges, and their multiples, lie beyond the window.
   [[nodiscard]] bool too_far(const Span& read) const { return read.near - config.resolution_m >= config.range_m; }
-  /// From metres to metres as the device reads them.
+  /// Factor from true range to the range that the device reads.
   [[nodiscard]] double stretch(double depth) const {
     return config.sound_speed / water.mean_sound_speed(X_WS.translation.z(), depth);
   }
@@ -181,7 +181,7 @@ struct EchoFormer::State {
     return scatterers[static_cast<std::size_t>(target - kBottom)];
   }
 
-  /// sigma where a ray along v meets a surface after `range` of path, for this cell.
+  /// sigma for this cell where a ray along v meets a surface after `range` of path.
   [[nodiscard]] double sigma_of(const ViewCell& cell, double range, const RayHit& hit, const Vector3d& v) const {
     const double size = std::max(2 * cell.half_across, 2 * cell.half_up);  // change of the ray within the cell, rad
     if (hit.curvature == 0) return scatterer(hit.target)(v, hit.normal, any_tangent(hit.normal), size, size);
@@ -195,7 +195,8 @@ struct EchoFormer::State {
     return std::abs(n.z()) < 0.7 ? Vector3d(-n.y(), n.x(), 0).normalized() : Vector3d(0, -n.z(), n.y()).normalized();
   }
 
-  /// Of what a cell meets after `range` of path, back the same way; the patterns of the way back not counted twice.
+  /// Power of the echo that a cell meets after `range` of path and that returns by the same path. `cell.gain` is
+  /// two-way, so the pattern is applied once.
   [[nodiscard]] double echo(const ViewCell& cell, double range, const RayHit& hit, const Vector3d& u) const {
     const double cosine = std::max(-hit.normal.dot(u), kLeastCosine);
     return cell.gain * attenuation(2 * range) * sigma_of(cell, range, hit, u) * cell.solid_angle /
@@ -221,7 +222,7 @@ struct EchoFormer::State {
     if (config.surface_bounce) go_on(cell, p, u, range, normal, kSurface, put);
   }
 
-  /// A multiple: wall, housing, wall. By the image law its amplitude is that of the first times R H / 2.
+  /// A multiple: wall, housing, wall. By the image law its amplitude is that of the first echo times R H / 2.
   template <class Put>
   void repeat(const ViewCell& cell, double range, const RayHit& hit, const Vector3d& u, const Span& read,
               const Put& put) const {
@@ -231,12 +232,12 @@ struct EchoFormer::State {
         EchoLabel(hit.target, EchoPath::kMultiple));
   }
 
-  /// The ray as it leaves a mirror after `first` metres, and what it meets then.
+  /// Traces the ray that a mirror reflects after `first` metres, and the echo that it meets.
   template <class Put>
   void go_on(const ViewCell& cell, const Vector3d& p, const Vector3d& u, double first, const Vector3d& mirror,
              int mirror_target, const Put& put) const {
     const double kept = reflection(mirror_target);
-    const double best = cell.gain * kept * attenuation(2 * first) * cell.solid_angle / (first * first);  // sigma of one
+    const double best = cell.gain * kept * attenuation(2 * first) * cell.solid_angle / (first * first);  // at sigma 1
     if (best < 0.01 * floor || first > config.range_m) return;
     const auto reflect = [&mirror](const Vector3d& v) -> Vector3d { return v - 2 * v.dot(mirror) * mirror; };
     const Vector3d q = p + first * u, v = reflect(u);
@@ -253,8 +254,8 @@ struct EchoFormer::State {
                                       : EchoPath::kBodyBounce;
   }
 
-  /// The two ways home of an echo that went out over a mirror: over it again, or straight (and both round the other
-  /// way).
+  /// The two return paths of an echo whose outward path was over a mirror: over the mirror again, or direct. The direct
+  /// path counts twice, since sound also takes it in the opposite sense.
   template <class Put>
   void follow(const ViewCell& cell, const Vector3d& p, const Vector3d& q, const Vector3d& v, double first,
               const RayHit& hit, const Vector3d& across_v, const Vector3d& up_v, double kept, EchoPath path,
@@ -302,12 +303,12 @@ struct EchoFormer::State {
     const double middle_bin = 0.5 * (a + b);
     const double slope = b - a > 2 ? std::min(3 / middle_bin, 1.8 / (b - a)) : 0;
     const int first = std::max(0, static_cast<int>(a)), last = std::min(config.bins - 1, static_cast<int>(b));
-    // Within a span the echo falls with range, as that of a grazed plane does: about with its third power.
-    // Many rays meet the same thing: what they bring together counts.
+    // Within a span the echo falls with about the third power of range, as that of a plane at grazing incidence.
+    // Many rays meet the same target: their powers add up.
     if (pulse > 0 || far - near > 1e-6) {
       return add_echo({a, b, middle_bin, slope, height_of, label}, first, last, power, strongest, labels);
     }
-    // A point lies in one bin.
+    // A point target lies in one bin.
     add_echo({double(first), first + 1.0, middle_bin, 0, height_of, label}, first, first, power, strongest, labels);
   }
 
@@ -354,7 +355,8 @@ struct EchoFormer::State {
     double left, right, low, high, nearest;
   };
 
-  /// The angles under which a box is seen; nothing where the sonar is inside or it surrounds the sonar.
+  /// The angles that a box spans as seen from the sonar; empty within 5 cm of it, or if it spans more than 90 degrees
+  /// of azimuth.
   [[nodiscard]] std::optional<Window> window_of(const Eigen::AlignedBox3d& box) const {
     if (box.exteriorDistance(X_WS.translation) < 0.05) return std::nullopt;
     const Vector3d middle = R_WS.transpose() * (box.center() - X_WS.translation);
@@ -370,7 +372,7 @@ struct EchoFormer::State {
       w.high = std::max(w.high, elevation);
     };
     for (int i = 0; i < 8; ++i) include(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)));
-    // A broad box is highest and lowest where it is nearest, between its corners.
+    // The elevation of a broad box is extreme at its nearest point, between its corners.
     Vector3d nearest = X_WS.translation.cwiseMax(box.min()).cwiseMin(box.max());
     for (const double z : {box.min().z(), box.max().z()}) {
       nearest.z() = z;
@@ -380,7 +382,7 @@ struct EchoFormer::State {
     return w;
   }
 
-  /// Whether anything of it could be heard: it is within range and height, and not too small for where the beams look.
+  /// Whether it could give an echo: it is within range and elevation, and near enough to the beams for its size.
   [[nodiscard]] bool seen(const Window& w) const {
     if (w.nearest > config.range_m || w.low > view.edges.back() || w.high < view.edges.front()) return false;
     const double aside = std::max({0.0, w.left - view.beams.back(), view.beams.front() - w.right});
@@ -389,7 +391,7 @@ struct EchoFormer::State {
     return kLoudestSurface * size / (w.nearest * w.nearest) * view.across.envelope(aside) > 0.1 * floor;
   }
 
-  /// Cells around one body. `mirror_z`: over the horizontal mirror at that depth, or NaN for straight.
+  /// Traces cells around one body. `mirror_z`: over the horizontal mirror at that depth, or NaN for the direct path.
   void look_at(int target, Window w, double mirror_z, int mirror_target) {
     const double pad_across = 0.02 * (w.right - w.left) + 1e-6, pad_up = 0.02 * (w.high - w.low) + 1e-6;
     w.left -= pad_across;
@@ -456,7 +458,7 @@ struct EchoFormer::State {
     }
   }
 
-  /// By way of a horizontal mirror: the surface, or the bottom taken as level at its depth below the sonar.
+  /// Traces a body over a horizontal mirror: the surface, or the bottom, taken as level at its depth below the sonar.
   void look_over(int target, const Eigen::AlignedBox3d& box, double mirror_z, int mirror_target) {
     Eigen::AlignedBox3d image = box;
     image.min().z() = 2 * mirror_z - box.max().z();
@@ -486,7 +488,7 @@ struct EchoFormer::State {
     const auto row_of = [this](const FieldOfView::Weight& w) -> const Row& {
       return rows[static_cast<std::size_t>(w.direction)];
     };
-    // A fan's beam hears the mean over the directions; a cell's solid angle is already in its power.
+    // A beam of a fan receives the weighted sum over the directions; a cell's power already includes its solid angle.
     scratch.rows.clear();
     scratch.gains.clear();
     for (const FieldOfView::Weight& w : heard) {
@@ -495,7 +497,7 @@ struct EchoFormer::State {
     }
     sum_rows(scratch.rows.data(), scratch.gains.data(), static_cast<int>(heard.size()), image.bins,
              image.rough.data() + start);
-    // Only what stands out of the background gets a label.
+    // Only echoes above the background get a label.
     scratch.rows.clear();
     scratch.gains.clear();
     scratch.loud.clear();
@@ -519,7 +521,7 @@ struct EchoFormer::State {
     for (std::size_t i = 0; i < points.size();) i = hear_body(i, beam, image, scratch);
   }
 
-  /// The points of one body by one path, from the first; returns where the next begin.
+  /// Adds the points of one body by one path, from index `first`; returns the index where the next body begins.
   std::size_t hear_body(std::size_t first, int beam, EchoImage& image, Scratch& scratch) const {
     const EchoLabel label = points[first].label;
     std::size_t end = first;

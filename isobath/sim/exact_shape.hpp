@@ -1,4 +1,4 @@
-// ExactShape: spheres, cylinders and the flat bottom, met by rays in closed form.
+// ExactShape: closed-form ray intersection with spheres, cylinders and the flat bottom.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -6,11 +6,11 @@
 
 namespace isobath {
 
-/// A shape with an intersection of its own.
+/// A shape with a closed-form intersection.
 struct ExactShape {
   enum class Kind { kSphere, kCylinder, kPlane } kind;
   Eigen::Vector3d centre, axis = Eigen::Vector3d::UnitZ();
-  double radius = 0, half = 0;  ///< of a plane: half is half its side
+  double radius = 0, half = 0;  ///< half: half the length of a cylinder, half the side of a plane
 
   [[nodiscard]] Eigen::AlignedBox3d box() const;
 };
@@ -20,7 +20,7 @@ struct Meeting {
   Eigen::Vector3d normal;
 };
 
-/// Where a ray from p along the unit vector u first meets the shape between two ranges; the normal points outwards.
+/// The first intersection of the ray from p along the unit vector u between two ranges; the normal points outwards.
 std::optional<Meeting> meet(const ExactShape& shape, const Eigen::Vector3d& p, const Eigen::Vector3d& u, double near,
                             double far);
 

@@ -12,12 +12,12 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr int kMostTaps = 64;         // to each side of a beam, or over a pulse
-constexpr double kMainLobe = 0.06;    // amplitude: what is below is left to side lobes
-constexpr double kLeastTap = 0.01;    // of the largest
-constexpr double kTextureStep = 0.5;  // m: between the ranges at which the texture is looked up
-constexpr int kTextureNodes = 40;     // from the sonar to its range, at most
-constexpr double kWaveSpeed = 0.046;  // rms of the surface's vertical motion, by wind
+constexpr int kMostTaps = 64;         // on each side of a beam, or over a pulse
+constexpr double kMainLobe = 0.06;    // amplitude below which the pattern is truncated: side lobes are left out
+constexpr double kLeastTap = 0.01;    // smallest tap kept, as a share of the largest
+constexpr double kTextureStep = 0.5;  // m: spacing of the ranges at which the texture is evaluated
+constexpr int kTextureNodes = 40;     // largest number from the sonar to its range
+constexpr double kWaveSpeed = 0.046;  // rms vertical speed of the surface, as a share of the wind speed
 
 float energy_of(const std::vector<float>& taps) {
   float energy = 0;
@@ -30,10 +30,10 @@ void to_unit_energy(std::vector<float>& taps) {
   for (float& tap : taps) tap *= scale;
 }
 
-/// Amplitude of a beam's main lobe and what is near it.
+/// Amplitude pattern of a beam.
 double amplitude(const BeamPattern& pattern, double off_axis) { return std::sqrt(pattern.gain(off_axis)); }
 
-/// R(d): of two beams at this angle.
+/// R(d): correlation of two beams at this angle.
 double overlap(const BeamPattern& pattern, double width, double angle) {
   const double step = width / 64, reach = 3 * width;
   double both = 0, one = 0;
@@ -44,8 +44,8 @@ double overlap(const BeamPattern& pattern, double width, double angle) {
   return both / one;
 }
 
-/// Symmetric filter over beams whose output correlates as the beams overlap. Beams denser than half their width sample
-/// the pattern well enough to be it; else its spectrum is the root of that of R.
+/// Symmetric filter over beams whose output correlates as the beams overlap. Beams spaced by at most half their width
+/// sample the pattern well enough to serve as taps; otherwise the filter's spectrum is the square root of that of R.
 std::vector<float> taps_across(const BeamPattern& pattern, double width, double spacing) {
   if (spacing <= 0 || spacing > 3 * width) return {1};
   std::vector<double> half{1};
@@ -75,7 +75,7 @@ std::vector<float> taps_across(const BeamPattern& pattern, double width, double 
   return taps;
 }
 
-/// A pulse of `length` bins; the last tap is what is left of it.
+/// A pulse of `length` bins; the last tap is the fractional remainder.
 std::vector<float> taps_in_range(double length) {
   std::vector<float> taps{1};
   for (double left = length - 1; left > 1e-6 && taps.size() < kMostTaps; left -= 1) {
@@ -120,7 +120,7 @@ FanFluctuations::FanFluctuations(const SonarConfig& c, double wind, std::uint64_
 
 // From ping to ping --------------------------------------------------------------------------------------------------
 
-/// Motion in the plane of the fan; a fan that also tilts has its plane of the moment.
+/// Motion in the plane of the fan; if the fan also tilts, in its plane at the previous ping.
 void FanFluctuations::follow(const Pose& X_WS) {
   turned_before_ = turned_;
   place_before_ = place_;
@@ -141,7 +141,8 @@ FanFluctuations::Passage FanFluctuations::passage(int row) const {
   const auto beams = [this](double turned) { return spacing_ > 0 ? std::lround(turned / spacing_) : 0; };
   const auto bins = [this](double distance) { return std::lround(distance / bin_m_); };
   const long now = beams(turned_), before = beams(turned_before_);
-  // Which way the row looks, as the nearest of directions that lie a beam apart: the same for the scatterers each time.
+  // The direction of the row, rounded to multiples of the beam spacing, so that scatterers keep theirs from ping to
+  // ping.
   const std::size_t taps_aside = (beam_taps_.size() - 1) / 2;
   const auto margin = static_cast<double>(taps_aside);
   const double look = first_azimuth_ + (row - margin) * spacing_ + static_cast<double>(now) * spacing_;
@@ -208,7 +209,7 @@ void FanFluctuations::filter(const std::vector<float>& white, int beam, std::vec
   }
   sum_rows(rows.data(), beam_taps_.data(), static_cast<int>(beam_taps_.size()), columns_, out.data());
   if (range_taps_.size() == 1) return;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(bins_); ++k) {  // each needs those after it alone: in place
+  for (std::size_t k = 0; k < static_cast<std::size_t>(bins_); ++k) {  // in place: a bin needs only later bins
     float sum = 0;
     for (std::size_t i = 0; i < range_taps_.size(); ++i) sum += range_taps_[i] * out[k + i];
     out[k] = sum;
@@ -243,7 +244,7 @@ void FanFluctuations::draw_texture(Time time, const Pose& X_WS) {
   }
 }
 
-/// Between nodes that are independent: weights of unit energy keep the law exact everywhere.
+/// Interpolates between independent nodes; weights of unit energy keep the distribution exact everywhere.
 void FanFluctuations::read_texture(int beam, std::vector<float>& out) const {
   const Texture& t = texture_;
   const double azimuth = first_azimuth_ + beam * spacing_;

@@ -5,7 +5,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "isobath/sim/fan_loops.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, which includes this file once an instruction set.
+// After foreach_target.h, which includes this file once per instruction set.
 #include <hwy/highway.h>
 #include <isobath/sim/fan_loops.hpp>
 
@@ -25,7 +25,7 @@ HWY_ATTR void sum_rows(const float* const* rows, const float* weights, int count
   int done = 0;
   if (size >= four) {
     while (done < size) {
-      const int k = std::min(done, size - four);  // the last four overlap those before
+      const int k = std::min(done, size - four);  // the last block overlaps the one before
       auto s0 = hn::Zero(d), s1 = s0, s2 = s0, s3 = s0;
       for (int i = 0; i < count; ++i) {
         const float* row = rows[i] + k;
@@ -89,7 +89,7 @@ HWY_ATTR float largest_product(const float* a, const float* b, int size) {
   return largest;
 }
 
-/// In several loops, so that compilers do several numbers at a time.
+/// Several loops, so that compilers vectorise them.
 HWY_ATTR void draw_normals(std::uint64_t seed, float* re, float* im, int count) {
   constexpr int kBlock = 256;
   constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;  // splitmix64, as in Random
@@ -149,7 +149,7 @@ HWY_ATTR void add_echo(const SpreadEcho& e, int first, int last, float* power, f
   const auto slope = hn::Set(d, e.slope), height = hn::Set(d, e.power);
   const auto label = hn::Set(di, e.label.code());
   const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int k = first; k <= last; k += lanes) {  // lanes behind the last bin have no share
+  for (int k = first; k <= last; k += lanes) {  // lanes beyond the last bin have no share
     const auto at = hn::Iota(d, static_cast<double>(k));
     const auto share = hn::Max(hn::Sub(hn::Min(far, hn::Add(at, one)), hn::Max(near, at)), zero);
     const auto lean = hn::Sub(one, hn::Mul(slope, hn::Sub(hn::Add(at, half), middle)));

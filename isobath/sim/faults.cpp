@@ -42,7 +42,7 @@ enum class SourceKind : std::uint8_t {
   kHost
 };
 
-/// The number in "sonar.2"; 0 without one, -1 for what is none of 1 .. 99 or VehicleFaults::kMaxThrusters.
+/// The number in "sonar.2"; 0 if there is none, -1 if it is not in 1 .. 99 (1 .. VehicleFaults::kMaxThrusters).
 int number_of(std::string_view source) {
   const auto dot = source.find('.');
   if (dot == std::string_view::npos) return 0;
@@ -100,7 +100,7 @@ bool fits(FaultKind kind, SourceKind source) {
   return false;
 }
 
-/// What the amount must be; empty where it is that. Kinds without an amount ask for 0: one that is given is a mistake.
+/// The allowed amounts of a kind; empty if `amount` is one of them. Kinds without an amount allow only 0.
 std::string wanted_amount(FaultKind kind, double amount) {
   const double size = std::abs(amount);
   switch (kind) {
@@ -127,18 +127,18 @@ void check_fault(const FaultConfig& f) {
   };
   const SourceKind source = kind_of(f.source);
   if (source == SourceKind::kUnknown) {
-    throw Error("\"" + f.source + "\" is no source", at("source"),
+    throw Error("unknown source \"" + f.source + "\"", at("source"),
                 "sonar, sonar.2 .., altimeter, altimeter.2 .., compass, ahrs, gyro, dvl, depth, gps, lbl, navigation, "
                 "thruster, thruster.1 .. thruster.16, vehicle, agent.NAME, link, health, disk or planner");
   }
   const std::string kind = to_text(f.kind);
-  if (!fits(f.kind, source)) throw Error(f.source + " cannot be " + kind, at("kind"));
+  if (!fits(f.kind, source)) throw Error(f.source + " cannot have the fault " + kind, at("kind"));
   if (const std::string wanted = wanted_amount(f.kind, f.amount); !wanted.empty()) {
-    throw Error("this amount makes no sense for " + kind, at("amount"), wanted);
+    throw Error("invalid amount for " + kind, at("amount"), wanted);
   }
   const bool may_period =
       (f.kind == FaultKind::kIntermittent && source != SourceKind::kLink) || f.kind == FaultKind::kBattery;
-  if (f.kind == FaultKind::kSlow && !(f.period_s > 0)) throw Error("missing for slow", at("period_s"), "above 0 s");
+  if (f.kind == FaultKind::kSlow && !(f.period_s > 0)) throw Error("slow needs a period", at("period_s"), "above 0 s");
   if (f.kind != FaultKind::kSlow && !may_period && f.period_s != 0) {
     throw Error(kind + " has no period", at("period_s"), "0");
   }
@@ -147,11 +147,11 @@ void check_fault(const FaultConfig& f) {
     throw Error("a time is out of range", at("at_s"), "0 .. 1e8 s");
   }
   if (!f.when.empty() && f.at_s != 0) {
-    throw Error("both an event and an instant", at("at_s"), "", "use after_s to wait after the event");
+    throw Error("an event and a time are both given", at("at_s"), "", "use after_s to wait after the event");
   }
 }
 
-// One value of each kind of reading drifts or is scaled; `other` makes garbage.
+// One value of each kind of reading is scaled or shifted.
 struct Scale {
   double factor;
   void operator()(CompassReading& r) const { r.heading = (r.heading * factor).wrapped(); }
@@ -176,7 +176,7 @@ struct Shift {
   void operator()(LblReading& r) const { r.north_east.x() += by; }
 };
 
-constexpr double kNotFiniteShare = 0.125;  // of garbage
+constexpr double kNotFiniteShare = 0.125;  // share of garbage values that are not finite
 
 double wild(Random& random, double size) {
   const double value = random.uniform(-size, size);
@@ -256,7 +256,7 @@ void store(std::byte* at, SampleType type, float value) {
   }
 }
 
-/// The ping with new samples: sample(beam, old value); the old ones are somebody else's.
+/// Replaces the samples of a ping by sample(beam, old value), in storage of its own; the old samples may be shared.
 template <class Sample>
 void replace_samples(Ping& ping, Sample sample) {
   const Intensities old = ping.intensity;
@@ -297,7 +297,7 @@ void hurt_sonar(Ping& ping, const FaultConfig& fault) {
 template <class T>
 void hurt_sonar(T&, const FaultConfig&) {}
 
-/// Last good content under the time (and, of a ping, the direction) of the present one.
+/// Gives the present reading the content of the held one. It keeps its own time, and a ping its own direction.
 template <class T>
 void repeat(const T& held, T& present) {
   const Time time = present.time;
@@ -305,7 +305,8 @@ void repeat(const T& held, T& present) {
   present.time = time;
 }
 void repeat(const Ping& held, Ping& present) {
-  // A head that goes on turning hears the same samples; another geometry cannot carry them.
+  // A scanning head keeps turning and repeats the samples. If the number of beams or bins has changed, the whole ping
+  // is repeated.
   if (held.intensity.beams() != present.intensity.beams() || held.window.bins != present.window.bins) {
     const Time time = present.time;
     present = held;
@@ -330,21 +331,22 @@ std::vector<Field> fields(FaultConfig& c) {
   return {
       Field::text(
           "source", &c.source,
-          "What breaks: a sensor (sonar, sonar.2, dvl, ...), thruster.2, vehicle, agent.NAME, link, health, disk or "
+          "What fails: a sensor (sonar, sonar.2, dvl, ...), thruster.2, vehicle, agent.NAME, link, health, disk or "
           "planner."),
-      Field::choice("kind", &c.kind, kinds(), "How it breaks."),
-      Field::real("at_s", &c.at_s, {0, 1e8}, "s", "When, from the start of the run."),
-      Field::text("when", &c.when, "Name of the event that it waits for instead; empty: none."),
-      Field::real("after_s", &c.after_s, {0, 1e8}, "s", "How long after that."),
-      Field::real("for_s", &c.for_s, {0, 1e8}, "s", "How long it lasts; 0: to the end."),
-      Field::real("amount", &c.amount, {}, "", "How much: a factor, share, number of seconds or rate, by its kind."),
+      Field::choice("kind", &c.kind, kinds(), "Kind of fault."),
+      Field::real("at_s", &c.at_s, {0, 1e8}, "s", "Start of the fault, from the start of the run."),
+      Field::text("when", &c.when, "Name of an event that starts the fault instead of at_s; empty: none."),
+      Field::real("after_s", &c.after_s, {0, 1e8}, "s", "Delay after at_s or after the event."),
+      Field::real("for_s", &c.for_s, {0, 1e8}, "s", "Duration; 0: to the end of the run."),
+      Field::real("amount", &c.amount, {}, "",
+                  "Size of the fault: a factor, a share, seconds or a rate, depending on the kind."),
       Field::real("period_s", &c.period_s, {0, 1e8}, "s",
-                  "Period of a slow or intermittent one; how long a loss takes."),
+                  "Period of a slow or intermittent fault; duration of a loss of charge."),
   };
 }
 
 SectionList section_list(std::vector<FaultConfig>& faults) {
-  return {"fault", "What breaks, and when.", [&faults](const Place& place) {
+  return {"fault", "A fault: what fails, how and when.", [&faults](const Place& place) {
             FaultConfig& fault = faults.emplace_back();
             fault.place = place;
             return fields(fault);
@@ -384,7 +386,7 @@ VehicleFaults FaultSchedule::vehicle_faults(Time now) const {
   all.thrust_share.fill(1);
   for (std::size_t i = 0; i < faults_.size(); ++i) {
     const FaultConfig& f = faults_[i];
-    if (f.kind == FaultKind::kBattery && begin_[i] && now >= *begin_[i]) {  // what is lost stays lost
+    if (f.kind == FaultKind::kBattery && begin_[i] && now >= *begin_[i]) {  // lost charge stays lost
       double held = to_seconds(now - *begin_[i]);
       if (f.for_s > 0) held = std::min(held, f.for_s);
       all.battery_lost += f.amount * (f.period_s > 0 ? std::min(1.0, held / f.period_s) : 1.0);

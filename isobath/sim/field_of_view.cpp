@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kScanningCells = 9, kSkirt = 5;
-constexpr double kLeastGain = 1e-4;  // of a receive beam: what is below is not heard
+constexpr double kLeastGain = 1e-4;  // gain of a receive beam below which a direction is ignored
 
 }  // namespace
 
@@ -36,7 +36,7 @@ FieldOfView::FieldOfView(const SonarConfig& c)
   hearing = across.reach(1e-4);
 }
 
-/// Elevations: most rays over one and a half heights, a few beyond, where side lobes hear.
+/// Divides the elevations: most rays within 1.5 beam heights, a few beyond for the side lobes.
 void FieldOfView::cut_heights(const SonarConfig& config) {
   const double half = 0.5 * config.height.radians();
   const bool ideal = config.height_pattern == PatternKind::kIdeal;
@@ -73,7 +73,7 @@ void FieldOfView::cut_single(const SonarConfig& config) {
   const bool ideal = config.pattern == PatternKind::kIdeal;
   const double inner = std::min(ideal ? half : 3 * half, kPi / 2);
   cell_across = 2 * inner / kScanningCells;
-  std::vector<std::pair<double, double>> skirt;  // growing cells, out to where the beam does not hear
+  std::vector<std::pair<double, double>> skirt;  // growing cells, out to where the gain is negligible
   const double outer = ideal ? inner : std::min(across.reach(1e-4), 0.9 * kPi);
   double at = inner, size = 2 * cell_across;
   while (at < outer && static_cast<int>(skirt.size()) < kSkirt) {

@@ -10,7 +10,7 @@ namespace {
 constexpr double kMost = 6;  // standard deviations
 constexpr int kSteps = 1200;
 
-/// P(X <= x) and P(X > x) for the Gamma law of scale 1, each to its own precision.
+/// P(X <= x) and P(X > x) for the Gamma law of scale 1, each to its own relative precision.
 struct Tails {
   double below, above;
 };
@@ -22,7 +22,7 @@ Tails tails(double shape, double x) {
     for (int n = 1; n < 1000 && term > 1e-15 * sum; ++n) sum += term *= x / (shape + n);
     return {front * sum, 1 - front * sum};
   }
-  double b = x + 1 - shape, c = 1e300, d = 1 / b, fraction = d;  // Lentz
+  double b = x + 1 - shape, c = 1e300, d = 1 / b, fraction = d;  // Lentz's method
   for (int i = 1; i < 1000; ++i) {
     const double a = -i * (i - shape);
     b += 2;
@@ -38,7 +38,7 @@ Tails tails(double shape, double x) {
 
 std::vector<float> gamma_quantiles(double shape) {
   std::vector<float> table;
-  double lowest = -700;  // logarithms: small shapes reach very small numbers
+  double lowest = -700;  // logarithms: small shapes have very small quantiles
   for (int i = 0; i <= kSteps; ++i) {
     const double g = kMost * (2.0 * i / kSteps - 1);
     const double wanted = 0.5 * std::erfc(std::abs(g) / std::numbers::sqrt2);

@@ -1,4 +1,4 @@
-// Terrain and files become triangles here: the only place that knows GDAL and Assimp.
+// Mesh files: meshes of terrain, rasters and mesh files. Only this file uses GDAL and Assimp.
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
@@ -23,7 +23,7 @@ using Eigen::Vector3i;
 
 constexpr int kMostCells = 4'000'000;
 
-/// A regular net of rows x columns vertices.
+/// A regular grid of rows x columns vertices.
 TriangleMesh net(int rows, int columns, const std::function<Vector3d(int, int)>& vertex) {
   TriangleMesh mesh;
   mesh.vertices.reserve(static_cast<std::size_t>(rows) * columns);
@@ -47,8 +47,8 @@ TriangleMesh net(int rows, int columns, const std::function<Vector3d(int, int)>&
 
 }  // namespace
 
-// Waves of many lengths and directions, their height falling with their length: a natural bottom has a power spectrum
-// of about k^-3 (Fox and Hayes 1985). The sum is normalised to the rms height asked for.
+// Sum of waves of many lengths and directions whose height falls with their length: a natural bottom has a power
+// spectrum of about k^-3 (Fox and Hayes 1985). The sum is normalised to the requested rms height.
 TriangleMesh terrain_mesh(const BottomConfig& c) {
   constexpr int kWaves = 48;
   struct Wave {
@@ -89,9 +89,10 @@ TriangleMesh raster_mesh(const BottomConfig& c) {
   }();
   (void)kRegistered;
   const std::unique_ptr<GDALDataset> data(GDALDataset::Open(c.file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
-  if (!data || data->GetRasterCount() < 1) refuse(c.place, "file", "no raster that GDAL can read: " + c.file);
+  if (!data || data->GetRasterCount() < 1)
+    refuse(c.place, "file", "GDAL cannot read a raster from this file: " + c.file);
   std::array<double, 6> t{};
-  if (data->GetGeoTransform(t.data()) != CE_None) refuse(c.place, "file", "the raster says not where it lies");
+  if (data->GetGeoTransform(t.data()) != CE_None) refuse(c.place, "file", "the raster has no georeference");
   GDALRasterBand* band = data->GetRasterBand(1);
   const int columns = band->GetXSize(), rows = band->GetYSize();
   const int every = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(columns) * rows / kMostCells)));
@@ -123,7 +124,7 @@ TriangleMesh raster_mesh(const BottomConfig& c) {
   });
   if (empty > 0 && !c.allow_holes) {
     refuse(c.place, "file", fmt::format("the bottom has holes: {} of {} cells hold no data", empty, values.size()),
-           "cut a whole piece out, or set allow_holes = true");
+           "crop the raster to a part without holes, or set allow_holes = true");
   }
   std::erase_if(mesh.triangles, [&mesh](const Vector3i& tri) {
     return std::isnan(mesh.vertices[tri[0]].z() + mesh.vertices[tri[1]].z() + mesh.vertices[tri[2]].z());
@@ -139,13 +140,13 @@ TriangleMesh load_mesh(const std::string& file, double scale, const Place& place
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                                                           aiComponent_COLORS | aiComponent_TEXCOORDS |
                                                           aiComponent_MATERIALS | aiComponent_TEXTURES);
-  // Assimp turns COLLADA's axes to y up; the file's own axes are wanted.
+  // Assimp turns COLLADA's axes to y up; this keeps the axes of the file.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene =
       importer.ReadFile(file, aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_PreTransformVertices |
                                   aiProcess_JoinIdenticalVertices | aiProcess_FindDegenerates);
   if (!scene || scene->mNumMeshes == 0) {
-    refuse(place, "file", fmt::format("no mesh that can be read: {} ({})", file, importer.GetErrorString()));
+    refuse(place, "file", fmt::format("no readable mesh: {} ({})", file, importer.GetErrorString()));
   }
   TriangleMesh mesh;
   for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
@@ -154,7 +155,7 @@ TriangleMesh load_mesh(const std::string& file, double scale, const Place& place
     for (unsigned v = 0; v < part.mNumVertices; ++v) {
       const aiVector3D& p = part.mVertices[v];
       const Vector3f vertex = Vector3f(p.x, p.y, p.z) * static_cast<float>(scale);
-      if (!vertex.allFinite()) refuse(place, "file", "a vertex that is no number: " + file);
+      if (!vertex.allFinite()) refuse(place, "file", "a vertex is not finite: " + file);
       mesh.vertices.push_back(vertex);
     }
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
@@ -165,12 +166,12 @@ TriangleMesh load_mesh(const std::string& file, double scale, const Place& place
                                Vector3i::Constant(base));
     }
   }
-  if (mesh.triangles.empty()) refuse(place, "file", "a mesh without triangles: " + file);
+  if (mesh.triangles.empty()) refuse(place, "file", "the mesh has no triangles: " + file);
   return mesh;
 }
 
 int holes(const TriangleMesh& mesh) {
-  // Vertices at the same place, to a millimetre, become one.
+  // Vertices at the same position, to a millimetre, become one.
   std::map<std::array<long, 3>, int> places;
   std::vector<int> same(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -185,7 +186,7 @@ int holes(const TriangleMesh& mesh) {
       if (a != b) ++edges[std::minmax(a, b)];
     }
   }
-  std::unordered_map<int, std::vector<int>> border;  // an edge of one triangle alone
+  std::unordered_map<int, std::vector<int>> border;  // edges of a single triangle
   for (const auto& [edge, uses] : edges) {
     if (uses != 1) continue;
     border[edge.first].push_back(edge.second);
@@ -195,7 +196,7 @@ int holes(const TriangleMesh& mesh) {
   std::map<int, bool> seen;
   for (const auto& [start, next] : border) {
     if (seen[start]) continue;
-    bool closed = true;  // a fin, a triangle that hangs on an edge of two others, has a border that does not close
+    bool closed = true;  // the border of a fin (a triangle attached to an edge of two others) does not close
     std::vector<int> open{start};
     while (!open.empty()) {
       const int at = open.back();

@@ -7,11 +7,11 @@ namespace {
 
 enum Index { kCompass, kAhrs, kGyro, kDvl, kDepth, kGps, kLbl };
 
-/// Every sensor has these; what is peculiar to it stands behind them.
+/// The settings that all sensors have, then the sensor's own.
 std::vector<Field> with_common(bool* on, double* rate_hz, double* dropout, std::vector<Field> own) {
   std::vector<Field> all = {
-      Field::flag("on", on, "Whether the vehicle carries it."),
-      Field::real("rate_hz", rate_hz, {0.001, 1000}, "Hz", "Readings a second."),
+      Field::flag("on", on, "Whether the vehicle carries this sensor."),
+      Field::real("rate_hz", rate_hz, {0.001, 1000}, "Hz", "Readings per second."),
       Field::real("dropout", dropout, {0, 1}, "1", "Probability that a reading is lost."),
   };
   all.insert(all.end(), own.begin(), own.end());
@@ -19,7 +19,7 @@ std::vector<Field> with_common(bool* on, double* rate_hz, double* dropout, std::
 }
 
 Eigen::Vector3d normal3(Random& random) {
-  const double x = random.normal();  // one by one: the order of arguments is the compiler's
+  const double x = random.normal();  // one by one: the compiler chooses the order of arguments
   const double y = random.normal();
   const double z = random.normal();
   return {x, y, z};
@@ -35,18 +35,19 @@ double deviation_deg(const std::array<double, 5>& abcde, Angle psi) {
 }
 
 VehicleState between(const VehicleState& a, const VehicleState& b, double share) {
-  if (share >= 1) return b;  // bit for bit
+  if (share >= 1) return b;  // exact, bit for bit
   return {interpolate(a.X_WB, b.X_WB, share), a.v_B + (b.v_B - a.v_B) * share, a.w_B + (b.w_B - a.w_B) * share};
 }
 
 }  // namespace
 
 std::vector<Field> fields(CompassConfig& c) {
-  return with_common(&c.on, &c.rate_hz, &c.dropout,
-                     {Field::degrees("bias_deg", &c.bias, {-180, 180}, "Constant error of the heading."),
-                      Field::degrees("noise_deg", &c.noise, {0, 90}, "Standard deviation of a reading."),
-                      Field::numbers("deviation_deg", c.deviation_deg.data(), 5, {-90, 90}, "deg",
-                                     "A, B, C, D, E: error A + B sin + C cos + D sin 2 + E cos 2 of the heading.")});
+  return with_common(
+      &c.on, &c.rate_hz, &c.dropout,
+      {Field::degrees("bias_deg", &c.bias, {-180, 180}, "Constant error of the heading."),
+       Field::degrees("noise_deg", &c.noise, {0, 90}, "Standard deviation of a reading."),
+       Field::numbers("deviation_deg", c.deviation_deg.data(), 5, {-90, 90}, "deg",
+                      "Deviation A, B, C, D, E: error A + B sin + C cos + D sin 2 + E cos 2 of the heading.")});
 }
 std::vector<Field> fields(AttitudeConfig& c) {
   return with_common(&c.on, &c.rate_hz, &c.dropout,
@@ -58,42 +59,45 @@ std::vector<Field> fields(GyroConfig& c) {
   return with_common(&c.on, &c.rate_hz, &c.dropout,
                      {Field::numbers("bias", c.bias.data(), 3, {-1, 1}, "rad/s", "Bias at the start, each axis of B."),
                       Field::real("bias_walk", &c.bias_walk, {0, 1}, "rad/s/sqrt(s)",
-                                  "Standard deviation that the bias has walked after one second."),
+                                  "Random walk of the bias: standard deviation after one second."),
                       Field::real("noise", &c.noise, {0, 1}, "rad/s", "Standard deviation of a reading.")});
 }
 std::vector<Field> fields(DvlConfig& c) {
   return with_common(
       &c.on, &c.rate_hz, &c.dropout,
-      {Field::real("scale_error", &c.scale_error, {-0.5, 0.5}, "1", "Share by which speeds read too high."),
+      {Field::real("scale_error", &c.scale_error, {-0.5, 0.5}, "1",
+                   "Scale error: share by which speeds read too high."),
        Field::numbers("bias", c.bias.data(), 3, {-5, 5}, "m/s", "Constant error, each axis of B."),
        Field::real("noise", &c.noise, {0, 5}, "m/s", "Standard deviation of a reading, each axis."),
-       Field::real("min_altitude_m", &c.min_altitude_m, {0, 1000}, "m", "Nearer to the bottom there is no reading."),
-       Field::real("max_altitude_m", &c.max_altitude_m, {0, 1000}, "m", "Farther from the bottom it is lost."),
-       Field::flag("water_track", &c.water_track, "Whether it measures through the water when the bottom is lost.")});
+       Field::real("min_altitude_m", &c.min_altitude_m, {0, 1000}, "m", "Minimum altitude of a bottom track."),
+       Field::real("max_altitude_m", &c.max_altitude_m, {0, 1000}, "m", "Maximum altitude of a bottom track."),
+       Field::flag("water_track", &c.water_track, "Whether the DVL tracks the water when it has no bottom track.")});
 }
 std::vector<Field> fields(DepthConfig& c) {
   return with_common(&c.on, &c.rate_hz, &c.dropout,
                      {Field::real("bias", &c.bias, {-100, 100}, "m", "Constant error."),
                       Field::real("noise", &c.noise, {0, 100}, "m", "Standard deviation of a reading."),
-                      Field::real("step", &c.step, {0, 10}, "m", "Readings are rounded to its multiples; 0: not.")});
+                      Field::real("step", &c.step, {0, 10}, "m",
+                                  "Resolution: readings are rounded to multiples of it; 0: no rounding.")});
 }
 std::vector<Field> fields(GpsConfig& c) {
   return with_common(
       &c.on, &c.rate_hz, &c.dropout,
       {Field::numbers("bias", c.bias.data(), 2, {-1000, 1000}, "m", "Constant error north and east."),
        Field::real("noise", &c.noise, {0, 1000}, "m", "Standard deviation of a fix, each axis."),
-       Field::real("max_depth_m", &c.max_depth_m, {0, 10}, "m", "Deeper there is no fix."),
+       Field::real("max_depth_m", &c.max_depth_m, {0, 10}, "m", "Maximum depth of a fix."),
        Field::real("first_fix_s", &c.first_fix_s, {0, 3600}, "s", "Time from surfacing to the first fix.")});
 }
 std::vector<Field> fields(LblConfig& c) {
   return with_common(
       &c.on, &c.rate_hz, &c.dropout,
-      {Field::rows("transponders", &c.transponders, 3, {-1e6, 1e6}, "m", "North, east and depth of each."),
+      {Field::rows("transponders", &c.transponders, 3, {-1e6, 1e6}, "m", "North, east and depth of each transponder."),
        Field::real("noise", &c.noise, {0, 1000}, "m", "Standard deviation of a range."),
-       Field::real("outlier_share", &c.outlier_share, {0, 1}, "1", "Share of ranges that came by a detour."),
-       Field::real("outlier_m", &c.outlier_m, {0, 10000}, "m", "The longest detour."),
-       Field::real("max_range_m", &c.max_range_m, {0, 100000}, "m", "Farther transponders are not heard."),
-       Field::real("sound_speed", &c.sound_speed, {1300, 1700}, "m/s", "What the device takes for granted.")});
+       Field::real("outlier_share", &c.outlier_share, {0, 1}, "1",
+                   "Share of ranges that are outliers, too long by a reflected path."),
+       Field::real("outlier_m", &c.outlier_m, {0, 10000}, "m", "Largest excess of an outlier."),
+       Field::real("max_range_m", &c.max_range_m, {0, 100000}, "m", "Maximum range to a transponder."),
+       Field::real("sound_speed", &c.sound_speed, {1300, 1700}, "m/s", "Speed of sound that the device assumes.")});
 }
 std::vector<Section> sections(NavigationSensorsConfig& c) {
   return {{"compass", "Heading.", fields(c.compass)},
@@ -120,7 +124,7 @@ NavigationSensors::NavigationSensors(const NavigationSensorsConfig& config, std:
   add("dvl", c.dvl.on, c.dvl.rate_hz, c.dvl.dropout);
   add("depth", c.depth.on, c.depth.rate_hz, c.depth.dropout);
   add("gps", c.gps.on, c.gps.rate_hz, c.gps.dropout);
-  add("lbl", c.lbl.on, c.lbl.rate_hz, 0);  // of the lbl ranges are lost, not fixes
+  add("lbl", c.lbl.on, c.lbl.rate_hz, 0);  // LBL loses single ranges, not fixes
   ranges_.reserve(config.lbl.transponders.size() / 3);
 }
 
@@ -159,7 +163,7 @@ const std::vector<NavReading>& NavigationSensors::advance(Time now, const Vehicl
   return readings_;
 }
 
-// Every reading draws its random numbers whether it is kept or not, so that gates do not shift the later ones.
+// Each reading draws its random numbers whether it is kept or not, so that gates do not change later readings.
 void NavigationSensors::measure(Sensor& sensor, int index, Time time, const VehicleState& state,
                                 const NavigationScene& scene) {
   Random& random = sensor.random;
@@ -236,7 +240,7 @@ std::optional<LblReading> NavigationSensors::measure_lbl(Random& random, const V
                          (detour ? longer : 0.0);
     if (!lost && range > 0 && range <= lbl.max_range_m) ranges_.push_back({p_WT, range});
   }
-  // Two ranges, or transponders on a line, leave a mirror image: no fix, lest it depend on an older one.
+  // Two ranges, or transponders on a line, leave a mirror ambiguity: no fix, so that it never depends on an older one.
   const auto fix = trilaterate(ranges_, {state.X_WB.translation.z(), std::max(lbl.noise, 1e-9)});
   if (!fix) {
     ++lbl_refusals_;

@@ -1,16 +1,18 @@
-// NavigationSensors: what compass, attitude unit, gyro, velocity log (DVL), pressure gauge, GPS and long-baseline
-// transponders of a vehicle would say, made from the truth (ledger S5-02, S2-47, S1-10, S6-22).
+// NavigationSensors: simulated readings of a vehicle's compass, attitude unit, gyro, velocity log (DVL), pressure
+// gauge, GPS and long-baseline transponders, made from the truth (ledger S5-02, S2-47, S1-10, S6-22).
 //
-// Errors: reading = truth + bias + white noise, and what is peculiar to a sensor:
+// Errors: reading = truth + bias + white noise, and for each sensor:
 //   compass  deviation A + B sin psi + C cos psi + D sin 2 psi + E cos 2 psi, added to the true heading psi
-//   gyro     bias that walks at random; the rotation of the Earth is left out
-//   DVL      over ground, scaled, only between two altitudes; below the bottom's reach, if wanted, through the water
+//   gyro     bias with a random walk; the rotation of the Earth is left out
+//   DVL      velocity over ground with a scale error, only between two altitudes; if wanted, velocity through the water
+//            when the bottom is out of reach
 //   depth    rounded to steps
-//   GPS      only near the surface, and only after it has been there for a while
-//   LBL      ranges by travel time under an assumed speed of sound, now and then late by a detour; a least-squares fix
-//            in the plane from at least three of them (its own pressure gauge counts as exact), or none
+//   GPS      only near the surface, and only some time after surfacing
+//   LBL      ranges by travel time under an assumed speed of sound, some of them outliers by a longer path; at least
+//            three ranges give a least-squares fix in the plane (the depth counts as exact), fewer give none
 // Each sensor has its own clock (reading n is due n / rate after the start, to the nanosecond, without drift) and its
-// own stream of random numbers, which no setting of another sensor touches. Levers between B and a sensor are left out.
+// own stream of random numbers, which does not depend on the settings of other sensors. Lever arms between B and a
+// sensor are left out.
 // Units: SI, radians; frames W and B. One thread. Allocates nothing after the first fixes. Cost: see DeadReckoning.
 #pragma once
 
@@ -54,7 +56,7 @@ struct GpsReading {
 struct LblReading {
   Eigen::Vector2d north_east = Eigen::Vector2d::Zero();  ///< m
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m2, from the geometry and the noise of a range
-  double residual = 0;  ///< m, its expected square is the variance of a range; a gross range shows up here
+  double residual = 0;  ///< m; its expected square is the variance of a range, so an outlier shows up here
   int ranges = 0;
 };
 
@@ -70,7 +72,7 @@ struct CompassConfig {
   double rate_hz = 10;
   Angle bias;
   Angle noise = Angle::degrees(0.5);
-  double dropout = 0;  ///< probability that a reading is lost; the same for all
+  double dropout = 0;  ///< probability that a reading is lost; the same for all sensors
   std::array<double, 5> deviation_deg = {0, 0, 0, 0, 0};
 };
 struct AttitudeConfig {
@@ -119,13 +121,13 @@ struct GpsConfig {
 struct LblConfig {
   bool on = false;
   double rate_hz = 1 / 0.6;          ///< S2-47
-  std::vector<double> transponders;  ///< north, east, depth of each
-  double noise = 1;                  ///< m, of a range
-  double outlier_share = 0.01;       ///< ranges by a detour
-  double outlier_m = 20;             ///< the longest detour
+  std::vector<double> transponders;  ///< north, east, depth of each transponder
+  double noise = 1;                  ///< m, standard deviation of a range
+  double outlier_share = 0.01;       ///< share of ranges with an outlier
+  double outlier_m = 20;             ///< largest excess of an outlier
   double max_range_m = 1500;
-  double sound_speed = 1500;  ///< m/s that the device takes for granted
-  double dropout = 0;         ///< of a range
+  double sound_speed = 1500;  ///< m/s that the device assumes
+  double dropout = 0;         ///< probability that a range is lost
 };
 struct NavigationSensorsConfig {
   CompassConfig compass;
@@ -147,14 +149,14 @@ std::vector<Field> fields(LblConfig& config);
 /// [compass], [ahrs], [gyro], [dvl], [depth], [gps], [lbl].
 std::vector<Section> sections(NavigationSensorsConfig& config);
 
-/// What the sensors feel of their surroundings.
+/// The surroundings of the sensors.
 struct NavigationScene {
-  std::optional<double> altitude_m;                     ///< of B above the bottom; empty: no bottom within reach
+  std::optional<double> altitude_m;                     ///< height of B above the bottom; empty: no bottom in reach
   double sound_speed = 1500;                            ///< m/s
-  Eigen::Vector3d current_W = Eigen::Vector3d::Zero();  ///< of the water over ground, m/s
+  Eigen::Vector3d current_W = Eigen::Vector3d::Zero();  ///< velocity of the water over ground, m/s
 };
 
-/// Regular instants on the logical clock: number n is due n / rate after the start, rounded to the nanosecond.
+/// Regular times on the logical clock: number n is due n / rate after the start, rounded to the nanosecond.
 class Ticker {
  public:
   Ticker() = default;
@@ -172,10 +174,10 @@ class NavigationSensors {
  public:
   NavigationSensors(const NavigationSensorsConfig& config, std::uint64_t seed);
 
-  /// The readings due since the last call, up to and including `now`, in order of time; the first call starts all
-  /// clocks. Between two calls the truth is interpolated. Valid until the next call.
+  /// The readings due since the last call, up to and including `now`, in order of time. The first call starts all
+  /// clocks. The truth is interpolated between two calls. Valid until the next call.
   const std::vector<NavReading>& advance(Time now, const VehicleState& truth, const NavigationScene& scene);
-  /// Transponder rounds without a fix, up to now.
+  /// Number of LBL rounds without a fix so far.
   [[nodiscard]] int lbl_refusals() const { return lbl_refusals_; }
 
  private:
@@ -199,7 +201,7 @@ class NavigationSensors {
   std::vector<TransponderRange> ranges_;
   std::optional<Time> last_;
   VehicleState last_state_;
-  std::optional<Time> surfaced_;  ///< at the surface since
+  std::optional<Time> surfaced_;  ///< time of surfacing
   int lbl_refusals_ = 0;
 };
 

@@ -19,7 +19,7 @@ bool within_arc(const SectionArc& arc, const Vector2d& from_centre) {
   return at - kTurn * std::floor(at / kTurn) <= arc.sweep.radians();
 }
 
-/// What lines and arcs span.
+/// Bounding box of the lines and arcs.
 Eigen::AlignedBox2d box_about(const std::vector<SectionLine>& lines, const std::vector<SectionArc>& arcs) {
   Eigen::AlignedBox2d box;
   for (const SectionLine& line : lines) box.extend(line.a).extend(line.b);
@@ -35,8 +35,8 @@ Eigen::AlignedBox2d box_about(const std::vector<SectionLine>& lines, const std::
   return box;
 }
 
-/// Second bounces, and echoes of nothing: Poisson's, so that a beam has none with exp(-rate). Draws the same count of
-/// numbers for every beam.
+/// Adds multiples and false echoes. The false echoes are a Poisson process: a beam has none with probability
+/// exp(-rate). Draws the same number of random numbers for each beam.
 void add_false_echoes(const SectionSonarConfig& config, Random& random, SectionReading& reading) {
   const bool bounces = random.uniform() < config.multiple_share;
   const bool clutter = random.uniform() < 1 - std::exp(-config.clutter_per_turn / config.beams);
@@ -112,20 +112,21 @@ std::optional<SectionHit> PlaneSection::cast(const Vector2d& p, const Vector2d& 
 std::vector<Field> fields(SectionSonarConfig& c) {
   using Pick = SectionSonarConfig::Pick;
   return {
-      Field::integer("beams", &c.beams, {1, 3600}, "beams", "In a turn."),
+      Field::integer("beams", &c.beams, {1, 3600}, "beams", "Beams per turn."),
       Field::degrees("beam_width_deg", &c.beam_width, {0.1, 60}, "Half-power width of a beam."),
-      Field::integer("rays", &c.rays, {1, 1001}, "rays", "Side by side in a beam."),
+      Field::integer("rays", &c.rays, {1, 1001}, "rays", "Rays per beam, side by side."),
       Field::choice("pick", &c.pick, {{"nearest", Pick::kNearest}, {"strongest", Pick::kStrongest}},
-                    "Which of them is the reading."),
-      Field::real("range_m", &c.range_m, {0.1, 2000}, "m", "How far it hears."),
-      Field::real("sigma_m", &c.sigma_m, {0, 10}, "m", "Standard deviation of a range, at least."),
+                    "Which ray of a beam gives the reading."),
+      Field::real("range_m", &c.range_m, {0.1, 2000}, "m", "Maximum range."),
+      Field::real("sigma_m", &c.sigma_m, {0, 10}, "m", "Minimum standard deviation of a range."),
       Field::real("sigma_share", &c.sigma_share, {0, 0.2}, "1", "Standard deviation of a range, as a share of it."),
       Field::degrees("sigma_deg", &c.sigma, {0, 30}, "Standard deviation of a bearing."),
       Field::flag("noise", &c.noise, "Whether readings have errors."),
       Field::real("multiple_share", &c.multiple_share, {0, 1}, "1",
-                  "Of surfaces that are met squarely: those reported at twice their range."),
-      Field::degrees("multiple_cone_deg", &c.multiple_cone, {0, 90}, "How squarely, at most."),
-      Field::real("clutter_per_turn", &c.clutter_per_turn, {0, 1000}, "echoes", "False ones, anywhere in range."),
+                  "Share of hits near normal incidence that are reported at twice their range."),
+      Field::degrees("multiple_cone_deg", &c.multiple_cone, {0, 90}, "Largest incidence of these hits."),
+      Field::real("clutter_per_turn", &c.clutter_per_turn, {0, 1000}, "echoes",
+                  "False echoes per turn, at random ranges."),
   };
 }
 
@@ -149,7 +150,7 @@ std::vector<SectionReading> scan(const PlaneSection& section, const Vector2d& p,
       reading.range_m = hit->range;
     }
     if (config.noise) {
-      // drawn whether there is an echo or not: what one beam hears does not change the next one's errors
+      // Drawn with or without an echo, so that a beam's echo does not change the errors of the next beams.
       const double in_range = random.normal();
       const double in_angle = random.normal();
       reading.bearing = (reading.bearing + config.sigma * in_angle).wrapped_positive();
@@ -166,15 +167,15 @@ std::vector<SectionReading> scan(const PlaneSection& section, const Vector2d& p,
 
 ScanPath scan_path(const Scene& scene, int count, Random& random) {
   std::vector<Eigen::Vector3d> corners{scene.vehicle.start};
-  std::vector<double> at{0};  // along the way
+  std::vector<double> at{0};  // distance along the path
   for (const WaypointConfig& w : scene.waypoints) {
     corners.emplace_back(w.north, w.east, w.depth);
     at.push_back(at.back() + (corners.back() - corners[corners.size() - 2]).head<2>().norm());
   }
   if (corners.size() < 2 || !(at.back() > 0)) {
-    throw Error("the vehicle goes nowhere", scene.vehicle.place, "at least one [[waypoint]] apart from the start");
+    throw Error("the vehicle has no path", scene.vehicle.place, "at least one [[waypoint]] apart from the start");
   }
-  constexpr int kPartsOfLeg = 20;  // between two scans: the dive is drawn, too
+  constexpr int kPartsOfLeg = 20;  // parts between two scans, so that the path shows the dive
   const int parts = std::max(1, count - 1) * kPartsOfLeg;
   const double speed = scene.vehicle.speed > 0 ? scene.vehicle.speed : 1;
   ScanPath made;
@@ -186,7 +187,7 @@ ScanPath scan_path(const Scene& scene, int count, Random& random) {
     const double share = at[leg] > at[leg - 1] ? (way - at[leg - 1]) / (at[leg] - at[leg - 1]) : 0;
     Eigen::Vector3d p = corners[leg - 1] + share * (corners[leg] - corners[leg - 1]);
     const Eigen::Vector2d along = (corners[leg] - corners[leg - 1]).head<2>();
-    // slow noise: it keeps half of itself from one scan to the next
+    // slow noise: correlation 0.5 from one scan to the next
     const double keep = std::pow(0.5, 1.0 / kPartsOfLeg);
     noise = keep * noise + std::sqrt(1 - keep * keep) * scene.vehicle.dive_noise * random.normal();
     const double phase = kTurn * way / speed / scene.vehicle.dive_period_s;

@@ -13,64 +13,73 @@ constexpr Range kLength{1e-3, 1e4};
 constexpr Range kDepth{-100, 12000};
 
 std::vector<Field> about_fields(SceneConfig& c) {
-  return {Field::text("title", &c.title, "What it is."),
-          Field::text("text", &c.text, "What happens in it, and where it comes from."),
-          Field::integer("seed", &c.seed, {0, 2147483647}, "", "Seed of every random number."),
+  return {Field::text("title", &c.title, "Title of the scene."),
+          Field::text("text", &c.text, "Description of the scene and its source."),
+          Field::integer("seed", &c.seed, {0, 2147483647}, "", "Seed of all random numbers."),
           Field::real("duration_s", &c.duration_s, {0.1, 1e6}, "s", "Length of the run."),
-          Field::real("latitude_deg", &c.latitude_deg, {-80, 80}, "deg", "Of the origin; with longitude 0: nowhere."),
-          Field::real("longitude_deg", &c.longitude_deg, {-180, 180}, "deg", "Of the origin.")};
+          Field::real("latitude_deg", &c.latitude_deg, {-80, 80}, "deg",
+                      "Latitude of the origin; if the longitude is 0 too: not georeferenced."),
+          Field::real("longitude_deg", &c.longitude_deg, {-180, 180}, "deg", "Longitude of the origin.")};
 }
 
 std::vector<Field> material_fields(Material& m) {
-  return {Field::text("name", &m.name, "What bodies call it; a listed name is replaced."),
-          Field::real("lambert_db", &m.lambert_db, {-80, 0}, "dB", "Lambert backscatter, 10 log10 mu."),
-          Field::real("reflection_db", &m.reflection_db, {-80, 0}, "dB", "Reflection at normal incidence."),
-          Field::real("roughness", &m.roughness, {0.03, 1}, "rad", "Root mean square slope: the breadth of a glint.")};
+  return {
+      Field::text("name", &m.name, "Name by which bodies refer to it; replaces a listed material of the same name."),
+      Field::real("lambert_db", &m.lambert_db, {-80, 0}, "dB", "Lambert backscatter, 10 log10 mu."),
+      Field::real("reflection_db", &m.reflection_db, {-80, 0}, "dB", "Reflection at normal incidence."),
+      Field::real("roughness", &m.roughness, {0.03, 1}, "rad",
+                  "Root mean square slope; a larger one broadens the glint.")};
 }
 
 std::vector<Field> bottom_fields(BottomConfig& c) {
   using K = BottomKind;
-  return {
-      Field::choice("kind", &c.kind,
-                    {{"none", K::kNone},
-                     {"flat", K::kFlat},
-                     {"terrain", K::kTerrain},
-                     {"raster", K::kRaster},
-                     {"mesh", K::kMesh}},
-                    "What the bottom is."),
-      Field::text("material", &c.material, "Material of the bottom."),
-      Field::real("depth", &c.depth, kDepth, "m", "Of a flat bottom; mean of a terrain; added to a raster or mesh."),
-      Field::real("extent_m", &c.extent_m, {1, 20000}, "m", "Half the side of a flat bottom or a terrain."),
-      Field::real("cell_m", &c.cell_m, {0.05, 1000}, "m", "Cell of a terrain."),
-      Field::real("relief_m", &c.relief_m, {0, 1000}, "m", "Root mean square height of a terrain."),
-      Field::real("wavelength_m", &c.wavelength_m, {0.5, 10000}, "m", "Longest wave of a terrain."),
-      Field::numbers("slope", c.slope.data(), 2, {-2, 2}, "1", "Depth gained a metre to the north and to the east."),
-      Field::integer("seed", &c.seed, {0, 2147483647}, "", "Seed of a terrain."),
-      Field::file("file", &c.file, "Raster (GeoTIFF, BAG, ...) or mesh (.dae, .stl, .obj, .ply)."),
-      Field::flag("elevation", &c.elevation, "Whether a raster counts upwards; false: depths."),
-      Field::flag("centred", &c.centred, "Whether the scene's origin is the middle of the raster or mesh."),
-      Field::numbers("origin", c.origin.data(), 2, {-1e9, 1e9}, "m or deg",
-                     "Else: easting and northing (or longitude and latitude) of the scene's origin."),
-      Field::real("scale", &c.scale, {1e-6, 1e6}, "1", "Of a mesh."),
-      Field::flag("allow_holes", &c.allow_holes, "Whether a bottom with holes is taken.")};
+  return {Field::choice("kind", &c.kind,
+                        {{"none", K::kNone},
+                         {"flat", K::kFlat},
+                         {"terrain", K::kTerrain},
+                         {"raster", K::kRaster},
+                         {"mesh", K::kMesh}},
+                        "Kind of bottom."),
+          Field::text("material", &c.material, "Material of the bottom."),
+          Field::real("depth", &c.depth, kDepth, "m",
+                      "Depth of a flat bottom; mean depth of a terrain; added to the depths of a raster or mesh."),
+          Field::real("extent_m", &c.extent_m, {1, 20000}, "m",
+                      "Half the side of a flat bottom or a terrain, centred on the origin."),
+          Field::real("cell_m", &c.cell_m, {0.05, 1000}, "m", "Cell size of a terrain."),
+          Field::real("relief_m", &c.relief_m, {0, 1000}, "m", "Root mean square height of a terrain."),
+          Field::real("wavelength_m", &c.wavelength_m, {0.5, 10000}, "m", "Longest wavelength of a terrain."),
+          Field::numbers("slope", c.slope.data(), 2, {-2, 2}, "1",
+                         "Terrain: increase of depth per metre to the north and to the east."),
+          Field::integer("seed", &c.seed, {0, 2147483647}, "", "Seed of a terrain."),
+          Field::file("file", &c.file, "Raster (GeoTIFF, BAG, ...) or mesh (.dae, .stl, .obj, .ply)."),
+          Field::flag("elevation", &c.elevation, "Whether raster values are heights; false: depths."),
+          Field::flag("centred", &c.centred, "Whether the scene's origin is the middle of the raster or mesh."),
+          Field::numbers("origin", c.origin.data(), 2, {-1e9, 1e9}, "m or deg",
+                         "If not centred: easting and northing (or longitude and latitude) of the scene's origin."),
+          Field::real("scale", &c.scale, {1e-6, 1e6}, "1", "Scale of a mesh."),
+          Field::flag("allow_holes", &c.allow_holes, "Whether a bottom with holes is accepted.")};
 }
 
 std::vector<Field> vehicle_fields(VehicleConfig& c) {
-  return {Field::file("file", &c.file, "Vehicle file; none: a point that follows the way-points exactly."),
-          Field::flag("dynamic", &c.dynamic, "Six degrees of freedom; false: follows its set-points within limits."),
-          Field::numbers("start", c.start.data(), 3, kMetres, "m", "North, east, depth."),
-          Field::degrees("heading_deg", &c.heading, {-360, 360}, "Heading at the start."),
-          Field::real("speed", &c.speed, {0, 10}, "m/s", "Through the water."),
-          Field::real("dive_amplitude", &c.dive_amplitude, {0, 1000}, "m", "A sine in depth on top of the way-points."),
-          Field::real("dive_period_s", &c.dive_period_s, {1, 1e5}, "s", "Its period."),
-          Field::real("dive_noise", &c.dive_noise, {0, 100}, "m", "Root mean square of a slow noise on top of it."),
-          Field::real("endurance_h", &c.endurance_h, {0.01, 1e4}, "h", "How long a full battery lasts.")};
+  return {
+      Field::file("file", &c.file, "Vehicle file; empty: a point that follows the way-points exactly."),
+      Field::flag("dynamic", &c.dynamic,
+                  "Whether the vehicle has six degrees of freedom; false: it follows its set-points within limits."),
+      Field::numbers("start", c.start.data(), 3, kMetres, "m", "Start position: north, east, depth."),
+      Field::degrees("heading_deg", &c.heading, {-360, 360}, "Heading at the start."),
+      Field::real("speed", &c.speed, {0, 10}, "m/s", "Speed through the water."),
+      Field::real("dive_amplitude", &c.dive_amplitude, {0, 1000}, "m",
+                  "Amplitude of a sine that is added to the depth of the way-points."),
+      Field::real("dive_period_s", &c.dive_period_s, {1, 1e5}, "s", "Period of this sine."),
+      Field::real("dive_noise", &c.dive_noise, {0, 100}, "m",
+                  "Root mean square of slow noise that is added to the depth."),
+      Field::real("endurance_h", &c.endurance_h, {0.01, 1e4}, "h", "Endurance on a full battery.")};
 }
 
 std::vector<Field> waypoint_fields(WaypointConfig& c) {
   return {Field::real("north", &c.north, kMetres, "m", "North."), Field::real("east", &c.east, kMetres, "m", "East."),
           Field::real("depth", &c.depth, {0, 12000}, "m", "Depth."),
-          Field::real("speed", &c.speed, {0, 10}, "m/s", "0: the vehicle's.")};
+          Field::real("speed", &c.speed, {0, 10}, "m/s", "Speed; 0: the vehicle's speed.")};
 }
 
 std::vector<Field> shape_fields(Cylinder& s) {
@@ -95,7 +104,7 @@ std::vector<Field> shape_fields(Wall& s) {
           Field::real("top", &s.top, kDepth, "m", "Depth of the top."),
           Field::real("bottom", &s.bottom, kDepth, "m", "Depth of the foot."),
           Field::degrees("batter_deg", &s.batter, {-80, 80},
-                         "From the vertical; the foot stands out to the right, seen along the line.")};
+                         "Slope against the vertical; the foot is offset to the right, seen along the line.")};
 }
 std::vector<Field> shape_fields(Prism& s) {
   return {Field::rows("lines", &s.lines, 4, kMetres, "m", "Segments: north, east, north, east."),
@@ -103,12 +112,13 @@ std::vector<Field> shape_fields(Prism& s) {
                       "Arcs: north, east, radius, first and last direction clockwise from north."),
           Field::real("top", &s.top, kDepth, "m", "Depth of the top."),
           Field::real("bottom", &s.bottom, kDepth, "m", "Depth of the foot."),
-          Field::real("bottom_scale", &s.bottom_scale, {0.01, 100}, "1", "Size at the foot, about the middle.")};
+          Field::real("bottom_scale", &s.bottom_scale, {0.01, 100}, "1",
+                      "Scale of the foot against the top, about the middle.")};
 }
 std::vector<Field> shape_fields(Pylons& s) {
-  return {Field::numbers("first", s.first.data(), 2, kMetres, "m", "North, east of the first."),
-          Field::numbers("step", s.step.data(), 2, kMetres, "m", "To the next."),
-          Field::integer("count", &s.count, {1, 1000}, "", "How many."),
+  return {Field::numbers("first", s.first.data(), 2, kMetres, "m", "North, east of the first pylon."),
+          Field::numbers("step", s.step.data(), 2, kMetres, "m", "Offset to the next pylon."),
+          Field::integer("count", &s.count, {1, 1000}, "", "Number of pylons."),
           Field::real("radius", &s.radius, kLength, "m", "Radius."),
           Field::real("top", &s.top, kDepth, "m", "Depth of the top."),
           Field::real("bottom", &s.bottom, kDepth, "m", "Depth of the foot.")};
@@ -119,8 +129,8 @@ std::vector<Field> shape_fields(Mesh& s) {
           Field::degrees("heading_deg", &s.heading, {-360, 360}, "Heading."),
           Field::degrees("pitch_deg", &s.pitch, {-90, 90}, "Pitch."),
           Field::degrees("roll_deg", &s.roll, {-180, 180}, "Roll."),
-          Field::real("scale", &s.scale, {1e-6, 1e6}, "1", "Metres a unit."),
-          Field::flag("z_up", &s.z_up, "Its axes are east, north, up; false: north, east, down.")};
+          Field::real("scale", &s.scale, {1e-6, 1e6}, "1", "Metres per unit of the file."),
+          Field::flag("z_up", &s.z_up, "Whether the axes of the file are east, north, up; false: north, east, down.")};
 }
 
 template <class Shape>
@@ -132,15 +142,15 @@ SectionList body_list(Scene& scene, std::string name, std::string sentence) {
             body.shape = Shape{};
             body.name = fmt::format("{} {}", name, std::count_if(scene.bodies.begin(), scene.bodies.end(), like));
             std::vector<Field> all = shape_fields(std::get<Shape>(body.shape));
-            all.insert(all.begin(), Field::text("name", &body.name, "What reports call it."));
-            all.push_back(Field::text("material", &body.material, "A listed material, or one of the file's own."));
+            all.insert(all.begin(), Field::text("name", &body.name, "Name in reports."));
+            all.push_back(Field::text("material", &body.material, "Material: a listed one, or one of this file."));
             all.push_back(Field::rows("path", &body.path, 4, {-1e6, 1e6}, "s, m, m, m",
-                                      "If it moves: time, north, east, depth of its reference point."));
+                                      "Path of a moving body: time, north, east, depth of its reference point."));
             return all;
           }};
 }
 
-/// What single fields cannot see.
+/// Checks that concern several fields.
 [[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed) {
   place.key += "." + key;
   throw Error(problem, place, allowed);
@@ -211,7 +221,7 @@ void check_scene(Scene& scene) {
     check(scene.sonars[i]);
     for (std::size_t j = 0; j < i; ++j) {
       if (scene.sonars[i].name == scene.sonars[j].name) {
-        refuse(scene.sonars[i].place, "name", "a second sonar of this name: " + scene.sonars[i].name, "another name");
+        refuse(scene.sonars[i].place, "name", "two sonars have this name: " + scene.sonars[i].name, "another name");
       }
     }
   }
@@ -248,7 +258,7 @@ void switch_off(Scene& scene, const std::string& sonar) {
     s.on = false;
     found = true;
   }
-  if (!found) throw Error("no sonar of the scene is named " + sonar, {.file = scene.file}, names);
+  if (!found) throw Error("the scene has no sonar named " + sonar, {.file = scene.file}, names);
 }
 
 std::vector<std::string> fault_names(const std::vector<SonarConfig>& sonars) {
@@ -264,22 +274,22 @@ std::vector<std::string> fault_names(const std::vector<SonarConfig>& sonars) {
 
 Schema schema(Scene& s) {
   Schema all;
-  all.sections = {{"scene", "What the scene is about.", about_fields(s.about)},
-                  {"water", "The water and what it does to sound.", fields(s.water)},
+  all.sections = {{"scene", "The scene.", about_fields(s.about)},
+                  {"water", "The water and its acoustic properties.", fields(s.water)},
                   {"bottom", "The bottom.", bottom_fields(s.bottom)},
                   {"vehicle", "The vehicle that carries the sonars.", vehicle_fields(s.vehicle)},
-                  {"navigation", "How the vehicle knows where it is.", fields(s.navigator)}};
+                  {"navigation", "The navigator of the vehicle.", fields(s.navigator)}};
   for (Section& section : sections(s.navigation)) all.sections.push_back(std::move(section));
-  all.lists = {{"material", "A material of the scene's own.",
+  all.lists = {{"material", "A material defined by the scene.",
                 [&s](const Place&) { return material_fields(s.materials.emplace_back()); }},
                body_list<Cylinder>(s, "cylinder", "A cylinder."),
                body_list<Sphere>(s, "sphere", "A sphere."),
                body_list<Box>(s, "box", "A box."),
-               body_list<Wall>(s, "wall", "A wall over a polyline."),
-               body_list<Prism>(s, "prism", "Upright sheets over segments and arcs."),
+               body_list<Wall>(s, "wall", "A wall along a polyline."),
+               body_list<Prism>(s, "prism", "Upright sheets along segments and arcs."),
                body_list<Pylons>(s, "pylons", "A row of upright cylinders."),
                body_list<Mesh>(s, "mesh", "A mesh from a file."),
-               {"waypoint", "Where the vehicle goes, one after the other.",
+               {"waypoint", "A way-point of the vehicle; it visits them in order.",
                 [&s](const Place&) { return waypoint_fields(s.waypoints.emplace_back()); }},
                {"sonar", "A sonar of the vehicle.",
                 [&s](const Place& place) {
@@ -305,7 +315,7 @@ Scene parse_scene(std::string_view text, const std::string& file, Schema& more) 
   std::move(more.sections.begin(), more.sections.end(), std::back_inserter(all.sections));
   std::move(more.lists.begin(), more.lists.end(), std::back_inserter(all.lists));
   read_toml(text, file, all);
-  more.sections.assign(all.sections.begin() + own, all.sections.end());  // now with their places
+  more.sections.assign(all.sections.begin() + own, all.sections.end());  // now with their positions in the file
   scene.water_place = all.sections[1].place;
   scene.bottom.place = all.sections[2].place;
   scene.vehicle.place = all.sections[3].place;

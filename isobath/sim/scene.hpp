@@ -1,8 +1,10 @@
-// Scene: what a simulation is about, as a file says it. World (world.hpp) is the same as geometry that rays can meet.
+// Scene: the content of a scene file: water, bottom, bodies, vehicle, sonars, sensors and faults. World (world.hpp) is
+// its geometry for ray casting.
 //
-// Files are TOML and strict: an unknown key, a value out of range, a missing file is an Error with line and column.
-// Positions are in W (north, east, depth), metres; the water surface is depth 0. A body with a path moves: rows of time
-// (s), north, east, depth of its reference point, straight between rows, still before the first and after the last.
+// Files are TOML and strict: an unknown key, a value out of range or a missing file is an Error with line and column.
+// Positions are in W (north, east, depth), metres; the water surface is depth 0. A body with a path moves. The path has
+// rows of time (s), north, east, depth of the body's reference point. The body moves in straight lines between rows and
+// rests before the first and after the last.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,10 +23,10 @@
 
 namespace isobath {
 
-/// How a surface answers sound (at the frequencies of imaging sonars).
+/// Acoustic properties of a surface at the frequencies of imaging sonars.
 ///
 /// Backscatter: mu cos^2 (Lambert) plus the Kirchhoff facet law R^2 / (8 pi s^2) sec^4 exp(-tan^2 / 2 s^2) of a surface
-/// with slopes s, whose integral over a sphere is the textbook a^2 R^2 / 4 and over a plane the mirror image (Urick
+/// with slopes s. Its integral over a sphere is the textbook a^2 R^2 / 4, that over a plane is the mirror image (Urick
 /// 1983; Jackson and Richardson 2007). Listed values: bottoms after APL-UW TR 9407 for high frequency, rounded; others
 /// estimated from impedance.
 struct Material {
@@ -48,13 +50,13 @@ struct Box {
   Eigen::Vector3d centre = {0, 0, 0}, size = {1, 1, 1};
   Angle heading, pitch, roll;
 };
-/// A sheet over a polyline; with a batter its foot stands out to the right, seen along the line.
+/// A sheet along a polyline. With a batter its foot is offset to the right, seen along the line.
 struct Wall {
   std::vector<double> line;  ///< rows of north, east
   double top = 0, bottom = 10;
   Angle batter;  ///< from the vertical
 };
-/// Sheets over line segments and arcs, the same from top to bottom but for a scale about the centre (S4-31, S4-34).
+/// Sheets along line segments and arcs; from top to bottom they change only by a scale about the centre (S4-31, S4-34).
 struct Prism {
   std::vector<double> lines;  ///< rows of north, east, north, east
   std::vector<double> arcs;   ///< rows of north, east, radius, first and last direction (deg, clockwise from north)
@@ -88,32 +90,33 @@ struct BottomConfig {
   Place place;
   BottomKind kind = BottomKind::kNone;
   std::string material = "sand";
-  double depth = 10;                       ///< flat; mean of terrain; what is added to a raster or a mesh
-  double extent_m = 500;                   ///< half the side of flat and terrain, about the origin
+  double depth = 10;                       ///< flat: depth; terrain: mean depth; raster or mesh: added to its depths
+  double extent_m = 500;                   ///< flat, terrain: half the side, centred on the origin
   double cell_m = 2;                       ///< terrain
   double relief_m = 2, wavelength_m = 60;  ///< terrain: rms height and longest wave
-  Eigen::Vector2d slope = {0, 0};          ///< terrain: depth gained a metre to the north and to the east
+  Eigen::Vector2d slope = {0, 0};          ///< terrain: increase of depth per metre north and east
   int seed = 1;                            ///< terrain
   std::string file;                        ///< raster or mesh
-  bool elevation = true;                   ///< raster values are up; false: depths
+  bool elevation = true;                   ///< raster: values are heights; false: depths
   Eigen::Vector2d origin = {0, 0};         ///< raster: easting, northing (or longitude, latitude) of W's origin
-  bool centred = true;                     ///< raster, mesh: W's origin is its middle; false: `origin`
+  bool centred = true;                     ///< raster, mesh: W's origin is the middle; false: `origin`
   double scale = 1;                        ///< mesh
   bool allow_holes = false;
 };
 
 struct VehicleConfig {
   Place place;
-  std::string file;  ///< vehicle file; empty: a body of half a metre that turns at once
+  std::string file;  ///< vehicle file; empty: a body of half a metre that turns instantly
   bool dynamic = false;
   Eigen::Vector3d start = {0, 0, 1};
   Angle heading;
   double speed = 1.5;
   double dive_amplitude = 0, dive_period_s = 60, dive_noise = 0;  ///< sine in depth (S4-35)
-  double endurance_h = 8;                                         ///< of a full battery
+  double endurance_h = 8;                                         ///< endurance on a full battery
 };
 
-/// What faults call the sonars: images are "sonar", "sonar.2" ... in the order of the file, ranges "altimeter" ...
+/// The names of the sonars in faults: imaging sonars are "sonar", "sonar.2" ... in the order of the file, range sonars
+/// "altimeter" ...
 std::vector<std::string> fault_names(const std::vector<SonarConfig>& sonars);
 
 struct WaypointConfig {
@@ -124,7 +127,7 @@ struct SceneConfig {
   std::string title = "a scene", text;
   int seed = 1;
   double duration_s = 60;
-  double latitude_deg = 0, longitude_deg = 0;  ///< of W's origin; both 0: not on the globe
+  double latitude_deg = 0, longitude_deg = 0;  ///< position of W's origin; both 0: not georeferenced
 };
 
 struct Scene {
@@ -143,24 +146,24 @@ struct Scene {
   std::vector<FaultConfig> faults;
 
   [[nodiscard]] const Material* material(const std::string& name) const;
-  /// Of W on the globe; empty where the scene is nowhere.
+  /// Geographic origin of W; empty if the scene is not georeferenced.
   [[nodiscard]] std::optional<GeoOrigin> origin() const;
 };
 
-/// Throws Error where no sonar of the scene is named so.
+/// Throws Error if the scene has no sonar of this name.
 void switch_off(Scene& scene, const std::string& sonar);
 
-/// Bound to `scene`, which must outlive it.
+/// The schema writes to `scene`, which must outlive it.
 Schema schema(Scene& scene);
 /// Throws Error with line and column.
 Scene load_scene(const std::string& file);
 Scene parse_scene(std::string_view text, const std::string& file);
-/// The same for a file that holds more than a scene: `more` is read along with it.
+/// The same for a file that holds more than a scene: `more` is read too.
 Scene parse_scene(std::string_view text, const std::string& file, Schema& more);
-/// Whether a file is a scene, by its first bytes: TOML that has a [scene] section.
+/// Whether a file is a scene, by its first bytes: TOML with a [scene] section.
 bool looks_like_scene(std::string_view head);
 
-/// Where a body that moves stands at t seconds, relative to the first row of its path.
+/// Displacement of a moving body at t seconds from the first row of its path.
 Eigen::Vector3d displacement(const Body& body, double t_s);
 
 }  // namespace isobath

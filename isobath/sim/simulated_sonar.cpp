@@ -13,10 +13,10 @@ namespace {
 constexpr double kRayleighSpread = 0.5227;  // standard deviation over mean
 constexpr double kRayleighMean = 1.2533;    // mean over scale, sqrt(pi / 2)
 
-constexpr double kFullScale = 255;  // counts, in which everything is reckoned before the samples are packed
+constexpr double kFullScale = 255;  // counts: the scale of all computations before the samples are packed
 double full_scale_of(SampleType type) { return type == SampleType::kU16 ? 65535 : kFullScale; }
 
-/// Second column of rows {x, y}, linear between rows; 1 without rows.
+/// y at x from rows {x, y}, linear between rows; 1 without rows.
 double factor_at(const std::vector<double>& rows, double x) {
   if (rows.size() < 4) return 1;
   if (x <= rows[0]) return rows[1];
@@ -100,7 +100,7 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
   const double sector = config.sector.degrees(), step = config.step.degrees();
   const bool whole = sector > 360 - 0.5 * step;
   const int steps = whole ? static_cast<int>(std::lround(sector / step))
-                          : static_cast<int>(std::floor(sector / step + 1e-6)) + 1;  // none looks beyond the sector
+                          : static_cast<int>(std::floor(sector / step + 1e-6)) + 1;  // no step outside the sector
   for (int i = 0; i < steps; ++i) {
     fan.azimuth[0] = Angle::degrees(whole ? i * step : (i - 0.5 * (steps - 1)) * step);
     fans_.push_back(std::make_shared<const BeamFan>(fan));
@@ -117,7 +117,7 @@ Angle SimulatedSonar::head_azimuth(std::uint64_t number) const {
   if (steps == 1) return fans_[0]->azimuth[0];
   const bool whole = config_.sector.degrees() > 360 - 0.5 * config_.step.degrees();
   if (whole) return fans_[number % steps]->azimuth[0];
-  const std::uint64_t cycle = number % (2 * steps - 2);  // there and back, the ends once each
+  const std::uint64_t cycle = number % (2 * steps - 2);  // forth and back, each end once
   return fans_[cycle < steps ? cycle : 2 * steps - 2 - cycle]->azimuth[0];
 }
 
@@ -137,8 +137,8 @@ SimulatedSonar::Disturbances SimulatedSonar::draw(Random random) const {
   return now;
 }
 
-/// One sample: the background with an echo in it, of which one part fluctuates (mean power, counts^2) and one does not.
-/// Speckle and a Rayleigh or K background are sums of many small waves: so is what they make together (Goodman 1975).
+/// One sample: the background plus a fluctuating echo (mean power, counts^2) and a steady echo (amplitude). Speckle and
+/// a Rayleigh or K background are sums of many small waves, and so is their sum (Goodman 1975).
 double SimulatedSonar::sample(Random& random, double mean, double fluctuating, double steady) const {
   const bool envelope = config_.noise == BackgroundLaw::kRayleigh || config_.noise == BackgroundLaw::kK;
   if (!envelope) {
@@ -163,7 +163,7 @@ double SimulatedSonar::sample(Random& random, double mean, double fluctuating, d
   return std::hypot(steady + scale * x, scale * y);
 }
 
-/// The same with chance from elsewhere: background and speckle are waves of their own, which add up.
+/// The same with the random fields of `shared`: background and speckle are separate waves, which add up.
 double SimulatedSonar::sample(const FanFluctuations::Row& shared, std::size_t bin, double mean, double fluctuating,
                               double steady) const {
   const double noise_re = static_cast<double>(shared.noise_re[bin]);
@@ -202,12 +202,13 @@ void SimulatedSonar::fill(int beam, Random random, Random speckle, const FanFluc
     done = fill_fast(beam, *shared, amplitudes, samples, labels);
   }
   const auto fill_one = [&](int k) { fill_bin(beam, k, random, speckle, shared, now, samples[k], labels[k]); };
-  int k = 0;  // the transmission rings in the first bins
+  int k = 0;  // the transmit pulse rings in the first bins
   for (; k < config_.bins && (k + 0.5) * (config_.range_m / config_.bins) < config_.blind_m; ++k) fill_one(k);
   for (k = std::max(k, done); k < config_.bins; ++k) fill_one(k);
 }
 
-/// The bins of a fan without disturbances, most of them: as fill_bin would, many at a time. How many it did.
+/// Fills most bins of a fan's beam that has no disturbances, with the result of fill_bin but vectorised. Returns how
+/// many bins it has filled, from the first.
 int SimulatedSonar::fill_fast(int beam, const FanFluctuations::Row& shared, std::vector<double>& amplitudes,
                               float* samples, EchoLabel* labels) const {
   const std::size_t start = static_cast<std::size_t>(beam) * static_cast<std::size_t>(config_.bins);
@@ -254,7 +255,7 @@ void SimulatedSonar::fill_bin(int beam, int k, Random& random, Random& speckle, 
   double rough = gain2 * static_cast<double>(image_.rough[at]) + diffuse;
   double steady2 = gain2 * static_cast<double>(image_.steady[at]);
   double fluctuating = 0;
-  // Still speckle: a number a bin, used or not, so that the same bin of the next turn finds the same one.
+  // Still speckle: one number per bin, used or not, so that the same bin has the same number in the next turn.
   if (config_.still && config_.speckle) {
     const auto i = static_cast<std::size_t>(k);
     rough *= shared ? static_cast<double>(shared->speckle_re[i] * shared->speckle_re[i] +
@@ -352,7 +353,7 @@ SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::ui
 void SimulatedSonar::pick_ranges(const Ping& ping, Output& out) const {
   const int blind = static_cast<int>(std::ceil(config_.blind_m / ping.window.bin_m));
   for (int b = 0; b < ping.fan->beams(); ++b) {
-    // From samples that nothing has clipped: the strongest of many that saturate would be the nearest of them.
+    // Uses samples before clipping: the strongest of many saturated samples would be the nearest of them.
     const float* level = samples_.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(ping.window.bins);
     int best = -1;
     for (int k = blind; k < ping.window.bins; ++k) {

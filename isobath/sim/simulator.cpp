@@ -9,12 +9,12 @@ namespace isobath {
 namespace {
 
 constexpr double kStep = 0.02, kTruthInterval = 0.1, kHealthInterval = 1, kNear = 10;
-constexpr double kPartSilent = 0.5, kPartPeriods = 5;  // s, 1: a sensor that is to speak, and does not
-constexpr double kDiveMemory = 20;                     // s: how slowly the noise on a dive wanders
+constexpr double kPartSilent = 0.5, kPartPeriods = 5;  // s, periods: a sensor that is silent longer has failed
+constexpr double kDiveMemory = 20;                     // s: correlation time of the noise on a dive
 
 enum : std::uint64_t { kSensorSeed = 1, kNavigatorSeed, kFaultSeed, kDiveSeed, kSonarSeed };
 
-/// A vehicle that follows its set-points at once, for scenes that name none.
+/// A vehicle that follows its set-points instantly, for scenes without a vehicle file.
 VehicleModel point_vehicle() {
   VehicleModel model;
   model.name = "point";
@@ -45,16 +45,16 @@ LineOfSight guidance_of(const Scene& scene) {
     points.push_back({w.north, w.east, w.depth, w.speed > 0 ? w.speed : scene.vehicle.speed});
   }
   GuidanceConfig config;
-  if (scene.water.current.empty()) config.integral_gain = config.drift_time = 0;  // nothing to steer against
+  if (scene.water.current.empty()) config.integral_gain = config.drift_time = 0;  // no current to compensate
   return LineOfSight(config, std::move(points));
 }
 
 }  // namespace
 
 std::vector<Field> fields(SimulationConfig& c) {
-  return {Field::integer("seed", &c.seed, {-1, 2147483647}, "", "Seed of every random number; -1: the scene's own."),
-          Field::real("duration_s", &c.duration_s, {0, 1e6}, "s", "Length of the run; 0: the scene's own."),
-          Field::text("without", &c.without, "Name of a sonar of the scene that is switched off; empty: none.")};
+  return {Field::integer("seed", &c.seed, {-1, 2147483647}, "", "Seed of all random numbers; -1: the scene's seed."),
+          Field::real("duration_s", &c.duration_s, {0, 1e6}, "s", "Length of the run; 0: the scene's duration."),
+          Field::text("without", &c.without, "Name of a sonar of the scene to switch off; empty: none.")};
 }
 
 /// A sonar with its clock and its faults.
@@ -209,7 +209,7 @@ void Simulator::watch_for_events() {
   }
 }
 
-// What comes out -----------------------------------------------------------------------------------------------------
+// Output -------------------------------------------------------------------------------------------------------------
 
 void Simulator::put(SimulatedEvent event) {
   const Duration offset = faults_.vehicle_faults(now_).clock_offset;
@@ -219,14 +219,14 @@ void Simulator::put(SimulatedEvent event) {
     void operator()(RangeReading& e) const { e.time += by; }
     void operator()(Navigation& e) const { e.time += by; }
     void operator()(Health& e) const { e.time += by; }
-    void operator()(EchoTruth& e) const { e.time += by; }  // it must stay with its ping
+    void operator()(EchoTruth& e) const { e.time += by; }  // keeps the time of its ping
     void operator()(TrueMotion&) const {}
   };
   if (offset.count() != 0) std::visit(Shift{offset}, event);
   queue_.push_back(std::move(event));
 }
 
-/// Whether anything came.
+/// Whether it has delivered anything.
 template <class Channel>
 bool Simulator::deliver(Channel& channel) {
   bool any = false;
@@ -272,7 +272,7 @@ void Simulator::command(const std::string& sonar, const ScanCommand& scan) {
   for (const auto& device : devices_) {
     if (device->sonar.config().name == sonar) return device->sonar.command(scan);
   }
-  throw Error("no such sonar pings: \"" + sonar + "\"", {scene_.file}, "the name of a sonar of the scene");
+  throw Error("the scene has no active sonar \"" + sonar + "\"", {scene_.file}, "the name of a sonar of the scene");
 }
 
 void Simulator::ping_all() {
@@ -342,7 +342,7 @@ void Simulator::report_parts() {
     report_part(source, silent ? HealthState::kLost : HealthState::kOk, silent ? "silent" : "");
   }
   bool full = false;
-  std::map<std::string, double> weak;  // by the names that the faults go by
+  std::map<std::string, double> weak;  // by the source of the fault
   for (std::size_t i = 0; i < faults_.faults().size(); ++i) {
     const FaultConfig& fault = faults_.faults()[i];
     const bool holds = faults_.active_since(i, now_).has_value();

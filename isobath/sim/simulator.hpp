@@ -1,13 +1,14 @@
-// Simulator: a scene as a stream of events in time, with the truth beside them.
+// Simulator: runs a scene and gives a stream of events in time, with the ground truth beside them.
 //
-// One logical clock, no wall clock: the vehicle is moved in steps of 20 ms (vehicle/plant.hpp); navigation sensors and
-// sonars fire at their own instants between steps, where the pose is interpolated. Between source and output stand the
-// faults. The vehicle follows its way-points, unless it is commanded: then a closed loop runs, each command taking
-// effect with the next step. Health comes from the vehicle once a second, and from its host at once and then once a
-// second for what has failed: a depth, heading or attitude sensor or an altimeter that is silent for five of its
-// periods and half a second, a thruster, the disk; and once when it is well again. Everything follows from scene and
-// seed: the same bytes on any number of threads (ledger S6-57). Throws Error, with the place in the scene's file, where
-// the scene cannot begin: a body inside the vehicle, a start below the bottom. One thread calls; sonars may use more.
+// There is one logical clock and no wall clock. The vehicle moves in steps of 20 ms (vehicle/plant.hpp). Navigation
+// sensors and sonars fire at their own times between steps, with the interpolated pose. Faults act between the sensors
+// and the output. The vehicle follows its way-points until it is commanded; each command takes effect with the next
+// step (closed loop). The vehicle reports its health once a second. The host reports a failed part at once and then
+// once a second, and reports its recovery once. Parts are: a depth, heading or attitude sensor or an altimeter (failed
+// if it is silent for five of its periods, at least half a second), a thruster, the disk. All output follows from scene
+// and seed, the same bytes on any number of threads (ledger S6-57). Throws Error, with the place in the scene's file,
+// if the scene cannot start: a body inside the vehicle, a start below the bottom. One thread calls; sonars may use
+// more.
 #pragma once
 
 #include <deque>
@@ -28,13 +29,13 @@
 
 namespace isobath {
 
-/// What the vehicle gives (the first four) and what only a simulator knows (the last two).
+/// Output of the vehicle (the first four) and ground truth (the last two).
 using SimulatedEvent = std::variant<Ping, RangeReading, Navigation, Health, EchoTruth, TrueMotion>;
 
 struct SimulationConfig {
-  int seed = -1;             ///< -1: the scene's
-  double duration_s = 0;     ///< 0: the scene's
-  std::string without = {};  ///< name of a sonar that is switched off
+  int seed = -1;             ///< -1: the scene's seed
+  double duration_s = 0;     ///< 0: the scene's duration
+  std::string without = {};  ///< name of a sonar to switch off
 };
 std::vector<Field> fields(SimulationConfig& config);
 
@@ -43,11 +44,13 @@ class Simulator {
   Simulator(Scene scene, const SimulationConfig& config, int threads = 1);
   ~Simulator();
 
-  /// The next event in order of its arrival; empty when the time is over. A truth comes before what it is about.
+  /// The next event in order of arrival; empty at the end of the run. Ground truth is delivered before the event that
+  /// it describes.
   std::optional<SimulatedEvent> next();
-  /// From the next step on the vehicle follows this instead of its way-points.
+  /// From the next step on the vehicle follows this set-point instead of its way-points.
   void command(const Setpoint& setpoint) { command_ = setpoint; }
-  /// The next ping of a sonar obeys (S4-40). Throws Error for a sonar that the scene has not, or that cannot.
+  /// Applies the command from the sonar's next ping on (S4-40). Throws Error for an unknown sonar or a command that it
+  /// cannot follow.
   void command(const std::string& sonar, const ScanCommand& scan);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
@@ -55,10 +58,10 @@ class Simulator {
   [[nodiscard]] double now_s() const { return to_seconds(now_); }
   [[nodiscard]] double duration_s() const { return duration_s_; }
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
-  /// Half the diagonal of the hull in plan, m: what must stay clear.
+  /// Half the diagonal of the hull in plan, m: the radius that must stay clear.
   [[nodiscard]] double hull_radius() const;
   [[nodiscard]] const VehicleModel& vehicle() const { return model_; }
-  /// What is broken, for whoever plays the parts that no simulator has: agents, planner, link.
+  /// The faults, also for the parts of the vehicle that are not simulated here: agents, planner, link.
   [[nodiscard]] const FaultSchedule& faults() const { return faults_; }
 
  private:
@@ -96,12 +99,12 @@ class Simulator {
   std::vector<std::pair<std::string, FaultyChannel<NavReading>>> reading_channels_;
   FaultyChannel<Navigation> fix_channel_;
   struct Part {
-    double silent_s = 0;  ///< of a sensor: how long it may be; 0: no sensor
-    Time heard{};         ///< its last reading
+    double silent_s = 0;  ///< a sensor's longest silence; 0: no sensor
+    Time heard{};         ///< time of the last reading
     HealthState state = HealthState::kOk;
-    Time due{};  ///< of its next report, while it is not well
+    Time due{};  ///< time of its next report while it has failed
   };
-  std::map<std::string, Part> parts_;  ///< what the host watches
+  std::map<std::string, Part> parts_;  ///< parts that the host monitors
   Random waves_;
   double dive_noise_ = 0;
 

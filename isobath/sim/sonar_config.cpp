@@ -8,7 +8,7 @@ namespace {
 // Scanning heads ----------------------------------------------------------------------------------------------------
 
 // Ganesan 2015, 1.2 and 4.1 (S6-01): Tritech Micron, chirp 650 to 750 kHz, 3 x 35 degrees, 90 degree sector, 44 bins to
-// 50 m of which 9 ring; Gaussian background (S6-D01). Source level after the data sheet of its class.
+// 50 m, 9 of them in the ringing; Gaussian background (S6-D01). Source level after the data sheet of its class.
 SonarConfig micron() {
   SonarConfig c;
   c.kind = SonarKind::kScanning;
@@ -76,8 +76,8 @@ SonarConfig oculus_m1200d_high() {
   return c;
 }
 
-// Blueprint Subsea Oculus M750d data sheet, low frequency: 750 kHz, 130 degrees, 512 beams, 1 degree, 20 degrees; 120 m
-// at most, where the travel time allows 6 pings a second: here 60 m at 10 a second. Levels as the M1200d's.
+// Blueprint Subsea Oculus M750d data sheet, low frequency: 750 kHz, 130 degrees, 512 beams, 1 degree, 20 degrees. The
+// maximum range is 120 m, at 6 pings per second by travel time; here 60 m at 10 per second. Levels as for the M1200d.
 SonarConfig oculus_m750d() {
   SonarConfig c = oculus_m1200d();
   c.frequency = 750e3;
@@ -133,7 +133,7 @@ SonarConfig didson() {
 
 // Ranges ------------------------------------------------------------------------------------------------------------
 
-// Blue Robotics Ping data sheet: 115 kHz, 30 degrees, looks down.
+// Blue Robotics Ping data sheet: 115 kHz, 30 degrees; points down.
 SonarConfig altimeter() {
   SonarConfig c;
   c.kind = SonarKind::kRanges;
@@ -151,7 +151,7 @@ SonarConfig altimeter() {
   return c;
 }
 
-// Oskard, Hong, Shaffer 1990 (S1): a narrow cone of about 10 degrees that looks ahead, one reading in 0.6 s.
+// Oskard, Hong, Shaffer 1990 (S1): a narrow cone of about 10 degrees that points ahead, one reading per 0.6 s.
 SonarConfig obstacle_cone() {
   SonarConfig c = altimeter();
   c.frequency = 200e3;
@@ -164,14 +164,14 @@ SonarConfig obstacle_cone() {
   return c;
 }
 
-// R2Sonic 2022 class: 400 kHz, 256 beams of 1 x 1 degrees over 120 degrees, athwart and down.
+// R2Sonic 2022 class: 400 kHz, 256 beams of 1 x 1 degrees over 120 degrees, across track, pointing down.
 SonarConfig multibeam_echo_sounder() {
   SonarConfig c = altimeter();
   c.frequency = 400e3;
   c.beams = 256;
   c.sector = Angle::degrees(120);
   c.width = c.height = Angle::degrees(1);
-  c.heading = Angle::degrees(90);  // the fan lies athwart: its zero azimuth looks down
+  c.heading = Angle::degrees(90);  // the fan is across track: azimuth 0 points down
   c.pitch = Angle::degrees(-90);
   c.range_m = 100;
   c.bins = 2000;
@@ -210,7 +210,7 @@ std::vector<std::string> sonar_presets() {
 
 SonarConfig sonar_preset(const std::string& name) {
   const auto found = presets().find(name);
-  if (found == presets().end()) throw Error("no preset of that name: " + name);
+  if (found == presets().end()) throw Error("unknown preset: " + name);
   SonarConfig config = found->second();
   config.preset = name;
   return config;
@@ -227,52 +227,58 @@ std::vector<Field> fields(SonarConfig& c) {
   const std::vector<std::pair<std::string, P>> patterns{
       {"line", P::kLine}, {"gaussian", P::kGaussian}, {"ideal", P::kIdeal}};
   return {
-      Field::named("preset", &c.preset, sonar_presets(), apply, "A device to start from; the other keys change it."),
-      Field::text("name", &c.name, "What logs and faults call it."),
+      Field::named("preset", &c.preset, sonar_presets(), apply,
+                   "Device to start from; the other keys override its settings."),
+      Field::text("name", &c.name, "Name of the sonar in logs."),
       Field::choice("kind", &c.kind,
                     {{"scanning", SonarKind::kScanning}, {"fan", SonarKind::kFan}, {"ranges", SonarKind::kRanges}},
                     "One stepping beam, all beams at once, or beams that each give one range."),
-      Field::flag("on", &c.on, "Whether it pings at all."),
+      Field::flag("on", &c.on, "Whether the sonar pings."),
       Field::real("frequency", &c.frequency, {1e3, 5e6}, "Hz", "Centre frequency."),
       Field::integer("beams", &c.beams, {1, 4096}, "", "Beams of a fan."),
       Field::degrees("sector_deg", &c.sector, {0, 360},
-                     "From the first beam's axis to the last's; or the sector swept."),
+                     "Angle from the first beam's axis to the last's, or the swept sector."),
       Field::degrees("step_deg", &c.step, {0.05, 30}, "Step of a scanning head."),
       Field::degrees("width_deg", &c.width, {0.05, 120}, "Width of a beam in azimuth: full, two-way, at -3 dB."),
       Field::degrees("height_deg", &c.height, {0.05, 120}, "Height of a beam in elevation: full, two-way, at -3 dB."),
-      Field::real("range_m", &c.range_m, {0.1, 2000}, "m", "Range."),
-      Field::integer("bins", &c.bins, {1, 20000}, "", "Range bins."),
+      Field::real("range_m", &c.range_m, {0.1, 2000}, "m", "Maximum range."),
+      Field::integer("bins", &c.bins, {1, 20000}, "", "Number of range bins."),
       Field::real("resolution_m", &c.resolution_m, {0, 100}, "m", "Length of the pulse in water, c/2B; 0: one bin."),
-      Field::real("interval_s", &c.interval_s, {0, 60}, "s", "Between pings; 0: as fast as sound allows."),
-      Field::real("sound_speed", &c.sound_speed, {1300, 1700}, "m/s", "What the device takes the speed of sound for."),
+      Field::real("interval_s", &c.interval_s, {0, 60}, "s",
+                  "Time between pings; 0: two-way travel time to the range plus 5 ms."),
+      Field::real("sound_speed", &c.sound_speed, {1300, 1700}, "m/s", "Speed of sound that the device assumes."),
       Field::numbers("position", c.position.data(), 3, {-100, 100}, "m",
-                     "Of the sonar in the body: forward, starboard, down."),
-      Field::degrees("heading_deg", &c.heading, {-360, 360}, "Of the sonar in the body, to starboard."),
-      Field::degrees("pitch_deg", &c.pitch, {-90, 90}, "Of the sonar in the body, upwards; -90 looks down."),
-      Field::degrees("roll_deg", &c.roll, {-180, 180}, "Of the sonar in the body; 90 stands a fan upright."),
+                     "Position of the sonar in the body: forward, starboard, down."),
+      Field::degrees("heading_deg", &c.heading, {-360, 360}, "Heading of the sonar in the body, to starboard."),
+      Field::degrees("pitch_deg", &c.pitch, {-90, 90}, "Pitch of the sonar in the body, upwards; -90 points down."),
+      Field::degrees("roll_deg", &c.roll, {-180, 180}, "Roll of the sonar in the body; 90 makes a vertical fan."),
       Field::choice("samples", &c.samples,
                     {{"u8", SampleType::kU8}, {"u16", SampleType::kU16}, {"f32", SampleType::kF32}},
-                    "Form of the samples."),
+                    "Data type of the samples."),
       Field::choice("pattern", &c.pattern, patterns, "Beam pattern in azimuth."),
       Field::choice("height_pattern", &c.height_pattern, patterns, "Beam pattern in elevation."),
-      Field::real("side_lobe_db", &c.side_lobe_db, {13.3, 60}, "dB", "First side lobe below the axis, two-way."),
+      Field::real("side_lobe_db", &c.side_lobe_db, {13.3, 60}, "dB",
+                  "Level of the first side lobe below the axis, two-way."),
       Field::integer("rays", &c.rays, {1, 512}, "", "Rays over the height of a beam."),
       Field::integer("rays_across", &c.rays_across, {1, 16}, "", "Rays over the width of a fan's beam."),
       Field::real("source_level_db", &c.source_level_db, {100, 260}, "dB re 1 uPa at 1 m", "Source level."),
-      Field::real("saturation_db", &c.saturation_db, {0, 260}, "dB re 1 uPa", "Level, after TVG, of a full sample."),
-      Field::real("tvg_spreading", &c.tvg_spreading, {0, 60}, "dB a decade", "Spreading that the receiver makes good."),
-      Field::flag("tvg_absorption", &c.tvg_absorption, "Whether it makes good absorption."),
+      Field::real("saturation_db", &c.saturation_db, {0, 260}, "dB re 1 uPa",
+                  "Level after TVG that saturates a sample."),
+      Field::real("tvg_spreading", &c.tvg_spreading, {0, 60}, "dB a decade",
+                  "Spreading that the receiver compensates, per decade of range."),
+      Field::flag("tvg_absorption", &c.tvg_absorption, "Whether the receiver compensates absorption."),
       Field::real("span_db", &c.span_db, {0, 200}, "dB",
-                  "Receivers that compress: samples are linear in dB and 0 so far below saturation; 0: amplitude."),
+                  "Receivers that compress: samples are linear in dB and 0 at this span below saturation; 0: linear "
+                  "amplitude."),
       Field::real("black_level", &c.black_level, {0, 1e6}, "counts",
-                  "Taken off every sample, before it is compressed; what is below reads 0."),
+                  "Subtracted from each sample before compression; lower samples read 0."),
       Field::real("ceiling", &c.ceiling, {0, 1e6}, "counts", "Largest sample; 0: full scale."),
       Field::choice("noise", &c.noise,
                     {{"none", BackgroundLaw::kNone},
                      {"gaussian", BackgroundLaw::kGaussian},
                      {"rayleigh", BackgroundLaw::kRayleigh},
                      {"k", BackgroundLaw::kK}},
-                    "Law of the background."),
+                    "Distribution of the background."),
       Field::real("noise_level", &c.noise_level, {0, 1e6}, "counts", "Mean of the background."),
       Field::real("noise_sigma", &c.noise_sigma, {0, 1e6}, "counts", "Spread of a Gaussian background."),
       Field::real("noise_shape", &c.noise_shape, {0.05, 1000}, "1", "Shape of a K background; small: spiky."),
@@ -280,32 +286,37 @@ std::vector<Field> fields(SonarConfig& c) {
       Field::rows("noise_by_bearing", &c.noise_by_bearing, 2, {-360, 1e6}, "deg, 1",
                   "Factor on the background by azimuth."),
       Field::flag("speckle", &c.speckle, "Whether echoes of rough surfaces fluctuate."),
-      Field::flag("still", &c.still, "Speckle is the same whenever the sonar looks the same way: nothing moves."),
-      Field::flag(
-          "correlated", &c.correlated,
-          "Samples of a fan fluctuate together as far as beams overlap and pings hear the same; false: each alone."),
-      Field::rows("reverberation", &c.reverberation, 2, {0, 1e6}, "m, counts",
-                  "What many bounces in a basin leave: mean amplitude by range, beside the paths that are followed."),
+      Field::flag("still", &c.still,
+                  "A motionless scene: speckle repeats when the sonar points in the same direction."),
+      Field::flag("correlated", &c.correlated,
+                  "Samples of a fan are correlated as far as beams overlap and pings share the same water; false: "
+                  "independent."),
+      Field::rows(
+          "reverberation", &c.reverberation, 2, {0, 1e6}, "m, counts",
+          "Diffuse field of many bounces in a basin: mean amplitude by range, in addition to the traced paths."),
       Field::flag("surface_reverberation", &c.surface_reverberation, "Echoes of the rough sea surface."),
       Field::flag("bottom_reverberation", &c.bottom_reverberation, "Echoes of the bottom."),
       Field::flag("volume_reverberation", &c.volume_reverberation, "Echoes of the water itself."),
-      Field::flag("surface_bounce", &c.surface_bounce, "Paths by one or two bounces off the surface."),
-      Field::flag("bottom_bounce", &c.bottom_bounce, "Paths by one or two bounces off the bottom."),
-      Field::flag("body_bounce", &c.body_bounce, "Paths by way of another body."),
-      Field::flag("multiple", &c.multiple, "Echoes that run twice between a wall and the sonar's housing."),
-      Field::real("head_reflection_db", &c.head_reflection_db, {-80, 0}, "dB", "Reflection of that housing."),
-      Field::real("spurious_share", &c.spurious_share, {0, 1}, "1", "Share of pings with one echo of nothing."),
-      Field::real("spurious_level", &c.spurious_level, {0, 1e6}, "counts", "Its level."),
+      Field::flag("surface_bounce", &c.surface_bounce, "Paths with one or two bounces off the surface."),
+      Field::flag("bottom_bounce", &c.bottom_bounce, "Paths with one or two bounces off the bottom."),
+      Field::flag("body_bounce", &c.body_bounce, "Paths with a bounce off another body."),
+      Field::flag("multiple", &c.multiple,
+                  "Multiples: echoes that travel twice between a wall and the sonar's housing."),
+      Field::real("head_reflection_db", &c.head_reflection_db, {-80, 0}, "dB",
+                  "Reflection of the sonar's housing, for multiples."),
+      Field::real("spurious_share", &c.spurious_share, {0, 1}, "1", "Share of pings with one false echo."),
+      Field::real("spurious_level", &c.spurious_level, {0, 1e6}, "counts", "Level of a false echo."),
       Field::real("streak_share", &c.streak_share, {0, 1}, "1", "Share of pings with a streak along one beam."),
       Field::real("ring_share", &c.ring_share, {0, 1}, "1", "Share of pings with a ring: one range, all beams."),
-      Field::real("burst_share", &c.burst_share, {0, 1}, "1", "Share of pings that another sonar drowns."),
+      Field::real("burst_share", &c.burst_share, {0, 1}, "1",
+                  "Share of pings with a burst of another sonar over all beams."),
       Field::real("disturbance_level", &c.disturbance_level, {0, 1e6}, "counts", "Level of streaks, rings and bursts."),
-      Field::real("dropout_share", &c.dropout_share, {0, 1}, "1", "Share of pings that never come."),
-      Field::real("blind_m", &c.blind_m, {0, 1000}, "m", "The transmission rings up to here."),
-      Field::real("ringing_level", &c.ringing_level, {0, 1e6}, "counts", "Its level at the head."),
+      Field::real("dropout_share", &c.dropout_share, {0, 1}, "1", "Share of pings that are lost."),
+      Field::real("blind_m", &c.blind_m, {0, 1000}, "m", "Blanking range: the transmit pulse rings up to here."),
+      Field::real("ringing_level", &c.ringing_level, {0, 1e6}, "counts", "Level of the ringing at the head."),
       Field::choice("pick", &c.pick, {{"nearest", RangePick::kNearest}, {"strongest", RangePick::kStrongest}},
-                    "Which echo a sonar that gives ranges reports."),
-      Field::real("pick_level", &c.pick_level, {0, 1e6}, "counts", "Least level of that echo."),
+                    "Which echo a range sonar reports."),
+      Field::real("pick_level", &c.pick_level, {0, 1e6}, "counts", "Minimum level of that echo."),
   };
 }
 
@@ -316,14 +327,14 @@ void check(const SonarConfig& c) {
     throw Error(problem, place, allowed);
   };
   if (c.kind != SonarKind::kScanning && c.beams > 1 && c.sector.radians() <= 0) {
-    refuse("sector_deg", "several beams in one direction", "more than 0 deg, or one beam");
+    refuse("sector_deg", "several beams have the same direction", "more than 0 deg, or one beam");
   }
   if (c.kind == SonarKind::kFan && c.sector.degrees() > 359.9)
-    refuse("sector_deg", "a fan cannot close", "below 360 deg");
+    refuse("sector_deg", "a fan cannot span a full turn", "below 360 deg");
   const auto check_profile = [&refuse](const char* key, const std::vector<double>& rows) {
-    if (rows.size() == 2) refuse(key, "a profile of one row", "none, or two rows and more");
+    if (rows.size() == 2) refuse(key, "the profile has one row", "none, or two rows and more");
     for (std::size_t i = 2; i < rows.size(); i += 2) {
-      if (rows[i] <= rows[i - 2]) refuse(key, "a profile out of order", "rows by increasing range or azimuth");
+      if (rows[i] <= rows[i - 2]) refuse(key, "the rows are not in order", "rows by increasing range or azimuth");
     }
   };
   check_profile("noise_by_range", c.noise_by_range);

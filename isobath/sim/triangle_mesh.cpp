@@ -23,12 +23,12 @@ void quad(TriangleMesh& mesh, const Vector3d& a, const Vector3d& b, const Vector
   mesh.triangles.push_back({i, k, l});
 }
 
-/// The corners of a polyline moved to the right by `aside`, mitred.
+/// The polyline offset to the right by `aside`, with mitred corners.
 std::vector<Vector2d> moved_aside(const std::vector<Vector2d>& line, double aside) {
   std::vector<Vector2d> out;
   const auto right = [&](std::size_t i) -> Vector2d {
     const Vector2d along = (line[i + 1] - line[i]).normalized();
-    return {-along.y(), along.x()};  // north, east: right of the way
+    return {-along.y(), along.x()};  // north, east: right of the line
   };
   for (std::size_t i = 0; i < line.size(); ++i) {
     const Vector2d before = right(i == 0 ? 0 : i - 1), after = right(std::min(i, line.size() - 2));

@@ -59,20 +59,21 @@ std::vector<Field> fields(WaterConfig& c) {
   using L = AbsorptionLaw;
   return {
       Field::real("temperature_c", &c.temperature_c, {-2, 40}, "degrees C", "Temperature."),
-      Field::real("salinity_psu", &c.salinity_psu, {0, 45}, "psu", "Salinity: 0 fresh, 35 sea."),
-      Field::real("ph", &c.ph, {5, 9}, "1", "Acidity."),
+      Field::real("salinity_psu", &c.salinity_psu, {0, 45}, "psu", "Salinity: 0 in fresh water, 35 in the sea."),
+      Field::real("ph", &c.ph, {5, 9}, "1", "pH value."),
       Field::real("density", &c.density, {0, 1100}, "kg/m3", "Density; 0: from temperature and salinity."),
       Field::rows("sound_speed", &c.sound_speed, 2, {0, 12000}, "m, m/s",
-                  "Profile of depth and speed of sound; none: Medwin 1975."),
+                  "Profile of depth and speed of sound; empty: Medwin 1975."),
       Field::choice(
           "absorption", &c.absorption,
           {{"none", L::kNone}, {"francois_garrison", L::kFrancoisGarrison}, {"ainslie_mccolm", L::kAinslieMcColm}},
           "Law of absorption."),
-      Field::real("wind", &c.wind, {0, 30}, "m/s", "Wind at 10 m: sets the surface reverberation."),
+      Field::real("wind", &c.wind, {0, 30}, "m/s",
+                  "Wind speed at 10 m height; a stronger wind raises the surface reverberation."),
       Field::real("volume_scattering_db", &c.volume_scattering_db, {-150, -20}, "dB re 1/m",
                   "Scattering strength of the water itself: bubbles, plankton, silt."),
       Field::rows("current", &c.current, 3, {-20, 12000}, "m, m/s, m/s",
-                  "Profile of depth, current to the north and to the east; none: still."),
+                  "Profile of depth, current to the north and to the east; empty: still water."),
   };
 }
 

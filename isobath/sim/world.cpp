@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::Vector3i;
 
-constexpr float kStart = 1e-4f;  // m: a ray that leaves a surface does not meet it again
+constexpr float kStart = 1e-4f;  // m: offset by which a ray leaves a surface without a second hit
 
 void bounds_of(const RTCBoundsFunctionArguments* args) {
   const AlignedBox3d box = static_cast<const ExactShape*>(args->geometryUserPtr)->box();
@@ -32,7 +32,7 @@ void bounds_of(const RTCBoundsFunctionArguments* args) {
   b.upper_z = up(box.max().z());
 }
 
-/// Directions in single precision are not quite of length one, which a small sphere far away would feel.
+/// Normalises the direction: in single precision its length is not quite 1, which matters for small, distant spheres.
 std::optional<Meeting> meet_along(const ExactShape& shape, const RTCRay& ray) {
   const Vector3d p(ray.org_x, ray.org_y, ray.org_z), v(ray.dir_x, ray.dir_y, ray.dir_z);
   const double length = v.norm();
@@ -80,7 +80,7 @@ TriangleMesh bottom_mesh(const BottomConfig& c) {
     Place place = c.place;
     place.key += ".file";
     throw Error(fmt::format("the bottom has holes: {} border lines within its outline", count), place, "",
-                "mend the mesh, or set allow_holes = true");
+                "repair the mesh, or set allow_holes = true");
   }
   return mesh;
 }
@@ -102,9 +102,9 @@ struct World::State {
   const Scene* scene = nullptr;
   const Material* bottom_material = nullptr;
   std::vector<WorldBody> bodies;
-  std::vector<std::unique_ptr<ExactShape>> exact;           ///< of every target; null: triangles
-  std::vector<TriangleMesh> meshes;                         ///< of every target; empty where exact
-  std::vector<RTCScene> inner;                              ///< of bodies that move
+  std::vector<std::unique_ptr<ExactShape>> exact;           ///< by target; null: triangles
+  std::vector<TriangleMesh> meshes;                         ///< by target; empty if exact
+  std::vector<RTCScene> inner;                              ///< scenes of moving bodies
   std::vector<int> target;                                  ///< by geometry of the top scene
   std::vector<std::pair<std::size_t, RTCGeometry>> moving;  ///< body, instance
   std::string nothing = "nothing", surface = "surface", bottom = "bottom";
@@ -138,7 +138,7 @@ struct World::State {
     return g;
   }
 
-  /// Puts a geometry that belongs to a target into the world; a body that moves gets a scene of its own.
+  /// Adds the geometry of a target to the world; a moving body gets a scene of its own.
   void place(RTCGeometry g, int of, bool moves) {
     rtcCommitGeometry(g);
     if (moves) {
@@ -247,7 +247,7 @@ World::World(const Scene& scene) : state_(std::make_unique<State>()) {
   s.scene = &scene;
   s.device = rtcNewDevice("threads=1,verbose=0");
   s.top = rtcNewScene(s.device);
-  rtcSetSceneFlags(s.top, RTC_SCENE_FLAG_ROBUST);  // no ray slips through between two triangles
+  rtcSetSceneFlags(s.top, RTC_SCENE_FLAG_ROBUST);  // no ray passes between two adjacent triangles
   s.add_bottom();
   for (const Body& body : scene.bodies) s.add_body(body);
   rtcCommitScene(s.top);
@@ -265,7 +265,7 @@ void World::move_to(double t_s) {
     State::set_place(instance, to);
     moved = true;
   }
-  if (moved) rtcCommitScene(state_->top);  // builds the tree of all that stands there anew
+  if (moved) rtcCommitScene(state_->top);  // rebuilds the top-level tree
 }
 
 namespace {
@@ -343,7 +343,7 @@ std::optional<double> World::bottom_depth(double north, double east) const {
     if (!hit) return std::nullopt;
     p.z() += hit->range;
     if (hit->target == kBottom) return p.z();
-    p.z() += 1e-3;  // through a body that stands above it
+    p.z() += 1e-3;  // continue below a body above the bottom
     left -= hit->range;
   }
   return std::nullopt;

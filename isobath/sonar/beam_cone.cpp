@@ -21,7 +21,7 @@ BeamCone::BeamCone(const Eigen::Vector3d& p_WS, const Eigen::Vector3d& u_W, Angl
       cos_delta_(std::hypot(u_W.x(), u_W.y())) {
   ISOBATH_ASSERT(half_angle.radians() >= 0 && cos_a_ > 0 && std::abs(u_W.squaredNorm() - 1) < 1e-6);
   e_ = cos_delta_ > 0 ? Eigen::Vector2d(u_W.head<2>() / cos_delta_) : Eigen::Vector2d(1, 0);
-  // cos^2 a - sin^2 delta, as a difference of what is small near the vertical.
+  // cos^2 a - sin^2 delta, in a form that is accurate near 0.
   vertical_term_ = (cos_delta_ - sin_a_) * (cos_delta_ + sin_a_);
 }
 
@@ -43,7 +43,7 @@ bool BeamCone::contains(const Eigen::Vector3d& p_W) const {
 }
 
 std::optional<DepthInterval> BeamCone::depth_interval(const Eigen::Vector2d& north_east) const {
-  // A w^2 - 2 q u_z w + cos^2 a h^2 - q^2 <= 0 with w = z - s_z, on the side where q + w u_z >= 0. In coordinates x
+  // A w^2 - 2 q u_z w + cos^2 a h^2 - q^2 <= 0 with w = z - s_z, on the side with q + w u_z >= 0. In coordinates x
   // along the azimuth and y across it, q^2 - A h^2 = sin^2 a x^2 - A y^2.
   const Eigen::Vector2d d = north_east - p_WS_.head<2>();
   const double x = e_.dot(d);
@@ -60,7 +60,7 @@ std::optional<DepthInterval> BeamCone::depth_interval(const Eigen::Vector2d& nor
     const double other = far == 0 ? 0 : far / vertical_term_;
     return DepthInterval{p_WS_.z() + std::min(near, other), p_WS_.z() + std::max(near, other)};
   }
-  // The cone contains the vertical: of the two roots the one farther along it bounds the nappe ahead.
+  // The cone contains the vertical: the root farther along the vertical bounds the nappe ahead.
   const bool down = u_W_.z() > 0;
   double edge = near;
   if (vertical_term_ < 0) edge = down ? std::max(near, far / vertical_term_) : std::min(near, far / vertical_term_);
@@ -99,7 +99,7 @@ PlanFootprint plan_footprint(const BeamCone& cone, double range_m, double extens
   const double cos_delta = cone.cos_depression();
   const double sin_a = cone.sin_half_angle();
   const double cos_a = cone.cos_half_angle();
-  // cos(|delta| - a) where the axis is steeper than the cone is wide, and cos(|delta| + a).
+  // cos(|delta| - a), or 1 if |delta| < a; and cos(|delta| + a).
   const double ahead = steepness > sin_a ? cos_delta * cos_a + steepness * sin_a : 1;
   const double behind = cos_delta * cos_a - steepness * sin_a;
   const double reach = range_m * ahead + extension_m;

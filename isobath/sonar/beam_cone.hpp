@@ -1,4 +1,4 @@
-// BeamCone: the circular cone of water that a range reading speaks of, and what of it stands in each vertical column
+// BeamCone: the circular cone of water that a range reading covers, and its depth interval in each vertical column
 // (Oskard 1990, IV-B; ledger S1-52, S1-57, S1-60, S1-61, S1-65, S1-E08, S1-E13).
 //
 // Frames: world W, north-east-down; columns are (north, east) in W, m. Apex p_WS, unit axis u_W, half-angle a in
@@ -7,12 +7,12 @@
 // In a column at horizontal distance h and azimuth offset eta the cone lies between the roots of a quadratic,
 //   A = cos^2 a - sin^2 delta,  D = cos^2 eta cos^2 delta - A,
 //   z = s_z + h (cos eta cos delta sin delta -+ cos a sqrt(D)) / A,
-// of which only the nappe ahead of the apex counts. A > 0: an interval, empty beyond sin eta_max = sin a / cos delta.
+// and only the nappe ahead of the apex counts. A > 0: an interval, empty beyond sin eta_max = sin a / cos delta.
 // A <= 0: the cone contains the vertical, all azimuths are inside, and one end of the interval is infinite. The roots
-// are taken in the form without cancellation, so that A near 0 costs no digits. The cone has no end: whoever has a
-// range cuts it there.
+// are computed in the form without cancellation, so that A near 0 loses no digits. The cone is unbounded; callers with
+// a range cut it there.
 //
-// Pure and constant after construction: any number of threads.
+// Immutable after construction: safe for any number of threads.
 #pragma once
 
 #include <array>
@@ -49,22 +49,22 @@ class BeamCone {
   /// Unit vector (north, east) of the azimuth.
   [[nodiscard]] const Eigen::Vector2d& heading() const { return e_; }
 
-  /// A of S1-65; positive where the cone does not contain the vertical.
+  /// A of S1-65; positive if the cone does not contain the vertical.
   [[nodiscard]] double vertical_term() const { return vertical_term_; }
   [[nodiscard]] bool contains_vertical() const { return vertical_term_ <= 0; }
-  /// tan of the half-angle of the cone's plan, asin(sin a / cos delta); infinite where the cone contains the vertical.
+  /// tan of the half-angle of the cone's plan, asin(sin a / cos delta); infinite if the cone contains the vertical.
   [[nodiscard]] double plan_tangent() const;
 
   [[nodiscard]] bool contains(const Eigen::Vector3d& p_W) const;
-  /// What of the column lies in the cone (S1-65).
+  /// The part of the column inside the cone (S1-65); empty: none.
   [[nodiscard]] std::optional<DepthInterval> depth_interval(const Eigen::Vector2d& north_east) const;
   /// Distance from the apex to the point of the column at the smallest angle to the axis: h sqrt(1 + (tan delta /
-  /// cos eta)^2), which on the axis is h / cos delta (S1-60). Infinite abeam of the axis and behind it.
+  /// cos eta)^2), on the axis h / cos delta (S1-60). Infinite abeam of the axis and behind it.
   [[nodiscard]] double slant_range(const Eigen::Vector2d& north_east) const;
-  /// The two planes of S1-61 at horizontal distance h: s_z + h tan(delta -+ a). Only where |delta| + a < 90 degrees.
+  /// The two planes of S1-61 at horizontal distance h: s_z + h tan(delta -+ a). Only if |delta| + a < 90 degrees.
   [[nodiscard]] DepthInterval planes(double h) const;
-  /// Smallest distance from the apex to a point of the level plane at this depth inside the cone: of a flat bottom
-  /// A / sin(delta + a), or A where the cone contains the vertical; of the surface likewise, upwards.
+  /// Smallest distance from the apex to a point of the level plane at this depth inside the cone: for a flat bottom at
+  /// altitude A, A / sin(delta + a), or A if the cone contains the vertical; the same upwards for the surface.
   [[nodiscard]] std::optional<double> range_to_level(double depth_m) const;
 
  private:
@@ -89,13 +89,13 @@ struct PlanFootprint {
   }
 };
 
-/// The triangle of S1-57, lengthened by `extension_m` (S1-58): apex, and base at L = R cos(max(0, |delta| - a)) +
-/// extension, with `plan_tangent` for its sides. Where the cone contains the vertical or is so nearly vertical that the
+/// The triangle of S1-57, extended by `extension_m` (S1-58): apex, and base at L = R cos(max(0, |delta| - a)) +
+/// extension, with `plan_tangent` for its sides. If the cone contains the vertical, or is so nearly vertical that the
 /// triangle would be much wider than the beam, a rectangle along the azimuth.
 PlanFootprint plan_footprint(const BeamCone& cone, double range_m, double extension_m, double plan_tangent);
 
-/// First echo of a plane over its distance along the axis, where its normal lies at angle g to the axis: cos g for
-/// g <= a, cos g / cos(g - a) beyond (S1-E13). 0 where the beam does not reach the plane.
+/// Range of the first echo of a plane over its distance along the axis, for a normal at angle g to the axis: cos g for
+/// g <= a, cos g / cos(g - a) beyond (S1-E13). 0 if the beam does not reach the plane.
 double first_echo_share(Angle normal, Angle half_angle);
 
 }  // namespace isobath

@@ -12,15 +12,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kOuter = 1;         // edge of the main lobe, off the axis, in heights of the beam: a line is at -14 dB
-constexpr double kInner = 0.125;     // nearer to the axis the level goes by range, as any background does
-constexpr int kBeamsLearnt = 16;     // of a multibeam ping: enough, at a fraction of the cost
-constexpr int kFewest = 100;         // samples within the slope, before anything is expected of them
-constexpr int kFewestOfCell = 25;    // of one degree
-constexpr float kLouder = 1.1f;      // above the threshold of open water: less is chance
-constexpr double kLeastTelling = 2;  // p_D over f, below which a decision says nothing
-constexpr std::uint32_t kWeight = 64;  // of a sample, so that halving loses nothing that matters
-constexpr float kMixed = 1.5f;         // times a Rayleigh law: what ranges and grounds of one angle differ by
+constexpr double kOuter = 1;           // edge of the main lobe off the axis, in beam heights: -14 dB for a line array
+constexpr double kInner = 0.125;       // nearer to the axis the level depends on range, as any background does
+constexpr int kBeamsLearnt = 16;       // beams of a multibeam ping to learn from: enough, at a fraction of the cost
+constexpr int kFewest = 100;           // minimum number of samples within the slope for an expectation
+constexpr int kFewestOfCell = 25;      // minimum number of samples in one degree
+constexpr float kLouder = 1.1f;        // minimum ratio to the threshold of open water: less is chance
+constexpr double kLeastTelling = 2;    // minimum ratio of p_D over f for an informative decision
+constexpr std::uint32_t kWeight = 64;  // weight of a sample, so that halving counts loses little
+constexpr float kMixed = 1.5f;         // allowance over a Rayleigh law for different ranges and grounds at one angle
 constexpr double kLow = 0.1, kMiddle = 0.3;
 
 double rayleigh(double p) { return std::sqrt(-std::log1p(-p)); }
@@ -31,7 +31,7 @@ Vector3d axis_of(const WaterColumn& water, Angle azimuth) {
   return water.R_WS * Vector3d(cos(azimuth), sin(azimuth), 0);
 }
 
-/// Of the axis, down, degrees; rounded, so that the beams of a level fan are alike.
+/// Tilt of the axis, down, degrees; rounded, so that the beams of a level fan share it.
 float tilt_of(const WaterColumn& water, Angle azimuth) {
   constexpr float kSteps = 4;
   const double sine = std::clamp(axis_of(water, azimuth).z(), -1.0, 1.0);
@@ -43,15 +43,16 @@ bool known(const WaterColumn& water) { return water.above_bottom_m || water.belo
 }  // namespace
 
 std::vector<Field> fields(BoundaryConfig& c) {
-  return {
-      Field::flag("tell_boundaries", &c.tell_boundaries,
-                  "Whether echoes of bottom and surface are told from obstacles, where depth and altitude are known."),
-      Field::degrees("slope_deg", &c.slope, {0, 30},
-                     "How much nearer to the axis a boundary is expected: its slope, errors of attitude and altitude."),
-      Field::real("boundary_loudest", &c.loudest, {1.1, 100}, "1",
-                  "Times the threshold of open water: what is louder is never taken for bottom or surface."),
-      Field::integer("boundary_memory", &c.boundary_memory, {200, 1'000'000}, "beams",
-                     "Beams from which the level of bottom and surface is learnt, at most.")};
+  return {Field::flag(
+              "tell_boundaries", &c.tell_boundaries,
+              "Whether echoes of bottom and surface are separated from obstacles, if depth and altitude are known."),
+          Field::degrees(
+              "slope_deg", &c.slope, {0, 30},
+              "Tolerance of the angle at which a boundary is expected: its slope, errors of attitude and altitude."),
+          Field::real("boundary_loudest", &c.loudest, {1.1, 100}, "1",
+                      "Maximum level of bottom and surface, in thresholds of open water; louder rings stay obstacles."),
+          Field::integer("boundary_memory", &c.boundary_memory, {200, 1'000'000}, "beams",
+                         "Maximum number of beams from which the level of bottom and surface is learnt.")};
 }
 
 BinLabel BoundaryReach::label(double range_m) const {
@@ -68,7 +69,7 @@ BoundaryReach boundary_reach(const WaterColumn& water, Angle azimuth, Angle half
   return {reach(water.below_surface_m, -1), reach(water.above_bottom_m, 1)};
 }
 
-// How loud the boundaries are --------------------------------------------------------------------------------------
+// Level of the boundaries ------------------------------------------------------------------------------------------
 
 Angle BoundaryEchoes::edge() const { return std::clamp(height_ * kOuter, Angle::degrees(1), Angle::degrees(89)); }
 
@@ -100,7 +101,7 @@ void BoundaryEchoes::prepare(const Ping& ping, const WaterColumn& water) {
   }
 }
 
-/// The degree off the axis in which a beam of this tilt hears a boundary; none near the axis.
+/// Index of the degree off the axis at which a beam of this tilt receives a boundary; empty near the axis.
 std::optional<std::size_t> BoundaryEchoes::cell_of(Side s, int bin, float tilt) const {
   const Loudness& side = sides_[s];
   const float off = std::abs(side.angle[bin] + (s == kAbove ? tilt : -tilt));
@@ -178,7 +179,7 @@ void BoundaryEchoes::renew(double false_alarm) {
   }
 }
 
-// What that makes of the decisions -----------------------------------------------------------------------------------
+// Decisions ----------------------------------------------------------------------------------------------------------
 
 void BoundaryEchoes::expect(const RangeWindow& window, std::span<const float> thresholds,
                             const EchoDecisions& decisions, const BoundaryReach& reach, float tilt) {
@@ -201,9 +202,9 @@ void BoundaryEchoes::expect(const RangeWindow& window, std::span<const float> th
     }
     const float open = thresholds.empty() ? loudest : thresholds[k];
     if (learnt && !(loudest > kLouder * open) && !(thresholds.empty() && loudest > 0)) continue;
-    if (loudest > static_cast<float>(config_.loudest) * open) continue;  // walls all round, for all that is known
+    if (loudest > static_cast<float>(config_.loudest) * open) continue;  // may be walls all round
     const double f = decisions.false_alarm;
-    const double ratio = static_cast<double>(loudest / open);  // of amplitudes
+    const double ratio = static_cast<double>(loudest / open);  // ratio of amplitudes
     const double p = learnt ? hidden_p_detect(ratio * ratio, static_cast<double>(decisions.p_detect[k]), f) : 0;
     beam_.threshold[k] = loudest;
     beam_.p_detect[k] = p > kLeastTelling * f ? static_cast<float>(p) : 0;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kBlock = 4;  // neighbouring background frames that stay in one fold
 constexpr double kComparedAt[] = {0.01, 0.02, 0.03, 0.05};
-/// Samples that a quantile at the rate f rests on: 20 above it.
+/// Minimum number of samples for a quantile at the rate f: 20 above it.
 double samples_needed(double false_alarm) { return 20 / false_alarm; }
 
 Rate rate_of(double successes, double trials) {
@@ -21,7 +21,7 @@ std::uint64_t total(const std::vector<std::uint64_t>& counts) {
   return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 
-/// Sums over bins of samples at or above a threshold, of a histogram that was summed up once.
+/// Sums over bins of samples at or above a threshold, from cumulative histograms.
 class HeldOut {
  public:
   HeldOut(const EchoHistogram& histogram, int first_bin) : first_bin_(first_bin) {
@@ -52,16 +52,17 @@ class HeldOut {
 
 std::vector<Field> fields(CalibrationConfig& c) {
   return {Field::real("false_alarm", &c.false_alarm, {1e-5, 0.5}, "1", "False-alarm rate of the operating point."),
-          Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1", "Detection probability where no target was marked."),
-          Field::real("blind_m", &c.blind_m, {0, 100}, "m", "Nearer bins are blind."),
+          Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1", "Detection probability if no target is marked."),
+          Field::real("blind_m", &c.blind_m, {0, 100}, "m", "Range below which bins are blind."),
           Field::integer("pool_bins", &c.pool_bins, {-1, 1000}, "bins",
                          "Neighbours on each side that share their noise; -1: 1/64 of the window."),
           Field::integer("least_targets", &c.least_targets, {1, 1'000'000}, "cells",
-                         "Marked cells that a detection probability rests on."),
+                         "Minimum number of marked cells for a detection probability."),
           Field::integer("range_groups", &c.range_groups, {1, 10'000}, "1",
-                         "Range groups of the noise fits and ROC curves."),
-          Field::integer("folds", &c.folds, {2, 100}, "1", "Folds of the cross-validation."),
-          Field::integer("bootstraps", &c.noise.bootstraps, {0, 100'000}, "1", "Bootstrap samples of a noise fit.")};
+                         "Number of range groups of the noise fits and ROC curves."),
+          Field::integer("folds", &c.folds, {2, 100}, "1", "Number of folds of the cross-validation."),
+          Field::integer("bootstraps", &c.noise.bootstraps, {0, 100'000}, "1",
+                         "Number of bootstrap samples of a noise fit.")};
 }
 
 Calibration::Calibration(const CalibrationConfig& config) : config_(config) { folds_.resize(config.folds); }
@@ -76,8 +77,8 @@ void Calibration::prepare(const Ping& ping) {
     const EchoLevels levels(type_, full_scale_);
     for (Fold& fold : folds_) fold = {EchoHistogram(levels, window_.bins), EchoHistogram(levels, window_.bins)};
   } else if (ping.window != window_ || ping.full_scale != full_scale_ || ping.intensity.type() != type_) {
-    throw Error("a ping with another range window, full scale or sample type than the first", {}, {},
-                "calibrate each setting of the sonar on its own");
+    throw Error("the range window, full scale or sample type of a ping differs from the first ping's", {}, {},
+                "calibrate each setting of the sonar separately");
   }
 }
 
@@ -116,7 +117,7 @@ Calibration::Fold Calibration::all() const {
   return sum;
 }
 
-/// Of each bin from first_bin_ on, with its neighbours; wider where the samples are too few for the rate.
+/// Noise of each bin from first_bin_ on, pooled with its neighbours; wider if samples are too few for the rate.
 std::vector<EchoDistribution> Calibration::pooled_noise(const EchoHistogram& noise, double false_alarm) const {
   std::vector<EchoDistribution> pooled;
   for (int k = first_bin_; k < window_.bins; ++k) {
@@ -169,7 +170,7 @@ std::vector<double> Calibration::beam_gains() const {
   std::vector<double> sorted = beam_sums_;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
-  if (sorted.size() < 8 || !(*middle > 0)) return {};  // too few beams for a median, or none that hears anything
+  if (sorted.size() < 8 || !(*middle > 0)) return {};  // too few beams for a median, or a silent sonar
   std::vector<double> gains;
   for (const double sum : beam_sums_) gains.push_back(std::max(sum / *middle, 1e-3));
   return gains;
@@ -251,7 +252,7 @@ std::vector<ThresholdComparison> Calibration::compare() const {
       hits += target[held].above(threshold);
       whole.emplace_back(training[held], first_bin_, window_.bins);
     }
-    // One threshold for all bins, moved until it raises as many false alarms.
+    // One threshold for all bins, moved until it has as many false alarms.
     const auto above = [&](const std::vector<HeldOut>& parts, double rate) {
       double count = 0;
       for (std::size_t held = 0; held < folds_.size(); ++held) {

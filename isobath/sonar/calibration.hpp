@@ -1,25 +1,25 @@
-// Calibration: from recordings of background, and of targets that somebody marked, to a SensorModel, noise fits and ROC
-// curves.
+// Calibration: computes a SensorModel, noise fits and ROC curves from recordings of background and of marked targets.
 //
 // Source: Ganesan 2015, 3.1, 4.2, 4.3; ledger S6-04 to S6-09, S6-D01 to S6-D03. Intensities in counts, ranges in m.
 //
-// Thresholds: t_k is the 1 - f quantile of the noise of bin k and `pool_bins` neighbours on each side (more where
-// samples are few). Whole samples get the next whole threshold with at most the rate f. Background only: p_D is the
-// configured one. Targets: cells marked in frames with truth, exactly those, without tolerance around them; p_D(k) is
+// Thresholds: t_k is the 1 - f quantile of the noise of bin k and `pool_bins` neighbours on each side (more if samples
+// are few). Whole-number samples get the next whole threshold with at most the rate f. With background only, p_D is the
+// configured one. Targets are exactly the cells marked in frames with truth, without tolerance around them. p_D(k) is
 // the share of marked cells at or above their thresholds in the nearest `least_targets` cells (in range), with half a
 // hit and half a miss added, so that it is never 0 or 1. Unmarked cells of marked frames count neither as noise nor as
-// target: an annotation draws the surface of a target, and the echoes behind and beside it are no false alarms. Bins
-// with p_D <= f, or that noise saturates, are blind.
+// target: an annotation marks the surface of a target, and the echoes behind and beside it are no false alarms. Bins
+// with p_D <= f, or whose noise saturates, are blind.
 //
-// Beams: where some beams of a fan are noisier than the median beam (a streak, a taper), the model keeps the ratio of
-// their mean background, and their thresholds are raised by it; p_D is that of the whole fan.
+// Beams: if some beams of a fan are noisier than the median beam (a streak, a taper), the model stores the ratio of
+// their mean background, and detectors raise their thresholds by it; p_D is that of the whole fan.
 //
-// Comparison: k-fold cross-validation over frames (background in blocks of 4 neighbouring frames). Thresholds a bin
-// against one threshold for all bins, both from the other folds' background, judged on the held-out frames at the same
-// measured false-alarm rate: the global threshold is moved until its rate equals that of the thresholds a bin. Rates
-// between two whole thresholds are read linearly (a threshold drawn at random between both).
+// Comparison: k-fold cross-validation over frames (background in blocks of 4 neighbouring frames). It compares
+// thresholds per bin with one threshold for all bins. Both come from the background of the other folds and are
+// evaluated on the held-out frames at the same measured false-alarm rate: the global threshold is moved until its rate
+// equals that of the per-bin thresholds. Rates between two whole thresholds are interpolated linearly (a threshold
+// drawn at random between both).
 //
-// Noise fits are of one bin a range group, its middle one, all beams together.
+// A noise fit uses one bin per range group, the middle one, with all beams together.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -37,10 +37,10 @@ namespace isobath {
 
 struct CalibrationConfig {
   double false_alarm = 0.02;
-  double p_detect = 0.8;   ///< where nothing was marked
+  double p_detect = 0.8;   ///< if no target is marked
   double blind_m = 0.6;    ///< nearer bins are blind
   int pool_bins = -1;      ///< on each side; -1: 1/64 of the window
-  int least_targets = 30;  ///< marked cells for a p_D
+  int least_targets = 30;  ///< minimum number of marked cells for a p_D
   int range_groups = 8;
   int folds = 4;
   NoiseFitConfig noise;
@@ -60,16 +60,16 @@ struct RangeGroup {
   double near_m = 0;
   double far_m = 0;
   int fitted_bin = 0;
-  std::vector<NoiseFit> fits;   ///< one a law
-  EchoCounts counts;            ///< at the thresholds of the model, in bins that are not blind
-  std::optional<RocCurve> roc;  ///< where there are marked cells
+  std::vector<NoiseFit> fits;   ///< one per law
+  EchoCounts counts;            ///< at the thresholds of the model, without blind bins
+  std::optional<RocCurve> roc;  ///< if there are marked cells
 };
 
 /// Detection on frames not used for the thresholds, at one false-alarm rate.
 struct ThresholdComparison {
   double nominal_false_alarm = 0;
   Rate false_alarm;  ///< measured on held-out background, the same for both
-  Rate per_bin;      ///< p of the thresholds a bin
+  Rate per_bin;      ///< p of the per-bin thresholds
   Rate global;       ///< p of one threshold for all bins
 };
 
@@ -77,7 +77,7 @@ struct CalibrationResult {
   SensorModel model;
   int background_pings = 0;
   int marked_pings = 0;
-  std::uint64_t marked_cells = 0;  ///< in bins that are not nearer than blind_m
+  std::uint64_t marked_cells = 0;  ///< without bins nearer than blind_m
   std::vector<RangeGroup> groups;
   std::vector<ThresholdComparison> comparison;  ///< at f = 0.01, 0.02, 0.03, 0.05; empty without marks
 };
@@ -86,12 +86,12 @@ class Calibration {
  public:
   explicit Calibration(const CalibrationConfig& config);
 
-  /// The ping must pass `check`. Another window, full scale or sample type than before throws Error.
+  /// The ping must pass `check`. Throws Error if its window, full scale or sample type differs from the first ping's.
   void add_background(const Ping& ping);
-  /// marked: beams x bins, beam after beam; not 0 where the cell holds a target.
+  /// `marked`: beams x bins, beam by beam; nonzero if the cell holds a target.
   void add_marked(const Ping& ping, std::span<const std::uint8_t> marked);
 
-  /// Throws Error where there is too little background for the false-alarm rate.
+  /// Throws Error if there is too little background for the false-alarm rate.
   [[nodiscard]] CalibrationResult finish(const std::string& source) const;
 
  private:
@@ -116,10 +116,10 @@ class Calibration {
   int background_pings_ = 0;
   int marked_pings_ = 0;
   std::vector<Fold> folds_;
-  std::vector<double> beam_sums_;  ///< of background samples, a beam
+  std::vector<double> beam_sums_;  ///< sums of background samples, by beam
 };
 
-/// All of it but the model, which has a file of its own (write_sensor_model).
+/// The whole result except the model, which has its own file (write_sensor_model).
 std::string to_json(const CalibrationResult& result);
 
 }  // namespace isobath

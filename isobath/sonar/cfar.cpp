@@ -6,7 +6,7 @@
 namespace isobath {
 namespace {
 
-/// f of the ordered statistic for a factor.
+/// False-alarm rate of the ordered statistic for a factor.
 double os_rate(int n, int rank, double factor) {
   double rate = 1;
   for (int i = 0; i < rank; ++i) rate *= (n - i) / (n - i + factor);
@@ -18,13 +18,14 @@ int rank_of(double share, int n) { return std::max(1, static_cast<int>(std::ceil
 }  // namespace
 
 std::vector<Field> fields(CfarConfig& c) {
-  return {
-      Field::integer("cfar_guard", &c.guard, {0, 1000}, "bins", "Bins on each side that are left out of the level."),
-      Field::integer("cfar_reference", &c.reference, {1, 1000}, "bins", "Bins on each side that give the level."),
-      Field::real("cfar_rank", &c.rank, {0.01, 1}, "1", "Rank of the ordered statistic, as a share of the bins."),
-      Field::choice<CfarLaw>("cfar_law", &c.law,
-                             {{"exponential", CfarLaw::kExponential}, {"rayleigh", CfarLaw::kRayleigh}},
-                             "Law of the noise: samples are powers, or amplitudes.")};
+  return {Field::integer("cfar_guard", &c.guard, {0, 1000}, "bins",
+                         "Number of bins on each side that are left out of the level."),
+          Field::integer("cfar_reference", &c.reference, {1, 1000}, "bins",
+                         "Number of bins on each side from which the level is estimated."),
+          Field::real("cfar_rank", &c.rank, {0.01, 1}, "1", "Rank of the ordered statistic, as a share of the bins."),
+          Field::choice<CfarLaw>("cfar_law", &c.law,
+                                 {{"exponential", CfarLaw::kExponential}, {"rayleigh", CfarLaw::kRayleigh}},
+                                 "Law of the noise: samples are powers (exponential) or amplitudes (rayleigh).")};
 }
 
 double ca_cfar_factor(int reference_bins, double false_alarm) {
@@ -88,7 +89,8 @@ bool Cfar::exceeds_mean(int bin, int first, int bins) const {
   return power_[bin] > 0 && power_[bin] >= factors_[n.count()] * level;
 }
 
-// cut >= alpha x_(k) is the same as: at least k reference bins are at or below cut / alpha. Counting needs no sorting.
+// cut >= alpha x_(k) is equivalent to: at least k reference bins are at or below cut / alpha. Counting needs no
+// sorting.
 bool Cfar::exceeds_rank(int bin, int first, int bins) const {
   const Neighbours n = neighbours(config_, bin, first, bins);
   if (n.count() == 0 || !(power_[bin] > 0)) return false;

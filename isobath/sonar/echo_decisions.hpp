@@ -1,10 +1,10 @@
-// EchoDecisions: what a detector of echoes says about each bin of one ping, with the likelihoods that go with it.
+// EchoDecisions: the decision of an echo detector for each bin of one ping, with its likelihoods.
 //
-// S = 1 where the intensity is at or above the threshold of its bin, else 0 (ledger S6-03). Each decision comes with
-// the probabilities that a mapper needs: P(S = 1 | target) = p_D(k) and P(S = 1 | no target) = f (S6-14). Bins without
-// information (blind zone, S6-09; where p_D <= f) are not usable: neither their 1 nor their 0 may touch a map. A bin of
-// one beam may be dim: there bottom or surface are loud, and it has a p_D of its own (S6-69). A detector that knows how
-// likely the intensity of an echo is with and without a target says so (S5-25).
+// S = 1 if the intensity is at or above the threshold of its bin, else 0 (ledger S6-03). Each decision comes with the
+// probabilities that a mapper needs: P(S = 1 | target) = p_D(k) and P(S = 1 | no target) = f (S6-14). Bins without
+// information (blind zone, S6-09; p_D <= f) are not usable: neither their 1 nor their 0 may change a map. A bin of one
+// beam may be dim: bottom or surface are loud there, and it has a p_D of its own (S6-69). A detector that knows the
+// likelihoods of an echo's intensity with and without a target gives their ratio (S5-25).
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace isobath {
 
 class EchoDecisions {
  public:
-  /// All bins clear and usable. Allocates only when it grows beyond what it has held before.
+  /// Makes all bins clear and usable. Allocates only if the size exceeds all earlier ones.
   void reset(int beams, int bins) {
     beams_ = beams;
     bins_ = bins;
@@ -36,28 +36,27 @@ class EchoDecisions {
 
   [[nodiscard]] bool hit(int beam, int bin) const { return hits(beam)[bin / 64] >> (bin % 64) & 1; }
   void set_hit(int beam, int bin) { hits(beam)[bin / 64] |= std::uint64_t{1} << (bin % 64); }
-  /// words() words; bit k % 64 of word k / 64 is the decision of bin k. A hit in a bin that is not usable means
-  /// nothing.
+  /// words() words; bit k % 64 of word k / 64 is the decision of bin k. Ignore hits in bins that are not usable.
   [[nodiscard]] const std::uint64_t* hits(int beam) const { return hits_.data() + std::size_t(beam) * words_; }
   [[nodiscard]] std::uint64_t* hits(int beam) { return hits_.data() + std::size_t(beam) * words_; }
 
-  /// The same for all beams of a ping.
+  /// Usable bins are the same for all beams of a ping.
   [[nodiscard]] bool usable(int bin) const { return usable_[bin / 64] >> (bin % 64) & 1; }
   [[nodiscard]] const std::uint64_t* usable() const { return usable_.data(); }
   void set_unusable(int bin) { usable_[bin / 64] &= ~(std::uint64_t{1} << (bin % 64)); }
 
-  /// words() words; null where no bin of the ping is dim.
+  /// words() words; null if no bin of the ping is dim.
   [[nodiscard]] const std::uint64_t* dim(int beam) const {
     return dim_.empty() ? nullptr : dim_.data() + std::size_t(beam) * words_;
   }
-  /// p_D of a dim bin; 0: its decision means nothing.
+  /// p_D of a dim bin; 0: its decision has no information.
   [[nodiscard]] float p_dim(int beam, int bin) const { return p_dim_[std::size_t(beam) * bins_ + bin]; }
-  /// Whether this bin of this beam may touch a map.
+  /// Whether this bin of this beam may change a map.
   [[nodiscard]] bool tells(int beam, int bin) const {
     const bool is_dim = !dim_.empty() && (dim(beam)[bin / 64] >> (bin % 64) & 1) != 0;
     return usable(bin) && !(is_dim && !(p_dim(beam, bin) > 0));
   }
-  /// Dims bins of one beam: words() words, and bins() values, of which those of dim bins count.
+  /// Sets the dim bins of one beam: words() words, and bins() values of p_D; only those of dim bins are used.
   void set_dim(int beam, const std::uint64_t* bits, const float* p) {
     if (dim_.empty()) {
       dim_.assign(hits_.size(), 0);
@@ -67,7 +66,7 @@ class EchoDecisions {
     std::copy_n(p, bins_, p_dim_.begin() + std::ptrdiff_t(beam) * bins_);
   }
 
-  /// This bin of this beam says nothing, neither echo nor none.
+  /// Marks this bin of this beam as without information.
   void set_blind(int beam, int bin) {
     if (dim_.empty()) {
       dim_.assign(hits_.size(), 0);
@@ -80,7 +79,7 @@ class EchoDecisions {
   }
 
   /// P(intensity | target) / P(intensity | no target) of the bins of a beam that hold an echo; 1 in all others. Null:
-  /// nothing is known of an echo but that it is one.
+  /// the detector does not know the likelihoods.
   [[nodiscard]] const float* ratios(int beam) const {
     return has_ratios_ ? ratios_.data() + std::size_t(beam) * bins_ : nullptr;
   }
@@ -90,10 +89,10 @@ class EchoDecisions {
     ratios_[std::size_t(beam) * bins_ + bin] = ratio;
   }
 
-  std::vector<float> p_detect;  ///< p_D(k) of each bin; above false_alarm where the bin is usable
+  std::vector<float> p_detect;  ///< p_D(k) of each bin; above false_alarm if the bin is usable
   double false_alarm = 0.02;    ///< f, the same for all bins
-  float weight = 1;             ///< share of an independent look that the ping is; maps count its evidence so often
-  float most_echo_weight = 1;   ///< its echoes count for no more
+  float weight = 1;             ///< share of an independent look; maps multiply the ping's evidence by it
+  float most_echo_weight = 1;   ///< maximum weight of the ping's echoes
 
  private:
   int beams_ = 0;

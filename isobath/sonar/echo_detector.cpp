@@ -12,10 +12,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "eight bins are compared in one little-endian word");
 
 constexpr int kFansListened = 20;
-constexpr int kBeamsLearnt = 16;  // of a multibeam ping: enough, at a fraction of the cost
+constexpr int kBeamsLearnt = 16;  // beams of a multibeam ping to learn from: enough, at a fraction of the cost
 constexpr std::uint64_t kTops = 0x8080808080808080u;
 
-/// Top bit of each byte set where x >= y, both unsigned.
+/// Sets the top bit of each byte with x >= y, both unsigned.
 std::uint64_t at_or_above(std::uint64_t x, std::uint64_t y) {
   const std::uint64_t low = (x | kTops) - (y & ~kTops);
   return ((x & ~y) | (~(x ^ y) & low)) & kTops;
@@ -37,7 +37,7 @@ std::uint64_t load8(const void* at) {
   return value;
 }
 
-/// One beam of adjacent 8-bit samples.
+/// Compares one beam of adjacent 8-bit samples with the thresholds.
 void compare_bins(const std::byte* samples, const std::uint8_t* thresholds, int bins, std::uint64_t* hits) {
   int k = 0;
   for (; k + 8 <= bins; k += 8) {
@@ -46,7 +46,7 @@ void compare_bins(const std::byte* samples, const std::uint8_t* thresholds, int 
   for (; k < bins; ++k) hits[k / 64] |= std::uint64_t{std::uint8_t(samples[k]) >= thresholds[k]} << (k % 64);
 }
 
-/// Eight beams side by side, a row a bin: eight by eight decisions at a time, turned to beams by bins.
+/// Compares eight interleaved beams, one row per bin: eight by eight decisions at a time, transposed to beams by bins.
 void compare_beams(const std::byte* samples, std::ptrdiff_t bin_stride, const std::uint8_t* thresholds, int bins,
                    int beam, EchoDecisions& out) {
   for (int k = 0; k < bins; k += 8) {
@@ -89,7 +89,7 @@ DetectorState state_of(ModelMismatch mismatch) {
   return DetectorState::kNoModel;
 }
 
-/// What a beam has not sampled says neither echo nor none.
+/// Marks bins that a beam has not sampled as without information.
 void leave_unsampled(const Ping& ping, EchoDecisions& out) {
   for (int b = 0; b < out.beams(); ++b) {
     const BinSpan span = sampled_bins(ping, b);
@@ -103,28 +103,30 @@ void leave_unsampled(const Ping& ping, EchoDecisions& out) {
 std::vector<Field> fields(EchoDetectorConfig& c) {
   using M = DetectionMethod;
   std::vector<Field> all = {
-      Field::choice<M>("method", &c.method,
-                       {{"auto", M::kAutomatic},
-                        {"learnt", M::kLearnt},
-                        {"cells", M::kCells},
-                        {"model", M::kModel},
-                        {"global", M::kGlobal},
-                        {"ca_cfar", M::kCellAveraging},
-                        {"os_cfar", M::kOrderedStatistic},
-                        {"histogram", M::kHistogram}},
-                       "How echoes are told from noise; auto: by the model if one is given, else by cells for fans, "
-                       "learnt for others."),
+      Field::choice<M>(
+          "method", &c.method,
+          {{"auto", M::kAutomatic},
+           {"learnt", M::kLearnt},
+           {"cells", M::kCells},
+           {"model", M::kModel},
+           {"global", M::kGlobal},
+           {"ca_cfar", M::kCellAveraging},
+           {"os_cfar", M::kOrderedStatistic},
+           {"histogram", M::kHistogram}},
+          "Method of echo detection; auto: by the model if one is given, else cells for fans and learnt for "
+          "other sonars."),
       Field::real("false_alarm", &c.false_alarm, {1e-6, 0.5}, "1",
-                  "Probability that a bin without target reports an echo; a sensor model brings its own."),
+                  "Probability that a bin without a target reports an echo; a sensor model has its own."),
       Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1",
-                  "Probability that a bin with a target reports an echo; a sensor model brings its own."),
-      Field::real("blind_m", &c.blind_m, {0, 100}, "m", "Nearer bins are never used: the transmitter still rings."),
+                  "Probability that a bin with a target reports an echo; a sensor model has its own."),
+      Field::real("blind_m", &c.blind_m, {0, 100}, "m",
+                  "Blanking range: nearer bins are never used, since the transmitter still rings."),
       Field::real("global_threshold", &c.global_threshold, {0, 1}, "1",
-                  "Threshold of method global, share of full scale."),
-      Field::real(
-          "skirt_share", &c.skirt_share, {0, 1}, "1",
-          "Method learnt only: a hit below this share of a stronger echo just behind it is its skirt; 0: keep."),
-      Field::real("skirt_m", &c.skirt_m, {0, 10}, "m", "How far behind a hit that stronger echo may stand.")};
+                  "Threshold of method global, as a share of full scale."),
+      Field::real("skirt_share", &c.skirt_share, {0, 1}, "1",
+                  "Method learnt only: a hit below this share of a stronger echo just behind it is dropped as its "
+                  "skirt; 0: never."),
+      Field::real("skirt_m", &c.skirt_m, {0, 10}, "m", "Maximum distance of that stronger echo behind a hit.")};
   for (auto&& list : {fields(c.noise), fields(c.cfar), fields(c.boundary), fields(c.fan)})
     all.insert(all.end(), list.begin(), list.end());
   return all;
@@ -162,7 +164,8 @@ EchoDetector::EchoDetector(EchoDetectorConfig config, std::optional<SensorModel>
     throw Error("method histogram needs a histogram model", {{}, {}, {}, {}, "method"}, {}, "calibrate first");
   } else if (!(config_.p_detect > config_.false_alarm)) {
     throw Error("p_detect must be above false_alarm", {{}, {}, {}, {}, "p_detect"},
-                "above " + std::to_string(config_.false_alarm), "an echo must be likelier with a target than without");
+                "above " + std::to_string(config_.false_alarm),
+                "an echo must be more likely with a target than without");
   }
 }
 
@@ -193,7 +196,7 @@ void EchoDetector::detect(const Ping& ping, EchoDecisions& out, const WaterColum
 bool EchoDetector::listen(const Ping& ping) {
   const DetectionMethod method = method_for(ping);
   if (method == DetectionMethod::kCells) {
-    if (unchecked_fan_) return true;  // it knows the thresholds
+    if (unchecked_fan_) return true;  // the fan model has the thresholds
     EchoDecisions unused;
     fan_detector_.detect(ping, {}, unused, looks_);
     return ++listened_fans_ >= kFansListened;
@@ -216,9 +219,9 @@ void EchoDetector::heard_all() {
   take_thresholds();
 }
 
-/// How loud each beam is beside the others.
+/// Measures the level of each beam relative to the others.
 void EchoDetector::weigh_beams(const Ping& ping) {
-  constexpr double kQuantile = 0.8;  // targets fill less than the rest, and clipped noise is not 0 there
+  constexpr double kQuantile = 0.8;  // targets fill less than 20 %, and clipped noise is not 0 there
   const int used = window_.bins - first_bin_, beams = ping.intensity.beams();
   gains_.assign(static_cast<std::size_t>(beams), 1);
   if (used < kBeamsLearnt || beams < kBeamsLearnt) return;
@@ -286,7 +289,7 @@ void EchoDetector::prepare(const Ping& ping) {
   state_ = DetectorState::kReady;
   switch (config_.method) {
     case DetectionMethod::kAutomatic:
-    case DetectionMethod::kCells:  // of too few beams
+    case DetectionMethod::kCells:  // fans of too few beams
     case DetectionMethod::kLearnt:
       tracker_ =
           NoiseTracker(EchoLevels(type_, full_scale_), window_.bins, first_bin_, config_.false_alarm, config_.noise);
@@ -333,7 +336,7 @@ void EchoDetector::prepare_histogram(const Ping& ping) {
     p_detect_[k] = point_.p_detect[k] > config_.false_alarm ? point_.p_detect[k] : 0;
 }
 
-/// The 8-bit form of the thresholds: the smallest whole sample at or above each.
+/// Computes the 8-bit thresholds: the smallest whole number at or above each threshold.
 void EchoDetector::set_thresholds() {
   thresholds_u8_.assign(thresholds_.size(), 255);
   reachable_.assign((thresholds_.size() + 63) / 64, 0);
@@ -430,7 +433,7 @@ void EchoDetector::decide_by_ratios(const Ping& ping, EchoDecisions& out) {
 
 namespace {
 
-/// Whether the intensity rises from here to a much stronger echo within `reach` bins, without a dip between.
+/// Whether the intensity rises from this bin to a much stronger echo within `reach` bins, without a dip between them.
 bool is_skirt(const float* beam, int bin, int bins, int reach, float share) {
   const float own = beam[bin];
   for (int k = bin + 1; k < std::min(bins, bin + reach + 1); ++k) {

@@ -1,41 +1,41 @@
 // EchoDetector: decides for each bin of a ping whether it holds an echo. Ledger S6-03, S6-06, S6-09, S6-62, S6-64,
 // S6-70.
 //
-// Methods. `model`: thresholds a range bin from a calibration (SensorModel). `global`: one threshold for all bins.
-// `ca_cfar`, `os_cfar`: threshold from the neighbouring bins of the same beam (cfar.hpp). `auto`, for a sonar that was
-// never calibrated: `cells` for a fan of 8 beams and more, `learnt` for a scanning head; with a sensor model, `auto` is
-// `model`. `cells`: one decision a resolution cell, by the background across the fan (fan_detector.hpp). `learnt`:
-// thresholds learnt from the pings so far (noise_tracker.hpp), current one included, and a rule for pulse skirts.
-// `histogram`: the likelihood ratio of the pixel's intensity by a HistogramModel, at its operating point for
-// false_alarm; each echo carries its ratio (EchoDecisions::ratios), and `auto` is `histogram` where there is such a
-// model.
+// Methods. `model`: thresholds per range bin from a calibration (SensorModel). `global`: one threshold for all bins.
+// `ca_cfar`, `os_cfar`: thresholds from the neighbouring bins of the same beam (cfar.hpp). `auto`, for a sonar that was
+// never calibrated: `cells` for a fan of at least 8 beams, `learnt` for a scanning head; with a sensor model, `auto` is
+// `model`. `cells`: one decision per resolution cell, by the background across the fan (fan_detector.hpp). `learnt`:
+// thresholds learnt from all pings so far, including the present one (noise_tracker.hpp), and a rule for pulse skirts.
+// `histogram`: the likelihood ratio of the pixel's intensity from a HistogramModel, at its operating point for
+// false_alarm; each echo carries its ratio (EchoDecisions::ratios), and `auto` is `histogram` if there is such a model.
 //
-// Skirt rule (`learnt` only). A strong echo is smeared in range by its pulse and by the beam's height, so that plain
-// thresholds see a wall too near. A hit is dropped where, within skirt_m behind it, the intensity rises above its own
-// divided by skirt_share, without first dipping below its own times skirt_share: it is the foot of that echo. Two
-// targets closer than skirt_m with no dip between them are reported at the stronger one.
+// Skirt rule (`learnt` only). The pulse and the beam's height smear a strong echo in range, so plain thresholds place a
+// wall too near. A hit is dropped if, within skirt_m behind it, the intensity rises above its own divided by
+// skirt_share, without first dipping below its own times skirt_share: it is the foot of that echo. Two targets closer
+// than skirt_m with no dip between them are reported at the stronger one.
 //
-// Warm-up (`learnt`): until warmup_profiles beams have been seen, all bins are unusable: unknown, neither free nor
-// taken. The default is half a turn of a Micron, or seven pings of a multibeam sonar (16 beams a ping are learnt from).
-// Where the pings are there already, as in a log, the detector can listen to them before it decides the first
-// (`listen`). It then knows, too, how loud each beam of a fan is beside the others, by the 80 % quantile of sample over
-// threshold in the first ping; the threshold of a beam louder by 5 % and more is raised by as much.
+// Warm-up (`learnt`): until warmup_profiles beams have been received, all bins are unusable: unknown, neither free nor
+// occupied. The default is half a turn of a Micron, or seven pings of a multibeam sonar (the detector learns from 16
+// beams of each ping). If the pings already exist, as in a log, the detector can learn from them before its first
+// decision (`listen`). It then also knows the level of each beam of a fan relative to the others, from the 80 %
+// quantile of sample over threshold in the first ping. The threshold of a beam that is louder by more than 5 % is
+// raised by this ratio.
 //
-// Measured with the defaults: in a tank of 4.5 m (Micron, 20 turns) the first hit stands 0.00 to 0.05 m before each
-// wall, without the skirt rule 0.03 to 0.11 m. On a DIDSON's background, clipped at zero, 3 % of the bins hit at f
-// = 0.02. Not promised: an echo that fills half of the bearings and more than an eighth of the range window for the
+// Measured with the defaults: in a tank of 4.5 m (Micron, 20 turns) the first hit is 0.00 to 0.05 m before each wall,
+// without the skirt rule 0.03 to 0.11 m. On the background of a DIDSON, clipped at zero, 3 % of the bins hit at f =
+// 0.02. Not promised: an echo that fills half of the bearings and more than an eighth of the range window during the
 // whole memory is learnt as noise.
 //
-// Where the water column is known, echoes of bottom and surface are no echoes of targets (boundary_echoes.hpp); this is
-// added to every method but `cells`, which has its own background.
+// If the water column is known, echoes of bottom and surface are separated from targets (boundary_echoes.hpp). This
+// applies to all methods but `cells`, which has its own background.
 //
-// Bins that a beam has not sampled (Ping::sampled) tell nothing: they are dim with p_D 0, no reference for CFAR, and a
-// beam that lacks some is not learnt from.
+// Bins that a beam has not sampled (Ping::sampled) have no information: they are dim with p_D 0 and no reference for
+// CFAR. The detector does not learn from a beam with such bins.
 //
 // Bins nearer than blind_m, or than the blind zone that the ping states, are not usable. `detect` allocates only at the
-// first ping of a geometry and throws nothing. Not thread-safe: one detector a sonar. Deterministic. Measured on one
-// core, 512 beams x 500 bins of 8 bits, G bins/s: thresholds 2.3 (beam after beam) and 1.6 (bin after bin), `auto` 0.7,
-// `ca_cfar` 0.07, `os_cfar` 0.03.
+// first ping of a geometry and throws nothing. Not thread-safe: one detector per sonar. Deterministic. Measured on one
+// core, 512 beams x 500 bins of 8 bits, G bins/s: thresholds 2.3 (samples in beam order) and 1.6 (in bin order), `auto`
+// 0.7, `ca_cfar` 0.07, `os_cfar` 0.03.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -66,8 +66,8 @@ enum class DetectionMethod : std::uint8_t {
 
 struct EchoDetectorConfig {
   DetectionMethod method = DetectionMethod::kAutomatic;
-  double false_alarm = 0.02;      ///< f; of the model where there is one
-  double p_detect = 0.8;          ///< p_D of all methods but the model
+  double false_alarm = 0.02;      ///< f; a sensor model has its own
+  double p_detect = 0.8;          ///< p_D; a model has its own
   double blind_m = 0.6;           ///< nearer bins are not usable
   double global_threshold = 0.5;  ///< share of full scale
   double skirt_share = 0.7;       ///< 0: no skirt rule
@@ -79,7 +79,7 @@ struct EchoDetectorConfig {
 };
 std::vector<Field> fields(EchoDetectorConfig& config);
 
-/// What keeps a detector from deciding; all bins are unusable meanwhile.
+/// Whether a detector can decide; in all states but kReady all bins are unusable.
 enum class DetectorState : std::uint8_t {
   kReady,
   kWarmingUp,
@@ -87,15 +87,15 @@ enum class DetectorState : std::uint8_t {
   kModelFullScale,
   kModelRange,
   kModelBinLength,
-  kHistogramOfOther  ///< the ping is not of the sonar and the settings of the histogram model
+  kHistogramOfOther  ///< the ping does not match the sonar and settings of the histogram model
 };
 const char* to_text(DetectorState state);
 
 class EchoDetector {
  public:
-  /// `fan_model`: what pings that are decided by cells start from. A first one of another sonar throws Error.
-  /// A method `model` or `histogram` without its model throws Error. With a model and method `auto`, the model is used,
-  /// histograms before thresholds.
+  /// `fan_model`: start of the method `cells`; the first ping throws Error if it is of another sonar. Throws Error for
+  /// a method `model` or `histogram` without its model. With a model and method `auto`, the model is used, a histogram
+  /// model before a sensor model.
   explicit EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model = std::nullopt,
                         std::shared_ptr<const LikelihoodRatios> ratios = nullptr,
                         std::shared_ptr<const FanModel> fan_model = nullptr);
@@ -103,25 +103,27 @@ class EchoDetector {
   /// The ping must pass `check`.
   void detect(const Ping& ping, EchoDecisions& out, const WaterColumn& water = {});
 
-  /// Before the first `detect`, where the pings are there already: method `auto` learns from all beams of the ping and
-  /// decides nothing. Whether that is enough to decide, as it always is by the other methods.
+  /// Learns from a recorded ping before the first `detect`, in method `auto`, from all of its beams and without a
+  /// decision. Returns whether the detector has learnt enough to decide; the other methods always have.
   bool listen(const Ping& ping);
-  /// No more pings will be listened to: what was heard is enough to decide by, if it is 16 beams or more.
+  /// Ends the listening: from now on the detector decides by what it has learnt, if it has learnt from at least 16
+  /// beams.
   void heard_all();
 
-  /// The last ping as looks at resolution cells, where it was decided by cells: what a map takes instead of the
-  /// samples. Null: each sample is a look of its own.
+  /// The looks at resolution cells of the last ping, which maps use instead of the samples, if the ping was decided by
+  /// cells. Null: each sample is a look of its own.
   [[nodiscard]] const FanLooks* looks() const { return by_cells_ ? &looks_ : nullptr; }
-  /// How far the pings depart from the fan model; empty: none, or no ping was decided by it.
+  /// Departure of the pings from the fan model; empty: no model, or no ping was decided by it.
   [[nodiscard]] std::optional<FanDeparture> departure() const { return fan_detector_.departure(); }
-  /// Of the last ping.
+  /// State at the last ping.
   [[nodiscard]] DetectorState state() const { return state_; }
-  /// In force for the last ping, a range bin (infinite: none); empty for CFAR and histograms, which have one a sample.
+  /// Thresholds at the last ping, by range bin (infinite: none); empty for CFAR and histograms, whose thresholds are
+  /// per sample.
   [[nodiscard]] const std::vector<float>& thresholds() const { return thresholds_; }
   [[nodiscard]] double false_alarm() const;
   [[nodiscard]] DetectionMethod method() const { return config_.method; }
 
-  /// What `auto` stands for, for this ping.
+  /// The method for this ping: resolves `auto`.
   [[nodiscard]] DetectionMethod method_for(const Ping& ping) const;
 
  private:
@@ -146,12 +148,12 @@ class EchoDetector {
   std::shared_ptr<const LikelihoodRatios> ratios_;
   DetectorState state_ = DetectorState::kWarmingUp;
 
-  // Of the geometry at hand: window, full scale, sample type.
+  // State of the present geometry: window, full scale, sample type.
   RangeWindow window_;
-  double blind_m_ = 0;  ///< as the ping says
+  double blind_m_ = 0;  ///< as the ping states
   float full_scale_ = 0;
   SampleType type_ = SampleType::kU8;
-  int first_bin_ = 0;  ///< behind the blind zone
+  int first_bin_ = 0;  ///< first bin beyond the blind zone
   std::vector<float> thresholds_;
   std::vector<std::uint8_t> thresholds_u8_;
   std::vector<std::uint64_t> reachable_;  ///< bins whose threshold an 8-bit sample can reach
@@ -159,18 +161,18 @@ class EchoDetector {
   std::vector<float> beam_;               ///< one beam as floats
   NoiseTracker tracker_;
   bool listened_ = false;
-  std::vector<double> gains_;  ///< of the beams, where the detector has listened; else empty
+  std::vector<double> gains_;  ///< by beam, if the detector has listened; else empty
   Cfar cfar_;
-  std::shared_ptr<const BeamFan> fan_;  ///< that the histograms were compared with
+  std::shared_ptr<const BeamFan> fan_;  ///< fan that was compared with the histogram model
   LikelihoodRatios::OperatingPoint point_;
   std::vector<std::int16_t> looked_up_;  ///< beams x bins
   BoundaryEchoes boundary_;
   FanDetector fan_detector_;
   std::shared_ptr<const FanModel> unchecked_fan_;  ///< the fan model, until the first ping; null: none
   FanLooks looks_;
-  bool by_cells_ = false;  ///< the last ping was
-  int listened_fans_ = 0;  ///< pings
-  int next_beam_ = 0;      ///< where learning goes on in a multibeam ping
+  bool by_cells_ = false;  ///< whether the last ping was decided by cells
+  int listened_fans_ = 0;  ///< number of pings listened to
+  int next_beam_ = 0;      ///< beam at which learning continues in a multibeam ping
 };
 
 }  // namespace isobath

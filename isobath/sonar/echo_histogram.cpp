@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kOctaves = 17;
 constexpr int kPerOctave = 64;
-constexpr int kMantissaShift = 17;  // keeps 6 of the 23 bits of a float's mantissa: 64 steps an octave
+constexpr int kMantissaShift = 17;  // keeps 6 of the 23 bits of a float's mantissa: 64 steps per octave
 
 }  // namespace
 
@@ -88,7 +88,7 @@ double EchoDistribution::deviation() const { return std::sqrt(moment(mean(), 2))
 double EchoDistribution::rate_at_or_above(double threshold) const {
   if (samples() <= 0 || threshold >= levels_.edge(levels_.count())) return 0;
   if (threshold <= levels_.edge(0)) return 1;
-  if (levels_.discrete()) {  // whole samples against any threshold: the edge below the next whole number is meant
+  if (levels_.discrete()) {  // whole-number samples and any threshold: the edge below the next whole number
     const double level = threshold + 0.5;
     const int below = static_cast<int>(level);
     const double share = level - below;

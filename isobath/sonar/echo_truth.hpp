@@ -1,4 +1,4 @@
-// EchoTruth: what each sample of a simulated ping really is. Never seen by detectors; for those who judge them.
+// EchoTruth: the true origin of each sample of a simulated ping. Detectors never see it; it serves their evaluation.
 #pragma once
 
 #include <cstdint>
@@ -8,23 +8,23 @@
 
 namespace isobath {
 
-/// How an echo came to its sample.
+/// Path of an echo.
 enum class EchoPath : std::uint8_t {
   kNoise,  ///< no echo above the background
   kDirect,
-  kSideLobe,       ///< direct, but heard by a beam that does not look there
-  kSurfaceBounce,  ///< by way of the surface, there or back or both
+  kSideLobe,       ///< direct, received by the side lobe of a beam
+  kSurfaceBounce,  ///< over the surface, on the outward or return path or both
   kBottomBounce,
   kBodyBounce,
   kMultiple,    ///< twice between a wall and the sonar's own housing
   kVolume,      ///< scattered in the water
-  kRinging,     ///< the transmission itself
-  kSpurious,    ///< an echo of nothing
+  kRinging,     ///< the transmit pulse itself
+  kSpurious,    ///< a false echo
   kDisturbance  ///< another sonar, a streak, a burst
 };
 
-/// What was hit (0 nothing, 1 surface, 2 bottom, 3 and up: bodies in the order of World::bodies), in 12 bits, and by
-/// which path.
+/// Target of an echo (0 nothing, 1 surface, 2 bottom, 3 and up: bodies in the order of World::bodies), in 12 bits, and
+/// its path.
 class EchoLabel {
  public:
   EchoLabel() = default;
@@ -40,7 +40,7 @@ class EchoLabel {
 };
 
 struct EchoTruth {
-  Time time;          ///< of the ping that it belongs to
+  Time time;          ///< time of the ping
   std::string sonar;  ///< its name
   int beams = 0, bins = 0;
   std::vector<EchoLabel> labels;  ///< beam by beam

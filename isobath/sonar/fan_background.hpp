@@ -1,31 +1,29 @@
-// FanBackground: how loud the water is in each cell of a fan, without what stands in it.
+// FanBackground: the background level of each cell of a fan, without targets.
 //
-// Noise, and the echoes of bottom, surface and volume, have in common that they fill the fan: at one range most of the
-// directions hear them. A target fills few. So the level at a range is a low quantile (kQuantile) over the neighbouring
-// directions (`window_deg` to each side) of the locally averaged power: the *ring*. A wall that the sonar looks at
-// square on stands at one range over some 15 degrees to each side, and does not move that quantile. Rings are averaged
-// over kRingMemory seconds.
+// Noise, and the echoes of bottom, surface and volume, fill the fan: at one range most directions receive them. A
+// target fills few directions. So the level at a range is a low quantile (kQuantile) over the neighbouring directions
+// (`window_deg` to each side) of the locally averaged power: the *ring*. A wall at normal incidence is at one range
+// over some 15 degrees to each side, and does not affect that quantile. Rings are averaged over kRingMemory seconds.
 //
 // A ring that is narrow in range, less than kNarrow cells, is a wall that fills the fan, not bottom or surface: it is
-// no background (grey-scale opening along the range). Two narrow rings are background: the echo of bottom or surface
-// straight below or above, by way of the side lobes, at the range of altitude or depth where these are known, up to
-// four times its median over the fan; and one that fills a fan of 80 degrees and more at the same range for kSteady
+// not background (grey-scale opening along the range). Two kinds of narrow ring are background: the side-lobe echo of
+// the bottom straight below or the surface straight above, at the range of altitude or depth if these are known, up to
+// four times its median over the fan; and a ring that fills a fan of at least 80 degrees at the same range for kSteady
 // seconds, which no flat wall can.
 //
-// Reverberation that fills part of the fan, as by roll or a slope, and clouds of clutter fill a patch that is wide in
-// direction and in range. A window of 3 m by 3 m that is loud but for the same low quantile is background, wherever it
-// lies (a grey-scale opening by that window): no wall is so thick, no pole so wide.
+// Reverberation in a part of the fan, due to roll or a slope, and clouds of clutter fill a patch that is wide in
+// direction and in range. The low quantile of a window of 3 m by 3 m, anywhere around the cell (a grey-scale opening),
+// is background too: no wall is so thick, and no pole so wide.
 //
-// A beam that is loud over 64 cells of its range hears a wall by way of bottom and surface, or interference: a low
-// quantile along the beam is background as well. The near end of a wall that lies along a beam stays.
+// A beam that is loud over 64 cells of its range receives a wall over bottom and surface, or interference. A low
+// quantile along the beam is background too. The near end of a wall that lies along a beam stays.
 //
-// Within ring and patch, what one direction hears may differ: gains of beams, relief. So each cell has a level of its
-// own, which follows its power slowly (`memory_s`) and keeps within a factor `spread` of them: a target in front of
-// a hovering vehicle raises it by no more than that.
+// Within ring and patch the level differs by direction: gains of beams, relief. So each cell has a level of its own,
+// which follows its power slowly (`memory_s`) and stays within a factor `spread` of ring and patch. A target in front
+// of a hovering vehicle raises it by at most this factor.
 //
-// The gain of a receiver may step: where most of the fan is louder or fainter than it was by kStep, all levels follow
-// at once. Units: power of the samples. After the first ping of a geometry nothing allocates. One core, 256 x 250
-// cells: 1.3 ms.
+// The gain of a receiver may step: if most of the fan becomes louder or fainter by kStep, all levels follow at once.
+// Units: power of the samples. After the first ping of a geometry nothing allocates. One core, 256 x 250 cells: 1.3 ms.
 #pragma once
 
 #include <isobath/base/time.hpp>
@@ -40,20 +38,20 @@ class FanBackground {
  public:
   explicit FanBackground(const FanBackgroundConfig& config = {}) : config_(config) {}
 
-  /// Forgets all levels. `first_bin`: nearer cells ring and are not judged.
+  /// Resets all levels. `first_bin`: nearer cells are in the ringing and are not decided.
   void begin(const FanCells& cells, int first_bin, float faintest);
-  /// After `begin`: how loud each row of cells is beside its ring, in power, where that was learnt before.
+  /// After `begin`: sets the level of each row of cells relative to its ring, in power, from earlier learning.
   void start_from(std::vector<float> relief) { known_relief_ = std::move(relief); }
-  /// Levels for this ping, before anything is decided. Cells with power below 0 do not count.
+  /// Computes the levels for this ping, before its decisions. Cells with power below 0 do not count.
   void update(Time time, const std::vector<float>& power, const WaterColumn& water);
-  /// After that: the cells learn from this ping, slowly where `target` is 1.
+  /// After the decisions: the cells learn from this ping, slowly if their `target` is 1.
   void learn(const std::vector<std::uint8_t>& target);
 
-  /// Of each cell, above 0.
+  /// Level of each cell, above 0.
   [[nodiscard]] const std::vector<float>& level() const { return level_; }
-  /// Of the water where nothing is heard but noise: median over all ranges of the ring.
+  /// Level of water with noise alone: median over all ranges of the ring.
   [[nodiscard]] float quiet() const { return quiet_; }
-  /// Of each row of cells: median over the ranges of its level beside the ring.
+  /// For each row of cells: median over the ranges of its level relative to the ring.
   [[nodiscard]] std::vector<double> relief() const;
 
  private:

@@ -1,5 +1,4 @@
-// Settings of the decisions about a fan (fan_detector.hpp) and of the background that they are made against
-// (fan_background.hpp).
+// FanConfig: settings of the decisions on a fan (fan_detector.hpp) and of their background (fan_background.hpp).
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -9,7 +8,7 @@ namespace isobath {
 struct FanBackgroundConfig {
   Angle window = Angle::degrees(24);
   double memory_s = 2;
-  double spread = 4;  ///< in power
+  double spread = 4;  ///< factor in power
 };
 std::vector<Field> fields(FanBackgroundConfig& config);
 

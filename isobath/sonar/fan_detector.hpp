@@ -1,35 +1,35 @@
-// FanDetector: decides for each resolution cell of a fan whether it holds an echo of something that stands in the water
-// (ledger S6-03, S6-06, S6-09, S6-62, S6-64, S6-69).
+// FanDetector: decides for each resolution cell of a fan whether it holds an echo of an object in the water (ledger
+// S6-03, S6-06, S6-09, S6-62, S6-64, S6-69).
 //
 //   samples -> cells (fan_cells.hpp) -> background of each cell (fan_background.hpp) -> ratio u -> threshold
 //   (tail_law.hpp)
 //
-// One decision a cell and ping. Its false-alarm rate is the one that is asked for: the thresholds are quantiles of u,
-// learnt from the pings so far for each third of the ranges and each third of the beams, apart where bottom, surface or
-// reverberation are louder than the quiet water. Targets must
-// not raise them: cells that stand out (by the middle of the law, which targets do not move) side by side, or again and
-// again within kHeatMemory pings, are not learnt from. The first ping decides already, by a law fitted to itself.
+// There is one decision per cell and ping. Its false-alarm rate is the requested one: the thresholds are quantiles of
+// u, learnt from the pings so far for each third of the ranges and each third of the beams, and separately where
+// bottom, surface or reverberation are louder than the quiet water. Targets must not raise the thresholds: the detector
+// does not learn from cells that stand out (by the middle of the law, which targets do not affect) side by side, or
+// repeatedly within kHeatMemory pings. The first ping is decided already, by a law fitted to itself.
 //
-// Side lobes. A loud echo is heard in all beams at its range. An echo below a quarter of the amplitude of the loudest
-// at its range is taken for one of those, and its cell says nothing.
+// Side lobes. All beams receive a loud echo at its range. An echo below a quarter of the amplitude of the loudest at
+// its range is taken for a side lobe, and its cell has no information.
 //
-// What a decision tells. p_D is `fan_p_detect` in quiet water. Where the background is louder a target hides: p_D falls
-// as that of a fluctuating target (Swerling 1), p_D = f^(1 / (1 + s)), s its signal to noise ratio; below twice f the
-// cell says nothing. `weight` is the share of an independent look that the ping is: pings that follow each other faster
-// than `look_s` share one. Echoes of one ping count for no more than half of one, so that no ping makes an obstacle; in
-// clutter, whose spikes stay for seconds, for a third of that.
+// Information of a decision. p_D is `fan_p_detect` in quiet water. A louder background hides targets: p_D falls as that
+// of a fluctuating target (Swerling 1), p_D = f^(1 / (1 + s)), s its signal-to-noise ratio; below twice f the cell has
+// no information. `weight` is the ping's share of an independent look: pings that follow each other faster than
+// `look_s` share one. Echoes of one ping have a weight of at most one half, so that no single ping makes an obstacle;
+// in clutter, whose spikes last for seconds, of a third of the ping's weight.
 //
-// Geometries. The state of the last four pairs of fan and range window is kept, so that pings may interlace; a new one
-// takes over the thresholds, since u has no unit. Beams that are dead (below a hundredth of the median beam) say
-// nothing. Samples: linear amplitude, or any monotonic scale of it; the law of u is learnt, not assumed.
+// Geometries. The state of the last four pairs of fan and range window is kept, so that pings may interlace. A new one
+// inherits the thresholds, since u is dimensionless. Dead beams (below a hundredth of the median beam) have no
+// information. Samples may be linear amplitude or any monotonic scale of it, since the law of u is learnt, not assumed.
 //
-// A model (fan_model.hpp) gives thresholds, reliefs of the rows and blind zone from the first ping on; a ping of
-// another setting takes the laws alone. What is heard goes on to teach them. Where the middle of the ratios of the
-// first 40 pings is not that of the model (a factor 2 at first, 1.5 later), its laws are dropped at once.
+// A model (fan_model.hpp) provides thresholds, reliefs of the rows and the blind zone from the first ping on; a ping of
+// another setting uses only its laws. Later pings refine them. If the median ratio of the first 40 pings differs from
+// the model's (a factor 2 at first, 1.5 later), its laws are dropped at once.
 //
 // Not promised: an obstacle that fills more than two thirds of the directions within `window_deg` and more than 13
-// cells in range, and is no louder than four times what was there before, is taken for bottom (a gentle slope that
-// rises). After the first ping of a geometry nothing allocates, nothing throws. One thread, one object a sonar.
+// cells in range, and is at most four times as loud as the background before, is taken for bottom (a gentle slope that
+// rises). After the first ping of a geometry nothing allocates, nothing throws. One thread, one object per sonar.
 // Deterministic.
 #pragma once
 
@@ -44,7 +44,7 @@
 
 namespace isobath {
 
-/// The looks of one ping: one decision a resolution cell. `ping` has the geometry of the cells, and no samples.
+/// The looks of one ping: one decision per resolution cell. `ping` has the geometry of the cells and no samples.
 struct FanLooks {
   Ping ping;
   EchoDecisions decisions;
@@ -52,29 +52,29 @@ struct FanLooks {
 
 class FanDetector {
  public:
-  static constexpr int kLeastBeams = 8;  ///< with fewer there is no background across the beams
+  static constexpr int kLeastBeams = 8;  ///< minimum number of beams for a background across the beams
 
   explicit FanDetector(const FanDetectorConfig& config = {});
   ~FanDetector();
   FanDetector(FanDetector&&) noexcept;
   FanDetector& operator=(FanDetector&&) noexcept;
 
-  /// The ping passes `check`. `samples`: the same decisions sample by sample, for pictures and statistics: a sample is
-  /// an echo where its cell is, if it is at least as loud as the mean of the cell.
+  /// Decides a ping that passes `check`. `samples`: the same decisions by sample, for pictures and statistics: a sample
+  /// of a cell with an echo is an echo if it is at least as loud as the mean of the cell.
   void detect(const Ping& ping, const WaterColumn& water, EchoDecisions& samples, FanLooks& looks);
 
-  /// Ratio of the power of each cell of the last ping to its background; -1 where nothing was heard.
+  /// Ratio of the power of each cell of the last ping to its background; -1 for a cell without samples.
   [[nodiscard]] const std::vector<float>& ratios() const;
-  /// Threshold on that ratio in force for a cell of the last ping.
+  /// Threshold on this ratio for a cell of the last ping.
   [[nodiscard]] float threshold(int beam, int bin) const;
 
-  /// Before the first ping; of the sonar whose pings come.
+  /// Starts from a model; call before the first ping. The model must be of the same sonar as the pings.
   void start_from(std::shared_ptr<const FanModel> model);
-  /// What was learnt at the setting of the last ping: all of a model but correlation, quality and the blind zone.
+  /// The model learnt at the setting of the last ping, without correlation, quality and blind zone.
   [[nodiscard]] FanModel learnt() const;
-  /// How far the pings depart from the model that it started from; empty without one.
+  /// Departure of the pings from the start model; empty without one.
   [[nodiscard]] std::optional<FanDeparture> departure() const;
-  /// The threshold of a stratum, from its own law where that knows enough, else from that of all strata.
+  /// The threshold of a stratum, from its own law if that has enough values, else from the law of all strata.
   [[nodiscard]] static float threshold_of(const TailLaw& own, const TailLaw& all, double false_alarm);
 
  private:

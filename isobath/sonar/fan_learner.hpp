@@ -1,19 +1,19 @@
-// FanLearner: a minute of an ordinary recording of a fan, without marks, to a FanModel. Two readings of the recording:
+// FanLearner: learns a FanModel from about a minute of an ordinary, unmarked recording of a fan, in two passes:
 //
-//   FanSurvey    counts the pings of each setting; of each setting, where the ringing ends
-//   FanLearner   the pings of one setting: learns from all of them; and learns from the first half, starts a second
-//                detector from that and judges it on the second half, as a run that began with it would find it
+//   FanSurvey    counts the pings of each setting, and finds the end of the ringing of each
+//   FanLearner   uses the pings of one setting: it learns from all of them; and it learns from the first half, starts a
+//                second detector from the result and evaluates it on the second half, as in a run that starts with it
 //
-// What holds a target is left out as FanDetector leaves it out: the recording may show things, if they do not fill it.
+// Targets are left out as in FanDetector: the recording may show objects if they do not fill it.
 //
-// Blind zone: level over range in cells. Ringing falls steeply or clips, a blanked receiver hears nothing; the water
-// behind follows a straight line over the logarithm of the range. The zone ends with the first cell from which on three
-// cells in a row stand within 3 dB of the line through the cells that follow three further on. Only the nearer half of
-// the window is searched; without an end there nothing is said.
+// Blind zone: found from the level over range, in cells. Ringing falls steeply or clips, a blanked receiver is silent;
+// the water behind follows a straight line over the logarithm of the range. The zone ends at the first cell from which
+// on three consecutive cells are within 3 dB of the line through the cells that follow three further on. Only the
+// nearer half of the window is searched; without an end there, no blind zone is stated.
 //
-// Correlation: of u, each cell beside its own mean over the second half, with the next cell and the next ping; cells
-// with an echo beside them are left out. Intervals of the rates are Wilson's, with as many trials as there are
-// independent looks.
+// Correlation: of u, each cell relative to its own mean over the second half, with the next cell and the next ping;
+// cells beside an echo are left out. Intervals of the rates are Wilson's, with the number of independent looks as
+// trials.
 //
 // Units as in FanModel. One thread; deterministic. Cost: two FanDetectors.
 #pragma once
@@ -29,7 +29,7 @@ namespace isobath {
 
 /// Pings of a fan at one range window.
 struct FanSetting {
-  FanModel identity;  ///< sonar and setting alone
+  FanModel identity;  ///< only sonar and setting
   int pings = 0;
   double blind_m = 0;
   bool operator==(const Ping& ping) const { return same_sonar(identity, *ping.fan) && same_setting(identity, ping); }
@@ -38,9 +38,9 @@ struct FanSetting {
 class FanSurvey {
  public:
   explicit FanSurvey(const FanDetectorConfig& config = {}) : config_(config) {}
-  /// The ping passes `check`. Fewer than FanDetector::kLeastBeams beams are no fan, and not counted.
+  /// Adds a ping that passes `check`. Pings of fewer than FanDetector::kLeastBeams beams are not counted.
   void add(const Ping& ping);
-  /// The setting with most pings, the first of those; empty: there was no fan.
+  /// The setting with the most pings, the first of equal ones; empty: no fan.
   [[nodiscard]] std::optional<FanSetting> most() const;
   [[nodiscard]] int settings() const { return static_cast<int>(all_.size()); }
   [[nodiscard]] int pings() const { return pings_; }
@@ -62,9 +62,9 @@ class FanLearner {
  public:
   static constexpr int kLeastPings = 40;
 
-  /// Throws Error where the setting has fewer than kLeastPings pings.
+  /// Throws Error if the setting has fewer than kLeastPings pings.
   explicit FanLearner(const FanSetting& setting, const FanDetectorConfig& config = {});
-  /// All pings of the recording, in order; whether this one is of the setting.
+  /// Adds the pings of the recording, in order. Returns whether the ping has the setting.
   bool add(const Ping& ping);
   [[nodiscard]] FanModel finish(const std::string& source) const;
 

@@ -1,9 +1,9 @@
-// FanWatch: what FanDetector hears of one sonar at one setting, kept for a model of it, and to tell how far it departs
-// from the model that the detector began with.
+// FanWatch: statistics of one sonar at one setting, collected by FanDetector. They give a model of the sonar, and its
+// departure from the model with which the detector started.
 //
-// Kept: the ratios u of the cells without a target, stratum by stratum, from the ping on from which backgrounds are
-// settled; the mean power of each cell, targets left out; of every eighth beam of a ping the samples at full scale, at
-// zero, and their power. After `begin` nothing allocates. 512 x 500 samples: 0.2 ms a ping on one core.
+// Collected: the ratios u of cells without a target, by stratum, from the ping at which backgrounds have settled; the
+// mean power of each cell, without targets; for every eighth beam of a ping the number of samples at full scale and at
+// zero, and their power. After `begin` nothing allocates. 512 x 500 samples: 0.2 ms per ping on one core.
 #pragma once
 
 #include <isobath/sonar/fan_cells.hpp>
@@ -11,26 +11,27 @@
 
 namespace isobath {
 
-/// Reorders the values; 0 of none.
+/// Median; reorders the values. 0 if there are none.
 double median_of(std::vector<double>& values);
 
 class FanWatch {
  public:
   void begin(const Ping& ping, const FanCells& cells, int first_bin);
-  /// The ratio of a cell without a target.
+  /// Adds the ratio of a cell without a target.
   void add(std::size_t stratum, float u) {
     if (pings_ >= kRough) tally_[stratum].add(u);
   }
-  /// After a ping's cells: the next one begins. Cells with power below 0 or `target` 1 do not count.
+  /// Ends a ping after its cells. Cells with power below 0 or `target` 1 do not count.
   void hear(const Ping& ping, const std::vector<float>& power, const std::vector<std::uint8_t>& target);
-  /// Whether the middle of the ratios of all cells so far, with their targets, contradicts a law. Judged at the first
-  /// ping and up to the 40th.
+  /// Whether the median ratio of all cells so far, including targets, contradicts a law. Tested at the first ping and
+  /// up to the 40th.
   bool contradicts(const TailLaw& law, const std::vector<float>& ratios);
 
   [[nodiscard]] int pings() const { return pings_; }
-  /// All of a model but correlation, quality and the blind zone.
+  /// Fills in a model, except correlation, quality and blind zone.
   void describe(FanModel& model) const;
-  /// `thresholds`: of the model, a stratum each, for the rate `asked`. Levels and gains: where `same` setting.
+  /// Departure from a model. `thresholds`: those of the model by stratum, for the rate `asked`. `same`: whether the
+  /// setting is the same; only then levels and gains are compared.
   [[nodiscard]] FanDeparture departure(const FanModel& model, const std::array<float, FanModel::kStrata>& thresholds,
                                        double asked, bool same) const;
 

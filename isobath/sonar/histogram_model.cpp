@@ -10,8 +10,8 @@ namespace isobath {
 namespace {
 
 constexpr int kMostPings = 65535;        // so that no count overflows
-constexpr double kPooledSamples = 1000;  // of a pixel, where the data chooses
-constexpr double kHighestEvidence = 15;  // what 16 bits hold in units of kUnit
+constexpr double kPooledSamples = 1000;  // samples per pixel with automatic pooling
+constexpr double kHighestEvidence = 15;  // largest value that 16 bits hold in units of kUnit
 constexpr double kSameBearing = 0.25, kSameRange = 0.25;
 
 std::size_t cells_of(const HistogramModel& model) {
@@ -45,7 +45,7 @@ void require_histogram(bool good, const std::string& file, const char* key, cons
   if (!good) throw Error("out of range", {file, {}, {}, {}, key}, allowed);
 }
 
-/// Takes `amount` of the brightest samples away.
+/// Removes `amount` of the brightest samples.
 void drop_brightest(std::vector<double>& counts, double amount) {
   for (std::size_t i = counts.size(); i-- > 0 && amount > 0;) {
     const double taken = std::min(counts[i], amount);
@@ -59,7 +59,7 @@ void smooth_counts(std::vector<double>& counts, double k) {
   for (double& c : counts) c = (c + k) / all;
 }
 
-/// From counts of the noise to probabilities.
+/// Converts counts of noise to probabilities.
 void to_shares(std::vector<double>& counts, const HistogramConfig& config) {
   drop_brightest(counts, config.drop_share * std::accumulate(counts.begin(), counts.end(), 0.0));
   smooth_counts(counts, config.smoothing);
@@ -79,18 +79,20 @@ void each_sample(const Ping& ping, const HistogramModel& model, const Visit& vis
 
 std::vector<Field> fields(HistogramConfig& c) {
   return {
-      Field::integer("levels", &c.levels, {2, 256}, "1", "Levels of intensity that are told apart."),
+      Field::integer("levels", &c.levels, {2, 256}, "1", "Number of levels of intensity."),
       Field::real("level_width", &c.level_width, {0, 1e9}, "counts",
-                  "Width of a level, the last one open above; 0: as the background needs."),
+                  "Width of a level, the last one open above; 0: fitted to the background."),
       Field::real("smoothing", &c.smoothing, {1e-3, 100}, "samples",
-                  "Added to every level, so that one never seen is unlikely and not impossible."),
-      Field::real("drop_share", &c.drop_share, {0, 0.5}, "1",
-                  "Of the background of a pixel, the brightest samples left out: objects in the background."),
+                  "Pseudo-count added to each level, so that a level without samples is unlikely, not impossible."),
+      Field::real(
+          "drop_share", &c.drop_share, {0, 0.5}, "1",
+          "Share of the brightest background samples of a pixel that is left out, as objects in the background."),
       Field::integer("pool_bins", &c.pool_bins, {-1, 1000}, "bins",
-                     "Neighbours in range on each side whose background counts too; -1: up to 1000 samples a pixel."),
-      Field::integer("pool_beams", &c.pool_beams, {0, 1000}, "beams", "Neighbours in bearing on each side."),
+                     "Neighbours in range on each side whose background is pooled; -1: up to 1000 samples per pixel."),
+      Field::integer("pool_beams", &c.pool_beams, {0, 1000}, "beams",
+                     "Neighbours in bearing on each side whose background is pooled."),
       Field::real("most_evidence", &c.most_evidence, {0.1, kHighestEvidence}, "1",
-                  "Log-odds that one look at one pixel can say at most."),
+                  "Maximum log-odds of one look at one pixel."),
   };
 }
 
@@ -99,7 +101,7 @@ const char* to_text(HistogramMismatch mismatch) {
     case HistogramMismatch::kImageSize: return "the histogram model has another number of beams or range bins";
     case HistogramMismatch::kBearings: return "the histogram model was learnt at other bearings";
     case HistogramMismatch::kRange: return "the histogram model was learnt at another range setting";
-    case HistogramMismatch::kLevels: return "the histogram model divides the intensities otherwise";
+    case HistogramMismatch::kLevels: return "the histogram model has other intensity levels";
   }
   return "unknown";
 }
@@ -167,7 +169,7 @@ void HistogramLearner::prepare(const Ping& ping) {
         HistogramModel::kMostCells / static_cast<std::size_t>(model_.config.levels) / model_.azimuth.size();
     if (static_cast<std::size_t>(ping.window.bins) > most) {
       throw Error("the image is too large for histograms of each pixel", {}, "up to " + std::to_string(most) + " bins",
-                  "take fewer levels");
+                  "use fewer levels");
     }
     model_.noise.assign(cells_of(model_), 0);
     model_.object.assign(static_cast<std::size_t>(model_.config.levels), 0);
@@ -253,7 +255,7 @@ HistogramModel HistogramLearner::model(const std::string& source) const {
 LikelihoodRatios::LikelihoodRatios(std::shared_ptr<const HistogramModel> model) : model_(std::move(model)) {
   const HistogramModel& m = *model_;
   if (std::all_of(m.object.begin(), m.object.end(), [](std::uint64_t n) { return n == 0; })) {
-    throw Error("the histogram model has seen no object", {}, {}, "learn it from frames with marks as well");
+    throw Error("the histogram model has no object samples", {}, {}, "learn it from frames with marks as well");
   }
   const std::vector<double> object = m.object_shares();
   const auto levels = static_cast<std::size_t>(m.config.levels);
@@ -282,7 +284,7 @@ LikelihoodRatios::LikelihoodRatios(std::shared_ptr<const HistogramModel> model) 
   }
 }
 
-/// The noise of a beam and its neighbours, bins x levels.
+/// Pools the noise of a beam and its neighbours, bins x levels.
 void LikelihoodRatios::pool_beams(int beam, std::vector<double>& sum) const {
   const HistogramModel& m = *model_;
   const auto row = static_cast<std::size_t>(m.window.bins) * static_cast<std::size_t>(m.config.levels);
@@ -325,7 +327,7 @@ LikelihoodRatios::OperatingPoint LikelihoodRatios::operating_point(double false_
   const HistogramModel& m = *model_;
   const auto levels = static_cast<std::size_t>(m.config.levels);
   constexpr int kZero = 32768;
-  std::vector<std::uint64_t> seen(2 * kZero, 0);  // samples of noise, by their ratio
+  std::vector<std::uint64_t> seen(2 * kZero, 0);  // counts of noise samples by ratio
   std::uint64_t all = 0;
   const auto each = [&](const auto& visit) {
     for (int beam = 0; beam < m.beams(); ++beam) {
@@ -342,7 +344,7 @@ LikelihoodRatios::OperatingPoint LikelihoodRatios::operating_point(double false_
   OperatingPoint point;
   point.p_detect.assign(static_cast<std::size_t>(m.window.bins), 0);
   std::uint64_t above = 0;
-  int threshold = 2 * kZero - 1;  // the lowest at which no more than the asked share lies
+  int threshold = 2 * kZero - 1;  // the lowest with at most the requested share at or above it
   while (threshold > 0 && static_cast<double>(above + seen[static_cast<std::size_t>(threshold)]) <=
                               false_alarm * static_cast<double>(all)) {
     above += seen[static_cast<std::size_t>(threshold--)];

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-static_assert(std::endian::native == std::endian::little, "counts are written as they stand in memory");
+static_assert(std::endian::native == std::endian::little, "counts are written as they are in memory");
 
 constexpr std::string_view kMagic("isobath intensity histograms\n");
 constexpr std::uint32_t kFileVersion = 1;
@@ -32,12 +32,12 @@ std::uint32_t u32_at(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-/// The keys of the header, each of which must be there and of its type.
+/// Reads the keys of the header; each must exist and have its type.
 class HeaderReader {
  public:
   HeaderReader(std::string_view text, const std::string& file) : file_(file) {
     json_ = Json::parse(text, nullptr, false);
-    if (!json_.is_object()) throw Error("the header is no JSON", {file, {}, {}, {}, {}}, {}, kWrittenBy);
+    if (!json_.is_object()) throw Error("the header is not JSON", {file, {}, {}, {}, {}}, {}, kWrittenBy);
   }
 
   [[nodiscard]] double number(const char* key) const {
@@ -139,11 +139,11 @@ HistogramModel read_histogram_model(std::string_view bytes, const std::string& f
   if (!bytes.starts_with(kMagic)) refuse("not a histogram model");
   const std::size_t fixed = kMagic.size() + 8;
   if (bytes.size() < fixed + 4) refuse("ends within its header");
-  if (u32_at(bytes, kMagic.size()) != kFileVersion) refuse("another version", std::to_string(kFileVersion));
+  if (u32_at(bytes, kMagic.size()) != kFileVersion) refuse("unknown version", std::to_string(kFileVersion));
   const std::size_t header_bytes = u32_at(bytes, kMagic.size() + 4);
   if (header_bytes > kMostHeader || header_bytes > bytes.size() - fixed - 4) refuse("ends within its header");
   if (crc_of_model(bytes.substr(0, bytes.size() - 4)) != u32_at(bytes, bytes.size() - 4)) {
-    refuse("damaged: its checksum is another");
+    refuse("damaged: wrong checksum");
   }
   HistogramModel model = model_of(HeaderReader(bytes.substr(fixed, header_bytes), file));
   const std::string_view counts = bytes.substr(fixed + header_bytes, bytes.size() - fixed - header_bytes - 4);

@@ -11,11 +11,11 @@
 namespace isobath {
 namespace {
 
-constexpr double kLargestShape = 50;  // K beyond it is Rayleigh to within any histogram
+constexpr double kLargestShape = 50;  // beyond it K cannot be distinguished from Rayleigh by a histogram
 constexpr double kSmallestShape = 0.1;
-constexpr int kGroups = 128;  // of levels, over the span of the samples
+constexpr int kGroups = 128;  // maximum number of groups of levels over the span of the samples
 
-/// Levels, or groups of neighbouring ones, around those that hold samples.
+/// Levels, or groups of neighbouring levels, around those with samples.
 struct Grouped {
   std::vector<double> edges;  ///< one more than counts
   std::vector<double> middles;
@@ -29,8 +29,8 @@ Grouped group(const EchoLevels& levels, const std::vector<std::uint64_t>& counts
   const auto first = std::find_if(counts.begin(), counts.end(), filled);
   if (first == counts.end()) return g;
   const auto last = std::find_if(counts.rbegin(), counts.rend(), filled).base();
-  // A margin of empty levels on both sides, for samples of the bootstrap reach a little farther; and no more groups
-  // than make a difference.
+  // Adds a margin of empty levels on both sides, since bootstrap samples reach slightly farther, and limits the number
+  // of groups.
   const int size = static_cast<int>(counts.size());
   const int span = static_cast<int>(last - first);
   const int from = std::max(0, static_cast<int>(first - counts.begin()) - span / 2);
@@ -56,7 +56,7 @@ double raw_moment(const Grouped& g, const std::vector<double>& counts, int power
   return sum / g.samples;
 }
 
-/// Parameters only.
+/// Estimates the parameters only.
 NoiseFit estimate(const Grouped& g, const std::vector<double>& counts, NoiseLaw law) {
   NoiseFit fit;
   fit.law = law;
@@ -88,7 +88,7 @@ double k_cumulative(double x, double shape, double scale) {
   return std::clamp(1 - std::exp(log_factor + std::log(std::cyl_bessel_k(shape, u))), 0.0, 1.0);
 }
 
-/// The law's cumulative share at each inner edge; all mass lies in the levels between the first edge and the last.
+/// The law's cumulative share at each inner edge; all mass is in the levels between the first edge and the last.
 std::vector<double> shares(const NoiseFit& fit, const Grouped& g) {
   std::vector<double> f(g.edges.size(), 0);
   f.back() = 1;
@@ -108,13 +108,13 @@ double anderson_darling(const std::vector<double>& counts, double samples, const
     if (f > 0 && f < 1) {
       sum += difference * difference / (f * (1 - f)) * mass;
     } else if (f >= 1 && difference < 0) {
-      return std::numeric_limits<double>::infinity();  // samples where the law has none
+      return std::numeric_limits<double>::infinity();  // samples where the law has no mass
     }
   }
   return samples * sum;
 }
 
-/// As many samples of the law, put into the levels.
+/// Draws as many samples of the law into the levels.
 void draw(const std::vector<double>& law, double samples, Random& random, std::vector<double>& counts) {
   std::fill(counts.begin(), counts.end(), 0.0);
   for (double n = 0; n < samples; ++n) {

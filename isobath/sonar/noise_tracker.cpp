@@ -13,10 +13,10 @@ constexpr double kHigh = 0.5;
 constexpr double kHeaviest = 0.8;  // Weibull shapes: heavier than exponential ...
 constexpr double kLightest = 3.6;  // ... to nearly Gaussian
 constexpr double kShapePercentile = 0.7;
-constexpr int kShapeGroups = 24;       // of bins: enough samples for a shape each, enough of them to find clean ones
-constexpr double kPeakShare = 0.7;     // ceiling of the threshold where the sonar cuts weak samples
-constexpr int kWindowShare = 16;       // the moving median reaches 1/16 of the window to each side
-constexpr std::uint32_t kWeight = 64;  // of a sample, so that halving loses nothing that matters
+constexpr int kShapeGroups = 24;       // groups of bins: large enough for a shape, many enough to find clean ones
+constexpr double kPeakShare = 0.7;     // maximum threshold in median peaks, if the sonar cuts weak samples
+constexpr int kWindowShare = 16;       // the moving median extends 1/16 of the window to each side
+constexpr std::uint32_t kWeight = 64;  // weight of a sample, so that halving counts loses little
 
 /// p-quantile of the Weibull law of scale 1.
 double weibull(double p, double shape) { return std::pow(-std::log1p(-p), 1 / shape); }
@@ -40,11 +40,11 @@ double shape_of_skew(double skew) {
 
 std::vector<Field> fields(NoiseTrackerConfig& c) {
   return {Field::real("contrast", &c.contrast, {0, 1}, "1",
-                      "No automatic threshold is below this share of the usual strongest echo of a beam."),
+                      "Minimum of automatic thresholds, as a share of the median strongest sample of a beam."),
           Field::integer("warmup_profiles", &c.warmup_profiles, {1, 1'000'000}, "beams",
-                         "Beams to learn from before the automatic thresholds decide anything."),
+                         "Number of beams to learn from before automatic thresholds are used."),
           Field::integer("memory_profiles", &c.memory_profiles, {2, 1'000'000}, "beams",
-                         "Beams that the automatic thresholds remember at most.")};
+                         "Maximum number of beams that automatic thresholds remember.")};
 }
 
 NoiseTracker::NoiseTracker(EchoLevels levels, int bins, int first_bin, double false_alarm,
@@ -94,14 +94,14 @@ NoiseTracker::Quantiles NoiseTracker::quantiles(const std::uint32_t* row) const 
   double total = 0;
   for (int i = 0; i < levels_.count(); ++i) total += row[i];
   const double zeros = row[0] / total;
-  // Of what is left of a bin that is mostly 0; of everything otherwise.
+  // Quantiles of the nonzero samples if the bin is mostly 0, else of all samples.
   const bool cut = zeros > 0.5;
   const double rest = 1 - zeros;
   const double wanted[] = {cut ? zeros + 0.25 * rest : kLow, cut ? zeros + 0.5 * rest : kMiddle, cut ? 1.0 : kHigh};
   double found[] = {0, 0, 0};
   double below = row[0];
   int next = 0;
-  while (next < 3 && wanted[next] * total < below) ++next;  // stays 0: among the zeros
+  while (next < 3 && wanted[next] * total < below) ++next;  // quantiles among the zeros stay 0
   for (int i = 1; i < levels_.count() && next < 3; ++i) {
     const double upto = below + row[i];
     while (next < 3 && wanted[next] * total < upto) {
@@ -114,7 +114,7 @@ NoiseTracker::Quantiles NoiseTracker::quantiles(const std::uint32_t* row) const 
 }
 
 void NoiseTracker::fit_shape() {
-  const double step = levels_.discrete() ? 0.75 : 0;  // finer than the levels: no shape to see
+  const double step = levels_.discrete() ? 0.75 : 0;  // smaller steps are within a level and show no shape
   const int group = std::max(4, noise_.bins() / kShapeGroups);
   int count = 0;
   for (int from = first_bin_; from + group <= noise_.bins(); from += group) {
@@ -157,7 +157,7 @@ void NoiseTracker::smooth() {
     const auto middle = window_.begin() + (upto - from) / 2;
     std::nth_element(window_.begin(), middle, window_.begin() + (upto - from));
     double t = std::max(*middle, floor_);
-    // Whole samples: the next whole number at or above; and 0 is never an echo.
+    // Whole-number samples: round up; 0 is never an echo.
     if (levels_.discrete()) t = std::max(1.0, std::ceil(t));
     thresholds_[k] = std::max(static_cast<float>(t), std::numeric_limits<float>::min());
   }

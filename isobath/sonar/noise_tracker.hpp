@@ -1,20 +1,20 @@
-// NoiseTracker: the noise level of each range bin of a sonar that was never calibrated, learnt from the beams so far.
+// NoiseTracker: the noise level of each range bin of an uncalibrated sonar, learnt from the beams so far.
 //
-// How (our own; ledger S6-70 for the aim). Each bin has a histogram of the intensities of recent beams. Targets stand
-// in the upper part of it, noise in the lower, so only the quantiles q10, q30 and q50 are read, and a shifted Weibull
-// law goes through them: threshold = its 1 - f quantile. Its shape (1: exponential, 2: Rayleigh, 3.6: nearly Gaussian)
-// is one for all bins, the 70th percentile over the bins: a law belongs to the sonar, while targets bend single bins
-// towards heavy tails. Location and scale are a bin's own, then a moving median over 1/16 of the window to each side
-// lets no echo that is thin in range in.
+// Method (our own; ledger S6-70 for the aim). Each bin has a histogram of the intensities of recent beams. Targets are
+// in its upper part, noise in the lower. So only the quantiles q10, q30 and q50 are used: a shifted Weibull law is
+// fitted to them, and the threshold is its 1 - f quantile. The shape (1: exponential, 2: Rayleigh, 3.6: nearly
+// Gaussian) is common to all bins, the 70th percentile over the bins, since the law belongs to the sonar while targets
+// bend single bins towards heavy tails. Location and scale belong to the bin. A moving median over 1/16 of the window
+// to each side then removes echoes that are thin in range.
 //
-// Where a sonar cuts weak samples to 0, so that a bin is 0 more than half the time, the law goes through q25 and q50 of
-// what is left; it may ask for no more than 0.7 times the median peak of a beam (below), or a wall that is all that
-// ever comes back would hide itself.
+// If a sonar cuts weak samples to 0, so that a bin is 0 more than half the time, the law is fitted to q25 and q50 of
+// the remaining samples. Its threshold is limited to 0.7 times the median peak of a beam (below); otherwise a wall that
+// is the only echo would hide itself.
 //
-// Floor: no threshold is below `contrast` times the median over recent beams of a beam's strongest sample. Where most
-// bearings hold strong echoes (a tank, a harbour), reverberation and side lobes scale with them; in open water, where
-// few do, the median is of the noise itself and the floor does nothing. A price: in a tank, targets weaker than that
-// are not seen.
+// Floor: no threshold is below `contrast` times the median, over recent beams, of a beam's strongest sample. If most
+// bearings have strong echoes (a tank, a harbour), reverberation and side lobes scale with them. In open water few
+// bearings have, so the median is that of the noise itself and the floor has no effect. The price: in a tank, targets
+// weaker than the floor are not detected.
 //
 // Intensities in counts. Causal and deterministic. Older beams fade: at memory_profiles all counts are halved.
 #pragma once
@@ -35,19 +35,19 @@ std::vector<Field> fields(NoiseTrackerConfig& config);
 class NoiseTracker {
  public:
   NoiseTracker() = default;
-  /// Bins before first_bin are neither learnt from nor given thresholds (they stay infinite).
+  /// Bins before first_bin are ignored; their thresholds stay infinite.
   NoiseTracker(EchoLevels levels, int bins, int first_bin, double false_alarm, const NoiseTrackerConfig& config);
 
   void learn(const float* beam);
-  /// Renews the thresholds if enough beams came in (an eighth more, at most 128), or `at_once`. Says whether they
-  /// changed.
+  /// Updates the thresholds if enough beams have been added (an eighth more, at most 128), or if `at_once`. Returns
+  /// whether it has.
   bool update(bool at_once = false);
 
   /// Beams learnt from so far.
   [[nodiscard]] int profiles() const { return profiles_; }
   [[nodiscard]] bool warm() const { return profiles_ >= config_.warmup_profiles; }
   [[nodiscard]] const std::vector<float>& thresholds() const { return thresholds_; }
-  /// Shape of the Weibull law in force.
+  /// Shape of the present Weibull law.
   [[nodiscard]] double shape() const { return shape_; }
   [[nodiscard]] double floor() const { return floor_; }
 

@@ -64,7 +64,7 @@ void Intensities::copy_beam(int beam, float* out) const {
 PingFault check(const Ping& ping) {
   if (!ping.fan) return PingFault::kNoFan;
   if (!fan_valid(*ping.fan)) return PingFault::kBadFan;
-  // First and last beam of a whole turn are not the same.
+  // The first and last beam of a whole turn differ.
   if ((ping.fan->azimuth.back() - ping.fan->azimuth.front()).degrees() > 360) return PingFault::kTooWide;
   const RangeWindow& w = ping.window;
   if (!(w.bin_m > 0) || !std::isfinite(w.end_m()) || !(w.start_m >= 0) || w.bins <= 0) return PingFault::kBadWindow;

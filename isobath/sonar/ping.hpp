@@ -1,8 +1,8 @@
 // Ping: one transmission of an imaging sonar, as a fan of beams by range bins of echo intensity.
 //
 // A scanning sonar (Ganesan 2015, 1.2; ledger S6-01) gives a fan of one beam that steps; a multibeam sonar gives all
-// beams at once. Both enter by this door. Intensities are not copied: a reader points into its buffer, and `storage`
-// keeps it alive.
+// beams at once. Both use this type. Intensities are not copied: a reader points into its buffer, and `storage` keeps
+// the buffer alive.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 namespace isobath {
 
 /// Directions of the beams in the sensor frame S (x boresight, y right, z down), azimuth clockwise seen from above.
-/// Made once and shared by all pings of the same geometry: pointer equality says "same fan".
+/// Made once and shared by all pings of the same geometry: equal pointers mean the same fan.
 struct BeamFan {
   std::vector<Angle> azimuth;  ///< centre of each beam, strictly increasing
   std::vector<Angle> width;    ///< full -3 dB width of each beam across, in azimuth; same size
@@ -44,7 +44,7 @@ struct BinSpan {
 
 enum class SampleType : std::uint8_t { kU8, kU16, kF32 };
 
-/// A view of beams x bins samples in somebody's buffer, of any alignment, little-endian. Strides are in bytes.
+/// A view of beams x bins samples in a buffer that it does not own, of any alignment, little-endian. Strides in bytes.
 class Intensities {
  public:
   Intensities() = default;
@@ -58,7 +58,7 @@ class Intensities {
         bin_stride_(bin_stride) {}
 
   [[nodiscard]] float operator()(int beam, int bin) const;
-  /// Copies one beam, all bins, as floats: the form in which detectors read it.
+  /// Copies one beam, all bins, as floats, the form that detectors read.
   void copy_beam(int beam, float* out) const;
 
   [[nodiscard]] const std::byte* data() const { return data_; }
@@ -77,29 +77,29 @@ class Intensities {
   std::ptrdiff_t bin_stride_ = 0;
 };
 
-/// What the log itself says about sweeps of a scanning head; kUnknown lets the pipeline find turns and reversals.
+/// Mark of the log on the sweeps of a scanning head; with kUnknown the pipeline finds turns and reversals itself.
 enum class SweepMark : std::uint8_t { kUnknown, kInside, kEnd };
 
 struct Ping {
-  Time time;                           ///< of transmission
+  Time time;                           ///< time of transmission
   std::shared_ptr<const BeamFan> fan;  ///< never null in a valid ping
   RangeWindow window;
   Intensities intensity;                ///< fan->beams() x window.bins
   std::shared_ptr<const void> storage;  ///< owner of the samples
   Pose X_BS;                            ///< sensor in body
-  double sound_speed = 1500;            ///< m/s, that the range window was computed with
+  double sound_speed = 1500;            ///< m/s, with which the range window was computed
   float full_scale = 255;               ///< intensity of a saturated sample
   SweepMark sweep = SweepMark::kUnknown;
-  /// Of each beam, the bins that were sampled; the others hold 0 and tell nothing. Null: all of all beams.
+  /// By beam, the bins that were sampled; the others hold 0 and have no information. Null: all bins of all beams.
   std::shared_ptr<const std::vector<BinSpan>> sampled;
-  double blind_m = 0;  ///< nearer than this the sonar hears its own transmission, as far as the device tells (S6-09)
+  double blind_m = 0;  ///< range below which the transmit pulse rings, as the device states it (S6-09)
 };
 
 /// The bins of a beam that were sampled.
 BinSpan sampled_bins(const Ping& ping, int beam);
 
-/// What is wrong with a ping: not finite, sizes that disagree, no bins, beams out of order or round more than a turn,
-/// a size that no sonar has: bins below 10 um, a range beyond 1000 km, a mount 10 km from the vehicle.
+/// Faults of a ping: values not finite, sizes that disagree, no bins, beams out of order or over more than a turn,
+/// sizes that no sonar has (bins below 10 um, a range beyond 1000 km, a mount 10 km from the vehicle).
 enum class PingFault : std::uint8_t {
   kNone,
   kNoFan,

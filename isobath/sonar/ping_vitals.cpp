@@ -8,7 +8,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kLeastDeviation = 0.015;  // of full scale
+constexpr double kLeastDeviation = 0.015;  // minimum deviation, as a share of full scale
 constexpr double kSteep = 0.7071;          // sine of 45 degrees
 
 struct BeamSums {
@@ -18,7 +18,7 @@ struct BeamSums {
   std::int64_t zero = 0;
 };
 
-/// Four lanes, so that the multiplications do not wait for one another.
+/// Four lanes, so that the multiplications are independent.
 class Digest {
  public:
   void add(std::size_t at, std::uint64_t bits) {
@@ -66,14 +66,14 @@ BeamSums sum_beam(const Intensities& samples, int beam, float top, Digest& diges
   return {};
 }
 
-/// Middle of the values; reorders them.
+/// Median of the values; reorders them.
 float median(float* first, float* last) {
   float* middle = first + (last - first) / 2;
   std::nth_element(first, middle, last);
   return *middle;
 }
 
-/// Level above which a sample of this beam stands out. Long beams by every so many bins: a median needs no more.
+/// Level above which an echo of this beam is clear. Long beams are subsampled, which is enough for a median.
 float outstanding(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast) {
   constexpr int kMost = 256;
   std::array<float, kMost> some{};
@@ -85,7 +85,7 @@ float outstanding(const Ping& ping, const EchoDecisions& decisions, int beam, do
   if (last == some.data()) return ping.full_scale;
   const float middle = median(some.data(), last);
   for (float* value = some.data(); value != last; ++value) *value = std::abs(*value - middle);
-  // Samples that hardly vary have a deviation of next to 0, however clearly the few others rise above them.
+  // The deviation of nearly constant samples is close to 0, so it has a minimum.
   const double least = kLeastDeviation * static_cast<double>(ping.full_scale);
   const double deviation = std::max(1.4826 * static_cast<double>(median(some.data(), last)), least);
   return middle + static_cast<float>(contrast * deviation);
@@ -104,9 +104,9 @@ std::optional<int> nearest_bin(const Ping& ping, const EchoDecisions& decisions,
   return std::nullopt;
 }
 
-/// Rayleigh's, as the amplitude of noise is.
+/// Raised contrast of a fan, for noise with Rayleigh-distributed amplitude.
 double contrast_of_fan(double contrast, int beams) {
-  constexpr double kMedian = 1.1774, kDeviation = 1.4826 * 0.4485;  // of its scale
+  constexpr double kMedian = 1.1774, kDeviation = 1.4826 * 0.4485;  // in units of the Rayleigh scale
   const double level = kMedian + contrast * kDeviation;
   return (std::sqrt(level * level + 2 * std::log(std::max(1, beams))) - kMedian) / kDeviation;
 }

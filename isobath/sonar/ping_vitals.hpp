@@ -1,16 +1,16 @@
-// PingVitals: what the samples of one ping say about the sonar itself, before anybody looks for echoes in them: whether
-// it hears at all, hears anew, on both sides, and hears water.
+// PingVitals: health of a sonar from the samples of one ping, before echo detection: whether the sonar receives sound,
+// on both sides, and whether its samples are new and look like sound in water.
 //
-//   frozen      a receiver has noise: two pings whose samples agree to the last bit are one ping told twice (digest)
+//   frozen      a receiver has noise: two pings with identical samples are one ping sent twice (digest)
 //   saturated   the share of samples at full scale
-//   deaf        the share of samples at zero; in water a receiver hears at least its own transmission
+//   deaf        the share of samples at zero; in water a receiver picks up at least its own transmission
 //   blind side  mean level of the beams to either side of the boresight
-//   garbled     roughness: mean step between neighbouring range bins, of full scale. Sound fades and pulses last, so
-//               that water is smooth or faint; bytes that are not sound make 1/3 (two uniform draws)
+//   garbled     roughness: mean step between neighbouring range bins, as a share of full scale. Sound fades and pulses
+//               have a length, so water is smooth or faint; bytes that are not sound give 1/3 (two uniform draws)
 //
 // Measured over the recordings that the tests read: roughness up to 0.11, samples at full scale up to 0.14, no two
-// neighbouring pings alike. All shares are of the samples, levels of Ping::full_scale. Not promised: garbage as faint
-// as the noise of the sonar cannot be told from it.
+// successive pings alike. All shares are of the samples, levels are shares of Ping::full_scale. Not promised: garbage
+// as faint as the noise of the sonar cannot be distinguished from it.
 //
 // Pure; allocates nothing. The ping must pass `check`.
 #pragma once
@@ -31,20 +31,20 @@ struct PingVitals {
   double full_scale = 0;
   double silent = 0;
   double roughness = 0;
-  std::optional<double> port;  ///< mean level; empty: no beam looks there
+  std::optional<double> port;  ///< mean level; empty: no beam on this side
   std::optional<double> starboard;
-  Angle bearing;  ///< of the middle of the fan, in B
+  Angle bearing;  ///< middle of the fan, in B
 };
 
 PingVitals vitals_of(const Ping& ping);
 
-/// The nearest echo of each beam that stands out: decided as echo, behind the blind zone, and `contrast` deviations
-/// (1.48 times the median one) above the median of its beam, so that of the false alarms that a map can afford next to
-/// none is left. Of a fan they must be so many more that all its beams together would have no more false echoes than
-/// one beam has, by Rayleigh's law: 6 become 7.6 for 512 beams. (They are told from 256 bins at most: of 200 the fan
-/// has a twentieth of its beams' false echoes.) Positions in L of the ping's instant, x forward, y starboard, m, as if
-/// at the height of the sonar. None where the sonar looks more than 45 degrees up or down: that is the bottom. Replaces
-/// what `out` held.
+/// The nearest clear echo of each beam: decided as an echo, beyond the blind zone, and `contrast` deviations (1.48
+/// times the median one) above the median of its beam. This removes nearly all of the false alarms that a map
+/// tolerates. For a fan the contrast is raised so that all its beams together have no more false echoes than one beam
+/// has, by Rayleigh's law: 6 becomes 7.6 for 512 beams. (Median and deviation are estimated from at most 256 bins; from
+/// 200, the fan has a twentieth of the false echoes of its beams taken singly.) Positions in L at the time of the ping,
+/// x forward, y starboard, m, as if at the height of the sonar. Empty if the sonar points more than 45 degrees up or
+/// down: that is the bottom. Replaces the content of `out`.
 void nearest_echoes(const Ping& ping, const EchoDecisions& decisions, const Rotation& R_LB, double contrast,
                     std::vector<Eigen::Vector2d>& out);
 

@@ -1,4 +1,4 @@
-// RangeReading: a single range with the cone it was measured in (altimeter, obstacle sonar, rangefinder).
+// RangeReading: a single range with the cone in which it was measured (altimeter, obstacle sonar, rangefinder).
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace isobath {
 
 struct RangeReading {
   Time time;
-  std::optional<double> range_m;  ///< empty: no echo within max_range_m, which is evidence too
+  std::optional<double> range_m;  ///< empty: no echo within max_range_m, which also is evidence
   double max_range_m = 0;
   Angle width;           ///< full width of the cone
   Pose X_BS;             ///< x of S is the axis of the cone

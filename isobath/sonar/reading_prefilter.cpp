@@ -14,18 +14,22 @@ bool same_device(const RangeReading& a, const RangeReading& b) {
 
 std::vector<Field> fields(ReadingPrefilterConfig& c) {
   return {
-      Field::real("range_m", &c.range_m, {0, 100}, "m", "Readings whose ranges differ more are not merged."),
-      Field::real("position_m", &c.position_m, {0, 100}, "m", "Nor those between which the vehicle moved farther."),
-      Field::degrees("attitude_deg", &c.attitude, {0, 180}, "Nor those between which it turned by more."),
-      Field::integer("most", &c.most, {1, 100}, "readings", "Readings merged into one, at most; 1 merges none."),
-      Field::real("hold_s", &c.hold_s, {0, 3600}, "s", "How long a reading waits for others like it."),
+      Field::real("range_m", &c.range_m, {0, 100}, "m",
+                  "Readings are merged only if their ranges differ by at most this."),
+      Field::real("position_m", &c.position_m, {0, 100}, "m",
+                  "Readings are merged only if the vehicle has moved by at most this."),
+      Field::degrees("attitude_deg", &c.attitude, {0, 180},
+                     "Readings are merged only if the vehicle has turned by at most this."),
+      Field::integer("most", &c.most, {1, 100}, "readings",
+                     "Maximum number of readings merged into one; 1 merges none."),
+      Field::real("hold_s", &c.hold_s, {0, 3600}, "s", "Time for which a reading waits for similar ones."),
   };
 }
 
 bool ReadingPrefilter::alike(const Group& group, const RangeReading& reading, const Pose& X_WB) const {
   const RangeReading& first = group.first;
   if (reading.range_m.has_value() != first.range_m.has_value() || !same_device(reading, first)) return false;
-  // Written so that what is not finite is not alike.
+  // Comparisons are written so that values that are not finite are not similar.
   if (reading.range_m && !(std::abs(*reading.range_m - *first.range_m) <= config_.range_m)) return false;
   if (!((X_WB.translation - group.X_WB.translation).norm() <= config_.position_m)) return false;
   const double turn = group.X_WB.rotation.quaternion().angularDistance(X_WB.rotation.quaternion());
@@ -50,7 +54,7 @@ void ReadingPrefilter::take(Group& group, const RangeReading& reading, const Pos
 void ReadingPrefilter::close(Group& group, std::vector<MergedReading>& out) {
   if (group.count == 0) return;
   MergedReading merged{group.sensor, group.first, group.X_WB, group.count};
-  if (group.count > 1) {  // a single reading leaves as it came, bit for bit
+  if (group.count > 1) {  // a single reading stays unchanged, bit for bit
     merged.reading.time = group.last;
     merged.reading.confidence = static_cast<float>(group.confidence_sum / group.count);
     if (merged.reading.range_m) merged.reading.range_m = group.range_sum / group.count;

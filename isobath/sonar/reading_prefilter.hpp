@@ -1,16 +1,17 @@
-// ReadingPrefilter: successive alike readings of one sensor become one, with a count (Oskard 1990, V; ledger S1-68,
-// S1-69). It saves the work of saying the same thing again; the weight of what is said grows by the count (S1-E06).
+// ReadingPrefilter: merges successive similar readings of one sensor into one, with a count (Oskard 1990, V; ledger
+// S1-68, S1-69). It saves repeated updates; the weight of the merged reading grows with the count (S1-E06).
 //
-// Alike: both with an echo or both without; ranges, positions and attitudes of the vehicle within the tolerances of the
-// first of the group, so that a slow drift cannot stretch it; sensor, mounting, beam width and maximum the same. The
-// attitude counts as one angle, not the heading alone: pitch moves a beam as much. A group leaves when it is full, at
-// once when a reading is not alike, or when its first reading is `hold_s` old.
+// Similar readings: both with an echo or both without; ranges, positions and attitudes of the vehicle within the
+// tolerances of the first reading of the group, so that a slow drift cannot extend the group; the same sensor,
+// mounting, beam width and maximum range. The attitude is compared as one angle, not only the heading, since pitch
+// moves a beam as much. A group closes when it is full, when a reading is not similar, or when its first reading is
+// `hold_s` old.
 //
 // The merged reading: mean range, mean confidence, mean position and mean rotation (unit quaternion nearest to all; on
-// the circle for headings), time of the last reading. Times must not decrease for a sensor; one that does closes the
+// the circle for headings), time of the last reading. Times of a sensor must not decrease; a decreasing time closes the
 // group. Readings that are not finite pass through alone.
 //
-// Nothing allocates once every sensor has spoken and `out` is large enough: at most two groups leave with a reading.
+// Nothing allocates once all sensors have been seen and `out` is large enough: one reading closes at most two groups.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -23,7 +24,7 @@ struct ReadingPrefilterConfig {
   double range_m = 0.5;
   double position_m = 1;
   Angle attitude = Angle::degrees(3);
-  int most = 4;
+  int most = 4;         ///< maximum number of readings in a group
   double hold_s = 2.4;  ///< four readings at the paper's 0.6 s
 };
 
@@ -42,7 +43,7 @@ class ReadingPrefilter {
 
   /// Appends the groups that this reading closes or completes.
   void add(int sensor, const RangeReading& reading, const Pose& X_WB, std::vector<MergedReading>& out);
-  /// Appends the groups that are due, in the order of their sensors' first readings.
+  /// Appends the groups that are due, in order of their sensors' first readings.
   void flush_due(Time now, std::vector<MergedReading>& out);
   void flush(std::vector<MergedReading>& out);
 
@@ -51,7 +52,7 @@ class ReadingPrefilter {
     int sensor = 0;
     int count = 0;
     RangeReading first;
-    Pose X_WB;  ///< of the first
+    Pose X_WB;  ///< pose of the first
     Time last;
     double range_sum = 0;
     double confidence_sum = 0;
@@ -63,7 +64,7 @@ class ReadingPrefilter {
   static void close(Group& group, std::vector<MergedReading>& out);
 
   ReadingPrefilterConfig config_;
-  std::vector<Group> groups_;  ///< one a sensor; few
+  std::vector<Group> groups_;  ///< one per sensor; few
 };
 
 }  // namespace isobath

@@ -84,7 +84,7 @@ RocCurve::RocCurve(const std::vector<double>& edges, const std::vector<std::uint
   std::uint64_t alarms = 0;
   std::uint64_t hits = 0;
   for (std::size_t i = noise.size(); i-- > 0;) {
-    if (noise[i] == 0 && target[i] == 0) continue;  // an empty level moves neither rate
+    if (noise[i] == 0 && target[i] == 0) continue;  // an empty level changes neither rate
     points_.back().threshold = edges[i + 1];
     alarms += noise[i];
     hits += target[i];

@@ -1,4 +1,4 @@
-// Receiver operating characteristic: how often a threshold detects against how often it cries wolf.
+// Receiver operating characteristic: the detection rate of a threshold against its false-alarm rate.
 //
 // Source: Ganesan 2015, 3.1 and 4.3 (table 3.1, equations 3.1, 3.2, 4.1); ledger S6-04, S6-05, S6-07, S6-E20. Intervals
 // of proportions are Wilson's (1927). All numbers are probabilities (1); intensities are in counts of the sonar. p is
@@ -21,9 +21,9 @@ struct EchoCounts {
 
   void add(bool decision, bool target);
   EchoCounts& operator+=(const EchoCounts& other);
-  /// A / (A + C); missing, not 0, where no target was seen.
+  /// A / (A + C); empty, not 0, without targets.
   [[nodiscard]] std::optional<double> p() const;
-  /// B / (B + D); missing where there was no target-less bin.
+  /// B / (B + D); empty if all bins hold targets.
   [[nodiscard]] std::optional<double> f() const;
   bool operator==(const EchoCounts&) const = default;
 };
@@ -33,8 +33,8 @@ struct Interval {
   double high = 1;
 };
 
-/// Wilson's interval of a proportion; z = 1.96 covers 95 %. `successes` may be fractional (a rate read between two
-/// levels). [0, 1] where there were no trials.
+/// Wilson's interval of a proportion; z = 1.96 covers 95 %. `successes` may be fractional (a rate between two levels).
+/// [0, 1] without trials.
 Interval wilson_interval(double successes, double trials, double z = 1.959963984540054);
 
 /// Q(x): probability that a standard normal exceeds x.
@@ -46,7 +46,7 @@ double erfc_inverse(double y);
 
 /// Equation 4.1: a target of constant amplitude A in Gaussian noise of deviation sigma; snr = A^2 / sigma^2, linear.
 double theoretical_detection(double false_alarm, double snr);
-/// Threshold above the mean that Gaussian noise of deviation sigma exceeds at the rate false_alarm.
+/// Threshold, relative to the mean, that Gaussian noise of deviation sigma exceeds at the rate false_alarm.
 double gaussian_threshold(double false_alarm, double sigma);
 
 struct RocPoint {
@@ -56,18 +56,18 @@ struct RocPoint {
   bool operator==(const RocPoint&) const = default;
 };
 
-/// p against f as the threshold falls: f and p never decrease, from (0, 0) to (1, 1); linear in between (a threshold
-/// that is drawn at random between two neighbours reaches every point of the line).
+/// p against f for decreasing thresholds, from (0, 0) to (1, 1); f and p never decrease. Linear between points (a
+/// threshold drawn at random between two neighbours reaches each point of the line).
 class RocCurve {
  public:
-  /// From counts per level: noise[i] and target[i] samples at intensities from edges[i] up to edges[i + 1]. Both must
-  /// hold samples; edges has one more entry than the counts.
+  /// From counts per level: noise[i] and target[i] samples have intensities from edges[i] to edges[i + 1]. Both must
+  /// have samples; edges has one more entry than the counts.
   RocCurve(const std::vector<double>& edges, const std::vector<std::uint64_t>& noise,
            const std::vector<std::uint64_t>& target);
 
   [[nodiscard]] const std::vector<RocPoint>& points() const { return points_; }
   [[nodiscard]] double area() const;
-  /// The operating point at the false-alarm rate f; the largest p where the curve is vertical.
+  /// The operating point at the false-alarm rate f; where the curve is vertical, the largest p.
   [[nodiscard]] RocPoint at_false_alarm(double f) const;
   [[nodiscard]] std::uint64_t noise_samples() const { return noise_samples_; }
   [[nodiscard]] std::uint64_t target_samples() const { return target_samples_; }

@@ -1,8 +1,9 @@
-// ScanCommand: how a sonar shall look from its next ping on (Auran, Silven 1995, 3.2 and figure 2; ledger S4-40): the
-// plane of the scan, its sector and step, range and beams, of a multibeam sonar or of one that sweeps.
+// ScanCommand: settings of a sonar from its next ping on (Auran, Silven 1995, 3.2 and figure 2; ledger S4-40): the
+// plane of the scan, its sector and step, range and beams, for a multibeam or a scanning sonar.
 //
-// What is empty stays as it is. A head that sweeps begins its new sector at its first end. Angles are of the sensor in
-// B: `heading` to starboard turns the middle of the sector, `pitch` raises the plane, `roll` stands it up.
+// Empty settings stay unchanged. A scanning head starts its new sector at its first end. Angles are those of the sensor
+// in B: `heading` turns the middle of the sector to starboard, `pitch` raises the plane, `roll` turns it to the
+// vertical.
 #pragma once
 
 #include <isobath/base/angle.hpp>
@@ -12,11 +13,11 @@ namespace isobath {
 
 struct ScanCommand {
   std::optional<Angle> heading = {}, pitch = {}, roll = {};
-  std::optional<Angle> sector = {};    ///< swept, or from the first beam of a fan to its last
-  std::optional<Angle> step = {};      ///< of a head that sweeps
-  std::optional<Angle> width = {};     ///< of a beam
-  std::optional<double> range_m = {};  ///< with as many samples as before
-  std::optional<int> beams = {};       ///< of a fan
+  std::optional<Angle> sector = {};    ///< swept sector, or from the first beam of a fan to its last
+  std::optional<Angle> step = {};      ///< step of a scanning head
+  std::optional<Angle> width = {};     ///< width of a beam
+  std::optional<double> range_m = {};  ///< with the same number of samples
+  std::optional<int> beams = {};       ///< number of beams of a fan
 };
 
 }  // namespace isobath

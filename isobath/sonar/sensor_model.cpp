@@ -36,7 +36,7 @@ void SensorModel::check(const std::string& file) const {
           "start_m >= 0, bin_m > 0");
   require(bins.size() == static_cast<std::size_t>(window.bins), file, "bins",
           std::to_string(bins.size()) + " bins for a window of " + std::to_string(window.bins),
-          "as many as the window");
+          "as many as in the window");
   require(std::isfinite(full_scale) && full_scale > 0, file, "full_scale", "out of range", "> 0");
   require(false_alarm > 0 && false_alarm < 1, file, "false_alarm", "out of range", "between 0 and 1");
   for (const double gain : beam_gains) require(gain > 0 && gain < 1e6, file, "beam_gains", "out of range", "above 0");
@@ -47,10 +47,10 @@ void SensorModel::check(const std::string& file) const {
             "noise is not finite", "finite, deviation >= 0");
     if (bin.blind) continue;
     require(std::isfinite(bin.threshold) && bin.threshold > 0, file, key + ".threshold", "out of range",
-            "above 0, or the bin marked blind");
+            "above 0, or mark the bin as blind");
     require(bin.p_detect > false_alarm && bin.p_detect < 1, file, key + ".p_detect",
-            "a bin that detects no better than it raises false alarms",
-            "above false_alarm and below 1, or the bin marked blind");
+            "the detection probability is not above the false-alarm rate",
+            "above false_alarm and below 1, or mark the bin as blind");
   }
 }
 

@@ -1,4 +1,5 @@
-// SensorTable: which sensor a range reading is of. Readings carry no name, but where their sensor is mounted.
+// SensorTable: identifies the sensor of a range reading. Readings carry no name, so their mounting identifies the
+// sensor.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,7 @@ class SensorTable {
 
   SensorTable() { mountings_.reserve(kMost); }
 
-  /// Its place in the order of their first readings; none beyond the 64th. Allocates nothing.
+  /// Index of the sensor in the order of first readings; empty beyond the 64th. Allocates nothing.
   std::optional<std::size_t> index_of(const Pose& X_BS) {
     const auto same = [&](const Pose& known) {
       return known.translation == X_BS.translation &&

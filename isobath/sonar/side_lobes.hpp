@@ -1,14 +1,15 @@
-// SideLobes: a loud echo in one beam of a fan is heard in all others too, at the same range and weaker by what their
-// side lobes let through. The floor straight below an echo sounder so draws an arc through the water on either side.
+// SideLobes: removes side-lobe echoes from the decisions of a fan. All beams receive a loud echo of one beam at the
+// same range, weaker by the attenuation of their side lobes. The bottom straight below an echo sounder so draws an arc
+// through the water on either side.
 //
-// An echo that is weaker than the loudest sample of the ping at its range, within kSmear bins, by more than kLevel is
-// taken out, and its bin says nothing: what stands there may be a target that the side lobe hides. Bins without an echo
-// are left as they are.
+// An echo is removed, and its bin loses its information, if it is weaker by more than kLevel than the loudest sample of
+// the ping at its range (within kSmear bins). A target hidden by the side lobe may be there. Bins without an echo stay
+// unchanged.
 //
-// kLevel, measured on four recordings of three Kongsberg sonars: what is heard of the loudest echo more than 15 degrees
-// aside lies 32 to 50 dB below it (three recordings; a fourth of another mode up to 8 dB), the bottom that these sonars
-// detect themselves at most 17 dB below the loudest at its range. Samples are amplitudes. Not for fans whose samples
-// are compressed. After the first ping of a size nothing allocates.
+// kLevel, measured on four recordings of three Kongsberg sonars: more than 15 degrees aside, the loudest echo appears
+// 32 to 50 dB weaker (three recordings; in a fourth, of another mode, up to 8 dB). The bottom that these sonars detect
+// themselves is at most 17 dB below the loudest echo at its range. Samples are amplitudes. Not for fans with compressed
+// samples. After the first ping of a size nothing allocates.
 #pragma once
 
 #include <isobath/sonar/echo_decisions.hpp>
@@ -22,7 +23,7 @@ class SideLobes {
   static constexpr float kLevel = 0.056F;  ///< -25 dB
   static constexpr int kSmear = 2;         ///< bins
 
-  /// The ping passes check; decisions have its size.
+  /// The ping must pass `check`; the decisions have its size.
   void leave_out(const Ping& ping, EchoDecisions& decisions);
 
  private:

@@ -78,9 +78,9 @@ Json parse_json(std::string_view text, const std::string& file, const std::strin
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& e) {
-    throw Error("no JSON", {file, e.byte, {}, {}, {}}, {}, advice);
-  } catch (const Json::exception&) {  // a number that no double holds
-    throw Error("no JSON: a number out of range", {file, {}, {}, {}, {}}, {}, advice);
+    throw Error("not JSON", {file, e.byte, {}, {}, {}}, {}, advice);
+  } catch (const Json::exception&) {  // a number that does not fit into a double
+    throw Error("not JSON: a number is out of range", {file, {}, {}, {}, {}}, {}, advice);
   }
 }
 

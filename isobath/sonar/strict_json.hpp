@@ -1,5 +1,5 @@
-// JsonObject: strict reading of the JSON files of models. Every key that is there was asked for, and the other way
-// round; a wrong type, size or value throws Error with file and key.
+// JsonObject: strict reading of the JSON files of models. The keys of the file must be exactly the requested ones; a
+// missing or unknown key, a wrong type, size or value throws Error with file and key.
 #pragma once
 
 #include <initializer_list>
@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 class JsonObject {
  public:
-  /// `path`: of the object in the file, with a dot at its end; `advice`: what to do about a file that is wrong.
+  /// `path`: path of the object in the file, with a dot at its end; `advice`: what to do about a wrong file.
   JsonObject(const Json& object, std::string file, std::string path, std::string advice,
              std::initializer_list<const char*> keys);
   [[nodiscard]] double number(const char* key) const;
@@ -43,7 +43,7 @@ class JsonObject {
   std::string file_, path_, advice_;
 };
 
-/// Throws Error, with the byte, where the text is no JSON.
+/// Throws Error, with the byte, if the text is not JSON.
 Json parse_json(std::string_view text, const std::string& file, const std::string& advice);
 
 }  // namespace isobath

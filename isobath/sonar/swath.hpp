@@ -1,11 +1,11 @@
-// Swath: the soundings of one transmission of a multibeam echo sounder, one detected range a beam.
+// Swath: the soundings of one transmission of a multibeam echo sounder, one detected range per beam.
 //
-// Where a Ping carries echoes that nobody has judged yet, a Swath carries points that the sonar's own software has
-// detected: of the bottom, or of something in the water (class kWater: what an obstacle map wants most).
+// A Ping carries undecided echoes. A Swath carries points that the sonar's own software has detected: on the bottom, or
+// on an object in the water (class kWater, the most important ones for an obstacle map).
 //
-// Frames: kBody, points p_BQ in the body frame of the transmit time, before roll, pitch and heave are taken out.
-// kLevel, points p_LQ that the recorder has corrected for motion already: x forward, y starboard of the point whose
-// position Navigation states, z the depth below the water surface; only north, east and heading of the pose are used.
+// Frames: kBody, points p_BQ in the body frame of the transmit time, before roll, pitch and heave are removed. kLevel,
+// points p_LQ that the recorder has already corrected for motion: x forward, y starboard of the point whose position
+// Navigation states, z the depth below the water surface; only north, east and heading of the pose are used.
 #pragma once
 
 #include <cstddef>
@@ -31,21 +31,20 @@ struct Sounding {
 
 struct Swath {
   enum class Frame : std::uint8_t { kBody, kLevel };
-  static constexpr std::size_t kMaxSoundings = 65536;  ///< as many as beams can be numbered
+  static constexpr std::size_t kMaxSoundings = 65536;  ///< the range of beam numbers
 
   Time time;
   Frame frame = Frame::kBody;
-  std::optional<Angle> heading;  ///< of the ping as the recorder states it, for kLevel; else that of the pose
+  std::optional<Angle> heading;  ///< for kLevel: heading of the ping as the recorder states it; empty: that of the pose
   Angle beam_width;              ///< full width of one beam, for the footprint; 0: not known
   double sound_speed = 0;        ///< m/s at the transducer, as the recorder states it; 0: not stated
   std::vector<Sounding> soundings;
 };
 
-/// X_WF of the frame F that the points of the swath stand in: body frame, or level at the water surface.
+/// X_WF of the frame F of the points: the body frame, or the level frame at the water surface.
 Pose frame_in_world(const Swath& swath, const Pose& X_WB);
 
-/// What is wrong with a swath: a number that is not finite, a negative range or deviation, more soundings than there
-/// are numbers for beams.
+/// Faults of a swath: a number that is not finite, a negative range or deviation, more soundings than beam numbers.
 enum class SwathFault : std::uint8_t { kNone, kNotFinite, kTooMany };
 SwathFault check(const Swath& swath);
 const char* to_text(SwathFault fault);

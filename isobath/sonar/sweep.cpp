@@ -19,13 +19,13 @@ std::optional<Scan> SweepFinder::add(const Ping& ping) {
   if (ping.sweep == SweepMark::kEnd) return end_marked(ping);
   follow_extreme(ping);
   if (ping.sweep == SweepMark::kInside || direction_ == 0) return std::nullopt;
-  // The last ping of a turn stands one step before its first.
+  // The last ping of a turn is one step before its first.
   if (std::abs(position_ - start_) > kTurn - 1.5 * typical_step()) return end_turn(ping);
   if ((extreme_ - position_) * direction_ >= 1.5 * typical_step()) return end_reversed(ping);
   return std::nullopt;
 }
 
-/// A tenth of the time is left for pings that do not come quite evenly.
+/// Allows a tenth of the time for unevenly spaced pings.
 std::optional<Scan> SweepFinder::add_fan(const Ping& ping) {
   if (pings_++ == 0) begin_ = ping.time;
   const bool backwards = fan_ended_ && ping.time < *fan_ended_;
@@ -80,7 +80,7 @@ Scan SweepFinder::end_marked(const Ping& ping) {
 Scan SweepFinder::end_turn(const Ping& ping) {
   const Scan scan{pings_, begin_, ping.time, true, direction_ > 0};
   pings_ = since_extreme_ = 0;
-  start_ += direction_ * kTurn;  // turns stay aligned, whatever was skipped at their end
+  start_ += direction_ * kTurn;  // turns stay aligned even if bearings are skipped at their end
   extreme_ = position_;
   return scan;
 }

@@ -6,8 +6,8 @@
 namespace isobath {
 namespace {
 
-constexpr double kEnough = 60;       // exceedances, of which the quantile is known to 13 %
-constexpr std::uint32_t kFew = 100;  // values, of which nothing can be said
+constexpr double kEnough = 60;       // exceedances, which give the quantile to 13 %
+constexpr std::uint32_t kFew = 100;  // values: fewer are not enough for a threshold
 constexpr double kFirstKnown = 0.02, kBelow = 10, kLowestKnown = 0.3, kHighShare = 0.1;
 
 }  // namespace
@@ -30,7 +30,7 @@ double TailLaw::quantile(double exceeding) const {
       above += here;
       continue;
     }
-    // Within a step the logarithm of the share is taken to be straight.
+    // Within a step the logarithm of the share is interpolated linearly.
     const double low = std::log(above + here), high = std::log(std::max(above, 0.5));
     const double share = low > high ? (low - std::log(wanted)) / (low - high) : 0;
     return value_at(static_cast<double>(i) + std::clamp(share, 0.0, 1.0));

@@ -1,13 +1,12 @@
 // TailLaw: how often the background of a sonar exceeds its own level, learnt from the data.
 //
 // Takes ratios u = power / background of cells without a target, and gives the threshold that a share f of them
-// reaches. No law is assumed where enough was heard: with 60 exceedances and more the threshold is the empirical
-// quantile. With fewer, the tail is extended from the two highest quantiles that are known: as an exponential law,
-// which is what a mean of speckle ends in, or as a Weibull law where that is heavier, as for K-distributed clutter and
-// clipped receivers (ledger S6-64). So thresholds are rough after one ping and exact after some, and the false-alarm
-// rate that is asked for is the one that is delivered.
+// reaches. With at least 60 exceedances no law is assumed: the threshold is the empirical quantile. With fewer, the
+// tail is extrapolated from the two highest known quantiles: by an exponential law, the tail of a mean of speckle, or
+// by a Weibull law if that is heavier, as for K-distributed clutter and clipped receivers (ledger S6-64). So thresholds
+// are rough after one ping and exact after some, and the false-alarm rate is then the requested one.
 //
-// Histogram of 32 steps an octave (2.2 %), u from 2^-6 to 2^14. Older values weigh half after every kMemory values.
+// Histogram of 32 steps per octave (2.2 %), u from 2^-6 to 2^14. All counts are halved after every kMemory values.
 #pragma once
 
 #include <array>
@@ -23,20 +22,20 @@ class TailLaw {
     ++counts_[step_of(u)];
     if (++total_ >= kMemory) halve();
   }
-  /// Infinite where fewer than 100 values were taken.
+  /// Infinite with fewer than 100 values.
   [[nodiscard]] float threshold(double false_alarm) const;
-  /// The same by the middle of the law alone (a Weibull law through its median and its 90 % quantile), which targets in
-  /// up to some percent of the values do not move.
+  /// The same from the middle of the law alone (a Weibull law through its median and its 90 % quantile), which targets
+  /// in up to a few percent of the values do not affect.
   [[nodiscard]] float robust_threshold(double false_alarm) const;
   [[nodiscard]] std::uint32_t total() const { return total_; }
-  /// Takes over what another law knows, with a weight of 1 / 2^`halvings`.
+  /// Replaces the counts by those of another law, with a weight of 1 / 2^`halvings`.
   void take_over(const TailLaw& other, int halvings);
 
-  /// Share of the values above u; 0 where none was taken.
+  /// Share of the values above u; 0 without values.
   [[nodiscard]] double exceeding(float u) const;
   /// Adds the values of another law.
   void merge(const TailLaw& other);
-  /// The histogram, step by step, to be stored; `of_counts` is its inverse. At most kSteps counts, kMostCounted in all.
+  /// The histogram by step, for storage; `of_counts` is its inverse. At most kSteps counts, kMostCounted in total.
   [[nodiscard]] std::span<const std::uint32_t> counts() const { return counts_; }
   static TailLaw of_counts(std::span<const std::uint32_t> counts);
   static constexpr int kStepBits = 5, kOctaves = 20;
@@ -54,7 +53,7 @@ class TailLaw {
   static double value_at(double step);
   /// The value that a share of all exceeds.
   [[nodiscard]] double quantile(double exceeding) const;
-  /// Of the Weibull law whose quantiles are u (exceeded by p) and v (by q > p).
+  /// The value exceeded with probability `to`, by the Weibull law with quantiles u (exceeded by p) and v (by q > p).
   static double extended(double u, double p, double v, double q, double to);
   void halve();
 

@@ -36,12 +36,12 @@ ActuatorVector Autopilot::update(const Setpoint& setpoint, const VehicleState& s
   const double roll = R_WB.roll().radians(), pitch = R_WB.pitch().radians();
   const double slow = c.integral_rate;
 
-  // An axis falls short if the last commands did not reach what it asked for.
+  // An axis falls short if the last commands did not reach its demand.
   const auto short_of = [&](int axis) {
     const double gap = std::abs(demand_B_(axis) - allocation_.achieved_B(axis));
     return gap > 1e-6 + 0.01 * std::abs(demand_B_(axis));
   };
-  // What the water takes at a demanded rate is given beforehand: the loops then only correct.
+  // Drag at the demanded rate is fed forward: the loops then only correct.
   const auto drag = [&](int axis, double rate) {
     return (model_.linear_damping(axis, axis) + model_.lift_damping(axis, axis) * std::abs(flow) +
             model_.quadratic_damping(axis, axis) * std::abs(rate)) *
@@ -51,7 +51,7 @@ ActuatorVector Autopilot::update(const Setpoint& setpoint, const VehicleState& s
 
   {
     const double w = c.speed_bandwidth, u = state.v_B.x();
-    // Fins steer by the water that passes them: with a current from astern, too, there must be enough of it.
+    // Fins need flow over them: even with a current from astern there must be enough.
     const bool by_fins = model_.fin_axes(5) > 0 && setpoint.speed > 0;
     const double least = by_fins ? c.min_flow + u - flow : -model_.limits.max_speed;
     const double wanted =
@@ -59,7 +59,7 @@ ActuatorVector Autopilot::update(const Setpoint& setpoint, const VehicleState& s
     if (!speed_asked_) speed_asked_ = u;
     const double most = model_.limits.max_acceleration * dt;
     const double gain = std::clamp(wanted - *speed_asked_, -most, most);
-    // Thrusters that fall short must not be left behind by the ramp.
+    // The ramp must not run ahead of thrusters that fall short.
     const bool held = short_of(0), ahead = gain * (*speed_asked_ - u) > 0;
     if (!held || !ahead) *speed_asked_ += gain;
     const double lack = *speed_asked_ - u;
@@ -96,7 +96,7 @@ ActuatorVector Autopilot::update(const Setpoint& setpoint, const VehicleState& s
     pitch_wanted = limited(-(limited(rate, limit) + 0.5 * w * slow * sum) / along, steepest);
   }
   const double a = c.attitude_bandwidth;
-  // Righting moments are known: they would otherwise leave the pitch short of what is asked for.
+  // Righting moments are known and fed forward: they would otherwise leave the pitch short of its demand.
   const double righting =
       kGravity * (model_.mass * model_.p_BG.z() - model_.reference_density * model_.volume * model_.p_BC.z());
   tau(3) = inertia_(3) * a * (-a * roll - 2 * state.w_B.x());

@@ -1,13 +1,13 @@
-// Autopilot: a set-point for heading, depth and speed becomes actuator commands (ledger S7-06, S7-11 baseline).
+// Autopilot: turns a set-point for heading, depth and speed into actuator commands (ledger S7-06, S7-11 baseline).
 //
 // Cascaded loops, the outer one proportional on position, the inner one proportional and integral on rate, with the two
 // fast poles at -bandwidth: for inertia I,
 //   rate demanded = (bandwidth / 2) error, limited
 //   force = I 2 bandwidth (lack + integral_rate sum of lack) + drag at the rate demanded,  lack = rate demanded - rate.
-// The speed demanded ramps at the greatest acceleration. Depth is held by heave, or by pitch: nose down by the angle
-// that makes the demanded sinking at the speed of the moment, with an integral on depth against buoyancy. Roll and
-// pitch are levelled where the vehicle can. An integral stands still while the actuators do not reach what its axis
-// asks for, unless it would shrink: no wind-up.
+// The demanded speed ramps at the maximum acceleration. Depth is controlled by heave or by pitch: nose down by the
+// angle that gives the demanded sink rate at the present speed, with an integral on depth against buoyancy. Roll and
+// pitch are levelled where the vehicle can. An integral stops while the actuators fall short of the demand of its axis,
+// unless it would shrink (anti-windup).
 //
 // Speeds are over ground. Units SI. One thread at a time; nothing allocates after construction.
 #pragma once
@@ -17,7 +17,7 @@
 
 namespace isobath {
 
-/// What guidance asks for.
+/// The demand of guidance.
 struct Setpoint {
   Angle heading;
   double depth = 0;       ///< m
@@ -31,11 +31,11 @@ class Autopilot {
 
   /// Commands for the next dt seconds. `flow`: measured forward speed through the water, m/s; fins work by it.
   ActuatorVector update(const Setpoint& setpoint, const VehicleState& state, double flow, double dt);
-  /// Of the last update: the wrench that was asked for, and what the actuators can do of it.
+  /// The wrench that the last update demanded, and what the actuators achieve of it.
   [[nodiscard]] const Vector6& demand_B() const { return demand_B_; }
   [[nodiscard]] const Allocation& allocation() const { return allocation_; }
   void reset();
-  /// Commands only what works; see Allocator.
+  /// Commands only working actuators; see Allocator.
   void set_known_effectiveness(const ActuatorVector& effectiveness) { allocator_ = Allocator(model_, effectiveness); }
 
  private:
@@ -48,7 +48,7 @@ class Autopilot {
   Vector6 demand_B_ = Vector6::Zero();
   Allocation allocation_;
   double integral_[kLoops] = {};
-  std::optional<double> speed_asked_;  ///< ramps to the set-point at the greatest acceleration
+  std::optional<double> speed_asked_;  ///< ramps to the set-point at the maximum acceleration
 };
 
 }  // namespace isobath

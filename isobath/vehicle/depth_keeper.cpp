@@ -5,7 +5,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kLevel = 0.3;  // m: samples nearer than this along the way say nothing about a slope
+constexpr double kLevel = 0.3;  // m: samples nearer than this along the path say nothing about a slope
 const double kLeastDown = std::cos(Angle::degrees(45).radians());
 
 double median(double* first, int count) {
@@ -13,7 +13,7 @@ double median(double* first, int count) {
   return first[count / 2];
 }
 
-// Where samples stand along the way, and how deep.
+// Positions along the path and depths of samples.
 struct Along {
   double a[16];
   double z[16];
@@ -37,14 +37,14 @@ double slope_of(const Along& p, int first) {
 
 std::vector<Field> fields(DepthKeeperConfig& c) {
   return {
-      Field::real("min_depth", &c.min_depth, {0, 10000}, "m", "No shallower, unless the bottom asks for it."),
-      Field::real("max_depth", &c.max_depth, {0, 12000}, "m", "No deeper."),
-      Field::real("min_altitude", &c.min_altitude, {0, 1000}, "m", "Least altitude above the bottom, always."),
-      Field::real("safe_depth", &c.safe_depth, {0, 10000}, "m", "Where a vehicle that lost its bottom goes."),
-      Field::real("hold", &c.hold, {0, 600}, "s", "How long a bottom is believed that gives no echo any more."),
-      Field::real("look_ahead", &c.look_ahead, {0, 120}, "s", "How far ahead a rising bottom is climbed for."),
-      Field::real("spacing", &c.spacing, {0.1, 100}, "m", "Between samples of the profile of the bottom."),
-      Field::real("climb_share", &c.climb_share, {0.1, 1}, "1", "Of the greatest climb rate, what is counted on."),
+      Field::real("min_depth", &c.min_depth, {0, 10000}, "m", "Minimum depth, unless the bottom requires less."),
+      Field::real("max_depth", &c.max_depth, {0, 12000}, "m", "Maximum depth."),
+      Field::real("min_altitude", &c.min_altitude, {0, 1000}, "m", "Minimum altitude above the bottom, in both modes."),
+      Field::real("safe_depth", &c.safe_depth, {0, 10000}, "m", "Depth in altitude mode while the bottom is lost."),
+      Field::real("hold", &c.hold, {0, 600}, "s", "How long the last bottom counts after its echoes stop."),
+      Field::real("look_ahead", &c.look_ahead, {0, 120}, "s", "How far ahead the vehicle climbs for a rising bottom."),
+      Field::real("spacing", &c.spacing, {0.1, 100}, "m", "Distance between samples of the bottom profile."),
+      Field::real("climb_share", &c.climb_share, {0.1, 1}, "1", "Share of the maximum climb rate that is relied on."),
   };
 }
 
@@ -63,7 +63,7 @@ bool DepthKeeper::hear(const AltimeterReading& reading, const Pose& X_WB) {
   }
   const Eigen::Vector3d axis = X_WS.rotation * Eigen::Vector3d::UnitX();
   if (axis.z() < kLeastDown) return false;
-  // The first echo of a level bottom comes from the part of the cone that looks down most steeply.
+  // The first echo of a level bottom comes from the part of the cone that points down most steeply.
   const double tilt = std::acos(std::min(axis.z(), 1.0));
   const double off = std::max(0.0, tilt - 0.5 * reading.width.radians());
   const double depth = X_WS.translation.z() + range * std::cos(off);
@@ -95,7 +95,7 @@ void DepthKeeper::add(const Sample& sample) {
   profile_[static_cast<std::size_t>(profile_count_++ % kProfile)] = *typical;
 }
 
-// Bottom, slope and echoes ahead, along the way that the vehicle takes now.
+// Finds the bottom and its slope along the vehicle's present course.
 void DepthKeeper::look(const Eigen::Vector2d& here, const Eigen::Vector2d& ahead) {
   Along p;
   const int stored = std::min(profile_count_, kProfile);
@@ -120,7 +120,7 @@ void DepthKeeper::look(const Eigen::Vector2d& here, const Eigen::Vector2d& ahead
 
 double DepthKeeper::deepest_allowed(double speed) const {
   const double below = *bottom_ - config_.min_altitude;
-  // Linear on either side of the lag: least at one of three ends.
+  // Piecewise linear, with a break at the lag: the minimum is at the break or at an end.
   const double rise = slope_ * speed;
   return below + std::min(0.0, rise * lag_ + std::min(0.0, config_.look_ahead * (rise + climb_rate_)));
 }

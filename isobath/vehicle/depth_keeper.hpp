@@ -1,23 +1,23 @@
-// DepthKeeper: the depth to ask for, from a wished depth or a wished altitude and the echoes of an altimeter.
+// DepthKeeper: the depth set-point, from a requested depth or altitude and the echoes of an altimeter.
 //
 // The bottom is a profile of the last echoes in W: each sample is the median of five readings, so that two wild ones in
-// five change nothing; samples stand `spacing` apart along the way. Seen along the vehicle's heading of the moment,
+// five change nothing; samples are `spacing` apart along the path. Projected onto the vehicle's present course,
 // whichever way it came, the profile has a slope (Theil-Sen 1968; over its last few samples or all of them, whichever
-// rises more), and so a bottom ahead. Echoes stand where the beam meets the bottom.
+// rises more), and so gives a bottom ahead. Echoes are placed where the beam meets the bottom.
 //
 //   deepest(t) = bottom(speed t) - min_altitude + climb_rate max(0, t - lag),  t from 0 to lag + look_ahead
 //
-// is what leaves room to climb over the bottom that is reached after t; the least of them bounds the answer in both
-// modes. `lag` is the time by which the vehicle comes after its set-point. In altitude mode the answer follows the
+// is the depth that leaves room to climb over the bottom that is reached after t; its minimum over t bounds the result
+// in both modes. `lag` is the time by which the vehicle follows its set-point. In altitude mode the result follows the
 // shallower of the bottom below and the bottom a lag ahead. Where the bottom rises faster than the vehicle climbs, the
-// answer says how fast it may go.
+// result also limits the speed.
 //
-// A bottom that gives no echo any more is believed for `hold`. Then, by altitude, the vehicle goes up to `safe_depth`;
-// by depth it goes no deeper than it was last allowed, or than the range that the altimeter saw empty since. Where no
-// bottom was ever heard, a wished depth is given back as it is.
+// After its echoes stop, the last bottom counts for `hold`. Then, in altitude mode, the vehicle goes up to
+// `safe_depth`; in depth mode it goes no deeper than it was last allowed, or than the range that the altimeter has
+// since seen empty. If there was never an echo of a bottom, a requested depth is returned unchanged.
 //
-// Readings are of any rangefinder: those whose axis is within 45 degrees of straight down count. Units SI, W
-// north-east-down. Nothing allocates. One thread at a time. What is not finite is refused and counted.
+// Readings may come from any rangefinder; those whose axis is within 45 degrees of straight down count. Units SI, W
+// north-east-down. Nothing allocates. One thread at a time. Readings that are not finite are refused and counted.
 #pragma once
 
 #include <array>
@@ -33,13 +33,13 @@ namespace isobath {
 
 struct DepthKeeperConfig {
   double min_depth = 0;      ///< m
-  double max_depth = 1000;   ///< m; the vehicle's own limit holds beside it
+  double max_depth = 1000;   ///< m; the vehicle's own limit applies as well
   double min_altitude = 1;   ///< m, always, in both modes
-  double safe_depth = 2;     ///< m, where a lost bottom is waited for
-  double hold = 10;          ///< s that a bottom without echo is believed
+  double safe_depth = 2;     ///< m, where the vehicle goes when it has lost the bottom
+  double hold = 10;          ///< s that the last bottom counts without echoes
   double look_ahead = 8;     ///< s
   double spacing = 0.75;     ///< m between samples of the profile
-  double climb_share = 0.7;  ///< of the greatest climb rate that may be counted on
+  double climb_share = 0.7;  ///< of the maximum climb rate that is relied on
 };
 
 std::vector<Field> fields(DepthKeeperConfig& config);
@@ -54,29 +54,29 @@ struct AltimeterReading {
 };
 
 struct DepthWish {
-  double depth = 0;                  ///< m, where no altitude is wished
+  double depth = 0;                  ///< m, if there is no requested altitude
   std::optional<double> altitude_m;  ///< above the bottom
 };
 
 struct DepthOrder {
   double depth = 0;                                            ///< for Setpoint.depth
-  double max_speed = std::numeric_limits<double>::infinity();  ///< that still climbs as fast as the bottom rises, m/s
-  bool raised = false;                                         ///< the least altitude made it shallower than wished
-  bool lost = false;                                           ///< by altitude, and no bottom is known
+  double max_speed = std::numeric_limits<double>::infinity();  ///< at which it climbs as fast as the bottom rises, m/s
+  bool raised = false;                                         ///< the minimum altitude made it shallower
+  bool lost = false;                                           ///< altitude mode without a known bottom
 };
 
 class DepthKeeper {
  public:
   DepthKeeper(const DepthKeeperConfig& config, const VehicleSheet& sheet);
 
-  /// Whether the reading counts: finite, with a beam that looks down.
+  /// Returns whether the reading counts: finite, and its beam points down.
   bool hear(const AltimeterReading& reading, const Pose& X_WB);
-  /// `v_W` over ground; the pose is finite. `now`: not before the times of the readings heard.
+  /// `v_W` over ground; the pose must be finite. `now`: not before the times of the readings so far.
   DepthOrder step(const DepthWish& wish, const Pose& X_WB, const Eigen::Vector3d& v_W, Time now);
 
-  /// Below the vehicle of the last step, m; empty where none is known.
+  /// Depth of the bottom below the vehicle at the last step, m; empty if unknown.
   [[nodiscard]] std::optional<double> bottom_depth() const { return bottom_; }
-  /// Metres deeper for each metre ahead, at the last step; below 0: it rises.
+  /// Metres deeper per metre ahead at the last step; negative if the bottom rises.
   [[nodiscard]] double slope() const { return slope_; }
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
@@ -96,9 +96,9 @@ class DepthKeeper {
   double deepest_;
   std::array<Sample, kRecent> recent_;
   std::array<Sample, kProfile> profile_;
-  int recent_count_ = 0, profile_count_ = 0;  ///< ever
+  int recent_count_ = 0, profile_count_ = 0;  ///< totals since construction
   std::optional<Time> last_echo_;
-  std::optional<double> seen_empty_;  ///< depth down to which there was no echo, by readings since the last one
+  std::optional<double> seen_empty_;  ///< depth down to which readings since the last echo saw nothing
   std::optional<double> last_allowed_;
   std::optional<double> bottom_;
   double slope_ = 0;

@@ -64,7 +64,7 @@ struct VehicleDynamics::Motion {
 };
 
 struct VehicleDynamics::Forces {
-  Vector6 constant;  ///< whatever the speed
+  Vector6 constant;  ///< at any speed
   Vector6 by_flow;   ///< times u |u|
 };
 
@@ -217,7 +217,7 @@ Allocator::Allocator(const VehicleModel& model, const ActuatorVector& effectiven
   }
   if (effectiveness.size() > 0) wrenches_ = wrenches_ * effectiveness.asDiagonal();
 
-  // Commands in shares of their limits: the least sum of squares then spares the weak.
+  // Commands are scaled by their limits: the minimum of their squares then spares weak actuators.
   const auto inverse = [&](int from, int count, const Vector6& axes) -> Inverse {
     if (count == 0) return Inverse::Zero(0, 6);
     const Eigen::VectorXd share = 0.5 * (high_ - low_).segment(from, count);

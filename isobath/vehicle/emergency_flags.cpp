@@ -15,7 +15,7 @@ const char* name_of_emergency(int bit_index) {
   return nullptr;
 }
 
-// The time before the bit, so that who sees the bit sees its time.
+// Stores the time before the bit, so that a thread that sees the bit sees its time.
 void EmergencyFlags::set(std::uint32_t bits, Time time) {
   for (std::uint32_t rest = bits; rest != 0; rest &= rest - 1) {
     std::int64_t never = kNever;
@@ -28,7 +28,7 @@ void EmergencyFlags::set(std::uint32_t bits, Time time) {
 
 void EmergencyFlags::latch(std::uint32_t bits) {
   latching_.fetch_or(bits, std::memory_order_acq_rel);
-  const std::uint64_t up = state_.load(std::memory_order_acquire) & bits;  // those that are up already
+  const std::uint64_t up = state_.load(std::memory_order_acquire) & bits;  // bits already raised
   state_.fetch_or(up << 32, std::memory_order_acq_rel);
 }
 

@@ -1,12 +1,12 @@
-// EmergencyFlags: 32 bits for what must not wait (Oskard 1990, III-D; ledger S1-43). Raised by whatever senses first,
-// watched by whatever executes, from different threads.
+// EmergencyFlags: 32 bits for emergencies that must not wait (Oskard 1990, III-D; ledger S1-43). The thread that senses
+// an emergency first raises its bit; executing threads watch the bits.
 //
-// A bit is up while its cause lasts; a latching bit stays up from then on until it is acknowledged, and after that
+// A bit is raised while its cause lasts. A latching bit then stays raised until it is acknowledged, and after that
 // while its cause lasts. Bits without a name are kept like the others. The time of a bit's first raise is that of its
-// first cause since the register was made, whatever became of it since.
+// first cause since construction; later changes do not affect it.
 //
-// Any number of threads; every function is lock-free, waits for nobody and allocates nothing. A watcher that sees a
-// bit also sees its time. Where two threads raise one bit for the first time, one of both times is kept.
+// Any number of threads; every function is lock-free, never waits and allocates nothing. A watcher that sees a bit also
+// sees its time. If two threads raise one bit for the first time, one of both times is kept.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ const char* name_of_emergency(int bit_index);
 
 class EmergencyFlags {
  public:
-  /// What no person should have to catch in the moment: water inside stays known when the float swims up again.
+  /// Bits that must not depend on a person seeing them at the moment: a leak stays known after its cause has cleared.
   static constexpr std::uint32_t kLatching = bit(Emergency::kLeak);
 
   explicit EmergencyFlags(std::uint32_t latching = kLatching) : latching_(latching) {
@@ -44,13 +44,13 @@ class EmergencyFlags {
   void clear(std::uint32_t bits) { state_.fetch_and(~std::uint64_t{bits}, std::memory_order_acq_rel); }
   void set(Emergency e, Time time) { set(bit(e), time); }
   void clear(Emergency e) { clear(bit(e)); }
-  /// These bits, too, stay from now on until acknowledged.
+  /// Makes these bits latch as well.
   void latch(std::uint32_t bits);
   void acknowledge(std::uint32_t bits) { state_.fetch_and(~(std::uint64_t{bits} << 32), std::memory_order_acq_rel); }
 
   struct Snapshot {
-    std::uint32_t raised = 0;  ///< lasting or latched
-    std::uint32_t causes = 0;  ///< lasting
+    std::uint32_t raised = 0;  ///< cause lasts, or latched
+    std::uint32_t causes = 0;  ///< cause lasts
     [[nodiscard]] bool has(Emergency e) const { return (raised & bit(e)) != 0; }
     bool operator==(const Snapshot&) const = default;
   };
@@ -62,7 +62,7 @@ class EmergencyFlags {
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free);
 
-  std::atomic<std::uint64_t> state_ = 0;  ///< causes below, latched above
+  std::atomic<std::uint64_t> state_ = 0;  ///< low half: causes; high half: latched
   std::atomic<std::uint32_t> latching_;
   std::array<std::atomic<std::int64_t>, 32> first_;
 };

@@ -9,9 +9,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kCrawl = 0.1;                // m/s: a hovering vehicle still moves on at this speed
-const Angle kTurning = Angle::degrees(20);    // heading off by more: still in the turn
-const Angle kOnTheLine = Angle::degrees(30);  // heading off by less: the integral may learn
+constexpr double kCrawl = 0.1;                // m/s: minimum speed of a hovering vehicle on its way
+const Angle kTurning = Angle::degrees(20);    // larger heading error: still in the turn
+const Angle kOnTheLine = Angle::degrees(30);  // smaller heading error: the integral may learn
 const Angle kSteepestCrab = Angle::degrees(60);
 
 Vector2d ahead_of(Angle heading) { return {cos(heading), sin(heading)}; }
@@ -32,26 +32,26 @@ Vector2d limited(const Vector2d& v, double most) {
 
 std::vector<Field> fields(GuidanceConfig& c) {
   return {
-      Field::real("lookahead", &c.lookahead, {0.1, 1000}, "m", "How far ahead on the line it steers for."),
+      Field::real("lookahead", &c.lookahead, {0.1, 1000}, "m", "Distance ahead on the line that is steered for."),
       Field::real("acceptance_radius", &c.acceptance_radius, {0.05, 1000}, "m", "A way-point this near is reached."),
       Field::real("integral_gain", &c.integral_gain, {0, 0.9}, "1",
                   "Integral action against a current, as a share of the speed; 0: none."),
       Field::real("drift_time", &c.drift_time, {0, 100}, "s",
-                  "Filter on the measured drift that is steered against; 0: the velocity over ground is not used."),
+                  "Time constant of the drift filter; 0: the velocity over ground is not used."),
       Field::real("corner_tolerance", &c.corner_tolerance, {0.05, 1000}, "m",
-                  "A corner that would be overrun by more is taken slower."),
+                  "The vehicle slows down for a corner that it would overrun by more than this."),
   };
 }
 
 std::vector<Field> fields(StationConfig& c) {
   return {
-      Field::real("gain", &c.gain, {0.01, 5}, "1/s", "Speed towards the place, for each metre of distance."),
+      Field::real("gain", &c.gain, {0.01, 5}, "1/s", "Speed towards the position per metre of distance."),
       Field::real("integral_gain", &c.integral_gain, {0, 1}, "1/s2", "Integral action; 0: none."),
       Field::real("turn_from", &c.turn_from, {0.1, 100}, "m",
-                  "A hovering vehicle that has no sway turns to its place when it is this far away."),
-      Field::real("circle_radius", &c.circle_radius, {1, 1000}, "m", "Circle of a vehicle that cannot hover."),
+                  "A hovering vehicle without sway turns to its position from this distance on."),
+      Field::real("circle_radius", &c.circle_radius, {1, 1000}, "m", "Radius of a vehicle that cannot hover."),
       Field::real("drift_time", &c.drift_time, {0, 100}, "s",
-                  "Filter on the measured drift that is steered against; 0: the velocity over ground is not used."),
+                  "Time constant of the drift filter; 0: the velocity over ground is not used."),
   };
 }
 
@@ -86,7 +86,7 @@ void LineOfSight::follow(std::vector<Waypoint> waypoints, const std::optional<Ve
   turn_limit_ = 0;
 }
 
-// Passes what is reached or abeam; then `bearing_`, `to_go_` and `cross_track_` are of the leg under way.
+// Passes way-points that are reached or abeam; then `bearing_`, `to_go_` and `cross_track_` are of the present leg.
 void LineOfSight::advance(const Vector2d& here) {
   while (!finished()) {
     const Vector2d to = position_of(waypoints_[next_]);
@@ -141,7 +141,7 @@ Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d
   double speed = goal.speed;
   if (sheet_) {
     speed = speed_ahead();
-    if (off > kTurning) {  // what it stands inside of the turn may be used up by it
+    if (off > kTurning) {  // a vehicle inside of the turn may use up that distance
       const double inside = (wanted - heading).wrapped().radians() > 0 ? cross_track_ : -cross_track_;
       const double limit = corner_speed(off, std::max(inside, 0.0));
       turn_limit_ = turn_limit_ > 0 ? std::min(turn_limit_, limit) : limit;
@@ -155,7 +155,7 @@ Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d
   return last_ = {wanted, depth_on(goal, speed), speed, 0};
 }
 
-// On a leg that rises or sinks: the depth of where the vehicle will be when it has come after its set-point.
+// On a leg that rises or sinks: the depth of the leg where the vehicle will be when it has reached its set-point.
 double LineOfSight::depth_on(const Waypoint& goal, double speed) const {
   if (!goal.from_depth) return goal.depth;
   const double length = (position_of(goal) - from_).norm();
@@ -164,7 +164,7 @@ double LineOfSight::depth_on(const Waypoint& goal, double speed) const {
   return *goal.from_depth + share * (goal.depth - *goal.from_depth);
 }
 
-// The greatest speed from which every corner ahead can still be taken.
+// The maximum speed from which every corner ahead can still be taken.
 double LineOfSight::speed_ahead() const {
   const double braking = 0.5 * sheet_->braking;
   double speed = waypoints_[next_].speed;
@@ -188,7 +188,8 @@ double LineOfSight::speed_ahead() const {
   return speed;
 }
 
-// At which a turn that begins `inside` metres beside the next leg ends within the tolerance on its other side.
+// The speed at which a turn that begins `inside` metres beside the next leg ends within the tolerance on its other
+// side.
 double LineOfSight::corner_speed(Angle turn, double inside) const {
   const double radius = (config_.corner_tolerance + inside) / std::max(1 - cos(turn), 1e-6);
   return sheet_->limits.max_yaw_rate.radians() * std::max(radius, sheet_->limits.turning_radius);
@@ -228,7 +229,7 @@ Setpoint StationKeeper::hover(const Vector2d& gap, Angle heading, double dt) {
   if (v_W == asked) integral_W_ = limited(integral_W_ + config_.integral_gain * dt * gap, 0.5 * place_.speed);
   if (sheet_.can_sway) return moving(v_W, heading, *heading_, place_.depth);
 
-  // Without sway it turns to the place when it was carried too far, and keeps that heading: into the current.
+  // Without sway it turns to its position when it has drifted too far, and keeps that heading: into the current.
   if (gap.norm() > config_.turn_from) turning_ = true;
   if (gap.norm() < 0.5 * config_.turn_from) turning_ = false;
   if (turning_) heading_ = bearing_of(gap);

@@ -1,26 +1,25 @@
-// Guidance: set-points that lead along way-points, or keep a place (ledger S6-37, S7-15).
+// Guidance: set-points that follow way-points or hold a position (ledger S6-37, S7-15).
 //
 // LineOfSight steers for a point `lookahead` ahead on the line between two way-points (Fossen 2011, 12.3; integral
 // action after Borhaug 2008): course = bearing - atan((e + sigma E) / lookahead), E' = lookahead (e + lookahead e' /
 // speed) / ((e + sigma E)^2 + lookahead^2), e to starboard of the line, sigma = integral_gain times the speed. The e'
-// is ours: it takes off what the approach to the line removes anyway, so that E learns the drift alone and does not
-// overshoot. The integral is kept as a vector in W: what was learnt on one leg holds on the next, in the share that
-// lies across it, and reverses with the leg. It stands still while the vehicle is off the line or turning, and never
-// asks for more than 45 degrees: no wind-up. Where the velocity over ground is known, the drift across the hull is
-// filtered and steered against at once (heading = course less the crab angle); the integral is left with what that
-// misses.
+// is not in the source: it subtracts what the approach to the line removes anyway, so that E learns only the drift and
+// does not overshoot. The integral is kept as a vector in W: its component across a leg applies on the next leg too,
+// and reverses with the leg. It stops while the vehicle is off the line or turning, and never demands more than 45
+// degrees (anti-windup). Where the velocity over ground is known, the drift across the hull is filtered and compensated
+// at once (heading = course less the crab angle); the integral corrects the remainder.
 //
 // Depth and speed are those of the way-point ahead. A way-point counts as reached within the acceptance radius,
-// horizontally; one that is passed further away counts as missed, and the path goes on: a vehicle that cannot turn
-// tightly enough must not circle.
+// horizontally. One that is passed farther away counts as missed and the path continues, so that a vehicle that cannot
+// turn tightly enough does not circle.
 //
-// Speed plan, where a VehicleSheet is given: the vehicle brakes in time (half its greatest braking) for a corner that
-// it would overrun by more than the corner tolerance, slows while it still has far to turn, and, where it can hover,
-// for the last way-point. Never below min_speed. A turn by theta that begins R before the corner ends r (1 - cos theta)
-// - R sin theta beside the next leg, r = speed / max_yaw_rate, at least the turning radius.
+// Speed plan, if a VehicleSheet is given: the vehicle brakes in time (at half its maximum deceleration) for a corner
+// that it would overrun by more than the corner tolerance, slows while it still has far to turn, and, if it can hover,
+// brakes for the last way-point. Never below min_speed. A turn by theta that begins R before the corner ends r (1 - cos
+// theta) - R sin theta beside the next leg, r = speed / max_yaw_rate, at least the turning radius.
 //
-// All takes the vehicle's own estimate: pose, and velocity over ground where there is one. A pose that is not finite
-// leaves the last set-point standing. Units SI. One thread at a time; step allocates nothing.
+// All functions take the vehicle's own estimate: pose, and velocity over ground if there is one. A pose that is not
+// finite leaves the last set-point in force. Units SI. One thread at a time; step allocates nothing.
 #pragma once
 
 #include <isobath/vehicle/autopilot.hpp>
@@ -35,7 +34,7 @@ struct Waypoint {
   double east = 0;
   double depth = 0;
   double speed = 1;  ///< on the way to it, m/s
-  /// Where the leg to it begins, m: its depth changes along the leg. Empty: at once.
+  /// Depth where the leg to it begins, m: the depth changes along the leg. Empty: the depth changes at once.
   std::optional<double> from_depth = {};
 };
 
@@ -49,12 +48,12 @@ struct GuidanceConfig {
 
 std::vector<Field> fields(GuidanceConfig& config);
 
-/// How fast the vehicle is carried across its hull, kept in W so that it holds on another heading.
+/// The velocity of the drift across the hull, kept in W so that it applies on another heading.
 class Drift {
  public:
-  /// `time_constant` s; nothing happens where a number is not finite.
+  /// `time_constant` in s; ignores values that are not finite.
   void update(Angle heading, const Eigen::Vector3d& v_W, double time_constant, double dt);
-  /// By how much the course lies to starboard of the heading, at a speed ahead; within 60 degrees.
+  /// The angle by which the course lies to starboard of the heading, at a speed ahead; within 60 degrees.
   [[nodiscard]] Angle crab(Angle heading, double speed) const;
   [[nodiscard]] const Eigen::Vector2d& velocity_W() const { return velocity_W_; }
 
@@ -64,13 +63,13 @@ class Drift {
 
 class LineOfSight {
  public:
-  /// Throws Error without way-points. The first leg starts where the vehicle is at the first step. Without a sheet the
-  /// speeds are those of the way-points.
+  /// Throws Error without way-points. The first leg starts at the vehicle's position at the first step. Without a sheet
+  /// the speeds are those of the way-points.
   LineOfSight(const GuidanceConfig& config, std::vector<Waypoint> waypoints,
               const std::optional<VehicleSheet>& sheet = {});
 
-  /// Follows these from now on, in place of what is left; `from` (north, east): where the first leg starts; without it,
-  /// where the vehicle is at the next step. What was learnt of the drift stays. Throws Error without way-points.
+  /// Follows these way-points from now on and drops the remaining ones. `from` (north, east) is the start of the first
+  /// leg; without it, the vehicle's position at the next step. The learnt drift stays. Throws Error without way-points.
   void follow(std::vector<Waypoint> waypoints, const std::optional<Eigen::Vector2d>& from = {});
 
   /// After the last way-point: its depth, the last bearing, speed 0, or min_speed where the sheet has one.
@@ -83,7 +82,7 @@ class LineOfSight {
   [[nodiscard]] std::size_t missed() const { return next_ - reached_; }
   [[nodiscard]] double cross_track() const { return cross_track_; }  ///< m to starboard of the leg
   [[nodiscard]] const std::vector<Waypoint>& waypoints() const { return waypoints_; }
-  /// Where the leg under way starts (north, east); meaningless before the first step.
+  /// Start of the present leg (north, east); undefined before the first step.
   [[nodiscard]] const Eigen::Vector2d& leg_start() const { return from_; }
 
  private:
@@ -104,38 +103,39 @@ class LineOfSight {
   double to_go_ = 0;  ///< along the leg, to the way-point ahead, m
   double cross_track_ = 0;
   std::optional<double> cross_before_;  ///< at the step before, on the same leg
-  double turn_limit_ = 0;               ///< speed of the turn under way; 0: none
+  double turn_limit_ = 0;               ///< speed of the present turn; 0: none
   Eigen::Vector2d integral_W_ = Eigen::Vector2d::Zero();
   Drift drift_;
   Setpoint last_;
 };
 
-/// Holds a place with a vehicle that can move any way: velocity towards it, `gain` 1/s times the distance, limited.
+/// Holds a position with a vehicle that can move in any direction: velocity towards it, `gain` 1/s times the distance,
+/// limited.
 Setpoint hold_station(const VehicleState& state, const Waypoint& place, Angle heading, double gain = 0.5);
 
 struct StationConfig {
   double gain = 0.3;            ///< 1/s
   double integral_gain = 0.02;  ///< 1/s2, against a bias of the speeds; 0: none
-  double turn_from = 2;         ///< m: a hovering vehicle without sway turns to its place from here on
+  double turn_from = 2;         ///< m: a hovering vehicle without sway turns to its position from here on
   double circle_radius = 10;    ///< m, of a vehicle that cannot hover
   double drift_time = 4;        ///< s, as in GuidanceConfig
 };
 
 std::vector<Field> fields(StationConfig& config);
 
-/// Keeps a place. A vehicle that can hover moves to it and holds it, by sway where it has any, else by turning to it
-/// when it has been carried away; one that cannot circles it to starboard, at no tighter a radius than it can turn.
+/// Holds a position. A vehicle that can hover moves to it and holds it, by sway if it has any, else by turning to it
+/// after a drift. One that cannot hover circles it to starboard, at no smaller a radius than it can turn.
 class StationKeeper {
  public:
   StationKeeper(const StationConfig& config, const VehicleSheet& sheet) : config_(config), sheet_(sheet) {}
 
-  /// From now on this place; `speed` of the Waypoint is the most that is used to get there. Without a heading, that of
-  /// the moment.
+  /// Sets the position; `speed` of the Waypoint is the maximum speed towards it. Without a heading, the present one is
+  /// held.
   void hold(const Waypoint& place, const std::optional<Angle>& heading = {});
   Setpoint step(const Pose& X_WB, const std::optional<Eigen::Vector3d>& v_W, double dt);
 
   [[nodiscard]] const Waypoint& place() const { return place_; }
-  /// Of the circle; 0 for a vehicle that hovers.
+  /// Radius of the circle; 0 for a vehicle that hovers.
   [[nodiscard]] double radius() const;
 
  private:

@@ -1,4 +1,4 @@
-// Health: what a part of the vehicle says about itself, or what is said about it when it has fallen silent.
+// Health: a report on the state of a part of the vehicle, by the part itself or by a watchdog after it has gone silent.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Navigation: one fix of the vehicle's own estimate of where it is.
+// Navigation: one fix of the vehicle's own position estimate.
 #pragma once
 
 #include <Eigen/Core>

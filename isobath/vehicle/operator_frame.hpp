@@ -1,5 +1,5 @@
-// OperatorFrame: what came over the link from the operator, as it arrived: one whole frame, not yet looked into (ledger
-// S6-40). Whoever is at the vehicle's end of the link says what it means, and whether it is one at all.
+// OperatorFrame: one whole frame as it arrived over the link from the operator, not yet decoded (ledger S6-40). The
+// decoder at the vehicle's end of the link interprets it and checks whether it is valid.
 #pragma once
 
 #include <cstdint>

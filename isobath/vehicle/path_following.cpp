@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSteepest = 1e-3;  // least cos theta that is divided by
+constexpr double kSteepest = 1e-3;  // minimum cos theta in a division
 
 double divisor_of(double theta) {
   const double c = std::cos(theta);
@@ -33,13 +33,13 @@ ApproachAngle approach_angle(double off, double scale) {
 }  // namespace
 
 std::vector<Field> fields(PathFollowingConfig& c) {
-  return {Field::real("k1", &c.k1, {1e-3, 10}, "1/s", "How fast the virtual target closes up along the path."),
-          Field::real("k2", &c.k2, {1e-3, 10}, "1/s", "How fast the approach angle is taken up in pitch."),
-          Field::real("k3", &c.k3, {1e-3, 10}, "1/s", "How fast the approach angle is taken up in heading."),
-          Field::real("c1", &c.c1, {1e-3, 1e3}, "m2", "Weight of the place in the Lyapunov function."),
-          Field::real("c2", &c.c2, {1e-3, 1e3}, "rad2", "Weight of the angles in the Lyapunov function."),
-          Field::real("d1", &c.d1, {0.1, 100}, "m", "Distance above or below at which the path is met at 30 degrees."),
-          Field::real("d2", &c.d2, {0.1, 100}, "m", "Distance beside it at which the path is met at 30 degrees.")};
+  return {Field::real("k1", &c.k1, {1e-3, 10}, "1/s", "Gain of the virtual target's catch-up along the path."),
+          Field::real("k2", &c.k2, {1e-3, 10}, "1/s", "Gain of the pitch towards the approach angle."),
+          Field::real("k3", &c.k3, {1e-3, 10}, "1/s", "Gain of the heading towards the approach angle."),
+          Field::real("c1", &c.c1, {1e-3, 1e3}, "m2", "Weight of the position error in the Lyapunov function."),
+          Field::real("c2", &c.c2, {1e-3, 1e3}, "rad2", "Weight of the angle errors in the Lyapunov function."),
+          Field::real("d1", &c.d1, {0.1, 100}, "m", "Vertical distance at which the approach angle is 30 degrees."),
+          Field::real("d2", &c.d2, {0.1, 100}, "m", "Lateral distance at which the approach angle is 30 degrees.")};
 }
 
 CoursePoint course_rates(const CoursePoint& at, double speed, double pitch_rate, double turn_rate) {
@@ -79,7 +79,7 @@ PathFollowingOrder follow_path(const PathFollowingConfig& c, const PathFrame& fr
   PathFollowingOrder order;
   order.s_dot = virtual_target_speed(c, e, speed);
   const double y = e.q_F.y(), z = e.q_F.z();
-  const PathErrorRates drift = error_rates(frame, e, speed, order.s_dot, 0, 0);  // with the nose held still
+  const PathErrorRates drift = error_rates(frame, e, speed, order.s_dot, 0, 0);  // without pitch and turn rate
   const ApproachAngle climb = approach_angle(z, c.d1), turn = approach_angle(-y, c.d2);
   order.approach_theta = climb.angle;
   order.approach_psi = turn.angle;
@@ -89,7 +89,7 @@ PathFollowingOrder follow_path(const PathFollowingConfig& c, const PathFrame& fr
   const double wanted_psi = -c.k3 * off_psi -
                             c.c2 / c.c1 * y * speed * std::cos(e.theta) * sine_quotient(e.psi, turn.angle) -
                             turn.slope * drift.q_F.y();
-  // What the nose must do about its own axes, as it is banked in F.
+  // Required rates about the vehicle's own axes, which are banked in F.
   const double up = wanted_theta - drift.theta, aside = std::cos(e.theta) * (wanted_psi - drift.psi);
   order.pitch_rate = up * std::cos(e.phi) + aside * std::sin(e.phi);
   order.turn_rate = aside * std::cos(e.phi) - up * std::sin(e.phi);

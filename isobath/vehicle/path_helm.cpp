@@ -42,7 +42,7 @@ DepthLoop identify_depth_loop(std::span<const double> asked_m, std::span<const d
                               double filter_s) {
   const std::size_t count = asked_m.size();
   if (count < 10 || depth_m.size() != count || !(dt > 0) || !(filter_s > 0)) {
-    throw Error("the record of depths is too short, or is none", {}, "ten samples or more of both");
+    throw Error("the record of depths is too short or not valid", {}, "ten samples or more of both");
   }
   ThreeLags asked(filter_s, dt, asked_m[0]), depth(filter_s, dt, depth_m[0]);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
@@ -50,13 +50,13 @@ DepthLoop identify_depth_loop(std::span<const double> asked_m, std::span<const d
   for (std::size_t i = 1; i < count; ++i) {
     asked.step(asked_m[i]);
     depth.step(depth_m[i]);
-    const Vector3d row(depth.first(), depth.second(), 1);  // the last: a steady offset
+    const Vector3d row(depth.first(), depth.second(), 1);  // 1: a steady offset
     normal += row * row.transpose();
     right += (asked.value() - depth.value()) * row;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(normal);
   if (!(parts.eigenvalues()(0) > 1e-9 * static_cast<double>(count))) {
-    throw Error("the record of depths does not move enough to tell how the vehicle comes after what it is asked for");
+    throw Error("the record of depths varies too little to identify the vehicle's depth loop");
   }
   const Vector3d found = normal.ldlt().solve(right);
   return {found(0), found(1)};
@@ -66,7 +66,7 @@ DepthLoop measured_depth_loop(const VehicleModel& model, double speed, double pe
   constexpr double kStep = 0.05, kSettle = 60;  // s
   constexpr int kWaves = 4;
   const double middle = std::min(10.0, 0.5 * model.limits.max_depth);
-  // Half of what asks for the greatest climb rate: the loop is to answer freely.
+  // Half the height that demands the maximum climb rate, so that the loop stays linear.
   const double height = std::min(model.limits.max_climb_rate / model.autopilot.depth_bandwidth, 0.5 * middle);
   VehicleState start;
   start.X_WB.translation.z() = middle;
@@ -85,11 +85,11 @@ DepthLoop measured_depth_loop(const VehicleModel& model, double speed, double pe
 }
 
 std::vector<Field> fields(PathHelmConfig& c) {
-  return {Field::real("along_gain", &c.along_gain, {0, 10}, "1/s", "How fast the virtual target closes up."),
-          Field::real("approach", &c.approach_m, {0.1, 100}, "m", "Beside the path, where it is met at 30 degrees."),
-          Field::real("heading_lag", &c.heading_lag_s, {0, 60}, "s", "By which the heading comes after its set-point."),
-          Field::real("drift_time", &c.drift_time_s, {0, 600}, "s", "Of the filter on the drift across; 0: not used."),
-          Field::flag("shape_depth", &c.shape_depth, "Ask for depths that the vehicle's lag turns into the path's.")};
+  return {Field::real("along_gain", &c.along_gain, {0, 10}, "1/s", "Gain of the virtual target's catch-up."),
+          Field::real("approach", &c.approach_m, {0.1, 100}, "m", "Lateral distance with an approach of 30 degrees."),
+          Field::real("heading_lag", &c.heading_lag_s, {0, 60}, "s", "Lag of the heading behind its set-point."),
+          Field::real("drift_time", &c.drift_time_s, {0, 600}, "s", "Time constant of the drift filter; 0: not used."),
+          Field::flag("shape_depth", &c.shape_depth, "Compensate depth set-points for the lag of the depth loop.")};
 }
 
 PathHelm::PathHelm(const SpacePath& path, const PathHelmConfig& config, const DepthLoop& loop, double speed)

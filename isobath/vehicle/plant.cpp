@@ -7,7 +7,7 @@ namespace isobath {
 
 namespace {
 
-// Moves `value` to `target` by `rate` at most; returns the distance that was covered meanwhile.
+// Moves `value` to `target` by `rate` at most; returns the distance covered meanwhile.
 double ramp(double& value, double target, double rate, double dt) {
   const double change = target - value;
   const double taken = std::min(std::abs(change) / rate, dt);
@@ -61,7 +61,7 @@ void KinematicVehicle::step(const Setpoint& setpoint, const WaterConditions& wat
   if (depth_by_ == DepthBy::kPitch) steepest = std::min(steepest, std::abs(path) * std::sin(max_pitch_));
   const double depth = std::clamp(setpoint.depth, 0.0, limits_.max_depth);
   const double sunk = std::clamp(depth - p.z(), -steepest, steepest);
-  // By pitch, sinking is part of the path; by heave it comes on top.
+  // By pitch, sinking is part of the path; by heave it is additional.
   const double along = depth_by_ == DepthBy::kPitch ? std::copysign(std::sqrt(path * path - sunk * sunk), path) : path;
 
   double most = limits_.max_yaw_rate.radians() * dt;
@@ -70,7 +70,7 @@ void KinematicVehicle::step(const Setpoint& setpoint, const WaterConditions& wat
   const double turned = std::clamp(wanted, -most, most);
   const double share = most > 0 ? std::abs(turned) / most : 0;  // of the step that is spent turning
 
-  // An arc has its chord along the mean heading, shorter by sinc of half the turn.
+  // The chord of an arc points along the mean heading and is shorter by sinc of half the turn.
   const double half = 0.5 * turned;
   const double chord = share * (std::abs(half) > 1e-6 ? std::sin(half) / half : 1 - half * half / 6);
   const double mean = heading + half, after = heading + turned;

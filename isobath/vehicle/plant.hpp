@@ -1,11 +1,11 @@
-// VehiclePlant: a vehicle that follows set-points, whatever is inside (ledger S7-14).
+// VehiclePlant: the interface of a vehicle that follows set-points (ledger S7-14).
 //
 // DynamicVehicle is VehicleDynamics under an Autopilot: actuators, inertia, current and density all act.
-// KinematicVehicle does what it is told within the limits of the vehicle file, exactly: arcs and straight lines through
-// the water, no actuators, no inertia. Set-points are over ground, as an autopilot holds them; what the vehicle cannot
-// make good, the water does with it: a current across the hull carries away a vehicle without sway, and one that is
-// stronger than the greatest speed carries any. Depth is held against vertical currents. For scenes that need a path
-// and no dynamics.
+// KinematicVehicle follows set-points exactly within the limits of the vehicle file: arcs and straight lines through
+// the water, without actuators and inertia; it is for scenes that need a path and no dynamics. Set-points are over
+// ground, as an autopilot holds them. The water moves the vehicle where the vehicle cannot compensate: a current across
+// the hull carries away a vehicle without sway, and one stronger than the maximum speed carries away any vehicle. Depth
+// is held against vertical currents.
 //
 // Depth never leaves [0, max_depth] by a set-point. Units SI. One thread at a time; nothing allocates in step.
 #pragma once

@@ -48,7 +48,7 @@ std::span<const ModuleStatus> StateEvaluator::evaluate(Time now, EmergencyFlags&
     lost = lost || (h.source == "vehicle" && h.state == HealthState::kLost);
     blind = blind || (h.source != "vehicle" && h.state == HealthState::kLost);
     leak = leak || h.leak;
-    low = low || !(h.battery_share >= config_.low_battery_share);  // what is no number is no charge
+    low = low || !(h.battery_share >= config_.low_battery_share);  // NaN counts as low
   }
   const auto tell = [&](Emergency e, bool up) { up ? flags.set(e, now) : flags.clear(e); };
   tell(Emergency::kModuleFailure, lost);

@@ -1,16 +1,16 @@
-// StateEvaluator: the health of every control module and sensor, and the emergency bits that follow (Oskard 1990, I;
+// StateEvaluator: the health of every control module and sensor, and the resulting emergency bits (Oskard 1990, I;
 // ledger S1-05).
 //
-// A module beats once a period; it is lost when its last beat is more than `periods` of its periods old, and well again
-// with its next beat. A module that never beat counts from the start. Health reports of the vehicle and its sensors are
-// kept by their source. `evaluate` sets and clears
-//   module failure   a module is lost, or the vehicle says that it is
-//   sensor failure   a sensor says that it is lost
+// A module sends a heartbeat once a period. It is lost when its last heartbeat is more than `periods` of its periods
+// old, and well again at its next one. A module without a heartbeat counts from the start. The last health report of
+// the vehicle and of each sensor is kept by source. `evaluate` sets and clears
+//   module failure   a module is lost, or the vehicle reports that it is
+//   sensor failure   a sensor reports that it is lost
 //   leak, low fuel   the last report that named them; fuel by `low_battery_share`
-// so that a bit goes up in the first cycle in which its cause is seen.
+// so that a bit is raised in the first cycle that sees its cause.
 //
-// Times are those of the events. One thread at a time (the flags may be watched from any); `beat` and `evaluate`
-// allocate nothing, `hear` only at a source's first report.
+// Times are those of the events. One thread at a time (any thread may watch the flags). `beat` and `evaluate` allocate
+// nothing, `hear` only at a source's first report.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -46,12 +46,12 @@ class StateEvaluator {
   /// Periods must be above 0.
   StateEvaluator(const StateEvaluatorConfig& config, const std::vector<WatchedModule>& modules, Time start);
 
-  /// `module`: its place in the list. A beat older than the last one is not taken.
+  /// `module`: its index in the list. Ignores a beat that is older than the last one.
   void beat(std::size_t module, Time time);
   void hear(const Health& report);
-  /// The table as it stands at `now`; valid until the next call.
+  /// The table at `now`; valid until the next call.
   std::span<const ModuleStatus> evaluate(Time now, EmergencyFlags& flags);
-  /// The last report of each source, in the order of their first ones.
+  /// The last report of each source, in the order of their first reports.
   [[nodiscard]] std::span<const Health> reports() const { return reports_; }
 
  private:

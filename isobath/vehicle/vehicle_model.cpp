@@ -24,7 +24,7 @@ bool positive_semidefinite(const Matrix6& m) {
 }
 
 // sum_ij D_ij |n_j| n_j n_i >= 0 for all n: by Young's inequality |n_j|^2 |n_i| <= (2 |n_j|^3 + |n_i|^3) / 3 it is
-// enough that each diagonal element outweighs its row and column. Rates are first made speeds by the half length.
+// enough that each diagonal element outweighs its row and column. Rates are first scaled to speeds by the half length.
 bool quadratic_dissipative(const Matrix6& damping, double length) {
   Vector6 unit;
   unit << 1, 1, 1, 2 / length, 2 / length, 2 / length;
@@ -40,7 +40,7 @@ bool quadratic_dissipative(const Matrix6& damping, double length) {
   return true;
 }
 
-// The places of the sections, so that what is wrong with a whole matrix is still said with a line.
+// The places of the sections, so that an error about a whole matrix also has a line.
 struct Places {
   Place vehicle, body, water, limits;
   std::vector<Place> thrusters, fins;
@@ -121,11 +121,11 @@ VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader
   Schema schema;
   schema.sections = {
       {"vehicle",
-       "What it is.",
-       {Field::text("name", &m.name, "Its name."),
-        Field::real("length", &m.length, {0.01, 1000}, "m", "The box that holds the hull, centred in B."),
-        Field::real("width", &m.width, {0.01, 1000}, "m", "The same across."),
-        Field::real("height", &m.height, {0.01, 1000}, "m", "The same upright.")}},
+       "General properties.",
+       {Field::text("name", &m.name, "Name of the vehicle."),
+        Field::real("length", &m.length, {0.01, 1000}, "m", "Length of the box around the hull, centred in B."),
+        Field::real("width", &m.width, {0.01, 1000}, "m", "Width of this box."),
+        Field::real("height", &m.height, {0.01, 1000}, "m", "Height of this box.")}},
       {"body",
        "The rigid body; positions and moments about the origin of B (x forward, y starboard, z down).",
        {Field::real("mass", &m.mass, {1e-3, kBig}, "kg", "Mass, flooded water included."),
@@ -137,25 +137,25 @@ VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader
         Field::real("volume", &m.volume, {1e-6, kBig}, "m3", "Displaced volume.")}},
       {"water",
        "Hydrodynamics; matrices are one row (the diagonal) or six rows, positive where they oppose the motion.",
-       {Field::real("density", &m.reference_density, {900, 1100}, "kg/m3", "Density that the numbers below hold at."),
+       {Field::real("density", &m.reference_density, {900, 1100}, "kg/m3", "Density for which the values below hold."),
         Field::rows("added_mass", &added, 6, {-kBig, kBig}, "kg, kg m, kg m2", "Added mass; symmetric."),
         Field::rows("linear_damping", &linear, 6, {-kBig, kBig}, "N s/m, ...", "Times the velocity."),
         Field::rows("lift_damping", &lift, 6, {-kBig, kBig}, "N s2/m2, ...", "Times the velocity and forward speed."),
         Field::rows("quadratic_damping", &quadratic, 6, {-kBig, kBig}, "N s2/m2, ...",
                     "Times the square of each velocity, with its sign.")}},
       {"limits",
-       "What may be asked of it.",
-       {Field::real("max_speed", &m.limits.max_speed, {0.01, 30}, "m/s", "Greatest speed."),
-        Field::real("max_acceleration", &m.limits.max_acceleration, {1e-3, 100}, "m/s2", "Greatest change of speed."),
+       "Limits of the vehicle.",
+       {Field::real("max_speed", &m.limits.max_speed, {0.01, 30}, "m/s", "Maximum speed."),
+        Field::real("max_acceleration", &m.limits.max_acceleration, {1e-3, 100}, "m/s2", "Maximum change of speed."),
         Field::real("turning_radius", &m.limits.turning_radius, {0, 10000}, "m", "Tightest turn; 0: on the spot."),
-        Field::degrees("max_yaw_rate_deg", &m.limits.max_yaw_rate, {0.1, 360}, "Greatest turn in a second."),
-        Field::real("max_climb_rate", &m.limits.max_climb_rate, {1e-3, 30}, "m/s", "Greatest change of depth."),
-        Field::real("max_depth", &m.limits.max_depth, {0.1, 12000}, "m", "Greatest depth.")}},
+        Field::degrees("max_yaw_rate_deg", &m.limits.max_yaw_rate, {0.1, 360}, "Maximum turn per second."),
+        Field::real("max_climb_rate", &m.limits.max_climb_rate, {1e-3, 30}, "m/s", "Maximum change of depth."),
+        Field::real("max_depth", &m.limits.max_depth, {0.1, 12000}, "m", "Maximum depth.")}},
       {"allocation",
-       "Who makes which force: 1 or 0 for surge, sway, heave, roll, pitch, yaw.",
-       {Field::numbers("thruster_axes", m.thruster_axes.data(), 6, {0, 1}, "1", "Asked of the thrusters."),
-        Field::numbers("fin_axes", m.fin_axes.data(), 6, {0, 1}, "1", "Asked of the fins.")}},
-      {"autopilot", "Heading, depth and speed.", fields(m.autopilot)},
+       "Which actuators make which force: 1 or 0 for surge, sway, heave, roll, pitch, yaw.",
+       {Field::numbers("thruster_axes", m.thruster_axes.data(), 6, {0, 1}, "1", "Axes of the thrusters."),
+        Field::numbers("fin_axes", m.fin_axes.data(), 6, {0, 1}, "1", "Axes of the fins.")}},
+      {"autopilot", "Control of heading, depth and speed.", fields(m.autopilot)},
   };
   schema.lists = {
       {"thruster", "A propeller.",
@@ -163,11 +163,11 @@ VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader
          at.thrusters.push_back(place);
          Thruster& t = m.thrusters.emplace_back();
          return std::vector{
-             Field::text("name", &t.name, "Its name."),
-             Field::numbers("position", t.p_BT.data(), 3, {-100, 100}, "m", "Where it is in B."),
+             Field::text("name", &t.name, "Name of the thruster."),
+             Field::numbers("position", t.p_BT.data(), 3, {-100, 100}, "m", "Position in B."),
              Field::numbers("direction", t.direction_B.data(), 3, {-1e3, 1e3}, "1", "Of positive thrust; any length."),
-             Field::real("max_forward", &t.max_forward, {0, kBig}, "N", "Greatest thrust."),
-             Field::real("max_reverse", &t.max_reverse, {0, kBig}, "N", "The same backward."),
+             Field::real("max_forward", &t.max_forward, {0, kBig}, "N", "Maximum thrust forward."),
+             Field::real("max_reverse", &t.max_reverse, {0, kBig}, "N", "Maximum thrust in reverse."),
              Field::real("dead_zone", &t.dead_zone, {0, kBig}, "N", "Smaller commands give nothing."),
              Field::real("time_constant", &t.time_constant, {0, 100}, "s", "First-order lag."),
              Field::real("torque_per_thrust", &t.torque_per_thrust, {-10, 10}, "m",
@@ -177,12 +177,12 @@ VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader
          at.fins.push_back(place);
          Fin& f = m.fins.emplace_back();
          return std::vector{
-             Field::text("name", &f.name, "Its name."),
+             Field::text("name", &f.name, "Name of the fin."),
              Field::numbers("position", f.p_BF.data(), 3, {-100, 100}, "m", "Centre of pressure in B."),
              Field::numbers("direction", f.direction_B.data(), 3, {-1e3, 1e3}, "1",
-                            "Of the force at positive deflection going ahead."),
-             Field::real("lift", &f.lift, {0, kBig}, "N s2/(m2 rad)", "Force by squared speed and deflection."),
-             Field::degrees("max_deflection_deg", &f.max_deflection, {0.1, 60}, "Greatest deflection."),
+                            "Direction of the force at positive deflection going ahead."),
+             Field::real("lift", &f.lift, {0, kBig}, "N s2/(m2 rad)", "Force per squared speed and deflection."),
+             Field::degrees("max_deflection_deg", &f.max_deflection, {0.1, 60}, "Maximum deflection."),
              Field::degrees("dead_zone_deg", &f.dead_zone, {0, 10}, "Smaller commands give nothing."),
              Field::real("time_constant", &f.time_constant, {0, 100}, "s", "First-order lag.")};
        }}};
@@ -190,7 +190,7 @@ VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader
 
   const auto place_of = [&](std::size_t i) {
     Place place = schema.sections[i].place;
-    if (place.file.empty()) place.file = file;  // the section is not there
+    if (place.file.empty()) place.file = file;  // the file does not have this section
     return place;
   };
   at.vehicle = place_of(0);
@@ -215,14 +215,14 @@ VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader
 std::vector<Field> fields(AutopilotConfig& c) {
   return {
       Field::choice("depth_by", &c.depth_by, {{"heave", DepthBy::kHeave}, {"pitch", DepthBy::kPitch}},
-                    "How it changes depth: straight up and down, or nose up and down."),
-      Field::real("speed_bandwidth", &c.speed_bandwidth, {0.01, 20}, "rad/s", "Quickness of the speed loops."),
-      Field::real("heading_bandwidth", &c.heading_bandwidth, {0.01, 20}, "rad/s", "Quickness of the heading loop."),
-      Field::real("depth_bandwidth", &c.depth_bandwidth, {0.01, 20}, "rad/s", "Quickness of the depth loop."),
-      Field::real("attitude_bandwidth", &c.attitude_bandwidth, {0.01, 20}, "rad/s", "Quickness of roll and pitch."),
-      Field::real("integral_rate", &c.integral_rate, {0, 5}, "rad/s", "Quickness of the integral action."),
-      Field::degrees("max_pitch_deg", &c.max_pitch, {0.1, 80}, "Steepest pitch that is asked for."),
-      Field::real("min_flow", &c.min_flow, {0.01, 10}, "m/s", "Fins are steered for no less; kept under way."),
+                    "How the vehicle changes depth: by heave, or by pitch."),
+      Field::real("speed_bandwidth", &c.speed_bandwidth, {0.01, 20}, "rad/s", "Bandwidth of the speed loops."),
+      Field::real("heading_bandwidth", &c.heading_bandwidth, {0.01, 20}, "rad/s", "Bandwidth of the heading loop."),
+      Field::real("depth_bandwidth", &c.depth_bandwidth, {0.01, 20}, "rad/s", "Bandwidth of the depth loop."),
+      Field::real("attitude_bandwidth", &c.attitude_bandwidth, {0.01, 20}, "rad/s", "Bandwidth of roll and pitch."),
+      Field::real("integral_rate", &c.integral_rate, {0, 5}, "rad/s", "Rate of the integral action."),
+      Field::degrees("max_pitch_deg", &c.max_pitch, {0.1, 80}, "Maximum pitch set-point."),
+      Field::real("min_flow", &c.min_flow, {0.01, 10}, "m/s", "Minimum flow over the fins; kept under way."),
   };
 }
 

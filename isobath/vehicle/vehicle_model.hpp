@@ -1,20 +1,20 @@
-// VehicleModel: what a vehicle file says about one vehicle - body, hydrodynamics, actuators, limits, autopilot
+// VehicleModel: the contents of a vehicle file: body, hydrodynamics, actuators, limits and autopilot of one vehicle
 // (ledger S7-13; notation after Fossen 2011).
 //
-// Six-vectors stand in the order surge, sway, heave, roll, pitch, yaw: velocities (u, v, w, p, q, r) and wrenches
+// Six-vectors have the order surge, sway, heave, roll, pitch, yaw: velocities (u, v, w, p, q, r) and wrenches
 // (X, Y, Z, K, M, N), all about the origin of B with components in B. Matrices are positive where they oppose the
 // motion: added_mass is -X_du and so on, damping is -X_u, -X_uu.
 //
 //   M = M_RB + (density / reference) added_mass
 //   damping wrench = -(density / reference) (linear nu + |u| lift nu + quadratic (|nu| nu)), nu relative to the water
 //
-// `lift` holds what grows with forward speed: body lift, and the lift of fins that do not move. Its published form is
-// Y_uv u v; |u| instead of u keeps it dissipative astern. The Munk moments are no part of it: they follow from
-// added_mass through C(nu).
+// `lift` contains damping that grows with forward speed: body lift, and the lift of fins that do not move. Its
+// published form is Y_uv u v; |u| instead of u keeps it dissipative astern. It does not include the Munk moments, which
+// follow from added_mass through C(nu).
 //
-// Errors: load_vehicle and parse_vehicle throw Error with line and column on whatever read_toml refuses, and with the
-// line of the section where M is not positive definite, damping is not dissipative, or an actuator makes no sense.
-// Immutable after loading; may be shared by threads.
+// Errors: load_vehicle and parse_vehicle throw Error with line and column on everything that read_toml refuses, and
+// with the line of the section where M is not positive definite, damping is not dissipative, or an actuator is not
+// valid. Immutable after loading; may be shared by threads.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,7 +29,7 @@ namespace isobath {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-inline constexpr double kGravity = 9.81;   ///< m/s2, the value behind the published weights
+inline constexpr double kGravity = 9.81;   ///< m/s2, the value that the published weights use
 inline constexpr int kMaxActuators = 16;   ///< thrusters and fins of one vehicle
 inline constexpr double kSeaWater = 1025;  ///< kg/m3
 
@@ -71,7 +71,7 @@ struct VehicleLimits {
 
 enum class DepthBy { kHeave, kPitch };
 
-/// Each loop by its bandwidth: gains follow from the vehicle's own inertia.
+/// The bandwidth of each loop: gains follow from the vehicle's own inertia.
 struct AutopilotConfig {
   DepthBy depth_by = DepthBy::kHeave;
   double speed_bandwidth = 1;  ///< rad/s, of each loop
@@ -80,14 +80,14 @@ struct AutopilotConfig {
   double attitude_bandwidth = 2;  ///< roll and pitch
   double integral_rate = 0.1;     ///< rad/s, of the integral action of all loops
   Angle max_pitch = Angle::degrees(20);
-  double min_flow = 0.5;  ///< m/s through the water: fins are not steered for less, and a vehicle under way keeps it
+  double min_flow = 0.5;  ///< m/s through the water: minimum flow that fins are computed for, and kept under way
 };
 
 std::vector<Field> fields(AutopilotConfig& config);
 
 struct VehicleModel {
   std::string name;
-  double length = 1;  ///< the box that holds the hull, centred in B, m
+  double length = 1;  ///< of the box around the hull, centred in B, m
   double width = 0.5;
   double height = 0.5;
 
@@ -97,7 +97,7 @@ struct VehicleModel {
   Eigen::Vector3d p_BC = Eigen::Vector3d::Zero();       ///< centre of buoyancy, m
   double volume = 0;                                    ///< displaced, m3
 
-  double reference_density = kSeaWater;  ///< the density that the coefficients hold at, kg/m3
+  double reference_density = kSeaWater;  ///< the density for which the coefficients hold, kg/m3
   Matrix6 added_mass = Matrix6::Zero();
   Matrix6 linear_damping = Matrix6::Zero();
   Matrix6 lift_damping = Matrix6::Zero();
@@ -105,7 +105,7 @@ struct VehicleModel {
 
   std::vector<Thruster> thrusters;
   std::vector<Fin> fins;
-  Vector6 thruster_axes = Vector6::Ones();  ///< 1 where thrusters, fins are asked to make the wrench; 0 elsewhere
+  Vector6 thruster_axes = Vector6::Ones();  ///< 1 where thrusters, fins make the wrench; 0 elsewhere
   Vector6 fin_axes = Vector6::Zero();
 
   VehicleLimits limits;
@@ -114,9 +114,9 @@ struct VehicleModel {
   [[nodiscard]] int actuators() const { return static_cast<int>(thrusters.size() + fins.size()); }
 };
 
-/// Rigid body part of M.
+/// Rigid-body part of M.
 Matrix6 rigid_body_mass(const VehicleModel& model);
-/// M at a density.
+/// M at this density.
 Matrix6 mass_matrix(const VehicleModel& model, double density);
 /// Damping wrench (a negative power) at a velocity relative to the water.
 Vector6 damping_wrench(const VehicleModel& model, const Vector6& velocity, double density);
@@ -124,7 +124,7 @@ Vector6 damping_wrench(const VehicleModel& model, const Vector6& velocity, doubl
 VehicleModel load_vehicle(const std::string& path);
 VehicleModel parse_vehicle(std::string_view text, const std::string& name);
 
-/// Throws Error where the model is not physical; for models that are built in code. `where` names its source.
+/// Throws Error if the model is not physical; for models built in code. `where` names its source.
 void check_vehicle(const VehicleModel& model, const Place& where = {});
 
 }  // namespace isobath

@@ -1,4 +1,4 @@
-// VehicleSheet: what planning and command must know of a vehicle: how much room it takes, and what it cannot do.
+// VehicleSheet: the size and the limits of a vehicle, for planning and command.
 #pragma once
 
 #include <isobath/vehicle/vehicle_model.hpp>
@@ -7,18 +7,18 @@ namespace isobath {
 
 struct VehicleSheet {
   double half_width_m = 0.25;   ///< of the hull, across
-  double hull_radius_m = 0.36;  ///< of the circle in plan that holds the hull, about B
-  double braking = 0.25;        ///< m/s2, when thrust is taken away or reversed
+  double hull_radius_m = 0.36;  ///< of the circle in plan around the hull, centred in B
+  double braking = 0.25;        ///< m/s2, with thrust removed or reversed
   double min_speed = 0;         ///< below it the vehicle does not hold depth or heading, m/s; 0: it can hover
-  double depth_lag_s = 4;       ///< by which it comes after a depth set-point that moves steadily
+  double depth_lag_s = 4;       ///< by which it follows a depth set-point that moves steadily
   bool can_sway = false;        ///< thrusters move it sideways
   VehicleLimits limits;
 };
 
-/// Braking is the greatest acceleration that the file allows; a vehicle that dives by pitch needs its least flow.
+/// Braking is the maximum acceleration of the file; a vehicle that dives by pitch needs its minimum flow.
 VehicleSheet sheet_of(const VehicleModel& model);
 
-/// All of it, for logs and configurations of runs without a vehicle file.
+/// All of them, for logs and configurations of runs without a vehicle file.
 std::vector<Field> fields(VehicleSheet& sheet);
 
 }  // namespace isobath

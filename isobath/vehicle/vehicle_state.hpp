@@ -1,4 +1,4 @@
-// VehicleState: where the vehicle is and how it moves. What dynamics computes, and what simulated sensors measure.
+// VehicleState: pose and velocity of the vehicle, which the dynamics compute and simulated sensors measure.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@ struct VehicleState {
   Eigen::Vector3d w_B = Eigen::Vector3d::Zero();  ///< roll, pitch and yaw rate (p, q, r), components in B, rad/s
 };
 
-/// The truth about the vehicle at an instant: known to a simulator alone.
+/// Ground truth of the vehicle's motion at an instant; only a simulator knows it.
 struct TrueMotion {
   Time time;
   VehicleState state;

@@ -215,7 +215,7 @@ TEST_F(DepthMapProgram, ALaterSurveyContinuesTheMap) {
 TEST_F(DepthMapProgram, ARunOfSoundingsAloneSpeaksOfDepths) {
   const std::string text = told(file("boat.csv", Survey{}.csv()));
   EXPECT_THAT(text, testing::StartsWith("depth map: 360 ranges"));
-  EXPECT_THAT(text, AllOf(HasSubstr("heard 360 ranges and 0 swaths within 359.0 s"), HasSubstr("pixels measured"),
+  EXPECT_THAT(text, AllOf(HasSubstr("received 360 ranges and 0 swaths in 359.0 s"), HasSubstr("pixels measured"),
                           HasSubstr("as generation 1")));
   for (const char* of_pings : {"pings", "bin", "obstacle", "scans"}) EXPECT_THAT(text, Not(HasSubstr(of_pings)));
   const std::string page = content_of(out() / "report.html");
@@ -282,7 +282,7 @@ TEST_F(DepthMapProgram, APathIsClearOrRefusedWithItsReason) {
   };
   const ProgramResult clear = path("4");
   EXPECT_EQ(clear.exit_code, 0) << clear.out;
-  EXPECT_THAT(clear.out, AllOf(HasSubstr("clear: 90 m of path"), HasSubstr("least water on the way: 5.")));
+  EXPECT_THAT(clear.out, AllOf(HasSubstr("clear: 90 m of path"), HasSubstr("least depth on the path: 5.")));
   const ProgramResult refused = path("5");  // needs 5.5 m, which is there from 50 m north on
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.out, AllOf(HasSubstr("refused: leg 1: 5."), HasSubstr("5.00 m draught and 0.50 m clearance")));
@@ -346,7 +346,8 @@ TEST_F(DepthMapProgram, PriorsThatCannotBeTrustedAreRefusedInOneLine) {
   write_grid(down, [](int, int) { return 5; });
   write_grid(up, [](int, int) { return -5; });
   EXPECT_THAT(refused(down, {}), ends_with_one_line(AllOf(HasSubstr("down.asc"), HasSubstr("prior.sign"))));
-  EXPECT_THAT(refused(up, kGrid), ends_with_one_line(AllOf(HasSubstr("do not grow down"), HasSubstr("prior.sign"))));
+  EXPECT_THAT(refused(up, kGrid),
+              ends_with_one_line(AllOf(HasSubstr("are not positive down"), HasSubstr("prior.sign"))));
   EXPECT_THAT(refused(down, {"--set", "prior.sign=down"}), ends_with_one_line(HasSubstr("vertical datum")));
   EXPECT_THAT(refused(down, {"--set", "prior.sign=down", "--set", "prior.datum=MLLW"}),
               ends_with_one_line(AllOf(HasSubstr("below MLLW"), HasSubstr("prior.datum_offset_m"))));
@@ -569,7 +570,7 @@ TEST_F(LakeErieChart, BecomesAMapWithItsObjectsThatRefusesAShoal) {
   const ProgramResult refused = path("3");
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.out, AllOf(HasSubstr("refused: leg 1: 3."), HasSubstr("3.00 m draught and 0.50 m clearance"),
-                                 HasSubstr("(41.793"), HasSubstr("least water on the way")));
+                                 HasSubstr("(41.793"), HasSubstr("least depth on the path")));
   const ProgramResult deep =
       isobath({"path", map(), "41.793,-82.74", "41.793,-82.72", "--draught", "3", "--clearance", "0.5"});
   EXPECT_EQ(deep.exit_code, 0) << deep.out;
@@ -588,7 +589,7 @@ TEST_F(LakeErieChart, OfAnotherPlaceIsRefused) {
     auto more = kSettings;
     more.insert(more.end(), {"--origin", origin});
     EXPECT_THAT(convert(data / "US5OH10M.000", more),
-                ends_with_one_line(AnyOf(HasSubstr("not reach the window"), HasSubstr("lies elsewhere"))))
+                ends_with_one_line(AnyOf(HasSubstr("not reach the window"), HasSubstr("lies outside the map"))))
         << origin;
     EXPECT_FALSE(fs::exists(map() / "map.json"));
   }

@@ -54,7 +54,7 @@ TEST(FanCalibration, OfAnotherSonarIsRefusedAndOfAnotherSettingHalfUsed) {
   const ProgramResult made = test::isobath({"calibrate", log, "--out", folder / "sonar"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   for (const char* line : {"sonar: ", "recording: ", "blind zone: ", "gains: ", "dead beams: none", "correlation of ",
-                           "false alarms at 0.0001, delivered over asked: "}) {
+                           "false alarms at 0.0001, measured over nominal: "}) {
     EXPECT_THAT(made.out, HasSubstr(line));
   }
   const fs::path model = folder / "sonar" / "fan_model.json";
@@ -62,7 +62,7 @@ TEST(FanCalibration, OfAnotherSonarIsRefusedAndOfAnotherSettingHalfUsed) {
       recorded(folder, "far", "preset = \"p450_horizontal\"\nrange_m = 30\nbins = 240\ninterval_s = 2\n");
   const ProgramResult other_setting = test::isobath({"run", far, "--out", folder / "run", "--model", model});
   EXPECT_EQ(other_setting.exit_code, 0) << other_setting.err;
-  EXPECT_THAT(other_setting.out, HasSubstr("another setting, only its tail laws were used"));
+  EXPECT_THAT(other_setting.out, HasSubstr("another setting, so only its tail laws were used"));
   const fs::path didson = recorded(folder, "didson", "preset = \"didson\"\nbins = 200\ninterval_s = 5\n");
   EXPECT_THAT(isobath_run(didson, folder / "refused", {"--model", model}),
               ends_with_one_line(HasSubstr("the fan model is of another sonar")));

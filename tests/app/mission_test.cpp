@@ -76,7 +76,7 @@ TEST(MissionReplay, ReproducesEveryDecision) {
   // Somebody who decides otherwise is told so.
   const ProgramResult other = isobath_run(log, folder / "other", {"--mission", file, "--set", "route.clearance_m=6"});
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_THAT(other.err, HasSubstr("is not that of the recorded run"));
+  EXPECT_THAT(other.err, HasSubstr("differs from the recorded run"));
 }
 
 // What the vehicle was led by is in the scenario, and so the same for the replay: its chart, its operator.

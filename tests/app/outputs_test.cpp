@@ -80,7 +80,7 @@ TEST(Outputs, ShowTheScanTheGridAndTheObstaclesSideBySide) {
   const std::size_t row = page.find("<div class=\"row\">");
   ASSERT_NE(row, std::string::npos);
   const std::string panels = page.substr(row, page.find("</div>", row) - row);
-  for (const char* caption : {"echoes of the last sweep as they came", "believed of the water", "Obstacles over"}) {
+  for (const char* caption : {"raw echoes of the last sweep", "Occupancy of the water", "Obstacles over"}) {
     EXPECT_THAT(panels, HasSubstr(caption));
   }
 }
@@ -92,7 +92,7 @@ TEST(Outputs, WithoutJsonAFewLinesForAPerson) {
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
   EXPECT_THAT(result.out, testing::ContainsRegex("^[0-9]+ obstacles at the end of 3 scans\n")) << "the outcome first";
-  EXPECT_THAT(result.out, HasSubstr("heard 150 pings within"));
+  EXPECT_THAT(result.out, HasSubstr("received 150 pings in"));
   EXPECT_THAT(result.out, HasSubstr("report.html"));
   EXPECT_THAT(result.out, testing::Not(HasSubstr("of work"))) << "times only where they are asked for";
   const auto listed = [&](const std::string& text) {

@@ -84,14 +84,14 @@ TEST(Sim, ARunOfASceneSaysWhatTheTruthIs) {
   EXPECT_TRUE(buoy);
   EXPECT_GE(truth["obstacles"]["false_alarms"].get<int>(), 0);
   const std::string report = content_of(out / "report.html");
-  EXPECT_THAT(report, AllOf(HasSubstr("Truth beside belief"), HasSubstr("<td>buoy B</td>")));
+  EXPECT_THAT(report, AllOf(HasSubstr("Comparison with ground truth"), HasSubstr("<td>buoy B</td>")));
 }
 
 TEST(Sim, TheFormatThatItPrintsIsASceneButForItsFiles) {
   const ProgramResult page = test::isobath({"sim", "--format"});
   EXPECT_EQ(page.exit_code, 0);
-  EXPECT_THAT(page.out, AllOf(StartsWith("# What the scene is about.\n[scene]\n"), HasSubstr("[[sonar]]"),
-                              HasSubstr("[[fault]]"), HasSubstr("dB re 1 uPa")));
+  EXPECT_THAT(page.out, AllOf(StartsWith("# The scene.\n[scene]\n"), HasSubstr("[[sonar]]"), HasSubstr("[[fault]]"),
+                              HasSubstr("dB re 1 uPa")));
 }
 
 TEST(Sim, DrawsTheSceneFromAbove) {
@@ -146,7 +146,7 @@ TEST(Sim, ABottomWithHolesIsRefused) {
 }
 
 TEST(Sim, WrongUseIsRefusedInOneLine) {
-  EXPECT_THAT(test::isobath({"sim", "--speed", "fast"}), ends_with_one_line(HasSubstr("no speed: fast")));
+  EXPECT_THAT(test::isobath({"sim", "--speed", "fast"}), ends_with_one_line(HasSubstr("not a speed: fast")));
   EXPECT_THAT(test::isobath({"sim", "--out", "log.bag"}), ends_with_one_line(HasSubstr(".mcap")));
   EXPECT_THAT(test::isobath({"sim", "no/such.toml"}), ends_with_one_line(HasSubstr("no/such.toml: cannot be read")));
 }

@@ -47,7 +47,7 @@ TEST_F(Voxels, OfTheBridgeHaveALayerForEachImagePlane) {
        {"voxels.bt", "voxels.ply", "voxels.png", "voxels-south.png", "voxels-east.png", "voxels-depth.png"}) {
     EXPECT_TRUE(fs::exists(out_ / name)) << name;
   }
-  EXPECT_THAT(test::content_of(out_ / "report.html"), HasSubstr("In three dimensions"));
+  EXPECT_THAT(test::content_of(out_ / "report.html"), HasSubstr("Voxel map"));
   EXPECT_GT(voxels["truth"]["precision"], 0.5);
   EXPECT_GT(voxels["truth"]["judged"], 100'000);
 }
@@ -133,7 +133,7 @@ TEST_F(Voxels, OfASpoiltLogAreThoseOfTheRest) {
   EXPECT_EQ(manifest["counts"]["pings"], 37);
   EXPECT_EQ(manifest["voxels"]["layers"][0]["pings"], 35);
   EXPECT_THAT(run.out, HasSubstr("jumps of the position: 1, by up to 8.0 m"));
-  EXPECT_THAT(report, HasSubstr("what was seen around the vehicle moved along"));
+  EXPECT_THAT(report, HasSubstr("the maps around the vehicle moved along"));
   EXPECT_EQ(manifest["counts"]["position_jumps"], 1);
   EXPECT_EQ(manifest["voxels"]["moved_with_jumps"], 1);
 }

@@ -74,7 +74,7 @@ TEST(ConfigLists, AFileIsTakenFromTheFolderOfItsFile) {
 TEST(ConfigLists, WhatIsWrongIsSaidWithLineAndColumn) {
   EXPECT_THAT(problem_of("[[ball]]\ncentre = [1, 2]"), HasSubstr("folder/scene.toml:2:10: ball.centre: not 3 numbers"));
   EXPECT_THAT(problem_of("[[ball]]\ncentre = [1, 2, 300]"), HasSubstr("300 is out of range"));
-  EXPECT_THAT(problem_of("[[ball]]\npath = [[1, 2], [3]]"), HasSubstr("a row of 1 numbers where 2 are wanted"));
+  EXPECT_THAT(problem_of("[[ball]]\npath = [[1, 2], [3]]"), HasSubstr("a row of 1 numbers instead of 2"));
   EXPECT_THAT(problem_of("[[ball]]\nradios = 2"), HasSubstr("did you mean radius?"));
   EXPECT_THAT(problem_of("[ball]\nradius = 2"), HasSubstr("not a list of tables"));
   EXPECT_THAT(problem_of("[[bell]]\nradius = 2"), HasSubstr("did you mean ball?"));

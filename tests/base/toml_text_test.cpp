@@ -37,10 +37,10 @@ std::string repeated(const std::string& part, int times) {
 }
 
 TEST(TomlText, WhatTheParserTakesForImpossibleIsAnErrorWithItsPlace) {
-  EXPECT_EQ(refusal("[%"), "f.toml:1:2: no name behind the [ of a table");
-  EXPECT_EQ(refusal("[s]\n[[ =]]"), "f.toml:2:4: no name behind the [ of a table");
-  EXPECT_EQ(refusal("[s]\nnumbers = [}"), "f.toml:2:12: a } where [ is to be closed");
-  EXPECT_EQ(refusal("[s]\nnumbers = 1 }"), "f.toml:2:13: a } that closes nothing");
+  EXPECT_EQ(refusal("[%"), "f.toml:1:2: no name after the [ of a table");
+  EXPECT_EQ(refusal("[s]\n[[ =]]"), "f.toml:2:4: no name after the [ of a table");
+  EXPECT_EQ(refusal("[s]\nnumbers = [}"), "f.toml:2:12: a } cannot close a [");
+  EXPECT_EQ(refusal("[s]\nnumbers = 1 }"), "f.toml:2:13: a } without an opening bracket");
   EXPECT_EQ(refusal("[s]\nnumbers = [1979-05-27 0]"), "f.toml:2:22: a date and a time; write them as a text in quotes");
 }
 
@@ -52,7 +52,7 @@ TEST(TomlText, OutsideQuotesAndCommentsAllIsAscii) {
   EXPECT_EQ(refusal("[s]\ntext = \"a\"\xff"), "f.toml:2:11: " + problem);
   EXPECT_EQ(refusal("[s]\ntext = \"\\\u00e9\""), "f.toml:2:10: a character that is not ASCII after a backslash");
   EXPECT_EQ(refusal("[s]\ntext = \"\"\"a \\\n  \u00e9\"\"\""),
-            "f.toml:3:3: a character that is not ASCII first on a continued line; write it as \\u and four digits");
+            "f.toml:3:3: a character that is not ASCII at the start of a continued line; write \\u and four digits");
 }
 
 TEST(TomlText, Utf8IsWelcomeInQuotesAndComments) {
@@ -69,9 +69,9 @@ TEST(TomlText, Utf8IsWelcomeInQuotesAndComments) {
 TEST(TomlText, QuotesBeginWhereAValueOrAKeyDoesAndEnd) {
   EXPECT_EQ(refusal("[s]\ntext = 1\"a\""), "f.toml:2:9: a quote inside a word");
   EXPECT_EQ(refusal("[s]\ntext = '''''''''"), "f.toml:2:16: a quote inside a word") << "three, two of the text, three";
-  EXPECT_EQ(refusal("[s]\ntext = \"a\n\""), "f.toml:2:8: a text without its closing quote");
-  EXPECT_EQ(refusal("[s]\ntext = '''a''"), "f.toml:2:8: a text without its closing quote");
-  EXPECT_EQ(refusal("[s]\ntext = \"a\\"), "f.toml:2:8: a text without its closing quote");
+  EXPECT_EQ(refusal("[s]\ntext = \"a\n\""), "f.toml:2:8: a text without a closing quote");
+  EXPECT_EQ(refusal("[s]\ntext = '''a''"), "f.toml:2:8: a text without a closing quote");
+  EXPECT_EQ(refusal("[s]\ntext = \"a\\"), "f.toml:2:8: a text without a closing quote");
 }
 
 TEST(TomlText, TablesInTablesEnd) {

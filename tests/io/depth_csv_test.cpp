@@ -122,8 +122,8 @@ TEST(DepthCsv, WrongDeclarationsAreErrors) {
   EXPECT_THAT(error_of(names, declared("latitude=Lat,longitude=Long,depth=D")),
               HasSubstr("table.csv:1: no column \"Long\", which input.csv_columns names; allowed: Lat, Lon, D"));
   EXPECT_THAT(error_of(names, declared("latitude=Lat,depth=D")),
-              HasSubstr("input.csv_columns does not say which columns are latitude, longitude and depth"));
-  EXPECT_THAT(error_of(names, declared("latitude=Lat,longitude=Lon")), HasSubstr("does not say"));
+              HasSubstr("input.csv_columns must declare the columns of latitude, longitude and depth"));
+  EXPECT_THAT(error_of(names, declared("latitude=Lat,longitude=Lon")), HasSubstr("must declare"));
   EXPECT_THAT(error_of(names, declared("lat=Lat")), HasSubstr("\"lat=Lat\" declares no column; allowed: time, "));
   EXPECT_THAT(error_of(names, declared("depth")), HasSubstr("\"depth\" declares no column"));
   for (const char* bad : {"utm 61N", "utm N", "utm 0N", "utm 17", "UTM 17N", "metres", ""}) {
@@ -140,7 +140,7 @@ TEST(DepthCsv, UndeclaredTablesAreRefusedWithTheirColumns) {
     open_source(folder / "Aug-24-2022.csv", {});
     FAIL();
   } catch (const Error& e) {
-    EXPECT_THAT(e.what(), testing::AllOf(HasSubstr("columns nothing explains: Latitude, Longitude, Depth_in_Feet;"),
+    EXPECT_THAT(e.what(), testing::AllOf(HasSubstr("columns are not declared: Latitude, Longitude, Depth_in_Feet;"),
                                          HasSubstr("--set input.csv_columns="), testing::Not(HasSubstr("\n"))));
   }
 }

@@ -163,7 +163,7 @@ TEST(KongsbergAll, OnlyActiveSensorsAndValidSamplesCount) {
   EXPECT_NEAR(log.fixes()[0].X_WB.rotation.roll().degrees(), 1, 1e-9);
   EXPECT_EQ(log.report.origin->latitude_deg, 45);
   EXPECT_EQ(refused(log, "attitude sample that its sensor calls invalid"), 1u);
-  EXPECT_EQ(log.report.details.at("other sensors"), "1 positions and 1 attitude records of such as are not active");
+  EXPECT_EQ(log.report.details.at("other sensors"), "1 positions and 1 attitude records of inactive sensors, not used");
 }
 
 TEST(KongsbergAll, MidnightLiesBetweenTwoDates) {
@@ -313,7 +313,7 @@ TEST(Kmall, SensorsThatAreNotActiveOrNotValidAreLeftOut) {
   ASSERT_EQ(log.fixes().size(), 1u);
   EXPECT_NEAR(log.fixes()[0].X_WB.rotation.roll().degrees(), 7, 1e-5);
   EXPECT_EQ(log.report.origin->longitude_deg, 8);
-  EXPECT_EQ(refused(log, "position that is none"), 2u);
+  EXPECT_EQ(refused(log, "invalid position"), 2u);
 }
 
 TEST(Kmall, DamageCostsTheDatagramInWhichItLies) {

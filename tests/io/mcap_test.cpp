@@ -255,12 +255,12 @@ TEST(Mcap, CountsContradictions) {
   EXPECT_EQ(got.messages, (std::vector<int>{1, 1}));
   EXPECT_EQ(got.report.details.at("written by"), "hand");
   const auto& rejected = got.report.rejected;
-  EXPECT_EQ(rejected.at("channel defined twice, and differently"), 1u);
+  EXPECT_EQ(rejected.at("channel defined twice with different content"), 1u);
   EXPECT_EQ(rejected.at("message on an unknown channel"), 1u);
   EXPECT_EQ(rejected.at("schema that cannot be read"), 1u);
   EXPECT_EQ(rejected.at("metadata that cannot be read"), 1u);
   EXPECT_EQ(rejected.at("message that cannot be read"), 1u);
-  EXPECT_EQ(rejected.at("record that a chunk must not hold"), 1u);
+  EXPECT_EQ(rejected.at("record that is not allowed in a chunk"), 1u);
   EXPECT_EQ(rejected.at("chunk with a broken record inside"), 1u);
 }
 

@@ -135,7 +135,7 @@ TEST(Nmea, PositionsThatAreNoneAreCounted) {
           nmea("IIRMC,092210,A,5759.096,N,01144.343,E,5.5,31.1,,0.0,E,A"));
   EXPECT_EQ(drain(*source).size(), 1u);
   EXPECT_THAT(source->report().rejected,
-              UnorderedElementsAre(Pair("position that is not valid", 5), Pair("position older than the clock", 1)));
+              UnorderedElementsAre(Pair("invalid position", 5), Pair("position older than the clock", 1)));
 }
 
 TEST(Nmea, TheBestHeadingIsTaken) {

@@ -70,7 +70,7 @@ TEST_F(Open, WhatCannotBeOpenedIsOneLineThatSaysWhatToDo) {
   EXPECT_THAT(error_of(write("noise.bin", std::string("\x01\x00\x00\x00\x02", 5))),
               testing::HasSubstr("not a known format;"));
   EXPECT_THAT(error_of(write("depths.csv", "y,x,z\n49.7,-93.7,-2.6\n")),
-              testing::HasSubstr("is a table whose columns nothing explains: y, x, z; say what they are"));
+              testing::HasSubstr("is a table whose columns are not declared: y, x, z; declare them"));
   EXPECT_THAT(error_of(folder_), testing::HasSubstr("not a known format: a folder"));
   EXPECT_THAT(error_of(write("view.oculus", "SQLite format 3" + std::string(200, '\0'))),
               testing::HasSubstr("ViewPoint 2"));

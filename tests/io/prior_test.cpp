@@ -347,9 +347,10 @@ TEST(Prior, NeverMixesDatums) {
   config.datum_offset_m = {};
   EXPECT_THAT(refusal(file, config, wanted), HasSubstr("datum of the depths is unknown"));
   config.datum = "LAT";
-  EXPECT_THAT(refusal(file, config, wanted), HasSubstr("depths are below LAT, the map's are below the water surface"));
+  EXPECT_THAT(refusal(file, config, wanted),
+              HasSubstr("depths are below LAT, those of the map are below the water surface"));
   config.map_datum = "MSL";
-  EXPECT_THAT(refusal(file, config, wanted), HasSubstr("depths are below LAT, the map's are below MSL"));
+  EXPECT_THAT(refusal(file, config, wanted), HasSubstr("depths are below LAT, those of the map are below MSL"));
   config.map_datum = "lat";
   EXPECT_EQ(refusal(file, config, wanted), "");
 }
@@ -361,9 +362,9 @@ TEST(Prior, RefusesTheWrongSign) {
   raster.write(file);
   const PriorWindow wanted = window(60, -60, 4, 30, 30);
   PriorConfig config = plain();
-  EXPECT_THAT(refusal(file, config, wanted), HasSubstr("the numbers do not grow down"));
+  EXPECT_THAT(refusal(file, config, wanted), HasSubstr("the numbers are not positive down"));
   config.sign = PriorSign::kAutomatic;
-  EXPECT_THAT(refusal(file, config, wanted), HasSubstr("nothing says whether the numbers are depths or heights"));
+  EXPECT_THAT(refusal(file, config, wanted), HasSubstr("it is unknown whether the numbers are depths or heights"));
   config.sign = PriorSign::kUp;
   EXPECT_EQ(refusal(file, config, wanted), "");
 }
@@ -375,18 +376,19 @@ TEST(Prior, RefusesRastersThatDoNotSayWhereTheyLie) {
   nowhere.epsg = 0;
   nowhere.fill(sloping);
   nowhere.write(folder / "nowhere.tif");
-  EXPECT_THAT(refusal(folder / "nowhere.tif", plain(), wanted), HasSubstr("nothing says which coordinates"));
+  EXPECT_THAT(refusal(folder / "nowhere.tif", plain(), wanted), HasSubstr("the coordinate system is unknown"));
   PriorConfig told = plain();
   told.epsg = 32633;
   EXPECT_EQ(refusal(folder / "nowhere.tif", told, wanted), "");
   told.epsg = 999998;
-  EXPECT_THAT(refusal(folder / "nowhere.tif", told, wanted), HasSubstr("no system of coordinates EPSG:999998"));
+  EXPECT_THAT(refusal(folder / "nowhere.tif", told, wanted), HasSubstr("no coordinate system EPSG:999998"));
 
   RasterFile metres;  // that call themselves degrees
   metres.epsg = 4326;
   metres.fill(sloping);
   metres.write(folder / "metres.tif");
-  EXPECT_THAT(refusal(folder / "metres.tif", plain(), wanted), HasSubstr("says degrees, but its numbers are none"));
+  EXPECT_THAT(refusal(folder / "metres.tif", plain(), wanted),
+              HasSubstr("declares degrees, but its coordinates are out of range"));
 
   RasterFile degrees;  // that call themselves metres
   const double t[] = {12.99, 0.0002, 0, 52.342, 0, -0.0002};
@@ -394,7 +396,7 @@ TEST(Prior, RefusesRastersThatDoNotSayWhereTheyLie) {
   degrees.fill([](double, double) { return 8.0; });
   degrees.write(folder / "degrees.tif");
   EXPECT_THAT(refusal(folder / "degrees.tif", plain(), wanted),
-              HasSubstr("says metres, but its numbers look like degrees"));
+              HasSubstr("declares metres, but its coordinates look like degrees"));
   told.epsg = 4326;
   EXPECT_EQ(refusal(folder / "degrees.tif", told, wanted), "");
 
@@ -403,7 +405,7 @@ TEST(Prior, RefusesRastersThatDoNotSayWhereTheyLie) {
   elsewhere.write(folder / "elsewhere.tif");
   EXPECT_THAT(refusal(folder / "elsewhere.tif", plain(), wanted, {10, 100}), HasSubstr("does not reach the window"));
   EXPECT_THAT(refusal(folder / "elsewhere.tif", plain(), window(0, 0, 4, 0, 0), {10, 100}),
-              HasSubstr("reaches farther"));
+              HasSubstr("larger than a local plane"));
 }
 
 TEST(Prior, RefusesWhatIsTooMuch) {
@@ -413,7 +415,7 @@ TEST(Prior, RefusesWhatIsTooMuch) {
   raster.write(file);
   PriorConfig config = plain();
   config.most_cells = 500;
-  EXPECT_THAT(refusal(file, config, window(200, -200, 20, 30, 30)), HasSubstr("are read at most"));
+  EXPECT_THAT(refusal(file, config, window(200, -200, 20, 30, 30)), HasSubstr("the maximum is"));
   EXPECT_THAT(refusal(file, plain(), window(0, 0, 0.001, 0, 0)), HasSubstr("too many"));
 }
 
@@ -451,8 +453,8 @@ TEST(Prior, RefusesWhatIsNoPrior) {
   write_whole_file(folder / "noise.tif", std::string_view("II*\0garbage", 11));
   write_whole_file(folder / "empty.000", std::string_view());
   const PriorWindow wanted = window(60, -60, 4, 30, 30);
-  EXPECT_THAT(refusal(folder / "noise.tif", plain(), wanted), HasSubstr("no survey, chart or outline"));
-  EXPECT_THAT(refusal(folder / "empty.000", plain(), wanted), HasSubstr("no survey, chart or outline"));
+  EXPECT_THAT(refusal(folder / "noise.tif", plain(), wanted), HasSubstr("not a readable survey, chart or outline"));
+  EXPECT_THAT(refusal(folder / "empty.000", plain(), wanted), HasSubstr("not a readable survey, chart or outline"));
   EXPECT_THAT(refusal(folder / "absent.tif", plain(), wanted), HasSubstr("no such file"));
 }
 
@@ -483,7 +485,7 @@ TEST(Prior, ReadsASurveyOfNoaa) {
   EXPECT_NEAR(depths(prior.raster).second, 68.4, 0.05);
   for (const float s : prior.raster.sigma_m) ASSERT_FALSE(s < 0.06f || s > 1.95f);
   config.sign = PriorSign::kDown;
-  EXPECT_THAT(refusal(file, config, window(0, 0, 8, 0, 0), plane.origin()), HasSubstr("do not grow down"));
+  EXPECT_THAT(refusal(file, config, window(0, 0, 8, 0, 0), plane.origin()), HasSubstr("are not positive down"));
 }
 
 // Published: elevations -52.96 .. -50.99 m, uncertainty 0.27 .. 0.66 m, 1707 x 1478 cells of 2 m.
@@ -606,7 +608,7 @@ TEST(Prior, CountsTheObjectsThatAChartLacks) {
   const fs::path file = test::scratch_folder() / "LACKING.000";
   write_whole_file(file, bytes);
   const Prior chart = read_prior(file, of_chart(), LocalPlane(kErie), window(20000, 4000, 500, 20, 20));
-  EXPECT_EQ(chart.left_out.at("objects that the chart announces and that could not be read"), 250u);
+  EXPECT_EQ(chart.left_out.at("objects that the chart header counts but that could not be read"), 250u);
 }
 
 TEST(Prior, ReadsADamagedChartInPartOrRefusesIt) {
@@ -672,7 +674,7 @@ TEST(Prior, ReadsShorePointsAndTheOutlineOfALake) {
   PriorConfig config;
   config.datum_offset_m = {0};
   const fs::path points = folder / "all_edgepoints.csv";
-  EXPECT_THAT(refusal(points, config, window(0, 0, 10, 0, 0)), HasSubstr("which are no degrees"));
+  EXPECT_THAT(refusal(points, config, window(0, 0, 10, 0, 0)), HasSubstr("which are not degrees"));
   config.epsg = 32633;
   const Prior shore = read_prior(points, config, LocalPlane(kOrigin), window(0, 0, 10, 0, 0));
   const Vector2d first = coordinates(32633, kOrigin, shore.soundings[0].north_east);
@@ -745,13 +747,13 @@ TEST(Prior, RefusesTextThatIsNotSoundings) {
   };
   EXPECT_THAT(says("", plain()), HasSubstr("not numbers in columns"));
   EXPECT_THAT(says("12,5 13,5 4,2\n12,6 13,6 4,3\n", plain()), HasSubstr("decimal points"));
-  EXPECT_THAT(says("1 2 3\n4 5 6\n7 9 9\n", plain()), HasSubstr("nothing says which coordinates"));
-  EXPECT_THAT(says("east,north,colour\n1,2,3\n", plain()), HasSubstr("do not say where"));
+  EXPECT_THAT(says("1 2 3\n4 5 6\n7 9 9\n", plain()), HasSubstr("the coordinate system is unknown"));
+  EXPECT_THAT(says("east,north,colour\n1,2,3\n", plain()), HasSubstr("columns of east, north and depth are unknown"));
   PriorConfig config = plain();
   config.z_column = "deep";
   EXPECT_THAT(says("east,north,depth\n1,2,3\n", config), HasSubstr("no column \"deep\""));
-  EXPECT_THAT(says("east,north,depth\n1,2,-3\n3,4,-5\n", plain()), HasSubstr("do not grow down"));
-  EXPECT_THAT(says("#LLH Offset: 52.3, 12.9, 0\n1, 2, 3\n", plain()), HasSubstr("no place on the globe"));
+  EXPECT_THAT(says("east,north,depth\n1,2,-3\n3,4,-5\n", plain()), HasSubstr("are not positive down"));
+  EXPECT_THAT(says("#LLH Offset: 52.3, 12.9, 0\n1, 2, 3\n", plain()), HasSubstr("not a valid position"));
   // soundings on a line make no surface, but stay soundings
   write_whole_file(folder / "line.txt", std::string_view("east,north,depth\n1,2,3\n3,4,5\n5,6,7\n"));
   const Prior line = read_prior(folder / "line.txt", plain(), LocalPlane(kOrigin), wanted);

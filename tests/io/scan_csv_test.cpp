@@ -48,7 +48,7 @@ TEST(ScanCsv, FirstLineThatPromises2To31BinsIsAnError) {
     scans("1,90,0.0125,2147483648,0,7,255\n");
     FAIL();
   } catch (const Error& e) {
-    EXPECT_THAT(e.what(), testing::HasSubstr("nbins: the first line promises 2147483648 bins; allowed: 1 .. 65536"));
+    EXPECT_THAT(e.what(), testing::HasSubstr("nbins: the first line states 2147483648 bins; allowed: 1 .. 65536"));
   }
   EXPECT_THROW(scans(""), Error);
 }

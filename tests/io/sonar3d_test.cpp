@@ -112,7 +112,7 @@ TEST(Sonar3d, UnpacksCopies) {
   const auto source = shots(packet_of(packed));
   EXPECT_TRUE(drain(*source).empty());
   EXPECT_THAT(source->report().rejected,
-              testing::ElementsAre(testing::Pair("image whose size does not fit its echoes", 1)));
+              testing::ElementsAre(testing::Pair("image whose size disagrees with its echoes", 1)));
 }
 
 TEST(Sonar3d, IsMountedAsConfigured) {
@@ -131,7 +131,7 @@ TEST(Sonar3d, PassesOtherPacketsOver) {
   other.type = "waterlinked.sonar.protocol.BitmapImageGreyscale8";
   const auto source = shots(other.packet() + Shot{}.packet() + other.packet());
   EXPECT_EQ(drain(*source).size(), 1u);
-  EXPECT_EQ(source->report().details.at("other packets"), "2, passed over");
+  EXPECT_EQ(source->report().details.at("other packets"), "2, not read");
 }
 
 TEST(Sonar3d, ACutAtEveryByteCostsOnlyWhatIsCut) {
@@ -162,11 +162,11 @@ TEST(Sonar3d, RefusesWhatIsNoImage) {
     EXPECT_TRUE(drain(*source).empty());
     return source->report().rejected.empty() ? "" : source->report().rejected.begin()->first;
   };
-  EXPECT_EQ(reason([](Shot& s) { s.counts.pop_back(); }), "image whose size does not fit its echoes");
-  EXPECT_EQ(reason([](Shot& s) { s.width = std::uint64_t{1} << 63; }), "image whose size does not fit its echoes");
-  EXPECT_EQ(reason([](Shot& s) { s.width = 1, s.height = 6; }), "image whose size does not fit its echoes");
-  EXPECT_EQ(reason([](Shot& s) { s.view_deg = NAN; }), "image of a view that cannot be");
-  EXPECT_EQ(reason([](Shot& s) { s.metres = -1; }), "image of a scale that cannot be");
+  EXPECT_EQ(reason([](Shot& s) { s.counts.pop_back(); }), "image whose size disagrees with its echoes");
+  EXPECT_EQ(reason([](Shot& s) { s.width = std::uint64_t{1} << 63; }), "image whose size disagrees with its echoes");
+  EXPECT_EQ(reason([](Shot& s) { s.width = 1, s.height = 6; }), "image whose size disagrees with its echoes");
+  EXPECT_EQ(reason([](Shot& s) { s.view_deg = NAN; }), "image with an impossible view");
+  EXPECT_EQ(reason([](Shot& s) { s.metres = -1; }), "image with an impossible scale");
   EXPECT_EQ(reason([](Shot& s) { s.seconds = std::uint64_t{1} << 60; }), "time out of range");
   const auto refused = [](const std::string& payload) {
     const auto source = shots(packet_of(payload));
@@ -206,7 +206,7 @@ TEST(Sonar3d, ReadsARecordingOfAShip) {
   EXPECT_NEAR(medians.front(), 3.5, 0.1);
   EXPECT_NEAR(medians.back(), 3.3, 0.1);
   EXPECT_EQ(source->report().bytes_skipped, 0u);
-  EXPECT_EQ(source->report().details.at("other packets"), "6, passed over");
+  EXPECT_EQ(source->report().details.at("other packets"), "6, not read");
   EXPECT_TRUE(source->report().rejected.empty());
 }
 

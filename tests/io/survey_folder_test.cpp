@@ -51,7 +51,7 @@ TEST_F(SurveyFolders, FilesAreReadInTheOrderOfTheirFirstTimes) {
   const SourceReport& report = source->report();
   EXPECT_EQ(report.format, "folder of depth CSV");
   EXPECT_EQ(report.details.at("files"), "3 of 3 read");
-  EXPECT_EQ(report.details.at("left out"), "no known log: README.md");
+  EXPECT_EQ(report.details.at("left out"), "not a known log: README.md");
   EXPECT_EQ(report.rejected.at("row with a missing or impossible time"), 1u);
   EXPECT_EQ(report.bytes_read, report.bytes_total);
   EXPECT_EQ(report.details.count("overlap"), 0u);
@@ -100,7 +100,7 @@ TEST_F(SurveyFolders, OneFormatIsReadAndTheRestIsNamed) {
   const auto source = open();
   EXPECT_THAT(times(drain(*source)), ElementsAre(8e8, 1e9));
   EXPECT_EQ(source->report().details.at("left out"),
-            "SonTek .sum: cut.sum; holds no event: empty.csv; scan CSV: scan.txt");
+            "SonTek .sum: cut.sum; contains no event: empty.csv; scan CSV: scan.txt");
 }
 
 TEST_F(SurveyFolders, FilesAreChosenByName) {
@@ -117,7 +117,7 @@ TEST_F(SurveyFolders, FilesAreChosenByName) {
     open();
     FAIL();
   } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("no log is left by input.only and input.without; left out: not chosen: "));
+    EXPECT_THAT(e.what(), HasSubstr("input.only and input.without leave no log; left out: not chosen: "));
   }
 }
 
@@ -140,7 +140,7 @@ TEST_F(SurveyFolders, OverlapIsReadAndSaid) {
   log("b.csv", "8.5e8,48,11,6\n");
   const auto source = open();
   EXPECT_THAT(times(drain(*source)), ElementsAre(8e8, 9e8, 8.5e8));
-  EXPECT_EQ(source->report().details.at("overlap"), "1 files begin before the one ahead ends");
+  EXPECT_EQ(source->report().details.at("overlap"), "1 files begin before the previous one ends");
 }
 
 TEST(Patterns, StarsAndQuestionMarks) {

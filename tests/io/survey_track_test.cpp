@@ -161,7 +161,7 @@ TEST(SurveyTrack, RefusesWhatCannotBe) {
   t.track.add({at(0.1), {-45, 10}, {}, {}, 0});
   t.track.add(motion_at(0, std::numeric_limits<double>::infinity()));
   EXPECT_EQ(kinds(t.finish()), "n");
-  EXPECT_EQ(t.report.rejected.at("position that is none"), 3u);
+  EXPECT_EQ(t.report.rejected.at("invalid position"), 3u);
   EXPECT_EQ(t.report.rejected.at("position over 1000 km from the first"), 1u);
   EXPECT_EQ(t.report.rejected.at("attitude sample that is not finite"), 1u);
 }

@@ -102,7 +102,7 @@ TEST(TritechProtocol, LinesThatCannotBeUsedAreCountedByReason) {
   const auto source = open_tritech_stream(in_memory(stream), {});
   EXPECT_EQ(drain(*source).size(), 1u);
   const SourceReport& report = source->report();
-  EXPECT_EQ(report.rejected.at("bearing that the device does not have"), 1u);
+  EXPECT_EQ(report.rejected.at("bearing out of the range of the device"), 1u);
   EXPECT_EQ(report.rejected.at("message without samples"), 1u);
   EXPECT_EQ(report.rejected.at("message of another kind of device"), 1u);
   EXPECT_EQ(report.rejected.at("no usable range setting"), 1u);
@@ -203,7 +203,7 @@ TEST(SeanetCsv, ALineIsAPing) {
   EXPECT_THAT(test::beam(ping), testing::ElementsAre(0, 64, 200, 255));
   EXPECT_EQ(time_of(events[1]) - time_of(events[0]), std::chrono::milliseconds(200)) << "over midnight";
   EXPECT_EQ(source->report().damages.size(), 1u);
-  EXPECT_EQ(source->report().rejected.at("bearing that the device does not have"), 1u);
+  EXPECT_EQ(source->report().rejected.at("bearing out of the range of the device"), 1u);
 }
 
 TEST(SeanetCsv, NothingBehindTheHeadingIsAnError) { EXPECT_THROW(open_seanet_csv(in_memory(kCsvHeading), {}), Error); }

@@ -319,7 +319,7 @@ TEST(ObjectStore, RefusesFilesThatAreNotItsOwnAndLeavesThemAlone) {
     return error_of([&] { ObjectStore store(copy); });
   };
   EXPECT_THAT(damaged(60, {"\0\0\0\2", 4}), HasSubstr("copy: has schema version 2; allowed: 1; read it with"));
-  EXPECT_THAT(damaged(68, "abcd"), HasSubstr("copy: is a database, but no object store"));
+  EXPECT_THAT(damaged(68, "abcd"), HasSubstr("copy: is a database, but not of the object store"));
   EXPECT_THAT(damaged(0, "SQLite format 4"), HasSubstr("file is not a database"));
 
   const fs::path text = folder / "notes.txt";
@@ -340,7 +340,7 @@ TEST(ObjectStore, RefusesAnotherSchema) {
   const auto place = bytes.find("4294967295");
   ASSERT_NE(place, std::string::npos);
   overwrite(file, static_cast<std::streamoff>(place), "9");
-  EXPECT_THAT(error_of([&] { ObjectStore store(file); }), HasSubstr("tables that are not those of an object store"));
+  EXPECT_THAT(error_of([&] { ObjectStore store(file); }), HasSubstr("tables that do not belong to the object store"));
 }
 
 // The index of places loses an entry: a query by rectangle would miss a rock without a word.

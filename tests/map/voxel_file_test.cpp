@@ -301,13 +301,13 @@ TEST_F(VoxelFiles, ThatAreNotAsTheyWereWrittenAreRefused) {
     }
   };
   EXPECT_EQ(problem_with("SELECT 1"), "");
-  EXPECT_THAT(problem_with("UPDATE block SET revision = 7"), HasSubstr("checksum does not fit"));
+  EXPECT_THAT(problem_with("UPDATE block SET revision = 7"), HasSubstr("checksum does not match"));
   EXPECT_THAT(problem_with("UPDATE block SET crc32 = crc32 + 1 WHERE place = (SELECT max(place) FROM block)"),
-              HasSubstr("checksum does not fit"));
+              HasSubstr("checksum does not match"));
   EXPECT_THAT(problem_with("UPDATE block SET evidence = (SELECT evidence FROM block ORDER BY place LIMIT 1)"),
-              HasSubstr("checksum does not fit"));
+              HasSubstr("checksum does not match"));
   EXPECT_THAT(problem_with("UPDATE block SET place = place + 1 WHERE place = (SELECT max(place) FROM block)"),
-              HasSubstr("checksum does not fit"))
+              HasSubstr("checksum does not match"))
       << "in another place";
   EXPECT_THAT(problem_with("UPDATE block SET evidence = x'00ff'"), HasSubstr("cannot be unpacked"));
   EXPECT_THAT(problem_with("UPDATE block SET evidence = substr(evidence, 1, length(evidence) - 6)"),
@@ -353,10 +353,10 @@ TEST_F(VoxelFiles, AreNotMixedWithAMapThatHoldsVoxels) {
   write_small_map(file_);
   VoxelMap map;
   map.layer("b").add({0, 0, 0}, 5);
-  EXPECT_THAT([&] { map.spill_to(file_); }, ThrowsMessage<Error>(HasSubstr("holds voxels already")));
+  EXPECT_THAT([&] { map.spill_to(file_); }, ThrowsMessage<Error>(HasSubstr("already holds voxels")));
   EXPECT_EQ(map.layer("b").at({0, 0, 0}), 5);
   map.spill_to(folder_ / "other.sqlite");
-  EXPECT_THAT([&] { map.spill_to(folder_ / "third.sqlite"); }, ThrowsMessage<Error>(HasSubstr("has a file already")));
+  EXPECT_THAT([&] { map.spill_to(folder_ / "third.sqlite"); }, ThrowsMessage<Error>(HasSubstr("already has a file")));
   VoxelMap second;
   EXPECT_THAT([&] { second.spill_to(folder_ / "other.sqlite"); }, ThrowsMessage<Error>(HasSubstr("close that first")));
   std::ofstream(folder_ / "text.sqlite") << std::string(5000, 'x');

@@ -59,9 +59,9 @@ TEST(AgentLibrary, AnAgentJoinsTheCrewByConfiguration) {
 TEST(AgentLibrary, SaysWhatIsWrongWithALibrary) {
   EXPECT_THAT(refusal("no/such/file.so"), HasSubstr("mission.toml:3:1: agent: no such file: 'no/such/file.so'"));
   EXPECT_THAT(refusal(std::filesystem::path(LOOKOUT_LIBRARY).parent_path().string()), HasSubstr("no such file"));
-  EXPECT_THAT(refusal(NO_AGENT_LIBRARY), HasSubstr("holds no agent"));
-  EXPECT_THAT(refusal(OLD_LIBRARY), HasSubstr("was built for another interface: 0, "));
-  EXPECT_THAT(refusal(FAILING_LIBRARY), HasSubstr("'lookout' could not be made: no eyes"));
+  EXPECT_THAT(refusal(NO_AGENT_LIBRARY), HasSubstr("exports no agent"));
+  EXPECT_THAT(refusal(OLD_LIBRARY), HasSubstr("was built for another interface: version 0, "));
+  EXPECT_THAT(refusal(FAILING_LIBRARY), HasSubstr("'lookout' could not be created: no eyes"));
 
   const std::filesystem::path text = std::filesystem::path(testing::TempDir()) / "isobath_no_library.so";
   std::ofstream(text) << "no library";

@@ -83,10 +83,10 @@ TEST(BackSeat, WhatCannotBeDoneAsAskedGetsNoBidAndAReason) {
     return decisions.empty() ? std::string() : decisions[0].reason;
   };
   using testing::HasSubstr;
-  EXPECT_THAT(reason(survey, "survey lenght_m=80"), HasSubstr("lenght_m: no such number"));
+  EXPECT_THAT(reason(survey, "survey lenght_m=80"), HasSubstr("lenght_m: unknown number"));
   EXPECT_THAT(reason(survey, "survey length_m"), HasSubstr("is not name=number"));
   EXPECT_THAT(reason(survey, "survey length_m=nan"), HasSubstr("is not name=number"));
-  EXPECT_THAT(reason(survey, "survey length_m=1 length_m=2"), HasSubstr("stands twice"));
+  EXPECT_THAT(reason(survey, "survey length_m=1 length_m=2"), HasSubstr("is given twice"));
   EXPECT_THAT(reason(survey, "survey length_m=-5"), HasSubstr("out of range"));
   EXPECT_THAT(reason(survey, "survey length_m=9000 breadth_m=9000"), HasSubstr("too long"));
   EXPECT_THAT(reason(circle, "circle radius_m=1"), HasSubstr("out of range; allowed: 3 .. 5000"));

@@ -78,7 +78,7 @@ TEST_F(CaptainTest, AFaultThatMendsDoesNotRaiseAMissionButLetsTheNextOneStart) {
   script.hear(MissionReport{MissionPhase::kAborted, 0, 0, ""}, 2);
   const auto refused = command(OperatorCommand::Kind::kStart);
   EXPECT_TRUE(only<MissionOrder>(refused).empty());
-  EXPECT_EQ(only<Decision>(refused).at(0).reason, "a fault stands: leak");
+  EXPECT_EQ(only<Decision>(refused).at(0).reason, "a fault is active: leak");
   const auto worse = only<MissionOrder>(script.hear(leak(MissionEnd::kSurface), 3));
   EXPECT_EQ(worse.size(), 1u) << "holding becomes surfacing";
   SafetyReport over = leak();
@@ -184,7 +184,7 @@ TEST_F(CaptainTest, SaysThatNoDriverIsThere) {
   script.hear(PointReport{PointReport::Kind::kReached, 0, ""}, 5);
   script.tick(6);
   EXPECT_EQ(only<TaskAward>(script.said).back().driver, "");
-  EXPECT_EQ(only<Decision>(script.said).back().reason, "no driver is there for survey; the mission goes on");
+  EXPECT_EQ(only<Decision>(script.said).back().reason, "no driver bids for survey; the mission goes on");
 }
 
 }  // namespace

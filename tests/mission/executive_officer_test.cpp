@@ -266,7 +266,7 @@ TEST_F(ExecutiveOfficerTest, AStoredPlanIsCarriedOutLikeOneThatIsWorkedOut) {
   start();
   const auto by_plan = sail();
   EXPECT_EQ(report().phase, MissionPhase::kFinished);
-  EXPECT_NE(only<Decision>(script->said)[0].reason.find("worked out from the mission"), std::string::npos);
+  EXPECT_NE(only<Decision>(script->said)[0].reason.find("derived from the mission"), std::string::npos);
   version = 0;
   start({{"test", stored}});
   EXPECT_EQ(sail(), by_plan);

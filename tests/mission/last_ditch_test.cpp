@@ -178,7 +178,7 @@ TEST(LastDitch, AVehicleThatCannotStopKeepsAWayOutOpen) {
   EXPECT_GT(before.acted(Act::kTurn), 0);
   EXPECT_LT(before.acted(Act::kTurn), 50 / 1.5) << "it is in the bay already";
   EXPECT_GT(nearest, 0.5 * kLimits.collision_margin_m);
-  EXPECT_THAT(before.reason(Fault::kCollisionUnavoidable), HasSubstr("a way out is left"));
+  EXPECT_THAT(before.reason(Fault::kCollisionUnavoidable), HasSubstr("an escape is left"));
 
   SafetyStream inside(test::flying());
   inside.run_to(20);

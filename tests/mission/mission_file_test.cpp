@@ -177,8 +177,9 @@ east = 30
   EXPECT_NEAR(plan.points[0].north_east.y(), 0, 1e-6);
   EXPECT_EQ(plan.points[1].north_east, Vector2d(20, 30));
   EXPECT_EQ(plan.fence.size(), 4u);
-  EXPECT_THAT(refusal(text + "[[mission_point]]\nnorth = 1\nlatitude_deg = 1.2\nlongitude_deg = 103.8\n"),
-              testing::HasSubstr("m.toml:12:1: mission_point.latitude_deg: the point stands in degrees and in metres"));
+  EXPECT_THAT(
+      refusal(text + "[[mission_point]]\nnorth = 1\nlatitude_deg = 1.2\nlongitude_deg = 103.8\n"),
+      testing::HasSubstr("m.toml:12:1: mission_point.latitude_deg: the point is given in degrees and in metres"));
   EXPECT_THAT(refusal(text + "[[mission_point]]\nlatitude_deg = 12\nlongitude_deg = 103.8\n"),
               testing::HasSubstr("far from the origin"));
 }

@@ -157,20 +157,20 @@ TEST(QGroundControlPlan, FencesKeepInAndOut) {
   root["geoFence"]["circles"][0]["circle"]["radius"] = 30;
   EXPECT_THAT(refusal(root.dump()), HasSubstr("x: mission.items[0].north: point 1"));
   root["geoFence"]["circles"][0]["circle"]["radius"] = -30;
-  EXPECT_THAT(refusal(root.dump()), HasSubstr("geoFence.circles[0].radius: no radius"));
+  EXPECT_THAT(refusal(root.dump()), HasSubstr("geoFence.circles[0].radius: not a valid radius"));
   root["geoFence"]["polygons"] = {{{"inclusion", true}, {"polygon", {{1.2, "east"}, {1.3, 103}, {1.4, 103.1}}}}};
-  EXPECT_THAT(refusal(root.dump()), HasSubstr("geoFence.polygons[0][0]: no place on the globe"));
+  EXPECT_THAT(refusal(root.dump()), HasSubstr("geoFence.polygons[0][0]: not a place on the globe"));
 }
 
 TEST(QGroundControlPlan, DamageIsAnErrorOfOneLine) {
   EXPECT_THAT(refusal("{\"fileType\": \"Plan\", "), HasSubstr("x: byte"));
-  EXPECT_THAT(refusal("{}"), HasSubstr("no QGroundControl plan"));
-  EXPECT_THAT(refusal("{\"fileType\": \"Plan\"}"), HasSubstr("without a mission"));
+  EXPECT_THAT(refusal("{}"), HasSubstr("not a QGroundControl plan"));
+  EXPECT_THAT(refusal("{\"fileType\": \"Plan\"}"), HasSubstr("the plan has no mission"));
   EXPECT_THAT(refusal("{\"fileType\": \"Plan\", \"mission\": 3}"), HasSubstr("neither a home nor"));
   EXPECT_THAT(refusal(plan_of(json::array()).dump()), HasSubstr("the mission has no points"));
   json fenced = plan_of(json::array({item(16, 5, 5, -1)}));
   fenced["geoFence"]["polygons"] = {{{"polygon", {7, "x", nullptr}}}};
-  EXPECT_THAT(refusal(fenced.dump()), HasSubstr("geoFence.polygons[0][0]: no place on the globe"));
+  EXPECT_THAT(refusal(fenced.dump()), HasSubstr("geoFence.polygons[0][0]: not a place on the globe"));
   json nowhere = plan_of(json::array({item(16, 5, 5, -1)}));
   nowhere["mission"].erase("plannedHomePosition");
   nowhere["mission"]["items"][0]["params"][5] = 1038.5;

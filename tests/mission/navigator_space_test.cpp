@@ -79,7 +79,7 @@ TEST_F(NavigatorInSpace, LeadsOverIt) {
   ask(5);
   const auto planned = only<RoutePlanned>(script.said);
   ASSERT_EQ(planned.size(), 1u);
-  EXPECT_THAT(planned[0].why, HasSubstr("of depth there is room of"));
+  EXPECT_THAT(planned[0].why, HasSubstr("of depth the clearance is"));
   double depth_from = 5, shallowest = 5;
   for (const Waypoint& w : planned[0].waypoints) {
     ASSERT_TRUE(w.from_depth) << "it rises along its legs";
@@ -102,7 +102,7 @@ TEST_F(NavigatorInSpace, KeepsAWayThatLeadsOverItAnywayAndSaysSo) {
   const auto kept = only<Decision>(said);
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_EQ(kept[0].what, "keep");
-  EXPECT_THAT(kept[0].reason, HasSubstr("was measured, and is clear at the depth of the way"));
+  EXPECT_THAT(kept[0].reason, HasSubstr("was measured, and is clear at the depth of the route"));
   EXPECT_TRUE(sail(2, 3).empty()) << "once is enough";
 }
 

@@ -388,7 +388,7 @@ TEST_F(NavigatorTest, HasTheShareOfItsBudgetThatAnOverloadedComputerLeavesIt) {
   const auto refused = only<RouteRefused>(scan({wall}));
   ASSERT_EQ(refused.size(), 1u);
   EXPECT_EQ(refused[0].reason, Reason::kOutOfBudget);
-  EXPECT_NE(refused[0].why.find("of which its computer leaves it 0.0001"), std::string::npos) << refused[0].why;
+  EXPECT_NE(refused[0].why.find("of which the computer leaves a share of 0.0001"), std::string::npos) << refused[0].why;
   EXPECT_TRUE(only<RoutePlanned>(scan({wall})).empty()) << "four times as much is not enough either";
   script->hear(planner_report(at(now), 1), now);
   EXPECT_EQ(only<RoutePlanned>(scan({wall})).size(), 1u);

@@ -292,22 +292,22 @@ std::string with_arcs(const std::string& arcs) {
 // ledger: S2-06
 TEST(PlanGraphFile, SaysWhatIsWrongAndWhere) {
   EXPECT_EQ(read_refusal(with_arcs(R"({"from": "a", "to": "b", "event": {"fact": "done"}})")), "");
-  EXPECT_THAT(read_refusal("{\"title\": "), HasSubstr("plan.json: byte 11: no JSON"));
-  EXPECT_THAT(read_refusal("[]"), HasSubstr("no object"));
+  EXPECT_THAT(read_refusal("{\"title\": "), HasSubstr("plan.json: byte 11: not JSON"));
+  EXPECT_THAT(read_refusal("[]"), HasSubstr("not an object"));
   EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": []})"), HasSubstr("arcs: missing"));
   EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": [], "arcs": [], "arc": 1})"), HasSubstr("arc: unknown key"));
-  EXPECT_THAT(read_refusal(R"({"title": 1, "nodes": [], "arcs": []})"), HasSubstr("title: no text"));
-  EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": {}, "arcs": []})"), HasSubstr("nodes: no list"));
-  EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": [3], "arcs": []})"), HasSubstr("nodes[0]: no object"));
+  EXPECT_THAT(read_refusal(R"({"title": 1, "nodes": [], "arcs": []})"), HasSubstr("title: not a text"));
+  EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": {}, "arcs": []})"), HasSubstr("nodes: not a list"));
+  EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": [3], "arcs": []})"), HasSubstr("nodes[0]: not an object"));
   EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": [{"name": "a", "action": "go", "parameters": {"x": []}}],
                                "arcs": []})"),
               HasSubstr("nodes[0].parameters.x: neither number nor text"));
   EXPECT_THAT(read_refusal(R"({"title": "t", "nodes": [{"name": "a", "action": "go", "parameters": {"x": 1e999}}],
                                "arcs": []})"),
-              HasSubstr("no JSON"));
-  EXPECT_THAT(read_refusal(with_arcs("")), HasSubstr("no way leads"));
+              HasSubstr("not JSON"));
+  EXPECT_THAT(read_refusal(with_arcs("")), HasSubstr("no path leads"));
   EXPECT_THAT(read_refusal(with_arcs(R"({"from": "a", "to": "c", "event": {"fact": "done"}})")),
-              HasSubstr("arcs[0].to: no node of this name: 'c'"));
+              HasSubstr("arcs[0].to: no node has this name: 'c'"));
   EXPECT_THAT(read_refusal(with_arcs(R"({"from": "a", "to": "b"})")), HasSubstr("arcs[0].event: missing"));
   for (const char* event : {"{}", R"({"fact": "a", "below": 1})", R"({"quantity": "a"})",
                             R"({"timeout_s": 1, "of": 1})", R"({"quantity": "a", "below": 1, "above": 2})",

@@ -1,4 +1,4 @@
-// Who has the token holds, resumes and aborts a mission from the page; nobody else does.
+// A page with the token holds, resumes and aborts a mission; a page without it cannot.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';

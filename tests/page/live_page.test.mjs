@@ -232,7 +232,7 @@ test('a recording is scrubbed, decision by decision', async () => {
   await end.click('#play');
   await end.waitForSelector('#live[aria-pressed="false"]');
   await end.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuenow')) < 20);
-  assert.equal(await end.isHidden('#notice'), true, 'nobody waits for news');
+  assert.equal(await end.isHidden('#notice'), true, 'no notice after the end');
   await end.close();
   await first.end();
   const program = await serve('replay', join(scratch, 'taped', 'recording.mcap'), '--port', '0');

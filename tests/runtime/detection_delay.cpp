@@ -79,20 +79,24 @@ std::string row_of(const DetectionDelay& d) {
 
 std::string delay_page(const std::vector<DetectionDelay>& rows) {
   std::string page = fmt::format(
-      R"(# How soon an obstacle appears, and how often one of nothing does
+      R"(# Detection delay and false obstacles of the depth map
 
-Each pixel of the depth map defends its depth with a confidence of 0 to 20. A reading that contradicts it takes one unit
-(5 %) off; below the threshold of 2 the depth gives way (Oskard, Hong and Shaffer 1990, IV-A). So the confidence that charted
-water begins with, `confidence.base_prior`, is a trade: a low one believes the first echoes, a high one waits. The paper saw
-an obstacle after 3 to 4 readings, which are the bases 4 and 5; the default is 5.
+Each pixel of the depth map has a confidence of 0 to 20. A reading that contradicts the depth takes off one unit (5 %); if the
+confidence falls below the threshold of 2, the depth is replaced (Oskard, Hong and Shaffer 1990, IV-A). The initial confidence
+of charted water, `confidence.base_prior`, is therefore a trade-off: a low one believes the first echoes, a high one waits. The
+paper saw an obstacle after 3 to 4 readings, which corresponds to the bases 4 and 5; the default is 5.
 
-The numbers below are those of the mapper itself. *Delay*: a level beam of 6 degrees looks at a wall {:.0f} m ahead that the
-chart does not have; a reading every {:.1f} s. *Prefiltered*: alike readings are merged before they are mapped, as by default;
-a group counts for 2 at most and leaves when it is full, so a vehicle at rest waits longer. *Under way*: the same at 1.5 m/s
-towards the wall, where no two readings are alike. *False obstacles*: empty water 30 m deep, {:.0f} % of the readings are
-echoes of nothing at 5 to 45 m; counted are the readings that put an obstacle into the map, for 1000 readings (mean of
-{} runs of {} readings), of a vehicle that stands still, so that its beam asks the same water again and again, and of one that
-makes 1.5 m/s. `confidence.base_sensor` is one above the base throughout.
+The mapper itself produced the numbers below.
+
+- *Delay*: a level beam of 6 degrees looks at a wall {:.0f} m ahead that is not in the chart, with a reading every {:.1f} s.
+- *Prefiltered*: similar readings are merged before mapping, as by default. A group counts for 2 at most and is mapped when it
+  is full, so a vehicle at rest waits longer.
+- *Under way*: the same at 1.5 m/s towards the wall, where no two readings are similar.
+- *False obstacles*: in empty water 30 m deep, {:.0f} % of the readings are false echoes at 5 to 45 m. The number is that of the
+  readings that put an obstacle into the map, per 1000 readings (mean of {} runs of {} readings), for a vehicle that stands
+  still, so that its beam measures the same water again and again, and for a vehicle at 1.5 m/s.
+
+`confidence.base_sensor` is one above the base throughout.
 
 | base | readings | s     | prefiltered, s | under way, s  | false: standing | under way |
 | ---: | -------: | ----: | -------------: | ------------: | --------------: | --------: |
@@ -102,9 +106,9 @@ makes 1.5 m/s. `confidence.base_sensor` is one above the base throughout.
   page += R"(
 ![Delay against false obstacles](images/detection-delay.png)
 
-Each reading of delay buys a factor in false obstacles, more under way than at rest: clear water says nothing of a deep bottom,
-so doubt that chance echoes have sown stays for as long as the beam comes back to the same water. What must not wait for the
-map at all is the business of the collision alarm (`[collision]`), which acts on raw ranges.
+Each additional reading of delay reduces the false obstacles by a factor, more under way than at rest. A reading of clear water
+gives no evidence for a deep bottom, so the confidence that false echoes have taken off stays lost as long as the beam measures
+the same water. The collision alarm (`[collision]`) does not wait for the map: it acts on raw ranges.
 
 `scripts/detection-delay-page` makes this page and its picture.
 )";

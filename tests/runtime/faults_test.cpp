@@ -120,10 +120,10 @@ TEST_F(FaultProofs, OthersCountFromTheStartTheLongestTimeARefusalOrTheFence) {
   result.report.phase = MissionPhase::kAborted;
   EXPECT_EQ(failure(Fault::kMissionTooLong), "");
   EXPECT_EQ(failure(Fault::kInsideObstacle), "");
-  EXPECT_THAT(failure(Fault::kNoPath), HasSubstr("did not come")) << "nothing was refused";
+  EXPECT_THAT(failure(Fault::kNoPath), HasSubstr("did not occur")) << "nothing was refused";
   say(30, "navigator", "refuse", "there is no way");
   EXPECT_EQ(failure(Fault::kNoPath), "");
-  EXPECT_THAT(failure(Fault::kFenceBreach), HasSubstr("did not come")) << "the fence was not crossed";
+  EXPECT_THAT(failure(Fault::kFenceBreach), HasSubstr("did not occur")) << "the fence was not crossed";
   be_at(14, 5, 9);
   be_at(14.5, 5, 11);
   EXPECT_EQ(failure(Fault::kFenceBreach), "");
@@ -142,7 +142,7 @@ TEST_F(FaultProofs, TheActionIsThatOfTheRowOrWhatStandsForIt) {
   for (const auto& [what, right] : {std::pair{"stop", true}, {"surface", true}, {"slow", false}, {"abort", false}}) {
     result.decisions.clear();
     officer(20.2, what, Fault::kNavigationJump);
-    EXPECT_EQ(failure(Fault::kNavigationJump), right ? "" : std::string("the wrong action: ") + what);
+    EXPECT_EQ(failure(Fault::kNavigationJump), right ? "" : std::string("wrong action: ") + what);
   }
 }
 
@@ -150,24 +150,24 @@ TEST_F(FaultProofs, TheActionIsInForceAtTheHelmWithTheNextCycle) {
   result.duration_s = 30;
   gate_obeys = false;
   officer(20.2, "stop", Fault::kNavigationJump);
-  EXPECT_EQ(failure(Fault::kNavigationJump), "not taken at the helm: stop");
+  EXPECT_EQ(failure(Fault::kNavigationJump), "not in force at the helm: stop");
   say(20.4, "helm gate", "slow", "something else");
-  EXPECT_EQ(failure(Fault::kNavigationJump), "not taken at the helm: stop");
+  EXPECT_EQ(failure(Fault::kNavigationJump), "not in force at the helm: stop");
   say(20.4, "helm gate", "turn", "something worse");
   EXPECT_EQ(failure(Fault::kNavigationJump), "") << "the strongest holds";
   say(20.4, "helm gate", "follow orders", "nothing stands against the order");
-  EXPECT_EQ(failure(Fault::kNavigationJump), "not taken at the helm: stop");
+  EXPECT_EQ(failure(Fault::kNavigationJump), "not in force at the helm: stop");
 }
 
 TEST_F(FaultProofs, TheMissionEndsWhereTheRowLastsUntilThatIsDue) {
   const double due_s = 20.2 + config.jump_abort_s;
   officer(20.2, "stop", Fault::kNavigationJump);
-  EXPECT_EQ(failure(Fault::kNavigationJump), "asked for no end of the mission");
+  EXPECT_EQ(failure(Fault::kNavigationJump), "mission end not requested");
   result.duration_s = due_s - 1;
   EXPECT_EQ(failure(Fault::kNavigationJump), "") << "the run was over before";
   result.duration_s = due_s + 20;
   officer(due_s, "abort", Fault::kNavigationJump);
-  EXPECT_THAT(failure(Fault::kNavigationJump), HasSubstr("asked for the end, but"));
+  EXPECT_THAT(failure(Fault::kNavigationJump), HasSubstr("mission end requested, but"));
   result.report.phase = MissionPhase::kAborted;
   EXPECT_EQ(failure(Fault::kNavigationJump), "");
   result.decisions[result.decisions.size() - 2].time += seconds(5);

@@ -415,7 +415,7 @@ TEST(PageSession, WithoutARecordingThereIsNothingToSeek) {
 TEST(PageSession, ARecordingHasNoNow) {
   Page page(false, 5);
   EXPECT_EQ(page.ask({{"ask", "live"}}).refused, "no_now");
-  EXPECT_THAT(page.refusal(), HasSubstr("no now"));
+  EXPECT_THAT(page.refusal(), HasSubstr("no live view"));
 }
 
 TEST(PageSession, ARecordingThatCannotBeReadIsSaidOnceAndNotTriedAgain) {

@@ -78,7 +78,7 @@ const Wrong kWrong[] = {
     {"[[sonar]]\nsector_deg = 360\n", "2:1: sonar.sector_deg", "close"},
     {"[[sonar]]\nblind_m = 50\n", "2:1: sonar.blind_m", "blind over its whole range"},
     {"[[sonar]]\nname = \"\"\n", "2:1: sonar.name", "empty"},
-    {"[[sonar]]\nname = \"a\"\n[[sonar]]\nname = \"a\"\n", "4:1: sonar.name", "a second sonar of this name"},
+    {"[[sonar]]\nname = \"a\"\n[[sonar]]\nname = \"a\"\n", "4:1: sonar.name", "two sonars have this name"},
     {"[[sonar]]\nnoise_by_range = [[0, 1]]\n", "2:1: sonar.noise_by_range", "one row"},
     {"[[sonar]]\nnoise_by_bearing = [[0, 1]]\n", "2:1: sonar.noise_by_bearing", "one row"},
     {"[[sonar]]\nnoise_by_range = [[0, 1], [20, 2], [10, 1]]\n", "2:1: sonar.noise_by_range", "out of order"},
@@ -107,15 +107,15 @@ TEST(UnusableFiles, AreRefusedWithThePlaceOfTheSectionThatNamesThem) {
   std::string what = with_file("[[mesh]]\n", "junk.obj", junk);
   EXPECT_TRUE(starts(what, "lake.toml:2:1: mesh.file: ")) << what;
   what = with_file("[[mesh]]\n", "junk.dae", junk);
-  EXPECT_TRUE(starts(what, "lake.toml:2:1: mesh.file: no mesh that can be read")) << what;
+  EXPECT_TRUE(starts(what, "lake.toml:2:1: mesh.file: no readable mesh")) << what;
   what = with_file("[[mesh]]\n", "points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
   EXPECT_TRUE(starts(what, "lake.toml:2:1: mesh.file: ")) << what;
   what = with_file("[[mesh]]\n", "empty.stl", "");
-  EXPECT_TRUE(starts(what, "lake.toml:2:1: mesh.file: no mesh that can be read")) << what;
+  EXPECT_TRUE(starts(what, "lake.toml:2:1: mesh.file: no readable mesh")) << what;
   what = with_file("[bottom]\nkind = \"mesh\"\n", "junk.stl", junk);
-  EXPECT_TRUE(starts(what, "lake.toml:2:1: bottom.file: no mesh that can be read")) << what;
+  EXPECT_TRUE(starts(what, "lake.toml:2:1: bottom.file: no readable mesh")) << what;
   what = with_file("[bottom]\nkind = \"raster\"\n", "junk.tif", junk);
-  EXPECT_TRUE(starts(what, "lake.toml:2:1: bottom.file: no raster that GDAL can read")) << what;
+  EXPECT_TRUE(starts(what, "lake.toml:2:1: bottom.file: GDAL cannot read a raster")) << what;
 }
 
 /// A level sheet of cells x cells squares of 10 m, less one in its middle.

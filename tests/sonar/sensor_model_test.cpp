@@ -63,7 +63,7 @@ TEST(SensorModel, ErrorsOfAFileSayWhere) {
   EXPECT_THAT(changed("\"bins\": 44", "\"bins\": 45"), HasSubstr("44 bins for a window of 45"));
   EXPECT_THAT(changed("\"bins\": 44", "\"bins\": 1e300"), HasSubstr("window.bins: out of range"));
   EXPECT_THAT(changed("\"reservoir\"", "reservoir"), HasSubstr("m.json: byte"));
-  EXPECT_THAT(error_of([&] { read_sensor_model("", "m.json"); }), HasSubstr("no JSON"));
+  EXPECT_THAT(error_of([&] { read_sensor_model("", "m.json"); }), HasSubstr("not JSON"));
   EXPECT_THAT(error_of([&] { read_sensor_model("[]", "m.json"); }), HasSubstr("not an object"));
   EXPECT_THAT(error_of([&] { load_sensor_model("nowhere.json"); }), HasSubstr("nowhere.json"));
 }

@@ -1,4 +1,4 @@
-/** Curves by uPlot, in the colours of the theme. */
+/** Chart: curves drawn by uPlot, in the colours of the theme. */
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import type { Theme } from './theme';
@@ -17,7 +17,7 @@ export interface Axes {
   high?: number;
 }
 
-/** Told apart by colour-blind people by day; by lightness and dash at night. */
+/** By day, colours that colour-blind people can tell apart; at night, lightness and dash. */
 const kMany = {
   day: ['#0072b2', '#d55e00', '#008060', '#a0428a', '#6b6b00', '#444444'],
   night: ['#f3b676', '#d8733a', '#a85a30', '#e8d08a', '#c05040', '#8a6a50'],

@@ -1,6 +1,6 @@
 /**
- * Colour tables of 256 entries, packed as a little-endian RGBA word each, ready for image data. All of them grow evenly
- * in lightness, so that who does not tell colours apart, or prints in grey, loses nothing.
+ * Colour tables of 256 entries, each packed as a little-endian RGBA word, ready for image data. The lightness of each
+ * table grows evenly, so that colour-blind readers and grey prints lose nothing.
  */
 export type Table = Uint32Array;
 type Rgb = readonly [number, number, number];
@@ -14,7 +14,7 @@ function hex(text: string): Rgb {
   return [value >> 16, (value >> 8) & 255, value & 255];
 }
 
-/** Straight between evenly spaced stops. */
+/** Linear interpolation between evenly spaced stops. */
 function between(...stops: string[]): Table {
   const colours = stops.map(hex);
   return Uint32Array.from({ length: 256 }, (_, i) => {
@@ -25,7 +25,7 @@ function between(...stops: string[]): Table {
   });
 }
 
-/** Lightness, chroma and hue as the eye has them, to what a screen has. */
+/** Converts OKLCH (perceptual lightness, chroma and hue) to the sRGB of a screen. */
 function oklch(lightness: number, chroma: number, hue: number): Rgb {
   const [a, b] = [chroma * Math.cos(hue), chroma * Math.sin(hue)];
   const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
@@ -42,13 +42,13 @@ function oklch(lightness: number, chroma: number, hue: number): Rgb {
   ];
 }
 
-/** Of depth, as on the printed charts: shallow is pale cyan, deep is dark blue. */
+/** Depth colours of the printed charts: shallow is pale cyan, deep is dark blue. */
 const chart = Uint32Array.from({ length: 256 }, (_, i) => {
   const s = i / 255;
   const hue = ((212 + 46 * s) * Math.PI) / 180;
   return packed(oklch(0.955 - 0.645 * s, 0.03 + 0.36 * s * (1 - s) * 0.75 + 0.055 * s, hue));
 });
-/** The same for eyes that are used to the dark: shallow is what stands out. */
+/** Depth colours for eyes that are adapted to the dark: shallow stands out. */
 const embers = Uint32Array.from({ length: 256 }, (_, i) => {
   const s = i / 255;
   return packed(oklch(0.5 - 0.29 * s, 0.08 - 0.04 * s, ((48 - 20 * s) * Math.PI) / 180));

@@ -1,17 +1,17 @@
 /**
- * Hold, resume or abort, where the program lets this page command: with a token, and abort only on the second press.
+ * Commands: the buttons hold, resume and abort. They need the token of the program; abort needs a second press.
  *
- * The buttons stand above all views as soon as this page may command. A button that would do nothing in the phase of
- * the mission is off; what was pressed is said until the mission has followed it.
+ * The buttons appear above all views as soon as this page may command. A button without effect in the current phase of
+ * the mission is disabled. The pressed command is shown until the mission has followed it.
  */
 import { toast } from './connection';
 import { byId, make, mark, say } from './dom';
 import { Kind } from './protocol';
 import type { Shared, View } from './view';
 
-/** ms within which abort has to be pressed again. */
+/** ms: abort must be pressed again within this time. */
 const kSure = 4000;
-/** ms from which on an order that changed nothing is no longer said to be under way. */
+/** ms: a command without effect is no longer shown as pending after this time. */
 const kFollowed = 10000;
 
 type Command = 'hold' | 'resume' | 'abort';
@@ -79,14 +79,14 @@ export class Commands implements View {
     if (look === this.drawn) return;
     this.drawn = look;
     const may = clock?.control === true;
-    if (may && this.bar.hidden) toast('This page may command now.');
+    if (may && this.bar.hidden) toast('This page may command the mission now.');
     this.section.hidden = clock?.control === undefined;
     byId('command-form').hidden = may;
     byId('command-granted').hidden = !may;
     this.bar.hidden = !may;
     mark(this.bar, 'phase', this.phase);
     say(this.state, this.words(clock?.live ?? false));
-    // What is shown of the past says nothing of what can be done now.
+    // While the past is shown, its phase does not tell which commands are possible now.
     const now = clock?.live ? this.phase : '';
     this.buttons.hold.disabled = now !== '' && now !== 'under way';
     this.buttons.resume.disabled = now !== '' && now !== 'holding';
@@ -95,13 +95,13 @@ export class Commands implements View {
 
   private words(live: boolean): string {
     if (this.ordered) return `${kDoing[this.ordered.command]} …`;
-    if (!live) return 'You look at the past; commands act now';
+    if (!live) return 'The past is shown; commands act on the present';
     return this.phase ? `Mission ${this.phase}` : 'No mission';
   }
 }
 
 const kDoing: Record<Command, string> = {
-  hold: 'Hold is ordered',
-  resume: 'Resume is ordered',
-  abort: 'Abort is ordered',
+  hold: 'Hold requested',
+  resume: 'Resume requested',
+  abort: 'Abort requested',
 };

@@ -1,10 +1,10 @@
-/** Whether what is seen is now: said in the head of the page, and over everything when it is not. */
+/** Connection: shows in the header whether the page is up to date, and a notice above everything when it is not. */
 import { byId, mark, say } from './dom';
 import type { Feed } from './feed';
 import * as units from './units';
 import type { Shared } from './view';
 
-/** ms without a message, while time runs, from which on the page is stale. */
+/** ms: without a message for this long, while the clock runs, the page is stale. */
 const kSilent = 3000;
 
 export class Connection {
@@ -23,7 +23,7 @@ export class Connection {
     ++this.frames.count;
   }
 
-  /** A few times a second. */
+  /** Called a few times a second. */
   tick(now: number): void {
     this.measure(now);
     const { feed } = this;
@@ -73,7 +73,7 @@ export class Connection {
     }
     if (is.is === 'connecting' && seen) return `▲ Connection lost, trying now.${seen}`;
     if (is.is === 'unreadable') return `▲ The run in this page cannot be read: ${is.why}.`;
-    return state === 'silent' ? `▲ No data comes.${seen}` : '';
+    return state === 'silent' ? `▲ No data received.${seen}` : '';
   }
 
   private measure(now: number): void {
@@ -100,23 +100,23 @@ export class Connection {
     say(byId('connection-words'), this.badge.textContent ?? '');
   }
 
-  /** A request that was not followed is said for a while. */
+  /** Shows a refused request for a while. */
   private refusals(): void {
     const { refusal } = this.shared.model;
     const revision = this.shared.model.revision[14]!;
     if (!refusal || revision === this.refused) return;
     this.refused = revision;
     const { request, why } = refusal;
-    const not = kNot[request] ?? `Not done${request ? ` (${request})` : ''}`;
+    const not = kNot[request] ?? `Request refused${request ? ` (${request})` : ''}`;
     toast(`${not}: ${why}`);
   }
 }
 
 const kNot: Record<string, string | undefined> = {
-  control: 'Control is not given',
-  hold: 'Hold is refused',
-  resume: 'Resume is refused',
-  abort: 'Abort is refused',
+  control: 'Control refused',
+  hold: 'Hold refused',
+  resume: 'Resume refused',
+  abort: 'Abort refused',
 };
 
 let fading = 0;

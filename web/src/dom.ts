@@ -1,4 +1,4 @@
-/** Elements by their id, and new ones: what others wrote is only ever set as text. */
+/** Finds elements by id and makes new ones. Texts from outside are set as text only, never as markup. */
 export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
   const element = document.getElementById(id);
   if (!element) throw new Error(`the page has no #${id}`);
@@ -21,7 +21,7 @@ export function make<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** Writes only what is new: a text that is set again makes the browser lay out again. */
+/** Sets the text only if it differs, because setting a text makes the browser lay out again. */
 export function say(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
@@ -29,7 +29,7 @@ export function mark(element: HTMLElement, name: string, value: string): void {
   if (element.dataset[name] !== value) element.dataset[name] = value;
 }
 
-/** Fits a canvas to its box in the pixels of the screen. True where that changed it. */
+/** Fits a canvas to its box in screen pixels. Returns whether its size changed. */
 export function fit(canvas: HTMLCanvasElement): boolean {
   const ratio = Math.min(2, window.devicePixelRatio || 1);
   const width = Math.max(1, Math.round(canvas.clientWidth * ratio));

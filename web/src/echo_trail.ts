@@ -1,8 +1,8 @@
 /**
- * Where echoes were decided in W, for a while: a ring of places, the oldest given up first. A run of neighbouring bins
- * of a beam is one place, at its nearest bin: that is where a thing begins.
+ * EchoTrail: positions of recently detected echoes in W, in a ring buffer that overwrites the oldest. A run of
+ * neighbouring bins of a beam is one position, at its nearest bin, where the object begins.
  *
- * A fan shows its last seconds, a scanning head its last turn and a bit.
+ * Echoes of a fan are kept for 3 s, those of a scanning head for 40 s, which is a little more than a turn.
  */
 import type { Sonar } from './items';
 import type { Echoes } from './protocol';
@@ -13,14 +13,14 @@ const kScanLasts = 40;
 
 export class EchoTrail {
   static readonly capacity = 1 << 14;
-  /** A place: north, east, down. */
+  /** Three numbers a position: north, east, down. */
   readonly places = new Float32Array(3 * EchoTrail.capacity);
   /** s since 1970 */
   readonly times = new Float64Array(EchoTrail.capacity);
   readonly lasts = new Float32Array(EchoTrail.capacity);
-  /** 1: heard by a fan that stands upright, which does not know to which side of its line. */
+  /** 1: echo of a vertical fan, whose horizontal offset from the line of the fan is unknown. */
   readonly upright = new Uint8Array(EchoTrail.capacity);
-  /** Places held, and where the next one goes. */
+  /** Number of positions held, and the index of the next one. */
   size = 0;
   next = 0;
   private readonly along = new Float64Array(3);

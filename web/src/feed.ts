@@ -1,5 +1,5 @@
 /**
- * Where records come from and requests go to: the program's socket, or a run that is stored in the page.
+ * Feed: the source of records and the target of requests. It is the program's socket, or a run stored in the page.
  */
 import { marksOf, type Marks } from './marks';
 import { Player, readBlocks } from './player';
@@ -8,24 +8,24 @@ import type { Request } from './request';
 export type FeedState =
   | { is: 'connecting' }
   | { is: 'open' }
-  /** `retry`: ms of the feed's clock at which it tries again. */
+  /** `retry`: time of the next attempt, ms on the feed's clock. */
   | { is: 'lost'; retry: number }
   | { is: 'stored' }
   | { is: 'unreadable'; why: string };
 
 export interface Feed {
   readonly state: FeedState;
-  /** ms of performance.now() at which the last message came; NaN: none yet. */
+  /** Time of the last message, ms of performance.now(); NaN: none yet. */
   readonly heard: number;
   readonly bytes: number;
-  /** What a stored run marks on the time line, known before it is played. */
+  /** The marks of a stored run on the time line, known before it is played. */
   readonly marks?: Marks | null;
   start(take: (records: Uint8Array) => void, changed: () => void): void;
-  /** False: nobody is there to be asked. */
+  /** Sends a request. False: not connected. */
   ask(request: Request): boolean;
 }
 
-/** What of a WebSocket is used here. */
+/** The part of a WebSocket that is used here. */
 export interface Socket {
   binaryType: string;
   readyState: number;
@@ -44,10 +44,10 @@ export interface Surroundings {
 const kOpen = 1;
 const kFirstWait = 500;
 const kLongestWait = 15000;
-/** A connection that neither opens nor fails is given up, ms. */
+/** ms: a connection that neither opens nor fails is given up after this time. */
 const kPatience = 10000;
 
-/** Connects again by itself, each time after twice the wait, and says when. */
+/** Reconnects by itself. The wait doubles with each attempt; `state` tells the time of the next one. */
 export class SocketFeed implements Feed {
   state: FeedState = { is: 'connecting' };
   heard = NaN;
@@ -84,7 +84,7 @@ export class SocketFeed implements Feed {
     socket.onopen = () => socket === this.socket && this.become({ is: 'open' });
     socket.onmessage = ({ data }: { data: unknown }) => {
       if (!(data instanceof ArrayBuffer) || socket !== this.socket) return;
-      this.wait = kFirstWait; // a door that opens and says nothing is no reason to knock faster
+      this.wait = kFirstWait; // reset by a message only: a socket that opens and sends nothing keeps the longer wait
       this.heard = this.around.now();
       this.bytes += data.byteLength;
       this.take(new Uint8Array(data));
@@ -110,7 +110,7 @@ export class SocketFeed implements Feed {
   }
 }
 
-/** What a page plays that carries its run: bytes of blocks, as they are or by gzip. */
+/** Plays the run that is stored in the page: blocks, plain or compressed by gzip. */
 export class StoredFeed implements Feed {
   state: FeedState = { is: 'stored' };
   heard = NaN;
@@ -130,7 +130,7 @@ export class StoredFeed implements Feed {
         if (blocks.length === 0) throw new Error('it holds no whole block');
         this.marks = marksOf(blocks);
         this.player = new Player(blocks);
-        this.give(this.player.seek(this.player.end)); // all that was found; `play` goes to the start
+        this.give(this.player.seek(this.player.end)); // show the result first; `play` starts at the beginning
         this.run(performance.now());
       })
       .catch((error: unknown) => {
@@ -169,7 +169,7 @@ async function unpack(base64: string): Promise<Uint8Array> {
   return new Uint8Array(await new Response(plain).arrayBuffer());
 }
 
-/** The one of this document. */
+/** The feed of this document. */
 export function feedOf(document: Document): Feed {
   const stored = document.getElementById('isobath-recording')?.textContent?.trim();
   if (stored) return new StoredFeed(stored);

@@ -1,9 +1,9 @@
-/** Inside another page, such as a report: it may fill the screen, and a wheel that only passes scrolls that other page. */
+/** The page within another page, such as a report: it offers full screen, and the wheel scrolls the outer page. */
 import { byId } from './dom';
 
 export function settleInFrame(): void {
   if (window.parent === window) return;
-  // Zoom is for who has come in by a click or by the keyboard.
+  // The wheel zooms only after the user has entered the frame by a click or by the keyboard.
   const pass = (event: Event) => document.hasFocus() || event.stopImmediatePropagation();
   window.addEventListener('wheel', pass, { capture: true, passive: true });
 
@@ -13,7 +13,7 @@ export function settleInFrame(): void {
     void (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());
   });
   document.addEventListener('fullscreenchange', () => {
-    button.title = document.fullscreenElement ? 'Back to the page around' : 'Fill the screen';
+    button.title = document.fullscreenElement ? 'Leave full screen' : 'Fill the screen';
     button.setAttribute('aria-label', button.title);
   });
 }

@@ -1,4 +1,4 @@
-/** How the program fares: alarms and faults first, then what it counted, refused, and how long its stages take. */
+/** HealthView: the health of the program: alarms and faults first, then refusals, counts and stage times. */
 import type { AlignedData } from 'uplot';
 import { Chart } from './chart';
 import { byId, make, say } from './dom';
@@ -7,7 +7,7 @@ import { Kind } from './protocol';
 import * as units from './units';
 import type { Shared, View } from './view';
 
-/** Samples of stage times kept, at one a record. */
+/** Number of stage-time records kept. */
 const kHistory = 1800;
 
 export class HealthView implements View {
@@ -43,7 +43,7 @@ export class HealthView implements View {
     pairs(
       byId('health-refused'),
       health.refused.map(([name, n]) => [name, units.count(n)]),
-      'nothing was refused',
+      'nothing refused',
     );
     pairs(byId('health-more'), health.more);
     byId('health-agents').replaceChildren(

@@ -1,10 +1,10 @@
-/** The figures that a skipper looks for first, and the line of what is wrong. */
+/** Instruments: the main figures of the vehicle, and the banner of alarms and faults. */
 import { byId, make, mark, say } from './dom';
 import { Kind } from './protocol';
 import * as units from './units';
 import type { Shared, View } from './view';
 
-/** s: older than that is not now. */
+/** s: an older position is shown as stale. */
 const kStale = 2;
 
 export class Instruments implements View {
@@ -14,7 +14,7 @@ export class Instruments implements View {
   private bannerLook = '';
 
   constructor(private readonly shared: Shared) {
-    for (const name of ['Heading', 'Speed', 'Depth', 'Altitude', 'Position', 'Way']) {
+    for (const name of ['Heading', 'Speed', 'Depth', 'Altitude', 'Position', 'Route']) {
       const value = make('span', { class: 'value', id: `now-${name.toLowerCase()}` }, '–');
       const wish = make('span', { class: 'wish' });
       const cell = make('div', { class: 'instrument' }, make('span', { class: 'name' }, name), value, wish);
@@ -41,17 +41,17 @@ export class Instruments implements View {
     const target = way?.target !== undefined ? scene?.mission[way.target]?.name : undefined;
     const phase = way?.phase ?? '';
     const goal = target && `to ${target}`;
-    // That a mission holds or is over matters more than where it went.
+    // That a mission holds or is over matters more than its target.
     const [first, second] = goal && (phase === 'under way' || phase === '') ? [goal, phase] : [phase, goal];
     this.set(
-      'Way',
+      'Route',
       way ? first || 'planned' : '–',
       way ? [way.avoiding ? 'avoiding' : '', second].filter(Boolean).join(', ') : '',
     );
     const age = model.age(model.vehicleTime);
     const old = Number.isFinite(age) && age > kStale;
     mark(this.box, 'stale', String(old));
-    say(byId('vehicle-age'), old ? `place is ${units.age(age)} old` : '');
+    say(byId('vehicle-age'), old ? `position is ${units.age(age)} old` : '');
     this.alarms();
   }
 
@@ -61,7 +61,7 @@ export class Instruments implements View {
     say(cell.wish, wished);
   }
 
-  /** Above everything, on every view. */
+  /** The banner above all views. */
   private alarms(): void {
     const { health, revision } = this.shared.model;
     const look = `${revision[Kind.health]}`;
@@ -78,5 +78,5 @@ export class Instruments implements View {
 }
 
 function wish(text: string | null, value: number | undefined): string {
-  return text !== null && value !== undefined && Number.isFinite(value) ? `wanted ${text}` : '';
+  return text !== null && value !== undefined && Number.isFinite(value) ? `set-point ${text}` : '';
 }

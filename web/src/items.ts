@@ -1,7 +1,7 @@
 /**
- * The JSON payloads, as the page believes them: whatever is missing or of another type becomes its absent value, so
- * that an older or newer program costs a line on the page, never the page. Only a payload that is not JSON of the
- * right outer form is refused (null).
+ * The JSON payloads as the page reads them. A key that is missing or of another type becomes its absent value, so that
+ * an older or newer program costs a line on the page, never the page. Only a payload that is not JSON of the right
+ * outer form is refused (null).
  */
 import type { Point, Point3 } from './protocol';
 
@@ -54,11 +54,11 @@ export interface Scene {
   land: Point[][];
   mission: MissionPoint[];
   bodies: { name: string; outline: Point[] }[];
-  /** Outlines of the obstacles of the chart. */
+  /** Outlines of the charted obstacles. */
   charted: Point[][];
   vehicle: { name: string; length: number; safe: number | undefined };
   datum: string;
-  /** Of a recording, what the time line has to show before it was played. */
+  /** Marks of the time line that a recording has before it is played. */
   marks: Mark[];
 }
 export interface Mark {
@@ -105,7 +105,7 @@ export function readScene(json: unknown): Scene | null {
   };
 }
 
-/** What lies within a radius of the line from a to b. */
+/** Outline of the points within a radius of the line from a to b. */
 function around([an, ae]: Point, [bn, be]: Point, radius: number): Point[] {
   const along = an === bn && ae === be ? 0 : Math.atan2(be - ae, bn - an);
   const kCorners = 8;
@@ -117,7 +117,7 @@ function around([an, ae]: Point, [bn, be]: Point, radius: number): Point[] {
   return [...half(bn, be, along - Math.PI / 2), ...half(an, ae, along + Math.PI / 2)];
 }
 
-/** Of whole nanoseconds, which a double could not hold. */
+/** Seconds from whole nanoseconds, which a double could not hold. */
 function seconds(nanoseconds: string): number {
   const ns = BigInt(nanoseconds);
   return Number(ns / 1_000_000_000n) + Number(ns % 1_000_000_000n) / 1e9;
@@ -126,7 +126,7 @@ function seconds(nanoseconds: string): number {
 export interface Sonar {
   name: string;
   scanning: boolean;
-  /** The fan stands on its side: its beams differ in elevation. */
+  /** A vertical fan: its beams differ in elevation. */
   upright: boolean;
   azimuth: Float32Array;
   width: Float32Array;
@@ -164,25 +164,25 @@ export function readSonar(json: unknown): Sonar | null {
 }
 
 export interface Obstacle {
-  /** Of what is remembered, which keeps its number; what is seen is found anew by each scan. */
+  /** Number of a remembered obstacle, which it keeps; obstacles of a scan have none. */
   id: number | undefined;
-  /** Of what is seen: the number of the remembered obstacle that it was taken for. */
+  /** For an obstacle of a scan: the number of the remembered obstacle that it was assigned to. */
   of: number | undefined;
-  /** None of a remembered one that the last scan showed whole. */
+  /** Empty for a remembered obstacle that the last scan has seen completely. */
   outline: Point[];
   existence: number | undefined;
   range: number | undefined;
   bearing: number | undefined;
   hits: number | undefined;
   behind: boolean;
-  /** Where in the water its echoes come from, as far as that is known. */
+  /** The part of the water that its echoes come from, if known. */
   label: 'standing' | 'bottom' | 'surface' | undefined;
-  /** m: how far beyond its outline what is remembered may reach by now. */
+  /** m: how far a remembered obstacle may extend beyond its outline by now. */
   margin: number;
-  /** s since the start: when what is remembered was first seen, and last. */
+  /** When a remembered obstacle was first and last seen, s since the start. */
   since: number | undefined;
   seen: number | undefined;
-  /** Where its middle was, the first place first. */
+  /** Earlier positions of its centre, oldest first. */
   trail: Point[];
 }
 export function readObstacles(json: unknown): Obstacle[] | null {
@@ -278,7 +278,7 @@ export interface Health {
   alarms: string[];
   faults: Fault[];
   agents: { name: string; state: string; why: string }[];
-  /** Everything else that is said, to be listed as it stands. */
+  /** All other values, listed as they are. */
   more: [string, string][];
 }
 const kNamedHealth = new Set(['counts', 'refused', 'alarms', 'faults', 'agents', 'parts']);
@@ -334,7 +334,7 @@ export function readTimes(json: unknown): StageTime[] | null {
   );
 }
 
-/** Flattens to lines of "depth pixels: 4100"; units that names carry are set behind the value. */
+/** Flattens to lines such as "depth pixels: 4100"; a unit in the name is put after the value. */
 function tell(name: string, value: unknown, lines: [string, string][]): void {
   if (isObject(value)) {
     for (const [key, inner] of Object.entries(value)) tell(`${name} ${key}`, inner, lines);
@@ -353,13 +353,13 @@ export interface Clock {
   start: number;
   end: number;
   live: boolean;
-  /** Whether there is a now to go back to: a recording alone has none. */
+  /** Whether there is a live view to go back to; a recording has none. */
   hasNow: boolean;
-  /** The run has ended: now stands still. */
+  /** The run has ended: the live view stands still. */
   over: boolean;
   playing: boolean;
   speed: number;
-  /** Whether this page may command: absent where nobody may. */
+  /** Whether this page may command; absent if the program takes no commands. */
   control: boolean | undefined;
   version: string;
 }

@@ -1,4 +1,4 @@
-/** Keys of the page. What is typed into a field stays there. */
+/** Keyboard shortcuts of the page. Keys that are typed into a field have no other effect. */
 import { byId } from './dom';
 import { views, type Layout } from './layout';
 import type { PlanView } from './plan/plan';
@@ -25,7 +25,7 @@ export function listenToKeys(parts: Parts): void {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
     if (target.matches('input:not([type=checkbox]), select, textarea')) return;
-    // A button that is focused is pressed by space, as everywhere.
+    // The space key presses a focused button, as everywhere.
     if (event.key === ' ' && target.matches('button, summary, input')) return;
     if (act(event, parts, help)) event.preventDefault();
   });

@@ -1,4 +1,4 @@
-/** Which views are seen: all at once where there is room, one at a time on a phone. */
+/** Layout: the visible views; all at once on a large screen, one at a time on a phone. */
 import { byId } from './dom';
 
 export const views = ['plan', 'sonar', 'space', 'log', 'health'] as const;
@@ -26,7 +26,7 @@ export class Layout {
     this.apply();
   }
 
-  /** The upper panel takes the large place, and the chart the small one; or back. */
+  /** Swaps the places of the upper panel and the chart, or swaps them back. */
   enlarge(on: boolean): void {
     document.body.dataset.large = on ? 'upper' : 'plan';
     byId('enlarge').setAttribute('aria-pressed', String(on));

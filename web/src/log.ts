@@ -1,11 +1,11 @@
-/** What was decided, by whom and why: newest first. What is chosen is shown on the chart. */
+/** DecisionLog: the decisions with agent and reason, newest first. A selected one is shown on the chart. */
 import { byId, make, say } from './dom';
 import type { Decision } from './items';
 import { Kind } from './protocol';
 import * as units from './units';
 import type { Shared, View } from './view';
 
-/** Rows at a time: nobody reads a thousand, and the page need not hold them. */
+/** Rows shown at a time, which keeps the page small. */
 const kRows = 200;
 
 export class DecisionLog implements View {
@@ -56,7 +56,7 @@ export class DecisionLog implements View {
     if (focused) this.list.querySelector<HTMLElement>(`[data-decision="${focused}"] button`)?.focus();
     this.more.hidden = found.length <= this.rows;
     byId('log-none').hidden = shown.length > 0;
-    say(byId('log-none'), model.decisions.length > 0 ? 'No decision is like that.' : 'Nothing was decided yet.');
+    say(byId('log-none'), model.decisions.length > 0 ? 'No decision matches.' : 'No decisions yet.');
   }
 
   private row(decision: Decision, canSeek: boolean): HTMLElement {
@@ -93,7 +93,7 @@ export class DecisionLog implements View {
       parts.push(`obstacle at N ${units.metres(decision.obstacle[0])}, E ${units.metres(decision.obstacle[1])}`);
     if (decision.leg !== undefined) parts.push(`leg ${decision.leg + 1}`);
     if (decision.way.length > 1)
-      parts.push(`way of ${decision.way.length} points, ${units.metres(lengthOf(decision.way), 0)}`);
+      parts.push(`route of ${decision.way.length} points, ${units.metres(lengthOf(decision.way), 0)}`);
     const { scene } = this.shared.model;
     if (scene) parts.push(units.utc(scene.start + since));
     const box = make('div', { class: 'log-details' }, make('span', {}, parts.join(' · ')));

@@ -1,4 +1,4 @@
-/** Puts the page together: records change the model, a frame draws what has changed. */
+/** Puts the page together. Records change the model; each frame draws the changes. */
 import { Commands } from './commands';
 import { Connection, toast } from './connection';
 import { byId, mark, say } from './dom';
@@ -38,7 +38,7 @@ const shared: Shared = {
   selected: null,
   redraw,
   ask(request) {
-    if (!feed.ask(request)) toast('Nobody can be asked now: there is no connection.');
+    if (!feed.ask(request)) toast('Not connected.');
   },
   wantVoxels: (all) => feed.ask({ ask: 'detail', voxels: all ? 'all' : 'cubes' }),
   showDecision(decision) {
@@ -85,7 +85,7 @@ function draw(now: number): void {
     try {
       view.frame(now);
     } catch (error) {
-      // One view that fails must not take the alarms of the others with it.
+      // A view that fails must not hide the alarms of the others.
       if (broken++ < 10) console.error(error);
     }
   }

@@ -1,6 +1,6 @@
 /**
- * What the time line marks: decisions and alarms. They are kept when the model forgets, as it does with each jump in
- * time: what was decided later in a run is still to be found there. Another run forgets them.
+ * Marks: the decisions and alarms on the time line. They are kept when the model forgets, as it does at each jump in
+ * time, so that later decisions of a run stay visible. Another run clears them.
  */
 import type { Mark } from './items';
 import { Model } from './model';
@@ -42,7 +42,7 @@ export class Marks {
       else if (active) now.add(fault);
     }
     for (const what of now) {
-      // Who jumps into an alarm does not raise it again.
+      // A jump into an alarm does not raise it again.
       const known = [...this.all.values()].some(
         (m) => m.alarm && m.what === what && Math.abs(m.at - model.now) < kSame,
       );
@@ -52,7 +52,7 @@ export class Marks {
     this.raised = now;
   }
 
-  /** Of a run that lies before the page as a whole. */
+  /** Takes over the marks of a stored run, which are all known from the start. */
   adopt(others: Marks): void {
     this.start = others.start;
     for (const [key, mark] of others.all) this.put(key, mark);
@@ -65,7 +65,7 @@ export class Marks {
   }
 }
 
-/** All that a recording will have marked when it was played to its end. */
+/** All marks that a recording sets when it is played to its end. */
 export function marksOf(blocks: readonly Block[]): Marks {
   const model = new Model();
   const marks = new Marks(model);

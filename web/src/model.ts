@@ -1,8 +1,8 @@
 /**
- * What the page knows of a run: the newest of each item. Views read it; only records change it.
+ * Model: what the page knows of a run, the newest version of each item. Views read it; only records change it.
  *
- * Each kind has a revision that grows with every change, and items that are dear to draw (tiles, blocks, sonars) have
- * their own, so that a view draws again only what has changed since it looked last. Nobody is called back.
+ * Each kind has a revision that grows with every change. Items that are expensive to draw (tiles, blocks, sonars) have
+ * their own revision, so that a view redraws only what has changed. There are no callbacks.
  * Errors: a record that cannot be understood changes nothing and is counted by its kind.
  */
 import * as items from './items';
@@ -33,7 +33,7 @@ interface Waiting {
 export class Model {
   scene: items.Scene | null = null;
   vehicle: protocol.Vehicle | null = null;
-  /** s since 1970, of the item of that name; NaN before there is one. */
+  /** Time of the item of that name, s since 1970; NaN: there is none yet. */
   vehicleTime = NaN;
   gridTime = NaN;
   readonly track = new Map<number, TrackPiece>();
@@ -46,25 +46,25 @@ export class Model {
   decisions: items.Decision[] = [];
   readonly depth = new Map<string, Revised<protocol.DepthTile>>();
   readonly voxels = new Map<string, Revised<protocol.VoxelBlock>>();
-  /** The same in larger cubes, so many a block. */
+  /** The same voxels in larger cubes. */
   readonly cubes = new Map<string, Revised<protocol.VoxelBlock>>();
   health: items.Health | null = null;
-  /** How long its stages take, by a real clock; of what happens now only. */
+  /** Times of the stages by a real clock; in a live view only. */
   times: items.StageTime[] = [];
   clock: items.Clock | null = null;
   refusal: items.Refusal | null = null;
 
-  /** By kind; [0] grows when all was forgotten. */
+  /** By kind; [0] grows whenever everything is forgotten. */
   readonly revision = new Uint32Array(protocol.kLastKind + 1);
   readonly malformed = new Map<string, number>();
   records = 0;
-  /** s since 1970, of the newest thing that was told. */
+  /** Time of the newest record, s since 1970. */
   newest = NaN;
   private stamp = 0;
-  /** Echoes that came before their sonar was told, as they may in a whole set. By sonar. */
+  /** By sonar: echoes that came before the description of their sonar, as happens in a complete set. */
   private readonly waiting = new Map<number, Waiting[]>();
 
-  /** Takes a message. */
+  /** Applies a message. */
   take(bytes: Uint8Array): void {
     const read = protocol.readRecords(bytes, (record) => {
       ++this.records;
@@ -91,18 +91,18 @@ export class Model {
     for (let kind = 0; kind < this.revision.length; ++kind) ++this.revision[kind]!;
   }
 
-  /** They weigh much, and nobody looks at them. */
+  /** Frees the voxels, which need much memory, while no view shows them. */
   dropVoxels(): void {
     this.voxels.clear();
     ++this.revision[Kind.voxels]!;
   }
 
-  /** s since the start of what is shown now. */
+  /** Time that is shown, s since the start. */
   get now(): number {
     if (this.clock) return this.clock.now;
     return this.scene && Number.isFinite(this.newest) ? this.newest - this.scene.start : 0;
   }
-  /** How old something told at `time` is, s; NaN where that is not known. */
+  /** Age at the shown time of something from `time`, s; NaN: unknown. */
   age(time: number): number {
     return this.scene ? this.scene.start + this.now - time : NaN;
   }

@@ -1,9 +1,9 @@
 /**
- * PackBits, as the wire uses it: h of 0..127 is followed by h + 1 bytes as they are, h of 129..255 by one byte
- * taken 257 - h times, 128 means nothing.
+ * Unpacks PackBits: a head byte h of 0..127 is followed by h + 1 literal bytes, h of 129..255 by one byte that is
+ * repeated 257 - h times; 128 is skipped.
  *
- * `out` must come out exactly full and `packed` exactly empty; anything else is a damaged record, and the answer is
- * false. Never reads or writes beyond either array.
+ * Returns false unless `packed` is used up exactly and fills `out` exactly: such a record is damaged. Never reads or
+ * writes beyond either array.
  */
 export function unpackBits(packed: Uint8Array, out: Uint8Array): boolean {
   let from = 0;

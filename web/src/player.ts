@@ -1,8 +1,8 @@
 /**
- * Plays a recording: blocks of records, each with the time at which it was so. Answers the same requests as the
- * program does, and tells its clock as the program would: nothing that shows a run knows the difference.
+ * Player: plays a recording, which is a list of blocks of records, each with its time. It answers the same requests as
+ * the program and sends a clock as the program does, so that the views need no distinction.
  *
- * Going back is going to the last whole set before that moment and on from there, the newest of each item once.
+ * A seek starts at the last complete set before the moment and sends the newest version of each item once.
  */
 import { kHead, kLastKind, Kind, padded } from './protocol';
 import { joined, jsonBytes, writeRecord } from './record_writer';
@@ -15,11 +15,11 @@ export interface Block {
   /** s since the first block */
   at: number;
   records: Uint8Array;
-  /** Holds a record that makes the page forget: who goes back need not look before it. */
+  /** Contains a record that makes the page forget everything, so that a seek can start here. */
   whole: boolean;
 }
 
-/** Blocks that are whole; a block cut short, or records that do not fit, end it. */
+/** Reads the complete blocks; an incomplete block, or records that do not fit, end the list. */
 export function readBlocks(bytes: Uint8Array): Block[] {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const blocks: Block[] = [];
@@ -37,7 +37,7 @@ export function readBlocks(bytes: Uint8Array): Block[] {
   return blocks;
 }
 
-/** Each record's key of kind and number, and where it lies. */
+/** Calls `take` with the key (kind and number) and the byte range of each record. */
 export function each(records: Uint8Array, take: (key: string, from: number, to: number) => void): void {
   const view = new DataView(records.buffer, records.byteOffset, records.byteLength);
   for (let at = 0; records.length - at >= kHead;) {
@@ -58,12 +58,12 @@ export class Player {
 
   constructor(
     private readonly blocks: readonly Block[],
-    /** Where it ends for now: less than the last block while a run still grows. */
+    /** Present end, s: before the last block while a run still grows. */
     public end: number = blocks.at(-1)?.at ?? 0,
     private readonly more: () => object = () => ({}),
   ) {}
 
-  /** What has to be shown after `seconds` more; null: nothing new. */
+  /** Advances by `seconds` and returns the new records; null: it is paused. */
   advance(seconds: number): Uint8Array | null {
     if (!this.playing) return null;
     this.now = Math.min(this.end, this.now + seconds * this.speed);
@@ -72,7 +72,7 @@ export class Player {
   }
   grows = false;
 
-  /** All there is at this moment, from nothing. */
+  /** The complete set of items at a moment. */
   seek(to: number): Uint8Array {
     this.now = Math.min(this.end, Math.max(0, to));
     const last = this.indexAfter(this.now);
@@ -96,7 +96,7 @@ export class Player {
     return all;
   }
 
-  /** Does what was asked; null: it is nothing that a recording can do. */
+  /** Follows a request; null: a recording cannot do it. */
   ask(request: Request): Uint8Array | null {
     switch (request.ask) {
       case 'play':
@@ -128,7 +128,7 @@ export class Player {
     return joined([...parts, this.clock()]);
   }
 
-  /** The first block that is later than this. */
+  /** Index of the first block that is later than `now`. */
   private indexAfter(now: number): number {
     let [low, high] = [0, this.blocks.length];
     while (low < high) {

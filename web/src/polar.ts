@@ -1,6 +1,6 @@
 /**
- * Samples of a sonar as a picture: which sample each pixel shows is worked out once, then a ping is one table look-up
- * a pixel.
+ * PolarPicture: the samples of a sonar as a picture. The sample of each pixel is computed once; then a ping takes one
+ * table look-up per pixel.
  */
 import { context, sheet } from './dom';
 import type { Sonar } from './items';
@@ -8,7 +8,7 @@ import type { SonarImage } from './sonar_image';
 
 const kDirections = 4096;
 
-/** Beam nearest to a direction: entry of kDirections, from -pi on; -1: none looks there. */
+/** The nearest beam of each of kDirections directions, from -pi on; -1: none looks there. */
 export function beamsByDirection(sonar: Sonar): Int16Array {
   const out = new Int16Array(kDirections).fill(-1);
   const order = Array.from(sonar.azimuth.keys()).sort((a, b) => sonar.azimuth[a]! - sonar.azimuth[b]!);
@@ -34,7 +34,7 @@ export function beamsByDirection(sonar: Sonar): Int16Array {
   return out;
 }
 
-/** m, of a fan or a turn whose sensor stands at (0, 0) and looks up. */
+/** Bounds of a fan or a turn, m; the sensor is at (0, 0) and looks up. */
 export interface Box {
   left: number;
   right: number;
@@ -92,7 +92,7 @@ export class PolarPicture {
     }
   }
 
-  /** `decided`: colour of samples that were decided as echo; 0: as any other. */
+  /** `decided`: colour of samples detected as echo; 0: the colour of their level. */
   paint(table: Uint32Array, decided: number): void {
     const { intensity, decided: echoes, heard, bins } = this.image;
     const { out, sample } = this;

@@ -1,9 +1,9 @@
 /**
- * The wire protocol of docs/live-page.md: records out of bytes, and the payload of each kind.
+ * The wire protocol of docs/live-page.md: parses records and the payload of each kind.
  *
- * Bytes come from outside, so every length is checked before it is used. A payload that does not fit gives null: the
- * model counts it and goes on. A record whose head does not fit ends the message, as nothing tells where the next one
- * would start. Numbers are copied out of the message only where the model keeps them longer than the message.
+ * The bytes are untrusted, so every length is checked before use. A malformed payload gives null; the model counts it
+ * and goes on. A record with a malformed head ends the message, because the start of the next record is unknown.
+ * Numbers are copied out of the message only if the model keeps them longer than the message.
  */
 import { unpackBits } from './packbits';
 
@@ -36,21 +36,21 @@ const kForgetKind = 4;
 export interface RecordView {
   kind: Kind;
   gone: boolean;
-  /** Forget all items before this one is taken. */
+  /** Forget all items before this one is applied. */
   forget: boolean;
   /** Forget all items of this kind before it. */
   forgetKind: boolean;
-  /** The number of the item, as its two halves: no BigInt for what comes a thousand times a second. */
+  /** The number of the item, as two halves; a BigInt would be slow for a thousand records a second. */
   high: number;
   low: number;
-  /** s since 1970, of what it tells; good to a microsecond. */
+  /** Time of the content, s since 1970; accurate to a microsecond. */
   time: number;
   payload: DataView;
 }
 
 export const padded = (bytes: number): number => Math.ceil(bytes / 8) * 8;
 
-/** Calls `take` for each whole record. Returns the number of bytes that were records; less than all: damage. */
+/** Calls `take` for each complete record. Returns the number of bytes in records; fewer than all: damage. */
 export function readRecords(bytes: Uint8Array, take: (record: RecordView) => void): number {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   let at = 0;
@@ -99,7 +99,7 @@ export interface Vehicle {
   sway: number;
   heave: number;
   sigma: number;
-  /** NaN: unknown, as are the three wanted values where nothing is wanted. */
+  /** NaN: unknown. The three set-points below are NaN if there is none. */
   altitude: number;
   wantedHeading: number;
   wantedDepth: number;
@@ -129,7 +129,7 @@ export function readVehicle(p: DataView): Vehicle | null {
   return [north, east, down, roll, pitch, heading].every(Number.isFinite) ? vehicle : null;
 }
 
-/** Four numbers a place: seconds since the start, north, east, down. */
+/** Four numbers a position: seconds since the start, north, east, down. */
 export function readTrack(p: DataView): Float32Array | null {
   if (p.byteLength % 16 !== 0 || p.byteLength > 64 * 16) return null;
   return floats(p, 0, p.byteLength / 4);
@@ -174,7 +174,7 @@ export interface Grid {
   cell: number;
   north: number;
   east: number;
-  /** Of the x axis, clockwise from north. */
+  /** Heading of the x axis, clockwise from north. */
   heading: number;
   threshold: number;
   /** Cell (x, y) at x * ny + y: 0..250: probability * 250; 255: unknown. */
@@ -185,7 +185,7 @@ export function readGrid(p: DataView): Grid | null {
   if (p.byteLength < 32) return null;
   const nx = p.getUint16(0, true);
   const ny = p.getUint16(2, true);
-  // PackBits makes at most 128 bytes of 2: a head that promises more is a lie, and nothing is reserved for it.
+  // PackBits makes at most 128 bytes of 2. A head that claims more is false, and no memory is reserved for it.
   if (nx * ny > (p.byteLength - 32) * 64) return null;
   const cells = new Uint8Array(nx * ny);
   if (!unpackBits(new Uint8Array(p.buffer, p.byteOffset + 32, p.byteLength - 32), cells)) return null;
@@ -207,7 +207,7 @@ export interface DepthTile {
   column: number;
   side: number;
   pixel: number;
-  /** Of the south-west corner. */
+  /** The south-west corner. */
   north: number;
   east: number;
   /** m; NaN: unknown. Row after row from the south, each from the west. */
@@ -223,7 +223,7 @@ export function readDepth(p: DataView, row: number, column: number): DepthTile |
   if (p.byteLength < 32) return null;
   const side = p.getUint16(0, true);
   const pixels = side * side;
-  // As of a grid: a head that promises more than the bytes can hold is a lie.
+  // As in readGrid: a head that claims more than the bytes can hold is false.
   if (side === 0 || 4 * pixels > (p.byteLength - 32) * 64) return null;
   const planes = new Uint8Array(4 * pixels);
   if (!unpackBits(new Uint8Array(p.buffer, p.byteOffset + 32, p.byteLength - 32), planes)) return null;
@@ -250,12 +250,12 @@ export function readDepth(p: DataView, row: number, column: number): DepthTile |
 /** Voxels along an edge of a cube (Kind.cubes). */
 export const kCubeSide = 4;
 
-/** 16 x 16 x 16 voxels, or cubes. */
+/** A block of 16 x 16 x 16 voxels or cubes. */
 export interface VoxelBlock {
   size: number;
   /** Lowest corner in voxels: north, east, down. */
   corner: Point3;
-  /** Voxels that are shown; of cubes: the voxels in them. */
+  /** Number of voxels that are shown; for cubes: of the voxels in them. */
   count: number;
   /** Voxel (x, y, z) at x << 8 | y << 4 | z: probability * 250; 0: not shown. */
   shades: Uint8Array;

@@ -1,4 +1,4 @@
-/** Records as bytes: what a stored run says of its own clock, and what the fixtures are made of. */
+/** Writes records as bytes, for the clock of a stored run and for the fixtures. */
 import { kHead, padded } from './protocol';
 
 export interface NewRecord {

@@ -1,4 +1,4 @@
-/** What a page asks of its feed. */
+/** A request of the page to its feed. */
 export type Request =
   | { ask: 'play' | 'pause' | 'live' }
   | { ask: 'speed'; times: number }

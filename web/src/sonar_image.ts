@@ -1,6 +1,6 @@
 /**
- * The newest samples of each beam of a sonar: of the whole fan, or of the whole turn of a scanning head, beam after
- * beam as the sonar names them, with where the sensor stood when each was heard.
+ * SonarImage: the newest samples of each beam of a sonar, for a whole fan or a whole turn of a scanning head, in the
+ * sonar's order of beams, with the pose of the sensor for each beam.
  */
 import type { Sonar } from './items';
 import type { Echoes } from './protocol';
@@ -10,11 +10,11 @@ export class SonarImage {
   readonly bins: number;
   /** Samples, beam after beam, the nearest bin first. */
   readonly intensity: Uint8Array;
-  /** 1 where a sample was decided as echo. */
+  /** 1: the sample was detected as an echo. */
   readonly decided: Uint8Array;
-  /** A beam: north, east, down of the sensor; w, x, y, z of its rotation to W. */
+  /** Seven numbers a beam: north, east, down of the sensor; w, x, y, z of its rotation to W. */
   readonly poses: Float64Array;
-  /** s since 1970; NaN: never heard. */
+  /** Time of each beam, s since 1970; NaN: no ping yet. */
   readonly heard: Float64Array;
   /** Grows with each change of a beam. */
   readonly revisions: Uint32Array;
@@ -28,7 +28,7 @@ export class SonarImage {
   ) {
     this.beams = sonar.azimuth.length;
     this.bins = sonar.bins;
-    // A sonar that only changes its scale keeps what it has shown.
+    // A sonar that only changes its scale keeps its samples.
     const same = before && before.beams === this.beams && before.bins === this.bins ? before : undefined;
     this.intensity = same?.intensity ?? new Uint8Array(this.beams * this.bins);
     this.decided = same?.decided ?? new Uint8Array(this.beams * this.bins);
@@ -40,7 +40,7 @@ export class SonarImage {
     this.time = same?.time ?? NaN;
   }
 
-  /** False where the echoes are not of this sonar. */
+  /** False: the echoes do not fit this sonar. */
   take(echoes: Echoes, time: number): boolean {
     const { first, beams, bins } = echoes;
     if (bins !== this.bins || first + beams > this.beams) return false;
@@ -68,7 +68,7 @@ export class SonarImage {
     this.revisions[beam] = ++this.revision;
   }
 
-  /** m, of the far side of the last bin. */
+  /** Range of the far side of the last bin, m. */
   get reach(): number {
     return this.sonar.first + this.sonar.bin * this.bins;
   }
@@ -79,14 +79,14 @@ export class SonarImage {
     const { low, high } = this.sonar.scale;
     return low + ((high - low) * byte) / 255;
   }
-  /** Direction in W of a beam. */
+  /** Direction of a beam in W. */
   direction(beam: number, out: Float64Array): void {
     const at = beam * 7 + 3;
     const azimuth = this.sonar.azimuth[beam]!;
     const p = this.poses;
     turn(p[at]!, p[at + 1]!, p[at + 2]!, p[at + 3]!, Math.cos(azimuth), Math.sin(azimuth), out);
   }
-  /** Above the horizon, of an azimuth in the plane of the fan as it stood last, rad. */
+  /** Elevation above the horizon, rad, of an azimuth in the plane of the fan, at its last pose. */
   elevation(azimuth: number): number {
     const at = Math.max(0, this.newest) * 7 + 3;
     const p = this.poses;
@@ -96,7 +96,7 @@ export class SonarImage {
   }
 }
 
-/** (x, y, 0) turned by a unit quaternion. */
+/** Rotates (x, y, 0) by a unit quaternion. */
 export function turn(w: number, i: number, j: number, k: number, x: number, y: number, out: Float64Array): void {
   out[0] = (1 - 2 * (j * j + k * k)) * x + 2 * (i * j - w * k) * y;
   out[1] = 2 * (i * j + w * k) * x + (1 - 2 * (i * i + k * k)) * y;

@@ -1,7 +1,7 @@
 /**
- * Day and night. The style sheet has the colours of the page, this those of what is drawn on canvases.
- * Night is dim and without blue, for eyes that have to see the water again; what differs by hue by day differs by
- * lightness, dash or shape as well, so nothing is lost then.
+ * Theme: day and night colours. The style sheet has the colours of the page, this file those of the canvases.
+ * Night is dim and without blue, to keep eyes adapted to the dark. Whatever differs by hue by day also differs by
+ * lightness, dash or shape, so that nothing is lost at night.
  */
 import { depthTables, type Table, type TableName } from './colours';
 
@@ -9,7 +9,7 @@ export interface Paint {
   water: string;
   ink: string;
   faint: string;
-  /** Behind words on the map. */
+  /** Behind text on the map. */
   halo: string;
   grid: string;
   land: string;
@@ -33,7 +33,7 @@ export interface Paint {
   free: readonly [number, number, number];
   decided: readonly [number, number, number];
   depth: Table;
-  /** Of 0..20 in five classes. */
+  /** Five classes of the confidence 0..20. */
   confidence: readonly (readonly [number, number, number])[];
   intensity: TableName;
   sky: string;
@@ -143,7 +143,7 @@ export class Theme {
     try {
       localStorage.setItem(kKey, this.name);
     } catch {
-      // A page of a file, or one that may keep nothing: the choice lasts as long as the page.
+      // Without storage (a page from a file, for example) the choice lasts as long as the page.
     }
   }
 

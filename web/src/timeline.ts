@@ -1,4 +1,4 @@
-/** The time line: where in the run the page is, what was decided when, and how fast time goes. */
+/** Timeline: the shown time within the run, the marks of decisions and alarms, and the speed of play. */
 import { byId, context, fit, mark, pixelRatio, say } from './dom';
 import type { Clock } from './items';
 import type { Marks } from './marks';
@@ -7,7 +7,7 @@ import { roundStep } from './units';
 import * as units from './units';
 import type { Shared, View } from './view';
 
-/** ms between two requests while a hand is on the line. */
+/** ms between two seeks while the user drags along the line. */
 const kScrub = 100;
 
 export class Timeline implements View {
@@ -38,7 +38,7 @@ export class Timeline implements View {
   toggle(): void {
     this.shared.ask({ ask: this.shared.model.clock?.playing ? 'pause' : 'play' });
   }
-  /** Where there is a now. */
+  /** Returns to the live view, if there is one. */
   goLive(): void {
     if (this.shared.model.clock?.hasNow) this.shared.ask({ ask: 'live' });
   }
@@ -127,7 +127,7 @@ export class Timeline implements View {
     this.hint(drawing, clock, width);
   }
 
-  /** What is marked where the pointer is. */
+  /** The mark under the pointer. */
   private hint(drawing: CanvasRenderingContext2D, clock: Clock, width: number): void {
     if (this.hovered === null) return;
     const { paint } = this.shared.theme;
@@ -212,7 +212,7 @@ function triangle(drawing: CanvasRenderingContext2D, x: number, y: number, size:
   drawing.fill();
 }
 
-/** s: steps that clocks have. */
+/** The smallest step of a clock's scale that is not below `least`, s. */
 function stepOf(least: number): number {
   return (
     [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400].find((s) => s >= least) ??

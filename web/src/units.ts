@@ -1,4 +1,4 @@
-/** Numbers as people of the sea read them, each with its unit. What is not known is an en dash, never a nought. */
+/** Numbers as mariners read them, each with its unit. An unknown value is an en dash, never a zero. */
 const kUnknown = '–';
 const kDegree = Math.PI / 180;
 
@@ -33,7 +33,7 @@ export function relativeBearing(degrees: number | undefined | null): string {
   if (whole === 180) return 'astern';
   return `${whole}° to ${d > 0 ? 'starboard' : 'port'}`;
 }
-/** Of a beam, above the horizon: "12° up", "3° down", "level". */
+/** Elevation of a beam above the horizon: "12° up", "3° down", "level". */
 export function elevation(radians: number | undefined | null): string {
   if (!known(radians)) return `${kUnknown}°`;
   const whole = Math.round(Math.abs(radians) / kDegree);
@@ -57,7 +57,7 @@ function minutes(degrees: number, figures: number): string {
   const whole = Math.floor(units / 600000);
   return `${String(whole).padStart(figures, '0')}°${((units % 600000) / 10000).toFixed(4).padStart(7, '0')}′`;
 }
-/** Since the start: "1:02:03.4", "2:03.4". */
+/** Time since the start: "1:02:03.4", "2:03.4". */
 export function elapsed(seconds: number | undefined | null, digits = 1): string {
   if (!known(seconds)) return kUnknown;
   const scale = 10 ** digits;
@@ -87,13 +87,13 @@ export function milliseconds(value: number): string {
   if (!known(value)) return `${kUnknown} ms`;
   return `${value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(2)} ms`;
 }
-/** How old something is: "0.4 s", "12 s", "3 min". */
+/** An age: "0.4 s", "12 s", "3 min". */
 export function age(seconds: number): string {
   if (!known(seconds)) return kUnknown;
   if (seconds < 10) return `${Math.max(0, seconds).toFixed(1)} s`;
   return seconds < 120 ? `${seconds.toFixed(0)} s` : `${(seconds / 60).toFixed(0)} min`;
 }
-/** The 1, 2 or 5 times a power of ten next above. */
+/** The next 1, 2 or 5 times a power of ten. */
 export function roundStep(least: number): number {
   if (!(least > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(least) + 1e-9);

@@ -1,4 +1,4 @@
-/** What all views share, and what a view is. */
+/** Shared: what all views share. View: the interface of a view. */
 import type { Decision } from './items';
 import type { Model } from './model';
 import type { Request } from './request';
@@ -8,9 +8,9 @@ export interface Shared {
   model: Model;
   theme: Theme;
   ask(request: Request): void;
-  /** Whether all voxels are to come, or their larger cubes alone. False: nobody was there to be asked. */
+  /** Requests all voxels, or only their larger cubes. False: not connected. */
   wantVoxels(all: boolean): boolean;
-  /** Draw at the next frame, though no record came. */
+  /** Draws at the next frame, even without a new record. */
   redraw(): void;
   /** Opens a view, pans to the decision and marks it. */
   showDecision(decision: Decision): void;
@@ -18,8 +18,8 @@ export interface Shared {
 }
 
 export interface View {
-  /** Called once a frame while something may have changed and the view can be seen. */
+  /** Called once per frame while something may have changed and the view is visible. */
   frame(now: number): void;
-  /** Whether it can be seen and has still to draw some of what the model holds. */
+  /** Whether it is visible and has not yet drawn all of the model. */
   readonly behind?: boolean;
 }

@@ -22,7 +22,7 @@ describe('what is known of an obstacle', () => {
     expect(more).toEqual([]);
     expect(three).toMatchObject({ id: 3, outlines: [square(10, 0), square(13, 0)] });
     expect(three!.remembered?.since).toBe(1);
-    expect(other!.id, 'of a number that nobody tells of').toBeUndefined();
+    expect(other!.id, 'no remembered obstacle has its number').toBeUndefined();
     expect(other!.outlines).toEqual([square(50, 0)]);
   });
 

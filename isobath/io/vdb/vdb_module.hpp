@@ -1,8 +1,8 @@
-// What isobath_vdb.so takes: the module that links OpenVDB, so that only who writes a .vdb file loads it. OpenVDB has
-// fifty thousand places to be filled in when it is loaded.
+// The interface of isobath_vdb.so, the module that links OpenVDB, so that only programs that write a .vdb file load it:
+// OpenVDB has fifty thousand relocations to process when it is loaded.
 //
-// Plain data on both sides; the module knows nothing else of Isobath. It is found where the loader looks for libraries
-// on behalf of the program (its RUNPATH, LD_LIBRARY_PATH, the system's folders); `isobath` looks in ../lib/isobath.
+// Both sides exchange plain data; the module uses nothing else of Isobath. The loader searches for it in the library
+// paths of the program (its RUNPATH, LD_LIBRARY_PATH, the system's folders); `isobath` searches in ../lib/isobath.
 #pragma once
 
 #include <array>
@@ -20,10 +20,10 @@ struct VdbGrid {
   std::span<const std::pair<std::string, std::string>> words;  ///< metadata
   std::span<const std::pair<std::string, double>> numbers;
   std::span<const std::array<std::int32_t, 3>> places;
-  std::span<const float> values;  ///< of each place
+  std::span<const float> values;  ///< the value at each of `places`
 };
 
-/// The module's one function, isobath_write_vdb. False where the file cannot be written, and why.
+/// The module's only function, isobath_write_vdb. False if the file cannot be written; `why` then holds the reason.
 using WriteVdb = bool(const VdbGrid& grid, const std::string& file, std::string& why);
 
 }  // namespace isobath

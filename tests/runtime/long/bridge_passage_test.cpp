@@ -136,7 +136,7 @@ TEST(BridgePassage, IsSailed) {
   EXPECT_EQ(run.report.reached, 1u);
   EXPECT_LT(run.contact_s, 0);
   EXPECT_GT(run.least_clearance_m, 0.8);
-  EXPECT_TRUE(says(run.decisions, "navigator", "of depth there is room of"));
+  EXPECT_TRUE(says(run.decisions, "navigator", "of depth the clearance is"));
 }
 
 // ledger: S5-34

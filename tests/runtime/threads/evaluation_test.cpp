@@ -212,7 +212,7 @@ TEST(Suites, AreStrict) {
   EXPECT_EQ(refused("[suite]\nscene = \"pole.toml\"\n"), "");
   EXPECT_THAT(refused("[suite]\nscene = \"pole.toml\"\n[vary]\nheding_deg = 3\n"), HasSubstr("heading_deg"));
   EXPECT_THAT(refused("[suite]\nruns = 3\n"), HasSubstr("suite.scene"));
-  EXPECT_THAT(refused("[suite]\nscene = \"pole.toml\"\nfaults = \".\"\n"), HasSubstr("stands beside faults"));
+  EXPECT_THAT(refused("[suite]\nscene = \"pole.toml\"\nfaults = \".\"\n"), HasSubstr("cannot be combined with faults"));
   EXPECT_THAT(refused("[suite]\nfaults = \".\"\n"), HasSubstr("sonar_silent.toml"));
   EXPECT_THAT(refused("[suite]\nscene = \"pole.toml\"\n[vary]\ndrift = [0.2, 0.1]\n"), HasSubstr("vary.drift"));
   EXPECT_THAT(refused("[suite]\nscene = \"pole.toml\"\n[[baseline]]\nhelm = \"luck\"\n"), HasSubstr("as printed"));

@@ -1,4 +1,4 @@
-/** Where the plan view looks: the place in its middle, metres a pixel (of CSS), and the direction that is up. */
+/** Camera: the section of the plan view: the position at its centre, metres per CSS pixel, and the direction up. */
 export class Camera {
   north = 0;
   east = 0;
@@ -33,7 +33,7 @@ export class Camera {
     this.north = north;
     this.east = east;
   }
-  /** What is at (x, y) stays there. */
+  /** Zooms about (x, y), which keeps its position. */
   zoom(factor: number, x = this.width / 2, y = this.height / 2): void {
     const [north, east] = this.place(x, y);
     this.scale = Math.min(Camera.coarsest, Math.max(Camera.finest, this.scale / factor));
@@ -52,7 +52,7 @@ export class Camera {
       Math.max(Camera.finest, high / Math.max(50, this.height * free), wide / Math.max(50, this.width * free)),
     );
   }
-  /** Half of the diagonal, m: nothing farther than that from the middle is seen. */
+  /** Half of the diagonal, m: no point farther than that from the centre is visible. */
   get reach(): number {
     return (Math.hypot(this.width, this.height) / 2) * this.scale;
   }

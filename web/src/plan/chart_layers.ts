@@ -1,5 +1,5 @@
 /**
- * What stands still: land, fence, keep-out, what a simulator says really stands there, and the points of the mission.
+ * The static layers: land, fence, keep-out areas, the ground truth of a simulation, and the mission points.
  */
 import type { Scene } from '../items';
 import { label, stroke, trace, type Pen } from './pen';
@@ -34,7 +34,7 @@ export function drawFences(pen: Pen, scene: Scene): void {
   }
 }
 
-/** Diagonals over what must not be entered: it is told apart without its colour. */
+/** Hatches a keep-out area, so that it is recognised without its colour. */
 function crossOut(pen: Pen, outline: readonly (readonly [number, number])[]): void {
   const { camera, drawing, paint } = pen;
   const [xs, ys] = [outline.map((p) => camera.x(...p)), outline.map((p) => camera.y(...p))];
@@ -89,7 +89,7 @@ export function drawMission(pen: Pen, scene: Scene, target: number | undefined):
     drawing.fill();
   });
   const points = [...scene.mission.entries()];
-  if (target !== undefined) points.unshift(...points.splice(target, 1)); // where it goes is named in any case
+  if (target !== undefined) points.unshift(...points.splice(target, 1)); // the target is always named
   for (const [i, { name, at }] of points) {
     label(pen, name || String(i + 1), camera.x(...at) + 14, camera.y(...at) - 10, paint.mission, 'left');
   }

@@ -1,6 +1,6 @@
 /**
- * Tiles of the depth map. Each is an image that is made once and again only when its tile, the scale of depths or the
- * theme has changed. Surer is more solid; what is charted and was never measured is hatched.
+ * DepthLayer: the tiles of the depth map. The image of a tile is remade only if the tile, the depth scale or the theme
+ * has changed. Higher confidence is more opaque; charted depths that were never measured are hatched.
  */
 import { rgbOf, packed } from '../colours';
 import { context, pixelRatio, sheet } from '../dom';
@@ -16,7 +16,7 @@ interface Image {
   revision: number;
   look: string;
   colours: HTMLCanvasElement;
-  /** Opaque where the hatching goes; null: nowhere. */
+  /** Opaque where hatched; null: no hatching. */
   unproven: HTMLCanvasElement | null;
 }
 
@@ -24,7 +24,7 @@ const kScales = [1, 2, 3, 5, 8, 10, 15, 20, 30, 50, 80, 100, 150, 200, 300, 500,
 
 export class DepthLayer {
   shows: DepthShows = 'depth';
-  /** m, of the darkest colour. */
+  /** Depth of the darkest colour, m. */
   deepest = 1;
   private readonly images = new Map<string, Image>();
   private readonly deepestOf = new Map<string, { revision: number; depth: number }>();
@@ -38,7 +38,7 @@ export class DepthLayer {
     private readonly theme: Theme,
   ) {}
 
-  /** True where there is anything to see. */
+  /** Whether there is any tile. */
   get any(): boolean {
     return this.model.depth.size > 0;
   }
@@ -63,7 +63,7 @@ export class DepthLayer {
     drawing.imageSmoothingEnabled = true;
   }
 
-  /** At a place; null: nothing known. */
+  /** Depth at a position; null: unknown. */
   at(north: number, east: number): { depth: number; confidence: number; flags: number } | null {
     for (const { item } of this.model.depth.values()) {
       const row = Math.floor((north - item.north) / item.pixel);
@@ -76,7 +76,7 @@ export class DepthLayer {
     return null;
   }
 
-  /** The scale goes to a round number, so that it changes seldom, and with it all images. */
+  /** Chooses a round end of the scale, so that the scale, and with it all images, change seldom. */
   private measure(revision: number): void {
     this.seen = revision;
     let deepest = 0;
@@ -135,7 +135,7 @@ export class DepthLayer {
     return { revision, look, colours, unproven: mask };
   }
 
-  /** Hatching has the size of the screen, not of the map: masks together, then lines where they are. */
+  /** Hatching is drawn in screen scale: first all masks, then lines within them. */
   private hatchOver(pen: Pen, visible: readonly [DepthTile, Image][]): void {
     const { camera, drawing } = pen;
     const ratio = pixelRatio();
@@ -182,7 +182,7 @@ function set(pen: Pen, tile: DepthTile, image: HTMLCanvasElement): void {
   const { camera, drawing } = pen;
   const size = tile.side * tile.pixel;
   if (camera.turn !== 0) return place(pen, image, [tile.north, tile.east], 0, [size, size]);
-  // Whole pixels of the screen, so that no seam shows between neighbours.
+  // Rounded to whole screen pixels, so that no seam shows between neighbours.
   const ratio = pixelRatio();
   const whole = (v: number) => Math.round(v * ratio) / ratio;
   const [left, right] = [camera.x(0, tile.east), camera.x(0, tile.east + size)].map(whole) as [number, number];

@@ -1,4 +1,4 @@
-/** The scale of depths, or of confidence, beside the layers: built again only when it would look different. */
+/** DepthScale: the legend of depths or of confidence beside the layers; rebuilt only if it would look different. */
 import { css, rgbOf } from '../colours';
 import { make } from '../dom';
 import type { Paint } from '../theme';
@@ -29,7 +29,7 @@ function ramp(paint: Paint, deepest: number, datum: string): HTMLElement[] {
     make('div', { class: 'ramp-title' }, `Depth${datum ? ` below ${datum}` : ''}`),
     bar,
     make('div', { class: 'ramp-numbers' }, ...numbers),
-    make('div', { class: 'ramp-note' }, 'paler: less sure; hatched: charted, not measured'),
+    make('div', { class: 'ramp-note' }, 'paler: lower confidence; hatched: charted, not measured'),
   ];
 }
 
@@ -39,5 +39,5 @@ function classes(paint: Paint): HTMLElement[] {
     swatch.style.background = css(paint.confidence[i]!);
     return make('span', { class: 'class' }, swatch, text);
   });
-  return [make('div', { class: 'ramp-title' }, 'Confidence, of 20'), make('div', { class: 'classes' }, ...rows)];
+  return [make('div', { class: 'ramp-title' }, 'Confidence, 0 to 20'), make('div', { class: 'classes' }, ...rows)];
 }

@@ -1,9 +1,9 @@
 /**
- * Decided echoes where they are, fading with age; and the samples themselves, laid where the sonar heard them.
+ * Detected echoes at their positions, fading with age, and the samples at the pose where the sonar recorded them.
  *
- * A fan that stands upright does not know to which side a thing lies, but how far off, and how deep. Its echoes are
- * hollow, and its samples a thin line along the middle of the wedge that it covers, so that they neither hide nor pass
- * for those of a fan that lies flat.
+ * A vertical fan measures range and depth of an object, but not its bearing within the beam width. Its echoes are
+ * hollow, and its samples are a thin line along the middle of the wedge that it covers, so that they neither hide nor
+ * resemble those of a horizontal fan.
  */
 import { css, packed, rgbOf, tables } from '../colours';
 import type { Model } from '../model';
@@ -15,9 +15,9 @@ import type { Pen } from './pen';
 
 const kFades = 4;
 const kStops = 40;
-/** px, of the line that an upright fan is seen from above. */
+/** px: width of the line that shows a vertical fan from above. */
 const kLine = 4;
-/** px, of a hollow echo. */
+/** px: side of a hollow echo. */
 const kFrame = 10;
 
 export function drawTrail(pen: Pen, model: Model): void {
@@ -42,7 +42,7 @@ export function drawTrail(pen: Pen, model: Model): void {
   }
 }
 
-/** A hollow square, unless one is there: surface and bottom echo all along the line of an upright fan. */
+/** A hollow square, unless there is one: surface and bottom echo all along the line of a vertical fan. */
 function frame(drawing: CanvasRenderingContext2D, x: number, y: number, framed: Set<number>): void {
   const cell = Math.floor(x / kFrame) * 65536 + Math.floor(y / kFrame);
   if (framed.has(cell)) return;
@@ -71,8 +71,8 @@ interface Seen {
 }
 
 /**
- * A fan is one picture at the pose of its ping. The beams of a scanning head were heard from many poses: each is a wedge
- * of its own with its samples along the radius, so that a turning vehicle does not smear what stands still.
+ * A fan is one picture at the pose of its ping. The beams of a scanning head have a pose each, so each is drawn as its
+ * own wedge, with its samples along the radius. The motion of the vehicle therefore does not smear static objects.
  */
 export class SampleLayer {
   private readonly laid = new Map<number, Laid>();
@@ -163,7 +163,7 @@ export class SampleLayer {
     drawing.restore();
   }
 
-  /** East and north of the direction in which the sensor looks. */
+  /** East and north components of the boresight. */
   private boresight(image: SonarImage, at: number): [number, number] {
     const [w, i, j, k] = image.poses.subarray(at + 3, at + 7) as unknown as [number, number, number, number];
     return [2 * (i * j + w * k), 1 - 2 * (j * j + k * k)];
@@ -207,13 +207,13 @@ function hangsUpsideDown(image: SonarImage, at: number): boolean {
   return image.poses[at + 4]! ** 2 + image.poses[at + 5]! ** 2 > 0.5;
 }
 
-/** What is weak lets the map through. */
+/** Weak samples are transparent. */
 function seeThrough(paint: Paint): Uint32Array {
   const table = tables[paint.intensity];
   return table.map((word, i) => packed(rgbOf(word), Math.round(40 + 200 * Math.min(1, i / 120))));
 }
 
-/** The strongest of each stretch of bins: a thin echo must not fall between two stops. */
+/** Shows the strongest sample of each stretch of bins, so that a thin echo does not fall between two stops. */
 function radial(drawing: CanvasRenderingContext2D, image: SonarImage, beam: number, paint: Paint): CanvasGradient {
   const { bins, intensity, sonar, reach } = image;
   const table = tables[paint.intensity];
@@ -229,7 +229,7 @@ function radial(drawing: CanvasRenderingContext2D, image: SonarImage, beam: numb
   return fill;
 }
 
-/** Of an upright fan that leads up from (0, 0): each stretch in the colour of its level, none between two. */
+/** The samples of a vertical fan from (0, 0) upwards: each stretch in the colour of its level, without blending. */
 function stretches({ drawing, paint }: Pen, { from, to, levels }: UprightLine): CanvasGradient {
   const table = tables[paint.intensity];
   const fill = drawing.createLinearGradient(0, -from, 0, -to);

@@ -1,6 +1,5 @@
 /**
- * What makes a picture a chart: a grid in metres with its numbers, a scale bar, a north arrow, a ruler, rings of
- * range.
+ * The furniture of a chart: a grid in metres with its numbers, a scale bar, a north arrow and a ruler.
  */
 import { bearing, metres, roundStep } from '../units';
 import { kFont, stroke, trace, words, type Pen } from './pen';
@@ -22,7 +21,7 @@ export function drawGrid(pen: Pen): void {
   stroke(pen, { colour: paint.grid, width: 1 });
 }
 
-/** Numbers of the grid at the left and upper edges; only while north is up, when they can be read there. */
+/** Numbers of the grid at the left and upper edges; only while north is up. */
 export function drawGridNumbers(pen: Pen): void {
   const { camera } = pen;
   if (camera.turn !== 0) return;

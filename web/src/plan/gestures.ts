@@ -1,23 +1,23 @@
-/** Mouse, pen and fingers on a view that can be moved: one drags, two pinch, the wheel zooms where it points. */
+/** Gestures of mouse, pen and fingers on a view: one pointer drags, two pinch, the wheel zooms at the pointer. */
 export interface Gestured {
   drag(dx: number, dy: number): void;
   zoom(factor: number, x: number, y: number): void;
-  /** Where a pointer rests or passes; null: it has left. */
+  /** Position of the pointer; null: it has left. */
   hover(at: [number, number] | null): void;
-  /** Pressed and let go at a place. */
+  /** Pressed and released at a position. */
   tap?(x: number, y: number): void;
-  /** True: this view takes the drag that begins here for itself (a ruler), told by `pull` until it ends. */
+  /** True: this view handles the drag that begins here itself (a ruler); it gets `pull` until the drag ends. */
   grasp(x: number, y: number): boolean;
   pull(x: number, y: number): void;
 }
 
-/** px that a finger may slip in a tap. */
+/** px: a finger may slip this far in a tap. */
 const kSlip = 8;
 
 export function listen(element: HTMLElement, view: Gestured): void {
   const down = new Map<number, [number, number]>();
   let pulling = false;
-  /** Where the one pointer went down that may yet become a tap. */
+  /** Start position of a press that may become a tap. */
   let pressed: [number, number] | null = null;
   const at = (event: { clientX: number; clientY: number }): [number, number] => {
     const box = element.getBoundingClientRect();

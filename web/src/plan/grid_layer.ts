@@ -1,5 +1,6 @@
 /**
- * The occupancy grid round the vehicle: what is free is a light veil, what is occupied is solid, unknown is nothing.
+ * GridLayer: the occupancy grid around the vehicle. Free cells are a light veil, occupied cells are solid, unknown
+ * cells are not drawn.
  */
 import { packed } from '../colours';
 import { context, sheet } from '../dom';
@@ -36,7 +37,7 @@ export class GridLayer {
   }
 }
 
-/** By the byte of a cell. From half way to the threshold on it shows; from the threshold on it is solid. */
+/** Colours by the byte of a cell: visible from half the threshold on, solid from the threshold on. */
 function occupancy(paint: Paint, threshold: number): Uint32Array {
   const limit = threshold > 0 && threshold < 1 ? threshold : 0.5;
   return Uint32Array.from({ length: 256 }, (_, byte) => {

@@ -1,22 +1,22 @@
-/** The list of layers with their switches, which is the legend as well. */
+/** Layers: the list of layers with their switches; it is also the legend. */
 import { css } from '../colours';
 import { make } from '../dom';
 import type { Paint } from '../theme';
 
 export const layerNames = {
   depth: 'Depth map',
-  grid: 'Occupancy: free, occupied',
-  samples: 'Sonar samples in place',
-  echoes: 'Decided echoes',
+  grid: 'Occupancy grid: free, occupied',
+  samples: 'Sonar samples',
+  echoes: 'Detected echoes',
   land: 'Land',
-  fence: 'Fence and keep-out',
-  bodies: 'What really stands there',
-  obstacles: 'Obstacles: existence, range; dotted: remembered; line: where it was',
+  fence: 'Fence and keep-out areas',
+  bodies: 'Ground truth',
+  obstacles: 'Obstacles: existence, range; dotted: remembered; line: earlier positions',
   mission: 'Mission points and legs',
-  oldWays: 'Ways planned before',
-  way: 'Way now',
+  oldWays: 'Earlier routes',
+  way: 'Route',
   track: 'Track',
-  vehicle: 'Vehicle, course for 10 s, 2σ',
+  vehicle: 'Vehicle, course of 10 s, 2σ',
 } as const;
 export type LayerName = keyof typeof layerNames;
 
@@ -59,7 +59,7 @@ export class Layers {
     for (const [name, row] of this.rows) row.querySelector('.swatch')!.replaceChildren(swatch(name, paint));
   }
 
-  /** What is not there cannot be switched. */
+  /** Hides the switch of a layer that has no content. */
   offer(name: LayerName, there: boolean): void {
     const row = this.rows.get(name);
     if (row && row.hidden === there) row.hidden = !there;
@@ -82,11 +82,11 @@ function keep(on: Map<LayerName, boolean>): void {
   try {
     localStorage.setItem(kKey, JSON.stringify(Object.fromEntries(on)));
   } catch {
-    // Nothing may be kept here.
+    // Storage is not allowed here.
   }
 }
 
-/** Drawn by the same colours and dashes as the map. */
+/** A sample in the same colours and dashes as on the map. */
 function swatch(name: LayerName, p: Paint): SVGElement {
   const svg = element('svg', { width: 28, height: 16, viewBox: '0 0 28 16' });
   const line = (stroke: string, width: number, dash = '') =>

@@ -1,5 +1,5 @@
 /**
- * What changes while the vehicle goes: ways, track, the vehicle itself, and the decision that is looked at.
+ * The moving layers: routes, track, vehicle, and the selected decision.
  */
 import type { Decision } from '../items';
 import type { Model } from '../model';
@@ -82,7 +82,7 @@ export function drawVehicle(pen: Pen, model: Model): void {
   drawing.restore();
 }
 
-/** In the frame of the vehicle, bow up: where it goes over ground in the next 10 s, and where it wants to head. */
+/** In the vehicle's frame, bow up: its course over ground for the next 10 s, and its heading set-point. */
 function courseAndWish(pen: Pen, model: Model): void {
   const { camera, drawing, paint } = pen;
   const { surge, sway, heading, wantedHeading } = model.vehicle!;
@@ -108,7 +108,7 @@ function courseAndWish(pen: Pen, model: Model): void {
   }
 }
 
-/** To scale; where that would be too small to see, an arrow of 20 pixels. */
+/** The hull to scale; if that is less than 20 pixels, an arrow. */
 function hull(drawing: CanvasRenderingContext2D, length: number): void {
   drawing.beginPath();
   if (length < 20) {

@@ -1,9 +1,9 @@
 /**
- * Obstacles on the plan: what the last scan has seen, what is remembered from scans before, and where that has been.
+ * The obstacle layer: obstacles of the last scan, remembered obstacles, and the earlier positions of these.
  *
- * By shape first, so that no eye needs the colours: filled is seen by the last scan, its outline broken where it is
- * doubtful; a dotted outline is remembered, the paler the longer nobody has seen it; a thin line that ends in it is
- * where its middle was, from a ring at the first place on.
+ * Shape tells them apart, so that colour is not needed. An obstacle of the last scan is filled; its outline is dashed
+ * if it is doubtful. A remembered one has a dotted outline, which fades the longer it is unseen. A thin line from a
+ * ring shows the earlier positions of its centre.
  */
 import { age, metres, percent } from '../units';
 import type { Obstacle } from '../items';
@@ -13,9 +13,9 @@ import { middle, spread } from './chart_layers';
 import { label, stroke, trace, type Pen } from './pen';
 import type { Tracked } from './obstacle_tracks';
 
-/** From this probability of its existence on, an obstacle is one; below, its outline is broken. */
+/** Below this existence probability the outline of an obstacle is dashed. */
 const kSure = 0.5;
-/** s without a sight of it until it is as pale as it gets. */
+/** s: after this time unseen an obstacle is palest. */
 const kPale = 120;
 const kCrowd = 60;
 const kNamedOfACrowd = 12;
@@ -36,7 +36,7 @@ export function drawObstacles(pen: Pen, model: Model, pointed: Tracked | null): 
   if (pointed) point(pen, pointed);
 }
 
-/** Each number once; of a crowd, seen from afar, the nearest numbers to the vehicle only. */
+/** Names each number once; in a crowd at small scale, only the numbers nearest to the vehicle. */
 function namesFor({ camera }: Pen, { obstacles, vehicle }: Model): Set<Obstacle> {
   if (camera.scale > 0.4) return new Set();
   const drawn = obstacles.filter(({ outline }) => outline.length > 0);
@@ -79,7 +79,7 @@ function drawSeen(pen: Pen, obstacle: Obstacle): string {
   return colour;
 }
 
-/** Where navigation put it then: a dotted outline, with all that it may reach by now as a pale band. */
+/** A dotted outline where navigation put it when it was seen; a pale band shows how far it may extend by now. */
 function drawRemembered(pen: Pen, { outline, margin }: Obstacle, unseen: number): string {
   const { drawing, camera, paint } = pen;
   const fresh = 1 - 0.5 * Math.min(1, unseen / kPale);
@@ -94,7 +94,7 @@ function drawRemembered(pen: Pen, { outline, margin }: Obstacle, unseen: number)
   return paint.obstacle;
 }
 
-/** Fades towards its beginning. */
+/** Earlier positions, fading towards the first one. */
 function drawTrailOf(pen: Pen, trail: readonly Point[]): void {
   const { drawing, camera, paint } = pen;
   const first = trail[0];
@@ -114,7 +114,7 @@ function drawTrailOf(pen: Pen, trail: readonly Point[]): void {
   drawing.globalAlpha = 1;
 }
 
-/** Which one the readout speaks of. */
+/** Marks the obstacle that the readout describes. */
 function point(pen: Pen, { outlines }: Tracked): void {
   for (const outline of outlines) {
     trace(pen, outline, true);

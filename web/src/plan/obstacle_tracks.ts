@@ -1,15 +1,15 @@
 /**
- * What is known of one obstacle, put together: what the crew remembers of it and the pieces of it that the last scan has
- * seen; which one lies at a place; and all that in words. Angles rad, places north and east, m.
+ * Tracked: all that is known of one obstacle, which is its remembered state and its pieces in the last scan. Also finds
+ * the obstacle at a position and describes it in words. Angles in rad, positions north and east in m.
  */
 import type { Obstacle } from '../items';
 import type { Point } from '../protocol';
 import { age, bearing, metres, percent } from '../units';
 
 export interface Tracked {
-  /** None: seen by the last scan, and the crew does not count on it yet. */
+  /** None: seen by the last scan, but not yet remembered by the agents. */
   id: number | undefined;
-  /** Of the last scan; else the one that is remembered. */
+  /** Outlines of the last scan, else the remembered one. */
   outlines: Point[][];
   remembered: Obstacle | undefined;
   seen: Obstacle[];
@@ -32,7 +32,7 @@ export function tracked(all: readonly Obstacle[]): Tracked[] {
   return every.filter(({ outlines }) => outlines.length > 0);
 }
 
-/** The nearest one within a reach of a place, m; the one with a number where both lie there. */
+/** The nearest obstacle within `reach` of a position, m; of equally near ones, the one with a number. */
 export function trackedAt(all: readonly Tracked[], at: Point, reach: number): Tracked | null {
   let [best, least]: [Tracked | null, number] = [null, reach];
   for (const t of all) {
@@ -42,7 +42,7 @@ export function trackedAt(all: readonly Tracked[], at: Point, reach: number): Tr
   return best;
 }
 
-/** To the nearest place of its outlines, and in which direction that is; 0 inside. */
+/** Distance and bearing to the nearest point of its outlines; distance 0 inside. */
 export function distanceTo({ outlines }: Tracked, from: Point): { metres: number; bearing: number } {
   let nearest: Point = [NaN, NaN];
   let least = Infinity;

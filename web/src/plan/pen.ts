@@ -1,4 +1,4 @@
-/** Drawing in metres north and east on a canvas of pixels: what the layers of the plan view have in common. */
+/** Pen: drawing in metres north and east on a canvas; shared by the layers of the plan view. */
 import type { Paint } from '../theme';
 import type { Camera } from './camera';
 
@@ -8,7 +8,7 @@ export interface Pen {
   drawing: CanvasRenderingContext2D;
   camera: Camera;
   paint: Paint;
-  /** Where words stand already: left, top, right, bottom, px. */
+  /** Boxes that labels already occupy: left, top, right, bottom, px. */
   taken: [number, number, number, number][];
 }
 
@@ -33,7 +33,7 @@ export function stroke({ drawing }: Pen, { colour, width = 1.5, dash = [] }: Lin
 
 export const kFont = '12px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
-/** With a halo, so that it can be read on anything. */
+/** Text with a halo, so that it is readable on any background. */
 export function words(
   { drawing, paint }: Pen,
   text: string,
@@ -53,7 +53,7 @@ export function words(
   drawing.fillText(text, x, y);
 }
 
-/** Words beside a place; left out, and false, where others stand already. */
+/** Draws a label unless it would cover another one. Returns whether it was drawn. */
 export function label(
   pen: Pen,
   text: string,
@@ -72,7 +72,7 @@ export function label(
   return true;
 }
 
-/** An image whose rows go along a direction in W, from one corner: pixels are metres of `size` each way. */
+/** Draws an image from one corner, turned by a heading in W; `size` is its height and width in metres. */
 export function place(
   { drawing, camera }: Pen,
   image: CanvasImageSource,

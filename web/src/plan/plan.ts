@@ -1,4 +1,4 @@
-/** The plan view: the chart with all that the vehicle knows on it. */
+/** PlanView: the chart with everything that the vehicle knows. */
 import { byId, context, fit, make, mark, pixelRatio, say } from '../dom';
 import { geoPlace } from '../geo';
 import type { Decision } from '../items';
@@ -19,7 +19,7 @@ import * as tracks from './obstacle_tracks';
 import type { Pen } from './pen';
 import { DepthScale } from './depth_scale';
 
-/** px around an obstacle that a finger still means it by. */
+/** px: a touch within this distance selects an obstacle. */
 const kTouch = 14;
 
 export class PlanView implements View, Gestured {
@@ -39,7 +39,7 @@ export class PlanView implements View, Gestured {
   private ruler: Ruler | null = null;
   private measuring = false;
   private pointer: [number, number] | null = null;
-  /** The obstacle that was tapped: by its number, else by its place. */
+  /** The tapped obstacle: by its number, else by its position. */
   private picked: { id: number | undefined; at: [number, number] } | null = null;
   private shown = '';
   private painted = -1;
@@ -88,7 +88,7 @@ export class PlanView implements View, Gestured {
   }
   private dirty = true;
 
-  /** Something of this view alone has changed. */
+  /** Requests a redraw after a change of this view alone. */
   private touch(): void {
     this.dirty = true;
     this.shared.redraw();
@@ -151,7 +151,7 @@ export class PlanView implements View, Gestured {
     this.depthScale.show(theme.paint, this.depth, datum, this.depth.any && layers.shows('depth'));
   }
 
-  /** The line below the chart: what is under the pointer, or the place of the vehicle. */
+  /** The line below the chart: what is under the pointer, else the position of the vehicle. */
   private tell(): void {
     const { scene, vehicle } = this.shared.model;
     const at = this.pointer
@@ -164,7 +164,7 @@ export class PlanView implements View, Gestured {
     mark(this.canvas, 'scale', this.camera.scale.toFixed(4));
     const numbered = tracks.tracked(this.shared.model.obstacles).filter(({ id }) => id !== undefined);
     mark(this.canvas, 'obstacles', numbered.map((t) => this.told(t)).join(';'));
-    if (!at) return say(this.readout, 'nothing known yet');
+    if (!at) return say(this.readout, 'no position yet');
     const parts = [`${this.pointer ? 'Cursor' : 'Vehicle'} N ${units.metres(at[0])}, E ${units.metres(at[1])}`];
     if (scene?.origin) {
       const { latitude, longitude } = geoPlace(scene.origin, at[0], at[1]);
@@ -187,7 +187,7 @@ export class PlanView implements View, Gestured {
     if (this.readout.textContent !== parts.join('')) this.readout.replaceChildren(...spans);
   }
 
-  /** The obstacle under the pointer, or else the one that was tapped and is still known. */
+  /** The obstacle under the pointer, else the tapped one if it is still known. */
   private pointed(): tracks.Tracked | null {
     if (!this.layers.shows('obstacles')) return null;
     const all = tracks.tracked(this.shared.model.obstacles);
@@ -196,7 +196,7 @@ export class PlanView implements View, Gestured {
     const { id, at } = this.picked;
     return id === undefined ? this.obstacleAt(all, at) : (all.find((t) => t.id === id) ?? null);
   }
-  /** Its number and where it is on the canvas. */
+  /** Number and canvas position of an obstacle. */
   private told({ id, outlines }: tracks.Tracked): string {
     const [north, east] = middle(outlines[0]!);
     return `${id} ${this.camera.x(north, east).toFixed(0)} ${this.camera.y(north, east).toFixed(0)}`;
@@ -211,7 +211,7 @@ export class PlanView implements View, Gestured {
     this.touch();
   }
   zoom(factor: number, x: number, y: number): void {
-    // While it follows, the vehicle stays in the middle.
+    // In follow mode the vehicle stays at the centre.
     if (this.followed) this.camera.zoom(factor);
     else this.camera.zoom(factor, x, y);
     this.touch();
@@ -271,7 +271,7 @@ export class PlanView implements View, Gestured {
     this.touch();
   }
 
-  /** Everything that has a place: the fence and the mission, the vehicle, its track. */
+  /** Shows the fence, the mission, the vehicle and its track. */
   showAll(): void {
     const { scene, vehicle, track } = this.shared.model;
     const places: (readonly [number, number])[] = [

@@ -1,29 +1,29 @@
 /**
- * What a fan that stands upright hears, seen from above: all its beams look along one line, so its samples are told
- * along that line by their horizontal distance, the strongest of all heights at each.
+ * UprightLine: the samples of a vertical fan, seen from above. All its beams lie above one line, so that each sample is
+ * shown on that line at its horizontal distance; of all heights the strongest sample is shown.
  */
 import type { SonarImage } from '../sonar_image';
 
 const kCells = 160;
-/** Beams that look less than this aside of the vertical say nothing of where the line leads. */
+/** Beams with a smaller horizontal component do not define the direction of the line. */
 const kLeastAside = 0.02;
 
 export interface UprightLine {
-  /** Where the sensor stood. */
+  /** Position of the sensor. */
   north: number;
   east: number;
-  /** Of the line, clockwise from north. */
+  /** Direction of the line, clockwise from north. */
   heading: number;
-  /** m along the line that were heard: `from` is negative where beams look back. */
+  /** Ends of the samples along the line, m; `from` is negative if beams look back. */
   from: number;
   to: number;
-  /** Half the angle of the wedge that the beams cover from above. */
+  /** Half the opening angle of the wedge that the beams cover, seen from above. */
   half: number;
-  /** Strongest sample of each of equal stretches from `from` to `to`; -1: no sample lies there. */
+  /** Strongest sample in each of equal cells from `from` to `to`; -1: no sample. */
   levels: Int16Array;
 }
 
-/** null: nothing was heard, or all beams look straight up or down. */
+/** null: there is no sample, or all beams look straight up or down. */
 export function uprightLine(image: SonarImage): UprightLine | null {
   const { newest, beams, bins, heard, poses, intensity } = image;
   if (newest < 0) return null;
@@ -42,7 +42,7 @@ export function uprightLine(image: SonarImage): UprightLine | null {
   const [north, east] = [poses[7 * newest]!, poses[7 * newest + 1]!];
   const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
   const line = { north, east, heading, from: Infinity, to: -Infinity, half: image.sonar.height / 2 };
-  // of a turning head each beam was heard from a place of its own
+  // each beam of a scanning head has a position of its own
   const start = (beam: number) => (poses[7 * beam]! - north) * cos + (poses[7 * beam + 1]! - east) * sin;
   const aside = (beam: number) => lean[2 * beam]! * cos + lean[2 * beam + 1]! * sin;
   for (let beam = 0; beam < beams; ++beam) {

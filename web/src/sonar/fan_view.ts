@@ -1,4 +1,4 @@
-/** The samples as a fan or a turn: the sensor looks up, what it heard lies where it is. */
+/** FanView: the samples of a fan or of a turn in true geometry; the sensor looks up. */
 import { PolarPicture } from '../polar';
 import type { SonarImage } from '../sonar_image';
 import type { Paint } from '../theme';
@@ -9,7 +9,7 @@ import { directionText, type Form, type Sample, type Sheet } from './sample';
 export class FanView implements Form {
   private picture: PolarPicture | null = null;
   private painted = '';
-  /** px of CSS to a metre, and where the sensor stands. */
+  /** CSS pixels per metre, and the position of the sensor. */
   private scale = 1;
   private x = 0;
   private y = 0;

@@ -1,4 +1,4 @@
-/** What the two forms of the sonar's picture share. */
+/** The parts that both forms of the sonar's picture share. */
 import type { SonarImage } from '../sonar_image';
 import type { Paint } from '../theme';
 import { elevation } from '../units';
@@ -17,7 +17,7 @@ export interface Sheet {
   paint: Paint;
   /** Colours of the levels. */
   table: Uint32Array;
-  /** Of samples that were decided as echo; 0: as any other. */
+  /** Colour of samples detected as echo; 0: the colour of their level. */
   decided: number;
   /** Changes whenever the samples have to be painted again. */
   look: string;
@@ -25,13 +25,13 @@ export interface Sheet {
 
 export interface Form {
   draw(sheet: Sheet): void;
-  /** Under a place of the canvas. */
+  /** The sample under a position of the canvas. */
   sampleAt(x: number, y: number, image: SonarImage): Sample | null;
-  /** A ring at a sample, and its beam. */
+  /** Draws a ring at a sample, and its beam. */
   point(drawing: CanvasRenderingContext2D, image: SonarImage, sample: Sample, colour: string): void;
 }
 
-/** Of a direction in the plane of the fan: its azimuth, or how far it looks up or down where the fan stands upright. */
+/** A direction in the plane of the fan as text: its azimuth, or its elevation if the fan is vertical. */
 export function directionText(image: SonarImage, azimuth: number): string {
   if (image.sonar.upright) return elevation(image.elevation(azimuth));
   return `${Math.round((azimuth * 180) / Math.PI)}°`.replace('-', '−');

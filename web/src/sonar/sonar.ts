@@ -1,4 +1,4 @@
-/** What a sonar hears: its samples as a fan and unrolled, the echoes that were decided, and one beam as a curve. */
+/** SonarView: the samples of a sonar as a fan or unrolled, the detected echoes, and one beam as a curve. */
 import { Chart } from '../chart';
 import { css, packed, rgbOf, tables, type TableName } from '../colours';
 import { byId, context, fit, make, mark, pixelRatio, say } from '../dom';
@@ -63,7 +63,7 @@ export class SonarView implements View {
     this.canvas.addEventListener('pointermove', hover);
     this.canvas.addEventListener('pointerdown', hover);
     this.canvas.addEventListener('pointerleave', (event) => {
-      if (event.pointerType !== 'mouse') return; // a finger that is lifted still means the beam that it showed
+      if (event.pointerType !== 'mouse') return; // keep the beam that a lifted finger pointed at
       this.pointer = null;
       touch();
     });
@@ -93,7 +93,7 @@ export class SonarView implements View {
     this.which.replaceChildren(
       ...numbers.map((number) => {
         const { sonar } = model.sonars.get(number)!;
-        const kind = sonar.scanning ? 'turning' : sonar.upright ? 'upright fan' : 'fan';
+        const kind = sonar.scanning ? 'scanning' : sonar.upright ? 'vertical fan' : 'fan';
         return make(
           'option',
           { value: number, selected: number === this.chosen },
@@ -131,7 +131,7 @@ export class SonarView implements View {
     mark(this.canvas, 'sonar', image.sonar.name);
   }
 
-  /** Which colour is which level. */
+  /** The legend of the levels. */
   private scale(image: SonarImage, name: TableName): void {
     const look = `${name} ${JSON.stringify(image.sonar.scale)}`;
     if (look === this.scaled) return;
@@ -155,7 +155,7 @@ export class SonarView implements View {
       const byte = image.intensity[i]!;
       parts.push(`range ${units.metres(image.rangeOf(bin), 2)}`, value(image, byte));
       if (threshold > 0) parts.push(byte >= threshold ? 'passes' : 'below the threshold');
-      if (image.decided[i] === 1) parts.push('decided as echo');
+      if (image.decided[i] === 1) parts.push('detected as echo');
       const along = new Float64Array(3);
       image.direction(beam, along);
       const at = (k: number) => image.poses[beam * 7 + k]! + image.rangeOf(bin) * along[k]!;
@@ -166,7 +166,7 @@ export class SonarView implements View {
 
   private tellAge(image: SonarImage): void {
     const age = this.shared.model.age(image.time);
-    const text = Number.isNaN(age) ? 'nothing heard yet' : `last ping ${units.age(Math.max(0, age))} old`;
+    const text = Number.isNaN(age) ? 'no ping yet' : `last ping ${units.age(Math.max(0, age))} old`;
     const element = byId('sonar-age');
     say(element, text);
     mark(element, 'stale', String(age > 2));
@@ -194,7 +194,7 @@ export class SonarView implements View {
       [
         { label: 'beam', colour: 'plot' },
         { label: 'threshold', colour: 'ruler', dash: [5, 4] },
-        { label: 'decided', colour: 'decided', points: true },
+        { label: 'detected', colour: 'decided', points: true },
         { label: 'cursor', colour: 'ruler', points: true },
       ],
       { x: 'range, m', y: unit ? `level, ${unit}` : 'level', low, high },
@@ -221,7 +221,7 @@ function share(image: SonarImage, threshold: number): string {
 }
 
 const dimmed = new Map<string, Uint32Array>();
-/** What does not pass is there still, as a shadow of itself. */
+/** The colour table with samples below the threshold dimmed. */
 function passing(table: Uint32Array, threshold: number): Uint32Array {
   if (threshold === 0) return table;
   const key = `${table[0]} ${table[255]} ${threshold}`;

@@ -1,4 +1,4 @@
-/** The samples unrolled: beams side by side from port to starboard, range upwards. Nothing is resampled. */
+/** StripView: the samples unrolled, beams side by side from port to starboard, range upwards, without resampling. */
 import { context, sheet } from '../dom';
 import { kFont } from '../plan/pen';
 import type { SonarImage } from '../sonar_image';

@@ -1,4 +1,4 @@
-/** A frame round what is shown: a grid on the floor and numbers along north, east and depth. */
+/** Axes: a grid below the scene and numbers along north, east and depth. */
 import {
   BufferAttribute,
   BufferGeometry,
@@ -19,10 +19,10 @@ export class Axes {
   readonly group = new Group();
   private look = '';
 
-  /** m; returns the steps of the grid: level and in depth. */
+  /** Builds the axes again if the extent (m), the vertical stretch or the colours have changed. */
   build(extent: Extent, stretch: number, paint: Paint): void {
     const level = roundStep(Math.max(extent.high[0]! - extent.low[0]!, extent.high[1]! - extent.low[1]!) / 5);
-    // No closer than their numbers can stand.
+    // Not so close that the numbers would overlap.
     const deep = roundStep(Math.max(Math.max(1, extent.high[2]!) / 3, (0.35 * level) / stretch));
     const low = [0, 1].map((k) => Math.floor(extent.low[k]! / level) * level) as [number, number];
     const high = [0, 1].map((k) => Math.ceil(extent.high[k]! / level) * level) as [number, number];
@@ -80,7 +80,7 @@ export class Axes {
   }
 }
 
-/** Of the height of the view. */
+/** Text height as a share of the height of the view. */
 const kText = 0.03;
 
 function label(words: string, paint: Paint): Sprite {
@@ -100,7 +100,7 @@ function label(words: string, paint: Paint): Sprite {
   pen.fillText(words, 6, 23);
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
-  // As large on the screen, however far away.
+  // The same size on the screen at any distance.
   const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true, sizeAttenuation: false }));
   sprite.scale.set((kText * canvas.width) / canvas.height, kText, 1);
   sprite.renderOrder = 5;

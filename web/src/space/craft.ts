@@ -1,4 +1,4 @@
-/** The vehicle to scale, with a ring round it that is found from far away, and the outline of each sonar's fan. */
+/** Craft: the vehicle to scale, with a ring that is visible from far away. FanOutlines: the outline of each fan. */
 import {
   BufferAttribute,
   BufferGeometry,
@@ -39,7 +39,7 @@ export class Craft {
       mesh.position.set(px, py, pz);
       return mesh;
     };
-    // One metre long, bow along y, up is z: the pose is set below.
+    // One metre long, bow along y, up is z; place() sets the pose.
     const hull = new Mesh(new CapsuleGeometry(0.06, 0.76, 6, 16), this.hull);
     const tail = new Mesh(new ConeGeometry(0.058, 0.2, 16), this.hull);
     tail.rotation.x = Math.PI;
@@ -100,7 +100,7 @@ export class FanOutlines {
   }
 }
 
-/** Of a fan: its edge; of a scanning head: the beam that was heard last. */
+/** The edge of a fan, or the latest beam of a scanning head. */
 function outline(image: SonarImage, stretch: number): Float32Array {
   const { azimuth, scanning } = image.sonar;
   const order = scanning ? [image.newest] : Array.from(azimuth.keys()).sort((a, b) => azimuth[a]! - azimuth[b]!);

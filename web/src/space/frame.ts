@@ -1,4 +1,4 @@
-/** W is north, east, down; three.js draws x, y, z with z up here: east, north, up. The one place that knows. */
+/** Converts W (north, east, down) to three.js (east, north, up). No other file knows the axes of three.js. */
 import { Vector3 } from 'three';
 
 export const at = (north: number, east: number, down: number): Vector3 => new Vector3(east, north, -down);
@@ -8,7 +8,7 @@ export function put(out: Float32Array, i: number, north: number, east: number, d
   out[3 * i + 2] = -down;
 }
 
-/** What is shown, in W. */
+/** The bounds of what is shown, in W. */
 export class Extent {
   readonly low = [Infinity, Infinity, Infinity];
   readonly high = [-Infinity, -Infinity, -Infinity];

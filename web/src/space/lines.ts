@@ -1,4 +1,4 @@
-/** A line through places in W that grows, in room that is made seldom. */
+/** Thread: a growing line through positions in W; its buffer is reallocated seldom. */
 import { BufferAttribute, BufferGeometry, Line, LineBasicMaterial } from 'three';
 import { put } from './frame';
 

@@ -1,14 +1,14 @@
 /**
- * Light from above and all round, worked out a corner rather than a pixel: where no graphics processor draws, that is
- * most of the time of a picture. Colours are those of the screen, 0 to 1.
+ * Light from above and ambient light, computed per vertex instead of per pixel: without a graphics processor, shading
+ * takes most of the time of a picture. Colours are those of the screen, 0 to 1.
  */
 import { Vector2, Vector3 } from 'three';
 
 /** Towards the sun: east, north, up. */
 export const kSunward = new Vector3(-0.5, 0.6, 1).normalize();
-/** From all round, and from the sun, as three.js has intensities. */
+/** Intensities of the ambient light and of the sun, as in three.js. */
 export const [kDaylight, kNightlight] = [new Vector2(1.7, 2), new Vector2(1.1, 1.6)];
-/** Of the whole scene now. */
+/** The present light of the scene. */
 export const kLight = kDaylight.clone();
 
 export const lightUniforms = (opacity = 1) => ({
@@ -17,7 +17,7 @@ export const lightUniforms = (opacity = 1) => ({
   opacity: { value: opacity },
 });
 
-/** For models that are only stretched, not turned. */
+/** For models that are stretched but not rotated. */
 export const shadeInVertex = `
 uniform vec2 light;
 uniform vec3 sunward;

@@ -1,6 +1,6 @@
 /**
- * The view in space: voxels, bottom, vehicle and ways, to be turned with mouse, fingers or keys. Drawn only when
- * something changed.
+ * SpaceView: the 3-D view of voxels, bottom, vehicle, route and track. Mouse, fingers or keys turn it. It is drawn only
+ * when something has changed.
  */
 import {
   AmbientLight,
@@ -28,17 +28,17 @@ import { kDaylight, kLight, kNightlight, kSunward } from './shading';
 import { Surface } from './surface';
 import { VoxelMesh, type VoxelColour } from './voxel_mesh';
 
-/** ms between two rebuilds of what is dear to build. */
+/** ms between two rebuilds of the expensive parts. */
 const kRebuild = 300;
-/** ms between two pictures of what moves, where the processor has to draw them. */
+/** ms between two pictures while things move, if the CPU draws them. */
 const kSlow = 400;
-/** Cubes that a processor draws while things change, and once they have not for a while, ms. */
+/** Cubes that the CPU draws while things change, and cubes once nothing has changed for kRest ms. */
 const [kSlowCubes, kRestCubes, kRest] = [10_000, 40_000, 600];
-/** s of the run, at its own speed: a longer step is a jump. */
+/** s of the run at speed 1: a longer step is a jump. */
 const kJump = 3;
-/** Voxels for each cube that may be drawn: those inside are not, and larger cubes stand for the rest. */
+/** Voxels per drawable cube: inner voxels are not drawn, and larger cubes represent the rest. */
 const kVoxelsEach = 4;
-/** ms after a jump in which nothing waits for its turn: what was sought comes in pieces. */
+/** ms after a jump in which everything is drawn at once, because the sought items arrive in pieces. */
 const kArrives = 500;
 
 export class SpaceView implements View {
@@ -75,10 +75,10 @@ export class SpaceView implements View {
   private jumped = -Infinity;
   private rebuilt = -Infinity;
   private placed = false;
-  /** Whether all voxels were asked for, of which start of the connection. */
+  /** Whether all voxels were requested, and in which connection. */
   private wanted = '';
   private deepest = 1;
-  /** What was looked at while following. */
+  /** Target of the camera while it follows the vehicle. */
   private followed: Vector3 | null = null;
 
   constructor(private readonly shared: Shared) {
@@ -147,7 +147,7 @@ export class SpaceView implements View {
     this.tell();
   }
 
-  /** Who stands still to look gets the finer cubes. */
+  /** Draws finer cubes once nothing has changed for a while. */
   private rest(now: number): void {
     if (this.dirty) this.changed = now;
     const rests = now - this.changed > kRest;
@@ -159,7 +159,7 @@ export class SpaceView implements View {
     this.dirty = true;
   }
 
-  /** All of them only where they are looked at, and can be drawn. */
+  /** Requests all voxels only if they are visible and few enough to draw. */
   private askForVoxels(visible: boolean): void {
     const { model } = this.shared;
     let count = 0;
@@ -167,7 +167,7 @@ export class SpaceView implements View {
     const all = visible && this.boxes.voxels.checked && count <= kVoxelsEach * (this.slow ? kRestCubes : this.voxels.most);
     const wanted = `${all} ${model.revision[0]}`;
     if (wanted === this.wanted || (!all && !this.wanted.startsWith('true'))) return;
-    if (!this.shared.wantVoxels(all)) return; // all come in any case, or nobody is there
+    if (!this.shared.wantVoxels(all)) return; // a stored run has all voxels; a socket is not connected
     this.wanted = wanted;
     if (!all) model.dropVoxels();
   }
@@ -182,7 +182,7 @@ export class SpaceView implements View {
     this.camera.position.sub(controls.target).divideScalar(factor).add(controls.target);
     this.touched();
   }
-  /** Steps of about 6 degrees round and over what is looked at. */
+  /** Turns the camera about its target in steps of about 6 degrees. */
   turnBy(right: number, up: number): void {
     const controls = this.controls;
     if (!controls) return;
@@ -217,7 +217,7 @@ export class SpaceView implements View {
     this.shared.redraw();
   }
 
-  /** The first time that this view is seen: who never looks here never pays for it. */
+  /** Starts WebGL when this view is first visible, so that it costs nothing before. */
   private start(): boolean {
     if (this.renderer) return true;
     if (this.failed) return false;
@@ -242,7 +242,7 @@ export class SpaceView implements View {
     return true;
   }
   private failed = false;
-  /** No graphics processor: fewer points, and a picture for every record would leave no time for the other views. */
+  /** The CPU draws: fewer points, and fewer pictures, to leave time for the other views. */
   private slow = false;
   private moved = false;
   private rendered = -Infinity;
@@ -341,7 +341,7 @@ export class SpaceView implements View {
     if (vehicle) {
       const place = at(vehicle.north, vehicle.east, vehicle.down * this.stretch);
       const { target } = this.controls!;
-      // Who drags the view away wants to look elsewhere.
+      // Dragging the view away ends following.
       if (this.followed && target.distanceTo(this.followed) > 1e-3) this.boxes.follow.checked = false;
       this.followed = null;
       if (this.boxes.follow.checked) {
@@ -392,13 +392,13 @@ export class SpaceView implements View {
     );
     if (this.voxels.shown > 0 && this.voxels.colour === 'depth') {
       parts.push(
-        `voxels light ${units.metres(this.voxels.range[0])} to dark ${units.metres(this.voxels.range[1])} deep`,
+        `voxels from ${units.metres(this.voxels.range[0])} (light) to ${units.metres(this.voxels.range[1])} deep`,
       );
     } else if (this.voxels.shown > 0) {
-      parts.push('voxels dark 50 % to light 100 % likely');
+      parts.push('voxels from 50 % (dark) to 100 % occupied (light)');
     }
     if (this.shared.model.depth.size > 0 && this.boxes.bottom.checked)
-      parts.push(`bottom light 0 m to dark ${this.deepest} m deep`);
+      parts.push(`bottom from 0 m (light) to ${this.deepest} m deep (dark)`);
     say(this.readout, parts.join(' · '));
     mark(this.canvas, 'voxels', String(this.voxels.shown));
   }

@@ -1,6 +1,7 @@
 /**
- * The depth map as a surface. A tile's piece of it is made again when the tile, the scale or the theme has changed, and
- * drawn in one mesh with those round it: hundreds of small meshes take longer to draw than their points.
+ * Surface: the depth map as a surface. The piece of a tile is rebuilt when the tile, the scale or the theme has
+ * changed. Neighbouring tiles share one mesh, because hundreds of small meshes would take longer to draw than their
+ * points.
  */
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, ShaderMaterial } from 'three';
 import type { Model, Revised } from '../model';
@@ -9,9 +10,9 @@ import type { Theme } from '../theme';
 import { put } from './frame';
 import { lightUniforms, shadedFragment, shadeInVertex } from './shading';
 
-/** Points a side of a tile: finer is not seen, coarser says nothing. */
+/** Points along the side of a tile, most and least: finer is not visible, coarser shows nothing. */
 const [kMostSide, kLeastSide] = [128, 8];
-/** ms a frame for tiles. */
+/** ms per frame for building tiles. */
 const kBuilds = 40;
 
 const kVertex = `
@@ -22,7 +23,7 @@ void main() {
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 
-/** Tiles along a side of a mesh. */
+/** Tiles along the side of a mesh. */
 const kTogether = 4;
 
 interface Tile {
@@ -45,7 +46,7 @@ interface Sheet {
 
 export class Surface {
   readonly group = new Group();
-  /** Points of all tiles together, about. */
+  /** Approximate limit of the points of all tiles together. */
   most = 600_000;
   private readonly tiles = new Map<string, Tile>();
   private readonly sheets = new Map<string, Sheet>();
@@ -58,10 +59,10 @@ export class Surface {
     transparent: true,
   });
 
-  /** As many tiles as a frame has time for, so that it stays a frame. True: there is more to do. */
+  /** Builds as many tiles as fit into the time of a frame. Returns whether there is more to do. */
   build(model: Model, theme: Theme, deepest: number): boolean {
     const until = performance.now() + kBuilds;
-    // By powers of two, or each new tile would make all others again.
+    // Powers of two, because otherwise each new tile would rebuild all others.
     const share = 2 ** Math.floor(Math.log2(Math.sqrt(this.most / Math.max(1, model.depth.size))));
     const finest = Math.min(kMostSide, Math.max(kLeastSide, share));
     const look = `${theme.name} ${deepest} ${finest}`;
@@ -97,7 +98,7 @@ export class Surface {
     return more;
   }
 
-  /** To be changed. */
+  /** The sheet of that key, marked as stale; made if it does not exist. */
   private sheetOf(key: string): Sheet {
     let sheet = this.sheets.get(key);
     if (!sheet) {
@@ -132,7 +133,7 @@ function joinedPieces(pieces: readonly Piece[]): BufferGeometry {
   return geometry;
 }
 
-/** To the north, the east and the north-east: the surface goes on to their first points, so that no gap is left. */
+/** The tiles to the north, east and north-east: the surface extends to their first points, to leave no gap. */
 function neighbours(model: Model, { row, column }: DepthTile): (Revised<DepthTile> | undefined)[] {
   const at = (r: number, c: number) => model.depth.get(`${r >>> 0},${c >>> 0}`);
   return [at(row + 1, column), at(row, column + 1), at(row + 1, column + 1)];
@@ -151,7 +152,7 @@ function shape(
   const tints = new Uint8Array(3 * side * side);
   const known = new Uint8Array(side * side);
   const table = theme.paint.depth;
-  // Of a table's entries the last are as dark as the night round them.
+  // The last entries of a table are as dark as the background at night.
   const [darkest, grey] = theme.name === 'day' ? [230, 190] : [120, 70];
   for (let row = 0; row < side; ++row) {
     for (let column = 0; column < side; ++column) {
@@ -165,7 +166,7 @@ function shape(
       if (!known[i] || !from) continue;
       put(places, i, from.north + (y + 0.5) * from.pixel, from.east + (x + 0.5) * from.pixel, depth);
       const word = table[Math.min(255, Math.max(0, Math.round((darkest * depth) / deepest)))]!;
-      // Less sure is greyer.
+      // Lower confidence is greyer.
       const sure = 0.45 + 0.55 * Math.sqrt(Math.min(1, from.confidence[at]! / 20));
       for (let k = 0; k < 3; ++k)
         tints[3 * i + k] = Math.round(sure * ((word >> (8 * k)) & 255) + (1 - sure) * grey);

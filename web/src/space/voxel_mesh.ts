@@ -1,7 +1,7 @@
 /**
- * The voxels as cubes of one mesh. Of a cube only the three sides towards the eye can be seen: only they are drawn, as
- * the three of one corner, which is turned to the eye. Places and colours are read from textures by the number of the
- * vertex: who draws in software does an instance at a time, at four times the cost.
+ * VoxelMesh: the voxels as cubes of one mesh. Only the three sides of a cube that face the eye are drawn: one corner
+ * with three sides, mirrored towards the eye. The shader reads positions and colours from textures by the number of the
+ * vertex. Instancing would cost four times as much in software rendering, which draws one instance at a time.
  */
 import {
   BufferGeometry,
@@ -21,24 +21,24 @@ import { lightUniforms, shadeInVertex, shadedFragment } from './shading';
 import { kCell, VoxelShell } from './voxel_shell';
 
 export type VoxelColour = 'depth' | 'probability';
-/** Texels of a row. */
+/** Texels per row. */
 const kRow = 1024;
-/** Vertices of a cube: three sides of two triangles. */
+/** Vertices per cube: three sides of two triangles each. */
 const kVertices = 18;
-/** Of an edge: so much is drawn, the rest parts the cubes. */
+/** Drawn share of an edge; the rest separates the cubes. */
 const kDrawn = 0.96;
 
 export class VoxelMesh {
   readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
   colour: VoxelColour = 'depth';
-  /** Cubes: more than that is more than a screen shows, and a laptop draws. */
+  /** Most cubes to draw: more than that neither fits a screen nor is drawn by a laptop in time. */
   most = 300_000;
   shown = 0;
   /** Voxels along an edge of a cube. */
   get side(): number {
     return this.shell.side;
   }
-  /** Depths of the scale of colours, m. */
+  /** Depths at the ends of the colour scale, m. */
   range: [number, number] = [0, 1];
   private readonly shell = new VoxelShell();
   private places = texture(new Float32Array(4 * kRow), 1);
@@ -54,7 +54,7 @@ export class VoxelMesh {
       },
       vertexShader: kVertex,
       fragmentShader: shadedFragment,
-      side: DoubleSide, // a corner that is turned is a corner seen in a mirror
+      side: DoubleSide, // mirroring a corner reverses its winding
     });
     this.mesh = new Mesh(new BufferGeometry(), material);
     this.mesh.geometry.setDrawRange(0, 0);
@@ -81,7 +81,7 @@ export class VoxelMesh {
         places[4 * i + 1] = cells[at]!;
         places[4 * i + 2] = -down;
         places[4 * i + 3] = kDrawn * cells[at + 4]!;
-        // Shallow is light: it is what a keel meets first. Likely is light too.
+        // Shallow is light, because a keel meets it first. High probability is light too.
         const share = this.colour === 'depth' ? 1 - (down - low) / (high - low) : (cells[at + 3]! - 0.5) * 2;
         const word = table[Math.min(255, Math.max(0, Math.round(30 + 225 * share)))]!;
         [tints[4 * i], tints[4 * i + 1], tints[4 * i + 2]] = rgbOf(word);

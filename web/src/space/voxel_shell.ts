@@ -1,34 +1,34 @@
 /**
- * The voxels that can be seen: those with nothing but neighbours round them are left out. Of a region whose voxels have
- * not come, or that a page did not ask for, its larger cubes stand for them. What was found of a block is kept until it
- * or a block beside it changes.
+ * VoxelShell: the visible voxels; voxels that are enclosed by neighbours are left out. Larger cubes represent a region
+ * whose voxels have not arrived or were not requested. The result of a block is kept until the block or a neighbouring
+ * block changes.
  */
 import type { Model, Revised } from '../model';
 import { kCubeSide, type VoxelBlock } from '../protocol';
 
-/** Numbers a voxel: north, east, down of its middle, probability, size. */
+/** Numbers per voxel: north, east, down of its centre, probability, size. */
 export const kCell = 5;
 const kSide = 16;
 const kLevels = Math.log2(kSide);
 const kCubeLevel = Math.log2(kCubeSide);
 const kSteps = [1, -1].flatMap((step) => [0, 1, 2].map((axis) => [0, 1, 2].map((k) => (k === axis ? step : 0))));
-/** Of a region's voxels; what came in the same message differs little. */
+/** Share of a region's voxels from which on they replace its cubes; the two counts may differ a little. */
 const kNearlyAll = 0.9;
 
 type Block = Revised<VoxelBlock>;
 interface Found {
   block: Block;
-  /** Revisions of this block and of those beside it. */
+  /** Revisions of this block and of its neighbours. */
   revisions: readonly number[];
-  /** [k]: in cubes of 2^k voxels a side, as many as have one that can be seen. */
+  /** [k]: the cubes of 2^k voxels a side that contain a visible voxel. */
   levels: Level[];
 }
 interface Level {
   shades: Uint8Array;
-  /** As many numbers as kCell a cube that is there. */
+  /** kCell numbers for each cube. */
   cells: Float32Array;
 }
-/** One size of voxel. */
+/** The blocks of one voxel size. */
 class Layer {
   private found = new Map<number, Found>();
 
@@ -50,7 +50,7 @@ class Layer {
     this.found = found;
   }
 
-  /** In cubes of 2^level voxels a side. */
+  /** The visible cells in cubes of 2^level voxels a side. */
   *cells(level: number): Generator<Float32Array> {
     for (const { block, levels } of this.found.values()) {
       while (levels.length <= level) {
@@ -85,7 +85,7 @@ class Layer {
   }
 }
 
-/** Eight in one, as likely as the likeliest; `across` of these a side. */
+/** Merges eight cells into one with their highest probability; `across` merged cells a side. */
 function larger(finer: Uint8Array, across: number): Uint8Array {
   const out = new Uint8Array(across ** 3);
   const [two, row] = [2 * across, 4 * across * across];
@@ -119,12 +119,12 @@ function cellsOf({ corner, size }: VoxelBlock, shades: Uint8Array, level: number
 }
 
 export class VoxelShell {
-  /** Voxels along an edge of the largest cubes that were told last. */
+  /** Voxels along an edge of the largest cubes of the last result. */
   side = 1;
   private readonly voxels = new Layer();
   private readonly cubes = new Layer();
 
-  /** By block; in larger cubes where there are more than `most`, so that none is left out. */
+  /** The cells by block; if there are more than `most`, in larger cubes, so that none is left out. */
   of(model: Model, most = Infinity): Float32Array[] {
     const came = new Map<number, number>();
     for (const { item } of model.voxels.values()) {
@@ -148,11 +148,11 @@ export class VoxelShell {
   }
 }
 
-/** 17 bits an axis, round nought: enough for a map of 30 km in quarters of a metre. */
+/** Key of a block: 17 bits per axis around zero, enough for a map of 30 km in quarters of a metre. */
 function placeOf(corner: readonly number[]): number {
   return ((corner[0]! & 0x1ffff) * 0x20000 + (corner[1]! & 0x1ffff)) * 0x20000 + (corner[2]! & 0x1ffff);
 }
-/** Where the cubes of a block's voxels are. */
+/** Key of the region whose cubes contain this block of voxels. */
 function regionOf({ corner }: VoxelBlock): number {
   return placeOf(corner.map((v) => Math.floor(v / (kCubeSide * kSide)) * kSide));
 }
