@@ -74,7 +74,7 @@ int act(Options& options) {
   request.suite = load_suite(find_suite(options.suite, request.out / "inputs"));
   if (!options.variant.empty()) select_variants(request.suite, options.variant);
   if (options.alone) request.suite.baselines.clear();
-  request.competitors = competitors_of(request.suite, configuration);
+  request.methods = methods_of(request.suite, configuration);
   request.version = program_version();
   if (options.only >= 0) {
     request.seed = (request.seed >= 0 ? request.seed : request.suite.about.seed) + options.only;

@@ -113,7 +113,7 @@ class Orders {
 };
 
 /// Start of the run and its present time, on its own clock.
-TimeSpan span_of(const DisplayItems& items) {
+TimeSpan span_of(const DisplayState& items) {
   const auto [first, last] = items.times();
   return {first, last};
 }
@@ -122,7 +122,7 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   RunRequest& request = options.read();
   if (request.record.empty()) request.record = request.out / "recording.mcap";
   std::filesystem::create_directories(request.record.parent_path());
-  DisplayItems items;
+  DisplayState items;
   SharedChanges shared(items);
   Orders orders;
   const double speed = speed_of(speed_words(options));

@@ -46,7 +46,7 @@ class Agent {
 };
 
 /// An agent with its name and its level.
-struct Seat {
+struct AgentSlot {
   std::string name;  ///< "navigator"
   AgentLevel level = AgentLevel::kMission;
   std::unique_ptr<Agent> agent;

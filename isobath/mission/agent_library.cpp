@@ -61,7 +61,7 @@ SectionList agent_list(std::vector<AgentFile>& agents) {
           }};
 }
 
-Seat load_agent(const AgentFile& agent) {
+AgentSlot load_agent(const AgentFile& agent) {
   const AgentEntry& entry = entry_of(agent.library, agent.place);
   try {
     return {agent.name, agent.level, entry.make()};

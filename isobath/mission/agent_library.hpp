@@ -40,7 +40,7 @@ SectionList agent_list(std::vector<AgentFile>& agents);
 
 /// Throws Error with the place where the file does not exist, is no library or exports no agent, where it was built for
 /// another interface, or where its agent throws in its constructor.
-Seat load_agent(const AgentFile& agent);
+AgentSlot load_agent(const AgentFile& agent);
 
 }  // namespace isobath
 

@@ -9,7 +9,7 @@ namespace {
 constexpr const char* name(const Navigation*) { return "navigation"; }
 constexpr const char* name(const RangeReading*) { return "range reading"; }
 constexpr const char* name(const Health*) { return "health"; }
-constexpr const char* name(const SonarLook*) { return "sonar look"; }
+constexpr const char* name(const SonarHealthSample*) { return "sonar look"; }
 constexpr const char* name(const SonarEchoes*) { return "sonar echoes"; }
 constexpr const char* name(const Sweep*) { return "sweep"; }
 constexpr const char* name(const ObstacleScan*) { return "obstacle scan"; }
@@ -36,7 +36,7 @@ constexpr const char* name(const TaskPlan*) { return "task plan"; }
 constexpr const char* name(const Decision*) { return "decision"; }
 constexpr const char* name(const ChartUpdate*) { return "chart update"; }
 constexpr const char* name(const LinkFrame*) { return "link frame"; }
-constexpr const char* name(const SpaceSeen*) { return "space seen"; }
+constexpr const char* name(const OccupancyUpdate*) { return "space seen"; }
 
 template <std::size_t... I>
 constexpr std::array<const char*, sizeof...(I)> all_names(std::index_sequence<I...>) {

@@ -1,9 +1,9 @@
 // Bus: every message between agents passes through it once. The bus numbers the message, counts it by sender and type,
 // and shows it to the recorder (Ganesan 2015, 5.1; ledger S6-32, S6-33).
 //
-// The bus delivers nothing: Crew and ThreadedCrew decide which agent receives a message, and in which thread (crew.hpp,
-// threaded_crew.hpp). Numbers count up from 1 in the order of the calls. A recorder that throws is not called again;
-// its loss is reported once. One thread at a time.
+// The bus delivers nothing: Executor and ThreadedExecutor decide which agent receives a message, and in which thread
+// (executor.hpp, threaded_executor.hpp). Numbers count up from 1 in the order of the calls. A recorder that throws is
+// not called again; its loss is reported once. One thread at a time.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ inline const char* message_name(const Message& message) { return message_name(me
 /// Senders that are not agents.
 inline constexpr const char* kFromOutside = "sensed";     ///< input from outside
 inline constexpr const char* kSupervisor = "supervisor";  ///< the executor of the agents
-inline constexpr const char* kHelmGate = "helm gate";
+inline constexpr const char* kCommandArbiter = "helm gate";
 inline constexpr const char* kRecorder = "recorder";  ///< sends nothing, but may be lost
 
 struct Envelope {

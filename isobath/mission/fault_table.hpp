@@ -2,7 +2,8 @@
 // a published table of faults, each with a limit, an action and a test; ledger S6-39, S2-28, S1-43, S1-44).
 //
 // The table is stated only here: the Safety Officer acts by these rows, docs/faults.md is fault_page(), and tests
-// compare both. `isobath eval faults` causes each fault and checks how all agents together respond (fault_proof.hpp).
+// compare both. `isobath eval faults` causes each fault and checks how all agents together respond
+// (fault_injection_check.hpp).
 #pragma once
 
 #include <array>

@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <isobath/map/depth_field.hpp>
 #include <isobath/map/obstacle_memory.hpp>
-#include <isobath/map/space_grid.hpp>
+#include <isobath/map/occupancy_snapshot.hpp>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/planning/hazard_map.hpp>
@@ -54,9 +54,9 @@ struct ObstacleScan {
 };
 
 /// Map in three dimensions -> Navigator: the water around, from a sonar that measures height; replaces the one before.
-struct SpaceSeen {
+struct OccupancyUpdate {
   Time time;
-  std::shared_ptr<const SpaceGrid> grid;  ///< never null
+  std::shared_ptr<const OccupancySnapshot> grid;  ///< never null
 };
 
 /// Chart room -> Navigator: the charted hazards around the vehicle; replaces those before. In W.
@@ -71,7 +71,7 @@ struct ChartUpdate {
 };
 
 /// Quality of one ping, sent as soon as the ping arrives.
-struct SonarLook {
+struct SonarHealthSample {
   Time time;
   std::string sonar;                ///< "sonar", "sonar.2" ...
   std::uint64_t digest = 0;         ///< of the samples: equal digests mean equal samples
@@ -267,10 +267,10 @@ struct Decision {
   std::vector<Eigen::Vector2d> way = {};         ///< N, E of the new route
 };
 
-using Message =
-    std::variant<Navigation, RangeReading, Health, SonarLook, SonarEchoes, Sweep, ObstacleScan, ChartedHazards,
-                 OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned, RouteRefused, PointReport,
-                 MissionReport, FollowOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost,
-                 StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision, ChartUpdate, LinkFrame, SpaceSeen>;
+using Message = std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan,
+                             ChartedHazards, OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned,
+                             RouteRefused, PointReport, MissionReport, FollowOrder, WaypointPassed, HelmOrder,
+                             SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid, TaskAward,
+                             TaskPlan, Decision, ChartUpdate, LinkFrame, OccupancyUpdate>;
 
 }  // namespace isobath

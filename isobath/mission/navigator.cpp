@@ -66,7 +66,7 @@ std::vector<Field> fields(NavigatorConfig& c) {
   };
 }
 
-Navigator::Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleSheet& vehicle,
+Navigator::Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
                      const SpaceRouteConfig& space_route)
     : config_(config), route_(route), space_route_(space_route), vehicle_(vehicle) {}
 
@@ -74,7 +74,7 @@ void Navigator::hear(const Message& message, Time now, Outbox& out) {
   now_ = now;
   if (const auto* fix = std::get_if<Navigation>(&message)) take_fix(*fix, out);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) take_scan(*scan, out);
-  if (const auto* seen = std::get_if<SpaceSeen>(&message)) space_ = seen->grid;
+  if (const auto* seen = std::get_if<OccupancyUpdate>(&message)) space_ = seen->grid;
   if (const auto* request = std::get_if<RouteRequest>(&message)) take_request(*request, out);
   if (const auto* passed = std::get_if<WaypointPassed>(&message)) take_passage(*passed);
   if (const auto* action = std::get_if<SafetyAction>(&message)) take_action(*action, out);

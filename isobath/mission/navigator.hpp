@@ -2,9 +2,9 @@
 // S6-36, S6-39, S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to
 // S2-31).
 //
-// Receives RouteRequest, ObstacleScan, SpaceSeen, ChartedHazards, Navigation, WaypointPassed, MissionOrder (fence,
-// speed), SafetyAction and Health (of the planner: the share of its budget that an overloaded computer leaves it).
-// Sends RoutePlanned, RouteRefused, Decision.
+// Receives RouteRequest, ObstacleScan, OccupancyUpdate, ChartedHazards, Navigation, WaypointPassed, MissionOrder
+// (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an overloaded computer leaves
+// it). Sends RoutePlanned, RouteRefused, Decision.
 //
 // Each scan is one cycle: the rest of the route, from the vehicle on, is transformed into the frame L of the scan,
 // checked there, and, if anything changes, transformed back with the same pose. A position error that route and
@@ -20,9 +20,10 @@
 // within `decide_within_m` of it and `sure_scans` scans agree; from farther away the refusal is put off. Charted and
 // injected obstacles are believed at once.
 //
-// Where a sonar measures height (SpaceSeen), a route may lead over, under or between hazards that close the plan view,
-// through water that was measured (planning/space_route.hpp; S5-35, S5-37). A route that already does so is kept. A new
-// one is searched where the plane has no route, or only one that is more than `switch_m` longer than the straight line.
+// Where a sonar measures height (OccupancyUpdate), a route may lead over, under or between hazards that close the plan
+// view, through water that was measured (planning/space_route.hpp; S5-35, S5-37). A route that already does so is kept.
+// A new one is searched where the plane has no route, or only one that is more than `switch_m` longer than the straight
+// line.
 //
 // If no route fits the turning radius, or the vehicle is nearer to a hazard than the clearance, a smaller clearance is
 // used.
@@ -38,7 +39,7 @@
 #include <isobath/planning/plan_frame.hpp>
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/planning/space_route.hpp>
-#include <isobath/vehicle/vehicle_sheet.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
 
 namespace isobath {
 
@@ -63,7 +64,7 @@ std::vector<Field> fields(NavigatorConfig& config);
 
 class Navigator : public Agent {
  public:
-  Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleSheet& vehicle,
+  Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
             const SpaceRouteConfig& space_route = {});
 
   void hear(const Message& message, Time now, Outbox& out) override;
@@ -76,7 +77,7 @@ class Navigator : public Agent {
   struct Space {
     std::vector<Hazard> hazards;
     SpaceRouteTask task;
-    SpaceRoom room;
+    ClearanceField room;
   };
   /// The data of one cycle, in the plan frame.
   struct View {
@@ -140,7 +141,7 @@ class Navigator : public Agent {
   NavigatorConfig config_;
   RouteConfig route_;
   SpaceRouteConfig space_route_;
-  VehicleSheet vehicle_;
+  VehicleParameters vehicle_;
 
   std::shared_ptr<const MissionPlan> plan_;
   std::optional<Navigation> here_;
@@ -148,7 +149,7 @@ class Navigator : public Agent {
   Time now_;
   Time scan_heard_;
   ChartedHazards chart_;
-  std::shared_ptr<const SpaceGrid> space_;  ///< null where no sonar measures height
+  std::shared_ptr<const OccupancySnapshot> space_;  ///< null where no sonar measures height
 
   std::optional<RouteRequest> request_;
   std::vector<Waypoint> way_;  ///< the rest of the route; the last is the mission point

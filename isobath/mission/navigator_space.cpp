@@ -45,7 +45,7 @@ const Navigator::Space& Navigator::space_of(View& view) const {
   if (!view.space) {
     std::vector<Hazard> hazards = hazards_W(view);
     SpaceRouteTask task = space_task(hazards);
-    SpaceRoom room = room_for(*space_, task, space_route_, true);
+    ClearanceField room = room_for(*space_, task, space_route_, true);
     view.space = std::make_unique<Space>(Space{std::move(hazards), task, std::move(room)});
   }
   return *view.space;
@@ -56,7 +56,7 @@ const Navigator::Space& Navigator::space_of(View& view) const {
 bool Navigator::leads_through(View& view, const Conflict& conflict, Outbox& out) {
   if (!space_) return false;
   const Space& space = space_of(view);
-  const SpaceRoom& room = space.room;
+  const ClearanceField& room = space.room;
   const Vector3d& start = space.task.start;
   std::vector<Vector3d> way = {start};
   for (const Waypoint& w : way_) way.emplace_back(w.north, w.east, w.depth);

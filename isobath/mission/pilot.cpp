@@ -16,7 +16,7 @@ std::vector<Field> fields(PilotConfig& c) {
 }
 
 Pilot::Pilot(const PilotConfig& config, const GuidanceConfig& guidance, const StationConfig& station,
-             const DepthKeeperConfig& depth, const VehicleSheet& vehicle)
+             const DepthKeeperConfig& depth, const VehicleParameters& vehicle)
     : config_(config),
       guidance_(guidance),
       depth_config_(depth),

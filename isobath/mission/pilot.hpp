@@ -30,7 +30,7 @@ std::vector<Field> fields(PilotConfig& config);
 class Pilot final : public Agent {
  public:
   Pilot(const PilotConfig& config, const GuidanceConfig& guidance, const StationConfig& station,
-        const DepthKeeperConfig& depth, const VehicleSheet& vehicle);
+        const DepthKeeperConfig& depth, const VehicleParameters& vehicle);
 
   void hear(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -51,7 +51,7 @@ class Pilot final : public Agent {
   PilotConfig config_;
   GuidanceConfig guidance_;
   DepthKeeperConfig depth_config_;
-  VehicleSheet vehicle_;
+  VehicleParameters vehicle_;
   StationKeeper station_;
   DepthKeeper depth_;
   std::optional<LineOfSight> line_of_sight_;  ///< kept from order to order, with its estimate of the current

@@ -102,13 +102,13 @@ bool SafetyOfficer::in_time(Speaker speaker, Time said, Time now) {
 void SafetyOfficer::hear(const Message& message, Time now, Outbox&) {
   set_clock(now);
   if (const auto* fix = std::get_if<Navigation>(&message)) hear_fix(*fix, now);
-  if (const auto* look = std::get_if<SonarLook>(&message)) hear_look(*look, now);
+  if (const auto* look = std::get_if<SonarHealthSample>(&message)) on_sonar_health(*look, now);
   if (const auto* echoes = std::get_if<SonarEchoes>(&message)) hear_echoes(*echoes, now);
   if (const auto* reading = std::get_if<RangeReading>(&message)) hear_range(*reading, now);
   if (const auto* health = std::get_if<Health>(&message)) hear_health(*health, now);
   if (const auto* command = std::get_if<OperatorCommand>(&message)) hear_command(*command);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) hear_scan(*scan);
-  if (const auto* seen = std::get_if<SpaceSeen>(&message)) space_ = seen->grid;
+  if (const auto* seen = std::get_if<OccupancyUpdate>(&message)) space_ = seen->grid;
   if (const auto* lost = std::get_if<AgentLost>(&message)) hear_lost(*lost);
   if (const auto* order = std::get_if<FollowOrder>(&message)) follow(*order);
   if (const auto* report = std::get_if<MissionReport>(&message)) phase_ = report->phase;
@@ -166,7 +166,7 @@ void SafetyOfficer::hear_fix(const Navigation& fix, Time now) {
   fix_ = next;
 }
 
-void SafetyOfficer::hear_look(const SonarLook& look, Time now) {
+void SafetyOfficer::on_sonar_health(const SonarHealthSample& look, Time now) {
   if (!in_time(kSonar, look.time, now)) return;
   const auto known = sonars_.find(look.sonar);
   if (known == sonars_.end() && sonars_.size() >= kMostNames) return;

@@ -12,7 +12,7 @@ constexpr double kOtherDepth = 0.2;      // m
 constexpr double kOtherSpeed = 0.02;     // m/s
 constexpr double kRise = 0.5;            // m, beyond the altitude at which it is no longer too low
 
-ImminentCollisionConfig imminent_config(const SafetyConfig& config, const VehicleSheet& vehicle) {
+ImminentCollisionConfig imminent_config(const SafetyConfig& config, const VehicleParameters& vehicle) {
   ImminentCollisionConfig c;
   c.reaction_s = config.reaction_s;
   c.braking = std::max(vehicle.braking, 0.001);
@@ -31,7 +31,7 @@ bool same(const SafetyAction& a, const SafetyAction& b) {
 
 }  // namespace
 
-SafetyOfficer::SafetyOfficer(const SafetyConfig& config, const VehicleSheet& vehicle)
+SafetyOfficer::SafetyOfficer(const SafetyConfig& config, const VehicleParameters& vehicle)
     : config_(config), vehicle_(vehicle), imminent_(imminent_config(config, vehicle), SensorTable::kMost) {}
 
 void SafetyOfficer::tick(Time now, Outbox& out) {

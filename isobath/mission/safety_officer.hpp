@@ -18,7 +18,7 @@
 // the spot to the ordered heading, and the stop is over when the path there is free at the ordered speed. Echoes are
 // taken to be at the height of the sonar.
 //
-// Where a sonar that measures height (SpaceSeen) has measured all water clear at the vehicle's depth and
+// Where a sonar that measures height (OccupancyUpdate) has measured all water clear at the vehicle's depth and
 // `height_margin_m` above and below it, the vehicle passes over or under: neither echoes nor obstacles count at that
 // place (S5-35). Echoes that bottom or surface explain do not arrive here where depth and altitude are known
 // (sonar/boundary_echoes.hpp); where the altitude is unknown, a bottom within the beam's reach stops the vehicle.
@@ -33,12 +33,12 @@
 #include <isobath/mission/fault_table.hpp>
 #include <isobath/mission/near_echoes.hpp>
 #include <isobath/mission/safety_config.hpp>
-#include <isobath/mission/sonar_watch.hpp>
+#include <isobath/mission/sonar_health_monitor.hpp>
 #include <isobath/perception/imminent_collision.hpp>
 #include <isobath/planning/escape.hpp>
 #include <isobath/sonar/sensor_table.hpp>
 #include <isobath/vehicle/guidance.hpp>
-#include <isobath/vehicle/vehicle_sheet.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -47,7 +47,7 @@ namespace isobath {
 
 class SafetyOfficer final : public Agent {
  public:
-  SafetyOfficer(const SafetyConfig& config, const VehicleSheet& vehicle);
+  SafetyOfficer(const SafetyConfig& config, const VehicleParameters& vehicle);
 
   void hear(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -108,7 +108,7 @@ class SafetyOfficer final : public Agent {
   void set_clock(Time now);
   bool in_time(Speaker speaker, Time said, Time now);
   void hear_fix(const Navigation& fix, Time now);
-  void hear_look(const SonarLook& look, Time now);
+  void on_sonar_health(const SonarHealthSample& look, Time now);
   void hear_echoes(const SonarEchoes& echoes, Time now);
   void hear_range(const RangeReading& reading, Time now);
   void hear_altitude(const RangeReading& reading, double down);
@@ -164,7 +164,7 @@ class SafetyOfficer final : public Agent {
   void act(Time now, Outbox& out);
 
   SafetyConfig config_;
-  VehicleSheet vehicle_;
+  VehicleParameters vehicle_;
   std::array<Row, kFaults> rows_;
   SafetyAction action_;
   bool told_ = false;  ///< a row changed in this cycle; its decision covers the change of action
@@ -178,12 +178,12 @@ class SafetyOfficer final : public Agent {
   std::shared_ptr<const MissionPlan> plan_;
   double started_s_ = 0;
 
-  std::map<std::string, SonarWatch> sonars_;
+  std::map<std::string, SonarHealthMonitor> sonars_;
   std::map<std::string, HealthState> states_;
   NearEchoes echoes_;
-  std::vector<Eigen::Vector2d> mapped_W_;   ///< points on the outlines of the last scan's obstacles
-  std::shared_ptr<const SpaceGrid> space_;  ///< null where no sonar measures height
-  double blind_m_ = 0;                      ///< blanking distance of the sonar
+  std::vector<Eigen::Vector2d> mapped_W_;           ///< points on the outlines of the last scan's obstacles
+  std::shared_ptr<const OccupancySnapshot> space_;  ///< null where no sonar measures height
+  double blind_m_ = 0;                              ///< blanking distance of the sonar
   SensorTable rangers_;
   ImminentCollision imminent_;
   std::optional<Fix> fix_;

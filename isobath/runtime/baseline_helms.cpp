@@ -11,7 +11,7 @@ using Eigen::Vector2d;
 constexpr std::size_t kScans = 3;
 constexpr double kLeastSpeedShare = 0.3;  // of PotentialFieldHelm: a vehicle with fins needs flow to steer
 
-GuidanceConfig guidance_for(const VehicleSheet& vehicle) {
+GuidanceConfig guidance_for(const VehicleParameters& vehicle) {
   GuidanceConfig config;
   config.integral_gain = 0.3;
   config.acceptance_radius = std::max(3.0, 0.5 * vehicle.limits.turning_radius);
@@ -27,7 +27,7 @@ bool any_within(const std::vector<Vector2d>& points, const Vector2d& p, double d
 
 // Line of sight ------------------------------------------------------------------------------------------------------
 
-LineOfSightHelm::LineOfSightHelm(const MissionPlan& mission, const VehicleSheet& vehicle)
+LineOfSightHelm::LineOfSightHelm(const MissionPlan& mission, const VehicleParameters& vehicle)
     : mission_(mission), vehicle_(vehicle) {
   if (mission_.points.empty()) throw Error("the mission has no points", {}, "at least one");
   report_.phase = MissionPhase::kUnderWay;
@@ -97,7 +97,7 @@ void LineOfSightHelm::decided(const std::string& what, const std::string& why,
 
 // Potential field ----------------------------------------------------------------------------------------------------
 
-PotentialFieldHelm::PotentialFieldHelm(const MissionPlan& mission, const VehicleSheet& vehicle,
+PotentialFieldHelm::PotentialFieldHelm(const MissionPlan& mission, const VehicleParameters& vehicle,
                                        const PotentialFieldConfig& config)
     : LineOfSightHelm(mission, vehicle), config_(config) {}
 
@@ -133,7 +133,7 @@ Setpoint PotentialFieldHelm::decide(const Setpoint& wanted) {
 
 // Image threshold ----------------------------------------------------------------------------------------------------
 
-ImageThresholdHelm::ImageThresholdHelm(const MissionPlan& mission, const VehicleSheet& vehicle,
+ImageThresholdHelm::ImageThresholdHelm(const MissionPlan& mission, const VehicleParameters& vehicle,
                                        const ImageThresholdConfig& config)
     : LineOfSightHelm(mission, vehicle), config_(config), believed_(1) {}
 

@@ -22,7 +22,7 @@
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/runtime/helm.hpp>
 #include <isobath/vehicle/guidance.hpp>
-#include <isobath/vehicle/vehicle_sheet.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
 #include <optional>
 
 namespace isobath {
@@ -30,7 +30,7 @@ namespace isobath {
 /// Follows way-points and reports progress; by itself, the baseline without avoidance.
 class LineOfSightHelm : public Helm {
  public:
-  LineOfSightHelm(const MissionPlan& mission, const VehicleSheet& vehicle);
+  LineOfSightHelm(const MissionPlan& mission, const VehicleParameters& vehicle);
 
   void hear(const Event& event) override;
   void on_ping(const PosedPing&) override {}
@@ -49,7 +49,7 @@ class LineOfSightHelm : public Helm {
 
   [[nodiscard]] const VehicleState& state() const { return state_; }
   [[nodiscard]] Time now() const { return now_; }
-  [[nodiscard]] const VehicleSheet& vehicle() const { return vehicle_; }
+  [[nodiscard]] const VehicleParameters& vehicle() const { return vehicle_; }
   [[nodiscard]] Eigen::Vector2d here() const { return state_.X_WB.translation.head<2>(); }
   [[nodiscard]] const MissionPoint& point() const { return mission_.points[point_]; }
   /// The rest of the path to it, from here.
@@ -60,7 +60,7 @@ class LineOfSightHelm : public Helm {
   void next_point();
 
   MissionPlan mission_;
-  VehicleSheet vehicle_;
+  VehicleParameters vehicle_;
   std::size_t point_ = 0;
   std::optional<LineOfSight> guidance_;
   std::vector<Eigen::Vector2d> way_;
@@ -79,7 +79,7 @@ struct PotentialFieldConfig {
 
 class PotentialFieldHelm : public LineOfSightHelm {
  public:
-  PotentialFieldHelm(const MissionPlan& mission, const VehicleSheet& vehicle, const PotentialFieldConfig& config);
+  PotentialFieldHelm(const MissionPlan& mission, const VehicleParameters& vehicle, const PotentialFieldConfig& config);
   void on_scan(const ScanResult& scan) override;
 
  protected:
@@ -99,7 +99,7 @@ struct ImageThresholdConfig {
 
 class ImageThresholdHelm : public LineOfSightHelm {
  public:
-  ImageThresholdHelm(const MissionPlan& mission, const VehicleSheet& vehicle, const ImageThresholdConfig& config);
+  ImageThresholdHelm(const MissionPlan& mission, const VehicleParameters& vehicle, const ImageThresholdConfig& config);
   void on_ping(const PosedPing& posed) override;
   void on_scan(const ScanResult& scan) override;
   /// Confirmed echoes of the last scan, in W.

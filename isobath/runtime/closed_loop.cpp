@@ -27,9 +27,9 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
   Onboard onboard(configuration, depths,
                   {.helm = &helm, .voxels = tells_height(simulator.scene()), .live = request.live});
   for (OnboardObserver* observer : request.observers) onboard.show_to(*observer);
-  TrueTrack truth(simulator);
+  GroundTruthTrajectory truth(simulator);
   source.tell_truth_to(truth);
-  std::optional<TruthJudge> judge;
+  std::optional<DetectionScorer> judge;
   if (request.judge && !request.live) {
     onboard.show_to(judge.emplace(simulator));
     source.tell_truth_to(*judge);

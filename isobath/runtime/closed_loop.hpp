@@ -8,11 +8,11 @@
 
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/runtime/configuration.hpp>
+#include <isobath/runtime/detection_scorer.hpp>
+#include <isobath/runtime/ground_truth_trajectory.hpp>
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/onboard_observer.hpp>
 #include <isobath/runtime/scenario.hpp>
-#include <isobath/runtime/true_track.hpp>
-#include <isobath/runtime/truth_judge.hpp>
 
 namespace isobath {
 
@@ -24,7 +24,7 @@ struct LoopRequest {
   int threads = 1;
   bool stop_at_contact = false;             ///< what a vehicle does after a collision is not scored
   bool judge = false;                       ///< whether to score detections against the ground truth; ignored if live
-  bool live = false;                        ///< mapping has its own thread; needs a LiveHelm
+  bool live = false;                        ///< mapping has its own thread; needs a ThreadedHelm
   bool stop_when_done = true;               ///< end some seconds after the mission has finished or was aborted
   std::vector<OnboardObserver*> observers;  ///< must outlive the run
 };

@@ -41,15 +41,15 @@ std::vector<Section> sections(Configuration& c) {
       {"collision", "When raw ranges raise the collision alarm, independent of the maps.", fields(c.collision)},
       {"state", "When health reports raise an alarm.", fields(c.state)},
       {"safety", "What the Safety Officer treats as a fault.", fields(c.safety)},
-      {"crew", "How agents are run and watched, and which command takes precedence.", fields(c.crew)},
+      {"crew", "How agents are run and watched, and which command takes precedence.", fields(c.executor)},
       {"calibration", "How marked recordings become a sensor model.", fields(c.calibration)},
       {"histogram", "How marked recordings become a histogram model.", fields(c.histogram)},
       {"simulation", "Settings that override a scene, if the input is one.", fields(c.simulation)},
       {"recorder", "What a recording holds, how often, and how it is written.", fields(c.recorder)},
       {"report", "What the report of a run holds besides its text and pictures.", fields(c.report)}};
   std::vector<Section> mission = sections(c.mission);
-  const auto crew = std::find_if(all.begin(), all.end(), [](const Section& s) { return s.name == "safety"; });
-  all.insert(crew, std::make_move_iterator(mission.begin()), std::make_move_iterator(mission.end()));
+  const auto executor = std::find_if(all.begin(), all.end(), [](const Section& s) { return s.name == "safety"; });
+  all.insert(executor, std::make_move_iterator(mission.begin()), std::make_move_iterator(mission.end()));
   return all;
 }
 

@@ -6,9 +6,9 @@
 #include <isobath/map/body_grid.hpp>
 #include <isobath/map/depth_map.hpp>
 #include <isobath/mission/agent_library.hpp>
-#include <isobath/mission/crew.hpp>
+#include <isobath/mission/executor.hpp>
 #include <isobath/mission/safety_config.hpp>
-#include <isobath/mission/standard_crew.hpp>
+#include <isobath/mission/standard_agents.hpp>
 #include <isobath/perception/depth_mapper.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/imminent_collision.hpp>
@@ -58,7 +58,7 @@ struct Configuration {
   StateEvaluatorConfig state;
   MissionConfig mission;
   SafetyConfig safety;
-  CrewConfig crew;
+  ExecutorConfig executor;
   std::vector<AgentFile> agents;  ///< [[agent]]: added to the standard agents
   CalibrationConfig calibration;
   HistogramConfig histogram;

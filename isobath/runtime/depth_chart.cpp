@@ -4,7 +4,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/map/depth_pixel.hpp>
 #include <isobath/runtime/chart_field.hpp>
-#include <isobath/runtime/chart_sheet.hpp>
+#include <isobath/runtime/chart_layout.hpp>
 #include <isobath/runtime/depth_chart.hpp>
 
 namespace isobath {
@@ -163,24 +163,24 @@ bool shows_charted(const ChartField& field) {
   return false;
 }
 
-void draw_shore_and_tracks(const DepthChart& chart, ChartSheet& sheet) {
-  for (const auto& ring : chart.shore) sheet.polyline(ring, true, {kShoreLine, 2, false});
-  for (const auto& track : chart.tracks) sheet.polyline(track, false, {kTrackLine, 0.8, false});
+void draw_shore_and_tracks(const DepthChart& chart, ChartLayout& layout) {
+  for (const auto& ring : chart.shore) layout.polyline(ring, true, {kShoreLine, 2, false});
+  for (const auto& track : chart.tracks) layout.polyline(track, false, {kTrackLine, 0.8, false});
 }
 
-void finish(const DepthChart& chart, ChartSheet& sheet) {
+void finish(const DepthChart& chart, ChartLayout& layout) {
   if (!chart.shore.empty()) {
-    sheet.legend_fill(kLand, "land");
-    sheet.legend_line({kShoreLine, 2, false}, "shore line");
+    layout.legend_fill(kLand, "land");
+    layout.legend_line({kShoreLine, 2, false}, "shore line");
   }
-  if (!chart.tracks.empty()) sheet.legend_line({kTrackLine, 1.2, false}, "track of the vehicle");
-  if (!chart.obstructions.empty()) sheet.legend_danger("obstruction");
-  sheet.note("");
-  if (!chart.datum.empty()) sheet.note(chart.datum);
-  sheet.note(chart.origin ? "Positions: WGS 84. North is true north at the origin of the map."
-                          : "No geographic position: the frame shows metres of the map.");
-  sheet.note("NOT FOR NAVIGATION", true);
-  sheet.finish();
+  if (!chart.tracks.empty()) layout.legend_line({kTrackLine, 1.2, false}, "track of the vehicle");
+  if (!chart.obstructions.empty()) layout.legend_danger("obstruction");
+  layout.note("");
+  if (!chart.datum.empty()) layout.note(chart.datum);
+  layout.note(chart.origin ? "Positions: WGS 84. North is true north at the origin of the map."
+                           : "No geographic position: the frame shows metres of the map.");
+  layout.note("NOT FOR NAVIGATION", true);
+  layout.finish();
 }
 
 }  // namespace
@@ -202,47 +202,47 @@ std::vector<ContourLine> depth_contours(const DepthChart& chart, double node_m) 
 }
 
 std::string depth_chart_png(const DepthChart& chart, const ChartLook& look) {
-  ChartSheet sheet(chart_extent(chart), look.plot_px, chart.title, chart.origin);
-  const ChartField field = chart_field(chart, sheet.columns(), sheet.rows(), sheet.metres_per_px());
+  ChartLayout layout(chart_extent(chart), look.plot_px, chart.title, chart.origin);
+  const ChartField field = chart_field(chart, layout.columns(), layout.rows(), layout.metres_per_px());
   const ChartNodes nodes = chart_nodes(chart, field, kNodePx);
   const DepthScale scale(field, nodes);
-  sheet.raster(depth_colours(field, nodes, scale));
-  draw_shore_and_tracks(chart, sheet);
-  for (const DepthChart::Point& p : chart.obstructions) sheet.danger(p.north_east, p.label);
+  layout.raster(depth_colours(field, nodes, scale));
+  draw_shore_and_tracks(chart, layout);
+  for (const DepthChart::Point& p : chart.obstructions) layout.danger(p.north_east, p.label);
   const auto approximate = [&](const Vector2d& p) { return nodes.approximate_at(p); };
   for (const ContourLine& line : contour_lines(nodes.frame, nodes.depth_m, scale.levels)) {
-    sheet.contour(line.points, line.closed, {{0.05, 0.16, 0.36, 0.9}, 1.1, false}, fmt::format("{:g}", line.level),
-                  approximate);
+    layout.contour(line.points, line.closed, {{0.05, 0.16, 0.36, 0.9}, 1.1, false}, fmt::format("{:g}", line.level),
+                   approximate);
   }
   if (look.soundings) {
-    for (const Figure& f : figures(chart, kFigurePx * sheet.metres_per_px())) sheet.sounding(f.north_east, f.depth_m);
+    for (const Figure& f : figures(chart, kFigurePx * layout.metres_per_px())) layout.sounding(f.north_east, f.depth_m);
   }
 
-  sheet.north_arrow_and_scale();
+  layout.north_arrow_and_scale();
   const bool any_charted = shows_charted(field);
-  std::vector<ChartSheet::Bar> bars = {{"measured", [&](double d) { return scale.colour(d); }}};
+  std::vector<ChartLayout::Bar> bars = {{"measured", [&](double d) { return scale.colour(d); }}};
   if (any_charted) bars.push_back({"charted", [&](double d) { return paler(scale.colour(d), kChartedPaleness); }});
   if (chart.surface) {
     bars.push_back(
         {"interpolated", [&](double d) { return paler(scale.colour(d), (kNearPaleness + kFarPaleness) / 2); }});
   }
-  sheet.colour_bars("Depth, metres", scale.low, scale.high, scale.levels, bars);
-  sheet.legend_line({{0.05, 0.16, 0.36, 0.9}, 1.1, false}, "depth contour, metres");
-  if (chart.surface) sheet.legend_line({{0.05, 0.16, 0.36, 0.9}, 1.1, true}, "approximate contour");
-  if (any_charted) sheet.legend_fill(paler(depth_colour(0.5), kChartedPaleness), "charted, not confirmed", true);
-  if (scale.low < 0) sheet.legend_fill(kDrying, "dries");
+  layout.colour_bars("Depth, metres", scale.low, scale.high, scale.levels, bars);
+  layout.legend_line({{0.05, 0.16, 0.36, 0.9}, 1.1, false}, "depth contour, metres");
+  if (chart.surface) layout.legend_line({{0.05, 0.16, 0.36, 0.9}, 1.1, true}, "approximate contour");
+  if (any_charted) layout.legend_fill(paler(depth_colour(0.5), kChartedPaleness), "charted, not confirmed", true);
+  if (scale.low < 0) layout.legend_fill(kDrying, "dries");
   if (chart.surface) {
-    sheet.legend_fill(kPaper, fmt::format("no sounding within {:.0f} m", field.reach_m));
+    layout.legend_fill(kPaper, fmt::format("no sounding within {:.0f} m", field.reach_m));
   } else {
-    sheet.legend_fill(kPaper, "not surveyed");
+    layout.legend_fill(kPaper, "not surveyed");
   }
-  finish(chart, sheet);
-  return sheet.png();
+  finish(chart, layout);
+  return layout.png();
 }
 
 std::string confidence_chart_png(const DepthChart& chart, const ChartLook& look) {
-  ChartSheet sheet(chart_extent(chart), look.plot_px, chart.title, chart.origin);
-  const ChartField field = chart_field(chart, sheet.columns(), sheet.rows(), sheet.metres_per_px());
+  ChartLayout layout(chart_extent(chart), look.plot_px, chart.title, chart.origin);
+  const ChartField field = chart_field(chart, layout.columns(), layout.rows(), layout.metres_per_px());
   const std::vector<int> confidence = confidence_cells(chart, field);
   const auto class_of = [](int c) {
     return *std::find_if(kClasses.begin(), kClasses.end(), [c](const ConfidenceClass& k) { return c <= k.high; });
@@ -272,9 +272,9 @@ std::string confidence_chart_png(const DepthChart& chart, const ChartLook& look)
       }
     }
   }
-  sheet.raster(colours);
-  draw_shore_and_tracks(chart, sheet);
-  for (const DepthChart::Point& p : chart.obstructions) sheet.danger(p.north_east, p.label);
+  layout.raster(colours);
+  draw_shore_and_tracks(chart, layout);
+  for (const DepthChart::Point& p : chart.obstructions) layout.danger(p.north_east, p.label);
 
   std::array<std::size_t, kClasses.size()> count{};
   std::size_t known = 0;
@@ -285,16 +285,16 @@ std::string confidence_chart_png(const DepthChart& chart, const ChartLook& look)
     ++known;
     for (std::size_t k = 0; k < kClasses.size(); ++k) count[k] += c >= kClasses[k].low && c <= kClasses[k].high ? 1 : 0;
   }
-  sheet.north_arrow_and_scale();
-  sheet.note("Confidence (of 20), and its share of the pixels with a depth, without land");
+  layout.north_arrow_and_scale();
+  layout.note("Confidence (of 20), and its share of the pixels with a depth, without land");
   for (std::size_t k = 0; k < kClasses.size(); ++k) {
     const double share = known > 0 ? 100.0 * static_cast<double>(count[k]) / static_cast<double>(known) : 0;
-    sheet.legend_fill(kClasses[k].colour, fmt::format("{}: {:.1f} %", kClasses[k].name, share));
+    layout.legend_fill(kClasses[k].colour, fmt::format("{}: {:.1f} %", kClasses[k].name, share));
   }
-  if (shows_charted(field)) sheet.legend_fill(kClasses[1].colour, "hatched: charted, not confirmed", true);
-  sheet.legend_fill(kUnknown, "unknown");
-  finish(chart, sheet);
-  return sheet.png();
+  if (shows_charted(field)) layout.legend_fill(kClasses[1].colour, "hatched: charted, not confirmed", true);
+  layout.legend_fill(kUnknown, "unknown");
+  finish(chart, layout);
+  return layout.png();
 }
 
 }  // namespace isobath

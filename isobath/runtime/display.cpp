@@ -272,7 +272,7 @@ void Display::show(Time time, const DisplayCounts& counts) {
   const PipelineCounts& n = counts.pipeline;
   ordered_json json{{"counts",
                      {{"pings", n.pings},
-                      {"upright pings", n.upright},
+                      {"upright pings", n.vertical},
                       {"scans", n.scans},
                       {"echoes", n.hits},
                       {"bins", n.bins},
@@ -316,7 +316,7 @@ void Display::show(Time time, const DisplayCounts& counts) {
 }
 
 void Display::show(Time time, const MissionTimings& t) {
-  const ordered_json json = {timing_json("agents: handling of an event", t.event_to_crew),
+  const ordered_json json = {timing_json("agents: handling of an event", t.event_to_agents),
                              timing_json("mapping: a ping into the grid", t.ping_to_grid),
                              timing_json("detection: obstacles of a scan", t.detection),
                              timing_json("planning: the Navigator's turn", t.planning),

@@ -1,6 +1,6 @@
 // Display: turns what the vehicle sees, maps, plans and decides into items for a page (docs/live-page.md).
 //
-//   events, results of the pipeline, messages of the agents, maps  ->  DisplayItems  ->  live page, recording, report
+//   events, results of the pipeline, messages of the agents, maps  ->  DisplayState  ->  live page, recording, report
 //
 // The display changes no decision. All items but kTimes are a function of the run: the same run shows the same items at
 // the same times of its own clock, so that a recording of them has the same bytes. Only kTimes holds real time.
@@ -14,7 +14,7 @@
 #include <isobath/mission/bus.hpp>
 #include <isobath/mission/mission_plan.hpp>
 #include <isobath/runtime/depth_model.hpp>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_state.hpp>
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/map_display.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
@@ -57,13 +57,13 @@ DisplayCounts display_counts(const Pipeline& pipeline, const DepthModel& depths)
 
 class Display : public ResultSink {
  public:
-  explicit Display(DisplayItems& items) : items_(items), sonars_(items), maps_(items) {}
+  explicit Display(DisplayState& items) : items_(items), sonars_(items), maps_(items) {}
 
   /// Call it at the first event, and again when the scene has changed.
   void show(Time time, const DisplayScene& scene);
   void hear(const Event& event);
   void on_ping(const PosedPing& ping) override { sonars_.take(ping); }
-  void on_upright(const PosedPing& ping) override { sonars_.take(ping); }
+  void on_vertical_ping(const PosedPing& ping) override { sonars_.take(ping); }
   void on_scan(const ScanResult& scan) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   /// Every message of the agents.
@@ -92,7 +92,7 @@ class Display : public ResultSink {
   [[nodiscard]] nlohmann::ordered_json remembered_json(const RememberedObstacle& obstacle) const;
   [[nodiscard]] std::optional<std::uint32_t> taken_for(std::size_t seen) const;
 
-  DisplayItems& items_;
+  DisplayState& items_;
   SonarDisplay sonars_;
   MapDisplay maps_;
   std::optional<Time> start_, vehicle_shown_, counted_;

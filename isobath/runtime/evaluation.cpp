@@ -19,9 +19,9 @@ constexpr double kNormal95 = 1.959964;
 /// FNV-1a, 64 bits.
 std::string fingerprint_of(const EvaluationRequest& request) {
   std::string all = fmt::format("{}|{:016x}", request.version, request.suite.digest);
-  for (const Competitor& competitor : request.competitors) {
-    const Configuration& configuration = competitor.configuration;
-    all += "|" + competitor.name + "|" + to_toml(configuration, false);
+  for (const ComparedMethod& method : request.methods) {
+    const Configuration& configuration = method.configuration;
+    all += "|" + method.name + "|" + to_toml(configuration, false);
     if (!configuration.sensor.model.empty()) all += text_of_file(configuration.sensor.model);
   }
   std::uint64_t digest = 0xcbf29ce484222325u;
@@ -29,19 +29,19 @@ std::string fingerprint_of(const EvaluationRequest& request) {
   return fmt::format("{:016x}", digest);
 }
 
-/// `first`: the result of the first competitor.
+/// `first`: the result of the first method.
 ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> scenes, std::uint64_t seed,
                   LoopResult& first) {
   const SuiteRun run = make_run(request.suite, scenes, seed);
   const RunTruth truth(request.suite, run);
   ScoredRun scored{seed, run.variant, run.conditions, truth.way_m(), truth.no_way(), {}};
-  for (const Competitor& competitor : request.competitors) {
-    LoopResult result = run_competitor(competitor, run, truth.vehicle());
+  for (const ComparedMethod& method : request.methods) {
+    LoopResult result = run_method(method, run, truth.vehicle());
     scored.scores.push_back(score(result, run.scenario.mission, truth, request.suite.about));
     if (run.row) {
-      scored.scores.back().proof = prove(*run.row, run.scenario, competitor.configuration.safety, result);
+      scored.scores.back().proof = prove(*run.row, run.scenario, method.configuration.safety, result);
     }
-    if (&competitor == &request.competitors.front()) first = std::move(result);
+    if (&method == &request.methods.front()) first = std::move(result);
   }
   return scored;
 }
@@ -109,9 +109,9 @@ double badness(const RunScore& s) {
   return std::min(0.5 * s.path_ratio, 1.9);
 }
 
-void sum_up_rows(const std::vector<ScoredRun>& runs, std::size_t competitor, Summary& s) {
-  const bool any = std::any_of(runs.begin(), runs.end(),
-                               [&](const ScoredRun& r) { return !r.scores[competitor].proof.fault.empty(); });
+void sum_up_rows(const std::vector<ScoredRun>& runs, std::size_t method, Summary& s) {
+  const bool any =
+      std::any_of(runs.begin(), runs.end(), [&](const ScoredRun& r) { return !r.scores[method].proof.fault.empty(); });
   if (!any) return;
   std::size_t shown = 0, all = 0;
   for (const FaultRow& row : fault_table()) {
@@ -119,7 +119,7 @@ void sum_up_rows(const std::vector<ScoredRun>& runs, std::size_t competitor, Sum
     sum.name = row.name;
     std::size_t own = 0;
     for (const ScoredRun& run : runs) {
-      const FaultProof& proof = run.scores[competitor].proof;
+      const FaultInjectionCheck& proof = run.scores[method].proof;
       if (proof.fault != row.name) continue;
       ++own;
       sum.latest_s = std::max(sum.latest_s, proof.after_s);
@@ -169,14 +169,14 @@ Spread spread(const std::vector<double>& sample) {
           quantile(sample, 0.5), quantile(sample, 0.95), quantile(sample, 1)};
 }
 
-Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t competitor) {
+Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t method) {
   Summary s;
   s.name = name;
   std::vector<double> path, time, clearance, delay, range;
   double scans = 0;
   const auto count = [&](const auto& of) {
-    return share(static_cast<std::size_t>(std::count_if(runs.begin(), runs.end(),
-                                                        [&](const ScoredRun& r) { return of(r.scores[competitor]); })),
+    return share(static_cast<std::size_t>(
+                     std::count_if(runs.begin(), runs.end(), [&](const ScoredRun& r) { return of(r.scores[method]); })),
                  runs.size());
   };
   s.collisions = count([](const RunScore& r) { return r.collision; });
@@ -187,7 +187,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   s.refused = count([](const RunScore& r) { return !r.refused.empty(); });
   s.lost = count([](const RunScore& r) { return !r.goal_reached && r.refused.empty() && !r.collision; });
   for (const ScoredRun& run : runs) {
-    const RunScore& r = run.scores[competitor];
+    const RunScore& r = run.scores[method];
     if (r.path_ratio > 0) path.push_back(r.path_ratio);
     if (r.time_ratio > 0) time.push_back(r.time_ratio);
     if (!r.nearest_body.empty()) clearance.push_back(std::max(0.0, r.least_clearance_m));
@@ -212,7 +212,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   s.clearance_m = spread(clearance);
   s.delay_pings = spread(delay);
   s.first_range_m = spread(range);
-  sum_up_rows(runs, competitor, s);
+  sum_up_rows(runs, method, s);
   return s;
 }
 
@@ -269,19 +269,19 @@ std::vector<std::size_t> worst_runs(const std::vector<ScoredRun>& runs, std::siz
 
 // Running ------------------------------------------------------------------------------------------------------------
 
-LoopResult run_competitor(const Competitor& competitor, const SuiteRun& run, const VehicleSheet& vehicle) {
+LoopResult run_method(const ComparedMethod& method, const SuiteRun& run, const VehicleParameters& vehicle) {
   LoopRequest request;
-  request.configuration = run.row ? proving(*run.row, competitor.configuration) : competitor.configuration;
+  request.configuration = run.row ? proving(*run.row, method.configuration) : method.configuration;
   request.configuration.simulation.seed = static_cast<int>(run.seed);
   request.configuration.simulation.duration_s = run.scenario.scene.about.duration_s;
   request.stop_at_contact = true;
   request.judge = true;
-  const std::unique_ptr<Helm> helm = competitor.make(run.scenario, vehicle, competitor.configuration);
+  const std::unique_ptr<Helm> helm = method.make(run.scenario, vehicle, method.configuration);
   return run_closed_loop(run.scenario, *helm, request);
 }
 
 Evaluation evaluate(const EvaluationRequest& request) {
-  ISOBATH_ASSERT(!request.competitors.empty());
+  ISOBATH_ASSERT(!request.methods.empty());
   const int first = request.seed >= 0 ? request.seed : request.suite.about.seed;
   const int wanted = request.runs > 0 ? request.runs : request.suite.about.runs;
   make_folder(request.out);
@@ -298,8 +298,8 @@ Evaluation evaluate(const EvaluationRequest& request) {
   for (int i = 0; i < wanted; ++i) {
     evaluation.runs.push_back(store.runs().at(static_cast<std::uint64_t>(first) + static_cast<std::uint64_t>(i)));
   }
-  for (std::size_t c = 0; c < request.competitors.size(); ++c) {
-    evaluation.summaries.push_back(summarise(request.competitors[c].name, evaluation.runs, c));
+  for (std::size_t c = 0; c < request.methods.size(); ++c) {
+    evaluation.summaries.push_back(summarise(request.methods[c].name, evaluation.runs, c));
   }
   evaluation.variants = summarise_variants(request.suite.variants, evaluation.runs);
   evaluation.broken = broken_bars(request.suite.bars, evaluation.summaries.front());

@@ -21,13 +21,13 @@
 namespace isobath {
 
 /// A method under test: how its helm is made, and the configuration of its pipeline.
-struct Competitor {
+struct ComparedMethod {
   std::string name;
   Configuration configuration;
-  std::function<std::unique_ptr<Helm>(const Scenario&, const VehicleSheet&, const Configuration&)> make;
+  std::function<std::unique_ptr<Helm>(const Scenario&, const VehicleParameters&, const Configuration&)> make;
 };
 /// Isobath's own agents first, then the suite's baselines.
-std::vector<Competitor> competitors_of(const Suite& suite, const Configuration& configuration);
+std::vector<ComparedMethod> methods_of(const Suite& suite, const Configuration& configuration);
 
 struct Share {
   std::size_t count = 0, of = 0;
@@ -55,12 +55,12 @@ Spread spread(const std::vector<double>& sample);
 struct RowSummary {
   std::string name;
   Share shown;
-  double latest_s = -1;               ///< largest FaultProof::after_s; -1: unknown
+  double latest_s = -1;               ///< largest FaultInjectionCheck::after_s; -1: unknown
   std::vector<std::string> failures;  ///< "seed 7: not raised"
 };
 
 struct Summary {
-  std::string name;                                                 ///< of the competitor, or of the variant
+  std::string name;                                                 ///< of the method, or of the variant
   Share collisions, near_misses, encounters, goals, refused, lost;  ///< lost: none of goal, refusal, collision
   Share safe_goals;                                                 ///< goals without a collision
   Spread path_ratio, time_ratio;                                    ///< of the runs that reached the goal
@@ -72,8 +72,8 @@ struct Summary {
   Share shown;                         ///< fault runs that pass
   std::vector<RowSummary> rows;        ///< the fault table in its order; empty without fault runs
 };
-Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t competitor);
-/// Of the first competitor, one per variant in their order; variants without runs are left out.
+Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t method);
+/// Of the first method, one per variant in their order; variants without runs are left out.
 std::vector<Summary> summarise_variants(const std::vector<SuiteVariant>& variants, const std::vector<ScoredRun>& runs);
 /// The bars that the summary misses, each as a sentence.
 std::vector<std::string> broken_bars(const BarsConfig& bars, const Summary& summary);
@@ -82,7 +82,7 @@ inline constexpr std::size_t kWorstRuns = 3;  ///< shown in a report
 
 struct EvaluationRequest {
   Suite suite;
-  std::vector<Competitor> competitors;  ///< the bars apply to the first
+  std::vector<ComparedMethod> methods;  ///< the bars apply to the first
   int runs = 0;                         ///< 0: the suite's
   int seed = -1;                        ///< -1: the suite's
   int threads = 1;
@@ -94,10 +94,10 @@ struct EvaluationRequest {
 struct Evaluation {
   std::vector<ScoredRun> runs;
   std::vector<Summary> summaries;
-  std::vector<Summary> variants;  ///< of the first competitor: the suite's variants that were run, in their order
+  std::vector<Summary> variants;  ///< of the first method: the suite's variants that were run, in their order
   std::vector<std::string> broken;
   int taken_over = 0;  ///< runs reused from before
-  /// By seed, of the new runs only: the first competitor's kWorstRuns worst, which the report shows.
+  /// By seed, of the new runs only: the first method's kWorstRuns worst, which the report shows.
   std::map<std::uint64_t, LoopResult> worst;
 };
 
@@ -105,8 +105,8 @@ struct Evaluation {
 Evaluation evaluate(const EvaluationRequest& request);
 
 /// One run under one helm.
-LoopResult run_competitor(const Competitor& competitor, const SuiteRun& run, const VehicleSheet& vehicle);
-/// The worst runs of the first competitor, worst first: contact, collision, failed fault check, lost, refused, then by
+LoopResult run_method(const ComparedMethod& method, const SuiteRun& run, const VehicleParameters& vehicle);
+/// The worst runs of the first method, worst first: contact, collision, failed fault check, lost, refused, then by
 /// path ratio.
 std::vector<std::size_t> worst_runs(const std::vector<ScoredRun>& runs, std::size_t most);
 

@@ -104,7 +104,7 @@ std::string distribution_chart(const EvaluationRequest& request, const Evaluatio
                                const std::string& label, double low, double high,
                                const std::function<double(const RunScore&)>& value) {
   ChartPicture chart(kPixels, 380, title, {label, low, high}, {"share of runs up to this value", 0, 1});
-  for (std::size_t c = 0; c < request.competitors.size(); ++c) {
+  for (std::size_t c = 0; c < request.methods.size(); ++c) {
     std::vector<double> sample;
     for (const ScoredRun& run : evaluation.runs) {
       const double v = value(run.scores[c]);
@@ -118,7 +118,7 @@ std::string distribution_chart(const EvaluationRequest& request, const Evaluatio
     }
     x.push_back(high);
     y.push_back(y.back());
-    chart.curve(x, y, {kColours[c % kColours.size()], c == 0 ? 2.5 : 1.5, c != 0}, request.competitors[c].name);
+    chart.curve(x, y, {kColours[c % kColours.size()], c == 0 ? 2.5 : 1.5, c != 0}, request.methods[c].name);
   }
   chart.finish();
   return chart.png();
@@ -291,7 +291,7 @@ std::string run_picture(const SuiteRun& run, const RunTruth& truth, const LoopRe
 
 void write_evaluation(const EvaluationRequest& request, const Evaluation& evaluation) {
   write_file(request.out / "results.json", to_json(request, evaluation));
-  const Competitor& ours = request.competitors.front();
+  const ComparedMethod& ours = request.methods.front();
   HtmlReport page("Isobath: " + request.suite.about.title, request.suite.about.text);
   for (const std::string& bar : evaluation.broken) page.warning("Bar missed: " + bar + ".");
   page.heading("Results");
@@ -332,8 +332,7 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
     const SuiteRun run = make_run(request.suite, scenes, scored.seed);
     const RunTruth truth(request.suite, run);
     const auto done = evaluation.worst.find(scored.seed);
-    const LoopResult result =
-        done != evaluation.worst.end() ? done->second : run_competitor(ours, run, truth.vehicle());
+    const LoopResult result = done != evaluation.worst.end() ? done->second : run_method(ours, run, truth.vehicle());
     page.figure(run_picture(run, truth, result, fmt::format("seed {}", scored.seed)),
                 fmt::format("{}. To repeat it: {}", conditions_of(scored), how_to_run_again(request, scored)));
     page.paragraph(fmt::format("Seed {}: {}.", scored.seed, verdict(scored.scores.front())));

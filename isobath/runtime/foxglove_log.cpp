@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <isobath/map/voxel_blocks.hpp>
 #include <isobath/runtime/display_bytes.hpp>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_state.hpp>
 #include <isobath/runtime/foxglove_log.hpp>
 
 namespace isobath {

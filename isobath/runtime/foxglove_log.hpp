@@ -44,7 +44,7 @@ class FoxgloveLog {
   void on_ping(const PosedPing& ping);
   void on_scan(const ScanResult& scan);
   void heard(const Envelope& envelope);
-  /// Records of the display (display_items.hpp); only the voxels are used.
+  /// Records of the display (display_state.hpp); only the voxels are used.
   void take_display(Time time, std::string_view records);
 
  private:

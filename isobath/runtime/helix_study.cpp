@@ -35,12 +35,12 @@ Opening opening_of(const HelixRequest& request) {
 void hear_nothing(VoxelMap& map, const WaterBox& water, const FanPair& fans, const Pose& X_WB) {
   const Pose X_BW = X_WB.inverse();
   const LogOdds16 miss = to_evidence(kMiss);
-  VoxelBlocks &flat = map.layer("horizontal"), &upright = map.layer("vertical");
+  VoxelBlocks &flat = map.layer("horizontal"), &vertical = map.layer("vertical");
   for_each_voxel(map, water, [&](const VoxelIndex& v) {
     const Vector3d u_B = X_BW * map.centre_of(v);
     if (u_B.norm() > fans.range_m || !in_horizontal_fan(fans, u_B) || !in_vertical_fan(fans, u_B)) return;
     flat.add(v, miss);
-    upright.add(v, miss);
+    vertical.add(v, miss);
   });
 }
 
@@ -88,9 +88,9 @@ std::vector<Section> sections(HelixRequest& r) {
 ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model, const DepthLoop& loop, double share) {
   const Opening opening = opening_of(request);
   const Vector3d start_W(0, 0, 0.5 * request.height_m);
-  const VehicleSheet sheet = sheet_of(model);
-  OpeningApproach approach(request.helix, sheet, request.speed, start_W, opening);
-  HelixPlanner line(request.helix, sheet, request.speed, start_W, opening);
+  const VehicleParameters parameters = parameters_of(model);
+  OpeningApproach approach(request.helix, parameters, request.speed, start_W, opening);
+  HelixPlanner line(request.helix, parameters, request.speed, start_W, opening);
   const SpacePath straight = line.plan(opening, 0, 0, kThrough + 10).path;
 
   VehicleState start;
@@ -169,7 +169,7 @@ HelixStudy study_helix(const HelixRequest& request) {
   const EllipticHelix reference;
   const DepthLoop loop = measured_depth_loop(model, request.speed, reference.way_m() / request.speed);
   HelixStudy study{opening_of(request),
-                   sheet_of(model),
+                   parameters_of(model),
                    0,
                    loop,
                    fly_approach(request, model, loop, 1),
@@ -177,7 +177,7 @@ HelixStudy study_helix(const HelixRequest& request) {
                    {},
                    reference,
                    {}};
-  study.latest_decision_m = latest_decision_m(request.helix, study.sheet, request.speed);
+  study.latest_decision_m = latest_decision_m(request.helix, study.parameters, request.speed);
   const SpacePath path([reference](double t) { return reference.at(t); }, 0, 20);
   for (const Vector3d& start : {Vector3d(2, -3, 1.5), Vector3d(-5, 4, -2)})
     study.convergence.push_back(converge(path, request.following, start, request.speed));

@@ -74,7 +74,7 @@ struct WorthPoint {
 
 struct HelixStudy {
   Opening opening;
-  VehicleSheet sheet;
+  VehicleParameters parameters;
   double latest_decision_m = 0;
   DepthLoop depth_loop;
   ApproachLog helix, straight;

@@ -2,12 +2,12 @@
 // with are others.
 //
 // A helm is a function of its events and their times: the same events give the same set-points, unless the helm has
-// threads of its own (LiveHelm).
+// threads of its own (ThreadedHelm).
 #pragma once
 
 #include <isobath/io/event.hpp>
-#include <isobath/map/space_grid.hpp>
-#include <isobath/mission/crew.hpp>
+#include <isobath/map/occupancy_snapshot.hpp>
+#include <isobath/mission/executor.hpp>
 #include <isobath/mission/operator_link.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <memory>
@@ -21,7 +21,7 @@ class Helm : public ResultSink {
   virtual void hear(const Event& event) = 0;
   /// The voxels around the vehicle as occupied, free, measured or unknown; never null. Called before the scan that they
   /// belong to, and only if a sonar measures height.
-  virtual void on_space(Time /*time*/, const std::shared_ptr<const SpaceGrid>& /*space*/) {}
+  virtual void on_space(Time /*time*/, const std::shared_ptr<const OccupancySnapshot>& /*space*/) {}
   /// The set-point from now on. Called after each event.
   [[nodiscard]] virtual Setpoint steer() = 0;
   [[nodiscard]] virtual MissionReport progress() const = 0;
@@ -32,7 +32,7 @@ class Helm : public ResultSink {
   /// `recorder` gets every message of the agents, in order (bus.hpp).
   virtual void show_messages_to(const Recorder& /*recorder*/) {}
   /// Counts of its agents, if it has any.
-  [[nodiscard]] virtual CrewCounts crew_counts() const { return {}; }
+  [[nodiscard]] virtual ExecutorCounts executor_counts() const { return {}; }
   /// Waits until all events so far are answered. Returns at once if the helm has no threads of its own.
   virtual void settle() {}
 };

@@ -16,7 +16,7 @@
 #include <isobath/map/body_grid.hpp>
 #include <isobath/map/depth_map.hpp>
 #include <isobath/map/voxel_map.hpp>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_state.hpp>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,7 +33,7 @@ class MapDisplay {
   static constexpr Duration kDepthInterval = std::chrono::seconds(1);
   static constexpr Duration kVoxelInterval = std::chrono::seconds(1);
 
-  explicit MapDisplay(DisplayItems& items) : items_(items) {}
+  explicit MapDisplay(DisplayState& items) : items_(items) {}
 
   void show(Time time, const BodyGrid& grid, const Pose& X_WB);
   /// Whether the next depths are due. Making a snapshot costs time, so ask first.
@@ -49,7 +49,7 @@ class MapDisplay {
   void show_block(Time time, const VoxelMap& voxels, const VoxelIndex& corner);
   void show_cubes(Time time, double cube_m, std::uint64_t region);
 
-  DisplayItems& items_;
+  DisplayState& items_;
   std::optional<Time> grid_shown_, depths_shown_, voxels_shown_;
   bool overview_shown_ = false;
   std::shared_ptr<const DepthSnapshot> depths_;  ///< as last shown

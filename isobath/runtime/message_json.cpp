@@ -73,7 +73,7 @@ Content content_of(const Health& m) {
           {"leak", m.leak},
           {"note", m.note}};
 }
-Content content_of(const SonarLook& m) {
+Content content_of(const SonarHealthSample& m) {
   return {{"sonar", m.sonar},
           {"digest", fmt::format("{:016x}", m.digest)},
           {"mean", exact_enough(m.mean)},
@@ -175,7 +175,7 @@ Content content_of(const LinkFrame& m) {
   return {{"way", m.way == LinkFrame::Way::kToOperator ? "to operator" : "from operator"},
           {"bytes", fmt::format("{:02x}", fmt::join(m.bytes, ""))}};
 }
-Content content_of(const SpaceSeen& m) {
+Content content_of(const OccupancyUpdate& m) {
   if (!m.grid) return Content::object();
   const VoxelIndex& size = m.grid->size();
   return {{"voxel", exact_enough(m.grid->voxel_m())}, {"size", {size.x(), size.y(), size.z()}}};

@@ -94,18 +94,18 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
                      {"least_altitude_m", tidy(truth->least_altitude_m)},
                      {"path_m", tidy(truth->length_m)}};
   }
-  const CrewCounts& crew = outcome.crew;
-  json["crew"] = {{"ticks", crew.ticks},
-                  {"agents_lost", crew.lost},
-                  {"messages_cut", crew.cut},
-                  {"set_points_limited", crew.limited}};
+  const ExecutorCounts& executor = outcome.executor;
+  json["crew"] = {{"ticks", executor.ticks},
+                  {"agents_lost", executor.lost},
+                  {"messages_cut", executor.cut},
+                  {"set_points_limited", executor.limited}};
   for (const OperatorAnswer& answer : outcome.answers) {
     json["operator"].push_back(
         {{"time", to_text(answer.time)}, {"phase", to_text(answer.status.phase)}, {"text", answer.status.text}});
   }
   if (outcome.recorded) json["recorded"] = {{"decisions", *outcome.recorded}, {"the_same", outcome.as_recorded}};
   if (with_timings) {
-    json["timings"] = {{"event_to_crew", stage_json(outcome.timings.event_to_crew)},
+    json["timings"] = {{"event_to_crew", stage_json(outcome.timings.event_to_agents)},
                        {"ping_to_grid", stage_json(outcome.timings.ping_to_grid)},
                        {"detection", stage_json(outcome.timings.detection)},
                        {"planning", stage_json(outcome.timings.planning)},

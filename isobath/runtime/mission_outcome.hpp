@@ -5,10 +5,10 @@
 // replay with the same decisions thus gives the same bytes. Positions are estimated positions in W, m; margins in m.
 #pragma once
 
-#include <isobath/mission/crew.hpp>
+#include <isobath/mission/executor.hpp>
 #include <isobath/mission/messages.hpp>
+#include <isobath/runtime/ground_truth_trajectory.hpp>
 #include <isobath/runtime/simulated_operator.hpp>
-#include <isobath/runtime/true_track.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -23,7 +23,7 @@ struct StageTime {
 };
 
 struct MissionTimings {
-  StageTime event_to_crew;     ///< until all agents have handled an event; live: until it is in their mailboxes
+  StageTime event_to_agents;   ///< until all agents have handled an event; live: until it is in their mailboxes
   StageTime ping_to_grid;      ///< until a ping is detected and mapped into the body grid
   StageTime detection;         ///< from the end of a sweep until its obstacles are found
   StageTime planning;          ///< the Navigator's turn on a scan of obstacles
@@ -62,7 +62,7 @@ struct MissionOutcome {
   std::uint64_t as_recorded = 0;          ///< replay: leading decisions that equal those of the recorded run
   std::optional<std::uint64_t> recorded;  ///< replay of a log with decisions: their number
   MissionTimings timings;
-  CrewCounts crew;
+  ExecutorCounts executor;
   std::vector<OperatorAnswer> answers;  ///< what the operator of a simulated run received
 
   /// What went wrong, as one line: contact, a mission that did not end or was aborted, no point reached, decisions that

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/runtime/mission_pages.hpp>
-#include <isobath/runtime/mission_sheet.hpp>
+#include <isobath/runtime/mission_plot.hpp>
 
 namespace isobath {
 namespace {
@@ -61,40 +61,40 @@ PlanExtent mission_extent(const MissionOutcome& outcome) {
   return {c.x() - half.x(), c.x() + half.x(), c.y() - half.y(), c.y() + half.y()};
 }
 
-void draw_obstacles(MissionSheet& sheet, const MissionOutcome& outcome) {
+void draw_obstacles(MissionPlot& plot, const MissionOutcome& outcome) {
   for (const TrueBody& body : outcome.bodies) {
-    sheet.area(body.outline, {kBody.red, kBody.green, kBody.blue, 0.8}, {palette::kInk, 1.2, false});
+    plot.area(body.outline, {kBody.red, kBody.green, kBody.blue, 0.8}, {palette::kInk, 1.2, false});
   }
   for (const SeenObstacle& o : outcome.seen) {
     const Colour c = palette::kObstacle;
-    sheet.area(o.outline, {c.red, c.green, c.blue, 0.07 * o.existence},
-               {{c.red, c.green, c.blue, 0.22 * o.existence}, 1, false});
+    plot.area(o.outline, {c.red, c.green, c.blue, 0.07 * o.existence},
+              {{c.red, c.green, c.blue, 0.22 * o.existence}, 1, false});
   }
   for (const InjectedMap& map : outcome.plan.injected) {
-    for (const Polygon& outline : map.outlines) sheet.area(outline, {0.84, 0.37, 0.0, 0.15}, {kReplan, 2, true});
+    for (const Polygon& outline : map.outlines) plot.area(outline, {0.84, 0.37, 0.0, 0.15}, {kReplan, 2, true});
   }
 }
 
-void draw_ways(MissionSheet& sheet, const MissionOutcome& outcome) {
+void draw_ways(MissionPlot& plot, const MissionOutcome& outcome) {
   const auto last = std::find_if(outcome.decisions.rbegin(), outcome.decisions.rend(), changes_the_way);
   for (const Decision& d : outcome.decisions) {
     if (d.way.empty()) continue;
     std::vector<Vector2d> way = d.way;
     if (const auto from = place_at(outcome, d.time)) way.insert(way.begin(), from->north_east);
     const bool in_force = &d == &*last;
-    sheet.polyline(way, false, {in_force ? kWay : kOldWay, in_force ? 2.0 : 1.6, !in_force});
-    for (const Vector2d& corner : d.way) sheet.circle(corner, 3 * sheet.metres_per_px(), {kOldWay, 1.5, false});
+    plot.polyline(way, false, {in_force ? kWay : kOldWay, in_force ? 2.0 : 1.6, !in_force});
+    for (const Vector2d& corner : d.way) plot.circle(corner, 3 * plot.metres_per_px(), {kOldWay, 1.5, false});
   }
 }
 
-void draw_tracks(MissionSheet& sheet, const MissionOutcome& outcome) {
+void draw_tracks(MissionPlot& plot, const MissionOutcome& outcome) {
   std::vector<Vector2d> believed, went;
   for (const BelievedPlace& p : outcome.believed) believed.push_back(p.north_east);
   if (outcome.truth) {
     for (const TrueMotion& m : outcome.truth->track) went.emplace_back(m.state.X_WB.translation.head<2>());
   }
-  if (went.size() > 1) sheet.polyline(went, false, {palette::kTrack, 3.2, false});
-  if (believed.size() > 1) sheet.polyline(believed, false, {palette::kInk, 1.3, !went.empty()});
+  if (went.size() > 1) plot.polyline(went, false, {palette::kTrack, 3.2, false});
+  if (believed.size() > 1) plot.polyline(believed, false, {palette::kInk, 1.3, !went.empty()});
 }
 
 /// Whether a decision dropped this point.
@@ -104,13 +104,13 @@ bool was_dropped(const MissionOutcome& outcome, const MissionPoint& point) {
   });
 }
 
-void draw_points(MissionSheet& sheet, const MissionOutcome& outcome) {
+void draw_points(MissionPlot& plot, const MissionOutcome& outcome) {
   for (const MissionPoint& p : outcome.plan.points) {
     const bool dropped = was_dropped(outcome, p);
     const Colour colour = dropped ? kSafety : kReached;
-    sheet.circle(p.north_east, kCaptureRadius, {colour, 2.4, false});
-    if (dropped) sheet.cross(p.north_east, {colour, 2.4, false});
-    sheet.name(p.north_east, p.name, colour);
+    plot.circle(p.north_east, kCaptureRadius, {colour, 2.4, false});
+    if (dropped) plot.cross(p.north_east, {colour, 2.4, false});
+    plot.name(p.north_east, p.name, colour);
   }
 }
 
@@ -121,13 +121,13 @@ bool is_small(const TrueBody& body, double metres_per_px) {
 }
 
 /// Bodies that are too small to be seen are drawn with the chart symbol of a danger.
-void draw_dangers(MissionSheet& sheet, const MissionOutcome& outcome) {
+void draw_dangers(MissionPlot& plot, const MissionOutcome& outcome) {
   for (const TrueBody& body : outcome.bodies) {
-    if (is_small(body, sheet.metres_per_px())) sheet.danger(body.outline.front(), body.name);
+    if (is_small(body, plot.metres_per_px())) plot.danger(body.outline.front(), body.name);
   }
 }
 
-void draw_nearest(MissionSheet& sheet, const MissionOutcome& outcome) {
+void draw_nearest(MissionPlot& plot, const MissionOutcome& outcome) {
   if (!outcome.truth || outcome.bodies.empty() || !std::isfinite(outcome.truth->least_clearance_m)) return;
   const TrackTruth& truth = *outcome.truth;
   const auto least = std::min_element(truth.clearance_m.begin(), truth.clearance_m.end());
@@ -138,15 +138,15 @@ void draw_nearest(MissionSheet& sheet, const MissionOutcome& outcome) {
     const Vector2d p = nearest_point(body.outline, here);
     if ((p - here).norm() < (nearest - here).norm()) nearest = p;
   }
-  sheet.measure(here, nearest, fmt::format("{:.1f} m clear", truth.least_clearance_m));
+  plot.measure(here, nearest, fmt::format("{:.1f} m clear", truth.least_clearance_m));
 }
 
-void draw_numbers(MissionSheet& sheet, const MissionOutcome& outcome) {
+void draw_numbers(MissionPlot& plot, const MissionOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
     const Decision& d = outcome.decisions[i];
     const auto place = place_at(outcome, d.time);
     if (place && stands_on_chart(outcome.decisions, i))
-      sheet.numbered(place->north_east, static_cast<int>(i) + 1, colour_of(d));
+      plot.numbered(place->north_east, static_cast<int>(i) + 1, colour_of(d));
   }
 }
 
@@ -164,55 +164,55 @@ std::string how_clear(const TrackTruth& truth) {
   return fmt::format("Minimum clearance {:.1f} m, to {}.", truth.least_clearance_m, truth.nearest_body);
 }
 
-void legend(MissionSheet& sheet, const MissionOutcome& outcome) {
-  sheet.north_arrow_and_scale();
+void legend(MissionPlot& plot, const MissionOutcome& outcome) {
+  plot.north_arrow_and_scale();
   const bool true_way = outcome.truth && !outcome.truth->track.empty();
-  if (true_way) sheet.legend_line({palette::kTrack, 3.2, false}, "true track");
-  sheet.legend_line({palette::kInk, 1.3, true_way}, true_way ? "estimated track" : "track of the vehicle");
-  sheet.legend_line({kWay, 2, false}, "last planned route");
-  sheet.legend_line({kOldWay, 1.6, true}, "earlier routes");
-  if (!outcome.plan.fence.empty()) sheet.legend_line({kFence, 2, true}, "fence");
-  sheet.legend_circle({kReached, 2.4, false}, "mission point, radius 5 m");
-  if (outcome.report.dropped > 0) sheet.legend_circle({kSafety, 2.4, false}, "dropped point", true);
-  const auto small = [&](const TrueBody& body) { return is_small(body, sheet.metres_per_px()); };
+  if (true_way) plot.legend_line({palette::kTrack, 3.2, false}, "true track");
+  plot.legend_line({palette::kInk, 1.3, true_way}, true_way ? "estimated track" : "track of the vehicle");
+  plot.legend_line({kWay, 2, false}, "last planned route");
+  plot.legend_line({kOldWay, 1.6, true}, "earlier routes");
+  if (!outcome.plan.fence.empty()) plot.legend_line({kFence, 2, true}, "fence");
+  plot.legend_circle({kReached, 2.4, false}, "mission point, radius 5 m");
+  if (outcome.report.dropped > 0) plot.legend_circle({kSafety, 2.4, false}, "dropped point", true);
+  const auto small = [&](const TrueBody& body) { return is_small(body, plot.metres_per_px()); };
   if (!std::all_of(outcome.bodies.begin(), outcome.bodies.end(), small)) {
-    sheet.legend_fill({kBody.red, kBody.green, kBody.blue, 0.8}, "true bodies");
+    plot.legend_fill({kBody.red, kBody.green, kBody.blue, 0.8}, "true bodies");
   }
   if (std::any_of(outcome.bodies.begin(), outcome.bodies.end(), small)) {
-    sheet.legend_danger("small body, true position");
+    plot.legend_danger("small body, true position");
   }
-  sheet.legend_fill({0.84, 0.37, 0.0, 0.35}, "detected obstacles");
-  sheet.legend_number(kReplan, "decision, number as in table");
+  plot.legend_fill({0.84, 0.37, 0.0, 0.35}, "detected obstacles");
+  plot.legend_number(kReplan, "decision, number as in table");
   if (std::any_of(outcome.decisions.begin(), outcome.decisions.end(), overrules)) {
-    sheet.legend_number(kSafety, "the same, of the Safety Officer");
+    plot.legend_number(kSafety, "the same, of the Safety Officer");
   }
-  sheet.gap();
-  sheet.note(how_it_ended(outcome), true);
+  plot.gap();
+  plot.note(how_it_ended(outcome), true);
   if (outcome.truth) {
-    sheet.note(how_clear(*outcome.truth), outcome.truth->contact_s >= 0);
-    sheet.note(fmt::format("{:.0f} m travelled.", outcome.truth->length_m));
+    plot.note(how_clear(*outcome.truth), outcome.truth->contact_s >= 0);
+    plot.note(fmt::format("{:.0f} m travelled.", outcome.truth->length_m));
   }
 }
 
 std::string chart_png(const MissionOutcome& outcome) {
   const std::string title = outcome.plan.title.empty() ? "Mission" : outcome.plan.title;
-  MissionSheet sheet(mission_extent(outcome), kPlotPixels, title, outcome.plan.origin);
-  sheet.water(kWater);
-  draw_obstacles(sheet, outcome);
-  if (!outcome.plan.fence.empty()) sheet.polyline(outcome.plan.fence, true, {kFence, 2, true});
-  draw_ways(sheet, outcome);
-  draw_tracks(sheet, outcome);
-  draw_points(sheet, outcome);
-  draw_dangers(sheet, outcome);
-  draw_numbers(sheet, outcome);
-  draw_nearest(sheet, outcome);
+  MissionPlot plot(mission_extent(outcome), kPlotPixels, title, outcome.plan.origin);
+  plot.water(kWater);
+  draw_obstacles(plot, outcome);
+  if (!outcome.plan.fence.empty()) plot.polyline(outcome.plan.fence, true, {kFence, 2, true});
+  draw_ways(plot, outcome);
+  draw_tracks(plot, outcome);
+  draw_points(plot, outcome);
+  draw_dangers(plot, outcome);
+  draw_numbers(plot, outcome);
+  draw_nearest(plot, outcome);
   if (outcome.truth && !outcome.truth->track.empty()) {
     const Pose& X_WB = outcome.truth->track.back().state.X_WB;
-    sheet.vehicle(X_WB.translation.head<2>(), X_WB.rotation.heading().radians());
+    plot.vehicle(X_WB.translation.head<2>(), X_WB.rotation.heading().radians());
   }
-  legend(sheet, outcome);
-  sheet.finish();
-  return sheet.png();
+  legend(plot, outcome);
+  plot.finish();
+  return plot.png();
 }
 
 // Clearance over time ------------------------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 #include <isobath/io/native_log.hpp>
 #include <isobath/mission/mission_file.hpp>
 #include <isobath/mission/safety_officer.hpp>
-#include <isobath/mission/standard_crew.hpp>
+#include <isobath/mission/standard_agents.hpp>
 #include <isobath/runtime/mission_setup.hpp>
 
 namespace isobath {
@@ -20,8 +20,8 @@ bool is_mcap(const fs::path& file) {
 
 }  // namespace
 
-std::vector<Section> vehicle_sections(VehicleSheet& sheet) {
-  return {{"vehicle", "Parameters of the vehicle that the agents use.", fields(sheet)}};
+std::vector<Section> vehicle_sections(VehicleParameters& parameters) {
+  return {{"vehicle", "Parameters of the vehicle that the agents use.", fields(parameters)}};
 }
 
 std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::path& input, const Simulator* simulator) {
@@ -35,7 +35,7 @@ std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::pat
   }
   if (setup.plan.points.empty()) return std::nullopt;
   if (simulator) {
-    setup.vehicle = sheet_of(simulator->vehicle());
+    setup.vehicle = parameters_of(simulator->vehicle());
   } else if (const auto text = is_mcap(input) ? attachment_in(input, kVehicleAttachment) : std::nullopt) {
     std::vector<Section> vehicle = vehicle_sections(setup.vehicle);
     read_toml(*text, input.string() + ": " + kVehicleAttachment, vehicle);
@@ -43,41 +43,41 @@ std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::pat
   return setup;
 }
 
-std::vector<Seat> whole_crew(const MissionSetup& setup, const Configuration& configuration) {
-  std::vector<Seat> seats = standard_crew(configuration.mission, setup.vehicle);
-  if (!configuration.crew.gate.safety_officer.empty()) {
-    seats.push_back({configuration.crew.gate.safety_officer, AgentLevel::kSupervisory,
+std::vector<AgentSlot> all_agents(const MissionSetup& setup, const Configuration& configuration) {
+  std::vector<AgentSlot> slots = standard_agents(configuration.mission, setup.vehicle);
+  if (!configuration.executor.arbiter.safety_officer.empty()) {
+    slots.push_back({configuration.executor.arbiter.safety_officer, AgentLevel::kSupervisory,
                      std::make_unique<SafetyOfficer>(configuration.safety, setup.vehicle)});
   }
-  for (const AgentFile& agent : configuration.agents) seats.push_back(load_agent(agent));
-  return seats;
+  for (const AgentFile& agent : configuration.agents) slots.push_back(load_agent(agent));
+  return slots;
 }
 
 namespace {
 
-template <class Crewed>
-std::unique_ptr<Crewed> make_helm(const MissionSetup& setup, const Configuration& configuration,
-                                  const std::shared_ptr<StageTimes>& times) {
-  std::vector<Seat> seats = whole_crew(setup, configuration);
-  for (Seat& seat : seats) {
-    const bool plans = seat.name == "navigator";
-    if (times) seat = timed(std::move(seat), times, plans);
+template <class AnyHelm>
+std::unique_ptr<AnyHelm> make_helm(const MissionSetup& setup, const Configuration& configuration,
+                                   const std::shared_ptr<StageTimes>& times) {
+  std::vector<AgentSlot> slots = all_agents(setup, configuration);
+  for (AgentSlot& slot : slots) {
+    const bool plans = slot.name == "navigator";
+    if (times) slot = timed(std::move(slot), times, plans);
   }
-  return std::make_unique<Crewed>(std::move(seats), setup.vehicle, configuration.crew,
-                                  std::make_shared<const MissionPlan>(setup.plan), setup.chart,
-                                  configuration.safety.echo_contrast);
+  return std::make_unique<AnyHelm>(std::move(slots), setup.vehicle, configuration.executor,
+                                   std::make_shared<const MissionPlan>(setup.plan), setup.chart,
+                                   configuration.safety.echo_contrast);
 }
 
 }  // namespace
 
-std::unique_ptr<MissionHelm> make_mission_helm(const MissionSetup& setup, const Configuration& configuration,
-                                               const std::shared_ptr<StageTimes>& times) {
-  return make_helm<MissionHelm>(setup, configuration, times);
+std::unique_ptr<SerialHelm> make_serial_helm(const MissionSetup& setup, const Configuration& configuration,
+                                             const std::shared_ptr<StageTimes>& times) {
+  return make_helm<SerialHelm>(setup, configuration, times);
 }
 
-std::unique_ptr<LiveHelm> make_live_helm(const MissionSetup& setup, const Configuration& configuration,
-                                         const std::shared_ptr<StageTimes>& times) {
-  return make_helm<LiveHelm>(setup, configuration, times);
+std::unique_ptr<ThreadedHelm> make_threaded_helm(const MissionSetup& setup, const Configuration& configuration,
+                                                 const std::shared_ptr<StageTimes>& times) {
+  return make_helm<ThreadedHelm>(setup, configuration, times);
 }
 
 std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions, const fs::path& input) {

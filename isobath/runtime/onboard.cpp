@@ -109,11 +109,11 @@ void Onboard::on_scan(const ScanResult& scan) {
   times_->resume();
 }
 
-void Onboard::on_upright(const PosedPing& ping) {
+void Onboard::on_vertical_ping(const PosedPing& ping) {
   load_.enter(Stage::kVoxels);
   voxels_.take(ping);
   load_.enter(Stage::kReport);
-  for (OnboardObserver* observer : observers_) observer->on_upright(ping);
+  for (OnboardObserver* observer : observers_) observer->on_vertical_ping(ping);
 }
 
 void Onboard::on_soundings(const Swath& swath, const Pose& X_WB) {

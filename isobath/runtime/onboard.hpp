@@ -24,7 +24,7 @@
 #include <isobath/runtime/depth_model.hpp>
 #include <isobath/runtime/helm.hpp>
 #include <isobath/runtime/onboard_observer.hpp>
-#include <isobath/runtime/stage_load.hpp>
+#include <isobath/runtime/stage_cpu_time.hpp>
 #include <isobath/runtime/stage_times.hpp>
 #include <isobath/runtime/voxel_model.hpp>
 #include <memory>
@@ -69,7 +69,7 @@ class Onboard : private ResultSink {
   [[nodiscard]] const std::vector<double>& ping_ms() const { return ping_ms_; }
   /// Processor time by stage, of both threads. `beside`: that of the source thread.
   [[nodiscard]] RunLoad load() const { return load_of(load_, beside_); }
-  [[nodiscard]] StageLoad& beside() { return beside_; }
+  [[nodiscard]] StageCpuTime& beside() { return beside_; }
 
  private:
   using Clock = StageTimes::Clock;
@@ -78,20 +78,20 @@ class Onboard : private ResultSink {
   // Results of the pipeline.
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
-  void on_upright(const PosedPing& ping) override;
+  void on_vertical_ping(const PosedPing& ping) override;
   void on_soundings(const Swath& swath, const Pose& X_WB) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   [[nodiscard]] bool hears_faint() const override { return voxels_.listens(); }
-  [[nodiscard]] const SpaceGrid* heights() const override { return heights_.get(); }
+  [[nodiscard]] const OccupancySnapshot* heights() const override { return heights_.get(); }
 
   Helm* helm_;
   std::shared_ptr<StageTimes> times_;
   DepthModel& depths_;
   VoxelModel voxels_;
-  std::shared_ptr<const SpaceGrid> heights_;  ///< the newest snapshot of the voxels around the vehicle
+  std::shared_ptr<const OccupancySnapshot> heights_;  ///< the newest snapshot of the voxels around the vehicle
   double reach_m_;
   std::vector<OnboardObserver*> observers_;
-  StageLoad load_, beside_;  ///< of the mapping thread, of the source thread
+  StageCpuTime load_, beside_;  ///< of the mapping thread, of the source thread
   std::vector<double> ping_ms_;
   Time now_;
   Pipeline pipeline_;

@@ -33,7 +33,7 @@ bool leaves_method_open(const Configuration& configuration, const SonarModels& m
 
 /// A vertical fan receives the bottom in some beams only, and at a different range in each: the background across the
 /// beams is not usable.
-EchoDetectorConfig for_upright(const Configuration& configuration, const SonarModels& models) {
+EchoDetectorConfig for_vertical(const Configuration& configuration, const SonarModels& models) {
   EchoDetectorConfig echoes = configuration.echoes;
   if (leaves_method_open(configuration, models)) echoes.method = DetectionMethod::kLearnt;
   return echoes;
@@ -92,9 +92,9 @@ Pipeline::Pipeline(const Configuration& configuration, ResultSink& sink, Soundin
       ratios_(ratios_of(configuration.sensor)),
       models_(models_of(configuration.sensor)),
       echoes_(configuration.echoes, models_.sensor, ratios_, models_.fan),
-      upright_echoes_(for_upright(configuration, models_), models_.sensor, ratios_),
+      vertical_echoes_(for_vertical(configuration, models_), models_.sensor, ratios_),
       sounder_echoes_(for_sounder(configuration, models_), models_.sensor, ratios_),
-      faint_echoes_(for_upright(configuration, models_), models_.sensor, ratios_),
+      faint_echoes_(for_vertical(configuration, models_), models_.sensor, ratios_),
       sweeps_(configuration.map.fan_scan_s),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMostWaiting);
@@ -105,7 +105,7 @@ Pipeline::~Pipeline() = default;
 // What happens to an event -------------------------------------------------------------------------------------------
 
 EchoDetector& Pipeline::detector_of(const Ping& ping) {
-  return lies_flat(ping) ? echoes_ : looks_down(ping) ? sounder_echoes_ : upright_echoes_;
+  return lies_flat(ping) ? echoes_ : looks_down(ping) ? sounder_echoes_ : vertical_echoes_;
 }
 
 bool Pipeline::listen(const Ping& ping) {
@@ -117,7 +117,7 @@ bool Pipeline::listen(const Ping& ping) {
 
 void Pipeline::heard_all() {
   echoes_.heard_all();
-  upright_echoes_.heard_all();
+  vertical_echoes_.heard_all();
   sounder_echoes_.heard_all();
   faint_echoes_.heard_all();
 }
@@ -140,7 +140,7 @@ void Pipeline::take(Event event) {
 
 void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   enter(Stage::kEchoes);
-  if (!lies_flat(ping)) return hear_upright(ping, X_WB, posed);
+  if (!lies_flat(ping)) return hear_vertical(ping, X_WB, posed);
   fit_map(ping, posed);                                       // a grid of the sonar's size
   const WaterColumn water = water_at(ping, X_WB, posed);      // where bottom and surface are
   echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
@@ -162,14 +162,14 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   if (sweeps_.add(ping)) end_scan();  // body grid -> obstacles
 }
 
-void Pipeline::hear_upright(const Ping& ping, const Pose& X_WB, bool posed) {
+void Pipeline::hear_vertical(const Ping& ping, const Pose& X_WB, bool posed) {
   const bool sounds = looks_down(ping);
   WaterColumn water = water_at(ping, X_WB, posed);
   if (sounds) water.above_bottom_m.reset();
   detector_of(ping).detect(ping, decisions_, water);
   if (sounds && leaves_method_open(configuration_, models_)) side_lobes_.leave_out(ping, decisions_);
-  sink_.on_upright({ping, X_WB, decisions_});
-  ++counts_.upright;
+  sink_.on_vertical_ping({ping, X_WB, decisions_});
+  ++counts_.vertical;
 }
 
 // What happens to ranges and soundings whose pose is known -----------------------------------------------------------

@@ -29,11 +29,11 @@
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/perception/water_label.hpp>
 #include <isobath/runtime/alarms.hpp>
-#include <isobath/runtime/bottom_below.hpp>
+#include <isobath/runtime/altitude_estimator.hpp>
 #include <isobath/runtime/configuration.hpp>
 #include <isobath/runtime/event_gate.hpp>
 #include <isobath/runtime/pose_buffer.hpp>
-#include <isobath/runtime/stage_load.hpp>
+#include <isobath/runtime/stage_cpu_time.hpp>
 #include <isobath/sonar/echo_detector.hpp>
 #include <isobath/sonar/side_lobes.hpp>
 #include <isobath/sonar/sweep.hpp>
@@ -80,11 +80,11 @@ class ResultSink {
   virtual void on_ping(const PosedPing& ping) = 0;
   virtual void on_scan(const ScanResult& scan) = 0;
   /// A ping of a vertical fan. It is not mapped into the horizontal body grid.
-  virtual void on_upright(const PosedPing& /*ping*/) {}
+  virtual void on_vertical_ping(const PosedPing& /*ping*/) {}
   /// Whether the sink uses PosedPing::faint; if not, faint echoes are not detected. Called before every ping.
   [[nodiscard]] virtual bool hears_faint() const { return true; }
   /// Occupancy around the vehicle (W) from sensors that resolve height, for the labels of obstacles; null: none.
-  [[nodiscard]] virtual const SpaceGrid* heights() const { return nullptr; }
+  [[nodiscard]] virtual const OccupancySnapshot* heights() const { return nullptr; }
   /// The position jumped by this much, m in W. Maps that are right relative to the vehicle must move along. All later
   /// poses agree with the new position, also those of measurements that were made before and had to wait.
   virtual void on_jump(const Eigen::Vector3d& /*by_W*/) {}
@@ -112,9 +112,9 @@ bool lies_flat(const Ping& ping);
 bool looks_down(const Ping& ping);
 
 struct PipelineCounts {
-  std::uint64_t pings = 0;    ///< mapped pings
-  std::uint64_t unposed = 0;  ///< mapped pings without any navigation
-  std::uint64_t upright = 0;  ///< pings of vertical fans; not included in `pings`
+  std::uint64_t pings = 0;     ///< mapped pings
+  std::uint64_t unposed = 0;   ///< mapped pings without any navigation
+  std::uint64_t vertical = 0;  ///< pings of vertical fans; not included in `pings`
   std::uint64_t navigation = 0;
   std::uint64_t ranges = 0;
   std::uint64_t swaths = 0;
@@ -149,7 +149,7 @@ class Pipeline {
 
   void take(Event event);
   /// Reports the stage of its work to `load` from now on.
-  void watch(StageLoad* load) { load_ = load; }
+  void watch(StageCpuTime* load) { load_ = load; }
   /// Call after the last event: maps the pings that still wait for a fix, and reports the obstacles of the open sweep.
   void finish();
 
@@ -178,7 +178,7 @@ class Pipeline {
   void place(const Waiting& sensed);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
   EchoDetector& detector_of(const Ping& ping);
-  void hear_upright(const Ping& ping, const Pose& X_WB, bool posed);
+  void hear_vertical(const Ping& ping, const Pose& X_WB, bool posed);
   void map_depth(const Waiting& sensed, const PoseEstimate& pose);
   void fit_map(const Ping& ping, bool posed);
   void count(const EchoDecisions& decisions);
@@ -188,20 +188,20 @@ class Pipeline {
   Configuration configuration_;
   ResultSink& sink_;
   SoundingSink* depths_;
-  StageLoad* load_ = nullptr;
+  StageCpuTime* load_ = nullptr;
   Alarms alarms_;
   EventGate gate_;
   PoseBuffer poses_;
   Eigen::Vector3d jumped_ = Eigen::Vector3d::Zero();  ///< sum of all jumps
   std::vector<Waiting> waiting_;                      ///< measurements that wait for the next fix, oldest first
-  BottomBelow bottom_;
+  AltitudeEstimator bottom_;
   std::shared_ptr<const LikelihoodRatios> ratios_;  ///< of the histogram model; null: none
   SonarModels models_;
-  EchoDetector echoes_, upright_echoes_, sounder_echoes_;
+  EchoDetector echoes_, vertical_echoes_, sounder_echoes_;
   EchoDetector faint_echoes_;  ///< for fans with one decision per resolution cell
   SideLobes side_lobes_;
   EchoDecisions decisions_, faint_;
-  SweepFinder sweeps_;
+  SweepSegmenter sweeps_;
   std::unique_ptr<GridMapper> mapper_;
   ObstacleDetector detector_;
   PipelineCounts counts_;

@@ -10,7 +10,7 @@
 #pragma once
 
 #include <isobath/base/time.hpp>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_state.hpp>
 
 namespace isobath {
 
@@ -28,7 +28,7 @@ class Playback {
   /// Sets `items` to their state at a moment of the span: the newest version of each item at that moment, and no other
   /// items. `items` come as the last call left them, so going forward needs only the changes in between. Leave items
   /// that do not change as they are: an item that is set again is sent again.
-  virtual void show(Time moment, DisplayItems& items) = 0;
+  virtual void show(Time moment, DisplayState& items) = 0;
   /// Moments are the times at which an item changes. Returns the moment that is `steps` moments after `from`, or before
   /// it if negative; an end of the span if there are fewer. `from` itself need not be a moment: the first step then
   /// leads to the nearest one in that direction.

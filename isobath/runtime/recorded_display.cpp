@@ -53,7 +53,7 @@ std::optional<RecordedDisplay::Span> RecordedDisplay::span() {
   return Span{time_of_log(first), time_of_log(*last)};
 }
 
-void RecordedDisplay::take_changes(std::uint64_t from, std::uint64_t to, DisplayItems& items) {
+void RecordedDisplay::take_changes(std::uint64_t from, std::uint64_t to, DisplayState& items) {
   const std::uint16_t channel = *changes_;
   index_.visit({&channel, 1}, from, to, [&](const McapMessage& message) {
     items.take(records_in(message));
@@ -62,10 +62,10 @@ void RecordedDisplay::take_changes(std::uint64_t from, std::uint64_t to, Display
   });
 }
 
-void RecordedDisplay::seek(Time time, DisplayItems& items) {
+void RecordedDisplay::seek(Time time, DisplayState& items) {
   at_.reset();
   grown_ = false;
-  DisplayItems then;
+  DisplayState then;
   const std::uint64_t to = log_time_of(time);
   std::uint64_t from = 0;
   if (const auto whole = wholes_ ? index_.last(*wholes_, to) : std::nullopt) {
@@ -77,7 +77,7 @@ void RecordedDisplay::seek(Time time, DisplayItems& items) {
   items.become(then, time);
 }
 
-void RecordedDisplay::advance(Time time, DisplayItems& items) {
+void RecordedDisplay::advance(Time time, DisplayState& items) {
   // far ahead, a complete sample takes less to read than all changes until there
   constexpr Duration kNear = std::chrono::seconds(5);
   if (!at_ || time < *at_ || time - *at_ > kNear) return seek(time, items);

@@ -9,7 +9,7 @@
 
 #include <filesystem>
 #include <isobath/io/mcap_index.hpp>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_state.hpp>
 #include <optional>
 
 namespace isobath {
@@ -36,9 +36,9 @@ class RecordedDisplay {
   [[nodiscard]] std::optional<Time> at() const { return at_; }
 
   /// Sets the items to their state at the last moment at or before `time`; before the first moment there are none.
-  void seek(Time time, DisplayItems& items);
+  void seek(Time time, DisplayState& items);
   /// The same as seek. Reads only the changes if `time` is a few seconds ahead.
-  void advance(Time time, DisplayItems& items);
+  void advance(Time time, DisplayState& items);
   /// The next moment after, and the last one before a time.
   [[nodiscard]] std::optional<Time> moment_after(Time time);
   [[nodiscard]] std::optional<Time> moment_before(Time time);
@@ -49,7 +49,7 @@ class RecordedDisplay {
  private:
   void find_channels();
   /// Applies the changes from one time to another.
-  void take_changes(std::uint64_t from, std::uint64_t to, DisplayItems& items);
+  void take_changes(std::uint64_t from, std::uint64_t to, DisplayState& items);
 
   McapIndex index_;
   std::optional<std::uint16_t> changes_, wholes_;  ///< channels

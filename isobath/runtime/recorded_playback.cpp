@@ -20,7 +20,7 @@ TimeSpan RecordedPlayback::span() {
   return span_;
 }
 
-void RecordedPlayback::show(Time moment, DisplayItems& items) { display_.advance(moment, items); }
+void RecordedPlayback::show(Time moment, DisplayState& items) { display_.advance(moment, items); }
 
 Time RecordedPlayback::step(Time from, int steps) {
   Time moment = from;

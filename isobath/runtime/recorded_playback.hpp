@@ -18,7 +18,7 @@ class RecordedPlayback final : public Playback {
   explicit RecordedPlayback(const std::filesystem::path& file);
 
   TimeSpan span() override;
-  void show(Time moment, DisplayItems& items) override;
+  void show(Time moment, DisplayState& items) override;
   Time step(Time from, int steps) override;
 
  private:

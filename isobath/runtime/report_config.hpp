@@ -1,4 +1,4 @@
-// ReportConfig: the replay of the run that the report embeds (RunFilm).
+// ReportConfig: the replay of the run that the report embeds (EmbeddedReplay).
 #pragma once
 
 #include <isobath/base/config.hpp>

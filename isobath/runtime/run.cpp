@@ -5,6 +5,8 @@
 #include <isobath/io/pose_track.hpp>
 #include <isobath/runtime/closed_loop.hpp>
 #include <isobath/runtime/depth_model.hpp>
+#include <isobath/runtime/detection_scorer.hpp>
+#include <isobath/runtime/ground_truth_trajectory.hpp>
 #include <isobath/runtime/mission_chart.hpp>
 #include <isobath/runtime/mission_notes.hpp>
 #include <isobath/runtime/onboard.hpp>
@@ -14,8 +16,6 @@
 #include <isobath/runtime/run_pace.hpp>
 #include <isobath/runtime/run_source.hpp>
 #include <isobath/runtime/scenario.hpp>
-#include <isobath/runtime/true_track.hpp>
-#include <isobath/runtime/truth_judge.hpp>
 #include <span>
 
 namespace isobath {
@@ -127,10 +127,10 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
   outcome.alarms = alarms_of(pipeline.emergencies());
   for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
   outcome.problem = problem_of(outcome);
-  if (outcome.counts.pings + outcome.counts.upright + outcome.counts.ranges + outcome.counts.swaths == 0 &&
+  if (outcome.counts.pings + outcome.counts.vertical + outcome.counts.ranges + outcome.counts.swaths == 0 &&
       outcome.problem.empty())
     outcome.problem = "no ping, range or sounding of the input could be used";
-  if (outcome.counts.pings + outcome.counts.upright == 0 && !depths.snapshot() && !mapped && outcome.problem.empty())
+  if (outcome.counts.pings + outcome.counts.vertical == 0 && !depths.snapshot() && !mapped && outcome.problem.empty())
     outcome.problem = "no range or sounding has a position; give the track of the vehicle (input.navigation)";
 }
 
@@ -164,8 +164,8 @@ class Run {
 
   // Observers.
   RunFolder folder_;
-  std::optional<TruthJudge> judge_;
-  std::optional<TrueTrack> track_;
+  std::optional<DetectionScorer> judge_;
+  std::optional<GroundTruthTrajectory> track_;
   MissionNotes notes_;
   RunDisplay display_;
 
@@ -216,8 +216,8 @@ std::optional<MissionSetup> Run::mission() {
 
 std::unique_ptr<Helm> Run::make_helm() const {
   if (!setup_) return nullptr;
-  if (request_.live_speed) return make_live_helm(*setup_, request_.configuration, times_);
-  return make_mission_helm(*setup_, request_.configuration, times_);
+  if (request_.live_speed) return make_threaded_helm(*setup_, request_.configuration, times_);
+  return make_serial_helm(*setup_, request_.configuration, times_);
 }
 
 /// Onboard calls the observers in this order.
@@ -378,7 +378,7 @@ MissionOutcome Run::mission_outcome() {
   mission.believed = notes_.believed();
   mission.seen = notes_.seen();
   mission.timings = onboard_.timings();
-  mission.crew = helm_->crew_counts();
+  mission.executor = helm_->executor_counts();
   if (SimulatedSource* simulated = input_.simulated()) {
     mission.truth = track_->truth();
     mission.bodies = outlines_of(simulated->simulator().world());

@@ -61,7 +61,8 @@ RunDisplay::RunDisplay(const RunRequest& request, const std::optional<MissionSet
     : input_(input) {
   if (!request.record.empty()) begin_recording(request, setup, input);
   if (request.watch && request.watch->display) shown_ = request.watch->display;
-  if (RunFilm::wanted(request.configuration.report) && !request.live_speed) film_.emplace(request.configuration.report);
+  if (EmbeddedReplay::wanted(request.configuration.report) && !request.live_speed)
+    film_.emplace(request.configuration.report);
   if (!request.watch && !recorder_ && !film_) return;
   display_.emplace(*shown_);
   if (!request.live_speed) return;
@@ -153,11 +154,11 @@ void RunDisplay::show_ping(const PosedPing& ping) {
   display_->on_ping(ping);
 }
 
-void RunDisplay::on_upright(const PosedPing& ping) { post(Kind::kPing, &RunDisplay::show_upright, ping); }
+void RunDisplay::on_vertical_ping(const PosedPing& ping) { post(Kind::kPing, &RunDisplay::show_vertical_ping, ping); }
 
-void RunDisplay::show_upright(const PosedPing& ping) {
-  if (recorder_) recorder_->on_upright(ping);
-  display_->on_upright(ping);
+void RunDisplay::show_vertical_ping(const PosedPing& ping) {
+  if (recorder_) recorder_->on_vertical_ping(ping);
+  display_->on_vertical_ping(ping);
 }
 
 void RunDisplay::on_scan(const ScanResult& scan) { post(Kind::kPing, &RunDisplay::show_scan, scan); }

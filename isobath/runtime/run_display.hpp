@@ -15,10 +15,10 @@
 
 #include <isobath/base/task_thread.hpp>
 #include <isobath/runtime/display.hpp>
+#include <isobath/runtime/embedded_replay.hpp>
 #include <isobath/runtime/map_display.hpp>
 #include <isobath/runtime/mission_setup.hpp>
 #include <isobath/runtime/onboard_observer.hpp>
-#include <isobath/runtime/run_film.hpp>
 #include <isobath/runtime/run_recorder.hpp>
 #include <isobath/runtime/run_request.hpp>
 #include <isobath/runtime/run_source.hpp>
@@ -40,8 +40,8 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   [[nodiscard]] bool on() const { return display_.has_value(); }
   [[nodiscard]] const RunRecorder* recorder() const { return recorder_ ? &*recorder_ : nullptr; }
   /// Null: the report has no replay.
-  [[nodiscard]] RunFilm* film() { return film_ ? &*film_ : nullptr; }
-  [[nodiscard]] const DisplayItems& items() const { return *shown_; }
+  [[nodiscard]] EmbeddedReplay* film() { return film_ ? &*film_ : nullptr; }
+  [[nodiscard]] const DisplayState& items() const { return *shown_; }
 
   // Called by the source thread.
   void on_event(const Event& event) override;
@@ -57,7 +57,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
 
   // Called by the mapping thread.
   void on_ping(const PosedPing& ping) override;
-  void on_upright(const PosedPing& ping) override;
+  void on_vertical_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   void on_mapped(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) override;
@@ -93,7 +93,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   // The posted work.
   void show_event(const Event& event, const std::optional<GeoOrigin>& origin);
   void show_ping(const PosedPing& ping);
-  void show_upright(const PosedPing& ping);
+  void show_vertical_ping(const PosedPing& ping);
   void show_scan(const ScanResult& scan);
   void show_message(const Envelope& envelope);
   template <class Truth>
@@ -107,9 +107,9 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   void show_sample(const Time& time);
 
   const RunInput& input_;          ///< knows the origin of W as soon as the input states it
-  DisplayItems items_;             ///< used if no page watches
-  DisplayItems* shown_ = &items_;  ///< the items in use: items_, or those of the program that watches (RunWatch)
-  std::optional<RunFilm> film_;
+  DisplayState items_;             ///< used if no page watches
+  DisplayState* shown_ = &items_;  ///< the items in use: items_, or those of the program that watches (RunWatch)
+  std::optional<EmbeddedReplay> film_;
   std::optional<Display> display_;
   std::optional<RunRecorder> recorder_;
 

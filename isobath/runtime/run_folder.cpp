@@ -44,7 +44,7 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
   std::vector<HtmlReport::Row> rows;
   if (pinged) {
     rows.push_back({"pings mapped", number(n.pings)});
-    if (n.upright > 0) rows.push_back({"pings of vertical fans, for the voxel map", number(n.upright)});
+    if (n.vertical > 0) rows.push_back({"pings of vertical fans, for the voxel map", number(n.vertical)});
     rows.push_back({"mapped pings without a pose", number(n.unposed)});
     rows.push_back({"mapped pings by dead reckoning: the map blurs as the vehicle moves", number(n.dead_reckoned)});
     rows.push_back(
@@ -246,7 +246,7 @@ void add_truth(HtmlReport& page, const TruthScore& score) {
 namespace {
 
 /// The items that the replay shows less often than the rest, with their intervals.
-std::string rarer_in(const RunFilm& film, const ReportConfig& config) {
+std::string rarer_in(const EmbeddedReplay& film, const ReportConfig& config) {
   constexpr std::pair<DisplayKind, const char*> kNames[] = {{DisplayKind::kEchoes, "echoes"},
                                                             {DisplayKind::kGrid, "occupancy"},
                                                             {DisplayKind::kDepth, "the depth map"},
@@ -268,7 +268,7 @@ std::string rarer_in(const RunFilm& film, const ReportConfig& config) {
 
 }  // namespace
 
-void RunFolder::show_run(RunFilm& film, Time last, const DisplayItems& items) {
+void RunFolder::show_run(EmbeddedReplay& film, Time last, const DisplayState& items) {
   const std::string recording = film.finish(last, items);
   if (recording.empty()) {
     film_words_ = "There is no replay of the run here: it would be larger than report.film_mb.";

@@ -11,12 +11,12 @@
 
 #include <filesystem>
 #include <isobath/runtime/depth_pages.hpp>
+#include <isobath/runtime/embedded_replay.hpp>
 #include <isobath/runtime/html_report.hpp>
 #include <isobath/runtime/mission_pages.hpp>
 #include <isobath/runtime/onboard_observer.hpp>
 #include <isobath/runtime/plan_image.hpp>
 #include <isobath/runtime/result_text.hpp>
-#include <isobath/runtime/run_film.hpp>
 #include <isobath/runtime/run_outcome.hpp>
 #include <isobath/runtime/run_request.hpp>
 #include <isobath/runtime/voxel_pages.hpp>
@@ -38,7 +38,7 @@ class RunFolder : public OnboardObserver {
   /// True outlines of the bodies, in L of the last scan; for the pictures.
   void show_truth(std::vector<Polygon> outlines) { truth_ = std::move(outlines); }
   /// The replay of the run, for the report.
-  void show_run(RunFilm& film, Time last, const DisplayItems& items);
+  void show_run(EmbeddedReplay& film, Time last, const DisplayState& items);
   /// Writes all files and lists them in `outcome.files`.
   void write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
              RunOutcome& outcome);

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 #include <isobath/runtime/depth_outcome.hpp>
+#include <isobath/runtime/detection_scorer.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
 #include <isobath/runtime/pipeline.hpp>
-#include <isobath/runtime/stage_load.hpp>
-#include <isobath/runtime/truth_judge.hpp>
+#include <isobath/runtime/stage_cpu_time.hpp>
 #include <isobath/runtime/voxel_model.hpp>
 #include <map>
 #include <optional>

@@ -82,7 +82,7 @@ void RunRecorder::describe(const SourceReport& source) {
 
 void RunRecorder::describe(const MissionSetup& setup) {
   guarded([&] {
-    VehicleSheet vehicle = setup.vehicle;
+    VehicleParameters vehicle = setup.vehicle;
     log_.attach(kMissionAttachment, kToml, write_mission(setup.plan));
     log_.attach(kVehicleAttachment, kToml, write_toml(vehicle_sections(vehicle), false));
   });
@@ -142,11 +142,11 @@ void RunRecorder::setpoint(Time time, const Setpoint& setpoint) {
   guarded([&] { log_.write(time, setpoint); });
 }
 
-bool RunRecorder::sample(Time time, const DisplayItems& items, bool at_once) {
+bool RunRecorder::sample(Time time, const DisplayState& items, bool at_once) {
   if (sampled_ && (time < *sampled_ || (!at_once && time - *sampled_ < seconds(config_.display_s)))) return false;
   sampled_ = time;
   guarded([&] {
-    const DisplayItems::Changes changes = items.changes_after(stamp_);
+    const DisplayState::Changes changes = items.changes_after(stamp_);
     stamp_ = changes.stamp;
     std::string records = of_the_run(changes.records);
     if (changes.whole) mark_as_whole(records);

@@ -24,7 +24,7 @@
 #include <functional>
 #include <isobath/io/native_log.hpp>
 #include <isobath/runtime/configuration.hpp>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_state.hpp>
 #include <isobath/runtime/foxglove_log.hpp>
 #include <isobath/runtime/mission_setup.hpp>
 #include <isobath/runtime/scenario.hpp>
@@ -67,7 +67,7 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   void take(const EchoTruth& echoes) override;
   void take(const TrueMotion& motion) override;
   void on_ping(const PosedPing& ping) override;
-  void on_upright(const PosedPing& ping) override { on_ping(ping); }
+  void on_vertical_ping(const PosedPing& ping) override { on_ping(ping); }
   void on_scan(const ScanResult& scan) override;
   /// A message of the agents; a decision is also written to its own channel.
   void heard(const Envelope& envelope);
@@ -76,7 +76,7 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   /// Takes a sample of the display if one is due, or in any case with `at_once`, as at the end of the run. Returns
   /// whether it took one. No sample is taken at a time before the last one, and a second one at the same time only with
   /// `at_once`: changes after the last event get the time of that event.
-  bool sample(Time time, const DisplayItems& items, bool at_once = false);
+  bool sample(Time time, const DisplayState& items, bool at_once = false);
 
   void close();
 

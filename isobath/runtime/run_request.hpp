@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <isobath/runtime/configuration.hpp>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_state.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <optional>
 
@@ -12,7 +12,7 @@ namespace isobath {
 
 /// A page that watches a run from other threads. The functions must not block.
 struct RunWatch {
-  DisplayItems* display = nullptr;  ///< filled during the run
+  DisplayState* display = nullptr;  ///< filled during the run
   double speed = 0;                 ///< maximum, times real time; 0: no limit, or as live_speed says
   std::function<bool()> stopped;    ///< called before each event: whether to end here, as if the input ended
   /// Called before each event of a simulated mission: an order from the page, if there is one.

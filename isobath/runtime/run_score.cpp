@@ -75,7 +75,7 @@ std::string refusal_of(const LoopResult& result) {
 RunTruth::RunTruth(const Suite& suite, const SuiteRun& run) {
   const Simulator simulator(run.scenario.scene, {}, 1);
   const VehicleModel& vehicle = simulator.vehicle();
-  vehicle_ = sheet_of(vehicle);
+  vehicle_ = parameters_of(vehicle);
   hull_length_ = vehicle.length;
   const double reach = vehicle.height / 2 + kAboveAndBelow_m;
   double high = run.scenario.scene.vehicle.start.z(), low = high;

@@ -1,9 +1,9 @@
 // RunScore: the score of one closed-loop run against ground truth (ledger S6-67).
 //
-// The clearance is the distance from the hull (TrueTrack) to the nearest body. A collision is a contact (with a body or
-// the bottom) or a clearance below 1 m, a near miss one below 5 m, an encounter one below 15 m. These limits are for a
-// hull of 2 m, and scale with its length: a REMUS 100 of 1.6 m collides below 0.8 m. Every collision is also a near
-// miss, and every near miss an encounter.
+// The clearance is the distance from the hull (GroundTruthTrajectory) to the nearest body. A collision is a contact
+// (with a body or the bottom) or a clearance below 1 m, a near miss one below 5 m, an encounter one below 15 m. These
+// limits are for a hull of 2 m, and scale with its length: a REMUS 100 of 1.6 m collides below 0.8 m. Every collision
+// is also a near miss, and every near miss an encounter.
 //
 // The goal is reached if the true position comes within `goal_m` of the last mission point, after all other points in
 // their order, except those that the vehicle dropped. A run is refused if the vehicle ended its mission short of the
@@ -15,9 +15,9 @@
 
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/runtime/closed_loop.hpp>
-#include <isobath/runtime/fault_proof.hpp>
+#include <isobath/runtime/fault_injection_check.hpp>
 #include <isobath/runtime/suite.hpp>
-#include <isobath/vehicle/vehicle_sheet.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
 #include <string>
 #include <vector>
 
@@ -48,9 +48,10 @@ struct RunScore {
   int replans = 0, false_replans = 0, safety_actions = 0;
 
   int scans = 0;
-  int false_obstacles = 0, near_false_obstacles = 0;  ///< over all scans; near: within kNearObstacle_m (TruthJudge)
+  int false_obstacles = 0,
+      near_false_obstacles = 0;  ///< over all scans; near: within kNearObstacle_m (DetectionScorer)
 
-  FaultProof proof;  ///< for runs of a fault suite
+  FaultInjectionCheck proof;  ///< for runs of a fault suite
 };
 
 /// The ground truth for all helms of one run.
@@ -58,7 +59,7 @@ class RunTruth {
  public:
   RunTruth(const Suite& suite, const SuiteRun& run);
 
-  [[nodiscard]] const VehicleSheet& vehicle() const { return vehicle_; }
+  [[nodiscard]] const VehicleParameters& vehicle() const { return vehicle_; }
   [[nodiscard]] double hull_length() const { return hull_length_; }
   [[nodiscard]] const std::vector<Hazard>& outlines() const { return outlines_; }
   /// The route of the planner with full truth; empty if it finds none.
@@ -69,7 +70,7 @@ class RunTruth {
  private:
   void plan(const Suite& suite, const SuiteRun& run);
 
-  VehicleSheet vehicle_;
+  VehicleParameters vehicle_;
   double hull_length_ = 0;
   std::vector<Hazard> outlines_;
   std::vector<Eigen::Vector2d> way_;
@@ -79,14 +80,14 @@ class RunTruth {
 
 RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTruth& truth, const SuiteConfig& suite);
 
-/// One run of a suite with its scores, one for each competitor.
+/// One run of a suite with its scores, one for each method.
 struct ScoredRun {
   std::uint64_t seed = 0;
   std::string variant;  ///< name of the variant; empty if the suite has none
   std::string conditions;
   double way_m = 0;              ///< length of the route of the planner with full truth
   std::string no_way;            ///< why it found no route
-  std::vector<RunScore> scores;  ///< in the order of the competitors
+  std::vector<RunScore> scores;  ///< in the order of the methods
 };
 
 }  // namespace isobath

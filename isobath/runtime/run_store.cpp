@@ -4,7 +4,7 @@
 
 namespace isobath {
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaultProof, fault, after_s, failure)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaultInjectionCheck, fault, after_s, failure)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunScore, collision, near_miss, encounter, contact_s, contact_with,
                                    least_clearance_m, nearest_body, goal_reached, goal_s, goal_distance_m, refused,
                                    points_dropped, path_m, duration_s, path_ratio, time_ratio, delay_pings,

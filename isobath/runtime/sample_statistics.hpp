@@ -124,7 +124,7 @@ class SampleCollector {
   double brightest_sum_ = 0, brightest_count_ = 0, others_sum_ = 0, others_count_ = 0;
   std::uint64_t pings_ = 0, left_out_ = 0;
   int scans_ = 0;
-  SweepFinder sweeps_;
+  SweepSegmenter sweeps_;
 };
 
 }  // namespace isobath

@@ -64,13 +64,13 @@ class DecibelShades {
 }  // namespace
 
 SonarDisplay::Sonar& SonarDisplay::sonar_of(const Ping& ping, std::uint64_t& number) {
-  const bool scanning = ping.fan->beams() == 1, upright = !lies_flat(ping);
+  const bool scanning = ping.fan->beams() == 1, vertical = !lies_flat(ping);
   for (number = 0; number < sonars_.size(); ++number) {
     Sonar& known = sonars_[number];
-    if (known.scanning != scanning || known.upright != upright) continue;
+    if (known.scanning != scanning || known.vertical != vertical) continue;
     if (scanning || known.fan == ping.fan || known.fan->beams() == ping.fan->beams()) return known;
   }
-  return sonars_.emplace_back(Sonar{scanning, upright, nullptr, {}, 0, {}, {}, 1, 1});
+  return sonars_.emplace_back(Sonar{scanning, vertical, nullptr, {}, 0, {}, {}, 1, 1});
 }
 
 /// Sends the geometry of the ping to the page if it has changed. Returns false while the geometry is unknown.
@@ -122,7 +122,7 @@ std::string SonarDisplay::geometry(const Sonar& sonar, std::uint64_t number, con
                : nlohmann::ordered_json{{"unit", "% of full scale"}, {"low", 0}, {"high", 100}};
   const nlohmann::ordered_json text = {{"name", number == 0 ? "sonar" : fmt::format("sonar {}", number + 1)},
                                        {"scanning", sonar.scanning},
-                                       {"upright", sonar.upright},
+                                       {"upright", sonar.vertical},
                                        {"azimuth", azimuth},
                                        {"width", width},
                                        {"height", ping.fan->height.radians()},

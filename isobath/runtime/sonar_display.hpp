@@ -10,7 +10,7 @@
 // Cost: 0.35 ms for 512 beams x 500 bins (DisplayOfAFan).
 #pragma once
 
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_state.hpp>
 #include <isobath/runtime/pipeline.hpp>
 #include <optional>
 #include <string>
@@ -23,12 +23,12 @@ class SonarDisplay {
   static constexpr int kMostBeams = 256, kMostBins = 320;
   static constexpr int kMostPerSecond = 10;
 
-  explicit SonarDisplay(DisplayItems& items) : items_(items) {}
+  explicit SonarDisplay(DisplayState& items) : items_(items) {}
   void take(const PosedPing& posed);
 
  private:
   struct Sonar {
-    bool scanning = false, upright = false;
+    bool scanning = false, vertical = false;
     std::shared_ptr<const BeamFan> fan;  ///< fan of the last described ping
     RangeWindow window;
     int slots = 0;  ///< beams in a turn of a scanning head; 0: not known yet
@@ -47,7 +47,7 @@ class SonarDisplay {
   [[nodiscard]] std::vector<std::uint8_t> hits(const Sonar& sonar, const EchoDecisions& decisions, int bins) const;
   [[nodiscard]] std::string picture(const Sonar& sonar, const PosedPing& posed);
 
-  DisplayItems& items_;
+  DisplayState& items_;
   std::vector<Sonar> sonars_;
   std::vector<float> beam_, loudest_, pooled_;
   std::vector<std::uint8_t> shades_;

@@ -73,7 +73,7 @@ constexpr double kSureTarget = 0.5;  // with a lower limit, bodies merge with th
 void tell_grid(const SphericalGrid& grid, const SphericalSurveyConfig& survey, SurveyFeatures& features) {
   const std::vector<Vector3d> echoes = echoes_of(grid, grid.config().occupied);
   TangentialConfig config;
-  config.upright = true;
+  config.vertical = true;
   features.planes = tangential_clusters(echoes, config);
   for (SphericalCluster& cluster : clusters(grid, kSureTarget)) {
     const TargetScore score = target_score(grid, cluster);

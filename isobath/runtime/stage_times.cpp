@@ -1,4 +1,4 @@
-#include <isobath/runtime/stage_load.hpp>
+#include <isobath/runtime/stage_cpu_time.hpp>
 #include <isobath/runtime/stage_times.hpp>
 #include <utility>
 
@@ -88,9 +88,9 @@ MissionTimings StageTimes::timings() const {
           planned_.time(), decided_.time(), 1e-9 * static_cast<double>(agents_ns_.load())};
 }
 
-Seat timed(Seat seat, std::shared_ptr<StageTimes> times, bool plans) {
-  seat.agent = std::make_unique<TimedAgent>(std::move(seat.agent), std::move(times), plans);
-  return seat;
+AgentSlot timed(AgentSlot slot, std::shared_ptr<StageTimes> times, bool plans) {
+  slot.agent = std::make_unique<TimedAgent>(std::move(slot.agent), std::move(times), plans);
+  return slot;
 }
 
 }  // namespace isobath

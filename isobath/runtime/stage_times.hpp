@@ -12,8 +12,8 @@
 #include <chrono>
 #include <cstdint>
 #include <isobath/mission/agent.hpp>
+#include <isobath/runtime/latency_histogram.hpp>
 #include <isobath/runtime/mission_outcome.hpp>
-#include <isobath/runtime/stage_spread.hpp>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -42,11 +42,11 @@ class StageTimes {
   mutable std::mutex mutex_;
   Clock::time_point taken_, since_, aside_since_;
   std::map<Time, Clock::time_point> sweeps_;  ///< undecided sweeps: arrival of their last event
-  StageSpread heard_, mapped_, detected_, planned_, decided_;
+  LatencyHistogram heard_, mapped_, detected_, planned_, decided_;
 };
 
-/// Returns the seat with a timed agent. `plans`: its turns on scans of obstacles count as planning. The agent keeps
+/// Returns the slot with a timed agent. `plans`: its turns on scans of obstacles count as planning. The agent keeps
 /// `times` alive.
-Seat timed(Seat seat, std::shared_ptr<StageTimes> times, bool plans);
+AgentSlot timed(AgentSlot slot, std::shared_ptr<StageTimes> times, bool plans);
 
 }  // namespace isobath

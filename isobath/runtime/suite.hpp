@@ -3,7 +3,7 @@
 // in the program, by name.
 //
 // A suite of faults has one scene for each row of the fault table instead. Runs take the rows in turn: the run of a
-// seed uses the row seed mod their number, and must show what the row states (fault_proof.hpp).
+// seed uses the row seed mod their number, and must show what the row states (fault_injection_check.hpp).
 //
 // A suite of variants (suite_variants.hpp) takes its variants in turn in the same way: vehicles, sonars, with and
 // without an altimeter.

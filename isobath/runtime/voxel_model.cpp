@@ -221,7 +221,7 @@ VoxelOutcome VoxelModel::outcome() const {
   return outcome;
 }
 
-std::shared_ptr<const SpaceGrid> VoxelModel::space_around(const ScanResult& scan, double reach_m) {
+std::shared_ptr<const OccupancySnapshot> VoxelModel::space_around(const ScanResult& scan, double reach_m) {
   std::vector<std::string> heights;
   std::uint64_t told = shots_;
   for (const auto& s : sonars_) {
@@ -233,7 +233,7 @@ std::shared_ptr<const SpaceGrid> VoxelModel::space_around(const ScanResult& scan
   const Eigen::Vector3d& centre = scan.detection.X_WB.translation;
   if (told == heights_told_ || !scan.posed || centre.cwiseAbs().maxCoeff() + reach_m > map_->reach_m()) return nullptr;
   heights_told_ = told;
-  return std::make_shared<const SpaceGrid>(*map_, heights, centre, reach_m);
+  return std::make_shared<const OccupancySnapshot>(*map_, heights, centre, reach_m);
 }
 
 }  // namespace isobath

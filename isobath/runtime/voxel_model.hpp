@@ -30,7 +30,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
-#include <isobath/map/space_grid.hpp>
+#include <isobath/map/occupancy_snapshot.hpp>
 #include <isobath/map/voxel_map.hpp>
 #include <isobath/perception/fan_mapper.hpp>
 #include <isobath/runtime/pipeline.hpp>
@@ -81,7 +81,7 @@ class VoxelModel {
   [[nodiscard]] const std::map<std::string, std::uint64_t>& refused() const { return refused_; }
   /// A snapshot of the occupancy within a reach of the vehicle at the end of a sweep, for planning. Null without
   /// navigation, and if no sonar that resolves height (vertical fan, soundings) has delivered data since the last call.
-  [[nodiscard]] std::shared_ptr<const SpaceGrid> space_around(const ScanResult& scan, double reach_m);
+  [[nodiscard]] std::shared_ptr<const OccupancySnapshot> space_around(const ScanResult& scan, double reach_m);
 
  private:
   struct Sonar {

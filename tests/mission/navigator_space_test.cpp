@@ -40,7 +40,7 @@ class NavigatorInSpace : public testing::Test {
     return script.hear(scan, now);
   }
   void see(const MeasuredWater& water) {
-    script.hear(SpaceSeen{at(now), std::make_shared<const SpaceGrid>(water.grid())}, now);
+    script.hear(OccupancyUpdate{at(now), std::make_shared<const OccupancySnapshot>(water.grid())}, now);
   }
   std::vector<Message> ask(double depth) {
     RouteRequest request;
@@ -56,7 +56,7 @@ class NavigatorInSpace : public testing::Test {
     return water;
   }
 
-  VehicleSheet vehicle;
+  VehicleParameters vehicle;
   Navigator agent;
   Script script;
   double now = 1;

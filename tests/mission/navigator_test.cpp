@@ -77,7 +77,7 @@ class NavigatorTest : public Test {
 
   NavigatorConfig config;
   RouteConfig route;
-  VehicleSheet vehicle;
+  VehicleParameters vehicle;
   std::unique_ptr<Navigator> agent;
   std::unique_ptr<Script> script;
   Vector2d here = Vector2d::Zero();

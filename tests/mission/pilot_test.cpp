@@ -21,7 +21,7 @@ class PilotTest : public testing::Test {
   }
   Setpoint setpoint() { return only<HelmOrder>(script->said).back().setpoint; }
 
-  VehicleSheet vehicle;
+  VehicleParameters vehicle;
   std::unique_ptr<Pilot> agent;
   std::unique_ptr<Script> script;
   double now = 0;

@@ -97,8 +97,8 @@ Navigation fix(Draw& draw, Time now) {
   return n;
 }
 
-SonarLook look(Draw& draw, Time now) {
-  SonarLook s;
+SonarHealthSample look(Draw& draw, Time now) {
+  SonarHealthSample s;
   s.time = draw.time(now);
   s.sonar = draw.below(3) == 0 ? "sonar" : "sonar." + std::to_string(draw.below(100));
   s.digest = static_cast<std::uint64_t>(draw.below(2));

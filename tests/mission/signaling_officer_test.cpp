@@ -45,12 +45,12 @@ class Air {
   std::vector<std::pair<double, FrameBytes>> under_way_;
 };
 
-/// Operator, air, Signaling Officer, and a crew that answers each command with a status.
+/// Operator, air, Signaling Officer, and agents that answer each command with a status.
 struct Rig {
   OperatorConsole console;
   SignalingOfficer officer;
   Air up, down;
-  std::vector<OperatorCommand> commands;  ///< that the crew got, beats aside
+  std::vector<OperatorCommand> commands;  ///< that the agents got, beats aside
   int beats = 0;
   std::vector<StatusReport> statuses;  ///< that the operator got
   std::vector<Health> health;

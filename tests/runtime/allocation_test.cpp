@@ -38,7 +38,7 @@ TEST(SteadyState, DetectingAndMappingAllocateNothing) {
   echoes.noise.memory_profiles = 300;
   EchoDetector detector(echoes);
   EchoDecisions decisions;
-  SweepFinder sweeps;
+  SweepSegmenter sweeps;
   GridMapper mapper({.cell_m = 0.2, .cells_x = 161, .cells_y = 161}, {});
   std::vector<Ping> pings = wall_ahead(8);
   std::uint64_t before = 0;

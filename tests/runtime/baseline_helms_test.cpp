@@ -24,7 +24,7 @@ class PoleOnTheWay : public testing::Test {
   }
 
   SuiteRun run_;
-  VehicleSheet vehicle_;
+  VehicleParameters vehicle_;
 };
 
 // ledger: S6-62

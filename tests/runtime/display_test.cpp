@@ -19,11 +19,11 @@ using test::Record;
 using test::records_of;
 using Kind = DisplayKind;
 
-std::vector<Record> of_kind(const DisplayItems& items, Kind kind) {
+std::vector<Record> of_kind(const DisplayState& items, Kind kind) {
   return test::of_kind(records_of(items.changes_after(0).records), kind);
 }
 
-Record only(const DisplayItems& items, Kind kind) {
+Record only(const DisplayState& items, Kind kind) {
   const auto found = of_kind(items, kind);
   EXPECT_EQ(found.size(), 1U);
   return found.at(0);
@@ -47,7 +47,7 @@ struct Heard {
 };
 
 TEST(SonarDisplay, ShowsAFanAsItWasHeard) {
-  DisplayItems items;
+  DisplayState items;
   SonarDisplay display(items);
   const auto value = [](int beam, int bin) { return beam == 2 && bin == 5 ? 220 : 10 * beam + bin; };
   Ping ping = test::ping_of<std::uint8_t>(test::fan_of(4, Angle::degrees(-2)), {1, 0.5, 9}, value);
@@ -82,7 +82,7 @@ TEST(SonarDisplay, ShowsAFanAsItWasHeard) {
 }
 
 TEST(SonarDisplay, PoolsALargeFanWithoutLosingAnEcho) {
-  DisplayItems items;
+  DisplayState items;
   SonarDisplay display(items);
   const auto value = [](int beam, int bin) { return beam == 301 && bin == 407 ? 255 : 0; };
   display.take(
@@ -101,7 +101,7 @@ TEST(SonarDisplay, PoolsALargeFanWithoutLosingAnEcho) {
 }
 
 TEST(SonarDisplay, ShowsDecibelsOfSamplesWithALargeRange) {
-  DisplayItems items;
+  DisplayState items;
   SonarDisplay display(items);
   const auto value = [](int, int bin) { return bin == 0 ? 1.0 : bin == 1 ? 0.1 : 0.0; };
   display.take(Heard(test::ping_of<float>(test::fan_of(2), {0, 1, 3}, value, 1)).posed());
@@ -113,7 +113,7 @@ TEST(SonarDisplay, ShowsDecibelsOfSamplesWithALargeRange) {
 
 TEST(SonarDisplay, ShadesOfDecibelsAreThoseOfTheLogarithm) {
   constexpr int kBins = 300;
-  DisplayItems items;
+  DisplayState items;
   SonarDisplay display(items);
   const auto share = [](int bin) { return std::pow(10.0, -70.0 / 20 * bin / kBins); };  // 0 to -70 dB
   const auto value = [&](int, int bin) { return 40'000 * share(bin); };
@@ -126,7 +126,7 @@ TEST(SonarDisplay, ShadesOfDecibelsAreThoseOfTheLogarithm) {
 }
 
 TEST(SonarDisplay, KeepsTheBeamsOfAScanningHeadByTheirPlaceInTheTurn) {
-  DisplayItems items;
+  DisplayState items;
   SonarDisplay display(items);
   for (int i = 0; i < 60; ++i) {
     Heard heard(test::ping_at(0.1 * i, {1, 2, 3, static_cast<std::uint8_t>(i)}, Angle::degrees(6.0 * (i % 50))));
@@ -145,7 +145,7 @@ TEST(SonarDisplay, KeepsTheBeamsOfAScanningHeadByTheirPlaceInTheTurn) {
 }
 
 TEST(SonarDisplay, ShowsAFastFanTenTimesASecond) {
-  DisplayItems items;
+  DisplayState items;
   SonarDisplay display(items);
   const auto fan = test::fan_of(8);
   std::uint64_t stamp = 0;
@@ -161,7 +161,7 @@ TEST(SonarDisplay, ShowsAFastFanTenTimesASecond) {
 }
 
 TEST(MapDisplay, ShowsOccupancyWhereItLies) {
-  DisplayItems items;
+  DisplayState items;
   MapDisplay display(items);
   BodyGridConfig config;
   config.cells_x = config.cells_y = 21;
@@ -191,7 +191,7 @@ TEST(MapDisplay, ShowsOccupancyWhereItLies) {
 }
 
 TEST(MapDisplay, ShadesOfCellsAreThoseOfTheirProbabilities) {
-  DisplayItems items;
+  DisplayState items;
   MapDisplay display(items);
   BodyGridConfig config;
   config.cells_x = config.cells_y = 40;
@@ -214,7 +214,7 @@ TEST(MapDisplay, ShadesOfCellsAreThoseOfTheirProbabilities) {
 
 TEST(MapDisplay, ManyVoxelsThatChangedAtOnceAreShownInEightLooks) {
   constexpr int kBlocks = 400;
-  DisplayItems items;
+  DisplayState items;
   MapDisplay display(items);
   VoxelMap voxels;
   voxels.advance();
@@ -230,7 +230,7 @@ TEST(MapDisplay, ManyVoxelsThatChangedAtOnceAreShownInEightLooks) {
 }
 
 TEST(MapDisplay, ShowsOccupiedVoxelsAndThatABlockIsEmptyAgain) {
-  DisplayItems items;
+  DisplayState items;
   MapDisplay display(items);
   VoxelMap voxels;
   const VoxelIndex v(-3, 17, 40);
@@ -259,7 +259,7 @@ TEST(MapDisplay, ShowsOccupiedVoxelsAndThatABlockIsEmptyAgain) {
 
 /// Each cube is as likely as the likeliest voxel in it, and the cubes of 64 x 64 x 64 voxels are one item.
 TEST(MapDisplay, ShowsVoxelsInLargerCubesToo) {
-  DisplayItems items;
+  DisplayState items;
   MapDisplay display(items);
   VoxelMap voxels;
   const auto say = [&](const VoxelIndex& v, LogOdds16 evidence) { voxels.layer("sonar").add(v, evidence); };
@@ -299,7 +299,7 @@ TEST(MapDisplay, ShowsVoxelsInLargerCubesToo) {
 }
 
 TEST(MapDisplay, ShowsMeasuredDepthsTileByTileFromTheSouthWest) {
-  DisplayItems items;
+  DisplayState items;
   MapDisplay display(items);
   DepthMapConfig config;
   config.window_pixels = 128;
@@ -331,7 +331,7 @@ TEST(MapDisplay, ShowsMeasuredDepthsTileByTileFromTheSouthWest) {
 }
 
 TEST(Display, ShowsTheVehicleItsTrackAndWhatItIsTold) {
-  DisplayItems items;
+  DisplayState items;
   Display display(items);
   for (int i = 0; i <= 1000; ++i) {
     Navigation fix = test::fix_at(0.1 * i, 0.1 * i, 45);
@@ -356,7 +356,7 @@ TEST(Display, ShowsTheVehicleItsTrackAndWhatItIsTold) {
 }
 
 TEST(Display, ShowsObstaclesInTheWorld) {
-  DisplayItems items;
+  DisplayState items;
   Display display(items);
   BodyGrid grid{BodyGridConfig{}};
   Detection found;
@@ -390,7 +390,7 @@ RememberedObstacle remembered(std::uint32_t id, const Eigen::Vector2d& middle, d
   return o;
 }
 
-/// What the crew says it remembers after a sweep.
+/// What the agents say they remember after a sweep.
 ObstacleScan scan_of(int sweep, std::vector<RememberedObstacle> obstacles, std::vector<std::uint32_t> seen_as = {}) {
   ObstacleScan scan;
   scan.time = Time(seconds(sweep));
@@ -399,8 +399,8 @@ ObstacleScan scan_of(int sweep, std::vector<RememberedObstacle> obstacles, std::
 }
 
 // ledger: S6-66
-TEST(Display, ShowsWhatTheCrewRemembersByItsNumberBesideWhatIsSeen) {
-  DisplayItems items;
+TEST(Display, ShowsWhatTheAgentsRememberByItsNumberBesideWhatIsSeen) {
+  DisplayState items;
   Display display(items);
   BodyGrid grid{BodyGridConfig{}};
   display.hear(test::fix_at(100, 0, 0));  // the run begins
@@ -412,7 +412,7 @@ TEST(Display, ShowsWhatTheCrewRemembersByItsNumberBesideWhatIsSeen) {
   RememberedObstacle away = remembered(17, {105, 205}, 130.26), in_view = remembered(18, {110, 200}, 160);
   away.first_seen = in_view.first_seen = Time(seconds(112));
   in_view.whole = true;
-  // the third is one that the crew does not count on yet, the fourth it took for none
+  // the third is one that the executor does not count on yet, the fourth it took for none
   display.heard({1, found.time, kDetector, scan_of(9, {away, in_view}, {18, 18, 44, 0})});
   display.on_scan({9, true, found, grid});
   const json shown = json::parse(only(items, Kind::kObstacles).payload);
@@ -430,14 +430,14 @@ TEST(Display, ShowsWhatTheCrewRemembersByItsNumberBesideWhatIsSeen) {
   EXPECT_EQ(shown[5]["seen_s"], 60.0);
   EXPECT_FALSE(shown[5].contains("outline")) << "the scan has shown all of it";
 
-  display.on_scan({10, true, found, grid});  // of which the crew has said nothing yet
+  display.on_scan({10, true, found, grid});  // of which the agents have said nothing yet
   for (const json& o : json::parse(only(items, Kind::kObstacles).payload)) EXPECT_FALSE(o.contains("of"));
   display.heard({2, found.time, kDetector, scan_of(10, {})});
   EXPECT_EQ(json::parse(only(items, Kind::kObstacles).payload).size(), 4U) << "forgotten";
 }
 
 TEST(Display, ShowsWhereTheMiddleOfARememberedObstacleHasBeen) {
-  DisplayItems items;
+  DisplayState items;
   Display display(items);
   const auto trail_after = [&](int sweep, const Eigen::Vector2d& middle) {
     display.heard({1, Time(seconds(sweep)), kDetector, scan_of(sweep, {remembered(3, middle)})});
@@ -467,8 +467,8 @@ TEST(ObstacleTrails, KeepTheirBeginningAndTheirEndAndNeverMoreThanSixteenPlaces)
   EXPECT_TRUE(trails.of(1).empty()) << "what is forgotten begins anew";
 }
 
-TEST(Display, SaysWhatTheCrewDecidesAndWhatIsWrong) {
-  DisplayItems items;
+TEST(Display, SaysWhatTheAgentsDecideAndWhatIsWrong) {
+  DisplayState items;
   Display display(items);
   const auto say = [&](const char* sender, Message message, double t) {
     display.heard({1, Time(seconds(t)), sender, std::move(message)});

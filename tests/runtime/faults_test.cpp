@@ -1,8 +1,8 @@
 // The table of faults in a closed loop: each scenario in scenarios/faults breaks something, and the vehicle with its
-// whole crew notices it by its deadline, does what the table says, and touches nothing.
+// Safety Officer notices it by its deadline, does what the table says, and touches nothing.
 #include <cmath>
 #include <gmock/gmock.h>
-#include <isobath/runtime/fault_proof.hpp>
+#include <isobath/runtime/fault_injection_check.hpp>
 #include <isobath/runtime/suite.hpp>
 #include <tests/runtime/mission_runs.hpp>
 
@@ -43,9 +43,9 @@ TEST(FaultScenarios, InjectWhatTheTableSays) {
 
 // What a proof asks for ----------------------------------------------------------------------------------------------
 
-class FaultProofs : public testing::Test {
+class FaultInjectionChecks : public testing::Test {
  protected:
-  FaultProofs() {
+  FaultInjectionChecks() {
     scenario.scene.faults.resize(1);
     scenario.scene.faults[0].at_s = 20;
     scenario.mission.fence = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
@@ -80,7 +80,7 @@ class FaultProofs : public testing::Test {
   bool gate_obeys = true;
 };
 
-TEST_F(FaultProofs, ARowMustBeRaisedByItsOwnName) {
+TEST_F(FaultInjectionChecks, ARowMustBeRaisedByItsOwnName) {
   officer(20.2, "report", Fault::kLinkLost);
   say(20.2, "navigator", "report", "disk full: as it is");
   EXPECT_EQ(failure(Fault::kDiskFull), "not raised");
@@ -89,7 +89,7 @@ TEST_F(FaultProofs, ARowMustBeRaisedByItsOwnName) {
   EXPECT_NEAR(prove(row_of(Fault::kDiskFull), scenario, config, result).after_s, 0.2, 1e-9);
 }
 
-TEST_F(FaultProofs, NeitherLateNorBeforeItsCause) {
+TEST_F(FaultInjectionChecks, NeitherLateNorBeforeItsCause) {
   const double deadline = row_of(Fault::kDiskFull).deadline.value;
   for (const auto& [after_s, problem] :
        {std::pair{deadline - 0.01, ""}, {deadline + 0.01, "allowed"}, {-0.01, "before its cause"}}) {
@@ -100,8 +100,8 @@ TEST_F(FaultProofs, NeitherLateNorBeforeItsCause) {
   }
 }
 
-// The crew makes up for some of the time that it lost: what it says then bears times between.
-TEST_F(FaultProofs, AJumpOfTheClockIsDatedByThatClock) {
+// The executor makes up for some of the time that it lost: what the agents say then bears times between.
+TEST_F(FaultInjectionChecks, AJumpOfTheClockIsDatedByThatClock) {
   scenario.scene.faults[0].kind = FaultKind::kClockJump;
   scenario.scene.faults[0].amount = 600;
   const double deadline_s = 620 + row_of(Fault::kClockJump).deadline.value;
@@ -112,7 +112,7 @@ TEST_F(FaultProofs, AJumpOfTheClockIsDatedByThatClock) {
   }
 }
 
-TEST_F(FaultProofs, OthersCountFromTheStartTheLongestTimeARefusalOrTheFence) {
+TEST_F(FaultInjectionChecks, OthersCountFromTheStartTheLongestTimeARefusalOrTheFence) {
   officer(40.2, "abort", Fault::kMissionTooLong);
   officer(30.2, "stop", Fault::kNoPath);
   officer(10.2, "stop", Fault::kInsideObstacle);
@@ -129,14 +129,14 @@ TEST_F(FaultProofs, OthersCountFromTheStartTheLongestTimeARefusalOrTheFence) {
   EXPECT_EQ(failure(Fault::kFenceBreach), "");
 }
 
-TEST_F(FaultProofs, AFenceAheadIsSeenBeforeItIsCrossed) {
+TEST_F(FaultInjectionChecks, AFenceAheadIsSeenBeforeItIsCrossed) {
   officer(15, "slow", Fault::kFenceAhead);
   EXPECT_EQ(failure(Fault::kFenceAhead), "") << "it need not be crossed";
   be_at(14.5, 5, 11);
   EXPECT_THAT(failure(Fault::kFenceAhead), HasSubstr("allowed"));
 }
 
-TEST_F(FaultProofs, TheActionIsThatOfTheRowOrWhatStandsForIt) {
+TEST_F(FaultInjectionChecks, TheActionIsThatOfTheRowOrWhatStandsForIt) {
   result.duration_s = 30;
   result.report.phase = MissionPhase::kAborted;
   for (const auto& [what, right] : {std::pair{"stop", true}, {"surface", true}, {"slow", false}, {"abort", false}}) {
@@ -146,7 +146,7 @@ TEST_F(FaultProofs, TheActionIsThatOfTheRowOrWhatStandsForIt) {
   }
 }
 
-TEST_F(FaultProofs, TheActionIsInForceAtTheHelmWithTheNextCycle) {
+TEST_F(FaultInjectionChecks, TheActionIsInForceAtTheHelmWithTheNextCycle) {
   result.duration_s = 30;
   gate_obeys = false;
   officer(20.2, "stop", Fault::kNavigationJump);
@@ -159,7 +159,7 @@ TEST_F(FaultProofs, TheActionIsInForceAtTheHelmWithTheNextCycle) {
   EXPECT_EQ(failure(Fault::kNavigationJump), "not in force at the helm: stop");
 }
 
-TEST_F(FaultProofs, TheMissionEndsWhereTheRowLastsUntilThatIsDue) {
+TEST_F(FaultInjectionChecks, TheMissionEndsWhereTheRowLastsUntilThatIsDue) {
   const double due_s = 20.2 + config.jump_abort_s;
   officer(20.2, "stop", Fault::kNavigationJump);
   EXPECT_EQ(failure(Fault::kNavigationJump), "mission end not requested");
@@ -178,7 +178,7 @@ TEST_F(FaultProofs, TheMissionEndsWhereTheRowLastsUntilThatIsDue) {
   EXPECT_EQ(failure(Fault::kNavigationJump), "") << "it was over before";
 }
 
-TEST_F(FaultProofs, NothingMayBeTouched) {
+TEST_F(FaultInjectionChecks, NothingMayBeTouched) {
   officer(20.2, "report", Fault::kDiskFull);
   officer(20.2, "turn", Fault::kTooLow);
   result.least_altitude_m = 0.9;

@@ -1,4 +1,4 @@
-// Messages of the crew as JSON: one object each, with nothing in it that JSON lacks.
+// Messages of the agents as JSON: one object each, with nothing in it that JSON lacks.
 #include <gtest/gtest.h>
 #include <isobath/runtime/message_json.hpp>
 #include <limits>

@@ -1,4 +1,4 @@
-// One clock for the crew, whatever the clocks of the sensors do.
+// One clock for the agents, whatever the clocks of the sensors do.
 #include <gtest/gtest.h>
 #include <isobath/runtime/mission_clock.hpp>
 

@@ -1,4 +1,4 @@
-// Missions of the scenario files, sailed by the whole crew; and what their stories are told from.
+// Missions of the scenario files, sailed by all agents; and what their stories are told from.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@ inline Scenario scenario_of(const std::string& name) {
   return load_scenario((source_folder() / "scenarios" / (name + ".toml")).string());
 }
 
-/// The crew for a scenario's mission, vehicle and chart.
+/// The agents for a scenario's mission, vehicle and chart.
 inline MissionSetup setup_of(const Scenario& scenario, const Configuration& configuration = {}) {
-  return {scenario.mission, sheet_of(Simulator(scenario.scene, {}).vehicle()), chart_of(scenario, configuration)};
+  return {scenario.mission, parameters_of(Simulator(scenario.scene, {}).vehicle()), chart_of(scenario, configuration)};
 }
 
 struct Sailed {
@@ -53,10 +53,10 @@ class ScanLog : public OnboardObserver {
 
 inline Sailed sail(const Scenario& scenario, LoopRequest request = {}) {
   Sailed sailed;
-  const auto crew = make_mission_helm(setup_of(scenario, request.configuration), request.configuration);
+  const auto executor = make_serial_helm(setup_of(scenario, request.configuration), request.configuration);
   ScanLog log(sailed);
   request.observers.push_back(&log);
-  sailed.result = run_closed_loop(scenario, *crew, request);
+  sailed.result = run_closed_loop(scenario, *executor, request);
   return sailed;
 }
 

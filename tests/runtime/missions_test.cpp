@@ -1,4 +1,4 @@
-// The demonstrations of Ganesan 2015, chapter 6, sailed from their scenario files by the whole crew: the story of each,
+// The demonstrations of Ganesan 2015, chapter 6, sailed from their scenario files by all agents: the story of each,
 // told from its decisions and the truth.
 #include <algorithm>
 #include <gtest/gtest.h>

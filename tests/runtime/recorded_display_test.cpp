@@ -13,7 +13,7 @@ namespace {
 
 using Picture = std::map<std::pair<DisplayKind, std::uint64_t>, std::string>;
 
-Picture picture_of(const DisplayItems& items) {
+Picture picture_of(const DisplayState& items) {
   Picture picture;
   for_each_record(items.changes_after(0).records, [&](const DisplayRecord& record) {
     if (!record.gone) picture[{record.kind, record.number}] = record.payload;
@@ -41,7 +41,7 @@ class Scene {
     }
     if (steps_ % 700 == 0) items.clear();
   }
-  DisplayItems items;
+  DisplayState items;
 
  private:
   std::string bytes(std::size_t count) {
@@ -76,7 +76,7 @@ TEST(RecordedDisplay, ShowsWhatWasShownAtAnyTime) {
   EXPECT_TRUE(recorded.complete());
   EXPECT_EQ(recorded.span()->first, at_ms(0));
   EXPECT_EQ(recorded.span()->last, at_ms(moments.rbegin()->first));
-  DisplayItems items;
+  DisplayState items;
   Random random(1);
   for (int i = 0; i < 150; ++i) {
     const auto ms = static_cast<std::int64_t>(random.index(2500 * 70 + 1000));
@@ -95,7 +95,7 @@ TEST(RecordedDisplay, StepsFromMomentToMoment) {
   const auto file = test::scratch_folder() / "run.mcap";
   const auto moments = record_scene(file, 400);
   RecordedDisplay recorded(file);
-  DisplayItems items;
+  DisplayState items;
   Time time = at_ms(-1);
   for (const auto& [ms, picture] : moments) {
     ASSERT_EQ(recorded.moment_after(time), at_ms(ms));
@@ -117,7 +117,7 @@ TEST(RecordedDisplay, BeforeTheFirstMomentThereIsNothing) {
   const auto file = test::scratch_folder() / "run.mcap";
   record_scene(file, 50);
   RecordedDisplay recorded(file);
-  DisplayItems items;
+  DisplayState items;
   recorded.seek(at_ms(1000), items);
   recorded.seek(at_ms(-1), items);
   EXPECT_FALSE(recorded.at());
@@ -128,7 +128,7 @@ TEST(RecordedDisplay, BeforeTheFirstMomentThereIsNothing) {
 TEST(RecordedDisplay, ASeekChangesOnlyWhatDiffers) {
   const auto file = test::scratch_folder() / "run.mcap";
   RunRecorder recorder(file, {});
-  DisplayItems scene;
+  DisplayState scene;
   scene.set(DisplayKind::kDepth, 1, at_ms(0), std::string(100'000, 'a'));
   for (int i = 0; i < 100; ++i) {
     scene.set(DisplayKind::kVehicle, 0, at_ms(i * 250), std::to_string(i));
@@ -136,7 +136,7 @@ TEST(RecordedDisplay, ASeekChangesOnlyWhatDiffers) {
   }
   recorder.close();
   RecordedDisplay recorded(file);
-  DisplayItems items;
+  DisplayState items;
   recorded.seek(at_ms(20'000), items);
   const std::uint64_t stamp = items.stamp();
   recorded.seek(at_ms(10'000), items);
@@ -149,7 +149,7 @@ TEST(RecordedDisplay, TheEndShowsWhatChangedAtItsVeryTime) {
   for (const std::int64_t end_ms :
        {0, 250, 10'000}) {  // with the first sample, a whole one; after it; with a later whole
     const auto file = test::scratch_folder() / "run.mcap";
-    DisplayItems scene;
+    DisplayState scene;
     RunRecorder recorder(file, {});
     for (std::int64_t ms = 0; ms <= end_ms; ms += 250) {
       scene.set(DisplayKind::kVehicle, 0, at_ms(ms), std::to_string(ms));
@@ -167,10 +167,10 @@ TEST(RecordedDisplay, TheEndShowsWhatChangedAtItsVeryTime) {
 
     RecordedDisplay sought(file), followed(file);
     EXPECT_EQ(sought.span()->last, at_ms(end_ms));
-    DisplayItems items;
+    DisplayState items;
     sought.seek(at_ms(end_ms), items);
     EXPECT_TRUE(picture_of(items) == picture_of(scene)) << end_ms;
-    DisplayItems on_the_way;
+    DisplayState on_the_way;
     for (std::int64_t ms = -100; ms <= end_ms; ms += 50) followed.advance(at_ms(ms), on_the_way);
     EXPECT_TRUE(picture_of(on_the_way) == picture_of(scene)) << end_ms;
   }
@@ -182,13 +182,13 @@ TEST(RecordedDisplay, TheEndShowsWhatCameToItLater) {
   Configuration configuration;
   configuration.recorder.log.chunk_kib = 1;
   RunRecorder recorder(file, configuration);
-  DisplayItems scene;
+  DisplayState scene;
   for (std::int64_t ms = 0; ms <= 1000; ms += 250) {
     scene.set(DisplayKind::kDepth, 0, at_ms(ms), std::string(3000, static_cast<char>(ms / 250)));  // more than a chunk
     recorder.sample(at_ms(ms), scene);
   }
   RecordedDisplay recorded(file);
-  DisplayItems items;
+  DisplayState items;
   recorded.seek(at_ms(900), items);
   recorded.advance(at_ms(1000), items);
   ASSERT_TRUE(picture_of(items) == picture_of(scene));
@@ -208,7 +208,7 @@ TEST(RecordedDisplay, FollowsARecordingThatIsBeingMade) {
   EXPECT_FALSE(recorded.span());
   Scene scene;
   std::map<std::int64_t, Picture> moments;
-  DisplayItems items;
+  DisplayState items;
   for (int i = 0; i < 1000; ++i) {
     scene.step(at_ms(i * 70));
     if (recorder.sample(at_ms(i * 70), scene.items)) moments[i * 70] = picture_of(scene.items);
@@ -271,7 +271,7 @@ TEST(RecordedDisplay, ASeekReadsAboutTwoWholesAndNothingElse) {
   EXPECT_EQ(recorded.counts().unpacked, 0u);
   Random random(2);
   for (int i = 0; i < 50; ++i) {
-    DisplayItems items;
+    DisplayState items;
     const auto before = recorded.counts();
     recorded.seek(at_ms(static_cast<std::int64_t>(random.index(3'600'000))), items);
     const auto after = recorded.counts();

@@ -125,7 +125,7 @@ TEST(RunRecorder, IsAFileOfItsKind) {
 }
 
 /// A stretch of a run: fixes, messages, a display that changes; deterministic.
-void record(RunRecorder& recorder, DisplayItems& items, double from_s, double to_s) {
+void record(RunRecorder& recorder, DisplayState& items, double from_s, double to_s) {
   for (int i = static_cast<int>(from_s * 10); i < static_cast<int>(to_s * 10); ++i) {
     const Time time = Time(seconds(1e9)) + std::chrono::milliseconds(100 * i);
     Navigation fix = test::fix_at(0, i, i % 360);
@@ -143,7 +143,7 @@ TEST(RunRecorder, TheSameRunGivesTheSameBytes) {
   const auto folder = test::scratch_folder();
   for (const char* name : {"a.mcap", "b.mcap"}) {
     RunRecorder recorder(folder / name, {});
-    DisplayItems items;
+    DisplayState items;
     record(recorder, items, 0, 30);
     recorder.close();
     EXPECT_EQ(recorder.problem(), "");
@@ -158,7 +158,7 @@ TEST(RunRecorder, OtherViewersChannelsCanBeLeftOut) {
     Configuration configuration;
     configuration.recorder.foxglove.on = on;
     RunRecorder recorder(folder / "run.mcap", configuration);
-    DisplayItems items;
+    DisplayState items;
     record(recorder, items, 0, 3);
     recorder.close();
     const McapIndex index(folder / "run.mcap");
@@ -190,7 +190,7 @@ TEST(RunRecorder, SurvivesBeingKilled) {
   ASSERT_GE(child, 0);
   if (child == 0) {
     RunRecorder recorder(file, {});
-    DisplayItems items;
+    DisplayState items;
     record(recorder, items, 0, 60);
     (void)!write(ready[1], "x", 1);
     for (double t = 60;; t += 1) record(recorder, items, t, t + 1);  // goes on until it is killed
@@ -248,7 +248,7 @@ TEST(RunRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   const auto file = test::scratch_folder() / "full.mcap";
   {
     RunRecorder recorder(file, {});
-    DisplayItems items;
+    DisplayState items;
     {
       const SmallDisk disk(60'000);
       EXPECT_NO_THROW(record(recorder, items, 0, 600));

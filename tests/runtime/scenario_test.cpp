@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <isobath/io/native_log.hpp>
 #include <isobath/mission/planner_budget.hpp>
+#include <isobath/runtime/detection_scorer.hpp>
 #include <isobath/runtime/scenario.hpp>
-#include <isobath/runtime/truth_judge.hpp>
 #include <tests/runtime/kept_scans.hpp>
 #include <tests/support/data.hpp>
 
@@ -23,7 +23,7 @@ class Both : public ResultSink {
     judge.on_scan(scan);
   }
   test::ScanKeeper keeper;
-  TruthJudge judge;
+  DetectionScorer judge;
 };
 
 struct Judged {
@@ -142,7 +142,7 @@ TEST(SimulatedSource, TellsWhatThePlannerIsLeftWhileItsFaultHolds) {
 }
 
 // A target that was not there is a false alarm, one that was there and is not seen is a miss.
-TEST(TruthJudge, TellsWhatIsThereFromWhatIsNot) {
+TEST(DetectionScorer, TellsWhatIsThereFromWhatIsNot) {
   const std::string toml = R"(
 [scene]
 duration_s = 30
@@ -256,7 +256,7 @@ TEST(SimulatedLog, HoldsTheTruthBitForBit) {
 
 // The map of the plane has no use for a fan that stands upright; the map in three dimensions has.
 // ledger: S5-07
-TEST(Pipeline, KeepsUprightFansApartFromTheMapOfThePlane) {
+TEST(Pipeline, KeepsVerticalFansApartFromTheMapOfThePlane) {
   const auto scene = load_scenario((test::source_folder() / "scenarios/bridge.toml").string()).scene;
   SimulatedSource source(scene, {.duration_s = 2}, 1);
   test::ScanKeeper keeper;
@@ -264,7 +264,7 @@ TEST(Pipeline, KeepsUprightFansApartFromTheMapOfThePlane) {
   while (auto event = source.next()) pipeline.take(std::move(*event));
   pipeline.finish();
   EXPECT_EQ(keeper.pings, 5);
-  EXPECT_EQ(pipeline.counts().upright, 5u);
+  EXPECT_EQ(pipeline.counts().vertical, 5u);
   EXPECT_EQ(pipeline.counts().pings, 5u);
 }
 

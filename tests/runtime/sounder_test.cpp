@@ -49,7 +49,7 @@ struct VoxelSink : ResultSink {
   explicit VoxelSink(const VoxelModelConfig& config) : voxels(config) {}
   void on_ping(const PosedPing&) override {}
   void on_scan(const ScanResult&) override {}
-  void on_upright(const PosedPing& posed) override {
+  void on_vertical_ping(const PosedPing& posed) override {
     voxels.take(posed);
     heading = posed.X_WB.rotation.heading();
     reference = posed.X_WB.translation;
@@ -110,7 +110,7 @@ Section section_of(const std::filesystem::path& log) {
 TEST(EchoSounder, ShowsTheQuayWallAndTheFloorOfAHarbour) {
   ISOBATH_NEEDS_DATA(folder, "kongsberg-pings");
   const Section harbour = section_of(folder / "em2042-harbour-a.kmall");
-  EXPECT_EQ(harbour.counts.upright, 5u);
+  EXPECT_EQ(harbour.counts.vertical, 5u);
   EXPECT_EQ(harbour.counts.pings, 0u);
   ASSERT_EQ(harbour.outcome.layers.size(), 1u);
   const auto wall = [](double depth) { return Eigen::Vector2d(3.0, depth); };
@@ -128,7 +128,7 @@ TEST(EchoSounder, ShowsTheQuayWallAndTheFloorOfAHarbour) {
 TEST(EchoSounder, ShowsAFlatFloorThroughFourModes) {
   ISOBATH_NEEDS_DATA(folder, "kongsberg-pings");
   const Section harbour = section_of(folder / "em2042-harbour-c.kmall");
-  EXPECT_EQ(harbour.counts.upright, 5u);
+  EXPECT_EQ(harbour.counts.vertical, 5u);
   ASSERT_EQ(harbour.outcome.layers.size(), 2u);
   EXPECT_EQ(harbour.outcome.layers[0].pings, 4u);
   const auto floor = [](double starboard) { return Eigen::Vector2d(starboard, 8.65); };

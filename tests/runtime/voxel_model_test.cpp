@@ -24,7 +24,7 @@ class Mapped : public ResultSink {
   explicit Mapped(const Configuration& configuration = {})
       : model(configuration.voxels), pipeline(configuration, *this) {}
   void on_ping(const PosedPing& posed) override { model.take(posed); }
-  void on_upright(const PosedPing& posed) override { model.take(posed); }
+  void on_vertical_ping(const PosedPing& posed) override { model.take(posed); }
   void on_jump(const Vector3d& by_W) override { model.move_along(by_W); }
   void on_scan(const ScanResult& scan) override {
     last_scan = scan.detection.time;
@@ -271,7 +271,7 @@ TEST(ASonarMountedUpsideDown, MapsToTheSideWhereThingsAre) {
       mapped.pipeline.take(round_look(n, -60, 40, {{turned * 35, 10}}, X_BS));
     }
     mapped.pipeline.finish();
-    EXPECT_EQ(mapped.pipeline.counts().upright, 0u);
+    EXPECT_EQ(mapped.pipeline.counts().vertical, 0u);
     const auto [astray, missed] = farthest_off(*mapped.model.map(), {place_of({35, 10})});
     EXPECT_LT(astray, 1.6);
     EXPECT_LT(missed, 0.4);

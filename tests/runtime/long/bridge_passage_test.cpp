@@ -32,13 +32,13 @@ class Approach : public ResultSink {
     }
   }
   void on_ping(const PosedPing& posed) override { take(posed); }
-  void on_upright(const PosedPing& posed) override { take(posed); }
+  void on_vertical_ping(const PosedPing& posed) override { take(posed); }
   void on_scan(const ScanResult&) override {}
 
   /// As a vehicle there would plan, with nothing but measured water to go through where the plan view is closed.
   [[nodiscard]] Result<SpaceRoutePath, RouteRefusal> plan(const std::vector<std::string>& heights,
                                                           const std::vector<Hazard>& plan_view) const {
-    const SpaceGrid grid(*model.map(), heights, vehicle, 80);
+    const OccupancySnapshot grid(*model.map(), heights, vehicle, 80);
     SpaceRouteTask task;
     task.start = vehicle;
     task.goal = {60, 0, 3};
@@ -71,14 +71,14 @@ Hazard closed(double north, double east, double half_north, double half_east) {
 
 // ledger: S5-34 S5-35 S5-D05 S5-D06
 TEST(BridgePassage, IsFoundByBothSonarsTogetherAndByNeitherAlone) {
-  const Approach both("", 13), flat("vertical", 13), upright("horizontal", 13), sooner("vertical", 8);
+  const Approach both("", 13), flat("vertical", 13), vertical("horizontal", 13), sooner("vertical", 8);
   // What a fan that lies flat makes of it: the berm from bank to bank, and the pylons.
   std::vector<Hazard> plan_view = {closed(kBerm, 0, 2, 43)};
   for (double east = -31.5; east < 32; east += 9) plan_view.push_back(closed(kPylons, east, 1, 1));
   EXPECT_FALSE(flat.plan({"upright"}, plan_view)) << "it tells no height";
   EXPECT_FALSE(sooner.plan({"flat"}, plan_view)) << "and were it believed of all heights, the berm reaches through all";
   // A fan that stands upright makes none: all that it has not measured may be closed.
-  EXPECT_FALSE(upright.plan({"upright"}, {closed(40, 0, 11, 43)}));
+  EXPECT_FALSE(vertical.plan({"upright"}, {closed(40, 0, 11, 43)}));
   const auto path = both.plan({"upright"}, plan_view);
   ASSERT_TRUE(path) << to_text(path.error());
   // It keeps clear of what truly stands there.
@@ -105,7 +105,7 @@ TEST(BridgePassage, CorridorHoldsTheOpening) {
       for (double depth = 1.5; depth <= kBermTop - 1.5; depth += 0.5) {
         const VoxelIndex v = map.voxel_at({north, east, depth});
         ++all;
-        free += map.is_seen(v) && map.probability(v) <= SpaceGrid::kMostMeasured;
+        free += map.is_seen(v) && map.probability(v) <= OccupancySnapshot::kMostMeasured;
       }
     }
   }
@@ -119,8 +119,8 @@ LoopResult sail(const std::string& without, int seed) {
   request.configuration.simulation.seed = seed;
   MissionSetup setup;
   setup.plan = scenario.mission;
-  setup.vehicle = sheet_of(load_vehicle(scenario.scene.vehicle.file));
-  const auto helm = make_mission_helm(setup, request.configuration);
+  setup.vehicle = parameters_of(load_vehicle(scenario.scene.vehicle.file));
+  const auto helm = make_serial_helm(setup, request.configuration);
   return run_closed_loop(scenario, *helm, request);
 }
 

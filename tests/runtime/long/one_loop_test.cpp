@@ -1,6 +1,6 @@
 // One loop: what is run, served, evaluated and replayed decides the same.
 #include <gtest/gtest.h>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/runtime/display_state.hpp>
 #include <isobath/runtime/evaluation.hpp>
 #include <isobath/runtime/run.hpp>
 #include <tests/runtime/mission_runs.hpp>
@@ -9,7 +9,7 @@ namespace isobath {
 namespace {
 
 /// Decisions of `isobath run` (or `serve`, where there are items to be shown) of an input.
-std::string decided_by_run(RunRequest request, const std::filesystem::path& out, DisplayItems* shown = nullptr) {
+std::string decided_by_run(RunRequest request, const std::filesystem::path& out, DisplayState* shown = nullptr) {
   request.out = out;
   if (shown) request.watch.emplace().display = shown;
   const RunOutcome outcome = run(request);
@@ -19,17 +19,17 @@ std::string decided_by_run(RunRequest request, const std::filesystem::path& out,
 
 std::string decided_by_evaluation(const Scenario& scenario, const Configuration& configuration) {
   Suite suite;
-  const auto competitors = competitors_of(suite, configuration);
+  const auto methods = methods_of(suite, configuration);
   SuiteRun of_suite;
   of_suite.scenario = scenario;
   of_suite.seed = static_cast<std::uint64_t>(configuration.simulation.seed);
-  const VehicleSheet vehicle = test::setup_of(scenario).vehicle;
-  return decisions_text(run_competitor(competitors.front(), of_suite, vehicle).decisions);
+  const VehicleParameters vehicle = test::setup_of(scenario).vehicle;
+  return decisions_text(run_method(methods.front(), of_suite, vehicle).decisions);
 }
 
 class OneLoop : public testing::TestWithParam<const char*> {};
 
-// A mission with an altimeter and a charted shoal, so that depth map and chart have a say; one with an upright fan, so
+// A mission with an altimeter and a charted shoal, so that depth map and chart have a say; one with a vertical fan, so
 // that the voxels have. ledger: S6-57 S6-D09
 TEST_P(OneLoop, DecidesTheSameHoweverItIsRun) {
   RunRequest request;
@@ -44,7 +44,7 @@ TEST_P(OneLoop, DecidesTheSameHoweverItIsRun) {
   ASSERT_GT(run.size(), 200u);
   EXPECT_EQ(decided_by_evaluation(scenario, request.configuration), run);
   request.record.clear();
-  DisplayItems items;
+  DisplayState items;
   EXPECT_EQ(decided_by_run(request, folder / "served", &items), run);
   RunRequest replay;
   replay.input = folder / "run.mcap";

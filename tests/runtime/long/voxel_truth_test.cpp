@@ -18,7 +18,7 @@ class VoxelsAlone : public ResultSink {
  public:
   explicit VoxelsAlone(const VoxelModelConfig& config) : model(config) {}
   void on_ping(const PosedPing& posed) override { model.take(posed); }
-  void on_upright(const PosedPing& posed) override { model.take(posed); }
+  void on_vertical_ping(const PosedPing& posed) override { model.take(posed); }
   void on_scan(const ScanResult&) override {}
   VoxelModel model;
 };

@@ -48,7 +48,7 @@ class Recording : public OnboardObserver {
   }
 
   RunRecorder& recorder_;
-  DisplayItems items_;
+  DisplayState items_;
   Time time_;
   int shown_ = 0;
 };
@@ -69,11 +69,11 @@ void write_recordings(const std::filesystem::path& folder) {
   recorder.describe(Simulator(scenario.scene, {}), "[scene]\n");
   recorder.describe(setup);
   recorder.locate({1.5, 103.8});
-  const auto crew = make_mission_helm(setup, request.configuration);
-  crew->show_messages_to([&recorder](const Envelope& envelope) { recorder.heard(envelope); });
+  const auto executor = make_serial_helm(setup, request.configuration);
+  executor->show_messages_to([&recorder](const Envelope& envelope) { recorder.heard(envelope); });
   Recording recording(recorder);
   request.observers.push_back(&recording);
-  run_closed_loop(scenario, *crew, request);
+  run_closed_loop(scenario, *executor, request);
   std::map<std::string, int> expected{{"/navigation", recording.fixes}, {"/ping", recording.pings}};
   say_one_of_each(recorder, recording.time(), std::make_index_sequence<kMessageTypes>());
   HelmOrder order;

@@ -234,13 +234,13 @@ class SmallEvaluation : public testing::Test {
     write_file(folder / "small.toml",
                "[suite]\nscene = \"pole.toml\"\nduration_s = 20\n[vary]\nstart = [0, 6]\nnoise = [0.8, 1.2]\n");
     request_.suite = load_suite(folder / "small.toml");
-    request_.competitors = {{"potential field", {}, counted([](const Scenario& scenario, const VehicleSheet& vehicle) {
-                               return std::make_unique<PotentialFieldHelm>(scenario.mission, vehicle,
-                                                                           PotentialFieldConfig{});
-                             })},
-                            {"no avoidance", {}, counted([](const Scenario& scenario, const VehicleSheet& vehicle) {
-                               return std::make_unique<LineOfSightHelm>(scenario.mission, vehicle);
-                             })}};
+    request_.methods = {{"potential field", {}, counted([](const Scenario& scenario, const VehicleParameters& vehicle) {
+                           return std::make_unique<PotentialFieldHelm>(scenario.mission, vehicle,
+                                                                       PotentialFieldConfig{});
+                         })},
+                        {"no avoidance", {}, counted([](const Scenario& scenario, const VehicleParameters& vehicle) {
+                           return std::make_unique<LineOfSightHelm>(scenario.mission, vehicle);
+                         })}};
     request_.runs = 3;
     request_.seed = 5;
     request_.out = folder / "out";
@@ -248,8 +248,8 @@ class SmallEvaluation : public testing::Test {
   }
 
   template <class Make>
-  decltype(Competitor::make) counted(Make make) {
-    return [this, make](const Scenario& scenario, const VehicleSheet& vehicle, const Configuration&) {
+  decltype(ComparedMethod::make) counted(Make make) {
+    return [this, make](const Scenario& scenario, const VehicleParameters& vehicle, const Configuration&) {
       ++made_;
       return std::unique_ptr<Helm>(make(scenario, vehicle));
     };
@@ -306,7 +306,7 @@ TEST_F(SmallEvaluation, TakesNothingOverFromAnotherConfiguration) {
   ISOBATH_NOT_SANITIZED();
   evaluate(request_);
   made_ = 0;
-  request_.competitors[0].configuration.grid.prior = 0.02;
+  request_.methods[0].configuration.grid.prior = 0.02;
   EXPECT_EQ(evaluate(request_).taken_over, 0);
   request_.version = "2";
   EXPECT_EQ(evaluate(request_).taken_over, 0);

@@ -23,7 +23,7 @@ using RunPicture = std::map<std::pair<Kind, std::uint64_t>, std::string>;
 
 fs::path mission_1() { return test::source_folder() / "scenarios" / "simulated_mission_1.toml"; }
 
-RunPicture run_picture(const DisplayItems& items) {
+RunPicture run_picture(const DisplayState& items) {
   RunPicture picture = test::as_map(items.changes_after(0).records);
   std::erase_if(picture, [](const auto& item) { return item.first.first == Kind::kTimes; });  // of no recording
   return picture;
@@ -44,7 +44,7 @@ TEST(LiveRun, IsShownAndRecordedAsItGoesAndEndsAsItDoesWithout) {
   ASSERT_TRUE(alone.mission);
   ASSERT_EQ(alone.mission->failure(), "");
 
-  DisplayItems items;
+  DisplayState items;
   RunRequest request = live_request(folder / "shown");
   request.record = folder / "run.mcap";
   request.watch.emplace();
@@ -72,14 +72,14 @@ TEST(LiveRun, IsShownAndRecordedAsItGoesAndEndsAsItDoesWithout) {
   const auto span = recorded.span();
   ASSERT_TRUE(span);
   const auto place = [&](double share) {
-    DisplayItems then;
+    DisplayState then;
     recorded.seek(span->first + seconds(share * to_seconds(span->last - span->first)), then);
     const std::string vehicle = run_picture(then).at({Kind::kVehicle, 0});
     return Eigen::Vector2d(test::number_at<double>(vehicle, 0), test::number_at<double>(vehicle, 8));
   };
   EXPECT_GT((place(0.5) - place(0.1)).norm(), 5);
   EXPECT_GT((place(0.8) - place(0.5)).norm(), 5);
-  DisplayItems end;
+  DisplayState end;
   recorded.seek(span->last, end);
   EXPECT_TRUE(run_picture(end) == run_picture(items));
 
@@ -107,7 +107,7 @@ fs::path bridge_with_a_sounder(const fs::path& folder) {
 // Whoever maps goes on with its maps while they are shown.
 TEST(LiveRun, MapsOfAllKindsAreShownWhileTheyAreMade) {
   const fs::path folder = test::scratch_folder();
-  DisplayItems items;
+  DisplayState items;
   RunRequest request = live_request(folder / "out");
   request.input = bridge_with_a_sounder(folder);
   request.record = folder / "run.mcap";
@@ -124,13 +124,13 @@ TEST(LiveRun, MapsOfAllKindsAreShownWhileTheyAreMade) {
     EXPECT_GT(to_seconds(maps.back().time - items.times().first), 17) << "to the end";
   }
   RecordedDisplay recorded(request.record);
-  DisplayItems end;
+  DisplayState end;
   recorded.seek(recorded.span()->last, end);
   EXPECT_TRUE(run_picture(end) == run_picture(items));
 }
 
 TEST(LiveRun, FollowsWhatIsOrderedAtThePage) {
-  DisplayItems items;
+  DisplayState items;
   bool ordered = false;
   RunRequest request = live_request(test::scratch_folder() / "out");
   request.watch.emplace();
@@ -148,7 +148,7 @@ TEST(LiveRun, FollowsWhatIsOrderedAtThePage) {
 }
 
 TEST(LiveRun, EndsDecentlyWhereItIsStopped) {
-  DisplayItems items;
+  DisplayState items;
   RunRequest request = live_request(test::scratch_folder() / "out");
   request.record = request.out / "run.mcap";
   fs::create_directories(request.out);
@@ -165,14 +165,14 @@ TEST(LiveRun, EndsDecentlyWhereItIsStopped) {
   EXPECT_TRUE(fs::exists(request.out / "report.html"));
   RecordedDisplay recorded(request.record);
   EXPECT_TRUE(recorded.complete());
-  DisplayItems end;
+  DisplayState end;
   recorded.seek(recorded.span()->last, end);
   EXPECT_TRUE(run_picture(end) == run_picture(items));
 }
 
 // The sweep that the end cuts short is the last that is seen: in the recording, too.
 TEST(RunDisplay, TheRecordingsLastPictureIsTheRunsLast) {
-  DisplayItems items;
+  DisplayState items;
   RunRequest request;
   request.input = mission_1();
   request.out = test::scratch_folder() / "out";
@@ -184,7 +184,7 @@ TEST(RunDisplay, TheRecordingsLastPictureIsTheRunsLast) {
   request.watch->display = &items;
   run(request);
   RecordedDisplay recorded(request.record);
-  DisplayItems end;
+  DisplayState end;
   recorded.seek(recorded.span()->last, end);
   EXPECT_TRUE(run_picture(end) == run_picture(items));
 }
@@ -231,7 +231,7 @@ struct Drained {
 TEST(RunDisplay, OneThatStandsStillDoesNotHoldTheMapping) {
   const fs::path folder = test::scratch_folder();
   StalledDisk disk(folder / "run.mcap");
-  DisplayItems items;
+  DisplayState items;
   RunRequest request = live_request(folder);
   request.record = folder / "run.mcap";
   request.configuration.recorder.log.chunk_kib = 1;
@@ -257,7 +257,7 @@ TEST(RunDisplay, OneThatStandsStillDoesNotHoldTheMapping) {
   }
   EXPECT_EQ(onboard.lost_pings(), 0u);
   const PipelineCounts& counts = onboard.pipeline().counts();
-  EXPECT_EQ(counts.pings + counts.upright, pings);
+  EXPECT_EQ(counts.pings + counts.vertical, pings);
   const RunPicture stalled = run_picture(items);
   EXPECT_GT(display.left_out().pings, 0u) << "it stood still all the while, and that is counted";
 
