@@ -3,9 +3,9 @@
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <isobath/base/random.hpp>
-#include <isobath/map/body_grid.hpp>
-#include <isobath/runtime/map_display.hpp>
-#include <isobath/runtime/sonar_display.hpp>
+#include <isobath/display/map_display.hpp>
+#include <isobath/display/sonar_display.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
 #include <tests/support/echoes.hpp>
 #include <vector>
 

@@ -13,11 +13,12 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/runtime/display.hpp>
-#include <isobath/runtime/mission_setup.hpp>
-#include <isobath/runtime/onboard.hpp>
-#include <isobath/runtime/run.hpp>
-#include <isobath/runtime/run_source.hpp>
+#include <isobath/display/display.hpp>
+#include <isobath/onboard/mission_setup.hpp>
+#include <isobath/onboard/onboard.hpp>
+#include <isobath/run/mission_input.hpp>
+#include <isobath/run/run.hpp>
+#include <isobath/run/run_source.hpp>
 #include <isobath/server/page_session.hpp>
 #include <isobath/server/page_site.hpp>
 #include <isobath/server/web_server.hpp>

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <isobath/base/random.hpp>
-#include <isobath/mission/navigator.hpp>
+#include <isobath/mission/agents/navigator.hpp>
 #include <vector>
 
 namespace isobath {

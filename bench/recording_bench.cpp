@@ -6,8 +6,8 @@
 #include <benchmark/benchmark.h>
 #include <filesystem>
 #include <isobath/base/random.hpp>
-#include <isobath/runtime/recorded_display.hpp>
-#include <isobath/runtime/run_recorder.hpp>
+#include <isobath/recording/recorded_display.hpp>
+#include <isobath/recording/run_recorder.hpp>
 
 namespace isobath {
 namespace {

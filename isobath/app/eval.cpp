@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/progress.hpp>
-#include <isobath/runtime/evaluation_report.hpp>
+#include <isobath/evaluation/evaluation_report.hpp>
 #include <memory>
 
 namespace isobath::app {

@@ -6,10 +6,10 @@
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
 #include <isobath/perception/water_label.hpp>
-#include <isobath/runtime/fan_calibration.hpp>
-#include <isobath/runtime/mission_pages.hpp>
-#include <isobath/runtime/result_text.hpp>
-#include <isobath/runtime/run.hpp>
+#include <isobath/report/fan_calibration.hpp>
+#include <isobath/report/mission_pages.hpp>
+#include <isobath/report/result_text.hpp>
+#include <isobath/run/run.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 

@@ -6,11 +6,11 @@
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
 #include <isobath/base/error.hpp>
-#include <isobath/runtime/live_page.hpp>
-#include <isobath/runtime/mission_pages.hpp>
-#include <isobath/runtime/recorded_playback.hpp>
-#include <isobath/runtime/result_text.hpp>
-#include <isobath/runtime/run.hpp>
+#include <isobath/display/live_page.hpp>
+#include <isobath/recording/recorded_playback.hpp>
+#include <isobath/report/mission_pages.hpp>
+#include <isobath/report/result_text.hpp>
+#include <isobath/run/run.hpp>
 #include <isobath/server/page_site.hpp>
 #include <isobath/server/web_server.hpp>
 #include <memory>

@@ -46,7 +46,7 @@
 #include <cstdint>
 #include <isobath/base/config.hpp>
 #include <isobath/base/thread_pool.hpp>
-#include <isobath/map/voxel_map.hpp>
+#include <isobath/map/voxel/voxel_map.hpp>
 #include <isobath/perception/aspect_law.hpp>
 #include <isobath/perception/fan_kernel.hpp>
 #include <isobath/sonar/echo_decisions.hpp>

@@ -15,7 +15,7 @@
 
 #include <Eigen/Core>
 #include <isobath/base/angle.hpp>
-#include <isobath/map/spherical_grid.hpp>
+#include <isobath/map/spherical/spherical_grid.hpp>
 #include <span>
 #include <vector>
 

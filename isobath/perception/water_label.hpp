@@ -12,8 +12,8 @@
 // No label lets a vehicle come nearer to an obstacle; labels are for people. Pure.
 #pragma once
 
-#include <isobath/map/obstacle.hpp>
-#include <isobath/map/occupancy_snapshot.hpp>
+#include <isobath/map/occupancy/obstacle.hpp>
+#include <isobath/map/voxel/occupancy_snapshot.hpp>
 #include <isobath/sonar/boundary_echoes.hpp>
 #include <isobath/sonar/ping.hpp>
 

@@ -22,7 +22,7 @@
 #pragma once
 
 #include <cstdint>
-#include <isobath/map/occupancy_snapshot.hpp>
+#include <isobath/map/voxel/occupancy_snapshot.hpp>
 #include <isobath/planning/hazard_map.hpp>
 #include <memory>
 #include <span>

@@ -13,7 +13,7 @@
 // torpedo-shaped vehicle at 1.5 m/s and an opening of 25 m by 8 m the distance is 23 m. One thread at a time.
 #pragma once
 
-#include <isobath/map/voxel_map.hpp>
+#include <isobath/map/voxel/voxel_map.hpp>
 #include <isobath/planning/helix.hpp>
 #include <optional>
 

@@ -19,7 +19,7 @@
 
 #include <chrono>
 #include <functional>
-#include <isobath/runtime/playback.hpp>
+#include <isobath/display/playback.hpp>
 #include <isobath/server/page_request.hpp>
 #include <isobath/server/shared_changes.hpp>
 #include <isobath/server/web_session.hpp>

@@ -9,7 +9,7 @@
 
 #include <array>
 #include <chrono>
-#include <isobath/runtime/display_state.hpp>
+#include <isobath/display/display_state.hpp>
 #include <memory>
 
 namespace isobath {

@@ -1,6 +1,6 @@
 // The link to the operator: any bytes as a frame, and as the word of a whole one.
 #include <cstddef>
-#include <isobath/mission/signaling_officer.hpp>
+#include <isobath/mission/agents/signaling_officer.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace isobath;

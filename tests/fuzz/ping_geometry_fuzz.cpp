@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <isobath/base/error.hpp>
-#include <isobath/runtime/pipeline.hpp>
-#include <isobath/runtime/voxel_model.hpp>
+#include <isobath/onboard/pipeline.hpp>
+#include <isobath/world/voxel_model.hpp>
 #include <limits>
 
 namespace {

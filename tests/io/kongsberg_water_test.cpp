@@ -4,8 +4,8 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/kongsberg.hpp>
-#include <isobath/io/kongsberg_water.hpp>
+#include <isobath/io/formats/kongsberg/kongsberg.hpp>
+#include <isobath/io/formats/kongsberg/kongsberg_water.hpp>
 #include <isobath/io/open.hpp>
 #include <limits>
 #include <tests/io/survey_datagrams.hpp>

@@ -1,8 +1,8 @@
 // What planners are given of a map in three dimensions: which water was measured, which is only thought to be free.
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/body_grid.hpp>
-#include <isobath/map/occupancy_snapshot.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
+#include <isobath/map/voxel/occupancy_snapshot.hpp>
 
 namespace isobath {
 namespace {

@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
-#include <isobath/mission/agent_library.hpp>
-#include <isobath/mission/executor.hpp>
+#include <isobath/mission/command/agent_library.hpp>
+#include <isobath/mission/command/executor.hpp>
 #include <tests/mission/scripted_agent.hpp>
 
 namespace isobath {

@@ -1,7 +1,7 @@
 // The same agents command any vehicle: they receive what is sensed, give set-points, and know nothing else.
 #include <cmath>
 #include <gtest/gtest.h>
-#include <isobath/mission/executor.hpp>
+#include <isobath/mission/command/executor.hpp>
 #include <isobath/vehicle/plant.hpp>
 #include <tests/mission/scripted_agent.hpp>
 #include <tests/support/data.hpp>

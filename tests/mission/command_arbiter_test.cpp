@@ -1,7 +1,7 @@
 // The last word: which order reaches the vehicle, and what it does when those who should speak are silent.
 #include <cmath>
 #include <gtest/gtest.h>
-#include <isobath/mission/command_arbiter.hpp>
+#include <isobath/mission/command/command_arbiter.hpp>
 #include <limits>
 #include <rapidcheck/gtest.h>
 #include <tests/mission/scripted_agent.hpp>

@@ -1,6 +1,6 @@
 // The agents in one thread: who hears what when, who is given up, and that it is the same every time.
 #include <gmock/gmock.h>
-#include <isobath/mission/executor.hpp>
+#include <isobath/mission/command/executor.hpp>
 #include <map>
 #include <rapidcheck/gtest.h>
 #include <stdexcept>

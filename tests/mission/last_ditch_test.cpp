@@ -1,6 +1,6 @@
 // The look ahead on raw echoes and ranges: stop while it can, else turn to the freer side, else surface.
 #include <gmock/gmock.h>
-#include <isobath/mission/near_echoes.hpp>
+#include <isobath/mission/safety/near_echoes.hpp>
 #include <limits>
 #include <random>
 #include <tests/mission/safety_stream.hpp>

@@ -1,7 +1,7 @@
 // The Navigator where a sonar tells height: over what closes the plan view, through water that was measured.
 #include <gmock/gmock.h>
-#include <isobath/mission/navigator.hpp>
-#include <isobath/mission/way_keeping.hpp>
+#include <isobath/mission/agents/navigator.hpp>
+#include <isobath/mission/agents/way_keeping.hpp>
 #include <tests/planning/measured_water.hpp>
 
 #include "agent_script.hpp"

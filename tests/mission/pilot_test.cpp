@@ -1,6 +1,6 @@
 // The Pilot under a script.
 #include <gtest/gtest.h>
-#include <isobath/mission/pilot.hpp>
+#include <isobath/mission/agents/pilot.hpp>
 
 #include "agent_script.hpp"
 

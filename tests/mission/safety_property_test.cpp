@@ -1,7 +1,7 @@
 // Whatever comes, in any order and with any values: the Safety Officer lives, and asks for no more speed than ordered.
 #include <bit>
 #include <gtest/gtest.h>
-#include <isobath/mission/safety_officer.hpp>
+#include <isobath/mission/safety/safety_officer.hpp>
 #include <limits>
 #include <rapidcheck/gtest.h>
 #include <tests/mission/safety_stream.hpp>

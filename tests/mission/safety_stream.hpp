@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <isobath/mission/safety_officer.hpp>
+#include <isobath/mission/safety/safety_officer.hpp>
 #include <optional>
 #include <string>
 #include <vector>

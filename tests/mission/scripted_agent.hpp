@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 #include <functional>
-#include <isobath/mission/bus.hpp>
+#include <isobath/mission/command/bus.hpp>
 #include <tests/mission/agent_script.hpp>
 
 namespace isobath::test {

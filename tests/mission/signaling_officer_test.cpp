@@ -1,8 +1,8 @@
 // The link to the operator: what is sent arrives once and in order, whatever the link loses, repeats, delays or breaks.
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/mission/mission_file.hpp>
-#include <isobath/mission/signaling_officer.hpp>
+#include <isobath/mission/agents/signaling_officer.hpp>
+#include <isobath/mission/plan/mission_file.hpp>
 #include <tests/mission/agent_script.hpp>
 
 namespace isobath {

@@ -1,8 +1,8 @@
 // Whole missions of the standard agents on a point that does what it is told, past obstacles that are injected or seen.
 #include <cmath>
 #include <gtest/gtest.h>
-#include <isobath/mission/executor.hpp>
-#include <isobath/mission/standard_agents.hpp>
+#include <isobath/mission/agents/standard_agents.hpp>
+#include <isobath/mission/command/executor.hpp>
 
 #include "agent_script.hpp"
 

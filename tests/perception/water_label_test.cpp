@@ -1,6 +1,6 @@
 // What stands in the water, what is bottom and what is surface; and that nothing is said where nobody can know.
 #include <gtest/gtest.h>
-#include <isobath/map/voxel_map.hpp>
+#include <isobath/map/voxel/voxel_map.hpp>
 #include <isobath/perception/water_label.hpp>
 
 namespace isobath {

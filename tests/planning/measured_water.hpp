@@ -1,8 +1,8 @@
 // Maps in three dimensions by hand: boxes of water that was measured, and of what stands in it.
 #pragma once
 
-#include <isobath/map/body_grid.hpp>
-#include <isobath/map/occupancy_snapshot.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
+#include <isobath/map/voxel/occupancy_snapshot.hpp>
 
 namespace isobath::test {
 

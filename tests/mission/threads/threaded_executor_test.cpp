@@ -2,7 +2,7 @@
 // clock is the test's.
 #include <atomic>
 #include <gmock/gmock.h>
-#include <isobath/mission/threaded_executor.hpp>
+#include <isobath/mission/command/threaded_executor.hpp>
 #include <latch>
 #include <mutex>
 #include <stdexcept>
