@@ -17,6 +17,7 @@
 #include <isobath/event/event.hpp>
 #include <isobath/mission/command/bus.hpp>
 #include <isobath/mission/plan/mission_plan.hpp>
+#include <isobath/onboard/pipeline.hpp>
 #include <isobath/onboard/stage_times.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <isobath/world/depth_model.hpp>

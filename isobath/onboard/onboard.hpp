@@ -22,7 +22,9 @@
 #include <filesystem>
 #include <isobath/base/task_thread.hpp>
 #include <isobath/onboard/helm.hpp>
+#include <isobath/onboard/onboard_configuration.hpp>
 #include <isobath/onboard/onboard_observer.hpp>
+#include <isobath/onboard/pipeline.hpp>
 #include <isobath/onboard/stage_cpu_time.hpp>
 #include <isobath/onboard/stage_times.hpp>
 #include <isobath/world/depth_model.hpp>

@@ -26,7 +26,8 @@ ordered_json stage_json(const StageTime& t) {
 ordered_json points_json(const MissionPlan& plan) {
   ordered_json points = ordered_json::array();
   for (const MissionPoint& p : plan.points) {
-    points.push_back({{"name", p.name}, {"north_m", number_json(p.north_east.x())}, {"east_m", number_json(p.north_east.y())}});
+    points.push_back(
+        {{"name", p.name}, {"north_m", number_json(p.north_east.x())}, {"east_m", number_json(p.north_east.y())}});
   }
   return points;
 }

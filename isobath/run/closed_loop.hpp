@@ -10,6 +10,7 @@
 #include <isobath/mission/plan/mission_plan.hpp>
 #include <isobath/onboard/helm.hpp>
 #include <isobath/onboard/onboard_observer.hpp>
+#include <isobath/onboard/pipeline.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <isobath/scenario/scenario.hpp>

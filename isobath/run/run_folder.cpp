@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/display/decision_json.hpp>
 #include <isobath/display/live_page.hpp>
 #include <isobath/io/gdal/geotiff.hpp>
 #include <isobath/report/fan_calibration.hpp>

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/io/open.hpp>
 #include <isobath/io/survey_folder.hpp>
 #include <isobath/run/prefetch.hpp>
 #include <isobath/run/run_source.hpp>

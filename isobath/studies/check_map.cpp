@@ -1,6 +1,7 @@
 #include <cmath>
 #include <Eigen/LU>
 #include <isobath/base/error.hpp>
+#include <isobath/perception/depth_mapper.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/run/run_source.hpp>
 #include <isobath/sonar/beam_cone.hpp>

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <isobath/base/error.hpp>
+#include <isobath/configuration/configuration.hpp>
 #include <isobath/onboard/pipeline.hpp>
 #include <isobath/world/voxel_model.hpp>
 #include <limits>

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
+#include <isobath/display/decision_json.hpp>
+#include <isobath/onboard/pipeline.hpp>
 #include <isobath/onboard/serial_helm.hpp>
 #include <limits>
 #include <tests/support/mission_runs.hpp>

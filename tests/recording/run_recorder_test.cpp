@@ -2,10 +2,12 @@
 #include <csignal>
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
+#include <isobath/display/decision_json.hpp>
 #include <isobath/io/bytes/whole_file.hpp>
 #include <isobath/io/mcap/mcap_index.hpp>
 #include <isobath/mission/plan/mission_file.hpp>
 #include <isobath/recording/run_recorder.hpp>
+#include <isobath/run/mission_input.hpp>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <tests/support/data.hpp>

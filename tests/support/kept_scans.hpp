@@ -1,6 +1,7 @@
 // A sink that keeps the obstacles of every scan, and a function that runs an input through the pipeline.
 #pragma once
 
+#include <isobath/configuration/configuration.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/onboard/pipeline.hpp>
 #include <string>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <isobath/display/decision_json.hpp>
 #include <isobath/onboard/mission_setup.hpp>
 #include <isobath/report/mission_outcome.hpp>
 #include <isobath/run/closed_loop.hpp>

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <isobath/configuration/configuration.hpp>
 #include <isobath/io/gdal/geotiff.hpp>
 #include <isobath/world/depth_model.hpp>
 #include <tests/perception/mapper_rig.hpp>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <isobath/configuration/configuration.hpp>
 #include <isobath/map/voxel/seen_voxels.hpp>
 #include <isobath/sonar/fan_stance.hpp>
 #include <isobath/world/voxel_model.hpp>

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <isobath/map/voxel/seen_voxels.hpp>
+#include <isobath/onboard/pipeline.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/world/voxel_model.hpp>
 #include <limits>

@@ -1,5 +1,6 @@
 // One loop: what is run, served, evaluated and replayed decides the same.
 #include <gtest/gtest.h>
+#include <isobath/display/decision_json.hpp>
 #include <isobath/display/display_state.hpp>
 #include <isobath/evaluation/evaluation.hpp>
 #include <isobath/run/run.hpp>

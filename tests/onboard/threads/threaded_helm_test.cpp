@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <isobath/display/decision_json.hpp>
 #include <isobath/onboard/mission_setup.hpp>
 #include <isobath/onboard/onboard.hpp>
 #include <latch>

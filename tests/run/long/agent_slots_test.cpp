@@ -2,7 +2,9 @@
 // libraries; each in the closed loop, doing what it is there for.
 #include <algorithm>
 #include <gmock/gmock.h>
+#include <isobath/display/decision_json.hpp>
 #include <isobath/mission/agents/shoal_outlines.hpp>
+#include <isobath/onboard/pipeline.hpp>
 #include <isobath/scenario/mission_chart.hpp>
 #include <limits>
 #include <tests/support/mission_runs.hpp>

@@ -1,6 +1,7 @@
 // Under the bridge: neither sonar alone shows a way, both together do, and a vehicle takes it.
 #include <gmock/gmock.h>
 #include <isobath/onboard/mission_setup.hpp>
+#include <isobath/onboard/pipeline.hpp>
 #include <isobath/planning/space_route.hpp>
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/scenario/scenario.hpp>

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <gtest/gtest.h>
+#include <isobath/onboard/pipeline.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/scenario/voxel_scorer.hpp>
 #include <isobath/world/voxel_model.hpp>

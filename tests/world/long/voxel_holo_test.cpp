@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <gtest/gtest.h>
+#include <isobath/configuration/configuration.hpp>
 #include <isobath/map/voxel/seen_voxels.hpp>
 #include <isobath/world/voxel_model.hpp>
 #include <iterator>

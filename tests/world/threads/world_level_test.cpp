@@ -3,6 +3,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/random.hpp>
 #include <isobath/planning/pilot_search.hpp>
 #include <isobath/world/map_features.hpp>
 #include <limits>

@@ -5,10 +5,10 @@ namespace isobath {
 namespace {
 
 constexpr std::size_t kMaxFrame = 4096;
-constexpr std::size_t kFrameOverhead = 14;    // around the payload
-constexpr std::size_t kPayload = 13;     // offset of the payload
-constexpr std::size_t kLengthsEnd = 7;   // offset after both lengths
-constexpr std::uint16_t kMinLength = 8;  // L of an empty payload
+constexpr std::size_t kFrameOverhead = 14;  // around the payload
+constexpr std::size_t kPayload = 13;        // offset of the payload
+constexpr std::size_t kLengthsEnd = 7;      // offset after both lengths
+constexpr std::uint16_t kMinLength = 8;     // L of an empty payload
 constexpr std::uint8_t kAlive = 4;
 constexpr std::uint8_t kVersionData = 1;
 constexpr std::uint8_t kSinglePacket = 0x80;
