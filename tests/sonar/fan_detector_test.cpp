@@ -248,6 +248,41 @@ TEST(FanDetector, SaysNothingInTheShadowOfABody) {
   EXPECT_FALSE(looks.decisions.tells(64, 175)) << "nor is the water there free";
 }
 
+// A wall of 40 degrees, as far away as the surface is above the sonar: the ring of the surface would fill the fan.
+// ledger: S6-69
+TEST(FanDetector, KeepsAWallAtTheRangeOfTheSurface) {
+  Scene scene;
+  scene.target = [](int, int b, int k) { return b >= 88 && b < 168 && k >= 300 && k < 304 ? 8000.0 : 0.0; };
+  const WaterColumn water{Rotation(), {}, 29.5};
+  EXPECT_GT(found(after(scene, 40, water), 98, 158, 30, 30.4), 0.8);
+}
+
+/// Clouds of 3 m by 3 m, up to 10 dB above the water, that drift by 0.5 m/s.
+double cloud(int ping, int beam, int bin) {
+  const double range = kWindow.centre(bin), t = kPing_s * ping;
+  const double north = range * cos(azimuth(beam)), east = range * sin(azimuth(beam));
+  const double thick = std::sin(north + 0.5 * t) * std::sin(east - 0.3 * t);
+  return thick > 0 ? 900 * thick * thick : 0;
+}
+
+// Asked for 1e-4. A wall in the clouds is found nevertheless. ledger: S6-64
+TEST(FanDetector, TakesCloudsForBackground) {
+  Scene scene;
+  scene.target = cloud;
+  Random random(5);
+  FanDetector detector;
+  EchoDecisions samples;
+  FanLooks looks;
+  double rate = 0;
+  for (int n = 0; n < 120; ++n) {
+    detector.detect(ping_of(scene, n, random), {}, samples, looks);
+    if (n >= 60) rate += found(looks, 0, kBeams, 1, 40) / 60;
+  }
+  EXPECT_LT(rate, 3e-4);
+  scene.target = [](int n, int b, int k) { return cloud(n, b, k) + 3 * wall(b, k); };
+  EXPECT_GT(found(after(scene, 60), 108, 148, 30, 30.4), 0.7);
+}
+
 double false_rate(const FanLooks& looks) { return found(looks, 0, kBeams, 1, 40); }
 
 // ledger: S6-E15

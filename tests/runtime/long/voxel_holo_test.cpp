@@ -27,7 +27,7 @@ struct Kept {
 
 class PingKeeper : public ResultSink {
  public:
-  void on_ping(const PosedPing& posed) override { kept.push_back({posed.ping, posed.faint_decisions(), posed.X_WB}); }
+  void on_ping(const PosedPing& posed) override { kept.push_back({posed.look_ping(), posed.look_decisions(), posed.X_WB}); }
   void on_scan(const ScanResult&) override {}
   std::vector<Kept> kept;
 };
