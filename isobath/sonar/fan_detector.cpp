@@ -104,7 +104,8 @@ struct FanDetector::State {
     std::array<TailLaw, kStrata> laws;
     TailLaw all;
     FanWatch watch;
-    std::vector<std::uint8_t> heat;  ///< of each cell: pings for which it is not learnt from
+    std::vector<std::uint8_t> third_along, third_across;  ///< of each range and of each beam
+    std::vector<std::uint8_t> heat;                       ///< of each cell: pings for which it is not learnt from
     std::uint64_t used = 0;
     Time time;
     int pings = 0;
@@ -188,6 +189,13 @@ FanDetector::State::Geometry& FanDetector::State::geometry_of(const Ping& ping) 
   g.background = FanBackground(config_.background);
   g.background.begin(g.cells, g.first_bin, faintest_of(ping));
   g.heat.assign(static_cast<std::size_t>(g.cells.beams()) * static_cast<std::size_t>(w.bins), 0);
+  g.third_along.assign(static_cast<std::size_t>(w.bins), 0);
+  for (int k = g.first_bin; k < w.bins; ++k)
+    g.third_along[static_cast<std::size_t>(k)] =
+        static_cast<std::uint8_t>((k - g.first_bin) * kThirds / (w.bins - g.first_bin));
+  g.third_across.resize(static_cast<std::size_t>(g.cells.beams()));
+  for (int b = 0; b < g.cells.beams(); ++b)
+    g.third_across[static_cast<std::size_t>(b)] = static_cast<std::uint8_t>(b * kThirds / g.cells.beams());
   g.watch.begin(ping, g.cells, g.first_bin);
   g.of_model = model_ && same_setting(*model_, ping) && model_->relief.size() == std::size_t(g.cells.beams());
   if (g.of_model) g.background.start_from({model_->relief.begin(), model_->relief.end()});
@@ -241,9 +249,8 @@ void FanDetector::State::rate(const Geometry& g) {
 }
 
 int FanDetector::State::stratum(const Geometry& g, int beam, int bin, bool loud) const {
-  const int across = beam * kThirds / g.cells.beams();
-  const int along = (bin - g.first_bin) * kThirds / std::max(1, g.cells.bins() - g.first_bin);
-  return (loud ? kThirds * kThirds : 0) + along * kThirds + across;
+  return (loud ? kThirds * kThirds : 0) + g.third_along[static_cast<std::size_t>(bin)] * kThirds +
+         g.third_across[static_cast<std::size_t>(beam)];
 }
 
 float FanDetector::State::threshold(int beam, int bin) const {
