@@ -3,7 +3,7 @@
 // Usage: ISOBATH_PROGRAM=... ISOBATH_CHROMIUM=... node bench/click_to_picture.mjs [RECORDING.mcap]
 //
 // Without a recording it makes one of an hour first: a survey of lanes between piles with a turning head (occupancy, and
-// what the crew decides), a fan of 93 beams that stands upright (voxels), and an altimeter (depth map).
+// what the agents decide), a fan of 93 beams that stands upright (voxels), and an altimeter (depth map).
 //
 // A click counts from the time stamp of its pointer event. The picture is there when all that the program sent for the
 // sought moment was taken (of the chart all but voxels and cubes), a frame after that has drawn all views and none is
@@ -22,7 +22,7 @@ const kClicks = 15; // of each kind: chart and 3-D, paused and playing
 const kBar = 200; // ms
 const kStartBar = 5; // s
 const kHour = 3600;
-/** An upright fan alone leaves hardly a voxel by the marginal rule: a page that draws many is measured. */
+/** A vertical fan alone leaves hardly a voxel by the marginal rule: a page that draws many is measured. */
 const kMany = ['fans.rule=hit_and_miss', 'voxels.fit=false', 'voxels.voxel_m=0.5'];
 
 /** Lanes between rows of piles. */

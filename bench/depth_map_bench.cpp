@@ -7,7 +7,7 @@
 #include <ctime>
 #include <filesystem>
 #include <isobath/base/random.hpp>
-#include <isobath/map/map_folder.hpp>
+#include <isobath/map/depth/map_folder.hpp>
 #include <isobath/perception/depth_mapper.hpp>
 #include <memory>
 #include <string>

@@ -3,9 +3,9 @@
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <isobath/base/random.hpp>
-#include <isobath/map/body_grid.hpp>
-#include <isobath/runtime/map_display.hpp>
-#include <isobath/runtime/sonar_display.hpp>
+#include <isobath/display/map_display.hpp>
+#include <isobath/display/sonar_display.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
 #include <tests/support/echoes.hpp>
 #include <vector>
 
@@ -31,7 +31,7 @@ void DisplayOfAFan(benchmark::State& state) {
     };
     pings.push_back(test::ping_of<Sample>(fan, {0.1, 0.1, kFanBins}, value, static_cast<float>(full)));
   }
-  DisplayItems items;
+  DisplayState items;
   SonarDisplay display(items);
   std::int64_t shown = 0;
   for (auto _ : state) {
@@ -54,7 +54,7 @@ void DisplayOfTheGrid(benchmark::State& state) {
   for (double& log_odds : grid.log_odds()) {
     if (random.uniform() < 1.0 / 3) log_odds = random.uniform(grid.log_odds_min(), grid.log_odds_max());
   }
-  DisplayItems items;
+  DisplayState items;
   MapDisplay display(items);
   std::int64_t shown = 0;
   for (auto _ : state) display.show(Time(seconds(static_cast<double>(++shown))), grid, Pose{});

@@ -11,11 +11,11 @@ using Eigen::Vector3d;
 
 constexpr double kWay = 0.3;  // m between images at 1.5 m/s
 
-VehicleSheet slender() {
-  VehicleSheet sheet;
-  sheet.half_width_m = 0.15;
-  sheet.limits = {2.5, 0.1, 4.5, Angle::degrees(15), 0.5, 100};
-  return sheet;
+VehicleParameters slender() {
+  VehicleParameters parameters;
+  parameters.half_width_m = 0.15;
+  parameters.limits = {2.5, 0.1, 4.5, Angle::degrees(15), 0.5, 100};
+  return parameters;
 }
 
 Opening opening_at_60_m() { return {{Rotation(), {60, 0, 4}}, 25, 8}; }

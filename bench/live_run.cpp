@@ -6,18 +6,19 @@
 //
 // The log is recorded first, by a run of the scenario, and held in memory: no simulator runs beside what is measured. A
 // ping's latency is from when its event is taken until set-point and display are done, by the real clock; that of
-// mapping is without the crew, which has threads of its own aboard. The pings of the first kWarm_s fill tables and
+// mapping is without the agents, which have threads of their own aboard. The pings of the first kWarm_s fill tables and
 // count for nothing. Pages read and count bytes, as a browser's network process does; they draw nothing.
 #include <algorithm>
 #include <chrono>
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/runtime/display.hpp>
-#include <isobath/runtime/mission_setup.hpp>
-#include <isobath/runtime/onboard.hpp>
-#include <isobath/runtime/run.hpp>
-#include <isobath/runtime/run_source.hpp>
+#include <isobath/display/display.hpp>
+#include <isobath/onboard/mission_setup.hpp>
+#include <isobath/onboard/onboard.hpp>
+#include <isobath/run/mission_input.hpp>
+#include <isobath/run/run.hpp>
+#include <isobath/run/run_source.hpp>
 #include <isobath/server/page_session.hpp>
 #include <isobath/server/page_site.hpp>
 #include <isobath/server/web_server.hpp>
@@ -60,7 +61,7 @@ struct Log {
 };
 
 void record(const std::filesystem::path& recording, double seconds) {
-  DisplayItems items;
+  DisplayState items;
   RunRequest request;
   request.input = ISOBATH_SCENARIOS "/wide_fan.toml";
   request.out = recording.parent_path() / "run";
@@ -91,7 +92,7 @@ Log log_of(const std::filesystem::path& recording, const Configuration& configur
 /// One ping, ms.
 struct Took {
   double all;
-  double mapping;  ///< without crew: detection, grid, voxels, depths, display
+  double mapping;  ///< without agents: detection, grid, voxels, depths, display
   double display;
   double processor;  ///< of this thread, for all of it: what neighbours on the machine cannot lengthen by much
 };
@@ -109,7 +110,7 @@ class TimedHelm : public Helm {
   void on_scan(const ScanResult& scan) override {
     timed([&] { helm_->on_scan(scan); });
   }
-  void on_space(Time time, const std::shared_ptr<const SpaceGrid>& space) override {
+  void on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) override {
     timed([&] { helm_->on_space(time, space); });
   }
   [[nodiscard]] Setpoint steer() override {
@@ -136,10 +137,10 @@ class TimedHelm : public Helm {
 /// All that is on board, as in a run; the display apart by its own clock.
 class Vehicle : public OnboardObserver {
  public:
-  Vehicle(const Log& log, const Configuration& configuration, DisplayItems& items)
+  Vehicle(const Log& log, const Configuration& configuration, DisplayState& items)
       : depths_(configuration, {}),
         times_(std::make_shared<StageTimes>()),
-        helm_(make_mission_helm(log.setup, configuration, times_)),
+        helm_(make_serial_helm(log.setup, configuration, times_)),
         display_(items),
         onboard_(configuration, depths_, {.helm = &helm_, .times = times_}) {
     depths_.locate(log.origin);
@@ -166,9 +167,9 @@ class Vehicle : public OnboardObserver {
       }
       display_.look(time, onboard_.pipeline(), depths_, onboard_.voxels());
     });
-    const double all_ms = ms_since(taken), crew_ms = helm_.take_ms();
+    const double all_ms = ms_since(taken), agents_ms = helm_.take_ms();
     if (onboard_.pipeline().counts().pings == mapped) return std::nullopt;
-    return Took{all_ms, all_ms - crew_ms, display_ms_, 1e-6 * static_cast<double>(thread_nanoseconds() - worked)};
+    return Took{all_ms, all_ms - agents_ms, display_ms_, 1e-6 * static_cast<double>(thread_nanoseconds() - worked)};
   }
 
   void on_event(const Event& event) override {
@@ -180,8 +181,8 @@ class Vehicle : public OnboardObserver {
   void on_scan(const ScanResult& scan) override {
     shown([&] { display_.on_scan(scan); });
   }
-  void on_upright(const PosedPing& ping) override {
-    shown([&] { display_.on_upright(ping); });
+  void on_vertical_ping(const PosedPing& ping) override {
+    shown([&] { display_.on_vertical_ping(ping); });
   }
   void on_jump(const Eigen::Vector3d& by_W) override {
     shown([&] { display_.on_jump(by_W); });
@@ -233,7 +234,7 @@ struct Round {
 };
 
 Round sail(const Log& log, const Configuration& configuration, bool with_pages) {
-  DisplayItems items;
+  DisplayState items;
   PageSources sources;
   sources.live = std::make_shared<SharedChanges>(items);
   sources.live_span = [&items] {

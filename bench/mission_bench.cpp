@@ -6,7 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <isobath/base/random.hpp>
-#include <isobath/mission/navigator.hpp>
+#include <isobath/mission/agents/navigator.hpp>
 #include <vector>
 
 namespace isobath {
@@ -62,7 +62,7 @@ void scan_to_decision(benchmark::State& state, bool keeps_its_way) {
   std::vector<double> ms;
   double planned = 0;
   for (auto _ : state) {
-    Navigator navigator(NavigatorConfig{}, fine(), VehicleSheet{});
+    Navigator navigator(NavigatorConfig{}, fine(), VehicleParameters{});
     Outbox out;
     navigator.hear(here(), Time{}, out);
     RouteRequest request;

@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <isobath/base/random.hpp>
-#include <isobath/map/obstacle_memory.hpp>
+#include <isobath/map/occupancy/obstacle_memory.hpp>
 #include <vector>
 
 namespace isobath {

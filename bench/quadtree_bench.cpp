@@ -4,10 +4,10 @@
 #include <cstring>
 #include <filesystem>
 #include <isobath/base/random.hpp>
-#include <isobath/map/pmr_quadtree.hpp>
-#include <isobath/map/pr_quadtree.hpp>
-#include <isobath/map/region_quadtree.hpp>
-#include <isobath/map/tree_file.hpp>
+#include <isobath/map/depth/region_quadtree.hpp>
+#include <isobath/map/depth/tree_file.hpp>
+#include <isobath/map/features/pmr_quadtree.hpp>
+#include <isobath/map/features/pr_quadtree.hpp>
 #include <limits>
 #include <numbers>
 #include <unistd.h>

@@ -3,9 +3,9 @@
 #include <benchmark/benchmark.h>
 #include <bit>
 #include <isobath/base/random.hpp>
-#include <isobath/io/oculus_logs.hpp>
-#include <isobath/io/ping_logs.hpp>
-#include <isobath/io/scan_csv.hpp>
+#include <isobath/io/formats/oculus/oculus_logs.hpp>
+#include <isobath/io/formats/ping/ping_logs.hpp>
+#include <isobath/io/formats/scan_csv.hpp>
 #include <tests/io/oculus_messages.hpp>
 #include <tests/io/ping_frames.hpp>
 

@@ -6,8 +6,8 @@
 #include <benchmark/benchmark.h>
 #include <filesystem>
 #include <isobath/base/random.hpp>
-#include <isobath/runtime/recorded_display.hpp>
-#include <isobath/runtime/run_recorder.hpp>
+#include <isobath/recording/recorded_display.hpp>
+#include <isobath/recording/run_recorder.hpp>
 
 namespace isobath {
 namespace {
@@ -35,7 +35,7 @@ class Display {
     for (int i = 0; i < 6; ++i) change(DisplayKind::kVoxels, random_.index(1000), 500, s);
     if (++steps_ % 40 == 0) change(DisplayKind::kDepth, random_.index(80), 64 << 10, s);
   }
-  DisplayItems items;
+  DisplayState items;
 
  private:
   void change(DisplayKind kind, std::uint64_t number, std::size_t bytes, double s) {
@@ -94,7 +94,7 @@ BENCHMARK(BM_OpenAnHour)->Unit(benchmark::kMillisecond);
 void BM_SeekInAnHour(benchmark::State& state) {
   RecordedDisplay recorded(an_hour());
   Random random(3);
-  DisplayItems items;
+  DisplayState items;
   for (auto _ : state) {
     recorded.seek(time_at(static_cast<double>(random.index(kSeconds * 1000)) / 1000), items);
   }
@@ -107,7 +107,7 @@ BENCHMARK(BM_SeekInAnHour)->Unit(benchmark::kMillisecond);
 
 void BM_PlayOneSecond(benchmark::State& state) {
   RecordedDisplay recorded(an_hour());
-  DisplayItems items;
+  DisplayState items;
   double s = 0;
   for (auto _ : state) {
     s = s + 1 < kSeconds ? s + 1 : 0;

@@ -22,7 +22,7 @@ constexpr std::size_t kEchoBytes = 128 * 1024, kTileBytes = 64 * 64 * 4;
 constexpr auto kStep = std::chrono::milliseconds(100);
 
 /// Writes as a run does; returns how long each set() took, in us, sorted.
-std::vector<double> write_run(DisplayItems& items, std::atomic<std::int64_t>& now) {
+std::vector<double> write_run(DisplayState& items, std::atomic<std::int64_t>& now) {
   std::vector<double> took;
   Random random(3);
   const auto set = [&](DisplayKind kind, std::uint64_t number, Time time, std::string payload) {
@@ -48,7 +48,7 @@ std::vector<double> write_run(DisplayItems& items, std::atomic<std::int64_t>& no
 
 void LivePages(benchmark::State& state) {
   for (auto _ : state) {
-    DisplayItems items;
+    DisplayState items;
     for (std::uint64_t i = 0; i < kTilesInAll; ++i) {
       items.set(DisplayKind::kDepth, i, Time{}, std::string(kTileBytes, static_cast<char>(i)));
     }

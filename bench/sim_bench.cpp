@@ -68,7 +68,7 @@ BENCHMARK(fan_ping)->Arg(1)->Arg(2)->UseRealTime()->MeasureProcessCPUTime()->Uni
 void fan_echoes(benchmark::State& bench) {
   SonarConfig sonar = sonar_preset("oculus_m1200d");
   sonar.range_m = 60;
-  EchoFormer former(sonar, bridge().world, bridge().water, 1);
+  EchoSynthesizer former(sonar, bridge().world, bridge().water, 1);
   EchoImage image;
   std::uint64_t n = 0;
   for (auto _ : bench) {

@@ -10,20 +10,20 @@ namespace {
 /// with one gap, which the plan view takes for closed.
 struct MeasuredRiver {
   MeasuredRiver() : map({.voxel_m = 0.5, .prior = 0.05, .occupied = 0.7, .free = 0.04, .most_log_odds = 6.9}) {
-    VoxelBlocks &upright = map.layer("upright"), &flat = map.layer("flat");
-    put(upright, {0, -100, 0}, {200, 100, 40}, -3);
+    VoxelBlocks &vertical = map.layer("upright"), &flat = map.layer("flat");
+    put(vertical, {0, -100, 0}, {200, 100, 40}, -3);
     put(flat, {0, -100, 0}, {200, 100, 40}, -1);
     Random random(4);
     for (int i = 0; i < 30; ++i) {
       const int north = 10 + static_cast<int>(random.index(180));
       const int east = static_cast<int>(random.index(190)) - 95;
-      put(upright, {north, east, 0}, {north + 3, east + 3, 40}, 13);
+      put(vertical, {north, east, 0}, {north + 3, east + 3, 40}, 13);
     }
     for (int wall = 0; wall < 3; ++wall) {
       const int north = 50 + 50 * wall, gap = static_cast<int>(random.index(160)) - 80;
-      put(upright, {north, -100, 0}, {north + 2, gap, 40}, 13);
-      put(upright, {north, gap + 12, 0}, {north + 2, 100, 40}, 13);
-      put(upright, {north, gap, 14}, {north + 2, gap + 12, 40}, 13);
+      put(vertical, {north, -100, 0}, {north + 2, gap, 40}, 13);
+      put(vertical, {north, gap + 12, 0}, {north + 2, 100, 40}, 13);
+      put(vertical, {north, gap, 14}, {north + 2, gap + 12, 40}, 13);
       hazards.push_back({{{0.5 * north, -50}, {0.5 * north + 1, -50}, {0.5 * north + 1, 50}, {0.5 * north, 50}},
                          0,
                          HazardKind::kSeen,
@@ -55,7 +55,7 @@ void SpaceOfAScan(benchmark::State& bench) {
   const MeasuredRiver river;
   double voxels = 0;
   for (auto _ : bench) {
-    const SpaceGrid grid(river.map, river.heights, {50, 0, 5}, 80);
+    const OccupancySnapshot grid(river.map, river.heights, {50, 0, 5}, 80);
     voxels = grid.size().cast<double>().prod();
     benchmark::DoNotOptimize(grid);
   }
@@ -65,7 +65,7 @@ BENCHMARK(SpaceOfAScan)->Unit(benchmark::kMillisecond);
 
 void SpaceRoute(benchmark::State& bench) {
   MeasuredRiver river;
-  const SpaceGrid grid(river.map, river.heights, {50, 0, 5}, 80);
+  const OccupancySnapshot grid(river.map, river.heights, {50, 0, 5}, 80);
   river.task.turning_radius_m = static_cast<double>(bench.range(0));
   if (bench.range(0) > 0) river.task.heading = Angle::degrees(20);
   Result<SpaceRoutePath, RouteRefusal> path = tl::unexpected(RouteRefusal::kNoPath);
@@ -78,7 +78,7 @@ BENCHMARK(SpaceRoute)->ArgName("radius")->Arg(0)->Arg(4)->Unit(benchmark::kMilli
 
 void SpaceKept(benchmark::State& bench) {
   const MeasuredRiver river;
-  const SpaceGrid grid(river.map, river.heights, {50, 0, 5}, 80);
+  const OccupancySnapshot grid(river.map, river.heights, {50, 0, 5}, 80);
   const std::vector<Eigen::Vector3d> way = plan_space_route(grid, river.task, river.config)->points;
   bool clear = false;
   for (auto _ : bench) clear = is_clear(room_for(grid, river.task, river.config, true), way, 1);

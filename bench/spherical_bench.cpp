@@ -4,9 +4,9 @@
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <isobath/base/random.hpp>
-#include <isobath/map/grid_snapshots.hpp>
-#include <isobath/map/spherical_grid.hpp>
-#include <isobath/map/spherical_passage.hpp>
+#include <isobath/map/spherical/grid_snapshots.hpp>
+#include <isobath/map/spherical/spherical_grid.hpp>
+#include <isobath/map/spherical/spherical_passage.hpp>
 #include <isobath/perception/scan_shapes.hpp>
 #include <isobath/perception/spherical_mapper.hpp>
 #include <isobath/perception/tangential_clusters.hpp>

@@ -54,7 +54,7 @@ BENCHMARK_CAPTURE(plant_step, torpedo_kinematic, "remus100", PlantKind::kKinemat
 
 void guidance_step(benchmark::State& bench) {
   const VehicleState state = under_way();
-  LineOfSight guidance({}, {{1e6, 0, 10, 1.5}, {1e6, 50, 10, 1.5}}, sheet_of(model_of("remus100")));
+  LineOfSight guidance({}, {{1e6, 0, 10, 1.5}, {1e6, 50, 10, 1.5}}, parameters_of(model_of("remus100")));
   for (auto _ : bench) benchmark::DoNotOptimize(guidance.step(state, 0.1));
   bench.SetItemsProcessed(bench.iterations());
 }
@@ -62,7 +62,7 @@ BENCHMARK(guidance_step);
 
 // An echo and an order.
 void depth_keeper_step(benchmark::State& bench) {
-  DepthKeeper keeper({}, sheet_of(model_of("remus100")));
+  DepthKeeper keeper({}, parameters_of(model_of("remus100")));
   VehicleState state = under_way();
   AltimeterReading reading;
   reading.max_range_m = 50;

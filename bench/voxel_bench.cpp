@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 #include <cmath>
 #include <cstdint>
-#include <isobath/map/voxel_map.hpp>
+#include <isobath/map/voxel/voxel_map.hpp>
 #include <isobath/perception/fan_mapper.hpp>
 #include <vector>
 #ifdef ISOBATH_HAS_OCTOMAP

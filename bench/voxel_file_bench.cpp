@@ -2,9 +2,9 @@
 #include <bench/voxel_work.hpp>
 #include <benchmark/benchmark.h>
 #include <filesystem>
-#include <isobath/io/voxel_vdb.hpp>
-#include <isobath/map/seen_voxels.hpp>
-#include <isobath/map/voxel_map.hpp>
+#include <isobath/io/exports/voxel_vdb.hpp>
+#include <isobath/map/voxel/seen_voxels.hpp>
+#include <isobath/map/voxel/voxel_map.hpp>
 #include <unistd.h>
 
 namespace isobath {

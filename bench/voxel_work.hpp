@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <Eigen/Geometry>
 #include <isobath/base/random.hpp>
-#include <isobath/map/voxel_blocks.hpp>
+#include <isobath/map/voxel/voxel_blocks.hpp>
 #include <isobath/perception/fan_mapper.hpp>
 #include <memory>
 #include <numbers>

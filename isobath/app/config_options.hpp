@@ -2,7 +2,7 @@
 #pragma once
 
 #include <isobath/app/commands.hpp>
-#include <isobath/runtime/configuration.hpp>
+#include <isobath/configuration/configuration.hpp>
 #include <string>
 #include <vector>
 

@@ -2,11 +2,11 @@
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/base/error.hpp>
-#include <isobath/io/native_log.hpp>
+#include <isobath/io/mcap/native_log.hpp>
 #include <isobath/io/open.hpp>
-#include <isobath/map/map_folder.hpp>
-#include <isobath/runtime/map_from_prior.hpp>
-#include <isobath/runtime/map_raster.hpp>
+#include <isobath/map/depth/map_folder.hpp>
+#include <isobath/run/map_from_prior.hpp>
+#include <isobath/world/map_raster.hpp>
 #include <memory>
 
 namespace isobath::app {

@@ -2,7 +2,7 @@
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/progress.hpp>
-#include <isobath/runtime/check_map.hpp>
+#include <isobath/studies/check_map.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/progress.hpp>
-#include <isobath/runtime/evaluation_report.hpp>
+#include <isobath/evaluation/evaluation_report.hpp>
 #include <memory>
 
 namespace isobath::app {
@@ -74,7 +74,7 @@ int act(Options& options) {
   request.suite = load_suite(find_suite(options.suite, request.out / "inputs"));
   if (!options.variant.empty()) select_variants(request.suite, options.variant);
   if (options.alone) request.suite.baselines.clear();
-  request.competitors = competitors_of(request.suite, configuration);
+  request.methods = methods_of(request.suite, configuration);
   request.version = program_version();
   if (options.only >= 0) {
     request.seed = (request.seed >= 0 ? request.seed : request.suite.about.seed) + options.only;

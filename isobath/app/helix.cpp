@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <isobath/app/commands.hpp>
 #include <isobath/app/json_output.hpp>
-#include <isobath/runtime/helix_pictures.hpp>
+#include <isobath/studies/helix_pictures.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 

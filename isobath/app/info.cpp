@@ -5,11 +5,11 @@
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/io/open.hpp>
-#include <isobath/map/map_folder.hpp>
-#include <isobath/runtime/inspection.hpp>
-#include <isobath/runtime/map_changes.hpp>
-#include <isobath/runtime/map_raster.hpp>
-#include <isobath/runtime/result_text.hpp>
+#include <isobath/map/depth/map_folder.hpp>
+#include <isobath/report/result_text.hpp>
+#include <isobath/studies/inspection.hpp>
+#include <isobath/world/map_changes.hpp>
+#include <isobath/world/map_raster.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 

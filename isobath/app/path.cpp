@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <isobath/app/commands.hpp>
 #include <isobath/base/error.hpp>
-#include <isobath/runtime/check_path.hpp>
+#include <isobath/studies/check_path.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 

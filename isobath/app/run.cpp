@@ -5,12 +5,12 @@
 #include <isobath/app/progress.hpp>
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
-#include <isobath/map/whole_obstacle.hpp>
+#include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/perception/water_label.hpp>
-#include <isobath/runtime/fan_calibration.hpp>
-#include <isobath/runtime/mission_pages.hpp>
-#include <isobath/runtime/result_text.hpp>
-#include <isobath/runtime/run.hpp>
+#include <isobath/report/fan_calibration.hpp>
+#include <isobath/report/mission_pages.hpp>
+#include <isobath/report/result_text.hpp>
+#include <isobath/run/run.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -70,7 +70,7 @@ void print(const char* stage, const StageTime& t) {
 
 void print(const MissionTimings& t) {
   fmt::print("  {:<30} {:>9} {:>9} {:>9}  {:>7}\n", "latency, ms", "median", "99 %", "worst", "count");
-  print("agents: handling of an event", t.event_to_crew);
+  print("agents: handling of an event", t.event_to_agents);
   print("mapping: a ping into the grid", t.ping_to_grid);
   print("detection: obstacles of a scan", t.detection);
   print("planning: the Navigator's turn", t.planning);
@@ -140,7 +140,7 @@ void print_input(const RunOutcome& outcome) {
   } else {
     fmt::print("received {} ranges and {} swaths in {}\n", n.ranges, n.swaths, span);
   }
-  if (n.upright > 0) fmt::print("received {} pings of vertical fans, for the voxel map\n", n.upright);
+  if (n.vertical > 0) fmt::print("received {} pings of vertical fans, for the voxel map\n", n.vertical);
 }
 
 /// Prints what the user may want to correct: refusals, damage, jumps, missing altitudes.

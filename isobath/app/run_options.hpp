@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <isobath/app/config_options.hpp>
-#include <isobath/runtime/run.hpp>
+#include <isobath/run/run.hpp>
 #include <string>
 
 namespace isobath::app {

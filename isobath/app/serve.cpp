@@ -6,11 +6,11 @@
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
 #include <isobath/base/error.hpp>
-#include <isobath/runtime/live_page.hpp>
-#include <isobath/runtime/mission_pages.hpp>
-#include <isobath/runtime/recorded_playback.hpp>
-#include <isobath/runtime/result_text.hpp>
-#include <isobath/runtime/run.hpp>
+#include <isobath/display/live_page.hpp>
+#include <isobath/recording/recorded_playback.hpp>
+#include <isobath/report/mission_pages.hpp>
+#include <isobath/report/result_text.hpp>
+#include <isobath/run/run.hpp>
 #include <isobath/server/page_site.hpp>
 #include <isobath/server/web_server.hpp>
 #include <memory>
@@ -113,7 +113,7 @@ class Orders {
 };
 
 /// Start of the run and its present time, on its own clock.
-TimeSpan span_of(const DisplayItems& items) {
+TimeSpan span_of(const DisplayState& items) {
   const auto [first, last] = items.times();
   return {first, last};
 }
@@ -122,7 +122,7 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
   RunRequest& request = options.read();
   if (request.record.empty()) request.record = request.out / "recording.mcap";
   std::filesystem::create_directories(request.record.parent_path());
-  DisplayItems items;
+  DisplayState items;
   SharedChanges shared(items);
   Orders orders;
   const double speed = speed_of(speed_words(options));

@@ -5,10 +5,10 @@
 #include <isobath/app/progress.hpp>
 #include <isobath/app/speed.hpp>
 #include <isobath/base/error.hpp>
-#include <isobath/io/native_log.hpp>
-#include <isobath/runtime/html_report.hpp>
-#include <isobath/runtime/scenario.hpp>
-#include <isobath/runtime/scene_picture.hpp>
+#include <isobath/io/mcap/native_log.hpp>
+#include <isobath/report/html_report.hpp>
+#include <isobath/report/scene_picture.hpp>
+#include <isobath/scenario/scenario.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <isobath/app/commands.hpp>
 #include <isobath/app/json_output.hpp>
-#include <isobath/runtime/html_report.hpp>
-#include <isobath/runtime/scenario.hpp>
-#include <isobath/runtime/spherical_pages.hpp>
+#include <isobath/report/html_report.hpp>
+#include <isobath/scenario/scenario.hpp>
+#include <isobath/studies/spherical_pages.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 

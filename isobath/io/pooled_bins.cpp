@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <isobath/io/bytes/sample_arena.hpp>
 #include <isobath/io/pooled_bins.hpp>
-#include <isobath/io/sample_arena.hpp>
 
 namespace isobath {
 namespace {

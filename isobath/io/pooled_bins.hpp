@@ -11,7 +11,7 @@
 // bins and all other events pass unchanged.
 #pragma once
 
-#include <isobath/io/event.hpp>
+#include <isobath/event/event.hpp>
 #include <memory>
 
 namespace isobath {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
+#include <isobath/io/bytes/text_lines.hpp>
 #include <isobath/io/survey_folder.hpp>
-#include <isobath/io/text_lines.hpp>
 #include <map>
 
 namespace isobath {

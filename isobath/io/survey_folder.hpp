@@ -17,8 +17,8 @@
 #pragma once
 
 #include <filesystem>
-#include <isobath/io/event.hpp>
-#include <isobath/io/input_config.hpp>
+#include <isobath/event/event.hpp>
+#include <isobath/io/input/input_config.hpp>
 #include <memory>
 #include <string>
 #include <string_view>

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/base/error.hpp>
-#include <isobath/map/body_grid.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
 #include <isobath/perception/bin_update.hpp>
 
 namespace isobath {

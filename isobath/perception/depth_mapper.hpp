@@ -28,7 +28,7 @@
 #include <cstdint>
 #include <functional>
 #include <isobath/base/time.hpp>
-#include <isobath/map/depth_map.hpp>
+#include <isobath/map/depth/depth_map.hpp>
 #include <isobath/perception/depth_parts.hpp>
 #include <isobath/sonar/range_reading.hpp>
 #include <isobath/sonar/swath.hpp>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <isobath/base/config.hpp>
-#include <isobath/map/depth_map.hpp>
+#include <isobath/map/depth/depth_map.hpp>
 #include <isobath/perception/reading_evidence.hpp>
 #include <isobath/perception/sounding_gate.hpp>
 #include <isobath/sonar/reading_prefilter.hpp>

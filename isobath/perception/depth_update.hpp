@@ -6,7 +6,7 @@
 #pragma once
 
 #include <functional>
-#include <isobath/map/depth_map.hpp>
+#include <isobath/map/depth/depth_map.hpp>
 #include <isobath/perception/depth_parts.hpp>
 #include <isobath/perception/range_prediction.hpp>
 #include <isobath/perception/reading_evidence.hpp>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <isobath/map/voxel_blocks.hpp>
+#include <isobath/map/voxel/voxel_blocks.hpp>
 #include <vector>
 
 namespace isobath {

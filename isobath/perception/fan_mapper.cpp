@@ -183,8 +183,8 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
                       int threads) {
   ISOBATH_ASSERT(decisions.beams() == ping.fan->beams() && decisions.bins() == ping.window.bins);
   if (ping.fan != fan_ || ping.window != window_) take_geometry(ping);
-  if (!team_ || team_->threads() != std::max(1, threads)) team_ = std::make_unique<WorkTeam>(threads);
-  take_decisions(decisions, *team_);
+  if (!pool_ || pool_->threads() != std::max(1, threads)) pool_ = std::make_unique<ThreadPool>(threads);
+  take_decisions(decisions, *pool_);
   const Pose X_WF = X_WB * ping.X_BS * X_SF_;
   aim(X_WF);
 
@@ -199,8 +199,8 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
   const bool marginal = config_.rule == FanMapperConfig::Rule::kMarginal || aspects;
   if (mixed_.size() < parts.size()) mixed_.resize(parts.size());
   if (marginal) explained_.assign(static_cast<std::size_t>(decisions.beams()) * decisions.bins(), 0);
-  const bool alone = team_->threads() == 1;
-  team_->share(count, kBlocksAPiece, [&](int begin, int end) {
+  const bool alone = pool_->threads() == 1;
+  pool_->share(count, kBlocksAPiece, [&](int begin, int end) {
     for (int n = begin; n < end; ++n) {
       const Part& part = parts[static_cast<std::size_t>(n)];
       std::vector<MixedVoxel>& mixed = mixed_[static_cast<std::size_t>(n)];
@@ -210,7 +210,7 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
       for (MixedVoxel& v : mixed) explain(v, part.evidence, alone);
     }
   });
-  team_->share(count, kBlocksAPiece, [&](int begin, int end) {
+  pool_->share(count, kBlocksAPiece, [&](int begin, int end) {
     for (int n = begin; n < end; ++n) {
       const Part& part = parts[static_cast<std::size_t>(n)];
       for (const MixedVoxel& v : mixed_[static_cast<std::size_t>(n)])
@@ -346,7 +346,7 @@ std::vector<EchoForecast> FanMapper::forecast(const Ping& ping, const EchoDecisi
   for (int beam = 0; beam < beams; ++beam) {
     std::copy_n(echoes_everywhere.usable(), echoes_everywhere.words(), echoes_everywhere.hits(beam));
   }
-  WorkTeam alone(1);
+  ThreadPool alone(1);
   take_decisions(echoes_everywhere, alone);
   const Pose X_WF = X_WB * ping.X_BS * X_SF_;
   aim(X_WF);
@@ -428,7 +428,7 @@ void FanMapper::take_beam(const EchoDecisions& decisions, int beam) {
   }
 }
 
-void FanMapper::take_decisions(const EchoDecisions& decisions, WorkTeam& team) {
+void FanMapper::take_decisions(const EchoDecisions& decisions, ThreadPool& pool) {
   const int beams = decisions.beams(), bins = decisions.bins();
   words_ = decisions.words();
   fit_.assign(static_cast<std::size_t>(words_), 0);
@@ -440,7 +440,7 @@ void FanMapper::take_decisions(const EchoDecisions& decisions, WorkTeam& team) {
   echoes_.resize(heard_.size());
   sums_.resize((static_cast<std::size_t>(beams) + 1) * stride);
   std::fill_n(sums_.begin(), stride, 0);
-  team.share(beams, kBeamsAPiece, [&](int begin, int end) {
+  pool.share(beams, kBeamsAPiece, [&](int begin, int end) {
     for (int beam = begin; beam < end; ++beam) take_beam(decisions, beam);
   });
   for (std::size_t i = stride; i < sums_.size(); ++i) {  // of the beams before it, too

@@ -45,8 +45,8 @@
 
 #include <cstdint>
 #include <isobath/base/config.hpp>
-#include <isobath/base/work_team.hpp>
-#include <isobath/map/voxel_map.hpp>
+#include <isobath/base/thread_pool.hpp>
+#include <isobath/map/voxel/voxel_map.hpp>
 #include <isobath/perception/aspect_law.hpp>
 #include <isobath/perception/fan_kernel.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
@@ -115,7 +115,7 @@ class FanMapper {
   [[nodiscard]] std::vector<Part> parts_of(const Pose& X_WF) const;
   void aim(const Pose& X_WF);
   void take_geometry(const Ping& ping);
-  void take_decisions(const EchoDecisions& decisions, WorkTeam& team);
+  void take_decisions(const EchoDecisions& decisions, ThreadPool& pool);
   void take_beam(const EchoDecisions& decisions, int beam);
   void hide_shadows(const EchoDecisions& decisions, int beam, std::uint64_t* tells) const;
   [[nodiscard]] std::pair<int, int> counts(const MixedVoxel& voxel) const;
@@ -161,7 +161,7 @@ class FanMapper {
   std::vector<float> clear_, clear_ratio_;
   std::vector<std::int32_t> explained_;  ///< of each cell that holds an echo: -ln E of all its voxels, fixed point
   std::vector<std::vector<MixedVoxel>> mixed_;  ///< of each block
-  std::unique_ptr<WorkTeam> team_;
+  std::unique_ptr<ThreadPool> pool_;
 };
 
 }  // namespace isobath

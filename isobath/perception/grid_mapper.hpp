@@ -18,8 +18,8 @@
 
 #include <cstdint>
 #include <isobath/base/config.hpp>
-#include <isobath/map/body_grid.hpp>
-#include <isobath/map/motion.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
+#include <isobath/map/occupancy/motion.hpp>
 #include <isobath/perception/bin_update.hpp>
 #include <isobath/perception/overlap_table.hpp>
 #include <isobath/sonar/echo_decisions.hpp>

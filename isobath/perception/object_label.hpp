@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/base/config.hpp>
-#include <isobath/map/object_store.hpp>
+#include <isobath/map/features/object_store.hpp>
 #include <span>
 #include <vector>
 

@@ -14,8 +14,8 @@
 
 #include <isobath/base/config.hpp>
 #include <isobath/geometry/pose.hpp>
-#include <isobath/map/body_grid.hpp>
-#include <isobath/map/obstacle.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
+#include <isobath/map/occupancy/obstacle.hpp>
 #include <vector>
 
 namespace isobath {

@@ -17,7 +17,7 @@
 #pragma once
 
 #include <isobath/base/config.hpp>
-#include <isobath/map/pixel_grid.hpp>
+#include <isobath/map/depth/pixel_grid.hpp>
 #include <isobath/perception/scan_conversion.hpp>
 #include <isobath/sonar/beam_cone.hpp>
 #include <limits>

@@ -27,7 +27,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <isobath/base/config.hpp>
-#include <isobath/map/pixel_grid.hpp>
+#include <isobath/map/depth/pixel_grid.hpp>
 #include <isobath/perception/range_prediction.hpp>
 #include <isobath/perception/scan_conversion.hpp>
 #include <isobath/sonar/beam_cone.hpp>

@@ -9,7 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <isobath/map/spherical_grid.hpp>
+#include <isobath/map/spherical/spherical_grid.hpp>
 #include <vector>
 
 namespace isobath {

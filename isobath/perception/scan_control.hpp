@@ -10,7 +10,7 @@
 // equal ones, the first clockwise from the present direction. Cost: one pass over the stored cells. One thread.
 #pragma once
 
-#include <isobath/map/spherical_grid.hpp>
+#include <isobath/map/spherical/spherical_grid.hpp>
 #include <vector>
 
 namespace isobath {

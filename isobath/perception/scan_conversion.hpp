@@ -16,7 +16,7 @@
 #include <array>
 #include <cstdint>
 #include <Eigen/Core>
-#include <isobath/map/pixel_grid.hpp>
+#include <isobath/map/depth/pixel_grid.hpp>
 #include <span>
 #include <vector>
 

@@ -16,7 +16,7 @@
 // the grid's origin: exact if the arm is short against the range. Steps after warm-up allocate nothing. One thread.
 #pragma once
 
-#include <isobath/map/spherical_grid.hpp>
+#include <isobath/map/spherical/spherical_grid.hpp>
 #include <isobath/perception/reading_gaussian.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
 #include <isobath/sonar/ping.hpp>

@@ -56,12 +56,12 @@ class PlaneSums {
     squares_ += p * p.transpose();
   }
   [[nodiscard]] int size() const { return n_; }
-  [[nodiscard]] TangentPlane plane(bool upright) const {
+  [[nodiscard]] TangentPlane plane(bool vertical) const {
     TangentPlane plane;
     plane.support = n_;
     plane.centre = sum_ / n_;
     Matrix3d spread = squares_ / n_ - plane.centre * plane.centre.transpose();
-    if (upright) {
+    if (vertical) {
       spread.row(2).setZero();
       spread.col(2).setZero();
       spread(2, 2) = spread.trace() + 1;
@@ -88,7 +88,7 @@ class PlaneGrower {
       PlaneSums sums;
       sums.add(echoes[i]);
       for (const std::uint32_t k : neighbours_.at(i)) sums.add(echoes[k]);
-      local_.push_back(sums.size() > 3 ? std::optional(sums.plane(config.upright)) : std::nullopt);
+      local_.push_back(sums.size() > 3 ? std::optional(sums.plane(config.vertical)) : std::nullopt);
     }
   }
 
@@ -137,11 +137,11 @@ class PlaneGrower {
         if (plane_of_[k] < 0 && joins(plane, k)) take(k);
       }
       if (sums.size() < fitted) continue;
-      plane = sums.plane(config_.upright);
+      plane = sums.plane(config_.vertical);
       fitted = sums.size() + sums.size() / 4;
     }
     if (sums.size() >= config_.least) {
-      planes_.push_back(sums.plane(config_.upright));
+      planes_.push_back(sums.plane(config_.vertical));
       return;
     }
     for (const std::uint32_t i : members) plane_of_[i] = -1;
@@ -166,7 +166,7 @@ class PlaneGrower {
       if (plane_of_[i] >= 0) sums[static_cast<std::size_t>(plane_of_[i])].add(echoes_[i]);
     }
     for (std::size_t p = 0; p < planes_.size(); ++p) {
-      if (sums[p].size() > 3) planes_[p] = sums[p].plane(config_.upright);
+      if (sums[p].size() > 3) planes_[p] = sums[p].plane(config_.vertical);
     }
   }
   [[nodiscard]] TangentialClusters told() const {

@@ -15,7 +15,7 @@
 
 #include <Eigen/Core>
 #include <isobath/base/angle.hpp>
-#include <isobath/map/spherical_grid.hpp>
+#include <isobath/map/spherical/spherical_grid.hpp>
 #include <span>
 #include <vector>
 
@@ -28,7 +28,7 @@ struct TangentialConfig {
   Angle turned = Angle::degrees(35);           ///< maximum angle between an echo's local plane and its plane
   int least = 8;                               ///< minimum number of echoes of a plane
   double apart = 3;  ///< maximum distance of neighbours, in widths of the window at that range
-  bool upright = false;
+  bool vertical = false;
 };
 
 struct TangentPlane {

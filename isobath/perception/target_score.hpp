@@ -10,7 +10,7 @@
 // needed. Between 0 and 1. Pure.
 #pragma once
 
-#include <isobath/map/spherical_clusters.hpp>
+#include <isobath/map/spherical/spherical_clusters.hpp>
 
 namespace isobath {
 

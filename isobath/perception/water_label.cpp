@@ -22,7 +22,7 @@ struct Columns {
   int between = 0, measured = 0;                    ///< voxels between the boundaries; those of them measured as water
 };
 
-Columns columns_of(const Polygon& outline_W, double surface, double bottom, const SpaceGrid& space) {
+Columns columns_of(const Polygon& outline_W, double surface, double bottom, const OccupancySnapshot& space) {
   const double voxel = space.voxel_m(), half = 0.5 * voxel;
   const double margin = std::max(kBoundary_m, 2 * voxel);
   Vector2d least = outline_W.front(), most = least;
@@ -81,7 +81,7 @@ WaterLabel label_by_reach(const Obstacle& obstacle, const HeardFrom& from) {
   return reach.label(range) == BinLabel::kClear ? WaterLabel::kStanding : WaterLabel::kUnknown;
 }
 
-WaterLabel label_by_heights(const Obstacle& obstacle, const HeardFrom& from, const SpaceGrid& space) {
+WaterLabel label_by_heights(const Obstacle& obstacle, const HeardFrom& from, const OccupancySnapshot& space) {
   if (obstacle.outline.empty()) return WaterLabel::kUnknown;
   const Pose X_WL = level(from.X_WB);
   Polygon outline_W;
@@ -97,7 +97,7 @@ WaterLabel label_by_heights(const Obstacle& obstacle, const HeardFrom& from, con
   return WaterLabel::kUnknown;
 }
 
-void label_obstacles(std::vector<Obstacle>& obstacles, const HeardFrom& from, const SpaceGrid* space) {
+void label_obstacles(std::vector<Obstacle>& obstacles, const HeardFrom& from, const OccupancySnapshot* space) {
   for (Obstacle& o : obstacles) {
     o.label = label_by_reach(o, from);
     if (o.label == WaterLabel::kUnknown && space) o.label = label_by_heights(o, from, *space);

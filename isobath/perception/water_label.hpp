@@ -12,8 +12,8 @@
 // No label lets a vehicle come nearer to an obstacle; labels are for people. Pure.
 #pragma once
 
-#include <isobath/map/obstacle.hpp>
-#include <isobath/map/space_grid.hpp>
+#include <isobath/map/occupancy/obstacle.hpp>
+#include <isobath/map/voxel/occupancy_snapshot.hpp>
 #include <isobath/sonar/boundary_echoes.hpp>
 #include <isobath/sonar/ping.hpp>
 
@@ -32,9 +32,9 @@ struct HeardFrom {
 WaterLabel label_by_reach(const Obstacle& obstacle, const HeardFrom& from);
 
 /// Label from the voxels that sensors with height have measured within the obstacle's outline.
-WaterLabel label_by_heights(const Obstacle& obstacle, const HeardFrom& from, const SpaceGrid& space);
+WaterLabel label_by_heights(const Obstacle& obstacle, const HeardFrom& from, const OccupancySnapshot& space);
 
 /// `space`: null if no sensor measures height.
-void label_obstacles(std::vector<Obstacle>& obstacles, const HeardFrom& from, const SpaceGrid* space);
+void label_obstacles(std::vector<Obstacle>& obstacles, const HeardFrom& from, const OccupancySnapshot* space);
 
 }  // namespace isobath

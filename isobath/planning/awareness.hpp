@@ -11,7 +11,7 @@
 
 #include <functional>
 #include <isobath/geometry/pose.hpp>
-#include <isobath/map/voxel_map.hpp>
+#include <isobath/map/voxel/voxel_map.hpp>
 
 namespace isobath {
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/base/error.hpp>
-#include <isobath/map/pixel_grid.hpp>
+#include <isobath/map/depth/pixel_grid.hpp>
 #include <optional>
 #include <span>
 #include <vector>

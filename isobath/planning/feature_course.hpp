@@ -18,7 +18,7 @@
 
 #include <Eigen/Core>
 #include <isobath/base/config.hpp>
-#include <isobath/map/depth_field.hpp>
+#include <isobath/map/depth/depth_field.hpp>
 #include <isobath/planning/corridor.hpp>
 #include <isobath/vehicle/guidance.hpp>
 #include <span>

@@ -228,14 +228,14 @@ HelixAmplitudes helix_amplitudes(const HelixConfig& config, const OpeningAngles&
   return {reach(angles.horizontal), reach(angles.vertical)};
 }
 
-double latest_decision_m(const HelixConfig& config, const VehicleSheet& sheet, double speed) {
-  const double radius = std::max(sheet.limits.turning_radius, speed / sheet.limits.max_yaw_rate.radians());
+double latest_decision_m(const HelixConfig& config, const VehicleParameters& parameters, double speed) {
+  const double radius = std::max(parameters.limits.turning_radius, speed / parameters.limits.max_yaw_rate.radians());
   return radius * (1 + sin(config.max_swing)) + speed * config.reaction_s + config.clearance_m;
 }
 
-HelixPlanner::HelixPlanner(const HelixConfig& config, const VehicleSheet& sheet, double speed, const Vector3d& start_W,
-                           const Opening& opening)
-    : config_(config), sheet_(sheet), speed_(speed), latest_m_(latest_decision_m(config, sheet, speed)) {
+HelixPlanner::HelixPlanner(const HelixConfig& config, const VehicleParameters& parameters, double speed,
+                           const Vector3d& start_W, const Opening& opening)
+    : config_(config), parameters_(parameters), speed_(speed), latest_m_(latest_decision_m(config, parameters, speed)) {
   if (!(speed > 0)) throw Error("a helix needs a forward speed", {}, "above 0 m/s");
   const Eigen::Vector2d way = (opening.X_WO.translation - start_W).head<2>();
   if (!(way.norm() > 1)) throw Error("the opening must lie ahead of the start of its approach", {}, "1 m or more");
@@ -277,7 +277,7 @@ HelixPlan HelixPlanner::plan(const Opening& opening, double along_m, double ampl
   // The whole path with its end counts: the nearest place to leave the helix is found by trial.
   const auto fits = [&] {
     const Shape tried = taking_over_from(last_, shape);
-    return within(demand_of(tried, tried.opening_x + beyond_m, speed_), config_, sheet_.limits);
+    return within(demand_of(tried, tried.opening_x + beyond_m, speed_), config_, parameters_.limits);
   };
   while (!left_ && shape.leave < distance && !fits()) shape.leave = std::min(shape.leave + 0.25, distance);
 
@@ -287,7 +287,7 @@ HelixPlan HelixPlanner::plan(const Opening& opening, double along_m, double ampl
   SpacePath path([planned, X_WL](double x) { return X_WL * jet_of(planned, x); }, planned.from,
                  planned.opening_x + beyond_m);
   const PathDemand demand = demand_of(planned, planned.opening_x + beyond_m, speed_);
-  return {std::move(path), planned.leave, demand, within(demand, config_, sheet_.limits)};
+  return {std::move(path), planned.leave, demand, within(demand, config_, parameters_.limits)};
 }
 
 }  // namespace isobath

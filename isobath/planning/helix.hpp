@@ -16,7 +16,7 @@
 
 #include <isobath/base/config.hpp>
 #include <isobath/geometry/space_path.hpp>
-#include <isobath/vehicle/vehicle_sheet.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
 #include <limits>
 
 namespace isobath {
@@ -97,7 +97,7 @@ struct PathDemand {
 
 /// The minimum distance before the opening from which turning away still works, from the worst heading of the swing:
 /// R (1 + sin max_swing) + speed reaction + clearance, R the tightest turn at that speed (S5-45).
-double latest_decision_m(const HelixConfig& config, const VehicleSheet& sheet, double speed);
+double latest_decision_m(const HelixConfig& config, const VehicleParameters& parameters, double speed);
 
 /// A planned approach: helix until `leave_m` before the opening, then straight through its middle.
 struct HelixPlan {
@@ -116,8 +116,8 @@ struct HelixPlan {
 /// at a time.
 class HelixPlanner {
  public:
-  HelixPlanner(const HelixConfig& config, const VehicleSheet& sheet, double speed, const Eigen::Vector3d& start_W,
-               const Opening& opening);
+  HelixPlanner(const HelixConfig& config, const VehicleParameters& parameters, double speed,
+               const Eigen::Vector3d& start_W, const Opening& opening);
 
   /// Plans from the place of the vehicle's target on the last plan (`along_m` from the start, by `along`) to `beyond_m`
   /// behind the opening. `amplitude` in [0, 1]: share of the helix for which there is room.
@@ -148,7 +148,7 @@ class HelixPlanner {
 
  private:
   HelixConfig config_;
-  VehicleSheet sheet_;
+  VehicleParameters parameters_;
   double speed_;
   Pose X_WL_;
   double latest_m_;

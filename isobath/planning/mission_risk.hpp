@@ -11,7 +11,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <isobath/map/pixel_grid.hpp>
+#include <isobath/map/depth/pixel_grid.hpp>
 #include <span>
 #include <vector>
 

@@ -37,14 +37,14 @@ const char* to_text(ApproachPhase phase) {
   return "";
 }
 
-OpeningApproach::OpeningApproach(const HelixConfig& config, const VehicleSheet& sheet, double speed,
+OpeningApproach::OpeningApproach(const HelixConfig& config, const VehicleParameters& parameters, double speed,
                                  const Vector3d& start_W, const Opening& opening)
-    : config_(config), sheet_(sheet), planner_(config, sheet, speed, start_W, opening) {
+    : config_(config), parameters_(parameters), planner_(config, parameters, speed, start_W, opening) {
   plan_ = planner_.plan(opening, 0);
 }
 
 bool OpeningApproach::fits_through(const Opening& opening) const {
-  const double least = 2 * (sheet_.half_width_m + config_.margin_m);
+  const double least = 2 * (parameters_.half_width_m + config_.margin_m);
   return opening.width_m >= least && opening.height_m >= least;
 }
 
@@ -53,7 +53,7 @@ bool OpeningApproach::replan(const Opening& opening, double along_m, const Voxel
   for (const double amplitude : {1.0, 0.5, 0.0}) {
     planner_ = before;
     plan_ = planner_.plan(opening, along_m, amplitude);
-    if (!map || !first_occupied(*map, plan_->path, sheet_.half_width_m + config_.margin_m)) return true;
+    if (!map || !first_occupied(*map, plan_->path, parameters_.half_width_m + config_.margin_m)) return true;
   }
   return false;
 }

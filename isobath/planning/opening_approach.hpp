@@ -13,7 +13,7 @@
 // torpedo-shaped vehicle at 1.5 m/s and an opening of 25 m by 8 m the distance is 23 m. One thread at a time.
 #pragma once
 
-#include <isobath/map/voxel_map.hpp>
+#include <isobath/map/voxel/voxel_map.hpp>
 #include <isobath/planning/helix.hpp>
 #include <optional>
 
@@ -29,8 +29,8 @@ const char* to_text(ApproachPhase phase);
 class OpeningApproach {
  public:
   /// Begins at start_W; the opening must lie ahead. Throws Error where speed or opening are invalid.
-  OpeningApproach(const HelixConfig& config, const VehicleSheet& sheet, double speed, const Eigen::Vector3d& start_W,
-                  const Opening& opening);
+  OpeningApproach(const HelixConfig& config, const VehicleParameters& parameters, double speed,
+                  const Eigen::Vector3d& start_W, const Opening& opening);
 
   /// Must be called once per image. `p_W`: position of the vehicle; `known_share`: of the opening (OpeningView, or
   /// awareness() of a map); `map`: null where there is none.
@@ -51,7 +51,7 @@ class OpeningApproach {
   bool replan(const Opening& opening, double along_m, const VoxelMap* map);
 
   HelixConfig config_;
-  VehicleSheet sheet_;
+  VehicleParameters parameters_;
   HelixPlanner planner_;
   ApproachPhase phase_ = ApproachPhase::kHelix;
   std::optional<HelixPlan> plan_;

@@ -24,7 +24,7 @@ constexpr double kLittle = 0.1;     // m that a start that is hemmed in may lose
 
 class SpaceRouter {
  public:
-  SpaceRouter(const SpaceRoom& room, const SpaceRouteTask& task, const SpaceRouteConfig& config)
+  SpaceRouter(const ClearanceField& room, const SpaceRouteTask& task, const SpaceRouteConfig& config)
       : room_(room),
         task_(task),
         config_(config),
@@ -58,7 +58,7 @@ class SpaceRouter {
   [[nodiscard]] std::optional<SpaceWay> turned(const SpaceWay& way) const;
   [[nodiscard]] bool can_be_turned(const SpaceWay& way) const;
 
-  const SpaceRoom& room_;
+  const ClearanceField& room_;
   const SpaceRouteTask& task_;
   const SpaceRouteConfig& config_;
   double band_, need_, at_start_;
@@ -367,13 +367,14 @@ double way_length(std::span<const Vector3d> way) {
   return sum;
 }
 
-SpaceRoom room_for(const SpaceGrid& grid, const SpaceRouteTask& task, const SpaceRouteConfig& config, bool look_on) {
+ClearanceField room_for(const OccupancySnapshot& grid, const SpaceRouteTask& task, const SpaceRouteConfig& config,
+                        bool look_on) {
   const double need = task.half_width_m + config.clearance_m, wished = task.half_width_m + config.wished_clearance_m;
   const Vector3d leg = task.goal - task.start;
   const double all = leg.head<2>().norm();
   const Vector3d end = all > config.reach_m ? Vector3d(task.start + config.reach_m / all * leg) : task.goal;
   const Vector3d margin(config.margin_m, config.margin_m, 0);
-  SpaceRoomTask box;
+  ClearanceTask box;
   box.least = task.start.cwiseMin(end) - margin;
   box.most = task.start.cwiseMax(end) + margin;
   box.hazards = task.hazards;
@@ -389,10 +390,10 @@ SpaceRoom room_for(const SpaceGrid& grid, const SpaceRouteTask& task, const Spac
   box.vehicle_W = task.start;
   box.apart_m = 2 * need;
   box.look_on_m = look_on ? std::max(config.decide_m, grid.voxel_m()) : 0;
-  return SpaceRoom(grid, box);
+  return ClearanceField(grid, box);
 }
 
-bool is_clear(const SpaceRoom& room, std::span<const Vector3d> way, double clearance_m) {
+bool is_clear(const ClearanceField& room, std::span<const Vector3d> way, double clearance_m) {
   for (std::size_t i = 1; i < way.size(); ++i) {
     const int pieces = std::max(1, static_cast<int>(std::ceil((way[i] - way[i - 1]).norm() / (0.5 * room.voxel_m()))));
     for (int k = 0; k <= pieces; ++k) {
@@ -403,7 +404,7 @@ bool is_clear(const SpaceRoom& room, std::span<const Vector3d> way, double clear
   return true;
 }
 
-double sure_length(const SpaceRoom& room, std::span<const Vector3d> way) {
+double sure_length(const ClearanceField& room, std::span<const Vector3d> way) {
   double gone = 0;
   for (std::size_t i = 1; i < way.size(); ++i) {
     const double leg = (way[i] - way[i - 1]).norm();
@@ -416,17 +417,17 @@ double sure_length(const SpaceRoom& room, std::span<const Vector3d> way) {
   return gone;
 }
 
-Result<SpaceRoutePath, RouteRefusal> plan_space_route(const SpaceRoom& room, const SpaceRouteTask& task,
+Result<SpaceRoutePath, RouteRefusal> plan_space_route(const ClearanceField& room, const SpaceRouteTask& task,
                                                       const SpaceRouteConfig& config) {
   if (!room.has_unsure()) return SpaceRouter(room, task, config).plan();
-  const SpaceRoom known = room.of_what_is_known();
+  const ClearanceField known = room.of_what_is_known();
   auto path = SpaceRouter(known, task, config).plan();
   if (path) return path;
   auto tried = SpaceRouter(room, task, config).plan();
   return tried ? std::move(tried) : std::move(path);
 }
 
-Result<SpaceRoutePath, RouteRefusal> plan_space_route(const SpaceGrid& grid, const SpaceRouteTask& task,
+Result<SpaceRoutePath, RouteRefusal> plan_space_route(const OccupancySnapshot& grid, const SpaceRouteTask& task,
                                                       const SpaceRouteConfig& config) {
   if (!is_finite(task)) return tl::unexpected(RouteRefusal::kNotFinite);
   return plan_space_route(room_for(grid, task, config, true), task, config);

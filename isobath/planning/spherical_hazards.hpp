@@ -7,7 +7,7 @@
 // way_ahead (spherical_passage.hpp) tells it from free water. Pure function.
 #pragma once
 
-#include <isobath/map/spherical_grid.hpp>
+#include <isobath/map/spherical/spherical_grid.hpp>
 #include <isobath/planning/hazard_map.hpp>
 #include <vector>
 

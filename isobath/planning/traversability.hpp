@@ -17,7 +17,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <isobath/base/config.hpp>
-#include <isobath/map/depth_field.hpp>
+#include <isobath/map/depth/depth_field.hpp>
 #include <isobath/planning/corridor.hpp>
 #include <limits>
 #include <optional>

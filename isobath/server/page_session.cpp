@@ -211,7 +211,7 @@ SharedChanges::Piece PageSession::changes(DisplayPart part, std::uint64_t& stamp
   if (live_) {
     piece = sources_.live->after(stamp, sources_.clock(), part);
   } else {
-    DisplayItems::Changes changes = shown_.changes_after(stamp, SharedChanges::kPieceBytes, part);
+    DisplayState::Changes changes = shown_.changes_after(stamp, SharedChanges::kPieceBytes, part);
     piece = {nullptr, changes.stamp, changes.whole, changes.more};
     if (!changes.records.empty()) piece.records = std::make_shared<const std::string>(std::move(changes.records));
   }

@@ -19,7 +19,7 @@
 
 #include <chrono>
 #include <functional>
-#include <isobath/runtime/playback.hpp>
+#include <isobath/display/playback.hpp>
 #include <isobath/server/page_request.hpp>
 #include <isobath/server/shared_changes.hpp>
 #include <isobath/server/web_session.hpp>
@@ -91,7 +91,7 @@ class PageSession final : public WebSession {
   double speed_ = 1;
   Time head_;  ///< where the playhead was at head_set_
   Clock::time_point head_set_;
-  DisplayItems shown_;              ///< items of the recording at shown_time_
+  DisplayState shown_;              ///< items of the recording at shown_time_
   std::optional<Time> shown_time_;  ///< the moment that was looked up last
   std::uint64_t stamp_ = 0;         ///< the page has all changes up to here, except voxels
   std::uint64_t voxel_stamp_ = 0;   ///< the page has the voxels up to here

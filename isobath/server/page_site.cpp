@@ -1,5 +1,5 @@
 #include <isobath/base/error.hpp>
-#include <isobath/runtime/live_page.hpp>
+#include <isobath/display/live_page.hpp>
 #include <isobath/server/page_site.hpp>
 #include <nlohmann/json.hpp>
 #include <zlib.h>

@@ -7,7 +7,7 @@ SharedChanges::Piece SharedChanges::after(std::uint64_t stamp, Clock::time_point
   for (const Kept& kept : kept_) {
     if (kept.piece.records && kept.from == stamp && kept.part == part && now - kept.made < kShared) return kept.piece;
   }
-  DisplayItems::Changes changes = items_.changes_after(stamp, kPieceBytes, part);
+  DisplayState::Changes changes = items_.changes_after(stamp, kPieceBytes, part);
   Piece piece{nullptr, changes.stamp, changes.whole, changes.more};
   if (changes.records.empty()) return piece;
   ++encoded_;

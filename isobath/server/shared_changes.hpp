@@ -1,4 +1,4 @@
-// SharedChanges: encodes the changes of DisplayItems once for all clients that are at the same stamp.
+// SharedChanges: encodes the changes of DisplayState once for all clients that are at the same stamp.
 //
 // The server asks for its clients one after the other. Clients with the same stamp that ask within kShared get the same
 // bytes, although the items may have changed in between. Clients that keep up therefore stay together, and ten of them
@@ -9,7 +9,7 @@
 
 #include <array>
 #include <chrono>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/display/display_state.hpp>
 #include <memory>
 
 namespace isobath {
@@ -22,12 +22,12 @@ class SharedChanges {
   static constexpr Clock::duration kShared = std::chrono::milliseconds(20);
 
   /// The items must outlive this.
-  explicit SharedChanges(const DisplayItems& items) : items_(items) {}
+  explicit SharedChanges(const DisplayState& items) : items_(items) {}
 
   struct Piece {
     std::shared_ptr<const std::string> records;  ///< null: nothing has changed
     std::uint64_t stamp = 0;                     ///< stamp of the last change in it
-    bool whole = false, more = false;            ///< as in DisplayItems::Changes
+    bool whole = false, more = false;            ///< as in DisplayState::Changes
   };
   Piece after(std::uint64_t stamp, Clock::time_point now, DisplayPart part = DisplayPart::kAll);
   /// Number of pieces that were encoded; reused ones do not count.
@@ -42,7 +42,7 @@ class SharedChanges {
     Piece piece;
   };
 
-  const DisplayItems& items_;
+  const DisplayState& items_;
   std::array<Kept, kKept> kept_;
   std::size_t oldest_ = 0;
   std::uint64_t encoded_ = 0;

@@ -29,7 +29,7 @@
 #include <Eigen/Core>
 #include <isobath/base/time.hpp>
 #include <isobath/geometry/pose.hpp>
-#include <isobath/sim/echo_former.hpp>
+#include <isobath/sim/echo_synthesizer.hpp>
 #include <isobath/sim/sonar_config.hpp>
 #include <vector>
 

@@ -6,9 +6,8 @@
 namespace isobath {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kScanningCells = 9, kSkirt = 5;
-constexpr double kLeastGain = 1e-4;  // gain of a receive beam below which a direction is ignored
+constexpr double kLeastViewGain = 1e-4;  // gain of a receive beam below which a direction is ignored
 
 }  // namespace
 
@@ -40,8 +39,8 @@ FieldOfView::FieldOfView(const SonarConfig& c)
 void FieldOfView::cut_heights(const SonarConfig& config) {
   const double half = 0.5 * config.height.radians();
   const bool ideal = config.height_pattern == PatternKind::kIdeal;
-  const double inner = std::min(ideal ? half : 1.5 * half, 0.49 * kPi);
-  const double outer = ideal ? inner : std::min(height.reach(1e-4), 0.49 * kPi);
+  const double inner = std::min(ideal ? half : 1.5 * half, 0.49 * std::numbers::pi);
+  const double outer = ideal ? inner : std::min(height.reach(1e-4), 0.49 * std::numbers::pi);
   const int skirt = outer > 1.2 * inner && config.rays >= 8 ? std::max(1, config.rays / 8) : 0;
   const int middle = std::max(1, config.rays - 2 * skirt);
   for (int i = skirt; i > 0; --i) edges.push_back(-inner - (outer - inner) * i / skirt);
@@ -71,10 +70,10 @@ void FieldOfView::cut_single(const SonarConfig& config) {
   cut_heights(config);
   const double half = 0.5 * config.width.radians();
   const bool ideal = config.pattern == PatternKind::kIdeal;
-  const double inner = std::min(ideal ? half : 3 * half, kPi / 2);
+  const double inner = std::min(ideal ? half : 3 * half, std::numbers::pi / 2);
   cell_across = 2 * inner / kScanningCells;
   std::vector<std::pair<double, double>> skirt;  // growing cells, out to where the gain is negligible
-  const double outer = ideal ? inner : std::min(across.reach(1e-4), 0.9 * kPi);
+  const double outer = ideal ? inner : std::min(across.reach(1e-4), 0.9 * std::numbers::pi);
   double at = inner, size = 2 * cell_across;
   while (at < outer && static_cast<int>(skirt.size()) < kSkirt) {
     const bool last = static_cast<int>(skirt.size()) + 1 == kSkirt;
@@ -93,7 +92,7 @@ void FieldOfView::weigh() {
   for (std::size_t b = 0; b < beams.size(); ++b) {
     for (std::size_t d = 0; d < directions.size(); ++d) {
       const double gain = across.gain(directions[d] - beams[b]);
-      if (gain > kLeastGain) weights[b].push_back({static_cast<int>(d), static_cast<float>(gain)});
+      if (gain > kLeastViewGain) weights[b].push_back({static_cast<int>(d), static_cast<float>(gain)});
     }
   }
 }

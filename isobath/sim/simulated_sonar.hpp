@@ -1,6 +1,6 @@
-// SimulatedSonar: a sonar on a vehicle in a world. It turns the mean powers of EchoFormer into the samples of a device:
-// receiver gain, speckle, background noise, disturbances, ringing, quantisation. It also gives the truth of each
-// sample.
+// SimulatedSonar: a sonar on a vehicle in a world. It turns the mean powers of EchoSynthesizer into the samples of a
+// device: receiver gain, speckle, background noise, disturbances, ringing, quantisation. It also gives the truth of
+// each sample.
 //
 // Sample = full scale x 10^((EL + TVG - saturation) / 20), EL = source level + 10 log10 of the power: linear amplitude,
 // in counts. Speckle: the power of a rough surface is exponential (Goodman 1975). Background laws: Gaussian, added to
@@ -20,7 +20,7 @@
 // settings of one sonar do not disturb another. Sonars with the same seed have the same noise: give each its own.
 #pragma once
 
-#include <isobath/sim/echo_former.hpp>
+#include <isobath/sim/echo_synthesizer.hpp>
 #include <isobath/sim/fan_fluctuations.hpp>
 #include <isobath/sim/random_at.hpp>
 #include <isobath/sonar/ping.hpp>
@@ -80,7 +80,7 @@ class SimulatedSonar {
   SonarConfig config_;
   const World* world_;
   const Water* water_;
-  EchoFormer former_;
+  EchoSynthesizer former_;
   std::uint64_t seed_;
   int threads_;
   double full_scale_;

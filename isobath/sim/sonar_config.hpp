@@ -1,5 +1,5 @@
-// SonarConfig: one simulated sonar, from a preset or from single settings. echo_former.hpp describes the formation of
-// echoes, simulated_sonar.hpp the receiver. Each setting states its unit and its effect.
+// SonarConfig: one simulated sonar, from a preset or from single settings. echo_synthesizer.hpp describes the formation
+// of echoes, simulated_sonar.hpp the receiver. Each setting states its unit and its effect.
 #pragma once
 
 #include <cstdint>

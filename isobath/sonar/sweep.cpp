@@ -11,7 +11,7 @@ constexpr double kStill = 1e-6;  // rad: steps below it are the same bearing
 
 }  // namespace
 
-std::optional<Scan> SweepFinder::add(const Ping& ping) {
+std::optional<Scan> SweepSegmenter::add(const Ping& ping) {
   if (ping.fan->beams() > 1) return add_fan(ping);
   begun_ ? advance(ping) : begin_at(ping);
   last_azimuth_ = ping.fan->azimuth[0];
@@ -26,7 +26,7 @@ std::optional<Scan> SweepFinder::add(const Ping& ping) {
 }
 
 /// Allows a tenth of the time for unevenly spaced pings.
-std::optional<Scan> SweepFinder::add_fan(const Ping& ping) {
+std::optional<Scan> SweepSegmenter::add_fan(const Ping& ping) {
   if (pings_++ == 0) begin_ = ping.time;
   const bool backwards = fan_ended_ && ping.time < *fan_ended_;
   if (fan_ended_ && !backwards && ping.time - *fan_ended_ < fan_scan_ * 9 / 10) return std::nullopt;
@@ -36,21 +36,21 @@ std::optional<Scan> SweepFinder::add_fan(const Ping& ping) {
   return scan;
 }
 
-void SweepFinder::begin_at(const Ping& ping) {
+void SweepSegmenter::begin_at(const Ping& ping) {
   begun_ = true;
   pings_ = since_extreme_ = direction_ = 0;
   begin_ = extreme_time_ = ping.time;
   start_ = extreme_ = position_;
 }
 
-void SweepFinder::advance(const Ping& ping) {
+void SweepSegmenter::advance(const Ping& ping) {
   const double step = (ping.fan->azimuth[0] - last_azimuth_).wrapped().radians();
   position_ += step;
   if (std::abs(step) > kStill) steps_[step_count_++ % static_cast<int>(steps_.size())] = std::abs(step);
   if (pings_ == 0) begin_ = ping.time;
 }
 
-void SweepFinder::follow_extreme(const Ping& ping) {
+void SweepSegmenter::follow_extreme(const Ping& ping) {
   if (direction_ == 0 && std::abs(position_ - start_) > kStill) direction_ = position_ > start_ ? 1 : -1;
   if (direction_ == 0 || (position_ - extreme_) * direction_ > kStill) {
     extreme_ = position_;
@@ -61,7 +61,7 @@ void SweepFinder::follow_extreme(const Ping& ping) {
   }
 }
 
-double SweepFinder::typical_step() const {
+double SweepSegmenter::typical_step() const {
   const int count = std::min(step_count_, static_cast<int>(steps_.size()));
   if (count == 0) return 0;
   auto sorted = steps_;
@@ -69,7 +69,7 @@ double SweepFinder::typical_step() const {
   return sorted[(count - 1) / 2];
 }
 
-Scan SweepFinder::end_marked(const Ping& ping) {
+Scan SweepSegmenter::end_marked(const Ping& ping) {
   const bool whole = std::abs(position_ - start_) > kTurn - 1.5 * typical_step();
   const Scan scan{pings_, begin_, ping.time, whole, position_ >= start_};
   begun_ = false;
@@ -77,7 +77,7 @@ Scan SweepFinder::end_marked(const Ping& ping) {
   return scan;
 }
 
-Scan SweepFinder::end_turn(const Ping& ping) {
+Scan SweepSegmenter::end_turn(const Ping& ping) {
   const Scan scan{pings_, begin_, ping.time, true, direction_ > 0};
   pings_ = since_extreme_ = 0;
   start_ += direction_ * kTurn;  // turns stay aligned even if bearings are skipped at their end
@@ -85,7 +85,7 @@ Scan SweepFinder::end_turn(const Ping& ping) {
   return scan;
 }
 
-Scan SweepFinder::end_reversed(const Ping& ping) {
+Scan SweepSegmenter::end_reversed(const Ping& ping) {
   const Scan scan{pings_ - since_extreme_, begin_, extreme_time_, false, direction_ > 0};
   const bool flies_back = since_extreme_ == 1 && std::abs(extreme_ - position_) > 5 * typical_step();
   pings_ = since_extreme_;

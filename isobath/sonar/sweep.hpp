@@ -1,4 +1,4 @@
-// SweepFinder: finds the end of each scan of the surroundings and the start of the next (ledger S6-01).
+// SweepSegmenter: finds the end of each scan of the surroundings and the start of the next (ledger S6-01).
 //
 // A fan of beams covers its sector with each ping. Its scans end with the first ping that comes `fan_scan_s` or more
 // after the end of the previous scan, so that rules about several scans depend on time, not on the ping rate. A
@@ -26,9 +26,9 @@ struct Scan {
   bool clockwise = true;
 };
 
-class SweepFinder {
+class SweepSegmenter {
  public:
-  explicit SweepFinder(double fan_scan_s = 0) : fan_scan_(seconds(fan_scan_s)) {}
+  explicit SweepSegmenter(double fan_scan_s = 0) : fan_scan_(seconds(fan_scan_s)) {}
 
   /// The scan that ends with this ping, or whose end this ping shows; empty: none.
   std::optional<Scan> add(const Ping& ping);

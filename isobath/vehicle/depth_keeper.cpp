@@ -48,11 +48,11 @@ std::vector<Field> fields(DepthKeeperConfig& c) {
   };
 }
 
-DepthKeeper::DepthKeeper(const DepthKeeperConfig& config, const VehicleSheet& sheet)
+DepthKeeper::DepthKeeper(const DepthKeeperConfig& config, const VehicleParameters& parameters)
     : config_(config),
-      climb_rate_(std::max(config.climb_share * sheet.limits.max_climb_rate, 1e-3)),
-      lag_(sheet.depth_lag_s),
-      deepest_(std::min(config.max_depth, sheet.limits.max_depth)) {}
+      climb_rate_(std::max(config.climb_share * parameters.limits.max_climb_rate, 1e-3)),
+      lag_(parameters.depth_lag_s),
+      deepest_(std::min(config.max_depth, parameters.limits.max_depth)) {}
 
 bool DepthKeeper::hear(const AltimeterReading& reading, const Pose& X_WB) {
   const Pose X_WS = X_WB * reading.X_BS;

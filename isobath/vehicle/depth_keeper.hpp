@@ -25,7 +25,7 @@
 #include <isobath/base/config.hpp>
 #include <isobath/base/time.hpp>
 #include <isobath/geometry/pose.hpp>
-#include <isobath/vehicle/vehicle_sheet.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
 #include <limits>
 #include <optional>
 
@@ -67,7 +67,7 @@ struct DepthOrder {
 
 class DepthKeeper {
  public:
-  DepthKeeper(const DepthKeeperConfig& config, const VehicleSheet& sheet);
+  DepthKeeper(const DepthKeeperConfig& config, const VehicleParameters& parameters);
 
   /// Returns whether the reading counts: finite, and its beam points down.
   bool hear(const AltimeterReading& reading, const Pose& X_WB);

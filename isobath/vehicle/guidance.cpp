@@ -71,8 +71,8 @@ Angle Drift::crab(Angle heading, double speed) const {
 // Along way-points ---------------------------------------------------------------------------------------------------
 
 LineOfSight::LineOfSight(const GuidanceConfig& config, std::vector<Waypoint> waypoints,
-                         const std::optional<VehicleSheet>& sheet)
-    : config_(config), sheet_(sheet) {
+                         const std::optional<VehicleParameters>& parameters)
+    : config_(config), parameters_(parameters) {
   follow(std::move(waypoints));
 }
 
@@ -126,7 +126,7 @@ Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d
   }
   advance(here);
   if (v_W) drift_.update(heading, *v_W, config_.drift_time, dt);
-  if (finished()) return last_ = {bearing_, waypoints_.back().depth, sheet_ ? sheet_->min_speed : 0, 0};
+  if (finished()) return last_ = {bearing_, waypoints_.back().depth, parameters_ ? parameters_->min_speed : 0, 0};
 
   const Waypoint& goal = waypoints_[next_];
   const Vector2d across = starboard_of(bearing_);
@@ -139,7 +139,7 @@ Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d
   cross_before_ = cross_track_;
 
   double speed = goal.speed;
-  if (sheet_) {
+  if (parameters_) {
     speed = speed_ahead();
     if (off > kTurning) {  // a vehicle inside of the turn may use up that distance
       const double inside = (wanted - heading).wrapped().radians() > 0 ? cross_track_ : -cross_track_;
@@ -149,8 +149,8 @@ Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d
     } else {
       turn_limit_ = 0;
     }
-    const double least = std::max(sheet_->min_speed, std::min(kCrawl, goal.speed));
-    speed = std::min(std::max(speed, least), sheet_->limits.max_speed);
+    const double least = std::max(parameters_->min_speed, std::min(kCrawl, goal.speed));
+    speed = std::min(std::max(speed, least), parameters_->limits.max_speed);
   }
   return last_ = {wanted, depth_on(goal, speed), speed, 0};
 }
@@ -159,21 +159,21 @@ Setpoint LineOfSight::step(const Pose& X_WB, const std::optional<Eigen::Vector3d
 double LineOfSight::depth_on(const Waypoint& goal, double speed) const {
   if (!goal.from_depth) return goal.depth;
   const double length = (position_of(goal) - from_).norm();
-  const double lead = sheet_ ? sheet_->depth_lag_s * speed : 0;
+  const double lead = parameters_ ? parameters_->depth_lag_s * speed : 0;
   const double share = length > 1e-9 ? std::clamp((length - to_go_ + lead) / length, 0.0, 1.0) : 1;
   return *goal.from_depth + share * (goal.depth - *goal.from_depth);
 }
 
 // The maximum speed from which every corner ahead can still be taken.
 double LineOfSight::speed_ahead() const {
-  const double braking = 0.5 * sheet_->braking;
+  const double braking = 0.5 * parameters_->braking;
   double speed = waypoints_[next_].speed;
   double distance = std::max(0.0, to_go_);
   Angle before = bearing_;
   for (std::size_t i = next_; i < waypoints_.size(); ++i) {
     if (2 * braking * (distance - config_.acceptance_radius) > speed * speed) break;
     if (i + 1 == waypoints_.size()) {
-      if (sheet_->min_speed <= 0) speed = std::min(speed, std::sqrt(2 * braking * distance));
+      if (parameters_->min_speed <= 0) speed = std::min(speed, std::sqrt(2 * braking * distance));
       break;
     }
     const Vector2d leg = position_of(waypoints_[i + 1]) - position_of(waypoints_[i]);
@@ -192,7 +192,7 @@ double LineOfSight::speed_ahead() const {
 // side.
 double LineOfSight::corner_speed(Angle turn, double inside) const {
   const double radius = (config_.corner_tolerance + inside) / std::max(1 - cos(turn), 1e-6);
-  return sheet_->limits.max_yaw_rate.radians() * std::max(radius, sheet_->limits.turning_radius);
+  return parameters_->limits.max_yaw_rate.radians() * std::max(radius, parameters_->limits.turning_radius);
 }
 
 // At a place ---------------------------------------------------------------------------------------------------------
@@ -209,9 +209,9 @@ void StationKeeper::hold(const Waypoint& place, const std::optional<Angle>& head
 }
 
 double StationKeeper::radius() const {
-  if (sheet_.min_speed <= 0) return 0;
-  const double widest = place_.speed / std::max(sheet_.limits.max_yaw_rate.radians(), 1e-3);
-  return std::max({config_.circle_radius, 1.3 * sheet_.limits.turning_radius, 1.3 * widest});
+  if (parameters_.min_speed <= 0) return 0;
+  const double widest = place_.speed / std::max(parameters_.limits.max_yaw_rate.radians(), 1e-3);
+  return std::max({config_.circle_radius, 1.3 * parameters_.limits.turning_radius, 1.3 * widest});
 }
 
 Setpoint StationKeeper::step(const Pose& X_WB, const std::optional<Eigen::Vector3d>& v_W, double dt) {
@@ -220,14 +220,14 @@ Setpoint StationKeeper::step(const Pose& X_WB, const std::optional<Eigen::Vector
   const Angle heading = X_WB.rotation.heading();
   if (v_W) drift_.update(heading, *v_W, config_.drift_time, dt);
   if (!heading_) heading_ = heading;
-  return last_ = sheet_.min_speed > 0 ? circle(gap, heading) : hover(gap, heading, dt);
+  return last_ = parameters_.min_speed > 0 ? circle(gap, heading) : hover(gap, heading, dt);
 }
 
 Setpoint StationKeeper::hover(const Vector2d& gap, Angle heading, double dt) {
   const Vector2d asked = config_.gain * gap + integral_W_;
   const Vector2d v_W = limited(asked, place_.speed);
   if (v_W == asked) integral_W_ = limited(integral_W_ + config_.integral_gain * dt * gap, 0.5 * place_.speed);
-  if (sheet_.can_sway) return moving(v_W, heading, *heading_, place_.depth);
+  if (parameters_.can_sway) return moving(v_W, heading, *heading_, place_.depth);
 
   // Without sway it turns to its position when it has drifted too far, and keeps that heading: into the current.
   if (gap.norm() > config_.turn_from) turning_ = true;
@@ -238,7 +238,8 @@ Setpoint StationKeeper::hover(const Vector2d& gap, Angle heading, double dt) {
 
 // Course along the tangent, turned inwards by atan((distance - radius) / (radius / 2)).
 Setpoint StationKeeper::circle(const Vector2d& gap, Angle heading) const {
-  const double circle = radius(), speed = std::min(std::max(place_.speed, sheet_.min_speed), sheet_.limits.max_speed);
+  const double circle = radius(),
+               speed = std::min(std::max(place_.speed, parameters_.min_speed), parameters_.limits.max_speed);
   const Angle inwards = Angle::radians(std::atan2(gap.norm() - circle, 0.5 * circle));
   const Angle course = bearing_of(gap) - Angle::degrees(90) + inwards;
   return {(course - drift_.crab(heading, speed)).wrapped(), place_.depth, speed, 0};

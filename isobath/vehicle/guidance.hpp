@@ -13,17 +13,17 @@
 // horizontally. One that is passed farther away counts as missed and the path continues, so that a vehicle that cannot
 // turn tightly enough does not circle.
 //
-// Speed plan, if a VehicleSheet is given: the vehicle brakes in time (at half its maximum deceleration) for a corner
-// that it would overrun by more than the corner tolerance, slows while it still has far to turn, and, if it can hover,
-// brakes for the last way-point. Never below min_speed. A turn by theta that begins R before the corner ends r (1 - cos
-// theta) - R sin theta beside the next leg, r = speed / max_yaw_rate, at least the turning radius.
+// Speed plan, if a VehicleParameters is given: the vehicle brakes in time (at half its maximum deceleration) for a
+// corner that it would overrun by more than the corner tolerance, slows while it still has far to turn, and, if it can
+// hover, brakes for the last way-point. Never below min_speed. A turn by theta that begins R before the corner ends r
+// (1 - cos theta) - R sin theta beside the next leg, r = speed / max_yaw_rate, at least the turning radius.
 //
 // All functions take the vehicle's own estimate: pose, and velocity over ground if there is one. A pose that is not
 // finite leaves the last set-point in force. Units SI. One thread at a time; step allocates nothing.
 #pragma once
 
 #include <isobath/vehicle/autopilot.hpp>
-#include <isobath/vehicle/vehicle_sheet.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
 #include <optional>
 #include <vector>
 
@@ -66,7 +66,7 @@ class LineOfSight {
   /// Throws Error without way-points. The first leg starts at the vehicle's position at the first step. Without a sheet
   /// the speeds are those of the way-points.
   LineOfSight(const GuidanceConfig& config, std::vector<Waypoint> waypoints,
-              const std::optional<VehicleSheet>& sheet = {});
+              const std::optional<VehicleParameters>& parameters = {});
 
   /// Follows these way-points from now on and drops the remaining ones. `from` (north, east) is the start of the first
   /// leg; without it, the vehicle's position at the next step. The learnt drift stays. Throws Error without way-points.
@@ -94,7 +94,7 @@ class LineOfSight {
 
   GuidanceConfig config_;
   std::vector<Waypoint> waypoints_;
-  std::optional<VehicleSheet> sheet_;
+  std::optional<VehicleParameters> parameters_;
   std::size_t next_ = 0;
   std::size_t reached_ = 0;
   bool started_ = false;
@@ -127,7 +127,8 @@ std::vector<Field> fields(StationConfig& config);
 /// after a drift. One that cannot hover circles it to starboard, at no smaller a radius than it can turn.
 class StationKeeper {
  public:
-  StationKeeper(const StationConfig& config, const VehicleSheet& sheet) : config_(config), sheet_(sheet) {}
+  StationKeeper(const StationConfig& config, const VehicleParameters& parameters)
+      : config_(config), parameters_(parameters) {}
 
   /// Sets the position; `speed` of the Waypoint is the maximum speed towards it. Without a heading, the present one is
   /// held.
@@ -143,7 +144,7 @@ class StationKeeper {
   [[nodiscard]] Setpoint circle(const Eigen::Vector2d& gap, Angle heading) const;
 
   StationConfig config_;
-  VehicleSheet sheet_;
+  VehicleParameters parameters_;
   Waypoint place_;
   std::optional<Angle> heading_;
   Eigen::Vector2d integral_W_ = Eigen::Vector2d::Zero();  ///< m/s

@@ -19,4 +19,7 @@ struct Health {
   std::string note;  ///< for people
 };
 
+/// Note of a report that an agent ("agent.NAME") is lost because it hangs; without it the agent has died.
+inline constexpr const char* kHangs = "hangs";
+
 }  // namespace isobath

@@ -8,7 +8,7 @@
 #include <functional>
 #include <gdal_priv.h>
 #include <isobath/geometry/geodesy.hpp>
-#include <isobath/map/object_store.hpp>
+#include <isobath/map/features/object_store.hpp>
 #include <numeric>
 #include <spawn.h>
 #include <sys/file.h>

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
-#include <isobath/mission/fault_table.hpp>
+#include <isobath/mission/safety/fault_table.hpp>
 #include <nlohmann/json.hpp>
 #include <tests/app/program.hpp>
-#include <tests/runtime/pole_scene.hpp>
+#include <tests/support/pole_scene.hpp>
 
 namespace isobath::test {
 namespace {

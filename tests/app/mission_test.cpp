@@ -55,7 +55,7 @@ TEST(Mission, TheSummaryNamesEachReplanWithItsReason) {
               AllOf(HasSubstr("Mission finished: 3 of 3 points reached."), HasSubstr("navigator: replan: leg ")));
 }
 
-// A recorded run, heard again by the same crew, decides the same, bit for bit, on any number of threads.
+// A recorded run, heard again by the same agents, decides the same, bit for bit, on any number of threads.
 // ledger: S6-57 S6-D09
 TEST(MissionReplay, ReproducesEveryDecision) {
   const fs::path folder = scratch_folder(), log = folder / "run.mcap";

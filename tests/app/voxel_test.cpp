@@ -2,7 +2,7 @@
 #include <cmath>
 #include <fstream>
 #include <gmock/gmock.h>
-#include <isobath/io/native_log.hpp>
+#include <isobath/io/mcap/native_log.hpp>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/echoes.hpp>

@@ -1,6 +1,6 @@
 // Wrong input ends in one clear line on standard error and exit code 2. What could be used was used and is written.
 #include <fmt/format.h>
-#include <isobath/io/native_log.hpp>
+#include <isobath/io/mcap/native_log.hpp>
 #include <tests/app/logs.hpp>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <isobath/base/config.hpp>
 #include <isobath/base/error.hpp>
-#include <isobath/io/event.hpp>
+#include <isobath/event/event.hpp>
 
 int main() {
   isobath::SourceReport report;

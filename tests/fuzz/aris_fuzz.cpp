@@ -1,4 +1,4 @@
-#include <isobath/io/aris.hpp>
+#include <isobath/io/formats/aris.hpp>
 #include <tests/fuzz/drain.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // Tables of depths: the first line declares the columns, the second the kind of positions, the rest is any text.
 #include <cstdint>
 #include <isobath/base/error.hpp>
-#include <isobath/io/depth_csv.hpp>
+#include <isobath/io/formats/depth_csv.hpp>
 #include <sstream>
 #include <string>
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <isobath/base/error.hpp>
-#include <isobath/io/byte_window.hpp>
+#include <isobath/io/bytes/byte_window.hpp>
 #include <isobath/io/open.hpp>
 #include <vector>
 

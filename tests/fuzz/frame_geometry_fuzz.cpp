@@ -1,7 +1,7 @@
 // Geometry files of frame folders: any text.
 #include <cstdint>
 #include <isobath/base/error.hpp>
-#include <isobath/io/frame_geometry.hpp>
+#include <isobath/io/frames/frame_geometry.hpp>
 #include <string_view>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // PNG frames: any bytes.
 #include <cstdint>
 #include <isobath/base/error.hpp>
-#include <isobath/io/gray_image.hpp>
+#include <isobath/io/frames/gray_image.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace isobath;

@@ -1,6 +1,6 @@
 // A log and the file with its water columns beside it: the first byte says of which format, the next two where the
 // second file begins.
-#include <isobath/io/kongsberg.hpp>
+#include <isobath/io/formats/kongsberg/kongsberg.hpp>
 #include <tests/fuzz/drain.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
 // The MCAP reader and the native log in it: any bytes.
 #include <cstdint>
 #include <isobath/base/error.hpp>
-#include <isobath/io/native_log.hpp>
+#include <isobath/io/mcap/native_log.hpp>
 #include <sstream>
 #include <string>
 

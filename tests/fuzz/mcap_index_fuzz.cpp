@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <isobath/base/error.hpp>
-#include <isobath/io/mcap_index.hpp>
+#include <isobath/io/mcap/mcap_index.hpp>
 #include <sstream>
 #include <string>
 #include <vector>

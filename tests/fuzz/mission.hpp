@@ -3,7 +3,7 @@
 #pragma once
 
 #include <isobath/base/error.hpp>
-#include <isobath/mission/mission_file.hpp>
+#include <isobath/mission/plan/mission_file.hpp>
 #include <string_view>
 
 namespace isobath::fuzz {

@@ -1,5 +1,5 @@
 // Behaviour files of MOOS: any bytes.
-#include <isobath/mission/mission_import.hpp>
+#include <isobath/mission/plan/mission_import.hpp>
 #include <tests/fuzz/mission.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-#include <isobath/io/oculus_logs.hpp>
+#include <isobath/io/formats/oculus/oculus_logs.hpp>
 #include <tests/fuzz/drain.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,6 +1,6 @@
 // The link to the operator: any bytes as a frame, and as the word of a whole one.
 #include <cstddef>
-#include <isobath/mission/signaling_officer.hpp>
+#include <isobath/mission/agents/signaling_officer.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace isobath;
@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     officer.hear(LinkFrame{LinkFrame::Way::kFromOperator, frame}, Time{}, out);
     for (const Message& said : out.said()) {
       const auto* command = std::get_if<OperatorCommand>(&said);
-      if (command && command->plan) check_mission(*command->plan);  // nothing unsound reaches the crew
+      if (command && command->plan) check_mission(*command->plan);  // nothing unsound reaches the agents
     }
   }
   return 0;

@@ -14,7 +14,7 @@ const Time kStart{Duration(1'600'000'000'000'000'000)};
 class HundredSeconds final : public Playback {
  public:
   TimeSpan span() override { return {kStart, kStart + seconds(100)}; }
-  void show(Time moment, DisplayItems& items) override {
+  void show(Time moment, DisplayState& items) override {
     ISOBATH_ASSERT(moment >= span().start && moment <= span().end);
     items.set(DisplayKind::kVehicle, 0, moment, to_text(moment));
   }
@@ -25,7 +25,7 @@ class HundredSeconds final : public Playback {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::string_view text(reinterpret_cast<const char*>(data), size);
-  DisplayItems items;
+  DisplayState items;
   items.set(DisplayKind::kVehicle, 0, kStart, "now");
   std::chrono::steady_clock::time_point now{std::chrono::hours(1)};
   bool knows = false;

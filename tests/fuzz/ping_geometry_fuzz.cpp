@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <isobath/base/error.hpp>
-#include <isobath/runtime/pipeline.hpp>
-#include <isobath/runtime/voxel_model.hpp>
+#include <isobath/onboard/pipeline.hpp>
+#include <isobath/world/voxel_model.hpp>
 #include <limits>
 
 namespace {
@@ -113,7 +113,7 @@ class Sink : public ResultSink {
  public:
   explicit Sink(const VoxelModelConfig& config) : model(config) {}
   void on_ping(const PosedPing& posed) override { take(posed); }
-  void on_upright(const PosedPing& posed) override { take(posed); }
+  void on_vertical_ping(const PosedPing& posed) override { take(posed); }
   void on_jump(const Eigen::Vector3d& by_W) override { model.move_along(by_W); }
   void on_scan(const ScanResult& scan) override {
     const auto space = model.map() ? model.space_around(scan, 5 * model.map()->voxel_m()) : nullptr;
@@ -158,7 +158,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const PipelineCounts& n = pipeline.counts();
     std::uint64_t refused = 0;
     for (const auto& [reason, count] : pipeline.rejected()) refused += count;
-    ISOBATH_ASSERT(n.pings + n.upright + n.navigation + n.swaths + refused >= events);
+    ISOBATH_ASSERT(n.pings + n.vertical + n.navigation + n.swaths + refused >= events);
     constexpr std::size_t kSmall = 8'000'000;  // bytes: all of it is looked at then
     if (!sink.model.map() || sink.model.map()->bytes() > kSmall) return 0;
     const VoxelOutcome outcome = sink.model.outcome();

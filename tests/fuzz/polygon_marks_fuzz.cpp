@@ -1,5 +1,5 @@
 #include <isobath/base/error.hpp>
-#include <isobath/io/polygon_marks.hpp>
+#include <isobath/io/frames/polygon_marks.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace isobath;

@@ -1,7 +1,7 @@
 // Tables of poses: any text.
 #include <cstdint>
 #include <isobath/base/error.hpp>
-#include <isobath/io/pose_track.hpp>
+#include <isobath/io/input/pose_track.hpp>
 #include <sstream>
 #include <string>
 

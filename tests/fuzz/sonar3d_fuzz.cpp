@@ -1,4 +1,4 @@
-#include <isobath/io/sonar3d.hpp>
+#include <isobath/io/formats/sonar3d.hpp>
 #include <tests/fuzz/drain.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

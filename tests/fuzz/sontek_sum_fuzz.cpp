@@ -1,4 +1,4 @@
-#include <isobath/io/sontek_sum.hpp>
+#include <isobath/io/formats/sontek_sum.hpp>
 #include <tests/fuzz/drain.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

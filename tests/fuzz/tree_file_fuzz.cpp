@@ -2,7 +2,7 @@
 // be a sound tree, whatever it was: it is read, written, copied and compared.
 #include <cstdlib>
 #include <isobath/base/error.hpp>
-#include <isobath/map/tree_file.hpp>
+#include <isobath/map/depth/tree_file.hpp>
 #include <tests/support/tree_file_bytes.hpp>
 
 namespace {

@@ -19,7 +19,7 @@ struct Sheet {
 
 /// `value(x, y)` at the nodes of the square [-1, 1]^2.
 template <class Value>
-Sheet sheet_of(int nodes, Value value) {
+Sheet parameters_of(int nodes, Value value) {
   const double h = 2.0 / (nodes - 1);
   Sheet s{{nodes, nodes, {-1, -1}, {h, 0}, {0, h}}, {}};
   for (int row = 0; row < nodes; ++row) {
@@ -44,7 +44,7 @@ bool cross_each_other(const Vector2d& a, const Vector2d& b, const Vector2d& c, c
 }
 
 TEST(Contours, PlaneGivesStraightLinesAtTheirPlaces) {
-  const Sheet s = sheet_of(21, [](double x, double y) { return 3 * x + 2 * y; });
+  const Sheet s = parameters_of(21, [](double x, double y) { return 3 * x + 2 * y; });
   const auto lines = lines_of(s, {-2, 0, 0.77, 3});
   ASSERT_EQ(lines.size(), 4u);
   for (const ContourLine& line : lines) {
@@ -58,7 +58,7 @@ TEST(Contours, PlaneGivesStraightLinesAtTheirPlaces) {
 
 TEST(Contours, ConeGivesCirclesToTheSquareOfTheStep) {
   for (const int nodes : {21, 41, 81}) {
-    const Sheet s = sheet_of(nodes, [](double x, double y) { return std::hypot(x, y); });
+    const Sheet s = parameters_of(nodes, [](double x, double y) { return std::hypot(x, y); });
     const auto lines = lines_of(s, {0.5});
     ASSERT_EQ(lines.size(), 1u);
     ASSERT_TRUE(lines[0].closed);
@@ -94,12 +94,12 @@ TEST(Contours, SaddleIsCutAsItsMeanSays) {
     EXPECT_LT(std::min(middle.norm(), (middle - Vector2d(1, 1)).norm()), 0.5);
   }
   // A hyperbola: two branches, whatever the sign of the level.
-  const Sheet hyperbola = sheet_of(42, [](double x, double y) { return x * y; });
+  const Sheet hyperbola = parameters_of(42, [](double x, double y) { return x * y; });
   for (const double l : {-0.2, 0.2}) EXPECT_EQ(lines_of(hyperbola, {l}).size(), 2u);
 }
 
 TEST(Contours, HolesGiveNothingAndEndTheLines) {
-  Sheet s = sheet_of(21, [](double x, double y) { return x + 0 * y; });
+  Sheet s = parameters_of(21, [](double x, double y) { return x + 0 * y; });
   s.values[10 * 21 + 10] = NAN;  // the middle
   const auto lines = lines_of(s, {0.02});
   ASSERT_EQ(lines.size(), 2u) << "north and south of the hole";

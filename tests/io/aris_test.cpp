@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/aris.hpp>
+#include <isobath/io/formats/aris.hpp>
 #include <isobath/io/open.hpp>
 #include <tests/io/aris_frames.hpp>
 #include <tests/support/data.hpp>

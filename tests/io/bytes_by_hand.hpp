@@ -1,8 +1,8 @@
 // Bytes written by hand, and what tests do with sources: whole logs in memory, all events out.
 #pragma once
 
-#include <isobath/io/byte_window.hpp>
-#include <isobath/io/event.hpp>
+#include <isobath/event/event.hpp>
+#include <isobath/io/bytes/byte_window.hpp>
 #include <memory>
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <isobath/io/bytes.hpp>
+#include <isobath/io/bytes/bytes.hpp>
 
 namespace isobath {
 namespace {

@@ -1,5 +1,5 @@
 #include <gmock/gmock.h>
-#include <isobath/io/depth_csv.hpp>
+#include <isobath/io/formats/depth_csv.hpp>
 #include <isobath/io/open.hpp>
 #include <sstream>
 #include <tests/io/bytes_by_hand.hpp>

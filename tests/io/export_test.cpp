@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/geodesy.hpp>
-#include <isobath/io/geojson.hpp>
-#include <isobath/io/geotiff.hpp>
-#include <isobath/io/whole_file.hpp>
+#include <isobath/io/bytes/whole_file.hpp>
+#include <isobath/io/exports/geojson.hpp>
+#include <isobath/io/gdal/geotiff.hpp>
 #include <nlohmann/json.hpp>
 #include <ogr_spatialref.h>
 #include <tests/support/data.hpp>

@@ -1,9 +1,9 @@
 // Messages for other viewers: frames turned, numbers that JSON has, bytes in base64. Every message is held against the
-// published schemas in tests/runtime/recording_conformance.
+// published schemas in tests/recording/conformance.
 #include <cmath>
 #include <cstring>
 #include <gmock/gmock.h>
-#include <isobath/io/foxglove.hpp>
+#include <isobath/io/mcap/foxglove.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
 

@@ -1,9 +1,9 @@
 // Real recordings of five ships: what their README states, and what two records of one file say of the same thing.
 #include <algorithm>
 #include <gmock/gmock.h>
-#include <isobath/io/kongsberg.hpp>
+#include <isobath/io/bytes/whole_file.hpp>
+#include <isobath/io/formats/kongsberg/kongsberg.hpp>
 #include <isobath/io/open.hpp>
-#include <isobath/io/whole_file.hpp>
 #include <tests/io/bytes_by_hand.hpp>
 #include <tests/support/data.hpp>
 

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/kongsberg.hpp>
+#include <isobath/io/formats/kongsberg/kongsberg.hpp>
 #include <limits>
 #include <tests/io/survey_datagrams.hpp>
 

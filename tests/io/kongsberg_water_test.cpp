@@ -4,8 +4,8 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/kongsberg.hpp>
-#include <isobath/io/kongsberg_water.hpp>
+#include <isobath/io/formats/kongsberg/kongsberg.hpp>
+#include <isobath/io/formats/kongsberg/kongsberg_water.hpp>
 #include <isobath/io/open.hpp>
 #include <limits>
 #include <tests/io/survey_datagrams.hpp>
@@ -65,7 +65,7 @@ Vector3d place_of(const Ping& ping, int beam, double range_m) {
 // Records
 // --------------------------------------------------------------------------------------------------------------
 
-TEST(KongsbergWater, PingIsAFanThatStandsUprightAthwart) {
+TEST(KongsbergWater, PingIsAVerticalFanAthwart) {
   for (const auto& heard : {hear_kmall(KmallWater{}.bytes()), hear_all(all_water(1000, {{60}, {0}, {-60}}).bytes())}) {
     ASSERT_EQ(heard.pings().size(), 1u);
     const Ping ping = heard.pings()[0];

@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/io/mcap_index.hpp>
-#include <isobath/io/mcap_records.hpp>
-#include <isobath/io/whole_file.hpp>
+#include <isobath/io/bytes/whole_file.hpp>
+#include <isobath/io/mcap/mcap_index.hpp>
+#include <isobath/io/mcap/mcap_records.hpp>
 #include <sstream>
 #include <tests/support/data.hpp>
 

@@ -6,10 +6,10 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/io/frame_folder.hpp>
-#include <isobath/io/mcap_records.hpp>
-#include <isobath/io/native_log.hpp>
-#include <isobath/io/whole_file.hpp>
+#include <isobath/io/bytes/whole_file.hpp>
+#include <isobath/io/frames/frame_folder.hpp>
+#include <isobath/io/mcap/mcap_records.hpp>
+#include <isobath/io/mcap/native_log.hpp>
 #include <sstream>
 #include <tests/io/sample_events.hpp>
 #include <tests/support/data.hpp>

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <isobath/io/nmea.hpp>
+#include <isobath/io/formats/nmea.hpp>
 #include <isobath/io/open.hpp>
 #include <tests/io/bytes_by_hand.hpp>
 #include <tests/io/survey_events.hpp>

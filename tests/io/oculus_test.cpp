@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/oculus_device.hpp>
-#include <isobath/io/oculus_logs.hpp>
+#include <isobath/io/formats/oculus/oculus_device.hpp>
+#include <isobath/io/formats/oculus/oculus_logs.hpp>
 #include <isobath/io/open.hpp>
 #include <tests/io/oculus_messages.hpp>
 #include <tests/support/data.hpp>

@@ -1,5 +1,5 @@
 #include <gmock/gmock.h>
-#include <isobath/io/ping_protocol.hpp>
+#include <isobath/io/formats/ping/ping_protocol.hpp>
 #include <tests/io/ping_frames.hpp>
 
 namespace isobath {

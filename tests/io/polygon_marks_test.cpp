@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/io/frame_folder.hpp>
-#include <isobath/io/marked_frames.hpp>
-#include <isobath/io/polygon_marks.hpp>
+#include <isobath/io/frames/frame_folder.hpp>
+#include <isobath/io/frames/marked_frames.hpp>
+#include <isobath/io/frames/polygon_marks.hpp>
 #include <tests/support/data.hpp>
 
 namespace isobath {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/io/pose_track.hpp>
+#include <isobath/io/input/pose_track.hpp>
 #include <sstream>
 
 namespace isobath {

@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/io/geotiff.hpp>
-#include <isobath/io/prior.hpp>
-#include <isobath/io/whole_file.hpp>
+#include <isobath/io/bytes/whole_file.hpp>
+#include <isobath/io/charts/prior.hpp>
+#include <isobath/io/gdal/geotiff.hpp>
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
 #include <tests/support/data.hpp>

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <isobath/base/random.hpp>
-#include <isobath/io/event.hpp>
+#include <isobath/event/event.hpp>
 
 namespace isobath::test {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 #include <gmock/gmock.h>
+#include <isobath/io/formats/sonar3d.hpp>
 #include <isobath/io/open.hpp>
-#include <isobath/io/sonar3d.hpp>
 #include <tests/io/bytes_by_hand.hpp>
 #include <tests/support/data.hpp>
 #include <zlib.h>

@@ -1,7 +1,7 @@
 // What the tests of survey logs look at: where a reading met the bottom.
 #pragma once
 
-#include <isobath/io/event.hpp>
+#include <isobath/event/event.hpp>
 #include <vector>
 
 namespace isobath::test {

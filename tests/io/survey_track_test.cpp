@@ -1,5 +1,5 @@
 #include <gmock/gmock.h>
-#include <isobath/io/survey_track.hpp>
+#include <isobath/io/input/survey_track.hpp>
 #include <limits>
 
 namespace isobath {

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/tritech_device.hpp>
-#include <isobath/io/tritech_logs.hpp>
+#include <isobath/io/formats/tritech/tritech_device.hpp>
+#include <isobath/io/formats/tritech/tritech_logs.hpp>
 #include <tests/io/tritech_frames.hpp>
 
 namespace isobath {

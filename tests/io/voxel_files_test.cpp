@@ -3,7 +3,7 @@
 #include <cstring>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/voxel_files.hpp>
+#include <isobath/io/exports/voxel_files.hpp>
 #include <map>
 
 namespace isobath {

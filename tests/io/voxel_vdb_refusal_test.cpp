@@ -2,7 +2,7 @@
 // tests/vdb.
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
-#include <isobath/io/voxel_vdb.hpp>
+#include <isobath/io/exports/voxel_vdb.hpp>
 
 namespace isobath {
 namespace {

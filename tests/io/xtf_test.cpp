@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/xtf.hpp>
+#include <isobath/io/formats/xtf.hpp>
 #include <tests/io/survey_datagrams.hpp>
 #include <tests/support/data.hpp>
 

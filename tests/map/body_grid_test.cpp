@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <isobath/base/error.hpp>
-#include <isobath/map/body_grid.hpp>
-#include <isobath/map/motion.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
+#include <isobath/map/occupancy/motion.hpp>
 #include <numbers>
 
 namespace isobath {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/map/depth_map.hpp>
-#include <isobath/map/mission_map.hpp>
+#include <isobath/map/depth/depth_map.hpp>
+#include <isobath/map/depth/mission_map.hpp>
 #include <map>
 #include <rapidcheck/gtest.h>
 #include <tests/support/count_allocations.hpp>

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/map/depth_rules.hpp>
+#include <isobath/map/depth/depth_rules.hpp>
 #include <rapidcheck/gtest.h>
 
 namespace isobath {

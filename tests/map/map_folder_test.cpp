@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/map/map_folder.hpp>
+#include <isobath/map/depth/map_folder.hpp>
 #include <set>
 #include <sys/resource.h>
 #include <sys/wait.h>

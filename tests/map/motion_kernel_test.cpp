@@ -1,7 +1,7 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/motion_kernel.hpp>
+#include <isobath/map/occupancy/motion_kernel.hpp>
 
 namespace isobath {
 namespace {

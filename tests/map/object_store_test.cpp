@@ -3,7 +3,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/object_store.hpp>
+#include <isobath/map/features/object_store.hpp>
 #include <map>
 #include <rapidcheck/gtest.h>
 #include <sys/wait.h>

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/obstacle_memory.hpp>
+#include <isobath/map/occupancy/obstacle_memory.hpp>
 #include <limits>
 #include <set>
 #include <tests/support/sanitized.hpp>

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/obstacle_outline.hpp>
+#include <isobath/map/occupancy/obstacle_outline.hpp>
 
 namespace isobath {
 namespace {

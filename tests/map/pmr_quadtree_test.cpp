@@ -2,7 +2,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/pmr_quadtree.hpp>
+#include <isobath/map/features/pmr_quadtree.hpp>
 #include <map>
 #include <numbers>
 #include <rapidcheck/gtest.h>

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/pr_quadtree.hpp>
+#include <isobath/map/features/pr_quadtree.hpp>
 #include <map>
 #include <rapidcheck/gtest.h>
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/region_quadtree.hpp>
+#include <isobath/map/depth/region_quadtree.hpp>
 #include <rapidcheck/gtest.h>
 
 namespace isobath {

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/depth_pixel.hpp>
-#include <isobath/map/region_quadtree.hpp>
+#include <isobath/map/depth/depth_pixel.hpp>
+#include <isobath/map/depth/region_quadtree.hpp>
 #include <set>
 #include <thread>
 #include <tuple>

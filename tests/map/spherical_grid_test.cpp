@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/map/spherical_clusters.hpp>
-#include <isobath/map/spherical_grid.hpp>
-#include <isobath/map/spherical_passage.hpp>
+#include <isobath/map/spherical/spherical_clusters.hpp>
+#include <isobath/map/spherical/spherical_grid.hpp>
+#include <isobath/map/spherical/spherical_passage.hpp>
 #include <numbers>
 #include <tests/support/directions.hpp>
 

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/map/spherical_cells.hpp>
-#include <isobath/map/spherical_layers.hpp>
+#include <isobath/map/spherical/spherical_cells.hpp>
+#include <isobath/map/spherical/spherical_layers.hpp>
 #include <map>
 #include <numbers>
 #include <set>

@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/spherical_clusters.hpp>
-#include <isobath/map/spherical_grid.hpp>
+#include <isobath/map/spherical/spherical_clusters.hpp>
+#include <isobath/map/spherical/spherical_grid.hpp>
 #include <map>
 #include <numbers>
 #include <set>

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/map/tree_file.hpp>
+#include <isobath/map/depth/tree_file.hpp>
 #include <iterator>
 #include <tests/support/tree_file_bytes.hpp>
 

@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/map/seen_voxels.hpp>
-#include <isobath/map/voxel_file.hpp>
+#include <isobath/map/voxel/seen_voxels.hpp>
+#include <isobath/map/voxel/voxel_file.hpp>
 #include <map>
 #include <sqlite3.h>
 #include <sys/resource.h>

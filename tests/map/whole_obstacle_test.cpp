@@ -1,6 +1,6 @@
 #include <cmath>
 #include <gtest/gtest.h>
-#include <isobath/map/whole_obstacle.hpp>
+#include <isobath/map/occupancy/whole_obstacle.hpp>
 
 namespace isobath {
 namespace {

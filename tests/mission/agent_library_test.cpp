@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
-#include <isobath/mission/agent_library.hpp>
-#include <isobath/mission/crew.hpp>
+#include <isobath/mission/command/agent_library.hpp>
+#include <isobath/mission/command/executor.hpp>
 #include <tests/mission/scripted_agent.hpp>
 
 namespace isobath {
@@ -25,7 +25,7 @@ std::string refusal(const std::string& library) {
 }
 
 // ledger: S6-33 S6-32
-TEST(AgentLibrary, AnAgentJoinsTheCrewByConfiguration) {
+TEST(AgentLibrary, AnAgentJoinsTheOthersByConfiguration) {
   std::vector<AgentFile> files;
   Schema schema;
   schema.lists.push_back(agent_list(files));
@@ -35,17 +35,17 @@ TEST(AgentLibrary, AnAgentJoinsTheCrewByConfiguration) {
             "mission.toml", schema);
   ASSERT_EQ(files.size(), 2u);
   EXPECT_EQ(files[1].place.line, 6u);
-  std::vector<Seat> all;
+  std::vector<AgentSlot> all;
   for (const AgentFile& file : files) all.push_back(load_agent(file));
   EXPECT_EQ(all[0].level, AgentLevel::kVehicle);
   EXPECT_EQ(all[1].level, AgentLevel::kMission);
 
-  std::vector<Envelope> said;  // outlives the crew, as what was said by a loaded agent may
+  std::vector<Envelope> said;  // outlives the executor, as what was said by a loaded agent may
   {
-    CrewConfig config;
-    config.gate.safety_officer = "";
-    Crew crew(std::move(all), {}, config, [&](const Envelope& e) { said.push_back(e); });
-    crew.hear(test::call(5), test::at(0));
+    ExecutorConfig config;
+    config.arbiter.safety_officer = "";
+    Executor executor(std::move(all), {}, config, [&](const Envelope& e) { said.push_back(e); });
+    executor.hear(test::call(5), test::at(0));
   }
   ASSERT_EQ(said.size(), 3u);
   EXPECT_EQ(said[1].sender, "lookout");

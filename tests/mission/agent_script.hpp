@@ -1,7 +1,7 @@
 // An agent under a script: it hears what the test says, when the test says so, and what it answers is kept.
 #pragma once
 
-#include <isobath/mission/agent.hpp>
+#include <isobath/mission/messages/agent.hpp>
 #include <vector>
 
 namespace isobath {

@@ -1,7 +1,7 @@
-// The same crew commands whatever moves: it hears what is sensed and gives set-points, and knows nothing else.
+// The same agents command any vehicle: they receive what is sensed, give set-points, and know nothing else.
 #include <cmath>
 #include <gtest/gtest.h>
-#include <isobath/mission/crew.hpp>
+#include <isobath/mission/command/executor.hpp>
 #include <isobath/vehicle/plant.hpp>
 #include <tests/mission/scripted_agent.hpp>
 #include <tests/support/data.hpp>
@@ -12,9 +12,9 @@ namespace {
 const Eigen::Vector2d kGoal(60, 30);
 
 /// Steers for the goal; says when it is there.
-std::vector<Seat> pilot() {
+std::vector<AgentSlot> pilot() {
   auto arrived = std::make_shared<bool>(false);
-  return test::seats(test::seat("pilot", [arrived](const Message& m, Time, Outbox& out) {
+  return test::slots(test::slot("pilot", [arrived](const Message& m, Time, Outbox& out) {
     const auto* fix = std::get_if<Navigation>(&m);
     if (!fix) return;
     const Eigen::Vector2d way = kGoal - fix->X_WB.translation.head<2>();
@@ -26,19 +26,19 @@ std::vector<Seat> pilot() {
   }));
 }
 
-/// Runs a new crew on a back end until it says that it has arrived; returns where that was.
+/// Runs new agents on a back end until they say that it has arrived; returns where that was.
 template <class BackEnd>
-std::optional<Eigen::Vector2d> run(BackEnd& vehicle, const VehicleSheet& sheet) {
-  CrewConfig config;
-  config.gate.safety_officer = "";
+std::optional<Eigen::Vector2d> run(BackEnd& vehicle, const VehicleParameters& parameters) {
+  ExecutorConfig config;
+  config.arbiter.safety_officer = "";
   bool arrived = false;
-  Crew crew(pilot(), sheet, config,
-            [&](const Envelope& e) { arrived = arrived || std::holds_alternative<PointReport>(e.message); });
+  Executor executor(pilot(), parameters, config,
+                    [&](const Envelope& e) { arrived = arrived || std::holds_alternative<PointReport>(e.message); });
   for (int step = 0; step < 2000; ++step) {
     const Time now = test::at(step * 0.1);
-    crew.hear(vehicle.sense(now), now);
+    executor.hear(vehicle.sense(now), now);
     if (arrived) return vehicle.sense(now).X_WB.translation.template head<2>();
-    vehicle.act(crew.helm(now), 0.1);
+    vehicle.act(executor.helm(now), 0.1);
   }
   return std::nullopt;
 }
@@ -71,11 +71,11 @@ struct TrivialVehicle {
 };
 
 // ledger: S6-42
-TEST(BackEnd, TheSameCrewCommandsASimulatedVehicleAndATrivialOne) {
+TEST(BackEnd, TheSameAgentsCommandASimulatedVehicleAndATrivialOne) {
   const VehicleModel model = load_vehicle((test::source_folder() / "vehicles" / "remus100.toml").string());
   SimulatedVehicle simulated{DynamicVehicle(model)};
   TrivialVehicle trivial{};
-  const auto there = run(simulated, sheet_of(model));
+  const auto there = run(simulated, parameters_of(model));
   const auto also_there = run(trivial, {});
   ASSERT_TRUE(there);
   ASSERT_TRUE(also_there);

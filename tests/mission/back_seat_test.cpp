@@ -1,7 +1,7 @@
 // Back-seat drivers: who bids for what, and what they then drive.
 #include <cmath>
 #include <gmock/gmock.h>
-#include <isobath/mission/back_seat.hpp>
+#include <isobath/mission/agents/back_seat.hpp>
 
 namespace isobath {
 namespace {

@@ -1,6 +1,6 @@
 // Every message passes the bus once: numbered, counted by sender and type, recorded.
 #include <gmock/gmock.h>
-#include <isobath/mission/bus.hpp>
+#include <isobath/mission/command/bus.hpp>
 #include <set>
 #include <stdexcept>
 #include <tests/mission/scripted_agent.hpp>

@@ -1,7 +1,7 @@
 // The Captain under a script.
 #include <algorithm>
 #include <gtest/gtest.h>
-#include <isobath/mission/captain.hpp>
+#include <isobath/mission/agents/captain.hpp>
 
 #include "agent_script.hpp"
 

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/mission/chart_room.hpp>
-#include <isobath/mission/shoal_outlines.hpp>
+#include <isobath/mission/agents/chart_room.hpp>
+#include <isobath/mission/agents/shoal_outlines.hpp>
 #include <tests/planning/array_field.hpp>
 
 namespace isobath {

@@ -1,6 +1,6 @@
 // The Executive Officer under a script: the order of its messages.
 #include <gtest/gtest.h>
-#include <isobath/mission/executive_officer.hpp>
+#include <isobath/mission/agents/executive_officer.hpp>
 
 #include "agent_script.hpp"
 

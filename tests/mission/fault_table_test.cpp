@@ -1,7 +1,7 @@
 // The table of faults: whole, in order, and what its page says.
 #include <fstream>
 #include <gmock/gmock.h>
-#include <isobath/mission/fault_table.hpp>
+#include <isobath/mission/safety/fault_table.hpp>
 #include <set>
 #include <sstream>
 #include <tests/support/data.hpp>

@@ -1,6 +1,6 @@
 // The sonar detector under a script.
 #include <gtest/gtest.h>
-#include <isobath/mission/fls_detector.hpp>
+#include <isobath/mission/agents/fls_detector.hpp>
 #include <isobath/planning/plan_frame.hpp>
 
 #include "agent_script.hpp"

@@ -1,6 +1,6 @@
 // The look ahead on raw echoes and ranges: stop while it can, else turn to the freer side, else surface.
 #include <gmock/gmock.h>
-#include <isobath/mission/near_echoes.hpp>
+#include <isobath/mission/safety/near_echoes.hpp>
 #include <limits>
 #include <random>
 #include <tests/mission/safety_stream.hpp>
@@ -297,7 +297,7 @@ TEST(LastDitch, PassesOverWhatWasMeasuredToLieBelow) {
     show(stream, berm, 20, 0.6);
     test::MeasuredWater water;
     water.clear({0, -8, 3}, {90, 8, 6.5});
-    stream.tell(SpaceSeen{stream.now(), std::make_shared<const SpaceGrid>(water.grid())});
+    stream.tell(OccupancyUpdate{stream.now(), std::make_shared<const OccupancySnapshot>(water.grid())});
     stream.run_to(100);
     EXPECT_EQ(stream.raised(Fault::kCollisionAhead), -1) << stops;
     EXPECT_EQ(stream.raised(Fault::kCollisionUnavoidable), -1) << stops;
@@ -307,7 +307,7 @@ TEST(LastDitch, PassesOverWhatWasMeasuredToLieBelow) {
   show(stream, {{60, 0}}, 20, 0.6);
   test::MeasuredWater water;
   water.clear({0, -8, 3}, {90, 8, 5.5});
-  stream.tell(SpaceSeen{stream.now(), std::make_shared<const SpaceGrid>(water.grid())});
+  stream.tell(OccupancyUpdate{stream.now(), std::make_shared<const OccupancySnapshot>(water.grid())});
   stream.run_to(100);
   EXPECT_GE(stream.raised(Fault::kCollisionAhead), 0) << "half a metre below it nothing was measured";
 }

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/mission/mission_file.hpp>
+#include <isobath/mission/plan/mission_file.hpp>
 #include <tests/support/data.hpp>
 
 namespace isobath {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <fstream>
 #include <gmock/gmock.h>
-#include <isobath/mission/mission_file.hpp>
-#include <isobath/mission/mission_import.hpp>
+#include <isobath/mission/plan/mission_file.hpp>
+#include <isobath/mission/plan/mission_import.hpp>
 #include <nlohmann/json.hpp>
 #include <tests/support/data.hpp>
 

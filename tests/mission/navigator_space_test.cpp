@@ -1,7 +1,7 @@
 // The Navigator where a sonar tells height: over what closes the plan view, through water that was measured.
 #include <gmock/gmock.h>
-#include <isobath/mission/navigator.hpp>
-#include <isobath/mission/way_keeping.hpp>
+#include <isobath/mission/agents/navigator.hpp>
+#include <isobath/mission/agents/way_keeping.hpp>
 #include <tests/planning/measured_water.hpp>
 
 #include "agent_script.hpp"
@@ -40,7 +40,7 @@ class NavigatorInSpace : public testing::Test {
     return script.hear(scan, now);
   }
   void see(const MeasuredWater& water) {
-    script.hear(SpaceSeen{at(now), std::make_shared<const SpaceGrid>(water.grid())}, now);
+    script.hear(OccupancyUpdate{at(now), std::make_shared<const OccupancySnapshot>(water.grid())}, now);
   }
   std::vector<Message> ask(double depth) {
     RouteRequest request;
@@ -56,7 +56,7 @@ class NavigatorInSpace : public testing::Test {
     return water;
   }
 
-  VehicleSheet vehicle;
+  VehicleParameters vehicle;
   Navigator agent;
   Script script;
   double now = 1;

@@ -1,9 +1,9 @@
 // The Navigator under a script: what it says to scans, fixes and requests, and what it keeps to itself.
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/mission/navigator.hpp>
-#include <isobath/mission/planner_budget.hpp>
-#include <isobath/mission/way_keeping.hpp>
+#include <isobath/mission/agents/navigator.hpp>
+#include <isobath/mission/agents/way_keeping.hpp>
+#include <isobath/mission/plan/planner_budget.hpp>
 
 #include "agent_script.hpp"
 
@@ -77,7 +77,7 @@ class NavigatorTest : public Test {
 
   NavigatorConfig config;
   RouteConfig route;
-  VehicleSheet vehicle;
+  VehicleParameters vehicle;
   std::unique_ptr<Navigator> agent;
   std::unique_ptr<Script> script;
   Vector2d here = Vector2d::Zero();

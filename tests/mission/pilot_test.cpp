@@ -1,6 +1,6 @@
 // The Pilot under a script.
 #include <gtest/gtest.h>
-#include <isobath/mission/pilot.hpp>
+#include <isobath/mission/agents/pilot.hpp>
 
 #include "agent_script.hpp"
 
@@ -21,7 +21,7 @@ class PilotTest : public testing::Test {
   }
   Setpoint setpoint() { return only<HelmOrder>(script->said).back().setpoint; }
 
-  VehicleSheet vehicle;
+  VehicleParameters vehicle;
   std::unique_ptr<Pilot> agent;
   std::unique_ptr<Script> script;
   double now = 0;

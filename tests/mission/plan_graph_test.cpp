@@ -1,7 +1,7 @@
 // Plans as graphs of actions and events, and the executor that steps through them.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <isobath/mission/plan_graph.hpp>
+#include <isobath/mission/plan/plan_graph.hpp>
 #include <limits>
 #include <rapidcheck/gtest.h>
 #include <tests/mission/agent_script.hpp>

@@ -77,8 +77,8 @@ void expect_row(SafetyStream& stream, Fault fault, double held_s, const std::fun
       << "raised once";
 }
 
-void expect_sonar(Fault fault, double within_s, const std::function<void(SonarLook&)>& spoil, Act action = Act::kStop,
-                  double abort_s = kLimits.sonar_abort_s, double slack_s = 1) {
+void expect_sonar(Fault fault, double within_s, const std::function<void(SonarHealthSample&)>& spoil,
+                  Act action = Act::kStop, double abort_s = kLimits.sonar_abort_s, double slack_s = 1) {
   SafetyStream stream;
   expect_row(
       stream, fault, abort_s + within_s + 2, [&] { stream.on_look = spoil; }, [&] { stream.on_look = {}; },
@@ -102,31 +102,31 @@ TEST(FaultsOfASonar, SilentByTheWordOfItsHostOrByPingsThatComeLate) {
   EXPECT_NEAR(told.raised(Fault::kSonarSilent), kBegin, kCycle);
   SafetyStream late;
   late.run_to(kBegin);
-  late.on_look = [](SonarLook& look) { look.time -= seconds(5); };
+  late.on_look = [](SonarHealthSample& look) { look.time -= seconds(5); };
   late.run_to(kBegin + 3);
   EXPECT_NEAR(late.raised(Fault::kSonarSilent), kBegin + kLimits.sonar_silent_s, 0.3);
 }
 
 TEST(FaultsOfASonar, Frozen) {
-  expect_sonar(Fault::kSonarFrozen, 0.1 * kLimits.frozen_looks, [](SonarLook& look) { look.digest = 77; });
+  expect_sonar(Fault::kSonarFrozen, 0.1 * kLimits.frozen_looks, [](SonarHealthSample& look) { look.digest = 77; });
 }
 
 // A link may carry a ping twice.
 TEST(FaultsOfASonar, TheSamePingTwiceIsNotFrozen) {
   SafetyStream stream;
-  stream.on_look = [&](const SonarLook& look) { stream.tell(look); };
+  stream.on_look = [&](const SonarHealthSample& look) { stream.tell(look); };
   stream.run_to(60);
   EXPECT_EQ(stream.count_reports(), 0u);
 }
 
 TEST(FaultsOfASonar, Saturated) {
-  expect_sonar(Fault::kSonarSaturated, 0.1 * kLimits.bad_looks, [](SonarLook& look) { look.full_scale = 0.9; });
+  expect_sonar(Fault::kSonarSaturated, 0.1 * kLimits.bad_looks, [](SonarHealthSample& look) { look.full_scale = 0.9; });
 }
 
 TEST(FaultsOfASonar, Deaf) {
   expect_sonar(
       Fault::kSonarDeaf, kLimits.deaf_s,
-      [](SonarLook& look) {
+      [](SonarHealthSample& look) {
         look.silent = 1;
         look.mean = look.roughness = look.full_scale = 0;
         look.port = look.starboard = 0;
@@ -139,7 +139,7 @@ TEST(FaultsOfASonar, BlindOnOneSide) {
   for (const bool port : {true, false}) {
     expect_sonar(
         Fault::kSonarBlindSide, 6.2,
-        [port](SonarLook& look) {
+        [port](SonarHealthSample& look) {
           if (port && look.port) look.port = 0;
           if (!port && look.starboard) look.starboard = 0;
         },
@@ -148,14 +148,15 @@ TEST(FaultsOfASonar, BlindOnOneSide) {
 }
 
 TEST(FaultsOfASonar, Garbled) {
-  expect_sonar(Fault::kSonarGarbled, 0.1 * kLimits.bad_looks, [](SonarLook& look) { look.roughness = 1.0 / 3; });
+  expect_sonar(Fault::kSonarGarbled, 0.1 * kLimits.bad_looks,
+               [](SonarHealthSample& look) { look.roughness = 1.0 / 3; });
 }
 
 // A bad ping now and then is noise, not a fault.
 TEST(FaultsOfASonar, OneBadPingIsNone) {
   SafetyStream stream;
   int n = 0;
-  stream.on_look = [&](SonarLook& look) {
+  stream.on_look = [&](SonarHealthSample& look) {
     if (++n % 6 != 0) return;
     look.full_scale = look.roughness = 1;
     look.port = look.starboard = 0;

@@ -1,7 +1,7 @@
 // Whatever comes, in any order and with any values: the Safety Officer lives, and asks for no more speed than ordered.
 #include <bit>
 #include <gtest/gtest.h>
-#include <isobath/mission/safety_officer.hpp>
+#include <isobath/mission/safety/safety_officer.hpp>
 #include <limits>
 #include <rapidcheck/gtest.h>
 #include <tests/mission/safety_stream.hpp>
@@ -97,8 +97,8 @@ Navigation fix(Draw& draw, Time now) {
   return n;
 }
 
-SonarLook look(Draw& draw, Time now) {
-  SonarLook s;
+SonarHealthSample look(Draw& draw, Time now) {
+  SonarHealthSample s;
   s.time = draw.time(now);
   s.sonar = draw.below(3) == 0 ? "sonar" : "sonar." + std::to_string(draw.below(100));
   s.digest = static_cast<std::uint64_t>(draw.below(2));

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <isobath/mission/safety_officer.hpp>
+#include <isobath/mission/safety/safety_officer.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,18 +13,18 @@
 namespace isobath::test {
 
 /// A vehicle that can stop and turns within 2 m.
-inline VehicleSheet hovering() {
-  VehicleSheet sheet;
-  sheet.braking = 0.5;
-  sheet.limits.turning_radius = 2;
-  return sheet;
+inline VehicleParameters hovering() {
+  VehicleParameters parameters;
+  parameters.braking = 0.5;
+  parameters.limits.turning_radius = 2;
+  return parameters;
 }
 
 /// One that needs way on.
-inline VehicleSheet flying() {
-  VehicleSheet sheet = hovering();
-  sheet.min_speed = 0.7;
-  return sheet;
+inline VehicleParameters flying() {
+  VehicleParameters parameters = hovering();
+  parameters.min_speed = 0.7;
+  return parameters;
 }
 
 /// North for 1 km.
@@ -39,13 +39,13 @@ inline MissionPlan plan_north() {
 
 class SafetyStream {
  public:
-  explicit SafetyStream(const VehicleSheet& vehicle = hovering(), const SafetyConfig& config = {},
+  explicit SafetyStream(const VehicleParameters& vehicle = hovering(), const SafetyConfig& config = {},
                         const MissionPlan& plan = plan_north())
-      : officer(config, vehicle), sheet(vehicle), plan_(std::make_shared<const MissionPlan>(plan)) {}
+      : officer(config, vehicle), parameters(vehicle), plan_(std::make_shared<const MissionPlan>(plan)) {}
 
   /// What a test may change at any time.
   bool pings = true, fixes = true, reports = true, altimeter = true, beats = false, obeys = true;
-  std::function<void(SonarLook&)> on_look;
+  std::function<void(SonarHealthSample&)> on_look;
   std::function<void(SonarEchoes&)> on_echoes;
   std::function<void(Navigation&)> on_fix;
   std::function<void(Health&)> on_health;
@@ -127,7 +127,7 @@ class SafetyStream {
   }
 
   SafetyOfficer officer;
-  VehicleSheet sheet;
+  VehicleParameters parameters;
 
  private:
   template <class Which>
@@ -158,13 +158,13 @@ class SafetyStream {
         depth += std::clamp(action.setpoint.depth - depth, -0.03, 0.03);
         break;
       case SafetyActionKind::kSurface:
-        wanted = sheet.min_speed;
+        wanted = parameters.min_speed;
         depth = std::max(0.0, depth - 0.03);
         break;
     }
-    speed += std::clamp(wanted - speed, -0.1 * sheet.braking, 0.1 * sheet.braking);
-    const double rate =
-        0.1 * std::min(sheet.limits.max_yaw_rate.radians(), speed / std::max(sheet.limits.turning_radius, 0.1) + 0.3);
+    speed += std::clamp(wanted - speed, -0.1 * parameters.braking, 0.1 * parameters.braking);
+    const double rate = 0.1 * std::min(parameters.limits.max_yaw_rate.radians(),
+                                       speed / std::max(parameters.limits.turning_radius, 0.1) + 0.3);
     heading += std::clamp(towards - heading, -rate, rate);
   }
 
@@ -203,7 +203,7 @@ class SafetyStream {
   }
 
   void tell_look(Time at) {
-    SonarLook look;
+    SonarHealthSample look;
     look.time = at;
     look.sonar = "sonar";
     look.digest = static_cast<std::uint64_t>(step_) * 7919 + 1;

@@ -1,10 +1,10 @@
 // ScriptedAgent: does what a test tells it to. Messages of the tests are task calls with numbers: they mean nothing to
-// the crew.
+// the agents.
 #pragma once
 
 #include <fmt/format.h>
 #include <functional>
-#include <isobath/mission/bus.hpp>
+#include <isobath/mission/command/bus.hpp>
 #include <tests/mission/agent_script.hpp>
 
 namespace isobath::test {
@@ -27,13 +27,13 @@ struct ScriptedAgent : Agent {
   Tick on_tick;
 };
 
-inline Seat seat(std::string name, ScriptedAgent::Hear hear, ScriptedAgent::Tick tick = {}) {
+inline AgentSlot slot(std::string name, ScriptedAgent::Hear hear, ScriptedAgent::Tick tick = {}) {
   return {std::move(name), AgentLevel::kMission, std::make_unique<ScriptedAgent>(std::move(hear), std::move(tick))};
 }
-template <class... Seats>
-std::vector<Seat> seats(Seats&&... each) {
-  std::vector<Seat> all;
-  (all.push_back(std::forward<Seats>(each)), ...);
+template <class... Slots>
+std::vector<AgentSlot> slots(Slots&&... each) {
+  std::vector<AgentSlot> all;
+  (all.push_back(std::forward<Slots>(each)), ...);
   return all;
 }
 

@@ -1,8 +1,8 @@
 // The link to the operator: what is sent arrives once and in order, whatever the link loses, repeats, delays or breaks.
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/mission/mission_file.hpp>
-#include <isobath/mission/signaling_officer.hpp>
+#include <isobath/mission/agents/signaling_officer.hpp>
+#include <isobath/mission/plan/mission_file.hpp>
 #include <tests/mission/agent_script.hpp>
 
 namespace isobath {
@@ -45,12 +45,12 @@ class Air {
   std::vector<std::pair<double, FrameBytes>> under_way_;
 };
 
-/// Operator, air, Signaling Officer, and a crew that answers each command with a status.
+/// Operator, air, Signaling Officer, and agents that answer each command with a status.
 struct Rig {
   OperatorConsole console;
   SignalingOfficer officer;
   Air up, down;
-  std::vector<OperatorCommand> commands;  ///< that the crew got, beats aside
+  std::vector<OperatorCommand> commands;  ///< that the agents got, beats aside
   int beats = 0;
   std::vector<StatusReport> statuses;  ///< that the operator got
   std::vector<Health> health;

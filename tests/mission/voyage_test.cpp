@@ -1,8 +1,8 @@
-// Whole missions of the standard crew on a point that does what it is told, past obstacles that are injected or seen.
+// Whole missions of the standard agents on a point that does what it is told, past obstacles that are injected or seen.
 #include <cmath>
 #include <gtest/gtest.h>
-#include <isobath/mission/crew.hpp>
-#include <isobath/mission/standard_crew.hpp>
+#include <isobath/mission/agents/standard_agents.hpp>
+#include <isobath/mission/command/executor.hpp>
 
 #include "agent_script.hpp"
 
@@ -15,13 +15,13 @@ using Eigen::Vector2d;
 class Voyage {
  public:
   explicit Voyage(MissionPlan mission) : plan(std::move(mission)) {
-    sheet.min_speed = 0;
-    sheet.limits.turning_radius = 0;
-    sheet.braking = 0.5;
+    parameters.min_speed = 0;
+    parameters.limits.turning_radius = 0;
+    parameters.braking = 0.5;
   }
 
   void sail(double for_s) {
-    if (!crew) begin();
+    if (!executor) begin();
     for (const double end = now + for_s; now < end - 1e-6;) step();
   }
   [[nodiscard]] MissionReport report() const {
@@ -31,7 +31,8 @@ class Voyage {
   [[nodiscard]] double clearance() const {
     double least = INFINITY;
     for (const Vector2d& p : track) {
-      for (const Polygon& o : stands) least = std::min(least, (p - nearest_point(o, p)).norm() - sheet.half_width_m);
+      for (const Polygon& o : stands)
+        least = std::min(least, (p - nearest_point(o, p)).norm() - parameters.half_width_m);
     }
     return least;
   }
@@ -45,7 +46,7 @@ class Voyage {
 
   MissionPlan plan;
   MissionConfig config;
-  VehicleSheet sheet;
+  VehicleParameters parameters;
   std::vector<Polygon> stands;        ///< in the water, in truth
   std::vector<Polygon> seen;          ///< of these by the sonar
   Vector2d error = Vector2d::Zero();  ///< of navigation
@@ -53,29 +54,30 @@ class Voyage {
   std::vector<Vector2d> track;  ///< in truth
   std::vector<Message> said;
   std::vector<double> said_at;
-  std::unique_ptr<Crew> crew;
+  std::unique_ptr<Executor> executor;
   double now = 0;
 
  private:
   void begin() {
-    CrewConfig crew_config;
-    crew_config.gate.safety_officer.clear();
-    crew = std::make_unique<Crew>(standard_crew(config, sheet), sheet, crew_config, [this](const Envelope& e) {
-      said.push_back(e.message);
-      said_at.push_back(to_seconds(e.time));
-    });
+    ExecutorConfig crew_config;
+    crew_config.arbiter.safety_officer.clear();
+    executor = std::make_unique<Executor>(standard_agents(config, parameters), parameters, crew_config,
+                                          [this](const Envelope& e) {
+                                            said.push_back(e.message);
+                                            said_at.push_back(to_seconds(e.time));
+                                          });
     navigate();
     OperatorCommand go;
     go.kind = OperatorCommand::Kind::kStart;
     go.plan = std::make_shared<const MissionPlan>(plan);
-    crew->hear(go, at(now));
+    executor->hear(go, at(now));
   }
   void navigate() {
     const Vector2d p = p_ + error;
     Navigation n = fix(now, p.x(), p.y(), psi_ * 180 / M_PI, 0);
     const Vector2d v = v_ * Vector2d(std::cos(psi_), std::sin(psi_)) + current;
     n.v_WB = Eigen::Vector3d(v.x(), v.y(), 0);
-    crew->hear(n, at(now));
+    executor->hear(n, at(now));
   }
   void look() {
     auto map = std::make_shared<Detection>();
@@ -89,10 +91,10 @@ class Voyage {
       const Obstacle o = obstacle(outline_L, 0.99);
       if (o.range_m < 60) map->obstacles.push_back(o);
     }
-    crew->hear(Sweep{++sweeps_, true, 0.1, map}, at(now));
+    executor->hear(Sweep{++sweeps_, true, 0.1, map}, at(now));
   }
   void step() {
-    const Setpoint wanted = crew->helm(at(now));
+    const Setpoint wanted = executor->helm(at(now));
     const double turn = std::remainder(wanted.heading.radians() - psi_, 2 * M_PI);
     psi_ = std::remainder(psi_ + std::clamp(turn, -0.05, 0.05), 2 * M_PI);
     v_ += std::clamp(wanted.speed - v_, -0.05, 0.05);
@@ -224,12 +226,12 @@ TEST(Voyage, StopsBeforeANetReplansAndGoesOnToTheSameGoalWithSensingUnchanged) {
   SafetyAction stop;
   stop.kind = SafetyActionKind::kStop;
   stop.why = "a net ahead";
-  voyage.crew->hear(stop, at(voyage.now));
+  voyage.executor->hear(stop, at(voyage.now));
   const std::size_t before = voyage.track.size();
   voyage.sail(6);
   EXPECT_LT((voyage.track.back() - voyage.track[before]).norm(), 4)
       << "the reflex holds while the way is there already";
-  voyage.crew->hear(SafetyAction{}, at(voyage.now));
+  voyage.executor->hear(SafetyAction{}, at(voyage.now));
   voyage.sail(394);
   EXPECT_EQ(voyage.points(PointReport::Kind::kReached), (std::vector<std::size_t>{0, 1, 2}));
   EXPECT_GE(voyage.clearance(), 2);

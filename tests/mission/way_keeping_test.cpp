@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/mission/way_keeping.hpp>
+#include <isobath/mission/agents/way_keeping.hpp>
 
 #include "agent_script.hpp"
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/body_grid.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
 #include <isobath/perception/bin_update.hpp>
 #include <numeric>
 #include <vector>

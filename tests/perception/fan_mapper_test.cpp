@@ -384,7 +384,7 @@ TEST(FanMapper, OneFanAloneKnowsOnlyAnArc) {
 }
 
 // Depth grows downwards, elevation upwards: what a vehicle with its nose up hears ahead lies above it, and what an
-// upright fan hears to its right, below. ledger: S5-11 S5-E02
+// vertical fan hears to its right, below. ledger: S5-11 S5-E02
 TEST(FanMapper, PutsWhatIsHeardAboveAbove) {
   const auto heard_at = [](const Pose& X_WB, const Pose& X_BS, int beam) {
     Look look = fan(61, 300, 0.1, 30, 3);
@@ -559,7 +559,7 @@ TEST(FanMapper, RefusesVoxelsThatAreNotOfTheSonarsScale) {
 }
 
 // A beam that reaches beyond upright hears all of the half-space ahead, and no more.
-TEST(FanMapper, HasNoElevationBeyondUpright) {
+TEST(FanMapper, HasNoElevationBeyondVertical) {
   const auto heard = [](double height_deg) {
     Look look = fan(9, 20, 0.2, 20, height_deg);
     for (int b = 0; b < 9; ++b) look.decisions.set_hit(b, 15);

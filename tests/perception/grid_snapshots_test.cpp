@@ -6,9 +6,9 @@
 #include <functional>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/grid_snapshots.hpp>
-#include <isobath/map/spherical_clusters.hpp>
-#include <isobath/map/spherical_passage.hpp>
+#include <isobath/map/spherical/grid_snapshots.hpp>
+#include <isobath/map/spherical/spherical_clusters.hpp>
+#include <isobath/map/spherical/spherical_passage.hpp>
 #include <isobath/perception/scan_control.hpp>
 #include <isobath/perception/spherical_mapper.hpp>
 #include <isobath/perception/tangential_clusters.hpp>

@@ -2,7 +2,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/map/obstacle_memory.hpp>
+#include <isobath/map/occupancy/obstacle_memory.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <sstream>

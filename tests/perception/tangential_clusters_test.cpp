@@ -102,7 +102,7 @@ TEST(TangentialClusters, TakesWallsOfALevelScanForUpright) {
     echoes.emplace_back(p.x(), p.y(), 0);
   }
   TangentialConfig config;
-  config.upright = true;
+  config.vertical = true;
   config.least = 4;
   config.turned = Angle::degrees(45);
   const TangentialClusters told = tangential_clusters(echoes, config);

@@ -1,6 +1,6 @@
 // What stands in the water, what is bottom and what is surface; and that nothing is said where nobody can know.
 #include <gtest/gtest.h>
-#include <isobath/map/voxel_map.hpp>
+#include <isobath/map/voxel/voxel_map.hpp>
 #include <isobath/perception/water_label.hpp>
 
 namespace isobath {
@@ -38,14 +38,14 @@ TEST(WaterLabel, StandsWhatIsNearerThanTheBeamMeetsSurfaceAndBottom) {
 }
 
 /// Water that a fan standing upright has measured from 0 to 14 m of depth, 8 to 32 m ahead, but for `occupied` depths.
-SpaceGrid measured_but(double from_m, double to_m) {
+OccupancySnapshot measured_but(double from_m, double to_m) {
   VoxelMap map({.voxel_m = 0.5});
-  VoxelBlocks& upright = map.layer("upright");
+  VoxelBlocks& vertical = map.layer("upright");
   for (int x = 16; x < 64; ++x) {
     for (int y = -6; y < 6; ++y) {
       for (int z = 0; z < 28; ++z) {
         const double depth = 0.5 * z + 0.25;
-        upright.add({x, y, z}, to_evidence(depth > from_m && depth < to_m ? 6 : -6));
+        vertical.add({x, y, z}, to_evidence(depth > from_m && depth < to_m ? 6 : -6));
       }
     }
   }
@@ -79,7 +79,7 @@ TEST(WaterLabel, AsksForHeightsOnlyWhereTheReachDoesNotTell) {
   label_obstacles(both, level_at_four_metres(), nullptr);
   EXPECT_EQ(both[0].label, WaterLabel::kStanding);
   EXPECT_EQ(both[1].label, WaterLabel::kUnknown);
-  const SpaceGrid space = measured_but(11.5, 12.5);
+  const OccupancySnapshot space = measured_but(11.5, 12.5);
   label_obstacles(both, level_at_four_metres(), &space);
   EXPECT_EQ(both[0].label, WaterLabel::kStanding);
   EXPECT_EQ(both[1].label, WaterLabel::kBottom);

@@ -1,7 +1,7 @@
 // A depth field that is a plain array: the obvious map to test planners with.
 #pragma once
 
-#include <isobath/map/depth_field.hpp>
+#include <isobath/map/depth/depth_field.hpp>
 #include <string>
 #include <vector>
 

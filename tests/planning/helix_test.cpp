@@ -198,7 +198,7 @@ TEST(HelixPlan, CommandsAreAQuarterTurnApartAndGrow) {
   HelixConfig config;
   config.advance_m = 4;
   const Opening opening = ahead(60, 30, 26);
-  HelixPlanner planner(config, sheet_of(torpedo()), kSpeed, {0, 0, 13}, opening);
+  HelixPlanner planner(config, parameters_of(torpedo()), kSpeed, {0, 0, 13}, opening);
   const HelixPlan plan = planner.plan(opening, 0);
   std::vector<double> x, heading, pitch;
   for (double s = 0; s < plan.path.length(); s += 0.25) {
@@ -222,7 +222,7 @@ TEST(HelixPlan, CommandsAreAQuarterTurnApartAndGrow) {
 // The tangent of a growing helix is that of its places: derivatives of B and C are in it. ledger: S5-44 S5-47
 TEST(HelixPlan, DerivativesAreThoseOfItsPlaces) {
   const Opening opening = ahead(60, 25, 16, 40);
-  HelixPlanner planner({}, sheet_of(torpedo()), kSpeed, {0, 0, 6}, opening);  // two metres above the middle
+  HelixPlanner planner({}, parameters_of(torpedo()), kSpeed, {0, 0, 6}, opening);  // two metres above the middle
   const HelixPlan plan = planner.plan(opening, 0);
   const double h = 1e-3;
   for (double s = 0.5; s < plan.path.length() - 0.5; s += 0.37) {
@@ -268,16 +268,16 @@ TEST(HelixPlan, KeepsWithinTheLimitsOfTheVehicle) {
   int helices = 0;
   Random random(11);
   for (int trial = 0; trial < 40; ++trial) {
-    VehicleSheet sheet = sheet_of(torpedo());
-    sheet.limits.max_yaw_rate = Angle::degrees(random.uniform(6, 20));
-    sheet.limits.max_climb_rate = random.uniform(0.2, 0.6);
+    VehicleParameters parameters = parameters_of(torpedo());
+    parameters.limits.max_yaw_rate = Angle::degrees(random.uniform(6, 20));
+    parameters.limits.max_climb_rate = random.uniform(0.2, 0.6);
     const double from = random.uniform(45, 90);
     const double width = random.uniform(8, 40);
     const double height = random.uniform(5, 25);
     const double course = random.uniform(-180, 180);
     const double above = random.uniform(-1, 1);
     const Opening opening = ahead(from, width, height, course);
-    HelixPlanner planner(config, sheet, kSpeed, {0, 0, height / 2 + above}, opening);
+    HelixPlanner planner(config, parameters, kSpeed, {0, 0, height / 2 + above}, opening);
     const HelixPlan plan = planner.plan(opening, 0);
     EXPECT_GE(plan.leave_m, std::min(planner.latest_m(), from) - 1e-9);
     if (!plan.within_limits) continue;
@@ -285,9 +285,9 @@ TEST(HelixPlan, KeepsWithinTheLimitsOfTheVehicle) {
     const Demand d = demand_by_chords(plan.path, Angle::degrees(course).radians());
     EXPECT_LT(d.swing, config.max_swing.radians() + 1e-3);
     EXPECT_LT(d.pitch, config.max_pitch.radians() + 1e-3);
-    EXPECT_LT(d.turn, 1.02 * sheet.limits.max_yaw_rate.radians() + 1e-3);
-    EXPECT_LT(d.climb, 1.01 * sheet.limits.max_climb_rate);
-    EXPECT_GT(d.radius, 0.98 * sheet.limits.turning_radius);
+    EXPECT_LT(d.turn, 1.02 * parameters.limits.max_yaw_rate.radians() + 1e-3);
+    EXPECT_LT(d.climb, 1.01 * parameters.limits.max_climb_rate);
+    EXPECT_GT(d.radius, 0.98 * parameters.limits.turning_radius);
     EXPECT_NEAR(plan.demand.swing.radians(), d.swing, 0.01);
     EXPECT_NEAR(plan.demand.turn_rate, d.turn, 0.03 * d.turn + 1e-3);
   }
@@ -297,8 +297,8 @@ TEST(HelixPlan, KeepsWithinTheLimitsOfTheVehicle) {
 // Each image tells another opening, scattered as pylon fixes are; each plan goes on where the last one was. ledger:
 // S5-47
 TEST(HelixPlanner, PlansAnewEachImageWithoutAJump) {
-  const VehicleSheet sheet = sheet_of(torpedo());
-  HelixPlanner planner({}, sheet, kSpeed, {0, 0, 4}, ahead(60));
+  const VehicleParameters parameters = parameters_of(torpedo());
+  HelixPlanner planner({}, parameters, kSpeed, {0, 0, 4}, ahead(60));
   Random random(2);
   std::optional<HelixPlan> last;
   Opening believed = ahead(60);
@@ -332,13 +332,13 @@ TEST(HelixPlanner, PlansAnewEachImageWithoutAJump) {
 // ledger: S5-45
 TEST(LatestDecision, LeavesRoomToTurnAwayFromTheWorstHeading) {
   const HelixConfig config;
-  const VehicleSheet sheet = sheet_of(torpedo());
-  const double latest = latest_decision_m(config, sheet, kSpeed);
+  const VehicleParameters parameters = parameters_of(torpedo());
+  const double latest = latest_decision_m(config, parameters, kSpeed);
   EXPECT_GT(latest, 20);
   EXPECT_LT(latest, 30);
   // Reacts late, then turns with all it has, from a heading that swings the other way.
   double x = -latest + kSpeed * config.reaction_s, psi = -config.max_swing.radians(), nearest = INFINITY;
-  const double rate = std::min(sheet.limits.max_yaw_rate.radians(), kSpeed / sheet.limits.turning_radius);
+  const double rate = std::min(parameters.limits.max_yaw_rate.radians(), kSpeed / parameters.limits.turning_radius);
   for (; psi < pi; psi += rate * 1e-3) {
     x += kSpeed * std::cos(psi) * 1e-3;
     nearest = std::min(nearest, -x);
@@ -355,7 +355,7 @@ struct Flight {
 
 Flight fly(const Opening& opening, double known_share, const VoxelMap* map) {
   const VehicleModel model = torpedo();
-  OpeningApproach approach({}, sheet_of(model), kSpeed, {0, 0, opening.height_m / 2}, opening);
+  OpeningApproach approach({}, parameters_of(model), kSpeed, {0, 0, opening.height_m / 2}, opening);
   VehicleState state;
   state.X_WB = {opening.X_WO.rotation, {0, 0, opening.height_m / 2}};
   state.v_B.x() = kSpeed;

@@ -1,8 +1,8 @@
 // Maps in three dimensions by hand: boxes of water that was measured, and of what stands in it.
 #pragma once
 
-#include <isobath/map/body_grid.hpp>
-#include <isobath/map/space_grid.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
+#include <isobath/map/voxel/occupancy_snapshot.hpp>
 
 namespace isobath::test {
 
@@ -16,9 +16,9 @@ class MeasuredWater {
   /// By a fan that lies flat: no height is told.
   void clear_flat(const Eigen::Vector3d& low, const Eigen::Vector3d& high) { put(low, high, "flat", -3); }
 
-  [[nodiscard]] SpaceGrid grid() const {
-    const std::vector<std::string> upright = {"upright"};
-    return SpaceGrid(map_, upright, {0, 0, 0}, 300);
+  [[nodiscard]] OccupancySnapshot grid() const {
+    const std::vector<std::string> vertical = {"upright"};
+    return OccupancySnapshot(map_, vertical, {0, 0, 0}, 300);
   }
 
  private:

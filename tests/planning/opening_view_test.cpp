@@ -73,7 +73,7 @@ TEST(OpeningView, AgreesWithTheAnglesOfEachCell) {
         const Vector3d p_O(0, -10 + 0.5 * (column + 0.5), -6 + 0.5 * (row + 0.5));
         const Vector3d u = X_WB.inverse() * (opening.X_WO * p_O);
         const double azimuth = std::atan2(u.y(), u.x()), elevation = -std::asin(u.z() / u.norm());
-        // Of the upright fan: the same about axes pitched by -5 degrees.
+        // Of the vertical fan: the same about axes pitched by -5 degrees.
         const Vector3d v = Rotation::from_heading_pitch_roll({}, Angle::degrees(-5), {}).inverse() * u;
         const double in_plane = std::atan2(-v.z(), v.x()), across = std::asin(v.y() / v.norm());
         const auto deg = [](double radians) { return std::abs(Angle::radians(radians).degrees()); };

@@ -177,7 +177,7 @@ TEST(SpaceRoute, TellsWhetherAWayIsClearAndHowFarItIsKnown) {
   River river;
   river.measure();
   river.task.hazards = river.hazards;
-  const SpaceRoom room = room_for(river.water.grid(), river.task, river.config, true);
+  const ClearanceField room = room_for(river.water.grid(), river.task, river.config, true);
   const std::vector<Vector3d> over = {{3, 0, 3}, {60, 0, 3}}, into = {{3, 0, 6}, {60, 0, 6}};
   EXPECT_TRUE(is_clear(room, over, 1.5));
   EXPECT_FALSE(is_clear(room, over, 2.3));

@@ -28,7 +28,7 @@ class CountedPlayback final : public Playback {
  public:
   explicit CountedPlayback(int last) : last_(last) {}
   TimeSpan span() override { return {at_s(0), at_s(last_)}; }
-  void show(Time moment, DisplayItems& items) override {
+  void show(Time moment, DisplayState& items) override {
     if (broken) throw Error("cut short");
     ++shows;
     const int now = number_of(moment);
@@ -95,7 +95,7 @@ struct Page {
   std::chrono::steady_clock::time_point now{std::chrono::hours(1)};
   Time live_now = at_s(100);
   bool over = false;
-  DisplayItems items;
+  DisplayState items;
   CountedPlayback* playback = nullptr;
   PageSources sources;
   std::vector<PageCommand> commands;
@@ -530,7 +530,7 @@ TEST(PageSession, SourcesThatCannotWorkAreRefused) {
 }
 
 TEST(SharedChanges, WhoKeepsUpGetsTheVeryBytesOfTheOthers) {
-  DisplayItems items;
+  DisplayState items;
   SharedChanges changes(items);
   const auto now = SharedChanges::Clock::time_point(std::chrono::hours(1));
   items.set(DisplayKind::kVehicle, 0, at_s(0), "a");
@@ -551,7 +551,7 @@ TEST(SharedChanges, WhoKeepsUpGetsTheVeryBytesOfTheOthers) {
 }
 
 TEST(SharedChanges, AnItemThatAloneIsLargerThanAPieceGoesAlone) {
-  DisplayItems items;
+  DisplayState items;
   SharedChanges changes(items);
   const auto now = SharedChanges::Clock::time_point(std::chrono::hours(1));
   items.set(DisplayKind::kScene, 0, at_s(0), "{}");
@@ -568,7 +568,7 @@ TEST(SharedChanges, AnItemThatAloneIsLargerThanAPieceGoesAlone) {
 }
 
 TEST(SharedChanges, ForgettingIsToldEvenIfWhatCameAfterIsGoneAgain) {
-  DisplayItems items;
+  DisplayState items;
   items.set(DisplayKind::kVehicle, 0, at_s(0), "a");
   const std::uint64_t stamp = items.changes_after(0).stamp;
   items.clear();

@@ -19,7 +19,7 @@ const std::string kMatt = "[[material]]\nname = \"matt\"\nlambert_db = -20\nrefl
 const std::string kShiny = "[[material]]\nname = \"shiny\"\nlambert_db = -80\nreflection_db = 0\nroughness = 0.05\n";
 
 EchoImage heard(const Tank& tank, const SonarConfig& sonar, const Pose& X_WS) {
-  EchoFormer former(sonar, *tank.world, *tank.water);
+  EchoSynthesizer former(sonar, *tank.world, *tank.water);
   EchoImage image;
   former.form(X_WS, image);
   return image;
@@ -276,7 +276,7 @@ TEST(EchoPhysics, WhatStandsBehindIsNotHeard) {
 TEST(EchoPhysics, MoreThreadsChangeNothing) {
   const Tank tank(kStill + kMatt + "[bottom]\nkind = \"terrain\"\ndepth = 15\n" + sphere(20, 3, 8, 0.3));
   SonarConfig sonar = sonar_preset("didson");
-  EchoFormer one(sonar, *tank.world, *tank.water, 1), two(sonar, *tank.world, *tank.water, 2);
+  EchoSynthesizer one(sonar, *tank.world, *tank.water, 1), two(sonar, *tank.world, *tank.water, 2);
   EchoImage a, b;
   one.form(at_depth(5, 3, -20), a);
   two.form(at_depth(5, 3, -20), b);

@@ -70,10 +70,10 @@ TEST(ScanCommand, TurnsTiltsAndStandsUpThePlaneOfAFan) {
   over_it.pitch = Angle::degrees(60);
   sonar.command(over_it);
   EXPECT_EQ(power(), 0) << "over the pole's head, still to the east";
-  ScanCommand upright;
-  upright.pitch = Angle{};
-  upright.roll = Angle::degrees(90);
-  sonar.command(upright);
+  ScanCommand vertical;
+  vertical.pitch = Angle{};
+  vertical.roll = Angle::degrees(90);
+  sonar.command(vertical);
   int beams = 0;
   (void)sonar.ping(Time{}, at_depth(10), 3);
   for (int b = 0; b < sonar.image().beams; ++b) {

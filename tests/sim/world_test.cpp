@@ -6,7 +6,7 @@
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/geotiff.hpp>
+#include <isobath/io/gdal/geotiff.hpp>
 #include <isobath/sim/triangle_mesh.hpp>
 #include <tests/sim/worlds.hpp>
 #include <tests/support/data.hpp>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cmath>
-#include <isobath/sim/echo_former.hpp>
+#include <isobath/sim/echo_synthesizer.hpp>
 #include <isobath/sim/scene.hpp>
 #include <isobath/sim/simulated_sonar.hpp>
 #include <memory>

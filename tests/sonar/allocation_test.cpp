@@ -15,7 +15,7 @@ TEST_P(SteadyState, AllocatesNothing) {
   config.noise.memory_profiles = 300;
   EchoDetector detector(config);
   EchoDecisions out;
-  SweepFinder sweeps;
+  SweepSegmenter sweeps;
   Random random(1);
   std::vector<Ping> pings;
   for (int i = 0; i < 5; ++i) {

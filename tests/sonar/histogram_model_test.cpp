@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/io/marked_frames.hpp>
+#include <isobath/io/frames/marked_frames.hpp>
 #include <isobath/sonar/histogram_model.hpp>
 #include <isobath/sonar/roc.hpp>
 #include <numeric>

@@ -24,12 +24,12 @@ class Head {
   std::vector<Scan> scans;
 
  private:
-  SweepFinder finder_;
+  SweepSegmenter finder_;
   int count_ = 0;
 };
 
 // ledger: S6-01
-TEST(SweepFinder, CountsThirtyOnePingsInASectorAndTurnsBack) {
+TEST(SweepSegmenter, CountsThirtyOnePingsInASectorAndTurnsBack) {
   Head head;
   for (int sweep = 0; sweep < 4; ++sweep) {
     for (int i = 0; i <= 30; ++i) head.at((sweep % 2 == 0 ? 1 : -1) * (-45 + 3 * i));
@@ -42,13 +42,13 @@ TEST(SweepFinder, CountsThirtyOnePingsInASectorAndTurnsBack) {
 }
 
 // ledger: S6-01
-TEST(SweepFinder, TurnsBackWithoutRepeatingTheLastBearing) {
+TEST(SweepSegmenter, TurnsBackWithoutRepeatingTheLastBearing) {
   Head head;
   for (int i = 0; i <= 90; ++i) head.at(i % 60 < 30 ? -45 + 3 * (i % 30) : 45 - 3 * (i % 30));
   EXPECT_THAT(head.pings(), testing::ElementsAre(31, 30));
 }
 
-TEST(SweepFinder, EndsATurnWithItsLastPing) {
+TEST(SweepSegmenter, EndsATurnWithItsLastPing) {
   Head head;
   for (int i = 0; i < 600; ++i) {
     head.at(1.8 * ((i + 77) % 200));
@@ -58,7 +58,7 @@ TEST(SweepFinder, EndsATurnWithItsLastPing) {
   EXPECT_THAT(head.pings(), testing::Each(200));
 }
 
-TEST(SweepFinder, TurnsStayAlignedWhenBearingsAreSkipped) {
+TEST(SweepSegmenter, TurnsStayAlignedWhenBearingsAreSkipped) {
   Head head;
   for (int turn = 0; turn < 5; ++turn) {
     for (int i = 0; i < 200; ++i) {
@@ -73,7 +73,7 @@ TEST(SweepFinder, TurnsStayAlignedWhenBearingsAreSkipped) {
   }
 }
 
-TEST(SweepFinder, SkippedAndJitteringBearingsDoNotTurnASectorBack) {
+TEST(SweepSegmenter, SkippedAndJitteringBearingsDoNotTurnASectorBack) {
   Random random(3);
   Head head;
   for (int sweep = 0; sweep < 6; ++sweep) {
@@ -85,7 +85,7 @@ TEST(SweepFinder, SkippedAndJitteringBearingsDoNotTurnASectorBack) {
   EXPECT_EQ(head.scans.size(), 5u);
 }
 
-TEST(SweepFinder, AHeadThatFliesBackSweepsOneWay) {
+TEST(SweepSegmenter, AHeadThatFliesBackSweepsOneWay) {
   Head head;
   for (int sweep = 0; sweep < 4; ++sweep) {
     for (int i = 0; i <= 30; ++i) head.at(-45 + 3 * i);
@@ -95,19 +95,19 @@ TEST(SweepFinder, AHeadThatFliesBackSweepsOneWay) {
 }
 
 // ledger: S6-01
-TEST(SweepFinder, AMultibeamPingIsAScan) {
+TEST(SweepSegmenter, AMultibeamPingIsAScan) {
   Head head;
   for (int i = 0; i < 3; ++i) head.at(-15, SweepMark::kUnknown, 31);
   EXPECT_THAT(head.pings(), testing::ElementsAre(1, 1, 1));
 }
 
-TEST(SweepFinder, BelievesTheMarksOfTheLog) {
+TEST(SweepSegmenter, BelievesTheMarksOfTheLog) {
   Head head;
   for (int i = 0; i < 20; ++i) head.at(3 * i, i % 10 == 9 ? SweepMark::kEnd : SweepMark::kInside);
   EXPECT_THAT(head.pings(), testing::ElementsAre(10, 10));
 }
 
-TEST(SweepFinder, AHeadThatStandsStillEndsNothing) {
+TEST(SweepSegmenter, AHeadThatStandsStillEndsNothing) {
   Head head;
   for (int i = 0; i < 100; ++i) head.at(12);
   EXPECT_TRUE(head.scans.empty());

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 #include <cstring>
-#include <isobath/runtime/display_items.hpp>
+#include <isobath/display/display_state.hpp>
 #include <map>
 #include <stdexcept>
 #include <string>

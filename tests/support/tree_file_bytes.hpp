@@ -1,5 +1,5 @@
-// The bytes of a quadtree file as its format says (isobath/map/tree_file.hpp), for tests that damage them with care.
-// Words are little-endian, as the machines that run the tests are.
+// The bytes of a quadtree file as its format says (isobath/map/depth/tree_file.hpp), for tests that damage them with
+// care. Words are little-endian, as the machines that run the tests are.
 #pragma once
 
 #include <cstdint>

@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/io/voxel_vdb.hpp>
-#include <isobath/map/seen_voxels.hpp>
+#include <isobath/io/exports/voxel_vdb.hpp>
+#include <isobath/map/voxel/seen_voxels.hpp>
 #include <openvdb/openvdb.h>
 #include <sstream>
 

@@ -43,14 +43,14 @@ double approach(DepthKeeper& keeper, const Bottom& bottom, double north, double 
 }
 
 /// A vehicle that is where it is told to be.
-VehicleSheet prompt() {
-  VehicleSheet sheet = sheet_of(test::rov());
-  sheet.depth_lag_s = 0;
-  return sheet;
+VehicleParameters prompt() {
+  VehicleParameters parameters = parameters_of(test::rov());
+  parameters.depth_lag_s = 0;
+  return parameters;
 }
 
 TEST(DepthKeeper, GivesBackAWishedDepthWhereNoBottomWasEverHeard) {
-  DepthKeeper keeper({}, sheet_of(test::rov()));
+  DepthKeeper keeper({}, parameters_of(test::rov()));
   EXPECT_EQ(keeper.step({12, {}}, pose(0, 3), kSlow, t(1)).depth, 12);
   EXPECT_EQ(keeper.step({1000, {}}, pose(0, 3), kSlow, t(2)).depth, 100);  // the vehicle's limit
   EXPECT_FALSE(keeper.bottom_depth());
@@ -127,10 +127,10 @@ struct Trip {
 Trip follow(const VehicleModel& model, const Bottom& bottom, const DepthKeeperConfig& config, const DepthWish& wish,
             double speed, double start_depth, double seconds, bool looks_ahead = true) {
   DynamicVehicle vehicle(model, test::at_speed(speed, start_depth));
-  VehicleSheet sheet = sheet_of(model);
+  VehicleParameters parameters = parameters_of(model);
   DepthKeeperConfig used = config;
-  if (!looks_ahead) used.look_ahead = sheet.depth_lag_s = 0;
-  DepthKeeper keeper(used, sheet);
+  if (!looks_ahead) used.look_ahead = parameters.depth_lag_s = 0;
+  DepthKeeper keeper(used, parameters);
   Random random(9);
   Trip trip;
   for (int i = 0; i * kDt < seconds; ++i) {
@@ -142,7 +142,7 @@ Trip follow(const VehicleModel& model, const Bottom& bottom, const DepthKeeperCo
     const std::optional<double> echo = range < 30 ? std::optional(range + 0.03 * random.normal()) : std::nullopt;
     keeper.hear(reading(kDt * i, echo), s.X_WB);
     const DepthOrder order = keeper.step(wish, s.X_WB, s.X_WB.rotation * s.v_B, t(kDt * i));
-    vehicle.step({Angle(), order.depth, std::min(speed, std::max(order.max_speed, sheet_of(model).min_speed)), 0},
+    vehicle.step({Angle(), order.depth, std::min(speed, std::max(order.max_speed, parameters_of(model).min_speed)), 0},
                  {1025, {0, 0, 0}}, kDt);
     const double altitude = bottom(p.x()) - p.z();
     trip.least_altitude = std::min(trip.least_altitude, altitude);
@@ -211,7 +211,7 @@ TEST(DepthKeeper, AllowsForTheTiltOfTheBeam) {
 }
 
 TEST(DepthKeeper, RefusesWhatIsNotFiniteAndLeavesOtherBeamsAlone) {
-  DepthKeeper keeper({}, sheet_of(test::rov()));
+  DepthKeeper keeper({}, parameters_of(test::rov()));
   EXPECT_FALSE(keeper.hear(reading(0, kNaN), pose(0, 5)));
   EXPECT_FALSE(keeper.hear(reading(0, 5), pose(kNaN, 5)));
   EXPECT_FALSE(keeper.hear(reading(0, -1), pose(0, 5)));
@@ -224,7 +224,7 @@ TEST(DepthKeeper, RefusesWhatIsNotFiniteAndLeavesOtherBeamsAlone) {
 }
 
 TEST(DepthKeeper, AllocatesNothing) {
-  DepthKeeper keeper({}, sheet_of(test::rov()));
+  DepthKeeper keeper({}, parameters_of(test::rov()));
   const auto before = test::allocations();
   for (int i = 0; i < 50; ++i) {
     keeper.hear(reading(i, 10), pose(i, 5));

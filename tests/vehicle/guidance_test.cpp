@@ -69,7 +69,7 @@ TEST(Waypoints, AreNeverCircledForEver) {
       before = {north, east};
     }
     KinematicVehicle vehicle(model, test::at_speed(1.5));
-    LineOfSight guidance({8, 1.5}, path, sheet_of(model));
+    LineOfSight guidance({8, 1.5}, path, parameters_of(model));
     double seconds = 0;
     const WaterConditions water = flowing(0.3, -0.2);
     for (; !guidance.finished() && seconds < 1000; seconds += kDt) {
@@ -100,7 +100,7 @@ std::vector<Crossing> crossings() {
 // The greatest distance from a line of 300 m on its last third, by truth.
 double offset(const Crossing& c, const GuidanceConfig& config, bool knows_velocity, const WaterConditions& water) {
   const auto vehicle = make_plant(c.model, c.kind, test::at_speed(c.speed));
-  LineOfSight guidance(config, {{300, 0, 10, c.speed}}, sheet_of(c.model));
+  LineOfSight guidance(config, {{300, 0, 10, c.speed}}, parameters_of(c.model));
   double worst = 0;
   for (int i = 0; i < 8000 && !guidance.finished(); ++i) {
     const VehicleState& s = vehicle->state();
@@ -203,8 +203,8 @@ double overrun(double turn_deg, bool plans, const VehicleModel& model, double sp
   const Vector2d corner(100, 0), end = corner + 150 * along;
   GuidanceConfig config;
   config.corner_tolerance = 1.5;
-  const auto sheet = plans ? std::optional(sheet_of(model)) : std::nullopt;
-  LineOfSight guidance(config, {{corner.x(), corner.y(), 10, speed}, {end.x(), end.y(), 10, speed}}, sheet);
+  const auto parameters = plans ? std::optional(parameters_of(model)) : std::nullopt;
+  LineOfSight guidance(config, {{corner.x(), corner.y(), 10, speed}, {end.x(), end.y(), 10, speed}}, parameters);
   KinematicVehicle vehicle(model, test::at_speed(speed));
   double worst = 0;
   for (int i = 0; i < 5000 && !guidance.finished(); ++i) {
@@ -213,7 +213,7 @@ double overrun(double turn_deg, bool plans, const VehicleModel& model, double sp
       worst = std::max(worst, beyond.dot(vehicle.state().X_WB.translation.head<2>() - corner));
     }
     if (!guidance.finished()) {
-      EXPECT_GE(s.speed, plans ? sheet_of(model).min_speed : speed);
+      EXPECT_GE(s.speed, plans ? parameters_of(model).min_speed : speed);
     }
     vehicle.step(s, flowing(0, 0), kDt);
   }
@@ -239,7 +239,7 @@ TEST(SpeedPlan, TakesCornersWithinTheTolerance) {
 
   VehicleModel torpedo = test::remus();
   torpedo.limits.turning_radius = 6;  // at any speed: its greatest yaw rate would allow less
-  LineOfSight guidance({}, {{30, 0, 10, 1.5}, {0, 1, 10, 1.5}}, sheet_of(torpedo));
+  LineOfSight guidance({}, {{30, 0, 10, 1.5}, {0, 1, 10, 1.5}}, parameters_of(torpedo));
   for (double north = 0; north < 26; north += 0.5) {
     EXPECT_NEAR(guidance.step(pose(north, 0), {}, kDt).speed, 1.5, 1e-9);
   }
@@ -249,7 +249,7 @@ TEST(SpeedPlan, TakesCornersWithinTheTolerance) {
 TEST(SpeedPlan, StopsAVehicleThatHoversAtItsLastWaypointAndKeepsTheOtherMoving) {
   const VehicleModel rov = test::rov();
   DynamicVehicle hovering(rov, test::at_speed(0.8));
-  LineOfSight there({8, 0.6}, {{30, 0, 10, 0.8}}, sheet_of(rov));
+  LineOfSight there({8, 0.6}, {{30, 0, 10, 0.8}}, parameters_of(rov));
   double furthest = 0;
   for (int i = 0; i < 1500; ++i) {
     hovering.step(there.step(hovering.state(), kDt), flowing(0, 0), kDt);
@@ -259,7 +259,7 @@ TEST(SpeedPlan, StopsAVehicleThatHoversAtItsLastWaypointAndKeepsTheOtherMoving) 
   EXPECT_LT(furthest, 30.6);
   EXPECT_GT(furthest, 29.4);
 
-  const VehicleSheet torpedo = sheet_of(test::remus());
+  const VehicleParameters torpedo = parameters_of(test::remus());
   LineOfSight past({}, {{30, 0, 10, 1.5}}, torpedo);
   EXPECT_EQ(past.step(pose(26, 0), {}, kDt).speed, 1.5);
   EXPECT_EQ(past.step(pose(29, 0), {}, kDt).speed, torpedo.min_speed);
@@ -272,7 +272,7 @@ TEST(StationKeeper, HoldsAPlaceInACurrent) {
       if (!sway && kind == PlantKind::kDynamic) continue;
       const VehicleModel model = sway ? test::rov() : twin_screw();
       const auto vehicle = make_plant(model, kind, test::at_speed(0, 5));
-      StationKeeper keeper({}, sheet_of(model));
+      StationKeeper keeper({}, parameters_of(model));
       EXPECT_EQ(keeper.radius(), 0);
       keeper.hold({6, -4, 5, 0.6});
       double worst = 0;
@@ -292,7 +292,7 @@ TEST(StationKeeper, LeavesNoOffsetByABiasOfTheSpeeds) {
   for (const double gain : {0.0, 0.02}) {
     StationConfig config;
     config.integral_gain = gain;
-    StationKeeper keeper(config, sheet_of(test::rov()));
+    StationKeeper keeper(config, parameters_of(test::rov()));
     keeper.hold({0, 0, 5, 0.6}, Angle());
     Vector2d p(3, -2);
     for (int i = 0; i < 3000; ++i) {
@@ -308,14 +308,14 @@ TEST(StationKeeper, CirclesWhereTheVehicleCannotHover) {
   const VehicleModel model = test::remus();
   for (const PlantKind kind : {PlantKind::kDynamic, PlantKind::kKinematic}) {
     const auto vehicle = make_plant(model, kind, test::at_speed(1.5, 5));
-    StationKeeper keeper({}, sheet_of(model));
+    StationKeeper keeper({}, parameters_of(model));
     keeper.hold({40, 25, 5, 1.2});
     double nearest = 1e9, furthest = 0, turned = 0;
     Angle before;
     for (int i = 0; i < 4000; ++i) {
       const VehicleState& s = vehicle->state();
       const Setpoint wanted = keeper.step(s.X_WB, velocity_W(s), kDt);
-      EXPECT_GE(wanted.speed, sheet_of(model).min_speed);
+      EXPECT_GE(wanted.speed, parameters_of(model).min_speed);
       vehicle->step(wanted, flowing(0.2, -0.2), kDt);
       const double distance = (s.X_WB.translation.head<2>() - Vector2d(40, 25)).norm();
       if (i > 1500) {
@@ -334,12 +334,12 @@ TEST(StationKeeper, CirclesWhereTheVehicleCannotHover) {
 // On a leg that rises the set-point is the depth of where the vehicle will be when it has come after it.
 // ledger: S5-53 S5-54
 TEST(Waypoints, RiseAlongALegThatSaysWhereItBegins) {
-  VehicleSheet sheet;
-  sheet.depth_lag_s = 4;
-  sheet.limits.max_speed = 2;
+  VehicleParameters parameters;
+  parameters.depth_lag_s = 4;
+  parameters.limits.max_speed = 2;
   const std::vector<Waypoint> way = {{0.5, 0, 8, 1}, {40, 0, 4, 1, 8.0}, {80, 0, 2, 1}};
   for (const bool known : {false, true}) {
-    LineOfSight line({.acceptance_radius = 1}, way, known ? std::optional(sheet) : std::nullopt);
+    LineOfSight line({.acceptance_radius = 1}, way, known ? std::optional(parameters) : std::nullopt);
     const auto depth_at = [&](double north) {
       return line.step({Rotation(), {north, 0, 6}}, Vector3d(1, 0, 0), kDt).depth;
     };
@@ -355,8 +355,8 @@ TEST(Waypoints, RiseAlongALegThatSaysWhereItBegins) {
 }
 
 TEST(Waypoints, AllocateNothing) {
-  LineOfSight guidance({}, {{50, 0, 5, 1}, {100, 0, 5, 1}}, sheet_of(test::remus()));
-  StationKeeper keeper({}, sheet_of(test::rov()));
+  LineOfSight guidance({}, {{50, 0, 5, 1}, {100, 0, 5, 1}}, parameters_of(test::remus()));
+  StationKeeper keeper({}, parameters_of(test::rov()));
   const auto before = test::allocations();
   for (int i = 0; i < 10; ++i) {
     guidance.step(pose(i, 0), Vector3d(1, 0, 0), kDt);

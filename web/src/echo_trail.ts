@@ -19,7 +19,7 @@ export class EchoTrail {
   readonly times = new Float64Array(EchoTrail.capacity);
   readonly lasts = new Float32Array(EchoTrail.capacity);
   /** 1: echo of a vertical fan, whose horizontal offset from the line of the fan is unknown. */
-  readonly upright = new Uint8Array(EchoTrail.capacity);
+  readonly vertical = new Uint8Array(EchoTrail.capacity);
   /** Number of positions held, and the index of the next one. */
   size = 0;
   next = 0;
@@ -32,7 +32,7 @@ export class EchoTrail {
   take(sonar: Sonar, echoes: Echoes, time: number): void {
     const { bins, decided, first, rotation, place } = echoes;
     const lasts = sonar.scanning ? kScanLasts : kFanLasts;
-    const upright = sonar.upright ? 1 : 0;
+    const vertical = sonar.vertical ? 1 : 0;
     for (let beam = 0; beam < echoes.beams; ++beam) {
       const azimuth = sonar.azimuth[first + beam] ?? 0;
       turn(rotation[0], rotation[1], rotation[2], rotation[3], Math.cos(azimuth), Math.sin(azimuth), this.along);
@@ -40,7 +40,7 @@ export class EchoTrail {
       for (let bin = 0; bin < bins; ++bin) {
         const i = beam * bins + bin;
         const here = ((decided[i >> 3]! >> (i & 7)) & 1) === 1;
-        if (here && !before) this.put(place, sonar.first + (bin + 0.5) * sonar.bin, time, lasts, upright);
+        if (here && !before) this.put(place, sonar.first + (bin + 0.5) * sonar.bin, time, lasts, vertical);
         before = here;
       }
     }
@@ -51,13 +51,13 @@ export class EchoTrail {
     range: number,
     time: number,
     lasts: number,
-    upright: 0 | 1,
+    vertical: 0 | 1,
   ): void {
     const at = this.next;
     for (let k = 0; k < 3; ++k) this.places[3 * at + k] = from[k]! + range * this.along[k]!;
     this.times[at] = time;
     this.lasts[at] = lasts;
-    this.upright[at] = upright;
+    this.vertical[at] = vertical;
     this.next = (at + 1) % EchoTrail.capacity;
     this.size = Math.min(this.size + 1, EchoTrail.capacity);
   }

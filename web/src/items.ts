@@ -127,7 +127,7 @@ export interface Sonar {
   name: string;
   scanning: boolean;
   /** A vertical fan: its beams differ in elevation. */
-  upright: boolean;
+  vertical: boolean;
   azimuth: Float32Array;
   width: Float32Array;
   height: number;
@@ -152,7 +152,7 @@ export function readSonar(json: unknown): Sonar | null {
   return {
     name: words(json.name),
     scanning: flag(json.scanning),
-    upright: flag(json.upright),
+    vertical: flag(json.upright),
     azimuth: Float32Array.from(azimuth),
     width: Float32Array.from(azimuth, (_, i) => widths[i] ?? widths[0] ?? number(json.width) ?? 0.02),
     height: number(json.height) ?? 0,

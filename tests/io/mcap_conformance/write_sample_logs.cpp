@@ -1,8 +1,8 @@
 // Writes <folder>/{none,lz4,zstd}.mcap of made-up events and <folder>/expected.json, what a reader must count in them.
 #include <cstdio>
 #include <fmt/format.h>
-#include <isobath/io/native_log.hpp>
-#include <isobath/io/whole_file.hpp>
+#include <isobath/io/bytes/whole_file.hpp>
+#include <isobath/io/mcap/native_log.hpp>
 #include <tests/io/sample_events.hpp>
 
 namespace isobath {

@@ -1,5 +1,5 @@
 // An agent that cannot be made.
-#include <isobath/mission/agent_library.hpp>
+#include <isobath/mission/command/agent_library.hpp>
 #include <stdexcept>
 
 namespace {

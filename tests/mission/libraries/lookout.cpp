@@ -1,5 +1,5 @@
 // An agent of a library of its own: answers a task call with as many hazards as its number says.
-#include <isobath/mission/agent_library.hpp>
+#include <isobath/mission/command/agent_library.hpp>
 
 namespace {
 

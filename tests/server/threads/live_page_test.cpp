@@ -58,7 +58,7 @@ struct Reader {
 };
 
 /// A run of so many steps: echoes, a vehicle, tiles that come, change and go, once all anew.
-void sail(DisplayItems& items, std::atomic<std::int64_t>& now, int steps) {
+void sail(DisplayState& items, std::atomic<std::int64_t>& now, int steps) {
   Random random(7);
   for (int i = 1; i <= steps; ++i) {
     const Time time{Duration(i * 1'000'000'000LL)};
@@ -79,7 +79,7 @@ void sail(DisplayItems& items, std::atomic<std::int64_t>& now, int steps) {
 }
 
 TEST(LivePage, EachPageEndsWithWhatTheRunHas) {
-  DisplayItems items;
+  DisplayState items;
   std::atomic<std::int64_t> now = 0;
   PageSources sources;
   sources.live = std::make_shared<SharedChanges>(items);
@@ -145,7 +145,7 @@ class HeldPage final : public WebSession {
 // ledger: S6-31
 TEST(LivePage, TheRunGoesToItsEndWhileAPageHoldsTheServerUp) {
   constexpr int kSteps = 300;
-  DisplayItems items;
+  DisplayState items;
   std::atomic<std::int64_t> now = 0;
   PageSources sources;
   sources.live = std::make_shared<SharedChanges>(items);
@@ -178,7 +178,7 @@ TEST(LivePage, TheRunGoesToItsEndWhileAPageHoldsTheServerUp) {
 }
 
 TEST(LivePage, CommandsComeThroughForWhoMayGiveThem) {
-  DisplayItems items;
+  DisplayState items;
   std::atomic<int> aborted = 0;
   PageSources sources;
   sources.live = std::make_shared<SharedChanges>(items);

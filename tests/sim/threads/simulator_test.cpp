@@ -273,7 +273,7 @@ TEST(Scenarios, ReefTopsAreShallowerThanFiveMetresOverABottomOfSevenToTwentyFive
 }
 
 // ledger: S5-38 S5-D01
-TEST(Scenarios, TheBridgeShowsABandAtThirtyMetresAheadAndBedSurfaceAndObstacleUpright) {
+TEST(Scenarios, TheBridgeShowsABandAtThirtyMetresAheadAndBedSurfaceAndObstacleVertically) {
   Simulator simulator(scene_of("bridge"), {.duration_s = 0.5});
   const Heard all = heard(simulator);
   const auto of = [&all](const std::string& sonar) {
@@ -295,9 +295,9 @@ TEST(Scenarios, TheBridgeShowsABandAtThirtyMetresAheadAndBedSurfaceAndObstacleUp
   }
   EXPECT_GT(beams_with_berm, level.beams / 2) << "a band across the field";
   EXPECT_GT(pylons, 8);
-  const EchoTruth& upright = *of("vertical");
+  const EchoTruth& vertical = *of("vertical");
   bool bed = false, surface = false, obstacle = false;
-  for (const EchoLabel label : upright.labels) {
+  for (const EchoLabel label : vertical.labels) {
     bed = bed || label.target() == kBottom;
     surface = surface || label.target() == kSurface;
     obstacle = obstacle || target(label).starts_with("berm");

@@ -10,7 +10,7 @@ import type { Model } from '../model';
 import { PolarPicture } from '../polar';
 import { SonarImage } from '../sonar_image';
 import type { Paint } from '../theme';
-import { uprightLine, type UprightLine } from './upright_line';
+import { verticalLine, type VerticalLine } from './vertical_line';
 import type { Pen } from './pen';
 
 const kFades = 4;
@@ -36,7 +36,7 @@ export function drawTrail(pen: Pen, model: Model): void {
       if (age < -0.05 || age >= 1 || Math.floor(Math.max(0, age) * kFades) !== fade) continue;
       const [north, east] = [trail.places[3 * i]!, trail.places[3 * i + 1]!];
       const [x, y] = [camera.x(north, east), camera.y(north, east)];
-      if (trail.upright[i] === 1) frame(drawing, x, y, framed);
+      if (trail.vertical[i] === 1) frame(drawing, x, y, framed);
       else drawing.fillRect(x - size / 2, y - size / 2, size, size);
     }
   }
@@ -66,7 +66,7 @@ interface Seen {
   image: SonarImage;
   paint: Paint;
   revision: number;
-  line: UprightLine | null;
+  line: VerticalLine | null;
   fill: CanvasGradient | null;
 }
 
@@ -80,10 +80,10 @@ export class SampleLayer {
   private readonly along = new Float64Array(3);
 
   draw(pen: Pen, model: Model): void {
-    for (const upright of [false, true]) {
+    for (const vertical of [false, true]) {
       for (const [number, image] of model.sonars) {
-        if (image.sonar.upright !== upright || image.newest < 0) continue;
-        if (upright) this.line(pen, number, image);
+        if (image.sonar.vertical !== vertical || image.newest < 0) continue;
+        if (vertical) this.line(pen, number, image);
         else this.lay(pen, number, image);
       }
     }
@@ -105,7 +105,7 @@ export class SampleLayer {
   private line(pen: Pen, number: number, image: SonarImage): void {
     let seen = this.lines.get(number);
     if (!seen || seen.image !== image || seen.paint !== pen.paint || seen.revision !== image.revision) {
-      const line = uprightLine(image);
+      const line = verticalLine(image);
       const fill = line && stretches(pen, line);
       seen = { image, paint: pen.paint, revision: image.revision, line, fill };
       this.lines.set(number, seen);
@@ -230,7 +230,7 @@ function radial(drawing: CanvasRenderingContext2D, image: SonarImage, beam: numb
 }
 
 /** The samples of a vertical fan from (0, 0) upwards: each stretch in the colour of its level, without blending. */
-function stretches({ drawing, paint }: Pen, { from, to, levels }: UprightLine): CanvasGradient {
+function stretches({ drawing, paint }: Pen, { from, to, levels }: VerticalLine): CanvasGradient {
   const table = tables[paint.intensity];
   const fill = drawing.createLinearGradient(0, -from, 0, -to);
   const count = levels.length;

@@ -33,6 +33,6 @@ export interface Form {
 
 /** A direction in the plane of the fan as text: its azimuth, or its elevation if the fan is vertical. */
 export function directionText(image: SonarImage, azimuth: number): string {
-  if (image.sonar.upright) return elevation(image.elevation(azimuth));
+  if (image.sonar.vertical) return elevation(image.elevation(azimuth));
   return `${Math.round((azimuth * 180) / Math.PI)}°`.replace('-', '−');
 }

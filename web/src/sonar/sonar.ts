@@ -93,7 +93,7 @@ export class SonarView implements View {
     this.which.replaceChildren(
       ...numbers.map((number) => {
         const { sonar } = model.sonars.get(number)!;
-        const kind = sonar.scanning ? 'scanning' : sonar.upright ? 'vertical fan' : 'fan';
+        const kind = sonar.scanning ? 'scanning' : sonar.vertical ? 'vertical fan' : 'fan';
         return make(
           'option',
           { value: number, selected: number === this.chosen },
@@ -146,7 +146,7 @@ export class SonarView implements View {
 
   private tell(image: SonarImage, { beam, bin }: Sample, threshold: number): void {
     const azimuth = image.sonar.azimuth[beam]!;
-    const aim = image.sonar.upright
+    const aim = image.sonar.vertical
       ? `elevation ${units.elevation(image.elevation(azimuth))}`
       : `azimuth ${units.relativeBearing((azimuth * 180) / Math.PI)}`;
     const parts = [`Beam ${beam}, ${aim}`];

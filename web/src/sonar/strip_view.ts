@@ -105,7 +105,7 @@ export class StripView implements Form {
     }
     drawing.fillStyle = paint.faint;
     drawing.fillText(
-      image.sonar.upright ? 'elevation of the beam above the horizon' : 'azimuth of the beam: port − , starboard +',
+      image.sonar.vertical ? 'elevation of the beam above the horizon' : 'azimuth of the beam: port − , starboard +',
       kLeft + this.box.width / 2,
       kTop + this.box.height + 26,
     );

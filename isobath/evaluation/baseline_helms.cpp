@@ -1,0 +1,231 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/evaluation/baseline_helms.hpp>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t kScans = 3;
+constexpr double kLeastSpeedShare = 0.3;  // of PotentialFieldHelm: a vehicle with fins needs flow to steer
+
+GuidanceConfig guidance_for(const VehicleParameters& vehicle) {
+  GuidanceConfig config;
+  config.integral_gain = 0.3;
+  config.acceptance_radius = std::max(3.0, 0.5 * vehicle.limits.turning_radius);
+  return config;
+}
+
+bool any_within(const std::vector<Vector2d>& points, const Vector2d& p, double distance) {
+  return std::any_of(points.begin(), points.end(),
+                     [&](const Vector2d& q) { return (p - q).squaredNorm() <= distance * distance; });
+}
+
+}  // namespace
+
+// Line of sight ------------------------------------------------------------------------------------------------------
+
+LineOfSightHelm::LineOfSightHelm(const MissionPlan& mission, const VehicleParameters& vehicle)
+    : mission_(mission), vehicle_(vehicle) {
+  if (mission_.points.empty()) throw Error("the mission has no points", {}, "at least one");
+  report_.phase = MissionPhase::kUnderWay;
+  follow({point().north_east});
+}
+
+void LineOfSightHelm::follow(const std::vector<Vector2d>& way) {
+  std::vector<Waypoint> points;
+  for (const Vector2d& p : way) points.push_back({p.x(), p.y(), point().depth_m, speed()});
+  way_ = way;
+  guidance_.emplace(guidance_for(vehicle_), std::move(points));
+}
+
+std::vector<Vector2d> LineOfSightHelm::way_ahead() const {
+  std::vector<Vector2d> way{here()};
+  way.insert(way.end(), way_.begin() + static_cast<std::ptrdiff_t>(std::min(guidance_->next(), way_.size())),
+             way_.end());
+  return way;
+}
+
+void LineOfSightHelm::next_point() {
+  ++report_.reached;
+  if (point_ + 1 == mission_.points.size()) {
+    report_.phase = MissionPhase::kFinished;
+    return;
+  }
+  ++point_;
+  follow({point().north_east});
+}
+
+void LineOfSightHelm::hear(const Event& event) {
+  const auto* fix = std::get_if<Navigation>(&event);
+  if (!fix || !fix->X_WB.is_finite()) return;
+  const double dt = fixed_ ? to_seconds(fix->time - now_) : 0;
+  if (fixed_ && dt <= 0) return;
+  now_ = fix->time;
+  fixed_ = true;
+  state_.X_WB = fix->X_WB;
+  if (fix->v_WB) state_.v_B = fix->X_WB.rotation.inverse() * *fix->v_WB;
+  if (report_.phase != MissionPhase::kUnderWay) {
+    setpoint_.speed = 0;
+    return;
+  }
+  Setpoint wanted = guidance_->step(state_, dt);
+  if (guidance_->finished()) {
+    next_point();
+    wanted = report_.phase == MissionPhase::kUnderWay ? guidance_->step(state_, dt) : wanted;
+  }
+  setpoint_ = decide(wanted);
+}
+
+void LineOfSightHelm::give_up(const std::string& why) {
+  report_.phase = MissionPhase::kAborted;
+  report_.why = why;
+  decided("abort", why);
+}
+
+void LineOfSightHelm::decided(const std::string& what, const std::string& why,
+                              const std::optional<Vector2d>& obstacle) {
+  Decision& decision = decisions_.emplace_back();
+  decision.time = now_;
+  decision.agent = "baseline";
+  decision.what = what;
+  decision.reason = why;
+  decision.obstacle = obstacle;
+}
+
+// Potential field ----------------------------------------------------------------------------------------------------
+
+PotentialFieldHelm::PotentialFieldHelm(const MissionPlan& mission, const VehicleParameters& vehicle,
+                                       const PotentialFieldConfig& config)
+    : LineOfSightHelm(mission, vehicle), config_(config) {}
+
+void PotentialFieldHelm::on_scan(const ScanResult& scan) {
+  const Pose X_WL = level(scan.detection.X_WB);
+  outlines_.clear();
+  for (const Obstacle& o : scan.detection.obstacles) {
+    Polygon& outline = outlines_.emplace_back();
+    for (const Vector2d& p : o.outline) outline.push_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
+  }
+}
+
+Setpoint PotentialFieldHelm::decide(const Setpoint& wanted) {
+  if (progress().phase != MissionPhase::kUnderWay) return wanted;
+  const double c = config_.clearance_m, reach = config_.reach_m;
+  const double eta = c * c / (1 / c - 1 / reach);
+  Vector2d repulsion = Vector2d::Zero();
+  for (const Polygon& outline : outlines_) {
+    const Vector2d away = here() - nearest_point(outline, here());
+    const double distance = away.norm();
+    const double d = std::max(distance - vehicle().half_width_m, 0.1);
+    if (d >= reach || distance < 1e-6) continue;
+    repulsion += eta * (1 / d - 1 / reach) / (d * d) * away / distance;
+  }
+  if (repulsion.isZero()) return wanted;  // attraction alone: line of sight, which corrects for the current
+  const Vector2d force = Vector2d(cos(wanted.heading), sin(wanted.heading)) + repulsion;
+  Setpoint setpoint = wanted;
+  setpoint.heading = Angle::radians(std::atan2(force.y(), force.x()));
+  const double agreement = cos(setpoint.heading - state().X_WB.rotation.heading());
+  setpoint.speed *= std::max(kLeastSpeedShare, agreement);
+  return setpoint;
+}
+
+// Image threshold ----------------------------------------------------------------------------------------------------
+
+ImageThresholdHelm::ImageThresholdHelm(const MissionPlan& mission, const VehicleParameters& vehicle,
+                                       const ImageThresholdConfig& config)
+    : LineOfSightHelm(mission, vehicle), config_(config), believed_(1) {}
+
+void ImageThresholdHelm::on_ping(const PosedPing& posed) {
+  const Ping& ping = posed.ping;
+  for (int b = 0; b < ping.fan->beams(); ++b) {
+    Beam& beam = scan_.emplace_back();
+    beam.samples.resize(static_cast<std::size_t>(ping.window.bins));
+    ping.intensity.copy_beam(b, beam.samples.data());
+    beam.window = ping.window;
+    beam.blind_m = ping.blind_m;
+    beam.X_WS = level(posed.X_WB) * ping.X_BS;
+    beam.azimuth = ping.fan->azimuth[static_cast<std::size_t>(b)];
+  }
+  bin_m_ = ping.window.bin_m;
+}
+
+ImageThresholdHelm::Points ImageThresholdHelm::echoes() const {
+  float most = 0;
+  const auto for_each = [this](const auto& take) {
+    for (const Beam& beam : scan_) {
+      for (int k = 0; k < beam.window.bins; ++k) {
+        if (beam.window.edge(k) >= beam.blind_m) take(beam, k, beam.samples[static_cast<std::size_t>(k)]);
+      }
+    }
+  };
+  for_each([&most](const Beam&, int, float value) { most = std::max(most, value); });
+  Points points;
+  const auto least = static_cast<float>(config_.share) * most;
+  if (most <= 0) return points;
+  for_each([&](const Beam& beam, int k, float value) {
+    if (value < least) return;
+    const double r = beam.window.centre(k);
+    points.emplace_back((beam.X_WS * Eigen::Vector3d(r * cos(beam.azimuth), r * sin(beam.azimuth), 0)).head<2>());
+  });
+  return points;
+}
+
+void ImageThresholdHelm::on_scan(const ScanResult&) {
+  Points points = echoes();
+  scan_.clear();
+  Points believed;
+  if (echoes_.size() + 1 >= kScans) {
+    for (const Vector2d& p : points) {
+      const bool before = std::all_of(echoes_.end() - (kScans - 1), echoes_.end(),
+                                      [&](const Points& scan) { return any_within(scan, p, config_.same_m); });
+      if (before && !any_within(believed, p, bin_m_)) believed.push_back(p);
+    }
+  }
+  echoes_.push_back(std::move(points));
+  believed_.push_back(std::move(believed));
+  if (echoes_.size() > kScans) echoes_.pop_front();
+  if (believed_.size() > kScans) believed_.pop_front();
+  if (progress().phase == MissionPhase::kUnderWay) replan();
+}
+
+void ImageThresholdHelm::replan() {
+  std::vector<Hazard> hazards;
+  for (const Points& scan : believed_) {
+    for (const Vector2d& p : scan) hazards.push_back({{p}, bin_m_, HazardKind::kSeen, 0});
+  }
+  const HazardMap map(std::move(hazards));
+  const std::vector<Vector2d> way = way_ahead();
+  const double room = config_.route.clearance_m + vehicle().half_width_m;
+  const auto conflict = map.conflict(way, room);
+  if (!conflict && !stopped_) return;
+  RouteTask task;
+  task.start = here();
+  task.heading = state().X_WB.rotation.heading().radians();
+  task.goal = point().north_east;
+  task.half_width_m = vehicle().half_width_m;
+  task.turning_radius_m = vehicle().limits.turning_radius;
+  const auto route = plan_route(map, task, config_.route);
+  if (!route) {
+    if (!stopped_) {
+      stopped_ = now();
+      decided("stop", std::string("no route around the confirmed echoes: ") + to_text(route.error()));
+    }
+    return;
+  }
+  stopped_.reset();
+  follow({route->points.begin() + 1, route->points.end()});
+  decided("replan", fmt::format("{} confirmed echoes", map.hazards().size()),
+          conflict ? std::optional<Vector2d>(conflict->place) : std::nullopt);
+}
+
+Setpoint ImageThresholdHelm::decide(const Setpoint& wanted) {
+  if (!stopped_) return wanted;
+  if (to_seconds(now() - *stopped_) > config_.patience_s) give_up("no route around the confirmed echoes");
+  Setpoint setpoint = wanted;
+  setpoint.speed = 0;
+  return setpoint;
+}
+
+}  // namespace isobath

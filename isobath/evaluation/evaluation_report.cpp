@@ -1,0 +1,349 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/evaluation/evaluation_report.hpp>
+#include <isobath/report/html_report.hpp>
+#include <isobath/report/plot/picture.hpp>
+#include <nlohmann/json.hpp>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using nlohmann::ordered_json;
+
+constexpr int kPixels = 560;
+constexpr std::array<Colour, 5> kColours{
+    {{0.0, 0.45, 0.7, 1}, {0.84, 0.37, 0.0, 1}, {0.8, 0.47, 0.65, 1}, {0.9, 0.62, 0.0, 1}, {0.34, 0.34, 0.34, 1}}};
+
+std::string cell_text(const Share& s) {
+  return fmt::format("{} of {}: {:.1f} % ({:.1f} to {:.1f})", s.count, s.of, 100 * s.value(), 100 * s.low,
+                     100 * s.high);
+}
+
+std::string cell_text(const RowSummary& row) {
+  if (row.shown.of == 0) return "not run";
+  const std::string latest = row.latest_s < 0 ? "" : fmt::format(", within {:.2f} s", row.latest_s);
+  return fmt::format("{} of {}{}", row.shown.count, row.shown.of, latest);
+}
+
+std::string cell_text(const Spread& s, int digits) {
+  if (s.count == 0) return "none";
+  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", s.median, digits, s.low, digits, s.high, digits);
+}
+
+std::string cell_text(int count, const Share& runs) {
+  return fmt::format("{}: {:.2f} per run", count,
+                     static_cast<double>(count) / std::max(1.0, static_cast<double>(runs.of)));
+}
+
+ordered_json json_of(const Spread& s) {
+  if (s.count == 0) return nullptr;
+  return {{"count", s.count},   {"least", s.least}, {"low", s.low},
+          {"median", s.median}, {"high", s.high},   {"most", s.most}};
+}
+
+ordered_json middle_of(const Spread& s) { return s.count == 0 ? ordered_json(nullptr) : ordered_json(s.median); }
+
+ordered_json json_of(const Share& s) {
+  return {{"count", s.count}, {"of", s.of}, {"share", s.value()}, {"low", s.low}, {"high", s.high}};
+}
+
+ordered_json json_of(const std::vector<RowSummary>& rows) {
+  ordered_json all = ordered_json::object();
+  for (const RowSummary& row : rows) {
+    all[row.name] = {{"runs", row.shown.of},
+                     {"shown", row.shown.count},
+                     {"latest_s", row.latest_s < 0 ? ordered_json(nullptr) : ordered_json(row.latest_s)},
+                     {"failures", row.failures}};
+  }
+  return all;
+}
+
+ordered_json json_of(const Summary& s) {
+  ordered_json reasons = ordered_json::object();
+  for (const auto& [why, count] : s.reasons) reasons[why] = count;
+  return {{"runs", s.collisions.of},
+          {"collisions", s.collisions.count},
+          {"near_misses", s.near_misses.count},
+          {"encounters", s.encounters.count},
+          {"goals_reached", s.goals.count},
+          {"refused", s.refused.count},
+          {"refused_where_no_way", s.no_way_there},
+          {"lost", s.lost.count},
+          {"path_ratio_median", middle_of(s.path_ratio)},
+          {"time_ratio_median", middle_of(s.time_ratio)},
+          {"least_clearance_m_median", middle_of(s.clearance_m)},
+          {"detection_delay_pings_median", middle_of(s.delay_pings)},
+          {"first_range_m_median", middle_of(s.first_range_m)},
+          {"false_obstacles_a_scan", s.false_obstacles},
+          {"false_obstacles_20m_a_scan", s.near_false_obstacles},
+          {"points_dropped", s.points_dropped},
+          {"bodies_missed", s.bodies_missed},
+          {"replans", s.replans},
+          {"false_replans", s.false_replans},
+          {"safety_actions", s.safety_actions},
+          {"shares",
+           {{"collisions", json_of(s.collisions)},
+            {"near_misses", json_of(s.near_misses)},
+            {"encounters", json_of(s.encounters)},
+            {"goals_reached", json_of(s.goals)},
+            {"goals_without_collision", json_of(s.safe_goals)},
+            {"refused", json_of(s.refused)}}},
+          {"spreads",
+           {{"path_ratio", json_of(s.path_ratio)},
+            {"time_ratio", json_of(s.time_ratio)},
+            {"least_clearance_m", json_of(s.clearance_m)},
+            {"detection_delay_pings", json_of(s.delay_pings)},
+            {"first_range_m", json_of(s.first_range_m)}}},
+          {"reasons", reasons}};
+}
+
+/// Share of the runs up to each value.
+std::string distribution_chart(const EvaluationRequest& request, const Evaluation& evaluation, const std::string& title,
+                               const std::string& label, double low, double high,
+                               const std::function<double(const RunScore&)>& value) {
+  ChartPicture chart(kPixels, 380, title, {label, low, high}, {"share of runs up to this value", 0, 1});
+  for (std::size_t c = 0; c < request.methods.size(); ++c) {
+    std::vector<double> sample;
+    for (const ScoredRun& run : evaluation.runs) {
+      const double v = value(run.scores[c]);
+      if (v >= 0) sample.push_back(std::clamp(v, low, high));
+    }
+    std::sort(sample.begin(), sample.end());
+    std::vector<double> x{low}, y{0};
+    for (std::size_t i = 0; i < sample.size(); ++i) {
+      x.insert(x.end(), {sample[i], sample[i]});
+      y.insert(y.end(), {y.back(), static_cast<double>(i + 1) / static_cast<double>(evaluation.runs.size())});
+    }
+    x.push_back(high);
+    y.push_back(y.back());
+    chart.curve(x, y, {kColours[c % kColours.size()], c == 0 ? 2.5 : 1.5, c != 0}, request.methods[c].name);
+  }
+  chart.finish();
+  return chart.png();
+}
+
+std::string verdict(const RunScore& s) {
+  std::string text;
+  if (s.contact_s >= 0) {
+    text = fmt::format("touched {} after {:.1f} s", s.contact_with, s.contact_s);
+  } else if (s.collision) {
+    text = fmt::format("came within {:.2f} m of {}", s.least_clearance_m, s.nearest_body);
+  } else if (!s.proof.failure.empty()) {
+    text = s.proof.fault + ": " + s.proof.failure;
+  } else if (s.goal_reached) {
+    text = s.path_ratio > 0 ? fmt::format("reached the goal on {:.2f} times the shortest path", s.path_ratio)
+                            : "reached the goal";
+  } else if (!s.refused.empty()) {
+    text = "refused: " + s.refused;
+  } else {
+    text = fmt::format("never came nearer to the goal than {:.1f} m", s.goal_distance_m);
+  }
+  if (!s.nearest_body.empty())
+    text += fmt::format("; minimum clearance {:.2f} m, to {}", s.least_clearance_m, s.nearest_body);
+  return text;
+}
+
+std::string how_to_run_again(const EvaluationRequest& request, const ScoredRun& run) {
+  const std::string variant = run.variant.empty() ? "" : " --variant " + run.variant;
+  return fmt::format("isobath eval {} --runs 1 --seed {}{}", request.suite.name, run.seed, variant);
+}
+
+/// The conditions that were drawn, and the variant.
+std::string conditions_of(const ScoredRun& run) {
+  return run.variant.empty() ? run.conditions : run.variant + "; " + run.conditions;
+}
+
+PlanExtent around(const RunTruth& truth, const SuiteRun& run, const LoopResult& result) {
+  Eigen::AlignedBox2d box;
+  for (const TrueMotion& m : result.track) box.extend(Vector2d(m.state.X_WB.translation.head<2>()));
+  for (const MissionPoint& p : run.scenario.mission.points) box.extend(p.north_east);
+  for (const Vector2d& p : truth.way()) box.extend(p);
+  const double half = 0.6 * std::max(box.sizes().maxCoeff(), 10.0);
+  const Vector2d c = box.center();
+  return {c.x() - half, c.x() + half, c.y() - half, c.y() + half};
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluation) {
+  std::vector<std::vector<std::string>> rows;
+  const auto row = [&](const std::string& what, const auto& cell) {
+    std::vector<std::string>& line = rows.emplace_back(1, what);
+    for (const Summary& s : evaluation.summaries) line.push_back(cell(s));
+  };
+  row("", [](const Summary& s) { return s.name; });
+  row("goal reached", [](const Summary& s) { return cell_text(s.goals); });
+  row("... without a collision", [](const Summary& s) { return cell_text(s.safe_goals); });
+  row("collision", [](const Summary& s) { return cell_text(s.collisions); });
+  row("near miss", [](const Summary& s) { return cell_text(s.near_misses); });
+  row("encounter", [](const Summary& s) { return cell_text(s.encounters); });
+  row("refused, with a reason", [](const Summary& s) { return cell_text(s.refused); });
+  row("... where no path exists", [](const Summary& s) { return fmt::format("{}", s.no_way_there); });
+  row("neither goal nor reason", [](const Summary& s) { return cell_text(s.lost); });
+  row("path ratio", [](const Summary& s) { return cell_text(s.path_ratio, 3); });
+  row("time ratio", [](const Summary& s) { return cell_text(s.time_ratio, 3); });
+  row("minimum clearance, m", [](const Summary& s) { return cell_text(s.clearance_m, 1); });
+  row("detection delay, pings", [](const Summary& s) { return cell_text(s.delay_pings, 0); });
+  row("range at detection, m", [](const Summary& s) { return cell_text(s.first_range_m, 1); });
+  row("false obstacles per scan", [](const Summary& s) { return fmt::format("{:.3f}", s.false_obstacles); });
+  row("... within 20 m", [](const Summary& s) { return fmt::format("{:.3f}", s.near_false_obstacles); });
+  row("mission points dropped", [](const Summary& s) { return cell_text(s.points_dropped, s.goals); });
+  row("replans", [](const Summary& s) { return cell_text(s.replans, s.goals); });
+  row("false replans", [](const Summary& s) { return cell_text(s.false_replans, s.goals); });
+  row("safety actions", [](const Summary& s) { return cell_text(s.safety_actions, s.goals); });
+  if (evaluation.summaries.front().rows.empty()) return rows;
+  row("faults handled as the table says", [](const Summary& s) { return cell_text(s.shown); });
+  for (std::size_t i = 0; i < fault_table().size(); ++i) {
+    row(fault_table()[i].name, [i](const Summary& s) { return cell_text(s.rows[i]); });
+  }
+  return rows;
+}
+
+std::vector<std::vector<std::string>> variant_table(const Evaluation& evaluation) {
+  std::vector<std::vector<std::string>> rows;
+  if (evaluation.variants.empty()) return rows;
+  rows.push_back({"variant", "runs", "goal", "collision", "refused", "path ratio", "minimum clearance, m",
+                  "false obstacles", "within 20 m"});
+  const auto count = [](const Share& share) { return fmt::format("{}", share.count); };
+  const auto median = [](const Spread& s, int digits) {
+    return s.count == 0 ? std::string("none") : fmt::format("{:.{}f}", s.median, digits);
+  };
+  for (const Summary& s : evaluation.variants) {
+    rows.push_back({s.name, fmt::format("{}", s.goals.of), count(s.goals), count(s.collisions), count(s.refused),
+                    median(s.path_ratio, 3), median(s.clearance_m, 1), fmt::format("{:.3f}", s.false_obstacles),
+                    fmt::format("{:.3f}", s.near_false_obstacles)});
+  }
+  return rows;
+}
+
+std::vector<std::string> comparison_lines(const Evaluation& evaluation) {
+  std::vector<std::string> lines;
+  const Summary& ours = evaluation.summaries.front();
+  for (std::size_t i = 1; i < evaluation.summaries.size(); ++i) {
+    const Summary& other = evaluation.summaries[i];
+    const ShareDifference goals = difference(ours.safe_goals, other.safe_goals);
+    const ShareDifference collisions = difference(other.collisions, ours.collisions);
+    lines.push_back(fmt::format(
+        "against {}: {:+.1f} percentage points of goals without a collision ({:+.1f} to {:+.1f}), {:+.1f} percentage "
+        "points of collisions avoided ({:+.1f} to {:+.1f})",
+        other.name, 100 * goals.value, 100 * goals.low, 100 * goals.high, 100 * collisions.value, 100 * collisions.low,
+        100 * collisions.high));
+  }
+  return lines;
+}
+
+std::string to_json(const EvaluationRequest& request, const Evaluation& evaluation) {
+  ordered_json json = {{"suite", request.suite.name}, {"title", request.suite.about.title}};
+  json["first_seed"] = evaluation.runs.empty() ? 0 : evaluation.runs.front().seed;
+  const Summary& ours = evaluation.summaries.front();
+  json.update(json_of(ours));
+  if (!ours.rows.empty()) json["faults"] = {{"shown", json_of(ours.shown)}, {"rows", json_of(ours.rows)}};
+  if (!evaluation.variants.empty()) {
+    ordered_json& variants = json["variants"] = ordered_json::object();
+    for (const Summary& s : evaluation.variants) variants[s.name] = json_of(s);
+  }
+  json["broken_bars"] = evaluation.broken;
+  ordered_json& baselines = json["baselines"] = ordered_json::object();
+  for (std::size_t i = 1; i < evaluation.summaries.size(); ++i) {
+    baselines[evaluation.summaries[i].name] = json_of(evaluation.summaries[i]);
+  }
+  ordered_json& worst = json["worst"] = ordered_json::array();
+  for (const std::size_t i : worst_runs(evaluation.runs, kWorstRuns)) {
+    const ScoredRun& run = evaluation.runs[i];
+    worst.push_back({{"seed", run.seed},
+                     {"variant", run.variant},
+                     {"what", verdict(run.scores.front())},
+                     {"conditions", run.conditions},
+                     {"again", how_to_run_again(request, run)}});
+  }
+  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string run_picture(const SuiteRun& run, const RunTruth& truth, const LoopResult& result,
+                        const std::string& title) {
+  PlanPicture picture(around(truth, run, result), kPixels, {title, "north (m)", "east (m)"});
+  for (const Hazard& h : truth.outlines())
+    picture.polygon(h.outline, {palette::kInk, 1.5, false}, {0.3, 0.25, 0.2, 0.6});
+  std::vector<Vector2d> mission{run.scenario.scene.vehicle.start.head<2>()};
+  for (const MissionPoint& p : run.scenario.mission.points) mission.push_back(p.north_east);
+  picture.polyline(mission, {palette::kFaint, 1, true});
+  if (!truth.way().empty()) picture.polyline(truth.way(), {palette::kTruth, 1.5, true});
+  std::vector<Vector2d> track;
+  for (const TrueMotion& m : result.track) track.emplace_back(m.state.X_WB.translation.head<2>());
+  if (track.size() > 1) picture.polyline(track, {palette::kTrack, 2, false});
+  for (const Decision& d : result.decisions) {
+    if (d.obstacle) picture.dot(*d.obstacle, 3, palette::kObstacle);
+  }
+  for (std::size_t i = 1; i < mission.size(); ++i) picture.dot(mission[i], 3, palette::kInk);
+  picture.vehicle(mission.front(), run.scenario.scene.vehicle.heading.radians());
+  if (!result.track.empty()) {
+    const Pose& X_WB = result.track.back().state.X_WB;
+    picture.vehicle(X_WB.translation.head<2>(), X_WB.rotation.heading().radians());
+  }
+  picture.finish({{palette::kInk, "bodies"},
+                  {palette::kTrack, "vehicle track"},
+                  {palette::kTruth, "shortest path, all known"},
+                  {palette::kObstacle, "obstacles of its decisions"}});
+  return picture.png();
+}
+
+void write_evaluation(const EvaluationRequest& request, const Evaluation& evaluation) {
+  write_file(request.out / "results.json", to_json(request, evaluation));
+  const ComparedMethod& ours = request.methods.front();
+  HtmlReport page("Isobath: " + request.suite.about.title, request.suite.about.text);
+  for (const std::string& bar : evaluation.broken) page.warning("Bar missed: " + bar + ".");
+  page.heading("Results");
+  const auto table = evaluation_table(evaluation);
+  page.table(table.front(), {table.begin() + 1, table.end()});
+  page.paragraph(fmt::format(
+      "Shares have their 95 % intervals (Wilson); other values are the median with the 5 and 95 % quantiles of the "
+      "runs. The path ratio is the path length over that of the route planner with every outline known, at the same "
+      "clearance. For a hull of {:g} m, a clearance below {:g} m is a collision, below {:g} m a near miss and below "
+      "{:g} m an encounter; other hulls in proportion. False obstacles have an existence probability of at least {:g}, "
+      "and neither a body nor a bottom that the vehicle must avoid is there.",
+      kReferenceHull_m, kCollision_m, kNearMiss_m, kEncounter_m, kSureObstacle));
+  for (const std::string& line : comparison_lines(evaluation)) page.paragraph(ours.name + " " + line + ".");
+  for (const Summary& s : evaluation.summaries) {
+    for (const auto& [why, count] : s.reasons)
+      page.paragraph(fmt::format("{} refused {} times: {}", s.name, count, why));
+  }
+  if (const auto variants = variant_table(evaluation); !variants.empty()) {
+    page.heading("Variants");
+    page.table(variants.front(), {variants.begin() + 1, variants.end()});
+    page.paragraph("All of " + ours.name +
+                   ". Path ratio and clearance are medians; false obstacles are means over all scans.");
+  }
+  page.heading("Distributions");
+  page.begin_row();
+  page.figure(distribution_chart(
+                  request, evaluation, "Minimum clearance", "m from the hull", 0, 15,
+                  [](const RunScore& s) { return s.nearest_body.empty() ? -1 : std::max(0.0, s.least_clearance_m); }),
+              "Minimum distance from the hull to a body in each run. Further to the right is safer.");
+  page.figure(distribution_chart(request, evaluation, "Path length", "times the shortest", 0.9, 2,
+                                 [](const RunScore& s) { return s.path_ratio; }),
+              "Only runs that reached the goal; the height at the right end is their share.");
+  page.end_row();
+  page.heading("The worst runs");
+  const std::vector<Scenario> scenes = load_scenes(request.suite);
+  for (const std::size_t i : worst_runs(evaluation.runs, kWorstRuns)) {
+    const ScoredRun& scored = evaluation.runs[i];
+    const SuiteRun run = make_run(request.suite, scenes, scored.seed);
+    const RunTruth truth(request.suite, run);
+    const auto done = evaluation.worst.find(scored.seed);
+    const LoopResult result = done != evaluation.worst.end() ? done->second : run_method(ours, run, truth.vehicle());
+    page.figure(run_picture(run, truth, result, fmt::format("seed {}", scored.seed)),
+                fmt::format("{}. To repeat it: {}", conditions_of(scored), how_to_run_again(request, scored)));
+    page.paragraph(fmt::format("Seed {}: {}.", scored.seed, verdict(scored.scores.front())));
+    std::string decisions;
+    for (const Decision& d : result.decisions) {
+      decisions += fmt::format("{:7.2f} s  {}: {}: {}\n", to_seconds(d.time), d.agent, d.what, d.reason);
+    }
+    page.folded("Decisions", decisions);
+  }
+  page.folded("Configuration in force", to_toml(ours.configuration, true));
+  write_file(request.out / "report.html", page.html());
+}
+
+}  // namespace isobath

@@ -1,0 +1,305 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/base/random.hpp>
+#include <isobath/evaluation/suite.hpp>
+#include <isobath/report/html_report.hpp>
+#include <isobath/scenario/embedded_files.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kFolder = "suites/", kEnding = ".toml";
+
+std::vector<Field> about_fields(SuiteConfig& c, AltimeterChoice& altimeter) {
+  return {
+      Field::text("title", &c.title, "Title of the suite."),
+      Field::text("text", &c.text, "What the suite shows."),
+      Field::file("scene", &c.scene, "The scene, with its mission, of all runs."),
+      Field::file("faults", &c.faults,
+                  "Instead of a scene: a folder with one scene for each row of the fault table, named like it."),
+      Field::choice("altimeter", &altimeter,
+                    {{"scene", AltimeterChoice::kAsScene},
+                     {"with", AltimeterChoice::kWith},
+                     {"without", AltimeterChoice::kWithout},
+                     {"both", AltimeterChoice::kBoth}},
+                    "Whether the vehicle has an altimeter; scene: as in the scene, both: in turn."),
+      Field::text("without", &c.without, "Name of a sonar of the scene that is switched off; empty: none."),
+      Field::integer("runs", &c.runs, {1, 1'000'000}, "", "Number of runs; the command line can override it."),
+      Field::integer("seed", &c.seed, {0, 1'000'000'000}, "",
+                     "Seed of the first run; each further run has the next number."),
+      Field::real("duration_s", &c.duration_s, {0, 1e5}, "s",
+                  "Maximum duration of a run; 0: the duration of its scene."),
+      Field::real("goal_m", &c.goal_m, {0.1, 1000}, "m",
+                  "True distance at which the last mission point counts as reached."),
+      Field::real("near_body_m", &c.near_body_m, {0, 1000}, "m",
+                  "A replan for an obstacle farther than this from every body counts as false."),
+      Field::real("clearance_m", &c.clearance_m, {0, 100}, "m", "Clearance of the planner with full truth."),
+      Field::real("planner_cell_m", &c.planner_cell_m, {0.1, 10}, "m", "Cell size of the planner with full truth.")};
+}
+
+std::vector<Field> vary_fields(VariationConfig& c) {
+  return {Field::numbers("start", c.start.data(), 2, {0, 1000}, "m", "Half width of the start, north and east."),
+          Field::degrees("heading_deg", &c.heading, {0, 180}, "Half width of the heading at the start."),
+          Field::real("current", &c.current, {0, 2}, "m/s",
+                      "Maximum speed of the current, in any direction. In suites of faults it is added to the current "
+                      "of the scene, else it replaces it."),
+          Field::numbers("drift", c.drift.data(), 2, {0, 0.5}, "1",
+                         "Minimum and maximum drift of the navigation, as a share of the distance travelled; needs "
+                         "navigation.kind drift."),
+          Field::numbers("noise", c.noise.data(), 2, {0, 10}, "1",
+                         "Minimum and maximum factor on the noise of the sonars."),
+          Field::numbers("density", c.density.data(), 2, {0, 10}, "1",
+                         "Minimum and maximum factor on the density of the clutter.")};
+}
+
+std::vector<Field> bar_fields(BarsConfig& c) {
+  return {
+      Field::integer("collisions", &c.collisions, {-1, 1'000'000}, "", "Maximum number of collisions; -1: no bar."),
+      Field::real("goals_share", &c.goals_share, {-1, 1}, "1",
+                  "Minimum share of the runs that reach the goal; -1: no bar."),
+      Field::real("refused_share", &c.refused_share, {-1, 1}, "1",
+                  "Maximum share of the runs that are refused; -1: no bar."),
+      Field::real("path_ratio_median", &c.path_ratio_median, {-1, 100}, "1",
+                  "Maximum median ratio of the path length to that of the planner with full truth; -1: no bar."),
+      Field::real("false_obstacles_20m", &c.false_obstacles_20m, {-1, 1000}, "",
+                  "Maximum mean number of false obstacles within 20 m of the vehicle, per scan; -1: no bar."),
+      Field::real("shown_share", &c.shown_share, {-1, 1}, "1",
+                  "Minimum share of the fault runs that show what the fault table states; -1: no bar."),
+  };
+}
+
+std::vector<std::pair<std::string, Baseline>> baseline_names() {
+  std::vector<std::pair<std::string, Baseline>> names;
+  for (const Baseline b :
+       {Baseline::kNoAvoidance, Baseline::kPotentialField, Baseline::kImageThreshold, Baseline::kAsPrinted}) {
+    names.emplace_back(to_text(b), b);
+  }
+  return names;
+}
+
+void check_suite(Suite& s, const std::string& file) {
+  const auto refuse = [&file](const std::string& key, const std::string& problem, const std::string& allowed) {
+    throw Error(problem, {.file = file, .key = key}, allowed);
+  };
+  const auto ordered = [&](const std::string& key, const Eigen::Vector2d& range) {
+    if (range[0] > range[1]) refuse(key, "the first number is above the second", "minimum, maximum");
+  };
+  if (s.about.scene.empty() == s.about.faults.empty()) {
+    refuse("suite.scene", s.about.scene.empty() ? "is missing" : "cannot be combined with faults",
+           "a scene file, or faults");
+  }
+  if (!s.about.faults.empty() && !s.axes.empty()) {
+    refuse("suite.faults", "cannot be combined with vehicles, sonars or an altimeter", "a scene instead of faults");
+  }
+  s.variants = variants_of(s.axes);
+  ordered("vary.drift", s.vary.drift);
+  ordered("vary.noise", s.vary.noise);
+  ordered("vary.density", s.vary.density);
+  for (std::size_t i = 0; i < s.baselines.size(); ++i) {
+    if (std::count(s.baselines.begin(), s.baselines.end(), s.baselines[i]) > 1) {
+      refuse("baseline.helm", fmt::format("{} is listed twice", to_text(s.baselines[i])), "each once");
+    }
+  }
+}
+
+/// FNV-1a, 64 bits.
+std::uint64_t digest_of(std::uint64_t before, std::string_view text) {
+  for (const char c : text) before = (before ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return before;
+}
+
+std::vector<std::string> scenes_of(const SuiteConfig& about) {
+  if (about.faults.empty()) return {about.scene};
+  std::vector<std::string> files;
+  for (const FaultRow& row : fault_table()) {
+    files.push_back((fs::path(about.faults) / (file_name_of(row) + std::string(kEnding))).string());
+  }
+  return files;
+}
+
+MissionPlan mission_along(const Scene& scene) {
+  MissionPlan plan;
+  plan.title = scene.about.title;
+  plan.speed = scene.vehicle.speed;
+  for (const WaypointConfig& w : scene.waypoints) {
+    MissionPoint& point = plan.points.emplace_back();
+    point.name = fmt::format("point {}", plan.points.size());
+    point.north_east = {w.north, w.east};
+    point.depth_m = w.depth;
+    point.speed = w.speed;
+  }
+  plan.origin = scene.origin();
+  return plan;
+}
+
+void draw_current(Random random, const VariationConfig& vary, SuiteRun& run) {
+  if (vary.current <= 0) return;
+  std::vector<double>& current = run.scenario.scene.water.current;  // rows of depth, north, east
+  const double speed = random.uniform(0, vary.current);
+  const double towards = random.uniform(0, 2 * std::numbers::pi);
+  if (!run.row || current.empty()) current = {0, 0, 0};
+  for (std::size_t i = 0; i + 2 < current.size(); i += 3) {
+    current[i + 1] += speed * std::cos(towards);
+    current[i + 2] += speed * std::sin(towards);
+  }
+  run.conditions += fmt::format("; current {:.2f} m/s towards {:.0f} deg", speed, towards * 180 / std::numbers::pi);
+}
+
+void draw_start(Random random, const VariationConfig& vary, SuiteRun& run) {
+  VehicleConfig& vehicle = run.scenario.scene.vehicle;
+  const double north = random.uniform(-1, 1);
+  const double east = random.uniform(-1, 1);
+  const double turn = random.uniform(-1, 1);
+  vehicle.start += Eigen::Vector3d(north * vary.start.x(), east * vary.start.y(), 0);
+  vehicle.heading = (vehicle.heading + vary.heading * turn).wrapped();
+  run.conditions += fmt::format("start at north {:.1f} m, east {:.1f} m, heading {:.0f} deg", vehicle.start.x(),
+                                vehicle.start.y(), vehicle.heading.wrapped_positive().degrees());
+}
+
+}  // namespace
+
+const char* to_text(Baseline baseline) {
+  switch (baseline) {
+    case Baseline::kNoAvoidance: return "no avoidance";
+    case Baseline::kPotentialField: return "potential field";
+    case Baseline::kImageThreshold: return "image threshold";
+    case Baseline::kAsPrinted: return "as printed";
+  }
+  return "";
+}
+
+Schema schema(Suite& s) {
+  Schema all;
+  all.sections = {{"suite", "The runs of the suite.", about_fields(s.about, s.axes.altimeter)},
+                  {"vary", "What varies from run to run.", vary_fields(s.vary)},
+                  {"clutter", "A random field of obstacles, added to the scene.", fields(s.clutter)},
+                  {"bars", "The bars that the runs must meet.", bar_fields(s.bars)}};
+  all.lists = {
+      {"baseline", "A method to compare with, on the same runs.",
+       [&s](const Place&) {
+         Baseline& helm = s.baselines.emplace_back(Baseline::kNoAvoidance);
+         return std::vector<Field>{Field::choice("helm", &helm, baseline_names(), "Name of the method.")};
+       }},
+      {"vehicle", "A vehicle that replaces that of the scene; the runs take the vehicles in turn.",
+       [&s](const Place& place) {
+         SuiteVehicle& vehicle = s.axes.vehicles.emplace_back();
+         vehicle.place = place;
+         return fields(vehicle);
+       }},
+      {"sonar", "An imaging sonar instead of those of the scene; runs take them in turn.", [&s](const Place& place) {
+         SonarConfig& sonar = s.axes.sonars.emplace_back();
+         sonar.place = place;
+         return fields(sonar);
+       }}};
+  return all;
+}
+
+Suite load_suite(const fs::path& file) {
+  Suite suite;
+  suite.name = file.stem().string();
+  Schema all = schema(suite);
+  const std::string text = text_of_file(file.string());
+  read_toml(text, file.string(), all);
+  check_suite(suite, file.string());
+  suite.scenes = scenes_of(suite.about);
+  suite.digest = digest_of(0xcbf29ce484222325u, text);
+  for (const std::string& scene : suite.scenes) {
+    suite.digest = digest_of(suite.digest, text_of_file(scene));
+    const std::string vehicle = load_scenario(scene).scene.vehicle.file;
+    if (!vehicle.empty()) suite.digest = digest_of(suite.digest, text_of_file(vehicle));
+  }
+  for (const SuiteVehicle& vehicle : suite.axes.vehicles) {
+    suite.digest = digest_of(suite.digest, text_of_file(vehicle.file));
+  }
+  return suite;
+}
+
+void select_variants(Suite& suite, const std::string& name) {
+  suite.variants = matching(suite.variants, name);
+  for (const SuiteVariant& variant : suite.variants) suite.digest = digest_of(suite.digest, variant.name);
+}
+
+std::vector<Scenario> load_scenes(const Suite& suite) {
+  std::vector<Scenario> scenes;
+  for (const std::string& file : suite.scenes) scenes.push_back(load_scenario(file));
+  return scenes;
+}
+
+std::vector<std::string> embedded_suites() {
+  std::vector<std::string> names;
+  for (const EmbeddedFile& file : embedded_files()) {
+    if (!file.name.starts_with(kFolder)) continue;
+    names.emplace_back(file.name.substr(kFolder.size(), file.name.size() - kFolder.size() - kEnding.size()));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+fs::path find_suite(const std::string& name_or_file, const fs::path& folder) {
+  const std::vector<std::string> names = embedded_suites();
+  if (std::find(names.begin(), names.end(), name_or_file) == names.end()) {
+    if (fs::is_regular_file(name_or_file)) return name_or_file;
+    throw Error("no such suite: " + name_or_file, {}, fmt::format("a file, or one of {}", fmt::join(names, ", ")));
+  }
+  for (const EmbeddedFile& file : embedded_files()) {
+    const fs::path to = folder / file.name;
+    make_folder(to.parent_path());
+    write_file(to, file.text);
+  }
+  return folder / (std::string(kFolder) + name_or_file + std::string(kEnding));
+}
+
+SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uint64_t seed) {
+  const std::size_t which = seed % scenes.size();
+  SuiteRun run;
+  run.seed = seed;
+  run.scenario = scenes[which];
+  if (!suite.about.faults.empty()) {
+    run.row = &fault_table()[which];
+    run.conditions = std::string(run.row->name) + "; ";
+  }
+  if (!suite.variants.empty()) {
+    const SuiteVariant& variant = suite.variants[seed % suite.variants.size()];
+    apply(variant, run.scenario);
+    run.variant = variant.name;
+  }
+  Scene& scene = run.scenario.scene;
+  scene.about.seed = static_cast<int>(seed);
+  if (suite.about.duration_s > 0) scene.about.duration_s = suite.about.duration_s;
+  Random random(seed);
+  draw_start(random.fork(), suite.vary, run);
+  draw_current(random.fork(), suite.vary, run);
+  Random drift = random.fork();
+  Random noise = random.fork();
+  Random density = random.fork();
+  const std::uint64_t field_seed = random.bits();
+  if (suite.vary.drift[1] > 0) {
+    scene.navigator.drift_share = drift.uniform(suite.vary.drift[0], suite.vary.drift[1]);
+    run.conditions += fmt::format("; drift {:.2f} %", 100 * scene.navigator.drift_share);
+  }
+  if (!suite.about.without.empty()) switch_off(scene, suite.about.without);
+  const double factor = noise.uniform(suite.vary.noise[0], suite.vary.noise[1]);
+  for (SonarConfig& sonar : scene.sonars) {
+    sonar.noise_level *= factor;
+    sonar.noise_sigma *= factor;
+  }
+  run.conditions += fmt::format("; noise x {:.2f}", factor);
+  if (suite.clutter.density > 0) {
+    ClutterConfig clutter = suite.clutter;
+    clutter.density *= density.uniform(suite.vary.density[0], suite.vary.density[1]);
+    ClutterField field = clutter_field(clutter, field_seed);
+    run.conditions += fmt::format("; {} bodies", field.bodies.size());
+    std::move(field.bodies.begin(), field.bodies.end(), std::back_inserter(scene.bodies));
+  }
+  if (run.scenario.mission.points.empty()) run.scenario.mission = mission_along(scene);
+  if (run.scenario.mission.points.empty()) {
+    throw Error("the scene has neither mission points nor way-points", {.file = scene.file}, "at least one");
+  }
+  return run;
+}
+
+}  // namespace isobath

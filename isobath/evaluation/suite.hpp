@@ -1,0 +1,108 @@
+// Suite: many runs of one scenario that differ only by a seed: what varies, which methods are compared, and which bars
+// must hold (ledger S6-67). A suite is a TOML file, read as strictly as all others; those of suites/ are also embedded
+// in the program, by name.
+//
+// A suite of faults has one scene for each row of the fault table instead. Runs take the rows in turn: the run of a
+// seed uses the row seed mod their number, and must show what the row states (fault_injection_check.hpp).
+//
+// A suite of variants (suite_variants.hpp) takes its variants in turn in the same way: vehicles, sonars, with and
+// without an altimeter.
+//
+// A run is a function of the suite and its seed: run k of `runs` has the seed `seed` + k, and each run can be
+// reproduced alone from its seed. A run draws start, heading, current, drift of the navigation, noise level of the
+// sonars and the field of obstacles; each uniformly, in this order, each from a random stream of its own.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <isobath/base/config.hpp>
+#include <isobath/evaluation/suite_variants.hpp>
+#include <isobath/mission/safety/fault_table.hpp>
+#include <isobath/scenario/scenario.hpp>
+#include <isobath/sim/clutter.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+/// Methods that steer the runs of a suite for comparison with Isobath's agents, on the same runs (ledger S6-62).
+enum class Baseline : std::uint8_t { kNoAvoidance, kPotentialField, kImageThreshold, kAsPrinted };
+const char* to_text(Baseline baseline);
+
+struct SuiteConfig {
+  std::string title = "a suite", text;
+  std::string scene;
+  std::string faults;   ///< or a folder of scenes that are named like the rows of the fault table
+  std::string without;  ///< name of a sonar that is switched off
+  int runs = 100;
+  int seed = 1;
+  double duration_s = 240;    ///< 0: the duration of the scene
+  double goal_m = 6;          ///< true distance at which the last mission point counts as reached
+  double near_body_m = 4;     ///< a replan for an obstacle farther than this from every body counts as false
+  double clearance_m = 3;     ///< clearance of the planner with full truth
+  double planner_cell_m = 1;  ///< of the planner with full truth
+};
+
+/// Half widths of the values drawn about those of the scene; minimum and maximum of drift and factors.
+struct VariationConfig {
+  Eigen::Vector2d start = {0, 0};  ///< north, east, m
+  Angle heading;
+  double current = 0;                ///< maximum, m/s, any direction; in suites of faults added to that of the scene
+  Eigen::Vector2d drift = {0, 0};    ///< share of the distance travelled, with a navigator of the kind `drift`
+  Eigen::Vector2d noise = {1, 1};    ///< factor on the noise of all sonars
+  Eigen::Vector2d density = {1, 1};  ///< factor on the density of the clutter
+};
+
+/// The bars for Isobath's agents; a bar of -1 is not applied.
+struct BarsConfig {
+  int collisions = 0;
+  double goals_share = -1;
+  double refused_share = -1;
+  double path_ratio_median = -1;
+  double false_obstacles_20m = -1;  ///< within 20 m of the vehicle, per scan
+  double shown_share = -1;          ///< share of the fault runs that show what their rows state
+};
+
+struct Suite {
+  std::string name;  ///< file name without its extension
+  SuiteConfig about;
+  VariationConfig vary;
+  BarsConfig bars;
+  ClutterConfig clutter;
+  std::vector<Baseline> baselines;
+  VariantAxes axes;
+  std::vector<SuiteVariant> variants;  ///< the runs take them in turn; none: the scene as it is
+  std::vector<std::string> scenes;     ///< files: one, or one per row of the fault table
+  std::uint64_t digest = 0;            ///< of the texts of suite, scenes and vehicles, and of the selected variants
+};
+
+/// Bound to `suite`, which must outlive it.
+Schema schema(Suite& suite);
+/// Throws Error with line and column.
+Suite load_suite(const std::filesystem::path& file);
+/// Keeps only the variants that have every part of `name`. Throws Error if there is none.
+void select_variants(Suite& suite, const std::string& name);
+
+/// Names of the suites embedded in the program.
+std::vector<std::string> embedded_suites();
+/// The file of a suite. An embedded suite is written into `folder` together with all files that it names. Throws Error
+/// with the names if it is neither an embedded suite nor a file.
+std::filesystem::path find_suite(const std::string& name_or_file, const std::filesystem::path& folder);
+
+/// Reads the scenes of the suite; make_run takes them, so that they are read only once.
+std::vector<Scenario> load_scenes(const Suite& suite);
+
+/// One run: the scene with all drawn values, and its mission. Without mission points, the way-points of the scene are
+/// the mission.
+struct SuiteRun {
+  std::uint64_t seed = 0;
+  Scenario scenario;
+  std::string variant;            ///< name of the variant; empty in a suite without variants
+  std::string conditions;         ///< the drawn values as text
+  const FaultRow* row = nullptr;  ///< the row that the run must show, in a suite of faults
+};
+/// `scenes`: the scenes of the suite, at least one.
+SuiteRun make_run(const Suite& suite, std::span<const Scenario> scenes, std::uint64_t seed);
+
+}  // namespace isobath

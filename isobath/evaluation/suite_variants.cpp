@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <isobath/evaluation/suite_variants.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr const char *kWithAltimeter = "altimeter", *kWithoutAltimeter = "no-altimeter";
+
+[[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed) {
+  place.key = key;
+  throw Error(problem, place, allowed);
+}
+
+/// Names are parts of a variant's name, which the command line splits at each /.
+template <class Part>
+void check_names(const std::vector<Part>& parts, const std::string& section) {
+  std::vector<std::string> seen{kWithAltimeter, kWithoutAltimeter};
+  for (const Part& part : parts) {
+    if (part.name.empty() || part.name.find_first_of("/ ") != std::string::npos) {
+      refuse(part.place, section + ".name", fmt::format("\"{}\" cannot be part of a variant's name", part.name),
+             "a word without / and spaces");
+    }
+    if (std::find(seen.begin(), seen.end(), part.name) != seen.end()) {
+      refuse(part.place, section + ".name", part.name + " is used twice, or is reserved", "another name");
+    }
+    seen.push_back(part.name);
+  }
+}
+
+void check_vehicle_file(const SuiteVehicle& vehicle) {
+  if (vehicle.file.empty()) refuse(vehicle.place, "vehicle.file", "is missing", "a vehicle file");
+  if (!std::filesystem::is_regular_file(vehicle.file)) {
+    refuse(vehicle.place, "vehicle.file", "no such file: " + vehicle.file, "a vehicle file");
+  }
+}
+
+std::vector<std::string> parts_of(std::string_view name) {
+  std::vector<std::string> parts;
+  for (std::size_t from = 0; from <= name.size();) {
+    const std::size_t to = std::min(name.find('/', from), name.size());
+    if (to > from) parts.emplace_back(name.substr(from, to - from));
+    from = to + 1;
+  }
+  return parts;
+}
+
+/// At least one element: a part that the suite does not list has one choice, that of the scene.
+template <class Part>
+std::vector<std::optional<Part>> choices_of(const std::vector<Part>& parts) {
+  if (parts.empty()) return {std::nullopt};
+  return {parts.begin(), parts.end()};
+}
+
+std::vector<std::optional<bool>> choices_of(AltimeterChoice altimeter) {
+  switch (altimeter) {
+    case AltimeterChoice::kAsScene: return {std::nullopt};
+    case AltimeterChoice::kWith: return {true};
+    case AltimeterChoice::kWithout: return {false};
+    case AltimeterChoice::kBoth: return {true, false};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<Field> fields(SuiteVehicle& v) {
+  return {Field::text("name", &v.name, "The part of a variant's name that stands for this vehicle; empty: file name."),
+          Field::file("file", &v.file, "Vehicle file."),
+          Field::real("speed", &v.speed, {0.01, 30}, "m/s", "Speed of its missions.")};
+}
+
+std::vector<SuiteVariant> variants_of(VariantAxes& axes) {
+  for (SuiteVehicle& vehicle : axes.vehicles) {
+    check_vehicle_file(vehicle);
+    if (vehicle.name.empty()) vehicle.name = std::filesystem::path(vehicle.file).stem().string();
+  }
+  const std::string unnamed = SonarConfig{}.name;
+  for (SonarConfig& sonar : axes.sonars) {
+    check(sonar);
+    if (sonar.name == unnamed && sonar.preset != "none") sonar.name = sonar.preset;
+  }
+  check_names(axes.vehicles, "vehicle");
+  check_names(axes.sonars, "sonar");
+  std::vector<SuiteVariant> variants;
+  if (axes.empty()) return variants;
+  for (const auto& altimeter : choices_of(axes.altimeter)) {
+    for (const auto& sonar : choices_of(axes.sonars)) {
+      for (const auto& vehicle : choices_of(axes.vehicles)) {
+        std::vector<std::string> parts;
+        if (vehicle) parts.push_back(vehicle->name);
+        if (sonar) parts.push_back(sonar->name);
+        if (altimeter) parts.emplace_back(*altimeter ? kWithAltimeter : kWithoutAltimeter);
+        variants.push_back({fmt::format("{}", fmt::join(parts, "/")), vehicle, sonar, altimeter});
+      }
+    }
+  }
+  return variants;
+}
+
+std::vector<SuiteVariant> matching(const std::vector<SuiteVariant>& variants, std::string_view name) {
+  const std::vector<std::string> wanted = parts_of(name);
+  std::vector<SuiteVariant> found;
+  std::vector<std::string> names;
+  for (const SuiteVariant& variant : variants) {
+    const std::vector<std::string> parts = parts_of(variant.name);
+    names.push_back(variant.name);
+    const bool all = std::all_of(wanted.begin(), wanted.end(), [&parts](const std::string& part) {
+      return std::find(parts.begin(), parts.end(), part) != parts.end();
+    });
+    if (all && !wanted.empty()) found.push_back(variant);
+  }
+  if (names.empty()) throw Error("the suite has no variants");
+  if (found.empty()) {
+    throw Error(fmt::format("no variant of the suite is called {}", name), {},
+                fmt::format("one of {}, or parts of it", fmt::join(names, ", ")));
+  }
+  return found;
+}
+
+void apply(const SuiteVariant& variant, Scenario& scenario) {
+  Scene& scene = scenario.scene;
+  if (variant.vehicle) {
+    scene.vehicle.file = variant.vehicle->file;
+    scene.vehicle.speed = scenario.mission.speed = variant.vehicle->speed;
+  }
+  const auto ranges = [](const SonarConfig& sonar) { return sonar.kind == SonarKind::kRanges; };
+  if (variant.sonar) {
+    std::erase_if(scene.sonars, [&](const SonarConfig& sonar) { return !ranges(sonar); });
+    scene.sonars.insert(scene.sonars.begin(), *variant.sonar);
+  }
+  if (!variant.altimeter) return;
+  if (!*variant.altimeter) {
+    std::erase_if(scene.sonars, ranges);
+  } else if (std::none_of(scene.sonars.begin(), scene.sonars.end(), ranges)) {
+    scene.sonars.push_back(sonar_preset("altimeter"));
+    scene.sonars.back().name = "altimeter";
+  }
+}
+
+}  // namespace isobath

@@ -1,0 +1,58 @@
+// SuiteVariant: one combination of vehicle and sonar in a suite. The variants are every [[vehicle]] with every
+// [[sonar]] of the suite, with or without an altimeter as the suite states; the runs take them in turn. The run of a
+// seed has the variant seed mod their number, so N consecutive runs cover N variants once each.
+//
+// A variant replaces the vehicle of the scene with its speed, and its imaging sonars. Parts that the suite does not
+// list stay those of the scene. Without an altimeter means without any sonar that gives ranges. All other drawn values
+// follow from the seed alone: with the same seed, two variants meet the same water.
+#pragma once
+
+#include <cstdint>
+#include <isobath/base/config.hpp>
+#include <isobath/scenario/scenario.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace isobath {
+
+struct SuiteVehicle {
+  Place place;
+  std::string name;  ///< empty: the file name without its extension
+  std::string file;
+  double speed = 1.5;  ///< m/s
+};
+std::vector<Field> fields(SuiteVehicle& vehicle);
+
+enum class AltimeterChoice : std::uint8_t { kAsScene, kWith, kWithout, kBoth };
+
+/// The lists of a suite; the variants are all their combinations.
+struct VariantAxes {
+  std::vector<SuiteVehicle> vehicles;
+  std::vector<SonarConfig> sonars;  ///< named after their preset unless the file names them
+  AltimeterChoice altimeter = AltimeterChoice::kAsScene;
+
+  [[nodiscard]] bool empty() const {
+    return vehicles.empty() && sonars.empty() && altimeter == AltimeterChoice::kAsScene;
+  }
+};
+
+struct SuiteVariant {
+  std::string name;  ///< its parts, separated by /: "remus100/oculus_m750d/no-altimeter"
+  std::optional<SuiteVehicle> vehicle;
+  std::optional<SonarConfig> sonar;
+  std::optional<bool> altimeter;
+};
+
+/// All combinations; vehicles change fastest, the altimeter slowest. Empty axes give none. First sets the missing names
+/// of vehicles and sonars. Throws Error with the place of an invalid vehicle or sonar.
+std::vector<SuiteVariant> variants_of(VariantAxes& axes);
+
+/// The variants that have every part of `name`, such as "remus100/no-altimeter". Throws Error with all names if there
+/// is none.
+std::vector<SuiteVariant> matching(const std::vector<SuiteVariant>& variants, std::string_view name);
+
+void apply(const SuiteVariant& variant, Scenario& scenario);
+
+}  // namespace isobath

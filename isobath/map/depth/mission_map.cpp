@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <isobath/base/error.hpp>
+#include <isobath/map/depth/mission_map.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr std::int64_t kMostCells = 1 << 22;
+
+PixelWindow all_cells(const DepthSnapshot& snapshot) {
+  const int side = std::max(1, (1 << snapshot.trees().levels()) / MissionCell::kPixels);
+  return {0, 0, side, side};
+}
+
+/// Whether the whole window is unknown: one query instead of 16384.
+bool untouched(const DepthSnapshot& snapshot, const PixelWindow& window) {
+  const PixelWindow both = overlap(window, snapshot.window().extent());
+  if (both.width > 0 && both.height > 0) return false;
+  const auto empty = [&](const RegionQuadtree& tree) {
+    if (!tree.square().contains({window.column, window.row})) return true;
+    const RegionQuadtree::Leaf leaf = tree.leaf_at({window.column, window.row});
+    return leaf.value == DepthPixel::kUnknownDepth && leaf.window.width >= window.width;
+  };
+  return empty(snapshot.trees().prior()) && empty(snapshot.trees().sensed());
+}
+
+}  // namespace
+
+MissionMap::MissionMap(const DepthSnapshot& snapshot) : MissionMap(snapshot, all_cells(snapshot)) {}
+
+MissionMap::MissionMap(const DepthSnapshot& snapshot, const PixelWindow& cells)
+    : extent_(cells), grid_{snapshot.grid().corner_m, snapshot.grid().pixel_m * MissionCell::kPixels} {
+  const std::int64_t count = std::int64_t{cells.width} * cells.height;
+  ISOBATH_ASSERT(count > 0 && count <= kMostCells);
+  cells_.resize(static_cast<std::size_t>(count));
+  refresh(snapshot, extent_);
+}
+
+void MissionMap::set_threat(Pixel cell, double detection_per_m, double destruction_per_m) {
+  cells_[slot(cell)].detection_per_m = detection_per_m;
+  cells_[slot(cell)].destruction_per_m = destruction_per_m;
+}
+
+void MissionMap::refresh(const DepthSnapshot& snapshot) {
+  const PixelWindow window = snapshot.window().extent();
+  constexpr int kShift = 7;
+  static_assert(MissionCell::kPixels == 1 << kShift);
+  const int first_column = window.column >> kShift, first_row = window.row >> kShift;
+  refresh(snapshot, {first_column, first_row, ((window.column + window.width - 1) >> kShift) - first_column + 1,
+                     ((window.row + window.height - 1) >> kShift) - first_row + 1});
+}
+
+void MissionMap::refresh(const DepthSnapshot& snapshot, const PixelWindow& cells) {
+  constexpr int kSide = MissionCell::kPixels;
+  std::vector<DepthPixel> pixels(static_cast<std::size_t>(kSide) * kSide);
+  const PixelWindow part = overlap(cells, extent_);
+  for (int row = part.row; row < part.row + part.height; ++row) {
+    for (int column = part.column; column < part.column + part.width; ++column) {
+      const PixelWindow window{column * kSide, row * kSide, kSide, kSide};
+      MissionCell& cell = cells_[slot({column, row})];
+      cell.mean_depth_m = cell.known = 0;
+      if (untouched(snapshot, window)) continue;
+      snapshot.read(window, pixels);
+      std::int64_t sum_cm = 0, known = 0;
+      for (const DepthPixel& pixel : pixels) {
+        if (!pixel.known()) continue;
+        sum_cm += pixel.depth_cm();
+        ++known;
+      }
+      cell.known = static_cast<double>(known) / static_cast<double>(pixels.size());
+      cell.mean_depth_m = known > 0 ? 0.01 * static_cast<double>(sum_cm) / static_cast<double>(known) : 0;
+    }
+  }
+}
+
+}  // namespace isobath

@@ -1,0 +1,56 @@
+// ClearViews: the range up to which the water was seen to be clear, from each place that the vehicle has looked from.
+// It tells free water from water that was never observed (ledger S4-12, S4-50); cells cannot, because only echoes are
+// stored as cells.
+//
+// A view is a place and, for each direction that was observed from it, the range up to which there was no echo. Views
+// move rigidly with the vehicle, so that nothing is ever re-binned and no error accumulates. A point is clear where any
+// view reaches it. A look from within `apart` of the newest view goes into that view; a look from farther away begins a
+// new view. A new view replaces the oldest one when all are in use; views older than a given time are forgotten on
+// request.
+//
+// This class does not know whether something stands in clear water: cells do, and they take precedence. Frames: axes T
+// of the grid, m. `is_clear` examines each view at most once. One thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <isobath/base/time.hpp>
+#include <isobath/map/spherical/spherical_directions.hpp>
+#include <vector>
+
+namespace isobath {
+
+class ClearViews {
+ public:
+  /// `buckets` must outlive this object.
+  ClearViews(const DirectionBuckets& buckets, int most_views, double apart_m);
+
+  /// From `from`, there was no echo along the unit vector u and within half_width of it, up to clear_m.
+  void look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, double clear_m, Time time);
+  [[nodiscard]] bool is_clear(const Eigen::Vector3d& p) const;
+  /// Copies all views of another object that has the same directions.
+  void copy_from(const ClearViews& other) { views_ = other.views_; }
+  /// Applies p' = R p + t to all views.
+  void move(const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
+  /// Removes views whose last look was earlier than `time`.
+  void forget_before(Time time);
+  [[nodiscard]] int views() const { return static_cast<int>(views_.size()); }
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  struct View {
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< from T to the axes in which the view began
+    Time last{};
+    std::vector<std::int32_t> rows;  ///< by azimuth: where its elevations start in `clear`; -1: none
+    std::vector<float> clear;        ///< m
+  };
+  View& view_at(const Eigen::Vector3d& from);
+  void set(View& view, const SphericalDirection& d, double clear_m) const;
+
+  const DirectionBuckets& buckets_;
+  std::size_t most_views_;
+  double apart_m_;
+  std::vector<View> views_;  ///< the newest last
+};
+
+}  // namespace isobath

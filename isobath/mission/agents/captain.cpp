@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/agents/captain.hpp>
+#include <isobath/mission/messages/words.hpp>
+
+namespace isobath {
+namespace {
+
+// Without these agents the vehicle is not controlled, or sees nothing.
+bool matters(const std::string& agent) {
+  constexpr const char* kNeeded[] = {"executive officer", "navigator", "pilot", "fls detector", "safety officer"};
+  return std::find(std::begin(kNeeded), std::end(kNeeded), agent) != std::end(kNeeded);
+}
+
+}  // namespace
+
+std::vector<Field> fields(CaptainConfig& c) {
+  return {Field::real("bid_s", &c.bid_s, {0, 600}, "s", "How long back-seat drivers may bid for a task.")};
+}
+
+void Captain::hear(const Message& message, Time now, Outbox& out) {
+  now_ = now;
+  if (const auto* command = std::get_if<OperatorCommand>(&message)) take(*command, out);
+  if (const auto* report = std::get_if<SafetyReport>(&message)) take(*report, out);
+  if (const auto* lost = std::get_if<AgentLost>(&message)) take(*lost, out);
+  if (const auto* refused = std::get_if<RouteRefused>(&message)) take(*refused, out);
+  if (const auto* report = std::get_if<PointReport>(&message)) take(*report, out);
+  if (const auto* report = std::get_if<MissionReport>(&message)) take(*report, out);
+  if (const auto* bid = std::get_if<TaskBid>(&message)) take(*bid);
+}
+
+void Captain::tick(Time now, Outbox& out) {
+  now_ = now;
+  if (bids_until_ && now >= *bids_until_) award(out);
+  if (!under_way() || aborted_ || !plan_ || plan_->limits.max_duration_s <= 0) return;
+  const double lasted = to_seconds(now - started_);
+  if (lasted <= plan_->limits.max_duration_s) return;
+  abort(MissionEnd::kSurface,
+        fmt::format("the mission has lasted {:.1f} s, {:.1f} s allowed", lasted, plan_->limits.max_duration_s), out);
+}
+
+void Captain::take(const OperatorCommand& command, Outbox& out) {
+  using Kind = OperatorCommand::Kind;
+  switch (command.kind) {
+    case Kind::kStart: return start(command, out);
+    case Kind::kAbort: return abort(MissionEnd::kHold, "the operator ended the mission", out);
+    case Kind::kHold:
+      if (phase_ == MissionPhase::kUnderWay) order(MissionOrder::Kind::kHold, "hold", "the operator asks for it", out);
+      return;
+    case Kind::kResume:
+      if (phase_ == MissionPhase::kHolding) {
+        order(MissionOrder::Kind::kResume, "resume", "the operator asks for it", out);
+      }
+      return;
+    case Kind::kBeat: return;
+  }
+}
+
+void Captain::start(const OperatorCommand& command, Outbox& out) {
+  std::string problem;
+  if (!command.plan) {
+    problem = "there is no mission";
+  } else if (under_way()) {
+    if (command.plan == plan_) return;  // the link repeats a command that was not acknowledged
+    problem = "a mission is under way";
+  } else if (!faults_.empty()) {
+    problem = "a fault is active: " + *faults_.begin();
+  } else {
+    try {
+      check_mission(*command.plan);
+    } catch (const Error& e) {
+      problem = e.what();
+    }
+  }
+  if (!problem.empty()) {
+    decide("refuse mission", problem, out);
+    if (under_way()) return;
+    phase_ = MissionPhase::kAborted;
+    out.say(MissionReport{phase_, 0, 0, problem});
+    return tell("mission refused: " + problem, out);
+  }
+  plan_ = command.plan;
+  aborted_.reset();
+  started_ = now_;
+  point_ = 0;
+  order(MissionOrder::Kind::kStart, "start", "the operator asks for it", out);
+}
+
+void Captain::take(const SafetyReport& report, Outbox& out) {
+  if (!report.abort) return;
+  if (!report.active) {
+    faults_.erase(report.fault);
+    return;
+  }
+  faults_.insert(report.fault);
+  abort(report.end, report.fault + ": " + report.why, out);
+}
+
+void Captain::take(const AgentLost& lost, Outbox& out) {
+  const std::string what = fmt::format("the {} {}: {}", lost.agent, lost.hung ? "hangs" : "died", lost.why);
+  if (matters(lost.agent)) {
+    faults_.insert(what);
+    return abort(MissionEnd::kSurface, what, out);
+  }
+  decide("go on", what + "; the mission goes on without it", out);
+  bids_.erase(lost.agent);
+  if (lost.agent == awarded_) award(out);
+}
+
+// S6-65. The Executive Officer drops a point that is not moved.
+void Captain::take(const RouteRefused& refused, Outbox& out) {
+  if (refused.reason != RouteRefused::Reason::kGoalBlocked || !refused.safe_nearby) return;
+  if (!plan_ || refused.point >= plan_->points.size()) return;
+  const MissionPoint& point = plan_->points[refused.point];
+  const double distance = (*refused.safe_nearby - point.north_east).norm();
+  if (distance > point.move_m) return;
+  decide("move point",
+         fmt::format("{}: {}; it moves by {:.1f} m to {} ({:.1f} m allowed)", name_of(point, refused.point),
+                     refused.why, distance, text_of(*refused.safe_nearby), point.move_m),
+         out);
+  out.say(PointMoved{refused.point, *refused.safe_nearby});
+}
+
+void Captain::take(const PointReport& report, Outbox& out) {
+  if (!plan_ || report.point >= plan_->points.size()) return;
+  point_ = report.point;
+  const MissionPoint& point = plan_->points[report.point];
+  const std::string name = name_of(point, report.point);
+  switch (report.kind) {
+    case PointReport::Kind::kTaken: return tell("on the way to " + name, out);
+    case PointReport::Kind::kAvoiding: return tell("avoiding on the way to " + name + ": " + report.why, out);
+    case PointReport::Kind::kDropped: return tell(name + " is dropped: " + report.why, out);
+    case PointReport::Kind::kReached: break;
+  }
+  tell(name + " is reached", out);
+  if (point.task.empty()) return;
+  call_ = {static_cast<std::uint32_t>(report.point) + 1, point.task, point};
+  bids_.clear();
+  awarded_.clear();
+  bids_until_ = now_ + seconds(config_.bid_s);
+  out.say(call_);
+}
+
+void Captain::take(const MissionReport& report, Outbox& out) {
+  if (report.phase == phase_) return;
+  phase_ = report.phase;
+  const std::string text = fmt::format("mission {}: {} of {} points reached, {} dropped; {}", to_text(report.phase),
+                                       report.reached, plan_ ? plan_->points.size() : 0, report.dropped, report.why);
+  tell(text, out);
+  const bool over = phase_ == MissionPhase::kFinished || phase_ == MissionPhase::kAborted;
+  if (over) decide(to_text(phase_), text, out);
+}
+
+void Captain::take(const TaskBid& bid) {
+  if (!bids_until_ || bid.id != call_.id || bid.driver.empty() || !(bid.suitability > 0)) return;
+  if (std::isfinite(bid.suitability)) bids_[bid.driver] = bid.suitability;
+}
+
+void Captain::award(Outbox& out) {
+  bids_until_.reset();
+  const auto best = std::max_element(bids_.begin(), bids_.end(), [](const auto& a, const auto& b) {
+    return a.second < b.second;  // of equal bids the first, and bids are sorted by name
+  });
+  awarded_ = best == bids_.end() ? "" : best->first;
+  decide("award task",
+         awarded_.empty() ? fmt::format("no driver bids for {}; the mission goes on", call_.task)
+                          : fmt::format("{} does {}: suitability {:.3g}, the highest of {}", awarded_, call_.task,
+                                        best->second, bids_.size()),
+         out);
+  out.say(TaskAward{call_.id, awarded_});
+}
+
+void Captain::abort(MissionEnd end, const std::string& why, Outbox& out) {
+  if (aborted_ && (*aborted_ == end || *aborted_ == MissionEnd::kSurface)) return;
+  const bool nothing_to_end = phase_ == MissionPhase::kFinished && end != MissionEnd::kSurface;
+  if (nothing_to_end) return;
+  aborted_ = end;
+  bids_until_.reset();
+  decide("abort", why + "; the mission ends: " + to_text(end), out);
+  out.say(MissionOrder{MissionOrder::Kind::kAbort, plan_, end, why});
+}
+
+void Captain::order(MissionOrder::Kind kind, const char* what, const std::string& why, Outbox& out) {
+  decide(what, why, out);
+  out.say(MissionOrder{kind, plan_, MissionEnd::kHold, why});
+}
+
+void Captain::decide(const char* what, std::string reason, Outbox& out) const {
+  out.say(Decision{now_, "captain", what, std::move(reason)});
+}
+
+void Captain::tell(const std::string& text, Outbox& out) const {
+  out.say(StatusReport{phase_, point_, plan_ ? plan_->points.size() : 0, text});
+}
+
+}  // namespace isobath

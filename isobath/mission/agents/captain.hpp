@@ -1,0 +1,70 @@
+// Captain: starts missions, ends them when anything is abnormal, and takes the decisions that no lower agent may take
+// (Ganesan 2015, 5.1, 7.2.3; ledger S6-34, S6-41, S6-56, S6-65).
+//
+// Receives OperatorCommand, SafetyReport, AgentLost, RouteRefused, PointReport, MissionReport, TaskBid. Sends
+// MissionOrder, PointMoved, TaskCall, TaskAward, StatusReport, Decision. It sends its responses to a message in the
+// same turn.
+//
+// The Captain starts a mission if the plan is sound (check_mission) and no fault is active that would end it. A
+// SafetyReport that asks for it, or the loss of an agent without which the vehicle cannot be controlled, ends the
+// mission at once. A later reason may still change holding or returning into surfacing, never the other way round. If a
+// mission point is blocked, the Captain moves it to the safe place that the Navigator found, provided that this is no
+// farther from the position in the mission file than the file allows.
+//
+// A task is offered to all back-seat drivers. After `bid_s` the highest suitability wins; of equal bids the first name
+// wins, in whatever order they arrived. If the winner is lost, the next best bid wins. An award without a driver means
+// that no driver has bid.
+// is none.
+#pragma once
+
+#include <isobath/mission/messages/agent.hpp>
+#include <map>
+#include <set>
+
+namespace isobath {
+
+struct CaptainConfig {
+  double bid_s = 1;
+};
+
+std::vector<Field> fields(CaptainConfig& config);
+
+class Captain final : public Agent {
+ public:
+  explicit Captain(const CaptainConfig& config) : config_(config) {}
+
+  void hear(const Message& message, Time now, Outbox& out) override;
+  void tick(Time now, Outbox& out) override;
+
+ private:
+  void take(const OperatorCommand& command, Outbox& out);
+  void start(const OperatorCommand& command, Outbox& out);
+  void take(const SafetyReport& report, Outbox& out);
+  void take(const AgentLost& lost, Outbox& out);
+  void take(const RouteRefused& refused, Outbox& out);
+  void take(const PointReport& report, Outbox& out);
+  void take(const MissionReport& report, Outbox& out);
+  void take(const TaskBid& bid);
+  void award(Outbox& out);
+  void abort(MissionEnd end, const std::string& why, Outbox& out);
+  void order(MissionOrder::Kind kind, const char* what, const std::string& why, Outbox& out);
+  void decide(const char* what, std::string reason, Outbox& out) const;
+  void tell(const std::string& text, Outbox& out) const;
+  [[nodiscard]] bool under_way() const { return phase_ == MissionPhase::kUnderWay || phase_ == MissionPhase::kHolding; }
+
+  CaptainConfig config_;
+  std::shared_ptr<const MissionPlan> plan_;
+  MissionPhase phase_ = MissionPhase::kWaiting;
+  std::optional<MissionEnd> aborted_;  ///< how the mission was last ended
+  std::set<std::string> faults_;       ///< active faults that would end a mission
+  std::size_t point_ = 0;
+  Time now_;
+  Time started_;
+
+  TaskCall call_;
+  std::map<std::string, double> bids_;  ///< by driver
+  std::optional<Time> bids_until_;
+  std::string awarded_;
+};
+
+}  // namespace isobath

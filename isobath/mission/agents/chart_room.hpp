@@ -1,0 +1,68 @@
+// ChartRoom: keeps the chart, and sends the hazards that it contains (Ganesan 2015, 5.1; ledger S6-32, S6-33; S1-41
+// defines what is too shallow).
+//
+// Receives ChartUpdate, Navigation and MissionOrder. Sends ChartedHazards and Decision.
+//
+// The hazards are the water around the vehicle that is charted shallower than the vehicle's depth plus a clearance, as
+// few convex outlines (shoal_outlines.hpp), and the rocks and lines of the chart that reach up that far. They are sent
+// again when the vehicle has moved by a share of the reach or has changed its depth, and when the chart has a new
+// version. Water of unknown depth is not blocked, unless the configuration asks for it: the sonar looks there.
+//
+// When a mission starts, each leg from point to point is checked against the chart at the depth of its end. Each leg
+// that is too shallow gives a Decision with leg, place and margin; the chart room does not decide whether to go. A leg
+// to a point with an altitude is checked at the minimum depth of the mission, with that altitude as clearance.
+//
+// Frames: W; depths are below the surface, for which the datum of the map is taken. At most 2000 x 2000 pixels are
+// read: the reach shrinks where pixels are small.
+#pragma once
+
+#include <isobath/base/config.hpp>
+#include <isobath/mission/messages/agent.hpp>
+
+namespace isobath {
+
+struct ChartRoomConfig {
+  double reach_m = 150;         ///< half the side of the square around the vehicle
+  double again_share = 0.25;    ///< movement after which hazards are sent again, share of the reach
+  double depth_step_m = 0.5;    ///< change of depth after which hazards are sent again
+  double clearance_m = 1;       ///< water required below the vehicle
+  double half_width_m = 2;      ///< of the corridor along a leg
+  double margin_m = 0;          ///< how far hazards may reach beyond their outlines
+  double overreach_m = 1;       ///< how far outlines may reach over deep water
+  int most_outlines = 1000;     ///< maximum number, of shallow water
+  bool unknown_blocks = false;  ///< whether water of unknown depth is blocked
+};
+std::vector<Field> fields(ChartRoomConfig& config);
+
+class ChartRoom final : public Agent {
+ public:
+  explicit ChartRoom(const ChartRoomConfig& config = {}) : config_(config) {}
+
+  void hear(const Message& message, Time now, Outbox& out) override;
+  void tick(Time, Outbox&) override {}
+
+ private:
+  /// The chart and the position for which hazards were last sent.
+  struct Said {
+    Eigen::Vector3d p_WB;
+    std::uint64_t version = 0;
+    const void* objects = nullptr;
+  };
+
+  void say_hazards(Outbox& out);
+  [[nodiscard]] bool outdated() const;
+  [[nodiscard]] std::vector<Hazard> hazards() const;
+  void add_shoals(std::vector<Hazard>& hazards) const;
+  void add_objects(std::vector<Hazard>& hazards) const;
+  void check_legs(const MissionPlan& plan, Time now, Outbox& out) const;
+  [[nodiscard]] std::optional<Decision> check_leg(const MissionPlan& plan, std::size_t point,
+                                                  const Eigen::Vector2d& from, Time now) const;
+  [[nodiscard]] std::uint64_t version() const { return chart_.depths ? chart_.depths->version() : 0; }
+
+  ChartRoomConfig config_;
+  ChartUpdate chart_;
+  std::optional<Eigen::Vector3d> p_WB_;
+  std::optional<Said> said_;
+};
+
+}  // namespace isobath

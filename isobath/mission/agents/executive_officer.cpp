@@ -1,0 +1,333 @@
+#include <fmt/format.h>
+#include <isobath/mission/agents/executive_officer.hpp>
+#include <isobath/mission/messages/words.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr double kAtSurface = 0.5;  // m of depth
+constexpr int kMostSteps = 1000;  // of a graph in one instant: a graph that runs in a circle must not hang the vehicle
+
+PlanAction at_point(const char* name, std::size_t point) { return {name, {{"point", static_cast<double>(point)}}}; }
+
+int index(std::size_t point) { return static_cast<int>(point); }
+
+// Adds the nodes of an ending; returns the first of them.
+std::size_t add_end(PlanGraph& graph, MissionEnd end, const std::string& name, std::size_t points,
+                    const ExecutiveConfig& config) {
+  if (end == MissionEnd::kHold) return graph.add(name, {"finish"});
+  const std::size_t first = graph.add(name, {end == MissionEnd::kReturn ? "return" : "surface"});
+  const std::size_t finish = graph.add(name + ", finished", {"finish"});
+  std::size_t surface = first;
+  if (end == MissionEnd::kReturn) {
+    surface = graph.add(name + ", no way back", {"surface"});
+    graph.join(first, PlanEvent::fact("returned"), finish);
+    graph.join(first, PlanEvent::above("waited", config.patience_s, index(points)), surface);
+  }
+  graph.join(surface, PlanEvent::below("depth", kAtSurface), finish);
+  graph.join(surface, PlanEvent::timeout(config.surface_wait_s), finish);
+  return first;
+}
+
+}  // namespace
+
+std::vector<Field> fields(ExecutiveConfig& c) {
+  return {
+      Field::real("patience_s", &c.patience_s, {0, 1e6}, "s",
+                  "Total time without a route to a point after which the point is dropped."),
+      Field::real("move_wait_s", &c.move_wait_s, {0, 600}, "s",
+                  "How long the Captain may take to move a blocked point."),
+      Field::real("task_wait_s", &c.task_wait_s, {0, 1e6}, "s", "Maximum duration of a task."),
+      Field::real("surface_wait_s", &c.surface_wait_s, {0, 1e6}, "s", "Maximum duration of surfacing."),
+      Field::integer("approaches", &c.approaches, {1, 100}, "1",
+                     "Maximum number of approaches to a point that is passed abeam."),
+  };
+}
+
+PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config) {
+  PlanGraph graph{plan.title};
+  struct Nodes {
+    std::size_t go, drop, last;  // `last`: the last node of the work at the point
+    PlanEvent over;              // the event that ends this work
+  };
+  std::vector<Nodes> at;
+  for (std::size_t i = 0; i < plan.points.size(); ++i) {
+    const MissionPoint& p = plan.points[i];
+    const std::string name = fmt::format("point {}", i + 1);
+    const std::size_t go = graph.add(name, at_point("go to", i));
+    Nodes nodes{go, graph.add(name + ", drop", at_point("drop", i)), go, PlanEvent::fact("point reached", index(i))};
+    graph.join(go, PlanEvent::above("waited", config.patience_s, index(i)), nodes.drop);
+    const auto then = [&](const char* what, PlanEvent over) {
+      const std::size_t node = graph.add(fmt::format("{}, {}", name, what), at_point(what, i));
+      graph.join(nodes.last, nodes.over, node);
+      nodes.last = node;
+      nodes.over = std::move(over);
+    };
+    if (p.hold_s > 0) then("hold", PlanEvent::timeout(p.hold_s));
+    if (!p.task.empty()) then("task", PlanEvent::fact("task done", index(i)));
+    at.push_back(nodes);
+  }
+  const std::size_t over = add_end(graph, plan.at_end, "end", at.size(), config);
+  const std::size_t dropped =
+      at.empty() ? over : add_end(graph, plan.if_dropped, "end after a drop", at.size(), config);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const bool last = i + 1 == at.size();
+    const std::size_t next = last ? over : at[i + 1].go;
+    const std::size_t next_after_drop = last ? dropped : next;
+    graph.join(at[i].last, at[i].over, next);
+    if (!plan.points[i].task.empty()) graph.join(at[i].last, PlanEvent::timeout(config.task_wait_s), next);
+    graph.join(at[i].go, PlanEvent::fact("point dropped", index(i)), next_after_drop);
+    graph.join(at[i].drop, PlanEvent::fact("point dropped", index(i)), next_after_drop);
+  }
+  return graph;
+}
+
+PlanGraph end_graph(MissionEnd end, std::size_t points, const ExecutiveConfig& config) {
+  PlanGraph graph{"end"};
+  add_end(graph, end, "end", points, config);
+  return graph;
+}
+
+ExecutiveOfficer::ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library)
+    : config_(config), library_(std::move(library)) {
+  for (const auto& [title, graph] : library_) check_plan_graph(graph);
+}
+
+void ExecutiveOfficer::hear(const Message& message, Time now, Outbox& out) {
+  now_ = now;
+  if (const auto* fix = std::get_if<Navigation>(&message)) here_ = *fix;
+  if (const auto* order = std::get_if<MissionOrder>(&message)) take(*order, out);
+  if (const auto* moved = std::get_if<PointMoved>(&message)) take(*moved, out);
+  if (const auto* route = std::get_if<RoutePlanned>(&message)) take(*route, out);
+  if (const auto* refused = std::get_if<RouteRefused>(&message)) take(*refused, out);
+  if (const auto* passed = std::get_if<WaypointPassed>(&message)) take(*passed, out);
+  if (const auto* award = std::get_if<TaskAward>(&message)) take(*award);
+  if (const auto* plan = std::get_if<TaskPlan>(&message)) take(*plan, out);
+  if (const auto* lost = std::get_if<AgentLost>(&message)) {
+    if (lost->agent == "captain") end(MissionEnd::kSurface, "the Captain is lost: " + lost->why, out);
+  }
+  cycle(out);
+}
+
+void ExecutiveOfficer::tick(Time now, Outbox& out) {
+  now_ = now;
+  const double dt = last_tick_ ? to_seconds(now - *last_tick_) : 0;
+  last_tick_ = now;
+  if (no_way_ && !paused_) {
+    facts_[{"waited", index(errand_ == Errand::kReturn ? points_.size() : point_)}] += dt;
+  }
+  if (move_until_ && now >= *move_until_) drop(no_way_why_, out);
+  cycle(out);
+}
+
+void ExecutiveOfficer::take(const MissionOrder& order, Outbox& out) {
+  switch (order.kind) {
+    case MissionOrder::Kind::kStart: return start(order, out);
+    case MissionOrder::Kind::kAbort: return end(order.end, order.why, out);
+    case MissionOrder::Kind::kHold:
+      if (!busy() || paused_) return;
+      paused_ = true;
+      stop(out);
+      return report(MissionPhase::kHolding, order.why, out);
+    case MissionOrder::Kind::kResume:
+      if (!paused_) return;
+      paused_ = false;
+      report(MissionPhase::kUnderWay, order.why, out);
+      if (errand_ != Errand::kNone) go(errand_, target_, out);
+  }
+}
+
+void ExecutiveOfficer::start(const MissionOrder& order, Outbox& out) {
+  if (!order.plan || busy()) return;
+  plan_ = order.plan;
+  points_ = plan_->points;
+  facts_.clear();
+  reached_ = dropped_ = 0;
+  paused_ = false;
+  errand_ = Errand::kNone;
+  if (here_) home_ = here_->X_WB.translation.head<2>();
+  const auto stored = library_.find(plan_->title);
+  const bool from_library = stored != library_.end();
+  executor_.emplace(from_library ? stored->second : mission_graph(*plan_, config_));
+  decide("start",
+         fmt::format("{}, {} points, by a plan graph {}", plan_->title.empty() ? "mission" : plan_->title,
+                     points_.size(), from_library ? "from the library" : "derived from the mission"),
+         out);
+  report(MissionPhase::kUnderWay, order.why, out);
+  act(executor_->start(now_), out);
+}
+
+void ExecutiveOfficer::end(MissionEnd how, const std::string& why, Outbox& out) {
+  paused_ = false;
+  errand_ = Errand::kNone;
+  no_way_ = false;
+  move_until_.reset();
+  executor_.emplace(end_graph(how, points_.size(), config_));
+  report(MissionPhase::kAborted, why, out);
+  act(executor_->start(now_), out);
+}
+
+void ExecutiveOfficer::take(const PointMoved& moved, Outbox& out) {
+  if (moved.point >= points_.size()) return;
+  points_[moved.point].north_east = moved.north_east;
+  if (errand_ != Errand::kPoint || point_ != moved.point) return;
+  move_until_.reset();
+  if (!paused_) go(Errand::kPoint, points_[point_], out);
+}
+
+void ExecutiveOfficer::take(const RoutePlanned& route, Outbox& out) {
+  if (errand_ == Errand::kNone || paused_ || route.request != request_) return;
+  if (no_way_ && phase_ == MissionPhase::kHolding) report(MissionPhase::kUnderWay, route.why, out);
+  no_way_ = false;
+  version_ = route.version;
+  out.say(FollowOrder{version_, route.waypoints, target_.altitude_m, false});
+  if (route.avoiding) out.say(PointReport{PointReport::Kind::kAvoiding, point_, route.why});
+}
+
+void ExecutiveOfficer::take(const RouteRefused& refused, Outbox& out) {
+  if (errand_ == Errand::kNone || paused_ || refused.request != request_) return;
+  using Reason = RouteRefused::Reason;
+  no_way_why_ = refused.why;
+  stop(out);
+  const bool for_good = refused.reason == Reason::kGoalBlocked || refused.reason == Reason::kOutsideFence;
+  if (for_good && errand_ == Errand::kPoint && refused.safe_nearby) {
+    move_until_ = now_ + seconds(config_.move_wait_s);
+    return;
+  }
+  if (for_good && errand_ != Errand::kReturn) return give_up_leg(refused.why, out);
+  no_way_ = true;
+  if (phase_ == MissionPhase::kUnderWay) report(MissionPhase::kHolding, refused.why, out);
+}
+
+void ExecutiveOfficer::take(const WaypointPassed& passed, Outbox& out) {
+  if (errand_ == Errand::kNone || paused_ || no_way_ || passed.version != version_ || !passed.last) return;
+  arrive(passed.reached, out);
+}
+
+void ExecutiveOfficer::take(const TaskAward& award) {
+  if (award.id == point_ + 1 && award.driver.empty()) note("task done", point_);
+}
+
+void ExecutiveOfficer::take(const TaskPlan& plan, Outbox& out) {
+  const PlanAction* action =
+      executor_ && executor_->started() ? &executor_->graph().nodes[executor_->node()].action : nullptr;
+  if (action == nullptr || action->name != "task" || plan.id != point_ + 1 || errand_ == Errand::kTask) return;
+  visits_.assign(plan.waypoints.begin(), plan.waypoints.end());
+  decide("task", fmt::format("{} does {} with {} way-points", plan.driver, points_[point_].task, visits_.size()), out);
+  give_up_leg("", out);
+}
+
+void ExecutiveOfficer::cycle(Outbox& out) {
+  if (!executor_ || paused_) return;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const PlanAction* action = executor_->cycle(now_, *this);
+    if (action == nullptr) return;
+    act(*action, out);
+  }
+}
+
+void ExecutiveOfficer::act(const PlanAction& action, Outbox& out) {
+  const auto number = action.number("point");
+  const bool known = number && *number >= 0 && *number < static_cast<double>(points_.size());
+  if (known) point_ = static_cast<std::size_t>(*number);
+  if (action.name == "go to" && known) {
+    approaches_ = 1;
+    out.say(PointReport{PointReport::Kind::kTaken, point_, name_of(points_[point_], point_)});
+    return go(Errand::kPoint, points_[point_], out);
+  }
+  if (action.name == "return") {
+    MissionPoint home;
+    home.name = "the start";
+    home.north_east = home_;
+    home.depth_m = points_.empty() ? 0 : points_.back().depth_m;
+    approaches_ = 1;
+    return go(Errand::kReturn, home, out);
+  }
+  if (action.name == "drop" && known) return drop(no_way_why_, out);
+  errand_ = Errand::kNone;
+  no_way_ = false;
+  if (action.name == "surface") {
+    out.say(FollowOrder{0, {}, {}, true});
+    return decide("surface", "the mission ends at the surface", out);
+  }
+  stop(out);
+  if (action.name == "finish" && phase_ != MissionPhase::kAborted) {
+    report(MissionPhase::kFinished, fmt::format("{} points reached, {} dropped", reached_, dropped_), out);
+  }
+}
+
+void ExecutiveOfficer::go(Errand errand, const MissionPoint& target, Outbox& out) {
+  errand_ = errand;
+  target_ = target;
+  no_way_ = false;
+  move_until_.reset();
+  version_ = 0;
+  const bool last = errand != Errand::kPoint || point_ + 1 == points_.size();
+  out.say(RouteRequest{++request_, point_, target_, last});
+}
+
+void ExecutiveOfficer::arrive(bool reached_it, Outbox& out) {
+  if (!reached_it && approaches_ < config_.approaches) {
+    ++approaches_;
+    decide("approach again", name_of(target_, point_) + " was passed abeam", out);
+    return go(errand_, target_, out);
+  }
+  if (!reached_it && errand_ == Errand::kPoint) return drop("it was passed abeam", out);
+  const Errand errand = errand_;
+  if (errand == Errand::kTask) return give_up_leg("", out);
+  errand_ = Errand::kNone;
+  if (errand == Errand::kReturn) {
+    facts_[{"returned", -1}] = 1;
+    return;
+  }
+  ++reached_;
+  note("point reached", point_);
+  out.say(PointReport{PointReport::Kind::kReached, point_, name_of(target_, point_)});
+}
+
+void ExecutiveOfficer::drop(const std::string& why, Outbox& out) {
+  errand_ = Errand::kNone;
+  no_way_ = false;
+  move_until_.reset();
+  ++dropped_;
+  note("point dropped", point_);
+  out.say(PointReport{PointReport::Kind::kDropped, point_, why});
+  decide("drop point", name_of(points_[point_], point_) + ": " + why, out);
+}
+
+// Drops a mission point; within a task, goes on to the next place.
+void ExecutiveOfficer::give_up_leg(const std::string& why, Outbox& out) {
+  if (errand_ == Errand::kPoint) return drop(why, out);
+  if (visits_.empty()) {
+    errand_ = Errand::kNone;
+    return note("task done", point_);
+  }
+  MissionPoint visit = points_[point_];
+  const Waypoint w = visits_.front();
+  visits_.pop_front();
+  visit.north_east = {w.north, w.east};
+  visit.depth_m = w.depth;
+  visit.speed = w.speed;
+  visit.move_m = 0;
+  approaches_ = 1;
+  go(Errand::kTask, visit, out);
+}
+
+void ExecutiveOfficer::stop(Outbox& out) { out.say(FollowOrder{0, {}, {}, false}); }
+
+void ExecutiveOfficer::report(MissionPhase phase, const std::string& why, Outbox& out) {
+  phase_ = phase;
+  out.say(MissionReport{phase, reached_, dropped_, why});
+}
+
+void ExecutiveOfficer::decide(const char* what, std::string reason, Outbox& out) const {
+  out.say(Decision{now_, "executive officer", what, std::move(reason)});
+}
+
+std::optional<double> ExecutiveOfficer::value(const std::string& quantity, std::optional<int> of) const {
+  if (quantity == "depth" && !of) return here_ ? std::optional(here_->X_WB.translation.z()) : std::nullopt;
+  const auto fact = facts_.find({quantity, of.value_or(-1)});
+  return fact == facts_.end() ? std::nullopt : std::optional(fact->second);
+}
+
+}  // namespace isobath

@@ -1,0 +1,100 @@
+// ExecutiveOfficer: takes the vehicle through a mission, point by point (Ganesan 2015, 5.1; Herman 1988, 2; ledger
+// S6-35, S6-51, S6-E21, S2-06 to S2-09).
+//
+// Receives MissionOrder, PointMoved, RoutePlanned, RouteRefused, WaypointPassed, TaskAward, TaskPlan, Navigation and
+// AgentLost. Sends RouteRequest, FollowOrder, PointReport, MissionReport, Decision.
+//
+// The mission is a plan graph: one node per point, and nodes for the work there and for the end. The graph is derived
+// from the MissionPlan, or taken by its title from the library that the constructor receives (S2-09). The events of the
+// graph are
+//   point reached (i), point dropped (i), task done (i), returned     facts
+//   waited (i)      total time without a route to point i, s; i = number of points: without a route back
+//   depth           m
+// A new route replaces the rest of the one before. Without a route the vehicle holds its position until there is one;
+// after a total of `patience_s` without a route the point is dropped. A point that is passed abeam is approached again,
+// `approaches` times in all. If the Captain is lost, the vehicle surfaces.
+#pragma once
+
+#include <deque>
+#include <isobath/mission/messages/agent.hpp>
+#include <isobath/mission/plan/plan_graph.hpp>
+#include <map>
+
+namespace isobath {
+
+struct ExecutiveConfig {
+  double patience_s = 60;
+  double move_wait_s = 2;
+  double task_wait_s = 300;
+  double surface_wait_s = 120;
+  int approaches = 2;
+};
+
+std::vector<Field> fields(ExecutiveConfig& config);
+
+/// Actions: "go to", "drop", "hold", "task" (each with "point"), "return", "surface", "finish".
+PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config);
+/// The nodes for the end of the mission only.
+PlanGraph end_graph(MissionEnd end, std::size_t points, const ExecutiveConfig& config);
+
+class ExecutiveOfficer final : public Agent, private PlanDatabase {
+ public:
+  explicit ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library = {});
+
+  void hear(const Message& message, Time now, Outbox& out) override;
+  void tick(Time now, Outbox& out) override;
+
+ private:
+  enum class Errand : std::uint8_t { kNone, kPoint, kTask, kReturn };
+
+  void take(const MissionOrder& order, Outbox& out);
+  void start(const MissionOrder& order, Outbox& out);
+  void end(MissionEnd how, const std::string& why, Outbox& out);
+  void take(const PointMoved& moved, Outbox& out);
+  void take(const RoutePlanned& route, Outbox& out);
+  void take(const RouteRefused& refused, Outbox& out);
+  void take(const WaypointPassed& passed, Outbox& out);
+  void take(const TaskAward& award);
+  void take(const TaskPlan& plan, Outbox& out);
+
+  void cycle(Outbox& out);
+  void act(const PlanAction& action, Outbox& out);
+  void go(Errand errand, const MissionPoint& target, Outbox& out);
+  void arrive(bool reached, Outbox& out);
+  void reached(Outbox& out);
+  void drop(const std::string& why, Outbox& out);
+  void give_up_leg(const std::string& why, Outbox& out);
+  void stop(Outbox& out);
+  void report(MissionPhase phase, const std::string& why, Outbox& out);
+  void decide(const char* what, std::string reason, Outbox& out) const;
+  [[nodiscard]] std::optional<double> value(const std::string& quantity, std::optional<int> of) const override;
+  void note(const std::string& fact, std::size_t of) { facts_[{fact, static_cast<int>(of)}] = 1; }
+  [[nodiscard]] bool busy() const { return phase_ == MissionPhase::kUnderWay || phase_ == MissionPhase::kHolding; }
+
+  ExecutiveConfig config_;
+  std::map<std::string, PlanGraph> library_;
+  std::shared_ptr<const MissionPlan> plan_;
+  std::vector<MissionPoint> points_;  ///< of the plan, with their positions now
+  std::optional<PlanExecutor> executor_;
+  std::map<std::pair<std::string, int>, double> facts_;
+  MissionPhase phase_ = MissionPhase::kWaiting;
+  std::size_t reached_ = 0, dropped_ = 0;
+  bool paused_ = false;  ///< by the operator
+  Time now_;
+  std::optional<Time> last_tick_;
+  std::optional<Navigation> here_;
+  Eigen::Vector2d home_ = Eigen::Vector2d::Zero();  ///< where the mission started
+
+  Errand errand_ = Errand::kNone;
+  std::size_t point_ = 0;  ///< of the errand
+  MissionPoint target_;
+  std::uint32_t request_ = 0;
+  std::uint32_t version_ = 0;  ///< of the route that is followed
+  int approaches_ = 0;
+  bool no_way_ = false;
+  std::string no_way_why_;
+  std::optional<Time> move_until_;  ///< the Captain may move the point until then
+  std::deque<Waypoint> visits_;     ///< way-points that are left of the current task
+};
+
+}  // namespace isobath

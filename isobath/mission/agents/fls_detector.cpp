@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <isobath/mission/agents/fls_detector.hpp>
+#include <isobath/mission/agents/way_keeping.hpp>
+
+namespace isobath {
+
+std::vector<Field> fields(FlsDetectorConfig& c) {
+  return {
+      Field::real("least_existence", &c.least_existence, {0, 1}, "1",
+                  "Obstacles less probable than this are left out."),
+      Field::real("margin_cells", &c.margin_cells, {0, 10}, "cells",
+                  "How far an obstacle may reach beyond its outline, in cells of the grid."),
+      Field::real("memory_radius_m", &c.memory_radius_m, {0, 1e5}, "m",
+                  "How far from the vehicle obstacles of earlier sweeps are recalled."),
+  };
+}
+
+void FlsDetector::hear(const Message& message, Time now, Outbox& out) {
+  if (const auto* fix = std::get_if<Navigation>(&message)) {
+    if (fix->X_WB.is_finite()) here_ = *fix;
+  }
+  if (const auto* sweep = std::get_if<Sweep>(&message)) take(*sweep, out);
+  if (const auto* order = std::get_if<MissionOrder>(&message)) {
+    if (order->kind == MissionOrder::Kind::kStart && order->plan) start(*order->plan, now);
+  }
+}
+
+void FlsDetector::tick(Time now, Outbox& out) {
+  while (!due_.empty() && due_.front().at <= now && here_) {
+    const Due map = std::move(due_.front());
+    due_.erase(due_.begin());
+    injected_.insert(injected_.end(), map.outlines.begin(), map.outlines.end());
+    say_scan(map.at, level(here_->X_WB), true, out);
+  }
+}
+
+void FlsDetector::take(const Sweep& sweep, Outbox& out) {
+  const Detection& map = *sweep.map;
+  X_WL_seen_ = level(map.X_WB);
+  seen_.clear();
+  for (const Obstacle& o : map.obstacles) {
+    if (o.existence < config_.least_existence || o.outline.empty()) continue;
+    seen_.push_back({o.outline, config_.margin_cells * map.cells.cell_m, HazardKind::kSeen,
+                     static_cast<std::uint32_t>(seen_.size())});
+  }
+  if (sweep.posed) remember(sweep);
+  say_scan(map.time, X_WL_seen_, sweep.posed, out);
+}
+
+void FlsDetector::start(const MissionPlan& plan, Time now) {
+  due_.clear();
+  injected_.clear();
+  for (const InjectedMap& map : plan.injected) due_.push_back({now + seconds(map.at_s), map.outlines});
+  std::stable_sort(due_.begin(), due_.end(), [](const Due& a, const Due& b) { return a.at < b.at; });
+}
+
+void FlsDetector::remember(const Sweep& sweep) {
+  const Detection& map = *sweep.map;
+  MemorySweep seen;
+  seen.time = map.time;
+  seen.X_WL = X_WL_seen_;
+  if (sweep.sigma_m > 0) seen.sigma_m = sweep.sigma_m;
+  seen.obstacles = map.obstacles;
+  seen.water = {map.cells, map.position, map.heading, map.free};
+  if (memory_.add(seen)) taken_in_ = sweep.number;
+}
+
+void FlsDetector::say_scan(Time time, const Pose& X_WL, bool posed, Outbox& out) {
+  ObstacleScan scan{++number_, time, X_WL, posed, seen_, nullptr};
+  const PlanFrame seen = PlanFrame::of(X_WL_seen_);
+  const PlanFrame frame = PlanFrame::of(X_WL);
+  const bool moved = seen.p_WP != frame.p_WP || seen.heading != frame.heading;
+  if (moved) {
+    for (Hazard& h : scan.hazards) {
+      for (Eigen::Vector2d& p : h.outline) p = frame.to_local(seen.to_world(p));
+    }
+  }
+  if (posed) {
+    KnownObstacles known{taken_in_, memory_.known(frame.p_WP, config_.memory_radius_m), {}};
+    known.seen_as.assign(memory_.seen_as().begin(), memory_.seen_as().end());
+    for (const RememberedObstacle& o : known.obstacles) {
+      if (o.whole) continue;
+      scan.hazards.push_back({to_local(frame, o.outline_W), o.margin_m, HazardKind::kRemembered, o.id});
+    }
+    scan.known = std::make_shared<const KnownObstacles>(std::move(known));
+    for (std::size_t i = 0; i < injected_.size(); ++i) {
+      scan.hazards.push_back({to_local(frame, injected_[i]), 0, HazardKind::kInjected, static_cast<std::uint32_t>(i)});
+    }
+  }
+  out.say(std::move(scan));
+}
+
+}  // namespace isobath

@@ -1,0 +1,449 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/agents/navigator.hpp>
+#include <isobath/mission/agents/way_keeping.hpp>
+#include <isobath/mission/messages/words.hpp>
+#include <isobath/mission/plan/planner_budget.hpp>
+#include <isobath/planning/turning.hpp>
+#include <limits>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr Duration kSpaceInterval = std::chrono::milliseconds(450);  // every scan of a sonar that pings twice a second
+
+Vector2d place_of(const Navigation& fix) { return fix.X_WB.translation.head<2>(); }
+
+double sigma_of(const Navigation& fix) {
+  if (!fix.covariance) return 0;
+  const Eigen::Matrix2d c = fix.covariance->topLeftCorner<2, 2>();
+  const double half = (c(0, 0) - c(1, 1)) / 2;
+  return std::sqrt(std::max(0.0, c.trace() / 2 + std::hypot(half, c(0, 1))));  // along the worst direction
+}
+
+double outline_distance(const Hazard& hazard, const Vector2d& p) {
+  return (p - nearest_point(hazard.outline, p)).norm();
+}
+
+bool is_certain(HazardKind kind) { return kind == HazardKind::kCharted || kind == HazardKind::kInjected; }
+
+}  // namespace
+
+std::vector<Field> fields(NavigatorConfig& c) {
+  return {
+      Field::real("drop_distance_m", &c.drop_distance_m, {0, 1000}, "m",
+                  "A mission point with an obstacle nearer than this is refused."),
+      Field::real(
+          "slack_m", &c.slack_m, {0, 100}, "m",
+          "A route that was planned with the clearance may come this much nearer to a hazard before it is changed."),
+      Field::real("switch_m", &c.switch_m, {0, 1000}, "m",
+                  "A new route is preferred to one with its corners moved aside if it is this much shorter."),
+      Field::real("shortcut_m", &c.shortcut_m, {0, 1000}, "m",
+                  "A clear route is replaced by one that is this much shorter."),
+      Field::integer("sure_scans", &c.sure_scans, {1, 100}, "1",
+                     "Scans in a row that must agree to refuse a mission point or to take a shortcut."),
+      Field::real("decide_within_m", &c.decide_within_m, {0, 100000}, "m",
+                  "Distance within which a mission point may be refused for an obstacle that was seen at it."),
+      Field::real("sure_within_m", &c.sure_within_m, {0, 1000}, "m",
+                  "An obstacle at the mission point that is this near to the vehicle is avoided at once."),
+      Field::real("fence_clearance_m", &c.fence_clearance_m, {0, 1000}, "m",
+                  "Clearance from the vehicle's hull to the fence."),
+      Field::real("chart_sigmas", &c.chart_sigmas, {0, 10}, "1",
+                  "Charted obstacles grow by this many standard deviations of the vehicle's position."),
+      Field::real("jump_m", &c.jump_m, {0.01, 1000}, "m",
+                  "A fix this far from the predicted position moves the last scan and the route with it."),
+      Field::real("map_age_s", &c.map_age_s, {0, 3600}, "s",
+                  "Without a scan for this long every route is refused; 0: no limit."),
+      Field::real("tight_m", &c.tight_m, {0, 100}, "m",
+                  "A route with less room than this beyond the clearance is followed slowly."),
+      Field::real("tight_speed", &c.tight_speed, {0.1, 1}, "1",
+                  "Share of its speed at which such a route is followed."),
+      Field::integer("emergency_factor", &c.emergency_factor, {1, 1000}, "1",
+                     "Factor on the number of cells that a search may expand in an emergency."),
+  };
+}
+
+Navigator::Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
+                     const SpaceRouteConfig& space_route)
+    : config_(config), route_(route), space_route_(space_route), vehicle_(vehicle) {}
+
+void Navigator::hear(const Message& message, Time now, Outbox& out) {
+  now_ = now;
+  if (const auto* fix = std::get_if<Navigation>(&message)) take_fix(*fix, out);
+  if (const auto* scan = std::get_if<ObstacleScan>(&message)) take_scan(*scan, out);
+  if (const auto* seen = std::get_if<OccupancyUpdate>(&message)) space_ = seen->grid;
+  if (const auto* request = std::get_if<RouteRequest>(&message)) take_request(*request, out);
+  if (const auto* passed = std::get_if<WaypointPassed>(&message)) take_passage(*passed);
+  if (const auto* action = std::get_if<SafetyAction>(&message)) take_action(*action, out);
+  if (const auto* chart = std::get_if<ChartedHazards>(&message)) {
+    chart_ = *chart;
+    look(out);
+  }
+  if (const auto* health = std::get_if<Health>(&message)) {
+    budget_share_ = budget_share(*health).value_or(budget_share_);
+  }
+  if (const auto* order = std::get_if<MissionOrder>(&message)) {
+    if (order->kind == MissionOrder::Kind::kStart) plan_ = order->plan;
+  }
+}
+
+void Navigator::tick(Time now, Outbox& out) {
+  now_ = now;
+  const bool past = way_.size() <= 1 && !refused_ && action_ == SafetyActionKind::kNone;
+  if (mode_ == Mode::kEmergency && past) {
+    enter(Mode::kNormal, "the obstacle is passed; the mission goes on as ordered", out);
+  }
+  if (look_at_tick_ || (request_ && !refused_ && blind())) look(out);
+}
+
+// A jump of the position says nothing about the water between vehicle and obstacle: the last scan, and the corners
+// round its obstacles, jump with it (S6-53).
+void Navigator::take_fix(const Navigation& fix, Outbox& out) {
+  if (!fix.X_WB.is_finite()) return;
+  const std::optional<Navigation> before = here_;
+  here_ = fix;
+  if (!before || fix.time <= before->time) return;
+  const double dt = to_seconds(fix.time - before->time);
+  const bool fast = before->v_WB.has_value();
+  const Vector2d expected = fast ? Vector2d(place_of(*before) + dt * before->v_WB->head<2>()) : place_of(*before);
+  const Vector2d jump = place_of(fix) - expected;
+  const double may_move = fast ? 0.5 * vehicle_.limits.max_acceleration * dt * dt : vehicle_.limits.max_speed * dt;
+  if (!(jump.norm() > config_.jump_m + may_move)) return;
+  if (scan_) scan_->X_WL.translation.head<2>() += jump;
+  space_.reset();  // it belongs to the old position; the next one does not
+  for (std::size_t i = 0; i + 1 < way_.size(); ++i) {
+    way_[i].north += jump.x();
+    way_[i].east += jump.y();
+  }
+  if (!request_ || way_.empty()) return;
+  Decision d =
+      decision("position fix", fmt::format("the position jumped by {:.1f} m; the route round the obstacles moves "
+                                           "with it, the mission point does not",
+                                           jump.norm()));
+  if (way_.size() > 1) {
+    for (const Waypoint& w : way_) d.way.emplace_back(w.north, w.east);
+    passed_ = 0;
+    out.say(RoutePlanned{request_->id, ++version_, way_, true, d.reason});
+  }
+  out.say(std::move(d));
+  look(out);
+}
+
+void Navigator::take_scan(const ObstacleScan& scan, Outbox& out) {
+  if (!scan.X_WL.is_finite()) return;
+  scan_ = scan;
+  if (!scan.posed && here_) scan_->X_WL = level(here_->X_WB);
+  scan_heard_ = now_;
+  new_scan_ = true;
+  look(out);
+  new_scan_ = false;
+}
+
+void Navigator::take_request(const RouteRequest& request, Outbox& out) {
+  request_ = request;
+  way_.clear();
+  refused_.reset();
+  goal_blocked_ = shorter_ = 0;
+  look(out);
+}
+
+void Navigator::take_passage(const WaypointPassed& passed) {
+  if (passed.version != version_ || passed.index < passed_) return;
+  const std::size_t behind = std::min(passed.index + 1 - passed_, way_.size());
+  way_.erase(way_.begin(), way_.begin() + static_cast<std::ptrdiff_t>(behind));
+  passed_ += behind;
+  if (!passed.last) return;
+  request_.reset();
+  way_.clear();
+}
+
+void Navigator::take_action(const SafetyAction& action, Outbox& out) {
+  const bool reflex = action.kind == SafetyActionKind::kStop || action.kind == SafetyActionKind::kTurn;
+  if (action.kind != action_ && request_) {
+    look_at_tick_ = true;
+    if (reflex) enter(Mode::kEmergency, "the Safety Officer acts: " + action.why, out);
+  }
+  action_ = action.kind;
+}
+
+// One cycle: the hazards, whether the point can stay, whether the route can (Ganesan 2015, 5.2).
+void Navigator::look(Outbox& out) {
+  look_at_tick_ = false;
+  if (!request_ || !here_) return;
+  if (const auto refusal = blind()) return refuse(*refusal, out);
+  const PlanFrame frame = plan_frame();
+  std::vector<Hazard> hazards = hazards_in(frame);
+  if (const auto refusal = judge_goal(frame, hazards)) return refuse(*refusal, out);
+  const Vector2d vehicle = frame.to_local(place_of(*here_));
+  trim_margins(hazards, vehicle, vehicle_.half_width_m);
+  View view{HazardMap(std::move(hazards)),
+            frame,
+            {vehicle},
+            frame.to_local(request_->target.north_east),
+            (here_->X_WB.rotation.heading() - frame.heading).wrapped()};
+  for (const Waypoint& w : way_) view.way.push_back(frame.to_local(Vector2d(w.north, w.east)));
+  if (way_.empty()) return start(view, out);
+  keep(view, out);
+}
+
+std::optional<Navigator::Refusal> Navigator::blind() const {
+  if (config_.map_age_s <= 0) return {};
+  if (!scan_) return Refusal{RouteRefused::Reason::kNoMap, "nothing has been seen yet"};
+  const double age = to_seconds(now_ - scan_heard_);
+  if (age <= config_.map_age_s) return {};
+  return Refusal{RouteRefused::Reason::kNoMap, fmt::format("nothing was seen for {:.1f} s", age)};
+}
+
+PlanFrame Navigator::plan_frame() const { return PlanFrame::of(scan_ ? scan_->X_WL : level(here_->X_WB)); }
+
+std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
+  std::vector<Hazard> hazards;
+  if (scan_) hazards = scan_->hazards;
+  if (chart_.hazards) {
+    const double margin = config_.chart_sigmas * sigma_of(*here_);
+    for (const Hazard& h : *chart_.hazards) {
+      hazards.push_back({to_local(frame, h.outline), h.margin_m + margin, h.kind, h.id});
+    }
+  }
+  std::erase_if(hazards, [](const Hazard& h) { return h.outline.empty(); });
+  if (!plan_ || plan_->fence.empty()) return hazards;
+  // The fence does not move and is no danger: it has a clearance of its own, smaller than that from obstacles.
+  const double margin = config_.fence_clearance_m - route_.clearance_m;
+  for (std::size_t i = 0; i < plan_->fence.size(); ++i) {
+    const Vector2d& next = plan_->fence[(i + 1) % plan_->fence.size()];
+    hazards.push_back(
+        {to_local(frame, {plan_->fence[i], next}), margin, HazardKind::kFence, static_cast<std::uint32_t>(i)});
+  }
+  return hazards;
+}
+
+// S6-39, S6-51. Removes the obstacles at the point that are not believed yet.
+std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, std::vector<Hazard>& hazards) {
+  const Vector2d& goal_W = request_->target.north_east;
+  if (!inside_fence(goal_W, 0)) return Refusal{RouteRefused::Reason::kOutsideFence, "the point is outside the fence"};
+  const Vector2d goal = frame.to_local(goal_W);
+  const Vector2d vehicle = frame.to_local(place_of(*here_));
+  const auto blocks = [&](const Hazard& h) {
+    return h.kind != HazardKind::kFence && outline_distance(h, goal) < config_.drop_distance_m;
+  };
+  const Hazard* nearest = nullptr;
+  bool sure = false;
+  for (const Hazard& h : hazards) {
+    if (!blocks(h)) continue;
+    sure = sure || is_certain(h.kind);
+    if (nearest == nullptr || outline_distance(h, goal) < outline_distance(*nearest, goal)) nearest = &h;
+  }
+  goal_blocked_ = nearest != nullptr ? goal_blocked_ + static_cast<int>(new_scan_) : 0;
+  if (nearest == nullptr) return {};
+  // From afar an obstacle is no reason to give up the point: the vehicle goes on and looks again.
+  const bool far = (goal - vehicle).norm() > config_.decide_within_m;
+  if (!sure && (far || goal_blocked_ < config_.sure_scans)) {
+    std::erase_if(hazards,
+                  [&](const Hazard& h) { return blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m; });
+    return {};
+  }
+  const Vector2d place = frame.to_world(nearest_point(nearest->outline, goal));
+  const double distance = outline_distance(*nearest, goal);
+  const std::string where =
+      distance > 0 ? fmt::format("{:.1f} m from it ({:.1f} m wanted)", distance, config_.drop_distance_m) : "on it";
+  return Refusal{RouteRefused::Reason::kGoalBlocked,
+                 fmt::format("{} is {}, at {}", text_of(nearest->kind), where, text_of(place)),
+                 safe_near(goal, vehicle, frame, hazards), place};
+}
+
+std::optional<Vector2d> Navigator::safe_near(const Vector2d& goal, const Vector2d& vehicle, const PlanFrame& frame,
+                                             std::vector<Hazard> hazards) const {
+  if (request_->target.move_m <= 0) return {};
+  const HazardMap map(std::move(hazards));
+  const auto clear = [&](const Vector2d& p) {
+    const bool far = std::all_of(map.hazards().begin(), map.hazards().end(), [&](const Hazard& h) {
+      return h.kind == HazardKind::kFence || outline_distance(h, p) >= config_.drop_distance_m + config_.slack_m;
+    });
+    return far && map.distance(p) >= clearance() && inside_fence(frame.to_world(p), config_.fence_clearance_m);
+  };
+  const auto place = nearest_place(goal, vehicle, request_->target.move_m, clear);
+  return place ? std::optional(frame.to_world(*place)) : std::nullopt;
+}
+
+void Navigator::keep(View& view, Outbox& out) {
+  const double tolerated = std::max(0.0, clearance() - config_.slack_m);
+  const auto conflict = conflict_ahead(view.map, view.way, tolerated);
+  if (conflict && !leads_through(view, *conflict, out)) return avoid(view, *conflict, out);
+  if (!conflict) through_ = false;
+  if (new_scan_ && view.way.size() > 2) shorten(view, out);
+}
+
+void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
+  Decision d = about(view, view.way, conflict);
+  d.what = "replan";
+  auto aside = mended(view.map, view.way, clearance());
+  if (aside && !corners_fit(*aside, turning_radius())) aside.reset();
+  const double aside_m = aside ? length_of(*aside) : 0;
+  if (aside && aside_m <= length_of(view.way) + config_.switch_m) return take_way(view, *aside, std::move(d), out);
+  const auto found = search(view);
+  std::optional<double> plane_m;
+  if (found) plane_m = found->length_m;
+  if (aside) plane_m = std::min(plane_m.value_or(aside_m), aside_m);
+  if (const auto through = search_space(view, plane_m)) return take_space_way(view, *through, std::move(d), out);
+  if (aside && (!found || aside_m <= found->length_m + config_.switch_m)) {
+    return take_way(view, *aside, std::move(d), out);
+  }
+  if (found) return take_way(view, found->points, std::move(d), out);
+  Refusal refusal = refusal_of(found.error(), view);
+  refusal.why = d.reason + "; " + refusal.why;
+  refusal.obstacle = d.obstacle;
+  refuse(refusal, out);
+}
+
+void Navigator::shorten(View& view, Outbox& out) {
+  const auto found = search(view);
+  const bool look = !(now_ >= space_searched_ && now_ - space_searched_ < kSpaceInterval);
+  std::optional<SpaceRoutePath> through;
+  if (look) {
+    through = search_space(view, length_of(view.way));
+    space_searched_ = now_;
+    space_shorter_ = through.has_value();
+  }
+  const bool round_nothing = found && length_of(view.way) - found->length_m > config_.shortcut_m;
+  if (through || round_nothing) {
+    ++shorter_;
+  } else if (look || !space_shorter_) {  // a route found in space counts until the next search there
+    shorter_ = 0;
+  }
+  if (shorter_ < config_.sure_scans || (!through && !round_nothing)) return;
+  if (through) {
+    return take_space_way(view, *through, decision("replan", "the obstacle that the route went round can be passed"),
+                          out);
+  }
+  take_way(view, found->points, decision("replan", "the obstacle that the route went round is gone"), out);
+}
+
+void Navigator::start(View& view, Outbox& out) {
+  const auto found = search(view);
+  Decision d = decision(refused_ ? "resume" : "plan", "the route is clear");
+  const Way straight{view.way.front(), view.goal};
+  const auto through = search_space(view, found ? std::optional(found->length_m) : std::nullopt);
+  if (!found && !through) return refuse(refusal_of(found.error(), view), out);
+  if (through || found->points.size() > 2) {
+    if (const auto conflict = conflict_ahead(view.map, straight, clearance())) {
+      const std::string what = d.what;
+      d = about(view, straight, *conflict);
+      d.what = what;
+    }
+  }
+  if (through) return take_space_way(view, *through, std::move(d), out);
+  take_way(view, found->points, std::move(d), out);
+}
+
+Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
+  RouteConfig config = route_;
+  config.most_expanded = most_expanded();
+  RouteTask task;
+  task.start = view.way.front();
+  task.goal = view.goal;
+  task.half_width_m = vehicle_.half_width_m;
+  task.turning_radius_m = turning_radius();
+  if (task.turning_radius_m > 0) task.heading = view.heading.radians();
+  auto found = plan_route(view.map, task, config);
+  // Where hazards hem it in, a vehicle that needs room to turn is given a smaller clearance.
+  for (const double share : {0.6, 0.3}) {
+    const bool hemmed_in =
+        !found && (found.error() == RouteRefusal::kCannotTurn || found.error() == RouteRefusal::kStartBlocked);
+    if (!hemmed_in) break;
+    config.clearance_m = share * route_.clearance_m;
+    found = plan_route(view.map, task, config);
+  }
+  return found;
+}
+
+/// At the speed at which the vehicle goes to the point.
+double Navigator::turning_radius() const {
+  const double least = vehicle_.limits.turning_radius;
+  const double rate = vehicle_.limits.max_yaw_rate.radians();
+  return least > 0 && rate > 0 ? std::max(least, wanted_speed() / rate) : least;
+}
+
+double Navigator::wanted_speed() const {
+  return request_->target.speed > 0 ? request_->target.speed : (plan_ ? plan_->speed : 1);
+}
+
+int Navigator::most_expanded() const {
+  const int factor = mode_ == Mode::kEmergency ? config_.emergency_factor : 1;
+  const double all = budget_share_ * route_.most_expanded * factor;
+  return static_cast<int>(std::clamp<double>(all, 1, std::numeric_limits<int>::max()));
+}
+
+/// Slower where there is little room: more scans per metre before hidden obstacles come into sight.
+double Navigator::speed_on(const View& view, const Way& way) const {
+  const double speed = wanted_speed();
+  double room = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < way.size(); ++i) room = std::min(room, view.map.leg_distance(way[i - 1], way[i]));
+  const bool tight = room < clearance() + config_.tight_m;
+  return tight ? std::min(speed, std::max(config_.tight_speed * speed, vehicle_.min_speed)) : speed;
+}
+
+void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& out) {
+  const double before = way_.empty() ? (view.goal - view.way.front()).norm() : length_of(view.way);
+  std::vector<Waypoint> waypoints;
+  const double speed = speed_on(view, way);
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const Vector2d p_W = i + 1 < way.size() ? view.frame.to_world(way[i]) : request_->target.north_east;
+    waypoints.push_back({p_W.x(), p_W.y(), request_->target.depth_m, speed});
+  }
+  through_ = false;
+  adopt(std::move(waypoints), length_of(way) - before, std::move(d), out);
+}
+
+void Navigator::adopt(std::vector<Waypoint> waypoints, double longer_m, Decision d, Outbox& out) {
+  double length = 0;
+  Vector2d last = place_of(*here_);
+  for (const Waypoint& w : waypoints) {
+    d.way.emplace_back(w.north, w.east);
+    length += (d.way.back() - last).norm();
+    last = d.way.back();
+  }
+  way_ = std::move(waypoints);
+  passed_ = 0;
+  shorter_ = 0;
+  refused_.reset();
+  const bool avoiding = way_.size() > 1;
+  d.reason += avoiding
+                  ? fmt::format("; going round by {} way-point{}, {:.1f} m {}", way_.size() - 1,
+                                way_.size() == 2 ? "" : "s", std::abs(longer_m), longer_m < 0 ? "shorter" : "longer")
+                  : fmt::format("; straight to {}, {:.1f} m", name_of(request_->target, request_->point), length);
+  out.say(RoutePlanned{request_->id, ++version_, way_, avoiding, d.reason});
+  out.say(std::move(d));
+}
+
+void Navigator::refuse(const Refusal& refusal, Outbox& out) {
+  using Reason = RouteRefused::Reason;
+  const bool first = refused_ != refusal.reason;
+  refused_ = refusal.reason;
+  way_.clear();
+  if (first) {
+    out.say(RouteRefused{refusal.reason, request_->id, request_->point, refusal.safe_nearby, refusal.why});
+    Decision d = decision("refuse", name_of(request_->target, request_->point) + ": " + refusal.why);
+    d.obstacle = refusal.obstacle;
+    out.say(std::move(d));
+  }
+  // The Executive Officer drops the point, has it moved, or asks again.
+  if (refusal.reason == Reason::kGoalBlocked || refusal.reason == Reason::kOutsideFence) return request_.reset();
+  if (refusal.reason == Reason::kNoMap || mode_ == Mode::kEmergency) return;
+  enter(Mode::kEmergency, refusal.why, out);
+  look_at_tick_ = true;
+}
+
+void Navigator::enter(Mode mode, const std::string& why, Outbox& out) {
+  if (mode == mode_) return;
+  mode_ = mode;
+  out.say(decision(mode == Mode::kEmergency ? "emergency" : "normal", why));
+}
+
+bool Navigator::inside_fence(const Vector2d& p_W, double by_m) const {
+  return !plan_ || plan_->fence.empty() || inner_distance(plan_->fence, p_W) >= by_m;
+}
+
+}  // namespace isobath

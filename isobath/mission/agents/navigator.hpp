@@ -1,0 +1,171 @@
+// Navigator: plans the route to the mission point, and keeps it clear of obstacles (Ganesan 2015, 5.1, 5.2; ledger
+// S6-36, S6-39, S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to
+// S2-31).
+//
+// Receives RouteRequest, ObstacleScan, OccupancyUpdate, ChartedHazards, Navigation, WaypointPassed, MissionOrder
+// (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an overloaded computer leaves
+// it). Sends RoutePlanned, RouteRefused, Decision.
+//
+// Each scan is one cycle: the rest of the route, from the vehicle on, is transformed into the frame L of the scan,
+// checked there, and, if anything changes, transformed back with the same pose. A position error that route and
+// obstacles share therefore has no effect (S6-53). When a position fix jumps, the corners of the route and the last
+// scan move with it; the mission point, which is a place in the world, does not.
+//
+// The route changes only for a reason (S6-54, S6-55):
+//   - it would come nearer to a hazard than the clearance less `slack_m`. Its corners are then moved aside as far as
+//     needed; a newly searched route is taken only if it is `switch_m` shorter than that;
+//   - it goes round something that is no longer there: a route shorter by `shortcut_m` existed for `sure_scans` scans.
+//     In three dimensions this search runs at most twice a second: it costs tens of milliseconds.
+// A mission point on an obstacle, or with one within `drop_distance_m`, is refused (S6-51) as soon as the vehicle is
+// within `decide_within_m` of it and `sure_scans` scans agree; from farther away the refusal is put off. Charted and
+// injected obstacles are believed at once.
+//
+// Where a sonar measures height (OccupancyUpdate), a route may lead over, under or between hazards that close the plan
+// view, through water that was measured (planning/space_route.hpp; S5-35, S5-37). A route that already does so is kept.
+// A new one is searched where the plane has no route, or only one that is more than `switch_m` longer than the straight
+// line.
+//
+// If no route fits the turning radius, or the vehicle is nearer to a hazard than the clearance, a smaller clearance is
+// used.
+//
+// A refusal stands until a route is found: the Navigator searches again at each scan. After a refusal, or when the
+// Safety Officer has stopped or turned the vehicle, the mode is emergency: the Navigator searches again at the next
+// tick, with `emergency_factor` times the expansions. Normal mode resumes when the vehicle has passed the obstacle.
+//
+// Frames: messages in W, planning in L of the scan. Not promised: that water that no sensor has observed is free.
+#pragma once
+
+#include <isobath/mission/messages/agent.hpp>
+#include <isobath/planning/plan_frame.hpp>
+#include <isobath/planning/route_planner.hpp>
+#include <isobath/planning/space_route.hpp>
+#include <isobath/vehicle/vehicle_parameters.hpp>
+
+namespace isobath {
+
+struct NavigatorConfig {
+  double drop_distance_m = 10;
+  double slack_m = 0.5;
+  double switch_m = 5;
+  double shortcut_m = 3;
+  int sure_scans = 3;
+  double sure_within_m = 20;
+  double decide_within_m = 30;
+  double fence_clearance_m = 1;
+  double chart_sigmas = 2;
+  double jump_m = 2;
+  double map_age_s = 20;
+  double tight_m = 0.5;
+  double tight_speed = 0.8;
+  int emergency_factor = 4;
+};
+
+std::vector<Field> fields(NavigatorConfig& config);
+
+class Navigator : public Agent {
+ public:
+  Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
+            const SpaceRouteConfig& space_route = {});
+
+  void hear(const Message& message, Time now, Outbox& out) override;
+  void tick(Time now, Outbox& out) override;
+
+ private:
+  using Way = std::vector<Eigen::Vector2d>;
+  enum class Mode : std::uint8_t { kNormal, kEmergency };
+  /// The data of one cycle in three dimensions, in W.
+  struct Space {
+    std::vector<Hazard> hazards;
+    SpaceRouteTask task;
+    ClearanceField room;
+  };
+  /// The data of one cycle, in the plan frame.
+  struct View {
+    HazardMap map;
+    PlanFrame frame;
+    Way way;  ///< vehicle, then the rest of the route; the vehicle alone without a route
+    Eigen::Vector2d goal;
+    Angle heading;
+    std::unique_ptr<Space> space = {};  ///< created when first needed
+  };
+  struct Refusal {
+    RouteRefused::Reason reason = RouteRefused::Reason::kNoPath;
+    std::string why;
+    std::optional<Eigen::Vector2d> safe_nearby = {};
+    std::optional<Eigen::Vector2d> obstacle = {};  ///< N, E
+  };
+
+  void take_fix(const Navigation& fix, Outbox& out);
+  void take_scan(const ObstacleScan& scan, Outbox& out);
+  void take_request(const RouteRequest& request, Outbox& out);
+  void take_passage(const WaypointPassed& passed);
+  void take_action(const SafetyAction& action, Outbox& out);
+
+  void look(Outbox& out);
+  [[nodiscard]] std::optional<Refusal> blind() const;
+  [[nodiscard]] PlanFrame plan_frame() const;
+  [[nodiscard]] std::vector<Hazard> hazards_in(const PlanFrame& frame) const;
+  [[nodiscard]] std::optional<Refusal> judge_goal(const PlanFrame& frame, std::vector<Hazard>& hazards);
+  [[nodiscard]] std::optional<Eigen::Vector2d> safe_near(const Eigen::Vector2d& goal, const Eigen::Vector2d& vehicle,
+                                                         const PlanFrame& frame, std::vector<Hazard> hazards) const;
+  void keep(View& view, Outbox& out);
+  void avoid(View& view, const Conflict& conflict, Outbox& out);
+  void shorten(View& view, Outbox& out);
+  void start(View& view, Outbox& out);
+  [[nodiscard]] Result<RoutePath, RouteRefusal> search(const View& view) const;
+  [[nodiscard]] int most_expanded() const;
+  [[nodiscard]] Refusal refusal_of(RouteRefusal refusal, const View& view) const;
+
+  [[nodiscard]] double turning_radius() const;
+  [[nodiscard]] double wanted_speed() const;
+  [[nodiscard]] double speed_on(const View& view, const Way& way) const;
+  void take_way(const View& view, const Way& way, Decision decision, Outbox& out);
+  void adopt(std::vector<Waypoint> waypoints, double longer_m, Decision decision, Outbox& out);
+
+  // three dimensions: navigator_space.cpp
+  [[nodiscard]] std::vector<Hazard> hazards_W(const View& view) const;
+  [[nodiscard]] SpaceRouteTask space_task(std::span<const Hazard> hazards) const;
+  [[nodiscard]] const Space& space_of(View& view) const;
+  [[nodiscard]] bool leads_through(View& view, const Conflict& conflict, Outbox& out);
+  [[nodiscard]] std::optional<SpaceRoutePath> search_space(View& view, std::optional<double> plane_m) const;
+  void take_space_way(const View& view, const SpaceRoutePath& path, Decision decision, Outbox& out);
+
+  void refuse(const Refusal& refusal, Outbox& out);
+  void enter(Mode mode, const std::string& why, Outbox& out);
+  [[nodiscard]] Decision decision(std::string what, std::string reason) const;
+  [[nodiscard]] Decision about(const View& view, const Way& way, const Conflict& conflict) const;
+
+  [[nodiscard]] double clearance() const { return route_.clearance_m + vehicle_.half_width_m; }
+  [[nodiscard]] bool inside_fence(const Eigen::Vector2d& p_W, double by_m) const;
+
+  NavigatorConfig config_;
+  RouteConfig route_;
+  SpaceRouteConfig space_route_;
+  VehicleParameters vehicle_;
+
+  std::shared_ptr<const MissionPlan> plan_;
+  std::optional<Navigation> here_;
+  std::optional<ObstacleScan> scan_;
+  Time now_;
+  Time scan_heard_;
+  ChartedHazards chart_;
+  std::shared_ptr<const OccupancySnapshot> space_;  ///< null where no sonar measures height
+
+  std::optional<RouteRequest> request_;
+  std::vector<Waypoint> way_;  ///< the rest of the route; the last is the mission point
+  std::uint32_t version_ = 0;
+  std::size_t passed_ = 0;  ///< way-points of this version that lie behind
+  std::optional<RouteRefused::Reason> refused_;
+  int goal_blocked_ = 0;        ///< scans in a row
+  int shorter_ = 0;             ///< scans in a row with a shorter route
+  Time space_searched_;         ///< last search in three dimensions for a shorter route
+  bool space_shorter_ = false;  ///< whether that search found one
+  bool through_ = false;        ///< the route leads through measured water, over or under a hazard of the plane
+  Mode mode_ = Mode::kNormal;
+  double budget_share_ = 1;  ///< share of the budget that the computer leaves
+  SafetyActionKind action_ = SafetyActionKind::kNone;
+  bool look_at_tick_ = false;
+  bool new_scan_ = false;  ///< the current cycle is that of a new scan
+};
+
+}  // namespace isobath

@@ -1,0 +1,140 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/mission/agents/pilot.hpp>
+
+namespace isobath {
+
+using Eigen::Vector2d;
+
+std::vector<Field> fields(PilotConfig& c) {
+  return {
+      Field::real("point_radius", &c.point_radius, {0.1, 1000}, "m",
+                  "Distance within which a mission point is reached."),
+      Field::real("hold_speed", &c.hold_speed, {0.01, 10}, "m/s", "Maximum speed for holding a position."),
+      Field::real("silent_s", &c.silent_s, {0.1, 3600}, "s", "Without navigation for this long the vehicle stops."),
+  };
+}
+
+Pilot::Pilot(const PilotConfig& config, const GuidanceConfig& guidance, const StationConfig& station,
+             const DepthKeeperConfig& depth, const VehicleParameters& vehicle)
+    : config_(config),
+      guidance_(guidance),
+      depth_config_(depth),
+      vehicle_(vehicle),
+      station_(station, vehicle),
+      depth_(depth, vehicle) {}
+
+void Pilot::hear(const Message& message, Time, Outbox&) {
+  if (const auto* order = std::get_if<FollowOrder>(&message)) take(*order);
+  if (const auto* reading = std::get_if<RangeReading>(&message)) take(*reading);
+  if (const auto* fix = std::get_if<Navigation>(&message)) {
+    if (fix->X_WB.is_finite()) here_ = *fix;
+  }
+  if (const auto* order = std::get_if<MissionOrder>(&message)) {
+    if (order->kind == MissionOrder::Kind::kStart && order->plan) take_limits(order->plan->limits);
+  }
+  if (const auto* lost = std::get_if<AgentLost>(&message)) {
+    if (lost->agent == "executive officer") take(FollowOrder{0, {}, {}, true});
+  }
+}
+
+void Pilot::tick(Time now, Outbox& out) {
+  const double dt = last_tick_ ? to_seconds(now - *last_tick_) : 0.1;
+  last_tick_ = now;
+  if (!here_ || dt <= 0) return;
+  if (to_seconds(now - here_->time) > config_.silent_s || task_ == Task::kNone) {
+    out.say(HelmOrder{at_rest()});
+    return;
+  }
+  rest_.reset();
+  const Setpoint wanted = task_ == Task::kFollow ? follow(dt, out) : station_.step(here_->X_WB, here_->v_WB, dt);
+  out.say(HelmOrder{task_ == Task::kSurface ? wanted : at_its_depth(wanted, now)});
+}
+
+void Pilot::take(const FollowOrder& order) {
+  order_ = order;
+  told_ = 0;
+  if (order.waypoints.empty() || order.surface) return hold_where_it_stops();
+  task_ = Task::kFollow;
+  went_ = order.waypoints.back().speed;
+  if (line_of_sight_) {
+    line_of_sight_->follow(order.waypoints);
+  } else {
+    line_of_sight_.emplace(guidance_, order.waypoints, vehicle_);
+  }
+}
+
+void Pilot::take(const RangeReading& reading) {
+  if (!here_) return;
+  depth_.hear({reading.time, reading.range_m, reading.max_range_m, reading.width, reading.X_BS}, here_->X_WB);
+}
+
+void Pilot::take_limits(const MissionLimits& limits) {
+  depth_config_.min_depth = limits.min_depth_m;
+  depth_config_.max_depth = limits.max_depth_m;
+  depth_config_.min_altitude = limits.min_altitude_m;
+  depth_ = DepthKeeper(depth_config_, vehicle_);
+}
+
+// Holds where the vehicle comes to rest under full braking: to hold the place of the order it would have to turn back.
+void Pilot::hold_where_it_stops() {
+  task_ = order_.surface ? Task::kSurface : Task::kHold;
+  if (!here_) return;
+  Vector2d place = here_->X_WB.translation.head<2>();
+  const bool can_stop = vehicle_.min_speed <= 0 && vehicle_.braking > 0;
+  if (here_->v_WB && can_stop) {
+    const Vector2d v = here_->v_WB->head<2>();
+    place += v * (v.norm() / (2 * vehicle_.braking));
+  }
+  const double depth = order_.surface ? 0 : here_->X_WB.translation.z();
+  station_.hold({place.x(), place.y(), depth, hold_speed()});
+}
+
+/// A vehicle that cannot hover circles as fast as it went: fins need flow to steer.
+double Pilot::hold_speed() const {
+  return vehicle_.min_speed > 0 ? std::max({config_.hold_speed, vehicle_.min_speed, went_}) : config_.hold_speed;
+}
+
+Setpoint Pilot::follow(double dt, Outbox& out) {
+  const Setpoint wanted = line_of_sight_->step(here_->X_WB, here_->v_WB, dt);
+  report(out);
+  if (task_ == Task::kFollow) return wanted;
+  return station_.step(here_->X_WB, here_->v_WB, dt);
+}
+
+void Pilot::report(Outbox& out) {
+  const std::vector<Waypoint>& all = order_.waypoints;
+  const std::size_t last = all.size() - 1;
+  for (; told_ < std::min(line_of_sight_->next(), last); ++told_) {
+    const bool reached = distance_to(all[told_]) <= guidance_.acceptance_radius;
+    out.say(WaypointPassed{order_.version, told_, reached, false});
+  }
+  if (line_of_sight_->next() < last) return;
+  const bool reached = distance_to(all.back()) <= config_.point_radius;
+  if (!reached && !line_of_sight_->finished()) return;
+  out.say(WaypointPassed{order_.version, last, reached, true});
+  Waypoint place = all.back();
+  place.speed = hold_speed();
+  station_.hold(place);
+  task_ = Task::kHold;
+}
+
+double Pilot::distance_to(const Waypoint& place) const {
+  return (Vector2d(place.north, place.east) - here_->X_WB.translation.head<2>()).norm();
+}
+
+// Heading and depth of the instant when it came to rest: to follow each new estimate would turn it with the errors.
+Setpoint Pilot::at_rest() {
+  if (!rest_) rest_ = Setpoint{here_->X_WB.rotation.heading(), here_->X_WB.translation.z(), vehicle_.min_speed, 0};
+  return *rest_;
+}
+
+Setpoint Pilot::at_its_depth(Setpoint wanted, Time now) {
+  const Eigen::Vector3d v_W = here_->v_WB.value_or(Eigen::Vector3d::Zero());
+  const DepthOrder order = depth_.step({wanted.depth, order_.altitude_m}, here_->X_WB, v_W, now);
+  wanted.depth = order.depth;
+  wanted.speed = std::max(std::min(wanted.speed, order.max_speed), vehicle_.min_speed);
+  return wanted;
+}
+
+}  // namespace isobath

@@ -1,0 +1,99 @@
+#include <exception>
+#include <isobath/mission/command/bus.hpp>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+/// One name per type: a type without a name does not compile, and the order of Message does not matter.
+constexpr const char* name(const Navigation*) { return "navigation"; }
+constexpr const char* name(const RangeReading*) { return "range reading"; }
+constexpr const char* name(const Health*) { return "health"; }
+constexpr const char* name(const SonarHealthSample*) { return "sonar look"; }
+constexpr const char* name(const SonarEchoes*) { return "sonar echoes"; }
+constexpr const char* name(const Sweep*) { return "sweep"; }
+constexpr const char* name(const ObstacleScan*) { return "obstacle scan"; }
+constexpr const char* name(const ChartedHazards*) { return "charted hazards"; }
+constexpr const char* name(const OperatorCommand*) { return "operator command"; }
+constexpr const char* name(const MissionOrder*) { return "mission order"; }
+constexpr const char* name(const PointMoved*) { return "point moved"; }
+constexpr const char* name(const RouteRequest*) { return "route request"; }
+constexpr const char* name(const RoutePlanned*) { return "route planned"; }
+constexpr const char* name(const RouteRefused*) { return "route refused"; }
+constexpr const char* name(const PointReport*) { return "point report"; }
+constexpr const char* name(const MissionReport*) { return "mission report"; }
+constexpr const char* name(const FollowOrder*) { return "follow order"; }
+constexpr const char* name(const WaypointPassed*) { return "waypoint passed"; }
+constexpr const char* name(const HelmOrder*) { return "helm order"; }
+constexpr const char* name(const SafetyAction*) { return "safety action"; }
+constexpr const char* name(const SafetyReport*) { return "safety report"; }
+constexpr const char* name(const AgentLost*) { return "agent lost"; }
+constexpr const char* name(const StatusReport*) { return "status report"; }
+constexpr const char* name(const TaskCall*) { return "task call"; }
+constexpr const char* name(const TaskBid*) { return "task bid"; }
+constexpr const char* name(const TaskAward*) { return "task award"; }
+constexpr const char* name(const TaskPlan*) { return "task plan"; }
+constexpr const char* name(const Decision*) { return "decision"; }
+constexpr const char* name(const ChartUpdate*) { return "chart update"; }
+constexpr const char* name(const LinkFrame*) { return "link frame"; }
+constexpr const char* name(const OccupancyUpdate*) { return "space seen"; }
+
+template <std::size_t... I>
+constexpr std::array<const char*, sizeof...(I)> all_names(std::index_sequence<I...>) {
+  return {name(static_cast<const std::variant_alternative_t<I, Message>*>(nullptr))...};
+}
+
+std::string why_of(const std::exception_ptr& thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const std::exception& e) {
+    return e.what();
+  } catch (...) {
+    return "threw something that is not an exception";
+  }
+}
+
+template <class Call>
+Turn turn_of(const Call& call) {
+  Outbox out;
+  try {
+    call(out);
+  } catch (...) {
+    return {{}, why_of(std::current_exception())};
+  }
+  return {std::move(out.said()), std::nullopt};
+}
+
+}  // namespace
+
+const char* message_name(std::size_t type) {
+  static constexpr auto kNames = all_names(std::make_index_sequence<kMessageTypes>());
+  ISOBATH_ASSERT(type < kMessageTypes);
+  return kNames.at(type);
+}
+
+Envelope Bus::post(std::string sender, Message message, Time now) {
+  Envelope envelope{++number_, now, std::move(sender), std::move(message)};
+  ++said_[envelope.sender].at(envelope.message.index());
+  if (recorder_) {
+    try {
+      recorder_(envelope);
+    } catch (...) {
+      recorder_loss_ = why_of(std::current_exception());
+      recorder_ = nullptr;
+    }
+  }
+  return envelope;
+}
+
+std::optional<std::string> Bus::take_recorder_loss() { return std::exchange(recorder_loss_, std::nullopt); }
+
+Turn hear_in_turn(Agent& agent, const Message& message, Time now) {
+  return turn_of([&](Outbox& out) { agent.hear(message, now, out); });
+}
+
+Turn tick_in_turn(Agent& agent, Time now) {
+  return turn_of([&](Outbox& out) { agent.tick(now, out); });
+}
+
+}  // namespace isobath

@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/command/bus.hpp>
+#include <isobath/mission/command/command_arbiter.hpp>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+bool finite_setpoint(const Setpoint& s) {
+  return std::isfinite(s.heading.radians()) && std::isfinite(s.depth) && std::isfinite(s.speed) &&
+         std::isfinite(s.sway_speed);
+}
+
+Setpoint slowed(Setpoint s, double limit) {
+  s.speed = std::clamp(s.speed, -limit, limit);
+  s.sway_speed = std::clamp(s.sway_speed, -limit, limit);
+  return s;
+}
+
+bool same(const Setpoint& a, const Setpoint& b) {
+  return a.depth == b.depth && a.speed == b.speed && a.sway_speed == b.sway_speed;
+}
+
+}  // namespace
+
+const char* to_text(HelmState state) {
+  switch (state) {
+    case HelmState::kWaiting: return "wait";
+    case HelmState::kOrders: return "follow orders";
+    case HelmState::kSlow: return "slow";
+    case HelmState::kStop: return "stop";
+    case HelmState::kTurn: return "turn";
+    case HelmState::kSurface: return "surface";
+  }
+  return "";
+}
+
+std::vector<Field> fields(CommandArbiterConfig& c) {
+  return {
+      Field::real("order_patience", &c.patience_s, {0.1, 60}, "s",
+                  "The vehicle stops when it has had no order for this long."),
+      Field::text("safety_officer", &c.safety_officer,
+                  "The agent whose loss makes the vehicle surface; empty: no such agent."),
+  };
+}
+
+void CommandArbiter::take_action(SafetyAction action) {
+  const bool steers = action.kind == SafetyActionKind::kTurn || action.kind == SafetyActionKind::kSlow;
+  const bool backwards = action.kind == SafetyActionKind::kSlow && action.setpoint.speed < 0;
+  if (steers && (!finite_setpoint(action.setpoint) || backwards)) {
+    ++refused_;
+    action.kind = SafetyActionKind::kStop;
+  }
+  action_ = std::move(action);
+}
+
+void CommandArbiter::hear(const Message& message, Time now) {
+  if (const auto* command = std::get_if<OperatorCommand>(&message)) {
+    if (command->kind == OperatorCommand::Kind::kStart && !first_) first_ = now;
+  }
+  if (const auto* order = std::get_if<MissionOrder>(&message)) {
+    const bool starts = order->kind == MissionOrder::Kind::kStart && order->plan;
+    if (starts) deepest_ = std::min(vehicle_.limits.max_depth, order->plan->limits.max_depth_m);
+  }
+  if (const auto* order = std::get_if<HelmOrder>(&message)) {
+    if (!finite_setpoint(order->setpoint)) {
+      ++refused_;
+      return;
+    }
+    order_ = *order;
+    ordered_ = now;
+  } else if (const auto* action = std::get_if<SafetyAction>(&message)) {
+    take_action(*action);
+  } else if (const auto* lost = std::get_if<AgentLost>(&message)) {
+    if (!config_.safety_officer.empty() && lost->agent == config_.safety_officer) safety_lost_ = lost->why;
+  } else if (const auto* navigation = std::get_if<Navigation>(&message)) {
+    if (!navigation->X_WB.is_finite()) return;
+    own_ = Setpoint{navigation->X_WB.rotation.heading(), navigation->X_WB.translation.z(), 0, 0};
+  }
+}
+
+CommandArbiter::Verdict CommandArbiter::judge(Time now) const {
+  if (safety_lost_) {
+    return {HelmState::kSurface, config_.safety_officer,
+            fmt::format("the {} is lost: {}", config_.safety_officer, *safety_lost_)};
+  }
+  const auto acted = [&](HelmState state) { return Verdict{state, action_.fault, action_.why}; };
+  if (action_.kind == SafetyActionKind::kSurface) return acted(HelmState::kSurface);
+  if (action_.kind == SafetyActionKind::kTurn) return acted(HelmState::kTurn);
+  if (action_.kind == SafetyActionKind::kStop) return acted(HelmState::kStop);
+  const Time since = order_ ? ordered_ : first_.value_or(now);
+  if (now - since > seconds(config_.patience_s)) {
+    return {HelmState::kStop, "no order", fmt::format("no order for the vehicle for {} s", config_.patience_s)};
+  }
+  if (!order_) return {HelmState::kWaiting, "", "no order has come yet"};
+  if (action_.kind == SafetyActionKind::kSlow) return acted(HelmState::kSlow);
+  return {HelmState::kOrders, "", "no fault overrides the order"};
+}
+
+Setpoint CommandArbiter::setpoint() const {
+  Setpoint s = kept_.value_or(last_);
+  s.speed = 0;
+  s.sway_speed = 0;
+  switch (state_) {
+    case HelmState::kWaiting: return s;
+    case HelmState::kOrders: return order_->setpoint;
+    case HelmState::kSlow: return slowed(order_->setpoint, std::max(action_.setpoint.speed, vehicle_.min_speed));
+    case HelmState::kTurn:
+      s = action_.setpoint;
+      if (vehicle_.min_speed > 0) s.speed = std::max(s.speed, vehicle_.min_speed);  // others may go astern
+      return s;
+    case HelmState::kStop:
+    case HelmState::kSurface:
+      s.speed = vehicle_.min_speed;
+      if (state_ == HelmState::kSurface || vehicle_.min_speed > 0) s.depth = 0;
+      if (state_ == HelmState::kSurface && !safety_lost_ && finite_setpoint(action_.setpoint)) {
+        s.heading = action_.setpoint.heading;
+        if (vehicle_.min_speed > 0) s.speed = std::max(s.speed, action_.setpoint.speed);
+      }
+      return s;
+  }
+  return s;
+}
+
+/// Sway is reduced where both speeds together would be too fast.
+Setpoint CommandArbiter::allowed(Setpoint s) const {
+  const double most = vehicle_.limits.max_speed;
+  s.depth = std::clamp(s.depth, 0.0, deepest_);
+  s.speed = std::clamp(s.speed, -most, most);
+  const double side = std::sqrt(std::max(0.0, most * most - s.speed * s.speed));
+  s.sway_speed = std::clamp(s.sway_speed, -side, side);
+  return s;
+}
+
+Setpoint CommandArbiter::steer(Time now) {
+  Verdict verdict = judge(now);
+  if (verdict.state != state_) kept_.reset();
+  if (verdict.state != state_ || verdict.fault != fault_) {
+    change_ = Decision{now, kCommandArbiter, to_text(verdict.state), verdict.why};
+    state_ = verdict.state;
+    fault_ = std::move(verdict.fault);
+  }
+  if (!kept_) kept_ = own_;
+  const Setpoint wanted = setpoint();
+  last_ = allowed(wanted);
+  limited_ += same(wanted, last_) ? 0 : 1;
+  return last_;
+}
+
+std::optional<Decision> CommandArbiter::take_change() { return std::exchange(change_, std::nullopt); }
+
+}  // namespace isobath

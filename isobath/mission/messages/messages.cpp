@@ -1,0 +1,39 @@
+#include <isobath/mission/messages/messages.hpp>
+
+namespace isobath {
+
+const char* to_text(MissionPhase phase) {
+  switch (phase) {
+    case MissionPhase::kWaiting: return "waiting";
+    case MissionPhase::kUnderWay: return "under way";
+    case MissionPhase::kHolding: return "holding";
+    case MissionPhase::kFinished: return "finished";
+    case MissionPhase::kAborted: return "aborted";
+  }
+  return "";
+}
+
+const char* to_text(RouteRefused::Reason reason) {
+  switch (reason) {
+    case RouteRefused::Reason::kStartBlocked: return "the vehicle is inside an obstacle";
+    case RouteRefused::Reason::kGoalBlocked: return "an obstacle at the point";
+    case RouteRefused::Reason::kNoPath: return "no path";
+    case RouteRefused::Reason::kOutOfBudget: return "no path within the budget";
+    case RouteRefused::Reason::kOutsideFence: return "the point is outside the fence";
+    case RouteRefused::Reason::kNoMap: return "there was no scan for too long";
+  }
+  return "";
+}
+
+const char* to_text(SafetyActionKind kind) {
+  switch (kind) {
+    case SafetyActionKind::kNone: return "none";
+    case SafetyActionKind::kSlow: return "slow";
+    case SafetyActionKind::kStop: return "stop";
+    case SafetyActionKind::kTurn: return "turn";
+    case SafetyActionKind::kSurface: return "surface";
+  }
+  return "";
+}
+
+}  // namespace isobath

@@ -1,0 +1,276 @@
+// Messages: everything that agents send to one another, as plain data (Ganesan 2015, 5.1; ledger S6-32, S6-33).
+//
+// Each message is one alternative of Message. Large content (maps, plans) goes by pointer to an object that never
+// changes again, so that agents in different threads may read it. Positions are in W unless a name says otherwise; SI
+// units.
+#pragma once
+
+#include <cstdint>
+#include <Eigen/Core>
+#include <isobath/map/depth/depth_field.hpp>
+#include <isobath/map/occupancy/obstacle_memory.hpp>
+#include <isobath/map/voxel/occupancy_snapshot.hpp>
+#include <isobath/mission/plan/mission_plan.hpp>
+#include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/planning/hazard_map.hpp>
+#include <isobath/planning/traversability.hpp>
+#include <isobath/sonar/range_reading.hpp>
+#include <isobath/vehicle/guidance.hpp>
+#include <isobath/vehicle/health.hpp>
+#include <isobath/vehicle/navigation.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace isobath {
+
+// Sensor input -------------------------------------------------------------------------------------------------------
+
+/// The obstacles at the end of one sweep, as the pipeline reports them, in the vehicle's frame of that instant.
+struct Sweep {
+  int number = 0;  ///< from 1
+  bool posed = true;
+  double sigma_m = 0;                    ///< of the vehicle's horizontal position
+  std::shared_ptr<const Detection> map;  ///< never null
+};
+
+/// The remembered obstacles around the vehicle, whether or not the last sweep showed them; in W.
+struct KnownObstacles {
+  int sweep = 0;  ///< the last sweep in the memory
+  std::vector<RememberedObstacle> obstacles;
+  std::vector<std::uint32_t> seen_as;  ///< for each obstacle of that sweep the id; 0: none
+};
+
+/// FLSDetector -> Navigator: all obstacles: those of the last sweep, remembered ones, and those that a person injected.
+struct ObstacleScan {
+  int number = 0;  ///< from 1
+  Time time;
+  Pose X_WL;  ///< at the instant of the sweep; the frame of `hazards`
+  bool posed = true;
+  std::vector<Hazard> hazards;                            ///< in L
+  std::shared_ptr<const KnownObstacles> known = nullptr;  ///< null where there is no pose
+};
+
+/// Map in three dimensions -> Navigator: the water around, from a sonar that measures height; replaces the one before.
+struct OccupancyUpdate {
+  Time time;
+  std::shared_ptr<const OccupancySnapshot> grid;  ///< never null
+};
+
+/// Chart room -> Navigator: the charted hazards around the vehicle; replaces those before. In W.
+struct ChartedHazards {
+  std::shared_ptr<const std::vector<Hazard>> hazards;
+};
+
+/// Maps -> Chart room: the chart from now on. Either pointer may be null: there is none.
+struct ChartUpdate {
+  std::shared_ptr<const DepthField> depths;
+  std::shared_ptr<const std::vector<ChartObstacle>> objects;
+};
+
+/// Quality of one ping, sent as soon as the ping arrives.
+struct SonarHealthSample {
+  Time time;
+  std::string sonar;                ///< "sonar", "sonar.2" ...
+  std::uint64_t digest = 0;         ///< of the samples: equal digests mean equal samples
+  double mean = 0;                  ///< of the samples, share of full scale
+  double full_scale = 0;            ///< share of samples at full scale
+  double silent = 0;                ///< share of samples at zero
+  double roughness = 0;             ///< mean step between neighbouring range bins, share of full scale
+  std::optional<double> port;       ///< mean of the beams to that side; empty: no beam looks there
+  std::optional<double> starboard;  ///< likewise
+  Angle bearing;                    ///< of the middle of the fan, from forward
+};
+
+/// The nearest echoes of one ping before any map has accepted them, sent once the pose is known. For a ping whose
+/// echoes could not be told from noise there is no such message.
+struct SonarEchoes {
+  Time time;
+  Pose X_WL;                              ///< at the instant of the ping; the frame of the echoes
+  double blind_m = 0;                     ///< blanking distance: the sonar receives no nearer echoes
+  std::vector<Eigen::Vector2d> echoes_L;  ///< x forward, y starboard, m; at most one a beam, the nearest
+};
+
+// From the operator --------------------------------------------------------------------------------------------------
+
+struct OperatorCommand {
+  enum class Kind : std::uint8_t { kStart, kAbort, kHold, kResume, kBeat } kind = Kind::kBeat;
+  std::shared_ptr<const MissionPlan> plan = {};  ///< with kStart
+};
+
+// Captain, Executive Officer, Navigator, Pilot -----------------------------------------------------------------------
+
+enum class MissionPhase : std::uint8_t { kWaiting, kUnderWay, kHolding, kFinished, kAborted };
+const char* to_text(MissionPhase phase);
+
+/// Captain -> Executive Officer.
+struct MissionOrder {
+  enum class Kind : std::uint8_t { kStart, kHold, kResume, kAbort } kind = Kind::kStart;
+  std::shared_ptr<const MissionPlan> plan = {};
+  MissionEnd end = MissionEnd::kHold;  ///< how the mission ends, with kAbort
+  std::string why;
+};
+
+/// Captain -> Executive Officer: a point has moved (S6-65).
+struct PointMoved {
+  std::size_t point = 0;
+  Eigen::Vector2d north_east = Eigen::Vector2d::Zero();
+};
+
+/// Executive Officer -> Navigator: asks for a route to this point; replaces the request before.
+struct RouteRequest {
+  std::uint32_t id = 0;
+  std::size_t point = 0;  ///< index in the plan
+  MissionPoint target;
+  bool last = false;  ///< no other point follows
+};
+
+/// Navigator -> Executive Officer. Replaces the rest of the route before.
+struct RoutePlanned {
+  std::uint32_t request = 0;
+  std::uint32_t version = 0;
+  std::vector<Waypoint> waypoints;
+  bool avoiding = false;  ///< the route goes round an obstacle
+  std::string why;        ///< names obstacle, leg and margin
+};
+
+/// Navigator -> Executive Officer, Captain: there is no route to this point.
+struct RouteRefused {
+  enum class Reason : std::uint8_t {
+    kStartBlocked,  ///< the vehicle is inside an obstacle
+    kGoalBlocked,   ///< an obstacle on the point, or nearer than the drop distance
+    kNoPath,
+    kOutOfBudget,
+    kOutsideFence,
+    kNoMap,  ///< there was no scan for too long
+  } reason = Reason::kNoPath;
+  std::uint32_t request = 0;
+  std::size_t point = 0;
+  std::optional<Eigen::Vector2d> safe_nearby;  ///< nearest clear place to the point, if one was searched for
+  std::string why;
+};
+const char* to_text(RouteRefused::Reason reason);
+
+/// Executive Officer -> Captain.
+struct PointReport {
+  enum class Kind : std::uint8_t {
+    kReached,
+    kDropped,
+    kTaken,    ///< the vehicle is on its way there
+    kAvoiding  ///< the route there goes round an obstacle (S6-56)
+  } kind = Kind::kReached;
+  std::size_t point = 0;
+  std::string why;
+};
+struct MissionReport {
+  MissionPhase phase = MissionPhase::kWaiting;
+  std::size_t reached = 0, dropped = 0;
+  std::string why;
+};
+
+/// Executive Officer -> Pilot: follow these way-points; an empty list: hold the position.
+struct FollowOrder {
+  std::uint32_t version = 0;
+  std::vector<Waypoint> waypoints;
+  std::optional<double> altitude_m;
+  bool surface = false;
+};
+
+/// Pilot -> Executive Officer.
+struct WaypointPassed {
+  std::uint32_t version = 0;
+  std::size_t index = 0;
+  bool reached = false;  ///< within the radius; false: passed abeam
+  bool last = false;
+};
+
+/// Pilot -> vehicle, unless the Safety Officer's action overrides it.
+struct HelmOrder {
+  Setpoint setpoint;
+};
+
+// Safety Officer -----------------------------------------------------------------------------------------------------
+
+enum class SafetyActionKind : std::uint8_t { kNone, kSlow, kStop, kTurn, kSurface };
+const char* to_text(SafetyActionKind kind);
+
+/// Overrides every HelmOrder until an action of kind kNone revokes it.
+struct SafetyAction {
+  SafetyActionKind kind = SafetyActionKind::kNone;
+  Setpoint setpoint;  ///< for kTurn; speed limit for kSlow; heading for kSurface
+  std::string fault;  ///< row of docs/faults.md: "sonar silent"
+  std::string why;
+};
+
+/// Safety Officer -> Captain.
+struct SafetyReport {
+  std::string fault;
+  bool active = true;  ///< false: the fault is over
+  bool abort = false;  ///< the mission must end
+  MissionEnd end = MissionEnd::kSurface;
+  std::string why;
+};
+
+// Supervision, link, back-seat drivers -------------------------------------------------------------------------------
+
+/// Supervisor -> all: an agent died (threw) or hangs (did not answer).
+struct AgentLost {
+  std::string agent;
+  bool hung = false;
+  std::string why;
+};
+
+/// For the operator; the Signaling Officer sends it.
+struct StatusReport {
+  MissionPhase phase = MissionPhase::kWaiting;
+  std::size_t point = 0, points = 0;
+  std::string text;
+};
+
+/// One frame on the link to the operator, as it is transmitted or was received (S6-40).
+struct LinkFrame {
+  enum class Way : std::uint8_t { kToOperator, kFromOperator } way = Way::kToOperator;
+  std::vector<std::uint8_t> bytes;
+};
+
+struct TaskCall {
+  std::uint32_t id = 0;
+  std::string task;
+  MissionPoint at;
+};
+struct TaskBid {
+  std::uint32_t id = 0;
+  std::string driver;
+  double suitability = 0;  ///< above 0; the highest wins
+};
+struct TaskAward {
+  std::uint32_t id = 0;
+  std::string driver;
+};
+struct TaskPlan {
+  std::uint32_t id = 0;
+  std::string driver;
+  std::vector<Waypoint> waypoints;
+};
+
+/// A decision, with its agent and its reason: for the recorder, the page and the report.
+struct Decision {
+  Time time;
+  std::string agent;
+  std::string what;                              ///< "replan", "drop point", "stop" ...
+  std::string reason;                            ///< whole sentence; names obstacle, leg and margin where there are any
+  std::optional<Eigen::Vector2d> obstacle = {};  ///< N, E of the obstacle's nearest point
+  std::optional<int> leg = {};                   ///< from 1
+  std::optional<double> margin_m = {};           ///< clearance of the old route; negative: it led through the obstacle
+  std::vector<Eigen::Vector2d> way = {};         ///< N, E of the new route
+};
+
+using Message = std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan,
+                             ChartedHazards, OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned,
+                             RouteRefused, PointReport, MissionReport, FollowOrder, WaypointPassed, HelmOrder,
+                             SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid, TaskAward,
+                             TaskPlan, Decision, ChartUpdate, LinkFrame, OccupancyUpdate>;
+
+}  // namespace isobath

@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/mission/safety/near_echoes.hpp>
+#include <limits>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+constexpr std::int64_t kCellsAcross = 3;  // per `confirm_m`: the places of echoes must be resolved finer than that
+constexpr double kFarthest = 1e8;         // m from the origin: farther places are invalid
+constexpr double kStraight = 1e-6;        // 1/m
+
+}  // namespace
+
+void NearEchoes::add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL, double reach_m,
+                     const SafetyConfig& config, double now_s) {
+  if (!X_WL.is_finite()) return;
+  cell_m_ = config.confirm_m / kCellsAcross;
+  for (const Eigen::Vector2d& echo : echoes_L) {
+    if (!echo.allFinite() || !(echo.norm() <= reach_m)) continue;
+    const Eigen::Vector2d place = (X_WL * Eigen::Vector3d(echo.x(), echo.y(), 0)).head<2>();
+    if (place.allFinite() && place.cwiseAbs().maxCoeff() < kFarthest) put(place, config, now_s);
+  }
+  if (cells_.size() > kMost) forget(now_s - std::max(config.confirm_s, config.memory_s));
+  while (cells_.size() > kMost) {
+    cells_.erase(std::min_element(cells_.begin(), cells_.end(),
+                                  [](const auto& a, const auto& b) { return a.second.heard_s < b.second.heard_s; }));
+  }
+}
+
+void NearEchoes::put(const Eigen::Vector2d& place_W, const SafetyConfig& config, double now_s) {
+  const Key key{static_cast<std::int64_t>(std::floor(place_W.x() / cell_m_)),
+                static_cast<std::int64_t>(std::floor(place_W.y() / cell_m_))};
+  Echo echo{place_W, now_s, now_s, false};
+  for (std::int64_t i = key.first - kCellsAcross; i <= key.first + kCellsAcross; ++i) {
+    const Key last{i, key.second + kCellsAcross};
+    for (auto other = cells_.lower_bound({i, key.second - kCellsAcross}); other != cells_.end(); ++other) {
+      if (other->first > last) break;
+      // Echoes of the same ping do not confirm each other.
+      if (!(other->second.heard_s < now_s) || now_s - other->second.heard_s > config.confirm_s) continue;
+      other->second.confirmed = true;
+      echo.confirmed = true;
+    }
+  }
+  const auto known = cells_.find(key);
+  if (known != cells_.end()) echo.confirmed = echo.confirmed || known->second.confirmed;
+  cells_[key] = echo;
+}
+
+void NearEchoes::shift(const Eigen::Vector2d& by_W) {
+  std::map<Key, Echo> moved;
+  for (const auto& [key, echo] : cells_) {
+    Echo there = echo;
+    there.place_W += by_W;
+    if (!there.place_W.allFinite() || there.place_W.cwiseAbs().maxCoeff() >= kFarthest) continue;
+    moved[{static_cast<std::int64_t>(std::floor(there.place_W.x() / cell_m_)),
+           static_cast<std::int64_t>(std::floor(there.place_W.y() / cell_m_))}] = there;
+  }
+  cells_ = std::move(moved);
+}
+
+void NearEchoes::forget(double before_s) {
+  std::erase_if(cells_, [&](const auto& cell) { return cell.second.counts_s < before_s; });
+}
+
+std::span<const Eigen::Vector2d> NearEchoes::confirmed(const Pose& X_WL, double blind_m, const SafetyConfig& config,
+                                                       double now_s) {
+  found_.clear();
+  const Pose X_LW = X_WL.inverse();
+  for (auto& cell : cells_) {
+    Echo& echo = cell.second;
+    const Eigen::Vector2d place =
+        (X_LW * Eigen::Vector3d(echo.place_W.x(), echo.place_W.y(), X_WL.translation.z())).head<2>();
+    if (place.norm() < blind_m) echo.counts_s = now_s;
+    if (echo.confirmed && now_s - echo.counts_s <= config.memory_s) found_.push_back(place);
+  }
+  forget(now_s - std::max(config.confirm_s, config.memory_s));
+  return found_;
+}
+
+double free_way(std::span<const Eigen::Vector2d> points, double curvature, double half_width_m, double bow_m,
+                double reach_m) {
+  double nearest = std::numeric_limits<double>::infinity();
+  const bool straight = std::abs(curvature) < kStraight;
+  const double radius = straight ? 0 : 1 / std::abs(curvature);
+  const double reach = straight ? reach_m : std::min(reach_m, std::numbers::pi * radius);
+  for (const Eigen::Vector2d& p : points) {
+    double along = p.x(), beside = p.y();
+    if (!straight) {  // polar coordinates about the centre of the turn, which lies abeam
+      const double y = curvature > 0 ? p.y() : -p.y();
+      along = radius * std::atan2(p.x(), radius - y);
+      beside = std::hypot(p.x(), radius - y) - radius;
+    }
+    if (!(std::abs(beside) <= half_width_m) || !(along > 0)) continue;
+    const double way = std::max(0.0, along - bow_m);
+    if (way <= reach) nearest = std::min(nearest, way);
+  }
+  return nearest;
+}
+
+}  // namespace isobath

@@ -1,0 +1,61 @@
+// NearEchoes: the raw echoes around the vehicle on which two pings agree, for a collision check that needs no map
+// (Oskard 1990, III-D; ledger S1-44, S1-F10).
+//
+// One echo may be noise. It is confirmed when another ping has put one within `confirm_m` of it (to a third of that,
+// north and east) in the last `confirm_s`; with a head that steps, this is a neighbouring beam or the next sweep.
+// Confirmed echoes count for `memory_s` after they were last received. Echoes nearer than the blanking distance do not
+// age: an obstacle does not vanish because the sonar is blind to it. Callers add only echoes that stand out: the rate
+// of false confirmed echoes grows with the square of the false-alarm rate.
+//
+// World-fixed; `shift` moves the echoes when navigation corrects itself. One thread; at most kMost cells, the oldest
+// are removed first.
+#pragma once
+
+#include <cstdint>
+#include <Eigen/Core>
+#include <isobath/geometry/pose.hpp>
+#include <isobath/mission/safety/safety_config.hpp>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace isobath {
+
+class NearEchoes {
+ public:
+  static constexpr std::size_t kMost = 8192;
+
+  /// Echoes of one ping, in L of its instant. Those that are not finite or beyond `reach_m` are left out.
+  void add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL, double reach_m, const SafetyConfig& config,
+           double now_s);
+  /// Moves all echoes, after navigation has corrected itself.
+  void shift(const Eigen::Vector2d& by_W);
+  void clear() { cells_.clear(); }
+  /// The confirmed echoes in the vehicle's frame; valid until the next call. `blind_m`: blanking distance of the sonar.
+  std::span<const Eigen::Vector2d> confirmed(const Pose& X_WL, double blind_m, const SafetyConfig& config,
+                                             double now_s);
+
+ private:
+  using Key = std::pair<std::int64_t, std::int64_t>;
+  struct Echo {
+    Eigen::Vector2d place_W;
+    double heard_s = 0;
+    double counts_s = 0;  ///< when last received, or nearer than the blanking distance
+    bool confirmed = false;
+  };
+  void put(const Eigen::Vector2d& place_W, const SafetyConfig& config, double now_s);
+  void forget(double before_s);
+
+  std::map<Key, Echo> cells_;
+  double cell_m_ = 1;
+  std::vector<Eigen::Vector2d> found_;
+};
+
+/// Distance that the hull travels before it meets one of the points, on a path of constant curvature (1/m, positive to
+/// starboard), up to `reach_m` or half a turn. The points are in L, turned so that x is the direction of travel. The
+/// hull is a disc of `half_width_m` with its bow `bow_m` ahead of the middle. Infinite where it meets none.
+double free_way(std::span<const Eigen::Vector2d> points, double curvature, double half_width_m, double bow_m,
+                double reach_m);
+
+}  // namespace isobath

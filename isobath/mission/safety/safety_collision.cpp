@@ -1,0 +1,127 @@
+// The Safety Officer's collision check, from raw echoes and ranges alone.
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/safety/safety_officer.hpp>
+#include <numbers>
+
+namespace isobath {
+namespace {
+
+constexpr double kFreshFix = 3;     // s
+constexpr double kDrifting = 0.05;  // m/s: below it, the direction of travel is noise
+constexpr double kTurning = 0.2;    // m/s: below it, the current turn says nothing about the path
+constexpr double kStanding = 0.1;   // m/s
+constexpr Angle kTurned = Angle::degrees(15);
+constexpr double kLeastBraking = 0.001;  // m/s2
+
+std::vector<Eigen::Vector2d> along(std::span<const Eigen::Vector2d> points, double drift) {
+  std::vector<Eigen::Vector2d> turned;
+  const double c = std::cos(drift), s = std::sin(drift);
+  for (const Eigen::Vector2d& p : points) turned.emplace_back(c * p.x() + s * p.y(), c * p.y() - s * p.x());
+  return turned;
+}
+
+}  // namespace
+
+double SafetyOfficer::stop_way(double speed, double delay_s) const {
+  const double v = std::max(0.0, speed);
+  return v * delay_s + v * v / (2 * std::max(vehicle_.braking, kLeastBraking));
+}
+
+SafetyOfficer::Travel SafetyOfficer::travel() const {
+  Travel t;
+  const double heading = fix_->navigation.X_WB.rotation.heading().radians();
+  t.speed = fix_->v_W.norm();
+  if (t.speed > kDrifting)
+    t.drift = std::remainder(std::atan2(fix_->v_W.y(), fix_->v_W.x()) - heading, 2 * std::numbers::pi);
+  if (t.speed > kTurning) {
+    const double tightest = 1 / std::max(vehicle_.limits.turning_radius, kLeastRadius);
+    t.curvature = std::clamp(fix_->yaw_rate / t.speed, -tightest, tightest);
+  }
+  t.half_width_m = std::abs(std::cos(t.drift)) * vehicle_.half_width_m +
+                   std::abs(std::sin(t.drift)) * vehicle_.hull_radius_m + config_.side_margin_m;
+  return t;
+}
+
+/// Whether the water at this place and depth was measured to be clear: an echo there then comes from above or below.
+bool SafetyOfficer::passes_by(const Eigen::Vector3d& p_W) const {
+  return space_ && space_->is_measured(p_W, config_.height_margin_m);
+}
+
+std::vector<Eigen::Vector2d> SafetyOfficer::at_its_depth(const Pose& X_WL,
+                                                         std::span<const Eigen::Vector2d> echoes_L) const {
+  std::vector<Eigen::Vector2d> left;
+  for (const Eigen::Vector2d& p : echoes_L) {
+    if (!passes_by(X_WL * Eigen::Vector3d(p.x(), p.y(), 0))) left.push_back(p);
+  }
+  return left;
+}
+
+void SafetyOfficer::check_collision() {
+  const bool was = raised(Fault::kCollisionAhead) || raised(Fault::kCollisionUnavoidable);
+  if (!was) stopped_ = false;
+  if (!watching() || !fix_ || clock_s_ - fix_->heard_s > kFreshFix) return;
+  Pose X_WL = level(fix_->navigation.X_WB);
+  X_WL.translation.head<2>() += fix_->v_W * (clock_s_ - fix_->heard_s);
+  Travel t = travel();
+  stopped_ = stopped_ || (raised(Fault::kCollisionAhead) && t.speed < kStanding);
+  double speed = t.speed;
+  if (stopped_) {  // is the path along its heading free?
+    t.curvature = 0;
+    t.drift = 0;
+    speed = std::max(speed, order_ ? order_->speed : 0);
+  }
+  const std::vector<Eigen::Vector2d> echoes = at_its_depth(X_WL, echoes_.confirmed(X_WL, blind_m_, config_, clock_s_));
+  if (vehicle_.min_speed > 0) return check_escape(X_WL, echoes);
+  const auto points = along(echoes, t.drift);
+  const double reach = stop_way(speed, config_.reaction_s) + config_.collision_margin_m;
+  const double way = free_way(points, t.curvature, t.half_width_m, vehicle_.hull_radius_m, reach);
+  if (!std::isfinite(way) && !imminent_.raised()) return;
+  const double least = stop_way(t.speed, to_seconds(kTick));
+  const std::string where = std::isfinite(way) ? fmt::format("an echo {:.1f} m ahead", way) : "short ranges ahead";
+  if (!stopped_ && way < least) {
+    const Angle heading = fix_->navigation.X_WB.rotation.heading();
+    const bool turned = turn_ && abs((*turn_ - heading).wrapped()) < kTurned;  // an obstacle stands there, too
+    if (!raised(Fault::kCollisionUnavoidable) || turned) choose_turn(points, t);
+    const char* side = hemmed_in_                                   ? "neither side is free"
+                       : (*turn_ - heading).wrapped().radians() > 0 ? "starboard is freer"
+                                                                    : "port is freer";
+    find(Fault::kCollisionUnavoidable,
+         fmt::format("{} at {:.1f} m/s, {:.1f} m needed to stop; {}", where, t.speed, least, side));
+    row(Fault::kCollisionUnavoidable).margin_m = std::isfinite(way) ? std::optional(way - least) : std::nullopt;
+    return;
+  }
+  find(Fault::kCollisionAhead, fmt::format("{} at {:.1f} m/s, {:.1f} m wanted to stop", where, t.speed, reach));
+  Row& ahead = row(Fault::kCollisionAhead);
+  ahead.margin_m = std::isfinite(way) ? std::optional(way - least) : std::nullopt;
+  if (std::isfinite(way)) {
+    const double bearing = t.drift;
+    const double far = way + vehicle_.hull_radius_m;
+    ahead.place = (X_WL * Eigen::Vector3d(far * std::cos(bearing), far * std::sin(bearing), 0)).head<2>();
+  }
+}
+
+void SafetyOfficer::choose_turn(std::span<const Eigen::Vector2d> points, const Travel& t) {
+  const double yaw_rate = std::max(vehicle_.limits.max_yaw_rate.radians(), 0.01);
+  const double radius = std::max({vehicle_.limits.turning_radius, t.speed / yaw_rate, kLeastRadius});
+  const double reach = radius * std::numbers::pi / 2 + config_.collision_margin_m;
+  const auto free = [&](double curvature) {
+    return free_way(points, curvature, t.half_width_m, vehicle_.hull_radius_m, reach);
+  };
+  const double port = free(-1 / radius), starboard = free(1 / radius);
+  hemmed_in_ = std::isfinite(port) && std::isfinite(starboard);  // then the side on which the hull gets farther
+  double beside = 0;                                             // side of the path on which the nearest echo stands
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector2d& p : points) {
+    if (p.x() > 0 && p.norm() < nearest) {
+      nearest = p.norm();
+      beside = p.y();
+    }
+  }
+  const bool to_starboard = port == starboard ? beside <= 0 : starboard > port;
+  const Angle course = fix_->navigation.X_WB.rotation.heading() + Angle::radians(t.drift);
+  turn_ = (course + Angle::degrees(to_starboard ? 90 : -90)).wrapped();
+}
+
+}  // namespace isobath

@@ -1,0 +1,187 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/safety/safety_officer.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr const char* kName = "safety officer";
+constexpr double kOtherHeading = 0.035;  // rad: a set-point that differs by less is the same
+constexpr double kOtherDepth = 0.2;      // m
+constexpr double kOtherSpeed = 0.02;     // m/s
+constexpr double kRise = 0.5;            // m, beyond the altitude at which it is no longer too low
+
+ImminentCollisionConfig imminent_config(const SafetyConfig& config, const VehicleParameters& vehicle) {
+  ImminentCollisionConfig c;
+  c.reaction_s = config.reaction_s;
+  c.braking = std::max(vehicle.braking, 0.001);
+  c.margin_m = config.collision_margin_m;
+  return c;
+}
+
+bool same(const SafetyAction& a, const SafetyAction& b) {
+  if (a.kind != b.kind || a.fault != b.fault) return false;
+  const bool steers = a.kind == SafetyActionKind::kTurn || a.kind == SafetyActionKind::kSurface;
+  if (!steers) return true;
+  return abs((a.setpoint.heading - b.setpoint.heading).wrapped()).radians() < kOtherHeading &&
+         std::abs(a.setpoint.depth - b.setpoint.depth) < kOtherDepth &&
+         std::abs(a.setpoint.speed - b.setpoint.speed) < kOtherSpeed;
+}
+
+}  // namespace
+
+SafetyOfficer::SafetyOfficer(const SafetyConfig& config, const VehicleParameters& vehicle)
+    : config_(config), vehicle_(vehicle), imminent_(imminent_config(config, vehicle), SensorTable::kMost) {}
+
+void SafetyOfficer::tick(Time now, Outbox& out) {
+  set_clock(now);
+  told_ = false;
+  check_sonars();
+  check_navigation();
+  check_altitude();
+  check_way();
+  check_route();
+  check_limits();
+  check_host();
+  check_collision();
+  for (const FaultRow& about : fault_table()) settle(about, now, out);
+  act(now, out);
+}
+
+void SafetyOfficer::settle(const FaultRow& about, Time now, Outbox& out) {
+  Row& own = row(about.fault);
+  const bool aborts = about.fault != Fault::kLinkLost || config_.link_policy != LinkPolicy::kContinue;
+  const auto end_mission = [&] {
+    return under_way() && aborts && !own.aborted && about.abort.due(clock_s_ - own.since_s, config_);
+  };
+  if (own.cause) {
+    own.last_cause_s = clock_s_;
+    if (!own.raised) {
+      own.raised = true;
+      own.since_s = clock_s_;
+      own.aborted = false;
+      own.aborted = end_mission();
+      report(about, true, own.aborted, now, out);
+    }
+  } else if (own.raised && about.over != Over::kNever &&
+             (about.over == Over::kAtOnce || clock_s_ - own.last_cause_s >= config_.leave_s)) {
+    own.raised = false;
+    report(about, false, own.aborted, now, out);
+  }
+  if (own.raised && end_mission()) {
+    own.aborted = true;
+    report(about, true, true, now, out);
+  }
+  own.cause = false;
+}
+
+void SafetyOfficer::report(const FaultRow& about, bool active, bool abort, Time now, Outbox& out) {
+  const Row& own = row(about.fault);
+  SafetyReport report;
+  report.fault = about.name;
+  report.active = active;
+  report.abort = abort;
+  report.end = end_of(about.fault);
+  report.why = own.why;
+  out.say(report);
+  Decision decision;
+  decision.time = now;
+  decision.agent = kName;
+  const SafetyActionKind kind = asked(about);
+  decision.what = !active ? "over" : abort ? "abort" : kind == SafetyActionKind::kNone ? "report" : to_text(kind);
+  decision.reason = active ? fmt::format("{}: {}", about.name, own.why)
+                           : fmt::format("{}: over after {:.1f} s", about.name, clock_s_ - own.since_s);
+  decision.obstacle = own.place;
+  decision.margin_m = own.margin_m;
+  out.say(decision);
+  told_ = true;
+}
+
+MissionEnd SafetyOfficer::end_of(Fault fault) const {
+  const MissionEnd planned = plan_ ? plan_->at_end : MissionEnd::kSurface;
+  switch (fault) {
+    case Fault::kLeak: return MissionEnd::kSurface;
+    case Fault::kBatteryLow: return planned == MissionEnd::kHold ? MissionEnd::kSurface : planned;
+    case Fault::kMissionTooLong: return planned;
+    case Fault::kLinkLost:
+      return config_.link_policy == LinkPolicy::kReturn ? MissionEnd::kReturn : MissionEnd::kSurface;
+    default: return config_.abort_end;
+  }
+}
+
+SafetyActionKind SafetyOfficer::asked(const FaultRow& about) const {
+  const Row& own = rows_[static_cast<std::size_t>(about.fault)];
+  SafetyActionKind kind = about.action;
+  if (about.later != SafetyActionKind::kNone && about.later_after.due(clock_s_ - own.since_s, config_)) {
+    kind = about.later;
+  }
+  if (about.fault == Fault::kCollisionUnavoidable && hemmed_in_) kind = SafetyActionKind::kSurface;
+  if (about.fault == Fault::kCollisionAhead && stopped_) kind = SafetyActionKind::kTurn;
+  const bool stops = kind == SafetyActionKind::kStop || about.fault == Fault::kCollisionAhead;
+  if (stops && (vehicle_.min_speed > 0 || surfacing_)) kind = SafetyActionKind::kSurface;
+  return kind;
+}
+
+SafetyAction SafetyOfficer::strongest() const {
+  SafetyAction action;
+  for (const FaultRow& about : fault_table()) {
+    const Row& own = rows_[static_cast<std::size_t>(about.fault)];
+    if (!own.raised || asked(about) <= action.kind) continue;
+    action.kind = asked(about);
+    action.fault = about.name;
+    action.why = own.why;
+  }
+  action.setpoint = turned(action);
+  return action;
+}
+
+/// The set-point that goes with an action; never faster than the last order.
+Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
+  const Angle heading = fix_ ? fix_->navigation.X_WB.rotation.heading() : order_ ? order_->heading : Angle{};
+  const double depth = fix_ ? fix_->navigation.X_WB.translation.z() : order_ ? order_->depth : 0;
+  const double ordered = order_ ? order_->speed : 0;
+  Setpoint s{order_ ? order_->heading : heading, order_ ? order_->depth : std::max(0.0, depth), 0, 0};
+  switch (action.kind) {
+    case SafetyActionKind::kNone: return {};
+    case SafetyActionKind::kSlow: s.speed = config_.slow_speed; return s;
+    case SafetyActionKind::kStop: return {heading, std::max(0.0, depth), 0, 0};
+    case SafetyActionKind::kSurface: {  // on the heading of that instant, unless an obstacle stands there
+      const bool held = action_.kind == SafetyActionKind::kSurface;
+      const bool away = raised(Fault::kCollisionUnavoidable) && turn_;
+      // An escape keeps the ordered speed: fins turn a vehicle by the water that flows past them.
+      const double speed = away ? ordered : std::min(ordered, vehicle_.min_speed);
+      return {away ? *turn_ : held ? action_.setpoint.heading : heading, 0, vehicle_.min_speed > 0 ? speed : 0, 0};
+    }
+    case SafetyActionKind::kTurn: break;
+  }
+  if (raised(Fault::kTooLow)) {
+    const double least = (plan_ ? plan_->limits.min_altitude_m : 0) / std::max(config_.leave_share, 0.1);
+    s.depth = std::clamp(depth - (least - altitude_.last_m) - kRise, 0.0, std::max(0.0, depth));
+    const bool may_rise = depth > kOtherDepth;  // else every metre ahead brings it nearer to a rising bottom
+    s.speed = may_rise ? std::min(ordered, std::max(config_.slow_speed, vehicle_.min_speed)) : 0;
+  }
+  for (const FaultRow& about : fault_table()) {
+    const bool stops =
+        raised(about.fault) && (about.fault == Fault::kCollisionAhead || asked(about) == SafetyActionKind::kStop);
+    if (stops) s.speed = std::min(s.speed, 0.0);
+  }
+  if (raised(Fault::kCollisionUnavoidable) && turn_) {
+    s.heading = *turn_;
+    s.speed = ordered;
+  }
+  return s;
+}
+
+void SafetyOfficer::act(Time now, Outbox& out) {
+  SafetyAction next = strongest();
+  if (same(next, action_)) return;
+  const bool other = next.kind != action_.kind || next.fault != action_.fault;
+  action_ = std::move(next);
+  out.say(action_);
+  if (told_ || !other) return;
+  const char* what = action_.kind == SafetyActionKind::kNone ? "resume" : to_text(action_.kind);
+  out.say(Decision{now, kName, what, fmt::format("{}: {}", action_.fault, action_.why)});
+}
+
+}  // namespace isobath

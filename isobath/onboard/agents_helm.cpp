@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/mission/safety/sonar_health_sample.hpp>
+#include <isobath/onboard/agents_helm.hpp>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+constexpr Duration kBeatInterval = std::chrono::seconds(1);
+constexpr std::string_view kAgent = "agent.";
+
+bool finite_fix(const Navigation& fix) {
+  return fix.X_WB.is_finite() && (!fix.v_WB || fix.v_WB->allFinite()) &&
+         (!fix.covariance || fix.covariance->allFinite());
+}
+
+}  // namespace
+
+void MissionLog::note(const Envelope& envelope) {
+  if (const auto* decision = std::get_if<Decision>(&envelope.message)) decisions.push_back(*decision);
+  if (const auto* said = std::get_if<MissionReport>(&envelope.message)) report = *said;
+  const auto* frame = std::get_if<LinkFrame>(&envelope.message);
+  if (frame && frame->way == LinkFrame::Way::kToOperator) frames.push_back(frame->bytes);
+}
+
+AgentsHelm::AgentsHelm(std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
+    : plan_(std::move(plan)), echo_contrast_(echo_contrast) {
+  if (chart.depths || chart.objects) chart_ = std::move(chart);
+}
+
+void AgentsHelm::hear(const Event& event) {
+  const std::lock_guard lock(mutex_);
+  clock_.hear(time_of(event));
+  moved(now());
+  tell_chart();
+  beat();
+  if (const auto* fix = std::get_if<Navigation>(&event)) on_fix(*fix);
+  if (const auto* range = std::get_if<RangeReading>(&event)) on_range(*range);
+  if (const auto* ping = std::get_if<Ping>(&event)) on_ping_arrival(*ping);
+  if (const auto* health = std::get_if<Health>(&event)) on_health(*health);
+  if (const auto* frame = std::get_if<OperatorFrame>(&event)) on_frame(*frame);
+}
+
+void AgentsHelm::tell_chart() {
+  if (auto chart = std::exchange(chart_, std::nullopt)) say(std::move(*chart), now());
+}
+
+void AgentsHelm::on_frame(const OperatorFrame& frame) {
+  operator_heard_ = true;
+  say(LinkFrame{LinkFrame::Way::kFromOperator, frame.bytes}, now());
+}
+
+void AgentsHelm::on_fix(const Navigation& fix) {
+  if (!finite_fix(fix)) return;
+  Navigation own = fix;
+  own.time += clock_.offset();
+  if (own.covariance) sigma_m_ = std::sqrt(std::max(0.0, (*own.covariance)(0, 0) + (*own.covariance)(1, 1)) / 2);
+  say(own, now());
+  if (!first_fix_) first_fix_ = now();
+  if (begun_ || plan_->waits_for_operator || !(looked_ || now() - *first_fix_ > kLongestWarmUp)) return;
+  begun_ = true;
+  say(OperatorCommand{OperatorCommand::Kind::kStart, plan_}, now());
+}
+
+void AgentsHelm::on_range(const RangeReading& range) {
+  if (!range.X_BS.is_finite() || !std::isfinite(range.range_m.value_or(0))) return;
+  RangeReading own = range;
+  own.time += clock_.offset();
+  say(own, now());
+}
+
+void AgentsHelm::on_ping_arrival(const Ping& ping) {
+  if (check(ping) != PingFault::kNone) return;
+  SonarHealthSample look = look_of(ping, name_of(ping));
+  look.time += clock_.offset();
+  say(std::move(look), now());
+}
+
+void AgentsHelm::on_health(const Health& health) {
+  if (!std::isfinite(health.battery_share)) return;
+  const bool lost = health.state == HealthState::kLost;
+  if (health.source == "link") link_ = !lost;
+  if (health.source.starts_with(kAgent)) {
+    if (lost) fail(health.source.substr(kAgent.size()), health.note == kHangs);
+    return;
+  }
+  Health own = health;
+  own.time += clock_.offset();
+  say(std::move(own), now());
+}
+
+void AgentsHelm::beat() {
+  if (!next_beat_) next_beat_ = now();
+  if (now() < *next_beat_) return;
+  if (link_ && !operator_heard_) say(OperatorCommand{OperatorCommand::Kind::kBeat, nullptr}, now());
+  next_beat_ = now() + kBeatInterval;
+}
+
+/// The name of the sonar in faults; sonars are numbered in the order of their first pings.
+std::string AgentsHelm::name_of(const Ping& ping) {
+  const std::size_t index = sonars_.index_of(ping.X_BS).value_or(0);
+  return index == 0 ? "sonar" : fmt::format("sonar.{}", index + 1);
+}
+
+void AgentsHelm::on_ping(const PosedPing& posed) {
+  const std::lock_guard lock(mutex_);
+  ++heard_;
+  auto echoes = echoes_of(posed.ping, posed.decisions, posed.X_WB, echo_contrast_);
+  if (!echoes) return;
+  ++decided_;
+  echoes->time += clock_.offset();
+  say(*std::move(echoes), now());
+}
+
+void AgentsHelm::on_scan(const ScanResult& scan) {
+  const std::lock_guard lock(mutex_);
+  const bool looked = 2 * std::exchange(decided_, 0) > std::exchange(heard_, 0);
+  if (!looked) return;
+  looked_ = true;
+  auto map = std::make_shared<Detection>(scan.detection);
+  map->time += clock_.offset();
+  say(Sweep{scan.number, scan.posed, sigma_m_, std::move(map)}, now());
+}
+
+void AgentsHelm::on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) {
+  const std::lock_guard lock(mutex_);
+  say(OccupancyUpdate{time + clock_.offset(), space}, now());
+}
+
+}  // namespace isobath

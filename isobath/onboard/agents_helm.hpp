@@ -1,0 +1,98 @@
+// AgentsHelm: turns events and the results of the pipeline into messages for the mission's agents (Ganesan 2015, 5.1;
+// ledger S6-42). SerialHelm runs the agents in one thread, ThreadedHelm each agent in its own.
+//
+// The chart is the first message. Navigation, ranges, health, frames of the operator's link and the quality of each
+// ping are sent on arrival; echoes and sweeps are sent as soon as the pipeline has placed them. The start command
+// follows the first sweep that could be decided, or kLongestWarmUp after the first fix: the mission does not wait for a
+// sonar that never works; the Safety Officer handles that. A mission that waits for the operator starts only by an
+// operator's frame. Until the first such frame, the person who started the program counts as the operator: AgentsHelm
+// sends a heartbeat each second, except while a health report says that the link is lost.
+//
+// Times are those of the mission's clock (mission_clock.hpp), which every event advances. A health report of
+// "agent.NAME" is not a message but a fault of this computer, injected by a simulator or found in its log (kHangs of
+// health.hpp). Sweeps in which at most half of the pings could be decided are dropped. Non-finite events are
+// discarded; the watchdog reports the silent sensor.
+//
+// A function of the events. Any thread may call `hear` and `on_*`.
+#pragma once
+
+#include <isobath/onboard/helm.hpp>
+#include <isobath/onboard/mission_clock.hpp>
+#include <isobath/sonar/sensor_table.hpp>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+namespace isobath {
+
+class AgentsHelm : public Helm {
+ public:
+  static constexpr Duration kLongestWarmUp = std::chrono::seconds(20);
+
+  /// `echo_contrast`: least contrast of the echoes that the Safety Officer gets (sonar_health_sample.hpp).
+  AgentsHelm(std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast);
+
+  void hear(const Event& event) override;
+  void on_ping(const PosedPing& ping) override;
+  void on_scan(const ScanResult& scan) override;
+  void on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) override;
+
+  [[nodiscard]] const MissionPlan& plan() const { return *plan_; }
+
+ protected:
+  /// On the mission's clock. Not while another thread calls `hear` or `on_*`.
+  [[nodiscard]] Time now() const { return clock_.now(); }
+
+ private:
+  /// The mission's clock has advanced to this time.
+  virtual void moved(Time /*now*/) {}
+  /// Sends a message to all agents.
+  virtual void say(Message message, Time now) = 0;
+  /// Makes an agent die, or hang.
+  virtual void fail(const std::string& agent, bool hangs) = 0;
+
+  void on_fix(const Navigation& fix);
+  void on_range(const RangeReading& range);
+  void on_ping_arrival(const Ping& ping);
+  void on_health(const Health& health);
+  void on_frame(const OperatorFrame& frame);
+  void tell_chart();
+  void beat();
+  [[nodiscard]] std::string name_of(const Ping& ping);
+
+  std::mutex mutex_;
+  std::shared_ptr<const MissionPlan> plan_;
+  std::optional<ChartUpdate> chart_;  ///< until it is sent
+  double echo_contrast_;
+  MissionClock clock_;
+  SensorTable sonars_;
+  bool begun_ = false, looked_ = false;
+  std::optional<Time> first_fix_;
+  bool link_ = true;
+  bool operator_heard_ = false;
+  std::optional<Time> next_beat_;
+  double sigma_m_ = 0;           ///< of the last fix
+  int heard_ = 0, decided_ = 0;  ///< pings of the current sweep, and those of them that could be decided
+};
+
+/// What a run keeps of its agents' messages.
+struct MissionLog {
+  MissionReport report;  ///< the last
+  std::vector<Decision> decisions;
+  std::vector<FrameBytes> frames;  ///< for the operator, until they are fetched
+
+  void note(const Envelope& envelope);
+};
+
+/// Makes an agent die or hang (kHangs of health.hpp); does nothing if there is no such agent.
+template <class AnyExecutor>
+void inject_failure(AnyExecutor& executor, const std::string& agent, bool hangs) {
+  if (!executor.has(agent)) return;
+  if (hangs) {
+    executor.hang(agent);
+  } else {
+    executor.kill(agent);
+  }
+}
+
+}  // namespace isobath

@@ -1,0 +1,118 @@
+#include <cmath>
+#include <isobath/onboard/event_gate.hpp>
+
+namespace isobath {
+namespace {
+
+const char* content_fault(const Ping& ping) {
+  const PingFault fault = check(ping);
+  return fault == PingFault::kNone ? nullptr : to_text(fault);
+}
+
+const char* content_fault(const Navigation& fix) {
+  const bool finite = fix.X_WB.is_finite() && fix.X_WB.translation.norm() < 1e8 &&
+                      (!fix.v_WB || fix.v_WB->allFinite()) && (!fix.covariance || fix.covariance->allFinite());
+  return finite ? nullptr : EventGate::kBadNavigation;
+}
+
+const char* content_fault(const RangeReading& reading) {
+  const bool finite =
+      reading.X_BS.is_finite() && (!reading.range_m || (std::isfinite(*reading.range_m) && *reading.range_m >= 0));
+  return finite ? nullptr : EventGate::kBadRange;
+}
+
+const char* content_fault(const Health& health) {
+  return health.battery_share >= 0 && health.battery_share <= 1 ? nullptr : EventGate::kBadHealth;
+}
+
+const char* content_fault(const Swath& swath) {
+  const SwathFault fault = check(swath);
+  return fault == SwathFault::kNone ? nullptr : to_text(fault);
+}
+
+/// The end of the link skips bytes that are no frame.
+const char* content_fault(const OperatorFrame&) { return nullptr; }
+
+}  // namespace
+
+std::vector<Field> fields(EventGateConfig& c) {
+  return {Field::real("max_age_s", &c.max_age_s, {0, 3600}, "s",
+                      "Events that are older than the newest one by more than this are rejected."),
+          Field::integer("restart_after", &c.restart_after, {2, 1000000}, "1",
+                         "Late events in a row, in order among themselves, that count as a clock set back."),
+          Field::real("most_speed", &c.most_speed, {0.1, 1000}, "m/s",
+                      "Maximum speed of the vehicle from one fix to the next."),
+          Field::real("leap_m", &c.leap_m, {0, 1e6}, "m",
+                      "Largest correction of the position at once; a fix farther off is rejected as a jump."),
+          Field::integer("believe_leap_after", &c.believe_leap_after, {1, 1000000}, "1",
+                         "Fixes in a row, in agreement among themselves, after which a jump is accepted.")};
+}
+
+EventGate::Verdict EventGate::judge(const Event& event) {
+  const char* fault = std::visit([](const auto& e) { return content_fault(e); }, event);
+  if (fault) {
+    count(fault);
+    return Verdict::kRejected;
+  }
+  Stream& stream = streams_[event.index()];
+  const Time time = time_of(event);
+  fault = order_fault(stream, time);
+  const auto* fix = std::get_if<Navigation>(&event);
+  if (!fault && fix) {
+    fault = leap_fault(*fix);
+    if (fault) {
+      count(fault);
+      return Verdict::kRejected;
+    }
+  }
+  if (!fault) {
+    stream.newest = time;
+    stream.late_in_order = 0;
+    newest_ = std::max(newest_, time);
+    return Verdict::kAdmitted;
+  }
+  if (stream.late_in_order >= config_.restart_after) {
+    for (Stream& s : streams_) s = {};
+    stream.newest = newest_ = time;
+    last_.reset();
+    if (fix) last_ = Place{fix->time, fix->X_WB.translation};
+    return Verdict::kRestarted;
+  }
+  count(fault);
+  return Verdict::kRejected;
+}
+
+const char* EventGate::order_fault(Stream& stream, Time time) {
+  const bool backwards = time < stream.newest;
+  const bool old = newest_ != Time::min() && time < newest_ - seconds(config_.max_age_s);
+  if (!backwards && !old) return nullptr;
+  stream.late_in_order = time >= stream.late_newest ? stream.late_in_order + 1 : 1;
+  stream.late_newest = time;
+  return backwards ? kBackwards : kTooOld;
+}
+
+bool EventGate::in_reach(const Place& from, const Place& to) const {
+  const double time_s = std::abs(to_seconds(to.time - from.time));
+  return (to.p_WB - from.p_WB).norm() <= config_.leap_m + config_.most_speed * time_s;
+}
+
+const char* EventGate::leap_fault(const Navigation& fix) {
+  const Place here{fix.time, fix.X_WB.translation};
+  if (last_ && !in_reach(*last_, here)) {
+    leaps_ = leapt_ && in_reach(*leapt_, here) ? leaps_ + 1 : 1;
+    leapt_ = here;
+    if (leaps_ < config_.believe_leap_after) return kLeap;
+  }
+  last_ = here;
+  leapt_.reset();
+  leaps_ = 0;
+  return nullptr;
+}
+
+std::uint64_t EventGate::rejected_total() const {
+  std::uint64_t total = 0;
+  for (const auto& [reason, count] : rejected_) total += count;
+  return total;
+}
+
+}  // namespace isobath

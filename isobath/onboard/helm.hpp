@@ -1,0 +1,40 @@
+// Helm: steers the vehicle in a closed loop. The mission's agents are one helm; the baselines that they are compared
+// with are others.
+//
+// A helm is a function of its events and their times: the same events give the same set-points, unless the helm has
+// threads of its own (ThreadedHelm).
+#pragma once
+
+#include <isobath/event/event.hpp>
+#include <isobath/map/voxel/occupancy_snapshot.hpp>
+#include <isobath/mission/command/executor.hpp>
+#include <isobath/mission/messages/operator_link.hpp>
+#include <isobath/world/result_sinks.hpp>
+#include <memory>
+#include <vector>
+
+namespace isobath {
+
+class Helm : public ResultSink {
+ public:
+  /// Every event on arrival, before the pipeline gets it.
+  virtual void hear(const Event& event) = 0;
+  /// The voxels around the vehicle as occupied, free, measured or unknown; never null. Called before the scan that they
+  /// belong to, and only if a sonar measures height.
+  virtual void on_space(Time /*time*/, const std::shared_ptr<const OccupancySnapshot>& /*space*/) {}
+  /// The set-point from now on. Called after each event.
+  [[nodiscard]] virtual Setpoint steer() = 0;
+  [[nodiscard]] virtual MissionReport progress() const = 0;
+  /// All decisions so far, in order.
+  [[nodiscard]] virtual const std::vector<Decision>& decisions() const = 0;
+  /// Frames for the operator since the last call (operator_link.hpp). Frames that are not fetched may be dropped.
+  [[nodiscard]] virtual std::vector<FrameBytes> to_operator() { return {}; }
+  /// `recorder` gets every message of the agents, in order (bus.hpp).
+  virtual void show_messages_to(const Recorder& /*recorder*/) {}
+  /// Counts of its agents, if it has any.
+  [[nodiscard]] virtual ExecutorCounts executor_counts() const { return {}; }
+  /// Waits until all events so far are answered. Returns at once if the helm has no threads of its own.
+  virtual void settle() {}
+};
+
+}  // namespace isobath

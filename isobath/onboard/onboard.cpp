@@ -1,0 +1,132 @@
+#include <isobath/onboard/onboard.hpp>
+#include <utility>
+
+namespace isobath {
+namespace {
+
+VoxelModelConfig voxels_of(const OnboardConfiguration& configuration, bool wanted) {
+  VoxelModelConfig config = configuration.voxels;
+  if (!wanted) config.sonars = VoxelModelConfig::Sonars::kNone;
+  return config;
+}
+
+}  // namespace
+
+Onboard::Onboard(const OnboardConfiguration& configuration, DepthModel& depths, OnboardParts parts)
+    : helm_(parts.helm),
+      times_(parts.times ? std::move(parts.times) : std::make_shared<StageTimes>()),
+      depths_(depths),
+      voxels_(voxels_of(configuration, parts.voxels), std::move(parts.voxel_file)),
+      reach_m_(configuration.mission.space_route.reach_m),
+      pipeline_(configuration, *this, &depths) {
+  pipeline_.watch(&load_);
+  if (parts.live) mapping_.emplace(TaskThread::Bounds{kLongestQueue, kLongestQueue, true});
+}
+
+// The path of an event -----------------------------------------------------------------------------------------------
+
+void Onboard::take(Event event) {
+  now_ = time_of(event);
+  beside_.enter(Stage::kReport);
+  for (OnboardObserver* observer : observers_) observer->on_event(event);
+  const auto taken = Clock::now();
+  beside_.enter(Stage::kAgents);
+  if (helm_) {
+    helm_->hear(event);
+    times_->heard(Clock::now() - taken);
+  }
+  beside_.leave();
+  if (!mapping_) return map(std::move(event), taken);
+  mapping_->check();
+  const auto kind = std::holds_alternative<Ping>(event) ? TaskThread::Kind::kPing : TaskThread::Kind::kNote;
+  mapping_->take(kind, [this, event = std::move(event), taken]() mutable { map(std::move(event), taken); });
+}
+
+void Onboard::map(Event event, Clock::time_point taken) {
+  const Time time = time_of(event);
+  const bool is_ping = std::holds_alternative<Ping>(event);
+  const std::uint64_t mapped = pipeline_.counts().pings;
+  times_->begin(taken);
+  const auto begun = Clock::now();
+  pipeline_.take(std::move(event));
+  if (is_ping || pipeline_.counts().pings > mapped) {
+    ping_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begun).count());
+  }
+  load_.enter(Stage::kReport);
+  for (OnboardObserver* observer : observers_) observer->on_mapped(time, pipeline_, depths_, voxels_);
+  load_.leave();
+}
+
+Setpoint Onboard::steer() {
+  beside_.enter(Stage::kAgents);
+  const Setpoint setpoint = helm_->steer();
+  beside_.enter(Stage::kReport);
+  for (OnboardObserver* observer : observers_) observer->on_setpoint(now_, setpoint);
+  beside_.leave();
+  return setpoint;
+}
+
+void Onboard::settle() {
+  if (mapping_) {
+    mapping_->settle();
+    mapping_->check();
+  }
+  if (helm_) helm_->settle();
+}
+
+void Onboard::finish() {
+  pipeline_.finish();
+  load_.leave();
+  depths_.finish();
+  settle();
+}
+
+// Results of the pipeline --------------------------------------------------------------------------------------------
+
+void Onboard::on_ping(const PosedPing& ping) {
+  times_->mapped();
+  load_.enter(Stage::kAgents);
+  if (helm_) helm_->on_ping(ping);
+  times_->aside();
+  load_.enter(Stage::kVoxels);
+  voxels_.take(ping);
+  load_.enter(Stage::kReport);
+  for (OnboardObserver* observer : observers_) observer->on_ping(ping);
+  times_->resume();
+}
+
+void Onboard::on_scan(const ScanResult& scan) {
+  load_.enter(Stage::kVoxels);
+  const auto space = voxels_.space_around(scan, reach_m_);
+  if (space) heights_ = space;
+  times_->detected(scan.detection.time);
+  load_.enter(Stage::kAgents);
+  if (helm_ && space) helm_->on_space(scan.detection.time, space);
+  if (helm_) helm_->on_scan(scan);
+  times_->aside();
+  load_.enter(Stage::kReport);
+  for (OnboardObserver* observer : observers_) observer->on_scan(scan);
+  times_->resume();
+}
+
+void Onboard::on_vertical_ping(const PosedPing& ping) {
+  load_.enter(Stage::kVoxels);
+  voxels_.take(ping);
+  load_.enter(Stage::kReport);
+  for (OnboardObserver* observer : observers_) observer->on_vertical_ping(ping);
+}
+
+void Onboard::on_soundings(const Swath& swath, const Pose& X_WB) {
+  load_.enter(Stage::kVoxels);
+  voxels_.take(swath, X_WB);
+  load_.enter(Stage::kReport);
+  for (OnboardObserver* observer : observers_) observer->on_soundings(swath, X_WB);
+}
+
+void Onboard::on_jump(const Eigen::Vector3d& by_W) {
+  voxels_.move_along(by_W);
+  heights_.reset();
+  for (OnboardObserver* observer : observers_) observer->on_jump(by_W);
+}
+
+}  // namespace isobath

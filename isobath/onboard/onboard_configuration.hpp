@@ -1,0 +1,50 @@
+// OnboardConfiguration: the settings of all that runs on a vehicle.
+#pragma once
+
+#include <isobath/base/config.hpp>
+#include <isobath/map/occupancy/body_grid.hpp>
+#include <isobath/mission/agents/standard_agents.hpp>
+#include <isobath/mission/command/agent_library.hpp>
+#include <isobath/mission/command/executor.hpp>
+#include <isobath/mission/safety/safety_config.hpp>
+#include <isobath/onboard/event_gate.hpp>
+#include <isobath/onboard/pose_buffer.hpp>
+#include <isobath/perception/grid_mapper.hpp>
+#include <isobath/perception/imminent_collision.hpp>
+#include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/sonar/echo_detector.hpp>
+#include <isobath/world/world_configuration.hpp>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+struct SensorConfig {
+  std::string model;      ///< file made by calibration; empty: none
+  std::string histogram;  ///< likewise
+};
+std::vector<Field> fields(SensorConfig& config);
+
+struct MapConfig {
+  bool fit = true;  ///< set cell and size of the grid by the sonar's range: about 100 cells each way, 1-2-5 steps
+  double fan_scan_s = 0.5;
+};
+std::vector<Field> fields(MapConfig& config);
+
+struct OnboardConfiguration : WorldConfiguration {
+  EventGateConfig gate;
+  PoseBufferConfig poses;
+  SensorConfig sensor;
+  EchoDetectorConfig echoes;
+  MapConfig map;
+  BodyGridConfig grid;
+  GridMapperConfig update;
+  ObstacleDetectorConfig obstacles;
+  ImminentCollisionConfig collision;
+  MissionConfig mission;
+  SafetyConfig safety;
+  ExecutorConfig executor;
+  std::vector<AgentFile> agents;  ///< [[agent]]: added to the standard agents
+};
+
+}  // namespace isobath

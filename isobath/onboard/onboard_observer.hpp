@@ -1,0 +1,31 @@
+// OnboardObserver: receives all that happens on board: recorder, live page, scorer and report. It changes nothing.
+//
+// Onboard makes the same calls in every run (onboard.hpp), in the order in which things happen, to one observer after
+// the other. References are valid only during the call. In a live run the source thread calls on_event and on_setpoint,
+// and the mapping thread calls all others.
+#pragma once
+
+#include <isobath/event/event.hpp>
+#include <isobath/vehicle/autopilot.hpp>
+#include <isobath/world/result_sinks.hpp>
+
+namespace isobath {
+
+class DepthModel;
+class Pipeline;
+class VoxelModel;
+
+class OnboardObserver : public ResultSink {
+ public:
+  /// Called before anything on board receives the event.
+  virtual void on_event(const Event& /*event*/) {}
+  void on_ping(const PosedPing& /*ping*/) override {}
+  void on_scan(const ScanResult& /*scan*/) override {}
+  /// An event of this time has been mapped.
+  virtual void on_mapped(Time /*time*/, const Pipeline& /*pipeline*/, const DepthModel& /*depths*/,
+                         const VoxelModel& /*voxels*/) {}
+  /// The set-point for the vehicle after an event of this time.
+  virtual void on_setpoint(Time /*time*/, const Setpoint& /*setpoint*/) {}
+};
+
+}  // namespace isobath

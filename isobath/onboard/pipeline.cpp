@@ -1,0 +1,295 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/base/round_step.hpp>
+#include <isobath/onboard/pipeline.hpp>
+#include <isobath/sonar/fan_stance.hpp>
+
+namespace isobath {
+namespace {
+
+// Chosen on two harbour recordings. A wall or bottom that a beam grazes fills tens of bins and would become its own
+// reference. A voxel spans hundreds of cells, and none of them may hold a false echo. The transmission rings for up to
+// 1 m.
+constexpr double kSounderFalseAlarm = 1e-4, kSounderBlind = 1;
+constexpr int kSounderGuard = 16, kSounderReference = 48;
+constexpr std::size_t kMostWaiting = 256;  // measurements held for a fix; beyond it the oldest is placed without one
+
+SonarModels models_of(const SensorConfig& sensor) {
+  if (sensor.model.empty()) return {};
+  const std::string text = text_of_file(sensor.model);
+  if (!looks_like_fan_model(text)) return {read_sensor_model(text, sensor.model), nullptr};
+  return {std::nullopt, std::make_shared<const FanModel>(read_fan_model(text, sensor.model))};
+}
+
+std::shared_ptr<const LikelihoodRatios> ratios_of(const SensorConfig& sensor) {
+  if (sensor.histogram.empty()) return nullptr;
+  return std::make_shared<const LikelihoodRatios>(
+      std::make_shared<const HistogramModel>(load_histogram_model(sensor.histogram)));
+}
+
+bool leaves_method_open(const OnboardConfiguration& configuration, const SonarModels& models) {
+  return configuration.echoes.method == DetectionMethod::kAutomatic && !models.sensor &&
+         configuration.sensor.histogram.empty();
+}
+
+/// A vertical fan receives the bottom in some beams only, and at a different range in each: the background across the
+/// beams is not usable.
+EchoDetectorConfig for_vertical(const OnboardConfiguration& configuration, const SonarModels& models) {
+  EchoDetectorConfig echoes = configuration.echoes;
+  if (leaves_method_open(configuration, models)) echoes.method = DetectionMethod::kLearnt;
+  return echoes;
+}
+
+EchoDetectorConfig for_sounder(const OnboardConfiguration& configuration, const SonarModels& models) {
+  EchoDetectorConfig echoes = configuration.echoes;
+  if (!leaves_method_open(configuration, models)) return echoes;
+  echoes.method = DetectionMethod::kOrderedStatistic;
+  echoes.false_alarm = std::min(echoes.false_alarm, kSounderFalseAlarm);
+  echoes.blind_m = std::max(echoes.blind_m, kSounderBlind);
+  echoes.cfar.guard = kSounderGuard;
+  echoes.cfar.reference = kSounderReference;
+  return echoes;
+}
+
+/// About 100 cells each way from the vehicle in the middle, about 150 for a fan, whose beams are narrower.
+BodyGridConfig fitted(BodyGridConfig grid, double reach_m, bool fan) {
+  grid.cell_m = fan ? round_step(reach_m / 150, {1, 1.5, 2, 3, 5, 7}) : round_step(reach_m / 100, {1, 2, 5});
+  grid.cells_x = grid.cells_y = 2 * static_cast<int>(std::ceil(1.05 * reach_m / grid.cell_m)) + 1;
+  grid.home_x = grid.home_y = 0.5;
+  return grid;
+}
+
+constexpr const char* kNoPlace = "range or sounding without any navigation: no position in the depth map";
+
+bool grid_fits(const BodyGridConfig& grid, double reach_m) {
+  const double half = 0.5 * grid.cell_m * std::min(grid.cells_x, grid.cells_y);
+  return reach_m <= half && reach_m > half / 4;
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const OnboardConfiguration& configuration, ResultSink& sink, SoundingSink* depths)
+    : configuration_(configuration),
+      sink_(sink),
+      depths_(depths),
+      alarms_(configuration.collision, configuration.state),
+      gate_(configuration.gate),
+      poses_(configuration.poses),
+      ratios_(ratios_of(configuration.sensor)),
+      models_(models_of(configuration.sensor)),
+      echoes_(configuration.echoes, models_.sensor, ratios_, models_.fan),
+      vertical_echoes_(for_vertical(configuration, models_), models_.sensor, ratios_),
+      sounder_echoes_(for_sounder(configuration, models_), models_.sensor, ratios_),
+      sweeps_(configuration.map.fan_scan_s),
+      detector_(configuration.obstacles) {
+  waiting_.reserve(kMostWaiting);
+}
+
+Pipeline::~Pipeline() = default;
+
+// What happens to an event -------------------------------------------------------------------------------------------
+
+EchoDetector& Pipeline::detector_of(const Ping& ping) {
+  return lies_flat(ping) ? echoes_ : looks_down(ping) ? sounder_echoes_ : vertical_echoes_;
+}
+
+bool Pipeline::listen(const Ping& ping) {
+  if (check(ping) != PingFault::kNone) return false;
+  return detector_of(ping).listen(ping);
+}
+
+void Pipeline::heard_all() {
+  echoes_.heard_all();
+  vertical_echoes_.heard_all();
+  sounder_echoes_.heard_all();
+}
+
+void Pipeline::take(Event event) {
+  enter(Stage::kDepths);
+  alarms_.hear(event);                      // raw ranges and health: first, so that nothing delays an alarm
+  const auto verdict = gate_.judge(event);  // finite, in order, fresh; else rejected and counted by reason
+  if (verdict == EventGate::Verdict::kRejected) return;
+  if (verdict == EventGate::Verdict::kRestarted) restart();
+  const Time now = time_of(event);
+  if (const auto* fix = std::get_if<Navigation>(&event)) add_fix(*fix);
+  if (auto* ping = std::get_if<Ping>(&event)) hold(std::move(*ping));
+  if (auto* range = std::get_if<RangeReading>(&event)) hold(std::move(*range));
+  if (auto* swath = std::get_if<Swath>(&event)) hold(std::move(*swath));
+  release(now, false);
+}
+
+// What happens to a ping whose pose is known -------------------------------------------------------------------------
+
+void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
+  enter(Stage::kEchoes);
+  if (!lies_flat(ping)) return hear_vertical(ping, X_WB, posed);
+  fit_map(ping, posed);                                       // a grid of the sonar's size
+  const WaterColumn water = water_at(ping, X_WB, posed);      // where bottom and surface are
+  echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
+  const bool measured = !posed || poses_.knows_its_motion();  // else the motion is dead reckoned
+  enter(Stage::kPlane);
+  const Pose smooth{X_WB.rotation, X_WB.translation - jumped_};
+  const PosedPing posed_ping{ping, X_WB, decisions_, echoes_.looks()};
+  mapper_->update(posed_ping.look_ping(), posed_ping.look_decisions(), smooth,
+                  {.position_fix = false, .velocity_log = measured});  // moves the grid, then updates it
+  sink_.on_ping(posed_ping);
+  enter(Stage::kPlane);
+  count(decisions_);
+  counts_.no_bottom += water.above_bottom_m ? 0 : 1;
+  counts_.dead_reckoned += measured ? 0 : 1;
+  last_ = Placed{ping.time, posed, {X_WB, ping.X_BS, ping.fan->height, water}};
+  sweep_open_ = true;
+  if (sweeps_.add(ping)) end_scan();  // body grid -> obstacles
+}
+
+void Pipeline::hear_vertical(const Ping& ping, const Pose& X_WB, bool posed) {
+  const bool sounds = looks_down(ping);
+  WaterColumn water = water_at(ping, X_WB, posed);
+  if (sounds) water.above_bottom_m.reset();
+  detector_of(ping).detect(ping, decisions_, water);
+  if (sounds && leaves_method_open(configuration_, models_)) side_lobes_.leave_out(ping, decisions_);
+  sink_.on_vertical_ping({ping, X_WB, decisions_});
+  ++counts_.vertical;
+}
+
+// What happens to ranges and soundings whose pose is known -----------------------------------------------------------
+
+void Pipeline::map_depth(const Waiting& sensed, const PoseEstimate& pose) {
+  if (const auto* range = std::get_if<RangeReading>(&sensed)) depths_->on_range(*range, pose);
+  if (const auto* swath = std::get_if<Swath>(&sensed)) depths_->on_swath(*swath, pose);
+}
+
+/// A depth of 0 is that of a boat, or of a log without depth; the distance to the surface then stays unknown.
+WaterColumn Pipeline::water_at(const Ping& ping, const Pose& X_WB, bool posed) const {
+  const Pose X_WS = X_WB * ping.X_BS;
+  WaterColumn water{X_WS.rotation, {}, {}};
+  if (!posed) return water;
+  const double depth = X_WS.translation.z();
+  auto bottom = bottom_.depth(ping.time);
+  if (!bottom && depths_) bottom = depths_->bottom_depth(X_WS.translation.head<2>());
+  if (bottom && *bottom > depth) water.above_bottom_m = *bottom - depth;
+  if (depth > 0) water.below_surface_m = depth;
+  return water;
+}
+
+void Pipeline::end_scan() {
+  enter(Stage::kObstacles);
+  Detection found = detector_.detect(mapper_->grid(), last_->time, last_->from.X_WB);
+  label_obstacles(found.obstacles, last_->from, sink_.heights());
+  sink_.on_scan({static_cast<int>(++counts_.scans), last_->posed, found, mapper_->grid()});
+  sweep_open_ = false;
+}
+
+void Pipeline::finish() {
+  release(Time::max(), true);
+  if (sweep_open_) end_scan();
+}
+
+// Poses --------------------------------------------------------------------------------------------------------------
+
+void Pipeline::restart() {
+  release(Time::max(), true);
+  poses_.clear();
+  bottom_ = {};
+  last_.reset();
+  mapper_.reset();
+}
+
+void Pipeline::add_fix(const Navigation& fix) {
+  if (const Eigen::Vector3d jump = poses_.add(fix); !jump.isZero(0)) follow(jump);
+  alarms_.moved(fix);
+  ++counts_.navigation;
+  if (depths_) depths_->on_passage(fix.time, fix.X_WB);
+}
+
+void Pipeline::follow(const Eigen::Vector3d& jump) {
+  ++counts_.jumps;
+  counts_.farthest_jump_m = std::max(counts_.farthest_jump_m, jump.norm());
+  jumped_ += jump;
+  if (last_ && last_->posed) last_->from.X_WB.translation += jump;
+  alarms_.jumped(jump);
+  sink_.on_jump(jump);
+}
+
+void Pipeline::hold(Waiting sensed) {
+  counts_.ranges += std::holds_alternative<RangeReading>(sensed) ? 1 : 0;
+  counts_.swaths += std::holds_alternative<Swath>(sensed) ? 1 : 0;
+  if (waiting_.size() == kMostWaiting) {
+    place(waiting_.front());
+    waiting_.erase(waiting_.begin());
+  }
+  waiting_.push_back(std::move(sensed));
+}
+
+/// Places the measurements whose pose no later fix can improve, or that have waited long enough.
+void Pipeline::release(Time now, bool all) {
+  const Duration patience = seconds(configuration_.poses.wait_s);
+  std::size_t done = 0;
+  const auto time_of = [](const Waiting& w) { return std::visit([](const auto& sensed) { return sensed.time; }, w); };
+  while (done < waiting_.size() &&
+         (all || poses_.settled(time_of(waiting_[done])) || now - time_of(waiting_[done]) > patience)) {
+    place(waiting_[done++]);
+  }
+  waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(done));
+}
+
+void Pipeline::place(const Waiting& sensed) {
+  enter(Stage::kDepths);
+  const auto* ping = std::get_if<Ping>(&sensed);
+  const auto* range = std::get_if<RangeReading>(&sensed);
+  const auto* swath = std::get_if<Swath>(&sensed);
+  if (!ping && !range && !swath && !depths_) return;
+  if (poses_.empty()) {
+    if (swath) sink_.on_soundings(*swath, Pose{});
+    if (!ping && !depths_) return;
+    if (!ping) return gate_.count(kNoPlace);
+    ++counts_.unposed;  // no navigation at all: the vehicle is assumed to stand still
+    return map_ping(*ping, Pose{}, false);
+  }
+  const Time time = std::visit([](const auto& s) { return s.time; }, sensed);
+  const auto X_WB = poses_.at(time);
+  if (!X_WB && !ping && !depths_) return;
+  if (!X_WB) return gate_.count(to_text(X_WB.error()));
+  if (ping) return map_ping(*ping, *X_WB, true);
+  if (swath) sink_.on_soundings(*swath, *X_WB);
+  if (range) bottom_.hear(*range, *X_WB);
+  if (depths_) map_depth(sensed, {*X_WB, poses_.sigma_m()});
+}
+
+// The map ------------------------------------------------------------------------------------------------------------
+
+/// Creates the grid at the first ping; again if the range of the sonar no longer fits it, or when navigation sets in.
+void Pipeline::fit_map(const Ping& ping, bool posed) {
+  const bool moored = last_ && last_->posed != posed;
+  if (mapper_ && !moored && (!configuration_.map.fit || grid_fits(mapper_->grid().config(), ping.window.end_m())))
+    return;
+  if (configuration_.map.fit)
+    configuration_.grid =
+        fitted(configuration_.grid, ping.window.end_m(), ping.fan->beams() >= FanDetector::kLeastBeams);
+  mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
+}
+
+std::string Pipeline::undecided() const {
+  return echoes_.state() == DetectorState::kReady ? "" : to_text(echoes_.state());
+}
+
+void Pipeline::count(const EchoDecisions& decisions) {
+  ++counts_.pings;
+  std::uint64_t usable = 0, hits = 0;
+  for (int w = 0; w < decisions.words(); ++w) {
+    usable += static_cast<std::uint64_t>(std::popcount(decisions.usable()[w]));
+    for (int b = 0; b < decisions.beams(); ++b) {
+      hits += static_cast<std::uint64_t>(std::popcount(decisions.hits(b)[w] & decisions.usable()[w]));
+      if (!decisions.dim(b)) continue;
+      const std::uint64_t dim = decisions.dim(b)[w] & decisions.usable()[w];
+      counts_.dim += static_cast<std::uint64_t>(std::popcount(dim));
+      for (std::uint64_t left = dim; left != 0; left &= left - 1) {
+        counts_.blind += decisions.tells(b, 64 * w + std::countr_zero(left)) ? 0 : 1;
+      }
+    }
+  }
+  counts_.bins += usable * static_cast<std::uint64_t>(decisions.beams());
+  counts_.hits += hits;
+}
+
+}  // namespace isobath

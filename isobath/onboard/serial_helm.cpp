@@ -1,0 +1,22 @@
+#include <isobath/onboard/serial_helm.hpp>
+#include <utility>
+
+namespace isobath {
+
+SerialHelm::SerialHelm(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config,
+                       std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
+    : AgentsHelm(std::move(plan), std::move(chart), echo_contrast),
+      executor_(std::move(slots), vehicle, config, [this](const Envelope& envelope) {
+        book_.note(envelope);
+        if (listener_) listener_(envelope);
+      }) {}
+
+void SerialHelm::hear(const Event& event) {
+  book_.frames.clear();
+  AgentsHelm::hear(event);
+  executor_.advance(now());
+}
+
+Setpoint SerialHelm::steer() { return executor_.helm(now()); }
+
+}  // namespace isobath

@@ -1,0 +1,202 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/recording/message_json.hpp>
+#include <nlohmann/json.hpp>
+
+namespace isobath {
+namespace {
+
+using Content = nlohmann::ordered_json;
+
+Content exact_enough(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::round(value * 1e6) / 1e6;
+}
+Content exact_enough(Angle angle) { return exact_enough(angle.radians()); }
+template <class Value>
+Content exact_enough(const std::optional<Value>& value) {
+  return value ? exact_enough(*value) : Content();
+}
+template <int kSize>
+Content components_of(const Eigen::Matrix<double, kSize, 1>& v) {
+  Content row = Content::array();
+  for (int i = 0; i < kSize; ++i) row.push_back(exact_enough(v[i]));
+  return row;
+}
+Content pose_content(const Pose& X) {
+  const Eigen::Quaterniond& q = X.rotation.quaternion();
+  return {{"place", components_of<3>(X.translation)},
+          {"rotation_wxyz", {exact_enough(q.w()), exact_enough(q.x()), exact_enough(q.y()), exact_enough(q.z())}}};
+}
+Content waypoints_content(const std::vector<Waypoint>& waypoints) {
+  Content list = Content::array();
+  for (const Waypoint& w : waypoints) {
+    list.push_back({{"north", exact_enough(w.north)},
+                    {"east", exact_enough(w.east)},
+                    {"depth", exact_enough(w.depth)},
+                    {"speed", exact_enough(w.speed)}});
+  }
+  return list;
+}
+Content setpoint_content(const Setpoint& s) {
+  return {{"heading", exact_enough(s.heading)},
+          {"depth", exact_enough(s.depth)},
+          {"speed", exact_enough(s.speed)},
+          {"sway_speed", exact_enough(s.sway_speed)}};
+}
+Content point_content(const MissionPoint& p) {
+  return {{"name", p.name},
+          {"north_east", components_of<2>(p.north_east)},
+          {"depth", exact_enough(p.depth_m)},
+          {"altitude", exact_enough(p.altitude_m)}};
+}
+Content plan_content(const std::shared_ptr<const MissionPlan>& plan) {
+  if (!plan) return nullptr;
+  return {{"title", plan->title}, {"points", plan->points.size()}};
+}
+
+// One function per message type; a type without one does not compile.
+
+Content content_of(const Navigation& m) {
+  Content content{{"pose", pose_content(m.X_WB)}};
+  if (m.v_WB) content["velocity"] = components_of<3>(*m.v_WB);
+  return content;
+}
+Content content_of(const RangeReading& m) {
+  return {{"range", exact_enough(m.range_m)}, {"max_range", exact_enough(m.max_range_m)}};
+}
+Content content_of(const Health& m) {
+  return {{"source", m.source},
+          {"state", to_text(m.state)},
+          {"battery", exact_enough(m.battery_share)},
+          {"leak", m.leak},
+          {"note", m.note}};
+}
+Content content_of(const SonarHealthSample& m) {
+  return {{"sonar", m.sonar},
+          {"digest", fmt::format("{:016x}", m.digest)},
+          {"mean", exact_enough(m.mean)},
+          {"full_scale", exact_enough(m.full_scale)},
+          {"silent", exact_enough(m.silent)}};
+}
+Content content_of(const SonarEchoes& m) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector2d& p : m.echoes_L) nearest = std::min(nearest, p.norm());
+  return {{"echoes", m.echoes_L.size()}, {"nearest", exact_enough(nearest)}};
+}
+Content content_of(const Sweep& m) {
+  return {{"number", m.number},
+          {"posed", m.posed},
+          {"sigma", exact_enough(m.sigma_m)},
+          {"obstacles", m.map ? m.map->obstacles.size() : 0},
+          {"cells", m.map ? m.map->cells.size() : 0}};
+}
+Content content_of(const ObstacleScan& m) {
+  return {{"number", m.number}, {"posed", m.posed}, {"hazards", m.hazards.size()}};
+}
+Content content_of(const ChartedHazards& m) { return {{"hazards", m.hazards ? m.hazards->size() : 0}}; }
+Content content_of(const OperatorCommand& m) {
+  static constexpr const char* kNames[] = {"start", "abort", "hold", "resume", "beat"};
+  return {{"command", kNames[static_cast<std::size_t>(m.kind)]}, {"plan", plan_content(m.plan)}};
+}
+Content content_of(const MissionOrder& m) {
+  static constexpr const char* kNames[] = {"start", "hold", "resume", "abort"};
+  return {{"order", kNames[static_cast<std::size_t>(m.kind)]},
+          {"plan", plan_content(m.plan)},
+          {"end", to_text(m.end)},
+          {"why", m.why}};
+}
+Content content_of(const PointMoved& m) { return {{"point", m.point}, {"north_east", components_of<2>(m.north_east)}}; }
+Content content_of(const RouteRequest& m) {
+  return {{"id", m.id}, {"point", m.point}, {"target", point_content(m.target)}, {"last", m.last}};
+}
+Content content_of(const RoutePlanned& m) {
+  return {{"request", m.request},
+          {"version", m.version},
+          {"waypoints", waypoints_content(m.waypoints)},
+          {"avoiding", m.avoiding},
+          {"why", m.why}};
+}
+Content content_of(const RouteRefused& m) {
+  Content content{{"reason", to_text(m.reason)}, {"request", m.request}, {"point", m.point}, {"why", m.why}};
+  if (m.safe_nearby) content["safe_nearby"] = components_of<2>(*m.safe_nearby);
+  return content;
+}
+Content content_of(const PointReport& m) {
+  static constexpr const char* kNames[] = {"reached", "dropped", "taken", "avoiding"};
+  return {{"report", kNames[static_cast<std::size_t>(m.kind)]}, {"point", m.point}, {"why", m.why}};
+}
+Content content_of(const MissionReport& m) {
+  return {{"phase", to_text(m.phase)}, {"reached", m.reached}, {"dropped", m.dropped}, {"why", m.why}};
+}
+Content content_of(const FollowOrder& m) {
+  return {{"version", m.version},
+          {"waypoints", waypoints_content(m.waypoints)},
+          {"altitude", exact_enough(m.altitude_m)},
+          {"surface", m.surface}};
+}
+Content content_of(const WaypointPassed& m) {
+  return {{"version", m.version}, {"index", m.index}, {"reached", m.reached}, {"last", m.last}};
+}
+Content content_of(const HelmOrder& m) { return {{"setpoint", setpoint_content(m.setpoint)}}; }
+Content content_of(const SafetyAction& m) {
+  return {{"action", to_text(m.kind)}, {"setpoint", setpoint_content(m.setpoint)}, {"fault", m.fault}, {"why", m.why}};
+}
+Content content_of(const SafetyReport& m) {
+  return {{"fault", m.fault}, {"active", m.active}, {"abort", m.abort}, {"end", to_text(m.end)}, {"why", m.why}};
+}
+Content content_of(const AgentLost& m) { return {{"agent", m.agent}, {"hung", m.hung}, {"why", m.why}}; }
+Content content_of(const StatusReport& m) {
+  return {{"phase", to_text(m.phase)}, {"point", m.point}, {"points", m.points}, {"text", m.text}};
+}
+Content content_of(const TaskCall& m) { return {{"id", m.id}, {"task", m.task}, {"at", point_content(m.at)}}; }
+Content content_of(const TaskBid& m) {
+  return {{"id", m.id}, {"driver", m.driver}, {"suitability", exact_enough(m.suitability)}};
+}
+Content content_of(const TaskAward& m) { return {{"id", m.id}, {"driver", m.driver}}; }
+Content content_of(const TaskPlan& m) {
+  return {{"id", m.id}, {"driver", m.driver}, {"waypoints", waypoints_content(m.waypoints)}};
+}
+Content content_of(const Decision& m) {
+  Content content{{"agent", m.agent}, {"what", m.what}, {"reason", m.reason}};
+  if (m.obstacle) content["obstacle"] = components_of<2>(*m.obstacle);
+  if (m.leg) content["leg"] = *m.leg;
+  if (m.margin_m) content["margin"] = exact_enough(*m.margin_m);
+  if (!m.way.empty()) content["way"] = m.way.size();
+  return content;
+}
+Content content_of(const ChartUpdate& m) {
+  Content content{{"objects", m.objects ? m.objects->size() : 0}};
+  if (m.depths) content["depths_version"] = m.depths->version();
+  return content;
+}
+Content content_of(const LinkFrame& m) {
+  return {{"way", m.way == LinkFrame::Way::kToOperator ? "to operator" : "from operator"},
+          {"bytes", fmt::format("{:02x}", fmt::join(m.bytes, ""))}};
+}
+Content content_of(const OccupancyUpdate& m) {
+  if (!m.grid) return Content::object();
+  const VoxelIndex& size = m.grid->size();
+  return {{"voxel", exact_enough(m.grid->voxel_m())}, {"size", {size.x(), size.y(), size.z()}}};
+}
+
+}  // namespace
+
+std::string message_json(const Envelope& envelope) {
+  const Content json{
+      {"number", envelope.number},
+      {"time_ns", envelope.time.time_since_epoch().count()},
+      {"sender", envelope.sender},
+      {"type", message_name(envelope.message)},
+      {"content", std::visit([](const auto& message) { return content_of(message); }, envelope.message)}};
+  return json.dump(-1, ' ', false, Content::error_handler_t::replace);
+}
+
+const char* message_schema() {
+  return R"({"title": "isobath.Message", "type": "object", "properties": {"number": {"type": "integer"},
+"time_ns": {"type": "integer"}, "sender": {"type": "string"}, "type": {"type": "string"},
+"content": {"type": "object"}}, "required": ["number", "time_ns", "sender", "type", "content"]})";
+}
+
+}  // namespace isobath

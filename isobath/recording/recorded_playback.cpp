@@ -1,0 +1,35 @@
+#include <algorithm>
+#include <cstdlib>
+#include <isobath/base/error.hpp>
+#include <isobath/recording/recorded_playback.hpp>
+
+namespace isobath {
+
+RecordedPlayback::RecordedPlayback(const std::filesystem::path& file) : display_(file), refreshed_(Clock::now()) {
+  const auto span = display_.span();
+  if (!span) throw Error("the recording is still empty", {file.string(), {}, {}, {}, {}}, "", "try again later");
+  span_ = {span->first, span->last};
+}
+
+TimeSpan RecordedPlayback::span() {
+  const Clock::time_point now = Clock::now();
+  if (display_.complete() || now - refreshed_ < kRefresh) return span_;
+  refreshed_ = now;
+  if (!display_.refresh()) return span_;
+  if (const auto span = display_.span()) span_ = {span->first, span->last};
+  return span_;
+}
+
+void RecordedPlayback::show(Time moment, DisplayState& items) { display_.advance(moment, items); }
+
+Time RecordedPlayback::step(Time from, int steps) {
+  Time moment = from;
+  for (int i = 0; i < std::abs(steps); ++i) {
+    const auto next = steps > 0 ? display_.moment_after(moment) : display_.moment_before(moment);
+    if (!next) break;
+    moment = *next;
+  }
+  return std::clamp(moment, span_.start, span_.end);
+}
+
+}  // namespace isobath

@@ -1,0 +1,92 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <isobath/report/mission_outcome.hpp>
+#include <nlohmann/json.hpp>
+
+namespace isobath {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Rounded to 1e-6, which is finer than any sonar and still readable; null if not finite.
+ordered_json number_json(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::round(value * 1e6) / 1e6;
+}
+
+std::string dump(const ordered_json& json, int indent) {
+  return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+ordered_json stage_json(const StageTime& t) {
+  return {{"count", t.count}, {"median_ms", t.median_ms}, {"p99_ms", t.p99_ms}, {"worst_ms", t.worst_ms}};
+}
+
+ordered_json points_json(const MissionPlan& plan) {
+  ordered_json points = ordered_json::array();
+  for (const MissionPoint& p : plan.points) {
+    points.push_back({{"name", p.name}, {"north_m", number_json(p.north_east.x())}, {"east_m", number_json(p.north_east.y())}});
+  }
+  return points;
+}
+
+}  // namespace
+
+std::string MissionOutcome::failure() const {
+  if (truth && truth->contact_s >= 0)
+    return fmt::format("contact with {} at {:.1f} s", truth->contact_with, truth->contact_s);
+  if (report.phase == MissionPhase::kAborted) return "the mission was aborted: " + report.why;
+  if (report.phase != MissionPhase::kFinished) return fmt::format("the mission did not end: {}", to_text(report.phase));
+  if (report.reached == 0) return "no mission point was reached";
+  if (recorded && (*recorded != decisions.size() || as_recorded != decisions.size())) {
+    return fmt::format("decision {} differs from the recorded run", as_recorded + 1);
+  }
+  return {};
+}
+
+std::optional<BelievedPlace> place_at(const MissionOutcome& outcome, Time time) {
+  const auto after = std::upper_bound(outcome.believed.begin(), outcome.believed.end(), time,
+                                      [](Time t, const BelievedPlace& place) { return t < place.time; });
+  if (after == outcome.believed.begin()) return std::nullopt;
+  return *std::prev(after);
+}
+
+ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
+  const MissionReport& report = outcome.report;
+  ordered_json json{
+      {"title", outcome.plan.title},           {"phase", to_text(report.phase)}, {"why", report.why},
+      {"points", points_json(outcome.plan)},   {"reached", report.reached},      {"dropped", report.dropped},
+      {"decisions", outcome.decisions.size()}, {"failure", outcome.failure()}};
+  if (const auto& truth = outcome.truth) {
+    json["truth"] = {{"contact", truth->contact_s >= 0},
+                     {"contact_s", truth->contact_s >= 0 ? number_json(truth->contact_s) : ordered_json()},
+                     {"contact_with", truth->contact_with},
+                     {"least_clearance_m", number_json(truth->least_clearance_m)},
+                     {"nearest_body", truth->nearest_body},
+                     {"least_altitude_m", number_json(truth->least_altitude_m)},
+                     {"path_m", number_json(truth->length_m)}};
+  }
+  const ExecutorCounts& executor = outcome.executor;
+  json["crew"] = {{"ticks", executor.ticks},
+                  {"agents_lost", executor.lost},
+                  {"messages_cut", executor.cut},
+                  {"set_points_limited", executor.limited}};
+  for (const OperatorAnswer& answer : outcome.answers) {
+    json["operator"].push_back(
+        {{"time", to_text(answer.time)}, {"phase", to_text(answer.status.phase)}, {"text", answer.status.text}});
+  }
+  if (outcome.recorded) json["recorded"] = {{"decisions", *outcome.recorded}, {"the_same", outcome.as_recorded}};
+  if (with_timings) {
+    json["timings"] = {{"event_to_crew", stage_json(outcome.timings.event_to_agents)},
+                       {"ping_to_grid", stage_json(outcome.timings.ping_to_grid)},
+                       {"detection", stage_json(outcome.timings.detection)},
+                       {"planning", stage_json(outcome.timings.planning)},
+                       {"scan_to_decision", stage_json(outcome.timings.scan_to_decision)}};
+  }
+  return json;
+}
+
+std::string mission_text(const MissionOutcome& outcome) { return dump(mission_json(outcome, false), 1) + "\n"; }
+
+}  // namespace isobath

@@ -1,0 +1,60 @@
+// MissionOutcome: the outcome of a mission: for the report, for mission.json and decisions.json, and for the exit
+// status of the program.
+//
+// Positions are estimated positions in W, m; margins in m.
+#pragma once
+
+#include <isobath/mission/command/executor.hpp>
+#include <isobath/mission/messages/messages.hpp>
+#include <isobath/onboard/stage_times.hpp>
+#include <isobath/scenario/ground_truth_trajectory.hpp>
+#include <isobath/scenario/simulated_operator.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+/// An estimated position of the vehicle.
+struct BelievedPlace {
+  Time time;
+  Eigen::Vector2d north_east = Eigen::Vector2d::Zero();
+  double depth_m = 0;
+};
+
+/// An obstacle of one scan, at its estimated position.
+struct SeenObstacle {
+  Time time;
+  Polygon outline;
+  double existence = 0;
+};
+
+struct MissionOutcome {
+  MissionPlan plan;
+  MissionReport report;
+  std::vector<Decision> decisions;
+  std::vector<BelievedPlace> believed;    ///< ten a second at most
+  std::vector<SeenObstacle> seen;         ///< without those behind others
+  std::optional<TrackTruth> truth;        ///< simulated runs only
+  std::vector<TrueBody> bodies;           ///< at the end; simulated runs only
+  std::uint64_t as_recorded = 0;          ///< replay: leading decisions that equal those of the recorded run
+  std::optional<std::uint64_t> recorded;  ///< replay of a log with decisions: their number
+  MissionTimings timings;
+  ExecutorCounts executor;
+  std::vector<OperatorAnswer> answers;  ///< what the operator of a simulated run received
+
+  /// What went wrong, as one line: contact, a mission that did not end or was aborted, no point reached, decisions that
+  /// differ from those recorded. Empty if all went well; a point that was dropped by the rules is not a failure.
+  [[nodiscard]] std::string failure() const;
+};
+
+/// The estimated position at a time: the last one recorded by then.
+std::optional<BelievedPlace> place_at(const MissionOutcome& outcome, Time time);
+
+/// The outcome without its decisions. `with_timings`: with times of a real clock, which differ from run to run.
+nlohmann::ordered_json mission_json(const MissionOutcome& outcome, bool with_timings);
+/// The text of mission.json.
+std::string mission_text(const MissionOutcome& outcome);
+
+}  // namespace isobath

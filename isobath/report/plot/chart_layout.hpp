@@ -1,0 +1,85 @@
+// ChartLayout: the layout of a printed chart: a plot in (north, east) within a graduated frame, and a panel beside it
+// with the north arrow, the scale bar, colour bars, the legend and notes.
+//
+// North is up. With an origin the frame shows latitude and longitude (WGS 84) in degrees and decimal minutes. Each side
+// is graduated on its own, so that the convergence of meridians is visible. Without an origin the frame shows metres.
+// The resolution is 150 pixels an inch: the smallest letters are 2.4 mm high. Text too wide for the panel is wrapped.
+#pragma once
+
+#include <isobath/geometry/geodesy.hpp>
+#include <isobath/report/plot/picture.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+class ChartLayout : public Canvas {
+ public:
+  /// The plot has whole pixels: its south and east sides may lie up to a pixel beyond the extent.
+  ChartLayout(const PlanExtent& north_east, int plot_px, const std::string& title, std::optional<GeoOrigin> origin);
+
+  [[nodiscard]] int columns() const { return columns_; }
+  [[nodiscard]] int rows() const { return rows_; }
+  [[nodiscard]] double metres_per_px() const { return metres_per_px_; }
+
+  /// columns * rows colours, row-major from the north-west.
+  void raster(const std::vector<Colour>& colours);
+  void polyline(std::span<const Eigen::Vector2d> points, bool closed, const Stroke& stroke);
+  /// A line with `label` written upright along it, in a gap of the line, wherever there is room. Parts where
+  /// `approximate` holds are dashed.
+  void contour(std::span<const Eigen::Vector2d> points, bool closed, const Stroke& stroke, const std::string& label,
+               const std::function<bool(const Eigen::Vector2d&)>& approximate);
+  /// A sounding as charts print it: whole metres, and small, lowered decimetres. False if there is no room.
+  bool sounding(const Eigen::Vector2d& at, double depth_m);
+  /// A danger: a cross in a dotted circle, and its name.
+  void danger(const Eigen::Vector2d& at, const std::string& label);
+
+  // The panel, from top to bottom.
+  void north_arrow_and_scale();
+  struct Bar {
+    std::string caption;
+    std::function<Colour(double value)> colour;
+  };
+  /// Bars side by side from `low` (top) to `high`, with values at `marks`.
+  void colour_bars(const std::string& caption, double low, double high, const std::vector<double>& marks,
+                   const std::vector<Bar>& bars);
+  void legend_fill(Colour colour, const std::string& text, bool hatched = false);
+  void legend_line(const Stroke& stroke, const std::string& text);
+  void legend_danger(const std::string& text);
+  void note(const std::string& text, bool strong = false);
+
+  /// Draws the frame. Call it last.
+  void finish();
+
+ protected:
+  struct Box {
+    double x, y, half_width, half_height;
+  };
+  [[nodiscard]] Eigen::Vector2d to_px(const Eigen::Vector2d& north_east) const;
+  /// Reserves the box. False, without reserving it, if it overlaps another one or leaves the plot.
+  [[nodiscard]] bool take_room(const Box& box);
+  void begin_plot() const;
+  void end_plot() const;
+  void trace(std::span<const Eigen::Vector2d> points_px) const;
+  [[nodiscard]] double text_width(const std::string& text, double size) const;
+  /// Position of the next entry of the legend; advances by `height_px`.
+  Eigen::Vector2d next_entry(double height_px);
+
+ private:
+  struct Side;
+  void text_at_angle(const Eigen::Vector2d& centre, double angle, const std::string& text, double size,
+                     Colour colour) const;
+  void danger_symbol(const Eigen::Vector2d& at_px) const;
+  void graduate(const Side& side) const;
+
+  PlanExtent extent_;
+  std::string title_;
+  std::optional<GeoOrigin> origin_;
+  int columns_, rows_;
+  double metres_per_px_;
+  double panel_y_;
+  std::vector<Box> taken_;
+};
+
+}  // namespace isobath

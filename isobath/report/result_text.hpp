@@ -1,0 +1,48 @@
+// result_text: results as text. This file alone defines the names and units of obstacles.json, scans.json,
+// obstacles.geojson and the parts of manifest.json. The same results give the same text.
+#pragma once
+
+#include <isobath/geometry/geodesy.hpp>
+#include <isobath/map/occupancy/obstacle.hpp>
+#include <isobath/report/run_outcome.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+/// The results at the end of one sweep.
+struct ScanRecord {
+  int number = 0;  ///< from 1
+  Time time;
+  Pose X_WB;
+  bool posed = false;  ///< whether X_WB comes from navigation
+  std::vector<Obstacle> obstacles;
+};
+
+/// Obstacles in L, as in obstacles.json.
+nlohmann::ordered_json obstacle_list(const std::vector<Obstacle>& obstacles);
+/// `frame`, the time and pose of the scan, and its `obstacles`; an empty list if there was no scan.
+std::string obstacles_json(const ScanRecord& scan);
+std::string scans_json(std::span<const ScanRecord> scans);
+/// RFC 7946: one polygon per obstacle, in longitude and latitude.
+std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin);
+/// Counts of a run by kind; rejected data by reason; alarms.
+nlohmann::ordered_json counts_json(const RunOutcome& outcome);
+nlohmann::ordered_json rejected_json(const RunOutcome& outcome);
+nlohmann::ordered_json alarms_json(const RunOutcome& outcome);
+/// The changed regions; and the track as row segments: north and east of the west end, and length, m.
+nlohmann::ordered_json changes_json(const MapChanges& changes, const std::optional<GeoOrigin>& origin);
+nlohmann::ordered_json track_json(const MapChanges& changes, const PixelGrid& grid);
+nlohmann::ordered_json depth_json(const DepthOutcome& depth);
+nlohmann::ordered_json voxels_json(const VoxelOutcome& voxels);
+/// Found, missed and false obstacles of a simulated run; and the same as the text of a file.
+nlohmann::ordered_json truth_json(const TruthScore& score);
+std::string truth_text(const TruthScore& score);
+/// What a live run dropped because its threads could not keep up, as one line.
+std::string live_text(const LiveOutcome& live);
+/// "14.9 s", "2.5 h", "12.9 days".
+std::string span_text(double seconds);
+
+}  // namespace isobath

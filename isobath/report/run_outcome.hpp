@@ -1,0 +1,56 @@
+// RunOutcome: the results of a run (run.hpp).
+#pragma once
+
+#include <filesystem>
+#include <isobath/onboard/pipeline.hpp>
+#include <isobath/onboard/stage_cpu_time.hpp>
+#include <isobath/report/depth_outcome.hpp>
+#include <isobath/report/mission_outcome.hpp>
+#include <isobath/scenario/detection_scorer.hpp>
+#include <isobath/world/voxel_model.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+struct RunTimings {
+  double wall_s = 0;          ///< reading and mapping
+  double ping_median_ms = 0;  ///< mapping only, per ping
+  double ping_p99_ms = 0;
+  RunLoad load;  ///< processor time by stage
+};
+
+/// What a live run dropped because its threads could not keep up.
+struct LiveOutcome {
+  std::uint64_t lost_pings = 0;  ///< dropped from the mapping queue
+  /// Dropped from the queue of the display thread: pings and scans; events, messages and all else.
+  std::uint64_t unshown_pings = 0, unshown_notes = 0;
+  std::string display_problem;  ///< why the display failed and nothing more was shown or recorded; empty: it did not
+};
+
+struct RunOutcome {
+  std::vector<Alarm> alarms;  ///< raised during the run
+  PipelineCounts counts;
+  SourceReport source;
+  std::map<std::string, std::uint64_t> rejected;  ///< by the source and by the pipeline
+  double log_s = 0;                               ///< time from the first event to the last
+  RunTimings timings;
+  std::vector<Obstacle> obstacles;           ///< at the end
+  std::vector<std::filesystem::path> files;  ///< written, relative to the folder, in order
+  std::optional<TruthScore> truth;           ///< simulated runs only, but not live ones
+  std::optional<DepthOutcome> depth;         ///< if ranges or soundings had a position
+  std::optional<VoxelOutcome> voxels;        ///< if there is a voxel map
+  std::optional<MissionOutcome> mission;     ///< if there was a mission
+  std::optional<FanDeparture> fan;           ///< if sensor.model names a fan model and pings were decided by it
+  std::optional<LiveOutcome> live;           ///< live runs only
+  std::string recording_problem;             ///< why the recording ends before the run does; empty: it does not
+  std::uint64_t not_recorded = 0;            ///< what came after that
+  std::string undecided;                     ///< why the last ping had no decisions; empty: it had
+  /// One line if the input itself is wrong (cut in the middle of a record, poses that are not numbers, time that runs
+  /// backwards); empty if it is not. The usable part of the input was used.
+  std::string problem;
+};
+
+}  // namespace isobath

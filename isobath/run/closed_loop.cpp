@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/onboard/onboard.hpp>
+#include <isobath/run/closed_loop.hpp>
+#include <isobath/run/run_pace.hpp>
+
+namespace isobath {
+namespace {
+
+/// Whether the scene has a vertical fan: only then is the voxel map worth its time.
+bool tells_height(const Scene& scene) {
+  return std::any_of(scene.sonars.begin(), scene.sonars.end(), [](const SonarConfig& sonar) {
+    return sonar.on && sonar.kind == SonarKind::kFan && std::abs(sin(sonar.roll)) > std::sqrt(0.5);
+  });
+}
+
+}  // namespace
+
+LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request) {
+  const Configuration configuration = scenario.with_prior(request.configuration);
+  SimulatedSource source(scenario.scene, configuration.simulation, request.threads);
+  source.add_operator(scenario.orders, scenario.mission);
+  Simulator& simulator = source.simulator();
+  DepthModel depths(configuration, {});
+  depths.locate(source.report().origin);
+  if (!configuration.prior.file.empty()) depths.set_prior_files({configuration.prior.file});
+  Onboard onboard(configuration, depths,
+                  {.helm = &helm, .voxels = tells_height(simulator.scene()), .live = request.live});
+  for (OnboardObserver* observer : request.observers) onboard.show_to(*observer);
+  GroundTruthTrajectory truth(simulator);
+  source.tell_truth_to(truth);
+  std::optional<DetectionScorer> judge;
+  if (request.judge && !request.live) {
+    onboard.show_to(judge.emplace(simulator));
+    source.tell_truth_to(*judge);
+  }
+  std::optional<LivePace> pace;
+  if (request.live) pace.emplace(0, simulator);
+  EndOfMission end;
+  while (auto event = source.next()) {
+    onboard.take(std::move(*event));
+    if (pace) pace->keep(onboard);
+    simulator.command(onboard.steer());
+    source.answer(helm.to_operator());
+    if (request.stop_at_contact && truth.truth().contact_s >= 0) break;
+    if (request.stop_when_done && end.reached(helm.progress().phase, simulator.now_s())) break;
+  }
+  onboard.settle();
+  return {truth.truth(),
+          helm.decisions(),
+          helm.progress(),
+          onboard.pipeline().counts(),
+          simulator.now_s(),
+          judge ? judge->score() : TruthScore{},
+          source.at_the_link() ? source.at_the_link()->answers() : std::vector<OperatorAnswer>{}};
+}
+
+bool EndOfMission::reached(MissionPhase phase, double now_s) {
+  const bool over = phase == MissionPhase::kFinished || phase == MissionPhase::kAborted;
+  if (!over) since_s_ = -1;
+  if (over && since_s_ < 0) since_s_ = now_s;
+  return over && now_s - since_s_ >= kWatchAfterEnd_s;
+}
+
+}  // namespace isobath

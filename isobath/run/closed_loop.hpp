@@ -1,0 +1,52 @@
+// ClosedLoop: runs a scene, a mission and a helm in a closed loop on the simulator's clock (Ganesan 2015, 6.1; ledger
+// S6-57). The result holds the ground truth, for scoring.
+//
+// Onboard maps and steers, as in `isobath run`. The result is a function of scenario, configuration and helm: the same
+// events and set-points on any number of threads. Live runs are not deterministic: the loop waits for all threads ten
+// times a second of the simulator's clock, and decisions depend on the timing of the threads.
+#pragma once
+
+#include <isobath/configuration/configuration.hpp>
+#include <isobath/mission/plan/mission_plan.hpp>
+#include <isobath/onboard/helm.hpp>
+#include <isobath/onboard/onboard_observer.hpp>
+#include <isobath/scenario/detection_scorer.hpp>
+#include <isobath/scenario/ground_truth_trajectory.hpp>
+#include <isobath/scenario/scenario.hpp>
+
+namespace isobath {
+
+/// How long the run goes on after the end of the mission.
+constexpr double kWatchAfterEnd_s = 5;
+
+struct LoopRequest {
+  Configuration configuration;
+  int threads = 1;
+  bool stop_at_contact = false;             ///< what a vehicle does after a collision is not scored
+  bool judge = false;                       ///< whether to score detections against the ground truth; ignored if live
+  bool live = false;                        ///< mapping has its own thread; needs a ThreadedHelm
+  bool stop_when_done = true;               ///< end some seconds after the mission has finished or was aborted
+  std::vector<OnboardObserver*> observers;  ///< must outlive the run
+};
+
+struct LoopResult : TrackTruth {
+  std::vector<Decision> decisions;
+  MissionReport report;
+  PipelineCounts counts;
+  double duration_s = 0;                ///< simulated
+  TruthScore sight;                     ///< how well the bodies were detected; if `judge`
+  std::vector<OperatorAnswer> answers;  ///< received by the operator, if there is one
+};
+
+LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request);
+
+/// Detects the end of a run: kWatchAfterEnd_s after the mission was finished or aborted.
+class EndOfMission {
+ public:
+  [[nodiscard]] bool reached(MissionPhase phase, double now_s);
+
+ private:
+  double since_s_ = -1;
+};
+
+}  // namespace isobath

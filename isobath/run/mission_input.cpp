@@ -1,0 +1,56 @@
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <isobath/display/decision_json.hpp>
+#include <isobath/io/mcap/native_log.hpp>
+#include <isobath/mission/plan/mission_file.hpp>
+#include <isobath/run/mission_input.hpp>
+#include <isobath/scenario/scenario.hpp>
+
+namespace isobath {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_mcap(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::array<char, 16> head{};
+  in.read(head.data(), head.size());
+  return looks_like_mcap({reinterpret_cast<const std::uint8_t*>(head.data()), static_cast<std::size_t>(in.gcount())});
+}
+
+}  // namespace
+
+std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::path& input, const Simulator* simulator) {
+  MissionSetup setup;
+  if (!mission.empty()) {
+    const std::string text = text_of_file(mission.string());
+    setup.plan =
+        looks_like_scene(text) ? parse_scenario(text, mission.string()).mission : load_mission(mission.string());
+  } else if (simulator) {
+    setup.plan = open_scenario(input).mission;
+  }
+  if (setup.plan.points.empty()) return std::nullopt;
+  if (simulator) {
+    setup.vehicle = parameters_of(simulator->vehicle());
+  } else if (const auto text = is_mcap(input) ? attachment_in(input, kVehicleAttachment) : std::nullopt) {
+    std::vector<Section> vehicle = vehicle_sections(setup.vehicle);
+    read_toml(*text, input.string() + ": " + kVehicleAttachment, vehicle);
+  }
+  return setup;
+}
+
+std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions, const fs::path& input) {
+  if (!is_mcap(input)) return std::nullopt;
+  const std::vector<std::string> recorded = decisions_in(input);
+  if (recorded.empty()) return std::nullopt;
+  Recorded found{recorded.size(), 0};
+  while (found.the_same < std::min(recorded.size(), decisions.size()) &&
+         recorded[found.the_same] == decision_json(decisions[found.the_same])) {
+    ++found.the_same;
+  }
+  return found;
+}
+
+}  // namespace isobath

@@ -1,0 +1,28 @@
+#include <isobath/run/mission_notes.hpp>
+
+namespace isobath {
+namespace {
+
+constexpr Duration kBelievedInterval = std::chrono::milliseconds(95);  // ten a second, with some jitter allowed
+
+}  // namespace
+
+void MissionNotes::on_event(const Event& event) {
+  const auto* fix = std::get_if<Navigation>(&event);
+  if (!fix || !fix->X_WB.is_finite()) return;
+  if (!believed_.empty() && fix->time - believed_.back().time < kBelievedInterval) return;
+  believed_.push_back({fix->time, fix->X_WB.translation.head<2>(), fix->X_WB.translation.z()});
+}
+
+void MissionNotes::on_scan(const ScanResult& scan) {
+  const Pose X_WL = level(scan.detection.X_WB);
+  for (const Obstacle& o : scan.detection.obstacles) {
+    if (o.behind) continue;
+    SeenObstacle& seen = seen_.emplace_back(SeenObstacle{scan.detection.time, {}, o.existence});
+    for (const Eigen::Vector2d& p : o.outline) {
+      seen.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
+    }
+  }
+}
+
+}  // namespace isobath

@@ -1,0 +1,411 @@
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <isobath/base/error.hpp>
+#include <isobath/io/input/pose_track.hpp>
+#include <isobath/onboard/onboard.hpp>
+#include <isobath/run/closed_loop.hpp>
+#include <isobath/run/mission_input.hpp>
+#include <isobath/run/mission_notes.hpp>
+#include <isobath/run/run.hpp>
+#include <isobath/run/run_display.hpp>
+#include <isobath/run/run_folder.hpp>
+#include <isobath/run/run_pace.hpp>
+#include <isobath/run/run_source.hpp>
+#include <isobath/scenario/detection_scorer.hpp>
+#include <isobath/scenario/ground_truth_trajectory.hpp>
+#include <isobath/scenario/mission_chart.hpp>
+#include <isobath/scenario/scenario.hpp>
+#include <isobath/scenario/voxel_scorer.hpp>
+#include <isobath/world/depth_model.hpp>
+#include <span>
+
+namespace isobath {
+namespace {
+
+using Clock = std::chrono::steady_clock;  // only for timings: no result depends on it
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// The prior of the configuration; else, for a folder of logs with one outline (.shp), that outline of the water.
+std::vector<std::string> priors_of(const RunRequest& request) {
+  if (!request.configuration.prior.file.empty()) return {request.configuration.prior.file};
+  std::error_code ignored;
+  std::vector<std::string> outlines;
+  for (const auto& entry : std::filesystem::directory_iterator(request.input, ignored)) {
+    if (entry.path().extension() == ".shp") outlines.push_back(entry.path().string());
+  }
+  return outlines.size() == 1 ? outlines : std::vector<std::string>{};
+}
+
+/// The scenario, if the input is one.
+std::optional<Scenario> scenario_of_input(const RunRequest& request) {
+  return is_scene(request.input) ? std::optional(open_scenario(request.input)) : std::nullopt;
+}
+
+/// The scenario, if --mission names one: a replay must use the same chart as the recorded run.
+std::optional<Scenario> scenario_of_mission(const RunRequest& request) {
+  if (request.mission.empty()) return std::nullopt;
+  const std::string file = request.mission.string(), text = text_of_file(file);
+  return looks_like_scene(text) ? std::optional(parse_scenario(text, file)) : std::nullopt;
+}
+
+/// Adds the prior of the scenario, if it has one.
+RunRequest completed(RunRequest request, const std::optional<Scenario>& scenario) {
+  if (const auto named = scenario ? scenario : scenario_of_mission(request)) {
+    request.configuration = named->with_prior(request.configuration);
+  }
+  return request;
+}
+
+/// Throws Error unless the mission and the input have the same origin.
+void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard) {
+  if (!plan.origin || !heard) return;
+  const double apart_m = distance_m(*plan.origin, *heard);
+  if (apart_m <= 1) return;
+  throw Error(fmt::format("the origin of the mission is {:.0f} m away from the origin of the input", apart_m),
+              plan.place, "the same origin in both");
+}
+
+void check_live(const RunRequest& request, bool mission_in_a_scene) {
+  if (!request.live_speed) return;
+  if (!mission_in_a_scene) {
+    throw Error("only a scene with a mission can run live", {request.input.string(), {}, {}, {}, {}});
+  }
+}
+
+/// The plan outlines of all bodies of a scene, at their current positions.
+std::vector<TrueBody> outlines_of(const World& world) {
+  std::vector<TrueBody> outlines;
+  for (const WorldBody& body : world.bodies()) {
+    for (Polygon part : body.plan) {
+      for (Eigen::Vector2d& p : part) p += body.moved.head<2>();
+      outlines.push_back({body.name, std::move(part)});
+    }
+  }
+  return outlines;
+}
+
+RunTimings timings_of(std::vector<double>& ping_ms, double wall_ms) {
+  RunTimings timings;
+  timings.wall_s = wall_ms / 1000;
+  if (ping_ms.empty()) return timings;
+  std::sort(ping_ms.begin(), ping_ms.end());
+  timings.ping_median_ms = ping_ms[ping_ms.size() / 2];
+  timings.ping_p99_ms = ping_ms[ping_ms.size() * 99 / 100];
+  return timings;
+}
+
+/// A problem of the input itself, as one line. A damaged part in the middle is not a problem in this sense.
+std::string problem_of(const RunOutcome& outcome) {
+  const SourceReport& source = outcome.source;
+  if (!source.damages.empty() && source.bytes_total > 0) {
+    const Damage& last = source.damages.back();
+    if (last.offset + last.bytes >= source.bytes_total) {
+      return fmt::format("the log is cut off: its last {} bytes, from byte {}, are not a complete record ({})",
+                         last.bytes, last.offset, last.reason);
+    }
+  }
+  for (const char* reason : {EventGate::kBadNavigation, EventGate::kBackwards, kBadPose, kPoseBackwards}) {
+    const auto found = outcome.rejected.find(reason);
+    if (found != outcome.rejected.end()) {
+      return fmt::format("{}: {} of {} events were rejected for this", reason, found->second,
+                         found->second + outcome.counts.pings + outcome.counts.navigation + outcome.counts.ranges +
+                             outcome.counts.swaths);
+    }
+  }
+  return {};
+}
+
+/// Adds the results of the pipeline and the depth map (`mapped`: there are voxels), and any problem of the input.
+void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths, bool mapped) {
+  outcome.counts = pipeline.counts();
+  outcome.rejected = outcome.source.rejected;
+  for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
+  if (outcome.counts.pings > 0) outcome.undecided = pipeline.undecided();
+  outcome.fan = pipeline.departure();
+  outcome.alarms = alarms_of(pipeline.emergencies());
+  for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
+  outcome.problem = problem_of(outcome);
+  if (outcome.counts.pings + outcome.counts.vertical + outcome.counts.ranges + outcome.counts.swaths == 0 &&
+      outcome.problem.empty())
+    outcome.problem = "no ping, range or sounding of the input could be used";
+  if (outcome.counts.pings + outcome.counts.vertical == 0 && !depths.snapshot() && !mapped && outcome.problem.empty())
+    outcome.problem = "no range or sounding has a position; give the track of the vehicle (input.navigation)";
+}
+
+/// A run from its input to its folder: the input, Onboard and the observers.
+class Run {
+ public:
+  explicit Run(const RunRequest& asked);
+  RunOutcome outcome();
+
+ private:
+  std::optional<MissionSetup> mission();
+  std::unique_ptr<Helm> make_helm() const;
+  void invite_observers();
+  std::optional<Event> next();
+  /// Handles one event completely. Returns false if the run is to end.
+  bool take(Event event);
+  /// Sends the set-point of the helm to the vehicle. Returns false once the mission has been over for long enough.
+  bool steer();
+  void show(Time time);
+  void show_scene(Time time);
+  MissionOutcome mission_outcome();
+  void add_voxels(RunOutcome& outcome);
+  void finish_display(RunOutcome& outcome);
+
+  const std::optional<Scenario> scenario_;
+  const RunRequest request_;
+  const std::vector<std::string> priors_;
+  DepthModel depths_;
+  RunInput input_;
+  const std::optional<MissionSetup> setup_;
+
+  // Observers.
+  RunFolder folder_;
+  std::optional<DetectionScorer> judge_;
+  std::optional<GroundTruthTrajectory> track_;
+  MissionNotes notes_;
+  RunDisplay display_;
+
+  const std::shared_ptr<StageTimes> times_ = std::make_shared<StageTimes>();
+  const std::unique_ptr<Helm> helm_;  ///< null: no mission
+  Onboard onboard_;
+
+  std::optional<LivePace> live_;
+  std::optional<WatchedPace> watched_;
+  std::string live_datum_;             ///< live: the depth datum; depths_ itself belongs to the mapping thread
+  std::optional<DisplayScene> scene_;  ///< as last shown
+  EndOfMission end_;
+  Time first_ = Time::max(), last_ = Time::min();
+};
+
+Run::Run(const RunRequest& asked)
+    : scenario_(scenario_of_input(asked)),
+      request_(completed(asked, scenario_)),
+      priors_(priors_of(request_)),
+      depths_(request_.configuration, request_.map, to_toml(request_.configuration, false)),
+      input_(request_.input, scenario_, request_.configuration, depths_.stored_origin(), request_.threads),
+      setup_(mission()),
+      folder_(request_.out, request_.configuration),
+      display_(request_, setup_, input_),
+      helm_(make_helm()),
+      onboard_(request_.configuration, depths_,
+               {.helm = helm_.get(),
+                .times = times_,
+                .voxel_file = request_.out / "voxels.sqlite",
+                .live = request_.live_speed.has_value()}) {
+  depths_.set_prior_files(priors_);
+  invite_observers();
+  if (request_.watch) watched_.emplace(*request_.watch);
+  if (request_.live_speed) {
+    live_datum_ = depths_.continues() ? depths_.facts().datum : request_.configuration.prior.datum;
+    live_.emplace(*request_.live_speed, *input_.simulator());
+  }
+}
+
+std::optional<MissionSetup> Run::mission() {
+  auto setup = mission_setup(request_.mission, request_.input, input_.simulator());
+  check_live(request_, setup && input_.simulated());
+  if (!setup) return setup;
+  setup->chart = chart_of(request_.map, priors_, request_.configuration, input_.origin());
+  if (SimulatedSource* simulated = input_.simulated()) simulated->add_operator(scenario_->orders, setup->plan);
+  return setup;
+}
+
+std::unique_ptr<Helm> Run::make_helm() const {
+  if (!setup_) return nullptr;
+  if (request_.live_speed) return make_threaded_helm(*setup_, request_.configuration, times_);
+  return make_serial_helm(*setup_, request_.configuration, times_);
+}
+
+/// Onboard calls the observers in this order.
+void Run::invite_observers() {
+  if (helm_) onboard_.show_to(notes_);
+  onboard_.show_to(folder_);
+  if (SimulatedSource* simulated = input_.simulated()) {
+    if (!request_.live_speed) {
+      onboard_.show_to(judge_.emplace(simulated->simulator()));
+      simulated->tell_truth_to(*judge_);
+    }
+    if (setup_) simulated->tell_truth_to(track_.emplace(simulated->simulator()));
+    simulated->tell_truth_to(display_);
+  }
+  if (!display_.on()) return;
+  onboard_.show_to(display_);
+  if (helm_) helm_->show_messages_to([this](const Envelope& envelope) { display_.heard(envelope); });
+}
+
+RunOutcome Run::outcome() {
+  const auto start = Clock::now();
+  // A mission must not see future pings, so with a mission there is no look-ahead.
+  if (!input_.simulated() && !setup_) input_.listen_for(onboard_.pipeline());
+  while (auto event = next()) {
+    if (!take(std::move(*event))) break;
+  }
+  onboard_.settle();
+  RunOutcome outcome;
+  if (helm_) outcome.mission = mission_outcome();  // before finish() ends the open sweep
+  onboard_.finish();
+  std::vector<double> ping_ms = onboard_.ping_ms();
+  outcome.timings = timings_of(ping_ms, milliseconds_since(start));
+  outcome.timings.load = onboard_.load();
+  if (live_) {
+    outcome.live.emplace().lost_pings = onboard_.lost_pings();
+    outcome.timings.load.add(Stage::kAgents, outcome.mission->timings.agents_s);
+  }
+  outcome.log_s = last_ > first_ ? to_seconds(last_ - first_) : 0;
+  outcome.source = input_.report();
+  outcome.source.origin = input_.origin();
+  const VoxelModel& voxels = onboard_.voxels();
+  add_results(outcome, onboard_.pipeline(), depths_, voxels.map() != nullptr);
+  for (const auto& [reason, count] : voxels.refused()) outcome.rejected["left out of the voxels: " + reason] += count;
+  finish_display(outcome);
+  if (judge_) {
+    outcome.truth = judge_->score();
+    folder_.show_truth(judge_->outlines());
+  }
+  if (depths_.snapshot()) {
+    depths_.commit(request_.input.empty() ? "embedded scene" : request_.input.string());
+    outcome.depth = outcome_of(depths_);
+  }
+  if (voxels.map()) add_voxels(outcome);
+  folder_.write(request_, onboard_.pipeline().grid(), voxels.map(), depths_, outcome);
+  return outcome;
+}
+
+void Run::finish_display(RunOutcome& outcome) {
+  display_.finish(last_);
+  if (const RunRecorder* recorder = display_.recorder()) {
+    outcome.recording_problem = recorder->problem();
+    outcome.not_recorded = recorder->left_out();
+  }
+  if (display_.film() && last_ >= first_) folder_.show_run(*display_.film(), last_, display_.items());
+  if (!outcome.live) return;
+  const TaskThread::LeftOut left_out = display_.left_out();
+  outcome.live->unshown_pings = left_out.pings;
+  outcome.live->unshown_notes = left_out.notes;
+  outcome.live->display_problem = display_.problem();
+  if (display_.problem().empty() || !display_.recorder() || !outcome.recording_problem.empty()) return;
+  outcome.recording_problem = display_.problem();
+  outcome.not_recorded = left_out.pings + left_out.notes;
+}
+
+std::optional<Event> Run::next() {
+  onboard_.beside().enter(Stage::kSource);
+  std::optional<Event> event = input_.next();
+  onboard_.beside().leave();
+  return event;
+}
+
+bool Run::take(Event event) {
+  const Time time = time_of(event);
+  const bool is_first = first_ == Time::max();
+  if (!live_ || is_first) depths_.locate(input_.origin());  // the origin of a scene is known from the start
+  if (setup_ && is_first) check_frame(setup_->plan, input_.origin());
+  if (watched_ && !watched_->keep(time)) return false;
+  if (SimulatedSource* simulated = input_.simulated(); simulated && watched_ && setup_ && request_.watch->ordered) {
+    if (const auto order = request_.watch->ordered()) simulated->order(*order, setup_->plan);
+  }
+  onboard_.take(std::move(event));
+  if (live_ && live_->keep(onboard_)) display_.settle();
+  first_ = std::min(first_, time);
+  last_ = std::max(last_, time);
+  if (request_.progress) request_.progress(input_.report(), live_ ? PipelineCounts{} : onboard_.pipeline().counts());
+  const bool goes_on = steer();
+  onboard_.beside().enter(Stage::kReport);
+  show(time);
+  onboard_.beside().leave();
+  return goes_on;
+}
+
+bool Run::steer() {
+  if (!helm_) return true;
+  const Setpoint setpoint = onboard_.steer();
+  SimulatedSource* simulated = input_.simulated();
+  if (!simulated) return true;
+  simulated->simulator().command(setpoint);
+  simulated->answer(helm_->to_operator());
+  return !end_.reached(helm_->progress().phase, simulated->simulator().now_s());
+}
+
+void Run::show(Time time) {
+  if (!display_.on()) return;
+  if (display_.wants_scene(time)) {
+    show_scene(time);
+    if (helm_) display_.show(time, onboard_.timings(), onboard_.lost_pings());
+  }
+  if (!live_) display_.look(time, onboard_.pipeline(), depths_, onboard_.voxels());
+  display_.sample(time);
+}
+
+/// Shows the scene once, and again when it has changed: a body moved, or the origin or the datum became known.
+void Run::show_scene(Time time) {
+  const auto origin = input_.origin();
+  const std::string& datum = live_ ? live_datum_ : depths_.facts().datum;
+  const Simulator* simulator = input_.simulator();
+  const auto bodies = simulator ? simulator->world().bodies() : std::span<const WorldBody>();
+  const bool moved = std::any_of(bodies.begin(), bodies.end(), [](const WorldBody& body) { return body.moves; });
+  if (scene_ && !moved && scene_->origin == origin && scene_->depth_datum == datum) return;
+  if (!scene_) {
+    scene_.emplace();
+    scene_->source = request_.input.empty() ? "embedded scene" : request_.input.filename().string();
+    scene_->title = scene_->source;
+    scene_->safe_m = request_.configuration.mission.route.clearance_m;
+    scene_->simulated = simulator != nullptr;
+    if (setup_) {
+      scene_->plan = setup_->plan;
+      if (!setup_->plan.title.empty()) scene_->title = setup_->plan.title;
+      if (setup_->chart.objects) scene_->charted = *setup_->chart.objects;
+      scene_->vehicle_length_m = 2 * setup_->vehicle.hull_radius_m;
+      scene_->vehicle_radius_m = setup_->vehicle.half_width_m;
+    } else if (simulator) {
+      scene_->title = simulator->scene().about.title;
+    }
+  }
+  scene_->origin = origin;
+  scene_->depth_datum = datum;
+  if (simulator) scene_->bodies = outlines_of(simulator->world());
+  display_.show(time, *scene_);
+}
+
+MissionOutcome Run::mission_outcome() {
+  MissionOutcome mission;
+  mission.plan = setup_->plan;
+  mission.report = helm_->progress();
+  mission.decisions = helm_->decisions();
+  mission.believed = notes_.believed();
+  mission.seen = notes_.seen();
+  mission.timings = onboard_.timings();
+  mission.executor = helm_->executor_counts();
+  if (SimulatedSource* simulated = input_.simulated()) {
+    mission.truth = track_->truth();
+    mission.bodies = outlines_of(simulated->simulator().world());
+    if (const SimulatedOperator* at_the_link = simulated->at_the_link()) mission.answers = at_the_link->answers();
+  } else if (input_.report().details.contains(kLiveDetail)) {
+    return mission;  // live runs are not deterministic: their decisions are not compared
+  } else if (const auto recorded = compare_with_log(mission.decisions, request_.input)) {
+    mission.recorded = recorded->decisions;
+    mission.as_recorded = recorded->the_same;
+  }
+  return mission;
+}
+
+void Run::add_voxels(RunOutcome& outcome) {
+  constexpr std::uint64_t kJudged = 500'000;
+  const VoxelModel& voxels = onboard_.voxels();
+  outcome.voxels = voxels.outcome();
+  if (voxels.save()) outcome.files.emplace_back("voxels.sqlite");
+  if (!judge_) return;
+  const std::uint64_t every = 1 + outcome.voxels->seen / kJudged;
+  outcome.voxels->truth = judge(*voxels.map(), input_.simulator()->world(), every);
+}
+
+}  // namespace
+
+RunOutcome run(const RunRequest& request) { return Run(request).outcome(); }
+
+}  // namespace isobath

@@ -1,0 +1,79 @@
+// RunFolder: collects the results of a run and writes them as files for people and programs.
+//
+//   report.html         everything on one page       manifest.json       input, counts, rejections, files
+//   obstacles.json      at the end, in L             configuration.toml  the configuration in force
+//   scans.json          obstacles of every scan      obstacles.geojson   georeferenced, if the origin is known
+//   occupancy.tif .png  the body grid                truth.json          scores of a simulated run
+//   sonar.png           the last sweep in plan       detections.png      obstacles drawn over it
+//   mission.json, decisions.json, mission.png, clearance.png: the mission (mission_pages.hpp)
+//   depth.tif, chart.png, confidence.png, contours.geojson: the depth map (depth_pages.hpp)
+#pragma once
+
+#include <filesystem>
+#include <isobath/onboard/onboard_observer.hpp>
+#include <isobath/report/depth_pages.hpp>
+#include <isobath/report/embedded_replay.hpp>
+#include <isobath/report/html_report.hpp>
+#include <isobath/report/mission_pages.hpp>
+#include <isobath/report/plot/plan_image.hpp>
+#include <isobath/report/result_text.hpp>
+#include <isobath/report/run_outcome.hpp>
+#include <isobath/report/voxel_pages.hpp>
+#include <isobath/run/run_request.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+class RunFolder : public OnboardObserver {
+ public:
+  /// Creates the folder; throws Error if that fails.
+  RunFolder(std::filesystem::path folder, Configuration configuration);
+
+  void on_ping(const PosedPing& ping) override;
+  void on_jump(const Eigen::Vector3d& by_W) override;
+  void on_scan(const ScanResult& scan) override;
+
+  /// True outlines of the bodies, in L of the last scan; for the pictures.
+  void show_truth(std::vector<Polygon> outlines) { truth_ = std::move(outlines); }
+  /// The replay of the run, for the report.
+  void show_run(EmbeddedReplay& film, Time last, const DisplayState& items);
+  /// Writes all files and lists them in `outcome.files`.
+  void write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
+             RunOutcome& outcome);
+  [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+
+ private:
+  struct KeptPing {
+    Ping ping;
+    Pose X_WB;
+  };
+  struct Pictures {  ///< PNG; empty without a grid
+    std::string occupancy, sonar, detections;
+    DepthPictures depth;
+    VoxelPictures voxels;
+    MissionPictures mission;
+  };
+  void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
+  void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;
+  [[nodiscard]] PlanExtent extent() const;
+  [[nodiscard]] std::string sonar_picture() const;
+  [[nodiscard]] std::string detections_picture() const;
+  [[nodiscard]] std::string occupancy_picture(const BodyGrid& grid) const;
+  [[nodiscard]] std::string track_picture() const;
+  void add_obstacles(HtmlReport& page) const;
+  [[nodiscard]] std::string report(const RunRequest& request, const RunOutcome& outcome,
+                                   const Pictures& pictures) const;
+
+  std::filesystem::path folder_;
+  Configuration configuration_;
+  std::vector<KeptPing> sweep_, last_sweep_;  ///< the open sweep, and the last complete one
+  std::vector<ScanRecord> scans_;
+  std::vector<Eigen::Vector2d> track_;  ///< north, east of every scan
+  std::vector<Obstacle> obstacles_;
+  std::vector<Polygon> truth_;
+  std::string film_page_, film_words_;  ///< the page with the replay, and its caption; empty: no replay
+};
+
+}  // namespace isobath

@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <cmath>
+#include <isobath/scenario/detection_scorer.hpp>
+#include <limits>
+#include <set>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kSquare = 1;   // m, edge of a square of marks
+constexpr double kCompact = 6;  // m, maximum extent of a compact body
+
+std::int64_t square_of(double north, double east) {
+  return static_cast<std::int64_t>(std::floor(north / kSquare)) << 32 ^
+         (static_cast<std::int64_t>(std::floor(east / kSquare)) & 0xffffffff);
+}
+
+/// The distance between two convex outlines; 0 if they overlap.
+double gap_between(const Polygon& a, const Polygon& b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vector2d& p : a) least = std::min(least, (nearest_point(b, p) - p).norm());
+  for (const Vector2d& p : b) least = std::min(least, (nearest_point(a, p) - p).norm());
+  return least;
+}
+
+bool near(const std::vector<Polygon>& plan, const Vector2d& p, double within) {
+  return std::any_of(plan.begin(), plan.end(),
+                     [&](const Polygon& part) { return (nearest_point(part, p) - p).norm() <= within; });
+}
+
+Polygon in_frame(const Polygon& polygon, const Pose& X) {
+  Polygon out;
+  for (const Vector2d& p : polygon) out.push_back((X * Vector3d(p.x(), p.y(), 0)).head<2>());
+  return out;
+}
+
+}  // namespace
+
+DetectionScorer::DetectionScorer(Simulator& simulator)
+    : simulator_(simulator), keel_m_(simulator.vehicle().height / 2 + kAboveAndBelow_m) {
+  for (const WorldBody& body : simulator.world().bodies()) {
+    bodies_.emplace_back();
+    bodies_.back().score.name = body.name;
+    bodies_.back().score.compact = body.box.sizes().head<2>().maxCoeff() < kCompact;
+  }
+}
+
+void DetectionScorer::take(const EchoTruth& echoes) { waiting_.push_back(echoes); }
+
+void DetectionScorer::take(const TrueMotion& motion) {
+  if (motions_.size() > 100) motions_.erase(motions_.begin(), motions_.begin() + 50);
+  motions_.push_back(motion);
+}
+
+/// The true pose of the vehicle, without roll and pitch.
+Pose DetectionScorer::true_level_pose(Time time) const {
+  const auto after =
+      std::lower_bound(motions_.begin(), motions_.end(), time, [](const TrueMotion& m, Time t) { return m.time < t; });
+  if (motions_.empty()) return {};
+  if (after == motions_.end()) return level(motions_.back().state.X_WB);
+  if (after == motions_.begin()) return level(after->state.X_WB);
+  const TrueMotion& before = *(after - 1);
+  const double share = to_seconds(time - before.time) / to_seconds(after->time - before.time);
+  return level(interpolate(before.state.X_WB, after->state.X_WB, share));
+}
+
+void DetectionScorer::on_ping(const PosedPing& posed) {
+  const Ping& ping = posed.ping;
+  const auto truth = std::find_if(waiting_.begin(), waiting_.end(), [&ping](const EchoTruth& t) {
+    return t.time == ping.time && t.beams == ping.fan->beams() && t.bins == ping.window.bins;
+  });
+  if (truth == waiting_.end()) return;
+  const Pose X_WL = true_level_pose(ping.time);
+  bin_ = ping.window.bin_m;
+  beam_ = ping.fan->width[0].radians();
+  std::vector<bool> heard(bodies_.size());
+  const std::vector<std::vector<Polygon>> plans = plans_now();
+  const Pose X_WS = X_WL * ping.X_BS;
+  const Vector2d origin = X_WS.translation.head<2>();
+  for (int b = 0; b < truth->beams; ++b) {
+    const Angle a = ping.fan->azimuth[static_cast<std::size_t>(b)];
+    const Vector2d along = (X_WS.rotation * Vector3d(cos(a), sin(a), 0)).head<2>();
+    std::int64_t marked_square = 0;  // reverberation fills many consecutive bins of one square
+    std::uint8_t marked = 0;
+    const EchoLabel* labels =
+        truth->labels.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(truth->bins);
+    for (int k = 0; k < truth->bins; ++k) {
+      const EchoLabel label = labels[k];
+      if (label.path() == EchoPath::kNoise) continue;
+      if (label.path() == EchoPath::kVolume || label.path() == EchoPath::kSpurious ||
+          label.path() == EchoPath::kDisturbance || label.path() == EchoPath::kRinging) {
+        continue;  // an obstacle from these is a false alarm
+      }
+      const double r = ping.window.centre(k);
+      const Vector2d at = origin + r * along;
+      const bool direct = label.path() == EchoPath::kDirect;
+      if (label.target() >= kFirstBody) {
+        // Close under the surface a bounce can be louder than the direct echo; it shows the body just as well.
+        const auto body = static_cast<std::size_t>(label.target() - kFirstBody);
+        if (direct || near(plans[body], at, bin_ + 0.5 * beam_ * r)) {
+          heard[body] = true;
+          continue;
+        }
+      }
+      std::uint8_t kind = kMirrorEcho;
+      if (direct) kind = label.target() == kBottom ? kBottomEcho : kSurfaceEcho;
+      const std::int64_t square = square_of(at.x(), at.y());
+      if (kind == marked && square == marked_square) continue;
+      marks_[square] |= kind;
+      marked_square = square;
+      marked = kind;
+    }
+  }
+  const double now = to_seconds(ping.time);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!heard[i]) continue;
+    Watch& w = bodies_[i];
+    if (w.first_heard_s < 0) w.first_heard_s = now;
+    ++w.score.pings_heard;
+    if (w.score.scans_found == 0) ++w.score.delay_pings;
+  }
+  waiting_.erase(waiting_.begin(), truth + 1);
+}
+
+std::vector<std::vector<Polygon>> DetectionScorer::plans_now() const {
+  std::vector<std::vector<Polygon>> plans;
+  for (const WorldBody& body : simulator_.world().bodies()) {
+    plans.push_back(body.plan);
+    for (Polygon& part : plans.back()) {
+      for (Vector2d& p : part) p += body.moved.head<2>();
+    }
+  }
+  return plans;
+}
+
+std::uint8_t DetectionScorer::kinds_near(const Polygon& outline, double within) const {
+  std::uint8_t kinds = 0;
+  const int reach = static_cast<int>(std::ceil(within / kSquare));
+  const auto look = [&](const Vector2d& p) {
+    for (int i = -reach; i <= reach; ++i) {
+      for (int j = -reach; j <= reach; ++j) {
+        for (const auto* marks : {&marks_, &last_marks_}) {
+          const auto found = marks->find(square_of(p.x() + i * kSquare, p.y() + j * kSquare));
+          if (found != marks->end()) kinds |= found->second;
+        }
+      }
+    }
+  };
+  for (const Vector2d& p : outline) look(p);
+  Vector2d middle = Vector2d::Zero();
+  for (const Vector2d& p : outline) middle += p / static_cast<double>(outline.size());
+  look(middle);
+  return kinds;
+}
+
+bool DetectionScorer::bottom_in_the_way(const Polygon& outline) const {
+  const double needed = X_WL_.translation.z() + keel_m_;
+  return std::any_of(outline.begin(), outline.end(), [&](const Vector2d& p) {
+    const auto bottom = simulator_.world().bottom_depth(p.x(), p.y());
+    return bottom && *bottom < needed;
+  });
+}
+
+void DetectionScorer::on_scan(const ScanResult& scan) {
+  X_WL_ = true_level_pose(scan.detection.time);
+  const Vector2d vehicle = X_WL_.translation.head<2>();
+  const std::vector<std::vector<Polygon>> plans = plans_now();
+  std::vector<double> reported(bodies_.size(), -1);  // nearest obstacle of each body
+  ++score_.scans;
+  bool any_false = false;
+  struct Piece {
+    Polygon outline;
+    double tolerance, gap;  ///< to the nearest body
+  };
+  std::vector<Piece> pieces;
+  std::set<int> of_body;  // numbers of the obstacles that belong to one
+  for (const Obstacle& o : scan.detection.obstacles) {
+    Piece piece{in_frame(o.outline, X_WL_), 0.5 * beam_ * o.range_m + bin_ + scan.detection.cells.cell_m,
+                std::numeric_limits<double>::infinity()};
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      double gap = std::numeric_limits<double>::infinity();
+      for (const Polygon& part : plans[i]) gap = std::min(gap, gap_between(part, piece.outline));
+      piece.gap = std::min(piece.gap, gap);
+      if (gap <= piece.tolerance && (reported[i] < 0 || o.range_m < reported[i])) reported[i] = o.range_m;
+    }
+    if (piece.gap <= piece.tolerance) of_body.insert(o.number);
+    pieces.push_back(std::move(piece));
+  }
+  for (std::size_t at = 0; at < pieces.size(); ++at) {
+    const Obstacle& o = scan.detection.obstacles[at];
+    const auto& [outline, tolerance, gap] = pieces[at];
+    const bool owned = gap <= (of_body.count(o.number) > 0 ? std::max(tolerance, kAttached_m) : tolerance);
+    ++score_.obstacles;
+    const std::uint8_t kinds = owned ? 0 : kinds_near(outline, tolerance);
+    int& count = owned                  ? score_.of_bodies
+                 : kinds & kBottomEcho  ? score_.of_bottom
+                 : kinds & kSurfaceEcho ? score_.of_surface
+                 : kinds & kMirrorEcho  ? score_.of_mirrors
+                                        : score_.false_alarms;
+    ++count;
+    any_false = any_false || &count == &score_.false_alarms;
+    if (owned || o.existence < kSureObstacle || bottom_in_the_way(outline)) continue;
+    ++score_.false_obstacles;
+    score_.near_false_obstacles += o.range_m <= kNearObstacle_m;
+  }
+  score_.scans_with_false_alarms += any_false;
+  const double now = to_seconds(scan.detection.time);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (reported[i] < 0) continue;
+    double real = std::numeric_limits<double>::infinity();
+    for (const Polygon& part : plans[i]) real = std::min(real, (nearest_point(part, vehicle) - vehicle).norm());
+    Watch& w = bodies_[i];
+    if (w.score.scans_found++ == 0) {
+      w.score.delay_s = w.first_heard_s < 0 ? 0 : now - w.first_heard_s;
+      w.score.first_range_m = reported[i];
+    }
+    const double error = reported[i] - real;
+    w.error_sum += error;
+    w.error_squares += error * error;
+    if (std::abs(error) > std::abs(w.score.range_error_worst_m)) w.score.range_error_worst_m = error;
+  }
+  last_marks_ = std::move(marks_);
+  marks_.clear();
+}
+
+const TruthScore& DetectionScorer::score() {
+  score_.bodies.clear();
+  for (Watch& w : bodies_) {
+    if (w.score.pings_heard == 0) continue;
+    BodyScore s = w.score;
+    if (s.scans_found > 0) {
+      s.range_error_mean_m = w.error_sum / s.scans_found;
+      s.range_error_rms_m = std::sqrt(w.error_squares / s.scans_found);
+    }
+    score_.bodies.push_back(std::move(s));
+  }
+  return score_;
+}
+
+std::vector<Polygon> DetectionScorer::outlines() const {
+  std::vector<Polygon> all;
+  const Pose X_LW = X_WL_.inverse();
+  for (const auto& plan : plans_now()) {
+    for (const Polygon& part : plan) all.push_back(in_frame(part, X_LW));
+  }
+  return all;
+}
+
+}  // namespace isobath

@@ -1,0 +1,40 @@
+#include <isobath/map/depth/map_folder.hpp>
+#include <isobath/scenario/mission_chart.hpp>
+#include <isobath/world/depth_prior.hpp>
+#include <isobath/world/map_features.hpp>
+#include <isobath/world/map_raster.hpp>
+
+namespace isobath {
+namespace {
+
+ChartUpdate chart(const StoredMap& map, std::vector<ChartObstacle> objects) {
+  return {snapshot_of(map), std::make_shared<const std::vector<ChartObstacle>>(std::move(objects))};
+}
+
+ChartUpdate of_map(const std::filesystem::path& folder) {
+  const StoredMap map = open_map(folder);
+  const std::filesystem::path objects = folder / "objects.sqlite";
+  if (!std::filesystem::exists(objects)) return chart(map, {});
+  const MapFeatures features = load_features(ObjectStore(objects), map.facts.area);
+  return chart(map, obstacles_near(features, box_of(map.facts.area), 0));
+}
+
+}  // namespace
+
+ChartUpdate chart_of(const std::filesystem::path& map, const std::vector<std::string>& priors,
+                     const Configuration& configuration, const std::optional<GeoOrigin>& origin) {
+  if (!map.empty() && looks_like_map(map)) return of_map(map);
+  if (priors.empty() || !origin) return {};
+  MapFacts facts;
+  facts.area = area_of(configuration.depth_map);
+  const DepthPrior prior = read_depth_prior(priors, configuration.prior, configuration.depth, facts.area, origin);
+  return chart({facts, prior.trees(facts.area.levels), {}}, obstacles_of(prior.files));
+}
+
+ChartUpdate chart_of(const Scenario& scenario, const Configuration& configuration) {
+  const Configuration with_prior = scenario.with_prior(configuration);
+  if (with_prior.prior.file.empty()) return {};
+  return chart_of({}, {with_prior.prior.file}, with_prior, scenario.scene.origin());
+}
+
+}  // namespace isobath

@@ -1,0 +1,24 @@
+// chart_of: the chart of a mission: what is known of the water before the vehicle enters it. The agent "chart room"
+// receives it (ledger S6-32, S1-03, S1-25).
+#pragma once
+
+#include <filesystem>
+#include <isobath/geometry/geodesy.hpp>
+#include <isobath/mission/messages/messages.hpp>
+#include <isobath/scenario/scenario.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace isobath {
+
+/// If `map` holds a stored map, the chart is made from it: charted and sensed depths, charted and found objects, in the
+/// frame of the map. Otherwise it is made from `priors` around `origin`, as for a new map. The chart is empty if there
+/// is neither a map nor a prior, or if `origin` is empty. Throws Error if the map or the priors cannot be used.
+ChartUpdate chart_of(const std::filesystem::path& map, const std::vector<std::string>& priors,
+                     const Configuration& configuration, const std::optional<GeoOrigin>& origin);
+
+/// The chart made from the prior that the configuration, or else the scenario, names.
+ChartUpdate chart_of(const Scenario& scenario, const Configuration& configuration);
+
+}  // namespace isobath

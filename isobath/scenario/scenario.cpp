@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <isobath/mission/plan/mission_file.hpp>
+#include <isobath/mission/plan/planner_budget.hpp>
+#include <isobath/scenario/scenario.hpp>
+
+namespace isobath {
+namespace {
+
+std::string list_of(const std::vector<SonarConfig>& sonars) {
+  std::string text;
+  for (const SonarConfig& s : sonars) {
+    text += (text.empty() ? "" : "; ") + fmt::format("{}: {:g} x {:g} deg, {} bins to {:g} m, {:g} kHz", s.name,
+                                                     s.width.degrees(), s.height.degrees(), s.bins, s.range_m,
+                                                     s.frequency / 1000);
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::string list_of(const std::vector<FaultConfig>& faults) {
+  std::string text;
+  for (const FaultConfig& f : faults) {
+    const std::string since = f.when.empty() ? fmt::format("{:g} s", f.at_s) : f.when;
+    text += (text.empty() ? "" : "; ") + fmt::format("{} {} from {}", f.source, to_text(f.kind), since);
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+bool is_scene(const std::filesystem::path& input) { return input.empty() || input.extension() == ".toml"; }
+
+Scenario parse_scenario(std::string_view text, const std::string& file) {
+  Scenario scenario;
+  MissionKeys keys;
+  Schema mission = schema(keys);
+  mission.sections.push_back({"prior", "The chart on board the vehicle.", fields(scenario.prior)});
+  mission.lists.push_back(operator_list(scenario.orders));
+  scenario.scene = parse_scene(text, file, mission);
+  scenario.mission = make_plan(keys, mission, scenario.scene.origin());
+  if (looks_like_mission(text)) check_mission(scenario.mission);
+  return scenario;
+}
+
+Configuration Scenario::with_prior(Configuration configuration) const {
+  if (configuration.prior.file.empty() && !prior.file.empty()) configuration.prior = prior;
+  return configuration;
+}
+
+Scenario load_scenario(const std::string& file) { return parse_scenario(text_of_file(file), file); }
+
+std::string scenario_text(const std::filesystem::path& input) {
+  return input.empty() ? std::string(embedded_scene()) : text_of_file(input.string());
+}
+
+Scenario open_scenario(const std::filesystem::path& input) {
+  return input.empty() ? parse_scenario(embedded_scene(), "scenarios/pandan.toml") : load_scenario(input.string());
+}
+
+Scene open_scene(const std::filesystem::path& input) { return open_scenario(input).scene; }
+
+SimulatedSource::SimulatedSource(Scene scene, const SimulationConfig& config, int threads)
+    : simulator_(std::move(scene), config, threads) {
+  const Scene& s = simulator_.scene();
+  report_.format = "simulation";
+  report_.details["scene"] = s.about.title;
+  report_.details["seed"] = fmt::format("{}", simulator_.seed());
+  report_.details["sonar"] = list_of(s.sonars);
+  report_.details["faults"] = list_of(s.faults);
+  report_.bytes_total = static_cast<std::uint64_t>(simulator_.duration_s() * 1000);  // progress counts milliseconds
+  report_.origin = s.origin();
+  for (const FaultConfig& fault : s.faults) {
+    const bool known =
+        std::any_of(host_.begin(), host_.end(), [&](const HostPart& p) { return p.source == fault.source; });
+    const bool of_host = fault.source == "link" || fault.source == "planner" || fault.source.starts_with("agent.");
+    if (!known && of_host) host_.push_back({fault.source, false});
+  }
+}
+
+void SimulatedSource::watch_host() {
+  const Time now(seconds(simulator_.now_s()));
+  for (HostPart& part : host_) {
+    const FaultConfig* fault = simulator_.faults().active(part.source, now);
+    if (fault && fault->kind == FaultKind::kIntermittent) fault = nullptr;  // of the link: lost frames show it
+    if ((fault != nullptr) == part.lost) continue;
+    part.lost = fault != nullptr;
+    if (part.source == "planner") {
+      told_.push_back(planner_report(now, fault ? fault->amount : 1));
+      continue;
+    }
+    Health health{now, part.source, part.lost ? HealthState::kLost : HealthState::kOk, 1, false, {}};
+    if (fault && fault->kind == FaultKind::kStuck) health.note = kHangs;
+    told_.push_back(std::move(health));
+  }
+}
+
+void SimulatedSource::add_operator(const std::vector<OperatorOrder>& orders, const MissionPlan& plan) {
+  if (!orders.empty()) operator_.emplace(orders, std::make_shared<const MissionPlan>(plan), simulator_.seed());
+}
+
+void SimulatedSource::order(OperatorCommand::Kind command, const MissionPlan& plan) {
+  if (!operator_)
+    operator_.emplace(std::vector<OperatorOrder>{}, std::make_shared<const MissionPlan>(plan), simulator_.seed());
+  operator_->order(command);
+}
+
+void SimulatedSource::answer(const std::vector<FrameBytes>& frames) {
+  if (operator_) operator_->hear(frames, simulator_.faults(), Time(seconds(simulator_.now_s())));
+}
+
+std::optional<Event> SimulatedSource::next() {
+  while (true) {
+    if (!told_.empty()) {
+      Event event(std::move(told_.front()));
+      told_.pop_front();
+      return event;
+    }
+    auto event = simulator_.next();
+    if (!event) return std::nullopt;
+    watch_host();
+    if (operator_) {
+      for (OperatorFrame& frame : operator_->due(simulator_.faults(), Time(seconds(simulator_.now_s())))) {
+        told_.emplace_back(std::move(frame));
+      }
+    }
+    report_.bytes_read = static_cast<std::uint64_t>(simulator_.now_s() * 1000);
+    if (auto* ping = std::get_if<Ping>(&*event)) return std::move(*ping);
+    if (auto* reading = std::get_if<RangeReading>(&*event)) return std::move(*reading);
+    if (auto* fix = std::get_if<Navigation>(&*event)) return std::move(*fix);
+    if (auto* health = std::get_if<Health>(&*event)) return std::move(*health);
+    for (TruthSink* sink : truth_) {
+      if (const auto* echoes = std::get_if<EchoTruth>(&*event)) sink->take(*echoes);
+      if (const auto* motion = std::get_if<TrueMotion>(&*event)) sink->take(*motion);
+    }
+  }
+}
+
+}  // namespace isobath

@@ -1,0 +1,514 @@
+// What a page is shown of a run: taken apart again and held against what was put in.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <isobath/display/display.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <tests/support/display_records.hpp>
+#include <tests/support/echoes.hpp>
+#include <tests/support/events.hpp>
+
+namespace isobath {
+namespace {
+
+using nlohmann::json;
+using test::number_at;
+using test::Record;
+using test::records_of;
+using Kind = DisplayKind;
+
+std::vector<Record> of_kind(const DisplayState& items, Kind kind) {
+  return test::of_kind(records_of(items.changes_after(0).records), kind);
+}
+
+Record only(const DisplayState& items, Kind kind) {
+  const auto found = of_kind(items, kind);
+  EXPECT_EQ(found.size(), 1U);
+  return found.at(0);
+}
+
+/// A ping whose decisions are: every sample of 200 and more.
+struct Heard {
+  Ping ping;
+  EchoDecisions decisions;
+  Pose X_WB;
+
+  explicit Heard(Ping p, Pose pose = {}) : ping(std::move(p)), X_WB(pose) {
+    decisions.reset(ping.fan->beams(), ping.window.bins);
+    for (int b = 0; b < ping.fan->beams(); ++b) {
+      for (int k = 0; k < ping.window.bins; ++k) {
+        if (ping.intensity(b, k) >= 200) decisions.set_hit(b, k);
+      }
+    }
+  }
+  [[nodiscard]] PosedPing posed() const { return {ping, X_WB, decisions}; }
+};
+
+TEST(SonarDisplay, ShowsAFanAsItWasHeard) {
+  DisplayState items;
+  SonarDisplay display(items);
+  const auto value = [](int beam, int bin) { return beam == 2 && bin == 5 ? 220 : 10 * beam + bin; };
+  Ping ping = test::ping_of<std::uint8_t>(test::fan_of(4, Angle::degrees(-2)), {1, 0.5, 9}, value);
+  ping.time = Time(seconds(3.0));
+  const Heard heard(ping, {Rotation::from_heading(Angle::degrees(90)), {10, 20, 3}});
+  display.take(heard.posed());
+
+  const json sonar = json::parse(only(items, Kind::kSonar).payload);
+  EXPECT_EQ(sonar["azimuth"].size(), 4U);
+  EXPECT_NEAR(sonar["azimuth"][0].get<double>(), Angle::degrees(-2).radians(), 1e-5);
+  EXPECT_EQ(sonar["first_m"], 1.0);
+  EXPECT_EQ(sonar["bin_m"], 0.5);
+  EXPECT_EQ(sonar["bins"], 9);
+  EXPECT_FALSE(sonar["scanning"].get<bool>());
+  EXPECT_EQ(sonar["scale"]["high"], 100);
+
+  const Record echoes = only(items, Kind::kEchoes);
+  EXPECT_EQ(echoes.time, Time(seconds(3.0)));
+  ASSERT_EQ(echoes.payload.size(), 48U + 40 + 5);  // 36 samples, padded to 8, and a bit for each
+  EXPECT_EQ(number_at<std::uint16_t>(echoes.payload, 0), 4);
+  EXPECT_EQ(number_at<std::uint16_t>(echoes.payload, 2), 9);
+  EXPECT_EQ(number_at<double>(echoes.payload, 8), 10);
+  EXPECT_EQ(number_at<double>(echoes.payload, 16), 20);
+  EXPECT_NEAR(number_at<float>(echoes.payload, 32), std::sqrt(0.5), 1e-6);
+  for (int b = 0; b < 4; ++b) {
+    for (int k = 0; k < 9; ++k) {
+      const int i = 9 * b + k;
+      EXPECT_EQ(static_cast<std::uint8_t>(echoes.payload[48 + i]), value(b, k));
+      EXPECT_EQ(echoes.payload[88 + i / 8] >> (i % 8) & 1, b == 2 && k == 5) << b << ' ' << k;
+    }
+  }
+}
+
+TEST(SonarDisplay, PoolsALargeFanWithoutLosingAnEcho) {
+  DisplayState items;
+  SonarDisplay display(items);
+  const auto value = [](int beam, int bin) { return beam == 301 && bin == 407 ? 255 : 0; };
+  display.take(
+      Heard(test::ping_of<std::uint8_t>(test::fan_of(512, {}, Angle::degrees(0.2)), {0, 0.1, 500}, value)).posed());
+  const std::string echoes = only(items, Kind::kEchoes).payload;
+  const int beams = number_at<std::uint16_t>(echoes, 0), bins = number_at<std::uint16_t>(echoes, 2);
+  EXPECT_LE(beams, SonarDisplay::kMostBeams);
+  EXPECT_LE(bins, SonarDisplay::kMostBins);
+  EXPECT_EQ(beams, 256);
+  EXPECT_EQ(bins, 250);
+  const std::size_t at = 150 * 250 + 203;
+  EXPECT_EQ(static_cast<std::uint8_t>(echoes[48 + at]), 255);
+  const std::size_t hits = 48 + 64000;
+  EXPECT_EQ(echoes[hits + at / 8] >> (at % 8) & 1, 1);
+  EXPECT_EQ(std::count(echoes.begin() + 48, echoes.begin() + 48 + 64000, '\0'), 63999);
+}
+
+TEST(SonarDisplay, ShowsDecibelsOfSamplesWithALargeRange) {
+  DisplayState items;
+  SonarDisplay display(items);
+  const auto value = [](int, int bin) { return bin == 0 ? 1.0 : bin == 1 ? 0.1 : 0.0; };
+  display.take(Heard(test::ping_of<float>(test::fan_of(2), {0, 1, 3}, value, 1)).posed());
+  const std::string echoes = only(items, Kind::kEchoes).payload;
+  EXPECT_EQ(static_cast<std::uint8_t>(echoes[48]), 255);
+  EXPECT_EQ(static_cast<std::uint8_t>(echoes[49]), 170);  // -20 of -60 dB
+  EXPECT_EQ(static_cast<std::uint8_t>(echoes[50]), 0);
+}
+
+TEST(SonarDisplay, ShadesOfDecibelsAreThoseOfTheLogarithm) {
+  constexpr int kBins = 300;
+  DisplayState items;
+  SonarDisplay display(items);
+  const auto share = [](int bin) { return std::pow(10.0, -70.0 / 20 * bin / kBins); };  // 0 to -70 dB
+  const auto value = [&](int, int bin) { return 40'000 * share(bin); };
+  display.take(Heard(test::ping_of<std::uint16_t>(test::fan_of(2), {0, 1, kBins}, value, 40'000)).posed());
+  const std::string echoes = only(items, Kind::kEchoes).payload;
+  for (int k = 0; k < kBins; ++k) {
+    const double level = 255 * (1 + 20 * std::log10(std::round(value(0, k)) / 40'000) / 60);
+    EXPECT_NEAR(static_cast<std::uint8_t>(echoes[48 + k]), std::max(0.0, level), 0.6) << k;
+  }
+}
+
+TEST(SonarDisplay, KeepsTheBeamsOfAScanningHeadByTheirPlaceInTheTurn) {
+  DisplayState items;
+  SonarDisplay display(items);
+  for (int i = 0; i < 60; ++i) {
+    Heard heard(test::ping_at(0.1 * i, {1, 2, 3, static_cast<std::uint8_t>(i)}, Angle::degrees(6.0 * (i % 50))));
+    display.take(heard.posed());
+  }
+  const json sonar = json::parse(only(items, Kind::kSonar).payload);
+  EXPECT_TRUE(sonar["scanning"].get<bool>());
+  EXPECT_EQ(sonar["azimuth"].size(), 60U);
+  const auto beams = of_kind(items, Kind::kEchoes);
+  ASSERT_EQ(beams.size(), 50U);
+  for (const Record& beam : beams) {
+    const int i = static_cast<std::uint8_t>(beam.payload[48 + 3]);
+    EXPECT_EQ(beam.number, static_cast<std::uint64_t>(i % 50));
+    EXPECT_TRUE(i >= 10) << "of the second turn where there was one";
+  }
+}
+
+TEST(SonarDisplay, ShowsAFastFanTenTimesASecond) {
+  DisplayState items;
+  SonarDisplay display(items);
+  const auto fan = test::fan_of(8);
+  std::uint64_t stamp = 0;
+  int shown = 0;
+  for (int i = 0; i < 80; ++i) {
+    Ping ping = test::ping_of<std::uint8_t>(fan, {0, 1, 4}, [](int, int) { return 3; });
+    ping.time = Time(seconds(i / 40.0));
+    display.take(Heard(ping).posed());
+    shown += items.stamp() > stamp ? 1 : 0;
+    stamp = items.stamp();
+  }
+  EXPECT_EQ(shown, 20);
+}
+
+TEST(MapDisplay, ShowsOccupancyWhereItLies) {
+  DisplayState items;
+  MapDisplay display(items);
+  BodyGridConfig config;
+  config.cells_x = config.cells_y = 21;
+  BodyGrid grid(config);
+  const Pose X_WB{Rotation::from_heading(Angle::degrees(30)), {100, 200, 5}};
+  const Eigen::Vector2d buoy_L(6.5, -3.5);
+  grid.set_probability(*grid.cell_at(buoy_L), 0.9);
+  grid.set_probability(*grid.cell_at({2, 2}), 1e-3);
+  display.show(Time(seconds(1.0)), grid, X_WB);
+
+  const std::string bytes = only(items, Kind::kGrid).payload;
+  const auto cells = test::unpacked(bytes.substr(32));
+  ASSERT_EQ(cells.size(), 21U * 21);
+  const double cell = number_at<float>(bytes, 4), heading = number_at<float>(bytes, 24);
+  EXPECT_NEAR(number_at<float>(bytes, 28), 0.8, 1e-6);
+  const auto at = static_cast<std::size_t>(std::find(cells.begin(), cells.end(), 225) - cells.begin());
+  ASSERT_LT(at, cells.size());
+  // as docs/live-page.md has it: cell (x, y) at x * ny + y, x axis by the heading, y axis to starboard of it
+  const double x = (static_cast<double>(at / 21) + 0.5) * cell, y = (static_cast<double>(at % 21) + 0.5) * cell;
+  const double north = number_at<double>(bytes, 8) + x * std::cos(heading) - y * std::sin(heading);
+  const double east = number_at<double>(bytes, 16) + x * std::sin(heading) + y * std::cos(heading);
+  const Eigen::Vector3d buoy_W = X_WB * Eigen::Vector3d(buoy_L.x(), buoy_L.y(), 0);
+  EXPECT_NEAR(north, buoy_W.x(), cell);
+  EXPECT_NEAR(east, buoy_W.y(), cell);
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), 255), 21 * 21 - 2) << "what nobody has seen is unknown";
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), 0), 1) << "free";
+}
+
+TEST(MapDisplay, ShadesOfCellsAreThoseOfTheirProbabilities) {
+  DisplayState items;
+  MapDisplay display(items);
+  BodyGridConfig config;
+  config.cells_x = config.cells_y = 40;
+  BodyGrid grid(config);
+  for (std::size_t i = 0; i < grid.cells().size(); ++i) {
+    grid.log_odds()[i] = std::lerp(grid.log_odds_min(), grid.log_odds_max(), static_cast<double>(i) / 1599);
+  }
+  display.show(Time(seconds(1.0)), grid, Pose{});
+  const auto shades = test::unpacked(only(items, Kind::kGrid).payload.substr(32));
+  ASSERT_EQ(shades.size(), 1600U);
+  for (std::size_t i = 0; i < shades.size(); ++i) {
+    const double p = probability_of(grid.log_odds()[i]);
+    if (!grid.is_free(i) && p < config.threshold / 9) {
+      EXPECT_EQ(shades[i], 255) << i;
+    } else {
+      EXPECT_NEAR(shades[i], 250 * p, 0.7) << i;
+    }
+  }
+}
+
+TEST(MapDisplay, ManyVoxelsThatChangedAtOnceAreShownInEightLooks) {
+  constexpr int kBlocks = 400;
+  DisplayState items;
+  MapDisplay display(items);
+  VoxelMap voxels;
+  voxels.advance();
+  for (int i = 0; i < kBlocks; ++i) voxels.layer("sonar").add({i * VoxelBlocks::kSide, 0, 0}, 3000);
+  const auto shown = [&](double s) {
+    display.show(Time(seconds(s)), voxels);
+    return of_kind(items, Kind::kVoxels).size();
+  };
+  EXPECT_EQ(shown(1), kBlocks / 8 + 1U);
+  for (int look = 1; look < 7; ++look) shown(1);
+  EXPECT_LT(of_kind(items, Kind::kVoxels).size(), 1U * kBlocks);
+  EXPECT_EQ(shown(1), 1U * kBlocks);
+}
+
+TEST(MapDisplay, ShowsOccupiedVoxelsAndThatABlockIsEmptyAgain) {
+  DisplayState items;
+  MapDisplay display(items);
+  VoxelMap voxels;
+  const VoxelIndex v(-3, 17, 40);
+  voxels.layer("sonar").add(v, 3000);
+  voxels.layer("sonar").add(v + VoxelIndex(1, 0, 0), -3000);
+  display.show(Time(seconds(1.0)), voxels);
+  const std::string block = only(items, Kind::kVoxels).payload;
+  EXPECT_EQ(number_at<float>(block, 0), 0.25F);
+  EXPECT_EQ(number_at<std::uint32_t>(block, 16), 1U);
+  const VoxelIndex corner(-16, 16, 32);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(number_at<std::int32_t>(block, 4 + 4 * static_cast<std::size_t>(axis)), corner[axis]);
+  }
+  const auto shades = test::unpacked(block.substr(20));
+  ASSERT_EQ(shades.size(), 4096U);
+  const std::size_t place = (13U << 8) + (1U << 4) + 8;  // v from the corner
+  EXPECT_NEAR(shades[place] / 250.0, voxels.probability(v), 0.003);
+  EXPECT_EQ(std::count(shades.begin(), shades.end(), 0), 4095);
+
+  voxels.advance();
+  voxels.layer("sonar").add(v, -6000);
+  display.show(Time(seconds(5.0)), voxels);
+  EXPECT_TRUE(of_kind(items, Kind::kVoxels).empty());
+  EXPECT_TRUE(of_kind(items, Kind::kCubes).empty());
+}
+
+/// Each cube is as likely as the likeliest voxel in it, and the cubes of 64 x 64 x 64 voxels are one item.
+TEST(MapDisplay, ShowsVoxelsInLargerCubesToo) {
+  DisplayState items;
+  MapDisplay display(items);
+  VoxelMap voxels;
+  const auto say = [&](const VoxelIndex& v, LogOdds16 evidence) { voxels.layer("sonar").add(v, evidence); };
+  say({-3, 17, 40}, 1000);
+  say({-4, 16, 43}, 3000);  // the same cube
+  say({-5, 16, 43}, 2000);  // the one beside it
+  say({0, 17, 40}, 3000);   // another region
+  display.show(Time(seconds(1.0)), voxels);
+  ASSERT_EQ(of_kind(items, Kind::kCubes).size(), 2U);
+  std::map<std::array<int, 3>, int> cubes;
+  std::uint32_t told = 0;
+  for (const auto& item : of_kind(items, Kind::kCubes)) {
+    EXPECT_EQ(number_at<float>(item.payload, 0), 1.0F) << "four voxels of 0.25 m";
+    told += number_at<std::uint32_t>(item.payload, 16);
+    const auto shades = test::unpacked(item.payload.substr(20));
+    ASSERT_EQ(shades.size(), 4096U);
+    for (int i = 0; i < 4096; ++i) {
+      if (shades[static_cast<std::size_t>(i)] == 0) continue;
+      const auto corner = [&](std::size_t axis) { return number_at<std::int32_t>(item.payload, 4 + 4 * axis); };
+      cubes[{corner(0) + (i >> 8), corner(1) + (i >> 4 & 15), corner(2) + (i & 15)}] =
+          shades[static_cast<std::size_t>(i)];
+    }
+  }
+  EXPECT_EQ(told, 4U);
+  ASSERT_EQ(cubes.size(), 3U);
+  const auto shade_of = [&](const VoxelIndex& v) { return static_cast<int>(std::lround(250 * voxels.probability(v))); };
+  EXPECT_EQ((cubes.at({-1, 4, 10})), shade_of({-4, 16, 43}));
+  EXPECT_EQ((cubes.at({-2, 4, 10})), shade_of({-5, 16, 43}));
+  EXPECT_EQ((cubes.at({0, 4, 10})), shade_of({0, 17, 40}));
+
+  voxels.advance();
+  say({-4, 16, 43}, -6000);
+  display.show(Time(seconds(5.0)), voxels);
+  told = 0;
+  for (const auto& item : of_kind(items, Kind::kCubes)) told += number_at<std::uint32_t>(item.payload, 16);
+  EXPECT_EQ(told, 3U) << "no more voxels than the blocks hold";
+}
+
+TEST(MapDisplay, ShowsMeasuredDepthsTileByTileFromTheSouthWest) {
+  DisplayState items;
+  MapDisplay display(items);
+  DepthMapConfig config;
+  config.window_pixels = 128;
+  config.area_m = 256;
+  DepthMap map(config, area_of(config), DepthTrees(area_of(config).levels), {0, 0});
+  const Eigen::Vector2d place(7.2, -11.3);
+  const Pixel pixel = map.grid().at(place);
+  const std::uint32_t state = DepthPixel::word_of_state(7, kSensed | kSeenByDepth, 1);
+  map.window().set(pixel, {DepthPixel::word_of_depth(12.34), state});
+  display.show(Time(seconds(1.0)), map.snapshot());
+
+  const std::string tile = only(items, Kind::kDepth).payload;
+  const int side = number_at<std::uint16_t>(tile, 0);
+  const double pixel_m = number_at<float>(tile, 4), unit = number_at<float>(tile, 24);
+  const int row = static_cast<int>((place.x() - number_at<double>(tile, 8)) / pixel_m);
+  const int column = static_cast<int>((place.y() - number_at<double>(tile, 16)) / pixel_m);
+  const std::size_t i = static_cast<std::size_t>(row * side + column), pixels = static_cast<std::size_t>(side * side);
+  const auto planes = test::unpacked(tile.substr(32));
+  ASSERT_EQ(planes.size(), 4 * pixels);
+  const auto units_of = [&](std::size_t at) { return planes[at] + 256 * planes[pixels + at]; };
+  EXPECT_NEAR(units_of(i) * unit, 12.34, 0.006);
+  EXPECT_EQ(planes[2 * pixels + i], 7);
+  EXPECT_EQ(planes[3 * pixels + i], 2) << "measured, not charted";
+  EXPECT_EQ(units_of(i + 1), 65535) << "its neighbour nobody knows";
+
+  const std::uint64_t stamp = items.stamp();
+  display.show(Time(seconds(3.0)), map.snapshot());
+  EXPECT_EQ(items.stamp(), stamp) << "nothing has changed";
+}
+
+TEST(Display, ShowsTheVehicleItsTrackAndWhatItIsTold) {
+  DisplayState items;
+  Display display(items);
+  for (int i = 0; i <= 1000; ++i) {
+    Navigation fix = test::fix_at(0.1 * i, 0.1 * i, 45);
+    fix.v_WB = Eigen::Vector3d(1, 1, 0);
+    display.hear(fix);
+    display.want({Angle::degrees(50), 2, 1.5, 0});
+  }
+  const std::string vehicle = only(items, Kind::kVehicle).payload;
+  ASSERT_EQ(vehicle.size(), 72U);
+  EXPECT_NEAR(number_at<double>(vehicle, 0), 100, 1e-9);
+  EXPECT_NEAR(number_at<float>(vehicle, 32), Angle::degrees(45).radians(), 1e-6);
+  EXPECT_NEAR(number_at<float>(vehicle, 36), std::sqrt(2), 1e-6) << "surge";
+  EXPECT_NEAR(number_at<float>(vehicle, 40), 0, 1e-6) << "sway";
+  EXPECT_TRUE(std::isnan(number_at<float>(vehicle, 52))) << "altitude";
+  EXPECT_NEAR(number_at<float>(vehicle, 56), Angle::degrees(50).radians(), 1e-6);
+
+  const auto track = of_kind(items, Kind::kTrack);
+  ASSERT_EQ(track.size(), 2U);
+  EXPECT_EQ(track[0].payload.size(), 64U * 16);
+  EXPECT_EQ(track[1].payload.size(), 37U * 16);
+  EXPECT_NEAR(number_at<float>(track[1].payload, 4), 64, 0.2);
+}
+
+TEST(Display, ShowsObstaclesInTheWorld) {
+  DisplayState items;
+  Display display(items);
+  BodyGrid grid{BodyGridConfig{}};
+  Detection found;
+  found.time = Time(seconds(1.0));
+  found.X_WB = {Rotation::from_heading_pitch_roll(Angle::degrees(90), Angle::degrees(10), {}), {100, 200, 5}};
+  Obstacle o;
+  o.outline = {{10, -1}, {12, -1}, {12, 1}};
+  o.range_m = 10;
+  o.existence = 0.98;
+  o.nearest = o.centre = {10, 0};
+  o.covariance.setIdentity();
+  found.obstacles = {o};
+  display.on_scan({1, true, found, grid});
+  const json shown = json::parse(only(items, Kind::kObstacles).payload);
+  ASSERT_EQ(shown.size(), 1U);
+  EXPECT_NEAR(shown[0]["outline"][0][0].get<double>(), 101, 1e-3);
+  EXPECT_NEAR(shown[0]["outline"][0][1].get<double>(), 210, 1e-3);
+  EXPECT_EQ(shown[0]["existence"], 0.98);
+}
+
+constexpr const char* kDetector = "fls detector";
+
+RememberedObstacle remembered(std::uint32_t id, const Eigen::Vector2d& middle, double last_seen_s = 0) {
+  RememberedObstacle o;
+  o.id = id;
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+    o.outline_W.emplace_back(middle + corner);
+  }
+  o.margin_m = 1.5;
+  o.last_seen = Time(seconds(last_seen_s));
+  return o;
+}
+
+/// What the agents say they remember after a sweep.
+ObstacleScan scan_of(int sweep, std::vector<RememberedObstacle> obstacles, std::vector<std::uint32_t> seen_as = {}) {
+  ObstacleScan scan;
+  scan.time = Time(seconds(sweep));
+  scan.known = std::make_shared<const KnownObstacles>(KnownObstacles{sweep, std::move(obstacles), std::move(seen_as)});
+  return scan;
+}
+
+// ledger: S6-66
+TEST(Display, ShowsWhatTheAgentsRememberByItsNumberBesideWhatIsSeen) {
+  DisplayState items;
+  Display display(items);
+  BodyGrid grid{BodyGridConfig{}};
+  display.hear(test::fix_at(100, 0, 0));  // the run begins
+  Detection found;
+  found.time = Time(seconds(160));
+  found.obstacles.resize(4);
+  for (Obstacle& o : found.obstacles) o.outline = {{10, -1}, {12, -1}, {12, 1}};
+
+  RememberedObstacle away = remembered(17, {105, 205}, 130.26), in_view = remembered(18, {110, 200}, 160);
+  away.first_seen = in_view.first_seen = Time(seconds(112));
+  in_view.whole = true;
+  // the third is one that the executor does not count on yet, the fourth it took for none
+  display.heard({1, found.time, kDetector, scan_of(9, {away, in_view}, {18, 18, 44, 0})});
+  display.on_scan({9, true, found, grid});
+  const json shown = json::parse(only(items, Kind::kObstacles).payload);
+  ASSERT_EQ(shown.size(), 6U);
+  for (const int i : {0, 1}) EXPECT_EQ(shown[i]["of"], 18) << "both are pieces of it";
+  for (const int i : {2, 3}) EXPECT_FALSE(shown[i].contains("of"));
+  for (const int i : {0, 1, 2, 3}) EXPECT_FALSE(shown[i].contains("id")) << "the next scan finds it anew";
+  EXPECT_EQ(shown[4]["id"], 17);
+  EXPECT_EQ(shown[4]["margin_m"], 1.5);
+  EXPECT_EQ(shown[4]["since_s"], 12.0) << "since the start of the run";
+  EXPECT_EQ(shown[4]["seen_s"], 30.3);
+  EXPECT_EQ(shown[4]["outline"][0], json::array({104.0, 204.0}));
+  EXPECT_FALSE(shown[4].contains("trail")) << "it was nowhere else";
+  EXPECT_EQ(shown[5]["id"], 18);
+  EXPECT_EQ(shown[5]["seen_s"], 60.0);
+  EXPECT_FALSE(shown[5].contains("outline")) << "the scan has shown all of it";
+
+  display.on_scan({10, true, found, grid});  // of which the agents have said nothing yet
+  for (const json& o : json::parse(only(items, Kind::kObstacles).payload)) EXPECT_FALSE(o.contains("of"));
+  display.heard({2, found.time, kDetector, scan_of(10, {})});
+  EXPECT_EQ(json::parse(only(items, Kind::kObstacles).payload).size(), 4U) << "forgotten";
+}
+
+TEST(Display, ShowsWhereTheMiddleOfARememberedObstacleHasBeen) {
+  DisplayState items;
+  Display display(items);
+  const auto trail_after = [&](int sweep, const Eigen::Vector2d& middle) {
+    display.heard({1, Time(seconds(sweep)), kDetector, scan_of(sweep, {remembered(3, middle)})});
+    return json::parse(only(items, Kind::kObstacles).payload).at(0).value("trail", json::array());
+  };
+  EXPECT_TRUE(trail_after(1, {10, 20}).empty());
+  EXPECT_TRUE(trail_after(2, {10.3, 20.3}).empty()) << "not half a metre";
+  EXPECT_EQ(trail_after(3, {10.61, 20.44}), json::parse("[[10.0, 20.0], [10.6, 20.4]]"));
+}
+
+TEST(ObstacleTrails, KeepTheirBeginningAndTheirEndAndNeverMoreThanSixteenPlaces) {
+  ObstacleTrails trails;
+  std::size_t longest = 0;
+  for (int i = 0; i <= 1000; ++i) {
+    const Eigen::Vector2d middle(0.7 * i, 5);
+    trails.take({i, {remembered(1, middle), remembered(2, {0, 0})}, {}});
+    const auto trail = trails.of(1);
+    longest = std::max(longest, trail.size());
+    ASSERT_EQ(trail.front(), Eigen::Vector2d(0, 5));
+    ASSERT_LT((trail.back() - middle).norm(), ObstacleTrails::kStep_m);
+    for (std::size_t k = 1; k < trail.size(); ++k) ASSERT_LT(trail[k - 1].x(), trail[k].x()) << i;
+  }
+  EXPECT_EQ(longest, ObstacleTrails::kMostPlaces);
+  EXPECT_EQ(ObstacleTrails::kMostPlaces, 16U) << "as docs/live-page.md has it";
+  EXPECT_EQ(trails.of(2).size(), 1U) << "each has its own";
+  trails.take({1001, {remembered(2, {0, 0})}, {}});
+  EXPECT_TRUE(trails.of(1).empty()) << "what is forgotten begins anew";
+}
+
+TEST(Display, SaysWhatTheAgentsDecideAndWhatIsWrong) {
+  DisplayState items;
+  Display display(items);
+  const auto say = [&](const char* sender, Message message, double t) {
+    display.heard({1, Time(seconds(t)), sender, std::move(message)});
+  };
+  RoutePlanned route;
+  route.version = 3;
+  route.waypoints = {{1, 2, 3, 1, {}}, {4, 5, 6, 1, {}}};
+  route.avoiding = true;
+  say("navigator", route, 1);
+  say("executive officer", RouteRequest{1, 4, {}, false}, 1.1);
+  const json way = json::parse(only(items, Kind::kWay).payload);
+  EXPECT_EQ(way["points"][1][2], 6.0);
+  EXPECT_EQ(way["target"], 4);
+  EXPECT_TRUE(way["avoiding"].get<bool>());
+
+  Decision decision;
+  decision.what = "replan";
+  say("navigator", decision, 2);
+  decision.what = "stop";
+  say("safety officer", decision, 3);
+  const auto decisions = of_kind(items, Kind::kDecision);
+  ASSERT_EQ(decisions.size(), 2U);
+  EXPECT_EQ(decisions[1].number, 1U);
+  EXPECT_EQ(json::parse(decisions[1].payload)["what"], "stop");
+
+  say("safety officer", SafetyReport{"sonar silent", true, false, MissionEnd::kSurface, "no ping for 3 s"}, 4);
+  say("supervisor", AgentLost{"pilot", true, "no turn for 0.5 s"}, 4);
+  EXPECT_TRUE(display.wants_counts(Time(seconds(4.0))));
+  display.show(Time(seconds(4.0)), DisplayCounts{});
+  const auto health = [&] { return json::parse(only(items, Kind::kHealth).payload); };
+  EXPECT_EQ(health()["faults"][0]["fault"], "sonar silent");
+  EXPECT_EQ(health()["faults"][0]["why"], "no ping for 3 s");
+  bool lost = false;
+  const json agents = health()["agents"];
+  for (const json& agent : agents) lost = lost || (agent["name"] == "pilot" && agent["state"] == "lost");
+  EXPECT_TRUE(lost);
+  say("safety officer", SafetyReport{"sonar silent", false, false, MissionEnd::kSurface, ""}, 6);
+  display.show(Time(seconds(6.0)), DisplayCounts{});
+  EXPECT_TRUE(health()["faults"].empty());
+}
+
+}  // namespace
+}  // namespace isobath

@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+#include <isobath/onboard/event_gate.hpp>
+#include <limits>
+#include <tests/support/events.hpp>
+
+namespace isobath {
+namespace {
+
+using test::fix_at;
+using test::ping_at;
+using Verdict = EventGate::Verdict;
+
+TEST(EventGate, RejectsWhatRunsBackwardsAndCountsIt) {
+  EventGate gate({});
+  EXPECT_EQ(gate.judge(ping_at(1)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(ping_at(1)), Verdict::kAdmitted) << "equal stamps are in order";
+  EXPECT_EQ(gate.judge(ping_at(0.5)), Verdict::kRejected);
+  EXPECT_EQ(gate.judge(ping_at(1.5)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.rejected().at(EventGate::kBackwards), 1u);
+}
+
+TEST(EventGate, OrdersEachStreamOnItsOwn) {
+  EventGate gate({});
+  EXPECT_EQ(gate.judge(ping_at(2)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(1, 0)), Verdict::kAdmitted) << "fixes may come later than the pings that they belong to";
+  EXPECT_EQ(gate.judge(fix_at(-1, 0)), Verdict::kRejected);
+}
+
+TEST(EventGate, RejectsWhatIsOlderThanTheLimit) {
+  EventGate gate({.max_age_s = 2});
+  EXPECT_EQ(gate.judge(ping_at(10)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(7.9, 0)), Verdict::kRejected);
+  EXPECT_EQ(gate.rejected().at(EventGate::kTooOld), 1u);
+}
+
+TEST(EventGate, RejectsWhatIsNotFinite) {
+  EventGate gate({});
+  Navigation bad = fix_at(1, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(gate.judge(bad), Verdict::kRejected);
+  bad = fix_at(1, 1e12);
+  EXPECT_EQ(gate.judge(bad), Verdict::kRejected) << "a position beyond any sea";
+  Ping ping = ping_at(1);
+  ping.window.bin_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(gate.judge(ping), Verdict::kRejected);
+  EXPECT_EQ(gate.rejected().at(EventGate::kBadNavigation), 2u);
+  EXPECT_EQ(gate.rejected_total(), 3u);
+}
+
+TEST(EventGate, StartsAnewWhenTheClockWasSetBack) {
+  EventGate gate({.max_age_s = 2, .restart_after = 5});
+  EXPECT_EQ(gate.judge(ping_at(1000)), Verdict::kAdmitted);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(gate.judge(ping_at(10 + i)), Verdict::kRejected);
+  EXPECT_EQ(gate.judge(ping_at(14)), Verdict::kRestarted);
+  EXPECT_EQ(gate.judge(ping_at(15)), Verdict::kAdmitted);
+}
+
+TEST(EventGate, OneStampFarAheadDoesNotDeafenForEver) {
+  EventGate gate({.max_age_s = 2, .restart_after = 5});
+  EXPECT_EQ(gate.judge(ping_at(1)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(ping_at(1e6)), Verdict::kAdmitted);
+  int lost = 0;
+  for (int i = 2; i < 20; ++i) lost += gate.judge(ping_at(i)) == Verdict::kRejected;
+  EXPECT_EQ(lost, 4);
+}
+
+TEST(EventGate, ALeapOfFiveKilometresIsRefusedAndCounted) {
+  EventGate gate({});
+  EXPECT_EQ(gate.judge(fix_at(1, 0)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(2, 5000)), Verdict::kRejected);
+  EXPECT_EQ(gate.judge(fix_at(3, 2)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.rejected().at(EventGate::kLeap), 1u);
+}
+
+TEST(EventGate, ALeapIsBelievedWhenFixesInARowAgreeOnIt) {
+  EventGate gate({.believe_leap_after = 3});
+  EXPECT_EQ(gate.judge(fix_at(1, 0)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(2, 5000)), Verdict::kRejected);
+  EXPECT_EQ(gate.judge(fix_at(3, -7000)), Verdict::kRejected) << "agrees with nothing";
+  EXPECT_EQ(gate.judge(fix_at(4, -7001)), Verdict::kRejected);
+  EXPECT_EQ(gate.judge(fix_at(5, -7002)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(6, -7003)), Verdict::kAdmitted);
+}
+
+TEST(EventGate, ALongPauseMayLeadFar) {
+  EventGate gate({});
+  EXPECT_EQ(gate.judge(fix_at(1, 0)), Verdict::kAdmitted);
+  EXPECT_EQ(gate.judge(fix_at(3601, 5000)), Verdict::kAdmitted);
+}
+
+}  // namespace
+}  // namespace isobath

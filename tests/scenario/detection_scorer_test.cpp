@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+#include <isobath/scenario/detection_scorer.hpp>
+
+namespace isobath {
+namespace {
+
+using Eigen::Vector2d;
+
+/// A pole 30 m ahead of a vehicle of 0.3 m height at 4 m, over a bottom that rises to the north: 6 m deep at the
+/// origin, 2 m at 40 m.
+constexpr const char* kScene = R"(
+[scene]
+title = "hand-made"
+[bottom]
+kind = "terrain"
+depth = 6
+relief_m = 0
+slope = [-0.1, 0]
+extent_m = 60
+[vehicle]
+start = [0, 0, 4]
+[[cylinder]]
+name = "pole"
+centre = [30, 0, 4]
+radius = 1
+length = 4
+)";
+
+class Judged : public testing::Test {
+ protected:
+  Judged() : simulator_(parse_scene(kScene, "hand-made.toml"), {}), judge_(simulator_) {}
+
+  /// A square of 2 m with its middle there.
+  static Obstacle square(const Vector2d& at, double existence, int number) {
+    Obstacle o;
+    o.outline = {at + Vector2d(-1, -1), at + Vector2d(1, -1), at + Vector2d(1, 1), at + Vector2d(-1, 1)};
+    o.nearest = nearest_point(o.outline, Vector2d::Zero());
+    o.range_m = o.nearest.norm();
+    o.existence = existence;
+    o.number = number;
+    return o;
+  }
+
+  /// A scan with one obstacle.
+  const TruthScore& scan(const Vector2d& at, double existence) { return scan({square(at, existence, 0)}); }
+
+  const TruthScore& scan(const std::vector<Obstacle>& obstacles) {
+    TrueMotion motion;
+    motion.state.X_WB.translation = {0, 0, 4};
+    judge_.take(motion);
+    const BodyGrid grid{BodyGridConfig{}};
+    Detection found;
+    found.cells = grid.cells();
+    found.X_WB = motion.state.X_WB;
+    found.obstacles = obstacles;
+    judge_.on_scan({1, true, found, grid});
+    return judge_.score();
+  }
+
+  Simulator simulator_;
+  DetectionScorer judge_;
+};
+
+TEST_F(Judged, AnObstacleWhereABodyStandsIsNoneOfNothing) {
+  const TruthScore& score = scan({30, 1.5}, 0.99);
+  EXPECT_EQ(score.of_bodies, 1);
+  EXPECT_EQ(score.false_obstacles, 0);
+}
+
+TEST_F(Judged, ASureObstacleWhereNothingStandsIsFalse) {
+  scan({-10, 8}, kSureObstacle);
+  scan({-10, -30}, 1);
+  const TruthScore& score = scan({-10, 8}, kSureObstacle - 0.01);
+  EXPECT_EQ(score.scans, 3);
+  EXPECT_EQ(score.false_alarms, 3);
+  EXPECT_EQ(score.false_obstacles, 2) << "the map was not sure of the third";
+  EXPECT_EQ(score.near_false_obstacles, 1) << "one was further than 20 m away";
+}
+
+TEST_F(Judged, APieceBesideABodyIsOfTheBodyIfItIsOfTheSameObstacle) {
+  const Obstacle of_pole = square({29, 0}, 1, 0), beside = square({30, 3.5}, 1, 0), away = square({30, 6}, 1, 0);
+  EXPECT_EQ(scan({of_pole, beside}).false_obstacles, 0) << "1.5 m beside the pole";
+  EXPECT_EQ(scan({of_pole, away}).false_obstacles, 1) << "4 m beside it";
+  EXPECT_EQ(scan({of_pole, square({30, 3.5}, 1, 1)}).false_obstacles, 2) << "another obstacle";
+}
+
+TEST_F(Judged, ABottomInTheWayIsAnObstacle) {
+  // The vehicle needs 4 + 0.15 + 1 m: from 8.5 m north on the bottom is less deep.
+  EXPECT_EQ(scan({10, 20}, 1).false_obstacles, 0);
+  EXPECT_EQ(scan({5, 10}, 1).false_obstacles, 1);
+}
+
+}  // namespace
+}  // namespace isobath

@@ -1,0 +1,272 @@
+// A scene through the whole program: what it writes reads back, what it says of the truth is so.
+#include <bit>
+#include <gtest/gtest.h>
+#include <isobath/io/mcap/native_log.hpp>
+#include <isobath/mission/plan/planner_budget.hpp>
+#include <isobath/scenario/detection_scorer.hpp>
+#include <isobath/scenario/scenario.hpp>
+#include <tests/support/data.hpp>
+#include <tests/support/kept_scans.hpp>
+
+namespace isobath {
+namespace {
+
+class Both : public ResultSink {
+ public:
+  explicit Both(Simulator& simulator) : judge(simulator) {}
+  void on_ping(const PosedPing& ping) override {
+    keeper.on_ping(ping);
+    judge.on_ping(ping);
+  }
+  void on_scan(const ScanResult& scan) override {
+    keeper.on_scan(scan);
+    judge.on_scan(scan);
+  }
+  test::ScanKeeper keeper;
+  DetectionScorer judge;
+};
+
+struct Judged {
+  TruthScore score;
+  test::ScanKeeper keeper;
+};
+
+Judged run_scene(Scene scene, const SimulationConfig& simulation, Configuration configuration = {}) {
+  SimulatedSource source(std::move(scene), simulation, 1);
+  Both sinks(source.simulator());
+  source.tell_truth_to(sinks.judge);
+  Pipeline pipeline(configuration, sinks);
+  while (auto event = source.next()) pipeline.take(std::move(*event));
+  pipeline.finish();
+  return {sinks.judge.score(), sinks.keeper};
+}
+
+// The main job without an input: the buoys are found where they are.
+// ledger: S6-D04 S6-D07 S6-60
+TEST(EmbeddedScene, TheBuoysAreFoundWithinABinOfTheirRangeForEverySeed) {
+  for (int seed = 1; seed <= 5; ++seed) {
+    const TruthScore score = run_scene(open_scene(""), {.seed = seed, .duration_s = 24}).score;
+    int found = 0;
+    for (const BodyScore& body : score.bodies) {
+      if (!body.name.starts_with("buoy")) continue;
+      EXPECT_GT(body.pings_heard, 5) << body.name;
+      if (body.scans_found == 0) continue;
+      ++found;
+      EXPECT_LT(std::abs(body.range_error_mean_m), 50.0 / 44) << body.name << ", seed " << seed;
+      EXPECT_TRUE(body.compact);
+    }
+    EXPECT_GE(found, 1) << "seed " << seed;
+    EXPECT_EQ(score.of_bodies + score.of_bottom + score.of_surface + score.of_mirrors + score.false_alarms,
+              score.obstacles);
+  }
+}
+
+// The buoys of the trials: 0.15 x 0.70 m, three quarters of it under water.
+// ledger: S6-60 S6-D07
+TEST(EmbeddedScene, PandanHasTheBuoysOfTheTrials) {
+  const Scene scene = open_scene("");
+  int buoys = 0;
+  for (const Body& body : scene.bodies) {
+    if (!body.name.starts_with("buoy")) continue;
+    ++buoys;
+    const auto& buoy = std::get<Cylinder>(body.shape);
+    EXPECT_NEAR(2 * buoy.radius, 0.15, 1e-9);
+    EXPECT_NEAR(buoy.length, 0.70, 1e-9);
+    EXPECT_NEAR((buoy.centre.z() + buoy.length / 2) / buoy.length, 0.75, 1e-9) << "under water";
+  }
+  EXPECT_EQ(buoys, 2);
+  EXPECT_EQ(scene.vehicle.start.z(), 0.5);
+  EXPECT_EQ(scene.sonars[0].bins, 44);
+  EXPECT_EQ(scene.sonars[0].range_m, 50);
+}
+
+class MissionScenario : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, MissionScenario,
+                         testing::Values("pandan", "simulated_mission_1", "simulated_mission_2", "field_mission_1",
+                                         "field_mission_2"),
+                         [](const auto& name) { return std::string(name.param); });
+
+// Scene and mission of one file, each of them whole.
+// ledger: S6-43 S6-58 S6-60
+TEST_P(MissionScenario, HoldsASceneAndThreeMissionPoints) {
+  const Scenario scenario =
+      load_scenario((test::source_folder() / "scenarios" / (std::string(GetParam()) + ".toml")).string());
+  EXPECT_GT(scenario.scene.about.text.size(), 40u);
+  EXPECT_EQ(scenario.mission.points.size(), 3u);
+  EXPECT_EQ(scenario.scene.sonars.size(), 1u);
+  Simulator simulator(scenario.scene, {.duration_s = 1});
+  int pings = 0;
+  while (const auto event = simulator.next()) pings += std::holds_alternative<Ping>(*event) ? 1 : 0;
+  EXPECT_GT(pings, 5);
+}
+
+TEST(Scenario, WithoutMissionPointsIsASceneAlone) {
+  EXPECT_TRUE(parse_scenario("[scene]\n", "a.toml").mission.points.empty());
+}
+
+// What is wrong with either is said with its place in the file.
+TEST(Scenario, NamesThePlaceOfWhatIsWrong) {
+  const auto problem_of = [](const std::string& toml) {
+    try {
+      (void)parse_scenario(toml, "a.toml");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(problem_of("[scene]\n[mission]\nspeed = -1\n").find("a.toml:3:"), std::string::npos);
+  EXPECT_NE(problem_of("[scene]\n[vehicle]\nspeed = -1\n").find("a.toml:3:"), std::string::npos);
+  EXPECT_NE(problem_of("[scene]\n[mission]\ntitle = \"none\"\n"), "") << "a mission without points";
+  EXPECT_NE(problem_of("[scene]\n[misison]\n").find("a.toml:2:"), std::string::npos);
+}
+
+// What no simulator has is told as a report of the host, so that a log holds it.
+// ledger: S6-39
+TEST(SimulatedSource, TellsWhatThePlannerIsLeftWhileItsFaultHolds) {
+  const Scenario scenario = parse_scenario(
+      "[scene]\nduration_s = 8\n[[fault]]\nsource = \"planner\"\nkind = \"wrong_scale\"\nat_s = 3\nfor_s = 2\n"
+      "amount = 0.01\n",
+      "a.toml");
+  SimulatedSource source(scenario.scene, {}, 1);
+  std::vector<std::pair<double, double>> told;
+  while (const auto event = source.next()) {
+    const auto* health = std::get_if<Health>(&*event);
+    const auto share = health ? budget_share(*health) : std::nullopt;
+    if (share) told.emplace_back(to_seconds(health->time), *share);
+  }
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_NEAR(told[0].first, 3, 0.2);
+  EXPECT_EQ(told[0].second, 0.01);
+  EXPECT_NEAR(told[1].first, 5, 0.2);
+  EXPECT_EQ(told[1].second, 1);
+}
+
+// A target that was not there is a false alarm, one that was there and is not seen is a miss.
+TEST(DetectionScorer, TellsWhatIsThereFromWhatIsNot) {
+  const std::string toml = R"(
+[scene]
+duration_s = 30
+[vehicle]
+start = [0, 0, 20]
+speed = 0
+[[sonar]]
+preset = "micron"
+noise_level = 40
+spurious_share = 0
+[[sphere]]
+name = "ball"
+centre = [30, 0, 20]
+radius = 1
+[[sphere]]
+name = "behind"
+centre = [-30, 0, 20]
+radius = 1
+)";
+  const TruthScore there = run_scene(parse_scene(toml, "a.toml"), {}).score;
+  ASSERT_EQ(there.bodies.size(), 1u) << "nothing is heard of what stands behind";
+  EXPECT_EQ(there.bodies[0].name, "ball");
+  EXPECT_GT(there.bodies[0].scans_found, 3);
+  EXPECT_LT(there.bodies[0].range_error_rms_m, 1.2);
+  EXPECT_GE(there.bodies[0].delay_pings, 1);
+  // The same echoes, with a scene in which the ball is somewhere else.
+  SimulatedSource source(parse_scene(toml, "a.toml"), {}, 1);
+  std::string moved = toml;
+  moved.replace(moved.find("[30, 0, 20]"), 11, "[30, 20, 20]");
+  Simulator elsewhere(parse_scene(moved, "b.toml"), {});
+  Both sinks(elsewhere);
+  Pipeline pipeline({}, sinks);
+  while (auto event = source.next()) pipeline.take(std::move(*event));
+  pipeline.finish();
+  EXPECT_GT(sinks.judge.score().false_alarms, 3);
+  EXPECT_EQ(sinks.judge.score().of_bodies, 0);
+}
+
+// ledger: S6-57
+TEST(SimulatedLog, GivesTheSameScansAsTheSceneItCameFrom) {
+  const auto file = test::scratch_folder() / "run.mcap";
+  const SimulationConfig short_run{.duration_s = 16};
+  {
+    Simulator simulator(open_scene(""), short_run);
+    NativeLogWriter log(file);
+    while (const auto event = simulator.next()) {
+      std::visit(
+          [&log](const auto& e) {
+            using T = std::decay_t<decltype(e)>;
+            if constexpr (std::is_same_v<T, EchoTruth> || std::is_same_v<T, TrueMotion>) {
+              log.write(e);
+            } else {
+              EXPECT_TRUE(log.write(Event(e)));
+            }
+          },
+          *event);
+    }
+    log.close();
+  }
+  const auto direct = run_scene(open_scene(""), short_run).keeper.scans;
+  const auto replayed = test::scans_of(file, {}).scans;
+  ASSERT_EQ(direct.size(), replayed.size());
+  ASSERT_GT(direct.size(), 3u);
+  for (std::size_t i = 0; i < direct.size(); ++i) {
+    ASSERT_EQ(direct[i].obstacles.size(), replayed[i].obstacles.size());
+    for (std::size_t k = 0; k < direct[i].obstacles.size(); ++k) {
+      EXPECT_EQ(direct[i].obstacles[k].range_m, replayed[i].obstacles[k].range_m);
+      EXPECT_EQ(direct[i].obstacles[k].existence, replayed[i].obstacles[k].existence);
+    }
+  }
+}
+
+TEST(SimulatedLog, HoldsTheTruthBitForBit) {
+  const auto file = test::scratch_folder() / "truth.mcap";
+  std::vector<TrueMotion> motions;
+  std::vector<EchoTruth> echoes;
+  Simulator simulator(open_scene(""), {.duration_s = 2});
+  NativeLogWriter log(file);
+  while (const auto event = simulator.next()) {
+    if (const auto* m = std::get_if<TrueMotion>(&*event)) {
+      motions.push_back(*m);
+      log.write(*m);
+    } else if (const auto* e = std::get_if<EchoTruth>(&*event)) {
+      echoes.push_back(*e);
+      log.write(*e);
+    }
+  }
+  log.close();
+  TruthReader reader(file);
+  std::size_t m = 0, e = 0;
+  while (const auto truth = reader.next()) {
+    if (const auto* motion = std::get_if<TrueMotion>(&*truth)) {
+      const TrueMotion& wrote = motions.at(m++);
+      EXPECT_EQ(motion->time, wrote.time);
+      EXPECT_EQ(motion->state.X_WB.translation, wrote.state.X_WB.translation);
+      EXPECT_EQ(motion->state.v_B, wrote.state.v_B);
+      EXPECT_EQ(motion->state.w_B, wrote.state.w_B);
+      EXPECT_EQ(motion->altitude_m, wrote.altitude_m);
+      EXPECT_EQ(motion->current_W, wrote.current_W);
+    } else {
+      const auto& labels = std::get<EchoTruth>(*truth);
+      const EchoTruth& wrote = echoes.at(e++);
+      EXPECT_EQ(labels.time, wrote.time);
+      EXPECT_EQ(labels.sonar, wrote.sonar);
+      EXPECT_TRUE(labels.labels == wrote.labels);
+    }
+  }
+  EXPECT_EQ(m, motions.size());
+  EXPECT_EQ(e, echoes.size());
+}
+
+// The map of the plane has no use for a fan that stands upright; the map in three dimensions has.
+// ledger: S5-07
+TEST(Pipeline, KeepsVerticalFansApartFromTheMapOfThePlane) {
+  const auto scene = load_scenario((test::source_folder() / "scenarios/bridge.toml").string()).scene;
+  SimulatedSource source(scene, {.duration_s = 2}, 1);
+  test::ScanKeeper keeper;
+  Pipeline pipeline({}, keeper);
+  while (auto event = source.next()) pipeline.take(std::move(*event));
+  pipeline.finish();
+  EXPECT_EQ(keeper.pings, 5);
+  EXPECT_EQ(pipeline.counts().vertical, 5u);
+  EXPECT_EQ(pipeline.counts().pings, 5u);
+}
+
+}  // namespace
+}  // namespace isobath

@@ -1,0 +1,22 @@
+// Writes docs/detection-delay.md and its picture: detection_delay_page PAGE PICTURE.
+#include <cstdio>
+#include <isobath/base/error.hpp>
+#include <isobath/report/html_report.hpp>
+#include <tests/studies/detection_delay.hpp>
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: %s PAGE PICTURE\n", argv[0]);
+    return 2;
+  }
+  try {
+    std::vector<isobath::test::DetectionDelay> rows;
+    for (int base = 2; base <= 15; ++base) rows.push_back(isobath::test::measure_delay(base));
+    isobath::write_file(argv[1], isobath::test::delay_page(rows));
+    isobath::write_file(argv[2], isobath::test::delay_picture(rows));
+  } catch (const isobath::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+  return 0;
+}
