@@ -5,6 +5,7 @@
 #include <isobath/app/progress.hpp>
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
+#include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/perception/water_label.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/mission_pages.hpp>
@@ -107,22 +108,24 @@ void print(const RunRequest& request, const DepthOutcome& depth) {
   }
 }
 
-void print(const std::vector<Obstacle>& obstacles, std::uint64_t scans) {
-  constexpr std::size_t kMostPrinted = 10;  // the nearest come first
+void print(const std::vector<Obstacle>& pieces, std::uint64_t scans) {
+  constexpr std::size_t kMaxPrinted = 10;  // the nearest come first
+  const std::vector<WholeObstacle> obstacles = whole_obstacles(pieces);
   const auto hidden = static_cast<std::size_t>(
-      std::count_if(obstacles.begin(), obstacles.end(), [](const Obstacle& o) { return o.behind; }));
+      std::count_if(obstacles.begin(), obstacles.end(), [](const WholeObstacle& o) { return o.behind; }));
   fmt::print("{} obstacle{} at the end of {} scan{}\n", obstacles.size(), obstacles.size() == 1 ? "" : "s", scans,
              scans == 1 ? "" : "s");
   std::size_t printed = 0;
-  for (const Obstacle& o : obstacles) {
-    if (o.behind || printed == kMostPrinted) continue;
+  for (const WholeObstacle& o : obstacles) {
+    if (o.behind || printed == kMaxPrinted) continue;
     ++printed;
-    fmt::print("  {:6.2f} m  bearing {:5.1f} deg  existence {:.3f}{}{}\n", o.range_m,
-               o.bearing.wrapped_positive().degrees(), o.existence,
-               o.label == WaterLabel::kUnknown ? "" : fmt::format("  {}", to_text(o.label)),
+    const Obstacle& nearest = *o.nearest;
+    fmt::print("  {:6.2f} m  bearing {:5.1f} deg  {:<8}  {:5.1f} m across  existence {:.3f}{}{}\n", nearest.range_m,
+               nearest.bearing.wrapped_positive().degrees(), o.kind(), o.extent_m, o.existence,
+               nearest.label == WaterLabel::kUnknown ? "" : fmt::format("  {}", to_text(nearest.label)),
                o.possible_multiple ? "  possible multiple echo" : "");
   }
-  if (hidden > 0) fmt::print("  {} are hidden behind nearer ones\n", hidden);
+  if (hidden > 0) fmt::print("  {} {} hidden behind nearer ones\n", hidden, hidden == 1 ? "is" : "are");
   if (printed + hidden < obstacles.size()) {
     fmt::print("  and {} more in obstacles.json\n", obstacles.size() - printed - hidden);
   }

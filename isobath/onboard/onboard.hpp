@@ -83,7 +83,6 @@ class Onboard : private ResultSink {
   void on_vertical_ping(const PosedPing& ping) override;
   void on_soundings(const Swath& swath, const Pose& X_WB) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
-  [[nodiscard]] bool hears_faint() const override { return voxels_.listens(); }
   [[nodiscard]] const OccupancySnapshot* heights() const override { return heights_.get(); }
 
   Helm* helm_;

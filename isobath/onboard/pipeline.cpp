@@ -80,7 +80,6 @@ Pipeline::Pipeline(const OnboardConfiguration& configuration, ResultSink& sink, 
       echoes_(configuration.echoes, models_.sensor, ratios_, models_.fan),
       vertical_echoes_(for_vertical(configuration, models_), models_.sensor, ratios_),
       sounder_echoes_(for_sounder(configuration, models_), models_.sensor, ratios_),
-      faint_echoes_(for_vertical(configuration, models_), models_.sensor, ratios_),
       sweeps_(configuration.map.fan_scan_s),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMostWaiting);
@@ -96,16 +95,13 @@ EchoDetector& Pipeline::detector_of(const Ping& ping) {
 
 bool Pipeline::listen(const Ping& ping) {
   if (check(ping) != PingFault::kNone) return false;
-  EchoDetector& detector = detector_of(ping);
-  if (&detector == &echoes_ && echoes_.method_for(ping) == DetectionMethod::kCells) faint_echoes_.listen(ping);
-  return detector.listen(ping);
+  return detector_of(ping).listen(ping);
 }
 
 void Pipeline::heard_all() {
   echoes_.heard_all();
   vertical_echoes_.heard_all();
   sounder_echoes_.heard_all();
-  faint_echoes_.heard_all();
 }
 
 void Pipeline::take(Event event) {
@@ -133,9 +129,7 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   const bool measured = !posed || poses_.knows_its_motion();  // else the motion is dead reckoned
   enter(Stage::kPlane);
   const Pose smooth{X_WB.rotation, X_WB.translation - jumped_};
-  const bool faint = echoes_.looks() && sink_.hears_faint();
-  if (faint) faint_echoes_.detect(ping, faint_, water);
-  const PosedPing posed_ping{ping, X_WB, decisions_, echoes_.looks(), faint ? &faint_ : nullptr};
+  const PosedPing posed_ping{ping, X_WB, decisions_, echoes_.looks()};
   mapper_->update(posed_ping.look_ping(), posed_ping.look_decisions(), smooth,
                   {.position_fix = false, .velocity_log = measured});  // moves the grid, then updates it
   sink_.on_ping(posed_ping);

@@ -132,9 +132,8 @@ class Pipeline {
   std::shared_ptr<const LikelihoodRatios> ratios_;  ///< of the histogram model; null: none
   SonarModels models_;
   EchoDetector echoes_, vertical_echoes_, sounder_echoes_;
-  EchoDetector faint_echoes_;  ///< for fans with one decision per resolution cell
   SideLobes side_lobes_;
-  EchoDecisions decisions_, faint_;
+  EchoDecisions decisions_;
   SweepSegmenter sweeps_;
   std::unique_ptr<GridMapper> mapper_;
   ObstacleDetector detector_;

@@ -29,8 +29,8 @@ namespace isobath {
 struct AspectConfig {
   double answers = 0.6;   ///< a
   double renewal = 0.1;   ///< k
-  double silence = 0.24;  ///< weight of a ping without an echo, in independent looks
-  double limit = 2.1;     ///< maximum log-odds from echoes of one direction
+  double silence = 0.35;  ///< weight of a ping without an echo, in independent looks
+  double limit = 1.9;     ///< maximum log-odds from echoes of one direction
   double turn_deg = 20;   ///< turn of the line of sight after which the direction counts as new
 };
 std::vector<Field> fields(AspectConfig& config);

@@ -96,6 +96,9 @@ void GridMapper::update(const Ping& ping, const EchoDecisions& decisions, const 
   take_sensor(ping, decisions);
   weight_ = double{decisions.weight};
   echo_weight_ = double{std::min(decisions.weight, decisions.most_echo_weight)};
+  const int beams = decisions.beams();
+  const bool shares = decisions.most_echo_weight < 1 && beams > 1;
+  beam_step_ = shares ? (ping.fan->azimuth.back() - ping.fan->azimuth.front()).radians() / (beams - 1) : 0;
   const Vector2d sensor = grid_.from_level_body((R_LB * ping.X_BS.translation).head<2>());
   for (int b = 0; b < decisions.beams(); ++b) {
     const Angle a = ping.fan->azimuth[b];
@@ -231,6 +234,12 @@ void GridMapper::apply_looks(const OverlapTable::Row& row, bool hit) {
   }
 }
 
+/// The beams of a fan that one map cell spans are one look at it together: by how much each of them counts.
+double GridMapper::share_of_look(int bin) const {
+  if (beam_step_ == 0) return 1;
+  return std::min(1.0, (start_m_ + (bin + 0.5) * bin_m_) * beam_step_ / grid_.cells().cell_m);
+}
+
 void GridMapper::apply_look(const OverlapTable::Row& row, const Look& look, std::size_t end, bool hit) {
   using Update = GridMapperConfig::Update;
   const std::span<double> log_odds = grid_.log_odds();
@@ -268,7 +277,7 @@ void GridMapper::apply_look(const OverlapTable::Row& row, const Look& look, std:
     update_hit(l, a, sensor, scratch_);
   }
   // The echo is noted for the cell whose odds it raised most.
-  const double weight = hit ? echo_weight_ : weight_;
+  const double weight = hit ? echo_weight_ * share_of_look(look.bin) : weight_;
   std::ptrdiff_t best = -1;
   double most = 0;
   for (std::size_t i = 0; i < n; ++i) {

@@ -6,7 +6,8 @@
 // independent looks, so any order is valid sequential Bayes up to the independence of the cells (S6-72); a fixed order
 // makes the result deterministic. Bins that are not usable, or whose p_D is not above f, do not change the grid,
 // whether they hold an echo or not. Dim bins have their own p_D. All evidence of a ping is weighted by
-// EchoDecisions::weight, that of echoes by at most `most_echo_weight`.
+// EchoDecisions::weight, that of echoes by at most `most_echo_weight`. Where that is below 1, the beams that one map cell
+// spans are one look at it together: near the sonar an echo of one of many beams says little.
 //
 // Beams are projected to the level plane. The azimuth is that of the full attitude, with roll and pitch removed. Slant
 // ranges are multiplied by the cosine of the tilt of the sonar's axis, accurate to 1.5 % of the range, so a tilt of up
@@ -78,6 +79,7 @@ class GridMapper {
   void apply_clears(const OverlapTable::Row& row, const Placed& placed);
   void apply_dim_clears();
   void apply_looks(const OverlapTable::Row& row, bool hit);
+  [[nodiscard]] double share_of_look(int bin) const;
   void apply_look(const OverlapTable::Row& row, const Look& look, std::size_t end, bool hit);
 
   GridMapperConfig config_;
@@ -91,6 +93,7 @@ class GridMapper {
   double start_m_ = 0;
   double bin_m_ = 0;
   double false_alarm_ = 0;
+  double beam_step_ = 0;                 ///< between beams, rad; 0: each beam is a look of its own
   double weight_ = 1, echo_weight_ = 1;  ///< of the ping, and of its echoes
   std::vector<float> p_detect_;
   std::vector<double> gain_;           ///< d of each bin, 0 where not usable

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/io/exports/geojson.hpp>
+#include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/report/result_text.hpp>
 #include <nlohmann/json.hpp>
 
@@ -54,12 +56,21 @@ ordered_json sensors_json(const std::vector<SensorLearning::Sensor>& sensors) {
   return all;
 }
 
+const WholeObstacle& of_number(const std::vector<WholeObstacle>& whole, int number) {
+  return *std::find_if(whole.begin(), whole.end(), [number](const WholeObstacle& w) { return w.number == number; });
+}
+
 }  // namespace
 
 ordered_json obstacle_list(const std::vector<Obstacle>& obstacles) {
   ordered_json list = ordered_json::array();
+  const std::vector<WholeObstacle> whole = whole_obstacles(obstacles);
   for (const Obstacle& o : obstacles) {
-    list.push_back({{"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
+    const WholeObstacle& of = of_number(whole, o.number);
+    list.push_back({{"number", o.number},
+                    {"kind", of.kind()},
+                    {"extent_m", tidy(of.extent_m)},
+                    {"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
                     {"range_m", tidy(o.range_m)},
                     {"existence", tidy(o.existence)},
                     {"outline_m", outline_of(o)},
@@ -93,10 +104,13 @@ std::string scans_json(std::span<const ScanRecord> scans) {
 std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin) {
   const Pose X_WL = level(scan.X_WB);
   std::vector<GeoFeature> features;
+  const std::vector<WholeObstacle> whole = whole_obstacles(scan.obstacles);
   for (const Obstacle& o : scan.obstacles) {
     GeoFeature feature;
     for (const auto& p : o.outline) feature.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
-    feature.properties = {{"existence", tidy(o.existence)},
+    feature.properties = {{"number", o.number},
+                          {"kind", of_number(whole, o.number).kind()},
+                          {"existence", tidy(o.existence)},
                           {"range_m", tidy(o.range_m)},
                           {"bearing_deg", tidy(o.bearing.wrapped_positive().degrees())},
                           {"behind", o.behind},
@@ -123,7 +137,8 @@ ordered_json counts_json(const RunOutcome& outcome) {
           {"hits", n.hits},
           {"dim_bins", n.dim},
           {"blind_bins", n.blind},
-          {"obstacles", outcome.obstacles.size()},
+          {"obstacles", whole_obstacles(outcome.obstacles).size()},
+          {"obstacle_pieces", outcome.obstacles.size()},
           {"bytes_skipped", outcome.source.bytes_skipped}};
 }
 

@@ -5,6 +5,7 @@
 #include <isobath/display/decision_json.hpp>
 #include <isobath/display/live_page.hpp>
 #include <isobath/io/gdal/geotiff.hpp>
+#include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/result_text.hpp>
@@ -25,14 +26,15 @@ double ring_step(const PlanExtent& extent) {
 
 std::string degrees(Angle a) { return fmt::format("{:.1f}", a.wrapped_positive().degrees()); }
 
-std::string notes(const Obstacle& o) {
+std::string notes(const WholeObstacle& o) {
   std::string text;
   if (o.behind) text = "behind a nearer obstacle";
   const auto add = [&](const char* note) { text += std::string(text.empty() ? "" : "; ") + note; };
   if (o.possible_multiple) add("possible multiple echo");
-  if (o.label == WaterLabel::kStanding) add("stands in the water");
-  if (o.label == WaterLabel::kBottom) add("bottom");
-  if (o.label == WaterLabel::kSurface) add("surface");
+  const WaterLabel label = o.nearest->label;
+  if (label == WaterLabel::kStanding) add("stands in the water");
+  if (label == WaterLabel::kBottom) add("bottom");
+  if (label == WaterLabel::kSurface) add("surface");
   return text;
 }
 
@@ -155,7 +157,8 @@ std::string RunFolder::sonar_picture() const {
 }
 
 std::string RunFolder::detections_picture() const {
-  PlanPicture picture(extent(), kPlotPixels, body_labels(fmt::format("Obstacles ({})", obstacles_.size())));
+  PlanPicture picture(extent(), kPlotPixels,
+                      body_labels(fmt::format("Obstacles ({})", whole_obstacles(obstacles_).size())));
   const double pixel = (extent().x_max - extent().x_min) / kPlotPixels;
   PlanImage image(extent(), pixel);
   const Pose X_BW = last_sweep_.empty() ? Pose{} : level(last_sweep_.back().X_WB).inverse();
@@ -346,21 +349,22 @@ void RunFolder::write_occupancy(const BodyGrid& grid, const Pose& X_WL, const st
 void RunFolder::add_obstacles(HtmlReport& page) const {
   page.heading("Obstacles");
   std::vector<HtmlReport::Row> rows;
-  for (const Obstacle& o : obstacles_) {
-    rows.push_back(
-        {degrees(o.bearing), fmt::format("{:.2f}", o.range_m), fmt::format("{:.3f}", o.existence), notes(o)});
+  for (const WholeObstacle& o : whole_obstacles(obstacles_)) {
+    rows.push_back({std::to_string(o.number + 1), degrees(o.nearest->bearing),
+                    fmt::format("{:.2f}", o.nearest->range_m), fmt::format("{}, {:.1f} m", o.kind(), o.extent_m),
+                    fmt::format("{:.3f}", o.existence), notes(o)});
   }
-  page.table({"bearing (deg)", "nearest point (m)", "existence", ""}, rows);
+  page.table({"", "bearing (deg)", "nearest point (m)", "extent", "existence", ""}, rows);
 }
 
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const Pictures& pictures) const {
   const PipelineCounts& n = outcome.counts;
   const bool pinged = n.pings > 0 || !outcome.depth;  // else the report is only about depths
-  const std::string lead = pinged
-                               ? fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
-                                             outcome.source.format, n.pings, outcome.log_s, n.scans, obstacles_.size())
-                               : fmt::format("{} · {} ranges and {} swaths within {} · depth map",
-                                             outcome.source.format, n.ranges, n.swaths, span_text(outcome.log_s));
+  const std::string lead =
+      pinged ? fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
+                           outcome.source.format, n.pings, outcome.log_s, n.scans, whole_obstacles(obstacles_).size())
+             : fmt::format("{} · {} ranges and {} swaths within {} · depth map", outcome.source.format, n.ranges,
+                           n.swaths, span_text(outcome.log_s));
   HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : input_name(request.input)), lead);
   if (!outcome.problem.empty()) page.warning(outcome.problem);
   for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");

@@ -239,11 +239,12 @@ void FanBackground::find_patches() {
       eroded_[block_at(i, j)] = count > 0 ? quantile_of(scratch_, count, kQuantile) : 0.f;
     }
   }
-  for (int i = 0; i < blocks_across_; ++i) {  // dilated, along the range first
+  // Dilated, along the range first: only as far as the quantile has shifted a level that falls with the range.
+  const int reach = std::max(1, static_cast<int>(std::lround((1 - 2 * kQuantile) * half_along_)));
+  for (int i = 0; i < blocks_across_; ++i) {
     for (int j = 0; j < blocks_along_; ++j) {
-      const auto from = eroded_.begin() + static_cast<std::ptrdiff_t>(block_at(i, std::max(0, j - half_along_)));
-      const auto end =
-          eroded_.begin() + static_cast<std::ptrdiff_t>(block_at(i, std::min(blocks_along_ - 1, j + half_along_))) + 1;
+      const auto at = [&](int along) { return eroded_.begin() + static_cast<std::ptrdiff_t>(block_at(i, along)); };
+      const auto from = at(std::max(0, j - reach)), end = at(std::min(blocks_along_ - 1, j + reach)) + 1;
       block_[block_at(i, j)] = *std::max_element(from, end);
     }
   }

@@ -17,6 +17,7 @@ constexpr int kHeatMemory = 10;        // pings
 constexpr int kHeat = 3;               // echoes within that time, from which on a cell is taken to hold a target
 constexpr double kSuspectRate = 1e-3;  // of cells that stand out by chance
 constexpr float kMostSkew = 2;         // a threshold beyond this many robust ones is made by targets
+constexpr float kMostApart = 2;        // so is one beyond this many robust ones of the whole fan
 constexpr int kSkirtBeams = 4, kSkirtBins = 3;
 constexpr int kWideBeams = 2, kWideBins = 16;  // to each side
 constexpr double kFull = 0.25;
@@ -32,7 +33,8 @@ constexpr int kClippedRun = 3;                // cells
 constexpr double kThick_m = 1.5;              // of a body that casts a shadow
 constexpr float kBehind = 0.5f;               // of the power of the echo in front: another body
 constexpr int kThickCells = 4, kShadowBeams = 3;
-constexpr float kGhost = 0.1f;  // of that power: may be its own by a detour
+constexpr float kGhost = 0.1f;   // of that power: may be its own by a detour
+constexpr float kSkirt = 0.03f;  // the same within the thickness of a body: may be its upper or lower parts
 constexpr int kBodyBeams = 4,
               kBodyStep = 4;             // beams side by side that hear a body; cells of range from one to the next
 constexpr float kFarBeyond = 4;          // times its own threshold, and
@@ -102,7 +104,8 @@ struct FanDetector::State {
     std::array<TailLaw, kStrata> laws;
     TailLaw all;
     FanWatch watch;
-    std::vector<std::uint8_t> heat;  ///< of each cell: pings for which it is not learnt from
+    std::vector<std::uint8_t> third_along, third_across;  ///< of each range and of each beam
+    std::vector<std::uint8_t> heat;                       ///< of each cell: pings for which it is not learnt from
     std::uint64_t used = 0;
     Time time;
     int pings = 0;
@@ -186,6 +189,13 @@ FanDetector::State::Geometry& FanDetector::State::geometry_of(const Ping& ping) 
   g.background = FanBackground(config_.background);
   g.background.begin(g.cells, g.first_bin, faintest_of(ping));
   g.heat.assign(static_cast<std::size_t>(g.cells.beams()) * static_cast<std::size_t>(w.bins), 0);
+  g.third_along.assign(static_cast<std::size_t>(w.bins), 0);
+  for (int k = g.first_bin; k < w.bins; ++k)
+    g.third_along[static_cast<std::size_t>(k)] =
+        static_cast<std::uint8_t>((k - g.first_bin) * kThirds / (w.bins - g.first_bin));
+  g.third_across.resize(static_cast<std::size_t>(g.cells.beams()));
+  for (int b = 0; b < g.cells.beams(); ++b)
+    g.third_across[static_cast<std::size_t>(b)] = static_cast<std::uint8_t>(b * kThirds / g.cells.beams());
   g.watch.begin(ping, g.cells, g.first_bin);
   g.of_model = model_ && same_setting(*model_, ping) && model_->relief.size() == std::size_t(g.cells.beams());
   if (g.of_model) g.background.start_from({model_->relief.begin(), model_->relief.end()});
@@ -239,9 +249,8 @@ void FanDetector::State::rate(const Geometry& g) {
 }
 
 int FanDetector::State::stratum(const Geometry& g, int beam, int bin, bool loud) const {
-  const int across = beam * kThirds / g.cells.beams();
-  const int along = (bin - g.first_bin) * kThirds / std::max(1, g.cells.bins() - g.first_bin);
-  return (loud ? kThirds * kThirds : 0) + along * kThirds + across;
+  return (loud ? kThirds * kThirds : 0) + g.third_along[static_cast<std::size_t>(bin)] * kThirds +
+         g.third_across[static_cast<std::size_t>(beam)];
 }
 
 float FanDetector::State::threshold(int beam, int bin) const {
@@ -347,7 +356,8 @@ void FanDetector::State::hide_shadows(const Geometry& g, EchoDecisions& out) {
     const Front &body = body_[static_cast<std::size_t>(b)], &any = any_[static_cast<std::size_t>(b)];
     for (int k = any.dark_from; k < bins; ++k) {
       const bool hit = out.hit(b, k);
-      if (k >= body.dark_from ? !(hit && power[k] >= kBehind * body.power) : hit && power[k] < kGhost * any.power)
+      const float faint = (k >= any.dark_from + thick ? kGhost : kSkirt) * any.power;
+      if (k >= body.dark_from ? !(hit && power[k] >= kBehind * body.power) : hit && power[k] < faint)
         out.set_blind(b, k);
     }
   }
@@ -643,7 +653,8 @@ std::optional<FanDeparture> FanDetector::State::departure() const {
 
 float FanDetector::threshold_of(const TailLaw& own, const TailLaw& all, double false_alarm) {
   const TailLaw& law = own.total() >= kOwnLaw ? own : all;
-  return std::min(law.threshold(false_alarm), kMostSkew * law.robust_threshold(false_alarm));
+  const float wanted = std::min(law.threshold(false_alarm), kMostSkew * law.robust_threshold(false_alarm));
+  return &law == &own ? std::min(wanted, kMostApart * all.robust_threshold(false_alarm)) : wanted;
 }
 
 FanDetector::FanDetector(const FanDetectorConfig& config) : state_(std::make_unique<State>(config)) {}

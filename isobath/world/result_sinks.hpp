@@ -18,13 +18,9 @@ struct PosedPing {
   Pose X_WB;
   const EchoDecisions& decisions;   ///< one per sample
   const FanLooks* looks = nullptr;  ///< the same as independent looks; null: the samples are independent
-  /// One decision per sample at the rate `echoes.false_alarm`: fainter echoes for the voxel map, which weighs many of
-  /// them. Null: `decisions` serve for this, or the sink does not use them.
-  const EchoDecisions* faint = nullptr;
 
   [[nodiscard]] const Ping& look_ping() const { return looks ? looks->ping : ping; }
   [[nodiscard]] const EchoDecisions& look_decisions() const { return looks ? looks->decisions : decisions; }
-  [[nodiscard]] const EchoDecisions& faint_decisions() const { return faint ? *faint : decisions; }
 };
 
 /// The end of one sweep: the body grid, and the obstacles in it.
@@ -49,8 +45,6 @@ class ResultSink {
   virtual void on_scan(const ScanResult& scan) = 0;
   /// A ping of a vertical fan. It is not mapped into the horizontal body grid.
   virtual void on_vertical_ping(const PosedPing& /*ping*/) {}
-  /// Whether the sink uses PosedPing::faint; if not, faint echoes are not detected. Called before every ping.
-  [[nodiscard]] virtual bool hears_faint() const { return true; }
   /// Occupancy around the vehicle (W) from sensors that resolve height, for the labels of obstacles; null: none.
   [[nodiscard]] virtual const OccupancySnapshot* heights() const { return nullptr; }
   /// The position jumped by this much, m in W. Maps that are right relative to the vehicle must move along. All later

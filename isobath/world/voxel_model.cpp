@@ -98,7 +98,7 @@ VoxelModel::Sonar& VoxelModel::sonar_of(const Ping& ping) {
 
 void VoxelModel::take(const PosedPing& posed) {
   using Sonars = VoxelModelConfig::Sonars;
-  const Ping& ping = posed.ping;
+  const Ping& ping = posed.look_ping();
   if (config_.sonars == Sonars::kNone || (config_.sonars == Sonars::kFans && ping.fan->beams() < 2)) return;
   if (config_.window_m > 0 && config_.window_m < ping.window.end_m()) {
     throw Error(
@@ -118,7 +118,7 @@ void VoxelModel::take(const PosedPing& posed) {
   note(ping.time);
   const bool submerged = config_.surface && (posed.X_WB * ping.X_BS).translation.z() > 0;
   sonar.mapper.set_surface(submerged ? 0 : -std::numeric_limits<double>::infinity());
-  sonar.mapper.update(ping, posed.faint_decisions(), posed.X_WB, *sonar.layer);
+  sonar.mapper.update(ping, posed.look_decisions(), posed.X_WB, *sonar.layer);
   ++sonar.pings;
   move_to(posed.X_WB.translation);
 }

@@ -66,8 +66,6 @@ class VoxelModel {
   /// `spill_file`: used if the configuration lets blocks spill.
   explicit VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file = {});
 
-  /// Whether it maps pings at all.
-  [[nodiscard]] bool listens() const { return config_.sonars != VoxelModelConfig::Sonars::kNone; }
   void take(const PosedPing& posed);
   void take(const Swath& swath, const Pose& X_WB);
   /// Moves recent evidence along with a jump of the position, m.

@@ -314,7 +314,7 @@ TEST_F(VoxelFiles, ThatAreNotAsTheyWereWrittenAreRefused) {
               HasSubstr("cannot be unpacked"));
   EXPECT_THAT(problem_with("UPDATE map SET voxel_m = 0.5"), HasSubstr("is a map of voxels of 0.5 m"));
   EXPECT_THAT(problem_with("UPDATE map SET most = 30000"), HasSubstr("evidence from -7066 to 30000"));
-  EXPECT_THAT(problem_with("DROP TABLE block"), HasSubstr("tables that are not those"));
+  EXPECT_THAT(problem_with("DROP TABLE block"), HasSubstr("tables that do not belong to"));
 }
 
 // A flipped byte anywhere is found when the file is opened or when the block is read, or has hit nothing that counts.

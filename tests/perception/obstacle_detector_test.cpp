@@ -161,6 +161,18 @@ TEST(ObstacleDetector, FreeWaterInsideARingOrAnLIsNotSwallowed) {
   }
 }
 
+// A ring and a square beyond it, each of many or of one convex piece.
+TEST(ObstacleDetector, NumbersConnectedPiecesAsOneObstacleTheNearestFirst) {
+  BodyGrid grid(plane(200, 0.1));
+  fill(grid, [](const Vector2d& p) {
+    return std::abs(p.norm() - 4) < 0.15 || (std::abs(p.x() - 8) < 0.3 && std::abs(p.y()) < 0.3);
+  });
+  const Detection d = detect(grid);
+  ASSERT_GT(d.obstacles.size(), 3u);
+  for (const Obstacle& o : d.obstacles) EXPECT_EQ(o.number, o.range_m < 6 ? 0 : 1) << o.range_m;
+  EXPECT_EQ(d.obstacles.back().number, 1);
+}
+
 TEST(ObstacleDetector, KnowsWhatHidesBehindANearerObstacleAndWhatMayBeAMultiple) {
   BodyGrid grid(plane(200, 0.1));
   fill(grid, [](const Vector2d& p) {

@@ -30,21 +30,29 @@ class Judged : public testing::Test {
  protected:
   Judged() : simulator_(parse_scene(kScene, "hand-made.toml"), {}), judge_(simulator_) {}
 
-  /// A scan with one obstacle: a square of 2 m with its middle there.
-  const TruthScore& scan(const Vector2d& at, double existence) {
-    TrueMotion motion;
-    motion.state.X_WB.translation = {0, 0, 4};
-    judge_.take(motion);
+  /// A square of 2 m with its middle there.
+  static Obstacle square(const Vector2d& at, double existence, int number) {
     Obstacle o;
     o.outline = {at + Vector2d(-1, -1), at + Vector2d(1, -1), at + Vector2d(1, 1), at + Vector2d(-1, 1)};
     o.nearest = nearest_point(o.outline, Vector2d::Zero());
     o.range_m = o.nearest.norm();
     o.existence = existence;
+    o.number = number;
+    return o;
+  }
+
+  /// A scan with one obstacle.
+  const TruthScore& scan(const Vector2d& at, double existence) { return scan({square(at, existence, 0)}); }
+
+  const TruthScore& scan(const std::vector<Obstacle>& obstacles) {
+    TrueMotion motion;
+    motion.state.X_WB.translation = {0, 0, 4};
+    judge_.take(motion);
     const BodyGrid grid{BodyGridConfig{}};
     Detection found;
     found.cells = grid.cells();
     found.X_WB = motion.state.X_WB;
-    found.obstacles = {o};
+    found.obstacles = obstacles;
     judge_.on_scan({1, true, found, grid});
     return judge_.score();
   }
@@ -67,6 +75,13 @@ TEST_F(Judged, ASureObstacleWhereNothingStandsIsFalse) {
   EXPECT_EQ(score.false_alarms, 3);
   EXPECT_EQ(score.false_obstacles, 2) << "the map was not sure of the third";
   EXPECT_EQ(score.near_false_obstacles, 1) << "one was further than 20 m away";
+}
+
+TEST_F(Judged, APieceBesideABodyIsOfTheBodyIfItIsOfTheSameObstacle) {
+  const Obstacle of_pole = square({29, 0}, 1, 0), beside = square({30, 3.5}, 1, 0), away = square({30, 6}, 1, 0);
+  EXPECT_EQ(scan({of_pole, beside}).false_obstacles, 0) << "1.5 m beside the pole";
+  EXPECT_EQ(scan({of_pole, away}).false_obstacles, 1) << "4 m beside it";
+  EXPECT_EQ(scan({of_pole, square({30, 3.5}, 1, 1)}).false_obstacles, 2) << "another obstacle";
 }
 
 TEST_F(Judged, ABottomInTheWayIsAnObstacle) {

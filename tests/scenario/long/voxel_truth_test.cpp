@@ -88,9 +88,12 @@ TEST(VoxelModelOfSoundings, IsFreeAlongTheBeamAndOccupiedAtItsEnd) {
 }
 
 void expect_the_marginal_rule_ahead(const Scene& scene, double duration_s) {
-  const VoxelTruth marginal = score_of(scene, duration_s, by(Rule::kMarginal)),
-                   stamp = score_of(scene, duration_s, by(Rule::kStamp)),
-                   counted = score_of(scene, duration_s, by(Rule::kHitAndMiss));
+  // The rules are compared on the decisions of samples, many of them faint: cells leave little to tell apart.
+  EchoDetectorConfig samples;
+  samples.method = DetectionMethod::kLearnt;
+  const VoxelTruth marginal = score_of(scene, duration_s, by(Rule::kMarginal), samples),
+                   stamp = score_of(scene, duration_s, by(Rule::kStamp), samples),
+                   counted = score_of(scene, duration_s, by(Rule::kHitAndMiss), samples);
   for (const auto& [name, t] : {std::pair{"marginal", marginal}, {"stamp", stamp}, {"hit and miss", counted}}) {
     std::printf("%s: log-loss %.4f, precision %.3f of %llu, recall %.3f of %llu\n", name, t.log_loss, t.precision(),
                 static_cast<unsigned long long>(t.occupied), t.recall(), static_cast<unsigned long long>(t.surface));
@@ -170,13 +173,13 @@ void expect_reliable(const std::string& name, const Scene& scene, double duratio
   EXPECT_GT(aspects.recall(), bars.recall);
 }
 
-// Asked for: within 0.1. ledger: S5-31 S5-35 S5-38
+// By default each tenth of the scale with 500 voxels and more is within 0.1 of the truth. ledger: S5-31 S5-35 S5-38
 TEST(VoxelReliability, OfTheBridge) {
-  expect_reliable("bridge", scene_of("bridge.toml"), 20, {0.17, 0.6, 0.68, 0.12, 0.4});
+  expect_reliable("bridge", scene_of("bridge.toml"), 20, {0.1, 0.62, 0.68, 0.05, 0.05});
 }
-TEST(VoxelReliability, OfTheRoom) { expect_reliable("room", room(), 12, {0.15, 0.3, 0.7, 0.7, 0.3}); }
+TEST(VoxelReliability, OfTheRoom) { expect_reliable("room", room(), 12, {0.1, 0.3, 0.7, 0.8, 0.3}); }
 TEST(VoxelReliability, OfClutterAtAllHeights) {
-  expect_reliable("clutter", scene_of("clutter_fans.toml"), 20, {0.1, 0.6, 0.58, 0.17, 0.4});
+  expect_reliable("clutter", scene_of("clutter_fans.toml"), 20, {0.1, 0.6, 0.68, 0.17, 0.15});
 }
 
 // Echoes of one direction without a limit make voxels surer than they are. What the other parts of the rule give stands

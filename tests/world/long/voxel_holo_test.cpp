@@ -28,16 +28,20 @@ struct Kept {
 
 class PingKeeper : public ResultSink {
  public:
-  void on_ping(const PosedPing& posed) override { kept.push_back({posed.ping, posed.faint_decisions(), posed.X_WB}); }
+  void on_ping(const PosedPing& posed) override {
+    kept.push_back({posed.look_ping(), posed.look_decisions(), posed.X_WB});
+  }
   void on_scan(const ScanResult&) override {}
   std::vector<Kept> kept;
 };
 
-std::vector<Kept> pings_of(const char* set, std::initializer_list<int> passes) {
+/// Rules are compared on the decisions of samples, many of them faint: method `learnt`.
+std::vector<Kept> pings_of(const char* set, std::initializer_list<int> passes, const char* method = "learnt") {
   PingKeeper keeper;
   for (const int pass : passes) {
     const Configuration configuration =
-        test::configured({std::string("input.set=") + set, "input.pass=" + std::to_string(pass)});
+        test::configured({std::string("input.set=") + set, "input.pass=" + std::to_string(pass),
+                          std::string("echoes.method=") + method});
     const auto source = open_source(test::shared_data("holo-boat"), configuration.input);
     Pipeline pipeline(configuration, keeper);
     while (auto event = source->next()) pipeline.take(std::move(*event));
@@ -242,7 +246,7 @@ double first_echoes_met(const VoxelMap& map, const std::vector<Kept>& pings, int
 TEST(VoxelsOfAHull, AreOccupiedWhereTheFirstEchoesOfAPassComeFrom) {
   ISOBATH_NEEDS_DATA(folder, "holo-boat");
   for (const auto& [set, pass] : {std::pair{"clean", 1}, {"noisy", 1}}) {
-    const auto pings = pings_of(set, {pass});
+    const auto pings = pings_of(set, {pass}, "auto");
     for (const Rule rule : {Rule::kAspects, Rule::kMarginal}) {
       const VoxelMap map = map_of(pings, by(rule), 0.05);
       int occupied = 0, inside = 0, heard = 0;
@@ -256,8 +260,8 @@ TEST(VoxelsOfAHull, AreOccupiedWhereTheFirstEchoesOfAPassComeFrom) {
                   set, pass, rule == Rule::kAspects ? "aspects" : "marginal", occupied,
                   1.0 * inside / std::max(occupied, 1), met, heard);
       if (rule != Rule::kAspects) continue;
-      EXPECT_GT(met, 0.74);
-      EXPECT_GT(1.0 * inside / std::max(occupied, 1), 0.99);
+      EXPECT_GT(met, 0.8);
+      EXPECT_GT(1.0 * inside / std::max(occupied, 1), 0.97);
       EXPECT_GT(occupied, 1100);
     }
   }
