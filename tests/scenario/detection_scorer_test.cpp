@@ -6,7 +6,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// A pole 30 m ahead of a vehicle of 0.3 m height at 4 m, over a bottom that rises to the north: 6 m deep at the
+/// A post 20 m behind and a pole 30 m ahead of a vehicle of 0.3 m height at 4 m, over a bottom that rises to the north: 6 m deep at the
 /// origin, 2 m at 40 m.
 constexpr const char* kScene = R"(
 [scene]
@@ -22,6 +22,11 @@ start = [0, 0, 4]
 [[cylinder]]
 name = "pole"
 centre = [30, 0, 4]
+radius = 1
+length = 4
+[[cylinder]]
+name = "post"
+centre = [-20, 0, 4]
 radius = 1
 length = 4
 )";
@@ -78,10 +83,10 @@ TEST_F(Judged, ASureObstacleWhereNothingStandsIsFalse) {
 }
 
 TEST_F(Judged, APieceBesideABodyIsOfTheBodyIfItIsOfTheSameObstacle) {
-  const Obstacle of_pole = square({29, 0}, 1, 0), beside = square({30, 3.5}, 1, 0), away = square({30, 6}, 1, 0);
-  EXPECT_EQ(scan({of_pole, beside}).false_obstacles, 0) << "1.5 m beside the pole";
-  EXPECT_EQ(scan({of_pole, away}).false_obstacles, 1) << "4 m beside it";
-  EXPECT_EQ(scan({of_pole, square({30, 3.5}, 1, 1)}).false_obstacles, 2) << "another obstacle";
+  const Obstacle of_post = square({-19, 0}, 1, 0), beside = square({-20, 3.5}, 1, 0), away = square({-20, 6}, 1, 0);
+  EXPECT_EQ(scan({of_post, beside}).false_obstacles, 0) << "1.5 m beside the post";
+  EXPECT_EQ(scan({of_post, away}).false_obstacles, 1) << "4 m beside it";
+  EXPECT_EQ(scan({of_post, square({-20, 3.5}, 1, 1)}).false_obstacles, 2) << "another obstacle";
 }
 
 TEST_F(Judged, ABottomInTheWayIsAnObstacle) {
