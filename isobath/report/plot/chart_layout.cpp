@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLeft = 96, kTop = 84, kRight = 40, kBottom = 64, kBand = 9;  // px, around the plot
+constexpr double kLeft = 96, kTop = 84, kRight = 40, kBottom_px = 64, kBand = 9;  // px, around the plot
 constexpr double kPanel = 300, kText = 15, kSmall = 13;
 constexpr int kLeastHeight = 900;  // the panel needs it
 constexpr Colour kWhite{1, 1, 1, 1};
@@ -49,7 +49,7 @@ std::string plain(double value) { return fmt::format("{:.6g}", std::abs(value) <
 ChartLayout::ChartLayout(const PlanExtent& e, int plot_px, const std::string& title, std::optional<GeoOrigin> origin)
     : Canvas(plot_pixels(e.y_max - e.y_min, longest(e), plot_px) + static_cast<int>(kLeft + kRight + kPanel),
              std::max(kLeastHeight, plot_pixels(e.x_max - e.x_min, longest(e), plot_px)) +
-                 static_cast<int>(kTop + kBottom)),
+                 static_cast<int>(kTop + kBottom_px)),
       extent_(e),
       title_(title),
       origin_(origin),
