@@ -6,8 +6,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// A post 20 m behind and a pole 30 m ahead of a vehicle of 0.3 m height at 4 m, over a bottom that rises to the north: 6 m deep at the
-/// origin, 2 m at 40 m.
+/// A post 20 m behind and a pole 30 m ahead of a vehicle of 0.3 m height at 4 m, over a bottom that rises to the north:
+/// 6 m deep at the origin, 2 m at 40 m.
 constexpr const char* kScene = R"(
 [scene]
 title = "hand-made"
