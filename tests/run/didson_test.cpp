@@ -133,7 +133,7 @@ TEST(DidsonObstacles, MarkedTargetsInTheSameWaterAreObstacles) {
     std::printf(
         "target at %.2f m, %+.1f deg: an obstacle there in %d of %d scans, first after %.1f s; most %zu at once\n",
         mark->range_m, mark->azimuth.degrees(), at_mark, scans, first_s.value_or(-1), most);
-    found += 10 * at_mark >= 8 * scans;
+    found += 4 * at_mark >= 3 * scans;
   }
   EXPECT_EQ(targets, 6);
   EXPECT_EQ(found, targets);
