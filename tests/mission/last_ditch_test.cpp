@@ -33,7 +33,7 @@ void show(SafetyStream& stream, std::vector<Vector2d> points, double range_m = 2
 double gap(const SafetyStream& stream, const std::vector<Vector2d>& points) {
   double least = kNever;
   for (const Vector2d& p : points) least = std::min(least, (p - stream.place).norm());
-  return least - stream.sheet.hull_radius_m;
+  return least - stream.parameters.hull_radius_m;
 }
 
 // The vehicle stops within the distance that was predicted, with the margin left, before an obstacle that no map has.
@@ -92,7 +92,7 @@ TEST(LastDitch, StopsForShortRanges) {
   };
   stream.run_to(70);
   EXPECT_EQ(stream.speed, 0);
-  EXPECT_GT(60 - stream.place.x() - stream.sheet.hull_radius_m, 0.5);
+  EXPECT_GT(60 - stream.place.x() - stream.parameters.hull_radius_m, 0.5);
   EXPECT_EQ(stream.raised(Fault::kCollisionUnavoidable), -1);
 }
 
@@ -116,7 +116,7 @@ TEST(LastDitch, TurnsToTheFreerSide) {
     SafetyStream stream;
     stream.run_to(20);
     // 2.35 m before the bow, and a wall beside it.
-    const Vector2d bow = stream.place + Vector2d(stream.sheet.hull_radius_m + 2.35, 0);
+    const Vector2d bow = stream.place + Vector2d(stream.parameters.hull_radius_m + 2.35, 0);
     std::vector<Vector2d> points = {bow};
     for (int i = -3; i < 6; ++i) points.emplace_back(bow.x() - 0.5 * i, side * 2.0);
     show(stream, points, 20, 0.1);
@@ -133,7 +133,7 @@ TEST(LastDitch, TurnsToTheFreerSide) {
 TEST(LastDitch, SurfacesWhereNeitherSideIsFree) {
   SafetyStream stream;
   stream.run_to(20);
-  const Vector2d bow = stream.place + Vector2d(stream.sheet.hull_radius_m + 1.5, 0);
+  const Vector2d bow = stream.place + Vector2d(stream.parameters.hull_radius_m + 1.5, 0);
   std::vector<Vector2d> points;
   for (int i = -8; i <= 8; ++i) points.emplace_back(bow.x(), 0.5 * i);
   show(stream, points, 20, 0.1);

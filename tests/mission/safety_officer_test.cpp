@@ -263,7 +263,7 @@ TEST(FaultsOfTheWay, NotFollowed) {
   aside.run_to(kBegin);
   aside.current = {0, 0.6};
   aside.run_to(kBegin + 120);
-  const double out_s = kBegin + (kLimits.cross_track_m + 2 * aside.sheet.limits.turning_radius) / 0.6;
+  const double out_s = kBegin + (kLimits.cross_track_m + 2 * aside.parameters.limits.turning_radius) / 0.6;
   EXPECT_NEAR(aside.raised(Fault::kWayNotFollowed), out_s + kLimits.off_way_s, 0.5);
   EXPECT_NEAR(aside.acted(Act::kSlow), aside.raised(Fault::kWayNotFollowed), kCycle);
   EXPECT_NEAR(aside.aborted(Fault::kWayNotFollowed), aside.raised(Fault::kWayNotFollowed) + kLimits.way_abort_s,
