@@ -498,7 +498,7 @@ TEST_F(DepthMapProgram, FoldersThatAreNoMapsAreLeftAlone) {
   const fs::path log = file("boat.csv", Survey{}.csv());
   fs::create_directory(map());
   file("map/letters.txt", "Dear captain,\n");
-  EXPECT_THAT(run(log), ends_with_one_line(AllOf(HasSubstr("letters.txt"), HasSubstr("something else than a map"))));
+  EXPECT_THAT(run(log), ends_with_one_line(AllOf(HasSubstr("letters.txt"), HasSubstr("something other than a map"))));
   EXPECT_THAT(files_of(map()), SizeIs(1)) << "nothing was put beside the letters";
   fs::remove_all(map());
   write(map(), "a file");

@@ -200,14 +200,14 @@ TEST(Mcap, RefusesWhatASizeOrANestingLiesAbout) {
   const auto chunk_of = [](std::span<const std::uint8_t> records, std::uint64_t size, const char* compression) {
     return mcap::ChunkHead{0, 0, size, 0, compression, records};
   };
-  EXPECT_THAT(mcap::unpack(chunk_of(inner, 3, ""), out), HasSubstr("another size"));
+  EXPECT_THAT(mcap::unpack(chunk_of(inner, 3, ""), out), HasSubstr("size differs from the stated size"));
   EXPECT_THAT(mcap::unpack(chunk_of(inner, kMaxMcapChunkBytes + 1, ""), out), HasSubstr("larger"));
   EXPECT_THAT(mcap::unpack(chunk_of(inner, 9, "gzip"), out), HasSubstr("unknown"));
   const Buffer zeros(1 << 20);
   for (const auto c : {McapCompression::kZstd, McapCompression::kLz4}) {
     const Buffer packed = mcap::pack(zeros, c);
     EXPECT_THAT(mcap::unpack(chunk_of(packed, 1000, mcap::name_of(c)), out), HasSubstr("more data"));
-    EXPECT_THAT(mcap::unpack(chunk_of(packed, 1 << 21, mcap::name_of(c)), out), HasSubstr("another size"));
+    EXPECT_THAT(mcap::unpack(chunk_of(packed, 1 << 21, mcap::name_of(c)), out), HasSubstr("size differs from the stated size"));
     EXPECT_THAT(mcap::unpack(chunk_of(std::span(packed).first(packed.size() - 5), 1 << 20, mcap::name_of(c)), out),
                 HasSubstr("chunk: "));
     EXPECT_EQ(mcap::unpack(chunk_of(packed, 1 << 20, mcap::name_of(c)), out), "");

@@ -230,7 +230,7 @@ TEST(PingStream, TimesAreMadeFromTheRangeSetting) {
   ASSERT_EQ(events.size(), 3u);
   const double interval = 1200 * 88 * 25e-9 + 0.020;
   EXPECT_NEAR(to_seconds(time_of(events[2])), 2 * interval, 1e-8);
-  EXPECT_THAT(source->report().details.at("time"), testing::StartsWith("made from"));
+  EXPECT_THAT(source->report().details.at("time"), testing::StartsWith("estimated from"));
 }
 
 TEST(PingStream, NoiseAroundFramesIsCounted) {

@@ -12,7 +12,7 @@ const kRolled = Math.SQRT1_2; // a quarter turn to starboard: the y axis of the 
 const sonar = (more: object = {}) =>
   readSonar({
     name: 'stave',
-    vertical: true,
+    upright: true,
     azimuth: [-60 * kDegree, 0, 60 * kDegree],
     width: [0.1, 0.1, 0.1],
     height: 0.2,
@@ -97,7 +97,7 @@ describe('a fan that stands upright, seen from above', () => {
   it('leaves echoes of its own kind in the trail', () => {
     const trail = new EchoTrail();
     trail.take(sonar(), heard(0, [3, 3, 3], north), 1);
-    trail.take(sonar({ vertical: false }), heard(0, [3], [1, 0, 0, 0]), 1);
+    trail.take(sonar({ upright: false }), heard(0, [3], [1, 0, 0, 0]), 1);
     expect([...trail.vertical.subarray(0, trail.size)]).toEqual([1, 1, 1, 0]);
   });
 });
@@ -106,7 +106,7 @@ describe('the beams of a sonar', () => {
   it('have an elevation where the fan stands, an azimuth where it lies', () => {
     const vertical = image(heard(0, [3, 3, 3], north));
     expect([-60, 0, 25].map((d) => directionText(vertical, d * kDegree))).toEqual(['60° up', 'level', '25° down']);
-    const flat = image(heard(0, [3, 3, 3], [1, 0, 0, 0]), { vertical: false });
+    const flat = image(heard(0, [3, 3, 3], [1, 0, 0, 0]), { upright: false });
     expect([-60, 0].map((d) => directionText(flat, d * kDegree))).toEqual(['−60°', '0°']);
   });
 
