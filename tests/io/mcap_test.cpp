@@ -207,7 +207,8 @@ TEST(Mcap, RefusesWhatASizeOrANestingLiesAbout) {
   for (const auto c : {McapCompression::kZstd, McapCompression::kLz4}) {
     const Buffer packed = mcap::pack(zeros, c);
     EXPECT_THAT(mcap::unpack(chunk_of(packed, 1000, mcap::name_of(c)), out), HasSubstr("more data"));
-    EXPECT_THAT(mcap::unpack(chunk_of(packed, 1 << 21, mcap::name_of(c)), out), HasSubstr("size differs from the stated size"));
+    EXPECT_THAT(mcap::unpack(chunk_of(packed, 1 << 21, mcap::name_of(c)), out),
+                HasSubstr("size differs from the stated size"));
     EXPECT_THAT(mcap::unpack(chunk_of(std::span(packed).first(packed.size() - 5), 1 << 20, mcap::name_of(c)), out),
                 HasSubstr("chunk: "));
     EXPECT_EQ(mcap::unpack(chunk_of(packed, 1 << 20, mcap::name_of(c)), out), "");
