@@ -74,15 +74,15 @@ const Wrong kWrong[] = {
     {"[[sonar]]\nbeams = 0\n", "3:9: sonar.beams", "1 .. 4096"},
     {"[[sonar]]\nrange_m = 0\n", "3:11: sonar.range_m", "0.1 .. 2000 m"},
     {"[[sonar]]\npreset = \"sonar2000\"\n", "3:10: sonar.preset", "oculus_m1200d"},
-    {"[[sonar]]\nsector_deg = 0\n", "2:1: sonar.sector_deg", "one direction"},
-    {"[[sonar]]\nsector_deg = 360\n", "2:1: sonar.sector_deg", "close"},
+    {"[[sonar]]\nsector_deg = 0\n", "2:1: sonar.sector_deg", "the same direction"},
+    {"[[sonar]]\nsector_deg = 360\n", "2:1: sonar.sector_deg", "cannot span a full turn"},
     {"[[sonar]]\nblind_m = 50\n", "2:1: sonar.blind_m", "blind over its whole range"},
     {"[[sonar]]\nname = \"\"\n", "2:1: sonar.name", "empty"},
     {"[[sonar]]\nname = \"a\"\n[[sonar]]\nname = \"a\"\n", "4:1: sonar.name", "two sonars have this name"},
     {"[[sonar]]\nnoise_by_range = [[0, 1]]\n", "2:1: sonar.noise_by_range", "one row"},
     {"[[sonar]]\nnoise_by_bearing = [[0, 1]]\n", "2:1: sonar.noise_by_bearing", "one row"},
-    {"[[sonar]]\nnoise_by_range = [[0, 1], [20, 2], [10, 1]]\n", "2:1: sonar.noise_by_range", "out of order"},
-    {"[[sonar]]\nnoise_by_bearing = [[0, 1], [0, 2]]\n", "2:1: sonar.noise_by_bearing", "out of order"},
+    {"[[sonar]]\nnoise_by_range = [[0, 1], [20, 2], [10, 1]]\n", "2:1: sonar.noise_by_range", "not in order"},
+    {"[[sonar]]\nnoise_by_bearing = [[0, 1], [0, 2]]\n", "2:1: sonar.noise_by_bearing", "not in order"},
 };
 TEST(WrongScenes, AreRefusedWithFileLineAndColumn) {
   for (const Wrong& wrong : kWrong) {
