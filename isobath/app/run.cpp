@@ -78,7 +78,7 @@ void print(const MissionTimings& t) {
 }
 
 void print(const TruthScore& truth) {
-  fmt::print("ground truth: {} obstacles in {} scans, {} of them false\n", truth.obstacles, truth.scans,
+  fmt::print("ground truth: {} pieces of obstacles in {} scans, {} of them false\n", truth.obstacles, truth.scans,
              truth.false_alarms);
   for (const BodyScore& b : truth.bodies) {
     if (b.scans_found == 0) {

@@ -227,7 +227,8 @@ std::string RunFolder::track_picture() const {
 void add_truth(HtmlReport& page, const TruthScore& score) {
   page.heading("Comparison with ground truth");
   page.paragraph(fmt::format(
-      "In {} scans, {} obstacles were reported: {} on bodies, {} on the bottom, {} on the surface, {} mirror images, "
+      "In {} scans, {} pieces of obstacles were reported: {} on bodies, {} on the bottom, {} on the surface, {} mirror "
+      "images, "
       "and {} false alarms, in {} scans. An obstacle counts in every scan that shows it. Range errors refer to the "
       "nearest point of a body; only bodies below 6 m across have them.",
       score.scans, score.obstacles, score.of_bodies, score.of_bottom, score.of_surface, score.of_mirrors,
