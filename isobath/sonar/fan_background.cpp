@@ -78,7 +78,9 @@ void FanBackground::begin(const FanCells& cells, int first_bin, float faintest) 
   block_.assign(blocks, 0);
   patch_.assign(blocks, 0);
   eroded_.assign(blocks, 0);
-  const auto blocks_in = [](double metres) { return std::max(1, static_cast<int>(std::lround(kPatch_m / metres))); };
+  const auto blocks_in = [](double metres) {  // more than a fan has, for bins however small, and still a number
+    return static_cast<int>(std::lround(std::clamp(kPatch_m / metres, 1.0, 10'000.0)));
+  };
   half_along_ = blocks_in(kBlock * bin_m_);
   half_across_.clear();
   for (int j = 0; j < blocks_along_; ++j) {
