@@ -1,4 +1,5 @@
-// The logarithm of the gamma function.
+// log_gamma: the natural logarithm of |Gamma(x)|. Any number of threads may call it; std::lgamma writes the sign to a
+// variable that all threads share.
 #pragma once
 
 #include <math.h>

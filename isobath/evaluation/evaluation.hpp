@@ -1,12 +1,13 @@
 // Evaluation: the runs of a suite under several helms, scored and summarised (ledger S6-67, S6-62).
 //
-// Runs go in parallel, each on one thread and independent of the others. Every number depends on suite, configuration
-// and seeds alone, not on the number of threads nor on where an evaluation was interrupted. Each finished run is a line
-// of runs.jsonl in the folder of results, with a fingerprint of everything that determines it. Runs with the same
-// fingerprint are not repeated. Other lines are dropped, and so are incomplete ones: the end of a truncated file.
+// Runs are executed in parallel. Each run uses one thread and is independent of the others. Every number depends on
+// suite, configuration and seeds alone, not on the number of threads nor on where an evaluation was interrupted. Each
+// finished run is a line of runs.jsonl in the folder of results, with a fingerprint of everything that determines it.
+// Runs with the same fingerprint are not repeated. Lines with another fingerprint are dropped, and so are incomplete
+// lines: an interrupted evaluation may leave one at the end.
 //
-// Shares have Wilson's 95 % interval, differences of two shares Newcombe's (1998, method 10). Newcombe's method assumes
-// independent runs: where both helms have the same runs, the interval is wider than necessary.
+// A share has Wilson's 95 % interval, a difference of two shares Newcombe's (1998, method 10). Newcombe's method
+// assumes independent runs: where both helms have the same runs, the interval is wider than necessary.
 #pragma once
 
 #include <functional>

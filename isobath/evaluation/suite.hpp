@@ -1,16 +1,16 @@
-// Suite: many runs of one scenario that differ only by a seed: what varies, which methods are compared, and which bars
-// must hold (ledger S6-67). A suite is a TOML file, read as strictly as all others; those of suites/ are also embedded
-// in the program, by name.
+// Suite: many runs of one scenario that differ only by a seed. It states what varies, which methods are compared, and
+// which bars must hold (ledger S6-67). A suite is a TOML file, read as strictly as any other file of Isobath. The
+// program also contains the suites of suites/ and opens them by name.
 //
-// A suite of faults has one scene for each row of the fault table instead. Runs take the rows in turn: the run of a
-// seed uses the row seed mod their number, and must show what the row states (fault_injection_check.hpp).
+// A suite of faults has no scene of its own but one for each row of the fault table. Runs take the rows in turn: the
+// run of a seed uses the row seed mod their number, and must show what the row states (fault_injection_check.hpp).
 //
-// A suite of variants (suite_variants.hpp) takes its variants in turn in the same way: vehicles, sonars, with and
-// without an altimeter.
+// A suite of variants (suite_variants.hpp) takes its variants in turn in the same way. A variant is a combination of a
+// vehicle, a sonar, and an altimeter or none.
 //
 // A run is a function of the suite and its seed: run k of `runs` has the seed `seed` + k, and each run can be
-// reproduced alone from its seed. A run draws start, heading, current, drift of the navigation, noise level of the
-// sonars and the field of obstacles; each uniformly, in this order, each from a random stream of its own.
+// reproduced alone from its seed. A run draws, in this order: start and heading, current, drift of the navigation,
+// noise level of the sonars, field of obstacles. Each of these has a random stream of its own; values are uniform.
 #pragma once
 
 #include <cstdint>

@@ -1,9 +1,12 @@
-// Exact predicates: the side of a line, and inside or outside a circle, decided correctly for any doubles.
+// Exact predicates: `orientation` decides on which side of a line a point lies, `in_circle` whether it lies inside a
+// circle. Both signs are exact within the limits below.
 //
-// Source: J. R. Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997. A
-// double evaluation with an error bound nearly always decides; where it cannot, the determinant is summed without any
-// rounding as an expansion (a sum of doubles that do not overlap). Needs IEEE doubles, round to nearest and no
-// contraction. Coordinates are finite, |x| < 1e70, and relevant differences are over 1e-70.
+// Source: J. R. Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates, 1997. An
+// evaluation in doubles with an error bound decides nearly all cases. In the others the determinant is summed without
+// any rounding, as an expansion (a sum of doubles that do not overlap).
+//
+// Limits: IEEE doubles, rounding to nearest, and a compiler that contracts no expressions (-ffp-contract=off).
+// Coordinates are finite, |x| < 1e70. The signs are not guaranteed where differences of coordinates are below 1e-70.
 #pragma once
 
 #include <Eigen/Core>

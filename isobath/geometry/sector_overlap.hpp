@@ -2,9 +2,9 @@
 // 3.3, equations 3.7-3.10; ledger S6-11).
 //
 // The square is clipped by the two radial half-planes of the beam, which leaves a convex polygon. The polygon's overlap
-// with the bin is its overlap with the outer disc less that with the inner one, in closed form (triangles and circular
-// sectors). The apex of the sector is the origin; angles run from x to y. Sectors wider than 180 degrees are cut in
-// two. Error: about 1e-15 r^2.
+// with the bin is its overlap with the outer disc minus its overlap with the inner disc. Both have a closed form
+// (triangles and circular sectors). The apex of the sector is the origin; angles run from x to y. Sectors wider than
+// 180 degrees are cut in two. Error: about 1e-15 r^2, where r is the outer radius of the bin.
 #pragma once
 
 #include <array>

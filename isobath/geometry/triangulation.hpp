@@ -2,11 +2,11 @@
 //
 // No circle through the corners of a triangle contains another point. Points are inserted one after the other along a
 // Hilbert curve; each insertion retriangulates the triangles whose circles contain the point (Bowyer 1981, Watson
-// 1981), with exact predicates. Any input of finite points gives a valid triangulation, grids and points in a row
-// included. Points that coincide exactly with an earlier one are corners of no triangle. Corners turn in the positive
-// sense, from x to y. Cost: 0.07 s for 1e5 random points on one core, 0.18 s for a grid, where the corners of a cell
-// lie on one circle. Memory: about 100 bytes a point. Errors: throws Error when the points span no area. Threads: any
-// number may read.
+// 1981), with exact predicates. Finite points that span an area give a valid triangulation, including grids and
+// collinear points. Points that coincide exactly with an earlier one are corners of no triangle. The corners of a
+// triangle are listed in the positive sense, from x to y. Cost: 0.07 s for 1e5 random points on one core, 0.18 s for a
+// grid, where the corners of a cell lie on one circle. Memory: about 100 bytes a point. Errors: the constructor throws
+// Error if there are fewer than three points, or if all lie on one line. Threads: any number may read.
 #pragma once
 
 #include <array>

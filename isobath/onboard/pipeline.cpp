@@ -51,9 +51,9 @@ EchoDetectorConfig for_sounder(const OnboardConfiguration& configuration, const 
   return echoes;
 }
 
-/// About 100 cells each way from the vehicle in the middle, about 150 for a fan, whose beams are narrower.
+/// About 100 cells each way from the vehicle in the middle, about 200 for a fan, whose beams are narrower.
 BodyGridConfig fitted(BodyGridConfig grid, double reach_m, bool fan) {
-  grid.cell_m = fan ? round_step(reach_m / 150, {1, 1.5, 2, 3, 5, 7}) : round_step(reach_m / 100, {1, 2, 5});
+  grid.cell_m = fan ? round_step(reach_m / 200, {1, 1.5, 2, 3, 5, 7}) : round_step(reach_m / 100, {1, 2, 5});
   grid.cells_x = grid.cells_y = 2 * static_cast<int>(std::ceil(1.05 * reach_m / grid.cell_m)) + 1;
   grid.home_x = grid.home_y = 0.5;
   return grid;

@@ -14,7 +14,7 @@ std::vector<Field> fields(FanBackgroundConfig& config);
 
 struct FanDetectorConfig {
   double false_alarm = 1e-4;
-  double p_detect = 0.5;
+  double p_detect = 0.7;
   double blind_m = 0.6;  ///< nearer cells are not usable
   double look_s = 0.5;
   int range_cells = 200;

@@ -1,17 +1,18 @@
 // ReadingPrefilter: merges successive similar readings of one sensor into one, with a count (Oskard 1990, V; ledger
-// S1-68, S1-69). It saves repeated updates; the weight of the merged reading grows with the count (S1-E06).
+// S1-68, S1-69). This saves repeated updates; the weight of the merged reading grows with the count (S1-E06).
 //
-// Similar readings: both with an echo or both without; ranges, positions and attitudes of the vehicle within the
-// tolerances of the first reading of the group, so that a slow drift cannot extend the group; the same sensor,
-// mounting, beam width and maximum range. The attitude is compared as one angle, not only the heading, since pitch
-// moves a beam as much. A group closes when it is full, when a reading is not similar, or when its first reading is
-// `hold_s` old.
+// Two readings are similar if both have an echo or both have none; if they come from the same sensor with the same
+// mounting, beam width and maximum range; and if range, position and attitude differ by no more than the tolerances.
+// Readings are compared with the first of the group, so that a slow drift cannot extend the group. The attitude is
+// compared as one angle, because a change of pitch moves a beam as much as a change of heading. A group closes when it
+// is full, when a reading is not similar, or when its first reading is `hold_s` old.
 //
-// The merged reading: mean range, mean confidence, mean position and mean rotation (unit quaternion nearest to all; on
-// the circle for headings), time of the last reading. Times of a sensor must not decrease; a decreasing time closes the
-// group. Readings that are not finite pass through alone.
+// A merged reading has the mean range, mean confidence, mean position and mean rotation of its group (unit quaternion
+// nearest to all; on the circle for headings), and the time of the last reading. Times of a sensor must not decrease; a
+// decreasing time closes the group. Readings that are not finite pass through alone.
 //
-// Nothing allocates once all sensors have been seen and `out` is large enough: one reading closes at most two groups.
+// Once all sensors have been seen, `add` allocates nothing if `out` has room for two more readings, because one reading
+// closes at most two groups.
 #pragma once
 
 #include <isobath/base/config.hpp>

@@ -1,5 +1,5 @@
-// compare: the sample statistics of two recordings of imaging sonars side by side (sample_statistics.hpp), to judge how
-// well a simulation matches the sea, or one device another.
+// compare: computes the sample statistics (sample_statistics.hpp) of two recordings of imaging sonars, side by side.
+// They show how well a simulation matches the sea, or how well one device matches another.
 #pragma once
 
 #include <filesystem>

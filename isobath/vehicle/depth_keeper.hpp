@@ -1,23 +1,25 @@
-// DepthKeeper: the depth set-point, from a requested depth or altitude and the echoes of an altimeter.
+// DepthKeeper: computes the depth set-point from a requested depth or altitude and the echoes of an altimeter.
 //
-// The bottom is a profile of the last echoes in W: each sample is the median of five readings, so that two wild ones in
-// five change nothing; samples are `spacing` apart along the path. Projected onto the vehicle's present course,
-// whichever way it came, the profile has a slope (Theil-Sen 1968; over its last few samples or all of them, whichever
-// rises more), and so gives a bottom ahead. Echoes are placed where the beam meets the bottom.
+// The bottom is a profile of the last echoes in W. Each sample is the median of five readings, so that two outliers in
+// five change nothing; samples are `spacing` apart along the path. The samples are projected onto the vehicle's present
+// course, whatever path it has followed. The slope of the profile (Theil-Sen 1968) is taken over all samples and over
+// the last few; the one that rises more predicts the bottom ahead. Echoes are placed where the beam meets the bottom.
 //
 //   deepest(t) = bottom(speed t) - min_altitude + climb_rate max(0, t - lag),  t from 0 to lag + look_ahead
 //
-// is the depth that leaves room to climb over the bottom that is reached after t; its minimum over t bounds the result
-// in both modes. `lag` is the time by which the vehicle follows its set-point. In altitude mode the result follows the
-// shallower of the bottom below and the bottom a lag ahead. Where the bottom rises faster than the vehicle climbs, the
-// result also limits the speed.
+// is the depth that leaves room to climb over the bottom that the vehicle reaches after t; its minimum over t limits
+// the result in both modes. `lag` is the time by which the vehicle lags its set-point. In altitude mode the result
+// follows the shallower of the bottom below and the bottom a lag ahead. Where the bottom rises faster than the vehicle
+// climbs, the result also limits the speed.
 //
-// After its echoes stop, the last bottom counts for `hold`. Then, in altitude mode, the vehicle goes up to
-// `safe_depth`; in depth mode it goes no deeper than it was last allowed, or than the range that the altimeter has
-// since seen empty. If there was never an echo of a bottom, a requested depth is returned unchanged.
+// When echoes stop, the last bottom remains valid for `hold`. Then, in altitude mode, the vehicle goes up to
+// `safe_depth`. In depth mode it goes no deeper than the last limit or, if that is deeper, than the depth to which the
+// altimeter has since measured no echo, less `min_altitude`. If there was never an echo of a bottom, a requested depth
+// is limited only by `min_depth`, and by `max_depth` or the maximum depth of the vehicle.
 //
-// Readings may come from any rangefinder; those whose axis is within 45 degrees of straight down count. Units SI, W
-// north-east-down. Nothing allocates. One thread at a time. Readings that are not finite are refused and counted.
+// Readings may come from any rangefinder; those whose axis is within 45 degrees of straight down count. Units are SI; W
+// is north-east-down. No function allocates. One thread at a time. Readings that are not finite are refused and
+// counted.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
-// ClearViews: the range up to which the water was seen to be clear, from each place that the vehicle has looked from.
-// It tells free water from water that was never observed (ledger S4-12, S4-50); cells cannot, because only echoes are
-// stored as cells.
+// ClearViews: keeps, for each place from which the vehicle has looked, the range up to which the water was clear in
+// each direction. It tells free water from water that was never observed (ledger S4-12, S4-50). The cells of the grid
+// cannot tell this, because only echoes create cells.
 //
 // A view is a place and, for each direction that was observed from it, the range up to which there was no echo. Views
 // move rigidly with the vehicle, so that nothing is ever re-binned and no error accumulates. A point is clear where any
@@ -8,8 +8,9 @@
 // new view. A new view replaces the oldest one when all are in use; views older than a given time are forgotten on
 // request.
 //
-// This class does not know whether something stands in clear water: cells do, and they take precedence. Frames: axes T
-// of the grid, m. `is_clear` examines each view at most once. One thread.
+// This class does not hold obstacles. The cells of the grid hold them and take precedence: a point with an occupied
+// cell is not free, even if a view reaches it. Positions are in the axes T of the grid, m. `is_clear` examines each
+// view at most once. One thread at a time.
 #pragma once
 
 #include <Eigen/Core>
