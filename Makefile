@@ -85,7 +85,7 @@ fuzz: build-fuzz ## Run every fuzz target FUZZ_SECONDS long (60), from its corpu
 	done
 
 format: setup ## Format all C++ in place
-	@find $(wildcard isobath tests bench) -name '*.[ch]pp' -print0 | xargs -0 clang-format -i
+	@find $(wildcard isobath tests bench examples) -name '*.[ch]pp' -print0 | xargs -0 clang-format -i
 
 clean: ## Remove what was built
 	rm -rf build out

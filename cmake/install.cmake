@@ -1,4 +1,4 @@
-# install and find_package(isobath): see tests/consumer.
+# install and find_package(isobath): see examples.
 include(CMakePackageConfigHelpers)
 install(TARGETS isobath EXPORT isobath)
 install(EXPORT isobath NAMESPACE isobath:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/isobath)

@@ -150,11 +150,8 @@ void Display::on_scan(const ScanResult& scan) {
   if (!vehicle_shown_) show_vehicle({found.time, found.X_WB, {}, {}, {}});  // without navigation it stands still
   maps_.show(found.time, scan.grid, found.X_WB);
   scan_ = scan.number;
-  const Pose X_WL = level(found.X_WB);
   seen_ = found.obstacles;
-  for (Obstacle& o : seen_) {
-    for (Eigen::Vector2d& p : o.outline) p = (X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
-  }
+  for (Obstacle& o : seen_) o.outline = world_outline(o, found.X_WB);
   show_obstacles(found.time);
 }
 

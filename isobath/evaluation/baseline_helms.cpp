@@ -102,12 +102,8 @@ PotentialFieldHelm::PotentialFieldHelm(const MissionPlan& mission, const Vehicle
     : LineOfSightHelm(mission, vehicle), config_(config) {}
 
 void PotentialFieldHelm::on_scan(const ScanResult& scan) {
-  const Pose X_WL = level(scan.detection.X_WB);
   outlines_.clear();
-  for (const Obstacle& o : scan.detection.obstacles) {
-    Polygon& outline = outlines_.emplace_back();
-    for (const Vector2d& p : o.outline) outline.push_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
-  }
+  for (const Obstacle& o : scan.detection.obstacles) outlines_.push_back(world_outline(o, scan.detection.X_WB));
 }
 
 Setpoint PotentialFieldHelm::decide(const Setpoint& wanted) {

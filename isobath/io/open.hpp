@@ -11,7 +11,7 @@ namespace isobath {
 
 /// Throws Error if the input does not exist, is empty, has no known format, or has an impossible header. Later damage
 /// is reported, not thrown.
-std::unique_ptr<Source> open_source(const std::filesystem::path& input, const InputConfig& config);
+std::unique_ptr<Source> open_source(const std::filesystem::path& input, const InputConfig& config = {});
 
 /// The log that open_source reads together with a water column file (.kmall for .kmwcd, .all for .wcd, with the same
 /// stem); empty: none.

@@ -60,7 +60,7 @@ const char* to_text(RouteRefusal refusal);
 
 struct RouteTask {
   Eigen::Vector2d start = Eigen::Vector2d::Zero();
-  std::optional<double> heading;  ///< at the start, from x towards y; empty: any
+  std::optional<double> heading = {};  ///< at the start, from x towards y; empty: any
   Eigen::Vector2d goal = Eigen::Vector2d::Zero();
   double half_width_m = 0.5;
   double turning_radius_m = 0;

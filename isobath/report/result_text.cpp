@@ -102,12 +102,11 @@ std::string scans_json(std::span<const ScanRecord> scans) {
 }
 
 std::string obstacles_geojson(const ScanRecord& scan, const GeoOrigin& origin) {
-  const Pose X_WL = level(scan.X_WB);
   std::vector<GeoFeature> features;
   const std::vector<WholeObstacle> whole = whole_obstacles(scan.obstacles);
   for (const Obstacle& o : scan.obstacles) {
     GeoFeature feature;
-    for (const auto& p : o.outline) feature.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
+    feature.outline = world_outline(o, scan.X_WB);
     feature.properties = {{"number", o.number},
                           {"kind", of_number(whole, o.number).kind()},
                           {"existence", tidy(o.existence)},

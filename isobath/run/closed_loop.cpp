@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/onboard/mission_setup.hpp>
 #include <isobath/onboard/onboard.hpp>
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/run/run_pace.hpp>
+#include <isobath/scenario/mission_chart.hpp>
+#include <memory>
 
 namespace isobath {
 namespace {
@@ -15,6 +18,17 @@ bool tells_height(const Scene& scene) {
 }
 
 }  // namespace
+
+LoopResult run_closed_loop(const Scenario& scenario, const LoopRequest& request) {
+  const MissionSetup setup = setup_of(scenario, request.configuration);
+  std::unique_ptr<Helm> helm;
+  if (request.live) {
+    helm = make_threaded_helm(setup, request.configuration);
+  } else {
+    helm = make_serial_helm(setup, request.configuration);
+  }
+  return run_closed_loop(scenario, *helm, request);
+}
 
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request) {
   const Configuration configuration = scenario.with_prior(request.configuration);

@@ -39,6 +39,9 @@ struct LoopResult : TrackTruth {
   std::vector<OperatorAnswer> answers;  ///< received by the operator, if there is one
 };
 
+/// The agents of the scenario's mission steer; live, each in a thread of its own. Throws Error if they cannot be made.
+LoopResult run_closed_loop(const Scenario& scenario, const LoopRequest& request = {});
+/// This helm steers.
 LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopRequest& request);
 
 /// Detects the end of a run: kWatchAfterEnd_s after the mission was finished or aborted.

@@ -15,13 +15,9 @@ void MissionNotes::on_event(const Event& event) {
 }
 
 void MissionNotes::on_scan(const ScanResult& scan) {
-  const Pose X_WL = level(scan.detection.X_WB);
   for (const Obstacle& o : scan.detection.obstacles) {
     if (o.behind) continue;
-    SeenObstacle& seen = seen_.emplace_back(SeenObstacle{scan.detection.time, {}, o.existence});
-    for (const Eigen::Vector2d& p : o.outline) {
-      seen.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
-    }
+    seen_.push_back({scan.detection.time, world_outline(o, scan.detection.X_WB), o.existence});
   }
 }
 

@@ -37,4 +37,8 @@ ChartUpdate chart_of(const Scenario& scenario, const Configuration& configuratio
   return chart_of({}, {with_prior.prior.file}, with_prior, scenario.scene.origin());
 }
 
+MissionSetup setup_of(const Scenario& scenario, const Configuration& configuration) {
+  return {scenario.mission, parameters_of(vehicle_model_of(scenario.scene)), chart_of(scenario, configuration)};
+}
+
 }  // namespace isobath

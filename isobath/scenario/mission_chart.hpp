@@ -1,10 +1,11 @@
 // chart_of: the chart of a mission: what is known of the water before the vehicle enters it. The agent "chart room"
-// receives it (ledger S6-32, S1-03, S1-25).
+// receives it (ledger S6-32, S1-03, S1-25). setup_of: all that the agents of a scenario are made for.
 #pragma once
 
 #include <filesystem>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/mission/messages/messages.hpp>
+#include <isobath/onboard/mission_setup.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <optional>
 #include <string>
@@ -20,5 +21,8 @@ ChartUpdate chart_of(const std::filesystem::path& map, const std::vector<std::st
 
 /// The chart made from the prior that the configuration, or else the scenario, names.
 ChartUpdate chart_of(const Scenario& scenario, const Configuration& configuration);
+
+/// The mission, the vehicle and the chart of a scenario. Throws Error if its vehicle file or its prior cannot be used.
+MissionSetup setup_of(const Scenario& scenario, const Configuration& configuration = {});
 
 }  // namespace isobath

@@ -33,9 +33,9 @@ Scenario load_scenario(const std::string& file);
 Scenario parse_scenario(std::string_view text, const std::string& file);
 
 /// From a file; an empty path is the embedded scenario (scenarios/pandan.toml). Throws Error.
-Scenario open_scenario(const std::filesystem::path& input);
+Scenario open_scenario(const std::filesystem::path& input = {});
 /// Only the scene, for runs along its own way-points.
-Scene open_scene(const std::filesystem::path& input);
+Scene open_scene(const std::filesystem::path& input = {});
 /// The text of the embedded scenario; the text of any scenario.
 std::string_view embedded_scene();
 std::string scenario_text(const std::filesystem::path& input);
@@ -54,7 +54,7 @@ class SimulatedSource : public Source {
     virtual void take(const TrueMotion& motion) = 0;
   };
 
-  SimulatedSource(Scene scene, const SimulationConfig& config, int threads);
+  explicit SimulatedSource(Scene scene, const SimulationConfig& config = {}, int threads = 1);
 
   std::optional<Event> next() override;
   [[nodiscard]] const SourceReport& report() const override { return report_; }

@@ -152,7 +152,7 @@ SectionList body_list(Scene& scene, std::string name, std::string sentence) {
 
 /// Checks that concern several fields.
 [[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed) {
-  place.key += "." + key;
+  place.key += (place.key.empty() ? "" : ".") + key;  // a scene made in code has no places
   throw Error(problem, place, allowed);
 }
 
@@ -199,13 +199,28 @@ void check_body(const Body& b) {
   }
 }
 
-void check_scene(Scene& scene) {
-  std::vector<Material> own = std::move(scene.materials);
-  scene.materials = listed_materials();
-  for (Material& m : own) {
-    std::erase_if(scene.materials, [&m](const Material& listed) { return listed.name == m.name; });
-    scene.materials.push_back(std::move(m));
+/// The last of each name: a material of the file replaces the listed one.
+void drop_replaced(std::vector<Material>& materials) {
+  std::vector<Material> kept;
+  for (Material& m : materials) {
+    std::erase_if(kept, [&m](const Material& before) { return before.name == m.name; });
+    kept.push_back(std::move(m));
   }
+  materials = std::move(kept);
+}
+
+void check_names(const std::vector<SonarConfig>& sonars) {
+  for (std::size_t i = 0; i < sonars.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (sonars[i].name != sonars[j].name) continue;
+      refuse(sonars[i].place, "name", "two sonars have this name: " + sonars[i].name, "another name");
+    }
+  }
+}
+
+}  // namespace
+
+void check(const Scene& scene) {
   check_materials(scene);
   for (const Body& b : scene.bodies) check_body(b);
   (void)Water(scene.water, scene.water_place);
@@ -217,17 +232,8 @@ void check_scene(Scene& scene) {
     refuse(scene.vehicle.place, "file", "a dynamic vehicle needs its file", "a vehicle file");
   }
   (void)FaultSchedule(scene.faults, 0);
-  for (std::size_t i = 0; i < scene.sonars.size(); ++i) {
-    check(scene.sonars[i]);
-    for (std::size_t j = 0; j < i; ++j) {
-      if (scene.sonars[i].name == scene.sonars[j].name) {
-        refuse(scene.sonars[i].place, "name", "two sonars have this name: " + scene.sonars[i].name, "another name");
-      }
-    }
-  }
+  for (const SonarConfig& sonar : scene.sonars) check(sonar);
 }
-
-}  // namespace
 
 const std::vector<Material>& listed_materials() {
   static const std::vector<Material> kListed{
@@ -319,7 +325,9 @@ Scene parse_scene(std::string_view text, const std::string& file, Schema& more) 
   scene.water_place = all.sections[1].place;
   scene.bottom.place = all.sections[2].place;
   scene.vehicle.place = all.sections[3].place;
-  check_scene(scene);
+  drop_replaced(scene.materials);
+  check(scene);
+  check_names(scene.sonars);
   return scene;
 }
 

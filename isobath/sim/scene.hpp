@@ -5,6 +5,12 @@
 // Positions are in W (north, east, depth), metres; the water surface is depth 0. A body with a path moves. The path has
 // rows of time (s), north, east, depth of the body's reference point. The body moves in straight lines between rows and
 // rests before the first and after the last.
+//
+// A scene can also be made in code: a Scene is plain data with the defaults of a file.
+//
+//   Scene scene;
+//   scene.bodies = {{.name = "pile", .shape = Cylinder{.centre = {20, 0, 5}, .radius = 0.4, .length = 10}}};
+//   scene.sonars = {sonar_preset("micron")};
 #pragma once
 
 #include <Eigen/Core>
@@ -48,18 +54,18 @@ struct Sphere {
 };
 struct Box {
   Eigen::Vector3d centre = {0, 0, 0}, size = {1, 1, 1};
-  Angle heading, pitch, roll;
+  Angle heading = {}, pitch = {}, roll = {};
 };
 /// A sheet along a polyline. With a batter its foot is offset to the right, seen along the line.
 struct Wall {
-  std::vector<double> line;  ///< rows of north, east
+  std::vector<double> line = {};  ///< rows of north, east
   double top = 0, bottom = 10;
-  Angle batter;  ///< from the vertical
+  Angle batter = {};  ///< from the vertical
 };
 /// Sheets along line segments and arcs; from top to bottom they change only by a scale about the centre (S4-31, S4-34).
 struct Prism {
-  std::vector<double> lines;  ///< rows of north, east, north, east
-  std::vector<double> arcs;   ///< rows of north, east, radius, first and last direction (deg, clockwise from north)
+  std::vector<double> lines = {};  ///< rows of north, east, north, east
+  std::vector<double> arcs = {};  ///< rows of north, east, radius, first and last direction (deg, clockwise from north)
   double top = 0, bottom = 10;
   double bottom_scale = 1;
 };
@@ -70,24 +76,24 @@ struct Pylons {
   double radius = 0.5, top = 0, bottom = 10;
 };
 struct Mesh {
-  std::string file;
+  std::string file = {};
   Eigen::Vector3d position = {0, 0, 0};
-  Angle heading, pitch, roll;
+  Angle heading = {}, pitch = {}, roll = {};
   double scale = 1;
   bool z_up = true;  ///< the file's axes are east-north-up; else north-east-down
 };
 
 struct Body {
-  Place place;
-  std::string name;
+  Place place = {};
+  std::string name = {};
   std::string material = "concrete";
-  std::vector<double> path;  ///< rows of t, north, east, depth
-  std::variant<Cylinder, Sphere, Box, Wall, Prism, Pylons, Mesh> shape;
+  std::vector<double> path = {};  ///< rows of t, north, east, depth
+  std::variant<Cylinder, Sphere, Box, Wall, Prism, Pylons, Mesh> shape = {};
 };
 
 enum class BottomKind : std::uint8_t { kNone, kFlat, kTerrain, kRaster, kMesh };
 struct BottomConfig {
-  Place place;
+  Place place = {};
   BottomKind kind = BottomKind::kNone;
   std::string material = "sand";
   double depth = 10;                       ///< flat: depth; terrain: mean depth; raster or mesh: added to its depths
@@ -96,7 +102,7 @@ struct BottomConfig {
   double relief_m = 2, wavelength_m = 60;  ///< terrain: rms height and longest wave
   Eigen::Vector2d slope = {0, 0};          ///< terrain: increase of depth per metre north and east
   int seed = 1;                            ///< terrain
-  std::string file;                        ///< raster or mesh
+  std::string file = {};                   ///< raster or mesh
   bool elevation = true;                   ///< raster: values are heights; false: depths
   Eigen::Vector2d origin = {0, 0};         ///< raster: easting, northing (or longitude, latitude) of W's origin
   bool centred = true;                     ///< raster, mesh: W's origin is the middle; false: `origin`
@@ -105,11 +111,11 @@ struct BottomConfig {
 };
 
 struct VehicleConfig {
-  Place place;
-  std::string file;  ///< vehicle file; empty: a body of half a metre that turns instantly
+  Place place = {};
+  std::string file = {};  ///< vehicle file; empty: a body of half a metre that turns instantly
   bool dynamic = false;
   Eigen::Vector3d start = {0, 0, 1};
-  Angle heading;
+  Angle heading = {};
   double speed = 1.5;
   double dive_amplitude = 0, dive_period_s = 60, dive_noise = 0;  ///< sine in depth (S4-35)
   double endurance_h = 8;                                         ///< endurance on a full battery
@@ -135,7 +141,7 @@ struct Scene {
   SceneConfig about;
   WaterConfig water;
   Place water_place;
-  std::vector<Material> materials;  ///< the listed ones and the file's own
+  std::vector<Material> materials = listed_materials();  ///< and the file's own
   BottomConfig bottom;
   std::vector<Body> bodies;
   VehicleConfig vehicle;
@@ -149,6 +155,10 @@ struct Scene {
   /// Geographic origin of W; empty if the scene is not georeferenced.
   [[nodiscard]] std::optional<GeoOrigin> origin() const;
 };
+
+/// Checks that concern several fields. A file is checked when it is read, a scene made in code when a Simulator gets
+/// it. Throws Error.
+void check(const Scene& scene);
 
 /// Throws Error if the scene has no sonar of this name.
 void switch_off(Scene& scene, const std::string& sonar);

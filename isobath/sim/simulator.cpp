@@ -32,6 +32,11 @@ VehicleModel point_vehicle() {
   return model;
 }
 
+Scene checked(Scene scene) {
+  check(scene);
+  return scene;
+}
+
 VehicleState start_of(const VehicleConfig& c) {
   VehicleState state;
   state.X_WB = {Rotation::from_heading(c.heading), c.start};
@@ -57,6 +62,10 @@ std::vector<Field> fields(SimulationConfig& c) {
           Field::text("without", &c.without, "Name of a sonar of the scene to switch off; empty: none.")};
 }
 
+VehicleModel vehicle_model_of(const Scene& scene) {
+  return scene.vehicle.file.empty() ? point_vehicle() : load_vehicle(scene.vehicle.file);
+}
+
 /// A sonar with its clock and its faults.
 struct Simulator::Device {
   Device(const SonarConfig& config, const World& world, const Water& water, std::uint64_t seed, int threads,
@@ -74,12 +83,12 @@ struct Simulator::Device {
 };
 
 Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
-    : scene_(std::move(scene)),
+    : scene_(checked(std::move(scene))),
       seed_(static_cast<std::uint64_t>(config.seed >= 0 ? config.seed : scene_.about.seed)),
       duration_s_(config.duration_s > 0 ? config.duration_s : scene_.about.duration_s),
       water_(scene_.water, scene_.water_place),
       world_(std::make_unique<World>(scene_)),
-      model_(scene_.vehicle.file.empty() ? point_vehicle() : load_vehicle(scene_.vehicle.file)),
+      model_(vehicle_model_of(scene_)),
       plant_(make_plant(model_, scene_.vehicle.dynamic ? PlantKind::kDynamic : PlantKind::kKinematic,
                         start_of(scene_.vehicle))),
       faults_(scene_.faults, random_at(seed_, kFaultSeed, 0).bits()),

@@ -39,9 +39,12 @@ struct SimulationConfig {
 };
 std::vector<Field> fields(SimulationConfig& config);
 
+/// The vehicle of a scene: that of its vehicle file, or a body of half a metre that turns instantly. Throws Error.
+VehicleModel vehicle_model_of(const Scene& scene);
+
 class Simulator {
  public:
-  Simulator(Scene scene, const SimulationConfig& config, int threads = 1);
+  explicit Simulator(Scene scene, const SimulationConfig& config = {}, int threads = 1);
   ~Simulator();
 
   /// The next event in order of arrival; empty at the end of the run. Ground truth is delivered before the event that

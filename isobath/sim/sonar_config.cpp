@@ -171,8 +171,7 @@ SonarConfig multibeam_echo_sounder() {
   c.beams = 256;
   c.sector = Angle::degrees(120);
   c.width = c.height = Angle::degrees(1);
-  c.heading = Angle::degrees(90);  // the fan is across track: azimuth 0 points down
-  c.pitch = Angle::degrees(-90);
+  c.pitch = Angle::degrees(-90);  // azimuth 0 points down, the first beam to port
   c.range_m = 100;
   c.bins = 2000;
   c.rays = 4;

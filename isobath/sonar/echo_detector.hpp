@@ -72,10 +72,10 @@ struct EchoDetectorConfig {
   double global_threshold = 0.5;  ///< share of full scale
   double skirt_share = 0.7;       ///< 0: no skirt rule
   double skirt_m = 0.2;
-  NoiseTrackerConfig noise;
-  CfarConfig cfar;
-  BoundaryConfig boundary;
-  FanDetectorConfig fan;
+  NoiseTrackerConfig noise = {};
+  CfarConfig cfar = {};
+  BoundaryConfig boundary = {};
+  FanDetectorConfig fan = {};
 };
 std::vector<Field> fields(EchoDetectorConfig& config);
 
@@ -96,7 +96,7 @@ class EchoDetector {
   /// `fan_model`: start of the method `cells`; the first ping throws Error if it is of another sonar. Throws Error for
   /// a method `model` or `histogram` without its model. With a model and method `auto`, the model is used, a histogram
   /// model before a sensor model.
-  explicit EchoDetector(EchoDetectorConfig config, std::optional<SensorModel> model = std::nullopt,
+  explicit EchoDetector(EchoDetectorConfig config = {}, std::optional<SensorModel> model = std::nullopt,
                         std::shared_ptr<const LikelihoodRatios> ratios = nullptr,
                         std::shared_ptr<const FanModel> fan_model = nullptr);
 

@@ -38,6 +38,27 @@ bool spans_fit(const Ping& ping) {
 
 }  // namespace
 
+std::shared_ptr<const BeamFan> even_fan(int beams, Angle sector, Angle width, Angle height) {
+  BeamFan fan{{}, std::vector<Angle>(static_cast<std::size_t>(beams), width), height};
+  const Angle step = beams > 1 ? sector / (beams - 1) : Angle{};
+  for (int b = 0; b < beams; ++b) fan.azimuth.push_back(step * (b - 0.5 * (beams - 1)));
+  return std::make_shared<const BeamFan>(std::move(fan));
+}
+
+Ping make_ping(Time time, std::shared_ptr<const BeamFan> fan, const RangeWindow& window,
+               std::vector<std::uint8_t> samples) {
+  const auto owner = std::make_shared<const std::vector<std::uint8_t>>(std::move(samples));
+  const int beams = fan->beams();
+  const bool fits = window.bins >= 0 && owner->size() == static_cast<std::size_t>(beams) * window.bins;
+  Ping ping;
+  ping.time = time;
+  ping.fan = std::move(fan);
+  ping.window = window;
+  ping.intensity = {owner->data(), SampleType::kU8, beams, fits ? window.bins : 0, window.bins, 1};
+  ping.storage = owner;
+  return ping;
+}
+
 BinSpan sampled_bins(const Ping& ping, int beam) {
   return ping.sampled ? (*ping.sampled)[static_cast<std::size_t>(beam)] : BinSpan{0, ping.window.bins};
 }

@@ -24,6 +24,9 @@ struct BeamFan {
   [[nodiscard]] int beams() const { return static_cast<int>(azimuth.size()); }
 };
 
+/// A fan of beams of one width at even steps, from -sector / 2 to sector / 2; a single beam looks ahead.
+std::shared_ptr<const BeamFan> even_fan(int beams, Angle sector, Angle width, Angle height);
+
 /// Bin k covers slant ranges [edge(k), edge(k + 1)).
 struct RangeWindow {
   double start_m = 0;  ///< near edge of bin 0
@@ -94,6 +97,11 @@ struct Ping {
   std::shared_ptr<const std::vector<BinSpan>> sampled;
   double blind_m = 0;  ///< range below which the transmit pulse rings, as the device states it (S6-09)
 };
+
+/// A ping that owns its 8-bit samples, beam after beam, each from its nearest bin on. Another number of samples than
+/// fan and window have makes a ping that `check` refuses.
+Ping make_ping(Time time, std::shared_ptr<const BeamFan> fan, const RangeWindow& window,
+               std::vector<std::uint8_t> samples);
 
 /// The bins of a beam that were sampled.
 BinSpan sampled_bins(const Ping& ping, int beam);

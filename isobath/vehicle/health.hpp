@@ -16,7 +16,7 @@ struct Health {
   HealthState state = HealthState::kOk;
   float battery_share = 1;  ///< of a full charge, 0..1
   bool leak = false;
-  std::string note;  ///< for people
+  std::string note = {};  ///< for people
 };
 
 /// Note of a report that an agent ("agent.NAME") is lost because it hangs; without it the agent has died.

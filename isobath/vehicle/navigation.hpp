@@ -11,9 +11,10 @@ namespace isobath {
 
 struct Navigation {
   Time time;
-  Pose X_WB;                                              ///< body in world: north-east-down, m
-  std::optional<Eigen::Vector3d> v_WB;                    ///< velocity of B in W, components in W, m/s
-  std::optional<Eigen::Matrix<double, 6, 6>> covariance;  ///< of (position in W, rotation vector in B), m2, m rad, rad2
+  Pose X_WB;                                 ///< body in world: north-east-down, m
+  std::optional<Eigen::Vector3d> v_WB = {};  ///< velocity of B in W, components in W, m/s
+  /// Of (position in W, rotation vector in B), m2, m rad, rad2.
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance = {};
   std::optional<double> v_sigma = {};  ///< standard deviation of v_WB in the plane, along its longer axis, m/s
 };
 

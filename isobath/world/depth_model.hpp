@@ -31,7 +31,8 @@ class DepthModel final : public SoundingSink {
  public:
   /// `folder`: of the stored map; empty: the map is not stored. `settings`: text of the configuration, which the stored
   /// map keeps.
-  DepthModel(const WorldConfiguration& configuration, const std::filesystem::path& folder, std::string settings = {});
+  explicit DepthModel(const WorldConfiguration& configuration, const std::filesystem::path& folder = {},
+                      std::string settings = {});
   ~DepthModel() override;
 
   /// Origin of the stored map, if there is one.

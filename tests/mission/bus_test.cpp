@@ -19,6 +19,11 @@ TEST(Bus, EveryTypeOfMessageHasANameOfItsOwn) {
   EXPECT_STREQ(message_name(Message(Navigation{})), "navigation");
 }
 
+TEST(Decisions, AsOneLineSayWhenWhoWhatAndWhy) {
+  EXPECT_EQ(to_text(Decision{test::at(27.2), "navigator", "replan", "leg 1 would run into an obstacle"}),
+            "27.200 s navigator: replan: leg 1 would run into an obstacle");
+}
+
 // ledger: S6-33
 TEST(Bus, NumbersCountsAndRecords) {
   std::vector<std::string> recorded;

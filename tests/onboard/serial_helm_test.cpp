@@ -102,7 +102,7 @@ TEST(SerialHelm, SteersAPointAsItSteersASimulatedVehicle) {
 
 /// What a helm of its own makes of recorded events.
 std::vector<Decision> decided_again(const Scenario& scenario, const std::vector<Event>& events) {
-  const auto helm = make_serial_helm(test::setup_of(scenario), {});
+  const auto helm = make_serial_helm(setup_of(scenario), {});
   Pipeline pipeline({}, *helm);
   for (const Event& event : events) {
     helm->hear(event);

@@ -47,7 +47,7 @@ Decision decision_at(double t, const std::string& what) {
 TEST(RunRecorder, KeepsEventsDecisionsAndWhatTheRunWasMadeOf) {
   const auto file = test::scratch_folder() / "run.mcap";
   const Scenario scenario = parse_scenario(kRecordedScene, "s.toml");
-  const MissionSetup setup = test::setup_of(scenario);
+  const MissionSetup setup = setup_of(scenario);
   std::vector<Decision> decisions;
   {
     RunRecorder recorder(file, {});
@@ -85,7 +85,7 @@ TEST(RunRecorder, TheVehicleIsThatOfTheRecordedRun) {
   const auto file = test::scratch_folder() / "run.mcap";
   const Scenario scenario = test::scenario_of("simulated_mission_1");
   const Simulator simulator(scenario.scene, {});
-  const MissionSetup setup = test::setup_of(scenario);
+  const MissionSetup setup = setup_of(scenario);
   {
     RunRecorder recorder(file, {});
     recorder.describe(simulator, kRecordedScene);

@@ -4,6 +4,7 @@
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/mission/plan/planner_budget.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
+#include <isobath/scenario/mission_chart.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/kept_scans.hpp>
@@ -266,6 +267,23 @@ TEST(Pipeline, KeepsVerticalFansApartFromTheMapOfThePlane) {
   EXPECT_EQ(keeper.pings, 5);
   EXPECT_EQ(pipeline.counts().vertical, 5u);
   EXPECT_EQ(pipeline.counts().pings, 5u);
+}
+
+TEST(SetupOfAScenario, HasItsMissionAndTheVehicleOfItsFile) {
+  const auto file = test::source_folder() / "scenarios" / "simulated_mission_1.toml";
+  const Scenario scenario = load_scenario(file.string());
+  const MissionSetup setup = setup_of(scenario);
+  EXPECT_EQ(setup.plan.title, scenario.mission.title);
+  EXPECT_EQ(setup.plan.points.size(), 3u);
+  const VehicleModel remus = load_vehicle((test::source_folder() / "vehicles" / "remus100.toml").string());
+  EXPECT_EQ(setup.vehicle.half_width_m, parameters_of(remus).half_width_m);
+  EXPECT_EQ(setup.vehicle.limits.turning_radius, remus.limits.turning_radius);
+  EXPECT_FALSE(setup.chart.depths) << "the scenario names no prior";
+}
+
+TEST(SetupOfAScenario, HasTheChartOfItsPrior) {
+  const auto file = test::source_folder() / "scenarios" / "charted_shoals.toml";
+  EXPECT_TRUE(setup_of(load_scenario(file.string())).chart.depths);
 }
 
 }  // namespace

@@ -46,7 +46,6 @@ ClutterConfig dense(double passage_m) {
 
 Scene scene_with(const ClutterField& field) {
   Scene scene;
-  scene.materials = listed_materials();
   scene.bodies = field.bodies;
   return scene;
 }

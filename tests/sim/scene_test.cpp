@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <isobath/sim/simulator.hpp>
 #include <isobath/sim/triangle_mesh.hpp>
 #include <set>
 #include <tests/sim/worlds.hpp>
@@ -186,6 +187,54 @@ TEST(Scenes, KeepListedMaterialsAndReplaceThoseOfTheSameName) {
   EXPECT_EQ(scene.material("rock")->lambert_db, -5);
   EXPECT_EQ(scene.material("sand")->lambert_db, -22);
   EXPECT_EQ(scene.material("cheese"), nullptr);
+}
+
+TEST(Scenes, MadeInCodeAreThoseOfAFile) {
+  Scene scene;
+  scene.about.duration_s = 2;
+  scene.bottom = {.kind = BottomKind::kFlat, .depth = 12};
+  scene.vehicle = {.start = {0, 0, 5}, .speed = 1};
+  scene.bodies = {{.name = "pile", .material = "steel", .shape = Cylinder{.centre = {18, 4, 6}, .length = 12}}};
+  scene.sonars = {sonar_preset("micron")};
+  const Scene read = parse_scene(
+      "[scene]\nduration_s = 2\n[bottom]\nkind = \"flat\"\ndepth = 12\n[vehicle]\nstart = [0, 0, 5]\nspeed = 1\n"
+      "[[cylinder]]\nname = \"pile\"\nmaterial = \"steel\"\ncentre = [18, 4, 6]\nlength = 12\n"
+      "[[sonar]]\npreset = \"micron\"\n",
+      "pile.toml");
+  Simulator made(scene), loaded(read);
+  int pings = 0;
+  while (const auto event = made.next()) {
+    const auto other = loaded.next();
+    ASSERT_TRUE(other);
+    ASSERT_EQ(event->index(), other->index());
+    const auto* ping = std::get_if<Ping>(&*event);
+    if (!ping) continue;
+    ++pings;
+    for (int bin = 0; bin < ping->window.bins; ++bin)
+      ASSERT_EQ(ping->intensity(0, bin), std::get<Ping>(*other).intensity(0, bin)) << pings << ", " << bin;
+  }
+  EXPECT_GT(pings, 15);
+  EXPECT_FALSE(loaded.next());
+}
+
+TEST(Scenes, MadeInCodeAreCheckedBeforeTheyRun) {
+  const auto problem = [](const Scene& scene) {
+    try {
+      Simulator simulator(scene);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  Scene scene;
+  EXPECT_EQ(problem(scene), "none");
+  scene.bodies = {{.material = "cheese"}};
+  EXPECT_NE(problem(scene).find("material: unknown material cheese"), std::string::npos) << problem(scene);
+  scene.bodies = {{.shape = Wall{}}};
+  EXPECT_NE(problem(scene).find("line: fewer than two corners"), std::string::npos) << problem(scene);
+  scene = {};
+  scene.vehicle.dynamic = true;
+  EXPECT_NE(problem(scene).find("file: a dynamic vehicle needs its file"), std::string::npos) << problem(scene);
 }
 
 TEST(Scenes, MoveBodiesStraightBetweenTheRowsOfTheirPaths) {

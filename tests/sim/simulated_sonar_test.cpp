@@ -728,6 +728,17 @@ std::vector<double> depth_errors(const Tank& tank, const SonarConfig& sonar, con
   return errors;
 }
 
+TEST(Ranges, AMultibeamEchoSounderLooksAcrossTheTrackFromPortToStarboard) {
+  const Tank tank("[bottom]\nkind = \"flat\"\ndepth = 25\n");
+  SimulatedSonar device(sonar_preset("multibeam_echo_sounder"), *tank.world, *tank.water, 1, 1);
+  const auto ranges = device.ping(Time{}, at_depth(2), 0).ranges;
+  ASSERT_EQ(ranges.size(), 256u);
+  const Eigen::Vector3d port = ranges.front().X_BS.rotation * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d starboard = ranges.back().X_BS.rotation * Eigen::Vector3d::UnitX();
+  EXPECT_LT((port - Eigen::Vector3d(0, -std::sin(60 * kDegree), 0.5)).norm(), 0.01);
+  EXPECT_LT((starboard - Eigen::Vector3d(0, std::sin(60 * kDegree), 0.5)).norm(), 0.01);
+}
+
 TEST(Ranges, AMultibeamEchoSounderReadsTheDepthsOfAFlatAndOfASlopingBottom) {
   const std::string water = "[water]\nsound_speed = [[0, 1500]]\n";
   for (const char* bottom : {"kind = \"flat\"\ndepth = 25\n",

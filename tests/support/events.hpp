@@ -8,15 +8,9 @@
 namespace isobath::test {
 
 inline Ping ping_at(double t, std::vector<std::uint8_t> samples = {1, 2, 3, 4}, Angle azimuth = {}) {
-  Ping ping;
-  ping.time = Time(seconds(t));
-  ping.fan = std::make_shared<BeamFan>(BeamFan{{azimuth}, {Angle::degrees(3)}, Angle::degrees(35)});
-  const int bins = static_cast<int>(samples.size());
-  ping.window = {0, 1.0, bins};
-  auto storage = std::make_shared<std::vector<std::uint8_t>>(std::move(samples));
-  ping.intensity = {storage->data(), SampleType::kU8, 1, bins, bins, 1};
-  ping.storage = storage;
-  return ping;
+  const auto fan = std::make_shared<BeamFan>(BeamFan{{azimuth}, {Angle::degrees(3)}, Angle::degrees(35)});
+  const RangeWindow window{0, 1.0, static_cast<int>(samples.size())};
+  return make_ping(Time(seconds(t)), fan, window, std::move(samples));
 }
 
 inline Navigation fix_at(double t, double north, double heading_deg = 0) {

@@ -16,11 +16,6 @@ inline Scenario scenario_of(const std::string& name) {
   return load_scenario((source_folder() / "scenarios" / (name + ".toml")).string());
 }
 
-/// The agents for a scenario's mission, vehicle and chart.
-inline MissionSetup setup_of(const Scenario& scenario, const Configuration& configuration = {}) {
-  return {scenario.mission, parameters_of(Simulator(scenario.scene, {}).vehicle()), chart_of(scenario, configuration)};
-}
-
 struct Sailed {
   LoopResult result;
   std::vector<Event> events;
@@ -38,13 +33,9 @@ class ScanLog : public OnboardObserver {
   explicit ScanLog(Sailed& sailed) : sailed_(sailed) {}
   void on_event(const Event& event) override { sailed_.events.push_back(event); }
   void on_scan(const ScanResult& scan) override {
-    const Pose X_WL = level(scan.detection.X_WB);
     auto& seen = sailed_.scans.emplace_back(scan.detection.time, std::vector<SeenObstacle>{}).second;
     for (const Obstacle& o : scan.detection.obstacles) {
-      SeenObstacle& one = seen.emplace_back(SeenObstacle{scan.detection.time, {}, o.existence});
-      for (const Eigen::Vector2d& p : o.outline) {
-        one.outline.emplace_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
-      }
+      seen.push_back({scan.detection.time, world_outline(o, scan.detection.X_WB), o.existence});
     }
   }
 
@@ -54,10 +45,9 @@ class ScanLog : public OnboardObserver {
 
 inline Sailed sail(const Scenario& scenario, LoopRequest request = {}) {
   Sailed sailed;
-  const auto executor = make_serial_helm(setup_of(scenario, request.configuration), request.configuration);
   ScanLog log(sailed);
   request.observers.push_back(&log);
-  sailed.result = run_closed_loop(scenario, *executor, request);
+  sailed.result = run_closed_loop(scenario, request);
   return sailed;
 }
 

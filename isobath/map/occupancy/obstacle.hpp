@@ -7,6 +7,7 @@
 #include <isobath/base/angle.hpp>
 #include <isobath/base/time.hpp>
 #include <isobath/geometry/polygon.hpp>
+#include <isobath/geometry/pose.hpp>
 
 namespace isobath {
 
@@ -30,5 +31,8 @@ struct Obstacle {
   /// first.
   int number = 0;
 };
+
+/// The outline of an obstacle in W (north, east), which was detected at X_WB.
+Polygon world_outline(const Obstacle& obstacle, const Pose& X_WB);
 
 }  // namespace isobath

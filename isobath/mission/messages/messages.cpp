@@ -36,4 +36,8 @@ const char* to_text(SafetyActionKind kind) {
   return "";
 }
 
+std::string to_text(const Decision& decision) {
+  return to_text(decision.time) + " " + decision.agent + ": " + decision.what + ": " + decision.reason;
+}
+
 }  // namespace isobath

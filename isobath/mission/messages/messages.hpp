@@ -266,6 +266,8 @@ struct Decision {
   std::optional<double> margin_m = {};           ///< clearance of the old route; negative: it led through the obstacle
   std::vector<Eigen::Vector2d> way = {};         ///< N, E of the new route
 };
+/// One line: "27.200 s navigator: replan: leg 1 would run into an obstacle at north 44.7, east 2.4 m ...".
+std::string to_text(const Decision& decision);
 
 using Message = std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan,
                              ChartedHazards, OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned,

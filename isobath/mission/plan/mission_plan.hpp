@@ -16,15 +16,15 @@
 namespace isobath {
 
 struct MissionPoint {
-  Place place;  ///< in the file it comes from
-  std::string name;
+  Place place = {};  ///< in the file it comes from
+  std::string name = {};
   Eigen::Vector2d north_east = Eigen::Vector2d::Zero();
-  double depth_m = 1;                ///< where no altitude is given
-  std::optional<double> altitude_m;  ///< above the bottom, instead of a depth
-  double speed = 0;                  ///< on the way to the point, m/s; 0: that of the mission
-  double hold_s = 0;                 ///< how long to stay there
-  double move_m = 0;                 ///< how far the Captain may move it off an obstacle; 0: it is dropped (S6-65)
-  std::string task;                  ///< what a back-seat driver does there; empty: nothing
+  double depth_m = 1;                     ///< where no altitude is given
+  std::optional<double> altitude_m = {};  ///< above the bottom, instead of a depth
+  double speed = 0;                       ///< on the way to the point, m/s; 0: that of the mission
+  double hold_s = 0;                      ///< how long to stay there
+  double move_m = 0;                      ///< how far the Captain may move it off an obstacle; 0: it is dropped (S6-65)
+  std::string task = {};                  ///< what a back-seat driver does there; empty: nothing
 };
 
 /// What the vehicle does when there is no further point.

@@ -24,7 +24,7 @@ std::string decided_by_evaluation(const Scenario& scenario, const Configuration&
   SuiteRun of_suite;
   of_suite.scenario = scenario;
   of_suite.seed = static_cast<std::uint64_t>(configuration.simulation.seed);
-  const VehicleParameters vehicle = test::setup_of(scenario).vehicle;
+  const VehicleParameters vehicle = setup_of(scenario).vehicle;
   return decisions_text(run_method(methods.front(), of_suite, vehicle).decisions);
 }
 

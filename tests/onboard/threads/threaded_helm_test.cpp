@@ -56,8 +56,7 @@ LoopResult sail_live(const Scenario& scenario) {
   LoopRequest request;
   request.live = true;
   request.stop_when_done = false;
-  const auto helm = make_threaded_helm(test::setup_of(scenario), request.configuration);
-  return run_closed_loop(scenario, *helm, request);
+  return run_closed_loop(scenario, request);
 }
 
 std::string all(const LoopResult& result) {
@@ -137,7 +136,7 @@ TEST(ThreadedHelm, GoesOnWithoutAnAgentThatIsNotNeeded) {
 // ledger: S6-33
 TEST(ThreadedHelm, EndsWhileAllAreAtWork) {
   const Scenario scenario = lanes(10);
-  const auto helm = make_threaded_helm(test::setup_of(scenario), {});
+  const auto helm = make_threaded_helm(setup_of(scenario), {});
   SimulatedSource source(scenario.scene, {}, 1);
   DepthModel depths({}, {});
   Onboard onboard({}, depths, {.helm = helm.get(), .live = true});

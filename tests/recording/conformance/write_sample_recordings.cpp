@@ -64,7 +64,7 @@ void write_recordings(const std::filesystem::path& folder) {
   Scenario scenario = test::scenario_of("simulated_mission_1");
   LoopRequest request;
   request.configuration.simulation.duration_s = 30;
-  const MissionSetup setup = test::setup_of(scenario);
+  const MissionSetup setup = setup_of(scenario);
   RunRecorder recorder(folder / "whole.mcap", request.configuration);
   recorder.describe(Simulator(scenario.scene, {}), "[scene]\n");
   recorder.describe(setup);

@@ -152,7 +152,7 @@ TEST(Slots, TheOperatorLeadsOverALinkThatLosesFrames) {
 TEST(Slots, FramesOfTheOperatorAreReplayedFromTheEvents) {
   const Scenario scenario = test::scenario_of("operator_on_the_link");
   const test::Sailed sailed = sail(scenario);
-  const auto helm = make_serial_helm(test::setup_of(scenario), small_chart());
+  const auto helm = make_serial_helm(setup_of(scenario), small_chart());
   Pipeline pipeline(small_chart(), *helm);
   for (const Event& event : sailed.events) {
     helm->hear(event);
@@ -185,12 +185,12 @@ TEST(Slots, AgentsOfLibrariesAreNamedByConfiguration) {
   EXPECT_EQ(again.agents[0].library, LOOKOUT_LIBRARY);
 
   const Scenario scenario = test::scenario_of("charted_shoals");
-  const auto helm = make_serial_helm(test::setup_of(scenario), again);
+  const auto helm = make_serial_helm(setup_of(scenario), again);
   helm->hear(Navigation{});
   EXPECT_TRUE(helm->executor().has("lookout"));
   EXPECT_FALSE(helm->executor().lost("lookout"));
   again.agents.push_back(again.agents[0]);
-  EXPECT_THROW(make_serial_helm(test::setup_of(scenario), again), Error) << "two on one seat";
+  EXPECT_THROW(make_serial_helm(setup_of(scenario), again), Error) << "two on one seat";
 }
 
 }  // namespace
