@@ -211,7 +211,7 @@ void Display::heard(const Envelope& envelope) {
   const Time time = envelope.time;
   agents_.insert(envelope.sender);
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) {
-    items_.set(DisplayKind::kDecision, decisions_++, time, decision_json(*decision));
+    items_.set(DisplayKind::kDecision, decision->number, time, decision_json(*decision));
   } else if (const auto* route = std::get_if<RoutePlanned>(&envelope.message)) {
     way_ = *route;
     show_way(time);

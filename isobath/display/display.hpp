@@ -112,7 +112,6 @@ class Display : public ResultSink {
   RoutePlanned way_;
   MissionReport mission_;
   std::optional<std::size_t> target_;
-  std::uint64_t decisions_ = 0;
 
   std::map<std::string, ActiveFault> faults_;
   std::map<std::string, std::string> agents_lost_;

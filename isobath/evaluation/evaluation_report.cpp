@@ -338,7 +338,8 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
     page.paragraph(fmt::format("Seed {}: {}.", scored.seed, verdict(scored.scores.front())));
     std::string decisions;
     for (const Decision& d : result.decisions) {
-      decisions += fmt::format("{:7.2f} s  {}: {}: {}\n", to_seconds(d.time), d.agent, d.what, d.reason);
+      decisions +=
+          fmt::format("{:>3}  {:7.2f} s  {}: {}: {}\n", d.number, to_seconds(d.time), d.agent, d.what, d.reason);
     }
     page.folded("Decisions", decisions);
   }

@@ -220,7 +220,8 @@ void FoxgloveLog::heard(const Envelope& envelope) {
     write(FoxgloveKind::kLog, "/foxglove/log", envelope.time, foxglove_log(envelope.time, level, name, message));
   };
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) {
-    log(FoxgloveLevel::kInfo, decision->agent, decision->what + ": " + decision->reason);
+    log(FoxgloveLevel::kInfo, decision->agent,
+        fmt::format("{}. {}: {}", decision->number, decision->what, decision->reason));
   } else if (const auto* fault = std::get_if<SafetyReport>(&envelope.message)) {
     const std::string state = fault->active ? fault->why : "over";
     log(fault->abort ? FoxgloveLevel::kError : FoxgloveLevel::kWarning, envelope.sender, fault->fault + ": " + state);

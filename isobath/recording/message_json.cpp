@@ -159,7 +159,8 @@ Content content_of(const TaskPlan& m) {
   return {{"id", m.id}, {"driver", m.driver}, {"waypoints", waypoints_content(m.waypoints)}};
 }
 Content content_of(const Decision& m) {
-  Content content{{"agent", m.agent}, {"what", m.what}, {"reason", m.reason}};
+  Content content{{"number", m.number}, {"agent", m.agent}, {"what", m.what}, {"reason", m.reason}};
+  if (m.obstacle_number > 0) content["obstacle_number"] = m.obstacle_number;
   if (m.obstacle) content["obstacle"] = components_of<2>(*m.obstacle);
   if (m.leg) content["leg"] = *m.leg;
   if (m.margin_m) content["margin"] = exact_enough(*m.margin_m);

@@ -146,7 +146,7 @@ void draw_numbers(MissionPlot& plot, const MissionOutcome& outcome) {
     const Decision& d = outcome.decisions[i];
     const auto place = place_at(outcome, d.time);
     if (place && stands_on_chart(outcome.decisions, i))
-      plot.numbered(place->north_east, static_cast<int>(i) + 1, colour_of(d));
+      plot.numbered(place->north_east, static_cast<int>(d.number), colour_of(d));
   }
 }
 
@@ -238,7 +238,7 @@ std::string clearance_png(const MissionOutcome& outcome, double planned_clearanc
   limit(0, kSafety, "contact");
   for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
     const Decision& d = outcome.decisions[i];
-    if (stands_on_chart(outcome.decisions, i)) picture.mark(to_seconds(d.time), std::to_string(i + 1), colour_of(d));
+    if (stands_on_chart(outcome.decisions, i)) picture.mark(to_seconds(d.time), std::to_string(d.number), colour_of(d));
   }
   picture.finish();
   return picture.png();
@@ -272,9 +272,8 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
   }
   page.heading("Decisions");
   std::vector<HtmlReport::Row> rows;
-  for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
-    const Decision& d = outcome.decisions[i];
-    rows.push_back({fmt::format("{}", i + 1), to_text(d.time), d.agent, d.what, d.leg ? fmt::format("{}", *d.leg) : "-",
+  for (const Decision& d : outcome.decisions) {
+    rows.push_back({fmt::format("{}", d.number), to_text(d.time), d.agent, d.what, d.leg ? fmt::format("{}", *d.leg) : "-",
                     number_or_dash(d.margin_m), d.reason});
   }
   page.table({"", "time", "by", "what", "leg", "margin (m)", "why"}, rows);
@@ -292,7 +291,7 @@ std::vector<std::string> mission_summary(const MissionOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
     const Decision& d = outcome.decisions[i];
     if (!stands_on_chart(outcome.decisions, i)) continue;
-    lines.push_back(fmt::format("  {:>2}  {:>9}  {}: {}: {}", i + 1, to_text(d.time), d.agent, d.what, d.reason));
+    lines.push_back(fmt::format("  {:>2}  {:>9}  {}: {}: {}", d.number, to_text(d.time), d.agent, d.what, d.reason));
   }
   return lines;
 }

@@ -26,8 +26,8 @@ struct Obstacle {
   bool behind = false;             ///< a nearer obstacle hides most of it
   bool possible_multiple = false;  ///< at a multiple of the range of a nearer obstacle in the same direction
   WaterLabel label = WaterLabel::kUnknown;
-  /// The convex pieces of one connected obstacle share its number. The obstacles of a scan are numbered from 0, nearest
-  /// first.
+  /// From 1. The convex pieces of one connected obstacle share its number, and keep it from scan to scan
+  /// (obstacle_numbers.hpp). A detector alone numbers the obstacles of each scan afresh, nearest first.
   int number = 0;
 };
 
