@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <isobath/display/display_bytes.hpp>
 #include <isobath/display/display_state.hpp>
+#include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/map/voxel/voxel_blocks.hpp>
 #include <isobath/recording/foxglove_log.hpp>
 
@@ -207,9 +208,14 @@ void FoxgloveLog::write_obstacles(const Detection& detection) {
   for (const Obstacle& o : detection.obstacles) {
     const FoxgloveColor color = o.behind ? kHiddenColor : kObstacleColor;
     entity.lines.push_back({outline_in_world(X_WL, o.outline), true, color});
-    if (o.behind) continue;
-    entity.texts.push_back({X_WL * Vector3d(o.nearest.x(), o.nearest.y(), 0),
-                            fmt::format("{:.1f} m, {:.2f}", o.range_m, o.existence), color});
+  }
+  for (const WholeObstacle& whole : whole_obstacles(detection.obstacles)) {
+    if (whole.behind) continue;
+    const Obstacle& piece = *whole.nearest;
+    entity.texts.push_back(
+        {X_WL * Vector3d(piece.nearest.x(), piece.nearest.y(), 0),
+         fmt::format("{}: {}, {:.1f} m, {:.2f}", whole.number, whole.kind(), piece.range_m, whole.existence),
+         kObstacleColor});
   }
   write(FoxgloveKind::kSceneUpdate, "/foxglove/obstacles", detection.time,
         foxglove_scene(detection.time, {&entity, 1}));

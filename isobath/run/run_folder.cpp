@@ -351,11 +351,10 @@ void RunFolder::add_obstacles(HtmlReport& page) const {
   page.heading("Obstacles");
   std::vector<HtmlReport::Row> rows;
   for (const WholeObstacle& o : whole_obstacles(obstacles_)) {
-    rows.push_back({std::to_string(o.number + 1), degrees(o.nearest->bearing),
-                    fmt::format("{:.2f}", o.nearest->range_m), fmt::format("{}, {:.1f} m", o.kind(), o.extent_m),
-                    fmt::format("{:.3f}", o.existence), notes(o)});
+    rows.push_back({std::to_string(o.number), degrees(o.nearest->bearing), fmt::format("{:.2f}", o.nearest->range_m),
+                    fmt::format("{}, {:.1f} m", o.kind(), o.extent_m), fmt::format("{:.3f}", o.existence), notes(o)});
   }
-  page.table({"", "bearing (deg)", "nearest point (m)", "extent", "existence", ""}, rows);
+  page.table({"obstacle", "bearing (deg)", "nearest point (m)", "extent", "existence", ""}, rows);
 }
 
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const Pictures& pictures) const {

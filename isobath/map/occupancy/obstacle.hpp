@@ -12,6 +12,15 @@ namespace isobath {
 
 /// The part of the water column that an obstacle's echoes come from (perception/water_label.hpp).
 enum class WaterLabel : std::uint8_t { kUnknown, kStanding, kBottom, kSurface };
+inline const char* to_text(WaterLabel label) {
+  switch (label) {
+    case WaterLabel::kStanding: return "standing";
+    case WaterLabel::kBottom: return "bottom";
+    case WaterLabel::kSurface: return "surface";
+    case WaterLabel::kUnknown: break;
+  }
+  return "unknown";
+}
 
 struct Obstacle {
   Polygon outline;                 ///< convex, corners in the positive sense from x to y
