@@ -194,7 +194,7 @@ void legend(MissionPlot& plot, const MissionOutcome& outcome) {
   }
 }
 
-std::string chart_png(const MissionOutcome& outcome) {
+std::string chart_png(const MissionOutcome& outcome, const ChartSource& source) {
   const std::string title = outcome.plan.title.empty() ? "Mission" : outcome.plan.title;
   MissionPlot plot(mission_extent(outcome), kPlotPixels, title, outcome.plan.origin);
   plot.water(kWater);
@@ -211,6 +211,8 @@ std::string chart_png(const MissionOutcome& outcome) {
     plot.vehicle(X_WB.translation.head<2>(), X_WB.rotation.heading().radians());
   }
   legend(plot, outcome);
+  plot.gap();
+  plot.about(source, "No geographic position: metres from the origin of the mission.");
   plot.finish();
   return plot.png();
 }
@@ -248,9 +250,9 @@ std::string number_or_dash(const std::optional<double>& value) { return value ? 
 
 }  // namespace
 
-MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m) {
+MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m, const ChartSource& source) {
   MissionPictures pictures;
-  if (!outcome.believed.empty()) pictures.chart = chart_png(outcome);
+  if (!outcome.believed.empty()) pictures.chart = chart_png(outcome, source);
   if (outcome.truth && outcome.truth->track.size() > 1 && std::isfinite(outcome.truth->least_clearance_m)) {
     pictures.clearance = clearance_png(outcome, planned_clearance_m);
   }
@@ -273,8 +275,8 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
   page.heading("Decisions");
   std::vector<HtmlReport::Row> rows;
   for (const Decision& d : outcome.decisions) {
-    rows.push_back({fmt::format("{}", d.number), to_text(d.time), d.agent, d.what, d.leg ? fmt::format("{}", *d.leg) : "-",
-                    number_or_dash(d.margin_m), d.reason});
+    rows.push_back({fmt::format("{}", d.number), to_text(d.time), d.agent, d.what,
+                    d.leg ? fmt::format("{}", *d.leg) : "-", number_or_dash(d.margin_m), d.reason});
   }
   page.table({"", "time", "by", "what", "leg", "margin (m)", "why"}, rows);
 }
