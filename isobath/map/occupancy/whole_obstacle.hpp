@@ -1,8 +1,8 @@
 // WholeObstacle: an obstacle with all its convex pieces, as reports, pages and tables count obstacles.
 //
 // A detector cuts a wall into many convex pieces, because planners need convex outlines. The pieces of one connected
-// obstacle share Obstacle::number, which people see. An obstacle is compact if its extent is below kExtended_m (a pole, a
-// buoy, a rock), else extended (a wall, a quay, a hull).
+// obstacle share Obstacle::number, which people see. An obstacle is compact if its extent is below kExtended_m (a pole,
+// a buoy, a rock), else extended (a wall, a quay, a hull).
 #pragma once
 
 #include <isobath/map/occupancy/obstacle.hpp>

@@ -1,8 +1,8 @@
 // Bus: every message between agents passes through it once. The bus numbers the message, counts it by sender and type,
 // and shows it to the recorder (Ganesan 2015, 5.1; ledger S6-32, S6-33).
 //
-// The bus also numbers decisions, from 1 in the order of the calls (Decision::number): every recorder, log and page thus
-// shows the same number for the same decision.
+// The bus also numbers decisions, from 1 in the order of the calls (Decision::number): every recorder, log and page
+// thus shows the same number for the same decision.
 //
 // The bus delivers nothing: Executor and ThreadedExecutor decide which agent receives a message, and in which thread
 // (executor.hpp, threaded_executor.hpp). Numbers count up from 1 in the order of the calls. A recorder that throws is
