@@ -120,9 +120,9 @@ void print(const std::vector<Obstacle>& pieces, std::uint64_t scans) {
     if (o.behind || printed == kMaxPrinted) continue;
     ++printed;
     const Obstacle& nearest = *o.nearest;
-    fmt::print("  {:6.2f} m  bearing {:5.1f} deg  {:<8}  {:5.1f} m across  existence {:.3f}{}{}\n", nearest.range_m,
-               nearest.bearing.wrapped_positive().degrees(), o.kind(), o.extent_m, o.existence,
-               nearest.label == WaterLabel::kUnknown ? "" : fmt::format("  {}", to_text(nearest.label)),
+    fmt::print("  obstacle {:<3}  {:6.2f} m  bearing {:5.1f} deg  {:<8}  {:5.1f} m across  existence {:.3f}{}{}\n",
+               o.number, nearest.range_m, nearest.bearing.wrapped_positive().degrees(), o.kind(), o.extent_m,
+               o.existence, nearest.label == WaterLabel::kUnknown ? "" : fmt::format("  {}", to_text(nearest.label)),
                o.possible_multiple ? "  possible multiple echo" : "");
   }
   if (hidden > 0) fmt::print("  {} {} hidden behind nearer ones\n", hidden, hidden == 1 ? "is" : "are");

@@ -16,11 +16,10 @@ ordered_json tidy(double value) {
 ordered_json place_json(const Eigen::Vector2d& p) { return ordered_json::array({tidy(p.x()), tidy(p.y())}); }
 
 ordered_json decision_content(const Decision& d) {
-  ordered_json json{{"time_ns", d.time.time_since_epoch().count()},
-                    {"time", to_text(d.time)},
-                    {"agent", d.agent},
-                    {"what", d.what},
-                    {"reason", d.reason}};
+  ordered_json json{{"number", d.number},      {"time_ns", d.time.time_since_epoch().count()},
+                    {"time", to_text(d.time)}, {"agent", d.agent},
+                    {"what", d.what},          {"reason", d.reason}};
+  if (d.obstacle_number > 0) json["obstacle"] = d.obstacle_number;
   if (d.obstacle) json["obstacle_m"] = place_json(*d.obstacle);
   if (d.leg) json["leg"] = *d.leg;
   if (d.margin_m) json["margin_m"] = tidy(*d.margin_m);

@@ -23,9 +23,6 @@ ordered_json tidy_m(double value) {
   return std::round(value * 1e3) / 1e3;
 }
 
-/// Rounded to a tenth, of a second or a metre.
-double tidy_tenth(double value) { return std::round(value * 10) / 10; }
-
 ordered_json point_json(const Eigen::Vector2d& p) { return ordered_json::array({tidy_m(p.x()), tidy_m(p.y())}); }
 
 template <class Points>
@@ -149,57 +146,8 @@ void Display::on_scan(const ScanResult& scan) {
   const Detection& found = scan.detection;
   if (!vehicle_shown_) show_vehicle({found.time, found.X_WB, {}, {}, {}});  // without navigation it stands still
   maps_.show(found.time, scan.grid, found.X_WB);
-  scan_ = scan.number;
-  seen_ = found.obstacles;
-  for (Obstacle& o : seen_) o.outline = world_outline(o, found.X_WB);
-  show_obstacles(found.time);
-}
-
-/// Obstacles of the last scan, each with the id of the remembered obstacle that the agents matched it to, then the
-/// remembered obstacles, which keep their ids.
-void Display::show_obstacles(Time time) {
-  if (!start_) start_ = time;
-  ordered_json obstacles = ordered_json::array();
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
-    const Obstacle& o = seen_[i];
-    obstacles.push_back({{"outline", outline_json(o.outline)},
-                         {"existence", tidy_m(o.existence)},
-                         {"range_m", tidy_m(o.range_m)},
-                         {"bearing_deg", tidy_m(o.bearing.wrapped_positive().degrees())},
-                         {"hits", o.hits},
-                         {"behind", o.behind}});
-    if (o.label != WaterLabel::kUnknown) obstacles.back()["label"] = to_text(o.label);
-    if (const auto id = taken_for(i)) obstacles.back()["of"] = *id;
-  }
-  if (known_) {
-    for (const RememberedObstacle& o : known_->obstacles) obstacles.push_back(remembered_json(o));
-  }
-  items_.set(DisplayKind::kObstacles, 0, time, display_text(obstacles));
-}
-
-/// Leaves out an outline that the scan shows as well, and a trail of a single point.
-nlohmann::ordered_json Display::remembered_json(const RememberedObstacle& o) const {
-  ordered_json json{{"id", o.id}};
-  if (!o.whole) json["outline"] = outline_json(o.outline_W);
-  json["margin_m"] = tidy_m(o.margin_m);
-  json["since_s"] = tidy_tenth(to_seconds(o.first_seen - *start_));
-  json["seen_s"] = tidy_tenth(to_seconds(o.last_seen - *start_));
-  const auto trail = trails_.of(o.id);
-  if (trail.size() < 2) return json;
-  json["trail"] = ordered_json::array();
-  for (const Eigen::Vector2d& p : trail) {
-    json["trail"].push_back(ordered_json::array({tidy_tenth(p.x()), tidy_tenth(p.y())}));
-  }
-  return json;
-}
-
-/// Id of the known obstacle that the agents matched an obstacle of the last scan to.
-std::optional<std::uint32_t> Display::taken_for(std::size_t seen) const {
-  if (!known_ || known_->sweep != scan_ || seen >= known_->seen_as.size()) return std::nullopt;
-  const std::uint32_t id = known_->seen_as[seen];
-  const bool is_known = std::any_of(known_->obstacles.begin(), known_->obstacles.end(),
-                                    [id](const RememberedObstacle& o) { return o.id == id; });
-  return is_known ? std::optional(id) : std::nullopt;
+  if (!start_) start_ = found.time;
+  obstacles_.take(scan, *start_);
 }
 
 void Display::on_jump(const Eigen::Vector3d& /*by_W*/) { maps_.voxels_moved(vehicle_shown_.value_or(Time{})); }
@@ -208,7 +156,7 @@ void Display::heard(const Envelope& envelope) {
   const Time time = envelope.time;
   agents_.insert(envelope.sender);
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) {
-    items_.set(DisplayKind::kDecision, decisions_++, time, decision_json(*decision));
+    items_.set(DisplayKind::kDecision, decision->number, time, decision_json(*decision));
   } else if (const auto* route = std::get_if<RoutePlanned>(&envelope.message)) {
     way_ = *route;
     show_way(time);
@@ -219,9 +167,8 @@ void Display::heard(const Envelope& envelope) {
     target_ = request->point;
     show_way(time);
   } else if (const auto* scan = std::get_if<ObstacleScan>(&envelope.message)) {
-    known_ = scan->known;
-    if (known_) trails_.take(*known_);
-    show_obstacles(time);
+    if (!start_) start_ = time;
+    obstacles_.take(scan->known, time, *start_);
   } else if (const auto* fault = std::get_if<SafetyReport>(&envelope.message)) {
     if (fault->active) {
       ActiveFault& active = faults_.try_emplace(fault->fault, ActiveFault{time, {}, {}}).first->second;

@@ -12,7 +12,7 @@
 #include <isobath/base/task_thread.hpp>
 #include <isobath/display/display_state.hpp>
 #include <isobath/display/map_display.hpp>
-#include <isobath/display/obstacle_trails.hpp>
+#include <isobath/display/obstacle_display.hpp>
 #include <isobath/display/sonar_display.hpp>
 #include <isobath/event/event.hpp>
 #include <isobath/mission/command/bus.hpp>
@@ -24,7 +24,6 @@
 #include <isobath/world/voxel_model.hpp>
 #include <map>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -58,7 +57,7 @@ DisplayCounts display_counts(const Pipeline& pipeline, const DepthModel& depths)
 
 class Display : public ResultSink {
  public:
-  explicit Display(DisplayState& items) : items_(items), sonars_(items), maps_(items) {}
+  explicit Display(DisplayState& items) : items_(items), sonars_(items), maps_(items), obstacles_(items) {}
 
   /// Call it at the first event, and again when the scene has changed.
   void show(Time time, const DisplayScene& scene);
@@ -89,13 +88,11 @@ class Display : public ResultSink {
   void add_to_track(Time time, const Eigen::Vector3d& place);
   void show_vehicle(const Navigation& fix);
   void show_way(Time time);
-  void show_obstacles(Time time);
-  [[nodiscard]] nlohmann::ordered_json remembered_json(const RememberedObstacle& obstacle) const;
-  [[nodiscard]] std::optional<std::uint32_t> taken_for(std::size_t seen) const;
 
   DisplayState& items_;
   SonarDisplay sonars_;
   MapDisplay maps_;
+  ObstacleDisplay obstacles_;
   std::optional<Time> start_, vehicle_shown_, counted_;
   std::optional<Setpoint> wanted_;
   std::optional<double> altitude_m_;
@@ -104,15 +101,9 @@ class Display : public ResultSink {
   std::uint64_t places_ = 0;
   std::optional<Time> last_place_;
 
-  std::vector<Obstacle> seen_;  ///< of the last scan, outlines in W
-  int scan_ = 0;                ///< its number
-  std::shared_ptr<const KnownObstacles> known_;
-  ObstacleTrails trails_;
-
   RoutePlanned way_;
   MissionReport mission_;
   std::optional<std::size_t> target_;
-  std::uint64_t decisions_ = 0;
 
   std::map<std::string, ActiveFault> faults_;
   std::map<std::string, std::string> agents_lost_;

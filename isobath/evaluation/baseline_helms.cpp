@@ -89,6 +89,7 @@ void LineOfSightHelm::decided(const std::string& what, const std::string& why,
                               const std::optional<Vector2d>& obstacle) {
   Decision& decision = decisions_.emplace_back();
   decision.time = now_;
+  decision.number = decisions_.size();
   decision.agent = "baseline";
   decision.what = what;
   decision.reason = why;

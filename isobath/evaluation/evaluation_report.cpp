@@ -160,9 +160,9 @@ PlanExtent around(const RunTruth& truth, const SuiteRun& run, const LoopResult& 
   for (const TrueMotion& m : result.track) box.extend(Vector2d(m.state.X_WB.translation.head<2>()));
   for (const MissionPoint& p : run.scenario.mission.points) box.extend(p.north_east);
   for (const Vector2d& p : truth.way()) box.extend(p);
-  const double half = 0.6 * std::max(box.sizes().maxCoeff(), 10.0);
   const Vector2d c = box.center();
-  return {c.x() - half, c.x() + half, c.y() - half, c.y() + half};
+  box.extend(Vector2d(c.array() - 5)).extend(Vector2d(c.array() + 5));
+  return frame_around(box);
 }
 
 }  // namespace
@@ -338,7 +338,8 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
     page.paragraph(fmt::format("Seed {}: {}.", scored.seed, verdict(scored.scores.front())));
     std::string decisions;
     for (const Decision& d : result.decisions) {
-      decisions += fmt::format("{:7.2f} s  {}: {}: {}\n", to_seconds(d.time), d.agent, d.what, d.reason);
+      decisions +=
+          fmt::format("{:>3}  {:7.2f} s  {}: {}: {}\n", d.number, to_seconds(d.time), d.agent, d.what, d.reason);
     }
     page.folded("Decisions", decisions);
   }

@@ -175,6 +175,7 @@ WaterColumn Pipeline::water_at(const Ping& ping, const Pose& X_WB, bool posed) c
 void Pipeline::end_scan() {
   enter(Stage::kObstacles);
   Detection found = detector_.detect(mapper_->grid(), last_->time, last_->from.X_WB);
+  numbers_.keep(found.obstacles, level(found.X_WB));  // each obstacle keeps its number
   label_obstacles(found.obstacles, last_->from, sink_.heights());
   sink_.on_scan({static_cast<int>(++counts_.scans), last_->posed, found, mapper_->grid()});
   sweep_open_ = false;
@@ -191,6 +192,7 @@ void Pipeline::restart() {
   release(Time::max(), true);
   poses_.clear();
   bottom_ = {};
+  numbers_.forget();
   last_.reset();
   mapper_.reset();
 }
@@ -207,6 +209,7 @@ void Pipeline::follow(const Eigen::Vector3d& jump) {
   counts_.farthest_jump_m = std::max(counts_.farthest_jump_m, jump.norm());
   jumped_ += jump;
   if (last_ && last_->posed) last_->from.X_WB.translation += jump;
+  numbers_.move(jump.head<2>());
   alarms_.jumped(jump);
   sink_.on_jump(jump);
 }

@@ -25,6 +25,7 @@
 #include <isobath/event/event.hpp>
 #include <isobath/map/occupancy/body_grid.hpp>
 #include <isobath/map/occupancy/obstacle.hpp>
+#include <isobath/map/occupancy/obstacle_numbers.hpp>
 #include <isobath/onboard/alarms.hpp>
 #include <isobath/onboard/altitude_estimator.hpp>
 #include <isobath/onboard/event_gate.hpp>
@@ -137,6 +138,7 @@ class Pipeline {
   SweepSegmenter sweeps_;
   std::unique_ptr<GridMapper> mapper_;
   ObstacleDetector detector_;
+  ObstacleNumbers numbers_;
   PipelineCounts counts_;
 
   struct Placed {

@@ -69,13 +69,13 @@ Interval seen(const Obstacle& o) {
   return {middle + i.low, middle + i.high};
 }
 
-/// Obstacles come sorted by range, numbered below `count` in another order.
+/// Obstacles come sorted by range, numbered below `count` in another order; they get numbers from 1.
 void number_nearest_first(std::vector<Obstacle>& obstacles, int count) {
-  std::vector<int> numbers(static_cast<std::size_t>(count), -1);
-  int next = 0;
+  std::vector<int> numbers(static_cast<std::size_t>(count), 0);
+  int last = 0;
   for (Obstacle& o : obstacles) {
     int& number = numbers[static_cast<std::size_t>(o.number)];
-    if (number < 0) number = next++;
+    if (number == 0) number = ++last;
     o.number = number;
   }
 }

@@ -59,16 +59,6 @@ Columns columns_of(const Polygon& outline_W, double surface, double bottom, cons
 
 }  // namespace
 
-const char* to_text(WaterLabel label) {
-  switch (label) {
-    case WaterLabel::kStanding: return "standing";
-    case WaterLabel::kBottom: return "bottom";
-    case WaterLabel::kSurface: return "surface";
-    case WaterLabel::kUnknown: break;
-  }
-  return "unknown";
-}
-
 WaterLabel label_by_reach(const Obstacle& obstacle, const HeardFrom& from) {
   if (!from.water.above_bottom_m || !from.water.below_surface_m) return WaterLabel::kUnknown;
   const Pose X_WL = level(from.X_WB);

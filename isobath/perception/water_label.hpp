@@ -19,8 +19,6 @@
 
 namespace isobath {
 
-const char* to_text(WaterLabel label);
-
 /// Geometry of a ping for the label of its obstacles.
 struct HeardFrom {
   Pose X_WB, X_BS;

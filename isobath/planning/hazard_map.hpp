@@ -34,6 +34,7 @@ struct Hazard {
   double margin_m = 0;  ///< how far it may reach beyond the outline; below 0: its clearance is smaller by this much
   HazardKind kind = HazardKind::kSeen;
   std::uint32_t id = 0;  ///< chosen by the caller
+  int obstacle = 0;      ///< Obstacle::number of the obstacle that it is a piece of; 0: it has none
 };
 
 /// Where a path comes too near to a hazard.

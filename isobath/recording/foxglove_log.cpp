@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <isobath/display/display_bytes.hpp>
 #include <isobath/display/display_state.hpp>
+#include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/map/voxel/voxel_blocks.hpp>
 #include <isobath/recording/foxglove_log.hpp>
 
@@ -207,9 +208,14 @@ void FoxgloveLog::write_obstacles(const Detection& detection) {
   for (const Obstacle& o : detection.obstacles) {
     const FoxgloveColor color = o.behind ? kHiddenColor : kObstacleColor;
     entity.lines.push_back({outline_in_world(X_WL, o.outline), true, color});
-    if (o.behind) continue;
-    entity.texts.push_back({X_WL * Vector3d(o.nearest.x(), o.nearest.y(), 0),
-                            fmt::format("{:.1f} m, {:.2f}", o.range_m, o.existence), color});
+  }
+  for (const WholeObstacle& whole : whole_obstacles(detection.obstacles)) {
+    if (whole.behind) continue;
+    const Obstacle& piece = *whole.nearest;
+    entity.texts.push_back(
+        {X_WL * Vector3d(piece.nearest.x(), piece.nearest.y(), 0),
+         fmt::format("{}: {}, {:.1f} m, {:.2f}", whole.number, whole.kind(), piece.range_m, whole.existence),
+         kObstacleColor});
   }
   write(FoxgloveKind::kSceneUpdate, "/foxglove/obstacles", detection.time,
         foxglove_scene(detection.time, {&entity, 1}));
@@ -220,7 +226,8 @@ void FoxgloveLog::heard(const Envelope& envelope) {
     write(FoxgloveKind::kLog, "/foxglove/log", envelope.time, foxglove_log(envelope.time, level, name, message));
   };
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) {
-    log(FoxgloveLevel::kInfo, decision->agent, decision->what + ": " + decision->reason);
+    log(FoxgloveLevel::kInfo, decision->agent,
+        fmt::format("{}. {}: {}", decision->number, decision->what, decision->reason));
   } else if (const auto* fault = std::get_if<SafetyReport>(&envelope.message)) {
     const std::string state = fault->active ? fault->why : "over";
     log(fault->abort ? FoxgloveLevel::kError : FoxgloveLevel::kWarning, envelope.sender, fault->fault + ": " + state);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/recording/message_json.hpp>
 #include <nlohmann/json.hpp>
 
@@ -89,7 +90,8 @@ Content content_of(const Sweep& m) {
   return {{"number", m.number},
           {"posed", m.posed},
           {"sigma", exact_enough(m.sigma_m)},
-          {"obstacles", m.map ? m.map->obstacles.size() : 0},
+          {"obstacles", m.map ? whole_obstacles(m.map->obstacles).size() : 0},
+          {"obstacle_pieces", m.map ? m.map->obstacles.size() : 0},
           {"cells", m.map ? m.map->cells.size() : 0}};
 }
 Content content_of(const ObstacleScan& m) {
@@ -159,7 +161,8 @@ Content content_of(const TaskPlan& m) {
   return {{"id", m.id}, {"driver", m.driver}, {"waypoints", waypoints_content(m.waypoints)}};
 }
 Content content_of(const Decision& m) {
-  Content content{{"agent", m.agent}, {"what", m.what}, {"reason", m.reason}};
+  Content content{{"number", m.number}, {"agent", m.agent}, {"what", m.what}, {"reason", m.reason}};
+  if (m.obstacle_number > 0) content["obstacle_number"] = m.obstacle_number;
   if (m.obstacle) content["obstacle"] = components_of<2>(*m.obstacle);
   if (m.leg) content["leg"] = *m.leg;
   if (m.margin_m) content["margin"] = exact_enough(*m.margin_m);

@@ -14,6 +14,8 @@ using Eigen::Vector2d;
 
 constexpr std::size_t kMostNodes = 40000;  // of the surface between soundings
 constexpr double kShoreStep = 5;           // m
+constexpr double kChartMargin = 0.03;      // around the known pixels, share of the longer side
+constexpr int kLeastChartMargin = 2;       // pixels
 
 /// Measured depths, thinned so that a surface through them is quick to make, and the shore at depth 0.
 std::vector<SurveyPoint> nodes_of(const MapRaster& raster, const DepthChart& chart) {
@@ -57,14 +59,15 @@ std::string contours_text(const DepthChart& chart, double node_m) {
 
 }  // namespace
 
-DepthPictures write_depth_files(const DepthModel& model, const std::filesystem::path& folder,
+DepthPictures write_depth_files(const DepthModel& model, const ChartSource& source, const std::filesystem::path& folder,
                                 std::vector<std::filesystem::path>& files) {
   const auto snapshot = model.snapshot();
   const PixelWindow known = known_extent(snapshot->trees());
   if (known.width == 0) return {};
   const MapRaster raster = read_raster(*snapshot, known);
   DepthChart chart = chart_of(raster, model.facts());
-  chart.title = "Depths";
+  chart.survey = source.survey;
+  chart.date = source.date;
   chart.charted_confidence = model.charted_confidence();
   chart.tracks = model.tracks();
   for (const Prior& prior : model.prior().files) {
@@ -94,16 +97,23 @@ DepthPictures write_depth_files(const DepthModel& model, const std::filesystem::
     };
   }
   write_map_geotiff(raster, model.facts(), folder / "depth.tif");
+  const int longer_px = std::max(raster.window.width, raster.window.height);
+  std::string contours;
+  if (chart.origin) {
+    const double pixel_m = raster.grid.pixel_m;
+    contours = contours_text(chart, std::max(pixel_m, pixel_m * longer_px / 500));
+  }
+  add_margin(chart, std::max(kLeastChartMargin, static_cast<int>(kChartMargin * longer_px)));
   DepthPictures pictures;
+  chart.title = "Depths";
   pictures.depth = depth_chart_png(chart);
-  chart.title = "Confidence";
+  chart.title = "Confidence of the depths";
   pictures.confidence = confidence_chart_png(chart);
   write_file(folder / "chart.png", pictures.depth);
   write_file(folder / "confidence.png", pictures.confidence);
   files.insert(files.end(), {"depth.tif", "chart.png", "confidence.png"});
   if (chart.origin) {
-    const double longer = raster.grid.pixel_m * std::max(raster.window.width, raster.window.height);
-    write_file(folder / "contours.geojson", contours_text(chart, std::max(raster.grid.pixel_m, longer / 500)));
+    write_file(folder / "contours.geojson", contours);
     files.emplace_back("contours.geojson");
   }
   return pictures;

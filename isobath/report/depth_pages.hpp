@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <isobath/report/depth_outcome.hpp>
 #include <isobath/report/html_report.hpp>
+#include <isobath/report/plot/chart_layout.hpp>
 #include <isobath/world/depth_model.hpp>
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@ struct DepthPictures {
 
 /// Writes depth.tif, chart.png, confidence.png and, if the map has an origin, contours.geojson into `folder`, and
 /// appends their names to `files`. Throws Error if they cannot be written.
-DepthPictures write_depth_files(const DepthModel& model, const std::filesystem::path& folder,
+DepthPictures write_depth_files(const DepthModel& model, const ChartSource& source, const std::filesystem::path& folder,
                                 std::vector<std::filesystem::path>& files);
 
 /// Table of the regions that sonar changed against the charts: the first `most`.

@@ -11,4 +11,7 @@ namespace isobath {
 /// caller adds tracks, shore and obstructions.
 DepthChart chart_of(const MapRaster& raster, const MapFacts& facts);
 
+/// Widens the window of a chart by so many unknown pixels on every side.
+void add_margin(DepthChart& chart, int pixels);
+
 }  // namespace isobath

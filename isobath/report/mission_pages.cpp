@@ -146,7 +146,7 @@ void draw_numbers(MissionPlot& plot, const MissionOutcome& outcome) {
     const Decision& d = outcome.decisions[i];
     const auto place = place_at(outcome, d.time);
     if (place && stands_on_chart(outcome.decisions, i))
-      plot.numbered(place->north_east, static_cast<int>(i) + 1, colour_of(d));
+      plot.numbered(place->north_east, static_cast<int>(d.number), colour_of(d));
   }
 }
 
@@ -194,7 +194,7 @@ void legend(MissionPlot& plot, const MissionOutcome& outcome) {
   }
 }
 
-std::string chart_png(const MissionOutcome& outcome) {
+std::string chart_png(const MissionOutcome& outcome, const ChartSource& source) {
   const std::string title = outcome.plan.title.empty() ? "Mission" : outcome.plan.title;
   MissionPlot plot(mission_extent(outcome), kPlotPixels, title, outcome.plan.origin);
   plot.water(kWater);
@@ -211,6 +211,8 @@ std::string chart_png(const MissionOutcome& outcome) {
     plot.vehicle(X_WB.translation.head<2>(), X_WB.rotation.heading().radians());
   }
   legend(plot, outcome);
+  plot.gap();
+  plot.about(source, "No geographic position: metres from the origin of the mission.");
   plot.finish();
   return plot.png();
 }
@@ -238,7 +240,7 @@ std::string clearance_png(const MissionOutcome& outcome, double planned_clearanc
   limit(0, kSafety, "contact");
   for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
     const Decision& d = outcome.decisions[i];
-    if (stands_on_chart(outcome.decisions, i)) picture.mark(to_seconds(d.time), std::to_string(i + 1), colour_of(d));
+    if (stands_on_chart(outcome.decisions, i)) picture.mark(to_seconds(d.time), std::to_string(d.number), colour_of(d));
   }
   picture.finish();
   return picture.png();
@@ -248,9 +250,9 @@ std::string number_or_dash(const std::optional<double>& value) { return value ? 
 
 }  // namespace
 
-MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m) {
+MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m, const ChartSource& source) {
   MissionPictures pictures;
-  if (!outcome.believed.empty()) pictures.chart = chart_png(outcome);
+  if (!outcome.believed.empty()) pictures.chart = chart_png(outcome, source);
   if (outcome.truth && outcome.truth->track.size() > 1 && std::isfinite(outcome.truth->least_clearance_m)) {
     pictures.clearance = clearance_png(outcome, planned_clearance_m);
   }
@@ -272,10 +274,9 @@ void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionP
   }
   page.heading("Decisions");
   std::vector<HtmlReport::Row> rows;
-  for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
-    const Decision& d = outcome.decisions[i];
-    rows.push_back({fmt::format("{}", i + 1), to_text(d.time), d.agent, d.what, d.leg ? fmt::format("{}", *d.leg) : "-",
-                    number_or_dash(d.margin_m), d.reason});
+  for (const Decision& d : outcome.decisions) {
+    rows.push_back({fmt::format("{}", d.number), to_text(d.time), d.agent, d.what,
+                    d.leg ? fmt::format("{}", *d.leg) : "-", number_or_dash(d.margin_m), d.reason});
   }
   page.table({"", "time", "by", "what", "leg", "margin (m)", "why"}, rows);
 }
@@ -292,7 +293,7 @@ std::vector<std::string> mission_summary(const MissionOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.decisions.size(); ++i) {
     const Decision& d = outcome.decisions[i];
     if (!stands_on_chart(outcome.decisions, i)) continue;
-    lines.push_back(fmt::format("  {:>2}  {:>9}  {}: {}: {}", i + 1, to_text(d.time), d.agent, d.what, d.reason));
+    lines.push_back(fmt::format("  {:>2}  {:>9}  {}: {}: {}", d.number, to_text(d.time), d.agent, d.what, d.reason));
   }
   return lines;
 }

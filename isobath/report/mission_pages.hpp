@@ -8,6 +8,7 @@
 
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/mission_outcome.hpp>
+#include <isobath/report/plot/chart_layout.hpp>
 #include <string>
 
 namespace isobath {
@@ -17,8 +18,9 @@ struct MissionPictures {
   std::string chart, clearance;
 };
 
-/// `planned_clearance_m`: clearance from the hull that routes are planned with; drawn as a limit in that chart.
-MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m);
+/// `planned_clearance_m`: clearance from the hull that routes are planned with; drawn as a limit in that chart. The
+/// chart names the `source`.
+MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m, const ChartSource& source);
 
 void add_mission(HtmlReport& page, const MissionOutcome& outcome, const MissionPictures& pictures);
 

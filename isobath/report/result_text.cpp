@@ -62,6 +62,16 @@ const WholeObstacle& of_number(const std::vector<WholeObstacle>& whole, int numb
 
 }  // namespace
 
+std::string date_text(Time first, Time last) {
+  const std::string from = to_text(first), to = to_text(last);
+  constexpr std::size_t kDay = 10, kClock = 11, kMinutes = 5;  // of "2024-03-13T15:50:16.250Z"
+  if (from.size() < kClock + kMinutes || from[kDay] != 'T') return {};
+  if (from.substr(0, kDay) != to.substr(0, kDay)) {
+    return fmt::format("{} to {}, UTC", from.substr(0, kDay), to.substr(0, kDay));
+  }
+  return fmt::format("{}, {} UTC", from.substr(0, kDay), from.substr(kClock, kMinutes));
+}
+
 ordered_json obstacle_list(const std::vector<Obstacle>& obstacles) {
   ordered_json list = ordered_json::array();
   const std::vector<WholeObstacle> whole = whole_obstacles(obstacles);

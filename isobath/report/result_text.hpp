@@ -21,6 +21,9 @@ struct ScanRecord {
   std::vector<Obstacle> obstacles;
 };
 
+/// When data were taken: "2025-01-17 to 2025-01-30, UTC", "2016-07-19, 22:13 UTC"; empty for a log without a date.
+std::string date_text(Time first, Time last);
+
 /// Obstacles in L, as in obstacles.json.
 nlohmann::ordered_json obstacle_list(const std::vector<Obstacle>& obstacles);
 /// `frame`, the time and pose of the scan, and its `obstacles`; an empty list if there was no scan.

@@ -35,7 +35,8 @@ struct RunOutcome {
   PipelineCounts counts;
   SourceReport source;
   std::map<std::string, std::uint64_t> rejected;  ///< by the source and by the pipeline
-  double log_s = 0;                               ///< time from the first event to the last
+  Time started;                                   ///< time of the first event
+  double log_s = 0;                               ///< from there to the last event
   RunTimings timings;
   std::vector<Obstacle> obstacles;           ///< at the end
   std::vector<std::filesystem::path> files;  ///< written, relative to the folder, in order

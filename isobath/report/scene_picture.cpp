@@ -19,7 +19,8 @@ std::size_t at(int row, int column) {
 PlanExtent around(const Simulator& simulator, std::span<const Vector2d> track) {
   Eigen::AlignedBox2d box;
   const Scene& scene = simulator.scene();
-  box.extend(Vector2d(scene.vehicle.start.head<2>()));
+  const Vector2d start = scene.vehicle.start.head<2>();
+  box.extend(Vector2d(start.array() - 5)).extend(Vector2d(start.array() + 5));
   for (const Vector2d& p : track) box.extend(p);
   for (const WaypointConfig& w : scene.waypoints) box.extend(Vector2d(w.north, w.east));
   for (const WorldBody& b : simulator.world().bodies()) {
@@ -29,9 +30,7 @@ PlanExtent around(const Simulator& simulator, std::span<const Vector2d> track) {
     for (std::size_t i = 0; i + 3 < b.body->path.size(); i += 4)
       box.extend(Vector2d(b.body->path[i + 1], b.body->path[i + 2]));
   }
-  const double half = 0.55 * std::max(box.sizes().maxCoeff(), 10.0);
-  const Vector2d c = box.center();
-  return {c.x() - half, c.x() + half, c.y() - half, c.y() + half};
+  return frame_around(box);
 }
 
 /// Deep water is dark, shallow water light.
@@ -60,13 +59,13 @@ std::string scene_picture(const Simulator& simulator, std::span<const Vector2d> 
   const Scene& scene = simulator.scene();
   const PlanExtent extent = around(simulator, track);
   PlanPicture picture(extent, kPixels, {scene.about.title, "north (m)", "east (m)"});
-  const double cell = (extent.x_max - extent.x_min) / kDepths;
+  const double cell_x = (extent.x_max - extent.x_min) / kDepths, cell_y = (extent.y_max - extent.y_min) / kDepths;
   std::vector<double> depths(at(kDepths, 0), std::nan(""));
   double shallow = 1e9, deep = -1e9;
   for (int i = 0; i < kDepths; ++i) {
     for (int j = 0; j < kDepths; ++j) {
       const auto depth =
-          simulator.world().bottom_depth(extent.x_min + (i + 0.5) * cell, extent.y_min + (j + 0.5) * cell);
+          simulator.world().bottom_depth(extent.x_min + (i + 0.5) * cell_x, extent.y_min + (j + 0.5) * cell_y);
       if (!depth) continue;
       depths[at(i, j)] = *depth;
       shallow = std::min(shallow, *depth);
@@ -74,8 +73,8 @@ std::string scene_picture(const Simulator& simulator, std::span<const Vector2d> 
     }
   }
   picture.raster([&](double x, double y) {
-    const int i = std::clamp(static_cast<int>((x - extent.x_min) / cell), 0, kDepths - 1);
-    const int j = std::clamp(static_cast<int>((y - extent.y_min) / cell), 0, kDepths - 1);
+    const int i = std::clamp(static_cast<int>((x - extent.x_min) / cell_x), 0, kDepths - 1);
+    const int j = std::clamp(static_cast<int>((y - extent.y_min) / cell_y), 0, kDepths - 1);
     const double depth = depths[at(i, j)];
     if (std::isnan(depth)) return Colour{0.96, 0.96, 0.96, 1};
     return bottom_colour(deep - shallow < 0.01 ? 0.5 : (depth - shallow) / (deep - shallow));

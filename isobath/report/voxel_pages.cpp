@@ -3,14 +3,17 @@
 #include <isobath/io/exports/voxel_files.hpp>
 #include <isobath/io/exports/voxel_vdb.hpp>
 #include <isobath/map/voxel/seen_voxels.hpp>
+#include <isobath/report/plot/chart_layout.hpp>
 #include <isobath/report/plot/picture.hpp>
 #include <isobath/report/voxel_pages.hpp>
 #include <limits>
+#include <optional>
+#include <utility>
 
 namespace isobath {
 namespace {
 
-constexpr int kPlotPixels = 640;
+constexpr int kVoxelPlotPixels = 820, kVoxelPanelPixels = 700;
 constexpr Colour kNeverSeen{0.93, 0.93, 0.93, 1}, kFreeWater{1, 1, 1, 1}, kUnsure{0.82, 0.86, 0.9, 1},
     kSuspected{0.98, 0.82, 0.6, 1};
 
@@ -32,7 +35,13 @@ bool is_suspected(const VoxelMap& map, const VoxelIndex& v) { return map.probabi
 class Shadow {
  public:
   Shadow(const VoxelMap& map, const VoxelBox& box, int right, int up, int along, bool from_most)
-      : map_(map), box_(box), right_(right), up_(up), along_(along), columns_(box.most[right] - box.least[right] + 1) {
+      : map_(map),
+        box_(box),
+        right_(right),
+        up_(up),
+        along_(along),
+        from_most_(from_most),
+        columns_(box.most[right] - box.least[right] + 1) {
     const int rows = box.most[up] - box.least[up] + 1;
     cells_.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns_));
     for_each_seen(map, [&](const VoxelIndex& v) {
@@ -48,25 +57,43 @@ class Shadow {
     });
   }
 
-  [[nodiscard]] std::string picture(const PlanPicture::Labels& labels, const std::string& what, bool height) const {
-    const double edge = map_.voxel_m();
-    const double sign = height ? -1 : 1;  // with height, up is upwards on the page
+  struct Look {
+    std::string title = {}, axes = {};  ///< axes: of a view from the side; empty: the view is a map
+    std::string caption = {};           ///< of the colour bar: what it says of the nearest voxel; empty: no bar
+    bool height = false;                ///< up is upwards on the page, and counts as height
+    std::optional<GeoOrigin> origin = {};
+    ChartSource source = {};
+  };
+  [[nodiscard]] std::string picture(const Look& look) const {
+    const double edge = map_.voxel_m(), sign = look.height ? -1 : 1;
     const double a = sign * edge * box_.least[up_], b = sign * edge * (box_.most[up_] + 1);
     const PlanExtent extent{std::min(a, b), std::max(a, b), edge * box_.least[right_], edge * (box_.most[right_] + 1)};
-    PlanPicture picture(extent, kPlotPixels, labels);
-    const double depth = std::max(1, box_.most[along_] - box_.least[along_]);
-    picture.raster([&](double x, double y) {
-      const Cell& cell = at(static_cast<int>(std::floor(sign * x / edge)), static_cast<int>(std::floor(y / edge)));
-      if (cell.near < kNone) return intensity_colour(1 - 0.85 * cell.near / depth);
-      if (cell.suspected) return kSuspected;
-      return !cell.seen ? kNeverSeen : cell.free ? kFreeWater : kUnsure;
-    });
-    std::vector<PlanPicture::LegendEntry> keys{{intensity_colour(1), what}};
-    if (box_.most[along_] > box_.least[along_]) keys.push_back({intensity_colour(0.15), "farthest"});
-    keys.insert(keys.end(),
-                {{kSuspected, "suspected"}, {kFreeWater, "free"}, {kUnsure, "unsure"}, {kNeverSeen, "not observed"}});
-    picture.finish(keys);
-    return picture.png();
+    ChartLayout layout(extent, kVoxelPlotPixels, look.title, look.origin, kVoxelPanelPixels);
+    if (!look.axes.empty()) layout.name_axes(look.axes);
+    const double metres = layout.metres_per_px();
+    std::vector<Colour> colours;
+    for (int row = 0; row < layout.rows(); ++row) {
+      const int up = static_cast<int>(std::floor(sign * (extent.x_max - (row + 0.5) * metres) / edge));
+      for (int column = 0; column < layout.columns(); ++column) {
+        const double right = extent.y_min + (column + 0.5) * metres;
+        colours.push_back(colour_of(at(up, static_cast<int>(std::floor(right / edge)))));
+      }
+    }
+    layout.raster(colours);
+    layout.north_arrow_and_scale(look.axes.empty() ? "N" : "");
+    if (look.caption.empty()) {
+      layout.legend_fill(intensity_colour(1), "occupied");
+    } else {
+      add_bar(layout, look.caption);
+    }
+    layout.legend_fill(kSuspected, "suspected");
+    layout.legend_fill(kFreeWater, "free");
+    layout.legend_fill(kUnsure, "unsure");
+    layout.legend_fill(kNeverSeen, "not observed");
+    layout.note("");
+    layout.about(look.source, "No geographic position: metres from the origin of the log.");
+    layout.finish();
+    return layout.png();
   }
 
  private:
@@ -75,6 +102,19 @@ class Shadow {
     int near = kNone;
     bool seen = false, free = false, suspected = false;
   };
+  [[nodiscard]] Colour colour_of(const Cell& cell) const {
+    const double depth = std::max(1, box_.most[along_] - box_.least[along_]);
+    if (cell.near < kNone) return intensity_colour(1 - 0.85 * cell.near / depth);
+    if (cell.suspected) return kSuspected;
+    return !cell.seen ? kNeverSeen : cell.free ? kFreeWater : kUnsure;
+  }
+  /// The place of the nearest voxel along the line of sight, nearest at the top.
+  void add_bar(ChartLayout& layout, const std::string& caption) const {
+    const double least = map_.voxel_m() * box_.least[along_], most = map_.voxel_m() * (box_.most[along_] + 1);
+    const double near = from_most_ ? most : least, far = from_most_ ? least : most;
+    layout.colour_bars(caption, near, far, ticks(least, most, 5),
+                       {{"", [=](double v) { return intensity_colour(1 - 0.85 * (v - near) / (far - near)); }}});
+  }
   [[nodiscard]] std::size_t index(int up, int right) const {
     const int row = std::clamp(up, box_.least[up_], box_.most[up_]) - box_.least[up_];
     const int column = std::clamp(right, box_.least[right_], box_.most[right_]) - box_.least[right_];
@@ -85,7 +125,9 @@ class Shadow {
 
   const VoxelMap& map_;
   VoxelBox box_;
-  int right_, up_, along_, columns_;
+  int right_, up_, along_;
+  bool from_most_;
+  int columns_;
   std::vector<Cell> cells_;
 };
 
@@ -102,17 +144,10 @@ VoxelBox box_around(const VoxelMap& map) {
   return occupied;
 }
 
-/// A narrow fan, or a single vertical one, covers only a strip; the legend needs a wider picture.
-VoxelBox as_wide_as_high(VoxelBox box, int right, int up) {
-  const int narrow = (box.most[up] - box.least[up] - (box.most[right] - box.least[right])) / 2;
-  box.least[right] -= std::max(0, narrow);
-  box.most[right] += std::max(0, narrow);
-  return box;
-}
-
 }  // namespace
 
-VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesystem::path& folder,
+VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, ChartSource source,
+                                const std::optional<GeoOrigin>& origin, const std::filesystem::path& folder,
                                 VoxelOutcome& outcome, std::vector<std::filesystem::path>& files) {
   const auto write = [&](const char* name, const std::string& bytes) {
     write_file(folder / name, bytes);
@@ -130,19 +165,30 @@ VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, const std::filesy
   const VoxelBox box = box_around(map);
   if (box.empty()) return pictures;
   constexpr int kNorth = 0, kEast = 1, kDown = 2;
-  const VoxelBox plan = as_wide_as_high(box, kEast, kNorth);
-  pictures.above = Shadow(map, plan, kEast, kNorth, kDown, false)
-                       .picture({"Occupied voxels from above", "north (m)", "east (m)"}, "shallowest", false);
+  source.cell_m = map.voxel_m();
+  pictures.above = Shadow(map, box, kEast, kNorth, kDown, false)
+                       .picture({.title = "Occupied voxels from above",
+                                 .caption = "Depth of the shallowest, m",
+                                 .origin = origin,
+                                 .source = source});
   pictures.from_south = Shadow(map, box, kEast, kDown, kNorth, false)
-                            .picture({"Occupied voxels from the south", "height (m)", "east (m)"}, "nearest", true);
+                            .picture({.title = "Occupied voxels from the south",
+                                      .axes = "height above the datum and east, in metres",
+                                      .caption = "North of the nearest, m",
+                                      .height = true,
+                                      .source = source});
   pictures.from_east = Shadow(map, box, kNorth, kDown, kEast, true)
-                           .picture({"Occupied voxels from the east", "height (m)", "north (m)"}, "nearest", true);
-  VoxelBox level = plan;
+                           .picture({.title = "Occupied voxels from the east",
+                                     .axes = "height above the datum and north, in metres",
+                                     .caption = "East of the nearest, m",
+                                     .height = true,
+                                     .source = source});
+  VoxelBox level = box;
   level.least[kDown] = level.most[kDown] = map.voxel_at({0, 0, outcome.vehicle_depth_m}).z();
-  pictures.at_depth =
-      Shadow(map, level, kEast, kNorth, kDown, false)
-          .picture({fmt::format("At the vehicle's depth, {:.1f} m", outcome.vehicle_depth_m), "north (m)", "east (m)"},
-                   "occupied", false);
+  pictures.at_depth = Shadow(map, level, kEast, kNorth, kDown, false)
+                          .picture({.title = fmt::format("At the vehicle's depth, {:.1f} m", outcome.vehicle_depth_m),
+                                    .origin = origin,
+                                    .source = source});
   write("voxels-depth.png", pictures.at_depth);
   write("voxels.png", pictures.above);
   write("voxels-south.png", pictures.from_south);

@@ -257,6 +257,7 @@ RunOutcome Run::outcome() {
     outcome.live.emplace().lost_pings = onboard_.lost_pings();
     outcome.timings.load.add(Stage::kAgents, outcome.mission->timings.agents_s);
   }
+  if (first_ <= last_) outcome.started = first_;
   outcome.log_s = last_ > first_ ? to_seconds(last_ - first_) : 0;
   outcome.source = input_.report();
   outcome.source.origin = input_.origin();

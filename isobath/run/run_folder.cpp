@@ -8,6 +8,7 @@
 #include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/html_report.hpp>
+#include <isobath/report/report_sections.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/run/run_folder.hpp>
 #include <isobath/run/run_manifest.hpp>
@@ -15,14 +16,6 @@
 
 namespace isobath {
 namespace {
-
-using Eigen::Vector2d;
-constexpr int kPlotPixels = 640;
-
-double ring_step(const PlanExtent& extent) {
-  const auto steps = ticks(0, std::max(extent.x_max, extent.y_max), 4);
-  return steps.size() > 1 ? steps[1] : 1;
-}
 
 std::string degrees(Angle a) { return fmt::format("{:.1f}", a.wrapped_positive().degrees()); }
 
@@ -92,14 +85,13 @@ RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
 void RunFolder::on_ping(const PosedPing& posed) { sweep_.push_back({posed.ping, posed.X_WB}); }
 
 void RunFolder::on_jump(const Eigen::Vector3d& by_W) {
-  for (KeptPing& kept : sweep_) kept.X_WB.translation += by_W;
+  for (ScanPing& kept : sweep_) kept.X_WB.translation += by_W;
 }
 
 void RunFolder::on_scan(const ScanResult& scan) {
   const Detection& found = scan.detection;
   obstacles_ = found.obstacles;
   scans_.push_back({scan.number, found.time, found.X_WB, scan.posed, found.obstacles});
-  track_.push_back(found.X_WB.translation.head<2>());
   // A sweep that the end of the log cuts short does not replace a complete one.
   if (last_sweep_.empty() || sweep_.size() * 2 > last_sweep_.size()) last_sweep_.swap(sweep_);
   sweep_.clear();
@@ -110,118 +102,38 @@ void RunFolder::write_text(const std::string& name, const std::string& bytes, Ru
   outcome.files.emplace_back(name);
 }
 
-PlanExtent RunFolder::extent() const {
-  double reach = 1;
-  for (const KeptPing& kept : last_sweep_) reach = std::max(reach, kept.ping.window.end_m());
-  return {-reach, reach, -reach, reach};
-}
-
 // Pictures -----------------------------------------------------------------------------------------------------------
 
-namespace {
-
-PlanPicture::Labels body_labels(const std::string& title) { return {title, "forward (m)", "starboard (m)"}; }
-
-void draw_obstacles(PlanPicture& picture, const std::vector<Obstacle>& obstacles) {
-  for (const Obstacle& o : obstacles) {
-    const Colour colour = o.behind ? palette::kHidden : palette::kObstacle;
-    picture.polygon(o.outline, {colour, 2, o.possible_multiple}, {colour.red, colour.green, colour.blue, 0.15});
+/// The pictures of scan and mission, and the files of the maps with theirs.
+RunFolder::Pictures RunFolder::draw(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels,
+                                    const DepthModel& depths, RunOutcome& outcome) const {
+  const ScanRecord last = scans_.empty() ? ScanRecord{} : scans_.back();
+  const std::optional<GeoOrigin> origin = last.posed ? outcome.source.origin : std::nullopt;
+  ChartSource source{request.input.empty() ? "embedded scene" : input_name(request.input),
+                     date_text(outcome.started, outcome.started + seconds(outcome.log_s))};
+  const bool simulated = outcome.truth || (outcome.mission && outcome.mission->truth);
+  if (simulated && source.date.empty()) source.date = "simulated";
+  Pictures pictures;
+  if (grid) {
+    ScanView view{last_sweep_, obstacles_, truth_, source};
+    if (last.number > 0) view.source.survey += fmt::format(", scan {} of {}", last.number, scans_.size());
+    pictures.occupancy = occupancy_picture(view, *grid);
+    pictures.sonar = echo_picture(view);
+    pictures.detections = obstacle_picture(view);
+    if (last.posed) pictures.track = track_picture(scans_, origin, source);
+    write_text("occupancy.png", pictures.occupancy, outcome);
+    write_text("sonar.png", pictures.sonar, outcome);
+    write_text("detections.png", pictures.detections, outcome);
   }
-  for (const Obstacle& o : obstacles) {
-    if (o.behind) continue;
-    picture.dot(o.nearest, 2.5, palette::kObstacle);
+  if (voxels) {
+    pictures.voxels = write_voxel_files(*voxels, configuration_.voxels.vdb, source, outcome.source.origin, folder_,
+                                        *outcome.voxels, outcome.files);
   }
-}
-
-std::vector<PlanPicture::LegendEntry> obstacle_legend() {
-  return {{palette::kObstacle, "obstacle"}, {palette::kHidden, "hidden obstacle (dashed: possible multiple)"}};
-}
-
-}  // namespace
-
-std::string RunFolder::sonar_picture() const {
-  PlanPicture picture(extent(), kPlotPixels, body_labels("Echoes of the last sweep"));
-  const double pixel = (extent().x_max - extent().x_min) / kPlotPixels;
-  PlanImage image(extent(), pixel);
-  const Pose X_BW = last_sweep_.empty() ? Pose{} : level(last_sweep_.back().X_WB).inverse();
-  for (const KeptPing& kept : last_sweep_) image.add(kept.ping, X_BW * kept.X_WB * kept.ping.X_BS);
-  picture.raster([&image](double x, double y) {
-    const auto share = image.share(x, y);
-    return share ? intensity_colour(std::sqrt(*share)) : Colour{0.93, 0.93, 0.93, 1};
-  });
-  picture.range_rings({0, 0}, ring_step(extent()));
-  picture.vehicle({0, 0}, 0);
-  picture.finish(
-      {{intensity_colour(1), "strongest echo"}, {intensity_colour(0), "none"}, {{0.93, 0.93, 0.93, 1}, "no data"}});
-  return picture.png();
-}
-
-std::string RunFolder::detections_picture() const {
-  PlanPicture picture(extent(), kPlotPixels,
-                      body_labels(fmt::format("Obstacles ({})", whole_obstacles(obstacles_).size())));
-  const double pixel = (extent().x_max - extent().x_min) / kPlotPixels;
-  PlanImage image(extent(), pixel);
-  const Pose X_BW = last_sweep_.empty() ? Pose{} : level(last_sweep_.back().X_WB).inverse();
-  for (const KeptPing& kept : last_sweep_) image.add(kept.ping, X_BW * kept.X_WB * kept.ping.X_BS);
-  picture.raster([&image](double x, double y) {
-    const double shade = 1 - 0.75 * std::sqrt(image.share(x, y).value_or(0.0));
-    return Colour{shade, shade, shade, 1};
-  });
-  picture.range_rings({0, 0}, ring_step(extent()));
-  for (const Polygon& outline : truth_) picture.polygon(outline, {palette::kTruth, 2, false});
-  draw_obstacles(picture, obstacles_);
-  picture.vehicle({0, 0}, 0);
-  auto legend = obstacle_legend();
-  if (!truth_.empty()) legend.insert(legend.begin(), {palette::kTruth, "truth"});
-  picture.finish(legend);
-  return picture.png();
-}
-
-std::string RunFolder::occupancy_picture(const BodyGrid& grid) const {
-  PlanPicture picture(extent(), kPlotPixels, body_labels("Occupancy"));
-  picture.raster([&grid](double x, double y) {
-    const auto cell = grid.cell_at({x, y});
-    return cell ? occupancy_colour(grid.probability(*cell), grid.config().prior) : Colour{0.7, 0.7, 0.7, 1};
-  });
-  picture.range_rings({0, 0}, ring_step(extent()));
-  picture.vehicle({0, 0}, 0);
-  picture.finish({{occupancy_colour(0.98, 0.01), "occupied"},
-                  {occupancy_colour(0.3, 0.01), "likely"},
-                  {occupancy_colour(0.001, 0.01), "free"},
-                  {occupancy_colour(0.01, 0.01), "unknown"}});
-  return picture.png();
-}
-
-std::string RunFolder::track_picture() const {
-  Vector2d low = track_.front(), high = track_.front();
-  for (const Vector2d& p : track_) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
+  if (outcome.depth) pictures.depth = write_depth_files(depths, source, folder_, outcome.files);
+  if (outcome.mission) {
+    pictures.mission = draw_mission(*outcome.mission, configuration_.mission.route.clearance_m, source);
   }
-  std::vector<std::pair<std::vector<Vector2d>, double>> outlines;
-  for (const ScanRecord& scan : scans_) {
-    const Pose X_WL = level(scan.X_WB);
-    for (const Obstacle& o : scan.obstacles) {
-      if (o.behind) continue;
-      std::vector<Vector2d> outline;
-      for (const Vector2d& p : o.outline) {
-        outline.push_back((X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
-        low = low.cwiseMin(outline.back());
-        high = high.cwiseMax(outline.back());
-      }
-      outlines.emplace_back(std::move(outline), o.existence);
-    }
-  }
-  const double margin = 0.05 * (high - low).maxCoeff() + 0.5;
-  PlanPicture picture({low.x() - margin, high.x() + margin, low.y() - margin, high.y() + margin}, kPlotPixels,
-                      {"Track and obstacles of all scans", "north (m)", "east (m)"});
-  for (const auto& [outline, existence] : outlines) {
-    picture.polygon(outline, {{0.84, 0.37, 0.0, 0.25 * existence}, 1, false}, {0.84, 0.37, 0.0, 0.05 * existence});
-  }
-  picture.polyline(track_, {palette::kTrack, 2, false});
-  picture.vehicle(track_.back(), scans_.back().X_WB.rotation.heading().radians());
-  picture.finish({{palette::kTrack, "track"}, {palette::kObstacle, "obstacles; darker where seen again"}});
-  return picture.png();
+  return pictures;
 }
 
 void add_truth(HtmlReport& page, const TruthScore& score) {
@@ -298,22 +210,12 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const Vox
   write_text("scans.json", scans_json(scans_), outcome);
   const std::optional<GeoOrigin> origin = last.posed ? outcome.source.origin : std::nullopt;
   if (origin) write_text("obstacles.geojson", obstacles_geojson(last, *origin), outcome);
-  Pictures pictures;
   if (grid) {
     write_occupancy(*grid, level(last.X_WB), origin);
     outcome.files.emplace_back("occupancy.tif");
-    pictures.occupancy = occupancy_picture(*grid);
-    pictures.sonar = sonar_picture();
-    pictures.detections = detections_picture();
-    write_text("occupancy.png", pictures.occupancy, outcome);
-    write_text("sonar.png", pictures.sonar, outcome);
-    write_text("detections.png", pictures.detections, outcome);
   }
-  if (voxels)
-    pictures.voxels = write_voxel_files(*voxels, configuration_.voxels.vdb, folder_, *outcome.voxels, outcome.files);
-  if (outcome.depth) pictures.depth = write_depth_files(depths, folder_, outcome.files);
+  const Pictures pictures = draw(request, grid, voxels, depths, outcome);
   if (outcome.mission) {
-    pictures.mission = draw_mission(*outcome.mission, configuration_.mission.route.clearance_m);
     write_text("mission.json", mission_text(*outcome.mission), outcome);
     write_text("decisions.json", decisions_text(outcome.mission->decisions), outcome);
     if (!pictures.mission.chart.empty()) write_text("mission.png", pictures.mission.chart, outcome);
@@ -347,25 +249,47 @@ void RunFolder::write_occupancy(const BodyGrid& grid, const Pose& X_WL, const st
   write_geotiff(folder_ / "occupancy.tif", frame, {.name = "occupancy probability", .unit = ""}, raster);
 }
 
-void RunFolder::add_obstacles(HtmlReport& page) const {
+void RunFolder::add_scan(HtmlReport& page, const Pictures& pictures) const {
   page.heading("Obstacles");
+  if (!pictures.detections.empty()) {
+    page.begin_row();
+    page.figure(pictures.detections, "Obstacles over the echoes of the last scan, from above. Forward is up.");
+    page.figure(pictures.occupancy, "Occupancy of the water around the vehicle. Unknown is not free.");
+    page.figure(pictures.sonar, "The echoes of the last scan.");
+    if (!pictures.track.empty()) page.figure(pictures.track, "Track of the vehicle, north up.");
+    page.end_row();
+  }
   std::vector<HtmlReport::Row> rows;
   for (const WholeObstacle& o : whole_obstacles(obstacles_)) {
-    rows.push_back({std::to_string(o.number + 1), degrees(o.nearest->bearing),
-                    fmt::format("{:.2f}", o.nearest->range_m), fmt::format("{}, {:.1f} m", o.kind(), o.extent_m),
-                    fmt::format("{:.3f}", o.existence), notes(o)});
+    rows.push_back({std::to_string(o.number), degrees(o.nearest->bearing), fmt::format("{:.2f}", o.nearest->range_m),
+                    fmt::format("{}, {:.1f} m", o.kind(), o.extent_m), fmt::format("{:.3f}", o.existence), notes(o)});
   }
-  page.table({"", "bearing (deg)", "nearest point (m)", "extent", "existence", ""}, rows);
+  if (rows.empty()) {
+    page.paragraph("No obstacle at the end of the run.");
+  } else {
+    page.table({"obstacle", "bearing (deg)", "nearest point (m)", "kind, extent", "existence", ""}, rows);
+  }
+}
+
+void RunFolder::add_replay(HtmlReport& page) const {
+  if (film_words_.empty()) return;
+  page.heading("Replay of the run");
+  if (film_page_.empty()) {
+    page.paragraph(film_words_);
+  } else {
+    page.page_inside("Replay of the run", film_page_, film_words_);
+  }
 }
 
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const Pictures& pictures) const {
   const PipelineCounts& n = outcome.counts;
   const bool pinged = n.pings > 0 || !outcome.depth;  // else the report is only about depths
-  const std::string lead =
+  const std::string data =
       pinged ? fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
                            outcome.source.format, n.pings, outcome.log_s, n.scans, whole_obstacles(obstacles_).size())
              : fmt::format("{} · {} ranges and {} swaths within {} · depth map", outcome.source.format, n.ranges,
                            n.swaths, span_text(outcome.log_s));
+  const std::string lead = outcome.mission ? mission_summary(*outcome.mission).front() + " · " + data : data;
   HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : input_name(request.input)), lead);
   if (!outcome.problem.empty()) page.warning(outcome.problem);
   for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");
@@ -374,27 +298,16 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
   if (n.pings > 0 && n.unposed == n.pings) {
     page.paragraph("The log has no navigation: the vehicle is assumed to stand still.");
   }
-  if (!film_page_.empty()) {
-    page.page_inside("Replay of the run", film_page_, film_words_);
-  } else if (!film_words_.empty()) {
-    page.paragraph(film_words_);
+  for (const ReportSection section : report_sections(outcome)) {
+    switch (section) {
+      case ReportSection::kMission: add_mission(page, *outcome.mission, pictures.mission); break;
+      case ReportSection::kScan: add_scan(page, pictures); break;
+      case ReportSection::kVoxels: add_voxels(page, *outcome.voxels, pictures.voxels); break;
+      case ReportSection::kDepth: add_depth(page, *outcome.depth, pictures.depth); break;
+      case ReportSection::kReplay: add_replay(page); break;
+    }
   }
-  if (outcome.mission) {
-    add_mission(page, *outcome.mission, pictures.mission);
-    page.heading("Detections");
-  }
-  if (!pictures.detections.empty()) {
-    page.begin_row();
-    page.figure(pictures.detections, "Obstacles over the echoes of the last sweep, from above. Forward is up.");
-    page.figure(pictures.occupancy, "Occupancy of the water around the vehicle. Unknown is not free.");
-    page.figure(pictures.sonar, "The raw echoes of the last sweep.");
-    if (!track_.empty() && scans_.back().posed) page.figure(track_picture(), "Track of the vehicle, north up.");
-    page.end_row();
-  }
-  if (outcome.voxels) add_voxels(page, *outcome.voxels, pictures.voxels);
-  if (outcome.depth) add_depth(page, *outcome.depth, pictures.depth);
   std::vector<HtmlReport::Row> rows;
-  if (pinged) add_obstacles(page);
   if (outcome.truth) add_truth(page, *outcome.truth);
   page.heading("Counts");
   page.table({"what", "count"}, count_rows(n, pinged));

@@ -15,9 +15,9 @@
 #include <isobath/report/embedded_replay.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/mission_pages.hpp>
-#include <isobath/report/plot/plan_image.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/report/run_outcome.hpp>
+#include <isobath/report/scan_pictures.hpp>
 #include <isobath/report/voxel_pages.hpp>
 #include <isobath/run/run_request.hpp>
 #include <optional>
@@ -45,32 +45,25 @@ class RunFolder : public OnboardObserver {
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
 
  private:
-  struct KeptPing {
-    Ping ping;
-    Pose X_WB;
-  };
   struct Pictures {  ///< PNG; empty without a grid
-    std::string occupancy, sonar, detections;
+    std::string occupancy, sonar, detections, track;
     DepthPictures depth;
     VoxelPictures voxels;
     MissionPictures mission;
   };
   void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
   void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;
-  [[nodiscard]] PlanExtent extent() const;
-  [[nodiscard]] std::string sonar_picture() const;
-  [[nodiscard]] std::string detections_picture() const;
-  [[nodiscard]] std::string occupancy_picture(const BodyGrid& grid) const;
-  [[nodiscard]] std::string track_picture() const;
-  void add_obstacles(HtmlReport& page) const;
+  [[nodiscard]] Pictures draw(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels,
+                              const DepthModel& depths, RunOutcome& outcome) const;
+  void add_scan(HtmlReport& page, const Pictures& pictures) const;
+  void add_replay(HtmlReport& page) const;
   [[nodiscard]] std::string report(const RunRequest& request, const RunOutcome& outcome,
                                    const Pictures& pictures) const;
 
   std::filesystem::path folder_;
   Configuration configuration_;
-  std::vector<KeptPing> sweep_, last_sweep_;  ///< the open sweep, and the last complete one
+  std::vector<ScanPing> sweep_, last_sweep_;  ///< the open sweep, and the last complete one
   std::vector<ScanRecord> scans_;
-  std::vector<Eigen::Vector2d> track_;  ///< north, east of every scan
   std::vector<Obstacle> obstacles_;
   std::vector<Polygon> truth_;
   std::string film_page_, film_words_;  ///< the page with the replay, and its caption; empty: no replay

@@ -106,7 +106,7 @@ TEST(Outputs, ObstaclesSayWhereHowFarAndHowSure) {
   EXPECT_NEAR(json["heading_deg"], kHeading, 1e-6);
   ASSERT_GT(json["obstacles"].size(), 5u) << "a wall all round";
   for (const auto& o : json["obstacles"]) {
-    EXPECT_EQ(o["number"], 0) << "pieces of one wall";
+    EXPECT_EQ(o["number"], 1) << "pieces of one wall";
     EXPECT_EQ(o["kind"], "extended");
     EXPECT_NEAR(o["extent_m"].get<double>(), 2 * kWall, 2) << "across";
     const double bearing = o["bearing_deg"], range = o["range_m"], existence = o["existence"];

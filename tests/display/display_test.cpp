@@ -370,11 +370,52 @@ TEST(Display, ShowsObstaclesInTheWorld) {
   o.covariance.setIdentity();
   found.obstacles = {o};
   display.on_scan({1, true, found, grid});
-  const json shown = json::parse(only(items, Kind::kObstacles).payload);
+  const json shown = json::parse(only(items, Kind::kObstacles).payload)["pieces"];
   ASSERT_EQ(shown.size(), 1U);
   EXPECT_NEAR(shown[0]["outline"][0][0].get<double>(), 101, 1e-3);
   EXPECT_NEAR(shown[0]["outline"][0][1].get<double>(), 210, 1e-3);
   EXPECT_EQ(shown[0]["existence"], 0.98);
+}
+
+Obstacle piece_of(int number, const Eigen::Vector2d& corner, double side, double existence) {
+  Obstacle o;
+  o.number = number;
+  o.outline = {corner, corner + Eigen::Vector2d(side, 0), corner + Eigen::Vector2d(side, side),
+               corner + Eigen::Vector2d(0, side)};
+  o.nearest = corner;
+  o.range_m = corner.norm();
+  o.existence = existence;
+  return o;
+}
+
+// A wall of two pieces and a pole nearer than it.
+TEST(Display, ListsObstaclesAsThingsBeforeTheirPieces) {
+  DisplayState items;
+  Display display(items);
+  BodyGrid grid{BodyGridConfig{}};
+  Detection found;
+  found.time = Time(seconds(1.0));
+  found.X_WB = {Rotation::from_heading(Angle::degrees(90)), {100, 200, 5}};
+  found.obstacles = {piece_of(7, {5, 0}, 1, 0.8), piece_of(3, {20, 0}, 5, 0.9), piece_of(3, {20, 5}, 5, 0.98)};
+  display.on_scan({1, true, found, grid});
+  const json shown = json::parse(only(items, Kind::kObstacles).payload);
+  ASSERT_EQ(shown["obstacles"].size(), 2U) << "whatever they are cut into";
+  const json& pole = shown["obstacles"][0];
+  EXPECT_EQ(pole["number"], 7) << "the nearest first";
+  EXPECT_EQ(pole["kind"], "compact");
+  EXPECT_EQ(pole["nearest"], json::array({100.0, 205.0})) << "5 m ahead of a vehicle that heads east";
+  EXPECT_EQ(pole["range_m"], 5.0);
+  EXPECT_EQ(pole["pieces"], 1);
+  const json& wall = shown["obstacles"][1];
+  EXPECT_EQ(wall["number"], 3);
+  EXPECT_EQ(wall["kind"], "extended");
+  EXPECT_NEAR(wall["extent_m"].get<double>(), std::hypot(5, 10), 1e-3);
+  EXPECT_EQ(wall["pieces"], 2);
+  EXPECT_EQ(wall["existence"], 0.98);
+  EXPECT_TRUE(wall["in_scan"].get<bool>());
+  EXPECT_FALSE(wall.contains("seen_s")) << "no agent remembers it";
+  ASSERT_EQ(shown["pieces"].size(), 3U);
+  EXPECT_EQ(shown["pieces"][2]["number"], 3) << "each says what it belongs to";
 }
 
 constexpr const char* kDetector = "fls detector";
@@ -382,6 +423,7 @@ constexpr const char* kDetector = "fls detector";
 RememberedObstacle remembered(std::uint32_t id, const Eigen::Vector2d& middle, double last_seen_s = 0) {
   RememberedObstacle o;
   o.id = id;
+  o.number = static_cast<int>(id) / 2;  // 2 k and 2 k + 1 are pieces of obstacle k
   for (const Eigen::Vector2d& corner : {Eigen::Vector2d(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
     o.outline_W.emplace_back(middle + corner);
   }
@@ -407,7 +449,10 @@ TEST(Display, ShowsWhatTheAgentsRememberByItsNumberBesideWhatIsSeen) {
   Detection found;
   found.time = Time(seconds(160));
   found.obstacles.resize(4);
-  for (Obstacle& o : found.obstacles) o.outline = {{10, -1}, {12, -1}, {12, 1}};
+  for (Obstacle& o : found.obstacles) {
+    o.outline = {{10, -1}, {12, -1}, {12, 1}};
+    o.number = 9;
+  }
 
   RememberedObstacle away = remembered(17, {105, 205}, 130.26), in_view = remembered(18, {110, 200}, 160);
   away.first_seen = in_view.first_seen = Time(seconds(112));
@@ -415,7 +460,7 @@ TEST(Display, ShowsWhatTheAgentsRememberByItsNumberBesideWhatIsSeen) {
   // the third is one that the executor does not count on yet, the fourth it took for none
   display.heard({1, found.time, kDetector, scan_of(9, {away, in_view}, {18, 18, 44, 0})});
   display.on_scan({9, true, found, grid});
-  const json shown = json::parse(only(items, Kind::kObstacles).payload);
+  const json both = json::parse(only(items, Kind::kObstacles).payload), shown = both["pieces"];
   ASSERT_EQ(shown.size(), 6U);
   for (const int i : {0, 1}) EXPECT_EQ(shown[i]["of"], 18) << "both are pieces of it";
   for (const int i : {2, 3}) EXPECT_FALSE(shown[i].contains("of"));
@@ -429,11 +474,20 @@ TEST(Display, ShowsWhatTheAgentsRememberByItsNumberBesideWhatIsSeen) {
   EXPECT_EQ(shown[5]["id"], 18);
   EXPECT_EQ(shown[5]["seen_s"], 60.0);
   EXPECT_FALSE(shown[5].contains("outline")) << "the scan has shown all of it";
+  const json& things = both["obstacles"];
+  ASSERT_EQ(things.size(), 2U);
+  EXPECT_EQ(things[0]["number"], 9);
+  EXPECT_EQ(things[0]["since_s"], 12.0) << "the agents remember it, too";
+  EXPECT_EQ(things[1]["number"], 8) << "then what the scan does not show";
+  EXPECT_FALSE(things[1]["in_scan"].get<bool>());
+  EXPECT_EQ(things[1]["seen_s"], 30.3);
+  EXPECT_NEAR(things[1]["extent_m"].get<double>(), std::hypot(2, 2), 1e-3);
 
   display.on_scan({10, true, found, grid});  // of which the agents have said nothing yet
-  for (const json& o : json::parse(only(items, Kind::kObstacles).payload)) EXPECT_FALSE(o.contains("of"));
+  const auto pieces = [&] { return json::parse(only(items, Kind::kObstacles).payload)["pieces"]; };
+  for (const json& o : pieces()) EXPECT_FALSE(o.contains("of"));
   display.heard({2, found.time, kDetector, scan_of(10, {})});
-  EXPECT_EQ(json::parse(only(items, Kind::kObstacles).payload).size(), 4U) << "forgotten";
+  EXPECT_EQ(pieces().size(), 4U) << "forgotten";
 }
 
 TEST(Display, ShowsWhereTheMiddleOfARememberedObstacleHasBeen) {
@@ -441,7 +495,7 @@ TEST(Display, ShowsWhereTheMiddleOfARememberedObstacleHasBeen) {
   Display display(items);
   const auto trail_after = [&](int sweep, const Eigen::Vector2d& middle) {
     display.heard({1, Time(seconds(sweep)), kDetector, scan_of(sweep, {remembered(3, middle)})});
-    return json::parse(only(items, Kind::kObstacles).payload).at(0).value("trail", json::array());
+    return json::parse(only(items, Kind::kObstacles).payload)["pieces"].at(0).value("trail", json::array());
   };
   EXPECT_TRUE(trail_after(1, {10, 20}).empty());
   EXPECT_TRUE(trail_after(2, {10.3, 20.3}).empty()) << "not half a metre";
@@ -486,13 +540,20 @@ TEST(Display, SaysWhatTheAgentsDecideAndWhatIsWrong) {
 
   Decision decision;
   decision.what = "replan";
+  decision.number = 1;
+  decision.obstacle_number = 4;
   say("navigator", decision, 2);
   decision.what = "stop";
+  decision.number = 3;  // the second was dropped from a queue that was full
+  decision.obstacle_number = 0;
   say("safety officer", decision, 3);
   const auto decisions = of_kind(items, Kind::kDecision);
   ASSERT_EQ(decisions.size(), 2U);
-  EXPECT_EQ(decisions[1].number, 1U);
+  EXPECT_EQ(decisions[1].number, 3U) << "a decision keeps its own number, whatever the page has missed";
+  EXPECT_EQ(json::parse(decisions[1].payload)["number"], 3);
   EXPECT_EQ(json::parse(decisions[1].payload)["what"], "stop");
+  EXPECT_FALSE(json::parse(decisions[1].payload).contains("obstacle"));
+  EXPECT_EQ(json::parse(decisions[0].payload)["obstacle"], 4);
 
   say("safety officer", SafetyReport{"sonar silent", true, false, MissionEnd::kSurface, "no ping for 3 s"}, 4);
   say("supervisor", AgentLost{"pilot", true, "no turn for 0.5 s"}, 4);

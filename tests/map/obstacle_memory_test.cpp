@@ -387,6 +387,25 @@ TEST(ObstacleMemory, TellsAsWhichObstacleItTookEachOfASweep) {
   }
 }
 
+// The number that people see changes only where the obstacle is seen under another one.
+TEST(ObstacleMemory, KeepsTheNumberOfTheObstacleThatItsPieceWasLastSeenAs) {
+  ObstacleMemory memory;
+  Look look;
+  for (double now = 0; now < 3; ++now) {
+    fill(look, {box(10, 0, 1, 1), box(10, 8, 1, 1)}, at({0, 0}), now, 0.0);
+    look.obstacles[0].number = 4;
+    look.obstacles[1].number = 9;
+    ASSERT_TRUE(memory.add(look.sweep));
+  }
+  fill(look, {box(10, 0, 1, 1)}, at({0, 0}), 3, 0.0);
+  look.obstacles[0].number = 5;
+  ASSERT_TRUE(memory.add(look.sweep));
+  const auto all = memory.all();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].number, 5);
+  EXPECT_EQ(all[1].number, 9) << "it was not seen since";
+}
+
 TEST(ObstacleMemory, IsBoundedAndNeverGivesAnIdTwice) {
   ObstacleMemoryConfig config;
   config.most = 20;

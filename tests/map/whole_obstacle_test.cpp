@@ -18,12 +18,13 @@ Obstacle square(int number, double x, double y, double side) {
 
 TEST(WholeObstacles, PiecesOfOneNumberAreOneObstacle) {
   // A wall of three squares from 10 to 40 m to starboard, and a pole behind it.
-  std::vector<Obstacle> pieces = {square(0, 5, 20, 10), square(0, 5, 10, 10), square(0, 5, 30, 10),
-                                  square(1, 60, 0, 1)};
+  std::vector<Obstacle> pieces = {square(4, 5, 20, 10), square(4, 5, 10, 10), square(4, 5, 30, 10),
+                                  square(2, 60, 0, 1)};
   pieces[2].existence = 0.99;
   pieces[0].behind = pieces[2].behind = pieces[3].behind = true;
   const std::vector<WholeObstacle> all = whole_obstacles(pieces);
   ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].number, 4) << "the nearest first, whatever its number";
   EXPECT_EQ(all[0].pieces, 3);
   EXPECT_EQ(all[0].nearest, &pieces[1]);
   EXPECT_NEAR(all[0].extent_m, std::hypot(10, 30), 1e-9);
@@ -33,6 +34,14 @@ TEST(WholeObstacles, PiecesOfOneNumberAreOneObstacle) {
   EXPECT_FALSE(all[0].behind) << "one piece is in view";
   EXPECT_STREQ(all[1].kind(), "compact");
   EXPECT_TRUE(all[1].behind);
+}
+
+TEST(WholeObstacles, TheKindFollowsFromTheExtentOfAllPieces) {
+  EXPECT_EQ(extent_of({}), 0);
+  const std::vector<Polygon> two = {{{0, 0}, {1, 0}, {1, 1}}, {{4, 4}, {5, 5}, {4, 5}}};
+  EXPECT_NEAR(extent_of(two), std::hypot(5, 5), 1e-9);
+  EXPECT_STREQ(kind_of_obstacle(5.99), "compact");
+  EXPECT_STREQ(kind_of_obstacle(kExtended_m), "extended");
 }
 
 TEST(WholeObstacles, OfNoPiecesAreNone) { EXPECT_TRUE(whole_obstacles({}).empty()); }

@@ -41,6 +41,18 @@ TEST(Bus, NumbersCountsAndRecords) {
   EXPECT_EQ(bus.said().at("pilot").at(test::call(0).index()), 0u);
 }
 
+TEST(Bus, NumbersDecisionsFromOneWhoeverDecides) {
+  std::vector<std::uint64_t> recorded;
+  Bus bus([&](const Envelope& e) {
+    if (const auto* decision = std::get_if<Decision>(&e.message)) recorded.push_back(decision->number);
+  });
+  bus.post("captain", Decision{test::at(0), "captain", "start", "all is well"}, test::at(0));
+  bus.post("pilot", HelmOrder{}, test::at(1));
+  const Envelope sent = bus.post("navigator", Decision{test::at(1), "navigator", "plan", "clear"}, test::at(1));
+  EXPECT_THAT(recorded, ElementsAre(1u, 2u));
+  EXPECT_EQ(std::get<Decision>(sent.message).number, 2u) << "the agents receive it with its number, too";
+}
+
 // ledger: S6-33
 TEST(Bus, ARecorderThatThrowsIsGivenUpAndTheBusGoesOn) {
   int calls = 0;

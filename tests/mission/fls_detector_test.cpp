@@ -24,6 +24,7 @@ class FlsDetectorTest : public testing::Test {
       map->obstacles.push_back(obstacle(outline, existence));
       map->obstacles.back().possible_multiple = doubtful;
       map->obstacles.back().behind = doubtful;
+      map->obstacles.back().number = first_number + static_cast<int>(map->obstacles.size()) - 1;
     }
     return script.hear(Sweep{static_cast<int>(s), true, 0.1, map}, s);
   }
@@ -40,7 +41,22 @@ class FlsDetectorTest : public testing::Test {
 
   FlsDetector agent;
   Script script;
+  int first_number = 1;  ///< of the obstacles of a sweep
 };
+
+TEST_F(FlsDetectorTest, HazardsCarryTheNumberOfTheObstacleThatTheyAreAPieceOf) {
+  first_number = 5;
+  for (double s = 1; s <= 2; ++s) sweep(s, pose(0, 0, 0), {square(15, 3, 1), square(30, -8, 1)});
+  const auto scans = only<ObstacleScan>(sweep(3, pose(0, 0, 0), {square(15, 3, 1)}));
+  ASSERT_EQ(scans.size(), 1u);
+  ASSERT_EQ(scans[0].hazards.size(), 2u);
+  EXPECT_EQ(scans[0].hazards[0].kind, HazardKind::kSeen);
+  EXPECT_EQ(scans[0].hazards[0].obstacle, 5);
+  EXPECT_EQ(scans[0].hazards[1].kind, HazardKind::kRemembered);
+  EXPECT_EQ(scans[0].hazards[1].obstacle, 6);
+  ASSERT_EQ(scans[0].known->obstacles.size(), 2u);
+  EXPECT_EQ(scans[0].known->obstacles[1].number, 6);
+}
 
 // ledger: S6-38
 TEST_F(FlsDetectorTest, SaysAtTheEndOfEachSweepWhatItHasSeen) {

@@ -45,13 +45,14 @@ class NavigatorTest : public Test {
     return script->hear(RouteRequest{++request, 0, target, false}, now);
   }
   /// A scan of outlines in W, as the vehicle at its place sees them.
-  std::vector<Message> scan(const std::vector<Polygon>& outlines, HazardKind kind = HazardKind::kSeen) {
+  std::vector<Message> scan(const std::vector<Polygon>& outlines, HazardKind kind = HazardKind::kSeen,
+                            int obstacle = 0) {
     now += 1;
     ObstacleScan s;
     s.time = at(now);
     s.X_WL = {Rotation::from_heading(Angle::degrees(psi)), {here.x(), here.y(), 0}};
     const PlanFrame frame = PlanFrame::of(s.X_WL);
-    for (const Polygon& o : outlines) s.hazards.push_back({to_local(frame, o), 0, kind, 0});
+    for (const Polygon& o : outlines) s.hazards.push_back({to_local(frame, o), 0, kind, 0, obstacle});
     return script->hear(s, now);
   }
   /// Of the last way that it has planned, from the vehicle on.
@@ -135,6 +136,42 @@ TEST_F(NavigatorTest, SaysWhichObstacleWhichLegAndHowNear) {
   EXPECT_EQ(d.reason.substr(0, d.reason.find(" at ")), "leg 1 would pass 1.4 m from an obstacle");
   EXPECT_NE(d.reason.find("(3.0 m wanted); going round by"), std::string::npos) << d.reason;
   EXPECT_EQ(only<RoutePlanned>(said)[0].why, d.reason);
+}
+
+// ledger: S6-56
+TEST_F(NavigatorTest, NamesTheObstacleByItsNumberAndSaysWhereItLies) {
+  sail_from(0, 0, 30);
+  scan({});
+  ask(point(100, 0));
+  const auto said = scan({square(50, 3.65, 2)}, HazardKind::kSeen, 3);
+  ASSERT_EQ(only<Decision>(said).size(), 1u);
+  const Decision d = only<Decision>(said)[0];
+  EXPECT_EQ(d.obstacle_number, 3);
+  EXPECT_EQ(d.reason.find("leg 1 would pass 1.4 m from obstacle 3 at north "), 0u) << d.reason;
+  EXPECT_NE(d.reason.find(" m ahead to port (3.0 m wanted)"), std::string::npos) << d.reason;
+
+  make();
+  sail_from(0, 0);
+  scan({});
+  ask(point(100, 0));
+  const auto again = only<Decision>(scan({square(50, 3.65, 2)}, HazardKind::kRemembered, 8));
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(again[0].obstacle_number, 8);
+  EXPECT_NE(again[0].reason.find("from remembered obstacle 8 at"), std::string::npos) << again[0].reason;
+}
+
+TEST_F(NavigatorTest, ARefusalNamesTheObstacleAtThePoint) {
+  sail_from(0, 0);
+  std::vector<Decision> refusals;
+  ask(point(30, 0));
+  for (int i = 0; i < 5; ++i) {
+    for (const Decision& d : only<Decision>(scan({square(30, 4, 2)}, HazardKind::kSeen, 12))) {
+      if (d.what == "refuse") refusals.push_back(d);
+    }
+  }
+  ASSERT_FALSE(refusals.empty());
+  EXPECT_EQ(refusals.back().obstacle_number, 12);
+  EXPECT_NE(refusals.back().reason.find("obstacle 12 is 2.0 m from it"), std::string::npos) << refusals.back().reason;
 }
 
 // ledger: S6-51

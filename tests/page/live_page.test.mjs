@@ -124,7 +124,7 @@ test('a fault appears in the panel and in the banner', async () => {
   await program.end();
 });
 
-test('an obstacle that is remembered says by its number since when it is known and where it is', async () => {
+test('an obstacle says by its number what and where it is, on the chart and in the list', async () => {
   const tape = await serve('obstacles', '--port', '0', '--speed', 'max', '--set', 'simulation.duration_s=150');
   await tape.until(/written to/);
   const page = await open(tape.url);
@@ -134,8 +134,9 @@ test('an obstacle that is remembered says by its number since when it is known a
     return told.split(';').map((one) => one.split(' ').map(Number));
   };
   const ages = 'known for [\\d.]+ (s|min), last seen [\\d.]+ (s|min) ago';
-  const where = '[\\d.]+ m away, bearing (\\d{3}|–)°, margin [\\d.]+ m';
-  const told = new RegExp(`^Obstacle \\d+: ${ages}, ${where}$`);
+  const where = '[\\d.]+ m away, bearing (\\d{3}|–)°(, margin [\\d.]+ m)?';
+  const size = '(compact|extended), [\\d.]+ m across';
+  const told = new RegExp(`^Obstacle \\d+: ${size}, ${ages}, ${where}$`);
   const says = (p, id) =>
     p.waitForFunction(
       (n) => document.querySelector('#plan-readout').firstChild?.textContent.startsWith(`Obstacle ${n}:`),
@@ -152,6 +153,26 @@ test('an obstacle that is remembered says by its number since when it is known a
   await picture(page, 'obstacle-1400');
   await page.mouse.move(canvas.x + 5, canvas.y + canvas.height - 5);
   await page.waitForFunction(() => !/Obstacle/.test(document.querySelector('#plan-readout').textContent));
+
+  await page.click('#tab-obstacles');
+  await page.waitForSelector('#obstacle-list li[data-obstacle]');
+  const rows = await page.$$eval('#obstacle-list li', (all) => all.map((li) => li.dataset.obstacle));
+  assert.equal(new Set(rows).size, rows.length, 'a thing stands in the list once, whatever its pieces');
+  assert.deepEqual(rows.map(Number).sort(), (await all(page)).map(([n]) => n).sort(), 'and so on the chart');
+  assert.match(await page.textContent('#obstacle-sum'), /^\d+ obstacles? in the last scan/);
+  assert.equal(Number(await page.textContent('#obstacle-count')), rows.length);
+  const row = page.locator(`#obstacle-list li[data-obstacle="${id}"]`);
+  assert.match(await row.textContent(), new RegExp(`^${id}${size}[\\d.]+ m, (\\d{3}|–)°`));
+  await row.hover();
+  await says(page, id);
+  await page.mouse.move(canvas.x + 5, canvas.y + canvas.height - 5);
+  await page.waitForFunction(() => !/Obstacle/.test(document.querySelector('#plan-readout').textContent));
+  await row.locator('button').click();
+  await page.mouse.move(canvas.x + 5, canvas.y + canvas.height - 5);
+  await says(page, id);
+  await page.waitForSelector(`#obstacle-list li[data-obstacle="${id}"].chosen`);
+  await picture(page, 'obstacles-1400');
+  await page.click('#tab-log');
 
   const phone = await open(tape.url, 390, 844, 'dark', true);
   await state(phone, 'open');

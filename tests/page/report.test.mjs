@@ -6,7 +6,7 @@ import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { dirname, join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 
@@ -72,8 +72,22 @@ test('a report shows its run again from a disk, from its end to its start and on
   assert.ok((await now(frame)) >= (await end(frame)) - 0.1, 'it begins with all that was found');
   assert.equal(await frame.getAttribute('#play', 'data-playing'), 'false', 'and stands');
   assert.ok((await colours(frame, '#plan-canvas')) > 20, 'the chart is drawn');
-  const decisions = await frame.$$eval('#log-list li[data-decision]', (all) => all.length);
-  assert.ok(decisions > 0, 'decisions are told');
+  const told = await frame.$$eval('#log-list li[data-decision]', (all) =>
+    all.map((li) => [li.querySelector('.log-number').textContent, li.querySelector('.log-reason').textContent]),
+  );
+  const { decisions } = JSON.parse(readFileSync(join(dirname(report), 'decisions.json'), 'utf8'));
+  assert.ok(decisions.length > 0, 'decisions are told');
+  assert.deepEqual(
+    told.reverse(),
+    decisions.map(({ number, reason }) => [String(number), reason]),
+    'by the numbers that they have everywhere',
+  );
+  await frame.click('#tab-obstacles');
+  const things = await frame.$$eval('#obstacle-list li', (all) => all.map((li) => Number(li.dataset.obstacle)));
+  const { obstacles } = JSON.parse(readFileSync(join(dirname(report), 'obstacles.json'), 'utf8'));
+  for (const { number } of obstacles) assert.ok(things.includes(number), `obstacle ${number} is in the list`);
+  assert.equal(new Set(things).size, things.length, 'once each');
+  await frame.click('#tab-log');
   await picture(page, 'report-1400');
   await picture(page, 'report-1400-whole', true);
 

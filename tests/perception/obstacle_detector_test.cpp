@@ -169,8 +169,8 @@ TEST(ObstacleDetector, NumbersConnectedPiecesAsOneObstacleTheNearestFirst) {
   });
   const Detection d = detect(grid);
   ASSERT_GT(d.obstacles.size(), 3u);
-  for (const Obstacle& o : d.obstacles) EXPECT_EQ(o.number, o.range_m < 6 ? 0 : 1) << o.range_m;
-  EXPECT_EQ(d.obstacles.back().number, 1);
+  for (const Obstacle& o : d.obstacles) EXPECT_EQ(o.number, o.range_m < 6 ? 1 : 2) << o.range_m;
+  EXPECT_EQ(d.obstacles.back().number, 2);
 }
 
 TEST(ObstacleDetector, KnowsWhatHidesBehindANearerObstacleAndWhatMayBeAMultiple) {

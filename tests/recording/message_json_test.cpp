@@ -37,10 +37,12 @@ TEST(MessageJson, WhatIsLargeIsToldByItsSize) {
   auto map = std::make_shared<Detection>();
   map->cells = {1000, 1000, 1};
   map->obstacles.resize(12);
+  for (Obstacle& o : map->obstacles) o.number = 1 + static_cast<int>(&o - map->obstacles.data()) % 3;
   sweep.map = map;
   const json content = said(sweep)["content"];
   EXPECT_EQ(content["cells"], 1'000'000);
-  EXPECT_EQ(content["obstacles"], 12);
+  EXPECT_EQ(content["obstacles"], 3) << "of four pieces each";
+  EXPECT_EQ(content["obstacle_pieces"], 12);
   EXPECT_LT(content.dump().size(), 200u);
   LinkFrame frame;
   frame.bytes = {0x00, 0xff, 0x1a};

@@ -163,48 +163,83 @@ export function readSonar(json: unknown): Sonar | null {
   };
 }
 
+/** An obstacle as people count it: all its pieces together. */
 export interface Obstacle {
-  /** Number of a remembered obstacle, which it keeps; obstacles of a scan have none. */
+  /** From 1; it keeps its number from scan to scan. */
+  number: number;
+  /** "compact" (a pole, a buoy) or "extended" (a wall, a hull). */
+  kind: string;
+  /** m: largest distance between two corners of its outlines. */
+  extent: number | undefined;
+  existence: number | undefined;
+  /** Whether the last scan shows it; else it is only remembered. */
+  inScan: boolean;
+  behind: boolean;
+  /** When the agents first and last saw it, s since the start; absent if they do not remember it. */
+  since: number | undefined;
+  seen: number | undefined;
+}
+/** A convex piece of an obstacle: of the last scan, or remembered. */
+export interface Piece {
+  /** The number of its obstacle. */
+  number: number | undefined;
+  /** Identifies a remembered piece; a piece of the last scan has none. */
   id: number | undefined;
-  /** For an obstacle of a scan: the number of the remembered obstacle that it was assigned to. */
+  /** For a piece of the last scan: the remembered piece that it was assigned to. */
   of: number | undefined;
-  /** Empty for a remembered obstacle that the last scan has seen completely. */
+  /** Empty for a remembered piece that the last scan has seen completely. */
   outline: Point[];
   existence: number | undefined;
-  range: number | undefined;
-  bearing: number | undefined;
-  hits: number | undefined;
   behind: boolean;
   /** The part of the water that its echoes come from, if known. */
   label: 'standing' | 'bottom' | 'surface' | undefined;
-  /** m: how far a remembered obstacle may extend beyond its outline by now. */
+  /** m: how far a remembered piece may extend beyond its outline by now. */
   margin: number;
-  /** When a remembered obstacle was first and last seen, s since the start. */
+  /** When a remembered piece was first and last seen, s since the start. */
   since: number | undefined;
   seen: number | undefined;
   /** Earlier positions of its centre, oldest first. */
   trail: Point[];
 }
-export function readObstacles(json: unknown): Obstacle[] | null {
-  if (!Array.isArray(json)) return null;
-  return all(json, (v) => {
-    if (!isObject(v)) return undefined;
-    return {
-      id: number(v.id),
-      of: number(v.of),
-      outline: points(v.outline),
-      existence: number(v.existence),
-      range: number(v.range_m),
-      bearing: number(v.bearing_deg),
-      hits: number(v.hits),
-      behind: flag(v.behind),
-      label: v.label === 'standing' || v.label === 'bottom' || v.label === 'surface' ? v.label : undefined,
-      margin: Math.min(1000, Math.max(0, number(v.margin_m) ?? 0)),
-      since: number(v.since_s),
-      seen: number(v.seen_s),
-      trail: points(v.trail),
-    };
-  });
+export interface Obstacles {
+  obstacles: Obstacle[];
+  pieces: Piece[];
+}
+/** Recordings of older programs contain a list of pieces only. */
+export function readObstacles(json: unknown): Obstacles | null {
+  const pieces = isObject(json) ? json.pieces : json;
+  if (!Array.isArray(pieces)) return null;
+  return { obstacles: isObject(json) ? all(json.obstacles, readObstacle) : [], pieces: all(pieces, readPiece) };
+}
+function readObstacle(v: unknown): Obstacle | undefined {
+  const own = isObject(v) ? number(v.number) : undefined;
+  if (!isObject(v) || own === undefined) return undefined;
+  return {
+    number: own,
+    kind: words(v.kind),
+    extent: number(v.extent_m),
+    existence: number(v.existence),
+    inScan: flag(v.in_scan),
+    behind: flag(v.behind),
+    since: number(v.since_s),
+    seen: number(v.seen_s),
+  };
+}
+function readPiece(v: unknown): Piece | undefined {
+  if (!isObject(v)) return undefined;
+  return {
+    number: number(v.number),
+    id: number(v.id),
+    of: number(v.of),
+    outline: points(v.outline),
+    existence: number(v.existence),
+    behind: flag(v.behind),
+    label: v.label === 'standing' || v.label === 'bottom' || v.label === 'surface' ? v.label : undefined,
+    margin: Math.min(1000, Math.max(0, number(v.margin_m) ?? 0)),
+    since: number(v.since_s),
+    seen: number(v.seen_s),
+    trail: points(v.trail),
+  };
 }
 
 export interface Way {
@@ -232,6 +267,7 @@ export function readWay(json: unknown): Way | null {
 }
 
 export interface Decision {
+  /** From 1, as the terminal, the report and decisions.json number it. */
   number: number;
   /** s since 1970 */
   time: number;
@@ -239,6 +275,9 @@ export interface Decision {
   what: string;
   reason: string;
   obstacle: Point | undefined;
+  /** The number of that obstacle, if it has one. */
+  obstacleNumber: number | undefined;
+  /** From 1. */
   leg: number | undefined;
   margin: number | undefined;
   way: Point[];
@@ -252,6 +291,7 @@ export function readDecision(json: unknown, n: number, time: number): Decision |
     what: words(json.what),
     reason: words(json.reason),
     obstacle: point(json.obstacle_m),
+    obstacleNumber: number(json.obstacle),
     leg: number(json.leg),
     margin: number(json.margin_m),
     way: points(json.way_m),

@@ -88,6 +88,7 @@ function act(event: KeyboardEvent, parts: Parts, help: HTMLDialogElement): boole
     case 'Escape':
       plan.measure(false);
       shared.selected = null;
+      shared.obstacle = null;
       shared.redraw();
       return true;
     default: {

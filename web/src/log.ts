@@ -89,9 +89,12 @@ export class DecisionLog implements View {
 
   private details(decision: Decision, since: number, canSeek: boolean): HTMLElement {
     const parts: string[] = [];
-    if (decision.obstacle)
-      parts.push(`obstacle at N ${units.metres(decision.obstacle[0])}, E ${units.metres(decision.obstacle[1])}`);
-    if (decision.leg !== undefined) parts.push(`leg ${decision.leg + 1}`);
+    const { obstacle, obstacleNumber } = decision;
+    if (obstacle) {
+      const name = obstacleNumber === undefined ? 'obstacle' : `obstacle ${obstacleNumber}`;
+      parts.push(`${name} at N ${units.metres(obstacle[0])}, E ${units.metres(obstacle[1])}`);
+    }
+    if (decision.leg !== undefined) parts.push(`leg ${decision.leg}`);
     if (decision.way.length > 1)
       parts.push(`route of ${decision.way.length} points, ${units.metres(lengthOf(decision.way), 0)}`);
     const { scene } = this.shared.model;

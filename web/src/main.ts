@@ -11,6 +11,7 @@ import { Layout } from './layout';
 import { DecisionLog } from './log';
 import { Marks } from './marks';
 import { Model } from './model';
+import { ObstacleList } from './obstacle_list';
 import { PlanView } from './plan/plan';
 import { SonarView } from './sonar/sonar';
 import { SpaceView } from './space/space';
@@ -43,9 +44,22 @@ const shared: Shared = {
   wantVoxels: (all) => feed.ask({ ask: 'detail', voxels: all ? 'all' : 'cubes' }),
   showDecision(decision) {
     shared.selected = shared.selected?.number === decision.number ? null : decision;
+    shared.obstacle = shared.selected?.obstacleNumber ?? null;
     if (shared.selected) plan.showDecision(decision);
     if (shared.selected && byId('plan').clientWidth === 0 && decision.way.length + (decision.obstacle ? 1 : 0) > 0)
       layout.show('plan');
+    redraw();
+  },
+  obstacle: null,
+  showObstacle(number) {
+    shared.obstacle = shared.obstacle === number ? null : number;
+    if (shared.obstacle !== null) plan.showObstacle(number);
+    if (shared.obstacle !== null && byId('plan').clientWidth === 0) layout.show('plan');
+    redraw();
+  },
+  hovered: null,
+  hover(number) {
+    shared.hovered = number;
     redraw();
   },
 };
@@ -63,6 +77,7 @@ const all: View[] = [
   sonar,
   space,
   log,
+  new ObstacleList(shared),
   new HealthView(shared),
   timeline,
   new Commands(shared),

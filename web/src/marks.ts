@@ -34,7 +34,7 @@ export class Marks {
     }
     for (const mark of scene.marks) this.put(`told ${mark.at} ${mark.what}`, mark);
     for (const { number, time, agent, what } of decisions) {
-      this.put(`decision ${number}`, { at: time - scene.start, what: `${agent}: ${what}`, alarm: false });
+      this.put(`decision ${number}`, { at: time - scene.start, what: `${number}. ${agent}: ${what}`, alarm: false });
     }
     const now = new Set(health?.alarms);
     for (const { fault, active, since } of health?.faults ?? []) {

@@ -41,6 +41,7 @@ export class Model {
   readonly trail = new EchoTrail();
   grid: protocol.Grid | null = null;
   obstacles: items.Obstacle[] = [];
+  pieces: items.Piece[] = [];
   way: items.Way | null = null;
   /** In the order of their numbers. */
   decisions: items.Decision[] = [];
@@ -84,6 +85,7 @@ export class Model {
     this.scene = this.vehicle = this.grid = this.way = this.health = this.clock = this.refusal = null;
     this.vehicleTime = this.gridTime = this.newest = NaN;
     this.obstacles = [];
+    this.pieces = [];
     this.decisions = [];
     this.times = [];
     for (const map of [this.track, this.sonars, this.depth, this.voxels, this.cubes, this.waiting]) map.clear();
@@ -135,7 +137,10 @@ export class Model {
         this.gridTime = time;
         return this.keep(protocol.readGrid(payload), (grid) => (this.grid = grid));
       case Kind.obstacles:
-        return this.keep(items.readObstacles(protocol.readJson(payload)), (all) => (this.obstacles = all));
+        return this.keep(items.readObstacles(protocol.readJson(payload)), ({ obstacles, pieces }) => {
+          this.obstacles = obstacles;
+          this.pieces = pieces;
+        });
       case Kind.way:
         return this.keep(items.readWay(protocol.readJson(payload)), (way) => (this.way = way));
       case Kind.decision:
@@ -217,6 +222,7 @@ export class Model {
         break;
       case Kind.obstacles:
         this.obstacles = [];
+        this.pieces = [];
         break;
       case Kind.way:
         this.way = null;

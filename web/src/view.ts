@@ -15,6 +15,13 @@ export interface Shared {
   /** Opens a view, pans to the decision and marks it. */
   showDecision(decision: Decision): void;
   selected: Decision | null;
+  /** Pans the chart to an obstacle and marks it; the same one again: no longer. */
+  showObstacle(number: number): void;
+  /** The number of the selected obstacle. */
+  obstacle: number | null;
+  /** Marks an obstacle while a list points at it. */
+  hover(number: number | null): void;
+  hovered: number | null;
 }
 
 export interface View {

@@ -164,6 +164,7 @@ describe('a recording', () => {
     decisions: m.decisions,
     way: m.way,
     obstacles: m.obstacles,
+    pieces: m.pieces,
     health: m.health,
     track: [...m.track].map(([k, { places }]) => [k, [...places]]).sort(),
     depth: [...m.depth].map(([k, { item }]) => [k, [...item.confidence]]).sort(),

@@ -114,8 +114,8 @@ describe('items', () => {
     );
     expect(model.malformed.size).toBe(0);
     expect(model.scene?.vehicle.length).toBeGreaterThan(0);
-    expect(model.obstacles).toHaveLength(1);
-    expect(model.obstacles[0]!.id).toBeUndefined();
+    expect(model.pieces).toHaveLength(1);
+    expect(model.pieces[0]!.id).toBeUndefined();
   });
 
   it('tell an obstacle that is remembered from one that is seen by its number', () => {
@@ -126,7 +126,7 @@ describe('items', () => {
         { id: 0, outline, margin_m: 1.5 },
       ]),
     );
-    expect(model.obstacles.map(({ id, margin }) => [id, margin])).toEqual([
+    expect(model.pieces.map(({ id, margin }) => [id, margin])).toEqual([
       [undefined, 0],
       [0, 1.5],
     ]);
@@ -140,10 +140,29 @@ describe('items', () => {
         { id: 7, margin_m: 1, since_s: 3.5, seen_s: 12, trail: [[1, 2], [1, 'x'], [2, 2.5]] }, // prettier-ignore
       ]),
     );
-    const [seen, known] = model.obstacles;
+    const [seen, known] = model.pieces;
     expect([seen!.of, seen!.id, seen!.trail]).toEqual([7, undefined, []]);
     expect([known!.of, known!.since, known!.seen, known!.outline]).toEqual([undefined, 3.5, 12, []]);
     expect(known!.trail).toEqual([[1, 2], [2, 2.5]]); // prettier-ignore
+  });
+
+  it('list obstacles as things beside the pieces that they are made of', () => {
+    const outline = [[1, 2], [3, 4], [5, 6]]; // prettier-ignore
+    const wall = { number: 3, kind: 'extended', extent_m: 12.4, existence: 0.98, in_scan: true };
+    const model = told(
+      json(Kind.obstacles, {
+        obstacles: [wall, { kind: 'compact' }, 7],
+        pieces: [
+          { number: 3, outline },
+          { number: 3, outline },
+        ],
+      }),
+    );
+    expect(model.obstacles, 'what has no number is none').toHaveLength(1);
+    expect(model.obstacles[0]).toMatchObject({ number: 3, kind: 'extended', extent: 12.4, inScan: true });
+    expect(model.pieces.map((p) => p.number)).toEqual([3, 3]);
+    model.take(json(Kind.obstacles, {}, { gone: true }));
+    expect([model.obstacles, model.pieces]).toEqual([[], []]);
   });
 
   it('of JSON believe nothing of another type', () => {
@@ -164,6 +183,16 @@ describe('decisions', () => {
   it('stand in the order of their numbers, once each', () => {
     const model = told(scene(), decision(2), decision(0), decision(1), decision(2));
     expect(model.decisions.map((d) => d.number)).toEqual([0, 1, 2]);
+  });
+
+  it('have the number that the program gave them, on the time line too', () => {
+    const why = { obstacle: 3, obstacle_m: [4, 5], leg: 1 };
+    const said = { number: 6, agent: 'navigator', what: 'replan', reason: 'r', ...why };
+    const model = told(scene(), json(Kind.decision, said, { number: 6n, time: at(22) }));
+    expect(model.decisions[0]).toMatchObject({ number: 6, obstacleNumber: 3, obstacle: [4, 5], leg: 1 });
+    const marks = new Marks(model);
+    marks.update();
+    expect([...marks.all.values()].map(({ what }) => what)).toEqual(['6. navigator: replan']);
   });
 });
 
@@ -228,7 +257,7 @@ describe('time', () => {
     model.take(json(Kind.scene, { title: 'a run', start_ns: String(start) }, { forget: true }));
     marks.update();
     expect([...marks.all.values()]).toEqual([
-      { at: 3, what: 'Captain: w0', alarm: false },
+      { at: 3, what: '0. Captain: w0', alarm: false },
       { at: 8, what: 'leak', alarm: true },
     ]);
     model.take(json(Kind.scene, { start_ns: '5' }, { forget: true }));

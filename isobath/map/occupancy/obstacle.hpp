@@ -13,6 +13,15 @@ namespace isobath {
 
 /// The part of the water column that an obstacle's echoes come from (perception/water_label.hpp).
 enum class WaterLabel : std::uint8_t { kUnknown, kStanding, kBottom, kSurface };
+inline const char* to_text(WaterLabel label) {
+  switch (label) {
+    case WaterLabel::kStanding: return "standing";
+    case WaterLabel::kBottom: return "bottom";
+    case WaterLabel::kSurface: return "surface";
+    case WaterLabel::kUnknown: break;
+  }
+  return "unknown";
+}
 
 struct Obstacle {
   Polygon outline;                 ///< convex, corners in the positive sense from x to y
@@ -27,8 +36,8 @@ struct Obstacle {
   bool behind = false;             ///< a nearer obstacle hides most of it
   bool possible_multiple = false;  ///< at a multiple of the range of a nearer obstacle in the same direction
   WaterLabel label = WaterLabel::kUnknown;
-  /// The convex pieces of one connected obstacle share its number. The obstacles of a scan are numbered from 0, nearest
-  /// first.
+  /// From 1. The convex pieces of one connected obstacle share its number, and keep it from scan to scan
+  /// (obstacle_numbers.hpp). A detector alone numbers the obstacles of each scan afresh, nearest first.
   int number = 0;
 };
 

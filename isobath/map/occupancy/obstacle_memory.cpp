@@ -108,7 +108,7 @@ bool ObstacleMemory::add(const MemorySweep& sweep) {
   const std::vector<Sighting> sightings = sightings_of(sweep);
   shift_ = shift_of(sightings);
   seen_as_.assign(sweep.obstacles.size(), 0);
-  for (const Sighting& s : sightings) seen_as_[s.number] = take(s, view, sweep.time);
+  for (const Sighting& s : sightings) seen_as_[s.index] = take(s, view, sweep.time);
   drop_contained();
   for (Entry& e : entries_) look_again(e, sightings, view);
   forget(sweep.time);
@@ -141,7 +141,8 @@ std::vector<ObstacleMemory::Sighting> ObstacleMemory::sightings_of(const MemoryS
     const Obstacle& o = sweep.obstacles[i];
     if (!usable(o.outline)) continue;
     Sighting s;
-    s.number = i;
+    s.index = i;
+    s.number = o.number;
     for (const Vector2d& p : o.outline) {
       s.outline_W.emplace_back((sweep.X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>());
     }
@@ -245,6 +246,7 @@ std::uint32_t ObstacleMemory::take(const Sighting& s, const View& view, Time tim
   fresh.seen.id = next_id_++;
   fresh.seen.first_seen = time;
   fresh.seen.existence = s.existence;
+  fresh.seen.number = s.number;
   set_outline(fresh, s.outline_W);
   stamp(fresh, time);
   entries_.push_back(std::move(fresh));
@@ -271,6 +273,7 @@ void ObstacleMemory::see_again(Entry& e, const Sighting& s, Time time) {
     }
     set_outline(e, moved_by(e.seen.outline_W, shift));
   }
+  if (e.sweep != sweeps_) e.seen.number = s.number;  // of several pieces the nearest, which comes first
   e.seen.existence = std::min(kSurest, e.seen.existence + 0.5 * (1 - e.seen.existence) * s.existence);
   stamp(e, time);
 }

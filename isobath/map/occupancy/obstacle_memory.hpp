@@ -84,6 +84,7 @@ struct RememberedObstacle {
   int sightings = 0;
   Time first_seen, last_seen;
   bool whole = false;  ///< the last sweep showed all of it
+  int number = 0;      ///< Obstacle::number of the obstacle that it was last seen as, or as a piece of
 };
 
 class ObstacleMemory {
@@ -124,8 +125,9 @@ class ObstacleMemory {
     Polygon outline_W;
     Eigen::Vector2d centre;
     double radius = 0, area = 0, existence = 0;
-    bool doubtful = false;   ///< too weak to be stored as a new obstacle
-    std::size_t number = 0;  ///< in its sweep
+    bool doubtful = false;  ///< too weak to be stored as a new obstacle
+    std::size_t index = 0;  ///< in its sweep
+    int number = 0;         ///< Obstacle::number
     std::vector<Eigen::Vector2d> samples;
   };
   struct View;

@@ -41,7 +41,7 @@ void FlsDetector::take(const Sweep& sweep, Outbox& out) {
   for (const Obstacle& o : map.obstacles) {
     if (o.existence < config_.least_existence || o.outline.empty()) continue;
     seen_.push_back({o.outline, config_.margin_cells * map.cells.cell_m, HazardKind::kSeen,
-                     static_cast<std::uint32_t>(seen_.size())});
+                     static_cast<std::uint32_t>(seen_.size()), o.number});
   }
   if (sweep.posed) remember(sweep);
   say_scan(map.time, X_WL_seen_, sweep.posed, out);
@@ -80,7 +80,7 @@ void FlsDetector::say_scan(Time time, const Pose& X_WL, bool posed, Outbox& out)
     known.seen_as.assign(memory_.seen_as().begin(), memory_.seen_as().end());
     for (const RememberedObstacle& o : known.obstacles) {
       if (o.whole) continue;
-      scan.hazards.push_back({to_local(frame, o.outline_W), o.margin_m, HazardKind::kRemembered, o.id});
+      scan.hazards.push_back({to_local(frame, o.outline_W), o.margin_m, HazardKind::kRemembered, o.id, o.number});
     }
     scan.known = std::make_shared<const KnownObstacles>(std::move(known));
     for (std::size_t i = 0; i < injected_.size(); ++i) {

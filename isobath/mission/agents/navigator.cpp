@@ -250,8 +250,8 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   const std::string where =
       distance > 0 ? fmt::format("{:.1f} m from it ({:.1f} m wanted)", distance, config_.drop_distance_m) : "on it";
   return Refusal{RouteRefused::Reason::kGoalBlocked,
-                 fmt::format("{} is {}, at {}", text_of(nearest->kind), where, text_of(place)),
-                 safe_near(goal, vehicle, frame, hazards), place};
+                 fmt::format("{} is {}, at {}", text_of(*nearest), where, text_of(place)),
+                 safe_near(goal, vehicle, frame, hazards), place, nearest->obstacle};
 }
 
 std::optional<Vector2d> Navigator::safe_near(const Vector2d& goal, const Vector2d& vehicle, const PlanFrame& frame,
@@ -295,6 +295,7 @@ void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
   Refusal refusal = refusal_of(found.error(), view);
   refusal.why = d.reason + "; " + refusal.why;
   refusal.obstacle = d.obstacle;
+  refusal.obstacle_number = d.obstacle_number;
   refuse(refusal, out);
 }
 
@@ -427,6 +428,7 @@ void Navigator::refuse(const Refusal& refusal, Outbox& out) {
     out.say(RouteRefused{refusal.reason, request_->id, request_->point, refusal.safe_nearby, refusal.why});
     Decision d = decision("refuse", name_of(request_->target, request_->point) + ": " + refusal.why);
     d.obstacle = refusal.obstacle;
+    d.obstacle_number = refusal.obstacle_number;
     out.say(std::move(d));
   }
   // The Executive Officer drops the point, has it moved, or asks again.

@@ -93,6 +93,7 @@ class Navigator : public Agent {
     std::string why;
     std::optional<Eigen::Vector2d> safe_nearby = {};
     std::optional<Eigen::Vector2d> obstacle = {};  ///< N, E
+    int obstacle_number = 0;
   };
 
   void take_fix(const Navigation& fix, Outbox& out);

@@ -13,7 +13,7 @@ Navigator::Refusal Navigator::refusal_of(RouteRefusal refusal, const View& view)
   const Vector2d& vehicle = view.way.front();
   const auto nearest = view.map.nearest(vehicle);
   const std::string obstacle =
-      nearest ? fmt::format("{} at {}", text_of(view.map.hazards()[*nearest].kind),
+      nearest ? fmt::format("{} at {}", text_of(view.map.hazards()[*nearest]),
                             text_of(view.frame.to_world(nearest_point(view.map.hazards()[*nearest].outline, vehicle))))
               : "nothing known";
   switch (refusal) {
@@ -53,9 +53,12 @@ Decision Navigator::about(const View& view, const Way& way, const Conflict& conf
     *d.margin_m += hazard.margin_m;
     wanted = config_.fence_clearance_m;
   }
-  const std::string how = *d.margin_m > 0 ? fmt::format("pass {:.1f} m from {}", *d.margin_m, text_of(hazard.kind))
-                                          : fmt::format("run into {}", text_of(hazard.kind));
-  d.reason = fmt::format("leg {} would {} at {} ({:.1f} m wanted)", *d.leg, how, text_of(*d.obstacle), wanted);
+  const std::string how = *d.margin_m > 0 ? fmt::format("pass {:.1f} m from {}", *d.margin_m, text_of(hazard))
+                                          : fmt::format("run into {}", text_of(hazard));
+  d.obstacle_number = hazard.obstacle;
+  const std::string where = direction_of(view.frame.to_local(*d.obstacle), way.front(), view.heading);
+  d.reason =
+      fmt::format("leg {} would {} at {}, {} ({:.1f} m wanted)", *d.leg, how, text_of(*d.obstacle), where, wanted);
   return d;
 }
 

@@ -18,7 +18,7 @@
 namespace isobath {
 
 /// Both sides must have the same number. Raise it when a message or Agent changes its meaning but not its size.
-inline constexpr std::uint32_t kAgentInterface = 1;
+inline constexpr std::uint32_t kAgentInterface = 2;
 
 /// What a library exports as `isobath_agent`.
 struct AgentEntry {

@@ -73,6 +73,7 @@ const char* message_name(std::size_t type) {
 }
 
 Envelope Bus::post(std::string sender, Message message, Time now) {
+  if (auto* decision = std::get_if<Decision>(&message)) decision->number = ++decisions_;
   Envelope envelope{++number_, now, std::move(sender), std::move(message)};
   ++said_[envelope.sender].at(envelope.message.index());
   if (recorder_) {

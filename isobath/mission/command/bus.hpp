@@ -1,6 +1,9 @@
 // Bus: every message between agents passes through it once. The bus numbers the message, counts it by sender and type,
 // and shows it to the recorder (Ganesan 2015, 5.1; ledger S6-32, S6-33).
 //
+// The bus also numbers decisions, from 1 in the order of the calls (Decision::number): every recorder, log and page
+// thus shows the same number for the same decision.
+//
 // The bus delivers nothing: Executor and ThreadedExecutor decide which agent receives a message, and in which thread
 // (executor.hpp, threaded_executor.hpp). Numbers count up from 1 in the order of the calls. A recorder that throws is
 // not called again; its loss is reported once. One thread at a time.
@@ -56,7 +59,7 @@ class Bus {
  private:
   Recorder recorder_;
   std::optional<std::string> recorder_loss_;
-  std::uint64_t number_ = 0;
+  std::uint64_t number_ = 0, decisions_ = 0;
   std::map<std::string, Counts> said_;
 };
 

@@ -1,17 +1,31 @@
+#include <cmath>
 #include <fmt/format.h>
 #include <isobath/mission/messages/words.hpp>
 
 namespace isobath {
 
-const char* text_of(HazardKind kind) {
-  switch (kind) {
-    case HazardKind::kSeen: return "an obstacle";
-    case HazardKind::kRemembered: return "a remembered obstacle";
+std::string text_of(const Hazard& hazard) {
+  const bool numbered = hazard.obstacle > 0;
+  switch (hazard.kind) {
+    case HazardKind::kSeen: return numbered ? fmt::format("obstacle {}", hazard.obstacle) : "an obstacle";
+    case HazardKind::kRemembered:
+      return numbered ? fmt::format("remembered obstacle {}", hazard.obstacle) : "a remembered obstacle";
     case HazardKind::kCharted: return "a charted obstacle";
     case HazardKind::kFence: return "the fence";
     case HazardKind::kInjected: return "an injected obstacle";
   }
   return "";
+}
+
+std::string direction_of(const Eigen::Vector2d& place, const Eigen::Vector2d& vehicle, Angle heading) {
+  const Eigen::Vector2d away = place - vehicle;
+  const double metres = away.norm();
+  if (metres < 0.05) return "at the vehicle";
+  const double bearing = (Angle::radians(std::atan2(away.y(), away.x())) - heading).wrapped().degrees();
+  const double off_bow = std::abs(bearing);
+  const char* along = off_bow <= 75 ? "ahead" : off_bow < 105 ? "abeam" : "astern";
+  const char* side = off_bow <= 10 || off_bow >= 170 ? "" : bearing < 0 ? " to port" : " to starboard";
+  return fmt::format("{:.{}f} m {}{}", metres, metres < 9.95 ? 1 : 0, along, side);
 }
 
 std::string text_of(const Eigen::Vector2d& north_east) {

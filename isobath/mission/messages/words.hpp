@@ -6,8 +6,10 @@
 
 namespace isobath {
 
-/// "an obstacle", "a remembered obstacle", "the fence" ...
-const char* text_of(HazardKind kind);
+/// "obstacle 3", "remembered obstacle 3", "an obstacle" where it has no number, "the fence" ...
+std::string text_of(const Hazard& hazard);
+/// Where a place lies as seen from a vehicle: "12 m ahead to port". All in one frame.
+std::string direction_of(const Eigen::Vector2d& place, const Eigen::Vector2d& vehicle, Angle heading);
 /// "north 44.6, east 3.9 m".
 std::string text_of(const Eigen::Vector2d& north_east);
 /// The name of the point, or "point 2" (from 1) where it has none.

@@ -37,8 +37,9 @@ struct DepthChart {
   std::optional<GeoOrigin> origin;  ///< empty: the frame shows metres
   int charted_confidence = 5;       ///< highest without confirmation by a sonar
   std::string title;
-  std::string datum;     ///< "Depths below mean water of January 2025"
-  DepthSurface surface;  ///< may be empty: no interpolation
+  std::string survey, date;  ///< of the data; may be empty
+  std::string datum;         ///< "Depths below mean water of January 2025"
+  DepthSurface surface;      ///< may be empty: no interpolation
   /// m; 0: three times the mean measured depth, at least 25 m, which is the widest spacing of soundings that IHO S-44
   /// (edition 6, 3.5) accepts without full coverage.
   double reach_m = 0;

@@ -15,8 +15,7 @@ using Eigen::Vector2d;
 
 constexpr double kLeft = 96, kTop = 84, kRight = 40, kBottom_px = 64, kBand = 9;  // px, around the plot
 constexpr double kPanel = 300, kText = 15, kSmall = 13;
-constexpr int kLeastHeight = 900;  // the panel needs it
-constexpr Colour kWhite{1, 1, 1, 1};
+constexpr Colour kWhite{1, 1, 1, 1}, kOnDark{0.88, 0.94, 1, 1};
 constexpr Colour kMagenta{0.65, 0.10, 0.45, 1};  // colour of warnings on charts
 
 int plot_pixels(double length_m, double longest_m, int plot_px) {
@@ -24,9 +23,10 @@ int plot_pixels(double length_m, double longest_m, int plot_px) {
 }
 double longest(const PlanExtent& e) { return std::max(e.x_max - e.x_min, e.y_max - e.y_min); }
 
-/// Ticks of a graduated side: steps of 1, 2, 5 within a minute, then of whole minutes and degrees.
+/// Ticks of a graduated side: steps of 1, 2, 5 within a minute (2 dm at the least), then of whole minutes and degrees.
 double minute_step(double range_min, double wanted) {
-  for (const double step : {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 120.0, 300.0}) {
+  for (const double step : {0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05,  0.1,
+                            0.2,    0.5,    1.0,    2.0,   5.0,   10.0,  30.0, 60.0, 120.0, 300.0}) {
     if (range_min / step <= wanted) return step;
   }
   return 600;
@@ -34,7 +34,7 @@ double minute_step(double range_min, double wanted) {
 
 /// 52 deg 20.25' N from minutes.
 std::string degrees_and_minutes(double minutes, double step, const char* positive, const char* negative) {
-  const int digits = step >= 1 ? 0 : step >= 0.1 ? 1 : 2;
+  const int digits = step >= 1 ? 0 : step >= 0.1 ? 1 : step >= 0.01 ? 2 : step >= 0.001 ? 3 : 4;
   const double scale = std::pow(10, digits);
   const auto units = std::llround(std::abs(minutes) * scale);
   const auto per_degree = static_cast<long long>(60 * scale);
@@ -46,9 +46,10 @@ std::string plain(double value) { return fmt::format("{:.6g}", std::abs(value) <
 
 }  // namespace
 
-ChartLayout::ChartLayout(const PlanExtent& e, int plot_px, const std::string& title, std::optional<GeoOrigin> origin)
+ChartLayout::ChartLayout(const PlanExtent& e, int plot_px, const std::string& title, std::optional<GeoOrigin> origin,
+                         int least_height_px)
     : Canvas(plot_pixels(e.y_max - e.y_min, longest(e), plot_px) + static_cast<int>(kLeft + kRight + kPanel),
-             std::max(kLeastHeight, plot_pixels(e.x_max - e.x_min, longest(e), plot_px)) +
+             std::max(least_height_px, plot_pixels(e.x_max - e.x_min, longest(e), plot_px)) +
                  static_cast<int>(kTop + kBottom_px)),
       extent_(e),
       title_(title),
@@ -72,6 +73,16 @@ void ChartLayout::end_plot() const { cairo_restore(cairo_.get()); }
 
 void ChartLayout::trace(std::span<const Vector2d> points_px) const {
   for (const Vector2d& p : points_px) cairo_line_to(cairo_.get(), p.x(), p.y());
+}
+
+/// Whether dark ink would be hard to read there.
+bool ChartLayout::is_dark(const Vector2d& at) const {
+  cairo_surface_t* image = cairo_get_target(cairo_.get());
+  cairo_surface_flush(image);
+  const auto x = static_cast<std::ptrdiff_t>(std::clamp(at.x(), 0.0, width_ - 1.0));
+  const auto y = static_cast<std::ptrdiff_t>(std::clamp(at.y(), 0.0, height_ - 1.0));
+  const unsigned char* pixel = cairo_image_surface_get_data(image) + y * cairo_image_surface_get_stride(image) + 4 * x;
+  return 0.0722 * pixel[0] + 0.7152 * pixel[1] + 0.2126 * pixel[2] < 90;  // blue, green, red
 }
 
 double ChartLayout::text_width(const std::string& words, double size) const {
@@ -129,10 +140,10 @@ void ChartLayout::contour(std::span<const Vector2d> points, bool closed, const S
                           const std::function<bool(const Vector2d&)>& approximate) {
   std::vector<Vector2d> px;
   std::vector<double> at = {0};
-  std::vector<bool> dashed;
+  std::vector<std::pair<bool, bool>> look;  // dashed, on dark water
   for (std::size_t i = 0; i < points.size() + (closed ? 1 : 0); ++i) {
     px.push_back(to_px(points[i % points.size()]));
-    dashed.push_back(approximate && approximate(points[i % points.size()]));
+    look.emplace_back(approximate && approximate(points[i % points.size()]), is_dark(px.back()));
     if (i > 0) at.push_back(at.back() + (px[i] - px[i - 1]).norm());
   }
   // 1. Place the labels on straight stretches, far enough apart, where there is no other text.
@@ -161,13 +172,13 @@ void ChartLayout::contour(std::span<const Vector2d> points, bool closed, const S
     while (gap < gaps.size() && gaps[gap].second < i) ++gap;
     if (gap < gaps.size() && i > gaps[gap].first) continue;
     cairo_new_path(cairo_.get());
-    const bool kind = dashed[i];
+    const auto [dashed, dark] = look[i];
     cairo_move_to(cairo_.get(), px[i - 1].x(), px[i - 1].y());
-    for (; i < px.size() && dashed[i] == kind && (gap == gaps.size() || i <= gaps[gap].first); ++i) {
+    for (; i < px.size() && look[i] == std::pair(dashed, dark) && (gap == gaps.size() || i <= gaps[gap].first); ++i) {
       cairo_line_to(cairo_.get(), px[i].x(), px[i].y());
     }
     --i;
-    set({stroke.colour, stroke.width_px, kind});
+    set({dark ? kOnDark : stroke.colour, stroke.width_px, dashed});
     cairo_stroke(cairo_.get());
   }
   end_plot();
@@ -175,10 +186,11 @@ void ChartLayout::contour(std::span<const Vector2d> points, bool closed, const S
 
 void ChartLayout::text_at_angle(const Vector2d& centre, double angle, const std::string& words, double size,
                                 Colour colour) const {
+  const bool dark = is_dark(centre);
   begin_plot();
   cairo_translate(cairo_.get(), centre.x(), centre.y());
   cairo_rotate(cairo_.get(), angle);
-  text(0, 0.36 * size, words, size, colour, 0.5, true);
+  text(0, 0.36 * size, words, size, dark ? kOnDark : colour, 0.5, !dark);
   end_plot();
 }
 
@@ -192,11 +204,12 @@ bool ChartLayout::sounding(const Vector2d& at, double depth_m) {
   const double w = text_width(metres, kText), v = text_width(decimetres, 11);
   const Vector2d p = to_px(at);
   if (!take_room({p.x(), p.y(), (w + v) / 2 + 5, 12})) return false;
-  const Colour ink{0.08, 0.10, 0.16, 1};
+  const bool dark = is_dark(p);
+  const Colour ink = dark ? kWhite : Colour{0.08, 0.10, 0.16, 1};
   const double x = p.x() - (w + v) / 2, y = p.y() + 5;
   begin_plot();
-  text(x, y, metres, kText, ink, 0, true);
-  text(x + w + 1, y + 4, decimetres, 11, ink, 0, true);
+  text(x, y, metres, kText, ink, 0, !dark);
+  text(x + w + 1, y + 4, decimetres, 11, ink, 0, !dark);
   if (depth_m < 0) line(x, y + 2, x + w, y + 2, {ink, 1.2, false});  // a drying height is underlined
   end_plot();
   return true;
@@ -230,12 +243,13 @@ void ChartLayout::danger(const Vector2d& at, const std::string& label) {
 
 // The panel ----------------------------------------------------------------------------------------------------------
 
-void ChartLayout::north_arrow_and_scale() {
+void ChartLayout::north_arrow_and_scale(const std::string& up) {
   const double x = kLeft + columns_ + kBand + 36, width = kPanel - 70;
   cairo_t* c = cairo_.get();
   // The arrow: two halves, one filled, as on a compass card.
   const double cx = x + 14, top = panel_y_ + 18;
   for (const double half : {-1.0, 1.0}) {
+    if (up.empty()) break;
     cairo_new_path(c);
     cairo_move_to(c, cx, top);
     cairo_line_to(c, cx + half * 11, top + 46);
@@ -245,12 +259,12 @@ void ChartLayout::north_arrow_and_scale() {
     set({palette::kInk, 1, false});
     cairo_stroke(c);
   }
-  text(cx, top - 4, "N", 16, palette::kInk, 0.5);
+  text(up.size() > 1 ? x : cx, top - 4, up, up.size() > 1 ? kSmall : 16, palette::kInk, up.size() > 1 ? 0 : 0.5);
   // The scale: a round length in four parts.
   const double room_m = (width - 60) * metres_per_px_;
   double length = std::pow(10, std::floor(std::log10(room_m)));
   length *= room_m >= 5 * length ? 5 : room_m >= 2 * length ? 2 : 1;
-  const double left = x + 48, y = top + 22, part = length / 4 / metres_per_px_;
+  const double left = up.empty() ? x : x + (up.size() > 1 ? 66 : 48), y = top + 22, part = length / 4 / metres_per_px_;
   for (int i = 0; i < 4; ++i) {
     cairo_new_path(c);
     cairo_rectangle(c, left + i * part, y, part, 7);
@@ -362,6 +376,16 @@ void ChartLayout::note(const std::string& words, bool strong) {
   panel_y_ += 8;
 }
 
+void ChartLayout::about(const ChartSource& source, const std::string& frame) {
+  if (!source.survey.empty()) note(source.survey);
+  if (!source.date.empty()) note(source.date);
+  if (source.cell_m > 0) note(fmt::format("Cells of {:g} m", source.cell_m));
+  note(origin_ ? fmt::format("Positions: WGS 84. The map is the plane that touches the ellipsoid at {:.5f}°, {:.5f}°; "
+                             "north is true north there.",
+                             origin_->latitude_deg, origin_->longitude_deg)
+               : frame);
+}
+
 // The frame ----------------------------------------------------------------------------------------------------------
 
 /// One side of the frame, from its west or south end to its east or north end.
@@ -420,7 +444,7 @@ void ChartLayout::finish() {
   const double south = extent_.x_max - rows_ * metres_per_px_, east = extent_.y_min + columns_ * metres_per_px_;
   const Vector2d sw(south, extent_.y_min), se(south, east), nw(extent_.x_max, extent_.y_min), ne(extent_.x_max, east);
   const auto step = [&](const Vector2d& from, const Vector2d& to, bool latitude, double wanted) {
-    if (!origin_) return std::max(1.0, nice_step(0, (to - from).norm(), wanted));
+    if (!origin_) return nice_step(0, (to - from).norm(), wanted);
     const LocalPlane plane(*origin_);
     const GeoPoint a = plane.to_geo(from), b = plane.to_geo(to);
     return minute_step(60 * std::abs(latitude ? b.latitude_deg - a.latitude_deg : b.longitude_deg - a.longitude_deg),
@@ -441,7 +465,7 @@ void ChartLayout::finish() {
   cairo_select_font_face(cairo_.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
   text(kLeft - kBand, 38, title_, 24, palette::kInk);
   cairo_select_font_face(cairo_.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-  if (!origin_) text(kLeft - kBand, kTop + rows_ + 50, "north and east in metres", kSmall, palette::kInk);
+  if (!origin_) text(kLeft - kBand, kTop + rows_ + 50, axes_, kSmall, palette::kInk);
 }
 
 }  // namespace isobath

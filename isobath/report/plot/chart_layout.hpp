@@ -3,6 +3,7 @@
 //
 // North is up. With an origin the frame shows latitude and longitude (WGS 84) in degrees and decimal minutes. Each side
 // is graduated on its own, so that the convergence of meridians is visible. Without an origin the frame shows metres.
+// A view that is no map (from the vehicle, from the side) names its own axes; up is then not north.
 // The resolution is 150 pixels an inch: the smallest letters are 2.4 mm high. Text too wide for the panel is wrapped.
 #pragma once
 
@@ -14,10 +15,20 @@
 
 namespace isobath {
 
+/// What a picture says about its data.
+struct ChartSource {
+  std::string survey;  ///< name of the log, the survey or the scenario
+  std::string date;    ///< of the data; empty: unknown
+  double cell_m = 0;   ///< edge of a cell of the map; 0: it has none
+};
+
 class ChartLayout : public Canvas {
  public:
+  /// Height that the longest panel needs.
+  static constexpr int kLeastHeight = 900;
   /// The plot has whole pixels: its south and east sides may lie up to a pixel beyond the extent.
-  ChartLayout(const PlanExtent& north_east, int plot_px, const std::string& title, std::optional<GeoOrigin> origin);
+  ChartLayout(const PlanExtent& north_east, int plot_px, const std::string& title, std::optional<GeoOrigin> origin,
+              int least_height_px = kLeastHeight);
 
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
@@ -35,8 +46,12 @@ class ChartLayout : public Canvas {
   /// A danger: a cross in a dotted circle, and its name.
   void danger(const Eigen::Vector2d& at, const std::string& label);
 
+  /// The axes of a frame in metres: "north and east in metres", unless another text is set.
+  void name_axes(const std::string& axes) { axes_ = axes; }
+
   // The panel, from top to bottom.
-  void north_arrow_and_scale();
+  /// `up`: the direction of the arrow; empty: no arrow.
+  void north_arrow_and_scale(const std::string& up = "N");
   struct Bar {
     std::string caption;
     std::function<Colour(double value)> colour;
@@ -48,6 +63,8 @@ class ChartLayout : public Canvas {
   void legend_line(const Stroke& stroke, const std::string& text);
   void legend_danger(const std::string& text);
   void note(const std::string& text, bool strong = false);
+  /// Survey, date, cell, and the frame of the positions: WGS 84 and the plane of the map with an origin, else `frame`.
+  void about(const ChartSource& source, const std::string& frame);
 
   /// Draws the frame. Call it last.
   void finish();
@@ -71,10 +88,11 @@ class ChartLayout : public Canvas {
   void text_at_angle(const Eigen::Vector2d& centre, double angle, const std::string& text, double size,
                      Colour colour) const;
   void danger_symbol(const Eigen::Vector2d& at_px) const;
+  [[nodiscard]] bool is_dark(const Eigen::Vector2d& at_px) const;
   void graduate(const Side& side) const;
 
   PlanExtent extent_;
-  std::string title_;
+  std::string title_, axes_ = "north and east in metres";
   std::optional<GeoOrigin> origin_;
   int columns_, rows_;
   double metres_per_px_;

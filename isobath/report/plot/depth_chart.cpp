@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/map/depth/depth_pixel.hpp>
@@ -168,17 +169,28 @@ void draw_shore_and_tracks(const DepthChart& chart, ChartLayout& layout) {
   for (const auto& track : chart.tracks) layout.polyline(track, false, {kTrackLine, 0.8, false});
 }
 
+/// Whether any track is longer than some picture pixels: others are not seen.
+bool shows_tracks(const DepthChart& chart, double metres_per_px) {
+  return std::any_of(chart.tracks.begin(), chart.tracks.end(), [&](const std::vector<Vector2d>& track) {
+    Eigen::AlignedBox2d box;
+    for (const Vector2d& p : track) box.extend(p);
+    return !box.isEmpty() && box.diagonal().norm() > 4 * metres_per_px;
+  });
+}
+
 void finish(const DepthChart& chart, ChartLayout& layout) {
   if (!chart.shore.empty()) {
     layout.legend_fill(kLand, "land");
     layout.legend_line({kShoreLine, 2, false}, "shore line");
   }
-  if (!chart.tracks.empty()) layout.legend_line({kTrackLine, 1.2, false}, "track of the vehicle");
+  if (shows_tracks(chart, layout.metres_per_px())) {
+    layout.legend_line({kTrackLine, 1.2, false}, "track of the vehicle");
+  }
   if (!chart.obstructions.empty()) layout.legend_danger("obstruction");
   layout.note("");
   if (!chart.datum.empty()) layout.note(chart.datum);
-  layout.note(chart.origin ? "Positions: WGS 84. North is true north at the origin of the map."
-                           : "No geographic position: the frame shows metres of the map.");
+  layout.about({chart.survey, chart.date, chart.grid.pixel_m},
+               "No geographic position: the frame shows metres of the map.");
   layout.note("NOT FOR NAVIGATION", true);
   layout.finish();
 }

@@ -10,7 +10,8 @@
 namespace isobath {
 namespace {
 
-constexpr double kLeft = 58, kTop = 34, kRight = 16, kBottom = 74;  // margins of a plan view, px
+constexpr double kLeft = 58, kTop = 34, kRight = 246, kBottom = 46;  // margins of a plan view, px; right: the legend
+constexpr int kLeastLegendHeight = 190;
 
 Colour mix(const Colour& a, const Colour& b, double share) {
   const auto between = [share](double u, double v) { return u + share * (v - u); };
@@ -135,9 +136,18 @@ int plan_width(const PlanExtent& e, int plot_px) {
 }
 int plan_height(const PlanExtent& e, int plot_px) {
   const double scale = plot_px / std::max(e.x_max - e.x_min, e.y_max - e.y_min);
-  return static_cast<int>(std::ceil((e.x_max - e.x_min) * scale + kTop + kBottom));
+  return std::max(kLeastLegendHeight, static_cast<int>(std::ceil((e.x_max - e.x_min) * scale + kTop + kBottom)));
 }
 }  // namespace
+
+PlanExtent frame_around(const Eigen::AlignedBox2d& content) {
+  constexpr double kMarginShare = 0.04, kNarrowest = 0.15;
+  const double longer = std::max(content.sizes().maxCoeff(), 1.0);
+  const Eigen::Vector2d half =
+      (0.5 * content.sizes()).cwiseMax(0.5 * kNarrowest * longer).array() + kMarginShare * longer;
+  const Eigen::Vector2d middle = content.center();
+  return {middle.x() - half.x(), middle.x() + half.x(), middle.y() - half.y(), middle.y() + half.y()};
+}
 
 PlanPicture::PlanPicture(const PlanExtent& extent, int plot_px, Labels labels)
     : Canvas(plan_width(extent, plot_px), plan_height(extent, plot_px)),
@@ -273,17 +283,16 @@ void PlanPicture::finish(const std::vector<LegendEntry>& legend) {
   cairo_rotate(cairo_.get(), -std::numbers::pi / 2);
   text(0, 0, labels_.up, 11, palette::kInk, 0.5);
   cairo_restore(cairo_.get());
-  double x = left_;
+  const double x = left_ + plot_width_ + 16;
+  double y = top_ + 4;
   for (const LegendEntry& entry : legend) {
     cairo_new_path(cairo_.get());
-    cairo_rectangle(cairo_.get(), x, bottom + 48, 14, 11);
+    cairo_rectangle(cairo_.get(), x, y, 14, 11);
     fill(entry.colour);
     set({palette::kFaint, 0.7, false});
     cairo_stroke(cairo_.get());
-    text(x + 19, bottom + 58, entry.text, 11, palette::kInk);
-    cairo_text_extents_t extents;
-    cairo_text_extents(cairo_.get(), entry.text.c_str(), &extents);
-    x += extents.x_advance + 36;
+    text(x + 20, y + 10, entry.text, 11, palette::kInk);
+    y += 19;
   }
 }
 
@@ -323,7 +332,35 @@ void ChartPicture::curve(std::span<const double> x, std::span<const double> y, c
   }
   set(stroke);
   cairo_stroke(cairo_.get());
-  if (!name.empty()) legend_.push_back({stroke.colour, name});
+  name_line(x, y, stroke.colour, name);
+}
+
+void ChartPicture::name_line(std::span<const double> x, std::span<const double> y, Colour colour,
+                             const std::string& name) {
+  for (std::size_t i = std::min(x.size(), y.size()); i-- > 0 && !name.empty();) {
+    if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
+    names_.push_back({colour, name, px_x(x[i]), px_y(y[i])});
+    return;
+  }
+}
+
+/// Each name above the end of its line, inside the plot, with a sample of the line; names that would lie on one another
+/// move apart.
+void ChartPicture::draw_names() {
+  constexpr double kApart = 15, kSample = 16;
+  std::stable_sort(names_.begin(), names_.end(), [](const Name& a, const Name& b) { return a.y < b.y; });
+  const double lowest = top_ + plot_height_ - 5;
+  double y = top_ + 26 - kApart;  // below the labels of marks
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    const double left_over = kApart * static_cast<double>(names_.size() - 1 - i);
+    y = std::max(y + kApart, std::min(names_[i].y - 6, lowest - left_over));
+    cairo_text_extents_t extents;
+    cairo_set_font_size(cairo_.get(), 11);
+    cairo_text_extents(cairo_.get(), names_[i].text.c_str(), &extents);
+    const double right = std::min(names_[i].x + extents.x_advance + kSample + 14, left_ + plot_width_ - 6);
+    text(right - kSample - 6, y, names_[i].text, 11, palette::kInk, 1, true);
+    line(right - kSample, y - 4, right, y - 4, {names_[i].colour, 3, false});
+  }
 }
 
 void ChartPicture::band(std::span<const double> x, std::span<const double> low, std::span<const double> high,
@@ -345,7 +382,7 @@ void ChartPicture::points(std::span<const double> x, std::span<const double> y, 
     fill(colour);
   }
   cairo_new_path(cairo_.get());
-  if (!name.empty()) legend_.push_back({colour, name});
+  name_line(x, y, colour, name);
 }
 
 void ChartPicture::mark(double x, const std::string& label, Colour colour) {
@@ -388,13 +425,7 @@ void ChartPicture::finish() {
   cairo_rotate(cairo_.get(), -std::numbers::pi / 2);
   text(0, 0, y_.label, 11, palette::kInk, 0.5);
   cairo_restore(cairo_.get());
-  double y = top_ + plot_height_ - 12 - 16.0 * static_cast<double>(legend_.size());
-  for (const auto& entry : legend_) {
-    y += 16;
-    const double x = left_ + plot_width_ - 12;
-    text(x - 22, y, entry.text, 11, palette::kInk, 1, true);
-    line(x - 16, y - 4, x, y - 4, {entry.colour, 3, false});
-  }
+  draw_names();
 }
 
 }  // namespace isobath

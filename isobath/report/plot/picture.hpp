@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -43,6 +44,10 @@ struct PlanExtent {
   double y_min = -10, y_max = 10;  ///< right, m
 };
 
+/// The frame of a plan view of what lies in the box: an even margin all round (4 % of the longer side), and at least
+/// 15 % as wide as long.
+PlanExtent frame_around(const Eigen::AlignedBox2d& content);
+
 struct Stroke {
   Colour colour = palette::kInk;
   double width_px = 1.5;
@@ -72,7 +77,7 @@ class Canvas {
   std::unique_ptr<cairo_t, Closer> cairo_;
 };
 
-/// A plan view with a frame, ticks in metres, a title and a legend line.
+/// A plan view with a frame, ticks in metres, a title and a legend beside it.
 class PlanPicture : public Canvas {
  public:
   struct Labels {
@@ -96,7 +101,7 @@ class PlanPicture : public Canvas {
     Colour colour;
     std::string text;
   };
-  /// Draws frame, ticks, titles and the legend below. Call it last.
+  /// Draws frame, ticks, titles and the legend to the right. Call it last.
   void finish(const std::vector<LegendEntry>& legend);
 
  private:
@@ -111,7 +116,7 @@ class PlanPicture : public Canvas {
   double left_, top_, plot_width_, plot_height_;
 };
 
-/// Curves with error bands over two axes.
+/// Curves with error bands over two axes. The name of a curve stands beside its end.
 class ChartPicture : public Canvas {
  public:
   struct Axis {
@@ -127,10 +132,17 @@ class ChartPicture : public Canvas {
   void points(std::span<const double> x, std::span<const double> y, Colour colour, const std::string& name);
   /// A vertical line with a label at its top.
   void mark(double x, const std::string& label, Colour colour);
-  /// Draws frame, ticks and legend. Call it last.
+  /// Draws frame, ticks and names. Call it last.
   void finish();
 
  private:
+  struct Name {
+    Colour colour;
+    std::string text;
+    double x, y;  ///< px, of the last place that was drawn
+  };
+  void name_line(std::span<const double> x, std::span<const double> y, Colour colour, const std::string& name);
+  void draw_names();
   [[nodiscard]] double px_x(double x) const;
   [[nodiscard]] double px_y(double y) const;
   void draw_ticks(const Axis& axis, bool horizontal) const;
@@ -138,7 +150,7 @@ class ChartPicture : public Canvas {
   std::string title_;
   Axis x_, y_;
   double left_ = 64, top_ = 34, plot_width_, plot_height_;
-  std::vector<PlanPicture::LegendEntry> legend_;
+  std::vector<Name> names_;
 };
 
 /// Round values that divide [low, high] into about `wanted` parts.

@@ -1,86 +1,90 @@
 /**
  * The obstacle layer: obstacles of the last scan, remembered obstacles, and the earlier positions of these.
  *
- * Shape tells them apart, so that colour is not needed. An obstacle of the last scan is filled; its outline is dashed
- * if it is doubtful. A remembered one has a dotted outline, which fades the longer it is unseen. A thin line from a
- * ring shows the earlier positions of its centre.
+ * Shape tells them apart, so that colour is not needed. A piece of the last scan is filled; its outline is dashed if it
+ * is doubtful. A remembered one has a dotted outline, which fades the longer it is unseen. A thin line from a ring
+ * shows the earlier positions of its centre. An obstacle has one label with its number, however many pieces it has.
  */
-import { age, metres, percent } from '../units';
-import type { Obstacle } from '../items';
+import { age, metres } from '../units';
+import type { Piece } from '../items';
 import type { Model } from '../model';
 import type { Point } from '../protocol';
 import { middle, spread } from './chart_layers';
 import { label, stroke, trace, type Pen } from './pen';
-import type { Tracked } from './obstacle_tracks';
+import { distanceTo, lastSeen, marginOf, type Tracked } from './obstacle_tracks';
 
-/** Below this existence probability the outline of an obstacle is dashed. */
+/** Below this existence probability the outline of a piece is dashed. */
 const kSure = 0.5;
-/** s: after this time unseen an obstacle is palest. */
+/** s: after this time unseen a remembered piece is palest. */
 const kPale = 120;
+/** m a pixel: without labels, numbers only, and with all that is known of the obstacle. */
+const kNoLabels = 0.4;
+const kNumbersOnly = 0.18;
 const kCrowd = 60;
 const kNamedOfACrowd = 12;
 
-export function drawObstacles(pen: Pen, model: Model, pointed: Tracked | null): void {
-  const named = namesFor(pen, model);
-  for (const { id, trail } of model.obstacles) if (id !== undefined) drawTrailOf(pen, trail);
-  for (const obstacle of model.obstacles) {
-    if (obstacle.outline.length === 0) continue;
-    const unseen = Math.max(0, model.now - (obstacle.seen ?? model.now));
-    const colour = obstacle.id !== undefined ? drawRemembered(pen, obstacle, unseen) : drawSeen(pen, obstacle);
-    if (!named.has(obstacle)) continue;
-    const [north, east] = middle(obstacle.outline);
-    const above = pen.camera.y(north, east) - spread(pen, obstacle.outline) / 2 - 10;
-    const text = nameOf(obstacle, unseen, pen.camera.scale < 0.18);
-    if (text) label(pen, text, pen.camera.x(north, east), above, colour);
+export function drawObstacles(pen: Pen, model: Model, all: readonly Tracked[], pointed: Tracked | null): void {
+  for (const { id, trail } of model.pieces) if (id !== undefined) drawTrailOf(pen, trail);
+  for (const piece of model.pieces) {
+    if (piece.outline.length === 0) continue;
+    if (piece.id === undefined) drawSeen(pen, piece);
+    else drawRemembered(pen, piece, Math.max(0, model.now - (piece.seen ?? model.now)));
   }
+  for (const t of namedOf(pen, model, all)) drawName(pen, model, t);
   if (pointed) point(pen, pointed);
 }
 
-/** Names each number once; in a crowd at small scale, only the numbers nearest to the vehicle. */
-function namesFor({ camera }: Pen, { obstacles, vehicle }: Model): Set<Obstacle> {
-  if (camera.scale > 0.4) return new Set();
-  const drawn = obstacles.filter(({ outline }) => outline.length > 0);
-  const byNumber = new Map<number, Obstacle>();
-  for (const o of drawn) {
-    const number = o.id ?? o.of;
-    if (number !== undefined && !byNumber.has(number)) byNumber.set(number, o);
-  }
-  const numbered = [...byNumber.values()];
-  if (drawn.length <= kCrowd || camera.scale <= 0.06) {
-    return new Set([...numbered, ...drawn.filter((o) => (o.id ?? o.of) === undefined)]);
-  }
-  if (!vehicle) return new Set(numbered.slice(0, kNamedOfACrowd));
-  const far = ({ outline }: Obstacle) => {
-    const [north, east] = middle(outline);
-    return Math.hypot(north - vehicle.north, east - vehicle.east);
-  };
-  return new Set(numbered.sort((a, b) => far(a) - far(b)).slice(0, kNamedOfACrowd));
+/** The obstacles that are labelled; in a crowd at small scale, only those nearest to the vehicle. */
+function namedOf({ camera }: Pen, { vehicle }: Model, all: readonly Tracked[]): readonly Tracked[] {
+  if (camera.scale > kNoLabels) return [];
+  const numbered = all.filter(({ number }) => number !== undefined);
+  if (numbered.length <= kCrowd || camera.scale <= 0.06) return numbered;
+  if (!vehicle) return numbered.slice(0, kNamedOfACrowd);
+  const here: Point = [vehicle.north, vehicle.east];
+  const far = new Map(numbered.map((t) => [t, distanceTo(t, here).metres]));
+  return [...numbered].sort((a, b) => far.get(a)! - far.get(b)!).slice(0, kNamedOfACrowd);
 }
 
-function nameOf({ id, of, margin, existence, range, seen }: Obstacle, unseen: number, near: boolean): string {
-  if (id !== undefined) {
-    const ago = seen === undefined ? '' : `, ${age(unseen)} ago`;
-    return `#${id}${near ? ` ± ${metres(margin)}${ago}` : ''}`;
-  }
-  const known = of === undefined ? [] : [`#${of}`];
-  return [...known, ...(near ? [percent(existence ?? 1), metres(range)] : [])].join(', ');
+function drawName(pen: Pen, model: Model, t: Tracked): void {
+  const outline = t.outlines[0]!;
+  const [north, east] = middle(outline);
+  const above = pen.camera.y(north, east) - spread(pen, outline) / 2 - 10;
+  const colour = t.seen.length > 0 && t.seen.every(({ behind }) => behind) ? pen.paint.behind : pen.paint.obstacle;
+  label(pen, labelOf(t, model, pen.camera.scale < kNumbersOnly), pen.camera.x(north, east), above, colour);
 }
 
-function drawSeen(pen: Pen, obstacle: Obstacle): string {
+/** "#3"; near by "#3 extended 12.4 m, 14.2 m away", or if only remembered "#3 compact 0.8 m, ± 1.5 m, 12 s ago". */
+export function labelOf(t: Tracked, { now, vehicle }: Model, near: boolean): string {
+  const name = `#${t.number}`;
+  if (!near) return name;
+  const parts = [[name, t.whole?.kind ?? '', t.whole?.extent === undefined ? '' : metres(t.whole.extent)]];
+  if (t.seen.length > 0) {
+    if (vehicle) parts.push([`${metres(distanceTo(t, [vehicle.north, vehicle.east]).metres)} away`]);
+  } else {
+    parts.push([`± ${metres(marginOf(t))}`]);
+    const seen = lastSeen(t);
+    if (seen !== undefined) parts.push([`${age(now - seen)} ago`]);
+  }
+  return parts.map((part) => part.filter((word) => word !== '').join(' ')).join(', ');
+}
+
+function drawSeen(pen: Pen, piece: Piece): void {
   const { drawing, paint } = pen;
-  const colour = obstacle.behind ? paint.behind : paint.obstacle;
-  const existence = obstacle.existence ?? 1;
-  trace(pen, obstacle.outline, true);
+  const existence = piece.existence ?? 1;
+  trace(pen, piece.outline, true);
   drawing.fillStyle = paint.obstacleFill;
   drawing.globalAlpha = 0.25 + 0.75 * existence;
   drawing.fill();
-  stroke(pen, { colour, width: 2, dash: existence < kSure ? [4, 3] : [] });
+  stroke(pen, {
+    colour: piece.behind ? paint.behind : paint.obstacle,
+    width: 2,
+    dash: existence < kSure ? [4, 3] : [],
+  });
   drawing.globalAlpha = 1;
-  return colour;
 }
 
 /** A dotted outline where navigation put it when it was seen; a pale band shows how far it may extend by now. */
-function drawRemembered(pen: Pen, { outline, margin }: Obstacle, unseen: number): string {
+function drawRemembered(pen: Pen, { outline, margin }: Piece, unseen: number): void {
   const { drawing, camera, paint } = pen;
   const fresh = 1 - 0.5 * Math.min(1, unseen / kPale);
   drawing.lineJoin = 'round';
@@ -91,7 +95,6 @@ function drawRemembered(pen: Pen, { outline, margin }: Obstacle, unseen: number)
   trace(pen, outline, true);
   stroke(pen, { colour: paint.obstacle, width: 1.5, dash: [1.5, 3] });
   drawing.globalAlpha = 1;
-  return paint.obstacle;
 }
 
 /** Earlier positions, fading towards the first one. */
@@ -114,7 +117,7 @@ function drawTrailOf(pen: Pen, trail: readonly Point[]): void {
   drawing.globalAlpha = 1;
 }
 
-/** Marks the obstacle that the readout describes. */
+/** Marks the obstacle that the readout describes, with all its pieces. */
 function point(pen: Pen, { outlines }: Tracked): void {
   for (const outline of outlines) {
     trace(pen, outline, true);

@@ -1,34 +1,45 @@
 /**
- * Tracked: all that is known of one obstacle, which is its remembered state and its pieces in the last scan. Also finds
- * the obstacle at a position and describes it in words. Angles in rad, positions north and east in m.
+ * Tracked: all that is known of one obstacle, which is what the scan and the agents say of it as a whole, its pieces in
+ * the last scan, and its remembered pieces. Also finds the obstacle at a position and describes it in words. Angles in
+ * rad, positions north and east in m.
  */
-import type { Obstacle } from '../items';
+import type { Obstacle, Obstacles, Piece } from '../items';
 import type { Point } from '../protocol';
 import { age, bearing, metres, percent } from '../units';
 
 export interface Tracked {
-  /** None: seen by the last scan, but not yet remembered by the agents. */
-  id: number | undefined;
-  /** Outlines of the last scan, else the remembered one. */
+  /** None: a piece that belongs to no numbered obstacle. */
+  number: number | undefined;
+  /** Kind and extent; none in recordings of older programs. */
+  whole: Obstacle | undefined;
+  /** Outlines of the last scan, then remembered ones. */
   outlines: Point[][];
-  remembered: Obstacle | undefined;
-  seen: Obstacle[];
+  remembered: Piece[];
+  seen: Piece[];
 }
 
-export function tracked(all: readonly Obstacle[]): Tracked[] {
+/** In the order of the list, nearest first at the last scan; then what only pieces tell of. */
+export function tracked({ obstacles, pieces }: Obstacles): Tracked[] {
   const known = new Map<number, Tracked>();
-  for (const o of all) if (o.id !== undefined) known.set(o.id, { id: o.id, outlines: [], remembered: o, seen: [] });
+  const start = (number: number | undefined, whole?: Obstacle): Tracked => ({
+    number,
+    whole,
+    outlines: [],
+    remembered: [],
+    seen: [],
+  });
+  for (const whole of obstacles) known.set(whole.number, start(whole.number, whole));
   const rest: Tracked[] = [];
-  for (const o of all) {
-    if (o.id !== undefined) continue;
-    const of = o.of === undefined ? undefined : known.get(o.of);
-    if (of) of.seen.push(o);
-    else rest.push({ id: undefined, outlines: [], remembered: undefined, seen: [o] });
+  for (const piece of pieces) {
+    // Older programs number the remembered pieces only.
+    const number = piece.number ?? piece.id ?? piece.of;
+    const t = (number === undefined ? undefined : known.get(number)) ?? start(number);
+    if (number === undefined) rest.push(t);
+    else known.set(number, t);
+    (piece.id === undefined ? t.seen : t.remembered).push(piece);
   }
   const every = [...known.values(), ...rest];
-  for (const t of every) {
-    t.outlines = [...t.seen.map(({ outline }) => outline), t.remembered?.outline ?? []].filter((o) => o.length > 0);
-  }
+  for (const t of every) t.outlines = [...t.seen, ...t.remembered].map((p) => p.outline).filter((o) => o.length > 0);
   return every.filter(({ outlines }) => outlines.length > 0);
 }
 
@@ -37,7 +48,7 @@ export function trackedAt(all: readonly Tracked[], at: Point, reach: number): Tr
   let [best, least]: [Tracked | null, number] = [null, reach];
   for (const t of all) {
     const far = distanceTo(t, at).metres;
-    if (far < least || (far === least && best?.id === undefined)) [best, least] = [t, far];
+    if (far < least || (far === least && best?.number === undefined)) [best, least] = [t, far];
   }
   return best;
 }
@@ -76,23 +87,55 @@ function holds(outline: readonly Point[], [n, e]: Point): boolean {
 
 const kLabels = { standing: 'stands in the water', bottom: 'bottom', surface: 'surface' };
 
-/** "Obstacle 3: known for 12 s, last seen 2.0 s ago, 14.2 m away, bearing 031°, margin 1.2 m". */
-export function words(t: Tracked, now: number, vehicle: Point | null): string {
+/** When the agents saw it last, s since the start; undefined: they do not remember it. */
+export const lastSeen = ({ whole, remembered }: Tracked): number | undefined =>
+  whole ? whole.seen : greatest(remembered.map(({ seen }) => seen));
+const firstSeen = ({ whole, remembered }: Tracked): number | undefined =>
+  whole ? whole.since : least(remembered.map(({ since }) => since));
+
+/** How far it may extend beyond its outlines by now, m; 0 if the agents do not remember it. */
+export const marginOf = ({ remembered }: Tracked): number => Math.max(0, ...remembered.map(({ margin }) => margin));
+
+/** "Obstacle 3", "compact, 0.8 m across". */
+export const nameOf = ({ number }: Tracked): string => (number === undefined ? 'Obstacle' : `Obstacle ${number}`);
+export const sizeOf = ({ whole }: Tracked): string =>
+  whole?.extent === undefined ? (whole?.kind ?? '') : `${whole.kind}, ${metres(whole.extent)} across`;
+
+/** How long it has been known, and what is sure about it: "known for 12 s", "last seen 2.0 s ago". */
+export function history(t: Tracked, now: number): string[] {
   const parts: string[] = [];
-  const { remembered } = t;
-  if (remembered) {
-    if (remembered.since !== undefined) parts.push(`known for ${age(now - remembered.since)}`);
-    if (remembered.seen !== undefined) parts.push(`last seen ${age(now - remembered.seen)} ago`);
+  const [since, seen] = [firstSeen(t), lastSeen(t)];
+  if (t.remembered.length > 0 || since !== undefined) {
+    if (since !== undefined) parts.push(`known for ${age(now - since)}`);
+    if (seen !== undefined) parts.push(`last seen ${age(now - seen)} ago`);
   } else {
     parts.push('seen by the last scan, not yet remembered');
-    if (t.seen[0]?.existence !== undefined) parts.push(`existence ${percent(t.seen[0].existence)}`);
+    const existence = t.whole?.existence ?? t.seen[0]?.existence;
+    if (existence !== undefined) parts.push(`existence ${percent(existence)}`);
   }
   const label = t.seen.find((o) => o.label !== undefined)?.label;
   if (label !== undefined) parts.push(kLabels[label]);
+  if (t.whole?.behind) parts.push('behind a nearer one');
+  return parts;
+}
+
+/** "Obstacle 3: compact, 0.8 m across, known for 12 s, last seen 2.0 s ago, 14.2 m away, bearing 031°". */
+export function words(t: Tracked, now: number, vehicle: Point | null): string {
+  const parts = [sizeOf(t), ...history(t, now)].filter((part) => part !== '');
   if (vehicle) {
     const away = distanceTo(t, vehicle);
     parts.push(`${metres(away.metres)} away`, `bearing ${bearing(away.bearing)}`);
   }
-  if (remembered) parts.push(`margin ${metres(remembered.margin)}`);
-  return `${t.id === undefined ? 'Obstacle' : `Obstacle ${t.id}`}: ${parts.join(', ')}`;
+  if (t.remembered.length > 0) parts.push(`margin ${metres(marginOf(t))}`);
+  return `${nameOf(t)}: ${parts.join(', ')}`;
 }
+
+const known = (values: (number | undefined)[]): number[] => values.filter((v): v is number => v !== undefined);
+const least = (values: (number | undefined)[]): number | undefined => {
+  const all = known(values);
+  return all.length > 0 ? Math.min(...all) : undefined;
+};
+const greatest = (values: (number | undefined)[]): number | undefined => {
+  const all = known(values);
+  return all.length > 0 ? Math.max(...all) : undefined;
+};

@@ -39,8 +39,8 @@ export class PlanView implements View, Gestured {
   private ruler: Ruler | null = null;
   private measuring = false;
   private pointer: [number, number] | null = null;
-  /** The tapped obstacle: by its number, else by its position. */
-  private picked: { id: number | undefined; at: [number, number] } | null = null;
+  /** The position of a tapped obstacle without a number; one with a number is shared with the list. */
+  private picked: [number, number] | null = null;
   private shown = '';
   private painted = -1;
   private placed = false;
@@ -74,7 +74,8 @@ export class PlanView implements View, Gestured {
     const { model, theme } = this.shared;
     if (this.canvas.clientWidth < 20 || this.canvas.clientHeight < 20) return;
     const resized = fit(this.canvas);
-    const look = `${model.revision.join()} ${this.shared.selected?.number ?? ''}`;
+    const { selected, obstacle, hovered } = this.shared;
+    const look = `${model.revision.join()} ${selected?.number} ${obstacle} ${hovered}`;
     if (!this.dirty && !resized && look === this.shown && this.painted === theme.revision) return;
     this.dirty = false;
     this.shown = look;
@@ -139,7 +140,7 @@ export class PlanView implements View, Gestured {
     layer('track', model.track.size > 0, () => moving.drawTrack(pen, model));
     layer('echoes', model.sonars.size > 0, () => drawTrail(pen, model));
     layer('bodies', (scene?.bodies.length ?? 0) > 0, () => drawBodies(pen, scene!));
-    layer('obstacles', true, () => drawObstacles(pen, model, this.pointed()));
+    layer('obstacles', true, () => drawObstacles(pen, model, tracks.tracked(model), this.pointed()));
     layer('way', model.way !== null, () => moving.drawWay(pen, model));
     if (selected) moving.drawDecision(pen, selected);
     layer('vehicle', true, () => moving.drawVehicle(pen, model));
@@ -162,7 +163,7 @@ export class PlanView implements View, Gestured {
     mark(this.canvas, 'north', this.camera.north.toFixed(2));
     mark(this.canvas, 'east', this.camera.east.toFixed(2));
     mark(this.canvas, 'scale', this.camera.scale.toFixed(4));
-    const numbered = tracks.tracked(this.shared.model.obstacles).filter(({ id }) => id !== undefined);
+    const numbered = tracks.tracked(this.shared.model).filter(({ number }) => number !== undefined);
     mark(this.canvas, 'obstacles', numbered.map((t) => this.told(t)).join(';'));
     if (!at) return say(this.readout, 'no position yet');
     const parts = [`${this.pointer ? 'Cursor' : 'Vehicle'} N ${units.metres(at[0])}, E ${units.metres(at[1])}`];
@@ -187,19 +188,20 @@ export class PlanView implements View, Gestured {
     if (this.readout.textContent !== parts.join('')) this.readout.replaceChildren(...spans);
   }
 
-  /** The obstacle under the pointer, else the tapped one if it is still known. */
+  /** The obstacle under the pointer, else the one that a list points at, else the selected one if it is still known. */
   private pointed(): tracks.Tracked | null {
     if (!this.layers.shows('obstacles')) return null;
-    const all = tracks.tracked(this.shared.model.obstacles);
+    const all = tracks.tracked(this.shared.model);
     const under = this.pointer && this.obstacleAt(all, this.camera.place(...this.pointer));
-    if (under || !this.picked) return under;
-    const { id, at } = this.picked;
-    return id === undefined ? this.obstacleAt(all, at) : (all.find((t) => t.id === id) ?? null);
+    if (under) return under;
+    const wanted = this.shared.hovered ?? this.shared.obstacle;
+    if (wanted !== null) return all.find(({ number }) => number === wanted) ?? null;
+    return this.picked && this.obstacleAt(all, this.picked);
   }
   /** Number and canvas position of an obstacle. */
-  private told({ id, outlines }: tracks.Tracked): string {
+  private told({ number, outlines }: tracks.Tracked): string {
     const [north, east] = middle(outlines[0]!);
-    return `${id} ${this.camera.x(north, east).toFixed(0)} ${this.camera.y(north, east).toFixed(0)}`;
+    return `${number} ${this.camera.x(north, east).toFixed(0)} ${this.camera.y(north, east).toFixed(0)}`;
   }
   private obstacleAt(all: readonly tracks.Tracked[], at: [number, number]): tracks.Tracked | null {
     return tracks.trackedAt(all, at, kTouch * this.camera.scale);
@@ -225,13 +227,16 @@ export class PlanView implements View, Gestured {
   }
   hover(at: [number, number] | null): void {
     this.pointer = at;
+    const under = at && this.obstacleAt(tracks.tracked(this.shared.model), this.camera.place(...at));
+    this.shared.hover(under?.number ?? null);
     this.touch();
   }
   tap(x: number, y: number): void {
     if (this.measuring) return;
     const at = this.camera.place(x, y);
-    const there = this.obstacleAt(tracks.tracked(this.shared.model.obstacles), at);
-    this.picked = there && { id: there.id, at };
+    const there = this.obstacleAt(tracks.tracked(this.shared.model), at);
+    this.shared.obstacle = there?.number ?? null;
+    this.picked = there && at;
     this.touch();
   }
   grasp(x: number, y: number): boolean {
@@ -292,20 +297,29 @@ export class PlanView implements View, Gestured {
     this.touch();
   }
 
+  /** Pans to an obstacle, and zooms only if it is larger than the chart or too small to be seen. */
+  showObstacle(number: number): void {
+    const there = tracks.tracked(this.shared.model).find((t) => t.number === number);
+    if (there) this.panTo(there.outlines.flat());
+    this.touch();
+  }
+
   showDecision(decision: Decision): void {
     const places = decision.obstacle ? [decision.obstacle] : decision.way;
-    if (places.length > 0) {
-      this.follow(false);
-      const all = [...places, ...decision.way];
-      const range = (k: 0 | 1): [number, number] => [
-        Math.min(...all.map((p) => p[k])),
-        Math.max(...all.map((p) => p[k])),
-      ];
-      const [n, e] = [range(0), range(1)];
-      const seen = Math.min(this.camera.width, this.camera.height) * this.camera.scale;
-      if (Math.max(n[1] - n[0], e[1] - e[0]) > seen || seen > 400) this.camera.show(n, e, 0.2);
-      else [this.camera.north, this.camera.east] = [(n[0] + n[1]) / 2, (e[0] + e[1]) / 2];
-    }
+    if (places.length > 0) this.panTo([...places, ...decision.way]);
     this.touch();
+  }
+
+  /** Shows these places; the scale stays if they fit it. */
+  private panTo(places: readonly (readonly [number, number])[]): void {
+    this.follow(false);
+    const range = (k: 0 | 1): [number, number] => [
+      Math.min(...places.map((p) => p[k])),
+      Math.max(...places.map((p) => p[k])),
+    ];
+    const [n, e] = [range(0), range(1)];
+    const seen = Math.min(this.camera.width, this.camera.height) * this.camera.scale;
+    if (Math.max(n[1] - n[0], e[1] - e[0]) > seen || seen > 400) this.camera.show(n, e, 0.2);
+    else [this.camera.north, this.camera.east] = [(n[0] + n[1]) / 2, (e[0] + e[1]) / 2];
   }
 }
