@@ -216,7 +216,7 @@ void check_scene(Scene& scene) {
   if (scene.vehicle.dynamic && scene.vehicle.file.empty()) {
     refuse(scene.vehicle.place, "file", "a dynamic vehicle needs its file", "a vehicle file");
   }
-  (void)FaultSchedule(scene.faults, 0);
+  for (const FaultConfig& fault : scene.faults) check_fault(fault);
   for (std::size_t i = 0; i < scene.sonars.size(); ++i) {
     check(scene.sonars[i]);
     for (std::size_t j = 0; j < i; ++j) {
