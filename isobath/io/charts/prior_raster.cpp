@@ -66,7 +66,7 @@ RasterReading::RasterReading(const PriorJob& job, GDALDataset& data)
     job.refuse("the raster does not state its position");
   }
   for (int i = 2; i <= data.GetRasterCount() && !sigma_band_; ++i) {
-    const std::string name = lower_case(data.GetRasterBand(i)->GetDescription());
+    const std::string name = to_lower_case(data.GetRasterBand(i)->GetDescription());
     for (const char* word : {"uncertainty", "sigma", "standard deviation", "stddev"}) {
       if (name.find(word) != std::string::npos) sigma_band_ = data.GetRasterBand(i);
     }

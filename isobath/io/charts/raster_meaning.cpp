@@ -6,13 +6,13 @@
 
 namespace isobath {
 
-std::string lower_case(std::string text) {
+std::string to_lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
 }
 
 double metres_of_unit(const std::string& text) {
-  const std::string name = lower_case(text);
+  const std::string name = to_lower_case(text);
   if (name == "ft" || name == "feet" || name == "foot" || name == "international foot") return 0.3048;
   if (name == "us survey foot" || name == "ussft") return 1200.0 / 3937;
   if (name == "fathom" || name == "fathoms" || name == "fm") return 1.8288;
@@ -25,7 +25,7 @@ VerticalSystem vertical_of(const OGRSpatialReference* system) {
   VerticalSystem v;
   if (!system || !(system->IsCompound() || system->IsVertical())) return v;
   if (const char* name = system->GetAttrValue("VERT_DATUM")) v.datum = name;
-  if (lower_case(v.datum) == "unknown" || lower_case(v.datum) == "unnamed") v.datum.clear();
+  if (to_lower_case(v.datum) == "unknown" || to_lower_case(v.datum) == "unnamed") v.datum.clear();
   OGRAxisOrientation toward = OAO_Other;
   if (system->GetAxis("VERT_CS", 0, &toward)) {
     if (toward == OAO_Up) v.sign = PriorSign::kUp;
@@ -37,7 +37,7 @@ VerticalSystem vertical_of(const OGRSpatialReference* system) {
 PriorSign sign_of_netcdf(GDALRasterBand& band) {
   const auto item = [&band](const char* key) {
     const char* text = band.GetMetadataItem(key);
-    return lower_case(text ? text : "");
+    return to_lower_case(text ? text : "");
   };
   if (item("positive") == "up") return PriorSign::kUp;
   if (item("positive") == "down") return PriorSign::kDown;
