@@ -49,12 +49,13 @@
 #include <isobath/map/voxel/voxel_map.hpp>
 #include <isobath/perception/aspect_law.hpp>
 #include <isobath/perception/fan_kernel.hpp>
+#include <isobath/perception/fan_sector.hpp>
+#include <isobath/perception/heard_cells.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <limits>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace isobath {
@@ -93,7 +94,9 @@ class FanMapper {
 
   /// The reason why a valid ping cannot be inserted into voxels of this size; null: it can. The voxels are so large
   /// that one near the sonar spans 65536 cells or more, or so small that the fan is 4000 voxels long or holds 10^9.
-  [[nodiscard]] static const char* fault_of(const Ping& ping, double voxel_m);
+  [[nodiscard]] static const char* fault_of(const Ping& ping, double voxel_m) {
+    return FanSector::fault_of(ping, voxel_m);
+  }
 
   /// Inserts a ping. The ping must be valid, the decisions have its size and the pose be finite. Throws Error if
   /// `fault_of` gives a reason. Returns the number of blocks visited.
@@ -105,27 +108,13 @@ class FanMapper {
                                      const VoxelMap& map);
 
  private:
-  struct Sector;
-  struct Part {
-    VoxelIndex corner;
-    float first[3];  ///< centre of its first voxel relative to the sensor, along W, m
-    LogOdds16* evidence;
-  };
-  /// Those that the ping can touch, in one order.
-  [[nodiscard]] std::vector<Part> parts_of(const Pose& X_WF) const;
-  void aim(const Pose& X_WF);
-  void take_geometry(const Ping& ping);
+  void take_ping(const Ping& ping);
   void take_decisions(const EchoDecisions& decisions, ThreadPool& pool);
-  void take_beam(const EchoDecisions& decisions, int beam);
-  void hide_shadows(const EchoDecisions& decisions, int beam, std::uint64_t* tells) const;
-  [[nodiscard]] std::pair<int, int> counts(const MixedVoxel& voxel) const;
-  template <class Visit>
-  void each_echo(const MixedVoxel& voxel, const Visit& visit) const;
   void explain(MixedVoxel& voxel, const LogOdds16* block, bool alone);
   void settle(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
               LogOdds16* block) const;
   void settle_aspect(const MixedVoxel& voxel, const EchoDecisions& decisions, const EvidenceBounds& bounds,
-                     const Part& part) const;
+                     const EnsonifiedBlock& part) const;
   [[nodiscard]] double probability(LogOdds16 evidence) const;
   /// Of an occupied voxel's giving an echo in its cell.
   [[nodiscard]] double p_voxel(double p_detect, double false_alarm) const {
@@ -143,21 +132,11 @@ class FanMapper {
 
   double surface_m_ = -std::numeric_limits<double>::infinity();
 
-  // Of the geometry at hand. Frame F: the sensor's, turned about its down axis so that the fan's middle lies ahead.
-  std::shared_ptr<const BeamFan> fan_;
-  RangeWindow window_;
-  Pose X_SF_;
-  double half_width_ = 0;  ///< of the fan with the outer beams' width, rad
-  double sine_ = 0;        ///< of half its height
-  std::vector<std::int32_t> beams_at_;
+  FanSector sector_;
   FanView view_{};
 
   // Of the ping at hand.
-  std::vector<std::int32_t> sums_;
-  int words_ = 0;  ///< of a beam in the next three
-  std::vector<std::uint64_t> heard_,
-      echoes_;                      ///< bins that tell anything, beam after beam; and those that hold an echo
-  std::vector<std::uint64_t> fit_;  ///< bins in which an echo can be told from noise
+  HeardCells cells_;
   std::vector<float> clear_, clear_ratio_;
   std::vector<std::int32_t> explained_;  ///< of each cell that holds an echo: -ln E of all its voxels, fixed point
   std::vector<std::vector<MixedVoxel>> mixed_;  ///< of each block

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <isobath/server/page_session.hpp>
-#include <isobath/server/web_server.hpp>
+#include <isobath/server/web_site.hpp>
 
 namespace isobath {
 

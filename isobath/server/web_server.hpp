@@ -11,7 +11,7 @@
 //
 // By default the server listens to this machine only (`address`) and serves its own pages only: it refuses a Host that
 // is neither a numeric address, localhost nor one of `hosts`, and a socket that a page of another origin opens. A
-// request is bounded: kMostHeader bytes of header, no body, complete within `request_s`. A client is bounded in message
+// request is bounded: 8192 bytes of header, no body, complete within `request_s`. A client is bounded in message
 // size, messages per second and bytes per second. Everything refused, held back or dropped is counted by reason. There
 // is no TLS.
 //
@@ -19,49 +19,16 @@
 // address cannot be used. Later nothing is thrown; an exception of a session or of the site ends that request.
 #pragma once
 
-#include <functional>
-#include <isobath/base/config.hpp>
+#include <cstddef>
 #include <isobath/server/web_counts.hpp>
-#include <isobath/server/web_session.hpp>
-#include <map>
+#include <isobath/server/web_server_config.hpp>
+#include <isobath/server/web_site.hpp>
 #include <memory>
-#include <string>
-#include <vector>
 
 namespace isobath {
 
-struct WebServerConfig {
-  std::string address = "127.0.0.1";
-  int port = 8484;  ///< 0: any free port
-  std::string hosts;
-  int most_clients = 16;
-  int most_connections = 64;
-  int most_message_bytes = 4096;
-  double messages_hz = 20;
-  double frames_hz = 10;
-  double request_s = 10;
-  double silent_s = 30;
-  double stalled_s = 10;
-};
-std::vector<Field> fields(WebServerConfig& config);
-
-struct WebFile {
-  std::string media_type;  ///< "text/html; charset=utf-8"
-  std::string bytes;
-  std::string gzipped = {};  ///< the same bytes as gzip, for clients that accept it; may be empty
-};
-
-/// The server's thread calls all functions. They must not block, and what they refer to must outlive the server.
-struct WebSite {
-  std::map<std::string, WebFile, std::less<>> files;  ///< by path: "/"
-  std::function<std::unique_ptr<WebSession>()> open_session;
-  std::function<std::string()> health = {};   ///< a JSON object
-  std::function<std::string()> metrics = {};  ///< lines to append to the server's own
-};
-
 class WebServer {
  public:
-  static constexpr std::size_t kMostHeader = 8192, kMostTarget = 1024;
   static constexpr std::size_t kUnsentBytes = 128 * 1024;
 
   WebServer(const WebServerConfig& config, WebSite site);

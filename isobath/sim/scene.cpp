@@ -231,7 +231,7 @@ void check(const Scene& scene) {
   if (scene.vehicle.dynamic && scene.vehicle.file.empty()) {
     refuse(scene.vehicle.place, "file", "a dynamic vehicle needs its file", "a vehicle file");
   }
-  (void)FaultSchedule(scene.faults, 0);
+  for (const FaultConfig& fault : scene.faults) check_fault(fault);
   for (const SonarConfig& sonar : scene.sonars) check(sonar);
 }
 

@@ -18,7 +18,7 @@
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/geometry/pose.hpp>
 #include <isobath/sim/dead_reckoning.hpp>
-#include <isobath/sim/faults.hpp>
+#include <isobath/sim/fault_config.hpp>
 #include <isobath/sim/navigation_sensors.hpp>
 #include <isobath/sim/sonar_config.hpp>
 #include <isobath/sim/water.hpp>

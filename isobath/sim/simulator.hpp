@@ -13,7 +13,7 @@
 
 #include <deque>
 #include <isobath/sim/dead_reckoning.hpp>
-#include <isobath/sim/faults.hpp>
+#include <isobath/sim/faulty_channel.hpp>
 #include <isobath/sim/navigation_sensors.hpp>
 #include <isobath/sim/scene.hpp>
 #include <isobath/sim/simulated_sonar.hpp>

@@ -39,6 +39,7 @@
 #pragma once
 
 #include <isobath/base/config.hpp>
+#include <isobath/sonar/bin_thresholds.hpp>
 #include <isobath/sonar/boundary_echoes.hpp>
 #include <isobath/sonar/cfar.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
@@ -132,11 +133,9 @@ class EchoDetector {
   void prepare(const Ping& ping);
   void prepare_model(const Ping& ping);
   void prepare_histogram(const Ping& ping);
-  void set_thresholds();
   void learn(const Ping& ping);
   void take_thresholds();
   void describe(EchoDecisions& out) const;
-  void decide_by_thresholds(const Ping& ping, EchoDecisions& out) const;
   void decide_by_cfar(const Ping& ping, EchoDecisions& out);
   void decide_by_ratios(const Ping& ping, EchoDecisions& out);
   void weigh_beams(const Ping& ping);
@@ -155,10 +154,9 @@ class EchoDetector {
   SampleType type_ = SampleType::kU8;
   int first_bin_ = 0;  ///< first bin beyond the blind zone
   std::vector<float> thresholds_;
-  std::vector<std::uint8_t> thresholds_u8_;
-  std::vector<std::uint64_t> reachable_;  ///< bins whose threshold an 8-bit sample can reach
-  std::vector<float> p_detect_;           ///< 0: not usable
-  std::vector<float> beam_;               ///< one beam as floats
+  BinThresholds bin_thresholds_;
+  std::vector<float> p_detect_;  ///< 0: not usable
+  std::vector<float> beam_;      ///< one beam as floats
   NoiseTracker tracker_;
   bool listened_ = false;
   std::vector<double> gains_;  ///< by beam, if the detector has listened; else empty

@@ -40,7 +40,26 @@ class Autopilot {
 
  private:
   enum Loop : int { kSpeed, kSway, kDepth, kHeading, kLoops };
+  /// What an update is given.
+  struct Step {
+    const Setpoint& setpoint;
+    const VehicleState& state;
+    double flow, dt;
+  };
   double integrate(Loop loop, double error, double dt, bool held);
+  /// Whether the last commands did not reach the demand of an axis.
+  [[nodiscard]] bool falls_short(int axis) const;
+  /// Drag at the demanded rate is fed forward: the loops then only correct.
+  [[nodiscard]] double drag(int axis, double rate, double flow) const;
+  // The demands of the loops, N and N m in B.
+  double speed_force(const Step& step);
+  double sway_force(const Step& step);
+  double heading_moment(const Step& step);
+  [[nodiscard]] double depth_error(const Step& step) const;
+  double depth_force(const Step& step);  ///< along the down axis of the world
+  double depth_pitch(const Step& step);  ///< the pitch that gives the demanded sink rate, rad
+  /// About the roll and the pitch axis.
+  [[nodiscard]] Eigen::Vector2d attitude_moments(const VehicleState& state, double pitch_wanted) const;
 
   VehicleModel model_;
   Vector6 inertia_;  ///< diagonal of M

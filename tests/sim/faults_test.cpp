@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <gmock/gmock.h>
-#include <isobath/sim/faults.hpp>
+#include <isobath/sim/faulty_channel.hpp>
 #include <set>
 
 namespace isobath {

@@ -1,17 +1,14 @@
-// Readers of charts and outlines: objects with shapes.
+// Reader of charts: objects with shapes.
 //
 // Attributes of S-57 (IHO, edition 3.1, object catalogue): VALSOU depth of the top, WATLEV height relative to the
-// water, QUASOU quality of the depth, DRVAL1 and DRVAL2 limits of a depth area, VALDCO depth of a contour, CATZOC zone
-// of confidence. A zone states that 95 % of depths are within a m + b of the depth: sigma is half of that.
+// water, QUASOU quality of the depth, DRVAL1 and DRVAL2 limits of a depth area, VALDCO depth of a contour.
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <fmt/format.h>
-#include <isobath/base/error.hpp>
+#include <isobath/io/charts/chart_objects.hpp>
+#include <isobath/io/charts/chart_quality.hpp>
 #include <isobath/io/charts/prior_reader.hpp>
-#include <numbers>
+#include <iterator>
 #include <ogrsf_frmts.h>
 
 namespace isobath {
@@ -19,181 +16,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kMostPoints = 20'000'000;
 constexpr double kSoundingSpacingOnPaper = 0.025;  // m: maximum spacing of printed soundings where it matters
 constexpr double kLineSpacingOnPaper = 0.002;      // m: maximum spacing of the points of drawn contours
-
-/// Names of the vertical datums, IHO S-57, attribute VERDAT.
-const char* datum_named(int code) {
-  static constexpr std::array kNames = {"",
-                                        "MLWS",
-                                        "MLLWS",
-                                        "MSL",
-                                        "LLW",
-                                        "MLW",
-                                        "LLWS",
-                                        "approximate MLWS",
-                                        "ISLW",
-                                        "LWS",
-                                        "approximate LAT",
-                                        "nearly lowest low water",
-                                        "MLLW",
-                                        "LW",
-                                        "approximate MLW",
-                                        "approximate MLLW",
-                                        "MHW",
-                                        "MHWS",
-                                        "HW",
-                                        "approximate MSL",
-                                        "HWS",
-                                        "MHHW",
-                                        "ESLW",
-                                        "LAT",
-                                        "",
-                                        "IGLD 1985",
-                                        "MWL",
-                                        "LLWLT",
-                                        "HHWLT",
-                                        "NHHW",
-                                        "HAT"};
-  return code >= 0 && code < static_cast<int>(kNames.size()) ? kNames[static_cast<std::size_t>(code)] : "";
-}
-
-struct Zone {
-  double fixed, share;  ///< metres and share of the depth, 95 %
-  [[nodiscard]] double sigma(double depth) const { return 0.5 * (fixed + share * std::abs(depth)); }
-};
-/// Zones A1, A2, B, C, D; U is like D.
-constexpr std::array<Zone, 6> kZones = {{{0.5, 0.01}, {1, 0.02}, {1, 0.02}, {2, 0.05}, {4, 0.1}, {4, 0.1}}};
-/// The zone to assume without zones, by scale: harbours are surveyed better than oceans.
-const Zone& zone_of_scale(double scale) { return kZones[scale <= 25000 ? 2 : scale <= 100000 ? 3 : 4]; }
-
-class Shapes {
- public:
-  Shapes(PlaneMapping mapping, Prior& prior) : mapping_(std::move(mapping)), prior_(prior) {}
-
-  struct Found {
-    std::vector<std::vector<Vector2d>> lines;
-    std::vector<std::vector<Polygon>> areas;
-    std::vector<Vector2d> points;
-    std::vector<double> heights;  ///< third coordinates of the points
-  };
-  /// The shapes of an object; empty, and counted, if it has none or a vertex is too far away.
-  Found of(OGRGeometry* geometry, const std::string& name) {
-    Found found;
-    if (!geometry || geometry->IsEmpty()) {
-      ++prior_.left_out[name + " without shape"];
-      return {};
-    }
-    if (!collect(*geometry, found, 0)) {
-      ++prior_.left_out[name + " too far from the map"];
-      return {};
-    }
-    return found;
-  }
-  [[nodiscard]] const Vector2d& low() const { return low_; }
-  [[nodiscard]] const Vector2d& high() const { return high_; }
-  [[nodiscard]] bool any() const { return low_.x() <= high_.x(); }
-
- private:
-  bool place(double x, double y, Vector2d& p) {
-    const auto at = mapping_.to_plane(x, y);
-    if (!at || at->norm() > 5e5 || ++points_ > kMostPoints) return false;
-    p = *at;
-    return true;
-  }
-  bool line(const OGRSimpleCurve& curve, std::vector<Vector2d>& out) {
-    out.resize(static_cast<std::size_t>(curve.getNumPoints()));
-    for (int i = 0; i < curve.getNumPoints(); ++i) {
-      if (!place(curve.getX(i), curve.getY(i), out[static_cast<std::size_t>(i)])) return false;
-    }
-    note(out);
-    return true;
-  }
-  void note(const std::vector<Vector2d>& points) {
-    for (const Vector2d& p : points) {
-      low_ = low_.cwiseMin(p);
-      high_ = high_.cwiseMax(p);
-    }
-  }
-  bool polygon(const OGRPolygon& from, Found& found) {
-    std::vector<Polygon> rings;
-    for (int i = -1; i < from.getNumInteriorRings(); ++i) {
-      const OGRLinearRing* ring = i < 0 ? from.getExteriorRing() : from.getInteriorRing(i);
-      Polygon outline;
-      if (!ring || !line(*ring, outline)) return false;
-      while (outline.size() > 1 && outline.back() == outline.front()) outline.pop_back();
-      if (outline.size() >= 3) rings.push_back(std::move(outline));
-    }
-    if (!rings.empty()) found.areas.push_back(std::move(rings));
-    return true;
-  }
-  bool collect(const OGRGeometry& geometry, Found& found, int depth) {
-    switch (wkbFlatten(geometry.getGeometryType())) {
-      case wkbPoint: {
-        const OGRPoint& point = *geometry.toPoint();
-        found.points.emplace_back();
-        found.heights.push_back(point.getZ());
-        if (!place(point.getX(), point.getY(), found.points.back())) return false;
-        note({found.points.back()});
-        return true;
-      }
-      case wkbLineString: found.lines.emplace_back(); return line(*geometry.toLineString(), found.lines.back());
-      case wkbPolygon: return polygon(*geometry.toPolygon(), found);
-      case wkbMultiPoint:
-      case wkbMultiLineString:
-      case wkbMultiPolygon:
-      case wkbGeometryCollection: {
-        if (depth > 8) return false;
-        for (const OGRGeometry* part : *geometry.toGeometryCollection()) {
-          if (!collect(*part, found, depth + 1)) return false;
-        }
-        return true;
-      }
-      default: return false;
-    }
-  }
-
-  PlaneMapping mapping_;
-  Prior& prior_;
-  std::size_t points_ = 0;
-  Vector2d low_ = Vector2d::Constant(1e300), high_ = Vector2d::Constant(-1e300);
-};
-
-std::optional<double> number(const OGRFeature& feature, const char* name) {
-  const int i = feature.GetFieldIndex(name);
-  if (i < 0 || !feature.IsFieldSetAndNotNull(i)) return {};
-  const double value = feature.GetFieldAsDouble(i);
-  return std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
-std::string text(const OGRFeature& feature, const char* name) {
-  const int i = feature.GetFieldIndex(name);
-  return i >= 0 && feature.IsFieldSetAndNotNull(i) ? feature.GetFieldAsString(i) : "";
-}
-
-/// Whether a list attribute such as QUASOU holds the value.
-bool lists(const OGRFeature& feature, const char* name, int value) {
-  const int i = feature.GetFieldIndex(name);
-  if (i < 0 || !feature.IsFieldSetAndNotNull(i)) return false;
-  char** items = feature.GetFieldAsStringList(i);
-  for (char** item = items; item && *item; ++item) {
-    if (std::strtol(*item, nullptr, 10) == value) return true;
-  }
-  return false;
-}
-
-std::map<std::string, std::string> attributes(const OGRFeature& feature) {
-  static const char* const kRecord[] = {"RCID", "PRIM", "GRUP", "OBJL", "RVER", "AGEN", "FIDN", "FIDS", "LNAM"};
-  std::map<std::string, std::string> all;
-  for (int i = 0; i < feature.GetFieldCount(); ++i) {
-    const char* name = feature.GetFieldDefnRef(i)->GetNameRef();
-    const bool record =
-        std::any_of(std::begin(kRecord), std::end(kRecord), [&](const char* r) { return EQUAL(r, name); });
-    if (!record && feature.IsFieldSetAndNotNull(i)) all[name] = feature.GetFieldAsString(i);
-  }
-  return all;
-}
 
 /// Appends the points of a line, at most `spacing` apart.
 void densify(const std::vector<Vector2d>& line, double spacing, double depth, std::vector<SurveyPoint>& out) {
@@ -222,45 +46,45 @@ class ChartReading {
   void read_header();
   void read_layer(OGRLayer& layer);
   void read_object(const std::string& type, OGRFeature& feature);
-  void read_danger(const std::string& type, const OGRFeature& feature, const Shapes::Found& found);
-  void read_depth_area(const std::string& type, const OGRFeature& feature, Shapes::Found& found);
-  void add_lines(PriorLineKind kind, const OGRFeature& feature, const Shapes::Found& found,
+  void read_danger(const std::string& type, const OGRFeature& feature, const ChartShapes::Found& found);
+  void read_depth_area(const std::string& type, const OGRFeature& feature, ChartShapes::Found& found);
+  void add_lines(PriorLineKind kind, const OGRFeature& feature, const ChartShapes::Found& found,
                  std::optional<double> depth = {});
-  void add_areas(PriorAreaKind kind, const OGRFeature& feature, Shapes::Found& found, std::optional<double> least = {},
-                 std::optional<double> greatest = {});
+  void add_areas(PriorAreaKind kind, const OGRFeature& feature, ChartShapes::Found& found,
+                 std::optional<double> least = {}, std::optional<double> greatest = {});
   [[nodiscard]] std::optional<double> depth(const OGRFeature& feature, const char* name);
   void paint();
 
   const PriorJob& job_;
   GDALDataset& data_;
   Prior prior_;
-  Shapes shapes_;
+  ChartShapes shapes_;
   double scale_ = 50000;
   std::int64_t promised_ = -1;
   std::int64_t found_ = 0;
   std::vector<SurveyPoint> lines_;                                   ///< contours and coast, as points
-  std::vector<std::pair<std::vector<Polygon>, std::size_t>> zones_;  ///< areas and their index in kZones
+  std::vector<std::pair<std::vector<Polygon>, std::size_t>> zones_;  ///< areas and their index in kConfidenceZones
 };
 
 void ChartReading::read_header() {
   OGRLayer* layer = data_.GetLayerByName("DSID");
   const OGRFeatureUniquePtr feature(layer ? layer->GetNextFeature() : nullptr);
   if (!feature) job_.refuse("the chart has no readable header: " + job_.gdal.complaint(), "fetch the cell again");
-  prior_.datum = datum_named(static_cast<int>(number(*feature, "DSPM_SDAT").value_or(0)));
-  scale_ = std::clamp(number(*feature, "DSPM_CSCL").value_or(50000), 100.0, 1e8);
+  prior_.datum = datum_of_code(static_cast<int>(number_attribute(*feature, "DSPM_SDAT").value_or(0)));
+  scale_ = std::clamp(number_attribute(*feature, "DSPM_CSCL").value_or(50000), 100.0, 1e8);
   prior_.details["scale"] = fmt::format("1:{:.0f}", scale_);
-  prior_.details["edition"] = text(*feature, "DSID_EDTN") + " of " + text(*feature, "DSID_ISDT");
-  prior_.details["name"] = text(*feature, "DSID_DSNM");
+  prior_.details["edition"] = text_attribute(*feature, "DSID_EDTN") + " of " + text_attribute(*feature, "DSID_ISDT");
+  prior_.details["name"] = text_attribute(*feature, "DSID_DSNM");
   double sum = 0;
   for (const char* name : {"DSSI_NOMR", "DSSI_NOCR", "DSSI_NOGR", "DSSI_NOLR"}) {
-    sum += std::clamp(number(*feature, name).value_or(0), 0.0, 1e9);
+    sum += std::clamp(number_attribute(*feature, name).value_or(0), 0.0, 1e9);
   }
   promised_ = static_cast<std::int64_t>(sum);
 }
 
 /// A depth attribute, if it is plausible.
 std::optional<double> ChartReading::depth(const OGRFeature& feature, const char* name) {
-  const auto value = number(feature, name);
+  const auto value = number_attribute(feature, name);
   if (!value) return {};
   const double metres = *value * job_.unit(0);
   if (job_.plausible(metres)) return metres;
@@ -268,30 +92,30 @@ std::optional<double> ChartReading::depth(const OGRFeature& feature, const char*
   return {};
 }
 
-void ChartReading::add_lines(PriorLineKind kind, const OGRFeature& feature, const Shapes::Found& found,
+void ChartReading::add_lines(PriorLineKind kind, const OGRFeature& feature, const ChartShapes::Found& found,
                              std::optional<double> depth) {
-  for (const auto& line : found.lines) prior_.lines.push_back({kind, line, depth, text(feature, "OBJNAM")});
+  for (const auto& line : found.lines) prior_.lines.push_back({kind, line, depth, text_attribute(feature, "OBJNAM")});
 }
 
-void ChartReading::add_areas(PriorAreaKind kind, const OGRFeature& feature, Shapes::Found& found,
+void ChartReading::add_areas(PriorAreaKind kind, const OGRFeature& feature, ChartShapes::Found& found,
                              std::optional<double> least, std::optional<double> greatest) {
   for (auto& rings : found.areas) {
-    prior_.areas.push_back({kind, std::move(rings), least, greatest, text(feature, "OBJNAM")});
+    prior_.areas.push_back({kind, std::move(rings), least, greatest, text_attribute(feature, "OBJNAM")});
   }
 }
 
 /// Reads OBSTRN, WRECKS, UWTROC and PILPNT.
-void ChartReading::read_danger(const std::string& type, const OGRFeature& feature, const Shapes::Found& found) {
+void ChartReading::read_danger(const std::string& type, const OGRFeature& feature, const ChartShapes::Found& found) {
   PriorPoint point;
   point.kind = type == "WRECKS"   ? PriorPointKind::kWreck
                : type == "UWTROC" ? PriorPointKind::kRock
                : type == "PILPNT" ? PriorPointKind::kPile
                                   : PriorPointKind::kObstruction;
-  point.name = text(feature, "OBJNAM");
-  point.attributes = attributes(feature);
+  point.name = text_attribute(feature, "OBJNAM");
+  point.attributes = chart_attributes(feature);
   const auto top = depth(feature, "VALSOU");
-  const int water = static_cast<int>(number(feature, "WATLEV").value_or(0));
-  if (lists(feature, "QUASOU", 7)) {
+  const int water = static_cast<int>(number_attribute(feature, "WATLEV").value_or(0));
+  if (attribute_lists(feature, "QUASOU", 7)) {
     point.clear_to_m = top;  // QUASOU 7: least depth unknown, safe clearance at the depth shown
   } else if (top) {
     point.depth_m = top;
@@ -299,10 +123,10 @@ void ChartReading::read_danger(const std::string& type, const OGRFeature& featur
     point.depth_m = 0;  // the object reaches the surface at times, or always
   }
   const double at = top.value_or(0);
-  const auto stated = number(feature, "SOUACC");
+  const auto stated = number_attribute(feature, "SOUACC");
   point.sigma_m = stated && *stated > 0 ? *stated / 2 : zone_of_scale(scale_).sigma(at);
-  const bool doubtful = lists(feature, "QUASOU", 3) || lists(feature, "QUASOU", 4) || lists(feature, "QUASOU", 8) ||
-                        lists(feature, "QUASOU", 9);
+  const bool doubtful = attribute_lists(feature, "QUASOU", 3) || attribute_lists(feature, "QUASOU", 4) ||
+                        attribute_lists(feature, "QUASOU", 8) || attribute_lists(feature, "QUASOU", 9);
   if (doubtful) point.sigma_m *= 2;
   for (const Vector2d& p : found.points) {
     point.north_east = p;
@@ -315,7 +139,7 @@ void ChartReading::read_danger(const std::string& type, const OGRFeature& featur
   }
 }
 
-void ChartReading::read_depth_area(const std::string& type, const OGRFeature& feature, Shapes::Found& found) {
+void ChartReading::read_depth_area(const std::string& type, const OGRFeature& feature, ChartShapes::Found& found) {
   auto least = depth(feature, "DRVAL1"), greatest = depth(feature, "DRVAL2");
   if (least && greatest && *greatest < *least) {
     ++prior_.left_out[type + " with swapped limits"];
@@ -325,7 +149,7 @@ void ChartReading::read_depth_area(const std::string& type, const OGRFeature& fe
 }
 
 void ChartReading::read_object(const std::string& type, OGRFeature& feature) {
-  Shapes::Found found = shapes_.of(feature.GetGeometryRef(), type);
+  ChartShapes::Found found = shapes_.of(feature.GetGeometryRef(), type);
   if (found.points.empty() && found.lines.empty() && found.areas.empty()) return;
   const double spacing = std::max(job_.wanted.grid.pixel_m, kLineSpacingOnPaper * scale_);
   if (type == "SOUNDG") {
@@ -360,12 +184,13 @@ void ChartReading::read_object(const std::string& type, OGRFeature& feature) {
       for (const Polygon& ring : rings) densify(ring, spacing, 0, lines_);
     }
     for (const Vector2d& p : found.points) {
-      prior_.points.push_back({PriorPointKind::kLand, p, 0.0, {}, 0, text(feature, "OBJNAM"), attributes(feature)});
+      prior_.points.push_back(
+          {PriorPointKind::kLand, p, 0.0, {}, 0, text_attribute(feature, "OBJNAM"), chart_attributes(feature)});
     }
     add_lines(PriorLineKind::kCoast, feature, found);
     add_areas(PriorAreaKind::kLand, feature, found);
   } else if (type == "M_QUAL") {
-    const auto zone = static_cast<int>(number(feature, "CATZOC").value_or(6));
+    const auto zone = static_cast<int>(number_attribute(feature, "CATZOC").value_or(6));
     for (auto& rings : found.areas) {
       zones_.emplace_back(std::move(rings), static_cast<std::size_t>(std::clamp(zone, 1, 6) - 1));
     }
@@ -389,12 +214,12 @@ void ChartReading::read_layer(OGRLayer& layer) {
 /// Writes the surface of soundings, contours and coast, within the limits of the areas.
 void ChartReading::paint() {
   PriorRaster& raster = prior_.raster;
-  std::vector<std::size_t> zone(raster.depth_m.size(), kZones.size());
+  std::vector<std::size_t> zone(raster.depth_m.size(), kConfidenceZones.size());
   for (const auto& [rings, grade] : zones_) {
     fill(rings, raster.window, [&, &g = grade](std::size_t i) { zone[i] = g; });
   }
   const auto sigma_of = [&](std::size_t i, double depth) {
-    return (zone[i] < kZones.size() ? kZones[zone[i]] : zone_of_scale(scale_)).sigma(depth);
+    return (zone[i] < kConfidenceZones.size() ? kConfidenceZones[zone[i]] : zone_of_scale(scale_)).sigma(depth);
   };
   std::vector<SurveyPoint> all = prior_.soundings;
   all.insert(all.end(), lines_.begin(), lines_.end());
@@ -453,37 +278,5 @@ PriorOfFile ChartReading::read() {
 }  // namespace
 
 PriorOfFile read_chart_prior(const PriorJob& job, GDALDataset& data) { return ChartReading(job, data).read(); }
-
-PriorOfFile read_outline_prior(const PriorJob& job, GDALDataset& data) {
-  Prior prior;
-  prior.format = std::string(data.GetDriverName()) + " outline";
-  OGRLayer* layer = data.GetLayerCount() > 0 ? data.GetLayer(0) : nullptr;
-  if (!layer) job.refuse("the file holds no layer");
-  Shapes shapes(PlaneMapping(job, layer->GetSpatialRef()), prior);
-  for (const OGRFeatureUniquePtr& feature : *layer) {
-    Shapes::Found found = shapes.of(feature->GetGeometryRef(), "outlines");
-    for (auto& rings : found.areas) {
-      ++prior.read["outlines"];
-      for (const Polygon& ring : rings) {
-        prior.lines.push_back({PriorLineKind::kCoast, ring, {}, {}});
-        prior.lines.back().points.push_back(ring.front());
-      }
-      prior.areas.push_back({PriorAreaKind::kWater, std::move(rings), {}, {}, text(*feature, "name")});
-    }
-  }
-  if (prior.areas.empty()) job.refuse("it contains no polygon of a water body", "draw the outline as polygons");
-  if (job.gdal.failures() > 0) job.refuse("the outline is damaged or cut off: " + job.gdal.complaint());
-  prior.raster = empty_raster(window_over(job, shapes.low(), shapes.high()));
-  std::vector<bool> water(prior.raster.depth_m.size(), false);
-  for (const PriorArea& area : prior.areas) {
-    fill(area.rings, prior.raster.window, [&](std::size_t i) { water[i] = true; });
-  }
-  for (std::size_t i = 0; i < water.size(); ++i) {
-    if (water[i]) continue;
-    prior.raster.depth_m[i] = 0;
-    prior.raster.sigma_m[i] = static_cast<float>(job.config.sigma_m);
-  }
-  return {std::move(prior), false};
-}
 
 }  // namespace isobath

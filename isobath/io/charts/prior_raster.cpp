@@ -1,12 +1,13 @@
 // Reader of depth rasters: works in tiles of the map's pixels and reads the part of the file that each tile needs.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <isobath/base/error.hpp>
 #include <isobath/io/charts/prior_reader.hpp>
+#include <isobath/io/charts/raster_meaning.hpp>
+#include <isobath/io/charts/raster_resampling.hpp>
 #include <isobath/io/gdal/netcdf_size.hpp>
 #include <ogr_spatialref.h>
 
@@ -19,55 +20,6 @@ constexpr int kTile = 32;  // pixels; within a tile, the coordinate mapping is l
 constexpr double kMostTileCells = 1 << 22;
 constexpr std::array kCustomaryNoData = {-9999.0, -99999.0, -32767.0, -32768.0};
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-double unit_named(const std::string& text) {
-  const std::string name = lower(text);
-  if (name == "ft" || name == "feet" || name == "foot" || name == "international foot") return 0.3048;
-  if (name == "us survey foot" || name == "ussft") return 1200.0 / 3937;
-  if (name == "fathom" || name == "fathoms" || name == "fm") return 1.8288;
-  if (name == "cm" || name == "centimetre" || name == "centimeter") return 0.01;
-  if (name == "dm") return 0.1;
-  return 0;
-}
-
-/// The vertical part of a coordinate system.
-struct Vertical {
-  std::string datum;
-  PriorSign sign = PriorSign::kAutomatic;
-};
-
-Vertical vertical_of(const OGRSpatialReference* system) {
-  Vertical v;
-  if (!system || !(system->IsCompound() || system->IsVertical())) return v;
-  if (const char* name = system->GetAttrValue("VERT_DATUM")) v.datum = name;
-  if (lower(v.datum) == "unknown" || lower(v.datum) == "unnamed") v.datum.clear();
-  OGRAxisOrientation toward = OAO_Other;
-  if (system->GetAxis("VERT_CS", 0, &toward)) {
-    if (toward == OAO_Up) v.sign = PriorSign::kUp;
-    if (toward == OAO_Down) v.sign = PriorSign::kDown;
-  }
-  return v;
-}
-
-/// Whether a variable is a depth or a height, by the names of the netCDF conventions.
-PriorSign sign_of_netcdf(GDALRasterBand& band) {
-  const auto item = [&band](const char* key) {
-    const char* text = band.GetMetadataItem(key);
-    return lower(text ? text : "");
-  };
-  if (item("positive") == "up") return PriorSign::kUp;
-  if (item("positive") == "down") return PriorSign::kDown;
-  const std::string all = item("standard_name") + " " + item("NETCDF_VARNAME") + " " + item("long_name");
-  const bool height = all.find("elevation") != std::string::npos || all.find("altitude") != std::string::npos ||
-                      all.find("height") != std::string::npos;
-  const bool depth = all.find("depth") != std::string::npos;
-  return height == depth ? PriorSign::kAutomatic : height ? PriorSign::kUp : PriorSign::kDown;
-}
-
 class RasterReading {
  public:
   RasterReading(const PriorJob& job, GDALDataset& data);
@@ -77,31 +29,13 @@ class RasterReading {
   struct Tile {
     int column, row, width, height;
   };
-  struct Piece {  ///< cells in the numbers of the file; NaN: no data
-    int column = 0, row = 0, width = 0, height = 0;
-    std::vector<float> value, sigma;
-
-    [[nodiscard]] std::size_t at(int c, int r) const {
-      return static_cast<std::size_t>(r - row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(c - column);
-    }
-    [[nodiscard]] bool holds(int c, int r) const {
-      return c >= column && r >= row && c < column + width && r < row + height && std::isfinite(value[at(c, r)]);
-    }
-  };
-  struct Spot {
-    double depth = NAN, variance = NAN;
-  };
-
   void check_frame() const;
   [[nodiscard]] std::optional<Vector2d> cell_of(const Vector2d& north_east) const;
   [[nodiscard]] PriorWindow window() const;
   void reserve_cells();
   void read_tile(const Tile& tile);
-  void load(Piece& piece);
-  void check_cell(const Piece& piece, std::size_t i, float& value, float& sigma);
-  [[nodiscard]] Spot spot_of_area(const Piece& piece, const Vector2d& cell, const Vector2d& half) const;
-  [[nodiscard]] Spot spot_between(const Piece& piece, const Vector2d& cell) const;
-  [[nodiscard]] Spot spot_at(const Piece& piece, int c, int r) const;
+  void load(RasterPiece& piece);
+  void check_cell(const RasterPiece& piece, std::size_t i, float& value, float& sigma);
   [[nodiscard]] double depth_of(float value) const { return sign_ * factor_ * static_cast<double>(value); }
   void settle_sign(PriorSign convention);
 
@@ -132,12 +66,12 @@ RasterReading::RasterReading(const PriorJob& job, GDALDataset& data)
     job.refuse("the raster does not state its position");
   }
   for (int i = 2; i <= data.GetRasterCount() && !sigma_band_; ++i) {
-    const std::string name = lower(data.GetRasterBand(i)->GetDescription());
+    const std::string name = to_lower_case(data.GetRasterBand(i)->GetDescription());
     for (const char* word : {"uncertainty", "sigma", "standard deviation", "stddev"}) {
       if (name.find(word) != std::string::npos) sigma_band_ = data.GetRasterBand(i);
     }
   }
-  factor_ = job.unit(unit_named(band_->GetUnitType() ? band_->GetUnitType() : ""));
+  factor_ = job.unit(metres_of_unit(band_->GetUnitType() ? band_->GetUnitType() : ""));
   check_frame();
 }
 
@@ -223,7 +157,7 @@ void RasterReading::reserve_cells() {
                   false);
 }
 
-void RasterReading::check_cell(const Piece& piece, std::size_t i, float& value, float& sigma) {
+void RasterReading::check_cell(const RasterPiece& piece, std::size_t i, float& value, float& sigma) {
   const int c = piece.column + static_cast<int>(i % static_cast<std::size_t>(piece.width));
   const int r = piece.row + static_cast<int>(i / static_cast<std::size_t>(piece.width));
   const std::size_t k = static_cast<std::size_t>(r - first_row_) * static_cast<std::size_t>(counted_width_) +
@@ -255,7 +189,7 @@ void RasterReading::check_cell(const Piece& piece, std::size_t i, float& value, 
   greatest_ = std::max(greatest_, v);
 }
 
-void RasterReading::load(Piece& piece) {
+void RasterReading::load(RasterPiece& piece) {
   const std::size_t cells = static_cast<std::size_t>(piece.width) * static_cast<std::size_t>(piece.height);
   const auto fetch = [&](GDALRasterBand* band, std::vector<float>& into) {
     into.resize(cells);
@@ -285,64 +219,6 @@ void RasterReading::load(Piece& piece) {
   for (std::size_t i = 0; i < cells; ++i) check_cell(piece, i, piece.value[i], piece.sigma[i]);
 }
 
-RasterReading::Spot RasterReading::spot_at(const Piece& piece, int c, int r) const {
-  const auto sigma = static_cast<double>(piece.sigma[piece.at(c, r)]);
-  return {static_cast<double>(piece.value[piece.at(c, r)]), sigma * sigma};
-}
-
-/// Combines the cells whose centres lie within a pixel. "Shoalest" uses the sign of the file: the lowest number if
-/// numbers are positive down, the highest if positive up.
-RasterReading::Spot RasterReading::spot_of_area(const Piece& piece, const Vector2d& cell, const Vector2d& half) const {
-  double count = 0, sum = 0, squares = 0, variance = 0, known = 0;
-  Spot shoalest;
-  const int c0 = static_cast<int>(std::ceil(cell.x() - half.x() - 0.5)),
-            c1 = static_cast<int>(std::floor(cell.x() + half.x() - 0.5));
-  const int r0 = static_cast<int>(std::ceil(cell.y() - half.y() - 0.5)),
-            r1 = static_cast<int>(std::floor(cell.y() + half.y() - 0.5));
-  double base = NAN;
-  for (int r = r0; r <= r1; ++r) {
-    for (int c = c0; c <= c1; ++c) {
-      if (!piece.holds(c, r)) continue;
-      const Spot s = spot_at(piece, c, r);
-      if (count == 0) base = s.depth;
-      ++count;
-      sum += s.depth - base;
-      squares += (s.depth - base) * (s.depth - base);
-      if (std::isfinite(s.variance)) {
-        variance += s.variance;
-        ++known;
-      }
-      if (std::isnan(shoalest.depth) || sign_ * s.depth < sign_ * shoalest.depth) shoalest = s;
-    }
-  }
-  if (count == 0 || job_.config.pixels == Merge::kShoalest) return shoalest;
-  const double mean = sum / count, spread = std::max(0.0, squares / count - mean * mean);
-  return {base + mean, (known > 0 ? variance / known : NAN) + spread};
-}
-
-/// Interpolates between the centres of cells.
-RasterReading::Spot RasterReading::spot_between(const Piece& piece, const Vector2d& cell) const {
-  const int c = static_cast<int>(std::floor(cell.x() - 0.5)), r = static_cast<int>(std::floor(cell.y() - 0.5));
-  const double right = cell.x() - 0.5 - c, down = cell.y() - 0.5 - r;
-  const int c_own = static_cast<int>(std::floor(cell.x())), r_own = static_cast<int>(std::floor(cell.y()));
-  if (!piece.holds(c_own, r_own)) return {};
-  Spot mixed{0, 0}, shoalest = spot_at(piece, c_own, r_own);
-  for (int k = 0; k < 4; ++k) {
-    const int dc = k & 1, dr = k >> 1;
-    const double weight = (dc ? right : 1 - right) * (dr ? down : 1 - down);
-    if (weight <= 0) continue;
-    if (!piece.holds(c + dc, r + dr)) {
-      if (job_.config.pixels == Merge::kMean) return spot_at(piece, c_own, r_own);
-      continue;
-    }
-    const Spot s = spot_at(piece, c + dc, r + dr);
-    mixed.depth += weight * s.depth;
-    mixed.variance += weight * s.variance;
-    if (sign_ * s.depth < sign_ * shoalest.depth) shoalest = s;
-  }
-  return job_.config.pixels == Merge::kShoalest ? shoalest : mixed;
-}
-
 void RasterReading::read_tile(const Tile& tile) {
   const PriorWindow& w = prior_.raster.window;
   const double px = w.grid.pixel_m;
@@ -359,7 +235,7 @@ void RasterReading::read_tile(const Tile& tile) {
     high = high.cwiseMax(c);
   }
   const auto within = [](double at, int most) { return static_cast<int>(std::clamp(at, 0.0, double(most))); };
-  Piece piece;
+  RasterPiece piece;
   piece.column = within(std::floor(low.x()) - 1, columns_);
   piece.row = within(std::floor(low.y()) - 1, rows_);
   piece.width = within(std::ceil(high.x()) + 1, columns_) - piece.column;
@@ -381,7 +257,9 @@ void RasterReading::read_tile(const Tile& tile) {
     for (int c = 0; c < tile.width; ++c) {
       const double u = (c + 0.5) / tile.width, v = (r + 0.5) / tile.height;
       const Vector2d cell = (1 - v) * ((1 - u) * corner[0] + u * corner[1]) + v * ((1 - u) * corner[2] + u * corner[3]);
-      const Spot spot = finer ? spot_of_area(piece, cell, half) : spot_between(piece, cell);
+      const Merge merge = job_.config.pixels;
+      const RasterSpot spot =
+          finer ? spot_of_area(piece, cell, half, merge, sign_) : spot_between(piece, cell, merge, sign_);
       const std::size_t i = prior_.raster.index({tile.column + c, tile.row + r});
       prior_.raster.depth_m[i] = static_cast<float>(spot.depth);
       prior_.raster.sigma_m[i] = static_cast<float>(std::sqrt(spot.variance));
@@ -416,7 +294,7 @@ PriorOfFile RasterReading::read() {
   if (driver == "netCDF" && is_cut_off_classic_netcdf(job_.file))
     job_.refuse("the file is shorter than its header says");
   prior_.format = driver == "GTiff" ? "GeoTIFF" : driver;
-  Vertical vertical = vertical_of(data_.GetSpatialRef());
+  VerticalSystem vertical = vertical_of(data_.GetSpatialRef());
   if (driver == "BAG") vertical.sign = PriorSign::kUp;
   if (driver == "netCDF" && vertical.sign == PriorSign::kAutomatic) vertical.sign = sign_of_netcdf(*band_);
   prior_.datum = vertical.datum;

@@ -25,6 +25,10 @@
 
 namespace isobath {
 
+namespace native {
+struct RecordKind;
+}
+
 class NativeLogWriter {
  public:
   explicit NativeLogWriter(const std::filesystem::path& file, const McapWriterConfig& config = {});
@@ -58,7 +62,8 @@ class NativeLogWriter {
   void close() { mcap_.close(); }
 
  private:
-  std::uint16_t late_channel(std::uint16_t& id, const char* topic, const char* name, const std::string& definition);
+  std::uint16_t add_kind(const native::RecordKind& kind);
+  std::uint16_t late_channel(std::uint16_t& id, const native::RecordKind& kind);
   void send(std::uint16_t channel, Time time, std::span<const std::uint8_t> message);
 
   McapWriter mcap_;

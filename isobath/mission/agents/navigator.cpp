@@ -24,47 +24,7 @@ double sigma_of(const Navigation& fix) {
   return std::sqrt(std::max(0.0, c.trace() / 2 + std::hypot(half, c(0, 1))));  // along the worst direction
 }
 
-double outline_distance(const Hazard& hazard, const Vector2d& p) {
-  return (p - nearest_point(hazard.outline, p)).norm();
-}
-
-bool is_certain(HazardKind kind) { return kind == HazardKind::kCharted || kind == HazardKind::kInjected; }
-
 }  // namespace
-
-std::vector<Field> fields(NavigatorConfig& c) {
-  return {
-      Field::real("drop_distance_m", &c.drop_distance_m, {0, 1000}, "m",
-                  "A mission point with an obstacle nearer than this is refused."),
-      Field::real(
-          "slack_m", &c.slack_m, {0, 100}, "m",
-          "A route that was planned with the clearance may come this much nearer to a hazard before it is changed."),
-      Field::real("switch_m", &c.switch_m, {0, 1000}, "m",
-                  "A new route is preferred to one with its corners moved aside if it is this much shorter."),
-      Field::real("shortcut_m", &c.shortcut_m, {0, 1000}, "m",
-                  "A clear route is replaced by one that is this much shorter."),
-      Field::integer("sure_scans", &c.sure_scans, {1, 100}, "1",
-                     "Scans in a row that must agree to refuse a mission point or to take a shortcut."),
-      Field::real("decide_within_m", &c.decide_within_m, {0, 100000}, "m",
-                  "Distance within which a mission point may be refused for an obstacle that was seen at it."),
-      Field::real("sure_within_m", &c.sure_within_m, {0, 1000}, "m",
-                  "An obstacle at the mission point that is this near to the vehicle is avoided at once."),
-      Field::real("fence_clearance_m", &c.fence_clearance_m, {0, 1000}, "m",
-                  "Clearance from the vehicle's hull to the fence."),
-      Field::real("chart_sigmas", &c.chart_sigmas, {0, 10}, "1",
-                  "Charted obstacles grow by this many standard deviations of the vehicle's position."),
-      Field::real("jump_m", &c.jump_m, {0.01, 1000}, "m",
-                  "A fix this far from the predicted position moves the last scan and the route with it."),
-      Field::real("map_age_s", &c.map_age_s, {0, 3600}, "s",
-                  "Without a scan for this long every route is refused; 0: no limit."),
-      Field::real("tight_m", &c.tight_m, {0, 100}, "m",
-                  "A route with less room than this beyond the clearance is followed slowly."),
-      Field::real("tight_speed", &c.tight_speed, {0.1, 1}, "1",
-                  "Share of its speed at which such a route is followed."),
-      Field::integer("emergency_factor", &c.emergency_factor, {1, 1000}, "1",
-                     "Factor on the number of cells that a search may expand in an emergency."),
-  };
-}
 
 Navigator::Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
                      const SpaceRouteConfig& space_route)
@@ -218,54 +178,6 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
         {to_local(frame, {plan_->fence[i], next}), margin, HazardKind::kFence, static_cast<std::uint32_t>(i)});
   }
   return hazards;
-}
-
-// S6-39, S6-51. Removes the obstacles at the point that are not believed yet.
-std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, std::vector<Hazard>& hazards) {
-  const Vector2d& goal_W = request_->target.north_east;
-  if (!inside_fence(goal_W, 0)) return Refusal{RouteRefused::Reason::kOutsideFence, "the point is outside the fence"};
-  const Vector2d goal = frame.to_local(goal_W);
-  const Vector2d vehicle = frame.to_local(place_of(*here_));
-  const auto blocks = [&](const Hazard& h) {
-    return h.kind != HazardKind::kFence && outline_distance(h, goal) < config_.drop_distance_m;
-  };
-  const Hazard* nearest = nullptr;
-  bool sure = false;
-  for (const Hazard& h : hazards) {
-    if (!blocks(h)) continue;
-    sure = sure || is_certain(h.kind);
-    if (nearest == nullptr || outline_distance(h, goal) < outline_distance(*nearest, goal)) nearest = &h;
-  }
-  goal_blocked_ = nearest != nullptr ? goal_blocked_ + static_cast<int>(new_scan_) : 0;
-  if (nearest == nullptr) return {};
-  // From afar an obstacle is no reason to give up the point: the vehicle goes on and looks again.
-  const bool far = (goal - vehicle).norm() > config_.decide_within_m;
-  if (!sure && (far || goal_blocked_ < config_.sure_scans)) {
-    std::erase_if(hazards,
-                  [&](const Hazard& h) { return blocks(h) && outline_distance(h, vehicle) > config_.sure_within_m; });
-    return {};
-  }
-  const Vector2d place = frame.to_world(nearest_point(nearest->outline, goal));
-  const double distance = outline_distance(*nearest, goal);
-  const std::string where =
-      distance > 0 ? fmt::format("{:.1f} m from it ({:.1f} m wanted)", distance, config_.drop_distance_m) : "on it";
-  return Refusal{RouteRefused::Reason::kGoalBlocked,
-                 fmt::format("{} is {}, at {}", text_of(*nearest), where, text_of(place)),
-                 safe_near(goal, vehicle, frame, hazards), place, nearest->obstacle};
-}
-
-std::optional<Vector2d> Navigator::safe_near(const Vector2d& goal, const Vector2d& vehicle, const PlanFrame& frame,
-                                             std::vector<Hazard> hazards) const {
-  if (request_->target.move_m <= 0) return {};
-  const HazardMap map(std::move(hazards));
-  const auto clear = [&](const Vector2d& p) {
-    const bool far = std::all_of(map.hazards().begin(), map.hazards().end(), [&](const Hazard& h) {
-      return h.kind == HazardKind::kFence || outline_distance(h, p) >= config_.drop_distance_m + config_.slack_m;
-    });
-    return far && map.distance(p) >= clearance() && inside_fence(frame.to_world(p), config_.fence_clearance_m);
-  };
-  const auto place = nearest_place(goal, vehicle, request_->target.move_m, clear);
-  return place ? std::optional(frame.to_world(*place)) : std::nullopt;
 }
 
 void Navigator::keep(View& view, Outbox& out) {

@@ -35,6 +35,7 @@
 // Frames: messages in W, planning in L of the scan. Not promised: that water that no sensor has observed is free.
 #pragma once
 
+#include <isobath/mission/agents/navigator_config.hpp>
 #include <isobath/mission/messages/agent.hpp>
 #include <isobath/planning/plan_frame.hpp>
 #include <isobath/planning/route_planner.hpp>
@@ -42,25 +43,6 @@
 #include <isobath/vehicle/vehicle_parameters.hpp>
 
 namespace isobath {
-
-struct NavigatorConfig {
-  double drop_distance_m = 10;
-  double slack_m = 0.5;
-  double switch_m = 5;
-  double shortcut_m = 3;
-  int sure_scans = 3;
-  double sure_within_m = 20;
-  double decide_within_m = 30;
-  double fence_clearance_m = 1;
-  double chart_sigmas = 2;
-  double jump_m = 2;
-  double map_age_s = 20;
-  double tight_m = 0.5;
-  double tight_speed = 0.8;
-  int emergency_factor = 4;
-};
-
-std::vector<Field> fields(NavigatorConfig& config);
 
 class Navigator : public Agent {
  public:
@@ -106,9 +88,6 @@ class Navigator : public Agent {
   [[nodiscard]] std::optional<Refusal> blind() const;
   [[nodiscard]] PlanFrame plan_frame() const;
   [[nodiscard]] std::vector<Hazard> hazards_in(const PlanFrame& frame) const;
-  [[nodiscard]] std::optional<Refusal> judge_goal(const PlanFrame& frame, std::vector<Hazard>& hazards);
-  [[nodiscard]] std::optional<Eigen::Vector2d> safe_near(const Eigen::Vector2d& goal, const Eigen::Vector2d& vehicle,
-                                                         const PlanFrame& frame, std::vector<Hazard> hazards) const;
   void keep(View& view, Outbox& out);
   void avoid(View& view, const Conflict& conflict, Outbox& out);
   void shorten(View& view, Outbox& out);
@@ -122,6 +101,11 @@ class Navigator : public Agent {
   [[nodiscard]] double speed_on(const View& view, const Way& way) const;
   void take_way(const View& view, const Way& way, Decision decision, Outbox& out);
   void adopt(std::vector<Waypoint> waypoints, double longer_m, Decision decision, Outbox& out);
+
+  // the mission point: navigator_goal.cpp
+  [[nodiscard]] std::optional<Refusal> judge_goal(const PlanFrame& frame, std::vector<Hazard>& hazards);
+  [[nodiscard]] std::optional<Eigen::Vector2d> safe_near(const Eigen::Vector2d& goal, const Eigen::Vector2d& vehicle,
+                                                         const PlanFrame& frame, std::vector<Hazard> hazards) const;
 
   // three dimensions: navigator_space.cpp
   [[nodiscard]] std::vector<Hazard> hazards_W(const View& view) const;

@@ -79,9 +79,9 @@ struct Deadline {
 
 struct FaultRow {
   Fault fault;
-  const char* name;                 ///< as in SafetyAction::fault
-  const char* noticed;              ///< how it is noticed, for people
-  std::vector<const char*> limits;  ///< names among the fields of SafetyConfig, or limits of the mission
+  const char* name;                      ///< as in SafetyAction::fault
+  const char* noticed;                   ///< how it is noticed, for people
+  std::vector<const char*> limits = {};  ///< names among the fields of SafetyConfig, or limits of the mission
   SafetyActionKind action = SafetyActionKind::kNone;
   SafetyActionKind later = SafetyActionKind::kNone;  ///< what replaces the action ...
   After later_after = {};                            ///< ... and when
