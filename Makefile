@@ -12,7 +12,7 @@ WERROR ?= OFF
 DEMO_OUT ?= out/demo
 DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)
 
-.PHONY: help setup demo test bench lint files headers tidy fuzz format clean test-asan test-tsan
+.PHONY: help setup demo test bench lint files headers alone tidy fuzz format clean test-asan test-tsan
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 14
 
@@ -66,12 +66,16 @@ bench: build-bench ## Run the benchmarks
 	  ISOBATH_PROGRAM=build/bench/bin/isobath ISOBATH_CHROMIUM=$$chromium node bench/click_to_picture.mjs; \
 	else echo "bench/click_to_picture.mjs: needs node and Chromium"; fi
 
-lint: setup ## Formatting, repository hygiene, headers that stand alone, clang-tidy; warnings are errors
-	@status=0; for check in files headers tidy; do $(MAKE) --no-print-directory $$check || status=1; done; exit $$status
+lint: setup ## Formatting, hygiene, headers and sources that stand alone, clang-tidy; warnings are errors
+	@status=0; for check in files headers alone tidy; do $(MAKE) --no-print-directory $$check || status=1; done; exit $$status
 files:
 	@scripts/check-files
 headers: build/release/.configured-$(WERROR)
 	@cmake --build build/release --parallel $(JOBS) --target isobath_headers_alone
+# Every source by itself, as preset dev compiles it, the benchmarks too: checked, not translated.
+alone: build/alone/.configured-$(WERROR)
+	@units=$$(ninja -C build/alone -t targets all | sed -n 's/^\(\(isobath\|tests\|bench\)\/.*\.cpp\.o\): .*/\1/p' | grep -v headers_alone); \
+	ninja -C build/alone -j $(JOBS) $$units
 tidy: build/lint/.configured-$(WERROR) build/lint/own_code.so
 	@ISOBATH_TIDY_PRELOAD=$$(realpath -q build/lint/own_code.so || true) cmake --build build/lint --parallel $(JOBS) --target isobath_app -- -k 0
 

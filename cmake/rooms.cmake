@@ -50,7 +50,7 @@ endif()
 # in number as a folder grows. Sources that use the same name for things of their own stand alone (cmake/alone.txt).
 file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/alone.txt ISOBATH_ALONE REGEX "^[^#]")
 set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/alone.txt)
-# With unity builds go precompiled headers: one for the rooms, one for the tests.
+# Precompiled headers: one for the rooms, one for the tests. What they hide of the standard library, Floors.EverySourceIncludes... sees.
 function(isobath_precompiled name header)
   cmake_parse_arguments(ARG "" "" "USES;FLAGS" ${ARGN})
   file(CONFIGURE OUTPUT ${name}.cpp CONTENT "")
@@ -60,9 +60,7 @@ function(isobath_precompiled name header)
   target_precompile_headers(${name} PRIVATE ${header})
   target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>) # for ccache
 endfunction()
-if(CMAKE_UNITY_BUILD)
-  isobath_precompiled(isobath_precompiled ${CMAKE_CURRENT_LIST_DIR}/precompiled.hpp USES fmt::fmt tl::expected Eigen3::Eigen)
-endif()
+isobath_precompiled(isobath_precompiled ${CMAKE_CURRENT_LIST_DIR}/precompiled.hpp USES fmt::fmt tl::expected Eigen3::Eigen)
 
 function(isobath_units target precompiled)
   list(LENGTH ARGN count)
