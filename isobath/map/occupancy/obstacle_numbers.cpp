@@ -32,12 +32,12 @@ double distance_between(const std::vector<Polygon>& a, const std::vector<Polygon
 }
 
 /// An obstacle of the scan that may be a known one.
-struct Candidate {
+struct NumberMatch {
   double shared_m2 = 0, apart_m = 0;
   std::size_t known = 0, region = 0;
 
   /// Best first; the rest of the order makes it unique.
-  bool operator<(const Candidate& other) const {
+  bool operator<(const NumberMatch& other) const {
     return std::tuple(-shared_m2, apart_m, known, region) <
            std::tuple(-other.shared_m2, other.apart_m, other.known, other.region);
   }
@@ -62,7 +62,7 @@ std::vector<ObstacleNumbers::Region> ObstacleNumbers::regions_of(std::span<const
 }
 
 void ObstacleNumbers::match(std::vector<Region>& regions) {
-  std::vector<Candidate> candidates;
+  std::vector<NumberMatch> candidates;
   for (std::size_t k = 0; k < known_.size(); ++k) {
     const Place& known = known_[k].place;
     for (std::size_t r = 0; r < regions.size(); ++r) {
@@ -75,7 +75,7 @@ void ObstacleNumbers::match(std::vector<Region>& regions) {
   }
   std::sort(candidates.begin(), candidates.end());
   std::vector<bool> given(known_.size(), false);
-  for (const Candidate& c : candidates) {
+  for (const NumberMatch& c : candidates) {
     if (given[c.known] || regions[c.region].number > 0) continue;
     given[c.known] = true;
     regions[c.region].number = known_[c.known].number;
