@@ -20,31 +20,9 @@
 
 #include <isobath/planning/clearance_field.hpp>
 #include <isobath/planning/route_planner.hpp>
-#include <limits>
+#include <isobath/planning/space_route_task.hpp>
 
 namespace isobath {
-
-struct SpaceRouteConfig {
-  double clearance_m = 1.2;         ///< from the hull, all round
-  double wished_clearance_m = 2.5;  ///< kept where there is room
-  double room_weight = 1;
-  double depth_weight = 0.05;  ///< 1/m
-  double decide_m = 14;
-  double reach_m = 80;
-  double margin_m = 20;  ///< of the box, around start and goal
-  int most_expanded = 200'000;
-};
-std::vector<Field> fields(SpaceRouteConfig& config);
-
-struct SpaceRouteTask {
-  Eigen::Vector3d start = Eigen::Vector3d::Zero(), goal = Eigen::Vector3d::Zero();
-  std::optional<Angle> heading;  ///< at the start; empty: any
-  double half_width_m = 0.25;
-  double turning_radius_m = 0;
-  double steepest = 0.3;  ///< m of depth per metre of path; infinite: the vehicle can rise on the spot
-  double least_depth_m = 0, most_depth_m = std::numeric_limits<double>::infinity();  ///< of the path
-  std::span<const Hazard> hazards;
-};
 
 struct SpaceRoutePath {
   std::vector<Eigen::Vector3d> points;  ///< start, corners, goal
@@ -72,7 +50,4 @@ Result<SpaceRoutePath, RouteRefusal> plan_space_route(const ClearanceField& room
                                                       const SpaceRouteConfig& config);
 Result<SpaceRoutePath, RouteRefusal> plan_space_route(const OccupancySnapshot& grid, const SpaceRouteTask& task,
                                                       const SpaceRouteConfig& config);
-/// Whether start and goal are finite and within 1e7 m of the origin.
-bool is_finite(const SpaceRouteTask& task);
-
 }  // namespace isobath
