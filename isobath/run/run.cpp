@@ -2,7 +2,6 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/io/input/pose_track.hpp>
 #include <isobath/onboard/onboard.hpp>
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/run/mission_input.hpp>
@@ -11,6 +10,7 @@
 #include <isobath/run/run_display.hpp>
 #include <isobath/run/run_folder.hpp>
 #include <isobath/run/run_pace.hpp>
+#include <isobath/run/run_results.hpp>
 #include <isobath/run/run_source.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
@@ -96,44 +96,6 @@ RunTimings timings_of(std::vector<double>& ping_ms, double wall_ms) {
   timings.ping_median_ms = ping_ms[ping_ms.size() / 2];
   timings.ping_p99_ms = ping_ms[ping_ms.size() * 99 / 100];
   return timings;
-}
-
-/// A problem of the input itself, as one line. A damaged part in the middle is not a problem in this sense.
-std::string problem_of(const RunOutcome& outcome) {
-  const SourceReport& source = outcome.source;
-  if (!source.damages.empty() && source.bytes_total > 0) {
-    const Damage& last = source.damages.back();
-    if (last.offset + last.bytes >= source.bytes_total) {
-      return fmt::format("the log is cut off: its last {} bytes, from byte {}, are not a complete record ({})",
-                         last.bytes, last.offset, last.reason);
-    }
-  }
-  for (const char* reason : {EventGate::kBadNavigation, EventGate::kBackwards, kBadPose, kPoseBackwards}) {
-    const auto found = outcome.rejected.find(reason);
-    if (found != outcome.rejected.end()) {
-      return fmt::format("{}: {} of {} events were rejected for this", reason, found->second,
-                         found->second + outcome.counts.pings + outcome.counts.navigation + outcome.counts.ranges +
-                             outcome.counts.swaths);
-    }
-  }
-  return {};
-}
-
-/// Adds the results of the pipeline and the depth map (`mapped`: there are voxels), and any problem of the input.
-void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths, bool mapped) {
-  outcome.counts = pipeline.counts();
-  outcome.rejected = outcome.source.rejected;
-  for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
-  if (outcome.counts.pings > 0) outcome.undecided = pipeline.undecided();
-  outcome.fan = pipeline.departure();
-  outcome.alarms = alarms_of(pipeline.emergencies());
-  for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
-  outcome.problem = problem_of(outcome);
-  if (outcome.counts.pings + outcome.counts.vertical + outcome.counts.ranges + outcome.counts.swaths == 0 &&
-      outcome.problem.empty())
-    outcome.problem = "no ping, range or sounding of the input could be used";
-  if (outcome.counts.pings + outcome.counts.vertical == 0 && !depths.snapshot() && !mapped && outcome.problem.empty())
-    outcome.problem = "no range or sounding has a position; give the track of the vehicle (input.navigation)";
 }
 
 /// A run from its input to its folder: the input, Onboard and the observers.

@@ -1,0 +1,49 @@
+#include <fmt/format.h>
+#include <isobath/io/input/pose_track.hpp>
+#include <isobath/onboard/event_gate.hpp>
+#include <isobath/run/run_results.hpp>
+#include <string>
+
+namespace isobath {
+namespace {
+
+/// A problem of the input itself, as one line. A damaged part in the middle is not a problem in this sense.
+std::string problem_of(const RunOutcome& outcome) {
+  const SourceReport& source = outcome.source;
+  if (!source.damages.empty() && source.bytes_total > 0) {
+    const Damage& last = source.damages.back();
+    if (last.offset + last.bytes >= source.bytes_total) {
+      return fmt::format("the log is cut off: its last {} bytes, from byte {}, are not a complete record ({})",
+                         last.bytes, last.offset, last.reason);
+    }
+  }
+  for (const char* reason : {EventGate::kBadNavigation, EventGate::kBackwards, kBadPose, kPoseBackwards}) {
+    const auto found = outcome.rejected.find(reason);
+    if (found != outcome.rejected.end()) {
+      return fmt::format("{}: {} of {} events were rejected for this", reason, found->second,
+                         found->second + outcome.counts.pings + outcome.counts.navigation + outcome.counts.ranges +
+                             outcome.counts.swaths);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel& depths, bool mapped) {
+  outcome.counts = pipeline.counts();
+  outcome.rejected = outcome.source.rejected;
+  for (const auto& [reason, count] : pipeline.rejected()) outcome.rejected[reason] += count;
+  if (outcome.counts.pings > 0) outcome.undecided = pipeline.undecided();
+  outcome.fan = pipeline.departure();
+  outcome.alarms = alarms_of(pipeline.emergencies());
+  for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
+  outcome.problem = problem_of(outcome);
+  if (outcome.counts.pings + outcome.counts.vertical + outcome.counts.ranges + outcome.counts.swaths == 0 &&
+      outcome.problem.empty())
+    outcome.problem = "no ping, range or sounding of the input could be used";
+  if (outcome.counts.pings + outcome.counts.vertical == 0 && !depths.snapshot() && !mapped && outcome.problem.empty())
+    outcome.problem = "no range or sounding has a position; give the track of the vehicle (input.navigation)";
+}
+
+}  // namespace isobath
