@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/values.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/studies/calibrate.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -43,6 +46,7 @@ void print(const CalibrateRequest& request, const CalibrateOutcome& outcome) {
 int act(Options& options) {
   CalibrateRequest& request = options.request;
   request.configuration = options.config.read();
+  check_output_folder(request.out, "--out");
   ProgressLine progress;
   request.progress = [&](const SourceReport& source, std::uint64_t pings) {
     progress.show(source.bytes_read, source.bytes_total, pings);
@@ -64,17 +68,33 @@ int act(Options& options) {
 
 Action add_calibrate(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  options->request.out = "out/calibration";
+  CalibrateRequest& request = options->request;
+  request.out = "out/calibration";
   CLI::App* command = program.add_subcommand(
       "calibrate", "Learn the model of a sonar from an ordinary recording of one minute or from marked frames");
-  command->add_option("LOG", options->request.input, "A log, or a folder of frames, with or without marks")->required();
-  command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
-  command->add_option("--background-below", options->request.background_below,
-                      "Without marks: pings whose strongest sample is below this many counts are background");
-  command->add_option("--objects", options->request.objects,
-                      "Histogram model whose object histogram is used, for a log without marks");
-  command->add_flag("--json", options->json, "One JSON object on standard output");
+  command->add_option("LOG", request.input, "A log, or a folder of frames, with or without marks")
+      ->check(reads())
+      ->required();
+  command->add_option("--out", request.out, "Folder for the results")
+      ->type_name("FOLDER")
+      ->check(writes_folder())
+      ->capture_default_str()
+      ->group("Output");
+  add_json_flag(*command, options->json);
+  command
+      ->add_option("--background-below", request.background_below,
+                   "Without marks: pings whose strongest sample is below this many counts are background")
+      ->check(number(0, INFINITY))
+      ->group("Input");
+  command
+      ->add_option("--objects", request.objects,
+                   "Histogram model whose object histogram is used, for a log without marks")
+      ->type_name("FILE")
+      ->check(reads())
+      ->group("Input");
   options->config.add_to(*command);
+  add_example(*command, "calibrate water.oculus --out out/sonar");
+  add_example(*command, "calibrate frames/ --set calibration.false_alarm=0.01 --json");
   return [options] { return act(*options); };
 }
 

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/values.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/studies/comparison.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +21,7 @@ struct Options {
 int act(Options& options) {
   CompareRequest& request = options.request;
   request.configuration = options.config.read();
+  check_output_folder(request.out, "--out");
   ProgressLine progress;
   request.progress = [&](const SourceReport& source, std::uint64_t pings) {
     progress.show(source.bytes_read, source.bytes_total, pings);
@@ -42,15 +46,24 @@ int act(Options& options) {
 
 Action add_compare(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  options->request.out = "out/comparison";
+  CompareRequest& request = options->request;
+  request.out = "out/comparison";
   CLI::App* command = program.add_subcommand("compare", "Compare the statistics of two recordings, real or simulated");
-  command->add_option("A", options->request.a, "Log, folder of frames, or scene (.toml)")->required();
-  command->add_option("B", options->request.b, "Log, folder of frames, or scene (.toml)")->required();
-  command->add_option("--out", options->request.out, "Folder for the results")->capture_default_str();
-  command->add_option("--threads", options->request.threads, "Number of threads, 1 or 2; the results are the same")
-      ->check(CLI::Range(1, 64));
-  command->add_flag("--json", options->json, "One JSON object on standard output");
+  command->add_option("A", request.a, "Log, folder of frames, or scene (.toml)")->check(reads())->required();
+  command->add_option("B", request.b, "Log, folder of frames, or scene (.toml)")->check(reads())->required();
+  command->add_option("--out", request.out, "Folder for the results")
+      ->type_name("FOLDER")
+      ->check(writes_folder())
+      ->capture_default_str()
+      ->group("Output");
+  add_json_flag(*command, options->json);
+  command->add_option("--threads", request.threads, "Number of threads; the results are the same")
+      ->check(whole(1, 64))
+      ->capture_default_str()
+      ->group("Run");
   options->config.add_to(*command);
+  add_example(*command, "compare tank.bin scenarios/tank.toml --out out/tank");
+  add_example(*command, "compare before.oculus after.oculus --json");
   return [options] { return act(*options); };
 }
 

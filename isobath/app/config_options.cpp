@@ -1,28 +1,50 @@
-#include <fstream>
+#include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
-#include <isobath/base/error.hpp>
-#include <sstream>
+#include <isobath/app/values.hpp>
+#include <isobath/base/config.hpp>
 
 namespace isobath::app {
 
-void ConfigOptions::add_to(CLI::App& command) {
-  command.add_option("--config", file, "TOML file with settings; isobath config prints the defaults")
-      ->type_name("FILE");
-  command.add_option("--set", settings, "One setting, e.g. --set echoes.false_alarm=0.01; may be repeated")
+void SettingOptions::add_to(CLI::App& command, std::function<std::vector<std::string>()> names,
+                            const std::string& example) {
+  const auto assignments = [names = std::move(names)] {
+    std::vector<std::string> all = names();
+    for (std::string& name : all) name += "=";
+    return all;
+  };
+  command.add_option("--config", file, "TOML file with settings")->type_name("FILE")->check(reads())->group("Settings");
+  command.add_option("--set", settings, "One setting, such as " + example)
       ->type_name("SECTION.KEY=VALUE")
-      ->allow_extra_args(false);
+      ->check(such_as(assignments))
+      ->allow_extra_args(false)
+      ->group("Settings");
+}
+
+void SettingOptions::read_into(std::vector<Section>& sections) const {
+  if (!file.empty()) read_toml(text_of_file(file), file, sections);
+  for (const std::string& setting : settings) set_from_text(setting, sections);
+}
+
+std::vector<std::string> setting_names(const std::vector<Section>& sections) {
+  std::vector<std::string> names;
+  for (const Section& section : sections) {
+    for (const Field& field : section.fields) names.push_back(fmt::format("{}.{}", section.name, field.name()));
+  }
+  return names;
+}
+
+void ConfigOptions::add_to(CLI::App& command) {
+  const auto names = [] {
+    Configuration defaults;
+    return setting_names(schema(defaults).sections);
+  };
+  SettingOptions::add_to(command, names, "echoes.false_alarm=0.01; isobath config lists all");
 }
 
 Configuration ConfigOptions::read() const {
   Configuration configuration;
   Schema all = schema(configuration);
-  if (!file.empty()) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    const bool empty = in && in.peek() == std::ifstream::traits_type::eof() && !in.bad();
-    if (!empty && !(text << in.rdbuf())) throw Error("cannot read the configuration", {file, {}, {}, {}, {}});
-    read_toml(text.str(), file, all);
-  }
+  if (!file.empty()) read_toml(text_of_file(file), file, all);
   for (const std::string& setting : settings) set_from_text(setting, all.sections);
   return configuration;
 }

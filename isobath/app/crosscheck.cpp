@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/values.hpp>
 #include <isobath/studies/check_map.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -27,7 +29,7 @@ int act(Options& options) {
   if (options.json) {
     auto json = nlohmann::ordered_json::parse(to_json(outcome.result));
     json["damages"] = nlohmann::ordered_json::array();
-    for (const MapDamage& damage : outcome.damages) json["damages"].push_back(to_text(damage));
+    for (const MapDamage& damage : outcome.damages) json["damages"].push_back(map_damage_json(damage));
     add_files(json, request.out, outcome.files);
     print_json(json);
     return kSuccess;
@@ -42,12 +44,19 @@ int act(Options& options) {
 
 Action add_crosscheck(CLI::App& program) {
   auto options = std::make_shared<Options>();
+  CheckRequest& request = options->request;
   CLI::App* command = program.add_subcommand("crosscheck", "Compare a map with soundings that are not in it");
-  command->add_option("MAP", options->request.map, "Folder of a depth map")->required();
-  command->add_option("LOG", options->request.input, "Log, folder of logs, or scene (.toml)")->required();
-  command->add_option("--out", options->request.out, "Folder for a report; default: no report")->type_name("FOLDER");
-  command->add_flag("--json", options->json, "One JSON object on standard output");
+  command->add_option("MAP", request.map, "Folder of a depth map")->check(reads_folder())->required();
+  command->add_option("LOG", request.input, "Log, folder of logs, or scene (.toml)")->check(reads())->required();
+  command->add_option("--out", request.out, "Folder for a report")
+      ->type_name("FOLDER")
+      ->check(writes_folder())
+      ->default_str("no report")
+      ->group("Output");
+  add_json_flag(*command, options->json);
   options->config.add_to(*command);
+  add_example(*command, "crosscheck lake survey/ --set \"input.only='20250117*'\" --out out/check");
+  add_example(*command, "crosscheck lake cross-lines.all --json");
   return [options] { return act(*options); };
 }
 

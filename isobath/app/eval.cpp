@@ -2,9 +2,15 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
+#include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/settings_json.hpp>
+#include <isobath/app/values.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/evaluation/evaluation_report.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 namespace isobath::app {
 namespace {
@@ -71,6 +77,7 @@ int act(Options& options) {
   std::string folder = options.variant.empty() ? name : name + "-" + options.variant;
   std::replace(folder.begin(), folder.end(), '/', '-');
   request.out = options.out.empty() ? "out/eval/" + folder : options.out;
+  check_output_folder(request.out, "--out");
   request.suite = load_suite(find_suite(options.suite, request.out / "inputs"));
   if (!options.variant.empty()) select_variants(request.suite, options.variant);
   if (options.alone) request.suite.baselines.clear();
@@ -89,7 +96,13 @@ int act(Options& options) {
   progress.clear();
   write_evaluation(request, evaluation);
   if (options.json) {
-    fmt::print("{}", to_json(request, evaluation));
+    auto json = nlohmann::ordered_json::parse(to_json(request, evaluation));
+    Suite suite = request.suite;
+    Schema all = schema(suite);
+    std::erase_if(all.sections, [](const Section& section) { return section.name != "bars"; });
+    json.update(settings_json({all.sections, {}}, true));
+    add_files(json, request.out, {"report.html", "results.json", "runs.jsonl"});
+    print_json(json);
   } else {
     print(request, evaluation);
   }
@@ -102,29 +115,46 @@ int act(Options& options) {
 
 Action add_eval(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  options->request.threads = 2;
+  EvaluationRequest& request = options->request;
+  request.threads = 2;
   CLI::App* command = program.add_subcommand(
       "eval", "Score the runs of a suite beside baseline methods; exit code 1 below the suite's bars");
   command
       ->add_option("SUITE", options->suite,
                    fmt::format("File (.toml), or one of {}", fmt::join(embedded_suites(), ", ")))
+      ->check(such_as(embedded_suites, true))
       ->required();
-  command->add_option("--runs", options->request.runs, "Number of runs; default: the suite's")
-      ->check(CLI::Range(1, 1'000'000));
+  command->add_option("--out", options->out, "Folder for the results; runs that are finished there are kept")
+      ->type_name("FOLDER")
+      ->check(writes_folder())
+      ->default_str("out/eval/SUITE")
+      ->group("Output");
+  add_json_flag(*command, options->json);
+  command->add_option("--runs", request.runs, "Number of runs")
+      ->check(whole(1, 1'000'000))
+      ->default_str("the suite's")
+      ->group("Runs");
+  command->add_option("--seed", request.seed, "Seed of the first run; the next runs add 1")
+      ->check(whole(0, 1'000'000'000))
+      ->default_str("the suite's")
+      ->group("Runs");
+  command->add_option("--only", options->only, "Only this run, counted from 0")
+      ->check(whole(0, 999'999))
+      ->group("Runs");
   command
-      ->add_option("--seed", options->request.seed, "Seed of the first run; the next runs add 1; default: the suite's")
-      ->check(CLI::Range(0, 1'000'000'000));
-  command->add_option("--only", options->only, "Only this run, counted from 0")->check(CLI::Range(0, 999'999));
-  command->add_option("--variant", options->variant,
-                      "Only this variant of the suite, or those whose names have these parts: remus100/altimeter");
-  command->add_option("--threads", options->request.threads, "Runs in parallel; the results are the same")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  command->add_option("--out", options->out,
-                      "Folder for the results; runs that are finished there are kept; default: out/eval/SUITE");
-  command->add_flag("--alone", options->alone, "Leave out the baselines");
-  command->add_flag("--json", options->json, "One JSON object on standard output");
+      ->add_option("--variant", options->variant,
+                   "Only this variant of the suite, or those whose names have these parts: remus100/altimeter")
+      ->type_name("NAME")
+      ->group("Runs");
+  command->add_option("--threads", request.threads, "Runs in parallel; the results are the same")
+      ->check(whole(1, 256))
+      ->capture_default_str()
+      ->group("Runs");
+  command->add_flag("--alone", options->alone, "Leave out the baselines")->group("Runs");
   options->config.add_to(*command);
+  add_example(*command, "eval clutter-low --runs 100");
+  add_example(*command, "eval imaging-low --variant remus100/altimeter --json");
+  add_example(*command, "eval suites/pandan.toml --only 3 --alone");
   return [options] { return act(*options); };
 }
 

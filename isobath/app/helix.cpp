@@ -1,6 +1,10 @@
 #include <fmt/format.h>
-#include <isobath/app/commands.hpp>
+#include <isobath/app/config_options.hpp>
 #include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
+#include <isobath/app/settings_json.hpp>
+#include <isobath/app/values.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/studies/helix_pictures.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,8 +14,7 @@ namespace {
 
 struct HelixOptions {
   HelixRequest request;
-  std::string config;
-  std::vector<std::string> settings;
+  SettingOptions config;
   std::filesystem::path out = "out/helix";
   std::optional<double> width, height, from, speed;
   std::optional<std::string> vehicle;
@@ -23,10 +26,9 @@ struct HelixOptions {
 void read_settings(HelixOptions& options) {
   HelixRequest& request = options.request;
   std::vector<Section> all = sections(request);
-  if (!options.config.empty()) read_toml(text_of_file(options.config), options.config, all);
-  for (const std::string& setting : options.settings) set_from_text(setting, all);
+  options.config.read_into(all);
   const auto set = [&](const char* key, const std::optional<double>& value) {
-    if (value) set_from_text(fmt::format("approach.{}={}", key, *value), all);
+    if (value) set_from_text(fmt::format("approach.{}={}", key, *value), all, fmt::format("--{}", key));
   };
   set("width", options.width);
   set("height", options.height);
@@ -38,9 +40,14 @@ void read_settings(HelixOptions& options) {
 int fly(HelixOptions& options) {
   read_settings(options);
   if (options.show_settings) {
-    fmt::print("{}", write_toml(sections(options.request), true));
+    if (options.json) {
+      print_json(settings_json({sections(options.request), {}}, false));
+    } else {
+      fmt::print("{}", write_toml(sections(options.request), true));
+    }
     return kSuccess;
   }
+  check_output_folder(options.out, "--out");
   const HelixStudy study = study_helix(options.request);
   const auto files = write_helix_report(study, options.out);
   const double known = study.helix.view.known_share();
@@ -68,20 +75,39 @@ int fly(HelixOptions& options) {
 
 Action add_helix(CLI::App& program) {
   auto options = std::make_shared<HelixOptions>();
+  const HelixRequest& defaults = options->request;
   CLI::App* command = program.add_subcommand(
       "helix", "Approach an opening on a helix and on a straight line; report what a pair of fans sees of it");
-  command->add_option("--out,-o", options->out, "Folder for the results")->capture_default_str();
-  command->add_option("--width", options->width, "Width of the opening, m; default: 25");
-  command->add_option("--height", options->height, "Height of the opening, surface to bottom, m; default: 8");
-  command->add_option("--from", options->from, "Start of the approach, m before the opening; default: 60");
-  command->add_option("--speed", options->speed, "Speed, m/s; default: 1.5");
-  command->add_option("--vehicle", options->vehicle, "Vehicle file; default: the embedded vehicle");
-  command->add_option("--config", options->config, "TOML file with settings")->type_name("FILE");
-  command->add_option("--set", options->settings, "One setting, e.g. --set helix.advance=4; may be repeated")
-      ->type_name("SECTION.KEY=VALUE")
-      ->allow_extra_args(false);
-  command->add_flag("--settings", options->show_settings, "Print all settings, annotated, and exit");
-  command->add_flag("--json", options->json, "One JSON object on standard output");
+  command->add_option("--out,-o", options->out, "Folder for the results")
+      ->type_name("FOLDER")
+      ->check(writes_folder())
+      ->capture_default_str()
+      ->group("Output");
+  add_json_flag(*command, options->json);
+  command->add_flag("--settings", options->show_settings, "Print all settings, explained, and exit")->group("Output");
+  const auto approach = [&](const char* name, std::optional<double>& value, const char* text, double unless_given) {
+    command->add_option(name, value, text)
+        ->check(number(-INFINITY, INFINITY))
+        ->default_str(fmt::format("{:g}", unless_given))
+        ->group("Approach");
+  };
+  approach("--width", options->width, "Width of the opening, m", defaults.width_m);
+  approach("--height", options->height, "Height of the opening, surface to bottom, m", defaults.height_m);
+  approach("--from", options->from, "Start of the approach, m before the opening", defaults.from_m);
+  approach("--speed", options->speed, "Speed, m/s", defaults.speed);
+  command->add_option("--vehicle", options->vehicle, "Vehicle file (.toml)")
+      ->type_name("FILE")
+      ->check(reads())
+      ->default_str("the embedded vehicle")
+      ->group("Approach");
+  const auto names = [] {
+    HelixRequest request;
+    return setting_names(sections(request));
+  };
+  options->config.add_to(*command, names, "helix.advance=4; isobath helix --settings lists all");
+  add_example(*command, "helix --width 20 --from 80 --out out/gate");
+  add_example(*command, "helix --set helix.advance=4 --json");
+  add_example(*command, "helix --vehicle vehicles/remus100.toml");
   return [options] { return fly(*options); };
 }
 

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <isobath/app/config_options.hpp>
 #include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/values.hpp>
 #include <isobath/io/open.hpp>
 #include <isobath/map/depth/map_folder.hpp>
 #include <isobath/report/result_text.hpp>
@@ -18,39 +20,57 @@ namespace {
 
 using nlohmann::ordered_json;
 
+ordered_json beams_json(const Inspection& facts) {
+  return {{"azimuth_deg", {facts.azimuth_min_deg, facts.azimuth_max_deg}},
+          {"width_deg", facts.beam_width_deg},
+          {"height_deg", facts.beam_height_deg},
+          {"intensity_counts", {facts.intensity_min, facts.intensity_max}},
+          {"full_scale_counts", facts.full_scale}};
+}
+
+ordered_json soundings_json(const SwathFacts& s) {
+  const bool known = s.sound_speed_max > 0;
+  return {{"swaths", s.swaths},
+          {"count", s.soundings},
+          {"in_water", s.in_water},
+          {"per_swath", {s.beams_min, s.beams_max}},
+          {"below", s.level ? "water" : "body"},
+          {"depth_m", {s.depth_min_m, s.depth_max_m}},
+          {"sound_speed", known ? ordered_json{s.sound_speed_min, s.sound_speed_max} : ordered_json()}};
+}
+
 ordered_json source_json(const SourceReport& report, const Inspection& facts) {
   ordered_json json{{"format", report.format}, {"bytes", report.bytes_total}, {"bytes_skipped", report.bytes_skipped}};
-  for (const auto& [key, value] : report.details) json["details"][key] = value;
+  json["details"] = report.details;
+  json["streams"] = ordered_json::array();
   for (const StreamFacts& s : facts.streams) {
-    json["streams"].push_back({{"name", s.name},
-                               {"events", s.events},
-                               {"first", to_text(s.first)},
-                               {"last", to_text(s.last)},
-                               {"rate_hz", s.rate()},
-                               {"median_interval_s", s.median_interval_s},
-                               {"gaps", s.gaps},
-                               {"longest_gap_s", s.longest_gap_s},
-                               {"steps_back", s.backwards}});
+    json["streams"].push_back(
+        {{"name", s.name},
+         {"events", s.events},
+         {"first", to_text(s.first)},
+         {"last", to_text(s.last)},
+         {"rate_hz", s.rate()},
+         {"median_interval_s", s.median_interval_s},
+         {"gaps", s.gaps},
+         {"longest_gap_s", s.longest_gap_s},
+         {"longest_gap_at", s.gaps > 0 ? ordered_json(to_text(s.longest_gap_at)) : ordered_json()},
+         {"steps_back", s.backwards}});
   }
+  json["geometries"] = ordered_json::array();
   for (const PingGeometry& g : facts.geometries) {
     json["geometries"].push_back(
         {{"beams", g.beams}, {"bins", g.bins}, {"start_m", g.start_m}, {"end_m", g.end_m}, {"pings", g.pings}});
   }
-  if (facts.swaths.swaths > 0) {
-    const SwathFacts& s = facts.swaths;
-    json["soundings"] = {{"count", s.soundings},
-                         {"in_water", s.in_water},
-                         {"per_swath", {s.beams_min, s.beams_max}},
-                         {"below", s.level ? "water" : "body"},
-                         {"depth_m", {s.depth_min_m, s.depth_max_m}},
-                         {"sound_speed", {s.sound_speed_min, s.sound_speed_max}}};
-  }
+  json["beams"] = facts.geometries.empty() ? ordered_json() : beams_json(facts);
+  json["soundings"] = facts.swaths.swaths > 0 ? soundings_json(facts.swaths) : ordered_json();
   json["damage"] = ordered_json::array();
   for (const Damage& d : report.damages) {
     json["damage"].push_back({{"offset", d.offset}, {"bytes", d.bytes}, {"reason", d.reason}});
   }
   json["rejected"] = ordered_json::object();
   for (const auto& [reason, count] : report.rejected) json["rejected"][reason] = count;
+  json["bad_pings"] = facts.bad_pings;
+  json["bad_swaths"] = facts.bad_swaths;
   return json;
 }
 
@@ -87,10 +107,6 @@ void print(const std::string& input, const SourceReport& report, const Inspectio
     fmt::print("  {:<12} {} bytes at {}: {}\n", "damage", d.bytes, d.offset, d.reason);
 }
 
-}  // namespace
-
-namespace {
-
 void print(const MapChanges& changes) {
   fmt::print("  {:<12} {} obstacles and {} other regions; {} of {} measured pixels changed, {} are uncharted\n",
              "changes", changes.obstacles(), changes.regions.size() - changes.obstacles(), changes.changed_pixels,
@@ -106,8 +122,13 @@ void print(const MapChanges& changes) {
   fmt::print("  {:<12} {} pixels\n", "track", changes.track_pixels);
 }
 
-int act_on_map(const std::string& folder, bool json, std::optional<double> margin_m) {
-  const StoredMap map = open_map(folder);
+std::vector<std::pair<std::string, RegionQuadtree::Statistics>> trees_of(const StoredMap& map) {
+  return {{"prior", map.trees.prior().statistics()},
+          {"sensed", map.trees.sensed().statistics()},
+          {"state", map.trees.state().statistics()}};
+}
+
+ordered_json map_json(const StoredMap& map, const std::optional<MapChanges>& changes) {
   const MapFacts& f = map.facts;
   const PixelWindow known = known_extent(map.trees);
   const double pixel = f.area.grid.pixel_m;
@@ -117,34 +138,31 @@ int act_on_map(const std::string& folder, bool json, std::optional<double> margi
                    {"area_m", std::ldexp(pixel, f.area.levels)},
                    {"datum", f.datum},
                    {"epoch", to_text(f.epoch)},
-                   {"known_m", {known.height * pixel, known.width * pixel}}};
+                   {"known_m", {known.height * pixel, known.width * pixel}},
+                   {"origin", nullptr}};
   if (f.origin) out["origin"] = {{"latitude_deg", f.origin->latitude_deg}, {"longitude_deg", f.origin->longitude_deg}};
   out["priors"] = f.priors;
   out["visits"] = ordered_json::array();
   for (const MapVisit& v : f.visits) {
-    ordered_json visit{{"input", v.input}, {"first", to_text(v.first)}, {"last", to_text(v.last)}};
-    for (const auto& [what, count] : v.counts) visit[what] = count;
-    out["visits"].push_back(std::move(visit));
+    out["visits"].push_back(
+        {{"input", v.input}, {"first", to_text(v.first)}, {"last", to_text(v.last)}, {"counts", v.counts}});
   }
-  const auto tree_name = [](const char* name) { return std::string(name) + " tree"; };
-  const std::pair<const char*, const RegionQuadtree*> trees[] = {
-      {"prior", &map.trees.prior()}, {"sensed", &map.trees.sensed()}, {"state", &map.trees.state()}};
-  for (const auto& [name, tree] : trees) {
-    const RegionQuadtree::Statistics s = tree->statistics();
+  for (const auto& [name, s] : trees_of(map)) {
     out["trees"][name] = {{"leaves", s.leaves}, {"words", s.words}, {"pages", s.pages}, {"bytes", s.bytes}};
   }
   out["damage"] = ordered_json::array();
-  for (const MapDamage& d : map.damages) out["damage"].push_back(to_text(d));
-  std::optional<MapChanges> changes;
-  if (margin_m) changes = find_changes(map.trees, f.area.grid, *margin_m);
+  for (const MapDamage& d : map.damages) out["damage"].push_back(map_damage_json(d));
   if (changes) {
     out["changes"] = changes_json(*changes, f.origin);
     out["changes"]["track_m"] = track_json(*changes, f.area.grid);
   }
-  if (json) {
-    print_json(out);
-    return kSuccess;
-  }
+  return out;
+}
+
+void print(const std::string& folder, const StoredMap& map) {
+  const MapFacts& f = map.facts;
+  const PixelWindow known = known_extent(map.trees);
+  const double pixel = f.area.grid.pixel_m;
   fmt::print("{}: Isobath depth map, generation {}\n", folder, f.generation);
   fmt::print("  {:<12} {} m pixels, {:.0f} m square, depths below {}\n", "area", pixel,
              std::ldexp(pixel, f.area.levels), f.datum);
@@ -155,53 +173,70 @@ int act_on_map(const std::string& folder, bool json, std::optional<double> margi
   for (const MapVisit& v : f.visits) {
     fmt::print("  {:<12} {}, {} to {}\n", "visit", v.input, to_text(v.first), to_text(v.last));
   }
-  for (const auto& [name, tree] : trees) {
-    const RegionQuadtree::Statistics s = tree->statistics();
-    fmt::print("  {:<12} {} leaves, {} words, {:.2f} MB\n", tree_name(name), s.leaves, s.words,
+  for (const auto& [name, s] : trees_of(map)) {
+    fmt::print("  {:<12} {} leaves, {} words, {:.2f} MB\n", name + " tree", s.leaves, s.words,
                static_cast<double>(s.bytes) / 1e6);
   }
   for (const MapDamage& d : map.damages) fmt::print("  {:<12} {}\n", "damage", to_text(d));
-  if (changes) print(*changes);
+}
+
+struct InfoOptions {
+  ConfigOptions config;
+  std::string input;
+  bool json = false;
+  bool changes = false;
+};
+
+int describe_map(const InfoOptions& options) {
+  const StoredMap map = open_map(options.input);
+  std::optional<MapChanges> changes;
+  if (options.changes) {
+    changes = find_changes(map.trees, map.facts.area.grid, options.config.read().depth.evidence.margin_m);
+  }
+  if (options.json) {
+    print_json(map_json(map, changes));
+  } else {
+    print(options.input, map);
+    if (changes) print(*changes);
+  }
+  return kSuccess;
+}
+
+int describe_log(const InfoOptions& options) {
+  InputConfig input = options.config.read().input;
+  input.most_bins = 0;  // describe the bins as they are in the file
+  const auto source = open_source(options.input, input);
+  ProgressLine progress;
+  const Inspection facts = inspect(*source, [&](std::uint64_t events) {
+    progress.show(source->report().bytes_read, source->report().bytes_total, events);
+  });
+  progress.clear();
+  if (options.json) {
+    print_json(source_json(source->report(), facts));
+  } else {
+    print(options.input, source->report(), facts);
+  }
   return kSuccess;
 }
 
 }  // namespace
 
 Action add_info(CLI::App& program) {
-  struct Options {
-    ConfigOptions config;
-    std::string input;
-    bool json = false;
-    bool changes = false;
-  };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InfoOptions>();
   CLI::App* command = program.add_subcommand("info", "Describe a file: streams, rates, gaps, damage");
-  command->add_option("FILE", options->input, "Log, folder of frames or of logs, or depth map")->required();
-  command->add_flag("--json", options->json, "One JSON object instead of text");
-  command->add_flag("--changes", options->changes,
-                    "For a depth map: list what sonar changed against the chart, and the track");
+  command->add_option("FILE", options->input, "Log, folder of frames or of logs, or depth map")
+      ->check(reads())
+      ->required();
+  add_json_flag(*command, options->json);
+  command
+      ->add_flag("--changes", options->changes,
+                 "For a depth map: list what sonar changed against the chart, and the track")
+      ->group("Output");
   options->config.add_to(*command);
-  return [options] {
-    if (looks_like_map(options->input)) {
-      std::optional<double> margin;
-      if (options->changes) margin = options->config.read().depth.evidence.margin_m;
-      return act_on_map(options->input, options->json, margin);
-    }
-    InputConfig input = options->config.read().input;
-    input.most_bins = 0;  // describe the bins as they are in the file
-    const auto source = open_source(options->input, input);
-    ProgressLine progress;
-    const Inspection facts = inspect(*source, [&](std::uint64_t events) {
-      progress.show(source->report().bytes_read, source->report().bytes_total, events);
-    });
-    progress.clear();
-    if (options->json) {
-      print_json(source_json(source->report(), facts));
-    } else {
-      print(options->input, source->report(), facts);
-    }
-    return kSuccess;
-  };
+  add_example(*command, "info dive.bin");
+  add_example(*command, "info lake --changes");
+  add_example(*command, "info dive.bin --json");
+  return [options] { return looks_like_map(options->input) ? describe_map(*options) : describe_log(*options); };
 }
 
 }  // namespace isobath::app

@@ -1,15 +1,38 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/json_output.hpp>
+#include <isobath/map/depth/map_folder.hpp>
 #include <nlohmann/json.hpp>
 
 namespace isobath::app {
 
-void print_json(const nlohmann::ordered_json& json) {
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+void add_json_flag(CLI::App& command, bool& json) {
+  command.add_flag("--json", json, "One JSON object on standard output instead of text")->group("Output");
+}
+
+std::string json_text(const nlohmann::ordered_json& json, int indent) {
+  return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+void print_json(const nlohmann::ordered_json& json) { fmt::print("{}\n", json_text(json)); }
+
+void print_json_line(const nlohmann::ordered_json& json) {
+  fmt::print("{}\n", json_text(json, -1));
+  std::fflush(stdout);
+}
+
+nlohmann::ordered_json map_damage_json(const MapDamage& damage) {
+  return {{"file", damage.file},
+          {"block", damage.block},
+          {"byte", damage.byte},
+          {"pixels_lost", damage.pixels_lost},
+          {"reason", damage.reason}};
 }
 
 void add_files(nlohmann::ordered_json& json, const std::filesystem::path& folder,
                const std::vector<std::filesystem::path>& files) {
+  json["files"] = nlohmann::ordered_json::array();
   for (const auto& file : files) json["files"].push_back((folder / file).string());
 }
 

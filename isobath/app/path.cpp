@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 #include <isobath/app/commands.hpp>
+#include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
+#include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/studies/check_path.hpp>
 #include <memory>
@@ -14,6 +17,29 @@ struct Options {
   bool metres = false;
   bool json = false;
 };
+
+/// A place on the path that decides the result; null if there is none.
+nlohmann::ordered_json place_json(const PathOutcome& outcome, const std::optional<PassagePlace>& place) {
+  if (!place) return {};
+  const Eigen::Vector2d at = outcome.verdict.grid.centre(place->pixel);
+  nlohmann::ordered_json json{{"leg", place->leg},
+                              {"along_m", place->along_m},
+                              {"north_m", at.x()},
+                              {"east_m", at.y()},
+                              {"depth_m", nullptr},
+                              {"water_m", nullptr},
+                              {"charted_object", place->obstacle.has_value()}};
+  if (place->depth_m) {
+    json["depth_m"] = *place->depth_m;
+    json["water_m"] = *place->depth_m - place->vehicle_z;
+  }
+  if (outcome.origin) {
+    const GeoPoint point = LocalPlane(*outcome.origin).to_geo(at);
+    json["latitude_deg"] = point.latitude_deg;
+    json["longitude_deg"] = point.longitude_deg;
+  }
+  return json;
+}
 
 int act(Options& options) {
   PathRequest& request = options.request;
@@ -32,16 +58,16 @@ int act(Options& options) {
   const Traversability& t = outcome.verdict;
   const bool clear = outcome.reason.empty();
   if (options.json) {
-    const nlohmann::ordered_json json{{"clear", clear},
-                                      {"reason", outcome.reason},
-                                      {"least_water", outcome.least},
-                                      {"length_m", outcome.length_m},
-                                      {"pixels", t.pixels},
-                                      {"share_clear", t.fraction},
-                                      {"share_clear_weighted", t.weighted},
-                                      {"unknown_pixels", t.unknown},
-                                      {"map_version", t.map_version}};
-    fmt::print("{}\n", json.dump(2));
+    print_json({{"clear", clear},
+                {"reason", outcome.reason},
+                {"shoalest", place_json(outcome, t.worst)},
+                {"blocking", place_json(outcome, t.blocking)},
+                {"length_m", outcome.length_m},
+                {"pixels", t.pixels},
+                {"share_clear", t.fraction},
+                {"share_clear_weighted", t.weighted},
+                {"unknown_pixels", t.unknown},
+                {"map_version", t.map_version}});
   } else if (clear) {
     fmt::print("clear: {:.0f} m of path, {} pixels, all with enough water\n", outcome.length_m, t.pixels);
   } else {
@@ -59,17 +85,21 @@ Action add_path(CLI::App& program) {
   PathRequest& request = options->request;
   CLI::App* command =
       program.add_subcommand("path", "Check whether a path over a map has the water that a vehicle needs");
-  command->add_option("MAP", request.map, "Folder of a depth map")->required();
-  command->add_option("POINT", options->points, "Way-points: latitude,longitude")->required()->expected(1, 10000);
-  command->add_flag("--metres", options->metres, "Way-points are metres north,east of the map's origin");
-  command->add_option("--draught", request.draught_m, "Depth of the vehicle's lowest part, m")->capture_default_str();
-  command->add_option("--clearance", request.passage.clearance_m, "Water required below the vehicle, m")
-      ->capture_default_str();
-  command->add_option("--half-width", request.passage.half_width_m, "Half the width of the corridor, m")
-      ->capture_default_str();
-  command->add_option("--around-objects", request.obstacle_radius_m, "Distance to keep from charted objects, m")
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "One JSON object on standard output");
+  command->add_option("MAP", request.map, "Folder of a depth map")->check(reads_folder())->required();
+  command->add_option("POINT", options->points, "Way-points: latitude,longitude in degrees")
+      ->required()
+      ->expected(1, 10000);
+  command->add_flag("--metres", options->metres, "Way-points are metres north,east of the map's origin")->group("Path");
+  const auto length = [&](const char* name, double& value, const char* text) {
+    command->add_option(name, value, text)->check(number(-INFINITY, INFINITY))->capture_default_str()->group("Path");
+  };
+  length("--draught", request.draught_m, "Depth of the vehicle's lowest part, m");
+  length("--clearance", request.passage.clearance_m, "Water required below the vehicle, m");
+  length("--half-width", request.passage.half_width_m, "Half the width of the corridor, m");
+  length("--around-objects", request.obstacle_radius_m, "Distance to keep from charted objects, m");
+  add_json_flag(*command, options->json);
+  add_example(*command, "path lake 54.2861,10.1512 54.2874,10.1555 --draught 1.2");
+  add_example(*command, "path lake 0,0 150,40 --metres --half-width 5 --json");
   return [options] { return act(*options); };
 }
 

@@ -2,9 +2,12 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/run_json.hpp>
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
+#include <isobath/app/values.hpp>
 #include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/perception/water_label.hpp>
 #include <isobath/report/fan_calibration.hpp>
@@ -17,52 +20,10 @@
 namespace isobath::app {
 namespace {
 
-using nlohmann::ordered_json;
-
 struct Options : RunOptions {
   bool json = false, live = false;
   std::string speed = "1";
 };
-
-/// CPU time of each stage, s; the input and the report are stages of their own.
-ordered_json load_json(const RunLoad& load) {
-  ordered_json all;
-  for (std::size_t i = 0; i < kStages; ++i) all[to_text(static_cast<Stage>(i))] = load.stage_s[i];
-  return all;
-}
-
-ordered_json live_json(const LiveOutcome& live) {
-  return {{"lost_pings", live.lost_pings},
-          {"unshown_pings", live.unshown_pings},
-          {"unshown_notes", live.unshown_notes},
-          {"display_problem", live.display_problem}};
-}
-
-ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
-  const PipelineCounts& n = outcome.counts;
-  ordered_json files = ordered_json::array();
-  for (const auto& file : outcome.files) files.push_back((request.out / file).string());
-  const double wall = outcome.timings.wall_s;
-  return {{"problem", outcome.problem},
-          {"alarms", alarms_json(outcome)},
-          {"obstacles", obstacle_list(outcome.obstacles)},
-          {"counts", counts_json(outcome)},
-          {"rejected", rejected_json(outcome)},
-          {"depth", outcome.depth ? depth_json(*outcome.depth) : ordered_json()},
-          {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},
-          {"mission", outcome.mission ? mission_json(*outcome.mission, true) : ordered_json()},
-          {"rates",
-           {{"log_s", outcome.log_s},
-            {"wall_s", wall},
-            {"pings_per_s", wall > 0 ? static_cast<double>(n.pings) / wall : 0},
-            {"times_real_time", wall > 0 ? outcome.log_s / wall : 0},
-            {"ping_median_ms", outcome.timings.ping_median_ms},
-            {"ping_p99_ms", outcome.timings.ping_p99_ms},
-            {"stages_s", load_json(outcome.timings.load)}}},
-          {"fan_model", outcome.fan ? departure_json(*outcome.fan) : ordered_json()},
-          {"live", outcome.live ? live_json(*outcome.live) : ordered_json()},
-          {"files", files}};
-}
 
 void print(const char* stage, const StageTime& t) {
   fmt::print("  {:<30} {:>9.3f} {:>9.3f} {:>9.3f}  {:>7}\n", stage, t.median_ms, t.p99_ms, t.worst_ms, t.count);
@@ -213,16 +174,26 @@ int act(Options& options) {
 Action add_run(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("run", "Map a log or a scene; write map, obstacles, pictures and report");
-  command->add_option("INPUT", options->request.input,
-                      "Log, folder of frames, or scene (.toml); default: the embedded scene");
+  command->add_option("INPUT", options->request.input, "Log, folder of frames, or scene (.toml)")
+      ->check(reads())
+      ->default_str("the embedded scene");
   options->add_to(*command, "out/run");
-  CLI::Option* live = command->add_flag("--live", options->live,
-                                        "Run the scene's mission with real threads; the output is not deterministic");
+  add_json_flag(*command, options->json);
+  CLI::Option* live = command
+                          ->add_flag("--live", options->live,
+                                     "Run the scene's mission with real threads; the output is not deterministic")
+                          ->group("Run");
   command->add_option("--speed", options->speed, "Speed of a live run: a multiple of real time, or max")
+      ->type_name("FACTOR")
+      ->check(speed())
       ->capture_default_str()
-      ->needs(live);
-  command->add_flag("--timings", options->request.timings, "Print measured times, here and in the report");
-  command->add_flag("--json", options->json, "One JSON object on standard output");
+      ->needs(live)
+      ->group("Run");
+  command->add_flag("--timings", options->request.timings, "Print measured times, here and in the report")
+      ->group("Run");
+  add_example(*command, "run dive.bin --out out/dive");
+  add_example(*command, "run survey/ --map lake --set input.sound_speed=1480");
+  add_example(*command, "run scenarios/simulated_mission_1.toml --record mission.mcap --json");
   return [options] { return act(*options); };
 }
 

@@ -1,23 +1,47 @@
 #include <cstdio>
 #include <isobath/app/commands.hpp>
 #include <isobath/app/run_options.hpp>
+#include <isobath/app/values.hpp>
+#include <isobath/base/file_access.hpp>
 
 namespace isobath::app {
 
 void RunOptions::add_to(CLI::App& command, const std::string& out) {
   request.out = out;
-  command.add_option("--out", request.out, "Folder for the results")->capture_default_str();
-  command.add_option("--map", request.map, "Folder of a depth map to continue or to start")->type_name("FOLDER");
+  command.add_option("--out", request.out, "Folder for the results")
+      ->type_name("FOLDER")
+      ->check(writes_folder())
+      ->capture_default_str()
+      ->group("Output");
+  command.add_option("--map", request.map, "Depth map to continue or to start")
+      ->type_name("FOLDER")
+      ->check(writes_folder())
+      ->group("Output");
+  command.add_option("--record", request.record, "Recording of the run to write (.mcap)")
+      ->type_name("FILE")
+      ->check(writes_file())
+      ->group("Output");
   command
       .add_option("--mission", request.mission,
                   "Mission file, or a scenario with a mission; a scene runs in a closed loop, a log is decided again")
-      ->type_name("FILE");
-  command.add_option("--record", request.record, "Recording of the run to write (.mcap)")->type_name("FILE");
-  command.add_option("--model", model_, "Sensor model made by isobath calibrate")->type_name("FILE");
-  command.add_option("--input-set", set_, "Set of frames in a folder that holds several")->type_name("NAME");
-  command.add_option("--pass", pass_, "Pass of a set that holds several; default: the first");
-  command.add_option("--threads", request.threads, "Number of threads, 1 or 2; the results are the same")
-      ->check(CLI::Range(1, 64));
+      ->type_name("FILE")
+      ->check(reads())
+      ->group("Input");
+  command.add_option("--model", model_, "Sensor model made by isobath calibrate")
+      ->type_name("FILE")
+      ->check(reads())
+      ->group("Input");
+  command.add_option("--input-set", set_, "Set of frames in a folder that holds several")
+      ->type_name("NAME")
+      ->group("Input");
+  command.add_option("--pass", pass_, "Pass of a set that holds several; 0: the first")
+      ->check(whole(0, 1'000'000))
+      ->capture_default_str()
+      ->group("Input");
+  command.add_option("--threads", request.threads, "Number of threads; the results are the same")
+      ->check(whole(1, 64))
+      ->capture_default_str()
+      ->group("Run");
   config.add_to(command);
 }
 
@@ -26,6 +50,8 @@ RunRequest& RunOptions::read() {
   if (!set_.empty()) config.settings.push_back("input.set=" + set_);
   if (pass_ > 0) config.settings.push_back("input.pass=" + std::to_string(pass_));
   request.configuration = config.read();
+  check_output_folder(request.out, "--out");
+  if (!request.record.empty()) make_parent(request.record);
   return request;
 }
 
@@ -40,7 +66,8 @@ int conclude(const RunRequest& request, const RunOutcome& outcome) {
     return outcome.recording_problem.empty() ? kSuccess : kFailedChecks;
   }
   const std::string& problem = outcome.problem.empty() ? failure : outcome.problem;
-  std::fprintf(stderr, "isobath: %s: %s\n", request.input.string().c_str(), problem.c_str());
+  const std::string input = request.input.empty() ? "the embedded scene" : request.input.string();
+  std::fprintf(stderr, "isobath: %s: %s\n", input.c_str(), problem.c_str());
   return outcome.problem.empty() ? kFailedChecks : kBadInput;
 }
 

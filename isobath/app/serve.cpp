@@ -3,8 +3,12 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <future>
+#include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
+#include <isobath/app/run_json.hpp>
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
+#include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/display/live_page.hpp>
 #include <isobath/recording/recorded_playback.hpp>
@@ -15,6 +19,7 @@
 #include <isobath/server/web_server.hpp>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 namespace isobath::app {
@@ -27,7 +32,7 @@ struct ServeOptions : RunOptions {
   std::optional<std::string> address;
   std::optional<int> port;
   std::vector<std::string> limits;
-  bool anew = false, live = false;
+  bool anew = false, live = false, json = false;
 };
 
 std::atomic<bool> interrupted{false};  // a signal may come at any time
@@ -49,8 +54,18 @@ WebServerConfig server_of(const ServeOptions& options) {
   std::vector<Section> sections = {{"server", "The live page's server.", fields(server)}};
   if (options.address) server.address = *options.address;
   if (options.port) server.port = *options.port;
-  for (const std::string& limit : options.limits) set_from_text("server." + limit, sections);
+  for (const std::string& limit : options.limits) {
+    if (limit.find('=') == std::string::npos) throw Error("not of the form key=value", {"--limit " + limit});
+    set_from_text("server." + limit, sections, "--limit");
+  }
   return server;
+}
+
+std::vector<std::string> limit_names() {
+  WebServerConfig server;
+  std::vector<std::string> names;
+  for (const Field& field : fields(server)) names.push_back(field.name() + "=");
+  return names;
 }
 
 std::string place_of(const WebServerConfig& config, int port) {
@@ -63,6 +78,47 @@ std::string place_of(const WebServerConfig& config, int port) {
 std::string speed_words(const ServeOptions& options) {
   if (!options.speed.empty()) return options.speed;
   return options.request.input.empty() ? "4" : "1";
+}
+
+std::string input_words(const ServeOptions& options) {
+  return options.request.input.empty() ? "the embedded scene" : options.request.input.string();
+}
+
+/// Says where the page is; the first line of --json.
+void announce(const ServeOptions& options, const std::string& place, int port, bool recorded) {
+  if (options.json) {
+    const double pace = recorded ? 0 : speed_of(speed_words(options));
+    print_json_line({{"event", "serving"},
+                     {"url", place},
+                     {"port", port},
+                     {"input", options.request.input.string()},
+                     {"recorded", recorded},
+                     {"live", options.live},
+                     {"speed", pace > 0 ? nlohmann::ordered_json(pace) : nlohmann::ordered_json()}});
+  } else if (recorded) {
+    fmt::print("{} shows {}; press Ctrl-C to end\n", place, input_words(options));
+  } else {
+    fmt::print("{} shows {}{}, speed {}; press Ctrl-C to end\n", place, input_words(options),
+               options.live ? " live" : "", speed_words(options));
+  }
+  std::fflush(stdout);
+}
+
+/// The results of the run; the second line of --json.
+void print_end(const ServeOptions& options, const RunOutcome& outcome) {
+  const RunRequest& request = options.request;
+  if (options.json) {
+    nlohmann::ordered_json json{{"event", "finished"}, {"stopped", interrupted.load()}};
+    json.update(run_json(request, outcome));
+    return print_json_line(json);
+  }
+  if (outcome.mission) {
+    for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
+  }
+  if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
+  fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());
+  if (!interrupted) fmt::print("the run is over; its page stays up\n");
+  std::fflush(stdout);
 }
 
 void wait_for_interrupt() {
@@ -78,8 +134,7 @@ int serve_recording(const ServeOptions& options, const WebServerConfig& config) 
   sources.version = ISOBATH_VERSION;
   check_page_sources(sources);
   WebServer server(config, page_site(sources));
-  fmt::print("{} shows {}; press Ctrl-C to end\n", place_of(config, server.port()), file.string());
-  std::fflush(stdout);
+  announce(options, place_of(config, server.port()), server.port(), true);
   wait_for_interrupt();
   return kSuccess;
 }
@@ -121,7 +176,7 @@ TimeSpan span_of(const DisplayState& items) {
 int serve_run(ServeOptions& options, const WebServerConfig& config) {
   RunRequest& request = options.read();
   if (request.record.empty()) request.record = request.out / "recording.mcap";
-  std::filesystem::create_directories(request.record.parent_path());
+  make_parent(request.record);
   DisplayState items;
   SharedChanges shared(items);
   Orders orders;
@@ -143,10 +198,7 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
 
   WebServer server(config, page_site(sources));  // first, so that an address in use fails before the run
   std::future<RunOutcome> running = std::async(std::launch::async, [&request] { return run(request); });
-  fmt::print("{} shows {}{}, speed {}; press Ctrl-C to end\n", place_of(config, server.port()),
-             request.input.empty() ? "the embedded scene" : request.input.string(), options.live ? " live" : "",
-             speed_words(options));
-  std::fflush(stdout);
+  announce(options, place_of(config, server.port()), server.port(), false);
   while (running.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) continue;
   orders.close();
   over = true;
@@ -157,15 +209,9 @@ int serve_run(ServeOptions& options, const WebServerConfig& config) {
     server.stop();
     throw;
   }
-  if (outcome.mission) {
-    for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
-  }
-  if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
-  fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());
+  print_end(options, outcome);
   // A run that the user stopped has not failed.
   const int code = interrupted ? kSuccess : conclude(request, outcome);
-  if (!interrupted) fmt::print("the run is over; its page stays up\n");
-  std::fflush(stdout);
   wait_for_interrupt();
   server.stop();
   return code;
@@ -185,24 +231,47 @@ int serve(ServeOptions& options) {
 
 Action add_serve(CLI::App& program) {
   auto options = std::make_shared<ServeOptions>();
+  const WebServerConfig& server = options->server;
   CLI::App* command =
       program.add_subcommand("serve", "Run like isobath run and show the live page, or show a recording");
-  command->add_option("INPUT", options->request.input,
-                      "Log, scene (.toml) or recording (.mcap); default: the embedded scene");
-  command->add_option("--port", options->port, "Port; 0: any free port; default: 8484")->check(CLI::Range(0, 65535));
-  command->add_option("--address", options->address,
-                      "Address to serve at; 0.0.0.0: all networks; default: 127.0.0.1, this machine only");
-  command->add_option("--speed", options->speed,
-                      "A multiple of real time, or max; default: 1, for the embedded scene 4");
-  command->add_flag("--live", options->live, "Run the scene's mission with real threads, as on a vehicle");
+  command->add_option("INPUT", options->request.input, "Log, scene (.toml) or recording (.mcap)")
+      ->check(reads())
+      ->default_str("the embedded scene");
+  options->add_to(*command, "out/serve");
+  command
+      ->add_flag("--json", options->json, "JSON on standard output: a line when the page is up, another after the run")
+      ->group("Output");
+  command->add_option("--port", options->port, "Port; 0: any free port")
+      ->check(whole(0, 65535))
+      ->default_str(std::to_string(server.port))
+      ->group("Page");
+  command->add_option("--address", options->address, "Address to serve at; 0.0.0.0: all networks")
+      ->type_name("ADDRESS")
+      ->default_str(server.address + ", this machine only")
+      ->group("Page");
   command
       ->add_option("--token-file", options->token_file,
                    "File with a token; a page that sends it may hold, resume and abort the mission")
-      ->type_name("FILE");
-  command->add_flag("--anew", options->anew, "Run a recording again instead of showing what was recorded");
-  command->add_option("--limit", options->limits, "One limit of the server, e.g. most_clients=4; may be repeated")
-      ->type_name("KEY=VALUE");
-  options->add_to(*command, "out/serve");
+      ->type_name("FILE")
+      ->check(reads())
+      ->group("Page");
+  command->add_option("--limit", options->limits, "One limit of the server, such as most_clients=4")
+      ->type_name("KEY=VALUE")
+      ->check(such_as(limit_names))
+      ->allow_extra_args(false)
+      ->group("Page");
+  command->add_option("--speed", options->speed, "A multiple of real time, or max")
+      ->type_name("FACTOR")
+      ->check(speed())
+      ->default_str("1, for the embedded scene 4")
+      ->group("Run");
+  command->add_flag("--live", options->live, "Run the scene's mission with real threads, as on a vehicle")
+      ->group("Run");
+  command->add_flag("--anew", options->anew, "Run a recording again instead of showing what was recorded")
+      ->group("Run");
+  add_example(*command, "serve");
+  add_example(*command, "serve scenarios/simulated_mission_1.toml --speed 2 --port 0");
+  add_example(*command, "serve out/serve/recording.mcap");
   return [options] { return serve(*options); };
 }
 

@@ -2,8 +2,11 @@
 #include <fmt/format.h>
 #include <isobath/app/commands.hpp>
 #include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
+#include <isobath/app/settings_json.hpp>
 #include <isobath/app/speed.hpp>
+#include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/report/html_report.hpp>
@@ -57,6 +60,7 @@ std::unique_ptr<NativeLogWriter> open_log(const Options& options, const Simulato
   if (options.out.extension() != ".mcap") {
     throw Error("cannot write this kind of file", {options.out.string()}, "a name that ends in .mcap");
   }
+  make_parent(options.out);
   auto log = std::make_unique<NativeLogWriter>(options.out);
   log->set_details({{"scene", simulator.scene().about.title}, {"seed", fmt::format("{}", simulator.seed())}});
   if (const auto origin = simulator.scene().origin()) log->set_origin(*origin);
@@ -68,7 +72,11 @@ std::unique_ptr<NativeLogWriter> open_log(const Options& options, const Simulato
 int act(const Options& options) {
   if (options.format) {
     Scene scene;
-    fmt::print("{}", write_template(schema(scene)));
+    if (options.json) {
+      print_json(settings_json(schema(scene), false));
+    } else {
+      fmt::print("{}", write_template(schema(scene)));
+    }
     return kSuccess;
   }
   const double pace = speed_of(options.speed);
@@ -86,16 +94,23 @@ int act(const Options& options) {
   }
   if (log) log->close();
   progress.clear();
-  if (!options.picture.empty()) write_file(options.picture, scene_picture(simulator, track));
+  if (!options.picture.empty()) {
+    make_parent(options.picture);
+    write_file(options.picture, scene_picture(simulator, track));
+  }
   const double wall = std::chrono::duration<double>(Clock::now() - start).count();
   const double times = wall > 0 ? simulator.duration_s() / wall : 0;
   if (options.json) {
-    const nlohmann::ordered_json json{
+    nlohmann::ordered_json json{
         {"scene", simulator.scene().about.title},
         {"seed", simulator.seed()},
         {"duration_s", simulator.duration_s()},
         {"counts", {{"pings", n.pings}, {"ranges", n.ranges}, {"navigation", n.navigation}, {"health", n.health}}},
         {"rates", {{"wall_s", wall}, {"times_real_time", times}}}};
+    std::vector<std::filesystem::path> files;
+    if (log) files.push_back(options.out);
+    if (!options.picture.empty()) files.push_back(options.picture);
+    add_files(json, "", files);
     print_json(json);
     return kSuccess;
   }
@@ -112,18 +127,40 @@ Action add_sim(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       program.add_subcommand("sim", "Simulate a scene; write the log of the vehicle in it, with the ground truth");
-  command->add_option("SCENARIO", options->scene, "Scene (.toml); default: the embedded scene");
-  command->add_option("--out", options->out, "Log to write (.mcap); default: none");
-  command->add_option("--picture", options->picture, "PNG of the scene from above, with the vehicle's track");
-  command->add_option("--seed", options->simulation.seed, "Seed of every random number; default: the scene's")
-      ->check(CLI::Range(0, 2147483647));
-  command->add_option("--duration", options->simulation.duration_s, "Seconds to simulate; default: the scene's")
-      ->check(CLI::Range(0.1, 1e6));
-  command->add_option("--speed", options->speed, "max, or a multiple of real time")->capture_default_str();
-  command->add_option("--threads", options->threads, "Number of threads, 1 or 2; the results are the same")
-      ->check(CLI::Range(1, 64));
-  command->add_flag("--format", options->format, "Print every key of a scene, with its default, range and unit");
-  command->add_flag("--json", options->json, "One JSON object on standard output");
+  command->add_option("SCENARIO", options->scene, "Scene (.toml)")->check(reads())->default_str("the embedded scene");
+  command->add_option("--out", options->out, "Log to write (.mcap)")
+      ->type_name("FILE")
+      ->check(writes_file())
+      ->default_str("none")
+      ->group("Output");
+  command->add_option("--picture", options->picture, "Picture of the scene from above with the vehicle's track (.png)")
+      ->type_name("FILE")
+      ->check(writes_file())
+      ->default_str("none")
+      ->group("Output");
+  add_json_flag(*command, options->json);
+  command->add_flag("--format", options->format, "Print every key of a scene with its default, range and unit")
+      ->group("Output");
+  command->add_option("--seed", options->simulation.seed, "Seed of every random number")
+      ->check(whole(0, 2147483647))
+      ->default_str("the scene's")
+      ->group("Simulation");
+  command->add_option("--duration", options->simulation.duration_s, "Time to simulate, s")
+      ->check(number(0.1, 1e6))
+      ->default_str("the scene's")
+      ->group("Simulation");
+  command->add_option("--speed", options->speed, "A multiple of real time, or max")
+      ->type_name("FACTOR")
+      ->check(speed())
+      ->capture_default_str()
+      ->group("Simulation");
+  command->add_option("--threads", options->threads, "Number of threads; the results are the same")
+      ->check(whole(1, 64))
+      ->capture_default_str()
+      ->group("Simulation");
+  add_example(*command, "sim scenarios/bridge.toml --out bridge.mcap --seed 2");
+  add_example(*command, "sim --duration 60 --picture scene.png");
+  add_example(*command, "sim --format > keys.toml");
   return [options] { return act(*options); };
 }
 

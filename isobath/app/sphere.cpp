@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <isobath/app/commands.hpp>
 #include <isobath/app/json_output.hpp>
+#include <isobath/app/option_facts.hpp>
+#include <isobath/app/values.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/studies/spherical_pages.hpp>
@@ -45,6 +48,17 @@ nlohmann::json features_json(const SurveyFeatures& features) {
           {"corners", std::move(corners)}};
 }
 
+/// How the echoes of each true kind were classified.
+nlohmann::ordered_json causes_json(const SphericalSurvey& survey) {
+  nlohmann::ordered_json json;
+  const char* const kinds[] = {"direct", "second_bounces", "false"};
+  for (std::size_t i = 0; i < survey.causes.size(); ++i) {
+    const auto& told = survey.causes[i];
+    json[kinds[i]] = {{"as_direct", told[0]}, {"as_multiple", told[1]}, {"as_false", told[2]}};
+  }
+  return json;
+}
+
 void print_features(const SurveyFeatures& features) {
   const std::size_t all = features.accounted.size() + features.unaccounted.size();
   fmt::print(
@@ -78,6 +92,7 @@ void print_causes(const SphericalSurvey& survey) {
 }
 
 int act(const Options& options) {
+  check_output_folder(options.out, "--out");
   const Scene scene = open_scene(options.scene);
   SphericalSurveyConfig config = survey_config(scene);
   config.scans = options.scans;
@@ -90,7 +105,7 @@ int act(const Options& options) {
     config.leave_out_false = true;
   }
   const SphericalSurvey survey = run_spherical_survey(scene, config);
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   const SphericalCamera camera{Angle::degrees(options.looking_deg), Angle::degrees(options.down_deg), options.zoom};
   write_file(options.out / "plan.png", spherical_plan_picture(scene, survey));
   write_file(options.out / "above.png", spherical_above_picture(scene, survey));
@@ -99,19 +114,22 @@ int act(const Options& options) {
   const std::size_t cells = survey.grid->cells().size(), bytes = survey.grid->cells().bytes();
   const int layers = survey.grid->layers().count(), directions = survey.grid->buckets().count();
   if (options.json) {
-    print_json({{"scene", scene.about.title},
-                {"scans", survey.path.scans.size()},
-                {"beams", survey.beams},
-                {"echoes", survey.echoes},
-                {"dropped_echoes", survey.dropped_echoes},
-                {"cells", cells},
-                {"occupied", survey.occupied},
-                {"directions", directions},
-                {"layers", layers},
-                {"bytes", bytes},
-                {"median_error_m", survey.median_error_m},
-                {"worst_error_m", survey.worst_error_m},
-                {"features", features_json(survey.features)}});
+    nlohmann::ordered_json json{{"scene", scene.about.title},
+                                {"scans", survey.path.scans.size()},
+                                {"beams", survey.beams},
+                                {"echoes", survey.echoes},
+                                {"dropped_echoes", survey.dropped_echoes},
+                                {"cells", cells},
+                                {"occupied", survey.occupied},
+                                {"directions", directions},
+                                {"layers", layers},
+                                {"bytes", bytes},
+                                {"median_error_m", survey.median_error_m},
+                                {"worst_error_m", survey.worst_error_m},
+                                {"echoes_by_cause", causes_json(survey)},
+                                {"features", features_json(survey.features)}};
+    add_files(json, options.out, {"plan.png", "above.png", "solid.png", "features.png"});
+    print_json(json);
     return kSuccess;
   }
   fmt::print("{}: {} scans, {} beams, {} echoes, of which {} left the range\n", scene.about.title,
@@ -133,30 +151,50 @@ Action add_sphere(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "sphere",
       "Scan a room of lines and arcs along a path into the spherical grid; write pictures, edges and corners");
-  command->add_option("SCENARIO", options->scene, "Scene (.toml) with prisms: scenarios/polygon_room.toml")->required();
-  command->add_option("--out", options->out, "Folder for the pictures")->capture_default_str();
-  command->add_option("--scans", options->scans, "Number of scans along the path")
+  command->add_option("SCENARIO", options->scene, "Scene (.toml) with prisms, such as scenarios/polygon_room.toml")
+      ->check(reads())
+      ->required();
+  command->add_option("--out", options->out, "Folder for the pictures")
+      ->type_name("FOLDER")
+      ->check(writes_folder())
       ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--range", options->range_m, "Maximum range of the sonar, m; default: the scene's")
-      ->check(CLI::Range(1.0, 2000.0));
-  command->add_option("--rule", options->rule, "log_odds, or maximum_response, the paper's rule")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"log_odds", "maximum_response"}));
-  command->add_option("--seed", options->seed, "Seed of every random number; default: the scene's")
-      ->check(CLI::Range(0, 2147483647));
+      ->group("Output");
+  add_json_flag(*command, options->json);
   command->add_option("--looking", options->looking_deg, "Bearing of the view in solid.png, degrees")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 360.0));
+      ->check(number(0, 360))
+      ->group("Output");
   command->add_option("--down", options->down_deg, "Depression of the view in solid.png, degrees")
       ->capture_default_str()
-      ->check(CLI::Range(-90.0, 90.0));
+      ->check(number(-90, 90))
+      ->group("Output");
   command->add_option("--zoom", options->zoom, "Zoom of solid.png")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 100.0));
-  command->add_flag("--false-echoes", options->false_echoes,
-                    "Simulate second bounces (3 of 10 perpendicular echoes) and 4 random echoes a turn; remove them");
-  command->add_flag("--json", options->json, "One JSON object on standard output");
+      ->check(number(0.1, 100))
+      ->group("Output");
+  command->add_option("--scans", options->scans, "Number of scans along the path")
+      ->capture_default_str()
+      ->check(whole(1, 1000))
+      ->group("Simulation");
+  command->add_option("--range", options->range_m, "Maximum range of the sonar, m")
+      ->check(number(1, 2000))
+      ->default_str("the scene's")
+      ->group("Simulation");
+  command->add_option("--rule", options->rule, "Rule of the grid; maximum_response is the paper's")
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->check(one_of({"log_odds", "maximum_response"}))
+      ->group("Simulation");
+  command->add_option("--seed", options->seed, "Seed of every random number")
+      ->check(whole(0, 2147483647))
+      ->default_str("the scene's")
+      ->group("Simulation");
+  command
+      ->add_flag("--false-echoes", options->false_echoes,
+                 "Simulate second bounces (3 of 10 perpendicular echoes) and 4 random echoes a turn; remove them")
+      ->group("Simulation");
+  add_example(*command, "sphere scenarios/polygon_room.toml --out out/room");
+  add_example(*command, "sphere scenarios/polygon_room.toml --scans 20 --false-echoes --json");
   return [options] { return act(*options); };
 }
 

@@ -5,8 +5,9 @@
 #include <fstream>
 #include <isobath/base/config.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/file_access.hpp>
+#include <isobath/base/nearest_name.hpp>
 #include <isobath/base/toml_text.hpp>
-#include <numeric>
 #include <optional>
 #include <toml++/toml.h>
 
@@ -67,21 +68,6 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1] ? 1 : 0)});
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
-}
-
 std::vector<std::string> names_of(const std::vector<Section>& sections) {
   std::vector<std::string> names;
   for (const Section& s : sections) names.push_back(s.name);
@@ -93,7 +79,9 @@ std::vector<std::string> names_of(const std::vector<Field>& fields) {
   return names;
 }
 
+/// A setting of the command line, which stands in `file`, has neither line nor column.
 Place place_of(const toml::source_region& region, const std::string& file, const std::string& key) {
+  if (file.starts_with("--")) return {.file = file, .key = key};
   return {file, {}, region.begin.line, region.begin.column, key};
 }
 
@@ -138,7 +126,8 @@ void assign_node(Field& field, const toml::node& node, const std::string& file, 
   const std::string problem = value ? field.assign(*value) : std::string("neither a single value nor rows of numbers");
   if (!problem.empty()) {
     throw Error(problem, place_of(node.source(), file, key),
-                field.allowed() + (field.unit().empty() ? "" : " " + field.unit()));
+                field.allowed() + (field.unit().empty() ? "" : " " + field.unit()),
+                value ? field.nearest_choice(*value) : "");
   }
 }
 
@@ -152,16 +141,6 @@ toml::table parse(std::string_view text, const std::string& file) {
 }
 
 }  // namespace
-
-std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& names) {
-  std::string best;
-  std::size_t distance = std::numeric_limits<std::size_t>::max();
-  for (const std::string& name : names) {
-    const std::size_t d = edit_distance(wanted.substr(0, 64), name);
-    if (d < distance) std::tie(distance, best) = std::pair(d, name);
-  }
-  return best.empty() ? "" : "did you mean " + best + "?";
-}
 
 Field::Field(std::string name, Target target, Range range, std::string unit, std::string sentence)
     : name_(std::move(name)),
@@ -327,6 +306,12 @@ std::string Field::assign(const Value& value) {
   return {};
 }
 
+std::string Field::nearest_choice(const Value& value) const {
+  const auto* choice = std::get_if<Choice>(&target_);
+  const auto* name = std::get_if<std::string>(&value);
+  return choice && name ? did_you_mean(*name, choice->names) : "";
+}
+
 namespace {
 
 /// Assigns keys in the order of the fields, after it has refused unknown keys.
@@ -395,20 +380,39 @@ void read_toml(std::string_view text, const std::string& file, std::vector<Secti
 }
 
 std::string text_of_file(const std::string& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) throw Error("is a folder, not a file", {file});
   std::ifstream input(file, std::ios::binary);
+  if (!input.is_open()) check_readable(file);  // says why
   std::string text((std::istreambuf_iterator<char>(input)), {});
-  if (!input.is_open() || input.bad() || std::filesystem::is_directory(file)) throw Error("cannot be read", {file});
+  if (!input.is_open() || input.bad()) throw Error("cannot be read", {file});
   return text;
 }
 
 void read_toml_file(const std::string& file, Schema& schema) { read_toml(text_of_file(file), file, schema); }
 
-void set_from_text(std::string_view assignment, std::vector<Section>& sections) {
+namespace {
+
+/// "did you mean SECTION.KEY?" for a key without its section.
+std::string section_of_key(std::string_view assignment, const std::vector<Section>& sections) {
+  const std::string_view key = assignment.substr(0, assignment.find('='));
+  for (const Section& section : sections) {
+    for (const Field& field : section.fields) {
+      if (field.name() == key) return fmt::format("did you mean {}.{}?", section.name, key);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+void set_from_text(std::string_view assignment, std::vector<Section>& sections, const std::string& option) {
   const auto equals = assignment.find('=');
   const auto dot = assignment.find('.');
-  const std::string source = "--set " + std::string(assignment.substr(0, 200));
+  const std::string source = option + " " + std::string(assignment.substr(0, 200));
   if (equals == std::string_view::npos || dot == std::string_view::npos || dot > equals) {
-    throw Error("not of the form section.key=value", {source, {}, {}, {}, {}});
+    throw Error("not of the form section.key=value", {source, {}, {}, {}, {}}, "",
+                section_of_key(assignment, sections));
   }
   const std::string value(assignment.substr(equals + 1));
   const std::string head =

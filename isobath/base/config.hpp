@@ -77,6 +77,8 @@ class Field {
   using Value = std::variant<bool, std::int64_t, double, std::string, Rows>;
   /// Checks and stores; returns what is wrong, or an empty string.
   std::string assign(const Value& value);
+  /// "did you mean NAME?" for a value that is close to one of the choices; else empty.
+  [[nodiscard]] std::string nearest_choice(const Value& value) const;
   [[nodiscard]] bool is_file() const { return std::holds_alternative<File>(target_); }
 
  private:
@@ -137,18 +139,16 @@ void read_toml(std::string_view text, const std::string& file, std::vector<Secti
 void read_toml(std::string_view text, const std::string& file, Schema& schema);
 /// The same from a file. Also throws Error where the file cannot be read.
 void read_toml_file(const std::string& file, Schema& schema);
-/// The contents of a text file; throws Error where it cannot be read.
+/// The contents of a text file; throws Error where it cannot be read, with the reason.
 std::string text_of_file(const std::string& file);
 
-/// Sets one value from "section.key=value" (the value as TOML, or a bare word for a text or a choice). Throws Error.
-void set_from_text(std::string_view assignment, std::vector<Section>& sections);
+/// Sets one value from "section.key=value" (the value as TOML, or a bare word for a text or a choice). `option`: the
+/// option of the command line that it comes from, for messages. Throws Error.
+void set_from_text(std::string_view assignment, std::vector<Section>& sections, const std::string& option = "--set");
 
 /// The values in force as TOML; with sentence, unit and allowed values if `annotated`. `read_toml` reads it back.
 std::string write_toml(const std::vector<Section>& sections, bool annotated);
 /// A description of the format: every section, and one element with defaults of every list, annotated.
 std::string write_template(const Schema& schema);
-
-/// "did you mean NAME?" with the name whose spelling is closest; empty where there are no names.
-std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& names);
 
 }  // namespace isobath

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/base/file_access.hpp>
+#include <isobath/base/nearest_name.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/evaluation/suite.hpp>
 #include <isobath/report/html_report.hpp>
@@ -243,7 +245,9 @@ fs::path find_suite(const std::string& name_or_file, const fs::path& folder) {
   const std::vector<std::string> names = embedded_suites();
   if (std::find(names.begin(), names.end(), name_or_file) == names.end()) {
     if (fs::is_regular_file(name_or_file)) return name_or_file;
-    throw Error("no such suite: " + name_or_file, {}, fmt::format("a file, or one of {}", fmt::join(names, ", ")));
+    const std::string near = did_you_mean(name_or_file, names);
+    throw Error("no such suite: " + name_or_file, {}, fmt::format("a file, or one of {}", fmt::join(names, ", ")),
+                near.empty() ? nearest_file(name_or_file) : near);
   }
   for (const EmbeddedFile& file : embedded_files()) {
     const fs::path to = folder / file.name;

@@ -2,6 +2,8 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <isobath/base/file_access.hpp>
+#include <isobath/base/nearest_name.hpp>
 #include <isobath/evaluation/suite_variants.hpp>
 
 namespace isobath {
@@ -9,9 +11,10 @@ namespace {
 
 constexpr const char *kWithAltimeter = "altimeter", *kWithoutAltimeter = "no-altimeter";
 
-[[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed) {
+[[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed,
+                         const std::string& advice = {}) {
   place.key = key;
-  throw Error(problem, place, allowed);
+  throw Error(problem, place, allowed, advice);
 }
 
 /// Names are parts of a variant's name, which the command line splits at each /.
@@ -33,7 +36,8 @@ void check_names(const std::vector<Part>& parts, const std::string& section) {
 void check_vehicle_file(const SuiteVehicle& vehicle) {
   if (vehicle.file.empty()) refuse(vehicle.place, "vehicle.file", "is missing", "a vehicle file");
   if (!std::filesystem::is_regular_file(vehicle.file)) {
-    refuse(vehicle.place, "vehicle.file", "no such file: " + vehicle.file, "a vehicle file");
+    refuse(vehicle.place, "vehicle.file", "no such file: " + vehicle.file, "a vehicle file",
+           nearest_file(vehicle.file));
   }
 }
 
@@ -62,6 +66,19 @@ std::vector<std::optional<bool>> choices_of(AltimeterChoice altimeter) {
     case AltimeterChoice::kBoth: return {true, false};
   }
   return {};
+}
+
+/// "did you mean NAME?", with the parts that no variant has replaced by the nearest ones.
+std::string nearest_variant(const std::vector<std::string>& variants, std::vector<std::string> wanted) {
+  std::vector<std::string> known;
+  for (const std::string& variant : variants) {
+    for (const std::string& part : parts_of(variant)) known.push_back(part);
+  }
+  for (std::string& part : wanted) {
+    part = nearest_name(part, known);
+    if (part.empty()) return {};
+  }
+  return fmt::format("did you mean {}?", fmt::join(wanted, "/"));
 }
 
 }  // namespace
@@ -115,7 +132,7 @@ std::vector<SuiteVariant> matching(const std::vector<SuiteVariant>& variants, st
   if (names.empty()) throw Error("the suite has no variants");
   if (found.empty()) {
     throw Error(fmt::format("no variant of the suite is called {}", name), {},
-                fmt::format("one of {}, or parts of it", fmt::join(names, ", ")));
+                fmt::format("one of {}, or parts of it", fmt::join(names, ", ")), nearest_variant(names, wanted));
   }
   return found;
 }

@@ -1,6 +1,7 @@
 #include <charconv>
 #include <cmath>
 #include <isobath/base/error.hpp>
+#include <isobath/base/nearest_name.hpp>
 #include <isobath/sim/fault_config.hpp>
 #include <utility>
 
@@ -129,7 +130,9 @@ void check_fault(const FaultConfig& f) {
   if (source == SourceKind::kUnknown) {
     throw Error("unknown source \"" + f.source + "\"", at("source"),
                 "sonar, sonar.2 .., altimeter, altimeter.2 .., compass, ahrs, gyro, dvl, depth, gps, lbl, navigation, "
-                "thruster, thruster.1 .. thruster.16, vehicle, agent.NAME, link, health, disk or planner");
+                "thruster, thruster.1 .. thruster.16, vehicle, agent.NAME, link, health, disk or planner",
+                did_you_mean(f.source, {"sonar", "altimeter", "compass", "ahrs", "gyro", "dvl", "depth", "gps", "lbl",
+                                        "navigation", "thruster", "vehicle", "link", "health", "disk", "planner"}));
   }
   const std::string kind = to_text(f.kind);
   if (!fits(f.kind, source)) throw Error(f.source + " cannot have the fault " + kind, at("kind"));

@@ -2,6 +2,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <isobath/base/file_access.hpp>
+#include <isobath/base/nearest_name.hpp>
 #include <isobath/sim/scene.hpp>
 #include <iterator>
 
@@ -151,25 +154,29 @@ SectionList body_list(Scene& scene, std::string name, std::string sentence) {
 }
 
 /// Checks that concern several fields.
-[[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed) {
+[[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed,
+                         const std::string& advice = {}) {
   place.key += (place.key.empty() ? "" : ".") + key;  // a scene made in code has no places
-  throw Error(problem, place, allowed);
+  throw Error(problem, place, allowed, advice);
 }
 
 void check_file(const std::string& file, const Place& place, const std::string& key) {
   if (file.empty()) refuse(place, key, "is missing", "a file");
-  if (!std::filesystem::is_regular_file(file)) refuse(place, key, "no such file: " + file, "a file");
+  if (!std::filesystem::is_regular_file(file)) {
+    refuse(place, key, "no such file: " + file, "a file", nearest_file(file));
+  }
 }
 
 void check_materials(const Scene& scene) {
-  std::string names;
-  for (const Material& m : scene.materials) names += (names.empty() ? "" : ", ") + m.name;
-  for (const Body& b : scene.bodies) {
-    if (!scene.material(b.material)) refuse(b.place, "material", "unknown material " + b.material, names);
-  }
-  if (!scene.material(scene.bottom.material)) {
-    refuse(scene.bottom.place, "material", "unknown material " + scene.bottom.material, names);
-  }
+  std::vector<std::string> names;
+  for (const Material& m : scene.materials) names.push_back(m.name);
+  const auto check = [&](const Place& place, const std::string& material) {
+    if (scene.material(material)) return;
+    refuse(place, "material", "unknown material " + material, fmt::format("{}", fmt::join(names, ", ")),
+           did_you_mean(material, names));
+  };
+  for (const Body& b : scene.bodies) check(b.place, b.material);
+  check(scene.bottom.place, scene.bottom.material);
 }
 
 void check_span(const Body& b, double top, double bottom) {
@@ -256,15 +263,17 @@ std::optional<GeoOrigin> Scene::origin() const {
 }
 
 void switch_off(Scene& scene, const std::string& sonar) {
-  std::string names;
+  std::vector<std::string> names;
   bool found = false;
   for (SonarConfig& s : scene.sonars) {
-    names += (names.empty() ? "" : ", ") + s.name;
+    names.push_back(s.name);
     if (s.name != sonar) continue;
     s.on = false;
     found = true;
   }
-  if (!found) throw Error("the scene has no sonar named " + sonar, {.file = scene.file}, names);
+  if (found) return;
+  throw Error("the scene has no sonar named " + sonar, {.file = scene.file}, fmt::format("{}", fmt::join(names, ", ")),
+              did_you_mean(sonar, names));
 }
 
 std::vector<std::string> fault_names(const std::vector<SonarConfig>& sonars) {

@@ -58,7 +58,7 @@ PathOutcome check_path(const PathRequest& request) {
   }
   const auto verdict = traversability(*snapshot_of(map), path, request.passage, obstacles);
   if (!verdict) throw Error(std::string("the path cannot be checked: ") + to_text(verdict.error()));
-  PathOutcome outcome{*verdict, verdict->strict() == 1 ? "" : verdict->reason(), {}, 0};
+  PathOutcome outcome{*verdict, verdict->strict() == 1 ? "" : verdict->reason(), {}, map.facts.origin, 0};
   if (!outcome.reason.empty() && verdict->blocking) outcome.reason += place_of(map.facts, verdict->blocking->pixel);
   if (verdict->worst && verdict->worst->depth_m) {
     outcome.least = fmt::format("least depth on the path: {:.2f} m{}", *verdict->worst->depth_m,

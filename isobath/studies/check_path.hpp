@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/planning/traversability.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct PathRequest {
 
 struct PathOutcome {
   Traversability verdict;
-  std::string reason;  ///< one line; empty if the whole path is clear
-  std::string least;   ///< one line: the least depth on the path and where; empty if none is known
+  std::string reason;               ///< one line; empty if the whole path is clear
+  std::string least;                ///< one line: the least depth on the path and where; empty if none is known
+  std::optional<GeoOrigin> origin;  ///< of the map
   double length_m = 0;
 };
 

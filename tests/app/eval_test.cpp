@@ -33,13 +33,14 @@ TEST_F(Eval, ScoresEveryHelmOnTheSameRuns) {
   const ProgramResult result = eval("", {"--json"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "") << "no progress in a pipe";
-  const auto json = nlohmann::json::parse(result.out);
+  auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json["runs"], 1);
   EXPECT_EQ(json["collisions"], 0) << "the pole is seen and gone round";
   EXPECT_EQ(json["baselines"]["no avoidance"]["collisions"], 1);
   for (const char* file : {"report.html", "results.json", "runs.jsonl"})
     EXPECT_TRUE(fs::exists(folder_ / "out" / file));
-  EXPECT_EQ(content_of(folder_ / "out/results.json"), result.out);
+  for (const char* beside : {"bars", "files"}) json.erase(beside);
+  EXPECT_EQ(json_of(folder_ / "out/results.json"), json);
 }
 
 TEST_F(Eval, EndsWithOneBelowTheBarsAndNamesThem) {
@@ -72,7 +73,7 @@ TEST_F(Eval, OfFaultsSaysWhatEachRowShowed) {
   const ProgramResult result =
       isobath({"eval", "faults", "--runs", "1", "--seed", seed, "--json", "--out", (folder_ / "out").string()});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
+  auto json = nlohmann::json::parse(result.out);
   EXPECT_EQ(json["runs"], 1);
   EXPECT_EQ(json["collisions"], 0);
   EXPECT_EQ(json["faults"]["shown"]["count"], 1);

@@ -131,7 +131,7 @@ TEST(Mission, WrongUseIsRefusedInOneLine) {
   EXPECT_THAT(test::isobath({"run", "--record", folder / "run.bag", "--out", folder / "out"}),
               ends_with_one_line(HasSubstr(".mcap")));
   EXPECT_THAT(test::isobath({"run", "--mission", "no/such.toml", "--out", folder / "out"}),
-              ends_with_one_line(HasSubstr("no/such.toml: cannot be read")));
+              ends_with_one_line(HasSubstr("no/such.toml: no such file")));
   const fs::path file = write(folder / "m.toml", "[mission]\nspeed = 1\n[[mission_point]]\nnorth = -1e9\n");
   EXPECT_THAT(test::isobath({"run", "--mission", file, "--out", folder / "out"}),
               ends_with_one_line(HasSubstr("m.toml:4:")));

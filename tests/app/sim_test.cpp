@@ -148,7 +148,7 @@ TEST(Sim, ABottomWithHolesIsRefused) {
 TEST(Sim, WrongUseIsRefusedInOneLine) {
   EXPECT_THAT(test::isobath({"sim", "--speed", "fast"}), ends_with_one_line(HasSubstr("not a speed: fast")));
   EXPECT_THAT(test::isobath({"sim", "--out", "log.bag"}), ends_with_one_line(HasSubstr(".mcap")));
-  EXPECT_THAT(test::isobath({"sim", "no/such.toml"}), ends_with_one_line(HasSubstr("no/such.toml: cannot be read")));
+  EXPECT_THAT(test::isobath({"sim", "no/such.toml"}), ends_with_one_line(HasSubstr("no/such.toml: no such file")));
 }
 
 }  // namespace

@@ -203,7 +203,7 @@ TEST_F(WrongInput, OptionsAndCommandsThatDoNotExist) {
   EXPECT_THAT(run(file("wall.csv", wall_csv(3)), {"--depth", "3"}), ends_with_one_line(HasSubstr("--depth")));
   EXPECT_THAT(run(file("wall.csv", wall_csv(3)), {"--threads", "0"}), ends_with_one_line(HasSubstr("--threads")));
   EXPECT_THAT(isobath({"info"}), ends_with_one_line(HasSubstr("FILE")));
-  EXPECT_THAT(isobath({"convert", "in.csv", "out.txt"}), ends_with_one_line(HasSubstr(".mcap")));
+  EXPECT_THAT(isobath({"convert", file("wall.csv", wall_csv(3)), out() / "out.txt"}), ends_with_one_line(HasSubstr(".mcap")));
 }
 
 TEST_F(WrongInput, ConfigurationsThatCannotBeReadSayWhere) {

@@ -1,0 +1,66 @@
+#include <isobath/app/json_output.hpp>
+#include <isobath/app/run_json.hpp>
+#include <isobath/report/fan_calibration.hpp>
+#include <isobath/report/result_text.hpp>
+#include <nlohmann/json.hpp>
+
+namespace isobath::app {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// CPU time of each stage, s; the input and the report are stages of their own.
+ordered_json load_json(const RunLoad& load) {
+  ordered_json all;
+  for (std::size_t i = 0; i < kStages; ++i) all[to_text(static_cast<Stage>(i))] = load.stage_s[i];
+  return all;
+}
+
+ordered_json live_json(const LiveOutcome& live) {
+  return {{"lost_pings", live.lost_pings},
+          {"unshown_pings", live.unshown_pings},
+          {"unshown_notes", live.unshown_notes},
+          {"display_problem", live.display_problem}};
+}
+
+ordered_json rates_json(const RunOutcome& outcome) {
+  const double wall = outcome.timings.wall_s;
+  return {{"log_s", outcome.log_s},
+          {"wall_s", wall},
+          {"pings_per_s", wall > 0 ? static_cast<double>(outcome.counts.pings) / wall : 0},
+          {"times_real_time", wall > 0 ? outcome.log_s / wall : 0},
+          {"ping_median_ms", outcome.timings.ping_median_ms},
+          {"ping_p99_ms", outcome.timings.ping_p99_ms},
+          {"stages_s", load_json(outcome.timings.load)}};
+}
+
+ordered_json recording_json(const RunRequest& request, const RunOutcome& outcome) {
+  if (request.record.empty()) return {};
+  return {{"file", request.record.string()},
+          {"problem", outcome.recording_problem},
+          {"not_recorded", outcome.not_recorded}};
+}
+
+}  // namespace
+
+ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
+  ordered_json json{{"input", request.input.string()},
+                    {"problem", outcome.problem},
+                    {"undecided", outcome.undecided},
+                    {"alarms", alarms_json(outcome)},
+                    {"obstacles", obstacle_list(outcome.obstacles)},
+                    {"counts", counts_json(outcome)},
+                    {"rejected", rejected_json(outcome)},
+                    {"depth", outcome.depth ? depth_json(*outcome.depth) : ordered_json()},
+                    {"voxels", outcome.voxels ? voxels_json(*outcome.voxels) : ordered_json()},
+                    {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},
+                    {"mission", outcome.mission ? mission_json(*outcome.mission, true) : ordered_json()},
+                    {"rates", rates_json(outcome)},
+                    {"fan_model", outcome.fan ? departure_json(*outcome.fan) : ordered_json()},
+                    {"live", outcome.live ? live_json(*outcome.live) : ordered_json()},
+                    {"recording", recording_json(request, outcome)}};
+  add_files(json, request.out, outcome.files);
+  return json;
+}
+
+}  // namespace isobath::app
