@@ -314,6 +314,18 @@ std::string Field::nearest_choice(const Value& value) const {
 
 namespace {
 
+std::string former_name(const Field& field) { return field.former(); }
+std::string former_name(const Section& section) { return section.former; }
+
+/// Advice on an unknown name: how it is called now, or the nearest known one. `names`: those of `known`, and others.
+template <class Known>
+std::string advice_on(std::string_view name, const std::vector<Known>& known, const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (!name.empty() && former_name(known[i]) == name) return "it is called " + names[i] + " now";
+  }
+  return did_you_mean(name, names);
+}
+
 /// Assigns keys in the order of the fields, after it has refused unknown keys.
 void assign_table(std::vector<Field>& fields, const toml::table& table, const std::string& file,
                   const std::string& section) {
@@ -322,7 +334,7 @@ void assign_table(std::vector<Field>& fields, const toml::table& table, const st
         std::any_of(fields.begin(), fields.end(), [name = key.str()](const Field& f) { return f.name() == name; });
     if (!known) {
       throw Error("unknown key", place_of(key.source(), file, section + "." + std::string(key.str())), "",
-                  did_you_mean(key.str(), names_of(fields)));
+                  advice_on(key.str(), fields, names_of(fields)));
     }
   }
   for (Field& field : fields) {
@@ -359,7 +371,7 @@ void read_toml(std::string_view text, const std::string& file, Schema& schema) {
       std::vector<std::string> names = names_of(schema.sections);
       for (const SectionList& l : schema.lists) names.push_back(l.name);
       throw Error("unknown section", place_of(key.source(), file, std::string(key.str())), listed(names),
-                  did_you_mean(key.str(), names));
+                  advice_on(key.str(), schema.sections, names));
     }
     section->place = place_of(node.source(), file, section->name);
     const toml::table* table = node.as_table();

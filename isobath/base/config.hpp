@@ -65,7 +65,14 @@ class Field {
     return Field(std::move(name), std::move(choice), {}, {}, std::move(sentence));
   }
 
+  /// Field::real("max_bins", ...).was("most_bins"): a file with the old key gets an error that names the new one.
+  Field was(std::string former) && {
+    former_ = std::move(former);
+    return std::move(*this);
+  }
+
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& former() const { return former_; }
   [[nodiscard]] const std::string& unit() const { return unit_; }
   [[nodiscard]] const std::string& sentence() const { return sentence_; }
   /// "0.01 .. 9", "true or false", "bin, printed or any_target".
@@ -103,7 +110,7 @@ class Field {
   [[nodiscard]] std::string check(double number) const;
   Field(std::string name, Target target, Range range, std::string unit, std::string sentence);
 
-  std::string name_;
+  std::string name_, former_;
   Target target_;
   Range range_;
   std::string unit_;
@@ -115,7 +122,8 @@ struct Section {
   std::string name;
   std::string sentence;
   std::vector<Field> fields;
-  Place place = {};  ///< of its header in the file; empty if the file has no such header
+  Place place = {};         ///< of its header in the file; empty if the file has no such header
+  std::string former = {};  ///< its name before; a file with it gets an error that names the new one
 };
 
 /// An array of TOML tables: [[name]], any number of times.
@@ -133,7 +141,8 @@ struct Schema {
 };
 
 /// Reads TOML into the bound values; keys that are absent keep their defaults. Throws Error with line and column on a
-/// syntax error, an unknown section or key (naming the nearest known one), a wrong type, or a value out of range.
+/// syntax error, an unknown section or key (naming its new name, or the nearest known one), a wrong type, or a value
+/// out of range.
 void read_toml(std::string_view text, const std::string& file, std::vector<Section>& sections);
 
 void read_toml(std::string_view text, const std::string& file, Schema& schema);
