@@ -68,7 +68,7 @@ sector_deg = 120
 range_m = 40
 bins = 80
 interval_s = 0.06
-blind_m = 1.5
+blanking_m = 1.5
 [[sonar]]
 preset = "p450_vertical"
 name = "upright"

@@ -78,7 +78,7 @@ struct Vehicle {
       const auto z = static_cast<float>(ground(north, east + side));
       swath.soundings.push_back({{0, static_cast<float>(side), z}, std::hypot(static_cast<float>(side), z), 0.05F});
     }
-    mapper->take(swath, level_at(north, east, 2, 0), 0);
+    mapper->update(swath, level_at(north, east, 2, 0), 0);
   }
 };
 
@@ -142,7 +142,7 @@ void ObstacleReading(benchmark::State& state) {
   int i = 0;
   for (auto _ : state) {
     const double along = 0.01 * (i++ % 500);
-    vehicle.mapper->take(reading, level_at(along, -along, 5, heading), 0);
+    vehicle.mapper->update(reading, level_at(along, -along, 5, heading), 0);
   }
 }
 BENCHMARK(ObstacleReading)->ArgsProduct({{0, 45}, {60, 10, 7}})->ArgNames({"heading", "bottom_m"});
@@ -154,7 +154,7 @@ void DepthReadingThroughMapper(benchmark::State& state) {
   int i = 0;
   for (auto _ : state) {
     const double along = 0.01 * (i++ % 500);
-    vehicle.mapper->take(reading, level_at(along, -along, 2, 0), 0);
+    vehicle.mapper->update(reading, level_at(along, -along, 2, 0), 0);
   }
 }
 BENCHMARK(DepthReadingThroughMapper)
@@ -227,7 +227,7 @@ void ReadingBesideShifts(benchmark::State& state) {
       for (const RangeReading& reading : {ahead, down}) {
         const auto wall = Clock::now();
         const double before = worked_us();
-        vehicle.mapper->take(reading, X_WB, 0);
+        vehicle.mapper->update(reading, X_WB, 0);
         const double spent = worked_us() - before;
         const bool during = vehicle.mapper->counts().queued > queued;
         queued = vehicle.mapper->counts().queued;
@@ -268,8 +268,8 @@ void Growth(benchmark::State& state) {
       const double depth = ground(north, 0);
       const Pose X_WB = level_at(north, 0, 2, 0);
       const auto begin = Clock::now();
-      vehicle.mapper->take(ahead, X_WB, 0);
-      vehicle.mapper->take(looking(90, 0, 6, depth - 2), X_WB, 0);
+      vehicle.mapper->update(ahead, X_WB, 0);
+      vehicle.mapper->update(looking(90, 0, 6, depth - 2), X_WB, 0);
       const auto middle = Clock::now();
       vehicle.mapper->passed(Time{}, X_WB);
       readings += microseconds(middle - begin);

@@ -37,7 +37,7 @@ void DisplayOfAFan(benchmark::State& state) {
   for (auto _ : state) {
     Ping& ping = pings[static_cast<std::size_t>(shown % kFanPings)];
     ping.time = Time(std::chrono::milliseconds(100 * ++shown));
-    display.take({ping, Pose{}, decisions});
+    display.on_ping({ping, Pose{}, decisions});
   }
   state.counters["KB_a_ping"] = static_cast<double>(items.bytes()) / 1e3;
 }

@@ -101,8 +101,8 @@ struct Took {
 class TimedHelm : public Helm {
  public:
   explicit TimedHelm(std::unique_ptr<Helm> helm) : helm_(std::move(helm)) {}
-  void hear(const Event& event) override {
-    timed([&] { helm_->hear(event); });
+  void on_event(const Event& event) override {
+    timed([&] { helm_->on_event(event); });
   }
   void on_ping(const PosedPing& ping) override {
     timed([&] { helm_->on_ping(ping); });
@@ -144,7 +144,7 @@ class Vehicle : public OnboardObserver {
         display_(items),
         onboard_(configuration, depths_, {.helm = &helm_, .times = times_}) {
     depths_.locate(log.origin);
-    helm_.show_messages_to([this](const Envelope& envelope) { display_.heard(envelope); });
+    helm_.show_messages_to([this](const Envelope& envelope) { display_.on_message(envelope); });
     onboard_.show_to(*this);
     scene_.title = log.setup.plan.title;
     scene_.plan = log.setup.plan;
@@ -158,7 +158,7 @@ class Vehicle : public OnboardObserver {
     display_ms_ = 0;
     const std::int64_t worked = thread_nanoseconds();
     const auto taken = Clock::now();
-    onboard_.take(std::move(event));
+    onboard_.on_event(std::move(event));
     onboard_.steer();
     shown([&] {
       if (display_.wants_counts(time)) {
@@ -173,7 +173,7 @@ class Vehicle : public OnboardObserver {
   }
 
   void on_event(const Event& event) override {
-    shown([&] { display_.hear(event); });
+    shown([&] { display_.on_event(event); });
   }
   void on_ping(const PosedPing& ping) override {
     shown([&] { display_.on_ping(ping); });

@@ -64,19 +64,19 @@ void scan_to_decision(benchmark::State& state, bool keeps_its_way) {
   for (auto _ : state) {
     Navigator navigator(NavigatorConfig{}, fine(), VehicleParameters{});
     Outbox out;
-    navigator.hear(here(), Time{}, out);
+    navigator.on_message(here(), Time{}, out);
     RouteRequest request;
     request.target.north_east = {95, 0};
-    navigator.hear(ObstacleScan{}, Time{}, out);
-    navigator.hear(request, Time{}, out);
+    navigator.on_message(ObstacleScan{}, Time{}, out);
+    navigator.on_message(request, Time{}, out);
     for (const ObstacleScan& scan : scans) {
       if (!keeps_its_way) {  // a straight way again
-        navigator.hear(ObstacleScan{}, Time{}, out);
-        navigator.hear(request, Time{}, out);
+        navigator.on_message(ObstacleScan{}, Time{}, out);
+        navigator.on_message(request, Time{}, out);
       }
       out.said().clear();
       const std::clock_t from = std::clock();
-      navigator.hear(scan, Time{}, out);
+      navigator.on_message(scan, Time{}, out);
       ms.push_back(1e3 * static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC);
       planned += static_cast<double>(!out.said().empty());
     }

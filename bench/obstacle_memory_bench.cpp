@@ -75,7 +75,7 @@ void ObstacleMemoryAllMissing(benchmark::State& state) {
   Sea sea(2.5);
   ObstacleMemoryConfig config;
   config.miss = 0.99;
-  config.least_existence = 0;
+  config.min_existence = 0;
   ObstacleMemory memory(config);
   for (int i = 0; i < 20; ++i) memory.add(sea.look({0, 0}, i, 0));
   double now = 20;

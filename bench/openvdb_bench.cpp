@@ -34,8 +34,8 @@ void report(benchmark::State& state, double items, double own_s, double peer_s) 
 using Accessor = openvdb::FloatGrid::Accessor;
 
 void add(Accessor& map, const openvdb::Coord& at, float more) {
-  map.modifyValue(
-      at, [more](float& e) { e = std::clamp(e + more, static_cast<float>(kLeast), static_cast<float>(kMost)); });
+  map.modifyValue(at,
+                  [more](float& e) { e = std::clamp(e + more, static_cast<float>(kMin), static_cast<float>(kMax)); });
 }
 
 /// OpenVDB's own walk from voxel to voxel, the last one apart.
@@ -65,7 +65,7 @@ openvdb::FloatGrid::Ptr vdb_mapped(std::size_t count) {
 void OpenVdbRays(benchmark::State& state) {
   const std::size_t count = rays().size() / 4;
   for (auto _ : state) {
-    VoxelBlocks blocks({to_evidence(kLeast), to_evidence(kMost)});
+    VoxelBlocks blocks({to_evidence(kMin), to_evidence(kMax)});
     const LogOdds16 hit = to_evidence(kHit), miss = to_evidence(kMiss);
     const double own = seconds_of([&] {
       for (std::size_t i = 0; i < count; ++i) {

@@ -66,7 +66,7 @@ void record_an_hour(const std::filesystem::path& file) {
     Health health;
     health.time = time_at(s);
     health.note = noise(10'000, random);
-    recorder.take(Event(health));
+    recorder.on_event(Event(health));
     display.step(s);
     recorder.sample(time_at(s), display.items);
   }

@@ -9,7 +9,7 @@ namespace {
 /// A river of 100 x 100 x 20 m that was measured, voxels of 0.5 m: 30 columns stand in it, and three walls across, each
 /// with one gap, which the plan view takes for closed.
 struct MeasuredRiver {
-  MeasuredRiver() : map({.voxel_m = 0.5, .prior = 0.05, .occupied = 0.7, .free = 0.04, .most_log_odds = 6.9}) {
+  MeasuredRiver() : map({.voxel_m = 0.5, .prior = 0.05, .occupied = 0.7, .free = 0.04, .max_log_odds = 6.9}) {
     VoxelBlocks &vertical = map.layer("upright"), &flat = map.layer("flat");
     put(vertical, {0, -100, 0}, {200, 100, 40}, -3);
     put(flat, {0, -100, 0}, {200, 100, 40}, -1);

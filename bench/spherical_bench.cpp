@@ -76,7 +76,7 @@ void SphericalStep(benchmark::State& state) {
   SphericalGridConfig config;
   SphericalGrid grid(config);
   fill_with(grid, static_cast<std::size_t>(state.range(0)));
-  const double step = config.rebin_at * config.finest_m * 1.0001;
+  const double step = config.rebin_at * config.min_layer_m * 1.0001;
   std::int64_t i = 0;
   double cells = 0;
   for (auto _ : state) {

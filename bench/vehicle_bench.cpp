@@ -70,7 +70,7 @@ void depth_keeper_step(benchmark::State& bench) {
   for (auto _ : bench) {
     state.X_WB.translation.x() += 0.15;
     reading.range_m = 8 + std::sin(0.02 * state.X_WB.translation.x());
-    keeper.hear(reading, state.X_WB);
+    keeper.on_altimeter(reading, state.X_WB);
     benchmark::DoNotOptimize(keeper.step({0, 5.0}, state.X_WB, {1.5, 0, 0}, reading.time));
   }
   bench.SetItemsProcessed(bench.iterations());

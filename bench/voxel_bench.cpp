@@ -21,7 +21,7 @@ void VoxelRays(benchmark::State& state) {
   std::int64_t voxels = 0;
   double megabytes = 0;
   for (auto _ : state) {
-    VoxelBlocks blocks({to_evidence(kLeast), to_evidence(kMost)});
+    VoxelBlocks blocks({to_evidence(kMin), to_evidence(kMax)});
     const LogOdds16 hit = to_evidence(kHit), miss = to_evidence(kMiss);
     voxels = 0;
     for (const Ray& r : rays()) {

@@ -17,7 +17,7 @@ namespace isobath::bench {
 
 using Eigen::Vector3d;
 
-inline constexpr double kVoxel = 0.25, kReach = 50, kHit = 0.847, kMiss = -0.405, kLeast = -2, kMost = 3.48;
+inline constexpr double kVoxel = 0.25, kReach = 50, kHit = 0.847, kMiss = -0.405, kMin = -2, kMax = 3.48;
 
 /// As the work is stated: of the first uniform itself, not of what is left of one (Random::normal).
 inline double normal(Random& random) {
@@ -161,7 +161,7 @@ inline const WideFans& wide_fans() {
 }
 
 inline VoxelBlocks mapped() {
-  VoxelBlocks blocks({to_evidence(kLeast), to_evidence(kMost)});
+  VoxelBlocks blocks({to_evidence(kMin), to_evidence(kMax)});
   const LogOdds16 hit = to_evidence(kHit), miss = to_evidence(kMiss);
   for (const Ray& r : rays()) blocks.insert_ray(r.from / kVoxel, r.to / kVoxel, miss, r.hit ? hit : miss);
   return blocks;

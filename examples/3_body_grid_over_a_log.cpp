@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
   const std::unique_ptr<Source> log = open_log(argv[1]);
   Obstacles obstacles;
   Pipeline pipeline({}, obstacles);
-  while (auto event = log->next()) pipeline.take(std::move(*event));
+  while (auto event = log->next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
 
   if (!pipeline.grid()) return std::printf("no ping could be mapped\n"), 1;

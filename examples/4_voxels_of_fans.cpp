@@ -12,8 +12,8 @@ using namespace isobath;
 class Voxels : public ResultSink {
  public:
   explicit Voxels(const VoxelModelConfig& config) : model(config) {}
-  void on_ping(const PosedPing& ping) override { model.take(ping); }
-  void on_vertical_ping(const PosedPing& ping) override { model.take(ping); }
+  void on_ping(const PosedPing& ping) override { model.update(ping); }
+  void on_vertical_ping(const PosedPing& ping) override { model.update(ping); }
   void on_scan(const ScanResult&) override {}
   VoxelModel model;
 };
@@ -36,7 +36,7 @@ int main() {
   config.fans.shadow_bins = 1;  // the echo of a wall across the beam fills one bin, and hides what is behind
   Voxels voxels(config);
   Pipeline pipeline(OnboardConfiguration{}, voxels);
-  while (auto event = vehicle.next()) pipeline.take(std::move(*event));
+  while (auto event = vehicle.next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
 
   const VoxelMap& map = *voxels.model.map();

@@ -33,7 +33,7 @@ int main() {
   DepthModel depths(configuration);
   Onboard onboard(configuration, depths, {});  // every map that there is a sensor for; no helm
   SimulatedSource boat(survey());
-  while (auto event = boat.next()) onboard.take(std::move(*event));
+  while (auto event = boat.next()) onboard.on_event(std::move(*event));
   onboard.finish();
   std::vector<std::filesystem::path> files;
   write_depth_files(depths, ".", files);  // depth.tif, chart.png, confidence.png

@@ -16,6 +16,6 @@ int main(int argc, char** argv) {
   std::printf("%s: %zu of %zu points reached in %.0f s and %.0f m\n", to_text(result.report.phase),
               result.report.reached, scenario.mission.points.size(), result.duration_s, result.length_m);
   if (result.contact_s >= 0) return std::printf("contact with %s\n", result.contact_with.c_str()), 1;
-  std::printf("nearest body: %s, %.1f m from the hull\n", result.nearest_body.c_str(), result.least_clearance_m);
+  std::printf("nearest body: %s, %.1f m from the hull\n", result.nearest_body.c_str(), result.min_clearance_m);
   return result.report.phase == MissionPhase::kFinished ? 0 : 1;
 }

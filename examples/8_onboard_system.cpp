@@ -67,7 +67,7 @@ int main() {
 
   double nearest = 1e9;
   while (helm->progress().phase < MissionPhase::kFinished) {
-    onboard.take(*devices.next());
+    onboard.on_event(*devices.next());
     autopilot.send(onboard.steer());
     nearest = std::min(nearest, (devices.X_WB.translation - kPile).norm());
   }

@@ -6,7 +6,7 @@
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/io/mcap/native_log.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
 #include <isobath/run/map_from_prior.hpp>
 #include <isobath/world/map_raster.hpp>
@@ -91,7 +91,7 @@ std::string ending_of(const std::filesystem::path& path) { return path.extension
 /// Writes a log as a native log, with every bin.
 int write_log(const Options& options) {
   InputConfig input = options.config.read().input;
-  input.most_bins = 0;  // the converted log keeps every bin
+  input.max_bins = 0;  // the converted log keeps every bin
   const auto source = open_source(options.input, input);
   make_parent(options.output);
   NativeLogWriter log(options.output);

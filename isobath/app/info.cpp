@@ -6,7 +6,7 @@
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/app/values.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/studies/inspection.hpp>
@@ -204,7 +204,7 @@ int describe_map(const InfoOptions& options) {
 
 int describe_log(const InfoOptions& options) {
   InputConfig input = options.config.read().input;
-  input.most_bins = 0;  // describe the bins as they are in the file
+  input.max_bins = 0;  // describe the bins as they are in the file
   const auto source = open_source(options.input, input);
   ProgressLine progress;
   const Inspection facts = inspect(*source, [&](std::uint64_t events) {

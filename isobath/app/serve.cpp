@@ -255,7 +255,7 @@ Action add_serve(CLI::App& program) {
       ->type_name("FILE")
       ->check(reads())
       ->group("Page");
-  command->add_option("--limit", options->limits, "One limit of the server, such as most_clients=4")
+  command->add_option("--limit", options->limits, "One limit of the server, such as max_clients=4")
       ->type_name("KEY=VALUE")
       ->check(such_as(limit_names))
       ->allow_extra_args(false)

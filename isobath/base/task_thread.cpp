@@ -17,7 +17,7 @@ void TaskThread::close() {
   if (thread_.joinable()) thread_.join();
 }
 
-void TaskThread::take(Kind kind, Task task) {
+void TaskThread::push(Kind kind, Task task) {
   Item gone{Kind::kNote, {}};  // destroyed without the lock
   {
     const std::lock_guard lock(mutex_);

@@ -1,12 +1,12 @@
-// TaskThread: runs tasks one after the other in its own thread. `take` returns at once, however long the earlier tasks
+// TaskThread: runs tasks one after the other in its own thread. `push` returns at once, however long the earlier tasks
 // run (ledger S6-31).
 //
 //   TaskThread thread({.pings = 256, .all = 4096});
-//   thread.take(TaskThread::Kind::kPing, [=] { ... });  // from any thread
+//   thread.push(TaskThread::Kind::kPing, [=] { ... });  // from any thread
 //   thread.settle();                                    // all of them are done
 //
 // The queue is bounded: when it would hold more than `pings` tasks of kind kPing, or more than `all` tasks, the oldest
-// are dropped, those of kind kPing first. Dropped tasks are counted. `take` holds the lock only while it puts a task
+// are dropped, those of kind kPing first. Dropped tasks are counted. `push` holds the lock only while it puts a task
 // into the queue; it never waits for a task to finish.
 //
 // After a task has thrown, no further task runs: waiting and later tasks count as left out, and `failure` returns the
@@ -41,7 +41,7 @@ class TaskThread {
   /// Calls `close`.
   ~TaskThread();
 
-  void take(Kind kind, Task task);
+  void push(Kind kind, Task task);
   /// Waits until every task that was taken has run.
   void settle();
   /// Runs the tasks taken so far, then ends the thread; later tasks are discarded. The owner's thread calls it once.

@@ -69,7 +69,7 @@ class TomlText {
       word_ += c;
     }
     if (one_of("\n=,[{", c)) key_parts_ = 1;
-    if (c == '.' && ++key_parts_ > kMostKeyParts) fail(fmt::format("a key of more than {} parts", kMostKeyParts));
+    if (c == '.' && ++key_parts_ > kMaxKeyParts) fail(fmt::format("a key of more than {} parts", kMaxKeyParts));
     if (one_of("[{", c)) open(c);
     if (one_of("]}", c)) close(c == ']' ? '[' : '{', c);
     line_begins_ = c == '\n' || (line_begins_ && white(c));

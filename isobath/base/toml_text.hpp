@@ -7,7 +7,7 @@
 // - a table header without a name, a bracket that closes another kind or none, a quote inside a word, a quote that is
 //   never closed;
 // - a date and a time with a space between them, which no key takes;
-// - brackets nested deeper than kDeepestBrackets, and keys of more than kMostKeyParts parts: tables nested without a
+// - brackets nested deeper than kDeepestBrackets, and keys of more than kMaxKeyParts parts: tables nested without a
 //   limit would overflow the stack.
 //
 // The parser reports all other texts that are not TOML with its own message.
@@ -19,7 +19,7 @@
 namespace isobath {
 
 constexpr int kDeepestBrackets = 32;
-constexpr int kMostKeyParts = 16;
+constexpr int kMaxKeyParts = 16;
 
 /// Throws Error with `file`, line and column (in characters, from 1) where `text` is one of the texts above.
 void check_toml_text(std::string_view text, const std::string& file);

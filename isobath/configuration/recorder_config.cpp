@@ -6,8 +6,9 @@ namespace isobath {
 std::vector<Field> fields(RecorderConfig& c) {
   std::vector<Field> all{
       Field::real("display_s", &c.display_s, {0.01, 60}, "s", "Time between two samples of the live page."),
-      Field::real("whole_s", &c.whole_s, {1, 3600}, "s",
-                  "Minimum time between two complete samples of the page. A seek starts at one of them."),
+      Field::real("keyframe_s", &c.keyframe_s, {1, 3600}, "s",
+                  "Minimum time between two complete samples of the page. A seek starts at one of them.")
+          .was("whole_s"),
       Field::flag("foxglove", &c.foxglove.on,
                   "Writes channels that Foxglove and other viewers show without a plug-in."),
       Field::real("foxglove_pose_s", &c.foxglove.pose_s, {0, 3600}, "s",

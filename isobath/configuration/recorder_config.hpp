@@ -18,7 +18,7 @@ struct FoxgloveConfig {
 
 struct RecorderConfig {
   double display_s = 0.25;  ///< between two samples of the display
-  double whole_s = 10;      ///< between two complete samples, at least
+  double keyframe_s = 10;   ///< between two complete samples, at least
   McapWriterConfig log;
   FoxgloveConfig foxglove;
 };

@@ -6,9 +6,9 @@
 namespace isobath {
 
 struct ReportConfig {
-  bool film = true;      ///< embed the replay
-  double film_s = 0.5;   ///< between two moments of the replay
-  double film_mb = 7.5;  ///< maximum size of the replay in the report
+  bool replay = true;      ///< embed the replay
+  double replay_s = 0.5;   ///< between two moments of the replay
+  double replay_mb = 7.5;  ///< maximum size of the replay in the report
 };
 std::vector<Field> fields(ReportConfig& config);
 

@@ -98,7 +98,7 @@ void Display::show(Time time, const DisplayScene& scene) {
   items_.set(DisplayKind::kScene, 0, time, display_text(json));
 }
 
-void Display::hear(const Event& event) {
+void Display::on_event(const Event& event) {
   if (!start_) start_ = time_of(event);
   if (const auto* health = std::get_if<Health>(&event)) parts_[health->source] = *health;
   if (const auto* range = std::get_if<RangeReading>(&event)) {
@@ -147,12 +147,12 @@ void Display::on_scan(const ScanResult& scan) {
   if (!vehicle_shown_) show_vehicle({found.time, found.X_WB, {}, {}, {}});  // without navigation it stands still
   maps_.show(found.time, scan.grid, found.X_WB);
   if (!start_) start_ = found.time;
-  obstacles_.take(scan, *start_);
+  obstacles_.update(scan, *start_);
 }
 
 void Display::on_jump(const Eigen::Vector3d& /*by_W*/) { maps_.voxels_moved(vehicle_shown_.value_or(Time{})); }
 
-void Display::heard(const Envelope& envelope) {
+void Display::on_message(const Envelope& envelope) {
   const Time time = envelope.time;
   agents_.insert(envelope.sender);
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) {
@@ -168,7 +168,7 @@ void Display::heard(const Envelope& envelope) {
     show_way(time);
   } else if (const auto* scan = std::get_if<ObstacleScan>(&envelope.message)) {
     if (!start_) start_ = time;
-    obstacles_.take(scan->known, time, *start_);
+    obstacles_.update(scan->known, time, *start_);
   } else if (const auto* fault = std::get_if<SafetyReport>(&envelope.message)) {
     if (fault->active) {
       ActiveFault& active = faults_.try_emplace(fault->fault, ActiveFault{time, {}, {}}).first->second;

@@ -61,13 +61,13 @@ class Display : public ResultSink {
 
   /// Call it at the first event, and again when the scene has changed.
   void show(Time time, const DisplayScene& scene);
-  void hear(const Event& event);
-  void on_ping(const PosedPing& ping) override { sonars_.take(ping); }
-  void on_vertical_ping(const PosedPing& ping) override { sonars_.take(ping); }
+  void on_event(const Event& event);
+  void on_ping(const PosedPing& ping) override { sonars_.on_ping(ping); }
+  void on_vertical_ping(const PosedPing& ping) override { sonars_.on_ping(ping); }
   void on_scan(const ScanResult& scan) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   /// Every message of the agents.
-  void heard(const Envelope& envelope);
+  void on_message(const Envelope& envelope);
   /// The set-point from now on.
   void want(const Setpoint& wanted) { wanted_ = wanted; }
 

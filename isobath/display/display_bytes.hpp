@@ -32,18 +32,18 @@ class DisplayBytes {
   }
   /// PackBits: a run of two or more equal bytes takes two bytes, other bytes are copied.
   DisplayBytes& append_packed(std::span<const std::uint8_t> bytes) {
-    constexpr std::size_t kMost = 128;
+    constexpr std::size_t kMax = 128;
     std::size_t at = 0;
     while (at < bytes.size()) {
       std::size_t run = 1;
-      while (run < kMost && at + run < bytes.size() && bytes[at + run] == bytes[at]) ++run;
+      while (run < kMax && at + run < bytes.size() && bytes[at + run] == bytes[at]) ++run;
       if (run > 1) {
         add(static_cast<std::uint8_t>(257 - run)).add(bytes[at]);
         at += run;
         continue;
       }
       std::size_t end = at + 1;  // until three equal bytes follow: a pair amid others is not worth a run of its own
-      while (end < bytes.size() && end - at < kMost &&
+      while (end < bytes.size() && end - at < kMax &&
              !(end + 2 < bytes.size() && bytes[end] == bytes[end + 1] && bytes[end] == bytes[end + 2])) {
         ++end;
       }

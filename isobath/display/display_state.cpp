@@ -106,7 +106,7 @@ void DisplayState::remove(DisplayKind kind, std::uint64_t number, Time time) {
   put({kind, true, number, 0, time, nullptr});
 }
 
-std::size_t DisplayState::take(std::string_view records) {
+std::size_t DisplayState::update(std::string_view records) {
   return for_each_record(records, [this](const DisplayRecord& record) {
     if (record.forget) clear();
     if (record.forget_kind) remove_all(record.kind, record.time);
@@ -155,7 +155,7 @@ std::uint64_t DisplayState::stamp() const {
   return stamp_;
 }
 
-DisplayState::Changes DisplayState::changes_after(std::uint64_t stamp, std::size_t most_bytes, DisplayPart part) const {
+DisplayState::Changes DisplayState::changes_after(std::uint64_t stamp, std::size_t max_bytes, DisplayPart part) const {
   std::vector<Item> changed;
   Changes changes;
   std::size_t bytes = 0;
@@ -176,7 +176,7 @@ DisplayState::Changes DisplayState::changes_after(std::uint64_t stamp, std::size
     for (; from != items_.end(); ++from) {
       if ((whole && from->gone) || !is_of(part, from->kind)) continue;
       const std::size_t size = kHead + (from->gone ? 0 : padded(from->payload->size()));
-      if (!changed.empty() && size > most_bytes - std::min(bytes, most_bytes)) {
+      if (!changed.empty() && size > max_bytes - std::min(bytes, max_bytes)) {
         changes.stamp = changed.back().stamp;
         changes.more = true;
         break;

@@ -6,7 +6,7 @@
 // DisplayState.
 //
 // Stamps count changes from 1. Any number of threads; a call holds the lock only while it copies pointers. Errors:
-// take() rejects records that do not fit and returns how many bytes were whole.
+// update() rejects records that do not fit and returns how many bytes were whole.
 #pragma once
 
 #include <cstdint>
@@ -77,9 +77,9 @@ class DisplayState {
   /// The same payload again is no change, except for echoes: each ping is one. `time`: of the content.
   void set(DisplayKind kind, std::uint64_t number, Time time, std::string payload);
   void remove(DisplayKind kind, std::uint64_t number, Time time);
-  /// Takes records as append_record writes them. Returns how many bytes were taken: fewer than all if a record does not
-  /// fit.
-  std::size_t take(std::string_view records);
+  /// Applies records as append_record writes them. Returns how many bytes were applied: fewer than all if a record does
+  /// not fit.
+  std::size_t update(std::string_view records);
   /// Makes these items equal to those of `wanted`; items that are the same stay untouched. `time`: of the removals.
   void become(const DisplayState& wanted, Time time);
   void clear();
@@ -92,10 +92,10 @@ class DisplayState {
     bool whole = false;       ///< the reader must forget what it has
     bool more = false;        ///< there are later changes: ask again after the stamp
   };
-  /// The changes of a part after a stamp; after 0, the whole part. At most `most_bytes`, unless the first item alone is
+  /// The changes of a part after a stamp; after 0, the whole part. At most `max_bytes`, unless the first item alone is
   /// larger.
   [[nodiscard]] Changes changes_after(std::uint64_t stamp,
-                                      std::size_t most_bytes = std::numeric_limits<std::size_t>::max(),
+                                      std::size_t max_bytes = std::numeric_limits<std::size_t>::max(),
                                       DisplayPart part = DisplayPart::kAll) const;
   /// Times of the first and of the latest change; both 0 without any.
   [[nodiscard]] std::pair<Time, Time> times() const;

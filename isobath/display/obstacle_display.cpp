@@ -50,7 +50,7 @@ std::map<int, Remembered> remembered_by_number(const KnownObstacles* known) {
 
 }  // namespace
 
-void ObstacleDisplay::take(const ScanResult& scan, Time start) {
+void ObstacleDisplay::update(const ScanResult& scan, Time start) {
   const Pose X_WL = level(scan.detection.X_WB);
   const auto in_world = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
     return (X_WL * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
@@ -64,9 +64,9 @@ void ObstacleDisplay::take(const ScanResult& scan, Time start) {
   show(scan.detection.time, start);
 }
 
-void ObstacleDisplay::take(std::shared_ptr<const KnownObstacles> known, Time now, Time start) {
+void ObstacleDisplay::update(std::shared_ptr<const KnownObstacles> known, Time now, Time start) {
   known_ = std::move(known);
-  if (known_) trails_.take(*known_);
+  if (known_) trails_.update(*known_);
   show(now, start);
 }
 

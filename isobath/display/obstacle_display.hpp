@@ -20,9 +20,9 @@ class ObstacleDisplay {
  public:
   explicit ObstacleDisplay(DisplayState& items) : items_(items) {}
 
-  void take(const ScanResult& scan, Time start);
+  void update(const ScanResult& scan, Time start);
   /// What the agents remember, from now on; null: nothing.
-  void take(std::shared_ptr<const KnownObstacles> known, Time now, Time start);
+  void update(std::shared_ptr<const KnownObstacles> known, Time now, Time start);
 
  private:
   void show(Time now, Time start);

@@ -15,14 +15,14 @@ void thin_out(std::vector<Eigen::Vector2d>& trail) {
 
 }  // namespace
 
-void ObstacleTrails::take(const KnownObstacles& known) {
+void ObstacleTrails::update(const KnownObstacles& known) {
   std::map<std::uint32_t, std::vector<Eigen::Vector2d>> trails;
   for (const RememberedObstacle& o : known.obstacles) {
     if (o.outline_W.empty()) continue;
     std::vector<Eigen::Vector2d> trail = std::move(trails_[o.id]);
     const Eigen::Vector2d middle = circle_of(o.outline_W).centre;
     if (trail.empty() || (middle - trail.back()).norm() >= kStep_m) {
-      if (trail.size() == kMostPlaces) thin_out(trail);
+      if (trail.size() == kMaxPlaces) thin_out(trail);
       trail.push_back(middle);
     }
     trails.emplace(o.id, std::move(trail));

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kLowest_db = -60;  ///< lower end of the decibel scale
-constexpr int kMostSlots = 800, kFewestSlots = 24;
+constexpr int kMaxSlots = 800, kFewestSlots = 24;
 
 int groups(int count, int each) { return (count + each - 1) / each; }
 
@@ -34,13 +34,13 @@ class DecibelShades {
   explicit DecibelShades(float full_scale) : share_(full_scale > 0 ? 1 / full_scale : 0) {}
   std::uint8_t operator()(float value) const {
     const float share = value * share_;
-    if (!(share >= kLeast)) return 0;
-    return share < 1 ? (*table_)[place_of(share) - place_of(kLeast)] : std::uint8_t{255};
+    if (!(share >= kMin)) return 0;
+    return share < 1 ? (*table_)[place_of(share) - place_of(kMin)] : std::uint8_t{255};
   }
 
  private:
-  static constexpr float kLeast = 1.0F / 1024;  ///< -60.2 dB
-  static constexpr int kBits = 11;              ///< leading bits of the mantissa in use
+  static constexpr float kMin = 1.0F / 1024;  ///< -60.2 dB
+  static constexpr int kBits = 11;            ///< leading bits of the mantissa in use
   static constexpr std::size_t kPlaces = std::size_t{10} << kBits;
   using Table = std::array<std::uint8_t, kPlaces>;
 
@@ -49,7 +49,7 @@ class DecibelShades {
     static const Table kTable = [] {
       Table table{};
       for (std::uint32_t i = 0; i < kPlaces; ++i) {
-        const std::uint32_t middle = ((place_of(kLeast) + i) << (23 - kBits)) | 1U << (22 - kBits);
+        const std::uint32_t middle = ((place_of(kMin) + i) << (23 - kBits)) | 1U << (22 - kBits);
         const double level = 1 - 20 * std::log10(static_cast<double>(std::bit_cast<float>(middle))) / kLowest_db;
         table[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(level, 0.0, 1.0)));
       }
@@ -82,7 +82,7 @@ bool SonarDisplay::describe(Sonar& sonar, std::uint64_t number, const Ping& ping
     const double before = sonar.azimuth.value_or(azimuth);
     sonar.azimuth = azimuth;
     const double step = std::abs(std::remainder(azimuth - before, kTurn));
-    if (step > 1e-6) slots = std::clamp(static_cast<int>(std::lround(kTurn / step)), kFewestSlots, kMostSlots);
+    if (step > 1e-6) slots = std::clamp(static_cast<int>(std::lround(kTurn / step)), kFewestSlots, kMaxSlots);
     // a head that turns back or skips a beam makes a larger step, so the smallest step counts
     slots = std::max(slots, sonar.slots);
     if (slots == 0) return false;
@@ -93,8 +93,8 @@ bool SonarDisplay::describe(Sonar& sonar, std::uint64_t number, const Ping& ping
   sonar.slots = slots;
   sonar.fan = ping.fan;
   sonar.window = ping.window;
-  sonar.beams_each = groups(ping.fan->beams(), kMostBeams);
-  sonar.bins_each = groups(ping.window.bins, kMostBins);
+  sonar.beams_each = groups(ping.fan->beams(), kMaxBeams);
+  sonar.bins_each = groups(ping.window.bins, kMaxBins);
   items_.set(DisplayKind::kSonar, number, ping.time, geometry(sonar, number, ping));
   return true;
 }
@@ -195,13 +195,13 @@ std::string SonarDisplay::picture(const Sonar& sonar, const PosedPing& posed) {
   return bytes.append(shades_).pad_to(8).append(hits(sonar, posed.decisions, bins)).take();
 }
 
-void SonarDisplay::take(const PosedPing& posed) {
+void SonarDisplay::on_ping(const PosedPing& posed) {
   const Ping& ping = posed.ping;
   std::uint64_t number = 0;
   Sonar& sonar = sonar_of(ping, number);
   if (!describe(sonar, number, ping)) return;
   if (!sonar.scanning) {  // a little less than the interval, because pings have jitter
-    constexpr double kInterval_s = 0.95 / kMostPerSecond;
+    constexpr double kInterval_s = 0.95 / kMaxPerSecond;
     if (sonar.shown && ping.time >= *sonar.shown && to_seconds(ping.time - *sonar.shown) < kInterval_s) return;
     sonar.shown = ping.time;
   }

@@ -1,11 +1,11 @@
 // SonarDisplay: pings as pictures for the live page: the samples of each sonar, beam by beam, and the decided echoes.
 //
 // A sonar is identified by the stance of its fan (horizontal or vertical) and by the fan itself. A scanning head gives
-// one beam per ping; its beams are kept by their position in the turn. A fan of more than kMostBeams beams or kMostBins
+// one beam per ping; its beams are kept by their position in the turn. A fan of more than kMaxBeams beams or kMaxBins
 // bins is pooled by maxima, so that no echo becomes invisible. Samples of 8 bits are shown as they are, others in
 // decibels below full scale.
 //
-// Items: sonar and echoes (docs/live-page.md). Times are those of the pings; each fan is shown at most kMostPerSecond
+// Items: sonar and echoes (docs/live-page.md). Times are those of the pings; each fan is shown at most kMaxPerSecond
 // times per second.
 // Cost: 0.35 ms for 512 beams x 500 bins (DisplayOfAFan).
 #pragma once
@@ -20,11 +20,11 @@ namespace isobath {
 
 class SonarDisplay {
  public:
-  static constexpr int kMostBeams = 256, kMostBins = 320;
-  static constexpr int kMostPerSecond = 10;
+  static constexpr int kMaxBeams = 256, kMaxBins = 320;
+  static constexpr int kMaxPerSecond = 10;
 
   explicit SonarDisplay(DisplayState& items) : items_(items) {}
-  void take(const PosedPing& posed);
+  void on_ping(const PosedPing& posed);
 
  private:
   struct Sonar {

@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kScans = 3;
-constexpr double kLeastSpeedShare = 0.3;  // of PotentialFieldHelm: a vehicle with fins needs flow to steer
+constexpr double kMinSpeedShare = 0.3;  // of PotentialFieldHelm: a vehicle with fins needs flow to steer
 
 GuidanceConfig guidance_for(const VehicleParameters& vehicle) {
   GuidanceConfig config;
@@ -58,7 +58,7 @@ void LineOfSightHelm::next_point() {
   follow({point().north_east});
 }
 
-void LineOfSightHelm::hear(const Event& event) {
+void LineOfSightHelm::on_event(const Event& event) {
   const auto* fix = std::get_if<Navigation>(&event);
   if (!fix || !fix->X_WB.is_finite()) return;
   const double dt = fixed_ ? to_seconds(fix->time - now_) : 0;
@@ -124,7 +124,7 @@ Setpoint PotentialFieldHelm::decide(const Setpoint& wanted) {
   Setpoint setpoint = wanted;
   setpoint.heading = Angle::radians(std::atan2(force.y(), force.x()));
   const double agreement = cos(setpoint.heading - state().X_WB.rotation.heading());
-  setpoint.speed *= std::max(kLeastSpeedShare, agreement);
+  setpoint.speed *= std::max(kMinSpeedShare, agreement);
   return setpoint;
 }
 
@@ -141,7 +141,7 @@ void ImageThresholdHelm::on_ping(const PosedPing& posed) {
     beam.samples.resize(static_cast<std::size_t>(ping.window.bins));
     ping.intensity.copy_beam(b, beam.samples.data());
     beam.window = ping.window;
-    beam.blind_m = ping.blind_m;
+    beam.blanking_m = ping.blanking_m;
     beam.X_WS = level(posed.X_WB) * ping.X_BS;
     beam.azimuth = ping.fan->azimuth[static_cast<std::size_t>(b)];
   }
@@ -153,7 +153,7 @@ ImageThresholdHelm::Points ImageThresholdHelm::echoes() const {
   const auto for_each = [this](const auto& take) {
     for (const Beam& beam : scan_) {
       for (int k = 0; k < beam.window.bins; ++k) {
-        if (beam.window.edge(k) >= beam.blind_m) take(beam, k, beam.samples[static_cast<std::size_t>(k)]);
+        if (beam.window.edge(k) >= beam.blanking_m) take(beam, k, beam.samples[static_cast<std::size_t>(k)]);
       }
     }
   };

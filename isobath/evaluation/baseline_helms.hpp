@@ -32,7 +32,7 @@ class LineOfSightHelm : public Helm {
  public:
   LineOfSightHelm(const MissionPlan& mission, const VehicleParameters& vehicle);
 
-  void hear(const Event& event) override;
+  void on_event(const Event& event) override;
   void on_ping(const PosedPing&) override {}
   void on_scan(const ScanResult&) override {}
   [[nodiscard]] Setpoint steer() override { return setpoint_; }
@@ -113,7 +113,7 @@ class ImageThresholdHelm : public LineOfSightHelm {
   struct Beam {
     std::vector<float> samples;
     RangeWindow window;
-    double blind_m = 0;
+    double blanking_m = 0;
     Pose X_WS;
     Angle azimuth;
   };

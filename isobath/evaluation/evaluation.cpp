@@ -190,7 +190,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
     const RunScore& r = run.scores[method];
     if (r.path_ratio > 0) path.push_back(r.path_ratio);
     if (r.time_ratio > 0) time.push_back(r.time_ratio);
-    if (!r.nearest_body.empty()) clearance.push_back(std::max(0.0, r.least_clearance_m));
+    if (!r.nearest_body.empty()) clearance.push_back(std::max(0.0, r.min_clearance_m));
     delay.insert(delay.end(), r.delay_pings.begin(), r.delay_pings.end());
     range.insert(range.end(), r.first_range_m.begin(), r.first_range_m.end());
     s.points_dropped += r.points_dropped;

@@ -11,8 +11,8 @@
 #pragma once
 
 #include <functional>
+#include <isobath/evaluation/evaluation_suite.hpp>
 #include <isobath/evaluation/run_score.hpp>
-#include <isobath/evaluation/suite.hpp>
 #include <map>
 #include <memory>
 #include <span>

@@ -129,7 +129,7 @@ std::string verdict(const RunScore& s) {
   if (s.contact_s >= 0) {
     text = fmt::format("touched {} after {:.1f} s", s.contact_with, s.contact_s);
   } else if (s.collision) {
-    text = fmt::format("came within {:.2f} m of {}", s.least_clearance_m, s.nearest_body);
+    text = fmt::format("came within {:.2f} m of {}", s.min_clearance_m, s.nearest_body);
   } else if (!s.proof.failure.empty()) {
     text = s.proof.fault + ": " + s.proof.failure;
   } else if (s.goal_reached) {
@@ -141,7 +141,7 @@ std::string verdict(const RunScore& s) {
     text = fmt::format("never came nearer to the goal than {:.1f} m", s.goal_distance_m);
   }
   if (!s.nearest_body.empty())
-    text += fmt::format("; minimum clearance {:.2f} m, to {}", s.least_clearance_m, s.nearest_body);
+    text += fmt::format("; minimum clearance {:.2f} m, to {}", s.min_clearance_m, s.nearest_body);
   return text;
 }
 
@@ -319,7 +319,7 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
   page.begin_row();
   page.figure(distribution_chart(
                   request, evaluation, "Minimum clearance", "m from the hull", 0, 15,
-                  [](const RunScore& s) { return s.nearest_body.empty() ? -1 : std::max(0.0, s.least_clearance_m); }),
+                  [](const RunScore& s) { return s.nearest_body.empty() ? -1 : std::max(0.0, s.min_clearance_m); }),
               "Minimum distance from the hull to a body in each run. Further to the right is safer.");
   page.figure(distribution_chart(request, evaluation, "Path length", "times the shortest", 0.9, 2,
                                  [](const RunScore& s) { return s.path_ratio; }),

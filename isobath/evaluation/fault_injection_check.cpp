@@ -75,11 +75,11 @@ std::string out_of_time(const Deadline& deadline, double raised_s, std::optional
 
 std::string too_near(const Deadline& deadline, const LoopResult& result) {
   if (result.contact_s >= 0) return fmt::format("touched {} at {:.1f} s", result.contact_with, result.contact_s);
-  if (result.least_clearance_m < kTouched_m) {
-    return fmt::format("came within {:.2f} m of {}", result.least_clearance_m, result.nearest_body);
+  if (result.min_clearance_m < kTouched_m) {
+    return fmt::format("came within {:.2f} m of {}", result.min_clearance_m, result.nearest_body);
   }
   if (deadline.from != Deadline::From::kNearness) return "";
-  const double nearest_m = std::min(result.least_clearance_m, result.least_altitude_m);
+  const double nearest_m = std::min(result.min_clearance_m, result.min_altitude_m);
   return nearest_m < deadline.value ? fmt::format("{:.2f} m away, {:g} m allowed", nearest_m, deadline.value) : "";
 }
 

@@ -126,13 +126,13 @@ RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTr
   const double scale = truth.hull_length() / kReferenceHull_m;
   s.contact_s = result.contact_s;
   s.contact_with = result.contact_with;
-  if (std::isfinite(result.least_clearance_m)) {
-    s.least_clearance_m = result.least_clearance_m;
+  if (std::isfinite(result.min_clearance_m)) {
+    s.min_clearance_m = result.min_clearance_m;
     s.nearest_body = result.nearest_body;
   }
-  s.collision = result.contact_s >= 0 || result.least_clearance_m < kCollision_m * scale;
-  s.near_miss = s.collision || result.least_clearance_m < kNearMiss_m * scale;
-  s.encounter = s.near_miss || result.least_clearance_m < kEncounter_m * scale;
+  s.collision = result.contact_s >= 0 || result.min_clearance_m < kCollision_m * scale;
+  s.near_miss = s.collision || result.min_clearance_m < kNearMiss_m * scale;
+  s.encounter = s.near_miss || result.min_clearance_m < kEncounter_m * scale;
 
   const Arrival end = arrival(result.track, mission, result.report.dropped, suite.goal_m);
   s.goal_reached = end.reached;

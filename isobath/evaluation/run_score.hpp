@@ -13,8 +13,8 @@
 // if that planner finds no route, or if the vehicle dropped a point.
 #pragma once
 
+#include <isobath/evaluation/evaluation_suite.hpp>
 #include <isobath/evaluation/fault_injection_check.hpp>
-#include <isobath/evaluation/suite.hpp>
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/vehicle/vehicle_parameters.hpp>
@@ -30,7 +30,7 @@ struct RunScore {
   bool collision = false, near_miss = false, encounter = false;
   double contact_s = -1;
   std::string contact_with;
-  double least_clearance_m = -1;  ///< below 0: there were no bodies, or the hull was inside one
+  double min_clearance_m = -1;  ///< below 0: there were no bodies, or the hull was inside one
   std::string nearest_body;
 
   bool goal_reached = false;

@@ -7,9 +7,9 @@
 namespace isobath {
 namespace {
 
-constexpr double kFlat = 1e-4;         // of the spread of the transponders, squared
-constexpr double kMostVariance = 1e6;  // of range_sigma^2
-constexpr double kSameImage = 1e-6;    // m: the vehicle lies on the mirror plane
+constexpr double kFlat = 1e-4;        // of the spread of the transponders, squared
+constexpr double kMaxVariance = 1e6;  // of range_sigma^2
+constexpr double kSameImage = 1e-6;   // m: the vehicle lies on the mirror plane
 
 /// In the plane (D = 2) at a given depth, or in space (D = 3).
 template <int D>
@@ -88,7 +88,7 @@ auto Problem<D>::refine(Vector& p) const -> std::optional<Matrix> {
     }
     if (!(JtJ.determinant() > 0)) return std::nullopt;
     inverse = JtJ.inverse();
-    if (!(inverse.trace() < kMostVariance)) return std::nullopt;
+    if (!(inverse.trace() < kMaxVariance)) return std::nullopt;
     const Vector step = inverse * Jte;
     p += step;
     if (step.norm() < 1e-9) break;

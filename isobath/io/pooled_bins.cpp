@@ -27,13 +27,13 @@ int bytes_per_sample(SampleType type) { return type == SampleType::kU8 ? 1 : typ
 
 class PooledBins final : public Source {
  public:
-  PooledBins(std::unique_ptr<Source> source, int most_bins) : source_(std::move(source)), most_bins_(most_bins) {}
+  PooledBins(std::unique_ptr<Source> source, int max_bins) : source_(std::move(source)), max_bins_(max_bins) {}
 
   std::optional<Event> next() override {
     std::optional<Event> event = source_->next();
     auto* ping = event ? std::get_if<Ping>(&*event) : nullptr;
     if (!ping || check(*ping) != PingFault::kNone) return event;
-    const double fine = ping->window.end_m() / ping->window.bin_m / most_bins_;
+    const double fine = ping->window.end_m() / ping->window.bin_m / max_bins_;
     const int together = static_cast<int>(std::min<double>(ping->window.bins, std::ceil(fine - 1e-9)));
     if (together > 1) pool(*ping, together);
     return event;
@@ -74,16 +74,16 @@ class PooledBins final : public Source {
   }
 
   std::unique_ptr<Source> source_;
-  int most_bins_;
+  int max_bins_;
   SampleArena arena_;
   std::vector<float> beam_;
 };
 
 }  // namespace
 
-std::unique_ptr<Source> with_pooled_bins(std::unique_ptr<Source> source, int most_bins) {
-  if (most_bins <= 0) return source;
-  return std::make_unique<PooledBins>(std::move(source), most_bins);
+std::unique_ptr<Source> with_pooled_bins(std::unique_ptr<Source> source, int max_bins) {
+  if (max_bins <= 0) return source;
+  return std::make_unique<PooledBins>(std::move(source), max_bins);
 }
 
 }  // namespace isobath

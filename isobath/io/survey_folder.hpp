@@ -25,7 +25,7 @@
 
 namespace isobath {
 
-/// How the logs of the folder are recognised and opened: the functions of open.hpp.
+/// How the logs of the folder are recognised and opened: the functions of open_source.hpp.
 struct LogFiles {
   std::string (*format_of)(const std::filesystem::path& file, const InputConfig& config);
   std::filesystem::path (*log_of_water_column)(const std::filesystem::path& file, const InputConfig& config);

@@ -30,9 +30,9 @@ AgentsHelm::AgentsHelm(std::shared_ptr<const MissionPlan> plan, ChartUpdate char
   if (chart.depths || chart.objects) chart_ = std::move(chart);
 }
 
-void AgentsHelm::hear(const Event& event) {
+void AgentsHelm::on_event(const Event& event) {
   const std::lock_guard lock(mutex_);
-  clock_.hear(time_of(event));
+  clock_.update(time_of(event));
   moved(now());
   tell_chart();
   beat();

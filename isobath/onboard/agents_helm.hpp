@@ -13,7 +13,7 @@
 // health.hpp). Sweeps in which at most half of the pings could be decided are dropped. Non-finite events are
 // discarded; the watchdog reports the silent sensor.
 //
-// A function of the events. Any thread may call `hear` and `on_*`.
+// A function of the events. Any thread may call `on_*`.
 #pragma once
 
 #include <isobath/onboard/helm.hpp>
@@ -32,7 +32,7 @@ class AgentsHelm : public Helm {
   /// `echo_contrast`: least contrast of the echoes that the Safety Officer gets (sonar_health_sample.hpp).
   AgentsHelm(std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast);
 
-  void hear(const Event& event) override;
+  void on_event(const Event& event) override;
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) override;
@@ -40,7 +40,7 @@ class AgentsHelm : public Helm {
   [[nodiscard]] const MissionPlan& plan() const { return *plan_; }
 
  protected:
-  /// On the mission's clock. Not while another thread calls `hear` or `on_*`.
+  /// On the mission's clock. Not while another thread calls `on_*`.
   [[nodiscard]] Time now() const { return clock_.now(); }
 
  private:

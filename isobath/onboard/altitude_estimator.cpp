@@ -11,7 +11,7 @@ constexpr Angle kWidest = Angle::degrees(170);
 
 }  // namespace
 
-void AltitudeEstimator::hear(const RangeReading& reading, const Pose& X_WB) {
+void AltitudeEstimator::update(const RangeReading& reading, const Pose& X_WB) {
   if (!reading.range_m || !std::isfinite(*reading.range_m)) return;
   if (reading.max_range_m > 0 && *reading.range_m >= reading.max_range_m) return;
   if (!(reading.width < kWidest)) return;

@@ -18,7 +18,7 @@ class AltitudeEstimator {
   static constexpr Duration kFresh = std::chrono::seconds(5);
 
   /// `X_WB`: at the time of the reading.
-  void hear(const RangeReading& reading, const Pose& X_WB);
+  void update(const RangeReading& reading, const Pose& X_WB);
   /// Empty if the newest reading is older than kFresh.
   [[nodiscard]] std::optional<double> depth(Time now) const;
 

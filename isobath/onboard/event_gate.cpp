@@ -40,12 +40,15 @@ std::vector<Field> fields(EventGateConfig& c) {
                       "Events that are older than the newest one by more than this are rejected."),
           Field::integer("restart_after", &c.restart_after, {2, 1000000}, "1",
                          "Late events in a row, in order among themselves, that count as a clock set back."),
-          Field::real("most_speed", &c.most_speed, {0.1, 1000}, "m/s",
-                      "Maximum speed of the vehicle from one fix to the next."),
-          Field::real("leap_m", &c.leap_m, {0, 1e6}, "m",
-                      "Largest correction of the position at once; a fix farther off is rejected as a jump."),
-          Field::integer("believe_leap_after", &c.believe_leap_after, {1, 1000000}, "1",
-                         "Fixes in a row, in agreement among themselves, after which a jump is accepted.")};
+          Field::real("max_speed", &c.max_speed, {0.1, 1000}, "m/s",
+                      "Maximum speed of the vehicle from one fix to the next.")
+              .was("most_speed"),
+          Field::real("max_jump_m", &c.max_jump_m, {0, 1e6}, "m",
+                      "Largest correction of the position at once; a fix farther off is rejected as a jump.")
+              .was("leap_m"),
+          Field::integer("accept_jump_after", &c.accept_jump_after, {1, 1000000}, "1",
+                         "Fixes in a row, in agreement among themselves, after which a jump is accepted.")
+              .was("believe_leap_after")};
 }
 
 EventGate::Verdict EventGate::judge(const Event& event) {
@@ -93,7 +96,7 @@ const char* EventGate::order_fault(Stream& stream, Time time) {
 
 bool EventGate::in_reach(const Place& from, const Place& to) const {
   const double time_s = std::abs(to_seconds(to.time - from.time));
-  return (to.p_WB - from.p_WB).norm() <= config_.leap_m + config_.most_speed * time_s;
+  return (to.p_WB - from.p_WB).norm() <= config_.max_jump_m + config_.max_speed * time_s;
 }
 
 const char* EventGate::leap_fault(const Navigation& fix) {
@@ -101,7 +104,7 @@ const char* EventGate::leap_fault(const Navigation& fix) {
   if (last_ && !in_reach(*last_, here)) {
     leaps_ = leapt_ && in_reach(*leapt_, here) ? leaps_ + 1 : 1;
     leapt_ = here;
-    if (leaps_ < config_.believe_leap_after) return kLeap;
+    if (leaps_ < config_.accept_jump_after) return kLeap;
   }
   last_ = here;
   leapt_.reset();

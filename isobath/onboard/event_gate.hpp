@@ -6,7 +6,7 @@
 // start afresh.
 //
 // A fix that lies farther from the last one than any vehicle moves in the time between is a jump of the position. The
-// gate rejects it, and accepts the jump only after `believe_leap_after` fixes in a row that agree among themselves.
+// gate rejects it, and accepts the jump only after `accept_jump_after` fixes in a row that agree among themselves.
 // Readings taken meanwhile have no fresh pose, and so put nothing in a wrong place of the map.
 #pragma once
 
@@ -19,11 +19,11 @@
 namespace isobath {
 
 struct EventGateConfig {
-  double max_age_s = 2;    ///< behind the newest event of any stream
-  int restart_after = 20;  ///< events in a row that are late but in order among themselves
-  double most_speed = 30;  ///< m/s, fastest that the vehicle moves between two fixes
-  double leap_m = 100;     ///< largest correction by navigation that is no jump
-  int believe_leap_after = 5;
+  double max_age_s = 2;     ///< behind the newest event of any stream
+  int restart_after = 20;   ///< events in a row that are late but in order among themselves
+  double max_speed = 30;    ///< m/s, fastest that the vehicle moves between two fixes
+  double max_jump_m = 100;  ///< largest correction by navigation that is no jump
+  int accept_jump_after = 5;
 };
 std::vector<Field> fields(EventGateConfig& config);
 

@@ -18,7 +18,7 @@ namespace isobath {
 class Helm : public ResultSink {
  public:
   /// Every event on arrival, before the pipeline gets it.
-  virtual void hear(const Event& event) = 0;
+  virtual void on_event(const Event& event) = 0;
   /// The voxels around the vehicle as occupied, free, measured or unknown; never null. Called before the scan that they
   /// belong to, and only if a sonar measures height.
   virtual void on_space(Time /*time*/, const std::shared_ptr<const OccupancySnapshot>& /*space*/) {}

@@ -20,7 +20,7 @@ struct StageTime {
 class LatencyHistogram {
  public:
   void add(double milliseconds) {
-    const double step = std::log(std::max(milliseconds, kLeast_ms) / kLeast_ms) / std::log(kRatio);
+    const double step = std::log(std::max(milliseconds, kMin_ms) / kMin_ms) / std::log(kRatio);
     ++counts_[std::min(static_cast<std::size_t>(step), kSteps - 1)];
     ++count_;
     worst_ms_ = std::max(worst_ms_, milliseconds);
@@ -31,7 +31,7 @@ class LatencyHistogram {
   }
 
  private:
-  static constexpr double kLeast_ms = 1e-3, kRatio = 1.01;
+  static constexpr double kMin_ms = 1e-3, kRatio = 1.01;
   static constexpr std::size_t kSteps = 1852;
 
   /// The time at this position of the sorted times.
@@ -39,7 +39,7 @@ class LatencyHistogram {
     std::uint64_t before = 0;
     std::size_t step = 0;
     while (before + counts_[step] <= place) before += counts_[step++];
-    return std::min(worst_ms_, kLeast_ms * std::pow(kRatio, static_cast<double>(step) + 0.5));
+    return std::min(worst_ms_, kMin_ms * std::pow(kRatio, static_cast<double>(step) + 0.5));
   }
 
   std::array<std::uint64_t, kSteps> counts_{};

@@ -3,7 +3,7 @@
 
 namespace isobath {
 
-Time MissionClock::hear(Time event) {
+Time MissionClock::update(Time event) {
   if (!started_) {
     started_ = true;
     return now_ = event;

@@ -16,7 +16,7 @@ class MissionClock {
   static constexpr Duration kLate = std::chrono::milliseconds(500);
 
   /// Takes the time of the next event. Returns the logical time of its arrival.
-  Time hear(Time event);
+  Time update(Time event);
   [[nodiscard]] Time now() const { return now_; }
   /// Added to an event's own time, it gives the time on this clock.
   [[nodiscard]] Duration offset() const { return offset_; }

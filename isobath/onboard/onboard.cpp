@@ -25,21 +25,21 @@ Onboard::Onboard(const OnboardConfiguration& configuration, DepthModel& depths, 
 
 // The path of an event -----------------------------------------------------------------------------------------------
 
-void Onboard::take(Event event) {
+void Onboard::on_event(Event event) {
   now_ = time_of(event);
   beside_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_event(event);
   const auto taken = Clock::now();
   beside_.enter(Stage::kAgents);
   if (helm_) {
-    helm_->hear(event);
+    helm_->on_event(event);
     times_->heard(Clock::now() - taken);
   }
   beside_.leave();
   if (!mapping_) return map(std::move(event), taken);
   mapping_->check();
   const auto kind = std::holds_alternative<Ping>(event) ? TaskThread::Kind::kPing : TaskThread::Kind::kNote;
-  mapping_->take(kind, [this, event = std::move(event), taken]() mutable { map(std::move(event), taken); });
+  mapping_->push(kind, [this, event = std::move(event), taken]() mutable { map(std::move(event), taken); });
 }
 
 void Onboard::map(Event event, Clock::time_point taken) {
@@ -48,7 +48,7 @@ void Onboard::map(Event event, Clock::time_point taken) {
   const std::uint64_t mapped = pipeline_.counts().pings;
   times_->begin(taken);
   const auto begun = Clock::now();
-  pipeline_.take(std::move(event));
+  pipeline_.on_event(std::move(event));
   if (is_ping || pipeline_.counts().pings > mapped) {
     ping_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begun).count());
   }
@@ -89,7 +89,7 @@ void Onboard::on_ping(const PosedPing& ping) {
   if (helm_) helm_->on_ping(ping);
   times_->aside();
   load_.enter(Stage::kVoxels);
-  voxels_.take(ping);
+  voxels_.update(ping);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_ping(ping);
   times_->resume();
@@ -111,14 +111,14 @@ void Onboard::on_scan(const ScanResult& scan) {
 
 void Onboard::on_vertical_ping(const PosedPing& ping) {
   load_.enter(Stage::kVoxels);
-  voxels_.take(ping);
+  voxels_.update(ping);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_vertical_ping(ping);
 }
 
 void Onboard::on_soundings(const Swath& swath, const Pose& X_WB) {
   load_.enter(Stage::kVoxels);
-  voxels_.take(swath, X_WB);
+  voxels_.update(swath, X_WB);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_soundings(swath, X_WB);
 }

@@ -7,7 +7,7 @@
 //   Onboard onboard(configuration, depths, {.helm = &helm});
 //   onboard.show_to(recorder);
 //   while (auto event = source.next()) {
-//     onboard.take(std::move(*event));
+//     onboard.on_event(std::move(*event));
 //     vehicle.command(onboard.steer());
 //   }
 //   onboard.finish();
@@ -53,7 +53,7 @@ class Onboard : private ResultSink {
   /// Call before the first event. `observer` must outlive Onboard.
   void show_to(OnboardObserver& observer) { observers_.push_back(&observer); }
 
-  void take(Event event);
+  void on_event(Event event);
   /// Call after each event. Requires a helm.
   Setpoint steer();
   /// Live: waits until all events are mapped and the agents have handled all messages. Otherwise returns at once.

@@ -12,7 +12,7 @@ namespace {
 // 1 m.
 constexpr double kSounderFalseAlarm = 1e-4, kSounderBlind = 1;
 constexpr int kSounderGuard = 16, kSounderReference = 48;
-constexpr std::size_t kMostWaiting = 256;  // measurements held for a fix; beyond it the oldest is placed without one
+constexpr std::size_t kMaxWaiting = 256;  // measurements held for a fix; beyond it the oldest is placed without one
 
 SonarModels models_of(const SensorConfig& sensor) {
   if (sensor.model.empty()) return {};
@@ -45,7 +45,7 @@ EchoDetectorConfig for_sounder(const OnboardConfiguration& configuration, const 
   if (!leaves_method_open(configuration, models)) return echoes;
   echoes.method = DetectionMethod::kOrderedStatistic;
   echoes.false_alarm = std::min(echoes.false_alarm, kSounderFalseAlarm);
-  echoes.blind_m = std::max(echoes.blind_m, kSounderBlind);
+  echoes.blanking_m = std::max(echoes.blanking_m, kSounderBlind);
   echoes.cfar.guard = kSounderGuard;
   echoes.cfar.reference = kSounderReference;
   return echoes;
@@ -82,7 +82,7 @@ Pipeline::Pipeline(const OnboardConfiguration& configuration, ResultSink& sink, 
       sounder_echoes_(for_sounder(configuration, models_), models_.sensor, ratios_),
       sweeps_(configuration.map.fan_scan_s),
       detector_(configuration.obstacles) {
-  waiting_.reserve(kMostWaiting);
+  waiting_.reserve(kMaxWaiting);
 }
 
 Pipeline::~Pipeline() = default;
@@ -98,15 +98,15 @@ bool Pipeline::listen(const Ping& ping) {
   return detector_of(ping).listen(ping);
 }
 
-void Pipeline::heard_all() {
-  echoes_.heard_all();
-  vertical_echoes_.heard_all();
-  sounder_echoes_.heard_all();
+void Pipeline::end_learning() {
+  echoes_.end_learning();
+  vertical_echoes_.end_learning();
+  sounder_echoes_.end_learning();
 }
 
-void Pipeline::take(Event event) {
+void Pipeline::on_event(Event event) {
   enter(Stage::kDepths);
-  alarms_.hear(event);                      // raw ranges and health: first, so that nothing delays an alarm
+  alarms_.on_event(event);                  // raw ranges and health: first, so that nothing delays an alarm
   const auto verdict = gate_.judge(event);  // finite, in order, fresh; else rejected and counted by reason
   if (verdict == EventGate::Verdict::kRejected) return;
   if (verdict == EventGate::Verdict::kRestarted) restart();
@@ -122,7 +122,7 @@ void Pipeline::take(Event event) {
 
 void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   enter(Stage::kEchoes);
-  if (!lies_flat(ping)) return hear_vertical(ping, X_WB, posed);
+  if (!lies_flat(ping)) return map_vertical(ping, X_WB, posed);
   fit_map(ping, posed);                                       // a grid of the sonar's size
   const WaterColumn water = water_at(ping, X_WB, posed);      // where bottom and surface are
   echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
@@ -142,7 +142,7 @@ void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   if (sweeps_.add(ping)) end_scan();  // body grid -> obstacles
 }
 
-void Pipeline::hear_vertical(const Ping& ping, const Pose& X_WB, bool posed) {
+void Pipeline::map_vertical(const Ping& ping, const Pose& X_WB, bool posed) {
   const bool sounds = looks_down(ping);
   WaterColumn water = water_at(ping, X_WB, posed);
   if (sounds) water.above_bottom_m.reset();
@@ -217,7 +217,7 @@ void Pipeline::follow(const Eigen::Vector3d& jump) {
 void Pipeline::hold(Waiting sensed) {
   counts_.ranges += std::holds_alternative<RangeReading>(sensed) ? 1 : 0;
   counts_.swaths += std::holds_alternative<Swath>(sensed) ? 1 : 0;
-  if (waiting_.size() == kMostWaiting) {
+  if (waiting_.size() == kMaxWaiting) {
     place(waiting_.front());
     waiting_.erase(waiting_.begin());
   }
@@ -255,7 +255,7 @@ void Pipeline::place(const Waiting& sensed) {
   if (!X_WB) return gate_.count(to_text(X_WB.error()));
   if (ping) return map_ping(*ping, *X_WB, true);
   if (swath) sink_.on_soundings(*swath, *X_WB);
-  if (range) bottom_.hear(*range, *X_WB);
+  if (range) bottom_.update(*range, *X_WB);
   if (depths_) map_depth(sensed, {*X_WB, poses_.sigma_m()});
 }
 
@@ -267,8 +267,7 @@ void Pipeline::fit_map(const Ping& ping, bool posed) {
   if (mapper_ && !moored && (!configuration_.map.fit || grid_fits(mapper_->grid().config(), ping.window.end_m())))
     return;
   if (configuration_.map.fit)
-    configuration_.grid =
-        fitted(configuration_.grid, ping.window.end_m(), ping.fan->beams() >= FanDetector::kLeastBeams);
+    configuration_.grid = fitted(configuration_.grid, ping.window.end_m(), ping.fan->beams() >= FanDetector::kMinBeams);
   mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
 }
 

@@ -26,8 +26,8 @@
 #include <isobath/map/occupancy/body_grid.hpp>
 #include <isobath/map/occupancy/obstacle.hpp>
 #include <isobath/map/occupancy/obstacle_numbers.hpp>
-#include <isobath/onboard/alarms.hpp>
 #include <isobath/onboard/altitude_estimator.hpp>
+#include <isobath/onboard/emergency_alarms.hpp>
 #include <isobath/onboard/event_gate.hpp>
 #include <isobath/onboard/onboard_configuration.hpp>
 #include <isobath/onboard/pose_buffer.hpp>
@@ -80,9 +80,9 @@ class Pipeline {
   /// detected from the first ping on. Returns whether enough has been learnt.
   bool listen(const Ping& ping);
   /// Ends the learning: the log is shorter than the warm-up, and the noise learnt so far is used.
-  void heard_all();
+  void end_learning();
 
-  void take(Event event);
+  void on_event(Event event);
   /// Reports the stage of its work to `load` from now on.
   void watch(StageCpuTime* load) { load_ = load; }
   /// Call after the last event: maps the pings that still wait for a fix, and reports the obstacles of the open sweep.
@@ -113,7 +113,7 @@ class Pipeline {
   void place(const Waiting& sensed);
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
   EchoDetector& detector_of(const Ping& ping);
-  void hear_vertical(const Ping& ping, const Pose& X_WB, bool posed);
+  void map_vertical(const Ping& ping, const Pose& X_WB, bool posed);
   void map_depth(const Waiting& sensed, const PoseEstimate& pose);
   void fit_map(const Ping& ping, bool posed);
   void count(const EchoDecisions& decisions);

@@ -11,9 +11,9 @@ SerialHelm::SerialHelm(std::vector<AgentSlot> slots, const VehicleParameters& ve
         if (listener_) listener_(envelope);
       }) {}
 
-void SerialHelm::hear(const Event& event) {
+void SerialHelm::on_event(const Event& event) {
   book_.frames.clear();
-  AgentsHelm::hear(event);
+  AgentsHelm::on_event(event);
   executor_.advance(now());
 }
 

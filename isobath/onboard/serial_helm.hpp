@@ -27,7 +27,7 @@ class SerialHelm : public AgentsHelm {
   SerialHelm& operator=(const SerialHelm&) = delete;
   ~SerialHelm() override = default;
 
-  void hear(const Event& event) override;
+  void on_event(const Event& event) override;
   [[nodiscard]] Setpoint steer() override;
   [[nodiscard]] MissionReport progress() const override { return book_.report; }
   [[nodiscard]] const std::vector<Decision>& decisions() const override { return book_.decisions; }
@@ -39,7 +39,7 @@ class SerialHelm : public AgentsHelm {
   [[nodiscard]] const Executor& executor() const { return executor_; }
 
  private:
-  void say(Message message, Time now) override { executor_.hear(std::move(message), now); }
+  void say(Message message, Time now) override { executor_.on_message(std::move(message), now); }
   void fail(const std::string& agent, bool hangs) override { inject_failure(executor_, agent, hangs); }
 
   MissionLog book_;

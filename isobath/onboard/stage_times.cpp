@@ -5,7 +5,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMostUndecided = 64;  // sweeps; bounds the list if the Navigator is lost and decides on none
+constexpr std::size_t kMaxUndecided = 64;  // sweeps; bounds the list if the Navigator is lost and decides on none
 
 double milliseconds(StageTimes::Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
 
@@ -14,10 +14,10 @@ class TimedAgent final : public Agent {
   TimedAgent(std::unique_ptr<Agent> agent, std::shared_ptr<StageTimes> times, bool plans)
       : agent_(std::move(agent)), times_(std::move(times)), plans_(plans) {}
 
-  void hear(const Message& message, Time now, Outbox& out) override {
+  void on_message(const Message& message, Time now, Outbox& out) override {
     const auto from = StageTimes::Clock::now();
     const std::int64_t worked = thread_nanoseconds();
-    agent_->hear(message, now, out);
+    agent_->on_message(message, now, out);
     times_->worked(thread_nanoseconds() - worked);
     const auto* scan = plans_ ? std::get_if<ObstacleScan>(&message) : nullptr;
     if (scan) times_->planned(scan->time, from, StageTimes::Clock::now());
@@ -58,7 +58,7 @@ void StageTimes::detected(Time sweep) {
   const std::lock_guard lock(mutex_);
   detected_.add(milliseconds(now - since_));
   sweeps_[sweep] = taken_;
-  if (sweeps_.size() > kMostUndecided) sweeps_.erase(sweeps_.begin());
+  if (sweeps_.size() > kMaxUndecided) sweeps_.erase(sweeps_.begin());
 }
 
 void StageTimes::aside() {

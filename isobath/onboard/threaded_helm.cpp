@@ -15,7 +15,7 @@ struct ThreadedHelm::State {
   void note(const Envelope& envelope) {
     const std::lock_guard lock(book_mutex);
     book.note(envelope);
-    if (book.frames.size() > kMostFrames) book.frames.erase(book.frames.begin());
+    if (book.frames.size() > kMaxFrames) book.frames.erase(book.frames.begin());
     if (listener) listener(envelope);
   }
 
@@ -44,7 +44,7 @@ ThreadedHelm::~ThreadedHelm() = default;
 
 void ThreadedHelm::moved(Time now) { state_->now.store(now.time_since_epoch().count()); }
 
-void ThreadedHelm::say(Message message, Time /*now*/) { state_->executor.hear(std::move(message)); }
+void ThreadedHelm::say(Message message, Time /*now*/) { state_->executor.on_message(std::move(message)); }
 
 void ThreadedHelm::fail(const std::string& agent, bool hangs) { inject_failure(state_->executor, agent, hangs); }
 

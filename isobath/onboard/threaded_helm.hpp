@@ -19,7 +19,7 @@ namespace isobath {
 
 class ThreadedHelm : public AgentsHelm {
  public:
-  static constexpr std::size_t kMostFrames = 256;  ///< kept for the operator; beyond it the oldest frame is dropped
+  static constexpr std::size_t kMaxFrames = 256;  ///< kept for the operator; beyond it the oldest frame is dropped
 
   /// Takes the same arguments as SerialHelm.
   ThreadedHelm(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config,

@@ -18,36 +18,39 @@ double silent(double p_detect, double false_alarm, double weight) {
 
 std::vector<Field> fields(AspectConfig& c) {
   return {
-      Field::real("aspect_answers", &c.answers, {0.01, 0.99}, "1",
-                  "Rule aspects: share of the directions from which an occupied voxel can echo at all."),
+      Field::real("aspect_visibility", &c.visibility, {0.01, 0.99}, "1",
+                  "Rule aspects: share of the directions from which an occupied voxel can echo at all.")
+          .was("aspect_answers"),
       Field::real("aspect_renewal", &c.renewal, {0, 1}, "1",
                   "Rule aspects: share of the looks that count as from a new direction."),
-      Field::real("aspect_silence", &c.silence, {0.01, 1}, "1",
-                  "Rule aspects: weight of a ping without an echo, in independent looks."),
-      Field::real("aspect_limit", &c.limit, {0, 30}, "1",
-                  "Rule aspects: log-odds that echoes from one direction can give at most."),
+      Field::real("aspect_no_echo_weight", &c.no_echo_weight, {0.01, 1}, "1",
+                  "Rule aspects: weight of a ping without an echo, in independent looks.")
+          .was("aspect_silence"),
+      Field::real("aspect_max_log_odds", &c.max_log_odds, {0, 30}, "1",
+                  "Rule aspects: log-odds that echoes from one direction can give at most.")
+          .was("aspect_limit"),
       Field::real("aspect_turn_deg", &c.turn_deg, {0.1, 360}, "deg",
                   "Rule aspects: once the line of sight has turned by so much, the direction is another."),
   };
 }
 
 double AspectLaw::answering(double evidence) const {
-  const double a = config_.answers, k = config_.renewal;
+  const double a = config_.visibility, k = config_.renewal;
   return std::clamp(1 - (1 - a) * std::exp(-evidence), k * a, 1 - k * (1 - a));
 }
 
 double AspectLaw::silence(double p_detect, double false_alarm) const {
-  return std::log1p(-config_.answers * silent(p_detect, false_alarm, config_.silence));
+  return std::log1p(-config_.visibility * silent(p_detect, false_alarm, config_.no_echo_weight));
 }
 
 double AspectLaw::share(double evidence) const {
-  const double s = silent(kPlainDetect, 0, config_.silence);
-  return std::log1p(-answering(evidence) * s) / std::log1p(-config_.answers * s);
+  const double s = silent(kPlainDetect, 0, config_.no_echo_weight);
+  return std::log1p(-answering(evidence) * s) / std::log1p(-config_.visibility * s);
 }
 
 double AspectLaw::echo(double evidence, double ratio, double turned) const {
   const double gain = std::log1p(answering(evidence) * std::max(ratio - 1, 0.0));
-  const double free = std::clamp(config_.limit - evidence, 0.0, gain);
+  const double free = std::clamp(config_.max_log_odds - evidence, 0.0, gain);
   return free + (gain - free) * turned;
 }
 

@@ -11,8 +11,8 @@
 // silence counts little against a voxel that has never echoed, and fully against one that has.
 //
 // Echoes from one direction, however many, cannot tell which voxel of the resolution cell has given them. They raise
-// the evidence of a sensor to at most `limit`. Beyond it, an echo counts by the angle that the line of sight has turned
-// since the previous ping, as a share of `turn_deg`.
+// the evidence of a sensor to at most `max_log_odds`. Beyond it, an echo counts by the angle that the line of sight has
+// turned since the previous ping, as a share of `turn_deg`.
 //
 // Source: (1) and (2) are derived here. They are a hidden Markov model of two states per direction, without a memory of
 // its own; ledger S5-14, S5-31. The paper does not treat dependent looks. Accuracy: docs/three-dimensions.md. Log-odds
@@ -27,11 +27,11 @@ namespace isobath {
 
 /// Defaults are tuned on the bridge, room and clutter scenarios together (docs/three-dimensions.md).
 struct AspectConfig {
-  double answers = 0.6;   ///< a
-  double renewal = 0.1;   ///< k
-  double silence = 0.35;  ///< weight of a ping without an echo, in independent looks
-  double limit = 1.9;     ///< maximum log-odds from echoes of one direction
-  double turn_deg = 20;   ///< turn of the line of sight after which the direction counts as new
+  double visibility = 0.6;       ///< a
+  double renewal = 0.1;          ///< k
+  double no_echo_weight = 0.35;  ///< weight of a ping without an echo, in independent looks
+  double max_log_odds = 1.9;     ///< maximum log-odds from echoes of one direction
+  double turn_deg = 20;          ///< turn of the line of sight after which the direction counts as new
 };
 std::vector<Field> fields(AspectConfig& config);
 

@@ -93,7 +93,7 @@ struct DepthMapper::Work {
   Work(DepthMap& depth_map, const DepthMapperParts& all, Time from, DepthCounts& count)
       : map(depth_map),
         config(all.mapper),
-        believe_after(static_cast<std::size_t>(all.gate.believe_after)),
+        accept_after(static_cast<std::size_t>(all.gate.accept_after)),
         epoch(from),
         counts(count),
         update(all, depth_map.grid()),
@@ -122,13 +122,13 @@ struct DepthMapper::Work {
 
   DepthMap& map;
   DepthMapperConfig config;
-  std::size_t believe_after;
+  std::size_t accept_after;
   Time epoch;
   DepthCounts& counts;
   DepthUpdate update;
   SoundingGate gate;
   ReadingPrefilter prefilter;
-  static_assert(SensorTable::kMost == SoundingGate::kSensors);
+  static_assert(SensorTable::kMax == SoundingGate::kSensors);
   SensorTable sensors;
   std::array<std::vector<DepthLook>, SoundingGate::kSensors> held;
   std::vector<MergedReading> merged;
@@ -146,7 +146,7 @@ struct DepthMapper::Work {
 
 // Readings -----------------------------------------------------------------------------------------------------------
 
-void DepthMapper::take(const RangeReading& reading, const Pose& X_WB, double sigma_m) {
+void DepthMapper::update(const RangeReading& reading, const Pose& X_WB, double sigma_m) {
   Work& w = *work_;
   ++counts_.readings;
   w.last_sigma_m = sigma_m;
@@ -179,7 +179,7 @@ void DepthMapper::Work::admit(const MergedReading& one, double sigma_m) {
   switch (gate.judge(one.sensor, cone->apex() + *look.reading.range_m * cone->axis())) {
     case SoundingGate::Verdict::kImpossible: return refuse(DepthRefusal::kImpossible);
     case SoundingGate::Verdict::kHeld:
-      if (aside.size() == believe_after) {
+      if (aside.size() == accept_after) {
         refuse(DepthRefusal::kHeldAlone);
         aside.erase(aside.begin());
       }
@@ -187,7 +187,7 @@ void DepthMapper::Work::admit(const MergedReading& one, double sigma_m) {
       return;
     case SoundingGate::Verdict::kConfirmed: {
       // Confirms only the last held readings, those that agree; the gate counts this reading as one of them.
-      const std::size_t row = std::min(aside.size(), believe_after - 1);
+      const std::size_t row = std::min(aside.size(), accept_after - 1);
       refuse(DepthRefusal::kHeldAlone, aside.size() - row);
       for (std::size_t i = aside.size() - row; i < aside.size(); ++i) use(aside[i]);
       aside.clear();
@@ -240,7 +240,7 @@ void DepthMapper::Work::count(const DepthLook& look, const UpdateOutcome& outcom
   counts.replaced += outcome.replaced;
 }
 
-void DepthMapper::take(const Swath& swath, const Pose& X_WB, double sigma_m) {
+void DepthMapper::update(const Swath& swath, const Pose& X_WB, double sigma_m) {
   Work& w = *work_;
   counts_.soundings += swath.soundings.size();
   const Pose X_WF = frame_in_world(swath, X_WB);

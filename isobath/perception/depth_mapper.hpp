@@ -16,10 +16,10 @@
 //
 // Range weighting (S1-73): a reading's step of confidence is the weight of its sensor if its standard deviation is the
 // reference one, and falls with its evidence: the log-odds that it agrees because it is right, in whole units. A step
-// below half a unit counts as one unit or none at random, by a fixed sequence. With `honest = false` each reading
-// counts its weight, as published.
+// below half a unit counts as one unit or none at random, by a fixed sequence. With `range_weighting = false` each
+// reading counts its weight, as published.
 //
-// Frames: poses X_WB in W of the map. Threads: one thread calls; a shift has its own worker thread. take() throws
+// Frames: poses X_WB in W of the map. Threads: one thread calls; a shift has its own worker thread. update() throws
 // nothing and allocates nothing after warm-up.
 #pragma once
 
@@ -72,8 +72,8 @@ class DepthMapper {
   ~DepthMapper();
 
   /// `sigma_m`: standard deviation of the vehicle's horizontal position; 0: not known.
-  void take(const RangeReading& reading, const Pose& X_WB, double sigma_m);
-  void take(const Swath& swath, const Pose& X_WB, double sigma_m);
+  void update(const RangeReading& reading, const Pose& X_WB, double sigma_m);
+  void update(const Swath& swath, const Pose& X_WB, double sigma_m);
   /// Reports the vehicle's position: marks its track, and starts a window shift when it is due.
   void passed(Time time, const Pose& X_WB);
   /// Flushes pending data: applies the prefilter's groups, rejects quarantined depths, completes a running shift.

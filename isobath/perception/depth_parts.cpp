@@ -6,10 +6,12 @@ std::vector<Field> fields(DepthMapperConfig& c) {
   return {
       Field::flag("prefilter", &c.prefilter, "Whether similar readings of one sensor merge into one of more weight."),
       Field::flag("quarantine", &c.quarantine, "Whether depths without support around them are held back."),
-      Field::flag("honest", &c.honest,
-                  "Whether steps of confidence fall with range and position uncertainty; false: as published."),
-      Field::flag("explain", &c.explain,
-                  "Whether an echo that the map predicts affirms the map and contradicts nothing."),
+      Field::flag("range_weighting", &c.range_weighting,
+                  "Whether steps of confidence fall with range and position uncertainty; false: as published.")
+          .was("honest"),
+      Field::flag("affirm_predicted", &c.affirm_predicted,
+                  "Whether an echo that the map predicts affirms the map and contradicts nothing.")
+          .was("explain"),
       Field::real("spread_sigmas", &c.spread_sigmas, {0, 5}, "1",
                   "Widening of a sounding's footprint, in standard deviations of the vehicle's position."),
       Field::flag("queue_all", &c.queue_all,

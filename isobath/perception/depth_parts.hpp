@@ -11,13 +11,13 @@
 namespace isobath {
 
 struct DepthMapperConfig {
-  bool prefilter = true;     ///< similar readings of a sensor merge into one of more weight (S1-68)
-  bool quarantine = true;    ///< depths without support are held back
-  bool honest = true;        ///< steps fall with range and position uncertainty (S1-73)
-  bool explain = true;       ///< an echo that the map predicts affirms it and contradicts nothing (S1-66)
-  double spread_sigmas = 1;  ///< widening of a sounding's footprint, in sigmas of the vehicle's position
-  bool queue_all = true;     ///< during a shift; false: only readings that changed something are queued (S1-33)
-  bool background = false;   ///< windows shift in a thread of their own
+  bool prefilter = true;         ///< similar readings of a sensor merge into one of more weight (S1-68)
+  bool quarantine = true;        ///< depths without support are held back
+  bool range_weighting = true;   ///< steps fall with range and position uncertainty (S1-73)
+  bool affirm_predicted = true;  ///< an echo that the map predicts affirms it and contradicts nothing (S1-66)
+  double spread_sigmas = 1;      ///< widening of a sounding's footprint, in sigmas of the vehicle's position
+  bool queue_all = true;         ///< during a shift; false: only readings that changed something are queued (S1-33)
+  bool background = false;       ///< windows shift in a thread of their own
 };
 std::vector<Field> fields(DepthMapperConfig& config);
 

@@ -136,7 +136,7 @@ UpdateOutcome DepthUpdate::apply_range(DepthWindow& window, const DepthLook& loo
     return apply_evidence(window, evidence_.add_reading(reading, look.X_WB, context), look, kSeenByDepth, listener);
   }
   std::optional<RangePrediction> prediction;
-  if (config_.explain && is_echo(look.reading, false)) {
+  if (config_.affirm_predicted && is_echo(look.reading, false)) {
     if (const auto beam = cone(look.reading, look.X_WB)) {
       prediction = predict(window, *beam, evidence_.max_range_m(look.reading));
       if (prediction) context.prediction = &*prediction;
@@ -206,7 +206,7 @@ std::optional<RangePrediction> DepthUpdate::predict(const DepthWindow& window, c
 /// than half a unit counts as one unit at random, with a probability equal to its worth. So many weak readings that
 /// agree count in the end, and a wrong chart does not stand permanently in water that is only seen from afar.
 int DepthUpdate::step_of(const Evidence& found, double lot) const {
-  if (!config_.honest) return found.weight;
+  if (!config_.range_weighting) return found.weight;
   const double margin = std::max(static_cast<double>(found.margin_m), evidence_.config().margin_m);
   const double units = found.weight * evidence_share(static_cast<double>(found.sigma_m), margin);
   return units < 0.5 ? static_cast<int>(lot < units) : static_cast<int>(std::lround(units));

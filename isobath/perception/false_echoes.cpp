@@ -9,7 +9,7 @@ namespace {
 /// Whether the grid has an occupied cell along a level bearing between two ranges.
 bool stands_between(const SphericalGrid& grid, Angle bearing, double from_m, double to_m) {
   const Eigen::Vector3d u_G(sin(bearing), cos(bearing), 0);
-  for (double range = from_m; range <= to_m; range += grid.config().finest_m) {
+  for (double range = from_m; range <= to_m; range += grid.config().min_layer_m) {
     const auto place = grid.place_at(grid.to_table(range * u_G));
     if (place && grid.log_odds(*place) >= grid.occupied_log_odds()) return true;
   }
@@ -18,7 +18,7 @@ bool stands_between(const SphericalGrid& grid, Angle bearing, double from_m, dou
 
 bool is_multiple(const PlaneScan& scan, std::size_t of, const SphericalGrid& before, const FalseEchoConfig& config) {
   const PlaneEcho& echo = scan.echoes[of];
-  for (int bounces = 2; bounces <= config.most_bounces; ++bounces) {
+  for (int bounces = 2; bounces <= config.max_bounces; ++bounces) {
     const double range = echo.range_m / bounces, within = config.tolerance * scan.range_sigma(echo.range_m);
     int beside = 0;
     for (std::size_t i = 0; i < scan.echoes.size(); ++i) {
@@ -48,7 +48,7 @@ std::vector<SphericalCluster> standing_clusters(const SphericalGrid& grid, doubl
                                                 const FalseEchoConfig& config) {
   std::vector<SphericalCluster> standing = clusters(grid, probability);
   std::erase_if(standing, [&](const SphericalCluster& cluster) {
-    return target_score(grid, cluster).value() < config.least_score;
+    return target_score(grid, cluster).value() < config.min_score;
   });
   return standing;
 }

@@ -22,10 +22,10 @@ enum class EchoCause : std::uint8_t { kDirect, kMultiple, kFalse };
 const char* to_text(EchoCause cause);
 
 struct FalseEchoConfig {
-  int most_bounces = 3;  ///< multiples at up to this many times the range
+  int max_bounces = 3;  ///< multiples at up to this many times the range
   Angle neighbours = Angle::degrees(5);
-  double tolerance = 3;      ///< standard deviations of the range
-  double least_score = 0.2;  ///< minimum score of a cluster that counts as an object
+  double tolerance = 3;    ///< standard deviations of the range
+  double min_score = 0.2;  ///< minimum score of a cluster that counts as an object
 };
 
 /// For each echo of a level scan, whether it is a multiple. `before`: the grid before the scan, around the scan's

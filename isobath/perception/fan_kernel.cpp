@@ -55,7 +55,7 @@ HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBound
   const F ceiling = hn::Set(d, view.ceiling_m);
   const F farthest2 = hn::Set(d, reach * reach);
   const F slab = hn::Set(d, view.slab_m), looks_per_beam = hn::Set(d, view.looks_per_beam);
-  const F most_looks = hn::Set(d, view.most_looks);
+  const F max_looks = hn::Set(d, view.max_looks);
   const I all_beams = hn::Set(di, view.beams), row = hn::Set(di, view.bins + 1);
   const I last_bin = hn::Set(di, view.bins - 1), low_bits = hn::Set(di, 0xFFFF);
   const I least = hn::Set(di, bounds.least), most = hn::Set(di, bounds.most);
@@ -150,13 +150,13 @@ HWY_ATTR void look(const FanView& view, const float* corner, const EvidenceBound
             clear_evidence = hn::GatherIndex(d, view.clear, centre);
           }
           const F looks =
-              hn::Min(most_looks, hn::Max(one, hn::Mul(hn::ConvertTo(d, hn::Sub(beam_end, beam)), looks_per_beam)));
+              hn::Min(max_looks, hn::Max(one, hn::Mul(hn::ConvertTo(d, hn::Sub(beam_end, beam)), looks_per_beam)));
           LogOdds16* here = block + ((i << 2 * VoxelBlocks::kSideLog2) | (j << VoxelBlocks::kSideLog2) | k);
           const I old = hn::PromoteTo(di, hn::LoadU(ds, here));
           const I known = hn::IfThenZeroElse(hn::Eq(old, hn::Set(di, kUnseen)), old);
           F counted = hn::Mul(looks, clear_evidence);
           if (view.saturation) {
-            const I place = hn::Sub(hn::ShiftRight<FanView::kStepLog2>(known), hn::Set(di, FanView::kLeastStep));
+            const I place = hn::Sub(hn::ShiftRight<FanView::kStepLog2>(known), hn::Set(di, FanView::kMinStep));
             const I entry = hn::Min(hn::Max(place, hn::Zero(di)), hn::Set(di, FanView::kSteps - 1));
             counted = hn::Mul(counted, hn::GatherIndex(d, view.saturation, entry));
           }

@@ -20,7 +20,7 @@ struct FanView {
   float start_m, bins_per_m;
   std::int32_t beams, bins;
   float looks_per_beam;  ///< spacing over width: independent looks per additional beam, at most 1
-  float most_looks;
+  float max_looks;
   /// Counts of beams at a direction, by its pseudo-angle (see fan_kernel.cpp): the number of beams wholly to its left,
   /// plus 65536 times the number of beams that begin to its left.
   static constexpr int kDirections = 8192;
@@ -30,9 +30,9 @@ struct FanView {
   const std::int32_t* sums;
   const float* clear;   ///< by bin: evidence of a look without an echo, units of LogOdds16
   float uniform_clear;  ///< the same if it is equal for all bins, else 0
-  /// The share of `clear` that counts, by the voxel's present evidence: 2^kStepLog2 units per entry from kLeastStep.
+  /// The share of `clear` that counts, by the voxel's present evidence: 2^kStepLog2 units per entry from kMinStep.
   /// Null: all of it.
-  static constexpr int kStepLog2 = 4, kSteps = 1024, kLeastStep = -512;
+  static constexpr int kStepLog2 = 4, kSteps = 1024, kMinStep = -512;
   const float* saturation;
 };
 

@@ -49,18 +49,18 @@ const EmptyShare& empty_share() {
 /// 1 / (1 + exp(-l)) of whole units of log-odds, an entry each: what evidence and a prior can be together.
 class Probabilities {
  public:
-  Probabilities() : of_(2 * kMost + 1) {
+  Probabilities() : of_(2 * kMax + 1) {
     for (std::size_t i = 0; i < of_.size(); ++i) {
-      of_[i] = 1 / (1 + std::exp(-kEvidenceUnit * (static_cast<double>(i) - kMost)));
+      of_[i] = 1 / (1 + std::exp(-kEvidenceUnit * (static_cast<double>(i) - kMax)));
     }
   }
   double operator()(int log_odds) const {
-    const int at = std::clamp(log_odds, -kMost, kMost) + kMost;
+    const int at = std::clamp(log_odds, -kMax, kMax) + kMax;
     return of_[static_cast<std::size_t>(at)];
   }
 
  private:
-  static constexpr int kMost = 48 * 1024;
+  static constexpr int kMax = 48 * 1024;
   std::vector<double> of_;
 };
 const Probabilities& probabilities() {
@@ -83,9 +83,11 @@ std::vector<Field> fields(FanMapperConfig& c) {
                     "What an echo says of each voxel of its elevation arc."),
       Field::real("hit", &c.hit, {0, 10}, "1", "Log-odds of an echo by the rule hit_and_miss."),
       Field::real("miss", &c.miss, {-10, 0}, "1", "Log-odds of no echo by the rule hit_and_miss."),
-      Field::real("answers", &c.answers, {0.01, 1}, "1",
-                  "Share of the looks at an occupied voxel in which it can echo at all."),
-      Field::real("most_looks", &c.most_looks, {1, 1000}, "1", "Independent looks of one ping at one voxel, at most."),
+      Field::real("visibility", &c.visibility, {0.01, 1}, "1",
+                  "Share of the looks at an occupied voxel in which it can echo at all.")
+          .was("answers"),
+      Field::real("max_looks", &c.max_looks, {1, 1000}, "1", "Independent looks of one ping at one voxel, at most.")
+          .was("most_looks"),
       Field::integer("shadow_bins", &c.shadow_bins, {0, 1000}, "bins",
                      "An echo of so many bins in a row hides what stands behind it; 0: none does."),
   };
@@ -103,7 +105,7 @@ FanMapper::FanMapper(const FanMapperConfig& config, double voxel_m, double prior
   if (config.rule != FanMapperConfig::Rule::kAspects) return;
   saturation_.resize(FanView::kSteps);
   for (int i = 0; i < FanView::kSteps; ++i) {
-    const double middle = (i + FanView::kLeastStep + 0.5) * (1 << FanView::kStepLog2);
+    const double middle = (i + FanView::kMinStep + 0.5) * (1 << FanView::kStepLog2);
     saturation_[static_cast<std::size_t>(i)] = static_cast<float>(law_.share(kEvidenceUnit * middle));
   }
 }
@@ -153,8 +155,8 @@ int FanMapper::update(const Ping& ping, const EchoDecisions& decisions, const Po
 /// Counts a voxel among those that may have given the echoes of its cells. Whole numbers: in any order the same.
 void FanMapper::explain(MixedVoxel& voxel, const LogOdds16* block, bool alone) {
   if (cells_.counts(voxel).second == 0) return;
-  const double answers = config_.rule == FanMapperConfig::Rule::kAspects ? config_.aspects.answers : 1.0;
-  voxel.own = explanation(answers * probability(block[voxel.offset]), voxel);
+  const double visibility = config_.rule == FanMapperConfig::Rule::kAspects ? config_.aspects.visibility : 1.0;
+  voxel.own = explanation(visibility * probability(block[voxel.offset]), voxel);
   cells_.each_echo(voxel, [&](int beam, int bin) {
     std::int32_t& cell = explained_[static_cast<std::size_t>(beam) * sector_.window().bins + bin];
     if (alone) {
@@ -184,7 +186,7 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
     const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
     const double empty = marginal ? empty_of(explained_[cell] - voxel.own) : 1.0;
     if (graded && !is_dim) {
-      const double ratio = 1 + config_.answers * (static_cast<double>(decisions.ratios(beam)[bin]) - 1);
+      const double ratio = 1 + config_.visibility * (static_cast<double>(decisions.ratios(beam)[bin]) - 1);
       ratios += ratio / (ratio * (1 - empty) + empty);
       return;
     }
@@ -193,7 +195,7 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
   const auto [told, hits] = cells_.counts(voxel);
   const double clear = clear_ratio_[std::min(sector_.window().bins - 1, (voxel.bin + voxel.bin_end) / 2)];
   ratios += (told - hits) * clear + (cells - told);
-  const double looks = std::clamp(beams * static_cast<double>(view_.looks_per_beam), 1.0, config_.most_looks);
+  const double looks = std::clamp(beams * static_cast<double>(view_.looks_per_beam), 1.0, config_.max_looks);
   const double more =
       config_.rule == Rule::kHitAndMiss ? (hits > 0 ? config_.hit : config_.miss) : looks * std::log(ratios / cells);
   const double total = (evidence == kUnseen ? 0 : evidence) + more / kEvidenceUnit;
@@ -208,7 +210,7 @@ void FanMapper::settle_aspect(const MixedVoxel& voxel, const EchoDecisions& deci
   const int old = evidence == kUnseen ? 0 : evidence;
   const int cells = (voxel.beam_end - voxel.beam) * (voxel.bin_end - voxel.bin);
   const auto [told, hits] = cells_.counts(voxel);
-  const int step = std::clamp((old >> FanView::kStepLog2) - FanView::kLeastStep, 0, FanView::kSteps - 1);
+  const int step = std::clamp((old >> FanView::kStepLog2) - FanView::kMinStep, 0, FanView::kSteps - 1);
   const double silence =
       static_cast<double>(clear_[std::min(sector_.window().bins - 1, (voxel.bin + voxel.bin_end) / 2)]) *
       static_cast<double>(saturation_[static_cast<std::size_t>(step)]);
@@ -291,13 +293,13 @@ std::vector<EchoForecast> FanMapper::forecast(const Ping& ping, const EchoDecisi
 
 void FanMapper::take_ping(const Ping& ping) {
   if (sector_.is_of(ping)) return;
-  sector_.take(ping, view_);
-  view_.most_looks = static_cast<float>(config_.most_looks);
+  sector_.update(ping, view_);
+  view_.max_looks = static_cast<float>(config_.max_looks);
 }
 
 void FanMapper::take_decisions(const EchoDecisions& decisions, ThreadPool& pool) {
   const int bins = decisions.bins();
-  cells_.take(decisions, config_.shadow_bins, pool);
+  cells_.update(decisions, config_.shadow_bins, pool);
   view_.sums = cells_.sums();
 
   clear_.resize(static_cast<std::size_t>(bins));

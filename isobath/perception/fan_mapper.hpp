@@ -21,8 +21,8 @@
 //   stamp        L.
 // A detector of echo or no echo is the case of two intensities, L = p_D / f. Below the threshold all intensities count
 // as one. The p_D above is that of a voxel. An occupied voxel echoes only towards some directions (a hull reflects most
-// of the sound away), so it is the detector's p_D with weight `answers` and f with the rest; h likewise, and L becomes
-// 1 + answers (L - 1).
+// of the sound away), so it is the detector's p_D with weight `visibility` and f with the rest; h likewise, and L
+// becomes 1 + visibility (L - 1).
 //
 // With the rule `aspects` (the default) looks are not independent: pings from nearly one position give nearly the same
 // information. Evidence of silence saturates, and echoes from one direction have a limit (aspect_law.hpp). A voxel has
@@ -33,7 +33,7 @@
 // silent look subtracts, so the evidence of empty water does not rise on average, however often noise gives an echo.
 //
 // Beams closer than their width are not independent looks: the logarithm is weighted by the number of beams of the
-// rectangle times their spacing over their width, clamped to 1 .. `most_looks`.
+// rectangle times their spacing over their width, clamped to 1 .. `max_looks`.
 //
 // Behind an echo of `shadow_bins` consecutive bins, clear bins of the beam are not informative: objects there are
 // hidden (S5-57). A dim bin (bottom or surface are loud there) is informative only if it holds an echo.
@@ -69,12 +69,12 @@ struct EchoForecast {
 
 struct FanMapperConfig {
   enum class Rule : std::uint8_t { kAspects, kMarginal, kStamp, kHitAndMiss } rule = Rule::kAspects;
-  double hit = 0.847;     ///< hit_and_miss: log-odds of an echo
-  double miss = -0.405;   ///< hit_and_miss: log-odds of none
-  double answers = 0.35;  ///< share of looks at an occupied voxel in which it can echo
+  double hit = 0.847;        ///< hit_and_miss: log-odds of an echo
+  double miss = -0.405;      ///< hit_and_miss: log-odds of none
+  double visibility = 0.35;  ///< share of looks at an occupied voxel in which it can echo
   AspectConfig aspects;
-  double most_looks = 1;  ///< maximum number of independent looks of one ping at one voxel
-  int shadow_bins = 3;    ///< consecutive bins with echoes that cast a shadow; 0: no shadows
+  double max_looks = 1;  ///< maximum number of independent looks of one ping at one voxel
+  int shadow_bins = 3;   ///< consecutive bins with echoes that cast a shadow; 0: no shadows
 };
 std::vector<Field> fields(FanMapperConfig& config);
 
@@ -118,7 +118,7 @@ class FanMapper {
   [[nodiscard]] double probability(LogOdds16 evidence) const;
   /// Of an occupied voxel's giving an echo in its cell.
   [[nodiscard]] double p_voxel(double p_detect, double false_alarm) const {
-    return false_alarm + config_.answers * (p_detect - false_alarm);
+    return false_alarm + config_.visibility * (p_detect - false_alarm);
   }
 
   FanMapperConfig config_;

@@ -51,14 +51,14 @@ struct Reach {
 }  // namespace
 
 const char* FanSector::fault_of(const Ping& ping, double voxel_m) {
-  constexpr double kMostVoxels = 1e9, kMostAcross = 4000;
+  constexpr double kMaxVoxels = 1e9, kMaxAcross = 4000;
   const BeamFan& fan = *ping.fan;
   const double range = ping.window.end_m() / voxel_m;
   const double cells = (std::sqrt(3.0) * voxel_m / ping.window.bin_m + 2) * fan.beams();
   if (!(cells < 65536)) return "voxels far too large for the bins of a ping";
   const Angle span = fan.azimuth.back() - fan.azimuth.front() + fan.width.front() * 0.5 + fan.width.back() * 0.5;
   const double angle = std::min(2 * pi, span.radians()) * 2 * std::max(sine_of_half(fan), 1 / range);  // steradians
-  if (!(range < kMostAcross && angle * range * range * range / 3 < kMostVoxels)) {
+  if (!(range < kMaxAcross && angle * range * range * range / 3 < kMaxVoxels)) {
     return "voxels far too small for the range of a ping";
   }
   return nullptr;
@@ -84,7 +84,7 @@ void FanSector::set_directions(const std::vector<double>& left, const std::vecto
   }
 }
 
-void FanSector::take(const Ping& ping, FanView& view) {
+void FanSector::update(const Ping& ping, FanView& view) {
   const BeamFan& fan = *ping.fan;
   const auto beams = static_cast<std::size_t>(fan.beams());
   if (const char* fault = fault_of(ping, voxel_m_)) {

@@ -30,7 +30,7 @@ class FanSector {
   [[nodiscard]] bool is_of(const Ping& ping) const { return ping.fan == fan_ && ping.window == window_; }
   /// Takes over the geometry of a ping, and sets that of the view, which then refers to this object. Throws Error if
   /// `fault_of` gives a reason.
-  void take(const Ping& ping, FanView& view);
+  void update(const Ping& ping, FanView& view);
 
   [[nodiscard]] const RangeWindow& window() const { return window_; }
   [[nodiscard]] const Pose& X_SF() const { return X_SF_; }

@@ -95,9 +95,9 @@ void GridMapper::update(const Ping& ping, const EchoDecisions& decisions, const 
   take_tilt(R_LS * Vector3d::UnitX());
   take_sensor(ping, decisions);
   weight_ = double{decisions.weight};
-  echo_weight_ = double{std::min(decisions.weight, decisions.most_echo_weight)};
+  echo_weight_ = double{std::min(decisions.weight, decisions.max_echo_weight)};
   const int beams = decisions.beams();
-  const bool shares = decisions.most_echo_weight < 1 && beams > 1;
+  const bool shares = decisions.max_echo_weight < 1 && beams > 1;
   beam_step_ = shares ? (ping.fan->azimuth.back() - ping.fan->azimuth.front()).radians() / (beams - 1) : 0;
   const Vector2d sensor = grid_.from_level_body((R_LB * ping.X_BS.translation).head<2>());
   for (int b = 0; b < decisions.beams(); ++b) {

@@ -6,7 +6,7 @@
 // independent looks, so any order is valid sequential Bayes up to the independence of the cells (S6-72); a fixed order
 // makes the result deterministic. Bins that are not usable, or whose p_D is not above f, do not change the grid,
 // whether they hold an echo or not. Dim bins have their own p_D. All evidence of a ping is weighted by
-// EchoDecisions::weight, that of echoes by at most `most_echo_weight`. Where that is below 1, the beams that one map
+// EchoDecisions::weight, that of echoes by at most `max_echo_weight`. Where that is below 1, the beams that one map
 // cell spans are one look at it together: near the sonar an echo of one of many beams says little.
 //
 // Beams are projected to the level plane. The azimuth is that of the full attitude, with roll and pitch removed. Slant
@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <isobath/base/config.hpp>
 #include <isobath/map/occupancy/body_grid.hpp>
-#include <isobath/map/occupancy/motion.hpp>
+#include <isobath/map/occupancy/motion_uncertainty.hpp>
 #include <isobath/perception/bin_update.hpp>
 #include <isobath/perception/overlap_table.hpp>
 #include <isobath/sonar/echo_decisions.hpp>

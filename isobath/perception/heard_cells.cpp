@@ -51,7 +51,7 @@ void HeardCells::take_beam(const EchoDecisions& decisions, int shadow_bins, int 
   }
 }
 
-void HeardCells::take(const EchoDecisions& decisions, int shadow_bins, ThreadPool& pool) {
+void HeardCells::update(const EchoDecisions& decisions, int shadow_bins, ThreadPool& pool) {
   const int beams = decisions.beams(), bins = decisions.bins();
   bins_ = bins;
   words_ = decisions.words();

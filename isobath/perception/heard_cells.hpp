@@ -19,7 +19,7 @@ namespace isobath {
 class HeardCells {
  public:
   /// `shadow_bins` 0: no shadows.
-  void take(const EchoDecisions& decisions, int shadow_bins, ThreadPool& pool);
+  void update(const EchoDecisions& decisions, int shadow_bins, ThreadPool& pool);
 
   /// Of a voxel's cells: those that tell anything, and of these those that hold an echo.
   [[nodiscard]] std::pair<int, int> counts(const MixedVoxel& voxel) const;

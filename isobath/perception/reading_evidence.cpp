@@ -98,8 +98,9 @@ std::vector<Field> fields(ReadingEvidenceConfig& c) {
       Field::integer("weight_cap", &c.weight_cap, {1, 20}, "1",
                      "Maximum confidence units of one reading, merged or not."),
       Field::real("gate", &c.gate, {0, 20}, "1", "Standard deviations within which an echo counts as predicted."),
-      Field::real("least_confidence", &c.least_confidence, {0, 1}, "1",
-                  "Minimum confidence of a reading, as stated by the sonar."),
+      Field::real("min_confidence", &c.min_confidence, {0, 1}, "1",
+                  "Minimum confidence of a reading, as stated by the sonar.")
+          .was("least_confidence"),
   };
 }
 
@@ -122,7 +123,7 @@ int ReadingEvidence::weight(int of_sensor, int count) const {
 std::optional<BeamCone> ReadingEvidence::cone(const RangeReading& reading, const Pose& X_WB) const {
   const double a = reading.width.radians() / 2;
   if (!(a >= 0 && a < kWidestHalfAngle) || !X_WB.is_finite() || !reading.X_BS.is_finite()) return std::nullopt;
-  if (!(reading.confidence >= config_.least_confidence)) return std::nullopt;
+  if (!(reading.confidence >= config_.min_confidence)) return std::nullopt;
   if (reading.range_m && !(std::isfinite(*reading.range_m) && *reading.range_m > 0)) return std::nullopt;
   const bool exact = config_.geometry == ReadingEvidenceConfig::Geometry::kExact;
   return BeamCone(reading, exact ? X_WB : level(X_WB));

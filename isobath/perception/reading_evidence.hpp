@@ -66,7 +66,7 @@ struct ReadingEvidenceConfig {
   int obstacle_weight = 1;
   int weight_cap = 2;
   double gate = 3;
-  double least_confidence = 0;
+  double min_confidence = 0;
   RangeDeviation deviation;
 };
 
@@ -102,7 +102,7 @@ class ReadingEvidence {
   [[nodiscard]] std::optional<BeamCone> cone(const RangeReading& reading, const Pose& X_WB) const;
 
   /// Evidence of a reading of a depth or obstacle sonar, by the direction of its axis. An unusable reading (not finite,
-  /// not positive, confidence below least_confidence, half-angle of 89 degrees or more, upwards) gives kNothing.
+  /// not positive, confidence below min_confidence, half-angle of 89 degrees or more, upwards) gives kNothing.
   Evidence add_reading(const RangeReading& reading, const Pose& X_WB, const ReadingContext& context = {});
 
   /// Evidence of a sounding of a multibeam sonar, as that of a depth sonar: bottom at p_W observed along u_W from

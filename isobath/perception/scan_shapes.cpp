@@ -11,8 +11,8 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kMostOutliers = 0.25;     // share of a run's echoes above which the run is not extended
-constexpr double kLeastSquareness = 0.05;  // sine of the angle between a line and the beams below which any range fits
+constexpr double kMaxOutliers = 0.25;    // share of a run's echoes above which the run is not extended
+constexpr double kMinSquareness = 0.05;  // sine of the angle between a line and the beams below which any range fits
 
 /// One shape for a run of echoes, and its cost.
 struct Account {
@@ -49,11 +49,11 @@ bool is_whole(const PlaneScan& scan, const ScanShape& shape, double gap_m) {
 
 /// Rejects lines along the beams, which fit any range.
 bool can_be_heard(const PlaneScan& scan, const PlaneLine& line, const ScanShapesConfig& /*config*/) {
-  return line.height_of(scan.from) >= kLeastSquareness * (line.centre - scan.from).norm();
+  return line.height_of(scan.from) >= kMinSquareness * (line.centre - scan.from).norm();
 }
 /// Rejects arcs that turn too little, or whose convex side does not face the sonar.
 bool can_be_heard(const PlaneScan& scan, const PlaneArc& arc, const ScanShapesConfig& config) {
-  if (arc.sweep < config.least_sweep || (!arc.hollow && arc.sweep > Angle::degrees(180))) return false;
+  if (arc.sweep < config.min_sweep || (!arc.hollow && arc.sweep > Angle::degrees(180))) return false;
   const Angle middle = arc.first + arc.sweep / 2;
   const double facing = plan_direction(middle).dot(scan.from - arc.centre);
   return arc.hollow || facing > 0;
@@ -82,7 +82,7 @@ Account account_for(const PlaneScan& scan, std::span<const std::size_t> echoes, 
     if (!again) return {};
     count_in(scan, echoes, *again, config.miss, account);
   }
-  const auto least = static_cast<std::size_t>(std::is_same_v<Shape, PlaneLine> ? config.least_line : config.least_arc);
+  const auto least = static_cast<std::size_t>(std::is_same_v<Shape, PlaneLine> ? config.min_line : config.min_arc);
   const Shape& shape = std::get<Shape>(account.shape.shape);
   if (account.shape.echoes.size() < least || !is_likely(shape) || !can_be_heard(scan, shape, config) ||
       !is_whole(scan, account.shape, config.gap_m)) {
@@ -188,14 +188,14 @@ ScanShapes shapes_of(const PlaneScan& scan, const ScanShapesConfig& config) {
     RunFitter fitter(scan, config);
     for (std::size_t end = i + 2; end <= n && is_neighbour(scan, order[end - 2], order[end - 1], config.gap); ++end) {
       const std::span<const std::size_t> run(order.data() + i, end - i);
-      if (run.size() < static_cast<std::size_t>(std::min(config.least_line, config.least_arc))) continue;
+      if (run.size() < static_cast<std::size_t>(std::min(config.min_line, config.min_arc))) continue;
       Account best = fitter.best(run);
       if (cost[i] + best.cost < cost[end]) {
         cost[end] = cost[i] + best.cost;
         how[end] = std::move(best.shape);
         from[end] = i;
       }
-      if (run.size() >= 12 && static_cast<double>(best.outliers) > kMostOutliers * static_cast<double>(run.size())) {
+      if (run.size() >= 12 && static_cast<double>(best.outliers) > kMaxOutliers * static_cast<double>(run.size())) {
         break;
       }
     }

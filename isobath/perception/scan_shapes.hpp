@@ -26,12 +26,12 @@ struct ScanShapesConfig {
   double miss = 9;         ///< maximum squared deviation of an echo: 3 standard deviations
   double line_price = 14;  ///< in squared deviations
   double arc_price = 24;
-  int least_line = 4;  ///< minimum number of echoes
-  int least_arc = 5;
-  Angle least_sweep = Angle::degrees(40);  ///< minimum sweep of an arc; a shape that turns less is a line
-  Angle gap = Angle::degrees(10);          ///< maximum angle between neighbouring echoes of one shape
-  double gap_m = 4;                        ///< maximum distance between them
-  double corner_m = 2;                     ///< maximum distance from a corner to the ends of its lines
+  int min_line = 4;  ///< minimum number of echoes
+  int min_arc = 5;
+  Angle min_sweep = Angle::degrees(40);  ///< minimum sweep of an arc; a shape that turns less is a line
+  Angle gap = Angle::degrees(10);        ///< maximum angle between neighbouring echoes of one shape
+  double gap_m = 4;                      ///< maximum distance between them
+  double corner_m = 2;                   ///< maximum distance from a corner to the ends of its lines
 };
 
 struct ScanShape {

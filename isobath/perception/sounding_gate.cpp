@@ -11,13 +11,18 @@ std::vector<Field> fields(SoundingGateConfig& c) {
                   "Allowed difference of a depth from the last one, on a level bottom."),
       Field::real("slack_share", &c.slack_share, {0, 1}, "1",
                   "Allowed difference as a share of the depth; the larger one counts."),
-      Field::real("steepest", &c.steepest, {0, 1000}, "m/m",
-                  "Steepest slope of the bottom that needs no confirmation."),
+      Field::real("max_slope", &c.max_slope, {0, 1000}, "m/m",
+                  "Maximum slope of the bottom that needs no confirmation.")
+          .was("steepest"),
       Field::integer(
-          "believe_after", &c.believe_after, {1, 1000}, "1",
-          "Number of consecutive implausible depths that are accepted together if they agree among themselves."),
-      Field::real("highest_m", &c.highest_m, {-1000, 0}, "m", "Smallest possible depth; drying heights are negative."),
-      Field::real("deepest_m", &c.deepest_m, {0.1, 12000}, "m", "Largest possible depth in these waters."),
+          "accept_after", &c.accept_after, {1, 1000}, "1",
+          "Number of consecutive implausible depths that are accepted together if they agree among themselves.")
+          .was("believe_after"),
+      Field::real("min_depth_m", &c.min_depth_m, {-1000, 0}, "m",
+                  "Minimum possible depth; drying heights are negative.")
+          .was("highest_m"),
+      Field::real("max_depth_m", &c.max_depth_m, {0.1, 12000}, "m", "Maximum possible depth in these waters.")
+          .was("deepest_m"),
       Field::integer("neighbours", &c.neighbours, {1, 100}, "1",
                      "Beams on either side with which a sounding of a swath is compared."),
   };
@@ -30,7 +35,7 @@ SoundingGate::SoundingGate(const SoundingGateConfig& config) : config_(config) {
 bool SoundingGate::plausible(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
   const double slack = std::max(config_.slack_m, config_.slack_share * std::max(std::abs(from.z()), std::abs(to.z())));
   const double distance = (to - from).head<2>().norm();
-  return std::abs(to.z() - from.z()) <= slack + config_.steepest * distance;
+  return std::abs(to.z() - from.z()) <= slack + config_.max_slope * distance;
 }
 
 SoundingGate::Verdict SoundingGate::judge(int sensor, const Eigen::Vector3d& p_W) {
@@ -45,7 +50,7 @@ SoundingGate::Verdict SoundingGate::judge(int sensor, const Eigen::Vector3d& p_W
   // The first reading of a sensor has nothing to compare with, so it is held too.
   s.in_row = s.in_row > 0 && plausible(s.held, p_W) ? s.in_row + 1 : 1;
   s.held = p_W;
-  if (s.in_row < config_.believe_after) return Verdict::kHeld;
+  if (s.in_row < config_.accept_after) return Verdict::kHeld;
   s.known = true;
   s.last = p_W;
   s.in_row = 0;

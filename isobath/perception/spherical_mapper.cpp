@@ -27,8 +27,8 @@ std::vector<Field> fields(SphericalMapperConfig& c) {
       Field::real("sigma_m", &c.sigma_m, {0.001, 10}, "m", "Minimum standard deviation of a range."),
       Field::real("sigma_share", &c.sigma_share, {0, 0.2}, "1", "Standard deviation of a range, as a share of it."),
       Field::real("mask", &c.mask, {0.1, 5}, "1", "Standard deviations about an echo within which cells change."),
-      Field::integer("most_cells", &c.most_cells, {1, 10000}, "cells",
-                     "Maximum number of cells that one echo changes."),
+      Field::integer("max_cells", &c.max_cells, {1, 10000}, "cells", "Maximum number of cells that one echo changes.")
+          .was("most_cells"),
       Field::real("hit", &c.hit, {0.01, 0.999}, "1", "Probability that an echo comes from a stationary object."),
       Field::real("pass", &c.pass, {0, 0.999}, "1", "Probability that an object that fills a beam echoes."),
       Field::real("tau_s", &c.tau_s, {0, 1e7}, "s", "Time in which evidence fades to 1/e; 0: no fading."),
@@ -62,12 +62,12 @@ void SphericalMapper::move_to(const Pose& X_WB, Time time) {
   }
 }
 
-void SphericalMapper::take(const RangeReading& reading, const Pose& X_WB) {
+void SphericalMapper::update(const RangeReading& reading, const Pose& X_WB) {
   move_to(X_WB, reading.time);
   look_from(X_WB * reading.X_BS, Vector3d::UnitX(), reading.width, reading.range_m, reading.max_range_m, reading.time);
 }
 
-void SphericalMapper::take(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB) {
+void SphericalMapper::update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB) {
   move_to(X_WB, ping.time);
   const Pose X_WS = X_WB * ping.X_BS;
   for (int beam = 0; beam < decisions.beams(); ++beam) {
@@ -105,7 +105,7 @@ void SphericalMapper::add(const SphericalLook& look) {
 }
 
 void SphericalMapper::hit(const ReadingGaussian& reading) {
-  touched_cells(grid_, reading, config_.mask, config_.most_cells, touched_);
+  touched_cells(grid_, reading, config_.mask, config_.max_cells, touched_);
   for (const TouchedCell& cell : touched_) {
     const double l = grid_.log_odds(cell.place);
     if (config_.rule == SphericalMapperConfig::Rule::kMaximumResponse) {
@@ -140,14 +140,14 @@ SonarResolution listed_resolution(const std::string& name) {
 SphericalGridConfig grid_for(const SonarResolution& sonar) {
   SphericalGridConfig config;
   config.range_m = sonar.range_m;
-  config.finest_m = sonar.resolution_m;
+  config.min_layer_m = sonar.resolution_m;
   config.bucket = Angle::degrees(180 / std::ceil(180 / sonar.beam_spacing.degrees() - 1e-9));
   return config;
 }
 
 std::string coarser_than_sonar(const SphericalGridConfig& grid, const SonarResolution& sonar) {
-  if (grid.finest_m > sonar.resolution_m * 1.001) {
-    return fmt::format("layers of {:g} m are thicker than the sonar's resolution, {:g} m", grid.finest_m,
+  if (grid.min_layer_m > sonar.resolution_m * 1.001) {
+    return fmt::format("layers of {:g} m are thicker than the sonar's resolution, {:g} m", grid.min_layer_m,
                        sonar.resolution_m);
   }
   if (grid.bucket.degrees() > sonar.beam_spacing.degrees() * 1.001) {

@@ -32,8 +32,8 @@ struct SphericalMapperConfig {
   enum class Axes : std::uint8_t { kNorthUp, kCourseUp } axes = Axes::kNorthUp;
   double sigma_m = 0.15;
   double sigma_share = 0.003;
-  double mask = 2;      ///< standard deviations about an echo in which cells change
-  int most_cells = 75;  ///< maximum number of cells that one echo changes
+  double mask = 2;     ///< standard deviations about an echo in which cells change
+  int max_cells = 75;  ///< maximum number of cells that one echo changes
   double hit = 0.9;
   double pass = 0.5;
   double tau_s = 600;  ///< 0: no fading
@@ -58,9 +58,9 @@ class SphericalMapper {
   /// Moves the grid to the vehicle, turns it (course_up) and fades it.
   void move_to(const Pose& X_WB, Time time);
   void begin_scan() { grid_.begin_scan(); }
-  void take(const RangeReading& reading, const Pose& X_WB);
+  void update(const RangeReading& reading, const Pose& X_WB);
   /// Inserts the nearest echo of each beam of the decisions; a beam of a fan is treated as a cone of its width.
-  void take(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
+  void update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
   void add(const SphericalLook& look);
 
   /// Turns a vector of W components into the axes of the turned grid.

@@ -36,10 +36,10 @@ ClearanceField::ClearanceField(const OccupancySnapshot& grid, const ClearanceTas
     : grid_(grid),
       least_(floor_of(task.least / grid.voxel_m())),
       size_(floor_of(task.most / grid.voxel_m()) - least_ + VoxelIndex::Ones()),
-      most_m_(task.most_m),
-      reach_(static_cast<int>(std::ceil(task.most_m / grid.voxel_m() + 0.5))) {
+      max_m_(task.max_m),
+      reach_(static_cast<int>(std::ceil(task.max_m / grid.voxel_m() + 0.5))) {
   const double voxels = size_.cast<double>().prod();
-  if (!((size_.array() > 0).all() && voxels <= kMostVoxels)) {
+  if (!((size_.array() > 0).all() && voxels <= kMaxVoxels)) {
     throw Error("the box of water is empty or too large to plan in", {}, "1 to 30 million voxels");
   }
   trim(task);
@@ -60,7 +60,7 @@ ClearanceField::ClearanceField(const ClearanceField& other)
       size_(other.size_),
       shallowest_(other.shallowest_),
       deepest_(other.deepest_),
-      most_m_(other.most_m_),
+      max_m_(other.max_m_),
       reach_(other.reach_),
       off_band_(other.off_band_),
       columns_(other.columns_) {
@@ -231,7 +231,7 @@ void ClearanceField::measure(int tile_x, int tile_y) const {
       looked = 1;
     }
   }
-  // 16-bit integers where they suffice: their largest distance, 64 voxels, is then beyond `most_m`.
+  // 16-bit integers where they suffice: their largest distance, 64 voxels, is then beyond `max_m`.
   if (reach_ < 64) {
     measure_by<std::int16_t>(tile_x, tile_y);
   } else {
@@ -273,7 +273,7 @@ void ClearanceField::measure_by(int tile_x, int tile_y) const {
       }
     }
   }
-  const auto most = static_cast<float>(most_m_), voxel = static_cast<float>(voxel_m());
+  const auto most = static_cast<float>(max_m_), voxel = static_cast<float>(voxel_m());
   std::vector<Square> all(line);
   for (int x = x0; x < x1; ++x) {
     for (int y = y0; y < y1; ++y) {

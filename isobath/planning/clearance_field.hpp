@@ -15,7 +15,7 @@
 // if all hazards that are within `apart_m` of it, and of these in turn, are that far too.
 //
 // Distances are to the faces of the nearest closed voxel: exact at the centres of voxels, interpolated between them.
-// Distances beyond `most_m` are given as `most_m`.
+// Distances beyond `max_m` are given as `max_m`.
 //
 // Frame W. The answers never change, but they are computed when first needed, in tiles of 16 x 16 columns: one thread
 // at a time. Cost: 6 ns per voxel for a whole box; for a path, the tiles that it passes (bench/space_bench.cpp).
@@ -34,7 +34,7 @@ struct ClearanceTask {
   Eigen::Vector3d least = Eigen::Vector3d::Zero(), most = Eigen::Vector3d::Zero();  ///< the box, W
   std::span<const Hazard> hazards;                                                  ///< of the plan view, in W
   double shallow_m = 0, deep_m = 0;  ///< the band of depths that is open without having been measured
-  double most_m = 5;                 ///< distances beyond are not resolved
+  double max_m = 5;                  ///< distances beyond are not resolved
   Eigen::Vector3d vehicle_W = Eigen::Vector3d::Zero();
   double apart_m = 0;    ///< hazards with no more than this between them count as one
   double look_on_m = 0;  ///< hazards farther than this from the vehicle may turn out to be open; 0: none
@@ -42,9 +42,9 @@ struct ClearanceTask {
 
 class ClearanceField {
  public:
-  static constexpr double kMostVoxels = 3e7;
+  static constexpr double kMaxVoxels = 3e7;
 
-  /// Throws Error where the box holds more than kMostVoxels.
+  /// Throws Error where the box holds more than kMaxVoxels.
   ClearanceField(const OccupancySnapshot& grid, const ClearanceTask& task);
   ClearanceField(ClearanceField&&) = default;  ///< not while a field from of_what_is_known takes values from it
   /// The same field with all unsure voxels closed. It takes the values that do not differ from this one, which must
@@ -106,7 +106,7 @@ class ClearanceField {
   OccupancySnapshot grid_;
   VoxelIndex least_, size_;
   int shallowest_ = 0, deepest_ = 0;  ///< of the box, which may be taller than the layers that are kept
-  double most_m_;
+  double max_m_;
   int reach_;                           ///< distance within which voxels matter, in voxels
   std::vector<std::uint8_t> off_band_;  ///< for each layer, 1 where it is off the mission's depths
   std::vector<std::uint8_t> columns_;   ///< kind of hazard in each column

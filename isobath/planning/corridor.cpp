@@ -185,7 +185,7 @@ Result<std::vector<SweptPixel>, CorridorRefusal> sweep(const PixelGrid& grid, st
   for (std::size_t i = 0; i < legs; ++i) {
     const Eigen::Vector3d& to = path[std::min(i + 1, path.size() - 1)];
     estimate += sweeper.estimate(path[i], to);
-    if (estimate > kMostSweptPixels) return tl::unexpected(CorridorRefusal::kTooLarge);
+    if (estimate > kMaxSweptPixels) return tl::unexpected(CorridorRefusal::kTooLarge);
     sweeper.add(static_cast<std::int32_t>(i), path[i], to, before);
     before += (to - path[i]).head<2>().norm();
   }

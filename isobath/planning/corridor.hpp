@@ -45,6 +45,6 @@ const char* to_text(CorridorRefusal refusal);
 Result<std::vector<SweptPixel>, CorridorRefusal> sweep(const PixelGrid& grid, std::span<const Eigen::Vector3d> path,
                                                        double half_width_m);
 
-inline constexpr double kMostSweptPixels = 0x1p24;  ///< of a path, estimated before it is swept
+inline constexpr double kMaxSweptPixels = 0x1p24;  ///< of a path, estimated before it is swept
 
 }  // namespace isobath

@@ -54,7 +54,7 @@ std::optional<Vector2d> EscapeSearch::met_at(const Vector2d& place, double s, do
   return met;
 }
 
-Escape EscapeSearch::take(State state, double turn, double wait_s) const {
+Escape EscapeSearch::try_turn(State state, double turn, double wait_s) const {
   Escape escape{wait_s, turn};
   const double before = state.heading, then = before + turn;
   double least2 = std::numeric_limits<double>::infinity();
@@ -70,10 +70,10 @@ Escape EscapeSearch::take(State state, double turn, double wait_s) const {
 
 Escape EscapeSearch::best(const State& state) const {
   const double plenty = kPlenty * task_.room_m;
-  Escape best = take(state, 0, 0);
+  Escape best = try_turn(state, 0, 0);
   const auto offer = [&](double turn, double wait_s) {
     if (free(best) && best.room_m >= plenty) return;
-    const Escape other = take(state, turn, wait_s);
+    const Escape other = try_turn(state, turn, wait_s);
     const bool longer = other.free_s > best.free_s;
     if (longer || (other.free_s == best.free_s && other.room_m > best.room_m)) best = other;
   };

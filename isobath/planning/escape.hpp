@@ -46,8 +46,8 @@ class EscapeSearch {
 
   [[nodiscard]] bool free(const Escape& escape) const { return escape.free_s >= task_.horizon_s; }
   /// The result of one turn, begun after a wait.
-  [[nodiscard]] Escape take(double turn, double wait_s = 0) const {
-    return take(State{.rate = task_.turn_now}, turn, wait_s);
+  [[nodiscard]] Escape try_turn(double turn, double wait_s = 0) const {
+    return try_turn(State{.rate = task_.turn_now}, turn, wait_s);
   }
   /// The result of a turn by `ordered` for `after_s`, followed by the best escape. `turn` is that of the escape, from
   /// the heading that the vehicle then has.
@@ -62,7 +62,7 @@ class EscapeSearch {
     double heading = 0, rate = 0;
   };
   void step(State& state, double heading) const;
-  [[nodiscard]] Escape take(State state, double turn, double wait_s) const;
+  [[nodiscard]] Escape try_turn(State state, double turn, double wait_s) const;
   [[nodiscard]] Escape best(const State& state) const;
   /// The point that a place is too near to after `s` seconds; `least2` becomes the minimum squared distance to any
   /// point.

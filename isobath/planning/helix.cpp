@@ -123,7 +123,7 @@ void add_demand(PathDemand& demand, const CurveJet& jet, double speed) {
   demand.climb_rate = std::max(demand.climb_rate, speed * std::abs(t.z()));
   demand.turn_rate = std::max(demand.turn_rate, speed * bend.norm());
   const double turn = std::abs(t.x() * bend.y() - t.y() * bend.x()) / (level * level * level);
-  if (turn > 0) demand.least_radius = std::min(demand.least_radius, 1 / turn);
+  if (turn > 0) demand.min_radius = std::min(demand.min_radius, 1 / turn);
 }
 
 PathDemand demand_of(const Shape& shape, double to, double speed) {
@@ -134,7 +134,7 @@ PathDemand demand_of(const Shape& shape, double to, double speed) {
 
 bool within(const PathDemand& d, const HelixConfig& config, const VehicleLimits& limits) {
   return d.swing <= config.max_swing && d.pitch <= config.max_pitch && d.turn_rate <= limits.max_yaw_rate.radians() &&
-         d.climb_rate <= limits.max_climb_rate && d.least_radius >= limits.turning_radius;
+         d.climb_rate <= limits.max_climb_rate && d.min_radius >= limits.turning_radius;
 }
 
 }  // namespace

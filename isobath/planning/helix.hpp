@@ -88,11 +88,11 @@ HelixAmplitudes helix_amplitudes(const HelixConfig& config, const OpeningAngles&
 
 /// What a planned path demands of a vehicle at a steady speed: the maximum values at places 0.25 m apart.
 struct PathDemand {
-  Angle swing;            ///< of the heading, off the line
-  Angle pitch;            ///< up or down
-  double turn_rate = 0;   ///< rad/s; speed U times the curvature in any direction
-  double climb_rate = 0;  ///< m/s, up or down
-  double least_radius = std::numeric_limits<double>::infinity();  ///< m, in plan view
+  Angle swing;                                                  ///< of the heading, off the line
+  Angle pitch;                                                  ///< up or down
+  double turn_rate = 0;                                         ///< rad/s; speed U times the curvature in any direction
+  double climb_rate = 0;                                        ///< m/s, up or down
+  double min_radius = std::numeric_limits<double>::infinity();  ///< m, in plan view
 };
 
 /// The minimum distance before the opening from which turning away still works, from the worst heading of the swing:

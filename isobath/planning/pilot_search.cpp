@@ -164,11 +164,11 @@ std::optional<PixelWindow> window_round(const PixelGrid& grid, const Vector3d& a
   const double area = (high - low).prod() / (grid.pixel_m * grid.pixel_m);
   const double farthest =
       std::max((low - grid.corner_m).cwiseAbs().maxCoeff(), (high - grid.corner_m).cwiseAbs().maxCoeff());
-  if (!(area < static_cast<double>(kMostSearchedPixels)) || !(farthest < 0x1p29 * grid.pixel_m)) return std::nullopt;
+  if (!(area < static_cast<double>(kMaxSearchedPixels)) || !(farthest < 0x1p29 * grid.pixel_m)) return std::nullopt;
   const Pixel north_west = grid.at({high.x(), low.y()}), south_east = grid.at({low.x(), high.y()});
   const PixelWindow w{north_west.column, north_west.row, south_east.column - north_west.column + 1,
                       south_east.row - north_west.row + 1};
-  if (std::int64_t{w.width} * w.height > kMostSearchedPixels) return std::nullopt;
+  if (std::int64_t{w.width} * w.height > kMaxSearchedPixels) return std::nullopt;
   return w;
 }
 
@@ -181,8 +181,9 @@ std::vector<Field> fields(PilotSearchConfig& c) {
                   "Detour in metres that one e-fold of risk is worth per metre of path."),
       Field::real("risk_reach_m", &c.risk_reach_m, {0, 1000}, "m", "Shallow water within this distance is a risk."),
       Field::real("margin_m", &c.margin_m, {0, 100000}, "m", "Margin of the search around the box of start and goal."),
-      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1",
-                     "Maximum number of pixels that a search expands."),
+      Field::integer("max_expanded", &c.max_expanded, {1, 100'000'000}, "1",
+                     "Maximum number of pixels that a search expands.")
+          .was("most_expanded"),
   };
   all.insert(all.end(), own.begin(), own.end());
   return all;
@@ -221,7 +222,7 @@ Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Vector3
   const std::size_t first = area.index(from), last = area.index(to);
   const PilotGround ground{area, grid.pixel_m, config.risk_weight};
   GridSearch<PilotGround> search(ground, window->width, window->height, grid.pixel_m);
-  const GridOutcome outcome = search.run(first, last, config.most_expanded);
+  const GridOutcome outcome = search.run(first, last, config.max_expanded);
   path.queries = search.queries();
   path.expanded = search.expanded();
   if (outcome == GridOutcome::kOutOfBudget) return tl::unexpected(PilotRefusal::kOutOfBudget);

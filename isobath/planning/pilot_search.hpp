@@ -26,17 +26,17 @@ namespace isobath {
 
 struct PilotSearchConfig {
   PassageConfig passage;
-  double risk_weight = 1;         ///< w
-  double risk_reach_m = 5;        ///< must be at least the half-width to see more than the search does
-  double margin_m = 50;           ///< searched around the box of start and goal
-  int most_expanded = 1'000'000;  ///< pixels, the budget
+  double risk_weight = 1;        ///< w
+  double risk_reach_m = 5;       ///< must be at least the half-width to see more than the search does
+  double margin_m = 50;          ///< searched around the box of start and goal
+  int max_expanded = 1'000'000;  ///< pixels, the budget
 };
 
 std::vector<Field> fields(PilotSearchConfig& config);
 
 enum class PilotRefusal : std::uint8_t {
   kNotFinite,
-  kAreaTooLarge,  ///< above kMostSearchedPixels
+  kAreaTooLarge,  ///< above kMaxSearchedPixels
   kStartBlocked,
   kGoalBlocked,
   kNoPath,
@@ -44,7 +44,7 @@ enum class PilotRefusal : std::uint8_t {
 };
 const char* to_text(PilotRefusal refusal);
 
-inline constexpr std::int64_t kMostSearchedPixels = 1 << 24;
+inline constexpr std::int64_t kMaxSearchedPixels = 1 << 24;
 
 struct PilotPath {
   std::vector<Eigen::Vector3d> points;  ///< start, corners, goal

@@ -112,7 +112,7 @@ RouteWindow RouteWindow::around(const Vector2d& start, const Vector2d& goal, con
     const Vector2d low = ((box.min() - start) / cell).array().floor();
     const Vector2d high = ((box.max() - start) / cell).array().ceil();
     const Vector2d size = high - low + Vector2d::Ones();
-    if (size.prod() > kMostRouteCells) continue;
+    if (size.prod() > kMaxRouteCells) continue;
     whole = near.contains(all);
     return {start + cell * low, cell, static_cast<std::int32_t>(size.x()), static_cast<std::int32_t>(size.y())};
   }

@@ -22,7 +22,7 @@
 
 namespace isobath {
 
-inline constexpr double kMostRouteCells = 0x1p20;
+inline constexpr double kMaxRouteCells = 0x1p20;
 
 struct RouteWindow {
   struct Extent {
@@ -32,7 +32,7 @@ struct RouteWindow {
   };
   /// The box of both ends with a margin, but no larger than the box of ends and hazards, which is all that can matter;
   /// `whole` says whether it is all of that. The start is the centre of a cell. Cells are larger where there would be
-  /// more than kMostRouteCells.
+  /// more than kMaxRouteCells.
   static RouteWindow around(const Eigen::Vector2d& start, const Eigen::Vector2d& goal, const HazardMap& map,
                             const Extent& extent, bool& whole);
 

@@ -185,7 +185,7 @@ std::optional<std::size_t> Router::goal_cell(const RouteGrid& grid, double need)
 Result<std::vector<std::size_t>, RouteRefusal> Router::cells(const RouteGrid& grid, std::size_t from, std::size_t to) {
   const RouteWindow& w = grid.window();
   GridSearch<RouteGrid> search(grid, w.columns, w.rows, w.cell_m);
-  const GridOutcome outcome = search.run(from, to, config_.most_expanded - expanded_);
+  const GridOutcome outcome = search.run(from, to, config_.max_expanded - expanded_);
   expanded_ += search.expanded();
   if (outcome == GridOutcome::kReached) return search.path_to(to);
   if (outcome == GridOutcome::kOutOfBudget) return tl::unexpected(RouteRefusal::kOutOfBudget);
@@ -370,8 +370,9 @@ std::vector<Field> fields(RouteConfig& c) {
                   "Initial margin of the search around start and goal; it grows as needed."),
       Field::flag("smooth", &c.smooth, "Pull paths straight and respect the turning radius; not for coarse cells."),
       Field::flag("cut_corners", &c.cut_corners, "Coarse cells: allow diagonal steps past blocked cells, as printed."),
-      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1",
-                     "Maximum number of cells that a search expands."),
+      Field::integer("max_expanded", &c.max_expanded, {1, 100'000'000}, "1",
+                     "Maximum number of cells that a search expands.")
+          .was("most_expanded"),
   };
 }
 

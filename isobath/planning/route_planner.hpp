@@ -41,7 +41,7 @@ struct RouteConfig {
   double margin_m = 30;           ///< first searched around start and goal
   bool smooth = true;             ///< pull straight, and respect the turning radius
   bool cut_corners = false;       ///< kCoarse only
-  int most_expanded = 200'000;
+  int max_expanded = 200'000;
 
   /// The paper's configuration: kCoarse, 5 m, no clearance of its own, corners cut.
   static RouteConfig as_printed();

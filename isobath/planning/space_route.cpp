@@ -168,7 +168,7 @@ ClearanceField room_for(const OccupancySnapshot& grid, const SpaceRouteTask& tas
                deepest = (grid.least().z() + grid.size().z()) * grid.voxel_m();
   box.least.z() = grid.size().isZero() ? box.shallow_m : std::min(box.shallow_m, shallowest);
   box.most.z() = grid.size().isZero() ? box.deep_m : std::max(box.deep_m, deepest);
-  box.most_m = std::max(need, wished) + 2 * grid.voxel_m();
+  box.max_m = std::max(need, wished) + 2 * grid.voxel_m();
   box.vehicle_W = task.start;
   box.apart_m = 2 * need;
   box.look_on_m = look_on ? std::max(config.decide_m, grid.voxel_m()) : 0;

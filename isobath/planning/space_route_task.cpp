@@ -16,8 +16,9 @@ std::vector<Field> fields(SpaceRouteConfig& c) {
       Field::real("reach_m", &c.reach_m, {10, 1000}, "m",
                   "To a goal farther than this only a partial path is planned."),
       Field::real("margin_m", &c.margin_m, {0, 1000}, "m", "Margin of the box around start and goal."),
-      Field::integer("most_expanded", &c.most_expanded, {1, 100'000'000}, "1",
-                     "Maximum number of cells that a search expands."),
+      Field::integer("max_expanded", &c.max_expanded, {1, 100'000'000}, "1",
+                     "Maximum number of cells that a search expands.")
+          .was("most_expanded"),
   };
 }
 

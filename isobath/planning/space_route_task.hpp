@@ -20,7 +20,7 @@ struct SpaceRouteConfig {
   double decide_m = 14;
   double reach_m = 80;
   double margin_m = 20;  ///< of the box, around start and goal
-  int most_expanded = 200'000;
+  int max_expanded = 200'000;
 };
 std::vector<Field> fields(SpaceRouteConfig& config);
 
@@ -30,7 +30,7 @@ struct SpaceRouteTask {
   double half_width_m = 0.25;
   double turning_radius_m = 0;
   double steepest = 0.3;  ///< m of depth per metre of path; infinite: the vehicle can rise on the spot
-  double least_depth_m = 0, most_depth_m = std::numeric_limits<double>::infinity();  ///< of the path
+  double min_depth_m = 0, max_depth_m = std::numeric_limits<double>::infinity();  ///< of the path
   std::span<const Hazard> hazards;
 };
 

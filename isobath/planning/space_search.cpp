@@ -66,8 +66,8 @@ double SpaceSearch::leg_price(const Vector3d& a, const Vector3d& b) const {
 
 /// Whether a place is within the depths of the mission, or on the way to them.
 bool SpaceSearch::is_allowed(const Vector3d& p) const {
-  const double shallow = std::min(task_.least_depth_m, task_.start.z()),
-               deep = std::max(task_.most_depth_m, task_.start.z());
+  const double shallow = std::min(task_.min_depth_m, task_.start.z()),
+               deep = std::max(task_.max_depth_m, task_.start.z());
   return p.z() >= shallow - 0.5 * room_.voxel_m() && p.z() <= deep + 0.5 * room_.voxel_m();
 }
 
@@ -149,7 +149,7 @@ Result<SpaceWay, RouteRefusal> SpaceSearch::search(const Vector3d& from) {
     const VoxelIndex voxel = voxel_of(at);
     const Vector3d here = room_.centre_of(voxel);
     if (at == node_of(last)) return way_to(at, from);
-    if (++expanded_ > config_.most_expanded) return tl::unexpected(RouteRefusal::kOutOfBudget);
+    if (++expanded_ > config_.max_expanded) return tl::unexpected(RouteRefusal::kOutOfBudget);
     if (expanded_ - before == kDoubtAfter && !can_be_reached(last)) break;
     for (int neighbour = 0; neighbour < 27; ++neighbour) {
       const VoxelIndex by(neighbour / 9 - 1, neighbour / 3 % 3 - 1, neighbour % 3 - 1);

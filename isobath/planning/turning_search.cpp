@@ -57,7 +57,7 @@ class TurningSearch {
     for (int k = 0; k < (task_.heading ? 1 : kHeadings); ++k) offer({task_.start, k});
     std::optional<Way> circling;
     double least = INFINITY;
-    int most = task_.most_expanded;
+    int most = task_.max_expanded;
     for (int expanded = 0; !open_.empty() && expanded < most;) {
       const std::int32_t best = open_.top().state;
       open_.pop();

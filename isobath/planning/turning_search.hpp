@@ -26,7 +26,7 @@ struct TurningTask {
   std::optional<double> heading;  ///< from x towards y; empty: any of the 16
   Eigen::Vector2d goal = Eigen::Vector2d::Zero();
   double radius_m = 1;  ///< above 0
-  int most_expanded = 2000;
+  int max_expanded = 2000;
 };
 
 /// Start, corners, goal; empty if no path was found. The goal must lie in the grid's window, or no path is found.

@@ -16,16 +16,16 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kFewBeams = 8;  // with fewer, one ping makes no image
-constexpr std::size_t kMostColumns = 1440;
+constexpr std::size_t kMaxColumns = 1440;
 constexpr double kVoxelBytesPerSecond = 20e3;
 
 constexpr FoxgloveColor kObstacleColor{1, 0.35, 0.2, 1}, kHiddenColor{1, 0.35, 0.2, 0.35}, kPlanColor{0.3, 0.7, 1, 1},
     kTrackColor{0.6, 0.9, 0.5, 1};
 
-/// One beam as bytes of at most kMostPixels, the loudest sample of each; nearest first.
+/// One beam as bytes of at most kMaxPixels, the loudest sample of each; nearest first.
 std::vector<std::uint8_t> pixels_of_beam(const Ping& ping, int beam) {
   const int bins = ping.window.bins;
-  const int height = std::min(bins, FoxgloveLog::kMostPixels);
+  const int height = std::min(bins, FoxgloveLog::kMaxPixels);
   std::vector<float> line(static_cast<std::size_t>(bins));
   ping.intensity.copy_beam(beam, line.data());
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(height), 0);
@@ -77,7 +77,7 @@ void FoxgloveLog::write(FoxgloveKind kind, const std::string& topic, Time time, 
   log_.write(channel->second, time, message);
 }
 
-void FoxgloveLog::take(const Navigation& fix) {
+void FoxgloveLog::on_fix(const Navigation& fix) {
   if (!fix.X_WB.is_finite() || !pose_.take(fix.time, config_.pose_s)) return;
   write(FoxgloveKind::kFrameTransform, "/foxglove/tf", fix.time, foxglove_transform(fix.time, fix.X_WB));
   write(FoxgloveKind::kPoseInFrame, "/foxglove/pose", fix.time, foxglove_pose(fix.time, fix.X_WB));
@@ -88,7 +88,7 @@ void FoxgloveLog::take(const Navigation& fix) {
     write(FoxgloveKind::kLocationFix, "/foxglove/location", fix.time, foxglove_location(fix.time, place));
   }
   if (fixes_++ % track_step_ == 0) track_.push_back(fix.X_WB.translation);
-  if (track_.size() > kMostTrack) {
+  if (track_.size() > kMaxTrack) {
     for (std::size_t i = 0; 2 * i < track_.size(); ++i) track_[i] = track_[2 * i];
     track_.resize((track_.size() + 1) / 2);
     track_step_ *= 2;
@@ -115,7 +115,7 @@ void FoxgloveLog::add_echoes(const PosedPing& posed) {
   for (int beam = 0; beam < ping.fan->beams(); ++beam) {
     const double azimuth = ping.fan->azimuth[static_cast<std::size_t>(beam)].radians();
     const Vector3d axis(std::cos(azimuth), std::sin(azimuth), 0);
-    for (int bin = 0; bin < ping.window.bins && echoes_.size() < kMostPoints; ++bin) {
+    for (int bin = 0; bin < ping.window.bins && echoes_.size() < kMaxPoints; ++bin) {
       if (!posed.decisions.hit(beam, bin) || !posed.decisions.tells(beam, bin)) continue;
       const Vector3d p_W = X_WS * Vector3d(ping.window.centre(bin) * axis);
       echoes_.push_back({p_W.cast<float>(), ping.intensity(beam, bin)});
@@ -132,7 +132,7 @@ void FoxgloveLog::add_image(const PosedPing& posed) {
   const std::size_t number = mountings_.index_of(ping.X_BS).value_or(0);
   Sonar& sonar = sonars_[number];
   if (ping.fan->beams() < kFewBeams) {
-    for (int beam = 0; beam < ping.fan->beams() && sonar.columns.size() < kMostColumns; ++beam) {
+    for (int beam = 0; beam < ping.fan->beams() && sonar.columns.size() < kMaxColumns; ++beam) {
       sonar.columns.push_back({bearing_of(ping, beam), pixels_of_beam(ping, beam)});
     }
     return;
@@ -148,7 +148,7 @@ void FoxgloveLog::add_image(const PosedPing& posed) {
 /// Columns from port to starboard, the far end at the top.
 void FoxgloveLog::write_image(const std::string& topic, Time time, const std::vector<const Column*>& columns) {
   const auto count = static_cast<int>(columns.size());
-  const int width = std::min(count, kMostPixels);
+  const int width = std::min(count, kMaxPixels);
   std::size_t height = 0;
   for (const Column* column : columns) height = std::max(height, column->pixels.size());
   if (width == 0 || height == 0) return;
@@ -221,7 +221,7 @@ void FoxgloveLog::write_obstacles(const Detection& detection) {
         foxglove_scene(detection.time, {&entity, 1}));
 }
 
-void FoxgloveLog::heard(const Envelope& envelope) {
+void FoxgloveLog::on_message(const Envelope& envelope) {
   const auto log = [&](FoxgloveLevel level, std::string_view name, std::string_view message) {
     write(FoxgloveKind::kLog, "/foxglove/log", envelope.time, foxglove_log(envelope.time, level, name, message));
   };
@@ -244,7 +244,7 @@ void FoxgloveLog::heard(const Envelope& envelope) {
   }
 }
 
-void FoxgloveLog::take_display(Time time, std::string_view records) {
+void FoxgloveLog::on_display(Time time, std::string_view records) {
   for_each_record(records, [&](const DisplayRecord& record) {
     if (record.forget && !voxels_.empty()) {
       voxels_.clear();

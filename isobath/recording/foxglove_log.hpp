@@ -12,7 +12,7 @@
 //   /foxglove/log              decisions, faults, lost agents           Log
 //
 // The configuration bounds the rates. All voxels are written at once, less often the more there are: 20 kB a second of
-// the run on average. An image has at most kMostPixels a side; a pixel shows the loudest sample that it covers. Errors:
+// the run on average. An image has at most kMaxPixels a side; a pixel shows the loudest sample that it covers. Errors:
 // those of the log's writer. One thread at a time.
 #pragma once
 
@@ -31,21 +31,21 @@ namespace isobath {
 
 class FoxgloveLog {
  public:
-  static constexpr int kMostPixels = 256;
-  static constexpr std::size_t kMostPoints = 20'000;  ///< echoes in a message
-  static constexpr std::size_t kMostTrack = 512;      ///< points of the track; beyond, every other one is dropped
+  static constexpr int kMaxPixels = 256;
+  static constexpr std::size_t kMaxPoints = 20'000;  ///< echoes in a message
+  static constexpr std::size_t kMaxTrack = 512;      ///< points of the track; beyond, every other one is dropped
 
   /// `log` must outlive it; `group` of its channels.
   FoxgloveLog(NativeLogWriter& log, const FoxgloveConfig& config, int group);
 
   /// The geographic origin of W.
   void locate(const GeoOrigin& origin) { plane_.emplace(origin); }
-  void take(const Navigation& fix);
+  void on_fix(const Navigation& fix);
   void on_ping(const PosedPing& ping);
   void on_scan(const ScanResult& scan);
-  void heard(const Envelope& envelope);
+  void on_message(const Envelope& envelope);
   /// Records of the display (display_state.hpp); only the voxels are used.
-  void take_display(Time time, std::string_view records);
+  void on_display(Time time, std::string_view records);
 
  private:
   /// Limits the rate of a channel.

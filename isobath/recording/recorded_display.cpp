@@ -56,7 +56,7 @@ std::optional<RecordedDisplay::Span> RecordedDisplay::span() {
 void RecordedDisplay::take_changes(std::uint64_t from, std::uint64_t to, DisplayState& items) {
   const std::uint16_t channel = *changes_;
   index_.visit({&channel, 1}, from, to, [&](const McapMessage& message) {
-    items.take(records_in(message));
+    items.update(records_in(message));
     at_ = time_of_log(message.log_time);
     return true;
   });
@@ -69,7 +69,7 @@ void RecordedDisplay::seek(Time time, DisplayState& items) {
   const std::uint64_t to = log_time_of(time);
   std::uint64_t from = 0;
   if (const auto whole = wholes_ ? index_.last(*wholes_, to) : std::nullopt) {
-    then.take(records_in(*whole));
+    then.update(records_in(*whole));
     at_ = time_of_log(whole->log_time);
     from = whole->log_time + 1;
   }

@@ -98,19 +98,19 @@ void RunRecorder::locate(const GeoOrigin& origin) {
   });
 }
 
-void RunRecorder::take(const Event& event) {
+void RunRecorder::on_event(const Event& event) {
   guarded([&] {
     log_.write(event);
     const auto* fix = std::get_if<Navigation>(&event);
-    if (foxglove_ && fix) foxglove_->take(*fix);
+    if (foxglove_ && fix) foxglove_->on_fix(*fix);
   });
 }
 
-void RunRecorder::take(const EchoTruth& echoes) {
+void RunRecorder::on_truth(const EchoTruth& echoes) {
   guarded([&] { log_.write(echoes); });
 }
 
-void RunRecorder::take(const TrueMotion& motion) {
+void RunRecorder::on_truth(const TrueMotion& motion) {
   guarded([&] { log_.write(motion); });
 }
 
@@ -124,14 +124,14 @@ void RunRecorder::on_scan(const ScanResult& scan) {
   guarded([&] { foxglove_->on_scan(scan); });
 }
 
-void RunRecorder::heard(const Envelope& envelope) {
+void RunRecorder::on_message(const Envelope& envelope) {
   guarded([&] {
     if (messages_ == 0) {
       messages_ = log_.add_channel(kMessagesTopic, "json", {0, "isobath.Message", "jsonschema", message_schema()},
                                    kMessageGroup);
     }
     log_.write(messages_, envelope.time, message_json(envelope));
-    if (foxglove_) foxglove_->heard(envelope);
+    if (foxglove_) foxglove_->on_message(envelope);
   });
   const auto* decision = std::get_if<Decision>(&envelope.message);
   if (decision) guarded([&] { log_.write_decision(decision->time, decision_json(*decision)); });
@@ -155,8 +155,9 @@ bool RunRecorder::sample(Time time, const DisplayState& items, bool at_once) {
       log_.write(display_, time, records);
       bytes_since_whole_ += records.size();
     }
-    if (foxglove_) foxglove_->take_display(time, records);
-    const bool due = whole_at_ && time - *whole_at_ >= seconds(config_.whole_s) && bytes_since_whole_ > items.bytes();
+    if (foxglove_) foxglove_->on_display(time, records);
+    const bool due =
+        whole_at_ && time - *whole_at_ >= seconds(config_.keyframe_s) && bytes_since_whole_ > items.bytes();
     const bool hidden = whole_at_ == time && !records.empty();  // a seek reads only changes after the complete sample
     if (whole_at_ && !due && !hidden) return;
     std::string whole = of_the_run(items.changes_after(0).records);

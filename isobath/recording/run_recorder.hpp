@@ -5,16 +5,16 @@
 //
 //   RunRecorder recorder("run.mcap", configuration);
 //   recorder.describe(simulator, scenario_toml);  recorder.describe(setup);
-//   recorder.take(event);                         // each event, before it is handled
+//   recorder.on_event(event);                     // each event, before it is handled
 //   recorder.on_ping(ping); recorder.on_scan(scan);
-//   recorder.heard(envelope); recorder.setpoint(time, setpoint);
+//   recorder.on_message(envelope); recorder.setpoint(time, setpoint);
 //   recorder.sample(time, items);                 // after each event: takes one every `display_s`
 //   recorder.close();
 //
 // Display items: each sample writes the changes since the last one to /display. A complete sample goes to
-// /display/whole first of all, and again when `whole_s` has passed and the changes since then take more bytes than the
-// items themselves. The recording of the display thus takes at most about twice the bytes of its changes, and a seek
-// reads at most about twice the bytes that the page then holds.
+// /display/whole first of all, and again when `keyframe_s` has passed and the changes since then take more bytes than
+// the items themselves. The recording of the display thus takes at most about twice the bytes of its changes, and a
+// seek reads at most about twice the bytes that the page then holds.
 //
 // The recorder is not essential to a vehicle. After the first failed write it writes nothing more, and `problem` says
 // why; only the constructor throws. The same calls give the same bytes. Any number of threads.
@@ -63,14 +63,14 @@ class RunRecorder : public ResultSink, public SimulatedSource::TruthSink {
   void locate(const GeoOrigin& origin);
 
   // The run itself.
-  void take(const Event& event);
-  void take(const EchoTruth& echoes) override;
-  void take(const TrueMotion& motion) override;
+  void on_event(const Event& event);
+  void on_truth(const EchoTruth& echoes) override;
+  void on_truth(const TrueMotion& motion) override;
   void on_ping(const PosedPing& ping) override;
   void on_vertical_ping(const PosedPing& ping) override { on_ping(ping); }
   void on_scan(const ScanResult& scan) override;
   /// A message of the agents; a decision is also written to its own channel.
-  void heard(const Envelope& envelope);
+  void on_message(const Envelope& envelope);
   /// Written only when it changes.
   void setpoint(Time time, const Setpoint& setpoint);
   /// Takes a sample of the display if one is due, or in any case with `at_once`, as at the end of the run. Returns

@@ -12,10 +12,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kMostNodes = 40000;  // of the surface between soundings
-constexpr double kShoreStep = 5;           // m
-constexpr double kChartMargin = 0.03;      // around the known pixels, share of the longer side
-constexpr int kLeastChartMargin = 2;       // pixels
+constexpr std::size_t kMaxNodes = 40000;  // of the surface between soundings
+constexpr double kShoreStep = 5;          // m
+constexpr double kChartMargin = 0.03;     // around the known pixels, share of the longer side
+constexpr int kMinChartMargin = 2;        // pixels
 
 /// Measured depths, thinned so that a surface through them is quick to make, and the shore at depth 0.
 std::vector<SurveyPoint> nodes_of(const MapRaster& raster, const DepthChart& chart) {
@@ -30,7 +30,7 @@ std::vector<SurveyPoint> nodes_of(const MapRaster& raster, const DepthChart& cha
   }
   double cell_m = 2 * raster.grid.pixel_m;
   std::vector<SurveyPoint> nodes = merged(measured, cell_m, Merge::kMean);
-  while (nodes.size() > kMostNodes) {
+  while (nodes.size() > kMaxNodes) {
     cell_m *= 1.4;
     nodes = merged(measured, cell_m, Merge::kMean);
   }
@@ -103,7 +103,7 @@ DepthPictures write_depth_files(const DepthModel& model, const ChartSource& sour
     const double pixel_m = raster.grid.pixel_m;
     contours = contours_text(chart, std::max(pixel_m, pixel_m * longer_px / 500));
   }
-  add_margin(chart, std::max(kLeastChartMargin, static_cast<int>(kChartMargin * longer_px)));
+  add_margin(chart, std::max(kMinChartMargin, static_cast<int>(kChartMargin * longer_px)));
   DepthPictures pictures;
   chart.title = "Depths";
   pictures.depth = depth_chart_png(chart);

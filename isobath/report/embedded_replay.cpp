@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kRawPerPacked = 4;   ///< raw bytes kept during the run, per packed byte in the report
 constexpr int kFast = 1, kWell = 6;   ///< levels of zlib
-constexpr int kMostTries = 4;         ///< attempts to get under the bound without thinning more than needed
+constexpr int kMaxTries = 4;          ///< attempts to get under the bound without thinning more than needed
 constexpr double kSurelyMore = 1.15;  ///< if the estimate exceeds the bound by this factor, packing is not tried
 
-/// Maximum number of packed bytes, so that base64 of them fits into film_mb.
-double packed_bytes(const ReportConfig& config) { return config.film_mb * 1e6 / 4 * 3 - 3; }
+/// Maximum number of packed bytes, so that base64 of them fits into replay_mb.
+double packed_bytes(const ReportConfig& config) { return config.replay_mb * 1e6 / 4 * 3 - 3; }
 
 /// Whether a kind of item belongs into the replay: no times of real clocks, and no items of a single page.
 bool is_of_the_run(DisplayKind kind) {
@@ -79,14 +79,14 @@ double packed_estimate(std::string_view bytes) {
 }  // namespace
 
 EmbeddedReplay::EmbeddedReplay(const ReportConfig& config)
-    : config_(config), most_replaced_(static_cast<std::size_t>(kRawPerPacked * packed_bytes(config))) {
-  interval_s_.fill(config.film_s);
+    : config_(config), max_replaced_(static_cast<std::size_t>(kRawPerPacked * packed_bytes(config))) {
+  interval_s_.fill(config.replay_s);
 }
 
-bool EmbeddedReplay::wanted(const ReportConfig& config) { return config.film && !live_page().empty(); }
+bool EmbeddedReplay::wanted(const ReportConfig& config) { return config.replay && !live_page().empty(); }
 
 void EmbeddedReplay::sample(Time time, const DisplayState& items) {
-  if (!blocks_.empty() && time - blocks_.back().time < seconds(config_.film_s)) return;
+  if (!blocks_.empty() && time - blocks_.back().time < seconds(config_.replay_s)) return;
   take(time, items);
 }
 
@@ -109,7 +109,7 @@ void EmbeddedReplay::take(Time time, const DisplayState& items) {
     put(block, record);
   });
   for (const auto& [kind, number] : forgotten) put(block, {kind, true, false, false, number, time, {}});
-  if (replaced() > most_replaced_) thin_to(most_replaced_ / 4 * 3);
+  if (replaced() > max_replaced_) thin_to(max_replaced_ / 4 * 3);
 }
 
 void EmbeddedReplay::put(Block& block, const DisplayRecord& record) {
@@ -156,8 +156,8 @@ DisplayKind EmbeddedReplay::heaviest() const {
   return static_cast<DisplayKind>(std::max_element(bytes.begin(), bytes.end()) - bytes.begin());
 }
 
-void EmbeddedReplay::thin_to(std::size_t most_replaced) {
-  while (replaced() > most_replaced) {
+void EmbeddedReplay::thin_to(std::size_t max_replaced) {
+  while (replaced() > max_replaced) {
     const DisplayKind kind = heaviest();
     interval_s_[index_of(kind)] *= 2;
     thin(kind);
@@ -202,7 +202,7 @@ std::string EmbeddedReplay::finish(Time last, const DisplayState& items) {
   take(last, items);
   if (blocks_.empty()) return {};
   for (std::size_t kind = 1; kind < kKinds; ++kind) {  // thins what came since the last thinning, too
-    if (interval_s_[kind] > config_.film_s) thin(static_cast<DisplayKind>(kind));
+    if (interval_s_[kind] > config_.replay_s) thin(static_cast<DisplayKind>(kind));
   }
   const double most = packed_bytes(config_);
   for (int tries = 1;; ++tries) {
@@ -217,7 +217,7 @@ std::string EmbeddedReplay::finish(Time last, const DisplayState& items) {
     }
     const std::size_t before = replaced();
     // The estimate uses kFast and tends to be too high. An interval that was doubled is never halved again.
-    const double share = tries < kMostTries ? (estimated ? 1.1 : 0.95) * most / size : 0;
+    const double share = tries < kMaxTries ? (estimated ? 1.1 : 0.95) * most / size : 0;
     thin_to(static_cast<std::size_t>(share * static_cast<double>(before)));
     if (replaced() == before) return {};
   }

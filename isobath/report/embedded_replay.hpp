@@ -1,9 +1,9 @@
 // EmbeddedReplay: the replay of a run that its report embeds (web/README.md, "A run in a page"): samples of the display
 // at moments of the run's own clock.
 //
-//   EmbeddedReplay film(configuration.report);
-//   film.sample(time, items);                          // after each event: takes one every `film_s`
-//   const std::string recording = film.finish(last, items);
+//   EmbeddedReplay replay(configuration.report);
+//   replay.sample(time, items);                        // after each event: takes one every `replay_s`
+//   const std::string recording = replay.finish(last, items);
 //   page_with_recording(live_page(), recording);       // the page that HtmlReport shows
 //
 // Size: the newest version of each item is always kept. When the replaced versions exceed the bound, the kind of item
@@ -49,12 +49,12 @@ class EmbeddedReplay {
   /// too large for the report.
   [[nodiscard]] std::string finish(Time last, const DisplayState& items);
 
-  /// Time between two moments of a kind of item, s: film_s times a power of two.
+  /// Time between two moments of a kind of item, s: replay_s times a power of two.
   [[nodiscard]] double interval_s(DisplayKind kind) const { return interval_s_[index_of(kind)]; }
   /// Bytes of the records that belong neither to the first moment nor are the newest of their item. After any call they
-  /// are at most `most_replaced`.
+  /// are at most `max_replaced`.
   [[nodiscard]] std::size_t replaced() const { return bytes_ - first_bytes_ - newest_bytes_; }
-  [[nodiscard]] std::size_t most_replaced() const { return most_replaced_; }
+  [[nodiscard]] std::size_t max_replaced() const { return max_replaced_; }
 
  private:
   using Key = std::pair<DisplayKind, std::uint64_t>;
@@ -72,12 +72,12 @@ class EmbeddedReplay {
   void take(Time time, const DisplayState& items);
   void put(Block& block, const DisplayRecord& record);
   void thin(DisplayKind kind);
-  void thin_to(std::size_t most_replaced);
+  void thin_to(std::size_t max_replaced);
   [[nodiscard]] DisplayKind heaviest() const;
   [[nodiscard]] std::string blocks() const;
 
   ReportConfig config_;
-  std::size_t most_replaced_;
+  std::size_t max_replaced_;
   std::vector<Block> blocks_;
   std::map<Key, Newest> newest_;
   std::array<double, kKinds> interval_s_;

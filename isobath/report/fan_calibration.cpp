@@ -44,8 +44,8 @@ std::vector<std::string> lines_of(const FanCalibration& calibration) {
                   w.start_m, w.end_m(), w.bins, to_text(m.type)),
       fmt::format("recording: {} pings in {:.1f} s, {} of other settings left out", m.pings, m.seconds,
                   calibration.left_out),
-      m.blind_m > w.start_m ? fmt::format("blind zone: to {:.2f} m", m.blind_m)
-                            : std::string("blind zone: none found within the window"),
+      m.blanking_m > w.start_m ? fmt::format("blind zone: to {:.2f} m", m.blanking_m)
+                               : std::string("blind zone: none found within the window"),
       "gains: " + gains_text(m),
       m.dead_beams.empty() ? std::string("dead beams: none")
                            : fmt::format("dead beams: {} (counted from 0)", fmt::join(m.dead_beams, ", ")),
@@ -81,7 +81,7 @@ ordered_json fan_json(const FanCalibration& calibration) {
       {"pings", m.pings},
       {"seconds", m.seconds},
       {"left_out", calibration.left_out},
-      {"blind_m", m.blind_m},
+      {"blind_m", m.blanking_m},
       {"gains_db", m.gains_db},
       {"dead_beams", m.dead_beams},
       {"clipped", m.clipped},
@@ -107,7 +107,7 @@ std::string level_chart(const FanModel& model) {
                      {"range (m)", model.window.start_m, model.window.end_m(), false},
                      {"mean power of the samples (dB of one count)", low, high, false});
   chart.curve(range, level, {palette::kTrack, 2, false}, "median beam");
-  if (model.blind_m > model.window.start_m) chart.mark(model.blind_m, "blind zone ends", palette::kObstacle);
+  if (model.blanking_m > model.window.start_m) chart.mark(model.blanking_m, "blind zone ends", palette::kObstacle);
   chart.finish();
   return chart.png();
 }

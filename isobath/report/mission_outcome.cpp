@@ -63,9 +63,9 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
     json["truth"] = {{"contact", truth->contact_s >= 0},
                      {"contact_s", truth->contact_s >= 0 ? number_json(truth->contact_s) : ordered_json()},
                      {"contact_with", truth->contact_with},
-                     {"least_clearance_m", number_json(truth->least_clearance_m)},
+                     {"least_clearance_m", number_json(truth->min_clearance_m)},
                      {"nearest_body", truth->nearest_body},
-                     {"least_altitude_m", number_json(truth->least_altitude_m)},
+                     {"least_altitude_m", number_json(truth->min_altitude_m)},
                      {"path_m", number_json(truth->length_m)}};
   }
   const ExecutorCounts& executor = outcome.executor;

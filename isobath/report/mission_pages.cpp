@@ -128,7 +128,7 @@ void draw_dangers(MissionPlot& plot, const MissionOutcome& outcome) {
 }
 
 void draw_nearest(MissionPlot& plot, const MissionOutcome& outcome) {
-  if (!outcome.truth || outcome.bodies.empty() || !std::isfinite(outcome.truth->least_clearance_m)) return;
+  if (!outcome.truth || outcome.bodies.empty() || !std::isfinite(outcome.truth->min_clearance_m)) return;
   const TrackTruth& truth = *outcome.truth;
   const auto least = std::min_element(truth.clearance_m.begin(), truth.clearance_m.end());
   const TrueMotion& there = truth.track[static_cast<std::size_t>(least - truth.clearance_m.begin())];
@@ -138,7 +138,7 @@ void draw_nearest(MissionPlot& plot, const MissionOutcome& outcome) {
     const Vector2d p = nearest_point(body.outline, here);
     if ((p - here).norm() < (nearest - here).norm()) nearest = p;
   }
-  plot.measure(here, nearest, fmt::format("{:.1f} m clear", truth.least_clearance_m));
+  plot.measure(here, nearest, fmt::format("{:.1f} m clear", truth.min_clearance_m));
 }
 
 void draw_numbers(MissionPlot& plot, const MissionOutcome& outcome) {
@@ -160,8 +160,8 @@ std::string how_it_ended(const MissionOutcome& outcome) {
 
 std::string how_clear(const TrackTruth& truth) {
   if (truth.contact_s >= 0) return fmt::format("CONTACT with {} at {:.1f} s.", truth.contact_with, truth.contact_s);
-  if (!std::isfinite(truth.least_clearance_m)) return "There were no bodies in the water.";
-  return fmt::format("Minimum clearance {:.1f} m, to {}.", truth.least_clearance_m, truth.nearest_body);
+  if (!std::isfinite(truth.min_clearance_m)) return "There were no bodies in the water.";
+  return fmt::format("Minimum clearance {:.1f} m, to {}.", truth.min_clearance_m, truth.nearest_body);
 }
 
 void legend(MissionPlot& plot, const MissionOutcome& outcome) {
@@ -230,7 +230,7 @@ std::string clearance_png(const MissionOutcome& outcome, double planned_clearanc
   for (double& c : clear) c = c > top ? std::nan("") : c;
   ChartPicture picture(1000, 400, "Clearance from the hull to the nearest body",
                        {"time (s)", 0, std::max(time.back(), 1.0)},
-                       {"clearance (m)", std::min(0.0, truth.least_clearance_m), top});
+                       {"clearance (m)", std::min(0.0, truth.min_clearance_m), top});
   const std::vector<double> ends{0, time.back()};
   const auto limit = [&](double value, Colour colour, const std::string& name) {
     picture.curve(ends, std::vector<double>{value, value}, {colour, 1.5, true}, name);
@@ -253,7 +253,7 @@ std::string number_or_dash(const std::optional<double>& value) { return value ? 
 MissionPictures draw_mission(const MissionOutcome& outcome, double planned_clearance_m, const ChartSource& source) {
   MissionPictures pictures;
   if (!outcome.believed.empty()) pictures.chart = chart_png(outcome, source);
-  if (outcome.truth && outcome.truth->track.size() > 1 && std::isfinite(outcome.truth->least_clearance_m)) {
+  if (outcome.truth && outcome.truth->track.size() > 1 && std::isfinite(outcome.truth->min_clearance_m)) {
     pictures.clearance = clearance_png(outcome, planned_clearance_m);
   }
   return pictures;

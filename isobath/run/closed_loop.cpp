@@ -52,7 +52,7 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
   if (request.live) pace.emplace(0, simulator);
   EndOfMission end;
   while (auto event = source.next()) {
-    onboard.take(std::move(*event));
+    onboard.on_event(std::move(*event));
     if (pace) pace->keep(onboard);
     simulator.command(onboard.steer());
     source.answer(helm.to_operator());

@@ -198,7 +198,7 @@ void Run::invite_observers() {
   }
   if (!display_.on()) return;
   onboard_.show_to(display_);
-  if (helm_) helm_->show_messages_to([this](const Envelope& envelope) { display_.heard(envelope); });
+  if (helm_) helm_->show_messages_to([this](const Envelope& envelope) { display_.on_message(envelope); });
 }
 
 RunOutcome Run::outcome() {
@@ -246,7 +246,7 @@ void Run::finish_display(RunOutcome& outcome) {
     outcome.recording_problem = recorder->problem();
     outcome.not_recorded = recorder->left_out();
   }
-  if (display_.film() && last_ >= first_) folder_.show_run(*display_.film(), last_, display_.items());
+  if (display_.replay() && last_ >= first_) folder_.show_run(*display_.replay(), last_, display_.items());
   if (!outcome.live) return;
   const TaskThread::LeftOut left_out = display_.left_out();
   outcome.live->unshown_pings = left_out.pings;
@@ -273,7 +273,7 @@ bool Run::take(Event event) {
   if (SimulatedSource* simulated = input_.simulated(); simulated && watched_ && setup_ && request_.watch->ordered) {
     if (const auto order = request_.watch->ordered()) simulated->order(*order, setup_->plan);
   }
-  onboard_.take(std::move(event));
+  onboard_.on_event(std::move(event));
   if (live_ && live_->keep(onboard_)) display_.settle();
   first_ = std::min(first_, time);
   last_ = std::max(last_, time);

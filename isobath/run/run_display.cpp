@@ -54,7 +54,7 @@ auto as_told(const std::shared_ptr<const Kept>& kept) requires requires {
 template <class... Told>
 void RunDisplay::post(Kind kind, void (RunDisplay::*show)(const Told&...), const Told&... told) {
   if (!thread_) return (this->*show)(told...);
-  thread_->take(kind, [this, show, ... kept = keep(told)] { (this->*show)(as_told(kept)...); });
+  thread_->push(kind, [this, show, ... kept = keep(told)] { (this->*show)(as_told(kept)...); });
 }
 
 RunDisplay::RunDisplay(const RunRequest& request, const std::optional<MissionSetup>& setup, RunInput& input)
@@ -62,8 +62,8 @@ RunDisplay::RunDisplay(const RunRequest& request, const std::optional<MissionSet
   if (!request.record.empty()) begin_recording(request, setup, input);
   if (request.watch && request.watch->display) shown_ = request.watch->display;
   if (EmbeddedReplay::wanted(request.configuration.report) && !request.live_speed)
-    film_.emplace(request.configuration.report);
-  if (!request.watch && !recorder_ && !film_) return;
+    replay_.emplace(request.configuration.report);
+  if (!request.watch && !recorder_ && !replay_) return;
   display_.emplace(*shown_);
   if (!request.live_speed) return;
   voxels_.emplace(*shown_);
@@ -90,22 +90,22 @@ void RunDisplay::on_event(const Event& event) {
 void RunDisplay::show_event(const Event& event, const std::optional<GeoOrigin>& origin) {
   if (recorder_) {
     if (origin) recorder_->locate(*origin);
-    recorder_->take(event);
+    recorder_->on_event(event);
   }
-  display_->hear(event);
+  display_->on_event(event);
 }
 
-void RunDisplay::take(const EchoTruth& echoes) {
+void RunDisplay::on_truth(const EchoTruth& echoes) {
   if (recorder_) post(Kind::kNote, &RunDisplay::show_truth<EchoTruth>, echoes);
 }
 
-void RunDisplay::take(const TrueMotion& motion) {
+void RunDisplay::on_truth(const TrueMotion& motion) {
   if (recorder_) post(Kind::kNote, &RunDisplay::show_truth<TrueMotion>, motion);
 }
 
 template <class Truth>
 void RunDisplay::show_truth(const Truth& truth) {
-  recorder_->take(truth);
+  recorder_->on_truth(truth);
 }
 
 void RunDisplay::on_setpoint(Time time, const Setpoint& setpoint) {
@@ -142,7 +142,7 @@ void RunDisplay::sample(Time time) { post(Kind::kNote, &RunDisplay::show_sample,
 
 void RunDisplay::show_sample(const Time& time) {
   if (recorder_) recorder_->sample(time, *shown_);
-  if (film_) film_->sample(time, *shown_);
+  if (replay_) replay_->sample(time, *shown_);
 }
 
 // Called by the mapping thread ---------------------------------------------------------------------------------------
@@ -206,11 +206,11 @@ void RunDisplay::show_counts(Time time) {
 
 // Called by the agents' threads --------------------------------------------------------------------------------------
 
-void RunDisplay::heard(const Envelope& envelope) { post(Kind::kNote, &RunDisplay::show_message, envelope); }
+void RunDisplay::on_message(const Envelope& envelope) { post(Kind::kNote, &RunDisplay::show_message, envelope); }
 
 void RunDisplay::show_message(const Envelope& envelope) {
-  display_->heard(envelope);
-  if (recorder_) recorder_->heard(envelope);
+  display_->on_message(envelope);
+  if (recorder_) recorder_->on_message(envelope);
   if (counts_ && display_->wants_counts(envelope.time)) show_counts(envelope.time);  // shows a fault at once
 }
 

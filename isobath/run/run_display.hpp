@@ -3,14 +3,14 @@
 //
 //   RunDisplay display(request, setup, input);
 //   onboard.show_to(display);
-//   helm.show_messages_to([&](const Envelope& envelope) { display.heard(envelope); });
+//   helm.show_messages_to([&](const Envelope& envelope) { display.on_message(envelope); });
 //   display.look(...); display.sample(time);  // after each event
 //   display.finish(last);
 //
 // In a sequential run every call does its work at once. In a live run several threads call: the source thread
 // (on_event, take, on_setpoint, wants_scene, show, sample), the mapping thread (all other on_*) and the agents' threads
-// (heard). Each call then copies its arguments and posts them to a TaskThread, the display thread, so that no caller
-// waits. Only voxels are encoded by the mapping thread, one eighth of the changed blocks per call.
+// (on_message). Each call then copies its arguments and posts them to a TaskThread, the display thread, so that no
+// caller waits. Only voxels are encoded by the mapping thread, one eighth of the changed blocks per call.
 #pragma once
 
 #include <isobath/base/task_thread.hpp>
@@ -40,13 +40,13 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   [[nodiscard]] bool on() const { return display_.has_value(); }
   [[nodiscard]] const RunRecorder* recorder() const { return recorder_ ? &*recorder_ : nullptr; }
   /// Null: the report has no replay.
-  [[nodiscard]] EmbeddedReplay* film() { return film_ ? &*film_ : nullptr; }
+  [[nodiscard]] EmbeddedReplay* replay() { return replay_ ? &*replay_ : nullptr; }
   [[nodiscard]] const DisplayState& items() const { return *shown_; }
 
   // Called by the source thread.
   void on_event(const Event& event) override;
-  void take(const EchoTruth& echoes) override;
-  void take(const TrueMotion& motion) override;
+  void on_truth(const EchoTruth& echoes) override;
+  void on_truth(const TrueMotion& motion) override;
   void on_setpoint(Time time, const Setpoint& setpoint) override;
   /// Whether the scene and the timings are due again.
   [[nodiscard]] bool wants_scene(Time time);
@@ -65,7 +65,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
 
   /// Every message of the agents; called by their threads.
-  void heard(const Envelope& envelope);
+  void on_message(const Envelope& envelope);
 
   /// Live: waits until everything posted is shown.
   void settle();
@@ -109,7 +109,7 @@ class RunDisplay : public OnboardObserver, public SimulatedSource::TruthSink {
   const RunInput& input_;          ///< knows the origin of W as soon as the input states it
   DisplayState items_;             ///< used if no page watches
   DisplayState* shown_ = &items_;  ///< the items in use: items_, or those of the program that watches (RunWatch)
-  std::optional<EmbeddedReplay> film_;
+  std::optional<EmbeddedReplay> replay_;
   std::optional<Display> display_;
   std::optional<RunRecorder> recorder_;
 

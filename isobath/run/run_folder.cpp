@@ -164,7 +164,7 @@ void add_truth(HtmlReport& page, const TruthScore& score) {
 namespace {
 
 /// The items that the replay shows less often than the rest, with their intervals.
-std::string rarer_in(const EmbeddedReplay& film, const ReportConfig& config) {
+std::string rarer_in(const EmbeddedReplay& replay, const ReportConfig& config) {
   constexpr std::pair<DisplayKind, const char*> kNames[] = {{DisplayKind::kEchoes, "echoes"},
                                                             {DisplayKind::kGrid, "occupancy"},
                                                             {DisplayKind::kDepth, "the depth map"},
@@ -178,26 +178,26 @@ std::string rarer_in(const EmbeddedReplay& film, const ReportConfig& config) {
                                                             {DisplayKind::kCubes, "voxels in larger cubes"}};
   std::string rarer;
   for (const auto& [kind, name] : kNames) {
-    if (film.interval_s(kind) <= config.film_s) continue;
-    rarer += fmt::format("{}{} every {:g} s", rarer.empty() ? "" : ", ", name, film.interval_s(kind));
+    if (replay.interval_s(kind) <= config.replay_s) continue;
+    rarer += fmt::format("{}{} every {:g} s", rarer.empty() ? "" : ", ", name, replay.interval_s(kind));
   }
   return rarer;
 }
 
 }  // namespace
 
-void RunFolder::show_run(EmbeddedReplay& film, Time last, const DisplayState& items) {
-  const std::string recording = film.finish(last, items);
+void RunFolder::show_run(EmbeddedReplay& replay, Time last, const DisplayState& items) {
+  const std::string recording = replay.finish(last, items);
   if (recording.empty()) {
-    film_words_ = "There is no replay of the run here: it would be larger than report.film_mb.";
+    replay_text_ = "There is no replay of the run here: it would be larger than report.replay_mb.";
     return;
   }
   const ReportConfig& config = configuration_.report;
-  film_page_ = page_with_recording(live_page(), recording);
-  film_words_ =
-      fmt::format("Replay of the whole run: detections, maps, routes and decisions, every {:g} s.", config.film_s);
-  const std::string rarer = rarer_in(film, config);
-  if (!rarer.empty()) film_words_ += fmt::format(" Less often, to keep the report small: {}.", rarer);
+  replay_page_ = page_with_recording(live_page(), recording);
+  replay_text_ =
+      fmt::format("Replay of the whole run: detections, maps, routes and decisions, every {:g} s.", config.replay_s);
+  const std::string rarer = rarer_in(replay, config);
+  if (!rarer.empty()) replay_text_ += fmt::format(" Less often, to keep the report small: {}.", rarer);
 }
 
 // Files --------------------------------------------------------------------------------------------------------------
@@ -272,12 +272,12 @@ void RunFolder::add_scan(HtmlReport& page, const Pictures& pictures) const {
 }
 
 void RunFolder::add_replay(HtmlReport& page) const {
-  if (film_words_.empty()) return;
+  if (replay_text_.empty()) return;
   page.heading("Replay of the run");
-  if (film_page_.empty()) {
-    page.paragraph(film_words_);
+  if (replay_page_.empty()) {
+    page.paragraph(replay_text_);
   } else {
-    page.page_inside("Replay of the run", film_page_, film_words_);
+    page.page_inside("Replay of the run", replay_page_, replay_text_);
   }
 }
 

@@ -38,7 +38,7 @@ class RunFolder : public OnboardObserver {
   /// True outlines of the bodies, in L of the last scan; for the pictures.
   void show_truth(std::vector<Polygon> outlines) { truth_ = std::move(outlines); }
   /// The replay of the run, for the report.
-  void show_run(EmbeddedReplay& film, Time last, const DisplayState& items);
+  void show_run(EmbeddedReplay& replay, Time last, const DisplayState& items);
   /// Writes all files and lists them in `outcome.files`.
   void write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
              RunOutcome& outcome);
@@ -66,7 +66,7 @@ class RunFolder : public OnboardObserver {
   std::vector<ScanRecord> scans_;
   std::vector<Obstacle> obstacles_;
   std::vector<Polygon> truth_;
-  std::string film_page_, film_words_;  ///< the page with the replay, and its caption; empty: no replay
+  std::string replay_page_, replay_text_;  ///< the page with the replay, and its caption; empty: no replay
 };
 
 }  // namespace isobath

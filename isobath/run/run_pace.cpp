@@ -20,7 +20,7 @@ bool LivePace::keep(Onboard& onboard) {
 }
 
 bool WatchedPace::keep(Time time) {
-  constexpr Clock::duration kMostBehind = std::chrono::milliseconds(500);
+  constexpr Clock::duration kMaxBehind = std::chrono::milliseconds(500);
   if (watch_.stopped && watch_.stopped()) return false;
   if (watch_.speed <= 0) return true;
   const auto now = Clock::now();
@@ -28,10 +28,10 @@ bool WatchedPace::keep(Time time) {
   if (time > last_.value_or(Time::min())) last_ = time;
   due_ += std::chrono::duration_cast<Clock::duration>(
       std::chrono::duration<double>(std::clamp(ahead_s, 0.0, kLongestWait_s)));
-  due_ = std::max(due_, now - kMostBehind);  // the run catches up after a delay, but by no more than kMostBehind
+  due_ = std::max(due_, now - kMaxBehind);  // the run catches up after a delay, but by no more than kMaxBehind
   while (due_ > Clock::now()) {
     if (watch_.stopped && watch_.stopped()) return false;
-    std::this_thread::sleep_until(std::min(due_, Clock::now() + kMostBehind));
+    std::this_thread::sleep_until(std::min(due_, Clock::now() + kMaxBehind));
   }
   return true;
 }

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/io/survey_folder.hpp>
 #include <isobath/run/prefetch.hpp>
 #include <isobath/run/run_source.hpp>
@@ -70,12 +70,12 @@ std::unique_ptr<Source> open_run_source(const std::filesystem::path& input, cons
 }
 
 std::deque<Event> listen_ahead(Source& source, Pipeline& pipeline) {
-  constexpr std::size_t kMost = 20'000;
+  constexpr std::size_t kMax = 20'000;
   std::deque<Event> ahead;
-  while (ahead.size() < kMost) {
+  while (ahead.size() < kMax) {
     auto event = source.next();
     if (!event) {
-      pipeline.heard_all();
+      pipeline.end_learning();
       break;
     }
     ahead.push_back(std::move(*event));

@@ -48,9 +48,9 @@ DetectionScorer::DetectionScorer(Simulator& simulator)
   }
 }
 
-void DetectionScorer::take(const EchoTruth& echoes) { waiting_.push_back(echoes); }
+void DetectionScorer::on_truth(const EchoTruth& echoes) { waiting_.push_back(echoes); }
 
-void DetectionScorer::take(const TrueMotion& motion) {
+void DetectionScorer::on_truth(const TrueMotion& motion) {
   if (motions_.size() > 100) motions_.erase(motions_.begin(), motions_.begin() + 50);
   motions_.push_back(motion);
 }

@@ -54,8 +54,8 @@ class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserve
  public:
   explicit DetectionScorer(Simulator& simulator);
 
-  void take(const EchoTruth& echoes) override;
-  void take(const TrueMotion& motion) override;
+  void on_truth(const EchoTruth& echoes) override;
+  void on_truth(const TrueMotion& motion) override;
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
 

@@ -2,7 +2,7 @@
 
 namespace isobath {
 
-void GroundTruthTrajectory::take(const TrueMotion& motion) {
+void GroundTruthTrajectory::on_truth(const TrueMotion& motion) {
   const Eigen::Vector3d p_WB = motion.state.X_WB.translation;
   const double t_s = to_seconds(motion.time), hull = simulator_.hull_radius();
   const auto bodies = simulator_.world().bodies();
@@ -18,14 +18,14 @@ void GroundTruthTrajectory::take(const TrueMotion& motion) {
     which = i;
   }
   const double clear = nearest - hull;
-  if (clear < truth_.least_clearance_m) {
-    truth_.least_clearance_m = clear;
+  if (clear < truth_.min_clearance_m) {
+    truth_.min_clearance_m = clear;
     truth_.nearest_body = bodies[which].name;
   }
   if (clear <= 0) touch(t_s, bodies[which].name);
   if (motion.altitude_m) {
     const double keel = *motion.altitude_m - 0.5 * simulator_.vehicle().height;
-    truth_.least_altitude_m = std::min(truth_.least_altitude_m, keel);
+    truth_.min_altitude_m = std::min(truth_.min_altitude_m, keel);
     if (keel <= 0) touch(t_s, "the bottom");
   }
   if (!truth_.track.empty()) {

@@ -20,10 +20,10 @@ struct TrackTruth {
   std::vector<double> clearance_m;  ///< from the hull to the nearest body, for each of them; infinite without bodies
   double contact_s = -1;            ///< when the hull first touched a body or the bottom; -1: never
   std::string contact_with;
-  double least_clearance_m = std::numeric_limits<double>::infinity();  ///< minimum of clearance_m
+  double min_clearance_m = std::numeric_limits<double>::infinity();  ///< minimum of clearance_m
   std::string nearest_body;
-  double least_altitude_m = std::numeric_limits<double>::infinity();  ///< minimum of the keel above the bottom
-  double length_m = 0;                                                ///< length of the track in plan
+  double min_altitude_m = std::numeric_limits<double>::infinity();  ///< minimum of the keel above the bottom
+  double length_m = 0;                                              ///< length of the track in plan
 };
 
 /// The outline in W of a true body, or of one pylon of a row.
@@ -36,8 +36,8 @@ class GroundTruthTrajectory : public SimulatedSource::TruthSink {
  public:
   explicit GroundTruthTrajectory(const Simulator& simulator) : simulator_(simulator) {}
 
-  void take(const EchoTruth&) override {}
-  void take(const TrueMotion& motion) override;
+  void on_truth(const EchoTruth&) override {}
+  void on_truth(const TrueMotion& motion) override;
   [[nodiscard]] const TrackTruth& truth() const { return truth_; }
 
  private:

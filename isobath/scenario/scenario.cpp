@@ -105,7 +105,7 @@ void SimulatedSource::order(OperatorCommand::Kind command, const MissionPlan& pl
 }
 
 void SimulatedSource::answer(const std::vector<FrameBytes>& frames) {
-  if (operator_) operator_->hear(frames, simulator_.faults(), Time(seconds(simulator_.now_s())));
+  if (operator_) operator_->on_frames(frames, simulator_.faults(), Time(seconds(simulator_.now_s())));
 }
 
 std::optional<Event> SimulatedSource::next() {
@@ -129,8 +129,8 @@ std::optional<Event> SimulatedSource::next() {
     if (auto* fix = std::get_if<Navigation>(&*event)) return std::move(*fix);
     if (auto* health = std::get_if<Health>(&*event)) return std::move(*health);
     for (TruthSink* sink : truth_) {
-      if (const auto* echoes = std::get_if<EchoTruth>(&*event)) sink->take(*echoes);
-      if (const auto* motion = std::get_if<TrueMotion>(&*event)) sink->take(*motion);
+      if (const auto* echoes = std::get_if<EchoTruth>(&*event)) sink->on_truth(*echoes);
+      if (const auto* motion = std::get_if<TrueMotion>(&*event)) sink->on_truth(*motion);
     }
   }
 }

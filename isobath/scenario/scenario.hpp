@@ -50,8 +50,8 @@ class SimulatedSource : public Source {
   class TruthSink {
    public:
     virtual ~TruthSink() = default;
-    virtual void take(const EchoTruth& echoes) = 0;
-    virtual void take(const TrueMotion& motion) = 0;
+    virtual void on_truth(const EchoTruth& echoes) = 0;
+    virtual void on_truth(const TrueMotion& motion) = 0;
   };
 
   explicit SimulatedSource(Scene scene, const SimulationConfig& config = {}, int threads = 1);

@@ -52,10 +52,10 @@ std::vector<OperatorFrame> SimulatedOperator::due(const FaultSchedule& faults, T
   return arrived;
 }
 
-void SimulatedOperator::hear(const std::vector<FrameBytes>& frames, const FaultSchedule& faults, Time now) {
+void SimulatedOperator::on_frames(const std::vector<FrameBytes>& frames, const FaultSchedule& faults, Time now) {
   for (const FrameBytes& bytes : frames) {
     if (loses(faults, now)) continue;
-    if (auto status = console_.hear(bytes)) answers_.push_back({now, std::move(*status)});
+    if (auto status = console_.on_frame(bytes)) answers_.push_back({now, std::move(*status)});
   }
 }
 

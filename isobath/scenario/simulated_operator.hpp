@@ -41,7 +41,7 @@ class SimulatedOperator {
   /// Returns the frames that reach the vehicle now.
   std::vector<OperatorFrame> due(const FaultSchedule& faults, Time now);
   /// Takes the frames that the vehicle sends now.
-  void hear(const std::vector<FrameBytes>& frames, const FaultSchedule& faults, Time now);
+  void on_frames(const std::vector<FrameBytes>& frames, const FaultSchedule& faults, Time now);
 
   /// The status reports that the operator has received, each once, in the order of arrival.
   [[nodiscard]] const std::vector<OperatorAnswer>& answers() const { return answers_; }

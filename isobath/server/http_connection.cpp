@@ -20,7 +20,7 @@ HttpConnection::~HttpConnection() { hub_.requesting.erase(number_); }
 
 void HttpConnection::read() {
   parser_.emplace();
-  parser_->header_limit(kMostHeader);
+  parser_->header_limit(kMaxHeader);
   parser_->body_limit(0);
   stream_.expires_after(ticks_of(hub_.config.request_s));
   http::async_read(stream_, buffer_, *parser_,
@@ -30,8 +30,8 @@ void HttpConnection::read() {
 void HttpConnection::drop() { stream_.close(); }
 
 ReadLimit HttpConnection::limit_of(const WebServerConfig& c) {
-  const double messages = 2 * c.messages_hz * c.most_message_bytes;
-  return ReadLimit(std::max(2 * kMostHeader, static_cast<std::size_t>(messages)));
+  const double messages = 2 * c.messages_hz * c.max_message_bytes;
+  return ReadLimit(std::max(2 * kMaxHeader, static_cast<std::size_t>(messages)));
 }
 
 void HttpConnection::on_read(error_code ec) {
@@ -55,7 +55,7 @@ void HttpConnection::answer(http::request<http::empty_body> request) {
   keep_alive_ = request.keep_alive();
   head_ = request.method() == http::verb::head;
   if (!head_ && request.method() != http::verb::get) return refuse(http::status::method_not_allowed, "method");
-  if (request.target().size() > kMostTarget) return refuse(http::status::uri_too_long, "target_bytes");
+  if (request.target().size() > kMaxTarget) return refuse(http::status::uri_too_long, "target_bytes");
   if (request.count(http::field::host) != 1 || request.count(http::field::origin) > 1) {
     return refuse(http::status::bad_request, "request");
   }
@@ -99,7 +99,7 @@ void HttpConnection::upgrade(http::request<http::empty_body> request) {
   if (origin != request.end() && !is_origin_of(view(origin->value()), host_)) {
     return refuse(http::status::forbidden, "origin");
   }
-  if (hub_.clients.size() >= static_cast<std::size_t>(hub_.config.most_clients)) {
+  if (hub_.clients.size() >= static_cast<std::size_t>(hub_.config.max_clients)) {
     return refuse(http::status::service_unavailable, "clients");
   }
   stream_.expires_never();

@@ -22,7 +22,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void drop();
 
  private:
-  static constexpr std::size_t kMostHeader = 8192, kMostTarget = 1024;
+  static constexpr std::size_t kMaxHeader = 8192, kMaxTarget = 1024;
   using Response = http::response<http::span_body<const char>>;
   static ReadLimit limit_of(const WebServerConfig& c);
   void on_read(error_code ec);
@@ -41,7 +41,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::uint64_t number_;
   Seating place_;
   Stream stream_;
-  beast::flat_buffer buffer_{2 * kMostHeader};
+  beast::flat_buffer buffer_{2 * kMaxHeader};
   std::optional<http::request_parser<http::empty_body>> parser_;
   bool keep_alive_ = false, head_ = false;
   std::string host_, text_, rest_;

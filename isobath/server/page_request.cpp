@@ -19,12 +19,12 @@ struct AskRule {
   bool whole = false;
   const char* word = nullptr;  ///< key of a text
 };
-constexpr double kMostSeconds = 1e9;
+constexpr double kMaxSeconds = 1e9;
 constexpr std::array<AskRule, 9> kRules{{
     {"play", Ask::kPlay},
     {"pause", Ask::kPause},
     {"speed", Ask::kSpeed, "times", 0.1, 100},
-    {"seek", Ask::kSeek, "to_s", -kMostSeconds, kMostSeconds},
+    {"seek", Ask::kSeek, "to_s", -kMaxSeconds, kMaxSeconds},
     {"step", Ask::kStep, "steps", -1000, 1000, true},
     {"live", Ask::kLive},
     {"control", Ask::kControl, nullptr, 0, 0, false, "token"},

@@ -24,7 +24,7 @@ double rounded_ms(Duration since) { return std::round(to_seconds(since) * 1e3) /
 void check_page_sources(const PageSources& sources) {
   if (!sources.live && !sources.open_playback) throw Error("a page has neither a run nor a recording to show");
   if (sources.live && !sources.live_span) throw Error("the run that a page shows has no clock");
-  if (!sources.token.empty() && sources.token.size() < PageSession::kLeastToken) {
+  if (!sources.token.empty() && sources.token.size() < PageSession::kMinToken) {
     throw Error("the token is too short", {}, "16 characters or more", "make one with: openssl rand -hex 16");
   }
 }
@@ -40,12 +40,12 @@ Hearing PageSession::refuse(const BadRequest& refusal, std::string_view reason, 
   const Clock::time_point now = sources_.clock();
   refusals_ = std::max(0.0, refusals_ - std::chrono::duration<double>(now - last_refusal_).count()) + 1;
   last_refusal_ = now;
-  if (answers_.size() == kMostAnswers) answers_.erase(answers_.begin());
+  if (answers_.size() == kMaxAnswers) answers_.erase(answers_.begin());
   answers_.push_back(refusal_text(refusal));
-  return {reason, hang_up || refusals_ > kMostRefusals};
+  return {reason, hang_up || refusals_ > kMaxRefusals};
 }
 
-Hearing PageSession::hear(std::string_view text) {
+Hearing PageSession::on_message(std::string_view text) {
   const auto request = page_request_of(text);
   if (!request) return refuse(request.error(), "ask");
   try {

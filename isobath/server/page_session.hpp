@@ -10,7 +10,7 @@
 // cubes only.
 //
 // Requests are untrusted. The session answers a request that it cannot follow with a refusal record, and the server
-// counts it. At most kMostAnswers refusals wait. The session closes the connection after more than kMostRefusals
+// counts it. At most kMaxAnswers refusals wait. The session closes the connection after more than kMaxRefusals
 // refusals (one is forgiven per second) or after kWrongTokens wrong tokens. Commands need the token; its comparison
 // takes the same time wherever a wrong token differs. Without a token there are no commands.
 //
@@ -51,13 +51,13 @@ void check_page_sources(const PageSources& sources);
 
 class PageSession final : public WebSession {
  public:
-  static constexpr int kMostAnswers = 8, kWrongTokens = 3, kMostRefusals = 30;
-  static constexpr std::size_t kLeastToken = 16;  ///< characters
+  static constexpr int kMaxAnswers = 8, kWrongTokens = 3, kMaxRefusals = 30;
+  static constexpr std::size_t kMinToken = 16;  ///< characters
 
   /// The sources must outlive the session and have been checked. Throws Error if a recording cannot be opened.
   explicit PageSession(const PageSources& sources);
 
-  Hearing hear(std::string_view text) override;
+  Hearing on_message(std::string_view text) override;
   WebFrame next() override;
 
  private:

@@ -4,8 +4,8 @@
 namespace isobath::web {
 namespace {
 
-constexpr int kMostFragments = 64;  ///< per message
-constexpr int kFloodSeconds = 2;    ///< consecutive seconds at the limit of bytes
+constexpr int kMaxFragments = 64;  ///< per message
+constexpr int kFloodSeconds = 2;   ///< consecutive seconds at the limit of bytes
 
 }  // namespace
 
@@ -27,7 +27,7 @@ SocketClient::~SocketClient() {
 void SocketClient::accept(http::request<http::empty_body> request) {
   const WebServerConfig& c = hub_.config;
   socket_.set_option(websocket::stream_base::timeout{ticks_of(c.request_s), ticks_of(c.silent_s), true});
-  socket_.read_message_max(static_cast<std::size_t>(c.most_message_bytes));
+  socket_.read_message_max(static_cast<std::size_t>(c.max_message_bytes));
   socket_.auto_fragment(false);
   socket_.binary(true);
   socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
@@ -91,7 +91,7 @@ bool SocketClient::call(const Function& function) {
 }
 
 void SocketClient::read() {
-  const auto room = static_cast<std::size_t>(hub_.config.most_message_bytes);
+  const auto room = static_cast<std::size_t>(hub_.config.max_message_bytes);
   socket_.async_read_some(heard_, room, [self = shared_from_this()](error_code ec, std::size_t) { self->on_read(ec); });
 }
 
@@ -104,7 +104,7 @@ void SocketClient::on_read(error_code ec) {
   if (!socket_.got_text()) {
     refuse("binary", websocket::close_code::unknown_data);
   } else if (!socket_.is_message_done()) {
-    if (++fragments_ > kMostFragments) refuse("fragments");
+    if (++fragments_ > kMaxFragments) refuse("fragments");
   } else {
     fragments_ = 0;
     return hear();
@@ -140,7 +140,7 @@ void SocketClient::hear() {
   Hearing hearing;
   const auto bytes = heard_.cdata();
   const std::string_view text(static_cast<const char*>(bytes.data()), bytes.size());
-  if (!call([&] { hearing = session_->hear(text); })) return read();
+  if (!call([&] { hearing = session_->on_message(text); })) return read();
   heard_.clear();
   if (!hearing.refused.empty()) hub_.refuse(hearing.refused);
   if (hearing.hang_up) refuse("hung_up");

@@ -59,8 +59,8 @@ bool is_utf8(std::string_view text) {
       if ((next & 0xc0) != 0x80) return false;
       code = code << 6 | (next & 0x3fu);
     }
-    constexpr std::array<unsigned, 4> kLeast{0, 0x80, 0x800, 0x10000};
-    if (code < kLeast[static_cast<std::size_t>(more)] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) {
+    constexpr std::array<unsigned, 4> kMin{0, 0x80, 0x800, 0x10000};
+    if (code < kMin[static_cast<std::size_t>(more)] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) {
       return false;
     }
   }

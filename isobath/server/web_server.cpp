@@ -72,7 +72,7 @@ void WebServer::State::enter(web::tcp::socket socket) {
   bool full = false;
   hub.count([&](WebCounts& c) {
     number = c.connections_ever;
-    full = c.connections >= hub.config.most_connections;
+    full = c.connections >= hub.config.max_connections;
   });
   if (full) {  // drop the connection that has waited longest for its request
     hub.refuse("connections");

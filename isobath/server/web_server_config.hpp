@@ -11,9 +11,9 @@ struct WebServerConfig {
   std::string address = "127.0.0.1";
   int port = 8484;  ///< 0: any free port
   std::string hosts;
-  int most_clients = 16;
-  int most_connections = 64;
-  int most_message_bytes = 4096;
+  int max_clients = 16;
+  int max_connections = 64;
+  int max_message_bytes = 4096;
   double messages_hz = 20;
   double frames_hz = 10;
   double request_s = 10;

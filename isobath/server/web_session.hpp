@@ -32,7 +32,7 @@ class WebSession {
   virtual ~WebSession() = default;
 
   /// Handles a text message: UTF-8, no longer than the server allows.
-  virtual Hearing hear(std::string_view text) = 0;
+  virtual Hearing on_message(std::string_view text) = 0;
   /// The changes since the last frame, which has been sent completely; empty if nothing has changed.
   virtual WebFrame next() = 0;
 };

@@ -6,8 +6,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSurfaceLoss = 0.7;  ///< intensity kept in a bounce off a rough surface (APL-UW TR 9407, about 1.5 dB)
-constexpr double kLeastChange = 0.07;  ///< relative change of range within a cell above which the cell is divided
-constexpr int kMostPieces = 64;
+constexpr double kMinChange = 0.07;   ///< relative change of range within a cell above which the cell is divided
+constexpr int kMaxPieces = 64;
 constexpr double kTilt = 0.6;  ///< largest depth of a cell along the ray, as a share of the range
 
 double power_of_db(double db) { return std::pow(10, db / 10); }
@@ -54,7 +54,7 @@ double EchoPaths::sigma_of(const ViewCell& cell, double range, const RayHit& hit
 }
 
 double EchoPaths::echo(const ViewCell& cell, double range, const RayHit& hit, const Vector3d& u) const {
-  const double cosine = std::max(-hit.normal.dot(u), kLeastCosine);
+  const double cosine = std::max(-hit.normal.dot(u), kMinCosine);
   return cell.gain * attenuation(2 * range) * sigma_of(cell, range, hit, u) * cell.solid_angle /
          (cosine * range * range);
 }
@@ -118,10 +118,10 @@ void EchoPaths::pieces(const ViewCell& cell, double range, const Vector3d& u, co
   if (straight * range > 2 * (config.range_m + config.resolution_m) * (straight + across_up)) return;
   const double change = across_up / std::max(straight, 1e-6);
   const double loudest = 0.003 * cell.gain * attenuation(2 * range) * cell.solid_angle / (range * range);
-  if (change < kLeastChange || loudest < floor) return visit(cell, range, u, up);
+  if (change < kMinChange || loudest < floor) return visit(cell, range, u, up);
   const double bins = change * range / bin_m();
   if (bins < 1) return visit(cell, range, u, up);
-  const int count = std::min(kMostPieces, 1 + static_cast<int>(std::min(change / kLeastChange, bins)));
+  const int count = std::min(kMaxPieces, 1 + static_cast<int>(std::min(change / kMinChange, bins)));
   ViewCell piece = cell;
   piece.half_up /= count;
   piece.solid_angle /= count;
@@ -148,7 +148,7 @@ void EchoPaths::meet_surface(const ViewCell& cell, const Vector3d& p, const Vect
       const EchoSpan span = span_of(piece, r, v, across_W, up, normal);
       const EchoSpan read{k * span.near, k * span.far};
       if (too_far(read)) return;
-      const double sine = std::max(-v.z(), kLeastCosine);
+      const double sine = std::max(-v.z(), kMinCosine);
       const double sigma = sea(sine);
       echoes.push_back({read, piece.gain * attenuation(2 * r) * sigma * piece.solid_angle / (sine * r * r),
                         EchoLabel(kSurface, EchoPath::kDirect)});
@@ -195,7 +195,7 @@ void EchoPaths::follow(const ViewCell& cell, const Vector3d& p, const Vector3d& 
   });
   const Vector3d back = at - p;
   const double d = back.norm();
-  const double cosine = std::max(-hit.normal.dot(v), kLeastCosine), cosine_back = -hit.normal.dot(back) / d;
+  const double cosine = std::max(-hit.normal.dot(v), kMinCosine), cosine_back = -hit.normal.dot(back) / d;
   if (cosine_back <= 0 || path == EchoPath::kBodyBounce || 0.5 * (range + d) > config.range_m) return;
   const Vector3d w_S = R_WS.transpose() * back / d;
   const double gain = std::sqrt(cell.gain * view.height.gain(std::asin(std::clamp(-w_S.z(), -1.0, 1.0))));

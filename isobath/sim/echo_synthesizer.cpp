@@ -11,7 +11,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kLeastGain = 3e-5;  ///< gain of a receive beam below which an echo is ignored
+constexpr double kMinGain = 3e-5;  ///< gain of a receive beam below which an echo is ignored
 
 }  // namespace
 
@@ -108,7 +108,7 @@ struct EchoSynthesizer::State {
     const double margin = std::max(paths.config.resolution_m, 2 * paths.bin_m());
     const int low = std::max(0, static_cast<int>((near - margin) / paths.bin_m()));
     const int high = std::min(paths.config.bins - 1, static_cast<int>((far + margin) / paths.bin_m()));
-    if (loudest < kLeastGain || low > high) return end;
+    if (loudest < kMinGain || low > high) return end;
     std::fill(scratch.power.begin() + low, scratch.power.begin() + high + 1, 0.f);
     std::fill(scratch.strongest.begin() + low, scratch.strongest.begin() + high + 1, 0.f);
     for (std::size_t i = first; i < end; ++i) {

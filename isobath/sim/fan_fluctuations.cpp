@@ -12,9 +12,9 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr int kMostTaps = 64;         // on each side of a beam, or over a pulse
+constexpr int kMaxTaps = 64;          // on each side of a beam, or over a pulse
 constexpr double kMainLobe = 0.06;    // amplitude below which the pattern is truncated: side lobes are left out
-constexpr double kLeastTap = 0.01;    // smallest tap kept, as a share of the largest
+constexpr double kMinTap = 0.01;      // smallest tap kept, as a share of the largest
 constexpr double kTextureStep = 0.5;  // m: spacing of the ranges at which the texture is evaluated
 constexpr int kTextureNodes = 40;     // largest number from the sonar to its range
 constexpr double kWaveSpeed = 0.046;  // rms vertical speed of the surface, as a share of the wind speed
@@ -51,13 +51,13 @@ std::vector<float> taps_across(const BeamPattern& pattern, double width, double 
   std::vector<double> half{1};
   double least = kMainLobe;
   if (spacing <= width / 2) {
-    for (int j = 1; j <= kMostTaps; ++j) half.push_back(amplitude(pattern, j * spacing));
+    for (int j = 1; j <= kMaxTaps; ++j) half.push_back(amplitude(pattern, j * spacing));
   } else {
     constexpr int kAngles = 64;
-    least = kLeastTap;
+    least = kMinTap;
     std::vector<double> correlation(kAngles);
     for (int k = 0; k < kAngles; ++k) correlation[static_cast<std::size_t>(k)] = overlap(pattern, width, k * spacing);
-    half.assign(kMostTaps / 4, 0);
+    half.assign(kMaxTaps / 4, 0);
     for (int m = 0; m < 2 * kAngles; ++m) {
       const double at = pi * m / kAngles;
       double spectrum = correlation[0];
@@ -78,7 +78,7 @@ std::vector<float> taps_across(const BeamPattern& pattern, double width, double 
 /// A pulse of `length` bins; the last tap is the fractional remainder.
 std::vector<float> taps_in_range(double length) {
   std::vector<float> taps{1};
-  for (double left = length - 1; left > 1e-6 && taps.size() < kMostTaps; left -= 1) {
+  for (double left = length - 1; left > 1e-6 && taps.size() < kMaxTaps; left -= 1) {
     taps.push_back(static_cast<float>(std::min(left, 1.0)));
   }
   to_unit_energy(taps);
@@ -203,7 +203,7 @@ void FanFluctuations::advance(std::uint64_t number, Time time, const Pose& X_WS,
 void FanFluctuations::filter(const std::vector<float>& white, int beam, std::vector<float>& out) const {
   const auto columns = static_cast<std::size_t>(columns_);
   out.resize(columns);
-  std::array<const float*, 2 * kMostTaps + 1> rows{};
+  std::array<const float*, 2 * kMaxTaps + 1> rows{};
   for (std::size_t j = 0; j < beam_taps_.size(); ++j) {
     rows[j] = white.data() + (static_cast<std::size_t>(beam) + j) * columns;
   }

@@ -7,7 +7,7 @@ namespace isobath {
 namespace {
 
 constexpr int kScanningCells = 9, kSkirt = 5;
-constexpr double kLeastViewGain = 1e-4;  // gain of a receive beam below which a direction is ignored
+constexpr double kMinViewGain = 1e-4;  // gain of a receive beam below which a direction is ignored
 
 }  // namespace
 
@@ -92,7 +92,7 @@ void FieldOfView::weigh() {
   for (std::size_t b = 0; b < beams.size(); ++b) {
     for (std::size_t d = 0; d < directions.size(); ++d) {
       const double gain = across.gain(directions[d] - beams[b]);
-      if (gain > kLeastViewGain) weights[b].push_back({static_cast<int>(d), static_cast<float>(gain)});
+      if (gain > kMinViewGain) weights[b].push_back({static_cast<int>(d), static_cast<float>(gain)});
     }
   }
 }

@@ -7,7 +7,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kMost = 6;  // standard deviations
+constexpr double kMax = 6;  // standard deviations
 constexpr int kSteps = 1200;
 
 /// P(X <= x) and P(X > x) for the Gamma law of scale 1, each to its own relative precision.
@@ -40,7 +40,7 @@ std::vector<float> gamma_quantiles(double shape) {
   std::vector<float> table;
   double lowest = -700;  // logarithms: small shapes have very small quantiles
   for (int i = 0; i <= kSteps; ++i) {
-    const double g = kMost * (2.0 * i / kSteps - 1);
+    const double g = kMax * (2.0 * i / kSteps - 1);
     const double wanted = 0.5 * std::erfc(std::abs(g) / std::numbers::sqrt2);
     double low = lowest, high = std::log(shape + 60 + 20 * std::sqrt(shape));
     for (int k = 0; k < 48; ++k) {
@@ -55,7 +55,7 @@ std::vector<float> gamma_quantiles(double shape) {
 }
 
 float gamma_quantile(const std::vector<float>& table, double normal) {
-  const double at = (std::clamp(normal, -kMost, kMost) / kMost + 1) * 0.5 * kSteps;
+  const double at = (std::clamp(normal, -kMax, kMax) / kMax + 1) * 0.5 * kSteps;
   const auto i = std::min(static_cast<std::size_t>(at), table.size() - 2);
   const auto share = static_cast<float>(at - static_cast<double>(i));
   return table[i] + share * (table[i + 1] - table[i]);

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::Vector3i;
 
-constexpr int kMostCells = 4'000'000;
+constexpr int kMaxCells = 4'000'000;
 
 /// A regular grid of rows x columns vertices.
 TriangleMesh net(int rows, int columns, const std::function<Vector3d(int, int)>& vertex) {
@@ -69,7 +69,7 @@ TriangleMesh terrain_mesh(const BottomConfig& c) {
   }
   const double gain = power > 0 ? c.relief_m / std::sqrt(power) : 0;
   const double cells = std::ceil(2 * c.extent_m / c.cell_m);
-  if (cells * cells > kMostCells) {
+  if (cells * cells > kMaxCells) {
     refuse(c.place, "cell_m", fmt::format("{:.0f} x {:.0f} cells are too many", cells, cells), "at most 2000 x 2000");
   }
   const int side = static_cast<int>(cells) + 1;
@@ -95,7 +95,7 @@ TriangleMesh raster_mesh(const BottomConfig& c) {
   if (data->GetGeoTransform(t.data()) != CE_None) refuse(c.place, "file", "the raster has no georeference");
   GDALRasterBand* band = data->GetRasterBand(1);
   const int columns = band->GetXSize(), rows = band->GetYSize();
-  const int every = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(columns) * rows / kMostCells)));
+  const int every = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(columns) * rows / kMaxCells)));
   const int nx = std::max(2, columns / every), ny = std::max(2, rows / every);
   std::vector<float> values(static_cast<std::size_t>(nx) * ny);
   if (band->RasterIO(GF_Read, 0, 0, columns, rows, values.data(), nx, ny, GDT_Float32, 0, 0) != CE_None) {

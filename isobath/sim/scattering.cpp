@@ -26,7 +26,7 @@ Scatterer::Scatterer(const Material& m)
 
 double Scatterer::operator()(const Vector3d& u, const Vector3d& n, const Vector3d& e, double spread_1,
                              double spread_2) const {
-  const double c = std::max(-n.dot(u), kLeastCosine), cc = c * c;
+  const double c = std::max(-n.dot(u), kMinCosine), cc = c * c;
   const double s1 = slope2 + 0.25 * spread_1 * spread_1, s2 = slope2 + 0.25 * spread_2 * spread_2;
   const double along = u.dot(e), across2 = std::max(0.0, 1 - cc - along * along);
   const double exponent = 0.5 * (along * along / s1 + across2 / s2) / cc;
@@ -37,7 +37,7 @@ double Scatterer::operator()(const Vector3d& u, const Vector3d& n, const Vector3
 SeaSurface::SeaSurface(double wind, double frequency) {
   const double s2 = 0.003 + 0.00512 * wind;
   for (int i = 0; i <= kSteps; ++i) {
-    const double sine = std::max((i + 0.5) / kSteps, kLeastCosine), square = std::min(1.0, sine * sine);
+    const double sine = std::max((i + 0.5) / kSteps, kMinCosine), square = std::min(1.0, sine * sine);
     const double tan2 = 1 / square - 1;
     const double glint = tan2 > 60 * s2 ? 0 : std::exp(-tan2 / (2 * s2)) / (8 * kPi * s2 * square * square);
     table_.push_back(surface_scattering(std::asin(std::min(sine, 1.0)), wind, frequency) + glint);

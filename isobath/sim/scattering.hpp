@@ -7,7 +7,7 @@
 
 namespace isobath {
 
-inline constexpr double kLeastCosine = 0.02;  ///< minimum cosine of incidence: keeps the area of a grazing ray finite
+inline constexpr double kMinCosine = 0.02;  ///< minimum cosine of incidence: keeps the area of a grazing ray finite
 
 /// Backscatter strength of a wind-roughened surface, linear, by grazing angle (Chapman and Harris 1962, with
 /// frequencies above 6.4 kHz taken at its upper validity by the sqrt law of the wind; wind in m/s, frequency in Hz).

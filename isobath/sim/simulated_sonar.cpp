@@ -126,7 +126,7 @@ SimulatedSonar::Disturbances SimulatedSonar::draw(Random random) const {
   const int beams = static_cast<int>(former_.beam_azimuths().size());
   const auto any = [&random](int count) { return static_cast<int>(random.index(static_cast<std::uint64_t>(count))); };
   const int blind =
-      std::min(config_.bins - 1, static_cast<int>(std::ceil(config_.blind_m / config_.range_m * config_.bins)));
+      std::min(config_.bins - 1, static_cast<int>(std::ceil(config_.blanking_m / config_.range_m * config_.bins)));
   if (random.uniform() < config_.spurious_share) {
     now.spurious_beam = any(beams);
     now.spurious_bin = blind + any(config_.bins - blind);
@@ -203,7 +203,7 @@ void SimulatedSonar::fill(int beam, Random random, Random speckle, const FanFluc
   }
   const auto fill_one = [&](int k) { fill_bin(beam, k, random, speckle, shared, now, samples[k], labels[k]); };
   int k = 0;  // the transmit pulse rings in the first bins
-  for (; k < config_.bins && (k + 0.5) * (config_.range_m / config_.bins) < config_.blind_m; ++k) fill_one(k);
+  for (; k < config_.bins && (k + 0.5) * (config_.range_m / config_.bins) < config_.blanking_m; ++k) fill_one(k);
   for (k = std::max(k, done); k < config_.bins; ++k) fill_one(k);
 }
 
@@ -281,7 +281,8 @@ void SimulatedSonar::fill_bin(int beam, int k, Random& random, Random& speckle, 
     disturb(config_.disturbance_level * (0.5 + random.uniform()), EchoPath::kDisturbance);
   }
   const double r = (k + 0.5) * (config_.range_m / config_.bins);
-  if (r < config_.blind_m) disturb(config_.ringing_level * std::exp(-3 * r / config_.blind_m), EchoPath::kRinging);
+  if (r < config_.blanking_m)
+    disturb(config_.ringing_level * std::exp(-3 * r / config_.blanking_m), EchoPath::kRinging);
   if (fluctuating <= negligible) fluctuating = 0;
   const double amplitude = shared ? sample(*shared, static_cast<std::size_t>(k), mean, fluctuating, steady)
                                   : sample(random, mean, fluctuating, steady);
@@ -341,7 +342,7 @@ SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::ui
   ping.X_BS = X_BS;
   ping.sound_speed = config_.sound_speed;
   ping.full_scale = static_cast<float>(full_scale_);
-  ping.blind_m = config_.blind_m;
+  ping.blanking_m = config_.blanking_m;
   if (config_.kind == SonarKind::kRanges) {
     pick_ranges(ping, out);
   } else {
@@ -351,7 +352,7 @@ SimulatedSonar::Output SimulatedSonar::ping(Time time, const Pose& X_WB, std::ui
 }
 
 void SimulatedSonar::pick_ranges(const Ping& ping, Output& out) const {
-  const int blind = static_cast<int>(std::ceil(config_.blind_m / ping.window.bin_m));
+  const int blind = static_cast<int>(std::ceil(config_.blanking_m / ping.window.bin_m));
   for (int b = 0; b < ping.fan->beams(); ++b) {
     // Uses samples before clipping: the strongest of many saturated samples would be the nearest of them.
     const float* level = samples_.data() + static_cast<std::size_t>(b) * static_cast<std::size_t>(ping.window.bins);

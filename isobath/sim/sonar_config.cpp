@@ -27,7 +27,7 @@ SonarConfig micron() {
   c.noise_level = 40;
   c.noise_sigma = 12;
   c.spurious_share = 0.02;
-  c.blind_m = 9 * 50.0 / 44;
+  c.blanking_m = 9 * 50.0 / 44;
   c.ringing_level = 220;
   return c;
 }
@@ -46,7 +46,7 @@ SonarConfig ping360() {
   c.interval_s = 0.035;
   c.noise = BackgroundLaw::kRayleigh;
   c.noise_level = 12;
-  c.blind_m = 0.75;
+  c.blanking_m = 0.75;
   return c;
 }
 
@@ -311,7 +311,8 @@ std::vector<Field> fields(SonarConfig& c) {
                   "Share of pings with a burst of another sonar over all beams."),
       Field::real("disturbance_level", &c.disturbance_level, {0, 1e6}, "counts", "Level of streaks, rings and bursts."),
       Field::real("dropout_share", &c.dropout_share, {0, 1}, "1", "Share of pings that are lost."),
-      Field::real("blind_m", &c.blind_m, {0, 1000}, "m", "Blanking range: the transmit pulse rings up to here."),
+      Field::real("blanking_m", &c.blanking_m, {0, 1000}, "m", "Blanking range: the transmit pulse rings up to here.")
+          .was("blind_m"),
       Field::real("ringing_level", &c.ringing_level, {0, 1e6}, "counts", "Level of the ringing at the head."),
       Field::choice("pick", &c.pick, {{"nearest", RangePick::kNearest}, {"strongest", RangePick::kStrongest}},
                     "Which echo a range sonar reports."),
@@ -339,7 +340,7 @@ void check(const SonarConfig& c) {
   check_profile("noise_by_range", c.noise_by_range);
   check_profile("noise_by_bearing", c.noise_by_bearing);
   check_profile("reverberation", c.reverberation);
-  if (c.blind_m >= c.range_m) refuse("blind_m", "the sonar is blind over its whole range", "below range_m");
+  if (c.blanking_m >= c.range_m) refuse("blanking_m", "the sonar is blind over its whole range", "below range_m");
   if (c.name.empty()) refuse("name", "is empty", "a text");
 }
 

@@ -73,7 +73,7 @@ struct SonarConfig {
   double streak_share = 0, ring_share = 0, burst_share = 0;  ///< shares of pings: one beam, one range, whole image
   double disturbance_level = 60;                             ///< counts
   double dropout_share = 0;                                  ///< share of lost pings
-  double blind_m = 0.5;                                      ///< blanking range: the transmit pulse rings up to here
+  double blanking_m = 0.5;                                   ///< blanking range: the transmit pulse rings up to here
   double ringing_level = 200;                                ///< counts, at the head
 
   RangePick pick = RangePick::kNearest;  ///< range sonars: the echo that they report

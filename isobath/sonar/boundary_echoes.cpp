@@ -18,7 +18,7 @@ constexpr int kBeamsLearnt = 16;       // beams of a multibeam ping to learn fro
 constexpr int kFewest = 100;           // minimum number of samples within the slope for an expectation
 constexpr int kFewestOfCell = 25;      // minimum number of samples in one degree
 constexpr float kLouder = 1.1f;        // minimum ratio to the threshold of open water: less is chance
-constexpr double kLeastTelling = 2;    // minimum ratio of p_D over f for an informative decision
+constexpr double kMinTelling = 2;      // minimum ratio of p_D over f for an informative decision
 constexpr std::uint32_t kWeight = 64;  // weight of a sample, so that halving counts loses little
 constexpr float kMixed = 1.5f;         // allowance over a Rayleigh law for different ranges and grounds at one angle
 constexpr double kLow = 0.1, kMiddle = 0.3;
@@ -49,8 +49,9 @@ std::vector<Field> fields(BoundaryConfig& c) {
           Field::degrees(
               "slope_deg", &c.slope, {0, 30},
               "Tolerance of the angle at which a boundary is expected: its slope, errors of attitude and altitude."),
-          Field::real("boundary_loudest", &c.loudest, {1.1, 100}, "1",
-                      "Maximum level of bottom and surface, in thresholds of open water; louder rings stay obstacles."),
+          Field::real("boundary_max_level", &c.max_level, {1.1, 100}, "1",
+                      "Maximum level of bottom and surface, in thresholds of open water; louder rings stay obstacles.")
+              .was("boundary_loudest"),
           Field::integer("boundary_memory", &c.boundary_memory, {200, 1'000'000}, "beams",
                          "Maximum number of beams from which the level of bottom and surface is learnt.")};
 }
@@ -202,12 +203,12 @@ void BoundaryEchoes::expect(const RangeWindow& window, std::span<const float> th
     }
     const float open = thresholds.empty() ? loudest : thresholds[k];
     if (learnt && !(loudest > kLouder * open) && !(thresholds.empty() && loudest > 0)) continue;
-    if (loudest > static_cast<float>(config_.loudest) * open) continue;  // may be walls all round
+    if (loudest > static_cast<float>(config_.max_level) * open) continue;  // may be walls all round
     const double f = decisions.false_alarm;
     const double ratio = static_cast<double>(loudest / open);  // ratio of amplitudes
     const double p = learnt ? hidden_p_detect(ratio * ratio, static_cast<double>(decisions.p_detect[k]), f) : 0;
     beam_.threshold[k] = loudest;
-    beam_.p_detect[k] = p > kLeastTelling * f ? static_cast<float>(p) : 0;
+    beam_.p_detect[k] = p > kMinTelling * f ? static_cast<float>(p) : 0;
     beam_.dim[k / 64] |= std::uint64_t{1} << (k % 64);
     beam_.any = true;
   }

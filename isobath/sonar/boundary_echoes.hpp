@@ -17,7 +17,7 @@
 // ratio s divided by the squared ratio of both thresholds. This p_D goes with the decision. A bin of the ring without
 // an echo then says little of free water, and nothing if p_D is near f or the level of the boundary is not known yet.
 //
-// A ring louder than `loudest` times the threshold of open water stays an obstacle, since in a basin it may be the
+// A ring louder than `max_level` times the threshold of open water stays an obstacle, since in a basin it may be the
 // walls.
 //
 // Not promised: an object that fills more than half of all bearings at the same angle off the axis as the bottom, and
@@ -57,7 +57,7 @@ BoundaryReach boundary_reach(const WaterColumn& water, Angle azimuth, Angle half
 struct BoundaryConfig {
   bool tell_boundaries = true;
   Angle slope = Angle::degrees(4);
-  double loudest = 2;          ///< maximum level of a boundary, in thresholds of open water
+  double max_level = 2;        ///< maximum level of a boundary, in thresholds of open water
   int boundary_memory = 1000;  ///< 500 to 1000 beams are remembered
 };
 std::vector<Field> fields(BoundaryConfig& config);

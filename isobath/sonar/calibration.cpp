@@ -53,11 +53,12 @@ class HeldOut {
 std::vector<Field> fields(CalibrationConfig& c) {
   return {Field::real("false_alarm", &c.false_alarm, {1e-5, 0.5}, "1", "False-alarm rate of the operating point."),
           Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1", "Detection probability if no target is marked."),
-          Field::real("blind_m", &c.blind_m, {0, 100}, "m", "Range below which bins are blind."),
+          Field::real("blanking_m", &c.blanking_m, {0, 100}, "m", "Range below which bins are blind.").was("blind_m"),
           Field::integer("pool_bins", &c.pool_bins, {-1, 1000}, "bins",
                          "Neighbours on each side that share their noise; -1: 1/64 of the window."),
-          Field::integer("least_targets", &c.least_targets, {1, 1'000'000}, "cells",
-                         "Minimum number of marked cells for a detection probability."),
+          Field::integer("min_targets", &c.min_targets, {1, 1'000'000}, "cells",
+                         "Minimum number of marked cells for a detection probability.")
+              .was("least_targets"),
           Field::integer("range_groups", &c.range_groups, {1, 10'000}, "1",
                          "Number of range groups of the noise fits and ROC curves."),
           Field::integer("folds", &c.folds, {2, 100}, "1", "Number of folds of the cross-validation."),
@@ -72,7 +73,8 @@ void Calibration::prepare(const Ping& ping) {
     window_ = ping.window;
     full_scale_ = ping.full_scale;
     type_ = ping.intensity.type();
-    const double blind = std::ceil((std::max(config_.blind_m, ping.blind_m) - window_.start_m) / window_.bin_m - 1e-9);
+    const double blind =
+        std::ceil((std::max(config_.blanking_m, ping.blanking_m) - window_.start_m) / window_.bin_m - 1e-9);
     first_bin_ = static_cast<int>(std::clamp(blind, 0.0, window_.bins - 1.0));
     const EchoLevels levels(type_, full_scale_);
     for (Fold& fold : folds_) fold = {EchoHistogram(levels, window_.bins), EchoHistogram(levels, window_.bins)};
@@ -184,7 +186,7 @@ void Calibration::set_detection(SensorModel& model, const Fold& sum) const {
     cells[k + 1] = cells[k] + target.samples();
     hits[k + 1] = hits[k] + target.samples() * target.rate_at_or_above(model.bins[k].threshold);
   }
-  const bool marked = cells.back() >= config_.least_targets;
+  const bool marked = cells.back() >= config_.min_targets;
   for (int k = first_bin_; k < window_.bins; ++k) {
     SensorModel::Bin& bin = model.bins[k];
     bin.p_detect = config_.p_detect;
@@ -192,7 +194,7 @@ void Calibration::set_detection(SensorModel& model, const Fold& sum) const {
       const int from = std::max(0, k - r);
       const int upto = std::min(window_.bins, k + r + 1);
       const double n = cells[upto] - cells[from];
-      if (n < config_.least_targets) continue;
+      if (n < config_.min_targets) continue;
       bin.p_detect = (hits[upto] - hits[from] + 0.5) / (n + 1);
       break;
     }

@@ -5,7 +5,7 @@
 // Thresholds: t_k is the 1 - f quantile of the noise of bin k and `pool_bins` neighbours on each side (more if samples
 // are few). Whole-number samples get the next whole threshold with at most the rate f. With background only, p_D is the
 // configured one. Targets are exactly the cells marked in frames with truth, without tolerance around them. p_D(k) is
-// the share of marked cells at or above their thresholds in the nearest `least_targets` cells (in range), with half a
+// the share of marked cells at or above their thresholds in the nearest `min_targets` cells (in range), with half a
 // hit and half a miss added, so that it is never 0 or 1. Unmarked cells of marked frames count neither as noise nor as
 // target: an annotation marks the surface of a target, and the echoes behind and beside it are no false alarms. Bins
 // with p_D <= f, or whose noise saturates, are blind.
@@ -37,10 +37,10 @@ namespace isobath {
 
 struct CalibrationConfig {
   double false_alarm = 0.02;
-  double p_detect = 0.8;   ///< if no target is marked
-  double blind_m = 0.6;    ///< nearer bins are blind
-  int pool_bins = -1;      ///< on each side; -1: 1/64 of the window
-  int least_targets = 30;  ///< minimum number of marked cells for a p_D
+  double p_detect = 0.8;    ///< if no target is marked
+  double blanking_m = 0.6;  ///< nearer bins are blind
+  int pool_bins = -1;       ///< on each side; -1: 1/64 of the window
+  int min_targets = 30;     ///< minimum number of marked cells for a p_D
   int range_groups = 8;
   int folds = 4;
   NoiseFitConfig noise;
@@ -77,7 +77,7 @@ struct CalibrationResult {
   SensorModel model;
   int background_pings = 0;
   int marked_pings = 0;
-  std::uint64_t marked_cells = 0;  ///< without bins nearer than blind_m
+  std::uint64_t marked_cells = 0;  ///< without bins nearer than blanking_m
   std::vector<RangeGroup> groups;
   std::vector<ThresholdComparison> comparison;  ///< at f = 0.01, 0.02, 0.03, 0.05; empty without marks
 };

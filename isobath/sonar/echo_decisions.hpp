@@ -27,7 +27,7 @@ class EchoDecisions {
     p_detect.assign(bins, 0);
     dim_.clear();
     has_ratios_ = false;
-    weight = most_echo_weight = 1;
+    weight = max_echo_weight = 1;
   }
 
   [[nodiscard]] int beams() const { return beams_; }
@@ -92,7 +92,7 @@ class EchoDecisions {
   std::vector<float> p_detect;  ///< p_D(k) of each bin; above false_alarm if the bin is usable
   double false_alarm = 0.02;    ///< f, the same for all bins
   float weight = 1;             ///< share of an independent look; maps multiply the ping's evidence by it
-  float most_echo_weight = 1;   ///< maximum weight of the ping's echoes
+  float max_echo_weight = 1;    ///< maximum weight of the ping's echoes
 
  private:
   int beams_ = 0;

@@ -50,8 +50,9 @@ std::vector<Field> fields(EchoDetectorConfig& c) {
                   "Probability that a bin without a target reports an echo; a sensor model has its own."),
       Field::real("p_detect", &c.p_detect, {0.01, 0.999}, "1",
                   "Probability that a bin with a target reports an echo; a sensor model has its own."),
-      Field::real("blind_m", &c.blind_m, {0, 100}, "m",
-                  "Blanking range: nearer bins are never used, since the transmitter still rings."),
+      Field::real("blanking_m", &c.blanking_m, {0, 100}, "m",
+                  "Blanking range: nearer bins are never used, since the transmitter still rings.")
+          .was("blind_m"),
       Field::real("global_threshold", &c.global_threshold, {0, 1}, "1",
                   "Threshold of method global, as a share of full scale."),
       Field::real("skirt_share", &c.skirt_share, {0, 1}, "1",
@@ -83,7 +84,7 @@ EchoDetector::EchoDetector(EchoDetectorConfig config, std::optional<SensorModel>
       ratios_(std::move(ratios)),
       boundary_(config.boundary),
       unchecked_fan_(std::move(fan_model)) {
-  config_.fan.blind_m = config_.blind_m;
+  config_.fan.blanking_m = config_.blanking_m;
   fan_detector_ = FanDetector(config_.fan);
   if (unchecked_fan_) fan_detector_.start_from(unchecked_fan_);
   if (ratios_ && config_.method == DetectionMethod::kAutomatic) config_.method = DetectionMethod::kHistogram;
@@ -105,7 +106,7 @@ double EchoDetector::false_alarm() const {
 }
 
 DetectionMethod EchoDetector::method_for(const Ping& ping) const {
-  const bool fan = ping.fan->beams() >= FanDetector::kLeastBeams;
+  const bool fan = ping.fan->beams() >= FanDetector::kMinBeams;
   const bool open = config_.method == DetectionMethod::kAutomatic || config_.method == DetectionMethod::kCells;
   return !open ? config_.method : fan ? DetectionMethod::kCells : DetectionMethod::kLearnt;
 }
@@ -144,7 +145,7 @@ bool EchoDetector::listen(const Ping& ping) {
   return state_ == DetectorState::kReady;
 }
 
-void EchoDetector::heard_all() {
+void EchoDetector::end_learning() {
   if (tracker_.profiles() < kBeamsLearnt) return;
   tracker_.update(true);
   take_thresholds();
@@ -176,7 +177,7 @@ void EchoDetector::weigh_beams(const Ping& ping) {
 
 void EchoDetector::prepare_for(const Ping& ping) {
   const bool by_pixel = config_.method == DetectionMethod::kHistogram;
-  if (ping.window != window_ || ping.blind_m != blind_m_ || ping.full_scale != full_scale_ ||
+  if (ping.window != window_ || ping.blanking_m != blanking_m_ || ping.full_scale != full_scale_ ||
       ping.intensity.type() != type_ || (by_pixel && ping.fan != fan_)) {
     prepare(ping);
   }
@@ -205,10 +206,11 @@ void EchoDetector::decide(const Ping& ping, EchoDecisions& out) {
 
 void EchoDetector::prepare(const Ping& ping) {
   window_ = ping.window;
-  blind_m_ = ping.blind_m;
+  blanking_m_ = ping.blanking_m;
   full_scale_ = ping.full_scale;
   type_ = ping.intensity.type();
-  const double blind_bins = std::ceil((std::max(config_.blind_m, blind_m_) - window_.start_m) / window_.bin_m - 1e-9);
+  const double blind_bins =
+      std::ceil((std::max(config_.blanking_m, blanking_m_) - window_.start_m) / window_.bin_m - 1e-9);
   first_bin_ = static_cast<int>(std::clamp(blind_bins, 0.0, double(window_.bins)));
   beam_.resize(window_.bins);
   p_detect_.assign(window_.bins, static_cast<float>(config_.p_detect));

@@ -32,10 +32,10 @@
 // Bins that a beam has not sampled (Ping::sampled) have no information: they are dim with p_D 0 and no reference for
 // CFAR. The detector does not learn from a beam with such bins.
 //
-// Bins nearer than blind_m, or than the blind zone that the ping states, are not usable. `detect` allocates only at the
-// first ping of a geometry and throws nothing. Not thread-safe: one detector per sonar. Deterministic. Measured on one
-// core, 512 beams x 500 bins of 8 bits, G bins/s: thresholds 2.3 (samples in beam order) and 1.6 (in bin order), `auto`
-// 0.7, `ca_cfar` 0.07, `os_cfar` 0.03.
+// Bins nearer than blanking_m, or than the blind zone that the ping states, are not usable. `detect` allocates only at
+// the first ping of a geometry and throws nothing. Not thread-safe: one detector per sonar. Deterministic. Measured on
+// one core, 512 beams x 500 bins of 8 bits, G bins/s: thresholds 2.3 (samples in beam order) and 1.6 (in bin order),
+// `auto` 0.7, `ca_cfar` 0.07, `os_cfar` 0.03.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -69,7 +69,7 @@ struct EchoDetectorConfig {
   DetectionMethod method = DetectionMethod::kAutomatic;
   double false_alarm = 0.02;      ///< f; a sensor model has its own
   double p_detect = 0.8;          ///< p_D; a model has its own
-  double blind_m = 0.6;           ///< nearer bins are not usable
+  double blanking_m = 0.6;        ///< nearer bins are not usable
   double global_threshold = 0.5;  ///< share of full scale
   double skirt_share = 0.7;       ///< 0: no skirt rule
   double skirt_m = 0.2;
@@ -109,7 +109,7 @@ class EchoDetector {
   bool listen(const Ping& ping);
   /// Ends the listening: from now on the detector decides by what it has learnt, if it has learnt from at least 16
   /// beams.
-  void heard_all();
+  void end_learning();
 
   /// The looks at resolution cells of the last ping, which maps use instead of the samples, if the ping was decided by
   /// cells. Null: each sample is a look of its own.
@@ -149,7 +149,7 @@ class EchoDetector {
 
   // State of the present geometry: window, full scale, sample type.
   RangeWindow window_;
-  double blind_m_ = 0;  ///< as the ping states
+  double blanking_m_ = 0;  ///< as the ping states
   float full_scale_ = 0;
   SampleType type_ = SampleType::kU8;
   int first_bin_ = 0;  ///< first bin beyond the blind zone

@@ -14,7 +14,7 @@ constexpr double kStraightFrom = 0.97, kStraightTo = 1.08;
 constexpr int kAcross = 5;         // beams that are averaged
 constexpr int kBlock = 4;          // cells
 constexpr double kPatch_m = 1.5;   // of the window of a patch, to each side
-constexpr int kMostAcross = 6;     // blocks across that a patch is taken from, beside its middle
+constexpr int kMaxAcross = 6;      // blocks across that a patch is taken from, beside its middle
 constexpr int kColumn = 8;         // blocks along a beam, to each side
 constexpr float kLoudBeam = 1.3f;  // mean ratio of its power to its background
 constexpr double kRingMemory = 1;  // s
@@ -24,7 +24,7 @@ constexpr float kAbove = 1.3f;  // a narrow ring stands out by this much
 constexpr double kSteady = 10;  // s
 constexpr double kWideFan = 80 * std::numbers::pi / 180;
 constexpr float kStep = 1.4f;       // of the power of most of the fan, within one ping
-constexpr float kLeast = 0.8f;      // of the ring: no cell is taken to be fainter
+constexpr float kMin = 0.8f;        // of the ring: no cell is taken to be fainter
 constexpr float kOfTargets = 0.1f;  // how much a cell learns while a target stands in it
 constexpr int kOfRelief = 8;        // pings that a relief that was learnt before weighs
 constexpr float kAtOnce = 3;        // times its level: a cell learns no more from one ping
@@ -44,8 +44,9 @@ std::vector<Field> fields(FanBackgroundConfig& c) {
       Field::degrees("window_deg", &c.window, {2, 180},
                      "Directions to each side from which the background at a range is taken."),
       Field::real("memory_s", &c.memory_s, {0, 1000}, "s", "How slowly a cell's own background follows what it hears."),
-      Field::real("spread", &c.spread, {1, 1000}, "1",
-                  "A cell's own background is at most this many times that of its range, in power.")};
+      Field::real("max_background_ratio", &c.max_ratio, {1, 1000}, "1",
+                  "A cell's own background is at most this many times that of its range, in power.")
+          .was("spread")};
 }
 
 void FanBackground::begin(const FanCells& cells, int first_bin, float faintest) {
@@ -88,7 +89,7 @@ void FanBackground::begin(const FanCells& cells, int first_bin, float faintest) 
     half_across_.push_back(std::min(blocks_across_, blocks_in(std::max(0.01, kBlock * spacing * range))));
   }
   steady_s_.assign(static_cast<std::size_t>(bins_), 0);
-  scratch_.resize(std::max({rings, static_cast<std::size_t>((kMostAcross + 2) * (2 * half_along_ + 1)), std::size_t{64},
+  scratch_.resize(std::max({rings, static_cast<std::size_t>((kMaxAcross + 2) * (2 * half_along_ + 1)), std::size_t{64},
                             static_cast<std::size_t>(beams_), static_cast<std::size_t>(bins_)}));
   scratch2_.resize(scratch_.size());
   begun_ = false;
@@ -228,7 +229,7 @@ void FanBackground::find_patches() {
   }
   for (int j = 0; j < blocks_along_; ++j) {
     const int along = half_along_, across = half_across_[static_cast<std::size_t>(j)];
-    const int step = 1 + (2 * across) / kMostAcross;
+    const int step = 1 + (2 * across) / kMaxAcross;
     for (int i = 0; i < blocks_across_; ++i) {
       std::size_t count = 0;
       for (int m = i - across; m <= i + across; m += step) {
@@ -275,14 +276,14 @@ void FanBackground::set_levels() {
     const auto row = static_cast<std::ptrdiff_t>(b) * bins_;
     float *local = local_.data() + row, *level = level_.data() + row;
     const float* patch = patch_.data() + static_cast<std::ptrdiff_t>(b / kBlock) * blocks_along_;
-    const auto most = static_cast<float>(config_.spread);
+    const auto most = static_cast<float>(config_.max_ratio);
     const float relief = known_relief_.empty() ? 1.f : known_relief_[static_cast<std::size_t>(b)];
     float* base = base_.data() + row;
     for (int k = 0; k < bins_; ++k) {
       const float ring = std::max(low[k] + share * (high[k] - low[k]), patch[k / kBlock]);
       base[k] = ring;
       if (!begun_) local[k] = relief * ring;
-      level[k] = std::clamp(local[k], kLeast * ring, most * ring);
+      level[k] = std::clamp(local[k], kMin * ring, most * ring);
     }
   }
 }

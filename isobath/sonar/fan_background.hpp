@@ -19,8 +19,8 @@
 // quantile along the beam is background too. The near end of a wall that lies along a beam stays.
 //
 // Within ring and patch the level differs by direction: gains of beams, relief. So each cell has a level of its own,
-// which follows its power slowly (`memory_s`) and stays within a factor `spread` of ring and patch. A target in front
-// of a hovering vehicle raises it by at most this factor.
+// which follows its power slowly (`memory_s`) and stays within a factor `max_ratio` of ring and patch. A target in
+// front of a hovering vehicle raises it by at most this factor.
 //
 // The gain of a receiver may step: if most of the fan becomes louder or fainter by kStep, all levels follow at once.
 // Units: power of the samples. After the first ping of a geometry nothing allocates. One core, 256 x 250 cells: 1.3 ms.

@@ -8,14 +8,14 @@ namespace isobath {
 struct FanBackgroundConfig {
   Angle window = Angle::degrees(24);
   double memory_s = 2;
-  double spread = 4;  ///< factor in power
+  double max_ratio = 4;  ///< factor in power
 };
 std::vector<Field> fields(FanBackgroundConfig& config);
 
 struct FanDetectorConfig {
   double false_alarm = 1e-4;
   double p_detect = 0.7;
-  double blind_m = 0.6;  ///< nearer cells are not usable
+  double blanking_m = 0.6;  ///< nearer cells are not usable
   double look_s = 0.5;
   int range_cells = 200;
   FanBackgroundConfig background;

@@ -16,8 +16,8 @@ namespace {
 constexpr int kHeatMemory = 10;        // pings
 constexpr int kHeat = 3;               // echoes within that time, from which on a cell is taken to hold a target
 constexpr double kSuspectRate = 1e-3;  // of cells that stand out by chance
-constexpr float kMostSkew = 2;         // a threshold beyond this many robust ones is made by targets
-constexpr float kMostApart = 2;        // so is one beyond this many robust ones of the whole fan
+constexpr float kMaxSkew = 2;          // a threshold beyond this many robust ones is made by targets
+constexpr float kMaxApart = 2;         // so is one beyond this many robust ones of the whole fan
 constexpr int kSkirtBeams = 4, kSkirtBins = 3;
 constexpr int kWideBeams = 2, kWideBins = 16;  // to each side
 constexpr double kFull = 0.25;
@@ -41,7 +41,7 @@ constexpr float kFarBeyond = 4;          // times its own threshold, and
 constexpr float kLoudEcho = 100;         // times the quiet water: its side lobes may be heard, and its shadow is dark
 constexpr float kClipped = 0.7f;         // of the largest power: most samples of the cell are clipped
 constexpr float kLoud = 2;               // times the quiet water, in power
-constexpr double kLeastTelling = 2;      // p_D over f
+constexpr double kMinTelling = 2;        // p_D over f
 constexpr std::uint32_t kOwnLaw = 3000;  // cells of a stratum, from which on it has a law of its own
 
 template <class Visit>
@@ -97,7 +97,7 @@ struct FanDetector::State {
     std::shared_ptr<const BeamFan> fan;
     RangeWindow window;
     SampleType type = SampleType::kU8;
-    double blind_m = 0;
+    double blanking_m = 0;
     int first_bin = 0;
     FanCells cells;
     FanBackground background;
@@ -161,7 +161,7 @@ FanDetector::State::Geometry& FanDetector::State::geometry_of(const Ping& ping) 
   Geometry* oldest = nullptr;
   for (auto& g : geometries_) {
     const bool same = same_fan(g->fan, ping.fan) && g->window == ping.window && g->type == ping.intensity.type() &&
-                      g->blind_m == ping.blind_m;
+                      g->blanking_m == ping.blanking_m;
     if (same) {
       g->used = clock_;
       return *g;
@@ -177,14 +177,14 @@ FanDetector::State::Geometry& FanDetector::State::geometry_of(const Ping& ping) 
   g.fan = ping.fan;
   g.window = ping.window;
   g.type = ping.intensity.type();
-  g.blind_m = ping.blind_m;
+  g.blanking_m = ping.blanking_m;
   g.used = clock_;
   g.heard = false;
   g.cells = FanCells(config_.range_cells);
   g.cells.prepare(ping);
   const RangeWindow& w = g.cells.window();
-  const double blind_m = std::max({config_.blind_m, ping.blind_m, model_ ? model_->blind_m : 0.0});
-  const double blind = std::ceil((blind_m - w.start_m) / w.bin_m - 1e-9);
+  const double blanking_m = std::max({config_.blanking_m, ping.blanking_m, model_ ? model_->blanking_m : 0.0});
+  const double blind = std::ceil((blanking_m - w.start_m) / w.bin_m - 1e-9);
   g.first_bin = static_cast<int>(std::clamp(blind, 0.0, double(w.bins)));
   g.background = FanBackground(config_.background);
   g.background.begin(g.cells, g.first_bin, faintest_of(ping));
@@ -531,7 +531,7 @@ void FanDetector::State::describe(const Geometry& g, EchoDecisions& out) {
       if (!deaf && level[k] <= loud) continue;
       const double p =
           deaf ? 0 : hidden_p_detect(double{level[k]} / g.background.quiet(), config_.p_detect, config_.false_alarm);
-      p_dim_[static_cast<std::size_t>(k)] = p < kLeastTelling * config_.false_alarm ? 0.f : static_cast<float>(p);
+      p_dim_[static_cast<std::size_t>(k)] = p < kMinTelling * config_.false_alarm ? 0.f : static_cast<float>(p);
       dim_[static_cast<std::size_t>(k / 64)] |= std::uint64_t{1} << (k % 64);
       any = true;
     }
@@ -608,16 +608,16 @@ void FanDetector::State::detect(const Ping& ping, const WaterColumn& water, Echo
   suspect(g);
   learn(g);
   g.background.learn(target_);
-  g.watch.hear(ping, power_, target_);
+  g.watch.end_ping(ping, power_, target_);
   if (++g.pings == kUnsettled || g.pings == kSettled) {  // the backgrounds were still rough
     for (TailLaw& law : g.laws) law.take_over(law, 3);
     g.all.take_over(g.all, 3);
   }
   if (config_.look_s > 0) {
-    out.most_echo_weight = kOnePing;
+    out.max_echo_weight = kOnePing;
     const double since_s = g.heard ? to_seconds(ping.time - g.time) : config_.look_s;
     out.weight = static_cast<float>(std::clamp(since_s / config_.look_s, 0.05, 1.0));
-    if (is_cluttered(g)) out.most_echo_weight = std::min(kOnePing, kOfClutter * out.weight);
+    if (is_cluttered(g)) out.max_echo_weight = std::min(kOnePing, kOfClutter * out.weight);
   }
   g.time = ping.time;
   g.heard = true;
@@ -653,8 +653,8 @@ std::optional<FanDeparture> FanDetector::State::departure() const {
 
 float FanDetector::threshold_of(const TailLaw& own, const TailLaw& all, double false_alarm) {
   const TailLaw& law = own.total() >= kOwnLaw ? own : all;
-  const float wanted = std::min(law.threshold(false_alarm), kMostSkew * law.robust_threshold(false_alarm));
-  return &law == &own ? std::min(wanted, kMostApart * all.robust_threshold(false_alarm)) : wanted;
+  const float wanted = std::min(law.threshold(false_alarm), kMaxSkew * law.robust_threshold(false_alarm));
+  return &law == &own ? std::min(wanted, kMaxApart * all.robust_threshold(false_alarm)) : wanted;
 }
 
 FanDetector::FanDetector(const FanDetectorConfig& config) : state_(std::make_unique<State>(config)) {}

@@ -52,7 +52,7 @@ struct FanLooks {
 
 class FanDetector {
  public:
-  static constexpr int kLeastBeams = 8;  ///< minimum number of beams for a background across the beams
+  static constexpr int kMinBeams = 8;  ///< minimum number of beams for a background across the beams
 
   explicit FanDetector(const FanDetectorConfig& config = {});
   ~FanDetector();

@@ -8,8 +8,8 @@
 namespace isobath {
 namespace {
 
-constexpr int kSummed = 200;     // pings whose level is looked at for ringing
-constexpr float kMostRatio = 6;  // u counts no more for correlation: one loud cell would be all of it
+constexpr int kSummed = 200;    // pings whose level is looked at for ringing
+constexpr float kMaxRatio = 6;  // u counts no more for correlation: one loud cell would be all of it
 constexpr double kRinging_db = 3;
 constexpr int kInARow = 3;
 
@@ -34,7 +34,7 @@ double look_share(double r) { return (1 - std::max(0.0, r)) / (1 + std::max(0.0,
 }  // namespace
 
 void FanSurvey::add(const Ping& ping) {
-  if (ping.fan->beams() < FanDetector::kLeastBeams) return;
+  if (ping.fan->beams() < FanDetector::kMinBeams) return;
   ++pings_;
   auto at = std::find_if(all_.begin(), all_.end(), [&](const Heard& h) { return h.setting == ping; });
   if (at == all_.end()) {
@@ -59,11 +59,11 @@ std::optional<FanSetting> FanSurvey::most() const {
                                    [](const Heard& a, const Heard& b) { return a.setting.pings < b.setting.pings; });
   if (at == all_.end()) return std::nullopt;
   FanSetting setting = at->setting;
-  setting.blind_m = blind_m(*at);
+  setting.blanking_m = blanking_m(*at);
   return setting;
 }
 
-double FanSurvey::blind_m(const Heard& heard) const {
+double FanSurvey::blanking_m(const Heard& heard) const {
   const RangeWindow& window = heard.cells.window();
   const int rows = heard.cells.beams(), bins = window.bins;
   const double full = heard.setting.identity.full_scale;
@@ -79,9 +79,9 @@ double FanSurvey::blind_m(const Heard& heard) const {
     if (level > 0) all.push_back(level);
     level_db.push_back(level > loudest || level <= 0 ? NAN : 10 * std::log10(level));
   }
-  const double least_db = 10 * std::log10(std::max(1e-300, median_of(all))) - 40;
+  const double min_db = 10 * std::log10(std::max(1e-300, median_of(all))) - 40;
   for (double& level : level_db) {
-    if (level < least_db) level = NAN;  // blanked
+    if (level < min_db) level = NAN;  // blanked
   }
   const int reach = std::max(8, bins / 16);
   int row = 0;
@@ -97,13 +97,13 @@ FanLearner::FanLearner(const FanSetting& setting, const FanDetectorConfig& confi
     : setting_(setting),
       whole_([&] {
         FanDetectorConfig c = config;
-        c.blind_m = std::max(c.blind_m, setting.blind_m);
+        c.blanking_m = std::max(c.blanking_m, setting.blanking_m);
         return c;
       }()),
       judged_(config) {
-  if (setting.pings >= kLeastPings) return;
+  if (setting.pings >= kMinPings) return;
   throw Error("too few pings of one setting for a fan model: " + std::to_string(setting.pings), {},
-              std::to_string(kLeastPings) + " pings and more", "record about a minute");
+              std::to_string(kMinPings) + " pings and more", "record about a minute");
 }
 
 bool FanLearner::add(const Ping& ping) {
@@ -112,7 +112,7 @@ bool FanLearner::add(const Ping& ping) {
   ++pings_;
   if (pings_ == setting_.pings / 2) {
     first_ = whole_.learnt();
-    first_->blind_m = setting_.blind_m;
+    first_->blanking_m = setting_.blanking_m;
     judged_.start_from(std::make_shared<const FanModel>(*first_));
   } else if (first_) {
     judged_.detect(ping, {}, samples_, looks_);
@@ -139,7 +139,7 @@ void FanLearner::correlate() {
       for (int b = std::max(0, r - 1); b <= std::min(rows - 1, r + 1); ++b) {
         for (int n = std::max(0, k - 1); n <= std::min(bins - 1, k + 1); ++n) echo = echo || d.hit(b, n);
       }
-      if (!echo) now_[at(r, k)] = std::min(u[at(r, k)], kMostRatio);
+      if (!echo) now_[at(r, k)] = std::min(u[at(r, k)], kMaxRatio);
     }
   }
   for (int r = 0; r < rows; ++r) {
@@ -199,7 +199,7 @@ std::array<FanModel::Quality, FanModel::kAsked.size()> FanLearner::quality(doubl
 FanModel FanLearner::finish(const std::string& source) const {
   FanModel model = whole_.learnt();
   model.source = source;
-  model.blind_m = setting_.blind_m;
+  model.blanking_m = setting_.blanking_m;
   model.correlation = correlation();
   model.looks =
       look_share(model.correlation.beams) * look_share(model.correlation.bins) * look_share(model.correlation.pings);

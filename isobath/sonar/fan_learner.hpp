@@ -31,14 +31,14 @@ namespace isobath {
 struct FanSetting {
   FanModel identity;  ///< only sonar and setting
   int pings = 0;
-  double blind_m = 0;
+  double blanking_m = 0;
   bool operator==(const Ping& ping) const { return same_sonar(identity, *ping.fan) && same_setting(identity, ping); }
 };
 
 class FanSurvey {
  public:
   explicit FanSurvey(const FanDetectorConfig& config = {}) : config_(config) {}
-  /// Adds a ping that passes `check`. Pings of fewer than FanDetector::kLeastBeams beams are not counted.
+  /// Adds a ping that passes `check`. Pings of fewer than FanDetector::kMinBeams beams are not counted.
   void add(const Ping& ping);
   /// The setting with the most pings, the first of equal ones; empty: no fan.
   [[nodiscard]] std::optional<FanSetting> most() const;
@@ -52,7 +52,7 @@ class FanSurvey {
     std::vector<double> sum;
     int summed = 0;
   };
-  [[nodiscard]] double blind_m(const Heard& heard) const;
+  [[nodiscard]] double blanking_m(const Heard& heard) const;
   FanDetectorConfig config_;
   std::vector<Heard> all_;
   int pings_ = 0;
@@ -60,9 +60,9 @@ class FanSurvey {
 
 class FanLearner {
  public:
-  static constexpr int kLeastPings = 40;
+  static constexpr int kMinPings = 40;
 
-  /// Throws Error if the setting has fewer than kLeastPings pings.
+  /// Throws Error if the setting has fewer than kMinPings pings.
   explicit FanLearner(const FanSetting& setting, const FanDetectorConfig& config = {});
   /// Adds the pings of the recording, in order. Returns whether the ping has the setting.
   bool add(const Ping& ping);

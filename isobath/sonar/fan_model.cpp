@@ -42,12 +42,12 @@ TailLaw read_law(const Json& json, const std::string& file, const std::string& p
   constexpr int kSteps = static_cast<int>(TailLaw::kSteps);
   std::vector<std::uint32_t> counts(static_cast<std::size_t>(r.integer("first", 0, kSteps)));
   std::uint64_t total = 0;
-  constexpr int kMost = static_cast<int>(TailLaw::kMostCounted);
-  for (const auto n : r.integers<std::uint32_t>("counts", TailLaw::kSteps - counts.size(), 0, kMost)) {
+  constexpr int kMax = static_cast<int>(TailLaw::kMaxCounted);
+  for (const auto n : r.integers<std::uint32_t>("counts", TailLaw::kSteps - counts.size(), 0, kMax)) {
     counts.push_back(n);
     total += n;
   }
-  if (total > TailLaw::kMostCounted) r.fail("counts", "too many", "at most 100 million");
+  if (total > TailLaw::kMaxCounted) r.fail("counts", "too many", "at most 100 million");
   return TailLaw::of_counts(counts);
 }
 
@@ -158,7 +158,7 @@ void FanModel::check(const std::string& file) const {
   require(!level.empty() && level.size() <= static_cast<std::size_t>(window.bins), "level", "wrong size",
           "1 .. setting.bins");
   for (const int b : dead_beams) require(b >= 0 && b < beams, "dead_beams", "out of range", "0 .. beams - 1");
-  require(blind_m >= 0 && blind_m <= window.end_m(), "blind_m", "out of range", "0 .. end of the window");
+  require(blanking_m >= 0 && blanking_m <= window.end_m(), "blind_m", "out of range", "0 .. end of the window");
   require(cell_m >= window.bin_m * 0.999, "cell_m", "out of range", "bin_m and more");
 }
 
@@ -179,7 +179,7 @@ std::string write_fan_model(const FanModel& model) {
         {"full_scale", model.full_scale}}},
       {"pings", model.pings},
       {"seconds", model.seconds},
-      {"blind_m", model.blind_m},
+      {"blind_m", model.blanking_m},
       {"clipped", model.clipped},
       {"silent", model.silent},
       {"correlation",
@@ -210,7 +210,7 @@ FanModel read_fan_model(std::string_view text, const std::string& file) {
   read_sonar(json, file, model);
   model.pings = top.integer("pings", 1, 1'000'000'000);
   model.seconds = top.number("seconds", 0, 1e9);
-  model.blind_m = top.number("blind_m", 0, 1e6);
+  model.blanking_m = top.number("blind_m", 0, 1e6);
   model.clipped = top.number("clipped", 0, 1);
   model.silent = top.number("silent", 0, 1);
   const JsonObject r(json["correlation"], file, "correlation.", kFanAdvice, {"beams", "bins", "pings"});

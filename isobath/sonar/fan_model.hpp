@@ -59,7 +59,7 @@ struct FanModel {
   std::vector<double> relief;    ///< by row: background relative to that of its range, in power
   double cell_m = 0;
   std::vector<double> level;  ///< by range cell
-  double blind_m = 0;         ///< distance from the sonar; the start of the window if there is no ringing
+  double blanking_m = 0;      ///< distance from the sonar; the start of the window if there is no ringing
   std::array<TailLaw, kStrata> laws;
   TailLaw all;
 

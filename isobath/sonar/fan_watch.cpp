@@ -41,7 +41,7 @@ void FanWatch::begin(const Ping& ping, const FanCells& cells, int first_bin) {
   beam_count_.assign(beam_sum_.size(), 0);
 }
 
-void FanWatch::hear(const Ping& ping, const std::vector<float>& power, const std::vector<std::uint8_t>& target) {
+void FanWatch::end_ping(const Ping& ping, const std::vector<float>& power, const std::vector<std::uint8_t>& target) {
   for (std::size_t i = 0; i < sum_.size(); ++i) {
     if (power[i] < 0 || target[i]) continue;
     sum_[i] += double{power[i]};

@@ -22,7 +22,7 @@ class FanWatch {
     if (pings_ >= kRough) tally_[stratum].add(u);
   }
   /// Ends a ping after its cells. Cells with power below 0 or `target` 1 do not count.
-  void hear(const Ping& ping, const std::vector<float>& power, const std::vector<std::uint8_t>& target);
+  void end_ping(const Ping& ping, const std::vector<float>& power, const std::vector<std::uint8_t>& target);
   /// Whether the median ratio of all cells so far, including targets, contradicts a law. Tested at the first ping and
   /// up to the 40th.
   bool contradicts(const TailLaw& law, const std::vector<float>& ratios);

@@ -9,7 +9,7 @@
 namespace isobath {
 namespace {
 
-constexpr int kMostPings = 65535;        // so that no count overflows
+constexpr int kMaxPings = 65535;         // so that no count overflows
 constexpr double kPooledSamples = 1000;  // samples per pixel with automatic pooling
 constexpr double kHighestEvidence = 15;  // largest value that 16 bits hold in units of kUnit
 constexpr double kSameBearing = 0.25, kSameRange = 0.25;
@@ -91,8 +91,9 @@ std::vector<Field> fields(HistogramConfig& c) {
                      "Neighbours in range on each side whose background is pooled; -1: up to 1000 samples per pixel."),
       Field::integer("pool_beams", &c.pool_beams, {0, 1000}, "beams",
                      "Neighbours in bearing on each side whose background is pooled."),
-      Field::real("most_evidence", &c.most_evidence, {0.1, kHighestEvidence}, "1",
-                  "Maximum log-odds of one look at one pixel."),
+      Field::real("max_log_odds", &c.max_log_odds, {0.1, kHighestEvidence}, "1",
+                  "Maximum log-odds of one look at one pixel.")
+          .was("most_evidence"),
   };
 }
 
@@ -141,16 +142,14 @@ void HistogramModel::check(const std::string& file) const {
   require(config.drop_share >= 0 && config.drop_share <= 0.5, "drop_share", "0 .. 0.5");
   require(config.pool_bins >= 0 && config.pool_bins <= 1000, "pool_bins", "0 .. 1000");
   require(config.pool_beams >= 0 && config.pool_beams <= 1000, "pool_beams", "0 .. 1000");
-  require(config.most_evidence > 0 && config.most_evidence <= kHighestEvidence, "most_evidence", "above 0, up to 15");
+  require(config.max_log_odds > 0 && config.max_log_odds <= kHighestEvidence, "max_log_odds", "above 0, up to 15");
   require(window.bins > 0 && window.start_m >= 0 && window.bin_m > 0 && std::isfinite(window.end_m()), "window",
           "start_m >= 0, bin_m > 0, bins > 0");
   require(!azimuth.empty() && std::is_sorted(azimuth.begin(), azimuth.end()), "azimuth_deg", "one or more, rising");
   require(std::isfinite(full_scale) && full_scale > 0, "full_scale", "above 0");
-  require(background_pings > 0 && background_pings <= kMostPings && marked_pings >= 0, "background_pings",
-          "1 .. 65535");
-  require(
-      azimuth.size() <= kMostCells / static_cast<std::size_t>(config.levels) / static_cast<std::size_t>(window.bins),
-      "beams x bins x levels", "up to 268435456");
+  require(background_pings > 0 && background_pings <= kMaxPings && marked_pings >= 0, "background_pings", "1 .. 65535");
+  require(azimuth.size() <= kMaxCells / static_cast<std::size_t>(config.levels) / static_cast<std::size_t>(window.bins),
+          "beams x bins x levels", "up to 268435456");
   require(noise.size() == cells_of(*this), "noise", "a count for each level of each pixel");
   require(object.size() == static_cast<std::size_t>(config.levels), "object", "a count for each level");
 }
@@ -166,7 +165,7 @@ void HistogramLearner::prepare(const Ping& ping) {
     model_.full_scale = static_cast<double>(ping.full_scale);
     if (model_.config.level_width <= 0) model_.config.level_width = model_.full_scale / model_.config.levels;
     const std::size_t most =
-        HistogramModel::kMostCells / static_cast<std::size_t>(model_.config.levels) / model_.azimuth.size();
+        HistogramModel::kMaxCells / static_cast<std::size_t>(model_.config.levels) / model_.azimuth.size();
     if (static_cast<std::size_t>(ping.window.bins) > most) {
       throw Error("the image is too large for histograms of each pixel", {}, "up to " + std::to_string(most) + " bins",
                   "use fewer levels");
@@ -182,7 +181,7 @@ void HistogramLearner::add_background(const Ping& ping, std::span<const std::uin
   prepare(ping);
   const auto bins = static_cast<std::size_t>(model_.window.bins);
   ISOBATH_ASSERT(masked.empty() || masked.size() == model_.azimuth.size() * bins);
-  if (model_.background_pings == kMostPings) throw Error("too many pings of background", {}, "up to 65535");
+  if (model_.background_pings == kMaxPings) throw Error("too many pings of background", {}, "up to 65535");
   ++model_.background_pings;
   each_sample(ping, model_, [&](int beam, int bin, int level) {
     const std::size_t pixel = static_cast<std::size_t>(beam) * bins + static_cast<std::size_t>(bin);
@@ -216,7 +215,7 @@ void HistogramLearner::add(const HistogramModel& other) {
       other.config.levels == model_.config.levels && other.config.level_width == model_.config.level_width;
   if (!differs && !edges) differs = HistogramMismatch::kLevels;
   if (differs) throw Error(to_text(*differs), {}, "models of one sonar at one setting");
-  if (model_.background_pings + other.background_pings > kMostPings) {
+  if (model_.background_pings + other.background_pings > kMaxPings) {
     throw Error("too many pings of background", {}, "up to 65535");
   }
   model_.background_pings += other.background_pings;
@@ -275,7 +274,7 @@ LikelihoodRatios::LikelihoodRatios(std::shared_ptr<const HistogramModel> model) 
       shares = pool;
       to_shares(shares, m.config);
       for (std::size_t i = 0; i < levels; ++i) {
-        const double most = m.config.most_evidence;
+        const double most = m.config.max_log_odds;
         const double increment = std::clamp(std::log(object[i] / shares[i]), -most, most);
         table_.push_back(static_cast<std::int16_t>(std::lround(increment / kUnit)));
       }

@@ -7,7 +7,7 @@
 // samples of objects, M in total,
 //   e_b = (n_b + k) / (N + levels k),   h_b = (m_b + k) / (M + levels k),   increment ln(h_b / e_b),
 // so that a level without training samples (the paper does not treat it) is unlikely, not impossible. The increment is
-// clamped to +-most_evidence. All pixels share one object histogram.
+// clamped to +-max_log_odds. All pixels share one object histogram.
 //
 // Objects in the noise set (the paper asks for "few objects"): marked pixels are left out, and the brightest drop_share
 // of the samples of each pixel.
@@ -41,7 +41,7 @@ struct HistogramConfig {
   double drop_share = 0.01;  ///< share of the brightest samples of a pixel that is left out
   int pool_bins = -1;        ///< on each side; -1: by the number of images
   int pool_beams = 0;        ///< on each side
-  double most_evidence = 4;  ///< maximum log-odds of one look at one pixel
+  double max_log_odds = 4;   ///< maximum log-odds of one look at one pixel
   bool operator==(const HistogramConfig&) const = default;
 };
 std::vector<Field> fields(HistogramConfig& config);
@@ -51,7 +51,7 @@ enum class HistogramMismatch : std::uint8_t { kImageSize, kBearings, kRange, kLe
 const char* to_text(HistogramMismatch mismatch);
 
 struct HistogramModel {
-  static constexpr std::size_t kMostCells = std::size_t{1} << 28;  ///< beams x bins x levels
+  static constexpr std::size_t kMaxCells = std::size_t{1} << 28;  ///< beams x bins x levels
 
   std::string source;      ///< description of the recording
   HistogramConfig config;  ///< with all automatic values resolved

@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little, "counts are written as
 
 constexpr std::string_view kMagic("isobath intensity histograms\n");
 constexpr std::uint32_t kFileVersion = 1;
-constexpr std::size_t kMostHeader = std::size_t{4} << 20;
+constexpr std::size_t kMaxHeader = std::size_t{4} << 20;
 constexpr const char* kWrittenBy = "a histogram model is written by `isobath calibrate`";
 
 std::uint32_t crc_of_model(std::string_view bytes) {
@@ -89,7 +89,7 @@ std::string header_of(const HistogramModel& model) {
                        {"drop_share", c.drop_share},
                        {"pool_bins", c.pool_bins},
                        {"pool_beams", c.pool_beams},
-                       {"most_evidence", c.most_evidence},
+                       {"most_evidence", c.max_log_odds},
                        {"start_m", model.window.start_m},
                        {"bin_m", model.window.bin_m},
                        {"bins", model.window.bins},
@@ -102,17 +102,16 @@ std::string header_of(const HistogramModel& model) {
 }
 
 HistogramModel model_of(const HeaderReader& header) {
-  constexpr int kMost = 1 << 30;
+  constexpr int kMax = 1 << 30;
   HistogramModel model;
   model.source = header.text("source");
-  model.config = {header.integer("levels", kMost),    header.number("level_width"),
-                  header.number("smoothing"),         header.number("drop_share"),
-                  header.integer("pool_bins", kMost), header.integer("pool_beams", kMost),
+  model.config = {header.integer("levels", kMax), header.number("level_width"),      header.number("smoothing"),
+                  header.number("drop_share"),    header.integer("pool_bins", kMax), header.integer("pool_beams", kMax),
                   header.number("most_evidence")};
-  model.window = {header.number("start_m"), header.number("bin_m"), header.integer("bins", kMost)};
+  model.window = {header.number("start_m"), header.number("bin_m"), header.integer("bins", kMax)};
   model.full_scale = header.number("full_scale");
-  model.background_pings = header.integer("background_pings", kMost);
-  model.marked_pings = header.integer("marked_pings", kMost);
+  model.background_pings = header.integer("background_pings", kMax);
+  model.marked_pings = header.integer("marked_pings", kMax);
   for (const double a : header.numbers("azimuth_deg")) model.azimuth.push_back(Angle::degrees(a));
   for (const double n : header.numbers("object")) {
     if (!(n >= 0 && n <= 1e15)) throw Error("out of range", {{}, {}, {}, {}, "object"}, "counts of samples");
@@ -141,7 +140,7 @@ HistogramModel read_histogram_model(std::string_view bytes, const std::string& f
   if (bytes.size() < fixed + 4) refuse("ends within its header");
   if (u32_at(bytes, kMagic.size()) != kFileVersion) refuse("unknown version", std::to_string(kFileVersion));
   const std::size_t header_bytes = u32_at(bytes, kMagic.size() + 4);
-  if (header_bytes > kMostHeader || header_bytes > bytes.size() - fixed - 4) refuse("ends within its header");
+  if (header_bytes > kMaxHeader || header_bytes > bytes.size() - fixed - 4) refuse("ends within its header");
   if (crc_of_model(bytes.substr(0, bytes.size() - 4)) != u32_at(bytes, bytes.size() - 4)) {
     refuse("damaged: wrong checksum");
   }

@@ -94,7 +94,7 @@ PingFault check(const Ping& ping) {
     return PingFault::kSizeMismatch;
   }
   if (!spans_fit(ping)) return PingFault::kSizeMismatch;
-  if (!ping.X_BS.is_finite() || !std::isfinite(ping.sound_speed) || !(ping.blind_m >= 0)) {
+  if (!ping.X_BS.is_finite() || !std::isfinite(ping.sound_speed) || !(ping.blanking_m >= 0)) {
     return PingFault::kNotFinite;
   }
   if (ping.intensity.type() == SampleType::kF32) {

@@ -95,7 +95,7 @@ struct Ping {
   SweepMark sweep = SweepMark::kUnknown;
   /// By beam, the bins that were sampled; the others hold 0 and have no information. Null: all bins of all beams.
   std::shared_ptr<const std::vector<BinSpan>> sampled;
-  double blind_m = 0;  ///< range below which the transmit pulse rings, as the device states it (S6-09)
+  double blanking_m = 0;  ///< range below which the transmit pulse rings, as the device states it (S6-09)
 };
 
 /// A ping that owns its 8-bit samples, beam after beam, each from its nearest bin on. Another number of samples than

@@ -8,8 +8,8 @@
 namespace isobath {
 namespace {
 
-constexpr double kLeastDeviation = 0.015;  // minimum deviation, as a share of full scale
-constexpr double kSteep = 0.7071;          // sine of 45 degrees
+constexpr double kMinDeviation = 0.015;  // minimum deviation, as a share of full scale
+constexpr double kSteep = 0.7071;        // sine of 45 degrees
 
 struct BeamSums {
   double level = 0;
@@ -75,9 +75,9 @@ float median(float* first, float* last) {
 
 /// Level above which an echo of this beam is clear. Long beams are subsampled, which is enough for a median.
 float outstanding(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast) {
-  constexpr int kMost = 256;
-  std::array<float, kMost> some{};
-  const int stride = (decisions.bins() + kMost - 1) / kMost;
+  constexpr int kMax = 256;
+  std::array<float, kMax> some{};
+  const int stride = (decisions.bins() + kMax - 1) / kMax;
   float* last = some.data();
   for (int k = 0; k < decisions.bins(); k += stride) {
     if (decisions.usable(k)) *last++ = ping.intensity(beam, k);
@@ -86,7 +86,7 @@ float outstanding(const Ping& ping, const EchoDecisions& decisions, int beam, do
   const float middle = median(some.data(), last);
   for (float* value = some.data(); value != last; ++value) *value = std::abs(*value - middle);
   // The deviation of nearly constant samples is close to 0, so it has a minimum.
-  const double least = kLeastDeviation * static_cast<double>(ping.full_scale);
+  const double least = kMinDeviation * static_cast<double>(ping.full_scale);
   const double deviation = std::max(1.4826 * static_cast<double>(median(some.data(), last)), least);
   return middle + static_cast<float>(contrast * deviation);
 }

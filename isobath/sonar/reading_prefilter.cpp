@@ -20,8 +20,9 @@ std::vector<Field> fields(ReadingPrefilterConfig& c) {
                   "Readings are merged only if the vehicle has moved by at most this."),
       Field::degrees("attitude_deg", &c.attitude, {0, 180},
                      "Readings are merged only if the vehicle has turned by at most this."),
-      Field::integer("most", &c.most, {1, 100}, "readings",
-                     "Maximum number of readings merged into one; 1 merges none."),
+      Field::integer("max_readings", &c.max_readings, {1, 100}, "readings",
+                     "Maximum number of readings merged into one; 1 merges none.")
+          .was("most"),
       Field::real("hold_s", &c.hold_s, {0, 3600}, "s", "Time for which a reading waits for similar ones."),
   };
 }
@@ -73,7 +74,7 @@ void ReadingPrefilter::add(int sensor, const RangeReading& reading, const Pose& 
   }
   if (group->count > 0 && !alike(*group, reading, X_WB)) close(*group, out);
   take(*group, reading, X_WB);
-  if (group->count >= config_.most) close(*group, out);
+  if (group->count >= config_.max_readings) close(*group, out);
 }
 
 void ReadingPrefilter::flush_due(Time now, std::vector<MergedReading>& out) {

@@ -25,8 +25,8 @@ struct ReadingPrefilterConfig {
   double range_m = 0.5;
   double position_m = 1;
   Angle attitude = Angle::degrees(3);
-  int most = 4;         ///< maximum number of readings in a group
-  double hold_s = 2.4;  ///< four readings at the paper's 0.6 s
+  int max_readings = 4;  ///< maximum number of readings in a group
+  double hold_s = 2.4;   ///< four readings at the paper's 0.6 s
 };
 
 std::vector<Field> fields(ReadingPrefilterConfig& config);

@@ -12,9 +12,9 @@ namespace isobath {
 
 class SensorTable {
  public:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMax = 64;
 
-  SensorTable() { mountings_.reserve(kMost); }
+  SensorTable() { mountings_.reserve(kMax); }
 
   /// Index of the sensor in the order of first readings; empty beyond the 64th. Allocates nothing.
   std::optional<std::size_t> index_of(const Pose& X_BS) {
@@ -24,7 +24,7 @@ class SensorTable {
     };
     const auto known = std::find_if(mountings_.begin(), mountings_.end(), same);
     if (known != mountings_.end()) return static_cast<std::size_t>(known - mountings_.begin());
-    if (mountings_.size() == kMost) return std::nullopt;
+    if (mountings_.size() == kMax) return std::nullopt;
     mountings_.push_back(X_BS);
     return mountings_.size() - 1;
   }

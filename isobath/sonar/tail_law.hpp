@@ -35,12 +35,12 @@ class TailLaw {
   [[nodiscard]] double exceeding(float u) const;
   /// Adds the values of another law.
   void merge(const TailLaw& other);
-  /// The histogram by step, for storage; `of_counts` is its inverse. At most kSteps counts, kMostCounted in total.
+  /// The histogram by step, for storage; `of_counts` is its inverse. At most kSteps counts, kMaxCounted in total.
   [[nodiscard]] std::span<const std::uint32_t> counts() const { return counts_; }
   static TailLaw of_counts(std::span<const std::uint32_t> counts);
   static constexpr int kStepBits = 5, kOctaves = 20;
   static constexpr std::size_t kSteps = std::size_t{kOctaves} << kStepBits;
-  static constexpr std::uint32_t kMostCounted = 100'000'000;
+  static constexpr std::uint32_t kMaxCounted = 100'000'000;
 
  private:
   static constexpr int kLowest = -6;

@@ -3,7 +3,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/io/frames/frame_folder.hpp>
 #include <isobath/io/frames/marked_frames.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/plot/picture.hpp>
 #include <isobath/studies/calibrate.hpp>
@@ -16,13 +16,13 @@ Colour group_colour(std::size_t group, std::size_t groups) {
                                      static_cast<double>(std::max<std::size_t>(groups, 2) - 1));
 }
 
-double strongest(const Ping& ping, double blind_m, std::vector<float>& beam) {
+double strongest(const Ping& ping, double blanking_m, std::vector<float>& beam) {
   beam.resize(static_cast<std::size_t>(ping.window.bins));
   float most = 0;
   for (int b = 0; b < ping.fan->beams(); ++b) {
     ping.intensity.copy_beam(b, beam.data());
     for (int k = 0; k < ping.window.bins; ++k) {
-      if (ping.window.edge(k) >= blind_m) most = std::max(most, beam[static_cast<std::size_t>(k)]);
+      if (ping.window.edge(k) >= blanking_m) most = std::max(most, beam[static_cast<std::size_t>(k)]);
     }
   }
   return static_cast<double>(most);
@@ -73,7 +73,7 @@ class BorrowedObjects {
 class FanPart {
  public:
   explicit FanPart(const Configuration& configuration) : config_(configuration.echoes.fan), survey_(config_) {
-    config_.blind_m = configuration.echoes.blind_m;
+    config_.blanking_m = configuration.echoes.blanking_m;
   }
   void survey(const Ping& ping) { survey_.add(ping); }
   void prepare(CalibrateOutcome& outcome) {
@@ -123,7 +123,7 @@ void add_log(Calibration& calibration, BorrowedObjects* borrowed, const Calibrat
   std::uint64_t pings = 0;
   for_pings(request, [&](const Ping& ping, const SourceReport& report) {
     const bool quiet = !request.background_below ||
-                       strongest(ping, request.configuration.calibration.blind_m, beam) < *request.background_below;
+                       strongest(ping, request.configuration.calibration.blanking_m, beam) < *request.background_below;
     if (fan.add(ping) && quiet) {
       calibration.add_background(ping);
       if (borrowed) borrowed->add(ping);

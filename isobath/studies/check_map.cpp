@@ -20,7 +20,7 @@ constexpr const char* kNoEcho = "no echo";
 constexpr const char* kNotDown = "not of a depth sonar";
 constexpr const char* kInWater = "echo in the water column";
 
-constexpr int kMostReach = 64;        // pixels around a sounding, to either side
+constexpr int kMaxReach = 64;         // pixels around a sounding, to either side
 constexpr double kSlopeReach = 5;     // m around a sounding, over which the map's slope is fitted
 constexpr double kFewestAround = 40;  // pixels
 constexpr double kNarrowest = 1;      // m, standard deviation of their positions across
@@ -36,7 +36,7 @@ class Comparer final : public SoundingSink, public ResultSink {
     if (cone.axis().z() < std::cos(parts_.evidence.depth_within.radians())) return leave_out(kNotDown);
     if (!reading.range_m) return leave_out(kNoEcho);
     const Eigen::Vector3d p_W = cone.apex() + *reading.range_m * cone.axis();
-    const std::size_t sensor = sensors_.index_of(reading.X_BS).value_or(SensorTable::kMost - 1);
+    const std::size_t sensor = sensors_.index_of(reading.X_BS).value_or(SensorTable::kMax - 1);
     const auto verdict = gate_.judge(static_cast<int>(sensor), p_W);
     if (verdict == SoundingGate::Verdict::kHeld || verdict == SoundingGate::Verdict::kImpossible) {
       return leave_out(to_text(DepthRefusal::kHeldAlone));
@@ -78,7 +78,7 @@ class Comparer final : public SoundingSink, public ResultSink {
   void compare(const Eigen::Vector3d& p_W, double footprint_m, double sigma_m, Time time) {
     const PixelGrid& grid = map_.facts.area.grid;
     const double radius = footprint_m + parts_.mapper.spread_sigmas * sigma_m;
-    const int reach = std::min(kMostReach, footprint_half_width(radius, grid.pixel_m));
+    const int reach = std::min(kMaxReach, footprint_half_width(radius, grid.pixel_m));
     const int side = 2 * reach + 1;
     const Pixel middle = grid.at(p_W.head<2>());
     patch_.resize(static_cast<std::size_t>(side) * side);
@@ -159,7 +159,7 @@ CheckOutcome check_map(const CheckRequest& request) {
   Pipeline pipeline(request.configuration, comparer, &comparer);
   while (auto event = source->next()) {
     if (std::holds_alternative<Ping>(*event)) continue;  // no depth in it
-    pipeline.take(std::move(*event));
+    pipeline.on_event(std::move(*event));
     if (request.progress) request.progress(source->report(), pipeline.counts());
   }
   pipeline.finish();

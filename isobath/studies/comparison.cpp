@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/studies/comparison.hpp>
@@ -36,12 +36,12 @@ SampleStatistics collect(const std::filesystem::path& input, const CompareReques
   } else {
     source = open_source(input, request.configuration.input);
   }
-  SampleCollector collector(request.configuration.calibration.blind_m);
+  SampleCollector collector(request.configuration.calibration.blanking_m);
   std::uint64_t pings = 0;
   while (const auto event = source->next()) {
     const auto* ping = std::get_if<Ping>(&*event);
     if (!ping || check(*ping) != PingFault::kNone) continue;
-    collector.take(*ping);
+    collector.add(*ping);
     if (request.progress) request.progress(source->report(), ++pings);
   }
   SampleStatistics out = collector.finish(input.string());
@@ -98,7 +98,7 @@ ordered_json samples_json(const SampleStatistics& s) {
           {"pings", s.pings},
           {"pings_left_out", s.left_out},
           {"scans", s.scans},
-          {"blind_m", s.blind_m},
+          {"blind_m", s.blanking_m},
           {"all", levels_json(s.all)},
           {"spread_over_scans", s.spread_over_scans},
           {"spread_over_cells", s.spread_over_cells},

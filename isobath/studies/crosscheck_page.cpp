@@ -13,7 +13,7 @@ namespace isobath {
 namespace {
 
 constexpr Colour kBars{0.35, 0.60, 0.80, 0.9}, kDots{0.10, 0.35, 0.60, 0.25};
-constexpr std::size_t kMostDots = 4000;
+constexpr std::size_t kMaxDots = 4000;
 
 /// Half the width of the pictures, which covers most differences without the outliers.
 double shown_width(const CrosscheckResult& r) {
@@ -63,7 +63,7 @@ std::string against_depth(const std::vector<CrosscheckSample>& samples, const Cr
   ChartPicture chart(640, 380, "Differences against depth", {"sounded depth (m)", low, high},
                      {"difference (m)", -width, width});
   std::vector<double> x, y;
-  const std::size_t every = samples.size() / kMostDots + 1;
+  const std::size_t every = samples.size() / kMaxDots + 1;
   for (std::size_t i = 0; i < samples.size(); i += every) {
     x.push_back(samples[i].observed_m);
     y.push_back(std::clamp(difference(samples[i]), -width, width));

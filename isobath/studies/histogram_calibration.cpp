@@ -9,9 +9,9 @@
 namespace isobath {
 namespace {
 
-constexpr int kFramesTogether = 4;    // neighbouring background frames in one fold, as in Calibration
-constexpr double kWithin = 0.999;     // share of the background below the open level
-constexpr double kLeastShare = 1e-5;  // lower end of a chart, with room for its legend
+constexpr int kFramesTogether = 4;  // neighbouring background frames in one fold, as in Calibration
+constexpr double kWithin = 0.999;   // share of the background below the open level
+constexpr double kMinShare = 1e-5;  // lower end of a chart, with room for its legend
 
 /// Calls visit(frame, fold) for each frame.
 template <class Visit>
@@ -22,19 +22,19 @@ void each_frame(std::span<const MarkedFrame> frames, int folds, const Visit& vis
   }
 }
 
-int first_bin_of(const RangeWindow& window, double blind_m) {
+int first_bin_of(const RangeWindow& window, double blanking_m) {
   return static_cast<int>(
-      std::clamp(std::ceil((blind_m - window.start_m) / window.bin_m - 1e-9), 0.0, double(window.bins)));
+      std::clamp(std::ceil((blanking_m - window.start_m) / window.bin_m - 1e-9), 0.0, double(window.bins)));
 }
 
-double fitting_width(std::span<const MarkedFrame> frames, int levels, double blind_m) {
+double fitting_width(std::span<const MarkedFrame> frames, int levels, double blanking_m) {
   const Ping& first = frames.front().ping;
   EchoHistogram all(EchoLevels(first.intensity.type(), first.full_scale), 1);
   for (const MarkedFrame& frame : frames) {
     const Ping& ping = frame.ping;
     if (!frame.background || ping.intensity.type() != first.intensity.type()) continue;
     for (int b = 0; b < ping.intensity.beams(); ++b) {
-      for (int k = first_bin_of(ping.window, blind_m); k < ping.window.bins; ++k) all.add(0, ping.intensity(b, k));
+      for (int k = first_bin_of(ping.window, blanking_m); k < ping.window.bins; ++k) all.add(0, ping.intensity(b, k));
     }
   }
   const EchoDistribution noise(all, 0, 1);
@@ -79,7 +79,7 @@ void steps(ChartPicture& chart, const HistogramModel& model, const std::vector<d
            const std::string& name) {
   std::vector<double> x, y;
   for (std::size_t i = 0; i < shares.size(); ++i) {
-    const double share = std::max(shares[i], kLeastShare), low = static_cast<double>(i) * model.config.level_width;
+    const double share = std::max(shares[i], kMinShare), low = static_cast<double>(i) * model.config.level_width;
     x.insert(x.end(), {low, low + model.config.level_width});
     y.insert(y.end(), {share, share});
   }
@@ -92,7 +92,7 @@ ChartPicture histogram_picture(const HistogramModel& model, const std::string& t
           440,
           title,
           {fmt::format("intensity (counts); open level from {:g}", end - model.config.level_width), 0, end, false},
-          {"share of samples", kLeastShare, 1, true}};
+          {"share of samples", kMinShare, 1, true}};
 }
 
 }  // namespace
@@ -101,7 +101,7 @@ HistogramCalibration learn_histograms(std::span<const MarkedFrame> frames, const
                                       std::span<const ThresholdComparison> comparisons, const std::string& source) {
   const CalibrationConfig& calibration = configuration.calibration;
   HistogramConfig config = configuration.histogram;
-  if (config.level_width <= 0) config.level_width = fitting_width(frames, config.levels, calibration.blind_m);
+  if (config.level_width <= 0) config.level_width = fitting_width(frames, config.levels, calibration.blanking_m);
   std::vector<HistogramLearner> folds(static_cast<std::size_t>(calibration.folds), HistogramLearner(config));
   each_frame(frames, calibration.folds, [&](const MarkedFrame& frame, int fold) {
     HistogramLearner& learner = folds[static_cast<std::size_t>(fold)];
@@ -126,7 +126,7 @@ HistogramCalibration learn_histograms(std::span<const MarkedFrame> frames, const
   for (int held = 0; held < calibration.folds; ++held) {
     const LikelihoodRatios ratios(std::make_shared<const HistogramModel>(without(held).model(source)));
     each_frame(frames, calibration.folds, [&](const MarkedFrame& frame, int fold) {
-      if (fold == held) counts.add(frame, ratios, first_bin_of(frame.ping.window, calibration.blind_m));
+      if (fold == held) counts.add(frame, ratios, first_bin_of(frame.ping.window, calibration.blanking_m));
     });
   }
   const RocCurve curve = counts.curve();

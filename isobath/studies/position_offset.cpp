@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kFewest = 100;
 constexpr int kRounds = 8;
-constexpr double kLeastSlope = 0.02;  // minimum root mean square of the slope along either axis
+constexpr double kMinSlope = 0.02;  // minimum root mean square of the slope along either axis
 
 double robust_sd(std::vector<double> values) { return difference_statistics(std::move(values)).robust_sd_m; }
 
@@ -24,7 +24,7 @@ std::optional<PositionOffset> position_offset(std::span<const SlopeSample> sampl
     square += s.gradient.cwiseAbs2();
     before.push_back(s.difference_m);
   }
-  if ((square / static_cast<double>(samples.size())).cwiseSqrt().minCoeff() < kLeastSlope) return std::nullopt;
+  if ((square / static_cast<double>(samples.size())).cwiseSqrt().minCoeff() < kMinSlope) return std::nullopt;
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
   double scale = robust_sd(before);
   std::vector<double> left(samples.size());

@@ -50,7 +50,7 @@ void SampleCollector::begin(const Ping& ping) {
   beams_ = ping.fan->beams();
   scanning_ = beams_ == 1;
   width_ = ping.fan->width[0];
-  blind_m_ = std::max(blind_m_, ping.blind_m);
+  blanking_m_ = std::max(blanking_m_, ping.blanking_m);
   const bool bytes = ping.intensity.type() == SampleType::kU8;
   scale_ = bytes ? 1 : static_cast<float>(kFullCounts) / ping.full_scale;
   histogram_ = EchoHistogram(EchoLevels(ping.intensity.type(), static_cast<float>(kFullCounts)), window_.bins);
@@ -59,11 +59,11 @@ void SampleCollector::begin(const Ping& ping) {
 
 int SampleCollector::first_bin() const {
   int first = 0;
-  while (first < window_.bins && window_.edge(first) < blind_m_ - 1e-9) ++first;
+  while (first < window_.bins && window_.edge(first) < blanking_m_ - 1e-9) ++first;
   return first;
 }
 
-void SampleCollector::take(const Ping& ping) {
+void SampleCollector::add(const Ping& ping) {
   if (!begun_) begin(ping);
   if (!(ping.window == window_) || ping.fan->beams() != beams_) {
     ++left_out_;
@@ -216,7 +216,7 @@ SampleStatistics SampleCollector::finish(const std::string& name) {
     throw Error("holds no ping of an imaging sonar", {name, {}, {}, {}, {}}, {}, "isobath info lists its streams");
   if (first_bin() >= window_.bins) {
     throw Error(fmt::format("blind over its whole range of {:g} m", window_.end_m()), {name, {}, {}, {}, {}}, {},
-                "set calibration.blind_m");
+                "set calibration.blanking_m");
   }
   // An incomplete turn counts as a scan only if there is no other.
   if (scans_ == 0) end_scan();
@@ -225,7 +225,7 @@ SampleStatistics SampleCollector::finish(const std::string& name) {
   out.pings = pings_;
   out.left_out = left_out_;
   out.scans = scans_;
-  out.blind_m = blind_m_;
+  out.blanking_m = blanking_m_;
   levels(out);
   for (const NoiseLaw law : {NoiseLaw::kGaussian, NoiseLaw::kRayleigh, NoiseLaw::kK}) {
     NoiseFitConfig config;

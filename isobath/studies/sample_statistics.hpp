@@ -1,6 +1,6 @@
 // SampleStatistics: statistics of the samples of one recording of an imaging sonar, without knowledge of the scene.
 //
-// Samples are in counts of a full scale of 255. Ranges within the blind zone (calibration.blind_m, or what the ping
+// Samples are in counts of a full scale of 255. Ranges within the blind zone (calibration.blanking_m, or what the ping
 // states) are drawn but not counted. The rules:
 // - Background: samples of a range group up to its median + 3 (median - 16 % level), or + 3 (84 % level - median) if
 //   a threshold of the device cuts 40 % and more to 0; the margin is at least 2 counts. For that, half of the samples
@@ -72,7 +72,7 @@ struct SampleStatistics {
   std::string name, format;
   std::uint64_t pings = 0, left_out = 0;
   int scans = 0;
-  double blind_m = 0;
+  double blanking_m = 0;
   std::vector<RangeLevels> ranges;  ///< up to 120 groups of bins, from near to far, including the blind zone
   // Beyond the blind zone:
   RangeLevels all;
@@ -91,8 +91,8 @@ struct SampleStatistics {
 
 class SampleCollector {
  public:
-  explicit SampleCollector(double blind_m) : blind_m_(blind_m) {}
-  void take(const Ping& ping);
+  explicit SampleCollector(double blanking_m) : blanking_m_(blanking_m) {}
+  void add(const Ping& ping);
   /// Throws Error that names `name` if no ping was taken, or if the blind zone covers the whole range.
   SampleStatistics finish(const std::string& name);
 
@@ -108,7 +108,7 @@ class SampleCollector {
   [[nodiscard]] int first_bin() const;
   void levels(SampleStatistics& out) const;
 
-  double blind_m_;
+  double blanking_m_;
   bool begun_ = false, scanning_ = false;
   int beams_ = 0;
   float scale_ = 1;

@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kSidePixels = 720;
-constexpr double kLeastDrawn = 0.05;  // probability
+constexpr double kMinDrawn = 0.05;  // probability
 constexpr Colour kNotSeen{0.87, 0.91, 0.95, 1}, kClearWater{1, 1, 1, 1}, kWalls{0.84, 0.37, 0.0, 0.55};
 constexpr Colour kReference{0.0, 0.45, 0.7, 0.55};
 constexpr Colour kTold{0.0, 0.25, 0.5, 1}, kAlone{0.8, 0.0, 0.5, 1}, kOpen{0.95, 0.75, 0.1, 1};
@@ -28,7 +28,7 @@ std::vector<DrawnCell> drawn_cells(const SphericalGrid& grid) {
   grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
     for (const SphericalCell& cell : beam) {
       const double p = SphericalGrid::probability(cell);
-      if (p >= kLeastDrawn) all.push_back({{d, cell.layer}, p});
+      if (p >= kMinDrawn) all.push_back({{d, cell.layer}, p});
     }
   });
   std::stable_sort(all.begin(), all.end(),

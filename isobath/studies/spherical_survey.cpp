@@ -77,7 +77,7 @@ void tell_grid(const SphericalGrid& grid, const SphericalSurveyConfig& survey, S
   features.planes = tangential_clusters(echoes, config);
   for (SphericalCluster& cluster : clusters(grid, kSureTarget)) {
     const TargetScore score = target_score(grid, cluster);
-    if (survey.leave_out_false && score.value() < survey.false_echoes.least_score) continue;
+    if (survey.leave_out_false && score.value() < survey.false_echoes.min_score) continue;
     features.targets.push_back({std::move(cluster), score});
   }
 }
@@ -131,7 +131,8 @@ SphericalSurveyConfig survey_config(const Scene& scene) {
   config.sonar.beam_width = sonar.width;
   config.sonar.beams = static_cast<int>(std::lround(2 * std::numbers::pi / sonar.width.radians()));
   config.sonar.sigma = sonar.width / 2.355;
-  config.grid.bucket = grid_for({sonar.name, sonar.range_m, config.grid.finest_m, sonar.width, sonar.width, 1}).bucket;
+  config.grid.bucket =
+      grid_for({sonar.name, sonar.range_m, config.grid.min_layer_m, sonar.width, sonar.width, 1}).bucket;
   config.grid.range_m = 1.5 * sonar.range_m;  // keeps echoes of earlier positions
   return config;
 }

@@ -6,7 +6,7 @@ namespace isobath {
 namespace {
 
 constexpr double kLevel = 0.3;  // m: samples nearer than this along the path say nothing about a slope
-const double kLeastDown = std::cos(Angle::degrees(45).radians());
+const double kMinDown = std::cos(Angle::degrees(45).radians());
 
 double median(double* first, int count) {
   std::nth_element(first, first + count / 2, first + count);
@@ -54,7 +54,7 @@ DepthKeeper::DepthKeeper(const DepthKeeperConfig& config, const VehicleParameter
       lag_(parameters.depth_lag_s),
       deepest_(std::min(config.max_depth, parameters.limits.max_depth)) {}
 
-bool DepthKeeper::hear(const AltimeterReading& reading, const Pose& X_WB) {
+bool DepthKeeper::on_altimeter(const AltimeterReading& reading, const Pose& X_WB) {
   const Pose X_WS = X_WB * reading.X_BS;
   const double range = reading.range_m.value_or(reading.max_range_m);
   if (!X_WS.is_finite() || !std::isfinite(range) || range < 0 || !std::isfinite(reading.width.radians())) {
@@ -62,7 +62,7 @@ bool DepthKeeper::hear(const AltimeterReading& reading, const Pose& X_WB) {
     return false;
   }
   const Eigen::Vector3d axis = X_WS.rotation * Eigen::Vector3d::UnitX();
-  if (axis.z() < kLeastDown) return false;
+  if (axis.z() < kMinDown) return false;
   // The first echo of a level bottom comes from the part of the cone that points down most steeply.
   const double tilt = std::acos(std::min(axis.z(), 1.0));
   const double off = std::max(0.0, tilt - 0.5 * reading.width.radians());

@@ -72,7 +72,7 @@ class DepthKeeper {
   DepthKeeper(const DepthKeeperConfig& config, const VehicleParameters& parameters);
 
   /// Returns whether the reading counts: finite, and its beam points down.
-  bool hear(const AltimeterReading& reading, const Pose& X_WB);
+  bool on_altimeter(const AltimeterReading& reading, const Pose& X_WB);
   /// `v_W` over ground; the pose must be finite. `now`: not before the times of the readings so far.
   DepthOrder step(const DepthWish& wish, const Pose& X_WB, const Eigen::Vector3d& v_W, Time now);
 

@@ -25,7 +25,7 @@ void StateEvaluator::beat(std::size_t module, Time time) {
   table_[module].last_beat = std::max(table_[module].last_beat, time);
 }
 
-void StateEvaluator::hear(const Health& report) {
+void StateEvaluator::on_health(const Health& report) {
   const auto known =
       std::find_if(reports_.begin(), reports_.end(), [&](const Health& h) { return h.source == report.source; });
   if (known == reports_.end()) {

@@ -10,7 +10,7 @@
 // so that a bit is raised in the first cycle that sees its cause.
 //
 // Times are those of the events. One thread at a time (any thread may watch the flags). `beat` and `evaluate` allocate
-// nothing, `hear` only at a source's first report.
+// nothing, `on_health` only at a source's first report.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -48,7 +48,7 @@ class StateEvaluator {
 
   /// `module`: its index in the list. Ignores a beat that is older than the last one.
   void beat(std::size_t module, Time time);
-  void hear(const Health& report);
+  void on_health(const Health& report);
   /// The table at `now`; valid until the next call.
   std::span<const ModuleStatus> evaluate(Time now, EmergencyFlags& flags);
   /// The last report of each source, in the order of their first reports.

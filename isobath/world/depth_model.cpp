@@ -90,8 +90,8 @@ void DepthModel::fill_level() {
 }
 
 void DepthModel::write(const LevelInput& input) {
-  if (input.range) return mapper_->take(*input.range, input.pose.X_WB, input.pose.sigma_m);
-  if (input.swath) return mapper_->take(*input.swath, input.pose.X_WB, input.pose.sigma_m);
+  if (input.range) return mapper_->update(*input.range, input.pose.X_WB, input.pose.sigma_m);
+  if (input.swath) return mapper_->update(*input.swath, input.pose.X_WB, input.pose.sigma_m);
   mapper_->passed(input.time, input.pose.X_WB);
 }
 
@@ -120,14 +120,14 @@ void DepthModel::on_range(const RangeReading& reading, const PoseEstimate& pose)
   if (!mapper_) begin(reading.time, pose.X_WB);
   if (!first_) first_ = reading.time;
   last_ = reading.time;
-  level_.take({reading.time, pose, &reading, nullptr});
+  level_.on_input({reading.time, pose, &reading, nullptr});
 }
 
 void DepthModel::on_swath(const Swath& swath, const PoseEstimate& pose) {
   if (!mapper_) begin(swath.time, pose.X_WB);
   if (!first_) first_ = swath.time;
   last_ = swath.time;
-  level_.take({swath.time, pose, nullptr, &swath});
+  level_.on_input({swath.time, pose, nullptr, &swath});
 }
 
 void DepthModel::on_passage(Time time, const Pose& X_WB) {
@@ -136,7 +136,7 @@ void DepthModel::on_passage(Time time, const Pose& X_WB) {
   last_passage_ = time;
   if (gap) tracks_.push_back({place});
   if ((place - tracks_.back().back()).norm() >= kTrackStep) tracks_.back().push_back(place);
-  if (mapper_) level_.take({time, {X_WB, 0}, nullptr, nullptr});
+  if (mapper_) level_.on_input({time, {X_WB, 0}, nullptr, nullptr});
 }
 
 std::optional<double> DepthModel::bottom_depth(const Eigen::Vector2d& north_east) const {

@@ -14,7 +14,7 @@
 
 #include <isobath/base/config.hpp>
 #include <isobath/geometry/geodesy.hpp>
-#include <isobath/io/charts/prior.hpp>
+#include <isobath/io/charts/read_prior.hpp>
 #include <isobath/map/depth/depth_map.hpp>
 #include <isobath/perception/depth_parts.hpp>
 #include <optional>

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 #include <Eigen/Geometry>
-#include <isobath/io/charts/prior.hpp>
+#include <isobath/io/charts/read_prior.hpp>
 #include <isobath/map/depth/depth_map.hpp>
 #include <isobath/map/features/object_store.hpp>
 #include <isobath/map/features/pmr_quadtree.hpp>

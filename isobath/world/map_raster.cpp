@@ -8,7 +8,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kMostCells = 16e6;
+constexpr double kMaxCells = 16e6;
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
 DepthSource source_of(unsigned flags) {
@@ -47,7 +47,7 @@ MapRaster read_raster(const DepthSnapshot& snapshot, const PixelWindow& pixels, 
   int factor = pixels_a_cell;
   if (factor <= 0) {
     factor = 1;
-    while (double{1} * pixels.width * pixels.height / factor / factor > kMostCells) factor *= 2;
+    while (double{1} * pixels.width * pixels.height / factor / factor > kMaxCells) factor *= 2;
   }
   const auto down = [factor](int p) { return p >= 0 ? p / factor : -((-p + factor - 1) / factor); };
   MapRaster raster;

@@ -15,7 +15,7 @@ struct VoxelModelConfig {
   bool spill = false;   ///< blocks that leave the window go to a file
   bool vdb = false;     ///< also writes voxels.vdb
   int memory_mb = 0;    ///< maximum memory of the evidence; 0: no bound
-  VoxelMapConfig map{.voxel_m = 0.25, .prior = 0.05, .occupied = 0.25, .free = 0.045, .most_log_odds = 6.9};
+  VoxelMapConfig map{.voxel_m = 0.25, .prior = 0.05, .occupied = 0.25, .free = 0.045, .max_log_odds = 6.9};
   FanMapperConfig fans;
 };
 std::vector<Field> fields(VoxelModelConfig& config);

@@ -96,7 +96,7 @@ VoxelModel::Sonar& VoxelModel::sonar_of(const Ping& ping) {
   return *sonars_.back();
 }
 
-void VoxelModel::take(const PosedPing& posed) {
+void VoxelModel::update(const PosedPing& posed) {
   using Sonars = VoxelModelConfig::Sonars;
   const Ping& ping = posed.look_ping();
   if (config_.sonars == Sonars::kNone || (config_.sonars == Sonars::kFans && ping.fan->beams() < 2)) return;
@@ -123,7 +123,7 @@ void VoxelModel::take(const PosedPing& posed) {
   move_to(posed.X_WB.translation);
 }
 
-void VoxelModel::take(const Swath& swath, const Pose& X_WB) {
+void VoxelModel::update(const Swath& swath, const Pose& X_WB) {
   if (config_.sonars == VoxelModelConfig::Sonars::kNone || swath.frame != Swath::Frame::kBody) return;
   double farthest = 0;
   for (const Sounding& s : swath.soundings) {

@@ -66,8 +66,8 @@ class VoxelModel {
   /// `spill_file`: used if the configuration lets blocks spill.
   explicit VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file = {});
 
-  void take(const PosedPing& posed);
-  void take(const Swath& swath, const Pose& X_WB);
+  void update(const PosedPing& posed);
+  void update(const Swath& swath, const Pose& X_WB);
   /// Moves recent evidence along with a jump of the position, m.
   void move_along(const Eigen::Vector3d& jump_W);
   /// Completes the spill file. Returns whether there is one.

@@ -16,7 +16,7 @@ const std::vector<WatchedModule>& WorldLevel::watched() {
   return kWatched;
 }
 
-void WorldLevel::take(const LevelInput& input) const {
+void WorldLevel::on_input(const LevelInput& input) const {
   std::optional<RangePrediction> expected;
   if (input.range && predict) expected = predict(*input.range, input.pose.X_WB);
   if (input.range && learn) learn(*input.range, expected);

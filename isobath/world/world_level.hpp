@@ -49,7 +49,7 @@ struct WorldLevel {
   std::function<void(const std::string& input)> store;
 
   /// Handles a reading: predicts it from the map so far, compares it, and then updates the map with it.
-  void take(const LevelInput& input) const;
+  void on_input(const LevelInput& input) const;
 };
 
 /// Predicts ranges only from bottom that a chart or a depth sonar has confirmed. If any other pixel lies in the beam,
@@ -70,7 +70,7 @@ class MapPrediction {
 class SensorLearning {
  public:
   explicit SensorLearning(const ReadingEvidenceConfig& config)
-      : evidence_(config, {}), gate_(config.gate), deviation_(config.deviation), counts_(SensorTable::kMost) {}
+      : evidence_(config, {}), gate_(config.gate), deviation_(config.deviation), counts_(SensorTable::kMax) {}
   void operator()(const RangeReading& reading, const std::optional<RangePrediction>& expected);
 
   struct Sensor {

@@ -11,7 +11,7 @@ using testing::AllOf, testing::HasSubstr;
 
 constexpr const char* kScene =
     "[scene]\nduration_s = 12\n[vehicle]\nstart = [0, 0, 2]\nspeed = 0\n[[sonar]]\npreset = \"micron\"\n"
-    "sector_deg = 360\nstep_deg = 7.2\nrange_m = 6\nbins = 60\nblind_m = 0.5\n"
+    "sector_deg = 360\nstep_deg = 7.2\nrange_m = 6\nbins = 60\nblanking_m = 0.5\n"
     "[[cylinder]]\ncentre = [3, 0, 2]\nradius = 0.3\nlength = 4\n";
 
 class Compare : public testing::Test {
@@ -55,7 +55,7 @@ TEST_F(Compare, WrongInputEndsInOneLine) {
               ends_with_one_line(AllOf(HasSubstr("bad.toml:2"), HasSubstr("duration"))));
   EXPECT_THAT(compare(log, file("blind.toml", "[scene]\nduration_s = 1\n")),
               ends_with_one_line(HasSubstr("blind.toml")));
-  EXPECT_THAT(compare(log, log, {"--set", "calibration.blind_m=100"}), ends_with_one_line(HasSubstr("blind")));
+  EXPECT_THAT(compare(log, log, {"--set", "calibration.blanking_m=100"}), ends_with_one_line(HasSubstr("blind")));
   EXPECT_THAT(isobath({"compare", log}), ends_with_one_line(HasSubstr("B")));
   EXPECT_FALSE(fs::exists(out_)) << "no results of nothing";
 }

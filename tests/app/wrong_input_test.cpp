@@ -140,12 +140,12 @@ fs::path WrongInput::native_log_with(const std::function<void(std::vector<Event>
 }
 
 TEST_F(WrongInput, PosesThatAreNoNumbers) {
-  const auto kMostPings = testing::AllOf(testing::Ge(190), testing::Le(200));  // some have no pose now
+  const auto kMaxPings = testing::AllOf(testing::Ge(190), testing::Le(200));  // some have no pose now
   const fs::path log = file("wall.csv", wall_csv(200));
   const std::string good = pose_csv(25);
   std::string bad = good;
   bad.replace(bad.find("3,47.5"), 6, "3,nan");
-  maps_the_rest(run(log, {"--set", "input.navigation=" + file("poses.csv", bad).string()}), kMostPings,
+  maps_the_rest(run(log, {"--set", "input.navigation=" + file("poses.csv", bad).string()}), kMaxPings,
                 "missing or impossible value: 1 of ");
   const ProgramResult recorded = run(native_log_with([](std::vector<Event>& events) {
     for (Event& event : events) {
@@ -153,7 +153,7 @@ TEST_F(WrongInput, PosesThatAreNoNumbers) {
       if (fix && fix->time == Time(seconds(3))) fix->X_WB.translation.x() = NAN;
     }
   }));
-  maps_the_rest(recorded, kMostPings, "navigation not finite: 1 of ");
+  maps_the_rest(recorded, kMaxPings, "navigation not finite: 1 of ");
 }
 
 TEST_F(WrongInput, PosesThatAreAllNoNumbers) {
@@ -203,7 +203,8 @@ TEST_F(WrongInput, OptionsAndCommandsThatDoNotExist) {
   EXPECT_THAT(run(file("wall.csv", wall_csv(3)), {"--depth", "3"}), ends_with_one_line(HasSubstr("--depth")));
   EXPECT_THAT(run(file("wall.csv", wall_csv(3)), {"--threads", "0"}), ends_with_one_line(HasSubstr("--threads")));
   EXPECT_THAT(isobath({"info"}), ends_with_one_line(HasSubstr("FILE")));
-  EXPECT_THAT(isobath({"convert", file("wall.csv", wall_csv(3)), out() / "out.txt"}), ends_with_one_line(HasSubstr(".mcap")));
+  EXPECT_THAT(isobath({"convert", file("wall.csv", wall_csv(3)), out() / "out.txt"}),
+              ends_with_one_line(HasSubstr(".mcap")));
 }
 
 TEST_F(WrongInput, ConfigurationsThatCannotBeReadSayWhere) {

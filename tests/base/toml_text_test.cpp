@@ -78,7 +78,7 @@ TEST(TomlText, TablesInTablesEnd) {
   const std::string deep = repeated("[", kDeepestBrackets) + repeated("]", kDeepestBrackets);
   EXPECT_NO_THROW(check_toml_text("a = " + deep, "f.toml"));
   EXPECT_EQ(refusal("a = [" + deep + "]"), "f.toml:1:37: brackets nested deeper than 32");
-  const std::string long_key = "a" + repeated(".a", kMostKeyParts - 1);
+  const std::string long_key = "a" + repeated(".a", kMaxKeyParts - 1);
   EXPECT_NO_THROW(check_toml_text("[" + long_key + "]\n" + long_key + " = [1.5, " + repeated("1.5,", 100) + "]", "f"));
   EXPECT_EQ(refusal("[a" + repeated(".a", 1000000) + "]"), "f.toml:1:33: a key of more than 16 parts");
 }

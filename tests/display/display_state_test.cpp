@@ -94,7 +94,7 @@ TEST(DisplayState, APartThatIsForgottenLeavesTheRest) {
   page.set(Kind::kWay, 0, Time(seconds(1.0)), "way");
   page.set(Kind::kVoxels, 1, Time(seconds(1.0)), "of long ago");
   source.set(Kind::kVoxels, 2, Time(seconds(2.0)), "new");
-  page.take(source.changes_after(0, 1'000'000, DisplayPart::kVoxels).records);
+  page.update(source.changes_after(0, 1'000'000, DisplayPart::kVoxels).records);
   const auto items = test::as_map(page.changes_after(0).records);
   ASSERT_EQ(items.size(), 2U);
   EXPECT_EQ(items.at({Kind::kWay, 0}), "way");
@@ -128,14 +128,14 @@ TEST(DisplayState, DamagedRecordsAreRefusedFromTheFirstThatDoesNotFit) {
   const std::size_t whole = records.size();
   append_record(records, Kind::kScene, 0, Time(seconds(1.0)), "cut in the middle");
   DisplayState items;
-  EXPECT_EQ(items.take(std::string_view(records).substr(0, records.size() - 9)), whole);
+  EXPECT_EQ(items.update(std::string_view(records).substr(0, records.size() - 9)), whole);
   EXPECT_EQ(records_of(items.changes_after(0).records).size(), 1U);
   records[whole] = 99;  // a kind that nobody knows
-  EXPECT_EQ(items.take(records), whole);
+  EXPECT_EQ(items.update(records), whole);
   std::string lies = records.substr(0, whole);
   const std::uint32_t endless = 0xffffffff;
   std::memcpy(lies.data() + 4, &endless, 4);
-  EXPECT_EQ(items.take(lies), 0U);
+  EXPECT_EQ(items.update(lies), 0U);
 }
 
 TEST(DisplayState, HoweverFarBehindAPageIsItGetsWhatCameAfterItsStamp) {
@@ -163,7 +163,7 @@ RC_GTEST_PROP(DisplayState, APageThatAsksNowAndThenKnowsWhatThereIs, ()) {
       case 1: source.clear(); break;
       case 2: {
         const auto changes = source.changes_after(stamp);
-        RC_ASSERT(page.take(changes.records) == changes.records.size());
+        RC_ASSERT(page.update(changes.records) == changes.records.size());
         if (changes.records.empty() && source.bytes() == 0) page.clear();
         stamp = changes.stamp;
         break;
@@ -172,7 +172,7 @@ RC_GTEST_PROP(DisplayState, APageThatAsksNowAndThenKnowsWhatThereIs, ()) {
     }
   }
   const auto changes = source.changes_after(stamp);
-  page.take(changes.records);
+  page.update(changes.records);
   if (source.changes_after(0).records.empty()) page.clear();
   RC_ASSERT(test::as_map(page.changes_after(0).records) == test::as_map(source.changes_after(0).records));
 }

@@ -53,7 +53,7 @@ TEST(SonarDisplay, ShowsAFanAsItWasHeard) {
   Ping ping = test::ping_of<std::uint8_t>(test::fan_of(4, Angle::degrees(-2)), {1, 0.5, 9}, value);
   ping.time = Time(seconds(3.0));
   const Heard heard(ping, {Rotation::from_heading(Angle::degrees(90)), {10, 20, 3}});
-  display.take(heard.posed());
+  display.on_ping(heard.posed());
 
   const json sonar = json::parse(only(items, Kind::kSonar).payload);
   EXPECT_EQ(sonar["azimuth"].size(), 4U);
@@ -85,12 +85,12 @@ TEST(SonarDisplay, PoolsALargeFanWithoutLosingAnEcho) {
   DisplayState items;
   SonarDisplay display(items);
   const auto value = [](int beam, int bin) { return beam == 301 && bin == 407 ? 255 : 0; };
-  display.take(
+  display.on_ping(
       Heard(test::ping_of<std::uint8_t>(test::fan_of(512, {}, Angle::degrees(0.2)), {0, 0.1, 500}, value)).posed());
   const std::string echoes = only(items, Kind::kEchoes).payload;
   const int beams = number_at<std::uint16_t>(echoes, 0), bins = number_at<std::uint16_t>(echoes, 2);
-  EXPECT_LE(beams, SonarDisplay::kMostBeams);
-  EXPECT_LE(bins, SonarDisplay::kMostBins);
+  EXPECT_LE(beams, SonarDisplay::kMaxBeams);
+  EXPECT_LE(bins, SonarDisplay::kMaxBins);
   EXPECT_EQ(beams, 256);
   EXPECT_EQ(bins, 250);
   const std::size_t at = 150 * 250 + 203;
@@ -104,7 +104,7 @@ TEST(SonarDisplay, ShowsDecibelsOfSamplesWithALargeRange) {
   DisplayState items;
   SonarDisplay display(items);
   const auto value = [](int, int bin) { return bin == 0 ? 1.0 : bin == 1 ? 0.1 : 0.0; };
-  display.take(Heard(test::ping_of<float>(test::fan_of(2), {0, 1, 3}, value, 1)).posed());
+  display.on_ping(Heard(test::ping_of<float>(test::fan_of(2), {0, 1, 3}, value, 1)).posed());
   const std::string echoes = only(items, Kind::kEchoes).payload;
   EXPECT_EQ(static_cast<std::uint8_t>(echoes[48]), 255);
   EXPECT_EQ(static_cast<std::uint8_t>(echoes[49]), 170);  // -20 of -60 dB
@@ -117,7 +117,7 @@ TEST(SonarDisplay, ShadesOfDecibelsAreThoseOfTheLogarithm) {
   SonarDisplay display(items);
   const auto share = [](int bin) { return std::pow(10.0, -70.0 / 20 * bin / kBins); };  // 0 to -70 dB
   const auto value = [&](int, int bin) { return 40'000 * share(bin); };
-  display.take(Heard(test::ping_of<std::uint16_t>(test::fan_of(2), {0, 1, kBins}, value, 40'000)).posed());
+  display.on_ping(Heard(test::ping_of<std::uint16_t>(test::fan_of(2), {0, 1, kBins}, value, 40'000)).posed());
   const std::string echoes = only(items, Kind::kEchoes).payload;
   for (int k = 0; k < kBins; ++k) {
     const double level = 255 * (1 + 20 * std::log10(std::round(value(0, k)) / 40'000) / 60);
@@ -130,7 +130,7 @@ TEST(SonarDisplay, KeepsTheBeamsOfAScanningHeadByTheirPlaceInTheTurn) {
   SonarDisplay display(items);
   for (int i = 0; i < 60; ++i) {
     Heard heard(test::ping_at(0.1 * i, {1, 2, 3, static_cast<std::uint8_t>(i)}, Angle::degrees(6.0 * (i % 50))));
-    display.take(heard.posed());
+    display.on_ping(heard.posed());
   }
   const json sonar = json::parse(only(items, Kind::kSonar).payload);
   EXPECT_TRUE(sonar["scanning"].get<bool>());
@@ -153,7 +153,7 @@ TEST(SonarDisplay, ShowsAFastFanTenTimesASecond) {
   for (int i = 0; i < 80; ++i) {
     Ping ping = test::ping_of<std::uint8_t>(fan, {0, 1, 4}, [](int, int) { return 3; });
     ping.time = Time(seconds(i / 40.0));
-    display.take(Heard(ping).posed());
+    display.on_ping(Heard(ping).posed());
     shown += items.stamp() > stamp ? 1 : 0;
     stamp = items.stamp();
   }
@@ -336,7 +336,7 @@ TEST(Display, ShowsTheVehicleItsTrackAndWhatItIsTold) {
   for (int i = 0; i <= 1000; ++i) {
     Navigation fix = test::fix_at(0.1 * i, 0.1 * i, 45);
     fix.v_WB = Eigen::Vector3d(1, 1, 0);
-    display.hear(fix);
+    display.on_event(fix);
     display.want({Angle::degrees(50), 2, 1.5, 0});
   }
   const std::string vehicle = only(items, Kind::kVehicle).payload;
@@ -445,7 +445,7 @@ TEST(Display, ShowsWhatTheAgentsRememberByItsNumberBesideWhatIsSeen) {
   DisplayState items;
   Display display(items);
   BodyGrid grid{BodyGridConfig{}};
-  display.hear(test::fix_at(100, 0, 0));  // the run begins
+  display.on_event(test::fix_at(100, 0, 0));  // the run begins
   Detection found;
   found.time = Time(seconds(160));
   found.obstacles.resize(4);
@@ -458,7 +458,7 @@ TEST(Display, ShowsWhatTheAgentsRememberByItsNumberBesideWhatIsSeen) {
   away.first_seen = in_view.first_seen = Time(seconds(112));
   in_view.whole = true;
   // the third is one that the executor does not count on yet, the fourth it took for none
-  display.heard({1, found.time, kDetector, scan_of(9, {away, in_view}, {18, 18, 44, 0})});
+  display.on_message({1, found.time, kDetector, scan_of(9, {away, in_view}, {18, 18, 44, 0})});
   display.on_scan({9, true, found, grid});
   const json both = json::parse(only(items, Kind::kObstacles).payload), shown = both["pieces"];
   ASSERT_EQ(shown.size(), 6U);
@@ -486,7 +486,7 @@ TEST(Display, ShowsWhatTheAgentsRememberByItsNumberBesideWhatIsSeen) {
   display.on_scan({10, true, found, grid});  // of which the agents have said nothing yet
   const auto pieces = [&] { return json::parse(only(items, Kind::kObstacles).payload)["pieces"]; };
   for (const json& o : pieces()) EXPECT_FALSE(o.contains("of"));
-  display.heard({2, found.time, kDetector, scan_of(10, {})});
+  display.on_message({2, found.time, kDetector, scan_of(10, {})});
   EXPECT_EQ(pieces().size(), 4U) << "forgotten";
 }
 
@@ -494,7 +494,7 @@ TEST(Display, ShowsWhereTheMiddleOfARememberedObstacleHasBeen) {
   DisplayState items;
   Display display(items);
   const auto trail_after = [&](int sweep, const Eigen::Vector2d& middle) {
-    display.heard({1, Time(seconds(sweep)), kDetector, scan_of(sweep, {remembered(3, middle)})});
+    display.on_message({1, Time(seconds(sweep)), kDetector, scan_of(sweep, {remembered(3, middle)})});
     return json::parse(only(items, Kind::kObstacles).payload)["pieces"].at(0).value("trail", json::array());
   };
   EXPECT_TRUE(trail_after(1, {10, 20}).empty());
@@ -507,17 +507,17 @@ TEST(ObstacleTrails, KeepTheirBeginningAndTheirEndAndNeverMoreThanSixteenPlaces)
   std::size_t longest = 0;
   for (int i = 0; i <= 1000; ++i) {
     const Eigen::Vector2d middle(0.7 * i, 5);
-    trails.take({i, {remembered(1, middle), remembered(2, {0, 0})}, {}});
+    trails.update({i, {remembered(1, middle), remembered(2, {0, 0})}, {}});
     const auto trail = trails.of(1);
     longest = std::max(longest, trail.size());
     ASSERT_EQ(trail.front(), Eigen::Vector2d(0, 5));
     ASSERT_LT((trail.back() - middle).norm(), ObstacleTrails::kStep_m);
     for (std::size_t k = 1; k < trail.size(); ++k) ASSERT_LT(trail[k - 1].x(), trail[k].x()) << i;
   }
-  EXPECT_EQ(longest, ObstacleTrails::kMostPlaces);
-  EXPECT_EQ(ObstacleTrails::kMostPlaces, 16U) << "as docs/live-page.md has it";
+  EXPECT_EQ(longest, ObstacleTrails::kMaxPlaces);
+  EXPECT_EQ(ObstacleTrails::kMaxPlaces, 16U) << "as docs/live-page.md has it";
   EXPECT_EQ(trails.of(2).size(), 1U) << "each has its own";
-  trails.take({1001, {remembered(2, {0, 0})}, {}});
+  trails.update({1001, {remembered(2, {0, 0})}, {}});
   EXPECT_TRUE(trails.of(1).empty()) << "what is forgotten begins anew";
 }
 
@@ -525,7 +525,7 @@ TEST(Display, SaysWhatTheAgentsDecideAndWhatIsWrong) {
   DisplayState items;
   Display display(items);
   const auto say = [&](const char* sender, Message message, double t) {
-    display.heard({1, Time(seconds(t)), sender, std::move(message)});
+    display.on_message({1, Time(seconds(t)), sender, std::move(message)});
   };
   RoutePlanned route;
   route.version = 3;

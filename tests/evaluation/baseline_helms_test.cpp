@@ -40,7 +40,7 @@ TEST_F(PoleOnTheWay, IsGoneRoundByAPotentialField) {
   PotentialFieldHelm helm(run_.scenario.mission, vehicle_, {});
   const LoopResult result = steered_by(helm);
   EXPECT_LT(result.contact_s, 0) << result.contact_with;
-  EXPECT_GT(result.least_clearance_m, 0.25);
+  EXPECT_GT(result.min_clearance_m, 0.25);
   EXPECT_EQ(result.report.phase, MissionPhase::kFinished);
   EXPECT_EQ(result.report.reached, 1u);
 }
@@ -49,7 +49,7 @@ TEST_F(PoleOnTheWay, IsGoneRoundByImageThresholds) {
   ImageThresholdHelm helm(run_.scenario.mission, vehicle_, {});
   const LoopResult result = steered_by(helm);
   EXPECT_LT(result.contact_s, 0) << result.contact_with;
-  EXPECT_GT(result.least_clearance_m, 1);
+  EXPECT_GT(result.min_clearance_m, 1);
   EXPECT_EQ(result.report.phase, MissionPhase::kFinished);
   ASSERT_FALSE(result.decisions.empty());
   EXPECT_EQ(result.decisions.front().what, "replan");
@@ -72,7 +72,7 @@ class OneBeam {
     ping.fan = fan_;
     ping.window = {0, 1, static_cast<int>(samples.size())};
     ping.intensity = {samples.data(), SampleType::kU8, 1, ping.window.bins, ping.window.bins, 1};
-    ping.blind_m = 1;
+    ping.blanking_m = 1;
     const EchoDecisions decisions;
     helm.on_ping({ping, Pose{}, decisions});
     const Detection detection;

@@ -2,8 +2,8 @@
 // Safety Officer notices it by its deadline, does what the table says, and touches nothing.
 #include <cmath>
 #include <gmock/gmock.h>
+#include <isobath/evaluation/evaluation_suite.hpp>
 #include <isobath/evaluation/fault_injection_check.hpp>
-#include <isobath/evaluation/suite.hpp>
 #include <tests/support/mission_runs.hpp>
 
 namespace isobath {
@@ -181,10 +181,10 @@ TEST_F(FaultInjectionChecks, TheMissionEndsWhereTheRowLastsUntilThatIsDue) {
 TEST_F(FaultInjectionChecks, NothingMayBeTouched) {
   officer(20.2, "report", Fault::kDiskFull);
   officer(20.2, "turn", Fault::kTooLow);
-  result.least_altitude_m = 0.9;
+  result.min_altitude_m = 0.9;
   EXPECT_EQ(failure(Fault::kDiskFull), "");
   EXPECT_THAT(failure(Fault::kTooLow), HasSubstr("0.90 m away")) << "the bottom is what that row is about";
-  result.least_clearance_m = 0.9;
+  result.min_clearance_m = 0.9;
   result.nearest_body = "quay";
   EXPECT_EQ(failure(Fault::kDiskFull), "came within 0.90 m of quay");
   result.contact_s = 31;

@@ -74,7 +74,7 @@ class Scored : public testing::Test {
 TEST_F(Scored, NearnessIsInProportionToTheHull) {
   go({{0, 0}, {100, 0}});
   const auto nearness = [&](double clearance) {
-    result_.least_clearance_m = clearance;
+    result_.min_clearance_m = clearance;
     result_.nearest_body = "pole";
     const RunScore s = scored();
     return int{s.collision} + int{s.near_miss} + int{s.encounter};

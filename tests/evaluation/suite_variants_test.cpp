@@ -108,7 +108,7 @@ TEST_F(Variants, AreStrict) {
   EXPECT_THAT(problem("", "[[vehicle]]\nfile = \"remus100.toml\"\nname = \"a/b\"\n"), HasSubstr("a/b"));
   EXPECT_THAT(problem("", vehicles_ + "[[vehicle]]\nfile = \"remus100.toml\"\n"), HasSubstr("twice"));
   EXPECT_THAT(problem("", "[[sonar]]\npreset = \"micron\"\nrange = 40\n"), HasSubstr("range_m"));
-  EXPECT_THAT(problem("", "[[sonar]]\npreset = \"micron\"\nblind_m = 60\n"), HasSubstr("blind_m"));
+  EXPECT_THAT(problem("", "[[sonar]]\npreset = \"micron\"\nblanking_m = 60\n"), HasSubstr("blanking_m"));
   EXPECT_THAT(problem("altimeter = \"perhaps\"\n", ""), HasSubstr("both"));
 }
 

@@ -237,7 +237,7 @@ TEST(Floors, APlantedIncludeUpwardsIsFound) {
       {"base", "isobath/geometry/pose.hpp"},
       {"map/storage", "isobath/map/depth/depth_map.hpp"},  // within a room
       {"map/depth", "isobath/map/voxel/voxel_map.hpp"},
-      {"io/bytes", "isobath/io/open.hpp"},
+      {"io/bytes", "isobath/io/open_source.hpp"},
       {"io/formats/ping", "isobath/io/formats/tritech/tritech_protocol.hpp"},
       {"mission/plan", "isobath/mission/agents/navigator.hpp"},
       {"report/plot", "isobath/report/html_report.hpp"},
@@ -245,7 +245,7 @@ TEST(Floors, APlantedIncludeUpwardsIsFound) {
       {"world", "isobath/onboard/pipeline.hpp"},
       {"onboard", "isobath/sim/simulator.hpp"},  // what flies sees no truth, and draws nothing
       {"onboard", "isobath/report/plot/picture.hpp"},
-      {"onboard", "isobath/evaluation/suite.hpp"},
+      {"onboard", "isobath/evaluation/evaluation_suite.hpp"},
   };
   for (const auto& [room, include] : planted) {
     EXPECT_TRUE(fs::exists(test::source_folder() / include)) << include;
@@ -510,7 +510,7 @@ TEST(Floors, CommentsAndLiteralsAreNotCode) {
   EXPECT_THAT(includes_of("#include <isobath/a.hpp>\n  # include \"b.hpp\"\n// #include <c>\n"),
               testing::ElementsAre("isobath/a.hpp", "\"b.hpp"));
   EXPECT_EQ(room_of("isobath/map/occupancy/body_grid.hpp"), "map/occupancy");
-  EXPECT_EQ(room_of("isobath/io/open.hpp"), "io");
+  EXPECT_EQ(room_of("isobath/io/open_source.hpp"), "io");
   EXPECT_EQ(room_of("isobath/io/exports/vdb/vdb_module.hpp"), "io/exports");
   EXPECT_EQ(room_of("vector"), "");
 }

@@ -4,7 +4,7 @@
 
 #include <isobath/base/error.hpp>
 #include <isobath/io/bytes/byte_window.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <vector>
 
 namespace isobath::fuzz {

@@ -49,7 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (const auto request = page_request_of(line)) {
       knows = knows || (request->ask == PageRequest::Ask::kControl && request->word == sources.token);
     }
-    const Hearing hearing = page.hear(line);
+    const Hearing hearing = page.on_message(line);
     now += std::chrono::milliseconds(100);
     const WebFrame frame = page.next();
     const auto records = test::records_of(frame);

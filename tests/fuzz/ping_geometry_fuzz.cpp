@@ -56,11 +56,11 @@ Pose pose_of(Draw& draw, double reach_m) {
 }
 
 Ping ping_of(Draw& draw, Time time) {
-  constexpr int kMostBeams = 24, kMostBins = 64;
+  constexpr int kMaxBeams = 24, kMaxBins = 64;
   Ping ping;
   ping.time = time;
   auto fan = std::make_shared<BeamFan>();
-  const int beams = draw.byte() % (kMostBeams + 1);
+  const int beams = draw.byte() % (kMaxBeams + 1);
   double azimuth = draw.number(-400, 400);
   const double step = draw.number(0.1, 20);
   const double width = draw.number(0.1, 40);
@@ -71,11 +71,11 @@ Ping ping_of(Draw& draw, Time time) {
   fan->height = Angle::degrees(draw.number(0.5, 380));
   if (draw.byte() % 16 == 0 && beams > 0) fan->width.pop_back();
   ping.fan = fan;
-  ping.window = {draw.number(0, 5), draw.number(0.01, 0.5), draw.byte() % (kMostBins + 1)};
+  ping.window = {draw.number(0, 5), draw.number(0.01, 0.5), draw.byte() % (kMaxBins + 1)};
   if (draw.byte() % 16 == 0) ping.window.bins = -ping.window.bins;
   const bool floats = draw.byte() % 4 == 0;
   const std::size_t bytes = floats ? sizeof(float) : 1;
-  auto samples = std::make_shared<std::vector<std::uint8_t>>(std::size_t{kMostBeams} * kMostBins * bytes);
+  auto samples = std::make_shared<std::vector<std::uint8_t>>(std::size_t{kMaxBeams} * kMaxBins * bytes);
   const std::uint8_t level = draw.byte(), echo_every = draw.byte();
   for (std::size_t i = 0; i < samples->size(); ++i) {
     (*samples)[i] = echo_every > 3 && i / bytes % echo_every == 3 ? 250 : level % 64;
@@ -86,7 +86,7 @@ Ping ping_of(Draw& draw, Time time) {
   ping.storage = samples;
   ping.X_BS = pose_of(draw, 3);
   ping.sound_speed = draw.number(1400, 1600);
-  ping.blind_m = draw.number(0, 1);
+  ping.blanking_m = draw.number(0, 1);
   return ping;
 }
 
@@ -120,7 +120,7 @@ class Sink : public ResultSink {
     const auto space = model.map() ? model.space_around(scan, 5 * model.map()->voxel_m()) : nullptr;
     ISOBATH_ASSERT(!space || space->size().maxCoeff() < 64);
   }
-  void on_soundings(const Swath& swath, const Pose& X_WB) override { model.take(swath, X_WB); }
+  void on_soundings(const Swath& swath, const Pose& X_WB) override { model.update(swath, X_WB); }
   VoxelModel model;
 
  private:
@@ -129,7 +129,7 @@ class Sink : public ResultSink {
     const BeamFan& fan = *posed.ping.fan;
     const double across = model.map() ? posed.ping.window.end_m() / model.map()->voxel_m() : 200;
     const double radians = (fan.azimuth.back() - fan.azimuth.front() + fan.width.front()).radians();
-    if (std::pow(across, 3) * radians * std::min(2.0, fan.height.radians()) / 3 < 2e5) model.take(posed);
+    if (std::pow(across, 3) * radians * std::min(2.0, fan.height.radians()) / 3 < 2e5) model.update(posed);
   }
 };
 
@@ -153,7 +153,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       const std::uint8_t kind = draw.byte() % 8;
       Event event = kind < 4 ? Event(ping_of(draw, time)) : kind < 7 ? Event(fix_of(draw, time)) : swath_of(draw, time);
       ++events;
-      pipeline.take(std::move(event));
+      pipeline.on_event(std::move(event));
     }
     pipeline.finish();
     const PipelineCounts& n = pipeline.counts();

@@ -68,7 +68,7 @@ Vector3d by_added_angles(double range, Angle azimuth, Angle elevation, const Pos
 TEST(Pose, AddingAnglesLocatesAPixelWhereNothingRollsAndOnlyOneAngleIsTurned) {
   Random random(8);
   for (int i = 0; i < 500; ++i) {
-    const auto angle = [&](double most_deg) { return Angle::degrees(random.uniform(-most_deg, most_deg)); };
+    const auto angle = [&](double max_deg) { return Angle::degrees(random.uniform(-max_deg, max_deg)); };
     const Angle heading = angle(180), elevation = angle(30), other = angle(30);
     const bool pitches = i % 2 == 0;
     const Pose X_WB{Rotation::from_heading_pitch_roll(heading, pitches ? other : Angle{}, {}),

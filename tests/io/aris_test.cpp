@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
 #include <isobath/io/formats/aris.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <tests/io/aris_frames.hpp>
 #include <tests/support/data.hpp>
 
@@ -170,7 +170,7 @@ TEST(Aris, SurvivesRandomDamage) {
 TEST(ArisRecording, OfARiverIsReadWhole) {
   ISOBATH_NEEDS_DATA(folder, "aris-sample");
   InputConfig whole;
-  whole.most_bins = 0;
+  whole.max_bins = 0;
   const auto source = open_source(folder / "sample.aris", whole);
   EXPECT_EQ(source->report().format, "ARIS recording");
   const auto events = drain(*source);

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 #include <isobath/io/formats/depth_csv.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <sstream>
 #include <tests/io/bytes_by_hand.hpp>
 #include <tests/io/survey_events.hpp>

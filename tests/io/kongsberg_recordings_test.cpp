@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <isobath/io/bytes/whole_file.hpp>
 #include <isobath/io/formats/kongsberg/kongsberg.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <tests/io/bytes_by_hand.hpp>
 #include <tests/support/data.hpp>
 

@@ -6,7 +6,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/io/formats/kongsberg/kongsberg.hpp>
 #include <isobath/io/formats/kongsberg/kongsberg_water.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <limits>
 #include <tests/io/survey_datagrams.hpp>
 #include <tests/support/data.hpp>
@@ -446,7 +446,7 @@ TEST(KongsbergWaterRecordings, StrongestEchoesStandOnTheSonarsOwnSoundings) {
        {Beside{"em2042-harbour-c.kmall", 57, 0.3, 0.98}, Beside{"em2042-harbour-a.kmall", 57, 0.3, 0.98},
         Beside{"em2040-florida.kmall", 40, 0.3, 0.98}, Beside{"em2040c-australia.all", 35, 0.3, 0.97}}) {
     InputConfig as_recorded;
-    as_recorded.most_bins = 0;
+    as_recorded.max_bins = 0;
     const Heard heard(open_source(folder / r.log, as_recorded));
     std::size_t beams = 0, near = 0, pings = 0;
     const Swath* swath = nullptr;

@@ -82,14 +82,14 @@ Ping golden_ping(SampleType type, const void* samples, std::ptrdiff_t sample_byt
   ping.sound_speed = 1500;
   ping.full_scale = 255;
   ping.sweep = SweepMark::kEnd;
-  ping.blind_m = 0.75;
+  ping.blanking_m = 0.75;
   return ping;
 }
 const std::string kPingBytes = kHeadAndTime + kPoseBytes +
                                "00x5 70 97 40 "                       // sound_speed 1500
                                "00x6 F0 3F 00x6 C0 3F "               // range_start 1, bin_length 0.125
                                "03 00x3 00x2 7F 43 "                  // bins 3, full_scale 255
-                               "00x6 E8 3F "                          // blind_m 0.75
+                               "00x6 E8 3F "                          // blanking_m 0.75
                                "02 00x7 "                             // sweep: its end
                                "00x6 D0 3F "                          // beam_height 0.25
                                "02 00x3 00x4 00x6 E0 BF 00x6 E0 3F "  // azimuth -0.5, 0.5

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <isobath/io/formats/nmea.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <tests/io/bytes_by_hand.hpp>
 #include <tests/io/survey_events.hpp>
 #include <tests/support/data.hpp>

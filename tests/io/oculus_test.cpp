@@ -3,7 +3,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/io/formats/oculus/oculus_device.hpp>
 #include <isobath/io/formats/oculus/oculus_logs.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <tests/io/oculus_messages.hpp>
 #include <tests/support/data.hpp>
 

@@ -1,7 +1,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/io/formats/ping/ping_logs.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <set>
 #include <tests/io/ping_frames.hpp>
 #include <tests/support/data.hpp>

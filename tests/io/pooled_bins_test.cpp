@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <gmock/gmock.h>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/io/pooled_bins.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/echoes.hpp>
@@ -26,8 +26,8 @@ class Told final : public Source {
   SourceReport report_;
 };
 
-Ping pooled(const Ping& ping, int most_bins) {
-  return std::get<Ping>(*with_pooled_bins(std::make_unique<Told>(std::vector<Event>{ping}), most_bins)->next());
+Ping pooled(const Ping& ping, int max_bins) {
+  return std::get<Ping>(*with_pooled_bins(std::make_unique<Told>(std::vector<Event>{ping}), max_bins)->next());
 }
 
 template <class Sample>
@@ -115,7 +115,7 @@ TEST(PooledBins, HalveTheSpeckleOfFourSamples) {
 TEST(PooledBinsOfARecording, KeepTheWindowAndLowerTheSpeckle) {
   ISOBATH_NEEDS_DATA(folder, "aris-sample");
   InputConfig whole;
-  whole.most_bins = 0;
+  whole.max_bins = 0;
   const Ping fine = std::get<Ping>(*open_source(folder / "sample.aris", whole)->next());
   const Ping ping = std::get<Ping>(*open_source(folder / "sample.aris", {})->next());
   EXPECT_EQ(fine.window.bins, 2000);

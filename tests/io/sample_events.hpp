@@ -46,7 +46,7 @@ inline Ping sample_ping(SampleType type, int beams, std::uint64_t seed) {
   ping.storage = bytes;
   ping.X_BS = sample_pose(random);
   ping.sound_speed = random.uniform(1400, 1600);
-  ping.blind_m = random.uniform(0, 2);
+  ping.blanking_m = random.uniform(0, 2);
   ping.full_scale = 1.5f;
   ping.sweep = static_cast<SweepMark>(random.index(3));
   return ping;
@@ -126,7 +126,7 @@ inline bool same(const BeamFan& a, const BeamFan& b) {
 inline bool same(const Ping& a, const Ping& b) {
   if (a.time != b.time || !same(*a.fan, *b.fan) || !(a.window == b.window) || !same(a.X_BS, b.X_BS)) return false;
   if (a.sound_speed != b.sound_speed || a.full_scale != b.full_scale || a.sweep != b.sweep) return false;
-  if (a.blind_m != b.blind_m) return false;
+  if (a.blanking_m != b.blanking_m) return false;
   if (a.intensity.type() != b.intensity.type() || a.intensity.beams() != b.intensity.beams()) return false;
   for (int i = 0; i < a.intensity.beams(); ++i) {
     for (int k = 0; k < a.intensity.bins(); ++k) {

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 #include <isobath/io/formats/scan_csv.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <set>
 #include <tests/io/bytes_by_hand.hpp>
 #include <tests/support/data.hpp>

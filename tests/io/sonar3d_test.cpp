@@ -5,7 +5,7 @@
 #include <cstring>
 #include <gmock/gmock.h>
 #include <isobath/io/formats/sonar3d.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <tests/io/bytes_by_hand.hpp>
 #include <tests/support/data.hpp>
 #include <zlib.h>

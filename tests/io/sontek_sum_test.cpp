@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <gmock/gmock.h>
 #include <isobath/io/formats/sontek_sum.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <map>
 #include <numbers>
 #include <tests/io/bytes_by_hand.hpp>

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <isobath/base/error.hpp>
 #include <isobath/map/occupancy/body_grid.hpp>
-#include <isobath/map/occupancy/motion.hpp>
+#include <isobath/map/occupancy/motion_uncertainty.hpp>
 #include <numbers>
 
 namespace isobath {

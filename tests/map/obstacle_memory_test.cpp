@@ -408,7 +408,7 @@ TEST(ObstacleMemory, KeepsTheNumberOfTheObstacleThatItsPieceWasLastSeenAs) {
 
 TEST(ObstacleMemory, IsBoundedAndNeverGivesAnIdTwice) {
   ObstacleMemoryConfig config;
-  config.most = 20;
+  config.max_obstacles = 20;
   ObstacleMemory memory(config);
   std::set<std::uint32_t> ids;
   for (int i = 0; i < 100; ++i) {

@@ -11,7 +11,7 @@ const std::vector<std::string> kVertical = {"upright"};
 
 // ledger: S5-32 S5-33
 TEST(OccupancySnapshot, SaysOfEachVoxelWhatTheMapDoesAndWhetherAHeightWasTold) {
-  VoxelMap map({.voxel_m = 0.5, .prior = 0.05, .occupied = 0.7, .free = 0.04, .most_log_odds = 6.9});
+  VoxelMap map({.voxel_m = 0.5, .prior = 0.05, .occupied = 0.7, .free = 0.04, .max_log_odds = 6.9});
   VoxelBlocks &flat = map.layer("flat"), &vertical = map.layer("upright");
   Random random(7);
   for (int i = 0; i < 4000; ++i) {

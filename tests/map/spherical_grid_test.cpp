@@ -226,7 +226,7 @@ TEST(SphericalZoom, ACoarseCellFollowsFromItsParts) {
   fine.lock_echoes = 0;
   SphericalGridConfig coarse = fine;
   coarse.bucket = Angle::degrees(10);
-  coarse.finest_m = 0.6;
+  coarse.min_layer_m = 0.6;
   for (const ZoomRule rule : {ZoomRule::kAny, ZoomRule::kLargest}) {
     SphericalGrid from(fine), to(coarse);
     for (int i = 0; i < 800; ++i) {
@@ -292,7 +292,7 @@ TEST(SphericalGrid, RefusesWhatMakesNoSense) {
     EXPECT_THROW(SphericalGrid{config}, Error);
   };
   refused([](SphericalGridConfig& c) { c.prior = 0.6; });
-  refused([](SphericalGridConfig& c) { c.finest_m = 0; });
+  refused([](SphericalGridConfig& c) { c.min_layer_m = 0; });
   refused([](SphericalGridConfig& c) { c.range_m = 0.1; });
   refused([](SphericalGridConfig& c) { c.bucket = Angle::degrees(7); });
   refused([](SphericalGridConfig& c) { c.rebin_at = 0; });

@@ -137,7 +137,7 @@ TEST_F(TreeFileTest, AWriteThatFailsLeavesTheOldMap) {
   }
   EXPECT_TRUE(open_tree_file(file(), kLost).tree == tree);
   EXPECT_THROW(write_tree_file(file().parent_path() / "none" / "a.tree", tree, 1, ""), Error);
-  EXPECT_THROW(write_tree_file(file(), tree, 1, std::string(kMostTreeMetadata + 1, ' ')), Error);
+  EXPECT_THROW(write_tree_file(file(), tree, 1, std::string(kMaxTreeMetadata + 1, ' ')), Error);
 }
 
 TEST_F(TreeFileTest, WhatIsNotAMapIsRefused) {

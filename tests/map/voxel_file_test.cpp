@@ -80,7 +80,7 @@ TEST_F(VoxelFiles, BoundMemoryAndLoseNothing) {
     VoxelMap all, bounded;
     bounded.spill_to(file_);
     Random draws(5), same_draws(5), questions(6);
-    std::size_t most_spilled = 0;
+    std::size_t max_spilled = 0;
     for (int step = 0; step < 90; step += 7) {  // out and back; each spill is a commit that waits for the disk
       hear_ping(all, draws, step);
       hear_ping(bounded, same_draws, step);
@@ -90,7 +90,7 @@ TEST_F(VoxelFiles, BoundMemoryAndLoseNothing) {
         held += bounded.find_layer(s)->blocks() - bounded.find_layer(s)->spilled();
       }
       EXPECT_LE(held * 8192, budget);
-      most_spilled = std::max(most_spilled, bounded.spilled());
+      max_spilled = std::max(max_spilled, bounded.spilled());
       for (int q = 0; q < 100; ++q) {
         const VoxelIndex v(static_cast<int>(questions.index(240)) - 50, static_cast<int>(questions.index(240)) - 140,
                            static_cast<int>(questions.index(120)) - 40);
@@ -98,7 +98,7 @@ TEST_F(VoxelFiles, BoundMemoryAndLoseNothing) {
         ASSERT_EQ(bounded.is_seen(v), all.is_seen(v));
       }
     }
-    EXPECT_GT(most_spilled, 100u);
+    EXPECT_GT(max_spilled, 100u);
     EXPECT_TRUE(content_of(bounded) == content_of(all));
     EXPECT_EQ(bounded.changed_after(0), all.changed_after(0));
     EXPECT_EQ(bounded.changed_after(11), all.changed_after(11));
@@ -124,7 +124,7 @@ TEST_F(VoxelFiles, KeepAWindowInMemoryAndTheWorldOnDisk) {
   VoxelMap all, window;
   window.spill_to(file_);
   Random draws(7), same_draws(7);
-  std::size_t most_held = 0;
+  std::size_t max_held = 0;
   for (int step = 0; step < 60; ++step) {
     hear_ping(all, draws, step);
     hear_ping(window, same_draws, step);
@@ -132,10 +132,10 @@ TEST_F(VoxelFiles, KeepAWindowInMemoryAndTheWorldOnDisk) {
     window.spill_outside(Vector3d(3.7 * way, -2.1 * way, 20 + 0.3 * way) * window.voxel_m(), Vector3d::Constant(10));
     for (const char* s : {"flat", "upright"}) {
       const VoxelBlocks* layer = window.find_layer(s);
-      if (layer) most_held = std::max(most_held, layer->blocks() - layer->spilled());
+      if (layer) max_held = std::max(max_held, layer->blocks() - layer->spilled());
     }
   }
-  EXPECT_LE(most_held, 6u * 6 * 6) << "80 voxels and a block at either end";
+  EXPECT_LE(max_held, 6u * 6 * 6) << "80 voxels and a block at either end";
   EXPECT_GT(window.spilled(), 50u);
   EXPECT_TRUE(content_of(window) == content_of(all));
 }
@@ -251,11 +251,11 @@ TEST_F(VoxelFiles, AreReadByManyThreadsAtOnce) {
 // Corners, negative ones and the farthest there are, come back from their numbers.
 TEST_F(VoxelFiles, NumberBlocksOneToOne) {
   Random random(11);
-  constexpr int kMost = VoxelBlocks::kFarthest - 1;
-  std::vector<VoxelIndex> places{{kMost, -kMost, 0}, {-kMost, kMost, -1}, {0, 0, 0}, {-1, -16, -17}, {15, 16, 17}};
+  constexpr int kMax = VoxelBlocks::kFarthest - 1;
+  std::vector<VoxelIndex> places{{kMax, -kMax, 0}, {-kMax, kMax, -1}, {0, 0, 0}, {-1, -16, -17}, {15, 16, 17}};
   for (int i = 0; i < 1000; ++i) {
     VoxelIndex v;
-    for (int a = 0; a < 3; ++a) v[a] = static_cast<int>(random.index(2 * kMost + 1)) - kMost;
+    for (int a = 0; a < 3; ++a) v[a] = static_cast<int>(random.index(2 * kMax + 1)) - kMax;
     places.push_back(v);
   }
   for (const VoxelIndex& v : places) {

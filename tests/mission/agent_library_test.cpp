@@ -45,7 +45,7 @@ TEST(AgentLibrary, AnAgentJoinsTheOthersByConfiguration) {
     ExecutorConfig config;
     config.arbiter.safety_officer = "";
     Executor executor(std::move(all), {}, config, [&](const Envelope& e) { said.push_back(e); });
-    executor.hear(test::call(5), test::at(0));
+    executor.on_message(test::call(5), test::at(0));
   }
   ASSERT_EQ(said.size(), 3u);
   EXPECT_EQ(said[1].sender, "lookout");

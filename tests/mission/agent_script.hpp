@@ -15,7 +15,7 @@ class Script {
   /// What it says to this alone.
   std::vector<Message> hear(const Message& message, double s) {
     Outbox out;
-    agent_.hear(message, at(s), out);
+    agent_.on_message(message, at(s), out);
     return keep(out);
   }
   std::vector<Message> tick(double s) {

@@ -36,7 +36,7 @@ std::optional<Eigen::Vector2d> run(BackEnd& vehicle, const VehicleParameters& pa
                     [&](const Envelope& e) { arrived = arrived || std::holds_alternative<PointReport>(e.message); });
   for (int step = 0; step < 2000; ++step) {
     const Time now = test::at(step * 0.1);
-    executor.hear(vehicle.sense(now), now);
+    executor.on_message(vehicle.sense(now), now);
     if (arrived) return vehicle.sense(now).X_WB.translation.template head<2>();
     vehicle.act(executor.helm(now), 0.1);
   }

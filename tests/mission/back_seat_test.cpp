@@ -21,7 +21,7 @@ constexpr double kTurningRadius = 3;  // m
 
 std::vector<Message> tell(Agent& agent, const Message& message) {
   Outbox out;
-  agent.hear(message, Time{}, out);
+  agent.on_message(message, Time{}, out);
   return std::move(out.said());
 }
 

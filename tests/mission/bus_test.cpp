@@ -77,11 +77,11 @@ TEST(Bus, ATurnThatThrowsSaysNothing) {
         if (test::id_of(message) == 2) throw 5;
       },
       [](Time, Outbox& out) { out.say(HelmOrder{}); });
-  const Turn broken = hear_in_turn(agent, test::call(1), test::at(0));
+  const Turn broken = deliver_in_turn(agent, test::call(1), test::at(0));
   EXPECT_EQ(broken.died, "no such leg");
   EXPECT_TRUE(broken.said.empty());
-  EXPECT_EQ(hear_in_turn(agent, test::call(2), test::at(0)).died, "threw something that is not an exception");
-  EXPECT_EQ(hear_in_turn(agent, test::call(3), test::at(0)).died, std::nullopt);
+  EXPECT_EQ(deliver_in_turn(agent, test::call(2), test::at(0)).died, "threw something that is not an exception");
+  EXPECT_EQ(deliver_in_turn(agent, test::call(3), test::at(0)).died, std::nullopt);
   EXPECT_EQ(tick_in_turn(agent, test::at(0)).said.size(), 1u);
 }
 

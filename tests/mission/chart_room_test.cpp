@@ -109,7 +109,7 @@ struct Rig {
 
   std::vector<Message> tell(const Message& message) {
     Outbox out;
-    room.hear(message, Time{}, out);
+    room.on_message(message, Time{}, out);
     return std::move(out.said());
   }
   std::vector<Message> at(double north, double east, double depth) {
@@ -148,7 +148,7 @@ TEST(ChartRoom, SaysWhatIsShallowerThanTheVehicleAndItsClearance) {
 
 TEST(ChartRoom, SpeaksAgainOnlyWhenPlaceDepthOrChartChange) {
   const auto field = one_shoal();
-  Rig rig({.reach_m = 40, .again_share = 0.25, .depth_step_m = 0.5}, {field, nullptr});
+  Rig rig({.reach_m = 40, .recheck_share = 0.25, .depth_step_m = 0.5}, {field, nullptr});
   EXPECT_EQ(rig.at(0, 0, 5).size(), 1u);
   EXPECT_EQ(rig.at(9, 0, 5).size(), 0u);
   EXPECT_EQ(rig.at(9, 0, 5.4).size(), 0u);

@@ -39,7 +39,7 @@ void expect_setpoint(const Setpoint& s, double heading_deg, double depth, double
 
 TEST(CommandArbiter, AnOrderPassesAsItIs) {
   CommandArbiter arbiter({}, torpedo());
-  arbiter.hear(order(30, 5, 1.5), at(0));
+  arbiter.on_message(order(30, 5, 1.5), at(0));
   expect_setpoint(arbiter.steer(at(0)), 30, 5, 1.5);
   EXPECT_EQ(arbiter.state(), HelmState::kOrders);
 }
@@ -57,21 +57,21 @@ TEST(CommandArbiter, NothingGoesOutThatVehicleOrMissionDoNotAllow) {
   parameters.limits.max_depth = 40;
   parameters.limits.max_speed = 2;
   CommandArbiter arbiter({2, ""}, parameters);
-  arbiter.hear(order(30, 39, 2), at(0));
+  arbiter.on_message(order(30, 39, 2), at(0));
   expect_setpoint(arbiter.steer(at(0)), 30, 39, 2);
   EXPECT_EQ(arbiter.limited(), 0u);
-  arbiter.hear(order(30, 50, 5), at(0));
+  arbiter.on_message(order(30, 50, 5), at(0));
   expect_setpoint(arbiter.steer(at(0)), 30, 40, 2);
-  arbiter.hear(order(30, -3, -5), at(0));
+  arbiter.on_message(order(30, -3, -5), at(0));
   expect_setpoint(arbiter.steer(at(0)), 30, 0, -2);
-  arbiter.hear(start(10), at(1));
-  arbiter.hear(order(30, 39, 1), at(1));
+  arbiter.on_message(start(10), at(1));
+  arbiter.on_message(order(30, 39, 1), at(1));
   expect_setpoint(arbiter.steer(at(1)), 30, 10, 1);
-  arbiter.hear(action(SafetyActionKind::kTurn, set(90, 39, 1)), at(1));
+  arbiter.on_message(action(SafetyActionKind::kTurn, set(90, 39, 1)), at(1));
   expect_setpoint(arbiter.steer(at(1)), 90, 10, 1);
   EXPECT_EQ(arbiter.limited(), 4u);
-  arbiter.hear(action(SafetyActionKind::kNone), at(1));
-  arbiter.hear(HelmOrder{{Angle::degrees(30), 5, 1.2, 4}}, at(1));
+  arbiter.on_message(action(SafetyActionKind::kNone), at(1));
+  arbiter.on_message(HelmOrder{{Angle::degrees(30), 5, 1.2, 4}}, at(1));
   const Setpoint s = arbiter.steer(at(1));
   EXPECT_NEAR(std::hypot(s.speed, s.sway_speed), 2, 1e-9) << "sway gives way";
   EXPECT_EQ(s.speed, 1.2);
@@ -79,7 +79,7 @@ TEST(CommandArbiter, NothingGoesOutThatVehicleOrMissionDoNotAllow) {
 
 TEST(CommandArbiter, WaitsWhereItIsForTheFirstOrder) {
   CommandArbiter arbiter({}, torpedo());
-  arbiter.hear(here(40, 3), at(0));
+  arbiter.on_message(here(40, 3), at(0));
   expect_setpoint(arbiter.steer(at(1)), 40, 3, 0);
   EXPECT_EQ(arbiter.state(), HelmState::kWaiting);
   EXPECT_FALSE(arbiter.take_change());
@@ -88,22 +88,22 @@ TEST(CommandArbiter, WaitsWhereItIsForTheFirstOrder) {
 // Whoever orders from a back seat has the vehicle while he speaks, and again when he speaks again. ledger: S5-01
 TEST(CommandArbiter, StopsWhenOrdersAreOlderThanItsPatience) {
   CommandArbiter arbiter({2, ""}, hoverer());
-  arbiter.hear(order(30, 5, 1.5), at(10));
-  arbiter.hear(here(50, 4), at(11.5));
+  arbiter.on_message(order(30, 5, 1.5), at(10));
+  arbiter.on_message(here(50, 4), at(11.5));
   arbiter.steer(at(12));
   EXPECT_EQ(arbiter.state(), HelmState::kOrders);
   expect_setpoint(arbiter.steer(at(12) + Duration(1)), 50, 4, 0);
   EXPECT_EQ(arbiter.state(), HelmState::kStop);
-  arbiter.hear(here(70, 2), at(13));  // what it keeps is what it had when it was stopped
+  arbiter.on_message(here(70, 2), at(13));  // what it keeps is what it had when it was stopped
   expect_setpoint(arbiter.steer(at(13)), 50, 4, 0);
-  arbiter.hear(order(30, 5, 1.5), at(14));
+  arbiter.on_message(order(30, 5, 1.5), at(14));
   expect_setpoint(arbiter.steer(at(14)), 30, 5, 1.5);
 }
 
 TEST(CommandArbiter, StopsAlsoWhereNoOrderEverCame) {
   CommandArbiter arbiter({2, ""}, hoverer());
   arbiter.steer(at(50));
-  arbiter.hear(OperatorCommand{OperatorCommand::Kind::kStart, nullptr}, at(100));
+  arbiter.on_message(OperatorCommand{OperatorCommand::Kind::kStart, nullptr}, at(100));
   arbiter.steer(at(102));
   EXPECT_EQ(arbiter.state(), HelmState::kWaiting);
   arbiter.steer(at(102.1));
@@ -114,10 +114,10 @@ TEST(CommandArbiter, StopsAlsoWhereNoOrderEverCame) {
 TEST(CommandArbiter, AVehicleThatNeedsWayOnSurfacesInsteadOfStopping) {
   for (const bool by_silence : {true, false}) {
     CommandArbiter arbiter({2, ""}, torpedo());
-    arbiter.hear(order(30, 5, 1.5), at(0));
-    arbiter.hear(here(25, 6), at(0));
+    arbiter.on_message(order(30, 5, 1.5), at(0));
+    arbiter.on_message(here(25, 6), at(0));
     arbiter.steer(at(0));
-    if (!by_silence) arbiter.hear(action(SafetyActionKind::kStop), at(1));
+    if (!by_silence) arbiter.on_message(action(SafetyActionKind::kStop), at(1));
     expect_setpoint(arbiter.steer(at(by_silence ? 3 : 1)), 25, 0, 0.8);
     EXPECT_EQ(arbiter.state(), HelmState::kStop);
   }
@@ -126,26 +126,26 @@ TEST(CommandArbiter, AVehicleThatNeedsWayOnSurfacesInsteadOfStopping) {
 // ledger: S2-28
 TEST(CommandArbiter, TheSafetyOfficerStandsAboveTheOrderAtOnce) {
   CommandArbiter arbiter({}, hoverer());
-  arbiter.hear(order(30, 5, 1.5), at(0));
-  arbiter.hear(here(25, 6), at(0));
-  arbiter.hear(action(SafetyActionKind::kSlow, set(0, 0, 0.4)), at(0));
+  arbiter.on_message(order(30, 5, 1.5), at(0));
+  arbiter.on_message(here(25, 6), at(0));
+  arbiter.on_message(action(SafetyActionKind::kSlow, set(0, 0, 0.4)), at(0));
   expect_setpoint(arbiter.steer(at(0)), 30, 5, 0.4);
-  arbiter.hear(action(SafetyActionKind::kTurn, set(90, 2, -0.5)), at(0));
+  arbiter.on_message(action(SafetyActionKind::kTurn, set(90, 2, -0.5)), at(0));
   expect_setpoint(arbiter.steer(at(0)), 90, 2, -0.5);
-  arbiter.hear(action(SafetyActionKind::kStop), at(0));
+  arbiter.on_message(action(SafetyActionKind::kStop), at(0));
   expect_setpoint(arbiter.steer(at(0)), 25, 6, 0);
-  arbiter.hear(action(SafetyActionKind::kSurface, set(70, 0, 0)), at(0));  // away from what stands ahead
+  arbiter.on_message(action(SafetyActionKind::kSurface, set(70, 0, 0)), at(0));  // away from what stands ahead
   expect_setpoint(arbiter.steer(at(0)), 70, 0, 0);
-  arbiter.hear(order(31, 5, 1.5), at(0.5));  // orders do not lift it
+  arbiter.on_message(order(31, 5, 1.5), at(0.5));  // orders do not lift it
   expect_setpoint(arbiter.steer(at(0.5)), 70, 0, 0);
-  arbiter.hear(action(SafetyActionKind::kNone), at(1));
+  arbiter.on_message(action(SafetyActionKind::kNone), at(1));
   expect_setpoint(arbiter.steer(at(1)), 31, 5, 1.5);
 }
 
 TEST(CommandArbiter, SlowsAsternAndSidewaysToo) {
   CommandArbiter arbiter({}, hoverer());
-  arbiter.hear(HelmOrder{{Angle(), 1, -1, 0.9}}, at(0));
-  arbiter.hear(action(SafetyActionKind::kSlow, set(0, 0, 0.3)), at(0));
+  arbiter.on_message(HelmOrder{{Angle(), 1, -1, 0.9}}, at(0));
+  arbiter.on_message(action(SafetyActionKind::kSlow, set(0, 0, 0.3)), at(0));
   const Setpoint s = arbiter.steer(at(0));
   EXPECT_EQ(s.speed, -0.3);
   EXPECT_EQ(s.sway_speed, 0.3);
@@ -154,46 +154,46 @@ TEST(CommandArbiter, SlowsAsternAndSidewaysToo) {
 // ledger: S2-E10
 TEST(CommandArbiter, NeverSlowsOrTurnsAVehicleBelowItsLeastSpeed) {
   CommandArbiter arbiter({}, torpedo());
-  arbiter.hear(order(30, 5, 1.5), at(0));
-  arbiter.hear(action(SafetyActionKind::kSlow, set(0, 0, 0.4)), at(0));
+  arbiter.on_message(order(30, 5, 1.5), at(0));
+  arbiter.on_message(action(SafetyActionKind::kSlow, set(0, 0, 0.4)), at(0));
   expect_setpoint(arbiter.steer(at(0)), 30, 5, 0.8);
-  arbiter.hear(action(SafetyActionKind::kTurn, set(90, 2, 0.1)), at(0));
+  arbiter.on_message(action(SafetyActionKind::kTurn, set(90, 2, 0.1)), at(0));
   expect_setpoint(arbiter.steer(at(0)), 90, 2, 0.8);
-  arbiter.hear(action(SafetyActionKind::kSurface), at(0));
+  arbiter.on_message(action(SafetyActionKind::kSurface), at(0));
   EXPECT_EQ(arbiter.steer(at(0)).speed, 0.8);
 }
 
 TEST(CommandArbiter, SilenceOfThePilotOutweighsALimitOfSpeedButNoTurn) {
   CommandArbiter arbiter({2, ""}, hoverer());
-  arbiter.hear(order(30, 5, 1.5), at(0));
-  arbiter.hear(action(SafetyActionKind::kSlow, set(0, 0, 0.4)), at(0));
+  arbiter.on_message(order(30, 5, 1.5), at(0));
+  arbiter.on_message(action(SafetyActionKind::kSlow, set(0, 0, 0.4)), at(0));
   arbiter.steer(at(3));
   EXPECT_EQ(arbiter.state(), HelmState::kStop);
-  arbiter.hear(action(SafetyActionKind::kTurn, set(90, 2, 1)), at(3));
+  arbiter.on_message(action(SafetyActionKind::kTurn, set(90, 2, 1)), at(3));
   expect_setpoint(arbiter.steer(at(9)), 90, 2, 1);
 }
 
 // ledger: S6-33
 TEST(CommandArbiter, SurfacesForGoodWhenTheSafetyOfficerIsLost) {
   CommandArbiter arbiter({2, "safety officer"}, hoverer());
-  arbiter.hear(order(30, 5, 1.5), at(0));
-  arbiter.hear(here(25, 6), at(0));
-  arbiter.hear(AgentLost{"navigator", false, "bad leg"}, at(0));
+  arbiter.on_message(order(30, 5, 1.5), at(0));
+  arbiter.on_message(here(25, 6), at(0));
+  arbiter.on_message(AgentLost{"navigator", false, "bad leg"}, at(0));
   expect_setpoint(arbiter.steer(at(0)), 30, 5, 1.5);
-  arbiter.hear(AgentLost{"safety officer", true, "no answer"}, at(0));
+  arbiter.on_message(AgentLost{"safety officer", true, "no answer"}, at(0));
   expect_setpoint(arbiter.steer(at(0)), 25, 0, 0);
-  arbiter.hear(action(SafetyActionKind::kNone), at(1));
-  arbiter.hear(order(30, 5, 1.5), at(1));
+  arbiter.on_message(action(SafetyActionKind::kNone), at(1));
+  arbiter.on_message(order(30, 5, 1.5), at(1));
   expect_setpoint(arbiter.steer(at(1)), 25, 0, 0);
   EXPECT_EQ(arbiter.take_change()->reason, "the safety officer is lost: no answer");
 }
 
 TEST(CommandArbiter, SaysEachChangeOnceAndWhy) {
   CommandArbiter arbiter({2, ""}, hoverer());
-  arbiter.hear(order(30, 5, 1.5), at(0));
+  arbiter.on_message(order(30, 5, 1.5), at(0));
   arbiter.steer(at(0));
   EXPECT_EQ(arbiter.take_change()->what, "follow orders");
-  arbiter.hear(order(31, 5, 1.5), at(1));
+  arbiter.on_message(order(31, 5, 1.5), at(1));
   arbiter.steer(at(1));
   EXPECT_FALSE(arbiter.take_change());
   arbiter.steer(at(4));
@@ -203,24 +203,24 @@ TEST(CommandArbiter, SaysEachChangeOnceAndWhy) {
   EXPECT_EQ(stopped->what, "stop");
   EXPECT_EQ(stopped->reason, "no order for the vehicle for 2 s");
   EXPECT_EQ(stopped->time, at(4));
-  arbiter.hear(action(SafetyActionKind::kStop), at(4));  // the same act for another reason
+  arbiter.on_message(action(SafetyActionKind::kStop), at(4));  // the same act for another reason
   arbiter.steer(at(4));
   EXPECT_EQ(arbiter.take_change()->reason, "blind");
 }
 
 TEST(CommandArbiter, RefusesWhatIsNotFinite) {
   CommandArbiter arbiter({2, ""}, hoverer());
-  arbiter.hear(order(30, 5, 1.5), at(0));
-  arbiter.hear(order(kNan, 5, 1.5), at(1));
-  arbiter.hear(order(30, std::numeric_limits<double>::infinity(), 1.5), at(1));
-  arbiter.hear(here(10, kNan), at(1));
+  arbiter.on_message(order(30, 5, 1.5), at(0));
+  arbiter.on_message(order(kNan, 5, 1.5), at(1));
+  arbiter.on_message(order(30, std::numeric_limits<double>::infinity(), 1.5), at(1));
+  arbiter.on_message(here(10, kNan), at(1));
   expect_setpoint(arbiter.steer(at(1)), 30, 5, 1.5);
   EXPECT_EQ(arbiter.refused(), 2u);
   arbiter.steer(at(2.5));
   EXPECT_EQ(arbiter.state(), HelmState::kStop);  // those were no orders
   for (const SafetyActionKind kind : {SafetyActionKind::kSlow, SafetyActionKind::kTurn}) {
-    arbiter.hear(order(30, 5, 1.5), at(3));
-    arbiter.hear(action(kind, set(0, 0, kNan)), at(3));
+    arbiter.on_message(order(30, 5, 1.5), at(3));
+    arbiter.on_message(action(kind, set(0, 0, kNan)), at(3));
     arbiter.steer(at(3));
     EXPECT_EQ(arbiter.state(), HelmState::kStop);
   }
@@ -241,10 +241,10 @@ RC_GTEST_PROP(CommandArbiter, WhateverItHearsTheSetpointIsFiniteAndFitsItsState,
     t += 0.02 * std::abs(d[0]);
     const Setpoint s = set(any_number(d[2]), any_number(d[3]), any_number(d[4]));
     switch (std::abs(d[1]) % 5) {
-      case 0: arbiter.hear(HelmOrder{s}, at(t)); break;
-      case 1: arbiter.hear(action(static_cast<SafetyActionKind>(std::abs(d[2]) % 5), s), at(t)); break;
-      case 2: arbiter.hear(here(s.heading.degrees(), s.depth), at(t)); break;
-      case 3: arbiter.hear(AgentLost{d[2] > 95 ? "safety officer" : "pilot", false, ""}, at(t)); break;
+      case 0: arbiter.on_message(HelmOrder{s}, at(t)); break;
+      case 1: arbiter.on_message(action(static_cast<SafetyActionKind>(std::abs(d[2]) % 5), s), at(t)); break;
+      case 2: arbiter.on_message(here(s.heading.degrees(), s.depth), at(t)); break;
+      case 3: arbiter.on_message(AgentLost{d[2] > 95 ? "safety officer" : "pilot", false, ""}, at(t)); break;
       default: break;
     }
     const Setpoint out = arbiter.steer(at(t));

@@ -135,7 +135,7 @@ TEST_F(ExecutiveOfficerTest, WaitsForTheCaptainToMoveAPointThatHasASafePlaceNear
 
 // ledger: S6-48
 TEST_F(ExecutiveOfficerTest, HoldsWithoutAWayGoesOnWithOneAndLosesPatienceInTheEnd) {
-  config.patience_s = 10;
+  config.route_timeout_s = 10;
   start();
   planned();
   const auto said = refused(Reason::kNoPath);

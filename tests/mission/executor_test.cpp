@@ -20,7 +20,7 @@ using testing::HasSubstr;
 ExecutorConfig without_safety_officer() {
   ExecutorConfig config;
   config.arbiter.safety_officer = "";
-  config.arbiter.patience_s = 60;
+  config.arbiter.order_timeout_s = 60;
   return config;
 }
 
@@ -53,7 +53,7 @@ TEST(Executor, MessagesAreHeardByAllInTheOrderInWhichTheyWereSaid) {
   };
   Executor executor(slots(slot("a", answering(first, 10)), slot("b", answering(second, 20))), {},
                     without_safety_officer());
-  EXPECT_TRUE(executor.hear(call(1), at(0)));
+  EXPECT_TRUE(executor.on_message(call(1), at(0)));
   const std::vector<std::string> expected = {"task call 1",  "task call 10", "task call 11", "task call 20",
                                              "task call 21", "task call 15", "task call 25"};
   EXPECT_EQ(first, expected);
@@ -69,9 +69,9 @@ TEST(Executor, TicksTenTimesASecondAndBeforeWhatIsSensedLater) {
                         },
                         [&](Time t, Outbox&) { events.push_back(fmt::format("{:.2f} tick", to_seconds(t))); })),
                     {}, without_safety_officer());
-  executor.hear(call(1), at(5));
-  executor.hear(call(2), at(5.1));
-  executor.hear(call(3), at(5.25));
+  executor.on_message(call(1), at(5));
+  executor.on_message(call(2), at(5.1));
+  executor.on_message(call(3), at(5.25));
   executor.advance(at(5.3));
   executor.advance(at(5.3));
   EXPECT_THAT(events, ElementsAre("5.00 task call 1", "5.10 tick", "5.10 task call 2", "5.20 tick", "5.25 task call 3",
@@ -101,10 +101,10 @@ TEST(Executor, AClockThatGoesBackIsRefusedCountedAndToldOnce) {
   std::vector<std::string> heard;
   Executor executor(slots(slot("a", listen(heard))), {}, without_safety_officer(), log.recorder());
   executor.advance(at(10));
-  EXPECT_FALSE(executor.hear(call(1), at(9)));
+  EXPECT_FALSE(executor.on_message(call(1), at(9)));
   EXPECT_FALSE(executor.advance(at(9.9)));
   EXPECT_EQ(executor.counts().refused, 2u);
-  EXPECT_TRUE(executor.hear(call(2), at(10)));
+  EXPECT_TRUE(executor.on_message(call(2), at(10)));
   EXPECT_FALSE(executor.advance(at(1)));
   EXPECT_THAT(heard, ElementsAre("decision refuse time", "task call 2", "decision refuse time"));
 }
@@ -113,7 +113,7 @@ TEST(Executor, AJumpAheadSkipsTicksButNotTheLastOnes) {
   Log log;
   std::vector<double> ticks;
   ExecutorConfig config = without_safety_officer();
-  config.most_ticks = 3;
+  config.max_ticks = 3;
   Executor executor(slots(slot("a", {}, [&](Time t, Outbox&) { ticks.push_back(to_seconds(t)); })), {}, config,
                     log.recorder());
   executor.advance(at(0));
@@ -131,7 +131,7 @@ TEST(Executor, AJumpAheadSkipsTicksButNotTheLastOnes) {
 TEST(Executor, AStormOfMessagesIsCutAndDoesNotDrownTheOthers) {
   Log log;
   ExecutorConfig config = without_safety_officer();
-  config.most_said = 20;
+  config.max_messages = 20;
   const auto echo = [](const Message& m, Time, Outbox& out) {
     if (id_of(m) > 0) {
       out.say(TaskCall{id_of(m), "", {}});
@@ -143,14 +143,14 @@ TEST(Executor, AStormOfMessagesIsCutAndDoesNotDrownTheOthers) {
     if (id_of(m) > 0 && ++heard == 30) out.say(SafetyAction{SafetyActionKind::kStop, {}, "storm", "a storm"});
   };
   Executor executor(slots(slot("a", echo), slot("b", echo), slot("calm", late)), {}, config, log.recorder());
-  executor.hear(call(1), at(0));
+  executor.on_message(call(1), at(0));
   const std::size_t type = call(0).index();
   EXPECT_EQ(executor.said().at("a").at(type), 20u);
   EXPECT_EQ(executor.said().at("b").at(type), 20u);
   EXPECT_EQ(executor.counts().cut, 2u * 2u * 41u - 40u);  // each answers each of 1 + 40 calls twice
   EXPECT_EQ(executor.helm_state(), HelmState::kStop);
   EXPECT_EQ(std::count(log.lines.begin(), log.lines.end(), "supervisor: decision cut"), 2);
-  executor.hear(call(2), at(0.15));  // after the next tick they may speak again
+  executor.on_message(call(2), at(0.15));  // after the next tick they may speak again
   EXPECT_EQ(executor.said().at("a").at(type), 40u);
 }
 
@@ -172,8 +172,8 @@ TEST(Executor, AnAgentThatThrowsIsDeadAndTheOthersGoOn) {
                                                                why = lost->why;
                                                            })),
                     {}, without_safety_officer(), log.recorder());
-  executor.hear(call(1), at(0));
-  executor.hear(call(2), at(0));
+  executor.on_message(call(1), at(0));
+  executor.on_message(call(2), at(0));
   EXPECT_EQ(turns, 1);
   EXPECT_TRUE(executor.lost("navigator"));
   EXPECT_FALSE(executor.lost("captain"));
@@ -195,7 +195,7 @@ TEST(Executor, AnAgentThatHangsIsGivenUpAfterItsMissedTicks) {
   executor.advance(at(0));
   executor.advance(at(0.1));
   executor.hang("navigator");
-  executor.hear(call(1), at(0.15));
+  executor.on_message(call(1), at(0.15));
   executor.advance(at(0.4));
   EXPECT_EQ(turns, 1);
   EXPECT_FALSE(executor.lost("navigator"));
@@ -211,7 +211,7 @@ TEST(Executor, AnAgentThatIsKilledDiesInItsNextTurn) {
   std::vector<std::string> heard;
   Executor executor(slots(slot("pilot", {}), slot("captain", listen(heard))), {}, without_safety_officer());
   executor.kill("pilot");
-  executor.hear(call(1), at(0));
+  executor.on_message(call(1), at(0));
   EXPECT_THAT(heard, ElementsAre("task call 1", "agent lost pilot"));
 }
 
@@ -243,7 +243,7 @@ TEST(Executor, TheLossOfTheRecorderIsTold) {
   std::vector<std::string> heard;
   Executor executor(slots(slot("captain", listen(heard))), {}, without_safety_officer(),
                     [](const Envelope&) { throw std::runtime_error("disk full"); });
-  executor.hear(call(1), at(0));
+  executor.on_message(call(1), at(0));
   EXPECT_THAT(heard, ElementsAre("task call 1", "agent lost recorder"));
 }
 
@@ -261,7 +261,7 @@ TEST(Executor, AgentsOfThreeLevelsSpeakAlongTheGraphOfMessages) {
   all[0].level = AgentLevel::kSupervisory;
   all[3].level = AgentLevel::kVehicle;
   Executor executor(std::move(all), {}, without_safety_officer());
-  executor.hear(OperatorCommand{}, at(0));
+  executor.on_message(OperatorCommand{}, at(0));
   std::map<std::string, std::string> graph;
   for (const auto& [sender, counts] : executor.said()) {
     for (std::size_t type = 0; type < kMessageTypes; ++type) {
@@ -297,7 +297,7 @@ std::vector<std::string> run_talkers(const std::vector<std::uint32_t>& calls) {
   double t = 0;
   for (const std::uint32_t id : calls) {
     t += 0.001 * (id % 400);
-    executor.hear(call(id), at(t));
+    executor.on_message(call(id), at(t));
     if (id % 97 == 0) executor.hang("b");
     if (id % 101 == 0) executor.kill("c");
   }
@@ -318,7 +318,7 @@ RC_GTEST_PROP(Executor, EveryLivingAgentHearsExactlyWhatIsRecorded, (const std::
   double t = 0;
   for (const std::uint32_t id : calls) {
     t += 0.001 * (id % 400);
-    executor.hear(call(id), at(t));
+    executor.on_message(call(id), at(t));
     if (id % 53 == 0) executor.kill("b");
   }
   RC_ASSERT(heard == recorded);
@@ -348,12 +348,12 @@ TEST(Executor, RefusesSlotsThatMakeNoSense) {
 
 TEST(Executor, IsConfiguredByName) {
   ExecutorConfig config;
-  std::vector<Section> sections = {{"crew", "", fields(config)}};
-  read_toml("[crew]\nmissed_ticks = 7\norder_patience = 1.5\nsafety_officer = \"guard\"\n", "c.toml", sections);
+  std::vector<Section> sections = {{"executor", "", fields(config)}};
+  read_toml("[executor]\nmissed_ticks = 7\norder_timeout_s = 1.5\nsafety_officer = \"guard\"\n", "c.toml", sections);
   EXPECT_EQ(config.missed_ticks, 7);
-  EXPECT_EQ(config.arbiter.patience_s, 1.5);
+  EXPECT_EQ(config.arbiter.order_timeout_s, 1.5);
   EXPECT_EQ(config.arbiter.safety_officer, "guard");
-  EXPECT_THROW(read_toml("[crew]\nmissed_ticks = 0\n", "c.toml", sections), Error);
+  EXPECT_THROW(read_toml("[executor]\nmissed_ticks = 0\n", "c.toml", sections), Error);
 }
 
 }  // namespace

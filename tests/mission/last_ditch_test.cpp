@@ -18,14 +18,14 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 const SafetyConfig kLimits;
 
 /// Puts into each ping the echoes of points in W that the vehicle has in its fan and nearer than `range_m`, and not
-/// nearer than `blind_m`.
-void show(SafetyStream& stream, std::vector<Vector2d> points, double range_m = 20, double blind_m = 0.6) {
-  stream.on_echoes = [&stream, points = std::move(points), range_m, blind_m](SonarEchoes& heard) {
+/// nearer than `blanking_m`.
+void show(SafetyStream& stream, std::vector<Vector2d> points, double range_m = 20, double blanking_m = 0.6) {
+  stream.on_echoes = [&stream, points = std::move(points), range_m, blanking_m](SonarEchoes& heard) {
     const Eigen::Rotation2Dd R_LW(-stream.heading);
-    heard.blind_m = blind_m;
+    heard.blanking_m = blanking_m;
     for (const Vector2d& p : points) {
       const Vector2d echo = R_LW * Vector2d(p - stream.place);
-      if (echo.norm() < range_m && echo.norm() > blind_m && echo.x() > 0) heard.echoes_L.push_back(echo);
+      if (echo.norm() < range_m && echo.norm() > blanking_m && echo.x() > 0) heard.echoes_L.push_back(echo);
     }
   };
 }
@@ -105,7 +105,7 @@ TEST(LastDitch, GoesOnWhenTheWayLiesFree) {
   ASSERT_EQ(stream.officer.action().kind, Act::kTurn) << "on the spot";
   EXPECT_EQ(stream.officer.action().setpoint.speed, 0);
   stream.on_echoes = {};  // it moved away
-  stream.run_to(60 + kLimits.memory_s + kLimits.leave_s + 10);
+  stream.run_to(60 + kLimits.memory_s + kLimits.clear_after_s + 10);
   EXPECT_EQ(stream.officer.action().kind, Act::kNone);
   EXPECT_GT(stream.speed, 1);
 }

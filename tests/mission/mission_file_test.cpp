@@ -153,7 +153,7 @@ TEST(MissionFile, PlansFromElsewhereAreHeldToTheSame) {
   EXPECT_TRUE(refused([&](MissionPlan& p) { p.injected[0].at_s = nan; }));
   EXPECT_TRUE(refused([&](MissionPlan& p) { p.injected[0].outlines[0][0].x() = nan; }));
   EXPECT_TRUE(refused([&](MissionPlan& p) { p.origin = GeoOrigin{91, 0}; }));
-  EXPECT_TRUE(refused([](MissionPlan& p) { p.fence.assign(kMostFenceCorners + 1, Vector2d(0, 0)); }));
+  EXPECT_TRUE(refused([](MissionPlan& p) { p.fence.assign(kMaxFenceCorners + 1, Vector2d(0, 0)); }));
 }
 
 // ledger: S6-43

@@ -401,7 +401,7 @@ TEST_F(NavigatorTest, HoldsWithoutAWayLooksAgainAndReturnsToNormalWhenItIsPast) 
 
 // ledger: S2-29
 TEST_F(NavigatorTest, SearchesFurtherInAnEmergency) {
-  route.most_expanded = 20;
+  route.max_expanded = 20;
   route.smooth = true;
   config.emergency_factor = 1000;
   sail_from(0, 0);

@@ -46,7 +46,7 @@ struct Expected {
   double within_s = kCycle;
   Act action = Act::kStop;
   double abort_after_s = -1;  ///< from when it was raised; -1: not within the time held
-  double over_after_s = kLimits.leave_s;
+  double over_after_s = kLimits.clear_after_s;
 };
 
 void expect_row(SafetyStream& stream, Fault fault, double held_s, const std::function<void()>& begin,
@@ -82,7 +82,7 @@ void expect_sonar(Fault fault, double within_s, const std::function<void(SonarHe
   SafetyStream stream;
   expect_row(
       stream, fault, abort_s + within_s + 2, [&] { stream.on_look = spoil; }, [&] { stream.on_look = {}; },
-      {within_s, action, abort_s, kLimits.leave_s + slack_s});
+      {within_s, action, abort_s, kLimits.clear_after_s + slack_s});
 }
 
 TEST(FaultsOfASonar, Silent) {
@@ -196,7 +196,7 @@ TEST(FaultsOfNavigation, Jump) {
   stream.run_to(kBegin + 20);
   EXPECT_NEAR(stream.raised(Fault::kNavigationJump), kBegin, kCycle);
   EXPECT_EQ(stream.acted(Act::kStop), stream.raised(Fault::kNavigationJump));
-  EXPECT_NEAR(stream.over(Fault::kNavigationJump), kBegin + kLimits.leave_s, 0.3) << "the new place is believed";
+  EXPECT_NEAR(stream.over(Fault::kNavigationJump), kBegin + kLimits.clear_after_s, 0.3) << "the new place is believed";
   EXPECT_EQ(stream.aborted(Fault::kNavigationJump), -1);
 
   SafetyStream wild;
@@ -264,9 +264,9 @@ TEST(FaultsOfTheWay, NotFollowed) {
   aside.current = {0, 0.6};
   aside.run_to(kBegin + 120);
   const double out_s = kBegin + (kLimits.cross_track_m + 2 * aside.parameters.limits.turning_radius) / 0.6;
-  EXPECT_NEAR(aside.raised(Fault::kWayNotFollowed), out_s + kLimits.off_way_s, 0.5);
+  EXPECT_NEAR(aside.raised(Fault::kWayNotFollowed), out_s + kLimits.off_route_s, 0.5);
   EXPECT_NEAR(aside.acted(Act::kSlow), aside.raised(Fault::kWayNotFollowed), kCycle);
-  EXPECT_NEAR(aside.aborted(Fault::kWayNotFollowed), aside.raised(Fault::kWayNotFollowed) + kLimits.way_abort_s,
+  EXPECT_NEAR(aside.aborted(Fault::kWayNotFollowed), aside.raised(Fault::kWayNotFollowed) + kLimits.route_abort_s,
               kCycle);
 
   // Held by a current ahead.
@@ -299,10 +299,10 @@ TEST(FaultsOfTheWay, TheFirstLookTakesItsTime) {
   OperatorCommand start;
   start.kind = OperatorCommand::Kind::kStart;
   start.plan = std::make_shared<const MissionPlan>(test::plan_north());
-  officer.hear(start, Time{}, out);
+  officer.on_message(start, Time{}, out);
   RouteRefused refused;
   refused.reason = RouteRefused::Reason::kNoMap;
-  officer.hear(refused, Time{}, out);
+  officer.on_message(refused, Time{}, out);
   double raised = -1;
   for (int i = 1; i < 150; ++i) {
     officer.tick(Time(seconds(0.1 * i)), out);
@@ -341,19 +341,19 @@ TEST(FaultsOfTheWay, InsideAnObstacleAtTheStartIsSeenBeforeAnyRoute) {
   OperatorCommand start;
   start.kind = OperatorCommand::Kind::kStart;
   start.plan = std::make_shared<const MissionPlan>(test::plan_north());
-  officer.hear(start, Time{}, out);
+  officer.on_message(start, Time{}, out);
   ObstacleScan scan;
   Hazard hazard;
   hazard.outline = {{-2, -2}, {3, -2}, {3, 2}, {-2, 2}};
   scan.hazards = {hazard};
-  officer.hear(scan, Time{}, out);
+  officer.on_message(scan, Time{}, out);
   officer.tick(Time(seconds(0.1)), out);
   EXPECT_TRUE(officer.raised(Fault::kInsideObstacle));
   EXPECT_EQ(officer.action().kind, Act::kStop);
-  officer.hear(RoutePlanned{}, Time(seconds(0.2)), out);
+  officer.on_message(RoutePlanned{}, Time(seconds(0.2)), out);
   officer.tick(Time(seconds(0.2)), out);
   EXPECT_FALSE(officer.raised(Fault::kInsideObstacle)) << "there is a way out";
-  officer.hear(scan, Time(seconds(0.3)), out);
+  officer.on_message(scan, Time(seconds(0.3)), out);
   officer.tick(Time(seconds(0.3)), out);
   EXPECT_FALSE(officer.raised(Fault::kInsideObstacle)) << "and it may lead through what was taken for an obstacle";
 }
@@ -437,12 +437,12 @@ TEST(Limits, TooLow) {
   stream.run_to(kBegin + 1);
   EXPECT_NEAR(stream.raised(Fault::kTooLow), kBegin + 0.1, kCycle);
   ASSERT_EQ(stream.officer.action().kind, Act::kTurn);
-  const double least = 1 / kLimits.leave_share;
+  const double least = 1 / kLimits.clear_share;
   EXPECT_NEAR(stream.officer.action().setpoint.depth, 5 - (least - 0.6) - 0.5, 0.1) << "above what ends it";
   EXPECT_EQ(stream.officer.action().setpoint.speed, kLimits.slow_speed);
   stream.altitude = 1.3;
   stream.run_to(kBegin + 6);
-  EXPECT_NEAR(stream.over(Fault::kTooLow), kBegin + 1 + kLimits.leave_s, 0.3);
+  EXPECT_NEAR(stream.over(Fault::kTooLow), kBegin + 1 + kLimits.clear_after_s, 0.3);
 }
 
 // A vehicle that cannot rise any more must not go on towards a bottom that does.
@@ -554,7 +554,7 @@ TEST(FaultsOfTheVehicle, ClockJump) {
     stream.run_to(kBegin + 30);
     EXPECT_NEAR(stream.raised(Fault::kClockJump), kBegin, kCycle) << by;
     EXPECT_EQ(stream.acted(Act::kSlow), stream.raised(Fault::kClockJump));
-    EXPECT_NEAR(stream.over(Fault::kClockJump), kBegin + kLimits.leave_s, 1.2) << "the new times are believed";
+    EXPECT_NEAR(stream.over(Fault::kClockJump), kBegin + kLimits.clear_after_s, 1.2) << "the new times are believed";
     EXPECT_EQ(stream.raised(Fault::kSonarSilent), -1);
     EXPECT_EQ(stream.raised(Fault::kNavigationSilent), -1);
     EXPECT_EQ(stream.raised(Fault::kNavigationJump), -1);

@@ -113,7 +113,7 @@ SonarHealthSample look(Draw& draw, Time now) {
 SonarEchoes echoes(Draw& draw, Time now) {
   SonarEchoes s;
   s.time = draw.time(now);
-  s.blind_m = draw.number(5);
+  s.blanking_m = draw.number(5);
   const int count = draw.below(5);
   for (int i = 0; i < count; ++i) s.echoes_L.push_back(draw.place(10));
   if (draw.below(2) == 0) s.X_WL = Pose{draw.turn(), Eigen::Vector3d(draw.number(100), 0, 0)};
@@ -211,7 +211,7 @@ Message any_message(Draw& draw, Time now) {
 /// The highest speed that was ordered last, of what is a number.
 struct Ordered {
   double speed = 0;
-  void hear(const Message& message) {
+  void on_message(const Message& message) {
     const auto* o = std::get_if<HelmOrder>(&message);
     if (!o) return;
     const Setpoint& s = o->setpoint;
@@ -233,8 +233,8 @@ RC_GTEST_PROP(SafetyProperty, NeverAsksForMoreSpeedThanWasOrderedWhateverComes, 
       officer.tick(now, out);
     } else {
       const Message message = any_message(draw, now);
-      ordered.hear(message);
-      officer.hear(message, now, out);
+      ordered.on_message(message);
+      officer.on_message(message, now, out);
     }
     for (const Message& said : out.said()) {
       const auto* action = std::get_if<SafetyAction>(&said);
@@ -264,7 +264,7 @@ RC_GTEST_PROP(SafetyProperty, IsAFunctionOfWhatItHears, ()) {
     for (int i = 0; i < 200; ++i) {
       Outbox out;
       const Time now = Time(seconds(0.1 * i));
-      officer.hear(any_message(draw, now), now, out);
+      officer.on_message(any_message(draw, now), now, out);
       officer.tick(now, out);
       for (const Message& said : out.said()) {
         if (const auto* decision = std::get_if<Decision>(&said)) all += decision->what + decision->reason;

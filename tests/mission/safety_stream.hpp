@@ -58,7 +58,7 @@ class SafetyStream {
 
   void tell(const Message& message) {
     Outbox out;
-    officer.hear(message, now(), out);
+    officer.on_message(message, now(), out);
     keep(out);
   }
 

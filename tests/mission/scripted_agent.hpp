@@ -16,7 +16,7 @@ struct ScriptedAgent : Agent {
   using Tick = std::function<void(Time, Outbox&)>;
   explicit ScriptedAgent(Hear h, Tick t = {}) : on_hear(std::move(h)), on_tick(std::move(t)) {}
 
-  void hear(const Message& message, Time now, Outbox& out) override {
+  void on_message(const Message& message, Time now, Outbox& out) override {
     if (on_hear) on_hear(message, now, out);
   }
   void tick(Time now, Outbox& out) override {

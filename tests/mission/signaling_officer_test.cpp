@@ -74,7 +74,7 @@ struct Rig {
         commands.push_back(*c);
         Outbox answer;
         const StatusReport status{MissionPhase::kUnderWay, commands.size(), 9, "command taken"};
-        officer.hear(status, at(now_s), answer);
+        officer.on_message(status, at(now_s), answer);
         route(answer);
       }
     }
@@ -86,11 +86,11 @@ struct Rig {
       }
       for (FrameBytes& f : up.arrived(now_s)) {
         Outbox out;
-        officer.hear(LinkFrame{LinkFrame::Way::kFromOperator, std::move(f)}, at(now_s), out);
+        officer.on_message(LinkFrame{LinkFrame::Way::kFromOperator, std::move(f)}, at(now_s), out);
         route(out);
       }
       for (const FrameBytes& f : down.arrived(now_s)) {
-        if (const auto status = console.hear(f)) statuses.push_back(*status);
+        if (const auto status = console.on_frame(f)) statuses.push_back(*status);
       }
       Outbox out;
       officer.tick(at(now_s), out);

@@ -70,14 +70,14 @@ class Voyage {
     OperatorCommand go;
     go.kind = OperatorCommand::Kind::kStart;
     go.plan = std::make_shared<const MissionPlan>(plan);
-    executor->hear(go, at(now));
+    executor->on_message(go, at(now));
   }
   void navigate() {
     const Vector2d p = p_ + error;
     Navigation n = fix(now, p.x(), p.y(), psi_ * 180 / M_PI, 0);
     const Vector2d v = v_ * Vector2d(std::cos(psi_), std::sin(psi_)) + current;
     n.v_WB = Eigen::Vector3d(v.x(), v.y(), 0);
-    executor->hear(n, at(now));
+    executor->on_message(n, at(now));
   }
   void look() {
     auto map = std::make_shared<Detection>();
@@ -91,7 +91,7 @@ class Voyage {
       const Obstacle o = obstacle(outline_L, 0.99);
       if (o.range_m < 60) map->obstacles.push_back(o);
     }
-    executor->hear(Sweep{++sweeps_, true, 0.1, map}, at(now));
+    executor->on_message(Sweep{++sweeps_, true, 0.1, map}, at(now));
   }
   void step() {
     const Setpoint wanted = executor->helm(at(now));
@@ -226,12 +226,12 @@ TEST(Voyage, StopsBeforeANetReplansAndGoesOnToTheSameGoalWithSensingUnchanged) {
   SafetyAction stop;
   stop.kind = SafetyActionKind::kStop;
   stop.why = "a net ahead";
-  voyage.executor->hear(stop, at(voyage.now));
+  voyage.executor->on_message(stop, at(voyage.now));
   const std::size_t before = voyage.track.size();
   voyage.sail(6);
   EXPECT_LT((voyage.track.back() - voyage.track[before]).norm(), 4)
       << "the reflex holds while the way is there already";
-  voyage.executor->hear(SafetyAction{}, at(voyage.now));
+  voyage.executor->on_message(SafetyAction{}, at(voyage.now));
   voyage.sail(394);
   EXPECT_EQ(voyage.points(PointReport::Kind::kReached), (std::vector<std::size_t>{0, 1, 2}));
   EXPECT_GE(voyage.clearance(), 2);

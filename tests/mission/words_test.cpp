@@ -1,6 +1,6 @@
 // Texts for people: an obstacle by its number, and where it lies.
 #include <gtest/gtest.h>
-#include <isobath/mission/messages/words.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
 
 namespace isobath {
 namespace {

@@ -72,7 +72,7 @@ TEST(EventGate, ALeapOfFiveKilometresIsRefusedAndCounted) {
 }
 
 TEST(EventGate, ALeapIsBelievedWhenFixesInARowAgreeOnIt) {
-  EventGate gate({.believe_leap_after = 3});
+  EventGate gate({.accept_jump_after = 3});
   EXPECT_EQ(gate.judge(fix_at(1, 0)), Verdict::kAdmitted);
   EXPECT_EQ(gate.judge(fix_at(2, 5000)), Verdict::kRejected);
   EXPECT_EQ(gate.judge(fix_at(3, -7000)), Verdict::kRejected) << "agrees with nothing";

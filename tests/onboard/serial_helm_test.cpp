@@ -87,8 +87,8 @@ TEST(SerialHelm, SteersAPointAsItSteersASimulatedVehicle) {
   std::vector<double> nearest(3, std::numeric_limits<double>::infinity());
   while (vehicle.t() < 240 && helm->progress().phase != MissionPhase::kFinished) {
     for (Event& event : vehicle.tick()) {
-      helm->hear(event);
-      pipeline.take(std::move(event));
+      helm->on_event(event);
+      pipeline.on_event(std::move(event));
       vehicle.command(helm->steer());
     }
     for (std::size_t i = 0; i < 3; ++i) {
@@ -105,8 +105,8 @@ std::vector<Decision> decided_again(const Scenario& scenario, const std::vector<
   const auto helm = make_serial_helm(setup_of(scenario), {});
   Pipeline pipeline({}, *helm);
   for (const Event& event : events) {
-    helm->hear(event);
-    pipeline.take(event);
+    helm->on_event(event);
+    pipeline.on_event(event);
     (void)helm->steer();
   }
   return helm->decisions();
@@ -139,15 +139,15 @@ TEST(SerialHelm, HearsNothingThatIsNoNumber) {
   const auto helm = make_serial_helm(square(), {});
   Navigation fix;
   fix.X_WB.translation.x() = std::nan("");
-  helm->hear(fix);
+  helm->on_event(fix);
   RangeReading reading;
   reading.range_m = std::numeric_limits<double>::infinity();
-  helm->hear(reading);
+  helm->on_event(reading);
   Health health;
   health.battery_share = std::nanf("");
-  helm->hear(health);
+  helm->on_event(health);
   Ping nothing;
-  helm->hear(nothing);
+  helm->on_event(nothing);
   for (const Decision& d : helm->decisions()) EXPECT_NE(d.what, "start") << "no place to start from was known";
   const Setpoint setpoint = helm->steer();
   EXPECT_TRUE(std::isfinite(setpoint.heading.radians()) && std::isfinite(setpoint.depth));

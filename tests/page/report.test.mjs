@@ -170,7 +170,7 @@ test('without scripts, and in print, there is the written report alone', async (
 
 test('a report without its run is as small as what is written in it', () => {
   const out = join(scratch, 'plain');
-  execFileSync(process.env.ISOBATH_PROGRAM, ['run', '--set', 'report.film=false', '--out', out], { stdio: 'ignore' });
+  execFileSync(process.env.ISOBATH_PROGRAM, ['run', '--set', 'report.replay=false', '--out', out], { stdio: 'ignore' });
   const plain = readFileSync(join(out, 'report.html'), 'utf8');
   assert.ok(!plain.includes('<iframe') && !plain.includes('<script'));
 });

@@ -10,12 +10,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-AspectConfig config_of(double answers, double renewal) {
+AspectConfig config_of(double visibility, double renewal) {
   AspectConfig config;
-  config.answers = answers;
+  config.visibility = visibility;
   config.renewal = renewal;
-  config.silence = 1;
-  config.limit = 30;
+  config.no_echo_weight = 1;
+  config.max_log_odds = 30;
   return config;
 }
 
@@ -69,7 +69,7 @@ TEST(AspectLaw, LetsEchoesFromOneDirectionRaiseTheEvidenceToItsLimitAndThenByThe
   const AspectLaw law(config);
   double evidence = 0;
   for (int n = 0; n < 100; ++n) evidence += law.echo(evidence, 5, 0);
-  EXPECT_DOUBLE_EQ(evidence, config.limit);
+  EXPECT_DOUBLE_EQ(evidence, config.max_log_odds);
   const double whole = law.echo(evidence, 5, 1);
   EXPECT_NEAR(whole, std::log1p(4 * law.answering(evidence)), 1e-12);
   EXPECT_NEAR(law.echo(evidence, 5, 0.25), 0.25 * whole, 1e-12);

@@ -36,7 +36,7 @@ TEST(DepthMapper, an_unmapped_wall_appears_after_three_or_four_readings_at_the_b
     for (int i = 1; i <= readings; ++i) {
       EXPECT_EQ(rig.depth(wall, 0.1), 30) << "before reading " << i;
       EXPECT_FALSE(rig.at(wall, 0.1).has(kSensed));
-      rig.mapper->take(reading, X_WB, 0);
+      rig.mapper->update(reading, X_WB, 0);
     }
     EXPECT_NEAR(rig.depth(wall, 0.1), 5 - half_height(wall), 0.01);
     EXPECT_TRUE(rig.at(wall, 0.1).has(kSensed));
@@ -44,7 +44,7 @@ TEST(DepthMapper, an_unmapped_wall_appears_after_three_or_four_readings_at_the_b
     EXPECT_EQ(rig.depth(19.75, 0.1), 30) << "clear water over a deep bottom says nothing of it";
     EXPECT_EQ(rig.at(19.75, 0.1).confidence(), base);
     EXPECT_EQ(rig.depth(22.25, 0.1), 30) << "the shadow of the wall";
-    for (int i = 0; i < 30; ++i) rig.mapper->take(reading, X_WB, 0);
+    for (int i = 0; i < 30; ++i) rig.mapper->update(reading, X_WB, 0);
     EXPECT_EQ(rig.at(wall, 0.1).confidence(), kFullConfidence);
   }
 }
@@ -64,14 +64,14 @@ TEST(DepthMapper, a_higher_base_confidence_means_later_obstacles_and_fewer_false
     const Pose X_WB = at(0, 0, 5);
     for (int i = 0; i < 2000; ++i) {  // clear water, and an echo of nothing in 5 % of the readings
       const bool spurious = random.uniform() < 0.05;
-      rig.mapper->take(with_range(looking(0, 6), spurious ? std::optional(random.uniform(5, 45)) : std::nullopt), X_WB,
-                       0);
+      rig.mapper->update(with_range(looking(0, 6), spurious ? std::optional(random.uniform(5, 45)) : std::nullopt),
+                         X_WB, 0);
     }
     const int false_obstacles = shallower;
     int delay = 0;
     const Pose elsewhere = at(0, 0, 5, 180);
     while (rig.depth(-20.25, 0.1) > 10 && delay < 100) {
-      rig.mapper->take(with_range(looking(0, 6), 20.0), elsewhere, 0);
+      rig.mapper->update(with_range(looking(0, 6), 20.0), elsewhere, 0);
       ++delay;
     }
     EXPECT_EQ(delay, base - rig.parts.rules.threshold + 1);
@@ -91,9 +91,9 @@ TEST(DepthMapper, what_only_forward_beams_have_seen_explains_no_echo) {
   rig.patches = {{12.5, -0.5, 1, 2}};
   rig.build();
   const Pose X_WB = at(0, 0, 5);
-  for (int i = 0; i < 8; ++i) rig.mapper->take(with_range(looking(0, 10), {}), X_WB, 0);
+  for (int i = 0; i < 8; ++i) rig.mapper->update(with_range(looking(0, 10), {}), X_WB, 0);
   ASSERT_GT(rig.depth(12.25, 0.1), 6);
-  for (int i = 0; i < 8; ++i) rig.mapper->take(with_range(looking(0, 10), 12.0), X_WB, 0);
+  for (int i = 0; i < 8; ++i) rig.mapper->update(with_range(looking(0, 10), 12.0), X_WB, 0);
   EXPECT_NEAR(rig.depth(12.25, 0.1), 5 - half_height(12.25), 0.01);
   EXPECT_EQ(rig.mapper->counts().explained, 0U);
 }
@@ -107,9 +107,9 @@ TEST(DepthMapper, a_false_obstacle_of_the_chart_is_removed_and_the_real_one_put_
   const auto world = [](double north, double) { return north >= 25 ? 0.0 : 30.0; };
   const Pose X_WB = at(0, 0, 5);
   const RangeReading reading = heard(world, looking(0, 10), X_WB);
-  for (int i = 0; i < 3; ++i) rig.mapper->take(reading, X_WB, 0);
+  for (int i = 0; i < 3; ++i) rig.mapper->update(reading, X_WB, 0);
   EXPECT_EQ(rig.depth(12.25, 0.1), 2);
-  rig.mapper->take(reading, X_WB, 0);  // 5 - 4 < 2
+  rig.mapper->update(reading, X_WB, 0);  // 5 - 4 < 2
   EXPECT_NEAR(rig.depth(12.25, 0.1), 5 + half_height(12.25), 0.01) << "as deep as the beam has seen";
   EXPECT_NEAR(rig.depth(25.25, 0.1), 5 - half_height(25.25), 0.01);
   EXPECT_EQ(rig.depth(13.75, 1.9), 2) << "beside the beam, which is 1.2 m wide there, the chart stands";
@@ -122,12 +122,12 @@ TEST(DepthMapper, an_obstacle_confirmed_500_times_is_unlearned_after_19_clear_re
   rig.build();
   const Pose X_WB = at(0, 0, 5);
   const RangeReading wall = with_range(looking(0, 10), 20.0), nothing = with_range(looking(0, 10), {});
-  for (int i = 0; i < 500; ++i) rig.mapper->take(wall, X_WB, 0);
+  for (int i = 0; i < 500; ++i) rig.mapper->update(wall, X_WB, 0);
   ASSERT_EQ(rig.at(20.25, 0.1).confidence(), kFullConfidence);
   ASSERT_LT(rig.depth(20.25, 0.1), 4);
-  for (int i = 0; i < 18; ++i) rig.mapper->take(nothing, X_WB, 0);
+  for (int i = 0; i < 18; ++i) rig.mapper->update(nothing, X_WB, 0);
   EXPECT_LT(rig.depth(20.25, 0.1), 4);
-  rig.mapper->take(nothing, X_WB, 0);
+  rig.mapper->update(nothing, X_WB, 0);
   EXPECT_NEAR(rig.depth(20.25, 0.1), 5 + half_height(20.25), 0.01);
 }
 
@@ -138,13 +138,13 @@ TEST(DepthMapper, a_depth_sonar_corrects_a_wrong_chart_in_a_square_of_pixels) {
   rig.build();
   const Pose X_WB = at(0.25, 0.25, 2);
   const RangeReading reading = heard([](double, double) { return 22.0; }, looking(90, 10), X_WB);
-  rig.mapper->take(reading, X_WB, 0);
+  rig.mapper->update(reading, X_WB, 0);
   EXPECT_EQ(rig.at(0.25, 0.25).confidence(), 3);
   EXPECT_EQ(rig.depth(0.25, 0.25), 20);
-  rig.mapper->take(reading, X_WB, 0);
+  rig.mapper->update(reading, X_WB, 0);
   EXPECT_EQ(rig.at(0.25, 0.25).confidence(), 6);
   EXPECT_NEAR(rig.depth(0.25, 0.25), 22, 0.02);
-  rig.mapper->take(reading, X_WB, 0);
+  rig.mapper->update(reading, X_WB, 0);
   EXPECT_EQ(rig.at(0.25, 0.25).confidence(), 8) << "affirmed by 10 %";
   const Pixel middle = rig.map->grid().at({0.25, 0.25});
   const auto snapshot = rig.map->snapshot();
@@ -171,7 +171,7 @@ TEST(DepthMapper, a_run_at_full_speed_shifts_once_in_42_7_s_and_loses_no_reading
     std::uint64_t shifts = 0, taken = 0;
     for (double t = 0; t <= 300; t += 0.6) {
       const Pose X_WB = at(-250 + 1.5 * t, 0, 2);
-      rig.mapper->take(with_range(looking(90, 10), 10 + 0.01 * t, t), X_WB, 0);
+      rig.mapper->update(with_range(looking(90, 10), 10 + 0.01 * t, t), X_WB, 0);
       rig.mapper->passed(Time{} + seconds(t), X_WB);
       ++taken;
       if (rig.mapper->counts().shifts > shifts) shifts_at.push_back(t);
@@ -198,14 +198,14 @@ TEST(DepthMapper, a_level_run_over_a_flat_mapped_bottom_makes_no_wall) {
   for (const bool explain : {true, false}) {
     Rig rig;
     rig.charted_m = 10;
-    rig.parts.mapper.explain = explain;
+    rig.parts.mapper.affirm_predicted = explain;
     rig.build();
     int echoes = 0;
     for (int i = 0; i < 20; ++i) {
       const Pose X_WB = at(0.2 * i, 0, 8);  // 2 m above it
       const RangeReading reading = heard(world, looking(0, 10), X_WB, 0.6 * i);
       echoes += reading.range_m.has_value();
-      rig.mapper->take(reading, X_WB, 0);
+      rig.mapper->update(reading, X_WB, 0);
     }
     EXPECT_EQ(echoes, 20);
     double shallowest = 10;
@@ -229,7 +229,7 @@ TEST(DepthMapper, half_a_metre_below_the_surface_no_depth_becomes_negative) {
   for (int i = 0; i < 20; ++i) {
     for (const double azimuth : {-30.0, 0.0, 30.0}) {
       const Pose X_WB = at(0.9 * i, 0, 0.5, 0, 3 * std::sin(i), 4 * std::cos(i));
-      rig.mapper->take(heard(world, looking(0, 10, azimuth), X_WB, 0.6 * i), X_WB, 0);
+      rig.mapper->update(heard(world, looking(0, 10, azimuth), X_WB, 0.6 * i), X_WB, 0);
     }
   }
   int known = 0;
@@ -252,7 +252,7 @@ TEST(DepthMapper, silence_makes_no_obstacle_at_the_limit_and_clears_a_false_one)
     rig.charted_m = 30;
     rig.patches = {{40, -1, 2, 1}};
     rig.build();
-    for (int i = 0; i < 10; ++i) rig.mapper->take(with_range(looking(0, 10), range), at(0, 0, 5), 0);
+    for (int i = 0; i < 10; ++i) rig.mapper->update(with_range(looking(0, 10), range), at(0, 0, 5), 0);
     double shallowest = 30;
     for (double north = 0; north < 60; north += 0.5) {
       for (double east = -8; east < 8; east += 0.5) shallowest = std::min(shallowest, rig.depth(north, east));
@@ -266,14 +266,14 @@ TEST(DepthMapper, silence_makes_no_obstacle_at_the_limit_and_clears_a_false_one)
 TEST(DepthMapper, readings_that_failed_change_nothing_and_are_counted) {
   Rig rig;
   rig.charted_m = 30;
-  rig.parts.evidence.least_confidence = 0.5;
+  rig.parts.evidence.min_confidence = 0.5;
   rig.parts.mapper.quarantine = rig.parts.mapper.prefilter = true;
   rig.build();
   const DepthTrees before = rig.map->trees();
   const Pose here = at(0, 0, 5);
   std::uint64_t taken = 0;
   const auto take = [&](const RangeReading& reading, const Pose& X_WB) {
-    for (int i = 0; i < 5; ++i, ++taken) rig.mapper->take(reading, X_WB, 0);
+    for (int i = 0; i < 5; ++i, ++taken) rig.mapper->update(reading, X_WB, 0);
   };
   for (const double depression : {0.0, 90.0}) {
     const RangeReading good = with_range(looking(depression, 10), 10.0);
@@ -317,7 +317,7 @@ TEST(DepthMapper, rolling_over_a_step_maps_its_edge_within_a_pixel) {
         const double roll = 10 * std::sin(0.7 * i + pass);
         const Pose X_WB = at(0.25 * i, 10 + 1.0 * pass, 2, 0, 0, roll);
         const RangeReading reading = heard(world, looking(90, 3), X_WB);
-        rig.mapper->take(reading, with_attitude ? X_WB : level(X_WB), 0);
+        rig.mapper->update(reading, with_attitude ? X_WB : level(X_WB), 0);
       }
     }
     // Farthest place of a pixel on the wrong side of the step: deep where it is shallow, or the other way round.
@@ -349,7 +349,7 @@ TEST(DepthMapper, several_beams_find_the_top_of_a_pole_and_one_does_not) {
     const Pose X_WB = at(0, 0, 10);
     for (int i = 0; i < 10; ++i) {
       for (const double depression : depressions) {
-        rig.mapper->take(heard(world, looking(depression, 10), X_WB, 0.6 * i), X_WB, 0);
+        rig.mapper->update(heard(world, looking(depression, 10), X_WB, 0.6 * i), X_WB, 0);
       }
     }
     return rig.depth(20.25, 0.1);
@@ -371,8 +371,8 @@ TEST(DepthMapper, filtered_and_unfiltered_runs_over_a_static_scene_end_alike) {
     const Pose X_WB = at(0, 0, 3);
     const RangeReading ahead = heard(world, looking(0, 10), X_WB), down = heard(world, looking(90, 10), X_WB);
     for (int i = 0; i < 48; ++i) {
-      rig->mapper->take(with_range(ahead, ahead.range_m, 0.6 * i), X_WB, 0);
-      rig->mapper->take(with_range(down, down.range_m, 0.6 * i), X_WB, 0);
+      rig->mapper->update(with_range(ahead, ahead.range_m, 0.6 * i), X_WB, 0);
+      rig->mapper->update(with_range(down, down.range_m, 0.6 * i), X_WB, 0);
     }
     rig->mapper->finish();
   }
@@ -395,7 +395,7 @@ TEST(DepthMapper, filtered_and_unfiltered_runs_over_a_static_scene_end_alike) {
 double error_of_survey(bool honest, std::uint64_t seed, double noise_share, bool far_only) {
   const auto world = [](double north) { return 50 + 2 * std::sin(north / 8); };
   Rig rig;
-  rig.parts.mapper.honest = honest;
+  rig.parts.mapper.range_weighting = honest;
   rig.parts.evidence.deviation.share = noise_share;
   rig.charted_m = 47;
   rig.build();
@@ -407,7 +407,7 @@ double error_of_survey(bool honest, std::uint64_t seed, double noise_share, bool
       const double sigma = rig.parts.evidence.deviation.of_range(range);
       const double sigma_place = near ? 0.2 : 1.5;  // far from the bottom there is no bottom lock
       const RangeReading reading = with_range(looking(90, 2), range + sigma * random.normal());
-      rig.mapper->take(reading, at(north + sigma_place * random.normal(), 0, z), sigma_place);
+      rig.mapper->update(reading, at(north + sigma_place * random.normal(), 0, z), sigma_place);
     }
   }
   double sum = 0;
@@ -457,7 +457,7 @@ TEST(DepthMapper, a_depth_that_nothing_supports_is_held_back_until_others_agree)
   const auto sound = [&](double north, double range_m) {
     RangeReading reading = with_range(looking(90, 3), range_m);
     reading.max_range_m = 400;
-    rig.mapper->take(reading, at(north, 0, 0), 0);
+    rig.mapper->update(reading, at(north, 0, 0), 0);
   };
   for (int i = 0; i < 20; ++i) sound(0.5 * i, 9);
   EXPECT_EQ(rig.mapper->counts().applied, 20U) << "the first two as well";
@@ -477,7 +477,7 @@ TEST(DepthMapper, a_depth_that_nothing_supports_is_held_back_until_others_agree)
   rig.mapper->finish();
   EXPECT_EQ(refused(rig, DepthRefusal::kHeldAlone), 2U);
   RangeReading silent = looking(90, 3);
-  rig.mapper->take(with_range(silent, 60.0), at(17, 0, 0), 0);  // at or beyond the limit: no echo, no depth to judge
+  rig.mapper->update(with_range(silent, 60.0), at(17, 0, 0), 0);  // at or beyond the limit: no echo, no depth to judge
   EXPECT_EQ(refused(rig, DepthRefusal::kImpossible), 0U);
 }
 
@@ -492,7 +492,7 @@ TEST(DepthMapper, beams_of_a_swath_that_their_neighbours_contradict_are_refused)
     const float z = i == 5 ? 3.0F : 18.0F;
     swath.soundings.push_back({{0, static_cast<float>(i), z}, std::hypot(static_cast<float>(i), z), 0.05F});
   }
-  rig.mapper->take(swath, at(0, 0, 2, 90), 0);  // to the east: starboard is south
+  rig.mapper->update(swath, at(0, 0, 2, 90), 0);  // to the east: starboard is south
   EXPECT_EQ(refused(rig, DepthRefusal::kBeamAlone), 1U);
   EXPECT_EQ(rig.mapper->counts().soundings, 41U);
   EXPECT_EQ(rig.mapper->counts().applied, 40U);
@@ -500,7 +500,7 @@ TEST(DepthMapper, beams_of_a_swath_that_their_neighbours_contradict_are_refused)
   EXPECT_FALSE(rig.at(-5.1, 0).known());
   swath.frame = Swath::Frame::kLevel;
   swath.heading = Angle::degrees(0);
-  rig.mapper->take(swath, at(30, 0, 2, 90, 5, 5), 0);  // corrected already, depths below the surface, its own heading
+  rig.mapper->update(swath, at(30, 0, 2, 90, 5, 5), 0);  // corrected already, depths below the surface, its own heading
   EXPECT_NEAR(rig.depth(30, -10), 18, 0.01);
 }
 
@@ -511,7 +511,7 @@ TEST(DepthMapper, sensors_beyond_the_64th_are_refused) {
   for (int i = 0; i < 70; ++i) {
     RangeReading reading = with_range(looking(90, 3), 10.0);
     reading.X_BS.translation.x() = 0.01 * i;
-    rig.mapper->take(reading, at(0, 0, 0), 0);
+    rig.mapper->update(reading, at(0, 0, 0), 0);
   }
   EXPECT_EQ(refused(rig, DepthRefusal::kManySensors), 6U);
   Rig bad;
@@ -542,9 +542,9 @@ TEST(DepthMapper, readings_and_fixes_allocate_nothing) {
       for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) {
         RangeReading reading = heard_there[k];
         reading.time += seconds(later);
-        rig.mapper->take(reading, poses[i], 0.2);
+        rig.mapper->update(reading, poses[i], 0.2);
       }
-      rig.mapper->take(swath, poses[i], 0.2);
+      rig.mapper->update(swath, poses[i], 0.2);
       rig.mapper->passed(Time{} + seconds(later + 0.6 * static_cast<double>(i)), poses[i]);
     }
   };

@@ -58,8 +58,8 @@ inline FanMapperConfig by(FanMapperConfig::Rule rule, int shadow_bins = 0) {
   FanMapperConfig config;
   config.rule = rule;
   config.shadow_bins = shadow_bins;
-  config.answers = 1;
-  config.most_looks = 4;
+  config.visibility = 1;
+  config.max_looks = 4;
   return config;
 }
 

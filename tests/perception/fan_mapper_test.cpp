@@ -136,7 +136,7 @@ TEST(FanMapper, LetsSilenceSaturateByTheLawOfAspects) {
   const Look look = fan(16, 60, 0.2, 20);
   VoxelBlocks map;
   FanMapperConfig config = by(Rule::kAspects);
-  config.most_looks = 1;
+  config.max_looks = 1;
   FanMapper mapper(config, 0.25, odds(0.05));
   const AspectLaw law{config.aspects};
   double expected = 0;
@@ -161,7 +161,7 @@ TEST(FanMapper, RaisesAnArcHeardFromOnePlaceToTheLimitOfOneDirection) {
   for (int n = 0; n < 50; ++n) mapper.update(look.ping, look.decisions, {}, map);
   double most = -100;
   for (const auto& [v, e] : contents(map)) most = std::max(most, to_log_odds(static_cast<LogOdds16>(e)));
-  EXPECT_NEAR(most, config.aspects.limit, 0.001);
+  EXPECT_NEAR(most, config.aspects.max_log_odds, 0.001);
 
   // From another place, where the line of sight has turned by a right angle, it rises farther.
   const VoxelIndex at = floor_of(Vector3d(10.1, 0, 0.1) / 0.25);
@@ -169,7 +169,7 @@ TEST(FanMapper, RaisesAnArcHeardFromOnePlaceToTheLimitOfOneDirection) {
     mapper.update(look.ping, look.decisions, pose(90, 0, 0, {10.1, -10.1, 0.1}), map);
     mapper.update(look.ping, look.decisions, {}, map);
   }
-  EXPECT_GT(to_log_odds(map.at(at)), config.aspects.limit + 0.1);
+  EXPECT_GT(to_log_odds(map.at(at)), config.aspects.max_log_odds + 0.1);
 }
 
 // An echo is what the detector says: with the delivered false-alarm rate a single one raises more. ledger: S6-14
@@ -269,7 +269,7 @@ TEST(FanMapper, SharesALikelihoodRatioOverItsArcAsEnumerationDoes) {
 TEST(FanMapper, TakesARatioOfDetectionToFalseAlarmForThePlainEcho) {
   for (const Rule rule : {Rule::kMarginal, Rule::kStamp}) {
     FanMapperConfig config = by(rule);
-    config.answers = 0.35;
+    config.visibility = 0.35;
     Look plain = fan(31, 120, 0.1, 15), known = fan(31, 120, 0.1, 15);
     Random random(3);
     for (int n = 0; n < 200; ++n) {
@@ -319,7 +319,7 @@ TEST(FanMapper, SharesAnEchoOverAnArcWhereThePapersUpdateRaisesAllOfIt) {
 TEST(FanMapper, LooksAgainFromOnePlaceMakeNoVoxelOfAnArcCertain) {
   Look look = fan(9, 60, 0.2, 20);
   for (int b = 0; b < 9; ++b) look.decisions.set_hit(b, 50);
-  const auto most_after = [&](Rule rule) {
+  const auto max_after = [&](Rule rule) {
     VoxelBlocks map;
     FanMapper mapper(by(rule), 0.25, odds(0.05));
     for (int n = 0; n < 50; ++n) mapper.update(look.ping, look.decisions, {}, map);
@@ -328,8 +328,8 @@ TEST(FanMapper, LooksAgainFromOnePlaceMakeNoVoxelOfAnArcCertain) {
       most = std::max(most, 1 / (1 + std::exp(-(to_log_odds(static_cast<LogOdds16>(e)) + odds(0.05)))));
     return most;
   };
-  EXPECT_LT(most_after(Rule::kMarginal), 0.6);
-  EXPECT_GT(most_after(Rule::kStamp), 0.97);
+  EXPECT_LT(max_after(Rule::kMarginal), 0.6);
+  EXPECT_GT(max_after(Rule::kStamp), 0.97);
 }
 
 // ledger: S5-09 S5-28 S5-35
@@ -544,7 +544,7 @@ TEST(FanMapper, CountsBeamsWithinAWidthAsOneLook) {
   const double one = std::log(0.2 / 0.98);
   EXPECT_NEAR(clear_at_2_m(30), one, 0.01);
   EXPECT_NEAR(clear_at_2_m(3.5), 17 * 0.5 / 3.5 * one, 0.01);  // it spans seventeen of them
-  EXPECT_NEAR(clear_at_2_m(0.5), 4 * one, 0.01);               // no more than most_looks
+  EXPECT_NEAR(clear_at_2_m(0.5), 4 * one, 0.01);               // no more than max_looks
 }
 
 TEST(FanMapper, RefusesVoxelsThatAreNotOfTheSonarsScale) {

@@ -233,11 +233,11 @@ struct CornerErrors {
   double by_edges = 0, by_nearest = 0, by_all_alike = 0, normalised = 0;
   int n = 0;
 };
-CornerErrors corner_errors(double least_turn, double most_turn, double range) {
+CornerErrors corner_errors(double min_turn, double max_turn, double range) {
   CornerErrors errors;
   for (std::uint64_t seed = 1; seed <= 80; ++seed) {
     Random random(seed);
-    const double turn = random.uniform(least_turn, most_turn);
+    const double turn = random.uniform(min_turn, max_turn);
     const Vector2d a = plan_direction(Angle::degrees(135 + turn)), b = plan_direction(Angle::degrees(225 + turn));
     const PlanRoom body{{{{0, 0}, 8 * a}, {{0, 0}, 8 * b}}, {}};
     const PlaneScan scan = plan_scan(body, {range, 0}, random);

@@ -379,7 +379,7 @@ TEST(ReadingEvidence, NoEchoClearsUpToTheMaximumAndObstructsNothing) {
 // ledger: S1-64
 TEST(ReadingEvidence, AFailedReadingTellsNothing) {
   Config config;
-  config.least_confidence = 0.5;
+  config.min_confidence = 0.5;
   ReadingEvidence evidence(config, {});
   const Pose good = at({0, 0, 10});
   const double nan = std::nan("");

@@ -15,7 +15,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Three readings that agree: the gate knows where it is.
 SoundingGate settled(double depth_m, const SoundingGateConfig& config = {}) {
   SoundingGate gate(config);
-  for (int i = 0; i < config.believe_after; ++i) gate.judge(0, {0.5 * i, 0, depth_m});
+  for (int i = 0; i < config.accept_after; ++i) gate.judge(0, {0.5 * i, 0, depth_m});
   return gate;
 }
 
@@ -54,7 +54,7 @@ TEST(SoundingGate, a_quay_wall_is_believed_after_three_and_a_slope_without_any) 
 // ledger: S1-72
 TEST(SoundingGate, the_limit_is_the_slack_plus_the_slope_and_grows_with_depth) {
   SoundingGateConfig config;
-  config.steepest = 1;
+  config.max_slope = 1;
   const auto judged = [&](double from, double to, double distance) {
     SoundingGate gate = settled(from, config);  // last at 1 m north
     return gate.judge(0, {1 + distance, 0, to});
@@ -70,7 +70,7 @@ TEST(SoundingGate, the_limit_is_the_slack_plus_the_slope_and_grows_with_depth) {
 // ledger: S1-72
 TEST(SoundingGate, impossible_depths_are_told_apart_and_change_nothing) {
   SoundingGateConfig lake;
-  lake.deepest_m = 60;
+  lake.max_depth_m = 60;
   SoundingGate gate = settled(9, lake);
   for (const double depth : {300.0, -10.1, kNaN, std::numeric_limits<double>::infinity()}) {
     EXPECT_EQ(gate.judge(0, {1.5, 0, depth}), Verdict::kImpossible) << depth;

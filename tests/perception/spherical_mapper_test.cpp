@@ -209,7 +209,7 @@ TEST(SphericalMapper, ByLogOddsEchoesRaiseAndClearWaterLowers) {
 // ledger: S4-50
 TEST(SphericalMapper, SaysTheSameAtAnyResolution) {
   SphericalMapperConfig config;
-  config.most_cells = 10'000;
+  config.max_cells = 10'000;
   config.mask = 4;
   std::vector<double> numbers;
   for (const double bucket : {5.0, 2.5, 1.0}) {
@@ -248,7 +248,7 @@ TEST(SphericalMapper, WhatMovedAwayFadesToThePriorWithItsTime) {
     r.max_range_m = 40;
     r.width = Angle::degrees(2.5);
     r.X_BS.rotation = Rotation::from_heading(heading);
-    mapper.take(r, still);
+    mapper.update(r, still);
   };
   for (int i = 0; i < 5; ++i) reading(0, Angle::degrees(10));
   const Vector3d p = 15 * towards(80, 0.01);
@@ -274,7 +274,7 @@ TEST(SphericalMapper, PutsAnEchoDueNorthAt90DegreesAndATargetAheadTooIfTheCourse
       reading.width = Angle::degrees(2.5);
       const Angle bearing = axes == Axes::kNorthUp ? Angle::degrees(-heading) : Angle{};
       reading.X_BS.rotation = Rotation::from_heading(bearing);
-      mapper.take(reading, {Rotation::from_heading(Angle::degrees(heading)), {5, 6, 7}});
+      mapper.update(reading, {Rotation::from_heading(Angle::degrees(heading)), {5, 6, 7}});
       EXPECT_FALSE(grid.is_empty({0.01, 1, 0.01})) << heading;
       EXPECT_TRUE(grid.is_empty({1, 0, 0}));
     }
@@ -295,7 +295,7 @@ TEST(SphericalMapper, AWallPassedEarlierIsStillThereAtTheRightPlace) {
     reading.max_range_m = 30;
     reading.width = Angle::degrees(2.5);
     reading.X_BS.rotation = Rotation::from_heading(Angle::degrees(90));
-    mapper.take(reading, X_WB);
+    mapper.update(reading, X_WB);
   }
   std::uint32_t echoes = 0;
   std::vector<std::pair<Vector3d, double>> occupied;
@@ -325,7 +325,7 @@ TEST(SphericalMapper, AWallPassedEarlierIsStillThereAtTheRightPlace) {
 // ledger: S4-06
 TEST(SphericalMapper, AScanStoresNoMoreThanItsMasks) {
   SphericalMapperConfig config;
-  config.most_cells = 27;
+  config.max_cells = 27;
   SphericalGrid grid;
   SphericalMapper mapper(config, grid);
   const std::size_t empty = grid.bytes();
@@ -343,7 +343,7 @@ TEST(SphericalMapper, AGridFollowsFromItsSonar) {
   EXPECT_NEAR(fine.bucket.degrees(), 2.5, 1e-12);
   EXPECT_LE(coarse.bucket.degrees(), 6.5);
   EXPECT_GT(coarse.bucket.degrees(), 6);
-  EXPECT_EQ(coarse.finest_m, 0.5);
+  EXPECT_EQ(coarse.min_layer_m, 0.5);
   EXPECT_EQ(SphericalGrid(coarse).buckets().azimuths() % 2, 0);
   const SonarResolution em = listed_resolution("em_1000_shallow");
   EXPECT_NEAR(em.beams * em.beam_spacing.degrees(), 150, 1e-9) << "50 is a slip";
@@ -374,7 +374,7 @@ TEST(SphericalMapper, TakesTheNearestEchoOfEachBeamOfAPing) {
   decisions.set_unusable(20);
   SphericalGrid grid;
   SphericalMapper mapper({}, grid);
-  mapper.take(ping, decisions, Pose{});
+  mapper.update(ping, decisions, Pose{});
   int echoes = 0;
   grid.cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
     for (const SphericalCell& cell : beam) {

@@ -45,7 +45,7 @@ TEST(ClearanceField, DistanceIsThatToTheNearestFaceOfWhatIsClosed) {
     closed.push_back(v);
   }
   ClearanceTask task = box({0.1, 0.1, 0.1}, {19.9, 14.9, 7.9});
-  task.most_m = 4;
+  task.max_m = 4;
   const ClearanceField room(water.grid(), task);
   ASSERT_EQ(room.size(), VoxelIndex(40, 30, 16));
   for (int i = 0; i < 3000; ++i) {
@@ -170,7 +170,7 @@ TEST(ClearanceField, MeasuresAcrossTilesAndToTheEndsOfItsLayers) {
   ISOBATH_NOT_SANITIZED();
   ManyTiles tiles;
   for (const double most : {3.0, 40.0}) {
-    tiles.task.most_m = most;
+    tiles.task.max_m = most;
     const ClearanceField room(tiles.water.grid(), tiles.task);
     const int first = room.voxel_at({0, 0, 0.1}).z(), last = room.voxel_at({0, 0, 15.9}).z();
     ASSERT_LT(room.size().z(), last - first + 1) << "layers in which all is closed are left out";

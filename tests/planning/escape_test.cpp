@@ -47,7 +47,7 @@ TEST(EscapeSearch, OpenWaterIsFreeStraightOn) {
 TEST(EscapeSearch, StraightOnMeetsAWallWhereItStands) {
   const auto wall = row({10, -30}, {10, 30});
   const EscapeSearch search(wall, task());
-  const Escape on = search.take(0);
+  const Escape on = search.try_turn(0);
   EXPECT_FALSE(search.free(on));
   EXPECT_NEAR(on.free_s, (10 - 1.5) / 1.5, 0.5);  // its room before the wall
   ASSERT_TRUE(on.meets);
@@ -108,9 +108,9 @@ TEST(EscapeSearch, AnOrderIntoADeadEndIsSeenBeforeItIsEntered) {
 TEST(EscapeSearch, ACurrentCarriesItIntoWhatStandsDownstream) {
   const auto wall = row({-40, 6}, {40, 6});
   EscapeTask carried = task();
-  EXPECT_TRUE(EscapeSearch(wall, carried).free(EscapeSearch(wall, carried).take(0)));
+  EXPECT_TRUE(EscapeSearch(wall, carried).free(EscapeSearch(wall, carried).try_turn(0)));
   carried.drift = {0, 0.5};
-  const Escape on = EscapeSearch(wall, carried).take(0);
+  const Escape on = EscapeSearch(wall, carried).try_turn(0);
   EXPECT_NEAR(on.free_s, (6 - 1.5) / 0.5, 0.5);
   EXPECT_LT(EscapeSearch(wall, carried).best().turn, 0);
 }
@@ -118,13 +118,13 @@ TEST(EscapeSearch, ACurrentCarriesItIntoWhatStandsDownstream) {
 TEST(EscapeSearch, LeavesWhatItIsTooNearToAlready) {
   const auto wall = row({-40, 1}, {40, 1});
   const EscapeSearch search(wall, task());
-  EXPECT_TRUE(search.free(search.take(-pi / 2)));
-  EXPECT_FALSE(search.free(search.take(pi / 6)));
+  EXPECT_TRUE(search.free(search.try_turn(-pi / 2)));
+  EXPECT_FALSE(search.free(search.try_turn(pi / 6)));
 }
 
 TEST(EscapeSearch, TakesPointsThatAreNotFiniteForNone) {
   const std::vector<Vector2d> points = {{NAN, 0}, {5, INFINITY}, {INFINITY, NAN}};
-  EXPECT_TRUE(EscapeSearch(points, task()).free(EscapeSearch(points, task()).take(0)));
+  EXPECT_TRUE(EscapeSearch(points, task()).free(EscapeSearch(points, task()).try_turn(0)));
 }
 
 // The way of a turn, integrated a hundred times finer: no free one comes nearer to a point than the room, less what the

@@ -8,7 +8,7 @@ namespace isobath::test {
 
 class MeasuredWater {
  public:
-  MeasuredWater() : map_({.voxel_m = 0.5, .prior = 0.05, .occupied = 0.7, .free = 0.04, .most_log_odds = 6.9}) {}
+  MeasuredWater() : map_({.voxel_m = 0.5, .prior = 0.05, .occupied = 0.7, .free = 0.04, .max_log_odds = 6.9}) {}
 
   /// Corners in W, m: multiples of 0.5. What is measured there is clear, or is occupied.
   void clear(const Eigen::Vector3d& low, const Eigen::Vector3d& high) { put(low, high, "upright", -3); }

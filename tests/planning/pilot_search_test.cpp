@@ -219,7 +219,7 @@ TEST(PilotSearch, NamesItsFailures) {
   config.passage.half_width_m = 1000;
   EXPECT_EQ(search_path(map, middle(10, 30), middle(10, 10), config).error(), PilotRefusal::kAreaTooLarge);
   config = narrow();
-  config.most_expanded = 5;
+  config.max_expanded = 5;
   EXPECT_EQ(search_path(map, middle(10, 30), middle(10, 10), config).error(), PilotRefusal::kOutOfBudget);
   config = narrow();
   for (int column = 0; column < 40; ++column) map.set({column, 20}, 2.0);

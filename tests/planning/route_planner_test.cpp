@@ -219,7 +219,7 @@ TEST(RoutePlanner, CoarseCellsKeepHalfACellInAllAlignments) {
   careful.cut_corners = false;
   RouteConfig dilated = careful;
   dilated.clearance_m = 5;
-  double least = INFINITY, least_dilated = INFINITY, least_printed = INFINITY, most = 0;
+  double least = INFINITY, min_dilated = INFINITY, min_printed = INFINITY, most = 0;
   for (const double half : {0.0, 0.6, 1.5, 3.5}) {
     for (double x = 0; x < 5; x += 0.5) {
       for (double y = 0; y < 5; y += 0.5) {
@@ -233,15 +233,15 @@ TEST(RoutePlanner, CoarseCellsKeepHalfACellInAllAlignments) {
         ASSERT_GE(of_centres(map, *wide, true), 5);
         least = std::min(least, kept);
         most = std::max(most, kept);
-        least_dilated = std::min(least_dilated, of_centres(map, *wide, true));
-        least_printed = std::min(least_printed, of_centres(map, *printed, true));
+        min_dilated = std::min(min_dilated, of_centres(map, *wide, true));
+        min_printed = std::min(min_printed, of_centres(map, *printed, true));
       }
     }
   }
   EXPECT_LT(least, 3) << "no more than half a cell is sure";
   EXPECT_GT(most, 4) << "what cells add is not uniform";
-  EXPECT_GE(least_dilated, 7.5 - 1e-9);
-  EXPECT_LT(least_printed, 2.49) << "as printed, corners are cut";
+  EXPECT_GE(min_dilated, 7.5 - 1e-9);
+  EXPECT_LT(min_printed, 2.49) << "as printed, corners are cut";
 }
 
 // ledger: S6-49 S6-E18
@@ -346,7 +346,7 @@ TEST(RoutePlanner, NoPathIsSaidOnlyAfterAllWasLookedAt) {
   EXPECT_EQ(inside.error(), RouteRefusal::kNoPath);
   EXPECT_EQ(plan_route(map, from_to({100, 0}, {0, 0}), {}).error(), RouteRefusal::kNoPath);
   RouteConfig frugal;
-  frugal.most_expanded = 50;
+  frugal.max_expanded = 50;
   EXPECT_EQ(plan_route(map, from_to({100, 0}, {0, 0}), frugal).error(), RouteRefusal::kOutOfBudget);
   // With a gate just wide enough there is a way.
   std::vector<Hazard> gate = ring({0, 0}, 20);

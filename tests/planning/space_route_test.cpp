@@ -130,7 +130,7 @@ TEST(SpaceRoute, CanBeTurnedByAVehicleThatNeedsRoomToTurn) {
 TEST(SpaceRoute, KeepsToTheDepthsOfTheMission) {
   River river;
   river.measure();
-  river.task.least_depth_m = 4;
+  river.task.min_depth_m = 4;
   EXPECT_EQ(river.plan().error(), RouteRefusal::kNoPath) << "over the berm there is none so deep";
 }
 
@@ -169,7 +169,7 @@ TEST(SpaceRoute, RefusesWhatHasNoAnswer) {
   river.task.start = {32, 0, 7};
   EXPECT_EQ(river.plan().error(), RouteRefusal::kStartBlocked);
   river.task.start = {0, 0, 5};
-  river.config.most_expanded = 3;
+  river.config.max_expanded = 3;
   EXPECT_EQ(river.plan().error(), RouteRefusal::kOutOfBudget);
 }
 

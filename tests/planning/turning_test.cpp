@@ -54,7 +54,7 @@ Driven drive(const Way& way, double radius) {
   return driven;
 }
 
-double least_of(const std::vector<Hazard>& hazards, const Way& track) {
+double min_of(const std::vector<Hazard>& hazards, const Way& track) {
   double least = INFINITY;
   for (const Vector2d& p : track) least = std::min(least, test::plain_distance(hazards, p));
   return least;
@@ -199,7 +199,7 @@ TEST(Turning, WhatComesOutCanBeDriven) {
     const Driven driven = drive(path->points, radius);
     ASSERT_TRUE(driven.possible);
     const std::vector<Hazard> all(map.hazards().begin(), map.hazards().end());
-    ASSERT_GE(least_of(all, driven.track), 3.5 - 0.05 - 1e-9);
+    ASSERT_GE(min_of(all, driven.track), 3.5 - 0.05 - 1e-9);
     ASSERT_FALSE(map.conflict(path->points, 3.5));
   }
   EXPECT_GT(ways, 240);
@@ -227,7 +227,7 @@ TEST(Turning, WaysOfArcsWhereCornersAreTooSharp) {
     ASSERT_TRUE(driven.possible);
     if (path->escape_m > 0) continue;
     const std::vector<Hazard> all(map.hazards().begin(), map.hazards().end());
-    ASSERT_GE(least_of(all, driven.track), 3.5 - 0.05 - 1e-9);
+    ASSERT_GE(min_of(all, driven.track), 3.5 - 0.05 - 1e-9);
   }
   EXPECT_GT(ways, 45);
   EXPECT_LE(cannot, 2);

@@ -245,7 +245,7 @@ TEST(RecordedDisplay, ASeekReadsAboutTwoWholesAndNothingElse) {
     std::uint64_t stamp = 0;
     for (int i = 0; i < 4 * 3600; ++i) {
       loud.time = at_ms(i * 250);
-      recorder.take(Event(loud));
+      recorder.on_event(Event(loud));
       scene.step(at_ms(i * 250));
       const auto changes = scene.items.changes_after(stamp);
       stamp = changes.stamp;

@@ -55,13 +55,13 @@ TEST(RunRecorder, KeepsEventsDecisionsAndWhatTheRunWasMadeOf) {
     recorder.describe(setup);
     for (int i = 0; i < 5; ++i) {
       const double t = i;
-      recorder.take(Event(test::fix_at(t, t)));
+      recorder.on_event(Event(test::fix_at(t, t)));
       if (i == 2) {
         decisions = {decision_at(t, "plan"), decision_at(t, "replan")};
-        for (const Decision& d : decisions) recorder.heard({100, d.time, d.agent, d});
+        for (const Decision& d : decisions) recorder.on_message({100, d.time, d.agent, d});
       }
       recorder.setpoint(Time(seconds(t)), {Angle::degrees(i < 3 ? 10 : 20), 1, 1});
-      recorder.heard({static_cast<std::uint64_t>(i + 1), Time(seconds(t)), "captain", PointReport{}});
+      recorder.on_message({static_cast<std::uint64_t>(i + 1), Time(seconds(t)), "captain", PointReport{}});
     }
     recorder.close();
   }
@@ -90,7 +90,7 @@ TEST(RunRecorder, TheVehicleIsThatOfTheRecordedRun) {
     RunRecorder recorder(file, {});
     recorder.describe(simulator, kRecordedScene);
     recorder.describe(setup);
-    recorder.take(Event(test::fix_at(0, 0)));
+    recorder.on_event(Event(test::fix_at(0, 0)));
     recorder.close();
   }
   const auto replay = mission_setup(test::source_folder() / "scenarios" / "simulated_mission_1.toml", file, nullptr);
@@ -109,7 +109,7 @@ TEST(RunRecorder, DecisionsAreToldApartFromThoseRecorded) {
   std::vector<Decision> decisions{decision_at(1, "plan"), decision_at(2, "replan"), decision_at(3, "finish")};
   {
     RunRecorder recorder(file, {});
-    for (const Decision& d : decisions) recorder.heard({1, d.time, d.agent, d});
+    for (const Decision& d : decisions) recorder.on_message({1, d.time, d.agent, d});
     recorder.close();
   }
   EXPECT_EQ(compare_with_log(decisions, file)->the_same, 3u);
@@ -132,8 +132,8 @@ void record(RunRecorder& recorder, DisplayState& items, double from_s, double to
     const Time time = Time(seconds(1e9)) + std::chrono::milliseconds(100 * i);
     Navigation fix = test::fix_at(0, i, i % 360);
     fix.time = time;
-    recorder.take(Event(fix));
-    recorder.heard({static_cast<std::uint64_t>(i + 1), time, "pilot", HelmOrder{{Angle::degrees(i), 1, 1.5, 0}}});
+    recorder.on_event(Event(fix));
+    recorder.on_message({static_cast<std::uint64_t>(i + 1), time, "pilot", HelmOrder{{Angle::degrees(i), 1, 1.5, 0}}});
     items.set(DisplayKind::kVehicle, 0, time, std::string(80, static_cast<char>(i)));
     items.set(DisplayKind::kTrack, static_cast<std::uint64_t>(i / 64), time, std::string(64, static_cast<char>(i)));
     recorder.sample(time, items);
@@ -259,7 +259,7 @@ TEST(RunRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
     EXPECT_THAT(recorder.problem(), testing::HasSubstr("cannot be written"));
     const std::uint64_t left_out = recorder.left_out();
     EXPECT_GT(left_out, 1000u);
-    recorder.take(Event(test::fix_at(0, 0)));
+    recorder.on_event(Event(test::fix_at(0, 0)));
     EXPECT_EQ(recorder.left_out(), left_out + 1) << "there is room again, but a gap would be no better";
     EXPECT_NO_THROW(recorder.close());
   }

@@ -62,7 +62,7 @@ struct Voyage {
   DisplayState items;
   std::map<Time, Items> was;  ///< at each moment
   std::string film;
-  std::size_t most_replaced = 0;  ///< ever
+  std::size_t max_replaced = 0;  ///< ever
 
   static Time at(double t) { return Time(seconds(1000 + t)); }
 
@@ -88,7 +88,7 @@ struct Voyage {
       if (i % 23 == 0) items.set(Kind::kCubes, 0, time, noise(random, 20));
       if (i % 41 == 0) items.remove(Kind::kVoxels, random() % 8, time);
       run_film.sample(time, items);
-      most_replaced = std::max(most_replaced, run_film.replaced());
+      max_replaced = std::max(max_replaced, run_film.replaced());
       was[time] = film_of(items);
     }
     film = run_film.finish(at(lasts_s), items);
@@ -141,10 +141,10 @@ TEST(EmbeddedReplay, GoingBackToAWholeBlockShowsTheSameAsPlayingToIt) {
 
 TEST(EmbeddedReplay, BeyondItsBoundEchoesBecomeRareAndThePlacesOfTheVehicleStay) {
   Voyage voyage;
-  voyage.config.film_mb = 0.1;
+  voyage.config.replay_mb = 0.1;
   EmbeddedReplay film(voyage.config);
   voyage.play(film);
-  EXPECT_LE(voyage.most_replaced, film.most_replaced());
+  EXPECT_LE(voyage.max_replaced, film.max_replaced());
   EXPECT_LE(voyage.film.size(), 100'000U);
   EXPECT_GE(film.interval_s(Kind::kEchoes), 2);
   EXPECT_EQ(film.interval_s(Kind::kVehicle), 0.5);
@@ -155,7 +155,7 @@ TEST(EmbeddedReplay, BeyondItsBoundEchoesBecomeRareAndThePlacesOfTheVehicleStay)
 // Each item as it was then, or as it was before the stretch of its kind began.
 TEST(EmbeddedReplay, OfWhatWasLeftOutAMomentShowsWhatWasAStretchBefore) {
   Voyage voyage;
-  voyage.config.film_mb = 0.03;
+  voyage.config.replay_mb = 0.03;
   EmbeddedReplay film(voyage.config);
   voyage.play(film);
   ASSERT_GT(film.interval_s(Kind::kVehicle), 0.5) << "this one thins more than echoes";
@@ -175,7 +175,7 @@ TEST(EmbeddedReplay, OfWhatWasLeftOutAMomentShowsWhatWasAStretchBefore) {
       if (in(shown, key) == in(was, key)) continue;
       const double interval_s = film.interval_s(key.first);
       const double stretch_s = interval_s * std::floor(t / interval_s);
-      const Items& before = voyage.was.at(Voyage::at(std::max(0.0, stretch_s - voyage.config.film_s)));
+      const Items& before = voyage.was.at(Voyage::at(std::max(0.0, stretch_s - voyage.config.replay_s)));
       EXPECT_EQ(in(shown, key), in(before, key)) << "kind " << static_cast<int>(key.first) << " at " << t;
       ++as_before;
     }
@@ -185,7 +185,7 @@ TEST(EmbeddedReplay, OfWhatWasLeftOutAMomentShowsWhatWasAStretchBefore) {
 
 TEST(EmbeddedReplay, LosesNoDecisionAndNoPlaceOfTheTrackHoweverSmall) {
   Voyage voyage;
-  voyage.config.film_mb = 0.03;
+  voyage.config.replay_mb = 0.03;
   EmbeddedReplay film(voyage.config);
   voyage.play(film);
   const auto blocks = blocks_of(voyage.film);
@@ -208,13 +208,13 @@ TEST(EmbeddedReplay, LosesNoDecisionAndNoPlaceOfTheTrackHoweverSmall) {
 
 TEST(EmbeddedReplay, IsNoneWhereItsEndAloneIsTooMuch) {
   Voyage voyage;
-  voyage.config.film_mb = 0.03;
+  voyage.config.replay_mb = 0.03;
   voyage.echo_bytes = 40'000;
   voyage.lasts_s = 20;
   EmbeddedReplay film(voyage.config);
   voyage.play(film);
   EXPECT_EQ(voyage.film, "");
-  EXPECT_LE(voyage.most_replaced, film.most_replaced());
+  EXPECT_LE(voyage.max_replaced, film.max_replaced());
 }
 
 TEST(EmbeddedReplay, TheSameRunGivesTheSameBytesWhateverRealClocksMeasured) {
@@ -263,7 +263,7 @@ TEST(EmbeddedReplay, OfAnItemToldTwiceAtTheEndTheLaterStays) {
   std::mt19937 random(5);
   DisplayState items;
   ReportConfig config;
-  config.film_mb = 0.01;
+  config.replay_mb = 0.01;
   EmbeddedReplay film(config);
   for (int i = 0; i <= 100; ++i) {
     items.set(Kind::kWay, 0, Voyage::at(i), noise(random, 2000));

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <gtest/gtest.h>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/map/voxel/seen_voxels.hpp>
 #include <isobath/run/run_source.hpp>
 #include <isobath/world/voxel_model.hpp>
@@ -19,7 +19,7 @@ namespace {
 class ArisVoxels : public ResultSink {
  public:
   void on_ping(const PosedPing& posed) override {
-    model.take(posed);
+    model.update(posed);
     for (int b = 0; b < posed.decisions.beams(); ++b) {
       for (int k = 0; k < posed.decisions.bins(); ++k) decided += posed.decisions.usable(k);
     }
@@ -86,7 +86,7 @@ double likeliest_about(const VoxelMap& map, const Eigen::Vector3d& p) {
 TEST(ArisMap, OfSixFramesHoldsWhatAPersonSeesInThem) {
   ISOBATH_NEEDS_DATA(folder, "aris-sample");
   InputConfig whole;
-  whole.most_bins = 0;
+  whole.max_bins = 0;
   std::vector<Ping> frames;
   const auto raw = open_source(folder / "sample.aris", whole);
   while (const auto event = raw->next()) frames.push_back(std::get<Ping>(*event));
@@ -95,8 +95,8 @@ TEST(ArisMap, OfSixFramesHoldsWhatAPersonSeesInThem) {
   ArisVoxels sink;
   Pipeline pipeline({}, sink);
   const auto source = open_run_source(folder / "sample.aris", {});
-  for (Event& event : listen_ahead(*source, pipeline)) pipeline.take(std::move(event));
-  while (auto event = source->next()) pipeline.take(std::move(*event));
+  for (Event& event : listen_ahead(*source, pipeline)) pipeline.on_event(std::move(event));
+  while (auto event = source->next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
   EXPECT_EQ(pipeline.undecided(), "");
   EXPECT_EQ(sink.decided, 6 * 48 * 1000) << "all bins of all frames, two samples each";

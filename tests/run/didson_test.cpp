@@ -23,8 +23,8 @@ test::ScanKeeper run_as_log(const std::filesystem::path& folder, const Configura
   test::ScanKeeper keeper;
   Pipeline pipeline(configuration, keeper);
   const auto source = open_run_source(folder, configuration);
-  for (Event& event : listen_ahead(*source, pipeline)) pipeline.take(std::move(event));
-  while (auto event = source->next()) pipeline.take(std::move(*event));
+  for (Event& event : listen_ahead(*source, pipeline)) pipeline.on_event(std::move(event));
+  while (auto event = source->next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
   return keeper;
 }
@@ -33,7 +33,7 @@ test::ScanKeeper run_as_log(const std::filesystem::path& folder, const Configura
 test::ScanKeeper run_live(const std::vector<Ping>& pings, const Configuration& configuration) {
   test::ScanKeeper keeper;
   Pipeline pipeline(configuration, keeper);
-  for (const Ping& ping : pings) pipeline.take(ping);
+  for (const Ping& ping : pings) pipeline.on_event(ping);
   pipeline.finish();
   return keeper;
 }

@@ -117,7 +117,7 @@ TEST(Missions, Field1TheBuoyIsSeenEarlyWithoutConflictThenPassed) {
   }
   EXPECT_GE(scans, 2) << "seen at " << seen.first_s << " s, gone round at " << decided_s << " s";
   EXPECT_EQ(sailed.result.nearest_body, "buoy");
-  EXPECT_GT(sailed.result.least_clearance_m, 1);
+  EXPECT_GT(sailed.result.min_clearance_m, 1);
 }
 
 // ledger: S6-55 S6-D08
@@ -136,7 +136,7 @@ TEST(Missions, Field2ReplansAsSoonAsTheBuoyIsDetectedAndWhatIsSpuriousFades) {
   const Seen spurious = seen_at(sailed, shoal, 4);
   EXPECT_GT(spurious.first_s, 0) << "it appears";
   EXPECT_LT(spurious.last_s, to_seconds(sailed.scans.back().first) - 10) << "and fades";
-  EXPECT_GT(sailed.result.least_clearance_m, 1);
+  EXPECT_GT(sailed.result.min_clearance_m, 1);
 }
 
 // What the vehicle believes of its place says nothing of where it is: the buoy is passed all the same.
@@ -152,7 +152,7 @@ TEST(Missions, ABiasOfPositionChangesNoPassing) {
     scenario.scene.faults = {jump};
     const Sailed biased = test::sail(scenario);
     EXPECT_EQ(biased.result.contact_s, -1);
-    EXPECT_GT(biased.result.least_clearance_m, 1) << "bias " << bias;
+    EXPECT_GT(biased.result.min_clearance_m, 1) << "bias " << bias;
   }
 }
 

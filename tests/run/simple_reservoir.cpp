@@ -125,7 +125,7 @@ std::optional<std::pair<Navigation, Ping>> SimpleReservoir::step() {
   ping.time = fix.time;
   ping.fan = fan;
   ping.window = {0, kBin, kBins};
-  ping.blind_m = kBlindBins * kBin;
+  ping.blanking_m = kBlindBins * kBin;
   ping.intensity = {samples->data(), SampleType::kU8, 1, kBins, kBins, 1};
   ping.storage = samples;
   return std::pair(fix, ping);

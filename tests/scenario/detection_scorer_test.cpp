@@ -52,7 +52,7 @@ class Judged : public testing::Test {
   const TruthScore& scan(const std::vector<Obstacle>& obstacles) {
     TrueMotion motion;
     motion.state.X_WB.translation = {0, 0, 4};
-    judge_.take(motion);
+    judge_.on_truth(motion);
     const BodyGrid grid{BodyGridConfig{}};
     Detection found;
     found.cells = grid.cells();

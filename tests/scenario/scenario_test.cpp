@@ -37,7 +37,7 @@ Judged run_scene(Scene scene, const SimulationConfig& simulation, Configuration 
   Both sinks(source.simulator());
   source.tell_truth_to(sinks.judge);
   Pipeline pipeline(configuration, sinks);
-  while (auto event = source.next()) pipeline.take(std::move(*event));
+  while (auto event = source.next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
   return {sinks.judge.score(), sinks.keeper};
 }
@@ -176,7 +176,7 @@ radius = 1
   Simulator elsewhere(parse_scene(moved, "b.toml"), {});
   Both sinks(elsewhere);
   Pipeline pipeline({}, sinks);
-  while (auto event = source.next()) pipeline.take(std::move(*event));
+  while (auto event = source.next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
   EXPECT_GT(sinks.judge.score().false_alarms, 3);
   EXPECT_EQ(sinks.judge.score().of_bodies, 0);
@@ -262,7 +262,7 @@ TEST(Pipeline, KeepsVerticalFansApartFromTheMapOfThePlane) {
   SimulatedSource source(scene, {.duration_s = 2}, 1);
   test::ScanKeeper keeper;
   Pipeline pipeline({}, keeper);
-  while (auto event = source.next()) pipeline.take(std::move(*event));
+  while (auto event = source.next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
   EXPECT_EQ(keeper.pings, 5);
   EXPECT_EQ(pipeline.counts().vertical, 5u);

@@ -77,7 +77,7 @@ struct Page {
     };
     session = std::make_unique<PageSession>(sources);
   }
-  Hearing ask(const json& request) { return session->hear(request.dump()); }
+  Hearing ask(const json& request) { return session->on_message(request.dump()); }
   void pass(double s) { now += std::chrono::duration_cast<std::chrono::steady_clock::duration>(seconds(s)); }
   std::vector<Record> frame() { return records_of(session->next()); }
   /// The clock of a page that got all frames so far.
@@ -489,7 +489,7 @@ TEST(PageSession, MalformedRequestsAreAnsweredAndCounted) {
   for (const char* bad : kBad) {
     Page page(false, 5);
     page.frame();
-    const Hearing hearing = page.session->hear(bad);
+    const Hearing hearing = page.session->on_message(bad);
     EXPECT_EQ(hearing.refused, "ask") << bad;
     EXPECT_FALSE(hearing.hang_up);
     EXPECT_NE(page.refusal(), "") << bad;
@@ -506,19 +506,19 @@ TEST(PageSession, ARefusalNamesTheRequestButNeverAtLength) {
 
 TEST(PageSession, OnlySoManyAnswersWait) {
   Page page(true);
-  for (int i = 0; i < 20; ++i) page.session->hear("nonsense");
-  EXPECT_THAT(of_kind(page.frame(), DisplayKind::kRefusal), SizeIs(PageSession::kMostAnswers));
+  for (int i = 0; i < 20; ++i) page.session->on_message("nonsense");
+  EXPECT_THAT(of_kind(page.frame(), DisplayKind::kRefusal), SizeIs(PageSession::kMaxAnswers));
 }
 
 TEST(PageSession, TooMuchNonsenseHangsUpSomeIsForgiven) {
   Page slow(true);
   for (int i = 0; i < 100; ++i) {
     slow.pass(1.1);
-    EXPECT_FALSE(slow.session->hear("nonsense").hang_up);
+    EXPECT_FALSE(slow.session->on_message("nonsense").hang_up);
   }
   Page fast(true);
-  for (int i = 0; i < PageSession::kMostRefusals; ++i) EXPECT_FALSE(fast.session->hear("nonsense").hang_up);
-  EXPECT_TRUE(fast.session->hear("nonsense").hang_up);
+  for (int i = 0; i < PageSession::kMaxRefusals; ++i) EXPECT_FALSE(fast.session->on_message("nonsense").hang_up);
+  EXPECT_TRUE(fast.session->on_message("nonsense").hang_up);
 }
 
 TEST(PageSession, SourcesThatCannotWorkAreRefused) {

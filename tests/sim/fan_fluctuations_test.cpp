@@ -284,7 +284,7 @@ TEST(CorrelatedFan, KeepsTheLevelOfEverySampleAndSpreadsTheMeanOfNeighbours) {
   c.noise_level = 20;
   c.volume_reverberation = c.surface_reverberation = false;
   c.samples = SampleType::kF32;
-  c.blind_m = 0;
+  c.blanking_m = 0;
   c.ringing_level = 0;
   double spread[2] = {};
   for (const bool correlated : {false, true}) {

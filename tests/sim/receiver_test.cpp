@@ -17,7 +17,7 @@ SonarConfig diffuse(double level) {
   c.sector = Angle::degrees(63);
   c.bins = kBins;
   c.range_m = 20;
-  c.blind_m = 0;
+  c.blanking_m = 0;
   c.ringing_level = 0;
   c.samples = SampleType::kF32;
   c.reverberation = {0, level, 20, level};

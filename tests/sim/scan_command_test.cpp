@@ -18,7 +18,7 @@ SonarConfig sweeping_head() {
   c.kind = SonarKind::kScanning;
   c.sector = Angle::degrees(30);
   c.step = Angle::degrees(3);
-  c.blind_m = 0;
+  c.blanking_m = 0;
   return c;
 }
 double head_of(const SimulatedSonar::Output& heard) { return heard.ping->fan->azimuth[0].degrees(); }
@@ -51,7 +51,7 @@ TEST(ScanCommand, TurnsTiltsAndStandsUpThePlaneOfAFan) {
   SonarConfig fan = clean_beam(2, 10);
   fan.beams = 16;
   fan.sector = Angle::degrees(30);
-  fan.blind_m = 0;
+  fan.blanking_m = 0;
   SimulatedSonar sonar(fan, *tank.world, *tank.water, 1, 1);
   const auto power = [&] {
     (void)sonar.ping(Time{}, at_depth(10), 0);

@@ -77,7 +77,7 @@ const Wrong kWrong[] = {
     {"[[sonar]]\npreset = \"sonar2000\"\n", "3:10: sonar.preset", "oculus_m1200d"},
     {"[[sonar]]\nsector_deg = 0\n", "2:1: sonar.sector_deg", "the same direction"},
     {"[[sonar]]\nsector_deg = 360\n", "2:1: sonar.sector_deg", "cannot span a full turn"},
-    {"[[sonar]]\nblind_m = 50\n", "2:1: sonar.blind_m", "blind over its whole range"},
+    {"[[sonar]]\nblanking_m = 50\n", "2:1: sonar.blanking_m", "blind over its whole range"},
     {"[[sonar]]\nname = \"\"\n", "2:1: sonar.name", "empty"},
     {"[[sonar]]\nname = \"a\"\n[[sonar]]\nname = \"a\"\n", "4:1: sonar.name", "two sonars have this name"},
     {"[[sonar]]\nnoise_by_range = [[0, 1]]\n", "2:1: sonar.noise_by_range", "one row"},

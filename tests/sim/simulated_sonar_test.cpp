@@ -22,7 +22,7 @@ SonarConfig silent_fan(int beams, int bins) {
   c.bins = bins;
   c.rays = 1;
   c.samples = SampleType::kF32;
-  c.blind_m = 0;
+  c.blanking_m = 0;
   return c;
 }
 
@@ -324,7 +324,7 @@ TEST(Disturbances, SpuriousEchoesComeInTheStatedShareOfPingsBeyondTheBlindZone) 
   SonarConfig sonar = silent_fan(4, 60);
   sonar.spurious_share = 0.3;
   sonar.spurious_level = 80;
-  sonar.blind_m = 5;
+  sonar.blanking_m = 5;
   sonar.ringing_level = 0;
   SimulatedSonar device(sonar, *tank.world, *tank.water, 3, 1);
   int pings = 0;
@@ -402,10 +402,10 @@ TEST(Disturbances, DroppedPingsNeverCome) {
 TEST(Disturbances, TheTransmissionRingsThroughTheBlindZoneAndNoFurther) {
   const Tank tank(kEmpty);
   SonarConfig sonar = silent_fan(3, 600);
-  sonar.blind_m = 8;
+  sonar.blanking_m = 8;
   sonar.ringing_level = 200;
   const Heard h = hear(tank, sonar);
-  EXPECT_EQ(h.ping.blind_m, 8);
+  EXPECT_EQ(h.ping.blanking_m, 8);
   for (int k = 0; k < 600; ++k) {
     const double r = (k + 0.5) * 0.1, expected = r < 8 ? 200 * std::exp(-3 * r / 8) : 0;
     ASSERT_NEAR(h.samples[static_cast<std::size_t>(k)], expected, 1e-4) << r;
@@ -416,7 +416,7 @@ TEST(Disturbances, TheTransmissionRingsThroughTheBlindZoneAndNoFurther) {
 TEST(Disturbances, TheLabelIsThatOfTheStrongestOfThem) {
   const Tank tank(kEmpty);
   SonarConfig sonar = silent_fan(1, 100);
-  sonar.blind_m = 30;
+  sonar.blanking_m = 30;
   sonar.ringing_level = 200;
   sonar.burst_share = 1;
   sonar.disturbance_level = 60;
@@ -574,7 +574,7 @@ TEST(Samples, AreFiniteAndTheSameOnAnyNumberOfThreadsForAnySonarAnywhere) {
     c.burst_share = share();
     c.spurious_share = share();
     c.samples = SampleType::kF32;
-    c.blind_m = random.uniform(0, 0.5 * c.range_m);
+    c.blanking_m = random.uniform(0, 0.5 * c.range_m);
     ASSERT_NO_THROW(check(c));
     const Pose X_WB{Rotation::from_heading_pitch_roll(Angle::degrees(random.uniform(-180, 180)),
                                                       Angle::degrees(random.uniform(-90, 90)),
@@ -647,7 +647,7 @@ TEST(Scanning, TheHeadHearsWhatStandsWhereItLooks) {
   sonar.samples = SampleType::kF32;
   sonar.noise = BackgroundLaw::kNone;
   sonar.speckle = sonar.surface_reverberation = sonar.volume_reverberation = sonar.surface_bounce = false;
-  sonar.blind_m = sonar.spurious_share = 0;
+  sonar.blanking_m = sonar.spurious_share = 0;
   SimulatedSonar head(sonar, *tank.world, *tank.water, 1, 1);
   std::map<double, double> level;
   for (std::uint64_t n = 0; n < 31; ++n) {

@@ -16,7 +16,7 @@ EchoDetectorConfig open_water() {
   EchoDetectorConfig config;
   config.method = DetectionMethod::kGlobal;
   config.global_threshold = kNoise * std::sqrt(-2 * std::log(config.false_alarm)) / 255;
-  config.boundary.loudest = 20;  // there are no walls in open water
+  config.boundary.max_level = 20;  // there are no walls in open water
   return config;
 }
 
@@ -170,7 +170,7 @@ TEST(BoundaryEchoes, SaysWhereItCannotTell) {
 // ledger: S6-69
 TEST(BoundaryEchoes, WallsAllRoundAreNoRing) {
   EchoDetectorConfig config = open_water();
-  config.boundary.loudest = BoundaryConfig().loudest;
+  config.boundary.max_level = BoundaryConfig().max_level;
   EchoDetector detector(config);
   EchoDecisions told;
   Random random(5);

@@ -31,7 +31,7 @@ struct ThesisSonar {
 CalibrationConfig at(double false_alarm) {
   CalibrationConfig config;
   config.false_alarm = false_alarm;
-  config.blind_m = 9 * ThesisSonar::kBin;
+  config.blanking_m = 9 * ThesisSonar::kBin;
   config.range_groups = 35;  // a fit for every bin
   config.noise.bootstraps = 0;
   return config;
@@ -148,7 +148,7 @@ TEST(Calibration, ThresholdsABinDetectMoreThanOneForAll) {
 TEST(Calibration, MarksBinsBlindThatDetectNothing) {
   ThesisSonar sonar{test::gaussian(100, 12)};
   CalibrationConfig config = at(0.02);
-  config.least_targets = 40;
+  config.min_targets = 40;
   Calibration calibration(config);
   std::vector<std::uint8_t> mask(31 * 44, 1);
   for (int i = 0; i < 50; ++i) {

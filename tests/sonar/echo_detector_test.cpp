@@ -11,7 +11,7 @@ EchoDetectorConfig global_at(double share) {
   EchoDetectorConfig config;
   config.method = DetectionMethod::kGlobal;
   config.global_threshold = share;
-  config.blind_m = 0;
+  config.blanking_m = 0;
   return config;
 }
 
@@ -55,7 +55,7 @@ TEST(EchoDetector, AllLayoutsDecideAsDefined) {
   for (auto& z : samples) z = static_cast<std::uint8_t>(random.bits());
   const SensorModel model = odd_model(kBins);
   EchoDetectorConfig config;
-  config.blind_m = 0.35;
+  config.blanking_m = 0.35;
   const std::ptrdiff_t layouts[][2] = {{kBins, 1}, {1, kBeams}, {2 * kBins, 2}, {2, 2 * kBeams}};
   for (const auto& [beam_stride, bin_stride] : layouts) {
     Ping ping;
@@ -96,7 +96,7 @@ TEST(EchoDetector, DecidesByTheRatioOfEachPixelAndPassesItOn) {
   const RangeWindow window{0, 0.1, 40};
   const auto ratios = steered_ratios(random, fan, window);
   EchoDetectorConfig config;
-  config.blind_m = 0.35;
+  config.blanking_m = 0.35;
   EchoDetector detector(config, std::nullopt, ratios);
   EXPECT_EQ(detector.method(), DetectionMethod::kHistogram) << "auto: the model that is given";
   const Ping ping = test::ping_of<std::uint8_t>(fan, window, [&](int, int) { return 140 * random.uniform(); });
@@ -324,7 +324,7 @@ TEST(LearntThresholds, DecideTheFirstPingOfALogThatWasListenedTo) {
   EchoDetector ahead(config), causal(config);
   EXPECT_FALSE(ahead.listen(first));
   EXPECT_FALSE(ahead.listen(second)) << "96 beams of 100";
-  ahead.heard_all();
+  ahead.end_learning();
   EchoDecisions out;
   ahead.detect(first, out);
   EXPECT_EQ(ahead.state(), DetectorState::kReady);
@@ -346,7 +346,7 @@ TEST(LearntThresholds, AreNotLearntFromAFewBeams) {
     ping = test::ping_of<std::uint8_t>(fan, {0, 0.05, 90}, [&](int, int) { return noise(random); });
     EXPECT_FALSE(detector.listen(ping));
   }
-  detector.heard_all();
+  detector.end_learning();
   detector.detect(ping, out);
   EXPECT_EQ(detector.state(), DetectorState::kWarmingUp);
 }
@@ -358,7 +358,7 @@ TEST(LearntThresholds, RiseInABeamThatIsLouderThanTheOthers) {
   EchoDecisions with, without;
   const Ping first = loud_in_the_middle(random, 1.3);
   ahead.listen(first);
-  ahead.heard_all();
+  ahead.end_learning();
   for (int i = 0; i < 20; ++i) {
     const Ping ping = loud_in_the_middle(random, 1.3);
     ahead.detect(ping, with);
@@ -371,7 +371,7 @@ TEST(LearntThresholds, RiseInABeamThatIsLouderThanTheOthers) {
 
 TEST(SkirtRule, KeepsAnEchoThatStandsApartAndDropsAFoot) {
   EchoDetectorConfig config;
-  config.blind_m = 0;
+  config.blanking_m = 0;
   EchoDetector detector(config);
   EchoDecisions out;
   std::vector<int> beam(100, 0);

@@ -77,7 +77,7 @@ Ping ping_of(const Scene& scene, int number, Random& random) {
     return scene.gain ? z * scene.gain(number, b) : z;
   });
   ping.time = Time{} + seconds(kPing_s * number);
-  ping.blind_m = 0.5;
+  ping.blanking_m = 0.5;
   return ping;
 }
 
@@ -395,7 +395,7 @@ TEST(FanDetector, CountsFastPingsAsSharesOfALook) {
   late.time += seconds(5);
   detector.detect(late, {}, samples, looks);
   EXPECT_FLOAT_EQ(looks.decisions.weight, 1);
-  EXPECT_FLOAT_EQ(looks.decisions.most_echo_weight, 0.5f) << "no ping makes an obstacle alone";
+  EXPECT_FLOAT_EQ(looks.decisions.max_echo_weight, 0.5f) << "no ping makes an obstacle alone";
 }
 
 // ledger: S6-15

@@ -66,7 +66,7 @@ TEST(FanLearner, LearnsWhatTheSonarIs) {
   EXPECT_EQ(m.beams, kBeams);
   EXPECT_EQ(m.pings, kPings);
   EXPECT_NEAR(m.seconds, 0.1 * (kPings - 1), 1e-6);
-  EXPECT_NEAR(m.blind_m, kRinging, 0.25);
+  EXPECT_NEAR(m.blanking_m, kRinging, 0.25);
   EXPECT_THAT(m.dead_beams, testing::ElementsAre(20, 21));
   ASSERT_EQ(m.gains_db.size(), 32u);
   EXPECT_NEAR(m.gains_db[25] - m.gains_db[5], 10 * std::log10(2.5), 0.3);
@@ -201,7 +201,7 @@ TEST(FanDetectorFromAModel, HasItsThresholdsAtTheFirstPing) {
 
 TEST(FanDetectorFromAModel, SaysNothingInItsBlindZone) {
   FanModel far = model();
-  far.blind_m = 5;
+  far.blanking_m = 5;
   FanDetector detector = started(far);
   EchoDecisions samples;
   FanLooks looks;

@@ -141,7 +141,7 @@ TEST(HistogramModel, WhatWasNeverSeenIsUnlikelyNotImpossible) {
   EXPECT_NEAR(learnt(sonar, all, 300).noise_shares(0, 0)[24], 0.0016, 1e-12) << "0.5 of 312.5";
   EXPECT_NEAR(std::accumulate(noise.begin(), noise.end(), 0.0), 1, 1e-12);
   HistogramConfig clamped = own_pixels();
-  clamped.most_evidence = 2.5;
+  clamped.max_log_odds = 2.5;
   const LikelihoodRatios ratios(shared(learnt(sonar, clamped, 300)));
   for (int beam = 0; beam < SteeredSonar::kBeams; ++beam) {
     for (int level = 0; level < 25; ++level) EXPECT_LE(std::abs(ratios.log_ratio(beam, 3, level)), 2.5);

@@ -1,7 +1,7 @@
 // What a ping says about its sonar: against a plain count, on broken pings, and on recordings of sonars that were well.
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/sonar/echo_detector.hpp>
 #include <isobath/sonar/ping_quality.hpp>
 #include <tests/support/count_allocations.hpp>
@@ -178,7 +178,7 @@ TEST(NearestEchoes, AreThoseThatStandOutBehindTheBlindZone) {
         (b == 0 && range == 10) || (b == 2 && (range == 1 || range == 20)) || (b == 3 && (range == 15 || range == 30));
     return echo ? 220.0 : level;
   });
-  ping.blind_m = 2;
+  ping.blanking_m = 2;
   EchoDecisions decisions;
   detector.detect(ping, decisions);
   int hits = 0;

@@ -115,7 +115,7 @@ TEST(ReadingPrefilter, MergesJustWithinTheTolerances) {
 // ledger: S1-68
 TEST(ReadingPrefilter, ASlowDriftCannotStretchAGroup) {
   ReadingPrefilterConfig config;
-  config.most = 100;
+  config.max_readings = 100;
   config.hold_s = 1000;
   ReadingPrefilter filter(config);
   std::vector<MergedReading> out;

@@ -93,7 +93,7 @@ TEST(Calibrate, WritesAHistogramModelThatARunDetectsWith) {
   configuration.sensor.histogram = (scratch / "out" / "histogram_model.bin").string();
   Pings pings;
   Pipeline pipeline(configuration, pings);
-  for (const MarkedFrame& frame : read_marked_frames(frames, {})) pipeline.take(frame.ping);
+  for (const MarkedFrame& frame : read_marked_frames(frames, {})) pipeline.on_event(frame.ping);
   pipeline.finish();
   EXPECT_EQ(pipeline.undecided(), "");
   EXPECT_GT(pings.on_hull, 8 * 12 * 4 * 0.9);

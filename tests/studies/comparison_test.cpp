@@ -47,7 +47,7 @@ SampleStatistics water_with_a_target(std::uint64_t seed) {
     std::vector<float> values = rayleigh(random, 8);
     for (int b = 20; b < 22; ++b)
       for (int k = 100; k < 103; ++k) values[static_cast<std::size_t>(b * kBins + k)] = 120;
-    collector.take(ping_of(fan, std::move(values), i));
+    collector.add(ping_of(fan, std::move(values), i));
   }
   return collector.finish("water");
 }
@@ -97,7 +97,7 @@ TEST(Comparison, SpreadFromTurnToTurnIsToldFromAFixedPattern) {
   for (int i = 0; i < 12 * kSteps; ++i) {
     std::vector<float> values = pattern[static_cast<std::size_t>(i % kSteps)];
     for (float& v : values) v += static_cast<float>(3 * random.normal());
-    collector.take(ping_of(fans[static_cast<std::size_t>(i % kSteps)], std::move(values), 0.1 * i));
+    collector.add(ping_of(fans[static_cast<std::size_t>(i % kSteps)], std::move(values), 0.1 * i));
   }
   const SampleStatistics s = collector.finish("tank");
   EXPECT_GE(s.scans, 11);
@@ -109,8 +109,8 @@ TEST(Comparison, SpreadFromTurnToTurnIsToldFromAFixedPattern) {
 TEST(Comparison, PingsOfAnotherWindowAreLeftOutAndCounted) {
   const auto fan = fan_of(kBeams, -20, 1);
   SampleCollector collector(kBlind);
-  collector.take(ping_of(fan, std::vector<float>(kBeams * kBins, 5)));
-  collector.take(ping_of(fan, std::vector<float>(kBeams * 100, 50), 1));
+  collector.add(ping_of(fan, std::vector<float>(kBeams * kBins, 5)));
+  collector.add(ping_of(fan, std::vector<float>(kBeams * 100, 50), 1));
   const SampleStatistics s = collector.finish("settings");
   EXPECT_EQ(s.pings, 1u);
   EXPECT_EQ(s.left_out, 1u);
@@ -120,7 +120,7 @@ TEST(Comparison, PingsOfAnotherWindowAreLeftOutAndCounted) {
 TEST(Comparison, NothingToCompareIsAnError) {
   EXPECT_THROW(SampleCollector(kBlind).finish("ranges"), Error);
   SampleCollector blind(100);
-  blind.take(ping_of(fan_of(kBeams, -20, 1), std::vector<float>(kBeams * kBins, 5)));
+  blind.add(ping_of(fan_of(kBeams, -20, 1), std::vector<float>(kBeams * kBins, 5)));
   EXPECT_THROW(blind.finish("blind"), Error);
 }
 

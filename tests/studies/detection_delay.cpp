@@ -30,7 +30,7 @@ int readings_until_seen(int base, bool prefilter, double speed) {
   while (rig.map->window().at(behind).depth_m() > 10 && readings < 1000) {
     const double time_s = kCycle_s * readings++;
     const Pose X_WB = at(speed * time_s, 0, 5);
-    rig.mapper->take(heard(world, looking(0, 6), X_WB, time_s), X_WB, 0);
+    rig.mapper->update(heard(world, looking(0, 6), X_WB, time_s), X_WB, 0);
   }
   return readings;
 }
@@ -53,7 +53,7 @@ double false_obstacles(int base, bool under_way) {
       std::optional<double> echo;
       if (random.uniform() < kSpuriousShare) echo = random.uniform(5, 45);
       raised = false;
-      rig.mapper->take(with_range(looking(0, 6), echo, time_s), X_WB, 0);
+      rig.mapper->update(with_range(looking(0, 6), echo, time_s), X_WB, 0);
       bad += raised;
     }
   }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <isobath/configuration/configuration.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/onboard/pipeline.hpp>
 #include <string>
 #include <vector>
@@ -38,7 +38,7 @@ inline ScanKeeper scans_of(const std::filesystem::path& input, const Configurati
   ScanKeeper keeper;
   const auto source = open_source(input, configuration.input);
   Pipeline pipeline(configuration, keeper);
-  while (auto event = source->next()) pipeline.take(std::move(*event));
+  while (auto event = source->next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
   return keeper;
 }

@@ -14,7 +14,7 @@ class StraightHelm : public Helm {
   explicit StraightHelm(const Setpoint& setpoint, double finish_s = std::numeric_limits<double>::infinity())
       : setpoint_(setpoint), finish_s_(finish_s) {}
 
-  void hear(const Event& event) override {
+  void on_event(const Event& event) override {
     heard.emplace_back(event.index(), time_of(event));
     if (to_seconds(time_of(event)) >= finish_s_) report_.phase = MissionPhase::kFinished;
   }

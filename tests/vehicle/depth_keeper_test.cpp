@@ -37,7 +37,7 @@ double approach(DepthKeeper& keeper, const Bottom& bottom, double north, double 
   double now = 0;
   for (int i = 0; i <= 100; ++i, now += kDt) {
     const double x = north * i / 100;
-    keeper.hear(reading(now, bottom(x) - depth), pose(x, depth, heading_deg));
+    keeper.on_altimeter(reading(now, bottom(x) - depth), pose(x, depth, heading_deg));
   }
   return now;
 }
@@ -68,7 +68,7 @@ TEST(DepthKeeper, KeepsAnAltitudeOverALevelBottomWithWildEchoes) {
     const Pose X_WB = pose(0.1 * i, 10);
     double range = 12 + 0.05 * random.normal();
     if (i % 5 == 2) range = random.uniform(0, 30);
-    keeper.hear(reading(kDt * i, range), X_WB);
+    keeper.on_altimeter(reading(kDt * i, range), X_WB);
     if (i > 100) worst = std::max(worst, std::abs(keeper.step({0, 4.0}, X_WB, kSlow, t(kDt * i)).depth - 18));
   }
   EXPECT_LT(worst, 0.3);
@@ -120,7 +120,7 @@ TEST(DepthKeeper, ClimbsInTimeForARisingBottom) {
 }
 
 struct Trip {
-  double least_altitude = 1e9;
+  double min_altitude = 1e9;
   double worst_error = 0;  ///< of the altitude, once settled
 };
 
@@ -140,12 +140,12 @@ Trip follow(const VehicleModel& model, const Bottom& bottom, const DepthKeeperCo
     double range = 0;  // along the beam to the bottom, by small steps
     while (p.z() + range * axis.z() < bottom(p.x() + range * axis.x())) range += 0.01;
     const std::optional<double> echo = range < 30 ? std::optional(range + 0.03 * random.normal()) : std::nullopt;
-    keeper.hear(reading(kDt * i, echo), s.X_WB);
+    keeper.on_altimeter(reading(kDt * i, echo), s.X_WB);
     const DepthOrder order = keeper.step(wish, s.X_WB, s.X_WB.rotation * s.v_B, t(kDt * i));
     vehicle.step({Angle(), order.depth, std::min(speed, std::max(order.max_speed, parameters_of(model).min_speed)), 0},
                  {1025, {0, 0, 0}}, kDt);
     const double altitude = bottom(p.x()) - p.z();
-    trip.least_altitude = std::min(trip.least_altitude, altitude);
+    trip.min_altitude = std::min(trip.min_altitude, altitude);
     if (i * kDt > 60 && wish.altitude_m)
       trip.worst_error = std::max(trip.worst_error, std::abs(altitude - *wish.altitude_m));
   }
@@ -158,16 +158,16 @@ TEST(DepthKeeper, CarriesVehiclesOverABank) {
   DepthKeeperConfig config;
   config.min_altitude = 2;
   const Trip torpedo = follow(test::remus(), bank, config, {0, 5.0}, 1.5, 15, 200);
-  EXPECT_GT(torpedo.least_altitude, 4);
+  EXPECT_GT(torpedo.min_altitude, 4);
   EXPECT_LT(torpedo.worst_error, 1.3);
   const Trip rover = follow(test::rov(), bank, config, {0, 4.0}, 0.8, 18, 300);
-  EXPECT_GT(rover.least_altitude, 3.4);
+  EXPECT_GT(rover.min_altitude, 3.4);
   EXPECT_LT(rover.worst_error, 0.8);
   // By depth, with a wish that leads into the bank.
   const Trip ordered = follow(test::remus(), bank, config, {20, {}}, 1.5, 15, 200);
-  EXPECT_GT(ordered.least_altitude, 1.9);
+  EXPECT_GT(ordered.min_altitude, 1.9);
   // Without looking ahead it would come far below its least altitude.
-  EXPECT_LT(follow(test::remus(), bank, config, {20, {}}, 1.5, 15, 200, false).least_altitude, 1.0);
+  EXPECT_LT(follow(test::remus(), bank, config, {20, {}}, 1.5, 15, 200, false).min_altitude, 1.0);
 }
 
 TEST(DepthKeeper, BelievesALostBottomForAWhileThenGoesUp) {
@@ -186,10 +186,10 @@ TEST(DepthKeeper, BelievesALostBottomForAWhileThenGoesUp) {
   EXPECT_NEAR(keeper.step({50, {}}, pose(12, 15), kSlow, t(now + 11)).depth, 19, 1e-9);
   EXPECT_EQ(keeper.step({5, {}}, pose(12, 15), kSlow, t(now + 11)).depth, 5);
   // ... until the altimeter says that there is nothing within its range of 30 m.
-  keeper.hear(reading(now + 12, {}), pose(12, 15));
+  keeper.on_altimeter(reading(now + 12, {}), pose(12, 15));
   EXPECT_NEAR(keeper.step({50, {}}, pose(12, 15), kSlow, t(now + 12)).depth, 15 + 30 - 1, 1e-9);
   // Back again after three echoes.
-  for (int i = 0; i < 5; ++i) keeper.hear(reading(now + 13 + 0.1 * i, 6), pose(13, 15));
+  for (int i = 0; i < 5; ++i) keeper.on_altimeter(reading(now + 13 + 0.1 * i, 6), pose(13, 15));
   EXPECT_FALSE(keeper.step({0, 4.0}, pose(13, 15), kSlow, t(now + 14)).lost);
 }
 
@@ -203,7 +203,7 @@ TEST(DepthKeeper, AllowsForTheTiltOfTheBeam) {
       X_WB.rotation = Rotation::from_heading_pitch_roll(Angle(), Angle::degrees(tilt_deg), Angle());
       AltimeterReading r = reading(0, wide ? 10 : 10 / std::cos(tilt));
       r.width = Angle::degrees(wide ? 90 : 0);
-      for (int i = 0; i < 5; ++i) EXPECT_TRUE(keeper.hear(r, X_WB));
+      for (int i = 0; i < 5; ++i) EXPECT_TRUE(keeper.on_altimeter(r, X_WB));
       keeper.step({}, X_WB, Vector3d::Zero(), t(0));
       EXPECT_NEAR(keeper.bottom_depth().value(), 15, 1e-9) << tilt_deg << wide;
     }
@@ -212,13 +212,13 @@ TEST(DepthKeeper, AllowsForTheTiltOfTheBeam) {
 
 TEST(DepthKeeper, RefusesWhatIsNotFiniteAndLeavesOtherBeamsAlone) {
   DepthKeeper keeper({}, parameters_of(test::rov()));
-  EXPECT_FALSE(keeper.hear(reading(0, kNaN), pose(0, 5)));
-  EXPECT_FALSE(keeper.hear(reading(0, 5), pose(kNaN, 5)));
-  EXPECT_FALSE(keeper.hear(reading(0, -1), pose(0, 5)));
+  EXPECT_FALSE(keeper.on_altimeter(reading(0, kNaN), pose(0, 5)));
+  EXPECT_FALSE(keeper.on_altimeter(reading(0, 5), pose(kNaN, 5)));
+  EXPECT_FALSE(keeper.on_altimeter(reading(0, -1), pose(0, 5)));
   EXPECT_EQ(keeper.refused(), 3u);
   AltimeterReading ahead = reading(0, 5);
   ahead.X_BS = {};
-  EXPECT_FALSE(keeper.hear(ahead, pose(0, 5)));
+  EXPECT_FALSE(keeper.on_altimeter(ahead, pose(0, 5)));
   EXPECT_EQ(keeper.refused(), 3u);
   EXPECT_EQ(keeper.step({7, {}}, pose(0, 5), {kNaN, 0, 0}, t(1)).depth, 7);
 }
@@ -227,7 +227,7 @@ TEST(DepthKeeper, AllocatesNothing) {
   DepthKeeper keeper({}, parameters_of(test::rov()));
   const auto before = test::allocations();
   for (int i = 0; i < 50; ++i) {
-    keeper.hear(reading(i, 10), pose(i, 5));
+    keeper.on_altimeter(reading(i, 10), pose(i, 5));
     keeper.step({0, 4.0}, pose(i, 5), kSlow, t(i));
   }
   EXPECT_EQ(test::allocations(), before);

@@ -152,7 +152,7 @@ TEST(StateEvaluator, HealthReportsBecomeBits) {
   StateEvaluator evaluator({}, {}, at(0));
   EmergencyFlags flags;
   const auto raised = [&](const Health& report) {
-    evaluator.hear(report);
+    evaluator.on_health(report);
     evaluator.evaluate(report.time, flags);
     return flags.snapshot().raised;
   };

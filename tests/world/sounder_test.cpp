@@ -52,7 +52,7 @@ struct VoxelSink : ResultSink {
   void on_ping(const PosedPing&) override {}
   void on_scan(const ScanResult&) override {}
   void on_vertical_ping(const PosedPing& posed) override {
-    voxels.take(posed);
+    voxels.update(posed);
     heading = posed.X_WB.rotation.heading();
     reference = posed.X_WB.translation;
   }
@@ -91,7 +91,7 @@ Section section_of(const std::filesystem::path& log) {
   VoxelSink sink(configuration.voxels);
   const auto source = open_source(log, configuration.input);
   Pipeline pipeline(configuration, sink);
-  while (auto event = source->next()) pipeline.take(std::move(*event));
+  while (auto event = source->next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
   Section section;
   section.outcome = sink.voxels.outcome();

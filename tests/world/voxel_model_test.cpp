@@ -24,8 +24,8 @@ class Mapped : public ResultSink {
  public:
   explicit Mapped(const Configuration& configuration = {})
       : model(configuration.voxels), pipeline(configuration, *this) {}
-  void on_ping(const PosedPing& posed) override { model.take(posed); }
-  void on_vertical_ping(const PosedPing& posed) override { model.take(posed); }
+  void on_ping(const PosedPing& posed) override { model.update(posed); }
+  void on_vertical_ping(const PosedPing& posed) override { model.update(posed); }
   void on_jump(const Vector3d& by_W) override { model.move_along(by_W); }
   void on_scan(const ScanResult& scan) override {
     last_scan = scan.detection.time;
@@ -92,7 +92,7 @@ WallSeen wall_seen(double off_m, double jump_m) {
   WallSeen seen;
   std::optional<Time> looked_at;
   while (auto event = source.next()) {
-    mapped.pipeline.take(std::move(*event));
+    mapped.pipeline.on_event(std::move(*event));
     if (mapped.last_scan == looked_at || *mapped.last_scan - *mapped.first_scan < seconds(5.5)) continue;
     looked_at = mapped.last_scan;
     const bool another = std::any_of(mapped.obstacles.begin(), mapped.obstacles.end(),
@@ -136,7 +136,7 @@ void hear_point(VoxelModel& model, double t_s, const Vector3d& vehicle_W) {
   Swath swath;
   swath.time = Time(seconds(t_s));
   swath.soundings.push_back({{8.2f, 0, 0}, 8.2f, 0, 0, Sounding::Kind::kWater});
-  for (int shot = 0; shot < 4; ++shot) model.take(swath, {{}, vehicle_W});
+  for (int shot = 0; shot < 4; ++shot) model.update(swath, {{}, vehicle_W});
 }
 
 // ledger: S6-53
@@ -237,7 +237,7 @@ TEST(AFanWiderThanHalfACircle, IsMappedRightUpToAWholeTurn) {
   const std::vector<std::pair<double, int>> fans{{-180, 120}, {0, 120}, {-300, 120}, {700, 120}, {-135, 110}};
   for (const auto& [first_deg, beams] : fans) {
     Mapped mapped(without_a_past());
-    for (int n = 0; n < 3; ++n) mapped.pipeline.take(round_look(n, first_deg, beams, targets));
+    for (int n = 0; n < 3; ++n) mapped.pipeline.on_event(round_look(n, first_deg, beams, targets));
     mapped.pipeline.finish();
     EXPECT_EQ(mapped.pipeline.counts().pings, 3u);
     EXPECT_TRUE(mapped.pipeline.rejected().empty());
@@ -254,8 +254,8 @@ TEST(AFanWiderThanHalfACircle, IsMappedRightUpToAWholeTurn) {
 
 TEST(AFanWiderThanATurn, IsRefusedAndCounted) {
   Mapped mapped(without_a_past());
-  mapped.pipeline.take(round_look(0, -180, 120, {{0, 9}}));
-  mapped.pipeline.take(round_look(1, -190, 130, {{0, 9}}));
+  mapped.pipeline.on_event(round_look(0, -180, 120, {{0, 9}}));
+  mapped.pipeline.on_event(round_look(1, -190, 130, {{0, 9}}));
   mapped.pipeline.finish();
   EXPECT_EQ(mapped.pipeline.counts().pings, 1u);
   EXPECT_THAT(mapped.pipeline.rejected(), Contains(Pair("beams round more than a whole turn", 1u)));
@@ -268,8 +268,8 @@ TEST(ASonarMountedUpsideDown, MapsToTheSideWhereThingsAre) {
     const double turned = roll == 0 ? 1 : -1;  // its beams run the other way round
     Mapped mapped(without_a_past());
     for (int n = 0; n < 6; ++n) {
-      mapped.pipeline.take(test::fix_at(n, 0));
-      mapped.pipeline.take(round_look(n, -60, 40, {{turned * 35, 10}}, X_BS));
+      mapped.pipeline.on_event(test::fix_at(n, 0));
+      mapped.pipeline.on_event(round_look(n, -60, 40, {{turned * 35, 10}}, X_BS));
     }
     mapped.pipeline.finish();
     EXPECT_EQ(mapped.pipeline.counts().vertical, 0u);
@@ -330,26 +330,26 @@ TEST(PingsThatNoMapCanUse, AreCountedByTheirReasonAndChangeNothing) {
         with([](Ping& p, BeamFan&) { p.X_BS.translation.y() = kNan; }),
         with([](Ping& p, BeamFan&) { p.sound_speed = kNan; })}}};
   Mapped mapped(without_a_past());
-  mapped.pipeline.take(round_look(1, -60, 40, {{0, 9}}));
+  mapped.pipeline.on_event(round_look(1, -60, 40, {{0, 9}}));
   mapped.pipeline.finish();
   const std::uint64_t seen = mapped.model.outcome().seen;
   EXPECT_GT(seen, 1000u);
   for (const auto& [reason, pings] : bad) {
-    for (const Ping& ping : pings) mapped.pipeline.take(ping);
+    for (const Ping& ping : pings) mapped.pipeline.on_event(ping);
     EXPECT_THAT(mapped.pipeline.rejected(), Contains(Pair(reason, pings.size())));
   }
   Ping nobodys = round_look(1, -60, 40, {});
   nobodys.fan = nullptr;
-  mapped.pipeline.take(nobodys);
+  mapped.pipeline.on_event(nobodys);
   EXPECT_THAT(mapped.pipeline.rejected(), Contains(Pair("no beams", 1u)));
   Navigation lost = test::fix_at(1, 0);
   lost.X_WB.translation.z() = kNan;
-  mapped.pipeline.take(lost);
+  mapped.pipeline.on_event(lost);
   EXPECT_THAT(mapped.pipeline.rejected(), Contains(Pair("navigation not finite", 1u)));
   mapped.pipeline.finish();
   EXPECT_EQ(mapped.pipeline.counts().pings, 1u);
   EXPECT_EQ(mapped.model.outcome().seen, seen);
-  mapped.pipeline.take(of_numbers(20));
+  mapped.pipeline.on_event(of_numbers(20));
   mapped.pipeline.finish();
   EXPECT_EQ(mapped.pipeline.counts().pings, 2u) << "and it goes on";
 }
@@ -363,11 +363,11 @@ TEST(PingsThatNoMapCanUse, OfAnotherScaleAreLeftOutOfTheVoxels) {
     ping.window.bin_m *= factor;
     return ping;
   };
-  mapped.pipeline.take(scaled(1, 1));
-  mapped.pipeline.take(scaled(2, 1.5));
-  mapped.pipeline.take(scaled(3, 0.1));
+  mapped.pipeline.on_event(scaled(1, 1));
+  mapped.pipeline.on_event(scaled(2, 1.5));
+  mapped.pipeline.on_event(scaled(3, 0.1));
   EXPECT_TRUE(mapped.model.refused().empty());
-  for (const double factor : {1e-4, 1e-9, 300.0, 1e6, 1e200}) mapped.pipeline.take(scaled(4, factor));
+  for (const double factor : {1e-4, 1e-9, 300.0, 1e6, 1e200}) mapped.pipeline.on_event(scaled(4, factor));
   mapped.pipeline.finish();
   EXPECT_EQ(mapped.pipeline.counts().pings, 5u) << "the plan view takes them all";
   EXPECT_THAT(mapped.pipeline.rejected(),

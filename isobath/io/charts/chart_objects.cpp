@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kMostPoints = 20'000'000;
+constexpr std::size_t kMaxPoints = 20'000'000;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ ChartShapes::Found ChartShapes::of(OGRGeometry* geometry, const std::string& nam
 
 bool ChartShapes::place(double x, double y, Vector2d& p) {
   const auto at = mapping_.to_plane(x, y);
-  if (!at || at->norm() > 5e5 || ++points_ > kMostPoints) return false;
+  if (!at || at->norm() > 5e5 || ++points_ > kMaxPoints) return false;
   p = *at;
   return true;
 }

@@ -224,18 +224,19 @@ void ChartReading::paint() {
   std::vector<SurveyPoint> all = prior_.soundings;
   all.insert(all.end(), lines_.begin(), lines_.end());
   PriorRaster surface = empty_raster(raster.window);
-  if (!paint_surface(job_, all, std::max(job_.config.farthest_m, kSoundingSpacingOnPaper * scale_), sigma_of, surface))
+  if (!paint_surface(job_, all, std::max(job_.config.max_distance_m, kSoundingSpacingOnPaper * scale_), sigma_of,
+                     surface))
     prior_.details["surface"] = "none: too few soundings near the window";
   const auto area = [&](const PriorArea& a) {
-    if (!a.least_depth_m) return;
-    const double least = *a.least_depth_m, greatest = a.greatest_depth_m.value_or(job_.config.greatest_depth_m);
+    if (!a.min_depth_m) return;
+    const double least = *a.min_depth_m, greatest = a.max_depth_m.value_or(job_.config.max_depth_m);
     fill(a.rings, raster.window, [&](std::size_t i) {
       const auto d = static_cast<double>(surface.depth_m[i]);
       if (std::isfinite(d)) {
         raster.depth_m[i] = static_cast<float>(std::clamp(d, least, greatest));
         raster.sigma_m[i] = surface.sigma_m[i];
       } else {
-        const double width = a.greatest_depth_m ? greatest - least : std::abs(least);
+        const double width = a.max_depth_m ? greatest - least : std::abs(least);
         raster.depth_m[i] = static_cast<float>(least);
         raster.sigma_m[i] = static_cast<float>(std::hypot(width / std::sqrt(3.0), sigma_of(i, least)));
       }

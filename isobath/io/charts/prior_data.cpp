@@ -19,21 +19,23 @@ std::vector<Field> fields(PriorConfig& c) {
       Field::integer("epsg", &c.epsg, {0, 999999}, "1",
                      "EPSG code of the file's horizontal coordinate system; 0: as it states."),
       Field::rows("no_data", &c.no_data, 1, {}, "1", "No-data values, in addition to the usual ones."),
-      Field::real("least_depth_m", &c.least_depth_m, depth, "m",
-                  "Minimum plausible depth; shallower ones are left out."),
-      Field::real("greatest_depth_m", &c.greatest_depth_m, depth, "m",
-                  "Maximum plausible depth; deeper ones are left out."),
+      Field::real("min_depth_m", &c.min_depth_m, depth, "m", "Minimum plausible depth; shallower ones are left out.")
+          .was("least_depth_m"),
+      Field::real("max_depth_m", &c.max_depth_m, depth, "m", "Maximum plausible depth; deeper ones are left out.")
+          .was("greatest_depth_m"),
       Field::choice<Merge>("pixels", &c.pixels, {{"mean", Merge::kMean}, {"shoalest", Merge::kShoalest}},
                            "How several cells or soundings of one pixel are combined."),
       Field::real("sigma_m", &c.sigma_m, {0, 1000}, "m", "Standard deviation of depths that state none."),
       Field::real("sigma_share", &c.sigma_share, {0, 1}, "1", "Added to sigma_m, as a share of the depth."),
-      Field::real("farthest_m", &c.farthest_m, {0, 1e6}, "m",
-                  "Maximum distance from a sounding; beyond it the depth is unknown."),
+      Field::real("max_distance_m", &c.max_distance_m, {0, 1e6}, "m",
+                  "Maximum distance from a sounding; beyond it the depth is unknown.")
+          .was("farthest_m"),
       Field::text("x_column", &c.x_column, "Text column with east or longitude: a name, or a number from 1."),
       Field::text("y_column", &c.y_column, "Text column with north or latitude."),
       Field::text("z_column", &c.z_column, "Text column with depth or height."),
       Field::text("run_column", &c.run_column, "Text column with the run of the survey; empty: one run."),
-      Field::real("most_cells", &c.most_cells, {1, 1e12}, "1", "Maximum number of raster cells that are read."),
+      Field::real("max_cells", &c.max_cells, {1, 1e12}, "1", "Maximum number of raster cells that are read.")
+          .was("most_cells"),
   };
 }
 

@@ -1,4 +1,4 @@
-// The contents of a prior and the configuration of its reader. prior.hpp explains the quantities.
+// The contents of a prior and the configuration of its reader. read_prior.hpp explains the quantities.
 #pragma once
 
 #include <cstdint>
@@ -24,17 +24,17 @@ struct PriorConfig {
   double datum_offset_sigma_m = 0;
   int epsg = 0;                 ///< horizontal coordinate system; 0: that of the file
   std::vector<double> no_data;  ///< no-data values, in addition to those that the file names and the usual ones
-  double least_depth_m = -20;   ///< minimum plausible depth, before the offset
-  double greatest_depth_m = 12000;
+  double min_depth_m = -20;     ///< minimum plausible depth, before the offset
+  double max_depth_m = 12000;
   Merge pixels = Merge::kMean;  ///< how several cells or soundings of one pixel are combined
   double sigma_m = 0.5;         ///< for files without sigma: sigma_m + sigma_share * depth
   double sigma_share = 0.01;
-  double farthest_m = 200;  ///< maximum distance of a surface from a sounding (on charts at least 25 mm of paper)
-  std::string x_column;     ///< column of text, by name or number from 1: east or longitude
-  std::string y_column;     ///< north or latitude
-  std::string z_column;     ///< depth or height
-  std::string run_column;   ///< survey run; soundings of one run share its errors
-  double most_cells = 4e8;  ///< maximum cells of a raster that one call reads
+  double max_distance_m = 200;  ///< maximum distance of a surface from a sounding (on charts at least 25 mm of paper)
+  std::string x_column;         ///< column of text, by name or number from 1: east or longitude
+  std::string y_column;         ///< north or latitude
+  std::string z_column;         ///< depth or height
+  std::string run_column;       ///< survey run; soundings of one run share its errors
+  double max_cells = 4e8;       ///< maximum cells of a raster that one call reads
 };
 
 std::vector<Field> fields(PriorConfig& config);
@@ -86,8 +86,8 @@ const char* to_text(PriorAreaKind kind);
 struct PriorArea {
   PriorAreaKind kind = PriorAreaKind::kDepth;
   std::vector<Polygon> rings;  ///< the outline and its holes, in either direction
-  std::optional<double> least_depth_m;
-  std::optional<double> greatest_depth_m;
+  std::optional<double> min_depth_m;
+  std::optional<double> max_depth_m;
   std::string name;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kMostPixels = 1 << 26;
+constexpr double kMaxPixels = 1 << 26;
 constexpr double kDegree = std::numbers::pi / 180;
 
 OGRSpatialReference wgs84() {
@@ -116,7 +116,7 @@ PriorWindow window_over(const PriorJob& job, const Vector2d& low, const Vector2d
     const double c0 = std::floor((low.y() - west) / px), r0 = std::floor((north - high.x()) / px);
     const double columns = std::floor((high.y() - west) / px) + 1 - c0;
     const double rows = std::floor((north - low.x()) / px) + 1 - r0;
-    if (columns * rows > kMostPixels) {
+    if (columns * rows > kMaxPixels) {
       job.refuse(fmt::format("{:.0f} x {:.0f} pixels of {} m are too many", columns, rows, px),
                  "ask for a window, or for larger pixels");
     }
@@ -125,7 +125,7 @@ PriorWindow window_over(const PriorJob& job, const Vector2d& low, const Vector2d
     window.rows = static_cast<std::int32_t>(rows);
     return window;
   }
-  if (static_cast<double>(window.columns) * window.rows > kMostPixels) job.refuse("the window has too many pixels");
+  if (static_cast<double>(window.columns) * window.rows > kMaxPixels) job.refuse("the window has too many pixels");
   const bool apart =
       low.x() > north || high.x() < north - window.rows * px || low.y() > west + window.columns * px || high.y() < west;
   if (apart) outside();
@@ -176,10 +176,10 @@ void fill(const std::vector<Polygon>& rings, const PriorWindow& window, const st
   }
 }
 
-bool paint_surface(const PriorJob& job, const std::vector<SurveyPoint>& soundings, double farthest_m,
+bool paint_surface(const PriorJob& job, const std::vector<SurveyPoint>& soundings, double max_distance_m,
                    const std::function<double(std::size_t, double)>& sigma_of, PriorRaster& raster) {
   const PriorWindow& window = raster.window;
-  const double px = window.grid.pixel_m, margin = std::max(farthest_m, 4 * px);
+  const double px = window.grid.pixel_m, margin = std::max(max_distance_m, 4 * px);
   const Vector2d north_west = window.grid.corner_m + Vector2d(margin, -margin);
   const Vector2d south_east = window.grid.corner_m + Vector2d(-px * window.rows - margin, px * window.columns + margin);
   std::vector<SurveyPoint> near;
@@ -199,7 +199,7 @@ bool paint_surface(const PriorJob& job, const std::vector<SurveyPoint>& sounding
   for (int row = 0; row < window.rows; ++row) {
     for (int column = 0; column < window.columns; ++column) {
       const auto sample = surface->at(window.grid.centre({column, row}));
-      if (!sample || sample->distance_m > farthest_m) continue;
+      if (!sample || sample->distance_m > max_distance_m) continue;
       const std::size_t i = raster.index({column, row});
       raster.depth_m[i] = static_cast<float>(sample->depth_m);
       raster.sigma_m[i] = static_cast<float>(std::hypot(error.sigma_m(*sample), sigma_of(i, sample->depth_m)));

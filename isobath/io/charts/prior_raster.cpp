@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kTile = 32;  // pixels; within a tile, the coordinate mapping is linear enough
-constexpr double kMostTileCells = 1 << 22;
+constexpr double kMaxTileCells = 1 << 22;
 constexpr std::array kCustomaryNoData = {-9999.0, -99999.0, -32767.0, -32768.0};
 
 class RasterReading {
@@ -145,9 +145,9 @@ void RasterReading::reserve_cells() {
     job_.refuse("it does not reach the window of the map",
                 "check the origin of the map and the file's coordinates (prior.epsg)");
   }
-  if ((c1 - c0) * (r1 - r0) > job_.config.most_cells) {
+  if ((c1 - c0) * (r1 - r0) > job_.config.max_cells) {
     job_.refuse(fmt::format("{:.3g} cells lie under the window, the maximum is {:.3g}", (c1 - c0) * (r1 - r0),
-                            job_.config.most_cells),
+                            job_.config.max_cells),
                 "make a coarser copy (gdalwarp -tr), or ask for a smaller window");
   }
   first_column_ = static_cast<int>(c0);
@@ -241,7 +241,7 @@ void RasterReading::read_tile(const Tile& tile) {
   piece.width = within(std::ceil(high.x()) + 1, columns_) - piece.column;
   piece.height = within(std::ceil(high.y()) + 1, rows_) - piece.row;
   if (piece.width <= 0 || piece.height <= 0) return;
-  if (static_cast<double>(piece.width) * piece.height > kMostTileCells && tile.width > 1 && tile.height > 1) {
+  if (static_cast<double>(piece.width) * piece.height > kMaxTileCells && tile.width > 1 && tile.height > 1) {
     const int a = tile.width / 2, b = tile.height / 2;
     read_tile({tile.column, tile.row, a, b});
     read_tile({tile.column + a, tile.row, tile.width - a, b});

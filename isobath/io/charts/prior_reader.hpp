@@ -1,5 +1,5 @@
 // Shared by the readers of priors: the current job, the mapping from a file's coordinates to the plane, and the
-// conversion of soundings and polygons to pixels. Internal; users of the library include prior.hpp.
+// conversion of soundings and polygons to pixels. Internal; users of the library include read_prior.hpp.
 #pragma once
 
 #include <functional>
@@ -24,7 +24,7 @@ struct PriorJob {
   /// Metres per unit of depth, if the file states `unit_m` (0: nothing stated).
   [[nodiscard]] double unit(double unit_m) const { return config.unit_m > 0 ? config.unit_m : unit_m > 0 ? unit_m : 1; }
   [[nodiscard]] bool plausible(double depth_m) const {
-    return depth_m >= config.least_depth_m && depth_m <= config.greatest_depth_m;
+    return depth_m >= config.min_depth_m && depth_m <= config.max_depth_m;
   }
   [[nodiscard]] double default_sigma(double depth_m) const {
     return config.sigma_m + config.sigma_share * std::abs(depth_m);
@@ -68,10 +68,10 @@ int depth_sign(const PriorJob& job, PriorSign convention, std::uint64_t positive
 /// Calls `visit` with the index of every pixel whose centre lies within the rings (even-odd rule).
 void fill(const std::vector<Polygon>& rings, const PriorWindow& window, const std::function<void(std::size_t)>& visit);
 
-/// Writes a surface through the soundings into the raster, up to `farthest_m` from any sounding. Its sigma combines the
-/// error estimated from the soundings with `sigma_of` (pixel, depth). Soundings that no pixel needs are ignored.
+/// Writes a surface through the soundings into the raster, up to `max_distance_m` from any sounding. Its sigma combines
+/// the error estimated from the soundings with `sigma_of` (pixel, depth). Soundings that no pixel needs are ignored.
 /// Returns false, and leaves the raster unchanged, for fewer than three soundings or if all are on one line.
-bool paint_surface(const PriorJob& job, const std::vector<SurveyPoint>& soundings, double farthest_m,
+bool paint_surface(const PriorJob& job, const std::vector<SurveyPoint>& soundings, double max_distance_m,
                    const std::function<double(std::size_t, double)>& sigma_of, PriorRaster& raster);
 
 /// One reader per family of formats. The caller sets the source and datum of the prior and applies the offset.

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
 
 std::string_view unquoted(std::string_view cell) {
   cell = trimmed(cell);
@@ -255,7 +255,7 @@ void TextReading::place_soundings() {
 }
 
 PriorOfFile TextReading::read() {
-  const std::vector<std::uint8_t> bytes = read_whole_file(job_.file, kMostBytes);
+  const std::vector<std::uint8_t> bytes = read_whole_file(job_.file, kMaxBytes);
   std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::vector<std::string_view> cells;
   std::uint64_t number = 0;
@@ -299,7 +299,7 @@ PriorOfFile TextReading::read() {
   }
   prior_.raster = empty_raster(window_over(job_, low, high));
   if (!paint_surface(
-          job_, prior_.soundings, job_.config.farthest_m, [](std::size_t, double) { return 0.0; }, prior_.raster)) {
+          job_, prior_.soundings, job_.config.max_distance_m, [](std::size_t, double) { return 0.0; }, prior_.raster)) {
     prior_.details["surface"] = "none: the soundings near the window span no area";
   }
   return {std::move(prior_), true};

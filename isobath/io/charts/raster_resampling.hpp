@@ -1,5 +1,5 @@
 // The depth at a pixel of the map from the cells of a raster: of all cells within the pixel if cells are finer, between
-// the centres of cells if they are coarser (prior.hpp). Internal to the readers of priors.
+// the centres of cells if they are coarser (read_prior.hpp). Internal to the readers of priors.
 #pragma once
 
 #include <cmath>

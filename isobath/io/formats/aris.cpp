@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kHeaderBytes = 1024;  // header of the file and of each frame
 constexpr std::string_view kSignature("DDF\x05");
 constexpr std::size_t kSignatureAt = 12;  // offset in a frame
-constexpr std::uint32_t kMostSamples = 16384;
+constexpr std::uint32_t kMaxSamples = 16384;
 constexpr Angle kArisHeight = Angle::degrees(14), kArisTelephotoHeight = Angle::degrees(3);
 
 /// Beams of each ping mode, 1 to 12.
@@ -58,7 +58,7 @@ std::optional<ArisHeader> aris_header_of(Bytes header) {
   f.telephoto = fields.at<std::uint32_t>(480);
   f.system = fields.at<std::uint32_t>(484);
   f.ordered = fields.at<std::uint32_t>(516);
-  const bool sized = f.beams() > 0 && f.samples > 0 && f.samples <= kMostSamples;
+  const bool sized = f.beams() > 0 && f.samples > 0 && f.samples <= kMaxSamples;
   const bool timed = f.period_us > 0 && f.period_us <= 10'000 && f.delay_us <= 10'000'000;
   // All samples must lie within the cycle, since a wrong number of samples would swallow the next frame.
   const bool fits = f.cycle_us == 0 || f.delay_us + std::uint64_t{f.period_us} * f.samples <= f.cycle_us;

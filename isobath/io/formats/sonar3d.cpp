@@ -12,8 +12,8 @@ namespace isobath {
 namespace {
 
 constexpr std::string_view kPacketMagic = "RIP2";
-constexpr std::size_t kLeastPacket = 4 + 4 + 1 + 4, kMostPacket = 1 << 20;
-constexpr std::size_t kMostPlain = 4 << 20;  // maximum unpacked size
+constexpr std::size_t kMinPacket = 4 + 4 + 1 + 4, kMaxPacketBytes = 1 << 20;
+constexpr std::size_t kMaxPlain = 4 << 20;  // maximum unpacked size
 
 Framing rip2_packet_at(Bytes bytes) {
   const std::string_view text = text_of(bytes);
@@ -21,7 +21,7 @@ Framing rip2_packet_at(Bytes bytes) {
   if (text.substr(0, begun) != kPacketMagic.substr(0, begun)) return noise_until(bytes, 'R');
   if (bytes.size() < 8) return {Framing::Kind::kIncomplete, 8};
   const std::size_t length = ByteCursor(bytes, 4).little<std::uint32_t>();
-  if (length < kLeastPacket || length > kMostPacket) return noise_until(bytes, 'R');
+  if (length < kMinPacket || length > kMaxPacketBytes) return noise_until(bytes, 'R');
   if (bytes.size() < length) return {Framing::Kind::kIncomplete, length};
   const auto sum = crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(length - 4));
   if (ByteCursor(bytes, length - 4).little<std::uint32_t>() != sum) return noise_until(bytes, 'R');
@@ -44,7 +44,7 @@ class WireFields {
       case 0: value_ = varint(cursor_); break;
       case 1: value_ = cursor_.little<std::uint64_t>(); break;
       case 2:
-        bytes_ = cursor_.take(static_cast<std::size_t>(std::min<std::uint64_t>(varint(cursor_), kMostPlain)));
+        bytes_ = cursor_.take(static_cast<std::size_t>(std::min<std::uint64_t>(varint(cursor_), kMaxPlain)));
         break;
       case 5: value_ = cursor_.little<std::uint32_t>(); break;
       default: ok_ = false;
@@ -165,7 +165,7 @@ class Sonar3d final : public LogSource {
 std::optional<Event> Sonar3d::take(Bytes payload) {
   const std::string_view packed = text_of(payload);
   std::size_t size = 0;
-  const bool fits = snappy::GetUncompressedLength(packed.data(), packed.size(), &size) && size <= kMostPlain;
+  const bool fits = snappy::GetUncompressedLength(packed.data(), packed.size(), &size) && size <= kMaxPlain;
   if (!fits || !snappy::Uncompress(packed.data(), packed.size(), &plain_)) {
     reject("packet that cannot be unpacked");
     return {};
@@ -225,7 +225,7 @@ Swath Sonar3d::swath_of(const RangeImage& image) const {
 
 bool looks_like_sonar3d(Bytes head) {
   return text_of(head).starts_with(kPacketMagic) && head.size() >= 8 &&
-         ByteCursor(head, 4).little<std::uint32_t>() <= kMostPacket;
+         ByteCursor(head, 4).little<std::uint32_t>() <= kMaxPacketBytes;
 }
 
 std::unique_ptr<Source> open_sonar3d(ByteWindow input, const InputConfig& config) {

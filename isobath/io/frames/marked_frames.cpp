@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kMostAnnotationBytes = 64 << 20;  // LabelMe may embed the image
+constexpr std::uint64_t kMaxAnnotationBytes = 64 << 20;  // LabelMe may embed the image
 
 fs::path mask_of(const fs::path& frame) {
   std::string stem = frame.stem().string();
@@ -28,8 +28,8 @@ fs::path polygons_of(const fs::path& frame) {
     for (const char* ending : {".json", ".xml"}) {
       const fs::path file = frame.parent_path() / (name + ending);
       std::error_code unknown;
-      if (!fs::is_regular_file(file, unknown) || fs::file_size(file, unknown) > kMostAnnotationBytes) continue;
-      const auto bytes = read_whole_file(file, kMostAnnotationBytes);
+      if (!fs::is_regular_file(file, unknown) || fs::file_size(file, unknown) > kMaxAnnotationBytes) continue;
+      const auto bytes = read_whole_file(file, kMaxAnnotationBytes);
       if (looks_like_polygon_marks({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) return file;
     }
   }
@@ -38,7 +38,7 @@ fs::path polygons_of(const fs::path& frame) {
 
 /// The marks as an image: 255 inside.
 GrayImage drawn_marks(const fs::path& polygons, const GrayImage& frame) {
-  const auto bytes = read_whole_file(polygons, kMostAnnotationBytes);
+  const auto bytes = read_whole_file(polygons, kMaxAnnotationBytes);
   GrayImage mask{frame.width, frame.height, 1,
                  parse_polygon_marks({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, frame.width,
                                      frame.height, polygons.string())};

@@ -9,7 +9,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMostShapes = 10'000, kMostPoints = 1'000'000;
+constexpr std::size_t kMaxShapes = 10'000, kMaxPoints = 1'000'000;
 constexpr double kFarthestPixel = 1e6;
 
 struct MarkPoint {
@@ -41,13 +41,13 @@ class MarksReader {
 
 void MarksReader::count_point(MarkPolygon& polygon, double x, double y) {
   if (!(std::abs(x) <= kFarthestPixel && std::abs(y) <= kFarthestPixel)) refuse("a point far outside the picture");
-  if (++points_ > kMostPoints) refuse("too many points", "up to 1000000");
+  if (++points_ > kMaxPoints) refuse("too many points", "up to 1000000");
   polygon.push_back({x, y});
 }
 
 /// Marks, row by row, the pixels whose centres lie between an odd and the next even crossing.
 void MarksReader::add(const MarkPolygon& polygon) {
-  if (++shapes_ > kMostShapes) refuse("too many shapes", "up to 10000");
+  if (++shapes_ > kMaxShapes) refuse("too many shapes", "up to 10000");
   if (polygon.size() < 3) refuse("a polygon of fewer than three points");
   const auto [low, high] =
       std::minmax_element(polygon.begin(), polygon.end(), [](MarkPoint a, MarkPoint b) { return a.y < b.y; });

@@ -11,7 +11,7 @@ namespace isobath {
 namespace {
 
 constexpr std::size_t kLongestHeader = 1 << 20;
-constexpr std::uint64_t kMost = std::uint64_t{1} << 50;
+constexpr std::uint64_t kMax = std::uint64_t{1} << 50;
 
 /// The header of a classic file: big-endian, padded to four bytes.
 class NetcdfHeader {
@@ -50,7 +50,7 @@ class NetcdfHeader {
       bytes = product(bytes, size_of(number(4)));
       number(version_ == 5 ? 8 : 4);  // the stated size, which overflows for large variables
       const std::uint64_t start = number(version_ == 1 ? 4 : 8);
-      good_ = good_ && start < kMost;
+      good_ = good_ && start < kMax;
       if (of_records) {
         record_bytes += (bytes + 3) / 4 * 4;
         unpadded = bytes;
@@ -106,7 +106,7 @@ class NetcdfHeader {
     return good_ ? kSizes[type] : 0;
   }
   std::uint64_t product(std::uint64_t a, std::uint64_t b) {
-    if (b != 0 && a > kMost / b) good_ = false;
+    if (b != 0 && a > kMax / b) good_ = false;
     return good_ ? a * b : 0;
   }
 

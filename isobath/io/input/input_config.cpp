@@ -31,9 +31,10 @@ std::vector<Field> fields(InputConfig& c) {
       Field::text("set", &c.set, "Set to read in a folder that holds several; empty: the first by name."),
       Field::integer("pass", &c.pass, {0, 1e6}, "", "Pass to read in a set that holds several; 0: the first."),
       Field::integer(
-          "most_bins", &c.most_bins, {0, 1e6}, "bins",
+          "max_bins", &c.max_bins, {0, 1e6}, "bins",
           "Maximum number of range bins from the sonar to the end of its window: finer bins are averaged, which also "
-          "reduces speckle; 0: no limit."),
+          "reduces speckle; 0: no limit.")
+          .was("most_bins"),
   };
   for (Field& field : fields(c.survey)) all.push_back(std::move(field));
   return all;

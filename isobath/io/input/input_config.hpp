@@ -24,7 +24,7 @@ struct InputConfig {
   std::string navigation;         ///< CSV file of poses for the log; empty: none
   std::string set;                ///< set in a folder that holds several ("clean", "noisy"); empty: first by name
   int pass = 0;                   ///< pass in a set that holds several; 0: the first
-  int most_bins = 1500;           ///< from the sonar to the end of its window; finer bins are pooled; 0: never
+  int max_bins = 1500;            ///< from the sonar to the end of its window; finer bins are pooled; 0: never
   SurveyInput survey;             ///< what logs of survey boats do not state
 };
 std::vector<Field> fields(InputConfig& config);

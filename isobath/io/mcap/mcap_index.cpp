@@ -126,7 +126,7 @@ void McapIndex::visit(std::span<const std::uint16_t> channels, std::uint64_t fro
     return more;
   };
   for (const std::size_t i : s.chunks_of(channels, from, to)) {
-    while (!waiting.empty() && (waiting.front().time() < s.table.chunks()[i].start || bytes > kMostMerged)) {
+    while (!waiting.empty() && (waiting.front().time() < s.table.chunks()[i].start || bytes > kMaxMerged)) {
       if (!give()) return;
     }
     Waiting fresh{s.table.unpacked(i), {}};

@@ -33,7 +33,7 @@ class McapIndex {
   static constexpr std::uint64_t kCacheBytes = 64u << 20;
   /// Chunks that overlap in time are merged as long as the open chunks do not exceed this size. Beyond it, and only
   /// then, messages may come out of order.
-  static constexpr std::uint64_t kMostMerged = 256u << 20;
+  static constexpr std::uint64_t kMaxMerged = 256u << 20;
 
   explicit McapIndex(const std::filesystem::path& file);
   McapIndex(std::unique_ptr<std::istream> input, const std::string& name);

@@ -186,7 +186,7 @@ std::optional<Event> take_ping(const McapMessage& message, FanStore& fans) {
   p.window.bin_m = r.number<double>();
   const auto bins = r.number<std::uint32_t>();
   p.full_scale = r.number<float>();
-  p.blind_m = r.number<double>();
+  p.blanking_m = r.number<double>();
   const auto sweep = r.number<std::uint8_t>();
   const auto height = r.number<double>();
   const auto azimuths = r.sequence<double>();

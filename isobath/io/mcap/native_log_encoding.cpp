@@ -43,7 +43,7 @@ void put(CdrWriter& w, const Ping& p) {
   w.number(std::int64_t{p.time.time_since_epoch().count()});
   put_pose(w, p.X_BS);
   w.number(p.sound_speed).number(p.window.start_m).number(p.window.bin_m);
-  w.number(static_cast<std::uint32_t>(p.window.bins)).number(p.full_scale).number(p.blind_m);
+  w.number(static_cast<std::uint32_t>(p.window.bins)).number(p.full_scale).number(p.blanking_m);
   w.number(static_cast<std::uint8_t>(p.sweep));
   w.number(p.fan->height.radians());
   put_doubles(

@@ -8,7 +8,7 @@
 namespace isobath {
 namespace {
 
-constexpr int kMostLevels = 20;  // 2^20 pixels a side: 524 km of 0.5 m
+constexpr int kMaxLevels = 20;  // 2^20 pixels a side: 524 km of 0.5 m
 
 /// Calls take(pixel, index) for the pixels of `wanted` that lie within `held`; index counts row by row in `wanted`.
 template <class Take>
@@ -42,8 +42,8 @@ DepthArea area_of(const DepthMapConfig& config) {
   DepthArea area;
   const double pixels = config.area_m / config.pixel_m;
   area.levels = std::max(5, static_cast<int>(std::ceil(std::log2(pixels))));
-  if (area.levels > kMostLevels) {
-    throw Error(fmt::format("an area of {} m has more than 2^{} pixels of {} m a side", config.area_m, kMostLevels,
+  if (area.levels > kMaxLevels) {
+    throw Error(fmt::format("an area of {} m has more than 2^{} pixels of {} m a side", config.area_m, kMaxLevels,
                             config.pixel_m),
                 {}, {}, "take a smaller area or larger pixels");
   }

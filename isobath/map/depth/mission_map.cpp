@@ -5,7 +5,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::int64_t kMostCells = 1 << 22;
+constexpr std::int64_t kMaxCells = 1 << 22;
 
 PixelWindow all_cells(const DepthSnapshot& snapshot) {
   const int side = std::max(1, (1 << snapshot.trees().levels()) / MissionCell::kPixels);
@@ -31,7 +31,7 @@ MissionMap::MissionMap(const DepthSnapshot& snapshot) : MissionMap(snapshot, all
 MissionMap::MissionMap(const DepthSnapshot& snapshot, const PixelWindow& cells)
     : extent_(cells), grid_{snapshot.grid().corner_m, snapshot.grid().pixel_m * MissionCell::kPixels} {
   const std::int64_t count = std::int64_t{cells.width} * cells.height;
-  ISOBATH_ASSERT(count > 0 && count <= kMostCells);
+  ISOBATH_ASSERT(count > 0 && count <= kMaxCells);
   cells_.resize(static_cast<std::size_t>(count));
   refresh(snapshot, extent_);
 }

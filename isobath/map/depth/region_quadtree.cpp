@@ -227,12 +227,12 @@ PixelWindow overlap(const PixelWindow& a, const PixelWindow& b) {
 
 RegionQuadtree::RegionQuadtree(int levels, std::uint32_t outside)
     : levels_(levels), outside_(outside), root_(leaf_of(outside)) {
-  ISOBATH_ASSERT(levels >= 0 && levels <= kMostLevels && outside <= kLargestValue);
+  ISOBATH_ASSERT(levels >= 0 && levels <= kMaxLevels && outside <= kLargestValue);
 }
 
 RegionQuadtree::RegionQuadtree(int levels, std::uint32_t outside, std::uint32_t root, BlockPool pool)
     : levels_(levels), outside_(outside), root_(root), pool_(std::move(pool)) {
-  ISOBATH_ASSERT(levels >= 0 && levels <= kMostLevels && outside <= kLargestValue);
+  ISOBATH_ASSERT(levels >= 0 && levels <= kMaxLevels && outside <= kLargestValue);
 }
 
 RegionQuadtree RegionQuadtree::from_raster(int levels, std::span<const std::uint32_t> values, int width, int height,

@@ -29,7 +29,7 @@ namespace isobath {
 
 class RegionQuadtree {
  public:
-  static constexpr int kMostLevels = 24;
+  static constexpr int kMaxLevels = 24;
   static constexpr std::uint32_t kLargestValue = 0x7fffffff;
 
   struct Leaf {

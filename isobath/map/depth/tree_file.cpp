@@ -23,7 +23,7 @@ constexpr std::array<char, 8> kMagic{'I', 'S', 'O', 'T', 'R', 'E', 'E', '\n'};
 constexpr std::uint32_t kOrderMark = 0x01020304;
 constexpr std::uint32_t kVersion = 1;
 constexpr int kCrownLevels = 5;
-constexpr std::size_t kMostCrown = 341;  // 1 + 4 + 16 + 64 + 256
+constexpr std::size_t kMaxCrown = 341;  // 1 + 4 + 16 + 64 + 256
 constexpr std::size_t kAlignment = 4096;
 constexpr std::size_t kMapFrom = std::size_t{4} << 20;  // smaller files are read into memory
 
@@ -129,7 +129,7 @@ void write_parts(const DiskFile& out, const RegionQuadtree& tree, std::uint64_t 
                  const std::string& metadata) {
   const BlockPool& pool = tree.pool();
   std::vector<CrownBlock> crown;
-  crown.reserve(kMostCrown);
+  crown.reserve(kMaxCrown);
   collect_crown(pool, tree.root(), 0, crown);
   Header header;
   header.generation = generation;
@@ -176,19 +176,19 @@ Header checked_header(std::span<const std::uint8_t> bytes, const std::string& na
     refuse(offsetof(Header, version), fmt::format("format version {}", h.version), fmt::format("{}", kVersion),
            "written by another version of the program");
   }
-  if (h.metadata_bytes > kMostTreeMetadata)
+  if (h.metadata_bytes > kMaxTreeMetadata)
     refuse(offsetof(Header, metadata_bytes), "header damaged: metadata too long");
   if (bytes.size() < sizeof h + h.metadata_bytes)
     refuse(bytes.size(), "the file ends in its metadata", {}, "it was cut off");
   if (h.crc != header_crc(h, bytes.data() + sizeof h))
     refuse(offsetof(Header, crc), "header damaged: checksum differs");
-  if (h.levels > RegionQuadtree::kMostLevels) refuse(offsetof(Header, levels), "levels out of range", "0 .. 24");
+  if (h.levels > RegionQuadtree::kMaxLevels) refuse(offsetof(Header, levels), "levels out of range", "0 .. 24");
   if (h.outside > RegionQuadtree::kLargestValue) refuse(offsetof(Header, outside), "value has more than 31 bits");
-  if (h.blocks > BlockPool::kMostBlocks ||
+  if (h.blocks > BlockPool::kMaxBlocks ||
       h.pages != (h.blocks + BlockPool::kBlocksPerPage - 1) / BlockPool::kBlocksPerPage) {
     refuse(offsetof(Header, pages), "the numbers of pages and of blocks contradict each other");
   }
-  if (h.crown_blocks > kMostCrown) refuse(offsetof(Header, crown_blocks), "crown too large", "0 .. 341");
+  if (h.crown_blocks > kMaxCrown) refuse(offsetof(Header, crown_blocks), "crown too large", "0 .. 341");
   const std::size_t end = Layout(h).end;
   if (bytes.size() != end) {
     refuse(std::min(bytes.size(), end), fmt::format("{} bytes instead of the {} in the header", bytes.size(), end), {},
@@ -341,9 +341,8 @@ std::shared_ptr<const void> contents(const DiskFile& in, std::size_t size, const
 
 void write_tree_file(const fs::path& file, const RegionQuadtree& tree, std::uint64_t generation,
                      const std::string& metadata) {
-  if (metadata.size() > kMostTreeMetadata) {
-    throw Error(fmt::format("{} bytes of metadata", metadata.size()), {file},
-                fmt::format("0 .. {}", kMostTreeMetadata));
+  if (metadata.size() > kMaxTreeMetadata) {
+    throw Error(fmt::format("{} bytes of metadata", metadata.size()), {file}, fmt::format("0 .. {}", kMaxTreeMetadata));
   }
   fs::path part = file;
   part += ".part";

@@ -36,7 +36,7 @@
 
 namespace isobath {
 
-inline constexpr std::size_t kMostTreeMetadata = 65536;
+inline constexpr std::size_t kMaxTreeMetadata = 65536;
 
 /// Throws Error if the metadata is too long, if the file cannot be written or renamed (it is then the old one), or if
 /// the folder cannot be flushed (the file is then the new one, and a loss of power may bring back the old one).

@@ -48,16 +48,21 @@ std::vector<Field> fields(ObstacleMemoryConfig& c) {
                   "Standard deviation of an outline relative to the vehicle when it is seen."),
       Field::real("drift_share", &c.drift_share, {0, 1}, "1",
                   "Drift as a share of the distance travelled, where navigation gives no variance."),
-      Field::real("least_seen", &c.least_seen, {0, 1}, "1", "Minimum existence of an obstacle that is stored."),
+      Field::real("min_initial_existence", &c.min_initial_existence, {0, 1}, "1",
+                  "Minimum existence of an obstacle that is stored.")
+          .was("least_seen"),
       Field::integer("confirmations", &c.confirmations, {1, 100}, "sweeps", "Sightings before an obstacle counts."),
       Field::real("unconfirmed_age", &c.unconfirmed_age, {0, 1e6}, "s",
                   "An obstacle with fewer sightings is forgotten this long after the last one."),
       Field::real("miss", &c.miss, {0.01, 0.99}, "1", "Chance that a sweep sees an obstacle's place as free."),
-      Field::real("least_existence", &c.least_existence, {0, 1}, "1", "Below this existence an obstacle is forgotten."),
+      Field::real("min_existence", &c.min_existence, {0, 1}, "1", "Below this existence an obstacle is forgotten.")
+          .was("least_existence"),
       Field::real("max_age", &c.max_age, {1, 1e9}, "s", "An obstacle is forgotten this long after its last sighting."),
       Field::real("max_margin", &c.max_margin, {0.1, 1e6}, "m", "An obstacle with a larger margin is forgotten."),
       Field::integer("clear_looks", &c.clear_looks, {1, 100}, "sweeps", "Agreeing sweeps before an outline shrinks."),
-      Field::integer("most", &c.most, {1, 100'000}, "1", "Maximum number of obstacles; the least certain go first."),
+      Field::integer("max_obstacles", &c.max_obstacles, {1, 100'000}, "1",
+                     "Maximum number of obstacles; the least certain go first.")
+          .was("most"),
   };
 }
 
@@ -151,7 +156,7 @@ std::vector<ObstacleMemory::Sighting> ObstacleMemory::sightings_of(const MemoryS
     s.radius = c.radius;
     s.area = area(s.outline_W);
     s.existence = std::clamp(std::isfinite(o.existence) ? o.existence : 0, 0.0, kSurest);
-    s.doubtful = o.possible_multiple || !(s.existence >= config_.least_seen);
+    s.doubtful = o.possible_multiple || !(s.existence >= config_.min_initial_existence);
     s.samples = spread_over(s.outline_W);
     out.push_back(std::move(s));
   }
@@ -390,10 +395,10 @@ void ObstacleMemory::forget(Time now) {
     const double noise = config_.detection_sigma * config_.detection_sigma;
     e.seen.margin_m = config_.confidence * std::sqrt(variance_since(e) + noise);
     const double age = to_seconds(now - e.seen.last_seen);
-    return e.seen.existence < config_.least_existence || age > config_.max_age ||
-           e.seen.margin_m > config_.max_margin || (!confirmed(e) && age > config_.unconfirmed_age);
+    return e.seen.existence < config_.min_existence || age > config_.max_age || e.seen.margin_m > config_.max_margin ||
+           (!confirmed(e) && age > config_.unconfirmed_age);
   });
-  const auto most = static_cast<std::size_t>(config_.most);
+  const auto most = static_cast<std::size_t>(config_.max_obstacles);
   if (entries_.size() <= most) return;
   std::stable_sort(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
     if ((a.sweep == sweeps_) != (b.sweep == sweeps_)) return a.sweep == sweeps_;

@@ -93,7 +93,7 @@ void ObstacleNumbers::remember(Region& region) {
 }
 
 void ObstacleNumbers::drop_the_oldest() {
-  while (known_.size() > kMost) {
+  while (known_.size() > kMax) {
     known_.erase(std::min_element(known_.begin(), known_.end(), [](const Known& a, const Known& b) {
       return std::pair(a.scan, a.number) < std::pair(b.scan, b.number);
     }));

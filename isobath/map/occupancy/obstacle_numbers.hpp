@@ -11,7 +11,7 @@
 // at its place and returns when they separate.
 //
 // Not promised: an obstacle that moves more than its size and kSame_m from one scan to the next, and one that was away
-// while the position drifted farther than that, get a new number. At most kMost obstacles are known; the one unseen for
+// while the position drifted farther than that, get a new number. At most kMax obstacles are known; the one unseen for
 // longest is dropped first.
 //
 // Outlines in L at the scan; known ones in W, m. Deterministic. One thread.
@@ -28,7 +28,7 @@ namespace isobath {
 class ObstacleNumbers {
  public:
   static constexpr double kSame_m = 2;
-  static constexpr std::size_t kMost = 512;
+  static constexpr std::size_t kMax = 512;
 
   /// Renumbers the pieces of one scan, which come nearest first.
   void keep(std::span<Obstacle> pieces, const Pose& X_WL);

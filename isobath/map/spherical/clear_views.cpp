@@ -5,12 +5,12 @@
 
 namespace isobath {
 
-ClearViews::ClearViews(const DirectionBuckets& buckets, int most_views, double apart_m)
-    : buckets_(buckets), most_views_(static_cast<std::size_t>(most_views)), apart_m_(apart_m) {}
+ClearViews::ClearViews(const DirectionBuckets& buckets, int max_views, double apart_m)
+    : buckets_(buckets), max_views_(static_cast<std::size_t>(max_views)), apart_m_(apart_m) {}
 
 ClearViews::View& ClearViews::view_at(const Eigen::Vector3d& from) {
   if (!views_.empty() && (views_.back().origin - from).squaredNorm() <= apart_m_ * apart_m_) return views_.back();
-  if (views_.size() < most_views_) {
+  if (views_.size() < max_views_) {
     views_.emplace_back();
   } else {
     std::rotate(views_.begin(), views_.begin() + 1, views_.end());  // its arrays are used again

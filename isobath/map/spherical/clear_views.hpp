@@ -23,7 +23,7 @@ namespace isobath {
 class ClearViews {
  public:
   /// `buckets` must outlive this object.
-  ClearViews(const DirectionBuckets& buckets, int most_views, double apart_m);
+  ClearViews(const DirectionBuckets& buckets, int max_views, double apart_m);
 
   /// From `from`, there was no echo along the unit vector u and within half_width of it, up to clear_m.
   void look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, double clear_m, Time time);
@@ -49,7 +49,7 @@ class ClearViews {
   void set(View& view, const SphericalDirection& d, double clear_m) const;
 
   const DirectionBuckets& buckets_;
-  std::size_t most_views_;
+  std::size_t max_views_;
   double apart_m_;
   std::vector<View> views_;  ///< the newest last
 };

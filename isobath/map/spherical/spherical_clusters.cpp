@@ -134,7 +134,7 @@ void add_known_triangle(SphericalGrid& grid, const std::array<Eigen::Vector3d, 3
     const Eigen::Vector3d middle = (a + b + c) / 3;
     const double range = middle.norm();
     if (range - longest > grid.layers().range_m()) continue;
-    const double edge = std::max(range, 0.5 * grid.config().finest_m) * grid.config().bucket.radians();
+    const double edge = std::max(range, 0.5 * grid.config().min_layer_m) * grid.config().bucket.radians();
     if (longest <= 0.5 * edge) {
       grid.add_known(middle, longest);
     } else if (ab == longest) {

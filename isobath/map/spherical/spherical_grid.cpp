@@ -13,12 +13,12 @@ void check_spherical(const SphericalGridConfig& c) {
   const auto refuse = [](const char* key, const char* problem, const char* allowed) {
     throw Error(problem, {{}, {}, {}, {}, key}, allowed);
   };
-  if (!(c.finest_m > 0) || !std::isfinite(c.finest_m)) refuse("finest_m", "no thickness", "above 0 m");
-  if (!(c.range_m > c.finest_m) || !std::isfinite(c.range_m)) refuse("range_m", "no room", "above finest_m");
+  if (!(c.min_layer_m > 0) || !std::isfinite(c.min_layer_m)) refuse("min_layer_m", "no thickness", "above 0 m");
+  if (!(c.range_m > c.min_layer_m) || !std::isfinite(c.range_m)) refuse("range_m", "no room", "above min_layer_m");
   if (!(c.prior > 0 && c.prior < c.occupied && c.occupied < 1)) {
     refuse("occupied", "unseen water would be an obstacle", "above prior, below 1");
   }
-  if (!(c.most_log_odds > std::abs(logit(c.occupied)))) refuse("most_log_odds", "no cell could be occupied", "");
+  if (!(c.max_log_odds > std::abs(logit(c.occupied)))) refuse("max_log_odds", "no cell could be occupied", "");
   if (!(c.rebin_at > 0 && c.rebin_at <= 2)) refuse("rebin_at", "out of range", "above 0, up to 2 layers");
 }
 
@@ -33,12 +33,15 @@ Vector3d turned_about_pole(const Vector3d& v, Angle by) {
 std::vector<Field> fields(SphericalGridConfig& c) {
   using Merging = SphericalGridConfig::Merging;
   return {
-      Field::real("finest_m", &c.finest_m, {0.01, 10}, "m", "Thickness of the nearest layers: the sonar's resolution."),
+      Field::real("min_layer_m", &c.min_layer_m, {0.01, 10}, "m",
+                  "Thickness of the nearest layers: the sonar's resolution.")
+          .was("finest_m"),
       Field::degrees("bucket_deg", &c.bucket, {0.25, 30}, "Width of a direction; a divisor of 180."),
       Field::real("range_m", &c.range_m, {1, 2000}, "m", "Cells farther from the vehicle are dropped."),
       Field::real("prior", &c.prior, {1e-6, 0.4}, "1", "Probability that an unseen cell is occupied."),
       Field::real("occupied", &c.occupied, {1e-3, 0.999}, "1", "A cell of at least this probability is an obstacle."),
-      Field::real("most_log_odds", &c.most_log_odds, {1, 15}, "1", "Maximum magnitude of a cell's log-odds."),
+      Field::real("max_log_odds", &c.max_log_odds, {1, 15}, "1", "Maximum magnitude of a cell's log-odds.")
+          .was("most_log_odds"),
       Field::choice("merging", &c.merging, {{"largest", Merging::kLargest}, {"density", Merging::kDensity}},
                     "Log-odds of merged cells: the largest, or from summed expected numbers, which a split halves."),
       Field::real("rebin_at", &c.rebin_at, {0.01, 2}, "1", "Travel, in finest layers, before cells are re-binned."),
@@ -52,7 +55,7 @@ std::vector<Field> fields(SphericalGridConfig& c) {
 
 SphericalGrid::SphericalGrid(const SphericalGridConfig& config)
     : config_((check_spherical(config), config)),
-      layers_(config.finest_m, config.bucket, config.range_m),
+      layers_(config.min_layer_m, config.bucket, config.range_m),
       buckets_(config.bucket),
       prior_(logit(config.prior)),
       occupied_(logit(config.occupied)),
@@ -92,7 +95,7 @@ double SphericalGrid::probability(const SphericalCell& cell) {
 }
 
 double SphericalGrid::clamped(double log_odds) const {
-  return std::clamp(log_odds, -config_.most_log_odds, config_.most_log_odds);
+  return std::clamp(log_odds, -config_.max_log_odds, config_.max_log_odds);
 }
 
 // A content of which nothing is known but its cell.
@@ -177,7 +180,7 @@ void SphericalGrid::add_known(const Vector3d& p_G, double edge_m) {
   known.weight = 1;
   known.log_odds = cell.log_odds;
   merge(cell, known);
-  cell.log_odds = static_cast<float>(config_.most_log_odds);
+  cell.log_odds = static_cast<float>(config_.max_log_odds);
   cell.locked = cell.prior = true;
   cells_.mark_occupied(place->direction, place->layer, true);
 }
@@ -216,7 +219,7 @@ void SphericalGrid::clear() {
 
 void SphericalGrid::translate(const Vector3d& displacement_G) {
   offset_ += turned_about_pole(displacement_G, -turned_);
-  const double most = config_.rebin_at * config_.finest_m;
+  const double most = config_.rebin_at * config_.min_layer_m;
   if (offset_.squaredNorm() >= most * most) rebin(Eigen::Matrix3d::Identity(), -offset_);
 }
 

@@ -33,12 +33,12 @@
 namespace isobath {
 
 struct SphericalGridConfig {
-  double finest_m = 0.15;              ///< D0
+  double min_layer_m = 0.15;           ///< D0
   Angle bucket = Angle::degrees(2.5);  ///< of azimuth and elevation
   double range_m = 50;
-  double prior = 0.01;        ///< of an unseen cell
-  double occupied = 0.3;      ///< a cell is an obstacle from this on: one echo gives its cells 0.3 to 0.5
-  double most_log_odds = 10;  ///< magnitude
+  double prior = 0.01;       ///< of an unseen cell
+  double occupied = 0.3;     ///< a cell is an obstacle from this on: one echo gives its cells 0.3 to 0.5
+  double max_log_odds = 10;  ///< magnitude
   enum class Merging : std::uint8_t { kLargest, kDensity } merging = Merging::kLargest;
   double rebin_at = 0.5;    ///< of the finest layer
   int lock_echoes = 5;      ///< a cell locks after so many echoes; 0: none does

@@ -18,7 +18,7 @@ namespace isobath {
 class SphericalLayers {
  public:
   /// All arguments are positive; throws Error if they give more than 4096 layers.
-  SphericalLayers(double finest_m, Angle bucket, double range_m);
+  SphericalLayers(double min_layer_m, Angle bucket, double range_m);
 
   [[nodiscard]] int count() const { return static_cast<int>(edges_.size()) - 1; }
   /// Number of layers of the finest thickness, before the growing ones.

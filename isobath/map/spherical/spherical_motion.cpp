@@ -13,8 +13,8 @@ namespace {
 // a cell into it. The limit is less than the width, because merged contents are not boxes.
 constexpr float kWider = 0.8f * 0.8f;
 // Cells narrow towards the poles; contents are not split finer than cells at this cosine of the elevation.
-constexpr float kLeastCosine = 0.26f;
-constexpr int kMostRounds = 6;  // of halving one content in one motion
+constexpr float kMinCosine = 0.26f;
+constexpr int kMaxRounds = 6;  // of halving one content in one motion
 
 /// Converts l to Lambda = -ln(1 - P), the expected number of objects in a cell, and back.
 double number_of(double log_odds) { return log_odds > 30 ? log_odds : std::log1p(std::exp(log_odds)); }
@@ -54,7 +54,7 @@ SphericalGrid::Fit SphericalGrid::fit(const SphericalCell& content) const {
   const auto slope =
       static_cast<float>(buckets_.to_elevation_edge(d.elevation, static_cast<double>(level), static_cast<double>(z)));
   constexpr float kToHalf = 4.0f / 3;  // the centres of the halves are sqrt(3/4 variance) from the middle
-  const float wide = std::max(unit * step * step * level2, kLeastCosine * kLeastCosine * high);
+  const float wide = std::max(unit * step * step * level2, kMinCosine * kMinCosine * high);
   const std::array<float, 3> room{
       std::max(unit * room_of_layer_[static_cast<std::size_t>(layer)], kToHalf * nearest_edge * nearest_edge),
       std::max(wide, kToHalf * side * side), std::max(high, kToHalf * slope * slope)};
@@ -113,7 +113,7 @@ void SphericalGrid::split_wide() {
   for (std::uint32_t i = 0; i < fits_.size(); ++i) {
     if (fits_[i].widest < Fit::kFits) halved_.push_back(i);
   }
-  for (int round = 0; round < kMostRounds && !halved_.empty(); ++round) {
+  for (int round = 0; round < kMaxRounds && !halved_.empty(); ++round) {
     for (std::size_t k = halved_.size(); k-- > 0;) {
       SphericalCell other = halve(contents_[halved_[k]], fits_[halved_[k]]);
       halved_.push_back(static_cast<std::uint32_t>(contents_.size()));

@@ -24,7 +24,7 @@ std::uint32_t BlockPool::allocate(const Block& block) {
     free_head_ = *at(index);
     --free_count_;
   } else {
-    ISOBATH_ASSERT(end_ < kMostBlocks);
+    ISOBATH_ASSERT(end_ < kMaxBlocks);
     index = end_++;
     if (index % kBlocksPerPage == 0) pages_.emplace_back(std::make_unique<HeapPage>());
   }

@@ -28,7 +28,7 @@ class BlockPool {
   static constexpr std::uint32_t kBlocksPerPage = 1024;
   static constexpr std::uint32_t kWordsPerPage = 4 * kBlocksPerPage;
   static constexpr std::size_t kPageBytes = sizeof(std::uint32_t) * kWordsPerPage;
-  static constexpr std::uint32_t kMostBlocks = 0x7fffffff;  ///< a link is an index of 31 bits
+  static constexpr std::uint32_t kMaxBlocks = 0x7fffffff;  ///< a link is an index of 31 bits
 
   BlockPool() = default;
   /// Blocks 0 .. end - 1 in `pages` pages at `words`; `owner` keeps the pages alive, and no thread writes to them.

@@ -94,7 +94,7 @@ template <class Bound, class Leaf>
 class BestFirstSearch {
  public:
   static constexpr std::uint32_t kEmpty = 0xffffffff;  ///< a leaf that holds nothing
-  static constexpr int kMostLevels = 48;
+  static constexpr int kMaxLevels = 48;
 
   BestFirstSearch(const SquareBlocks& blocks, const Eigen::Vector2d& point, Bound bound, Leaf leaf)
       : blocks_(blocks), point_(point), bound_(bound), leaf_(leaf) {}
@@ -126,8 +126,8 @@ class BestFirstSearch {
   static bool later(const Waiting& a, const Waiting& b) { return a.squared_distance > b.squared_distance; }
 
   void descend(Waiting at) {
-    std::array<Waiting, kMostLevels> passed;
-    std::array<int, kMostLevels> entered;
+    std::array<Waiting, kMaxLevels> passed;
+    std::array<int, kMaxLevels> entered;
     int depth = 0;
     ++visited_;
     while (SquareBlocks::is_link(at.node)) {

@@ -11,7 +11,7 @@ bool tells_height(std::span<const std::string> heights, const std::string& senso
 }
 
 struct Thresholds {
-  int free, occupied, most_measured;
+  int free, occupied, max_measured;
 };
 
 /// The evidence of one layer in a block.
@@ -41,7 +41,7 @@ void pool_line(std::span<const Said> layers, int line, int prior, const Threshol
   }
   for (std::size_t k = 0; k < kSide; ++k) {
     const int occupied = -static_cast<int>(all[k] >= at.occupied), free = -static_cast<int>(all[k] <= at.free);
-    const int clear = -static_cast<int>(heights[k] <= at.free) & -static_cast<int>(all[k] <= at.most_measured) &
+    const int clear = -static_cast<int>(heights[k] <= at.free) & -static_cast<int>(all[k] <= at.max_measured) &
                       -static_cast<int>((seen[k] & 2) != 0);
     int cell = occupied & static_cast<int>(SpaceCell::kOccupied);
     cell = (free & static_cast<int>(SpaceCell::kFree)) | (~free & cell);
@@ -86,8 +86,8 @@ OccupancySnapshot::OccupancySnapshot(const VoxelMap& map, std::span<const std::s
   // 2. block by block, the pooled evidence of all sensors
   const VoxelMapConfig& config = map.config();
   const Thresholds at{to_evidence(log_odds_of(config.free)),
-                      to_evidence(log_odds_of(std::max(config.occupied, kLeastOccupied))),
-                      to_evidence(log_odds_of(kMostMeasured))};
+                      to_evidence(log_odds_of(std::max(config.occupied, kMinOccupied))),
+                      to_evidence(log_odds_of(kMaxMeasured))};
   const int prior = to_evidence(log_odds_of(config.prior));
   std::vector<std::pair<const VoxelBlocks*, bool>> layers;
   for (const std::string& sensor : map.sensors()) {

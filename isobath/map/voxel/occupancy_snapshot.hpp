@@ -1,13 +1,13 @@
 // OccupancySnapshot: the state of the voxels of a box at one instant, for planners: occupied, free, measured, or
 // unknown (Horner et al. c. 2009, 5; ledger S5-32, S5-33).
 //
-// Occupied voxels are those that the map counts as occupied and whose probability is at least `kLeastOccupied`: a voxel
+// Occupied voxels are those that the map counts as occupied and whose probability is at least `kMinOccupied`: a voxel
 // that is more likely water closes no passage by itself. Where the plan view has an obstacle, a voxel that is not
 // measured is closed all the same.
 //
 // Free voxels are those that all sensors together count as free. Measured voxels are those that the height-resolving
 // sensors (a vertical fan, or a beam that is narrow in both directions) count as free by themselves, and whose
-// probability by all sensors is at most `kMostMeasured`. A horizontal fan receives a whole vertical arc at once: the
+// probability by all sensors is at most `kMaxMeasured`. A horizontal fan receives a whole vertical arc at once: the
 // absence of an echo says little about any one place on the arc, and an echo at a berm's range applies to all heights
 // (S5-34, S5-35). A passage over or under something requires measured water.
 //
@@ -29,8 +29,8 @@ enum class SpaceCell : std::uint8_t { kUnknown, kFree, kMeasured, kOccupied };
 
 class OccupancySnapshot {
  public:
-  static constexpr double kMostMeasured = 0.2;  ///< S5-33
-  static constexpr double kLeastOccupied = 0.5;
+  static constexpr double kMaxMeasured = 0.2;  ///< S5-33
+  static constexpr double kMinOccupied = 0.5;
 
   /// Covers `reach_m` around a point of W along each axis; `heights` names the layers that resolve height.
   OccupancySnapshot(const VoxelMap& map, std::span<const std::string> heights, const Eigen::Vector3d& centre_W,

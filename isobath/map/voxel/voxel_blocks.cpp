@@ -38,8 +38,8 @@ struct Axis {
 }  // namespace
 
 LogOdds16 to_evidence(double log_odds) {
-  constexpr double kMost = std::numeric_limits<LogOdds16>::max();
-  return static_cast<LogOdds16>(std::lround(std::clamp(log_odds / kEvidenceUnit, -kMost, kMost)));
+  constexpr double kMax = std::numeric_limits<LogOdds16>::max();
+  return static_cast<LogOdds16>(std::lround(std::clamp(log_odds / kEvidenceUnit, -kMax, kMax)));
 }
 
 VoxelBlocks::VoxelBlocks(const EvidenceBounds& bounds) : bounds_(bounds) {

@@ -20,8 +20,9 @@ std::vector<Field> fields(VoxelMapConfig& c) {
       Field::real("prior", &c.prior, {0.001, 0.999}, "1", "Probability that an unseen voxel is occupied."),
       Field::real("occupied", &c.occupied, {0.05, 0.9999}, "1", "A voxel of at least this probability is occupied."),
       Field::real("free", &c.free, {0.0001, 0.5}, "1", "A voxel of at most this probability is free."),
-      Field::real("most_log_odds", &c.most_log_odds, {1, 30}, "1",
-                  "Maximum log-odds from one sensor: 6.9 is a probability of 0.001 or 0.999 on even odds."),
+      Field::real("max_log_odds", &c.max_log_odds, {1, 30}, "1",
+                  "Maximum log-odds from one sensor: 6.9 is a probability of 0.001 or 0.999 on even odds.")
+          .was("most_log_odds"),
   };
 }
 
@@ -45,11 +46,11 @@ VoxelMap::VoxelMap(const VoxelMapConfig& config) : config_(config) {
   if (!(config.free > 0 && config.free < config.occupied && config.occupied < 1)) {
     refuse("free", "free and occupied overlap", "0 < free < occupied < 1");
   }
-  if (!(config.most_log_odds > 0 && config.most_log_odds <= 31)) refuse("most_log_odds", "out of range", "0 .. 31");
+  if (!(config.max_log_odds > 0 && config.max_log_odds <= 31)) refuse("max_log_odds", "out of range", "0 .. 31");
   prior_ = steps(log_odds_of(config.prior));
   occupied_from_ = steps(log_odds_of(config.occupied));
   free_to_ = steps(log_odds_of(config.free));
-  bounds_ = {to_evidence(-config.most_log_odds), to_evidence(config.most_log_odds)};
+  bounds_ = {to_evidence(-config.max_log_odds), to_evidence(config.max_log_odds)};
 }
 
 VoxelMap::VoxelMap(VoxelMap&&) noexcept = default;

@@ -32,7 +32,7 @@ struct VoxelMapConfig {
   double prior = 0.5;
   double occupied = 0.98;
   double free = 0.2;
-  double most_log_odds = 6.9;  ///< of one layer: l_max of S5-15
+  double max_log_odds = 6.9;  ///< of one layer: l_max of S5-15
 };
 std::vector<Field> fields(VoxelMapConfig& config);
 

@@ -74,17 +74,17 @@ Result<Task, std::string> parse_task(std::string_view text) {
   return task;
 }
 
-void BackSeatDriver::hear(const Message& message, Time now, Outbox& out) {
+void BackSeatDriver::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* fix = std::get_if<Navigation>(&message)) {
     if (fix->X_WB.translation.allFinite()) vehicle_ = fix->X_WB.translation.head<2>();
   } else if (const auto* call = std::get_if<TaskCall>(&message)) {
-    take(*call, now, out);
+    on(*call, now, out);
   } else if (const auto* award = std::get_if<TaskAward>(&message)) {
-    take(*award, now, out);
+    on(*award, now, out);
   }
 }
 
-void BackSeatDriver::take(const TaskCall& call, Time now, Outbox& out) {
+void BackSeatDriver::on(const TaskCall& call, Time now, Outbox& out) {
   call_.reset();
   try {
     const auto task = parse_task(call.task);
@@ -99,7 +99,7 @@ void BackSeatDriver::take(const TaskCall& call, Time now, Outbox& out) {
   }
 }
 
-void BackSeatDriver::take(const TaskAward& award, Time now, Outbox& out) {
+void BackSeatDriver::on(const TaskAward& award, Time now, Outbox& out) {
   if (!call_ || award.id != call_->id || award.driver != name_) return;
   const auto task = parse_task(call_->task);
   const auto offered = task ? offer(*task, call_->at, vehicle_) : std::nullopt;
@@ -115,7 +115,8 @@ std::vector<Field> fields(SurveyConfig& c) {
           Field::real("breadth_m", &c.breadth_m, {1, 1e4}, "m", "Breadth across the lanes, where the task gives none."),
           Field::real("spacing_m", &c.spacing_m, {0.5, 1e3}, "m", "Distance between lanes, where the task gives none."),
           Field::real("speed", &c.speed, {0.01, 10}, "m/s", "Speed, where the mission point gives none."),
-          Field::real("most_m", &c.most_m, {1, 1e6}, "m", "Maximum total length of the lanes of a task.")};
+          Field::real("max_total_m", &c.max_total_m, {1, 1e6}, "m", "Maximum total length of the lanes of a task.")
+              .was("most_m")};
 }
 
 std::optional<BackSeatDriver::Offer> SurveyDriver::offer(const Task& task, const MissionPoint& at,
@@ -135,8 +136,9 @@ std::optional<BackSeatDriver::Offer> SurveyDriver::offer(const Task& task, const
   const Angle heading = Angle::degrees(numbers.take("heading_deg", 0, -360, 360));
   numbers.refuse_others();
   const auto lanes = static_cast<int>(std::ceil(breadth / spacing));
-  if (lanes * length > config_.most_m) {
-    throw Error(fmt::format("{} lanes of {} m are too long", lanes, length), {}, fmt::format("{} m", config_.most_m));
+  if (lanes * length > config_.max_total_m) {
+    throw Error(fmt::format("{} lanes of {} m are too long", lanes, length), {},
+                fmt::format("{} m", config_.max_total_m));
   }
 
   Vector2d along(std::cos(heading.radians()), std::sin(heading.radians()));
@@ -158,10 +160,11 @@ std::optional<BackSeatDriver::Offer> SurveyDriver::offer(const Task& task, const
 }
 
 std::vector<Field> fields(CircleConfig& c) {
-  return {Field::real("radius_m", &c.radius_m, {0.5, 5e3}, "m", "Radius of the circle, where the task gives none."),
-          Field::real("turns", &c.turns, {0.1, 1000}, "", "Number of turns, where the task gives none."),
-          Field::real("speed", &c.speed, {0.01, 10}, "m/s", "Speed, where the mission point gives none."),
-          Field::real("most_turns", &c.most_turns, {1, 1000}, "", "Maximum number of turns of a task.")};
+  return {
+      Field::real("radius_m", &c.radius_m, {0.5, 5e3}, "m", "Radius of the circle, where the task gives none."),
+      Field::real("turns", &c.turns, {0.1, 1000}, "", "Number of turns, where the task gives none."),
+      Field::real("speed", &c.speed, {0.01, 10}, "m/s", "Speed, where the mission point gives none."),
+      Field::real("max_turns", &c.max_turns, {1, 1000}, "", "Maximum number of turns of a task.").was("most_turns")};
 }
 
 std::optional<BackSeatDriver::Offer> CircleDriver::offer(const Task& task, const MissionPoint& at,
@@ -169,7 +172,7 @@ std::optional<BackSeatDriver::Offer> CircleDriver::offer(const Task& task, const
   if (task.name != "circle" && task.name != "inspect") return std::nullopt;
   Numbers numbers(task);
   const double radius = numbers.take("radius_m", config_.radius_m, std::max(0.5, turning_radius_m_), 5e3);
-  const double turns = numbers.take("turns", config_.turns, 0.1, config_.most_turns);
+  const double turns = numbers.take("turns", config_.turns, 0.1, config_.max_turns);
   numbers.refuse_others();
   const Vector2d towards = vehicle.value_or(at.north_east) - at.north_east;
   const double first = towards.norm() > 0 ? std::atan2(towards.y(), towards.x()) : 0;

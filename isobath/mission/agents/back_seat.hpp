@@ -27,7 +27,7 @@ class BackSeatDriver : public Agent {
  public:
   explicit BackSeatDriver(std::string name) : name_(std::move(name)) {}
 
-  void hear(const Message& message, Time now, Outbox& out) final;
+  void on_message(const Message& message, Time now, Outbox& out) final;
   void tick(Time, Outbox&) final {}
 
  protected:
@@ -41,8 +41,8 @@ class BackSeatDriver : public Agent {
                                                    const std::optional<Eigen::Vector2d>& vehicle) const = 0;
 
  private:
-  void take(const TaskCall& call, Time now, Outbox& out);
-  void take(const TaskAward& award, Time now, Outbox& out);
+  void on(const TaskCall& call, Time now, Outbox& out);
+  void on(const TaskAward& award, Time now, Outbox& out);
 
   std::string name_;
   std::optional<TaskCall> call_;  ///< the last call that the driver bid for
@@ -55,7 +55,7 @@ class BackSeatDriver : public Agent {
 struct SurveyConfig {
   double length_m = 60, breadth_m = 40, spacing_m = 10;  ///< where the task gives none
   double speed = 1.2;
-  double most_m = 20'000;  ///< maximum total length of all lanes
+  double max_total_m = 20'000;  ///< maximum total length of all lanes
 };
 std::vector<Field> fields(SurveyConfig& config);
 
@@ -76,7 +76,7 @@ class SurveyDriver final : public BackSeatDriver {
 struct CircleConfig {
   double radius_m = 10, turns = 1;  ///< where the task gives none
   double speed = 0.8;
-  double most_turns = 100;
+  double max_turns = 100;
 };
 std::vector<Field> fields(CircleConfig& config);
 

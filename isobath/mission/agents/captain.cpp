@@ -2,7 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/mission/agents/captain.hpp>
-#include <isobath/mission/messages/words.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
 
 namespace isobath {
 namespace {
@@ -19,15 +19,15 @@ std::vector<Field> fields(CaptainConfig& c) {
   return {Field::real("bid_s", &c.bid_s, {0, 600}, "s", "How long back-seat drivers may bid for a task.")};
 }
 
-void Captain::hear(const Message& message, Time now, Outbox& out) {
+void Captain::on_message(const Message& message, Time now, Outbox& out) {
   now_ = now;
-  if (const auto* command = std::get_if<OperatorCommand>(&message)) take(*command, out);
-  if (const auto* report = std::get_if<SafetyReport>(&message)) take(*report, out);
-  if (const auto* lost = std::get_if<AgentLost>(&message)) take(*lost, out);
-  if (const auto* refused = std::get_if<RouteRefused>(&message)) take(*refused, out);
-  if (const auto* report = std::get_if<PointReport>(&message)) take(*report, out);
-  if (const auto* report = std::get_if<MissionReport>(&message)) take(*report, out);
-  if (const auto* bid = std::get_if<TaskBid>(&message)) take(*bid);
+  if (const auto* command = std::get_if<OperatorCommand>(&message)) on(*command, out);
+  if (const auto* report = std::get_if<SafetyReport>(&message)) on(*report, out);
+  if (const auto* lost = std::get_if<AgentLost>(&message)) on(*lost, out);
+  if (const auto* refused = std::get_if<RouteRefused>(&message)) on(*refused, out);
+  if (const auto* report = std::get_if<PointReport>(&message)) on(*report, out);
+  if (const auto* report = std::get_if<MissionReport>(&message)) on(*report, out);
+  if (const auto* bid = std::get_if<TaskBid>(&message)) on(*bid);
 }
 
 void Captain::tick(Time now, Outbox& out) {
@@ -40,7 +40,7 @@ void Captain::tick(Time now, Outbox& out) {
         fmt::format("the mission has lasted {:.1f} s, {:.1f} s allowed", lasted, plan_->limits.max_duration_s), out);
 }
 
-void Captain::take(const OperatorCommand& command, Outbox& out) {
+void Captain::on(const OperatorCommand& command, Outbox& out) {
   using Kind = OperatorCommand::Kind;
   switch (command.kind) {
     case Kind::kStart: return start(command, out);
@@ -87,7 +87,7 @@ void Captain::start(const OperatorCommand& command, Outbox& out) {
   order(MissionOrder::Kind::kStart, "start", "the operator asks for it", out);
 }
 
-void Captain::take(const SafetyReport& report, Outbox& out) {
+void Captain::on(const SafetyReport& report, Outbox& out) {
   if (!report.abort) return;
   if (!report.active) {
     faults_.erase(report.fault);
@@ -97,7 +97,7 @@ void Captain::take(const SafetyReport& report, Outbox& out) {
   abort(report.end, report.fault + ": " + report.why, out);
 }
 
-void Captain::take(const AgentLost& lost, Outbox& out) {
+void Captain::on(const AgentLost& lost, Outbox& out) {
   const std::string what = fmt::format("the {} {}: {}", lost.agent, lost.hung ? "hangs" : "died", lost.why);
   if (matters(lost.agent)) {
     faults_.insert(what);
@@ -109,7 +109,7 @@ void Captain::take(const AgentLost& lost, Outbox& out) {
 }
 
 // S6-65. The Executive Officer drops a point that is not moved.
-void Captain::take(const RouteRefused& refused, Outbox& out) {
+void Captain::on(const RouteRefused& refused, Outbox& out) {
   if (refused.reason != RouteRefused::Reason::kGoalBlocked || !refused.safe_nearby) return;
   if (!plan_ || refused.point >= plan_->points.size()) return;
   const MissionPoint& point = plan_->points[refused.point];
@@ -122,7 +122,7 @@ void Captain::take(const RouteRefused& refused, Outbox& out) {
   out.say(PointMoved{refused.point, *refused.safe_nearby});
 }
 
-void Captain::take(const PointReport& report, Outbox& out) {
+void Captain::on(const PointReport& report, Outbox& out) {
   if (!plan_ || report.point >= plan_->points.size()) return;
   point_ = report.point;
   const MissionPoint& point = plan_->points[report.point];
@@ -142,7 +142,7 @@ void Captain::take(const PointReport& report, Outbox& out) {
   out.say(call_);
 }
 
-void Captain::take(const MissionReport& report, Outbox& out) {
+void Captain::on(const MissionReport& report, Outbox& out) {
   if (report.phase == phase_) return;
   phase_ = report.phase;
   const std::string text = fmt::format("mission {}: {} of {} points reached, {} dropped; {}", to_text(report.phase),
@@ -152,7 +152,7 @@ void Captain::take(const MissionReport& report, Outbox& out) {
   if (over) decide(to_text(phase_), text, out);
 }
 
-void Captain::take(const TaskBid& bid) {
+void Captain::on(const TaskBid& bid) {
   if (!bids_until_ || bid.id != call_.id || bid.driver.empty() || !(bid.suitability > 0)) return;
   if (std::isfinite(bid.suitability)) bids_[bid.driver] = bid.suitability;
 }

@@ -33,18 +33,18 @@ class Captain final : public Agent {
  public:
   explicit Captain(const CaptainConfig& config) : config_(config) {}
 
-  void hear(const Message& message, Time now, Outbox& out) override;
+  void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
 
  private:
-  void take(const OperatorCommand& command, Outbox& out);
+  void on(const OperatorCommand& command, Outbox& out);
   void start(const OperatorCommand& command, Outbox& out);
-  void take(const SafetyReport& report, Outbox& out);
-  void take(const AgentLost& lost, Outbox& out);
-  void take(const RouteRefused& refused, Outbox& out);
-  void take(const PointReport& report, Outbox& out);
-  void take(const MissionReport& report, Outbox& out);
-  void take(const TaskBid& bid);
+  void on(const SafetyReport& report, Outbox& out);
+  void on(const AgentLost& lost, Outbox& out);
+  void on(const RouteRefused& refused, Outbox& out);
+  void on(const PointReport& report, Outbox& out);
+  void on(const MissionReport& report, Outbox& out);
+  void on(const TaskBid& bid);
   void award(Outbox& out);
   void abort(MissionEnd end, const std::string& why, Outbox& out);
   void order(MissionOrder::Kind kind, const char* what, const std::string& why, Outbox& out);

@@ -12,8 +12,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kMostPixels = 1000;  // from the vehicle to the edge of the area that is read
-constexpr double kMostPixelIndex = 0x1p29;
+constexpr double kMaxPixels = 1000;  // from the vehicle to the edge of the area that is read
+constexpr double kMaxPixelIndex = 0x1p29;
 
 /// A chart in which unknown water is deep.
 class KnownShoals final : public DepthField {
@@ -42,7 +42,7 @@ class NoDepths final : public DepthField {
 };
 
 bool within_grid(const PixelGrid& grid, const Vector2d& north_east) {
-  return ((north_east - grid.corner_m) / grid.pixel_m).cwiseAbs().maxCoeff() < kMostPixelIndex;
+  return ((north_east - grid.corner_m) / grid.pixel_m).cwiseAbs().maxCoeff() < kMaxPixelIndex;
 }
 
 std::span<const ChartObstacle> objects_of(const ChartUpdate& chart) {
@@ -66,8 +66,9 @@ std::vector<Field> fields(ChartRoomConfig& c) {
   return {
       Field::real("reach_m", &c.reach_m, {1, 10000}, "m",
                   "Half the side of the square around the vehicle in which the chart is checked."),
-      Field::real("again_share", &c.again_share, {0.01, 1}, "1",
-                  "The chart is checked again when the vehicle has moved by this share of the reach."),
+      Field::real("recheck_share", &c.recheck_share, {0.01, 1}, "1",
+                  "The chart is checked again when the vehicle has moved by this share of the reach.")
+          .was("again_share"),
       Field::real("depth_step_m", &c.depth_step_m, {0.01, 100}, "m",
                   "The chart is checked again when the vehicle's depth has changed by this much."),
       Field::real("clearance_m", &c.clearance_m, {0, 1000}, "m", "Water required below the vehicle."),
@@ -75,13 +76,13 @@ std::vector<Field> fields(ChartRoomConfig& c) {
       Field::real("margin_m", &c.margin_m, {0, 1000}, "m", "How far hazards may reach beyond their outlines."),
       Field::real("overreach_m", &c.overreach_m, {0, 1000}, "m",
                   "How far outlines may reach over deep water; a larger value gives fewer outlines."),
-      Field::integer("most_outlines", &c.most_outlines, {1, 100000}, "",
-                     "Maximum number of outlines of shallow water."),
+      Field::integer("max_outlines", &c.max_outlines, {1, 100000}, "", "Maximum number of outlines of shallow water.")
+          .was("most_outlines"),
       Field::flag("unknown_blocks", &c.unknown_blocks, "Whether water of unknown depth is blocked."),
   };
 }
 
-void ChartRoom::hear(const Message& message, Time now, Outbox& out) {
+void ChartRoom::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* chart = std::get_if<ChartUpdate>(&message)) {
     chart_ = *chart;
   } else if (const auto* fix = std::get_if<Navigation>(&message)) {
@@ -100,7 +101,8 @@ bool ChartRoom::outdated() const {
   if (!p_WB_ || (!chart_.depths && !chart_.objects && !said_)) return false;
   if (!said_ || said_->version != version() || said_->objects != chart_.objects.get()) return true;
   const Vector3d moved = *p_WB_ - said_->p_WB;
-  return moved.head<2>().norm() >= config_.again_share * config_.reach_m || std::abs(moved.z()) >= config_.depth_step_m;
+  return moved.head<2>().norm() >= config_.recheck_share * config_.reach_m ||
+         std::abs(moved.z()) >= config_.depth_step_m;
 }
 
 void ChartRoom::say_hazards(Outbox& out) {
@@ -135,10 +137,10 @@ void ChartRoom::add_shoals(std::vector<Hazard>& all) const {
   const PixelGrid grid = chart_.depths->grid();
   if (!within_grid(grid, p_WB_->head<2>())) return;
   const Pixel middle = grid.at(p_WB_->head<2>());
-  const auto reach = static_cast<std::int32_t>(std::min(kMostPixels, std::ceil(config_.reach_m / grid.pixel_m)));
+  const auto reach = static_cast<std::int32_t>(std::min(kMaxPixels, std::ceil(config_.reach_m / grid.pixel_m)));
   const PixelWindow window{middle.column - reach, middle.row - reach, 2 * reach + 1, 2 * reach + 1};
   const ShoalRule rule{p_WB_->z() + config_.clearance_m, config_.unknown_blocks, config_.overreach_m,
-                       config_.most_outlines};
+                       config_.max_outlines};
   for (Polygon& outline : shoal_outlines(*chart_.depths, window, rule)) {
     Hazard& hazard = all.emplace_back();
     hazard.outline = std::move(outline);

@@ -23,13 +23,13 @@ namespace isobath {
 
 struct ChartRoomConfig {
   double reach_m = 150;         ///< half the side of the square around the vehicle
-  double again_share = 0.25;    ///< movement after which hazards are sent again, share of the reach
+  double recheck_share = 0.25;  ///< movement after which hazards are sent again, share of the reach
   double depth_step_m = 0.5;    ///< change of depth after which hazards are sent again
   double clearance_m = 1;       ///< water required below the vehicle
   double half_width_m = 2;      ///< of the corridor along a leg
   double margin_m = 0;          ///< how far hazards may reach beyond their outlines
   double overreach_m = 1;       ///< how far outlines may reach over deep water
-  int most_outlines = 1000;     ///< maximum number, of shallow water
+  int max_outlines = 1000;      ///< maximum number, of shallow water
   bool unknown_blocks = false;  ///< whether water of unknown depth is blocked
 };
 std::vector<Field> fields(ChartRoomConfig& config);
@@ -38,7 +38,7 @@ class ChartRoom final : public Agent {
  public:
   explicit ChartRoom(const ChartRoomConfig& config = {}) : config_(config) {}
 
-  void hear(const Message& message, Time now, Outbox& out) override;
+  void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time, Outbox&) override {}
 
  private:

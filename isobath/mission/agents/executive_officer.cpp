@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 #include <isobath/mission/agents/executive_officer.hpp>
-#include <isobath/mission/messages/words.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
 
 namespace isobath {
 namespace {
 
 constexpr double kAtSurface = 0.5;  // m of depth
-constexpr int kMostSteps = 1000;  // of a graph in one instant: a graph that runs in a circle must not hang the vehicle
+constexpr int kMaxSteps = 1000;  // of a graph in one instant: a graph that runs in a circle must not hang the vehicle
 
 PlanAction at_point(const char* name, std::size_t point) { return {name, {{"point", static_cast<double>(point)}}}; }
 
@@ -22,7 +22,7 @@ std::size_t add_end(PlanGraph& graph, MissionEnd end, const std::string& name, s
   if (end == MissionEnd::kReturn) {
     surface = graph.add(name + ", no way back", {"surface"});
     graph.join(first, PlanEvent::fact("returned"), finish);
-    graph.join(first, PlanEvent::above("waited", config.patience_s, index(points)), surface);
+    graph.join(first, PlanEvent::above("waited", config.route_timeout_s, index(points)), surface);
   }
   graph.join(surface, PlanEvent::below("depth", kAtSurface), finish);
   graph.join(surface, PlanEvent::timeout(config.surface_wait_s), finish);
@@ -33,8 +33,9 @@ std::size_t add_end(PlanGraph& graph, MissionEnd end, const std::string& name, s
 
 std::vector<Field> fields(ExecutiveConfig& c) {
   return {
-      Field::real("patience_s", &c.patience_s, {0, 1e6}, "s",
-                  "Total time without a route to a point after which the point is dropped."),
+      Field::real("route_timeout_s", &c.route_timeout_s, {0, 1e6}, "s",
+                  "Total time without a route to a point after which the point is dropped.")
+          .was("patience_s"),
       Field::real("move_wait_s", &c.move_wait_s, {0, 600}, "s",
                   "How long the Captain may take to move a blocked point."),
       Field::real("task_wait_s", &c.task_wait_s, {0, 1e6}, "s", "Maximum duration of a task."),
@@ -56,7 +57,7 @@ PlanGraph mission_graph(const MissionPlan& plan, const ExecutiveConfig& config) 
     const std::string name = fmt::format("point {}", i + 1);
     const std::size_t go = graph.add(name, at_point("go to", i));
     Nodes nodes{go, graph.add(name + ", drop", at_point("drop", i)), go, PlanEvent::fact("point reached", index(i))};
-    graph.join(go, PlanEvent::above("waited", config.patience_s, index(i)), nodes.drop);
+    graph.join(go, PlanEvent::above("waited", config.route_timeout_s, index(i)), nodes.drop);
     const auto then = [&](const char* what, PlanEvent over) {
       const std::size_t node = graph.add(fmt::format("{}, {}", name, what), at_point(what, i));
       graph.join(nodes.last, nodes.over, node);
@@ -93,16 +94,16 @@ ExecutiveOfficer::ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::
   for (const auto& [title, graph] : library_) check_plan_graph(graph);
 }
 
-void ExecutiveOfficer::hear(const Message& message, Time now, Outbox& out) {
+void ExecutiveOfficer::on_message(const Message& message, Time now, Outbox& out) {
   now_ = now;
   if (const auto* fix = std::get_if<Navigation>(&message)) here_ = *fix;
-  if (const auto* order = std::get_if<MissionOrder>(&message)) take(*order, out);
-  if (const auto* moved = std::get_if<PointMoved>(&message)) take(*moved, out);
-  if (const auto* route = std::get_if<RoutePlanned>(&message)) take(*route, out);
-  if (const auto* refused = std::get_if<RouteRefused>(&message)) take(*refused, out);
-  if (const auto* passed = std::get_if<WaypointPassed>(&message)) take(*passed, out);
-  if (const auto* award = std::get_if<TaskAward>(&message)) take(*award);
-  if (const auto* plan = std::get_if<TaskPlan>(&message)) take(*plan, out);
+  if (const auto* order = std::get_if<MissionOrder>(&message)) on(*order, out);
+  if (const auto* moved = std::get_if<PointMoved>(&message)) on(*moved, out);
+  if (const auto* route = std::get_if<RoutePlanned>(&message)) on(*route, out);
+  if (const auto* refused = std::get_if<RouteRefused>(&message)) on(*refused, out);
+  if (const auto* passed = std::get_if<WaypointPassed>(&message)) on(*passed, out);
+  if (const auto* award = std::get_if<TaskAward>(&message)) on(*award);
+  if (const auto* plan = std::get_if<TaskPlan>(&message)) on(*plan, out);
   if (const auto* lost = std::get_if<AgentLost>(&message)) {
     if (lost->agent == "captain") end(MissionEnd::kSurface, "the Captain is lost: " + lost->why, out);
   }
@@ -120,7 +121,7 @@ void ExecutiveOfficer::tick(Time now, Outbox& out) {
   cycle(out);
 }
 
-void ExecutiveOfficer::take(const MissionOrder& order, Outbox& out) {
+void ExecutiveOfficer::on(const MissionOrder& order, Outbox& out) {
   switch (order.kind) {
     case MissionOrder::Kind::kStart: return start(order, out);
     case MissionOrder::Kind::kAbort: return end(order.end, order.why, out);
@@ -167,7 +168,7 @@ void ExecutiveOfficer::end(MissionEnd how, const std::string& why, Outbox& out) 
   act(executor_->start(now_), out);
 }
 
-void ExecutiveOfficer::take(const PointMoved& moved, Outbox& out) {
+void ExecutiveOfficer::on(const PointMoved& moved, Outbox& out) {
   if (moved.point >= points_.size()) return;
   points_[moved.point].north_east = moved.north_east;
   if (errand_ != Errand::kPoint || point_ != moved.point) return;
@@ -175,7 +176,7 @@ void ExecutiveOfficer::take(const PointMoved& moved, Outbox& out) {
   if (!paused_) go(Errand::kPoint, points_[point_], out);
 }
 
-void ExecutiveOfficer::take(const RoutePlanned& route, Outbox& out) {
+void ExecutiveOfficer::on(const RoutePlanned& route, Outbox& out) {
   if (errand_ == Errand::kNone || paused_ || route.request != request_) return;
   if (no_way_ && phase_ == MissionPhase::kHolding) report(MissionPhase::kUnderWay, route.why, out);
   no_way_ = false;
@@ -184,7 +185,7 @@ void ExecutiveOfficer::take(const RoutePlanned& route, Outbox& out) {
   if (route.avoiding) out.say(PointReport{PointReport::Kind::kAvoiding, point_, route.why});
 }
 
-void ExecutiveOfficer::take(const RouteRefused& refused, Outbox& out) {
+void ExecutiveOfficer::on(const RouteRefused& refused, Outbox& out) {
   if (errand_ == Errand::kNone || paused_ || refused.request != request_) return;
   using Reason = RouteRefused::Reason;
   no_way_why_ = refused.why;
@@ -199,16 +200,16 @@ void ExecutiveOfficer::take(const RouteRefused& refused, Outbox& out) {
   if (phase_ == MissionPhase::kUnderWay) report(MissionPhase::kHolding, refused.why, out);
 }
 
-void ExecutiveOfficer::take(const WaypointPassed& passed, Outbox& out) {
+void ExecutiveOfficer::on(const WaypointPassed& passed, Outbox& out) {
   if (errand_ == Errand::kNone || paused_ || no_way_ || passed.version != version_ || !passed.last) return;
   arrive(passed.reached, out);
 }
 
-void ExecutiveOfficer::take(const TaskAward& award) {
+void ExecutiveOfficer::on(const TaskAward& award) {
   if (award.id == point_ + 1 && award.driver.empty()) note("task done", point_);
 }
 
-void ExecutiveOfficer::take(const TaskPlan& plan, Outbox& out) {
+void ExecutiveOfficer::on(const TaskPlan& plan, Outbox& out) {
   const PlanAction* action =
       executor_ && executor_->started() ? &executor_->graph().nodes[executor_->node()].action : nullptr;
   if (action == nullptr || action->name != "task" || plan.id != point_ + 1 || errand_ == Errand::kTask) return;
@@ -219,7 +220,7 @@ void ExecutiveOfficer::take(const TaskPlan& plan, Outbox& out) {
 
 void ExecutiveOfficer::cycle(Outbox& out) {
   if (!executor_ || paused_) return;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const PlanAction* action = executor_->cycle(now_, *this);
     if (action == nullptr) return;
     act(*action, out);

@@ -11,8 +11,8 @@
 //   waited (i)      total time without a route to point i, s; i = number of points: without a route back
 //   depth           m
 // A new route replaces the rest of the one before. Without a route the vehicle holds its position until there is one;
-// after a total of `patience_s` without a route the point is dropped. A point that is passed abeam is approached again,
-// `approaches` times in all. If the Captain is lost, the vehicle surfaces.
+// after a total of `route_timeout_s` without a route the point is dropped. A point that is passed abeam is approached
+// again, `approaches` times in all. If the Captain is lost, the vehicle surfaces.
 #pragma once
 
 #include <deque>
@@ -23,7 +23,7 @@
 namespace isobath {
 
 struct ExecutiveConfig {
-  double patience_s = 60;
+  double route_timeout_s = 60;
   double move_wait_s = 2;
   double task_wait_s = 300;
   double surface_wait_s = 120;
@@ -41,21 +41,21 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
  public:
   explicit ExecutiveOfficer(const ExecutiveConfig& config, std::map<std::string, PlanGraph> library = {});
 
-  void hear(const Message& message, Time now, Outbox& out) override;
+  void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
 
  private:
   enum class Errand : std::uint8_t { kNone, kPoint, kTask, kReturn };
 
-  void take(const MissionOrder& order, Outbox& out);
+  void on(const MissionOrder& order, Outbox& out);
   void start(const MissionOrder& order, Outbox& out);
   void end(MissionEnd how, const std::string& why, Outbox& out);
-  void take(const PointMoved& moved, Outbox& out);
-  void take(const RoutePlanned& route, Outbox& out);
-  void take(const RouteRefused& refused, Outbox& out);
-  void take(const WaypointPassed& passed, Outbox& out);
-  void take(const TaskAward& award);
-  void take(const TaskPlan& plan, Outbox& out);
+  void on(const PointMoved& moved, Outbox& out);
+  void on(const RoutePlanned& route, Outbox& out);
+  void on(const RouteRefused& refused, Outbox& out);
+  void on(const WaypointPassed& passed, Outbox& out);
+  void on(const TaskAward& award);
+  void on(const TaskPlan& plan, Outbox& out);
 
   void cycle(Outbox& out);
   void act(const PlanAction& action, Outbox& out);

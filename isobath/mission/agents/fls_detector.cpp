@@ -6,8 +6,8 @@ namespace isobath {
 
 std::vector<Field> fields(FlsDetectorConfig& c) {
   return {
-      Field::real("least_existence", &c.least_existence, {0, 1}, "1",
-                  "Obstacles less probable than this are left out."),
+      Field::real("min_existence", &c.min_existence, {0, 1}, "1", "Obstacles less probable than this are left out.")
+          .was("least_existence"),
       Field::real("margin_cells", &c.margin_cells, {0, 10}, "cells",
                   "How far an obstacle may reach beyond its outline, in cells of the grid."),
       Field::real("memory_radius_m", &c.memory_radius_m, {0, 1e5}, "m",
@@ -15,11 +15,11 @@ std::vector<Field> fields(FlsDetectorConfig& c) {
   };
 }
 
-void FlsDetector::hear(const Message& message, Time now, Outbox& out) {
+void FlsDetector::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* fix = std::get_if<Navigation>(&message)) {
     if (fix->X_WB.is_finite()) here_ = *fix;
   }
-  if (const auto* sweep = std::get_if<Sweep>(&message)) take(*sweep, out);
+  if (const auto* sweep = std::get_if<Sweep>(&message)) on(*sweep, out);
   if (const auto* order = std::get_if<MissionOrder>(&message)) {
     if (order->kind == MissionOrder::Kind::kStart && order->plan) start(*order->plan, now);
   }
@@ -34,12 +34,12 @@ void FlsDetector::tick(Time now, Outbox& out) {
   }
 }
 
-void FlsDetector::take(const Sweep& sweep, Outbox& out) {
+void FlsDetector::on(const Sweep& sweep, Outbox& out) {
   const Detection& map = *sweep.map;
   X_WL_seen_ = level(map.X_WB);
   seen_.clear();
   for (const Obstacle& o : map.obstacles) {
-    if (o.existence < config_.least_existence || o.outline.empty()) continue;
+    if (o.existence < config_.min_existence || o.outline.empty()) continue;
     seen_.push_back({o.outline, config_.margin_cells * map.cells.cell_m, HazardKind::kSeen,
                      static_cast<std::uint32_t>(seen_.size()), o.number});
   }

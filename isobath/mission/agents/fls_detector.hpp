@@ -8,7 +8,7 @@
 //               that time, and the last pose known at the next tick
 // The scan also lists all remembered obstacles around the vehicle, seen again by this sweep or not, for display.
 // Obstacles hidden by others, and those that may be echoes of a nearer one, are kept: a false obstacle costs a detour,
-// a missed one the vehicle. Only obstacles less probable than `least_existence` are left out.
+// a missed one the vehicle. Only obstacles less probable than `min_existence` are left out.
 #pragma once
 
 #include <isobath/map/occupancy/obstacle_memory.hpp>
@@ -17,7 +17,7 @@
 namespace isobath {
 
 struct FlsDetectorConfig {
-  double least_existence = 0.95;
+  double min_existence = 0.95;
   double margin_cells = 0.5;
   double memory_radius_m = 200;
 };
@@ -28,7 +28,7 @@ class FlsDetector final : public Agent {
  public:
   FlsDetector(const FlsDetectorConfig& config, const ObstacleMemoryConfig& memory) : config_(config), memory_(memory) {}
 
-  void hear(const Message& message, Time now, Outbox& out) override;
+  void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
 
  private:
@@ -36,7 +36,7 @@ class FlsDetector final : public Agent {
     Time at;
     std::vector<Polygon> outlines;  ///< in W
   };
-  void take(const Sweep& sweep, Outbox& out);
+  void on(const Sweep& sweep, Outbox& out);
   void start(const MissionPlan& plan, Time now);
   void remember(const Sweep& sweep);
   void say_scan(Time time, const Pose& X_WL, bool posed, Outbox& out);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/mission/agents/navigator.hpp>
 #include <isobath/mission/agents/way_keeping.hpp>
-#include <isobath/mission/messages/words.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
 #include <isobath/mission/plan/planner_budget.hpp>
 #include <isobath/planning/turning.hpp>
 #include <limits>
@@ -30,14 +30,14 @@ Navigator::Navigator(const NavigatorConfig& config, const RouteConfig& route, co
                      const SpaceRouteConfig& space_route)
     : config_(config), route_(route), space_route_(space_route), vehicle_(vehicle) {}
 
-void Navigator::hear(const Message& message, Time now, Outbox& out) {
+void Navigator::on_message(const Message& message, Time now, Outbox& out) {
   now_ = now;
-  if (const auto* fix = std::get_if<Navigation>(&message)) take_fix(*fix, out);
-  if (const auto* scan = std::get_if<ObstacleScan>(&message)) take_scan(*scan, out);
+  if (const auto* fix = std::get_if<Navigation>(&message)) on_fix(*fix, out);
+  if (const auto* scan = std::get_if<ObstacleScan>(&message)) on_scan(*scan, out);
   if (const auto* seen = std::get_if<OccupancyUpdate>(&message)) space_ = seen->grid;
-  if (const auto* request = std::get_if<RouteRequest>(&message)) take_request(*request, out);
-  if (const auto* passed = std::get_if<WaypointPassed>(&message)) take_passage(*passed);
-  if (const auto* action = std::get_if<SafetyAction>(&message)) take_action(*action, out);
+  if (const auto* request = std::get_if<RouteRequest>(&message)) on_request(*request, out);
+  if (const auto* passed = std::get_if<WaypointPassed>(&message)) on_passage(*passed);
+  if (const auto* action = std::get_if<SafetyAction>(&message)) on_action(*action, out);
   if (const auto* chart = std::get_if<ChartedHazards>(&message)) {
     chart_ = *chart;
     look(out);
@@ -61,7 +61,7 @@ void Navigator::tick(Time now, Outbox& out) {
 
 // A jump of the position says nothing about the water between vehicle and obstacle: the last scan, and the corners
 // round its obstacles, jump with it (S6-53).
-void Navigator::take_fix(const Navigation& fix, Outbox& out) {
+void Navigator::on_fix(const Navigation& fix, Outbox& out) {
   if (!fix.X_WB.is_finite()) return;
   const std::optional<Navigation> before = here_;
   here_ = fix;
@@ -92,7 +92,7 @@ void Navigator::take_fix(const Navigation& fix, Outbox& out) {
   look(out);
 }
 
-void Navigator::take_scan(const ObstacleScan& scan, Outbox& out) {
+void Navigator::on_scan(const ObstacleScan& scan, Outbox& out) {
   if (!scan.X_WL.is_finite()) return;
   scan_ = scan;
   if (!scan.posed && here_) scan_->X_WL = level(here_->X_WB);
@@ -102,7 +102,7 @@ void Navigator::take_scan(const ObstacleScan& scan, Outbox& out) {
   new_scan_ = false;
 }
 
-void Navigator::take_request(const RouteRequest& request, Outbox& out) {
+void Navigator::on_request(const RouteRequest& request, Outbox& out) {
   request_ = request;
   way_.clear();
   refused_.reset();
@@ -110,7 +110,7 @@ void Navigator::take_request(const RouteRequest& request, Outbox& out) {
   look(out);
 }
 
-void Navigator::take_passage(const WaypointPassed& passed) {
+void Navigator::on_passage(const WaypointPassed& passed) {
   if (passed.version != version_ || passed.index < passed_) return;
   const std::size_t behind = std::min(passed.index + 1 - passed_, way_.size());
   way_.erase(way_.begin(), way_.begin() + static_cast<std::ptrdiff_t>(behind));
@@ -120,7 +120,7 @@ void Navigator::take_passage(const WaypointPassed& passed) {
   way_.clear();
 }
 
-void Navigator::take_action(const SafetyAction& action, Outbox& out) {
+void Navigator::on_action(const SafetyAction& action, Outbox& out) {
   const bool reflex = action.kind == SafetyActionKind::kStop || action.kind == SafetyActionKind::kTurn;
   if (action.kind != action_ && request_) {
     look_at_tick_ = true;
@@ -253,7 +253,7 @@ void Navigator::start(View& view, Outbox& out) {
 
 Result<RoutePath, RouteRefusal> Navigator::search(const View& view) const {
   RouteConfig config = route_;
-  config.most_expanded = most_expanded();
+  config.max_expanded = max_expanded();
   RouteTask task;
   task.start = view.way.front();
   task.goal = view.goal;
@@ -283,9 +283,9 @@ double Navigator::wanted_speed() const {
   return request_->target.speed > 0 ? request_->target.speed : (plan_ ? plan_->speed : 1);
 }
 
-int Navigator::most_expanded() const {
+int Navigator::max_expanded() const {
   const int factor = mode_ == Mode::kEmergency ? config_.emergency_factor : 1;
-  const double all = budget_share_ * route_.most_expanded * factor;
+  const double all = budget_share_ * route_.max_expanded * factor;
   return static_cast<int>(std::clamp<double>(all, 1, std::numeric_limits<int>::max()));
 }
 

@@ -49,7 +49,7 @@ class Navigator : public Agent {
   Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
             const SpaceRouteConfig& space_route = {});
 
-  void hear(const Message& message, Time now, Outbox& out) override;
+  void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
 
  private:
@@ -78,11 +78,11 @@ class Navigator : public Agent {
     int obstacle_number = 0;
   };
 
-  void take_fix(const Navigation& fix, Outbox& out);
-  void take_scan(const ObstacleScan& scan, Outbox& out);
-  void take_request(const RouteRequest& request, Outbox& out);
-  void take_passage(const WaypointPassed& passed);
-  void take_action(const SafetyAction& action, Outbox& out);
+  void on_fix(const Navigation& fix, Outbox& out);
+  void on_scan(const ObstacleScan& scan, Outbox& out);
+  void on_request(const RouteRequest& request, Outbox& out);
+  void on_passage(const WaypointPassed& passed);
+  void on_action(const SafetyAction& action, Outbox& out);
 
   void look(Outbox& out);
   [[nodiscard]] std::optional<Refusal> blind() const;
@@ -93,7 +93,7 @@ class Navigator : public Agent {
   void shorten(View& view, Outbox& out);
   void start(View& view, Outbox& out);
   [[nodiscard]] Result<RoutePath, RouteRefusal> search(const View& view) const;
-  [[nodiscard]] int most_expanded() const;
+  [[nodiscard]] int max_expanded() const;
   [[nodiscard]] Refusal refusal_of(RouteRefusal refusal, const View& view) const;
 
   [[nodiscard]] double turning_radius() const;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/mission/agents/navigator.hpp>
 #include <isobath/mission/agents/way_keeping.hpp>
-#include <isobath/mission/messages/words.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
 
 namespace isobath {
 
@@ -25,7 +25,7 @@ Navigator::Refusal Navigator::refusal_of(RouteRefusal refusal, const View& view)
       return {
           RouteRefused::Reason::kOutOfBudget,
           fmt::format(
-              "no path within {} expansions{}{}", route_.most_expanded,
+              "no path within {} expansions{}{}", route_.max_expanded,
               mode_ == Mode::kEmergency ? fmt::format(" times {}", config_.emergency_factor) : "",
               budget_share_ < 1 ? fmt::format(", of which the computer leaves a share of {:g}", budget_share_) : "")};
     case RouteRefusal::kCannotTurn:

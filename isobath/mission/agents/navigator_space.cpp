@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/mission/agents/navigator.hpp>
-#include <isobath/mission/messages/words.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
 
 namespace isobath {
 
@@ -31,10 +31,10 @@ SpaceRouteTask Navigator::space_task(std::span<const Hazard> hazards) const {
   if (task.turning_radius_m > 0) task.heading = here_->X_WB.rotation.heading();
   task.steepest = vehicle_.min_speed > 0 ? limits.max_climb_rate / std::max(wanted_speed(), vehicle_.min_speed)
                                          : std::numeric_limits<double>::infinity();
-  task.most_depth_m = limits.max_depth;
+  task.max_depth_m = limits.max_depth;
   if (plan_) {
-    task.least_depth_m = plan_->limits.min_depth_m;
-    task.most_depth_m = std::min(task.most_depth_m, plan_->limits.max_depth_m);
+    task.min_depth_m = plan_->limits.min_depth_m;
+    task.max_depth_m = std::min(task.max_depth_m, plan_->limits.max_depth_m);
   }
   task.hazards = hazards;
   return task;
@@ -81,7 +81,7 @@ std::optional<SpaceRoutePath> Navigator::search_space(View& view, std::optional<
   if (plane_m && *plane_m <= straight + config_.switch_m) return {};
   if (!is_finite(space_task({}))) return {};
   SpaceRouteConfig config = space_route_;
-  config.most_expanded = static_cast<int>(std::max(1.0, budget_share_ * space_route_.most_expanded));
+  config.max_expanded = static_cast<int>(std::max(1.0, budget_share_ * space_route_.max_expanded));
   const Space& space = space_of(view);
   auto path = plan_space_route(space.room, space.task, config);
   if (!path || (plane_m && path->length_m + config_.switch_m > *plane_m)) return {};

@@ -24,9 +24,9 @@ Pilot::Pilot(const PilotConfig& config, const GuidanceConfig& guidance, const St
       station_(station, vehicle),
       depth_(depth, vehicle) {}
 
-void Pilot::hear(const Message& message, Time, Outbox&) {
-  if (const auto* order = std::get_if<FollowOrder>(&message)) take(*order);
-  if (const auto* reading = std::get_if<RangeReading>(&message)) take(*reading);
+void Pilot::on_message(const Message& message, Time, Outbox&) {
+  if (const auto* order = std::get_if<FollowOrder>(&message)) on(*order);
+  if (const auto* reading = std::get_if<RangeReading>(&message)) on(*reading);
   if (const auto* fix = std::get_if<Navigation>(&message)) {
     if (fix->X_WB.is_finite()) here_ = *fix;
   }
@@ -34,7 +34,7 @@ void Pilot::hear(const Message& message, Time, Outbox&) {
     if (order->kind == MissionOrder::Kind::kStart && order->plan) take_limits(order->plan->limits);
   }
   if (const auto* lost = std::get_if<AgentLost>(&message)) {
-    if (lost->agent == "executive officer") take(FollowOrder{0, {}, {}, true});
+    if (lost->agent == "executive officer") on(FollowOrder{0, {}, {}, true});
   }
 }
 
@@ -51,7 +51,7 @@ void Pilot::tick(Time now, Outbox& out) {
   out.say(HelmOrder{task_ == Task::kSurface ? wanted : at_its_depth(wanted, now)});
 }
 
-void Pilot::take(const FollowOrder& order) {
+void Pilot::on(const FollowOrder& order) {
   order_ = order;
   told_ = 0;
   if (order.waypoints.empty() || order.surface) return hold_where_it_stops();
@@ -64,9 +64,9 @@ void Pilot::take(const FollowOrder& order) {
   }
 }
 
-void Pilot::take(const RangeReading& reading) {
+void Pilot::on(const RangeReading& reading) {
   if (!here_) return;
-  depth_.hear({reading.time, reading.range_m, reading.max_range_m, reading.width, reading.X_BS}, here_->X_WB);
+  depth_.on_altimeter({reading.time, reading.range_m, reading.max_range_m, reading.width, reading.X_BS}, here_->X_WB);
 }
 
 void Pilot::take_limits(const MissionLimits& limits) {

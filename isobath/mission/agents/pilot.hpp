@@ -32,13 +32,13 @@ class Pilot final : public Agent {
   Pilot(const PilotConfig& config, const GuidanceConfig& guidance, const StationConfig& station,
         const DepthKeeperConfig& depth, const VehicleParameters& vehicle);
 
-  void hear(const Message& message, Time now, Outbox& out) override;
+  void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
 
  private:
   enum class Task : std::uint8_t { kNone, kFollow, kHold, kSurface };
-  void take(const FollowOrder& order);
-  void take(const RangeReading& reading);
+  void on(const FollowOrder& order);
+  void on(const RangeReading& reading);
   void take_limits(const MissionLimits& limits);
   void hold_where_it_stops();
   Setpoint follow(double dt, Outbox& out);

@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kMostRows = 64;  // of one outline: each added row checks all of them
+constexpr std::size_t kMaxRows = 64;  // of one outline: each added row checks all of them
 
 /// Which cells of a rectangle are blocked. Columns count east, rows south.
 struct Mask {
@@ -93,7 +93,7 @@ struct Strip {
   [[nodiscard]] bool touches(const Run& run) const { return runs.back().touches(run); }
   /// Returns false and changes nothing where the hull would reach over a row by more than `overreach` cells.
   bool grow(const Run& run, double overreach) {
-    if (runs.size() >= kMostRows) return false;
+    if (runs.size() >= kMaxRows) return false;
     Strip grown = *this;
     grown.add(run);
     if (grown.reaches_over(overreach + 1e-9)) return false;
@@ -157,7 +157,7 @@ std::vector<Polygon> shoal_outlines(const DepthField& map, PixelWindow window, c
   const PixelGrid grid = map.grid();
   Mask mask = mask_of(map, window, rule);
   std::vector<Polygon> outlines = strips_of(mask, rule.overreach_m / grid.pixel_m);
-  while (outlines.size() > static_cast<std::size_t>(rule.most_outlines) && mask.width + mask.height > 2) {
+  while (outlines.size() > static_cast<std::size_t>(rule.max_outlines) && mask.width + mask.height > 2) {
     mask = coarser(mask);
     outlines = strips_of(mask, rule.overreach_m / (grid.pixel_m * mask.pixels));
   }

@@ -19,7 +19,7 @@ struct ShoalRule {
   double depth_m = 1;           ///< shallower than this is blocked
   bool unknown_blocks = false;  ///< whether water of unknown depth is blocked too
   double overreach_m = 1;
-  int most_outlines = 1000;
+  int max_outlines = 1000;
 };
 
 /// Convex, in the positive sense, north and east in m.

@@ -22,13 +22,14 @@ void send(FrameBytes bytes, Outbox& out) { out.say(LinkFrame{LinkFrame::Way::kTo
 std::vector<Field> fields(SignalingConfig& c) {
   return {Field::real("repeat_s", &c.repeat_s, {0.01, 3600}, "s",
                       "Interval after which an unacknowledged message is sent again."),
-          Field::real("beat_limit_s", &c.beat_limit_s, {0.1, 1e6}, "s",
-                      "The link to an operator who was connected is lost after this time without a frame.")};
+          Field::real("heartbeat_limit_s", &c.heartbeat_limit_s, {0.1, 1e6}, "s",
+                      "The link to an operator who was connected is lost after this time without a frame.")
+              .was("beat_limit_s")};
 }
 
-void SignalingOfficer::hear(const Message& message, Time now, Outbox& out) {
+void SignalingOfficer::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* frame = std::get_if<LinkFrame>(&message)) {
-    if (frame->way == LinkFrame::Way::kFromOperator) take(*frame, now, out);
+    if (frame->way == LinkFrame::Way::kFromOperator) on(*frame, now, out);
   } else if (const auto* status = std::get_if<StatusReport>(&message)) {
     status_ = *status;
     end_.send(to_bytes(status_), true);
@@ -43,7 +44,7 @@ void SignalingOfficer::tick(Time now, Outbox& out) {
   say_health(HealthState::kLost, fmt::format("no frame for {:.1f} s", to_seconds(now - *last_heard_)), now, out);
 }
 
-void SignalingOfficer::take(const LinkFrame& frame, Time now, Outbox& out) {
+void SignalingOfficer::on(const LinkFrame& frame, Time now, Outbox& out) {
   LinkEnd::Received received = end_.receive(frame.bytes);
   if (!received.valid) return;
   last_heard_ = now;
@@ -51,14 +52,14 @@ void SignalingOfficer::take(const LinkFrame& frame, Time now, Outbox& out) {
   lost_ = false;
   if (received.answer) send(std::move(*received.answer), out);
   if (received.word) {
-    take_word(*received.word, now, out);
+    on_word(*received.word, now, out);
   } else {
     out.say(OperatorCommand{OperatorCommand::Kind::kBeat});
     send_due(now, out);  // an acknowledgement lets the next message follow
   }
 }
 
-void SignalingOfficer::take_word(const FrameBytes& word, Time now, Outbox& out) {
+void SignalingOfficer::on_word(const FrameBytes& word, Time now, Outbox& out) {
   try {
     out.say(command_of(word));
   } catch (const Error& error) {

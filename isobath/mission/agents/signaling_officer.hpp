@@ -3,8 +3,8 @@
 // Receives LinkFrame (from the operator) and StatusReport. Sends OperatorCommand, LinkFrame (to the operator), Health
 // of "operator link" and Decision. A command is passed to the agents once, however often it arrived. Only the newest
 // status report is sent, until it is acknowledged. Any whole frame is a heartbeat. An operator who was connected and
-// then silent for `beat_limit_s` is lost until the next frame; an operator who was never connected is not missed. A
-// command that cannot be read, or that has an invalid mission, is refused: the operator receives the reason, and the
+// then silent for `heartbeat_limit_s` is lost until the next frame; an operator who was never connected is not missed.
+// A command that cannot be read, or that has an invalid mission, is refused: the operator receives the reason, and the
 // agents receive nothing.
 #pragma once
 
@@ -16,23 +16,23 @@ namespace isobath {
 
 struct SignalingConfig {
   double repeat_s = 2;
-  double beat_limit_s = 30;
+  double heartbeat_limit_s = 30;
 };
 std::vector<Field> fields(SignalingConfig& config);
 
 class SignalingOfficer final : public Agent {
  public:
   explicit SignalingOfficer(const SignalingConfig& config = {})
-      : end_(seconds(config.repeat_s)), beat_limit_(seconds(config.beat_limit_s)) {}
+      : end_(seconds(config.repeat_s)), beat_limit_(seconds(config.heartbeat_limit_s)) {}
 
-  void hear(const Message& message, Time now, Outbox& out) override;
+  void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
 
   [[nodiscard]] const LinkEnd& link() const { return end_; }
 
  private:
-  void take(const LinkFrame& frame, Time now, Outbox& out);
-  void take_word(const FrameBytes& word, Time now, Outbox& out);
+  void on(const LinkFrame& frame, Time now, Outbox& out);
+  void on_word(const FrameBytes& word, Time now, Outbox& out);
   void send_due(Time now, Outbox& out);
 
   LinkEnd end_;

@@ -24,7 +24,7 @@ struct MissionConfig {
   StationConfig station;
   DepthKeeperConfig depth_keeping;
   FlsDetectorConfig fls_detector;
-  ObstacleMemoryConfig memory = {.least_seen = 0.95, .confirmations = 3};  ///< only sure obstacles are kept
+  ObstacleMemoryConfig memory = {.min_initial_existence = 0.95, .confirmations = 3};  ///< only sure obstacles are kept
   ChartRoomConfig chart_room;
   SignalingConfig signaling;
   SurveyConfig survey;

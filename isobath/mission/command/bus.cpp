@@ -89,8 +89,8 @@ Envelope Bus::post(std::string sender, Message message, Time now) {
 
 std::optional<std::string> Bus::take_recorder_loss() { return std::exchange(recorder_loss_, std::nullopt); }
 
-Turn hear_in_turn(Agent& agent, const Message& message, Time now) {
-  return turn_of([&](Outbox& out) { agent.hear(message, now, out); });
+Turn deliver_in_turn(Agent& agent, const Message& message, Time now) {
+  return turn_of([&](Outbox& out) { agent.on_message(message, now, out); });
 }
 
 Turn tick_in_turn(Agent& agent, Time now) {

@@ -68,7 +68,7 @@ struct Turn {
   std::vector<Message> said;
   std::optional<std::string> died;
 };
-Turn hear_in_turn(Agent& agent, const Message& message, Time now);
+Turn deliver_in_turn(Agent& agent, const Message& message, Time now);
 Turn tick_in_turn(Agent& agent, Time now);
 
 }  // namespace isobath

@@ -39,14 +39,15 @@ const char* to_text(HelmState state) {
 
 std::vector<Field> fields(CommandArbiterConfig& c) {
   return {
-      Field::real("order_patience", &c.patience_s, {0.1, 60}, "s",
-                  "The vehicle stops when it has had no order for this long."),
+      Field::real("order_timeout_s", &c.order_timeout_s, {0.1, 60}, "s",
+                  "The vehicle stops when it has had no order for this long.")
+          .was("order_patience"),
       Field::text("safety_officer", &c.safety_officer,
                   "The agent whose loss makes the vehicle surface; empty: no such agent."),
   };
 }
 
-void CommandArbiter::take_action(SafetyAction action) {
+void CommandArbiter::on_action(SafetyAction action) {
   const bool steers = action.kind == SafetyActionKind::kTurn || action.kind == SafetyActionKind::kSlow;
   const bool backwards = action.kind == SafetyActionKind::kSlow && action.setpoint.speed < 0;
   if (steers && (!finite_setpoint(action.setpoint) || backwards)) {
@@ -56,7 +57,7 @@ void CommandArbiter::take_action(SafetyAction action) {
   action_ = std::move(action);
 }
 
-void CommandArbiter::hear(const Message& message, Time now) {
+void CommandArbiter::on_message(const Message& message, Time now) {
   if (const auto* command = std::get_if<OperatorCommand>(&message)) {
     if (command->kind == OperatorCommand::Kind::kStart && !first_) first_ = now;
   }
@@ -72,7 +73,7 @@ void CommandArbiter::hear(const Message& message, Time now) {
     order_ = *order;
     ordered_ = now;
   } else if (const auto* action = std::get_if<SafetyAction>(&message)) {
-    take_action(*action);
+    on_action(*action);
   } else if (const auto* lost = std::get_if<AgentLost>(&message)) {
     if (!config_.safety_officer.empty() && lost->agent == config_.safety_officer) safety_lost_ = lost->why;
   } else if (const auto* navigation = std::get_if<Navigation>(&message)) {
@@ -91,8 +92,8 @@ CommandArbiter::Verdict CommandArbiter::judge(Time now) const {
   if (action_.kind == SafetyActionKind::kTurn) return acted(HelmState::kTurn);
   if (action_.kind == SafetyActionKind::kStop) return acted(HelmState::kStop);
   const Time since = order_ ? ordered_ : first_.value_or(now);
-  if (now - since > seconds(config_.patience_s)) {
-    return {HelmState::kStop, "no order", fmt::format("no order for the vehicle for {} s", config_.patience_s)};
+  if (now - since > seconds(config_.order_timeout_s)) {
+    return {HelmState::kStop, "no order", fmt::format("no order for the vehicle for {} s", config_.order_timeout_s)};
   }
   if (!order_) return {HelmState::kWaiting, "", "no order has come yet"};
   if (action_.kind == SafetyActionKind::kSlow) return acted(HelmState::kSlow);

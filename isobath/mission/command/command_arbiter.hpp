@@ -4,10 +4,10 @@
 //
 //   surface   the Safety Officer is lost: depth 0 on the heading of that instant; or it orders this: on its heading
 //   turn      the Safety Officer's set-point
-//   stop      the Safety Officer orders it, or no order for `patience_s`: speed 0, heading and depth of that instant
+//   stop      the Safety Officer orders it, or no order for `order_timeout_s`: speed 0, heading and depth then
 //   slow      the order, no faster than the action allows
 //   orders    the order
-//   waiting   no order yet, for `patience_s` after the operator's command to start: speed 0 where the vehicle is
+//   waiting   no order yet, for `order_timeout_s` after the operator's command to start: speed 0 where the vehicle is
 // The first state that applies is taken. A vehicle that needs forward speed to hold its depth cannot stop: it surfaces
 // at its minimum speed, and is never slowed below that speed. An order that is not finite is ignored; an action that is
 // not finite counts as a stop. Heading and depth are those of the vehicle's own navigation, or the last commanded ones
@@ -32,7 +32,7 @@ enum class HelmState : std::uint8_t { kWaiting, kOrders, kSlow, kStop, kTurn, kS
 const char* to_text(HelmState state);
 
 struct CommandArbiterConfig {
-  double patience_s = 2;
+  double order_timeout_s = 2;
   std::string safety_officer = "safety officer";  ///< name of the agent; empty: there is none
 };
 std::vector<Field> fields(CommandArbiterConfig& config);
@@ -42,7 +42,7 @@ class CommandArbiter {
   CommandArbiter(const CommandArbiterConfig& config, const VehicleParameters& vehicle)
       : config_(config), vehicle_(vehicle), deepest_(vehicle.limits.max_depth) {}
 
-  void hear(const Message& message, Time now);
+  void on_message(const Message& message, Time now);
   Setpoint steer(Time now);
 
   [[nodiscard]] HelmState state() const { return state_; }
@@ -60,7 +60,7 @@ class CommandArbiter {
   [[nodiscard]] Verdict judge(Time now) const;
   [[nodiscard]] Setpoint setpoint() const;
   [[nodiscard]] Setpoint allowed(Setpoint wanted) const;
-  void take_action(SafetyAction action);
+  void on_action(SafetyAction action);
 
   CommandArbiterConfig config_;
   VehicleParameters vehicle_;

@@ -10,10 +10,12 @@ std::vector<Field> fields(ExecutorConfig& c) {
   std::vector<Field> all = {
       Field::integer("missed_ticks", &c.missed_ticks, {1, 600}, "1",
                      "An agent that misses this many ticks (ten a second) in a row is lost."),
-      Field::integer("most_said", &c.most_said, {1, 100000}, "1",
-                     "Maximum number of messages of an agent between two ticks; further ones are dropped."),
-      Field::integer("most_ticks", &c.most_ticks, {1, 100000}, "1",
-                     "Maximum number of ticks that are made up for when the clock jumps ahead."),
+      Field::integer("max_messages", &c.max_messages, {1, 100000}, "1",
+                     "Maximum number of messages of an agent between two ticks; further ones are dropped.")
+          .was("most_said"),
+      Field::integer("max_ticks", &c.max_ticks, {1, 100000}, "1",
+                     "Maximum number of ticks that are made up for when the clock jumps ahead.")
+          .was("most_ticks"),
       Field::integer(
           "mailbox", &c.mailbox, {16, 1000000}, "1",
           "Maximum number of messages that wait for an agent in a thread of its own; the oldest are dropped."),
@@ -51,7 +53,7 @@ Executor::Executor(std::vector<AgentSlot> slots, const VehicleParameters& vehicl
   }
 }
 
-bool Executor::hear(Message sensed, Time now) {
+bool Executor::on_message(Message sensed, Time now) {
   if (!set_clock(now)) return false;
   post(kFromOutside, std::move(sensed));
   settle();
@@ -103,8 +105,8 @@ bool Executor::set_clock(Time now) {
   }
   back_ = false;
   const auto due = now < next_tick_ ? 0 : (now - next_tick_) / kTick + 1;
-  if (due > config_.most_ticks) {
-    const auto skipped = due - config_.most_ticks;
+  if (due > config_.max_ticks) {
+    const auto skipped = due - config_.max_ticks;
     counts_.skipped_ticks += static_cast<std::uint64_t>(skipped);
     decide("skip ticks",
            fmt::format("the clock jumped ahead by {:.3f} s: {} ticks were skipped", to_seconds(now - now_), skipped));
@@ -150,7 +152,7 @@ void Executor::drain() {
     queue_.pop_front();
     for (Member& m : members_) {
       if (m.lost || m.hanging) continue;
-      end_turn(m, m.dying ? Turn{{}, "killed"} : hear_in_turn(*m.slot.agent, envelope.message, now_));
+      end_turn(m, m.dying ? Turn{{}, "killed"} : deliver_in_turn(*m.slot.agent, envelope.message, now_));
     }
   }
 }
@@ -158,10 +160,11 @@ void Executor::drain() {
 void Executor::end_turn(Member& m, Turn turn) {
   if (turn.died) return lose(m, false, *turn.died);
   for (Message& message : turn.said) {
-    if (m.said == config_.most_said) {
-      decide("cut", fmt::format("the {} sent more than {} messages between two ticks", m.slot.name, config_.most_said));
+    if (m.said == config_.max_messages) {
+      decide("cut",
+             fmt::format("the {} sent more than {} messages between two ticks", m.slot.name, config_.max_messages));
     }
-    if (m.said++ < config_.most_said) {
+    if (m.said++ < config_.max_messages) {
       post(m.slot.name, std::move(message));
     } else {
       ++counts_.cut;
@@ -177,7 +180,7 @@ void Executor::lose(Member& m, bool hung, const std::string& why) {
 
 void Executor::post(const std::string& sender, Message message) {
   queue_.push_back(bus_.post(sender, std::move(message), now_));
-  arbiter_.hear(queue_.back().message, now_);
+  arbiter_.on_message(queue_.back().message, now_);
 }
 
 void Executor::decide(const char* what, std::string reason) {

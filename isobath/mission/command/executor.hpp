@@ -2,7 +2,7 @@
 // ledger S6-32, S6-33).
 //
 //   Executor executor(std::move(slots), parameters_of(model), config, [&](const Envelope& e) { log.write(e); });
-//   executor.hear(navigation, time);       // for each sensor input
+//   executor.on_message(navigation, time);  // for each sensor input
 //   vehicle.obey(executor.helm(time));
 //
 // The clock starts with the first call and ticks every 0.1 s after that. At each tick, the agents take their turns in
@@ -11,9 +11,9 @@
 // that are due come before sensor input of the same instant.
 //
 // Supervision: an agent that throws is dead; one that misses `missed_ticks` ticks is hung. A lost agent gets no further
-// turn; all others receive AgentLost and go on. The messages of an agent beyond `most_said` between two ticks are
+// turn; all others receive AgentLost and go on. The messages of an agent beyond `max_messages` between two ticks are
 // dropped, counted, and reported by a Decision. A clock that goes back is refused and counted. If the clock jumps ahead
-// by more than `most_ticks` ticks, the first of them are skipped, and a Decision reports it.
+// by more than `max_ticks` ticks, the first of them are skipped, and a Decision reports it.
 //
 // Deterministic: the same calls give the same envelopes and set-points. One thread at a time. Cost: 0.8 us a message
 // for nine agents that do nothing.
@@ -28,8 +28,8 @@ namespace isobath {
 
 struct ExecutorConfig {
   int missed_ticks = 5;
-  int most_said = 256;
-  int most_ticks = 50;
+  int max_messages = 256;
+  int max_ticks = 50;
   int mailbox = 1024;  ///< maximum number of messages that wait for one agent; ThreadedExecutor only
   CommandArbiterConfig arbiter;
 };
@@ -55,8 +55,9 @@ class Executor {
   Executor(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config = {},
            Recorder recorder = {});
 
-  /// `hear` and `advance` return false where the time is before that of an earlier call; the call is then refused.
-  bool hear(Message sensed, Time now);
+  /// `on_message` and `advance` return false where the time is before that of an earlier call; the call is then
+  /// refused.
+  bool on_message(Message sensed, Time now);
   bool advance(Time now);
   /// The set-point from now on; that of the latest instant where `now` is before it.
   Setpoint helm(Time now);

@@ -82,7 +82,7 @@ void ThreadedExecutor::State::put(Post& post, Post::Item item) {
 void ThreadedExecutor::State::say(const std::string& sender, Message message) {
   const Time at = now();
   const auto envelope = std::make_shared<const Envelope>(bus.post(sender, std::move(message), at));
-  arbiter.hear(envelope->message, at);
+  arbiter.on_message(envelope->message, at);
   std::vector<std::string> overfull;
   for (const auto& post : posts) {
     if (post->lost) continue;
@@ -140,10 +140,10 @@ void ThreadedExecutor::State::steer(Time at) {
 void ThreadedExecutor::State::end_turn(Post& post, Turn turn) {
   if (turn.died) return lose(post, false, *turn.died);
   for (Message& message : turn.said) {
-    if (post.said == config.most_said) {
-      decide("cut", fmt::format("the {} sent more than {} messages between two ticks", post.name, config.most_said));
+    if (post.said == config.max_messages) {
+      decide("cut", fmt::format("the {} sent more than {} messages between two ticks", post.name, config.max_messages));
     }
-    if (post.said++ < config.most_said) {
+    if (post.said++ < config.max_messages) {
       say(post.name, std::move(message));
     } else {
       ++counts.cut;
@@ -168,7 +168,7 @@ void ThreadedExecutor::State::run(const std::shared_ptr<State>& state, const std
     const bool dies = post->dying;
     lock.unlock();
     Turn turn = dies            ? Turn{{}, "killed"}
-                : item.envelope ? hear_in_turn(*post->agent, item.envelope->message, item.time)
+                : item.envelope ? deliver_in_turn(*post->agent, item.envelope->message, item.time)
                                 : tick_in_turn(*post->agent, item.time);
     lock.lock();
     post->turn_since.reset();
@@ -226,7 +226,7 @@ void ThreadedExecutor::stop() {
   }
 }
 
-void ThreadedExecutor::hear(Message sensed) {
+void ThreadedExecutor::on_message(Message sensed) {
   const std::lock_guard lock(state_->mutex);
   state_->say(kFromOutside, std::move(sensed));
 }

@@ -30,7 +30,7 @@ class ThreadedExecutor {
   ThreadedExecutor& operator=(const ThreadedExecutor&) = delete;
   ~ThreadedExecutor();
 
-  void hear(Message sensed);
+  void on_message(Message sensed);
   /// Runs the ticks that are due, the watchdog and the helm; must be called at least ten times a second of the clock.
   void advance();
   /// Advances, and returns the set-point from now on.

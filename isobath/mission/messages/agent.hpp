@@ -2,7 +2,7 @@
 // S6-33). An agent keeps its own state, knows no other agent, and puts its messages into the Outbox that it is given.
 // It may throw: the executor then counts it as dead, and the other agents go on.
 //
-// `hear` and `tick` are never called at the same time for one agent; two agents may run in two threads.
+// `on_message` and `tick` are never called at the same time for one agent; two agents may run in two threads.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ class Agent {
   virtual ~Agent() = default;
 
   /// `now`: the logical time of delivery, never before that of an earlier call.
-  virtual void hear(const Message& message, Time now, Outbox& out) = 0;
+  virtual void on_message(const Message& message, Time now, Outbox& out) = 0;
   /// Called ten times a second of logical time.
   virtual void tick(Time now, Outbox& out) = 0;
 };

@@ -89,7 +89,7 @@ struct SonarHealthSample {
 struct SonarEchoes {
   Time time;
   Pose X_WL;                              ///< at the instant of the ping; the frame of the echoes
-  double blind_m = 0;                     ///< blanking distance: the sonar receives no nearer echoes
+  double blanking_m = 0;                  ///< blanking distance: the sonar receives no nearer echoes
   std::vector<Eigen::Vector2d> echoes_L;  ///< x forward, y starboard, m; at most one a beam, the nearest
 };
 

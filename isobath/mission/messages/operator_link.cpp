@@ -10,7 +10,7 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::size_t kHead = 20;
 constexpr std::size_t kTail = 4;
-constexpr std::size_t kMostText = 1000;  // bytes of a status
+constexpr std::size_t kMaxText = 1000;  // bytes of a status
 
 void put(FrameBytes& out, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
@@ -120,13 +120,13 @@ FrameBytes to_bytes(const StatusReport& status) {
   FrameBytes out{'s', static_cast<std::uint8_t>(status.phase)};
   put(out, status.point, 4);
   put(out, status.points, 4);
-  const std::string text = status.text.substr(0, kMostText);
+  const std::string text = status.text.substr(0, kMaxText);
   out.insert(out.end(), text.begin(), text.end());
   return out;
 }
 
 std::optional<StatusReport> status_of(Bytes word) {
-  if (word.size() < 10 || word.size() > 10 + kMostText || word[0] != 's' ||
+  if (word.size() < 10 || word.size() > 10 + kMaxText || word[0] != 's' ||
       word[1] > static_cast<std::uint8_t>(MissionPhase::kAborted)) {
     return std::nullopt;
   }
@@ -149,7 +149,7 @@ std::vector<FrameBytes> OperatorConsole::due(Time now) {
   return frames;
 }
 
-std::optional<StatusReport> OperatorConsole::hear(Bytes bytes) {
+std::optional<StatusReport> OperatorConsole::on_frame(Bytes bytes) {
   LinkEnd::Received received = end_.receive(bytes);
   if (received.answer) answers_.push_back(std::move(*received.answer));
   return received.word ? status_of(*received.word) : std::nullopt;

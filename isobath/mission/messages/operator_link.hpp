@@ -91,7 +91,7 @@ class OperatorConsole {
   /// The frames to transmit to the vehicle now, heartbeats included.
   std::vector<FrameBytes> due(Time now);
   /// Takes a frame from the vehicle; the acknowledgement goes with the next `due`.
-  std::optional<StatusReport> hear(std::span<const std::uint8_t> bytes);
+  std::optional<StatusReport> on_frame(std::span<const std::uint8_t> bytes);
   [[nodiscard]] bool all_acknowledged() const { return end_.all_acknowledged(); }
 
  private:

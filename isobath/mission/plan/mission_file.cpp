@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr Range kMetres{-kMostMetres, kMostMetres};
+constexpr Range kMetres{-kMaxMetres, kMaxMetres};
 constexpr Range kLatitude{-90, 90};
 constexpr Range kLongitude{-180, 180};
 
@@ -23,7 +23,7 @@ Field end_field(std::string name, MissionEnd* end, std::string sentence) {
 
 std::vector<Field> mission_fields(MissionKeys& k) {
   return {Field::text("title", &k.plan.title, "Title of the mission."),
-          Field::real("speed", &k.plan.speed, {0.01, kMostSpeed}, "m/s", "Speed on the way to points that give none."),
+          Field::real("speed", &k.plan.speed, {0.01, kMaxSpeed}, "m/s", "Speed on the way to points that give none."),
           end_field("at_end", &k.plan.at_end,
                     "What the vehicle does after the last point; return: goes back to where the mission started."),
           end_field("if_dropped", &k.plan.if_dropped, "What the vehicle does when the last point had to be dropped."),
@@ -66,7 +66,7 @@ std::vector<Field> point_fields(PointKeys& k) {
       Field::real("longitude_deg", &k.longitude_deg, kLongitude, "deg", "Longitude, with latitude_deg."),
       Field::real("depth_m", &p.depth_m, {0, 12000}, "m", "Depth below the surface, where no altitude is given."),
       Field::real("altitude_m", &k.altitude_m, {0, 12000}, "m", "Altitude above the bottom; 0: depth_m is used."),
-      Field::real("speed", &p.speed, {0, kMostSpeed}, "m/s", "Speed on the way to the point; 0: that of the mission."),
+      Field::real("speed", &p.speed, {0, kMaxSpeed}, "m/s", "Speed on the way to the point; 0: that of the mission."),
       Field::real("hold_s", &p.hold_s, {0, 1e7}, "s", "How long the vehicle stays at the point."),
       Field::real("move_m", &p.move_m, {0, 1e4}, "m",
                   "How far the point may be moved off an obstacle that stands on it; 0: the point is dropped."),

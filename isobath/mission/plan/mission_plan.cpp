@@ -6,7 +6,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMostKinds = 200;  // kinds of left-out items that a report names
+constexpr std::size_t kMaxKinds = 200;  // kinds of left-out items that a report names
 
 [[noreturn]] void refuse(Place place, const std::string& key, const std::string& problem, const std::string& allowed,
                          const std::string& advice = {}) {
@@ -20,9 +20,9 @@ void check_range(const Place& place, const std::string& key, double value, doubl
   refuse(place, key, fmt::format("{} is out of range", value), fmt::format("{} .. {}{}", low, high, unit));
 }
 
-bool on_the_plane(const Eigen::Vector2d& p) { return p.cwiseAbs().maxCoeff() <= kMostMetres && p.allFinite(); }
+bool on_the_plane(const Eigen::Vector2d& p) { return p.cwiseAbs().maxCoeff() <= kMaxMetres && p.allFinite(); }
 
-std::string far_text() { return fmt::format("within {} m of the origin", kMostMetres); }
+std::string far_text() { return fmt::format("within {} m of the origin", kMaxMetres); }
 
 void check_limits(const MissionPlan& plan) {
   Place place = plan.place;
@@ -44,8 +44,8 @@ void check_fence(const MissionPlan& plan) {
   if (plan.fence.empty()) return;
   const Place& place = plan.fence_place;
   if (plan.fence.size() < 3) refuse(place, "corners", "fewer than 3 corners", "3 corners or more, or none");
-  if (plan.fence.size() > kMostFenceCorners) {
-    refuse(place, "corners", fmt::format("{} corners", plan.fence.size()), fmt::format("up to {}", kMostFenceCorners));
+  if (plan.fence.size() > kMaxFenceCorners) {
+    refuse(place, "corners", fmt::format("{} corners", plan.fence.size()), fmt::format("up to {}", kMaxFenceCorners));
   }
   for (const Eigen::Vector2d& p : plan.fence) {
     if (!on_the_plane(p)) refuse(place, "corners", fmt::format("a corner at {}, {}", p.x(), p.y()), far_text());
@@ -70,7 +70,7 @@ void check_place(const MissionPlan& plan, const MissionPoint& p) {
 
 void check_point(const MissionPlan& plan, const MissionPoint& p) {
   check_place(plan, p);
-  check_range(p.place, "speed", p.speed, 0, kMostSpeed, " m/s");
+  check_range(p.place, "speed", p.speed, 0, kMaxSpeed, " m/s");
   check_range(p.place, "hold_s", p.hold_s, 0, 1e7, " s");
   check_range(p.place, "move_m", p.move_m, 0, 1e4, " m");
   if (p.altitude_m) {
@@ -100,7 +100,7 @@ void ImportReport::leave_out(const std::string& what, const std::string& why) {
     ++l.count;
     return;
   }
-  if (left_out.size() < kMostKinds) {
+  if (left_out.size() < kMaxKinds) {
     left_out.push_back({what, why, 1});
   } else {
     left_out.back() = {"items of other kinds", "too many to name", left_out.back().count + 1};
@@ -127,14 +127,14 @@ void check_outline(const Polygon& outline, const Place& place) {
   const bool near = std::all_of(outline.begin(), outline.end(), on_the_plane);
   if (!near) refuse(place, "outline", "a corner that is not on the plane", far_text());
   if (outline.size() < 3) refuse(place, "outline", "fewer than 3 corners", "3 corners or more");
-  if (outline.size() > kMostFenceCorners || !is_convex(outline)) {
-    refuse(place, "outline", "not convex", fmt::format("a convex polygon of up to {} corners", kMostFenceCorners),
+  if (outline.size() > kMaxFenceCorners || !is_convex(outline)) {
+    refuse(place, "outline", "not convex", fmt::format("a convex polygon of up to {} corners", kMaxFenceCorners),
            "cut it into convex pieces");
   }
 }
 
 void check_mission(const MissionPlan& plan) {
-  check_range(plan.place, "speed", plan.speed, 0.01, kMostSpeed, " m/s");
+  check_range(plan.place, "speed", plan.speed, 0.01, kMaxSpeed, " m/s");
   if (plan.origin && !valid(*plan.origin))
     refuse(plan.place, "latitude_deg", "not a place on the globe", "-90 .. 90 deg");
   check_limits(plan);

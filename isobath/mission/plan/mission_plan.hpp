@@ -91,8 +91,8 @@ void check_mission(const MissionPlan& plan);
 /// The same check for one outline to inject.
 void check_outline(const Polygon& outline, const Place& place);
 
-inline constexpr double kMostMetres = 1e5;              ///< maximum distance from the origin, along each axis
-inline constexpr double kMostSpeed = 10;                ///< m/s
-inline constexpr std::size_t kMostFenceCorners = 1000;  ///< every place is checked against every side
+inline constexpr double kMaxMetres = 1e5;              ///< maximum distance from the origin, along each axis
+inline constexpr double kMaxSpeed = 10;                ///< m/s
+inline constexpr std::size_t kMaxFenceCorners = 1000;  ///< every place is checked against every side
 
 }  // namespace isobath

@@ -7,7 +7,7 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMostPoints = 10'000;  // of a file, with all repeats
+constexpr std::size_t kMaxPoints = 10'000;  // of a file, with all repeats
 constexpr const char* kNoSuchSetting = "a mission has no such setting";
 
 std::string_view trimmed(std::string_view text) {
@@ -151,8 +151,8 @@ class MoosReader {
   void add_point(const PointList& list, std::size_t i) {
     MissionPoint point;
     point.place = {file_, {}, list.lines[i], {}, "points"};
-    if (plan_.points.size() >= kMostPoints) {
-      throw Error("too many points", point.place, fmt::format("up to {} with all repeats", kMostPoints));
+    if (plan_.points.size() >= kMaxPoints) {
+      throw Error("too many points", point.place, fmt::format("up to {} with all repeats", kMaxPoints));
     }
     point.name = fmt::format("point {}", plan_.points.size() + 1);
     point.north_east = list.points[i];
@@ -202,7 +202,7 @@ class MoosReader {
         leave_out("order " + printable(entry.value), kNoSuchSetting);
     } else if (entry.key == "repeat") {
       const auto times = number(entry.value);
-      const bool fits = times && *times >= 0 && *times <= static_cast<double>(kMostPoints);
+      const bool fits = times && *times >= 0 && *times <= static_cast<double>(kMaxPoints);
       if (fits) list_.repeat = static_cast<int>(*times);
       if (!fits) leave_out("repeat " + printable(entry.value), "a mission must end");
     } else if (entry.key == "name" || entry.key == "label") {
@@ -301,9 +301,9 @@ class MoosReader {
 
 Eigen::Vector2d metres_of(const LocalPlane& plane, const GeoPoint& point, const Place& place) {
   if (!valid(point)) throw Error("not a place on the globe", place, "-90 .. 90 deg and -180 .. 180 deg");
-  if (distance_m(plane.origin(), point) > kMostMetres) {
+  if (distance_m(plane.origin(), point) > kMaxMetres) {
     throw Error(fmt::format("{}, {} is far from the origin", point.latitude_deg, point.longitude_deg), place,
-                fmt::format("within {} m of it", kMostMetres));
+                fmt::format("within {} m of it", kMaxMetres));
   }
   return plane.to_plane(point);
 }

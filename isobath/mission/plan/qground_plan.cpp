@@ -146,7 +146,7 @@ class PlanReader {
     const double type = number(mission, "vehicleType");
     const bool hovers = type == 2 || type == 13 || type == 14 || type == 15;
     const double speed = number(mission, hovers ? "hoverSpeed" : "cruiseSpeed");
-    if (speed >= 0.01 && speed <= kMostSpeed) {
+    if (speed >= 0.01 && speed <= kMaxSpeed) {
       plan_.speed = speed;
       ++plan_.import.taken;
     } else if (std::isfinite(speed)) {
@@ -269,7 +269,7 @@ class PlanReader {
 
   void take_change(const Item& item) {
     const double speed = item.params[1];
-    if (!(speed >= 0.01 && speed <= kMostSpeed)) {
+    if (!(speed >= 0.01 && speed <= kMaxSpeed)) {
       return leave_out(command_text(kChangeSpeed), "not a speed of a vehicle in the water");
     }
     speed_ = speed;
@@ -291,7 +291,7 @@ class PlanReader {
     const Json& centre = list(circle, "center");
     const Vector2d middle = metres_of(*plane_, {element(centre, 0), element(centre, 1)}, place(key + ".center"));
     double radius = number(circle, "radius");
-    if (!(radius > 0 && radius <= kMostMetres))
+    if (!(radius > 0 && radius <= kMaxMetres))
       throw Error("not a valid radius", place(key + ".radius"), "more than 0 m");
     if (!inside) radius /= std::cos(std::numbers::pi / kFenceSides);
     Polygon polygon;

@@ -61,7 +61,7 @@ of the mission file.
 - The Safety Officer judges ten times a second and overrides planning and steering. It can only slow, stop, turn away or
   surface: it never asks for more speed than was ordered. If several faults are active, the strongest action is taken.
 - *stop* becomes *surface* for a vehicle that needs forward speed to hold its depth, or that was ordered to surface.
-- A fault is over when its cause has been gone for `leave_s` ({} s). Faults of routes are over with the next route, and
+- A fault is over when its cause has been gone for `clear_after_s` ({} s). Faults of routes are over with the next route, and
   faults with a dagger stay.
 - *abort* ends the mission as `abort_end` says ({}), unless the row says otherwise. Each fault, its end and each action
   is logged as a decision with its reason.
@@ -78,7 +78,7 @@ of the mission file.
 
 std::string fault_page(SafetyConfig config) {
   std::vector<Field> all = fields(config);
-  std::string page = fmt::format(kPageHead, config.leave_s, value_of(all, "abort_end"));
+  std::string page = fmt::format(kPageHead, config.clear_after_s, value_of(all, "abort_end"));
   for (const FaultRow& row : fault_table()) {
     page += fmt::format("| {}{} | {} | {} | {} | {} | {} | {} |\n", row.name, row.over == Over::kNever ? " †" : "",
                         row.noticed, limits_text(row, all), action_text(row, config), row.injected,

@@ -60,7 +60,7 @@ struct After {
   }
 };
 
-/// When a row is over: `leave_s` after its cause is gone, as soon as its cause is gone, or never by itself.
+/// When a row is over: `clear_after_s` after its cause is gone, as soon as its cause is gone, or never by itself.
 enum class Over : std::uint8_t { kLater, kAtOnce, kNever };
 
 /// The latest time at which a complete set of agents may raise a row in a closed loop: this many seconds after one of

@@ -22,8 +22,8 @@ void NearEchoes::add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL
     const Eigen::Vector2d place = (X_WL * Eigen::Vector3d(echo.x(), echo.y(), 0)).head<2>();
     if (place.allFinite() && place.cwiseAbs().maxCoeff() < kFarthest) put(place, config, now_s);
   }
-  if (cells_.size() > kMost) forget(now_s - std::max(config.confirm_s, config.memory_s));
-  while (cells_.size() > kMost) {
+  if (cells_.size() > kMax) forget(now_s - std::max(config.confirm_s, config.memory_s));
+  while (cells_.size() > kMax) {
     cells_.erase(std::min_element(cells_.begin(), cells_.end(),
                                   [](const auto& a, const auto& b) { return a.second.heard_s < b.second.heard_s; }));
   }
@@ -64,7 +64,7 @@ void NearEchoes::forget(double before_s) {
   std::erase_if(cells_, [&](const auto& cell) { return cell.second.counts_s < before_s; });
 }
 
-std::span<const Eigen::Vector2d> NearEchoes::confirmed(const Pose& X_WL, double blind_m, const SafetyConfig& config,
+std::span<const Eigen::Vector2d> NearEchoes::confirmed(const Pose& X_WL, double blanking_m, const SafetyConfig& config,
                                                        double now_s) {
   found_.clear();
   const Pose X_LW = X_WL.inverse();
@@ -72,7 +72,7 @@ std::span<const Eigen::Vector2d> NearEchoes::confirmed(const Pose& X_WL, double 
     Echo& echo = cell.second;
     const Eigen::Vector2d place =
         (X_LW * Eigen::Vector3d(echo.place_W.x(), echo.place_W.y(), X_WL.translation.z())).head<2>();
-    if (place.norm() < blind_m) echo.counts_s = now_s;
+    if (place.norm() < blanking_m) echo.counts_s = now_s;
     if (echo.confirmed && now_s - echo.counts_s <= config.memory_s) found_.push_back(place);
   }
   forget(now_s - std::max(config.confirm_s, config.memory_s));

@@ -7,7 +7,7 @@
 // age: an obstacle does not vanish because the sonar is blind to it. Callers add only echoes that stand out: the rate
 // of false confirmed echoes grows with the square of the false-alarm rate.
 //
-// World-fixed; `shift` moves the echoes when navigation corrects itself. One thread; at most kMost cells, the oldest
+// World-fixed; `shift` moves the echoes when navigation corrects itself. One thread; at most kMax cells, the oldest
 // are removed first.
 #pragma once
 
@@ -24,7 +24,7 @@ namespace isobath {
 
 class NearEchoes {
  public:
-  static constexpr std::size_t kMost = 8192;
+  static constexpr std::size_t kMax = 8192;
 
   /// Echoes of one ping, in L of its instant. Those that are not finite or beyond `reach_m` are left out.
   void add(std::span<const Eigen::Vector2d> echoes_L, const Pose& X_WL, double reach_m, const SafetyConfig& config,
@@ -32,8 +32,9 @@ class NearEchoes {
   /// Moves all echoes, after navigation has corrected itself.
   void shift(const Eigen::Vector2d& by_W);
   void clear() { cells_.clear(); }
-  /// The confirmed echoes in the vehicle's frame; valid until the next call. `blind_m`: blanking distance of the sonar.
-  std::span<const Eigen::Vector2d> confirmed(const Pose& X_WL, double blind_m, const SafetyConfig& config,
+  /// The confirmed echoes in the vehicle's frame; valid until the next call. `blanking_m`: blanking distance of the
+  /// sonar.
+  std::span<const Eigen::Vector2d> confirmed(const Pose& X_WL, double blanking_m, const SafetyConfig& config,
                                              double now_s);
 
  private:

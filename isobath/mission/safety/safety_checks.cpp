@@ -101,7 +101,7 @@ void SafetyOfficer::check_navigation() {
          fmt::format("the same fix for {:.1f} s while the vehicle is ordered to move", still));
   }
   const double most = plan_->limits.max_position_sigma_m;
-  if (fix_->sigma_m > most * (raised(Fault::kNavigationDrift) ? config_.leave_share : 1)) {
+  if (fix_->sigma_m > most * (raised(Fault::kNavigationDrift) ? config_.clear_share : 1)) {
     find(Fault::kNavigationDrift,
          fmt::format("the position is known to {:.1f} m, {:.1f} m allowed", fix_->sigma_m, most));
   }
@@ -150,12 +150,12 @@ void SafetyOfficer::check_way() {
     beside = std::min(beside, distance(here, way_->points[i - 1], way_->points[i]));
   }
   const double most = config_.cross_track_m + 2 * vehicle_.limits.turning_radius;
-  if (!(beside > most * (raised(Fault::kWayNotFollowed) ? config_.leave_share : 1))) {
+  if (!(beside > most * (raised(Fault::kWayNotFollowed) ? config_.clear_share : 1))) {
     way_->off_since_s.reset();
   } else if (!way_->off_since_s) {
     way_->off_since_s = clock_s_;
   }
-  if (way_->off_since_s && clock_s_ - *way_->off_since_s >= config_.off_way_s) {
+  if (way_->off_since_s && clock_s_ - *way_->off_since_s >= config_.off_route_s) {
     find(Fault::kWayNotFollowed, fmt::format("{:.1f} m off the route, {:.1f} m allowed", beside, most));
   }
   const double left = (way_->points[way_->next] - here).norm();

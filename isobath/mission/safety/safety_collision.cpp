@@ -13,7 +13,7 @@ constexpr double kDrifting = 0.05;  // m/s: below it, the direction of travel is
 constexpr double kTurning = 0.2;    // m/s: below it, the current turn says nothing about the path
 constexpr double kStanding = 0.1;   // m/s
 constexpr Angle kTurned = Angle::degrees(15);
-constexpr double kLeastBraking = 0.001;  // m/s2
+constexpr double kMinBraking = 0.001;  // m/s2
 
 std::vector<Eigen::Vector2d> along(std::span<const Eigen::Vector2d> points, double drift) {
   std::vector<Eigen::Vector2d> turned;
@@ -26,7 +26,7 @@ std::vector<Eigen::Vector2d> along(std::span<const Eigen::Vector2d> points, doub
 
 double SafetyOfficer::stop_way(double speed, double delay_s) const {
   const double v = std::max(0.0, speed);
-  return v * delay_s + v * v / (2 * std::max(vehicle_.braking, kLeastBraking));
+  return v * delay_s + v * v / (2 * std::max(vehicle_.braking, kMinBraking));
 }
 
 SafetyOfficer::Travel SafetyOfficer::travel() const {
@@ -36,7 +36,7 @@ SafetyOfficer::Travel SafetyOfficer::travel() const {
   if (t.speed > kDrifting)
     t.drift = std::remainder(std::atan2(fix_->v_W.y(), fix_->v_W.x()) - heading, 2 * std::numbers::pi);
   if (t.speed > kTurning) {
-    const double tightest = 1 / std::max(vehicle_.limits.turning_radius, kLeastRadius);
+    const double tightest = 1 / std::max(vehicle_.limits.turning_radius, kMinRadius);
     t.curvature = std::clamp(fix_->yaw_rate / t.speed, -tightest, tightest);
   }
   t.half_width_m = std::abs(std::cos(t.drift)) * vehicle_.half_width_m +
@@ -72,7 +72,8 @@ void SafetyOfficer::check_collision() {
     t.drift = 0;
     speed = std::max(speed, order_ ? order_->speed : 0);
   }
-  const std::vector<Eigen::Vector2d> echoes = at_its_depth(X_WL, echoes_.confirmed(X_WL, blind_m_, config_, clock_s_));
+  const std::vector<Eigen::Vector2d> echoes =
+      at_its_depth(X_WL, echoes_.confirmed(X_WL, blanking_m_, config_, clock_s_));
   if (vehicle_.min_speed > 0) return check_escape(X_WL, echoes);
   const auto points = along(echoes, t.drift);
   const double reach = stop_way(speed, config_.reaction_s) + config_.collision_margin_m;
@@ -104,7 +105,7 @@ void SafetyOfficer::check_collision() {
 
 void SafetyOfficer::choose_turn(std::span<const Eigen::Vector2d> points, const Travel& t) {
   const double yaw_rate = std::max(vehicle_.limits.max_yaw_rate.radians(), 0.01);
-  const double radius = std::max({vehicle_.limits.turning_radius, t.speed / yaw_rate, kLeastRadius});
+  const double radius = std::max({vehicle_.limits.turning_radius, t.speed / yaw_rate, kMinRadius});
   const double reach = radius * std::numbers::pi / 2 + config_.collision_margin_m;
   const auto free = [&](double curvature) {
     return free_way(points, curvature, t.half_width_m, vehicle_.hull_radius_m, reach);

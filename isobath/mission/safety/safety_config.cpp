@@ -52,12 +52,14 @@ std::vector<Field> way_fields(SafetyConfig& c) {
   return {
       Field::real("cross_track_m", &c.cross_track_m, {1, 1000}, "m",
                   "A vehicle farther than this, plus two turning radii, from its route is off the route."),
-      wait("off_way_s", &c.off_way_s, "A vehicle that is off its route for this long does not follow it."),
+      wait("off_route_s", &c.off_route_s, "A vehicle that is off its route for this long does not follow it.")
+          .was("off_way_s"),
       Field::real("progress_m", &c.progress_m, {0.1, 100}, "m",
                   "The vehicle must come this much nearer to its way-point within progress_s."),
       wait("progress_s", &c.progress_s,
            "Time within which the vehicle must come progress_m nearer, while it is ordered to move."),
-      wait("way_abort_s", &c.way_abort_s, "The mission ends when way-points have not been followed for this long."),
+      wait("route_abort_s", &c.route_abort_s, "The mission ends when way-points have not been followed for this long.")
+          .was("way_abort_s"),
       wait("blocked_abort_s", &c.blocked_abort_s,
            "The mission ends when the vehicle has been inside an obstacle or without a path for this long."),
       wait("budget_stop_s", &c.budget_stop_s, "Without a plan within the budget the vehicle stops after this time."),
@@ -93,8 +95,9 @@ std::vector<Field> vehicle_fields(SafetyConfig& c) {
       Field::real("depth_slack_m", &c.depth_slack_m, {0, 100}, "m",
                   "A vehicle this much below its maximum depth is too deep."),
       wait("depth_abort_s", &c.depth_abort_s, "The mission ends when the vehicle has been too deep for this long."),
-      wait("low_abort_s", &c.low_abort_s,
-           "The mission ends when the vehicle has been too near to the bottom for this long."),
+      wait("low_altitude_abort_s", &c.low_altitude_abort_s,
+           "The mission ends when the vehicle has been too near to the bottom for this long.")
+          .was("low_abort_s"),
       wait("agent_surface_s", &c.agent_surface_s,
            "A vehicle that has lost one of its agents surfaces after this time."),
       wait("health_silent_s", &c.health_silent_s,
@@ -115,9 +118,11 @@ std::vector<Field> vehicle_fields(SafetyConfig& c) {
 std::vector<Field> fields(SafetyConfig& c) {
   std::vector<Field> all = {
       wait("startup_s", &c.startup_s, "A sensor that has not reported this long after the start is silent."),
-      wait("leave_s", &c.leave_s, "A fault is over when its cause has been gone for this long."),
-      Field::real("leave_share", &c.leave_share, {0, 1}, "1",
-                  "A fault of a measured value is over only below this share of its limit."),
+      wait("clear_after_s", &c.clear_after_s, "A fault is over when its cause has been gone for this long.")
+          .was("leave_s"),
+      Field::real("clear_share", &c.clear_share, {0, 1}, "1",
+                  "A fault of a measured value is over only below this share of its limit.")
+          .was("leave_share"),
       Field::real("slow_speed", &c.slow_speed, {0.01, 10}, "m/s", "Speed limit of a slowed vehicle."),
       Field::choice("abort_end", &c.abort_end,
                     {{"hold", MissionEnd::kHold}, {"surface", MissionEnd::kSurface}, {"return", MissionEnd::kReturn}},

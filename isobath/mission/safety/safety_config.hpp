@@ -12,8 +12,8 @@ enum class LinkPolicy : std::uint8_t { kContinue, kReturn, kSurface };
 
 struct SafetyConfig {
   double startup_s = 10;
-  double leave_s = 3;
-  double leave_share = 0.8;
+  double clear_after_s = 3;
+  double clear_share = 0.8;
   double slow_speed = 0.5;  ///< m/s
   MissionEnd abort_end = MissionEnd::kSurface;
 
@@ -39,10 +39,10 @@ struct SafetyConfig {
   double clock_jump_s = 1;
 
   double cross_track_m = 15;
-  double off_way_s = 3;
+  double off_route_s = 3;
   double progress_m = 2;
   double progress_s = 20;
-  double way_abort_s = 30;
+  double route_abort_s = 30;
   double blocked_abort_s = 60;
   double budget_stop_s = 3;
   double budget_abort_s = 30;
@@ -61,7 +61,7 @@ struct SafetyConfig {
 
   double depth_slack_m = 0.5;
   double depth_abort_s = 10;
-  double low_abort_s = 20;
+  double low_altitude_abort_s = 20;
   double agent_surface_s = 5;
   double health_silent_s = 5;
   double thruster_abort_s = 5;
@@ -71,7 +71,7 @@ struct SafetyConfig {
 };
 
 /// Minimum turning radius that is assumed, also for a vehicle that turns on the spot, m.
-inline constexpr double kLeastRadius = 0.5;
+inline constexpr double kMinRadius = 0.5;
 
 std::vector<Field> fields(SafetyConfig& config);
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <isobath/mission/messages/words.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
 #include <isobath/mission/safety/safety_officer.hpp>
 #include <numbers>
 
@@ -14,8 +14,8 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kLookAhead = 2;       // s: after this time under an order there must be an escape manoeuvre
-constexpr double kLeastTurn = 0.01;    // rad/s
-constexpr double kLeastSpeed = 0.1;    // m/s
+constexpr double kMinTurn = 0.01;      // rad/s
+constexpr double kMinSpeed = 0.1;      // m/s
 constexpr double kTurnsWithin = 0.25;  // of its radius: the distance in which a turn builds up
 constexpr double kQuarter = std::numbers::pi / 2;
 /// Shares of the margin: where no escape manoeuvre keeps all of it, one that keeps less is better than none.
@@ -40,11 +40,11 @@ EscapeTask SafetyOfficer::escape_task() const {
   const Vector2d& drift_W = drift_.velocity_W();
   EscapeTask task;
   task.drift = {drift_W.dot(ahead), drift_W.dot(aside)};
-  task.speed = std::max({fix_->v_W.dot(ahead) - task.drift.x(), vehicle_.min_speed, kLeastSpeed});
-  const double radius = std::max(vehicle_.limits.turning_radius, kLeastRadius);
+  task.speed = std::max({fix_->v_W.dot(ahead) - task.drift.x(), vehicle_.min_speed, kMinSpeed});
+  const double radius = std::max(vehicle_.limits.turning_radius, kMinRadius);
   // Fins turn the vehicle by the water that flows past them; a current from astern that was never crossed is unknown.
-  const double flow = std::max({task.speed - config_.unknown_current, vehicle_.min_speed, kLeastSpeed});
-  task.turn_rate = std::min(std::max(vehicle_.limits.max_yaw_rate.radians(), kLeastTurn), flow / radius);
+  const double flow = std::max({task.speed - config_.unknown_current, vehicle_.min_speed, kMinSpeed});
+  task.turn_rate = std::min(std::max(vehicle_.limits.max_yaw_rate.radians(), kMinTurn), flow / radius);
   task.lag_s = kTurnsWithin * radius / flow;
   task.turn_now = fix_->yaw_rate;
   task.horizon_s = config_.escape_s;
@@ -76,7 +76,7 @@ void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> ech
   }
   way_out_from_ = heading;
   const auto way_out = [&](const EscapeSearch& among) {
-    const Escape under_way = taking ? among.take(way_out_.turn, way_out_.wait_s) : Escape{};
+    const Escape under_way = taking ? among.try_turn(way_out_.turn, way_out_.wait_s) : Escape{};
     return among.free(under_way) ? under_way : among.best();
   };
   Escape escape = way_out(search);

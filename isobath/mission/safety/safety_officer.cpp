@@ -32,7 +32,7 @@ bool same(const SafetyAction& a, const SafetyAction& b) {
 }  // namespace
 
 SafetyOfficer::SafetyOfficer(const SafetyConfig& config, const VehicleParameters& vehicle)
-    : config_(config), vehicle_(vehicle), imminent_(imminent_config(config, vehicle), SensorTable::kMost) {}
+    : config_(config), vehicle_(vehicle), imminent_(imminent_config(config, vehicle), SensorTable::kMax) {}
 
 void SafetyOfficer::tick(Time now, Outbox& out) {
   set_clock(now);
@@ -65,7 +65,7 @@ void SafetyOfficer::settle(const FaultRow& about, Time now, Outbox& out) {
       report(about, true, own.aborted, now, out);
     }
   } else if (own.raised && about.over != Over::kNever &&
-             (about.over == Over::kAtOnce || clock_s_ - own.last_cause_s >= config_.leave_s)) {
+             (about.over == Over::kAtOnce || clock_s_ - own.last_cause_s >= config_.clear_after_s)) {
     own.raised = false;
     report(about, false, own.aborted, now, out);
   }
@@ -156,7 +156,7 @@ Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
     case SafetyActionKind::kTurn: break;
   }
   if (raised(Fault::kTooLow)) {
-    const double least = (plan_ ? plan_->limits.min_altitude_m : 0) / std::max(config_.leave_share, 0.1);
+    const double least = (plan_ ? plan_->limits.min_altitude_m : 0) / std::max(config_.clear_share, 0.1);
     s.depth = std::clamp(depth - (least - altitude_.last_m) - kRise, 0.0, std::max(0.0, depth));
     const bool may_rise = depth > kOtherDepth;  // else every metre ahead brings it nearer to a rising bottom
     s.speed = may_rise ? std::min(ordered, std::max(config_.slow_speed, vehicle_.min_speed)) : 0;

@@ -3,7 +3,7 @@
 //
 // It receives sensor input and the messages of all agents. Ten times a second it judges for each row of the fault table
 // whether its cause holds, since when, and what action that requires. A row is raised in the first cycle in which its
-// limit is exceeded, and is over `leave_s` after its cause is gone. The Safety Officer sends SafetyAction, the
+// limit is exceeded, and is over `clear_after_s` after its cause is gone. The Safety Officer sends SafetyAction, the
 // strongest action that the raised rows require, whenever that changes; SafetyReport to the Captain when a row is
 // raised, when it requires the end of the mission, and when it is over (with `abort` still set where it required that);
 // and a Decision with the reason for each. No action asks for more speed than the last order, and a slow-down is a
@@ -49,7 +49,7 @@ class SafetyOfficer final : public Agent {
  public:
   SafetyOfficer(const SafetyConfig& config, const VehicleParameters& vehicle);
 
-  void hear(const Message& message, Time now, Outbox& out) override;
+  void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
 
   [[nodiscard]] bool raised(Fault fault) const { return rows_[static_cast<std::size_t>(fault)].raised; }
@@ -104,18 +104,18 @@ class SafetyOfficer final : public Agent {
     std::uint32_t low = 0;  ///< whether each of the last three readings was low, the newest in bit 0
   };
 
-  // Input (safety_hearing.cpp)
+  // Input (safety_input.cpp)
   void set_clock(Time now);
   bool in_time(Speaker speaker, Time said, Time now);
-  void hear_fix(const Navigation& fix, Time now);
+  void on_fix(const Navigation& fix, Time now);
   void on_sonar_health(const SonarHealthSample& look, Time now);
-  void hear_echoes(const SonarEchoes& echoes, Time now);
-  void hear_range(const RangeReading& reading, Time now);
-  void hear_altitude(const RangeReading& reading, double down);
-  void hear_health(const Health& health, Time now);
-  void hear_command(const OperatorCommand& command);
-  void hear_scan(const ObstacleScan& scan);
-  void hear_lost(const AgentLost& lost);
+  void on_echoes(const SonarEchoes& echoes, Time now);
+  void on_range(const RangeReading& reading, Time now);
+  void on_altitude(const RangeReading& reading, double down);
+  void on_health(const Health& health, Time now);
+  void on_command(const OperatorCommand& command);
+  void on_scan(const ObstacleScan& scan);
+  void on_lost(const AgentLost& lost);
   void start(const std::shared_ptr<const MissionPlan>& plan);
   void follow(const FollowOrder& order);
 
@@ -183,7 +183,7 @@ class SafetyOfficer final : public Agent {
   NearEchoes echoes_;
   std::vector<Eigen::Vector2d> mapped_W_;           ///< points on the outlines of the last scan's obstacles
   std::shared_ptr<const OccupancySnapshot> space_;  ///< null where no sonar measures height
-  double blind_m_ = 0;                              ///< blanking distance of the sonar
+  double blanking_m_ = 0;                           ///< blanking distance of the sonar
   SensorTable rangers_;
   ImminentCollision imminent_;
   std::optional<Fix> fix_;

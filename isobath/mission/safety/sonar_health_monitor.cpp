@@ -25,7 +25,7 @@ void SonarHealthMonitor::look_to(Side& side, const std::optional<double>& level,
   side.level = side.level ? *side.level + kSlowMean * (*level - *side.level) : *level;
 }
 
-void SonarHealthMonitor::hear(const SonarHealthSample& look, const SafetyConfig& config, double now_s) {
+void SonarHealthMonitor::update(const SonarHealthSample& look, const SafetyConfig& config, double now_s) {
   if (spoken_ && look.time == look_.time) return;
   const bool plain = look.full_scale < kNearlyAll && look.silent < kNearlyAll;
   const bool same = spoken_ && plain && look.digest == look_.digest;

@@ -26,7 +26,7 @@ class Streak {
 class SonarHealthMonitor {
  public:
   /// Ignores data with the time of the last one: it is the same ping again.
-  void hear(const SonarHealthSample& look, const SafetyConfig& config, double now_s);
+  void update(const SonarHealthSample& look, const SafetyConfig& config, double now_s);
 
   [[nodiscard]] double last_s() const { return last_s_; }
   [[nodiscard]] bool frozen() const { return frozen_; }

@@ -27,7 +27,7 @@ std::optional<SonarEchoes> echoes_of(const Ping& ping, const EchoDecisions& deci
   SonarEchoes echoes;
   echoes.time = ping.time;
   echoes.X_WL = level(X_WB);
-  echoes.blind_m = ping.window.edge(first);
+  echoes.blanking_m = ping.window.edge(first);
   nearest_echoes(ping, decisions, echoes.X_WL.rotation.inverse() * X_WB.rotation, contrast, echoes.echoes_L);
   return echoes;
 }

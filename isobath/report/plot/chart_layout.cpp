@@ -47,9 +47,9 @@ std::string plain(double value) { return fmt::format("{:.6g}", std::abs(value) <
 }  // namespace
 
 ChartLayout::ChartLayout(const PlanExtent& e, int plot_px, const std::string& title, std::optional<GeoOrigin> origin,
-                         int least_height_px)
+                         int min_height_px)
     : Canvas(plot_pixels(e.y_max - e.y_min, longest(e), plot_px) + static_cast<int>(kLeft + kRight + kPanel),
-             std::max(least_height_px, plot_pixels(e.x_max - e.x_min, longest(e), plot_px)) +
+             std::max(min_height_px, plot_pixels(e.x_max - e.x_min, longest(e), plot_px)) +
                  static_cast<int>(kTop + kBottom_px)),
       extent_(e),
       title_(title),
@@ -148,10 +148,10 @@ void ChartLayout::contour(std::span<const Vector2d> points, bool closed, const S
   }
   // 1. Place the labels on straight stretches, far enough apart, where there is no other text.
   const double width = text_width(label, kSmall) + 8;
-  constexpr double kApart = 420, kLeastLine = 110, kStraight = 0.985;
+  constexpr double kApart = 420, kMinLine = 110, kStraight = 0.985;
   std::vector<std::pair<std::size_t, std::size_t>> gaps;
   double last = -kApart * 0.6;
-  for (std::size_t i = 0, j = 0; at.back() >= kLeastLine && i < px.size(); ++i) {
+  for (std::size_t i = 0, j = 0; at.back() >= kMinLine && i < px.size(); ++i) {
     while (j + 1 < px.size() && at[j] - at[i] < width) ++j;
     if (at[j] - at[i] < width) break;
     if (at[i] - last < kApart * (gaps.empty() ? 0.7 : 1)) continue;

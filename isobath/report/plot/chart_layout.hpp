@@ -25,10 +25,10 @@ struct ChartSource {
 class ChartLayout : public Canvas {
  public:
   /// Height that the longest panel needs.
-  static constexpr int kLeastHeight = 900;
+  static constexpr int kMinHeight = 900;
   /// The plot has whole pixels: its south and east sides may lie up to a pixel beyond the extent.
   ChartLayout(const PlanExtent& north_east, int plot_px, const std::string& title, std::optional<GeoOrigin> origin,
-              int least_height_px = kLeastHeight);
+              int min_height_px = kMinHeight);
 
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }

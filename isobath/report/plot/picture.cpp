@@ -11,7 +11,7 @@ namespace isobath {
 namespace {
 
 constexpr double kLeft = 58, kTop = 34, kRight = 246, kBottom = 46;  // margins of a plan view, px; right: the legend
-constexpr int kLeastLegendHeight = 190;
+constexpr int kMinLegendHeight = 190;
 
 Colour mix(const Colour& a, const Colour& b, double share) {
   const auto between = [share](double u, double v) { return u + share * (v - u); };
@@ -136,7 +136,7 @@ int plan_width(const PlanExtent& e, int plot_px) {
 }
 int plan_height(const PlanExtent& e, int plot_px) {
   const double scale = plot_px / std::max(e.x_max - e.x_min, e.y_max - e.y_min);
-  return std::max(kLeastLegendHeight, static_cast<int>(std::ceil((e.x_max - e.x_min) * scale + kTop + kBottom)));
+  return std::max(kMinLegendHeight, static_cast<int>(std::ceil((e.x_max - e.x_min) * scale + kTop + kBottom)));
 }
 }  // namespace
 

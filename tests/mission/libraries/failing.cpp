@@ -6,7 +6,7 @@ namespace {
 
 struct Failing : isobath::Agent {
   Failing() { throw std::runtime_error("no eyes"); }
-  void hear(const isobath::Message&, isobath::Time, isobath::Outbox&) override {}
+  void on_message(const isobath::Message&, isobath::Time, isobath::Outbox&) override {}
   void tick(isobath::Time, isobath::Outbox&) override {}
 };
 

@@ -4,7 +4,7 @@
 namespace {
 
 struct Lookout : isobath::Agent {
-  void hear(const isobath::Message& message, isobath::Time, isobath::Outbox& out) override {
+  void on_message(const isobath::Message& message, isobath::Time, isobath::Outbox& out) override {
     const auto* task = std::get_if<isobath::TaskCall>(&message);
     if (task) out.say(isobath::ChartedHazards{std::make_shared<std::vector<isobath::Hazard>>(task->id)});
   }

@@ -143,7 +143,7 @@ TEST(ThreadedHelm, EndsWhileAllAreAtWork) {
   for (int i = 0; i < 200; ++i) {
     auto event = source.next();
     ASSERT_TRUE(event);
-    onboard.take(std::move(*event));
+    onboard.on_event(std::move(*event));
   }
 }
 
@@ -166,16 +166,16 @@ TEST(LiveOnboard, AFullQueueLosesItsOldestPingAndNothingElse) {
   HeldMapping held;
   Onboard onboard({}, depths, {.live = true});
   onboard.show_to(held);
-  onboard.take(Navigation{});
+  onboard.on_event(Navigation{});
   held.in.wait();
   for (std::size_t i = 0; i < Onboard::kLongestQueue; ++i) {
     if (i % 2 == 0) {
-      onboard.take(Ping{});
+      onboard.on_event(Ping{});
     } else {
-      onboard.take(Health{});
+      onboard.on_event(Health{});
     }
   }
-  for (int i = 0; i < 3; ++i) onboard.take(Navigation{});
+  for (int i = 0; i < 3; ++i) onboard.on_event(Navigation{});
   held.go.count_down();
   onboard.settle();
   EXPECT_EQ(onboard.lost_pings(), 3u);
@@ -192,9 +192,9 @@ TEST(LiveOnboard, WhatMappingThrowsTheThreadThatSettlesGets) {
   Failing failing;
   Onboard onboard({}, depths, {.live = true});
   onboard.show_to(failing);
-  onboard.take(Navigation{});
+  onboard.on_event(Navigation{});
   EXPECT_THROW(onboard.settle(), Error);
-  EXPECT_THROW(onboard.take(Navigation{}), Error);
+  EXPECT_THROW(onboard.on_event(Navigation{}), Error);
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ Ended sail(const DepthMapperConfig& config, const Mission& mission) {
         begun = rig.mapper->counts().shifts;
         since = 0;
       }
-      rig.mapper->take(reading, X_WB, random.uniform(0, 1));
+      rig.mapper->update(reading, X_WB, random.uniform(0, 1));
       if (++since > mission.held_readings) let();
     };
     for (const double azimuth : {-40.0, 0.0, 40.0}) {
@@ -96,7 +96,7 @@ Ended sail(const DepthMapperConfig& config, const Mission& mission) {
         const auto z = static_cast<float>(bottom - 3 + 0.1 * k + (random.uniform() < 0.05 ? 9 : 0));
         swath.soundings.push_back({{0, static_cast<float>(k), z}, std::hypot(static_cast<float>(k), z), 0.1F});
       }
-      rig.mapper->take(swath, X_WB, 0.3);
+      rig.mapper->update(swath, X_WB, 0.3);
     }
     // Whatever waits must not wait for a gate that only this thread opens.
     if (config.background && mission.leap) let();
@@ -219,9 +219,9 @@ TEST(DepthMapperShift, queries_during_a_shift_are_answered_from_the_old_window_w
   EXPECT_EQ(rig.map->snapshot()->window().extent(), old_extent);
   Swath swath;
   swath.soundings.push_back({{0, 0, 10}, 10, 0.05F});
-  for (int i = 0; i < 3; ++i) rig.mapper->take(swath, at(25, 0, 2), 0);
+  for (int i = 0; i < 3; ++i) rig.mapper->update(swath, at(25, 0, 2), 0);
   EXPECT_NEAR(rig.depth(25, 0), 12, 1e-9) << "in the old window";
-  for (int i = 0; i < 3; ++i) rig.mapper->take(swath, at(40, 0, 2), 0);
+  for (int i = 0; i < 3; ++i) rig.mapper->update(swath, at(40, 0, 2), 0);
   EXPECT_NEAR(rig.depth(40, 0), 30, 1e-9) << "beyond it: the chart, until the new one is there";
   const auto held = rig.map->snapshot();
   gate.open();
@@ -243,7 +243,7 @@ TEST(DepthMapperShift, every_answer_is_that_of_one_whole_version) {
   rig.parts.mapper.background = true;
   rig.parts.rules.threshold = 2;
   rig.parts.evidence.depth_weight = rig.parts.evidence.weight_cap = kFullConfidence;
-  rig.parts.mapper.honest = false;
+  rig.parts.mapper.range_weighting = false;
   rig.parts.mapper.spread_sigmas = 0;
   rig.charted_m = 1;
   rig.build();
@@ -315,7 +315,7 @@ TEST(DepthMapperShift, every_answer_is_that_of_one_whole_version) {
            1,
            0.05F});
     }
-    rig.mapper->take(swath, at(north, 0.25, 0), 0);
+    rig.mapper->update(swath, at(north, 0.25, 0), 0);
     publish(static_cast<std::int32_t>(std::lround(100 * depth)), own);
   }
   over = true;

@@ -18,7 +18,7 @@ class Recording : public OnboardObserver {
  public:
   explicit Recording(RunRecorder& recorder) : recorder_(recorder) {}
   void on_event(const Event& event) override {
-    recorder_.take(event);
+    recorder_.on_event(event);
     time_ = time_of(event);
     fixes += std::holds_alternative<Navigation>(event) ? 1 : 0;
     pings += std::holds_alternative<Ping>(event) ? 1 : 0;
@@ -56,7 +56,7 @@ class Recording : public OnboardObserver {
 template <std::size_t... kType>
 void say_one_of_each(RunRecorder& recorder, Time time, std::index_sequence<kType...>) {
   std::uint64_t number = 1'000'000;
-  (recorder.heard({number++, time, "somebody \"quoted\" \xff", Message(std::in_place_index<kType>)}), ...);
+  (recorder.on_message({number++, time, "somebody \"quoted\" \xff", Message(std::in_place_index<kType>)}), ...);
 }
 
 void write_recordings(const std::filesystem::path& folder) {
@@ -70,7 +70,7 @@ void write_recordings(const std::filesystem::path& folder) {
   recorder.describe(setup);
   recorder.locate({1.5, 103.8});
   const auto executor = make_serial_helm(setup, request.configuration);
-  executor->show_messages_to([&recorder](const Envelope& envelope) { recorder.heard(envelope); });
+  executor->show_messages_to([&recorder](const Envelope& envelope) { recorder.on_message(envelope); });
   Recording recording(recorder);
   request.observers.push_back(&recording);
   run_closed_loop(scenario, *executor, request);
@@ -78,7 +78,7 @@ void write_recordings(const std::filesystem::path& folder) {
   say_one_of_each(recorder, recording.time(), std::make_index_sequence<kMessageTypes>());
   HelmOrder order;
   order.setpoint.depth = std::numeric_limits<double>::quiet_NaN();
-  recorder.heard({2, recording.time(), "pilot", order});
+  recorder.on_message({2, recording.time(), "pilot", order});
   recorder.close();
   if (!recorder.problem().empty()) throw std::runtime_error(recorder.problem());
 

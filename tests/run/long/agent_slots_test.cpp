@@ -29,7 +29,7 @@ test::Sailed sail(const Scenario& scenario) {
   return test::sail(scenario, request);
 }
 
-double least_distance(const test::Sailed& sailed, const Vector2d& place) {
+double min_distance(const test::Sailed& sailed, const Vector2d& place) {
   double least = std::numeric_limits<double>::infinity();
   for (const TrueMotion& m : sailed.result.track) {
     least = std::min(least, (m.state.X_WB.translation.head<2>() - place).norm());
@@ -111,7 +111,7 @@ TEST(Slots, ABackSeatDriverSurveysWhereTheMissionAsksForIt) {
   // Three lanes 10 m apart, 40 m long, about B: their ends are visited.
   for (const double east : {35.0, 45.0, 55.0}) {
     for (const double north : {130.0, 170.0}) {
-      EXPECT_LT(least_distance(sailed, {north, east}), PilotConfig{}.point_radius + 2) << north << " " << east;
+      EXPECT_LT(min_distance(sailed, {north, east}), PilotConfig{}.point_radius + 2) << north << " " << east;
     }
   }
 }
@@ -155,8 +155,8 @@ TEST(Slots, FramesOfTheOperatorAreReplayedFromTheEvents) {
   const auto helm = make_serial_helm(setup_of(scenario), small_chart());
   Pipeline pipeline(small_chart(), *helm);
   for (const Event& event : sailed.events) {
-    helm->hear(event);
-    pipeline.take(event);
+    helm->on_event(event);
+    pipeline.on_event(event);
     (void)helm->steer();
   }
   EXPECT_EQ(decisions_text(helm->decisions()), decisions_text(sailed.result.decisions));
@@ -186,7 +186,7 @@ TEST(Slots, AgentsOfLibrariesAreNamedByConfiguration) {
 
   const Scenario scenario = test::scenario_of("charted_shoals");
   const auto helm = make_serial_helm(setup_of(scenario), again);
-  helm->hear(Navigation{});
+  helm->on_event(Navigation{});
   EXPECT_TRUE(helm->executor().has("lookout"));
   EXPECT_FALSE(helm->executor().lost("lookout"));
   again.agents.push_back(again.agents[0]);

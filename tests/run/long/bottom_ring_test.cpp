@@ -43,7 +43,7 @@ struct Seen {
 Seen run(const Water12& water, std::uint64_t seed) {
   SonarConfig config = sonar_preset("micron");
   config.spurious_share = 0;
-  config.blind_m = 1.5;
+  config.blanking_m = 1.5;
   SimulatedSonar sonar(config, *water.tank.world, *water.tank.water, seed, 1);
   test::ScanKeeper keeper;
   Configuration configuration;
@@ -56,7 +56,7 @@ Seen run(const Water12& water, std::uint64_t seed) {
     Navigation fix;
     fix.time = time;
     fix.X_WB = X_WB;
-    pipeline.take(fix);
+    pipeline.on_event(fix);
     if (water.altimeter) {
       RangeReading down;
       down.time = time;
@@ -65,10 +65,10 @@ Seen run(const Water12& water, std::uint64_t seed) {
       down.max_range_m = 100;
       const Eigen::Vector3d p = X_WB.translation;
       down.range_m = water.tank.world->bottom_depth(p.x(), p.y()).value() - p.z();
-      pipeline.take(down);
+      pipeline.on_event(down);
     }
     SimulatedSonar::Output heard = sonar.ping(time, X_WB, static_cast<std::uint64_t>(i));
-    if (heard.ping) pipeline.take(std::move(*heard.ping));
+    if (heard.ping) pipeline.on_event(std::move(*heard.ping));
   }
   pipeline.finish();
   return {keeper.scans, pipeline.counts()};

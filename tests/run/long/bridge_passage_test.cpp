@@ -28,7 +28,7 @@ class Approach : public ResultSink {
                            1);
     Pipeline pipeline({}, *this);
     while (auto event = source.next()) {
-      pipeline.take(std::move(*event));
+      pipeline.on_event(std::move(*event));
       if (vehicle.x() > north) break;
     }
   }
@@ -55,7 +55,7 @@ class Approach : public ResultSink {
 
  private:
   void take(const PosedPing& posed) {
-    model.take(posed);
+    model.update(posed);
     vehicle = posed.X_WB.translation;
   }
 };
@@ -106,7 +106,7 @@ TEST(BridgePassage, CorridorHoldsTheOpening) {
       for (double depth = 1.5; depth <= kBermTop - 1.5; depth += 0.5) {
         const VoxelIndex v = map.voxel_at({north, east, depth});
         ++all;
-        free += map.is_seen(v) && map.probability(v) <= OccupancySnapshot::kMostMeasured;
+        free += map.is_seen(v) && map.probability(v) <= OccupancySnapshot::kMaxMeasured;
       }
     }
   }
@@ -136,7 +136,7 @@ TEST(BridgePassage, IsSailed) {
   const LoopResult run = sail("", 1);
   EXPECT_EQ(run.report.reached, 1u);
   EXPECT_LT(run.contact_s, 0);
-  EXPECT_GT(run.least_clearance_m, 0.8);
+  EXPECT_GT(run.min_clearance_m, 0.8);
   EXPECT_TRUE(says(run.decisions, "navigator", "of depth the clearance is"));
 }
 

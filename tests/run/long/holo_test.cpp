@@ -178,7 +178,7 @@ std::vector<Ping> target_less_frames(const std::filesystem::path& folder) {
 std::size_t obstacles_alone(const Ping& ping, const Configuration& configuration) {
   test::ScanKeeper keeper;
   Pipeline pipeline(configuration, keeper);
-  pipeline.take(ping);
+  pipeline.on_event(ping);
   pipeline.finish();
   return keeper.scans.back().obstacles.size();
 }
@@ -202,7 +202,7 @@ TEST(HoloBoat, NoiseAloneRaisesAtMostOneFalseObstacleInAHundredFrames) {
       Ping ping = frames[i];
       ping.time = Time(seconds(static_cast<double>(i)));
       alone += obstacles_alone(ping, configuration);
-      together.take(ping);
+      together.on_event(ping);
     }
     together.finish();
     for (const auto& scan : row.scans) in_a_row += scan.obstacles.size();

@@ -20,8 +20,8 @@ std::vector<test::KeptScan> scans_of_seed(int seed) {
   test::ScanKeeper keeper;
   Pipeline pipeline({}, keeper);
   while (auto step = scene.step()) {
-    pipeline.take(step->first);
-    pipeline.take(std::move(step->second));
+    pipeline.on_event(step->first);
+    pipeline.on_event(std::move(step->second));
   }
   pipeline.finish();
   return keeper.scans;

@@ -50,7 +50,7 @@ TEST(ClosedLoop, ContactIsWhenTheHullReachesTheBody) {
   EXPECT_NEAR(result.contact_s, (40 - 1 - hull_of(scenario)) / 2, 0.11);
   EXPECT_EQ(result.contact_with, "mine");
   EXPECT_EQ(result.nearest_body, "mine");
-  EXPECT_LT(result.least_clearance_m, 0);
+  EXPECT_LT(result.min_clearance_m, 0);
 }
 
 TEST(ClosedLoop, ClearanceIsFromTheHullToTheNearestBody) {
@@ -59,7 +59,7 @@ TEST(ClosedLoop, ClearanceIsFromTheHullToTheNearestBody) {
       "[[box]]\nname = \"far\"\ncentre = [30, -9, 5]\nsize = [2, 2, 2]\n");
   StraightHelm helm({Angle{}, 5, 2});
   const LoopResult result = run(scenario, helm);
-  EXPECT_NEAR(result.least_clearance_m, 6 - 1 - hull_of(scenario), 1e-3);
+  EXPECT_NEAR(result.min_clearance_m, 6 - 1 - hull_of(scenario), 1e-3);
   EXPECT_EQ(result.nearest_body, "near");
   EXPECT_EQ(result.contact_s, -1);
   // Abeam of the box, the box is the nearest.
@@ -70,7 +70,7 @@ TEST(ClosedLoop, ClearanceIsFromTheHullToTheNearestBody) {
 TEST(ClosedLoop, WithoutBodiesThereIsNothingToBeNearTo) {
   StraightHelm helm({Angle{}, 5, 2});
   const LoopResult result = run(with(""), helm);
-  EXPECT_TRUE(std::isinf(result.least_clearance_m));
+  EXPECT_TRUE(std::isinf(result.min_clearance_m));
   EXPECT_EQ(result.nearest_body, "");
 }
 
@@ -91,8 +91,8 @@ TEST(ClosedLoop, TheBottomIsTouchedByTheKeel) {
   const LoopResult result = run(scenario, helm);
   EXPECT_GT(result.contact_s, 1);
   EXPECT_EQ(result.contact_with, "the bottom");
-  EXPECT_LE(result.least_altitude_m, 0);
-  EXPECT_TRUE(std::isinf(result.least_clearance_m)) << "the bottom is no body";
+  EXPECT_LE(result.min_altitude_m, 0);
+  EXPECT_TRUE(std::isinf(result.min_clearance_m)) << "the bottom is no body";
 }
 
 TEST(ClosedLoop, EndsSomeSecondsAfterTheMissionHas) {

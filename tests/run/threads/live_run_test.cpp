@@ -251,7 +251,7 @@ TEST(RunDisplay, OneThatStandsStillDoesNotHoldTheMapping) {
     ASSERT_TRUE(event);
     last = time_of(*event);
     pings += std::holds_alternative<Ping>(*event) ? 1 : 0;
-    onboard.take(std::move(*event));
+    onboard.on_event(std::move(*event));
     display.sample(last);
     onboard.settle();  // that it comes back at all is what is shown
   }

@@ -18,8 +18,8 @@ using Rule = FanMapperConfig::Rule;
 class VoxelsAlone : public ResultSink {
  public:
   explicit VoxelsAlone(const VoxelModelConfig& config) : model(config) {}
-  void on_ping(const PosedPing& posed) override { model.take(posed); }
-  void on_vertical_ping(const PosedPing& posed) override { model.take(posed); }
+  void on_ping(const PosedPing& posed) override { model.update(posed); }
+  void on_vertical_ping(const PosedPing& posed) override { model.update(posed); }
   void on_scan(const ScanResult&) override {}
   VoxelModel model;
 };
@@ -39,7 +39,7 @@ VoxelTruth score_of(Scene scene, double duration_s, const FanMapperConfig& fans,
   Configuration configuration;
   configuration.echoes = echoes;
   Pipeline pipeline(configuration, sink);
-  while (auto event = source.next()) pipeline.take(std::move(*event));
+  while (auto event = source.next()) pipeline.on_event(std::move(*event));
   pipeline.finish();
   return judge(*sink.model.map(), source.simulator().world());
 }
@@ -67,7 +67,7 @@ TEST(VoxelModelOfSoundings, IsFreeAlongTheBeamAndOccupiedAtItsEnd) {
   Sounding bottom{{3, 0, 3}, 4.3f, 0, 0, Sounding::Kind::kBottom};
   swath.soundings.push_back(bottom);
   const Pose X_WB{Rotation::from_heading(Angle::degrees(90)), {100, 20, 30}};  // looks east
-  for (int shot = 0; shot < 4; ++shot) model.take(swath, X_WB);
+  for (int shot = 0; shot < 4; ++shot) model.update(swath, X_WB);
   ASSERT_TRUE(model.map());
   const VoxelMap& map = *model.map();
   const auto space_at = [&](double ahead, double starboard, double down) {
@@ -186,7 +186,7 @@ TEST(VoxelReliability, OfClutterAtAllHeights) {
 // in docs/three-dimensions.md.
 TEST(VoxelReliability, NeedsTheLimitOfEchoes) {
   FanMapperConfig unlimited = by(Rule::kAspects);
-  unlimited.aspects.limit = 30;
+  unlimited.aspects.max_log_odds = 30;
   const VoxelTruth with = score_of(room(), 8, by(Rule::kAspects)), without = score_of(room(), 8, unlimited);
   print("aspects", with);
   print("echoes have no limit", without);

@@ -126,7 +126,7 @@ class HeldPage final : public WebSession {
  public:
   HeldPage(const PageSources& sources, std::latch& held, std::latch& let_go)
       : page_(sources), held_(held), let_go_(let_go) {}
-  Hearing hear(std::string_view text) override { return page_.hear(text); }
+  Hearing on_message(std::string_view text) override { return page_.on_message(text); }
   WebFrame next() override {
     if (!std::exchange(was_held_, true)) {
       held_.count_down();

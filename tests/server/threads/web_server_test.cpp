@@ -32,7 +32,7 @@ class NumberSession final : public WebSession {
  public:
   explicit NumberSession(Shown& shown) : shown_(shown) { ++shown_.sessions; }
   ~NumberSession() override { --shown_.sessions; }
-  Hearing hear(std::string_view text) override {
+  Hearing on_message(std::string_view text) override {
     if (text == "throw") throw std::runtime_error("thrown");
     if (text == "echo") echo_ = true;
     if (text == "no") return {"said_no", false};
@@ -280,7 +280,7 @@ TEST(WebServer, ARequestThatNeverEndsIsDropped) {
 TEST(WebServer, APageThatIsNotReadIsDropped) {
   Site site([](WebServerConfig& c) {
     c.request_s = 0.2;
-    c.most_connections = 3;
+    c.max_connections = 3;
   });
   Wire wire(site.port(), 4096);
   for (int i = 0; i < 8; ++i) wire.send("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(10, 'x') + "\r\n\r\n");
@@ -348,7 +348,7 @@ TEST(WebServer, WhoLeavesIsForgotten) {
 }
 
 TEST(WebServer, OnlySoManyClients) {
-  Site site([](WebServerConfig& c) { c.most_clients = 2; });
+  Site site([](WebServerConfig& c) { c.max_clients = 2; });
   SocketPage one(site.port()), two(site.port()), three(site.port());
   EXPECT_TRUE(one.open() && two.open());
   EXPECT_THAT(three.answer, StartsWith("HTTP/1.1 503"));
@@ -440,7 +440,7 @@ TEST(WebServer, ManyMessagesWaitForTheirTurn) {
 TEST(WebServer, AFloodOfNothingIsHeldBack) {
   Site site([](WebServerConfig& c) {
     c.messages_hz = 1;
-    c.most_message_bytes = 256;
+    c.max_message_bytes = 256;
   });
   SocketPage other(site.port());
   ASSERT_TRUE(other.next());

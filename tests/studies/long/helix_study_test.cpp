@@ -63,12 +63,12 @@ TEST(HelixStudy, TheVehicleStaysWithinItsLimits) {
   request.plant = PlantKind::kKinematic;
   const VehicleModel model = torpedo();
   const ApproachLog log = fly_approach(request, model, {}, 1);
-  const double least_s = 1 / request.images_per_s;
+  const double min_s = 1 / request.images_per_s;
   const auto& samples = log.samples;
   for (std::size_t i = 1; i < samples.size() && samples[i].phase != ApproachPhase::kTurnAway; ++i) {
-    const double turned = abs((samples[i].heading - samples[i - 1].heading).wrapped()).degrees() / least_s;
+    const double turned = abs((samples[i].heading - samples[i - 1].heading).wrapped()).degrees() / min_s;
     EXPECT_LE(turned, model.limits.max_yaw_rate.degrees() + 1e-6);
-    const double climbed = std::abs(samples[i].p_O.z() - samples[i - 1].p_O.z()) / least_s;
+    const double climbed = std::abs(samples[i].p_O.z() - samples[i - 1].p_O.z()) / min_s;
     EXPECT_LE(climbed, model.limits.max_climb_rate + 1e-6);
     EXPECT_LE(abs(samples[i].heading).degrees(), 22) << samples[i].distance_m;
   }

@@ -44,7 +44,7 @@ std::vector<Kept> pings_of(const char* set, std::initializer_list<int> passes, c
                           std::string("echoes.method=") + method});
     const auto source = open_source(test::shared_data("holo-boat"), configuration.input);
     Pipeline pipeline(configuration, keeper);
-    while (auto event = source->next()) pipeline.take(std::move(*event));
+    while (auto event = source->next()) pipeline.on_event(std::move(*event));
     pipeline.finish();
   }
   return std::move(keeper.kept);

@@ -353,7 +353,7 @@ void KongsbergAll::take_profile(const Datagram& d) {
 }
 
 void KongsbergAll::take_water(const Datagram& d) {
-  WaterRecord* const water = water_parts_.take(d.fields, d.time);
+  WaterRecord* const water = water_parts_.add(d.fields, d.time);
   if (!water) return;
   const auto known = [](Angle width) { return width.radians() > 0 ? width : kWaterBeam; };
   const BeamSize size = beam_size(config_, {known(across_), known(along_)});

@@ -3,11 +3,11 @@
 
 namespace isobath {
 
-WaterRecord* WaterParts::take(const RecordView& record, Time time) {
+WaterRecord* WaterParts::add(const RecordView& record, Time time) {
   constexpr std::size_t kSectors = 44, kSector = 6, kBeam = 10;
   const std::size_t count = record.at<std::uint16_t>(20), number = record.at<std::uint16_t>(22);
   const std::size_t sectors = record.at<std::uint16_t>(24), beams = record.at<std::uint16_t>(28);
-  const bool numbered = count > 0 && count <= kMostParts && number > 0 && number <= count;
+  const bool numbered = count > 0 && count <= kMaxParts && number > 0 && number <= count;
   if (!numbered || !record.holds(kSectors, sectors * kSector)) {
     reject(to_text(WaterFault::kBadSizes));
     return nullptr;
@@ -65,7 +65,7 @@ WaterParts::Waiting& WaterParts::waiting_of(const RecordView& record, Time time,
   if (found != waiting_.end()) {
     if (found->counter == counter && found->time == time && found->parts.size() == parts) return *found;
     forget(found);
-  } else if (waiting_.size() == kMostHeads) {
+  } else if (waiting_.size() == kMaxHeads) {
     forget(waiting_.begin());
   }
   waiting_.push_back({serial, counter, time, std::vector<std::vector<Beam>>(parts), parts, {}});

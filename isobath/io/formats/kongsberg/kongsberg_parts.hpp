@@ -1,6 +1,6 @@
 // WaterParts: assembles the water column of a Kongsberg ping from its k records (Kongsberg 160692). Records of one ping
 // share serial number, counter and time; each states its own number and the number of records. The records of two heads
-// alternate. Memory is bounded: one ping per head, kMostHeads heads, kMostParts parts. Refusals are counted in the
+// alternate. Memory is bounded: one ping per head, kMaxHeads heads, kMaxParts parts. Refusals are counted in the
 // report.
 #pragma once
 
@@ -11,14 +11,14 @@ namespace isobath {
 
 class WaterParts {
  public:
-  static constexpr std::size_t kMostHeads = 8, kMostParts = 256;
+  static constexpr std::size_t kMaxHeads = 8, kMaxParts = 256;
 
   /// `report` must outlive this object.
   explicit WaterParts(SourceReport& report) : report_(report) {}
 
   /// Takes a record, from its length field to its last sample. Returns the water column, without mount and widths, if
   /// this was its last part; it is valid until the next call.
-  WaterRecord* take(const RecordView& record, Time time);
+  WaterRecord* add(const RecordView& record, Time time);
   /// Ends the input: counts the pings that lack parts.
   void finish();
 

@@ -7,9 +7,9 @@
 namespace isobath {
 namespace {
 
-constexpr std::size_t kMostCells = std::size_t{1} << 24;  // in one ping: 64 MiB
-constexpr std::size_t kMostSparse = 16;                   // cells per recorded sample
-constexpr std::size_t kMostBins = std::size_t{1} << 17;
+constexpr std::size_t kMaxCells = std::size_t{1} << 24;  // in one ping: 64 MiB
+constexpr std::size_t kMaxSparse = 16;                   // cells per recorded sample
+constexpr std::size_t kMaxColumnBins = std::size_t{1} << 17;
 
 /// Amplitude for each value of a sample byte.
 const std::array<float, 256>& amplitudes() {
@@ -26,7 +26,7 @@ const std::array<float, 256>& amplitudes() {
 
 /// Samples [first, end) that at least one beam has. Sample 0 is the transmission and gets no bin.
 struct SampleReach {
-  std::size_t first = kMostBins, end = 0, samples = 0;
+  std::size_t first = kMaxColumnBins, end = 0, samples = 0;
 };
 SampleReach reach_of(const std::vector<WaterBeam>& beams) {
   SampleReach reach;
@@ -91,8 +91,8 @@ Result<Ping, WaterFault> WaterPings::ping(const WaterRecord& record) {
   const bool water = record.sound_speed > 1000 && record.sound_speed < 2000;
   if (!water) return tl::unexpected(WaterFault::kBadSoundSpeed);
   const std::size_t span = reach.end - reach.first, bins = (span + kBinStep - 1) / kBinStep * kBinStep;
-  const bool sparse = beams.size() * span > kMostSparse * reach.samples;
-  if (bins > kMostBins || beams.size() * bins > kMostCells || sparse) return tl::unexpected(WaterFault::kBadSizes);
+  const bool sparse = beams.size() * span > kMaxSparse * reach.samples;
+  if (bins > kMaxColumnBins || beams.size() * bins > kMaxCells || sparse) return tl::unexpected(WaterFault::kBadSizes);
   const auto tilts = tilts_of(beams);
   if (!tilts) return tl::unexpected(WaterFault::kBadBeams);
 

@@ -50,7 +50,7 @@ std::optional<Event> PingDevice::line(const PingFrame& frame, Time time, const s
   const RangeWindow window{0, line->bin_m(scanner_.sound_speed()), static_cast<int>(bins)};
   Ping ping = scanner_.ping(Angle::gradians(line->angle_grad), window, line->samples.data(), owner);
   ping.time = time;
-  ping.blind_m = std::max(kPing360Blind, 0.5 * scanner_.sound_speed() * line->pulse_us * 1e-6);
+  ping.blanking_m = std::max(kPing360Blind, 0.5 * scanner_.sound_speed() * line->pulse_us * 1e-6);
   interval_ = seconds(line->sample_period * 25e-9 * window.bins + kStepTime + line->delay_ms * 1e-3);
   return ping;
 }

@@ -3,10 +3,10 @@
 //
 // ImminentCollision gets every range reading on arrival, without a gate, a filter or a map. The speed is that of the
 // last fix, or follows from the last two positions where fixes carry no velocity. A fix older than kFreshFix is not
-// used. Sensors beyond SensorTable::kMost share the looks of the last one.
+// used. Sensors beyond SensorTable::kMax share the looks of the last one.
 //
-// Times are those of the events. One thread calls `hear`, `moved` and `jumped`; any thread may read the flags. Ranges
-// and fixes allocate nothing.
+// Times are those of the events. One thread calls `on_event`, `moved` and `jumped`; any thread may read the flags.
+// Ranges and fixes allocate nothing.
 #pragma once
 
 #include <isobath/event/event.hpp>
@@ -39,7 +39,7 @@ class Alarms {
   Alarms(const ImminentCollisionConfig& collision, const StateEvaluatorConfig& state);
 
   /// Range readings and health reports; other events are ignored.
-  void hear(const Event& event);
+  void on_event(const Event& event);
   /// A fix that the gate has admitted.
   void moved(const Navigation& fix);
   /// Navigation corrected the position by this much, m in W: not a motion of the vehicle.

@@ -16,7 +16,7 @@
 #include <isobath/io/input/pose_track.hpp>
 #include <isobath/io/mcap/mcap.hpp>
 #include <isobath/io/mcap/native_log.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/io/pooled_bins.hpp>
 #include <isobath/io/survey_folder.hpp>
 
@@ -200,7 +200,7 @@ std::unique_ptr<Source> open_source(const fs::path& input, const InputConfig& co
   const Candidate candidate{input, is_folder, head.first(std::min(head.size(), kHead)), config};
   const Format* const format = format_of(candidate);
   if (format == nullptr) refuse(candidate);
-  auto source = with_pooled_bins(format->open(input, config), config.most_bins);
+  auto source = with_pooled_bins(format->open(input, config), config.max_bins);
   return config.navigation.empty() ? std::move(source)
                                    : merge_by_time(std::move(source), open_pose_track(config.navigation));
 }

@@ -44,9 +44,9 @@ double gap_left(double speed, bool says_speed, bool navigated) {
   bool braking = false;
   for (int step = 0; step < 20000 && v > 0; ++step) {
     const double t = step * kDt;
-    if (step % 10 == 0 && navigated) pipeline.take(moving(t, north, says_speed ? std::optional(v) : std::nullopt));
+    if (step % 10 == 0 && navigated) pipeline.on_event(moving(t, north, says_speed ? std::optional(v) : std::nullopt));
     if (step % 30 == 0) {
-      pipeline.take(with_range(looking(0, 20), gap < 50 ? std::optional(gap) : std::nullopt, t));
+      pipeline.on_event(with_range(looking(0, 20), gap < 50 ? std::optional(gap) : std::nullopt, t));
       braking = braking || pipeline.emergencies().snapshot().has(Emergency::kImminentCollision);
     }
     if (braking) v = std::max(0.0, v - kBraking * kDt);
@@ -70,11 +70,12 @@ TEST(Alarms, WithMapUpdatingDisabledTheVehicleStopsBeforeAWall) {
 TEST(Alarms, AReadingThatTheGateRefusesIsHeardAllTheSame) {
   NoResults sink;
   Pipeline pipeline({}, sink);
-  pipeline.take(moving(100, 0, 1.5));
-  for (const double t : {90.0, 89.4}) pipeline.take(with_range(looking(0, 20), 5.0, t));  // a clock that was set back
+  pipeline.on_event(moving(100, 0, 1.5));
+  for (const double t : {90.0, 89.4})
+    pipeline.on_event(with_range(looking(0, 20), 5.0, t));  // a clock that was set back
   EXPECT_FALSE(pipeline.rejected().empty());
   EXPECT_TRUE(pipeline.emergencies().snapshot().has(Emergency::kImminentCollision));
-  for (int i = 0; i < 3; ++i) pipeline.take(with_range(looking(0, 20), 45.0, 101 + i));
+  for (int i = 0; i < 3; ++i) pipeline.on_event(with_range(looking(0, 20), 45.0, 101 + i));
   EXPECT_FALSE(pipeline.emergencies().snapshot().has(Emergency::kImminentCollision));
   const auto alarms = alarms_of(pipeline.emergencies());
   ASSERT_EQ(alarms.size(), 1U);
@@ -88,19 +89,19 @@ TEST(Alarms, HealthReportsRaiseAndClearTheirFlags) {
   Pipeline pipeline({}, sink);
   const auto up = [&](Emergency e) { return pipeline.emergencies().snapshot().has(e); };
   Health vehicle = report(1, "vehicle");
-  pipeline.take(vehicle);
+  pipeline.on_event(vehicle);
   EXPECT_EQ(pipeline.emergencies().snapshot().raised, 0U);
-  pipeline.take(report(2, "sonar", HealthState::kLost));
+  pipeline.on_event(report(2, "sonar", HealthState::kLost));
   EXPECT_TRUE(up(Emergency::kSensorFailure));
-  pipeline.take(report(3, "sonar"));
+  pipeline.on_event(report(3, "sonar"));
   EXPECT_FALSE(up(Emergency::kSensorFailure));
   vehicle.time = Time(seconds(4));
   vehicle.leak = true;
   vehicle.battery_share = 0.1F;
-  pipeline.take(vehicle);
+  pipeline.on_event(vehicle);
   EXPECT_TRUE(up(Emergency::kLeak) && up(Emergency::kLowFuel));
   vehicle = report(5, "vehicle");
-  pipeline.take(vehicle);
+  pipeline.on_event(vehicle);
   EXPECT_TRUE(up(Emergency::kLeak)) << "latched";
   EXPECT_FALSE(up(Emergency::kLowFuel));
   const auto alarms = alarms_of(pipeline.emergencies());
@@ -116,11 +117,11 @@ TEST(Alarms, RangesAndFixesAllocateNothing) {
   Alarms alarms({}, {});
   const Event range = with_range(looking(0, 20), 5.0, 1);
   const Navigation fix = moving(1, 0, 1.5);
-  alarms.hear(range);
+  alarms.on_event(range);
   const std::uint64_t before = test::allocations();
   for (int i = 0; i < 10; ++i) {
     alarms.moved(fix);
-    alarms.hear(range);
+    alarms.on_event(range);
   }
   EXPECT_EQ(test::allocations(), before);
 }

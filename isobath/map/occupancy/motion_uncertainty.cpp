@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <isobath/map/occupancy/motion.hpp>
+#include <isobath/map/occupancy/motion_uncertainty.hpp>
 
 namespace isobath {
 

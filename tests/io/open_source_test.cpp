@@ -1,6 +1,6 @@
 #include <fstream>
 #include <gmock/gmock.h>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <tests/io/aris_frames.hpp>
 #include <tests/io/oculus_messages.hpp>
 #include <tests/io/ping_frames.hpp>

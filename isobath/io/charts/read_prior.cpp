@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <isobath/base/error.hpp>
-#include <isobath/io/charts/prior.hpp>
 #include <isobath/io/charts/prior_reader.hpp>
+#include <isobath/io/charts/read_prior.hpp>
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
 
@@ -140,8 +140,8 @@ void apply_offset(Prior& prior, double offset, double sigma) {
   }
   for (PriorLine& line : prior.lines) shift(line.depth_m, offset);
   for (PriorArea& area : prior.areas) {
-    shift(area.least_depth_m, offset);
-    shift(area.greatest_depth_m, offset);
+    shift(area.min_depth_m, offset);
+    shift(area.max_depth_m, offset);
   }
 }
 

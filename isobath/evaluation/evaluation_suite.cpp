@@ -4,7 +4,7 @@
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/nearest_name.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/evaluation/suite.hpp>
+#include <isobath/evaluation/evaluation_suite.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/scenario/embedded_files.hpp>
 #include <numbers>

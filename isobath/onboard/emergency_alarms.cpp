@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <fmt/format.h>
-#include <isobath/onboard/alarms.hpp>
+#include <isobath/onboard/emergency_alarms.hpp>
 
 namespace isobath {
 
@@ -22,19 +22,19 @@ std::string to_text(const Alarm& alarm) {
 }
 
 Alarms::Alarms(const ImminentCollisionConfig& collision, const StateEvaluatorConfig& state)
-    : collision_(collision, SensorTable::kMost), state_(state, {}, Time{}) {}
+    : collision_(collision, SensorTable::kMax), state_(state, {}, Time{}) {}
 
-void Alarms::hear(const Event& event) {
+void Alarms::on_event(const Event& event) {
   if (const auto* reading = std::get_if<RangeReading>(&event)) look(*reading);
   if (const auto* health = std::get_if<Health>(&event)) {
-    state_.hear(*health);
+    state_.on_health(*health);
     state_.evaluate(health->time, flags_);
   }
 }
 
 void Alarms::look(const RangeReading& reading) {
   if (!reading.X_BS.is_finite()) return;
-  const std::size_t sensor = sensors_.index_of(reading.X_BS).value_or(SensorTable::kMost - 1);
+  const std::size_t sensor = sensors_.index_of(reading.X_BS).value_or(SensorTable::kMax - 1);
   if (collision_.update(sensor, reading, velocity_at(reading.time))) {
     flags_.set(Emergency::kImminentCollision, reading.time);
   } else {

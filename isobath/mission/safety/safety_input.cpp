@@ -8,17 +8,17 @@
 namespace isobath {
 namespace {
 
-constexpr double kFarthest = 1e8;       // m
-constexpr double kNextFix = 5;          // s: fixes farther apart say nothing about each other
-constexpr double kDown = 0.7071;        // a sensor that looks more than 45 degrees down measures the bottom
-constexpr double kFreshSpeed = 3;       // s
-constexpr double kSmooth = 0.3;         // share of the newest turn
-constexpr std::size_t kMostNames = 64;  // of sonars and of health sources; further ones are not kept
-constexpr double kBeside = 0.5;         // s: sources with messages this recent are compared
-constexpr double kDriftTime = 4;        // s
-constexpr double kApart = 1;            // m, between the points that stand for an outline
-constexpr double kMapped = 40;          // m: farther obstacles do not matter to an escape
-constexpr double kBeyondReach = 20;     // m: echoes are kept up to this far beyond the stopping distance
+constexpr double kFarthest = 1e8;      // m
+constexpr double kNextFix = 5;         // s: fixes farther apart say nothing about each other
+constexpr double kDown = 0.7071;       // a sensor that looks more than 45 degrees down measures the bottom
+constexpr double kFreshSpeed = 3;      // s
+constexpr double kSmooth = 0.3;        // share of the newest turn
+constexpr std::size_t kMaxNames = 64;  // of sonars and of health sources; further ones are not kept
+constexpr double kBeside = 0.5;        // s: sources with messages this recent are compared
+constexpr double kDriftTime = 4;       // s
+constexpr double kApart = 1;           // m, between the points that stand for an outline
+constexpr double kMapped = 40;         // m: farther obstacles do not matter to an escape
+constexpr double kBeyondReach = 20;    // m: echoes are kept up to this far beyond the stopping distance
 
 bool usable(const Navigation& fix) {
   return fix.X_WB.is_finite() && fix.X_WB.translation.cwiseAbs().maxCoeff() < kFarthest &&
@@ -99,17 +99,17 @@ bool SafetyOfficer::in_time(Speaker speaker, Time said, Time now) {
   return off >= newest - limit;
 }
 
-void SafetyOfficer::hear(const Message& message, Time now, Outbox&) {
+void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
   set_clock(now);
-  if (const auto* fix = std::get_if<Navigation>(&message)) hear_fix(*fix, now);
+  if (const auto* fix = std::get_if<Navigation>(&message)) on_fix(*fix, now);
   if (const auto* look = std::get_if<SonarHealthSample>(&message)) on_sonar_health(*look, now);
-  if (const auto* echoes = std::get_if<SonarEchoes>(&message)) hear_echoes(*echoes, now);
-  if (const auto* reading = std::get_if<RangeReading>(&message)) hear_range(*reading, now);
-  if (const auto* health = std::get_if<Health>(&message)) hear_health(*health, now);
-  if (const auto* command = std::get_if<OperatorCommand>(&message)) hear_command(*command);
-  if (const auto* scan = std::get_if<ObstacleScan>(&message)) hear_scan(*scan);
+  if (const auto* echoes = std::get_if<SonarEchoes>(&message)) on_echoes(*echoes, now);
+  if (const auto* reading = std::get_if<RangeReading>(&message)) on_range(*reading, now);
+  if (const auto* health = std::get_if<Health>(&message)) on_health(*health, now);
+  if (const auto* command = std::get_if<OperatorCommand>(&message)) on_command(*command);
+  if (const auto* scan = std::get_if<ObstacleScan>(&message)) on_scan(*scan);
   if (const auto* seen = std::get_if<OccupancyUpdate>(&message)) space_ = seen->grid;
-  if (const auto* lost = std::get_if<AgentLost>(&message)) hear_lost(*lost);
+  if (const auto* lost = std::get_if<AgentLost>(&message)) on_lost(*lost);
   if (const auto* order = std::get_if<FollowOrder>(&message)) follow(*order);
   if (const auto* report = std::get_if<MissionReport>(&message)) phase_ = report->phase;
   if (const auto* refused = std::get_if<RouteRefused>(&message)) refusal_ = Refusal{refused->reason, refused->why};
@@ -134,7 +134,7 @@ void SafetyOfficer::hear(const Message& message, Time now, Outbox&) {
   }
 }
 
-void SafetyOfficer::hear_fix(const Navigation& fix, Time now) {
+void SafetyOfficer::on_fix(const Navigation& fix, Time now) {
   if (!usable(fix)) {
     jump_ = "a fix that is not finite";
     return;
@@ -169,18 +169,18 @@ void SafetyOfficer::hear_fix(const Navigation& fix, Time now) {
 void SafetyOfficer::on_sonar_health(const SonarHealthSample& look, Time now) {
   if (!in_time(kSonar, look.time, now)) return;
   const auto known = sonars_.find(look.sonar);
-  if (known == sonars_.end() && sonars_.size() >= kMostNames) return;
-  sonars_[look.sonar].hear(look, config_, clock_s_);
+  if (known == sonars_.end() && sonars_.size() >= kMaxNames) return;
+  sonars_[look.sonar].update(look, config_, clock_s_);
 }
 
-void SafetyOfficer::hear_echoes(const SonarEchoes& echoes, Time now) {
+void SafetyOfficer::on_echoes(const SonarEchoes& echoes, Time now) {
   if (!in_time(kSonar, echoes.time, now)) return;
-  if (std::isfinite(echoes.blind_m)) blind_m_ = echoes.blind_m;
+  if (std::isfinite(echoes.blanking_m)) blanking_m_ = echoes.blanking_m;
   const double reach = stop_way(vehicle_.limits.max_speed, config_.reaction_s) + kBeyondReach;
   echoes_.add(echoes.echoes_L, echoes.X_WL, reach, config_, clock_s_);
 }
 
-void SafetyOfficer::hear_range(const RangeReading& reading, Time now) {
+void SafetyOfficer::on_range(const RangeReading& reading, Time now) {
   if (!reading.X_BS.is_finite() || (reading.range_m && !(*reading.range_m >= 0 && *reading.range_m < kFarthest)))
     return;
   if (!in_time(kRanger, reading.time, now)) return;
@@ -188,20 +188,20 @@ void SafetyOfficer::hear_range(const RangeReading& reading, Time now) {
   const Pose X_WL = level(X_WB);
   const Pose X_LS = Pose{X_WL.rotation.inverse() * X_WB.rotation, Eigen::Vector3d::Zero()} * reading.X_BS;
   const double down = (X_LS.rotation * Eigen::Vector3d::UnitX()).z();
-  if (down > kDown) hear_altitude(reading, down);
+  if (down > kDown) on_altitude(reading, down);
   std::optional<Eigen::Vector3d> v_B;
   if (fix_ && clock_s_ - fix_->heard_s <= kFreshSpeed) {
     const Eigen::Vector3d v_W(fix_->v_W.x(), fix_->v_W.y(), 0);
     v_B = X_WB.rotation.inverse() * v_W;
   }
-  imminent_.update(rangers_.index_of(reading.X_BS).value_or(SensorTable::kMost - 1), reading, v_B);
+  imminent_.update(rangers_.index_of(reading.X_BS).value_or(SensorTable::kMax - 1), reading, v_B);
   if (!reading.range_m || std::abs(down) > kDown) return;
   const Eigen::Vector2d echo = (X_LS * Eigen::Vector3d(*reading.range_m, 0, 0)).head<2>();
   const double reach = stop_way(vehicle_.limits.max_speed, config_.reaction_s) + kBeyondReach;
   echoes_.add({&echo, 1}, X_WL, reach, config_, clock_s_);
 }
 
-void SafetyOfficer::hear_altitude(const RangeReading& reading, double down) {
+void SafetyOfficer::on_altitude(const RangeReading& reading, double down) {
   altitude_.spoken = true;
   altitude_.heard_s = clock_s_;
   bool low = false;
@@ -209,13 +209,13 @@ void SafetyOfficer::hear_altitude(const RangeReading& reading, double down) {
     altitude_.echo_s = clock_s_;
     altitude_.last_m = *reading.range_m * down + reading.X_BS.translation.z();
     const double least = plan_ ? plan_->limits.min_altitude_m : 0;
-    const double share = std::max(config_.leave_share, 0.1);
+    const double share = std::max(config_.clear_share, 0.1);
     low = altitude_.last_m < (raised(Fault::kTooLow) ? least / share : least);
   }
   altitude_.low = (altitude_.low << 1U | static_cast<std::uint32_t>(low)) & 7U;
 }
 
-void SafetyOfficer::hear_health(const Health& health, Time now) {
+void SafetyOfficer::on_health(const Health& health, Time now) {
   in_time(kHost, health.time, now);
   if (health.leak) leak_ = health.source + " reports water inside";
   if (health.source == "vehicle") {
@@ -224,16 +224,16 @@ void SafetyOfficer::hear_health(const Health& health, Time now) {
     if (share >= 0 && share <= 1) battery_share_ = share;
   }
   const auto known = states_.find(health.source);
-  if (known == states_.end() && states_.size() >= kMostNames) return;
+  if (known == states_.end() && states_.size() >= kMaxNames) return;
   states_[health.source] = health.state;
 }
 
-void SafetyOfficer::hear_command(const OperatorCommand& command) {
+void SafetyOfficer::on_command(const OperatorCommand& command) {
   if (command.kind == OperatorCommand::Kind::kBeat || beat_s_) beat_s_ = clock_s_;
   if (command.kind == OperatorCommand::Kind::kStart) start(command.plan);
 }
 
-void SafetyOfficer::hear_scan(const ObstacleScan& scan) {
+void SafetyOfficer::on_scan(const ObstacleScan& scan) {
   mapped_W_.clear();
   if (scan.posed && vehicle_.min_speed > 0) {  // only a vehicle that cannot stop needs an escape
     for (const Hazard& hazard : scan.hazards) {
@@ -255,7 +255,7 @@ void SafetyOfficer::hear_scan(const ObstacleScan& scan) {
   }
 }
 
-void SafetyOfficer::hear_lost(const AgentLost& lost) {
+void SafetyOfficer::on_lost(const AgentLost& lost) {
   if (!leads(lost.agent)) return;
   lost_agent_ = fmt::format("the {} {}: {}", lost.agent, lost.hung ? "hangs" : "died", lost.why);
 }

@@ -1,6 +1,6 @@
 #include <cmath>
 #include <fmt/format.h>
-#include <isobath/mission/messages/words.hpp>
+#include <isobath/mission/messages/reason_text.hpp>
 
 namespace isobath {
 

@@ -7,7 +7,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/io/bytes/whole_file.hpp>
-#include <isobath/io/charts/prior.hpp>
+#include <isobath/io/charts/read_prior.hpp>
 #include <isobath/io/gdal/geotiff.hpp>
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
@@ -264,7 +264,7 @@ TEST(Prior, LeavesOutWhatMeansNothing) {
   raster.write(file);
   PriorConfig config = plain();
   config.no_data = {77};
-  config.greatest_depth_m = 100;
+  config.max_depth_m = 100;
   const Prior prior = read_prior(file, config, LocalPlane(kOrigin), window(0, 0, 10, 0, 0));
   EXPECT_EQ(prior.left_out.at("cells without data"), 7u);
   EXPECT_EQ(prior.read.at("cells"), 1193u) << "0 is a depth unless it is said to be none";
@@ -414,7 +414,7 @@ TEST(Prior, RefusesWhatIsTooMuch) {
   const fs::path file = test::scratch_folder() / "a.tif";
   raster.write(file);
   PriorConfig config = plain();
-  config.most_cells = 500;
+  config.max_cells = 500;
   EXPECT_THAT(refusal(file, config, window(200, -200, 20, 30, 30)), HasSubstr("the maximum is"));
   EXPECT_THAT(refusal(file, plain(), window(0, 0, 0.001, 0, 0)), HasSubstr("too many"));
 }

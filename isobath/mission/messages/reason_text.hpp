@@ -1,4 +1,4 @@
-// Words: texts for places, obstacles and points in the reasons of agents.
+// Texts for the reasons of agents: of places, obstacles and points.
 #pragma once
 
 #include <isobath/mission/messages/messages.hpp>
