@@ -44,12 +44,12 @@ void AgentsHelm::on_event(const Event& event) {
 }
 
 void AgentsHelm::tell_chart() {
-  if (auto chart = std::exchange(chart_, std::nullopt)) say(std::move(*chart), now());
+  if (auto chart = std::exchange(chart_, std::nullopt)) executor_->on_message(std::move(*chart), now());
 }
 
 void AgentsHelm::on_frame(const OperatorFrame& frame) {
   operator_heard_ = true;
-  say(LinkFrame{LinkFrame::Way::kFromOperator, frame.bytes}, now());
+  executor_->on_message(LinkFrame{LinkFrame::Way::kFromOperator, frame.bytes}, now());
 }
 
 void AgentsHelm::on_fix(const Navigation& fix) {
@@ -57,25 +57,25 @@ void AgentsHelm::on_fix(const Navigation& fix) {
   Navigation own = fix;
   own.time += clock_.offset();
   if (own.covariance) sigma_m_ = std::sqrt(std::max(0.0, (*own.covariance)(0, 0) + (*own.covariance)(1, 1)) / 2);
-  say(own, now());
+  executor_->on_message(own, now());
   if (!first_fix_) first_fix_ = now();
   if (begun_ || plan_->waits_for_operator || !(looked_ || now() - *first_fix_ > kLongestWarmUp)) return;
   begun_ = true;
-  say(OperatorCommand{OperatorCommand::Kind::kStart, plan_}, now());
+  executor_->on_message(OperatorCommand{OperatorCommand::Kind::kStart, plan_}, now());
 }
 
 void AgentsHelm::on_range(const RangeReading& range) {
   if (!range.X_BS.is_finite() || !std::isfinite(range.range_m.value_or(0))) return;
   RangeReading own = range;
   own.time += clock_.offset();
-  say(own, now());
+  executor_->on_message(own, now());
 }
 
 void AgentsHelm::on_ping_arrival(const Ping& ping) {
   if (check(ping) != PingFault::kNone) return;
   SonarHealthSample look = look_of(ping, name_of(ping));
   look.time += clock_.offset();
-  say(std::move(look), now());
+  executor_->on_message(std::move(look), now());
 }
 
 void AgentsHelm::on_health(const Health& health) {
@@ -88,13 +88,23 @@ void AgentsHelm::on_health(const Health& health) {
   }
   Health own = health;
   own.time += clock_.offset();
-  say(std::move(own), now());
+  executor_->on_message(std::move(own), now());
+}
+
+/// Makes an agent die or hang (kHangs of health.hpp); does nothing if there is no such agent.
+void AgentsHelm::fail(const std::string& agent, bool hangs) {
+  if (!executor_->has(agent)) return;
+  if (hangs) {
+    executor_->hang(agent);
+  } else {
+    executor_->kill(agent);
+  }
 }
 
 void AgentsHelm::beat() {
   if (!next_beat_) next_beat_ = now();
   if (now() < *next_beat_) return;
-  if (link_ && !operator_heard_) say(OperatorCommand{OperatorCommand::Kind::kBeat, nullptr}, now());
+  if (link_ && !operator_heard_) executor_->on_message(OperatorCommand{OperatorCommand::Kind::kBeat, nullptr}, now());
   next_beat_ = now() + kBeatInterval;
 }
 
@@ -111,7 +121,7 @@ void AgentsHelm::on_ping(const PosedPing& posed) {
   if (!echoes) return;
   ++decided_;
   echoes->time += clock_.offset();
-  say(*std::move(echoes), now());
+  executor_->on_message(*std::move(echoes), now());
 }
 
 void AgentsHelm::on_scan(const ScanResult& scan) {
@@ -121,12 +131,12 @@ void AgentsHelm::on_scan(const ScanResult& scan) {
   looked_ = true;
   auto map = std::make_shared<Detection>(scan.detection);
   map->time += clock_.offset();
-  say(Sweep{scan.number, scan.posed, sigma_m_, std::move(map)}, now());
+  executor_->on_message(Sweep{scan.number, scan.posed, sigma_m_, std::move(map)}, now());
 }
 
 void AgentsHelm::on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) {
   const std::lock_guard lock(mutex_);
-  say(OccupancyUpdate{time + clock_.offset(), space}, now());
+  executor_->on_message(OccupancyUpdate{time + clock_.offset(), space}, now());
 }
 
 }  // namespace isobath

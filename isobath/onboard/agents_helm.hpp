@@ -40,16 +40,14 @@ class AgentsHelm : public Helm {
   [[nodiscard]] const MissionPlan& plan() const { return *plan_; }
 
  protected:
+  /// To be called by the constructors of the classes below, which own the executor.
+  void steer_by(AgentExecutor& executor) { executor_ = &executor; }
   /// On the mission's clock. Not while another thread calls `on_*`.
   [[nodiscard]] Time now() const { return clock_.now(); }
 
  private:
   /// The mission's clock has advanced to this time.
   virtual void moved(Time /*now*/) {}
-  /// Sends a message to all agents.
-  virtual void say(Message message, Time now) = 0;
-  /// Makes an agent die, or hang.
-  virtual void fail(const std::string& agent, bool hangs) = 0;
 
   void on_fix(const Navigation& fix);
   void on_range(const RangeReading& range);
@@ -58,8 +56,10 @@ class AgentsHelm : public Helm {
   void on_frame(const OperatorFrame& frame);
   void tell_chart();
   void beat();
+  void fail(const std::string& agent, bool hangs);
   [[nodiscard]] std::string name_of(const Ping& ping);
 
+  AgentExecutor* executor_ = nullptr;
   std::mutex mutex_;
   std::shared_ptr<const MissionPlan> plan_;
   std::optional<ChartUpdate> chart_;  ///< until it is sent
@@ -83,16 +83,5 @@ struct MissionLog {
 
   void note(const Envelope& envelope);
 };
-
-/// Makes an agent die or hang (kHangs of health.hpp); does nothing if there is no such agent.
-template <class AnyExecutor>
-void inject_failure(AnyExecutor& executor, const std::string& agent, bool hangs) {
-  if (!executor.has(agent)) return;
-  if (hangs) {
-    executor.hang(agent);
-  } else {
-    executor.kill(agent);
-  }
-}
 
 }  // namespace isobath

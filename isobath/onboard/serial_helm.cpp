@@ -9,7 +9,9 @@ SerialHelm::SerialHelm(std::vector<AgentSlot> slots, const VehicleParameters& ve
       executor_(std::move(slots), vehicle, config, [this](const Envelope& envelope) {
         book_.note(envelope);
         if (listener_) listener_(envelope);
-      }) {}
+      }) {
+  steer_by(executor_);
+}
 
 void SerialHelm::on_event(const Event& event) {
   book_.frames.clear();

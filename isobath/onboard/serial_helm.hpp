@@ -39,9 +39,6 @@ class SerialHelm : public AgentsHelm {
   [[nodiscard]] const Executor& executor() const { return executor_; }
 
  private:
-  void say(Message message, Time now) override { executor_.on_message(std::move(message), now); }
-  void fail(const std::string& agent, bool hangs) override { inject_failure(executor_, agent, hangs); }
-
   MissionLog book_;
   Recorder listener_;
   Executor executor_;  ///< last, because its recorder uses the other members

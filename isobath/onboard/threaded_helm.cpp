@@ -38,15 +38,13 @@ struct ThreadedHelm::State {
 ThreadedHelm::ThreadedHelm(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config,
                            std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
     : AgentsHelm(std::move(plan), std::move(chart), echo_contrast),
-      state_(std::make_unique<State>(std::move(slots), vehicle, config)) {}
+      state_(std::make_unique<State>(std::move(slots), vehicle, config)) {
+  steer_by(state_->executor);
+}
 
 ThreadedHelm::~ThreadedHelm() = default;
 
 void ThreadedHelm::moved(Time now) { state_->now.store(now.time_since_epoch().count()); }
-
-void ThreadedHelm::say(Message message, Time /*now*/) { state_->executor.on_message(std::move(message)); }
-
-void ThreadedHelm::fail(const std::string& agent, bool hangs) { inject_failure(state_->executor, agent, hangs); }
 
 Setpoint ThreadedHelm::steer() {
   const Setpoint setpoint = state_->executor.helm();

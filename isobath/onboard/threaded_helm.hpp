@@ -39,8 +39,6 @@ class ThreadedHelm : public AgentsHelm {
 
  private:
   void moved(Time now) override;
-  void say(Message message, Time now) override;
-  void fail(const std::string& agent, bool hangs) override;
 
   struct State;
   std::unique_ptr<State> state_;

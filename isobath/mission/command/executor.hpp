@@ -20,6 +20,7 @@
 #pragma once
 
 #include <deque>
+#include <isobath/mission/command/agent_executor.hpp>
 #include <isobath/mission/command/bus.hpp>
 #include <isobath/mission/command/command_arbiter.hpp>
 #include <string_view>
@@ -49,7 +50,7 @@ struct ExecutorCounts {
 /// the name of the gate's Safety Officer.
 void check_slots(const std::vector<AgentSlot>& slots, const ExecutorConfig& config);
 
-class Executor {
+class Executor final : public AgentExecutor {
  public:
   /// Throws Error like check_slots.
   Executor(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config = {},
@@ -57,17 +58,17 @@ class Executor {
 
   /// `on_message` and `advance` return false where the time is before that of an earlier call; the call is then
   /// refused.
-  bool on_message(Message sensed, Time now);
+  bool on_message(Message sensed, Time now) override;
   bool advance(Time now);
   /// The set-point from now on; that of the latest instant where `now` is before it.
   Setpoint helm(Time now);
 
   /// Faults for tests: `hang` gives an agent no further turn and sends no message about it; `kill` makes an agent die
   /// in its next turn. The name must be that of an agent.
-  void hang(std::string_view name);
-  void kill(std::string_view name);
+  void hang(std::string_view name) override;
+  void kill(std::string_view name) override;
 
-  [[nodiscard]] bool has(std::string_view name) const;  ///< whether there is such an agent
+  [[nodiscard]] bool has(std::string_view name) const override;
   [[nodiscard]] bool lost(std::string_view name) const;
   [[nodiscard]] const ExecutorCounts& counts() const { return counts_; }
   [[nodiscard]] const std::map<std::string, Bus::Counts>& said() const { return bus_.said(); }

@@ -226,9 +226,10 @@ void ThreadedExecutor::stop() {
   }
 }
 
-void ThreadedExecutor::on_message(Message sensed) {
+bool ThreadedExecutor::on_message(Message sensed, Time /*now*/) {
   const std::lock_guard lock(state_->mutex);
   state_->say(kFromOutside, std::move(sensed));
+  return true;
 }
 
 void ThreadedExecutor::advance() {

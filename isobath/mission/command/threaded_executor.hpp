@@ -21,16 +21,15 @@
 
 namespace isobath {
 
-class ThreadedExecutor {
+class ThreadedExecutor final : public AgentExecutor {
  public:
   /// Throws Error like check_slots, and where the system has no thread left.
   ThreadedExecutor(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config,
                    std::function<Time()> clock, Recorder recorder = {});
-  ThreadedExecutor(const ThreadedExecutor&) = delete;
-  ThreadedExecutor& operator=(const ThreadedExecutor&) = delete;
-  ~ThreadedExecutor();
+  ~ThreadedExecutor() override;
 
-  void on_message(Message sensed);
+  /// Refuses nothing. The time does not matter: the executor has a clock.
+  bool on_message(Message sensed, Time now) override;
   /// Runs the ticks that are due, the watchdog and the helm; must be called at least ten times a second of the clock.
   void advance();
   /// Advances, and returns the set-point from now on.
@@ -41,10 +40,10 @@ class ThreadedExecutor {
 
   /// Faults for tests, like those of Executor: the agent's next turn does not end before it is given up; or it dies in
   /// that turn. The name must be that of an agent.
-  void hang(std::string_view name);
-  void kill(std::string_view name);
+  void hang(std::string_view name) override;
+  void kill(std::string_view name) override;
 
-  [[nodiscard]] bool has(std::string_view name) const;  ///< whether there is such an agent
+  [[nodiscard]] bool has(std::string_view name) const override;
   [[nodiscard]] bool lost(std::string_view name) const;
   [[nodiscard]] ExecutorCounts counts() const;
   [[nodiscard]] std::map<std::string, Bus::Counts> said() const;

@@ -100,7 +100,7 @@ TEST(ThreadedExecutor, AllHearTheSameInOneOrderWhicheverThreadSaysIt) {
   std::vector<std::thread> senders;
   for (std::uint32_t sender = 0; sender < 3; ++sender) {
     senders.emplace_back([&executor, sender] {
-      for (std::uint32_t i = 1; i <= 100; ++i) executor.on_message(call(sender * 200 + i));
+      for (std::uint32_t i = 1; i <= 100; ++i) executor.on_message(call(sender * 200 + i), {});
     });
   }
   for (std::thread& sender : senders) sender.join();
@@ -127,12 +127,12 @@ TEST(ThreadedExecutor, ABlockedAgentDelaysNoOtherAndIsGivenUp) {
     };
     ThreadedExecutor executor(slots(stuck.in_slot("planner"), slot("other planner", other)), {}, config_of(),
                               clock.reader());
-    executor.on_message(call(1));
+    executor.on_message(call(1), {});
     stuck.in.wait();
-    executor.on_message(call(2));
+    executor.on_message(call(2), {});
     answered.wait();  // while the planner is stuck
     clock.set(0.4);
-    executor.on_message(call(3));
+    executor.on_message(call(3), {});
     went_on.wait();  // a turn that began at 0.4 s
     clock.set(0.5);
     executor.advance();
@@ -143,7 +143,7 @@ TEST(ThreadedExecutor, ABlockedAgentDelaysNoOtherAndIsGivenUp) {
     executor.settle();
     EXPECT_THAT(heard.all(), Contains("agent lost planner hung"));
     EXPECT_EQ(executor.counts().lost, 1u);
-    executor.on_message(call(4));
+    executor.on_message(call(4), {});
     executor.settle();
     EXPECT_EQ(heard.all().back(), "task call 4");
     EXPECT_EQ(executor.said().count("planner"), 0u);
@@ -159,10 +159,10 @@ TEST(ThreadedExecutor, WhatAnAgentSaysAfterItWasGivenUpIsNotHeard) {
   Stuck stuck;
   ThreadedExecutor executor(slots(stuck.in_slot("planner"), slot("a", heard.listener())), {}, config_of(),
                             clock.reader());
-  executor.on_message(call(1));
+  executor.on_message(call(1), {});
   stuck.in.wait();
   clock.set(0.4);
-  executor.on_message(call(2));
+  executor.on_message(call(2), {});
   while (heard.all().size() < 2) std::this_thread::yield();
   clock.set(0.51);
   executor.advance();
@@ -181,7 +181,7 @@ TEST(ThreadedExecutor, TheDestructorGivesUpWhatTheWatchdogWould) {
   {
     ThreadedExecutor executor(slots(stuck.in_slot("planner")), {}, config_of(),
                               [&] { return Time(Duration(clock.ns += 50'000'000)); });  // runs on whenever it is read
-    executor.on_message(call(1));
+    executor.on_message(call(1), {});
     stuck.in.wait();
   }
   stuck.go.count_down();
@@ -196,9 +196,9 @@ TEST(ThreadedExecutor, AnAgentThatThrowsIsDeadAndTheOthersGoOn) {
       slots(slot("navigator", [](const Message&, Time, Outbox&) { throw std::runtime_error("bad leg"); }),
             slot("captain", heard.listener())),
       {}, config_of(), clock.reader());
-  executor.on_message(call(1));
+  executor.on_message(call(1), {});
   executor.settle();
-  executor.on_message(call(2));
+  executor.on_message(call(2), {});
   executor.settle();
   EXPECT_TRUE(executor.lost("navigator"));
   EXPECT_FALSE(executor.lost("captain"));
@@ -212,10 +212,10 @@ TEST(ThreadedExecutor, OneThatIsKilledDiesInItsNextTurn) {
   Heard heard;
   ThreadedExecutor executor(slots(slot("navigator", killed.listener()), slot("captain", heard.listener())), {},
                             config_of(), clock.reader());
-  executor.on_message(call(1));
+  executor.on_message(call(1), {});
   executor.settle();
   executor.kill("navigator");
-  executor.on_message(call(2));
+  executor.on_message(call(2), {});
   executor.settle();
   EXPECT_TRUE(executor.lost("navigator"));
   EXPECT_THAT(killed.all(), ElementsAre("task call 1"));
@@ -232,7 +232,7 @@ TEST(ThreadedExecutor, OneThatIsMadeToHangIsGivenUpAndKeepsNobodyWaiting) {
   ThreadedExecutor executor(slots(slot("navigator", hanging.listener()), slot("captain", heard.listener())), {},
                             config_of(), clock.reader());
   executor.hang("navigator");
-  executor.on_message(call(1));
+  executor.on_message(call(1), {});
   executor.settle();
   EXPECT_THAT(heard.all(), ElementsAre("task call 1")) << "settling does not wait for it";
   for (double t = 0.1; !executor.lost("navigator"); t += 0.1) {  // whenever its thread begins the turn that never ends
@@ -240,7 +240,7 @@ TEST(ThreadedExecutor, OneThatIsMadeToHangIsGivenUpAndKeepsNobodyWaiting) {
     executor.advance();
     std::this_thread::yield();
   }
-  executor.on_message(call(2));
+  executor.on_message(call(2), {});
   executor.settle();
   EXPECT_FALSE(executor.lost("captain"));
   EXPECT_THAT(heard.all(), ElementsAre("task call 1", "agent lost navigator hung", "task call 2"));
@@ -262,10 +262,10 @@ TEST(ThreadedExecutor, AFullMailboxLosesItsOldestMessageAndSaysSo) {
                                        }),
                                   slot("other", other.listener())),
                             {}, config_of(16), clock.reader());
-  executor.on_message(call(1));
+  executor.on_message(call(1), {});
   in.wait();
   for (std::uint32_t id = 2; id <= 31; ++id) {
-    executor.on_message(call(id));
+    executor.on_message(call(id), {});
     if (id % 8 == 0) {
       while (other.all().size() < id) std::this_thread::yield();  // only one mailbox is to be full
     }
@@ -293,7 +293,7 @@ TEST(ThreadedExecutor, NoMoreThanOneTickWaits) {
                                 },
                                 [&](Time, Outbox&) { ++ticks; })),
                             {}, config_of(), clock.reader());
-  executor.on_message(call(1));
+  executor.on_message(call(1), {});
   in.wait();
   for (const double t : {0.1, 0.2, 0.3}) {
     clock.set(t);
@@ -314,7 +314,7 @@ TEST(ThreadedExecutor, AStormOfMessagesIsCut) {
     if (id_of(m) > 0) out.say(TaskCall{id_of(m), "", {}});
   };
   ThreadedExecutor executor(slots(slot("a", echo), slot("b", echo)), {}, config, clock.reader());
-  executor.on_message(call(1));
+  executor.on_message(call(1), {});
   executor.settle();
   EXPECT_EQ(executor.said().at("a").at(call(0).index()), 20u);
   EXPECT_EQ(executor.said().at("b").at(call(0).index()), 20u);
@@ -338,7 +338,7 @@ TEST(ThreadedExecutor, TheVehicleActsOnTheLossOfThePilot) {
   executor.helm();
   executor.settle();
   EXPECT_EQ(executor.helm().speed, 1.5);
-  executor.on_message(call(1));
+  executor.on_message(call(1), {});
   executor.settle();
   clock.set(2.1);
   EXPECT_EQ(executor.helm().speed, 1.5);
@@ -353,10 +353,10 @@ TEST(ThreadedExecutor, AClockThatGoesBackStandsStill) {
       slots(slot("a", [&](const Message&, Time t, Outbox&) { times.add(fmt::format("{}", to_seconds(t))); })), {},
       config_of(), clock.reader());
   clock.set(5);
-  executor.on_message(call(1));
+  executor.on_message(call(1), {});
   executor.settle();
   clock.set(3);
-  executor.on_message(call(2));
+  executor.on_message(call(2), {});
   executor.settle();
   EXPECT_THAT(times.all(), ElementsAre("5", "5"));
   EXPECT_GT(executor.counts().refused, 0u);
