@@ -54,10 +54,9 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
   while (auto event = source.next()) {
     onboard.on_event(std::move(*event));
     if (pace) pace->keep(onboard);
-    simulator.command(onboard.steer());
-    source.answer(helm.to_operator());
+    const bool goes_on = steer_simulated(onboard, helm, source, end);
     if (request.stop_at_contact && truth.truth().contact_s >= 0) break;
-    if (request.stop_when_done && end.reached(helm.progress().phase, simulator.now_s())) break;
+    if (request.stop_when_done && !goes_on) break;
   }
   onboard.settle();
   return {truth.truth(),
@@ -67,6 +66,12 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
           simulator.now_s(),
           judge ? judge->score() : TruthScore{},
           source.at_the_link() ? source.at_the_link()->answers() : std::vector<OperatorAnswer>{}};
+}
+
+bool steer_simulated(Onboard& onboard, Helm& helm, SimulatedSource& source, EndOfMission& end) {
+  source.simulator().command(onboard.steer());
+  source.answer(helm.to_operator());
+  return !end.reached(helm.progress().phase, source.simulator().now_s());
 }
 
 bool EndOfMission::reached(MissionPhase phase, double now_s) {

@@ -17,6 +17,8 @@
 
 namespace isobath {
 
+class Onboard;
+
 /// How long the run goes on after the end of the mission.
 constexpr double kWatchAfterEnd_s = 5;
 
@@ -52,5 +54,9 @@ class EndOfMission {
  private:
   double since_s_ = -1;
 };
+
+/// Sends the set-point of the helm to the simulated vehicle, and its answers to the operator. Returns false once the
+/// mission has been over for long enough.
+bool steer_simulated(Onboard& onboard, Helm& helm, SimulatedSource& source, EndOfMission& end);
 
 }  // namespace isobath

@@ -287,12 +287,9 @@ bool Run::take(Event event) {
 
 bool Run::steer() {
   if (!helm_) return true;
-  const Setpoint setpoint = onboard_.steer();
-  SimulatedSource* simulated = input_.simulated();
-  if (!simulated) return true;
-  simulated->simulator().command(setpoint);
-  simulated->answer(helm_->to_operator());
-  return !end_.reached(helm_->progress().phase, simulated->simulator().now_s());
+  if (SimulatedSource* simulated = input_.simulated()) return steer_simulated(onboard_, *helm_, *simulated, end_);
+  (void)onboard_.steer();
+  return true;
 }
 
 void Run::show(Time time) {
