@@ -43,6 +43,18 @@ void print(const CalibrateRequest& request, const CalibrateOutcome& outcome) {
   fmt::print("written to {}: sensor_model.json and {} more files\n", request.out.string(), outcome.files.size() - 1);
 }
 
+/// How well histograms per pixel detect, at the false-alarm rates of the cross-validation.
+nlohmann::ordered_json histograms_json(const HistogramCalibration& histograms) {
+  auto json = nlohmann::ordered_json::array();
+  for (const HistogramCalibration::Worth& worth : histograms.worth) {
+    const Rate& p = worth.detected;
+    json.push_back(
+        {{"false_alarm", worth.false_alarm},
+         {"p", {{"value", p.value}, {"interval", {p.interval.low, p.interval.high}}, {"trials", p.trials}}}});
+  }
+  return json;
+}
+
 int act(Options& options) {
   CalibrateRequest& request = options.request;
   request.configuration = options.config.read();
@@ -55,7 +67,10 @@ int act(Options& options) {
   progress.clear();
   if (options.json) {
     auto json = nlohmann::ordered_json::parse(to_json(outcome.result));
-    if (outcome.fan) json["fan"] = fan_json(*outcome.fan);
+    json["pings_left_out"] = outcome.left_out;
+    json["histograms"] = outcome.histograms ? histograms_json(*outcome.histograms) : nlohmann::ordered_json();
+    json["fan"] = outcome.fan ? fan_json(*outcome.fan) : nlohmann::ordered_json();
+    json["no_fan"] = outcome.no_fan;
     add_files(json, request.out, outcome.files);
     print_json(json);
   } else {

@@ -44,17 +44,16 @@ ordered_json source_json(const SourceReport& report, const Inspection& facts) {
   json["details"] = report.details;
   json["streams"] = ordered_json::array();
   for (const StreamFacts& s : facts.streams) {
-    json["streams"].push_back(
-        {{"name", s.name},
-         {"events", s.events},
-         {"first", to_text(s.first)},
-         {"last", to_text(s.last)},
-         {"rate_hz", s.rate()},
-         {"median_interval_s", s.median_interval_s},
-         {"gaps", s.gaps},
-         {"longest_gap_s", s.longest_gap_s},
-         {"longest_gap_at", s.gaps > 0 ? ordered_json(to_text(s.longest_gap_at)) : ordered_json()},
-         {"steps_back", s.backwards}});
+    ordered_json stream{{"name", s.name}, {"events", s.events}};
+    add_time(stream, "first", s.first);
+    add_time(stream, "last", s.last);
+    stream.update(ordered_json{{"rate_hz", s.rate()},
+                               {"median_interval_s", s.median_interval_s},
+                               {"gaps", s.gaps},
+                               {"longest_gap_s", s.longest_gap_s}});
+    if (s.gaps > 0) add_time(stream, "longest_gap_at", s.longest_gap_at);
+    stream["steps_back"] = s.backwards;
+    json["streams"].push_back(std::move(stream));
   }
   json["geometries"] = ordered_json::array();
   for (const PingGeometry& g : facts.geometries) {
@@ -137,15 +136,18 @@ ordered_json map_json(const StoredMap& map, const std::optional<MapChanges>& cha
                    {"pixel_m", pixel},
                    {"area_m", std::ldexp(pixel, f.area.levels)},
                    {"datum", f.datum},
-                   {"epoch", to_text(f.epoch)},
                    {"known_m", {known.height * pixel, known.width * pixel}},
                    {"origin", nullptr}};
+  add_time(out, "epoch", f.epoch);
   if (f.origin) out["origin"] = {{"latitude_deg", f.origin->latitude_deg}, {"longitude_deg", f.origin->longitude_deg}};
   out["priors"] = f.priors;
   out["visits"] = ordered_json::array();
   for (const MapVisit& v : f.visits) {
-    out["visits"].push_back(
-        {{"input", v.input}, {"first", to_text(v.first)}, {"last", to_text(v.last)}, {"counts", v.counts}});
+    ordered_json visit{{"input", v.input}};
+    add_time(visit, "first", v.first);
+    add_time(visit, "last", v.last);
+    visit["counts"] = v.counts;
+    out["visits"].push_back(std::move(visit));
   }
   for (const auto& [name, s] : trees_of(map)) {
     out["trees"][name] = {{"leaves", s.leaves}, {"words", s.words}, {"pages", s.pages}, {"bytes", s.bytes}};

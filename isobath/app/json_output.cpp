@@ -30,6 +30,11 @@ nlohmann::ordered_json map_damage_json(const MapDamage& damage) {
           {"reason", damage.reason}};
 }
 
+void add_time(nlohmann::ordered_json& json, const std::string& name, Time time) {
+  json[name] = to_text(time);
+  json[name + "_ns"] = time.time_since_epoch().count();
+}
+
 void add_files(nlohmann::ordered_json& json, const std::filesystem::path& folder,
                const std::vector<std::filesystem::path>& files) {
   json["files"] = nlohmann::ordered_json::array();

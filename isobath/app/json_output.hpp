@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <isobath/base/time.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ void print_json(const nlohmann::ordered_json& json);
 void print_json_line(const nlohmann::ordered_json& json);
 /// A damaged block of a depth map.
 nlohmann::ordered_json map_damage_json(const MapDamage& damage);
+/// `name` with the time as text, and `name`_ns with its nanoseconds.
+void add_time(nlohmann::ordered_json& json, const std::string& name, Time time);
 /// Adds the paths of the result files in `folder` as "files".
 void add_files(nlohmann::ordered_json& json, const std::filesystem::path& folder,
                const std::vector<std::filesystem::path>& files);

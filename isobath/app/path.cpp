@@ -22,7 +22,7 @@ struct Options {
 nlohmann::ordered_json place_json(const PathOutcome& outcome, const std::optional<PassagePlace>& place) {
   if (!place) return {};
   const Eigen::Vector2d at = outcome.verdict.grid.centre(place->pixel);
-  nlohmann::ordered_json json{{"leg", place->leg},
+  nlohmann::ordered_json json{{"leg", place->leg + 1},
                               {"along_m", place->along_m},
                               {"north_m", at.x()},
                               {"east_m", at.y()},

@@ -41,20 +41,39 @@ ordered_json recording_json(const RunRequest& request, const RunOutcome& outcome
           {"not_recorded", outcome.not_recorded}};
 }
 
+ordered_json alarms_with_times(const RunOutcome& outcome) {
+  ordered_json alarms = alarms_json(outcome);
+  for (std::size_t i = 0; i < alarms.size(); ++i) add_time(alarms[i], "first", outcome.alarms[i].first);
+  return alarms;
+}
+
+ordered_json obstacles_with_times(const RunOutcome& outcome) {
+  ordered_json obstacles = obstacle_list(outcome.obstacles);
+  for (std::size_t i = 0; i < obstacles.size(); ++i) add_time(obstacles[i], "last_echo", outcome.obstacles[i].last_hit);
+  return obstacles;
+}
+
+ordered_json mission_with_times(const MissionOutcome& mission) {
+  ordered_json json = mission_json(mission, true);
+  for (std::size_t i = 0; i < mission.answers.size(); ++i)
+    add_time(json["operator"][i], "time", mission.answers[i].time);
+  return json;
+}
+
 }  // namespace
 
 ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
   ordered_json json{{"input", request.input.string()},
                     {"problem", outcome.problem},
                     {"undecided", outcome.undecided},
-                    {"alarms", alarms_json(outcome)},
-                    {"obstacles", obstacle_list(outcome.obstacles)},
+                    {"alarms", alarms_with_times(outcome)},
+                    {"obstacles", obstacles_with_times(outcome)},
                     {"counts", counts_json(outcome)},
                     {"rejected", rejected_json(outcome)},
                     {"depth", outcome.depth ? depth_json(*outcome.depth) : ordered_json()},
                     {"voxels", outcome.voxels ? voxels_json(*outcome.voxels) : ordered_json()},
                     {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},
-                    {"mission", outcome.mission ? mission_json(*outcome.mission, true) : ordered_json()},
+                    {"mission", outcome.mission ? mission_with_times(*outcome.mission) : ordered_json()},
                     {"rates", rates_json(outcome)},
                     {"fan_model", outcome.fan ? departure_json(*outcome.fan) : ordered_json()},
                     {"live", outcome.live ? live_json(*outcome.live) : ordered_json()},

@@ -99,7 +99,8 @@ std::string refusal_text(const CLI::ParseError& refusal, const CLI::App& program
   const std::string name = text.substr(0, text.find(':'));
   const CLI::Option* const option = option_named(command, name);
   if (option == nullptr) return text;
-  if (option->results().size() > 1) return fmt::format("{} is given {} times, allowed: once", name, option->results().size());
+  if (option->results().size() > 1)
+    return fmt::format("{} is given {} times, allowed: once", name, option->results().size());
   return fmt::format("{} needs a value", name);
 }
 

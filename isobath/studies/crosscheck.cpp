@@ -137,7 +137,7 @@ std::string to_json(const CrosscheckResult& r) {
     by_depth.push_back(std::move(j));
   }
   for (const auto& c : r.by_confidence) {
-    Json j = {{"class", class_name(c)}};
+    Json j = {{"class", class_name(c)}, {"low", c.low}, {"high", c.high}};
     j.update(json(c.differences));
     by_confidence.push_back(std::move(j));
   }

@@ -35,25 +35,39 @@ class Capture {
 
 }  // namespace
 
-ProgramResult isobath(const std::vector<std::string>& arguments) {
+ProgramResult run_program(std::vector<std::string> words) {
   const Capture out, err;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, out.descriptor(), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err.descriptor(), STDERR_FILENO);
-  std::vector<std::string> words{ISOBATH_PROGRAM};
-  words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   pid_t process = 0;
-  const int failed = posix_spawn(&process, ISOBATH_PROGRAM, &actions, nullptr, argv.data(), environ);
+  const int failed = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  EXPECT_EQ(failed, 0) << "cannot start " << ISOBATH_PROGRAM;
+  EXPECT_EQ(failed, 0) << "cannot start " << words[0];
   int status = 0;
   if (failed || waitpid(process, &status, 0) != process) return {-1, {}, {}};
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), out.text(), err.text()};
+}
+
+bool has_program(const std::string& name) {
+  return run_program({"sh", "-c", "command -v \"$0\"", name}).exit_code == 0;
+}
+
+ProgramResult isobath(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words{ISOBATH_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return run_program(std::move(words));
+}
+
+ProgramResult in_bash(const std::string& script, const std::vector<std::string>& arguments) {
+  std::vector<std::string> words{"bash", "-c", script, ISOBATH_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return run_program(std::move(words));
 }
 
 ProgramResult isobath_run(const fs::path& input, const fs::path& out, const std::vector<std::string>& more) {

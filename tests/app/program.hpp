@@ -17,8 +17,14 @@ struct ProgramResult {
 };
 inline void PrintTo(const ProgramResult& r, std::ostream* to) { *to << "exit " << r.exit_code << ", " << r.err; }
 
-/// Runs it in the current folder, both outputs being pipes to it as far as it can tell (no terminal).
+/// Runs a program, which is looked for in PATH, in the current folder. Its outputs are no terminal.
+ProgramResult run_program(std::vector<std::string> words);
+/// Whether a program is in PATH, or the file that may be run is there.
+bool has_program(const std::string& name);
+/// Runs Isobath.
 ProgramResult isobath(const std::vector<std::string>& arguments);
+/// Runs a script of bash; within it, $0 is Isobath, and $1 .. are the arguments.
+ProgramResult in_bash(const std::string& script, const std::vector<std::string>& arguments = {});
 
 /// `isobath run INPUT --out OUT --json ...`
 ProgramResult isobath_run(const std::filesystem::path& input, const std::filesystem::path& out,
