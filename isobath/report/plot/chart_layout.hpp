@@ -84,7 +84,12 @@ class ChartLayout : public Canvas {
   Eigen::Vector2d next_entry(double height_px);
 
  private:
+  static constexpr double kLeft = 96, kTop = 84, kBand = 9;  ///< around the plot: margins, width of the frame, px
+  static constexpr double kPanel = 300;                      ///< width of the panel, px
+  static constexpr double kTextPx = 15, kSmallPx = 13;       ///< sizes of letters
+
   struct Side;
+  static std::string plain_number(double value);
   void text_at_angle(const Eigen::Vector2d& centre, double angle, const std::string& text, double size,
                      Colour colour) const;
   void danger_symbol(const Eigen::Vector2d& at_px) const;

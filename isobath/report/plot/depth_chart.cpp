@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr Colour kPaper{1, 1, 1, 1}, kLand{0.96, 0.90, 0.74, 1}, kDrying{0.72, 0.80, 0.55, 1};
+constexpr Colour kLand{0.96, 0.90, 0.74, 1}, kDrying{0.72, 0.80, 0.55, 1};
 constexpr Colour kShoreLine{0.30, 0.24, 0.12, 1}, kTrackLine{0.10, 0.10, 0.14, 0.55};
 constexpr Colour kUnknown{0.86, 0.86, 0.86, 1};
 constexpr int kNodePx = 3;           // picture pixels between the nodes of contours
@@ -91,7 +91,7 @@ PlanExtent chart_extent(const DepthChart& chart) {
 }
 
 std::vector<Colour> depth_colours(const ChartField& field, const ChartNodes& nodes, const DepthScale& scale) {
-  std::vector<Colour> colours(field.measured.size(), kPaper);
+  std::vector<Colour> colours(field.measured.size(), palette::kPaper);
   // A measured cell colours its neighbours, so that a sounding line is visible at any scale.
   const auto measured_near = [&](int column, int row) {
     float sum = 0;
@@ -116,7 +116,7 @@ std::vector<Colour> depth_colours(const ChartField& field, const ChartNodes& nod
       } else if (field.land[i] != 0) {
         colours[i] = kLand;
       } else if (!std::isnan(field.charted[i])) {
-        colours[i] = hatched(column, row) ? kPaper : paler(scale.colour(field.charted[i]), kChartedPaleness);
+        colours[i] = hatched(column, row) ? palette::kPaper : paler(scale.colour(field.charted[i]), kChartedPaleness);
       } else if (const float d = nodes.surface_at(column, row);
                  !std::isnan(d) && field.distance_m[i] <= field.reach_m) {
         const double share = field.distance_m[i] / field.reach_m;  // slow at first, so that depths stay readable
@@ -244,9 +244,9 @@ std::string depth_chart_png(const DepthChart& chart, const ChartLook& look) {
   if (any_charted) layout.legend_fill(paler(depth_colour(0.5), kChartedPaleness), "charted, not confirmed", true);
   if (scale.low < 0) layout.legend_fill(kDrying, "dries");
   if (chart.surface) {
-    layout.legend_fill(kPaper, fmt::format("no sounding within {:.0f} m", field.reach_m));
+    layout.legend_fill(palette::kPaper, fmt::format("no sounding within {:.0f} m", field.reach_m));
   } else {
-    layout.legend_fill(kPaper, "not surveyed");
+    layout.legend_fill(palette::kPaper, "not surveyed");
   }
   finish(chart, layout);
   return layout.png();
@@ -280,7 +280,7 @@ std::string confidence_chart_png(const DepthChart& chart, const ChartLook& look)
       if (!sounded && (field.land[i] != 0 || (charted && field.charted[i] == 0))) {
         colours[i] = kLand;
       } else if (shown >= 0) {
-        colours[i] = charted && hatched(column, row) ? kPaper : class_of(shown).colour;
+        colours[i] = charted && hatched(column, row) ? palette::kPaper : class_of(shown).colour;
       }
     }
   }

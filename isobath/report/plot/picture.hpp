@@ -1,43 +1,18 @@
-// PlanPicture and ChartPicture: plan views in metres and charts of curves, as PNG. Drawn by Cairo; the same input gives
-// the same bytes.
+// PlanPicture and ChartPicture: plan views in metres and charts of curves, as PNG.
 //
 // A plan view shows the level body frame L (x forward is up, y starboard is right) or the world (north up, east right):
 // both are "x up, y right" in metres, so one class serves. Colour-blind readers can tell the colours apart.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <filesystem>
 #include <functional>
-#include <memory>
+#include <isobath/report/plot/canvas.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
-using cairo_t = struct _cairo;  // NOLINT(bugprone-reserved-identifier): Cairo calls it so
-
 namespace isobath {
-
-struct Colour {
-  double red = 0, green = 0, blue = 0, alpha = 1;
-};
-
-/// From dark blue through grey to yellow, with even steps of lightness; share in 0..1.
-Colour intensity_colour(double share);
-/// Unknown is grey, free blue-white, occupied dark orange. Probability in 0..1.
-Colour occupancy_colour(double probability, double prior);
-
-namespace palette {
-inline constexpr Colour kInk{0.13, 0.14, 0.16, 1};
-inline constexpr Colour kFaint{0.45, 0.47, 0.5, 0.6};
-inline constexpr Colour kObstacle{0.84, 0.37, 0.0, 1};
-inline constexpr Colour kHidden{0.34, 0.34, 0.6, 1};
-inline constexpr Colour kTrack{0.0, 0.45, 0.7, 1};
-inline constexpr Colour kTruth{0.0, 0.62, 0.45, 1};
-inline constexpr Colour kVehicle{0.0, 0.62, 0.45, 1};
-}  // namespace palette
 
 struct PlanExtent {
   double x_min = -10, x_max = 10;  ///< up, m
@@ -47,35 +22,6 @@ struct PlanExtent {
 /// The frame of a plan view of what lies in the box: an even margin all round (4 % of the longer side), and at least
 /// 15 % as wide as long.
 PlanExtent frame_around(const Eigen::AlignedBox2d& content);
-
-struct Stroke {
-  Colour colour = palette::kInk;
-  double width_px = 1.5;
-  bool dashed = false;
-};
-
-class Canvas {
- public:
-  Canvas(int width_px, int height_px);
-  /// Throws Error if the file cannot be written.
-  void save(const std::filesystem::path& file) const;
-  /// The bytes of the PNG file.
-  [[nodiscard]] std::string png() const;
-
- protected:
-  struct Closer {
-    void operator()(cairo_t* context) const;
-  };
-  void text(double x_px, double y_px, const std::string& text, double size, Colour colour, double align = 0,
-            bool halo = false) const;
-  void line(double x0, double y0, double x1, double y1, const Stroke& stroke) const;
-  void set(const Stroke& stroke) const;
-  void fill(Colour colour) const;
-
-  int width_;
-  int height_;
-  std::unique_ptr<cairo_t, Closer> cairo_;
-};
 
 /// A plan view with a frame, ticks in metres, a title and a legend beside it.
 class PlanPicture : public Canvas {
@@ -152,8 +98,5 @@ class ChartPicture : public Canvas {
   double left_ = 64, top_ = 34, plot_width_, plot_height_;
   std::vector<Name> names_;
 };
-
-/// Round values that divide [low, high] into about `wanted` parts.
-std::vector<double> ticks(double low, double high, int wanted);
 
 }  // namespace isobath
