@@ -4,7 +4,7 @@
 namespace isobath {
 namespace {
 
-const RangeWindow kWindow{.start_m = 1, .bin_m = 0.5, .bins = 4};
+const RangeWindow kFourBins{.start_m = 1, .bin_m = 0.5, .bins = 4};
 
 TEST(EvenFan, HasItsOuterBeamsAtTheEdgesOfTheSectorAndEvenSteps) {
   const auto fan = even_fan(5, Angle::degrees(60), Angle::degrees(2), Angle::degrees(15));
@@ -25,12 +25,12 @@ TEST(EvenFan, OfOneBeamLooksAhead) {
 TEST(MadePing, OwnsItsSamplesBeamAfterBeam) {
   const auto fan = even_fan(2, Angle::degrees(10), Angle::degrees(2), Angle::degrees(15));
   std::vector<std::uint8_t> samples{0, 1, 2, 3, 10, 11, 12, 13};
-  const Ping ping = make_ping(Time(seconds(7)), fan, kWindow, samples);
+  const Ping ping = make_ping(Time(seconds(7)), fan, kFourBins, samples);
   samples.assign(8, 99);
   EXPECT_EQ(check(ping), PingFault::kNone);
   EXPECT_EQ(ping.time, Time(seconds(7)));
   EXPECT_EQ(ping.fan, fan) << "pings of one fan share it";
-  EXPECT_EQ(ping.window, kWindow);
+  EXPECT_EQ(ping.window, kFourBins);
   for (int beam = 0; beam < 2; ++beam) {
     for (int bin = 0; bin < 4; ++bin) EXPECT_EQ(ping.intensity(beam, bin), static_cast<float>(10 * beam + bin));
   }
@@ -39,7 +39,7 @@ TEST(MadePing, OwnsItsSamplesBeamAfterBeam) {
 TEST(MadePing, OfAnotherNumberOfSamplesIsRefusedByItsCheck) {
   const auto fan = even_fan(2, Angle::degrees(10), Angle::degrees(2), Angle::degrees(15));
   for (const std::size_t count : {0, 4, 7, 9, 16}) {
-    const Ping ping = make_ping(Time{}, fan, kWindow, std::vector<std::uint8_t>(count));
+    const Ping ping = make_ping(Time{}, fan, kFourBins, std::vector<std::uint8_t>(count));
     EXPECT_EQ(check(ping), PingFault::kSizeMismatch) << count;
   }
 }
