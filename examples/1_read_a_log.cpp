@@ -3,7 +3,7 @@
 //   1_read_a_log [LOG]    any format that Isobath reads; without LOG it first records one, of a simulated vehicle
 #include <cstdio>
 #include <isobath/io/mcap/native_log.hpp>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/scenario/scenario.hpp>
 
 using namespace isobath;

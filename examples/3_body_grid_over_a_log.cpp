@@ -2,7 +2,7 @@
 //
 //   3_body_grid_over_a_log [LOG]    without LOG a simulated vehicle nears a mooring buoy
 #include <cstdio>
-#include <isobath/io/open.hpp>
+#include <isobath/io/open_source.hpp>
 #include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/onboard/pipeline.hpp>
 #include <isobath/report/plot/picture.hpp>

@@ -9,12 +9,11 @@
 #include <CLI/CLI.hpp>
 #include <Eigen/Core>
 #include <functional>
+#include <isobath/app/exit_codes.hpp>
 #include <string>
 #include <vector>
 
 namespace isobath::app {
-
-inline constexpr int kSuccess = 0, kFailedChecks = 1, kBadInput = 2;
 
 /// Runs a command after its options are parsed. Returns the exit code; throws isobath::Error for bad input.
 using Action = std::function<int()>;

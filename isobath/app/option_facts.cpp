@@ -1,6 +1,7 @@
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <isobath/app/commands.hpp>
+#include <isobath/app/exit_codes.hpp>
 #include <isobath/app/option_facts.hpp>
 
 namespace isobath::app {

@@ -10,6 +10,7 @@
 #include <isobath/app/version.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/base/nearest_name.hpp>
+#include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <system_error>

@@ -1,4 +1,4 @@
-// A decision has one number, whoever tells of it: terminal, decisions.json, the run in the report, the recording.
+// A decision has one number everywhere: on the terminal, in decisions.json, in the run of the report, in the recording.
 #include <isobath/display/live_page.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/recording/recorded_display.hpp>
@@ -73,7 +73,9 @@ Told told_in_table(const fs::path& folder) {
 class DecisionNumbers : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = test::scratch_folder();
+    folder_ = fs::current_path() / "scratch" / "DecisionNumbers";
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
     const fs::path scenario = test::source_folder() / "scenarios" / "simulated_mission_1.toml";
     const auto result = test::isobath({"run", scenario, "--out", folder_ / "out", "--record", folder_ / "run.mcap"});
     ASSERT_EQ(result.exit_code, 0) << result.err;

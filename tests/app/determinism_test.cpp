@@ -60,7 +60,7 @@ void expect_the_same_obstacles(const fs::path& log, const fs::path& folder, cons
   ASSERT_EQ(converted.exit_code, 0) << converted.err;
   EXPECT_EQ(isobath_run(log, folder / "original", more).exit_code, 0);
   EXPECT_EQ(isobath_run(folder / "native.mcap", folder / "native").exit_code, 0);
-  for (const char* name : {"obstacles.json", "scans.json", "occupancy.tif", "sonar.png"}) {
+  for (const char* name : {"obstacles.json", "scans.json", "occupancy.tif"}) {
     EXPECT_EQ(content_of(folder / "original" / name), content_of(folder / "native" / name)) << name;
   }
   EXPECT_FALSE(json_of(folder / "native" / "obstacles.json")["obstacles"].empty());

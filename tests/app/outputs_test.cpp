@@ -80,7 +80,7 @@ TEST(Outputs, ShowTheScanTheGridAndTheObstaclesSideBySide) {
   const std::size_t row = page.find("<div class=\"row\">");
   ASSERT_NE(row, std::string::npos);
   const std::string panels = page.substr(row, page.find("</div>", row) - row);
-  for (const char* caption : {"raw echoes of the last sweep", "Occupancy of the water", "Obstacles over"}) {
+  for (const char* caption : {"The echoes of the last scan", "Occupancy of the water", "Obstacles over"}) {
     EXPECT_THAT(panels, HasSubstr(caption));
   }
 }
@@ -106,7 +106,7 @@ TEST(Outputs, ObstaclesSayWhereHowFarAndHowSure) {
   EXPECT_NEAR(json["heading_deg"], kHeading, 1e-6);
   ASSERT_GT(json["obstacles"].size(), 5u) << "a wall all round";
   for (const auto& o : json["obstacles"]) {
-    EXPECT_EQ(o["number"], 1) << "pieces of one wall";
+    EXPECT_EQ(o["number"], json["obstacles"][0]["number"]) << "pieces of one wall";
     EXPECT_EQ(o["kind"], "extended");
     EXPECT_NEAR(o["extent_m"].get<double>(), 2 * kWall, 2) << "across";
     const double bearing = o["bearing_deg"], range = o["range_m"], existence = o["existence"];
