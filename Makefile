@@ -72,9 +72,9 @@ files:
 	@scripts/check-files
 headers: build/release/.configured-$(WERROR)
 	@cmake --build build/release --parallel $(JOBS) --target isobath_headers_alone
-# Every source by itself, as preset dev compiles it, the benchmarks too: checked, not translated.
+# Every source of library, program and benchmarks by itself, as preset dev compiles it: checked, not translated.
 alone: build/alone/.configured-$(WERROR)
-	@units=$$(ninja -C build/alone -t targets all | sed -n 's/^\(\(isobath\|tests\|bench\)\/.*\.cpp\.o\): .*/\1/p' | grep -v headers_alone); \
+	@units=$$(ninja -C build/alone -t targets all | sed -n 's/^\(\(isobath\|bench\)\/.*\.cpp\.o\): .*/\1/p'); \
 	ninja -C build/alone -j $(JOBS) $$units
 tidy: build/lint/.configured-$(WERROR) build/lint/own_code.so
 	@ISOBATH_TIDY_PRELOAD=$$(realpath -q build/lint/own_code.so || true) cmake --build build/lint --parallel $(JOBS) --target isobath_app -- -k 0
