@@ -57,6 +57,15 @@ std::string nearest_name(std::string_view wanted, const std::vector<std::string>
   return best;
 }
 
+std::string alternatives(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
+    text += names[i];
+  }
+  return text;
+}
+
 std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& names) {
   const std::string name = nearest_name(wanted, names);
   return name.empty() ? "" : "did you mean " + name + "?";

@@ -12,6 +12,9 @@ namespace isobath {
 /// contains the other. Empty where more than half of the letters differ from every name.
 std::string nearest_name(std::string_view wanted, const std::vector<std::string>& names);
 
+/// "bin, printed or any_target".
+std::string alternatives(const std::vector<std::string>& names);
+
 /// "did you mean NAME?"; empty where no name is close.
 std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& names);
 

@@ -109,6 +109,7 @@ class ObstacleMemory {
 
  private:
   static constexpr std::size_t kPlaces = 9;
+  static constexpr double kSurest = 0.99;  ///< maximum existence, so that evidence to the contrary still counts
   struct Entry {
     RememberedObstacle seen;
     Eigen::Vector2d centre;  ///< of the outline's box
@@ -136,6 +137,9 @@ class ObstacleMemory {
   [[nodiscard]] double variance_since(const Entry& entry) const;
   [[nodiscard]] std::vector<Sighting> sightings_of(const MemorySweep& sweep) const;
   [[nodiscard]] bool is_stale(const Entry& entry) const;
+  [[nodiscard]] static bool similar(double area_a, double area_b) {
+    return area_a < 2.5 * area_b && area_b < 2.5 * area_a;
+  }
   [[nodiscard]] Eigen::Vector2d shift_of(const std::vector<Sighting>& sightings) const;
   [[nodiscard]] Entry* match(const Sighting& sighting);
   /// Returns the id of the obstacle that the sighting belongs to; 0: none.
