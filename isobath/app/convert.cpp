@@ -5,6 +5,7 @@
 #include <isobath/app/progress.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
@@ -92,6 +93,9 @@ std::string ending_of(const std::filesystem::path& path) { return path.extension
 int write_log(const Options& options) {
   InputConfig input = options.config.read().input;
   input.max_bins = 0;  // the converted log keeps every bin
+  std::vector<std::filesystem::path> inputs = files_of_input(options.input);
+  inputs.emplace_back(input.navigation);
+  check_output_is_no_input(options.output, inputs, "OUT");
   const auto source = open_source(options.input, input);
   make_parent(options.output);
   NativeLogWriter log(options.output);

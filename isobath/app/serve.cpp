@@ -10,6 +10,7 @@
 #include <isobath/app/speed.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/display/live_page.hpp>
 #include <isobath/recording/recorded_playback.hpp>
 #include <isobath/report/mission_pages.hpp>
@@ -176,6 +177,7 @@ TimeSpan span_of(const DisplayState& items) {
 int serve_run(ServeOptions& options, const WebServerConfig& config) {
   RunRequest& request = options.read();
   if (request.record.empty()) request.record = request.out / "recording.mcap";
+  check_output_is_no_input(request.record, {request.input}, "--record");
   make_parent(request.record);
   DisplayState items;
   SharedChanges shared(items);

@@ -9,6 +9,7 @@
 #include <pwd.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <vector>
 
 namespace isobath {
 namespace {
@@ -149,6 +150,26 @@ void check_output_file(const fs::path& file, const std::string& option) {
     const std::string why = number == EACCES ? missing_permission(file, 'w') : std::strerror(number);
     throw Error("cannot be written: " + why, {file.string()}, "", another(option));
   }
+}
+
+void check_output_is_no_input(const fs::path& output, const std::vector<fs::path>& inputs, const std::string& option) {
+  for (const fs::path& input : inputs) {
+    std::error_code ignored;  // what cannot be examined is no file that could be overwritten
+    if (input.empty() || !fs::equivalent(output, input, ignored) || ignored) continue;
+    const std::string same = input == output ? "" : fmt::format(" (it is the same file as {})", input.string());
+    throw Error("is an input, which would be overwritten" + same, {output.string()}, "", another(option));
+  }
+}
+
+std::vector<fs::path> files_of_input(const fs::path& input) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(input, ignored)) {
+    if (entry.is_regular_file(ignored)) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  files.insert(files.begin(), input);
+  return files;
 }
 
 }  // namespace isobath
