@@ -6,6 +6,7 @@
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/base/file_access.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
@@ -80,8 +81,8 @@ int make_map(const Options& options) {
     return kSuccess;
   }
   for (const auto& [what, count] : made.read) fmt::print("  read {}: {}\n", what, count);
-  for (const auto& [reason, count] : made.left_out) fmt::print("  left out {}: {}\n", count, reason);
-  for (const auto& [key, value] : made.details) fmt::print("  {}: {}\n", key, value);
+  for (const auto& [reason, count] : made.left_out) fmt::print("  left out {}: {}\n", count, printable_text(reason));
+  for (const auto& [key, value] : made.details) fmt::print("  {}: {}\n", printable_text(key), printable_text(value));
   fmt::print("{} pixels with a depth, {} objects and lines; map written to {}\n", made.known_pixels, made.features,
              options.output.string());
   return kSuccess;

@@ -11,6 +11,7 @@
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/base/file_access.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/display/live_page.hpp>
 #include <isobath/recording/recorded_playback.hpp>
 #include <isobath/report/mission_pages.hpp>
@@ -114,7 +115,8 @@ void print_end(const ServeOptions& options, const RunOutcome& outcome) {
     return print_json_line(json);
   }
   if (outcome.mission) {
-    for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
+    for (const std::string& line : mission_summary(*outcome.mission))
+      fmt::print("{}\n", printable_text(line, 2 * kMaxForeignText));
   }
   if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
   fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());

@@ -8,6 +8,7 @@
 #include <isobath/app/speed.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/scene_picture.hpp>
@@ -115,8 +116,8 @@ int act(const Options& options) {
     return kSuccess;
   }
   fmt::print("{}, seed {}: {} pings, {} ranges, {} fixes in {:g} s; {:.1f} s of work ({:.1f} x real time)\n",
-             simulator.scene().about.title, simulator.seed(), n.pings, n.ranges, n.navigation, simulator.duration_s(),
-             wall, times);
+             printable_text(simulator.scene().about.title), simulator.seed(), n.pings, n.ranges, n.navigation,
+             simulator.duration_s(), wall, times);
   if (log) fmt::print("written to {}; isobath run {} replays it\n", options.out.string(), options.out.string());
   return kSuccess;
 }
