@@ -6,6 +6,7 @@
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/base/file_access.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/base/printable_text.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/io/open_source.hpp>
@@ -99,7 +100,8 @@ int write_log(const Options& options) {
   check_output_is_no_input(options.output, inputs, "OUT");
   const auto source = open_source(options.input, input);
   make_parent(options.output);
-  NativeLogWriter log(options.output);
+  PendingFile pending(options.output);
+  NativeLogWriter log(pending.beside());
   log.set_details(source->report().details);
   const bool place_known = source->report().origin.has_value();
   if (place_known) log.set_origin(*source->report().origin);
@@ -111,6 +113,7 @@ int write_log(const Options& options) {
   }
   if (!place_known && source->report().origin) log.set_origin(*source->report().origin);
   log.close();
+  pending.complete();
   progress.clear();
   const SourceReport& report = source->report();
   if (options.json) {
