@@ -127,6 +127,7 @@ void check_paths(const CLI::App& command) {
     if (kind.others) continue;  // not always a path
     for (const std::string& path : option->results()) {
       check_path(kind.path, path, option->get_name());
+      if (kind.path == Path::kReads && option->get_positional()) check_is_file_or_folder(path);
       if (kind.path == Path::kReads || kind.path == Path::kReadsFolder) inputs.emplace_back(path);
       if (kind.path == Path::kWrites || kind.path == Path::kWritesFile) outputs.emplace_back(path, option->get_name());
     }

@@ -16,6 +16,7 @@
 #include <functional>
 #include <isobath/base/angle.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/text_file.hpp>  // for whoever reads a configuration
 #include <limits>
 #include <string>
 #include <string_view>
@@ -37,7 +38,8 @@ class Field {
   static Field integer(std::string name, int* value, Range range, std::string unit, std::string sentence);
   static Field flag(std::string name, bool* value, std::string sentence);
   static Field text(std::string name, std::string* value, std::string sentence);
-  /// The path of a file; a relative path starts at the folder of the configuration file that contains it.
+  /// The path of a file; a relative path starts at the folder of the configuration file that contains it, and in an
+  /// option of the command line at the current folder.
   static Field file(std::string name, std::string* value, std::string sentence);
   /// An array of `count` numbers, such as a vector: [1.0, 2.0, 3.0].
   static Field numbers(std::string name, double* first, int count, Range range, std::string unit, std::string sentence);
@@ -148,8 +150,6 @@ void read_toml(std::string_view text, const std::string& file, std::vector<Secti
 void read_toml(std::string_view text, const std::string& file, Schema& schema);
 /// The same from a file. Also throws Error where the file cannot be read.
 void read_toml_file(const std::string& file, Schema& schema);
-/// The contents of a text file; throws Error where it cannot be read, with the reason.
-std::string text_of_file(const std::string& file);
 
 /// Sets one value from "section.key=value" (the value as TOML, or a bare word for a text or a choice). `option`: the
 /// option of the command line that it comes from, for messages. Throws Error.

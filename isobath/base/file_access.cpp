@@ -129,6 +129,15 @@ void check_readable(const fs::path& path) {
   }
 }
 
+void check_is_file_or_folder(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status)) return;
+  throw Error(fs::is_fifo(status) || fs::is_socket(status) ? "is a pipe, which can be read only once"
+                                                           : "is a device, not a file",
+              {path.string()}, "", "write it into a file first");
+}
+
 void check_output_folder(const fs::path& folder, const std::string& option) {
   std::error_code ignored;
   const fs::file_status status = fs::status(folder, ignored);

@@ -15,6 +15,8 @@ namespace isobath {
 /// Throws Error unless the file can be read, or the folder listed and entered. Where nothing has this name: names the
 /// nearest name in its folder.
 void check_readable(const std::filesystem::path& path);
+/// Throws Error for a pipe or a device: logs, charts and maps are read more than once, or not from their beginning.
+void check_is_file_or_folder(const std::filesystem::path& path);
 /// Throws Error unless files can be made in this folder, which need not exist yet. `option` is the option that names
 /// another: "--out".
 void check_output_folder(const std::filesystem::path& folder, const std::string& option);
