@@ -5,6 +5,9 @@
 #include <isobath/app/progress.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/file_access.hpp>
+#include <isobath/base/pending_file.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
@@ -79,8 +82,8 @@ int make_map(const Options& options) {
     return kSuccess;
   }
   for (const auto& [what, count] : made.read) fmt::print("  read {}: {}\n", what, count);
-  for (const auto& [reason, count] : made.left_out) fmt::print("  left out {}: {}\n", count, reason);
-  for (const auto& [key, value] : made.details) fmt::print("  {}: {}\n", key, value);
+  for (const auto& [reason, count] : made.left_out) fmt::print("  left out {}: {}\n", count, printable_text(reason));
+  for (const auto& [key, value] : made.details) fmt::print("  {}: {}\n", printable_text(key), printable_text(value));
   fmt::print("{} pixels with a depth, {} objects and lines; map written to {}\n", made.known_pixels, made.features,
              options.output.string());
   return kSuccess;
@@ -92,9 +95,13 @@ std::string ending_of(const std::filesystem::path& path) { return path.extension
 int write_log(const Options& options) {
   InputConfig input = options.config.read().input;
   input.max_bins = 0;  // the converted log keeps every bin
+  std::vector<std::filesystem::path> inputs = files_of_input(options.input);
+  inputs.emplace_back(input.navigation);
+  check_output_is_no_input(options.output, inputs, "OUT");
   const auto source = open_source(options.input, input);
   make_parent(options.output);
-  NativeLogWriter log(options.output);
+  PendingFile pending(options.output);
+  NativeLogWriter log(pending.beside());
   log.set_details(source->report().details);
   const bool place_known = source->report().origin.has_value();
   if (place_known) log.set_origin(*source->report().origin);
@@ -106,6 +113,7 @@ int write_log(const Options& options) {
   }
   if (!place_known && source->report().origin) log.set_origin(*source->report().origin);
   log.close();
+  pending.complete();
   progress.clear();
   const SourceReport& report = source->report();
   if (options.json) {

@@ -8,6 +8,7 @@
 #include <isobath/app/settings_json.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/file_access.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/evaluation/evaluation_report.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -53,7 +54,7 @@ void print_variants(const std::vector<std::vector<std::string>>& rows) {
 }
 
 void print(const EvaluationRequest& request, const Evaluation& evaluation) {
-  fmt::print("{}: {} runs from seed {}", request.suite.about.title, evaluation.runs.size(),
+  fmt::print("{}: {} runs from seed {}", printable_text(request.suite.about.title), evaluation.runs.size(),
              evaluation.runs.front().seed);
   if (evaluation.taken_over > 0) fmt::print(", {} of them from an earlier evaluation", evaluation.taken_over);
   fmt::print("\n");
@@ -107,7 +108,8 @@ int act(Options& options) {
     print(request, evaluation);
   }
   std::fflush(stdout);
-  for (const std::string& bar : evaluation.broken) std::fprintf(stderr, "isobath: below the bar: %s\n", bar.c_str());
+  for (const std::string& bar : evaluation.broken)
+    std::fprintf(stderr, "isobath: below the bar: %s\n", printable_text(bar).c_str());
   return evaluation.broken.empty() ? kSuccess : kFailedChecks;
 }
 

@@ -6,6 +6,7 @@
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/app/values.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
 #include <isobath/report/result_text.hpp>
@@ -75,9 +76,11 @@ ordered_json source_json(const SourceReport& report, const Inspection& facts) {
 
 void print(const std::string& input, const SourceReport& report, const Inspection& facts) {
   fmt::print("{}: {}\n", input, report.format);
-  for (const auto& [key, value] : report.details) fmt::print("  {:<12} {}\n", key, value);
+  for (const auto& [key, value] : report.details)
+    fmt::print("  {:<12} {}\n", printable_text(key), printable_text(value));
   for (const StreamFacts& s : facts.streams) {
-    fmt::print("  {:<12} {} from {} to {}, {:.2f}/s", s.name, s.events, to_text(s.first), to_text(s.last), s.rate());
+    fmt::print("  {:<12} {} from {} to {}, {:.2f}/s", printable_text(s.name), s.events, to_text(s.first),
+               to_text(s.last), s.rate());
     if (s.gaps > 0) {
       fmt::print(", {} gaps, the longest {:.3f} s at {}", s.gaps, s.longest_gap_s, to_text(s.longest_gap_at));
     }
@@ -101,7 +104,8 @@ void print(const std::string& input, const SourceReport& report, const Inspectio
     if (s.sound_speed_max > 0) fmt::print(", sound {:.1f} .. {:.1f} m/s", s.sound_speed_min, s.sound_speed_max);
     fmt::print("\n");
   }
-  for (const auto& [reason, count] : report.rejected) fmt::print("  {:<12} {} x {}\n", "rejected", count, reason);
+  for (const auto& [reason, count] : report.rejected)
+    fmt::print("  {:<12} {} x {}\n", "rejected", count, printable_text(reason));
   for (const Damage& d : report.damages)
     fmt::print("  {:<12} {} bytes at {}: {}\n", "damage", d.bytes, d.offset, d.reason);
 }
@@ -167,13 +171,13 @@ void print(const std::string& folder, const StoredMap& map) {
   const double pixel = f.area.grid.pixel_m;
   fmt::print("{}: Isobath depth map, generation {}\n", folder, f.generation);
   fmt::print("  {:<12} {} m pixels, {:.0f} m square, depths below {}\n", "area", pixel,
-             std::ldexp(pixel, f.area.levels), f.datum);
+             std::ldexp(pixel, f.area.levels), printable_text(f.datum));
   if (f.origin) fmt::print("  {:<12} {:.7f}, {:.7f}\n", "origin", f.origin->latitude_deg, f.origin->longitude_deg);
   fmt::print("  {:<12} {:.0f} m north to south, {:.0f} m west to east\n", "known", known.height * pixel,
              known.width * pixel);
-  for (const std::string& prior : f.priors) fmt::print("  {:<12} {}\n", "prior", prior);
+  for (const std::string& prior : f.priors) fmt::print("  {:<12} {}\n", "prior", printable_text(prior));
   for (const MapVisit& v : f.visits) {
-    fmt::print("  {:<12} {}, {} to {}\n", "visit", v.input, to_text(v.first), to_text(v.last));
+    fmt::print("  {:<12} {}, {} to {}\n", "visit", printable_text(v.input), to_text(v.first), to_text(v.last));
   }
   for (const auto& [name, s] : trees_of(map)) {
     fmt::print("  {:<12} {} leaves, {} words, {:.2f} MB\n", name + " tree", s.leaves, s.words,

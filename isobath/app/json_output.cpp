@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/app/json_output.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/map/depth/map_folder.hpp>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +14,19 @@ void add_json_flag(CLI::App& command, bool& json) {
 }
 
 std::string json_text(const nlohmann::ordered_json& json, int indent) {
-  return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  const std::string text = json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  std::string escaped;  // JSON allows DEL and the controls beyond ASCII, a terminal obeys them
+  escaped.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const Utf8Character c = first_character(std::string_view(text).substr(at));
+    if (is_terminal_control(c.code) && text[at] != '\n') {
+      escaped += fmt::format("\\u{:04x}", static_cast<std::uint32_t>(c.code));
+    } else {
+      escaped.append(text, at, c.bytes);
+    }
+    at += c.bytes;
+  }
+  return escaped;
 }
 
 void print_json(const nlohmann::ordered_json& json) { fmt::print("{}\n", json_text(json)); }

@@ -8,6 +8,7 @@
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/speed.hpp>
 #include <isobath/app/values.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/map/occupancy/whole_obstacle.hpp>
 #include <isobath/perception/water_label.hpp>
 #include <isobath/report/fan_calibration.hpp>
@@ -43,11 +44,11 @@ void print(const TruthScore& truth) {
              truth.false_alarms);
   for (const BodyScore& b : truth.bodies) {
     if (b.scans_found == 0) {
-      fmt::print("  {}: echoes in {} pings, not detected\n", b.name, b.pings_heard);
+      fmt::print("  {}: echoes in {} pings, not detected\n", printable_text(b.name), b.pings_heard);
       continue;
     }
-    fmt::print("  {}: detected at {:.1f} m, {} pings ({:.1f} s) after its first echo", b.name, b.first_range_m,
-               b.delay_pings, b.delay_s);
+    fmt::print("  {}: detected at {:.1f} m, {} pings ({:.1f} s) after its first echo", printable_text(b.name),
+               b.first_range_m, b.delay_pings, b.delay_s);
     if (b.compact) fmt::print("; range error {:+.2f} m mean, {:.2f} m rms", b.range_error_mean_m, b.range_error_rms_m);
     fmt::print("\n");
   }
@@ -59,11 +60,12 @@ void print(const RunRequest& request, const DepthOutcome& depth) {
              depth.sensed_pixels);
   if (depth.confirmed_pixels > 0) fmt::print("{} charted ones confirmed, ", depth.confirmed_pixels);
   fmt::print("{} known\n", depth.known_pixels);
-  for (const std::string& prior : depth.priors) fmt::print("  prior: {}\n", prior);
-  for (const auto& [reason, count] : depth.prior_left_out) fmt::print("  prior: left out {}: {}\n", count, reason);
-  for (const auto& [reason, count] : depth.refused) fmt::print("  refused {}: {}\n", count, reason);
+  for (const std::string& prior : depth.priors) fmt::print("  prior: {}\n", printable_text(prior));
+  for (const auto& [reason, count] : depth.prior_left_out)
+    fmt::print("  prior: left out {}: {}\n", count, printable_text(reason));
+  for (const auto& [reason, count] : depth.refused) fmt::print("  refused {}: {}\n", count, printable_text(reason));
   if (depth.pixels_lost > 0) fmt::print("  {} pixels lay outside the operational area\n", depth.pixels_lost);
-  for (const std::string& damage : depth.damages) fmt::print("  damaged: {}\n", damage);
+  for (const std::string& damage : depth.damages) fmt::print("  damaged: {}\n", printable_text(damage));
   if (depth.generation > 0) {
     fmt::print("  committed to {} as generation {}\n", request.map.string(), depth.generation);
   }
@@ -107,7 +109,7 @@ void print_input(const RunOutcome& outcome) {
 /// Prints what the user may want to correct: refusals, damage, jumps, missing altitudes.
 void print_doubts(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
-  for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, reason);
+  for (const auto& [reason, count] : outcome.rejected) fmt::print("refused {}: {}\n", count, printable_text(reason));
   for (const Damage& d : outcome.source.damages) {
     fmt::print("skipped {} bytes at byte {}: {}\n", d.bytes, d.offset, d.reason);
   }
@@ -140,7 +142,8 @@ void print_timings(const RunOutcome& outcome) {
 void print(const RunRequest& request, const RunOutcome& outcome) {
   for (const Alarm& alarm : outcome.alarms) fmt::print("ALARM: {}\n", to_text(alarm));
   if (outcome.mission) {
-    for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
+    for (const std::string& line : mission_summary(*outcome.mission))
+      fmt::print("{}\n", printable_text(line, 2 * kMaxForeignText));
     if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
   }
   if (outcome.counts.pings > 0 || !outcome.depth) print(outcome.obstacles, outcome.counts.scans);

@@ -3,6 +3,7 @@
 #include <isobath/app/run_options.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/file_access.hpp>
+#include <isobath/base/printable_text.hpp>
 
 namespace isobath::app {
 
@@ -57,17 +58,20 @@ RunRequest& RunOptions::read() {
 
 int conclude(const RunRequest& request, const RunOutcome& outcome) {
   const std::string failure = outcome.mission ? outcome.mission->failure() : std::string();
+  constexpr std::size_t kMost = 1000;
   std::fflush(stdout);
   if (!outcome.recording_problem.empty()) {
     std::fprintf(stderr, "isobath: %s; the recording ends there, %llu events and messages are missing\n",
-                 outcome.recording_problem.c_str(), static_cast<unsigned long long>(outcome.not_recorded));
+                 printable_text(outcome.recording_problem, kMost).c_str(),
+                 static_cast<unsigned long long>(outcome.not_recorded));
   }
   if (outcome.problem.empty() && failure.empty()) {
     return outcome.recording_problem.empty() ? kSuccess : kFailedChecks;
   }
   const std::string& problem = outcome.problem.empty() ? failure : outcome.problem;
   const std::string input = request.input.empty() ? "the embedded scene" : request.input.string();
-  std::fprintf(stderr, "isobath: %s: %s\n", input.c_str(), problem.c_str());
+  std::fprintf(stderr, "isobath: %s: %s\n", printable_text(input, kMost).c_str(),
+               printable_text(problem, kMost).c_str());
   return outcome.problem.empty() ? kFailedChecks : kBadInput;
 }
 

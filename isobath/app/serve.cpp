@@ -10,6 +10,8 @@
 #include <isobath/app/speed.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/file_access.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/display/live_page.hpp>
 #include <isobath/recording/recorded_playback.hpp>
 #include <isobath/report/mission_pages.hpp>
@@ -113,7 +115,8 @@ void print_end(const ServeOptions& options, const RunOutcome& outcome) {
     return print_json_line(json);
   }
   if (outcome.mission) {
-    for (const std::string& line : mission_summary(*outcome.mission)) fmt::print("{}\n", line);
+    for (const std::string& line : mission_summary(*outcome.mission))
+      fmt::print("{}\n", printable_text(line, 2 * kMaxForeignText));
   }
   if (outcome.live) fmt::print("{}\n", live_text(*outcome.live));
   fmt::print("written to {}: report.html, {} and more\n", request.out.string(), request.record.filename().string());
@@ -176,6 +179,7 @@ TimeSpan span_of(const DisplayState& items) {
 int serve_run(ServeOptions& options, const WebServerConfig& config) {
   RunRequest& request = options.read();
   if (request.record.empty()) request.record = request.out / "recording.mcap";
+  check_output_is_no_input(request.record, {request.input}, "--record");
   make_parent(request.record);
   DisplayState items;
   SharedChanges shared(items);

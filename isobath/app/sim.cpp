@@ -8,12 +8,15 @@
 #include <isobath/app/speed.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/scene_picture.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 namespace isobath::app {
@@ -55,13 +58,14 @@ void write(const SimulatedEvent& event, NativeLogWriter* log, Counts& n, std::ve
 }
 
 /// Opens the log and attaches the scene file to it.
-std::unique_ptr<NativeLogWriter> open_log(const Options& options, const Simulator& simulator) {
+std::unique_ptr<NativeLogWriter> open_log(const Options& options, const Simulator& simulator,
+                                          std::optional<PendingFile>& pending) {
   if (options.out.empty()) return nullptr;
   if (options.out.extension() != ".mcap") {
     throw Error("cannot write this kind of file", {options.out.string()}, "a name that ends in .mcap");
   }
   make_parent(options.out);
-  auto log = std::make_unique<NativeLogWriter>(options.out);
+  auto log = std::make_unique<NativeLogWriter>(pending.emplace(options.out).beside());
   log->set_details({{"scene", simulator.scene().about.title}, {"seed", fmt::format("{}", simulator.seed())}});
   if (const auto origin = simulator.scene().origin()) log->set_origin(*origin);
   log->attach("scene.toml", "application/toml",
@@ -81,7 +85,8 @@ int act(const Options& options) {
   }
   const double pace = speed_of(options.speed);
   Simulator simulator(open_scene(options.scene), options.simulation, options.threads);
-  const auto log = open_log(options, simulator);
+  std::optional<PendingFile> pending;  // of the log
+  const auto log = open_log(options, simulator, pending);
   Counts n;
   std::vector<Eigen::Vector2d> track;
   ProgressLine progress;
@@ -92,7 +97,10 @@ int act(const Options& options) {
     progress.show(static_cast<std::uint64_t>(simulator.now_s() * 1000),
                   static_cast<std::uint64_t>(simulator.duration_s() * 1000), n.pings);
   }
-  if (log) log->close();
+  if (log) {
+    log->close();
+    pending->complete();
+  }
   progress.clear();
   if (!options.picture.empty()) {
     make_parent(options.picture);
@@ -115,8 +123,8 @@ int act(const Options& options) {
     return kSuccess;
   }
   fmt::print("{}, seed {}: {} pings, {} ranges, {} fixes in {:g} s; {:.1f} s of work ({:.1f} x real time)\n",
-             simulator.scene().about.title, simulator.seed(), n.pings, n.ranges, n.navigation, simulator.duration_s(),
-             wall, times);
+             printable_text(simulator.scene().about.title), simulator.seed(), n.pings, n.ranges, n.navigation,
+             simulator.duration_s(), wall, times);
   if (log) fmt::print("written to {}; isobath run {} replays it\n", options.out.string(), options.out.string());
   return kSuccess;
 }

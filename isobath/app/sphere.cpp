@@ -6,6 +6,7 @@
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/file_access.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/studies/spherical_pages.hpp>
@@ -132,7 +133,7 @@ int act(const Options& options) {
     print_json(json);
     return kSuccess;
   }
-  fmt::print("{}: {} scans, {} beams, {} echoes, of which {} left the range\n", scene.about.title,
+  fmt::print("{}: {} scans, {} beams, {} echoes, of which {} left the range\n", printable_text(scene.about.title),
              survey.path.scans.size(), survey.beams, survey.echoes, survey.dropped_echoes);
   fmt::print("{} cells of {} directions x {} layers, {} occupied, {:.2f} MB\n", cells, directions, layers,
              survey.occupied, static_cast<double>(bytes) / 1e6);

@@ -10,6 +10,7 @@
 #include <isobath/app/version.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/base/nearest_name.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -19,7 +20,9 @@ namespace isobath::app {
 namespace {
 
 /// Prints a problem to standard error; with --json also as an object to standard output. Throws nothing.
-int complain(const std::string& problem, bool as_json, const Place& where = {}) {
+int complain(const std::string& message, bool as_json, const Place& where = {}) {
+  constexpr std::size_t kMost = 3000;  // Error bounds its parts
+  const std::string problem = printable_text(message, kMost);
   std::fprintf(stderr, "isobath: %s\n", problem.c_str());
   if (!as_json) return kBadInput;
   nlohmann::ordered_json json{{"error", {{"problem", problem}}}};

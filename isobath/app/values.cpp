@@ -118,12 +118,21 @@ void check_path(ValueKind::Path use, const std::string& path, const std::string&
 }  // namespace
 
 void check_paths(const CLI::App& command) {
+  using Path = ValueKind::Path;
+  std::vector<std::filesystem::path> inputs;
+  std::vector<std::pair<std::string, std::string>> outputs;  // path, option
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() == 0) continue;
     const ValueKind kind = kind_of(*option);
     if (kind.others) continue;  // not always a path
-    for (const std::string& path : option->results()) check_path(kind.path, path, option->get_name());
+    for (const std::string& path : option->results()) {
+      check_path(kind.path, path, option->get_name());
+      if (kind.path == Path::kReads && option->get_positional()) check_is_file_or_folder(path);
+      if (kind.path == Path::kReads || kind.path == Path::kReadsFolder) inputs.emplace_back(path);
+      if (kind.path == Path::kWrites || kind.path == Path::kWritesFile) outputs.emplace_back(path, option->get_name());
+    }
   }
+  for (const auto& [path, option] : outputs) check_output_is_no_input(path, inputs, option);
 }
 
 void make_parent(const std::filesystem::path& file) {

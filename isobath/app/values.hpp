@@ -35,7 +35,7 @@ struct ValueKind {
 };
 ValueKind kind_of(const CLI::Option& option);
 
-/// Throws Error if a path among the given values cannot be read or written.
+/// Throws Error if a path among the given values cannot be read or written, or if a file to write is one to read.
 void check_paths(const CLI::App& command);
 /// Makes the folder of a file that is to be written. Throws Error where that is impossible.
 void make_parent(const std::filesystem::path& file);

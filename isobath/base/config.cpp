@@ -1,10 +1,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
 #include <isobath/base/config.hpp>
 #include <isobath/base/error.hpp>
-#include <isobath/base/file_access.hpp>
 #include <isobath/base/nearest_name.hpp>
 #include <isobath/base/toml_text.hpp>
 #include <optional>
@@ -62,11 +60,16 @@ std::optional<Field::Value> plain_value(const toml::node& node) {
   return std::nullopt;
 }
 
+/// The folder at which relative paths start: that of the file, and for an option ("--set ...") the current one.
+std::filesystem::path folder_of(const std::string& file) {
+  return file.starts_with("--") ? std::filesystem::path() : std::filesystem::path(file).parent_path();
+}
+
 void assign_node(Field& field, const toml::node& node, const std::string& file, const std::string& key) {
   auto value = plain_value(node);
   if (value && field.is_file() && std::holds_alternative<std::string>(*value)) {
     const std::filesystem::path path = std::get<std::string>(*value);
-    if (!path.empty() && path.is_relative()) value = (std::filesystem::path(file).parent_path() / path).string();
+    if (!path.empty() && path.is_relative()) value = (folder_of(file) / path).string();
   }
   const std::string problem = value ? field.assign(*value) : std::string("neither a single value nor rows of numbers");
   if (!problem.empty()) {
@@ -160,16 +163,6 @@ void read_toml(std::string_view text, const std::string& file, std::vector<Secti
     throw;
   }
   sections = std::move(schema.sections);
-}
-
-std::string text_of_file(const std::string& file) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) throw Error("is a folder, not a file", {file});
-  std::ifstream input(file, std::ios::binary);
-  if (!input.is_open()) check_readable(file);  // says why
-  std::string text((std::istreambuf_iterator<char>(input)), {});
-  if (!input.is_open() || input.bad()) throw Error("cannot be read", {file});
-  return text;
 }
 
 void read_toml_file(const std::string& file, Schema& schema) { read_toml(text_of_file(file), file, schema); }

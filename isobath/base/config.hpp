@@ -14,6 +14,7 @@
 #include <functional>
 #include <isobath/base/error.hpp>
 #include <isobath/base/field.hpp>
+#include <isobath/base/text_file.hpp>  // for every reader of a configuration
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,8 +52,6 @@ void read_toml(std::string_view text, const std::string& file, std::vector<Secti
 void read_toml(std::string_view text, const std::string& file, Schema& schema);
 /// The same from a file. Also throws Error where the file cannot be read.
 void read_toml_file(const std::string& file, Schema& schema);
-/// The contents of a text file; throws Error where it cannot be read, with the reason.
-std::string text_of_file(const std::string& file);
 
 /// Sets one value from "section.key=value" (the value as TOML, or a bare word for a text or a choice). `option`: the
 /// option of the command line that it comes from, for messages. Throws Error.

@@ -2,20 +2,23 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/printable_text.hpp>
 
 namespace isobath {
 namespace {
 
 std::string one_line(const std::string& problem, const Place& where, const std::string& allowed,
                      const std::string& advice) {
-  std::string text = where.text();
+  // Each part may hold text of an input. What is wrong with it often stands at the end of the problem.
+  constexpr std::size_t kMaxPart = 400, kMaxAllowed = 1000;
+  Place shown = where;
+  shown.file = printable_text(where.file, kMaxPart);
+  shown.key = printable_text(where.key);
+  std::string text = shown.text();
   if (!text.empty()) text += ": ";
-  text += problem;
-  if (!allowed.empty()) text += "; allowed: " + allowed;
-  if (!advice.empty()) text += "; " + advice;
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';  // untrusted names must not break the line
-  }
+  text += printable_text(problem, kMaxPart);
+  if (!allowed.empty()) text += "; allowed: " + printable_text(allowed, kMaxAllowed);
+  if (!advice.empty()) text += "; " + printable_text(advice, kMaxPart);
   return text;
 }
 

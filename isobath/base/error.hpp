@@ -26,7 +26,8 @@ struct Place {
   [[nodiscard]] std::string text() const;
 };
 
-/// Tier 2. `what()` is one line: "file:line:column: key: problem; allowed: ...; advice".
+/// Tier 2. `what()` is one line: "file:line:column: key: problem; allowed: ...; advice". Each part is made printable
+/// (printable_text.hpp), and a long one is cut in its middle, because it may hold text of an input.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& problem, Place where = {}, const std::string& allowed = {},

@@ -27,7 +27,8 @@ class Field {
   static Field integer(std::string name, int* value, Range range, std::string unit, std::string sentence);
   static Field flag(std::string name, bool* value, std::string sentence);
   static Field text(std::string name, std::string* value, std::string sentence);
-  /// The path of a file; a relative path starts at the folder of the configuration file that contains it.
+  /// The path of a file; a relative path starts at the folder of the configuration file that contains it, and in an
+  /// option of the command line at the current folder.
   static Field file(std::string name, std::string* value, std::string sentence);
   /// An array of `count` numbers, such as a vector: [1.0, 2.0, 3.0].
   static Field numbers(std::string name, double* first, int count, Range range, std::string unit, std::string sentence);

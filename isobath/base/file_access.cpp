@@ -9,6 +9,7 @@
 #include <pwd.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <vector>
 
 namespace isobath {
 namespace {
@@ -128,6 +129,15 @@ void check_readable(const fs::path& path) {
   }
 }
 
+void check_is_file_or_folder(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status)) return;
+  throw Error(fs::is_fifo(status) || fs::is_socket(status) ? "is a pipe, which can be read only once"
+                                                           : "is a device, not a file",
+              {path.string()}, "", "write it into a file first");
+}
+
 void check_output_folder(const fs::path& folder, const std::string& option) {
   std::error_code ignored;
   const fs::file_status status = fs::status(folder, ignored);
@@ -149,6 +159,26 @@ void check_output_file(const fs::path& file, const std::string& option) {
     const std::string why = number == EACCES ? missing_permission(file, 'w') : std::strerror(number);
     throw Error("cannot be written: " + why, {file.string()}, "", another(option));
   }
+}
+
+void check_output_is_no_input(const fs::path& output, const std::vector<fs::path>& inputs, const std::string& option) {
+  for (const fs::path& input : inputs) {
+    std::error_code ignored;  // what cannot be examined is no file that could be overwritten
+    if (input.empty() || !fs::equivalent(output, input, ignored) || ignored) continue;
+    const std::string same = input == output ? "" : fmt::format(" (it is the same file as {})", input.string());
+    throw Error("is an input, which would be overwritten" + same, {output.string()}, "", another(option));
+  }
+}
+
+std::vector<fs::path> files_of_input(const fs::path& input) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(input, ignored)) {
+    if (entry.is_regular_file(ignored)) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  files.insert(files.begin(), input);
+  return files;
 }
 
 }  // namespace isobath

@@ -8,17 +8,27 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace isobath {
 
 /// Throws Error unless the file can be read, or the folder listed and entered. Where nothing has this name: names the
 /// nearest name in its folder.
 void check_readable(const std::filesystem::path& path);
+/// Throws Error for a pipe or a device: logs, charts and maps are read more than once, or not from their beginning.
+void check_is_file_or_folder(const std::filesystem::path& path);
 /// Throws Error unless files can be made in this folder, which need not exist yet. `option` is the option that names
 /// another: "--out".
 void check_output_folder(const std::filesystem::path& folder, const std::string& option);
 /// Throws Error unless the file can be written. Its folder need not exist yet, but it must be possible to make it.
 void check_output_file(const std::filesystem::path& file, const std::string& option);
+
+/// Throws Error if the file to write is one of the inputs: the same file, under whatever name and through whatever
+/// link. `option` as above.
+void check_output_is_no_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
+                              const std::string& option);
+/// The input itself, and for a folder the files that lie in it, sorted.
+std::vector<std::filesystem::path> files_of_input(const std::filesystem::path& input);
 
 /// "did you mean FILE?" with the nearest name in the folder of a file that does not exist; empty if none is near.
 std::string nearest_file(const std::filesystem::path& file);

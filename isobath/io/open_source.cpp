@@ -19,6 +19,8 @@
 #include <isobath/io/open_source.hpp>
 #include <isobath/io/pooled_bins.hpp>
 #include <isobath/io/survey_folder.hpp>
+#include <string_view>
+#include <vector>
 
 namespace isobath {
 namespace {
@@ -167,12 +169,41 @@ std::string known_formats() {
   return names;
 }
 
+/// The tables of an SQLite file, as far as its head states them. SQLite stores each with the words that made it.
+std::vector<std::string> sqlite_tables(std::string_view head) {
+  constexpr std::string_view kWords = "CREATE TABLE ", kQuotes = "\"'`[ ";
+  constexpr std::size_t kMaxTables = 20;
+  std::vector<std::string> tables;
+  for (std::size_t at = head.find(kWords); at != std::string_view::npos; at = head.find(kWords, at + 1)) {
+    std::string_view name = head.substr(at + kWords.size(), 80);
+    name.remove_prefix(std::min(name.find_first_not_of(kQuotes), name.size()));
+    name = name.substr(0, name.find_first_of("\"'`]( "));
+    if (!name.empty() && tables.size() < kMaxTables) tables.emplace_back(name);
+  }
+  std::ranges::sort(tables);
+  return tables;
+}
+
+/// What an SQLite file is, by its tables.
+std::string sqlite_kind(std::string_view head) {
+  const std::vector<std::string> tables = sqlite_tables(head);
+  const auto has = [&](const char* name) { return std::ranges::find(tables, name) != tables.end(); };
+  if (has("topics") && has("messages")) return "is a ROS 2 bag in SQLite, whose messages have no reader here";
+  if (has("gpkg_contents")) return "is a GeoPackage: a chart, not a log";
+  if (has("layer") && has("block")) return "holds the voxels of a map, not a log";
+  if (has("object") && has("attribute")) return "holds the objects of a map, not a log";
+  std::string names;
+  for (const std::string& table : tables) names += (names.empty() ? " with the tables " : ", ") + table;
+  return "is an SQLite file" + names + "; ViewPoint 2 writes such files, which have no public description";
+}
+
 /// Throws for an unknown format; names known formats that cannot be read, with an alternative.
 [[noreturn]] void refuse(const Candidate& c) {
   const std::string file = c.path.string();
   if (text_of(c.head).starts_with("SQLite format 3")) {
-    throw Error("is an SQLite file, as ViewPoint 2 writes them, which has no public description", {file},
-                known_formats(), "record with ViewPoint 1 or take the messages off the network");
+    const std::string kind = sqlite_kind(text_of(c.head));
+    throw Error(kind, {file}, known_formats(),
+                kind.ends_with("description") ? "record with ViewPoint 1 or take the messages off the network" : "");
   }
   const std::string ending = lower_case(c.path.extension().string());
   if (ending == ".v4log") {

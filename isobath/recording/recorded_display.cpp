@@ -1,5 +1,9 @@
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
 #include <isobath/base/error.hpp>
+#include <isobath/io/mcap/mcap.hpp>
 #include <isobath/recording/recorded_display.hpp>
 #include <isobath/recording/run_recorder.hpp>
 
@@ -20,7 +24,10 @@ std::string_view records_in(const McapMessage& message) {
 
 bool is_recording(const std::filesystem::path& file) {
   std::error_code ignored;
-  if (file.extension() != ".mcap" || !std::filesystem::is_regular_file(file, ignored)) return false;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;
+  std::array<char, 8> head{};
+  std::ifstream(file, std::ios::binary).read(head.data(), head.size());
+  if (!looks_like_mcap({reinterpret_cast<const std::uint8_t*>(head.data()), head.size()})) return false;
   const McapIndex index(file);
   return index.channel_of(kDisplayTopic).has_value();
 }

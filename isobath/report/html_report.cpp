@@ -1,6 +1,7 @@
 #include <fstream>
 #include <isobath/base/base64.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/report/html_report.hpp>
 
 namespace isobath {
@@ -54,9 +55,12 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 void write_file(const std::filesystem::path& file, std::string_view bytes) {
-  std::ofstream out(file, std::ios::binary);
+  PendingFile pending(file);
+  std::ofstream out(pending.beside(), std::ios::binary);
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!out.flush()) throw Error("cannot write", {file.string(), {}, {}, {}, {}}, "", "check space and permissions");
+  out.close();
+  if (!out) throw Error("cannot write", {file.string(), {}, {}, {}, {}}, "", "check space and permissions");
+  pending.complete();
 }
 
 HtmlReport::HtmlReport(const std::string& title, const std::string& lead) : title_(title) {

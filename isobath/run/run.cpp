@@ -9,6 +9,7 @@
 #include <isobath/run/run.hpp>
 #include <isobath/run/run_display.hpp>
 #include <isobath/run/run_folder.hpp>
+#include <isobath/run/run_outputs.hpp>
 #include <isobath/run/run_pace.hpp>
 #include <isobath/run/run_results.hpp>
 #include <isobath/run/run_source.hpp>
@@ -38,6 +39,13 @@ std::vector<std::string> priors_of(const RunRequest& request) {
     if (entry.path().extension() == ".shp") outlines.push_back(entry.path().string());
   }
   return outlines.size() == 1 ? outlines : std::vector<std::string>{};
+}
+
+/// The same, once it is sure that the run overwrites none of its inputs.
+std::vector<std::string> checked_priors(const RunRequest& request) {
+  std::vector<std::string> priors = priors_of(request);
+  check_run_outputs(request, priors);
+  return priors;
 }
 
 /// The scenario, if the input is one.
@@ -148,7 +156,7 @@ class Run {
 Run::Run(const RunRequest& asked)
     : scenario_(scenario_of_input(asked)),
       request_(completed(asked, scenario_)),
-      priors_(priors_of(request_)),
+      priors_(checked_priors(request_)),
       depths_(request_.configuration, request_.map, to_toml(request_.configuration, false)),
       input_(request_.input, scenario_, request_.configuration, depths_.stored_origin(), request_.threads),
       setup_(mission()),

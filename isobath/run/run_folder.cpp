@@ -12,6 +12,7 @@
 #include <isobath/report/result_text.hpp>
 #include <isobath/run/run_folder.hpp>
 #include <isobath/run/run_manifest.hpp>
+#include <isobath/run/run_outputs.hpp>
 #include <limits>
 
 namespace isobath {
@@ -69,17 +70,8 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
 RunFolder::RunFolder(std::filesystem::path folder, Configuration configuration)
     : folder_(std::move(folder)), configuration_(std::move(configuration)) {
   make_folder(folder_);
-  for (const char* name : {"obstacles.geojson", "occupancy.tif",   "occupancy.png",
-                           "sonar.png",         "detections.png",  "truth.json",
-                           "depth.tif",         "chart.png",       "confidence.png",
-                           "contours.geojson",  "decisions.json",  "mission.json",
-                           "mission.png",       "clearance.png",   "voxels.bt",
-                           "voxels.ply",        "voxels.sqlite",   "voxels.sqlite-journal",
-                           "voxels.vdb",        "voxels.png",      "voxels-south.png",
-                           "voxels-east.png",   "voxels-depth.png"}) {
-    std::filesystem::remove(folder_ /
-                            name);  // not every run writes these files, and those of an earlier run must not remain
-  }
+  // Not every run writes all files, and those of an earlier run must not remain.
+  for (const char* name : kRunFiles) std::filesystem::remove(folder_ / name);
 }
 
 void RunFolder::on_ping(const PosedPing& posed) { sweep_.push_back({posed.ping, posed.X_WB}); }

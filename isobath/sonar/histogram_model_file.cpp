@@ -1,10 +1,9 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <isobath/base/error.hpp>
+#include <isobath/base/text_file.hpp>
 #include <isobath/sonar/histogram_model.hpp>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <zlib.h>
 
@@ -154,10 +153,8 @@ HistogramModel read_histogram_model(std::string_view bytes, const std::string& f
 }
 
 HistogramModel load_histogram_model(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw Error("cannot open the histogram model", {path.string(), {}, {}, {}, {}}, {}, "is the path right?");
-  const std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return read_histogram_model(bytes, path.string());
+  constexpr std::size_t kMaxMib = 512;  // histograms of single pixels are large
+  return read_histogram_model(text_of_file(path.string(), kMaxMib), path.string());
 }
 
 }  // namespace isobath

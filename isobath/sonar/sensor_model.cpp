@@ -2,9 +2,9 @@
 #include <cmath>
 #include <fstream>
 #include <isobath/base/error.hpp>
+#include <isobath/base/text_file.hpp>
 #include <isobath/sonar/sensor_model.hpp>
 #include <isobath/sonar/strict_json.hpp>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 namespace isobath {
@@ -140,10 +140,7 @@ void save_sensor_model(const SensorModel& model, const std::filesystem::path& pa
 }
 
 SensorModel load_sensor_model(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw Error("cannot open the sensor model", {path.string(), {}, {}, {}, {}}, {}, "is the path right?");
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return read_sensor_model(text, path.string());
+  return read_sensor_model(text_of_file(path.string()), path.string());
 }
 
 }  // namespace isobath

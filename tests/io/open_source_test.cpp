@@ -79,6 +79,30 @@ TEST_F(Open, WhatCannotBeOpenedIsOneLineThatSaysWhatToDo) {
               testing::HasSubstr("ends within its header"));
 }
 
+TEST_F(Open, SqliteFileIsNamedByWhatItHolds) {
+  const std::string begin = "SQLite format 3" + std::string(200, '\0');
+  const auto problem = [&](const std::string& tables) { return error_of(write("dive.oculus", begin + tables)); };
+  EXPECT_THAT(problem("CREATE TABLE topics(id)CREATE TABLE \"messages\" (id)"), testing::HasSubstr("is a ROS 2 bag"));
+  EXPECT_THAT(problem("CREATE TABLE [gpkg_contents](id)"), testing::HasSubstr("is a GeoPackage"));
+  EXPECT_THAT(problem("CREATE TABLE layer(id)CREATE TABLE block(id)"), testing::HasSubstr("the voxels of a map"));
+  EXPECT_THAT(problem("CREATE TABLE pings(id)CREATE TABLE devices(id)"),
+              testing::AllOf(testing::HasSubstr("with the tables devices, pings;"), testing::HasSubstr("ViewPoint 2")));
+}
+
+TEST_F(Open, ShortMessageOfAnOculusAmongSamplesMakesNoOculusStream) {
+  const std::string samples(1000, '\x18'), message = std::string("SO") + std::string(14, '\0');
+  EXPECT_THAT(error_of(write("input.sl2", samples + message + samples)), testing::HasSubstr("not a known format;"));
+  EXPECT_EQ(open_source(write("stream.bin", samples + message + message), {})->report().format,
+            "Oculus message stream");
+}
+
+TEST_F(Open, RealLogOfALowranceIsNoOculusStream) {
+  ISOBATH_NEEDS_DATA(data, "lowrance-sl2");
+  for (const char* name : {"input.sl2", "elite4-version-1.sl2"}) {
+    EXPECT_THAT(error_of(data / name), testing::HasSubstr("not a known format;")) << name;
+  }
+}
+
 TEST_F(Open, LogsLongerThanTheWindowAreReadWholeWithoutGaps) {
   const std::string log = ping_viewer_log(3000, 1100);  // more than three windows
   const auto from_file = open_source(write("long.bin", log), {});

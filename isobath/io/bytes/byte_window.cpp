@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <isobath/base/file_access.hpp>
 #include <isobath/io/bytes/byte_window.hpp>
 
 namespace isobath {
@@ -18,14 +19,13 @@ ByteWindow ByteWindow::open(const fs::path& file) {
   const fs::file_status status = fs::status(file, failed);
   if (!fs::exists(status)) throw Error("no such file", {file.string()});
   if (fs::is_directory(status)) throw Error("is a folder, not a file", {file.string()});
+  check_is_file_or_folder(file);
   ByteWindow window(file.string(), {}, nullptr);
   window.file_.reset(std::fopen(file.c_str(), "rb"));
   if (!window.file_) throw Error("cannot be read", {file.string()}, {}, "check its permissions");
   std::setvbuf(window.file_.get(), nullptr, _IONBF, 0);  // blocks are large; a second buffer would only add copies
-  if (fs::is_regular_file(status)) {
-    window.size_ = fs::file_size(file, failed);
-    if (failed) window.size_ = 0;
-  }
+  window.size_ = fs::file_size(file, failed);
+  if (failed) window.size_ = 0;
   window.ended_ = false;
   if (window.want(1).empty()) throw Error("is empty", {file.string()});
   return window;

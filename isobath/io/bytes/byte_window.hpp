@@ -17,13 +17,13 @@ namespace isobath {
 
 class ByteWindow {
  public:
-  /// Throws Error if the file does not exist, is a folder, cannot be read or is empty.
+  /// Throws Error if the file does not exist, is a folder, a pipe or a device, cannot be read or is empty.
   static ByteWindow open(const std::filesystem::path& file);
   /// A window over bytes in memory that `owner` keeps alive.
   ByteWindow(std::string name, Bytes bytes, std::shared_ptr<const void> owner);
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// Size of the input when it was opened, bytes; 0: unknown (a pipe).
+  /// Size of the input when it was opened, bytes; 0: unknown.
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] std::uint64_t position() const { return position_; }
 

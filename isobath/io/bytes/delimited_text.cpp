@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <isobath/base/file_access.hpp>
 #include <isobath/io/bytes/delimited_text.hpp>
 
 namespace isobath {
@@ -99,6 +100,7 @@ std::optional<double> DelimitedText::number(int column) const {
 std::optional<std::int64_t> DelimitedText::integer(int column) const { return parsed<std::int64_t>(cell(column)); }
 
 DelimitedText open_delimited_text(const std::string& file) {
+  check_is_file_or_folder(file);
   auto input = std::make_unique<std::ifstream>(file, std::ios::binary);
   if (!*input) throw Error("cannot be read", {file, {}, {}, {}, {}});
   return DelimitedText(std::move(input), file);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/io/bytes/whole_file.hpp>
 
 namespace isobath {
@@ -22,13 +23,15 @@ std::vector<std::uint8_t> read_whole_file(const fs::path& file, std::uint64_t ma
 }
 
 void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes) {
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  PendingFile pending(file);
+  std::ofstream out(pending.beside(), std::ios::binary | std::ios::trunc);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   out.close();
   if (!out) {
     throw Error("cannot be written", {file.string(), {}, {}, {}, {}}, "",
                 "check the folder, its permissions and the free space");
   }
+  pending.complete();
 }
 
 void write_whole_file(const fs::path& file, std::string_view text) {

@@ -12,6 +12,7 @@ namespace isobath {
 /// Refuses files over `max_bytes` before any allocation.
 std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& file, std::uint64_t max_bytes);
 
+/// The file takes its place when it is complete.
 void write_whole_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 void write_whole_file(const std::filesystem::path& file, std::string_view text);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/io/exports/vdb/vdb_module.hpp>
 #include <isobath/io/exports/voxel_vdb.hpp>
 #include <isobath/map/voxel/seen_voxels.hpp>
@@ -77,8 +78,11 @@ void write_vdb(const VoxelMap& map, const std::filesystem::path& file) {
   grid.places = places;
   grid.values = values;
   std::string why;
-  if (!write(grid, file.string(), why)) throw Error(fmt::format("cannot be written: {}", why), {file.string()});
-  settle_tag(file, places.size());
+  PendingFile pending(file);
+  if (!write(grid, pending.beside().string(), why))
+    throw Error(fmt::format("cannot be written: {}", why), {file.string()});
+  settle_tag(pending.beside(), places.size());
+  pending.complete();
 }
 
 }  // namespace isobath

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/io/gdal/gdal_session.hpp>
 #include <isobath/io/gdal/geotiff.hpp>
 #include <limits>
@@ -40,8 +41,10 @@ void write_raster(const std::filesystem::path& file, const RasterFrame& frame, s
   struct Closer {
     void operator()(GDALDataset* d) const { GDALClose(d); }
   };
-  std::unique_ptr<GDALDataset, Closer> data(driver->Create(
-      file.c_str(), frame.columns, frame.rows, static_cast<int>(bands.size()), type, const_cast<char**>(options)));
+  PendingFile pending(file);
+  std::unique_ptr<GDALDataset, Closer> data(driver->Create(pending.beside().c_str(), frame.columns, frame.rows,
+                                                           static_cast<int>(bands.size()), type,
+                                                           const_cast<char**>(options)));
   if (!data) refuse(file, gdal);
   const double c = frame.cell_m * cos(frame.up), s = frame.cell_m * sin(frame.up);
   double transform[] = {frame.corner_m.y(), c, -s, frame.corner_m.x(), -s, -c};
@@ -61,6 +64,7 @@ void write_raster(const std::filesystem::path& file, const RasterFrame& frame, s
   data->FlushCache(true);
   data.reset();
   if (!good || gdal.failures() > 0) refuse(file, gdal);
+  pending.complete();
 }
 
 std::size_t cells_of(const RasterFrame& frame) { return static_cast<std::size_t>(frame.columns) * frame.rows; }

@@ -11,6 +11,7 @@ namespace isobath {
 /// Messages back to back as sent over TCP. Times: the device's time since power-up (version 2), else estimated from the
 /// ping rate and the ping numbers. Throws Error if the file begins with a message that states a larger payload than any
 /// sonar sends.
+/// Recognised by a ping result, by a message at the start, or by two messages back to back.
 bool looks_like_oculus_stream(Bytes head);
 std::unique_ptr<Source> open_oculus_stream(ByteWindow input, const InputConfig& config);
 

@@ -1,0 +1,35 @@
+// PendingFile: a file that is written beside its place, and takes the place when it is complete. Until then what stood
+// there stays, and where the writer fails nothing new remains.
+//
+//   PendingFile pending(file);
+//   ... write pending.beside() ...
+//   pending.complete();
+//
+// Through a link the file that it names is replaced, not the link. What is no plain file (a device, a pipe), and a file
+// in a folder in which nothing can be made, is written in its place. A program that is killed leaves the file beside:
+// NAME.<number of the process>.part.
+#pragma once
+
+#include <filesystem>
+
+namespace isobath {
+
+class PendingFile {
+ public:
+  explicit PendingFile(const std::filesystem::path& file);
+  /// Removes the file beside, unless it is complete.
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+
+  /// The file to write.
+  [[nodiscard]] const std::filesystem::path& beside() const { return beside_; }
+  /// Puts it into its place, once it is closed. Throws Error if that fails.
+  void complete();
+
+ private:
+  std::filesystem::path place_, beside_;
+  bool done_ = false;
+};
+
+}  // namespace isobath
