@@ -35,7 +35,8 @@ DepthOutcome outcome_of(const DepthModel& model) {
     }
     if (!pixel.has(kSensed)) return;
     depth.sensed_pixels += pixels;
-    depth.sensed_by_confidence[static_cast<std::size_t>(pixel.confidence() / 5)] += pixels;
+    const std::size_t group = static_cast<std::size_t>(pixel.confidence() / 5);
+    depth.sensed_by_confidence[std::min(group, depth.sensed_by_confidence.size() - 1)] += pixels;
   });
   depth.pixel_m = model.facts().area.grid.pixel_m;
   depth.datum = model.facts().datum;

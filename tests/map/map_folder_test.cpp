@@ -1,4 +1,5 @@
 // A map on disk: opened again as it was, whatever happens to the program or to a bit.
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -239,6 +240,32 @@ TEST_F(MapFolderTest, a_flipped_bit_anywhere_is_reported_and_the_rest_is_read) {
     }
   }
   EXPECT_TRUE(open_map(folder_).damages.empty());
+}
+
+int largest_confidence(const DepthTrees& trees) {
+  int largest = 0;
+  trees.state().for_each_leaf(trees.extent(), [&](std::uint32_t word, const PixelWindow&) {
+    largest = std::max(largest, DepthPixel{0, word}.confidence());
+  });
+  return largest;
+}
+
+TEST_F(MapFolderTest, a_confidence_above_20_is_damage_and_is_not_believed) {
+  MapFacts written = facts();
+  RegionQuadtree state(kLevels, 0);
+  state.fill({0, 0, 512, 512}, DepthPixel::word_of_state(20, kSensed, 3));
+  state.fill({8, 8, 4, 4}, DepthPixel::word_of_state(31, kSensed, 3));
+  state.set({600, 600}, DepthPixel::word_of_state(21, 0, 0));
+  RegionQuadtree sensed(kLevels, 0);
+  sensed.fill({0, 0, 512, 512}, DepthPixel::word_of_depth(7));
+  MapFolder(folder_).commit(written, DepthTrees(RegionQuadtree(kLevels, 0), sensed, state));
+  const StoredMap map = open_map(folder_);
+  ASSERT_EQ(map.damages.size(), 1U);
+  EXPECT_EQ(to_text(map.damages[0]), "state.1.tree, block 0 at byte 0: a confidence is above 20; 17 pixels lost");
+  EXPECT_EQ(largest_confidence(map.trees), 20);
+  EXPECT_EQ(map.trees.at({9, 9}).depth_m(), 7) << "the measured depth counts, with confidence 0";
+  EXPECT_EQ(map.trees.at({9, 9}).confidence(), 0);
+  EXPECT_FALSE(map.trees.at({600, 600}).known());
 }
 
 TEST_F(MapFolderTest, what_is_no_map_is_refused_with_one_line) {

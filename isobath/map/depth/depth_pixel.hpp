@@ -26,6 +26,7 @@ struct DepthPixel {
   static constexpr std::uint32_t kUnknownDepth = 0;
   static constexpr std::int32_t kDepthOffset = 1 << 30;
   static constexpr std::uint32_t kLastMinute = (1U << 22) - 1;
+  static constexpr std::uint32_t kLargestDepthCm = 1'000'000'000;  ///< 1e4 km
 
   std::uint32_t depth_word = kUnknownDepth;
   std::uint32_t state_word = 0;  ///< confidence, flags << 5, minutes << 9
@@ -40,6 +41,14 @@ struct DepthPixel {
   [[nodiscard]] bool has(PixelFlag flag) const { return (flags() & flag) != 0; }
   /// Since the map's epoch.
   [[nodiscard]] std::uint32_t minute() const { return state_word >> 9; }
+
+  /// Whether words from a file are words of this map: every depth is in range, every confidence is at most 20.
+  static bool depth_valid(std::uint32_t word) {
+    return word == kUnknownDepth || word - (kDepthOffset - kLargestDepthCm) <= 2 * kLargestDepthCm;
+  }
+  static bool state_valid(std::uint32_t word) {
+    return word >> 31 == 0 && (word & 31U) <= static_cast<std::uint32_t>(kFullConfidence);
+  }
 
   /// Nearest centimetre; |depth| < 1e4 km.
   static std::uint32_t word_of_depth(double depth_m) {

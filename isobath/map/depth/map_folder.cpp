@@ -8,6 +8,7 @@
 #include <isobath/map/depth/tree_file.hpp>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string_view>
 #include <sys/file.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -165,6 +166,22 @@ Record read_record(const fs::path& folder, std::vector<MapDamage>* damages) {
   throw Error(*first);
 }
 
+/// Makes pixels unknown whose word no map writes, such as those of a tree under the name of another. Later code uses
+/// the words as they are.
+void refuse_words(TreeFile& opened, bool (*valid)(std::uint32_t), const std::string& file, const char* reason,
+                  std::vector<MapDamage>& damages) {
+  std::vector<PixelWindow> refused;
+  std::uint64_t pixels = 0;
+  opened.tree.for_each_leaf(opened.tree.square(), [&](std::uint32_t word, const PixelWindow& leaf) {
+    if (valid(word)) return;
+    refused.push_back(leaf);
+    pixels += static_cast<std::uint64_t>(leaf.width) * static_cast<std::uint64_t>(leaf.height);
+  });
+  for (const PixelWindow& leaf : refused) opened.tree.fill(leaf, 0);
+  opened.lost.insert(opened.lost.end(), refused.begin(), refused.end());
+  if (pixels > 0) damages.push_back({file, 0, 0, pixels, reason});
+}
+
 /// Damaged parts of a tree read as 0, which means unknown. A tree with a damaged header reads as empty.
 TreeFile read_tree(const fs::path& folder, const Record& record, const char* name, std::vector<MapDamage>& damages) {
   const std::string& file = record.files.at(name);
@@ -193,6 +210,11 @@ TreeFile read_tree(const fs::path& folder, const Record& record, const char* nam
     damages.push_back({file, 0, byte, 0, "a spare copy or padding has changed; nothing is lost"});
   }
   for (const TreeFile::Damage& d : opened.bad_links) note(d, "a link is invalid");
+  if (std::string_view(name) == "state") {
+    refuse_words(opened, DepthPixel::state_valid, file, "a confidence is above 20", damages);
+  } else {
+    refuse_words(opened, DepthPixel::depth_valid, file, "a depth is beyond 10000 km", damages);
+  }
   return opened;
 }
 
