@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/report/mission_pages.hpp>
 #include <isobath/report/plot/mission_plot.hpp>
+#include <set>
 
 namespace isobath {
 namespace {
@@ -150,6 +151,15 @@ void draw_numbers(MissionPlot& plot, const MissionOutcome& outcome) {
   }
 }
 
+/// The obstacles that decisions name, by their numbers; each once, where the first decision met it.
+void draw_obstacle_numbers(MissionPlot& plot, const MissionOutcome& outcome) {
+  std::set<int> named;
+  for (const Decision& d : outcome.decisions) {
+    if (d.obstacle_number == 0 || !d.obstacle || !named.insert(d.obstacle_number).second) continue;
+    plot.name(*d.obstacle, fmt::format("obstacle {}", d.obstacle_number), kReplan);
+  }
+}
+
 std::string how_it_ended(const MissionOutcome& outcome) {
   const MissionReport& r = outcome.report;
   std::string text =
@@ -205,6 +215,7 @@ std::string chart_png(const MissionOutcome& outcome, const ChartSource& source) 
   draw_points(plot, outcome);
   draw_dangers(plot, outcome);
   draw_numbers(plot, outcome);
+  draw_obstacle_numbers(plot, outcome);
   draw_nearest(plot, outcome);
   if (outcome.truth && !outcome.truth->track.empty()) {
     const Pose& X_WB = outcome.truth->track.back().state.X_WB;

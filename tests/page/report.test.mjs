@@ -48,7 +48,9 @@ async function open(width, height, options = {}) {
 
 const now = async (frame) => Number(await frame.getAttribute('#timeline', 'aria-valuenow'));
 const end = async (frame) => Number(await frame.getAttribute('#timeline', 'aria-valuemax'));
+/** The run comes after what its kind of run is about; a browser draws no frame that is out of view. */
 async function isShown(frame) {
+  await (await frame.frameElement()).scrollIntoViewIfNeeded();
   await frame.waitForSelector('#connection[data-state="stored"]');
   await frame.waitForFunction(() => Number(document.querySelector('#timeline').getAttribute('aria-valuemax')) > 80);
 }
@@ -127,8 +129,9 @@ test('keys and wheel belong to the report until its reader has gone into the run
   await page.keyboard.press('n');
   const box = await frame.locator('#plan-canvas').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  const top = await page.evaluate(() => window.scrollY);
   await page.mouse.wheel(0, 300);
-  await page.waitForFunction(() => window.scrollY > 100);
+  await page.waitForFunction((was) => window.scrollY > was + 100, top);
   assert.equal(await scale(), as_it_was);
   assert.equal(await frame.getAttribute('html', 'data-theme'), 'day');
   await frame.locator('#plan-canvas').click(); // where it is by then: the report may still be gliding
