@@ -27,7 +27,7 @@ std::vector<OptionFacts> options_of(const CommandFacts& command, bool arguments)
   return options;
 }
 
-std::string words_of(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
+std::string completion_words(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 /// Long lists of words stand once in a script, as a variable: the settings of a configuration are those of most
 /// commands.
@@ -39,8 +39,8 @@ class WordLists {
   /// The words, or the use of their variable.
   std::string refer(const std::vector<std::string>& words) {
     constexpr std::size_t kLong = 20;
-    if (words.size() < kLong) return words_of(words);
-    const auto [found, added] = numbers_.try_emplace(words_of(words), numbers_.size() + 1);
+    if (words.size() < kLong) return completion_words(words);
+    const auto [found, added] = numbers_.try_emplace(completion_words(words), numbers_.size() + 1);
     return fmt::format(fmt::runtime(use_), name_of(found->second));
   }
   /// `definition`: how the shell sets a variable, with {0} for its name and {1} for the words.
@@ -100,7 +100,7 @@ std::string bash_case(const CommandFacts& command, WordLists& lists) {
   out += "      esac\n";
   std::map<std::string, int> arguments;
   for (const OptionFacts& argument : options_of(command, true)) ++arguments[bash_action(argument.kind, lists)];
-  out += fmt::format("      if [[ $current == -* ]]; then\n        _isobath_words \"{}\"\n", words_of(names));
+  out += fmt::format("      if [[ $current == -* ]]; then\n        _isobath_words \"{}\"\n", completion_words(names));
   if (!arguments.empty()) {
     out += "      else\n";
     for (const auto& [action, count] : arguments) out += fmt::format("        {}\n", action);
@@ -131,7 +131,8 @@ _isobath() {
   fi
   if ((COMP_CWORD == 1)); then
 )";
-  out += fmt::format("    _isobath_words \"{}\"\n    return\n  fi\n  case ${{COMP_WORDS[1]}} in\n", words_of(first));
+  out += fmt::format("    _isobath_words \"{}\"\n    return\n  fi\n  case ${{COMP_WORDS[1]}} in\n",
+                     completion_words(first));
   WordLists lists("${}");
   for (const CommandFacts& command : commands) out += bash_case(command, lists);
   return out + "  esac\n}\n" + lists.definitions("{0}=\"{1}\"\n") + "complete -F _isobath isobath\n";
@@ -169,7 +170,7 @@ std::string zsh_spec(const OptionFacts& option, WordLists& lists) {
   for (const std::string& name : option.names) {
     const char* const joint = value.empty() ? "" : name.starts_with("--") ? "=" : "+";
     const std::string others = option.repeats            ? "*"
-                               : option.names.size() > 1 ? "(" + words_of(option.names) + ")"
+                               : option.names.size() > 1 ? "(" + completion_words(option.names) + ")"
                                                          : std::string();
     out += (out.empty() ? "" : " ") + in_single_quotes(others + name + joint + rest, "'\\''");
   }

@@ -92,7 +92,7 @@ std::string not_taken(const CLI::App& program, const CLI::App& command) {
 }
 
 /// What is wrong with a command line that CLI11 refused, without the way to the help.
-std::string refusal_text(const CLI::ParseError& refusal, const CLI::App& program, const CLI::App& command) {
+std::string usage_problem(const CLI::ParseError& refusal, const CLI::App& program, const CLI::App& command) {
   if (const std::string problem = not_taken(program, command); !problem.empty()) return problem;
   const std::string text = refusal.what();
   if (dynamic_cast<const CLI::RequiredError*>(&refusal) != nullptr) {
@@ -109,7 +109,7 @@ std::string refusal_text(const CLI::ParseError& refusal, const CLI::App& program
 }
 
 std::string problem_of(const CLI::ParseError& refusal, const CLI::App& program, const CLI::App& command) {
-  const std::string text = refusal_text(refusal, program, command);
+  const std::string text = usage_problem(refusal, program, command);
   if (dynamic_cast<const CLI::ValidationError*>(&refusal) != nullptr) return text;  // it names what is allowed
   return fmt::format("{}; see isobath {}--help", text, &command == &program ? "" : command.get_name() + " ");
 }
