@@ -99,7 +99,7 @@ ValueKind kind_of(const CLI::Option& option) {
 
 namespace {
 
-void check_readable(ValueKind::Path use, const std::string& path, const std::string& option) {
+void check_use_of(ValueKind::Path use, const std::string& path, const std::string& option) {
   using Path = ValueKind::Path;
   switch (use) {
     case Path::kNone: return;
@@ -126,7 +126,7 @@ void check_paths(const CLI::App& command) {
     const ValueKind kind = kind_of(*option);
     if (kind.others) continue;  // not always a path
     for (const std::string& path : option->results()) {
-      check_readable(kind.path, path, option->get_name());
+      check_use_of(kind.path, path, option->get_name());
       if (kind.path == Path::kReads && option->get_positional()) check_is_file_or_folder(path);
       if (kind.path == Path::kReads || kind.path == Path::kReadsFolder) inputs.emplace_back(path);
       if (kind.path == Path::kWrites || kind.path == Path::kWritesFile) outputs.emplace_back(path, option->get_name());
