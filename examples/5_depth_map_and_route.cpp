@@ -36,7 +36,7 @@ int main() {
   while (auto event = boat.next()) onboard.on_event(std::move(*event));
   onboard.finish();
   std::vector<std::filesystem::path> files;
-  write_depth_files(depths, ".", files);  // depth.tif, chart.png, confidence.png
+  write_depth_files(depths, {.survey = "simulated"}, ".", files);  // depth.tif, chart.png, confidence.png
 
   const std::shared_ptr<const DepthSnapshot> map = depths.snapshot();
   const double draught = 4;

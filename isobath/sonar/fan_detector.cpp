@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <isobath/sonar/fan_detector.hpp>
 #include <isobath/sonar/fan_detector_state.hpp>
 #include <isobath/sonar/hidden_target.hpp>
 #include <limits>
@@ -46,7 +47,7 @@ std::vector<Field> fields(FanDetectorConfig& c) {
   return all;
 }
 
-FanDetector::State::Geometry& FanDetector::State::geometry_of(const Ping& ping) {
+FanDetectorState::Geometry& FanDetectorState::geometry_of(const Ping& ping) {
   ++clock_;
   Geometry* oldest = nullptr;
   for (auto& g : geometries_) {
@@ -95,7 +96,7 @@ FanDetector::State::Geometry& FanDetector::State::geometry_of(const Ping& ping) 
 }
 
 /// Those of the model at its setting and for the first ping of all, else those of the setting before.
-void FanDetector::State::take_laws(Geometry& g, const Geometry* before) const {
+void FanDetectorState::take_laws(Geometry& g, const Geometry* before) const {
   constexpr int kHalvings = 2;
   if (model_ && !dropped_ && (g.of_model || !before)) {
     g.laws = model_->laws;
@@ -108,7 +109,7 @@ void FanDetector::State::take_laws(Geometry& g, const Geometry* before) const {
 }
 
 /// As if there were none: the ping at hand is the first of all again.
-void FanDetector::State::drop_model(Geometry& g) {
+void FanDetectorState::drop_model(Geometry& g) {
   dropped_ = true;
   g.laws = {};
   g.all = {};
@@ -117,7 +118,7 @@ void FanDetector::State::drop_model(Geometry& g) {
 }
 
 /// A beam without a receiver would draw the background of its neighbours down, and call all water free.
-void FanDetector::State::silence_dead_beams(const Geometry& g) {
+void FanDetectorState::silence_dead_beams(const Geometry& g) {
   const int beams = g.cells.beams(), bins = g.cells.bins();
   sums_.assign(2 * static_cast<std::size_t>(beams), 0);
   for (int b = 0; b < beams; ++b) {
@@ -134,22 +135,22 @@ void FanDetector::State::silence_dead_beams(const Geometry& g) {
   }
 }
 
-void FanDetector::State::rate(const Geometry& g) {
+void FanDetectorState::rate(const Geometry& g) {
   const std::vector<float>& level = g.background.level();
   for (std::size_t i = 0; i < power_.size(); ++i) ratios_[i] = power_[i] >= 0 ? power_[i] / level[i] : -1.f;
 }
 
-float FanDetector::State::threshold(int beam, int bin) const { return thresholds_[strata_of(*last_, beam)[bin]]; }
+float FanDetectorState::threshold(int beam, int bin) const { return thresholds_[strata_of(*last_, beam)[bin]]; }
 
-void FanDetector::State::set_thresholds(const Geometry& g) {
+void FanDetectorState::set_thresholds(const Geometry& g) {
   for (std::size_t i = 0; i < kStrata; ++i) {
     const TailLaw& law = g.laws[i].total() >= kOwnLaw ? g.laws[i] : g.all;
     suspect_[i] = law.robust_threshold(kSuspectRate);
-    thresholds_[i] = threshold_of(g.laws[i], g.all, config_.false_alarm);
+    thresholds_[i] = FanDetector::threshold_of(g.laws[i], g.all, config_.false_alarm);
   }
 }
 
-void FanDetector::State::decide(Geometry& g, EchoDecisions& out) {
+void FanDetectorState::decide(Geometry& g, EchoDecisions& out) {
   const int bins = g.cells.bins();
   for (int b = 0; b < g.cells.beams(); ++b) {
     const float* u = ratios_.data() + static_cast<std::ptrdiff_t>(b) * bins;
@@ -159,7 +160,7 @@ void FanDetector::State::decide(Geometry& g, EchoDecisions& out) {
   }
 }
 
-void FanDetector::State::describe(const Geometry& g, EchoDecisions& out) {
+void FanDetectorState::describe(const Geometry& g, EchoDecisions& out) {
   const int bins = g.cells.bins();
   out.false_alarm = config_.false_alarm;
   for (int k = 0; k < bins; ++k) {
@@ -190,8 +191,8 @@ void FanDetector::State::describe(const Geometry& g, EchoDecisions& out) {
   }
 }
 
-void FanDetector::State::spread_to_samples(const Ping& ping, const Geometry& g, const EchoDecisions& cells,
-                                           EchoDecisions& out) {
+void FanDetectorState::spread_to_samples(const Ping& ping, const Geometry& g, const EchoDecisions& cells,
+                                         EchoDecisions& out) {
   const int samples = ping.window.bins;
   out.reset(ping.fan->beams(), samples);
   out.false_alarm = cells.false_alarm;
@@ -231,7 +232,7 @@ void FanDetector::State::spread_to_samples(const Ping& ping, const Geometry& g, 
   }
 }
 
-void FanDetector::State::detect(const Ping& ping, const WaterColumn& water, EchoDecisions& samples, FanLooks& looks) {
+void FanDetectorState::detect(const Ping& ping, const WaterColumn& water, EchoDecisions& samples, FanLooks& looks) {
   Geometry& g = geometry_of(ping);
   last_ = &g;
   const bool clips = ping.intensity.type() != SampleType::kF32;
@@ -279,7 +280,7 @@ void FanDetector::State::detect(const Ping& ping, const WaterColumn& water, Echo
   looks.ping.sampled = nullptr;
 }
 
-FanModel FanDetector::State::learnt() const {
+FanModel FanDetectorState::learnt() const {
   FanModel model;
   if (!last_) return model;
   last_->watch.describe(model);
@@ -289,14 +290,14 @@ FanModel FanDetector::State::learnt() const {
 }
 
 /// Of the setting with most pings, the model's own before others.
-std::optional<FanDeparture> FanDetector::State::departure() const {
+std::optional<FanDeparture> FanDetectorState::departure() const {
   if (!model_ || geometries_.empty()) return std::nullopt;
   const auto heard = [](const auto& g) { return std::pair(g->of_model, g->watch.pings()); };
   const auto& g = *std::max_element(geometries_.begin(), geometries_.end(),
                                     [&](const auto& a, const auto& b) { return heard(a) < heard(b); });
   std::array<float, kStrata> thresholds{};
   for (std::size_t i = 0; i < kStrata; ++i)
-    thresholds[i] = threshold_of(model_->laws[i], model_->all, config_.false_alarm);
+    thresholds[i] = FanDetector::threshold_of(model_->laws[i], model_->all, config_.false_alarm);
   FanDeparture d = g->watch.departure(*model_, thresholds, config_.false_alarm, g->of_model);
   d.dropped = dropped_;
   return d;
@@ -308,7 +309,7 @@ float FanDetector::threshold_of(const TailLaw& own, const TailLaw& all, double f
   return &law == &own ? std::min(wanted, kMaxApart * all.robust_threshold(false_alarm)) : wanted;
 }
 
-FanDetector::FanDetector(const FanDetectorConfig& config) : state_(std::make_unique<State>(config)) {}
+FanDetector::FanDetector(const FanDetectorConfig& config) : state_(std::make_unique<FanDetectorState>(config)) {}
 FanDetector::~FanDetector() = default;
 FanDetector::FanDetector(FanDetector&&) noexcept = default;
 FanDetector& FanDetector::operator=(FanDetector&&) noexcept = default;

@@ -36,6 +36,7 @@
 #include <isobath/sonar/boundary_echoes.hpp>
 #include <isobath/sonar/echo_decisions.hpp>
 #include <isobath/sonar/fan_config.hpp>
+#include <isobath/sonar/fan_looks.hpp>
 #include <isobath/sonar/fan_model.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <memory>
@@ -44,11 +45,7 @@
 
 namespace isobath {
 
-/// The looks of one ping: one decision per resolution cell. `ping` has the geometry of the cells and no samples.
-struct FanLooks {
-  Ping ping;
-  EchoDecisions decisions;
-};
+struct FanDetectorState;
 
 class FanDetector {
  public:
@@ -78,8 +75,7 @@ class FanDetector {
   [[nodiscard]] static float threshold_of(const TailLaw& own, const TailLaw& all, double false_alarm);
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<FanDetectorState> state_;
 };
 
 }  // namespace isobath

@@ -1,5 +1,5 @@
-// FanDetector::State: what the sources of FanDetector share, and nobody else includes. One part of it is a source of
-// its own each:
+// FanDetectorState: what the sources of FanDetector share; no other source includes it. Each part is a source of its
+// own:
 //
 //   fan_detector.cpp      geometries, thresholds, the decision of each cell and its information
 //   fan_loud_echoes.cpp   what loud echoes hide: side lobes at their range, the shadow behind them
@@ -11,9 +11,12 @@
 
 #include <array>
 #include <cstdint>
+#include <isobath/sonar/boundary_echoes.hpp>
 #include <isobath/sonar/fan_background.hpp>
 #include <isobath/sonar/fan_cells.hpp>
-#include <isobath/sonar/fan_detector.hpp>
+#include <isobath/sonar/fan_config.hpp>
+#include <isobath/sonar/fan_looks.hpp>
+#include <isobath/sonar/fan_model.hpp>
 #include <isobath/sonar/fan_watch.hpp>
 #include <isobath/sonar/tail_law.hpp>
 #include <memory>
@@ -22,8 +25,8 @@
 
 namespace isobath {
 
-struct FanDetector::State {
-  explicit State(const FanDetectorConfig& config) : config_(config) {}
+struct FanDetectorState {
+  explicit FanDetectorState(const FanDetectorConfig& config) : config_(config) {}
   void detect(const Ping& ping, const WaterColumn& water, EchoDecisions& samples, FanLooks& looks);
   [[nodiscard]] float threshold(int beam, int bin) const;
   [[nodiscard]] FanModel learnt() const;

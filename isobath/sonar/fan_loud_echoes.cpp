@@ -23,14 +23,14 @@ constexpr float kLoudEcho = 100;  // times the quiet water: its side lobes may b
 }  // namespace
 
 /// An echo that is heard by way of side lobes, and leaves a shadow.
-bool FanDetector::State::is_loud(const Geometry& g, int beam, int bin) const {
+bool FanDetectorState::is_loud(const Geometry& g, int beam, int bin) const {
   const std::size_t at =
       static_cast<std::size_t>(beam) * static_cast<std::size_t>(g.cells.bins()) + static_cast<std::size_t>(bin);
   return power_[at] >= kLoudEcho * g.background.quiet() &&
          ratios_[at] >= kFarBeyond * thresholds_[strata_of(g, beam)[bin]];
 }
 
-void FanDetector::State::drop_side_lobes(const Geometry& g, EchoDecisions& out) {
+void FanDetectorState::drop_side_lobes(const Geometry& g, EchoDecisions& out) {
   const int bins = g.cells.bins();
   for (int b = 0; b < out.beams(); ++b) {
     const auto row = static_cast<std::ptrdiff_t>(b) * bins;
@@ -63,7 +63,7 @@ void FanDetector::State::drop_side_lobes(const Geometry& g, EchoDecisions& out) 
 
 /// The main lobe of a clipped echo is clipped beside the body too, as far as it cannot be told: on either side the
 /// outermost of three and more such cells.
-void FanDetector::State::drop_skirts(EchoDecisions& out, int bin) const {
+void FanDetectorState::drop_skirts(EchoDecisions& out, int bin) const {
   const auto is_clipped = [&](int b) {
     return b < out.beams() &&
            power_[static_cast<std::size_t>(b) * static_cast<std::size_t>(out.bins()) + static_cast<std::size_t>(bin)] >
@@ -81,7 +81,7 @@ void FanDetector::State::drop_skirts(EchoDecisions& out, int bin) const {
 /// Behind a body with a loud echo stands its shadow, and what comes from there went round by bottom, surface or the
 /// body itself; an echo of a like power is another body that the first one does not hide. Sound goes past what is
 /// narrower than that: behind it only weak echoes say nothing, which may be its own by way of bottom or surface.
-void FanDetector::State::hide_shadows(const Geometry& g, EchoDecisions& out) {
+void FanDetectorState::hide_shadows(const Geometry& g, EchoDecisions& out) {
   const int bins = g.cells.bins(), beams = out.beams();
   const int thick = std::max(kThickCells, static_cast<int>(std::lround(kThick_m / g.cells.window().bin_m)));
   body_.assign(static_cast<std::size_t>(beams), Front{bins});
@@ -103,7 +103,7 @@ void FanDetector::State::hide_shadows(const Geometry& g, EchoDecisions& out) {
 }
 
 /// What the cell in front hides in its own beam and those beside it.
-void FanDetector::State::cast(std::vector<Front>& fronts, int beam, int bin, int thick) const {
+void FanDetectorState::cast(std::vector<Front>& fronts, int beam, int bin, int thick) const {
   const int beams = static_cast<int>(fronts.size()), bins = last_->cells.bins();
   if (bin >= bins) return;
   const float power =
@@ -116,7 +116,7 @@ void FanDetector::State::cast(std::vector<Front>& fronts, int beam, int bin, int
 }
 
 /// Whether a loud echo goes on in the beams beside it: what is narrower than a beam lets sound past it, however loud.
-bool FanDetector::State::is_body(const Geometry& g, int beam, int bin) const {
+bool FanDetectorState::is_body(const Geometry& g, int beam, int bin) const {
   int wide = 1;
   for (const int side : {-1, 1}) {
     int at = bin;
@@ -134,7 +134,7 @@ bool FanDetector::State::is_body(const Geometry& g, int beam, int bin) const {
 }
 
 /// The nearest cell of a beam with a loud echo, or with one of a body; bins() without one.
-int FanDetector::State::first_loud(const Geometry& g, const EchoDecisions& out, int beam, bool body) const {
+int FanDetectorState::first_loud(const Geometry& g, const EchoDecisions& out, int beam, bool body) const {
   for (int w = 0; w < out.words(); ++w) {
     for (std::uint64_t left = out.hits(beam)[w]; left != 0; left &= left - 1) {
       const int k = 64 * w + std::countr_zero(left);

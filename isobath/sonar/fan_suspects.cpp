@@ -24,7 +24,7 @@ void for_around(int beam, int bin, int beams, int bins, const Visit& visit) {
 
 }  // namespace
 
-void FanDetector::State::suspect(const Geometry& g) {
+void FanDetectorState::suspect(const Geometry& g) {
   const int bins = g.cells.bins();
   suspects_.assign(power_.size(), 0);
   for (int b = 0; b < g.cells.beams(); ++b) {
@@ -37,13 +37,13 @@ void FanDetector::State::suspect(const Geometry& g) {
 }
 
 /// What looks like targets in all parts of the fan is clutter: the spikes of a sea, which stay for seconds.
-bool FanDetector::State::is_cluttered(const Geometry& g) const {
+bool FanDetectorState::is_cluttered(const Geometry& g) const {
   auto shares = g.marked;
   std::nth_element(shares.begin(), shares.begin() + kClutteredThirds, shares.end());
   return shares[kClutteredThirds] > kClutter;
 }
 
-void FanDetector::State::learn(Geometry& g) {
+void FanDetectorState::learn(Geometry& g) {
   const int bins = g.cells.bins(), beams = g.cells.beams();
   mark_targets(beams, bins, g.first_bin);
   const bool cluttered = is_cluttered(g);
@@ -83,7 +83,7 @@ void FanDetector::State::learn(Geometry& g) {
 
 /// Suspects side by side, and what stands around them: the skirts of an echo in range and direction. Not where a wide
 /// neighbourhood is full of suspects: that is reverberation whose level is not known yet.
-void FanDetector::State::mark_targets(int beams, int bins, int first_bin) {
+void FanDetectorState::mark_targets(int beams, int bins, int first_bin) {
   target_.assign(suspects_.size(), 0);
   sum_suspects(beams, bins);
   const auto row = static_cast<std::size_t>(bins) + 1;
@@ -106,7 +106,7 @@ void FanDetector::State::mark_targets(int beams, int bins, int first_bin) {
   }
 }
 
-void FanDetector::State::sum_suspects(int beams, int bins) {
+void FanDetectorState::sum_suspects(int beams, int bins) {
   const auto row = static_cast<std::size_t>(bins) + 1;
   suspect_sums_.assign((static_cast<std::size_t>(beams) + 1) * row, 0);
   for (std::size_t b = 0; b < static_cast<std::size_t>(beams); ++b) {
@@ -119,7 +119,7 @@ void FanDetector::State::sum_suspects(int beams, int bins) {
 }
 
 /// Other cells beside this one that may hold an echo.
-int FanDetector::State::company(int beam, int bin, int beams, int bins) const {
+int FanDetectorState::company(int beam, int bin, int beams, int bins) const {
   int count = -1;
   for_around(beam, bin, beams, bins, [&](std::size_t at) { count += suspects_[at]; });
   return count;

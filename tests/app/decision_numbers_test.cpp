@@ -7,6 +7,7 @@
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/embedded_run.hpp>
+#include <unistd.h>
 
 namespace isobath {
 namespace {
@@ -73,7 +74,8 @@ Told told_in_table(const fs::path& folder) {
 class DecisionNumbers : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = fs::current_path() / "scratch" / "DecisionNumbers";
+    folder_ =
+        fs::current_path() / "scratch" / ("DecisionNumbers." + std::to_string(getpid()));  // tests run side by side
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     const fs::path scenario = test::source_folder() / "scenarios" / "simulated_mission_1.toml";
@@ -82,6 +84,7 @@ class DecisionNumbers : public testing::Test {
     terminal_ = result.out;
     in_file_ = told_in_file(folder_ / "out");
   }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
   static inline fs::path folder_;
   static inline std::string terminal_;
   static inline Told in_file_;

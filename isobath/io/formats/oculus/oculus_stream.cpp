@@ -39,10 +39,12 @@ bool looks_like_oculus_stream(Bytes head) {
   for (std::size_t at = text.find("SO"); at != std::string_view::npos; at = text.find("SO", at + 1)) {
     const Bytes rest = head.subspan(at);
     if (rest.size() >= kHeaderOfPing && starts_oculus_ping(rest)) return true;
-    // Two letters and a short message of no ping also stand in samples of other sonars: its neighbour must be one, too.
+    // Two letters and a short message of no ping also stand in samples of other sonars: its neighbour must be one, too,
+    // or the stream starts or ends with it.
     const Framing message = oculus_message_at(rest);
     if (message.kind != Framing::Kind::kFrame) continue;
-    if (at == 0 || oculus_message_at(rest.subspan(message.bytes)).kind == Framing::Kind::kFrame) return true;
+    const Bytes behind = rest.subspan(message.bytes);
+    if (at == 0 || behind.empty() || oculus_message_at(behind).kind == Framing::Kind::kFrame) return true;
   }
   return false;
 }
