@@ -19,7 +19,7 @@ DepthModel::DepthModel(const WorldConfiguration& configuration, const std::files
   if (folder.empty()) return;
   folder_ = std::make_unique<MapFolder>(folder);
   if (!folder_->holds_map()) return;
-  stored_.emplace(open_map(folder));
+  stored_.emplace(folder_->open());
   facts_ = stored_->facts;
   damages_ = stored_->damages;
 }

@@ -6,9 +6,8 @@
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/map/depth/tree_file.hpp>
-#include <sys/mman.h>
+#include <isobath/map/storage/disk_file.hpp>
 #include <sys/stat.h>
-#include <unistd.h>
 #include <unordered_map>
 #include <zlib.h>
 
@@ -42,8 +41,8 @@ struct Header {
   std::uint32_t metadata_bytes = 0;
   std::uint32_t crown_blocks = 0;
   std::uint32_t crown_crc = 0;
-  std::uint32_t unused = 0;
-  std::uint32_t crc = 0;  ///< of the header before it and of the metadata
+  std::uint32_t table_crc = 0;  ///< of the CRCs of all pages; 0 in files of earlier versions
+  std::uint32_t crc = 0;        ///< of the header before it and of the metadata
 };
 static_assert(sizeof(Header) == 72 && std::is_trivially_copyable_v<Header>);
 
@@ -74,59 +73,15 @@ std::uint32_t header_crc(const Header& header, const void* metadata) {
   return crc_of(metadata, header.metadata_bytes, crc_of(&header, offsetof(Header, crc)));
 }
 
-[[noreturn]] void fail(const fs::path& file, const std::string& what, int error) {
-  throw Error(fmt::format("{}: {}", what, std::strerror(error)), {file});
-}
-
-/// An open file; the destructor closes it.
-class DiskFile {
- public:
-  DiskFile(const fs::path& file, int flags) : file_(file), number_(::open(file.c_str(), flags | O_CLOEXEC, 0644)) {
-    if (number_ < 0) fail(file, "cannot be opened", errno);
-  }
-  DiskFile(const DiskFile&) = delete;
-  DiskFile& operator=(const DiskFile&) = delete;
-  ~DiskFile() { ::close(number_); }
-
-  [[nodiscard]] int number() const { return number_; }
-  void write(const void* data, std::size_t size, std::size_t at) const {
-    const auto* bytes = static_cast<const char*>(data);
-    while (size > 0) {
-      const ssize_t n = ::pwrite(number_, bytes, size, static_cast<off_t>(at));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) fail(file_, "cannot be written", n < 0 ? errno : ENOSPC);
-      bytes += n, at += static_cast<std::size_t>(n), size -= static_cast<std::size_t>(n);
-    }
-  }
-  /// Returns the bytes read: fewer than requested where the file ends.
-  std::size_t read(void* data, std::size_t size) const {
-    std::size_t got = 0;
-    while (got < size) {
-      const ssize_t n = ::pread(number_, static_cast<char*>(data) + got, size - got, static_cast<off_t>(got));
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) fail(file_, "cannot be read", errno);
-      if (n == 0) break;
-      got += static_cast<std::size_t>(n);
-    }
-    return got;
-  }
-  void flush() const {
-    if (::fsync(number_) != 0) fail(file_, "cannot be flushed to disk", errno);
-  }
-
- private:
-  fs::path file_;
-  int number_;
-};
-
 void collect_crown(const BlockPool& pool, std::uint32_t node, int depth, std::vector<CrownBlock>& crown) {
   if (RegionQuadtree::is_leaf(node) || depth == kCrownLevels) return;
   crown.push_back({node >> 1, pool.block(node >> 1)});
   for (std::uint32_t child : crown[crown.size() - 1].block) collect_crown(pool, child, depth + 1, crown);
 }
 
-void write_parts(const DiskFile& out, const RegionQuadtree& tree, std::uint64_t generation,
-                 const std::string& metadata) {
+/// Returns the seal.
+std::uint32_t write_parts(const DiskFile& out, const RegionQuadtree& tree, std::uint64_t generation,
+                          const std::string& metadata) {
   const BlockPool& pool = tree.pool();
   std::vector<CrownBlock> crown;
   crown.reserve(kMaxCrown);
@@ -143,18 +98,21 @@ void write_parts(const DiskFile& out, const RegionQuadtree& tree, std::uint64_t 
   header.metadata_bytes = static_cast<std::uint32_t>(metadata.size());
   header.crown_blocks = static_cast<std::uint32_t>(crown.size());
   header.crown_crc = crc_of(crown.data(), crown.size() * sizeof(CrownBlock));
+  std::vector<std::uint32_t> table;
+  for (std::uint32_t i = 0; i < header.pages; ++i) table.push_back(crc_of(pool.page(i), BlockPool::kPageBytes));
+  header.table_crc = crc_of(table.data(), table.size() * sizeof(std::uint32_t));
   header.crc = header_crc(header, metadata.data());
   const Layout layout(header);
   std::vector<std::uint8_t> front(layout.pages, 0);
   std::memcpy(front.data(), &header, sizeof header);
   std::copy(metadata.begin(), metadata.end(), front.begin() + sizeof header);
   for (std::uint32_t i = 0; i < header.pages; ++i) {
-    const std::uint32_t crc = crc_of(pool.page(i), BlockPool::kPageBytes);
-    std::memcpy(front.data() + layout.table + sizeof crc * i, &crc, sizeof crc);
     out.write(pool.page(i), BlockPool::kPageBytes, layout.pages + BlockPool::kPageBytes * i);
   }
+  if (!table.empty()) std::memcpy(front.data() + layout.table, table.data(), table.size() * sizeof(std::uint32_t));
   if (!crown.empty()) std::memcpy(front.data() + layout.crown, crown.data(), crown.size() * sizeof(CrownBlock));
   out.write(front.data(), front.size(), 0);
+  return header.crc;
 }
 
 /// Throws Error where the header is invalid.
@@ -327,11 +285,7 @@ class Inspection {
 
 /// The whole file: mapped if it is large, else read.
 std::shared_ptr<const void> contents(const DiskFile& in, std::size_t size, const fs::path& file) {
-  if (size >= kMapFrom) {
-    void* map = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, in.number(), 0);
-    if (map == MAP_FAILED) fail(file, "cannot be mapped", errno);
-    return {map, [size](const void* p) { ::munmap(const_cast<void*>(p), size); }};
-  }
+  if (size >= kMapFrom) return in.map(size);
   auto words = std::make_shared<std::vector<std::uint64_t>>((size + 7) / 8);
   if (in.read(words->data(), size) != size) throw Error("became shorter while it was read", {file});
   return {words, words->data()};
@@ -339,30 +293,20 @@ std::shared_ptr<const void> contents(const DiskFile& in, std::size_t size, const
 
 }  // namespace
 
-void write_tree_file(const fs::path& file, const RegionQuadtree& tree, std::uint64_t generation,
-                     const std::string& metadata) {
+std::uint32_t write_tree_file(const fs::path& file, const RegionQuadtree& tree, std::uint64_t generation,
+                              const std::string& metadata) {
   if (metadata.size() > kMaxTreeMetadata) {
     throw Error(fmt::format("{} bytes of metadata", metadata.size()), {file}, fmt::format("0 .. {}", kMaxTreeMetadata));
   }
-  fs::path part = file;
-  part += ".part";
-  try {
-    const DiskFile out(part, O_WRONLY | O_CREAT | O_TRUNC);
-    write_parts(out, tree, generation, metadata);
-    out.flush();
-    if (::rename(part.c_str(), file.c_str()) != 0) fail(file, "cannot be replaced", errno);
-  } catch (...) {
-    ::unlink(part.c_str());
-    throw;
-  }
-  const fs::path folder = file.parent_path();
-  DiskFile(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY).flush();
+  std::uint32_t seal = 0;
+  replace_file(file, [&](const DiskFile& out) { seal = write_parts(out, tree, generation, metadata); });
+  return seal;
 }
 
 TreeFile open_tree_file(const fs::path& file, std::uint32_t lost) {
   const DiskFile in(file, O_RDONLY);
   struct stat status {};
-  if (::fstat(in.number(), &status) != 0) fail(file, "cannot be read", errno);
+  if (::fstat(in.number(), &status) != 0) throw DiskError(file, "cannot be read", errno);
   if (!S_ISREG(status.st_mode)) throw Error("not a file", {file});
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) throw Error("the file is empty", {file, 0}, {}, "it was cut off");
@@ -378,6 +322,7 @@ TreeFile parse_tree_file(std::span<const std::uint8_t> bytes, std::shared_ptr<co
   ISOBATH_ASSERT(reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(std::uint32_t) == 0);
   TreeFile result;
   result.generation = header.generation;
+  result.seal = header.crc;
   result.metadata.assign(reinterpret_cast<const char*>(bytes.data()) + sizeof header, header.metadata_bytes);
   BlockPool pool(reinterpret_cast<const std::uint32_t*>(bytes.data() + layout.pages), header.pages, std::move(owner),
                  header.blocks);

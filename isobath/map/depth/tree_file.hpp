@@ -2,8 +2,8 @@
 //
 // Words have the byte order of the machine that wrote them; a mark records it. Format 1:
 //   header     72 bytes: magic, order mark, version, generation, levels, value outside, root, pages, blocks, head and
-//              count of the free blocks, bytes of metadata, blocks in the crown, CRC of the crown, CRC of header and
-//              metadata
+//              count of the free blocks, bytes of metadata, blocks in the crown, CRC of the crown, CRC of the table,
+//              CRC of header and metadata: the seal, which follows from all that the file holds
 //   metadata   the caller's text (UTF-8, for example JSON), up to 64 KiB
 //   table      a CRC a page
 //   crown      a second copy of the index and four words of each block of the five topmost levels
@@ -39,9 +39,10 @@ namespace isobath {
 inline constexpr std::size_t kMaxTreeMetadata = 65536;
 
 /// Throws Error if the metadata is too long, if the file cannot be written or renamed (it is then the old one), or if
-/// the folder cannot be flushed (the file is then the new one, and a loss of power may bring back the old one).
-void write_tree_file(const std::filesystem::path& file, const RegionQuadtree& tree, std::uint64_t generation,
-                     const std::string& metadata);
+/// the folder cannot be flushed (the file is then the new one, and a loss of power may bring back the old one). Returns
+/// the seal.
+std::uint32_t write_tree_file(const std::filesystem::path& file, const RegionQuadtree& tree, std::uint64_t generation,
+                              const std::string& metadata);
 
 struct TreeFile {
   /// A page whose contents have changed, or an invalid link.
@@ -53,6 +54,7 @@ struct TreeFile {
 
   RegionQuadtree tree{0};  ///< its pages are in the mapped file until they are written to
   std::uint64_t generation = 0;
+  std::uint32_t seal = 0;  ///< tells the files of two trees apart that are both sound
   std::string metadata;
   std::vector<Damage> damaged_pages;  ///< ascending
   std::vector<Damage> bad_links;
@@ -64,7 +66,7 @@ struct TreeFile {
 };
 
 /// `lost`: the value of pixels in damaged parts. Throws Error if the file does not exist, was cut off, is of another
-/// format, version or byte order, or has a damaged header.
+/// format, version or byte order, or has a damaged header; DiskError if the system refuses to open or read it.
 TreeFile open_tree_file(const std::filesystem::path& file, std::uint32_t lost);
 /// The same from bytes in memory, aligned to 4; `owner` keeps them alive. `name` is for messages.
 TreeFile parse_tree_file(std::span<const std::uint8_t> bytes, std::shared_ptr<const void> owner,
