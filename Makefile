@@ -66,14 +66,14 @@ bench: build-bench ## Run the benchmarks
 	  ISOBATH_PROGRAM=build/bench/bin/isobath ISOBATH_CHROMIUM=$$chromium node bench/click_to_picture.mjs; \
 	else echo "bench/click_to_picture.mjs: needs node and Chromium"; fi
 
-lint: setup ## Formatting, hygiene, headers and sources that stand alone, clang-tidy; warnings are errors
-	@status=0; for check in files headers alone tidy; do $(MAKE) --no-print-directory $$check || status=1; done; exit $$status
+lint: setup ## Formatting, repository hygiene, headers that stand alone, clang-tidy; warnings are errors
+	@status=0; for check in files headers tidy; do $(MAKE) --no-print-directory $$check || status=1; done; exit $$status
 files:
 	@scripts/check-files
 headers: build/release/.configured-$(WERROR)
 	@cmake --build build/release --parallel $(JOBS) --target isobath_headers_alone
 # Every source of library, program and benchmarks by itself, as preset dev compiles it: checked, not translated.
-alone: build/alone/.configured-$(WERROR)
+alone: build/alone/.configured-$(WERROR) ## Each source of library, program and benchmarks by itself, checked and not translated
 	@units=$$(ninja -C build/alone -t targets all | sed -n 's/^\(\(isobath\|bench\)\/.*\.cpp\.o\): .*/\1/p'); \
 	ninja -C build/alone -j $(JOBS) $$units
 tidy: build/lint/.configured-$(WERROR) build/lint/own_code.so
