@@ -25,7 +25,8 @@ std::string told(const json& decision) {
 
 Told told_in_file(const fs::path& folder) {
   Told all;
-  for (const json& d : test::json_of(folder / "decisions.json")["decisions"]) all[d["number"]] = told(d);
+  const json file = test::json_of(folder / "decisions.json");
+  for (const json& d : file["decisions"]) all[d["number"]] = told(d);
   return all;
 }
 
