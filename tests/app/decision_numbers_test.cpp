@@ -64,7 +64,8 @@ Told told_in_report(const fs::path& folder) {
 Told told_in_table(const fs::path& folder) {
   Told all;
   const std::string report = test::content_of(folder / "report.html");
-  const std::string table = report.substr(report.find("<h2>Decisions</h2>"));
+  const std::size_t from = report.find("<h2>Decisions</h2>");
+  const std::string table = report.substr(from, report.find("</table>", from) - from);
   const std::regex row("<tr><td>([0-9]+)</td><td>[^<]*</td><td>([^<]*)</td><td>([^<]*)</td>");
   for (std::sregex_iterator at(table.begin(), table.end(), row), end; at != end; ++at) {
     all[std::stoull((*at)[1])] = std::string((*at)[2]) + ": " + std::string((*at)[3]);
