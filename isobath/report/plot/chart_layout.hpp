@@ -17,9 +17,9 @@ namespace isobath {
 
 /// What a picture says about its data.
 struct ChartSource {
-  std::string survey;  ///< name of the log, the survey or the scenario
-  std::string date;    ///< of the data; empty: unknown
-  double cell_m = 0;   ///< edge of a cell of the map; 0: it has none
+  std::string survey{};  ///< name of the log, the survey or the scenario
+  std::string date{};    ///< of the data; empty: unknown
+  double cell_m = 0;     ///< edge of a cell of the map; 0: it has none
 };
 
 class ChartLayout : public Canvas {
