@@ -58,11 +58,11 @@ RunRequest& RunOptions::read() {
 
 int conclude(const RunRequest& request, const RunOutcome& outcome) {
   const std::string failure = outcome.mission ? outcome.mission->failure() : std::string();
-  constexpr std::size_t kMost = 1000;
+  constexpr std::size_t kMax = 1000;
   std::fflush(stdout);
   if (!outcome.recording_problem.empty()) {
     std::fprintf(stderr, "isobath: %s; the recording ends there, %llu events and messages are missing\n",
-                 printable_text(outcome.recording_problem, kMost).c_str(),
+                 printable_text(outcome.recording_problem, kMax).c_str(),
                  static_cast<unsigned long long>(outcome.not_recorded));
   }
   if (outcome.problem.empty() && failure.empty()) {
@@ -70,8 +70,7 @@ int conclude(const RunRequest& request, const RunOutcome& outcome) {
   }
   const std::string& problem = outcome.problem.empty() ? failure : outcome.problem;
   const std::string input = request.input.empty() ? "the embedded scene" : request.input.string();
-  std::fprintf(stderr, "isobath: %s: %s\n", printable_text(input, kMost).c_str(),
-               printable_text(problem, kMost).c_str());
+  std::fprintf(stderr, "isobath: %s: %s\n", printable_text(input, kMax).c_str(), printable_text(problem, kMax).c_str());
   return outcome.problem.empty() ? kFailedChecks : kBadInput;
 }
 

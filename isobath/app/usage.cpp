@@ -21,8 +21,8 @@ namespace {
 
 /// Prints a problem to standard error; with --json also as an object to standard output. Throws nothing.
 int complain(const std::string& message, bool as_json, const Place& where = {}) {
-  constexpr std::size_t kMost = 3000;  // Error bounds its parts
-  const std::string problem = printable_text(message, kMost);
+  constexpr std::size_t kMax = 3000;  // Error bounds its parts
+  const std::string problem = printable_text(message, kMax);
   std::fprintf(stderr, "isobath: %s\n", problem.c_str());
   if (!as_json) return kBadInput;
   nlohmann::ordered_json json{{"error", {{"problem", problem}}}};

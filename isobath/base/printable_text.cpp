@@ -26,8 +26,8 @@ Utf8Character first_character(std::string_view text) {
     if ((byte(i) & 0xc0u) != 0x80) return {};
     code = code << 6 | (byte(i) & 0x3fu);
   }
-  constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  if (code < kLeast[length] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return {};
+  constexpr char32_t kMin[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (code < kMin[length] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return {};
   return {.code = code, .bytes = length, .valid = true};
 }
 
