@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 constexpr std::size_t kMaxNodes = 40000;  // of the surface between soundings
 constexpr double kShoreStep = 5;          // m
 constexpr double kChartMargin = 0.03;     // around the known pixels, share of the longer side
-constexpr int kMinChartMargin = 2;        // pixels
+constexpr int kMinChartMargin = 1;        // pixels
 
 /// Measured depths, thinned so that a surface through them is quick to make, and the shore at depth 0.
 std::vector<SurveyPoint> nodes_of(const MapRaster& raster, const DepthChart& chart) {

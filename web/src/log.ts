@@ -98,7 +98,8 @@ export class DecisionLog implements View {
     if (decision.way.length > 1)
       parts.push(`route of ${decision.way.length} points, ${units.metres(lengthOf(decision.way), 0)}`);
     const { scene } = this.shared.model;
-    if (scene) parts.push(units.utc(scene.start + since));
+    const date = scene ? units.utc(scene.start + since) : '';
+    if (date !== '') parts.push(date);
     const box = make('div', { class: 'log-details' }, make('span', {}, parts.join(' · ')));
     if (canSeek && Number.isFinite(since)) {
       const go = make(

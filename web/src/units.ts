@@ -1,6 +1,8 @@
 /** Numbers as mariners read them, each with its unit. An unknown value is an en dash, never a zero. */
 const kUnknown = '–';
 const kDegree = Math.PI / 180;
+/** s since 1970: ten years */
+const kFirstDate = 315_619_200;
 
 /** A true minus, and no "-0.0". */
 function fixed(value: number, digits: number): string {
@@ -69,8 +71,9 @@ export function elapsed(seconds: number | undefined | null, digits = 1): string 
   const tail = s.toFixed(digits).padStart(digits > 0 ? 3 + digits : 2, '0');
   return h > 0 ? `${sign}${h}:${String(m).padStart(2, '0')}:${tail}` : `${sign}${m}:${tail}`;
 }
-/** 2026-05-01 10:00:04 UTC */
+/** 2026-05-01 10:00:04 UTC; empty for a run without a date, whose times are in the first ten years of the epoch. */
 export function utc(secondsSince1970: number): string {
+  if (secondsSince1970 < kFirstDate) return '';
   const date = new Date(secondsSince1970 * 1000);
   if (!known(secondsSince1970) || Number.isNaN(date.getTime())) return kUnknown;
   return `${date.toISOString().slice(0, 19).replace('T', ' ')} UTC`;

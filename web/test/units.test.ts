@@ -45,6 +45,7 @@ describe('times', () => {
     expect(units.elapsed(62.4, 0)).toBe('1:02');
     expect(units.elapsed(-2)).toBe('−0:02.0');
     expect(units.utc(1_777_629_604)).toBe('2026-05-01 10:00:04 UTC');
+    expect(units.utc(114.6), 'a simulation has no date').toBe('');
   });
 });
 

@@ -12,10 +12,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Ticks of a graduated side: steps of 1, 2, 5 within a minute (2 dm at the least), then of whole minutes and degrees.
+/// Ticks of a graduated side: steps of 1, 2, 5 within a minute (2 m at the least), then of whole minutes and degrees.
 double minute_step(double range_min, double wanted) {
-  for (const double step : {0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05,  0.1,
-                            0.2,    0.5,    1.0,    2.0,   5.0,   10.0,  30.0, 60.0, 120.0, 300.0}) {
+  for (const double step :
+       {0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 120.0, 300.0}) {
     if (range_min / step <= wanted) return step;
   }
   return 600;
@@ -23,7 +23,7 @@ double minute_step(double range_min, double wanted) {
 
 /// 52 deg 20.25' N from minutes.
 std::string degrees_and_minutes(double minutes, double step, const char* positive, const char* negative) {
-  const int digits = step >= 1 ? 0 : step >= 0.1 ? 1 : step >= 0.01 ? 2 : step >= 0.001 ? 3 : 4;
+  const int digits = step >= 1 ? 0 : step >= 0.1 ? 1 : step >= 0.01 ? 2 : 3;
   const double scale = std::pow(10, digits);
   const auto units = std::llround(std::abs(minutes) * scale);
   const auto per_degree = static_cast<long long>(60 * scale);

@@ -275,8 +275,13 @@ void ChartPicture::points(std::span<const double> x, std::span<const double> y, 
 }
 
 void ChartPicture::mark(double x, const std::string& label, Colour colour) {
+  constexpr double kLabelWidth = 20, kLabelHeight = 12;
+  constexpr int kLabelRows = 6;
+  mark_row_ = px_x(x) - last_mark_ < kLabelWidth ? (mark_row_ + 1) % kLabelRows
+                                                 : 0;  // labels of near marks stand below one another
+  last_mark_ = px_x(x);
   line(px_x(x), top_, px_x(x), top_ + plot_height_, {colour, 1, true});
-  text(px_x(x), top_ + 12, label, 11, colour, 0.5, true);
+  text(px_x(x), top_ + 12 + kLabelHeight * mark_row_, label, 11, colour, 0.5, true);
 }
 
 void ChartPicture::draw_ticks(const Axis& axis, bool horizontal) const {

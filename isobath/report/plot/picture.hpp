@@ -76,7 +76,7 @@ class ChartPicture : public Canvas {
   /// Fills the area between low and high; makes no entry in the legend.
   void band(std::span<const double> x, std::span<const double> low, std::span<const double> high, Colour colour);
   void points(std::span<const double> x, std::span<const double> y, Colour colour, const std::string& name);
-  /// A vertical line with a label at its top.
+  /// A vertical line with a label at its top. Marks come from left to right.
   void mark(double x, const std::string& label, Colour colour);
   /// Draws frame, ticks and names. Call it last.
   void finish();
@@ -97,6 +97,8 @@ class ChartPicture : public Canvas {
   Axis x_, y_;
   double left_ = 64, top_ = 34, plot_width_, plot_height_;
   std::vector<Name> names_;
+  double last_mark_ = -1e9;  ///< px
+  int mark_row_ = 0;
 };
 
 }  // namespace isobath
