@@ -242,6 +242,28 @@ void check(const Scene& scene) {
   for (const SonarConfig& sonar : scene.sonars) check(sonar);
 }
 
+void check_length(const Scene& scene, double duration_s) {
+  double per_second = scene.navigator.rate_hz;
+  const auto add = [&](const auto& sensor) { per_second += sensor.on ? sensor.rate_hz : 0; };
+  const NavigationSensorsConfig& n = scene.navigation;
+  add(n.compass);
+  add(n.ahrs);
+  add(n.gyro);
+  add(n.dvl);
+  add(n.depth);
+  add(n.gps);
+  add(n.lbl);
+  for (const SonarConfig& sonar : scene.sonars) {
+    if (!sonar.on) continue;
+    const double travel_s = 2 * sonar.range_m / sonar.sound_speed;
+    per_second += 1 / (sonar.interval_s > 0 ? sonar.interval_s : travel_s + 0.005);
+  }
+  if (per_second * duration_s <= kMaxSceneEvents) return;
+  throw Error(fmt::format("{:g} s of this scene are {:.0f} million pings and readings", duration_s,
+                          per_second * duration_s / 1e6),
+              {}, fmt::format("up to {:.0f} million", kMaxSceneEvents / 1e6), "shorten scene.duration_s or --duration");
+}
+
 const std::vector<Material>& listed_materials() {
   static const std::vector<Material> kListed{
       {"rock", -10, -6, 0.35},   {"gravel", -16, -8, 0.25},  {"sand", -22, -9, 0.15},  {"mud", -31, -18, 0.1},

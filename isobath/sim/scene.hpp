@@ -159,6 +159,11 @@ struct Scene {
 /// Checks that concern several fields. A file is checked when it is read, a scene made in code when a Simulator gets
 /// it. Throws Error.
 void check(const Scene& scene);
+/// The number of pings and readings in a run of a scene. A longer run is refused: it would keep the program busy for
+/// hours, and a typing mistake is likelier.
+constexpr double kMaxSceneEvents = 20e6;
+/// Throws Error unless the sonars and sensors of a scene give no more in this time.
+void check_length(const Scene& scene, double duration_s);
 
 /// Throws Error if the scene has no sonar of this name.
 void switch_off(Scene& scene, const std::string& sonar);

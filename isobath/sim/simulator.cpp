@@ -97,6 +97,7 @@ Simulator::Simulator(Scene scene, const SimulationConfig& config, int threads)
       fix_channel_(faults_, "navigation"),
       waves_(random_at(seed_, kDiveSeed, 0)) {
   if (!config.without.empty()) switch_off(scene_, config.without);
+  check_length(scene_, duration_s_);
   if (!scene_.waypoints.empty()) guidance_.emplace(guidance_of(scene_));
   const std::vector<std::string> names = fault_names(scene_.sonars);
   for (std::size_t i = 0; i < scene_.sonars.size(); ++i) {

@@ -341,6 +341,8 @@ void check(const SonarConfig& c) {
   check_profile("noise_by_bearing", c.noise_by_bearing);
   check_profile("reverberation", c.reverberation);
   if (c.blanking_m >= c.range_m) refuse("blanking_m", "the sonar is blind over its whole range", "below range_m");
+  if (c.interval_s > 0 && c.interval_s < kLeastPingInterval)
+    refuse("interval_s", "is too short", "0, or 0.001 .. 60 s");
   if (c.name.empty()) refuse("name", "is empty", "a text");
 }
 

@@ -85,6 +85,7 @@ std::vector<Field> fields(SonarConfig& config);
 std::vector<std::string> sonar_presets();
 /// A preset by name; throws Error for an unknown name.
 SonarConfig sonar_preset(const std::string& name);
+constexpr double kLeastPingInterval = 0.001;  ///< s; below it the time of a run would hardly go on
 /// Checks that concern several fields. Throws Error with the place of the sonar in the file.
 void check(const SonarConfig& config);
 

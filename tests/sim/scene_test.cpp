@@ -1,7 +1,7 @@
 // Scenes as files: what is wrong is said with file, line and column; presets; the template.
 #include <fmt/format.h>
 #include <fstream>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <isobath/sim/simulator.hpp>
 #include <isobath/sim/triangle_mesh.hpp>
 #include <set>
@@ -72,6 +72,7 @@ const Wrong kWrong[] = {
     {"[water]\nsound_speed = [[0, 340]]\n", "2:1: water.sound_speed", "out of range"},
     {"[water]\ncurrent = [[3, 0, 0], [3, 1, 0]]\n", "2:1: water.current", "does not lie below"},
     // Sonars.
+    {"[[sonar]]\ninterval_s = 1e-320\n", "2:1: sonar.interval_s", "too short"},
     {"[[sonar]]\nbeams = 0\n", "3:9: sonar.beams", "1 .. 4096"},
     {"[[sonar]]\nrange_m = 0\n", "3:11: sonar.range_m", "0.1 .. 2000 m"},
     {"[[sonar]]\npreset = \"sonar2000\"\n", "3:10: sonar.preset", "oculus_m1200d"},
@@ -308,6 +309,19 @@ TEST(Presets, ActBeforeEveryOtherKeyWhereverTheyStand) {
   EXPECT_EQ(scene.sonars.at(0).beams, 48);
   EXPECT_EQ(scene.sonars.at(0).name, "bow");
   EXPECT_EQ(scene.sonars.at(0).frequency, 1.8e6);
+}
+
+TEST(Scene, HasABoundOnTheNumberOfItsPingsAndReadings) {
+  Scene scene;
+  scene.sonars.resize(1);
+  scene.sonars[0].interval_s = 0.1;
+  EXPECT_NO_THROW(check_length(scene, 86'400)) << "a day";
+  EXPECT_THAT([&] { check_length(scene, 1e6); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("allowed: up to 20 million")));
+  scene.sonars[0].interval_s = kLeastPingInterval;
+  EXPECT_THROW(check_length(scene, 86'400), Error);
+  scene.sonars[0].on = false;
+  EXPECT_NO_THROW(check_length(scene, 86'400));
 }
 
 }  // namespace

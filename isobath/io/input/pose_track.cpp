@@ -222,7 +222,8 @@ class MergedSource final : public Source {
   }
 
   void update_report() {
-    if (event_ && since_report_++ % 64 != 0) return;  // copying a report is slow; the first and the last are exact
+    // Copying a report is slow, the more damage it lists; the first and the last are exact.
+    if ((event_ || fix_) && since_report_++ % 64 != 0) return;
     const SourceReport& track = track_->report();
     report_ = log_->report();
     if (replaced_ > 0) report_.rejected["fix of the log, replaced by the pose track"] = replaced_;
