@@ -167,7 +167,7 @@ Action add_convert(CLI::App& program) {
   options->config.add_to(*command);
   add_example(*command, "convert dive.bin dive.mcap");
   add_example(*command, "convert lake lake.tif --pixels-a-cell 4");
-  add_example(*command, "convert US5OH10M.000 erie --origin 41.66,-82.82");
+  add_example(*command, "convert US5OH10M.000 erie --set prior.map_datum=MLLW --origin 41.66,-82.82");
   return [options] { return act(*options); };
 }
 

@@ -4,19 +4,10 @@
 #include <isobath/app/help_text.hpp>
 #include <isobath/app/man_page.hpp>
 #include <isobath/base/error.hpp>
-#include <isobath/base/nearest_name.hpp>
 #include <memory>
 
 namespace isobath::app {
 namespace {
-
-std::vector<std::string> command_names(const CLI::App& program) {
-  std::vector<std::string> names;
-  for (const CommandGroup& group : commands_of(program)) {
-    for (const CLI::App* command : group.commands) names.push_back(command->get_name());
-  }
-  return names;
-}
 
 std::string help_of(const CLI::App& program, const std::string& name) {
   if (name.empty()) return help_text(program);
@@ -25,7 +16,7 @@ std::string help_of(const CLI::App& program, const std::string& name) {
       if (command->get_name() == name) return help_text(*command);
     }
   }
-  throw Error("no command is called '" + name + "'", {}, "", did_you_mean(name, command_names(program)));
+  throw Error(no_such_command(program, name), {}, "", "see isobath help");
 }
 
 }  // namespace

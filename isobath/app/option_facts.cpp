@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/app/exit_codes.hpp>
 #include <isobath/app/option_facts.hpp>
+#include <isobath/base/nearest_name.hpp>
 
 namespace isobath::app {
 namespace {
@@ -83,6 +84,19 @@ std::vector<CommandGroup> commands_of(const CLI::App& program) {
     group.commands.push_back(command);
   }
   return groups;
+}
+
+std::vector<std::string> command_names(const CLI::App& program) {
+  std::vector<std::string> names;
+  for (const CommandGroup& group : commands_of(program)) {
+    for (const CLI::App* command : group.commands) names.push_back(command->get_name());
+  }
+  return names;
+}
+
+std::string no_such_command(const CLI::App& program, const std::string& name) {
+  const std::string near = did_you_mean(name, command_names(program));
+  return fmt::format("no command is called '{}'{}{}", name, near.empty() ? "" : "; ", near);
 }
 
 void add_example(CLI::App& command, const std::string& line) {

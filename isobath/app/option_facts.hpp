@@ -43,6 +43,10 @@ struct CommandGroup {
 };
 std::vector<CommandGroup> commands_of(const CLI::App& program);
 
+std::vector<std::string> command_names(const CLI::App& program);
+/// What is wrong with a name that no command has, with the nearest name.
+std::string no_such_command(const CLI::App& program, const std::string& name);
+
 /// Adds a line to the examples of a command: what stands behind "isobath ".
 void add_example(CLI::App& command, const std::string& line);
 

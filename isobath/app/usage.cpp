@@ -63,31 +63,24 @@ const CLI::Option* option_named(const CLI::App& command, const std::string& name
   return found == all.end() ? nullptr : *found;
 }
 
-std::string no_such_command(const CLI::App& program, const std::string& name) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) {
-    names.push_back(command->get_name());
-  }
-  const std::string near = did_you_mean(name, names);
-  return fmt::format("no command is called '{}'{}{}", name, near.empty() ? "" : "; ", near);
-}
-
 /// The first of the arguments that nothing took, with the nearest option; empty if there is none.
 std::string not_taken(const CLI::App& program, const CLI::App& command) {
   const std::vector<std::string> left = command.remaining();
   if (left.empty()) return {};
-  const auto option = std::find_if(left.begin(), left.end(), [](const auto& word) { return word.starts_with("-"); });
-  if (option == left.end()) {
-    if (&command == &program) return no_such_command(program, left.front());
-    return fmt::format("{} takes no further argument: '{}'", command.get_name(), left.front());
+  const bool no_command = &command == &program;
+  auto word = std::find_if(left.begin(), left.end(), [](const auto& w) { return w.starts_with("-"); });
+  if (no_command || word == left.end()) word = left.begin();
+  if (!word->starts_with("-")) {
+    return no_command ? no_such_command(program, *word)
+                      : fmt::format("{} takes no further argument: '{}'", command.get_name(), *word);
   }
   std::vector<std::string> names;
   for (const CLI::Option* known : command.get_options()) {
     for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
   }
-  const std::string name = option->substr(0, option->find('='));
+  const std::string name = word->substr(0, word->find('='));
   const std::string near = did_you_mean(name, names);
-  return fmt::format("{} has no option {}{}{}", &command == &program ? "isobath" : command.get_name(), name,
+  return fmt::format("{} has no option {}{}{}", no_command ? "isobath" : command.get_name(), name,
                      near.empty() ? "" : "; ", near);
 }
 

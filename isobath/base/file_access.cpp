@@ -62,7 +62,7 @@ std::string barrier(const fs::path& path, fs::path& at) {
 fs::path existing_part(fs::path path) {
   std::error_code ignored;
   while (!path.empty() && !fs::exists(path, ignored)) path = path.parent_path();
-  return path.empty() ? "." : path;
+  return path.empty() ? fs::current_path(ignored) : path;
 }
 
 /// "" or why nothing can be made in a folder that exists.

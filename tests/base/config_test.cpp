@@ -56,6 +56,27 @@ TEST(Config, UnknownKeyNamesLineColumnAndNearestKey) {
   EXPECT_THAT(error_of("[sampel]\n"), testing::HasSubstr("unknown section; allowed: sample; did you mean sample?"));
 }
 
+TEST(Config, AValueThatIsNoChoiceNamesTheNearest) {
+  EXPECT_THAT(error_of("[sample]\nfruit = \"pera\""),
+              testing::HasSubstr("is not one of the choices; allowed: apple or pear; did you mean pear?"));
+}
+
+TEST(Config, ASettingOfTheCommandLineHasNeitherLineNorColumn) {
+  Sample s;
+  auto sections = s.sections();
+  const auto error = [&](const std::string& setting) -> std::string {
+    try {
+      set_from_text(setting, sections);
+    } catch (const Error& e) {
+      EXPECT_FALSE(e.where().line);
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error("sample.shore=1"), "--set sample.shore=1: sample.shore: unknown key; did you mean share?");
+  EXPECT_EQ(error("share=1"), "--set share=1: not of the form section.key=value; did you mean sample.share?");
+}
+
 TEST(Config, ValueOutOfRangeNamesTheRange) {
   EXPECT_EQ(error_of("[sample]\nshare = 1.5"), "f.toml:2:9: sample.share: 1.5 is out of range; allowed: 0 .. 1 1");
   EXPECT_THAT(error_of("[sample]\nshare = nan"), testing::HasSubstr("nan"));
