@@ -28,6 +28,7 @@ nlohmann::ordered_json place_json(const PathOutcome& outcome, const std::optiona
                               {"east_m", at.y()},
                               {"depth_m", nullptr},
                               {"water_m", nullptr},
+                              {"confidence", place->confidence},
                               {"charted_object", place->obstacle.has_value()}};
   if (place->depth_m) {
     json["depth_m"] = *place->depth_m;
@@ -67,12 +68,13 @@ int act(Options& options) {
                 {"share_clear", t.fraction},
                 {"share_clear_weighted", t.weighted},
                 {"unknown_pixels", t.unknown},
+                {"unsure_pixels", t.unsure},
                 {"map_version", t.map_version}});
   } else if (clear) {
     fmt::print("clear: {:.0f} m of path, {} pixels, all with enough water\n", outcome.length_m, t.pixels);
   } else {
-    fmt::print("refused: {}\n{:.1f} % of {} pixels are clear, {} are unknown\n", outcome.reason, 100 * t.fraction,
-               t.pixels, t.unknown);
+    fmt::print("refused: {}\n{:.1f} % of {} pixels are clear, {} are unknown, {} too unsure\n", outcome.reason,
+               100 * t.fraction, t.pixels, t.unknown, t.unsure);
   }
   if (!options.json && !outcome.least.empty()) fmt::print("{}\n", outcome.least);
   return clear ? kSuccess : kFailedChecks;

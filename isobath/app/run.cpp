@@ -118,6 +118,7 @@ void print_doubts(const RunOutcome& outcome) {
                n.farthest_jump_m);
   }
   if (outcome.fan) fmt::print("{}\n", to_text(*outcome.fan));
+  if (!outcome.map_holds.empty()) fmt::print("{}\n", printable_text(outcome.map_holds));
   if (!outcome.undecided.empty()) fmt::print("at the end of the run no bin could be decided: {}\n", outcome.undecided);
   if (100 * n.no_bottom > n.pings) {  // the first pings of a log come before the first altitude
     fmt::print("no altitude for {} of {} pings: bottom echoes are not separated from obstacles\n", n.no_bottom,

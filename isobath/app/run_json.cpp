@@ -66,6 +66,7 @@ ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
   ordered_json json{{"input", request.input.string()},
                     {"problem", outcome.problem},
                     {"undecided", outcome.undecided},
+                    {"map_holds", outcome.map_holds},
                     {"alarms", alarms_with_times(outcome)},
                     {"obstacles", obstacles_with_times(outcome)},
                     {"counts", counts_json(outcome)},

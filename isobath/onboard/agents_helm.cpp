@@ -26,9 +26,7 @@ void MissionLog::note(const Envelope& envelope) {
 }
 
 AgentsHelm::AgentsHelm(std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
-    : plan_(std::move(plan)), echo_contrast_(echo_contrast) {
-  if (chart.depths || chart.objects) chart_ = std::move(chart);
-}
+    : plan_(std::move(plan)), chart_(std::move(chart)), echo_contrast_(echo_contrast) {}
 
 void AgentsHelm::on_event(const Event& event) {
   const std::lock_guard lock(mutex_);
@@ -44,7 +42,8 @@ void AgentsHelm::on_event(const Event& event) {
 }
 
 void AgentsHelm::tell_chart() {
-  if (auto chart = std::exchange(chart_, std::nullopt)) executor_->on_message(std::move(*chart), now());
+  if (std::exchange(chart_told_, true) || (!chart_.depths && !chart_.objects)) return;
+  executor_->on_message(chart_, now());
 }
 
 void AgentsHelm::on_frame(const OperatorFrame& frame) {
@@ -132,6 +131,15 @@ void AgentsHelm::on_scan(const ScanResult& scan) {
   auto map = std::make_shared<Detection>(scan.detection);
   map->time += clock_.offset();
   executor_->on_message(Sweep{scan.number, scan.posed, sigma_m_, std::move(map)}, now());
+}
+
+void AgentsHelm::on_depths(const std::shared_ptr<const DepthField>& depths, std::optional<Time> looked_ahead) {
+  const std::lock_guard lock(mutex_);
+  chart_.depths = depths;
+  chart_.looked_ahead = looked_ahead;
+  if (looked_ahead) *chart_.looked_ahead += clock_.offset();
+  looked_ = looked_ || looked_ahead;
+  executor_->on_message(chart_, now());
 }
 
 void AgentsHelm::on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) {

@@ -1,12 +1,13 @@
 // AgentsHelm: turns events and the results of the pipeline into messages for the mission's agents (Ganesan 2015, 5.1;
 // ledger S6-42). SerialHelm runs the agents in one thread, ThreadedHelm each agent in its own.
 //
-// The chart is the first message. Navigation, ranges, health, frames of the operator's link and the quality of each
-// ping are sent on arrival; echoes and sweeps are sent as soon as the pipeline has placed them. The start command
-// follows the first sweep that could be decided, or kLongestWarmUp after the first fix: the mission does not wait for a
-// sonar that never works; the Safety Officer handles that. A mission that waits for the operator starts only by an
-// operator's frame. Until the first such frame, the person who started the program counts as the operator: AgentsHelm
-// sends a heartbeat each second, except while a health report says that the link is lost.
+// The chart is the first message; the depth map that grows from it follows once a second. Navigation, ranges, health,
+// frames of the operator's link and the quality of each ping are sent on arrival; echoes and sweeps are sent as soon as
+// the pipeline has placed them. The start command follows the first sweep that could be decided or the first depth map
+// with readings ahead, or kLongestWarmUp after the first fix: the mission does not wait for a sonar that never works;
+// the Safety Officer handles that. A mission that waits for the operator starts only by an operator's frame. Until the
+// first such frame, the person who started the program counts as the operator: AgentsHelm sends a heartbeat each
+// second, except while a health report says that the link is lost.
 //
 // Times are those of the mission's clock (mission_clock.hpp), which every event advances. A health report of
 // "agent.NAME" is not a message but a fault of this computer, injected by a simulator or found in its log (kHangs of
@@ -36,6 +37,7 @@ class AgentsHelm : public Helm {
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) override;
+  void on_depths(const std::shared_ptr<const DepthField>& depths, std::optional<Time> looked_ahead) override;
 
   [[nodiscard]] const MissionPlan& plan() const { return *plan_; }
 
@@ -62,7 +64,8 @@ class AgentsHelm : public Helm {
   AgentExecutor* executor_ = nullptr;
   std::mutex mutex_;
   std::shared_ptr<const MissionPlan> plan_;
-  std::optional<ChartUpdate> chart_;  ///< until it is sent
+  ChartUpdate chart_;
+  bool chart_told_ = false;
   double echo_contrast_;
   MissionClock clock_;
   SensorTable sonars_;

@@ -6,11 +6,13 @@
 #pragma once
 
 #include <isobath/event/event.hpp>
+#include <isobath/map/depth/depth_field.hpp>
 #include <isobath/map/voxel/occupancy_snapshot.hpp>
 #include <isobath/mission/command/executor.hpp>
 #include <isobath/mission/messages/operator_link.hpp>
 #include <isobath/world/result_sinks.hpp>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace isobath {
@@ -22,6 +24,9 @@ class Helm : public ResultSink {
   /// The voxels around the vehicle as occupied, free, measured or unknown; never null. Called before the scan that they
   /// belong to, and only if a sonar measures height.
   virtual void on_space(Time /*time*/, const std::shared_ptr<const OccupancySnapshot>& /*space*/) {}
+  /// The depth map so far, with the time of its newest reading of a range sonar that looks ahead. Called at the
+  /// interval of `chart_room.live_s` while the map grows; never null.
+  virtual void on_depths(const std::shared_ptr<const DepthField>& /*depths*/, std::optional<Time> /*looked_ahead*/) {}
   /// The set-point from now on. Called after each event.
   [[nodiscard]] virtual Setpoint steer() = 0;
   [[nodiscard]] virtual MissionReport progress() const = 0;

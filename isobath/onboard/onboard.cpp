@@ -18,6 +18,7 @@ Onboard::Onboard(const OnboardConfiguration& configuration, DepthModel& depths, 
       depths_(depths),
       voxels_(voxels_of(configuration, parts.voxels), std::move(parts.voxel_file)),
       reach_m_(configuration.mission.space_route.reach_m),
+      depths_interval_(seconds(configuration.mission.chart_room.live_s)),
       pipeline_(configuration, *this, &depths) {
   pipeline_.watch(&load_);
   if (parts.live) mapping_.emplace(TaskThread::Bounds{kLongestQueue, kLongestQueue, true});
@@ -52,9 +53,24 @@ void Onboard::map(Event event, Clock::time_point taken) {
   if (is_ping || pipeline_.counts().pings > mapped) {
     ping_ms_.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begun).count());
   }
+  load_.enter(Stage::kAgents);
+  tell_depths(time);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_mapped(time, pipeline_, depths_, voxels_);
   load_.leave();
+}
+
+/// Planners get the map that grows, not the chart of the start (S1-03).
+void Onboard::tell_depths(Time time) {
+  if (!helm_ || depths_interval_ <= Duration::zero()) return;
+  if (depths_told_ && time - *depths_told_ < depths_interval_) return;
+  const DepthCounts& counts = depths_.counts();
+  if (counts.readings + counts.soundings == depth_readings_told_) return;
+  const auto map = depths_.snapshot();
+  if (!map) return;
+  depths_told_ = time;
+  depth_readings_told_ = counts.readings + counts.soundings;
+  helm_->on_depths(map, depths_.looked_ahead());
 }
 
 Setpoint Onboard::steer() {
@@ -77,7 +93,7 @@ void Onboard::settle() {
 void Onboard::finish() {
   pipeline_.finish();
   load_.leave();
-  depths_.finish();
+  depths_.finish(voxels_.tops());
   settle();
 }
 

@@ -76,6 +76,7 @@ class Onboard : private ResultSink {
  private:
   using Clock = StageTimes::Clock;
   void map(Event event, Clock::time_point taken);
+  void tell_depths(Time time);
 
   // Results of the pipeline.
   void on_ping(const PosedPing& ping) override;
@@ -91,6 +92,9 @@ class Onboard : private ResultSink {
   VoxelModel voxels_;
   std::shared_ptr<const OccupancySnapshot> heights_;  ///< the newest snapshot of the voxels around the vehicle
   double reach_m_;
+  Duration depths_interval_;               ///< 0: the helm does not get the depth map
+  std::optional<Time> depths_told_ = {};   ///< when the helm last got it
+  std::uint64_t depth_readings_told_ = 0;  ///< how many readings it had then
   std::vector<OnboardObserver*> observers_;
   StageCpuTime load_, beside_;  ///< of the mapping thread, of the source thread
   std::vector<double> ping_ms_;

@@ -81,7 +81,8 @@ const char* to_text(DepthRefusal why) {
     case DepthRefusal::kBeamAlone: return "beam of a swath whose neighbours contradict it (quarantined)";
     case DepthRefusal::kImpossible: return "depth that cannot be in these waters";
     case DepthRefusal::kUseless: return "reading of no use: not finite, upwards, or a cone too wide";
-    case DepthRefusal::kTooWeak: return "reading too unsure to say anything";
+    case DepthRefusal::kTooWeak:
+      return "reading too unsure to confirm a depth; where nothing else is known, no path relies on it";
     case DepthRefusal::kManySensors: return "reading of a sensor beyond the 64th";
     case DepthRefusal::kTooFar:
       return "echo from beyond evidence.range_cap_m or its sonar's reach, which counts as none";
@@ -107,10 +108,7 @@ struct DepthMapper::Work {
   }
   ~Work() { catch_up(true); }
 
-  [[nodiscard]] std::uint32_t minute_of(Time time) const {
-    const auto minutes = std::chrono::duration_cast<std::chrono::minutes>(time - epoch).count();
-    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(minutes, 0, DepthPixel::kLastMinute));
-  }
+  [[nodiscard]] std::uint32_t minute_of(Time time) const { return DepthMapper::minute_of(time, epoch); }
   void refuse(DepthRefusal why, std::uint64_t n = 1) { counts.refused[static_cast<std::size_t>(why)] += n; }
   /// Evenly spread over 0 .. 1 in each part of the sequence: multiples of the golden ratio.
   double draw_lot() { return 0x1p-32 * (lots += 0x9e3779b9U); }
@@ -220,6 +218,11 @@ void DepthMapper::Work::use(const DepthLook& look) {
   }
   ++counts.queued;
   queue.push_back(look);
+}
+
+std::uint32_t DepthMapper::minute_of(Time time, Time epoch) {
+  const auto minutes = std::chrono::duration_cast<std::chrono::minutes>(time - epoch).count();
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(minutes, 0, DepthPixel::kLastMinute));
 }
 
 void DepthMapper::Work::count(const DepthLook& look, const UpdateOutcome& outcome) {

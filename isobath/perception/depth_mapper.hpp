@@ -79,6 +79,8 @@ class DepthMapper {
   /// Flushes pending data: applies the prefilter's groups, rejects quarantined depths, completes a running shift.
   void finish();
 
+  /// The minute of a time in the pixels of a map that began at `epoch`.
+  static std::uint32_t minute_of(Time time, Time epoch);
   [[nodiscard]] const DepthCounts& counts() const { return counts_; }
   /// `listener` is called for each change in order; during a shift, when the change reaches the new window. For audits.
   void on_change(std::function<void(const PixelChange&)> listener);

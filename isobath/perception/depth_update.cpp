@@ -240,7 +240,8 @@ UpdateOutcome DepthUpdate::apply_evidence(DepthWindow& window, const Evidence& f
     if (judge(before, says) == Verdict::kIrrelevant) continue;
     // An obstacle counts however uncertain it is: uncertainty may only make the vehicle more careful.
     says.step = says.claim == Claim::kAtMost ? std::max(step, 1) : step;
-    if (says.step == 0 && before.known()) continue;
+    const bool shallower = says.claim == Claim::kBottomAt && says.depth_cm < before.depth_cm();
+    if (says.step == 0 && before.known() && !(rules_.unsure(before) && shallower)) continue;
     DepthPixel after = before;
     const Verdict verdict = isobath::apply(after, says, rules_);
     out.affirmed += verdict == Verdict::kAffirmed;

@@ -79,6 +79,7 @@ const char* to_text(HazardKind kind) {
     case HazardKind::kSeen: return "seen";
     case HazardKind::kRemembered: return "remembered";
     case HazardKind::kCharted: return "charted";
+    case HazardKind::kMapped: return "mapped";
     case HazardKind::kFence: return "fence";
     case HazardKind::kInjected: return "injected";
   }

@@ -26,7 +26,7 @@
 
 namespace isobath {
 
-enum class HazardKind : std::uint8_t { kSeen, kRemembered, kCharted, kFence, kInjected };
+enum class HazardKind : std::uint8_t { kSeen, kRemembered, kCharted, kMapped, kFence, kInjected };
 const char* to_text(HazardKind kind);
 
 struct Hazard {
@@ -35,6 +35,7 @@ struct Hazard {
   HazardKind kind = HazardKind::kSeen;
   std::uint32_t id = 0;  ///< chosen by the caller
   int obstacle = 0;      ///< Obstacle::number of the obstacle that it is a piece of; 0: it has none
+  bool operator==(const Hazard&) const = default;
 };
 
 /// Where a path comes too near to a hazard.

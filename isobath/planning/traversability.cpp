@@ -54,16 +54,23 @@ struct Judge {
   double weight = 0;
 
   void look(const SweptPixel& swept, const DepthPixel& pixel) {
-    PassagePlace place{swept.pixel, swept.leg, swept.along_m, swept.vehicle_z, std::nullopt, std::nullopt};
+    PassagePlace place;
+    place.pixel = swept.pixel;
+    place.leg = swept.leg;
+    place.along_m = swept.along_m;
+    place.vehicle_z = swept.vehicle_z;
     if (pixel.known()) place.depth_m = pixel.depth_m();
+    place.confidence = pixel.confidence();
     for (const std::size_t k : near) {
       if (chart[k].top_m - swept.vehicle_z >= passage.clearance_m || !covers(chart[k], out.grid, swept.pixel)) continue;
       place.obstacle = k;
       break;
     }
     const bool deep = place.depth_m && *place.depth_m - swept.vehicle_z >= passage.clearance_m;
-    const bool clear = deep && !place.obstacle;
+    const bool sure = pixel.confidence() >= passage.min_confidence;
+    const bool clear = deep && sure && !place.obstacle;
     out.clear += clear;
+    out.unsure += deep && !sure && !place.obstacle;
     out.unknown += !pixel.known();
     weight += weight_of(pixel);
     if (clear) clear_weight += weight_of(pixel);
@@ -86,6 +93,8 @@ std::vector<Field> fields(PassageConfig& c) {
   return {
       Field::real("half_width_m", &c.half_width_m, {0, 1000}, "m", "Half of the width that must be free."),
       Field::real("clearance_m", &c.clearance_m, {0, 1000}, "m", "Water required below the vehicle."),
+      Field::integer("min_confidence", &c.min_confidence, {0, 20}, "",
+                     "Least confidence of a depth that counts as water, 0 to 20."),
   };
 }
 
@@ -107,6 +116,10 @@ std::string Traversability::reason() const {
   const std::string leg = fmt::format("leg {}: ", blocking->leg + 1), place = place_text(grid, blocking->pixel);
   if (blocking->obstacle) return fmt::format("{}obstacle {} of the chart at {}", leg, *blocking->obstacle, place);
   if (!blocking->depth_m) return fmt::format("{}unknown depth at {}", leg, place);
+  if (*blocking->depth_m - blocking->vehicle_z >= passage.clearance_m) {
+    return fmt::format("{}a depth of {:.2f} m at {} that no measurement is sure of (confidence {} of {}, {} needed)",
+                       leg, *blocking->depth_m, place, blocking->confidence, kFullConfidence, passage.min_confidence);
+  }
   return fmt::format("{}{:.2f} m of water at {}; {:.2f} m draught and {:.2f} m clearance needed", leg,
                      *blocking->depth_m, place, blocking->vehicle_z, passage.clearance_m);
 }

@@ -1,8 +1,8 @@
 // Traversability: whether a vehicle can pass along a hypothesised path, and where it cannot (Oskard 1990, III-D; ledger
 // S1-41).
 //
-// A pixel of the swept corridor is clear where depth - z_vehicle >= clearance. Unknown depth is not safe depth: such
-// pixels are counted separately, and as not clear. Three forms, all in [0, 1]:
+// A pixel of the swept corridor is clear where depth - z_vehicle >= clearance. Unknown depth is not safe depth, nor is
+// a depth of too little confidence: such pixels are counted separately, and as not clear. Three forms, all in [0, 1]:
 //   fraction   share of the corridor's pixels that are clear
 //   strict     1 if all are clear, else 0
 //   weighted   the share where each pixel weighs (1 + c) / (1 + 20), c its confidence 0..20, an unknown one 1: a pixel
@@ -30,6 +30,7 @@ namespace isobath {
 struct PassageConfig {
   double half_width_m = 1;
   double clearance_m = 1;  ///< water required below the vehicle
+  int min_confidence = 2;  ///< 0..20; the threshold of DepthRules: what no reading has confirmed has less
 };
 
 std::vector<Field> fields(PassageConfig& config);
@@ -49,6 +50,7 @@ struct PassagePlace {
   double along_m = 0;    ///< from the start of the path, horizontally
   double vehicle_z = 0;
   std::optional<double> depth_m;        ///< empty: unknown
+  int confidence = 0;                   ///< of the depth, 0..20
   std::optional<std::size_t> obstacle;  ///< the charted one that blocks it
 };
 
@@ -59,7 +61,8 @@ struct Traversability {
   double weighted = 0;
   std::size_t pixels = 0;
   std::size_t clear = 0;
-  std::size_t unknown = 0;               ///< the rest is known and too shallow, or under a chart obstacle
+  std::size_t unknown = 0;
+  std::size_t unsure = 0;  ///< deep enough by a depth of too little confidence; the rest is too shallow or charted
   std::optional<PassagePlace> worst;     ///< minimum water below the vehicle, of the known pixels
   std::optional<PassagePlace> blocking;  ///< the first along the path that is not clear
   std::uint64_t map_version = 0;

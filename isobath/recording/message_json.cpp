@@ -97,7 +97,11 @@ Content content_of(const Sweep& m) {
 Content content_of(const ObstacleScan& m) {
   return {{"number", m.number}, {"posed", m.posed}, {"hazards", m.hazards.size()}};
 }
-Content content_of(const ChartedHazards& m) { return {{"hazards", m.hazards ? m.hazards->size() : 0}}; }
+Content content_of(const ChartedHazards& m) {
+  Content content{{"hazards", m.hazards ? m.hazards->size() : 0}};
+  if (m.looked_ahead) content["looked_ahead_ns"] = m.looked_ahead->time_since_epoch().count();
+  return content;
+}
 Content content_of(const OperatorCommand& m) {
   static constexpr const char* kNames[] = {"start", "abort", "hold", "resume", "beat"};
   return {{"command", kNames[static_cast<std::size_t>(m.kind)]}, {"plan", plan_content(m.plan)}};
@@ -171,7 +175,8 @@ Content content_of(const Decision& m) {
 }
 Content content_of(const ChartUpdate& m) {
   Content content{{"objects", m.objects ? m.objects->size() : 0}};
-  if (m.depths) content["depths_version"] = m.depths->version();
+  content["depths"] = m.depths != nullptr;
+  if (m.looked_ahead) content["looked_ahead_ns"] = m.looked_ahead->time_since_epoch().count();
   return content;
 }
 Content content_of(const LinkFrame& m) {

@@ -46,6 +46,7 @@ struct RunOutcome {
   std::optional<MissionOutcome> mission;     ///< if there was a mission
   std::optional<FanDeparture> fan;           ///< if sensor.model names a fan model and pings were decided by it
   std::optional<LiveOutcome> live;           ///< live runs only
+  std::string map_holds;                     ///< why the map stays as it is: it already holds this log; else empty
   std::string recording_problem;             ///< why the recording ends before the run does; empty: it does not
   std::uint64_t not_recorded = 0;            ///< what came after that
   std::string undecided;                     ///< why the last ping had no decisions; empty: it had

@@ -2,6 +2,8 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/io/input/fingerprint.hpp>
+#include <isobath/map/depth/map_folder.hpp>
 #include <isobath/onboard/onboard.hpp>
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/run/mission_input.hpp>
@@ -68,6 +70,22 @@ RunRequest completed(RunRequest request, const std::optional<Scenario>& scenario
   return request;
 }
 
+/// The visit of a stored map that brought the same log, if there is one. Into a damaged map a log may go again.
+std::optional<MapVisit> visit_of(const std::filesystem::path& map, const std::string& fingerprint) {
+  if (map.empty() || fingerprint.empty() || !looks_like_map(map)) return std::nullopt;
+  const StoredMap stored = open_map(map);
+  if (!stored.damages.empty()) return std::nullopt;
+  for (const MapVisit& visit : stored.facts.visits) {
+    if (visit.fingerprint == fingerprint) return visit;
+  }
+  return std::nullopt;
+}
+
+/// Of a log that goes into a stored map; else empty.
+std::string fingerprint_of_log(const RunRequest& request) {
+  return request.map.empty() || request.input.empty() || is_scene(request.input) ? "" : fingerprint_of(request.input);
+}
+
 /// Throws Error unless the mission and the input have the same origin.
 void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard) {
   if (!plan.origin || !heard) return;
@@ -130,6 +148,8 @@ class Run {
   const std::optional<Scenario> scenario_;
   const RunRequest request_;
   const std::vector<std::string> priors_;
+  const std::string fingerprint_;       ///< of the input, if it goes into a stored map
+  const std::optional<MapVisit> held_;  ///< the visit that brought this log into the map before
   DepthModel depths_;
   RunInput input_;
   const std::optional<MissionSetup> setup_;
@@ -157,7 +177,10 @@ Run::Run(const RunRequest& asked)
     : scenario_(scenario_of_input(asked)),
       request_(completed(asked, scenario_)),
       priors_(checked_priors(request_)),
-      depths_(request_.configuration, request_.map, to_toml(request_.configuration, false)),
+      fingerprint_(fingerprint_of_log(request_)),
+      held_(visit_of(request_.map, fingerprint_)),
+      depths_(request_.configuration, held_ ? std::filesystem::path() : request_.map,
+              to_toml(request_.configuration, false)),
       input_(request_.input, scenario_, request_.configuration, depths_.stored_origin(), request_.threads),
       setup_(mission()),
       folder_(request_.out, request_.configuration),
@@ -240,8 +263,12 @@ RunOutcome Run::outcome() {
     folder_.show_truth(judge_->outlines());
   }
   if (depths_.snapshot()) {
-    depths_.commit(request_.input.empty() ? "embedded scene" : request_.input.string());
+    depths_.commit(request_.input.empty() ? "embedded scene" : request_.input.string(), fingerprint_);
     outcome.depth = outcome_of(depths_);
+  }
+  if (held_) {
+    outcome.map_holds = fmt::format("already in this map: {} holds this log as {}; the map stays as it is",
+                                    request_.map.string(), held_->input);
   }
   if (voxels.map()) add_voxels(outcome);
   folder_.write(request_, onboard_.pipeline().grid(), voxels.map(), depths_, outcome);

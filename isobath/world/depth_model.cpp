@@ -1,8 +1,13 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/perception/depth_update.hpp>
 #include <isobath/world/depth_model.hpp>
 #include <isobath/world/map_features.hpp>
+#include <map>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -86,7 +91,7 @@ void DepthModel::fill_level() {
   };
   level_.learn = [this](const RangeReading& reading, const auto& expected) { learning_(reading, expected); };
   level_.evaluate = [this](Time now, unsigned worked) { return watch(now, worked); };
-  level_.store = [this](const std::string& input) { keep(input); };
+  level_.store = [this](const MapVisit& visit) { keep(visit); };
 }
 
 void DepthModel::write(const LevelInput& input) {
@@ -104,9 +109,8 @@ std::span<const ModuleStatus> DepthModel::watch(Time now, unsigned worked) {
 }
 
 /// Commits the trees first: an object that they do not hold would count as gone.
-void DepthModel::keep(const std::string& input) {
-  const DepthCounts& n = mapper_->counts();
-  facts_.visits.push_back({input, *first_, *last_, {{"range readings", n.readings}, {"soundings", n.soundings}}});
+void DepthModel::keep(const MapVisit& visit) {
+  facts_.visits.push_back(visit);
   facts_.configuration = settings_;
   folder_->commit(facts_, map_->trees());
   if (changes_.obstacles() == 0 && !std::filesystem::exists(folder_->objects_file())) return;
@@ -120,6 +124,8 @@ void DepthModel::on_range(const RangeReading& reading, const PoseEstimate& pose)
   if (!mapper_) begin(reading.time, pose.X_WB);
   if (!first_) first_ = reading.time;
   last_ = reading.time;
+  const double down = (pose.X_WB.rotation * (reading.X_BS.rotation * Eigen::Vector3d::UnitX())).z();
+  if (std::abs(down) < std::cos(configuration_.depth.evidence.depth_within.radians())) looked_ahead_ = reading.time;
   level_.on_input({reading.time, pose, &reading, nullptr});
 }
 
@@ -147,16 +153,44 @@ std::optional<double> DepthModel::bottom_depth(const Eigen::Vector2d& north_east
   return vouched(pixel) ? std::optional(pixel.depth_m()) : std::nullopt;
 }
 
-void DepthModel::finish() {
+/// A sounding says where the bottom is, not what stands between it and the vehicle. A path that is clear by soundings
+/// must not lead through a wall that the voxels show.
+void DepthModel::raise(std::span<const ColumnTop> tops) {
+  const auto before = map_->snapshot();
+  const std::uint32_t minute = DepthMapper::minute_of(*last_, facts_.epoch);
+  const auto as_word = [](double depth_m) { return DepthPixel::word_of_depth(std::clamp(depth_m, -1e6, 1e6)); };
+  std::map<std::array<std::int32_t, 4>, double> shallowest;  // by tile and pixel, as DepthMap::write has it easiest
+  for (const ColumnTop& top : tops) {
+    const Pixel pixel = map_->grid().at(top.north_east);
+    const Pixel tile = DepthWindow::tile_of(pixel);
+    const auto [at, is_new] = shallowest.try_emplace({tile.row, tile.column, pixel.row, pixel.column}, top.depth_m);
+    if (!is_new) at->second = std::min(at->second, top.depth_m);
+  }
+  std::vector<std::pair<Pixel, DepthPixel>> raised;
+  const int sensor = configuration_.depth.rules.base_sensor;
+  for (const auto& [place, depth_m] : shallowest) {
+    const Pixel pixel{place[3], place[2]};
+    const DepthPixel was = before->at(pixel);
+    if (was.known() && !(depth_m < was.depth_m() - configuration_.depth.evidence.margin_m)) continue;
+    const unsigned flags = (was.flags() & kTrack) | kSensed | kSeenByObstacle;
+    raised.push_back({pixel, {as_word(depth_m), DepthPixel::word_of_state(sensor, flags, minute)}});
+  }
+  map_->write(raised);
+}
+
+void DepthModel::finish(std::span<const ColumnTop> tops) {
   if (!mapper_) return;
   mapper_->finish();
+  map_->flush();
+  if (!tops.empty() && last_) raise(tops);
   map_->flush();
   changes_ = find_changes(map_->trees(), map_->grid(), configuration_.depth.evidence.margin_m);
 }
 
-void DepthModel::commit(const std::string& input) {
+void DepthModel::commit(const std::string& input, const std::string& fingerprint) {
   if (!folder_ || !mapper_ || !level_.store) return;
-  level_.store(input);
+  const DepthCounts& n = mapper_->counts();
+  level_.store({input, *first_, *last_, {{"range readings", n.readings}, {"soundings", n.soundings}}, fingerprint});
 }
 
 const DepthCounts& DepthModel::counts() const {

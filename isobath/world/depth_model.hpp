@@ -18,10 +18,12 @@
 #include <isobath/world/depth_prior.hpp>
 #include <isobath/world/found_objects.hpp>
 #include <isobath/world/result_sinks.hpp>
+#include <isobath/world/voxel_model.hpp>
 #include <isobath/world/world_configuration.hpp>
 #include <isobath/world/world_level.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,16 +52,19 @@ class DepthModel final : public SoundingSink {
   void on_passage(Time time, const Pose& X_WB) override;
   /// Depth of a pixel in the window, if a chart or a depth sonar vouches for it.
   [[nodiscard]] std::optional<double> bottom_depth(const Eigen::Vector2d& north_east) const override;
-  /// Call it after the last event.
-  void finish();
-  /// Commits the map to its folder. Does nothing without a folder.
-  void commit(const std::string& input);
+  /// Call it after the last event. `tops`: what the voxels of the run found to stand; where it reaches higher than the
+  /// depth of its pixel by more than the margin, the shallower of the two stands, as depth of a forward sonar.
+  void finish(std::span<const ColumnTop> tops = {});
+  /// Commits the map to its folder. Does nothing without a folder. `fingerprint`: of the input (fingerprint_of).
+  void commit(const std::string& input, const std::string& fingerprint = {});
 
   [[nodiscard]] WorldLevel& level() { return level_; }
   /// Null before the first reading.
   [[nodiscard]] std::shared_ptr<const DepthSnapshot> snapshot() const {
     return level_.serve ? level_.serve() : nullptr;
   }
+  /// Time of the newest reading of a range sonar that looks ahead; empty: none so far.
+  [[nodiscard]] std::optional<Time> looked_ahead() const { return looked_ahead_; }
   /// Changes against the charts; known after finish().
   [[nodiscard]] const MapChanges& changes() const { return changes_; }
   [[nodiscard]] const FoundObjects& found() const { return found_; }
@@ -81,7 +86,8 @@ class DepthModel final : public SoundingSink {
   void begin(Time time, const Pose& X_WB);
   void refuse_far(const Eigen::Vector2d& start) const;
   void write(const LevelInput& input);
-  void keep(const std::string& input);
+  void keep(const MapVisit& visit);
+  void raise(std::span<const ColumnTop> tops);
   std::span<const ModuleStatus> watch(Time now, unsigned worked);
 
   WorldConfiguration configuration_;
@@ -105,7 +111,7 @@ class DepthModel final : public SoundingSink {
   FoundObjects found_;
   std::vector<std::vector<Eigen::Vector2d>> tracks_;
   std::optional<Time> last_passage_;
-  std::optional<Time> first_, last_;
+  std::optional<Time> first_, last_, looked_ahead_;
 };
 
 }  // namespace isobath

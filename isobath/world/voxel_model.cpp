@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/round_step.hpp>
@@ -7,6 +8,7 @@
 #include <isobath/sonar/fan_stance.hpp>
 #include <isobath/world/voxel_model.hpp>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace isobath {
@@ -220,6 +222,51 @@ VoxelOutcome VoxelModel::outcome() const {
     outcome.free += space == Space::kFree ? 1 : 0;
   });
   return outcome;
+}
+
+std::vector<ColumnTop> VoxelModel::tops() const {
+  std::vector<ColumnTop> tops;
+  const bool tells_height =
+      shots_ > 0 || std::any_of(sonars_.begin(), sonars_.end(), [](const auto& s) { return !s->flat; });
+  if (!map_ || !tells_height) return tops;
+  const auto less = [](const VoxelIndex& a, const VoxelIndex& b) {
+    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+  };
+  std::vector<VoxelIndex> solid;
+  for_each_seen(*map_, [&](const VoxelIndex& v) {
+    if (map_->space(v) == Space::kOccupied) solid.push_back(v);
+  });
+  std::sort(solid.begin(), solid.end(), less);
+  const auto index_of = [&](const VoxelIndex& v) {
+    const auto found = std::lower_bound(solid.begin(), solid.end(), v, less);
+    return found != solid.end() && *found == v ? found - solid.begin() : -1;
+  };
+  // Bodies of voxels that touch, corners included.
+  std::vector<std::uint8_t> met(solid.size(), 0), large(solid.size(), 0);
+  std::vector<std::size_t> body;
+  for (std::size_t first = 0; first < solid.size(); ++first) {
+    if (met[first] != 0) continue;
+    met[first] = 1;
+    body.assign(1, first);
+    for (std::size_t k = 0; k < body.size(); ++k) {
+      for (int i = 0; i < 27; ++i) {
+        const auto next = index_of(solid[body[k]] + VoxelIndex(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1));
+        if (next < 0 || std::exchange(met[static_cast<std::size_t>(next)], 1) != 0) continue;
+        body.push_back(static_cast<std::size_t>(next));
+      }
+    }
+    if (body.size() < kSmallestBody) continue;
+    for (const std::size_t k : body) large[k] = 1;
+  }
+  // In order of x, y, z the first of a column is the highest.
+  const VoxelIndex* last = nullptr;
+  for (std::size_t k = 0; k < solid.size(); ++k) {
+    if (large[k] == 0 || (last && last->head<2>() == solid[k].head<2>())) continue;
+    last = &solid[k];
+    const Eigen::Vector3d centre = map_->centre_of(solid[k]);
+    tops.push_back({centre.head<2>(), centre.z() - map_->voxel_m() / 2});
+  }
+  return tops;
 }
 
 std::shared_ptr<const OccupancySnapshot> VoxelModel::space_around(const ScanResult& scan, double reach_m) {

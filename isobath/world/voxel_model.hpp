@@ -61,8 +61,17 @@ struct VoxelOutcome {
   std::optional<VoxelTruth> truth;       ///< simulated runs only
 };
 
+/// The shallowest that solid matter reaches in one column of voxels.
+struct ColumnTop {
+  Eigen::Vector2d north_east{0, 0};  ///< centre of the column, W
+  double depth_m = 0;                ///< upper side of its highest occupied voxel
+};
+
 class VoxelModel {
  public:
+  /// Bodies of fewer occupied voxels than this, which touch each other, are taken for noise by tops().
+  static constexpr std::size_t kSmallestBody = 8;
+
   /// `spill_file`: used if the configuration lets blocks spill.
   explicit VoxelModel(const VoxelModelConfig& config, std::filesystem::path spill_file = {});
 
@@ -77,6 +86,9 @@ class VoxelModel {
   [[nodiscard]] VoxelOutcome outcome() const;
   /// Counts of rejected pings and soundings, by reason.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& refused() const { return refused_; }
+  /// The tops of all columns with occupied voxels, in order of north and east, as sensors that resolve height have
+  /// found them; empty without such a sensor. Cost: about that of outcome().
+  [[nodiscard]] std::vector<ColumnTop> tops() const;
   /// A snapshot of the occupancy within a reach of the vehicle at the end of a sweep, for planning. Null without
   /// navigation, and if no sonar that resolves height (vertical fan, soundings) has delivered data since the last call.
   [[nodiscard]] std::shared_ptr<const OccupancySnapshot> space_around(const ScanResult& scan, double reach_m);

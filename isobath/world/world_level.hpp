@@ -46,7 +46,7 @@ struct WorldLevel {
   std::function<void(const RangeReading&, const std::optional<RangePrediction>&)> learn;
   /// `worked`: one bit for each part that worked at `now`.
   std::function<std::span<const ModuleStatus>(Time now, unsigned worked)> evaluate;
-  std::function<void(const std::string& input)> store;
+  std::function<void(const MapVisit& visit)> store;
 
   /// Handles a reading: predicts it from the map so far, compares it, and then updates the map with it.
   void on_input(const LevelInput& input) const;

@@ -116,6 +116,13 @@ struct Bands {
   }
 };
 
+/// The same boat over the same bottom, so many seconds later.
+Survey later(double by_s) {
+  Survey survey;
+  survey.start_s += by_s;
+  return survey;
+}
+
 class DepthMapProgram : public testing::Test {
  protected:
   fs::path file(const std::string& name, const std::string& bytes) { return write(folder_ / name, bytes); }
@@ -293,6 +300,28 @@ TEST_F(DepthMapProgram, APathIsClearOrRefusedWithItsReason) {
   EXPECT_THAT(unknown.out, HasSubstr("unknown depth"));
 }
 
+// The soundings of this line reach the map 8 m off, one by one, and its water columns show a quay wall.
+TEST_F(DepthMapProgram, NoPathIsClearThroughAWallThatTheVoxelsShowOrOverSoundingsThatAreUnsure) {
+  ISOBATH_NEEDS_DATA(line, "kongsberg-pings/em2042-harbour-a.kmall");
+  EXPECT_EQ(isobath({"run", line, "--map", map(), "--out", out()}).exit_code, 0);
+  const ProgramResult through =
+      isobath({"path", map(), "--metres", "0,0", "8,0", "--draught", "1", "--clearance", "1", "--json"});
+  EXPECT_EQ(through.exit_code, 1);
+  const json verdict = json::parse(through.out);
+  EXPECT_FALSE(verdict["clear"].get<bool>());
+  EXPECT_LT(verdict["shoalest"]["depth_m"].get<double>(), 3.2) << "the wall begins 2.7 m down";
+  EXPECT_GT(verdict["unsure_pixels"].get<int>(), 100);
+}
+
+TEST_F(DepthMapProgram, ALogThatTheMapHoldsChangesNothing) {
+  mapped(file("boat.csv", Survey{}.csv()));
+  const std::string record = content_of(map() / "map.json");
+  EXPECT_THAT(told(file("copy.csv", Survey{}.csv())), HasSubstr("already in this map: "));
+  EXPECT_EQ(content_of(map() / "map.json"), record);
+  EXPECT_THAT(told(file("later.csv", later(86'400).csv())), Not(HasSubstr("already in this map")));
+  EXPECT_EQ(info(map())["visits"].size(), 2u);
+}
+
 // Priors -------------------------------------------------------------------------------------------------------------
 
 const std::vector<std::string> kGrid{"--set", "prior.sign=down", "--set", "prior.datum_offset_m=[0]"};
@@ -303,12 +332,14 @@ TEST_F(DepthMapProgram, SoundingsConfirmAChartOrReplaceIt) {
   const auto passes = [&](const std::string& log, double depth, int times) {
     Survey survey;
     survey.bottom = [depth](double, double) { return depth; };
-    file(log, survey.csv());
     fs::remove_all(map());
     json last;
     auto more = kGrid;
     more.insert(more.end(), {"--set", "prior.file=" + (folder_ / "chart.asc").string()});
-    for (int i = 0; i < times; ++i) last = mapped(folder_ / log, more);
+    for (int i = 0; i < times; ++i) {
+      survey.start_s += 3600;
+      last = mapped(file(log, survey.csv()), more);
+    }
     return last;
   };
   const json agreed = passes("right.csv", 5.2, 3);  // within the margin of 0.5 m
@@ -413,10 +444,11 @@ TEST_F(DepthMapProgram, ASecondWriterIsRefused) {
   const int lock = ::open((map() / "lock").c_str(), O_RDWR | O_CLOEXEC);
   ASSERT_GE(lock, 0);
   ASSERT_EQ(::flock(lock, LOCK_EX | LOCK_NB), 0);
-  EXPECT_THAT(run(log), ends_with_one_line(AllOf(HasSubstr(map().string()), HasSubstr("another program"))));
+  const fs::path next = file("next.csv", later(3600).csv());
+  EXPECT_THAT(run(next), ends_with_one_line(AllOf(HasSubstr(map().string()), HasSubstr("another program"))));
   EXPECT_EQ(info(map())["generation"], 1) << "reading needs no lock";
   ::close(lock);
-  EXPECT_EQ(mapped(log)["generation"], 2);
+  EXPECT_EQ(mapped(next)["generation"], 2);
 }
 
 pid_t start(std::vector<std::string> words) {
@@ -437,11 +469,11 @@ pid_t start(std::vector<std::string> words) {
 
 // ledger: S1-26
 TEST_F(DepthMapProgram, KilledAtAnyInstantItLeavesACommittedMap) {
-  const fs::path log = file("boat.csv", Survey{}.csv());
-  mapped(log);
+  mapped(file("boat.csv", Survey{}.csv()));
   std::uint64_t generation = 1;
   for (const int after_ms : {1, 10, 20, 40, 60, 80, 120}) {
-    std::vector<std::string> words{"run", log, "--out", out(), "--map", map()};
+    std::vector<std::string> words{"run", file("next.csv", later(100.0 * after_ms).csv()), "--out", out(), "--map",
+                                   map()};
     words.insert(words.end(), kColumns.begin(), kColumns.end());
     const pid_t process = start(words);
     std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
@@ -453,7 +485,7 @@ TEST_F(DepthMapProgram, KilledAtAnyInstantItLeavesACommittedMap) {
     EXPECT_THAT(facts["visits"], SizeIs(generation)) << "one run, one visit, or none of it";
     EXPECT_THAT(facts["damage"], IsEmpty());
   }
-  EXPECT_EQ(mapped(log)["generation"], generation + 1) << "and it can be continued";
+  EXPECT_EQ(mapped(file("last.csv", later(1e6).csv()))["generation"], generation + 1) << "and it can be continued";
 }
 
 TEST_F(DepthMapProgram, KilledBeforeTheFirstCommitItLeavesAFolderThatCanBecomeAMap) {

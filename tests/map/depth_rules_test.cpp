@@ -106,10 +106,41 @@ RC_GTEST_PROP(DepthRulesProperty, depth_changes_only_by_conflict_and_confidence_
       RC_ASSERT(judge(before, reading) == Verdict::kConflicted);
     }
     const bool stands_for_it = verdict == Verdict::kAffirmed || verdict == Verdict::kReplaced;
-    RC_ASSERT(((pixel.flags() & reading.flag) == reading.flag) || !stands_for_it);
+    // What a beam without an echo clears, no sonar has seen: nothing is known below it.
+    const unsigned seen = reading.claim == Claim::kAtLeast ? 0 : reading.flag;
+    RC_ASSERT(((pixel.flags() & seen) == seen) || !stands_for_it);
     if (verdict == Verdict::kConflicted) RC_ASSERT(pixel.flags() == before.flags());
-    if (verdict == Verdict::kReplaced) RC_ASSERT(pixel.flags() == (reading.flag | kSensed));
+    if (verdict == Verdict::kReplaced) RC_ASSERT(pixel.flags() == (seen | kSensed));
   }
+}
+
+TEST(DepthRules, a_reading_that_does_not_count_leaves_an_unknown_pixel_unsure_until_one_counts) {
+  const DepthRules rules;
+  DepthPixel pixel;
+  PixelReading weak = says(Claim::kBottomAt, 8, 0), strong = says(Claim::kBottomAt, 8.1, 3);
+  EXPECT_EQ(apply(pixel, weak, rules), Verdict::kReplaced);
+  EXPECT_TRUE(pixel.known() && rules.unsure(pixel));
+  EXPECT_EQ(apply(pixel, strong, rules), Verdict::kReplaced) << "it agrees, and is the first that counts";
+  EXPECT_EQ(pixel.confidence(), rules.base_sensor);
+  EXPECT_DOUBLE_EQ(pixel.depth_m(), 8.1);
+  weak.depth_cm = 300;
+  EXPECT_EQ(apply(pixel, weak, rules), Verdict::kConflicted);
+  EXPECT_EQ(pixel.confidence(), rules.base_sensor);
+}
+
+// ledger: S1-62 S1-63
+TEST(DepthRules, clear_water_down_to_a_depth_is_told_from_an_object_that_reaches_up_to_it) {
+  const DepthRules rules;
+  DepthPixel clear, object;
+  PixelReading reading = says(Claim::kAtLeast, 5, 1);
+  reading.flag = kSeenByObstacle;
+  apply(clear, reading, rules);
+  reading.claim = Claim::kAtMost;
+  apply(object, reading, rules);
+  EXPECT_TRUE(clear.clear_only());
+  EXPECT_FALSE(object.clear_only());
+  apply(clear, reading, rules);
+  EXPECT_FALSE(clear.clear_only()) << "something reaches up to there";
 }
 
 // ledger: S1-46

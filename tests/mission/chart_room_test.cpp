@@ -175,6 +175,45 @@ TEST(ChartRoom, UnknownWaterIsFreeUnlessItIsAskedFor) {
   EXPECT_EQ(hazards(Rig({.reach_m = 40, .unknown_blocks = true}, {field, nullptr}).at(0, 0, 5)).size(), 1u);
 }
 
+// ledger: S1-03
+TEST(ChartRoom, WhatASonarHasMeasuredIsAHazardOfItsOwnKind) {
+  const auto field = one_shoal();
+  const DepthPixel sensed{DepthPixel::word_of_depth(3), DepthPixel::word_of_state(9, kSensed | kSeenByObstacle, 0)};
+  for (int r = 60; r < 65; ++r) field->set({30, r}, sensed);
+  const auto said = Rig({}, {field, nullptr}).at(0, 0, 5);
+  ASSERT_EQ(hazards(said).size(), 2u);
+  EXPECT_EQ(hazards(said)[0].kind, HazardKind::kCharted);
+  EXPECT_EQ(hazards(said)[1].kind, HazardKind::kMapped);
+  EXPECT_TRUE(encloses(hazards(said)[1].outline, kGrid.centre({30, 62})));
+  EXPECT_DOUBLE_EQ(area(hazards(said)[1].outline), 5);
+}
+
+// ledger: S1-41 S1-62
+TEST(ChartRoom, WaterThatIsClearDownToTheVehicleIsUnknownBelowAndNoObstacle) {
+  const auto field = deep_water();
+  const auto word = DepthPixel::word_of_depth(5.2);
+  for (int r = 20; r < 30; ++r) field->set({30, r}, {word, DepthPixel::word_of_state(9, kSensed, 0)});
+  EXPECT_TRUE(hazards(Rig({}, {field, nullptr}).at(0, 0, 5)).empty());
+  field->set({30, 25}, {word, DepthPixel::word_of_state(9, kSensed | kSeenByObstacle, 0)});
+  const auto said = Rig({}, {field, nullptr}).at(0, 0, 5);
+  ASSERT_EQ(hazards(said).size(), 1u);
+  EXPECT_DOUBLE_EQ(area(hazards(said)[0].outline), 1);
+}
+
+TEST(ChartRoom, AMapThatGrowsElsewhereLeavesTheHazardsAsTheyAre) {
+  const auto field = one_shoal(), grown = one_shoal();
+  grown->set({5, 5}, 18.0);
+  Rig rig({}, {field, nullptr});
+  const auto first = rig.at(0, 0, 5);
+  const auto second = rig.tell(ChartUpdate{grown, nullptr, Time(std::chrono::seconds(7))});
+  ASSERT_EQ(hazards(second).size(), 1u);
+  EXPECT_EQ(&hazards(first), &hazards(second)) << "the same hazards, not equal ones: nobody plans again";
+  EXPECT_EQ(std::get<ChartedHazards>(second[0]).looked_ahead, Time(std::chrono::seconds(7)));
+  const auto third = rig.tell(ChartUpdate{grown, nullptr, Time(std::chrono::seconds(8))});
+  ASSERT_EQ(third.size(), 1u) << "that it has looked again is news";
+  EXPECT_EQ(std::get<ChartedHazards>(third[0]).looked_ahead, Time(std::chrono::seconds(8)));
+}
+
 TEST(ChartRoom, RocksAndLinesOfTheChartCountByTheirTops) {
   const auto objects = std::make_shared<const std::vector<ChartObstacle>>(
       std::vector<ChartObstacle>{{{10, 0}, {10, 0}, 2, 3},      // a rock up to 3 m of depth

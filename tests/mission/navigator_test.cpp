@@ -476,6 +476,28 @@ TEST_F(NavigatorTest, HasNoWayWhenItHasSeenNothingForTooLong) {
   EXPECT_EQ(only<RoutePlanned>(scan({})).size(), 1u);
 }
 
+// A vehicle with range sonars alone has no scans: it plans on the depth map that they make. ledger: S1-03 S1-41
+TEST_F(NavigatorTest, PlansOnTheDepthMapWhereThereIsNoScan) {
+  const Polygon reef = square(50, 0, 15);
+  const auto tell = [&](const std::vector<Hazard>& hazards) {
+    now += 1;
+    script->hear(fix(now, 0, 0), now);
+    return script->hear(
+        ChartedHazards{std::make_shared<const std::vector<Hazard>>(hazards), Time(std::chrono::seconds(long(now)))},
+        now);
+  };
+  sail_from(0, 0);
+  EXPECT_EQ(only<RouteRefused>(ask(point(100, 0))).size(), 1u) << "nothing has been seen yet";
+  EXPECT_EQ(only<RoutePlanned>(tell({})).size(), 1u);
+  const auto replanned = only<RoutePlanned>(tell({{reef, 0, HazardKind::kMapped, 0}}));
+  ASSERT_EQ(replanned.size(), 1u);
+  EXPECT_TRUE(replanned[0].avoiding);
+  EXPECT_GE(sampled_distance(way(), reef), route.clearance_m);
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(only<RoutePlanned>(tell({})).empty()) << "not yet sure";
+  EXPECT_EQ(only<RoutePlanned>(tell({})).size(), 1u) << "three maps in a row without it";
+  EXPECT_EQ(only<RouteRefused>(script->tick(now + config.map_age_s + 1)).size(), 1u) << "the sonars are silent";
+}
+
 TEST_F(NavigatorTest, KeepsFurtherFromChartedObstaclesTheLessItKnowsWhereItIs) {
   const Polygon wreck = square(50, 8, 3);  // 5 m from the straight way
   for (const double sigma : {0.5, 2.0, 4.0}) {

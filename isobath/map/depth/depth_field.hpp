@@ -25,6 +25,9 @@ class DepthField {
   /// Grows with every change of the map of which this is a snapshot.
   [[nodiscard]] virtual std::uint64_t version() const = 0;
 
+  /// False only if no pixel of the window has a known depth less than `depth_m`. Cheaper than reading them.
+  [[nodiscard]] virtual bool may_be_shallower(const PixelWindow& /*window*/, double /*depth_m*/) const { return true; }
+
   [[nodiscard]] DepthPixel at(Pixel p) const {
     DepthPixel pixel;
     read({p.column, p.row, 1, 1}, std::span(&pixel, 1));

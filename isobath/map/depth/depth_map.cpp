@@ -83,6 +83,17 @@ void DepthSnapshot::read_blocks(const PixelWindow& blocks, std::span<DepthBlock>
   }
 }
 
+bool DepthSnapshot::may_be_shallower(const PixelWindow& window, double depth_m) const {
+  constexpr int kB = DepthBlock::kPixels;
+  const auto block_of = [](std::int32_t pixel) { return pixel >= 0 ? pixel / kB : -((kB - 1 - pixel) / kB); };
+  const PixelWindow blocks{block_of(window.column), block_of(window.row),
+                           block_of(window.column + window.width - 1) - block_of(window.column) + 1,
+                           block_of(window.row + window.height - 1) - block_of(window.row) + 1};
+  std::vector<DepthBlock> found(static_cast<std::size_t>(blocks.width) * static_cast<std::size_t>(blocks.height));
+  read_blocks(blocks, found);
+  return std::any_of(found.begin(), found.end(), [&](const DepthBlock& b) { return 0.01 * b.min_cm < depth_m; });
+}
+
 // The map ------------------------------------------------------------------------------------------------------------
 
 DepthMap::DepthMap(const DepthMapConfig& config, const DepthArea& area, DepthTrees trees, const Eigen::Vector2d& start)
@@ -154,6 +165,21 @@ void DepthMap::finish_shift(Shift& shift) {
   published_ = std::move(shift.published_);
   pixels_lost_ += static_cast<std::uint64_t>(shift.pixels_lost_);
   shifting_ = false;
+}
+
+void DepthMap::write(std::span<const std::pair<Pixel, DepthPixel>> pixels) {
+  ISOBATH_ASSERT(!shifting_);
+  DepthTile tile;
+  for (std::size_t i = 0; i < pixels.size();) {
+    const Pixel at = DepthWindow::tile_of(pixels[i].first);
+    const bool here = window_.holds_tile(at);
+    if (!here) trees_.read_tile(at, tile);
+    DepthTile& into = here ? window_.tile(at).own() : tile;
+    for (; i < pixels.size() && DepthWindow::tile_of(pixels[i].first) == at; ++i) {
+      DepthWindow::set(into, DepthWindow::index_in_tile(pixels[i].first), pixels[i].second);
+    }
+    if (!here) pixels_lost_ += static_cast<std::uint64_t>(trees_.write_tile(at, tile));
+  }
 }
 
 void DepthMap::flush() {

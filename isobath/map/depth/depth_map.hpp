@@ -48,6 +48,7 @@ class DepthSnapshot final : public DepthField {
   [[nodiscard]] std::uint64_t version() const override { return version_; }
   [[nodiscard]] DepthPixel at(Pixel p) const;  ///< the same as DepthField::at, but faster
   void read(PixelWindow window, std::span<DepthPixel> out) const override;
+  [[nodiscard]] bool may_be_shallower(const PixelWindow& window, double depth_m) const override;
   /// Minimum and maximum known depth of blocks of 8 x 8 pixels (S1-38); `blocks` in block coordinates (pixel / 8).
   void read_blocks(const PixelWindow& blocks, std::span<DepthBlock> out) const;
   [[nodiscard]] const DepthTrees& trees() const { return *trees_; }
@@ -100,6 +101,9 @@ class DepthMap {
   [[nodiscard]] std::unique_ptr<Shift> begin_shift(Pixel first_tile);
   void finish_shift(Shift& shift);
 
+  /// Writes pixels anywhere in the area, in the window or in the trees; those outside the area are lost. Not while a
+  /// shift runs.
+  void write(std::span<const std::pair<Pixel, DepthPixel>> pixels);
   /// Writes everything in the window to the trees (S1-30), before the map is saved. Not while a shift runs.
   void flush();
   /// Up to date only after flush().

@@ -18,8 +18,8 @@ inline constexpr int kFullConfidence = 20;
 enum PixelFlag : std::uint8_t {
   kTrack = 1,           ///< the vehicle passed here
   kSeenByDepth = 2,     ///< a downward sonar measured or affirmed its depth
-  kSeenByObstacle = 4,  ///< a forward sonar did; alone, the depth is a bound: clear down to it, or up to it
-  kSensed = 8,          ///< its depth comes from a sensor, not from the prior (S1-E05)
+  kSeenByObstacle = 4,  ///< a forward sonar did; alone, the depth is a bound: something reaches up to it or higher
+  kSensed = 8,          ///< its depth comes from a sensor, not from the prior (S1-E05); alone: see clear_only()
 };
 
 struct DepthPixel {
@@ -39,6 +39,8 @@ struct DepthPixel {
   [[nodiscard]] int confidence() const { return static_cast<int>(state_word & 31U); }
   [[nodiscard]] unsigned flags() const { return (state_word >> 5) & 15U; }
   [[nodiscard]] bool has(PixelFlag flag) const { return (flags() & flag) != 0; }
+  /// A forward beam without an echo here: the water is clear down to this depth, and nothing is known below it.
+  [[nodiscard]] bool clear_only() const { return (flags() & (kSensed | kSeenByDepth | kSeenByObstacle)) == kSensed; }
   /// Since the map's epoch.
   [[nodiscard]] std::uint32_t minute() const { return state_word >> 9; }
 

@@ -4,7 +4,9 @@
 // Each pixel holds a depth and a confidence 0..20. A reading affirms the depth (confidence rises by the step),
 // conflicts with it (confidence falls by the step; below the threshold the depth is replaced and the confidence set to
 // the sensor's base), or is irrelevant to it. A pixel of unknown depth takes the first depth that a reading gives it,
-// because there is no old depth to defend.
+// because there is no old depth to defend. A reading that is too uncertain to count (step 0) leaves such a pixel
+// unsure: its confidence lies below the threshold, no path may rely on its depth, and the first reading that counts
+// replaces it. Of two such readings the shallower one stands.
 //
 // A new depth replaces the old one after floor((c0 - threshold) / step) + 1 conflicting readings, where c0 is the
 // confidence at the start; a fully confirmed depth is replaced after full - threshold + 1 readings at a step of one.
@@ -24,6 +26,8 @@ struct DepthRules {
   int threshold = 2;    ///< a depth is replaced when its confidence falls below this
   bool refine = false;  ///< agreeing depth soundings move the depth by step / (confidence + step) of the difference
 
+  /// Whether no reading that counts stands behind the depth of a known pixel.
+  [[nodiscard]] bool unsure(const DepthPixel& pixel) const { return pixel.confidence() < threshold; }
   /// Throws Error unless 0 < threshold <= base_prior < base_sensor <= 20 (S1-46).
   void check() const;
 };
@@ -43,7 +47,7 @@ struct PixelReading {
   Claim claim = Claim::kBottomAt;
   std::int32_t depth_cm = 0;
   std::int32_t margin_cm = 0;
-  int step = 1;       ///< confidence units
+  int step = 1;       ///< confidence units; 0: too uncertain to count
   unsigned flag = 0;  ///< PixelFlag of the sensor
   std::uint32_t minute = 0;
 };
@@ -68,7 +72,8 @@ inline Verdict apply(DepthPixel& pixel, const PixelReading& reading, const Depth
   if (verdict == Verdict::kIrrelevant) return verdict;
   const unsigned flags = pixel.flags() | reading.flag;
   const int confidence = pixel.confidence();
-  if (verdict == Verdict::kAffirmed) {
+  const bool first_that_counts = pixel.known() && rules.unsure(pixel) && reading.step > 0;
+  if (verdict == Verdict::kAffirmed && !(first_that_counts && reading.claim == Claim::kBottomAt)) {
     const int risen = std::min(confidence + reading.step, kFullConfidence);
     if (rules.refine && reading.claim == Claim::kBottomAt && (flags & kSensed) != 0) {
       const int difference = reading.depth_cm - pixel.depth_cm();
@@ -86,7 +91,9 @@ inline Verdict apply(DepthPixel& pixel, const PixelReading& reading, const Depth
   pixel.depth_word = static_cast<std::uint32_t>(reading.depth_cm + DepthPixel::kDepthOffset);
   // The flags say which sensors support this depth; those that supported the previous one do not.
   const unsigned kept = pixel.flags() & kTrack;
-  pixel.state_word = DepthPixel::word_of_state(rules.base_sensor, kept | reading.flag | kSensed, reading.minute);
+  const unsigned seen = reading.claim == Claim::kAtLeast ? 0 : reading.flag;
+  const int base = reading.step > 0 ? rules.base_sensor : rules.threshold - 1;
+  pixel.state_word = DepthPixel::word_of_state(base, kept | seen | kSensed, reading.minute);
   return Verdict::kReplaced;
 }
 

@@ -91,6 +91,7 @@ class RecordReader {
   [[nodiscard]] MapVisit visit(const ordered_json& v) const {
     MapVisit visit;
     visit.input = v.at("input").get<std::string>();
+    visit.fingerprint = v.value("fingerprint", "");
     visit.first = Time(Duration(whole(v.at("first_ns"), "first_ns", INT64_MIN, INT64_MAX)));
     visit.last = Time(Duration(whole(v.at("last_ns"), "last_ns", INT64_MIN, INT64_MAX)));
     for (const auto& [name, count] : v.at("counts").items()) {
@@ -207,6 +208,7 @@ std::string text_of(const MapRecord& record) {
                              {"first_ns", nanoseconds(v.first)},
                              {"last_ns", nanoseconds(v.last)},
                              {"counts", v.counts}});
+    if (!v.fingerprint.empty()) map["visits"].back()["fingerprint"] = v.fingerprint;
   }
   const std::string body = map.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
   ordered_json whole{{"isobath_map", ordered_json::parse(body)}, {"crc32", record_checksum(body)}};

@@ -27,6 +27,7 @@ struct MapVisit {
   std::string input;
   Time first, last;
   std::map<std::string, std::uint64_t> counts;  ///< "range readings" -> 31000
+  std::string fingerprint = {};                 ///< of the input's content (fingerprint_of); empty: not known
 };
 
 /// Facts about a map, stored with it.

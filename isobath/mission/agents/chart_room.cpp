@@ -24,7 +24,9 @@ class KnownShoals final : public DepthField {
   void read(PixelWindow window, std::span<DepthPixel> out) const override {
     chart_.read(window, out);
     for (DepthPixel& p : out) {
-      if (!p.known()) p.depth_word = DepthPixel::word_of_depth(kDeep);
+      if (!p.known()) {
+        p = {DepthPixel::word_of_depth(kDeep), DepthPixel::word_of_state(kFullConfidence, p.flags(), p.minute())};
+      }
     }
   }
   static constexpr double kDeep = 20'000;
@@ -79,6 +81,8 @@ std::vector<Field> fields(ChartRoomConfig& c) {
       Field::integer("max_outlines", &c.max_outlines, {1, 100000}, "", "Maximum number of outlines of shallow water.")
           .was("most_outlines"),
       Field::flag("unknown_blocks", &c.unknown_blocks, "Whether water of unknown depth is blocked."),
+      Field::real("live_s", &c.live_s, {0, 3600}, "s",
+                  "Interval at which the growing depth map replaces the chart. 0: it never does."),
   };
 }
 
@@ -94,7 +98,10 @@ void ChartRoom::on_message(const Message& message, Time now, Outbox& out) {
   } else {
     return;
   }
-  if (outdated()) say_hazards(out);
+  if (outdated()) return say_hazards(out);
+  if (!said_ || said_->hazards.looked_ahead == chart_.looked_ahead) return;
+  said_->hazards.looked_ahead = chart_.looked_ahead;
+  out.say(said_->hazards);
 }
 
 bool ChartRoom::outdated() const {
@@ -106,18 +113,18 @@ bool ChartRoom::outdated() const {
 }
 
 void ChartRoom::say_hazards(Outbox& out) {
-  said_ = Said{*p_WB_, version(), chart_.objects.get()};
-  out.say(ChartedHazards{std::make_shared<const std::vector<Hazard>>(hazards())});
+  ChartedHazards now{std::make_shared<const std::vector<Hazard>>(hazards()), chart_.looked_ahead};
+  // A growing map that holds the same hazards changes nothing for a planner.
+  if (said_ && said_->hazards.hazards && *said_->hazards.hazards == *now.hazards) now.hazards = said_->hazards.hazards;
+  said_ = Said{*p_WB_, version(), chart_.objects.get(), now};
+  out.say(std::move(now));
 }
 
 std::vector<Hazard> ChartRoom::hazards() const {
   std::vector<Hazard> all;
   add_objects(all);
-  add_shoals(all);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].kind = HazardKind::kCharted;
-    all[i].id = static_cast<std::uint32_t>(i);
-  }
+  for (const bool sensed : {false, true}) add_shoals(all, sensed);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].id = static_cast<std::uint32_t>(i);
   return all;
 }
 
@@ -126,23 +133,26 @@ void ChartRoom::add_objects(std::vector<Hazard>& all) const {
     if (o.top_m - p_WB_->z() >= config_.clearance_m) continue;
     if (distance(o, p_WB_->head<2>()) > std::sqrt(2.0) * config_.reach_m) continue;
     Hazard& hazard = all.emplace_back();
+    hazard.kind = HazardKind::kCharted;
     hazard.outline = {o.a};
     if (o.b != o.a) hazard.outline.push_back(o.b);
     hazard.margin_m = o.radius_m + config_.margin_m;
   }
 }
 
-void ChartRoom::add_shoals(std::vector<Hazard>& all) const {
+void ChartRoom::add_shoals(std::vector<Hazard>& all, bool sensed) const {
   if (!chart_.depths) return;
   const PixelGrid grid = chart_.depths->grid();
   if (!within_grid(grid, p_WB_->head<2>())) return;
   const Pixel middle = grid.at(p_WB_->head<2>());
   const auto reach = static_cast<std::int32_t>(std::min(kMaxPixels, std::ceil(config_.reach_m / grid.pixel_m)));
   const PixelWindow window{middle.column - reach, middle.row - reach, 2 * reach + 1, 2 * reach + 1};
-  const ShoalRule rule{p_WB_->z() + config_.clearance_m, config_.unknown_blocks, config_.overreach_m,
-                       config_.max_outlines};
+  const ShoalRule rule{p_WB_->z() + config_.clearance_m, config_.unknown_blocks && !sensed, config_.overreach_m,
+                       config_.max_outlines, sensed};
+  if (!rule.unknown_blocks && !chart_.depths->may_be_shallower(window, rule.depth_m)) return;
   for (Polygon& outline : shoal_outlines(*chart_.depths, window, rule)) {
     Hazard& hazard = all.emplace_back();
+    hazard.kind = sensed ? HazardKind::kMapped : HazardKind::kCharted;
     hazard.outline = std::move(outline);
     hazard.margin_m = config_.margin_m;
   }

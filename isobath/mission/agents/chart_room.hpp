@@ -1,12 +1,14 @@
-// ChartRoom: keeps the chart, and sends the hazards that it contains (Ganesan 2015, 5.1; ledger S6-32, S6-33; S1-41
-// defines what is too shallow).
+// ChartRoom: keeps the chart and the depth map that grows from it, and sends the hazards that they contain (Ganesan
+// 2015, 5.1; ledger S6-32, S6-33, S1-03; S1-41 defines what is too shallow).
 //
 // Receives ChartUpdate, Navigation and MissionOrder. Sends ChartedHazards and Decision.
 //
-// The hazards are the water around the vehicle that is charted shallower than the vehicle's depth plus a clearance, as
-// few convex outlines (shoal_outlines.hpp), and the rocks and lines of the chart that reach up that far. They are sent
-// again when the vehicle has moved by a share of the reach or has changed its depth, and when the chart has a new
-// version. Water of unknown depth is not blocked, unless the configuration asks for it: the sonar looks there.
+// The hazards are the water around the vehicle that is shallower than the vehicle's depth plus a clearance, as few
+// convex outlines (shoal_outlines.hpp), and the rocks and lines of the chart that reach up that far. Water that a sonar
+// has measured gives hazards of its own (HazardKind::kMapped). They are sent again when the vehicle has moved by a
+// share of the reach or has changed its depth, and when the chart has a new version: once a second in a run whose depth
+// map grows (`live_s`). Water of unknown depth is not blocked, unless the configuration asks for it: the sonar looks
+// there.
 //
 // When a mission starts, each leg from point to point is checked against the chart at the depth of its end. Each leg
 // that is too shallow gives a Decision with leg, place and margin; the chart room does not decide whether to go. A leg
@@ -31,6 +33,7 @@ struct ChartRoomConfig {
   double overreach_m = 1;       ///< how far outlines may reach over deep water
   int max_outlines = 1000;      ///< maximum number, of shallow water
   bool unknown_blocks = false;  ///< whether water of unknown depth is blocked
+  double live_s = 1;            ///< interval at which the growing depth map replaces the chart; 0: it never does
 };
 std::vector<Field> fields(ChartRoomConfig& config);
 
@@ -47,12 +50,13 @@ class ChartRoom final : public Agent {
     Eigen::Vector3d p_WB;
     std::uint64_t version = 0;
     const void* objects = nullptr;
+    ChartedHazards hazards = {};
   };
 
   void say_hazards(Outbox& out);
   [[nodiscard]] bool outdated() const;
   [[nodiscard]] std::vector<Hazard> hazards() const;
-  void add_shoals(std::vector<Hazard>& hazards) const;
+  void add_shoals(std::vector<Hazard>& hazards, bool sensed) const;
   void add_objects(std::vector<Hazard>& hazards) const;
   void check_legs(const MissionPlan& plan, Time now, Outbox& out) const;
   [[nodiscard]] std::optional<Decision> check_leg(const MissionPlan& plan, std::size_t point,

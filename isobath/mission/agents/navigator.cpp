@@ -38,10 +38,7 @@ void Navigator::on_message(const Message& message, Time now, Outbox& out) {
   if (const auto* request = std::get_if<RouteRequest>(&message)) on_request(*request, out);
   if (const auto* passed = std::get_if<WaypointPassed>(&message)) on_passage(*passed);
   if (const auto* action = std::get_if<SafetyAction>(&message)) on_action(*action, out);
-  if (const auto* chart = std::get_if<ChartedHazards>(&message)) {
-    chart_ = *chart;
-    look(out);
-  }
+  if (const auto* chart = std::get_if<ChartedHazards>(&message)) on_chart(*chart, out);
   if (const auto* health = std::get_if<Health>(&message)) {
     budget_share_ = budget_share(*health).value_or(budget_share_);
   }
@@ -102,6 +99,16 @@ void Navigator::on_scan(const ObstacleScan& scan, Outbox& out) {
   new_scan_ = false;
 }
 
+void Navigator::on_chart(const ChartedHazards& chart, Outbox& out) {
+  const bool same = chart_.hazards == chart.hazards;
+  const bool looked = chart.looked_ahead && chart.looked_ahead != chart_.looked_ahead;
+  chart_ = chart;
+  if (looked) mapped_ = now_;
+  new_scan_ = looked && !scan_;
+  if (!same || new_scan_) look(out);
+  new_scan_ = false;
+}
+
 void Navigator::on_request(const RouteRequest& request, Outbox& out) {
   request_ = request;
   way_.clear();
@@ -151,8 +158,10 @@ void Navigator::look(Outbox& out) {
 
 std::optional<Navigator::Refusal> Navigator::blind() const {
   if (config_.map_age_s <= 0) return {};
-  if (!scan_) return Refusal{RouteRefused::Reason::kNoMap, "nothing has been seen yet"};
-  const double age = to_seconds(now_ - scan_heard_);
+  if (!scan_ && !chart_.looked_ahead) return Refusal{RouteRefused::Reason::kNoMap, "nothing has been seen yet"};
+  double age = INFINITY;
+  if (scan_) age = to_seconds(now_ - scan_heard_);
+  if (chart_.looked_ahead) age = std::min(age, to_seconds(now_ - mapped_));
   if (age <= config_.map_age_s) return {};
   return Refusal{RouteRefused::Reason::kNoMap, fmt::format("nothing was seen for {:.1f} s", age)};
 }
@@ -163,8 +172,10 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
   std::vector<Hazard> hazards;
   if (scan_) hazards = scan_->hazards;
   if (chart_.hazards) {
-    const double margin = config_.chart_sigmas * sigma_of(*here_);
+    // What was mapped on the way has the vehicle's own position error.
+    const double chart_margin = config_.chart_sigmas * sigma_of(*here_);
     for (const Hazard& h : *chart_.hazards) {
+      const double margin = h.kind == HazardKind::kMapped ? 0 : chart_margin;
       hazards.push_back({to_local(frame, h.outline), h.margin_m + margin, h.kind, h.id});
     }
   }

@@ -6,6 +6,9 @@
 // (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an overloaded computer leaves
 // it). Sends RoutePlanned, RouteRefused, Decision.
 //
+// The depth map that sonar has measured counts as seen (HazardKind::kMapped): a vehicle that has only range sonars
+// plans on it, and without scans each update of it is one cycle (ledger S1-03, S1-41).
+//
 // Each scan is one cycle: the rest of the route, from the vehicle on, is transformed into the frame L of the scan,
 // checked there, and, if anything changes, transformed back with the same pose. A position error that route and
 // obstacles share therefore has no effect (S6-53). When a position fix jumps, the corners of the route and the last
@@ -80,6 +83,7 @@ class Navigator : public Agent {
 
   void on_fix(const Navigation& fix, Outbox& out);
   void on_scan(const ObstacleScan& scan, Outbox& out);
+  void on_chart(const ChartedHazards& chart, Outbox& out);
   void on_request(const RouteRequest& request, Outbox& out);
   void on_passage(const WaypointPassed& passed);
   void on_action(const SafetyAction& action, Outbox& out);
@@ -134,6 +138,7 @@ class Navigator : public Agent {
   Time now_;
   Time scan_heard_;
   ChartedHazards chart_;
+  Time mapped_;                                     ///< when `chart_` last had a new reading ahead
   std::shared_ptr<const OccupancySnapshot> space_;  ///< null where no sonar measures height
 
   std::optional<RouteRequest> request_;

@@ -29,7 +29,9 @@ Mask mask_of(const DepthField& map, PixelWindow window, const ShoalRule& rule) {
   for (std::int32_t r = 0; r < window.height; ++r) {
     map.read({window.column, window.row + r, window.width, 1}, row);
     for (const DepthPixel& p : row) {
-      mask.blocked.push_back(p.known() ? p.depth_m() < rule.depth_m : rule.unknown_blocks);
+      const bool counts = !rule.sensed || *rule.sensed == p.has(kSensed);
+      const bool unknown = !p.known() || (p.clear_only() && p.depth_m() < rule.depth_m);
+      mask.blocked.push_back(counts && (unknown ? rule.unknown_blocks : p.depth_m() < rule.depth_m));
     }
   }
   return mask;

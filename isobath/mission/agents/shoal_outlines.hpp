@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <isobath/geometry/polygon.hpp>
 #include <isobath/map/depth/depth_field.hpp>
+#include <optional>
 #include <vector>
 
 namespace isobath {
@@ -20,6 +21,7 @@ struct ShoalRule {
   bool unknown_blocks = false;  ///< whether water of unknown depth is blocked too
   double overreach_m = 1;
   int max_outlines = 1000;
+  std::optional<bool> sensed = {};  ///< only pixels that a sonar has measured, or only others; empty: all
 };
 
 /// Convex, in the positive sense, north and east in m.

@@ -59,15 +59,19 @@ struct OccupancyUpdate {
   std::shared_ptr<const OccupancySnapshot> grid;  ///< never null
 };
 
-/// Chart room -> Navigator: the charted hazards around the vehicle; replaces those before. In W.
+/// Chart room -> Navigator: the hazards around the vehicle that chart and depth map contain; replaces those before.
+/// In W.
 struct ChartedHazards {
   std::shared_ptr<const std::vector<Hazard>> hazards;
+  std::optional<Time> looked_ahead = {};  ///< as in ChartUpdate
 };
 
-/// Maps -> Chart room: the chart from now on. Either pointer may be null: there is none.
+/// Maps -> Chart room: the chart from now on, with what sonar has added to it. Either pointer may be null: there is
+/// none.
 struct ChartUpdate {
   std::shared_ptr<const DepthField> depths;
   std::shared_ptr<const std::vector<ChartObstacle>> objects;
+  std::optional<Time> looked_ahead = {};  ///< newest reading in `depths` of a range sonar that looks ahead
 };
 
 /// Quality of one ping, sent as soon as the ping arrives.

@@ -37,7 +37,11 @@ bool SafetyOfficer::under_way() const { return phase_ == MissionPhase::kUnderWay
 
 void SafetyOfficer::check_sonars() {
   if (!watching()) return;
-  if (sonars_.empty() && clock_s_ - started_s_ > config_.startup_s) {
+  // Range sonars that look ahead are the eyes of a vehicle without another sonar.
+  if (sonars_.empty() && ahead_s_) {
+    const double silent = std::min(clock_s_ - *ahead_s_, clock_s_ - started_s_);
+    if (silent > config_.sonar_silent_s) find(Fault::kSonarSilent, fmt::format("no range ahead for {:.1f} s", silent));
+  } else if (sonars_.empty() && clock_s_ - started_s_ > config_.startup_s) {
     find(Fault::kSonarSilent, fmt::format("no ping in {:.0f} s since the start", clock_s_ - started_s_));
   }
   for (const auto& [source, state] : states_) {

@@ -23,13 +23,16 @@ constexpr std::array<double, 2> kNarrower = {0.5, 0.25};
 
 }  // namespace
 
-/// The known points around the vehicle, in its frame: raw echoes, and the outlines of obstacles, seen and remembered.
+/// The known points around the vehicle, in its frame: raw echoes, and the outlines of obstacles, seen, remembered,
+/// charted and mapped.
 std::vector<Vector2d> SafetyOfficer::known_points(const Pose& X_WL, std::span<const Vector2d> echoes_L) const {
   std::vector<Vector2d> points(echoes_L.begin(), echoes_L.end());
   const Pose X_LW = X_WL.inverse();
-  for (const Vector2d& p : mapped_W_) {
-    const Eigen::Vector3d p_W(p.x(), p.y(), X_WL.translation.z());
-    if (!passes_by(p_W)) points.emplace_back((X_LW * p_W).head<2>());
+  for (const std::vector<Vector2d>* some : {&mapped_W_, &charted_W_}) {
+    for (const Vector2d& p : *some) {
+      const Eigen::Vector3d p_W(p.x(), p.y(), X_WL.translation.z());
+      if (!passes_by(p_W)) points.emplace_back((X_LW * p_W).head<2>());
+    }
   }
   return points;
 }

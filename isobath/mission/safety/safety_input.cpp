@@ -108,6 +108,7 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
   if (const auto* health = std::get_if<Health>(&message)) on_health(*health, now);
   if (const auto* command = std::get_if<OperatorCommand>(&message)) on_command(*command);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) on_scan(*scan);
+  if (const auto* chart = std::get_if<ChartedHazards>(&message)) on_chart(*chart);
   if (const auto* seen = std::get_if<OccupancyUpdate>(&message)) space_ = seen->grid;
   if (const auto* lost = std::get_if<AgentLost>(&message)) on_lost(*lost);
   if (const auto* order = std::get_if<FollowOrder>(&message)) follow(*order);
@@ -189,6 +190,7 @@ void SafetyOfficer::on_range(const RangeReading& reading, Time now) {
   const Pose X_LS = Pose{X_WL.rotation.inverse() * X_WB.rotation, Eigen::Vector3d::Zero()} * reading.X_BS;
   const double down = (X_LS.rotation * Eigen::Vector3d::UnitX()).z();
   if (down > kDown) on_altitude(reading, down);
+  if (std::abs(down) <= kDown) ahead_s_ = clock_s_;
   std::optional<Eigen::Vector3d> v_B;
   if (fix_ && clock_s_ - fix_->heard_s <= kFreshSpeed) {
     const Eigen::Vector3d v_W(fix_->v_W.x(), fix_->v_W.y(), 0);
@@ -251,6 +253,17 @@ void SafetyOfficer::on_scan(const ObstacleScan& scan) {
     if (contains(hazard.outline, Eigen::Vector2d::Zero())) {
       inside_ = "the vehicle is inside an obstacle";
       return;
+    }
+  }
+}
+
+void SafetyOfficer::on_chart(const ChartedHazards& chart) {
+  charted_W_.clear();
+  if (!chart.hazards || !fix_ || !(vehicle_.min_speed > 0)) return;
+  const Eigen::Vector2d vehicle = fix_->navigation.X_WB.translation.head<2>();
+  for (const Hazard& hazard : *chart.hazards) {
+    for (const Eigen::Vector2d& p : points_round(hazard.outline, kApart)) {
+      if ((p - vehicle).norm() < kMapped) charted_W_.push_back(p);
     }
   }
 }

@@ -115,6 +115,7 @@ class SafetyOfficer final : public Agent {
   void on_health(const Health& health, Time now);
   void on_command(const OperatorCommand& command);
   void on_scan(const ObstacleScan& scan);
+  void on_chart(const ChartedHazards& chart);
   void on_lost(const AgentLost& lost);
   void start(const std::shared_ptr<const MissionPlan>& plan);
   void follow(const FollowOrder& order);
@@ -182,6 +183,8 @@ class SafetyOfficer final : public Agent {
   std::map<std::string, HealthState> states_;
   NearEchoes echoes_;
   std::vector<Eigen::Vector2d> mapped_W_;           ///< points on the outlines of the last scan's obstacles
+  std::vector<Eigen::Vector2d> charted_W_;          ///< the same for the hazards of chart and depth map
+  std::optional<double> ahead_s_;                   ///< last range of a sonar that looks ahead
   std::shared_ptr<const OccupancySnapshot> space_;  ///< null where no sonar measures height
   double blanking_m_ = 0;                           ///< blanking distance of the sonar
   SensorTable rangers_;
