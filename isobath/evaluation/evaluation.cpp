@@ -17,7 +17,7 @@ namespace {
 constexpr double kNormal95 = 1.959964;
 
 /// FNV-1a, 64 bits.
-std::string fingerprint_of(const EvaluationRequest& request) {
+std::string fingerprint_of_request(const EvaluationRequest& request) {
   std::string all = fmt::format("{}|{:016x}", request.version, request.suite.digest);
   for (const ComparedMethod& method : request.methods) {
     const Configuration& configuration = method.configuration;
@@ -285,7 +285,7 @@ Evaluation evaluate(const EvaluationRequest& request) {
   const int first = request.seed >= 0 ? request.seed : request.suite.about.seed;
   const int wanted = request.runs > 0 ? request.runs : request.suite.about.runs;
   make_folder(request.out);
-  RunStore store(request.out / "runs.jsonl", fingerprint_of(request));
+  RunStore store(request.out / "runs.jsonl", fingerprint_of_request(request));
   Evaluation evaluation;
   std::vector<std::uint64_t> missing;
   for (int i = 0; i < wanted; ++i) {

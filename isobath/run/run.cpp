@@ -81,9 +81,12 @@ std::optional<MapVisit> visit_of(const std::filesystem::path& map, const std::st
   return std::nullopt;
 }
 
-/// Of a log that goes into a stored map; else empty.
+/// Of a log that goes into a stored map, with what the settings choose from it; else empty.
 std::string fingerprint_of_log(const RunRequest& request) {
-  return request.map.empty() || request.input.empty() || is_scene(request.input) ? "" : fingerprint_of(request.input);
+  if (request.map.empty() || request.input.empty() || is_scene(request.input)) return {};
+  const InputConfig& chosen = request.configuration.input;
+  return fmt::format("{} only={} without={} set={} pass={}", fingerprint_of(request.input), chosen.survey.only,
+                     chosen.survey.without, chosen.set, chosen.pass);
 }
 
 /// Throws Error unless the mission and the input have the same origin.

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <isobath/display/decision_json.hpp>
 #include <isobath/mission/agents/shoal_outlines.hpp>
-#include <isobath/onboard/pipeline.hpp>
+#include <isobath/onboard/onboard.hpp>
 #include <isobath/scenario/mission_chart.hpp>
 #include <limits>
 #include <tests/support/mission_runs.hpp>
@@ -153,11 +153,11 @@ TEST(Slots, FramesOfTheOperatorAreReplayedFromTheEvents) {
   const Scenario scenario = test::scenario_of("operator_on_the_link");
   const test::Sailed sailed = sail(scenario);
   const auto helm = make_serial_helm(setup_of(scenario), small_chart());
-  Pipeline pipeline(small_chart(), *helm);
+  DepthModel depths(small_chart());
+  Onboard onboard(small_chart(), depths, {.helm = helm.get(), .voxels = false});
   for (const Event& event : sailed.events) {
-    helm->on_event(event);
-    pipeline.on_event(event);
-    (void)helm->steer();
+    onboard.on_event(event);
+    (void)onboard.steer();
   }
   EXPECT_EQ(decisions_text(helm->decisions()), decisions_text(sailed.result.decisions));
 }

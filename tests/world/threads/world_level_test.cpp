@@ -63,7 +63,7 @@ TEST(WorldLevel, OfAConfigurationHasSixPartsThatWork) {
   }
   EXPECT_EQ(aim_of(model.sensors().front().X_BS), "30 deg to port");
   EXPECT_EQ(aim_of(model.sensors().back().X_BS), "down");
-  level.store("a test");
+  level.store({"a test", {}, {}, {}});
   EXPECT_EQ(open_map(folder / "map").facts.visits.front().input, "a test");
 }
 
@@ -142,7 +142,8 @@ TEST(WorldLevel, AnyPartIsReplacedByAStubAndTheOthersRun) {
   EXPECT_EQ(no_evaluator.map, whole.map);
 
   std::string stored;
-  const Seen no_store = mission("store", [&](WorldLevel& l) { l.store = [&](const std::string& s) { stored = s; }; });
+  const Seen no_store =
+      mission("store", [&](WorldLevel& l) { l.store = [&](const MapVisit& visit) { stored = visit.input; }; });
   EXPECT_EQ(stored, "store");
   EXPECT_EQ(no_store.generation, 0U);
   EXPECT_EQ(no_store.map, whole.map);
