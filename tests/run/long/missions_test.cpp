@@ -29,11 +29,11 @@ double nearest_pass(const Sailed& sailed, const Polygon& outline) {
 double nearest_pass(const Sailed& sailed, const Vector2d& place) { return nearest_pass(sailed, Polygon{place}); }
 
 /// When a scan first showed, or last showed, something within `reach_m` of a place; -1: never.
-struct Seen {
+struct SeenFor {
   double first_s = -1, last_s = -1;
 };
-Seen seen_at(const Sailed& sailed, const Vector2d& place, double reach_m) {
-  Seen seen;
+SeenFor seen_at(const Sailed& sailed, const Vector2d& place, double reach_m) {
+  SeenFor seen;
   for (const auto& [time, obstacles] : sailed.scans) {
     const bool here = std::any_of(obstacles.begin(), obstacles.end(),
                                   [&](const SeenObstacle& o) { return distance_to(o.outline, place) <= reach_m; });
@@ -104,7 +104,7 @@ TEST(Missions, Field1TheBuoyIsSeenEarlyWithoutConflictThenPassed) {
   const Sailed sailed = test::sail(test::scenario_of("field_mission_1"));
   expect_all_is_well(sailed, 3, 0);
   const Vector2d buoy(72, 1);
-  const Seen seen = seen_at(sailed, buoy, 4);
+  const SeenFor seen = seen_at(sailed, buoy, 4);
   ASSERT_GT(seen.first_s, 0) << "the buoy was never seen";
   const std::vector<Decision>& decisions = sailed.result.decisions;
   const std::size_t round = way_round(decisions, buoy, 5);
@@ -126,14 +126,14 @@ TEST(Missions, Field2ReplansAsSoonAsTheBuoyIsDetectedAndWhatIsSpuriousFades) {
   const Sailed sailed = test::sail(scenario);
   expect_all_is_well(sailed, 3, 0);
   const Vector2d buoy(60, 1), shoal(88, 10);
-  const Seen seen = seen_at(sailed, buoy, 4);
+  const SeenFor seen = seen_at(sailed, buoy, 4);
   ASSERT_GT(seen.first_s, 0);
   const std::vector<Decision>& decisions = sailed.result.decisions;
   const std::size_t round = way_round(decisions, buoy, 5);
   ASSERT_LT(round, decisions.size()) << sailed.all();
   EXPECT_LT(to_seconds(decisions[round].time) - seen.first_s, 9.5) << "when the third scan confirms it";
   EXPECT_EQ(decisions[round].what, "replan");
-  const Seen spurious = seen_at(sailed, shoal, 4);
+  const SeenFor spurious = seen_at(sailed, shoal, 4);
   EXPECT_GT(spurious.first_s, 0) << "it appears";
   EXPECT_LT(spurious.last_s, to_seconds(sailed.scans.back().first) - 10) << "and fades";
   EXPECT_GT(sailed.result.min_clearance_m, 1);
