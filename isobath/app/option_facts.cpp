@@ -108,7 +108,7 @@ std::vector<std::pair<int, std::string>> exit_codes() {
   return {{kSuccess, "success"},
           {kFailedChecks,
            "the command ran, but failed its own checks: a collision, a missed goal, a bar of a suite, a path "
-           "without enough water"},
+           "without enough water, a log that is cut off"},
           {kBadInput, "wrong usage or input, or output that cannot be written; one line on standard error says why"}};
 }
 

@@ -65,6 +65,7 @@ ordered_json mission_with_times(const MissionOutcome& mission) {
 ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
   ordered_json json{{"input", request.input.string()},
                     {"problem", outcome.problem},
+                    {"warning", outcome.warning},
                     {"undecided", outcome.undecided},
                     {"map_holds", outcome.map_holds},
                     {"alarms", alarms_with_times(outcome)},

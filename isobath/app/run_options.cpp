@@ -65,13 +65,15 @@ int conclude(const RunRequest& request, const RunOutcome& outcome) {
                  printable_text(outcome.recording_problem, kMax).c_str(),
                  static_cast<unsigned long long>(outcome.not_recorded));
   }
+  if (!outcome.warning.empty())
+    std::fprintf(stderr, "isobath: warning: %s\n", printable_text(outcome.warning, kMax).c_str());
   if (outcome.problem.empty() && failure.empty()) {
     return outcome.recording_problem.empty() ? kSuccess : kFailedChecks;
   }
   const std::string& problem = outcome.problem.empty() ? failure : outcome.problem;
   const std::string input = request.input.empty() ? "the embedded scene" : request.input.string();
   std::fprintf(stderr, "isobath: %s: %s\n", printable_text(input, kMax).c_str(), printable_text(problem, kMax).c_str());
-  return outcome.problem.empty() ? kFailedChecks : kBadInput;
+  return outcome.problem.empty() || outcome.cut ? kFailedChecks : kBadInput;
 }
 
 }  // namespace isobath::app

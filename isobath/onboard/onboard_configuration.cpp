@@ -10,7 +10,10 @@ std::vector<Field> fields(SensorConfig& c) {
 std::vector<Field> fields(MapConfig& c) {
   return {Field::flag("fit", &c.fit, "Set cell and size of the grid by the sonar's range; false: use [grid]."),
           Field::real("fan_scan_s", &c.fan_scan_s, {0, 60}, "s",
-                      "Interval at which obstacles of a fan are extracted from the grid; 0: after each ping.")};
+                      "Interval at which obstacles of a fan are extracted from the grid; 0: after each ping."),
+          Field::real("sounding_band_m", &c.sounding_band_m, {0, 100}, "m",
+                      "Soundings of a 3-D sonar within this distance above or below the vehicle are obstacles of the "
+                      "plan view.")};
 }
 
 }  // namespace isobath

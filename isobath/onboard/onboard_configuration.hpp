@@ -28,6 +28,7 @@ std::vector<Field> fields(SensorConfig& config);
 struct MapConfig {
   bool fit = true;  ///< set cell and size of the grid by the sonar's range: about 100 cells each way, 1-2-5 steps
   double fan_scan_s = 0.5;
+  double sounding_band_m = 1.5;  ///< soundings in the water this far above or below the vehicle are obstacles
 };
 std::vector<Field> fields(MapConfig& config);
 

@@ -80,6 +80,7 @@ Pipeline::Pipeline(const OnboardConfiguration& configuration, ResultSink& sink, 
       echoes_(configuration.echoes, models_.sensor, ratios_, models_.fan),
       vertical_echoes_(for_vertical(configuration, models_), models_.sensor, ratios_),
       sounder_echoes_(for_sounder(configuration, models_), models_.sensor, ratios_),
+      soundings_(configuration.map.sounding_band_m),
       sweeps_(configuration.map.fan_scan_s),
       detector_(configuration.obstacles) {
   waiting_.reserve(kMaxWaiting);
@@ -153,6 +154,21 @@ void Pipeline::map_vertical(const Ping& ping, const Pose& X_WB, bool posed) {
 }
 
 // What happens to ranges and soundings whose pose is known -----------------------------------------------------------
+
+/// A sounding in the water is an echo that the sonar has decided itself.
+void Pipeline::map_soundings(const Swath& swath, const Pose& X_WB, bool posed) {
+  sink_.on_soundings(swath, X_WB);
+  enter(Stage::kPlane);
+  if (!soundings_.update(swath, X_WB)) return;
+  const Ping& ping = soundings_.ping();
+  if (!mapper_ || counts_.pings == 0) fit_map(ping, posed);  // where a sonar with pings has made the grid, it stays
+  const Pose smooth{level(X_WB).rotation, X_WB.translation - jumped_};
+  mapper_->update(ping, soundings_.decisions(), smooth,
+                  {.position_fix = false, .velocity_log = !posed || poses_.knows_its_motion()});
+  last_ = Placed{ping.time, posed, {X_WB, ping.X_BS, ping.fan->height, water_at(ping, X_WB, posed)}};
+  sweep_open_ = true;
+  if (sweeps_.add(ping)) end_scan();
+}
 
 void Pipeline::map_depth(const Waiting& sensed, const PoseEstimate& pose) {
   if (const auto* range = std::get_if<RangeReading>(&sensed)) depths_->on_range(*range, pose);
@@ -243,7 +259,7 @@ void Pipeline::place(const Waiting& sensed) {
   const auto* swath = std::get_if<Swath>(&sensed);
   if (!ping && !range && !swath && !depths_) return;
   if (poses_.empty()) {
-    if (swath) sink_.on_soundings(*swath, Pose{});
+    if (swath) map_soundings(*swath, Pose{}, false);
     if (!ping && !depths_) return;
     if (!ping) return gate_.count(kNoPlace);
     ++counts_.unposed;  // no navigation at all: the vehicle is assumed to stand still
@@ -254,7 +270,7 @@ void Pipeline::place(const Waiting& sensed) {
   if (!X_WB && !ping && !depths_) return;
   if (!X_WB) return gate_.count(to_text(X_WB.error()));
   if (ping) return map_ping(*ping, *X_WB, true);
-  if (swath) sink_.on_soundings(*swath, *X_WB);
+  if (swath) map_soundings(*swath, *X_WB, true);
   if (range) bottom_.update(*range, *X_WB);
   if (depths_) map_depth(sensed, {*X_WB, poses_.sigma_m()});
 }

@@ -2,7 +2,7 @@
 // code; only the source and the sink differ.
 //
 //   alarms -> gate -> pose at the transmit time -> echoes to decisions -> decisions to the body grid -> grid to
-//   obstacles, once per scan; ranges and soundings to the depth map
+//   obstacles, once per scan; ranges and soundings to the depth map; soundings in the water to the body grid, too
 //
 // A vertical fan that looks straight down (an echo sounder) receives the bottom at the same ranges in every ping. If
 // the detection method is left open (echoes.method auto, no model), noise learnt from the pings would be the bottom
@@ -34,6 +34,7 @@
 #include <isobath/onboard/stage_cpu_time.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
+#include <isobath/perception/sounding_fan.hpp>
 #include <isobath/perception/water_label.hpp>
 #include <isobath/sonar/echo_detector.hpp>
 #include <isobath/sonar/side_lobes.hpp>
@@ -114,6 +115,7 @@ class Pipeline {
   void map_ping(const Ping& ping, const Pose& X_WB, bool posed);
   EchoDetector& detector_of(const Ping& ping);
   void map_vertical(const Ping& ping, const Pose& X_WB, bool posed);
+  void map_soundings(const Swath& swath, const Pose& X_WB, bool posed);
   void map_depth(const Waiting& sensed, const PoseEstimate& pose);
   void fit_map(const Ping& ping, bool posed);
   void count(const EchoDecisions& decisions);
@@ -135,6 +137,7 @@ class Pipeline {
   EchoDetector echoes_, vertical_echoes_, sounder_echoes_;
   SideLobes side_lobes_;
   EchoDecisions decisions_;
+  SoundingFan soundings_;
   SweepSegmenter sweeps_;
   std::unique_ptr<GridMapper> mapper_;
   ObstacleDetector detector_;

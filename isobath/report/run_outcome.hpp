@@ -53,6 +53,8 @@ struct RunOutcome {
   /// One line if the input itself is wrong (cut in the middle of a record, poses that are not numbers, time that runs
   /// backwards); empty if it is not. The usable part of the input was used.
   std::string problem;
+  bool cut = false;     ///< the problem is that the log ends in the middle of a record: all before it was used
+  std::string warning;  ///< as `problem`, where less than one event of a hundred was rejected for it
 };
 
 }  // namespace isobath

@@ -110,11 +110,11 @@ RunFolder::Pictures RunFolder::draw(const RunRequest& request, const BodyGrid* g
     ScanView view{last_sweep_, obstacles_, truth_, source};
     if (last.number > 0) view.source.survey += fmt::format(", scan {} of {}", last.number, scans_.size());
     pictures.occupancy = occupancy_picture(view, *grid);
-    pictures.sonar = echo_picture(view);
+    if (outcome.counts.pings > 0) pictures.sonar = echo_picture(view);  // a 3-D sonar tells soundings, not echoes
     pictures.detections = obstacle_picture(view);
     if (last.posed) pictures.track = track_picture(scans_, origin, source);
     write_text("occupancy.png", pictures.occupancy, outcome);
-    write_text("sonar.png", pictures.sonar, outcome);
+    if (!pictures.sonar.empty()) write_text("sonar.png", pictures.sonar, outcome);
     write_text("detections.png", pictures.detections, outcome);
   }
   if (voxels) {
@@ -284,6 +284,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
   const std::string lead = outcome.mission ? mission_summary(*outcome.mission).front() + " · " + data : data;
   HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : input_name(request.input)), lead);
   if (!outcome.problem.empty()) page.warning(outcome.problem);
+  if (!outcome.warning.empty()) page.warning(outcome.warning);
   for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");
   if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
   if (outcome.fan) page.paragraph("Sensor model: " + to_text(*outcome.fan) + ".");

@@ -13,7 +13,8 @@ std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) 
                         {"input", request.input.empty() ? "embedded scene" : request.input.string()},
                         {"format", outcome.source.format},
                         {"bytes", outcome.source.bytes_total},
-                        {"problem", outcome.problem}};
+                        {"problem", outcome.problem},
+                        {"warning", outcome.warning}};
   for (const auto& [key, value] : outcome.source.details) manifest["details"][key] = value;
   manifest["counts"] = counts_json(outcome);
   manifest["alarms"] = alarms_json(outcome);

@@ -7,25 +7,31 @@
 namespace isobath {
 namespace {
 
-/// A problem of the input itself, as one line. A damaged part in the middle is not a problem in this sense.
-std::string problem_of(const RunOutcome& outcome) {
+constexpr std::uint64_t kFew = 100;  // one event of so many
+
+/// Problems of the input itself, as one line. A damaged part in the middle is not a problem in this sense.
+void judge_input(RunOutcome& outcome) {
   const SourceReport& source = outcome.source;
   if (!source.damages.empty() && source.bytes_total > 0) {
     const Damage& last = source.damages.back();
     if (last.offset + last.bytes >= source.bytes_total) {
-      return fmt::format("the log is cut off: its last {} bytes, from byte {}, are not a complete record ({})",
-                         last.bytes, last.offset, last.reason);
+      outcome.cut = true;
+      outcome.problem =
+          fmt::format("the log is cut off: its last {} bytes, from byte {}, are not a complete record ({})", last.bytes,
+                      last.offset, last.reason);
+      return;
     }
   }
   for (const char* reason : {EventGate::kBadNavigation, EventGate::kBackwards, kBadPose, kPoseBackwards}) {
     const auto found = outcome.rejected.find(reason);
-    if (found != outcome.rejected.end()) {
-      return fmt::format("{}: {} of {} events were rejected for this", reason, found->second,
-                         found->second + outcome.counts.pings + outcome.counts.navigation + outcome.counts.ranges +
-                             outcome.counts.swaths);
-    }
+    if (found == outcome.rejected.end()) continue;
+    const PipelineCounts& n = outcome.counts;
+    const std::uint64_t all = found->second + n.pings + n.navigation + n.ranges + n.swaths;
+    const bool few = kFew * found->second < all;
+    (few ? outcome.warning : outcome.problem) =
+        fmt::format("{}: {} of {} events were rejected for this", reason, found->second, all);
+    if (!few) return;
   }
-  return {};
 }
 
 }  // namespace
@@ -38,7 +44,7 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
   outcome.fan = pipeline.departure();
   outcome.alarms = alarms_of(pipeline.emergencies());
   for (const Alarm& alarm : alarms_of(depths.emergencies())) outcome.alarms.push_back(alarm);
-  outcome.problem = problem_of(outcome);
+  judge_input(outcome);
   if (outcome.counts.pings + outcome.counts.vertical + outcome.counts.ranges + outcome.counts.swaths == 0 &&
       outcome.problem.empty())
     outcome.problem = "no ping, range or sounding of the input could be used";

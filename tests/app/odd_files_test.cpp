@@ -79,5 +79,25 @@ TEST(OddFiles, ARecordingNeedsNoFolderInItsName) {
   EXPECT_TRUE(fs::exists(folder / "served.mcap"));
 }
 
+// A ship stands 3 m ahead of this sonar, which tells soundings and no pings.
+TEST(OddFiles, WhatA3dSonarHearsAheadIsAnObstacle) {
+  ISOBATH_NEEDS_DATA(ship, "sonar3d-ship/ship_short.sonar");
+  const fs::path folder = scratch_folder();
+  const ProgramResult run = isobath::test::isobath({"run", ship, "--out", folder / "out", "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  ASSERT_GT(json["obstacles"].size(), 0u);
+  EXPECT_LT(json["obstacles"][0]["range_m"].get<double>(), 3);
+  EXPECT_FALSE(fs::exists(folder / "out" / "sonar.png")) << "there are no echoes to draw";
+}
+
+TEST(OddFiles, AFewBadEventsOfManyAreAWarning) {
+  ISOBATH_NEEDS_DATA(log, "nmea-hakefjord/Hakefjord.log");
+  const fs::path folder = scratch_folder();
+  const ProgramResult run = isobath::test::isobath({"run", log, "--out", folder / "out"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("isobath: warning: time runs backwards: 90 of 12348 events"));
+}
+
 }  // namespace
 }  // namespace isobath
