@@ -85,6 +85,7 @@ test('a report shows its run again from a disk, from its end to its start and on
     'by the numbers that they have everywhere',
   );
   await frame.click('#tab-obstacles');
+  await frame.waitForSelector('#obstacle-list li'); // the list is drawn with the next frame
   const things = await frame.$$eval('#obstacle-list li', (all) => all.map((li) => Number(li.dataset.obstacle)));
   const { obstacles } = JSON.parse(readFileSync(join(dirname(report), 'obstacles.json'), 'utf8'));
   for (const { number } of obstacles) assert.ok(things.includes(number), `obstacle ${number} is in the list`);
