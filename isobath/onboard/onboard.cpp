@@ -93,7 +93,7 @@ void Onboard::settle() {
 void Onboard::finish() {
   pipeline_.finish();
   load_.leave();
-  depths_.finish(voxels_.tops());
+  depths_.finish(depths_.snapshot() ? voxels_.tops() : std::vector<ColumnTop>{});
   settle();
 }
 

@@ -124,23 +124,18 @@ void Pipeline::on_event(Event event) {
 void Pipeline::map_ping(const Ping& ping, const Pose& X_WB, bool posed) {
   enter(Stage::kEchoes);
   if (!lies_flat(ping)) return map_vertical(ping, X_WB, posed);
-  fit_map(ping, posed);                                       // a grid of the sonar's size
-  const WaterColumn water = water_at(ping, X_WB, posed);      // where bottom and surface are
-  echoes_.detect(ping, decisions_, water);                    // intensities -> decisions
-  const bool measured = !posed || poses_.knows_its_motion();  // else the motion is dead reckoned
+  fit_map(ping, posed);                                   // a grid of the sonar's size
+  const WaterColumn water = water_at(ping, X_WB, posed);  // where bottom and surface are
+  echoes_.detect(ping, decisions_, water);                // intensities -> decisions
   enter(Stage::kPlane);
-  const Pose smooth{X_WB.rotation, X_WB.translation - jumped_};
   const PosedPing posed_ping{ping, X_WB, decisions_, echoes_.looks()};
-  mapper_->update(posed_ping.look_ping(), posed_ping.look_decisions(), smooth,
-                  {.position_fix = false, .velocity_log = measured});  // moves the grid, then updates it
+  update_grid(posed_ping.look_ping(), posed_ping.look_decisions(), X_WB, posed);
   sink_.on_ping(posed_ping);
   enter(Stage::kPlane);
   count(decisions_);
   counts_.no_bottom += water.above_bottom_m ? 0 : 1;
-  counts_.dead_reckoned += measured ? 0 : 1;
-  last_ = Placed{ping.time, posed, {X_WB, ping.X_BS, ping.fan->height, water}};
-  sweep_open_ = true;
-  if (sweeps_.add(ping)) end_scan();  // body grid -> obstacles
+  counts_.dead_reckoned += motion_is_measured(posed) ? 0 : 1;
+  note_mapped(ping, X_WB, posed, water);  // at the end of a scan: body grid -> obstacles
 }
 
 void Pipeline::map_vertical(const Ping& ping, const Pose& X_WB, bool posed) {
@@ -162,12 +157,8 @@ void Pipeline::map_soundings(const Swath& swath, const Pose& X_WB, bool posed) {
   if (!soundings_.update(swath, X_WB)) return;
   const Ping& ping = soundings_.ping();
   if (!mapper_ || counts_.pings == 0) fit_map(ping, posed);  // where a sonar with pings has made the grid, it stays
-  const Pose smooth{level(X_WB).rotation, X_WB.translation - jumped_};
-  mapper_->update(ping, soundings_.decisions(), smooth,
-                  {.position_fix = false, .velocity_log = !posed || poses_.knows_its_motion()});
-  last_ = Placed{ping.time, posed, {X_WB, ping.X_BS, ping.fan->height, water_at(ping, X_WB, posed)}};
-  sweep_open_ = true;
-  if (sweeps_.add(ping)) end_scan();
+  update_grid(ping, soundings_.decisions(), level(X_WB), posed);
+  note_mapped(ping, X_WB, posed, water_at(ping, X_WB, posed));
 }
 
 void Pipeline::map_depth(const Waiting& sensed, const PoseEstimate& pose) {
@@ -285,6 +276,18 @@ void Pipeline::fit_map(const Ping& ping, bool posed) {
   if (configuration_.map.fit)
     configuration_.grid = fitted(configuration_.grid, ping.window.end_m(), ping.fan->beams() >= FanDetector::kMinBeams);
   mapper_ = std::make_unique<GridMapper>(configuration_.grid, configuration_.update);
+}
+
+/// Moves the grid, then updates it. A jump of the position does not move it.
+void Pipeline::update_grid(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, bool posed) {
+  const Pose smooth{X_WB.rotation, X_WB.translation - jumped_};
+  mapper_->update(ping, decisions, smooth, {.position_fix = false, .velocity_log = motion_is_measured(posed)});
+}
+
+void Pipeline::note_mapped(const Ping& ping, const Pose& X_WB, bool posed, const WaterColumn& water) {
+  last_ = Placed{ping.time, posed, {X_WB, ping.X_BS, ping.fan->height, water}};
+  sweep_open_ = true;
+  if (sweeps_.add(ping)) end_scan();
 }
 
 std::string Pipeline::undecided() const {

@@ -118,6 +118,9 @@ class Pipeline {
   void map_soundings(const Swath& swath, const Pose& X_WB, bool posed);
   void map_depth(const Waiting& sensed, const PoseEstimate& pose);
   void fit_map(const Ping& ping, bool posed);
+  [[nodiscard]] bool motion_is_measured(bool posed) const { return !posed || poses_.knows_its_motion(); }
+  void update_grid(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, bool posed);
+  void note_mapped(const Ping& ping, const Pose& X_WB, bool posed, const WaterColumn& water);
   void count(const EchoDecisions& decisions);
   [[nodiscard]] WaterColumn water_at(const Ping& ping, const Pose& X_WB, bool posed) const;
   void end_scan();

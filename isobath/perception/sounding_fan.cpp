@@ -76,24 +76,21 @@ void SoundingFan::decide() {
   const auto bin_of = [&](double range_m) {
     return std::clamp(static_cast<int>(range_m / ping_.window.bin_m), 0, kBins - 1);
   };
-  clear_to_.assign(static_cast<std::size_t>(ping_.fan->beams()), kBins);
+  clear_to_.assign(static_cast<std::size_t>(ping_.fan->beams()), 0);
   for (const Heard& h : heard_) {
-    if (!h.in_band) continue;
-    const int beam = beam_of(h.azimuth), bin = bin_of(h.range_m);
-    decisions_.set_hit(beam, bin);
-    int& nearest = clear_to_[static_cast<std::size_t>(beam)];
-    nearest = std::min(nearest, bin);
-  }
-  for (int& end : clear_to_) end = end == kBins ? -1 : end;  // no echo so far
-  for (const Heard& h : heard_) {
-    if (h.in_band) continue;
     const int beam = beam_of(h.azimuth);
-    int& end = clear_to_[static_cast<std::size_t>(beam)];
-    const bool has_echo = end >= 0 && decisions_.hit(beam, end);
-    if (!has_echo) end = std::max(end, bin_of(h.clear_m));
+    int& clear_to = clear_to_[static_cast<std::size_t>(beam)];
+    if (h.in_band) {
+      decisions_.set_hit(beam, bin_of(h.range_m));
+    } else {
+      clear_to = std::max(clear_to, bin_of(h.clear_m));
+    }
   }
   for (int beam = 0; beam < decisions_.beams(); ++beam) {
-    for (int bin = std::max(0, clear_to_[static_cast<std::size_t>(beam)]); bin < kBins; ++bin) {
+    int nearest = 0;
+    while (nearest < kBins && !decisions_.hit(beam, nearest)) ++nearest;
+    const int first = nearest < kBins ? nearest : clear_to_[static_cast<std::size_t>(beam)];
+    for (int bin = first; bin < kBins; ++bin) {
       if (!decisions_.hit(beam, bin)) decisions_.set_blind(beam, bin);
     }
   }

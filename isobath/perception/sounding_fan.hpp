@@ -27,7 +27,7 @@ class SoundingFan {
 
   /// Returns false if the swath has no sounding in the water, in the body frame, or none lay within the band so far.
   bool update(const Swath& swath, const Pose& X_WB);
-  /// Of the last swath for which update() returned true. The ping has no samples.
+  /// The results for the last swath that update() accepted. The ping has no samples.
   [[nodiscard]] const Ping& ping() const { return ping_; }
   [[nodiscard]] const EchoDecisions& decisions() const { return decisions_; }
 
@@ -46,7 +46,7 @@ class SoundingFan {
   Ping ping_;
   EchoDecisions decisions_;
   std::vector<Heard> heard_;
-  std::vector<int> clear_to_;  ///< of each beam: the first bin that is not clear
+  std::vector<int> clear_to_;  ///< of each beam: the first bin that no ray out of the band clears
 };
 
 }  // namespace isobath

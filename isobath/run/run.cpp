@@ -4,6 +4,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/io/input/fingerprint.hpp>
 #include <isobath/map/depth/map_folder.hpp>
+#include <isobath/map/depth/map_record.hpp>
 #include <isobath/onboard/onboard.hpp>
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/run/mission_input.hpp>
@@ -73,15 +74,14 @@ RunRequest completed(RunRequest request, const std::optional<Scenario>& scenario
 /// The visit of a stored map that brought the same log, if there is one. Into a damaged map a log may go again.
 std::optional<MapVisit> visit_of(const std::filesystem::path& map, const std::string& fingerprint) {
   if (map.empty() || fingerprint.empty() || !looks_like_map(map)) return std::nullopt;
-  const StoredMap stored = open_map(map);
-  if (!stored.damages.empty()) return std::nullopt;
-  for (const MapVisit& visit : stored.facts.visits) {
-    if (visit.fingerprint == fingerprint) return visit;
-  }
-  return std::nullopt;
+  const std::vector<MapVisit> visits = read_record(map).record.facts.visits;  // the trees are large
+  const auto same = std::ranges::find(visits, fingerprint, &MapVisit::fingerprint);
+  if (same == visits.end() || !open_map(map).damages.empty()) return std::nullopt;
+  return *same;
 }
 
-/// Of a log that goes into a stored map, with what the settings choose from it; else empty.
+/// The fingerprint of a log that goes into a stored map, and of the settings that choose a part of it. Empty for a
+/// scene, and without a stored map.
 std::string fingerprint_of_log(const RunRequest& request) {
   if (request.map.empty() || request.input.empty() || is_scene(request.input)) return {};
   const InputConfig& chosen = request.configuration.input;

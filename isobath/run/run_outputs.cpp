@@ -8,7 +8,7 @@ void check_run_outputs(const RunRequest& request, const std::vector<std::string>
   std::vector<std::filesystem::path> inputs{request.mission, configuration.input.navigation, configuration.sensor.model,
                                             configuration.sensor.histogram};
   inputs.insert(inputs.end(), priors.begin(), priors.end());
-  // Of a folder as input only logs are read, which no file of a run is: these may lie beside them.
+  // From a folder the program reads logs alone. No file of a run is a log, so that they may stand in the same folder.
   std::error_code ignored;
   if (!std::filesystem::is_directory(request.input, ignored)) inputs.push_back(request.input);
   for (const char* name : kRunFiles) check_output_is_no_input(request.out / name, inputs, "--out");

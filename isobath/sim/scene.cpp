@@ -254,9 +254,7 @@ void check_length(const Scene& scene, double duration_s) {
   add(n.gps);
   add(n.lbl);
   for (const SonarConfig& sonar : scene.sonars) {
-    if (!sonar.on) continue;
-    const double travel_s = 2 * sonar.range_m / sonar.sound_speed;
-    per_second += 1 / (sonar.interval_s > 0 ? sonar.interval_s : travel_s + 0.005);
+    if (sonar.on) per_second += 1 / ping_interval_s(sonar);
   }
   if (per_second * duration_s <= kMaxSceneEvents) return;
   throw Error(fmt::format("{:g} s of this scene are {:.0f} million pings and readings", duration_s,

@@ -107,10 +107,7 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
   }
 }
 
-Duration SimulatedSonar::interval() const {
-  if (config_.interval_s > 0) return seconds(config_.interval_s);
-  return seconds(2 * config_.range_m / config_.sound_speed + 0.005);
-}
+Duration SimulatedSonar::interval() const { return seconds(ping_interval_s(config_)); }
 
 Angle SimulatedSonar::head_azimuth(std::uint64_t number) const {
   const std::uint64_t steps = fans_.size();

@@ -320,6 +320,10 @@ std::vector<Field> fields(SonarConfig& c) {
   };
 }
 
+double ping_interval_s(const SonarConfig& c) {
+  return c.interval_s > 0 ? c.interval_s : 2 * c.range_m / c.sound_speed + 0.005;
+}
+
 void check(const SonarConfig& c) {
   const auto refuse = [&c](const char* key, const char* problem, const char* allowed) {
     Place place = c.place;

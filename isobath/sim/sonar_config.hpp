@@ -86,6 +86,8 @@ std::vector<std::string> sonar_presets();
 /// A preset by name; throws Error for an unknown name.
 SonarConfig sonar_preset(const std::string& name);
 constexpr double kLeastPingInterval = 0.001;  ///< s; below it the time of a run would hardly go on
+/// Time from ping to ping, s: as configured, else that of the sound to the full range and back.
+double ping_interval_s(const SonarConfig& config);
 /// Checks that concern several fields. Throws Error with the place of the sonar in the file.
 void check(const SonarConfig& config);
 

@@ -124,6 +124,7 @@ void DepthModel::on_range(const RangeReading& reading, const PoseEstimate& pose)
   if (!mapper_) begin(reading.time, pose.X_WB);
   if (!first_) first_ = reading.time;
   last_ = reading.time;
+  // No BeamCone: readings are not checked yet, and it takes no cone of a half-space.
   const double down = (pose.X_WB.rotation * (reading.X_BS.rotation * Eigen::Vector3d::UnitX())).z();
   if (std::abs(down) < std::cos(configuration_.depth.evidence.depth_within.radians())) looked_ahead_ = reading.time;
   level_.on_input({reading.time, pose, &reading, nullptr});
@@ -181,7 +182,6 @@ void DepthModel::raise(std::span<const ColumnTop> tops) {
 void DepthModel::finish(std::span<const ColumnTop> tops) {
   if (!mapper_) return;
   mapper_->finish();
-  map_->flush();
   if (!tops.empty() && last_) raise(tops);
   map_->flush();
   changes_ = find_changes(map_->trees(), map_->grid(), configuration_.depth.evidence.margin_m);

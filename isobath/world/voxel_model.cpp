@@ -224,11 +224,18 @@ VoxelOutcome VoxelModel::outcome() const {
   return outcome;
 }
 
+std::vector<std::string> VoxelModel::height_layers() const {
+  std::vector<std::string> names;
+  for (const auto& s : sonars_) {
+    if (!s->flat) names.push_back(s->name);
+  }
+  if (shots_ > 0) names.push_back(kSoundings);
+  return names;
+}
+
 std::vector<ColumnTop> VoxelModel::tops() const {
   std::vector<ColumnTop> tops;
-  const bool tells_height =
-      shots_ > 0 || std::any_of(sonars_.begin(), sonars_.end(), [](const auto& s) { return !s->flat; });
-  if (!map_ || !tells_height) return tops;
+  if (!map_ || height_layers().empty()) return tops;
   const auto less = [](const VoxelIndex& a, const VoxelIndex& b) {
     return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
   };
@@ -270,14 +277,9 @@ std::vector<ColumnTop> VoxelModel::tops() const {
 }
 
 std::shared_ptr<const OccupancySnapshot> VoxelModel::space_around(const ScanResult& scan, double reach_m) {
-  std::vector<std::string> heights;
+  const std::vector<std::string> heights = height_layers();
   std::uint64_t told = shots_;
-  for (const auto& s : sonars_) {
-    if (s->flat) continue;
-    heights.push_back(s->name);
-    told += s->pings;
-  }
-  if (shots_ > 0) heights.push_back(kSoundings);
+  for (const auto& s : sonars_) told += s->flat ? 0 : s->pings;
   const Eigen::Vector3d& centre = scan.detection.X_WB.translation;
   if (told == heights_told_ || !scan.posed || centre.cwiseAbs().maxCoeff() + reach_m > map_->reach_m()) return nullptr;
   heights_told_ = told;

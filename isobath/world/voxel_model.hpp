@@ -104,6 +104,8 @@ class VoxelModel {
     VoxelBlocks* layer;
   };
   Sonar& sonar_of(const Ping& ping);
+  /// The layers of sensors that resolve height.
+  [[nodiscard]] std::vector<std::string> height_layers() const;
   [[nodiscard]] double voxel_for(double range_m) const;
   void begin(double range_m);
   void note(Time time);

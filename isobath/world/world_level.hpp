@@ -12,6 +12,7 @@
 
 #include <functional>
 #include <isobath/map/depth/depth_map.hpp>
+#include <isobath/map/depth/map_record.hpp>
 #include <isobath/perception/range_prediction.hpp>
 #include <isobath/perception/reading_evidence.hpp>
 #include <isobath/perception/sensor_reliability.hpp>

@@ -7,8 +7,8 @@
 
 namespace isobath {
 
-/// Of a file: its content. Of a folder: the names and contents of all files in it, sub-folders included. Throws Error
-/// if it cannot be read. Cost: that of reading the input once.
+/// A file counts by its content; a folder by the names and contents of all its files, those of its sub-folders too.
+/// Throws Error if the input cannot be read. Cost: that of reading it once.
 std::string fingerprint_of(const std::filesystem::path& input);
 
 }  // namespace isobath

@@ -123,7 +123,7 @@ void ChartRoom::say_hazards(Outbox& out) {
 std::vector<Hazard> ChartRoom::hazards() const {
   std::vector<Hazard> all;
   add_objects(all);
-  for (const bool sensed : {false, true}) add_shoals(all, sensed);
+  add_shoals(all);
   for (std::size_t i = 0; i < all.size(); ++i) all[i].id = static_cast<std::uint32_t>(i);
   return all;
 }
@@ -140,21 +140,25 @@ void ChartRoom::add_objects(std::vector<Hazard>& all) const {
   }
 }
 
-void ChartRoom::add_shoals(std::vector<Hazard>& all, bool sensed) const {
+void ChartRoom::add_shoals(std::vector<Hazard>& all) const {
   if (!chart_.depths) return;
   const PixelGrid grid = chart_.depths->grid();
   if (!within_grid(grid, p_WB_->head<2>())) return;
   const Pixel middle = grid.at(p_WB_->head<2>());
   const auto reach = static_cast<std::int32_t>(std::min(kMaxPixels, std::ceil(config_.reach_m / grid.pixel_m)));
   const PixelWindow window{middle.column - reach, middle.row - reach, 2 * reach + 1, 2 * reach + 1};
-  const ShoalRule rule{p_WB_->z() + config_.clearance_m, config_.unknown_blocks && !sensed, config_.overreach_m,
-                       config_.max_outlines, sensed};
-  if (!rule.unknown_blocks && !chart_.depths->may_be_shallower(window, rule.depth_m)) return;
-  for (Polygon& outline : shoal_outlines(*chart_.depths, window, rule)) {
-    Hazard& hazard = all.emplace_back();
-    hazard.kind = sensed ? HazardKind::kMapped : HazardKind::kCharted;
-    hazard.outline = std::move(outline);
-    hazard.margin_m = config_.margin_m;
+  const double too_shallow_m = p_WB_->z() + config_.clearance_m;
+  const bool shoals = chart_.depths->may_be_shallower(window, too_shallow_m);
+  for (const bool sensed : {false, true}) {
+    const bool unknown_blocks = config_.unknown_blocks && !sensed;
+    if (!shoals && !unknown_blocks) continue;
+    const ShoalRule rule{too_shallow_m, unknown_blocks, config_.overreach_m, config_.max_outlines, sensed};
+    for (Polygon& outline : shoal_outlines(*chart_.depths, window, rule)) {
+      Hazard& hazard = all.emplace_back();
+      hazard.kind = sensed ? HazardKind::kMapped : HazardKind::kCharted;
+      hazard.outline = std::move(outline);
+      hazard.margin_m = config_.margin_m;
+    }
   }
 }
 

@@ -56,7 +56,7 @@ class ChartRoom final : public Agent {
   void say_hazards(Outbox& out);
   [[nodiscard]] bool outdated() const;
   [[nodiscard]] std::vector<Hazard> hazards() const;
-  void add_shoals(std::vector<Hazard>& hazards, bool sensed) const;
+  void add_shoals(std::vector<Hazard>& hazards) const;
   void add_objects(std::vector<Hazard>& hazards) const;
   void check_legs(const MissionPlan& plan, Time now, Outbox& out) const;
   [[nodiscard]] std::optional<Decision> check_leg(const MissionPlan& plan, std::size_t point,
