@@ -2,8 +2,9 @@
 //
 // The two-way intensity pattern of a tapered line array is (sin z / z)^(2p). The exponent p lowers the first side lobe
 // from the -13.3 dB of an untapered array (p = 1) to the requested level; z is scaled so that the pattern is -3 dB at
-// half the stated width. `ideal` is a top hat (S5-05), `gaussian` has no side lobes. Source: Urick 1983, 3.6. Widths
-// are full widths at -3 dB, as on a sonar's data sheet.
+// half the stated width. `piston` is a circular transducer that transmits and receives, (2 J1(z) / z)^4: its first side
+// lobe is 35 dB down. `ideal` is a top hat (S5-05), `gaussian` has no side lobes. Source: Urick 1983, 3.6. Widths are
+// full widths at -3 dB, as on a sonar's data sheet.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@
 
 namespace isobath {
 
-enum class PatternKind : std::uint8_t { kLine, kGaussian, kIdeal };
+enum class PatternKind : std::uint8_t { kLine, kPiston, kGaussian, kIdeal };
 
 class BeamPattern {
  public:
@@ -27,7 +28,9 @@ class BeamPattern {
   [[nodiscard]] double reach(double level) const;
 
  private:
-  [[nodiscard]] double line(double off_axis) const;
+  [[nodiscard]] double at(double off_axis) const;
+  template <class Pattern>
+  [[nodiscard]] double aperture(double off_axis, const Pattern& pattern) const;
   PatternKind kind_;
   double half_width_;
   double power_ = 1;

@@ -305,6 +305,7 @@ TEST(ObstacleMemory, KeepsThePartOfAWallThatLeavesTheView) {
 
 // A bay of three walls, cut differently by every sweep: the free water within must not be swallowed. ledger: S6-66
 TEST(ObstacleMemory, DoesNotFillABay) {
+  ISOBATH_NOT_SANITIZED();
   ObstacleMemory memory;
   Random random(3);
   for (int i = 0; i < 60; ++i) {
@@ -407,6 +408,7 @@ TEST(ObstacleMemory, KeepsTheNumberOfTheObstacleThatItsPieceWasLastSeenAs) {
 }
 
 TEST(ObstacleMemory, IsBoundedAndNeverGivesAnIdTwice) {
+  ISOBATH_NOT_SANITIZED();
   ObstacleMemoryConfig config;
   config.max_obstacles = 20;
   ObstacleMemory memory(config);

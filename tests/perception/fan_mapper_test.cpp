@@ -68,6 +68,7 @@ Expected expected(const Look& look, const Pose& X_WS, double voxel, const VoxelI
 
 // ledger: S5-06 S5-11 S5-12 S5-14 S5-16 S5-E03
 TEST(FanMapper, SaysOfEachVoxelWhatItsCellsSayAtAnyAttitude) {
+  ISOBATH_NOT_SANITIZED();
   constexpr double kVoxel = 0.25;
   Random random(3);
   std::size_t sure = 0, all = 0;
@@ -133,6 +134,7 @@ TEST(FanMapper, DropsNoBin) {
 
 // Silence by the rule `aspects`, voxel by voxel the law of dependent looks. ledger: S5-14
 TEST(FanMapper, LetsSilenceSaturateByTheLawOfAspects) {
+  ISOBATH_NOT_SANITIZED();
   const Look look = fan(16, 60, 0.2, 20);
   VoxelBlocks map;
   FanMapperConfig config = by(Rule::kAspects);

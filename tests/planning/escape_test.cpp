@@ -4,6 +4,7 @@
 #include <isobath/base/random.hpp>
 #include <isobath/planning/escape.hpp>
 #include <numbers>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -130,6 +131,7 @@ TEST(EscapeSearch, TakesPointsThatAreNotFiniteForNone) {
 // The way of a turn, integrated a hundred times finer: no free one comes nearer to a point than the room, less what the
 // coarse steps leave between them.
 TEST(EscapeSearch, WhatIsFreeKeepsItsRoomOnAFinerIntegration) {
+  ISOBATH_NOT_SANITIZED();
   Random random(5);
   int free_ones = 0;
   for (int field = 0; field < 200; ++field) {

@@ -38,6 +38,7 @@ TEST(HazardMap, DistancesOfSquareSegmentAndPoint) {
 }
 
 TEST(HazardMap, IsAsGoodAsAListOfAllHazards) {
+  ISOBATH_NOT_SANITIZED();
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const int count = trial < 10 ? 1 + trial : 300;

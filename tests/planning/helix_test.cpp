@@ -10,6 +10,7 @@
 #include <isobath/vehicle/plant.hpp>
 #include <numbers>
 #include <tests/support/data.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -264,6 +265,7 @@ Demand demand_by_chords(const SpacePath& path, double line) {
 
 // Opening and vehicle of many kinds: where it says that it keeps within the limits, it does. ledger: S5-45 S5-47
 TEST(HelixPlan, KeepsWithinTheLimitsOfTheVehicle) {
+  ISOBATH_NOT_SANITIZED();
   const HelixConfig config;
   int helices = 0;
   Random random(11);
@@ -385,6 +387,7 @@ Flight fly(const Opening& opening, double known_share, const VoxelMap* map) {
 
 // ledger: S5-45 S5-D09
 TEST(OpeningApproach, LeavesTheHelixAt20To30MetresAndGoesThroughOrTurnsAway) {
+  ISOBATH_NOT_SANITIZED();
   for (const double course : {0.0, 130.0}) {
     const Opening opening = ahead(60, 25, 8, course);
     const Flight known = fly(opening, 0.98, nullptr), unknown = fly(opening, 0.6, nullptr);
@@ -402,6 +405,7 @@ TEST(OpeningApproach, LeavesTheHelixAt20To30MetresAndGoesThroughOrTurnsAway) {
 
 // ledger: S5-45 S5-47
 TEST(OpeningApproach, TurnsAwayFromWhatTheMapHasInTheWay) {
+  ISOBATH_NOT_SANITIZED();
   const Opening opening = ahead(60);
   VoxelMap map({0.5, 0.5, 0.98, 0.2, 6.9});
   const auto put = [&](const Vector3d& p) {

@@ -143,6 +143,7 @@ TEST(RoutePlanner, IsClearInTheWorldToo) {
 // judged one by one.
 // ledger: S6-48
 TEST(RoutePlanner, TheWayOverCellsIsTheShortest) {
+  ISOBATH_NOT_SANITIZED();
   Random random(3);
   int ways = 0;
   for (int trial = 0; trial < 8; ++trial) {

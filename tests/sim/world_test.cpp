@@ -10,6 +10,7 @@
 #include <isobath/sim/triangle_mesh.hpp>
 #include <tests/sim/worlds.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -107,6 +108,7 @@ struct RandomScene {
 };
 
 TEST(Cast, AgreesWithBruteForceOverAllTriangles) {
+  ISOBATH_NOT_SANITIZED();
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
     RandomScene made(seed);
     const Tank tank(made.toml);
@@ -148,6 +150,7 @@ TEST(Cast, AgreesWithBruteForceOverAllTriangles) {
 
 // Spheres and cylinders from their equations, found by marching along the ray and bisecting.
 TEST(Cast, MeetsSpheresAndCylindersWhereTheirEquationsSay) {
+  ISOBATH_NOT_SANITIZED();
   const Tank tank(
       "[[sphere]]\ncentre = [10, 2, 8]\nradius = 3\n"
       "[[cylinder]]\ncentre = [-6, 4, 9]\naxis = [0.3, -0.5, 1]\nradius = 1.5\nlength = 7\n");

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tests/support/count_allocations.hpp>
 #include <tests/support/echoes.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -116,24 +117,28 @@ WaterColumn shallow() { return {Rotation::from_heading_pitch_roll({}, {}, Angle:
 // A third of ranges by a third of beams holds 2,800 cells: of the rates below, 200 to 1,400 exceedances are judged.
 // ledger: S6-06 S6-64 S6-70
 TEST(FanDetector, DeliversTheFalseAlarmRateThatIsAskedForInOpenWater) {
+  ISOBATH_NOT_SANITIZED();
   EXPECT_THAT(delivered({}, 1e-2, 60, 60), testing::Each(testing::DoubleNear(1, 0.2)));
   EXPECT_THAT(delivered({}, 1e-3, 60, 160), testing::Each(testing::DoubleNear(1, 0.2)));
 }
 
 // ledger: S6-69 S6-70
 TEST(FanDetector, DeliversItWhereBottomAndSurfaceAreLoud) {
+  ISOBATH_NOT_SANITIZED();
   EXPECT_THAT(delivered({shallow_water}, 1e-2, 60, 60, shallow()), testing::Each(testing::DoubleNear(1, 0.2)));
   EXPECT_THAT(delivered({shallow_water}, 1e-3, 60, 160, shallow()), testing::Each(testing::DoubleNear(1, 0.25)));
 }
 
 // ledger: S6-64
 TEST(FanDetector, DeliversItInKDistributedClutter) {
+  ISOBATH_NOT_SANITIZED();
   EXPECT_THAT(delivered({open_water, 1}, 1e-2, 60, 60), testing::Each(testing::DoubleNear(1, 0.2)));
   EXPECT_THAT(delivered({open_water, 1}, 1e-3, 60, 160), testing::Each(testing::DoubleNear(1, 0.2)));
 }
 
 // Too few are heard of each ninth of the fan: the whole fan.
 TEST(FanDetector, DeliversOneInTenThousand) {
+  ISOBATH_NOT_SANITIZED();
   for (const Scene& scene : {Scene{}, Scene{open_water, 1}}) {
     const auto rates = delivered(scene, 1e-4, 100, 100);
     EXPECT_NEAR(std::accumulate(rates.begin(), rates.end(), 0.0) / 9, 1, 0.2);
@@ -190,6 +195,7 @@ TEST(FanDetector, KeepsATargetThatStandsStill) {
 
 // Square on, 12 m ahead: within one range cell it fills the fan to 9 degrees to each side, its echoes 1 m of range.
 TEST(FanDetector, KeepsAFlatWallThatItLooksAtSquareOn) {
+  ISOBATH_NOT_SANITIZED();
   Scene scene;
   scene.target = [](int, int b, int k) {
     const double range = 12 / cos(azimuth(b)), at = kWindow.centre(k);
@@ -283,6 +289,7 @@ double cloud(int ping, int beam, int bin) {
 
 // Asked for 1e-4. A wall in the clouds is found nevertheless. ledger: S6-64
 TEST(FanDetector, TakesCloudsForBackground) {
+  ISOBATH_NOT_SANITIZED();
   Scene scene;
   scene.target = cloud;
   Random random(5);
@@ -303,6 +310,7 @@ double false_rate(const FanLooks& looks) { return found(looks, 0, kBeams, 1, 40)
 
 // ledger: S6-E15
 TEST(FanDetector, BearsAGainThatSteps) {
+  ISOBATH_NOT_SANITIZED();
   Scene scene;
   scene.gain = [](int n, int) { return n < 40 ? 1.0 : 3.0; };
   for (const int pings : {41, 42, 45}) EXPECT_LT(false_rate(after(scene, pings)), 5e-4) << pings;

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <tests/support/data.hpp>
 #include <tests/support/echoes.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -172,6 +173,7 @@ TEST(DidsonRecording, LearntThresholdsAlarmAboutAsOftenAsAsked) {
 // as were asked for, though nobody has marked or calibrated anything.
 // ledger: S6-06 S6-70
 TEST(DidsonRecording, CellsAlarmAsOftenAsAsked) {
+  ISOBATH_NOT_SANITIZED();
   ISOBATH_NEEDS_DATA(folder, "didson-hull/background");
   for (const auto& [asked, tolerance] : {std::pair{1e-2, 0.1}, {1e-3, 0.15}, {1e-4, 0.35}}) {
     FanDetectorConfig config;
@@ -386,6 +388,7 @@ class MeasuredRoc {
 // ratio alone the cells are as good as the learnt thresholds would be were they set by hand to each false-alarm rate;
 // side lobes and shadows cost some marked cells. ledger: S6-62 S6-64
 TEST(DidsonRecording, CellsFindMarkedTargetsWithFewFalseAlarms) {
+  ISOBATH_NOT_SANITIZED();
   ISOBATH_NEEDS_DATA(folder, "didson-hull");
   using M = DetectionMethod;
   const DidsonFrames frames(folder);

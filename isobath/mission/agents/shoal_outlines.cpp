@@ -7,7 +7,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kMaxRows = 64;  // of one outline: each added row checks all of them
+constexpr std::int32_t kRowsRead = 64;  // at a time: a quadtree reads whole squares
+constexpr std::size_t kMaxRows = 64;    // of one outline: each added row checks all of them
 
 /// Which cells of a rectangle are blocked. Columns count east, rows south.
 struct Mask {
@@ -25,10 +26,12 @@ struct Mask {
 
 Mask mask_of(const DepthField& map, PixelWindow window, const ShoalRule& rule) {
   Mask mask{window.width, window.height, 1, {}};
-  std::vector<DepthPixel> row(static_cast<std::size_t>(window.width));
-  for (std::int32_t r = 0; r < window.height; ++r) {
-    map.read({window.column, window.row + r, window.width, 1}, row);
-    for (const DepthPixel& p : row) {
+  std::vector<DepthPixel> rows;
+  for (std::int32_t r = 0; r < window.height; r += kRowsRead) {
+    const std::int32_t count = std::min(kRowsRead, window.height - r);
+    rows.resize(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(count));
+    map.read({window.column, window.row + r, window.width, count}, rows);
+    for (const DepthPixel& p : rows) {
       const bool counts = !rule.sensed || *rule.sensed == p.has(kSensed);
       const bool unknown = !p.known() || (p.clear_only() && p.depth_m() < rule.depth_m);
       mask.blocked.push_back(counts && (unknown ? rule.unknown_blocks : p.depth_m() < rule.depth_m));
