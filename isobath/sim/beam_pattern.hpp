@@ -28,9 +28,11 @@ class BeamPattern {
   [[nodiscard]] double reach(double level) const;
 
  private:
-  [[nodiscard]] double at(double off_axis) const;
-  template <class Pattern>
-  [[nodiscard]] double aperture(double off_axis, const Pattern& pattern) const;
+  [[nodiscard]] double aperture_gain(double z) const;
+  /// The z within the main lobe where the aperture's gain is one half.
+  [[nodiscard]] double half_power_point() const;
+  /// What the table holds.
+  [[nodiscard]] double exact_gain(double off_axis) const;
   PatternKind kind_;
   double half_width_;
   double power_ = 1;

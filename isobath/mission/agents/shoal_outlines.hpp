@@ -5,7 +5,7 @@
 // over none of them by more than `overreach_m` to the side. A slanting shore is thus one outline; with no overreach,
 // outlines are rectangles. Every blocked pixel lies within an outline, and an outline covers nothing farther than the
 // overreach from a blocked pixel of the same row. While there are too many outlines, pixels are merged two by two, and
-// a merged pixel is blocked if one of its pixels is. Cost: about 5 ms for 600 x 600 pixels.
+// a merged pixel is blocked if one of its pixels is. Cost: about 2 ms for 600 x 600 pixels.
 #pragma once
 
 #include <cstdint>
