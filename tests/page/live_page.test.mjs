@@ -32,6 +32,20 @@ test('a simulated mission is seen as it runs, its past as it was, and by two pag
   await picture(page, 'live-1400');
 
   await until(page, 60);
+  // A press on a row counts, though the list is told anew many times before the button comes up.
+  await page.click('#tab-obstacles');
+  const row = page.locator('#obstacle-list li[data-obstacle]').first();
+  await row.hover();
+  const told = await row.locator('.obstacle-away').textContent();
+  await page.mouse.down();
+  await page.waitForFunction(
+    (before) => document.querySelector('#obstacle-list .obstacle-away').textContent !== before,
+    told,
+  );
+  await page.mouse.up();
+  await page.waitForSelector('#obstacle-list button[aria-pressed="true"]');
+  await page.click('#tab-log');
+
   const position = await page.textContent('#now-position');
   const strip = await page.locator('#timeline').boundingBox();
   await page.mouse.click(strip.x + 0.3 * strip.width, strip.y + strip.height / 2);

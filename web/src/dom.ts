@@ -29,6 +29,20 @@ export function mark(element: HTMLElement, name: string, value: string): void {
   if (element.dataset[name] !== value) element.dataset[name] = value;
 }
 
+/**
+ * Makes `rows` the children of the list, in their order. A row that is already in its place is not touched, so that the
+ * focus and a press of the pointer outlast it.
+ */
+export function arrange(list: HTMLElement, rows: readonly HTMLElement[]): void {
+  const wanted = new Set<Element>(rows);
+  const focused = document.activeElement;
+  for (const child of [...list.children]) if (!wanted.has(child)) child.remove();
+  rows.forEach((row, at) => {
+    if (list.children[at] !== row) list.insertBefore(row, list.children[at] ?? null);
+  });
+  if (focused instanceof HTMLElement && list.contains(focused)) focused.focus();
+}
+
 /** Fits a canvas to its box in screen pixels. Returns whether its size changed. */
 export function fit(canvas: HTMLCanvasElement): boolean {
   const ratio = Math.min(2, window.devicePixelRatio || 1);

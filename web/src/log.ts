@@ -1,5 +1,5 @@
 /** DecisionLog: the decisions with agent and reason, newest first. A selected one is shown on the chart. */
-import { byId, make, say } from './dom';
+import { arrange, byId, make, mark, say } from './dom';
 import type { Decision } from './items';
 import { Kind } from './protocol';
 import * as units from './units';
@@ -16,6 +16,7 @@ export class DecisionLog implements View {
   private rows = kRows;
   private drawn = '';
   private agents = '';
+  private readonly made = new WeakMap<Decision, HTMLElement>();
 
   constructor(
     private readonly shared: Shared,
@@ -50,41 +51,46 @@ export class DecisionLog implements View {
         (wanted === '' || `${d.agent} ${d.what} ${d.reason}`.toLowerCase().includes(wanted)),
     );
     const shown = found.slice(-this.rows).reverse();
-    const focused = (document.activeElement as HTMLElement | null)?.closest<HTMLElement>('[data-decision]')?.dataset
-      .decision;
-    this.list.replaceChildren(...shown.map((decision) => this.row(decision, canSeek)));
-    if (focused) this.list.querySelector<HTMLElement>(`[data-decision="${focused}"] button`)?.focus();
+    arrange(this.list, shown.map((decision) => this.row(decision, canSeek)));
     this.more.hidden = found.length <= this.rows;
     byId('log-none').hidden = shown.length > 0;
     say(byId('log-none'), model.decisions.length > 0 ? 'No decision matches.' : 'No decisions yet.');
   }
 
+  /** A row keeps its element, so that a press on it ends on it. */
   private row(decision: Decision, canSeek: boolean): HTMLElement {
     const { model, selected } = this.shared;
     const since = model.scene ? decision.time - model.scene.start : NaN;
+    const item = this.made.get(decision) ?? this.element(decision);
+    this.made.set(decision, item);
+    say(item.querySelector('time')!, units.elapsed(since));
     const chosen = selected?.number === decision.number;
+    item.querySelector('button')!.setAttribute('aria-pressed', String(chosen));
+    item.classList.toggle('chosen', chosen);
+    const told = chosen ? `${since} ${canSeek}` : '';
+    if ((item.dataset.told ?? '') !== told) {
+      item.querySelector('.log-details')?.remove();
+      if (chosen) item.append(this.details(decision, since, canSeek));
+      mark(item, 'told', told);
+    }
+    return item;
+  }
+
+  private element(decision: Decision): HTMLElement {
+    const { margin } = decision;
     const head = make(
       'span',
       { class: 'log-head' },
       make('span', { class: 'log-number' }, String(decision.number)),
-      make('time', {}, units.elapsed(since)),
+      make('time'),
       make('span', { class: 'log-agent' }, decision.agent),
       make('strong', {}, decision.what),
-      ...(decision.margin === undefined
-        ? []
-        : [make('span', { class: 'log-margin' }, `margin ${units.metres(decision.margin)}`)]),
+      ...(margin === undefined ? [] : [make('span', { class: 'log-margin' }, `margin ${units.metres(margin)}`)]),
     );
-    const button = make(
-      'button',
-      { type: 'button', class: 'log-row', 'aria-pressed': chosen },
-      head,
-      make('span', { class: 'log-reason' }, decision.reason),
-    );
-    button.setAttribute('aria-pressed', String(chosen));
+    const reason = make('span', { class: 'log-reason' }, decision.reason);
+    const button = make('button', { type: 'button', class: 'log-row' }, head, reason);
     button.addEventListener('click', () => this.shared.showDecision(decision));
-    const item = make('li', { 'data-decision': decision.number, class: chosen ? 'chosen' : undefined }, button);
-    if (chosen) item.append(this.details(decision, since, canSeek));
-    return item;
+    return make('li', { 'data-decision': decision.number }, button);
   }
 
   private details(decision: Decision, since: number, canSeek: boolean): HTMLElement {

@@ -2,7 +2,7 @@
  * ObstacleList: the obstacles as people count them, nearest first, each with number, kind, extent, distance and bearing
  * from the vehicle. Pointing at one marks it on the chart; a selected one is shown there.
  */
-import { byId, make, say } from './dom';
+import { arrange, byId, make, say } from './dom';
 import { distanceTo, history, nameOf, sizeOf, tracked, type Tracked } from './plan/obstacle_tracks';
 import { Kind, type Point } from './protocol';
 import * as units from './units';
@@ -53,36 +53,39 @@ export class ObstacleList implements View {
     const look = `${model.revision[Kind.obstacles]} ${model.revision[Kind.vehicle]} ${obstacle} ${hovered}`;
     if (look === this.drawn) return;
     this.drawn = look;
-    const focused = (document.activeElement as HTMLElement | null)?.closest<HTMLElement>('[data-obstacle]')?.dataset
-      .obstacle;
-    this.list.replaceChildren(...rows.slice(0, kRows).map((row) => this.row(row)));
-    if (focused) this.list.querySelector<HTMLElement>(`[data-obstacle="${focused}"] button`)?.focus();
+    arrange(this.list, rows.slice(0, kRows).map((row, place) => this.row(row, place)));
   }
 
-  private row({ tracked: t, away, bearing }: ObstacleRow): HTMLElement {
+  /** The row of one obstacle, which keeps its element for as long as it is listed: a press on it ends on it. */
+  private row({ tracked: t, away, bearing }: ObstacleRow, place: number): HTMLElement {
     const { model, obstacle, hovered } = this.shared;
+    const item = this.element(t.number ?? `no number, place ${place}`, t.number);
+    const part = (name: string) => item.querySelector<HTMLElement>(name)!;
+    say(part('strong'), sizeOf(t) || nameOf(t));
+    say(part('.obstacle-away'), `${units.metres(away)}, ${units.bearing(bearing)}`);
+    say(part('.log-reason'), history(t, model.now).join(', '));
     const chosen = t.number !== undefined && t.number === obstacle;
+    part('button').setAttribute('aria-pressed', String(chosen));
+    item.classList.toggle('chosen', chosen || (t.number !== undefined && t.number === hovered));
+    return item;
+  }
+
+  private element(key: number | string, number: number | undefined): HTMLElement {
+    const before = this.list.querySelector<HTMLElement>(`[data-row="${key}"]`);
+    if (before) return before;
     const head = make(
       'span',
       { class: 'log-head' },
-      make('span', { class: 'log-number' }, t.number === undefined ? '?' : String(t.number)),
-      make('strong', {}, sizeOf(t) || nameOf(t)),
-      make('span', { class: 'obstacle-away' }, `${units.metres(away)}, ${units.bearing(bearing)}`),
+      make('span', { class: 'log-number' }, number === undefined ? '?' : String(number)),
+      make('strong'),
+      make('span', { class: 'obstacle-away' }),
     );
-    const button = make(
-      'button',
-      { type: 'button', class: 'log-row' },
-      head,
-      make('span', { class: 'log-reason' }, history(t, model.now).join(', ')),
-    );
-    button.setAttribute('aria-pressed', String(chosen));
-    const marked = chosen || (t.number !== undefined && t.number === hovered);
-    const item = make('li', { 'data-obstacle': t.number, class: marked ? 'chosen' : undefined }, button);
-    if (t.number === undefined) return item;
-    const number = t.number;
-    button.addEventListener('click', () => this.shared.showObstacle(number));
-    button.addEventListener('pointerenter', () => this.shared.hover(number));
-    button.addEventListener('pointerleave', () => this.shared.hover(null));
-    return item;
+    const button = make('button', { type: 'button', class: 'log-row' }, head, make('span', { class: 'log-reason' }));
+    if (number !== undefined) {
+      button.addEventListener('click', () => this.shared.showObstacle(number));
+      button.addEventListener('pointerenter', () => this.shared.hover(number));
+      button.addEventListener('pointerleave', () => this.shared.hover(null));
+    }
+    return make('li', { 'data-row': key, 'data-obstacle': number }, button);
   }
 }
