@@ -201,12 +201,14 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
     scans += r.scans;
     s.false_obstacles += r.false_obstacles;
     s.near_false_obstacles += r.near_false_obstacles;
+    s.unseen_false_obstacles += r.unseen_false_obstacles;
     if (r.refused.empty()) continue;
     ++s.reasons[without_numbers(r.refused)];
     s.no_way_there += !run.no_way.empty();
   }
   s.false_obstacles /= std::max(scans, 1.0);
   s.near_false_obstacles /= std::max(scans, 1.0);
+  s.unseen_false_obstacles /= std::max(scans, 1.0);
   s.path_ratio = spread(path);
   s.time_ratio = spread(time);
   s.clearance_m = spread(clearance);

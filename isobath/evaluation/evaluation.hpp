@@ -66,7 +66,8 @@ struct Summary {
   Share safe_goals;                                                 ///< goals without a collision
   Spread path_ratio, time_ratio;                                    ///< of the runs that reached the goal
   Spread clearance_m, delay_pings, first_range_m;
-  double false_obstacles = 0, near_false_obstacles = 0;  ///< per scan, over the scans of all runs
+  double false_obstacles = 0, near_false_obstacles = 0,
+         unseen_false_obstacles = 0;  ///< per scan, over the scans of all runs
   int points_dropped = 0, bodies_missed = 0, replans = 0, false_replans = 0, safety_actions = 0;
   std::size_t no_way_there = 0;        ///< refused runs where the planner with full truth found no route either
   std::map<std::string, int> reasons;  ///< of refusals, with # for every number

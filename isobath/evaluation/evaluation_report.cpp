@@ -78,6 +78,7 @@ ordered_json json_of(const Summary& s) {
           {"first_range_m_median", middle_of(s.first_range_m)},
           {"false_obstacles_a_scan", s.false_obstacles},
           {"false_obstacles_20m_a_scan", s.near_false_obstacles},
+          {"false_obstacles_unseen_a_scan", s.unseen_false_obstacles},
           {"points_dropped", s.points_dropped},
           {"bodies_missed", s.bodies_missed},
           {"replans", s.replans},
@@ -189,6 +190,7 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("range at detection, m", [](const Summary& s) { return cell_text(s.first_range_m, 1); });
   row("false obstacles per scan", [](const Summary& s) { return fmt::format("{:.3f}", s.false_obstacles); });
   row("... within 20 m", [](const Summary& s) { return fmt::format("{:.3f}", s.near_false_obstacles); });
+  row("... remembered, out of view", [](const Summary& s) { return fmt::format("{:.3f}", s.unseen_false_obstacles); });
   row("mission points dropped", [](const Summary& s) { return cell_text(s.points_dropped, s.goals); });
   row("replans", [](const Summary& s) { return cell_text(s.replans, s.goals); });
   row("false replans", [](const Summary& s) { return cell_text(s.false_replans, s.goals); });

@@ -165,6 +165,7 @@ RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTr
   s.scans = result.sight.scans;
   s.false_obstacles = result.sight.false_obstacles;
   s.near_false_obstacles = result.sight.near_false_obstacles;
+  s.unseen_false_obstacles = result.sight.unseen_false_obstacles;
   judge_decisions(result.decisions, truth, suite.near_body_m, s);
   return s;
 }

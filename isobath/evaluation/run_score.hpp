@@ -48,8 +48,8 @@ struct RunScore {
   int replans = 0, false_replans = 0, safety_actions = 0;
 
   int scans = 0;
-  int false_obstacles = 0,
-      near_false_obstacles = 0;  ///< over all scans; near: within kNearObstacle_m (DetectionScorer)
+  int false_obstacles = 0, near_false_obstacles = 0;  ///< in view, over all scans; near: within kNearObstacle_m
+  int unseen_false_obstacles = 0;                     ///< the same out of view (DetectionScorer)
 
   FaultInjectionCheck proof;  ///< for runs of a fault suite
 };

@@ -9,7 +9,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunScore, collision, near_miss, encounter, co
                                    nearest_body, goal_reached, goal_s, goal_distance_m, refused, points_dropped, path_m,
                                    duration_s, path_ratio, time_ratio, delay_pings, first_range_m, bodies_missed,
                                    replans, false_replans, safety_actions, scans, false_obstacles, near_false_obstacles,
-                                   proof)
+                                   unseen_false_obstacles, proof)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScoredRun, seed, variant, conditions, way_m, no_way, scores)
 
 std::string to_line(const ScoredRun& run, const std::string& fingerprint) {

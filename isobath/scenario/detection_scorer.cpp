@@ -69,16 +69,17 @@ Pose DetectionScorer::true_level_pose(Time time) const {
 
 void DetectionScorer::on_ping(const PosedPing& posed) {
   const Ping& ping = posed.ping;
+  const Pose X_WL = true_level_pose(ping.time);
+  const Pose X_WS = X_WL * ping.X_BS;
+  look(ping, X_WS);
   const auto truth = std::find_if(waiting_.begin(), waiting_.end(), [&ping](const EchoTruth& t) {
     return t.time == ping.time && t.beams == ping.fan->beams() && t.bins == ping.window.bins;
   });
   if (truth == waiting_.end()) return;
-  const Pose X_WL = true_level_pose(ping.time);
   bin_ = ping.window.bin_m;
   beam_ = ping.fan->width[0].radians();
   std::vector<bool> heard(bodies_.size());
   const std::vector<std::vector<Polygon>> plans = plans_now();
-  const Pose X_WS = X_WL * ping.X_BS;
   const Vector2d origin = X_WS.translation.head<2>();
   for (int b = 0; b < truth->beams; ++b) {
     const Angle a = ping.fan->azimuth[static_cast<std::size_t>(b)];
@@ -123,6 +124,26 @@ void DetectionScorer::on_ping(const PosedPing& posed) {
     if (w.score.scans_found == 0) ++w.score.delay_pings;
   }
   waiting_.erase(waiting_.begin(), truth + 1);
+}
+
+void DetectionScorer::look(const Ping& ping, const Pose& X_WS) {
+  const auto& azimuths = ping.fan->azimuth;
+  const auto [first, last] = std::minmax_element(azimuths.begin(), azimuths.end());
+  const Angle middle = (*first + *last) / 2;
+  const Vector3d along = X_WS.rotation * Vector3d(cos(middle), sin(middle), 0);
+  views_.push_back({X_WS.translation.head<2>(), Angle::radians(std::atan2(along.y(), along.x())),
+                    (*last - *first + ping.fan->width[0]) / 2, ping.window.end_m()});
+}
+
+bool DetectionScorer::in_view(const Polygon& outline) const {
+  const auto seen = [this](const Vector2d& p) {
+    return std::any_of(views_.begin(), views_.end(), [&p](const View& v) {
+      const Vector2d to = p - v.origin;
+      const Angle off = (Angle::radians(std::atan2(to.y(), to.x())) - v.middle).wrapped();
+      return to.norm() <= v.reach_m && std::abs(off.radians()) <= v.half_width.radians();
+    });
+  };
+  return std::any_of(outline.begin(), outline.end(), seen);
 }
 
 std::vector<std::vector<Polygon>> DetectionScorer::plans_now() const {
@@ -203,8 +224,9 @@ void DetectionScorer::on_scan(const ScanResult& scan) {
     ++count;
     any_false = any_false || &count == &score_.false_alarms;
     if (owned || o.existence < kSureObstacle || bottom_in_the_way(outline)) continue;
-    ++score_.false_obstacles;
-    score_.near_false_obstacles += o.range_m <= kNearObstacle_m;
+    const bool seen = in_view(outline);
+    ++(seen ? score_.false_obstacles : score_.unseen_false_obstacles);
+    score_.near_false_obstacles += seen && o.range_m <= kNearObstacle_m;
   }
   score_.scans_with_false_alarms += any_false;
   const double now = to_seconds(scan.detection.time);
@@ -222,6 +244,7 @@ void DetectionScorer::on_scan(const ScanResult& scan) {
     w.error_squares += error * error;
     if (std::abs(error) > std::abs(w.score.range_error_worst_m)) w.score.range_error_worst_m = error;
   }
+  views_.clear();
   last_marks_ = std::move(marks_);
   marks_.clear();
 }

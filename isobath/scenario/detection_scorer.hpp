@@ -11,7 +11,9 @@
 // first scan that shows it.
 //
 // A false obstacle is defined by its effect on the vehicle, not by its cause: the map is sure of it (existence of at
-// least kSureObstacle), but there is nothing to avoid: no body near, and a bottom deeper than the hull plus 1 m.
+// least kSureObstacle), but there is nothing to avoid: no body near, and a bottom deeper than the hull plus 1 m. It counts
+// only where a ping since the last scan could have heard it: in its sector, and within its range. What the map remembers
+// elsewhere is counted apart, because the drift of the navigation moves it off its body.
 #pragma once
 
 #include <isobath/map/occupancy/obstacle.hpp>
@@ -47,7 +49,8 @@ struct TruthScore {
   int obstacles = 0;              ///< over all scans; each is one of the following
   int of_bodies = 0, of_bottom = 0, of_surface = 0, of_mirrors = 0, false_alarms = 0;
   int scans_with_false_alarms = 0;
-  int false_obstacles = 0, near_false_obstacles = 0;  ///< over all scans; near: within kNearObstacle_m
+  int false_obstacles = 0, near_false_obstacles = 0;  ///< in view, over all scans; near: within kNearObstacle_m
+  int unseen_false_obstacles = 0;                     ///< the same out of view
 };
 
 class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserver {
@@ -65,6 +68,12 @@ class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserve
 
  private:
   enum Kind : std::uint8_t { kBottomEcho = 1, kSurfaceEcho = 2, kMirrorEcho = 4 };
+  /// What a ping could hear: a sector in W.
+  struct View {
+    Eigen::Vector2d origin;
+    Angle middle, half_width;
+    double reach_m = 0;
+  };
   struct Watch {
     BodyScore score;
     double first_heard_s = -1;
@@ -73,6 +82,8 @@ class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserve
   [[nodiscard]] std::uint8_t kinds_near(const Polygon& outline, double within) const;
   /// The plan outlines of every body at its current position.
   [[nodiscard]] std::vector<std::vector<Polygon>> plans_now() const;
+  void look(const Ping& ping, const Pose& X_WS);
+  [[nodiscard]] bool in_view(const Polygon& outline) const;
   [[nodiscard]] Pose true_level_pose(Time time) const;
   /// Whether the bottom there is too shallow for the vehicle to pass over.
   [[nodiscard]] bool bottom_in_the_way(const Polygon& outline) const;
@@ -80,6 +91,7 @@ class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserve
   Simulator& simulator_;
   std::vector<Watch> bodies_;
   std::unordered_map<std::int64_t, std::uint8_t> marks_, last_marks_;  ///< kinds of echoes, by square metre of W
+  std::vector<View> views_;                                            ///< of the pings since the last scan
   std::vector<EchoTruth> waiting_;                                     ///< truths whose pings have not come yet
   std::vector<TrueMotion> motions_;                                    ///< the last few true motions
   double beam_ = 0, bin_ = 0;

@@ -53,6 +53,7 @@ class Judged : public testing::Test {
     TrueMotion motion;
     motion.state.X_WB.translation = {0, 0, 4};
     judge_.on_truth(motion);
+    ping(motion.state.X_WB);
     const BodyGrid grid{BodyGridConfig{}};
     Detection found;
     found.cells = grid.cells();
@@ -62,6 +63,20 @@ class Judged : public testing::Test {
     return judge_.score();
   }
 
+  /// A fan of one beam over this sector, to this range; at the start it hears everything.
+  void ping(const Pose& X_WB) {
+    Ping ping;
+    ping.window = {0, 1, static_cast<int>(reach_m_)};
+    auto fan = std::make_shared<BeamFan>();
+    fan->azimuth = {middle_};
+    fan->width = {sector_};
+    ping.fan = std::move(fan);
+    const EchoDecisions decisions;
+    judge_.on_ping({ping, X_WB, decisions});
+  }
+
+  Angle middle_, sector_ = Angle::degrees(360);
+  double reach_m_ = 100;
   Simulator simulator_;
   DetectionScorer judge_;
 };
@@ -80,6 +95,17 @@ TEST_F(Judged, ASureObstacleWhereNothingStandsIsFalse) {
   EXPECT_EQ(score.false_alarms, 3);
   EXPECT_EQ(score.false_obstacles, 2) << "the map was not sure of the third";
   EXPECT_EQ(score.near_false_obstacles, 1) << "one was further than 20 m away";
+}
+
+TEST_F(Judged, AFalseObstacleOutOfViewIsCountedApart) {
+  sector_ = Angle::degrees(60);
+  middle_ = Angle::degrees(90);
+  reach_m_ = 12;
+  EXPECT_EQ(scan({-2, 10}, 1).near_false_obstacles, 1) << "abeam";
+  EXPECT_EQ(scan({-10, 4}, 1).unseen_false_obstacles, 1) << "on the quarter";
+  const TruthScore& score = scan({0, 15}, 1);
+  EXPECT_EQ(score.unseen_false_obstacles, 2) << "beyond the range";
+  EXPECT_EQ(score.false_obstacles, 1);
 }
 
 TEST_F(Judged, APieceBesideABodyIsOfTheBodyIfItIsOfTheSameObstacle) {
