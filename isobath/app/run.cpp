@@ -149,6 +149,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   }
   if (outcome.counts.pings > 0 || !outcome.depth) print(outcome.obstacles, outcome.counts.scans);
   if (outcome.depth) print(request, *outcome.depth);
+  if (outcome.sphere) fmt::print("{}\n", sphere_text(*outcome.sphere));
   if (outcome.truth) print(*outcome.truth);
   print_input(outcome);
   print_doubts(outcome);

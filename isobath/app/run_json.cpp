@@ -74,6 +74,7 @@ ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
                     {"rejected", rejected_json(outcome)},
                     {"depth", outcome.depth ? depth_json(*outcome.depth) : ordered_json()},
                     {"voxels", outcome.voxels ? voxels_json(*outcome.voxels) : ordered_json()},
+                    {"sphere", outcome.sphere ? sphere_json(*outcome.sphere) : ordered_json()},
                     {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},
                     {"mission", outcome.mission ? mission_with_times(*outcome.mission) : ordered_json()},
                     {"rates", rates_json(outcome)},

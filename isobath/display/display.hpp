@@ -75,6 +75,8 @@ class Display : public ResultSink {
   void look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels);
   /// Shows the depths alone.
   void show(Time time, std::shared_ptr<const DepthSnapshot> depths) { maps_.show(time, std::move(depths)); }
+  /// Shows the spherical grid, if it is due.
+  void show(Time time, const GridSnapshot& sphere) { maps_.show(time, sphere); }
   /// Whether the last counts are a second old.
   [[nodiscard]] bool wants_counts(Time time) const;
   void show(Time time, const DisplayCounts& counts);

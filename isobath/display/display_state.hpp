@@ -42,8 +42,9 @@ enum class DisplayKind : std::uint8_t {
   kRefusal,
   kTimes,
   kCubes,
+  kSphere,
 };
-inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kCubes;
+inline constexpr DisplayKind kLastDisplayKind = DisplayKind::kSphere;
 
 /// Voxels (kVoxels) are most of the bytes, and cubes (kCubes) show the same more coarsely. So voxels are sent apart, to
 /// readers that ask for them, and nothing waits for them.

@@ -274,4 +274,37 @@ void MapDisplay::show_cubes(Time time, double cube_m, std::uint64_t region) {
              voxel_bytes(cube_m, VoxelBlocks::corner_of(region), cubes.voxels, cubes.cubes));
 }
 
+void MapDisplay::show(Time time, const GridSnapshot& sphere) {
+  if (!show_again(sphere_shown_, time, kSphereInterval)) return;
+  sphere_shown_ = time;
+  const SphericalGrid& grid = sphere.grid;
+  struct Cell {
+    std::uint16_t layer, azimuth, elevation;
+    std::uint8_t shade;
+  };
+  std::vector<Cell> cells;
+  grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
+    for (const SphericalCell& cell : beam) {
+      if (cell.echoes == 0 || static_cast<double>(cell.log_odds) < grid.occupied_log_odds()) continue;
+      cells.push_back({static_cast<std::uint16_t>(cell.layer), static_cast<std::uint16_t>(d.azimuth),
+                       static_cast<std::uint16_t>(d.elevation),
+                       static_cast<std::uint8_t>(std::lround(kProbabilityUnit * SphericalGrid::probability(cell)))});
+    }
+  });
+  std::stable_sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.layer < b.layer; });
+  cells.resize(std::min(cells.size(), kSphereCells));
+  const DirectionBuckets& buckets = grid.buckets();
+  const Eigen::Vector3d& at = sphere.X_WB.translation;
+  DisplayBytes bytes;
+  bytes.add(at.x()).add(at.y()).add_floats({at.z()});
+  bytes.add_floats({(buckets.azimuth_edge(0) + grid.remainder() - grid.turned()).radians(),
+                    buckets.elevation_edge(0).radians(), buckets.step().radians()});
+  bytes.add(static_cast<std::uint32_t>(grid.layers().count())).add(static_cast<std::uint32_t>(cells.size()));
+  for (int i = 0; i < grid.layers().count(); ++i) bytes.add(static_cast<float>(grid.layers().outer(i)));
+  for (const Cell& cell : cells) {
+    bytes.add(cell.layer).add(cell.azimuth).add(cell.elevation).add(static_cast<std::uint16_t>(cell.shade));
+  }
+  items_.set(DisplayKind::kSphere, 0, time, bytes.take());
+}
+
 }  // namespace isobath

@@ -1,4 +1,5 @@
-// MapDisplay: encodes the maps of a run as items for the live page: occupancy around the vehicle, depths and voxels.
+// MapDisplay: encodes the maps of a run as items for the live page: occupancy around the vehicle, depths, voxels and
+// the spherical grid.
 // Only what has changed is encoded.
 //
 // Depths: the charted area is encoded once, as one coarse picture (at most kOverview pixels a side). After that, each
@@ -16,6 +17,7 @@
 #include <isobath/geometry/pose.hpp>
 #include <isobath/map/depth/depth_map.hpp>
 #include <isobath/map/occupancy/body_grid.hpp>
+#include <isobath/map/spherical/grid_snapshots.hpp>
 #include <isobath/map/voxel/voxel_map.hpp>
 #include <map>
 #include <memory>
@@ -32,6 +34,8 @@ class MapDisplay {
   static constexpr Duration kGridInterval = std::chrono::milliseconds(450);
   static constexpr Duration kDepthInterval = std::chrono::seconds(1);
   static constexpr Duration kVoxelInterval = std::chrono::seconds(1);
+  static constexpr Duration kSphereInterval = std::chrono::seconds(2);
+  static constexpr std::size_t kSphereCells = 6000;
 
   explicit MapDisplay(DisplayState& items) : items_(items) {}
 
@@ -40,6 +44,9 @@ class MapDisplay {
   [[nodiscard]] bool wants_depths(Time time) const { return show_again(depths_shown_, time, kDepthInterval); }
   void show(Time time, std::shared_ptr<const DepthSnapshot> depths);
   void show(Time time, const VoxelMap& voxels);
+  /// The occupied cells of the spherical grid that hold an echo: the kSphereCells nearest. An echo is spread over
+  /// several cells, of which one holds it.
+  void show(Time time, const GridSnapshot& sphere);
   /// Call after the voxel map has moved: all voxels are encoded again.
   void voxels_moved(Time time);
 
@@ -50,7 +57,7 @@ class MapDisplay {
   void show_cubes(Time time, double cube_m, std::uint64_t region);
 
   DisplayState& items_;
-  std::optional<Time> grid_shown_, depths_shown_, voxels_shown_;
+  std::optional<Time> grid_shown_, depths_shown_, voxels_shown_, sphere_shown_;
   bool overview_shown_ = false;
   std::shared_ptr<const DepthSnapshot> depths_;  ///< as last shown
   std::uint64_t voxel_revision_ = 0;

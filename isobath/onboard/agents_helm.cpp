@@ -142,6 +142,12 @@ void AgentsHelm::on_depths(const std::shared_ptr<const DepthField>& depths, std:
   executor_->on_message(chart_, now());
 }
 
+void AgentsHelm::on_sphere(const std::shared_ptr<const GridSnapshot>& sphere) {
+  const std::lock_guard lock(mutex_);
+  chart_.sphere = sphere;
+  executor_->on_message(chart_, now());
+}
+
 void AgentsHelm::on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) {
   const std::lock_guard lock(mutex_);
   executor_->on_message(OccupancyUpdate{time + clock_.offset(), space}, now());

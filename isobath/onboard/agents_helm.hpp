@@ -38,6 +38,7 @@ class AgentsHelm : public Helm {
   void on_scan(const ScanResult& scan) override;
   void on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) override;
   void on_depths(const std::shared_ptr<const DepthField>& depths, std::optional<Time> looked_ahead) override;
+  void on_sphere(const std::shared_ptr<const GridSnapshot>& sphere) override;
 
   [[nodiscard]] const MissionPlan& plan() const { return *plan_; }
 

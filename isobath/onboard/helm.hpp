@@ -7,6 +7,7 @@
 
 #include <isobath/event/event.hpp>
 #include <isobath/map/depth/depth_field.hpp>
+#include <isobath/map/spherical/grid_snapshots.hpp>
 #include <isobath/map/voxel/occupancy_snapshot.hpp>
 #include <isobath/mission/command/executor.hpp>
 #include <isobath/mission/messages/operator_link.hpp>
@@ -27,6 +28,8 @@ class Helm : public ResultSink {
   /// The depth map so far, with the time of its newest reading of a range sonar that looks ahead. Called at the
   /// interval of `chart_room.live_s` while the map grows; never null.
   virtual void on_depths(const std::shared_ptr<const DepthField>& /*depths*/, std::optional<Time> /*looked_ahead*/) {}
+  /// The spherical grid at the end of a scan; never null. Called only with `chart_room.sphere`.
+  virtual void on_sphere(const std::shared_ptr<const GridSnapshot>& /*sphere*/) {}
   /// The set-point from now on. Called after each event.
   [[nodiscard]] virtual Setpoint steer() = 0;
   [[nodiscard]] virtual MissionReport progress() const = 0;

@@ -10,6 +10,12 @@ VoxelModelConfig voxels_of(const OnboardConfiguration& configuration, bool wante
   return config;
 }
 
+SphericalModelConfig sphere_of(const OnboardConfiguration& configuration, bool wanted) {
+  SphericalModelConfig config = configuration.sphere;
+  config.keep = config.keep && wanted;
+  return config;
+}
+
 }  // namespace
 
 Onboard::Onboard(const OnboardConfiguration& configuration, DepthModel& depths, OnboardParts parts)
@@ -17,8 +23,10 @@ Onboard::Onboard(const OnboardConfiguration& configuration, DepthModel& depths, 
       times_(parts.times ? std::move(parts.times) : std::make_shared<StageTimes>()),
       depths_(depths),
       voxels_(voxels_of(configuration, parts.voxels), std::move(parts.voxel_file)),
+      sphere_(sphere_of(configuration, parts.sphere)),
       reach_m_(configuration.mission.space_route.reach_m),
       depths_interval_(seconds(configuration.mission.chart_room.live_s)),
+      sphere_steers_(configuration.mission.chart_room.sphere),
       pipeline_(configuration, *this, &depths) {
   pipeline_.watch(&load_);
   if (parts.live) mapping_.emplace(TaskThread::Bounds{kLongestQueue, kLongestQueue, true});
@@ -55,6 +63,7 @@ void Onboard::map(Event event, Clock::time_point taken) {
   }
   load_.enter(Stage::kAgents);
   tell_depths(time);
+  tell_sphere(time);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_mapped(time, pipeline_, depths_, voxels_);
   load_.leave();
@@ -71,6 +80,15 @@ void Onboard::tell_depths(Time time) {
   depths_told_ = time;
   depth_readings_told_ = counts.readings + counts.soundings;
   helm_->on_depths(map, depths_.looked_ahead());
+}
+
+/// Tells of a scan that has ended since.
+void Onboard::tell_sphere(Time time) {
+  const auto sphere = sphere_.newest();
+  if (!sphere || std::exchange(sphere_told_, sphere->version) == sphere->version) return;
+  if (helm_ && sphere_steers_) helm_->on_sphere(sphere);
+  load_.enter(Stage::kReport);
+  for (OnboardObserver* observer : observers_) observer->on_sphere(time, sphere);
 }
 
 Setpoint Onboard::steer() {
@@ -92,6 +110,7 @@ void Onboard::settle() {
 
 void Onboard::finish() {
   pipeline_.finish();
+  sphere_.end_scan();
   load_.leave();
   depths_.finish(depths_.snapshot() ? voxels_.tops() : std::vector<ColumnTop>{});
   settle();
@@ -106,12 +125,16 @@ void Onboard::on_ping(const PosedPing& ping) {
   times_->aside();
   load_.enter(Stage::kVoxels);
   voxels_.update(ping);
+  load_.enter(Stage::kSphere);
+  sphere_.update(ping);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_ping(ping);
   times_->resume();
 }
 
 void Onboard::on_scan(const ScanResult& scan) {
+  load_.enter(Stage::kSphere);
+  sphere_.end_scan();
   load_.enter(Stage::kVoxels);
   const auto space = voxels_.space_around(scan, reach_m_);
   if (space) heights_ = space;
@@ -128,19 +151,30 @@ void Onboard::on_scan(const ScanResult& scan) {
 void Onboard::on_vertical_ping(const PosedPing& ping) {
   load_.enter(Stage::kVoxels);
   voxels_.update(ping);
+  load_.enter(Stage::kSphere);
+  sphere_.update(ping);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_vertical_ping(ping);
+}
+
+void Onboard::on_range(const RangeReading& reading, const Pose& X_WB) {
+  load_.enter(Stage::kSphere);
+  sphere_.update(reading, X_WB);
+  load_.enter(Stage::kDepths);
 }
 
 void Onboard::on_soundings(const Swath& swath, const Pose& X_WB) {
   load_.enter(Stage::kVoxels);
   voxels_.update(swath, X_WB);
+  load_.enter(Stage::kSphere);
+  sphere_.update(swath, X_WB);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_soundings(swath, X_WB);
 }
 
 void Onboard::on_jump(const Eigen::Vector3d& by_W) {
   voxels_.move_along(by_W);
+  sphere_.move_along(by_W);
   heights_.reset();
   for (OnboardObserver* observer : observers_) observer->on_jump(by_W);
 }

@@ -28,6 +28,7 @@
 #include <isobath/onboard/stage_cpu_time.hpp>
 #include <isobath/onboard/stage_times.hpp>
 #include <isobath/world/depth_model.hpp>
+#include <isobath/world/spherical_model.hpp>
 #include <isobath/world/voxel_model.hpp>
 #include <memory>
 #include <optional>
@@ -40,6 +41,7 @@ struct OnboardParts {
   std::shared_ptr<StageTimes> times = {};  ///< the times that the agents of the helm report to; null: its own
   std::filesystem::path voxel_file = {};   ///< file for voxels that leave memory, if so configured
   bool voxels = true;                      ///< whether to keep a voxel map
+  bool sphere = true;                      ///< whether to keep a spherical grid, if the configuration asks for it
   bool live = false;                       ///< gives mapping its own thread; the agents must then have theirs, too
 };
 
@@ -62,7 +64,9 @@ class Onboard : private ResultSink {
   void finish();
 
   [[nodiscard]] Pipeline& pipeline() { return pipeline_; }
+  [[nodiscard]] const Pipeline& pipeline() const { return pipeline_; }
   [[nodiscard]] const VoxelModel& voxels() const { return voxels_; }
+  [[nodiscard]] const SphericalModel& sphere() const { return sphere_; }
   [[nodiscard]] const DepthModel& depths() const { return depths_; }
   /// Live: pings that a full queue dropped.
   [[nodiscard]] std::uint64_t lost_pings() const { return mapping_ ? mapping_->left_out().pings : 0; }
@@ -77,11 +81,13 @@ class Onboard : private ResultSink {
   using Clock = StageTimes::Clock;
   void map(Event event, Clock::time_point taken);
   void tell_depths(Time time);
+  void tell_sphere(Time time);
 
   // Results of the pipeline.
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_vertical_ping(const PosedPing& ping) override;
+  void on_range(const RangeReading& reading, const Pose& X_WB) override;
   void on_soundings(const Swath& swath, const Pose& X_WB) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   [[nodiscard]] const OccupancySnapshot* heights() const override { return heights_.get(); }
@@ -90,11 +96,14 @@ class Onboard : private ResultSink {
   std::shared_ptr<StageTimes> times_;
   DepthModel& depths_;
   VoxelModel voxels_;
+  SphericalModel sphere_;
   std::shared_ptr<const OccupancySnapshot> heights_;  ///< the newest snapshot of the voxels around the vehicle
   double reach_m_;
   Duration depths_interval_;               ///< 0: the helm does not get the depth map
   std::optional<Time> depths_told_ = {};   ///< when the helm last got it
   std::uint64_t depth_readings_told_ = 0;  ///< how many readings it had then
+  bool sphere_steers_;                     ///< whether the helm gets the spherical grid
+  std::uint64_t sphere_told_ = 0;          ///< the version that was told last
   std::vector<OnboardObserver*> observers_;
   StageCpuTime load_, beside_;  ///< of the mapping thread, of the source thread
   std::vector<double> ping_ms_;

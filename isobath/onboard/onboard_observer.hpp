@@ -6,8 +6,10 @@
 #pragma once
 
 #include <isobath/event/event.hpp>
+#include <isobath/map/spherical/grid_snapshots.hpp>
 #include <isobath/vehicle/autopilot.hpp>
 #include <isobath/world/result_sinks.hpp>
+#include <memory>
 
 namespace isobath {
 
@@ -24,6 +26,8 @@ class OnboardObserver : public ResultSink {
   /// An event of this time has been mapped.
   virtual void on_mapped(Time /*time*/, const Pipeline& /*pipeline*/, const DepthModel& /*depths*/,
                          const VoxelModel& /*voxels*/) {}
+  /// The spherical grid at the end of a scan; never null.
+  virtual void on_sphere(Time /*time*/, const std::shared_ptr<const GridSnapshot>& /*sphere*/) {}
   /// The set-point for the vehicle after an event of this time.
   virtual void on_setpoint(Time /*time*/, const Setpoint& /*setpoint*/) {}
 };

@@ -258,11 +258,12 @@ void Pipeline::place(const Waiting& sensed) {
   }
   const Time time = std::visit([](const auto& s) { return s.time; }, sensed);
   const auto X_WB = poses_.at(time);
-  if (!X_WB && !ping && !depths_) return;
+  if (!X_WB && !ping && !range && !depths_) return;
   if (!X_WB) return gate_.count(to_text(X_WB.error()));
   if (ping) return map_ping(*ping, *X_WB, true);
   if (swath) map_soundings(*swath, *X_WB, true);
   if (range) bottom_.update(*range, *X_WB);
+  if (range) sink_.on_range(*range, *X_WB);
   if (depths_) map_depth(sensed, {*X_WB, poses_.sigma_m()});
 }
 

@@ -20,6 +20,7 @@ const char* to_text(Stage stage) {
     case Stage::kEchoes: return "echoes";
     case Stage::kPlane: return "plan view";
     case Stage::kVoxels: return "voxels";
+    case Stage::kSphere: return "spherical grid";
     case Stage::kDepths: return "depth map";
     case Stage::kObstacles: return "obstacles";
     case Stage::kAgents: return "planning and agents";

@@ -14,9 +14,10 @@
 
 namespace isobath {
 
-enum class Stage : std::uint8_t { kEchoes, kPlane, kVoxels, kDepths, kObstacles, kAgents, kSource, kReport };
-inline constexpr std::size_t kStages = 8;
-/// "echoes", "plan view", "voxels", "depth map", "obstacles", "planning and agents", "input", "report".
+enum class Stage : std::uint8_t { kEchoes, kPlane, kVoxels, kSphere, kDepths, kObstacles, kAgents, kSource, kReport };
+inline constexpr std::size_t kStages = 9;
+/// "echoes", "plan view", "voxels", "spherical grid", "depth map", "obstacles", "planning and agents", "input",
+/// "report".
 const char* to_text(Stage stage);
 
 class StageCpuTime {

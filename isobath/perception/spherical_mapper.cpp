@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/perception/spherical_mapper.hpp>
+#include <isobath/sonar/ping_quality.hpp>
 #include <numbers>
 
 namespace isobath {
@@ -31,6 +32,9 @@ std::vector<Field> fields(SphericalMapperConfig& c) {
           .was("most_cells"),
       Field::real("hit", &c.hit, {0.01, 0.999}, "1", "Probability that an echo comes from a stationary object."),
       Field::real("pass", &c.pass, {0, 0.999}, "1", "Probability that an object that fills a beam echoes."),
+      Field::real("contrast", &c.contrast, {0, 100}, "1",
+                  "Contrast of the echoes of a sonar that count, in deviations of its beam's noise, as for "
+                  "safety.echo_contrast; 0: every decision for an echo counts."),
       Field::real("tau_s", &c.tau_s, {0, 1e7}, "s", "Time in which evidence fades to 1/e; 0: no fading."),
   };
 }
@@ -70,15 +74,49 @@ void SphericalMapper::update(const RangeReading& reading, const Pose& X_WB) {
 void SphericalMapper::update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB) {
   move_to(X_WB, ping.time);
   const Pose X_WS = X_WB * ping.X_BS;
-  for (int beam = 0; beam < decisions.beams(); ++beam) {
-    std::optional<double> range;
-    for (int bin = 0; bin < decisions.bins() && !range; ++bin) {
-      if (decisions.hit(beam, bin) && decisions.tells(beam, bin)) range = ping.window.centre(bin);
+  const auto& azimuth = ping.fan->azimuth;
+  const auto& width = ping.fan->width;
+  beams_.clear();
+  for (int beam = 0; beam < decisions.beams(); ++beam) beams_.push_back(heard(ping, decisions, beam));
+  const auto look = [&](Angle a, Angle wide, const Heard& heard) {
+    if (heard.told_m > 0) look_from(X_WS, {cos(a), sin(a), 0}, wide, heard.range_m, heard.told_m, ping.time);
+  };
+  const double bucket = 0.999 * grid_.buckets().step().radians();
+  for (std::size_t first = 0; first < beams_.size();) {
+    std::size_t last = first;
+    while (last + 1 < beams_.size() && std::abs((azimuth[last + 1] - azimuth[first]).radians()) < bucket) ++last;
+    Heard all = beams_[first];
+    for (std::size_t b = first + 1; b <= last; ++b) {
+      const Heard& beam = beams_[b];
+      if (beam.range_m && (!all.range_m || *beam.range_m < *all.range_m)) all.range_m = beam.range_m;
+      all.told_m = std::min(all.told_m, beam.told_m);
     }
-    const Angle a = ping.fan->azimuth[static_cast<std::size_t>(beam)];
-    look_from(X_WS, {cos(a), sin(a), 0}, ping.fan->width[static_cast<std::size_t>(beam)], range, ping.window.end_m(),
-              ping.time);
+    if (!all.range_m || all.told_m >= *all.range_m) {
+      look((azimuth[first] + azimuth[last]) / 2, abs(azimuth[last] - azimuth[first]) + width[first], all);
+    } else {
+      for (std::size_t b = first; b <= last; ++b) look(azimuth[b], width[b], beams_[b]);
+    }
+    first = last + 1;
   }
+}
+
+SphericalMapper::Heard SphericalMapper::heard(const Ping& ping, const EchoDecisions& decisions, int beam) const {
+  std::optional<int> echo;
+  if (config_.contrast > 0) {
+    echo = nearest_clear_echo(ping, decisions, beam, contrast_of_fan(config_.contrast, decisions.beams()));
+  }
+  Heard heard;
+  for (int bin = 0; bin < decisions.bins(); ++bin) {
+    if (!decisions.tells(beam, bin)) {
+      if (heard.told_m > 0) break;
+      continue;
+    }
+    heard.told_m = ping.window.edge(bin + 1);
+    if (config_.contrast > 0 ? bin != echo : !decisions.hit(beam, bin)) continue;
+    heard.range_m = ping.window.centre(bin);
+    break;
+  }
+  return heard;
 }
 
 void SphericalMapper::look_from(const Pose& X_WS, const Vector3d& u_S, Angle width, std::optional<double> range_m,

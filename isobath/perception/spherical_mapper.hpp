@@ -37,6 +37,7 @@ struct SphericalMapperConfig {
   double hit = 0.9;
   double pass = 0.5;
   double tau_s = 600;  ///< 0: no fading
+  double contrast = 0;  ///< of echoes of pings with samples (nearest_echoes); 0: every decision for an echo counts
 };
 std::vector<Field> fields(SphericalMapperConfig& config);
 
@@ -59,7 +60,9 @@ class SphericalMapper {
   void move_to(const Pose& X_WB, Time time);
   void begin_scan() { grid_.begin_scan(); }
   void update(const RangeReading& reading, const Pose& X_WB);
-  /// Inserts the nearest echo of each beam of the decisions; a beam of a fan is treated as a cone of its width.
+  /// Inserts the nearest echo of each beam of the decisions; a beam of a fan is treated as a cone of its width. Beams
+  /// within one bucket of directions are taken together. Water counts as clear only as far as the bins tell something;
+  /// the blind zone before the first such bin is taken for clear, because the vehicle itself is there.
   void update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
   void add(const SphericalLook& look);
 
@@ -68,6 +71,11 @@ class SphericalMapper {
   [[nodiscard]] const SphericalGrid& grid() const { return grid_; }
 
  private:
+  struct Heard {
+    std::optional<double> range_m;  ///< of the nearest echo
+    double told_m = 0;              ///< up to which the beam tells something
+  };
+  [[nodiscard]] Heard heard(const Ping& ping, const EchoDecisions& decisions, int beam) const;
   void hit(const ReadingGaussian& reading);
   void pass(const ReadingGaussian& reading, double until_m);
   void look_from(const Pose& X_WS, const Eigen::Vector3d& u_S, Angle width, std::optional<double> range_m,
@@ -80,6 +88,7 @@ class SphericalMapper {
   Time faded_{};
   std::vector<TouchedCell> touched_;
   std::vector<TouchedDirection> directions_;
+  std::vector<Heard> beams_;
 };
 
 /// Resolution of a sonar, from its data sheet.

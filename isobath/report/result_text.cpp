@@ -296,6 +296,32 @@ ordered_json voxels_json(const VoxelOutcome& voxels) {
   return json;
 }
 
+ordered_json sphere_json(const SphericalOutcome& sphere) {
+  return {{"pings", sphere.pings},
+          {"ranges", sphere.ranges},
+          {"swaths", sphere.swaths},
+          {"scans", sphere.scans},
+          {"range_m", tidy(sphere.range_m)},
+          {"cells", sphere.cells},
+          {"occupied", sphere.occupied},
+          {"locked", sphere.locked},
+          {"bytes", sphere.bytes},
+          {"ahead", to_text(sphere.ahead.verdict)},
+          {"clear_ahead_m", tidy(sphere.ahead.clear_m)},
+          {"coarser", sphere.coarser}};
+}
+
+std::string sphere_text(const SphericalOutcome& sphere) {
+  const WayAhead& ahead = sphere.ahead;
+  std::string way = fmt::format("ahead clear for {:.0f} m", ahead.clear_m);
+  if (ahead.verdict == WayAhead::Verdict::kBlocked) way = fmt::format("ahead blocked after {:.1f} m", ahead.blocked_m);
+  if (ahead.verdict == WayAhead::Verdict::kUnknown) {
+    way = ahead.clear_m > 0 ? way + ", then unknown" : "unknown ahead";
+  }
+  return fmt::format("spherical grid: {} cells to {:g} m, {} occupied; {}", sphere.cells, sphere.range_m,
+                     sphere.occupied, way);
+}
+
 std::string live_text(const LiveOutcome& live) {
   std::string text = fmt::format("live: {} pings dropped before mapping", live.lost_pings);
   if (live.unshown_pings + live.unshown_notes > 0) {

@@ -40,6 +40,9 @@ nlohmann::ordered_json changes_json(const MapChanges& changes, const std::option
 nlohmann::ordered_json track_json(const MapChanges& changes, const PixelGrid& grid);
 nlohmann::ordered_json depth_json(const DepthOutcome& depth);
 nlohmann::ordered_json voxels_json(const VoxelOutcome& voxels);
+nlohmann::ordered_json sphere_json(const SphericalOutcome& sphere);
+/// "spherical grid: 812 cells to 100 m, 96 occupied; ahead clear for 34 m, then unknown".
+std::string sphere_text(const SphericalOutcome& sphere);
 /// Found, missed and false obstacles of a simulated run; and the same as the text of a file.
 nlohmann::ordered_json truth_json(const TruthScore& score);
 std::string truth_text(const TruthScore& score);

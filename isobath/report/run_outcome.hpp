@@ -7,6 +7,7 @@
 #include <isobath/report/depth_outcome.hpp>
 #include <isobath/report/mission_outcome.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
+#include <isobath/world/spherical_model.hpp>
 #include <isobath/world/voxel_model.hpp>
 #include <map>
 #include <optional>
@@ -43,6 +44,7 @@ struct RunOutcome {
   std::optional<TruthScore> truth;           ///< simulated runs only, but not live ones
   std::optional<DepthOutcome> depth;         ///< if ranges or soundings had a position
   std::optional<VoxelOutcome> voxels;        ///< if there is a voxel map
+  std::optional<SphericalOutcome> sphere;    ///< if there is a spherical grid
   std::optional<MissionOutcome> mission;     ///< if there was a mission
   std::optional<FanDeparture> fan;           ///< if sensor.model names a fan model and pings were decided by it
   std::optional<LiveOutcome> live;           ///< live runs only

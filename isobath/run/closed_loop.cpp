@@ -39,7 +39,10 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
   depths.locate(source.report().origin);
   if (!configuration.prior.file.empty()) depths.set_prior_files({configuration.prior.file});
   Onboard onboard(configuration, depths,
-                  {.helm = &helm, .voxels = tells_height(simulator.scene()), .live = request.live});
+                  {.helm = &helm,
+                   .voxels = tells_height(simulator.scene()),
+                   .sphere = configuration.mission.chart_room.sphere,
+                   .live = request.live});
   for (OnboardObserver* observer : request.observers) onboard.show_to(*observer);
   GroundTruthTrajectory truth(simulator);
   source.tell_truth_to(truth);

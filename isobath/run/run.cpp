@@ -146,6 +146,7 @@ class Run {
   void show_scene(Time time);
   MissionOutcome mission_outcome();
   void add_voxels(RunOutcome& outcome);
+  [[nodiscard]] double vehicle_radius_m() const;
   void finish_display(RunOutcome& outcome);
 
   const std::optional<Scenario> scenario_;
@@ -274,7 +275,8 @@ RunOutcome Run::outcome() {
                                     request_.map.string(), held_->input);
   }
   if (voxels.map()) add_voxels(outcome);
-  folder_.write(request_, onboard_.pipeline().grid(), voxels.map(), depths_, outcome);
+  if (onboard_.sphere().grid()) outcome.sphere = onboard_.sphere().outcome(vehicle_radius_m());
+  folder_.write(request_, onboard_, outcome);
   return outcome;
 }
 
@@ -390,6 +392,12 @@ MissionOutcome Run::mission_outcome() {
     mission.as_recorded = recorded->the_same;
   }
   return mission;
+}
+
+/// Of the vehicle and the water that it must keep clear.
+double Run::vehicle_radius_m() const {
+  constexpr double kUnknownVehicle_m = 0.5;
+  return (setup_ ? setup_->vehicle.half_width_m : kUnknownVehicle_m) + request_.configuration.mission.chart_room.clearance_m;
 }
 
 void Run::add_voxels(RunOutcome& outcome) {

@@ -45,7 +45,7 @@ auto as_told(const std::shared_ptr<const Kept>& kept) requires requires {
 { return PosedPing{kept->ping, kept->X_WB, kept->decisions}; }
 template <class Kept>
 auto as_told(const std::shared_ptr<const Kept>& kept) requires requires {
-  kept->grid;
+  kept->detection;
 }
 { return ScanResult{kept->number, kept->posed, kept->detection, kept->grid}; }
 
@@ -175,6 +175,14 @@ void RunDisplay::on_jump(const Eigen::Vector3d& by_W) {
 
 void RunDisplay::on_mapped(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) {
   if (thread_) look(time, pipeline, depths, voxels);
+}
+
+void RunDisplay::on_sphere(Time time, const std::shared_ptr<const GridSnapshot>& sphere) {
+  post(Kind::kNote, &RunDisplay::show_sphere, time, sphere);
+}
+
+void RunDisplay::show_sphere(const Time& time, const std::shared_ptr<const GridSnapshot>& sphere) {
+  display_->show(time, *sphere);
 }
 
 void RunDisplay::look(Time time, const Pipeline& pipeline, const DepthModel& depths, const VoxelModel& voxels) {

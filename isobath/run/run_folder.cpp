@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
@@ -6,10 +7,12 @@
 #include <isobath/display/live_page.hpp>
 #include <isobath/io/gdal/geotiff.hpp>
 #include <isobath/map/occupancy/whole_obstacle.hpp>
+#include <isobath/onboard/onboard.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/report_sections.hpp>
 #include <isobath/report/result_text.hpp>
+#include <isobath/report/sphere_pictures.hpp>
 #include <isobath/run/run_folder.hpp>
 #include <isobath/run/run_manifest.hpp>
 #include <isobath/run/run_outputs.hpp>
@@ -17,6 +20,13 @@
 
 namespace isobath {
 namespace {
+
+constexpr double kSphereBand_m = 2;  // of the picture from above
+
+std::string sentence(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
 
 std::string degrees(Angle a) { return fmt::format("{:.1f}", a.wrapped_positive().degrees()); }
 
@@ -97,8 +107,9 @@ void RunFolder::write_text(const std::string& name, const std::string& bytes, Ru
 // Pictures -----------------------------------------------------------------------------------------------------------
 
 /// The pictures of scan and mission, and the files of the maps with theirs.
-RunFolder::Pictures RunFolder::draw(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels,
-                                    const DepthModel& depths, RunOutcome& outcome) const {
+RunFolder::Pictures RunFolder::draw(const RunRequest& request, const Onboard& onboard, RunOutcome& outcome) const {
+  const BodyGrid* grid = onboard.pipeline().grid();
+  const VoxelMap* voxels = onboard.voxels().map();
   const ScanRecord last = scans_.empty() ? ScanRecord{} : scans_.back();
   const std::optional<GeoOrigin> origin = last.posed ? outcome.source.origin : std::nullopt;
   ChartSource source{request.input.empty() ? "embedded scene" : input_name(request.input),
@@ -121,7 +132,17 @@ RunFolder::Pictures RunFolder::draw(const RunRequest& request, const BodyGrid* g
     pictures.voxels = write_voxel_files(*voxels, configuration_.voxels.vdb, source, outcome.source.origin, folder_,
                                         *outcome.voxels, outcome.files);
   }
-  if (outcome.depth) pictures.depth = write_depth_files(depths, source, folder_, outcome.files);
+  if (outcome.sphere) {
+    const SphericalModel& sphere = onboard.sphere();
+    const SphereView view{*sphere.grid(),     "Echoes around the vehicle, " + source.survey,
+                          sphere.course(),    {},
+                          sphere.course_up(), kSphereBand_m};
+    pictures.sphere_above = sphere_above_picture(view);
+    pictures.sphere_solid = sphere_solid_picture(view);
+    write_text("sphere-above.png", pictures.sphere_above, outcome);
+    write_text("sphere-solid.png", pictures.sphere_solid, outcome);
+  }
+  if (outcome.depth) pictures.depth = write_depth_files(onboard.depths(), source, folder_, outcome.files);
   if (outcome.mission) {
     pictures.mission = draw_mission(*outcome.mission, configuration_.mission.route.clearance_m, source);
   }
@@ -167,7 +188,8 @@ std::string rarer_in(const EmbeddedReplay& replay, const ReportConfig& config) {
                                                             {DisplayKind::kWay, "the route"},
                                                             {DisplayKind::kScene, "the scene"},
                                                             {DisplayKind::kHealth, "counts"},
-                                                            {DisplayKind::kCubes, "voxels in larger cubes"}};
+                                                            {DisplayKind::kCubes, "voxels in larger cubes"},
+                                                            {DisplayKind::kSphere, "the spherical grid"}};
   std::string rarer;
   for (const auto& [kind, name] : kNames) {
     if (replay.interval_s(kind) <= config.replay_s) continue;
@@ -194,8 +216,8 @@ void RunFolder::show_run(EmbeddedReplay& replay, Time last, const DisplayState& 
 
 // Files --------------------------------------------------------------------------------------------------------------
 
-void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
-                      RunOutcome& outcome) {
+void RunFolder::write(const RunRequest& request, const Onboard& onboard, RunOutcome& outcome) {
+  const BodyGrid* grid = onboard.pipeline().grid();
   outcome.obstacles = obstacles_;
   const ScanRecord last = scans_.empty() ? ScanRecord{} : scans_.back();
   write_text("obstacles.json", obstacles_json(last), outcome);
@@ -206,7 +228,7 @@ void RunFolder::write(const RunRequest& request, const BodyGrid* grid, const Vox
     write_occupancy(*grid, level(last.X_WB), origin);
     outcome.files.emplace_back("occupancy.tif");
   }
-  const Pictures pictures = draw(request, grid, voxels, depths, outcome);
+  const Pictures pictures = draw(request, onboard, outcome);
   if (outcome.mission) {
     write_text("mission.json", mission_text(*outcome.mission), outcome);
     write_text("decisions.json", decisions_text(outcome.mission->decisions), outcome);
@@ -263,6 +285,19 @@ void RunFolder::add_scan(HtmlReport& page, const Pictures& pictures) const {
   }
 }
 
+void RunFolder::add_sphere(HtmlReport& page, const SphericalOutcome& sphere, const Pictures& pictures) {
+  page.heading("Echoes around the vehicle");
+  page.paragraph(fmt::format("{}. It holds what {} pings, {} ranges and {} swaths have heard, by direction and range.",
+                             sentence(sphere_text(sphere)), sphere.pings, sphere.ranges, sphere.swaths));
+  if (!sphere.coarser.empty()) page.paragraph(sentence(sphere.coarser) + ".");
+  page.begin_row();
+  page.figure(pictures.sphere_above,
+              fmt::format("From above, within {:g} m of the vehicle's depth. What was not observed is not clear.",
+                          kSphereBand_m));
+  page.figure(pictures.sphere_solid, "The same in three dimensions.");
+  page.end_row();
+}
+
 void RunFolder::add_replay(HtmlReport& page) const {
   if (replay_text_.empty()) return;
   page.heading("Replay of the run");
@@ -296,6 +331,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
       case ReportSection::kMission: add_mission(page, *outcome.mission, pictures.mission); break;
       case ReportSection::kScan: add_scan(page, pictures); break;
       case ReportSection::kVoxels: add_voxels(page, *outcome.voxels, pictures.voxels); break;
+      case ReportSection::kSphere: add_sphere(page, *outcome.sphere, pictures); break;
       case ReportSection::kDepth: add_depth(page, *outcome.depth, pictures.depth); break;
       case ReportSection::kReplay: add_replay(page); break;
     }

@@ -26,6 +26,8 @@
 
 namespace isobath {
 
+class Onboard;
+
 class RunFolder : public OnboardObserver {
  public:
   /// Creates the folder; throws Error if that fails.
@@ -40,8 +42,7 @@ class RunFolder : public OnboardObserver {
   /// The replay of the run, for the report.
   void show_run(EmbeddedReplay& replay, Time last, const DisplayState& items);
   /// Writes all files and lists them in `outcome.files`.
-  void write(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels, const DepthModel& depths,
-             RunOutcome& outcome);
+  void write(const RunRequest& request, const Onboard& onboard, RunOutcome& outcome);
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
 
  private:
@@ -49,13 +50,14 @@ class RunFolder : public OnboardObserver {
     std::string occupancy, sonar, detections, track;
     DepthPictures depth;
     VoxelPictures voxels;
+    std::string sphere_above, sphere_solid;
     MissionPictures mission;
   };
   void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
   void write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const;
-  [[nodiscard]] Pictures draw(const RunRequest& request, const BodyGrid* grid, const VoxelMap* voxels,
-                              const DepthModel& depths, RunOutcome& outcome) const;
+  [[nodiscard]] Pictures draw(const RunRequest& request, const Onboard& onboard, RunOutcome& outcome) const;
   void add_scan(HtmlReport& page, const Pictures& pictures) const;
+  static void add_sphere(HtmlReport& page, const SphericalOutcome& sphere, const Pictures& pictures);
   void add_replay(HtmlReport& page) const;
   [[nodiscard]] std::string report(const RunRequest& request, const RunOutcome& outcome,
                                    const Pictures& pictures) const;

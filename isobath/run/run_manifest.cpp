@@ -25,6 +25,7 @@ std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) 
   }
   if (outcome.fan) manifest["fan_model"] = departure_json(*outcome.fan);
   if (outcome.voxels) manifest["voxels"] = voxels_json(*outcome.voxels);
+  if (outcome.sphere) manifest["sphere"] = sphere_json(*outcome.sphere);
   if (outcome.depth) manifest["depth"] = depth_json(*outcome.depth);
   for (const auto& file : outcome.files) manifest["files"].push_back(file.string());
   return manifest.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";

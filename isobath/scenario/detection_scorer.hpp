@@ -11,9 +11,9 @@
 // first scan that shows it.
 //
 // A false obstacle is defined by its effect on the vehicle, not by its cause: the map is sure of it (existence of at
-// least kSureObstacle), but there is nothing to avoid: no body near, and a bottom deeper than the hull plus 1 m. It counts
-// only where a ping since the last scan could have heard it: in its sector, and within its range. What the map remembers
-// elsewhere is counted apart, because the drift of the navigation moves it off its body.
+// least kSureObstacle), but there is nothing to avoid: no body near, and a bottom deeper than the hull plus 1 m. It
+// counts only where a ping since the last scan could have heard it: in its sector, and within its range. What the map
+// remembers elsewhere is counted apart, because the drift of the navigation moves it off its body.
 #pragma once
 
 #include <isobath/map/occupancy/obstacle.hpp>

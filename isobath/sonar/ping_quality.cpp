@@ -91,7 +91,9 @@ float outstanding(const Ping& ping, const EchoDecisions& decisions, int beam, do
   return middle + static_cast<float>(contrast * deviation);
 }
 
-std::optional<int> nearest_bin(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast) {
+}  // namespace
+
+std::optional<int> nearest_clear_echo(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast) {
   std::optional<float> level;
   const std::uint64_t* hits = decisions.hits(beam);
   for (int word = 0; word < decisions.words(); ++word) {
@@ -110,8 +112,6 @@ double contrast_of_fan(double contrast, int beams) {
   const double level = kMedian + contrast * kDeviation;
   return (std::sqrt(level * level + 2 * std::log(std::max(1, beams))) - kMedian) / kDeviation;
 }
-
-}  // namespace
 
 PingQuality quality_of(const Ping& ping) {
   PingQuality quality;
@@ -158,7 +158,7 @@ void nearest_echoes(const Ping& ping, const EchoDecisions& decisions, const Rota
   if (!(std::abs(boresight_L.z()) < kSteep)) return;
   const double least = contrast_of_fan(contrast, decisions.beams());
   for (int b = 0; b < decisions.beams(); ++b) {
-    const std::optional<int> bin = nearest_bin(ping, decisions, b, least);
+    const std::optional<int> bin = nearest_clear_echo(ping, decisions, b, least);
     if (!bin) continue;
     const double azimuth = ping.fan->azimuth[static_cast<std::size_t>(b)].radians();
     const Eigen::Vector3d p_S = ping.window.edge(*bin) * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0);

@@ -38,6 +38,11 @@ struct PingQuality {
 
 PingQuality quality_of(const Ping& ping);
 
+/// The bin of the nearest echo of a beam that stands out from the beam by `contrast`, as nearest_echoes() states.
+std::optional<int> nearest_clear_echo(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast);
+/// The contrast at which all beams of a fan together have no more false echoes than one beam has at `contrast`.
+double contrast_of_fan(double contrast, int beams);
+
 /// The nearest clear echo of each beam: decided as an echo, beyond the blind zone, and `contrast` deviations (1.48
 /// times the median one) above the median of its beam. This removes nearly all of the false alarms that a map
 /// tolerates. For a fan the contrast is raised so that all its beams together have no more false echoes than one beam

@@ -50,6 +50,8 @@ class ResultSink {
   /// The position jumped by this much, m in W. Maps that are right relative to the vehicle must move along. All later
   /// poses agree with the new position, also those of measurements that were made before and had to wait.
   virtual void on_jump(const Eigen::Vector3d& /*by_W*/) {}
+  /// Each range once, with the pose at its time. Without navigation there is none.
+  virtual void on_range(const RangeReading& /*reading*/, const Pose& /*X_WB*/) {}
   /// Each swath once. Without any navigation the vehicle is assumed to stand still.
   virtual void on_soundings(const Swath& /*swath*/, const Pose& /*X_WB*/) {}
 };

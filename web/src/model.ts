@@ -49,6 +49,8 @@ export class Model {
   readonly voxels = new Map<string, Revised<protocol.VoxelBlock>>();
   /** The same voxels in larger cubes. */
   readonly cubes = new Map<string, Revised<protocol.VoxelBlock>>();
+  /** The spherical grid. */
+  sphere: protocol.Sphere | null = null;
   health: items.Health | null = null;
   /** Times of the stages by a real clock; in a live view only. */
   times: items.StageTime[] = [];
@@ -82,7 +84,7 @@ export class Model {
   }
 
   forget(): void {
-    this.scene = this.vehicle = this.grid = this.way = this.health = this.clock = this.refusal = null;
+    this.scene = this.vehicle = this.grid = this.way = this.health = this.clock = this.refusal = this.sphere = null;
     this.vehicleTime = this.gridTime = this.newest = NaN;
     this.obstacles = [];
     this.pieces = [];
@@ -157,6 +159,8 @@ export class Model {
         return this.keep(protocol.readVoxels(payload), (item) =>
           this.cubes.set(`${high},${low}`, { revision: ++this.stamp, item }),
         );
+      case Kind.sphere:
+        return this.keep(protocol.readSphere(payload), (sphere) => (this.sphere = sphere));
       case Kind.health:
         return this.keep(items.readHealth(protocol.readJson(payload)), (health) => (this.health = health));
       case Kind.times:
@@ -238,6 +242,9 @@ export class Model {
         break;
       case Kind.cubes:
         this.cubes.delete(`${high},${low}`);
+        break;
+      case Kind.sphere:
+        this.sphere = null;
         break;
       case Kind.health:
         this.health = null;

@@ -24,9 +24,10 @@ export const Kind = {
   refusal: 14,
   times: 15,
   cubes: 16,
+  sphere: 17,
 } as const;
 export type Kind = (typeof Kind)[keyof typeof Kind];
-export const kLastKind = Kind.cubes;
+export const kLastKind = Kind.sphere;
 
 export const kHead = 24;
 const kGone = 1;
@@ -272,6 +273,44 @@ export function readVoxels(p: DataView): VoxelBlock | null {
     count: p.getUint32(16, true),
     shades,
   };
+}
+
+/** The occupied cells of the spherical grid. */
+export interface Sphere {
+  north: number;
+  east: number;
+  down: number;
+  /** Lower edges of direction 0, rad: azimuth from east towards north, elevation upwards. */
+  azimuth: number;
+  elevation: number;
+  /** Width of a direction, rad. */
+  step: number;
+  /** Outer radius of each layer, m. */
+  radii: Float32Array;
+  /** Rows of layer, azimuth, elevation, probability * 250. */
+  cells: Uint16Array;
+}
+
+export function readSphere(p: DataView): Sphere | null {
+  if (p.byteLength < 40) return null;
+  const [layers, count] = [p.getUint32(32, true), p.getUint32(36, true)];
+  if (p.byteLength !== 40 + 4 * layers + 8 * count) return null;
+  const cells = new Uint16Array(4 * count);
+  for (let i = 0; i < cells.length; ++i) cells[i] = p.getUint16(40 + 4 * layers + 2 * i, true);
+  for (let i = 0; i < cells.length; i += 4) if (cells[i]! >= layers) return null;
+  const [azimuth, elevation, step] = floats(p, 20, 3) as unknown as [number, number, number];
+  const sphere: Sphere = {
+    north: p.getFloat64(0, true),
+    east: p.getFloat64(8, true),
+    down: p.getFloat32(16, true),
+    azimuth,
+    elevation,
+    step,
+    radii: floats(p, 40, layers),
+    cells,
+  };
+  const numbers = [sphere.north, sphere.east, sphere.down, azimuth, elevation, step, ...sphere.radii];
+  return numbers.every(Number.isFinite) ? sphere : null;
 }
 
 function floats(p: DataView, from: number, count: number): Float32Array {

@@ -5,6 +5,7 @@
 #include <isobath/mission/agents/chart_room.hpp>
 #include <isobath/mission/agents/shoal_outlines.hpp>
 #include <isobath/planning/corridor.hpp>
+#include <isobath/planning/spherical_hazards.hpp>
 
 namespace isobath {
 namespace {
@@ -83,6 +84,8 @@ std::vector<Field> fields(ChartRoomConfig& c) {
       Field::flag("unknown_blocks", &c.unknown_blocks, "Whether water of unknown depth is blocked."),
       Field::real("live_s", &c.live_s, {0, 3600}, "s",
                   "Interval at which the growing depth map replaces the chart. 0: it never does."),
+      Field::flag("sphere", &c.sphere,
+                  "Whether the occupied cells of the spherical grid near the vehicle's depth are hazards, too."),
   };
 }
 
@@ -105,8 +108,9 @@ void ChartRoom::on_message(const Message& message, Time now, Outbox& out) {
 }
 
 bool ChartRoom::outdated() const {
-  if (!p_WB_ || (!chart_.depths && !chart_.objects && !said_)) return false;
+  if (!p_WB_ || (!chart_.depths && !chart_.objects && !chart_.sphere && !said_)) return false;
   if (!said_ || said_->version != version() || said_->objects != chart_.objects.get()) return true;
+  if (said_->sphere != sphere_version()) return true;
   const Vector3d moved = *p_WB_ - said_->p_WB;
   return moved.head<2>().norm() >= config_.recheck_share * config_.reach_m ||
          std::abs(moved.z()) >= config_.depth_step_m;
@@ -116,7 +120,7 @@ void ChartRoom::say_hazards(Outbox& out) {
   ChartedHazards now{std::make_shared<const std::vector<Hazard>>(hazards()), chart_.looked_ahead};
   // A growing map that holds the same hazards changes nothing for a planner.
   if (said_ && said_->hazards.hazards && *said_->hazards.hazards == *now.hazards) now.hazards = said_->hazards.hazards;
-  said_ = Said{*p_WB_, version(), chart_.objects.get(), now};
+  said_ = Said{*p_WB_, version(), chart_.objects.get(), sphere_version(), now};
   out.say(std::move(now));
 }
 
@@ -124,6 +128,7 @@ std::vector<Hazard> ChartRoom::hazards() const {
   std::vector<Hazard> all;
   add_objects(all);
   add_shoals(all);
+  add_sphere(all);
   for (std::size_t i = 0; i < all.size(); ++i) all[i].id = static_cast<std::uint32_t>(i);
   return all;
 }
@@ -137,6 +142,20 @@ void ChartRoom::add_objects(std::vector<Hazard>& all) const {
     hazard.outline = {o.a};
     if (o.b != o.a) hazard.outline.push_back(o.b);
     hazard.margin_m = o.radius_m + config_.margin_m;
+  }
+}
+
+/// The cells lie around the place and in the axes of the snapshot.
+void ChartRoom::add_sphere(std::vector<Hazard>& all) const {
+  if (!config_.sphere || !chart_.sphere) return;
+  const GridSnapshot& sphere = *chart_.sphere;
+  const double c = cos(sphere.grid.turned()), s = sin(sphere.grid.turned());
+  const Vector2d origin = sphere.X_WB.translation.head<2>();
+  for (Hazard& hazard : hazards_of(sphere.grid, config_.clearance_m)) {
+    for (Vector2d& p : hazard.outline) p = origin + Vector2d(c * p.x() - s * p.y(), s * p.x() + c * p.y());
+    hazard.kind = HazardKind::kMapped;
+    hazard.margin_m += config_.margin_m;
+    all.push_back(std::move(hazard));
   }
 }
 

@@ -8,7 +8,7 @@
 // has measured gives hazards of its own (HazardKind::kMapped). They are sent again when the vehicle has moved by a
 // share of the reach or has changed its depth, and when the chart has a new version: once a second in a run whose depth
 // map grows (`live_s`). Water of unknown depth is not blocked, unless the configuration asks for it: the sonar looks
-// there.
+// there. With `sphere`, the occupied cells of the spherical grid near the vehicle's level are hazards, too (S4-51).
 //
 // When a mission starts, each leg from point to point is checked against the chart at the depth of its end. Each leg
 // that is too shallow gives a Decision with leg, place and margin; the chart room does not decide whether to go. A leg
@@ -34,6 +34,7 @@ struct ChartRoomConfig {
   int max_outlines = 1000;      ///< maximum number, of shallow water
   bool unknown_blocks = false;  ///< whether water of unknown depth is blocked
   double live_s = 1;            ///< interval at which the growing depth map replaces the chart; 0: it never does
+  bool sphere = false;          ///< whether the occupied cells of the spherical grid are hazards, too
 };
 std::vector<Field> fields(ChartRoomConfig& config);
 
@@ -50,6 +51,7 @@ class ChartRoom final : public Agent {
     Eigen::Vector3d p_WB;
     std::uint64_t version = 0;
     const void* objects = nullptr;
+    std::uint64_t sphere = 0;  ///< version
     ChartedHazards hazards = {};
   };
 
@@ -58,10 +60,12 @@ class ChartRoom final : public Agent {
   [[nodiscard]] std::vector<Hazard> hazards() const;
   void add_shoals(std::vector<Hazard>& hazards) const;
   void add_objects(std::vector<Hazard>& hazards) const;
+  void add_sphere(std::vector<Hazard>& hazards) const;
   void check_legs(const MissionPlan& plan, Time now, Outbox& out) const;
   [[nodiscard]] std::optional<Decision> check_leg(const MissionPlan& plan, std::size_t point,
                                                   const Eigen::Vector2d& from, Time now) const;
   [[nodiscard]] std::uint64_t version() const { return chart_.depths ? chart_.depths->version() : 0; }
+  [[nodiscard]] std::uint64_t sphere_version() const { return chart_.sphere ? chart_.sphere->version : 0; }
 
   ChartRoomConfig config_;
   ChartUpdate chart_;

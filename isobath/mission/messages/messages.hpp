@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <isobath/map/depth/depth_field.hpp>
 #include <isobath/map/occupancy/obstacle_memory.hpp>
+#include <isobath/map/spherical/grid_snapshots.hpp>
 #include <isobath/map/voxel/occupancy_snapshot.hpp>
 #include <isobath/mission/plan/mission_plan.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
@@ -66,12 +67,12 @@ struct ChartedHazards {
   std::optional<Time> looked_ahead = {};  ///< as in ChartUpdate
 };
 
-/// Maps -> Chart room: the chart from now on, with what sonar has added to it. Either pointer may be null: there is
-/// none.
+/// Maps -> Chart room: the chart from now on, with what sonar has added to it. Each pointer may be null: there is none.
 struct ChartUpdate {
   std::shared_ptr<const DepthField> depths;
   std::shared_ptr<const std::vector<ChartObstacle>> objects;
   std::optional<Time> looked_ahead = {};  ///< newest reading in `depths` of a range sonar that looks ahead
+  std::shared_ptr<const GridSnapshot> sphere = {};  ///< the echoes around the vehicle
 };
 
 /// Quality of one ping, sent as soon as the ping arrives.

@@ -24,6 +24,7 @@ import { Axes } from './axes';
 import { Craft, FanOutlines } from './craft';
 import { Extent, at } from './frame';
 import { Thread } from './lines';
+import { SphereMesh } from './sphere_mesh';
 import { kDaylight, kLight, kNightlight, kSunward } from './shading';
 import { Surface } from './surface';
 import { VoxelMesh, type VoxelColour } from './voxel_mesh';
@@ -47,6 +48,7 @@ export class SpaceView implements View {
   private readonly world = new Scene();
   private readonly camera = new PerspectiveCamera(45, 1, 0.1, 20000);
   private readonly voxels = new VoxelMesh();
+  private readonly sphere = new SphereMesh();
   private readonly surface = new Surface();
   private readonly axes = new Axes();
   private readonly craft = new Craft();
@@ -62,6 +64,7 @@ export class SpaceView implements View {
     bottom: byId<HTMLInputElement>('space-bottom'),
     water: byId<HTMLInputElement>('space-water'),
     fan: byId<HTMLInputElement>('space-fan'),
+    sphere: byId<HTMLInputElement>('space-sphere'),
     follow: byId<HTMLInputElement>('space-follow'),
   };
   private readonly ambient = new AmbientLight(0xffffff, 1.5);
@@ -88,7 +91,7 @@ export class SpaceView implements View {
       new PlaneGeometry(1, 1),
       new MeshBasicMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }),
     );
-    this.stretched.add(this.voxels.mesh, this.surface.group);
+    this.stretched.add(this.voxels.mesh, this.sphere.mesh, this.surface.group);
     this.sun.position.copy(kSunward);
     this.world.add(this.ambient, this.sun, this.stretched, this.axes.group, this.sea);
     this.world.add(this.craft.group, this.fans.group, this.track.line, this.way.line);
@@ -251,7 +254,7 @@ export class SpaceView implements View {
   private rebuild(now: number, atOnce: boolean): void {
     const { model, theme } = this.shared;
     const stretch = this.stretch;
-    const revisions = [Kind.voxels, Kind.cubes, Kind.depth, Kind.scene].map((kind) => model.revision[kind]);
+    const revisions = [Kind.voxels, Kind.cubes, Kind.depth, Kind.sphere, Kind.scene].map((kind) => model.revision[kind]);
     const look = `${revisions.join()} ${theme.revision}`;
     if (look === this.built) return;
     if (!atOnce && now - this.rebuilt < kRebuild) {
@@ -270,6 +273,8 @@ export class SpaceView implements View {
     const cubes = `${model.revision[Kind.voxels]} ${model.revision[Kind.cubes]} ${theme.revision}`;
     if (cubes !== this.cubed) this.voxels.build(model, theme);
     this.cubed = cubes;
+    if (this.boxes.sphere.checked) this.sphere.build(model.sphere, theme.name !== 'day');
+    this.sphere.mesh.visible = this.boxes.sphere.checked;
     const more = this.surface.build(model, theme, this.deepest);
     this.stretched.scale.set(1, 1, stretch);
     if (more) {
@@ -397,10 +402,13 @@ export class SpaceView implements View {
     } else if (this.voxels.shown > 0) {
       parts.push('voxels from 50 % (dark) to 100 % occupied (light)');
     }
+    if (this.boxes.sphere.checked && this.sphere.shown > 0)
+      parts.push(`${units.count(this.sphere.shown)} cells with echoes around the vehicle`);
     if (this.shared.model.depth.size > 0 && this.boxes.bottom.checked)
       parts.push(`bottom from 0 m (light) to ${this.deepest} m deep (dark)`);
     say(this.readout, parts.join(' · '));
     mark(this.canvas, 'voxels', String(this.voxels.shown));
+    mark(this.canvas, 'sphere', String(this.boxes.sphere.checked ? this.sphere.shown : 0));
   }
 }
 
