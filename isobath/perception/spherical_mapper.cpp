@@ -68,7 +68,9 @@ void SphericalMapper::move_to(const Pose& X_WB, Time time) {
 
 void SphericalMapper::update(const RangeReading& reading, const Pose& X_WB) {
   move_to(X_WB, reading.time);
-  look_from(X_WB * reading.X_BS, Vector3d::UnitX(), reading.width, reading.range_m, reading.max_range_m, reading.time);
+  look_from(
+      X_WB * reading.X_BS, Vector3d::UnitX(),
+      {.width = reading.width, .range_m = reading.range_m, .max_range_m = reading.max_range_m, .time = reading.time});
 }
 
 void SphericalMapper::update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB) {
@@ -79,7 +81,10 @@ void SphericalMapper::update(const Ping& ping, const EchoDecisions& decisions, c
   beams_.clear();
   for (int beam = 0; beam < decisions.beams(); ++beam) beams_.push_back(heard(ping, decisions, beam));
   const auto look = [&](Angle a, Angle wide, const Heard& heard) {
-    if (heard.told_m > 0) look_from(X_WS, {cos(a), sin(a), 0}, wide, heard.range_m, heard.told_m, ping.time);
+    if (!(heard.told_m > 0)) return;
+    SphericalLook told{.width = wide, .range_m = heard.range_m, .time = ping.time, .clear_m = heard.told_m};
+    told.max_range_m = ping.window.end_m();
+    look_from(X_WS, {cos(a), sin(a), 0}, told);
   };
   const double bucket = 0.999 * grid_.buckets().step().radians();
   for (std::size_t first = 0; first < beams_.size();) {
@@ -91,7 +96,7 @@ void SphericalMapper::update(const Ping& ping, const EchoDecisions& decisions, c
       if (beam.range_m && (!all.range_m || *beam.range_m < *all.range_m)) all.range_m = beam.range_m;
       all.told_m = std::min(all.told_m, beam.told_m);
     }
-    if (!all.range_m || all.told_m >= *all.range_m) {
+    if (!all.range_m || all.told_m >= *all.range_m) {  // else it is not the same for all
       look((azimuth[first] + azimuth[last]) / 2, abs(azimuth[last] - azimuth[first]) + width[first], all);
     } else {
       for (std::size_t b = first; b <= last; ++b) look(azimuth[b], width[b], beams_[b]);
@@ -101,17 +106,20 @@ void SphericalMapper::update(const Ping& ping, const EchoDecisions& decisions, c
 }
 
 SphericalMapper::Heard SphericalMapper::heard(const Ping& ping, const EchoDecisions& decisions, int beam) const {
+  Heard heard;
   std::optional<int> echo;
   if (config_.contrast > 0) {
     echo = nearest_clear_echo(ping, decisions, beam, contrast_of_fan(config_.contrast, decisions.beams()));
   }
-  Heard heard;
+  bool gap = false;  // longer than a layer
+  double told_to = 0;
   for (int bin = 0; bin < decisions.bins(); ++bin) {
-    if (!decisions.tells(beam, bin)) {
-      if (heard.told_m > 0) break;
-      continue;
-    }
-    heard.told_m = ping.window.edge(bin + 1);
+    if (!decisions.tells(beam, bin)) continue;
+    const double from = ping.window.edge(bin);
+    gap = gap || (told_to > 0 && from - told_to > grid_.layers().thickness(grid_.layers().layer_at(
+                                                      std::min(told_to, grid_.config().range_m))));
+    told_to = ping.window.edge(bin + 1);
+    if (!gap) heard.told_m = told_to;
     if (config_.contrast > 0 ? bin != echo : !decisions.hit(beam, bin)) continue;
     heard.range_m = ping.window.centre(bin);
     break;
@@ -119,10 +127,11 @@ SphericalMapper::Heard SphericalMapper::heard(const Ping& ping, const EchoDecisi
   return heard;
 }
 
-void SphericalMapper::look_from(const Pose& X_WS, const Vector3d& u_S, Angle width, std::optional<double> range_m,
-                                double max_range_m, Time time) {
-  add({to_grid(X_WS.translation - X_WB_->translation), to_grid(X_WS.rotation * u_S), width, range_m, max_range_m,
-       time});
+void SphericalMapper::look_from(const Pose& X_WS, const Vector3d& u_S, const SphericalLook& look) {
+  SphericalLook placed = look;
+  placed.from = to_grid(X_WS.translation - X_WB_->translation);
+  placed.axis = to_grid(X_WS.rotation * u_S);
+  add(placed);
 }
 
 void SphericalMapper::add(const SphericalLook& look) {
@@ -132,9 +141,9 @@ void SphericalMapper::add(const SphericalLook& look) {
   if (!(range > 0)) return;
   const double sigma = std::max(config_.sigma_m, config_.sigma_share * reach);
   const ReadingGaussian reading{end_T / range, range, sigma, look.width.radians() / kWidthOverSigma};
-  const double until = look.range_m ? std::max(0.0, reach - config_.mask * sigma) : reach;
+  const double until = std::min(look.clear_m, look.range_m ? std::max(0.0, reach - config_.mask * sigma) : reach);
   if (config_.rule == SphericalMapperConfig::Rule::kLogOdds) {
-    pass(reading, look.range_m ? std::max(0.0, range - config_.mask * sigma) : range);
+    pass(reading, std::min(look.clear_m, look.range_m ? std::max(0.0, range - config_.mask * sigma) : range));
   }
   grid_.add_clear(look.from, look.axis, look.width / 2, until, look.time);
   if (!look.range_m || *look.range_m > grid_.config().range_m) return;

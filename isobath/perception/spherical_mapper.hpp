@@ -21,6 +21,7 @@
 #include <isobath/sonar/echo_decisions.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <isobath/sonar/range_reading.hpp>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,7 +37,7 @@ struct SphericalMapperConfig {
   int max_cells = 75;  ///< maximum number of cells that one echo changes
   double hit = 0.9;
   double pass = 0.5;
-  double tau_s = 600;  ///< 0: no fading
+  double tau_s = 600;   ///< 0: no fading
   double contrast = 0;  ///< of echoes of pings with samples (nearest_echoes); 0: every decision for an echo counts
 };
 std::vector<Field> fields(SphericalMapperConfig& config);
@@ -49,6 +50,8 @@ struct SphericalLook {
   std::optional<double> range_m;  ///< empty: no echo
   double max_range_m = 0;
   Time time{};
+  /// Beyond this range the beam does not tell whether the water is clear.
+  double clear_m = std::numeric_limits<double>::infinity();
 };
 
 class SphericalMapper {
@@ -61,8 +64,9 @@ class SphericalMapper {
   void begin_scan() { grid_.begin_scan(); }
   void update(const RangeReading& reading, const Pose& X_WB);
   /// Inserts the nearest echo of each beam of the decisions; a beam of a fan is treated as a cone of its width. Beams
-  /// within one bucket of directions are taken together. Water counts as clear only as far as the bins tell something;
-  /// the blind zone before the first such bin is taken for clear, because the vehicle itself is there.
+  /// within one bucket of directions are taken together. Water counts as clear only as far as the bins tell something,
+  /// but for gaps that are no longer than a layer; the blind zone before the first such bin is taken for clear, because
+  /// the vehicle itself is there.
   void update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
   void add(const SphericalLook& look);
 
@@ -73,13 +77,12 @@ class SphericalMapper {
  private:
   struct Heard {
     std::optional<double> range_m;  ///< of the nearest echo
-    double told_m = 0;              ///< up to which the beam tells something
+    double told_m = 0;              ///< up to which the beam tells whether the water is clear
   };
   [[nodiscard]] Heard heard(const Ping& ping, const EchoDecisions& decisions, int beam) const;
   void hit(const ReadingGaussian& reading);
   void pass(const ReadingGaussian& reading, double until_m);
-  void look_from(const Pose& X_WS, const Eigen::Vector3d& u_S, Angle width, std::optional<double> range_m,
-                 double max_range_m, Time time);
+  void look_from(const Pose& X_WS, const Eigen::Vector3d& u_S, const SphericalLook& look);
 
   SphericalMapperConfig config_;
   SphericalGrid& grid_;

@@ -1,4 +1,4 @@
-// `isobath sphere`: a room scanned along a path, three pictures of it.
+// The spherical grid as a user meets it: `isobath sphere`, a room scanned along a path; and what a run says of it.
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 
@@ -23,6 +23,66 @@ TEST(Sphere, WritesThreePicturesOfARoomAndSaysWhatIsInItsGrid) {
   const auto few = test::isobath({"sphere", room, "--out", (folder / "few").string(), "--scans", "3", "--range", "12",
                                   "--rule", "maximum_response"});
   EXPECT_THAT(few.out, HasSubstr("3 scans, 432 beams"));
+}
+
+/// A wall 24 m ahead of a vehicle that stands still; a fan, a cone that looks ahead and one that looks down.
+constexpr const char* kWallAhead = R"(
+[scene]
+title = "A wall ahead"
+duration_s = 8
+[bottom]
+kind = "flat"
+material = "mud"
+depth = 12
+[vehicle]
+start = [0, 0, 5]
+speed = 0
+[[wall]]
+name = "wall"
+line = [[24, 14], [24, -14]]
+top = 0
+bottom = 12
+[[sonar]]
+preset = "p450_horizontal"
+range_m = 40
+bins = 300
+[[sonar]]
+preset = "obstacle_cone"
+name = "ahead"
+[[sonar]]
+preset = "altimeter"
+)";
+
+// The wall stands in the grid of the run, which says so; its replay says the same.
+// ledger: S4-01 S4-12 S4-36 S4-48 S4-50
+TEST(SphereOfARun, SaysWhatIsAheadAndIsTheSameInAReplay) {
+  const auto folder = test::scratch_folder();
+  const auto scene = test::write(folder / "wall.toml", kWallAhead);
+  const auto record = (folder / "wall.mcap").string();
+  const auto run = test::isobath_run(scene, folder / "out", {"--record", record});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto sphere = nlohmann::json::parse(run.out)["sphere"];
+  EXPECT_GT(sphere["pings"], 10);
+  EXPECT_GT(sphere["ranges"], 20);
+  EXPECT_GT(sphere["scans"], 5);
+  EXPECT_EQ(sphere["ahead"], "blocked");
+  EXPECT_NEAR(sphere["clear_ahead_m"], 24, 1.5);
+  for (const char* name : {"sphere-above.png", "sphere-solid.png"}) {
+    EXPECT_EQ(test::content_of(folder / "out" / name).substr(1, 3), "PNG") << name;
+  }
+  EXPECT_THAT(test::content_of(folder / "out/report.html"), HasSubstr("Echoes around the vehicle"));
+
+  const auto replay = test::isobath_run(record, folder / "again");
+  ASSERT_EQ(replay.exit_code, 0) << replay.err;
+  EXPECT_EQ(nlohmann::json::parse(replay.out)["sphere"], sphere);
+
+  const auto none = test::isobath_run(scene, folder / "none", {"--set", "sphere.keep=false"});
+  EXPECT_TRUE(nlohmann::json::parse(none.out)["sphere"].is_null());
+  EXPECT_FALSE(std::filesystem::exists(folder / "none/sphere-above.png"));
+
+  const auto coarse = test::isobath_run(scene, folder / "coarse", {"--set", "sphere.sonar=wesmar_ss150"});
+  EXPECT_THAT(nlohmann::json::parse(coarse.out)["sphere"]["coarser"].get<std::string>(), HasSubstr("layers of 0.5 m"));
+  EXPECT_EQ(test::isobath_run(scene, folder / "bad", {"--set", "sphere.sonar=asdic"}).exit_code, 2);
 }
 
 TEST(Sphere, SaysInOneLineWhatItCannotScan) {

@@ -6,6 +6,7 @@
 #include <isobath/display/display.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <tests/support/display_records.hpp>
 #include <tests/support/echoes.hpp>
 #include <tests/support/events.hpp>
@@ -569,6 +570,34 @@ TEST(Display, SaysWhatTheAgentsDecideAndWhatIsWrong) {
   say("safety officer", SafetyReport{"sonar silent", false, false, MissionEnd::kSurface, ""}, 6);
   display.show(Time(seconds(6.0)), DisplayCounts{});
   EXPECT_TRUE(health()["faults"].empty());
+}
+
+// ledger: S4-37
+TEST(MapDisplay, ShowsTheCellsWithEchoesOfTheSphericalGrid) {
+  DisplayState items;
+  MapDisplay display(items);
+  GridSnapshot sphere{SphericalGridConfig{}};
+  sphere.X_WB.translation = {30, -20, 5};
+  const Eigen::Vector3d at(0, 10, 0);  // north of the vehicle
+  const auto place = *sphere.grid.place_at(at);
+  sphere.grid.set_log_odds(place, 5);
+  sphere.grid.add_echo(at, 0.1, Time{});
+  sphere.grid.set_log_odds({place.direction, place.layer + 1}, 5);  // occupied, but without an echo
+  display.show(Time(seconds(2.0)), sphere);
+  const std::string bytes = only(items, Kind::kSphere).payload;
+  EXPECT_EQ(number_at<double>(bytes, 0), 30);
+  EXPECT_EQ(number_at<double>(bytes, 8), -20);
+  EXPECT_EQ(number_at<float>(bytes, 16), 5);
+  const auto azimuth = static_cast<double>(number_at<float>(bytes, 20)),
+             step = static_cast<double>(number_at<float>(bytes, 28));
+  const auto layers = number_at<std::uint32_t>(bytes, 32);
+  ASSERT_EQ(number_at<std::uint32_t>(bytes, 36), 1u);
+  ASSERT_EQ(bytes.size(), 40 + 4 * layers + 8);
+  const std::size_t row = 40 + 4 * layers;
+  const auto layer = number_at<std::uint16_t>(bytes, row);
+  EXPECT_NEAR(number_at<float>(bytes, 40 + 4 * layer), 10, 0.5);
+  EXPECT_NEAR(azimuth + (number_at<std::uint16_t>(bytes, row + 2) + 0.5) * step, std::numbers::pi / 2, step);
+  EXPECT_GT(number_at<std::uint16_t>(bytes, row + 6), 240);
 }
 
 }  // namespace

@@ -279,5 +279,41 @@ TEST(ChartRoom, LegsOverUnknownWaterAndRocks) {
   EXPECT_TRUE(Rig().tell(start).empty());
 }
 
+/// An echo 10 m away in this direction of the grid's axes, at the level of the vehicle.
+std::shared_ptr<const GridSnapshot> one_echo(Angle course, const Vector3d& at_G, const Vector3d& vehicle) {
+  auto snapshot = std::make_shared<GridSnapshot>(SphericalGridConfig{});
+  snapshot->version = 1;
+  snapshot->X_WB.translation = vehicle;
+  snapshot->grid.turn(course);
+  const auto place = snapshot->grid.place_at(snapshot->grid.to_table(at_G));
+  snapshot->grid.set_log_odds(*place, 5);
+  snapshot->grid.add_echo(at_G, 0.1, Time{});
+  return snapshot;
+}
+
+// ledger: S4-51
+TEST(ChartRoom, SendsTheCellsOfTheSphericalGridWhereAskedTo) {
+  ChartRoomConfig config;
+  config.sphere = true;
+  const Vector3d vehicle(100, 200, 5);
+  ChartUpdate chart;
+  chart.sphere = one_echo({}, {0, 10, 0}, vehicle);  // y' points north
+  Rig rig(config, chart);
+  const auto north_up = rig.at(100, 200, 5);
+  ASSERT_EQ(hazards(north_up).size(), 1u);
+  EXPECT_EQ(hazards(north_up)[0].kind, HazardKind::kMapped);
+  EXPECT_LT((nearest_point(hazards(north_up)[0].outline, {110, 200}) - Vector2d(110, 200)).norm(), 0.5);
+
+  chart.sphere = one_echo(Angle::degrees(90), {0, 10, 0}, vehicle);  // y' points east
+  const auto course_up = Rig(config, chart).at(100, 200, 5);
+  ASSERT_EQ(hazards(course_up).size(), 1u);
+  EXPECT_LT((nearest_point(hazards(course_up)[0].outline, {100, 210}) - Vector2d(100, 210)).norm(), 0.5);
+
+  chart.sphere = one_echo({}, {0, 10, 4}, vehicle);
+  EXPECT_TRUE(hazards(Rig(config, chart).at(100, 200, 5)).empty()) << "4 m above the vehicle";
+  chart.sphere = one_echo({}, {0, 10, 0}, vehicle);
+  EXPECT_TRUE(hazards(Rig({}, chart).at(100, 200, 5)).empty()) << "not asked for";
+}
+
 }  // namespace
 }  // namespace isobath

@@ -387,5 +387,55 @@ TEST(SphericalMapper, TakesTheNearestEchoOfEachBeamOfAPing) {
   EXPECT_TRUE(grid.was_clear(29 * towards(90, 0.1)));
 }
 
+/// A ping of narrow beams 0.5 degrees apart, ahead, to 30 m.
+struct NarrowBeams {
+  Ping ping;
+  EchoDecisions decisions;
+  NarrowBeams() {
+    auto fan = std::make_shared<BeamFan>();
+    for (int b = 0; b < 5; ++b) {
+      fan->azimuth.push_back(Angle::degrees(-1 + 0.5 * b));
+      fan->width.push_back(Angle::degrees(0.5));
+    }
+    ping.fan = fan;
+    ping.window = {0, 0.1, 300};
+    decisions.reset(5, 300);
+    decisions.p_detect.assign(300, 0.8f);
+  }
+  [[nodiscard]] std::uint64_t echoes_in(SphericalGrid& grid, SphericalMapper& mapper) const {
+    mapper.update(ping, decisions, Pose{});
+    std::uint64_t echoes = 0;
+    grid.cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
+      for (const SphericalCell& cell : beam) echoes += cell.echoes;
+    });
+    return echoes;
+  }
+};
+
+// ledger: S4-05
+TEST(SphericalMapper, TakesBeamsThatAreNarrowerThanADirectionTogether) {
+  NarrowBeams heard;
+  for (int b = 0; b < 5; ++b) heard.decisions.set_hit(b, 150 + 10 * b);
+  SphericalGrid grid;
+  SphericalMapper mapper({}, grid);
+  EXPECT_EQ(heard.echoes_in(grid, mapper), 1u) << "the nearest one";
+  EXPECT_TRUE(grid.was_clear(14 * towards(90, 0)));
+  EXPECT_FALSE(grid.was_clear(16 * towards(90, 0)));
+}
+
+// Behind bins that tell nothing the water may hold an echo, but it is not clear.
+// ledger: S4-50
+TEST(SphericalMapper, CallsWaterClearOnlyAsFarAsABeamTells) {
+  NarrowBeams heard;
+  for (int bin = 100; bin < 120; ++bin) heard.decisions.set_unusable(bin);
+  heard.decisions.set_hit(2, 200);
+  SphericalGrid grid;
+  SphericalMapper mapper({}, grid);
+  EXPECT_EQ(heard.echoes_in(grid, mapper), 1u);
+  EXPECT_TRUE(grid.was_clear(9 * towards(90, 0)));
+  EXPECT_FALSE(grid.was_clear(11 * towards(90, 0))) << "not heard";
+  EXPECT_FALSE(grid.was_clear(15 * towards(90, 0))) << "behind it";
+}
+
 }  // namespace
 }  // namespace isobath

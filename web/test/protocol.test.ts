@@ -237,3 +237,37 @@ describe('payloads', () => {
     expect(protocol.readTrack(view(bytes.slice(0, 20)))).toBeNull();
   });
 });
+
+describe('the spherical grid', () => {
+  /** Two layers of 1 and 2 m, and one cell. */
+  function sphere(layer = 1, cut = 0): DataView {
+    const bytes = new DataView(new ArrayBuffer(40 + 8 + 8 - cut));
+    bytes.setFloat64(0, 30, true);
+    bytes.setFloat64(8, -20, true);
+    [5, -1, -1.5, 0.25].forEach((v, k) => bytes.setFloat32(16 + 4 * k, v, true));
+    bytes.setUint32(32, 2, true);
+    bytes.setUint32(36, 1, true);
+    [1, 2].forEach((v, k) => bytes.setFloat32(40 + 4 * k, v, true));
+    if (cut === 0) [layer, 7, 6, 250].forEach((v, k) => bytes.setUint16(48 + 2 * k, v, true));
+    return bytes;
+  }
+
+  it('is read as the page describes it', () => {
+    expect(protocol.readSphere(sphere())).toEqual({
+      north: 30,
+      east: -20,
+      down: 5,
+      azimuth: -1,
+      elevation: -1.5,
+      step: 0.25,
+      radii: new Float32Array([1, 2]),
+      cells: new Uint16Array([1, 7, 6, 250]),
+    });
+  });
+
+  it('is refused where it is cut short, or names a layer that it does not have', () => {
+    expect(protocol.readSphere(sphere(1, 8))).toBeNull();
+    expect(protocol.readSphere(sphere(2))).toBeNull();
+    expect(protocol.readSphere(new DataView(new ArrayBuffer(39)))).toBeNull();
+  });
+});
