@@ -397,7 +397,8 @@ MissionOutcome Run::mission_outcome() {
 /// Of the vehicle and the water that it must keep clear.
 double Run::vehicle_radius_m() const {
   constexpr double kUnknownVehicle_m = 0.5;
-  return (setup_ ? setup_->vehicle.half_width_m : kUnknownVehicle_m) + request_.configuration.mission.chart_room.clearance_m;
+  return (setup_ ? setup_->vehicle.half_width_m : kUnknownVehicle_m) +
+         request_.configuration.mission.chart_room.clearance_m;
 }
 
 void Run::add_voxels(RunOutcome& outcome) {

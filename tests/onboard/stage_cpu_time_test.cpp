@@ -54,7 +54,8 @@ TEST(StageCpuTime, SaysInOneLineWhatAPingCosts) {
   EXPECT_DOUBLE_EQ(load.sum_s(), 4.0);
   EXPECT_EQ(load_text(load, 100, 10),
             "load of one core: 40.0 ms per ping, 40 % of real time: echoes 10.0, plan view 0.0, voxels 25.0, "
-            "spherical grid 0.0, depth map 0.0, obstacles 0.0, planning and agents 5.0; in addition, input 70.0 and report 30.0");
+            "spherical grid 0.0, depth map 0.0, obstacles 0.0, planning and agents 5.0; in addition, input 70.0 and "
+            "report 30.0");
   EXPECT_EQ(load_text(load, 0, 10), "");
   EXPECT_EQ(load_text(load, 100, 0), "");
 }

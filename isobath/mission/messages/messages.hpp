@@ -71,7 +71,7 @@ struct ChartedHazards {
 struct ChartUpdate {
   std::shared_ptr<const DepthField> depths;
   std::shared_ptr<const std::vector<ChartObstacle>> objects;
-  std::optional<Time> looked_ahead = {};  ///< newest reading in `depths` of a range sonar that looks ahead
+  std::optional<Time> looked_ahead = {};            ///< newest reading in `depths` of a range sonar that looks ahead
   std::shared_ptr<const GridSnapshot> sphere = {};  ///< the echoes around the vehicle
 };
 
