@@ -59,6 +59,7 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
       {"title", outcome.plan.title},           {"phase", to_text(report.phase)}, {"why", report.why},
       {"points", points_json(outcome.plan)},   {"reached", report.reached},      {"dropped", report.dropped},
       {"decisions", outcome.decisions.size()}, {"failure", outcome.failure()}};
+  json["hazards"] = {{"charted", outcome.charted.size()}, {"measured", outcome.mapped.size()}};
   if (const auto& truth = outcome.truth) {
     json["truth"] = {{"contact", truth->contact_s >= 0},
                      {"contact_s", truth->contact_s >= 0 ? number_json(truth->contact_s) : ordered_json()},

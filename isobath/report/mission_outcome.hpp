@@ -36,6 +36,8 @@ struct MissionOutcome {
   std::vector<Decision> decisions;
   std::vector<BelievedPlace> believed;    ///< ten a second at most
   std::vector<SeenObstacle> seen;         ///< without those behind others
+  std::vector<Polygon> charted;           ///< hazards of the chart around the vehicle, as the mission began
+  std::vector<Polygon> mapped;            ///< hazards around the vehicle that sonar had measured at the end
   std::optional<TrackTruth> truth;        ///< simulated runs only
   std::vector<TrueBody> bodies;           ///< at the end; simulated runs only
   std::uint64_t as_recorded = 0;          ///< replay: leading decisions that equal those of the recorded run

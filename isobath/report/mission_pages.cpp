@@ -13,6 +13,8 @@ using Eigen::Vector2d;
 constexpr int kPlotPixels = 1100;
 constexpr double kCaptureRadius = 5;  // m; within it a mission point counts as reached (S6-37)
 constexpr Colour kWater{0.91, 0.95, 0.985, 1};
+constexpr Colour kCharted{0.62, 0.78, 0.90, 0.7}, kChartedEdge{0.20, 0.42, 0.62, 0.9};
+constexpr Colour kMapped{0.93, 0.78, 0.50, 0.75}, kMappedEdge{0.66, 0.44, 0.08, 0.9};
 constexpr Colour kBody{0.45, 0.42, 0.38, 1};
 constexpr Colour kFence{0.65, 0.10, 0.45, 1};
 constexpr Colour kWay{0.35, 0.20, 0.60, 1};
@@ -74,6 +76,11 @@ void draw_obstacles(MissionPlot& plot, const MissionOutcome& outcome) {
   for (const InjectedMap& map : outcome.plan.injected) {
     for (const Polygon& outline : map.outlines) plot.area(outline, {0.84, 0.37, 0.0, 0.15}, {kReplan, 2, true});
   }
+}
+
+void draw_shoals(MissionPlot& plot, const MissionOutcome& outcome) {
+  for (const Polygon& outline : outcome.charted) plot.area(outline, kCharted, {kChartedEdge, 1.2, true});
+  for (const Polygon& outline : outcome.mapped) plot.area(outline, kMapped, {kMappedEdge, 1.2, false});
 }
 
 void draw_ways(MissionPlot& plot, const MissionOutcome& outcome) {
@@ -192,6 +199,8 @@ void legend(MissionPlot& plot, const MissionOutcome& outcome) {
     plot.legend_danger("small body, true position");
   }
   plot.legend_fill({0.84, 0.37, 0.0, 0.35}, "detected obstacles");
+  if (!outcome.charted.empty()) plot.legend_fill(kCharted, "too shallow on the chart, at the start");
+  if (!outcome.mapped.empty()) plot.legend_fill(kMapped, "measured as too shallow, at the end");
   plot.legend_number(kReplan, "decision, number as in table");
   if (std::any_of(outcome.decisions.begin(), outcome.decisions.end(), overrules)) {
     plot.legend_number(kSafety, "the same, of the Safety Officer");
@@ -208,6 +217,7 @@ std::string chart_png(const MissionOutcome& outcome, const ChartSource& source) 
   const std::string title = outcome.plan.title.empty() ? "Mission" : outcome.plan.title;
   MissionPlot plot(mission_extent(outcome), kPlotPixels, title, outcome.plan.origin);
   plot.water(kWater);
+  draw_shoals(plot, outcome);
   draw_obstacles(plot, outcome);
   if (!outcome.plan.fence.empty()) plot.polyline(outcome.plan.fence, true, {kFence, 2, true});
   draw_ways(plot, outcome);

@@ -21,4 +21,22 @@ void MissionNotes::on_scan(const ScanResult& scan) {
   }
 }
 
+void MissionNotes::on_message(const Envelope& envelope) {
+  const auto* said = std::get_if<ChartedHazards>(&envelope.message);
+  if (!said || !said->hazards) return;
+  const std::lock_guard lock(mutex_);
+  if (!first_hazards_) first_hazards_ = said->hazards;
+  last_hazards_ = said->hazards;
+}
+
+std::vector<Polygon> MissionNotes::outlines_of(const Hazards& hazards, HazardKind kind) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Polygon> outlines;
+  if (!hazards) return outlines;
+  for (const Hazard& hazard : *hazards) {
+    if (hazard.kind == kind) outlines.push_back(hazard.outline);
+  }
+  return outlines;
+}
+
 }  // namespace isobath

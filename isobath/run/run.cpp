@@ -231,9 +231,12 @@ void Run::invite_observers() {
     if (setup_) simulated->tell_truth_to(track_.emplace(simulated->simulator()));
     simulated->tell_truth_to(display_);
   }
-  if (!display_.on()) return;
-  onboard_.show_to(display_);
-  if (helm_) helm_->show_messages_to([this](const Envelope& envelope) { display_.on_message(envelope); });
+  if (display_.on()) onboard_.show_to(display_);
+  if (!helm_) return;
+  helm_->show_messages_to([this](const Envelope& envelope) {
+    notes_.on_message(envelope);
+    if (display_.on()) display_.on_message(envelope);
+  });
 }
 
 RunOutcome Run::outcome() {
@@ -379,6 +382,8 @@ MissionOutcome Run::mission_outcome() {
   mission.decisions = helm_->decisions();
   mission.believed = notes_.believed();
   mission.seen = notes_.seen();
+  mission.charted = notes_.charted();
+  mission.mapped = notes_.mapped();
   mission.timings = onboard_.timings();
   mission.executor = helm_->executor_counts();
   if (SimulatedSource* simulated = input_.simulated()) {

@@ -1,6 +1,7 @@
 // isobath run with a mission, as a user meets it: what it says, what it leaves behind, and that it can be run again.
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -45,6 +46,16 @@ TEST(Mission, TheDemoReachesItsPointsClearOfTheBuoysAndSaysWhy) {
               AllOf(HasSubstr("<h2>Mission</h2>"), HasSubstr("<h2>Decisions</h2>"), HasSubstr("replan")));
   for (const char* picture : {"mission.png", "clearance.png"})
     EXPECT_THAT(content_of(out / picture), StartsWith("\x89PNG"));
+}
+
+// The chart has a shoal that does not exist, and lacks a rock that the sonar finds.
+// ledger: S1-D01 S1-D02
+TEST(Mission, KnowsTheHazardsOfItsChartAndThoseThatItsSonarHasMeasured) {
+  ISOBATH_NOT_SANITIZED();
+  const ProgramResult lake = isobath_run(scenario("winnipesaukee"), scratch_folder() / "out");
+  ASSERT_EQ(lake.exit_code, 0) << lake.err;
+  EXPECT_GT(printed(lake)["mission"]["hazards"]["charted"], 0);
+  EXPECT_GT(printed(lake)["mission"]["hazards"]["measured"], 0);
 }
 
 TEST(Mission, TheSummaryNamesEachReplanWithItsReason) {
