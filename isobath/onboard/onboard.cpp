@@ -24,6 +24,7 @@ Onboard::Onboard(const OnboardConfiguration& configuration, DepthModel& depths, 
       depths_(depths),
       voxels_(voxels_of(configuration, parts.voxels), std::move(parts.voxel_file)),
       sphere_(sphere_of(configuration, parts.sphere)),
+      scan_steering_(configuration.scan),
       reach_m_(configuration.mission.space_route.reach_m),
       depths_interval_(seconds(configuration.mission.chart_room.live_s)),
       sphere_steers_(configuration.mission.chart_room.sphere),
@@ -100,6 +101,11 @@ Setpoint Onboard::steer() {
   return setpoint;
 }
 
+std::optional<ScanCommand> Onboard::take_scan_command() {
+  const std::lock_guard lock(scan_mutex_);
+  return std::exchange(scan_command_, std::nullopt);
+}
+
 void Onboard::settle() {
   if (mapping_) {
     mapping_->settle();
@@ -127,6 +133,7 @@ void Onboard::on_ping(const PosedPing& ping) {
   voxels_.update(ping);
   load_.enter(Stage::kSphere);
   sphere_.update(ping);
+  scan_steering_.on_ping(ping.ping);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_ping(ping);
   times_->resume();
@@ -135,6 +142,12 @@ void Onboard::on_ping(const PosedPing& ping) {
 void Onboard::on_scan(const ScanResult& scan) {
   load_.enter(Stage::kSphere);
   sphere_.end_scan();
+  if (sphere_.grid()) {
+    if (const auto command = scan_steering_.on_sweep(*sphere_.grid(), scan.detection.X_WB)) {
+      const std::lock_guard lock(scan_mutex_);
+      scan_command_ = command;
+    }
+  }
   load_.enter(Stage::kVoxels);
   const auto space = voxels_.space_around(scan, reach_m_);
   if (space) heights_ = space;

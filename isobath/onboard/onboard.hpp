@@ -25,12 +25,14 @@
 #include <isobath/onboard/onboard_configuration.hpp>
 #include <isobath/onboard/onboard_observer.hpp>
 #include <isobath/onboard/pipeline.hpp>
+#include <isobath/onboard/scan_steering.hpp>
 #include <isobath/onboard/stage_cpu_time.hpp>
 #include <isobath/onboard/stage_times.hpp>
 #include <isobath/world/depth_model.hpp>
 #include <isobath/world/spherical_model.hpp>
 #include <isobath/world/voxel_model.hpp>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -58,6 +60,8 @@ class Onboard : private ResultSink {
   void on_event(Event event);
   /// Call after each event. Requires a helm.
   Setpoint steer();
+  /// A command for the scanning sonar since the last call, if the configuration steers it. Any thread.
+  std::optional<ScanCommand> take_scan_command();
   /// Live: waits until all events are mapped and the agents have handled all messages. Otherwise returns at once.
   void settle();
   /// Call after the last event: handles the pings that still wait, ends the open sweep, completes the depth map.
@@ -97,6 +101,9 @@ class Onboard : private ResultSink {
   DepthModel& depths_;
   VoxelModel voxels_;
   SphericalModel sphere_;
+  ScanSteering scan_steering_;
+  std::mutex scan_mutex_;
+  std::optional<ScanCommand> scan_command_;           ///< guarded by scan_mutex_
   std::shared_ptr<const OccupancySnapshot> heights_;  ///< the newest snapshot of the voxels around the vehicle
   double reach_m_;
   Duration depths_interval_;               ///< 0: the helm does not get the depth map

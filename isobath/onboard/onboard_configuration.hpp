@@ -9,6 +9,7 @@
 #include <isobath/mission/safety/safety_config.hpp>
 #include <isobath/onboard/event_gate.hpp>
 #include <isobath/onboard/pose_buffer.hpp>
+#include <isobath/onboard/scan_steering.hpp>
 #include <isobath/perception/grid_mapper.hpp>
 #include <isobath/perception/imminent_collision.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
@@ -42,6 +43,7 @@ struct OnboardConfiguration : WorldConfiguration {
   GridMapperConfig update;
   ObstacleDetectorConfig obstacles;
   ImminentCollisionConfig collision;
+  ScanSteeringConfig scan;
   MissionConfig mission;
   SafetyConfig safety;
   ExecutorConfig executor;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/perception/scan_control.hpp>
+#include <utility>
 
 namespace isobath {
 
@@ -21,7 +22,7 @@ std::vector<double> entropy_by_azimuth(const SphericalGrid& grid, Angle height) 
   return sums;
 }
 
-ScanChoice ScanControl::next(const SphericalGrid& grid, Angle looking) {
+ScanChoice ScanControl::next(const SphericalGrid& grid, Angle looking, const ScanReach& reach) {
   std::vector<double> worths = entropy_by_azimuth(grid, limits_.height);
   const auto n = static_cast<int>(worths.size());
   looks_.resize(worths.size(), 0);
@@ -33,14 +34,18 @@ ScanChoice ScanControl::next(const SphericalGrid& grid, Angle looking) {
   const int now = static_cast<int>(std::floor((looking - edge) / step));
   double inside = 0;
   for (int i = 0; i < wide; ++i) inside += worths[index(now - i)];
-  ScanChoice best;
-  int best_last = now;
+  const Angle room = (reach.width - step * wide) / 2;
+  const bool anywhere = reach.width >= Angle::degrees(360);
+  ScanChoice best{reach.middle.wrapped(), 0};
+  int best_last = static_cast<int>(std::floor((reach.middle - edge) / step)) + wide / 2;
+  bool any = false;
   for (int k = 0; k < n; ++k) {  // sectors of the buckets last - wide + 1 ... last; clockwise, so azimuths decrease
     const int last = now - k;
     if (k > 0) inside += worths[index(last - wide + 1)] - worths[index(last + 1)];
     const Angle middle = (edge + step * (last + 1 - 0.5 * wide)).wrapped();
+    if (!anywhere && abs((middle - reach.middle).wrapped()) > room + step / 2) continue;
     const double worth = inside - limits_.turn_cost * abs((middle - looking).wrapped()).radians();
-    if (k > 0 && worth <= best.worth + 1e-12) continue;
+    if (std::exchange(any, true) && worth <= best.worth + 1e-12) continue;
     best = {middle, worth};
     best_last = last;
   }

@@ -7,7 +7,8 @@
 // `looks` is the number of times that this azimuth was chosen: the n-th look gains about 1 / n of the first. Without
 // it, an object whose outline stays uncertain because its echoes scatter would be chosen permanently. Locked cells are
 // settled and count nothing. Sectors begin at each bucket of azimuth. The sector of the greatest worth is chosen; of
-// equal ones, the first clockwise from the present direction. Cost: one pass over the stored cells. One thread.
+// equal ones, the first clockwise from the present direction. A sonar that sweeps less than a turn can reach only
+// sectors within it. Cost: one pass over the stored cells. One thread.
 #pragma once
 
 #include <isobath/map/spherical/spherical_grid.hpp>
@@ -19,6 +20,11 @@ struct ScanLimits {
   Angle sector = Angle::degrees(30);
   Angle height = Angle::degrees(10);  ///< height of the beams, centred on the horizontal
   double turn_cost = 0.1;             ///< nats per radian
+};
+/// Azimuths in G that the sonar can reach: `width` about `middle`.
+struct ScanReach {
+  Angle middle;
+  Angle width = Angle::degrees(360);
 };
 struct ScanChoice {
   Angle azimuth;  ///< middle of the sector, in G
@@ -33,8 +39,9 @@ class ScanControl {
  public:
   explicit ScanControl(const ScanLimits& limits = {}) : limits_(limits) {}
 
-  /// Chooses the next sector and counts it as looked at. `looking`: present azimuth of the sonar in G.
-  ScanChoice next(const SphericalGrid& grid, Angle looking);
+  /// Chooses the next sector within reach and counts it as looked at. `looking`: present azimuth of the sonar in G. If
+  /// no sector is within reach, it is the one in the middle of the reach.
+  ScanChoice next(const SphericalGrid& grid, Angle looking, const ScanReach& reach = {});
 
  private:
   ScanLimits limits_;

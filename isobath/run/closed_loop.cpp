@@ -41,7 +41,7 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
   Onboard onboard(configuration, depths,
                   {.helm = &helm,
                    .voxels = tells_height(simulator.scene()),
-                   .sphere = configuration.mission.chart_room.sphere,
+                   .sphere = configuration.mission.chart_room.sphere || configuration.scan.on,
                    .live = request.live});
   for (OnboardObserver* observer : request.observers) onboard.show_to(*observer);
   GroundTruthTrajectory truth(simulator);
@@ -72,7 +72,9 @@ LoopResult run_closed_loop(const Scenario& scenario, Helm& helm, const LoopReque
 }
 
 bool steer_simulated(Onboard& onboard, Helm& helm, SimulatedSource& source, EndOfMission& end) {
-  source.simulator().command(onboard.steer());
+  Simulator& simulator = source.simulator();
+  simulator.command(onboard.steer());
+  if (const auto command = onboard.take_scan_command()) simulator.command_scanning(*command);
   source.answer(helm.to_operator());
   return !end.reached(helm.progress().phase, source.simulator().now_s());
 }

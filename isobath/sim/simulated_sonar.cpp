@@ -102,7 +102,7 @@ SimulatedSonar::SimulatedSonar(const SonarConfig& config, const World& world, co
   const int steps = whole ? static_cast<int>(std::lround(sector / step))
                           : static_cast<int>(std::floor(sector / step + 1e-6)) + 1;  // no step outside the sector
   for (int i = 0; i < steps; ++i) {
-    fan.azimuth[0] = Angle::degrees(whole ? i * step : (i - 0.5 * (steps - 1)) * step);
+    fan.azimuth[0] = config.middle + Angle::degrees(whole ? i * step : (i - 0.5 * (steps - 1)) * step);
     fans_.push_back(std::make_shared<const BeamFan>(fan));
   }
 }

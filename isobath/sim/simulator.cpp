@@ -285,6 +285,12 @@ void Simulator::command(const std::string& sonar, const ScanCommand& scan) {
   throw Error("the scene has no active sonar \"" + sonar + "\"", {scene_.file}, "the name of a sonar of the scene");
 }
 
+void Simulator::command_scanning(const ScanCommand& scan) {
+  for (const auto& device : devices_) {
+    if (device->sonar.config().kind == SonarKind::kScanning) device->sonar.command(scan);
+  }
+}
+
 void Simulator::ping_all() {
   const auto earliest = [this]() -> Device* {
     Device* first = nullptr;

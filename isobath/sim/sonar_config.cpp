@@ -244,6 +244,7 @@ std::vector<Field> fields(SonarConfig& c) {
       Field::integer("beams", &c.beams, {1, 4096}, "", "Beams of a fan."),
       Field::degrees("sector_deg", &c.sector, {0, 360},
                      "Angle from the first beam's axis to the last's, or the swept sector."),
+      Field::degrees("middle_deg", &c.middle, {-180, 180}, "Azimuth of the middle of the sector of a scanning head."),
       Field::degrees("step_deg", &c.step, {0.05, 30}, "Step of a scanning head."),
       Field::degrees("width_deg", &c.width, {0.05, 120}, "Width of a beam in azimuth: full, two-way, at -3 dB."),
       Field::degrees("height_deg", &c.height, {0.05, 120}, "Height of a beam in elevation: full, two-way, at -3 dB."),
@@ -367,6 +368,7 @@ SonarConfig commanded(SonarConfig config, const ScanCommand& command) {
   config.pitch = command.pitch.value_or(config.pitch);
   config.roll = command.roll.value_or(config.roll);
   config.sector = command.sector.value_or(config.sector);
+  config.middle = command.middle.value_or(config.middle);
   config.step = command.step.value_or(config.step);
   config.width = command.width.value_or(config.width);
   config.range_m = command.range_m.value_or(config.range_m);

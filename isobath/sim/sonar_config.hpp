@@ -30,6 +30,7 @@ struct SonarConfig {
   double frequency = 700e3;           ///< Hz
   int beams = 128;                    ///< number of beams of a fan; a scanning head has one
   Angle sector = Angle::degrees(90);  ///< from the first beam's axis to the last's, or the swept sector
+  Angle middle;                       ///< azimuth of the middle of the swept sector, in S
   Angle step = Angle::degrees(3);     ///< step of a scanning head
   Angle width = Angle::degrees(1);    ///< width of a beam: full, two-way, at -3 dB
   Angle height = Angle::degrees(20);

@@ -13,6 +13,7 @@ namespace isobath {
 
 struct ScanCommand {
   std::optional<Angle> heading = {}, pitch = {}, roll = {};
+  std::optional<Angle> middle = {};    ///< azimuth of the middle of a scanning head's sector, in S
   std::optional<Angle> sector = {};    ///< swept sector, or from the first beam of a fan to its last
   std::optional<Angle> step = {};      ///< step of a scanning head
   std::optional<Angle> width = {};     ///< width of a beam
