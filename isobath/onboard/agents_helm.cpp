@@ -35,7 +35,7 @@ void AgentsHelm::on_event(const Event& event) {
   tell_chart();
   beat();
   if (const auto* fix = std::get_if<Navigation>(&event)) on_fix(*fix);
-  if (const auto* range = std::get_if<RangeReading>(&event)) on_range(*range);
+  if (const auto* range = std::get_if<RangeReading>(&event)) on_range_arrival(*range);
   if (const auto* ping = std::get_if<Ping>(&event)) on_ping_arrival(*ping);
   if (const auto* health = std::get_if<Health>(&event)) on_health(*health);
   if (const auto* frame = std::get_if<OperatorFrame>(&event)) on_frame(*frame);
@@ -63,7 +63,7 @@ void AgentsHelm::on_fix(const Navigation& fix) {
   executor_->on_message(OperatorCommand{OperatorCommand::Kind::kStart, plan_}, now());
 }
 
-void AgentsHelm::on_range(const RangeReading& range) {
+void AgentsHelm::on_range_arrival(const RangeReading& range) {
   if (!range.X_BS.is_finite() || !std::isfinite(range.range_m.value_or(0))) return;
   RangeReading own = range;
   own.time += clock_.offset();

@@ -53,7 +53,7 @@ class AgentsHelm : public Helm {
   virtual void moved(Time /*now*/) {}
 
   void on_fix(const Navigation& fix);
-  void on_range(const RangeReading& range);
+  void on_range_arrival(const RangeReading& range);
   void on_ping_arrival(const Ping& ping);
   void on_health(const Health& health);
   void on_frame(const OperatorFrame& frame);

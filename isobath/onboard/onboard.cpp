@@ -170,7 +170,7 @@ void Onboard::on_vertical_ping(const PosedPing& ping) {
   for (OnboardObserver* observer : observers_) observer->on_vertical_ping(ping);
 }
 
-void Onboard::on_range(const RangeReading& reading, const Pose& X_WB) {
+void Onboard::on_reading(const RangeReading& reading, const Pose& X_WB) {
   load_.enter(Stage::kSphere);
   sphere_.update(reading, X_WB);
   load_.enter(Stage::kDepths);

@@ -91,7 +91,7 @@ class Onboard : private ResultSink {
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_vertical_ping(const PosedPing& ping) override;
-  void on_range(const RangeReading& reading, const Pose& X_WB) override;
+  void on_reading(const RangeReading& reading, const Pose& X_WB) override;
   void on_soundings(const Swath& swath, const Pose& X_WB) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
   [[nodiscard]] const OccupancySnapshot* heights() const override { return heights_.get(); }

@@ -263,7 +263,7 @@ void Pipeline::place(const Waiting& sensed) {
   if (ping) return map_ping(*ping, *X_WB, true);
   if (swath) map_soundings(*swath, *X_WB, true);
   if (range) bottom_.update(*range, *X_WB);
-  if (range) sink_.on_range(*range, *X_WB);
+  if (range) sink_.on_reading(*range, *X_WB);
   if (depths_) map_depth(sensed, {*X_WB, poses_.sigma_m()});
 }
 

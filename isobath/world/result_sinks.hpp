@@ -51,7 +51,7 @@ class ResultSink {
   /// poses agree with the new position, also those of measurements that were made before and had to wait.
   virtual void on_jump(const Eigen::Vector3d& /*by_W*/) {}
   /// Each range once, with the pose at its time. Without navigation there is none.
-  virtual void on_range(const RangeReading& /*reading*/, const Pose& /*X_WB*/) {}
+  virtual void on_reading(const RangeReading& /*reading*/, const Pose& /*X_WB*/) {}
   /// Each swath once. Without any navigation the vehicle is assumed to stand still.
   virtual void on_soundings(const Swath& /*swath*/, const Pose& /*X_WB*/) {}
 };
