@@ -16,9 +16,12 @@ const char* content_fault(const Navigation& fix) {
 }
 
 const char* content_fault(const RangeReading& reading) {
-  const bool finite =
-      reading.X_BS.is_finite() && (!reading.range_m || (std::isfinite(*reading.range_m) && *reading.range_m >= 0));
-  return finite ? nullptr : EventGate::kBadRange;
+  constexpr double kFarthestSensor = 1e4;  // m from the vehicle's reference, as for pings
+  const auto range = [](double r) { return std::isfinite(r) && r >= 0; };
+  const double width = reading.width.degrees();
+  const bool possible = reading.X_BS.is_finite() && reading.X_BS.translation.norm() < kFarthestSensor &&
+                        range(reading.max_range_m) && range(reading.range_m.value_or(0)) && width >= 0 && width <= 360;
+  return possible ? nullptr : EventGate::kBadRange;
 }
 
 const char* content_fault(const Health& health) {

@@ -1,3 +1,4 @@
+#include <isobath/base/error.hpp>
 #include <isobath/onboard/onboard.hpp>
 #include <utility>
 
@@ -12,6 +13,11 @@ VoxelModelConfig voxels_of(const OnboardConfiguration& configuration, bool wante
 
 SphericalModelConfig sphere_of(const OnboardConfiguration& configuration, bool wanted) {
   SphericalModelConfig config = configuration.sphere;
+  const auto needs_it = [](const char* key) {
+    throw Error("the spherical grid is not kept", {.key = key}, "false, or sphere.keep = true");
+  };
+  if (!config.keep && configuration.scan.on) needs_it("scan.on");
+  if (!config.keep && configuration.mission.chart_room.sphere) needs_it("chart_room.sphere");
   config.keep = config.keep && wanted;
   return config;
 }
@@ -117,6 +123,7 @@ void Onboard::settle() {
 void Onboard::finish() {
   pipeline_.finish();
   sphere_.end_scan();
+  tell_sphere(now_);
   load_.leave();
   depths_.finish(depths_.snapshot() ? voxels_.tops() : std::vector<ColumnTop>{});
   settle();

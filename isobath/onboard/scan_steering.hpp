@@ -2,8 +2,8 @@
 // ledger S4-40, S4-41). Sweeps of the whole sector and of a part of it take turns: the whole sector, because new
 // obstacles appear anywhere; a part, chosen by ScanControl, because there an echo tells most.
 //
-// The whole sector is that of the first sweep. A head that turns all round is steered, too. Nothing is steered unless
-// the configuration asks for it. One thread.
+// The whole sector is that of the first sweep. A head that turns all round is steered, too. Of several heads only the
+// first that is heard is steered. Nothing is steered unless the configuration asks for it. One thread.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -26,16 +26,19 @@ class ScanSteering {
   explicit ScanSteering(const ScanSteeringConfig& config = {}) : config_(config), control_(config.limits) {}
 
   void on_ping(const Ping& ping);
-  /// Call at the end of a sweep. The command for the next sweep; empty: the sweep goes on as commanded.
+  /// Call at the end of a scan. The command for the next sweep; empty: it was not the head's, or the sweep goes on.
   std::optional<ScanCommand> on_sweep(const SphericalGrid& grid, const Pose& X_WB);
 
  private:
   ScanSteeringConfig config_;
   ScanControl control_;
-  std::optional<Angle> first_, last_;  ///< ends of the whole sector, in S
-  Angle now_;                          ///< azimuth of the last ping, in S
-  Angle mounted_;                      ///< heading of S in B
-  int pings_ = 0, whole_pings_ = 0;    ///< since the last command; of a whole sweep
+  [[nodiscard]] bool is_head(const Ping& ping) const;
+
+  std::optional<Pose> X_BS_;         ///< of the head that is steered
+  Angle first_, last_;               ///< ends of the whole sector, in S; unwrapped
+  Angle now_, step_;                 ///< azimuth of the last ping, in S, unwrapped; size of the last step
+  bool of_head_ = false;             ///< whether the last ping was the head's
+  int pings_ = 0, whole_pings_ = 0;  ///< since the last command; of a whole sweep
   bool whole_known_ = false, part_ = false;
 };
 

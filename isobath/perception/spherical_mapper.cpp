@@ -58,6 +58,7 @@ void SphericalMapper::move_to(const Pose& X_WB, Time time) {
   if (config_.axes == SphericalMapperConfig::Axes::kCourseUp) {
     grid_.turn((X_WB.rotation.heading() - grid_.turned()).wrapped());
   }
+  if (time < faded_) faded_ = time;  // the clock was set back
   // Fades in steps of a hundredth of tau, not at each beam.
   const Duration tau = seconds(config_.tau_s);
   if (config_.tau_s > 0 && time - faded_ >= tau / 100) {
@@ -116,6 +117,7 @@ SphericalMapper::Heard SphericalMapper::heard(const Ping& ping, const EchoDecisi
   for (int bin = 0; bin < decisions.bins(); ++bin) {
     if (!decisions.tells(beam, bin)) continue;
     const double from = ping.window.edge(bin);
+    gap = gap || (told_to == 0 && from > kAboutVehicle_m);
     gap = gap || (told_to > 0 && from - told_to > grid_.layers().thickness(grid_.layers().layer_at(
                                                       std::min(told_to, grid_.config().range_m))));
     told_to = ping.window.edge(bin + 1);
@@ -138,7 +140,7 @@ void SphericalMapper::add(const SphericalLook& look) {
   const double reach = std::min(look.range_m.value_or(look.max_range_m), grid_.config().range_m);
   const Vector3d end_T = grid_.to_table(look.from + reach * look.axis);
   const double range = end_T.norm();
-  if (!(range > 0)) return;
+  if (!(range > 0 && std::isfinite(range))) return;
   const double sigma = std::max(config_.sigma_m, config_.sigma_share * reach);
   const ReadingGaussian reading{end_T / range, range, sigma, look.width.radians() / kWidthOverSigma};
   const double until = std::min(look.clear_m, look.range_m ? std::max(0.0, reach - config_.mask * sigma) : reach);

@@ -56,6 +56,8 @@ struct SphericalLook {
 
 class SphericalMapper {
  public:
+  static constexpr double kAboutVehicle_m = 3;  ///< blind zones of imaging sonars reach 1 to 2 m
+
   /// `grid` must outlive the mapper.
   SphericalMapper(const SphericalMapperConfig& config, SphericalGrid& grid);
 
@@ -65,8 +67,8 @@ class SphericalMapper {
   void update(const RangeReading& reading, const Pose& X_WB);
   /// Inserts the nearest echo of each beam of the decisions; a beam of a fan is treated as a cone of its width. Beams
   /// within one bucket of directions are taken together. Water counts as clear only as far as the bins tell something,
-  /// but for gaps that are no longer than a layer; the blind zone before the first such bin is taken for clear, because
-  /// the vehicle itself is there.
+  /// but for gaps that are no longer than a layer. The first kAboutVehicle_m before such a bin are taken for clear,
+  /// because the vehicle itself is there.
   void update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
   void add(const SphericalLook& look);
 

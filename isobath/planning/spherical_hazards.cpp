@@ -12,7 +12,7 @@ std::vector<Hazard> hazards_of(const SphericalGrid& grid, double half_height_m) 
     const Angle second = first + grid.buckets().step();
     const double level = grid.buckets().cos_elevation(d.elevation);
     for (const SphericalCell& cell : beam) {
-      if (cell.echoes == 0 || static_cast<double>(cell.log_odds) < grid.occupied_log_odds()) continue;
+      if (!cell.holds_echo() || static_cast<double>(cell.log_odds) < grid.occupied_log_odds()) continue;
       const double half_cell = grid.layers().thickness(cell.layer) / 2;
       if (std::abs(grid.point_of(cell).z()) > half_height_m + half_cell) continue;
       const double near = level * grid.layers().inner(cell.layer);

@@ -7,6 +7,7 @@
 #include <isobath/mission/command/executor.hpp>
 #include <isobath/mission/messages/messages.hpp>
 #include <isobath/onboard/stage_times.hpp>
+#include <isobath/planning/hazard_map.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <isobath/scenario/simulated_operator.hpp>
 #include <nlohmann/json_fwd.hpp>
@@ -36,8 +37,8 @@ struct MissionOutcome {
   std::vector<Decision> decisions;
   std::vector<BelievedPlace> believed;    ///< ten a second at most
   std::vector<SeenObstacle> seen;         ///< without those behind others
-  std::vector<Polygon> charted;           ///< hazards of the chart around the vehicle, as the mission began
-  std::vector<Polygon> mapped;            ///< hazards around the vehicle that sonar had measured at the end
+  std::vector<Hazard> charted;            ///< hazards of the chart around the vehicle, as the mission began
+  std::vector<Hazard> mapped;             ///< hazards around the vehicle that sonar had measured at the end
   std::optional<TrackTruth> truth;        ///< simulated runs only
   std::vector<TrueBody> bodies;           ///< at the end; simulated runs only
   std::uint64_t as_recorded = 0;          ///< replay: leading decisions that equal those of the recorded run

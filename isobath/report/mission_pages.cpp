@@ -79,8 +79,13 @@ void draw_obstacles(MissionPlot& plot, const MissionOutcome& outcome) {
 }
 
 void draw_shoals(MissionPlot& plot, const MissionOutcome& outcome) {
-  for (const Polygon& outline : outcome.charted) plot.area(outline, kCharted, {kChartedEdge, 1.2, true});
-  for (const Polygon& outline : outcome.mapped) plot.area(outline, kMapped, {kMappedEdge, 1.2, false});
+  const auto draw = [&plot](const Hazard& hazard, Colour filling, const Stroke& edge) {
+    plot.area(hazard.outline, filling, edge);
+    if (hazard.outline.size() > 2) return;
+    for (const Vector2d& end : hazard.outline) plot.circle(end, std::max(hazard.margin_m, 0.0), edge);
+  };
+  for (const Hazard& hazard : outcome.charted) draw(hazard, kCharted, {kChartedEdge, 1.2, true});
+  for (const Hazard& hazard : outcome.mapped) draw(hazard, kMapped, {kMappedEdge, 1.2, false});
 }
 
 void draw_ways(MissionPlot& plot, const MissionOutcome& outcome) {
@@ -199,8 +204,8 @@ void legend(MissionPlot& plot, const MissionOutcome& outcome) {
     plot.legend_danger("small body, true position");
   }
   plot.legend_fill({0.84, 0.37, 0.0, 0.35}, "detected obstacles");
-  if (!outcome.charted.empty()) plot.legend_fill(kCharted, "too shallow on the chart, at the start");
-  if (!outcome.mapped.empty()) plot.legend_fill(kMapped, "measured as too shallow, at the end");
+  if (!outcome.charted.empty()) plot.legend_fill(kCharted, "hazards of the chart, at the start");
+  if (!outcome.mapped.empty()) plot.legend_fill(kMapped, "measured hazards, at the end");
   plot.legend_number(kReplan, "decision, number as in table");
   if (std::any_of(outcome.decisions.begin(), outcome.decisions.end(), overrules)) {
     plot.legend_number(kSafety, "the same, of the Safety Officer");

@@ -29,14 +29,14 @@ void MissionNotes::on_message(const Envelope& envelope) {
   last_hazards_ = said->hazards;
 }
 
-std::vector<Polygon> MissionNotes::outlines_of(const Hazards& hazards, HazardKind kind) const {
+std::vector<Hazard> MissionNotes::hazards_of(const Hazards& hazards, HazardKind kind) const {
   const std::lock_guard lock(mutex_);
-  std::vector<Polygon> outlines;
-  if (!hazards) return outlines;
+  std::vector<Hazard> found;
+  if (!hazards) return found;
   for (const Hazard& hazard : *hazards) {
-    if (hazard.kind == kind) outlines.push_back(hazard.outline);
+    if (hazard.kind == kind) found.push_back(hazard);
   }
-  return outlines;
+  return found;
 }
 
 }  // namespace isobath

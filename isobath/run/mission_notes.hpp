@@ -19,12 +19,12 @@ class MissionNotes : public OnboardObserver {
   [[nodiscard]] const std::vector<BelievedPlace>& believed() const { return believed_; }
   [[nodiscard]] const std::vector<SeenObstacle>& seen() const { return seen_; }
   /// Hazards of the chart as the mission began, and those that sonar had measured at its end.
-  [[nodiscard]] std::vector<Polygon> charted() const { return outlines_of(first_hazards_, HazardKind::kCharted); }
-  [[nodiscard]] std::vector<Polygon> mapped() const { return outlines_of(last_hazards_, HazardKind::kMapped); }
+  [[nodiscard]] std::vector<Hazard> charted() const { return hazards_of(first_hazards_, HazardKind::kCharted); }
+  [[nodiscard]] std::vector<Hazard> mapped() const { return hazards_of(last_hazards_, HazardKind::kMapped); }
 
  private:
   using Hazards = std::shared_ptr<const std::vector<Hazard>>;
-  [[nodiscard]] std::vector<Polygon> outlines_of(const Hazards& hazards, HazardKind kind) const;
+  [[nodiscard]] std::vector<Hazard> hazards_of(const Hazards& hazards, HazardKind kind) const;
   std::vector<BelievedPlace> believed_;
   std::vector<SeenObstacle> seen_;
   mutable std::mutex mutex_;

@@ -287,8 +287,15 @@ void RunFolder::add_scan(HtmlReport& page, const Pictures& pictures) const {
 
 void RunFolder::add_sphere(HtmlReport& page, const SphericalOutcome& sphere, const Pictures& pictures) {
   page.heading("Echoes around the vehicle");
-  page.paragraph(fmt::format("{}. It holds what {} pings, {} ranges and {} swaths have heard, by direction and range.",
-                             sentence(sphere_text(sphere)), sphere.pings, sphere.ranges, sphere.swaths));
+  std::string heard;
+  const auto add = [&heard](std::uint64_t count, const char* what) {
+    if (count > 0) heard += fmt::format("{}{} {}", heard.empty() ? "" : ", ", count, what);
+  };
+  add(sphere.pings, "pings");
+  add(sphere.ranges, "ranges");
+  add(sphere.swaths, "swaths");
+  page.paragraph(
+      fmt::format("{}. It holds echoes by direction and range, from {}.", sentence(sphere_text(sphere)), heard));
   if (!sphere.coarser.empty()) page.paragraph(sentence(sphere.coarser) + ".");
   page.begin_row();
   page.figure(pictures.sphere_above,

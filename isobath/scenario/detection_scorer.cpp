@@ -143,7 +143,16 @@ bool DetectionScorer::in_view(const Polygon& outline) const {
       return to.norm() <= v.reach_m && std::abs(off.radians()) <= v.half_width.radians();
     });
   };
-  return std::any_of(outline.begin(), outline.end(), seen);
+  if (std::any_of(outline.begin(), outline.end(), seen)) return true;
+  // An outline may reach across a sector without a corner in it.
+  return std::any_of(views_.begin(), views_.end(), [&](const View& v) {
+    if (seen(nearest_point(outline, v.origin))) return true;
+    return std::any_of(outline.begin(), outline.end(), [&](const Vector2d& p) {
+      const double far = std::min((p - v.origin).norm(), v.reach_m);
+      const Vector2d on_axis = v.origin + far * Vector2d(cos(v.middle), sin(v.middle));
+      return seen(nearest_point(outline, on_axis));
+    });
+  });
 }
 
 std::vector<std::vector<Polygon>> DetectionScorer::plans_now() const {

@@ -287,7 +287,7 @@ void Simulator::command(const std::string& sonar, const ScanCommand& scan) {
 
 void Simulator::command_scanning(const ScanCommand& scan) {
   for (const auto& device : devices_) {
-    if (device->sonar.config().kind == SonarKind::kScanning) device->sonar.command(scan);
+    if (device->sonar.config().kind == SonarKind::kScanning) return device->sonar.command(scan);
   }
 }
 

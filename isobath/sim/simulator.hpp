@@ -55,7 +55,7 @@ class Simulator {
   /// Applies the command from the sonar's next ping on (S4-40). Throws Error for an unknown sonar or a command that it
   /// cannot follow.
   void command(const std::string& sonar, const ScanCommand& scan);
-  /// The same for all scanning heads.
+  /// The same for the first scanning head, if there is one.
   void command_scanning(const ScanCommand& scan);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }

@@ -99,6 +99,7 @@ std::optional<int> nearest_clear_echo(const Ping& ping, const EchoDecisions& dec
   for (int word = 0; word < decisions.words(); ++word) {
     for (std::uint64_t left = hits[word] & decisions.usable()[word]; left != 0; left &= left - 1) {
       const int bin = word * 64 + std::countr_zero(left);
+      if (!decisions.tells(beam, bin)) continue;
       if (!level) level = outstanding(ping, decisions, beam, contrast);
       if (ping.intensity(beam, bin) >= *level) return bin;
     }

@@ -10,8 +10,8 @@ SwathFault check(const Swath& swath) {
     return s.point.allFinite() && std::isfinite(s.range_m) && s.range_m >= 0 && std::isfinite(s.sigma_m) &&
            s.sigma_m >= 0;
   };
-  const bool head = std::isfinite(swath.sound_speed) && std::isfinite(swath.beam_width.radians()) &&
-                    (!swath.heading || std::isfinite(swath.heading->radians()));
+  const bool head = std::isfinite(swath.sound_speed) && swath.beam_width.degrees() >= 0 &&
+                    swath.beam_width.degrees() <= 360 && (!swath.heading || std::isfinite(swath.heading->radians()));
   return head && std::all_of(swath.soundings.begin(), swath.soundings.end(), finite) ? SwathFault::kNone
                                                                                      : SwathFault::kNotFinite;
 }

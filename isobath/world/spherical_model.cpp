@@ -35,10 +35,10 @@ SphericalModel::SphericalModel(const SphericalModelConfig& config)
 Pose SphericalModel::without_jumps(const Pose& X_WB) const { return {X_WB.rotation, X_WB.translation - jumped_}; }
 
 void SphericalModel::note(Time time, const Pose& X_WB) {
-  if (time < last_) scan_began_ = time;  // the clock was set back
   last_ = time;
   X_WB_ = X_WB;
-  if (!std::exchange(scanning_, true)) scan_began_ = time;
+  // Sensors tell of different times in turn. A time before the scan began is that of a clock that was set back.
+  if (!std::exchange(scanning_, true) || time < scan_began_) scan_began_ = time;
   if (time - scan_began_ >= kScan) end_scan();
 }
 
@@ -71,7 +71,7 @@ void SphericalModel::update(const RangeReading& reading, const Pose& X_WB) {
   note(reading.time, X_WB);
 }
 
-/// Of the soundings in one direction, the nearest counts.
+/// The nearest of the soundings in one direction counts.
 void SphericalModel::update(const Swath& swath, const Pose& X_WB) {
   if (!config_.keep || swath.frame != Swath::Frame::kBody || swath.soundings.empty()) return;
   mapper_.move_to(without_jumps(X_WB), swath.time);

@@ -226,7 +226,7 @@ TEST(Outputs, ReportStandsAlone) {
     EXPECT_EQ(page.substr(at, pictures.size()), pictures);
     ++inline_pictures;
   }
-  EXPECT_EQ(inline_pictures, 4) << "obstacles, occupancy, echoes, track";
+  EXPECT_EQ(inline_pictures, 6) << "obstacles, occupancy, echoes, track, spherical grid from above and aside";
   EXPECT_THAT(page, Not(HasSubstr("href=")));
 }
 

@@ -83,6 +83,8 @@ TEST(SphereOfARun, SaysWhatIsAheadAndIsTheSameInAReplay) {
   const auto coarse = test::isobath_run(scene, folder / "coarse", {"--set", "sphere.sonar=wesmar_ss150"});
   EXPECT_THAT(nlohmann::json::parse(coarse.out)["sphere"]["coarser"].get<std::string>(), HasSubstr("layers of 0.5 m"));
   EXPECT_EQ(test::isobath_run(scene, folder / "bad", {"--set", "sphere.sonar=asdic"}).exit_code, 2);
+  EXPECT_THAT(test::isobath({"run", scene.string(), "--set", "sphere.keep=false", "--set", "scan.on=true"}),
+              ends_with_one_line(HasSubstr("scan.on")));
 }
 
 TEST(Sphere, SaysInOneLineWhatItCannotScan) {

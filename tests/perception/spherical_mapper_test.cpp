@@ -435,6 +435,13 @@ TEST(SphericalMapper, CallsWaterClearOnlyAsFarAsABeamTells) {
   EXPECT_TRUE(grid.was_clear(9 * towards(90, 0)));
   EXPECT_FALSE(grid.was_clear(11 * towards(90, 0))) << "not heard";
   EXPECT_FALSE(grid.was_clear(15 * towards(90, 0))) << "behind it";
+
+  NarrowBeams far;
+  for (int bin = 0; bin < 100; ++bin) far.decisions.set_unusable(bin);
+  SphericalGrid unheard;
+  SphericalMapper mapper_of_it({}, unheard);
+  (void)far.echoes_in(unheard, mapper_of_it);
+  EXPECT_FALSE(unheard.was_clear(6 * towards(90, 0))) << "no blind zone is that long";
 }
 
 }  // namespace

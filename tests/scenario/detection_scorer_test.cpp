@@ -108,6 +108,13 @@ TEST_F(Judged, AFalseObstacleOutOfViewIsCountedApart) {
   EXPECT_EQ(score.false_obstacles, 1);
 }
 
+TEST_F(Judged, AnObstacleAcrossTheWholeSectorIsInView) {
+  sector_ = Angle::degrees(90);
+  Obstacle wall = square({5, 0}, 1, 0);
+  wall.outline = {{5, -8}, {6, -8}, {6, 8}, {5, 8}};
+  EXPECT_EQ(scan({wall}).near_false_obstacles, 1) << "no corner of it is in the sector";
+}
+
 TEST_F(Judged, APieceBesideABodyIsOfTheBodyIfItIsOfTheSameObstacle) {
   const Obstacle of_post = square({-19, 0}, 1, 0), beside = square({-20, 3.5}, 1, 0), away = square({-20, 6}, 1, 0);
   EXPECT_EQ(scan({of_post, beside}).false_obstacles, 0) << "1.5 m beside the post";

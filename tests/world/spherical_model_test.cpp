@@ -77,6 +77,37 @@ TEST(SphericalModel, MovesWithTheVehicleButNotWithAJumpOfItsPosition) {
   EXPECT_EQ(model.newest(), newest) << "nothing came since";
 }
 
+// Of a vehicle that heads east, a sounding to port lies north.
+TEST(SphericalModel, PlacesEchoesByTheHeadingOfTheVehicle) {
+  SphericalModel model({});
+  const Pose east{Rotation::from_heading(Angle::degrees(90)), {0, 0, 5}};
+  Swath swath;
+  swath.time = at(1);
+  Sounding& s = swath.soundings.emplace_back();
+  s.point = {0, -15, 0};
+  s.range_m = 15;
+  model.update(swath, east);
+  EXPECT_LT(nearest_echo(model, 15), 0.3);
+  RangeReading port = ahead(2, 30);
+  port.X_BS.rotation = Rotation::from_heading(Angle::degrees(-90));
+  model.update(port, east);
+  EXPECT_LT(nearest_echo(model, 30), 0.5);
+}
+
+// Sensors that tell of different times in turn do not keep a scan open; extreme readings change nothing.
+TEST(SphericalModel, EndsItsScansWhateverItsSensorsTell) {
+  SphericalModel model({});
+  for (int k = 0; k < 40; ++k) {
+    model.update(ahead(0.1 * k, 20), place(0));
+    model.update(ahead(0.1 * k - 0.3, 20), place(0));
+  }
+  ASSERT_NE(model.newest(), nullptr);
+  RangeReading absurd = ahead(5, 20);
+  absurd.X_BS.translation = {1e200, 0, 0};
+  model.update(absurd, place(0));
+  EXPECT_LT(nearest_echo(model, 20), 0.5);
+}
+
 TEST(SphericalModel, SaysWhatIsAhead) {
   SphericalModel model({});
   EXPECT_EQ(model.outcome(1).ahead.verdict, WayAhead::Verdict::kUnknown);

@@ -36,6 +36,10 @@ struct SphericalCell {
   std::uint16_t layer = 0;
   bool locked = false, prior = false;
 
+  /// Whether it holds an echo, a part of one that was split, or a known surface; else an echo beside it has touched it.
+  [[nodiscard]] bool holds_echo() const { return prior || weight >= kSmallestPart; }
+  static constexpr float kSmallestPart = 1.0f / 128;
+
   [[nodiscard]] Eigen::Vector3d point() const {
     return {static_cast<double>(mean[0]), static_cast<double>(mean[1]), static_cast<double>(mean[2])};
   }

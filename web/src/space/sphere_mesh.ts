@@ -40,6 +40,7 @@ export class SphereMesh {
       faces.set([4 * k, 4 * k + 1, 4 * k + 2, 4 * k, 4 * k + 2, 4 * k + 3], 6 * k);
     }
     const { geometry } = this.mesh;
+    geometry.dispose();
     geometry.setAttribute('position', new BufferAttribute(places, 3));
     geometry.setAttribute('color', new BufferAttribute(colours, 3));
     geometry.setIndex(new BufferAttribute(faces, 1));
