@@ -7,7 +7,6 @@
 #include <isobath/mission/command/executor.hpp>
 #include <isobath/mission/messages/messages.hpp>
 #include <isobath/onboard/stage_times.hpp>
-#include <isobath/planning/hazard_map.hpp>
 #include <isobath/scenario/ground_truth_trajectory.hpp>
 #include <isobath/scenario/simulated_operator.hpp>
 #include <nlohmann/json_fwd.hpp>
