@@ -399,7 +399,7 @@ MissionOutcome Run::mission_outcome() {
   return mission;
 }
 
-/// Of the vehicle and the water that it must keep clear.
+/// The radius of the vehicle with the water that it must keep clear.
 double Run::vehicle_radius_m() const {
   constexpr double kUnknownVehicle_m = 0.5;
   return (setup_ ? setup_->vehicle.half_width_m : kUnknownVehicle_m) +

@@ -84,16 +84,16 @@ void SphericalModel::update(const Swath& swath, const Pose& X_WB) {
     const Sounding*& nearest = nearest_[key];
     if (!nearest || s.range_m < nearest->range_m) nearest = &s;
   }
+  chosen_.clear();
+  for (const auto& [direction, sounding] : nearest_) chosen_.push_back(sounding);
+  std::sort(chosen_.begin(),
+            chosen_.end());  // in the order of the swath, so that the grid does not depend on the table
   const Angle width = swath.beam_width > Angle{} ? swath.beam_width : kSoundingWidth;
-  for (const Sounding& s :
-       swath.soundings) {  // in the order of the swath, so that the grid does not depend on the table
-    const Eigen::Vector3d p_B = s.point.cast<double>();
-    if (p_B.isZero(0)) continue;
-    const SphericalDirection d = grid_.direction_of(mapper_.to_grid(X_WB.rotation * p_B).normalized());
-    if (nearest_[static_cast<std::uint32_t>(d.azimuth * grid_.buckets().elevations() + d.elevation)] != &s) continue;
+  for (const Sounding* s : chosen_) {
+    const Eigen::Vector3d p_B = s->point.cast<double>();
     const double far = p_B.norm();
     mapper_.add({Eigen::Vector3d::Zero(), mapper_.to_grid(X_WB.rotation * (p_B / far)), width, far,
-                 static_cast<double>(s.range_m), swath.time});
+                 static_cast<double>(s->range_m), swath.time});
   }
   ++counts_.swaths;
   note(swath.time, X_WB);

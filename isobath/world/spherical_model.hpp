@@ -21,6 +21,7 @@
 #include <memory>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 namespace isobath {
 
@@ -58,7 +59,7 @@ class SphericalModel {
 
   /// Null before the first reading.
   [[nodiscard]] const SphericalGrid* grid() const { return told() ? &grid_ : nullptr; }
-  /// Of the vehicle at the last reading, in the axes of the grid.
+  /// The vehicle's course at the last reading, in the axes of the grid.
   [[nodiscard]] Angle course() const { return X_WB_.rotation.heading() - grid_.turned(); }
   [[nodiscard]] bool course_up() const { return config_.mapper.axes == SphericalMapperConfig::Axes::kCourseUp; }
   /// The grid at the end of the last scan; null before.
@@ -82,6 +83,7 @@ class SphericalModel {
   Pose X_WB_;                                                   ///< of the last reading
   bool scanning_ = false;                                       ///< readings came since the last scan
   std::unordered_map<std::uint32_t, const Sounding*> nearest_;  ///< of a swath, by direction
+  std::vector<const Sounding*> chosen_;                         ///< the same, in the order of the swath
 };
 
 }  // namespace isobath
