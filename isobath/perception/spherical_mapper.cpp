@@ -5,6 +5,7 @@
 #include <isobath/perception/spherical_mapper.hpp>
 #include <isobath/sonar/ping_quality.hpp>
 #include <numbers>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -34,7 +35,8 @@ std::vector<Field> fields(SphericalMapperConfig& c) {
       Field::real("pass", &c.pass, {0, 0.999}, "1", "Probability that an object that fills a beam echoes."),
       Field::real("contrast", &c.contrast, {0, 100}, "1",
                   "Contrast of the echoes of a sonar that count, in deviations of its beam's noise, as for "
-                  "safety.echo_contrast; 0: every decision for an echo counts."),
+                  "safety.echo_contrast; those that come too densely for false alarms count too. 0: every decision for "
+                  "an echo counts."),
       Field::real("tau_s", &c.tau_s, {0, 1e7}, "s", "Time in which evidence fades to 1/e; 0: no fading."),
   };
 }
@@ -82,10 +84,13 @@ void SphericalMapper::update(const Ping& ping, const EchoDecisions& decisions, c
   beams_.clear();
   for (int beam = 0; beam < decisions.beams(); ++beam) beams_.push_back(heard(ping, decisions, beam));
   const auto look = [&](Angle a, Angle wide, const Heard& heard) {
-    if (!(heard.told_m > 0)) return;
-    SphericalLook told{.width = wide, .range_m = heard.range_m, .time = ping.time, .clear_m = heard.told_m};
-    told.max_range_m = ping.window.end_m();
-    look_from(X_WS, {cos(a), sin(a), 0}, told);
+    if (!(heard.told.to_m > 0) && !heard.range_m) return;
+    look_from(X_WS, {cos(a), sin(a), 0},
+              {.width = wide,
+               .range_m = heard.range_m,
+               .max_range_m = ping.window.end_m(),
+               .time = ping.time,
+               .told = heard.told});
   };
   const double bucket = 0.999 * grid_.buckets().step().radians();
   for (std::size_t first = 0; first < beams_.size();) {
@@ -95,9 +100,9 @@ void SphericalMapper::update(const Ping& ping, const EchoDecisions& decisions, c
     for (std::size_t b = first + 1; b <= last; ++b) {
       const Heard& beam = beams_[b];
       if (beam.range_m && (!all.range_m || *beam.range_m < *all.range_m)) all.range_m = beam.range_m;
-      all.told_m = std::min(all.told_m, beam.told_m);
+      all.told = {std::max(all.told.from_m, beam.told.from_m), std::min(all.told.to_m, beam.told.to_m)};
     }
-    if (!all.range_m || all.told_m >= *all.range_m) {  // else it is not the same for all
+    if (!all.range_m || all.told.to_m >= *all.range_m) {  // else it is not the same for all
       look((azimuth[first] + azimuth[last]) / 2, abs(azimuth[last] - azimuth[first]) + width[first], all);
     } else {
       for (std::size_t b = first; b <= last; ++b) look(azimuth[b], width[b], beams_[b]);
@@ -111,17 +116,22 @@ SphericalMapper::Heard SphericalMapper::heard(const Ping& ping, const EchoDecisi
   std::optional<int> echo;
   if (config_.contrast > 0) {
     echo = nearest_clear_echo(ping, decisions, beam, contrast_of_fan(config_.contrast, decisions.beams()));
+    const std::optional<int> dense = nearest_dense_echo(decisions, beam);
+    if (dense && (!echo || *dense < *echo)) echo = dense;
   }
-  bool gap = false;  // longer than a layer
+  bool begun = false, gap = false;  // a gap is longer than a layer
   double told_to = 0;
   for (int bin = 0; bin < decisions.bins(); ++bin) {
     if (!decisions.tells(beam, bin)) continue;
     const double from = ping.window.edge(bin);
-    gap = gap || (told_to == 0 && from > kAboutVehicle_m);
-    gap = gap || (told_to > 0 && from - told_to > grid_.layers().thickness(grid_.layers().layer_at(
-                                                      std::min(told_to, grid_.config().range_m))));
+    if (!std::exchange(begun, true)) {
+      heard.told.from_m = from > kAboutVehicle_m ? from : 0;
+    } else {
+      gap = gap || from - told_to >
+                       grid_.layers().thickness(grid_.layers().layer_at(std::min(told_to, grid_.config().range_m)));
+    }
     told_to = ping.window.edge(bin + 1);
-    if (!gap) heard.told_m = told_to;
+    if (!gap) heard.told.to_m = told_to;
     if (config_.contrast > 0 ? bin != echo : !decisions.hit(beam, bin)) continue;
     heard.range_m = ping.window.centre(bin);
     break;
@@ -143,11 +153,12 @@ void SphericalMapper::add(const SphericalLook& look) {
   if (!(range > 0 && std::isfinite(range))) return;
   const double sigma = std::max(config_.sigma_m, config_.sigma_share * reach);
   const ReadingGaussian reading{end_T / range, range, sigma, look.width.radians() / kWidthOverSigma};
-  const double until = std::min(look.clear_m, look.range_m ? std::max(0.0, reach - config_.mask * sigma) : reach);
-  if (config_.rule == SphericalMapperConfig::Rule::kLogOdds) {
-    pass(reading, std::min(look.clear_m, look.range_m ? std::max(0.0, range - config_.mask * sigma) : range));
-  }
-  grid_.add_clear(look.from, look.axis, look.width / 2, until, look.time);
+  const auto clear = [&](double end) {
+    return ClearViews::Stretch{look.told.from_m,
+                               std::min(look.told.to_m, look.range_m ? end - config_.mask * sigma : end)};
+  };
+  if (config_.rule == SphericalMapperConfig::Rule::kLogOdds) pass(reading, clear(range));
+  grid_.add_clear(look.from, look.axis, look.width / 2, clear(reach), look.time);
   if (!look.range_m || *look.range_m > grid_.config().range_m) return;
   hit(reading);
   grid_.add_echo(look.from + *look.range_m * look.axis, sigma, look.time);
@@ -166,12 +177,13 @@ void SphericalMapper::hit(const ReadingGaussian& reading) {
   }
 }
 
-void SphericalMapper::pass(const ReadingGaussian& reading, double until_m) {
+void SphericalMapper::pass(const ReadingGaussian& reading, const ClearViews::Stretch& clear) {
   touched_directions(grid_, reading, config_.mask, directions_);
   const SphericalLayers& layers = grid_.layers();
   for (const TouchedDirection& d : directions_) {
     for (const SphericalCell& cell : grid_.cells().beam(d.direction)) {
-      if (layers.outer(cell.layer) > until_m) break;
+      if (layers.outer(cell.layer) > clear.to_m) break;
+      if (layers.inner(cell.layer) < clear.from_m) continue;
       const double l = static_cast<double>(cell.log_odds);
       const double left = number_from_log_odds(l) * (1 - config_.pass * d.share);
       grid_.set_log_odds({d.direction, cell.layer}, log_odds_from_number(left));

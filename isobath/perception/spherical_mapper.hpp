@@ -37,8 +37,10 @@ struct SphericalMapperConfig {
   int max_cells = 75;  ///< maximum number of cells that one echo changes
   double hit = 0.9;
   double pass = 0.5;
-  double tau_s = 600;   ///< 0: no fading
-  double contrast = 0;  ///< of echoes of pings with samples (nearest_echoes); 0: every decision for an echo counts
+  double tau_s = 600;  ///< 0: no fading
+  /// Of echoes of pings with samples (nearest_clear_echo); those of nearest_dense_echo count too. 0: every decision for
+  /// an echo counts.
+  double contrast = 0;
 };
 std::vector<Field> fields(SphericalMapperConfig& config);
 
@@ -50,8 +52,8 @@ struct SphericalLook {
   std::optional<double> range_m;  ///< empty: no echo
   double max_range_m = 0;
   Time time{};
-  /// Beyond this range the beam does not tell whether the water is clear.
-  double clear_m = std::numeric_limits<double>::infinity();
+  /// The ranges between which the beam tells whether the water is clear.
+  ClearViews::Stretch told{.to_m = std::numeric_limits<double>::infinity()};
 };
 
 class SphericalMapper {
@@ -66,9 +68,9 @@ class SphericalMapper {
   void begin_scan() { grid_.begin_scan(); }
   void update(const RangeReading& reading, const Pose& X_WB);
   /// Inserts the nearest echo of each beam of the decisions; a beam of a fan is treated as a cone of its width. Beams
-  /// within one bucket of directions are taken together. Water counts as clear only as far as the bins tell something,
-  /// but for gaps that are no longer than a layer. The first kAboutVehicle_m before such a bin are taken for clear,
-  /// because the vehicle itself is there.
+  /// within one bucket of directions are taken together. Water counts as clear only where the bins tell something, but
+  /// for gaps that are no longer than a layer, and for a blind zone of up to kAboutVehicle_m: the vehicle itself is
+  /// there. Beyond a longer gap nothing counts as clear.
   void update(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB);
   void add(const SphericalLook& look);
 
@@ -79,11 +81,11 @@ class SphericalMapper {
  private:
   struct Heard {
     std::optional<double> range_m;  ///< of the nearest echo
-    double told_m = 0;              ///< up to which the beam tells whether the water is clear
+    ClearViews::Stretch told;       ///< where the beam tells whether the water is clear
   };
   [[nodiscard]] Heard heard(const Ping& ping, const EchoDecisions& decisions, int beam) const;
   void hit(const ReadingGaussian& reading);
-  void pass(const ReadingGaussian& reading, double until_m);
+  void pass(const ReadingGaussian& reading, const ClearViews::Stretch& clear);
   void look_from(const Pose& X_WS, const Eigen::Vector3d& u_S, const SphericalLook& look);
 
   SphericalMapperConfig config_;

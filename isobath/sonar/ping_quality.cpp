@@ -107,6 +107,34 @@ std::optional<int> nearest_clear_echo(const Ping& ping, const EchoDecisions& dec
   return std::nullopt;
 }
 
+std::optional<int> nearest_dense_echo(const EchoDecisions& decisions, int beam) {
+  constexpr double kFalse = 1e-3;  // of a beam
+  const double sure = std::log(decisions.bins() / kFalse);
+  const double f = decisions.false_alarm;
+  double evidence = 0;
+  int first = 0, last = -1;
+  const std::uint64_t* hits = decisions.hits(beam);
+  for (int word = 0; word < decisions.words(); ++word) {
+    for (std::uint64_t left = hits[word] & decisions.usable()[word]; left != 0; left &= left - 1) {
+      const int bin = word * 64 + std::countr_zero(left);
+      if (!decisions.tells(beam, bin)) continue;
+      const bool is_dim = decisions.dim(beam) && (decisions.dim(beam)[word] >> (bin % 64) & 1) != 0;
+      const double p = std::min(
+          0.999, static_cast<double>(is_dim ? decisions.p_dim(beam, bin) : decisions.p_detect[std::size_t(bin)]));
+      if (!(p > f)) continue;
+      evidence += (bin - last - 1) * std::log((1 - p) / (1 - f));
+      if (!(evidence > 0)) {
+        evidence = 0;
+        first = bin;
+      }
+      evidence += std::log(p / f);
+      last = bin;
+      if (evidence >= sure) return first;
+    }
+  }
+  return std::nullopt;
+}
+
 /// Raised contrast of a fan, for noise with Rayleigh-distributed amplitude.
 double contrast_of_fan(double contrast, int beams) {
   constexpr double kMedian = 1.1774, kDeviation = 1.4826 * 0.4485;  // in units of the Rayleigh scale

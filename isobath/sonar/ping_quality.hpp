@@ -40,6 +40,11 @@ PingQuality quality_of(const Ping& ping);
 
 /// The bin of the nearest echo of a beam that stands out from the beam by `contrast`, as nearest_echoes() states.
 std::optional<int> nearest_clear_echo(const Ping& ping, const EchoDecisions& decisions, int beam, double contrast);
+/// The bin of the nearest echo of a beam that its decisions alone make sure: from it on the decisions for echoes come
+/// so densely that false alarms explain it in one beam of a thousand (cumulative sum of the log-likelihood ratios,
+/// Page 1954). It finds what does not stand out from a beam, such as walls and their multiples that fill most of it.
+/// Costs a few operations for each decision for an echo.
+std::optional<int> nearest_dense_echo(const EchoDecisions& decisions, int beam);
 /// The contrast at which all beams of a fan together have no more false echoes than one beam has at `contrast`.
 double contrast_of_fan(double contrast, int beams);
 

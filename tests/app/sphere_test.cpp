@@ -53,6 +53,31 @@ name = "ahead"
 preset = "altimeter"
 )";
 
+// The sonar of this mission hears nothing within 9 m, and yet its buoys and banks stand in the grid.
+// ledger: S4-01 S4-50 S6-09
+TEST(SphereOfARun, HoldsWhatASonarWithALongBlindZoneHears) {
+  const auto folder = test::scratch_folder();
+  const auto run = test::isobath_run(test::source_folder() / "scenarios/pandan.toml", folder / "out");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto sphere = nlohmann::json::parse(run.out)["sphere"];
+  EXPECT_GT(sphere["occupied"], 100);
+  EXPECT_NE(sphere["ahead"], "blocked");
+  EXPECT_GT(sphere["clear_ahead_m"], 20);
+}
+
+// A tank of 5 m: its walls stand in the grid, and no water behind them is clear.
+// ledger: S4-12 S4-50
+TEST(SphereOfARun, KnowsTheWallsOfABrightTank) {
+  ISOBATH_NEEDS_DATA(tank, "msis-tank");
+  const auto folder = test::scratch_folder();
+  const auto run = test::isobath_run(tank, folder / "out");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto sphere = nlohmann::json::parse(run.out)["sphere"];
+  EXPECT_GT(sphere["occupied"], 500);
+  EXPECT_EQ(sphere["ahead"], "blocked");
+  EXPECT_LT(sphere["clear_ahead_m"], 3);
+}
+
 // The wall stands in the grid of the run, which says so; its replay says the same.
 // ledger: S4-01 S4-12 S4-36 S4-48 S4-50
 TEST(SphereOfARun, SaysWhatIsAheadAndIsTheSameInAReplay) {

@@ -126,7 +126,7 @@ TEST(SphericalPassage, AgreesWithBruteForceOverAllCells) {
 TEST(SphericalPassage, TellsClearFromUnknownAndSeesWhatIsBesideTheBeam) {
   SphericalGrid grid;
   for (double a = 45; a <= 135; a += 2.5) {
-    grid.add_clear(Vector3d::Zero(), towards(a, 1), Angle::degrees(1.25), 25, Time{});
+    grid.add_clear(Vector3d::Zero(), towards(a, 1), Angle::degrees(1.25), {.to_m = 25}, Time{});
   }
   EXPECT_EQ(way_ahead(grid, towards(90, 1), 20, 1).verdict, WayAhead::Verdict::kClear);
   const WayAhead far = way_ahead(grid, towards(90, 1), 40, 1);

@@ -378,7 +378,7 @@ TEST(SphericalMotion, DensityKeepsTheExpectedNumberOfThingsAndLargestTheState) {
 TEST(SphericalMotion, ClearWaterStaysClearWhereItWasSeenAndIsForgottenWithItsView) {
   SphericalGrid grid;
   for (double a = 0; a < 360; a += 2.5) {
-    grid.add_clear(Vector3d::Zero(), towards(a + 1.25, 0), Angle::degrees(1.25), 20, Time{});
+    grid.add_clear(Vector3d::Zero(), towards(a + 1.25, 0), Angle::degrees(1.25), {.to_m = 20}, Time{});
   }
   EXPECT_TRUE(grid.was_clear({15, 0, 0}));
   EXPECT_FALSE(grid.was_clear({20.5, 0, 0}));
@@ -402,7 +402,7 @@ TEST(SphericalMotion, AllocatesNothingOnceItHasBeenSo) {
     for (int i = 0; i < 300; ++i) {
       const Vector3d u = towards(i * 2.5, 0.5);
       grid.add_echo(20 * u, 0.1, Time{});
-      grid.add_clear(Vector3d::Zero(), u, Angle::degrees(1.25), 19, Time{});
+      grid.add_clear(Vector3d::Zero(), u, Angle::degrees(1.25), {.to_m = 19}, Time{});
     }
   };
   const auto sail = [&] {

@@ -138,7 +138,7 @@ TEST(GridSnapshots, StayAsTheyWereAndAreUsedAgain) {
     GridSnapshots snapshots({});
     EXPECT_FALSE(snapshots.newest());
     grid.add_echo({10, 0.2, 0.2}, 0.1, Time{});
-    grid.add_clear(Vector3d::Zero(), Vector3d::UnitX(), Angle::degrees(2), 9, Time{});
+    grid.add_clear(Vector3d::Zero(), Vector3d::UnitX(), Angle::degrees(2), {.to_m = 9}, Time{});
     snapshots.publish(grid, Time{}, Pose{});
     first = snapshots.newest();
     grid.translate({1, 0, 0});

@@ -236,5 +236,31 @@ TEST(NearestEchoes, OfAWideFanOfNoiseAreFarFewerThanOfItsBeams) {
   EXPECT_LE(10 * of_the_fan, of_its_beams);
 }
 
+// By enumeration of decisions at random: as rare as stated without a target, sure with one of ten bins.
+// ledger: S6-14 S4-50
+TEST(NearestDenseEcho, IsRareInNoiseAndFindsWhereAWallBegins) {
+  Random random(7);
+  constexpr int kBeams = 20'000, kBins = 200, kWall = 120;
+  EchoDecisions noise, wall;
+  for (EchoDecisions* decisions : {&noise, &wall}) {
+    decisions->reset(kBeams, kBins);
+    std::fill(decisions->p_detect.begin(), decisions->p_detect.end(), 0.8f);
+    for (int beam = 0; beam < kBeams; ++beam) {
+      for (int bin = 0; bin < kBins; ++bin) {
+        const bool target = decisions == &wall && bin >= kWall && bin < kWall + 10;
+        if (random.uniform() < (target ? 0.8 : 0.02)) decisions->set_hit(beam, bin);
+      }
+    }
+  }
+  int rare = 0, found = 0;
+  for (int beam = 0; beam < kBeams; ++beam) {
+    rare += nearest_dense_echo(noise, beam).has_value();
+    const auto bin = nearest_dense_echo(wall, beam);
+    found += bin && *bin >= kWall - 4 && *bin <= kWall + 4;
+  }
+  EXPECT_LE(rare, kBeams / 1000);
+  EXPECT_GE(found, kBeams * 97 / 100);
+}
+
 }  // namespace
 }  // namespace isobath

@@ -58,6 +58,42 @@ TEST(SphericalModel, HoldsRangesPingsAndSoundingsAlike) {
   EXPECT_GT(outcome.occupied, 0u);
 }
 
+/// A ping straight ahead, 0.5 m a bin, with decisions for echoes at these bins of even noise; the first `blind` bins
+/// tell nothing.
+void hear(SphericalModel& model, double north, std::initializer_list<int> echoes, int blind) {
+  Ping ping = test::ping_of<std::uint8_t>(test::fan_of(1, {}, Angle::degrees(2.5)), {0, 0.5, 100},
+                                          [](int, int bin) { return 100 + 20 * (bin % 3); });
+  ping.time = at(1 + north);
+  EchoDecisions decisions;
+  decisions.reset(1, 100);
+  std::fill(decisions.p_detect.begin(), decisions.p_detect.end(), 0.8f);
+  for (const int bin : echoes) decisions.set_hit(0, bin);
+  for (int bin = 0; bin < blind; ++bin) decisions.set_unusable(bin);
+  model.update({ping, place(north), decisions});
+}
+
+// Walls and their multiples fill the beams of a tank, so that nothing stands out of one.
+// ledger: S4-12 S4-50
+TEST(SphericalModel, CallsNoWaterClearBehindEchoesThatComeTooDenselyForFalseAlarms) {
+  SphericalModel model({});
+  hear(model, 0, {8, 60, 61, 62, 63, 64}, 0);
+  EXPECT_LT(nearest_echo(model, 30.25), 0.3);
+  EXPECT_GT(nearest_echo(model, 4.25), 4) << "one decision is a false alarm";
+  const SphericalOutcome outcome = model.outcome(0.5);
+  EXPECT_EQ(outcome.ahead.verdict, WayAhead::Verdict::kBlocked);
+  EXPECT_NEAR(outcome.ahead.blocked_m, 30, 1);
+}
+
+// ledger: S4-12 S4-50 S6-09
+TEST(SphericalModel, KnowsTheWaterBeyondABlindZoneOnceTheVehicleHasComeNear) {
+  SphericalModel model({});
+  hear(model, 0, {}, 20);
+  EXPECT_EQ(model.outcome(0.1).ahead.verdict, WayAhead::Verdict::kUnknown);
+  EXPECT_LT(model.outcome(0.1).ahead.clear_m, 1) << "the first 10 m were never heard";
+  for (double north = 1; north <= 12; ++north) hear(model, north, {}, 20);
+  EXPECT_GT(model.outcome(0.1).ahead.clear_m, 40);
+}
+
 // ledger: S4-21 S4-48
 TEST(SphericalModel, MovesWithTheVehicleButNotWithAJumpOfItsPosition) {
   SphericalModel model({});

@@ -23,27 +23,30 @@ ClearViews::View& ClearViews::view_at(const Eigen::Vector3d& from) {
   return view;
 }
 
-void ClearViews::set(View& view, const SphericalDirection& d, double clear_m) const {
+void ClearViews::set(View& view, const SphericalDirection& d, const View::Clear& clear) const {
   std::int32_t& row = view.rows[static_cast<std::size_t>(d.azimuth)];
   if (row < 0) {
     row = static_cast<std::int32_t>(view.clear.size());
     view.clear.resize(view.clear.size() + static_cast<std::size_t>(buckets_.elevations()));
   }
-  view.clear[static_cast<std::size_t>(row) + static_cast<std::size_t>(d.elevation)] = static_cast<float>(clear_m);
+  view.clear[static_cast<std::size_t>(row) + static_cast<std::size_t>(d.elevation)] = clear;
 }
 
 // Sets the bucket of the axis, and those whose middle lies within half the beam's width of it in azimuth and in
 // elevation, so that beams one bucket apart leave no gap between them. The clear range is a ray from the vehicle's
 // position; seen from the view's own origin it ends at another range, in nearly the same direction.
-void ClearViews::look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, double clear_m,
+void ClearViews::look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, const Stretch& clear,
                       Time time) {
   View& view = view_at(from);
   view.last = time;
-  const Eigen::Vector3d end = view.R * (from + clear_m * u - view.origin);
+  const Eigen::Vector3d end = view.R * (from + clear.to_m * u - view.origin);
   const double range = end.norm();
-  if (!(range > 0) || clear_m <= 0) return;
+  if (!(range > 0) || !(clear.to_m > clear.from_m)) return;
   const SphericalDirection axis = buckets_.at(end);
-  set(view, axis, range);
+  // Of a sensor without a blind zone the whole way from the view's origin counts.
+  const double begin = clear.from_m > 0 ? (view.R * (from + clear.from_m * u - view.origin)).norm() : 0;
+  const View::Clear stretch{static_cast<float>(begin), static_cast<float>(range)};
+  set(view, axis, stretch);
   const double step = buckets_.step().radians(), within = half_width.radians() * 1.01;  // edges that just touch
   const double up = std::atan2(end.z(), end.head<2>().norm()) + 0.5 * std::numbers::pi;
   const double round = std::atan2(end.y(), end.x()) + std::numbers::pi;
@@ -54,7 +57,9 @@ void ClearViews::look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Ang
     const double aside = within / buckets_.cos_elevation(e);
     const int columns = static_cast<int>(std::min(aside / step + 1, 0.5 * n - 1));
     for (int i = -columns; i <= columns; ++i) {
-      if (std::abs((axis.azimuth + i + 0.5) * step - round) <= aside) set(view, {(axis.azimuth + i + n) % n, e}, range);
+      if (std::abs((axis.azimuth + i + 0.5) * step - round) <= aside) {
+        set(view, {(axis.azimuth + i + n) % n, e}, stretch);
+      }
     }
   }
 }
@@ -68,9 +73,9 @@ bool ClearViews::is_clear(const Eigen::Vector3d& p) const {
     const SphericalDirection d = buckets_.at(q);
     const std::int32_t row = view.rows[static_cast<std::size_t>(d.azimuth)];
     if (row < 0) continue;
-    const double clear =
-        static_cast<double>(view.clear[static_cast<std::size_t>(row) + static_cast<std::size_t>(d.elevation)]);
-    if (r2 < clear * clear) return true;
+    const View::Clear& clear = view.clear[static_cast<std::size_t>(row) + static_cast<std::size_t>(d.elevation)];
+    const double r = std::sqrt(r2);
+    if (r >= static_cast<double>(clear.from) && r < static_cast<double>(clear.to)) return true;
   }
   return false;
 }

@@ -1,8 +1,8 @@
-// ClearViews: keeps, for each place from which the vehicle has looked, the range up to which the water was clear in
+// ClearViews: keeps, for each place from which the vehicle has looked, the ranges between which the water was clear in
 // each direction. It tells free water from water that was never observed (ledger S4-12, S4-50). The cells of the grid
 // cannot tell this, because only echoes create cells.
 //
-// A view is a place and, for each direction that was observed from it, the range up to which there was no echo. Views
+// A view is a place and, for each direction that was observed from it, the stretch of ranges without an echo. Views
 // move rigidly with the vehicle, so that nothing is ever re-binned and no error accumulates. A point is clear where any
 // view reaches it. A look from within `apart` of the newest view goes into that view; a look from farther away begins a
 // new view. A new view replaces the oldest one when all are in use; views older than a given time are forgotten on
@@ -25,8 +25,13 @@ class ClearViews {
   /// `buckets` must outlive this object.
   ClearViews(const DirectionBuckets& buckets, int max_views, double apart_m);
 
-  /// From `from`, there was no echo along the unit vector u and within half_width of it, up to clear_m.
-  void look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, double clear_m, Time time);
+  /// A part of a beam in which there was no echo, m from the sensor.
+  struct Stretch {
+    double from_m = 0;  ///< end of the sensor's blind zone
+    double to_m = 0;
+  };
+  /// From `from`, there was no echo along the unit vector u and within half_width of it, on this stretch.
+  void look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Angle half_width, const Stretch& clear, Time time);
   [[nodiscard]] bool is_clear(const Eigen::Vector3d& p) const;
   /// Copies all views of another object that has the same directions.
   void copy_from(const ClearViews& other) { views_ = other.views_; }
@@ -43,10 +48,13 @@ class ClearViews {
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< from T to the axes in which the view began
     Time last{};
     std::vector<std::int32_t> rows;  ///< by azimuth: where its elevations start in `clear`; -1: none
-    std::vector<float> clear;        ///< m
+    struct Clear {
+      float from = 0, to = 0;  ///< m from `origin`
+    };
+    std::vector<Clear> clear;
   };
   View& view_at(const Eigen::Vector3d& from);
-  void set(View& view, const SphericalDirection& d, double clear_m) const;
+  void set(View& view, const SphericalDirection& d, const View::Clear& clear) const;
 
   const DirectionBuckets& buckets_;
   std::size_t max_views_;

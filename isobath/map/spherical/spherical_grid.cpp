@@ -185,9 +185,10 @@ void SphericalGrid::add_known(const Vector3d& p_G, double edge_m) {
   cells_.mark_occupied(place->direction, place->layer, true);
 }
 
-void SphericalGrid::add_clear(const Vector3d& from_G, const Vector3d& u_G, Angle half_width, double clear_m,
-                              Time time) {
-  views_.look(to_table(from_G), turned_about_pole(u_G, -turned_), half_width, std::min(clear_m, config_.range_m), time);
+void SphericalGrid::add_clear(const Vector3d& from_G, const Vector3d& u_G, Angle half_width,
+                              const ClearViews::Stretch& clear, Time time) {
+  views_.look(to_table(from_G), turned_about_pole(u_G, -turned_), half_width,
+              {clear.from_m, std::min(clear.to_m, config_.range_m)}, time);
 }
 
 void SphericalGrid::decay(Duration elapsed, Duration tau, Time now) {

@@ -112,9 +112,9 @@ class SphericalGrid {
   void add_known(const Eigen::Vector3d& p_G, double edge_m);
   /// Adds the content of a cell of another grid, without its state and its lock (S4-17).
   void add_content(const Eigen::Vector3d& p_G, const SphericalCell& other);
-  /// There was no echo along u_G, within half_width of it, up to clear_m.
-  void add_clear(const Eigen::Vector3d& from_G, const Eigen::Vector3d& u_G, Angle half_width, double clear_m,
-                 Time time);
+  /// There was no echo along u_G, within half_width of it, on this stretch.
+  void add_clear(const Eigen::Vector3d& from_G, const Eigen::Vector3d& u_G, Angle half_width,
+                 const ClearViews::Stretch& clear, Time time);
   /// Applies l = l_0 + (l - l_0) exp(-elapsed / tau) to every cell that is not locked, and forgets those that are
   /// hardly above the prior, or below it. Also forgets views of clear water without a look for tau (S4-50).
   void decay(Duration elapsed, Duration tau, Time now);
