@@ -130,8 +130,7 @@ std::string delay_picture(const std::vector<DetectionDelay>& rows) {
     picture.curve(x, y, {colour, 2, false}, name);
     picture.points(x, y, colour, "");
   };
-  curve(&DetectionDelay::false_standing, palette::kObstacle,
-        "standing still: mean, band from least to most of the seeds");
+  curve(&DetectionDelay::false_standing, palette::kObstacle, "standing still");
   curve(&DetectionDelay::false_under_way, palette::kTrack, "at 1.5 m/s");
   picture.finish();
   return picture.png();
