@@ -143,6 +143,7 @@ int act(const Options& options) {
   write_file(options.out / "above.png", spherical_above_picture(scene, survey));
   write_file(options.out / "solid.png", spherical_solid_picture(survey, camera));
   write_file(options.out / "features.png", spherical_features_picture(scene, survey));
+  write_file(options.out / "structure.png", spherical_structure_picture(survey));
   write_file(options.out / "slice.png", spherical_slice_picture(config.grid, kSlice_m));
   const std::size_t cells = survey.grid->cells().size(), bytes = survey.grid->cells().bytes();
   const int layers = survey.grid->layers().count(), directions = survey.grid->buckets().count();
@@ -162,7 +163,7 @@ int act(const Options& options) {
                                 {"sizes", sizes_json(config.grid)},
                                 {"echoes_by_cause", causes_json(survey)},
                                 {"features", features_json(survey.features)}};
-    add_files(json, options.out, {"plan.png", "above.png", "solid.png", "features.png", "slice.png"});
+    add_files(json, options.out, {"plan.png", "above.png", "solid.png", "features.png", "slice.png", "structure.png"});
     print_json(json);
     return kSuccess;
   }
@@ -175,7 +176,8 @@ int act(const Options& options) {
   if (options.false_echoes) print_causes(survey);
   print_features(survey.features);
   print_sizes(config.grid);
-  fmt::print("written to {}: plan.png, above.png, solid.png, features.png, slice.png\n", options.out.string());
+  fmt::print("written to {}: plan.png, above.png, solid.png, features.png, slice.png, structure.png\n",
+             options.out.string());
   return kSuccess;
 }
 

@@ -63,8 +63,7 @@ std::string spherical_slice_picture(const SphericalGridConfig& config, double ra
     }
   }
   picture.vehicle(Eigen::Vector2d::Zero(), 0);
-  picture.finish({{kCells, "spherical cells: coarse far away, as the sonar is"},
-                  {kSquares, fmt::format("squares of {:g} m: as fine everywhere", config.min_layer_m)}});
+  picture.finish({{kCells, "spherical cells"}, {kSquares, fmt::format("squares of {:g} m", config.min_layer_m)}});
   return picture.png();
 }
 
