@@ -107,8 +107,15 @@ Action add_calibrate(CLI::App& program) {
       ->type_name("FILE")
       ->check(reads())
       ->group("Input");
+  command->add_flag("--truth", request.truth, "Take the marks from the ground truth of a simulated log")
+      ->group("Input");
+  command->add_option("--sonar", request.sonar, "With --truth: name of the sonar in the scene")
+      ->type_name("NAME")
+      ->default_str("that of the first ping")
+      ->group("Input");
   options->config.add_to(*command);
   add_example(*command, "calibrate water.oculus --out out/sonar");
+  add_example(*command, "calibrate simulated.mcap --truth --out out/model");
   add_example(*command, "calibrate frames/ --set calibration.false_alarm=0.01 --json");
   return [options] { return act(*options); };
 }

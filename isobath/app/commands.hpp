@@ -36,6 +36,7 @@ Action add_compare(CLI::App& program);
 Action add_crosscheck(CLI::App& program);
 Action add_path(CLI::App& program);
 Action add_calibrate(CLI::App& program);
+Action add_delay(CLI::App& program);
 Action add_helix(CLI::App& program);
 Action add_sphere(CLI::App& program);
 Action add_config(CLI::App& program);

@@ -62,6 +62,19 @@ int fly(HelixOptions& options) {
                                 {"nearest_m", study.helix.nearest_m},
                                 {"vertical_rms_m", study.helix.vertical_rms_m},
                                 {"lateral_rms_m", study.helix.lateral_rms_m}};
+    const Swing swing = swing_of(study.helix);
+    json["swing"] = {{"heading_first_deg", swing.heading_first.degrees()},
+                     {"heading_second_deg", swing.heading_second.degrees()},
+                     {"pitch_first_deg", swing.pitch_first.degrees()},
+                     {"pitch_second_deg", swing.pitch_second.degrees()},
+                     {"correlation", swing.correlation}};
+    json["convergence"] = nlohmann::ordered_json::array();
+    for (const Convergence& one : study.convergence) {
+      json["convergence"].push_back({{"first_m", one.off_m.front()},
+                                     {"last_m", one.off_m.back()},
+                                     {"seconds", one.time_s.back()},
+                                     {"greatest_rise", one.greatest_rise}});
+    }
     add_files(json, options.out, files);
     print_json(json);
   } else {

@@ -6,11 +6,14 @@
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/progress.hpp>
 #include <isobath/app/values.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/base/printable_text.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
+#include <isobath/report/html_report.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/studies/inspection.hpp>
+#include <isobath/studies/tree_picture.hpp>
 #include <isobath/world/map_changes.hpp>
 #include <isobath/world/map_raster.hpp>
 #include <memory>
@@ -191,7 +194,17 @@ struct InfoOptions {
   std::string input;
   bool json = false;
   bool changes = false;
+  std::string tree = "prior";
+  std::filesystem::path picture;
 };
+
+void draw_tree(const StoredMap& map, const InfoOptions& options) {
+  const RegionQuadtree& tree = options.tree == "prior"    ? map.trees.prior()
+                               : options.tree == "sensed" ? map.trees.sensed()
+                                                          : map.trees.state();
+  make_parent(options.picture);
+  write_file(options.picture, tree_picture(tree, map.facts.area.grid, tree.outside(), "The " + options.tree + " tree"));
+}
 
 int describe_map(const InfoOptions& options) {
   const StoredMap map = open_map(options.input);
@@ -199,6 +212,7 @@ int describe_map(const InfoOptions& options) {
   if (options.changes) {
     changes = find_changes(map.trees, map.facts.area.grid, options.config.read().depth.evidence.margin_m);
   }
+  if (!options.picture.empty()) draw_tree(map, options);
   if (options.json) {
     print_json(map_json(map, changes));
   } else {
@@ -237,6 +251,15 @@ Action add_info(CLI::App& program) {
   command
       ->add_flag("--changes", options->changes,
                  "For a depth map: list what sonar changed against the chart, and the track")
+      ->group("Output");
+  command->add_option("--picture", options->picture, "For a depth map: draws the leaves of one of its trees (.png)")
+      ->type_name("FILE")
+      ->check(writes_file())
+      ->group("Output");
+  command->add_option("--tree", options->tree, "The tree that is drawn")
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->check(one_of({"prior", "sensed", "state"}))
       ->group("Output");
   options->config.add_to(*command);
   add_example(*command, "info dive.bin");

@@ -10,6 +10,7 @@
 #include <isobath/report/html_report.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <isobath/studies/spherical_pages.hpp>
+#include <isobath/studies/spherical_sizes.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -58,6 +59,36 @@ nlohmann::ordered_json causes_json(const SphericalSurvey& survey) {
     json[kinds[i]] = {{"as_direct", told[0]}, {"as_multiple", told[1]}, {"as_false", told[2]}};
   }
   return json;
+}
+
+constexpr double kSizedRanges_m[] = {50, 100, 200};  // those of the paper's example
+constexpr double kSlice_m = 12;                      // squares of a cell are lines in the picture of a wider slice
+
+/// Cells of the grid at several ranges, beside those of grids with cells of one size.
+nlohmann::ordered_json sizes_json(const SphericalGridConfig& config) {
+  auto json = nlohmann::ordered_json::array();
+  for (const double range_m : kSizedRanges_m) {
+    const SphericalSizes sizes = spherical_sizes(config, range_m);
+    json.push_back({{"range_m", sizes.range_m},
+                    {"layers", sizes.layers},
+                    {"uniform_layers", sizes.uniform_layers},
+                    {"cells", sizes.cells},
+                    {"uniform_cells", sizes.uniform_cells},
+                    {"cubic_cells", sizes.cubic_cells},
+                    {"slice_cells", sizes.slice_cells},
+                    {"square_cells", sizes.square_cells}});
+  }
+  return json;
+}
+
+void print_sizes(const SphericalGridConfig& config) {
+  fmt::print("\nwhole grid to  layers  uniform layers      cells  uniform cells  cubes of {:g} m\n",
+             config.min_layer_m);
+  for (const double range_m : kSizedRanges_m) {
+    const SphericalSizes sizes = spherical_sizes(config, range_m);
+    fmt::print("{:11g} m  {:6}  {:14}  {:9}  {:13}  {:14}\n", sizes.range_m, sizes.layers, sizes.uniform_layers,
+               sizes.cells, sizes.uniform_cells, sizes.cubic_cells);
+  }
 }
 
 void print_features(const SurveyFeatures& features) {
@@ -112,6 +143,8 @@ int act(const Options& options) {
   write_file(options.out / "above.png", spherical_above_picture(scene, survey));
   write_file(options.out / "solid.png", spherical_solid_picture(survey, camera));
   write_file(options.out / "features.png", spherical_features_picture(scene, survey));
+  write_file(options.out / "structure.png", spherical_structure_picture(survey));
+  write_file(options.out / "slice.png", spherical_slice_picture(config.grid, kSlice_m));
   const std::size_t cells = survey.grid->cells().size(), bytes = survey.grid->cells().bytes();
   const int layers = survey.grid->layers().count(), directions = survey.grid->buckets().count();
   if (options.json) {
@@ -127,9 +160,10 @@ int act(const Options& options) {
                                 {"bytes", bytes},
                                 {"median_error_m", survey.median_error_m},
                                 {"worst_error_m", survey.worst_error_m},
+                                {"sizes", sizes_json(config.grid)},
                                 {"echoes_by_cause", causes_json(survey)},
                                 {"features", features_json(survey.features)}};
-    add_files(json, options.out, {"plan.png", "above.png", "solid.png", "features.png"});
+    add_files(json, options.out, {"plan.png", "above.png", "solid.png", "features.png", "slice.png", "structure.png"});
     print_json(json);
     return kSuccess;
   }
@@ -141,7 +175,9 @@ int act(const Options& options) {
              survey.median_error_m, survey.worst_error_m);
   if (options.false_echoes) print_causes(survey);
   print_features(survey.features);
-  fmt::print("written to {}: plan.png, above.png, solid.png, features.png\n", options.out.string());
+  print_sizes(config.grid);
+  fmt::print("written to {}: plan.png, above.png, solid.png, features.png, slice.png, structure.png\n",
+             options.out.string());
   return kSuccess;
 }
 

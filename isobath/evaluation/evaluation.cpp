@@ -29,6 +29,12 @@ std::string fingerprint_of_request(const EvaluationRequest& request) {
   return fmt::format("{:016x}", digest);
 }
 
+std::vector<Polygon> outlines_of(const RunTruth& truth) {
+  std::vector<Polygon> outlines;
+  for (const Hazard& hazard : truth.outlines()) outlines.push_back(hazard.outline);
+  return outlines;
+}
+
 /// `first`: the result of the first method.
 ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> scenes, std::uint64_t seed,
                   LoopResult& first) {
@@ -36,10 +42,14 @@ ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> sc
   const RunTruth truth(request.suite, run);
   ScoredRun scored{seed, run.variant, run.conditions, truth.way_m(), truth.no_way(), {}};
   for (const ComparedMethod& method : request.methods) {
-    LoopResult result = run_method(method, run, truth.vehicle());
+    StoryLog log;
+    LoopResult result = run_method(method, run, truth.vehicle(), request.suite.stages.empty() ? nullptr : &log);
     scored.scores.push_back(score(result, run.scenario.mission, truth, request.suite.about));
     if (run.row) {
       scored.scores.back().proof = prove(*run.row, run.scenario, method.configuration.safety, result);
+    }
+    if (!request.suite.stages.empty()) {
+      scored.scores.back().story = follow_story(request.suite.stages, run.scenario, outlines_of(truth), log, result);
     }
     if (&method == &request.methods.front()) first = std::move(result);
   }
@@ -104,6 +114,7 @@ double badness(const RunScore& s) {
   if (s.contact_s >= 0) return 5;
   if (s.collision) return 4;
   if (!s.proof.failure.empty()) return 3.5;
+  if (!s.story.failure.empty()) return 3.2;
   if (!s.goal_reached && s.refused.empty()) return 3;
   if (!s.goal_reached) return 2;
   return std::min(0.5 * s.path_ratio, 1.9);
@@ -130,6 +141,31 @@ void sum_up_rows(const std::vector<ScoredRun>& runs, std::size_t method, Summary
     all += own;
   }
   s.shown = share(shown, all);
+}
+
+void sum_up_story(const std::vector<ScoredRun>& runs, std::size_t method, const std::vector<StoryStage>& stages,
+                  Summary& s) {
+  if (stages.empty()) return;
+  std::size_t whole = 0;
+  std::vector<double> injected;
+  for (const ScoredRun& run : runs) {
+    const RunScore& r = run.scores[method];
+    whole += r.story.all(stages.size()) && r.goal_reached && !r.collision;
+    if (r.story.min_injected_m >= 0) injected.push_back(r.story.min_injected_m);
+    if (!r.story.failure.empty()) ++s.story_failures[without_numbers(r.story.failure)];
+  }
+  s.story = share(whole, runs.size());
+  s.injected_m = spread(injected);
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    std::vector<double> after_s, scans;
+    for (const ScoredRun& run : runs) {
+      const StoryCheck& story = run.scores[method].story;
+      if (story.after_s.size() <= i) continue;
+      after_s.push_back(story.after_s[i]);
+      scans.push_back(story.scans[i]);
+    }
+    s.stages.push_back({stages[i].name, share(after_s.size(), runs.size()), spread(after_s), spread(scans)});
+  }
 }
 
 }  // namespace
@@ -169,7 +205,8 @@ Spread spread(const std::vector<double>& sample) {
           quantile(sample, 0.5), quantile(sample, 0.95), quantile(sample, 1)};
 }
 
-Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t method) {
+Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t method,
+                  const std::vector<StoryStage>& stages) {
   Summary s;
   s.name = name;
   std::vector<double> path, time, clearance, delay, range;
@@ -215,6 +252,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   s.delay_pings = spread(delay);
   s.first_range_m = spread(range);
   sum_up_rows(runs, method, s);
+  sum_up_story(runs, method, stages, s);
   return s;
 }
 
@@ -256,6 +294,10 @@ std::vector<std::string> broken_bars(const BarsConfig& bars, const Summary& s) {
       if (!row.failures.empty()) broken.back() += fmt::format("; {}: {}", row.name, fmt::join(row.failures, ", "));
     }
   }
+  if (bars.story_share >= 0 && s.story.value() < bars.story_share) {
+    broken.push_back(fmt::format("story_share: {:.3f}, at least {:g}", s.story.value(), bars.story_share));
+    for (const auto& [why, count] : s.story_failures) broken.back() += fmt::format("; {} times {}", count, why);
+  }
   return broken;
 }
 
@@ -271,13 +313,15 @@ std::vector<std::size_t> worst_runs(const std::vector<ScoredRun>& runs, std::siz
 
 // Running ------------------------------------------------------------------------------------------------------------
 
-LoopResult run_method(const ComparedMethod& method, const SuiteRun& run, const VehicleParameters& vehicle) {
+LoopResult run_method(const ComparedMethod& method, const SuiteRun& run, const VehicleParameters& vehicle,
+                      OnboardObserver* observer) {
   LoopRequest request;
   request.configuration = run.row ? proving(*run.row, method.configuration) : method.configuration;
   request.configuration.simulation.seed = static_cast<int>(run.seed);
   request.configuration.simulation.duration_s = run.scenario.scene.about.duration_s;
   request.stop_at_contact = true;
   request.judge = true;
+  if (observer) request.observers.push_back(observer);
   const std::unique_ptr<Helm> helm = method.make(run.scenario, vehicle, method.configuration);
   return run_closed_loop(run.scenario, *helm, request);
 }
@@ -301,7 +345,7 @@ Evaluation evaluate(const EvaluationRequest& request) {
     evaluation.runs.push_back(store.runs().at(static_cast<std::uint64_t>(first) + static_cast<std::uint64_t>(i)));
   }
   for (std::size_t c = 0; c < request.methods.size(); ++c) {
-    evaluation.summaries.push_back(summarise(request.methods[c].name, evaluation.runs, c));
+    evaluation.summaries.push_back(summarise(request.methods[c].name, evaluation.runs, c, request.suite.stages));
   }
   evaluation.variants = summarise_variants(request.suite.variants, evaluation.runs);
   evaluation.broken = broken_bars(request.suite.bars, evaluation.summaries.front());

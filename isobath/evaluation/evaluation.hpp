@@ -60,6 +60,13 @@ struct RowSummary {
   std::vector<std::string> failures;  ///< "seed 7: not raised"
 };
 
+/// A stage of the story over all runs.
+struct StageSummary {
+  std::string name;
+  Share shown;            ///< runs that come to this stage within its limits
+  Spread after_s, scans;  ///< of these: since the stage before
+};
+
 struct Summary {
   std::string name;                                                 ///< of the method, or of the variant
   Share collisions, near_misses, encounters, goals, refused, lost;  ///< lost: none of goal, refusal, collision
@@ -69,12 +76,17 @@ struct Summary {
   double false_obstacles = 0, near_false_obstacles = 0,
          unseen_false_obstacles = 0;  ///< per scan, over the scans of all runs
   int points_dropped = 0, bodies_missed = 0, replans = 0, false_replans = 0, safety_actions = 0;
-  std::size_t no_way_there = 0;        ///< refused runs where the planner with full truth found no route either
-  std::map<std::string, int> reasons;  ///< of refusals, with # for every number
-  Share shown;                         ///< fault runs that pass
-  std::vector<RowSummary> rows;        ///< the fault table in its order; empty without fault runs
+  std::size_t no_way_there = 0;               ///< refused runs where the planner with full truth found no route either
+  std::map<std::string, int> reasons;         ///< of refusals, with # for every number
+  Share shown;                                ///< fault runs that pass
+  std::vector<RowSummary> rows;               ///< the fault table in its order; empty without fault runs
+  Share story;                                ///< runs that show the whole story; of 0 without a story
+  std::vector<StageSummary> stages;           ///< of the story in their order
+  Spread injected_m;                          ///< least distance of the hull's centre from an injected outline
+  std::map<std::string, int> story_failures;  ///< with # for every number
 };
-Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t method);
+Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, std::size_t method,
+                  const std::vector<StoryStage>& stages = {});
 /// Of the first method, one per variant in their order; variants without runs are left out.
 std::vector<Summary> summarise_variants(const std::vector<SuiteVariant>& variants, const std::vector<ScoredRun>& runs);
 /// The bars that the summary misses, each as a sentence.
@@ -106,8 +118,9 @@ struct Evaluation {
 /// Throws Error if the folder cannot be written or a scene cannot start.
 Evaluation evaluate(const EvaluationRequest& request);
 
-/// One run under one helm.
-LoopResult run_method(const ComparedMethod& method, const SuiteRun& run, const VehicleParameters& vehicle);
+/// One run under one helm. `observer` may be null.
+LoopResult run_method(const ComparedMethod& method, const SuiteRun& run, const VehicleParameters& vehicle,
+                      OnboardObserver* observer = nullptr);
 /// The worst runs of the first method, worst first: contact, collision, failed fault check, lost, refused, then by
 /// path ratio.
 std::vector<std::size_t> worst_runs(const std::vector<ScoredRun>& runs, std::size_t most);

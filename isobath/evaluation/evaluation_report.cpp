@@ -60,6 +60,22 @@ ordered_json json_of(const std::vector<RowSummary>& rows) {
   return all;
 }
 
+/// The story: how often each stage was shown, and how long after the one before.
+ordered_json story_json(const Summary& s) {
+  ordered_json stages = ordered_json::array(), failures = ordered_json::object();
+  for (const StageSummary& stage : s.stages) {
+    stages.push_back({{"name", stage.name},
+                      {"shown", json_of(stage.shown)},
+                      {"after_s", json_of(stage.after_s)},
+                      {"scans", json_of(stage.scans)}});
+  }
+  for (const auto& [why, count] : s.story_failures) failures[why] = count;
+  return {{"shown", json_of(s.story)},
+          {"stages", std::move(stages)},
+          {"clearance_of_injected_m", json_of(s.injected_m)},
+          {"failures", std::move(failures)}};
+}
+
 ordered_json json_of(const Summary& s) {
   ordered_json reasons = ordered_json::object();
   for (const auto& [why, count] : s.reasons) reasons[why] = count;
@@ -133,6 +149,8 @@ std::string verdict(const RunScore& s) {
     text = fmt::format("came within {:.2f} m of {}", s.min_clearance_m, s.nearest_body);
   } else if (!s.proof.failure.empty()) {
     text = s.proof.fault + ": " + s.proof.failure;
+  } else if (!s.story.failure.empty()) {
+    text = "the story fails: " + s.story.failure;
   } else if (s.goal_reached) {
     text = s.path_ratio > 0 ? fmt::format("reached the goal on {:.2f} times the shortest path", s.path_ratio)
                             : "reached the goal";
@@ -195,6 +213,15 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("replans", [](const Summary& s) { return cell_text(s.replans, s.goals); });
   row("false replans", [](const Summary& s) { return cell_text(s.false_replans, s.goals); });
   row("safety actions", [](const Summary& s) { return cell_text(s.safety_actions, s.goals); });
+  const std::vector<StageSummary>& stages = evaluation.summaries.front().stages;
+  if (!stages.empty()) row("the whole story", [](const Summary& s) { return cell_text(s.story); });
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    row("... " + stages[i].name, [i](const Summary& s) {
+      const StageSummary& stage = s.stages[i];
+      return fmt::format("{}; after {} s, {} scans", cell_text(stage.shown), cell_text(stage.after_s, 1),
+                         cell_text(stage.scans, 0));
+    });
+  }
   if (evaluation.summaries.front().rows.empty()) return rows;
   row("faults handled as the table says", [](const Summary& s) { return cell_text(s.shown); });
   for (std::size_t i = 0; i < fault_table().size(); ++i) {
@@ -242,6 +269,7 @@ std::string to_json(const EvaluationRequest& request, const Evaluation& evaluati
   const Summary& ours = evaluation.summaries.front();
   json.update(json_of(ours));
   if (!ours.rows.empty()) json["faults"] = {{"shown", json_of(ours.shown)}, {"rows", json_of(ours.rows)}};
+  if (!ours.stages.empty()) json["story"] = story_json(ours);
   if (!evaluation.variants.empty()) {
     ordered_json& variants = json["variants"] = ordered_json::object();
     for (const Summary& s : evaluation.variants) variants[s.name] = json_of(s);

@@ -71,6 +71,8 @@ std::vector<Field> bar_fields(BarsConfig& c) {
                   "Maximum mean number of false obstacles within 20 m of the vehicle, per scan; -1: no bar."),
       Field::real("shown_share", &c.shown_share, {-1, 1}, "1",
                   "Minimum share of the fault runs that show what the fault table states; -1: no bar."),
+      Field::real("story_share", &c.story_share, {-1, 1}, "1",
+                  "Minimum share of the runs that show the whole story; -1: no bar."),
   };
 }
 
@@ -96,6 +98,11 @@ void check_suite(Suite& s, const std::string& file) {
   }
   if (!s.about.faults.empty() && !s.axes.empty()) {
     refuse("suite.faults", "cannot be combined with vehicles, sonars or an altimeter", "a scene instead of faults");
+  }
+  for (const StoryStage& stage : s.stages) {
+    const bool names_point = stage.what == StageKind::kPlanned || stage.what == StageKind::kDropped;
+    if (names_point && stage.point.empty())
+      refuse("stage.point", "is missing in stage " + stage.name, "a mission point");
   }
   s.variants = variants_of(s.axes);
   ordered("vary.drift", s.vary.drift);
@@ -185,6 +192,12 @@ Schema schema(Suite& s) {
        [&s](const Place&) {
          Baseline& helm = s.baselines.emplace_back(Baseline::kNoAvoidance);
          return std::vector<Field>{Field::choice("helm", &helm, baseline_names(), "Name of the method.")};
+       }},
+      {"stage", "A stage of the story that each run must show; stages follow each other.",
+       [&s](const Place& place) {
+         StoryStage& stage = s.stages.emplace_back();
+         stage.place = place;
+         return fields(stage);
        }},
       {"vehicle", "A vehicle that replaces that of the scene; the runs take the vehicles in turn.",
        [&s](const Place& place) {

@@ -8,6 +8,8 @@
 // A suite of variants (suite_variants.hpp) takes its variants in turn in the same way. A variant is a combination of a
 // vehicle, a sonar, and an altimeter or none.
 //
+// A suite of a story (mission_story.hpp) states the stages that each run must show, in their order.
+//
 // A run is a function of the suite and its seed: run k of `runs` has the seed `seed` + k, and each run can be
 // reproduced alone from its seed. A run draws, in this order: start and heading, current, drift of the navigation,
 // noise level of the sonars, field of obstacles. Each of these has a random stream of its own; values are uniform.
@@ -16,6 +18,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <isobath/base/config.hpp>
+#include <isobath/evaluation/mission_story.hpp>
 #include <isobath/evaluation/suite_variants.hpp>
 #include <isobath/mission/safety/fault_table.hpp>
 #include <isobath/scenario/scenario.hpp>
@@ -62,6 +65,7 @@ struct BarsConfig {
   double path_ratio_median = -1;
   double false_obstacles_20m = -1;  ///< within 20 m of the vehicle, per scan
   double shown_share = -1;          ///< share of the fault runs that show what their rows state
+  double story_share = -1;          ///< share of the runs that show the story
 };
 
 struct Suite {
@@ -71,6 +75,7 @@ struct Suite {
   BarsConfig bars;
   ClutterConfig clutter;
   std::vector<Baseline> baselines;
+  std::vector<StoryStage> stages;  ///< of the story that each run must show; none: no story
   VariantAxes axes;
   std::vector<SuiteVariant> variants;  ///< the runs take them in turn; none: the scene as it is
   std::vector<std::string> scenes;     ///< files: one, or one per row of the fault table

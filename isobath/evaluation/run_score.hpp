@@ -52,6 +52,7 @@ struct RunScore {
   int unseen_false_obstacles = 0;                     ///< the same out of view (DetectionScorer)
 
   FaultInjectionCheck proof;  ///< for runs of a fault suite
+  StoryCheck story;           ///< for runs of a suite with a story
 };
 
 /// The ground truth for all helms of one run.

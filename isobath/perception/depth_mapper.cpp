@@ -220,6 +220,14 @@ void DepthMapper::Work::use(const DepthLook& look) {
   queue.push_back(look);
 }
 
+std::uint64_t DepthCounts::lost() const {
+  std::uint64_t known = merged + applied + silent;
+  for (std::size_t i = 0; i < kDepthRefusals; ++i) {
+    if (static_cast<DepthRefusal>(i) != DepthRefusal::kTooWeak) known += refused[i];  // weak ones are applied as well
+  }
+  return readings + soundings - known;
+}
+
 std::uint32_t DepthMapper::minute_of(Time time, Time epoch) {
   const auto minutes = std::chrono::duration_cast<std::chrono::minutes>(time - epoch).count();
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(minutes, 0, DepthPixel::kLastMinute));
@@ -231,6 +239,7 @@ void DepthMapper::Work::count(const DepthLook& look, const UpdateOutcome& outcom
     const bool echo = look.kind == DepthLook::Kind::kSounding || look.reading.range_m;
     const bool too_far = look.kind == DepthLook::Kind::kRange && echo && std::isfinite(*look.reading.range_m) &&
                          !update.is_echo(look.reading, look.depth_sonar);
+    if (!echo) ++counts.silent;
     if (echo) refuse(too_far ? DepthRefusal::kTooFar : DepthRefusal::kUseless);
     return;
   }
@@ -290,6 +299,11 @@ void DepthMapper::passed(Time time, const Pose& X_WB) {
     ++counts_.waited;
     w.catch_up(true);
   }
+  const double gap_s = to_seconds(time - counts_.last_shift);
+  if (counts_.shifts == 0) counts_.first_shift = time;
+  if (counts_.shifts == 1 || (counts_.shifts > 1 && gap_s < counts_.least_shift_gap_s))
+    counts_.least_shift_gap_s = gap_s;
+  counts_.last_shift = time;
   w.begin_shift(*target);
 }
 

@@ -57,12 +57,18 @@ struct DepthCounts {
   std::uint64_t applied = 0;                                 ///< readings applied to the map
   std::uint64_t affirmed = 0, conflicted = 0, replaced = 0;  ///< pixels
   std::uint64_t explained = 0;                               ///< obstacle readings that the map predicted
+  std::uint64_t silent = 0;                                  ///< readings without an echo that tell nothing
   std::uint64_t shifts = 0;
-  std::uint64_t queued = 0;   ///< readings queued during a shift
-  std::uint64_t spared = 0;   ///< readings during a shift that changed nothing and were not queued
-  std::uint64_t waited = 0;   ///< times that the queue was full or the next shift was due before the last ended
-  std::uint64_t outside = 0;  ///< readings wholly outside the window
+  Time first_shift{}, last_shift{};
+  double least_shift_gap_s = 0;  ///< least time between two shifts; 0: fewer than two
+  std::uint64_t queued = 0;      ///< readings queued during a shift
+  std::uint64_t spared = 0;      ///< readings during a shift that changed nothing and were not queued
+  std::uint64_t waited = 0;      ///< times that the queue was full or the next shift was due before the last ended
+  std::uint64_t outside = 0;     ///< readings wholly outside the window
   std::array<std::uint64_t, kDepthRefusals> refused{};  ///< by DepthRefusal
+
+  /// Readings and soundings that were neither merged, applied, silent nor refused; 0 after finish().
+  [[nodiscard]] std::uint64_t lost() const;
 };
 
 class DepthMapper {

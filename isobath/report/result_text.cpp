@@ -180,11 +180,20 @@ ordered_json truth_json(const TruthScore& score) {
       one["range_error_mean_m"] = tidy(b.range_error_mean_m);
       one["range_error_rms_m"] = tidy(b.range_error_rms_m);
       one["range_error_worst_m"] = tidy(b.range_error_worst_m);
+      one["fix_offset_m"] = tidy(b.fix_offset_m);
+      one["fix_spread_m"] = tidy(b.fix_spread_m);
     }
     bodies.push_back(std::move(one));
   }
+  ordered_json mapped = ordered_json::array();
+  for (const MappedBody& b : score.mapped) {
+    ordered_json one{{"name", b.name}, {"first_echo_s", tidy(b.first_echo_s)}, {"first_echo_m", tidy(b.first_echo_m)}};
+    if (b.in_map_s >= 0) one["in_map_s"] = tidy(b.in_map_s);
+    mapped.push_back(std::move(one));
+  }
   return {{"scans", score.scans},
           {"bodies", bodies},
+          {"mapped", mapped},
           {"obstacles",
            {{"all", score.obstacles},
             {"of_bodies", score.of_bodies},
@@ -256,7 +265,13 @@ ordered_json depth_json(const DepthOutcome& depth) {
           {"pixels_contradicted", n.conflicted},
           {"pixels_replaced", n.replaced},
           {"explained", n.explained},
+          {"silent", n.silent},
+          {"lost", n.lost()},
           {"shifts", n.shifts},
+          {"shift_gap_least_s", n.shifts > 1 ? ordered_json(tidy(n.least_shift_gap_s)) : ordered_json()},
+          {"shift_gap_mean_s", n.shifts > 1 ? ordered_json(tidy(to_seconds(n.last_shift - n.first_shift) /
+                                                                static_cast<double>(n.shifts - 1)))
+                                            : ordered_json()},
           {"refused", refused},
           {"known_pixels", depth.known_pixels},
           {"sensed_pixels", depth.sensed_pixels},

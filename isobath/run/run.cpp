@@ -161,6 +161,7 @@ class Run {
   // Observers.
   RunFolder folder_;
   std::optional<DetectionScorer> judge_;
+  std::optional<MapDelayScorer> map_judge_;
   std::optional<GroundTruthTrajectory> track_;
   MissionNotes notes_;
   RunDisplay display_;
@@ -227,6 +228,8 @@ void Run::invite_observers() {
     if (!request_.live_speed) {
       onboard_.show_to(judge_.emplace(simulated->simulator()));
       simulated->tell_truth_to(*judge_);
+      onboard_.show_to(map_judge_.emplace(simulated->simulator(), request_.configuration.depth.evidence.range_cap_m));
+      simulated->tell_truth_to(*map_judge_);
     }
     if (setup_) simulated->tell_truth_to(track_.emplace(simulated->simulator()));
     simulated->tell_truth_to(display_);
@@ -267,6 +270,7 @@ RunOutcome Run::outcome() {
   finish_display(outcome);
   if (judge_) {
     outcome.truth = judge_->score();
+    outcome.truth->mapped = map_judge_->bodies();
     folder_.show_truth(judge_->outlines());
   }
   if (depths_.snapshot()) {

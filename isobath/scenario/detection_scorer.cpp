@@ -37,6 +37,17 @@ Polygon in_frame(const Polygon& polygon, const Pose& X) {
   return out;
 }
 
+/// The mean of all corners.
+Vector2d middle_of(const std::vector<Polygon>& parts) {
+  Vector2d sum = Vector2d::Zero();
+  double corners = 0;
+  for (const Polygon& part : parts) {
+    for (const Vector2d& corner : part) sum += corner;
+    corners += static_cast<double>(part.size());
+  }
+  return sum / std::max(1.0, corners);
+}
+
 }  // namespace
 
 DetectionScorer::DetectionScorer(Simulator& simulator)
@@ -199,6 +210,7 @@ void DetectionScorer::on_scan(const ScanResult& scan) {
   const Vector2d vehicle = X_WL_.translation.head<2>();
   const std::vector<std::vector<Polygon>> plans = plans_now();
   std::vector<double> reported(bodies_.size(), -1);  // nearest obstacle of each body
+  std::vector<const Obstacle*> fixed(bodies_.size(), nullptr);
   ++score_.scans;
   bool any_false = false;
   struct Piece {
@@ -214,7 +226,9 @@ void DetectionScorer::on_scan(const ScanResult& scan) {
       double gap = std::numeric_limits<double>::infinity();
       for (const Polygon& part : plans[i]) gap = std::min(gap, gap_between(part, piece.outline));
       piece.gap = std::min(piece.gap, gap);
-      if (gap <= piece.tolerance && (reported[i] < 0 || o.range_m < reported[i])) reported[i] = o.range_m;
+      if (gap > piece.tolerance || (reported[i] >= 0 && o.range_m >= reported[i])) continue;
+      reported[i] = o.range_m;
+      fixed[i] = &o;
     }
     if (piece.gap <= piece.tolerance) of_body.insert(o.number);
     pieces.push_back(std::move(piece));
@@ -251,6 +265,9 @@ void DetectionScorer::on_scan(const ScanResult& scan) {
     const double error = reported[i] - real;
     w.error_sum += error;
     w.error_squares += error * error;
+    const Vector2d apart = middle_of({world_outline(*fixed[i], scan.detection.X_WB)}) - middle_of(plans[i]);
+    w.fix_sum += apart;
+    w.fix_squares += apart.squaredNorm();
     if (std::abs(error) > std::abs(w.score.range_error_worst_m)) w.score.range_error_worst_m = error;
   }
   views_.clear();
@@ -266,6 +283,9 @@ const TruthScore& DetectionScorer::score() {
     if (s.scans_found > 0) {
       s.range_error_mean_m = w.error_sum / s.scans_found;
       s.range_error_rms_m = std::sqrt(w.error_squares / s.scans_found);
+      const Vector2d mean = w.fix_sum / s.scans_found;
+      s.fix_offset_m = mean.norm();
+      s.fix_spread_m = std::sqrt(std::max(0.0, w.fix_squares / s.scans_found - mean.squaredNorm()));
     }
     score_.bodies.push_back(std::move(s));
   }

@@ -18,6 +18,7 @@
 
 #include <isobath/map/occupancy/obstacle.hpp>
 #include <isobath/onboard/onboard_observer.hpp>
+#include <isobath/scenario/map_delay_scorer.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <string>
 #include <unordered_map>
@@ -41,6 +42,8 @@ struct BodyScore {
   double range_error_mean_m = 0;  ///< reported minus true range of the nearest point, over all scans that show it
   double range_error_rms_m = 0;
   double range_error_worst_m = 0;  ///< the one with the largest magnitude
+  double fix_offset_m = 0;         ///< from the body to the mean of its fixes, which are placed with the estimated pose
+  double fix_spread_m = 0;         ///< root mean square distance of its fixes from their mean
 };
 
 struct TruthScore {
@@ -51,6 +54,7 @@ struct TruthScore {
   int scans_with_false_alarms = 0;
   int false_obstacles = 0, near_false_obstacles = 0;  ///< in view, over all scans; near: within kNearObstacle_m
   int unseen_false_obstacles = 0;                     ///< the same out of view
+  std::vector<MappedBody> mapped;                     ///< bodies that range sonars heard, and the depth map
 };
 
 class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserver {
@@ -78,6 +82,8 @@ class DetectionScorer : public SimulatedSource::TruthSink, public OnboardObserve
     BodyScore score;
     double first_heard_s = -1;
     double error_sum = 0, error_squares = 0;
+    Eigen::Vector2d fix_sum = Eigen::Vector2d::Zero();  ///< of fixes less the true place of the body
+    double fix_squares = 0;
   };
   [[nodiscard]] std::uint8_t kinds_near(const Polygon& outline, double within) const;
   /// The plan outlines of every body at its current position.

@@ -7,6 +7,7 @@
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/plot/picture.hpp>
 #include <isobath/studies/calibrate.hpp>
+#include <isobath/studies/truth_marks.hpp>
 
 namespace isobath {
 namespace {
@@ -262,7 +263,13 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
   std::vector<MarkedFrame> frames;
   std::optional<BorrowedObjects> borrowed;
   if (!request.objects.empty()) borrowed.emplace(request.objects, request.configuration.histogram);
-  if (!request.background_below && looks_like_frame_folder(request.input)) {
+  if (request.truth) {
+    TruthMarks marks = read_truth_marks(request.input, request.configuration.input, request.sonar);
+    outcome.left_out = marks.left_out;
+    frames = std::move(marks.frames);
+    add_marked_frames(calibration, frames);
+    if (borrowed) borrowed->add(frames);
+  } else if (!request.background_below && looks_like_frame_folder(request.input)) {
     frames = read_marked_frames(request.input, request.configuration.input);
     add_marked_frames(calibration, frames);
     if (borrowed) borrowed->add(frames);
@@ -274,7 +281,7 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
   const CalibrationResult& result = outcome.result;
   if (borrowed) {
     outcome.histograms.emplace(HistogramCalibration{borrowed->model(result.model.source), {}});
-  } else if (result.marked_cells > 0) {
+  } else if (result.marked_cells > 0 && frames.front().ping.fan->beams() > 1) {  // a scanning head has no pixels
     outcome.histograms = learn_histograms(frames, request.configuration, result.comparison, result.model.source);
   }
 

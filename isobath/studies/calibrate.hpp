@@ -25,6 +25,10 @@ struct CalibrateRequest {
   /// A histogram model whose objects are added to the marked ones, so that a log, which has no marks, can provide the
   /// noise at another range setting. Its levels are used. Empty: none.
   std::filesystem::path objects;
+  /// Takes the marks from the ground truth of a simulated log (truth_marks.hpp); of this sonar, or of the first if
+  /// empty.
+  bool truth = false;
+  std::string sonar;
   std::function<void(const SourceReport&, std::uint64_t pings)> progress;
 };
 

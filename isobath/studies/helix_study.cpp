@@ -191,6 +191,30 @@ HelixStudy study_helix(const HelixRequest& request) {
   return study;
 }
 
+Swing swing_of(const ApproachLog& log) {
+  std::vector<Eigen::Vector2d> flown;  // heading, pitch, rad
+  for (const ApproachSample& sample : log.samples) {
+    if (sample.phase == ApproachPhase::kHelix) flown.emplace_back(sample.heading.radians(), sample.pitch.radians());
+  }
+  Swing swing;
+  if (flown.size() < 4) return swing;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& one : flown) mean += one / static_cast<double>(flown.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (std::size_t i = 0; i < flown.size(); ++i) {
+    const Eigen::Vector2d off = flown[i] - mean;
+    spread += off * off.transpose();
+    const bool second = i >= flown.size() / 2;
+    Angle& heading = second ? swing.heading_second : swing.heading_first;
+    Angle& pitch = second ? swing.pitch_second : swing.pitch_first;
+    heading = std::max(heading, Angle::radians(std::abs(flown[i].x())));
+    pitch = std::max(pitch, Angle::radians(std::abs(flown[i].y())));
+  }
+  const double scale = std::sqrt(spread(0, 0) * spread(1, 1));
+  swing.correlation = scale > 0 ? spread(0, 1) / scale : 0;
+  return swing;
+}
+
 std::vector<std::pair<std::string, std::string>> helix_facts(const HelixStudy& s) {
   const ApproachLog &helix = s.helix, &straight = s.straight;
   const auto percent = [](double share) { return fmt::format("{:.1f} %", 100 * share); };

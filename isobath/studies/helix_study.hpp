@@ -86,6 +86,14 @@ struct HelixStudy {
 /// Throws Error if the request is invalid.
 HelixStudy study_helix(const HelixRequest& request);
 
+/// How an approach swings while it is on the helix: largest magnitudes off the line in its first and second half, and
+/// the correlation of heading and pitch, which is 0 where they are a quarter of a turn apart (S5-44, S5-D07).
+struct Swing {
+  Angle heading_first, heading_second, pitch_first, pitch_second;
+  double correlation = 0;
+};
+Swing swing_of(const ApproachLog& log);
+
 /// The results, one line each: quantity and value.
 std::vector<std::pair<std::string, std::string>> helix_facts(const HelixStudy& study);
 

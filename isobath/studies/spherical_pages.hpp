@@ -14,6 +14,9 @@ std::string spherical_above_picture(const Scene& scene, const SphericalSurvey& s
 /// Detected edges and arcs, echoes that belong to none, and corners with the numbers of the scans that hypothesised and
 /// confirmed them (S4-42, S4-45).
 std::string spherical_features_picture(const Scene& scene, const SphericalSurvey& survey);
+/// The stored cells of the ring of directions that has most of them, by direction and layer, with the orders in which
+/// they are walked: the cells of a direction by range, those of a layer by direction (S4-07 to S4-10, S4-D05).
+std::string spherical_structure_picture(const SphericalSurvey& survey);
 std::string spherical_solid_picture(const SphericalSurvey& survey, const SphericalCamera& camera = {});
 
 }  // namespace isobath

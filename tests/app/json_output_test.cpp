@@ -112,6 +112,7 @@ TEST_F(JsonOutput, OfRun) {
   compare("run", {"run", scenario("operator_on_the_link"), "--out", folder_ / "link"});
   compare("run", {"run", scenario("charted_shoals"), "--out", folder_ / "shoals", "--map", folder_ / "map"});
   compare("run", {"run", fan_scene(), "--out", folder_ / "fan", "--set", "simulation.duration_s=10"});
+  compare("run", {"run", scenario("winnipesaukee"), "--out", folder_ / "lake", "--set", "depth_map.area_m=512"});
   // The rest needs damaged or very large maps, imminent collisions, or a fan model (the next test).
   for (const std::string& field : page_.never_came_out("run")) {
     EXPECT_THAT(field, testing::ContainsRegex("^(alarms|fan_model|voxels.(moved_with_jumps|spilled)|"
@@ -191,6 +192,8 @@ TEST_F(JsonOutput, OfCompareAndOfTheStudies) {
   EXPECT_THAT(page_.never_came_out("compare"), IsEmpty());
   compare("helix", {"helix", "--out", folder_ / "helix", "--set", "approach.images=2"});
   EXPECT_THAT(page_.never_came_out("helix"), IsEmpty());
+  compare("delay", {"delay", "--seeds", "1", "--readings", "50", "--out", folder_ / "delay"});
+  EXPECT_THAT(page_.never_came_out("delay"), IsEmpty());
   compare("sphere", {"sphere", scenario("polygon_room"), "--scans", "3", "--out", folder_ / "sphere"});
   EXPECT_THAT(page_.never_came_out("sphere"), IsEmpty());
 }
@@ -202,8 +205,14 @@ TEST_F(JsonOutput, OfEval) {
                               "altimeter = \"without\"\n[bars]\npath_ratio_median = 0.1\n"
                               "[[baseline]]\nhelm = \"no avoidance\"\n");
   compare("eval", {"eval", suite, "--out", folder_ / "out"}, 1);
+  const fs::path told = file("story.toml",
+                             "[suite]\nscene = \"pole.toml\"\nduration_s = 20\nruns = 1\n"
+                             "[[stage]]\nname = \"seen\"\nat = [26, 0.3]\n"
+                             "[[stage]]\nname = \"elsewhere\"\nat = [0, 90]\n");
+  compare("eval", {"eval", told, "--out", folder_ / "story"});
   for (const std::string& field : page_.never_came_out("eval")) {
-    EXPECT_THAT(field, testing::ContainsRegex("^(faults|(baselines.\\*.|variants.\\*.)?(reasons|spreads))"))
+    EXPECT_THAT(field, testing::ContainsRegex(
+                           "^(faults|story.clearance_of_injected_m|(baselines.\\*.|variants.\\*.)?(reasons|spreads))"))
         << "only these need faults, refusals and reached goals";
   }
 }

@@ -18,8 +18,8 @@ TEST(DetectionDelay, TheTableSaysWhatTheMapperDoes) {
     EXPECT_EQ(delay.readings, base - 2 + 1) << "floor((c0 - T) / s) + 1: the paper's 3 to 4 readings";
     EXPECT_LE(delay.readings_merged, 8) << "two groups of four";
     if (last.base != 0) {
-      EXPECT_LT(delay.false_standing, last.false_standing);
-      EXPECT_LE(delay.false_under_way, last.false_under_way);
+      EXPECT_LT(delay.false_standing.mean, last.false_standing.mean);
+      EXPECT_LE(delay.false_under_way.mean, last.false_under_way.mean);
     }
     last = delay;
   }

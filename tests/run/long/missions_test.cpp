@@ -121,11 +121,11 @@ TEST(Missions, Field1TheBuoyIsSeenEarlyWithoutConflictThenPassed) {
 }
 
 // ledger: S6-55 S6-D08
-TEST(Missions, Field2ReplansAsSoonAsTheBuoyIsDetectedAndWhatIsSpuriousFades) {
+TEST(Missions, Field2ReplansAsSoonAsTheBuoyIsDetected) {
   const Scenario scenario = test::scenario_of("field_mission_2");
   const Sailed sailed = test::sail(scenario);
   expect_all_is_well(sailed, 3, 0);
-  const Vector2d buoy(60, 1), shoal(88, 10);
+  const Vector2d buoy(60, 1);
   const SeenFor seen = seen_at(sailed, buoy, 4);
   ASSERT_GT(seen.first_s, 0);
   const std::vector<Decision>& decisions = sailed.result.decisions;
@@ -133,9 +133,6 @@ TEST(Missions, Field2ReplansAsSoonAsTheBuoyIsDetectedAndWhatIsSpuriousFades) {
   ASSERT_LT(round, decisions.size()) << sailed.all();
   EXPECT_LT(to_seconds(decisions[round].time) - seen.first_s, 9.5) << "when the third scan confirms it";
   EXPECT_EQ(decisions[round].what, "replan");
-  const SeenFor spurious = seen_at(sailed, shoal, 4);
-  EXPECT_GT(spurious.first_s, 0) << "it appears";
-  EXPECT_LT(spurious.last_s, to_seconds(sailed.scans.back().first) - 10) << "and fades";
   EXPECT_GT(sailed.result.min_clearance_m, 1);
 }
 

@@ -10,10 +10,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    std::vector<isobath::test::DetectionDelay> rows;
-    for (int base = 2; base <= 15; ++base) rows.push_back(isobath::test::measure_delay(base));
+    const std::vector<isobath::DetectionDelay> rows = isobath::measure_delays({});
     isobath::write_file(argv[1], isobath::test::delay_page(rows));
-    isobath::write_file(argv[2], isobath::test::delay_picture(rows));
+    isobath::write_file(argv[2], isobath::delay_picture(rows));
   } catch (const isobath::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

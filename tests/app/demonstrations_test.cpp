@@ -1,0 +1,125 @@
+// What the commands of docs/demonstrations.md rest on, each on a small case; the page itself: scripts/demonstrations.
+#include <cmath>
+#include <tests/app/program.hpp>
+#include <tests/support/data.hpp>
+
+namespace isobath {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+std::string scenario(const std::string& name) { return (test::source_folder() / "scenarios" / name).string(); }
+
+class Demonstrations : public testing::Test {
+ protected:
+  json told(std::vector<std::string> arguments) {
+    arguments.emplace_back("--json");
+    const auto result = test::isobath(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return json::parse(result.out);
+  }
+  [[nodiscard]] std::string in(const std::string& name) const { return (folder_ / name).string(); }
+  const std::filesystem::path folder_ = test::scratch_folder();
+};
+
+// ledger: S1-D06 S1-12 S1-E01
+TEST_F(Demonstrations, TheExampleOfAQuadtreeHas19LeavesAnd25Words) {
+  told({"convert", scenario("quadtree_example.asc"), in("map"), "--set", "prior.sign=down", "--set", "prior.epsg=32631",
+        "--set", "prior.datum_offset_m=[0]", "--set", "depth_map.area_m=256", "--set", "depth_map.pixel_m=8"});
+  const json map = told({"info", in("map"), "--picture", in("tree.png")});
+  EXPECT_EQ(map["trees"]["prior"]["leaves"], 19);
+  EXPECT_EQ(map["trees"]["prior"]["words"], 25);
+  EXPECT_EQ(test::content_of(folder_ / "tree.png").substr(1, 3), "PNG");
+}
+
+// ledger: S1-D05 S1-29 S1-32
+TEST_F(Demonstrations, TheWindowShiftsInARunAndLosesNoReading) {
+  std::string depth[2];
+  for (const bool aside : {false, true}) {
+    const std::string out = in(aside ? "aside" : "one");
+    const json run = told({"run", scenario("long_lane.toml"), "--set", "simulation.duration_s=250", "--set",
+                           std::string("depth.background=") + (aside ? "true" : "false"), "--out", out});
+    const json& map = run["depth"];
+    EXPECT_GE(map["shifts"], 3);
+    EXPECT_EQ(map["lost"], 0);
+    EXPECT_GT(map["readings"], 2000);
+    EXPECT_NEAR(map["shift_gap_mean_s"].get<double>(), 64 / 1.5, 16 / 1.5);
+    depth[aside] = test::content_of(out + "/depth.tif");
+  }
+  EXPECT_EQ(depth[0], depth[1]) << "a shift in a thread of its own gives the same map";
+}
+
+// ledger: S1-D01 S1-26
+TEST_F(Demonstrations, ARunSaysWhenAnUnchartedRockStandsInTheMap) {
+  const json run = told({"run", scenario("winnipesaukee.toml"), "--set", "simulation.seed=1", "--set",
+                         "depth_map.area_m=512", "--out", in("lake")});
+  ASSERT_EQ(run["truth"]["mapped"].size(), 1u);
+  const json& rock = run["truth"]["mapped"][0];
+  EXPECT_EQ(rock["name"], "obstacle C");
+  EXPECT_LE(rock["first_echo_m"], 50);
+  const double delay_s = rock["in_map_s"].get<double>() - rock["first_echo_s"].get<double>();
+  EXPECT_GT(delay_s, 0);
+  EXPECT_LT(delay_s, 4);
+}
+
+// ledger: S1-D08 S1-50
+TEST_F(Demonstrations, DelayRisesAndFalseObstaclesFallWithTheBaseConfidence) {
+  const json delay = told({"delay", "--seeds", "2", "--readings", "400", "--out", in("delay")});
+  ASSERT_EQ(delay["bases"].size(), 14u);
+  for (std::size_t i = 1; i < delay["bases"].size(); ++i) {
+    const json &before = delay["bases"][i - 1], &now = delay["bases"][i];
+    EXPECT_GT(now["delay_s"], before["delay_s"]);
+    EXPECT_LE(now["false_standing"]["mean"], before["false_standing"]["mean"]);
+    EXPECT_GE(now["false_standing"]["most"], now["false_standing"]["least"]);
+  }
+  EXPECT_EQ(test::content_of(folder_ / "delay/delay.png").substr(1, 3), "PNG");
+}
+
+// ledger: S4-D03 S4-04 S4-06
+TEST_F(Demonstrations, SphereComparesItsCellsWithThoseOfOtherGrids) {
+  const json room = told({"sphere", scenario("polygon_room.toml"), "--scans", "1", "--out", in("room")});
+  const int layers[] = {86, 102, 119}, uniform[] = {334, 667, 1334};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(room["sizes"][i]["layers"], layers[i]);
+    EXPECT_EQ(room["sizes"][i]["uniform_layers"], uniform[i]);
+    EXPECT_EQ(room["sizes"][i]["cells"], 10368 * layers[i]);
+  }
+  EXPECT_NEAR(room["sizes"][1]["cubic_cells"].get<double>(), 2.4e9, 0.05e9);
+}
+
+// ledger: S6-D01 S6-D02 S6-D03 S6-06 S6-08 S6-09
+TEST_F(Demonstrations, ASimulatedLogIsCalibratedByItsOwnTruth) {
+  told({"sim", scenario("noise_lake.toml"), "--duration", "60", "--seed", "3", "--out", in("lake.mcap")});
+  const json lake =
+      told({"calibrate", in("lake.mcap"), "--truth", "--out", in("model"), "--set", "calibration.blanking_m=10.2"});
+  EXPECT_GT(lake["background_pings"], 200);
+  EXPECT_GT(lake["marked_pings"], 200);
+  int gaussian = 0;
+  for (const json& group : lake["groups"]) {
+    for (const json& law : group["noise_fits"]["laws"]) {
+      if (law["law"] == "gaussian") gaussian += law["p_value"].get<double>() >= 0.05;
+      if (law["law"] == "rayleigh") EXPECT_LT(law["p_value"].get<double>(), 0.05);
+    }
+  }
+  EXPECT_GE(gaussian, 6) << "of 8 range groups";
+  int blind = 0;
+  const json model = test::json_of(folder_ / "model/sensor_model.json");
+  for (const json& bin : model["bins"]) blind += bin.value("blind", false);
+  EXPECT_EQ(blind, 9);
+  EXPECT_EQ(model["bins"].size(), 44u);
+
+  const auto water = test::isobath({"calibrate", in("lake.mcap"), "--truth", "--sonar", "other", "--out", in("no")});
+  EXPECT_THAT(water, test::ends_with_one_line(HasSubstr("no ground truth of a sonar other")));
+}
+
+// ledger: S5-D07 S5-D08
+TEST_F(Demonstrations, HelixSaysHowItSwingsAndConverges) {
+  const json helix = told({"helix", "--height", "20", "--set", "helix.advance=4", "--out", in("helix")});
+  EXPECT_GT(helix["swing"]["heading_second_deg"], helix["swing"]["heading_first_deg"]);
+  EXPECT_LT(std::abs(helix["swing"]["correlation"].get<double>()), 0.35) << "a quarter of a turn apart";
+  for (const json& one : helix["convergence"]) EXPECT_LT(one["last_m"], 0.01);
+}
+
+}  // namespace
+}  // namespace isobath
