@@ -13,6 +13,7 @@
 #include <isobath/perception/water_label.hpp>
 #include <isobath/report/fan_calibration.hpp>
 #include <isobath/report/mission_pages.hpp>
+#include <isobath/report/placement_pages.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/run/run.hpp>
 #include <memory>
@@ -98,7 +99,7 @@ void print(const std::vector<Obstacle>& pieces, std::uint64_t scans) {
 void print_input(const RunOutcome& outcome) {
   const PipelineCounts& n = outcome.counts;
   const std::string span = span_text(outcome.log_s);
-  if (n.pings > 0 || !outcome.depth) {
+  if (n.pings > 0 || n.ranges + n.swaths == 0) {
     fmt::print("received {} pings in {}: {} echoes in {} bins\n", n.pings, span, n.hits, n.bins);
   } else {
     fmt::print("received {} ranges and {} swaths in {}\n", n.ranges, n.swaths, span);
@@ -150,6 +151,8 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   if (outcome.counts.pings > 0 || !outcome.depth) print(outcome.obstacles, outcome.counts.scans);
   if (outcome.depth) print(request, *outcome.depth);
   if (outcome.sphere) fmt::print("{}\n", sphere_text(*outcome.sphere));
+  if (outcome.sharpness) fmt::print("{}\n", to_text(*outcome.sharpness));
+  if (outcome.drift) fmt::print("{}\n", to_text(*outcome.drift));
   if (outcome.truth) print(*outcome.truth);
   print_input(outcome);
   print_doubts(outcome);

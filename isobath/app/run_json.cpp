@@ -1,6 +1,7 @@
 #include <isobath/app/json_output.hpp>
 #include <isobath/app/run_json.hpp>
 #include <isobath/report/fan_calibration.hpp>
+#include <isobath/report/placement_pages.hpp>
 #include <isobath/report/result_text.hpp>
 #include <nlohmann/json.hpp>
 
@@ -75,6 +76,8 @@ ordered_json run_json(const RunRequest& request, const RunOutcome& outcome) {
                     {"depth", outcome.depth ? depth_json(*outcome.depth) : ordered_json()},
                     {"voxels", outcome.voxels ? voxels_json(*outcome.voxels) : ordered_json()},
                     {"sphere", outcome.sphere ? sphere_json(*outcome.sphere) : ordered_json()},
+                    {"sharpness", outcome.sharpness ? sharpness_json(*outcome.sharpness) : ordered_json()},
+                    {"drift", outcome.drift ? drift_json(*outcome.drift) : ordered_json()},
                     {"truth", outcome.truth ? truth_json(*outcome.truth) : ordered_json()},
                     {"mission", outcome.mission ? mission_with_times(*outcome.mission) : ordered_json()},
                     {"rates", rates_json(outcome)},

@@ -3,6 +3,7 @@
 #include <isobath/io/bytes/text_lines.hpp>
 #include <isobath/io/formats/aris.hpp>
 #include <isobath/io/formats/depth_csv.hpp>
+#include <isobath/io/formats/fan_detections.hpp>
 #include <isobath/io/formats/kongsberg/kongsberg.hpp>
 #include <isobath/io/formats/nmea.hpp>
 #include <isobath/io/formats/oculus/oculus_logs.hpp>
@@ -133,6 +134,7 @@ constexpr LogFiles kLogFiles{format_of_file, log_of_water_column, open_source};
 /// The first format that fits is used. Formats with a signature come before formats that need a search.
 constexpr std::array kFormats{
     folder<looks_like_frame_folder, open_frame_folder>("folder of PNG frames"),
+    folder<looks_like_fan_folder, open_fan_folder>("folder of fan detections"),
     Format{"survey folder",
            [](const Candidate& c) { return c.is_folder && looks_like_survey_folder(c.path, c.config, kLogFiles); },
            [](const fs::path& path, const InputConfig& config) { return open_survey_folder(path, config, kLogFiles); }},
@@ -143,6 +145,8 @@ constexpr std::array kFormats{
     file<looks_like_scan_csv, open_scan_csv>("scan CSV"),
     file<looks_like_ping360_arc, open_ping360_arc>("Ping360 arc table"),
     file<looks_like_ping_messages, open_ping_messages>("printed ping messages"),
+    Format{"fan detections (CSV)", [](const Candidate& c) { return !c.is_folder && looks_like_fan_detections(c.head); },
+           [](const fs::path& path, const InputConfig& config) { return open_fan_detections(path, config); }},
     file<looks_like_seanet_csv, open_seanet_csv>("Seanet CSV"),
     file<looks_like_oculus_container, open_oculus_container>(".oculus log"),
     file<looks_like_aris, open_aris>("ARIS recording"),
@@ -242,6 +246,13 @@ fs::path log_of_water_column(const fs::path& file, const InputConfig& config) {
     if (pair.water == file) return pair.log;
   }
   return {};
+}
+
+std::unique_ptr<Source> open_reference(const fs::path& input, const InputConfig& config) {
+  if (!config.reference.empty()) return open_pose_track(config.reference);
+  std::error_code ignored;
+  if (!fs::is_directory(input, ignored) || !looks_like_fan_folder(input)) return nullptr;
+  return open_reference_of_fan_folder(input, config);
 }
 
 std::string format_of_file(const fs::path& file, const InputConfig& config) {

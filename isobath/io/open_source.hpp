@@ -13,6 +13,10 @@ namespace isobath {
 /// is reported, not thrown.
 std::unique_ptr<Source> open_source(const std::filesystem::path& input, const InputConfig& config = {});
 
+/// Poses to compare with those of the log: of the file that InputConfig::reference names, else of the log's other
+/// track; null: there are none.
+std::unique_ptr<Source> open_reference(const std::filesystem::path& input, const InputConfig& config);
+
 /// The log that open_source reads together with a water column file (.kmall for .kmwcd, .all for .wcd, with the same
 /// stem); empty: none.
 std::filesystem::path log_of_water_column(const std::filesystem::path& file, const InputConfig& config);

@@ -163,7 +163,8 @@ void Pipeline::map_soundings(const Swath& swath, const Pose& X_WB, bool posed) {
 
 void Pipeline::map_depth(const Waiting& sensed, const PoseEstimate& pose) {
   if (const auto* range = std::get_if<RangeReading>(&sensed)) depths_->on_range(*range, pose);
-  if (const auto* swath = std::get_if<Swath>(&sensed)) depths_->on_swath(*swath, pose);
+  const auto* swath = std::get_if<Swath>(&sensed);
+  if (swath && !swath->is_flat()) depths_->on_swath(*swath, pose);
 }
 
 /// A depth of 0 is that of a boat, or of a log without depth; the distance to the surface then stays unknown.

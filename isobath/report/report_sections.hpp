@@ -9,21 +9,22 @@
 
 namespace isobath {
 
-enum class ReportSection : std::uint8_t { kMission, kScan, kVoxels, kSphere, kDepth, kReplay };
+enum class ReportSection : std::uint8_t { kMission, kScan, kFan, kVoxels, kSphere, kDepth, kReplay };
 
 /// The sections that the run has results for, in order; kReplay is always among them.
 inline std::vector<ReportSection> report_sections(const RunOutcome& outcome) {
   using enum ReportSection;
-  std::vector<ReportSection> order = {kScan, kReplay, kVoxels, kSphere, kDepth};
+  std::vector<ReportSection> order = {kScan, kFan, kReplay, kVoxels, kSphere, kDepth};
   if (outcome.mission) {
-    order = {kMission, kReplay, kScan, kVoxels, kSphere, kDepth};
+    order = {kMission, kReplay, kScan, kFan, kVoxels, kSphere, kDepth};
   } else if (outcome.counts.pings == 0 && outcome.depth) {
     order = {kDepth, kReplay, kVoxels, kSphere};
   } else if (outcome.counts.pings == 0 && outcome.voxels) {
-    order = {kVoxels, kReplay, kScan, kSphere};
+    order = {kVoxels, kReplay, kScan, kFan, kSphere};
   }
   std::erase_if(order, [&](ReportSection s) {
-    return (s == kVoxels && !outcome.voxels) || (s == kSphere && !outcome.sphere) || (s == kDepth && !outcome.depth);
+    return (s == kFan && !outcome.sharpness) || (s == kVoxels && !outcome.voxels) ||
+           (s == kSphere && !outcome.sphere) || (s == kDepth && !outcome.depth);
   });
   return order;
 }

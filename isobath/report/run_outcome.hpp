@@ -7,7 +7,9 @@
 #include <isobath/report/depth_outcome.hpp>
 #include <isobath/report/mission_outcome.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
+#include <isobath/world/placed_detections.hpp>
 #include <isobath/world/spherical_model.hpp>
+#include <isobath/world/track_drift.hpp>
 #include <isobath/world/voxel_model.hpp>
 #include <map>
 #include <optional>
@@ -45,6 +47,8 @@ struct RunOutcome {
   std::optional<DepthOutcome> depth;         ///< if ranges or soundings had a position
   std::optional<VoxelOutcome> voxels;        ///< if there is a voxel map
   std::optional<SphericalOutcome> sphere;    ///< if there is a spherical grid
+  std::optional<Sharpness> sharpness;        ///< if a fan moved while it detected something; not in simulated runs
+  std::optional<DriftOutcome> drift;         ///< if there is a reference track
   std::optional<MissionOutcome> mission;     ///< if there was a mission
   std::optional<FanDeparture> fan;           ///< if sensor.model names a fan model and pings were decided by it
   std::optional<LiveOutcome> live;           ///< live runs only

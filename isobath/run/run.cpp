@@ -9,6 +9,7 @@
 #include <isobath/run/closed_loop.hpp>
 #include <isobath/run/mission_input.hpp>
 #include <isobath/run/mission_notes.hpp>
+#include <isobath/run/moving_fan.hpp>
 #include <isobath/run/run.hpp>
 #include <isobath/run/run_display.hpp>
 #include <isobath/run/run_folder.hpp>
@@ -160,6 +161,7 @@ class Run {
 
   // Observers.
   RunFolder folder_;
+  std::optional<MovingFan> fan_;  ///< for logs
   std::optional<DetectionScorer> judge_;
   std::optional<MapDelayScorer> map_judge_;
   std::optional<GroundTruthTrajectory> track_;
@@ -224,6 +226,10 @@ std::unique_ptr<Helm> Run::make_helm() const {
 void Run::invite_observers() {
   if (helm_) onboard_.show_to(notes_);
   onboard_.show_to(folder_);
+  if (!input_.simulated()) {
+    onboard_.show_to(fan_.emplace(request_.configuration.mission.memory,
+                                  reference_of(request_.input, request_.configuration.input, input_.origin())));
+  }
   if (SimulatedSource* simulated = input_.simulated()) {
     if (!request_.live_speed) {
       onboard_.show_to(judge_.emplace(simulated->simulator()));
@@ -282,6 +288,10 @@ RunOutcome Run::outcome() {
                                     request_.map.string(), held_->input);
   }
   if (voxels.map()) add_voxels(outcome);
+  if (fan_) {
+    fan_->add_to(outcome);
+    if (outcome.sharpness) folder_.show_placement(fan_->view(outcome));
+  }
   if (onboard_.sphere().grid()) outcome.sphere = onboard_.sphere().outcome(vehicle_radius_m());
   folder_.write(request_, onboard_, outcome);
   return outcome;

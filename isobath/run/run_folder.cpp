@@ -142,6 +142,13 @@ RunFolder::Pictures RunFolder::draw(const RunRequest& request, const Onboard& on
     write_text("sphere-above.png", pictures.sphere_above, outcome);
     write_text("sphere-solid.png", pictures.sphere_solid, outcome);
   }
+  if (placement_ && outcome.sharpness) {
+    PlacementView view = *placement_;
+    view.source = source;
+    pictures.placement = {placement_picture(view), sharpness_picture(*outcome.sharpness)};
+    write_text("placed.png", pictures.placement.placed, outcome);
+    write_text("sharpness.png", pictures.placement.sharpness, outcome);
+  }
   if (outcome.depth) pictures.depth = write_depth_files(onboard.depths(), source, folder_, outcome.files);
   if (outcome.mission) {
     pictures.mission = draw_mission(*outcome.mission, configuration_.mission.route.clearance_m, source);
@@ -318,11 +325,14 @@ void RunFolder::add_replay(HtmlReport& page) const {
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const Pictures& pictures) const {
   const PipelineCounts& n = outcome.counts;
   const bool pinged = n.pings > 0 || !outcome.depth;  // else the report is only about depths
+  const bool swaths_alone = n.pings == 0 && n.swaths > 0 && !outcome.depth;
   const std::string data =
-      pinged ? fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
-                           outcome.source.format, n.pings, outcome.log_s, n.scans, whole_obstacles(obstacles_).size())
-             : fmt::format("{} · {} ranges and {} swaths within {} · depth map", outcome.source.format, n.ranges,
-                           n.swaths, span_text(outcome.log_s));
+      swaths_alone ? fmt::format("{} · {} swaths in {} · {} scans · {} obstacles at the end", outcome.source.format,
+                                 n.swaths, span_text(outcome.log_s), n.scans, whole_obstacles(obstacles_).size())
+      : pinged     ? fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
+                                 outcome.source.format, n.pings, outcome.log_s, n.scans, whole_obstacles(obstacles_).size())
+               : fmt::format("{} · {} ranges and {} swaths within {} · depth map", outcome.source.format, n.ranges,
+                             n.swaths, span_text(outcome.log_s));
   const std::string lead = outcome.mission ? mission_summary(*outcome.mission).front() + " · " + data : data;
   HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : input_name(request.input)), lead);
   if (!outcome.problem.empty()) page.warning(outcome.problem);
@@ -337,6 +347,7 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
     switch (section) {
       case ReportSection::kMission: add_mission(page, *outcome.mission, pictures.mission); break;
       case ReportSection::kScan: add_scan(page, pictures); break;
+      case ReportSection::kFan: add_placement(page, *outcome.sharpness, outcome.drift, pictures.placement); break;
       case ReportSection::kVoxels: add_voxels(page, *outcome.voxels, pictures.voxels); break;
       case ReportSection::kSphere: add_sphere(page, *outcome.sphere, pictures); break;
       case ReportSection::kDepth: add_depth(page, *outcome.depth, pictures.depth); break;

@@ -6,6 +6,7 @@
 //   occupancy.tif .png  the body grid                truth.json          scores of a simulated run
 //   sonar.png           the last sweep in plan       detections.png      obstacles drawn over it
 //   mission.json, decisions.json, mission.png, clearance.png: the mission (mission_pages.hpp)
+//   placed.png, sharpness.png: the detections of a moving fan (placement_pages.hpp)
 //   depth.tif, chart.png, confidence.png, contours.geojson: the depth map (depth_pages.hpp)
 #pragma once
 
@@ -15,6 +16,7 @@
 #include <isobath/report/embedded_replay.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/mission_pages.hpp>
+#include <isobath/report/placement_pages.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/report/run_outcome.hpp>
 #include <isobath/report/scan_pictures.hpp>
@@ -41,6 +43,8 @@ class RunFolder : public OnboardObserver {
   void show_truth(std::vector<Polygon> outlines) { truth_ = std::move(outlines); }
   /// The replay of the run, for the report.
   void show_run(EmbeddedReplay& replay, Time last, const DisplayState& items);
+  /// The detections of a moving fan, for the pictures.
+  void show_placement(PlacementView view) { placement_ = std::move(view); }
   /// Writes all files and lists them in `outcome.files`.
   void write(const RunRequest& request, const Onboard& onboard, RunOutcome& outcome);
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
@@ -51,6 +55,7 @@ class RunFolder : public OnboardObserver {
     DepthPictures depth;
     VoxelPictures voxels;
     std::string sphere_above, sphere_solid;
+    PlacementPictures placement;
     MissionPictures mission;
   };
   void write_occupancy(const BodyGrid& grid, const Pose& X_WL, const std::optional<GeoOrigin>& origin) const;
@@ -68,6 +73,7 @@ class RunFolder : public OnboardObserver {
   std::vector<ScanRecord> scans_;
   std::vector<Obstacle> obstacles_;
   std::vector<Polygon> truth_;
+  std::optional<PlacementView> placement_;
   std::string replay_page_, replay_text_;  ///< the page with the replay, and its caption; empty: no replay
 };
 

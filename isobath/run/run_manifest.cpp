@@ -1,4 +1,5 @@
 #include <isobath/report/fan_calibration.hpp>
+#include <isobath/report/placement_pages.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/run/run_manifest.hpp>
 #include <nlohmann/json.hpp>
@@ -26,6 +27,8 @@ std::string manifest_json(const RunRequest& request, const RunOutcome& outcome) 
   if (outcome.fan) manifest["fan_model"] = departure_json(*outcome.fan);
   if (outcome.voxels) manifest["voxels"] = voxels_json(*outcome.voxels);
   if (outcome.sphere) manifest["sphere"] = sphere_json(*outcome.sphere);
+  if (outcome.sharpness) manifest["sharpness"] = sharpness_json(*outcome.sharpness);
+  if (outcome.drift) manifest["drift"] = drift_json(*outcome.drift);
   if (outcome.depth) manifest["depth"] = depth_json(*outcome.depth);
   for (const auto& file : outcome.files) manifest["files"].push_back(file.string());
   return manifest.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";

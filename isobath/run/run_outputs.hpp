@@ -39,7 +39,9 @@ inline constexpr std::array kRunFiles{"manifest.json",
                                       "voxels-east.png",
                                       "voxels-depth.png",
                                       "sphere-above.png",
-                                      "sphere-solid.png"};
+                                      "sphere-solid.png",
+                                      "placed.png",
+                                      "sharpness.png"};
 
 /// Throws Error if the recording or a file of the folder would overwrite an input of the run. `priors`: files that the
 /// depth map starts from.

@@ -48,7 +48,8 @@ void add_results(RunOutcome& outcome, const Pipeline& pipeline, const DepthModel
   if (outcome.counts.pings + outcome.counts.vertical + outcome.counts.ranges + outcome.counts.swaths == 0 &&
       outcome.problem.empty())
     outcome.problem = "no ping, range or sounding of the input could be used";
-  if (outcome.counts.pings + outcome.counts.vertical == 0 && !depths.snapshot() && !mapped && outcome.problem.empty())
+  if (outcome.counts.pings + outcome.counts.vertical == 0 && outcome.counts.scans == 0 && !depths.snapshot() &&
+      !mapped && outcome.problem.empty())
     outcome.problem = "no range or sounding has a position; give the track of the vehicle (input.navigation)";
 }
 

@@ -11,7 +11,8 @@ SwathFault check(const Swath& swath) {
            s.sigma_m >= 0;
   };
   const bool head = std::isfinite(swath.sound_speed) && swath.beam_width.degrees() >= 0 &&
-                    swath.beam_width.degrees() <= 360 && (!swath.heading || std::isfinite(swath.heading->radians()));
+                    swath.beam_width.degrees() <= 360 && swath.beam_height.degrees() >= 0 &&
+                    swath.beam_height.degrees() <= 360 && (!swath.heading || std::isfinite(swath.heading->radians()));
   return head && std::all_of(swath.soundings.begin(), swath.soundings.end(), finite) ? SwathFault::kNone
                                                                                      : SwathFault::kNotFinite;
 }

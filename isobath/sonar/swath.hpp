@@ -6,6 +6,10 @@
 // Frames: kBody, points p_BQ in the body frame of the transmit time, before roll, pitch and heave are removed. kLevel,
 // points p_LQ that the recorder has already corrected for motion: x forward, y starboard of the point whose position
 // Navigation states, z the depth below the water surface; only north, east and heading of the pose are used.
+//
+// An imaging fan resolves range and bearing, not elevation: the swath of its detections states the height of its beams,
+// and its points lie in the plane of the fan (`is_flat`). Such points are obstacles of the plan view only; maps with
+// depths or heights leave them out.
 #pragma once
 
 #include <cstddef>
@@ -37,8 +41,12 @@ struct Swath {
   Frame frame = Frame::kBody;
   std::optional<Angle> heading;  ///< for kLevel: heading of the ping as the recorder states it; empty: that of the pose
   Angle beam_width;              ///< full width of one beam, for the footprint; 0: not known
+  Angle beam_height;             ///< full height of the beams in which elevation is not resolved; 0: it is known
   double sound_speed = 0;        ///< m/s at the transducer, as the recorder states it; 0: not stated
   std::vector<Sounding> soundings;
+
+  /// Whether the points are detections of a fan that does not resolve elevation.
+  [[nodiscard]] bool is_flat() const { return beam_height.radians() > 0; }
 };
 
 /// X_WF of the frame F of the points: the body frame, or the level frame at the water surface.

@@ -73,7 +73,7 @@ void SphericalModel::update(const RangeReading& reading, const Pose& X_WB) {
 
 /// The nearest of the soundings in one direction counts.
 void SphericalModel::update(const Swath& swath, const Pose& X_WB) {
-  if (!config_.keep || swath.frame != Swath::Frame::kBody || swath.soundings.empty()) return;
+  if (!config_.keep || swath.frame != Swath::Frame::kBody || swath.is_flat() || swath.soundings.empty()) return;
   mapper_.move_to(without_jumps(X_WB), swath.time);
   nearest_.clear();
   for (const Sounding& s : swath.soundings) {

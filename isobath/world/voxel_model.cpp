@@ -126,7 +126,8 @@ void VoxelModel::update(const PosedPing& posed) {
 }
 
 void VoxelModel::update(const Swath& swath, const Pose& X_WB) {
-  if (config_.sonars == VoxelModelConfig::Sonars::kNone || swath.frame != Swath::Frame::kBody) return;
+  if (config_.sonars == VoxelModelConfig::Sonars::kNone || swath.frame != Swath::Frame::kBody || swath.is_flat())
+    return;
   double farthest = 0;
   for (const Sounding& s : swath.soundings) {
     if (s.kind == Sounding::Kind::kWater) farthest = std::max<double>(farthest, s.range_m);

@@ -6,6 +6,7 @@
 #include <tests/app/logs.hpp>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/fan_folder.hpp>
 #include <tests/support/pole_scene.hpp>
 
 namespace isobath {
@@ -113,6 +114,8 @@ TEST_F(JsonOutput, OfRun) {
   compare("run", {"run", scenario("charted_shoals"), "--out", folder_ / "shoals", "--map", folder_ / "map"});
   compare("run", {"run", fan_scene(), "--out", folder_ / "fan", "--set", "simulation.duration_s=10"});
   compare("run", {"run", scenario("winnipesaukee"), "--out", folder_ / "lake", "--set", "depth_map.area_m=512"});
+  FanRecording().write(folder_ / "basin");
+  compare("run", {"run", folder_ / "basin", "--out", folder_ / "moved", "--set", "input.track=dead-reckoning"});
   // The rest needs damaged or very large maps, imminent collisions, or a fan model (the next test).
   for (const std::string& field : page_.never_came_out("run")) {
     EXPECT_THAT(field, testing::ContainsRegex("^(alarms|fan_model|voxels.(moved_with_jumps|spilled)|"

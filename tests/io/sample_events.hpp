@@ -58,6 +58,7 @@ inline Swath sample_swath(Random& random) {
   swath.frame = random.index(2) == 0 ? Swath::Frame::kBody : Swath::Frame::kLevel;
   if (random.index(2) == 0) swath.heading = Angle::radians(random.normal());
   swath.beam_width = Angle::radians(random.uniform());
+  swath.beam_height = Angle::radians(random.uniform());
   swath.sound_speed = random.uniform(1400, 1600);
   const auto number = [&] { return static_cast<float>(random.normal()); };
   swath.soundings.resize(random.index(20));
@@ -164,7 +165,7 @@ inline bool same(const Sounding& a, const Sounding& b) {
 
 inline bool same(const Swath& a, const Swath& b) {
   return a.time == b.time && a.frame == b.frame && a.heading == b.heading && a.beam_width == b.beam_width &&
-         same(a.sound_speed, b.sound_speed) &&
+         a.beam_height == b.beam_height && same(a.sound_speed, b.sound_speed) &&
          std::equal(a.soundings.begin(), a.soundings.end(), b.soundings.begin(), b.soundings.end(),
                     [](const Sounding& x, const Sounding& y) { return same(x, y); });
 }

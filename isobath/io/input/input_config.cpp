@@ -25,6 +25,11 @@ std::vector<Field> fields(InputConfig& c) {
       Field::flag("high_nibble_first", &c.high_nibble_first,
                   "Whether the first of two 4-bit samples is in the high half of a byte (Tritech)."),
       Field::text("navigation", &c.navigation, "CSV file of poses that replace the log's own fixes; empty: none."),
+      Field::choice("track", &c.track, {{"gnss", LogTrack::kGnss}, {"dead-reckoning", LogTrack::kDeadReckoning}},
+                    "Track of the vehicle where a log holds two: of its satellite receiver, or its dead reckoning."),
+      Field::text("reference", &c.reference,
+                  "CSV file of poses to compare those of the run with, which it does not use; empty: for dead "
+                  "reckoning the log's own satellite track, if it has one."),
       Field::flag(
           "water_column", &c.water_column,
           "Reads the water column of multibeam logs, also from the file beside them that holds it (.kmwcd, .wcd)."),

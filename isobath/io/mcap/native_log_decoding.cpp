@@ -113,6 +113,8 @@ std::optional<Event> take_swath(std::span<const std::uint8_t> data) {
   const auto beam = r.sequence<std::uint16_t>();
   const auto kind = r.sequence<std::uint8_t>();
   const std::size_t count = kind.size();
+  const bool older = r.at_end();  // from before the height of the beams was added
+  if (!older) swath.beam_height = Angle::radians(r.number<double>());
   if (!r.ok() || frame > 1 || heading.size() > 8 || beam.size() != 2 * count) return std::nullopt;
   for (const auto& column : {x, y, z, range, sigma}) {
     if (column.size() != 4 * count) return std::nullopt;

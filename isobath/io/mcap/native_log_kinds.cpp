@@ -90,7 +90,9 @@ const RecordKind kSwath = {.topic = "/swath",
                                "float32[] range           # slant range from the transducer\n"
                                "float32[] sigma           # standard deviation of the depth; 0: not stated\n"
                                "uint16[] beam\n"
-                               "uint8[] kind              # 0 bottom, 1 something in the water\n"};
+                               "uint8[] kind              # 0 bottom, 1 something in the water\n"
+                               "float64 beam_height       # full, rad, where elevation is not resolved; 0: it is "
+                               "known. Older logs lack it\n"};
 
 const RecordKind kOperatorFrame = {.topic = "/operator",
                                    .name = "isobath/msg/OperatorFrame",
