@@ -95,7 +95,7 @@ std::string placement_picture(const PlacementView& view) {
   plot.legend_fill(scans_colour(1), "echo in one scan");
   plot.legend_fill(scans_colour(kDarkest), fmt::format("echoes in {} scans or more", kDarkest));
   plot.legend_line({palette::kObstacle, 2, false}, "obstacle as the vehicle remembers it");
-  if (compared) plot.legend_line({palette::kTruth, 2.2, false}, "track by the reference, which places the echoes");
+  if (compared) plot.legend_line({palette::kTruth, 2.2, false}, "track by the reference");
   plot.legend_line({palette::kTrack, 2.2, compared}, "track, as the vehicle estimates it");
   plot.gap();
   ChartSource source = view.source;

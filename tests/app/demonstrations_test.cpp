@@ -99,7 +99,9 @@ TEST_F(Demonstrations, ASimulatedLogIsCalibratedByItsOwnTruth) {
   for (const json& group : lake["groups"]) {
     for (const json& law : group["noise_fits"]["laws"]) {
       if (law["law"] == "gaussian") gaussian += law["p_value"].get<double>() >= 0.05;
-      if (law["law"] == "rayleigh") EXPECT_LT(law["p_value"].get<double>(), 0.05);
+      if (law["law"] == "rayleigh") {
+        EXPECT_LT(law["p_value"].get<double>(), 0.05);
+      }
     }
   }
   EXPECT_GE(gaussian, 6) << "of 8 range groups";
