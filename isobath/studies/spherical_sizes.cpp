@@ -33,7 +33,7 @@ SphericalSizes spherical_sizes(const SphericalGridConfig& config, double range_m
 
 std::string spherical_slice_picture(const SphericalGridConfig& config, double range_m) {
   const SphericalLayers layers(config.min_layer_m, config.bucket, range_m);
-  const int azimuths = DirectionBuckets(config.bucket).azimuths();
+  const int azimuths = DirectionBuckets(config.bucket).azimuths(), quarter = azimuths / 4;
   const SphericalSizes sizes = spherical_sizes(config, range_m);
   PlanPicture picture(
       frame_around(Eigen::AlignedBox2d(Eigen::Vector2d(-range_m, -range_m), Eigen::Vector2d(range_m, range_m))),
@@ -45,13 +45,13 @@ std::string spherical_slice_picture(const SphericalGridConfig& config, double ra
     const double r = std::min(range_m, layers.outer(i));
     std::vector<Eigen::Vector2d> arc;
     for (int k = 0; k <= azimuths / 2; ++k) {
-      const Angle a = config.bucket * (k - azimuths / 4);
+      const Angle a = config.bucket * (k - quarter);
       arc.emplace_back(r * cos(a), r * sin(a));
     }
     picture.polyline(arc, {kCells, kThin, false});
   }
   for (int k = 0; k <= azimuths / 2; ++k) {
-    const Angle a = config.bucket * (k - azimuths / 4);
+    const Angle a = config.bucket * (k - quarter);
     const std::vector<Eigen::Vector2d> ray{Eigen::Vector2d::Zero(), range_m * Eigen::Vector2d(cos(a), sin(a))};
     picture.polyline(ray, {kCells, kThin, false});
   }

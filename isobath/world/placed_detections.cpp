@@ -179,7 +179,7 @@ std::vector<PlacedDetections::FilledCell> PlacedDetections::filled_cells() const
     of_scan.clear();
     for (const Eigen::Vector2f& p : scan.points) of_scan.push_back(cell_of(placed(p)));
     std::ranges::sort(of_scan, less);
-    of_scan.erase(std::ranges::unique(of_scan).begin(), of_scan.end());
+    of_scan.erase(std::unique(of_scan.begin(), of_scan.end()), of_scan.end());
     all.insert(all.end(), of_scan.begin(), of_scan.end());
   }
   std::ranges::sort(all, less);
