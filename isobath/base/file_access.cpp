@@ -170,13 +170,19 @@ void check_output_is_no_input(const fs::path& output, const std::vector<fs::path
   }
 }
 
-std::vector<fs::path> files_of_input(const fs::path& input) {
+std::vector<fs::path> regular_files(const fs::path& folder) {
   std::vector<fs::path> files;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(input, ignored)) {
-    if (entry.is_regular_file(ignored)) files.push_back(entry.path());
+  std::error_code problem;
+  for (fs::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
+    std::error_code unknown;
+    if (at->is_regular_file(unknown)) files.push_back(at->path());
   }
   std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<fs::path> files_of_input(const fs::path& input) {
+  std::vector<fs::path> files = regular_files(input);
   files.insert(files.begin(), input);
   return files;
 }

@@ -27,6 +27,8 @@ void check_output_file(const std::filesystem::path& file, const std::string& opt
 /// link. `option` as above.
 void check_output_is_no_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
                               const std::string& option);
+/// The files that lie in a folder, sorted; none if it cannot be listed.
+std::vector<std::filesystem::path> regular_files(const std::filesystem::path& folder);
 /// The input itself, and for a folder the files that lie in it, sorted.
 std::vector<std::filesystem::path> files_of_input(const std::filesystem::path& input);
 

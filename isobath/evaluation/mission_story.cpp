@@ -21,15 +21,10 @@ struct Happening {
   std::optional<Vector2d> place;
 };
 
-double apart(const Polygon& outline, const Vector2d& p) { return (nearest_point(outline, p) - p).norm(); }
-
-/// Distance of an outline from the nearest of others, by its corners and theirs.
-double apart(const Polygon& outline, const std::vector<Polygon>& others) {
+/// Distance of an outline from the nearest of others.
+double gap_to_nearest(const Polygon& outline, const std::vector<Polygon>& others) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Polygon& other : others) {
-    for (const Vector2d& p : outline) least = std::min(least, apart(other, p));
-    for (const Vector2d& p : other) least = std::min(least, apart(outline, p));
-  }
+  for (const Polygon& other : others) least = std::min(least, gap_between(outline, other));
   return least;
 }
 
@@ -76,8 +71,8 @@ class StoryReader {
     for (const StoryLog::Scan& scan : scans_) {
       if (scan.time_s < from_s) continue;
       for (const Polygon& outline : scan.outlines) {
-        const bool fits = stage.what == StageKind::kSeen ? apart(outline, stage.at) <= stage.within_m
-                                                         : apart(outline, bodies_) > stage.within_m;
+        const bool fits = stage.what == StageKind::kSeen ? distance_from(outline, stage.at) <= stage.within_m
+                                                         : gap_to_nearest(outline, bodies_) > stage.within_m;
         if (fits) seen_.push_back({scan.time_s, stage.what == StageKind::kSeen ? stage.at : outline.front()});
       }
     }
@@ -87,8 +82,9 @@ class StoryReader {
   std::optional<Happening> gone(const StoryStage& stage, const Vector2d& place, double from_s) const {
     for (const StoryLog::Scan& scan : scans_) {
       if (scan.time_s <= from_s || !looks_at(scan, place)) continue;
-      const bool shown = std::any_of(scan.outlines.begin(), scan.outlines.end(),
-                                     [&](const Polygon& outline) { return apart(outline, place) <= stage.within_m; });
+      const bool shown = std::any_of(scan.outlines.begin(), scan.outlines.end(), [&](const Polygon& outline) {
+        return distance_from(outline, place) <= stage.within_m;
+      });
       if (!shown) return Happening{scan.time_s, place};
     }
     return std::nullopt;
@@ -117,7 +113,7 @@ class StoryReader {
     for (const StoryLog::Scan& scan : scans_) {
       if (scan.time_s <= to_seconds(d.time)) from = scan.X_WB.translation.head<2>();
     }
-    return apart(Polygon{from, d.way.back()}, stage.at) <= stage.within_m;
+    return distance_from(Polygon{from, d.way.back()}, stage.at) <= stage.within_m;
   }
   [[nodiscard]] bool fits(const StoryStage& stage, const Decision& d) const {
     if (stage.what == StageKind::kReplanned) return goes_round(stage, d);
@@ -142,7 +138,8 @@ double nearest_to_injected(const MissionPlan& mission, const std::vector<TrueMot
   double least = std::numeric_limits<double>::infinity();
   for (const InjectedMap& map : mission.injected) {
     for (const Polygon& outline : map.outlines) {
-      for (const TrueMotion& m : track) least = std::min(least, apart(outline, m.state.X_WB.translation.head<2>()));
+      for (const TrueMotion& m : track)
+        least = std::min(least, distance_from(outline, m.state.X_WB.translation.head<2>()));
     }
   }
   return std::isfinite(least) ? least : -1;

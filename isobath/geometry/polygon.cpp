@@ -3,6 +3,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/exact_predicates.hpp>
 #include <isobath/geometry/polygon.hpp>
+#include <limits>
 
 namespace isobath {
 namespace {
@@ -110,6 +111,15 @@ Vector2d nearest_point(const Polygon& convex, const Vector2d& p) {
     if ((q - p).squaredNorm() < (best - p).squaredNorm()) best = q;
   }
   return best;
+}
+
+double distance_from(const Polygon& convex, const Vector2d& p) { return (nearest_point(convex, p) - p).norm(); }
+
+double gap_between(const Polygon& a, const Polygon& b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vector2d& p : a) least = std::min(least, distance_from(b, p));
+  for (const Vector2d& p : b) least = std::min(least, distance_from(a, p));
+  return least;
 }
 
 std::optional<double> ray_hit(const Polygon& polygon, const Vector2d& origin, const Vector2d& direction) {

@@ -27,6 +27,10 @@ bool contains(const Polygon& convex, const Eigen::Vector2d& p);
 /// The point of a convex polygon (inside or border) nearest to p: p itself if it is inside. The polygon must not be
 /// empty.
 Eigen::Vector2d nearest_point(const Polygon& convex, const Eigen::Vector2d& p);
+/// Distance of p from a convex polygon; 0 inside.
+double distance_from(const Polygon& convex, const Eigen::Vector2d& p);
+/// The shortest way from a corner of one convex polygon to the other; 0 where a corner of one lies in the other.
+double gap_between(const Polygon& a, const Polygon& b);
 
 /// Distance from `origin` along the unit vector `direction` to the first point of the border, if the ray meets it.
 std::optional<double> ray_hit(const Polygon& polygon, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <fmt/ranges.h>
 #include <isobath/io/bytes/text_lines.hpp>
 #include <isobath/io/formats/aris.hpp>
 #include <isobath/io/formats/depth_csv.hpp>
@@ -214,7 +215,8 @@ std::string sqlite_kind(std::string_view head) {
     throw Error("not a known format; V4LOG of Seanet Pro has no public description", {file}, known_formats(),
                 "export it to CSV with Seanet Pro");
   }
-  if (const std::string names = table_names(c.head); !names.empty() && !c.is_folder) {
+  if (const auto columns = table_columns(c.head); !columns.empty() && !c.is_folder) {
+    const std::string names = fmt::format("{}", fmt::join(columns, ", "));
     const std::string problem = c.config.survey.csv_columns.empty()
                                     ? "is a table whose columns are not declared: " + names
                                     : "is a table without the columns that input.csv_columns names: " + names;
@@ -250,6 +252,7 @@ fs::path log_of_water_column(const fs::path& file, const InputConfig& config) {
 
 std::unique_ptr<Source> open_reference(const fs::path& input, const InputConfig& config) {
   if (!config.reference.empty()) return open_pose_track(config.reference);
+  if (config.track == LogTrack::kGnss && config.navigation.empty()) return nullptr;  // the run uses that track
   std::error_code ignored;
   if (!fs::is_directory(input, ignored) || !looks_like_fan_folder(input)) return nullptr;
   return open_reference_of_fan_folder(input, config);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <fmt/format.h>
+#include <isobath/base/file_access.hpp>
 #include <isobath/io/bytes/text_lines.hpp>
 #include <isobath/io/survey_folder.hpp>
 #include <map>
@@ -31,17 +32,6 @@ struct Survey {
   std::vector<SurveyFile> files;
   std::vector<LeftOut> left_out;
 };
-
-std::vector<fs::path> regular_files(const fs::path& folder) {
-  std::vector<fs::path> found;
-  std::error_code problem;
-  for (fs::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
-    std::error_code unknown;
-    if (at->is_regular_file(unknown)) found.push_back(at->path());
-  }
-  std::ranges::sort(found);
-  return found;
-}
 
 bool chosen(const std::string& name, const SurveyInput& config) {
   return (config.only.empty() || fits(name, config.only)) && !fits(name, config.without);

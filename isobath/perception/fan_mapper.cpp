@@ -68,8 +68,6 @@ const Probabilities& probabilities() {
   return all;
 }
 
-bool bit(const std::uint64_t* words, int i) { return (words[i / 64] >> (i % 64) & 1) != 0; }
-
 }  // namespace
 
 std::vector<Field> fields(FanMapperConfig& c) {
@@ -179,9 +177,8 @@ void FanMapper::settle(const MixedVoxel& voxel, const EchoDecisions& decisions, 
   const EmptyShare& empty_of = empty_share();
   double ratios = 0;
   cells_.each_echo(voxel, [&](int beam, int bin) {
-    const std::uint64_t* dim = decisions.dim(beam);
-    const bool is_dim = dim && bit(dim, bin);
-    const double heard = is_dim ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
+    const bool is_dim = decisions.is_dim(beam, bin);
+    const double heard = decisions.p_of(beam, bin);
     const double p = p_voxel(heard, f);
     const std::size_t cell = static_cast<std::size_t>(beam) * decisions.bins() + bin;
     const double empty = marginal ? empty_of(explained_[cell] - voxel.own) : 1.0;
@@ -221,9 +218,8 @@ void FanMapper::settle_aspect(const MixedVoxel& voxel, const EchoDecisions& deci
     const EmptyShare& empty_of = empty_share();
     double ratios = 0;
     cells_.each_echo(voxel, [&, cells_told = told](int beam, int bin) {
-      const std::uint64_t* dim = decisions.dim(beam);
-      const bool is_dim = dim && bit(dim, bin);
-      const double p = is_dim ? decisions.p_dim(beam, bin) : decisions.p_detect[bin];
+      const bool is_dim = decisions.is_dim(beam, bin);
+      const double p = decisions.p_of(beam, bin);
       const double empty = empty_of(explained_[static_cast<std::size_t>(beam) * decisions.bins() + bin] - voxel.own);
       const double ratio = graded && !is_dim ? static_cast<double>(decisions.ratios(beam)[bin]) / cells_told : p / any;
       ratios += ratio / (ratio * (1 - empty) + empty);

@@ -38,8 +38,8 @@ struct SphericalMapperConfig {
   double hit = 0.9;
   double pass = 0.5;
   double tau_s = 600;  ///< 0: no fading
-  /// Of echoes of pings with samples (nearest_clear_echo); those of nearest_dense_echo count too. 0: every decision for
-  /// an echo counts.
+  /// Minimum contrast of an echo of a ping (nearest_clear_echo). An echo of nearest_dense_echo counts at any contrast.
+  /// 0: every decision for an echo counts.
   double contrast = 0;
 };
 std::vector<Field> fields(SphericalMapperConfig& config);

@@ -26,11 +26,6 @@ Colour scans_colour(int scans) {
   return {light, light, light + 0.02, 1};
 }
 
-std::uint64_t key_of(const Eigen::Vector2i& index) {
-  return std::uint64_t{static_cast<std::uint32_t>(index.x())} << 32 |
-         std::uint64_t{static_cast<std::uint32_t>(index.y())};
-}
-
 /// The frame: all that two scans agree on, the tracks and the obstacles.
 PlanExtent extent_of_placement(const PlacementView& view) {
   Eigen::AlignedBox2d box;
@@ -73,15 +68,14 @@ std::string placement_picture(const PlacementView& view) {
                             : "What the fan has seen, and remembered obstacles",
                    view.origin, kPlacementPanelPixels);
   std::unordered_map<std::uint64_t, int> scans;
-  for (const auto& cell : view.cells) scans[key_of(cell.index)] = cell.scans;
+  for (const auto& cell : view.cells) scans[PlacedDetections::key_of(cell.index)] = cell.scans;
   std::vector<Colour> colours;
   colours.reserve(static_cast<std::size_t>(plot.rows()) * static_cast<std::size_t>(plot.columns()));
   for (int row = 0; row < plot.rows(); ++row) {
     for (int column = 0; column < plot.columns(); ++column) {
       const Vector2d p(extent.x_max - (row + 0.5) * plot.metres_per_px(),
                        extent.y_min + (column + 0.5) * plot.metres_per_px());
-      const Vector2d index = (p / PlacedDetections::kCell_m).array().floor();
-      const auto found = scans.find(key_of(index.cast<int>()));
+      const auto found = scans.find(PlacedDetections::key_of(PlacedDetections::cell_of(p)));
       colours.push_back(found == scans.end() ? kWaterPaper : scans_colour(found->second));
     }
   }
@@ -128,8 +122,7 @@ std::string sharpness_picture(const Sharpness& sharpness) {
 std::string to_text(const Sharpness& s) {
   return fmt::format(
       "sharpness: {} detections of {} scans fill {} cells of {:g} m ({} mirrored); fewest, {}, with the headings "
-      "turned "
-      "by {}; {}",
+      "turned by {}; {}",
       s.detections, s.scans, s.cells, s.cell_m, s.mirrored, s.best_cells, offsets(s.low, s.high), advice_on(s));
 }
 
@@ -147,8 +140,8 @@ std::string to_text(const DriftOutcome& d) {
   if (d.sightings > 0) {
     text += fmt::format(
         "; since their last echo known obstacles moved by {:.1f} m relative to the vehicle (median), {:.1f} m (95 %), "
-        "and "
-        "the margin, {:.1f} m (median), covers {:.0f} % of them; that is {:.0f} % of the path since (median), {:.0f} % "
+        "and the margin, {:.1f} m (median), covers {:.0f} % of them; that is {:.0f} % of the path since (median), "
+        "{:.0f} % "
         "(95 %), where memory.drift_share applies",
         d.moved_median_m, d.moved_95_m, d.margin_median_m, 100 * d.covered, 100 * d.share_median, 100 * d.share_95);
   }

@@ -36,9 +36,9 @@ struct PlacementPictures {
 void add_placement(HtmlReport& page, const Sharpness& sharpness, const std::optional<DriftOutcome>& drift,
                    const PlacementPictures& pictures);
 
-/// "sharpness: 42055 detections of 382 scans fill 4053 cells of 0.5 m; fewest, 4053, with the headings ..."
+/// "sharpness: 42055 detections of 382 scans fill 4053 cells of 0.5 m (15561 mirrored); fewest, 4053, with ..."
 std::string to_text(const Sharpness& sharpness);
-/// "drift: 27.7 m off after 441 m (6.3 %), ..."
+/// "drift from the reference: 27.7 m after 379 m of track, rms 18.6 m, ..."
 std::string to_text(const DriftOutcome& drift);
 nlohmann::ordered_json sharpness_json(const Sharpness& sharpness);
 nlohmann::ordered_json drift_json(const DriftOutcome& drift);

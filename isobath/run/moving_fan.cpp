@@ -62,17 +62,15 @@ void MovingFan::add_to(RunOutcome& outcome) {
   if (!drift_) return;
   outcome.drift = drift_->outcome(known());
   if (!outcome.drift || !outcome.sharpness) return;
-  const auto by_reference = detections_.placed_by([this](Time time) { return drift_->reference().at(time); });
-  const auto sharpness = by_reference.sharpness();
+  by_reference_ = detections_.placed_by([this](Time time) { return drift_->reference().at(time); });
+  const auto sharpness = by_reference_->sharpness();
   outcome.drift->cells = outcome.sharpness->cells;
   outcome.drift->reference_cells = sharpness ? sharpness->cells : 0;
 }
 
 PlacementView MovingFan::view(const RunOutcome& outcome) const {
   PlacementView view;
-  view.cells = outcome.drift
-                   ? detections_.placed_by([this](Time time) { return drift_->reference().at(time); }).filled_cells()
-                   : detections_.filled_cells();
+  view.cells = (by_reference_ ? *by_reference_ : detections_).filled_cells();
   view.remembered = remembered();
   view.track = track_;
   view.heading = heading_;

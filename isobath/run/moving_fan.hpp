@@ -33,6 +33,7 @@ class MovingFan final : public OnboardObserver {
   [[nodiscard]] std::vector<KnownObstacle> known() const;
 
   PlacedDetections detections_;
+  std::optional<PlacedDetections> by_reference_;
   ObstacleMemory memory_;
   std::map<std::uint32_t, Time> last_echo_;  ///< by id of the remembered obstacle
   std::optional<TrackDrift> drift_;

@@ -18,17 +18,8 @@ std::int64_t square_of(double north, double east) {
          (static_cast<std::int64_t>(std::floor(east / kSquare)) & 0xffffffff);
 }
 
-/// The distance between two convex outlines; 0 if they overlap.
-double gap_between(const Polygon& a, const Polygon& b) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Vector2d& p : a) least = std::min(least, (nearest_point(b, p) - p).norm());
-  for (const Vector2d& p : b) least = std::min(least, (nearest_point(a, p) - p).norm());
-  return least;
-}
-
 bool near(const std::vector<Polygon>& plan, const Vector2d& p, double within) {
-  return std::any_of(plan.begin(), plan.end(),
-                     [&](const Polygon& part) { return (nearest_point(part, p) - p).norm() <= within; });
+  return std::any_of(plan.begin(), plan.end(), [&](const Polygon& part) { return distance_from(part, p) <= within; });
 }
 
 Polygon in_frame(const Polygon& polygon, const Pose& X) {
@@ -256,7 +247,7 @@ void DetectionScorer::on_scan(const ScanResult& scan) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (reported[i] < 0) continue;
     double real = std::numeric_limits<double>::infinity();
-    for (const Polygon& part : plans[i]) real = std::min(real, (nearest_point(part, vehicle) - vehicle).norm());
+    for (const Polygon& part : plans[i]) real = std::min(real, distance_from(part, vehicle));
     Watch& w = bodies_[i];
     if (w.score.scans_found++ == 0) {
       w.score.delay_s = w.first_heard_s < 0 ? 0 : now - w.first_heard_s;

@@ -12,7 +12,7 @@ constexpr double kSlack_m = 1, kBelowVehicle_m = 1;
 /// Distance in plan from a body, where it was placed.
 double plan_distance(const WorldBody& body, const Eigen::Vector2d& p) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Polygon& part : body.plan) least = std::min(least, (nearest_point(part, p) - p).norm());
+  for (const Polygon& part : body.plan) least = std::min(least, distance_from(part, p));
   return least;
 }
 

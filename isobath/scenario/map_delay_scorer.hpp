@@ -3,8 +3,8 @@
 //
 // A body is heard when a range sonar that looks ahead has an echo within the accepted range whose end lies at the body,
 // within half the width of the cone there and 1 m. The body stands in the map when a forward sonar has written a pixel
-// there that is shallower than the vehicle's depth plus 1 m. The map lies where the vehicle believes to be: the place
-// of the body is moved by the error of its position. The map is asked every kLook_s.
+// there that is shallower than the vehicle's depth plus 1 m. The vehicle places the map by its estimate, so
+// the scorer moves the body by the error of that estimate. It looks at the map every kLook_s.
 #pragma once
 
 #include <isobath/onboard/onboard_observer.hpp>

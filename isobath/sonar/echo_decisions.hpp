@@ -51,10 +51,14 @@ class EchoDecisions {
   }
   /// p_D of a dim bin; 0: its decision has no information.
   [[nodiscard]] float p_dim(int beam, int bin) const { return p_dim_[std::size_t(beam) * bins_ + bin]; }
+  [[nodiscard]] bool is_dim(int beam, int bin) const {
+    return !dim_.empty() && (dim(beam)[bin / 64] >> (bin % 64) & 1) != 0;
+  }
+  /// p_D of this bin of this beam, dim or not.
+  [[nodiscard]] float p_of(int beam, int bin) const { return is_dim(beam, bin) ? p_dim(beam, bin) : p_detect[bin]; }
   /// Whether this bin of this beam may change a map.
   [[nodiscard]] bool tells(int beam, int bin) const {
-    const bool is_dim = !dim_.empty() && (dim(beam)[bin / 64] >> (bin % 64) & 1) != 0;
-    return usable(bin) && !(is_dim && !(p_dim(beam, bin) > 0));
+    return usable(bin) && !(is_dim(beam, bin) && !(p_dim(beam, bin) > 0));
   }
   /// Sets the dim bins of one beam: words() words, and bins() values of p_D; only those of dim bins are used.
   void set_dim(int beam, const std::uint64_t* bits, const float* p) {

@@ -118,9 +118,7 @@ std::optional<int> nearest_dense_echo(const EchoDecisions& decisions, int beam) 
     for (std::uint64_t left = hits[word] & decisions.usable()[word]; left != 0; left &= left - 1) {
       const int bin = word * 64 + std::countr_zero(left);
       if (!decisions.tells(beam, bin)) continue;
-      const bool is_dim = decisions.dim(beam) && (decisions.dim(beam)[word] >> (bin % 64) & 1) != 0;
-      const double p = std::min(
-          0.999, static_cast<double>(is_dim ? decisions.p_dim(beam, bin) : decisions.p_detect[std::size_t(bin)]));
+      const double p = std::min(0.999, static_cast<double>(decisions.p_of(beam, bin)));
       if (!(p > f)) continue;
       evidence += (bin - last - 1) * std::log((1 - p) / (1 - f));
       if (!(evidence > 0)) {

@@ -18,7 +18,8 @@ struct SphericalSizes {
   std::uint64_t square_cells = 0;      ///< squares of the finest thickness, over +- range
 };
 
-/// Of a grid with the layers and directions of `config`, up to `range_m`. Throws Error as SphericalLayers does.
+/// Counts the cells of a grid with the layers and directions of `config`, up to `range_m`. Throws Error where
+/// SphericalLayers does.
 SphericalSizes spherical_sizes(const SphericalGridConfig& config, double range_m);
 
 /// PNG: one slice to `range_m`, in spherical cells ahead and in squares behind.

@@ -22,12 +22,16 @@ Colour leaf_colour(int side, int levels, bool known) {
 
 std::string tree_picture(const RegionQuadtree& tree, const PixelGrid& grid, std::uint32_t unknown,
                          const std::string& title) {
-  const double half = 0.5 * grid.pixel_m;
-  const Eigen::Vector2d first = grid.centre({0, 0}), last = grid.centre({tree.side() - 1, tree.side() - 1});
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector2d& p : {first, last}) {
-    box.extend(Eigen::Vector2d(p.array() - half)).extend(Eigen::Vector2d(p.array() + half));
-  }
+  const auto box_of = [&](const PixelWindow& w) {
+    const double half = 0.5 * grid.pixel_m;
+    Eigen::AlignedBox2d box;
+    for (const Eigen::Vector2d& p :
+         {grid.centre({w.column, w.row}), grid.centre({w.column + w.width - 1, w.row + w.height - 1})}) {
+      box.extend(Eigen::Vector2d(p.array() - half)).extend(Eigen::Vector2d(p.array() + half));
+    }
+    return box;
+  };
+  const Eigen::AlignedBox2d box = box_of(tree.square());
   const RegionQuadtree::Statistics s = tree.statistics();
   PlanPicture picture(frame_around(box), kTreePixels,
                       {fmt::format("{}: {} leaves, {} words", title, s.leaves, s.words), "north (m)", "east (m)"});
@@ -40,12 +44,7 @@ std::string tree_picture(const RegionQuadtree& tree, const PixelGrid& grid, std:
   const int outlined = std::max(1, static_cast<int>(std::ceil(kOutlined_px / px_a_pixel)));
   tree.for_each_leaf(tree.square(), [&](std::uint32_t, const PixelWindow& w) {
     if (w.width < outlined) return;
-    const Eigen::Vector2d a = grid.centre({w.column, w.row});
-    const Eigen::Vector2d b = grid.centre({w.column + w.width - 1, w.row + w.height - 1});
-    Eigen::AlignedBox2d square;
-    for (const Eigen::Vector2d& p : {a, b}) {
-      square.extend(Eigen::Vector2d(p.array() - half)).extend(Eigen::Vector2d(p.array() + half));
-    }
+    const Eigen::AlignedBox2d square = box_of(w);
     const Eigen::Vector2d low = square.min(), high = square.max();
     picture.polyline(std::vector<Eigen::Vector2d>{low, {high.x(), low.y()}, high, {low.x(), high.y()}, low},
                      {kEdge, 0.7, false});

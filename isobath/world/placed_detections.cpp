@@ -14,11 +14,6 @@ constexpr std::size_t kMinDetections = 200;
 constexpr double kMinTravel_m = 5;
 constexpr double kFarthestPlace = 1e8;  // m: the index of a cell fits into 32 bits
 
-Vector2i cell_of(const Vector2d& p) {
-  const Vector2d cells = (p / PlacedDetections::kCell_m).array().floor();
-  return cells.cast<int>();
-}
-
 /// A set of cells that is emptied at no cost.
 class CellSet {
  public:
@@ -28,8 +23,7 @@ class CellSet {
     size_ = 0;
   }
   void insert(const Vector2i& cell) {
-    const std::uint64_t key =
-        std::uint64_t{static_cast<std::uint32_t>(cell.x())} << 32 | std::uint64_t{static_cast<std::uint32_t>(cell.y())};
+    const std::uint64_t key = PlacedDetections::key_of(cell);
     std::size_t at = ((key * 0x9E3779B97F4A7C15U) >> 32) & (slots_.size() - 1);
     while (slots_[at].round == round_) {
       if (slots_[at].key == key) return;

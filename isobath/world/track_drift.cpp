@@ -5,8 +5,7 @@
 namespace isobath {
 namespace {
 
-constexpr double kMaxReferenceGap = 5;  // s
-constexpr double kMinPath = 5;          // m, of a share
+constexpr double kMinPath = 5;  // m, of a share
 
 /// The value below which a share of the values lies; 0 without values.
 double quantile_of(std::vector<double> values, double share) {
@@ -24,25 +23,6 @@ Pose in_plan(const Pose& X) {
 }
 
 }  // namespace
-
-PoseTimeline::PoseTimeline(std::span<const Navigation> fixes) {
-  for (const Navigation& fix : fixes) {
-    if (!fix.X_WB.is_finite() || (!times_.empty() && fix.time < times_.back())) continue;
-    times_.push_back(fix.time);
-    poses_.push_back(fix.X_WB);
-  }
-}
-
-std::optional<Pose> PoseTimeline::at(Time time) const {
-  const auto after = std::ranges::lower_bound(times_, time) - times_.begin();
-  const auto i = static_cast<std::size_t>(after);
-  if (i == times_.size()) return std::nullopt;
-  if (times_[i] == time) return poses_[i];
-  if (i == 0) return std::nullopt;
-  const double gap_s = to_seconds(times_[i] - times_[i - 1]);
-  if (gap_s > kMaxReferenceGap) return std::nullopt;
-  return interpolate(poses_[i - 1], poses_[i], to_seconds(time - times_[i - 1]) / gap_s);
-}
 
 const TrackDrift::Place* TrackDrift::place_at(Time time) const {
   const auto found = std::ranges::lower_bound(places_, time, {}, &Place::time);

@@ -21,20 +21,6 @@
 
 namespace isobath {
 
-/// Poses by time, interpolated over gaps of at most 5 s.
-class PoseTimeline {
- public:
-  PoseTimeline() = default;
-  /// `fixes`: fixes that go back in time are left out.
-  explicit PoseTimeline(std::span<const Navigation> fixes);
-  [[nodiscard]] std::optional<Pose> at(Time time) const;
-  [[nodiscard]] bool empty() const { return times_.empty(); }
-
- private:
-  std::vector<Time> times_;
-  std::vector<Pose> poses_;
-};
-
 /// An obstacle that the vehicle knows.
 struct KnownObstacle {
   Eigen::Vector2d middle{0, 0};  ///< of its outline in W, by the run's poses

@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const Bytes head = std::as_bytes(std::span(rest));
     looks_like_depth_csv(head, config.survey);
-    table_names(head);
+    table_columns(head);
     const auto source = open_depth_csv(std::make_unique<std::istringstream>(rest), "fuzz", config);
     while (const auto event = source->next()) {
       const auto* const fix = std::get_if<Navigation>(&*event);

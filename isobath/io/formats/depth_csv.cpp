@@ -217,19 +217,17 @@ bool looks_like_depth_csv(Bytes head, const SurveyInput& config) {
   return false;
 }
 
-std::string table_names(Bytes head) {
+std::vector<std::string> table_columns(Bytes head) {
   if (!looks_like_text(head)) return {};
-  const std::string_view line = line_of_names(head);
-  std::string names;
-  int count = 0;
+  std::vector<std::string> names;
   std::string_view name;
-  for (TextRow row(line, ','); row.next(name); ++count) {
+  for (TextRow row(line_of_names(head), ','); row.next(name);) {
     name = without_quotes(name);
     double number = 0;
     if (name.empty() || name.size() > 60 || parse_number(name, number)) return {};
-    names += (names.empty() ? "" : ", ") + std::string(name);
+    names.emplace_back(name);
   }
-  return count >= 2 ? names : std::string();
+  return names.size() >= 2 ? names : std::vector<std::string>();
 }
 
 std::unique_ptr<Source> open_depth_csv(const fs::path& file, const InputConfig& config) {

@@ -26,6 +26,7 @@
 #include <istream>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace isobath {
 
@@ -35,8 +36,8 @@ std::unique_ptr<Source> open_depth_csv(const std::filesystem::path& file, const 
 std::unique_ptr<Source> open_depth_csv(std::unique_ptr<std::istream> input, const std::string& name,
                                        const InputConfig& config);
 
-/// The column names of a text that looks like a table, joined by ", "; empty: it does not look like one.
-std::string table_names(Bytes head);
+/// The column names of a text that looks like a table; empty: it does not look like one.
+std::vector<std::string> table_columns(Bytes head);
 inline constexpr const char* kDeclareColumns =
     "declare them, as in --set input.csv_columns=\"latitude=NAME,longitude=NAME,depth=NAME\", with "
     "input.csv_depth_unit and input.csv_depth_sign";

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <isobath/base/error.hpp>
+#include <isobath/base/file_access.hpp>
 #include <isobath/io/bytes/byte_window.hpp>
 #include <isobath/io/bytes/delimited_text.hpp>
 #include <isobath/io/formats/depth_csv.hpp>
@@ -25,7 +26,6 @@ constexpr std::size_t kHeadOfTable = 4096;
 constexpr double kFarthestTrack = 1e6;      // m from the origin: limit of the local plane
 constexpr double kFarthestDetection = 1e4;  // m
 constexpr double kMaxTheta = 1000;          // rad: some compasses count turns
-constexpr double kMaxCompassGap = 5;        // s between two compass headings that are interpolated
 constexpr Angle kFanHeight = Angle::degrees(20);
 
 // Tables and their kinds ---------------------------------------------------------------------------------------------
@@ -33,14 +33,8 @@ constexpr Angle kFanHeight = Angle::degrees(20);
 enum class TableKind : std::uint8_t { kNone, kDetections, kSatellite, kDeadReckoning };
 
 TableKind kind_of_table(Bytes head) {
-  std::set<std::string, std::less<>> names;
-  std::string_view rest;
-  const std::string joined = table_names(head);
-  for (rest = joined; !rest.empty();) {
-    const std::size_t comma = rest.find(", ");
-    names.emplace(rest.substr(0, comma));
-    rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 2);
-  }
+  const std::vector<std::string> columns = table_columns(head);
+  const std::set<std::string, std::less<>> names(columns.begin(), columns.end());
   const auto all = [&](std::initializer_list<const char*> wanted) {
     return std::ranges::all_of(wanted, [&](const char* name) { return names.contains(name); });
   };
@@ -66,17 +60,6 @@ struct FanFolder {
   std::string left_out;  ///< names of the other files
 };
 
-std::vector<fs::path> files_by_name(const fs::path& folder) {
-  std::vector<fs::path> found;
-  std::error_code problem;
-  for (fs::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
-    std::error_code unknown;
-    if (at->is_regular_file(unknown)) found.push_back(at->path());
-  }
-  std::ranges::sort(found);
-  return found;
-}
-
 FanFolder tables_of(const fs::path& folder) {
   FanFolder tables;
   const auto put = [&](fs::path& place, const fs::path& file, const char* what) {
@@ -87,7 +70,7 @@ FanFolder tables_of(const fs::path& folder) {
     }
     place = file;
   };
-  for (const fs::path& file : files_by_name(folder)) {
+  for (const fs::path& file : regular_files(folder)) {
     switch (kind_of_file(file)) {
       case TableKind::kDetections: put(tables.detections, file, "detections"); break;
       case TableKind::kSatellite: put(tables.satellite, file, "satellite fixes"); break;
@@ -262,33 +245,12 @@ class SatelliteTrack final : public Source {
   SurveyInput survey_;
 };
 
-/// Headings and places of a satellite track, interpolated.
-class Compass {
- public:
-  explicit Compass(Source& track) {
-    while (const auto event = track.next()) fixes_.push_back(std::get<Navigation>(*event));
-  }
-
-  [[nodiscard]] std::optional<Pose> at(Time time) const {
-    const auto after = std::ranges::lower_bound(fixes_, time, {}, &Navigation::time);
-    if (after == fixes_.end()) return std::nullopt;
-    if (after->time == time) return after->X_WB;
-    if (after == fixes_.begin()) return std::nullopt;
-    const Navigation& before = *(after - 1);
-    const double gap_s = to_seconds(after->time - before.time);
-    if (gap_s > kMaxCompassGap) return std::nullopt;
-    return interpolate(before.X_WB, after->X_WB, to_seconds(time - before.time) / gap_s);
-  }
-
- private:
-  std::vector<Navigation> fixes_;  ///< by time
-};
-
 class DeadReckoning final : public Source {
  public:
   DeadReckoning(std::unique_ptr<std::istream> input, const std::string& name, std::unique_ptr<Source> track) {
     report_.format = "dead reckoning (CSV)";
-    const Compass compass(*track);
+    PoseTimeline compass;
+    while (const auto event = track->next()) compass.add(std::get<Navigation>(*event));
     report_.rejected = track->report().rejected;
     TrackRows rows(std::move(input), name, false, report_);
     std::optional<Pose> start;
@@ -339,6 +301,12 @@ class DeadReckoning final : public Source {
   std::size_t at_ = 0;
 };
 
+std::unique_ptr<FanDetections> detections_of(const fs::path& file, const InputConfig& config) {
+  std::error_code unknown;
+  const auto bytes = fs::file_size(file, unknown);
+  return std::make_unique<FanDetections>(open_delimited_text(file.string()), unknown ? 0 : bytes, config);
+}
+
 std::string table_name(const fs::path& file) { return file.filename().string(); }
 
 }  // namespace
@@ -348,14 +316,12 @@ std::string table_name(const fs::path& file) { return file.filename().string(); 
 bool looks_like_fan_detections(Bytes head) { return kind_of_table(head) == TableKind::kDetections; }
 
 bool looks_like_fan_folder(const fs::path& folder) {
-  return std::ranges::any_of(files_by_name(folder),
+  return std::ranges::any_of(regular_files(folder),
                              [](const fs::path& file) { return kind_of_file(file) == TableKind::kDetections; });
 }
 
 std::unique_ptr<Source> open_fan_detections(const fs::path& file, const InputConfig& config) {
-  std::error_code unknown;
-  const auto bytes = fs::file_size(file, unknown);
-  return std::make_unique<FanDetections>(open_delimited_text(file.string()), unknown ? 0 : bytes, config);
+  return detections_of(file, config);
 }
 
 std::unique_ptr<Source> open_fan_detections(std::unique_ptr<std::istream> input, const std::string& name,
@@ -375,10 +341,7 @@ std::unique_ptr<Source> open_dead_reckoning(std::unique_ptr<std::istream> input,
 
 std::unique_ptr<Source> open_fan_folder(const fs::path& folder, const InputConfig& config) {
   const FanFolder tables = tables_of(folder);
-  std::error_code unknown;
-  const auto bytes = fs::file_size(tables.detections, unknown);
-  auto log =
-      std::make_unique<FanDetections>(open_delimited_text(tables.detections.string()), unknown ? 0 : bytes, config);
+  auto log = detections_of(tables.detections, config);
   auto& details = log->report().details;
   log->report().format = "folder of fan detections";
   details["detections"] = table_name(tables.detections);
@@ -404,7 +367,6 @@ std::unique_ptr<Source> open_fan_folder(const fs::path& folder, const InputConfi
 }
 
 std::unique_ptr<Source> open_reference_of_fan_folder(const fs::path& folder, const InputConfig& config) {
-  if (config.track == LogTrack::kGnss && config.navigation.empty()) return nullptr;
   const FanFolder tables = tables_of(folder);
   if (tables.satellite.empty()) return nullptr;
   return open_satellite_track(stream_of(tables.satellite), tables.satellite.string(), config);

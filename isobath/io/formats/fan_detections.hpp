@@ -17,7 +17,7 @@
 // InputConfig::track chooses the track. Dead reckoning states no heading: it takes that of the compass. Its frame is
 // turned onto that of the compass, so that the vehicle moves ahead on average, and shifted so that its first position
 // is the receiver's: a vehicle that dives after a fix. Nothing else of the receiver gets into it. On ARACATI 2017 the
-// turn is -31.6 degrees, and the movement agrees with the compass to within a degree.
+// turn is 31.7 degrees.
 //
 // Rows that lack a value or hold an impossible one, and track rows that go back in time, are rejected and counted.
 // Detections that go back in time are passed on; the gate rejects them. Errors: throws Error where a folder holds two
@@ -47,7 +47,7 @@ std::unique_ptr<Source> open_fan_detections(std::unique_ptr<std::istream> input,
                                             const InputConfig& config);
 /// The detections of a folder, and the track that the settings choose, by time.
 std::unique_ptr<Source> open_fan_folder(const std::filesystem::path& folder, const InputConfig& config);
-/// The satellite track of such a folder, if the run uses another one; null: it does not, or there is none.
+/// The satellite track of such a folder; null: there is none.
 std::unique_ptr<Source> open_reference_of_fan_folder(const std::filesystem::path& folder, const InputConfig& config);
 
 /// The fixes of the two kinds of tracks. `compass`: a satellite track, whose headings are used.

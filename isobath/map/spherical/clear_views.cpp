@@ -43,7 +43,7 @@ void ClearViews::look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Ang
   const double range = end.norm();
   if (!(range > 0) || !(clear.to_m > clear.from_m)) return;
   const SphericalDirection axis = buckets_.at(end);
-  // Of a sensor without a blind zone the whole way from the view's origin counts.
+  // A sensor without a blind zone sees the whole way from the view's origin.
   const double begin = clear.from_m > 0 ? (view.R * (from + clear.from_m * u - view.origin)).norm() : 0;
   const View::Clear stretch{static_cast<float>(begin), static_cast<float>(range)};
   set(view, axis, stretch);
