@@ -4,6 +4,7 @@
 #include <isobath/mission/agents/navigator.hpp>
 #include <isobath/mission/agents/way_keeping.hpp>
 #include <isobath/mission/plan/planner_budget.hpp>
+#include <tests/support/sanitized.hpp>
 
 #include "agent_script.hpp"
 
@@ -250,6 +251,7 @@ TEST_F(NavigatorTest, NamesTheNearestPlaceThatTheRulesAllowForAPointThatIsBlocke
 
 // ledger: S6-55
 TEST_F(NavigatorTest, StaysOnTheSideThatItHasChosenHoweverTheOutlineShakes) {
+  ISOBATH_NOT_SANITIZED();
   sail_from(0, 0);
   scan({});
   ask(point(100, 0));

@@ -414,6 +414,31 @@ TEST(Limits, FenceAhead) {
   EXPECT_EQ(stream.raised(Fault::kFenceBreach), -1) << "yet";
 }
 
+// A vehicle that cannot stop would slow down and go over it.
+// ledger: S6-39 S2-E10
+TEST(Limits, AVehicleThatCannotStopTurnsBeforeTheFence) {
+  MissionPlan plan = test::plan_north();
+  plan.fence = {{-50, -50}, {60, -50}, {60, 50}, {-50, 50}};
+  for (const bool surfaces : {false, true}) {
+    SafetyStream stream(test::flying(), {}, plan);
+    stream.current = {0.3, 0.1};
+    if (surfaces) {
+      stream.on_health = [&](Health& health) { health.leak = stream.time_s() > 10; };
+    }
+    double northmost = 0;
+    for (double s = 1; s < 180; ++s) {
+      stream.run_to(s);
+      northmost = std::max(northmost, stream.place.x());
+    }
+    EXPECT_GT(stream.raised(Fault::kFenceAhead), 0) << surfaces;
+    EXPECT_EQ(stream.raised(Fault::kFenceBreach), -1) << surfaces;
+    EXPECT_GT(northmost, 40) << "not before it must: " << surfaces;
+    if (!surfaces) {
+      EXPECT_EQ(stream.acted(Act::kTurn), stream.raised(Fault::kFenceAhead));
+    }
+  }
+}
+
 TEST(Limits, TooDeep) {
   SafetyStream stream;
   stream.obeys = false;

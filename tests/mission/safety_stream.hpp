@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <isobath/mission/safety/safety_officer.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -158,14 +159,15 @@ class SafetyStream {
         depth += std::clamp(action.setpoint.depth - depth, -0.03, 0.03);
         break;
       case SafetyActionKind::kSurface:
-        wanted = parameters.min_speed;
+        wanted = parameters.min_speed > 0 ? action.setpoint.speed : 0;
+        towards = action.setpoint.heading.radians();
         depth = std::max(0.0, depth - 0.03);
         break;
     }
     speed += std::clamp(wanted - speed, -0.1 * parameters.braking, 0.1 * parameters.braking);
     const double rate = 0.1 * std::min(parameters.limits.max_yaw_rate.radians(),
                                        speed / std::max(parameters.limits.turning_radius, 0.1) + 0.3);
-    heading += std::clamp(towards - heading, -rate, rate);
+    heading += std::clamp(std::remainder(towards - heading, 2 * std::numbers::pi), -rate, rate);
   }
 
   void step() {

@@ -194,8 +194,10 @@ std::vector<FaultRow> limit_rows() {
   return {
       {.fault = Fault::kFenceAhead,
        .name = "fence ahead",
-       .noticed = "the stopping distance reaches over the fence",
-       .limits = {"reaction_s", "collision_margin_m"},
+       .noticed = "the stopping distance reaches over the fence; for a vehicle that cannot stop: the order leaves no "
+                  "turn before the "
+                  "fence",
+       .limits = {"reaction_s", "collision_margin_m", "escape_s"},
        .action = Act::kSlow,
        .injected = "a route along the fence",
        .deadline = {Deadline::From::kCrossing, 0},

@@ -18,10 +18,6 @@ double distance(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen:
   return (p - a - share * way).norm();
 }
 
-bool usable_fence(const Polygon& fence) {
-  return fence.size() >= 3 && std::all_of(fence.begin(), fence.end(), [](const auto& p) { return p.allFinite(); });
-}
-
 }  // namespace
 
 void SafetyOfficer::find(Fault fault, std::string why) {
@@ -190,6 +186,11 @@ void SafetyOfficer::check_route() {
   }
 }
 
+bool SafetyOfficer::fenced() const {
+  return plan_ && plan_->fence.size() >= 3 &&
+         std::ranges::all_of(plan_->fence, [](const auto& p) { return p.allFinite(); });
+}
+
 void SafetyOfficer::check_limits() {
   if (!watching()) return;
   const double most = plan_->limits.max_duration_s;
@@ -202,14 +203,14 @@ void SafetyOfficer::check_limits() {
   if (p.z() > deepest + (raised(Fault::kTooDeep) ? 0 : config_.depth_slack_m)) {
     find(Fault::kTooDeep, fmt::format("{:.1f} m deep, {:.1f} m allowed", p.z(), deepest));
   }
-  if (!usable_fence(plan_->fence)) return;
+  if (!fenced()) return;
   const Eigen::Vector2d here = p.head<2>();
   if (!encloses(plan_->fence, here)) {
     find(Fault::kFenceBreach, fmt::format("{:.1f} m outside the fence", -inner_distance(plan_->fence, here)));
     return;
   }
   const double speed = fix_->v_W.norm();
-  if (!(speed > kToMove)) return;
+  if (vehicle_.min_speed > 0 || !(speed > kToMove)) return;  // check_fence() is for one that cannot stop
   const double reach = stop_way(speed, config_.reaction_s) + config_.collision_margin_m;
   const Eigen::Vector2d there = here + fix_->v_W / speed * std::min(reach, 1e6);
   if (first_exit(plan_->fence, here, there)) {

@@ -61,6 +61,7 @@ std::vector<Eigen::Vector2d> SafetyOfficer::at_its_depth(const Pose& X_WL,
 void SafetyOfficer::check_collision() {
   const bool was = raised(Fault::kCollisionAhead) || raised(Fault::kCollisionUnavoidable);
   if (!was) stopped_ = false;
+  if (!fix_ || clock_s_ - fix_->heard_s > kFreshFix) circle_ = 0;
   if (!watching() || !fix_ || clock_s_ - fix_->heard_s > kFreshFix) return;
   Pose X_WL = level(fix_->navigation.X_WB);
   X_WL.translation.head<2>() += fix_->v_W * (clock_s_ - fix_->heard_s);
@@ -74,7 +75,11 @@ void SafetyOfficer::check_collision() {
   }
   const std::vector<Eigen::Vector2d> echoes =
       at_its_depth(X_WL, echoes_.confirmed(X_WL, blanking_m_, config_, clock_s_));
-  if (vehicle_.min_speed > 0) return check_escape(X_WL, echoes);
+  if (vehicle_.min_speed > 0) {
+    const std::vector<Eigen::Vector2d> known = known_points(X_WL, echoes);
+    check_fence(X_WL, known);
+    return check_escape(X_WL, known);
+  }
   const auto points = along(echoes, t.drift);
   const double reach = stop_way(speed, config_.reaction_s) + config_.collision_margin_m;
   const double way = free_way(points, t.curvature, t.half_width_m, vehicle_.hull_radius_m, reach);

@@ -1,5 +1,5 @@
-// The Safety Officer's collision check for a vehicle that cannot stop: it is safe while it has an escape manoeuvre
-// (escape.hpp).
+// The Safety Officer's checks of collisions and of the fence for a vehicle that cannot stop: it is safe while it has an
+// escape manoeuvre (escape.hpp).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,12 +14,41 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kLookAhead = 2;       // s: after this time under an order there must be an escape manoeuvre
+constexpr double kFenceLookAhead = 1;  // s: the same on a route before the fence
 constexpr double kMinTurn = 0.01;      // rad/s
 constexpr double kMinSpeed = 0.1;      // m/s
 constexpr double kTurnsWithin = 0.25;  // of its radius: the distance in which a turn builds up
+constexpr double kFenceNear = 40;      // m: farther parts of the fence do not matter to a turn
+constexpr double kFenceApart = 1;      // m, between the points that stand for it
+constexpr double kOnTheFence = 0.1;    // m: nearer to it, the direction to it is noise
 constexpr double kQuarter = std::numbers::pi / 2;
 /// Shares of the margin: where no escape manoeuvre keeps all of it, one that keeps less is better than none.
 constexpr std::array<double, 2> kNarrower = {0.5, 0.25};
+
+struct FenceNearby {
+  std::vector<Vector2d> points;  ///< on the fence, within kFenceNear
+  Vector2d nearest;
+};
+
+FenceNearby fence_nearby(const Polygon& fence, const Vector2d& here) {
+  FenceNearby nearby{{}, fence.front()};
+  for (std::size_t i = 0; i < fence.size(); ++i) {
+    const Vector2d& from = fence[i];
+    const Vector2d side = fence[(i + 1) % fence.size()] - from;
+    const double length = side.norm();
+    if (!(length > 0)) continue;
+    const Vector2d along = side / length;
+    const double abeam = along.dot(here - from);  // m along the side
+    const Vector2d foot = from + std::clamp(abeam, 0.0, length) * along;
+    if ((foot - here).norm() < (nearby.nearest - here).norm()) nearby.nearest = foot;
+    const double begin = std::max(0.0, abeam - kFenceNear), end = std::min(length, abeam + kFenceNear);
+    for (double m = begin; m < end + kFenceApart; m += kFenceApart) {
+      const Vector2d p = from + std::min(m, end) * along;
+      if ((p - here).norm() < kFenceNear) nearby.points.push_back(p);
+    }
+  }
+  return nearby;
+}
 
 }  // namespace
 
@@ -37,7 +66,7 @@ std::vector<Vector2d> SafetyOfficer::known_points(const Pose& X_WL, std::span<co
   return points;
 }
 
-EscapeTask SafetyOfficer::escape_task() const {
+EscapeTask SafetyOfficer::escape_task(double unknown_current) const {
   const Angle heading = fix_->navigation.X_WB.rotation.heading();
   const Vector2d ahead(cos(heading), sin(heading)), aside(-sin(heading), cos(heading));
   const Vector2d& drift_W = drift_.velocity_W();
@@ -46,7 +75,7 @@ EscapeTask SafetyOfficer::escape_task() const {
   task.speed = std::max({fix_->v_W.dot(ahead) - task.drift.x(), vehicle_.min_speed, kMinSpeed});
   const double radius = std::max(vehicle_.limits.turning_radius, kMinRadius);
   // Fins turn the vehicle by the water that flows past them; a current from astern that was never crossed is unknown.
-  const double flow = std::max({task.speed - config_.unknown_current, vehicle_.min_speed, kMinSpeed});
+  const double flow = std::max({task.speed - unknown_current, vehicle_.min_speed, kMinSpeed});
   task.turn_rate = std::min(std::max(vehicle_.limits.max_yaw_rate.radians(), kMinTurn), flow / radius);
   task.lag_s = kTurnsWithin * radius / flow;
   task.turn_now = fix_->yaw_rate;
@@ -63,9 +92,61 @@ double SafetyOfficer::ordered_turn() const {
   return (wanted - heading).wrapped().radians();
 }
 
-void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> echoes_L) {
-  const std::vector<Vector2d> points = known_points(X_WL, echoes_L);
-  EscapeTask task = escape_task();
+// A vehicle that cannot stop turns away from the fence, also while it surfaces: on a held heading it would leave. Its
+// turn keeps clear of the known points where it can.
+void SafetyOfficer::check_fence(const Pose& X_WL, std::span<const Vector2d> known_L) {
+  if (!fenced()) return choose_circle(known_L);
+  const Angle heading = fix_->navigation.X_WB.rotation.heading();
+  const Vector2d here = X_WL.translation.head<2>();
+  const FenceNearby fence = fence_nearby(plan_->fence, here);
+  if (!encloses(plan_->fence, here)) {  // it is told as a breach: back over the nearest point
+    const Vector2d back = fence.nearest - here;
+    if (back.norm() > kOnTheFence) inward_ = Angle::radians(std::atan2(back.y(), back.x()));
+    circle_ = 0;
+    return;
+  }
+  const Pose X_LW = X_WL.inverse();
+  std::vector<Vector2d> points;
+  for (const Vector2d& p : fence.points) {
+    points.emplace_back((X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>());
+  }
+  // The route of a vehicle that has one was planned within the fence; one that has none turns in good time.
+  const bool on_route = action_.kind != SafetyActionKind::kSurface;
+  const EscapeTask task = escape_task(on_route ? 0 : config_.unknown_current);
+  const EscapeSearch within(points, task);
+  const Escape ordered = within.after(ordered_turn(), on_route ? kFenceLookAhead : kLookAhead);
+  points.insert(points.end(), known_L.begin(), known_L.end());
+  choose_circle(points);
+  if (within.free(ordered)) return;
+  const EscapeSearch among(points, task);
+  const bool turning = raised(Fault::kFenceAhead) && inward_;
+  Escape escape = turning ? among.try_turn((*inward_ - heading).wrapped().radians()) : Escape{};
+  if (!among.free(escape)) escape = among.best();
+  if (!among.free(escape)) escape = within.best();
+  const double now = escape.wait_s > 0 ? 0 : std::clamp(escape.turn, -kQuarter, kQuarter);
+  inward_ = (heading + Angle::radians(now)).wrapped();
+  find(Fault::kFenceAhead, fmt::format("the order leaves no turn before the fence, {:.1f} m away, at {:.1f} m/s",
+                                       (fence.nearest - here).norm(), task.speed));
+}
+
+// A vehicle that surfaces circles where there is room: on a held heading it would go on into what it has not seen.
+void SafetyOfficer::choose_circle(std::span<const Vector2d> points) {
+  if (action_.kind != SafetyActionKind::kSurface) {
+    circle_ = 0;
+    return;
+  }
+  constexpr double kWhole = 2 * std::numbers::pi;
+  EscapeTask task = escape_task(config_.unknown_current);
+  task.horizon_s = std::max(task.horizon_s, kWhole / task.turn_rate);
+  const EscapeSearch search(points, task);
+  if (circle_ != 0 && search.free(search.try_turn(circle_ * kWhole))) return;
+  const Escape port = search.try_turn(-kWhole), starboard = search.try_turn(kWhole);
+  const bool to_port = search.free(port) && !(search.free(starboard) && starboard.room_m >= port.room_m);
+  circle_ = to_port ? -1 : search.free(starboard) ? 1 : 0;
+}
+
+void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> points) {
+  EscapeTask task = escape_task(config_.unknown_current);
   const EscapeSearch search(points, task);
   const Escape ordered = search.after(ordered_turn(), kLookAhead);
   const bool safe = search.free(ordered) && !imminent_.raised();

@@ -7,10 +7,11 @@ namespace isobath {
 namespace {
 
 constexpr const char* kName = "safety officer";
-constexpr double kOtherHeading = 0.035;  // rad: a set-point that differs by less is the same
-constexpr double kOtherDepth = 0.2;      // m
-constexpr double kOtherSpeed = 0.02;     // m/s
-constexpr double kRise = 0.5;            // m, beyond the altitude at which it is no longer too low
+constexpr double kOtherHeading = 0.035;      // rad: a set-point that differs by less is the same
+constexpr double kOtherDepth = 0.2;          // m
+constexpr double kOtherSpeed = 0.02;         // m/s
+constexpr double kLead = 2, kLeastLead = 1;  // rad: in a circle, the set-point is so far ahead of the heading
+constexpr double kRise = 0.5;                // m, beyond the altitude at which it is no longer too low
 
 ImminentCollisionConfig imminent_config(const SafetyConfig& config, const VehicleParameters& vehicle) {
   ImminentCollisionConfig c;
@@ -118,6 +119,7 @@ SafetyActionKind SafetyOfficer::asked(const FaultRow& about) const {
   }
   if (about.fault == Fault::kCollisionUnavoidable && hemmed_in_) kind = SafetyActionKind::kSurface;
   if (about.fault == Fault::kCollisionAhead && stopped_) kind = SafetyActionKind::kTurn;
+  if (about.fault == Fault::kFenceAhead && vehicle_.min_speed > 0) kind = SafetyActionKind::kTurn;
   const bool stops = kind == SafetyActionKind::kStop || about.fault == Fault::kCollisionAhead;
   if (stops && (vehicle_.min_speed > 0 || surfacing_)) kind = SafetyActionKind::kSurface;
   return kind;
@@ -136,6 +138,13 @@ SafetyAction SafetyOfficer::strongest() const {
   return action;
 }
 
+/// The heading away from a collision, else from the fence.
+std::optional<Angle> SafetyOfficer::way_out() const {
+  if (raised(Fault::kCollisionUnavoidable) && turn_) return turn_;
+  if (raised(Fault::kFenceAhead) || raised(Fault::kFenceBreach)) return inward_;
+  return {};
+}
+
 /// The set-point that goes with an action; never faster than the last order.
 Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
   const Angle heading = fix_ ? fix_->navigation.X_WB.rotation.heading() : order_ ? order_->heading : Angle{};
@@ -146,18 +155,24 @@ Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
     case SafetyActionKind::kNone: return {};
     case SafetyActionKind::kSlow: s.speed = config_.slow_speed; return s;
     case SafetyActionKind::kStop: return {heading, std::max(0.0, depth), 0, 0};
-    case SafetyActionKind::kSurface: {  // on the heading of that instant, unless an obstacle stands there
+    case SafetyActionKind::kSurface: {  // in a circle, or on the heading of that instant; away from an obstacle
       const bool held = action_.kind == SafetyActionKind::kSurface;
-      const bool away = raised(Fault::kCollisionUnavoidable) && turn_;
       // An escape keeps the ordered speed: fins turn a vehicle by the water that flows past them.
+      const std::optional<Angle> away = way_out();
       const double speed = away ? ordered : std::min(ordered, vehicle_.min_speed);
-      return {away ? *turn_ : held ? action_.setpoint.heading : heading, 0, vehicle_.min_speed > 0 ? speed : 0, 0};
+      Angle kept = held ? action_.setpoint.heading : heading;
+      if (circle_ != 0) {
+        const double lead = circle_ * (kept - heading).wrapped().radians();
+        if (lead < kLeastLead) kept = (heading + Angle::radians(circle_ * kLead)).wrapped();
+      }
+      return {away.value_or(kept), 0, vehicle_.min_speed > 0 ? speed : 0, 0};
     }
     case SafetyActionKind::kTurn: break;
   }
   if (raised(Fault::kTooLow)) {
     const double least = (plan_ ? plan_->limits.min_altitude_m : 0) / std::max(config_.clear_share, 0.1);
-    s.depth = std::clamp(depth - (least - altitude_.last_m) - kRise, 0.0, std::max(0.0, depth));
+    const double lack = least - altitude_.last_m;  // a plan that came since may ask for what is no number
+    s.depth = std::clamp(depth - (std::isfinite(lack) ? lack : 0) - kRise, 0.0, std::max(0.0, depth));
     const bool may_rise = depth > kOtherDepth;  // else every metre ahead brings it nearer to a rising bottom
     s.speed = may_rise ? std::min(ordered, std::max(config_.slow_speed, vehicle_.min_speed)) : 0;
   }
@@ -166,8 +181,8 @@ Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
         raised(about.fault) && (about.fault == Fault::kCollisionAhead || asked(about) == SafetyActionKind::kStop);
     if (stops) s.speed = std::min(s.speed, 0.0);
   }
-  if (raised(Fault::kCollisionUnavoidable) && turn_) {
-    s.heading = *turn_;
+  if (const std::optional<Angle> away = way_out()) {
+    s.heading = *away;
     s.speed = ordered;
   }
   return s;

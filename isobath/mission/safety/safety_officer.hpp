@@ -131,6 +131,7 @@ class SafetyOfficer final : public Agent {
   void check_way();
   void check_route();
   void check_limits();
+  [[nodiscard]] bool fenced() const;  ///< the plan has a fence that can be judged
   void check_host();
 
   // Collisions (safety_collision.cpp)
@@ -151,9 +152,12 @@ class SafetyOfficer final : public Agent {
                                                           std::span<const Eigen::Vector2d> echoes_L) const;
   [[nodiscard]] std::vector<Eigen::Vector2d> known_points(const Pose& X_WL,
                                                           std::span<const Eigen::Vector2d> echoes_L) const;
-  [[nodiscard]] EscapeTask escape_task() const;
+  /// `unknown_current`: from astern, m/s.
+  [[nodiscard]] EscapeTask escape_task(double unknown_current) const;
   [[nodiscard]] double ordered_turn() const;
-  void check_escape(const Pose& X_WL, std::span<const Eigen::Vector2d> echoes_L);
+  void check_fence(const Pose& X_WL, std::span<const Eigen::Vector2d> known_L);
+  void choose_circle(std::span<const Eigen::Vector2d> points);
+  void check_escape(const Pose& X_WL, std::span<const Eigen::Vector2d> known_L);
 
   // Acting (safety_officer.cpp)
   void settle(const FaultRow& about, Time now, Outbox& out);
@@ -161,6 +165,7 @@ class SafetyOfficer final : public Agent {
   [[nodiscard]] SafetyActionKind asked(const FaultRow& about) const;
   [[nodiscard]] MissionEnd end_of(Fault fault) const;
   [[nodiscard]] SafetyAction strongest() const;
+  [[nodiscard]] std::optional<Angle> way_out() const;
   [[nodiscard]] Setpoint turned(const SafetyAction& action) const;
   void act(Time now, Outbox& out);
 
@@ -206,12 +211,14 @@ class SafetyOfficer final : public Agent {
   std::optional<double> battery_share_;
   double health_s_ = 0;
   std::optional<double> beat_s_;
-  bool stopped_ = false;       ///< the vehicle has stopped since a collision lay ahead
-  std::optional<Angle> turn_;  ///< heading away from a collision, to the freer side
-  bool hemmed_in_ = false;     ///< neither side was free when the turn was chosen
-  Drift drift_;                ///< drift across the hull, as far as the headings so far have shown it
-  Escape way_out_;             ///< rest of the current escape manoeuvre of a vehicle that cannot stop
-  Angle way_out_from_;         ///< heading at that time
+  bool stopped_ = false;         ///< the vehicle has stopped since a collision lay ahead
+  std::optional<Angle> turn_;    ///< heading away from a collision, to the freer side
+  std::optional<Angle> inward_;  ///< heading away from the fence, of a vehicle that cannot stop
+  int circle_ = 0;               ///< side of the circle on which it surfaces, 1 starboard; 0: it holds its heading
+  bool hemmed_in_ = false;       ///< neither side was free when the turn was chosen
+  Drift drift_;                  ///< drift across the hull, as far as the headings so far have shown it
+  Escape way_out_;               ///< rest of the current escape manoeuvre of a vehicle that cannot stop
+  Angle way_out_from_;           ///< heading at that time
 };
 
 }  // namespace isobath
