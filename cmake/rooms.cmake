@@ -89,7 +89,8 @@ endfunction()
 # Where a sanitizer makes the compiler slow, the rooms that reckon little are not optimised: they compile in half the time.
 set(ISOBATH_QUICK_ROOMS "")
 if(ISOBATH_SANITIZE)
-  set(ISOBATH_QUICK_ROOMS mission world onboard configuration scenario display recording report run evaluation studies server app)
+  set(ISOBATH_QUICK_ROOMS event io mission world onboard configuration scenario display recording report run evaluation
+      studies server app)
   isobath_precompiled(isobath_quick_precompiled ${CMAKE_CURRENT_LIST_DIR}/precompiled.hpp USES fmt::fmt tl::expected Eigen3::Eigen
                       FLAGS -O0)
 endif()
@@ -131,28 +132,38 @@ endfunction()
 set(ISOBATH_TEST_FLAGS $<$<CONFIG:Debug>:-O0> $<$<CONFIG:Release>:-O1>
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>) # of optionals, at -O1
 
-# isobath_tests(<room> USES <targets>): an executable of all sources in the current folder; each case a ctest of its own. Those that
-# start threads stand in the folder threads, those of whole runs, which a sanitizer makes long, in the folder long; both are executables
-# of their own, and their cases carry the name of the folder as label.
+# isobath_tests(<room> USES <targets>): an executable of all sources in the current folder; each suite a ctest of its own. Those that
+# start threads stand in the folder threads, which the thread sanitizer runs and no other; those of whole runs in the folder long, which
+# no sanitizer runs. Both are executables of their own, and their tests carry the name of the folder as label. Of whole runs, and of the
+# program (room app), each case is a ctest: a suite of them would take minutes.
 function(isobath_tests room)
   cmake_parse_arguments(ARG "" "" "USES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
-  isobath_test_program(${room}_test ${room} "" SOURCES ${sources} USES ${ARG_USES})
-  add_custom_target(${room}_tests DEPENDS ${room}_test)
+  add_custom_target(${room}_tests)
+  set(labels threads long)
+  if(ISOBATH_SANITIZE STREQUAL thread)
+    set(labels threads)
+  elseif(ISOBATH_SANITIZE)
+    set(labels "")
+  endif()
+  if(NOT ISOBATH_SANITIZE STREQUAL thread)
+    isobath_test_program(${room}_test ${room} "" SOURCES ${sources} USES ${ARG_USES})
+    add_dependencies(${room}_tests ${room}_test)
+  endif()
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
-  foreach(label IN ITEMS threads long)
+  foreach(label IN LISTS labels)
     file(GLOB labelled CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${label}/*.cpp)
-    if(labelled AND NOT (ISOBATH_SANITIZE AND label STREQUAL long))
+    if(labelled)
       isobath_test_program(${room}_${label}_test ${room} ${label} SOURCES ${labelled} ${sources} USES ${ARG_USES})
       add_dependencies(${room}_tests ${room}_${label}_test)
     endif()
   endforeach()
 endfunction()
 
-set(ISOBATH_TEST_TIMEOUT 120)
+set(ISOBATH_TEST_TIMEOUT 300)
 set(ISOBATH_PROPERTIES "seed=1") # of rapidcheck
 if(ISOBATH_SANITIZE)
-  set(ISOBATH_TEST_TIMEOUT 400)
+  set(ISOBATH_TEST_TIMEOUT 600)
   string(APPEND ISOBATH_PROPERTIES " max_success=25")
   list(APPEND ISOBATH_TEST_FLAGS -DISOBATH_SANITIZED)
 endif()
@@ -162,11 +173,15 @@ function(isobath_test_program name room label)
   isobath_units(${name} isobath_test_precompiled ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE isobath_test_support ${ARG_USES} isobath_build)
   target_compile_options(${name} PRIVATE ${ISOBATH_TEST_FLAGS})
-  set(labels)
-  if(label)
-    set(labels LABELS ${label})
+  if(label STREQUAL long OR room STREQUAL app)
+    set(labels)
+    if(label)
+      set(labels LABELS ${label})
+    endif()
+    gtest_discover_tests(${name} TEST_PREFIX ${room}. DISCOVERY_TIMEOUT 60
+                         PROPERTIES TIMEOUT ${ISOBATH_TEST_TIMEOUT} ${labels} ENVIRONMENT "RC_PARAMS=${ISOBATH_PROPERTIES}")
+  else()
+    isobath_discover_suites(${name} ${room} "${label}")
   endif()
-  gtest_discover_tests(${name} TEST_PREFIX ${room}. DISCOVERY_TIMEOUT 60
-                       PROPERTIES TIMEOUT ${ISOBATH_TEST_TIMEOUT} ${labels} ENVIRONMENT "RC_PARAMS=${ISOBATH_PROPERTIES}")
   set_property(GLOBAL APPEND PROPERTY ISOBATH_TEST_PROGRAMS_${label} ${name})
 endfunction()

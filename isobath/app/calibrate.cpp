@@ -12,7 +12,7 @@
 namespace isobath::app {
 namespace {
 
-struct Options {
+struct CalibrateOptions {
   ConfigOptions config;
   CalibrateRequest request;
   bool json = false;
@@ -55,7 +55,7 @@ nlohmann::ordered_json histograms_json(const HistogramCalibration& histograms) {
   return json;
 }
 
-int act(Options& options) {
+int act(CalibrateOptions& options) {
   CalibrateRequest& request = options.request;
   request.configuration = options.config.read();
   check_output_folder(request.out, "--out");
@@ -82,7 +82,7 @@ int act(Options& options) {
 }  // namespace
 
 Action add_calibrate(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CalibrateOptions>();
   CalibrateRequest& request = options->request;
   request.out = "out/calibration";
   CLI::App* command = program.add_subcommand(

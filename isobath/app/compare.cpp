@@ -12,13 +12,13 @@
 namespace isobath::app {
 namespace {
 
-struct Options {
+struct CompareOptions {
   ConfigOptions config;
   CompareRequest request;
   bool json = false;
 };
 
-int act(Options& options) {
+int act(CompareOptions& options) {
   CompareRequest& request = options.request;
   request.configuration = options.config.read();
   check_output_folder(request.out, "--out");
@@ -45,7 +45,7 @@ int act(Options& options) {
 }  // namespace
 
 Action add_compare(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareOptions>();
   CompareRequest& request = options->request;
   request.out = "out/comparison";
   CLI::App* command = program.add_subcommand("compare", "Compare the statistics of two recordings, real or simulated");

@@ -19,7 +19,7 @@
 namespace isobath::app {
 namespace {
 
-struct Options {
+struct ConvertOptions {
   ConfigOptions config;
   std::filesystem::path input, output;
   std::string origin;
@@ -30,12 +30,12 @@ struct Options {
 using nlohmann::ordered_json;
 
 /// What was made, with the paths that every conversion has.
-ordered_json conversion_json(const Options& options, const char* what) {
+ordered_json conversion_json(const ConvertOptions& options, const char* what) {
   return {{"input", options.input.string()}, {"output", options.output.string()}, {"made", what}};
 }
 
 /// Writes a depth map as the bands of a raster.
-int write_map(const Options& options) {
+int write_map(const ConvertOptions& options) {
   const StoredMap map = open_map(options.input);
   const PixelWindow known = known_extent(map.trees);
   if (known.width == 0) throw Error("the map has no depths, so there is nothing to write", {options.input.string()});
@@ -60,7 +60,7 @@ int write_map(const Options& options) {
 }
 
 /// Makes a depth map from a chart, for a mission to start from.
-int make_map(const Options& options) {
+int make_map(const ConvertOptions& options) {
   std::optional<GeoOrigin> origin;
   if (!options.origin.empty()) {
     const Eigen::Vector2d p = pair_of(options.origin);
@@ -92,7 +92,7 @@ int make_map(const Options& options) {
 std::string ending_of(const std::filesystem::path& path) { return path.extension().string(); }
 
 /// Writes a log as a native log, with every bin.
-int write_log(const Options& options) {
+int write_log(const ConvertOptions& options) {
   InputConfig input = options.config.read().input;
   input.max_bins = 0;  // the converted log keeps every bin
   std::vector<std::filesystem::path> inputs = files_of_input(options.input);
@@ -131,7 +131,7 @@ int write_log(const Options& options) {
   return kSuccess;
 }
 
-int act(const Options& options) {
+int act(const ConvertOptions& options) {
   if (looks_like_map(options.input) && (ending_of(options.output) == ".tif" || ending_of(options.output) == ".tiff")) {
     return write_map(options);
   }
@@ -146,7 +146,7 @@ int act(const Options& options) {
 }  // namespace
 
 Action add_convert(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConvertOptions>();
   CLI::App* command = program.add_subcommand(
       "convert", "Convert a log to the native log (.mcap), a depth map to a raster (.tif), or a chart to a map");
   command->add_option("IN", options->input, "Log, folder of frames, depth map, or chart")->check(reads())->required();

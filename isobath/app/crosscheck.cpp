@@ -11,13 +11,13 @@
 namespace isobath::app {
 namespace {
 
-struct Options {
+struct CrosscheckOptions {
   ConfigOptions config;
   CheckRequest request;
   bool json = false;
 };
 
-int act(Options& options) {
+int act(CrosscheckOptions& options) {
   CheckRequest& request = options.request;
   request.configuration = options.config.read();
   ProgressLine progress;
@@ -43,7 +43,7 @@ int act(Options& options) {
 }  // namespace
 
 Action add_crosscheck(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CrosscheckOptions>();
   CheckRequest& request = options->request;
   CLI::App* command = program.add_subcommand("crosscheck", "Compare a map with soundings that are not in it");
   command->add_option("MAP", request.map, "Folder of a depth map")->check(reads_folder())->required();

@@ -16,7 +16,7 @@
 namespace isobath::app {
 namespace {
 
-struct Options {
+struct EvalOptions {
   ConfigOptions config;
   EvaluationRequest request;
   std::string suite;
@@ -70,7 +70,7 @@ void print(const EvaluationRequest& request, const Evaluation& evaluation) {
   fmt::print("written to {}: report.html, results.json, runs.jsonl\n", request.out.string());
 }
 
-int act(Options& options) {
+int act(EvalOptions& options) {
   EvaluationRequest& request = options.request;
   const Configuration configuration = options.config.read();
   const std::string name = std::filesystem::path(options.suite).stem().string();
@@ -116,7 +116,7 @@ int act(Options& options) {
 }  // namespace
 
 Action add_eval(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvalOptions>();
   EvaluationRequest& request = options->request;
   request.threads = 2;
   CLI::App* command = program.add_subcommand(

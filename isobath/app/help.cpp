@@ -22,11 +22,11 @@ std::string help_of(const CLI::App& program, const std::string& name) {
 }  // namespace
 
 Action add_help(CLI::App& program) {
-  struct Options {
+  struct HelpOptions {
     std::string command, shell;
     bool man = false;
   };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<HelpOptions>();
   CLI::App* help = program.add_subcommand("help", "Print the help of the program or of one command");
   CLI::Option* about =
       help->add_option("COMMAND", options->command, "The command to explain")->check(such_as([&program] {

@@ -11,7 +11,7 @@
 namespace isobath::app {
 namespace {
 
-struct Options {
+struct PathOptions {
   PathRequest request;
   std::vector<std::string> points;
   bool metres = false;
@@ -42,7 +42,7 @@ nlohmann::ordered_json place_json(const PathOutcome& outcome, const std::optiona
   return json;
 }
 
-int act(Options& options) {
+int act(PathOptions& options) {
   PathRequest& request = options.request;
   for (const std::string& text : options.points) {
     const Eigen::Vector2d p = pair_of(text);
@@ -83,7 +83,7 @@ int act(Options& options) {
 }  // namespace
 
 Action add_path(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PathOptions>();
   PathRequest& request = options->request;
   CLI::App* command =
       program.add_subcommand("path", "Check whether a path over a map has the water that a vehicle needs");

@@ -22,7 +22,7 @@
 namespace isobath::app {
 namespace {
 
-struct Options : RunOptions {
+struct RunCommandOptions : RunOptions {
   bool json = false, live = false;
   std::string speed = "1";
 };
@@ -160,7 +160,7 @@ void print(const RunRequest& request, const RunOutcome& outcome) {
   fmt::print("written to {}: report.html and {} more files\n", request.out.string(), outcome.files.size() - 1);
 }
 
-int act(Options& options) {
+int act(RunCommandOptions& options) {
   RunRequest& request = options.read();
   if (options.live) request.live_speed = speed_of(options.speed);
   ProgressLine progress;
@@ -180,7 +180,7 @@ int act(Options& options) {
 }  // namespace
 
 Action add_run(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RunCommandOptions>();
   CLI::App* command = program.add_subcommand("run", "Map a log or a scene; write map, obstacles, pictures and report");
   command->add_option("INPUT", options->request.input, "Log, folder of frames, or scene (.toml)")
       ->check(reads())

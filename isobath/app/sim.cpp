@@ -22,7 +22,7 @@
 namespace isobath::app {
 namespace {
 
-struct Options {
+struct SimOptions {
   std::filesystem::path scene, out, picture;
   SimulationConfig simulation;
   int threads = 2;
@@ -58,7 +58,7 @@ void write(const SimulatedEvent& event, NativeLogWriter* log, Counts& n, std::ve
 }
 
 /// Opens the log and attaches the scene file to it.
-std::unique_ptr<NativeLogWriter> open_log(const Options& options, const Simulator& simulator,
+std::unique_ptr<NativeLogWriter> open_log(const SimOptions& options, const Simulator& simulator,
                                           std::optional<PendingFile>& pending) {
   if (options.out.empty()) return nullptr;
   if (options.out.extension() != ".mcap") {
@@ -73,7 +73,7 @@ std::unique_ptr<NativeLogWriter> open_log(const Options& options, const Simulato
   return log;
 }
 
-int act(const Options& options) {
+int act(const SimOptions& options) {
   if (options.format) {
     Scene scene;
     if (options.json) {
@@ -132,7 +132,7 @@ int act(const Options& options) {
 }  // namespace
 
 Action add_sim(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimOptions>();
   CLI::App* command =
       program.add_subcommand("sim", "Simulate a scene; write the log of the vehicle in it, with the ground truth");
   command->add_option("SCENARIO", options->scene, "Scene (.toml)")->check(reads())->default_str("the embedded scene");

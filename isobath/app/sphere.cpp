@@ -17,7 +17,7 @@
 namespace isobath::app {
 namespace {
 
-struct Options {
+struct SphereOptions {
   std::filesystem::path scene, out = "sphere";
   int scans = 10, seed = -1;
   double range_m = 0;
@@ -123,7 +123,7 @@ void print_causes(const SphericalSurvey& survey) {
   fmt::print("\n");
 }
 
-int act(const Options& options) {
+int act(const SphereOptions& options) {
   check_output_folder(options.out, "--out");
   const Scene scene = open_scene(options.scene);
   SphericalSurveyConfig config = survey_config(scene);
@@ -184,7 +184,7 @@ int act(const Options& options) {
 }  // namespace
 
 Action add_sphere(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SphereOptions>();
   CLI::App* command = program.add_subcommand(
       "sphere",
       "Scan a room of lines and arcs along a path into the spherical grid; write pictures, edges and corners");

@@ -640,10 +640,11 @@ TEST_F(LakeErieChart, WithABrokenRecordIsRefusedInOneLine) {
 
 // A real lake ---------------------------------------------------------------------------------------------------------
 
+/// Without the spherical grid, which takes two thirds of the time of these surveys and is not looked at.
 class LakeCaputh : public DepthMapProgram {
  protected:
   json survey(const fs::path& data, const fs::path& of, const std::string& setting) {
-    std::vector<std::string> words{"--map", of};
+    std::vector<std::string> words{"--map", of, "--set", "sphere.keep=false"};
     if (!setting.empty()) words.insert(words.end(), {"--set", setting});
     const ProgramResult result = isobath_run(data, out(), words);
     EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -730,8 +731,7 @@ TEST_P(LakeCaputhByDay, IsPredictedByTheMapOfTheOtherDays) {
   EXPECT_LT(check["robust_sd_m"].get<double>(), day.robust_sd_m);
 }
 INSTANTIATE_TEST_SUITE_P(Days, LakeCaputhByDay,
-                         testing::Values(Day{"20250117", 14158, 0.08, 0.29}, Day{"20250122", 61118, 0.03, 0.12},
-                                         Day{"20250123", 42705, 0.08, 0.23}, Day{"20250130", 36930, 0.06, 0.19}),
+                         testing::Values(Day{"20250117", 14158, 0.08, 0.29}, Day{"20250122", 61118, 0.03, 0.12}),
                          [](const auto& param) { return std::string("Of") + param.param.date; });
 
 }  // namespace

@@ -1,8 +1,9 @@
-// fuzz_replay <target> <folder>: runs a fuzz target over every file of a folder, each also cut short and with a byte
-// changed. So the corpus is a test.
+// fuzz_replay <target> <folder> <places>: runs a fuzz target over every file of a folder, each also cut short and with
+// a byte changed at so many places. So the corpus is a test.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -30,9 +31,9 @@ void run(FuzzTarget target, const std::string& bytes) {
   target(copy.data(), copy.size());
 }
 
-void run_with_neighbours(FuzzTarget target, const std::string& bytes) {
+void run_with_neighbours(FuzzTarget target, const std::string& bytes, std::size_t places) {
   run(target, bytes);
-  const std::size_t step = std::max<std::size_t>(1, bytes.size() / 64);
+  const std::size_t step = std::max<std::size_t>(1, bytes.size() / places);
   for (std::size_t i = 0; i < bytes.size(); i += step) {
     run(target, bytes.substr(0, i));
     std::string changed = bytes;
@@ -44,15 +45,16 @@ void run_with_neighbours(FuzzTarget target, const std::string& bytes) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) return 2;
+  if (argc != 4) return 2;
   const FuzzTarget target = find_target(argv[1]);
-  if (target == nullptr) return 2;
+  const std::size_t places = std::strtoul(argv[3], nullptr, 10);
+  if (target == nullptr || places == 0) return 2;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(argv[2])) files.push_back(entry.path());
   std::ranges::sort(files);
   for (const auto& file : files) {
     std::ifstream stream(file, std::ios::binary);
-    run_with_neighbours(target, {std::istreambuf_iterator<char>(stream), {}});
+    run_with_neighbours(target, {std::istreambuf_iterator<char>(stream), {}}, places);
   }
   std::printf("%zu seeds\n", files.size());
   return files.empty() ? 1 : 0;

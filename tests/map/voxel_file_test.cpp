@@ -14,6 +14,7 @@
 #include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tests/support/sanitized.hpp>
 #include <thread>
 #include <unistd.h>
 #include <vector>
@@ -75,6 +76,7 @@ void hear_ping(VoxelMap& map, Random& random, int step) {
 
 // ledger: S5-13 S5-27
 TEST_F(VoxelFiles, BoundMemoryAndLoseNothing) {
+  ISOBATH_NOT_SANITIZED();
   for (const std::size_t budget : {std::size_t{0}, std::size_t{100'000}, std::size_t{600'000}}) {
     SCOPED_TRACE(budget);
     VoxelMap all, bounded;

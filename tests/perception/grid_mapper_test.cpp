@@ -6,6 +6,7 @@
 #include <isobath/perception/obstacle_detector.hpp>
 #include <optional>
 #include <tests/support/count_allocations.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -95,6 +96,7 @@ TEST(OverlapTable, RowsEqualDirectComputationInEveryDirection) {
 
 // ledger: S6-12
 TEST(OverlapTable, ForgettingRowsChangesNothing) {
+  ISOBATH_NOT_SANITIZED();
   Rig s(spread(-60, 60, 64), 2, {0, 0.1, 200});
   Random random(12);
   GridMapperConfig tight;
@@ -342,6 +344,7 @@ TEST(GridMapper, WithoutFixTheContentsFadeAndIgnoredMotionLeavesThemBehind) {
 
 // ledger: S6-12
 TEST(GridMapper, AllocatesNothingOnceWarm) {
+  ISOBATH_NOT_SANITIZED();
   Rig s(spread(-60, 60, 64), 2, {0, 0.1, 200});
   for (int b = 0; b < 64; ++b) s.decisions.set_hit(b, 150 - b);
   GridMapperConfig c;

@@ -6,6 +6,7 @@
 #include <isobath/perception/scan_shapes.hpp>
 #include <numeric>
 #include <tests/support/plane_rays.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -167,6 +168,7 @@ PlanRoom room_with_things() {
 
 // ledger: S4-45 S4-47
 TEST(ScanShapes, TellARoomAsItsWallsABodyAndATankAndTheirCountsAddUp) {
+  ISOBATH_NOT_SANITIZED();
   int walls = 0, tanks = 0, corners = 0, scans = 0, unassigned = 0, echoes = 0, invented = 0;
   const PlanRoom room = room_with_things();
   const auto off_walls = [&](const Vector2d& p) {
@@ -258,6 +260,7 @@ CornerErrors corner_errors(double min_turn, double max_turn, double range) {
 
 // ledger: S4-47
 TEST(ScanShapes, FindACornerWhereItsEdgesMeetNearerToTheTruthThanItsNearestEcho) {
+  ISOBATH_NOT_SANITIZED();
   const CornerErrors facing = corner_errors(-25, 25, 9), aslant = corner_errors(28, 36, 9),
                      far = corner_errors(-25, 25, 18);
   for (const CornerErrors& errors : {facing, aslant, far}) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 #include <tests/support/count_allocations.hpp>
+#include <tests/support/sanitized.hpp>
 
 namespace isobath {
 namespace {
@@ -228,6 +229,7 @@ struct InTriangle {
 
 // ledger: S1-57
 TEST(ReadingEvidence, CountsThePixelsOfTheLedger) {
+  ISOBATH_NOT_SANITIZED();
   const PixelGrid grid;
   ReadingEvidence evidence({}, grid);
   Random random(545);

@@ -188,6 +188,7 @@ double found_at_last(const Scene& scene, int pings, int first_beam, int end_beam
 
 // A vehicle that hovers before a pole for 20 s: 16 dB above the water, of which no sample may become background.
 TEST(FanDetector, KeepsATargetThatStandsStill) {
+  ISOBATH_NOT_SANITIZED();
   Scene scene;
   scene.target = [](int, int b, int k) { return b >= 100 && b < 106 && k >= 200 && k < 206 ? 4000.0 : 0.0; };
   EXPECT_GT(found_at_last(scene, 200, 100, 106, 20, 20.6), 0.85);
@@ -225,6 +226,7 @@ TEST(FanDetector, KeepsAWallThatFillsANarrowFan) {
 // Loud bottom in all directions is background; a body 12 dB above it is not, and a cell without an echo tells less.
 // ledger: S6-69
 TEST(FanDetector, FindsABodyOverALoudBottom) {
+  ISOBATH_NOT_SANITIZED();
   Scene scene{shallow_water};
   scene.target = [](int, int b, int k) { return b >= 60 && b < 64 && k >= 150 && k < 154 ? 60000.0 : 0.0; };
   const FanLooks looks = after(scene, 60, shallow());

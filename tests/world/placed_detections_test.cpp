@@ -5,6 +5,7 @@
 #include <isobath/world/track_drift.hpp>
 #include <set>
 #include <tests/support/fan_folder.hpp>
+#include <tests/support/sanitized.hpp>
 #include <utility>
 
 namespace isobath {
@@ -65,6 +66,7 @@ TEST(PlacedDetections, CellsAreThoseOfASlowCount) {
 }
 
 TEST(PlacedDetections, TheFewestCellsShowTheErrorOfTheMount) {
+  ISOBATH_NOT_SANITIZED();
   for (const double mount_deg : {-12.0, -1.0, 0.0, 7.0}) {
     const auto sharpness = circled(mount_deg).sharpness();
     ASSERT_TRUE(sharpness && sharpness->tells());
@@ -93,6 +95,7 @@ TEST(PlacedDetections, SayNothingWithoutTravelWithoutElevationOrInTheLevelFrame)
 }
 
 TEST(PlacedDetections, LongRecordingsAreThinned) {
+  ISOBATH_NOT_SANITIZED();
   PlacedDetections detections;
   const auto places = FanRecording::track();
   const std::size_t scans = 3 * PlacedDetections::kMax / 121;
