@@ -62,6 +62,7 @@ of the mission file.
 - The Safety Officer judges ten times a second and overrides planning and steering. It can only slow, stop, turn away or
   surface: it never asks for more speed than was ordered. If several faults are active, the strongest action is taken.
 - *stop* becomes *surface* for a vehicle that needs forward speed to hold its depth, or that was ordered to surface.
+- A vehicle that cannot stop surfaces in a circle where its obstacles and the fence leave room, else on its heading.
 - A fault is over when its cause has been gone for `clear_after_s` ({} s). Faults of routes are over with the next route, and
   faults with a dagger stay.
 - *abort* ends the mission as `abort_end` says ({}), unless the row says otherwise. Each fault, its end and each action
