@@ -45,7 +45,8 @@ std::string tree_picture(const RegionQuadtree& tree, const PixelGrid& grid, std:
   tree.for_each_leaf(tree.square(), [&](std::uint32_t, const PixelWindow& w) {
     if (w.width < outlined) return;
     const Eigen::AlignedBox2d square = box_of(w);
-    const Eigen::Vector2d low = square.min(), high = square.max();
+    const Eigen::Vector2d& low = square.min();
+    const Eigen::Vector2d& high = square.max();
     picture.polyline(std::vector<Eigen::Vector2d>{low, {high.x(), low.y()}, high, {low.x(), high.y()}, low},
                      {kEdge, 0.7, false});
   });
