@@ -89,7 +89,7 @@ endfunction()
 # Where a sanitizer makes the compiler slow, the rooms that reckon little are not optimised: they compile in half the time.
 set(ISOBATH_QUICK_ROOMS "")
 if(ISOBATH_SANITIZE)
-  set(ISOBATH_QUICK_ROOMS event io mission world onboard configuration scenario display recording report run evaluation
+  set(ISOBATH_QUICK_ROOMS mission world onboard configuration scenario display recording report run evaluation
       studies server app)
   isobath_precompiled(isobath_quick_precompiled ${CMAKE_CURRENT_LIST_DIR}/precompiled.hpp USES fmt::fmt tl::expected Eigen3::Eigen
                       FLAGS -O0)
@@ -134,7 +134,7 @@ set(ISOBATH_TEST_FLAGS $<$<CONFIG:Debug>:-O0> $<$<CONFIG:Release>:-O1>
 
 # isobath_tests(<room> USES <targets>): an executable of all sources in the current folder; each suite a ctest of its own. Those that
 # start threads stand in the folder threads, which the thread sanitizer runs and no other; those of whole runs in the folder long, which
-# no sanitizer runs. Both are executables of their own, and their tests carry the name of the folder as label. Of whole runs, and of the
+# no sanitizer runs. Both are executables of their own, and their tests carry the name of the folder as label. Of both, and of the
 # program (room app), each case is a ctest: a suite of them would take minutes.
 function(isobath_tests room)
   cmake_parse_arguments(ARG "" "" "USES" ${ARGN})
@@ -170,7 +170,7 @@ function(isobath_test_program name room label)
   isobath_units(${name} isobath_test_precompiled ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE isobath_test_support ${ARG_USES} isobath_build)
   target_compile_options(${name} PRIVATE ${ISOBATH_TEST_FLAGS})
-  if(label STREQUAL long OR room STREQUAL app)
+  if(label OR room STREQUAL app)
     set(labels)
     if(label)
       set(labels LABELS ${label})
