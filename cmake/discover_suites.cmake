@@ -9,17 +9,17 @@ if(CMAKE_SCRIPT_MODE_FILE)
     string(REGEX REPLACE "\\.?[ \n]" "" suite ${suite})
     string(APPEND tests "add_test([=[${ROOM}.${suite}]=] [=[${PROGRAM}]=] [=[--gtest_filter=${suite}.*]=])\n"
            "set_tests_properties([=[${ROOM}.${suite}]=] PROPERTIES WORKING_DIRECTORY [=[${FOLDER}]=] TIMEOUT ${TIMEOUT}"
-           " LABELS [=[${LABEL}]=] ENVIRONMENT [=[RC_PARAMS=${RAPIDCHECK}]=]"
+           " ENVIRONMENT [=[RC_PARAMS=${RAPIDCHECK}]=]"
            " SKIP_REGULAR_EXPRESSION [=[PASSED  . 0 tests.(\n.  SKIPPED [^\n]*)+\n*$]=])\n")
   endforeach()
   file(WRITE ${OUTPUT} "${tests}")
   return()
 endif()
 
-function(isobath_discover_suites program room label)
+function(isobath_discover_suites program room)
   set(tests ${CMAKE_CURRENT_BINARY_DIR}/${program}_suites.cmake)
   add_custom_command(TARGET ${program} POST_BUILD VERBATIM
-    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${program}> -DROOM=${room} -DLABEL=${label} -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${program}> -DROOM=${room} -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}
             -DTIMEOUT=${ISOBATH_TEST_TIMEOUT} -DRAPIDCHECK=${ISOBATH_PROPERTIES} -DOUTPUT=${tests}
             -P ${CMAKE_CURRENT_FUNCTION_LIST_FILE})
   set(include ${CMAKE_CURRENT_BINARY_DIR}/${program}_include.cmake)

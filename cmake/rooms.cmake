@@ -89,8 +89,7 @@ endfunction()
 # Where a sanitizer makes the compiler slow, the rooms that reckon little are not optimised: they compile in half the time.
 set(ISOBATH_QUICK_ROOMS "")
 if(ISOBATH_SANITIZE)
-  set(ISOBATH_QUICK_ROOMS mission world onboard configuration scenario display recording report run evaluation
-      studies server app)
+  set(ISOBATH_QUICK_ROOMS mission world onboard configuration scenario display recording report run evaluation studies server app)
   isobath_precompiled(isobath_quick_precompiled ${CMAKE_CURRENT_LIST_DIR}/precompiled.hpp USES fmt::fmt tl::expected Eigen3::Eigen
                       FLAGS -O0)
 endif()
@@ -178,7 +177,7 @@ function(isobath_test_program name room label)
     gtest_discover_tests(${name} TEST_PREFIX ${room}. DISCOVERY_TIMEOUT 60
                          PROPERTIES TIMEOUT ${ISOBATH_TEST_TIMEOUT} ${labels} ENVIRONMENT "RC_PARAMS=${ISOBATH_PROPERTIES}")
   else()
-    isobath_discover_suites(${name} ${room} "${label}")
+    isobath_discover_suites(${name} ${room})
   endif()
   set_property(GLOBAL APPEND PROPERTY ISOBATH_TEST_PROGRAMS_${label} ${name})
 endfunction()

@@ -83,12 +83,13 @@ std::string too_near(const Deadline& deadline, const LoopResult& result) {
   return nearest_m < deadline.value ? fmt::format("{:.2f} m away, {:g} m allowed", nearest_m, deadline.value) : "";
 }
 
-/// A vehicle that cannot stop, or is to surface, surfaces instead of stopping, and turns before the fence; one that is
-/// to end its mission at once aborts.
+/// A vehicle that cannot stop, or is to surface, surfaces instead of stopping, or does what the row has for it; one
+/// that is to end its mission at once aborts.
 bool is_action(const FaultRow& row, const std::string& what) {
   if (what == "abort") return row.abort.when == After::When::kAtOnce;
   if (row.action == SafetyActionKind::kNone) return what == "report";
-  return what == to_text(row.action) || (row.fault == Fault::kFenceAhead && what == to_text(SafetyActionKind::kTurn)) ||
+  return what == to_text(row.action) ||
+         (row.unstoppable != SafetyActionKind::kNone && what == to_text(row.unstoppable)) ||
          (row.action == SafetyActionKind::kStop && what == to_text(SafetyActionKind::kSurface));
 }
 

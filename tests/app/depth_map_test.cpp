@@ -731,7 +731,8 @@ TEST_P(LakeCaputhByDay, IsPredictedByTheMapOfTheOtherDays) {
   EXPECT_LT(check["robust_sd_m"].get<double>(), day.robust_sd_m);
 }
 INSTANTIATE_TEST_SUITE_P(Days, LakeCaputhByDay,
-                         testing::Values(Day{"20250117", 14158, 0.08, 0.29}, Day{"20250122", 61118, 0.03, 0.12}),
+                         testing::Values(Day{"20250117", 14158, 0.08, 0.29}, Day{"20250122", 61118, 0.03, 0.12},
+                                         Day{"20250123", 42705, 0.08, 0.23}, Day{"20250130", 36930, 0.06, 0.19}),
                          [](const auto& param) { return std::string("Of") + param.param.date; });
 
 }  // namespace

@@ -439,6 +439,29 @@ TEST(Limits, AVehicleThatCannotStopTurnsBeforeTheFence) {
   }
 }
 
+TEST(Limits, AFenceOfAnySizeIsJudgedAtOnce) {
+  for (const double m : {1e3, 1e9, 1e17, 1e200, 1e300}) {
+    MissionPlan plan = test::plan_north();
+    plan.fence = {{-m, -m}, {60, -m}, {60, m}, {-m, m}};
+    SafetyStream stream(test::flying(), {}, plan);
+    stream.run_to(20);
+    EXPECT_EQ(stream.raised(Fault::kFenceBreach), -1) << m;
+  }
+}
+
+// In open water it stays where it began to surface, carried by the current only.
+TEST(Limits, AVehicleThatCannotStopSurfacesInACircle) {
+  SafetyStream stream(test::flying());
+  stream.on_health = [&](Health& health) { health.leak = stream.time_s() > 10; };
+  stream.run_to(12);
+  const Eigen::Vector2d begun = stream.place;
+  for (double s = 13; s < 120; ++s) {
+    stream.run_to(s);
+    ASSERT_EQ(stream.officer.action().kind, Act::kSurface);
+    EXPECT_LT((stream.place - begun).norm(), 15);
+  }
+}
+
 TEST(Limits, TooDeep) {
   SafetyStream stream;
   stream.obeys = false;

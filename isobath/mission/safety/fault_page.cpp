@@ -23,8 +23,8 @@ std::string action_text(const FaultRow& row, const SafetyConfig& config) {
   if (row.fault == Fault::kCollisionUnavoidable)
     text = "turn to the freer side, or take the escape manoeuvre that is left; surface where there is none";
   if (row.fault == Fault::kCollisionAhead) text = "stop, then turn on the spot to the ordered heading";
-  if (row.fault == Fault::kFenceAhead) text = "slow, or turn away from the fence";
   if (row.fault == Fault::kTooLow) text = "slow and rise, stop at the surface";
+  if (row.unstoppable != Act::kNone) text += fmt::format(", or {} where it cannot stop", to_text(row.unstoppable));
   if (row.later != Act::kNone) text += fmt::format("; {}{}", to_text(row.later), wait_text(row.later_after, config));
   if (row.abort.when != After::When::kNever) text += "; abort" + wait_text(row.abort, config);
   if (*row.end != 0) text += fmt::format(" ({})", row.end);

@@ -195,11 +195,11 @@ std::vector<FaultRow> limit_rows() {
       {.fault = Fault::kFenceAhead,
        .name = "fence ahead",
        .noticed = "the stopping distance reaches over the fence; for a vehicle that cannot stop: the order leaves no "
-                  "turn before the "
-                  "fence",
+                  "turn before the fence",
        .limits = {"reaction_s", "collision_margin_m", "escape_s"},
        .action = Act::kSlow,
-       .injected = "a route along the fence",
+       .unstoppable = Act::kTurn,
+       .injected = "a route along the fence, with a current that sets towards it",
        .deadline = {Deadline::From::kCrossing, 0},
        .test = "Limits.FenceAhead"},
       {.fault = Fault::kFenceBreach,

@@ -83,10 +83,11 @@ struct FaultRow {
   const char* noticed;                   ///< how it is noticed, for people
   std::vector<const char*> limits = {};  ///< names among the fields of SafetyConfig, or limits of the mission
   SafetyActionKind action = SafetyActionKind::kNone;
-  SafetyActionKind later = SafetyActionKind::kNone;  ///< what replaces the action ...
-  After later_after = {};                            ///< ... and when
-  After abort = {};                                  ///< when the mission ends
-  const char* end = "";                              ///< how the mission ends, where not by abort_end; for people
+  SafetyActionKind unstoppable = SafetyActionKind::kNone;  ///< the action of a vehicle that cannot stop, if another
+  SafetyActionKind later = SafetyActionKind::kNone;        ///< what replaces the action ...
+  After later_after = {};                                  ///< ... and when
+  After abort = {};                                        ///< when the mission ends
+  const char* end = "";                                    ///< how the mission ends, where not by abort_end; for people
   Over over = Over::kLater;
   const char* injected = "";  ///< fault of a scene: "sonar: off"; or another cause
   Deadline deadline = {};

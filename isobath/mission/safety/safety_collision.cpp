@@ -61,8 +61,9 @@ std::vector<Eigen::Vector2d> SafetyOfficer::at_its_depth(const Pose& X_WL,
 void SafetyOfficer::check_collision() {
   const bool was = raised(Fault::kCollisionAhead) || raised(Fault::kCollisionUnavoidable);
   if (!was) stopped_ = false;
-  if (!fix_ || clock_s_ - fix_->heard_s > kFreshFix) circle_ = 0;
-  if (!watching() || !fix_ || clock_s_ - fix_->heard_s > kFreshFix) return;
+  const bool fresh = fix_ && clock_s_ - fix_->heard_s <= kFreshFix;
+  if (!fresh) circle_ = 0;
+  if (!watching() || !fresh) return;
   Pose X_WL = level(fix_->navigation.X_WB);
   X_WL.translation.head<2>() += fix_->v_W * (clock_s_ - fix_->heard_s);
   Travel t = travel();
@@ -76,8 +77,11 @@ void SafetyOfficer::check_collision() {
   const std::vector<Eigen::Vector2d> echoes =
       at_its_depth(X_WL, echoes_.confirmed(X_WL, blanking_m_, config_, clock_s_));
   if (vehicle_.min_speed > 0) {
-    const std::vector<Eigen::Vector2d> known = known_points(X_WL, echoes);
-    check_fence(X_WL, known);
+    const std::vector<Eigen::Vector2d> known = known_points(X_WL, echoes), fence = fence_points(X_WL);
+    std::vector<Eigen::Vector2d> all = fence;
+    all.insert(all.end(), known.begin(), known.end());
+    check_fence(X_WL, fence, all);
+    choose_circle(X_WL, all);
     return check_escape(X_WL, known);
   }
   const auto points = along(echoes, t.drift);

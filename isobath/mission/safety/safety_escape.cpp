@@ -25,29 +25,19 @@ constexpr double kQuarter = std::numbers::pi / 2;
 /// Shares of the margin: where no escape manoeuvre keeps all of it, one that keeps less is better than none.
 constexpr std::array<double, 2> kNarrower = {0.5, 0.25};
 
-struct FenceNearby {
-  std::vector<Vector2d> points;  ///< on the fence, within kFenceNear
-  Vector2d nearest;
-};
-
-FenceNearby fence_nearby(const Polygon& fence, const Vector2d& here) {
-  FenceNearby nearby{{}, fence.front()};
-  for (std::size_t i = 0; i < fence.size(); ++i) {
-    const Vector2d& from = fence[i];
-    const Vector2d side = fence[(i + 1) % fence.size()] - from;
-    const double length = side.norm();
-    if (!(length > 0)) continue;
-    const Vector2d along = side / length;
-    const double abeam = along.dot(here - from);  // m along the side
-    const Vector2d foot = from + std::clamp(abeam, 0.0, length) * along;
-    if ((foot - here).norm() < (nearby.nearest - here).norm()) nearby.nearest = foot;
-    const double begin = std::max(0.0, abeam - kFenceNear), end = std::min(length, abeam + kFenceNear);
-    for (double m = begin; m < end + kFenceApart; m += kFenceApart) {
-      const Vector2d p = from + std::min(m, end) * along;
-      if ((p - here).norm() < kFenceNear) nearby.points.push_back(p);
-    }
+Vector2d nearest_on(const Polygon& border, const Vector2d& p) {
+  Vector2d nearest = border.front();
+  for (std::size_t i = 0; i < border.size(); ++i) {
+    const Vector2d q = nearest_point({border[i], border[(i + 1) % border.size()]}, p);
+    if ((q - p).squaredNorm() < (nearest - p).squaredNorm()) nearest = q;
   }
-  return nearby;
+  return nearest;
+}
+
+/// The heading to steer now for an escape.
+Angle steered(const Escape& escape, Angle heading) {
+  const double now = escape.wait_s > 0 ? 0 : std::clamp(escape.turn, -kQuarter, kQuarter);
+  return (heading + Angle::radians(now)).wrapped();
 }
 
 }  // namespace
@@ -61,6 +51,30 @@ std::vector<Vector2d> SafetyOfficer::known_points(const Pose& X_WL, std::span<co
     for (const Vector2d& p : *some) {
       const Eigen::Vector3d p_W(p.x(), p.y(), X_WL.translation.z());
       if (!passes_by(p_W)) points.emplace_back((X_LW * p_W).head<2>());
+    }
+  }
+  return points;
+}
+
+/// Points of the fence around the vehicle, in its frame.
+std::vector<Vector2d> SafetyOfficer::fence_points(const Pose& X_WL) const {
+  std::vector<Vector2d> points;
+  if (!fenced()) return points;
+  const Polygon& fence = plan_->fence;
+  const Vector2d here = X_WL.translation.head<2>();
+  const Pose X_LW = X_WL.inverse();
+  for (std::size_t i = 0; i < fence.size(); ++i) {
+    const Vector2d side = fence[(i + 1) % fence.size()] - fence[i];
+    const double length = side.norm();
+    if (!(length > 0)) continue;
+    const double abeam = side.dot(here - fence[i]) / length;  // m along the side
+    const double begin = std::max(0.0, abeam - kFenceNear), end = std::min(length, abeam + kFenceNear);
+    if (!(end >= begin)) continue;  // too far to be near, or too long to be counted
+    const int pieces = static_cast<int>(std::min(std::ceil((end - begin) / kFenceApart), 2 * kFenceNear / kFenceApart));
+    for (int k = 0; k <= pieces; ++k) {
+      const Vector2d p = fence[i] + std::min(begin + k * kFenceApart, end) / length * side;
+      if (!((p - here).norm() < kFenceNear)) continue;
+      points.emplace_back((X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>());
     }
   }
   return points;
@@ -93,61 +107,51 @@ double SafetyOfficer::ordered_turn() const {
 }
 
 // A vehicle that cannot stop turns away from the fence, also while it surfaces: on a held heading it would leave. Its
-// turn keeps clear of the known points where it can.
-void SafetyOfficer::check_fence(const Pose& X_WL, std::span<const Vector2d> known_L) {
-  if (!fenced()) return choose_circle(known_L);
-  const Angle heading = fix_->navigation.X_WB.rotation.heading();
+// turn keeps clear of all points where it can, those of the fence and the known ones.
+void SafetyOfficer::check_fence(const Pose& X_WL, std::span<const Vector2d> fence_L, std::span<const Vector2d> all_L) {
+  if (!fenced()) return;
   const Vector2d here = X_WL.translation.head<2>();
-  const FenceNearby fence = fence_nearby(plan_->fence, here);
   if (!encloses(plan_->fence, here)) {  // it is told as a breach: back over the nearest point
-    const Vector2d back = fence.nearest - here;
+    const Vector2d back = nearest_on(plan_->fence, here) - here;
     if (back.norm() > kOnTheFence) inward_ = Angle::radians(std::atan2(back.y(), back.x()));
-    circle_ = 0;
     return;
-  }
-  const Pose X_LW = X_WL.inverse();
-  std::vector<Vector2d> points;
-  for (const Vector2d& p : fence.points) {
-    points.emplace_back((X_LW * Eigen::Vector3d(p.x(), p.y(), X_WL.translation.z())).head<2>());
   }
   // The route of a vehicle that has one was planned within the fence; one that has none turns in good time.
   const bool on_route = action_.kind != SafetyActionKind::kSurface;
   const EscapeTask task = escape_task(on_route ? 0 : config_.unknown_current);
-  const EscapeSearch within(points, task);
-  const Escape ordered = within.after(ordered_turn(), on_route ? kFenceLookAhead : kLookAhead);
-  points.insert(points.end(), known_L.begin(), known_L.end());
-  choose_circle(points);
-  if (within.free(ordered)) return;
-  const EscapeSearch among(points, task);
+  const EscapeSearch within(fence_L, task);
+  if (within.free(within.after(ordered_turn(), on_route ? kFenceLookAhead : kLookAhead))) return;
+  const EscapeSearch among(all_L, task);
+  const Angle heading = fix_->navigation.X_WB.rotation.heading();
   const bool turning = raised(Fault::kFenceAhead) && inward_;
   Escape escape = turning ? among.try_turn((*inward_ - heading).wrapped().radians()) : Escape{};
   if (!among.free(escape)) escape = among.best();
   if (!among.free(escape)) escape = within.best();
-  const double now = escape.wait_s > 0 ? 0 : std::clamp(escape.turn, -kQuarter, kQuarter);
-  inward_ = (heading + Angle::radians(now)).wrapped();
+  inward_ = steered(escape, heading);
   find(Fault::kFenceAhead, fmt::format("the order leaves no turn before the fence, {:.1f} m away, at {:.1f} m/s",
-                                       (fence.nearest - here).norm(), task.speed));
+                                       inner_distance(plan_->fence, here), task.speed));
 }
 
 // A vehicle that surfaces circles where there is room: on a held heading it would go on into what it has not seen.
-void SafetyOfficer::choose_circle(std::span<const Vector2d> points) {
-  if (action_.kind != SafetyActionKind::kSurface) {
+void SafetyOfficer::choose_circle(const Pose& X_WL, std::span<const Vector2d> all_L) {
+  const auto is_outside = [&] { return fenced() && !encloses(plan_->fence, X_WL.translation.head<2>()); };
+  if (action_.kind != SafetyActionKind::kSurface || is_outside()) {
     circle_ = 0;
     return;
   }
   constexpr double kWhole = 2 * std::numbers::pi;
   EscapeTask task = escape_task(config_.unknown_current);
   task.horizon_s = std::max(task.horizon_s, kWhole / task.turn_rate);
-  const EscapeSearch search(points, task);
+  const EscapeSearch search(all_L, task);
   if (circle_ != 0 && search.free(search.try_turn(circle_ * kWhole))) return;
   const Escape port = search.try_turn(-kWhole), starboard = search.try_turn(kWhole);
   const bool to_port = search.free(port) && !(search.free(starboard) && starboard.room_m >= port.room_m);
   circle_ = to_port ? -1 : search.free(starboard) ? 1 : 0;
 }
 
-void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> points) {
+void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> known_L) {
   EscapeTask task = escape_task(config_.unknown_current);
-  const EscapeSearch search(points, task);
+  const EscapeSearch search(known_L, task);
   const Escape ordered = search.after(ordered_turn(), kLookAhead);
   const bool safe = search.free(ordered) && !imminent_.raised();
   const bool taking = raised(Fault::kCollisionUnavoidable) && turn_;
@@ -167,7 +171,7 @@ void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> poi
   for (const double share : kNarrower) {
     if (search.free(escape)) break;
     task.room_m = vehicle_.hull_radius_m + share * config_.collision_margin_m;
-    escape = way_out(EscapeSearch(points, task));
+    escape = way_out(EscapeSearch(known_L, task));
   }
   bool free = search.free(escape);
   if (safe && !free) {  // going on as ordered is free
@@ -176,8 +180,7 @@ void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> poi
   }
   // 2. steer it
   way_out_ = escape;
-  const double now = escape.wait_s > 0 ? 0 : std::clamp(escape.turn, -kQuarter, kQuarter);
-  turn_ = (heading + Angle::radians(now)).wrapped();
+  turn_ = steered(escape, heading);
   hemmed_in_ = !free;
   if (safe) return;
   std::optional<Vector2d> place;

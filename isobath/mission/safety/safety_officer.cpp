@@ -113,13 +113,13 @@ MissionEnd SafetyOfficer::end_of(Fault fault) const {
 
 SafetyActionKind SafetyOfficer::asked(const FaultRow& about) const {
   const Row& own = rows_[static_cast<std::size_t>(about.fault)];
-  SafetyActionKind kind = about.action;
+  const bool instead = vehicle_.min_speed > 0 && about.unstoppable != SafetyActionKind::kNone;
+  SafetyActionKind kind = instead ? about.unstoppable : about.action;
   if (about.later != SafetyActionKind::kNone && about.later_after.due(clock_s_ - own.since_s, config_)) {
     kind = about.later;
   }
   if (about.fault == Fault::kCollisionUnavoidable && hemmed_in_) kind = SafetyActionKind::kSurface;
   if (about.fault == Fault::kCollisionAhead && stopped_) kind = SafetyActionKind::kTurn;
-  if (about.fault == Fault::kFenceAhead && vehicle_.min_speed > 0) kind = SafetyActionKind::kTurn;
   const bool stops = kind == SafetyActionKind::kStop || about.fault == Fault::kCollisionAhead;
   if (stops && (vehicle_.min_speed > 0 || surfacing_)) kind = SafetyActionKind::kSurface;
   return kind;

@@ -155,8 +155,9 @@ class SafetyOfficer final : public Agent {
   /// `unknown_current`: from astern, m/s.
   [[nodiscard]] EscapeTask escape_task(double unknown_current) const;
   [[nodiscard]] double ordered_turn() const;
-  void check_fence(const Pose& X_WL, std::span<const Eigen::Vector2d> known_L);
-  void choose_circle(std::span<const Eigen::Vector2d> points);
+  [[nodiscard]] std::vector<Eigen::Vector2d> fence_points(const Pose& X_WL) const;
+  void check_fence(const Pose& X_WL, std::span<const Eigen::Vector2d> fence_L, std::span<const Eigen::Vector2d> all_L);
+  void choose_circle(const Pose& X_WL, std::span<const Eigen::Vector2d> all_L);
   void check_escape(const Pose& X_WL, std::span<const Eigen::Vector2d> known_L);
 
   // Acting (safety_officer.cpp)

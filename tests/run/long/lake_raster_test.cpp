@@ -119,7 +119,7 @@ TEST_P(LakeRaster, IsSailedOnTheMapThatTheVehicleMakes) {
   EXPECT_GT(corrected, 10u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, LakeRaster, testing::Values(1));
+INSTANTIATE_TEST_SUITE_P(Seeds, LakeRaster, testing::Values(1, 8));
 
 }  // namespace
 }  // namespace isobath
