@@ -4,6 +4,7 @@
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/file_access.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/studies/detection_delay.hpp>
 #include <memory>
@@ -26,7 +27,7 @@ int measure(const DelayOptions& options) {
   check_output_folder(options.out, "--out");
   const std::vector<DetectionDelay> rows = measure_delays(options.request);
   make_folder(options.out);
-  write_file(options.out / "delay.png", delay_picture(rows));
+  write_whole_file(options.out / "delay.png", delay_picture(rows));
   if (options.json) {
     nlohmann::ordered_json bases = nlohmann::ordered_json::array();
     for (const DetectionDelay& row : rows) {

@@ -7,6 +7,7 @@
 #include <isobath/app/progress.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/file_access.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/base/printable_text.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
@@ -203,7 +204,8 @@ void draw_tree(const StoredMap& map, const InfoOptions& options) {
                                : options.tree == "sensed" ? map.trees.sensed()
                                                           : map.trees.state();
   make_parent(options.picture);
-  write_file(options.picture, tree_picture(tree, map.facts.area.grid, tree.outside(), "The " + options.tree + " tree"));
+  write_whole_file(options.picture,
+                   tree_picture(tree, map.facts.area.grid, tree.outside(), "The " + options.tree + " tree"));
 }
 
 int describe_map(const InfoOptions& options) {

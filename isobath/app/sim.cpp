@@ -104,7 +104,7 @@ int act(const SimOptions& options) {
   progress.clear();
   if (!options.picture.empty()) {
     make_parent(options.picture);
-    write_file(options.picture, scene_picture(simulator, track));
+    write_whole_file(options.picture, scene_picture(simulator, track));
   }
   const double wall = std::chrono::duration<double>(Clock::now() - start).count();
   const double times = wall > 0 ? simulator.duration_s() / wall : 0;

@@ -6,6 +6,7 @@
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/file_access.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/base/printable_text.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/scenario/scenario.hpp>
@@ -139,12 +140,12 @@ int act(const SphereOptions& options) {
   const SphericalSurvey survey = run_spherical_survey(scene, config);
   make_folder(options.out);
   const SphericalCamera camera{Angle::degrees(options.looking_deg), Angle::degrees(options.down_deg), options.zoom};
-  write_file(options.out / "plan.png", spherical_plan_picture(scene, survey));
-  write_file(options.out / "above.png", spherical_above_picture(scene, survey));
-  write_file(options.out / "solid.png", spherical_solid_picture(survey, camera));
-  write_file(options.out / "features.png", spherical_features_picture(scene, survey));
-  write_file(options.out / "structure.png", spherical_structure_picture(survey));
-  write_file(options.out / "slice.png", spherical_slice_picture(config.grid, kSlice_m));
+  write_whole_file(options.out / "plan.png", spherical_plan_picture(scene, survey));
+  write_whole_file(options.out / "above.png", spherical_above_picture(scene, survey));
+  write_whole_file(options.out / "solid.png", spherical_solid_picture(survey, camera));
+  write_whole_file(options.out / "features.png", spherical_features_picture(scene, survey));
+  write_whole_file(options.out / "structure.png", spherical_structure_picture(survey));
+  write_whole_file(options.out / "slice.png", spherical_slice_picture(config.grid, kSlice_m));
   const std::size_t cells = survey.grid->cells().size(), bytes = survey.grid->cells().bytes();
   const int layers = survey.grid->layers().count(), directions = survey.grid->buckets().count();
   if (options.json) {

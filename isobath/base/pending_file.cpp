@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fstream>
 #include <isobath/base/error.hpp>
 #include <isobath/base/pending_file.hpp>
 #include <unistd.h>
@@ -52,6 +53,19 @@ void PendingFile::complete() {
   if (beside_ != place_) fs::rename(beside_, place_, failed);
   if (failed) throw Error("cannot be replaced: " + failed.message(), {place_.string()});
   done_ = true;
+}
+
+void write_whole_file(const fs::path& file, std::string_view text) {
+  PendingFile pending(file);
+  std::ofstream out(pending.beside(), std::ios::binary | std::ios::trunc);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  out.close();
+  if (!out) throw Error("cannot be written", {file.string()}, "", "check the folder, its permissions and the space");
+  pending.complete();
+}
+
+void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes) {
+  write_whole_file(file, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace isobath

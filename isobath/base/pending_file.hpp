@@ -10,7 +10,10 @@
 // NAME.<number of the process>.part.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string_view>
 
 namespace isobath {
 
@@ -31,5 +34,9 @@ class PendingFile {
   std::filesystem::path place_, beside_;
   bool done_ = false;
 };
+
+/// A file whose bytes all are here. Throws Error.
+void write_whole_file(const std::filesystem::path& file, std::string_view text);
+void write_whole_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes);
 
 }  // namespace isobath

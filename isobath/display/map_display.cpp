@@ -285,7 +285,7 @@ void MapDisplay::show(Time time, const GridSnapshot& sphere) {
   std::vector<Cell> cells;
   grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
     for (const SphericalCell& cell : beam) {
-      if (!cell.holds_echo() || static_cast<double>(cell.log_odds) < grid.occupied_log_odds()) continue;
+      if (!grid.is_obstacle(cell)) continue;
       cells.push_back({static_cast<std::uint16_t>(cell.layer), static_cast<std::uint16_t>(d.azimuth),
                        static_cast<std::uint16_t>(d.elevation),
                        static_cast<std::uint8_t>(std::lround(kProbabilityUnit * SphericalGrid::probability(cell)))});

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/evaluation/evaluation_report.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/plot/picture.hpp>
@@ -320,7 +321,7 @@ std::string run_picture(const SuiteRun& run, const RunTruth& truth, const LoopRe
 }
 
 void write_evaluation(const EvaluationRequest& request, const Evaluation& evaluation) {
-  write_file(request.out / "results.json", to_json(request, evaluation));
+  write_whole_file(request.out / "results.json", to_json(request, evaluation));
   const ComparedMethod& ours = request.methods.front();
   HtmlReport page("Isobath: " + request.suite.about.title, request.suite.about.text);
   for (const std::string& bar : evaluation.broken) page.warning("Bar missed: " + bar + ".");
@@ -374,7 +375,7 @@ void write_evaluation(const EvaluationRequest& request, const Evaluation& evalua
     page.folded("Decisions", decisions);
   }
   page.folded("Configuration in force", to_toml(ours.configuration, true));
-  write_file(request.out / "report.html", page.html());
+  write_whole_file(request.out / "report.html", page.html());
 }
 
 }  // namespace isobath

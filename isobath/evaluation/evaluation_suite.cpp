@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/base/file_access.hpp>
 #include <isobath/base/nearest_name.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/evaluation/evaluation_suite.hpp>
 #include <isobath/report/html_report.hpp>
@@ -265,7 +266,7 @@ fs::path find_suite(const std::string& name_or_file, const fs::path& folder) {
   for (const EmbeddedFile& file : embedded_files()) {
     const fs::path to = folder / file.name;
     make_folder(to.parent_path());
-    write_file(to, file.text);
+    write_whole_file(to, file.text);
   }
   return folder / (std::string(kFolder) + name_or_file + std::string(kEnding));
 }

@@ -1,3 +1,4 @@
+#include <isobath/base/pending_file.hpp>
 #include <isobath/evaluation/run_store.hpp>
 #include <isobath/report/html_report.hpp>
 #include <nlohmann/json.hpp>
@@ -43,9 +44,7 @@ void RunStore::rewrite() {
   out_.close();
   std::string text;
   for (const auto& [seed, run] : runs_) text += to_line(run, fingerprint_) + "\n";
-  const std::filesystem::path aside = file_.string() + ".new";
-  write_file(aside, text);
-  std::filesystem::rename(aside, file_);
+  write_whole_file(file_, text);
   out_.open(file_, std::ios::binary | std::ios::app);
 }
 

@@ -5,14 +5,12 @@ namespace isobath {
 
 std::vector<Hazard> hazards_of(const SphericalGrid& grid, double half_height_m) {
   std::vector<Hazard> hazards;
-  // distance that the vehicle may have gone since cells were filled
-  const double stale_m = grid.config().rebin_at * grid.config().min_layer_m;
   grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
     const Angle first = grid.buckets().azimuth_edge(d.azimuth) + grid.remainder();
     const Angle second = first + grid.buckets().step();
     const double level = grid.buckets().cos_elevation(d.elevation);
     for (const SphericalCell& cell : beam) {
-      if (!cell.holds_echo() || static_cast<double>(cell.log_odds) < grid.occupied_log_odds()) continue;
+      if (!grid.is_obstacle(cell)) continue;
       const double half_cell = grid.layers().thickness(cell.layer) / 2;
       if (std::abs(grid.point_of(cell).z()) > half_height_m + half_cell) continue;
       const double near = level * grid.layers().inner(cell.layer);
@@ -22,7 +20,7 @@ std::vector<Hazard> hazards_of(const SphericalGrid& grid, double half_height_m) 
       };
       Hazard hazard;
       hazard.outline = {corner(near, first), corner(near, second), corner(far, second), corner(far, first)};
-      hazard.margin_m = stale_m;
+      hazard.margin_m = grid.stale_m(cell.layer);
       hazards.push_back(std::move(hazard));
     }
   });

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/geometry/smooth_surface.hpp>
 #include <isobath/io/exports/geojson.hpp>
 #include <isobath/report/depth_pages.hpp>
@@ -109,11 +110,11 @@ DepthPictures write_depth_files(const DepthModel& model, const ChartSource& sour
   pictures.depth = depth_chart_png(chart);
   chart.title = "Confidence of the depths";
   pictures.confidence = confidence_chart_png(chart);
-  write_file(folder / "chart.png", pictures.depth);
-  write_file(folder / "confidence.png", pictures.confidence);
+  write_whole_file(folder / "chart.png", pictures.depth);
+  write_whole_file(folder / "confidence.png", pictures.confidence);
   files.insert(files.end(), {"depth.tif", "chart.png", "confidence.png"});
   if (chart.origin) {
-    write_file(folder / "contours.geojson", contours);
+    write_whole_file(folder / "contours.geojson", contours);
     files.emplace_back("contours.geojson");
   }
   return pictures;

@@ -1,4 +1,3 @@
-#include <fstream>
 #include <isobath/base/base64.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/base/pending_file.hpp>
@@ -54,15 +53,6 @@ void make_folder(const std::filesystem::path& folder) {
   }
 }
 
-void write_file(const std::filesystem::path& file, std::string_view bytes) {
-  PendingFile pending(file);
-  std::ofstream out(pending.beside(), std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) throw Error("cannot write", {file.string(), {}, {}, {}, {}}, "", "check space and permissions");
-  pending.complete();
-}
-
 HtmlReport::HtmlReport(const std::string& title, const std::string& lead) : title_(title) {
   body_ = "<h1>" + escape_html(title) + "</h1>\n<p class=\"lead\">" + escape_html(lead) + "</p>\n";
 }
@@ -111,6 +101,6 @@ std::string HtmlReport::html() const {
          "</body>\n</html>\n";
 }
 
-void HtmlReport::save(const std::filesystem::path& file) const { write_file(file, html()); }
+void HtmlReport::save(const std::filesystem::path& file) const { write_whole_file(file, html()); }
 
 }  // namespace isobath

@@ -42,7 +42,4 @@ std::string escape_html(std::string_view text);
 /// Makes a folder for results if it does not exist; throws Error if it cannot.
 void make_folder(const std::filesystem::path& folder);
 
-/// Writes a whole file, which takes its place when it is complete; throws Error if it cannot.
-void write_file(const std::filesystem::path& file, std::string_view bytes);
-
 }  // namespace isobath

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <fmt/format.h>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/io/exports/voxel_files.hpp>
 #include <isobath/io/exports/voxel_vdb.hpp>
 #include <isobath/map/voxel/seen_voxels.hpp>
@@ -150,7 +151,7 @@ VoxelPictures write_voxel_files(const VoxelMap& map, bool vdb, ChartSource sourc
                                 const std::optional<GeoOrigin>& origin, const std::filesystem::path& folder,
                                 VoxelOutcome& outcome, std::vector<std::filesystem::path>& files) {
   const auto write = [&](const char* name, const std::string& bytes) {
-    write_file(folder / name, bytes);
+    write_whole_file(folder / name, bytes);
     files.emplace_back(name);
   };
   const OctoMapFile tree = octomap_file(map);

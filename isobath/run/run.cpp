@@ -82,11 +82,18 @@ std::optional<MapVisit> visit_of(const std::filesystem::path& map, const std::st
 }
 
 /// The fingerprint of a log that goes into a stored map, and of the settings that choose a part of it. Empty for a
-/// scene, and without a stored map.
+/// scene, and without a stored map. What this run or an earlier one wrote into the folder of the logs does not count.
 std::string fingerprint_of_log(const RunRequest& request) {
   if (request.map.empty() || request.input.empty() || is_scene(request.input)) return {};
+  const std::filesystem::path map = std::filesystem::weakly_canonical(request.map);
+  const auto written = [&](const std::filesystem::path& file) {
+    const std::filesystem::path place = std::filesystem::weakly_canonical(file);
+    const bool of_map = std::mismatch(map.begin(), map.end(), place.begin(), place.end()).first == map.end();
+    const bool of_run = std::ranges::any_of(kRunFiles, [&](const char* name) { return file.filename() == name; });
+    return of_map || of_run;
+  };
   const InputConfig& chosen = request.configuration.input;
-  return fmt::format("{} only={} without={} set={} pass={}", fingerprint_of(request.input), chosen.survey.only,
+  return fmt::format("{} only={} without={} set={} pass={}", fingerprint_of(request.input, written), chosen.survey.only,
                      chosen.survey.without, chosen.set, chosen.pass);
 }
 

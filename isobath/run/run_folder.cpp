@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/display/decision_json.hpp>
 #include <isobath/display/live_page.hpp>
 #include <isobath/io/gdal/geotiff.hpp>
@@ -100,7 +101,7 @@ void RunFolder::on_scan(const ScanResult& scan) {
 }
 
 void RunFolder::write_text(const std::string& name, const std::string& bytes, RunOutcome& outcome) const {
-  write_file(folder_ / name, bytes);
+  write_whole_file(folder_ / name, bytes);
   outcome.files.emplace_back(name);
 }
 
@@ -246,7 +247,7 @@ void RunFolder::write(const RunRequest& request, const Onboard& onboard, RunOutc
   write_text("configuration.toml", to_toml(configuration_, true), outcome);
   write_text("report.html", report(request, outcome, pictures), outcome);
   outcome.files.emplace_back("manifest.json");
-  write_file(folder_ / "manifest.json", manifest_json(request, outcome));
+  write_whole_file(folder_ / "manifest.json", manifest_json(request, outcome));
 }
 
 /// Cells that were never observed are "no data". Rows run from the top; x of the grid, forward at the start, is up.

@@ -28,9 +28,12 @@ void judge_input(RunOutcome& outcome) {
     const PipelineCounts& n = outcome.counts;
     const std::uint64_t all = found->second + n.pings + n.navigation + n.ranges + n.swaths;
     const bool few = kFew * found->second < all;
-    (few ? outcome.warning : outcome.problem) =
-        fmt::format("{}: {} of {} events were rejected for this", reason, found->second, all);
-    if (!few) return;
+    const std::string text = fmt::format("{}: {} of {} events were rejected for this", reason, found->second, all);
+    if (!few) {
+      outcome.problem = text;
+      return;
+    }
+    outcome.warning += (outcome.warning.empty() ? "" : "; ") + text;
   }
 }
 

@@ -1,9 +1,6 @@
-// Mesh files: meshes of terrain, rasters and mesh files. Only this file uses GDAL and Assimp.
+// Meshes of terrain and of rasters, and their holes. Only this file of the room uses GDAL.
 #include <algorithm>
 #include <array>
-#include <assimp/Importer.hpp>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <cmath>
 #include <fmt/format.h>
 #include <gdal_priv.h>
@@ -132,41 +129,6 @@ TriangleMesh raster_mesh(const BottomConfig& c) {
   for (Vector3f& v : mesh.vertices) {
     if (std::isnan(v.z())) v.z() = 0;  // in no triangle
   }
-  return mesh;
-}
-
-TriangleMesh load_mesh(const std::string& file, double scale, const Place& place) {
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
-                                                          aiComponent_COLORS | aiComponent_TEXCOORDS |
-                                                          aiComponent_MATERIALS | aiComponent_TEXTURES);
-  // Assimp turns COLLADA's axes to y up; this keeps the axes of the file.
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene =
-      importer.ReadFile(file, aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_PreTransformVertices |
-                                  aiProcess_JoinIdenticalVertices | aiProcess_FindDegenerates);
-  if (!scene || scene->mNumMeshes == 0) {
-    refuse(place, "file", fmt::format("no readable mesh: {} ({})", file, importer.GetErrorString()));
-  }
-  TriangleMesh mesh;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& part = *scene->mMeshes[m];
-    const int base = static_cast<int>(mesh.vertices.size());
-    for (unsigned v = 0; v < part.mNumVertices; ++v) {
-      const aiVector3D& p = part.mVertices[v];
-      const Vector3f vertex = Vector3f(p.x, p.y, p.z) * static_cast<float>(scale);
-      if (!vertex.allFinite()) refuse(place, "file", "a vertex is not finite: " + file);
-      mesh.vertices.push_back(vertex);
-    }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;  // points and lines reflect nothing
-      mesh.triangles.push_back(Vector3i(static_cast<int>(face.mIndices[0]), static_cast<int>(face.mIndices[1]),
-                                        static_cast<int>(face.mIndices[2])) +
-                               Vector3i::Constant(base));
-    }
-  }
-  if (mesh.triangles.empty()) refuse(place, "file", "the mesh has no triangles: " + file);
   return mesh;
 }
 

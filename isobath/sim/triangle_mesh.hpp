@@ -1,5 +1,5 @@
 // TriangleMesh: bodies and bottoms without closed-form ray intersection. triangle_mesh.cpp makes meshes of the shapes
-// of a scene, mesh_files.cpp those of terrain and files; only the latter uses GDAL and Assimp.
+// of a scene, mesh_files.cpp those of terrain and rasters (GDAL), mesh_import.cpp reads mesh files (Assimp).
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,8 @@ int holes(const TriangleMesh& mesh);
 TriangleMesh terrain_mesh(const BottomConfig& config);
 /// Reads a raster with GDAL. Throws Error if it cannot be read or has cells without data.
 TriangleMesh raster_mesh(const BottomConfig& config);
-/// Reads a mesh with Assimp, in the axes of the file, scaled. Throws Error if it cannot be read.
+/// Reads a mesh with Assimp, in the axes of the file, scaled. Throws Error if it cannot be read. The file is untrusted:
+/// a process of its own reads it, with limits on memory and time that grow with the size of the file.
 TriangleMesh load_mesh(const std::string& file, double scale, const Place& place);
 
 TriangleMesh mesh_of(const Box& box);

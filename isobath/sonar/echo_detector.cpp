@@ -9,7 +9,8 @@ namespace isobath {
 namespace {
 
 constexpr int kFansListened = 20;
-constexpr int kBeamsLearnt = 16;  // beams of a multibeam ping to learn from: enough, at a fraction of the cost
+constexpr int kBeamsListened = 100;  // at least, of a log: nothing waits for the first decision
+constexpr int kBeamsLearnt = 16;     // beams of a multibeam ping to learn from: enough, at a fraction of the cost
 
 DetectorState state_of(ModelMismatch mismatch) {
   switch (mismatch) {
@@ -141,8 +142,9 @@ bool EchoDetector::listen(const Ping& ping) {
     ping.intensity.copy_beam(beam, beam_.data());
     tracker_.learn(beam_.data());
   }
-  if (tracker_.update()) take_thresholds();
-  return state_ == DetectorState::kReady;
+  if (!tracker_.warm() || tracker_.profiles() < kBeamsListened) return false;
+  end_learning();
+  return true;
 }
 
 void EchoDetector::end_learning() {

@@ -15,10 +15,10 @@
 // than skirt_m with no dip between them are reported at the stronger one.
 //
 // Warm-up (`learnt`): until warmup_profiles beams have been received, all bins are unusable: unknown, neither free nor
-// occupied. The default is half a turn of a Micron, or seven pings of a multibeam sonar (the detector learns from 16
-// beams of each ping). If the pings already exist, as in a log, the detector can learn from them before its first
-// decision (`listen`). It then also knows the level of each beam of a fan relative to the others, from the 80 %
-// quantile of sample over threshold in the first ping. The threshold of a beam that is louder by more than 5 % is
+// occupied. The default is a quarter turn of a Micron, or four pings of a multibeam sonar (the detector learns from 16
+// beams of each ping). If the pings already exist, as in a log, the detector can learn from at least 100 beams before
+// its first decision (`listen`). It then also knows the level of each beam of a fan relative to the others, from the 80
+// % quantile of sample over threshold in the first ping. The threshold of a beam that is louder by more than 5 % is
 // raised by this ratio.
 //
 // Measured with the defaults: in a tank of 4.5 m (Micron, 20 turns) the first hit is 0.00 to 0.05 m before each wall,

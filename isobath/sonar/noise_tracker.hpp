@@ -27,7 +27,7 @@ namespace isobath {
 
 struct NoiseTrackerConfig {
   double contrast = 0.5;
-  int warmup_profiles = 100;
+  int warmup_profiles = 50;    ///< a vehicle that cannot stop sails blind until then
   int memory_profiles = 4000;  ///< 2000 to 4000 beams are remembered
 };
 std::vector<Field> fields(NoiseTrackerConfig& config);

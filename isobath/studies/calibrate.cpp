@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/io/frames/frame_folder.hpp>
 #include <isobath/io/frames/marked_frames.hpp>
 #include <isobath/io/open_source.hpp>
@@ -287,7 +288,7 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
 
   make_folder(request.out);
   const auto write = [&](const std::string& name, const std::string& bytes) {
-    write_file(request.out / name, bytes);
+    write_whole_file(request.out / name, bytes);
     outcome.files.emplace_back(name);
   };
   write("sensor_model.json", write_sensor_model(result.model));

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <Eigen/LU>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/perception/depth_mapper.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/run/run_source.hpp>
@@ -173,8 +174,8 @@ CheckOutcome check_map(const CheckRequest& request) {
   outcome.result = crosscheck(input);
   if (!request.out.empty()) {
     make_folder(request.out);
-    write_file(request.out / "crosscheck.json", to_json(outcome.result));
-    write_file(request.out / "crosscheck.html", crosscheck_page(input, outcome.result).html());
+    write_whole_file(request.out / "crosscheck.json", to_json(outcome.result));
+    write_whole_file(request.out / "crosscheck.html", crosscheck_page(input, outcome.result).html());
     outcome.files = {"crosscheck.json", "crosscheck.html"};
   }
   return outcome;

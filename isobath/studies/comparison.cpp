@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/scenario/scenario.hpp>
@@ -210,7 +211,7 @@ CompareOutcome compare(const CompareRequest& request) {
   const std::string a = "A: " + short_name(outcome.a.name), b = "B: " + short_name(outcome.b.name);
   make_folder(request.out);
   const auto write = [&](const std::string& name, const std::string& bytes) {
-    write_file(request.out / name, bytes);
+    write_whole_file(request.out / name, bytes);
     outcome.files.emplace_back(name);
   };
   const PlanExtent ea = extent_of(outcome.a.mean), eb = extent_of(outcome.b.mean);

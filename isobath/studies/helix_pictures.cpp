@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/report/plot/picture.hpp>
 #include <isobath/studies/helix_pictures.hpp>
@@ -303,7 +304,7 @@ std::vector<std::filesystem::path> write_helix_report(const HelixStudy& study, c
                               study.opening.width_m, study.opening.height_m));
   std::vector<std::filesystem::path> files;
   const auto add = [&](const char* name, const std::string& png, const std::string& caption) {
-    write_file(folder / name, png);
+    write_whole_file(folder / name, png);
     files.emplace_back(name);
     page.figure(png, caption);
   };

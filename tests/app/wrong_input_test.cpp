@@ -181,6 +181,16 @@ TEST_F(WrongInput, TimeThatRunsBackwards) {
   EXPECT_THAT(run(file("reversed.csv", joined(reversed))), ends_with_one_line(HasSubstr("time runs backwards")));
 }
 
+TEST_F(WrongInput, TwoThingsThatAreWrongAreBothTold) {
+  std::string bad = pose_csv(25);
+  bad.replace(bad.find("3,47.5"), 6, "3,nan");
+  bad.replace(bad.find("\n5,47.5"), 7, "\n1,47.5");
+  const ProgramResult result =
+      run(file("wall.csv", wall_csv(200)), {"--set", "input.navigation=" + file("poses.csv", bad).string()});
+  EXPECT_EQ(result.exit_code, 0) << "two of 222 events";
+  EXPECT_THAT(result.err, AllOf(HasSubstr("missing or impossible value: 1 of "), HasSubstr("back in time")));
+}
+
 TEST_F(WrongInput, PoseTrackWhoseTimeRunsBackwards) {
   std::string bad = pose_csv(25);
   bad.replace(bad.find("\n3,47.5"), 7, "\n1,47.5");

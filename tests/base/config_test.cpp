@@ -3,7 +3,7 @@
 #include <isobath/base/error.hpp>
 #include <tests/support/data.hpp>
 
-namespace isobath {
+namespace isobath::config_test {
 namespace {
 
 enum class Fruit { kApple, kPear };
@@ -98,4 +98,4 @@ TEST(Config, SetFromTextTakesBareWordsAndNumbers) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::config_test

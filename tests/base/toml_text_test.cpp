@@ -3,7 +3,7 @@
 #include <isobath/base/config.hpp>
 #include <isobath/base/toml_text.hpp>
 
-namespace isobath {
+namespace isobath::toml_text_test {
 namespace {
 
 struct Sample {
@@ -94,4 +94,4 @@ TEST(TomlText, AssignmentsOfTheCommandLineAreCheckedToo) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::toml_text_test

@@ -1,6 +1,7 @@
 // The stages of a story, looked for in a run past a pole.
 #include <fstream>
 #include <gmock/gmock.h>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/evaluation/evaluation.hpp>
 #include <isobath/report/html_report.hpp>
 #include <tests/support/data.hpp>
@@ -15,8 +16,8 @@ using testing::HasSubstr;
 class MissionStory : public testing::Test {
  protected:
   Evaluation told(const std::string& stages) {
-    write_file(folder_ / "pole.toml", test::kPoleScene);
-    write_file(folder_ / "story.toml", "[suite]\nscene = \"pole.toml\"\nduration_s = 45\ngoal_m = 7\n" + stages);
+    write_whole_file(folder_ / "pole.toml", test::kPoleScene);
+    write_whole_file(folder_ / "story.toml", "[suite]\nscene = \"pole.toml\"\nduration_s = 45\ngoal_m = 7\n" + stages);
     EvaluationRequest request;
     request.suite = load_suite(folder_ / "story.toml");
     request.methods = methods_of(request.suite, {});

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/evaluation/evaluation_report.hpp>
 #include <isobath/report/html_report.hpp>
 #include <set>
@@ -20,14 +21,14 @@ class Variants : public testing::Test {
                 ("variants_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()))) {
     fs::remove_all(folder_);
     make_folder(folder_);
-    write_file(folder_ / "pole.toml", test::kPoleScene);
+    write_whole_file(folder_ / "pole.toml", test::kPoleScene);
     for (const char* vehicle : {"remus100", "bluerov2"}) {
       const fs::path file = std::string(vehicle) + ".toml";
       fs::copy_file(test::source_folder() / "vehicles" / file, folder_ / file);
     }
   }
   [[nodiscard]] Suite suite(const std::string& about, const std::string& lists) const {
-    write_file(folder_ / "suite.toml", "[suite]\nscene = \"pole.toml\"\n" + about + lists);
+    write_whole_file(folder_ / "suite.toml", "[suite]\nscene = \"pole.toml\"\n" + about + lists);
     return load_suite(folder_ / "suite.toml");
   }
   [[nodiscard]] std::string problem(const std::string& about, const std::string& lists) const {

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/base/random.hpp>
-#include <isobath/io/bytes/whole_file.hpp>
 #include <isobath/io/frames/frame_folder.hpp>
 #include <isobath/io/frames/marked_frames.hpp>
 #include <png.h>

@@ -5,6 +5,7 @@
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/base/random.hpp>
 #include <isobath/io/bytes/whole_file.hpp>
 #include <isobath/io/charts/read_prior.hpp>
@@ -13,7 +14,7 @@
 #include <ogrsf_frmts.h>
 #include <tests/support/data.hpp>
 
-namespace isobath {
+namespace isobath::read_prior_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -812,4 +813,4 @@ TEST(PriorConfig, ReadsWhatItWrites) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::read_prior_test

@@ -4,7 +4,7 @@
 #include <isobath/io/formats/tritech/tritech_logs.hpp>
 #include <tests/io/tritech_frames.hpp>
 
-namespace isobath {
+namespace isobath::tritech_test {
 namespace {
 
 using test::drain;
@@ -209,4 +209,4 @@ TEST(SeanetCsv, ALineIsAPing) {
 TEST(SeanetCsv, NothingBehindTheHeadingIsAnError) { EXPECT_THROW(open_seanet_csv(in_memory(kCsvHeading), {}), Error); }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::tritech_test

@@ -5,7 +5,7 @@
 #include <isobath/map/depth/region_quadtree.hpp>
 #include <rapidcheck/gtest.h>
 
-namespace isobath {
+namespace isobath::region_quadtree_property_test {
 namespace {
 
 /// The slow, obvious map.
@@ -142,4 +142,4 @@ RC_GTEST_PROP(RegionQuadtreeProperty, SnapshotsKeepWhatTheyWere, ()) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::region_quadtree_property_test

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <tests/support/tree_file_bytes.hpp>
 
-namespace isobath {
+namespace isobath::tree_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -332,4 +332,4 @@ TEST_F(TreeFileLinks, OfFreeBlocksThatAreInUseAreNotBelieved) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::tree_file_test

@@ -6,7 +6,7 @@
 #include <isobath/mission/plan/mission_file.hpp>
 #include <tests/support/data.hpp>
 
-namespace isobath {
+namespace isobath::mission_file_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -294,4 +294,4 @@ TEST(MissionFile, ThePageOfTheFormatIsCurrent) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::mission_file_test

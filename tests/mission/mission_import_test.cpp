@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <tests/support/data.hpp>
 
-namespace isobath {
+namespace isobath::mission_import_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -303,4 +303,4 @@ TEST(MissionImport, CanBeKeptAsToml) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::mission_import_test

@@ -103,7 +103,7 @@ TEST_F(PilotTest, HoldsByCirclingWhereTheVehicleCannotHover) {
   Angle psi;
   at_place(0, 0, 0, 1);
   script->hear(FollowOrder{}, now);
-  double farthest = 0;
+  double farthest = 0, most_ahead = 0;
   for (int i = 0; i < 3000; ++i) {
     at_place(p.x(), p.y(), psi.degrees(), 0.8);
     const Angle turn = (setpoint().heading - psi).wrapped();
@@ -111,9 +111,11 @@ TEST_F(PilotTest, HoldsByCirclingWhereTheVehicleCannotHover) {
     psi = (psi + Angle::radians(std::clamp(turn.radians(), -most, most))).wrapped();
     p += 0.1 * setpoint().speed * Eigen::Vector2d(cos(psi), sin(psi));
     farthest = std::max(farthest, p.norm());
+    most_ahead = std::max(most_ahead, p.x());
     ASSERT_GE(setpoint().speed, 0.8);
   }
   EXPECT_LT(farthest, 30);
+  EXPECT_LT(most_ahead, 12) << "on its circle of 10 m at once";
 }
 
 TEST_F(PilotTest, KeepsAnAltitudeByTheReadingsOfABeamThatLooksDown) {

@@ -6,7 +6,7 @@
 #include <rapidcheck/gtest.h>
 #include <tests/mission/agent_script.hpp>
 
-namespace isobath {
+namespace isobath::plan_graph_test {
 namespace {
 
 using testing::HasSubstr;
@@ -331,4 +331,4 @@ TEST(PlanGraphFile, TextThatIsNoUtf8IsNotWritten) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::plan_graph_test

@@ -5,7 +5,7 @@
 #include <isobath/mission/plan/mission_file.hpp>
 #include <tests/mission/agent_script.hpp>
 
-namespace isobath {
+namespace isobath::signaling_officer_test {
 namespace {
 
 using Kind = OperatorCommand::Kind;
@@ -215,4 +215,4 @@ TEST(OperatorLink, FramesOfTheSpecification) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::signaling_officer_test

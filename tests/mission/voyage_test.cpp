@@ -6,7 +6,7 @@
 
 #include "agent_script.hpp"
 
-namespace isobath {
+namespace isobath::voyage_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -259,4 +259,4 @@ TEST(Voyage, IsAFunctionOfWhatItHears) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::voyage_test

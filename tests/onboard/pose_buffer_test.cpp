@@ -4,7 +4,7 @@
 #include <tests/support/events.hpp>
 #include <vector>
 
-namespace isobath {
+namespace isobath::pose_buffer_test {
 namespace {
 
 using test::fix_at;
@@ -140,4 +140,4 @@ TEST(PoseBuffer, KeepsTheNewestThousandFixes) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::pose_buffer_test

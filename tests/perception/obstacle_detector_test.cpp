@@ -8,7 +8,7 @@
 #include <sstream>
 #include <tests/support/data.hpp>
 
-namespace isobath {
+namespace isobath::obstacle_detector_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -266,4 +266,4 @@ TEST(ObstacleDetector, FindsTheWallsOfARealTank) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::obstacle_detector_test

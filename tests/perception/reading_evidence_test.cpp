@@ -6,7 +6,7 @@
 #include <tests/support/count_allocations.hpp>
 #include <tests/support/sanitized.hpp>
 
-namespace isobath {
+namespace isobath::reading_evidence_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -758,4 +758,4 @@ TEST(ReadingEvidence, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::reading_evidence_test

@@ -5,7 +5,7 @@
 #include <tests/planning/random_hazards.hpp>
 #include <tests/support/sanitized.hpp>
 
-namespace isobath {
+namespace isobath::route_planner_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -388,4 +388,4 @@ TEST(RoutePlanner, EveryRefusalHasItsWords) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::route_planner_test

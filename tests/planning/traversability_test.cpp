@@ -7,7 +7,7 @@
 #include <set>
 #include <tests/planning/array_field.hpp>
 
-namespace isobath {
+namespace isobath::traversability_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -291,4 +291,4 @@ TEST(AreaTraversability, ABlockIsClearBlockedOrMixed) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::traversability_test

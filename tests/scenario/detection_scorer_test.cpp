@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <isobath/scenario/detection_scorer.hpp>
 
-namespace isobath {
+namespace isobath::detection_scorer_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -129,4 +129,4 @@ TEST_F(Judged, ABottomInTheWayIsAnObstacle) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::detection_scorer_test

@@ -7,7 +7,7 @@
 #include <set>
 #include <tests/sim/worlds.hpp>
 
-namespace isobath {
+namespace isobath::simulated_sonar_test {
 namespace {
 
 using namespace test;
@@ -757,4 +757,4 @@ TEST(Ranges, AMultibeamEchoSounderReadsTheDepthsOfAFlatAndOfASlopingBottom) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::simulated_sonar_test

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <tests/support/echoes.hpp>
 
-namespace isobath {
+namespace isobath::fan_model_test {
 namespace {
 
 constexpr int kBeams = 64, kBins = 200, kPings = 80;
@@ -294,4 +294,4 @@ TEST(FanModel, KnowsItsSonar) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::fan_model_test

@@ -8,7 +8,7 @@
 #include <tests/support/data.hpp>
 #include <tests/support/echoes.hpp>
 
-namespace isobath {
+namespace isobath::ping_quality_test {
 namespace {
 
 constexpr RangeWindow kWindow{0.5, 0.25, 200};
@@ -263,4 +263,4 @@ TEST(NearestDenseEcho, IsRareInNoiseAndFindsWhereAWallBegins) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::ping_quality_test

@@ -5,7 +5,7 @@
 #include <isobath/studies/comparison.hpp>
 #include <numbers>
 
-namespace isobath {
+namespace isobath::comparison_test {
 namespace {
 
 constexpr int kBeams = 40, kBins = 240;
@@ -125,4 +125,4 @@ TEST(Comparison, NothingToCompareIsAnError) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::comparison_test

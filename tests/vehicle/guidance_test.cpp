@@ -10,7 +10,7 @@
 #include <tests/support/sanitized.hpp>
 #include <tests/vehicle/models.hpp>
 
-namespace isobath {
+namespace isobath::guidance_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -399,4 +399,4 @@ TEST(KinematicVehicle, IsCarriedByTheCurrent) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::guidance_test

@@ -6,7 +6,7 @@
 #include <tests/support/count_allocations.hpp>
 #include <tests/vehicle/models.hpp>
 
-namespace isobath {
+namespace isobath::plant_test {
 namespace {
 
 constexpr double kDt = 0.1;
@@ -240,4 +240,4 @@ TEST(Plant, AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::plant_test

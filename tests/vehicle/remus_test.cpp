@@ -7,7 +7,7 @@
 #include <isobath/vehicle/plant.hpp>
 #include <tests/vehicle/models.hpp>
 
-namespace isobath {
+namespace isobath::remus_test {
 namespace {
 
 const WaterConditions kSea{1030, {0, 0, 0}};
@@ -162,4 +162,4 @@ TEST(Remus, TracksAStepOfHeadingAndDepth) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::remus_test

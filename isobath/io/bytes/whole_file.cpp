@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <isobath/base/error.hpp>
-#include <isobath/base/pending_file.hpp>
 #include <isobath/io/bytes/whole_file.hpp>
 
 namespace isobath {
@@ -20,22 +19,6 @@ std::vector<std::uint8_t> read_whole_file(const fs::path& file, std::uint64_t ma
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (!in) throw Error("cannot be read", {file.string(), {}, {}, {}, {}});
   return bytes;
-}
-
-void write_whole_file(const fs::path& file, std::span<const std::uint8_t> bytes) {
-  PendingFile pending(file);
-  std::ofstream out(pending.beside(), std::ios::binary | std::ios::trunc);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) {
-    throw Error("cannot be written", {file.string(), {}, {}, {}, {}}, "",
-                "check the folder, its permissions and the free space");
-  }
-  pending.complete();
-}
-
-void write_whole_file(const fs::path& file, std::string_view text) {
-  write_whole_file(file, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
 }
 
 }  // namespace isobath

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/base/error.hpp>
-#include <isobath/io/bytes/whole_file.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/io/exports/geojson.hpp>
 #include <nlohmann/json.hpp>
 

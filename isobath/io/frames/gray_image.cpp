@@ -2,6 +2,7 @@
 #include <csetjmp>
 #include <cstring>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/io/bytes/whole_file.hpp>
 #include <isobath/io/frames/gray_image.hpp>
 #include <memory>

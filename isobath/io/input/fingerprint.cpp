@@ -35,13 +35,13 @@ struct Checksums {
 
 }  // namespace
 
-std::string fingerprint_of(const fs::path& input) {
+std::string fingerprint_of(const fs::path& input, const std::function<bool(const fs::path&)>& left_out) {
   Checksums sums;
   std::error_code failed;
   if (fs::is_directory(input, failed)) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::recursive_directory_iterator(input)) {
-      if (entry.is_regular_file()) files.push_back(entry.path());
+      if (entry.is_regular_file() && !(left_out && left_out(entry.path()))) files.push_back(entry.path());
     }
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {

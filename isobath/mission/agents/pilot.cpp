@@ -77,6 +77,8 @@ void Pilot::take_limits(const MissionLimits& limits) {
 }
 
 // Holds where the vehicle comes to rest under full braking: to hold the place of the order it would have to turn back.
+// A vehicle that cannot stop is on its circle at once: with the place of the order in the middle, it would first go
+// straight on, maybe into water that no sonar has seen.
 void Pilot::hold_where_it_stops() {
   task_ = order_.surface ? Task::kSurface : Task::kHold;
   if (!here_) return;
@@ -87,6 +89,10 @@ void Pilot::hold_where_it_stops() {
     place += v * (v.norm() / (2 * vehicle_.braking));
   }
   const double depth = order_.surface ? 0 : here_->X_WB.translation.z();
+  station_.hold({place.x(), place.y(), depth, hold_speed()});
+  if (station_.radius() <= 0) return;
+  const Angle heading = here_->X_WB.rotation.heading();
+  place += station_.radius() * Vector2d(-sin(heading), cos(heading));
   station_.hold({place.x(), place.y(), depth, hold_speed()});
 }
 

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/evaluation/baseline_helms.hpp>
 #include <isobath/evaluation/evaluation_report.hpp>
 #include <isobath/evaluation/run_store.hpp>
@@ -200,9 +201,9 @@ TEST(Suites, DrawWithinTheirLimits) {
 TEST(Suites, AreStrict) {
   const fs::path folder = fs::path(testing::TempDir()) / "strict_suites";
   make_folder(folder);
-  write_file(folder / "pole.toml", test::kPoleScene);
+  write_whole_file(folder / "pole.toml", test::kPoleScene);
   const auto refused = [&](const std::string& text) -> std::string {
-    write_file(folder / "suite.toml", text);
+    write_whole_file(folder / "suite.toml", text);
     try {
       load_suite(folder / "suite.toml");
     } catch (const Error& e) {
@@ -231,9 +232,9 @@ class SmallEvaluation : public testing::Test {
         ("evaluation_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     make_folder(folder);
-    write_file(folder / "pole.toml", test::kPoleScene);
-    write_file(folder / "small.toml",
-               "[suite]\nscene = \"pole.toml\"\nduration_s = 20\n[vary]\nstart = [0, 6]\nnoise = [0.8, 1.2]\n");
+    write_whole_file(folder / "pole.toml", test::kPoleScene);
+    write_whole_file(folder / "small.toml",
+                     "[suite]\nscene = \"pole.toml\"\nduration_s = 20\n[vary]\nstart = [0, 6]\nnoise = [0.8, 1.2]\n");
     request_.suite = load_suite(folder / "small.toml");
     request_.methods = {{"potential field", {}, counted([](const Scenario& scenario, const VehicleParameters& vehicle) {
                            return std::make_unique<PotentialFieldHelm>(scenario.mission, vehicle,
@@ -282,7 +283,7 @@ TEST_F(SmallEvaluation, GoesOnWhereItWasCutOff) {
   // Cut in the second line, in the third, between them, and with a line that no program wrote.
   for (const std::string& left : {all.substr(0, second + 40), all.substr(0, all.size() - 1), all.substr(0, second),
                                   all.substr(0, second) + "{\"seed\": 6, \"fingerprint\": 3}\n", std::string("\n")}) {
-    write_file(request_.out / "runs.jsonl", left);
+    write_whole_file(request_.out / "runs.jsonl", left);
     made_ = 0;
     const Evaluation again = evaluate(request_);
     EXPECT_EQ(to_json(request_, again), whole);

@@ -1,7 +1,7 @@
 // Writes <folder>/{none,lz4,zstd}.mcap of made-up events and <folder>/expected.json, what a reader must count in them.
 #include <cstdio>
 #include <fmt/format.h>
-#include <isobath/io/bytes/whole_file.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/io/mcap/native_log.hpp>
 #include <tests/io/sample_events.hpp>
 

@@ -9,7 +9,7 @@
 #include <tests/mission/scripted_agent.hpp>
 #include <thread>
 
-namespace isobath {
+namespace isobath::threaded_executor_test {
 namespace {
 
 using test::at;
@@ -368,4 +368,4 @@ TEST(ThreadedExecutor, RefusesSlotsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::threaded_executor_test

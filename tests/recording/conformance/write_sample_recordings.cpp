@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/display/display_bytes.hpp>
 #include <isobath/io/bytes/whole_file.hpp>
 #include <isobath/map/voxel/voxel_blocks.hpp>

@@ -7,7 +7,7 @@
 #include <tests/support/data.hpp>
 #include <tests/support/kept_scans.hpp>
 
-namespace isobath {
+namespace isobath::holo_test {
 namespace {
 
 constexpr double kSlack = 0.5;  // m
@@ -214,4 +214,4 @@ TEST(HoloBoat, NoiseAloneRaisesAtMostOneFalseObstacleInAHundredFrames) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::holo_test

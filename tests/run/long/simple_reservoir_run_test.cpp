@@ -5,7 +5,7 @@
 #include <tests/run/simple_reservoir.hpp>
 #include <tests/support/kept_scans.hpp>
 
-namespace isobath {
+namespace isobath::simple_reservoir_run_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -132,4 +132,4 @@ TEST(SimpleReservoirRun, FewFalseAlarmsBecomeObstacles) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::simple_reservoir_run_test

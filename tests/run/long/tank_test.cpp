@@ -6,7 +6,7 @@
 #include <tests/support/data.hpp>
 #include <tests/support/kept_scans.hpp>
 
-namespace isobath {
+namespace isobath::tank_test {
 namespace {
 
 using test::first_along;
@@ -132,4 +132,4 @@ TEST(Tank, SecondReturnsAreMarkedAsBehindTheWallAndPossibleMultiples) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::tank_test

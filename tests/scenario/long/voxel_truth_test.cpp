@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-namespace isobath {
+namespace isobath::voxel_truth_test {
 namespace {
 
 using Rule = FanMapperConfig::Rule;
@@ -195,4 +195,4 @@ TEST(VoxelReliability, NeedsTheLimitOfEchoes) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::voxel_truth_test

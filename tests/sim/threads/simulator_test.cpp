@@ -9,7 +9,7 @@
 #include <tests/sim/worlds.hpp>
 #include <tests/support/data.hpp>
 
-namespace isobath {
+namespace isobath::simulator_test {
 namespace {
 
 using testing::HasSubstr;
@@ -335,4 +335,4 @@ TEST(Scenarios, TrafficCrossesTheWayOfTheVehicle) {
 }
 
 }  // namespace
-}  // namespace isobath
+}  // namespace isobath::simulator_test

@@ -1,6 +1,7 @@
 // Writes docs/detection-delay.md and its picture: detection_delay_page PAGE PICTURE.
 #include <cstdio>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/report/html_report.hpp>
 #include <tests/studies/detection_delay.hpp>
 
@@ -11,8 +12,8 @@ int main(int argc, char** argv) {
   }
   try {
     const std::vector<isobath::DetectionDelay> rows = isobath::measure_delays({});
-    isobath::write_file(argv[1], isobath::test::delay_page(rows));
-    isobath::write_file(argv[2], isobath::delay_picture(rows));
+    isobath::write_whole_file(argv[1], isobath::test::delay_page(rows));
+    isobath::write_whole_file(argv[2], isobath::delay_picture(rows));
   } catch (const isobath::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;
