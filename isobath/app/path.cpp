@@ -4,6 +4,7 @@
 #include <isobath/app/option_facts.hpp>
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
+#include <isobath/base/pending_file.hpp>
 #include <isobath/studies/check_path.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@ namespace {
 struct PathOptions {
   PathRequest request;
   std::vector<std::string> points;
+  std::filesystem::path mission;
   bool metres = false;
   bool json = false;
 };
@@ -42,6 +44,30 @@ nlohmann::ordered_json place_json(const PathOutcome& outcome, const std::optiona
   return json;
 }
 
+nlohmann::ordered_json way_json(const PathOutcome& outcome) {
+  auto way = nlohmann::ordered_json::array();
+  for (const Eigen::Vector2d& p : outcome.way) {
+    nlohmann::ordered_json& place = way.emplace_back(nlohmann::ordered_json{{"north_m", p.x()}, {"east_m", p.y()}});
+    if (!outcome.origin) continue;
+    const GeoPoint point = LocalPlane(*outcome.origin).to_geo(p);
+    place["latitude_deg"] = point.latitude_deg;
+    place["longitude_deg"] = point.longitude_deg;
+  }
+  return way;
+}
+
+void print_way(const PathOutcome& outcome) {
+  for (std::size_t i = 0; i < outcome.way.size(); ++i) {
+    const Eigen::Vector2d& p = outcome.way[i];
+    fmt::print("  {:2}  north {:9.2f} m  east {:9.2f} m", i + 1, p.x(), p.y());
+    if (outcome.origin) {
+      const GeoPoint point = LocalPlane(*outcome.origin).to_geo(p);
+      fmt::print("  ({:.6f}, {:.6f})", point.latitude_deg, point.longitude_deg);
+    }
+    fmt::print("\n");
+  }
+}
+
 int act(PathOptions& options) {
   PathRequest& request = options.request;
   for (const std::string& text : options.points) {
@@ -55,9 +81,11 @@ int act(PathOptions& options) {
       throw Error("\"" + text + "\" is not a position on the globe", {}, "latitude,longitude in degrees");
     request.points.push_back(point);
   }
+  if (!options.mission.empty() && !request.find) throw Error("--mission needs --find", {.key = "--mission"});
   const PathOutcome outcome = check_path(request);
   const Traversability& t = outcome.verdict;
   const bool clear = outcome.reason.empty();
+  if (clear && !options.mission.empty()) write_whole_file(options.mission, mission_along(request, outcome));
   if (options.json) {
     print_json({{"clear", clear},
                 {"reason", outcome.reason},
@@ -69,9 +97,13 @@ int act(PathOptions& options) {
                 {"share_clear_weighted", t.weighted},
                 {"unknown_pixels", t.unknown},
                 {"unsure_pixels", t.unsure},
+                {"way", way_json(outcome)},
+                {"queries", outcome.queries},
                 {"map_version", t.map_version}});
   } else if (clear) {
     fmt::print("clear: {:.0f} m of path, {} pixels, all with enough water\n", outcome.length_m, t.pixels);
+    print_way(outcome);
+    if (!options.mission.empty()) fmt::print("written to {}\n", options.mission.string());
   } else {
     fmt::print("refused: {}\n{:.1f} % of {} pixels are clear, {} are unknown, {} too unsure\n", outcome.reason,
                100 * t.fraction, t.pixels, t.unknown, t.unsure);
@@ -92,16 +124,29 @@ Action add_path(CLI::App& program) {
       ->required()
       ->expected(1, 10000);
   command->add_flag("--metres", options->metres, "Way-points are metres north,east of the map's origin")->group("Path");
-  const auto length = [&](const char* name, double& value, const char* text) {
-    command->add_option(name, value, text)->check(number(-INFINITY, INFINITY))->capture_default_str()->group("Path");
+  const auto length = [&](const char* name, double& value, const char* text, const char* group = "Path") {
+    command->add_option(name, value, text)->check(number(-INFINITY, INFINITY))->capture_default_str()->group(group);
   };
   length("--draught", request.draught_m, "Depth of the vehicle's lowest part, m");
   length("--clearance", request.passage.clearance_m, "Water required below the vehicle, m");
   length("--half-width", request.passage.half_width_m, "Half the width of the corridor, m");
   length("--around-objects", request.obstacle_radius_m, "Distance to keep from charted objects, m");
+  const char* kFinding = "Finding a way";
+  command
+      ->add_flag("--find", request.find,
+                 "Find the safest short way from point to point; without it, straight legs are checked")
+      ->group(kFinding);
+  length("--risk-weight", request.search.risk_weight,
+         "Detour that one e-fold of shallow water nearby is worth, m per m of way", kFinding);
+  length("--risk-reach", request.search.risk_reach_m, "Shallow water within this distance is a risk, m", kFinding);
+  length("--margin", request.search.margin_m, "How far to search around the box of the points, m", kFinding);
+  command->add_option("--mission", options->mission, "Write the way as a mission file")
+      ->check(writes_file())
+      ->group(kFinding);
   add_json_flag(*command, options->json);
   add_example(*command, "path lake 54.2861,10.1512 54.2874,10.1555 --draught 1.2");
   add_example(*command, "path lake 0,0 150,40 --metres --half-width 5 --json");
+  add_example(*command, "path lake 54.2861,10.1512 54.2874,10.1555 --draught 1.2 --find --mission way.toml");
   return [options] { return act(*options); };
 }
 

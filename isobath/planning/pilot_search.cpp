@@ -11,7 +11,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kWidest = 500;  // pixels, half-width of a vehicle: every step checks its whole corridor
+constexpr std::int32_t kRowsAtOnce = 64;  // a tree is read block by block
+constexpr double kWidest = 500;           // pixels, half-width of a vehicle: every step checks its whole corridor
 
 /// Which pixels of an area are clear, and how safe it is round each.
 class Area {
@@ -19,12 +20,15 @@ class Area {
   Area(const DepthField& map, PixelWindow window, double vehicle_z, const PilotSearchConfig& config,
        std::span<const ChartObstacle> chart)
       : grid_(map.grid()), window_(window) {
-    std::vector<DepthPixel> row(static_cast<std::size_t>(window.width));
+    std::vector<DepthPixel> rows(static_cast<std::size_t>(window.width) * kRowsAtOnce);
     clear_.reserve(size());
-    for (std::int32_t r = 0; r < window.height; ++r) {
-      map.read({window.column, window.row + r, window.width, 1}, row);
-      for (const DepthPixel& p : row) {
-        clear_.push_back(p.known() && p.depth_m() - vehicle_z >= config.passage.clearance_m);
+    for (std::int32_t r = 0; r < window.height; r += kRowsAtOnce) {
+      const std::int32_t height = std::min(kRowsAtOnce, window.height - r);
+      const std::span band(rows.data(), static_cast<std::size_t>(window.width) * static_cast<std::size_t>(height));
+      map.read({window.column, window.row + r, window.width, height}, band);
+      for (const DepthPixel& p : band) {
+        clear_.push_back(p.known() && p.confidence() >= config.passage.min_confidence &&
+                         p.depth_m() - vehicle_z >= config.passage.clearance_m);
       }
     }
     for (const ChartObstacle& o : chart) {
@@ -58,14 +62,26 @@ class Area {
     });
   }
   /// Whether the corridor of a short leg to the centre of a pixel is clear.
-  [[nodiscard]] bool leg_is_clear(const Vector3d& from, Pixel to, double half_width) const {
-    const Vector2d centre = grid_.centre(to);
-    const std::array<Vector3d, 2> leg = {from, Vector3d(centre.x(), centre.y(), from.z())};
+  [[nodiscard]] bool leg_is_clear(const Vector2d& from, const Vector2d& to, double half_width) const {
+    const std::array<Vector3d, 2> leg = {Vector3d(from.x(), from.y(), 0), Vector3d(to.x(), to.y(), 0)};
     const auto swept = sweep(grid_, leg, half_width);
     return swept && std::all_of(swept->begin(), swept->end(), [&](const SweptPixel& s) { return clear(s.pixel); });
   }
+  /// Length less w integral ln T ds, by steps of at most a pixel.
+  [[nodiscard]] double leg_cost(const Vector2d& from, const Vector2d& to, double risk_weight) const {
+    const double length = (to - from).norm();
+    const int steps = std::max(1, static_cast<int>(std::ceil(length / grid_.pixel_m)));
+    double log_safety = 0;
+    for (int i = 0; i < steps; ++i) log_safety += log_safety_at(from + (i + 0.5) / steps * (to - from));
+    return length * (1 - risk_weight * log_safety / steps);
+  }
 
  private:
+  [[nodiscard]] double log_safety_at(const Vector2d& p) const {
+    const Pixel at = grid_.at(p);
+    return contains(at) ? log_safety_[index(at)] : 0;
+  }
+
   void block(const ChartObstacle& o) {
     const std::array<Vector3d, 2> line = {Vector3d(o.a.x(), o.a.y(), 0), Vector3d(o.b.x(), o.b.y(), 0)};
     const double reach = window_.width * grid_.pixel_m + window_.height * grid_.pixel_m + o.radius_m;
@@ -157,6 +173,27 @@ std::vector<Pixel> corners(const Area& area, const GridSearch<PilotGround>& sear
   return pixels;
 }
 
+/// The way with the corners left out that a straight leg of no higher cost makes needless: the eight directions of the
+/// grid make detours that a vehicle need not sail.
+std::vector<Vector2d> straightened(const Area& area, const std::vector<Vector2d>& way,
+                                   const PilotSearchConfig& config) {
+  std::vector<double> cost{0};  // from the start
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    cost.push_back(cost.back() + area.leg_cost(way[i - 1], way[i], config.risk_weight));
+  }
+  std::vector<Vector2d> kept{way.front()};
+  for (std::size_t at = 0; at + 1 < way.size();) {
+    std::size_t next = at + 1;
+    for (std::size_t to = at + 2; to < way.size(); ++to) {
+      const bool cheaper = area.leg_cost(way[at], way[to], config.risk_weight) <= cost[to] - cost[at];
+      if (cheaper && area.leg_is_clear(way[at], way[to], config.passage.half_width_m)) next = to;
+    }
+    kept.push_back(way[next]);
+    at = next;
+  }
+  return kept;
+}
+
 /// The box of both with a margin, and room for the corridor.
 std::optional<PixelWindow> window_round(const PixelGrid& grid, const Vector3d& a, const Vector3d& b, double margin) {
   const Vector2d low = a.head<2>().cwiseMin(b.head<2>()) - Vector2d::Constant(margin);
@@ -214,8 +251,9 @@ Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Vector3
   const Area area(map, *window, z, config, chart);
   // 2. both ends
   const Pixel from = grid.at(start.head<2>()), to = grid.at(goal.head<2>());
-  if (!area.leg_is_clear(start, from, half_width)) return tl::unexpected(PilotRefusal::kStartBlocked);
-  if (!area.leg_is_clear(goal, to, half_width)) return tl::unexpected(PilotRefusal::kGoalBlocked);
+  const Vector2d begin = start.head<2>(), end = goal.head<2>();
+  if (!area.leg_is_clear(begin, grid.centre(from), half_width)) return tl::unexpected(PilotRefusal::kStartBlocked);
+  if (!area.leg_is_clear(end, grid.centre(to), half_width)) return tl::unexpected(PilotRefusal::kGoalBlocked);
   // 3. the search
   PilotPath path;
   path.map_version = map.version();
@@ -231,13 +269,14 @@ Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Vector3
   path.cost = search.cost(last);
   const std::vector<std::size_t> cells = search.path_to(last);
   for (std::size_t i = 1; i < cells.size(); ++i) path.length_m += grid.pixel_m * step_length(search.step_to(cells[i]));
+  std::vector<Vector2d> way;
   const auto add = [&](const Vector2d& p) {
-    if (path.points.empty() || (path.points.back().head<2>() - p).norm() > 1e-9)
-      path.points.emplace_back(p.x(), p.y(), z);
+    if (way.empty() || (way.back() - p).norm() > 1e-9) way.push_back(p);
   };
-  add(start.head<2>());
+  add(begin);
   for (const Pixel p : corners(area, search, cells)) add(grid.centre(p));
-  add(goal.head<2>());
+  add(end);
+  for (const Vector2d& p : straightened(area, way, config)) path.points.emplace_back(p.x(), p.y(), z);
   return path;
 }
 

@@ -1,13 +1,13 @@
 // PilotSearch: the safest, most efficient path over the pixels of a depth map, by A* (Oskard 1990, III-D; ledger
 // S1-42).
 //
-// The path leads from pixel centre to pixel centre over eight neighbours. A step is possible where the corridor of the
-// vehicle's half-width between both centres is clear (traversability S1-41, strict: unknown is not clear, no corner is
-// cut), so that the whole path is clear. Its cost is
+// The search leads from pixel centre to pixel centre over eight neighbours. A step is possible where the corridor of
+// the vehicle's half-width between both centres is clear (traversability S1-41, strict: unknown is not clear, no corner
+// is cut), so that the whole path is clear. Its cost is
 //   length - w integral ln T ds,     T the fraction of clear pixels within `risk_reach_m` (a square), trapezoid a step
 // so that w is the detour in metres that one e-fold of traversability is worth per metre of path; w = 0 gives the
 // shortest path. The straight line over eight directions never overestimates the cost, since T <= 1: the path is the
-// cheapest.
+// cheapest of the grid. Corners are then left out where a straight leg is clear and costs no more.
 //
 // To search the blocks of a coarser map, pass a field whose pixels are the blocks' minimum depths. To replan, call it
 // again; `traversability` of the returned path says when.
@@ -48,7 +48,7 @@ inline constexpr std::int64_t kMaxSearchedPixels = 1 << 24;
 
 struct PilotPath {
   std::vector<Eigen::Vector3d> points;  ///< start, corners, goal
-  double cost = 0;                      ///< from the start's pixel to the goal's
+  double cost = 0;                      ///< of the grid's path, from the start's pixel to the goal's
   double length_m = 0;                  ///< likewise
   std::int64_t queries = 0;             ///< steps whose corridor was checked
   std::int64_t expanded = 0;

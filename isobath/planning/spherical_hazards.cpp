@@ -5,6 +5,8 @@ namespace isobath {
 
 std::vector<Hazard> hazards_of(const SphericalGrid& grid, double half_height_m) {
   std::vector<Hazard> hazards;
+  // distance that the vehicle may have gone since cells were filled
+  const double stale_m = grid.config().rebin_at * grid.config().min_layer_m;
   grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
     const Angle first = grid.buckets().azimuth_edge(d.azimuth) + grid.remainder();
     const Angle second = first + grid.buckets().step();
@@ -20,7 +22,7 @@ std::vector<Hazard> hazards_of(const SphericalGrid& grid, double half_height_m) 
       };
       Hazard hazard;
       hazard.outline = {corner(near, first), corner(near, second), corner(far, second), corner(far, first)};
-      hazard.margin_m = grid.stale_m(cell.layer);
+      hazard.margin_m = stale_m;
       hazards.push_back(std::move(hazard));
     }
   });

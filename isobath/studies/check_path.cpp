@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/map/depth/map_folder.hpp>
+#include <isobath/mission/plan/mission_file.hpp>
 #include <isobath/studies/check_path.hpp>
 #include <isobath/world/map_features.hpp>
 #include <isobath/world/map_raster.hpp>
@@ -51,14 +52,43 @@ PathOutcome check_path(const PathRequest& request) {
   const std::filesystem::path objects = request.map / "objects.sqlite";
   if (std::filesystem::exists(objects)) {
     Eigen::AlignedBox2d window;
-    for (const Eigen::Vector3d& p : path) window.extend(Eigen::Vector2d(p.head<2>()));
+    const double aside = request.find ? request.search.margin_m : 0;
+    for (const Eigen::Vector3d& p : path) {
+      window.extend(Eigen::Vector2d(p.head<2>() - Eigen::Vector2d::Constant(aside)));
+      window.extend(Eigen::Vector2d(p.head<2>() + Eigen::Vector2d::Constant(aside)));
+    }
     obstacles = obstacles_near(load_features(ObjectStore(objects), map.facts.area), window,
                                request.obstacle_radius_m + request.passage.half_width_m);
     for (ChartObstacle& obstacle : obstacles) obstacle.radius_m = request.obstacle_radius_m;
   }
-  const auto verdict = traversability(*snapshot_of(map), path, request.passage, obstacles);
+  PathOutcome outcome;
+  outcome.origin = map.facts.origin;
+  const auto field = snapshot_of(map);
+  std::string no_way;
+  if (request.find) {
+    if (path.size() < 2) throw Error("a way needs a start and a goal", {}, "at least two way-points");
+    PilotSearchConfig search = request.search;
+    search.passage = request.passage;
+    std::vector<Eigen::Vector3d> way{path.front()};
+    for (std::size_t i = 1; i < path.size() && no_way.empty(); ++i) {
+      const auto leg = search_path(*field, path[i - 1], path[i], search, obstacles);
+      if (!leg) {
+        no_way = fmt::format("leg {}: {}", i, to_text(leg.error()));
+        continue;
+      }
+      outcome.queries += leg->queries;
+      way.insert(way.end(), leg->points.begin() + 1, leg->points.end());
+    }
+    if (no_way.empty()) {
+      path = std::move(way);
+      for (const Eigen::Vector3d& p : path) outcome.way.emplace_back(p.head<2>());
+    }
+  }
+  const auto verdict = traversability(*field, path, request.passage, obstacles);
   if (!verdict) throw Error(std::string("the path cannot be checked: ") + to_text(verdict.error()));
-  PathOutcome outcome{*verdict, verdict->strict() == 1 ? "" : verdict->reason(), {}, map.facts.origin, 0};
+  outcome.verdict = *verdict;
+  outcome.reason = verdict->strict() == 1 ? "" : verdict->reason();
+  if (!no_way.empty()) outcome.reason = no_way + "; the straight way: " + outcome.reason;
   if (!outcome.reason.empty() && verdict->blocking) outcome.reason += place_of(map.facts, verdict->blocking->pixel);
   if (verdict->worst && verdict->worst->depth_m) {
     outcome.least = fmt::format("least depth on the path: {:.2f} m{}", *verdict->worst->depth_m,
@@ -66,6 +96,18 @@ PathOutcome check_path(const PathRequest& request) {
   }
   for (std::size_t i = 1; i < path.size(); ++i) outcome.length_m += (path[i] - path[i - 1]).norm();
   return outcome;
+}
+
+std::string mission_along(const PathRequest& request, const PathOutcome& outcome) {
+  MissionPlan plan;
+  plan.title = "way over " + request.map.filename().string();
+  plan.origin = outcome.origin;
+  for (std::size_t i = 1; i < outcome.way.size(); ++i) {
+    MissionPoint& point = plan.points.emplace_back();
+    point.north_east = outcome.way[i];
+    point.depth_m = request.draught_m;
+  }
+  return write_mission(plan);
 }
 
 }  // namespace isobath

@@ -1,5 +1,6 @@
 // The depth map as a user meets it: logs become a map, later logs continue it, it is checked, drawn, exported, asked
 // for a way through, damaged, locked and killed.
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <gdal_priv.h>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/map/features/object_store.hpp>
+#include <isobath/mission/plan/mission_file.hpp>
 #include <numeric>
 #include <spawn.h>
 #include <sys/file.h>
@@ -298,6 +300,42 @@ TEST_F(DepthMapProgram, APathIsClearOrRefusedWithItsReason) {
   const ProgramResult unknown = isobath({"path", map(), "10,-20", "100,-20", "--metres"});
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.out, HasSubstr("unknown depth"));
+}
+
+// A shoal lies across the straight way; east of it the water is deep. ledger: S1-42
+TEST_F(DepthMapProgram, AWayRoundAShoalIsFoundAndWrittenAsAMission) {
+  Survey survey;
+  const auto survey_with = [&](double shoal_to_east) {
+    survey.bottom = [=](double north, double east) { return north > 40 && north < 60 && east < shoal_to_east ? 2 : 6; };
+    for (const double east : {0, 2}) {  // lines 2 m apart
+      survey.east_m = east;
+      survey.start_s += 1000;
+      mapped(file("boat.csv", survey.csv()));
+    }
+  };
+  survey_with(10);
+  const fs::path mission = folder_ / "way.toml";
+  std::vector<std::string> words{"path", map(), "10,1", "100,1", "--metres", "--draught", "3", "--clearance", "1"};
+  EXPECT_EQ(isobath(words).exit_code, 1) << "straight on";
+  words.insert(words.end(), {"--find", "--json", "--mission", mission});
+  const ProgramResult result = isobath(words);
+  ASSERT_EQ(result.exit_code, 0) << result.err << result.out;
+  const json found = json::parse(result.out);
+  EXPECT_THAT(found["way"], SizeIs(4));
+  EXPECT_GT(found["way"][1]["east_m"].get<double>(), 10);
+  EXPECT_EQ(found["share_clear"], 1);
+  EXPECT_LT(found["length_m"].get<double>(), 100);
+  const MissionPlan plan = load_mission(mission.string());
+  ASSERT_EQ(plan.points.size(), 3u);
+  EXPECT_NEAR(plan.points[0].north_east.y(), found["way"][1]["east_m"].get<double>(), 1e-6);
+  EXPECT_EQ(plan.points[0].depth_m, 3);
+  fs::remove_all(map());
+  survey_with(100);
+  const ProgramResult none = isobath(words);
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.out, HasSubstr("no path within the margin"));
+  words.erase(std::find(words.begin(), words.end(), "--find"));
+  EXPECT_THAT(isobath(words), ends_with_one_line(HasSubstr("--mission needs --find")));
 }
 
 // The soundings of this line reach the map 8 m off, one by one, and its water columns show a quay wall.

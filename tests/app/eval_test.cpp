@@ -78,6 +78,16 @@ TEST_F(Eval, EndsForWantOfAPathWithinTheFence) {
   for (const auto& reason : json["reasons"].items()) EXPECT_THAT(reason.key(), HasSubstr("there is no path"));
 }
 
+// 20 m ahead of the start a box and two poles bar 9 m of the way, and a current sets towards them. The vehicle cannot
+// stop: where the sonar learns its noise from 100 beams before it decides, it touches a pole. ledger: S6-70 S6-39
+TEST_F(Eval, TheSonarDecidesBeforeTheVehicleHasSailedFarBlind) {
+  const ProgramResult result = isobath(
+      {"eval", "clutter-middle", "--alone", "--runs", "1", "--seed", "70009", "--out", folder_ / "one", "--json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["collisions"], 0);
+}
+
 // The run of a seed sails one row of the fault table: this is that of the leak.
 // ledger: S6-39
 TEST_F(Eval, OfFaultsSaysWhatEachRowShowed) {

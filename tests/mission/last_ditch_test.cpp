@@ -188,6 +188,28 @@ TEST(LastDitch, AVehicleThatCannotStopKeepsAWayOutOpen) {
   EXPECT_THAT(inside.reason(Fault::kCollisionUnavoidable), HasSubstr("none is left"));
 }
 
+// Ordered to go slowly, with a current from astern, it would be carried on during the turn.
+TEST(LastDitch, AnEscapeIsSailedAtTheSpeedAtWhichTheVehicleTurnsFastest) {
+  VehicleParameters vehicle = test::flying();
+  vehicle.limits.turning_radius = 4.5;
+  vehicle.limits.max_yaw_rate = Angle::degrees(15);
+  SafetyStream stream(vehicle);
+  stream.speed_ordered = 0.8;
+  stream.current = {0.5, 0};
+  std::vector<Vector2d> wall;
+  for (double y = -15; y < 15; y += 0.5) wall.emplace_back(60, y);
+  show(stream, wall, 40);
+  double nearest = kNever, fastest = 0;
+  for (double s = 1; s < 80; s += 0.5) {
+    stream.run_to(s);
+    nearest = std::min(nearest, gap(stream, wall));
+    const SafetyAction& action = stream.officer.action();
+    if (action.kind == Act::kTurn) fastest = std::max(fastest, action.setpoint.speed);
+  }
+  EXPECT_NEAR(fastest, 4.5 * Angle::degrees(15).radians(), 1e-9);
+  EXPECT_GT(nearest, 0.5 * kLimits.collision_margin_m);
+}
+
 // Echoes beside the way, behind, and single false alarms stop nobody.
 TEST(LastDitch, PassesWhatIsNotInTheWay) {
   SafetyStream stream;

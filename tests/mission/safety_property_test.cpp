@@ -1,4 +1,5 @@
-// Whatever comes, in any order and with any values: the Safety Officer lives, and asks for no more speed than ordered.
+// Whatever comes, in any order and with any values: the Safety Officer lives, and asks for no more speed than ordered,
+// or than an escape needs.
 #include <bit>
 #include <gtest/gtest.h>
 #include <isobath/mission/safety/safety_officer.hpp>
@@ -223,7 +224,12 @@ struct Ordered {
 RC_GTEST_PROP(SafetyProperty, NeverAsksForMoreSpeedThanWasOrderedWhateverComes, ()) {
   const auto bits = *rc::gen::nonEmpty<std::vector<std::uint64_t>>();
   Draw draw(bits);
-  SafetyOfficer officer({}, draw.below(2) == 0 ? test::hovering() : test::flying());
+  VehicleParameters vehicle = draw.below(2) == 0 ? test::hovering() : test::flying();
+  if (vehicle.min_speed > 0) vehicle.limits.turning_radius = draw.below(2) == 0 ? 0 : 4.5;
+  const VehicleLimits& limits = vehicle.limits;
+  const double turns_fastest = limits.max_yaw_rate.radians() * limits.turning_radius;
+  const double escape = vehicle.min_speed > 0 ? std::min(turns_fastest, limits.max_speed) : 0;
+  SafetyOfficer officer({}, vehicle);
   Time now = Time(seconds(1000));
   Ordered ordered;
   for (int i = 0; i < 400; ++i) {
@@ -245,7 +251,7 @@ RC_GTEST_PROP(SafetyProperty, NeverAsksForMoreSpeedThanWasOrderedWhateverComes, 
       RC_ASSERT(std::isfinite(s.speed));
       RC_ASSERT(s.sway_speed == 0);
       if (action->kind == SafetyActionKind::kTurn || action->kind == SafetyActionKind::kSurface) {
-        RC_ASSERT(s.speed <= std::max(0.0, ordered.speed));
+        RC_ASSERT(s.speed <= std::max({0.0, ordered.speed, escape}));
       }
       if (action->kind == SafetyActionKind::kStop) RC_ASSERT(s.speed == 0);
       if (action->kind == SafetyActionKind::kSlow) RC_ASSERT(s.speed == SafetyConfig().slow_speed);

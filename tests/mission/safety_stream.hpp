@@ -154,7 +154,7 @@ class SafetyStream {
       case SafetyActionKind::kSlow: wanted = std::min(wanted, action.setpoint.speed); break;
       case SafetyActionKind::kStop: wanted = 0; break;
       case SafetyActionKind::kTurn:
-        wanted = std::min(wanted, action.setpoint.speed);
+        wanted = action.setpoint.speed;
         towards = action.setpoint.heading.radians();
         depth += std::clamp(action.setpoint.depth - depth, -0.03, 0.03);
         break;

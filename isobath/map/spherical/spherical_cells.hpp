@@ -100,19 +100,6 @@ class SphericalCells {
       d = next;
     }
   }
-  /// `keep(direction, cell)` may change the state of a cell; cells for which it returns false are erased.
-  template <class Keep>
-  void keep_all(const Keep& keep) {
-    for (auto d = table_.first(); d;) {
-      const auto next = table_.after(*d);
-      const std::uint32_t id = table_.find(*d);
-      for (std::size_t i = beams_[id].count; i-- > 0;) {
-        SphericalCell& cell = pool_[beams_[id].begin + i];
-        if (!keep(*d, cell)) erase(*d, cell.layer);
-      }
-      d = next;
-    }
-  }
   void clear();
   void turn(int buckets) { table_.turn(buckets); }
   /// Changes every cell once, in any order: `change(cell)` returns whether the cell is now occupied.

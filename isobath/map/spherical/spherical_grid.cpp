@@ -64,10 +64,7 @@ SphericalGrid::SphericalGrid(const SphericalGridConfig& config)
   for (int i = 0; i < layers_.count(); ++i) {
     const double thickness = layers_.thickness(i);
     room_of_layer_.push_back(static_cast<float>(thickness * thickness));
-    const double octaves = std::log2(std::max(1.0, thickness / config.min_layer_m));
-    class_of_layer_.push_back(static_cast<std::uint8_t>(octaves));
   }
-  gone_m_.assign(class_of_layer_.back() + std::size_t{1}, 0);
 }
 
 Vector3d SphericalGrid::to_table(const Vector3d& p_G) const { return turned_about_pole(p_G, -turned_) + offset_; }
@@ -214,7 +211,6 @@ void SphericalGrid::copy_from(const SphericalGrid& other) {
   scan_ = other.scan_;
   turned_ = other.turned_;
   offset_ = other.offset_;
-  gone_m_ = other.gone_m_;
 }
 
 void SphericalGrid::clear() {

@@ -11,16 +11,15 @@
 // cells are fixed in T. `turn` changes only the angle between the two, of which the table takes whole buckets (S4-21):
 // a bucket of G is accurate to half a bucket, points (`point_of`) are exact.
 //
-// Motion. The contents of cells move exactly, by their mean and their spread. A cell is re-binned when the vehicle has
-// moved by a share of its thickness, `rebin_at` for layers of up to twice the finest thickness and half of `rebin_at`
-// beyond, at most, or when the grid is tilted; `stale_m` is how far the content may have left the cell by then. A
-// content that is wider than its new cell is split in two, repeatedly, so that an approached wall has no holes; contents
-// that meet in one cell merge. Splitting and merging keep the number of echoes and the first two moments, so that moving
-// to and fro spreads nothing. Cells that leave the range are handed over (`on_dropped`). Above 75 degrees of elevation
-// cells are narrower than their contents; there may be holes there.
+// Motion. The contents of cells move exactly, by their mean and their spread; cells are re-binned when the vehicle has
+// moved by `rebin_at` of the finest layer, or when the grid is tilted. A content that is wider than its new cell is
+// split in two, repeatedly, so that an approached wall has no holes; contents that meet in one cell merge. Splitting
+// and merging keep the number of echoes and the first two moments, so that moving to and fro spreads nothing. Cells
+// that leave the range are handed over (`on_dropped`). Above 75 degrees of elevation cells are narrower than their
+// contents; there may be holes there.
 //
-// Cost (bench/README.md): an emptiness test is two look-ups; 20,000 cells that are all due are re-binned within 2 ms.
-// After warm-up nothing allocates. Errors: the constructor throws Error. One thread.
+// Cost (bench/README.md): an emptiness test is two look-ups; 20,000 cells are re-binned within 2 ms. After warm-up
+// nothing allocates. Errors: the constructor throws Error. One thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -136,10 +135,6 @@ class SphericalGrid {
   /// Moves everything in direction n to direction R n (S4-22).
   void rotate(const Eigen::Matrix3d& R);
   [[nodiscard]] Angle turned() const { return turned_; }
-  /// How far the vehicle has gone, at most, since the cells of a layer were re-binned.
-  [[nodiscard]] double stale_m(int layer) const {
-    return gone_m_[class_of_layer_[static_cast<std::size_t>(layer)]] + offset_.norm();
-  }
   /// The part of the turn that the table has not taken: at most half a bucket.
   [[nodiscard]] Angle remainder() const;
   /// Gets each cell that leaves the range, once, and its content's mean in G at the vehicle's present pose (S4-24).
@@ -162,8 +157,6 @@ class SphericalGrid {
   [[nodiscard]] double clamped(double log_odds) const;
   // spherical_motion.cpp
   void rebin(const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
-  void rebin_due(const Eigen::Vector3d& t);
-  void rebin_all(const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
   struct Fit {
     enum Axis : std::uint8_t { kRange, kAzimuth, kElevation, kFits, kBeyond };
     std::uint32_t direction;  ///< of T, elevation within azimuth
@@ -187,9 +180,7 @@ class SphericalGrid {
   Angle turned_;
   Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();  ///< p_TG: of the vehicle since the last re-binning
   Dropped dropped_;
-  std::vector<float> room_of_layer_;          ///< thickness squared
-  std::vector<std::uint8_t> class_of_layer_;  ///< whole octaves of thickness above that of the finest
-  std::vector<double> gone_m_;                ///< by class: way of the vehicle since its cells were re-binned
+  std::vector<float> room_of_layer_;  ///< thickness squared
   // Buffers of a motion: contents in any order, their targets, and their order by direction.
   std::vector<SphericalCell> contents_;
   std::vector<Fit> fits_;

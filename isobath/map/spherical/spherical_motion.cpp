@@ -14,8 +14,7 @@ namespace {
 constexpr float kWider = 0.8f * 0.8f;
 // Cells narrow towards the poles; contents are not split finer than cells at this cosine of the elevation.
 constexpr float kMinCosine = 0.26f;
-constexpr double kFarShare = 0.5;  // of `rebin_at`, for layers of twice the finest thickness and more
-constexpr int kMaxRounds = 6;      // of halving one content in one motion
+constexpr int kMaxRounds = 6;  // of halving one content in one motion
 
 /// Converts l to Lambda = -ln(1 - P), the expected number of objects in a cell, and back.
 double number_of(double log_odds) { return log_odds > 30 ? log_odds : std::log1p(std::exp(log_odds)); }
@@ -219,68 +218,20 @@ void SphericalGrid::gather() {
 void SphericalGrid::rebin(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
   views_.move(R, t);
   offset_.setZero();
-  if (R.isIdentity(0)) {
-    rebin_due(t);
-  } else {
-    rebin_all(R, t);
-  }
-}
-
-// Most cells are far away and large, and stay as they are: their contents move within them.
-void SphericalGrid::rebin_due(const Eigen::Vector3d& t) {
-  std::uint32_t due = 0;  // a bit for each class
-  for (std::size_t c = 0; c < gone_m_.size(); ++c) {
-    gone_m_[c] += t.norm();
-    const double share = c == 0 ? config_.rebin_at : kFarShare * config_.rebin_at;
-    if (gone_m_[c] < share * std::ldexp(config_.min_layer_m, static_cast<int>(c))) continue;
-    due |= std::uint32_t{1} << c;
-    gone_m_[c] = 0;
-  }
-  const Eigen::Vector3f t_f = t.cast<float>();
-  contents_.clear();
-  cells_.keep_all([&](const SphericalDirection& d, SphericalCell& cell) {
-    for (std::size_t i = 0; i < 3; ++i) cell.mean[i] += t_f[static_cast<Eigen::Index>(i)];
-    if ((due >> class_of_layer_[cell.layer] & 1U) == 0) return true;
-    const Fit f = fit(cell);
-    const SphericalDirection now = unturned(d);
-    const auto direction = static_cast<std::uint32_t>(now.azimuth * buckets_.elevations() + now.elevation);
-    if (f.widest == Fit::kFits && f.layer == cell.layer && f.direction == direction) return true;
-    contents_.push_back(cell);
-    return false;
-  });
-  split_wide();
-  for (std::size_t i = 0; i < contents_.size(); ++i) {
-    SphericalCell& content = contents_[i];
-    content.layer = fits_[i].layer;
-    if (fits_[i].widest == Fit::kBeyond) {
-      if (dropped_) dropped_(content, from_table(content.point()));
-      continue;
-    }
-    const int direction = static_cast<int>(fits_[i].direction), elevations = buckets_.elevations();
-    const SphericalDirection d = turned({direction / elevations, direction % elevations});
-    bool made = false;
-    SphericalCell& cell = cells_.at(d, content.layer, made);
-    if (made) {
-      cell = content;
-    } else {
-      merge(cell, content);
-    }
-    cells_.mark_occupied(d, content.layer, static_cast<double>(cell.log_odds) >= occupied_);
-  }
-}
-
-void SphericalGrid::rebin_all(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
-  gone_m_.assign(gone_m_.size(), 0);
   const Eigen::Matrix3f R_f = R.cast<float>();
   const Eigen::Vector3f t_f = t.cast<float>();
+  const bool tilted = !R.isIdentity(0);
   contents_.clear();
   cells_.each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
     contents_.insert(contents_.end(), beam.begin(), beam.end());
   });
   for (SphericalCell& content : contents_) {
-    const Eigen::Vector3f p = R_f * Eigen::Vector3f(content.mean[0], content.mean[1], content.mean[2]) + t_f;
-    content.mean = {p.x(), p.y(), p.z()};
-    rotate_spread(R_f, content.spread);
+    if (tilted) {
+      const Eigen::Vector3f p = R_f * Eigen::Vector3f(content.mean[0], content.mean[1], content.mean[2]);
+      content.mean = {p.x(), p.y(), p.z()};
+      rotate_spread(R_f, content.spread);
+    }
+    for (std::size_t i = 0; i < 3; ++i) content.mean[i] += t_f[static_cast<Eigen::Index>(i)];
   }
   split_wide();
   gather();

@@ -12,9 +12,8 @@ void find_blocking(const SphericalGrid& grid, const Vector3d& course_G, double d
                    WayAhead& way) {
   const SphericalLayers& layers = grid.layers();
   const Vector3d from = grid.to_table(Vector3d::Zero()), course = grid.to_table(course_G) - from;
-  // A content may lie anywhere in its cell or have left it, and the vehicle is within a step of the cells' origin.
-  const int farthest = layers.layer_at(std::min(distance_m, layers.range_m()));
-  const double half_cell = 0.5 * layers.thickness(farthest) + grid.stale_m(farthest);
+  // A content may lie anywhere in its cell, and the vehicle within a step of the cells' origin.
+  const double half_cell = 0.5 * layers.thickness(layers.layer_at(std::min(distance_m, layers.range_m())));
   const double slack = grid.buckets().step().radians(), off = from.norm();
   double nearest = distance_m;
   grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> cells) {

@@ -145,7 +145,15 @@ std::optional<Angle> SafetyOfficer::way_out() const {
   return {};
 }
 
-/// The set-point that goes with an action; never faster than the last order.
+/// The speed of an escape of a vehicle that cannot stop: at least that at which it turns fastest. Slower it turns on
+/// the same circle (fins turn it by the water that flows past them), and a current carries it farther meanwhile.
+double SafetyOfficer::escape_speed(double ordered) const {
+  if (vehicle_.min_speed <= 0) return ordered;
+  const double turns_fastest = vehicle_.limits.max_yaw_rate.radians() * vehicle_.limits.turning_radius;
+  return std::max(ordered, std::min(turns_fastest, vehicle_.limits.max_speed));
+}
+
+/// The set-point that goes with an action; never faster than the last order, but for an escape.
 Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
   const Angle heading = fix_ ? fix_->navigation.X_WB.rotation.heading() : order_ ? order_->heading : Angle{};
   const double depth = fix_ ? fix_->navigation.X_WB.translation.z() : order_ ? order_->depth : 0;
@@ -157,9 +165,8 @@ Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
     case SafetyActionKind::kStop: return {heading, std::max(0.0, depth), 0, 0};
     case SafetyActionKind::kSurface: {  // in a circle, or on the heading of that instant; away from an obstacle
       const bool held = action_.kind == SafetyActionKind::kSurface;
-      // An escape keeps the ordered speed: fins turn a vehicle by the water that flows past them.
       const std::optional<Angle> away = way_out();
-      const double speed = away ? ordered : std::min(ordered, vehicle_.min_speed);
+      const double speed = away ? escape_speed(ordered) : std::min(ordered, vehicle_.min_speed);
       Angle kept = held ? action_.setpoint.heading : heading;
       if (circle_ != 0) {
         const double lead = circle_ * (kept - heading).wrapped().radians();
@@ -183,7 +190,7 @@ Setpoint SafetyOfficer::turned(const SafetyAction& action) const {
   }
   if (const std::optional<Angle> away = way_out()) {
     s.heading = *away;
-    s.speed = ordered;
+    s.speed = escape_speed(ordered);
   }
   return s;
 }

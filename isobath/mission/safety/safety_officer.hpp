@@ -6,8 +6,8 @@
 // limit is exceeded, and is over `clear_after_s` after its cause is gone. The Safety Officer sends SafetyAction, the
 // strongest action that the raised rows require, whenever that changes; SafetyReport to the Captain when a row is
 // raised, when it requires the end of the mission, and when it is over (with `abort` still set where it required that);
-// and a Decision with the reason for each. No action asks for more speed than the last order, and a slow-down is a
-// limit.
+// and a Decision with the reason for each. No action asks for more speed than the last order, but an escape of a
+// vehicle that cannot stop, which is sailed at the speed at which it turns fastest; a slow-down is a limit.
 //
 // Collisions: from the ground speed v and the current turn, the hull's path is predicted over v t + v^2 / 2b and a
 // margin. Raw echoes on which two pings agree, and raw ranges, must not lie in it (near_echoes.hpp,
@@ -167,6 +167,7 @@ class SafetyOfficer final : public Agent {
   [[nodiscard]] MissionEnd end_of(Fault fault) const;
   [[nodiscard]] SafetyAction strongest() const;
   [[nodiscard]] std::optional<Angle> way_out() const;
+  [[nodiscard]] double escape_speed(double ordered) const;
   [[nodiscard]] Setpoint turned(const SafetyAction& action) const;
   void act(Time now, Outbox& out);
 
