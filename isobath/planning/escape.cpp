@@ -25,7 +25,7 @@ constexpr std::array<double, 3> kWaits = {0, 1.5, 3};  // s
 EscapeSearch::EscapeSearch(std::span<const Vector2d> points, const EscapeTask& task)
     : task_(task), at_start_(std::numeric_limits<double>::infinity()) {
   ISOBATH_ASSERT(task.speed > 0 && task.turn_rate > 0 && task.horizon_s > 0);
-  const double reach = (task.speed + task.drift.norm()) * task.horizon_s + task.room_m;
+  const double reach = (task.speed + task.drift.norm() + 2 * task.astern) * task.horizon_s + task.room_m;
   for (const Vector2d& p : points) {
     if (!(p.norm() <= reach)) continue;
     points_.push_back(p);
@@ -38,16 +38,20 @@ void EscapeSearch::step(State& state, double heading) const {
   const double wanted = std::clamp((heading - state.heading) / lag, -task_.turn_rate, task_.turn_rate);
   const double rate = state.rate + (wanted - state.rate) * kStep / lag;
   const double course = state.heading + rate * kStep / 2;
-  state.place += kStep * (task_.speed * Vector2d(std::cos(course), std::sin(course)) + task_.drift);
+  const Vector2d ahead(std::cos(course), std::sin(course));
+  state.place += kStep * (task_.speed * ahead + task_.drift);
+  state.carried += kStep * task_.astern * (Vector2d::UnitX() - ahead);
   state.heading += rate * kStep;
   state.rate = rate;
 }
 
-std::optional<Vector2d> EscapeSearch::met_at(const Vector2d& place, double s, double& least2) const {
+std::optional<Vector2d> EscapeSearch::met_at(const State& state, double s, double& least2) const {
   const double room = std::clamp(at_start_ - kNearer + kLeaving * s, 0.0, task_.room_m);
   std::optional<Vector2d> met;
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const double away2 = (points_[i] - place).squaredNorm();
+    const Vector2d to = points_[i] - state.place;
+    double away2 = to.squaredNorm();
+    if (task_.astern > 0) away2 = std::min(away2, (to - state.carried).squaredNorm());
     least2 = std::min(least2, away2);
     if (away2 < room * room) met = points_[i];
   }
@@ -60,7 +64,7 @@ Escape EscapeSearch::try_turn(State state, double turn, double wait_s) const {
   double least2 = std::numeric_limits<double>::infinity();
   while (escape.free_s < task_.horizon_s) {
     step(state, escape.free_s < wait_s ? before : then);
-    escape.meets = met_at(state.place, escape.free_s + kStep, least2);
+    escape.meets = met_at(state, escape.free_s + kStep, least2);
     if (escape.meets) break;
     escape.free_s += kStep;
   }
@@ -92,7 +96,7 @@ Escape EscapeSearch::after(double ordered, double after_s) const {
   double least2 = std::numeric_limits<double>::infinity();
   for (double s = 0; s < after_s; s += kStep) {
     step(state, ordered);
-    const auto met = met_at(state.place, s + kStep, least2);
+    const auto met = met_at(state, s + kStep, least2);
     if (met) return {0, 0, s, std::sqrt(least2), met};
   }
   return best(state);

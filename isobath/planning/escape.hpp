@@ -7,7 +7,8 @@
 // are the inevitable collision states of Fraichard and Asama 2004).
 //
 // Motion: ahead at a constant speed over ground, carried by a constant drift; a turn builds up and dies away with a
-// lag. The hull is a disc, and an obstacle is a row of points no farther apart than twice `room_m`. A vehicle that is
+// lag. Where a part of the speed may be a current from astern, a manoeuvre is free only if it is so with and without
+// it. The hull is a disc, and an obstacle is a row of points no farther apart than twice `room_m`. A vehicle that is
 // too near to a point at the start may leave, if it gets away from all points at 0.2 m/s or more. Frame: that of the
 // vehicle at the start, x ahead, y to starboard; turns are positive to starboard. SI units. Pure; costs about 40 ns per
 // point and tried manoeuvre.
@@ -21,7 +22,8 @@
 namespace isobath {
 
 struct EscapeTask {
-  double speed = 1;                                 ///< ahead, over ground; above 0
+  double speed = 1;   ///< ahead, over ground; above 0
+  double astern = 0;  ///< how much of `speed` may be a current from astern, which goes on in the turn
   Eigen::Vector2d drift = Eigen::Vector2d::Zero();  ///< over ground, on top of that
   double turn_rate = 0.2;                           ///< maximum, rad/s; above 0
   double turn_now = 0;                              ///< rad/s
@@ -60,13 +62,14 @@ class EscapeSearch {
   struct State {
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
     double heading = 0, rate = 0;
+    Eigen::Vector2d carried = Eigen::Vector2d::Zero();  ///< how far off `place` a current from astern takes it
   };
   void step(State& state, double heading) const;
   [[nodiscard]] Escape try_turn(State state, double turn, double wait_s) const;
   [[nodiscard]] Escape best(const State& state) const;
-  /// The point that a place is too near to after `s` seconds; `least2` becomes the minimum squared distance to any
-  /// point.
-  [[nodiscard]] std::optional<Eigen::Vector2d> met_at(const Eigen::Vector2d& place, double s, double& least2) const;
+  /// The point that it is too near to after `s` seconds, with the current from astern or without; `least2` becomes the
+  /// minimum squared distance to any point.
+  [[nodiscard]] std::optional<Eigen::Vector2d> met_at(const State& state, double s, double& least2) const;
 
   EscapeTask task_;
   std::vector<Eigen::Vector2d> points_;

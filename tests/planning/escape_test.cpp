@@ -116,6 +116,21 @@ TEST(EscapeSearch, ACurrentCarriesItIntoWhatStandsDownstream) {
   EXPECT_LT(EscapeSearch(wall, carried).best().turn, 0);
 }
 
+// 1.5 m/s over ground are 1 m/s of its own and 0.5 m/s of current, or 1.5 of its own: it must be free either way.
+TEST(EscapeSearch, WhatMayBeACurrentFromAsternGoesOnInTheTurn) {
+  EscapeTask unsure = task(), sure = task();
+  unsure.astern = 0.5;
+  sure.speed = 1;
+  sure.drift = {0.5, 0};
+  const auto wall = row({14, -60}, {14, 60});
+  const double turn = pi / 2;  // along the wall, with the current towards it
+  EXPECT_TRUE(EscapeSearch(wall, task()).free(EscapeSearch(wall, task()).try_turn(turn)));
+  const Escape carried = EscapeSearch(wall, unsure).try_turn(turn);
+  EXPECT_FALSE(EscapeSearch(wall, unsure).free(carried));
+  EXPECT_NEAR(carried.free_s, EscapeSearch(wall, sure).try_turn(turn).free_s, 1e-9);
+  EXPECT_GT(std::abs(EscapeSearch(wall, unsure).best().turn), turn) << "it must turn back";
+}
+
 TEST(EscapeSearch, LeavesWhatItIsTooNearToAlready) {
   const auto wall = row({-40, 1}, {40, 1});
   const EscapeSearch search(wall, task());

@@ -85,7 +85,7 @@ std::vector<Field> collision_fields(SafetyConfig& c) {
       Field::real("escape_s", &c.escape_s, {1, 120}, "s",
                   "An escape manoeuvre of a vehicle that cannot stop must be free for this long."),
       Field::real("unknown_current", &c.unknown_current, {0, 10}, "m/s",
-                  "Current from astern that may be unknown to a vehicle that steers by fins."),
+                  "Current that may be unknown to a vehicle that cannot stop, until its headings have shown it."),
       wait("collision_abort_s", &c.collision_abort_s, "An obstacle on the path ends the mission after this time."),
   };
 }

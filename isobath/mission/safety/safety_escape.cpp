@@ -80,16 +80,18 @@ std::vector<Vector2d> SafetyOfficer::fence_points(const Pose& X_WL) const {
   return points;
 }
 
-EscapeTask SafetyOfficer::escape_task(double unknown_current) const {
+EscapeTask SafetyOfficer::escape_task(bool wary) const {
   const Angle heading = fix_->navigation.X_WB.rotation.heading();
   const Vector2d ahead(cos(heading), sin(heading)), aside(-sin(heading), cos(heading));
-  const Vector2d& drift_W = drift_.velocity_W();
+  const Vector2d& drift_W = current_.velocity_W();
   EscapeTask task;
   task.drift = {drift_W.dot(ahead), drift_W.dot(aside)};
   task.speed = std::max({fix_->v_W.dot(ahead) - task.drift.x(), vehicle_.min_speed, kMinSpeed});
   const double radius = std::max(vehicle_.limits.turning_radius, kMinRadius);
   // Fins turn the vehicle by the water that flows past them; a current from astern that was never crossed is unknown.
-  const double flow = std::max({task.speed - unknown_current, vehicle_.min_speed, kMinSpeed});
+  const double most = std::clamp(task.speed - std::max(vehicle_.min_speed, kMinSpeed), 0.0, config_.unknown_current);
+  if (wary) task.astern = std::min(most, current_.sigma_along(heading));
+  const double flow = task.speed - task.astern;
   task.turn_rate = std::min(std::max(vehicle_.limits.max_yaw_rate.radians(), kMinTurn), flow / radius);
   task.lag_s = kTurnsWithin * radius / flow;
   task.turn_now = fix_->yaw_rate;
@@ -118,7 +120,7 @@ void SafetyOfficer::check_fence(const Pose& X_WL, std::span<const Vector2d> fenc
   }
   // The route of a vehicle that has one was planned within the fence; one that has none turns in good time.
   const bool on_route = action_.kind != SafetyActionKind::kSurface;
-  const EscapeTask task = escape_task(on_route ? 0 : config_.unknown_current);
+  const EscapeTask task = escape_task(!on_route);
   const EscapeSearch within(fence_L, task);
   if (within.free(within.after(ordered_turn(), on_route ? kFenceLookAhead : kLookAhead))) return;
   const EscapeSearch among(all_L, task);
@@ -140,7 +142,7 @@ void SafetyOfficer::choose_circle(const Pose& X_WL, std::span<const Vector2d> al
     return;
   }
   constexpr double kWhole = 2 * std::numbers::pi;
-  EscapeTask task = escape_task(config_.unknown_current);
+  EscapeTask task = escape_task(true);
   task.horizon_s = std::max(task.horizon_s, kWhole / task.turn_rate);
   const EscapeSearch search(all_L, task);
   if (circle_ != 0 && search.free(search.try_turn(circle_ * kWhole))) return;
@@ -150,7 +152,7 @@ void SafetyOfficer::choose_circle(const Pose& X_WL, std::span<const Vector2d> al
 }
 
 void SafetyOfficer::check_escape(const Pose& X_WL, std::span<const Vector2d> known_L) {
-  EscapeTask task = escape_task(config_.unknown_current);
+  EscapeTask task = escape_task(true);
   const EscapeSearch search(known_L, task);
   const Escape ordered = search.after(ordered_turn(), kLookAhead);
   const bool safe = search.free(ordered) && !imminent_.raised();

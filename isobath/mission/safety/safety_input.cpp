@@ -15,7 +15,6 @@ constexpr double kFreshSpeed = 3;      // s
 constexpr double kSmooth = 0.3;        // share of the newest turn
 constexpr std::size_t kMaxNames = 64;  // of sonars and of health sources; further ones are not kept
 constexpr double kBeside = 0.5;        // s: sources with messages this recent are compared
-constexpr double kDriftTime = 4;       // s
 constexpr double kApart = 1;           // m, between the points that stand for an outline
 constexpr double kMapped = 40;         // m: farther obstacles do not matter to an escape
 constexpr double kBeyondReach = 20;    // m: echoes are kept up to this far beyond the stopping distance
@@ -162,7 +161,7 @@ void SafetyOfficer::on_fix(const Navigation& fix, Time now) {
     next.yaw_rate = fix_->yaw_rate + kSmooth * (turned.radians() / dt - fix_->yaw_rate);
   }
   if (dt > 0 && next.navigation.v_WB) {
-    drift_.update(fix.X_WB.rotation.heading(), *fix.v_WB, kDriftTime, dt);
+    current_.update(fix.X_WB.rotation.heading(), *fix.v_WB, next.yaw_rate, dt);
   }
   fix_ = next;
 }

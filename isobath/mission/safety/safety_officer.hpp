@@ -37,6 +37,7 @@
 #include <isobath/perception/imminent_collision.hpp>
 #include <isobath/planning/escape.hpp>
 #include <isobath/sonar/sensor_table.hpp>
+#include <isobath/vehicle/current_estimate.hpp>
 #include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/vehicle_parameters.hpp>
 #include <map>
@@ -152,8 +153,8 @@ class SafetyOfficer final : public Agent {
                                                           std::span<const Eigen::Vector2d> echoes_L) const;
   [[nodiscard]] std::vector<Eigen::Vector2d> known_points(const Pose& X_WL,
                                                           std::span<const Eigen::Vector2d> echoes_L) const;
-  /// `unknown_current`: from astern, m/s.
-  [[nodiscard]] EscapeTask escape_task(double unknown_current) const;
+  /// `wary`: reckons with a current from astern that the headings so far have not shown.
+  [[nodiscard]] EscapeTask escape_task(bool wary) const;
   [[nodiscard]] double ordered_turn() const;
   [[nodiscard]] std::vector<Eigen::Vector2d> fence_points(const Pose& X_WL) const;
   void check_fence(const Pose& X_WL, std::span<const Eigen::Vector2d> fence_L, std::span<const Eigen::Vector2d> all_L);
@@ -218,9 +219,9 @@ class SafetyOfficer final : public Agent {
   std::optional<Angle> inward_;  ///< heading away from the fence, of a vehicle that cannot stop
   int circle_ = 0;               ///< side of the circle on which it surfaces, 1 starboard; 0: it holds its heading
   bool hemmed_in_ = false;       ///< neither side was free when the turn was chosen
-  Drift drift_;                  ///< drift across the hull, as far as the headings so far have shown it
-  Escape way_out_;               ///< rest of the current escape manoeuvre of a vehicle that cannot stop
-  Angle way_out_from_;           ///< heading at that time
+  CurrentEstimate current_;
+  Escape way_out_;      ///< rest of the current escape manoeuvre of a vehicle that cannot stop
+  Angle way_out_from_;  ///< heading at that time
 };
 
 }  // namespace isobath
