@@ -41,7 +41,7 @@ using Eigen::Vector3i;
 
 constexpr double kMegabyte = 1e6;
 constexpr double kMemory_mb = 512, kMemoryPerByte = 256;  // of the child, beyond what it has from its parent
-constexpr double kCpu_s = 20, kCpuPerMegabyte_s = 2;
+constexpr double kCpu_s = 3, kCpuPerMegabyte_s = 10;
 constexpr int kSilent_ms = 300'000;  // a child that waits for ever uses no processor time
 constexpr std::size_t kMaxText = 200;
 
