@@ -16,6 +16,7 @@ constexpr double kShapePercentile = 0.7;
 constexpr int kShapeGroups = 24;       // groups of bins: large enough for a shape, many enough to find clean ones
 constexpr double kPeakShare = 0.7;     // maximum threshold in median peaks, if the sonar cuts weak samples
 constexpr int kWindowShare = 16;       // the moving median extends 1/16 of the window to each side
+constexpr int kSettled = 100;          // beams: with fewer, thresholds lie higher, and only loud echoes count
 constexpr std::uint32_t kWeight = 64;  // weight of a sample, so that halving counts loses little
 
 /// p-quantile of the Weibull law of scale 1.
@@ -85,7 +86,11 @@ bool NoiseTracker::update(bool at_once) {
   floor_ = config_.contrast * peak;
   for (int k = first_bin_; k < noise_.bins(); ++k) quantiles_[k] = quantiles(noise_.row(k));
   fit_shape();
-  for (int k = first_bin_; k < noise_.bins(); ++k) raw_[k] = threshold(quantiles_[k], peak);
+  const double unsettled = std::max(0.0, 1 - static_cast<double>(profiles_) / kSettled);
+  for (int k = first_bin_; k < noise_.bins(); ++k) {
+    const double settled = threshold(quantiles_[k], peak);
+    raw_[k] = settled + unsettled * std::max(0.0, settled - quantiles_[k].middle);
+  }
   smooth();
   return true;
 }

@@ -131,7 +131,7 @@ TEST(Missions, Field2ReplansAsSoonAsTheBuoyIsDetected) {
   const std::vector<Decision>& decisions = sailed.result.decisions;
   const std::size_t round = way_round(decisions, buoy, 5);
   ASSERT_LT(round, decisions.size()) << sailed.all();
-  EXPECT_LT(to_seconds(decisions[round].time) - seen.first_s, 9.5) << "when the third scan confirms it";
+  EXPECT_LT(to_seconds(decisions[round].time) - seen.first_s, 12.5) << "when the fourth scan confirms it";
   EXPECT_EQ(decisions[round].what, "replan");
   EXPECT_GT(sailed.result.min_clearance_m, 1);
 }

