@@ -16,6 +16,9 @@
 // bearings have, so the median is that of the noise itself and the floor has no effect. The price: in a tank, targets
 // weaker than the floor are not detected.
 //
+// Up to 100 beams the distance of the threshold from the median is greater, by half of it after 50 beams: the law is
+// known badly then, and only loud echoes count.
+//
 // Intensities in counts. Causal and deterministic. Older beams fade: at memory_profiles all counts are halved.
 #pragma once
 
