@@ -205,13 +205,14 @@ TriangleMesh mesh_in(std::span<const char> bytes) {
   bytes = bytes.subspan(sizeof head);
   if (head.triangles == 0) throw std::runtime_error(std::string(bytes.data(), bytes.size()));
   const std::uint64_t all = bytes.size() / sizeof(Vector3f);
-  if (head.vertices > all || head.triangles != all - head.vertices) throw std::runtime_error("its reader stopped");
+  if (head.vertices == 0 || head.vertices > all || head.triangles != all - head.vertices)
+    throw std::runtime_error("its reader stopped");
   TriangleMesh mesh;
   mesh.vertices.resize(head.vertices);
   mesh.triangles.resize(head.triangles);
   const std::size_t vertex_bytes = head.vertices * sizeof(Vector3f);
-  std::memcpy(mesh.vertices.data(), bytes.data(), vertex_bytes);
-  std::memcpy(mesh.triangles.data(), bytes.data() + vertex_bytes, head.triangles * sizeof(Vector3i));
+  std::memcpy(mesh.vertices.front().data(), bytes.data(), vertex_bytes);
+  std::memcpy(mesh.triangles.front().data(), bytes.data() + vertex_bytes, head.triangles * sizeof(Vector3i));
   const auto count = static_cast<int>(head.vertices);
   if (std::ranges::any_of(mesh.triangles, [&](auto& t) { return t.minCoeff() < 0 || t.maxCoeff() >= count; })) {
     throw std::runtime_error("a triangle has a vertex that is not there");
