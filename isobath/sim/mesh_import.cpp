@@ -42,7 +42,7 @@ using Eigen::Vector3i;
 constexpr double kMegabyte = 1e6;
 constexpr double kMemory_mb = 512, kMemoryPerByte = 256;  // of the child, beyond what it has from its parent
 constexpr double kCpu_s = 3, kCpuPerMegabyte_s = 10;
-constexpr int kSilent_ms = 300'000;  // a child that waits for ever uses no processor time
+constexpr int kSilent_ms = 300'000;  // the limit of processor time does not end a child that waits
 constexpr std::size_t kMaxText = 200;
 
 /// What the child writes first. Then come either the text of an error, or the vertices and the triangles.
@@ -68,18 +68,21 @@ void limit(int what, double value) {
   ::setrlimit(static_cast<__rlimit_resource>(what), &bound);
 }
 
-double address_space_mb() {
+#ifdef ISOBATH_SHADOW_MEMORY
+// A sanitizer maps terabytes of shadow: no limit on the address space can be given beside it.
+void limit_memory(double) {}
+#else
+void limit_memory(double more_mb) {
   double pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) / kMegabyte;
+  limit(RLIMIT_AS, pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) + more_mb * kMegabyte);
 }
+#endif
 
 void take_limits(const Limits& limits) {
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, std::ceil(limits.cpu_s));
-#ifndef ISOBATH_SHADOW_MEMORY
-  limit(RLIMIT_AS, (address_space_mb() + limits.memory_mb) * kMegabyte);
-#endif
+  limit_memory(limits.memory_mb);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGSEGV, SIGABRT, SIGBUS, SIGFPE}) ::signal(signal, SIG_DFL);
   const int nowhere = ::open("/dev/null", O_WRONLY);
   ::dup2(nowhere, STDERR_FILENO);
@@ -183,7 +186,7 @@ std::vector<char> told_by_child(const std::string& file, const Limits& limits) {
   std::vector<char> bytes;
   int status = 0;
   if (child > 0) {
-    bytes = heard(pipe[0], static_cast<std::size_t>((kMemory_mb + limits.memory_mb) * kMegabyte));
+    bytes = heard(pipe[0], static_cast<std::size_t>(limits.memory_mb * kMegabyte));
     ::kill(child, SIGKILL);  // it is at its end, or is stuck
     while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }
