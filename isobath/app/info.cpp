@@ -11,7 +11,6 @@
 #include <isobath/base/printable_text.hpp>
 #include <isobath/io/open_source.hpp>
 #include <isobath/map/depth/map_folder.hpp>
-#include <isobath/report/html_report.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/studies/inspection.hpp>
 #include <isobath/studies/tree_picture.hpp>

@@ -20,51 +20,42 @@ struct PathOptions {
   bool json = false;
 };
 
+/// The place as "north_m" and "east_m", with latitude and longitude if the map has an origin.
+void add_place(nlohmann::ordered_json& json, const PathOutcome& outcome, const Eigen::Vector2d& place) {
+  json["north_m"] = place.x();
+  json["east_m"] = place.y();
+  if (!outcome.origin) return;
+  const GeoPoint point = LocalPlane(*outcome.origin).to_geo(place);
+  json["latitude_deg"] = point.latitude_deg;
+  json["longitude_deg"] = point.longitude_deg;
+}
+
 /// A place on the path that decides the result; null if there is none.
-nlohmann::ordered_json place_json(const PathOutcome& outcome, const std::optional<PassagePlace>& place) {
+nlohmann::ordered_json decisive_json(const PathOutcome& outcome, const std::optional<PassagePlace>& place) {
   if (!place) return {};
-  const Eigen::Vector2d at = outcome.verdict.grid.centre(place->pixel);
-  nlohmann::ordered_json json{{"leg", place->leg + 1},
-                              {"along_m", place->along_m},
-                              {"north_m", at.x()},
-                              {"east_m", at.y()},
-                              {"depth_m", nullptr},
-                              {"water_m", nullptr},
-                              {"confidence", place->confidence},
-                              {"charted_object", place->obstacle.has_value()}};
+  nlohmann::ordered_json json{{"leg", place->leg + 1}, {"along_m", place->along_m}};
+  add_place(json, outcome, outcome.verdict.grid.centre(place->pixel));
+  json["depth_m"] = nullptr;
+  json["water_m"] = nullptr;
   if (place->depth_m) {
     json["depth_m"] = *place->depth_m;
     json["water_m"] = *place->depth_m - place->vehicle_z;
   }
-  if (outcome.origin) {
-    const GeoPoint point = LocalPlane(*outcome.origin).to_geo(at);
-    json["latitude_deg"] = point.latitude_deg;
-    json["longitude_deg"] = point.longitude_deg;
-  }
+  json["confidence"] = place->confidence;
+  json["charted_object"] = place->obstacle.has_value();
   return json;
 }
 
 nlohmann::ordered_json way_json(const PathOutcome& outcome) {
   auto way = nlohmann::ordered_json::array();
-  for (const Eigen::Vector2d& p : outcome.way) {
-    nlohmann::ordered_json& place = way.emplace_back(nlohmann::ordered_json{{"north_m", p.x()}, {"east_m", p.y()}});
-    if (!outcome.origin) continue;
-    const GeoPoint point = LocalPlane(*outcome.origin).to_geo(p);
-    place["latitude_deg"] = point.latitude_deg;
-    place["longitude_deg"] = point.longitude_deg;
-  }
+  for (const Eigen::Vector2d& p : outcome.way) add_place(way.emplace_back(), outcome, p);
   return way;
 }
 
 void print_way(const PathOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.way.size(); ++i) {
     const Eigen::Vector2d& p = outcome.way[i];
-    fmt::print("  {:2}  north {:9.2f} m  east {:9.2f} m", i + 1, p.x(), p.y());
-    if (outcome.origin) {
-      const GeoPoint point = LocalPlane(*outcome.origin).to_geo(p);
-      fmt::print("  ({:.6f}, {:.6f})", point.latitude_deg, point.longitude_deg);
-    }
-    fmt::print("\n");
+    fmt::print("  {:2}  north {:9.2f} m  east {:9.2f} m {}\n", i + 1, p.x(), p.y(), place_text(outcome.origin, p));
   }
 }
 
@@ -89,8 +80,8 @@ int act(PathOptions& options) {
   if (options.json) {
     print_json({{"clear", clear},
                 {"reason", outcome.reason},
-                {"shoalest", place_json(outcome, t.worst)},
-                {"blocking", place_json(outcome, t.blocking)},
+                {"shoalest", decisive_json(outcome, t.worst)},
+                {"blocking", decisive_json(outcome, t.blocking)},
                 {"length_m", outcome.length_m},
                 {"pixels", t.pixels},
                 {"share_clear", t.fraction},
@@ -128,8 +119,8 @@ Action add_path(CLI::App& program) {
     command->add_option(name, value, text)->check(number(-INFINITY, INFINITY))->capture_default_str()->group(group);
   };
   length("--draught", request.draught_m, "Depth of the vehicle's lowest part, m");
-  length("--clearance", request.passage.clearance_m, "Water required below the vehicle, m");
-  length("--half-width", request.passage.half_width_m, "Half the width of the corridor, m");
+  length("--clearance", request.search.passage.clearance_m, "Water required below the vehicle, m");
+  length("--half-width", request.search.passage.half_width_m, "Half the width of the corridor, m");
   length("--around-objects", request.obstacle_radius_m, "Distance to keep from charted objects, m");
   const char* kFinding = "Finding a way";
   command

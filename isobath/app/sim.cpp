@@ -11,7 +11,6 @@
 #include <isobath/base/pending_file.hpp>
 #include <isobath/base/printable_text.hpp>
 #include <isobath/io/mcap/native_log.hpp>
-#include <isobath/report/html_report.hpp>
 #include <isobath/report/scene_picture.hpp>
 #include <isobath/scenario/scenario.hpp>
 #include <memory>

@@ -1,6 +1,5 @@
 #include <isobath/base/pending_file.hpp>
 #include <isobath/evaluation/run_store.hpp>
-#include <isobath/report/html_report.hpp>
 #include <nlohmann/json.hpp>
 
 namespace isobath {

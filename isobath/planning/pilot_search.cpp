@@ -11,8 +11,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::int32_t kRowsAtOnce = 64;  // a tree is read block by block
-constexpr double kWidest = 500;           // pixels, half-width of a vehicle: every step checks its whole corridor
+constexpr std::int32_t kRowsRead = 64;  // at a time: a quadtree reads whole squares
+constexpr double kWidest = 500;         // pixels, half-width of a vehicle: every step checks its whole corridor
 
 /// Which pixels of an area are clear, and how safe it is round each.
 class Area {
@@ -20,10 +20,10 @@ class Area {
   Area(const DepthField& map, PixelWindow window, double vehicle_z, const PilotSearchConfig& config,
        std::span<const ChartObstacle> chart)
       : grid_(map.grid()), window_(window) {
-    std::vector<DepthPixel> rows(static_cast<std::size_t>(window.width) * kRowsAtOnce);
+    std::vector<DepthPixel> rows(static_cast<std::size_t>(window.width) * kRowsRead);
     clear_.reserve(size());
-    for (std::int32_t r = 0; r < window.height; r += kRowsAtOnce) {
-      const std::int32_t height = std::min(kRowsAtOnce, window.height - r);
+    for (std::int32_t r = 0; r < window.height; r += kRowsRead) {
+      const std::int32_t height = std::min(kRowsRead, window.height - r);
       const std::span band(rows.data(), static_cast<std::size_t>(window.width) * static_cast<std::size_t>(height));
       map.read({window.column, window.row + r, window.width, height}, band);
       for (const DepthPixel& p : band) {

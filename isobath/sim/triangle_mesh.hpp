@@ -1,5 +1,5 @@
-// TriangleMesh: bodies and bottoms without closed-form ray intersection. triangle_mesh.cpp makes meshes of the shapes
-// of a scene, mesh_files.cpp those of terrain and rasters (GDAL), mesh_import.cpp reads mesh files (Assimp).
+// TriangleMesh: bodies and bottoms without closed-form ray intersection. triangle_mesh.cpp makes the meshes of a
+// scene's shapes, mesh_files.cpp those of terrain and rasters (GDAL); mesh_import.cpp reads mesh files (Assimp).
 #pragma once
 
 #include <Eigen/Core>

@@ -11,13 +11,6 @@ namespace {
 
 constexpr double kFarthest = 9e5;  // m, on the globe and on the plane: the radius of a local plane
 
-/// " (41.79300, -82.68881)"; empty if the map has no geographic origin.
-std::string place_of(const MapFacts& facts, Pixel pixel) {
-  if (!facts.origin) return {};
-  const GeoPoint p = LocalPlane(*facts.origin).to_geo(facts.area.grid.centre(pixel));
-  return fmt::format(" ({:.6f}, {:.6f})", p.latitude_deg, p.longitude_deg);
-}
-
 void refuse_far(const GeoPoint& point, const GeoOrigin& origin, const std::filesystem::path& map) {
   const double apart = distance_m(point, origin);
   if (apart < kFarthest) return;
@@ -28,6 +21,12 @@ void refuse_far(const GeoPoint& point, const GeoOrigin& origin, const std::files
 }
 
 }  // namespace
+
+std::string place_text(const std::optional<GeoOrigin>& origin, const Eigen::Vector2d& place) {
+  if (!origin) return {};
+  const GeoPoint p = LocalPlane(*origin).to_geo(place);
+  return fmt::format(" ({:.6f}, {:.6f})", p.latitude_deg, p.longitude_deg);
+}
 
 PathOutcome check_path(const PathRequest& request) {
   const StoredMap map = open_map(request.map);
@@ -58,7 +57,7 @@ PathOutcome check_path(const PathRequest& request) {
       window.extend(Eigen::Vector2d(p.head<2>() + Eigen::Vector2d::Constant(aside)));
     }
     obstacles = obstacles_near(load_features(ObjectStore(objects), map.facts.area), window,
-                               request.obstacle_radius_m + request.passage.half_width_m);
+                               request.obstacle_radius_m + request.search.passage.half_width_m);
     for (ChartObstacle& obstacle : obstacles) obstacle.radius_m = request.obstacle_radius_m;
   }
   PathOutcome outcome;
@@ -67,11 +66,9 @@ PathOutcome check_path(const PathRequest& request) {
   std::string no_way;
   if (request.find) {
     if (path.size() < 2) throw Error("a way needs a start and a goal", {}, "at least two way-points");
-    PilotSearchConfig search = request.search;
-    search.passage = request.passage;
     std::vector<Eigen::Vector3d> way{path.front()};
     for (std::size_t i = 1; i < path.size() && no_way.empty(); ++i) {
-      const auto leg = search_path(*field, path[i - 1], path[i], search, obstacles);
+      const auto leg = search_path(*field, path[i - 1], path[i], request.search, obstacles);
       if (!leg) {
         no_way = fmt::format("leg {}: {}", i, to_text(leg.error()));
         continue;
@@ -84,15 +81,16 @@ PathOutcome check_path(const PathRequest& request) {
       for (const Eigen::Vector3d& p : path) outcome.way.emplace_back(p.head<2>());
     }
   }
-  const auto verdict = traversability(*field, path, request.passage, obstacles);
+  const auto verdict = traversability(*field, path, request.search.passage, obstacles);
   if (!verdict) throw Error(std::string("the path cannot be checked: ") + to_text(verdict.error()));
   outcome.verdict = *verdict;
   outcome.reason = verdict->strict() == 1 ? "" : verdict->reason();
   if (!no_way.empty()) outcome.reason = no_way + "; the straight way: " + outcome.reason;
-  if (!outcome.reason.empty() && verdict->blocking) outcome.reason += place_of(map.facts, verdict->blocking->pixel);
+  const auto text = [&](Pixel pixel) { return place_text(outcome.origin, verdict->grid.centre(pixel)); };
+  if (!outcome.reason.empty() && verdict->blocking) outcome.reason += text(verdict->blocking->pixel);
   if (verdict->worst && verdict->worst->depth_m) {
-    outcome.least = fmt::format("least depth on the path: {:.2f} m{}", *verdict->worst->depth_m,
-                                place_of(map.facts, verdict->worst->pixel));
+    outcome.least =
+        fmt::format("least depth on the path: {:.2f} m{}", *verdict->worst->depth_m, text(verdict->worst->pixel));
   }
   for (std::size_t i = 1; i < path.size(); ++i) outcome.length_m += (path[i] - path[i - 1]).norm();
   return outcome;

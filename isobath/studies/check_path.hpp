@@ -18,9 +18,8 @@ struct PathRequest {
   std::vector<Eigen::Vector2d> local_m;  ///< north, east of W, for maps without a geographic origin
   double draught_m = 1;                  ///< depth of the vehicle's lowest part
   double obstacle_radius_m = 5;          ///< position uncertainty of charted objects
-  PassageConfig passage;
-  bool find = false;         ///< finds a way between the points instead of checking the straight legs
-  PilotSearchConfig search;  ///< of the way; its passage is not used
+  PilotSearchConfig search;              ///< its passage also when straight legs are checked
+  bool find = false;                     ///< finds a way between the points instead of checking the straight legs
 };
 
 struct PathOutcome {
@@ -35,6 +34,9 @@ struct PathOutcome {
 
 /// Throws Error if the map cannot be opened or the path is invalid.
 PathOutcome check_path(const PathRequest& request);
+
+/// " (41.792998, -82.688810)": latitude and longitude of a place in W; empty without an origin.
+std::string place_text(const std::optional<GeoOrigin>& origin, const Eigen::Vector2d& place);
 
 /// A mission file whose points are those of the way that was found, at the depth of the vehicle's lowest part.
 std::string mission_along(const PathRequest& request, const PathOutcome& outcome);

@@ -208,9 +208,9 @@ void StationKeeper::hold(const Waypoint& place, const std::optional<Angle>& head
   turning_ = false;
 }
 
-double StationKeeper::radius() const {
+double StationKeeper::radius(double speed) const {
   if (parameters_.min_speed <= 0) return 0;
-  const double widest = place_.speed / std::max(parameters_.limits.max_yaw_rate.radians(), 1e-3);
+  const double widest = speed / std::max(parameters_.limits.max_yaw_rate.radians(), 1e-3);
   return std::max({config_.circle_radius, 1.3 * parameters_.limits.turning_radius, 1.3 * widest});
 }
 
@@ -238,7 +238,7 @@ Setpoint StationKeeper::hover(const Vector2d& gap, Angle heading, double dt) {
 
 // Course along the tangent, turned inwards by atan((distance - radius) / (radius / 2)).
 Setpoint StationKeeper::circle(const Vector2d& gap, Angle heading) const {
-  const double circle = radius(),
+  const double circle = radius(place_.speed),
                speed = std::min(std::max(place_.speed, parameters_.min_speed), parameters_.limits.max_speed);
   const Angle inwards = Angle::radians(std::atan2(gap.norm() - circle, 0.5 * circle));
   const Angle course = bearing_of(gap) - Angle::degrees(90) + inwards;

@@ -48,7 +48,8 @@ struct GuidanceConfig {
 
 std::vector<Field> fields(GuidanceConfig& config);
 
-/// The velocity of the drift across the hull, kept in W so that it applies on another heading.
+/// The velocity of the drift across the hull, kept in W so that it applies on another heading: a low-pass for steering.
+/// CurrentEstimate also says how sure it is.
 class Drift {
  public:
   /// `time_constant` in s; ignores values that are not finite.
@@ -136,8 +137,8 @@ class StationKeeper {
   Setpoint step(const Pose& X_WB, const std::optional<Eigen::Vector3d>& v_W, double dt);
 
   [[nodiscard]] const Waypoint& place() const { return place_; }
-  /// Radius of the circle; 0 for a vehicle that hovers.
-  [[nodiscard]] double radius() const;
+  /// Radius of the circle at this speed; 0 for a vehicle that hovers.
+  [[nodiscard]] double radius(double speed) const;
 
  private:
   [[nodiscard]] Setpoint hover(const Eigen::Vector2d& gap, Angle heading, double dt);

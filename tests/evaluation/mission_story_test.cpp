@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <isobath/base/pending_file.hpp>
 #include <isobath/evaluation/evaluation.hpp>
-#include <isobath/report/html_report.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/pole_scene.hpp>
 

@@ -275,7 +275,7 @@ TEST(StationKeeper, HoldsAPlaceInACurrent) {
       const VehicleModel model = sway ? test::rov() : twin_screw();
       const auto vehicle = make_plant(model, kind, test::at_speed(0, 5));
       StationKeeper keeper({}, parameters_of(model));
-      EXPECT_EQ(keeper.radius(), 0);
+      EXPECT_EQ(keeper.radius(keeper.place().speed), 0);
       keeper.hold({6, -4, 5, 0.6});
       double worst = 0;
       for (int i = 0; i < 3000; ++i) {
@@ -327,8 +327,8 @@ TEST(StationKeeper, CirclesWhereTheVehicleCannotHover) {
       }
       before = s.X_WB.rotation.heading();
     }
-    EXPECT_GT(nearest, 0.7 * keeper.radius());
-    EXPECT_LT(furthest, 1.6 * keeper.radius());
+    EXPECT_GT(nearest, 0.7 * keeper.radius(keeper.place().speed));
+    EXPECT_LT(furthest, 1.6 * keeper.radius(keeper.place().speed));
     EXPECT_GT(turned, 3 * 360);  // to starboard
   }
 }

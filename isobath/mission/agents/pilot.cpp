@@ -89,10 +89,8 @@ void Pilot::hold_where_it_stops() {
     place += v * (v.norm() / (2 * vehicle_.braking));
   }
   const double depth = order_.surface ? 0 : here_->X_WB.translation.z();
-  station_.hold({place.x(), place.y(), depth, hold_speed()});
-  if (station_.radius() <= 0) return;
   const Angle heading = here_->X_WB.rotation.heading();
-  place += station_.radius() * Vector2d(-sin(heading), cos(heading));
+  place += station_.radius(hold_speed()) * Vector2d(-sin(heading), cos(heading));
   station_.hold({place.x(), place.y(), depth, hold_speed()});
 }
 

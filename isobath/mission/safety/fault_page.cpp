@@ -62,7 +62,8 @@ of the mission file.
 - The Safety Officer judges ten times a second and overrides planning and steering. It can only slow, stop, turn away or
   surface: it never asks for more speed than was ordered, but for an escape of a vehicle that cannot stop, which is
   sailed at least at the speed at which the vehicle turns fastest. Such an escape must be free with and without the
-  current that the vehicle's headings have not shown yet (up to `unknown_current`). If several faults are active, the strongest action is taken.
+  current that the vehicle's headings have not shown yet (up to `unknown_current`). If several faults are active, the
+  strongest action is taken.
 - *stop* becomes *surface* for a vehicle that needs forward speed to hold its depth, or that was ordered to surface.
 - A vehicle that cannot stop surfaces in a circle where its obstacles and the fence leave room, else on its heading.
 - A fault is over when its cause has been gone for `clear_after_s` ({} s). Faults of routes are over with the next route, and

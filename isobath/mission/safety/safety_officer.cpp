@@ -11,7 +11,7 @@ constexpr double kOtherHeading = 0.035;      // rad: a set-point that differs by
 constexpr double kOtherDepth = 0.2;          // m
 constexpr double kOtherSpeed = 0.02;         // m/s
 constexpr double kLead = 2, kLeastLead = 1;  // rad: in a circle, the set-point is so far ahead of the heading
-constexpr double kLeastUnknown = 0.3;        // m/s: so much current may be learnt at least
+constexpr double kLeastUnknown = 0.3;        // m/s: least standard deviation of a current before any measurement
 constexpr double kRise = 0.5;                // m, beyond the altitude at which it is no longer too low
 
 ImminentCollisionConfig imminent_config(const SafetyConfig& config, const VehicleParameters& vehicle) {

@@ -1,7 +1,6 @@
 // An approach by helix beside a straight one, with the whole vehicle.
 #include <gtest/gtest.h>
 #include <isobath/base/error.hpp>
-#include <isobath/report/html_report.hpp>
 #include <isobath/studies/helix_pictures.hpp>
 #include <tests/support/data.hpp>
 

@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <isobath/base/error.hpp>
 #include <isobath/base/pending_file.hpp>
-#include <isobath/report/html_report.hpp>
 #include <tests/studies/detection_delay.hpp>
 
 int main(int argc, char** argv) {
