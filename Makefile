@@ -12,7 +12,7 @@ WERROR ?= OFF
 DEMO_OUT ?= out/demo
 DEMO ?= build/release/bin/isobath run --out $(DEMO_OUT)
 
-.PHONY: help setup demo test bench lint files headers alone tidy fuzz format clean test-asan test-tsan
+.PHONY: help setup demo test bench lint files tidy fuzz format clean test-asan test-tsan
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 14
 
@@ -66,18 +66,13 @@ bench: build-bench ## Run the benchmarks
 	  ISOBATH_PROGRAM=build/bench/bin/isobath ISOBATH_CHROMIUM=$$chromium node bench/click_to_picture.mjs; \
 	else echo "bench/click_to_picture.mjs: needs node and Chromium"; fi
 
-lint: setup ## Formatting, repository hygiene, headers that stand alone, clang-tidy; warnings are errors
-	@status=0; for check in files headers tidy; do $(MAKE) --no-print-directory $$check || status=1; done; exit $$status
+lint: setup ## Formatting, repository hygiene, clang-tidy on each source and header by itself; warnings are errors
+	@status=0; for check in files tidy; do $(MAKE) --no-print-directory $$check || status=1; done; exit $$status
 files:
 	@scripts/check-files
-headers: build/release/.configured-$(WERROR)
-	@cmake --build build/release --parallel $(JOBS) --target isobath_headers_alone
-# Every source of library, program and benchmarks by itself, as preset dev compiles it: checked, not translated.
-alone: build/alone/.configured-$(WERROR) ## Each source of library, program and benchmarks by itself, checked and not translated
-	@units=$$(ninja -C build/alone -t targets all | sed -n 's/^\(\(isobath\|bench\)\/.*\.cpp\.o\): .*/\1/p'); \
-	ninja -C build/alone -j $(JOBS) $$units
-tidy: build/lint/.configured-$(WERROR) build/lint/own_code.so
-	@ISOBATH_TIDY_PRELOAD=$$(realpath -q build/lint/own_code.so || true) cmake --build build/lint --parallel $(JOBS) --target isobath_app -- -k 0
+tidy: build/lint/.configured-$(WERROR) build/lint/own_code.so ## clang-tidy on each source and header by itself; ROOM=map: those of a room
+	@units=$$(ninja -C build/lint -t targets all | sed -n 's/: CXX_COMPILER__.*//p' | grep -E '(^|/)$(if $(ROOM),isobath/$(ROOM)/,(isobath|bench)/).*\.cpp\.o$$'); \
+	ISOBATH_TIDY_PRELOAD=$$(realpath -q build/lint/own_code.so || true) ninja -C build/lint -k 0 -j $(JOBS) $$units
 
 fuzz: build-fuzz ## Run every fuzz target FUZZ_SECONDS long (60), from its corpus
 	@for program in build/fuzz/tests/fuzz/*_fuzz; do \

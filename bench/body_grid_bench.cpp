@@ -95,10 +95,12 @@ void BodyGridPlainScatter(benchmark::State& state) {
     for (int b = 0; b < kBeams; ++b) {
       for (int k = 0; k < kBins; ++k) {
         const float r = static_cast<float>((k + 0.5) * kBin / 0.25);
-        const int x = static_cast<int>(200 + r * direction[b].x());
-        const int y = static_cast<int>(200 + r * direction[b].y());
-        double& l = grid[static_cast<std::size_t>(x * 400 + y)];
-        l = std::clamp(l + (image[static_cast<std::size_t>(b * kBins + k)] >= kThreshold ? 0.5 : -0.1), -9.2, 9.2);
+        const auto x = static_cast<std::size_t>(200 + r * direction[b].x());
+        const auto y = static_cast<std::size_t>(200 + r * direction[b].y());
+        double& l = grid[x * 400 + y];
+        l = std::clamp(
+            l + (image[static_cast<std::size_t>(b) * kBins + static_cast<std::size_t>(k)] >= kThreshold ? 0.5 : -0.1),
+            -9.2, 9.2);
       }
     }
     benchmark::ClobberMemory();

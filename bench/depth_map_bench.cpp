@@ -52,7 +52,7 @@ struct Vehicle {
   std::unique_ptr<DepthMapper> mapper;
 
   /// Charted `depth_m` all over, 0: not at all.
-  Vehicle(double area_m, double depth_m, bool background, Eigen::Vector2d start = {0, 0}) {
+  Vehicle(double area_m, double depth_m, bool background, const Eigen::Vector2d& start = {0, 0}) {
     DepthMapConfig config;
     config.area_m = area_m;
     const DepthArea area = area_of(config);

@@ -345,15 +345,15 @@ void measure(std::filesystem::path recording, double seconds, int rounds) {
 }  // namespace isobath
 
 int main(int argc, char** argv) {
-  CLI::App program{"What pages cost the run that they look at"};
-  std::string recording;
-  double seconds = 40;
-  int rounds = 3;
-  program.add_option("RECORDING", recording, "Default: one is made of wide_fan.toml");
-  program.add_option("--seconds", seconds, "Of each round, with pages and without")->capture_default_str();
-  program.add_option("--rounds", rounds, "In turns")->capture_default_str();
-  CLI11_PARSE(program, argc, argv);
   try {
+    CLI::App program{"What pages cost the run that they look at"};
+    std::string recording;
+    double seconds = 40;
+    int rounds = 3;
+    program.add_option("RECORDING", recording, "Default: one is made of wide_fan.toml");
+    program.add_option("--seconds", seconds, "Of each round, with pages and without")->capture_default_str();
+    program.add_option("--rounds", rounds, "In turns")->capture_default_str();
+    CLI11_PARSE(program, argc, argv);
     isobath::measure(recording, seconds, rounds);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());

@@ -21,7 +21,9 @@ struct Sea {
   explicit Sea(double spacing) : free(kCells.size()) {
     for (std::size_t i = 0; i < free.size(); ++i)
       free[i] = (kCells.centre(kCells.cell(i)) - Vector2d(50, 50)).norm() < 38;
-    for (int i = 0; i < 300; ++i) rocks.emplace_back(spacing * (i % 20 - 9.5), spacing * (i / 20 - 7));
+    for (int row = 0; row < 15; ++row) {
+      for (int column = 0; column < 20; ++column) rocks.emplace_back(spacing * (column - 9.5), spacing * (row - 7));
+    }
   }
   // Those within 40 m, as seen from p.
   MemorySweep look(const Vector2d& p, double now, double sigma) {

@@ -151,7 +151,7 @@ BENCHMARK(QuadtreeWriteWindowPlainArray)->Unit(benchmark::kMicrosecond);
 void QuadtreeSnapshot(benchmark::State& state) {
   const RegionQuadtree tree = tree_of(bottom(kRough));
   for (auto _ : state) {
-    const RegionQuadtree snapshot(tree);
+    const RegionQuadtree snapshot(tree);  // NOLINT(performance-unnecessary-copy-initialization): this is measured
     benchmark::DoNotOptimize(snapshot.root());
   }
   state.counters["pages"] = double(tree.statistics().pages);
@@ -207,7 +207,7 @@ void NearestPointBruteForce(benchmark::State& state) {
   const auto queries = points(2);
   std::size_t i = 0;
   for (auto _ : state) {
-    const Eigen::Vector2d p = queries[i++ % queries.size()];
+    const Eigen::Vector2d& p = queries[i++ % queries.size()];
     double best = std::numeric_limits<double>::infinity();
     std::size_t nearest = 0;
     for (std::size_t k = 0; k < objects.size(); ++k) {
@@ -255,7 +255,7 @@ void NearestSegmentBruteForce(benchmark::State& state) {
   const auto queries = points(2);
   std::size_t i = 0;
   for (auto _ : state) {
-    const Eigen::Vector2d p = queries[i++ % queries.size()];
+    const Eigen::Vector2d& p = queries[i++ % queries.size()];
     double best = std::numeric_limits<double>::infinity();
     std::size_t nearest = 0;
     for (std::size_t k = 0; k < pieces.a.size(); ++k) {

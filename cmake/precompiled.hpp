@@ -1,5 +1,5 @@
-// Read once for the whole library, not once a unit: the headers of others that most sources include. `make headers` and the
-// preset `dev` see to it that each source includes by itself what it uses.
+// Read once for the whole library, not once a unit: the headers of others that most sources include. `make tidy` sees
+// to it that each source includes by itself what it uses.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,11 +1,12 @@
-// Loaded before clang-tidy's own libraries (LD_PRELOAD): its checks then look only at declarations of this project, not at those of
-// the standard library and Eigen, whose findings it would throw away in the end. A unit of the library takes 11 s instead of 47.
+// Loaded before clang-tidy's own libraries (LD_PRELOAD): its checks then look only at declarations of the source and of the header of
+// the same name. Those of other headers are looked at with their own sources, those of libraries never.
 #include <clang/AST/ASTConsumer.h>
 #include <clang/AST/ASTContext.h>
 #include <clang/AST/Decl.h>
 #include <clang/ASTMatchers/ASTMatchFinder.h>
 #include <clang/Basic/SourceManager.h>
 #include <dlfcn.h>
+#include <llvm/Support/Path.h>
 
 #include <memory>
 #include <vector>
@@ -17,9 +18,14 @@ public:
   explicit OwnCode(std::unique_ptr<clang::ASTConsumer> checks) : checks_(std::move(checks)) {}
   void HandleTranslationUnit(clang::ASTContext& context) override {
     const clang::SourceManager& files = context.getSourceManager();
+    const auto stem = [&](clang::FileID file) {
+      const clang::FileEntry* entry = files.getFileEntryForID(file);
+      return entry ? llvm::sys::path::stem(entry->getName()) : llvm::StringRef();
+    };
+    const llvm::StringRef source = stem(files.getMainFileID());
     std::vector<clang::Decl*> own;
-    for (clang::Decl* declaration : context.getTranslationUnitDecl()->decls())
-      if (!files.isInSystemHeader(files.getExpansionLoc(declaration->getLocation()))) own.push_back(declaration);
+    for (clang::Decl* declaration : context.getTranslationUnitDecl()->noload_decls())
+      if (stem(files.getFileID(files.getExpansionLoc(declaration->getLocation()))) == source) own.push_back(declaration);
     context.setTraversalScope(own);
     checks_->HandleTranslationUnit(context);
   }
