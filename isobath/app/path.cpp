@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fmt/format.h>
 #include <isobath/app/commands.hpp>
 #include <isobath/app/json_output.hpp>
@@ -8,6 +9,7 @@
 #include <isobath/studies/check_path.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace isobath::app {
 namespace {
@@ -48,14 +50,52 @@ nlohmann::ordered_json decisive_json(const PathOutcome& outcome, const std::opti
 
 nlohmann::ordered_json way_json(const PathOutcome& outcome) {
   auto way = nlohmann::ordered_json::array();
-  for (const Eigen::Vector2d& p : outcome.way) add_place(way.emplace_back(), outcome, p);
+  for (const Eigen::Vector3d& p : outcome.way) {
+    add_place(way.emplace_back(), outcome, p.head<2>());
+    way.back()["vehicle_depth_m"] = p.z();
+  }
   return way;
+}
+
+nlohmann::ordered_json abreast_json(const PathRequest& request, const PathOutcome& outcome) {
+  if (!outcome.abreast) return {};
+  const AbreastOutcome& a = *outcome.abreast;
+  return {{"wanted", request.formation.vehicles},
+          {"vehicles", a.vehicles},
+          {"sure_by_blocks", a.blocks.sure},
+          {"possible_by_blocks", a.blocks.possible},
+          {"mixed_share", a.mixed_share}};
+}
+
+nlohmann::ordered_json threats_json(const PathOutcome& outcome) {
+  if (!outcome.threats) return {};
+  const ThreatOutcome& t = *outcome.threats;
+  return {{"areas", t.areas},
+          {"detection", t.detection.probability()},
+          {"destruction", t.destruction.probability()},
+          {"straight_detection", t.straight_detection.probability()},
+          {"straight_destruction", t.straight_destruction.probability()}};
+}
+
+void print_abreast(const PathRequest& request, const AbreastOutcome& a) {
+  fmt::print("abreast: {} of {} vehicles\n", a.vehicles, request.formation.vehicles);
+}
+
+void print_threats(const PathRequest& request, const ThreatOutcome& t) {
+  const auto share = [](const PathRisk& risk) { return 100 * risk.probability(); };
+  fmt::print("threats: {:.1f} % to be detected, {:.1f} % to be destroyed", share(t.detection), share(t.destruction));
+  if (request.find || request.line.any()) {
+    fmt::print("; on the straight legs {:.1f} % and {:.1f} %", share(t.straight_detection),
+               share(t.straight_destruction));
+  }
+  fmt::print("\n");
 }
 
 void print_way(const PathOutcome& outcome) {
   for (std::size_t i = 0; i < outcome.way.size(); ++i) {
-    const Eigen::Vector2d& p = outcome.way[i];
-    fmt::print("  {:2}  north {:9.2f} m  east {:9.2f} m {}\n", i + 1, p.x(), p.y(), place_text(outcome.origin, p));
+    const Eigen::Vector3d& p = outcome.way[i];
+    fmt::print("  {:2}  north {:9.2f} m  east {:9.2f} m  depth {:6.2f} m {}\n", i + 1, p.x(), p.y(), p.z(),
+               place_text(outcome.origin, p.head<2>()));
   }
 }
 
@@ -72,7 +112,16 @@ int act(PathOptions& options) {
       throw Error("\"" + text + "\" is not a position on the globe", {}, "latitude,longitude in degrees");
     request.points.push_back(point);
   }
-  if (!options.mission.empty() && !request.find) throw Error("--mission needs --find", {.key = "--mission"});
+  if (!options.mission.empty() && !request.find && !request.line.any()) {
+    throw Error("--mission needs --find, --along or --contour", {.key = "--mission"});
+  }
+  if ((request.altitude_m || request.offset_m != 0) && !request.line.any()) {
+    throw Error("--offset and --altitude need --along or --contour", {.key = "--altitude"});
+  }
+  if (std::filesystem::is_regular_file(request.line.feature)) {
+    request.line.file = std::exchange(request.line.feature, {});
+  }
+  request.line.cell_m = std::max(1.0, 2 * request.search.passage.half_width_m);
   const PathOutcome outcome = check_path(request);
   const Traversability& t = outcome.verdict;
   const bool clear = outcome.reason.empty();
@@ -89,6 +138,8 @@ int act(PathOptions& options) {
                 {"unknown_pixels", t.unknown},
                 {"unsure_pixels", t.unsure},
                 {"way", way_json(outcome)},
+                {"abreast", abreast_json(request, outcome)},
+                {"threats", threats_json(outcome)},
                 {"queries", outcome.queries},
                 {"map_version", t.map_version}});
   } else if (clear) {
@@ -99,7 +150,11 @@ int act(PathOptions& options) {
     fmt::print("refused: {}\n{:.1f} % of {} pixels are clear, {} are unknown, {} too unsure\n", outcome.reason,
                100 * t.fraction, t.pixels, t.unknown, t.unsure);
   }
-  if (!options.json && !outcome.least.empty()) fmt::print("{}\n", outcome.least);
+  if (!options.json) {
+    if (!outcome.least.empty()) fmt::print("{}\n", outcome.least);
+    if (outcome.abreast) print_abreast(request, *outcome.abreast);
+    if (outcome.threats) print_threats(request, *outcome.threats);
+  }
   return clear ? kSuccess : kFailedChecks;
 }
 
@@ -123,21 +178,73 @@ Action add_path(CLI::App& program) {
   length("--half-width", request.search.passage.half_width_m, "Half the width of the corridor, m");
   length("--around-objects", request.obstacle_radius_m, "Distance to keep from charted objects, m");
   const char* kFinding = "Finding a way";
-  command
-      ->add_flag("--find", request.find,
-                 "Find the safest short way from point to point; without it, straight legs are checked")
-      ->group(kFinding);
+  CLI::Option* find = command
+                          ->add_flag("--find", request.find,
+                                     "Find the safest short way from point to point; without it, straight legs are "
+                                     "checked")
+                          ->group(kFinding);
   length("--risk-weight", request.search.risk_weight,
          "Detour that one e-fold of shallow water nearby is worth, m per m of way", kFinding);
   length("--risk-reach", request.search.risk_reach_m, "Shallow water within this distance is a risk, m", kFinding);
   length("--margin", request.search.margin_m, "How far to search around the box of the points, m", kFinding);
-  command->add_option("--mission", options->mission, "Write the way as a mission file")
+  const char* kFollowing = "Following a line";
+  CLI::Option* along =
+      command
+          ->add_option("--along", request.line.feature,
+                       "Follow a line from the first point to the second, or to the line's end: name or kind of a "
+                       "line of the map, the nearest one, or a file of lines (GeoJSON, shapefile, GeoPackage)")
+          ->check(such_as(
+              [] {
+                return std::vector<std::string>{"nearest", "pipeline", "contour", "coast"};
+              },
+              true))
+          ->excludes(find)
+          ->group(kFollowing);
+  command
+      ->add_option("--contour", request.line.contour_m, "Follow the contour line of this depth of the map instead, m")
+      ->check(number(-INFINITY, INFINITY))
+      ->excludes(along)
+      ->excludes(find)
+      ->group(kFollowing);
+  length("--offset", request.offset_m, "Distance of the course from the line, to starboard, m", kFollowing);
+  command
+      ->add_option("--altitude", request.altitude_m,
+                   "Altitude above the bottom of the map, m; without it the depth is the draught")
+      ->check(number(0, 1000))
+      ->group(kFollowing);
+  const char* kAbreast = "Several vehicles abreast";
+  CLI::Option* vehicles = command->add_option("--vehicles", request.formation.vehicles, "How many")
+                              ->check(whole(1, 100))
+                              ->capture_default_str()
+                              ->group(kAbreast);
+  const auto of_vehicles = [&](const char* name, double& value, const char* text) {
+    command->add_option(name, value, text)->check(number(0, 10000))->needs(vehicles)->group(kAbreast);
+  };
+  of_vehicles("--spacing", request.formation.spacing_m, "Distance between neighbours, m");
+  of_vehicles("--depth-spread", request.formation.depth_spread_m, "How much deeper the deepest vehicle may be, m");
+  const char* kThreats = "Threats";
+  CLI::Option* threats =
+      command
+          ->add_option("--threats", request.threats,
+                       "Areas with the probability of detection or destruction (GeoJSON, shapefile, GeoPackage)")
+          ->check(reads())
+          ->group(kThreats);
+  command
+      ->add_option("--threat-weight", request.search.threat_weight_m,
+                   "Detour that one e-fold less chance of passing unharmed is worth to --find, m")
+      ->check(number(0, 1e6))
+      ->needs(threats)
+      ->capture_default_str()
+      ->group(kThreats);
+  command->add_option("--mission", options->mission, "Write the way that was found, or the course, as a mission file")
       ->check(writes_file())
-      ->group(kFinding);
+      ->group("Output");
   add_json_flag(*command, options->json);
   add_example(*command, "path lake 54.2861,10.1512 54.2874,10.1555 --draught 1.2");
   add_example(*command, "path lake 0,0 150,40 --metres --half-width 5 --json");
   add_example(*command, "path lake 54.2861,10.1512 54.2874,10.1555 --draught 1.2 --find --mission way.toml");
+  add_example(*command, "path lake 54.2861,10.1512 --along pipeline --offset 4 --altitude 3 --mission pipe.toml");
+  add_example(*command, "path lake 54.2861,10.1512 54.2874,10.1555 --vehicles 3 --spacing 10 --threats patrol.geojson");
   return [options] { return act(*options); };
 }
 

@@ -20,7 +20,8 @@ namespace {
 
 struct SphereOptions {
   std::filesystem::path scene, out = "sphere";
-  int scans = 10, seed = -1;
+  int scans = 10, seed = -1, passes = 1;
+  double drift_percent = 0;
   double range_m = 0;
   std::string rule = "log_odds";
   double looking_deg = 20, down_deg = 35, zoom = 1;
@@ -124,12 +125,34 @@ void print_causes(const SphericalSurvey& survey) {
   fmt::print("\n");
 }
 
+nlohmann::ordered_json navigation_json(const SphericalSurvey& survey, const SphericalSurveyConfig& config) {
+  if (config.drift_share == 0) return {};
+  const PositionErrors alone = errors_of(survey.navigation.dead_reckoning, survey.path);
+  const PositionErrors fixed = errors_of(survey.navigation.believed, survey.path);
+  return {{"way_m", survey.navigation.way_m},        {"fixes", survey.navigation.fixes},
+          {"corners", survey.navigation.corners},    {"dead_reckoning_last_m", alone.last_m},
+          {"dead_reckoning_worst_m", alone.worst_m}, {"corrected_last_m", fixed.last_m},
+          {"corrected_worst_m", fixed.worst_m}};
+}
+
+void print_navigation(const SphericalSurvey& survey, const SphericalSurveyConfig& config) {
+  const PositionErrors alone = errors_of(survey.navigation.dead_reckoning, survey.path);
+  const PositionErrors fixed = errors_of(survey.navigation.believed, survey.path);
+  fmt::print(
+      "{:.0f} m of way at {:g} % drift: dead reckoning ends {:.2f} m off; with {} fixes by {} corners the position is "
+      "{:.2f} m off at the end, {:.2f} m at most\n",
+      survey.navigation.way_m, 100 * config.drift_share, alone.last_m, survey.navigation.fixes,
+      survey.navigation.corners, fixed.last_m, fixed.worst_m);
+}
+
 int act(const SphereOptions& options) {
   check_output_folder(options.out, "--out");
   const Scene scene = open_scene(options.scene);
   SphericalSurveyConfig config = survey_config(scene);
   config.scans = options.scans;
   config.seed = options.seed;
+  config.passes = options.passes;
+  config.drift_share = options.drift_percent / 100;
   if (options.range_m > 0) config.sonar.range_m = options.range_m;
   if (options.rule == "maximum_response") config.mapper.rule = SphericalMapperConfig::Rule::kMaximumResponse;
   if (options.false_echoes) {
@@ -161,6 +184,7 @@ int act(const SphereOptions& options) {
                                 {"bytes", bytes},
                                 {"median_error_m", survey.median_error_m},
                                 {"worst_error_m", survey.worst_error_m},
+                                {"navigation", navigation_json(survey, config)},
                                 {"sizes", sizes_json(config.grid)},
                                 {"echoes_by_cause", causes_json(survey)},
                                 {"features", features_json(survey.features)}};
@@ -174,6 +198,7 @@ int act(const SphereOptions& options) {
              survey.occupied, static_cast<double>(bytes) / 1e6);
   fmt::print("occupied cells that echoed are {:.2f} m from a true wall (median), {:.2f} m at most\n",
              survey.median_error_m, survey.worst_error_m);
+  if (config.drift_share > 0) print_navigation(survey, config);
   if (options.false_echoes) print_causes(survey);
   print_features(survey.features);
   print_sizes(config.grid);
@@ -226,6 +251,16 @@ Action add_sphere(CLI::App& program) {
   command->add_option("--seed", options->seed, "Seed of every random number")
       ->check(whole(0, 2147483647))
       ->default_str("the scene's")
+      ->group("Simulation");
+  command->add_option("--passes", options->passes, "How often the vehicle goes along the path, to and fro")
+      ->capture_default_str()
+      ->check(whole(1, 100))
+      ->group("Simulation");
+  command
+      ->add_option("--drift", options->drift_percent,
+                   "Error of dead reckoning, % of the way; the corners of the walls correct it")
+      ->capture_default_str()
+      ->check(number(0, 20))
       ->group("Simulation");
   command
       ->add_flag("--false-echoes", options->false_echoes,

@@ -1,14 +1,39 @@
+#include <array>
 #include <isobath/planning/area_traversability.hpp>
+#include <unordered_map>
 
 namespace isobath {
 namespace {
 
 std::int32_t floor_divide(std::int32_t a, std::int32_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 
-void judge_block(const DepthSummary& b, double vehicle_z, double clearance, AreaTraversability& out) {
-  if (b.known <= 0 || b.max_m - vehicle_z < clearance) {
+/// The blocks of a map by pixel. A tile's blocks are read when the first of its pixels is asked for.
+class BlocksByPixel {
+ public:
+  explicit BlocksByPixel(const DepthSnapshot& map) : map_(map) {}
+
+  const DepthBlock& at(Pixel p) {
+    const Pixel tile{floor_divide(p.column, DepthTile::kSide), floor_divide(p.row, DepthTile::kSide)};
+    const auto [entry, is_new] = tiles_.try_emplace(std::uint64_t{static_cast<std::uint32_t>(tile.row)} << 32U |
+                                                    static_cast<std::uint32_t>(tile.column));
+    if (is_new) map_.read_blocks({tile.column * kSide, tile.row * kSide, kSide, kSide}, entry->second);
+    const int column = (p.column - tile.column * DepthTile::kSide) / DepthBlock::kPixels;
+    const int row = (p.row - tile.row * DepthTile::kSide) / DepthBlock::kPixels;
+    return entry->second[static_cast<std::size_t>(row * kSide + column)];
+  }
+
+ private:
+  static constexpr int kSide = DepthTile::kBlocks;
+
+  const DepthSnapshot& map_;
+  std::unordered_map<std::uint64_t, std::array<DepthBlock, std::size_t{kSide} * kSide>> tiles_;
+};
+
+void judge_block(const DepthBlock& b, double vehicle_z, double clearance, AreaTraversability& out) {
+  constexpr int kAll = DepthBlock::kPixels * DepthBlock::kPixels;
+  if (b.unknown == kAll || 0.01 * b.max_cm - vehicle_z < clearance) {
     ++out.blocked;
-  } else if (b.unknown == 0 && b.min_m - vehicle_z >= clearance) {
+  } else if (b.unknown == 0 && 0.01 * b.min_cm - vehicle_z >= clearance) {
     ++out.clear;
   } else {
     ++out.mixed;
@@ -17,39 +42,22 @@ void judge_block(const DepthSummary& b, double vehicle_z, double clearance, Area
 
 }  // namespace
 
-DepthSummary BlockMap::at(Pixel block) const {
-  if (!window.contains(block)) return {0, 0, 0, side * side};
-  const auto row = static_cast<std::size_t>(block.row - window.row);
-  return blocks[row * static_cast<std::size_t>(window.width) + static_cast<std::size_t>(block.column - window.column)];
-}
-
-Pixel BlockMap::block_of(Pixel p) const { return {floor_divide(p.column, side), floor_divide(p.row, side)}; }
-
-AreaTraversability area_traversability(const BlockMap& map, PixelWindow blocks, double vehicle_z, double clearance_m,
-                                       const Formation& formation) {
-  AreaTraversability out;
-  for (std::int32_t row = blocks.row; row < blocks.row + blocks.height; ++row) {
-    for (std::int32_t column = blocks.column; column < blocks.column + blocks.width; ++column) {
-      judge_block(map.at({column, row}), vehicle_z + formation.depth_spread_m, clearance_m, out);
-    }
-  }
-  return out;
-}
-
-Result<AreaTraversability, CorridorRefusal> corridor_traversability(const BlockMap& map,
+Result<AreaTraversability, CorridorRefusal> corridor_traversability(const DepthSnapshot& map,
                                                                     std::span<const Eigen::Vector3d> path,
                                                                     const PassageConfig& passage,
                                                                     const Formation& formation) {
-  const auto swept = sweep(map.fine, path, formation.half_width_m(passage.half_width_m));
+  const auto swept = sweep(map.grid(), path, formation.half_width_m(passage.half_width_m));
   if (!swept) return tl::unexpected(swept.error());
+  BlocksByPixel blocks(map);
   AreaTraversability out;
   for (const SweptPixel& p : *swept) {
-    judge_block(map.at(map.block_of(p.pixel)), p.vehicle_z + formation.depth_spread_m, passage.clearance_m, out);
+    judge_block(blocks.at(p.pixel), p.vehicle_z + formation.depth_spread_m, passage.clearance_m, out);
   }
   return out;
 }
 
-Result<VehiclesAbreast, CorridorRefusal> vehicles_abreast(const BlockMap& map, std::span<const Eigen::Vector3d> path,
+Result<VehiclesAbreast, CorridorRefusal> vehicles_abreast(const DepthSnapshot& map,
+                                                          std::span<const Eigen::Vector3d> path,
                                                           const PassageConfig& passage, Formation formation) {
   VehiclesAbreast out;
   const int most = formation.vehicles;

@@ -3,8 +3,10 @@
 #include <cmath>
 #include <isobath/geometry/polygon.hpp>
 #include <isobath/planning/feature_course.hpp>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -18,12 +20,6 @@ double distance(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   const double length2 = (b - a).squaredNorm();
   const double t = length2 > 0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0;
   return (p - a - t * (b - a)).norm();
-}
-
-double distance(const Vector2d& p, std::span<const Vector2d> line) {
-  double nearest = INFINITY;
-  for (std::size_t i = 0; i + 1 < line.size(); ++i) nearest = std::min(nearest, distance(p, line[i], line[i + 1]));
-  return nearest;
 }
 
 Line without_repetition(std::span<const Vector2d> line) {
@@ -78,9 +74,9 @@ Line without_loops(const Line& raw, std::span<const Vector2d> line, double offse
     std::optional<std::pair<std::size_t, Vector2d>> cut;
     bool near = false;
     for (std::size_t j = i + 2; j + 1 < raw.size() && length < 4 * std::numbers::pi * std::abs(offset); ++j) {
-      near = near || distance(raw[j - 1], line) < std::abs(offset) - chord;
+      near = near || distance_from_line(line, raw[j - 1]) < std::abs(offset) - chord;
       const auto x = crossing(raw[i], raw[i + 1], raw[j], raw[j + 1]);
-      if (x && (near || distance(raw[j], line) < std::abs(offset) - chord)) cut = {j, *x};
+      if (x && (near || distance_from_line(line, raw[j]) < std::abs(offset) - chord)) cut = {j, *x};
       length += (raw[j] - raw[j - 1]).norm();
     }
     if (!cut) continue;
@@ -131,28 +127,93 @@ Result<std::vector<double>, CourseRefusal> depths_over_bottom(const Line& course
   return depths;
 }
 
-/// Moves from `rest` to the line the segment that best continues its end.
-bool extend(Line& line, std::vector<FeatureSegment>& rest, double tolerance) {
-  const Vector2d end = line.back(), along = end - line[line.size() - 2];
-  std::size_t best = rest.size();
-  double best_cosine = -2;
-  Vector2d next = end;
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    for (const bool turned : {false, true}) {
-      const Vector2d &from = turned ? rest[i].b : rest[i].a, &to = turned ? rest[i].a : rest[i].b;
-      if ((from - end).norm() > tolerance) continue;
-      const double lengths = along.norm() * (to - end).norm();
-      const double cosine = lengths > 0 ? along.dot(to - end) / lengths : -1;
-      if (cosine <= best_cosine) continue;
-      best_cosine = cosine;
-      best = i;
-      next = to;
+/// The ends of pieces by place: those within `tolerance_m` of a point are in its cell or beside it.
+class EndsOfPieces {
+ public:
+  struct End {
+    std::size_t piece = 0;
+    bool last = false;  ///< the piece is to be followed from its last point to its first
+  };
+
+  EndsOfPieces(const std::vector<Line>& pieces, double tolerance_m)
+      : pieces_(pieces), tolerance_m_(tolerance_m), cell_m_(std::max(tolerance_m, 1e-3)) {
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      ends_[cell_of(pieces[i].front())].push_back({i, false});
+      ends_[cell_of(pieces[i].back())].push_back({i, true});
     }
   }
-  if (best == rest.size()) return false;
-  rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(best));
-  line.push_back(next);
-  return true;
+
+  /// The free end at which the straightest piece begins that continues a line; empty if there is none.
+  [[nodiscard]] std::optional<End> continuing(const Line& line, const std::vector<bool>& used) const {
+    const Vector2d end = line.back(), along = end - line[line.size() - 2];
+    std::optional<End> best;
+    double best_cosine = -2;
+    for (int north = -1; north <= 1; ++north) {
+      for (int east = -1; east <= 1; ++east) {
+        const auto found = ends_.find(cell_of(end + cell_m_ * Vector2d(north, east)));
+        if (found == ends_.end()) continue;
+        for (const End& candidate : found->second) {
+          const Line& piece = pieces_[candidate.piece];
+          const Vector2d& from = candidate.last ? piece.back() : piece.front();
+          if (used[candidate.piece] || (from - end).norm() > tolerance_m_) continue;
+          const Vector2d way = (candidate.last ? piece[piece.size() - 2] : piece[1]) - end;
+          const double lengths = along.norm() * way.norm();
+          const double cosine = lengths > 0 ? along.dot(way) / lengths : -1;
+          const bool earlier = best && cosine == best_cosine && candidate.piece < best->piece;
+          if (cosine <= best_cosine && !earlier) continue;
+          best_cosine = cosine;
+          best = candidate;
+        }
+      }
+    }
+    return best;
+  }
+
+ private:
+  using Cell = std::pair<std::int64_t, std::int64_t>;
+  [[nodiscard]] Cell cell_of(const Vector2d& p) const {
+    return {std::llround(std::floor(p.x() / cell_m_)), std::llround(std::floor(p.y() / cell_m_))};
+  }
+
+  const std::vector<Line>& pieces_;
+  double tolerance_m_, cell_m_;
+  std::map<Cell, std::vector<End>> ends_;
+};
+
+struct Foot {
+  std::size_t segment = 0;
+  Vector2d at;
+  double along_m = 0;  ///< from the start of the line
+};
+
+Foot foot_on(std::span<const Vector2d> line, const Vector2d& p) {
+  Foot best{0, line.front(), 0};
+  double nearest = (p - line.front()).norm(), along = 0;
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    const Vector2d leg = line[i + 1] - line[i];
+    const double t = leg.squaredNorm() > 0 ? std::clamp((p - line[i]).dot(leg) / leg.squaredNorm(), 0.0, 1.0) : 0;
+    const Vector2d foot = line[i] + t * leg;
+    if ((p - foot).norm() < nearest) {
+      nearest = (p - foot).norm();
+      best = {i, foot, along + t * leg.norm()};
+    }
+    along += leg.norm();
+  }
+  return best;
+}
+
+double length_of(std::span<const Vector2d> line) {
+  double length = 0;
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) length += (line[i + 1] - line[i]).norm();
+  return length;
+}
+
+/// From one foot to another that lies at or behind it.
+Line between(std::span<const Vector2d> line, const Foot& from, const Foot& to) {
+  Line out{from.at};
+  for (std::size_t i = from.segment + 1; i <= to.segment; ++i) out.push_back(line[i]);
+  out.push_back(to.at);
+  return without_repetition(out);
 }
 
 }  // namespace
@@ -178,22 +239,102 @@ std::vector<Field> fields(FeatureCourseConfig& c) {
   };
 }
 
-std::vector<Vector2d> chain_segments(std::span<const FeatureSegment> segments, const Vector2d& start,
-                                     double tolerance_m) {
-  std::vector<FeatureSegment> rest(segments.begin(), segments.end());
-  const auto nearest = std::min_element(rest.begin(), rest.end(), [&](const auto& s, const auto& t) {
-    return distance(start, s.a, s.b) < distance(start, t.a, t.b);
+const char* to_text(CourseRefusal refusal) {
+  switch (refusal) {
+    case CourseRefusal::kNoFeature: return "it is a single point";
+    case CourseRefusal::kNotFinite: return "it has a point that is not finite";
+    case CourseRefusal::kTooLarge: return "it is too long for the map's pixels";
+  }
+  return "";
+}
+
+double distance_from_line(std::span<const Vector2d> line, const Vector2d& point) {
+  double nearest = (line.front() - point).norm();
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) nearest = std::min(nearest, distance(point, line[i], line[i + 1]));
+  return nearest;
+}
+
+std::vector<Vector2d> chain_lines(std::span<const Line> given, const Vector2d& start, double tolerance_m) {
+  std::vector<Line> pieces;
+  for (const Line& line : given) {
+    Line piece = without_repetition(line);
+    if (piece.size() >= 2) pieces.push_back(std::move(piece));
+  }
+  const auto nearest = std::min_element(pieces.begin(), pieces.end(), [&](const Line& a, const Line& b) {
+    return distance_from_line(a, start) < distance_from_line(b, start);
   });
-  if (nearest == rest.end()) return {};
-  Line line = {nearest->a, nearest->b};
-  rest.erase(nearest);
-  for (int ends = 0; ends < 2; ++ends) {
-    while (extend(line, rest, tolerance_m)) {
+  if (nearest == pieces.end()) return {};
+  std::vector<bool> used(pieces.size(), false);
+  used[static_cast<std::size_t>(nearest - pieces.begin())] = true;
+  const EndsOfPieces ends(pieces, tolerance_m);
+  Line line = *nearest;
+  for (int side = 0; side < 2; ++side) {
+    while (const auto next = ends.continuing(line, used)) {
+      const Line& piece = pieces[next->piece];
+      used[next->piece] = true;
+      if (next->last) {
+        line.insert(line.end(), piece.rbegin() + 1, piece.rend());
+      } else {
+        line.insert(line.end(), piece.begin() + 1, piece.end());
+      }
     }
     std::reverse(line.begin(), line.end());
   }
   if ((line.back() - start).norm() < (line.front() - start).norm()) std::reverse(line.begin(), line.end());
+  if (line.size() > 3 && (line.back() - line.front()).norm() <= tolerance_m) line.back() = line.front();
   return line;
+}
+
+std::vector<Vector2d> part_of_line(std::span<const Vector2d> line, const Vector2d& from,
+                                   const std::optional<Vector2d>& to) {
+  if (line.size() < 2) return {line.begin(), line.end()};
+  const Foot first = foot_on(line, from);
+  const double length = length_of(line);
+  if (line.front() == line.back()) {
+    Line ring{first.at};  // turned so that it begins at the foot
+    for (std::size_t i = 1; i < line.size(); ++i) ring.push_back(line[(first.segment + i) % (line.size() - 1)]);
+    ring.push_back(first.at);
+    ring = without_repetition(ring);
+    if (!to) return ring;
+    const Foot last = foot_on(ring, *to);
+    if (last.along_m <= length / 2) return between(ring, {0, first.at, 0}, last);
+    std::reverse(ring.begin(), ring.end());
+    return between(ring, {0, first.at, 0}, foot_on(ring, *to));
+  }
+  const Foot end = {line.size() - 2, line.back(), length};
+  const Foot last = to ? foot_on(line, *to) : first.along_m <= length / 2 ? end : Foot{0, line.front(), 0};
+  if (last.along_m >= first.along_m) return between(line, first, last);
+  Line back = between(line, last, first);
+  std::reverse(back.begin(), back.end());
+  return back;
+}
+
+std::vector<Vector2d> simplified(std::span<const Vector2d> line, double tolerance_m) {
+  if (line.size() < 3) return {line.begin(), line.end()};
+  std::vector<bool> kept(line.size(), false);
+  kept.front() = kept.back() = true;
+  std::vector<std::pair<std::size_t, std::size_t>> parts{{0, line.size() - 1}};
+  while (!parts.empty()) {
+    const auto [first, last] = parts.back();
+    parts.pop_back();
+    std::size_t farthest = first;
+    double most = tolerance_m;
+    for (std::size_t i = first + 1; i < last; ++i) {
+      const double off = distance(line[i], line[first], line[last]);
+      if (off <= most) continue;
+      most = off;
+      farthest = i;
+    }
+    if (farthest == first) continue;
+    kept[farthest] = true;
+    parts.emplace_back(first, farthest);
+    parts.emplace_back(farthest, last);
+  }
+  Line out;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (kept[i]) out.push_back(line[i]);
+  }
+  return out;
 }
 
 std::vector<Vector2d> offset_line(std::span<const Vector2d> line, double offset_m, double mitre_limit, double chord_m) {

@@ -1,7 +1,7 @@
 // FeatureCourse: a route along a linear feature: way-points that follow a ravine, a ridge or a pipeline at a distance
 // (Oskard 1990, III-B; ledger S1-24, S1-F05).
 //
-// The segments of a feature, in any order and sense, are chained into a line that starts near a point. The route lies
+// The pieces of a feature, in any order and sense, are chained into a line that starts near a point. The route lies
 // `offset_m` to starboard of the line in the direction of travel (negative: to port). On the outside of a bend the
 // joint is mitred, or round where the mitre would reach beyond `mitre_limit` offsets. On the inside of a bend tighter
 // than the offset, the part of the route that would be nearer to the line than the offset is cut off. No point of the
@@ -21,21 +21,30 @@
 #include <isobath/map/depth/depth_field.hpp>
 #include <isobath/planning/corridor.hpp>
 #include <isobath/vehicle/guidance.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace isobath {
 
-struct FeatureSegment {
-  Eigen::Vector2d a;
-  Eigen::Vector2d b;
-};
+/// The line that the pieces (lines of two points or more) make, from its end nearer to `start`, built from the piece
+/// nearest to `start`. Ends within `tolerance_m` of each other are joined; where several are, the straightest piece
+/// continues the line. Pieces that do not connect are left out. Where both ends of the line meet, its last point is its
+/// first: a ring. Cost: linear in the number of points.
+std::vector<Eigen::Vector2d> chain_lines(std::span<const std::vector<Eigen::Vector2d>> pieces,
+                                         const Eigen::Vector2d& start, double tolerance_m);
 
-/// The line that the segments make, from its end nearer to `start`, built from the segment nearest to `start`. Ends
-/// within `tolerance_m` of each other are joined; where several are, the straightest segment continues the line.
-/// Segments that do not connect are left out.
-std::vector<Eigen::Vector2d> chain_segments(std::span<const FeatureSegment> segments, const Eigen::Vector2d& start,
-                                            double tolerance_m);
+/// Of a point from a line of at least one point.
+double distance_from_line(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& point);
+
+/// The part of a line from its point nearest to `from` to its point nearest to `to`, in this sense; without `to`, to
+/// the end that is farther along the line. On a ring (the last point is the first) the shorter of both ways; without
+/// `to`, once around.
+std::vector<Eigen::Vector2d> part_of_line(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& from,
+                                          const std::optional<Eigen::Vector2d>& to);
+
+/// The line with the points left out from which it deviates by at most `tolerance_m` (Douglas and Peucker 1973).
+std::vector<Eigen::Vector2d> simplified(std::span<const Eigen::Vector2d> line, double tolerance_m);
 
 /// The line moved to starboard; see above.
 std::vector<Eigen::Vector2d> offset_line(std::span<const Eigen::Vector2d> line, double offset_m, double mitre_limit,
@@ -61,6 +70,7 @@ struct FeatureCourseConfig {
 std::vector<Field> fields(FeatureCourseConfig& config);
 
 enum class CourseRefusal : std::uint8_t { kNoFeature, kNotFinite, kTooLarge };
+const char* to_text(CourseRefusal refusal);
 
 /// `map` is used only by the altitude rule, and may be null otherwise.
 Result<std::vector<Waypoint>, CourseRefusal> feature_course(std::span<const Eigen::Vector2d> line,

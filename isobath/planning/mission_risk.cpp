@@ -44,6 +44,20 @@ double rate_of_probability(double probability, double reference_m) {
 
 double probability_of_rate(double rate_per_m, double length_m) { return -std::expm1(-rate_per_m * length_m); }
 
+RiskGrid risk_of(const MissionMap& map, Threat threat) {
+  RiskGrid risk{map.grid(), map.extent(), {}};
+  const PixelWindow& w = risk.window;
+  risk.rate_per_m.reserve(static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height));
+  for (std::int32_t row = w.row; row < w.row + w.height; ++row) {
+    for (std::int32_t column = w.column; column < w.column + w.width; ++column) {
+      const MissionCell& cell = map.at({column, row});
+      risk.rate_per_m.push_back((threat == Threat::kDestruction ? 0 : cell.detection_per_m) +
+                                (threat == Threat::kDetection ? 0 : cell.destruction_per_m));
+    }
+  }
+  return risk;
+}
+
 double PathRisk::probability() const { return -std::expm1(-cost); }
 
 PathRisk& PathRisk::operator+=(const PathRisk& other) {
@@ -82,10 +96,7 @@ PathRisk path_risk(const RiskGrid& risk, std::span<const Vector2d> path) {
       p.row = std::clamp(p.row, w.row, w.row + w.height - 1);
       const double piece = (cuts[k + 1] - cuts[k]) * length;
       if (!(piece > 0)) continue;  // an infinite rate over zero length
-      const auto row = static_cast<std::size_t>(p.row - w.row);
-      out.cost +=
-          piece *
-          risk.rate_per_m[row * static_cast<std::size_t>(w.width) + static_cast<std::size_t>(p.column - w.column)];
+      out.cost += piece * risk.rate_of(p);
     }
   }
   return out;

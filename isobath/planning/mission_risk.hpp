@@ -11,7 +11,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <isobath/map/depth/pixel_grid.hpp>
+#include <isobath/map/depth/mission_map.hpp>
 #include <span>
 #include <vector>
 
@@ -26,7 +26,22 @@ struct RiskGrid {
   PixelGrid grid;
   PixelWindow window;
   std::vector<double> rate_per_m;  ///< at least 0
+
+  [[nodiscard]] double rate_of(Pixel cell) const {
+    const auto row = static_cast<std::size_t>(cell.row - window.row);
+    return rate_per_m[row * static_cast<std::size_t>(window.width) +
+                      static_cast<std::size_t>(cell.column - window.column)];
+  }
+  /// 0 outside.
+  [[nodiscard]] double rate_at(const Eigen::Vector2d& north_east) const {
+    const Pixel cell = grid.at(north_east);
+    return window.contains(cell) ? rate_of(cell) : 0;
+  }
 };
+
+enum class Threat : std::uint8_t { kDetection, kDestruction, kAny };
+/// The rates of a threat over the cells of the mission map.
+RiskGrid risk_of(const MissionMap& map, Threat threat);
 
 struct PathRisk {
   double cost = 0;      ///< -ln of the probability that nothing happens

@@ -14,11 +14,11 @@ using Eigen::Vector3d;
 constexpr std::int32_t kRowsRead = 64;  // at a time: a quadtree reads whole squares
 constexpr double kWidest = 500;         // pixels, half-width of a vehicle: every step checks its whole corridor
 
-/// Which pixels of an area are clear, and how safe it is round each.
+/// Which pixels of an area are clear, and what a metre of way over each costs beyond its length.
 class Area {
  public:
   Area(const DepthField& map, PixelWindow window, double vehicle_z, const PilotSearchConfig& config,
-       std::span<const ChartObstacle> chart)
+       std::span<const ChartObstacle> chart, const RiskGrid* threats)
       : grid_(map.grid()), window_(window) {
     std::vector<DepthPixel> rows(static_cast<std::size_t>(window.width) * kRowsRead);
     clear_.reserve(size());
@@ -35,6 +35,7 @@ class Area {
       if (o.top_m - vehicle_z < config.passage.clearance_m) block(o);
     }
     measure_risk(config);
+    if (threats != nullptr) add_threats(*threats, config.threat_weight_m);
     for (std::size_t i = 0; i < kGridSteps.size(); ++i) {
       footprints_[i] = footprint({kGridSteps[i].column, kGridSteps[i].row}, config.passage.half_width_m);
     }
@@ -54,7 +55,7 @@ class Area {
   }
   [[nodiscard]] bool clear(Pixel p) const { return contains(p) && clear_[index(p)]; }
   [[nodiscard]] bool clear(std::size_t i) const { return clear_[i]; }
-  [[nodiscard]] double log_safety(std::size_t i) const { return log_safety_[i]; }
+  [[nodiscard]] double risk(std::size_t i) const { return risk_[i]; }
 
   [[nodiscard]] bool step_is_clear(Pixel from, std::size_t step) const {
     return std::all_of(footprints_[step].begin(), footprints_[step].end(), [&](Pixel off) {
@@ -67,19 +68,19 @@ class Area {
     const auto swept = sweep(grid_, leg, half_width);
     return swept && std::all_of(swept->begin(), swept->end(), [&](const SweptPixel& s) { return clear(s.pixel); });
   }
-  /// Length less w integral ln T ds, by steps of at most a pixel.
-  [[nodiscard]] double leg_cost(const Vector2d& from, const Vector2d& to, double risk_weight) const {
+  /// Length and risk, by steps of at most a pixel.
+  [[nodiscard]] double leg_cost(const Vector2d& from, const Vector2d& to) const {
     const double length = (to - from).norm();
     const int steps = std::max(1, static_cast<int>(std::ceil(length / grid_.pixel_m)));
-    double log_safety = 0;
-    for (int i = 0; i < steps; ++i) log_safety += log_safety_at(from + (i + 0.5) / steps * (to - from));
-    return length * (1 - risk_weight * log_safety / steps);
+    double risk = 0;
+    for (int i = 0; i < steps; ++i) risk += risk_at(from + (i + 0.5) / steps * (to - from));
+    return length * (1 + risk / steps);
   }
 
  private:
-  [[nodiscard]] double log_safety_at(const Vector2d& p) const {
+  [[nodiscard]] double risk_at(const Vector2d& p) const {
     const Pixel at = grid_.at(p);
-    return contains(at) ? log_safety_[index(at)] : 0;
+    return contains(at) ? risk_[index(at)] : 0;
   }
 
   void block(const ChartObstacle& o) {
@@ -97,9 +98,9 @@ class Area {
     }
   }
 
-  /// ln T by sums over rectangles; pixels outside the area do not count.
+  /// -w ln T by sums over rectangles; pixels outside the area do not count.
   void measure_risk(const PilotSearchConfig& config) {
-    log_safety_.assign(size(), 0);
+    risk_.assign(size(), 0);
     if (config.risk_weight == 0) return;
     const std::int32_t w = window_.width, h = window_.height;
     const auto stride = static_cast<std::size_t>(w) + 1;
@@ -121,8 +122,14 @@ class Area {
         const std::int32_t west = std::max(0, c - reach), east = std::min(w, c + reach + 1);
         const std::int32_t safe = at(east, south) - at(west, south) - at(east, north) + at(west, north);
         const double all = static_cast<double>(east - west) * (south - north);
-        log_safety_[index({window_.column + c, window_.row + r})] = std::log(std::max(safe, 1) / all);
+        risk_[index({window_.column + c, window_.row + r})] = -config.risk_weight * std::log(std::max(safe, 1) / all);
       }
+    }
+  }
+
+  void add_threats(const RiskGrid& threats, double weight_m) {
+    for (std::size_t i = 0; i < risk_.size(); ++i) {
+      risk_[i] += weight_m * threats.rate_at(grid_.centre(pixel(i)));
     }
   }
 
@@ -140,7 +147,7 @@ class Area {
   PixelGrid grid_;
   PixelWindow window_;
   std::vector<bool> clear_;
-  std::vector<double> log_safety_;
+  std::vector<double> risk_;  ///< a metre of way
   std::array<std::vector<Pixel>, 8> footprints_;
 };
 
@@ -148,7 +155,6 @@ class Area {
 struct PilotGround {
   const Area& area;
   double pixel_m;
-  double risk_weight;
 
   [[nodiscard]] bool enterable(std::size_t /*from*/, std::size_t to, std::size_t /*step*/) const {
     return area.clear(to);
@@ -157,7 +163,7 @@ struct PilotGround {
     return area.step_is_clear(area.pixel(from), step);
   }
   [[nodiscard]] double step_cost(std::size_t from, std::size_t to, std::size_t step) const {
-    return pixel_m * step_length(step) * (1 - risk_weight * (area.log_safety(from) + area.log_safety(to)) / 2);
+    return pixel_m * step_length(step) * (1 + (area.risk(from) + area.risk(to)) / 2);
   }
 };
 
@@ -179,13 +185,13 @@ std::vector<Vector2d> straightened(const Area& area, const std::vector<Vector2d>
                                    const PilotSearchConfig& config) {
   std::vector<double> cost{0};  // from the start
   for (std::size_t i = 1; i < way.size(); ++i) {
-    cost.push_back(cost.back() + area.leg_cost(way[i - 1], way[i], config.risk_weight));
+    cost.push_back(cost.back() + area.leg_cost(way[i - 1], way[i]));
   }
   std::vector<Vector2d> kept{way.front()};
   for (std::size_t at = 0; at + 1 < way.size();) {
     std::size_t next = at + 1;
     for (std::size_t to = at + 2; to < way.size(); ++to) {
-      const bool cheaper = area.leg_cost(way[at], way[to], config.risk_weight) <= cost[to] - cost[at];
+      const bool cheaper = area.leg_cost(way[at], way[to]) <= cost[to] - cost[at];
       if (cheaper && area.leg_is_clear(way[at], way[to], config.passage.half_width_m)) next = to;
     }
     kept.push_back(way[next]);
@@ -217,6 +223,8 @@ std::vector<Field> fields(PilotSearchConfig& c) {
       Field::real("risk_weight", &c.risk_weight, {0, 1000}, "1",
                   "Detour in metres that one e-fold of risk is worth per metre of path."),
       Field::real("risk_reach_m", &c.risk_reach_m, {0, 1000}, "m", "Shallow water within this distance is a risk."),
+      Field::real("threat_weight_m", &c.threat_weight_m, {0, 1e6}, "m",
+                  "Detour that one e-fold less chance of passing the threats unharmed is worth."),
       Field::real("margin_m", &c.margin_m, {0, 100000}, "m", "Margin of the search around the box of start and goal."),
       Field::integer("max_expanded", &c.max_expanded, {1, 100'000'000}, "1",
                      "Maximum number of pixels that a search expands.")
@@ -239,7 +247,8 @@ const char* to_text(PilotRefusal refusal) {
 }
 
 Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Vector3d& start, const Vector3d& goal,
-                                            const PilotSearchConfig& config, std::span<const ChartObstacle> chart) {
+                                            const PilotSearchConfig& config, std::span<const ChartObstacle> chart,
+                                            const RiskGrid* threats) {
   // 1. the area, and its clear pixels
   if (!start.allFinite() || !goal.allFinite()) return tl::unexpected(PilotRefusal::kNotFinite);
   const PixelGrid grid = map.grid();
@@ -248,7 +257,7 @@ Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Vector3
   const auto window = window_round(grid, start, goal, config.margin_m + half_width + grid.pixel_m);
   if (!window) return tl::unexpected(PilotRefusal::kAreaTooLarge);
   const double z = std::max(start.z(), goal.z());
-  const Area area(map, *window, z, config, chart);
+  const Area area(map, *window, z, config, chart, threats);
   // 2. both ends
   const Pixel from = grid.at(start.head<2>()), to = grid.at(goal.head<2>());
   const Vector2d begin = start.head<2>(), end = goal.head<2>();
@@ -258,7 +267,7 @@ Result<PilotPath, PilotRefusal> search_path(const DepthField& map, const Vector3
   PilotPath path;
   path.map_version = map.version();
   const std::size_t first = area.index(from), last = area.index(to);
-  const PilotGround ground{area, grid.pixel_m, config.risk_weight};
+  const PilotGround ground{area, grid.pixel_m};
   GridSearch<PilotGround> search(ground, window->width, window->height, grid.pixel_m);
   const GridOutcome outcome = search.run(first, last, config.max_expanded);
   path.queries = search.queries();

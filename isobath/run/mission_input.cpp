@@ -7,6 +7,7 @@
 #include <isobath/mission/plan/mission_file.hpp>
 #include <isobath/run/mission_input.hpp>
 #include <isobath/scenario/scenario.hpp>
+#include <utility>
 
 namespace isobath {
 namespace {
@@ -33,6 +34,7 @@ std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::pat
   }
   if (setup.plan.points.empty()) return std::nullopt;
   if (simulator) {
+    if (const auto origin = simulator->scene().origin()) setup.plan = on_plane_of(std::move(setup.plan), *origin);
     setup.vehicle = parameters_of(simulator->vehicle());
   } else if (const auto text = is_mcap(input) ? attachment_in(input, kVehicleAttachment) : std::nullopt) {
     std::vector<Section> vehicle = vehicle_sections(setup.vehicle);

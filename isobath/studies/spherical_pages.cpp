@@ -56,12 +56,24 @@ std::string spherical_plan_picture(const Scene& scene, const SphericalSurvey& su
   picture.polyline(path, {palette::kTrack, 1.8, false});
   for (const ScanPosition& scan : survey.path.scans) {
     picture.dot(scan.at.head<2>(), 4, palette::kTrack);
+    if (survey.path.scans.size() > 30) continue;
     picture.label(scan.at.head<2>(), fmt::format("{} ({:.1f} m)", scan.number, scan.at.z()));
   }
+  const SurveyNavigation& navigation = survey.navigation;
+  const bool drifts = navigation.dead_reckoning != navigation.believed;
+  if (drifts) {
+    picture.polyline(navigation.dead_reckoning, {palette::kFaint, 1.2, true});
+    for (const Vector2d& p : navigation.believed) picture.dot(p, 3, kAlone);
+  }
   picture.vehicle(survey.path.scans.back().at.head<2>(), survey.path.scans.back().course.radians());
-  picture.finish({{palette::kInk, "walls"},
-                  {palette::kTrack, "path; scans by number and (depth)"},
-                  {palette::kVehicle, "vehicle at the last scan"}});
+  std::vector<PlanPicture::LegendEntry> legend{{palette::kInk, "walls"},
+                                               {palette::kTrack, "path; scans by number and (depth)"},
+                                               {palette::kVehicle, "vehicle at the last scan"}};
+  if (drifts) {
+    legend.push_back({palette::kFaint, "dead reckoning"});
+    legend.push_back({kAlone, "position corrected by corners"});
+  }
+  picture.finish(legend);
   return picture.png();
 }
 

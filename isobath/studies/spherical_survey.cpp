@@ -2,6 +2,7 @@
 #include <cmath>
 #include <Eigen/LU>
 #include <isobath/base/error.hpp>
+#include <isobath/perception/corner_fix.hpp>
 #include <isobath/studies/spherical_survey.hpp>
 #include <limits>
 #include <numbers>
@@ -100,7 +101,109 @@ void tell_causes(const HeardEchoes& heard, const Vector3d& at, const SphericalSu
   }
 }
 
+/// Dead reckoning whose error grows by a share of the way in one direction, and the fixes that correct it.
+class DriftingNavigation {
+ public:
+  /// `bearing` of the drift.
+  DriftingNavigation(double share, Angle bearing, const Vector2d& start, SurveyNavigation& kept)
+      : share_(share),
+        drift_(share * plan_direction(bearing)),
+        dead_reckoning_(start),
+        believed_{start, {}},
+        kept_(kept) {
+    constexpr double kStart_m = 0.01;  // the standard deviation of the first position
+    believed_.covariance = kStart_m * kStart_m * Eigen::Matrix2d::Identity();
+  }
+
+  void move(const Vector2d& step) {
+    const double before = kept_.way_m;
+    kept_.way_m += step.norm();
+    const Vector2d measured = step + step.norm() * drift_;
+    dead_reckoning_ += measured;
+    believed_.at += measured;
+    // An error that keeps its direction: after the whole way its standard deviation is the share of the way.
+    const double grown = share_ * share_ * (kept_.way_m * kept_.way_m - before * before);
+    believed_.covariance += grown * Eigen::Matrix2d::Identity();
+  }
+  /// Corrects the position by the corners of a scan that was made from it.
+  void fix(const PlaneScan& scan, const std::vector<Vector2d>& charted) {
+    std::vector<PlaneCorner> seen;
+    for (const ScanCorner& corner : shapes_of(scan).corners) seen.push_back(corner);
+    const auto fix = corner_fix(believed_, seen, charted);
+    if (!fix) return;
+    believed_ = fused(believed_, *fix);
+    ++kept_.fixes;
+    kept_.corners += fix->corners;
+  }
+  void keep() {
+    kept_.dead_reckoning.push_back(dead_reckoning_);
+    kept_.believed.push_back(believed_.at);
+  }
+  [[nodiscard]] const Vector2d& at() const { return believed_.at; }
+
+ private:
+  double share_;
+  Vector2d drift_;  ///< m per metre of way
+  Vector2d dead_reckoning_;
+  PlanePosition believed_;
+  SurveyNavigation& kept_;
+};
+
+/// Where two straight walls of the section meet.
+std::vector<Vector2d> corners_of(const PlaneSection& section) {
+  constexpr double kSame_m = 1e-3;
+  std::vector<Vector2d> corners;
+  const auto& lines = section.lines();
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    for (std::size_t k = i + 1; k < lines.size(); ++k) {
+      for (const Vector2d& a : {lines[i].a, lines[i].b}) {
+        for (const Vector2d& b : {lines[k].a, lines[k].b}) {
+          if ((a - b).norm() < kSame_m) corners.push_back(a);
+        }
+      }
+    }
+  }
+  return corners;
+}
+
+/// The echoes of a scan in the order of its beams, as heard from a position.
+PlaneScan echoes_from(const Vector2d& from, const std::vector<SectionReading>& readings,
+                      const SectionSonarConfig& sonar) {
+  PlaneScan scan{from, {}, BeamWidth(sonar.beam_width), sonar.sigma, sonar.sigma_m, sonar.sigma_share};
+  for (const SectionReading& reading : readings) {
+    if (reading.range_m) scan.echoes.emplace_back(reading.bearing, *reading.range_m);
+  }
+  return scan;
+}
+PlaneScan sorted(PlaneScan scan) {
+  scan.sort();
+  return scan;
+}
+
+/// The path of the scene, to and fro.
+ScanPath passes_of(const Scene& scene, const SphericalSurveyConfig& config, Random& random) {
+  Scene all = scene;
+  const Vector3d& start = scene.vehicle.start;
+  std::vector<WaypointConfig> back(scene.waypoints.rbegin(), scene.waypoints.rend());
+  if (!back.empty()) back.erase(back.begin());
+  back.push_back({.north = start.x(), .east = start.y(), .depth = start.z(), .speed = scene.vehicle.speed});
+  for (int i = 1; i < config.passes; ++i) {
+    const std::vector<WaypointConfig>& pass = i % 2 == 1 ? back : scene.waypoints;
+    all.waypoints.insert(all.waypoints.end(), pass.begin(), pass.end());
+  }
+  return scan_path(all, config.passes * config.scans, random);
+}
+
 }  // namespace
+
+PositionErrors errors_of(const std::vector<Vector2d>& positions, const ScanPath& path) {
+  PositionErrors errors;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    errors.last_m = (positions[i] - path.scans[i].at.head<2>()).norm();
+    errors.worst_m = std::max(errors.worst_m, errors.last_m);
+  }
+  return errors;
+}
 
 double distance_to(const PlaneSection& section, const Vector2d& p) {
   double least = std::numeric_limits<double>::infinity();
@@ -141,7 +244,10 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
   Random random(static_cast<std::uint64_t>(config.seed >= 0 ? config.seed : scene.about.seed));
   Random path_random = random.fork();
   SphericalSurvey survey;
-  survey.path = scan_path(scene, config.scans, path_random);
+  survey.path = passes_of(scene, config, path_random);
+  Random drift_random = path_random.fork();
+  DriftingNavigation navigation(config.drift_share, Angle::radians(drift_random.uniform(0, 2 * std::numbers::pi)),
+                                survey.path.scans.front().at.head<2>(), survey.navigation);
   survey.grid = std::make_unique<SphericalGrid>(config.grid);
   SphericalGrid& grid = *survey.grid;
   grid.on_dropped([&](const SphericalCell& cell, const Vector3d&) { survey.dropped_echoes += cell.echoes; });
@@ -152,19 +258,22 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
   bool any = false;
   for (std::size_t i = 0; i < survey.path.scans.size(); ++i) {
     const ScanPosition& place = survey.path.scans[i];
-    if (i > 0) gone += (place.at - survey.path.scans[i - 1].at).head<2>().norm();
+    if (i > 0) {
+      const Vector2d step = (place.at - survey.path.scans[i - 1].at).head<2>();
+      gone += step.norm();
+      navigation.move(step);
+    }
     const Time time = Time{} + seconds(gone / speed);
-    mapper.move_to({Rotation::from_heading(place.course), place.at}, time);
-    mapper.begin_scan();
     const PlaneSection section(scene, place.at.z());
-    PlaneScan told{
-        place.at.head<2>(),      {}, BeamWidth(config.sonar.beam_width), config.sonar.sigma, config.sonar.sigma_m,
-        config.sonar.sigma_share};
     any = any || !section.lines().empty() || !section.arcs().empty();
     const std::vector<SectionReading> readings = scan(section, place.at.head<2>(), config.sonar, random);
-    for (const SectionReading& reading : readings) {
-      if (reading.range_m) told.echoes.emplace_back(reading.bearing, *reading.range_m);
-    }
+    PlaneScan told = echoes_from(navigation.at(), readings, config.sonar);
+    if (config.drift_share > 0 && config.corner_fixes) navigation.fix(sorted(told), corners_of(section));
+    navigation.keep();
+    told.from = navigation.at();
+    const Vector3d at(told.from.x(), told.from.y(), place.at.z());
+    mapper.move_to({Rotation::from_heading(place.course), at}, time);
+    mapper.begin_scan();
     std::vector<bool> multiples(told.echoes.size());
     if (config.leave_out_false) multiples = multiples_in(told, grid, config.false_echoes);
     std::size_t echo = 0;
@@ -173,7 +282,7 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
       ++survey.beams;
       if (reading.range_m) {
         ++survey.echoes;
-        heard.points_W.push_back(place.at + *reading.range_m * u_W);
+        heard.points_W.push_back(at + *reading.range_m * u_W);
         heard.truth.push_back(reading.is);
         heard.multiples.push_back(multiples[echo]);
         if (multiples[echo++]) continue;
@@ -181,16 +290,17 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
       mapper.add({Vector3d::Zero(), mapper.to_grid(u_W), config.sonar.beam_width, reading.range_m, config.sonar.range_m,
                   time});
     }
-    told.sort();
-    tell_scan(told, survey.features);
+    tell_scan(sorted(std::move(told)), survey.features);
   }
   if (!any) {
     throw Error("no lines and arcs at the vehicle's depth", {scene.file}, "a scene with a [[prism]] around its path");
   }
   grid.on_dropped({});
   tell_grid(grid, config, survey.features);
-  if (config.leave_out_false) tell_causes(heard, survey.path.scans.back().at, config, survey);
-  judge_survey(scene, survey.path.scans.back().at, survey);
+  const Vector2d last = survey.navigation.believed.back();
+  const Vector3d at(last.x(), last.y(), survey.path.scans.back().at.z());
+  if (config.leave_out_false) tell_causes(heard, at, config, survey);
+  judge_survey(scene, at, survey);
   return survey;
 }
 

@@ -1,7 +1,8 @@
 // SphericalSurvey: scans a room of lines and arcs from numbered positions along a path into a spherical grid, which is
 // centred on the vehicle at the last position. It also finds the features of the room: edges, arcs, and corners that
 // later scans confirm (Auran, Silven 1995, 3.1, 3.2 and 4.3; ledger S4-D01, S4-D02, S4-31 to S4-35, S4-42 to S4-47,
-// S4-52). `isobath sphere` runs a survey.
+// S4-52). The vehicle's navigation may drift; then the corners of the room, which its chart shows, fix its position
+// (S4-49). `isobath sphere` runs a survey.
 #pragma once
 
 #include <array>
@@ -17,7 +18,10 @@ namespace isobath {
 
 struct SphericalSurveyConfig {
   int scans = 10;
-  int seed = -1;  ///< -1: the seed of the scene
+  int seed = -1;           ///< -1: the seed of the scene
+  int passes = 1;          ///< along the path, to and fro; `scans` in each
+  double drift_share = 0;  ///< of the way: how fast the error of dead reckoning grows, in one direction
+  bool corner_fixes = true;
   SectionSonarConfig sonar;
   SphericalGridConfig grid;
   SphericalMapperConfig mapper;
@@ -44,8 +48,23 @@ struct SurveyFeatures {
   std::vector<Target> targets;  ///< clusters of the same grid, the largest first
 };
 
+/// What the vehicle takes for its position at each scan.
+struct SurveyNavigation {
+  std::vector<Eigen::Vector2d> dead_reckoning;
+  std::vector<Eigen::Vector2d> believed;  ///< corrected by the corners of the chart
+  int fixes = 0;                          ///< scans that corrected it
+  int corners = 0;                        ///< of all fixes
+  double way_m = 0;
+};
+/// Distance of the positions from those of the scans, m.
+struct PositionErrors {
+  double last_m = 0, worst_m = 0;
+};
+PositionErrors errors_of(const std::vector<Eigen::Vector2d>& positions, const ScanPath& path);
+
 struct SphericalSurvey {
   ScanPath path;
+  SurveyNavigation navigation;
   SurveyFeatures features;
   std::unique_ptr<SphericalGrid> grid;  ///< at the last position
   std::uint64_t beams = 0, echoes = 0;

@@ -94,10 +94,11 @@ Eigen::AlignedBox2d box_of(const DepthArea& area) {
   return {south_west, south_west + Vector2d(side, side)};
 }
 
+MapFeatures::MapFeatures(const DepthArea& area)
+    : points(box_of(area).min(), box_of(area).sizes().x()), segments(box_of(area).min(), box_of(area).sizes().x()) {}
+
 MapFeatures load_features(const ObjectStore& store, const DepthArea& area) {
-  const Eigen::AlignedBox2d box = box_of(area);
-  const double side = box.sizes().x();
-  MapFeatures features{{}, {}, PrQuadtree(box.min(), side), PmrQuadtree(box.min(), side)};
+  MapFeatures features(area);
   for (const MapObject& object : store.find(store.with_any(kChartedObject | kFoundObject))) {
     if ((object.capabilities & kLineFeature) == 0) {
       features.points.insert({features.objects.size(), object.p_W.head<2>(), object.capabilities});
@@ -106,7 +107,8 @@ MapFeatures load_features(const ObjectStore& store, const DepthArea& area) {
     }
     const auto entry = store.latest(object.id, kPoints);
     const auto* text = entry ? std::get_if<std::string>(&entry->value) : nullptr;
-    MapFeatures::Line line{object.id, object.kind, text ? points_of(*text) : std::vector<Vector2d>{}, false};
+    MapFeatures::Line line{object.id, object.kind, object.name, object.p_W.z(), {}, false};
+    if (text != nullptr) line.points = points_of(*text);
     line.blocks = (object.capabilities & kBlocksPassage) != 0;
     for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
       features.segments.insert({features.lines.size() << 32 | i, line.points[i], line.points[i + 1]});

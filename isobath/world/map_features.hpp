@@ -32,9 +32,13 @@ std::size_t store_features(ObjectStore& store, const std::vector<Prior>& priors,
 Eigen::AlignedBox2d box_of(const DepthArea& area);
 
 struct MapFeatures {
+  explicit MapFeatures(const DepthArea& area);  ///< none yet
+
   struct Line {
     ObjectId id = 0;
     std::string kind;
+    std::string name;
+    double depth_m = 0;  ///< 0 if the chart does not say
     std::vector<Eigen::Vector2d> points;
     bool blocks = false;
   };

@@ -104,7 +104,7 @@ TEST(Completion, OfBashOffersCommandsOptionsAndValues) {
   EXPECT_THAT(offered({"ru"}), ElementsAre("run"));
   EXPECT_THAT(offered({"c"}), testing::UnorderedElementsAre("convert", "compare", "crosscheck", "calibrate", "config"));
   EXPECT_THAT(offered({"run", "--thr"}), ElementsAre("--threads"));
-  EXPECT_THAT(offered({"path", "--thr"}), IsEmpty()) << "path has no --threads";
+  EXPECT_THAT(offered({"path", "--thre"}), ElementsAre("--threats", "--threat-weight")) << "path has no --threads";
   EXPECT_THAT(offered({"sphere", "room.toml", "--rule", ""}), ElementsAre("log_odds", "maximum_response"));
   EXPECT_THAT(offered({"sphere", "room.toml", "--rule", "=", "m"}), ElementsAre("maximum_response"));
   EXPECT_THAT(offered({"run", "--set", "input.sound_s"}), ElementsAre("input.sound_speed="));

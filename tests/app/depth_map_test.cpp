@@ -11,12 +11,15 @@
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/map/features/object_store.hpp>
 #include <isobath/mission/plan/mission_file.hpp>
+#include <isobath/planning/feature_course.hpp>
 #include <numeric>
 #include <spawn.h>
+#include <sstream>
 #include <sys/file.h>
 #include <sys/wait.h>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
+#include <tests/support/sanitized.hpp>
 #include <thread>
 #include <unistd.h>
 
@@ -336,6 +339,157 @@ TEST_F(DepthMapProgram, AWayRoundAShoalIsFoundAndWrittenAsAMission) {
   EXPECT_THAT(none.out, HasSubstr("no path within the margin"));
   words.erase(std::find(words.begin(), words.end(), "--find"));
   EXPECT_THAT(isobath(words), ends_with_one_line(HasSubstr("--mission needs --find")));
+}
+
+// Lines and contours
+// ---------------------------------------------------------------------------------------------------
+
+/// The chart of scenarios/charted_shoals.toml as a map: two shoals in 12 m of water.
+class ChartedShoals : public DepthMapProgram {
+ protected:
+  void SetUp() override {
+    DepthMapProgram::SetUp();
+    const fs::path chart = source_folder() / "scenarios" / "charted_shoals.asc";
+    const ProgramResult made = isobath({"convert", chart, map(), "--set", "prior.epsg=4326", "--set", "prior.sign=down",
+                                        "--set", "prior.datum_offset_m=[0]"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+  json path(std::vector<std::string> words, int exit_code = 0) {
+    words.insert(words.begin(), {"path", map(), "--json"});
+    const ProgramResult result = isobath(words);
+    EXPECT_EQ(result.exit_code, exit_code) << result.err << result.out;
+    return json::parse(result.out);
+  }
+  /// A file of one shape on the globe; its corners are north and east of the map's origin.
+  fs::path drawn(const std::string& type, const std::string& properties,
+                 const std::vector<std::pair<double, double>>& corners) {
+    const json about = info(map());
+    const LocalPlane plane({about["origin"]["latitude_deg"], about["origin"]["longitude_deg"]});
+    json points = json::array();
+    for (const auto& [north, east] : corners) {
+      const GeoPoint p = plane.to_geo({north, east});
+      points.push_back({p.longitude_deg, p.latitude_deg});
+    }
+    const json shape{{"type", "Feature"},
+                     {"properties", json::parse(properties)},
+                     {"geometry", {{"type", type}, {"coordinates", type == "Polygon" ? json{points} : points}}}};
+    return file("drawn.geojson", json{{"type", "FeatureCollection"}, {"features", {shape}}}.dump());
+  }
+};
+
+/// The grid of the chart: depths by rows from the north, linear between the centres of cells.
+struct ChartGrid {
+  std::map<std::string, double> head;
+  std::vector<double> depths;
+
+  explicit ChartGrid(const fs::path& file) {
+    std::istringstream text(content_of(file));
+    for (int i = 0; i < 5; ++i) {
+      std::string name;
+      text >> name >> head[name];
+    }
+    for (double depth = 0; text >> depth;) depths.push_back(depth);
+  }
+  [[nodiscard]] double at(const GeoPoint& p) const {
+    const double column = (p.longitude_deg - head.at("xllcorner")) / head.at("cellsize") - 0.5;
+    const double row = head.at("nrows") - (p.latitude_deg - head.at("yllcorner")) / head.at("cellsize") - 0.5;
+    double depth = 0;
+    for (const int r : {0, 1}) {
+      for (const int c : {0, 1}) {
+        const double down = std::floor(row) + r, right = std::floor(column) + c;
+        depth += (1 - std::abs(row - down)) * (1 - std::abs(column - right)) *
+                 depths.at(static_cast<std::size_t>(down * head.at("ncols") + right));
+      }
+    }
+    return depth;
+  }
+};
+
+// The course round both shoals, flown in the scene of that chart with its noise: the vehicle stays near the line, and
+// has the water of the contour under it. ledger: S1-24 S1-78
+TEST_F(ChartedShoals, AContourIsFollowedWithItsDepthOverTheGround) {
+  ISOBATH_NOT_SANITIZED();
+  const fs::path mission = folder_ / "contour.toml", scene = source_folder() / "scenarios" / "charted_shoals.toml";
+  const json course = path({"60,-30", "--metres", "--contour", "11.5", "--draught", "3", "--mission", mission});
+  EXPECT_NEAR(course["length_m"].get<double>(), 277, 10);
+  EXPECT_EQ(course["way"].front()["north_m"], course["way"].back()["north_m"]) << "a ring";
+  const ProgramResult flown = isobath_run(scene, out(), {"--mission", mission});
+  ASSERT_EQ(flown.exit_code, 0) << flown.err;
+  const json run = json::parse(flown.out)["mission"];
+  EXPECT_EQ(run["reached"], course["way"].size());
+  EXPECT_EQ(run["dropped"], 0);
+  const ChartGrid chart(scene.parent_path() / "charted_shoals.asc");
+  const LocalPlane plane({1.312, 103.742});
+  std::vector<Eigen::Vector2d> line;
+  for (const json& p : run["points"]) line.emplace_back(p["north_m"], p["east_m"]);
+  bool arrived = false;
+  int judged = 0;
+  const json scans = json_of(out() / "scans.json")["scans"];
+  for (const json& scan : scans) {
+    const Eigen::Vector2d at(scan["north_m"], scan["east_m"]);
+    arrived = arrived || (at - line.front()).norm() < 6;
+    if (!arrived) continue;
+    ++judged;
+    EXPECT_LT(distance_from_line(line, at), 4.5) << "points count as reached within 5 m";
+    EXPECT_NEAR(chart.at(plane.to_geo(at)), 11.5, 0.7);
+  }
+  EXPECT_GT(judged, 50);
+}
+
+// ledger: S1-24
+TEST_F(ChartedShoals, ADrawnPipelineIsFollowedAtItsOffsetAndAltitude) {
+  const fs::path pipeline = drawn("LineString", "{}", {{-60, 40}, {-20, 42}, {20, 50}, {60, 45}, {100, 40}});
+  const json course = path({"-60,40", "--metres", "--along", pipeline, "--offset", "4", "--altitude", "3", "--draught",
+                            "1", "--half-width", "1"});
+  ASSERT_GT(course["way"].size(), 6u);
+  for (const json& p : course["way"]) {
+    EXPECT_NEAR(p["vehicle_depth_m"].get<double>(), 9, 0.75) << "3 m above 12 m of water, less over the shoal's foot";
+    EXPECT_GT(p["east_m"].get<double>(), 43);
+  }
+  EXPECT_THAT(isobath({"path", map(), "0,0", "--metres", "--along", "pipeline"}),
+              ends_with_one_line(HasSubstr("the map has no line \"pipeline\"")));
+  EXPECT_THAT(isobath({"path", map(), "0,0", "--metres", "--contour", "40"}),
+              ends_with_one_line(HasSubstr("the map has no contour of 40 m")));
+  EXPECT_THAT(isobath({"path", map(), "0,0", "9,9", "--metres", "--altitude", "3"}),
+              ends_with_one_line(HasSubstr("need --along or --contour")));
+}
+
+// Between the two shoals there is room for some. ledger: S1-82
+TEST_F(ChartedShoals, TellHowManyVehiclesCanPassAbreast) {
+  const std::vector<std::string> words{"0,60", "100,60", "--metres", "--draught", "3", "--half-width", "2"};
+  const auto abreast = [&](const std::string& vehicles, int exit_code) {
+    auto more = words;
+    more.insert(more.end(), {"--vehicles", vehicles, "--spacing", "20"});
+    return path(more, exit_code);
+  };
+  EXPECT_TRUE(path(words)["abreast"].is_null());
+  const json two = abreast("2", 0);
+  EXPECT_EQ(two["abreast"]["vehicles"], 2);
+  EXPECT_TRUE(two["clear"].get<bool>());
+  const json nine = abreast("9", 1);
+  EXPECT_GE(nine["abreast"]["vehicles"].get<int>(), 2);
+  EXPECT_LT(nine["abreast"]["vehicles"].get<int>(), 9);
+  EXPECT_LE(nine["abreast"]["sure_by_blocks"], nine["abreast"]["vehicles"]);
+  EXPECT_GE(nine["abreast"]["possible_by_blocks"], nine["abreast"]["vehicles"]);
+}
+
+// A patrol covers the straight way; the way that is found is less likely seen, and as long as it is worth.
+// ledger: S1-37 S1-78
+TEST_F(ChartedShoals, TheWayGoesRoundAThreatAsFarAsItIsWorth) {
+  const fs::path patrol = drawn("Polygon", R"({"detection": 0.9, "destruction": 0.2, "over_m": 100})",
+                                {{-64, -64}, {0, -64}, {0, 0}, {-64, 0}});
+  std::vector<std::string> words{"-90,-32", "30,-60", "--metres", "--draught", "3", "--threats", patrol};
+  const json straight = path(words);
+  EXPECT_GT(straight["threats"]["detection"].get<double>(), 0.7);
+  EXPECT_EQ(straight["threats"]["detection"], straight["threats"]["straight_detection"]);
+  words.insert(words.end(), {"--find", "--threat-weight", "2000"});
+  const json round = path(words);
+  EXPECT_EQ(round["threats"]["straight_detection"], straight["threats"]["detection"]);
+  EXPECT_LT(round["threats"]["detection"].get<double>(), 0.3 * straight["threats"]["detection"].get<double>());
+  EXPECT_LT(round["threats"]["destruction"].get<double>(), straight["threats"]["destruction"].get<double>());
+  EXPECT_GT(round["length_m"].get<double>(), straight["length_m"].get<double>());
+  words.back() = "0";
+  EXPECT_NEAR(path(words)["length_m"].get<double>(), straight["length_m"].get<double>(), 1) << "it is worth nothing";
 }
 
 // The soundings of this line reach the map 8 m off, one by one, and its water columns show a quay wall.

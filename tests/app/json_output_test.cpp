@@ -187,6 +187,10 @@ TEST_F(JsonOutput, OfADepthMapAndOfWhatIsMadeOfIt) {
                          "simulation.duration_s=20"});
   compare("path", {"path", map, "60,-80", "20,-80", "--metres", "--draught", "2"}, 1);
   compare("path", {"path", map, "43.6,-71.33", "43.60001,-71.33"});
+  const fs::path threats = file("threats.geojson", R"({"type":"Feature","properties":{"detection":0.5},"geometry":)"
+                                                   R"({"type":"Polygon","coordinates":[[[-71.34,43.59],[-71.32,43.59],)"
+                                                   R"([-71.32,43.61],[-71.34,43.59]]]}})");
+  compare("path", {"path", map, "43.6,-71.33", "43.60001,-71.33", "--vehicles", "2", "--threats", threats, "--find"});
   const fs::path chart = source_folder() / "scenarios" / "charted_shoals.asc";
   compare("convert to a map", {"convert", chart, folder_ / "chart", "--set", "prior.epsg=4326", "--set",
                                "prior.sign=down", "--set", "prior.datum_offset_m=[0]"});
@@ -200,7 +204,7 @@ TEST_F(JsonOutput, OfCompareAndOfTheStudies) {
   EXPECT_THAT(page_.never_came_out("helix"), IsEmpty());
   compare("delay", {"delay", "--seeds", "1", "--readings", "50", "--out", folder_ / "delay"});
   EXPECT_THAT(page_.never_came_out("delay"), IsEmpty());
-  compare("sphere", {"sphere", scenario("polygon_room"), "--scans", "3", "--out", folder_ / "sphere"});
+  compare("sphere", {"sphere", scenario("polygon_room"), "--scans", "3", "--drift", "1", "--out", folder_ / "sphere"});
   EXPECT_THAT(page_.never_came_out("sphere"), IsEmpty());
 }
 

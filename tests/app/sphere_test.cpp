@@ -25,6 +25,31 @@ TEST(Sphere, WritesThreePicturesOfARoomAndSaysWhatIsInItsGrid) {
   EXPECT_THAT(few.out, HasSubstr("3 scans, 432 beams"));
 }
 
+// To and fro in a room whose corners the chart shows, at 1 % drift, on several seeds. ledger: S4-49
+TEST(Sphere, CornersBoundTheDriftThatGrowsWithoutThem) {
+  const auto folder = test::scratch_folder();
+  const std::string room = (test::source_folder() / "scenarios/polygon_room.toml").string();
+  const auto drifting = [&](int seed, int passes) {
+    const auto result =
+        test::isobath({"sphere", room, "--out", (folder / "out").string(), "--seed", std::to_string(seed), "--passes",
+                       std::to_string(passes), "--drift", "1", "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  };
+  for (int seed = 1; seed <= 3; ++seed) {
+    const auto json = drifting(seed, 6);
+    const auto& navigation = json["navigation"];
+    EXPECT_NEAR(navigation["dead_reckoning_last_m"].get<double>(), 0.01 * navigation["way_m"].get<double>(), 1e-6);
+    EXPECT_GT(navigation["dead_reckoning_last_m"].get<double>(), 2.4);
+    EXPECT_LT(navigation["corrected_worst_m"].get<double>(), 1) << seed;
+    EXPECT_GT(navigation["fixes"].get<int>(), 15);
+    EXPECT_LT(json["median_error_m"].get<double>(), 0.4) << "the grid holds the walls where they are";
+  }
+  EXPECT_TRUE(
+      test::isobath({"sphere", room, "--out", (folder / "out").string(), "--json"}).out.find("\"navigation\": null") !=
+      std::string::npos);
+}
+
 /// A wall 24 m ahead of a vehicle that stands still; a fan, a cone that looks ahead and one that looks down.
 constexpr const char* kWallAhead = R"(
 [scene]

@@ -268,5 +268,27 @@ TEST(MissionMap, cells_hold_the_mean_of_the_known_depths_and_follow_the_finest_m
   EXPECT_DOUBLE_EQ(again.at(cell).mean_depth_m, mission.at(cell).mean_depth_m);
 }
 
+// Against the area of the polygon, and its hole. ledger: S1-37
+TEST(MissionMap, a_threat_fills_the_cells_by_the_share_that_it_covers) {
+  const DepthMap map = fresh(small());
+  MissionMap mission(*map.snapshot());
+  const std::vector<Polygon> rings = {{{-70, -90}, {60, -90}, {100, 40}, {-70, 110}},
+                                      {{0, 0}, {20, 0}, {20, 24}, {0, 24}}};
+  mission.add_threat(rings, 0.001, 0.002);
+  double detection = 0;
+  for (int row = 0; row < mission.extent().height; ++row) {
+    for (int column = 0; column < mission.extent().width; ++column) {
+      const MissionCell& cell = mission.at({column, row});
+      EXPECT_DOUBLE_EQ(cell.destruction_per_m, 2 * cell.detection_per_m);
+      EXPECT_LE(cell.detection_per_m, 0.001 + 1e-12);
+      detection += cell.detection_per_m * 64 * 64;
+    }
+  }
+  const double covered = std::abs(area(rings[0])) - std::abs(area(rings[1]));
+  EXPECT_NEAR(detection / 0.001, covered, 0.02 * covered);
+  EXPECT_DOUBLE_EQ(mission.at(mission.grid().at({-10, -40})).detection_per_m, 0.001);
+  EXPECT_EQ(mission.at(mission.grid().at({120, -120})).detection_per_m, 0);
+}
+
 }  // namespace
 }  // namespace isobath

@@ -273,6 +273,24 @@ TEST(MissionFile, JoinsASchemaOfOtherSections) {
   EXPECT_FALSE(looks_like_mission("[scene]\n# not a [mission]\n"));
 }
 
+TEST(MissionPlan, KeepsItsPlacesOnTheGlobeOnThePlaneOfAnotherOrigin) {
+  MissionPlan plan = parse_mission(kMission, "mission");
+  const GeoOrigin here{52.34, 13}, there{52.35, 12.99};
+  EXPECT_EQ(on_plane_of(plan, there).points[0].north_east, plan.points[0].north_east) << "without an origin";
+  plan.origin = here;
+  plan.injected.push_back({{}, 10, {{{0, 0}, {5, 0}, {5, 5}}}});
+  const MissionPlan moved = on_plane_of(plan, there);
+  EXPECT_EQ(moved.origin, there);
+  const LocalPlane before(here), after(there);
+  for (std::size_t i = 0; i < plan.points.size(); ++i) {
+    EXPECT_LT(distance_m(before.to_geo(plan.points[i].north_east), after.to_geo(moved.points[i].north_east)), 1e-6);
+  }
+  EXPECT_LT(distance_m(before.to_geo(plan.fence[2]), after.to_geo(moved.fence[2])), 1e-6);
+  EXPECT_NEAR(moved.injected[0].outlines[0][0].x(), -1113, 1);  // 0.01 degrees of latitude
+  EXPECT_EQ(on_plane_of(plan, {52.340005, 13}).points[0].north_east, plan.points[0].north_east) << "within a metre";
+  EXPECT_THROW(on_plane_of(plan, {54, 13}), Error);
+}
+
 /// The block of TOML of the page that documents the format.
 std::vector<std::string> toml_blocks(const std::string& page) {
   std::vector<std::string> blocks;

@@ -48,33 +48,66 @@ Line wandering(Random& random, int segments, double length, double bend_deg) {
   return line;
 }
 
-std::vector<FeatureSegment> segments_of(const Line& line) {
-  std::vector<FeatureSegment> segments;
-  for (std::size_t i = 0; i + 1 < line.size(); ++i) segments.push_back({line[i], line[i + 1]});
-  return segments;
+/// The line in pieces of one to `most` legs.
+std::vector<Line> pieces_of(const Line& line, Random& random, std::size_t most) {
+  std::vector<Line> pieces;
+  for (std::size_t from = 0; from + 1 < line.size();) {
+    const std::size_t to = std::min(line.size() - 1, from + 1 + random.index(most));
+    pieces.emplace_back(line.begin() + static_cast<std::ptrdiff_t>(from),
+                        line.begin() + static_cast<std::ptrdiff_t>(to) + 1);
+    from = to;
+  }
+  return pieces;
 }
 
 // ledger: S1-24
-TEST(FeatureCourse, ChainsSegmentsInAnyOrderAndSense) {
+TEST(FeatureCourse, ChainsPiecesInAnyOrderAndSense) {
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const Line line = wandering(random, 20, 25, 20);
-    auto segments = segments_of(line);
-    for (std::size_t i = segments.size() - 1; i > 0; --i) std::swap(segments[i], segments[random.index(i + 1)]);
-    for (FeatureSegment& s : segments) {
-      if (random.uniform() < 0.5) std::swap(s.a, s.b);
+    auto pieces = pieces_of(line, random, trial % 2 == 0 ? 1 : 5);
+    for (std::size_t i = pieces.size() - 1; i > 0; --i) std::swap(pieces[i], pieces[random.index(i + 1)]);
+    for (Line& piece : pieces) {
+      if (random.uniform() < 0.5) std::reverse(piece.begin(), piece.end());
     }
-    segments.push_back({{5000, 5000}, {5010, 5000}});  // another pipeline, elsewhere
-    EXPECT_EQ(chain_segments(segments, line.front() + Vector2d(1, 1), 0.01), line);
-    EXPECT_EQ(chain_segments(segments, line.back() + Vector2d(1, 1), 0.01), Line(line.rbegin(), line.rend()));
+    pieces.push_back({{5000, 5000}, {5010, 5000}});  // another pipeline, elsewhere
+    pieces.push_back({line.front()});                // no line at all
+    EXPECT_EQ(chain_lines(pieces, line.front() + Vector2d(1, 1), 0.01), line);
+    EXPECT_EQ(chain_lines(pieces, line.back() + Vector2d(1, 1), 0.01), Line(line.rbegin(), line.rend()));
   }
-  EXPECT_TRUE(chain_segments({}, {0, 0}, 0.01).empty());
+  EXPECT_TRUE(chain_lines({}, {0, 0}, 0.01).empty());
 }
 
 // ledger: S1-24
 TEST(FeatureCourse, GoesStraightOnWhereAnotherLineJoins) {
-  const std::vector<FeatureSegment> tee = {{{0, 0}, {10, 0}}, {{10, 0}, {10, 8}}, {{10, 0}, {20, 1}}};
-  EXPECT_EQ(chain_segments(tee, {0, 0}, 0.01), (Line{{0, 0}, {10, 0}, {20, 1}}));
+  const std::vector<Line> tee = {{{0, 0}, {10, 0}}, {{10, 0}, {10, 8}}, {{10, 0}, {20, 1}}};
+  EXPECT_EQ(chain_lines(tee, {0, 0}, 0.01), (Line{{0, 0}, {10, 0}, {20, 1}}));
+}
+
+// ledger: S1-24
+TEST(FeatureCourse, FollowsThePartOfALineBetweenTwoPlaces) {
+  const Line line = {{0, 0}, {10, 0}, {10, 10}};
+  EXPECT_EQ(part_of_line(line, {2, 1}, Vector2d(11, 5)), (Line{{2, 0}, {10, 0}, {10, 5}}));
+  EXPECT_EQ(part_of_line(line, {11, 5}, Vector2d(2, 1)), (Line{{10, 5}, {10, 0}, {2, 0}}));
+  EXPECT_EQ(part_of_line(line, {2, 1}, {}), (Line{{2, 0}, {10, 0}, {10, 10}})) << "the farther end";
+  EXPECT_EQ(part_of_line(line, {11, 5}, {}), (Line{{10, 5}, {10, 0}, {0, 0}}));
+  const Line ring = chain_lines(std::vector<Line>{line, {{10, 10}, {0, 10}, {0.001, 0}}}, {0, 0}, 0.01);
+  ASSERT_EQ(ring.front(), ring.back());
+  EXPECT_EQ(part_of_line(ring, {4, -1}, Vector2d(11, 4)), (Line{{4, 0}, {10, 0}, {10, 4}})) << "the shorter way";
+  EXPECT_EQ(part_of_line(ring, {4, -1}, Vector2d(-1, 4)).size(), 3u) << "the other way round";
+  const Line once = part_of_line(ring, {4, -1}, {});
+  EXPECT_EQ(once.front(), once.back());
+  EXPECT_EQ(once.size(), ring.size() + 1);
+}
+
+TEST(FeatureCourse, ASimplifiedLineStaysWithinItsTolerance) {
+  Random random(6);
+  Line line;
+  for (int i = 0; i < 500; ++i) line.emplace_back(i + random.normal(), 40 * std::sin(0.02 * i) + random.normal());
+  const Line simple = simplified(line, 3);
+  EXPECT_LT(simple.size(), 60u);
+  for (const Vector2d& p : line) EXPECT_LE(distance_from_line(simple, p), 3);
+  EXPECT_EQ(simplified(line, 0).size(), line.size());
 }
 
 // By hand: a line north, then east; starboard is the inside of the bend. ledger: S1-24

@@ -42,7 +42,8 @@ ArrayField random_map(Random& random, double share) {
 }
 
 /// Bellman and Ford: relaxes every edge until nothing changes. Edges by the traversability query, T by counting.
-double cheapest(const ArrayField& map, Pixel start, Pixel goal, const PilotSearchConfig& config) {
+double cheapest(const ArrayField& map, Pixel start, Pixel goal, const PilotSearchConfig& config,
+                const RiskGrid& threats = {}) {
   const auto clear = [&](int column, int row) {
     const DepthPixel p = map.at({column, row});
     return p.known() && p.depth_m() >= 4;
@@ -75,8 +76,11 @@ double cheapest(const ArrayField& map, Pixel start, Pixel goal, const PilotSearc
           const std::vector<Vector3d> leg = {middle(column, row), middle(column + c, row + r)};
           if (traversability(map, leg, config.passage)->strict() == 0) continue;
           const double risk = (log_safety[{row, column}] + log_safety[{row + r, column + c}]) / 2;
-          edges.push_back(
-              {row * 40 + column, (row + r) * 40 + column + c, std::hypot(r, c) * (1 - config.risk_weight * risk)});
+          const double rate = (threats.rate_at(middle(column, row).head<2>()) +
+                               threats.rate_at(middle(column + c, row + r).head<2>())) /
+                              2;
+          edges.push_back({row * 40 + column, (row + r) * 40 + column + c,
+                           std::hypot(r, c) * (1 - config.risk_weight * risk + config.threat_weight_m * rate)});
         }
       }
     }
@@ -122,6 +126,33 @@ TEST(PilotSearch, CostsWhatAnExhaustiveSearchCosts) {
   }
   EXPECT_GT(paths, 6);
   EXPECT_GT(none, 0);
+}
+
+// Cells of 8 m with rates drawn at random: the cost is the least, and the way is no more dangerous than the straight
+// one. ledger: S1-37 S1-78
+TEST(PilotSearch, GoesRoundThreatsAsFarAsTheyAreWorth) {
+  Random random(31);
+  int went_round = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    const ArrayField map(kGrid, kWindow, 10);
+    RiskGrid threats{{{20, -20}, 8}, {0, 0, 5, 5}, {}};
+    for (int i = 0; i < 25; ++i) threats.rate_per_m.push_back(random.uniform() < 0.4 ? 0.05 * random.uniform() : 0);
+    PilotSearchConfig config = narrow(0);
+    config.threat_weight_m = 60;
+    const Vector3d start = middle(2, 19), goal = middle(37, 22);
+    const auto found = search_path(map, start, goal, config, {}, &threats);
+    ASSERT_TRUE(found) << to_text(found.error());
+    EXPECT_NEAR(found->cost, cheapest(map, {2, 19}, {37, 22}, config, threats), 1e-6);
+    std::vector<Vector2d> way;
+    for (const Vector3d& p : found->points) way.emplace_back(p.head<2>());
+    const std::vector<Vector2d> straight = {start.head<2>(), goal.head<2>()};
+    const double risk = path_risk(threats, way).cost, of_straight = path_risk(threats, straight).cost;
+    EXPECT_LE(risk, of_straight + 1e-9) << trial;
+    went_round += risk < 0.7 * of_straight;
+    config.threat_weight_m = 0;
+    EXPECT_EQ(search_path(map, start, goal, config, {}, &threats)->points.size(), 2u) << "nothing is worth a detour";
+  }
+  EXPECT_GE(went_round, 6);
 }
 
 // ledger: S1-42

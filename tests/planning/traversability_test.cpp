@@ -209,22 +209,25 @@ TEST(Traversability, RocksAndPipelinesOfTheChartBlock) {
   EXPECT_EQ(with({{-15, 5}, {15, 5}, 0.2, 3.99}).strict(), 0);
 }
 
-std::vector<DepthSummary> blocks_of(const ArrayField& map, int side, const PixelWindow& blocks) {
-  std::vector<DepthSummary> out;
-  for (int row = blocks.row; row < blocks.row + blocks.height; ++row) {
-    for (int column = blocks.column; column < blocks.column + blocks.width; ++column) {
-      DepthSummary b{INFINITY, -INFINITY, 0, 0};
-      for (int i = 0; i < side * side; ++i) {
-        const DepthPixel p = map.at({column * side + i % side, row * side + i / side});
-        b.unknown += !p.known();
-        b.known += p.known();
-        if (p.known()) b.min_m = std::min(b.min_m, p.depth_m());
-        if (p.known()) b.max_m = std::max(b.max_m, p.depth_m());
-      }
-      out.push_back(b);
+/// The 80 x 80 pixels of the array in the middle of a depth map of 128 x 128 pixels.
+std::shared_ptr<const DepthSnapshot> depths_of(const ArrayField& from) {
+  DepthMapConfig config;
+  config.window_pixels = 64;
+  config.area_m = 64;
+  const DepthArea area = area_of(config);
+  DepthMap map(config, area, DepthTrees(area.levels), {0, 0});
+  std::vector<std::pair<Pixel, DepthPixel>> pixels;
+  for (std::int32_t row = 0; row < 80; ++row) {
+    for (std::int32_t column = 0; column < 80; ++column) {
+      DepthPixel pixel = from.at({column, row});
+      if (!pixel.known()) continue;
+      pixel.state_word = DepthPixel::word_of_state(pixel.confidence(), kSensed | kSeenByDepth, 1);
+      pixels.emplace_back(map.grid().at(kGrid.centre({column, row})), pixel);
     }
   }
-  return out;
+  map.write(pixels);
+  map.flush();
+  return map.snapshot();
 }
 
 // ledger: S1-82 S1-41
@@ -241,15 +244,14 @@ TEST(AreaTraversability, BracketsTheFineMap) {
         unknown ? map.set(p, DepthPixel{}) : map.set(p, depth);
       }
     }
-    const PixelWindow window{0, 0, 10, 10};
-    const auto blocks = blocks_of(map, 8, window);
-    const BlockMap coarse{kGrid, 8, window, blocks};
+    const auto depths = depths_of(map);
     const Path path = {{random.uniform(-18, 18), random.uniform(-18, 18), random.uniform(0, 5)},
                        {random.uniform(-18, 18), random.uniform(-18, 18), random.uniform(0, 5)},
                        {random.uniform(-18, 18), random.uniform(-18, 18), random.uniform(0, 5)}};
-    const auto area = corridor_traversability(coarse, path, kPassage);
+    const auto area = corridor_traversability(*depths, path, kPassage);
     ASSERT_TRUE(area);
-    const double fine = along(map, path).fraction;
+    const double fine = along(*depths, path).fraction;
+    EXPECT_EQ(fine, along(map, path).fraction);
     EXPECT_LE(area->least(), fine + 1e-12);
     EXPECT_GE(area->most(), fine - 1e-12);
     EXPECT_NEAR(area->value(), area->least() + area->mixed_share() / 2, 1e-12);
@@ -263,31 +265,42 @@ TEST(AreaTraversability, AGapForOneIsNotAGapForTwo) {
     if (column >= 32 && column < 48) continue;  // a gap of 8 m in a wall of one block
     for (int row = 40; row < 48; ++row) map.set({column, row}, 1);
   }
-  const PixelWindow window{0, 0, 10, 10};
-  const auto blocks = blocks_of(map, 8, window);
-  const BlockMap coarse{kGrid, 8, window, blocks};
+  const auto depths = depths_of(map);
   const Path path = {{-10, 0, 3}, {10, 0, 3}};
-  const auto abreast = vehicles_abreast(coarse, path, kPassage, {4, 6.5, 0});
+  const auto abreast = vehicles_abreast(*depths, path, kPassage, {4, 6.5, 0});
   ASSERT_TRUE(abreast);
   EXPECT_EQ(abreast->sure, 1);
   EXPECT_EQ(abreast->possible, 1);
-  EXPECT_EQ(vehicles_abreast(coarse, path, kPassage, {4, 2.5, 0})->sure, 3);  // 2 * (1 + 2.5) = 7 m
-  EXPECT_EQ(vehicles_abreast(coarse, path, kPassage, {4, 2.5, 6.5})->sure, 0) << "the deepest touches the bottom";
-  EXPECT_FALSE(corridor_traversability(coarse, path, kPassage, {2, 6.5, 0})->possible());
+  EXPECT_EQ(vehicles_abreast(*depths, path, kPassage, {4, 2.5, 0})->sure, 3);  // 2 * (1 + 2.5) = 7 m
+  EXPECT_EQ(vehicles_abreast(*depths, path, kPassage, {4, 2.5, 6.5})->sure, 0) << "the deepest touches the bottom";
+  EXPECT_FALSE(corridor_traversability(*depths, path, kPassage, {2, 6.5, 0})->possible());
 }
 
-// ledger: S1-82
+// Six blocks in a row: deep, shoal, half shoal, deep with an unknown pixel, unknown, beyond the map. ledger: S1-82
 TEST(AreaTraversability, ABlockIsClearBlockedOrMixed) {
-  const std::vector<DepthSummary> blocks = {{5, 9, 64, 0}, {1, 2, 64, 0}, {2, 9, 64, 0}, {5, 9, 63, 1}, {0, 0, 0, 64}};
-  const BlockMap map{kGrid, 8, {-2, 0, 5, 1}, blocks};
-  const AreaTraversability t = area_traversability(map, map.window, 3, 1);
-  EXPECT_EQ(t.clear, 1u);
-  EXPECT_EQ(t.blocked, 2u);
-  EXPECT_EQ(t.mixed, 2u);
-  EXPECT_NEAR(t.value(), 0.4, 1e-12);
-  EXPECT_EQ(area_traversability(map, {-3, 0, 1, 1}, 3, 1).blocked, 1u) << "outside is unknown";
-  EXPECT_EQ(map.block_of({-1, 7}), (Pixel{-1, 0}));
-  EXPECT_EQ(map.block_of({-8, 8}), (Pixel{-1, 1}));
+  ArrayField map(kGrid, kWindow, 9);
+  for (int i = 0; i < 8 * 8; ++i) {
+    map.set({8 + i % 8, i / 8}, 2);
+    if (i % 8 < 4) map.set({16 + i % 8, i / 8}, 2);
+    map.set({32 + i % 8, i / 8}, DepthPixel{});
+  }
+  map.set({24, 0}, DepthPixel{});
+  const auto depths = depths_of(map);
+  const auto verdict = [&](int block) {
+    const Vector2d middle = kGrid.centre({8 * block + 3, 3});
+    const Path there = {{middle.x(), middle.y(), 3}};
+    return *corridor_traversability(*depths, there, {0.1, 1});
+  };
+  EXPECT_TRUE(verdict(0).sure());
+  EXPECT_GT(verdict(1).blocked, 0u);
+  EXPECT_EQ(verdict(2).mixed_share(), 1);
+  EXPECT_EQ(verdict(3).mixed_share(), 1);
+  EXPECT_GT(verdict(4).blocked, 0u);
+  EXPECT_GT(verdict(-2).blocked, 0u) << "outside is unknown";
+  const Vector2d a = kGrid.centre({3, 3}), b = kGrid.centre({36, 3});
+  const auto all = corridor_traversability(*depths, Path{{a.x(), a.y(), 3}, {b.x(), b.y(), 3}}, {0, 1});
+  EXPECT_NEAR(all->value(), 0.5 * (all->least() + all->most()), 1e-12);
+  EXPECT_FALSE(all->possible());
 }
 
 }  // namespace

@@ -13,6 +13,17 @@ class OGRSpatialReference;
 
 namespace isobath {
 
+struct DatasetCloser {
+  void operator()(GDALDataset* data) const;
+};
+using Dataset = std::unique_ptr<GDALDataset, DatasetCloser>;
+/// The formats of shapes that people draw.
+inline const std::vector<const char*> kDrawingDrivers{"ESRI Shapefile", "GeoJSON", "GPKG"};
+/// Opens a file with the named drivers only: a virtual raster or a web service could access anything. Null if none
+/// reads it.
+Dataset open_dataset(const std::string& file, unsigned kind, std::vector<const char*> drivers,
+                     std::vector<const char*> options = {});
+
 struct PriorJob {
   std::string file;
   const PriorConfig& config;
@@ -30,6 +41,9 @@ struct PriorJob {
     return config.sigma_m + config.sigma_share * std::abs(depth_m);
   }
 };
+
+/// Opens shapes that a person drew; refuses what is no GeoJSON, shapefile or GeoPackage. `of`: "areas".
+Dataset open_drawing(const PriorJob& job, const std::string& of);
 
 /// Converts between a horizontal coordinate system and the plane of W.
 class PlaneMapping {

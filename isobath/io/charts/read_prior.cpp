@@ -12,19 +12,6 @@
 namespace isobath {
 namespace {
 
-struct Closer {
-  void operator()(GDALDataset* data) const { GDALClose(data); }
-};
-using Dataset = std::unique_ptr<GDALDataset, Closer>;
-
-/// Opens a file with the named drivers only: a virtual raster or a web service could access anything.
-Dataset open(const std::string& file, unsigned kind, std::vector<const char*> drivers,
-             std::vector<const char*> options = {}) {
-  drivers.push_back(nullptr);
-  options.push_back(nullptr);
-  return Dataset(GDALDataset::Open(file.c_str(), kind | GDAL_OF_READONLY, drivers.data(), options.data()));
-}
-
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
@@ -37,7 +24,7 @@ Dataset resampled(const PriorJob& job, Dataset data) {
   const std::string step = fmt::format("{}", job.wanted.grid.pixel_m);
   const std::string x = "RESX=" + step, y = "RESY=" + step;
   const char* population = job.config.pixels == Merge::kShoalest ? "VALUE_POPULATION=MAX" : "VALUE_POPULATION=MEAN";
-  return open(job.file, GDAL_OF_RASTER, {"BAG"}, {"MODE=RESAMPLED_GRID", x.c_str(), y.c_str(), population});
+  return open_dataset(job.file, GDAL_OF_RASTER, {"BAG"}, {"MODE=RESAMPLED_GRID", x.c_str(), y.c_str(), population});
 }
 
 struct Opened {
@@ -50,19 +37,19 @@ Opened open_any(const PriorJob& job) {
   using Kind = Opened::Kind;
   const std::string ending = lower(std::filesystem::path(job.file).extension().string());
   if (ending == ".txt" || ending == ".csv" || ending == ".dat") return {Kind::kText, nullptr};
-  if (Dataset data =
-          open(job.file, GDAL_OF_RASTER, {"GTiff", "BAG", "netCDF", "AAIGrid", "XYZ", "GSBG", "GS7BG", "GSAG"})) {
+  if (Dataset data = open_dataset(job.file, GDAL_OF_RASTER,
+                                  {"GTiff", "BAG", "netCDF", "AAIGrid", "XYZ", "GSBG", "GS7BG", "GSAG"})) {
     if (EQUAL(data->GetDriverName(), "BAG")) data = resampled(job, std::move(data));
     if (data && data->GetRasterCount() > 0) return {Kind::kRaster, std::move(data)};
   }
   if (ending == ".xyz") return {Kind::kText, nullptr};
   job.gdal.forget();
-  if (Dataset data = open(job.file, GDAL_OF_VECTOR, {"S57"},
-                          {"UPDATES=APPLY", "SPLIT_MULTIPOINT=OFF", "ADD_SOUNDG_DEPTH=OFF", "RETURN_PRIMITIVES=OFF",
-                           "LNAM_REFS=OFF"})) {
+  if (Dataset data = open_dataset(job.file, GDAL_OF_VECTOR, {"S57"},
+                                  {"UPDATES=APPLY", "SPLIT_MULTIPOINT=OFF", "ADD_SOUNDG_DEPTH=OFF",
+                                   "RETURN_PRIMITIVES=OFF", "LNAM_REFS=OFF"})) {
     return {Kind::kChart, std::move(data)};
   }
-  if (Dataset data = open(job.file, GDAL_OF_VECTOR, {"ESRI Shapefile", "GeoJSON", "GPKG"})) {
+  if (Dataset data = open_dataset(job.file, GDAL_OF_VECTOR, kDrawingDrivers)) {
     return {Kind::kOutline, std::move(data)};
   }
   job.refuse(fmt::format("not a readable survey, chart or outline{}{}", job.gdal.complaint().empty() ? "" : ": ",
@@ -157,6 +144,23 @@ void paint_land(Prior& prior, double sigma) {
 }
 
 }  // namespace
+
+void DatasetCloser::operator()(GDALDataset* data) const { GDALClose(data); }
+
+Dataset open_dataset(const std::string& file, unsigned kind, std::vector<const char*> drivers,
+                     std::vector<const char*> options) {
+  drivers.push_back(nullptr);
+  options.push_back(nullptr);
+  return Dataset(GDALDataset::Open(file.c_str(), kind | GDAL_OF_READONLY, drivers.data(), options.data()));
+}
+
+Dataset open_drawing(const PriorJob& job, const std::string& of) {
+  Dataset data = open_dataset(job.file, GDAL_OF_VECTOR, kDrawingDrivers);
+  if (data) return data;
+  const std::string& complaint = job.gdal.complaint();
+  job.refuse(fmt::format("not a readable file of {}{}{}", of, complaint.empty() ? "" : ": ", complaint),
+             "GeoJSON, shapefile or GeoPackage");
+}
 
 void PriorJob::refuse(const std::string& problem, const std::string& advice) const {
   throw Error(problem, {file, {}, {}, {}, {}}, "", advice);

@@ -8,6 +8,7 @@
 // may have changed, and is exact. Cells are addressed in cells of the map (pixel / 128).
 #pragma once
 
+#include <isobath/geometry/polygon.hpp>
 #include <isobath/map/depth/depth_map.hpp>
 #include <span>
 #include <vector>
@@ -25,7 +26,8 @@ struct MissionCell {
 
 class MissionMap {
  public:
-  /// All cells of the map, or those of a window of them; at most 2^22.
+  static constexpr std::int64_t kMaxCells = 1 << 22;
+  /// All cells of the map, or those of a window of them; at most kMaxCells.
   explicit MissionMap(const DepthSnapshot& snapshot);
   MissionMap(const DepthSnapshot& snapshot, const PixelWindow& cells);
 
@@ -33,8 +35,9 @@ class MissionMap {
   /// The position of the cells; pixel_m is the side of a cell.
   [[nodiscard]] const PixelGrid& grid() const { return grid_; }
   [[nodiscard]] const MissionCell& at(Pixel cell) const { return cells_[slot(cell)]; }
-  /// Sets the threats of a cell, from prior knowledge only.
-  void set_threat(Pixel cell, double detection_per_m, double destruction_per_m);
+  /// Adds the rates of a threat to the cells, each by the share of it that lies within the rings (even-odd rule, to an
+  /// eighth of a cell along each side). From prior knowledge only.
+  void add_threat(const std::vector<Polygon>& rings, double detection_per_m, double destruction_per_m);
   /// Recomputes the cells under the local window; no other cell can have changed since the last refresh or shift.
   void refresh(const DepthSnapshot& snapshot);
 

@@ -123,6 +123,25 @@ std::string ImportReport::text() const {
   return text;
 }
 
+MissionPlan on_plane_of(MissionPlan plan, const GeoOrigin& origin) {
+  if (!plan.origin) return plan;
+  const double apart_m = distance_m(*plan.origin, origin);
+  if (apart_m <= 1) return plan;
+  if (apart_m > kMaxMetres) {
+    throw Error(fmt::format("the origin of the mission is {:.0f} km away from the origin of the input", apart_m / 1000),
+                plan.place, fmt::format("at most {:.0f} km", kMaxMetres / 1000));
+  }
+  const LocalPlane from(*plan.origin), to(origin);
+  const auto move = [&](Eigen::Vector2d& p) { p = to.to_plane(from.to_geo(p)); };
+  for (MissionPoint& point : plan.points) move(point.north_east);
+  std::for_each(plan.fence.begin(), plan.fence.end(), move);
+  for (InjectedMap& map : plan.injected) {
+    for (Polygon& outline : map.outlines) std::for_each(outline.begin(), outline.end(), move);
+  }
+  plan.origin = origin;
+  return plan;
+}
+
 void check_outline(const Polygon& outline, const Place& place) {
   const bool near = std::all_of(outline.begin(), outline.end(), on_the_plane);
   if (!near) refuse(place, "outline", "a corner that is not on the plane", far_text());

@@ -88,6 +88,10 @@ struct MissionPlan {
 /// finite or out of range; a point outside the fence (S6-43), beyond the depth limits or below the minimum altitude; a
 /// fence that is not a simple polygon; an injected outline that is not convex.
 void check_mission(const MissionPlan& plan);
+/// The same mission on the plane of another origin: points, fence and injected outlines keep their places on the globe.
+/// Nothing changes without an origin, or where both are within a metre of each other. Throws Error where they are more
+/// than 100 km apart.
+MissionPlan on_plane_of(MissionPlan plan, const GeoOrigin& origin);
 /// The same check for one outline to inject.
 void check_outline(const Polygon& outline, const Place& place);
 
