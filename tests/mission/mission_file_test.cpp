@@ -286,7 +286,7 @@ TEST(MissionPlan, KeepsItsPlacesOnTheGlobeOnThePlaneOfAnotherOrigin) {
     EXPECT_LT(distance_m(before.to_geo(plan.points[i].north_east), after.to_geo(moved.points[i].north_east)), 1e-6);
   }
   EXPECT_LT(distance_m(before.to_geo(plan.fence[2]), after.to_geo(moved.fence[2])), 1e-6);
-  EXPECT_NEAR(moved.injected[0].outlines[0][0].x(), -1113, 1);  // 0.01 degrees of latitude
+  EXPECT_NEAR(moved.injected.back().outlines[0][0].x(), -1113, 1);  // 0.01 degrees of latitude
   EXPECT_EQ(on_plane_of(plan, {52.340005, 13}).points[0].north_east, plan.points[0].north_east) << "within a metre";
   EXPECT_THROW(on_plane_of(plan, {54, 13}), Error);
 }
