@@ -90,6 +90,20 @@ TEST_F(Eval, TheSonarDecidesBeforeTheVehicleHasSailedFarBlind) {
 
 // The run of a seed sails one row of the fault table: this is that of the leak.
 // ledger: S6-39
+// The second lane begins 110 m from the pile, and the sonar reaches 50 m. ledger: S6-66
+TEST_F(Eval, RemembersThePileOfTheFirstLaneInTheSecond) {
+  const auto shown = [&](const std::vector<std::string>& more, const std::string& runs) {
+    std::vector<std::string> words{"eval",   "two-lanes", "--alone", "--runs", runs,
+                                   "--seed", "1",         "--json",  "--out",  (folder_ / "out").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto json = nlohmann::json::parse(isobath(words).out);
+    EXPECT_EQ(json["collisions"], 0);
+    return json["story"]["shown"]["count"].get<int>();
+  };
+  EXPECT_EQ(shown({}, "3"), 3);
+  EXPECT_EQ(shown({"--set", "fls_detector.memory_radius_m=0"}, "2"), 0) << "without memory";
+}
+
 TEST_F(Eval, OfFaultsSaysWhatEachRowShowed) {
   const std::string seed = std::to_string(static_cast<int>(Fault::kLeak));
   const ProgramResult result =
