@@ -158,6 +158,67 @@ int act(PathOptions& options) {
   return clear ? kSuccess : kFailedChecks;
 }
 
+void add_following(CLI::App& command, PathRequest& request, CLI::Option* find) {
+  const char* kFollowing = "Following a line";
+  CLI::Option* along =
+      command
+          .add_option("--along", request.line.feature,
+                      "Follow a line from the first point to the second, or to the line's end: name or kind of a "
+                      "line of the map, the nearest one, or a file of lines (GeoJSON, shapefile, GeoPackage)")
+          ->check(such_as(
+              [] {
+                return std::vector<std::string>{"nearest", "pipeline", "contour", "coast"};
+              },
+              true))
+          ->excludes(find)
+          ->group(kFollowing);
+  command
+      .add_option("--contour", request.line.contour_m, "Follow the contour line of this depth of the map instead, m")
+      ->check(number(-INFINITY, INFINITY))
+      ->excludes(along)
+      ->excludes(find)
+      ->group(kFollowing);
+  command.add_option("--offset", request.offset_m, "Distance of the course from the line, to starboard, m")
+      ->check(number(-INFINITY, INFINITY))
+      ->capture_default_str()
+      ->group(kFollowing);
+  command
+      .add_option("--altitude", request.altitude_m,
+                  "Altitude above the bottom of the map, m; without it the depth is the draught")
+      ->check(number(0, 1000))
+      ->group(kFollowing);
+}
+
+void add_abreast(CLI::App& command, PathRequest& request) {
+  const char* kAbreast = "Several vehicles abreast";
+  CLI::Option* vehicles = command.add_option("--vehicles", request.formation.vehicles, "How many")
+                              ->check(whole(1, 100))
+                              ->capture_default_str()
+                              ->group(kAbreast);
+  const auto of_vehicles = [&](const char* name, double& value, const char* text) {
+    command.add_option(name, value, text)->check(number(0, 10000))->needs(vehicles)->group(kAbreast);
+  };
+  of_vehicles("--spacing", request.formation.spacing_m, "Distance between neighbours, m");
+  of_vehicles("--depth-spread", request.formation.depth_spread_m, "How much deeper the deepest vehicle may be, m");
+}
+
+void add_threats(CLI::App& command, PathRequest& request) {
+  const char* kThreats = "Threats";
+  CLI::Option* threats =
+      command
+          .add_option("--threats", request.threats,
+                      "Areas with the probability of detection or destruction (GeoJSON, shapefile, GeoPackage)")
+          ->check(reads())
+          ->group(kThreats);
+  command
+      .add_option("--threat-weight", request.search.threat_weight_m,
+                  "Detour that one e-fold less chance of passing unharmed is worth to --find, m")
+      ->check(number(0, 1e6))
+      ->needs(threats)
+      ->capture_default_str()
+      ->group(kThreats);
+}
+
 }  // namespace
 
 Action add_path(CLI::App& program) {
@@ -187,55 +248,9 @@ Action add_path(CLI::App& program) {
          "Detour that one e-fold of shallow water nearby is worth, m per m of way", kFinding);
   length("--risk-reach", request.search.risk_reach_m, "Shallow water within this distance is a risk, m", kFinding);
   length("--margin", request.search.margin_m, "How far to search around the box of the points, m", kFinding);
-  const char* kFollowing = "Following a line";
-  CLI::Option* along =
-      command
-          ->add_option("--along", request.line.feature,
-                       "Follow a line from the first point to the second, or to the line's end: name or kind of a "
-                       "line of the map, the nearest one, or a file of lines (GeoJSON, shapefile, GeoPackage)")
-          ->check(such_as(
-              [] {
-                return std::vector<std::string>{"nearest", "pipeline", "contour", "coast"};
-              },
-              true))
-          ->excludes(find)
-          ->group(kFollowing);
-  command
-      ->add_option("--contour", request.line.contour_m, "Follow the contour line of this depth of the map instead, m")
-      ->check(number(-INFINITY, INFINITY))
-      ->excludes(along)
-      ->excludes(find)
-      ->group(kFollowing);
-  length("--offset", request.offset_m, "Distance of the course from the line, to starboard, m", kFollowing);
-  command
-      ->add_option("--altitude", request.altitude_m,
-                   "Altitude above the bottom of the map, m; without it the depth is the draught")
-      ->check(number(0, 1000))
-      ->group(kFollowing);
-  const char* kAbreast = "Several vehicles abreast";
-  CLI::Option* vehicles = command->add_option("--vehicles", request.formation.vehicles, "How many")
-                              ->check(whole(1, 100))
-                              ->capture_default_str()
-                              ->group(kAbreast);
-  const auto of_vehicles = [&](const char* name, double& value, const char* text) {
-    command->add_option(name, value, text)->check(number(0, 10000))->needs(vehicles)->group(kAbreast);
-  };
-  of_vehicles("--spacing", request.formation.spacing_m, "Distance between neighbours, m");
-  of_vehicles("--depth-spread", request.formation.depth_spread_m, "How much deeper the deepest vehicle may be, m");
-  const char* kThreats = "Threats";
-  CLI::Option* threats =
-      command
-          ->add_option("--threats", request.threats,
-                       "Areas with the probability of detection or destruction (GeoJSON, shapefile, GeoPackage)")
-          ->check(reads())
-          ->group(kThreats);
-  command
-      ->add_option("--threat-weight", request.search.threat_weight_m,
-                   "Detour that one e-fold less chance of passing unharmed is worth to --find, m")
-      ->check(number(0, 1e6))
-      ->needs(threats)
-      ->capture_default_str()
-      ->group(kThreats);
+  add_following(*command, request, find);
+  add_abreast(*command, request);
+  add_threats(*command, request);
   command->add_option("--mission", options->mission, "Write the way that was found, or the course, as a mission file")
       ->check(writes_file())
       ->group("Output");

@@ -3,6 +3,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/exact_predicates.hpp>
 #include <isobath/geometry/polygon.hpp>
+#include <isobath/geometry/segment.hpp>
 #include <limits>
 
 namespace isobath {
@@ -11,13 +12,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kBorder = 1e-9;  // of the size of the coordinates: a point nearer to a border lies on it
-
-Vector2d nearest_on_side(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
-  const Vector2d side = b - a;
-  const double length2 = side.squaredNorm();
-  if (length2 == 0) return a;
-  return a + std::clamp((p - a).dot(side) / length2, 0.0, 1.0) * side;
-}
 
 /// p must be on the line through a and b.
 bool between(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
@@ -46,7 +40,7 @@ bool folds_back(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
 double border_distance(const Polygon& polygon, const Vector2d& p) {
   double least2 = (polygon.front() - p).squaredNorm();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector2d q = nearest_on_side(polygon[i], polygon[(i + 1) % polygon.size()], p);
+    const Vector2d q = nearest_on_segment(polygon[i], polygon[(i + 1) % polygon.size()], p);
     least2 = std::min(least2, (q - p).squaredNorm());
   }
   return std::sqrt(least2);
@@ -107,7 +101,7 @@ Vector2d nearest_point(const Polygon& convex, const Vector2d& p) {
   if (contains(convex, p)) return p;
   Vector2d best = convex.front();
   for (std::size_t i = 0; i < convex.size(); ++i) {
-    const Vector2d q = nearest_on_side(convex[i], convex[(i + 1) % convex.size()], p);
+    const Vector2d q = nearest_on_segment(convex[i], convex[(i + 1) % convex.size()], p);
     if ((q - p).squaredNorm() < (best - p).squaredNorm()) best = q;
   }
   return best;

@@ -17,9 +17,9 @@ class BlocksByPixel {
     const auto [entry, is_new] = tiles_.try_emplace(std::uint64_t{static_cast<std::uint32_t>(tile.row)} << 32U |
                                                     static_cast<std::uint32_t>(tile.column));
     if (is_new) map_.read_blocks({tile.column * kSide, tile.row * kSide, kSide, kSide}, entry->second);
-    const int column = (p.column - tile.column * DepthTile::kSide) / DepthBlock::kPixels;
-    const int row = (p.row - tile.row * DepthTile::kSide) / DepthBlock::kPixels;
-    return entry->second[static_cast<std::size_t>(row * kSide + column)];
+    const auto column = static_cast<std::size_t>((p.column - tile.column * DepthTile::kSide) / DepthBlock::kPixels);
+    const auto row = static_cast<std::size_t>((p.row - tile.row * DepthTile::kSide) / DepthBlock::kPixels);
+    return entry->second[row * kSide + column];
   }
 
  private:

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <isobath/geometry/polygon.hpp>
+#include <isobath/geometry/segment.hpp>
 #include <isobath/planning/feature_course.hpp>
 #include <map>
 #include <numbers>
@@ -17,9 +18,7 @@ using Line = std::vector<Vector2d>;
 Vector2d starboard(const Vector2d& u) { return {-u.y(), u.x()}; }
 
 double distance(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const double length2 = (b - a).squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0;
-  return (p - a - t * (b - a)).norm();
+  return (nearest_on_segment(a, b, p) - p).norm();
 }
 
 Line without_repetition(std::span<const Vector2d> line) {
@@ -145,7 +144,8 @@ class EndsOfPieces {
 
   /// The free end at which the straightest piece begins that continues a line; empty if there is none.
   [[nodiscard]] std::optional<End> continuing(const Line& line, const std::vector<bool>& used) const {
-    const Vector2d end = line.back(), along = end - line[line.size() - 2];
+    const Vector2d& end = line.back();
+    const Vector2d along = end - line[line.size() - 2];
     std::optional<End> best;
     double best_cosine = -2;
     for (int north = -1; north <= 1; ++north) {
@@ -190,14 +190,12 @@ Foot foot_on(std::span<const Vector2d> line, const Vector2d& p) {
   Foot best{0, line.front(), 0};
   double nearest = (p - line.front()).norm(), along = 0;
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-    const Vector2d leg = line[i + 1] - line[i];
-    const double t = leg.squaredNorm() > 0 ? std::clamp((p - line[i]).dot(leg) / leg.squaredNorm(), 0.0, 1.0) : 0;
-    const Vector2d foot = line[i] + t * leg;
+    const Vector2d foot = nearest_on_segment(line[i], line[i + 1], p);
     if ((p - foot).norm() < nearest) {
       nearest = (p - foot).norm();
-      best = {i, foot, along + t * leg.norm()};
+      best = {i, foot, along + (foot - line[i]).norm()};
     }
-    along += leg.norm();
+    along += (line[i + 1] - line[i]).norm();
   }
   return best;
 }

@@ -34,7 +34,7 @@ namespace isobath {
 std::vector<Eigen::Vector2d> chain_lines(std::span<const std::vector<Eigen::Vector2d>> pieces,
                                          const Eigen::Vector2d& start, double tolerance_m);
 
-/// Of a point from a line of at least one point.
+/// Distance of a point from a line of one point or more, m.
 double distance_from_line(std::span<const Eigen::Vector2d> line, const Eigen::Vector2d& point);
 
 /// The part of a line from its point nearest to `from` to its point nearest to `to`, in this sense; without `to`, to

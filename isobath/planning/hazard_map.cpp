@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/base/error.hpp>
+#include <isobath/geometry/segment.hpp>
 #include <isobath/planning/corridor.hpp>
 #include <isobath/planning/hazard_map.hpp>
 #include <utility>
@@ -13,13 +14,6 @@ using Eigen::Vector2d;
 
 constexpr double kTouch = 1e-9;    // m: shapes that touch count as meeting
 constexpr double kFarthest = 1e7;  // m
-
-Vector2d nearest_on_segment(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
-  const Vector2d side = b - a;
-  const double length2 = side.squaredNorm();
-  if (length2 == 0) return a;
-  return a + std::clamp((p - a).dot(side) / length2, 0.0, 1.0) * side;
-}
 
 /// Whether the insides of both segments cross at a point; segments that only touch are found by the distances of their
 /// ends.

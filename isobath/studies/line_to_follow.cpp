@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/lower_case.hpp>
 #include <isobath/geometry/contours.hpp>
 #include <isobath/io/charts/drawn_lines.hpp>
 #include <isobath/planning/feature_course.hpp>
@@ -19,11 +19,6 @@ using Line = std::vector<Vector2d>;
 
 constexpr double kMaxCells = 1 << 24;
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 [[noreturn]] void refuse_feature(const MapFeatures& features, const std::string& wanted) {
   std::set<std::string> known;
   for (const MapFeatures::Line& line : features.lines) {
@@ -38,13 +33,13 @@ std::string lower(std::string text) {
 /// The pieces of the nearest line of this kind or name.
 std::vector<Line> pieces_of(const MapFeatures& features, const std::string& wanted, const Vector2d& start) {
   const MapFeatures::Line* nearest = nullptr;
-  const std::string name = lower(wanted);
+  const std::string name = to_lower_case(wanted);
   if (name == "nearest") {
     if (const auto found = features.segments.nearest(start)) nearest = &features.lines[found->id >> 32U];
   } else {
     double least = INFINITY;
     for (const MapFeatures::Line& line : features.lines) {
-      if (line.points.size() < 2 || (lower(line.kind) != name && lower(line.name) != name)) continue;
+      if (line.points.size() < 2 || (to_lower_case(line.kind) != name && to_lower_case(line.name) != name)) continue;
       const double away = distance_from_line(line.points, start);
       if (away >= least) continue;
       least = away;

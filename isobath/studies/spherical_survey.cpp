@@ -2,6 +2,7 @@
 #include <cmath>
 #include <Eigen/LU>
 #include <isobath/base/error.hpp>
+#include <isobath/geometry/segment.hpp>
 #include <isobath/perception/corner_fix.hpp>
 #include <isobath/studies/spherical_survey.hpp>
 #include <limits>
@@ -208,9 +209,7 @@ PositionErrors errors_of(const std::vector<Vector2d>& positions, const ScanPath&
 double distance_to(const PlaneSection& section, const Vector2d& p) {
   double least = std::numeric_limits<double>::infinity();
   for (const SectionLine& line : section.lines()) {
-    const Vector2d along = line.b - line.a;
-    const double share = std::clamp((p - line.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-    least = std::min(least, (line.a + share * along - p).norm());
+    least = std::min(least, (nearest_on_segment(line.a, line.b, p) - p).norm());
   }
   for (const SectionArc& arc : section.arcs()) {
     const Vector2d m = p - arc.centre;
@@ -253,22 +252,19 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
   grid.on_dropped([&](const SphericalCell& cell, const Vector3d&) { survey.dropped_echoes += cell.echoes; });
   SphericalMapper mapper(config.mapper, grid);
   const double speed = scene.vehicle.speed > 0 ? scene.vehicle.speed : 1;
-  double gone = 0;
   HeardEchoes heard;
   bool any = false;
   for (std::size_t i = 0; i < survey.path.scans.size(); ++i) {
     const ScanPosition& place = survey.path.scans[i];
     if (i > 0) {
-      const Vector2d step = (place.at - survey.path.scans[i - 1].at).head<2>();
-      gone += step.norm();
-      navigation.move(step);
+      navigation.move((place.at - survey.path.scans[i - 1].at).head<2>());
     }
-    const Time time = Time{} + seconds(gone / speed);
+    const Time time = Time{} + seconds(survey.navigation.way_m / speed);
     const PlaneSection section(scene, place.at.z());
     any = any || !section.lines().empty() || !section.arcs().empty();
     const std::vector<SectionReading> readings = scan(section, place.at.head<2>(), config.sonar, random);
     PlaneScan told = echoes_from(navigation.at(), readings, config.sonar);
-    if (config.drift_share > 0 && config.corner_fixes) navigation.fix(sorted(told), corners_of(section));
+    if (config.drift_share > 0) navigation.fix(sorted(told), corners_of(section));
     navigation.keep();
     told.from = navigation.at();
     const Vector3d at(told.from.x(), told.from.y(), place.at.z());

@@ -21,7 +21,6 @@ struct SphericalSurveyConfig {
   int seed = -1;           ///< -1: the seed of the scene
   int passes = 1;          ///< along the path, to and fro; `scans` in each
   double drift_share = 0;  ///< of the way: how fast the error of dead reckoning grows, in one direction
-  bool corner_fixes = true;
   SectionSonarConfig sonar;
   SphericalGridConfig grid;
   SphericalMapperConfig mapper;

@@ -4,6 +4,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/geometry/surface_error.hpp>
 #include <isobath/io/charts/prior_reader.hpp>
+#include <isobath/map/depth/fill_polygons.hpp>
 #include <numbers>
 #include <ogr_spatialref.h>
 
@@ -141,39 +142,10 @@ PriorRaster empty_raster(const PriorWindow& window) {
 }
 
 void fill(const std::vector<Polygon>& rings, const PriorWindow& window, const std::function<void(std::size_t)>& visit) {
-  double north = -1e300, south = 1e300;
-  for (const Polygon& ring : rings) {
-    for (const Vector2d& p : ring) {
-      north = std::max(north, p.x());
-      south = std::min(south, p.x());
-    }
-  }
-  const PixelGrid& grid = window.grid;
-  const double rows = window.rows, columns = window.columns;
-  const auto row_of = [&](double at) {  // the first row whose centre is not north of `at`
-    return static_cast<int>(std::clamp(std::ceil((grid.corner_m.x() - at) / grid.pixel_m - 0.5), 0.0, rows));
-  };
-  const auto column_of = [&](double at) {
-    return static_cast<int>(std::clamp(std::ceil((at - grid.corner_m.y()) / grid.pixel_m - 0.5), 0.0, columns));
-  };
-  std::vector<double> crossings;
-  for (int row = row_of(north), end = row_of(south); row < end; ++row) {
-    const double x = grid.centre({0, row}).x();
-    crossings.clear();
-    for (const Polygon& ring : rings) {
-      for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Vector2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
-        if ((a.x() <= x) == (b.x() <= x)) continue;
-        crossings.push_back(a.y() + (x - a.x()) / (b.x() - a.x()) * (b.y() - a.y()));
-      }
-    }
-    std::sort(crossings.begin(), crossings.end());
-    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-      for (int c = column_of(crossings[i]), last = column_of(crossings[i + 1]); c < last; ++c) {
-        visit(static_cast<std::size_t>(row) * static_cast<std::size_t>(window.columns) + static_cast<std::size_t>(c));
-      }
-    }
-  }
+  fill_polygons(rings, window.grid, {0, 0, window.columns, window.rows}, [&](Pixel p) {
+    visit(static_cast<std::size_t>(p.row) * static_cast<std::size_t>(window.columns) +
+          static_cast<std::size_t>(p.column));
+  });
 }
 
 bool paint_surface(const PriorJob& job, const std::vector<SurveyPoint>& soundings, double max_distance_m,

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/lower_case.hpp>
 #include <isobath/io/charts/prior_reader.hpp>
 #include <isobath/io/charts/raster_meaning.hpp>
 #include <isobath/io/charts/raster_resampling.hpp>

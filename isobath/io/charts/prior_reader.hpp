@@ -17,12 +17,6 @@ struct DatasetCloser {
   void operator()(GDALDataset* data) const;
 };
 using Dataset = std::unique_ptr<GDALDataset, DatasetCloser>;
-/// The formats of shapes that people draw.
-inline const std::vector<const char*> kDrawingDrivers{"ESRI Shapefile", "GeoJSON", "GPKG"};
-/// Opens a file with the named drivers only: a virtual raster or a web service could access anything. Null if none
-/// reads it.
-Dataset open_dataset(const std::string& file, unsigned kind, std::vector<const char*> drivers,
-                     std::vector<const char*> options = {});
 
 struct PriorJob {
   std::string file;

@@ -1,10 +1,10 @@
 // Reader of soundings in columns of text.
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/lower_case.hpp>
 #include <isobath/io/bytes/text_lines.hpp>
 #include <isobath/io/bytes/whole_file.hpp>
 #include <isobath/io/charts/prior_reader.hpp>
@@ -21,12 +21,6 @@ std::string_view unquoted(std::string_view cell) {
   cell = trimmed(cell);
   if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = trimmed(cell.substr(1, cell.size() - 2));
   return cell;
-}
-
-std::string lower(std::string_view text) {
-  std::string copy(text);
-  std::transform(copy.begin(), copy.end(), copy.begin(), [](unsigned char c) { return std::tolower(c); });
-  return copy;
 }
 
 /// Splits a line at commas, semicolons or tabs if there are any, else at blanks.
@@ -66,7 +60,7 @@ constexpr Meaning kMeanings[] = {
 
 /// Ignores case and units: "Depth (m)" means "depth".
 const Meaning* meaning_of(std::string_view name) {
-  std::string plain = lower(name);
+  std::string plain = to_lower_case(name);
   plain = std::string(trimmed(plain.substr(0, plain.find_first_of("([_"))));
   for (const Meaning& m : kMeanings) {
     if (plain == m.name) return &m;
@@ -136,7 +130,7 @@ int TextReading::named(const std::string& wanted, const std::vector<std::string_
   int number = 0;
   if (parse_number(wanted, number) && number >= 1) return number - 1;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (lower(names[i]) == lower(wanted)) return static_cast<int>(i);
+    if (to_lower_case(names[i]) == to_lower_case(wanted)) return static_cast<int>(i);
   }
   job_.refuse(fmt::format("there is no column \"{}\"", wanted),
               "name a column of the first line, or its number from 1");

@@ -1,15 +1,9 @@
-#include <algorithm>
-#include <cctype>
 #include <gdal_priv.h>
+#include <isobath/base/lower_case.hpp>
 #include <isobath/io/charts/raster_meaning.hpp>
 #include <ogr_spatialref.h>
 
 namespace isobath {
-
-std::string to_lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 double metres_of_unit(const std::string& text) {
   const std::string name = to_lower_case(text);

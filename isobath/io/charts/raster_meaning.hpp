@@ -10,7 +10,6 @@ class OGRSpatialReference;
 
 namespace isobath {
 
-std::string to_lower_case(std::string text);
 /// Metres per unit; 0 for metres and for unknown names.
 double metres_of_unit(const std::string& text);
 

@@ -1,9 +1,8 @@
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/lower_case.hpp>
 #include <isobath/io/charts/prior_reader.hpp>
 #include <isobath/io/charts/read_prior.hpp>
 #include <ogr_spatialref.h>
@@ -12,9 +11,15 @@
 namespace isobath {
 namespace {
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
+/// The formats of shapes that people draw.
+const std::vector<const char*> kDrawingDrivers{"ESRI Shapefile", "GeoJSON", "GPKG"};
+
+/// Opens a file with the named drivers only: a virtual raster or a web service could access anything.
+Dataset open(const std::string& file, unsigned kind, std::vector<const char*> drivers,
+             std::vector<const char*> options = {}) {
+  drivers.push_back(nullptr);
+  options.push_back(nullptr);
+  return Dataset(GDALDataset::Open(file.c_str(), kind | GDAL_OF_READONLY, drivers.data(), options.data()));
 }
 
 /// Lets the driver resample a raster with several cell sizes to the size of the map's pixels.
@@ -24,7 +29,7 @@ Dataset resampled(const PriorJob& job, Dataset data) {
   const std::string step = fmt::format("{}", job.wanted.grid.pixel_m);
   const std::string x = "RESX=" + step, y = "RESY=" + step;
   const char* population = job.config.pixels == Merge::kShoalest ? "VALUE_POPULATION=MAX" : "VALUE_POPULATION=MEAN";
-  return open_dataset(job.file, GDAL_OF_RASTER, {"BAG"}, {"MODE=RESAMPLED_GRID", x.c_str(), y.c_str(), population});
+  return open(job.file, GDAL_OF_RASTER, {"BAG"}, {"MODE=RESAMPLED_GRID", x.c_str(), y.c_str(), population});
 }
 
 struct Opened {
@@ -35,21 +40,21 @@ struct Opened {
 
 Opened open_any(const PriorJob& job) {
   using Kind = Opened::Kind;
-  const std::string ending = lower(std::filesystem::path(job.file).extension().string());
+  const std::string ending = to_lower_case(std::filesystem::path(job.file).extension().string());
   if (ending == ".txt" || ending == ".csv" || ending == ".dat") return {Kind::kText, nullptr};
-  if (Dataset data = open_dataset(job.file, GDAL_OF_RASTER,
-                                  {"GTiff", "BAG", "netCDF", "AAIGrid", "XYZ", "GSBG", "GS7BG", "GSAG"})) {
+  if (Dataset data =
+          open(job.file, GDAL_OF_RASTER, {"GTiff", "BAG", "netCDF", "AAIGrid", "XYZ", "GSBG", "GS7BG", "GSAG"})) {
     if (EQUAL(data->GetDriverName(), "BAG")) data = resampled(job, std::move(data));
     if (data && data->GetRasterCount() > 0) return {Kind::kRaster, std::move(data)};
   }
   if (ending == ".xyz") return {Kind::kText, nullptr};
   job.gdal.forget();
-  if (Dataset data = open_dataset(job.file, GDAL_OF_VECTOR, {"S57"},
-                                  {"UPDATES=APPLY", "SPLIT_MULTIPOINT=OFF", "ADD_SOUNDG_DEPTH=OFF",
-                                   "RETURN_PRIMITIVES=OFF", "LNAM_REFS=OFF"})) {
+  if (Dataset data = open(job.file, GDAL_OF_VECTOR, {"S57"},
+                          {"UPDATES=APPLY", "SPLIT_MULTIPOINT=OFF", "ADD_SOUNDG_DEPTH=OFF", "RETURN_PRIMITIVES=OFF",
+                           "LNAM_REFS=OFF"})) {
     return {Kind::kChart, std::move(data)};
   }
-  if (Dataset data = open_dataset(job.file, GDAL_OF_VECTOR, kDrawingDrivers)) {
+  if (Dataset data = open(job.file, GDAL_OF_VECTOR, kDrawingDrivers)) {
     return {Kind::kOutline, std::move(data)};
   }
   job.refuse(fmt::format("not a readable survey, chart or outline{}{}", job.gdal.complaint().empty() ? "" : ": ",
@@ -89,7 +94,7 @@ std::optional<OGREnvelope> box_of(GDALDataset& data, const OGRSpatialReference*&
   return all.IsInit() ? std::optional(all) : std::nullopt;
 }
 
-bool same_datum(const std::string& a, const std::string& b) { return lower(a) == lower(b); }
+bool same_datum(const std::string& a, const std::string& b) { return to_lower_case(a) == to_lower_case(b); }
 
 /// The offset to add to every depth of the file. Refuses datums that cannot be compared.
 double datum_offset(const PriorJob& job, const std::string& datum) {
@@ -147,15 +152,8 @@ void paint_land(Prior& prior, double sigma) {
 
 void DatasetCloser::operator()(GDALDataset* data) const { GDALClose(data); }
 
-Dataset open_dataset(const std::string& file, unsigned kind, std::vector<const char*> drivers,
-                     std::vector<const char*> options) {
-  drivers.push_back(nullptr);
-  options.push_back(nullptr);
-  return Dataset(GDALDataset::Open(file.c_str(), kind | GDAL_OF_READONLY, drivers.data(), options.data()));
-}
-
 Dataset open_drawing(const PriorJob& job, const std::string& of) {
-  Dataset data = open_dataset(job.file, GDAL_OF_VECTOR, kDrawingDrivers);
+  Dataset data = open(job.file, GDAL_OF_VECTOR, kDrawingDrivers);
   if (data) return data;
   const std::string& complaint = job.gdal.complaint();
   job.refuse(fmt::format("not a readable file of {}{}{}", of, complaint.empty() ? "" : ": ", complaint),

@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <cmath>
 #include <isobath/base/error.hpp>
+#include <isobath/map/depth/fill_polygons.hpp>
 #include <isobath/map/depth/mission_map.hpp>
 
 namespace isobath {
@@ -37,30 +37,15 @@ MissionMap::MissionMap(const DepthSnapshot& snapshot, const PixelWindow& cells)
 
 void MissionMap::add_threat(const std::vector<Polygon>& rings, double detection_per_m, double destruction_per_m) {
   constexpr int kParts = 8;
-  const double step = grid_.pixel_m / kParts;
-  for (int row = 0; row < extent_.height * kParts; ++row) {
-    const double north = grid_.corner_m.x() - extent_.row * grid_.pixel_m - (row + 0.5) * step;
-    std::vector<double> crossings;  // of this row with the rings, east
-    for (const Polygon& ring : rings) {
-      for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Eigen::Vector2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
-        if ((a.x() > north) == (b.x() > north)) continue;
-        crossings.push_back(a.y() + (north - a.x()) / (b.x() - a.x()) * (b.y() - a.y()));
-      }
-    }
-    std::sort(crossings.begin(), crossings.end());
-    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-      const double west = grid_.corner_m.y() + extent_.column * grid_.pixel_m;
-      const auto part_at = [&](double east) {  // the first part whose centre is not west of it
-        return static_cast<int>(std::ceil(std::clamp((east - west) / step - 0.5, 0.0, 1.0 * extent_.width * kParts)));
-      };
-      for (int part = part_at(crossings[i]); part < part_at(crossings[i + 1]); ++part) {
-        MissionCell& cell = cells_[slot({extent_.column + part / kParts, extent_.row + row / kParts})];
-        cell.detection_per_m += detection_per_m / (kParts * kParts);
-        cell.destruction_per_m += destruction_per_m / (kParts * kParts);
-      }
-    }
-  }
+  const PixelGrid parts{grid_.corner_m, grid_.pixel_m / kParts};
+  const PixelWindow window{extent_.column * kParts, extent_.row * kParts, extent_.width * kParts,
+                           extent_.height * kParts};
+  fill_polygons(rings, parts, window, [&](Pixel part) {
+    MissionCell& cell = cells_[slot({part.column >> 3, part.row >> 3})];
+    static_assert(kParts == 1 << 3);
+    cell.detection_per_m += detection_per_m / (kParts * kParts);
+    cell.destruction_per_m += destruction_per_m / (kParts * kParts);
+  });
 }
 
 void MissionMap::refresh(const DepthSnapshot& snapshot) {

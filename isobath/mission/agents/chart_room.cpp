@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/geometry/segment.hpp>
 #include <isobath/mission/agents/chart_room.hpp>
 #include <isobath/mission/agents/shoal_outlines.hpp>
 #include <isobath/planning/corridor.hpp>
@@ -53,10 +54,7 @@ std::span<const ChartObstacle> objects_of(const ChartUpdate& chart) {
 }
 
 double distance(const ChartObstacle& o, const Vector2d& p) {
-  const Vector2d side = o.b - o.a;
-  const double length2 = side.squaredNorm();
-  const double share = length2 > 0 ? std::clamp((p - o.a).dot(side) / length2, 0.0, 1.0) : 0;
-  return (o.a + share * side - p).norm() - o.radius_m;
+  return (nearest_on_segment(o.a, o.b, p) - p).norm() - o.radius_m;
 }
 
 Decision decision(Time now, const char* what, std::string reason) {
