@@ -2,6 +2,7 @@
 #include <isobath/evaluation/evaluation.hpp>
 #include <isobath/onboard/mission_setup.hpp>
 #include <isobath/scenario/mission_chart.hpp>
+#include <limits>
 
 namespace isobath {
 namespace {
@@ -22,6 +23,12 @@ Configuration as_printed(Configuration configuration) {
   configuration.executor.arbiter.safety_officer.clear();  // the paper's watches only the fence
   configuration.mission.fls_detector.memory_radius_m = 0;
   configuration.mission.fls_detector.margin_cells = 0;
+  return configuration;
+}
+
+/// The grid follows every fix, also those that correct the position (ledger S6-62; Ganesan 2015, 2.2).
+Configuration world_fixed(Configuration configuration) {
+  configuration.poses.jump_m = std::numeric_limits<double>::infinity();
   return configuration;
 }
 
@@ -46,6 +53,7 @@ ComparedMethod baseline_of(Baseline baseline, const Configuration& configuration
       };
       break;
     case Baseline::kAsPrinted: method.configuration = as_printed(configuration); break;
+    case Baseline::kWorldFixedGrid: method.configuration = world_fixed(configuration); break;
   }
   return method;
 }

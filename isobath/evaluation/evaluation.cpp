@@ -209,7 +209,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
                   const std::vector<StoryStage>& stages) {
   Summary s;
   s.name = name;
-  std::vector<double> path, time, clearance, delay, range;
+  std::vector<double> path, time, clearance, delay, range, error;
   double scans = 0;
   const auto count = [&](const auto& of) {
     return share(static_cast<std::size_t>(
@@ -230,6 +230,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
     if (!r.nearest_body.empty()) clearance.push_back(std::max(0.0, r.min_clearance_m));
     delay.insert(delay.end(), r.delay_pings.begin(), r.delay_pings.end());
     range.insert(range.end(), r.first_range_m.begin(), r.first_range_m.end());
+    error.insert(error.end(), r.range_error_m.begin(), r.range_error_m.end());
     s.points_dropped += r.points_dropped;
     s.bodies_missed += r.bodies_missed;
     s.replans += r.replans;
@@ -251,6 +252,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   s.clearance_m = spread(clearance);
   s.delay_pings = spread(delay);
   s.first_range_m = spread(range);
+  s.range_error_m = spread(error);
   sum_up_rows(runs, method, s);
   sum_up_story(runs, method, stages, s);
   return s;

@@ -72,7 +72,7 @@ struct Summary {
   Share collisions, near_misses, encounters, goals, refused, lost;  ///< lost: none of goal, refusal, collision
   Share safe_goals;                                                 ///< goals without a collision
   Spread path_ratio, time_ratio;                                    ///< of the runs that reached the goal
-  Spread clearance_m, delay_pings, first_range_m;
+  Spread clearance_m, delay_pings, first_range_m, range_error_m;
   double false_obstacles = 0, near_false_obstacles = 0,
          unseen_false_obstacles = 0;  ///< per scan, over the scans of all runs
   int points_dropped = 0, bodies_missed = 0, replans = 0, false_replans = 0, safety_actions = 0;

@@ -93,6 +93,7 @@ ordered_json json_of(const Summary& s) {
           {"least_clearance_m_median", middle_of(s.clearance_m)},
           {"detection_delay_pings_median", middle_of(s.delay_pings)},
           {"first_range_m_median", middle_of(s.first_range_m)},
+          {"range_error_m_median", middle_of(s.range_error_m)},
           {"false_obstacles_a_scan", s.false_obstacles},
           {"false_obstacles_20m_a_scan", s.near_false_obstacles},
           {"false_obstacles_unseen_a_scan", s.unseen_false_obstacles},
@@ -113,7 +114,8 @@ ordered_json json_of(const Summary& s) {
             {"time_ratio", json_of(s.time_ratio)},
             {"least_clearance_m", json_of(s.clearance_m)},
             {"detection_delay_pings", json_of(s.delay_pings)},
-            {"first_range_m", json_of(s.first_range_m)}}},
+            {"first_range_m", json_of(s.first_range_m)},
+            {"range_error_m", json_of(s.range_error_m)}}},
           {"reasons", reasons}};
 }
 
@@ -207,6 +209,7 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("minimum clearance, m", [](const Summary& s) { return cell_text(s.clearance_m, 1); });
   row("detection delay, pings", [](const Summary& s) { return cell_text(s.delay_pings, 0); });
   row("range at detection, m", [](const Summary& s) { return cell_text(s.first_range_m, 1); });
+  row("range error of compact bodies, m rms", [](const Summary& s) { return cell_text(s.range_error_m, 2); });
   row("false obstacles per scan", [](const Summary& s) { return fmt::format("{:.3f}", s.false_obstacles); });
   row("... within 20 m", [](const Summary& s) { return fmt::format("{:.3f}", s.near_false_obstacles); });
   row("... remembered, out of view", [](const Summary& s) { return fmt::format("{:.3f}", s.unseen_false_obstacles); });

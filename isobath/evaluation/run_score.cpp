@@ -161,6 +161,7 @@ RunScore score(const LoopResult& result, const MissionPlan& mission, const RunTr
     }
     s.delay_pings.push_back(body.delay_pings);
     s.first_range_m.push_back(body.first_range_m);
+    if (body.compact) s.range_error_m.push_back(body.range_error_rms_m);
   }
   s.scans = result.sight.scans;
   s.false_obstacles = result.sight.false_obstacles;

@@ -44,6 +44,7 @@ struct RunScore {
   double path_ratio = -1, time_ratio = -1;  ///< relative to the planner with full truth; -1: not comparable
 
   std::vector<double> delay_pings, first_range_m;  ///< of each detected body
+  std::vector<double> range_error_m;               ///< root mean square, of each of them that is compact
   int bodies_missed = 0;                           ///< bodies with echoes that were never detected
   int replans = 0, false_replans = 0, safety_actions = 0;
 

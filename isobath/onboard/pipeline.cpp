@@ -283,7 +283,10 @@ void Pipeline::fit_map(const Ping& ping, bool posed) {
 /// Moves the grid, then updates it. A jump of the position does not move it.
 void Pipeline::update_grid(const Ping& ping, const EchoDecisions& decisions, const Pose& X_WB, bool posed) {
   const Pose smooth{X_WB.rotation, X_WB.translation - jumped_};
-  mapper_->update(ping, decisions, smooth, {.position_fix = false, .velocity_log = motion_is_measured(posed)});
+  mapper_->update(ping, decisions, smooth,
+                  {.position_fix = false,
+                   .velocity_log = motion_is_measured(posed),
+                   .heading_variance = posed ? poses_.heading_variance() : 0});
 }
 
 void Pipeline::note_mapped(const Ping& ping, const Pose& X_WB, bool posed, const WaterColumn& water) {

@@ -105,6 +105,10 @@ bool PoseBuffer::knows_its_motion() const {
   return count_ == 0 || !newest().v_sigma || *newest().v_sigma <= kGood;
 }
 
+double PoseBuffer::heading_variance() const {
+  return count_ > 0 && newest().covariance ? (*newest().covariance)(5, 5) : 0;
+}
+
 double PoseBuffer::sigma_m() const {
   if (count_ == 0 || !newest().covariance) return 0;
   const auto& c = *newest().covariance;

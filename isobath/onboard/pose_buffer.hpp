@@ -47,6 +47,8 @@ class PoseBuffer {
   /// Standard deviation of the horizontal position along the longer axis of its ellipse, m, as the newest fix states
   /// it; 0: not stated.
   [[nodiscard]] double sigma_m() const;
+  /// Variance of the heading, rad2, as the newest fix states it; 0: not stated.
+  [[nodiscard]] double heading_variance() const;
   /// Whether displacements come from more than dead reckoning with a model of the thruster: the newest fix states its
   /// velocity to 0.1 m/s or better, or states no accuracy (ledger S6-22).
   [[nodiscard]] bool knows_its_motion() const;

@@ -85,7 +85,8 @@ std::vector<Field> fields(GpsConfig& c) {
       &c.on, &c.rate_hz, &c.dropout,
       {Field::numbers("bias", c.bias.data(), 2, {-1000, 1000}, "m", "Constant error north and east."),
        Field::real("noise", &c.noise, {0, 1000}, "m", "Standard deviation of a fix, each axis."),
-       Field::real("max_depth_m", &c.max_depth_m, {0, 10}, "m", "Maximum depth of a fix."),
+       Field::real("max_depth_m", &c.max_depth_m, {0, 11000}, "m",
+                   "Maximum depth of a fix; below a metre the fixes stand for those of an acoustic system (USBL)."),
        Field::real("first_fix_s", &c.first_fix_s, {0, 3600}, "s", "Time from surfacing to the first fix.")});
 }
 std::vector<Field> fields(LblConfig& c) {

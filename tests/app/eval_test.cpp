@@ -88,8 +88,17 @@ TEST_F(Eval, TheSonarDecidesBeforeTheVehicleHasSailedFarBlind) {
   EXPECT_EQ(json["collisions"], 0);
 }
 
-// The run of a seed sails one row of the fault table: this is that of the leak.
-// ledger: S6-39
+// The position jumps by some 3 m every 5 s. About the vehicle the grid keeps the range of what was heard; in the world
+// it jumps with the position. ledger: S6-62
+TEST_F(Eval, AGridAboutTheVehicleKeepsRangesWhereFixesJump) {
+  const ProgramResult result =
+      isobath({"eval", "usbl-fixes", "--runs", "6", "--seed", "1", "--out", folder_ / "out", "--json"});
+  const auto json = nlohmann::json::parse(result.out);
+  const auto& other = json["baselines"]["world-fixed grid"];
+  EXPECT_EQ(json["collisions"], 0);
+  EXPECT_LT(json["range_error_m_median"].get<double>(), 0.6 * other["range_error_m_median"].get<double>());
+}
+
 // The second lane begins 110 m from the pile, and the sonar reaches 50 m. ledger: S6-66
 TEST_F(Eval, RemembersThePileOfTheFirstLaneInTheSecond) {
   const auto shown = [&](const std::vector<std::string>& more, const std::string& runs) {
@@ -104,6 +113,8 @@ TEST_F(Eval, RemembersThePileOfTheFirstLaneInTheSecond) {
   EXPECT_EQ(shown({"--set", "fls_detector.memory_radius_m=0"}, "2"), 0) << "without memory";
 }
 
+// The run of a seed sails one row of the fault table: this is that of the leak.
+// ledger: S6-39
 TEST_F(Eval, OfFaultsSaysWhatEachRowShowed) {
   const std::string seed = std::to_string(static_cast<int>(Fault::kLeak));
   const ProgramResult result =

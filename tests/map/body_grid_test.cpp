@@ -149,6 +149,49 @@ TEST(BodyGrid, UncertainMotionSpreadsATargetByItsCovarianceAndNoMore) {
   EXPECT_NEAR((spot(g).mean - centre_of(BodyGrid(small(61)), {5, 5}) + Vector2d(5, 0)).norm(), 0, 0.02);
 }
 
+// Range times the standard deviation of the heading, across the line of sight: 100 readings of half a degree are 5.
+// ledger: S6-68
+TEST(BodyGrid, AnUncertainHeadingSpreadsATargetByItsRange) {
+  BodyGridConfig c = small(121);
+  c.prior = 1e-3;
+  c.p_min = 1e-7;
+  const double step = Angle::degrees(0.5).radians();
+  double before = 0;
+  for (const double range : {8.0, 16.0, 32.0}) {
+    BodyGrid g(c);
+    put(g, {range, 0});
+    const double r = spot(g).mean.norm();
+    for (int i = 0; i < 100; ++i) g.move({0, 0}, {}, kExact, step * step);
+    const double predicted = 100 * step * step * r * r;
+    EXPECT_NEAR(spot(g).variance, predicted, 0.1 * predicted) << range;
+    EXPECT_NEAR(spot(g).mass, 0.9, 0.02) << range;
+    EXPECT_NEAR(spot(g).mean.norm(), r, 0.05 * r) << "it stays where it is";
+    EXPECT_GT(spot(g).variance, 3 * before);
+    before = spot(g).variance;
+  }
+  BodyGrid sure(c);
+  put(sure, {32, 0});
+  sure.move({0, 0}, Angle::degrees(3), kExact, 0);
+  EXPECT_LT(spot(sure).variance, 1e-9);
+}
+
+// ledger: S6-68
+TEST(Motion, AHeadingThatNothingCorrectsGrowsUncertainAndOneWithACompassDoesNot) {
+  const MotionConfig c;
+  HeadingDoubt doubt;
+  double sum = doubt.grown_by(c, {true, true, 1e-4});
+  EXPECT_EQ(sum, 0) << "the first heading";
+  for (int i = 0; i < 1000; ++i) sum += doubt.grown_by(c, {true, true, i % 2 == 0 ? 1.5e-4 : 1e-4});
+  EXPECT_NEAR(sum, 0.5e-4, 1e-12) << "the readings of a compass, and the gyro between them";
+  for (int i = 1; i <= 100; ++i) sum += doubt.grown_by(c, {true, true, 1.5e-4 + i * 1e-5});
+  EXPECT_NEAR(sum, 0.5e-4 + 1e-3, 1e-12) << "the compass is lost";
+  EXPECT_EQ(doubt.grown_by(c, {true, true, 1e-4}), 0) << "and found again";
+  EXPECT_NEAR(doubt.grown_by(c, {true, true, 2e-4}), 1e-4, 1e-12) << "and lost";
+  HeadingDoubt exact;
+  exact.grown_by({.kind = MotionKind::kDeterministic}, {true, true, 1e-4});
+  EXPECT_EQ(exact.grown_by({.kind = MotionKind::kDeterministic}, {true, true, 1}), 0);
+}
+
 // ledger: S6-22
 TEST(Motion, LosingFixAndVelocityLogMakesItProbabilistic) {
   const MotionConfig c;

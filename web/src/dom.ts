@@ -30,10 +30,12 @@ export function mark(element: HTMLElement, name: string, value: string): void {
 }
 
 /**
- * Makes `rows` the children of the list, in their order. A row that is already in its place is not touched, so that the
- * focus and a press of the pointer outlast it.
+ * Makes `rows` the children of the list, in their order, and returns true. A row that is already in its place is not
+ * touched, so that the focus outlasts it. While a pointer presses the list, its rows stay where they are, so that the
+ * press ends on the row on which it began; then it returns false.
  */
-export function arrange(list: HTMLElement, rows: readonly HTMLElement[]): void {
+export function arrange(list: HTMLElement, rows: readonly HTMLElement[]): boolean {
+  if (list.matches(':active')) return false;
   const wanted = new Set<Element>(rows);
   const focused = document.activeElement;
   for (const child of [...list.children]) if (!wanted.has(child)) child.remove();
@@ -41,6 +43,7 @@ export function arrange(list: HTMLElement, rows: readonly HTMLElement[]): void {
     if (list.children[at] !== row) list.insertBefore(row, list.children[at] ?? null);
   });
   if (focused instanceof HTMLElement && list.contains(focused)) focused.focus();
+  return true;
 }
 
 /** Fits a canvas to its box in screen pixels. Returns whether its size changed. */

@@ -42,7 +42,6 @@ export class DecisionLog implements View {
     const asked = `${this.filter.value} ${this.agent.value} ${this.rows}`;
     const look = `${model.revision[Kind.decision]} ${asked} ${selected?.number} ${canSeek}`;
     if (look === this.drawn) return;
-    this.drawn = look;
     this.listAgents();
     const wanted = this.filter.value.trim().toLowerCase();
     const found = model.decisions.filter(
@@ -51,7 +50,7 @@ export class DecisionLog implements View {
         (wanted === '' || `${d.agent} ${d.what} ${d.reason}`.toLowerCase().includes(wanted)),
     );
     const shown = found.slice(-this.rows).reverse();
-    arrange(this.list, shown.map((decision) => this.row(decision, canSeek)));
+    if (arrange(this.list, shown.map((decision) => this.row(decision, canSeek)))) this.drawn = look;
     this.more.hidden = found.length <= this.rows;
     byId('log-none').hidden = shown.length > 0;
     say(byId('log-none'), model.decisions.length > 0 ? 'No decision matches.' : 'No decisions yet.');

@@ -52,8 +52,8 @@ export class ObstacleList implements View {
     const rows = obstacleRows(all, vehicle && [vehicle.north, vehicle.east]);
     const look = `${model.revision[Kind.obstacles]} ${model.revision[Kind.vehicle]} ${obstacle} ${hovered}`;
     if (look === this.drawn) return;
-    this.drawn = look;
-    arrange(this.list, rows.slice(0, kRows).map((row, place) => this.row(row, place)));
+    const arranged = arrange(this.list, rows.slice(0, kRows).map((row, place) => this.row(row, place)));
+    if (arranged) this.drawn = look;
   }
 
   /** The row of one obstacle, which keeps its element for as long as it is listed: a press on it ends on it. */

@@ -165,9 +165,10 @@ void BodyGrid::clear() {
   std::fill(log_odds_.begin(), log_odds_.end(), log_odds_prior_);
   std::fill(evidence_.begin(), evidence_.end(), HitEvidence{});
   pending_.setZero();
+  pending_turn_ = 0;
 }
 
-void BodyGrid::move(const Vector2d& displacement, Angle turn, const Matrix2d& covariance) {
+void BodyGrid::move(const Vector2d& displacement, Angle turn, const Matrix2d& covariance, double turn_variance) {
   const Matrix2d R_GL = turn_matrix(heading_);
   const Vector2d step = R_GL * displacement;
   const Matrix2d spread = R_GL * covariance * R_GL.transpose();
@@ -183,6 +184,7 @@ void BodyGrid::move(const Vector2d& displacement, Angle turn, const Matrix2d& co
     const double steps = std::trunc(heading_.radians() / kTurnStep + std::copysign(1e-9, heading_.radians()));
     if (steps != 0) resample(Angle::radians(steps * kTurnStep));
   }
+  if (turn_variance > 0) diffuse_turn(turn_variance);
 }
 
 // Rounding to the nearest cell keeps the vehicle within half a cell of its home (S6-25).
@@ -212,6 +214,46 @@ void BodyGrid::diffuse(const Matrix2d& covariance) {
     convolve(MotionKernel::diffusion(share * pending_));
     pending_ *= 1 - share;
   }
+}
+
+/// Waits until the farthest cell of the grid moves by a share of a cell (S6-68).
+void BodyGrid::diffuse_turn(double variance) {
+  pending_turn_ += variance;
+  const Vector2d low = position();
+  const Vector2d high = Vector2d(cells_.cells_x, cells_.cells_y) * cells_.cell_m - low;
+  const double farthest = low.cwiseMax(high).squaredNorm() / (cells_.cell_m * cells_.cell_m);
+  const double worth = config_.diffuse_at * config_.diffuse_at;
+  // After 16 passes of at most 0.5 cells2 the outer cells have forgotten everything anyway.
+  for (int pass = 0; pass < 16 && pending_turn_ * farthest >= worth; ++pass) {
+    const double share = std::min(pending_turn_, 0.5 / farthest);
+    spread_along_circles(share);
+    pending_turn_ -= share;
+  }
+}
+
+/// A cell becomes the mean of what may have been turned into it.
+void BodyGrid::spread_along_circles(double variance) {
+  read_probabilities();
+  const Vector2d axis = position() / cells_.cell_m;
+  for (int x = 0; x < cells_.cells_x; ++x) {
+    for (int y = 0; y < cells_.cells_y; ++y) {
+      const Vector2d from = Vector2d(x + 0.5, y + 0.5) - axis;
+      const Vector2d along(-from.y(), from.x());
+      const MotionKernel kernel = MotionKernel::diffusion(variance * along * along.transpose());
+      double sum = 0, none = 1;
+      for (int i = -1; i <= 1; ++i) {
+        for (int j = -1; j <= 1; ++j) {
+          const Cell source{x + i, y + j};
+          const double w = kernel.weight(i, j);
+          const double p = cells_.contains(source) ? old_[cells_.index(source)] : config_.prior;
+          sum += w * p;
+          none *= 1 - w * p;
+        }
+      }
+      new_[cells_.index({x, y})] = combined(sum, none);
+    }
+  }
+  write_probabilities();
 }
 
 void BodyGrid::interpolate(const Vector2d& content_shift, const Matrix2d& covariance) {

@@ -1,12 +1,14 @@
 // BodyGrid: the probability that each square cell of the water around the vehicle is occupied (Ganesan 2015, 3.2
-// and 3.4; ledger S6-10, S6-19 to S6-27, S6-71).
+// and 3.4; ledger S6-10, S6-19 to S6-27, S6-68, S6-71).
 //
 // Cells hold natural log-odds, clamped to [p_min, 1 - p_min]; they are independent. The grid has its own axes G: level,
 // and parallel to the level body frame L at construction. L then moves within G. The vehicle stays in its home cell;
 // when it leaves that cell, the contents scroll by whole cells. The rest of the displacement and the whole heading are
 // carried exactly, so that nothing blurs the grid (S6-25) except the uncertainty of the motion: its covariance
 // accumulates until its standard deviation reaches `diffuse_at` cells; then a kernel of exactly that covariance is
-// applied.
+// applied. An uncertain heading spreads the contents along circles round the vehicle, by range times its standard
+// deviation; up to 15 % of that variance goes outward, where the circle runs along neither a side nor a diagonal of
+// the cells.
 //
 // The options `shifting` and `turning` provide the thesis's own motion for comparison (interpolation at every step; the
 // grid turns by 1 degree as soon as the heading has changed by that much).
@@ -89,8 +91,9 @@ class BodyGrid {
   [[nodiscard]] double log_odds_prior() const { return log_odds_prior_; }
 
   /// The vehicle has moved by `displacement` with the given covariance (both in L before the move, m and m2), then
-  /// turned to starboard. The order does not matter for small steps (S6-26).
-  void move(const Eigen::Vector2d& displacement, Angle turn, const Eigen::Matrix2d& covariance);
+  /// turned to starboard; `turn_variance` is that of the turn, rad2. The order does not matter for small steps (S6-26).
+  void move(const Eigen::Vector2d& displacement, Angle turn, const Eigen::Matrix2d& covariance,
+            double turn_variance = 0);
 
   /// Makes everything unknown again.
   void clear();
@@ -100,6 +103,8 @@ class BodyGrid {
   void scroll_cells(int dx, int dy);
   void interpolate(const Eigen::Vector2d& content_shift, const Eigen::Matrix2d& covariance);
   void diffuse(const Eigen::Matrix2d& covariance);
+  void diffuse_turn(double variance);
+  void spread_along_circles(double variance);
   void resample(Angle turn);
   void convolve(const MotionKernel& kernel);
   void read_probabilities();
@@ -118,6 +123,7 @@ class BodyGrid {
   Eigen::Vector2d evidence_offset_ = Eigen::Vector2d::Zero();  ///< of the evidence from the contents, in cells
   Angle heading_;
   Eigen::Matrix2d pending_ = Eigen::Matrix2d::Zero();  ///< covariance not yet applied, in G
+  double pending_turn_ = 0;                            ///< variance of the heading not yet applied, rad2
   std::vector<double> log_odds_;
   std::vector<HitEvidence> evidence_;
   Time first_hit_ = Time::max();

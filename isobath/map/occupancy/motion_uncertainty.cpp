@@ -22,6 +22,15 @@ MotionKind motion_kind(const MotionConfig& config, const DisplacementSource& sou
   return source.position_fix || source.velocity_log ? MotionKind::kDeterministic : MotionKind::kProbabilistic;
 }
 
+double HeadingDoubt::grown_by(const MotionConfig& config, const DisplacementSource& source) {
+  const double variance = std::max(0.0, source.heading_variance);
+  const MotionKind kind = config.kind;
+  const bool counts = kind == MotionKind::kAuto || kind == MotionKind::kProbabilistic;
+  const double grown = largest_ < 0 || !counts ? 0 : std::max(0.0, variance - largest_);
+  largest_ = variance < largest_ / 2 ? variance : std::max(variance, largest_);
+  return grown;
+}
+
 Eigen::Matrix2d displacement_covariance(const MotionConfig& config, const DisplacementSource& source,
                                         Duration elapsed) {
   if (motion_kind(config, source) != MotionKind::kProbabilistic) return Eigen::Matrix2d::Zero();

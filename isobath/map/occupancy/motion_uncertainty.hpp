@@ -1,8 +1,10 @@
-// MotionConfig: how uncertain the vehicle's displacement is, by the sensor that measured it (Ganesan 2015, 3.4.1;
-// ledger S6-22).
+// MotionConfig: how uncertain the vehicle's displacement and turn are, by the sensors that measured them (Ganesan 2015,
+// 3.4.1 and 3.4.2; ledger S6-22, S6-68).
 //
 // With a position fix or a velocity log the motion counts as deterministic: no covariance. Without either, it is dead
-// reckoning on the thruster model, whose error grows as a random walk along and across the vehicle.
+// reckoning on the thruster model, whose error grows as a random walk along and across the vehicle. The heading is as
+// uncertain as the navigation states: what its variance has grown by between two pings is the variance of the turn.
+// With a compass it does not grow.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +22,7 @@ enum class MotionKind : std::uint8_t { kAuto, kDeterministic, kProbabilistic, kI
 struct DisplacementSource {
   bool position_fix = true;
   bool velocity_log = true;
+  double heading_variance = 0;  ///< rad2, of the heading as the navigation states it; 0: not stated
 };
 
 struct MotionConfig {
@@ -32,6 +35,17 @@ std::vector<Field> fields(MotionConfig& config);
 
 /// The kind in force; never kAuto.
 MotionKind motion_kind(const MotionConfig& config, const DisplacementSource& source);
+
+/// HeadingDoubt: the variance of turns, from that of the headings before and after them. A variance that goes to and
+/// fro between the readings of a compass adds up to nothing; below half of its largest value it starts anew.
+class HeadingDoubt {
+ public:
+  /// rad2; 0 where the motion counts as exact, and at the first heading.
+  double grown_by(const MotionConfig& config, const DisplacementSource& source);
+
+ private:
+  double largest_ = -1;  ///< rad2; below 0: no heading yet
+};
 
 /// Covariance of a displacement over `elapsed`, in the level body frame, m2.
 Eigen::Matrix2d displacement_covariance(const MotionConfig& config, const DisplacementSource& source, Duration elapsed);
