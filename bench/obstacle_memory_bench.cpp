@@ -67,7 +67,7 @@ void ObstacleMemorySweep(benchmark::State& state) {
   for (int n = 0; n < 2 * kWay; ++n) step();
   for (auto _ : state) {
     step();
-    benchmark::DoNotOptimize(memory.remembered({0, 0}, 60));
+    benchmark::DoNotOptimize(memory.known({0, 0}, 60));
   }
   state.counters["obstacles"] = static_cast<double>(memory.size());
 }

@@ -7,7 +7,6 @@
 #include <isobath/map/depth/region_quadtree.hpp>
 #include <isobath/map/depth/tree_file.hpp>
 #include <isobath/map/features/pmr_quadtree.hpp>
-#include <isobath/map/features/pr_quadtree.hpp>
 #include <limits>
 #include <numbers>
 #include <unistd.h>
@@ -182,43 +181,6 @@ std::vector<Eigen::Vector2d> points(std::uint64_t seed) {
   return all;
 }
 
-// Bar: 2 us.
-void NearestPoint(benchmark::State& state) {
-  PrQuadtree tree({0, 0}, kArea);
-  const auto objects = points(1);
-  for (std::size_t i = 0; i < objects.size(); ++i) tree.insert({i, objects[i]});
-  const auto queries = points(2);
-  std::size_t i = 0;
-  SearchEffort all;
-  for (auto _ : state) {
-    SearchEffort effort;
-    benchmark::DoNotOptimize(tree.nearest(queries[i++ % queries.size()], kEveryKind, &effort));
-    all.nodes += effort.nodes;
-    all.objects += effort.objects;
-  }
-  state.counters["nodes"] = double(all.nodes) / double(state.iterations());
-  state.counters["points"] = double(all.objects) / double(state.iterations());
-  state.counters["bytes_per_point"] = double(tree.bytes()) / kObjects;
-}
-BENCHMARK(NearestPoint)->Unit(benchmark::kMicrosecond);
-
-void NearestPointBruteForce(benchmark::State& state) {
-  const auto objects = points(1);
-  const auto queries = points(2);
-  std::size_t i = 0;
-  for (auto _ : state) {
-    const Eigen::Vector2d& p = queries[i++ % queries.size()];
-    double best = std::numeric_limits<double>::infinity();
-    std::size_t nearest = 0;
-    for (std::size_t k = 0; k < objects.size(); ++k) {
-      const double squared = (objects[k] - p).squaredNorm();
-      if (squared < best) best = squared, nearest = k;
-    }
-    benchmark::DoNotOptimize(nearest);
-  }
-}
-BENCHMARK(NearestPointBruteForce)->Unit(benchmark::kMicrosecond);
-
 struct Pieces {
   std::vector<Eigen::Vector2d> a = points(1);
   std::vector<Eigen::Vector2d> b;
@@ -246,7 +208,6 @@ void NearestSegment(benchmark::State& state) {
   }
   state.counters["nodes"] = double(all.nodes) / double(state.iterations());
   state.counters["segments"] = double(all.objects) / double(state.iterations());
-  state.counters["bytes_per_segment"] = double(tree.statistics().bytes) / kObjects;
 }
 BENCHMARK(NearestSegment)->Unit(benchmark::kMicrosecond);
 

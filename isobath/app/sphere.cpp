@@ -25,7 +25,8 @@ struct SphereOptions {
   double range_m = 0;
   std::string rule = "log_odds";
   double looking_deg = 20, down_deg = 35, zoom = 1;
-  bool json = false, false_echoes = false;
+  int coarser = 1;
+  bool json = false, false_echoes = false, known = false;
 };
 
 /// Standard deviation of the corner's position, m.
@@ -153,6 +154,8 @@ int act(const SphereOptions& options) {
   config.seed = options.seed;
   config.passes = options.passes;
   config.drift_share = options.drift_percent / 100;
+  config.known_walls = options.known;
+  config.coarser = options.coarser;
   if (options.range_m > 0) config.sonar.range_m = options.range_m;
   if (options.rule == "maximum_response") config.mapper.rule = SphericalMapperConfig::Rule::kMaximumResponse;
   if (options.false_echoes) {
@@ -165,12 +168,18 @@ int act(const SphereOptions& options) {
   const SphericalCamera camera{Angle::degrees(options.looking_deg), Angle::degrees(options.down_deg), options.zoom};
   write_whole_file(options.out / "plan.png", spherical_plan_picture(scene, survey));
   write_whole_file(options.out / "above.png", spherical_above_picture(scene, survey));
-  write_whole_file(options.out / "solid.png", spherical_solid_picture(survey, camera));
+  write_whole_file(options.out / "solid.png", spherical_solid_picture(survey, *survey.grid, camera));
+  if (survey.coarse) {
+    write_whole_file(options.out / "coarse.png", spherical_solid_picture(survey, *survey.coarse, camera));
+  }
   write_whole_file(options.out / "features.png", spherical_features_picture(scene, survey));
   write_whole_file(options.out / "structure.png", spherical_structure_picture(survey));
   write_whole_file(options.out / "slice.png", spherical_slice_picture(config.grid, kSlice_m));
   const std::size_t cells = survey.grid->cells().size(), bytes = survey.grid->cells().bytes();
   const int layers = survey.grid->layers().count(), directions = survey.grid->buckets().count();
+  std::vector<std::filesystem::path> pictures{"plan.png",     "above.png", "solid.png",
+                                              "features.png", "slice.png", "structure.png"};
+  if (survey.coarse) pictures.push_back("coarse.png");
   if (options.json) {
     nlohmann::ordered_json json{{"scene", scene.about.title},
                                 {"scans", survey.path.scans.size()},
@@ -179,6 +188,9 @@ int act(const SphereOptions& options) {
                                 {"dropped_echoes", survey.dropped_echoes},
                                 {"cells", cells},
                                 {"occupied", survey.occupied},
+                                {"known", survey.known},
+                                {"known_error_m", survey.known_error_m},
+                                {"coarse_cells", survey.coarse ? survey.coarse->cells().size() : 0},
                                 {"directions", directions},
                                 {"layers", layers},
                                 {"bytes", bytes},
@@ -188,7 +200,7 @@ int act(const SphereOptions& options) {
                                 {"sizes", sizes_json(config.grid)},
                                 {"echoes_by_cause", causes_json(survey)},
                                 {"features", features_json(survey.features)}};
-    add_files(json, options.out, {"plan.png", "above.png", "solid.png", "features.png", "slice.png", "structure.png"});
+    add_files(json, options.out, pictures);
     print_json(json);
     return kSuccess;
   }
@@ -198,12 +210,20 @@ int act(const SphereOptions& options) {
              survey.occupied, static_cast<double>(bytes) / 1e6);
   fmt::print("occupied cells that echoed are {:.2f} m from a true wall (median), {:.2f} m at most\n",
              survey.median_error_m, survey.worst_error_m);
+  if (options.known) {
+    fmt::print("{} cells hold walls known from the start, {:.2f} m from the true ones at most\n", survey.known,
+               survey.known_error_m);
+  }
+  if (survey.coarse) {
+    fmt::print("{} cells in directions and layers {} times as wide\n", survey.coarse->cells().size(), options.coarser);
+  }
   if (config.drift_share > 0) print_navigation(survey, config);
   if (options.false_echoes) print_causes(survey);
   print_features(survey.features);
   print_sizes(config.grid);
-  fmt::print("written to {}: plan.png, above.png, solid.png, features.png, slice.png, structure.png\n",
-             options.out.string());
+  std::vector<std::string> names;
+  for (const auto& picture : pictures) names.push_back(picture.string());
+  fmt::print("written to {}: {}\n", options.out.string(), fmt::join(names, ", "));
   return kSuccess;
 }
 
@@ -235,6 +255,12 @@ Action add_sphere(CLI::App& program) {
       ->capture_default_str()
       ->check(number(0.1, 100))
       ->group("Output");
+  command
+      ->add_option("--coarser", options->coarser,
+                   "Also draw the grid with directions and layers this many times as wide (coarse.png)")
+      ->capture_default_str()
+      ->check(whole(1, 24))
+      ->group("Output");
   command->add_option("--scans", options->scans, "Number of scans along the path")
       ->capture_default_str()
       ->check(whole(1, 1000))
@@ -261,6 +287,9 @@ Action add_sphere(CLI::App& program) {
                    "Error of dead reckoning, % of the way; the corners of the walls correct it")
       ->capture_default_str()
       ->check(number(0, 20))
+      ->group("Simulation");
+  command
+      ->add_flag("--known", options->known, "The walls at the depth of the first scan are in the grid from the start")
       ->group("Simulation");
   command
       ->add_flag("--false-echoes", options->false_echoes,

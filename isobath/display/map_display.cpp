@@ -279,16 +279,17 @@ void MapDisplay::show(Time time, const GridSnapshot& sphere) {
   sphere_shown_ = time;
   const SphericalGrid& grid = sphere.grid;
   struct Cell {
-    std::uint16_t layer, azimuth, elevation;
-    std::uint8_t shade;
+    std::uint16_t layer, azimuth, elevation, state;
   };
+  constexpr int kLocked = 0x8000;
   std::vector<Cell> cells;
   grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
     for (const SphericalCell& cell : beam) {
       if (!grid.is_obstacle(cell)) continue;
       cells.push_back({static_cast<std::uint16_t>(cell.layer), static_cast<std::uint16_t>(d.azimuth),
                        static_cast<std::uint16_t>(d.elevation),
-                       static_cast<std::uint8_t>(std::lround(kProbabilityUnit * SphericalGrid::probability(cell)))});
+                       static_cast<std::uint16_t>(std::lround(kProbabilityUnit * SphericalGrid::probability(cell)) |
+                                                  (cell.locked ? kLocked : 0))});
     }
   });
   std::stable_sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.layer < b.layer; });
@@ -302,7 +303,7 @@ void MapDisplay::show(Time time, const GridSnapshot& sphere) {
   bytes.add(static_cast<std::uint32_t>(grid.layers().count())).add(static_cast<std::uint32_t>(cells.size()));
   for (int i = 0; i < grid.layers().count(); ++i) bytes.add(static_cast<float>(grid.layers().outer(i)));
   for (const Cell& cell : cells) {
-    bytes.add(cell.layer).add(cell.azimuth).add(cell.elevation).add(static_cast<std::uint16_t>(cell.shade));
+    bytes.add(cell.layer).add(cell.azimuth).add(cell.elevation).add(cell.state);
   }
   items_.set(DisplayKind::kSphere, 0, time, bytes.take());
 }

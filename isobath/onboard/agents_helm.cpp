@@ -123,6 +123,11 @@ void AgentsHelm::on_ping(const PosedPing& posed) {
   executor_->on_message(*std::move(echoes), now());
 }
 
+void AgentsHelm::on_jump(const Eigen::Vector3d& by_W) {
+  const std::lock_guard lock(mutex_);
+  jumped_ += by_W.head<2>();
+}
+
 void AgentsHelm::on_scan(const ScanResult& scan) {
   const std::lock_guard lock(mutex_);
   const bool looked = 2 * std::exchange(decided_, 0) > std::exchange(heard_, 0);
@@ -130,7 +135,7 @@ void AgentsHelm::on_scan(const ScanResult& scan) {
   looked_ = true;
   auto map = std::make_shared<Detection>(scan.detection);
   map->time += clock_.offset();
-  executor_->on_message(Sweep{scan.number, scan.posed, sigma_m_, std::move(map)}, now());
+  executor_->on_message(Sweep{scan.number, scan.posed, sigma_m_, std::move(map), jumped_}, now());
 }
 
 void AgentsHelm::on_depths(const std::shared_ptr<const DepthField>& depths, std::optional<Time> looked_ahead) {

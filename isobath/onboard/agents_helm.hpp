@@ -36,6 +36,7 @@ class AgentsHelm : public Helm {
   void on_event(const Event& event) override;
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
+  void on_jump(const Eigen::Vector3d& by_W) override;
   void on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) override;
   void on_depths(const std::shared_ptr<const DepthField>& depths, std::optional<Time> looked_ahead) override;
   void on_sphere(const std::shared_ptr<const GridSnapshot>& sphere) override;
@@ -75,7 +76,8 @@ class AgentsHelm : public Helm {
   bool link_ = true;
   bool operator_heard_ = false;
   std::optional<Time> next_beat_;
-  double sigma_m_ = 0;           ///< of the last fix
+  double sigma_m_ = 0;                                ///< of the last fix
+  Eigen::Vector2d jumped_ = Eigen::Vector2d::Zero();  ///< sum of all jumps of the position, m
   int heard_ = 0, decided_ = 0;  ///< pings of the current sweep, and those of them that could be decided
 };
 

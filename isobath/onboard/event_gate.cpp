@@ -115,10 +115,4 @@ const char* EventGate::leap_fault(const Navigation& fix) {
   return nullptr;
 }
 
-std::uint64_t EventGate::rejected_total() const {
-  std::uint64_t total = 0;
-  for (const auto& [reason, count] : rejected_) total += count;
-  return total;
-}
-
 }  // namespace isobath

@@ -36,7 +36,6 @@ class EventGate {
 
   /// Reason -> count. Reasons are fixed texts.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& rejected() const { return rejected_; }
-  [[nodiscard]] std::uint64_t rejected_total() const;
   void count(const char* reason) { ++rejected_[reason]; }
 
   static constexpr const char* kBackwards = "time runs backwards";

@@ -196,6 +196,7 @@ void Onboard::on_jump(const Eigen::Vector3d& by_W) {
   voxels_.move_along(by_W);
   sphere_.move_along(by_W);
   heights_.reset();
+  if (helm_) helm_->on_jump(by_W);
   for (OnboardObserver* observer : observers_) observer->on_jump(by_W);
 }
 

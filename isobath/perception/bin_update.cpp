@@ -47,11 +47,6 @@ double clear_increment(double gain, double share) {
   return std::max(std::log(1 - std::min(x, 1.0)), -50.0);
 }
 
-void update_clear(std::span<double> log_odds, std::span<const double> share, const Likelihood& sensor) {
-  const double gain = sensor.gain();
-  for (std::size_t i = 0; i < log_odds.size(); ++i) log_odds[i] += clear_increment(gain, share[i]);
-}
-
 void update_hit(std::span<double> log_odds, std::span<const double> share, const Likelihood& sensor,
                 std::span<double> scratch) {
   hit(log_odds, share, sensor.gain(), sensor.false_alarm, scratch);

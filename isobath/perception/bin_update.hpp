@@ -24,15 +24,14 @@ struct Likelihood {
   [[nodiscard]] double gain() const { return (p_detect - false_alarm) / (1 - false_alarm); }
 };
 
-/// ln(1 - d a), at least -50, so that a certainly clear cell stays finite.
+/// S = 0: what a cell's log-odds change by, ln(1 - d a), at least -50, so that a certainly clear cell stays finite.
 double clear_increment(double gain, double share);
 
-void update_clear(std::span<double> log_odds, std::span<const double> share, const Likelihood& sensor);
 void update_hit(std::span<double> log_odds, std::span<const double> share, const Likelihood& sensor,
                 std::span<double> scratch);
 
 /// The printed form with its index errors corrected: each of `block` cells has its own false alarm (S6-17, S6-E01 to
-/// S6-E03). Its clear update is update_clear.
+/// S6-E03). S = 0 is the same in both forms.
 void update_hit_printed(std::span<double> log_odds, std::span<const double> share, const Likelihood& sensor, int block,
                         std::span<double> scratch);
 

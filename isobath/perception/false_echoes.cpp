@@ -33,11 +33,6 @@ bool is_multiple(const PlaneScan& scan, std::size_t of, const SphericalGrid& bef
 
 }  // namespace
 
-const char* to_text(EchoCause cause) {
-  constexpr const char* kNames[] = {"direct", "multiple", "false"};
-  return kNames[static_cast<std::size_t>(cause)];
-}
-
 std::vector<bool> multiples_in(const PlaneScan& scan, const SphericalGrid& before, const FalseEchoConfig& config) {
   std::vector<bool> multiples(scan.echoes.size());
   for (std::size_t i = 0; i < multiples.size(); ++i) multiples[i] = is_multiple(scan, i, before, config);

@@ -19,7 +19,6 @@
 namespace isobath {
 
 enum class EchoCause : std::uint8_t { kDirect, kMultiple, kFalse };
-const char* to_text(EchoCause cause);
 
 struct FalseEchoConfig {
   int max_bounces = 3;  ///< multiples at up to this many times the range

@@ -28,18 +28,6 @@ const char* to_text(ObjectLabel label) {
   return "";
 }
 
-std::vector<Field> fields(ObjectLabelConfig& c) {
-  return {
-      Field::real("position_sigma", &c.position_sigma, {0.001, 1000}, "m",
-                  "Standard deviation of an observed position, each axis."),
-      Field::real("moving_gate", &c.moving_gate, {1, 1000}, "1",
-                  "Squared speed over its variance above which an object moves."),
-      Field::real("min_speed", &c.min_speed, {0, 10}, "m/s", "Minimum speed of a moving object."),
-      Field::integer("misses", &c.misses, {1, 1000}, "1",
-                     "Consecutive looks without a detection after which an object has vanished."),
-  };
-}
-
 ObjectLabel label_object(const ObjectLabelConfig& config, std::span<const AttributeEntry> positions,
                          std::span<const AttributeEntry> looks) {
   if (vanished(looks, config.misses)) return ObjectLabel::kVanished;

@@ -12,10 +12,8 @@
 
 #include <cstdint>
 #include <Eigen/Core>
-#include <isobath/base/config.hpp>
 #include <isobath/map/features/object_store.hpp>
 #include <span>
-#include <vector>
 
 namespace isobath {
 
@@ -28,8 +26,6 @@ struct ObjectLabelConfig {
   double min_speed = 0.02;      ///< m/s
   int misses = 3;
 };
-
-std::vector<Field> fields(ObjectLabelConfig& config);
 
 /// `positions`: vectors; `looks`: numbers, 0 if a look at its position did not find it. Both in order of time, as
 /// ObjectStore::history gives them; entries of another type are ignored.

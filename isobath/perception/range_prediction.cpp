@@ -90,10 +90,6 @@ std::vector<Field> fields(RangeDeviation& c) {
   };
 }
 
-std::optional<double> RangePrediction::range_m() const {
-  return expected_m <= max_range_m ? std::optional(expected_m) : std::nullopt;
-}
-
 bool RangePrediction::agrees(const std::optional<double>& measured_m, double sigma_range_m, double n) const {
   const double gate = n * std::hypot(sigma_range_m, sigma_m);
   return measured_m ? std::abs(*measured_m - expected_m) <= gate : expected_m + gate >= max_range_m;
@@ -119,11 +115,6 @@ std::span<const PixelSpan> RangePredictor::pixels(const BeamCone& cone, double m
   const auto corners = in_pixels(grid_, footprint);
   pixels_touched(std::span(corners).first(static_cast<std::size_t>(footprint.count)), patch, spans_);
   return spans_;
-}
-
-RangePrediction RangePredictor::predict(const BeamCone& cone, double max_range_m, const DepthPatch& patch) {
-  pixels(cone, max_range_m, patch.window);
-  return predict_listed(cone, max_range_m, patch);
 }
 
 RangePrediction RangePredictor::predict_listed(const BeamCone& cone, double max_range_m,

@@ -51,12 +51,11 @@ struct DepthPatch {
 };
 
 struct RangePrediction {
-  double expected_m = std::numeric_limits<double>::infinity();  ///< may be slightly beyond the maximum
+  /// Infinite: no echo is expected. May be slightly beyond the maximum.
+  double expected_m = std::numeric_limits<double>::infinity();
   double sigma_m = 0;
   double max_range_m = 0;
 
-  /// Empty if no echo is expected.
-  [[nodiscard]] std::optional<double> range_m() const;
   /// Whether a reading, or the absence of an echo, agrees within n standard deviations.
   [[nodiscard]] bool agrees(const std::optional<double>& measured_m, double sigma_range_m, double n) const;
 };
@@ -73,8 +72,7 @@ class RangePredictor {
   [[nodiscard]] PixelWindow window(const BeamCone& cone, double max_range_m) const;
   /// The pixels in this window that it reads, clipped to `patch`. Valid until the next call.
   std::span<const PixelSpan> pixels(const BeamCone& cone, double max_range_m, const PixelWindow& patch);
-  [[nodiscard]] RangePrediction predict(const BeamCone& cone, double max_range_m, const DepthPatch& patch);
-  /// The same after pixels() with the same cone, range and window.
+  /// Call pixels() with the same cone, range and window before.
   [[nodiscard]] RangePrediction predict_listed(const BeamCone& cone, double max_range_m, const DepthPatch& patch) const;
 
  private:

@@ -14,8 +14,6 @@ double normal_between(double a, double b) {
   return 0.5 * (std::erf(b / std::numbers::sqrt2) - std::erf(a / std::numbers::sqrt2));
 }
 
-double great_circle(const Vector3d& u, const Vector3d& v) { return std::atan2(u.cross(v).norm(), u.dot(v)); }
-
 /// Offset of a beam from a bucket of directions: `across` and `up` are the angles from its middle to the beam's axis.
 struct BucketOffset {
   SphericalDirection direction;  ///< in the turned table
@@ -56,21 +54,6 @@ void each_bucket_of_beam(const SphericalGrid& grid, const Vector3d& axis, double
 }
 
 }  // namespace
-
-double ReadingGaussian::density_in_plane(double r, Angle from_axis) const {
-  const double a = (r - range_m) / sigma_m, b = from_axis.wrapped().radians() / sigma_rad;
-  return std::exp(-0.5 * (a * a + b * b)) / (2 * std::numbers::pi * sigma_m * sigma_rad);
-}
-
-double ReadingGaussian::density(double r, double from_axis_rad) const {
-  const double a = (r - range_m) / sigma_m, b = from_axis_rad / sigma_rad;
-  return std::exp(-0.5 * (a * a + b * b)) / (std::pow(2 * std::numbers::pi, 1.5) * sigma_m * sigma_rad * sigma_rad);
-}
-
-double ReadingGaussian::response(const Vector3d& p) const {
-  const double a = (p.norm() - range_m) / sigma_m, b = great_circle(p, axis) / sigma_rad;
-  return std::exp(-0.5 * (a * a + b * b));
-}
 
 void touched_cells(const SphericalGrid& grid, const ReadingGaussian& reading, double factor, int most,
                    std::vector<TouchedCell>& touched) {

@@ -19,20 +19,13 @@ struct ReadingGaussian {
   double range_m = 0;                               ///< R
   double sigma_m = 0.15;                            ///< dR
   double sigma_rad = 0.0185;                        ///< dTH
-
-  /// Density in the plane (S4-25): one angle, per dr dtheta.
-  [[nodiscard]] double density_in_plane(double range_m, Angle from_axis) const;
-  /// Per dr dOmega.
-  [[nodiscard]] double density(double range_m, double from_axis_rad) const;
-  /// Density over its peak, in [0, 1] (S4-E04); `p` is relative to the beam's origin.
-  [[nodiscard]] double response(const Eigen::Vector3d& p) const;
 };
 
 /// A cell that a reading touches.
 struct TouchedCell {
   SphericalPlace place;
   double mass = 0;      ///< probability mass in the cell: products of differences of error functions
-  double response = 0;  ///< at the cell's middle
+  double response = 0;  ///< density at the cell's middle over its peak, in [0, 1] (S4-E04)
 };
 
 /// The cells within `factor` standard deviations of a reading in range and in both angles, limited to the `most` of

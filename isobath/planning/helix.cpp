@@ -184,26 +184,6 @@ double EllipticHelix::max_curvature() const {
 Angle EllipticHelix::heading_swing() const { return Angle::radians(std::atan2(lateral_m, advance_m)); }
 Angle EllipticHelix::pitch_swing() const { return Angle::radians(std::atan2(vertical_m, advance_m)); }
 
-OpeningAngles opening_angles(const OpeningBearings& b) {
-  return {(b.starboard - b.port).wrapped(), (b.surface - b.bed).wrapped()};
-}
-
-OpeningAngles opening_angles(const Opening& opening, double distance_m) {
-  return {Angle::radians(2 * std::atan2(0.5 * opening.width_m, distance_m)),
-          Angle::radians(2 * std::atan2(0.5 * opening.height_m, distance_m))};
-}
-
-Opening opening_seen(const Vector3d& p_W, Angle line, double distance_m, const OpeningBearings& bearings) {
-  const auto aside = [&](Angle bearing) { return distance_m * std::tan((bearing - line).wrapped().radians()); };
-  const auto below = [&](Angle elevation) { return -distance_m * std::tan(elevation.radians()); };
-  const double port = aside(bearings.port), starboard = aside(bearings.starboard);
-  const double surface = below(bearings.surface), bed = below(bearings.bed);
-  const Pose X_WL{Rotation::from_heading(line), p_W};
-  return {{X_WL.rotation, X_WL * Vector3d(distance_m, 0.5 * (port + starboard), 0.5 * (surface + bed))},
-          starboard - port,
-          bed - surface};
-}
-
 std::vector<Field> fields(HelixConfig& c) {
   return {
       Field::real("advance", &c.advance_m, {0.1, 100}, "m", "Advance of the helix per radian of its phase."),
@@ -219,13 +199,6 @@ std::vector<Field> fields(HelixConfig& c) {
       Field::real("pass_share", &c.pass_share, {0, 1}, "1",
                   "Share of the opening that must be known to be free to go through."),
       Field::real("margin", &c.margin_m, {0, 100}, "m", "Free water round the hull that is required to go through.")};
-}
-
-HelixAmplitudes helix_amplitudes(const HelixConfig& config, const OpeningAngles& angles) {
-  const auto reach = [&](Angle opening) {
-    return config.advance_m * std::tan(std::max(0.0, (opening / 2 - config.half_beam).radians()));
-  };
-  return {reach(angles.horizontal), reach(angles.vertical)};
 }
 
 double latest_decision_m(const HelixConfig& config, const VehicleParameters& parameters, double speed) {

@@ -46,24 +46,6 @@ struct Opening {
   double height_m = 8;
 };
 
-/// The vehicle's view of an opening: bearings of the pylons in W, elevations (up) of water surface and bed.
-struct OpeningBearings {
-  Angle port, starboard;
-  Angle surface, bed;
-};
-
-struct OpeningAngles {
-  Angle horizontal, vertical;  ///< psi_o, theta_o
-};
-
-/// psi_o = wrap(starboard - port) and theta_o = surface - bed (S5-43): positive on any heading. The paper's differences
-/// have the other sign for compass bearings (S5-E06), and it gives theta the subscripts of the pylons (S5-E04).
-OpeningAngles opening_angles(const OpeningBearings& bearings);
-/// As seen from the middle line, `distance_m` before the opening.
-OpeningAngles opening_angles(const Opening& opening, double distance_m);
-/// The opening across a level line of heading `line`, `distance_m` ahead of p_W, according to bearings from there.
-Opening opening_seen(const Eigen::Vector3d& p_W, Angle line, double distance_m, const OpeningBearings& bearings);
-
 struct HelixConfig {
   double advance_m = 6;                   ///< A
   Angle half_beam = Angle::degrees(7.5);  ///< of the common beam
@@ -79,12 +61,6 @@ struct HelixConfig {
 };
 
 std::vector<Field> fields(HelixConfig& config);
-
-/// B and C by the law above.
-struct HelixAmplitudes {
-  double lateral_m = 0, vertical_m = 0;
-};
-HelixAmplitudes helix_amplitudes(const HelixConfig& config, const OpeningAngles& angles);
 
 /// What a planned path demands of a vehicle at a steady speed: the maximum values at places 0.25 m apart.
 struct PathDemand {

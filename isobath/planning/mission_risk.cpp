@@ -42,8 +42,6 @@ double rate_of_probability(double probability, double reference_m) {
   return -std::log1p(-probability) / reference_m;
 }
 
-double probability_of_rate(double rate_per_m, double length_m) { return -std::expm1(-rate_per_m * length_m); }
-
 RiskGrid risk_of(const MissionMap& map, Threat threat) {
   RiskGrid risk{map.grid(), map.extent(), {}};
   const PixelWindow& w = risk.window;

@@ -19,7 +19,6 @@ namespace isobath {
 
 /// 1/m. p in [0, 1]; 1 gives an infinite rate.
 double rate_of_probability(double probability, double reference_m);
-double probability_of_rate(double rate_per_m, double length_m);
 
 /// One threat: rates by rows from the north-west of the window.
 struct RiskGrid {

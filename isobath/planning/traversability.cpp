@@ -98,15 +98,6 @@ std::vector<Field> fields(PassageConfig& c) {
   };
 }
 
-double Traversability::value(TraversabilityForm form) const {
-  switch (form) {
-    case TraversabilityForm::kFraction: return fraction;
-    case TraversabilityForm::kStrict: return strict();
-    case TraversabilityForm::kWeighted: return weighted;
-  }
-  return 0;
-}
-
 std::string Traversability::reason() const {
   if (!blocking) {
     const double spare = worst ? *worst->depth_m - worst->vehicle_z - passage.clearance_m : 0;

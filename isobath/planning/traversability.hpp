@@ -54,8 +54,6 @@ struct PassagePlace {
   std::optional<std::size_t> obstacle;  ///< the charted one that blocks it
 };
 
-enum class TraversabilityForm : std::uint8_t { kFraction, kStrict, kWeighted };
-
 struct Traversability {
   double fraction = 0;
   double weighted = 0;
@@ -70,7 +68,6 @@ struct Traversability {
   PassageConfig passage;
 
   [[nodiscard]] double strict() const { return clear == pixels ? 1 : 0; }
-  [[nodiscard]] double value(TraversabilityForm form) const;
   /// One line: "leg 2: 1.85 m of water at north 41.25 m, east -3.75 m; 3.00 m draught and 0.50 m clearance needed".
   [[nodiscard]] std::string reason() const;
 };

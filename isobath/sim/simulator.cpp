@@ -278,13 +278,6 @@ void Simulator::navigate() {
   deliver(fix_channel_);
 }
 
-void Simulator::command(const std::string& sonar, const ScanCommand& scan) {
-  for (const auto& device : devices_) {
-    if (device->sonar.config().name == sonar) return device->sonar.command(scan);
-  }
-  throw Error("the scene has no active sonar \"" + sonar + "\"", {scene_.file}, "the name of a sonar of the scene");
-}
-
 void Simulator::command_scanning(const ScanCommand& scan) {
   for (const auto& device : devices_) {
     if (device->sonar.config().kind == SonarKind::kScanning) return device->sonar.command(scan);

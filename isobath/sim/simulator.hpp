@@ -52,10 +52,8 @@ class Simulator {
   std::optional<SimulatedEvent> next();
   /// From the next step on the vehicle follows this set-point instead of its way-points.
   void command(const Setpoint& setpoint) { command_ = setpoint; }
-  /// Applies the command from the sonar's next ping on (S4-40). Throws Error for an unknown sonar or a command that it
-  /// cannot follow.
-  void command(const std::string& sonar, const ScanCommand& scan);
-  /// The same for the first scanning head, if there is one.
+  /// Applies the command to the first scanning head, if there is one, from its next ping on (S4-40). Throws Error for a
+  /// command that it cannot follow.
   void command_scanning(const ScanCommand& scan);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }

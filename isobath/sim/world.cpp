@@ -368,13 +368,4 @@ double World::distance(int index, const Vector3d& p_W) const {
   return isobath::distance(state_->meshes[i + 1], p);
 }
 
-AlignedBox2d World::extent() const {
-  AlignedBox2d box;
-  for (const WorldBody& b : state_->bodies) {
-    box.extend(Vector2d(b.box.min().head<2>())).extend(Vector2d(b.box.max().head<2>()));
-  }
-  for (const Vector3f& v : state_->meshes[0].vertices) box.extend(Vector2d(v.head<2>().cast<double>()));
-  return box;
-}
-
 }  // namespace isobath

@@ -60,8 +60,6 @@ class World {
   [[nodiscard]] std::optional<double> bottom_depth(double north, double east) const;
   /// Distance from a point to the surface of body i, m; negative inside spheres, cylinders and boxes.
   [[nodiscard]] double distance(int body, const Eigen::Vector3d& p_W) const;
-  /// North and east extent of all bodies and the bottom; a flat bottom is left out.
-  [[nodiscard]] Eigen::AlignedBox2d extent() const;
 
  private:
   struct State;

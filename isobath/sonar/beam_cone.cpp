@@ -31,15 +31,8 @@ BeamCone::BeamCone(const RangeReading& reading, const Pose& X_WB)
 
 Angle BeamCone::depression() const { return Angle::radians(std::atan2(u_W_.z(), cos_delta_)); }
 
-Angle BeamCone::azimuth() const { return Angle::radians(std::atan2(e_.y(), e_.x())); }
-
 double BeamCone::plan_tangent() const {
   return contains_vertical() ? kInfinity : sin_a_ / std::sqrt(vertical_term_);  // tan(asin(sin a / cos delta))
-}
-
-bool BeamCone::contains(const Eigen::Vector3d& p_W) const {
-  const Eigen::Vector3d d = p_W - p_WS_;
-  return u_W_.dot(d) >= cos_a_ * d.norm();
 }
 
 std::optional<DepthInterval> BeamCone::depth_interval(const Eigen::Vector2d& north_east) const {

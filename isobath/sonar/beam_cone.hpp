@@ -45,8 +45,7 @@ class BeamCone {
   [[nodiscard]] double cos_half_angle() const { return cos_a_; }
   [[nodiscard]] Angle depression() const;
   [[nodiscard]] double cos_depression() const { return cos_delta_; }
-  [[nodiscard]] Angle azimuth() const;  ///< 0 for a vertical axis
-  /// Unit vector (north, east) of the azimuth.
+  /// Unit vector (north, east) of the azimuth; north for a vertical axis.
   [[nodiscard]] const Eigen::Vector2d& heading() const { return e_; }
 
   /// A of S1-65; positive if the cone does not contain the vertical.
@@ -55,7 +54,6 @@ class BeamCone {
   /// tan of the half-angle of the cone's plan, asin(sin a / cos delta); infinite if the cone contains the vertical.
   [[nodiscard]] double plan_tangent() const;
 
-  [[nodiscard]] bool contains(const Eigen::Vector3d& p_W) const;
   /// The part of the column inside the cone (S1-65); empty: none.
   [[nodiscard]] std::optional<DepthInterval> depth_interval(const Eigen::Vector2d& north_east) const;
   /// Distance from the apex to the point of the column at the smallest angle to the axis: h sqrt(1 + (tan delta /

@@ -6,42 +6,6 @@
 #include <numeric>
 
 namespace isobath {
-namespace {
-
-std::optional<double> ratio(std::uint64_t part, std::uint64_t rest) {
-  if (part + rest == 0) return std::nullopt;
-  return static_cast<double>(part) / static_cast<double>(part + rest);
-}
-
-/// x >= 0 with Q(x) = q, 0 < q <= 1/2: Abramowitz and Stegun 26.2.23 (4.5e-4), then Halley steps on log-accurate erfc.
-double upper_quantile(double q) {
-  const double t = std::sqrt(-2 * std::log(q));
-  double x = t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
-  for (int i = 0; i < 3; ++i) {
-    const double density = std::exp(-0.5 * x * x) / std::sqrt(2 * std::numbers::pi);
-    if (density <= 0) break;
-    const double u = (normal_tail(x) - q) / density;
-    x += u / (1 - 0.5 * x * u);
-  }
-  return x;
-}
-
-}  // namespace
-
-void EchoCounts::add(bool decision, bool target) {
-  ++(target ? (decision ? hits : misses) : (decision ? false_alarms : correct_rejections));
-}
-
-EchoCounts& EchoCounts::operator+=(const EchoCounts& other) {
-  hits += other.hits;
-  false_alarms += other.false_alarms;
-  misses += other.misses;
-  correct_rejections += other.correct_rejections;
-  return *this;
-}
-
-std::optional<double> EchoCounts::p() const { return ratio(hits, misses); }
-std::optional<double> EchoCounts::f() const { return ratio(false_alarms, correct_rejections); }
 
 Interval wilson_interval(double successes, double trials, double z) {
   ISOBATH_ASSERT(successes >= 0 && successes <= trials);
@@ -54,25 +18,6 @@ Interval wilson_interval(double successes, double trials, double z) {
 }
 
 double normal_tail(double x) { return 0.5 * std::erfc(x / std::numbers::sqrt2); }
-
-double normal_quantile(double p) {
-  ISOBATH_ASSERT(p > 0 && p < 1);
-  return p <= 0.5 ? -upper_quantile(p) : upper_quantile(1 - p);
-}
-
-double erfc_inverse(double y) {
-  ISOBATH_ASSERT(y > 0 && y < 2);
-  return y <= 1 ? upper_quantile(y / 2) / std::numbers::sqrt2 : -upper_quantile(1 - y / 2) / std::numbers::sqrt2;
-}
-
-double theoretical_detection(double false_alarm, double snr) {
-  ISOBATH_ASSERT(snr >= 0);
-  return 0.5 * std::erfc(erfc_inverse(2 * false_alarm) - std::sqrt(snr / 2));
-}
-
-double gaussian_threshold(double false_alarm, double sigma) {
-  return sigma * std::numbers::sqrt2 * erfc_inverse(2 * false_alarm);
-}
 
 RocCurve::RocCurve(const std::vector<double>& edges, const std::vector<std::uint64_t>& noise,
                    const std::vector<std::uint64_t>& target) {

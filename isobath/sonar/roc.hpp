@@ -1,13 +1,11 @@
 // Receiver operating characteristic: the detection rate of a threshold against its false-alarm rate.
 //
-// Source: Ganesan 2015, 3.1 and 4.3 (table 3.1, equations 3.1, 3.2, 4.1); ledger S6-04, S6-05, S6-07, S6-E20. Intervals
-// of proportions are Wilson's (1927). All numbers are probabilities (1); intensities are in counts of the sonar. p is
+// Source: Ganesan 2015, 3.1 and 4.3 (table 3.1, equations 3.1, 3.2); ledger S6-04, S6-05, S6-E20. Intervals of
+// proportions are Wilson's (1927). All numbers are probabilities (1); intensities are in counts of the sonar. p is
 // P(intensity >= threshold | target), never P(target | intensity >= threshold) (S6-E20).
-// Accuracy of normal_quantile and erfc_inverse: 1e-14, absolute or relative, whichever is larger.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 namespace isobath {
@@ -18,14 +16,6 @@ struct EchoCounts {
   std::uint64_t false_alarms = 0;        ///< B: S = 1, no target
   std::uint64_t misses = 0;              ///< C: S = 0, target
   std::uint64_t correct_rejections = 0;  ///< D: S = 0, no target
-
-  void add(bool decision, bool target);
-  EchoCounts& operator+=(const EchoCounts& other);
-  /// A / (A + C); empty, not 0, without targets.
-  [[nodiscard]] std::optional<double> p() const;
-  /// B / (B + D); empty if all bins hold targets.
-  [[nodiscard]] std::optional<double> f() const;
-  bool operator==(const EchoCounts&) const = default;
 };
 
 struct Interval {
@@ -39,15 +29,6 @@ Interval wilson_interval(double successes, double trials, double z = 1.959963984
 
 /// Q(x): probability that a standard normal exceeds x.
 double normal_tail(double x);
-/// x with P(N <= x) = p, 0 < p < 1.
-double normal_quantile(double p);
-/// x with erfc(x) = y, 0 < y < 2.
-double erfc_inverse(double y);
-
-/// Equation 4.1: a target of constant amplitude A in Gaussian noise of deviation sigma; snr = A^2 / sigma^2, linear.
-double theoretical_detection(double false_alarm, double snr);
-/// Threshold, relative to the mean, that Gaussian noise of deviation sigma exceeds at the rate false_alarm.
-double gaussian_threshold(double false_alarm, double sigma);
 
 struct RocPoint {
   double threshold = 0;

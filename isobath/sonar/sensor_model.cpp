@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <isobath/base/error.hpp>
-#include <isobath/base/text_file.hpp>
 #include <isobath/sonar/sensor_model.hpp>
 #include <isobath/sonar/strict_json.hpp>
 #include <nlohmann/json.hpp>
@@ -129,18 +127,6 @@ SensorModel read_sensor_model(std::string_view text, const std::string& file) {
   for (const Json& bin : json["bins"]) model.bins.push_back(read_bin(bin, file, model.bins.size()));
   model.check(file);
   return model;
-}
-
-void save_sensor_model(const SensorModel& model, const std::filesystem::path& path) {
-  model.check();
-  std::ofstream out(path, std::ios::binary);
-  out << write_sensor_model(model);
-  out.flush();
-  if (!out) throw Error("cannot write", {path.string(), {}, {}, {}, {}}, {}, "is there space, and the right to write?");
-}
-
-SensorModel load_sensor_model(const std::filesystem::path& path) {
-  return read_sensor_model(text_of_file(path.string()), path.string());
 }
 
 }  // namespace isobath

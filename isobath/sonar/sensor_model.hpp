@@ -10,7 +10,6 @@
 // differently, for which the thresholds do not account).
 #pragma once
 
-#include <filesystem>
 #include <isobath/base/error.hpp>
 #include <isobath/sonar/ping.hpp>
 #include <string>
@@ -54,7 +53,5 @@ Result<std::vector<SensorModel::Bin>, ModelMismatch> for_window(const SensorMode
 /// JSON, version 1. Reading is strict: an unknown or missing key, a wrong type or size, or another version throw Error.
 std::string write_sensor_model(const SensorModel& model);
 SensorModel read_sensor_model(std::string_view text, const std::string& file);
-void save_sensor_model(const SensorModel& model, const std::filesystem::path& path);
-SensorModel load_sensor_model(const std::filesystem::path& path);
 
 }  // namespace isobath

@@ -79,9 +79,9 @@ std::string spherical_plan_picture(const Scene& scene, const SphericalSurvey& su
 
 namespace {
 
-SphereView view_of(const SphericalSurvey& survey, const std::string& title) {
+SphereView view_of(const SphericalSurvey& survey, const SphericalGrid& grid, const std::string& title) {
   const ScanPosition& place = survey.path.scans.back();
-  SphereView view{*survey.grid, title, place.course, {}};
+  SphereView view{grid, title, place.course, {}};
   for (const Vector3d& p : survey.path.path) view.path.push_back(grid_axes_from_world(p - place.at));
   for (const ScanPosition& scan : survey.path.scans) {
     view.scans.emplace_back(grid_axes_from_world(scan.at - place.at), fmt::format("{}", scan.number));
@@ -94,7 +94,7 @@ SphereView view_of(const SphericalSurvey& survey, const std::string& title) {
 std::string spherical_above_picture(const Scene& scene, const SphericalSurvey& survey) {
   const ScanPosition& place = survey.path.scans.back();
   const PlaneSection section(scene, place.at.z());
-  SphereView view = view_of(survey, fmt::format("The grid at position {}, from above", place.number));
+  SphereView view = view_of(survey, *survey.grid, fmt::format("The grid at position {}, from above", place.number));
   view.shown = box_of_section(section);
   view.shown.translate(Vector2d(-place.at.head<2>()));
   for (const SectionLine& line : section.lines()) view.walls.push_back({line.a, line.b});
@@ -190,9 +190,11 @@ std::string spherical_structure_picture(const SphericalSurvey& survey) {
   return picture.png();
 }
 
-std::string spherical_solid_picture(const SphericalSurvey& survey, const SphericalCamera& camera) {
-  const SphereView view = view_of(survey, fmt::format("The grid at position {}", survey.path.scans.back().number));
-  return sphere_solid_picture(view, camera);
+std::string spherical_solid_picture(const SphericalSurvey& survey, const SphericalGrid& grid,
+                                    const SphericalCamera& camera) {
+  const std::string title = fmt::format("The grid at position {}, directions of {:g} degrees",
+                                        survey.path.scans.back().number, grid.buckets().step().degrees());
+  return sphere_solid_picture(view_of(survey, grid, title), camera);
 }
 
 }  // namespace isobath

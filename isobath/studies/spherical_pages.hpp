@@ -17,6 +17,8 @@ std::string spherical_features_picture(const Scene& scene, const SphericalSurvey
 /// The stored cells of the ring of directions that has most of them, by direction and layer, with the orders in which
 /// they are walked: the cells of a direction by range, those of a layer by direction (S4-07 to S4-10, S4-D05).
 std::string spherical_structure_picture(const SphericalSurvey& survey);
-std::string spherical_solid_picture(const SphericalSurvey& survey, const SphericalCamera& camera = {});
+/// `grid`: the grid of the survey, or the coarser one.
+std::string spherical_solid_picture(const SphericalSurvey& survey, const SphericalGrid& grid,
+                                    const SphericalCamera& camera = {});
 
 }  // namespace isobath

@@ -20,15 +20,41 @@ void judge_survey(const Scene& scene, const Vector3d& at, SphericalSurvey& surve
     for (const SphericalCell& cell : beam) {
       if (static_cast<double>(cell.log_odds) < survey.grid->occupied_log_odds()) continue;
       ++survey.occupied;
-      if (cell.echoes == 0) continue;
+      if (cell.echoes == 0 && !cell.prior) continue;
       const Vector3d p = at + world_from_grid_axes(survey.grid->point_of(cell));
-      errors.push_back(distance_to(PlaneSection(scene, p.z()), p.head<2>()));
+      const double error = distance_to(PlaneSection(scene, p.z()), p.head<2>());
+      if (cell.echoes > 0) errors.push_back(error);
+      if (!cell.prior) continue;
+      ++survey.known;
+      survey.known_error_m = std::max(survey.known_error_m, error);
     }
   });
   if (errors.empty()) return;
   std::sort(errors.begin(), errors.end());
   survey.median_error_m = errors[errors.size() / 2];
   survey.worst_error_m = errors.back();
+}
+
+/// The lines of a section as upright walls, a metre above and below the vehicle.
+void add_known_walls(const PlaneSection& section, const Vector3d& at, SphericalGrid& grid) {
+  const auto corner = [&](const Vector2d& p, double down) {
+    return grid_axes_from_world(Vector3d(p.x() - at.x(), p.y() - at.y(), down));
+  };
+  for (const SectionLine& wall : section.lines()) {
+    add_known_triangle(grid, {corner(wall.a, -1), corner(wall.b, -1), corner(wall.b, 1)});
+    add_known_triangle(grid, {corner(wall.a, -1), corner(wall.b, 1), corner(wall.a, 1)});
+  }
+}
+
+/// The contents of a grid in directions and layers `times` as wide.
+std::unique_ptr<SphericalGrid> coarser_grid(const SphericalGrid& grid, int times) {
+  SphericalGridConfig config = grid.config();
+  config.bucket = config.bucket * times;
+  config.min_layer_m *= times;
+  config.lock_echoes = 0;
+  auto coarse = std::make_unique<SphericalGrid>(config);
+  zoom(grid, ZoomRule::kAny, *coarse);
+  return coarse;
 }
 
 /// Merges an arc into the known arc that it agrees with: centre and radius within four standard deviations, to which
@@ -269,6 +295,7 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     told.from = navigation.at();
     const Vector3d at(told.from.x(), told.from.y(), place.at.z());
     mapper.move_to({Rotation::from_heading(place.course), at}, time);
+    if (i == 0 && config.known_walls) add_known_walls(section, at, grid);
     mapper.begin_scan();
     std::vector<bool> multiples(told.echoes.size());
     if (config.leave_out_false) multiples = multiples_in(told, grid, config.false_echoes);
@@ -297,6 +324,7 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
   const Vector3d at(last.x(), last.y(), survey.path.scans.back().at.z());
   if (config.leave_out_false) tell_causes(heard, at, config, survey);
   judge_survey(scene, at, survey);
+  if (config.coarser > 1) survey.coarse = coarser_grid(grid, config.coarser);
   return survey;
 }
 

@@ -25,6 +25,8 @@ struct SphericalSurveyConfig {
   SphericalGridConfig grid;
   SphericalMapperConfig mapper;
   bool leave_out_false = false;  ///< leaves out multiple echoes, and clusters with too low a score
+  bool known_walls = false;      ///< the walls of the first scan's section are in the grid from the start (S4-15)
+  int coarser = 1;               ///< above 1: a second grid, with directions and layers this many times as wide (S4-17)
   FalseEchoConfig false_echoes;
 };
 
@@ -65,13 +67,16 @@ struct SphericalSurvey {
   ScanPath path;
   SurveyNavigation navigation;
   SurveyFeatures features;
-  std::unique_ptr<SphericalGrid> grid;  ///< at the last position
+  std::unique_ptr<SphericalGrid> grid;    ///< at the last position
+  std::unique_ptr<SphericalGrid> coarse;  ///< the same contents in wider cells; null: not wanted
   std::uint64_t beams = 0, echoes = 0;
   std::uint64_t dropped_echoes = 0;  ///< echoes that left the range of the grid
   std::uint64_t occupied = 0;
   std::array<std::array<std::uint64_t, 3>, 3> causes{};  ///< echoes by true cause (SectionEcho) and found EchoCause
   /// Distance from the centres of occupied cells with echoes to the true walls at their depth, m.
   double median_error_m = 0, worst_error_m = 0;
+  std::uint64_t known = 0;   ///< cells that hold walls known from the start
+  double known_error_m = 0;  ///< largest distance of their contents from the true walls
 };
 
 /// The configuration for the first sonar of the scene: its range, its beam width, and buckets as wide.

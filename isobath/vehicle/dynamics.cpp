@@ -39,20 +39,6 @@ double limited(double command, double low, double high, double dead_zone) {
 
 }  // namespace
 
-Matrix6 coriolis(const Matrix6& M, const Vector6& velocity) {
-  const Vector6 momentum = M * velocity;
-  const auto skew = [](const Eigen::Vector3d& a) {
-    Eigen::Matrix3d s;
-    s << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-    return s;
-  };
-  Matrix6 c = Matrix6::Zero();
-  c.topRightCorner<3, 3>() = -skew(momentum.head<3>());
-  c.bottomLeftCorner<3, 3>() = -skew(momentum.head<3>());
-  c.bottomRightCorner<3, 3>() = -skew(momentum.tail<3>());
-  return c;
-}
-
 struct VehicleDynamics::Motion {
   Eigen::Vector3d p_WB;
   Eigen::Vector4d q_WB;  ///< x, y, z, w
@@ -107,12 +93,6 @@ void VehicleDynamics::set_step(double dt) {
 void VehicleDynamics::set_effectiveness(int actuator, double effectiveness) {
   ISOBATH_ASSERT(actuator >= 0 && actuator < effectiveness_.size() && effectiveness >= 0 && effectiveness <= 1);
   effectiveness_(actuator) = effectiveness;
-}
-
-double VehicleDynamics::kinetic_energy(const WaterConditions& water) const {
-  Vector6 velocity;
-  velocity << state_.v_B - state_.X_WB.rotation.inverse() * water.current_W, state_.w_B;
-  return 0.5 * velocity.dot(mass_matrix(model_, water.density) * velocity);
 }
 
 VehicleDynamics::Forces VehicleDynamics::forces_of(const ActuatorVector& actuators) const {

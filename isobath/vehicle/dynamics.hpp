@@ -28,9 +28,6 @@ struct WaterConditions {
   Eigen::Vector3d current_W = Eigen::Vector3d::Zero();  ///< m/s
 };
 
-/// C(nu) of the symmetric matrix M; skew-symmetric.
-Matrix6 coriolis(const Matrix6& M, const Vector6& velocity);
-
 class VehicleDynamics {
  public:
   explicit VehicleDynamics(const VehicleModel& model, const VehicleState& initial = {});
@@ -46,8 +43,6 @@ class VehicleDynamics {
   [[nodiscard]] const ActuatorVector& actuators() const { return actuators_; }
   /// 1: as in the file; 0: no effect.
   void set_effectiveness(int actuator, double effectiveness);
-  /// Kinetic energy of body and added mass, relative to the water, J.
-  [[nodiscard]] double kinetic_energy(const WaterConditions& water) const;
 
  private:
   struct Motion;

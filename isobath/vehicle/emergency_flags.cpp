@@ -22,14 +22,7 @@ void EmergencyFlags::set(std::uint32_t bits, Time time) {
     first_[static_cast<std::size_t>(std::countr_zero(rest))].compare_exchange_strong(
         never, time.time_since_epoch().count(), std::memory_order_relaxed);
   }
-  const std::uint64_t latched = bits & latching_.load(std::memory_order_acquire);
-  state_.fetch_or(bits | latched << 32, std::memory_order_acq_rel);
-}
-
-void EmergencyFlags::latch(std::uint32_t bits) {
-  latching_.fetch_or(bits, std::memory_order_acq_rel);
-  const std::uint64_t up = state_.load(std::memory_order_acquire) & bits;  // bits already raised
-  state_.fetch_or(up << 32, std::memory_order_acq_rel);
+  state_.fetch_or(bits | std::uint64_t{bits & latching_} << 32, std::memory_order_acq_rel);
 }
 
 EmergencyFlags::Snapshot EmergencyFlags::snapshot() const {

@@ -44,8 +44,6 @@ class EmergencyFlags {
   void clear(std::uint32_t bits) { state_.fetch_and(~std::uint64_t{bits}, std::memory_order_acq_rel); }
   void set(Emergency e, Time time) { set(bit(e), time); }
   void clear(Emergency e) { clear(bit(e)); }
-  /// Makes these bits latch as well.
-  void latch(std::uint32_t bits);
   void acknowledge(std::uint32_t bits) { state_.fetch_and(~(std::uint64_t{bits} << 32), std::memory_order_acq_rel); }
 
   struct Snapshot {
@@ -63,7 +61,7 @@ class EmergencyFlags {
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free);
 
   std::atomic<std::uint64_t> state_ = 0;  ///< low half: causes; high half: latched
-  std::atomic<std::uint32_t> latching_;
+  const std::uint32_t latching_;
   std::array<std::atomic<std::int64_t>, 32> first_;
 };
 

@@ -197,11 +197,6 @@ double LineOfSight::corner_speed(Angle turn, double inside) const {
 
 // At a place ---------------------------------------------------------------------------------------------------------
 
-Setpoint hold_station(const VehicleState& state, const Waypoint& place, Angle heading, double gain) {
-  const Vector2d gap = position_of(place) - state.X_WB.translation.head<2>();
-  return moving(limited(gain * gap, place.speed), state.X_WB.rotation.heading(), heading, place.depth);
-}
-
 void StationKeeper::hold(const Waypoint& place, const std::optional<Angle>& heading) {
   place_ = place;
   heading_ = heading;

@@ -110,10 +110,6 @@ class LineOfSight {
   Setpoint last_;
 };
 
-/// Holds a position with a vehicle that can move in any direction: velocity towards it, `gain` 1/s times the distance,
-/// limited.
-Setpoint hold_station(const VehicleState& state, const Waypoint& place, Angle heading, double gain = 0.5);
-
 struct StationConfig {
   double gain = 0.3;            ///< 1/s
   double integral_gain = 0.02;  ///< 1/s2, against a bias of the speeds; 0: none

@@ -237,12 +237,6 @@ Matrix6 mass_matrix(const VehicleModel& model, double density) {
   return rigid_body_mass(model) + density / model.reference_density * model.added_mass;
 }
 
-Vector6 damping_wrench(const VehicleModel& model, const Vector6& velocity, double density) {
-  return -density / model.reference_density *
-         (model.linear_damping * velocity + model.lift_damping * (std::abs(velocity(0)) * velocity) +
-          model.quadratic_damping * velocity.cwiseAbs().cwiseProduct(velocity));
-}
-
 VehicleModel load_vehicle(const std::string& path) {
   return read_vehicle({}, path,
                       [](std::string_view, const std::string& file, Schema& schema) { read_toml_file(file, schema); });

@@ -118,8 +118,6 @@ struct VehicleModel {
 Matrix6 rigid_body_mass(const VehicleModel& model);
 /// M at this density.
 Matrix6 mass_matrix(const VehicleModel& model, double density);
-/// Damping wrench (a negative power) at a velocity relative to the water.
-Vector6 damping_wrench(const VehicleModel& model, const Vector6& velocity, double density);
 
 VehicleModel load_vehicle(const std::string& path);
 VehicleModel parse_vehicle(std::string_view text, const std::string& name);

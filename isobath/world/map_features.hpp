@@ -1,5 +1,5 @@
 // MapFeatures: the features of a map beside depths: obstructions, wrecks and rocks as objects; coast, contours and
-// pipelines as lines (ledger S1-07, S1-20 to S1-25).
+// pipelines as lines (ledger S1-07, S1-20, S1-22 to S1-25).
 //
 // The map's object store holds one object per feature, with its kind. The attribute "depth" or "clear to" holds its
 // depth, and the attribute "points" holds the points of a line. The trees for spatial queries are built when the map is

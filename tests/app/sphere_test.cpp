@@ -25,6 +25,40 @@ TEST(Sphere, WritesThreePicturesOfARoomAndSaysWhatIsInItsGrid) {
   EXPECT_THAT(few.out, HasSubstr("3 scans, 432 beams"));
 }
 
+// Known walls stand in the grid before they are heard, move with the vehicle, and keep their state. ledger: S4-14 S4-15
+TEST(Sphere, HoldsKnownWallsWhereverTheVehicleGoes) {
+  const auto folder = test::scratch_folder();
+  const std::string room = (test::source_folder() / "scenarios/polygon_room.toml").string();
+  const auto known_after = [&](const std::string& scans) {
+    const auto run =
+        test::isobath({"sphere", room, "--out", (folder / "out").string(), "--known", "--scans", scans, "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out);
+  };
+  for (const char* scans : {"1", "10"}) {
+    const auto json = known_after(scans);
+    EXPECT_GT(json["known"], 300) << scans;
+    EXPECT_LT(json["known_error_m"], 0.5) << scans;
+  }
+  EXPECT_EQ(
+      nlohmann::json::parse(test::isobath({"sphere", room, "--out", (folder / "out").string(), "--json"}).out)["known"],
+      0);
+}
+
+// ledger: S4-17
+TEST(Sphere, DrawsTheSameGridInWiderCells) {
+  const auto folder = test::scratch_folder();
+  const std::string room = (test::source_folder() / "scenarios/polygon_room.toml").string();
+  const auto run = test::isobath({"sphere", room, "--out", (folder / "out").string(), "--coarser", "4", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_LT(json["coarse_cells"].get<int>(), json["cells"].get<int>() / 4);
+  EXPECT_GT(json["coarse_cells"].get<int>(), json["cells"].get<int>() / 64);
+  EXPECT_EQ(test::content_of(folder / "out/coarse.png").substr(1, 3), "PNG");
+  EXPECT_THAT(test::isobath({"sphere", room, "--out", (folder / "out").string(), "--coarser", "7"}),
+              ends_with_one_line(HasSubstr("bucket")));
+}
+
 // To and fro in a room whose corners the chart shows, at 1 % drift, on several seeds. ledger: S4-49
 TEST(Sphere, CornersBoundTheDriftThatGrowsWithoutThem) {
   const auto folder = test::scratch_folder();

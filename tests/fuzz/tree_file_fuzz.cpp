@@ -25,7 +25,7 @@ void use(const std::vector<std::uint8_t>& bytes) {
     file.tree.read({side / 2 - 30, side / 3, 64, 64}, window.data(), 64);
     for (std::uint32_t i = 0; i < window.size(); ++i) window[i] = i % 5;
     file.tree.write({side / 3, side / 2 - 30, 64, 64}, {window.data(), 64});
-    file.tree.set({side - 1, 0}, 3);
+    file.tree.fill({side - 1, 0, 1, 1}, 3);
     file.tree.fill(file.tree.square(), 1);
     if (file.tree.statistics().words != 1) std::abort();
     file.tree.write({0, 0, 64, 64}, {window.data(), 64});

@@ -38,8 +38,8 @@ MapFacts small_facts() {
 DepthTrees small_trees(std::uint64_t generation) {
   RegionQuadtree sensed(kSmallLevels, 0), state(kSmallLevels, 0);
   for (int i = 0; i < 64; ++i) {
-    sensed.set({i, i}, DepthPixel::word_of_depth(static_cast<double>(generation) + 0.01 * i));
-    state.set({i, i}, DepthPixel::word_of_state(i % 21, kSensed, static_cast<std::uint32_t>(generation)));
+    sensed.fill({i, i, 1, 1}, DepthPixel::word_of_depth(static_cast<double>(generation) + 0.01 * i));
+    state.fill({i, i, 1, 1}, DepthPixel::word_of_state(i % 21, kSensed, static_cast<std::uint32_t>(generation)));
   }
   return {RegionQuadtree(kSmallLevels, DepthPixel::word_of_depth(30)), sensed, state};
 }

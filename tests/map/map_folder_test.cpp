@@ -255,7 +255,7 @@ TEST_F(MapFolderTest, a_confidence_above_20_is_damage_and_is_not_believed) {
   RegionQuadtree state(kLevels, 0);
   state.fill({0, 0, 512, 512}, DepthPixel::word_of_state(20, kSensed, 3));
   state.fill({8, 8, 4, 4}, DepthPixel::word_of_state(31, kSensed, 3));
-  state.set({600, 600}, DepthPixel::word_of_state(21, 0, 0));
+  state.fill({600, 600, 1, 1}, DepthPixel::word_of_state(21, 0, 0));
   RegionQuadtree sensed(kLevels, 0);
   sensed.fill({0, 0, 512, 512}, DepthPixel::word_of_depth(7));
   MapFolder(folder_).commit(written, DepthTrees(RegionQuadtree(kLevels, 0), sensed, state));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <isobath/base/random.hpp>
 #include <isobath/map/occupancy/obstacle_memory.hpp>
+#include <isobath/map/occupancy/obstacle_outline.hpp>
 #include <limits>
 #include <set>
 #include <tests/support/sanitized.hpp>
@@ -75,7 +76,7 @@ void fill(Look& look, const std::vector<Polygon>& outlines_L, const Pose& X_WL, 
                                     [&](const Polygon& o) { return (nearest_point(o, p_L) - p_L).norm() < 1; });
     look.free[i] = clear && p_L.norm() <= range;
   }
-  look.sweep = {t(now), X_WL, sigma, look.obstacles, {kCells, position, heading, look.free}};
+  look.sweep = {t(now), X_WL, sigma, look.obstacles, {kCells, position, heading, look.free}, Vector2d::Zero()};
 }
 
 void fill(Look& look, const std::vector<Rock>& rocks, const Pose& X_TL, const Pose& X_WL, double now,
@@ -86,6 +87,24 @@ void fill(Look& look, const std::vector<Rock>& rocks, const Pose& X_TL, const Po
     if (p_L.head<2>().norm() < kRange - r.radius) seen.push_back(outline_of({p_L.head<2>(), r.radius}));
   }
   fill(look, seen, X_WL, now, sigma);
+}
+
+/// The known obstacles that the last sweep did not show whole.
+std::vector<RememberedObstacle> not_in_view(const ObstacleMemory& memory, const Vector2d& north_east, double radius) {
+  std::vector<RememberedObstacle> known = memory.known(north_east, radius);
+  std::erase_if(known, [](const RememberedObstacle& o) { return o.whole; });
+  return known;
+}
+
+std::vector<RememberedObstacle> all_known(const ObstacleMemory& memory) {
+  return memory.known({0, 0}, std::numeric_limits<double>::infinity());
+}
+
+/// Every obstacle that is stored is known.
+ObstacleMemoryConfig confirmed_at_once() {
+  ObstacleMemoryConfig config;
+  config.confirmations = 1;
+  return config;
 }
 
 double reach_beyond(const RememberedObstacle& o, const Vector2d& p) {
@@ -136,7 +155,7 @@ TEST(ObstacleMemory, LosesNoRockBetweenLanesInSpiteOfDrift) {
         fill(look, rocks, X_TL, X_WL, now, std::sqrt(variance));
         ASSERT_TRUE(memory.add(look.sweep));
 
-        const auto remembered = memory.remembered(X_WL.translation.head<2>(), 1000);
+        const auto remembered = not_in_view(memory, X_WL.translation.head<2>(), 1000);
         for (std::size_t r = 0; r < rocks.size(); ++r) {
           const bool in_view = (rocks[r].centre - X_TL.translation.head<2>()).norm() < kRange - rocks[r].radius;
           sightings[r] += in_view;
@@ -164,10 +183,10 @@ TEST(ObstacleMemory, MarginGrowsWithTheVarianceSinceItWasSeen) {
   const std::vector<Polygon> rock = {box(10, 0, 1, 1)};
   see(memory, rock, at({0, 0}), 0, 1.0);
   see(memory, rock, at({0, 0}), 1, 1.0);
-  EXPECT_TRUE(memory.remembered({0, 0}, 100).empty());  // in view: the sweep itself shows it
+  EXPECT_TRUE(not_in_view(memory, {0, 0}, 100).empty());  // in view: the sweep itself shows it
   const auto margin = [&](double now, double sigma) {
     see(memory, {}, at({500, 0}), now, sigma);
-    return memory.remembered({0, 0}, 100).at(0).margin_m;
+    return not_in_view(memory, {0, 0}, 100).at(0).margin_m;
   };
   EXPECT_NEAR(margin(2, 1.0), 2 * 0.5, 1e-12);
   EXPECT_NEAR(margin(3, 1.5), 2 * std::sqrt(1.5 * 1.5 - 1 + 0.25), 1e-12);
@@ -185,7 +204,7 @@ TEST(ObstacleMemory, MarginGrowsWithTheWayWhereNavigationStatesNoVariance) {
   see(memory, rock, at({0, 0}), 0, {});
   see(memory, rock, at({0, 0}), 1, {});
   for (int i = 1; i <= 20; ++i) see(memory, {}, at({10.0 * i, 0}), 1 + i, {});
-  EXPECT_NEAR(memory.remembered({0, 0}, 100).at(0).margin_m, 2 * std::sqrt(4 * 4 + 0.25), 1e-9);
+  EXPECT_NEAR(not_in_view(memory, {0, 0}, 100).at(0).margin_m, 2 * std::sqrt(4 * 4 + 0.25), 1e-9);
   // In order of its way it is forgotten once the margin would block too much: 15 m / 2 = 7.5 m after 375 m.
   for (int i = 21; i <= 37; ++i) see(memory, {}, at({10.0 * i, 0}), 1 + i, {});
   EXPECT_EQ(memory.size(), 1u);
@@ -216,9 +235,9 @@ TEST(ObstacleMemory, LetsGoWhereTheWaterIsSeenToBeFree) {
   for (int i = 5; i < 50; ++i) see(memory, {}, at({-100, 0}), i);
   ASSERT_EQ(memory.size(), 1u);
   for (int i = 50; i < 100; ++i) see(memory, {}, at({0, 0}), i, 0.0, 8);  // range 8 m: it would stand beyond
-  ASSERT_EQ(memory.remembered({0, 0}, 20).size(), 1u);
+  ASSERT_EQ(not_in_view(memory, {0, 0}, 20).size(), 1u);
   see(memory, {}, at({0, 0}), 100);
-  EXPECT_EQ(memory.remembered({0, 0}, 20).size(), 1u);  // one look is not enough
+  EXPECT_EQ(not_in_view(memory, {0, 0}, 20).size(), 1u);  // one look is not enough
   for (int i = 101; i < 106; ++i) see(memory, {}, at({0, 0}), i);
   EXPECT_EQ(memory.size(), 0u);
 }
@@ -247,13 +266,13 @@ TEST(ObstacleMemory, TakesDriftOffBeforeItAssociates) {
     memory.add(look.sweep);
   }
   ASSERT_EQ(memory.size(), 4u);
-  const auto before = memory.all();
+  const auto before = all_known(memory);
   for (int i = 3; i < 10; ++i) see(memory, {}, at({300, 0}), i, 0.4 * i);
   const Vector2d drift(4, 0.5);
   fill(look, rocks, at({5, 0}), at(Vector2d(5, 0) + drift), 11, 4.0);
   memory.add(look.sweep);
   EXPECT_LT((memory.shift() - drift).norm(), 0.05);
-  const auto after = memory.all();
+  const auto after = all_known(memory);
   ASSERT_EQ(after.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(after[i].id, before[i].id);
@@ -276,7 +295,7 @@ TEST(ObstacleMemory, FollowsAFixThatMovesTheEstimate) {
   ObstacleMemory memory;
   for (int i = 0; i < 3; ++i) see(memory, rocks, at({0, 0}), i, 3.0);
   for (int i = 3; i < 6; ++i) see(memory, rocks, at({4, -3}), i, 0.1);
-  const auto all = memory.all();
+  const auto all = all_known(memory);
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].sightings, 6);
   EXPECT_LT((nearest_point(all[0].outline_W, {14, -3}) - Vector2d(14, -3)).norm(), 1e-9);
@@ -292,7 +311,7 @@ TEST(ObstacleMemory, KeepsThePartOfAWallThatLeavesTheView) {
     const double low = std::max(0.0, x - 20), high = std::min(60.0, x + 20);
     see(memory, {box((low + high) / 2 - x, 10, (high - low) / 2, 0.5)}, at({x, 0}), i, 0.0, 22);
   }
-  const auto remembered = memory.remembered({40, 0}, 100);
+  const auto remembered = not_in_view(memory, {40, 0}, 100);
   for (double x = 0.5; x < 60; x += 1) {
     const bool seen_now = x > 20;
     const bool known = std::any_of(remembered.begin(), remembered.end(), [&](const RememberedObstacle& o) {
@@ -306,7 +325,7 @@ TEST(ObstacleMemory, KeepsThePartOfAWallThatLeavesTheView) {
 // A bay of three walls, cut differently by every sweep: the free water within must not be swallowed. ledger: S6-66
 TEST(ObstacleMemory, DoesNotFillABay) {
   ISOBATH_NOT_SANITIZED();
-  ObstacleMemory memory;
+  ObstacleMemory memory(confirmed_at_once());
   Random random(3);
   for (int i = 0; i < 60; ++i) {
     std::vector<Polygon> pieces;
@@ -321,9 +340,10 @@ TEST(ObstacleMemory, DoesNotFillABay) {
     wall(5, 8, 20, 8);
     see(memory, pieces, at({0, 0}), i);
   }
+  const auto all = all_known(memory);
   for (double x = 0; x < 18; x += 0.5) {
     for (double y = -5.5; y < 6; y += 0.5) {
-      for (const RememberedObstacle& o : memory.all()) EXPECT_FALSE(contains(o.outline_W, {x, y})) << x << ' ' << y;
+      for (const RememberedObstacle& o : all) EXPECT_FALSE(contains(o.outline_W, {x, y})) << x << ' ' << y;
     }
   }
   EXPECT_LE(memory.size(), 12u);
@@ -335,10 +355,10 @@ TEST(ObstacleMemory, ShrinksToWhatIsThere) {
   ObstacleMemory memory;
   for (int i = 0; i < 3; ++i) see(memory, {box(15, 0, 4, 1)}, at({0, 0}), i);
   for (int i = 3; i < 6; ++i) see(memory, {box(12, 0, 1, 1)}, at({0, 0}), i);
-  EXPECT_NEAR(area(memory.all().at(0).outline_W), 16, 1e-9);
+  EXPECT_NEAR(area(all_known(memory).at(0).outline_W), 16, 1e-9);
   for (int i = 6; i < 9; ++i) see(memory, {box(12, 0, 1, 1)}, at({0, 0}), i);
   ASSERT_EQ(memory.size(), 1u);
-  EXPECT_NEAR(area(memory.all()[0].outline_W), 4, 1e-9);
+  EXPECT_NEAR(area(all_known(memory)[0].outline_W), 4, 1e-9);
 }
 
 // A false alarm in one sweep, a doubtful echo and a weak one are no obstacles to come. ledger: S6-66
@@ -352,7 +372,7 @@ TEST(ObstacleMemory, TakesInOnlyWhatWasConfirmed) {
   memory.add(look.sweep);
   EXPECT_EQ(memory.size(), 1u);
   see(memory, {}, at({500, 0}), 1);
-  EXPECT_TRUE(memory.remembered({0, 0}, 100).empty());
+  EXPECT_TRUE(not_in_view(memory, {0, 0}, 100).empty());
   see(memory, {}, at({500, 0}), 59);
   EXPECT_EQ(memory.size(), 1u);
   see(memory, {}, at({500, 0}), 61);
@@ -360,9 +380,8 @@ TEST(ObstacleMemory, TakesInOnlyWhatWasConfirmed) {
 }
 
 // ledger: S6-66
-// ledger: S6-66
 TEST(ObstacleMemory, TellsAsWhichObstacleItTookEachOfASweep) {
-  ObstacleMemory memory;
+  ObstacleMemory memory(confirmed_at_once());
   const auto look = [&](double s, std::vector<Obstacle> seen) {
     MemorySweep sweep;
     sweep.time = t(s);
@@ -382,10 +401,44 @@ TEST(ObstacleMemory, TellsAsWhichObstacleItTookEachOfASweep) {
   // one outline that holds both pieces of what was known: what is dropped as part of another is that other
   look(3, {obstacle_of(box(50, 0, 1, 1)), obstacle_of(box(50, 4, 1, 1))});
   look(4, {obstacle_of(box(50, 0, 1, 1)), obstacle_of(box(50, 4, 1, 1)), obstacle_of(box(50, 2, 1, 3.2))});
-  const auto all = memory.all();
+  const auto all = all_known(memory);
   for (const std::uint32_t id : memory.seen_as()) {
     EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const RememberedObstacle& o) { return o.id == id; })) << id;
   }
+}
+
+// Raw fixes of 2.5 m: what was heard a moment ago keeps its place about the vehicle, whose error has changed; what was
+// heard before a long drift keeps its place in the world, which the fix has found again. ledger: S6-53 S6-66
+TEST(ObstacleMemory, AJumpOfThePositionMovesWhatWasSeenSinceTheDriftBegan) {
+  const auto seen = [](ObstacleMemory& memory, double now, const Pose& X_WL, double sigma, const Vector2d& jumped,
+                       const std::vector<Polygon>& outlines) {
+    MemorySweep sweep;
+    std::vector<Obstacle> obstacles;
+    for (const Polygon& o : outlines) obstacles.push_back(obstacle_of(o));
+    sweep.time = t(now);
+    sweep.X_WL = X_WL;
+    sweep.sigma_m = sigma;
+    sweep.jumped = jumped;
+    sweep.obstacles = obstacles;
+    ASSERT_TRUE(memory.add(sweep));
+  };
+  const Vector2d jump(3, -2);
+  ObstacleMemory fixes;
+  for (const double now : {0.0, 1.0}) seen(fixes, now, at({0, 0}), 2.5, {0, 0}, {box(10, 0, 1, 1)});
+  seen(fixes, 2, at(jump), 2.5, jump, {});
+  seen(fixes, 3, at(jump), 2.5, jump, {});
+  const auto recent = fixes.known({0, 0}, 100);
+  ASSERT_EQ(recent.size(), 1u);
+  EXPECT_NEAR((circle_of(recent[0].outline_W).centre - Vector2d(13, -2)).norm(), 0, 1e-9);
+  EXPECT_LT(recent[0].margin_m, 1.5) << "no less certain about the vehicle than before";
+
+  ObstacleMemory drift;
+  for (const double now : {0.0, 1.0}) seen(drift, now, at({0, 0}), 0.5, {0, 0}, {box(10, 0, 1, 1)});
+  for (int i = 2; i < 60; ++i) seen(drift, i, at({0, 1.5 * i}), 0.5 + 0.05 * i, {0, 0}, {});
+  seen(drift, 60, at(Vector2d(0, 90) + jump), 0.5, jump, {});
+  const auto old = drift.known({0, 0}, 100);
+  ASSERT_EQ(old.size(), 1u);
+  EXPECT_NEAR((circle_of(old[0].outline_W).centre - Vector2d(10, 0)).norm(), 0, 1e-9);
 }
 
 // The number that people see changes only where the obstacle is seen under another one.
@@ -401,7 +454,7 @@ TEST(ObstacleMemory, KeepsTheNumberOfTheObstacleThatItsPieceWasLastSeenAs) {
   fill(look, {box(10, 0, 1, 1)}, at({0, 0}), 3, 0.0);
   look.obstacles[0].number = 5;
   ASSERT_TRUE(memory.add(look.sweep));
-  const auto all = memory.all();
+  const auto all = all_known(memory);
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].number, 5);
   EXPECT_EQ(all[1].number, 9) << "it was not seen since";
@@ -415,13 +468,13 @@ TEST(ObstacleMemory, IsBoundedAndNeverGivesAnIdTwice) {
   std::set<std::uint32_t> ids;
   for (int i = 0; i < 100; ++i) {
     for (int k = 0; k < 2; ++k) see(memory, {box(10, 0, 1, 1), box(0, 12, 1, 1)}, at({70.0 * i, 0}), 2 * i + k);
-    const auto all = memory.all();
+    const auto all = all_known(memory);
     EXPECT_LE(all.size(), 20u);
     for (std::size_t n = 1; n < all.size(); ++n) EXPECT_LT(all[n - 1].id, all[n].id);
     for (const RememberedObstacle& o : all) ids.insert(o.id);
   }
   EXPECT_EQ(ids.size(), 200u);
-  EXPECT_EQ(memory.all().back().last_seen, t(199));  // the newest stays
+  EXPECT_EQ(all_known(memory).back().last_seen, t(199));  // the newest stays
 }
 
 // ledger: S6-66

@@ -31,19 +31,8 @@ class Edits {
   void one() {
     const PixelWindow w = window();
     switch (random_.index(4)) {
-      case 0: {
-        const Pixel p{number(0, plain_.side - 1), number(0, plain_.side - 1)};
-        const std::uint32_t v = value();
-        tree_.set(p, v);
-        plain_.set(p, v);
-        break;
-      }
-      case 1: {
-        const std::uint32_t v = value();
-        tree_.fill(w, v);
-        each(w, [&](Pixel p, std::size_t) { plain_.set(p, v); });
-        break;
-      }
+      case 0: fill({number(0, plain_.side - 1), number(0, plain_.side - 1), 1, 1}); break;
+      case 1: fill(w); break;
       default: write(w, random_.index(2) == 0); break;
     }
   }
@@ -77,6 +66,11 @@ class Edits {
     RC_ASSERT(area == plain_.values.size());
     RC_ASSERT(leaves == tree_.statistics().leaves);
     RC_ASSERT(3 * tree_.statistics().words == 4 * leaves - 1);
+  }
+  void fill(const PixelWindow& w) {
+    const std::uint32_t v = value();
+    tree_.fill(w, v);
+    each(w, [&](Pixel p, std::size_t) { plain_.set(p, v); });
   }
   void write(const PixelWindow& w, bool masked) {
     const std::ptrdiff_t stride = w.width + number(0, 3);

@@ -66,7 +66,7 @@ TEST(RegionQuadtree, AFreshMapIsOneNodeOfTheValueOutside) {
 // ledger: S1-16 S1-17
 TEST(RegionQuadtree, UnexploredWaterCostsNoMoreThanThePathToWhatIsKnown) {
   RegionQuadtree tree(20, DepthPixel::word_of_state(6, 0, 0));
-  tree.set({700000, 3}, 9);
+  tree.fill({700000, 3, 1, 1}, 9);
   EXPECT_EQ(tree.statistics().internal_nodes, 20);
   EXPECT_EQ(tree.at({700000, 3}), 9);
   EXPECT_EQ(tree.at({700001, 3}), DepthPixel::word_of_state(6, 0, 0));
@@ -76,9 +76,9 @@ TEST(RegionQuadtree, UnexploredWaterCostsNoMoreThanThePathToWhatIsKnown) {
 TEST(RegionQuadtree, SixInternalNodesOfNineteenLeavesAreTwentyFiveWords) {
   // 8 x 8: the root, two of its quadrants and three of theirs are split.
   RegionQuadtree tree(3);
-  tree.set({0, 0}, 1);  // root, NW, NW of NW
-  tree.set({3, 1}, 2);  // NE of NW
-  tree.set({6, 7}, 3);  // SE, SE of SE
+  tree.fill({0, 0, 1, 1}, 1);  // root, NW, NW of NW
+  tree.fill({3, 1, 1, 1}, 2);  // NE of NW
+  tree.fill({6, 7, 1, 1}, 3);  // SE, SE of SE
   const auto s = tree.statistics();
   EXPECT_EQ(s.internal_nodes, 6);
   EXPECT_EQ(s.leaves, 19);
@@ -101,7 +101,7 @@ TEST(RegionQuadtree, SixInternalNodesOfNineteenLeavesAreTwentyFiveWords) {
 TEST(RegionQuadtree, EqualLeavesMergeUntilOneIsLeft) {
   RegionQuadtree tree(4);
   for (int row = 0; row < 16; ++row) {
-    for (int column = 0; column < 16; ++column) tree.set({column, row}, 5);
+    for (int column = 0; column < 16; ++column) tree.fill({column, row, 1, 1}, 5);
   }
   EXPECT_EQ(tree.statistics().leaves, 1);
   EXPECT_EQ(tree.leaf_at({9, 9}).window, tree.square());
@@ -134,7 +134,7 @@ TEST(RegionQuadtree, ARasterBecomesATreeWithoutANodeThatDoesNotStay) {
   EXPECT_EQ(tree.statistics().internal_nodes, internal_squares(tree).size());
   RegionQuadtree by_pixel(7);
   for (int row = 0; row < 128; ++row) {
-    for (int column = 0; column < 128; ++column) by_pixel.set({column, row}, values[row * 128 + column]);
+    for (int column = 0; column < 128; ++column) by_pixel.fill({column, row, 1, 1}, values[row * 128 + column]);
   }
   EXPECT_TRUE(tree == by_pixel);
   EXPECT_EQ(read_all(tree), values);
@@ -197,7 +197,7 @@ TEST(RegionQuadtree, AnArrayIsWrittenBackWithEachNodeLocatedOnce) {
   std::vector<int> order(values.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
   for (std::size_t i = order.size(); i-- > 1;) std::swap(order[i], order[random.index(i + 1)]);
-  for (int i : order) unordered.set({window.column + i % 90, window.row + i / 90}, values[i]);
+  for (int i : order) unordered.fill({window.column + i % 90, window.row + i / 90, 1, 1}, values[i]);
   EXPECT_TRUE(tree == unordered);
 }
 
@@ -243,7 +243,7 @@ TEST(RegionQuadtree, BlocksThatMergeAreUsedAgain) {
 
 TEST(RegionQuadtree, LeavesComeFromNorthWestToSouthEastClippedToTheWindow) {
   RegionQuadtree tree(2);
-  tree.set({3, 3}, 6);
+  tree.fill({3, 3, 1, 1}, 6);
   std::vector<std::pair<std::uint32_t, PixelWindow>> leaves;
   tree.for_each_leaf({1, 1, 3, 3}, [&](std::uint32_t v, const PixelWindow& w) { leaves.emplace_back(v, w); });
   EXPECT_THAT(leaves,
@@ -256,10 +256,10 @@ TEST(RegionQuadtree, LeavesComeFromNorthWestToSouthEastClippedToTheWindow) {
 TEST(RegionQuadtree, EqualityIsOfTheContentsNotOfTheOrderOfStorage) {
   RegionQuadtree a(5);
   RegionQuadtree b(5);
-  a.set({1, 2}, 3), a.set({30, 7}, 4);
-  b.set({30, 7}, 4), b.set({9, 9}, 1), b.set({1, 2}, 3), b.set({9, 9}, 0);
+  a.fill({1, 2, 1, 1}, 3), a.fill({30, 7, 1, 1}, 4);
+  b.fill({30, 7, 1, 1}, 4), b.fill({9, 9, 1, 1}, 1), b.fill({1, 2, 1, 1}, 3), b.fill({9, 9, 1, 1}, 0);
   EXPECT_TRUE(a == b);
-  b.set({9, 9}, 1);
+  b.fill({9, 9, 1, 1}, 1);
   EXPECT_FALSE(a == b);
   EXPECT_FALSE(RegionQuadtree(4) == RegionQuadtree(5));
 }
@@ -277,7 +277,7 @@ TEST(RegionQuadtree, SnapshotsAreReadInOtherThreadsWhileTheMapIsWrittenOn) {
       out = read_all(copy);
     });
     tree.fill({static_cast<int>(i), static_cast<int>(2 * i), 20, 11}, static_cast<std::uint32_t>(i));
-    tree.set({63, static_cast<int>(i)}, 1000);
+    tree.fill({63, static_cast<int>(i), 1, 1}, 1000);
   }
   for (auto& reader : readers) reader.join();
   EXPECT_EQ(seen, expected);
@@ -286,7 +286,7 @@ TEST(RegionQuadtree, SnapshotsAreReadInOtherThreadsWhileTheMapIsWrittenOn) {
 TEST(RegionQuadtreeDeathTest, ValuesHave31Bits) {
   RegionQuadtree tree(2);
   const Values values(16, 0x80000000);
-  EXPECT_DEATH(tree.set({0, 0}, 0x80000000), "");
+  EXPECT_DEATH(tree.fill({0, 0, 1, 1}, 0x80000000), "");
   EXPECT_DEATH(tree.write(tree.square(), {values.data(), 4}), "");
   EXPECT_DEATH((void)tree.leaf_at({4, 0}), "");
 }

@@ -64,10 +64,6 @@ TEST(SphericalGrid, LocksACellOnEvidenceAndKeepsItsStateThen) {
   EXPECT_EQ(grid.log_odds(place), 4);
   echo();
   EXPECT_EQ(only_cell(grid).echoes, 8u) << "counts go on";
-  EXPECT_TRUE(grid.lock(place, false));
-  grid.set_log_odds(place, -5);
-  EXPECT_EQ(grid.log_odds(place), -5);
-  EXPECT_FALSE(grid.lock({{0, 0}, 0}, true));
 }
 
 // ledger: S4-11
@@ -76,9 +72,6 @@ TEST(SphericalGrid, SaysWhetherAnythingIsInADirection) {
   occupy_at(grid, 12 * towards(45.1, 10.1));
   EXPECT_FALSE(grid.is_empty(towards(46, 11)));
   EXPECT_TRUE(grid.is_empty(towards(48, 11)));
-  EXPECT_TRUE(grid.is_unobstructed(towards(46, 11), 11));
-  EXPECT_FALSE(grid.is_unobstructed(towards(46, 11), 13));
-  EXPECT_TRUE(grid.is_unobstructed(towards(48, 11), 50));
 }
 
 // ledger: S4-12

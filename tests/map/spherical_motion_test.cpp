@@ -62,32 +62,24 @@ SphericalGridConfig without_locks() {
   return config;
 }
 
-// ledger: S4-22 S4-23 S4-E09
+// ledger: S4-23 S4-E09
 TEST(SphericalMotion, KeepsEchoesAndTheFirstTwoMomentsOfEverything) {
   Random random(1);
   SphericalGrid grid(without_locks());
   for (int i = 0; i < 500; ++i) grid.add_echo(point_between(random, 6, 30), 0.1, Time{});
   const GridMoments before = moments_of(grid);
-  Matrix3d R = Matrix3d::Identity();  // of G then to G now
   Vector3d t = Vector3d::Zero();
   for (int i = 0; i < 150; ++i) {
     Vector3d step;
     for (Eigen::Index k = 0; k < 3; ++k) step[k] = random.uniform(-0.1, 0.12);
     grid.translate(step);
     t -= step;
-    if (i % 10 == 3) {
-      const Matrix3d tilt = Eigen::AngleAxisd(random.uniform(-0.1, 0.1), Vector3d::UnitX()).toRotationMatrix();
-      grid.rotate(tilt);
-      R = tilt * R;
-      t = tilt * t;
-    }
   }
   const GridMoments after = moments_of(grid);
   EXPECT_EQ(after.echoes, before.echoes);
   EXPECT_NEAR(after.weight, before.weight, 1e-3 * before.weight);
-  EXPECT_LT((after.mean - (R * before.mean + t)).norm(), 2e-3);
-  const Matrix3d second = R * before.second * R.transpose() + R * before.mean * t.transpose() +
-                          t * before.mean.transpose() * R.transpose() + t * t.transpose();
+  EXPECT_LT((after.mean - (before.mean + t)).norm(), 2e-3);
+  const Matrix3d second = before.second + before.mean * t.transpose() + t * before.mean.transpose() + t * t.transpose();
   EXPECT_LT((after.second - second).cwiseAbs().maxCoeff(), 5e-4 * second.trace());
 }
 
@@ -171,37 +163,6 @@ TEST(SphericalMotion, HandsOverWhatLeavesTheRangeOnce) {
   const auto left = std::count_if(points.begin(), points.end(),
                                   [&](const Vector3d& p) { return (p - Vector3d(0, way, 0)).norm() > 30; });
   EXPECT_NEAR(static_cast<double>(dropped), static_cast<double>(left), 0.02 * static_cast<double>(left));
-}
-
-// ledger: S4-22 S4-E05
-TEST(SphericalMotion, PitchingThereAndBackLeavesTargetsWithinABucket) {
-  Random random(3);
-  SphericalGrid grid(without_locks());
-  std::vector<Vector3d> targets;
-  for (int i = 0; i < 60; ++i) {
-    targets.push_back(point_between(random, 5, 40));
-    grid.add_echo(targets.back(), 0.1, Time{});
-  }
-  const Matrix3d pitch = Eigen::AngleAxisd(20 * kRadiansADegree, Vector3d::UnitX()).toRotationMatrix();
-  grid.rotate(pitch);
-  for (const Vector3d& p : targets) {
-    double least = 1e9;
-    each_cell(grid, [&](const SphericalPlace& place, const SphericalCell&) {
-      const Vector3d middle = grid.layers().middle(place.layer) * grid.axis_in_table(place.direction);
-      least = std::min(least, (middle - pitch * p).norm());
-    });
-    EXPECT_LT(least, 2 * p.norm() * 2.5 * kRadiansADegree) << "up there";
-  }
-  grid.rotate(pitch.transpose());
-  EXPECT_EQ(moments_of(grid).echoes, 60u);
-  each_cell(grid, [&](const SphericalPlace&, const SphericalCell& cell) {
-    double least = 1e9;
-    for (const Vector3d& p : targets) {
-      const Vector3d q = grid.point_of(cell);
-      least = std::min(least, std::acos(std::min(1.0, p.dot(q) / (p.norm() * q.norm()))));
-    }
-    EXPECT_LT(least, 2.5 * kRadiansADegree);
-  });
 }
 
 // ledger: S4-20 S4-21
@@ -388,11 +349,8 @@ TEST(SphericalMotion, ClearWaterStaysClearWhereItWasSeenAndIsForgottenWithItsVie
   EXPECT_TRUE(grid.was_clear({0, 9, 0}));
   EXPECT_FALSE(grid.was_clear({0, 10.5, 0}));
   EXPECT_TRUE(grid.was_clear({0, -29, 0}));
-  grid.rotate(Eigen::AngleAxisd(0.5, Vector3d::UnitX()).toRotationMatrix());
-  EXPECT_TRUE(grid.was_clear(9 * Vector3d(0, std::cos(0.5), std::sin(0.5))));
-  EXPECT_FALSE(grid.was_clear({0, 9, 0}));
   grid.decay(seconds(10), seconds(10), Time{} + seconds(11));
-  EXPECT_FALSE(grid.was_clear(9 * Vector3d(0, std::cos(0.5), std::sin(0.5))));
+  EXPECT_FALSE(grid.was_clear({0, 9, 0}));
 }
 
 // ledger: S4-18 S4-30

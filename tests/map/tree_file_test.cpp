@@ -114,7 +114,7 @@ TEST_F(TreeFileTest, ALargeMapStaysInTheFileUntilAPageIsWrittenTo) {
   TreeFile opened = open_tree_file(file(), kLost);
   const std::uint32_t pages = opened.tree.pool().pages();
   EXPECT_EQ(opened.tree.pool().mapped_pages(), pages);
-  opened.tree.set({500, 500}, 1);
+  opened.tree.fill({500, 500, 1, 1}, 1);
   EXPECT_EQ(opened.tree.pool().mapped_pages(), pages - 1);
   write_tree_file(file(), opened.tree, 2, "");  // over the file that is mapped
   EXPECT_EQ(opened.tree.at({500, 500}), 1);
@@ -241,7 +241,7 @@ class TreeFileLinks : public TreeFileTest {
   // A chain: block 0 is the deepest of 8.
   TreeFileBytes chain() {
     RegionQuadtree tree(8);
-    tree.set({0, 0}, 1);
+    tree.fill({0, 0, 1, 1}, 1);
     return written(file(), tree);
   }
 };
@@ -302,9 +302,9 @@ TEST_F(TreeFileLinks, ToBlocksThatMergeAreFollowedOnceToo) {
 
 TEST_F(TreeFileLinks, OfFreeBlocksThatAreInUseAreNotBelieved) {
   RegionQuadtree tree(6);
-  for (int i = 0; i < 64; i += 3) tree.set({i, i}, 1);
+  for (int i = 0; i < 64; i += 3) tree.fill({i, i, 1, 1}, 1);
   tree.fill({0, 0, 40, 40}, 2);
-  tree.set({62, 62}, RegionQuadtree::kLargestValue);  // its block reads as the end of a list
+  tree.fill({62, 62, 1, 1}, RegionQuadtree::kLargestValue);  // its block reads as the end of a list
   const TreeFileBytes good = written(file(), tree);
   const std::uint32_t count = good.word(TreeFileBytes::kFreeCount);
   const std::uint32_t head = good.word(TreeFileBytes::kFreeHead);

@@ -166,20 +166,6 @@ TEST(VoxelBlocks, TheOrderOfReadingsDoesNotMatter) {
   for (const auto& [v, e] : readings) ASSERT_EQ(forth.at(v), back.at(v));
 }
 
-TEST(VoxelBlocks, FadeTowardsNoEvidenceAndStaySeen) {
-  VoxelBlocks blocks;
-  blocks.add({1, 2, 3}, 1000);
-  blocks.add({1, 2, 4}, -999);
-  blocks.add({1, 2, 5}, 1);
-  blocks.fade(0.5);
-  EXPECT_EQ(blocks.at({1, 2, 3}), 500);
-  EXPECT_EQ(blocks.at({1, 2, 4}), -499);
-  EXPECT_EQ(blocks.at({1, 2, 5}), 0);
-  EXPECT_EQ(blocks.at({1, 2, 6}), kUnseen);
-  blocks.fade(1);
-  EXPECT_EQ(blocks.at({1, 2, 3}), 500);
-}
-
 // By any whole voxels, with what is older left where it is. ledger: S5-13 S6-53
 TEST(VoxelBlocks, MoveWhatIsNewAndLeaveWhatIsOld) {
   Random random(11);
@@ -304,20 +290,20 @@ TEST(VoxelMap, PoolsSensorsAsOneJudgeOfAllTheirReadingsWould) {
 }
 
 // ledger: S5-27 S5-30
-TEST(VoxelMap, ASensorJoinsAndLeavesWithoutATrace) {
+TEST(VoxelMap, ASensorJoinsAndLeavesTheOthersAlone) {
   VoxelMap map;
   map.layer("horizontal").add({0, 0, 0}, 700);
   const double before = map.probability({0, 0, 0});
+  EXPECT_EQ(map.find_layer("side"), nullptr);
   VoxelBlocks& side = map.layer("side");
   side.add({0, 0, 0}, 900);
   side.add({5, 0, 0}, 900);
   EXPECT_GT(map.probability({0, 0, 0}), before);
   EXPECT_THAT(map.sensors(), testing::ElementsAre("horizontal", "side"));
-  EXPECT_TRUE(map.remove_layer("side"));
-  EXPECT_FALSE(map.remove_layer("side"));
-  EXPECT_EQ(map.probability({0, 0, 0}), before);
-  EXPECT_FALSE(map.is_seen({5, 0, 0}));
-  EXPECT_EQ(map.find_layer("side"), nullptr);
+  EXPECT_TRUE(map.is_seen({5, 0, 0}));
+  EXPECT_EQ(map.find_layer("side"), &side);
+  EXPECT_EQ(map.find_layer("horizontal")->at({0, 0, 0}), 700);
+  EXPECT_EQ(map.find_layer("horizontal")->at({5, 0, 0}), kUnseen);
 }
 
 // ledger: S5-32 S5-33

@@ -99,7 +99,7 @@ TEST(PlanGraph, RefusesWhatIsNoPlan) {
 TEST(PlanGraph, ParametersAreNumbersOrTexts) {
   const PlanAction action = two_points().nodes[0].action;
   EXPECT_EQ(action.number("point"), 0.0);
-  EXPECT_EQ(action.text("task"), "sample");
+  EXPECT_EQ(std::get<std::string>(action.parameters.at("task")), "sample");
   EXPECT_EQ(action.number("task"), std::nullopt);
   EXPECT_EQ(action.number("depth"), std::nullopt);
 }

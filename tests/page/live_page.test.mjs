@@ -36,12 +36,12 @@ test('a simulated mission is seen as it runs, its past as it was, and by two pag
   await page.click('#tab-obstacles');
   const row = page.locator('#obstacle-list li[data-obstacle]').first();
   await row.hover();
-  const told = await row.locator('.obstacle-away').textContent();
   await page.mouse.down();
-  await page.waitForFunction(
-    (before) => document.querySelector('#obstacle-list .obstacle-away').textContent !== before,
-    told,
-  );
+  const listed = () => page.$$eval('#obstacle-list li', (all) => all.map((li) => li.dataset.row).join());
+  const [told, rows] = [await page.textContent('#obstacle-list'), await listed()];
+  await until(page, (await now(page)) + 15);
+  assert.notEqual(await page.textContent('#obstacle-list'), told, 'distances are told anew');
+  assert.equal(await listed(), rows, 'and the rows stay where they are');
   await page.mouse.up();
   await page.waitForSelector('#obstacle-list button[aria-pressed="true"]');
   await page.click('#tab-log');
@@ -119,7 +119,9 @@ test('voxels come to a page that shows them, and are drawn', async () => {
   await picture(page, 'voxels-1400');
   await page.click('#space-sphere');
   await page.waitForFunction(() => Number(document.querySelector('#space-canvas').dataset.sphere) > 10);
-  await page.waitForFunction(() => /echoes around/.test(document.querySelector('#space-readout').textContent));
+  await page.waitForFunction(() => /echoes around.*locked/.test(document.querySelector('#space-readout').textContent));
+  await page.click('#space-course'); // ledger: S4-20
+  await page.waitForFunction(() => document.querySelector('#space-canvas').dataset.heading !== undefined);
   await picture(page, 'sphere-1400');
   await page.click('#tab-sonar');
   await page.waitForFunction(() => /cubes/.test(window.seen.asked.at(-1)));

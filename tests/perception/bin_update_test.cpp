@@ -91,6 +91,10 @@ Case random_case(Random& random) {
 
 List scratch(100);
 
+void update_clear(List& log_odds, const List& share, const Likelihood& sensor) {
+  for (std::size_t i = 0; i < log_odds.size(); ++i) log_odds[i] += clear_increment(sensor.gain(), share[i]);
+}
+
 // ledger: S6-15 S6-16 S6-E01 S6-E02
 TEST(BinUpdate, DefaultFormIsBayesRule) {
   Random random(5);

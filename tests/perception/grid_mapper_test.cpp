@@ -264,8 +264,7 @@ TEST(GridMapper, WaterSeenClearAThousandTimesStillYieldsATarget) {
   double& l = grid.log_odds()[grid.cells().index({6, 4})];
   std::vector<double> scratch(2);
   for (int i = 0; i < 1000; ++i) {
-    update_clear(std::span(&l, 1), std::vector<double>{1.0}, {});
-    l = std::max(l, grid.log_odds_min());
+    l = std::max(l + clear_increment(Likelihood().gain(), 1), grid.log_odds_min());
   }
   int hits = 0;
   while (hits < 10 && ObstacleDetector().detect(grid, {}, {}).obstacles.empty()) {
@@ -283,9 +282,12 @@ TEST(GridMapper, OneEchoIsNoObstacleTwoAreAndTwoMissesClearIt) {
     std::vector<double> scratch(2);
     std::string found;
     for (const char echo : echoes) {
-      const std::vector<double> whole{1.0};
-      echo == '1' ? update_hit(std::span(&l, 1), whole, {0.8, 0.02}, scratch)
-                  : update_clear(std::span(&l, 1), whole, {0.8, 0.02});
+      const Likelihood sensor{0.8, 0.02};
+      if (echo == '1') {
+        update_hit(std::span(&l, 1), std::vector<double>{1.0}, sensor, scratch);
+      } else {
+        l += clear_increment(sensor.gain(), 1);
+      }
       l = std::clamp(l, grid.log_odds_min(), grid.log_odds_max());
       found += ObstacleDetector().detect(grid, {}, {}).obstacles.empty() ? '0' : '1';
     }

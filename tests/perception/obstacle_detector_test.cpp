@@ -93,11 +93,13 @@ TEST(ObstacleDetector, SaysWhichWaterIsFreeForTheMemoryOfObstacles) {
   };
   for (int i = 0; i < 4; ++i) look(i, true);
   ASSERT_EQ(memory.size(), 1u);
-  EXPECT_TRUE(memory.remembered({300, -200}, 50).empty());  // all of it is in view
+  ASSERT_EQ(memory.known({300, -200}, 50).size(), 1u);
+  EXPECT_TRUE(memory.known({300, -200}, 50)[0].whole);  // all of it is in view
   const Eigen::Vector3d rock_W = X_WL * Eigen::Vector3d(12, 5, 0);
-  EXPECT_TRUE(contains(memory.all()[0].outline_W, rock_W.head<2>()));
+  EXPECT_TRUE(contains(memory.known({300, -200}, 50)[0].outline_W, rock_W.head<2>()));
   look(4, false);
-  EXPECT_EQ(memory.remembered({300, -200}, 50).size(), 1u);
+  ASSERT_EQ(memory.known({300, -200}, 50).size(), 1u);
+  EXPECT_FALSE(memory.known({300, -200}, 50)[0].whole);
   for (int i = 5; i < 10; ++i) look(i, false);
   EXPECT_EQ(memory.size(), 0u);
 }

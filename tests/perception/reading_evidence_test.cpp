@@ -45,7 +45,8 @@ RangePrediction over_flat(const ReadingEvidence& evidence, const RangeReading& r
   const PixelWindow window = predictor.window(cone, 50);
   const std::vector<float> depth(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height),
                                  depth_m);
-  return predictor.predict(cone, 50, {window, depth});
+  predictor.pixels(cone, 50, window);
+  return predictor.predict_listed(cone, 50, {window, depth});
 }
 
 // ---------------------------------------------------------------- obstacle sonar against brute force
@@ -107,8 +108,13 @@ TEST(ReadingEvidence, OfAForwardBeamEqualsBruteForceOverAllPixels) {
     const RangeReading r = reading(echo ? std::optional(range) : std::nullopt, random.uniform(-25, 25),
                                    random.uniform(1, 24), random.uniform(-60, 60));
     const BeamCone cone = *evidence.cone(r, X_WB);
-    BruteForce truth{
-        p, cone.azimuth().radians(), cone.depression().radians(), r.width.radians() / 2, range, echo, grid.pixel_m};
+    BruteForce truth{p,
+                     std::atan2(cone.heading().y(), cone.heading().x()),
+                     cone.depression().radians(),
+                     r.width.radians() / 2,
+                     range,
+                     echo,
+                     grid.pixel_m};
     const Evidence found = evidence.add_reading(r, X_WB);
     ASSERT_EQ(found.outcome, echo ? Outcome::kEcho : Outcome::kNoEcho);
     std::map<std::pair<int, int>, PixelEvidence> by_pixel;
@@ -153,7 +159,8 @@ TEST(ReadingEvidence, OfAConeAboutTheVerticalEqualsTheConeColumnByColumn) {
     double deepest = -1;
     for (double z = 0; z < 25; z += 0.01) {
       const Vector3d p(centre.x(), centre.y(), z);
-      if (cone.contains(p) && (p - cone.apex()).norm() < 15) deepest = z;
+      const Vector3d d = p - cone.apex();
+      if (cone.axis().dot(d) >= cone.cos_half_angle() * d.norm() && d.norm() < 15) deepest = z;
     }
     ASSERT_NEAR(e.bound_m, deepest, 0.011);
     behind += centre.x() < 0.3;
@@ -742,7 +749,9 @@ TEST(ReadingEvidence, AllocatesNothing) {
     for (int heading = 0; heading < 360; heading += every) {
       const Pose X_WB = at({0.01 * heading, 0, 9}, heading, 5, -7);
       const RangeReading wide = reading(49, 0, 30);
-      const RangePrediction known = predictor.predict(*evidence.cone(wide, X_WB), 50, patch);
+      const BeamCone cone = *evidence.cone(wide, X_WB);
+      predictor.pixels(cone, 50, patch.window);
+      const RangePrediction known = predictor.predict_listed(cone, 50, patch);
       ReadingContext context;
       context.prediction = &known;
       pixels += static_cast<int>(evidence.add_reading(wide, X_WB, context).pixels.size());

@@ -23,40 +23,19 @@ double occupancy_at(const SphericalGrid& grid, const Vector3d& p) {
   return 1 / (1 + std::exp(-grid.log_odds(*grid.place_at(grid.to_table(p)))));
 }
 
-// ledger: S4-25
-TEST(ReadingGaussian, InThePlaneIntegratesToOneAndWrapsAngles) {
-  const ReadingGaussian reading{Vector3d::UnitX(), 20, 0.15, 2.5 * kRadiansADegree / 2.355};
-  double sum = 0;
-  for (double r = 19; r < 21; r += 0.01) {
-    for (double a = -8; a < 8; a += 0.05)
-      sum += reading.density_in_plane(r, Angle::degrees(a)) * 0.01 * 0.05 * kRadiansADegree;
-  }
-  EXPECT_NEAR(sum, 1, 1e-6);
-  EXPECT_GT(reading.density_in_plane(20, {}), reading.density_in_plane(20.01, {}));
-  EXPECT_GT(reading.density_in_plane(20, {}), reading.density_in_plane(20, Angle::degrees(0.1)));
-  EXPECT_NEAR(reading.density_in_plane(20, Angle::degrees(359)), reading.density_in_plane(20, Angle::degrees(-1)),
-              1e-9);
-}
-
-// ledger: S4-26 S4-E06
-TEST(ReadingGaussian, OnTheSphereIntegratesToOneAndIsRoundAt60Degrees) {
-  for (const double width : {1.0, 2.0, 3.0}) {
-    const ReadingGaussian reading{Vector3d::UnitX(), 20, 0.15, width * kRadiansADegree};
-    double radial = 0, angular = 0;
-    for (double r = 19; r < 21; r += 0.001) radial += reading.density(r, 0) / reading.density(20, 0) * 0.001;
-    for (double g = 0.005; g < 30; g += 0.01) {
-      angular += reading.density(20, g * kRadiansADegree) * 2 * std::numbers::pi * std::sin(g * kRadiansADegree) *
-                 0.01 * kRadiansADegree;
+// Across north, and at 60 degrees of elevation, where the beam is as round. ledger: S4-25 S4-26 S4-E06
+TEST(ReadingGaussian, FallsWithRangeAndTheGreatCircleToTheMiddleOfACell) {
+  SphericalGrid grid;
+  for (const Vector3d& axis : {towards(0.3, 1), towards(40, 60)}) {
+    const ReadingGaussian reading{axis, 20, 1, 5 * kRadiansADegree};
+    std::vector<TouchedCell> touched;
+    touched_cells(grid, reading, 2, 100'000, touched);
+    EXPECT_GT(touched.size(), 200u);
+    for (const TouchedCell& cell : touched) {
+      const Vector3d p = grid.middle_in_table(cell.place);
+      const double off = std::atan2(axis.cross(p).norm(), axis.dot(p)) / reading.sigma_rad;
+      EXPECT_NEAR(cell.response, std::exp(-0.5 * (std::pow(p.norm() - 20, 2) + off * off)), 0.01);
     }
-    EXPECT_NEAR(radial * angular, 1, 1e-3) << width;
-  }
-  const Vector3d axis = towards(40, 60);
-  const ReadingGaussian reading{axis, 20, 0.15, 1.06 * kRadiansADegree};
-  const Vector3d aside = axis.cross(Vector3d::UnitZ()).normalized();
-  for (double turn = 0; turn < 360; turn += 30) {
-    const Vector3d way = Eigen::AngleAxisd(turn * kRadiansADegree, axis) * aside;
-    const Vector3d u = Eigen::AngleAxisd(1.5 * kRadiansADegree, way) * axis;
-    EXPECT_NEAR(reading.response(20 * u), std::exp(-0.5 * std::pow(1.5 / 1.06, 2)), 1e-9) << turn;
   }
 }
 
@@ -385,6 +364,38 @@ TEST(SphericalMapper, TakesTheNearestEchoOfEachBeamOfAPing) {
   });
   EXPECT_EQ(echoes, 1);
   EXPECT_TRUE(grid.was_clear(29 * towards(90, 0.1)));
+}
+
+// A vehicle that pitches tilts its beams, not the grid: what it hears ahead stays where it is. ledger: S4-22 S4-E05
+TEST(SphericalMapper, PitchTiltsTheBeamsAndNotTheGrid) {
+  auto fan = std::make_shared<BeamFan>();
+  fan->azimuth.emplace_back();
+  fan->width.push_back(Angle::degrees(2.5));
+  Ping ping;
+  ping.fan = fan;
+  ping.window = {0, 0.1, 300};
+  EchoDecisions decisions;
+  decisions.reset(1, 300);
+  decisions.p_detect.assign(300, 0.8f);
+  decisions.set_hit(0, 150);
+  SphericalGrid grid;
+  SphericalMapper mapper({}, grid);
+  const auto pitched = [](double degrees) {
+    return Rotation::from_heading_pitch_roll({}, Angle::degrees(degrees), {});
+  };
+  for (const double pitch : {-20.0, 0.0, 20.0}) {
+    ping.X_BS.rotation = pitched(-pitch);  // the head keeps its bearing to the target
+    mapper.update(ping, decisions, Pose{pitched(pitch), Vector3d::Zero()});
+  }
+  std::uint32_t echoes = 0;
+  grid.cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
+    for (const SphericalCell& cell : beam) {
+      if (cell.echoes == 0) continue;
+      EXPECT_LT((grid.point_of(cell) - 15.05 * towards(90, 0)).norm(), 0.3);
+      echoes += cell.echoes;
+    }
+  });
+  EXPECT_EQ(echoes, 3u);
 }
 
 /// A ping of narrow beams 0.5 degrees apart, ahead, to 30 m.

@@ -130,50 +130,6 @@ TEST(EllipticHelix, PointsAtStarboardSurfacePortAndBedInThisOrder) {
   }
 }
 
-// ledger: S5-43 S5-E04 S5-E06
-TEST(OpeningAngles, ArePositiveOnAnyCourseAndGrowNearer) {
-  for (const double course : {0.0, 5.0, -3.0, 90.0, 179.0, 181.0, 270.0}) {
-    double last = 0;
-    for (const double distance : {60.0, 30.0, 20.0}) {
-      const double half = std::atan(12.5 / distance), up = std::atan(3 / distance), down = std::atan(5 / distance);
-      const OpeningBearings seen{(Angle::degrees(course) - Angle::radians(half)).wrapped(),
-                                 (Angle::degrees(course) + Angle::radians(half)).wrapped(), Angle::radians(up),
-                                 Angle::radians(-down)};
-      const OpeningAngles angles = opening_angles(seen);
-      EXPECT_NEAR(angles.horizontal.radians(), 2 * half, 1e-12);
-      EXPECT_NEAR(angles.vertical.radians(), up + down, 1e-12);
-      EXPECT_GT(angles.horizontal.radians(), last);
-      last = angles.horizontal.radians();
-      // And back to the opening itself, 2 m off the line's depth.
-      const Opening opening = opening_seen({7, 8, 4}, Angle::degrees(course), distance, seen);
-      EXPECT_NEAR(opening.width_m, 25, 1e-9);
-      EXPECT_NEAR(opening.height_m, 8, 1e-9);
-      EXPECT_NEAR(opening.X_WO.translation.z(), 5, 1e-9);
-      EXPECT_NEAR((opening.X_WO.translation - Vector3d(7, 8, 5)).norm(), distance, 1e-9);
-    }
-  }
-  EXPECT_NEAR(opening_angles(ahead(60), 60).horizontal.degrees(), 23.5, 0.05);
-  EXPECT_NEAR(opening_angles(ahead(30), 30).horizontal.degrees(), 45.2, 0.05);
-  EXPECT_NEAR(opening_angles(ahead(20), 20).horizontal.degrees(), 64.0, 0.05);
-}
-
-// ledger: S5-44 S5-E16
-TEST(HelixAmplitudes, ReachTheEdgesAndNeverBelowZero) {
-  const HelixConfig config;
-  double lateral = -1, vertical = -1;
-  for (double distance = 90; distance > 10; distance -= 1) {
-    const HelixAmplitudes a = helix_amplitudes(config, opening_angles(ahead(distance), distance));
-    EXPECT_GE(a.lateral_m, lateral);
-    EXPECT_GE(a.vertical_m, vertical);
-    lateral = a.lateral_m;
-    vertical = a.vertical_m;
-    // The edge of the beam, at the end of the swing, meets the pylon.
-    const EllipticHelix helix{config.advance_m, std::max(a.lateral_m, 1e-9), 0};
-    EXPECT_NEAR(distance * std::tan((helix.heading_swing() + config.half_beam).radians()), 12.5, 1e-6);
-  }
-  EXPECT_EQ(helix_amplitudes(config, {Angle::degrees(10), Angle::degrees(3)}).lateral_m, 0);
-}
-
 /// v(x) = (a + b x) cos(x / A) + (c + d x) sin(x / A) + e by least squares.
 struct GrowingSine {
   Eigen::Matrix<double, 5, 1> parts;
@@ -194,7 +150,8 @@ GrowingSine fitted(const std::vector<double>& x, const std::vector<double>& v, d
   return {rows.colPivHouseholderQr().solve(right)};
 }
 
-// Rudder and planes work on heading and pitch. ledger: S5-44 S5-D07 S5-E16
+// Rudder and planes work on heading and pitch; the beam's edge reaches the pylons at the end of the swing, by the angle
+// between them as seen from there. ledger: S5-43 S5-44 S5-D07 S5-E04 S5-E06 S5-E16
 TEST(HelixPlan, CommandsAreAQuarterTurnApartAndGrow) {
   HelixConfig config;
   config.advance_m = 4;
@@ -213,6 +170,8 @@ TEST(HelixPlan, CommandsAreAQuarterTurnApartAndGrow) {
   double last_h = 0, last_p = 0;
   for (double at = x.front(); at < x.back(); at += 2) {
     EXPECT_NEAR(std::abs(std::remainder(h.phase(at) - p.phase(at), 2 * pi)), pi / 2, Angle::degrees(5).radians()) << at;
+    const double half_opening = std::atan(0.5 * opening.width_m / (60 - at));
+    EXPECT_NEAR(h.amplitude(at), half_opening - config.half_beam.radians(), Angle::degrees(3).radians()) << at;
     EXPECT_GT(h.amplitude(at), last_h);
     EXPECT_GT(p.amplitude(at), last_p);
     last_h = h.amplitude(at);

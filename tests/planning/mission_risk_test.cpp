@@ -18,6 +18,8 @@ RiskGrid random_grid(std::uint64_t seed) {
   return risk;
 }
 
+double probability_of_rate(double rate_per_m, double length_m) { return -std::expm1(-rate_per_m * length_m); }
+
 // ledger: S1-37
 TEST(MissionRisk, ARateIsAProbabilityOverALength) {
   EXPECT_NEAR(probability_of_rate(rate_of_probability(0.2, 64.4), 64.4), 0.2, 1e-15);

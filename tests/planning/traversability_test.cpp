@@ -110,7 +110,6 @@ TEST(Traversability, AWallGivesZeroStrictlyAndItsShareInFractions) {
   const std::size_t wide = 5;  // from 0.25 - 1 to 0.25 + 1: four whole pixels and two halves, less the corners
   EXPECT_EQ(t.pixels - t.clear, wide);
   EXPECT_NEAR(t.fraction, 1 - static_cast<double>(wide) / static_cast<double>(t.pixels), 1e-12);
-  EXPECT_NEAR(t.value(TraversabilityForm::kFraction), t.fraction, 0);
   ASSERT_TRUE(t.blocking);
   EXPECT_EQ(t.blocking->pixel.row, 30);
   EXPECT_NEAR(t.blocking->along_m, 5 + 4.5 - 1, 1e-6);  // the wall begins at north 4.5, the vehicle is there 1 m before

@@ -39,11 +39,6 @@ TEST(EmergencyFlags, ALatchedBitStaysUntilAcknowledged) {
   EXPECT_TRUE(flags.snapshot().has(Emergency::kLeak));
   flags.acknowledge(bit(Emergency::kLeak));
   EXPECT_EQ(flags.snapshot().raised, 0u);
-
-  flags.set(Emergency::kSensorFailure, at(3));
-  flags.latch(bit(Emergency::kSensorFailure));  // up already
-  flags.clear(Emergency::kSensorFailure);
-  EXPECT_TRUE(flags.snapshot().has(Emergency::kSensorFailure));
 }
 
 // ledger: S1-43

@@ -52,7 +52,7 @@ TEST(VehicleModel, ReadsATorpedoAndABox) {
 TEST(VehicleModel, GivesThePublishedSumsOfTheTorpedo) {
   const VehicleModel m = test::remus();
   const auto wrench = [&](const Vector6& v) {
-    return Vector6(damping_wrench(m, v, m.reference_density) - coriolis(m.added_mass, v) * v);
+    return Vector6(test::damping_wrench(m, v) - test::coriolis(m.added_mass, v) * v);
   };
   const auto bilinear = [&](int row, int a, int b) {  // coefficient of v_a v_b in `row`, both positive
     Vector6 both = Vector6::Zero(), first = both, second = both;

@@ -79,10 +79,12 @@ TEST(Plant, HoversInPlaceInACurrent) {
   DynamicVehicle vehicle(test::rov(), test::at_speed(0, 5));
   const Waypoint place{0, 0, 5, 0.5};
   const WaterConditions water{1028, {0.25, -0.15, 0.05}};
+  StationKeeper keeper({}, parameters_of(test::rov()));
   double worst = 0;
   for (int i = 0; i < 1200; ++i) {
-    const Angle heading = Angle::degrees(i < 600 ? 0 : 90);  // turns on the spot half-way
-    vehicle.step(hold_station(vehicle.state(), place, heading), water, kDt);
+    if (i % 600 == 0) keeper.hold(place, Angle::degrees(i < 600 ? 0 : 90));  // turns on the spot half-way
+    const VehicleState& s = vehicle.state();
+    vehicle.step(keeper.step(s.X_WB, s.X_WB.rotation * s.v_B, kDt), water, kDt);
     if (i % 600 > 400) {
       worst = std::max(worst, (vehicle.state().X_WB.translation - Eigen::Vector3d(0, 0, 5)).norm());
     }

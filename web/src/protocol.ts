@@ -287,9 +287,12 @@ export interface Sphere {
   step: number;
   /** Outer radius of each layer, m. */
   radii: Float32Array;
-  /** Rows of layer, azimuth, elevation, probability * 250. */
+  /** Rows of layer, azimuth, elevation, probability * 250 (plus kLocked). */
   cells: Uint16Array;
 }
+
+/** The state of a cell that further echoes no longer change. */
+export const kLocked = 0x8000;
 
 export function readSphere(p: DataView): Sphere | null {
   if (p.byteLength < 40) return null;

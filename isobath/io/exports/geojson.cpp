@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <isobath/base/error.hpp>
-#include <isobath/base/pending_file.hpp>
 #include <isobath/io/exports/geojson.hpp>
 #include <nlohmann/json.hpp>
 
@@ -71,10 +70,6 @@ std::string geojson_text(std::span<const GeoFeature> features, const GeoOrigin& 
   for (const GeoFeature& feature : features) list.push_back(feature_of(feature, plane));
   const Json collection = {{"type", "FeatureCollection"}, {"features", std::move(list)}};
   return collection.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-void write_geojson(const std::filesystem::path& file, std::span<const GeoFeature> features, const GeoOrigin& origin) {
-  write_whole_file(file, geojson_text(features, origin));
 }
 
 }  // namespace isobath

@@ -7,7 +7,6 @@
 
 #include <cstdint>
 #include <Eigen/Core>
-#include <filesystem>
 #include <isobath/geometry/geodesy.hpp>
 #include <span>
 #include <string>
@@ -32,7 +31,5 @@ struct GeoFeature {
 };
 
 std::string geojson_text(std::span<const GeoFeature> features, const GeoOrigin& origin);
-/// Throws Error if the file cannot be written.
-void write_geojson(const std::filesystem::path& file, std::span<const GeoFeature> features, const GeoOrigin& origin);
 
 }  // namespace isobath

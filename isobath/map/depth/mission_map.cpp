@@ -32,7 +32,7 @@ MissionMap::MissionMap(const DepthSnapshot& snapshot, const PixelWindow& cells)
   const std::int64_t count = std::int64_t{cells.width} * cells.height;
   ISOBATH_ASSERT(count > 0 && count <= kMaxCells);
   cells_.resize(static_cast<std::size_t>(count));
-  refresh(snapshot, extent_);
+  read_depths(snapshot);
 }
 
 void MissionMap::add_threat(const std::vector<Polygon>& rings, double detection_per_m, double destruction_per_m) {
@@ -48,24 +48,13 @@ void MissionMap::add_threat(const std::vector<Polygon>& rings, double detection_
   });
 }
 
-void MissionMap::refresh(const DepthSnapshot& snapshot) {
-  const PixelWindow window = snapshot.window().extent();
-  constexpr int kShift = 7;
-  static_assert(MissionCell::kPixels == 1 << kShift);
-  const int first_column = window.column >> kShift, first_row = window.row >> kShift;
-  refresh(snapshot, {first_column, first_row, ((window.column + window.width - 1) >> kShift) - first_column + 1,
-                     ((window.row + window.height - 1) >> kShift) - first_row + 1});
-}
-
-void MissionMap::refresh(const DepthSnapshot& snapshot, const PixelWindow& cells) {
+void MissionMap::read_depths(const DepthSnapshot& snapshot) {
   constexpr int kSide = MissionCell::kPixels;
   std::vector<DepthPixel> pixels(static_cast<std::size_t>(kSide) * kSide);
-  const PixelWindow part = overlap(cells, extent_);
-  for (int row = part.row; row < part.row + part.height; ++row) {
-    for (int column = part.column; column < part.column + part.width; ++column) {
+  for (int row = extent_.row; row < extent_.row + extent_.height; ++row) {
+    for (int column = extent_.column; column < extent_.column + extent_.width; ++column) {
       const PixelWindow window{column * kSide, row * kSide, kSide, kSide};
       MissionCell& cell = cells_[slot({column, row})];
-      cell.mean_depth_m = cell.known = 0;
       if (untouched(snapshot, window)) continue;
       snapshot.read(window, pixels);
       std::int64_t sum_cm = 0, known = 0;

@@ -1,11 +1,11 @@
-// MissionMap: the coarsest map level, for planning whole missions (Oskard 1990, III-D; ledger S1-37, S1-40, S1-E02,
+// MissionMap: the coarsest map level, for planning whole missions (Oskard 1990, III-D; ledger S1-37, S1-E02,
 // S1-E11).
 //
 // Cells of 128 x 128 pixels: 64 m for pixels of 0.5 m, 25 a mile (the paper's 25 x 25 a square mile, rounded to whole
 // tiles of the finest map). Each cell holds the mean of its known depths, the share of its area that is known, and the
 // rates at which a vehicle there is detected and destroyed, per metre of path: a rate, so that the risk of a path does
-// not depend on how it is sampled. Depths come from the finer maps: `refresh` updates the cells that the local window
-// may have changed, and is exact. Cells are addressed in cells of the map (pixel / 128).
+// not depend on how it is sampled. Depths come from one snapshot of the finer maps. Cells are addressed in cells of the
+// map (pixel / 128).
 #pragma once
 
 #include <isobath/geometry/polygon.hpp>
@@ -38,14 +38,12 @@ class MissionMap {
   /// Adds the rates of a threat to the cells, each by the share of it that lies within the rings (even-odd rule, to an
   /// eighth of a cell along each side). From prior knowledge only.
   void add_threat(const std::vector<Polygon>& rings, double detection_per_m, double destruction_per_m);
-  /// Recomputes the cells under the local window; no other cell can have changed since the last refresh or shift.
-  void refresh(const DepthSnapshot& snapshot);
 
  private:
   [[nodiscard]] std::size_t slot(Pixel cell) const {
     return static_cast<std::size_t>(cell.row - extent_.row) * extent_.width + (cell.column - extent_.column);
   }
-  void refresh(const DepthSnapshot& snapshot, const PixelWindow& cells);
+  void read_depths(const DepthSnapshot& snapshot);
 
   PixelWindow extent_;
   PixelGrid grid_;

@@ -260,21 +260,6 @@ RegionQuadtree::Leaf RegionQuadtree::leaf_at(Pixel pixel) const {
   return {node >> 1, {pixel.column & -side, pixel.row & -side, side, side}};
 }
 
-void RegionQuadtree::set(Pixel pixel, std::uint32_t value) {
-  ISOBATH_ASSERT(square().contains(pixel) && value <= kLargestValue);
-  root_ = set_in(root_, levels_, pixel, leaf_of(value));
-}
-
-std::uint32_t RegionQuadtree::set_in(std::uint32_t node, int level, Pixel pixel, std::uint32_t leaf) {
-  if (node == leaf || level == 0) return leaf;
-  --level;
-  const std::int32_t quadrant = ((pixel.row >> level) & 1) << 1 | ((pixel.column >> level) & 1);
-  const Block before = quadrants_of(pool_, node);
-  Block now = before;
-  now[quadrant] = set_in(before[quadrant], level, pixel, leaf);
-  return settle(pool_, node, before, now);
-}
-
 void RegionQuadtree::fill(const PixelWindow& window, std::uint32_t value) {
   ISOBATH_ASSERT(window.width >= 0 && window.height >= 0 && value <= kLargestValue);
   root_ = fill_in(root_, {0, 0, levels_}, overlap(window, square()), leaf_of(value));

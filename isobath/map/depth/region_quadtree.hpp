@@ -69,7 +69,6 @@ class RegionQuadtree {
 
   [[nodiscard]] std::uint32_t at(Pixel pixel) const;
   [[nodiscard]] Leaf leaf_at(Pixel pixel) const;  ///< inside the square
-  void set(Pixel pixel, std::uint32_t value);     ///< inside the square
   void fill(const PixelWindow& window, std::uint32_t value);
 
   /// Reads a window into an array; the traversal enters only squares that overlap it (S1-34). Returns the nodes
@@ -111,7 +110,6 @@ class RegionQuadtree {
  private:
   template <class Visit>
   void visit_leaves(std::uint32_t node, const Square& square, const PixelWindow& window, Visit&& visit) const;
-  std::uint32_t set_in(std::uint32_t node, int level, Pixel pixel, std::uint32_t leaf);
   std::uint32_t fill_in(std::uint32_t node, const Square& square, const PixelWindow& window, std::uint32_t leaf);
   void release_below(std::uint32_t node);
 

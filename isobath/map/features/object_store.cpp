@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kLongestText = SqliteFile::kLongestValue - 1024;  // of an attribute, so that its row fits
 
+/// Part of it, but used by no statement: the indexes by place and by name.
 SqliteSchema schema() {
   return {"object store",
           0x49534f42,  // "ISOB"
@@ -43,16 +44,11 @@ SqliteSchema schema() {
 enum Query : std::size_t {
   kCreate,
   kUpdate,
-  kErase,
   kFind,
-  kWithAll,
   kWithAny,
-  kWithAttribute,
-  kInRectangle,
   kAttributes,
   kAttribute,
   kMakeAttribute,
-  kSetCapacity,
   kCountUp,
   kPut,
   kTrim,
@@ -73,19 +69,13 @@ std::vector<std::string> statements() {
   sql[kUpdate] =
       "UPDATE object SET capabilities=?, kind=?, name=?, north=?, east=?, depth=?, nn=?, ne=?, nd=?, ee=?, ed=?, dd=? "
       "WHERE id=?";
-  sql[kErase] = "DELETE FROM object WHERE id=?";
   sql[kFind] = "SELECT " + columns + " FROM object WHERE id=?";
-  sql[kWithAll] = "SELECT id FROM object WHERE capabilities & ?1 = ?1 ORDER BY id";
   sql[kWithAny] = "SELECT id FROM object WHERE capabilities & ?1 <> 0 ORDER BY id";
-  sql[kWithAttribute] = "SELECT object FROM attribute WHERE name=? AND written > 0 ORDER BY object";
-  sql[kInRectangle] =
-      "SELECT id FROM object INDEXED BY object_by_place WHERE north BETWEEN ? AND ? AND east BETWEEN ? AND ?";
   sql[kAttributes] = "SELECT name FROM attribute WHERE object=? AND written > 0 ORDER BY name";
   sql[kAttribute] = "SELECT id, capacity FROM attribute WHERE object=? AND name=?";
   sql[kMakeAttribute] =
       "INSERT INTO attribute(object, name, capacity, written) SELECT id, ?, ?, 0 FROM object WHERE id=? "
       "ON CONFLICT DO NOTHING";
-  sql[kSetCapacity] = "UPDATE attribute SET capacity=? WHERE id=?";
   sql[kCountUp] = "UPDATE attribute SET written = written + 1 WHERE id=? RETURNING written";
   sql[kPut] = "INSERT INTO entry VALUES(?,?,?,?,?,?,?,?,?,?)";
   sql[kTrim] =  // entries older than the N-th newest, if there is one
@@ -104,24 +94,6 @@ bool stays_inside(const std::string& file) {
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> velocity(std::span<const AttributeEntry> history, Duration apart) {
-  const AttributeEntry* newest = nullptr;
-  for (auto entry = history.rbegin(); entry != history.rend(); ++entry) {
-    if (!std::holds_alternative<Eigen::Vector3d>(entry->value)) continue;
-    if (newest == nullptr) {
-      newest = &*entry;
-      continue;
-    }
-    // Times in a file may be centuries apart: their difference needs the 64th bit.
-    const std::uint64_t gap = static_cast<std::uint64_t>(newest->time.time_since_epoch().count()) -
-                              static_cast<std::uint64_t>(entry->time.time_since_epoch().count());
-    if (gap == 0 || (apart.count() > 0 && gap < static_cast<std::uint64_t>(apart.count()))) continue;
-    return (std::get<Eigen::Vector3d>(newest->value) - std::get<Eigen::Vector3d>(entry->value)) /
-           (1e-9 * static_cast<double>(gap));
-  }
-  return std::nullopt;
-}
-
 struct ObjectStore::Database {
   struct Attribute {
     std::int64_t id;
@@ -129,13 +101,11 @@ struct ObjectStore::Database {
   };
 
   SqliteFile file;
-  mutable Touched touched = {};
 
   explicit Database(const std::filesystem::path& path) : file(path, schema(), statements()) {}
   [[nodiscard]] SqliteUse use(Query query) const { return file.use(query); }
   [[nodiscard]] std::optional<Attribute> attribute(ObjectId object, const std::string& name) const;
   void trim(std::int64_t attribute, std::int64_t capacity) const;
-  std::vector<ObjectId> ids(SqliteUse& query) const;
 };
 
 namespace {
@@ -217,10 +187,10 @@ void ObjectStore::Database::trim(std::int64_t attribute, std::int64_t capacity) 
   use(kTrim).with(attribute).with(capacity).run();
 }
 
-/// For an object that exists; a new attribute keeps `kDefaultHistory` entries.
+/// For an object that exists; a new attribute keeps `kEntries` entries.
 std::optional<ObjectStore::Database::Attribute> ObjectStore::Database::attribute(ObjectId object,
                                                                                  const std::string& name) const {
-  use(kMakeAttribute).with(name).with(std::int64_t{kDefaultHistory}).with(object).run();
+  use(kMakeAttribute).with(name).with(std::int64_t{kEntries}).with(object).run();
   SqliteUse found = use(kAttribute);
   found.with(object).with(name);
   if (!found.step()) return std::nullopt;
@@ -264,11 +234,6 @@ bool ObjectStore::update(const MapObject& object) {
   return database_->file.changed();
 }
 
-bool ObjectStore::erase(ObjectId id) {
-  database_->use(kErase).with(id).run();
-  return database_->file.changed();
-}
-
 bool ObjectStore::put(ObjectId id, const std::string& attribute, const AttributeEntry& entry) {
   const Columns c = columns_of(entry.value, database_->file.name());
   std::optional<Transaction> own;
@@ -294,27 +259,9 @@ bool ObjectStore::put(ObjectId id, const std::string& attribute, const Attribute
   return true;
 }
 
-bool ObjectStore::set_history(ObjectId id, const std::string& attribute, int entries) {
-  if (entries < 1 || entries > kLongestHistory) {
-    throw Error(fmt::format("a history of {} entries", entries), {database_->file.name()},
-                fmt::format("1 .. {}", kLongestHistory));
-  }
-  std::optional<Transaction> own;
-  if (!database_->file.in_transaction()) own.emplace(*this);
-  const auto found = database_->attribute(id, attribute);
-  if (!found) return false;
-  database_->use(kSetCapacity).with(std::int64_t{entries}).with(found->id).run();
-  database_->trim(found->id, entries);
-  if (own) own->commit();
-  return true;
-}
-
 std::optional<MapObject> ObjectStore::find(ObjectId id) const {
   SqliteUse use = database_->use(kFind);
-  const bool found = use.with(id).step();
-  database_->touched.records += found;
-  database_->touched.scanned += use.scanned();
-  if (!found) return std::nullopt;
+  if (!use.with(id).step()) return std::nullopt;
   return object_of(use);
 }
 
@@ -327,34 +274,12 @@ std::vector<MapObject> ObjectStore::find(std::span<const ObjectId> ids) const {
   return objects;
 }
 
-std::vector<ObjectId> ObjectStore::Database::ids(SqliteUse& query) const {
-  std::vector<ObjectId> found;
-  while (query.step()) found.push_back(query.integer());
-  touched.records += found.size();
-  touched.scanned += query.scanned();
-  return found;
-}
-
-std::vector<ObjectId> ObjectStore::with_all(std::uint32_t mask) const {
-  SqliteUse use = database_->use(kWithAll);
-  return database_->ids(use.with(std::int64_t{mask}));
-}
-
 std::vector<ObjectId> ObjectStore::with_any(std::uint32_t mask) const {
   SqliteUse use = database_->use(kWithAny);
-  return database_->ids(use.with(std::int64_t{mask}));
-}
-
-std::vector<ObjectId> ObjectStore::with_attribute(const std::string& attribute) const {
-  SqliteUse use = database_->use(kWithAttribute);
-  return database_->ids(use.with(attribute));
-}
-
-std::vector<ObjectId> ObjectStore::in_rectangle(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
-  SqliteUse use = database_->use(kInRectangle);
-  std::vector<ObjectId> found = database_->ids(use.with(low.x()).with(high.x()).with(low.y()).with(high.y()));
-  std::sort(found.begin(), found.end());
-  return found;
+  use.with(std::int64_t{mask});
+  std::vector<ObjectId> ids;
+  while (use.step()) ids.push_back(use.integer());
+  return ids;
 }
 
 std::vector<std::string> ObjectStore::attributes(ObjectId id) const {
@@ -378,7 +303,5 @@ std::optional<AttributeEntry> ObjectStore::latest(ObjectId id, const std::string
   if (!use.with(id).with(attribute).step()) return std::nullopt;
   return entry_of(use, database_->file.name());
 }
-
-ObjectStore::Touched ObjectStore::touched() const { return database_->touched; }
 
 }  // namespace isobath

@@ -1,14 +1,13 @@
 // ObjectStore: objects and the observations of them, in one SQLite file (Oskard 1990, II; ledger S1-07 S1-08 S1-09
 // S1-25).
 //
-// An object has an identification number that is never reused, a mask of 32 capabilities, a kind, a name, and a
-// position in W (north, east, depth; m) with its covariance (m2). It has attributes, each with a name. Each attribute
-// keeps its newest N entries (time, value) in the order of time, N = 16 unless set otherwise. A full history drops its
-// oldest entry, which may be the new one if that arrives too late. A value is a number, a vector, a text or a reference
-// to a shape: a file of the map's folder together with its most requested properties.
+// An object has an identification number of its own, a mask of 32 capabilities, a kind, a name, and a position in W
+// (north, east, depth; m) with its covariance (m2). It has attributes, each with a name. Each attribute keeps its
+// newest 16 entries (time, value) in the order of time. A full history drops its oldest entry, which may be the new one
+// if that arrives too late. A value is a number, a vector, a text or a reference to a shape: a file of the map's folder
+// together with its most requested properties.
 //
-// Spatial trees keep ids; `find` reads exactly the requested records, and `touched` proves it (S1-25). `with_attribute`
-// uses an index; `in_rectangle` uses the index of norths within the rectangle; queries by mask read all objects.
+// Spatial trees keep ids; `find` reads exactly the requested records (S1-25). Queries by mask read all objects.
 //
 // On disk: rollback journal; every commit is flushed before it returns; a crash at any instant leaves the last commit.
 // One program at a time: the file stays locked, so that no reader can make the vehicle's writes fail. On opening, the
@@ -63,14 +62,9 @@ struct AttributeEntry {
   AttributeValue value;
 };
 
-/// Velocity from the newest vector entry and the newest vector entry that is older by at least `apart` (and not of the
-/// same time): units of the attribute per second. Entries in order of time.
-std::optional<Eigen::Vector3d> velocity(std::span<const AttributeEntry> history, Duration apart = {});
-
 class ObjectStore {
  public:
-  static constexpr int kDefaultHistory = 16;
-  static constexpr int kLongestHistory = 65536;
+  static constexpr int kEntries = 16;  ///< entries that an attribute keeps
 
   /// Opens the file, or creates it. Throws Error.
   explicit ObjectStore(const std::filesystem::path& file);
@@ -97,32 +91,18 @@ class ObjectStore {
   ObjectId create(const MapObject& object);
   /// These return false if the object does not exist.
   bool update(const MapObject& object);
-  bool erase(ObjectId id);
   bool put(ObjectId id, const std::string& attribute, const AttributeEntry& entry);
-  /// Number of entries that the attribute keeps from now on, 1 .. kLongestHistory.
-  bool set_history(ObjectId id, const std::string& attribute, int entries);
 
   [[nodiscard]] std::optional<MapObject> find(ObjectId id) const;
   /// In the order of `ids`; ids that do not exist are left out.
   [[nodiscard]] std::vector<MapObject> find(std::span<const ObjectId> ids) const;
-  /// Ids of the objects that have all, or at least one, of the capabilities, in ascending order.
-  [[nodiscard]] std::vector<ObjectId> with_all(std::uint32_t mask) const;
+  /// Ids of the objects that have at least one of the capabilities, in ascending order.
   [[nodiscard]] std::vector<ObjectId> with_any(std::uint32_t mask) const;
-  [[nodiscard]] std::vector<ObjectId> with_attribute(const std::string& attribute) const;
-  /// Corners (north, east) south-west and north-east, borders included.
-  [[nodiscard]] std::vector<ObjectId> in_rectangle(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
 
   [[nodiscard]] std::vector<std::string> attributes(ObjectId id) const;  ///< names, sorted
   [[nodiscard]] std::optional<AttributeEntry> latest(ObjectId id, const std::string& attribute) const;
   /// In order of time, entries of equal time in order of arrival; empty where there is none.
   [[nodiscard]] std::vector<AttributeEntry> history(ObjectId id, const std::string& attribute) const;
-
-  struct Touched {
-    std::uint64_t records = 0;  ///< objects read
-    std::uint64_t scanned = 0;  ///< records read in a scan without an index
-  };
-  /// Counts since the file was opened.
-  [[nodiscard]] Touched touched() const;
 
  private:
   struct Database;

@@ -93,7 +93,7 @@ std::optional<PmrQuadtree::Placed> PmrQuadtree::inside(const Segment& s) const {
   const auto on_square = [&](const Vector2d& p) {
     return Vector2d(std::clamp(p.x(), square_.south, square_.north), std::clamp(p.y(), square_.west, square_.east));
   };
-  return Placed{first == 0 ? s.a : on_square(s.a + first * d), last == 1 ? s.b : on_square(s.a + last * d)};
+  return Placed{s.id, first == 0 ? s.a : on_square(s.a + first * d), last == 1 ? s.b : on_square(s.a + last * d)};
 }
 
 Found PmrQuadtree::foot_on(std::uint32_t slot, const Vector2d& point) const {
@@ -102,24 +102,16 @@ Found PmrQuadtree::foot_on(std::uint32_t slot, const Vector2d& point) const {
   const double squared_length = d.squaredNorm();
   const double t = squared_length > 0 ? (point - s.a).dot(d) / squared_length : 0;
   const Vector2d foot = t <= 0 ? s.a : t >= 1 ? s.b : Vector2d(s.a + t * d);
-  return {given_[slot].id, foot, (foot - point).squaredNorm()};
+  return {s.id, foot, (foot - point).squaredNorm()};
 }
 
 TreeEdit PmrQuadtree::insert(const Segment& segment) {
   const std::optional<Placed> placed = inside(segment);
   if (!placed) return TreeEdit::kOutside;
-  if (slots_.contains(segment.id)) return TreeEdit::kKnownId;
-  if (free_slots_.empty()) {
-    ISOBATH_ASSERT(placed_.size() < 0x7fffffff);
-    free_slots_.push_back(static_cast<std::uint32_t>(placed_.size()));
-    placed_.emplace_back();
-    given_.emplace_back();
-  }
-  const std::uint32_t slot = free_slots_.back();
-  free_slots_.pop_back();
-  placed_[slot] = *placed;
-  given_[slot] = segment;
-  slots_.emplace(segment.id, slot);
+  if (!ids_.insert(segment.id).second) return TreeEdit::kKnownId;
+  ISOBATH_ASSERT(placed_.size() < 0x7fffffff);
+  const auto slot = static_cast<std::uint32_t>(placed_.size());
+  placed_.push_back(*placed);
   root_ = insert_in(root_, square_, 0, slot);
   return TreeEdit::kDone;
 }
@@ -148,43 +140,6 @@ std::uint32_t PmrQuadtree::insert_in(std::uint32_t node, const SquareBlock& bloc
   return blocks_.allocate(quadrants);
 }
 
-TreeEdit PmrQuadtree::erase(std::uint64_t id) {
-  const auto known = slots_.find(id);
-  if (known == slots_.end()) return TreeEdit::kUnknownId;
-  root_ = erase_in(root_, square_, known->second);
-  free_slots_.push_back(known->second);
-  slots_.erase(known);
-  return TreeEdit::kDone;
-}
-
-std::uint32_t PmrQuadtree::erase_in(std::uint32_t node, const SquareBlock& block, std::uint32_t slot) {
-  if (!meets(placed_[slot], block)) return node;
-  if (!SquareBlocks::is_link(node)) return without(node, slot);
-  for (int q = 0; q < 4; ++q) {
-    const std::uint32_t child = erase_in(blocks_[node][q], block.quadrant(q), slot);
-    blocks_[node][q] = child;
-  }
-  return merged(node);
-}
-
-std::uint32_t PmrQuadtree::merged(std::uint32_t node) {
-  const SquareBlocks::Block children = blocks_[node];
-  std::vector<std::uint32_t> slots;
-  for (const std::uint32_t child : children) {
-    if (SquareBlocks::is_link(child)) return node;
-    append_slots(child, slots);
-    if (slots.size() > 4 * threshold_) return node;
-  }
-  std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
-  if (slots.size() > threshold_) return node;
-  for (const std::uint32_t child : children) release_list(child);
-  blocks_.release(node);
-  std::uint32_t leaf = kNone;
-  for (const std::uint32_t slot : slots) leaf = with(leaf, slot);
-  return leaf;
-}
-
 std::uint32_t PmrQuadtree::new_chunk(std::uint32_t slot, std::uint32_t next) {
   if (free_chunks_.empty()) {
     free_chunks_.push_back(static_cast<std::uint32_t>(chunks_.size()));
@@ -204,21 +159,6 @@ std::uint32_t PmrQuadtree::with(std::uint32_t leaf, std::uint32_t slot) {
   return leaf;
 }
 
-std::uint32_t PmrQuadtree::without(std::uint32_t leaf, std::uint32_t slot) {
-  for (std::uint32_t at = leaf; at != kNone; at = chunks_[at >> 1].next) {
-    Chunk& chunk = chunks_[at >> 1];
-    const auto end = chunk.slots.begin() + chunk.count;
-    const auto found = std::find(chunk.slots.begin(), end, slot);
-    if (found == end) continue;
-    Chunk& first = chunks_[leaf >> 1];
-    *found = first.slots[--first.count];
-    if (first.count > 0) return leaf;
-    free_chunks_.push_back(leaf >> 1);
-    return first.next;
-  }
-  return leaf;
-}
-
 void PmrQuadtree::release_list(std::uint32_t leaf) {
   for (; leaf != kNone; leaf = chunks_[leaf >> 1].next) free_chunks_.push_back(leaf >> 1);
 }
@@ -234,31 +174,6 @@ std::size_t PmrQuadtree::count(std::uint32_t leaf) const {
   std::size_t sum = 0;
   for (; leaf != kNone; leaf = chunks_[leaf >> 1].next) sum += chunks_[leaf >> 1].count;
   return sum;
-}
-
-std::optional<PmrQuadtree::Segment> PmrQuadtree::segment(std::uint64_t id) const {
-  const auto known = slots_.find(id);
-  return known == slots_.end() ? std::nullopt : std::optional(given_[known->second]);
-}
-
-PmrQuadtree::Statistics PmrQuadtree::statistics() const {
-  Statistics s;
-  s.internal_nodes = blocks_.in_use();
-  s.leaves = 3 * s.internal_nodes + 1;
-  std::vector<std::uint32_t> open{root_};
-  while (!open.empty()) {
-    const std::uint32_t node = open.back();
-    open.pop_back();
-    if (SquareBlocks::is_link(node)) {
-      open.insert(open.end(), blocks_[node].begin(), blocks_[node].end());
-      continue;
-    }
-    s.entries += count(node);
-    s.largest_leaf = std::max(s.largest_leaf, count(node));
-  }
-  s.bytes = s.internal_nodes * sizeof(SquareBlocks::Block) + (chunks_.size() - free_chunks_.size()) * sizeof(Chunk) +
-            size() * (sizeof(Placed) + sizeof(Segment));
-  return s;
 }
 
 std::optional<Found> PmrQuadtree::nearest(const Vector2d& point, SearchEffort* effort) const {
@@ -289,46 +204,25 @@ std::optional<Found> PmrQuadtree::nearest(const Vector2d& point, SearchEffort* e
   return best;
 }
 
-template <class Meets>
-void PmrQuadtree::collect(std::uint32_t node, const SquareBlock& block, Meets meets_block,
+void PmrQuadtree::collect(std::uint32_t node, const SquareBlock& block, const Eigen::AlignedBox2d& window,
                           std::vector<std::uint32_t>& slots) const {
-  if (node == kNone || !meets_block(block)) return;
+  if (node == kNone || !block.meets(window)) return;
   if (SquareBlocks::is_link(node)) {
-    for (int q = 0; q < 4; ++q) collect(blocks_[node][q], block.quadrant(q), meets_block, slots);
+    for (int q = 0; q < 4; ++q) collect(blocks_[node][q], block.quadrant(q), window, slots);
     return;
   }
   append_slots(node, slots);
 }
 
-std::vector<Found> PmrQuadtree::within(const Vector2d& point, double radius_m) const {
-  if (!(radius_m >= 0)) return {};
-  const double reach =
-      radius_m + slack_m_ + 64 * std::numeric_limits<double>::epsilon() * point.lpNorm<Eigen::Infinity>();
-  std::vector<std::uint32_t> slots;
-  collect(
-      root_, square_, [&](const SquareBlock& b) { return b.squared_distance(point) <= reach * reach; }, slots);
-  std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
-  std::vector<Found> found;
-  for (const std::uint32_t slot : slots) {
-    const Found candidate = foot_on(slot, point);
-    if (candidate.distance <= radius_m * radius_m) found.push_back(candidate);
-  }
-  std::sort(found.begin(), found.end(), nearer);
-  for (Found& f : found) f.distance = std::sqrt(f.distance);
-  return found;
-}
-
 std::vector<std::uint64_t> PmrQuadtree::in_window(const Eigen::AlignedBox2d& window) const {
   std::vector<std::uint32_t> slots;
-  collect(
-      root_, square_, [&](const SquareBlock& b) { return b.meets(window); }, slots);
+  collect(root_, square_, window, slots);
   std::sort(slots.begin(), slots.end());
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   const SquareBlock block{window.min().x(), window.min().y(), window.max().x(), window.max().y()};
   std::vector<std::uint64_t> ids;
   for (const std::uint32_t slot : slots) {
-    if (meets(placed_[slot], block)) ids.push_back(given_[slot].id);
+    if (meets(placed_[slot], block)) ids.push_back(placed_[slot].id);
   }
   std::sort(ids.begin(), ids.end());
   return ids;

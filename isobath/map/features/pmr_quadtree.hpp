@@ -1,16 +1,16 @@
 // PmrQuadtree: a spatial index of line segments (pipelines, ravines, walls, wires) (PMR quadtree: Oskard 1990, III-B,
-// after Nelson and Samet 1986; ledger S1-22, S1-23, S1-25, S1-E14).
+// after Nelson and Samet 1986; ledger S1-22, S1-23, S1-25).
 //
 // Every leaf lists the segments that cross it. A leaf that exceeds the threshold at an insertion splits once, and that
-// insertion does not split its children again, however many segments they hold. Erasing merges four sibling leaves when
-// they hold at most the threshold of distinct segments, and repeats this upwards (S1-E14). The shape may depend on the
-// order of insertions; the results of searches do not.
+// insertion does not split its children again, however many segments they hold. The shape may depend on the order of
+// insertions; the results of searches do not.
 //
 // Points are (north, east) of W in metres. The tree's map ends at its square: only the part of a segment inside the
-// square is placed and measured (a segment that only touches the square's edge is inside); the ends are kept as given.
+// square is placed and measured (a segment that only touches the square's edge is inside).
 //
-// Searches test each segment once, are exact, and return equal distances in the order of ids. They may run in several
-// threads at once, but not during an edit. Deterministic. Nearest of 100,000: 1.3 us (bench/quadtree_bench.cpp).
+// Searches test each segment once and are exact; of several nearest, the one of the lowest id is found. They may run in
+// several threads at once, but not during an edit. Deterministic. Nearest of 100,000: 1.3 us
+// (bench/quadtree_bench.cpp).
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 #include <Eigen/Geometry>
 #include <isobath/map/storage/square_blocks.hpp>
 #include <optional>
-#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace isobath {
@@ -35,37 +35,23 @@ class PmrQuadtree {
     Eigen::Vector2d foot{0, 0};  ///< the nearest point of the segment
     double distance = 0;         ///< m
   };
-  struct Statistics {
-    std::size_t internal_nodes = 0;
-    std::size_t leaves = 0;  ///< empty ones included
-    std::size_t entries = 0;
-    std::size_t largest_leaf = 0;
-    std::size_t bytes = 0;
-  };
 
   /// A square of `side_m` north and east of its south-west corner; blocks of side_m / 2^levels do not split.
   explicit PmrQuadtree(const Eigen::Vector2d& south_west, double side_m, int threshold = 4, int levels = 24);
 
   TreeEdit insert(const Segment& segment);
-  TreeEdit erase(std::uint64_t id);
 
-  [[nodiscard]] std::size_t size() const { return slots_.size(); }
-  [[nodiscard]] std::optional<Segment> segment(std::uint64_t id) const;
-  [[nodiscard]] Statistics statistics() const;
-
-  // `point` must be finite and may lie outside the square.
-
+  /// `point` must be finite and may lie outside the square.
   [[nodiscard]] std::optional<Found> nearest(const Eigen::Vector2d& point, SearchEffort* effort = nullptr) const;
-  /// All segments at most `radius_m` away, by distance.
-  [[nodiscard]] std::vector<Found> within(const Eigen::Vector2d& point, double radius_m) const;
   /// Ids of all segments that meet a rectangle of (north, east), edges included, ascending.
   [[nodiscard]] std::vector<std::uint64_t> in_window(const Eigen::AlignedBox2d& window) const;
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;  ///< an empty leaf; else a leaf is chunk << 1 | 1
 
-  /// The part inside the square, which searches use.
+  /// The part inside the square.
   struct Placed {
+    std::uint64_t id = 0;
     Eigen::Vector2d a{0, 0};
     Eigen::Vector2d b{0, 0};
   };
@@ -82,16 +68,13 @@ class PmrQuadtree {
   [[nodiscard]] Found foot_on(std::uint32_t slot, const Eigen::Vector2d& point) const;  ///< distance squared
 
   [[nodiscard]] std::uint32_t insert_in(std::uint32_t node, const SquareBlock& block, int depth, std::uint32_t slot);
-  [[nodiscard]] std::uint32_t erase_in(std::uint32_t node, const SquareBlock& block, std::uint32_t slot);
-  [[nodiscard]] std::uint32_t merged(std::uint32_t node);
   [[nodiscard]] std::uint32_t with(std::uint32_t leaf, std::uint32_t slot);
-  [[nodiscard]] std::uint32_t without(std::uint32_t leaf, std::uint32_t slot);
   [[nodiscard]] std::uint32_t new_chunk(std::uint32_t slot, std::uint32_t next);
   void release_list(std::uint32_t leaf);
   void append_slots(std::uint32_t leaf, std::vector<std::uint32_t>& slots) const;
   [[nodiscard]] std::size_t count(std::uint32_t leaf) const;
-  template <class Meets>
-  void collect(std::uint32_t node, const SquareBlock& block, Meets meets, std::vector<std::uint32_t>& slots) const;
+  void collect(std::uint32_t node, const SquareBlock& block, const Eigen::AlignedBox2d& window,
+               std::vector<std::uint32_t>& slots) const;
 
   SquareBlock square_;
   std::size_t threshold_;
@@ -102,9 +85,7 @@ class PmrQuadtree {
   std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> free_chunks_;
   std::vector<Placed> placed_;
-  std::vector<Segment> given_;
-  std::vector<std::uint32_t> free_slots_;
-  std::unordered_map<std::uint64_t, std::uint32_t> slots_;
+  std::unordered_set<std::uint64_t> ids_;
 };
 
 }  // namespace isobath

@@ -1,22 +1,19 @@
-// PrQuadtree: a spatial index of point objects (PR quadtree: Oskard 1990, III-B, after Samet 1984; ledger S1-20, S1-21,
+// PrQuadtree: a spatial index of point objects (PR quadtree: Oskard 1990, III-B, after Samet 1984; ledger S1-20,
 // S1-25).
 //
 // A block splits while it holds more than one point, so that any two points end in different leaves. Points that are
-// closer than the smallest block share one (S1-20). Erasing merges blocks that hold at most one point. Points are
-// (north, east) of W in metres, inside the tree's square. An object has an id chosen by the caller and 32 bits of kinds
-// by which searches filter. Ids are those of a database, whose records no search touches (S1-25).
+// closer than the smallest block share one (S1-20). Points are (north, east) of W in metres, inside the tree's square.
+// An object has an id chosen by the caller and 32 bits of kinds by which searches filter. A search touches nothing but
+// the tree (S1-25).
 //
-// Searches are best-first on the distance to blocks, exact, and return equal distances in the order of ids. They may
-// run in several threads at once, but not during an edit. Deterministic. Nearest of 100,000: 1.3 us
-// (bench/quadtree_bench.cpp).
+// Searches are exact. They may run in several threads at once, but not during an edit. Deterministic.
 #pragma once
 
 #include <cstdint>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <isobath/map/storage/square_blocks.hpp>
-#include <optional>
-#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace isobath {
@@ -30,36 +27,16 @@ class PrQuadtree {
     Eigen::Vector2d position{0, 0};  ///< north, east; m
     std::uint32_t kinds = kEveryKind;
   };
-  struct Found {
-    std::uint64_t id = 0;
-    Eigen::Vector2d position{0, 0};
-    double distance = 0;  ///< m
-  };
 
   /// A square of `side_m` north and east of its south-west corner, whose smallest block is side_m / 2^levels.
   explicit PrQuadtree(const Eigen::Vector2d& south_west, double side_m, int levels = 32);
 
   TreeEdit insert(const Object& object);
-  TreeEdit erase(std::uint64_t id);
-  TreeEdit move(std::uint64_t id, const Eigen::Vector2d& position);
-
-  [[nodiscard]] std::size_t size() const { return slots_.size(); }
-  [[nodiscard]] std::optional<Object> object(std::uint64_t id) const;
   /// Number of internal nodes.
-  [[nodiscard]] std::size_t internal_nodes() const { return blocks_.in_use(); }
-  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] std::size_t internal_nodes() const { return blocks_.size(); }
 
-  // An object matches if it has one of `kinds`; kEveryKind matches objects without any kind, too. `point` must be
-  // finite and may lie outside the square.
-
-  [[nodiscard]] std::optional<Found> nearest(const Eigen::Vector2d& point, std::uint32_t kinds = kEveryKind,
-                                             SearchEffort* effort = nullptr) const;
-  /// The `count` nearest objects, by distance.
-  [[nodiscard]] std::vector<Found> nearest(const Eigen::Vector2d& point, std::size_t count, std::uint32_t kinds) const;
-  /// All objects at most `radius_m` away, by distance.
-  [[nodiscard]] std::vector<Found> within(const Eigen::Vector2d& point, double radius_m,
-                                          std::uint32_t kinds = kEveryKind) const;
-  /// Ids of all objects in a rectangle of (north, east), edges included, ascending.
+  /// Ids of all objects in a rectangle of (north, east), edges included, ascending. An object matches if it has one of
+  /// `kinds`; kEveryKind matches objects without any kind, too.
   [[nodiscard]] std::vector<std::uint64_t> in_window(const Eigen::AlignedBox2d& window,
                                                      std::uint32_t kinds = kEveryKind) const;
 
@@ -78,10 +55,6 @@ class PrQuadtree {
   [[nodiscard]] const Stored& at(std::uint32_t leaf) const { return objects_[leaf >> 1]; }
 
   [[nodiscard]] std::uint32_t insert_in(std::uint32_t node, const SquareBlock& block, int depth, std::uint32_t leaf);
-  [[nodiscard]] std::uint32_t erase_in(std::uint32_t node, const SquareBlock& block, std::uint32_t leaf);
-  template <class Visit>
-  void visit_within(std::uint32_t node, const SquareBlock& block, const Eigen::Vector2d& point, double squared_radius,
-                    Visit visit) const;
   template <class Visit>
   void visit_window(std::uint32_t node, const SquareBlock& block, const Eigen::AlignedBox2d& window, Visit visit) const;
 
@@ -90,8 +63,7 @@ class PrQuadtree {
   std::uint32_t root_ = kEmpty;
   SquareBlocks blocks_;
   std::vector<Stored> objects_;
-  std::vector<std::uint32_t> free_;
-  std::unordered_map<std::uint64_t, std::uint32_t> slots_;
+  std::unordered_set<std::uint64_t> ids_;
 };
 
 }  // namespace isobath

@@ -23,14 +23,27 @@ bool usable(const Polygon& outline) {
 /// Accumulates the changes of the position variance, and the distance travelled without one.
 void ObstacleMemory::measure_drift(const MemorySweep& sweep) {
   const Vector2d here = sweep.X_WL.translation.head<2>();
-  if (sweep.sigma_m) {
-    const double variance = *sweep.sigma_m * *sweep.sigma_m;
-    if (variance_) wander_ += std::abs(variance - *variance_);
+  const Vector2d jumped = sweep.jumped - jumped_;
+  jumped_ = sweep.jumped;
+  const std::optional<double> variance = sweep.sigma_m ? std::optional(*sweep.sigma_m * *sweep.sigma_m) : std::nullopt;
+  if (!jumped.isZero(0)) jump(jumped, variance);
+  if (variance) {
+    if (variance_) wander_ += std::abs(*variance - *variance_);
     variance_ = variance;
   } else if (last_place_) {
-    unmeasured_ += (here - *last_place_).norm();
+    unmeasured_ += (here - jumped - *last_place_).norm();
   }
   last_place_ = here;
+}
+
+void ObstacleMemory::jump(const Vector2d& by_W, std::optional<double> variance) {
+  for (Entry& e : entries_) {
+    const double model = config_.drift_share * (unmeasured_ - e.unmeasured);
+    const double drifted = wander_ - e.wander + model * model;
+    if (!(drifted < (variance ? e.variance + *variance : by_W.squaredNorm()))) continue;
+    set_outline(e, moved_by(e.seen.outline_W, by_W));
+    if (variance && variance_) e.wander += std::abs(*variance - *variance_);  // the jump has put it right
+  }
 }
 
 double ObstacleMemory::variance_since(const Entry& e) const {

@@ -296,17 +296,4 @@ std::vector<RememberedObstacle> ObstacleMemory::known(const Vector2d& north_east
   return out;
 }
 
-std::vector<RememberedObstacle> ObstacleMemory::remembered(const Vector2d& north_east, double radius_m) const {
-  std::vector<RememberedObstacle> out = known(north_east, radius_m);
-  std::erase_if(out, [](const RememberedObstacle& o) { return o.whole; });
-  return out;
-}
-
-std::vector<RememberedObstacle> ObstacleMemory::all() const {
-  std::vector<RememberedObstacle> out;
-  out.reserve(entries_.size());
-  for (const Entry& e : entries_) out.push_back(e.seen);
-  return out;
-}
-
 }  // namespace isobath

@@ -11,6 +11,10 @@
 // var_now - var_then; a fix adds its jump; independent errors bound both. The distance is the part of the path since
 // then for which navigation gave no variance.
 //
+// When the position jumps, an obstacle moves along if what dead reckoning has drifted since it was last seen is less
+// than what the fixes of then and now may be off (var_then + var_now, or the jump itself): it stays where it is
+// relative to the vehicle. An obstacle that was last seen longer ago stays where it is in the world (S6-53).
+//
 // A sweep is compared with the stored obstacles at their present places. A sighting within the combined uncertainty of
 // a stored obstacle is the same obstacle: the obstacle takes the new place, loses its margin, and becomes more certain.
 // First the shift on which most of the sweep agrees is removed: it is drift, and it shows which stored obstacle belongs
@@ -74,6 +78,7 @@ struct MemorySweep {
   std::optional<double> sigma_m;  ///< standard deviation of the position in the plane, an axis; empty: not known
   std::span<const Obstacle> obstacles;
   FreeWater water;
+  Eigen::Vector2d jumped = Eigen::Vector2d::Zero();  ///< sum of all jumps of the position so far, in W, m
 };
 
 struct RememberedObstacle {
@@ -96,10 +101,6 @@ class ObstacleMemory {
 
   /// Confirmed obstacles within `radius_m` of a place (north, east), margin included. In order of id.
   [[nodiscard]] std::vector<RememberedObstacle> known(const Eigen::Vector2d& north_east, double radius_m) const;
-  /// The known obstacles that the last sweep did not show whole, for planning.
-  [[nodiscard]] std::vector<RememberedObstacle> remembered(const Eigen::Vector2d& north_east, double radius_m) const;
-  /// All obstacles in order of id, unconfirmed ones too.
-  [[nodiscard]] std::vector<RememberedObstacle> all() const;
   /// For each obstacle of the last sweep, the id of the stored obstacle that it belongs to; 0: none.
   [[nodiscard]] std::span<const std::uint32_t> seen_as() const { return seen_as_; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
@@ -134,6 +135,7 @@ class ObstacleMemory {
   struct View;
 
   void measure_drift(const MemorySweep& sweep);
+  void jump(const Eigen::Vector2d& by_W, std::optional<double> variance);
   [[nodiscard]] double variance_since(const Entry& entry) const;
   [[nodiscard]] std::vector<Sighting> sightings_of(const MemorySweep& sweep) const;
   [[nodiscard]] bool is_stale(const Entry& entry) const;
@@ -161,9 +163,10 @@ class ObstacleMemory {
   std::uint64_t refused_ = 0;
   std::optional<Time> last_time_;
   std::optional<Eigen::Vector2d> last_place_;
-  std::optional<double> variance_;  ///< now, m2
-  double wander_ = 0;               ///< sum of |change of variance|, m2
-  double unmeasured_ = 0;           ///< distance travelled without variance, m
+  std::optional<double> variance_;                    ///< now, m2
+  double wander_ = 0;                                 ///< sum of |change of variance|, m2
+  double unmeasured_ = 0;                             ///< distance travelled without variance, m
+  Eigen::Vector2d jumped_ = Eigen::Vector2d::Zero();  ///< MemorySweep::jumped of the last sweep
   Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();
 };
 

@@ -17,7 +17,6 @@ ClearViews::View& ClearViews::view_at(const Eigen::Vector3d& from) {
   }
   View& view = views_.back();
   view.origin = from;
-  view.R.setIdentity();
   view.rows.assign(static_cast<std::size_t>(buckets_.azimuths()), -1);
   view.clear.clear();
   return view;
@@ -39,12 +38,12 @@ void ClearViews::look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Ang
                       Time time) {
   View& view = view_at(from);
   view.last = time;
-  const Eigen::Vector3d end = view.R * (from + clear.to_m * u - view.origin);
+  const Eigen::Vector3d end = from + clear.to_m * u - view.origin;
   const double range = end.norm();
   if (!(range > 0) || !(clear.to_m > clear.from_m)) return;
   const SphericalDirection axis = buckets_.at(end);
   // A sensor without a blind zone sees the whole way from the view's origin.
-  const double begin = clear.from_m > 0 ? (view.R * (from + clear.from_m * u - view.origin)).norm() : 0;
+  const double begin = clear.from_m > 0 ? (from + clear.from_m * u - view.origin).norm() : 0;
   const View::Clear stretch{static_cast<float>(begin), static_cast<float>(range)};
   set(view, axis, stretch);
   const double step = buckets_.step().radians(), within = half_width.radians() * 1.01;  // edges that just touch
@@ -67,7 +66,7 @@ void ClearViews::look(const Eigen::Vector3d& from, const Eigen::Vector3d& u, Ang
 bool ClearViews::is_clear(const Eigen::Vector3d& p) const {
   for (std::size_t i = views_.size(); i-- > 0;) {
     const View& view = views_[i];
-    const Eigen::Vector3d q = view.R * (p - view.origin);
+    const Eigen::Vector3d q = p - view.origin;
     const double r2 = q.squaredNorm();
     if (!(r2 > 0)) return true;  // where the vehicle was
     const SphericalDirection d = buckets_.at(q);
@@ -80,11 +79,8 @@ bool ClearViews::is_clear(const Eigen::Vector3d& p) const {
   return false;
 }
 
-void ClearViews::move(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
-  for (View& view : views_) {
-    view.origin = R * view.origin + t;
-    view.R = view.R * R.transpose();
-  }
+void ClearViews::move(const Eigen::Vector3d& t) {
+  for (View& view : views_) view.origin += t;
 }
 
 void ClearViews::forget_before(Time time) {

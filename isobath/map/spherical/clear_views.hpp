@@ -35,8 +35,8 @@ class ClearViews {
   [[nodiscard]] bool is_clear(const Eigen::Vector3d& p) const;
   /// Copies all views of another object that has the same directions.
   void copy_from(const ClearViews& other) { views_ = other.views_; }
-  /// Applies p' = R p + t to all views.
-  void move(const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
+  /// Applies p' = p + t to all views.
+  void move(const Eigen::Vector3d& t);
   /// Removes views whose last look was earlier than `time`.
   void forget_before(Time time);
   [[nodiscard]] int views() const { return static_cast<int>(views_.size()); }
@@ -45,7 +45,6 @@ class ClearViews {
  private:
   struct View {
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< from T to the axes in which the view began
     Time last{};
     std::vector<std::int32_t> rows;  ///< by azimuth: where its elevations start in `clear`; -1: none
     struct Clear {

@@ -125,11 +125,6 @@ bool SphericalCells::erase(const SphericalDirection& d, int layer) {
   return true;
 }
 
-void SphericalCells::clear() {
-  begin_again();
-  old_pool_.clear();
-}
-
 void SphericalCells::begin_again() {
   table_.clear();
   beams_.clear();

@@ -82,9 +82,6 @@ class SphericalCells {
   // -----------------------------------------------------------------------------------------------------------
   /// The cell of a direction and layer; makes it if there is none (all zero but its layer) and then sets `made`.
   SphericalCell& at(const SphericalDirection& d, int layer, bool& made);
-  SphericalCell* find(const SphericalDirection& d, int layer) {
-    return const_cast<SphericalCell*>(std::as_const(*this).find(d, layer));
-  }
   void mark_occupied(const SphericalDirection& d, int layer, bool occupied);
   /// Returns false if there is no such cell.
   bool erase(const SphericalDirection& d, int layer);
@@ -100,7 +97,6 @@ class SphericalCells {
       d = next;
     }
   }
-  void clear();
   void turn(int buckets) { table_.turn(buckets); }
   /// Changes every cell once, in any order: `change(cell)` returns whether the cell is now occupied.
   template <class Change>

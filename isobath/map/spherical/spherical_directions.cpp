@@ -21,19 +21,6 @@ int next_bit(const std::uint64_t* words, int from, int end) {
   return -1;
 }
 
-/// Last set bit in [begin, to], or -1.
-int previous_bit(const std::uint64_t* words, int begin, int to) {
-  while (to >= begin) {
-    const std::uint64_t rest = words[to / 64] << (63 - to % 64);
-    if (rest != 0) {
-      const int at = to - std::countl_zero(rest);
-      return at >= begin ? at : -1;
-    }
-    to = to / 64 * 64 - 1;
-  }
-  return -1;
-}
-
 }  // namespace
 
 DirectionBuckets::DirectionBuckets(Angle step)
@@ -165,54 +152,19 @@ int DirectionTable::next_azimuth(int from) const {
   return at < 0 ? -1 : azimuth_of(at);
 }
 
-int DirectionTable::previous_azimuth(int from) const {
-  if (from < 0) return -1;
-  const int start = static_cast<int>(place(from)), turn = azimuths_ - shift_;
-  if (start < turn) {
-    const int at = previous_bit(first_bits_.data(), 0, start);
-    if (at >= 0) return azimuth_of(at);
-    const int high = previous_bit(first_bits_.data(), turn, azimuths_ - 1);
-    return high < 0 ? -1 : azimuth_of(high);
-  }
-  const int at = previous_bit(first_bits_.data(), turn, start);
-  return at < 0 ? -1 : azimuth_of(at);
-}
-
-SphericalDirection DirectionTable::end_of(int azimuth, bool low) const {
-  const std::uint64_t* bits = bits_of(first_[place(azimuth)]);
-  return {azimuth, low ? next_bit(bits, 0, elevations_) : previous_bit(bits, 0, elevations_ - 1)};
-}
-
-std::optional<SphericalDirection> DirectionTable::first() const {
-  const int azimuth = next_azimuth(0);
+std::optional<SphericalDirection> DirectionTable::first_of(int azimuth) const {
   if (azimuth < 0) return {};
-  return end_of(azimuth, true);
+  return SphericalDirection{azimuth, next_bit(bits_of(first_[place(azimuth)]), 0, elevations_)};
 }
 
-std::optional<SphericalDirection> DirectionTable::last() const {
-  const int azimuth = previous_azimuth(azimuths_ - 1);
-  if (azimuth < 0) return {};
-  return end_of(azimuth, false);
-}
+std::optional<SphericalDirection> DirectionTable::first() const { return first_of(next_azimuth(0)); }
 
 std::optional<SphericalDirection> DirectionTable::after(const SphericalDirection& d) const {
   if (const std::int32_t second = first_[place(d.azimuth)]; second >= 0) {
     const int elevation = next_bit(bits_of(second), d.elevation + 1, elevations_);
     if (elevation >= 0) return SphericalDirection{d.azimuth, elevation};
   }
-  const int azimuth = next_azimuth(d.azimuth + 1);
-  if (azimuth < 0) return {};
-  return end_of(azimuth, true);
-}
-
-std::optional<SphericalDirection> DirectionTable::before(const SphericalDirection& d) const {
-  if (const std::int32_t second = first_[place(d.azimuth)]; second >= 0) {
-    const int elevation = previous_bit(bits_of(second), 0, d.elevation - 1);
-    if (elevation >= 0) return SphericalDirection{d.azimuth, elevation};
-  }
-  const int azimuth = previous_azimuth(d.azimuth - 1);
-  if (azimuth < 0) return {};
-  return end_of(azimuth, false);
+  return first_of(next_azimuth(d.azimuth + 1));
 }
 
 }  // namespace isobath

@@ -89,8 +89,8 @@ class DirectionBuckets {
 };
 
 /// Maps directions to ids: a table of azimuths, and a table of elevations for each azimuth in use. Nothing is linked:
-/// each table has a bit for every entry, so that walks in either order go from one used entry to the next without
-/// reading empty entries. A turn about the polar axis by whole buckets changes one number.
+/// each table has a bit for every entry, so that a walk goes from one used entry to the next without reading empty
+/// entries. A turn about the polar axis by whole buckets changes one number.
 class DirectionTable {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -110,9 +110,7 @@ class DirectionTable {
   [[nodiscard]] std::size_t bytes() const;
 
   [[nodiscard]] std::optional<SphericalDirection> first() const;
-  [[nodiscard]] std::optional<SphericalDirection> last() const;
   [[nodiscard]] std::optional<SphericalDirection> after(const SphericalDirection& d) const;
-  [[nodiscard]] std::optional<SphericalDirection> before(const SphericalDirection& d) const;
 
   /// Moves the contents of azimuth k to azimuth k + buckets.
   void turn(int buckets) { shift_ = wrap(shift_ + buckets); }
@@ -136,8 +134,7 @@ class DirectionTable {
     return bits_.data() + static_cast<std::size_t>(second) * words_;
   }
   [[nodiscard]] int next_azimuth(int from) const;
-  [[nodiscard]] int previous_azimuth(int from) const;
-  [[nodiscard]] SphericalDirection end_of(int azimuth, bool low) const;
+  [[nodiscard]] std::optional<SphericalDirection> first_of(int azimuth) const;
 
   int azimuths_, elevations_;
   std::size_t words_;  ///< 64-bit words per second table

@@ -80,11 +80,6 @@ SphericalDirection SphericalGrid::direction_of(const Vector3d& u_G) const {
   return turned(buckets_.at(turned_about_pole(u_G, -turned_)));
 }
 
-bool SphericalGrid::is_unobstructed(const Vector3d& u_G, double range_m) const {
-  const int layer = cells_.first_occupied(direction_of(u_G));
-  return layer < 0 || layers_.inner(layer) > range_m;
-}
-
 double SphericalGrid::log_odds(const SphericalPlace& place) const {
   const SphericalCell* cell = cells_.find(place.direction, place.layer);
   return cell ? static_cast<double>(cell->log_odds) : prior_;
@@ -159,13 +154,6 @@ void SphericalGrid::set_log_odds(const SphericalPlace& place, double log_odds) {
   maybe_lock(cell);
 }
 
-bool SphericalGrid::lock(const SphericalPlace& place, bool locked) {
-  SphericalCell* cell = cells_.find(place.direction, place.layer);
-  if (!cell) return false;
-  cell->locked = locked;
-  return true;
-}
-
 void SphericalGrid::add_known(const Vector3d& p_G, double edge_m) {
   const Vector3d p = to_table(p_G);
   const auto place = place_at(p);
@@ -213,15 +201,10 @@ void SphericalGrid::copy_from(const SphericalGrid& other) {
   offset_ = other.offset_;
 }
 
-void SphericalGrid::clear() {
-  cells_.clear();
-  views_.forget_before(Time::max());
-}
-
 void SphericalGrid::translate(const Vector3d& displacement_G) {
   offset_ += turned_about_pole(displacement_G, -turned_);
   const double most = config_.rebin_at * config_.min_layer_m;
-  if (offset_.squaredNorm() >= most * most) rebin(Eigen::Matrix3d::Identity(), -offset_);
+  if (offset_.squaredNorm() >= most * most) rebin(-offset_);
 }
 
 void SphericalGrid::turn(Angle turn) {
@@ -231,13 +214,5 @@ void SphericalGrid::turn(Angle turn) {
 }
 
 Angle SphericalGrid::remainder() const { return (turned_ - config_.bucket * cells_.directions().turned()).wrapped(); }
-
-// R acts in G: the turn that `turn` has applied stays applied.
-void SphericalGrid::rotate(const Eigen::Matrix3d& R) {
-  Eigen::Matrix3d R_GT;
-  R_GT << cos(turned_), -sin(turned_), 0, sin(turned_), cos(turned_), 0, 0, 0, 1;
-  const Eigen::Matrix3d R_T = R_GT.transpose() * R * R_GT;
-  rebin(R_T, -(R_T * offset_));
-}
 
 }  // namespace isobath

@@ -11,12 +11,12 @@
 // cells are fixed in T. `turn` changes only the angle between the two, of which the table takes whole buckets (S4-21):
 // a bucket of G is accurate to half a bucket, points (`point_of`) are exact.
 //
-// Motion. The contents of cells move exactly, by their mean and their spread; cells are re-binned when the vehicle has
-// moved by `rebin_at` of the finest layer, or when the grid is tilted. A content that is wider than its new cell is
-// split in two, repeatedly, so that an approached wall has no holes; contents that meet in one cell merge. Splitting
-// and merging keep the number of echoes and the first two moments, so that moving to and fro spreads nothing. Cells
-// that leave the range are handed over (`on_dropped`). Above 75 degrees of elevation cells are narrower than their
-// contents; there may be holes there.
+// Motion. The grid stays level: a vehicle that pitches or rolls tilts its beams, not the grid (S4-22). The contents of
+// cells move exactly, by their mean and their spread; cells are re-binned when the vehicle has moved by `rebin_at` of
+// the finest layer. A content that is wider than its new cell is split in two, repeatedly, so that an approached wall
+// has no holes; contents that meet in one cell merge. Splitting and merging keep the number of echoes and the first two
+// moments, so that moving to and fro spreads nothing. Cells that leave the range are handed over (`on_dropped`). Above
+// 75 degrees of elevation cells are narrower than their contents; there may be holes there.
 //
 // Cost (bench/README.md): an emptiness test is two look-ups; 20,000 cells are re-binned within 2 ms. After warm-up
 // nothing allocates. Errors: the constructor throws Error. One thread.
@@ -87,9 +87,6 @@ class SphericalGrid {
   // -----------------------------------------------------------------------------------------------------
   /// Whether there was no echo in this direction (S4-11); u_G of any length but 0.
   [[nodiscard]] bool is_empty(const Eigen::Vector3d& u_G) const { return !cells_.any(direction_of(u_G)); }
-  /// Whether no occupied cell of this one direction begins within `range_m`. This is not proof of free water: see
-  /// was_clear().
-  [[nodiscard]] bool is_unobstructed(const Eigen::Vector3d& u_G, double range_m) const;
   /// Whether a point was seen to be in clear water.
   [[nodiscard]] bool was_clear(const Eigen::Vector3d& p_G) const { return views_.is_clear(to_table(p_G)); }
   [[nodiscard]] SphericalDirection direction_of(const Eigen::Vector3d& u_G) const;
@@ -110,8 +107,6 @@ class SphericalGrid {
   std::optional<SphericalPlace> add_echo(const Eigen::Vector3d& p_G, double sigma_m, Time time);
   /// Makes the cell if there is none; a locked one keeps its state (S4-14). The value is clamped.
   void set_log_odds(const SphericalPlace& place, double log_odds);
-  /// Returns false if there is no cell.
-  bool lock(const SphericalPlace& place, bool locked);
   /// A known surface passes through this point, about `edge_m` across: locks and flags the cell (S4-15).
   void add_known(const Eigen::Vector3d& p_G, double edge_m);
   /// Adds the content of a cell of another grid, without its state and its lock (S4-17).
@@ -122,7 +117,6 @@ class SphericalGrid {
   /// Applies l = l_0 + (l - l_0) exp(-elapsed / tau) to every cell that is not locked, and forgets those that are
   /// hardly above the prior, or below it. Also forgets views of clear water without a look for tau (S4-50).
   void decay(Duration elapsed, Duration tau, Time now);
-  void clear();
   /// Copies another grid of the same configuration, for readers in other threads (grid_snapshots.hpp).
   void copy_from(const SphericalGrid& other);
 
@@ -132,8 +126,6 @@ class SphericalGrid {
   void translate(const Eigen::Vector3d& displacement_G);
   /// Adds a turn about z' to all azimuths (S4-21): a turn of the vehicle to starboard.
   void turn(Angle turn);
-  /// Moves everything in direction n to direction R n (S4-22).
-  void rotate(const Eigen::Matrix3d& R);
   [[nodiscard]] Angle turned() const { return turned_; }
   /// The part of the turn that the table has not taken: at most half a bucket.
   [[nodiscard]] Angle remainder() const;
@@ -156,7 +148,7 @@ class SphericalGrid {
   void maybe_lock(SphericalCell& cell) const;
   [[nodiscard]] double clamped(double log_odds) const;
   // spherical_motion.cpp
-  void rebin(const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
+  void rebin(const Eigen::Vector3d& t);
   struct Fit {
     enum Axis : std::uint8_t { kRange, kAzimuth, kElevation, kFits, kBeyond };
     std::uint32_t direction;  ///< of T, elevation within azimuth

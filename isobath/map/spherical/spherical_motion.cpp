@@ -1,5 +1,5 @@
 // Re-binning of SphericalGrid's cells after a motion: every content moves, is split where it is wider than its new
-// cell, and merges with contents that it meets there (S4-22 to S4-24).
+// cell, and merges with contents that it meets there (S4-23, S4-24).
 #include <algorithm>
 #include <cmath>
 #include <isobath/map/spherical/spherical_grid.hpp>
@@ -19,14 +19,6 @@ constexpr int kMaxRounds = 6;  // of halving one content in one motion
 /// Converts l to Lambda = -ln(1 - P), the expected number of objects in a cell, and back.
 double number_of(double log_odds) { return log_odds > 30 ? log_odds : std::log1p(std::exp(log_odds)); }
 double log_odds_of_number(double number) { return number > 30 ? number : std::log(std::expm1(number)); }
-
-/// Rotates a covariance.
-void rotate_spread(const Eigen::Matrix3f& R, std::array<float, 6>& c) {
-  Eigen::Matrix3f spread;
-  spread << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  const Eigen::Matrix3f turned = R * spread * R.transpose();
-  c = {turned(0, 0), turned(0, 1), turned(0, 2), turned(1, 1), turned(1, 2), turned(2, 2)};
-}
 
 }  // namespace
 
@@ -215,22 +207,15 @@ void SphericalGrid::gather() {
   }
 }
 
-void SphericalGrid::rebin(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
-  views_.move(R, t);
+void SphericalGrid::rebin(const Eigen::Vector3d& t) {
+  views_.move(t);
   offset_.setZero();
-  const Eigen::Matrix3f R_f = R.cast<float>();
   const Eigen::Vector3f t_f = t.cast<float>();
-  const bool tilted = !R.isIdentity(0);
   contents_.clear();
   cells_.each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
     contents_.insert(contents_.end(), beam.begin(), beam.end());
   });
   for (SphericalCell& content : contents_) {
-    if (tilted) {
-      const Eigen::Vector3f p = R_f * Eigen::Vector3f(content.mean[0], content.mean[1], content.mean[2]);
-      content.mean = {p.x(), p.y(), p.z()};
-      rotate_spread(R_f, content.spread);
-    }
     for (std::size_t i = 0; i < 3; ++i) content.mean[i] += t_f[static_cast<Eigen::Index>(i)];
   }
   split_wide();

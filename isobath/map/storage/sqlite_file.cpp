@@ -57,10 +57,6 @@ std::span<const std::byte> SqliteUse::bytes() {
   return {first, first == nullptr ? 0 : static_cast<std::size_t>(size)};
 }
 
-std::uint64_t SqliteUse::scanned() const {
-  return static_cast<std::uint64_t>(sqlite3_stmt_status(statement_, SQLITE_STMTSTATUS_FULLSCAN_STEP, 1));
-}
-
 SqliteFile::SqliteFile(const std::filesystem::path& path, const SqliteSchema& schema,
                        const std::vector<std::string>& statements)
     : name_(path.string()), statements_(statements.size(), nullptr) {

@@ -51,8 +51,6 @@ class SqliteUse {
   double finite(const char* what);  ///< throws Error if the value is not finite
   std::string text();
   std::span<const std::byte> bytes();  ///< valid until the next step
-  /// Records read in a scan without an index since the last call.
-  [[nodiscard]] std::uint64_t scanned() const;
 
  private:
   SqliteUse& bound(int code);

@@ -1,5 +1,5 @@
 // SquareBlocks: the geometry of blocks and the pool of nodes that the quadtrees of points and of segments share (ledger
-// S1-20 to S1-23). Points are (north, east) in metres; quadrants are NW, NE, SW, SE.
+// S1-20, S1-22, S1-23). Points are (north, east) in metres; quadrants are NW, NE, SW, SE.
 //
 // Placing and measuring use the same computed middle of a block, so that a distance to a block is never larger than the
 // computed distance to something in it: searches are exact, not exact up to rounding.
@@ -49,9 +49,8 @@ struct SquareBlock {
 /// The result of an edit: done, or the reason why not.
 enum class TreeEdit : std::uint8_t {
   kDone,
-  kOutside,    ///< outside the tree's square, or not finite
-  kKnownId,    ///< the id is in the tree already
-  kUnknownId,  ///< the id is not in the tree
+  kOutside,  ///< outside the tree's square, or not finite
+  kKnownId,  ///< the id is in the tree already
 };
 
 /// The work of one search.
@@ -69,22 +68,14 @@ class SquareBlocks {
   const Block& operator[](std::uint32_t node) const { return blocks_[node >> 1]; }
   /// Stores a new block; returns a link to it.
   std::uint32_t allocate(const Block& block) {
-    if (free_.empty()) {
-      blocks_.push_back(block);
-      return static_cast<std::uint32_t>(blocks_.size() - 1) << 1;
-    }
-    const std::uint32_t index = free_.back();
-    free_.pop_back();
-    blocks_[index] = block;
-    return index << 1;
+    blocks_.push_back(block);
+    return static_cast<std::uint32_t>(blocks_.size() - 1) << 1;
   }
-  void release(std::uint32_t node) { free_.push_back(node >> 1); }
-  [[nodiscard]] std::size_t in_use() const { return blocks_.size() - free_.size(); }
+  [[nodiscard]] std::size_t size() const { return blocks_.size(); }
   static constexpr bool is_link(std::uint32_t node) { return (node & 1U) == 0; }
 
  private:
   std::vector<Block> blocks_;
-  std::vector<std::uint32_t> free_;
 };
 
 /// Best-first search: calls leaf(descriptor) for every leaf not farther than bound(), which may shrink meanwhile. The

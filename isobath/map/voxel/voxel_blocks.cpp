@@ -211,19 +211,6 @@ void VoxelBlocks::move(const VoxelIndex& by, std::uint64_t after) {
   }
 }
 
-void VoxelBlocks::clear() {
-  if (shelf_) {
-    std::vector<std::uint64_t> all;
-    for (const auto& stored : shelf_->revisions()) all.push_back(stored.first);
-    shelf_->erase(all);
-  }
-  slabs_.clear();
-  blocks_.clear();
-  free_.clear();
-  std::fill(table_.begin(), table_.end(), Entry{});
-  used_ = spilled_ = 0;
-}
-
 // The file -----------------------------------------------------------------------------------------------------------
 
 void VoxelBlocks::spill_to(VoxelShelf& shelf) {
@@ -268,23 +255,6 @@ std::size_t VoxelBlocks::bytes() const {
 }
 
 // Evidence -----------------------------------------------------------------------------------------------------------
-
-void VoxelBlocks::fade(double kept) {
-  ISOBATH_ASSERT(kept >= 0 && kept <= 1);
-  const auto share = static_cast<int>(std::lround(kept * 32768));
-  const auto fade_all = [&](LogOdds16* evidence) {
-    for (LogOdds16& e : std::span(evidence, kVolume)) {
-      const int faded = e * share / 32768;  // towards zero
-      e = e == kUnseen ? kUnseen : static_cast<LogOdds16>(faded);
-    }
-  };
-  if (spilled_ > 0) shelf_->rewrite(revision_, fade_all);
-  for (const Entry& p : table_) {
-    if (p.key == kEmpty) continue;
-    fade_all(blocks_[p.slot].evidence);
-    blocks_[p.slot].revision = revision_;
-  }
-}
 
 std::int64_t VoxelBlocks::insert_ray(const Vector3d& from, const Vector3d& to, LogOdds16 miss, LogOdds16 end) {
   const auto near = [](const Vector3d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthest - 1; };

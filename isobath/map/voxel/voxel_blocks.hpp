@@ -100,8 +100,6 @@ class VoxelBlocks {
   /// The corners of the blocks touched after a revision, without reading the file.
   void corners_after(std::uint64_t after, std::vector<VoxelIndex>& corners) const;
 
-  /// Scales all evidence by `kept`, in [0, 1], rounded towards zero. Observed voxels stay observed.
-  void fade(double kept);
   /// Moves the evidence of the blocks touched after a revision by whole voxels. Where it lands on evidence that did not
   /// move, the two add up.
   void move(const VoxelIndex& by, std::uint64_t after);
@@ -109,7 +107,6 @@ class VoxelBlocks {
   /// number.
   std::size_t keep_within(const VoxelIndex& least, const VoxelIndex& most,
                           const std::function<void(const Block&)>& leaving = {});
-  void clear();
 
   /// Allows blocks to spill; the blocks that the shelf holds become part of the map. The shelf must outlive this
   /// object, and one of the two must be empty.

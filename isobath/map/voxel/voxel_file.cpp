@@ -33,7 +33,6 @@ enum VoxelQuery : std::size_t {
   kMakeMap,
   kLayers,
   kMakeLayer,
-  kEraseLayer,
   kIndex,
   kReadBlock,
   kWriteBlock,
@@ -47,7 +46,6 @@ std::vector<std::string> voxel_statements() {
   sql[kMakeMap] = "INSERT INTO map VALUES(1, ?, ?, ?)";
   sql[kLayers] = "SELECT id, sensor FROM layer ORDER BY id";
   sql[kMakeLayer] = "INSERT INTO layer(sensor) VALUES(?) RETURNING id";
-  sql[kEraseLayer] = "DELETE FROM layer WHERE id = ?";
   sql[kIndex] = "SELECT place, revision FROM block WHERE layer = ?";
   sql[kReadBlock] = "SELECT revision, crc32, evidence FROM block WHERE layer = ? AND place = ?";
   sql[kWriteBlock] =
@@ -149,20 +147,6 @@ void VoxelShelf::erase(std::span<const std::uint64_t> keys) {
   for (const std::uint64_t key : keys) revisions_.erase(key);
 }
 
-void VoxelShelf::rewrite(std::uint64_t revision, const std::function<void(LogOdds16* evidence)>& change) {
-  if (revisions_.empty()) return;
-  std::vector<LogOdds16> evidence(kBlockVolume);
-  file_.transact([&] {
-    for (const auto& [key, old] : revisions_) {
-      read_row(key, evidence);
-      change(evidence.data());
-      write_row({key, revision, evidence.data()});
-    }
-  });
-  for (auto& block : revisions_) block.second = revision;
-  for (auto& copy : copies_) copy.reset();
-}
-
 std::size_t VoxelShelf::bytes() const {
   const auto copies = std::count_if(copies_.begin(), copies_.end(), [](const auto& copy) { return copy != nullptr; });
   constexpr std::size_t kNode = sizeof(std::uint64_t) * 2 + sizeof(void*);
@@ -229,13 +213,6 @@ VoxelShelf& VoxelFile::shelf(std::string_view sensor) {
   });
   shelves_.push_back({std::string(sensor), std::make_unique<VoxelShelf>(*this, id)});
   return *shelves_.back().shelf;
-}
-
-void VoxelFile::remove(std::string_view sensor) {
-  const auto at = std::find_if(shelves_.begin(), shelves_.end(), [&](const Named& n) { return n.sensor == sensor; });
-  if (at == shelves_.end()) return;
-  transact([&] { file_.use(kEraseLayer).with(at->shelf->layer_).run(); });
-  shelves_.erase(at);
 }
 
 std::uint64_t VoxelFile::revision() const {

@@ -51,8 +51,6 @@ class VoxelShelf {
   /// Each of these changes the file as a whole or, with an Error, not at all.
   void write(std::span<const Block> blocks);
   void erase(std::span<const std::uint64_t> keys);
-  /// Rewrites every block with the result of `change`, under a new revision.
-  void rewrite(std::uint64_t revision, const std::function<void(LogOdds16* evidence)>& change);
 
   [[nodiscard]] std::size_t bytes() const;  ///< of memory
 
@@ -85,9 +83,8 @@ class VoxelFile {
 
   /// In the order of their creation.
   [[nodiscard]] std::vector<std::string> sensors() const;
-  /// Makes the shelf if there is none; its address is stable until it is removed.
+  /// Makes the shelf if there is none; its address is stable.
   VoxelShelf& shelf(std::string_view sensor);
-  void remove(std::string_view sensor);
   /// The highest revision of all blocks; 0 if there are none.
   [[nodiscard]] std::uint64_t revision() const;
 

@@ -26,15 +26,6 @@ std::vector<Field> fields(VoxelMapConfig& c) {
   };
 }
 
-const char* to_text(Space space) {
-  switch (space) {
-    case Space::kUnknown: return "unknown";
-    case Space::kFree: return "free";
-    case Space::kOccupied: return "occupied";
-  }
-  return "unknown";
-}
-
 VoxelMap::VoxelMap(const VoxelMapConfig& config) : config_(config) {
   const auto refuse = [](const char* key, const char* problem, const char* allowed) {
     Place place;
@@ -84,11 +75,6 @@ const VoxelBlocks* VoxelMap::find_layer(std::string_view sensor) const {
     if (l->sensor == sensor) return &l->blocks;
   }
   return nullptr;
-}
-
-bool VoxelMap::remove_layer(std::string_view sensor) {
-  if (file_) file_->remove(sensor);
-  return std::erase_if(layers_, [&](const auto& l) { return l->sensor == sensor; }) > 0;
 }
 
 std::vector<std::string> VoxelMap::sensors() const {

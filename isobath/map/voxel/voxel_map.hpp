@@ -2,8 +2,7 @@
 //
 // Each sensor has one layer of evidence, and reading pools the layers: with n sensors of log-odds l_i and a common
 // prior l_0, l = sum l_i - (n - 1) l_0 (ledger S5-27 to S5-30; the paper's rule is the case of prior 0.5). Layers hold
-// evidence without the prior, so that l is the sum of the layers plus the prior once. A sensor joins by its name and
-// can be removed without a trace.
+// evidence without the prior, so that l is the sum of the layers plus the prior once. A sensor joins by its name.
 //
 // Memory is bounded in two ways: by forgetting what is far away (keep_within), or, without loss, by a file to which
 // blocks spill and from which they return (VoxelFile). After spill_to the map may be larger than memory, and every
@@ -37,7 +36,6 @@ struct VoxelMapConfig {
 std::vector<Field> fields(VoxelMapConfig& config);
 
 enum class Space : std::uint8_t { kUnknown, kFree, kOccupied };
-const char* to_text(Space space);
 
 class VoxelMap {
  public:
@@ -54,11 +52,9 @@ class VoxelMap {
   [[nodiscard]] Eigen::Vector3d centre_of(const VoxelIndex& v) const;
   [[nodiscard]] double reach_m() const { return (VoxelBlocks::kFarthest - 1) * config_.voxel_m; }
 
-  /// The layer of a sensor, made at the first request. References are valid until that layer is removed.
+  /// The layer of a sensor, made at the first request. References are valid as long as the map.
   VoxelBlocks& layer(std::string_view sensor);
   [[nodiscard]] const VoxelBlocks* find_layer(std::string_view sensor) const;
-  /// Returns whether there was one.
-  bool remove_layer(std::string_view sensor);
   [[nodiscard]] std::vector<std::string> sensors() const;
 
   /// All layers pooled: ln P / (1 - P), and P; the prior where no sensor has observed the voxel.

@@ -60,6 +60,7 @@ void FlsDetector::remember(const Sweep& sweep) {
   seen.time = map.time;
   seen.X_WL = X_WL_seen_;
   if (sweep.sigma_m > 0) seen.sigma_m = sweep.sigma_m;
+  seen.jumped = sweep.jumped;
   seen.obstacles = map.obstacles;
   seen.water = {map.cells, map.position, map.heading, map.free};
   if (memory_.add(seen)) taken_in_ = sweep.number;

@@ -33,8 +33,9 @@ namespace isobath {
 struct Sweep {
   int number = 0;  ///< from 1
   bool posed = true;
-  double sigma_m = 0;                    ///< of the vehicle's horizontal position
-  std::shared_ptr<const Detection> map;  ///< never null
+  double sigma_m = 0;                                ///< of the vehicle's horizontal position
+  std::shared_ptr<const Detection> map;              ///< never null
+  Eigen::Vector2d jumped = Eigen::Vector2d::Zero();  ///< sum of all jumps of the position so far, in W, m
 };
 
 /// The remembered obstacles around the vehicle, whether or not the last sweep showed them; in W.

@@ -7,14 +7,6 @@
 namespace isobath {
 namespace {
 
-template <class T>
-std::optional<T> parameter_of(const PlanAction& action, const std::string& name) {
-  const auto found = action.parameters.find(name);
-  if (found == action.parameters.end()) return std::nullopt;
-  const T* value = std::get_if<T>(&found->second);
-  return value ? std::optional<T>(*value) : std::nullopt;
-}
-
 void check_node(const PlanNode& node, std::set<std::string>& names) {
   if (!names.insert(node.name).second) {
     throw Error("the name of a node is empty or taken: '" + node.name + "'", {}, "a unique name");
@@ -79,10 +71,10 @@ bool is_true(const PlanEvent& event, const PlanDatabase& database, Duration sinc
 }  // namespace
 
 std::optional<double> PlanAction::number(const std::string& parameter) const {
-  return parameter_of<double>(*this, parameter);
-}
-std::optional<std::string> PlanAction::text(const std::string& parameter) const {
-  return parameter_of<std::string>(*this, parameter);
+  const auto found = parameters.find(parameter);
+  if (found == parameters.end()) return std::nullopt;
+  const auto* value = std::get_if<double>(&found->second);
+  return value ? std::optional<double>(*value) : std::nullopt;
 }
 
 PlanEvent PlanEvent::fact(std::string quantity, std::optional<int> of) {

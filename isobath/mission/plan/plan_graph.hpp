@@ -34,9 +34,8 @@ struct PlanAction {
   std::string name;
   std::map<std::string, std::variant<double, std::string>> parameters = {};
 
-  /// Empty where there is no such parameter, or one of the other type.
+  /// Empty where there is no such parameter, or it is a text.
   [[nodiscard]] std::optional<double> number(const std::string& parameter) const;
-  [[nodiscard]] std::optional<std::string> text(const std::string& parameter) const;
   bool operator==(const PlanAction&) const = default;
 };
 

@@ -47,10 +47,6 @@ void ChartLayout::begin_plot() const {
 }
 void ChartLayout::end_plot() const { cairo_restore(cairo_.get()); }
 
-void ChartLayout::trace(std::span<const Vector2d> points_px) const {
-  for (const Vector2d& p : points_px) cairo_line_to(cairo_.get(), p.x(), p.y());
-}
-
 /// Whether dark ink would be hard to read there.
 bool ChartLayout::is_dark(const Vector2d& at) const {
   cairo_surface_t* image = cairo_get_target(cairo_.get());

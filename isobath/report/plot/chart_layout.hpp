@@ -78,7 +78,6 @@ class ChartLayout : public Canvas {
   [[nodiscard]] bool take_room(const Box& box);
   void begin_plot() const;
   void end_plot() const;
-  void trace(std::span<const Eigen::Vector2d> points_px) const;
   [[nodiscard]] double text_width(const std::string& text, double size) const;
   /// Position of the next entry of the legend; advances by `height_px`.
   Eigen::Vector2d next_entry(double height_px);

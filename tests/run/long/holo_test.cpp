@@ -2,6 +2,7 @@
 // hull where it is. The hull's box is the recording's own, in its frame: x east, y north.
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <isobath/sonar/calibration.hpp>
 #include <tests/support/data.hpp>
@@ -194,7 +195,7 @@ TEST(HoloBoat, NoiseAloneRaisesAtMostOneFalseObstacleInAHundredFrames) {
   for (const std::size_t half : {0u, 1u}) {
     Calibration calibration({});
     for (std::size_t i = half; i < frames.size(); i += 2) calibration.add_background(frames[i]);
-    save_sensor_model(calibration.finish("noisy frames").model, model);
+    std::ofstream(model) << write_sensor_model(calibration.finish("noisy frames").model);
     const Configuration configuration = test::configured({"sensor.model=" + model.string()});
     test::ScanKeeper row;
     Pipeline together(configuration, row);

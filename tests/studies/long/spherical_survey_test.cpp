@@ -306,8 +306,8 @@ TEST(SphericalPages, AreThreePicturesTheSameForTheSameSurvey) {
   const Scene scene = polygon_room();
   const SphericalSurvey survey = run_spherical_survey(scene, survey_config(scene));
   const SphericalSurvey again = run_spherical_survey(scene, survey_config(scene));
-  const std::string solid = spherical_solid_picture(survey);
-  EXPECT_EQ(solid, spherical_solid_picture(again));
+  const std::string solid = spherical_solid_picture(survey, *survey.grid);
+  EXPECT_EQ(solid, spherical_solid_picture(again, *again.grid));
   const PngPixels plan = pixels_of(spherical_plan_picture(scene, survey));
   const PngPixels above = pixels_of(spherical_above_picture(scene, survey));
   const PngPixels features = pixels_of(spherical_features_picture(scene, survey));
@@ -318,10 +318,10 @@ TEST(SphericalPages, AreThreePicturesTheSameForTheSameSurvey) {
   EXPECT_LT(dark_pixels(plan), 15'000);
   SphericalCamera other;
   other.looking = Angle::degrees(200);
-  EXPECT_NE(solid, spherical_solid_picture(survey, other));
+  EXPECT_NE(solid, spherical_solid_picture(survey, *survey.grid, other));
   SphericalCamera near;
   near.zoom = 0.5;
-  EXPECT_LT(dark_pixels(pixels_of(spherical_solid_picture(survey, near))), dark_pixels(pixels_of(solid)));
+  EXPECT_LT(dark_pixels(pixels_of(spherical_solid_picture(survey, *survey.grid, near))), dark_pixels(pixels_of(solid)));
 }
 
 // ledger: S4-D01

@@ -66,6 +66,7 @@ export class SpaceView implements View {
     fan: byId<HTMLInputElement>('space-fan'),
     sphere: byId<HTMLInputElement>('space-sphere'),
     follow: byId<HTMLInputElement>('space-follow'),
+    course: byId<HTMLInputElement>('space-course'),
   };
   private readonly ambient = new AmbientLight(0xffffff, 1.5);
   private readonly sun = new DirectionalLight(0xffffff, 2);
@@ -83,6 +84,8 @@ export class SpaceView implements View {
   private deepest = 1;
   /** Target of the camera while it follows the vehicle. */
   private followed: Vector3 | null = null;
+  /** The heading that the camera has turned to, while it turns with the vehicle; rad. */
+  private turned: number | null = null;
 
   constructor(private readonly shared: Shared) {
     this.camera.up.set(0, 0, 1);
@@ -356,6 +359,7 @@ export class SpaceView implements View {
         this.followed = place;
         this.dirty = this.moved = false;
       }
+      this.turnWith(vehicle.heading);
       this.controls!.zoomToCursor = !this.boxes.follow.checked;
       this.craft.place(
         vehicle,
@@ -384,6 +388,24 @@ export class SpaceView implements View {
     );
   }
 
+  /** With the course up the camera looks ahead from astern at first, and then turns about its target as the vehicle does. */
+  private turnWith(heading: number): void {
+    if (!this.boxes.course.checked) {
+      this.turned = null;
+      return;
+    }
+    const { target } = this.controls!;
+    const arm = this.camera.position.clone().sub(target);
+    const astern = -Math.PI / 2 - heading; // from east towards north
+    const by = this.turned === null ? astern - Math.atan2(arm.y, arm.x) : this.turned - heading;
+    this.turned = heading;
+    mark(this.canvas, 'heading', String(Math.round((heading * 180) / Math.PI)));
+    if (by === 0) return;
+    this.camera.position.copy(target).add(arm.applyAxisAngle(this.camera.up, by));
+    this.controls!.update();
+    this.dirty = this.moved = false;
+  }
+
   private tell(): void {
     const { vehicle } = this.shared.model;
     const parts = vehicle
@@ -403,7 +425,7 @@ export class SpaceView implements View {
       parts.push('voxels from 50 % (dark) to 100 % occupied (light)');
     }
     if (this.boxes.sphere.checked && this.sphere.shown > 0)
-      parts.push(`${units.count(this.sphere.shown)} cells with echoes around the vehicle`);
+      parts.push(`${units.count(this.sphere.shown)} cells with echoes around the vehicle, ${this.sphere.locked} locked`);
     if (this.shared.model.depth.size > 0 && this.boxes.bottom.checked)
       parts.push(`bottom from 0 m (light) to ${this.deepest} m deep (dark)`);
     say(this.readout, parts.join(' · '));

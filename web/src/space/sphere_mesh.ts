@@ -1,9 +1,9 @@
 /**
- * SphereMesh: the occupied cells of the spherical grid, each as its outer face, the darker the more probable. The cells
- * lie around the place of the vehicle at the last scan.
+ * SphereMesh: the occupied cells of the spherical grid, each as its outer face, the darker the more probable, in
+ * brown if it is locked. The cells lie around the place of the vehicle at the last scan.
  */
 import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, MeshBasicMaterial } from 'three';
-import type { Sphere } from '../protocol';
+import { kLocked, type Sphere } from '../protocol';
 import { put } from './frame';
 
 export class SphereMesh {
@@ -11,8 +11,9 @@ export class SphereMesh {
     new BufferGeometry(),
     new MeshBasicMaterial({ vertexColors: true, side: DoubleSide, transparent: true, opacity: 0.9 }),
   );
-  /** Cells that are drawn. */
+  /** Cells that are drawn, and those of them that are locked. */
   shown = 0;
+  locked = 0;
   private drawn: Sphere | null = null;
   private night = false;
 
@@ -22,11 +23,12 @@ export class SphereMesh {
     this.night = night;
     const cells = sphere?.cells ?? new Uint16Array();
     this.shown = cells.length / 4;
+    this.locked = 0;
     const places = new Float32Array(12 * this.shown);
     const colours = new Float32Array(12 * this.shown);
     const faces = new Uint32Array(6 * this.shown);
     for (let k = 0; k < this.shown; ++k) {
-      const [layer, azimuth, elevation, shade] = cells.subarray(4 * k, 4 * k + 4) as unknown as number[];
+      const [layer, azimuth, elevation, state] = cells.subarray(4 * k, 4 * k + 4) as unknown as number[];
       const { north, east, down, step, radii } = sphere!;
       const radius = radii[layer!]!;
       for (let corner = 0; corner < 4; ++corner) {
@@ -35,8 +37,13 @@ export class SphereMesh {
         const level = radius * Math.cos(e);
         put(places, 4 * k + corner, north + level * Math.sin(a), east + level * Math.cos(a), down - radius * Math.sin(e));
       }
-      const grey = 0.75 * (1 - Math.min(1, shade! / 250));
-      colours.fill(night ? 0.45 - 0.4 * grey : grey, 12 * k, 12 * k + 12);
+      const locked = (state! & kLocked) !== 0;
+      const grey = 0.75 * (1 - Math.min(1, (state! & ~kLocked) / 250));
+      const tone = night ? 0.45 - 0.4 * grey : grey;
+      if (locked) ++this.locked;
+      for (let corner = 0; corner < 4; ++corner) {
+        colours.set(locked ? [tone + 0.35, tone + 0.12, tone] : [tone, tone, tone], 12 * k + 3 * corner);
+      }
       faces.set([4 * k, 4 * k + 1, 4 * k + 2, 4 * k, 4 * k + 2, 4 * k + 3], 6 * k);
     }
     const { geometry } = this.mesh;
