@@ -16,7 +16,7 @@ struct NavigatorConfig {
   double decide_within_m = 30;
   double fence_clearance_m = 1;
   double chart_sigmas = 2;
-  double jump_m = 2;
+  double jump_m = 1;  ///< as PoseBufferConfig::jump_m, by which the maps about the vehicle move
   double map_age_s = 20;
   double tight_m = 0.5;
   double tight_speed = 0.8;
