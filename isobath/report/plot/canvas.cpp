@@ -2,6 +2,7 @@
 #include <array>
 #include <cairo/cairo.h>
 #include <cmath>
+#include <fstream>
 #include <isobath/base/error.hpp>
 #include <isobath/report/plot/canvas.hpp>
 #include <numbers>
@@ -66,6 +67,13 @@ std::string Canvas::png() const {
   const cairo_status_t status = cairo_surface_write_to_png_stream(cairo_get_target(cairo_.get()), append, &bytes);
   if (status != CAIRO_STATUS_SUCCESS) throw Error(std::string("cannot draw: ") + cairo_status_to_string(status));
   return bytes;
+}
+
+void Canvas::save(const std::filesystem::path& file) const {
+  const std::string bytes = png();
+  std::ofstream out(file, std::ios::binary);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!out.flush()) throw Error("cannot write", {file.string(), {}, {}, {}, {}});
 }
 
 void Canvas::set(const Stroke& stroke) const {

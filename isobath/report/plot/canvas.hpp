@@ -2,6 +2,7 @@
 // Drawn by Cairo; the same input gives the same bytes. Colour-blind readers can tell the colours apart.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,6 +40,8 @@ struct Stroke {
 class Canvas {
  public:
   Canvas(int width_px, int height_px);
+  /// Throws Error if the file cannot be written.
+  void save(const std::filesystem::path& file) const;
   /// The bytes of the PNG file.
   [[nodiscard]] std::string png() const;
 

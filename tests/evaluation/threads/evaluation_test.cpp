@@ -155,7 +155,7 @@ TEST(Suites, OfTheRepositoryAreInTheProgramAndCanBeRead) {
     EXPECT_EQ(inside.name, name);
     EXPECT_GE(inside.bars.collisions, 0) << name << " has no bar for collisions";
     const bool compared = inside.about.faults.empty() && inside.about.without.empty() && inside.stages.empty();
-    EXPECT_EQ(inside.baselines.size(), compared ? 4u : 0u) << name;
+    EXPECT_EQ(!inside.baselines.empty(), compared) << name;
   }
 }
 
