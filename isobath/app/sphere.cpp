@@ -166,20 +166,20 @@ int act(const SphereOptions& options) {
   const SphericalSurvey survey = run_spherical_survey(scene, config);
   make_folder(options.out);
   const SphericalCamera camera{Angle::degrees(options.looking_deg), Angle::degrees(options.down_deg), options.zoom};
-  write_whole_file(options.out / "plan.png", spherical_plan_picture(scene, survey));
-  write_whole_file(options.out / "above.png", spherical_above_picture(scene, survey));
-  write_whole_file(options.out / "solid.png", spherical_solid_picture(survey, *survey.grid, camera));
-  if (survey.coarse) {
-    write_whole_file(options.out / "coarse.png", spherical_solid_picture(survey, *survey.coarse, camera));
-  }
-  write_whole_file(options.out / "features.png", spherical_features_picture(scene, survey));
-  write_whole_file(options.out / "structure.png", spherical_structure_picture(survey));
-  write_whole_file(options.out / "slice.png", spherical_slice_picture(config.grid, kSlice_m));
+  std::vector<std::string> pictures;
+  const auto save = [&](const char* name, const std::string& png) {
+    write_whole_file(options.out / name, png);
+    pictures.emplace_back(name);
+  };
+  save("plan.png", spherical_plan_picture(scene, survey));
+  save("above.png", spherical_above_picture(scene, survey));
+  save("solid.png", spherical_solid_picture(survey, *survey.grid, camera));
+  save("features.png", spherical_features_picture(scene, survey));
+  save("slice.png", spherical_slice_picture(config.grid, kSlice_m));
+  save("structure.png", spherical_structure_picture(survey));
+  if (survey.coarse) save("coarse.png", spherical_solid_picture(survey, *survey.coarse, camera));
   const std::size_t cells = survey.grid->cells().size(), bytes = survey.grid->cells().bytes();
   const int layers = survey.grid->layers().count(), directions = survey.grid->buckets().count();
-  std::vector<std::filesystem::path> pictures{"plan.png",     "above.png", "solid.png",
-                                              "features.png", "slice.png", "structure.png"};
-  if (survey.coarse) pictures.push_back("coarse.png");
   if (options.json) {
     nlohmann::ordered_json json{{"scene", scene.about.title},
                                 {"scans", survey.path.scans.size()},
@@ -200,7 +200,7 @@ int act(const SphereOptions& options) {
                                 {"sizes", sizes_json(config.grid)},
                                 {"echoes_by_cause", causes_json(survey)},
                                 {"features", features_json(survey.features)}};
-    add_files(json, options.out, pictures);
+    add_files(json, options.out, {pictures.begin(), pictures.end()});
     print_json(json);
     return kSuccess;
   }
@@ -221,9 +221,7 @@ int act(const SphereOptions& options) {
   if (options.false_echoes) print_causes(survey);
   print_features(survey.features);
   print_sizes(config.grid);
-  std::vector<std::string> names;
-  for (const auto& picture : pictures) names.push_back(picture.string());
-  fmt::print("written to {}: {}\n", options.out.string(), fmt::join(names, ", "));
+  fmt::print("written to {}: {}\n", options.out.string(), fmt::join(pictures, ", "));
   return kSuccess;
 }
 

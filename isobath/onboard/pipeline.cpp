@@ -286,7 +286,7 @@ void Pipeline::update_grid(const Ping& ping, const EchoDecisions& decisions, con
   mapper_->update(ping, decisions, smooth,
                   {.position_fix = false,
                    .velocity_log = motion_is_measured(posed),
-                   .heading_variance = posed ? poses_.heading_variance() : 0});
+                   .heading_variance = poses_.heading_variance()});
 }
 
 void Pipeline::note_mapped(const Ping& ping, const Pose& X_WB, bool posed, const WaterColumn& water) {

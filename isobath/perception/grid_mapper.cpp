@@ -75,7 +75,7 @@ GridMapper::GridMapper(const BodyGridConfig& grid, const GridMapperConfig& confi
 
 void GridMapper::advance(Time time, const Pose& X_WB, const DisplacementSource& source) {
   ISOBATH_ASSERT(X_WB.is_finite());
-  const double turn_variance = heading_doubt_.grown_by(config_.motion, source);
+  const double turn_variance = turn_variance_.since_last(config_.motion, source);
   if (last_X_WB_ && motion_kind(config_.motion, source) != MotionKind::kIgnored) {
     const Vector3d moved = X_WB.translation - last_X_WB_->translation;
     const Angle before = last_X_WB_->rotation.heading();

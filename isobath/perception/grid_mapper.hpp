@@ -87,7 +87,7 @@ class GridMapper {
   OverlapTable table_;
   Time time_;
   std::optional<Pose> last_X_WB_;
-  HeadingDoubt heading_doubt_;
+  TurnVariance turn_variance_;
 
   double level_share_ = 1;  ///< of a slant range, horizontally
   int bins_ = 0;

@@ -93,6 +93,7 @@ TEST_F(Eval, TheSonarDecidesBeforeTheVehicleHasSailedFarBlind) {
 TEST_F(Eval, AGridAboutTheVehicleKeepsRangesWhereFixesJump) {
   const ProgramResult result =
       isobath({"eval", "usbl-fixes", "--runs", "6", "--seed", "1", "--out", folder_ / "out", "--json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
   const auto& other = json["baselines"]["world-fixed grid"];
   EXPECT_EQ(json["collisions"], 0);

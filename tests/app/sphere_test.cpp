@@ -7,10 +7,12 @@ namespace {
 using test::ends_with_one_line;
 using testing::HasSubstr;
 
+std::string polygon_room() { return (test::source_folder() / "scenarios/polygon_room.toml").string(); }
+
 // ledger: S4-D01 S4-35
 TEST(Sphere, WritesThreePicturesOfARoomAndSaysWhatIsInItsGrid) {
   const auto folder = test::scratch_folder();
-  const std::string room = (test::source_folder() / "scenarios/polygon_room.toml").string();
+  const std::string room = polygon_room();
   const auto result = test::isobath({"sphere", room, "--out", (folder / "out").string(), "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto json = nlohmann::json::parse(result.out);
@@ -28,7 +30,7 @@ TEST(Sphere, WritesThreePicturesOfARoomAndSaysWhatIsInItsGrid) {
 // Known walls stand in the grid before they are heard, move with the vehicle, and keep their state. ledger: S4-14 S4-15
 TEST(Sphere, HoldsKnownWallsWhereverTheVehicleGoes) {
   const auto folder = test::scratch_folder();
-  const std::string room = (test::source_folder() / "scenarios/polygon_room.toml").string();
+  const std::string room = polygon_room();
   const auto known_after = [&](const std::string& scans) {
     const auto run =
         test::isobath({"sphere", room, "--out", (folder / "out").string(), "--known", "--scans", scans, "--json"});
@@ -48,7 +50,7 @@ TEST(Sphere, HoldsKnownWallsWhereverTheVehicleGoes) {
 // ledger: S4-17
 TEST(Sphere, DrawsTheSameGridInWiderCells) {
   const auto folder = test::scratch_folder();
-  const std::string room = (test::source_folder() / "scenarios/polygon_room.toml").string();
+  const std::string room = polygon_room();
   const auto run = test::isobath({"sphere", room, "--out", (folder / "out").string(), "--coarser", "4", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto json = nlohmann::json::parse(run.out);
@@ -62,7 +64,7 @@ TEST(Sphere, DrawsTheSameGridInWiderCells) {
 // To and fro in a room whose corners the chart shows, at 1 % drift, on several seeds. ledger: S4-49
 TEST(Sphere, CornersBoundTheDriftThatGrowsWithoutThem) {
   const auto folder = test::scratch_folder();
-  const std::string room = (test::source_folder() / "scenarios/polygon_room.toml").string();
+  const std::string room = polygon_room();
   const auto drifting = [&](int seed, int passes) {
     const auto result =
         test::isobath({"sphere", room, "--out", (folder / "out").string(), "--seed", std::to_string(seed), "--passes",

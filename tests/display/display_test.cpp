@@ -597,7 +597,14 @@ TEST(MapDisplay, ShowsTheCellsWithEchoesOfTheSphericalGrid) {
   const auto layer = number_at<std::uint16_t>(bytes, row);
   EXPECT_NEAR(number_at<float>(bytes, 40 + 4 * layer), 10, 0.5);
   EXPECT_NEAR(azimuth + (number_at<std::uint16_t>(bytes, row + 2) + 0.5) * step, std::numbers::pi / 2, step);
-  EXPECT_GT(number_at<std::uint16_t>(bytes, row + 6), 240);
+  constexpr int kLocked = 0x8000;
+  const auto state = [&](const std::string& of) { return int{number_at<std::uint16_t>(of, row + 6)}; };
+  EXPECT_GT(state(bytes), 240);
+  EXPECT_EQ(state(bytes) & kLocked, 0);
+  sphere.grid.begin_scan();
+  for (int i = 0; i < 5; ++i) sphere.grid.add_echo(at, 0.1, Time{});
+  display.show(Time(seconds(5.0)), sphere);
+  EXPECT_EQ(state(only(items, Kind::kSphere).payload), state(bytes) | kLocked) << "further echoes change it no more";
 }
 
 }  // namespace

@@ -178,18 +178,18 @@ TEST(BodyGrid, AnUncertainHeadingSpreadsATargetByItsRange) {
 // ledger: S6-68
 TEST(Motion, AHeadingThatNothingCorrectsGrowsUncertainAndOneWithACompassDoesNot) {
   const MotionConfig c;
-  HeadingDoubt doubt;
-  double sum = doubt.grown_by(c, {true, true, 1e-4});
+  TurnVariance turn;
+  double sum = turn.since_last(c, {true, true, 1e-4});
   EXPECT_EQ(sum, 0) << "the first heading";
-  for (int i = 0; i < 1000; ++i) sum += doubt.grown_by(c, {true, true, i % 2 == 0 ? 1.5e-4 : 1e-4});
+  for (int i = 0; i < 1000; ++i) sum += turn.since_last(c, {true, true, i % 2 == 0 ? 1.5e-4 : 1e-4});
   EXPECT_NEAR(sum, 0.5e-4, 1e-12) << "the readings of a compass, and the gyro between them";
-  for (int i = 1; i <= 100; ++i) sum += doubt.grown_by(c, {true, true, 1.5e-4 + i * 1e-5});
+  for (int i = 1; i <= 100; ++i) sum += turn.since_last(c, {true, true, 1.5e-4 + i * 1e-5});
   EXPECT_NEAR(sum, 0.5e-4 + 1e-3, 1e-12) << "the compass is lost";
-  EXPECT_EQ(doubt.grown_by(c, {true, true, 1e-4}), 0) << "and found again";
-  EXPECT_NEAR(doubt.grown_by(c, {true, true, 2e-4}), 1e-4, 1e-12) << "and lost";
-  HeadingDoubt exact;
-  exact.grown_by({.kind = MotionKind::kDeterministic}, {true, true, 1e-4});
-  EXPECT_EQ(exact.grown_by({.kind = MotionKind::kDeterministic}, {true, true, 1}), 0);
+  EXPECT_EQ(turn.since_last(c, {true, true, 1e-4}), 0) << "and found again";
+  EXPECT_NEAR(turn.since_last(c, {true, true, 2e-4}), 1e-4, 1e-12) << "and lost";
+  TurnVariance exact;
+  exact.since_last({.kind = MotionKind::kDeterministic}, {true, true, 1e-4});
+  EXPECT_EQ(exact.since_last({.kind = MotionKind::kDeterministic}, {true, true, 1}), 0);
 }
 
 // ledger: S6-22

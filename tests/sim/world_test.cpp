@@ -494,6 +494,12 @@ TEST(Files, ABathymetricRasterServesAsABottomWithItsOwnDepths) {
   std::vector<float> cells(179 * 179);
   ASSERT_EQ(data->GetRasterBand(1)->RasterIO(GF_Read, 0, 0, 179, 179, cells.data(), 179, 179, GDT_Float32, 0, 0),
             CE_None);
+  for (const double edge : {-89 * 8 - 0.01, 89 * 8 + 0.01}) {
+    for (int along = -89 * 8; along <= 89 * 8; along += 8) {
+      EXPECT_FALSE(tank.world->bottom_depth(edge, along)) << "beyond the raster";
+      EXPECT_FALSE(tank.world->bottom_depth(along, edge)) << "beyond the raster";
+    }
+  }
   int met = 0;
   double least = 1e9, most = -1e9;
   for (int r = 1; r < 178; r += 8) {

@@ -44,6 +44,32 @@ double theoretical_detection(double false_alarm, double snr) {
   return 0.5 * std::erfc((normal_threshold(false_alarm) - std::sqrt(snr)) / std::sqrt(2.0));
 }
 
+// ledger: S6-07
+TEST(TheoreticalRoc, HasTheValuesOfEquation41) {
+  const auto snr = [](double decibel) { return std::pow(10, decibel / 10); };
+  EXPECT_NEAR(theoretical_detection(0.01, snr(11.15)), 0.9, 1e-3);
+  EXPECT_NEAR(theoretical_detection(0.02, snr(10.46)), 0.9, 1e-3);
+  EXPECT_NEAR(theoretical_detection(0.03, snr(10.00)), 0.9, 1e-3);
+  EXPECT_NEAR(theoretical_detection(0.04, snr(9.64)), 0.9, 1e-3);
+  EXPECT_NEAR(theoretical_detection(0.02, snr(9)), 0.778, 1e-3);
+  EXPECT_NEAR(normal_threshold(0.02), 2.054, 1e-3);
+  for (double f : {0.01, 0.02, 0.5, 0.9}) EXPECT_NEAR(theoretical_detection(f, 0), f, 1e-14);
+}
+
+// ledger: S6-07
+TEST(TheoreticalRoc, AgreesWithMonteCarlo) {
+  Random random(7);
+  constexpr int kRuns = 200000;
+  for (double f : {0.01, 0.02, 0.04}) {
+    const double amplitude = std::sqrt(std::pow(10, 0.9));
+    const double threshold = normal_threshold(f);
+    int hits = 0;
+    for (int i = 0; i < kRuns; ++i) hits += amplitude + random.normal() >= threshold;
+    const double p = theoretical_detection(f, amplitude * amplitude);
+    EXPECT_NEAR(hits / double(kRuns), p, 3 * std::sqrt(p * (1 - p) / kRuns));
+  }
+}
+
 CalibrationConfig at(double false_alarm) {
   CalibrationConfig config;
   config.false_alarm = false_alarm;

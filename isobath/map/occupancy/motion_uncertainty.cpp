@@ -22,7 +22,7 @@ MotionKind motion_kind(const MotionConfig& config, const DisplacementSource& sou
   return source.position_fix || source.velocity_log ? MotionKind::kDeterministic : MotionKind::kProbabilistic;
 }
 
-double HeadingDoubt::grown_by(const MotionConfig& config, const DisplacementSource& source) {
+double TurnVariance::since_last(const MotionConfig& config, const DisplacementSource& source) {
   const double variance = std::max(0.0, source.heading_variance);
   const MotionKind kind = config.kind;
   const bool counts = kind == MotionKind::kAuto || kind == MotionKind::kProbabilistic;

@@ -36,12 +36,12 @@ std::vector<Field> fields(MotionConfig& config);
 /// The kind in force; never kAuto.
 MotionKind motion_kind(const MotionConfig& config, const DisplacementSource& source);
 
-/// HeadingDoubt: the variance of turns, from that of the headings before and after them. A variance that goes to and
+/// TurnVariance: the variance of each turn, from those of the headings before and after it. A variance that goes to and
 /// fro between the readings of a compass adds up to nothing; below half of its largest value it starts anew.
-class HeadingDoubt {
+class TurnVariance {
  public:
-  /// rad2; 0 where the motion counts as exact, and at the first heading.
-  double grown_by(const MotionConfig& config, const DisplacementSource& source);
+  /// rad2, of the turn since the last call; 0 where the motion counts as exact, and at the first heading.
+  double since_last(const MotionConfig& config, const DisplacementSource& source);
 
  private:
   double largest_ = -1;  ///< rad2; below 0: no heading yet

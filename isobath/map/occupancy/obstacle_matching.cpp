@@ -26,9 +26,10 @@ void ObstacleMemory::measure_drift(const MemorySweep& sweep) {
   const Vector2d jumped = sweep.jumped - jumped_;
   jumped_ = sweep.jumped;
   const std::optional<double> variance = sweep.sigma_m ? std::optional(*sweep.sigma_m * *sweep.sigma_m) : std::nullopt;
-  if (!jumped.isZero(0)) jump(jumped, variance);
+  const double changed = variance && variance_ ? std::abs(*variance - *variance_) : 0;
+  if (!jumped.isZero(0)) move_along(jumped, variance, changed);
+  wander_ += changed;
   if (variance) {
-    if (variance_) wander_ += std::abs(*variance - *variance_);
     variance_ = variance;
   } else if (last_place_) {
     unmeasured_ += (here - jumped - *last_place_).norm();
@@ -36,20 +37,25 @@ void ObstacleMemory::measure_drift(const MemorySweep& sweep) {
   last_place_ = here;
 }
 
-void ObstacleMemory::jump(const Vector2d& by_W, std::optional<double> variance) {
+/// Moves what was seen since the drift began; `changed` is the change of variance that the jump brings.
+void ObstacleMemory::move_along(const Vector2d& by_W, const std::optional<double>& variance, double changed) {
   for (Entry& e : entries_) {
-    const double model = config_.drift_share * (unmeasured_ - e.unmeasured);
-    const double drifted = wander_ - e.wander + model * model;
+    const double drifted = wander_ - e.wander + modelled_since(e);
     if (!(drifted < (variance ? e.variance + *variance : by_W.squaredNorm()))) continue;
     set_outline(e, moved_by(e.seen.outline_W, by_W));
-    if (variance && variance_) e.wander += std::abs(*variance - *variance_);  // the jump has put it right
+    e.wander += changed;  // the jump has put it right
   }
+}
+
+/// Variance of the drift where navigation gave none.
+double ObstacleMemory::modelled_since(const Entry& e) const {
+  const double drift = config_.drift_share * (unmeasured_ - e.unmeasured);
+  return drift * drift;
 }
 
 double ObstacleMemory::variance_since(const Entry& e) const {
   const double stated = std::min(wander_ - e.wander, e.variance + variance_.value_or(0));
-  const double model = config_.drift_share * (unmeasured_ - e.unmeasured);
-  return std::max(stated, 0.0) + model * model;
+  return std::max(stated, 0.0) + modelled_since(e);
 }
 
 std::vector<ObstacleMemory::Sighting> ObstacleMemory::sightings_of(const MemorySweep& sweep) const {

@@ -135,7 +135,8 @@ class ObstacleMemory {
   struct View;
 
   void measure_drift(const MemorySweep& sweep);
-  void jump(const Eigen::Vector2d& by_W, std::optional<double> variance);
+  void move_along(const Eigen::Vector2d& by_W, const std::optional<double>& variance, double changed);
+  [[nodiscard]] double modelled_since(const Entry& entry) const;
   [[nodiscard]] double variance_since(const Entry& entry) const;
   [[nodiscard]] std::vector<Sighting> sightings_of(const MemorySweep& sweep) const;
   [[nodiscard]] bool is_stale(const Entry& entry) const;
