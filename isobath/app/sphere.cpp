@@ -146,9 +146,7 @@ void print_navigation(const SphericalSurvey& survey, const SphericalSurveyConfig
       survey.navigation.corners, fixed.last_m, fixed.worst_m);
 }
 
-int act(const SphereOptions& options) {
-  check_output_folder(options.out, "--out");
-  const Scene scene = open_scene(options.scene);
+SphericalSurveyConfig config_of(const Scene& scene, const SphereOptions& options) {
   SphericalSurveyConfig config = survey_config(scene);
   config.scans = options.scans;
   config.seed = options.seed;
@@ -163,8 +161,12 @@ int act(const SphereOptions& options) {
     config.sonar.clutter_per_turn = 4;
     config.leave_out_false = true;
   }
-  const SphericalSurvey survey = run_spherical_survey(scene, config);
-  make_folder(options.out);
+  return config;
+}
+
+/// Draws the pictures into the output folder; returns their names.
+std::vector<std::string> save_pictures(const Scene& scene, const SphericalSurvey& survey,
+                                       const SphericalGridConfig& grid, const SphereOptions& options) {
   const SphericalCamera camera{Angle::degrees(options.looking_deg), Angle::degrees(options.down_deg), options.zoom};
   std::vector<std::string> pictures;
   const auto save = [&](const char* name, const std::string& png) {
@@ -175,54 +177,130 @@ int act(const SphereOptions& options) {
   save("above.png", spherical_above_picture(scene, survey));
   save("solid.png", spherical_solid_picture(survey, *survey.grid, camera));
   save("features.png", spherical_features_picture(scene, survey));
-  save("slice.png", spherical_slice_picture(config.grid, kSlice_m));
+  save("slice.png", spherical_slice_picture(grid, kSlice_m));
   save("structure.png", spherical_structure_picture(survey));
   if (survey.coarse) save("coarse.png", spherical_solid_picture(survey, *survey.coarse, camera));
-  const std::size_t cells = survey.grid->cells().size(), bytes = survey.grid->cells().bytes();
-  const int layers = survey.grid->layers().count(), directions = survey.grid->buckets().count();
-  if (options.json) {
-    nlohmann::ordered_json json{{"scene", scene.about.title},
-                                {"scans", survey.path.scans.size()},
-                                {"beams", survey.beams},
-                                {"echoes", survey.echoes},
-                                {"dropped_echoes", survey.dropped_echoes},
-                                {"cells", cells},
-                                {"occupied", survey.occupied},
-                                {"known", survey.known},
-                                {"known_error_m", survey.known_error_m},
-                                {"coarse_cells", survey.coarse ? survey.coarse->cells().size() : 0},
-                                {"directions", directions},
-                                {"layers", layers},
-                                {"bytes", bytes},
-                                {"median_error_m", survey.median_error_m},
-                                {"worst_error_m", survey.worst_error_m},
-                                {"navigation", navigation_json(survey, config)},
-                                {"sizes", sizes_json(config.grid)},
-                                {"echoes_by_cause", causes_json(survey)},
-                                {"features", features_json(survey.features)}};
-    add_files(json, options.out, {pictures.begin(), pictures.end()});
-    print_json(json);
-    return kSuccess;
-  }
+  return pictures;
+}
+
+nlohmann::ordered_json survey_json(const Scene& scene, const SphericalSurvey& survey,
+                                   const SphericalSurveyConfig& config) {
+  return {{"scene", scene.about.title},
+          {"scans", survey.path.scans.size()},
+          {"beams", survey.beams},
+          {"echoes", survey.echoes},
+          {"dropped_echoes", survey.dropped_echoes},
+          {"cells", survey.grid->cells().size()},
+          {"occupied", survey.occupied},
+          {"known", survey.known},
+          {"known_error_m", survey.known_error_m},
+          {"coarse_cells", survey.coarse ? survey.coarse->cells().size() : 0},
+          {"directions", survey.grid->buckets().count()},
+          {"layers", survey.grid->layers().count()},
+          {"bytes", survey.grid->cells().bytes()},
+          {"median_error_m", survey.median_error_m},
+          {"worst_error_m", survey.worst_error_m},
+          {"navigation", navigation_json(survey, config)},
+          {"sizes", sizes_json(config.grid)},
+          {"echoes_by_cause", causes_json(survey)},
+          {"features", features_json(survey.features)}};
+}
+
+void print_survey(const Scene& scene, const SphericalSurvey& survey, const SphericalSurveyConfig& config) {
+  const SphericalGrid& grid = *survey.grid;
   fmt::print("{}: {} scans, {} beams, {} echoes, of which {} left the range\n", printable_text(scene.about.title),
              survey.path.scans.size(), survey.beams, survey.echoes, survey.dropped_echoes);
-  fmt::print("{} cells of {} directions x {} layers, {} occupied, {:.2f} MB\n", cells, directions, layers,
-             survey.occupied, static_cast<double>(bytes) / 1e6);
+  fmt::print("{} cells of {} directions x {} layers, {} occupied, {:.2f} MB\n", grid.cells().size(),
+             grid.buckets().count(), grid.layers().count(), survey.occupied,
+             static_cast<double>(grid.cells().bytes()) / 1e6);
   fmt::print("occupied cells that echoed are {:.2f} m from a true wall (median), {:.2f} m at most\n",
              survey.median_error_m, survey.worst_error_m);
-  if (options.known) {
+  if (config.known_walls) {
     fmt::print("{} cells hold walls known from the start, {:.2f} m from the true ones at most\n", survey.known,
                survey.known_error_m);
   }
   if (survey.coarse) {
-    fmt::print("{} cells in directions and layers {} times as wide\n", survey.coarse->cells().size(), options.coarser);
+    fmt::print("{} cells in directions and layers {} times as wide\n", survey.coarse->cells().size(), config.coarser);
   }
   if (config.drift_share > 0) print_navigation(survey, config);
-  if (options.false_echoes) print_causes(survey);
+  if (config.leave_out_false) print_causes(survey);
   print_features(survey.features);
   print_sizes(config.grid);
+}
+
+int act(const SphereOptions& options) {
+  check_output_folder(options.out, "--out");
+  const Scene scene = open_scene(options.scene);
+  const SphericalSurveyConfig config = config_of(scene, options);
+  const SphericalSurvey survey = run_spherical_survey(scene, config);
+  make_folder(options.out);
+  const std::vector<std::string> pictures = save_pictures(scene, survey, config.grid, options);
+  if (options.json) {
+    nlohmann::ordered_json json = survey_json(scene, survey, config);
+    add_files(json, options.out, {pictures.begin(), pictures.end()});
+    print_json(json);
+    return kSuccess;
+  }
+  print_survey(scene, survey, config);
   fmt::print("written to {}: {}\n", options.out.string(), fmt::join(pictures, ", "));
   return kSuccess;
+}
+
+void add_view_options(CLI::App& command, SphereOptions& options) {
+  command.add_option("--looking", options.looking_deg, "Bearing of the view in solid.png, degrees")
+      ->capture_default_str()
+      ->check(number(0, 360))
+      ->group("Output");
+  command.add_option("--down", options.down_deg, "Depression of the view in solid.png, degrees")
+      ->capture_default_str()
+      ->check(number(-90, 90))
+      ->group("Output");
+  command.add_option("--zoom", options.zoom, "Zoom of solid.png")
+      ->capture_default_str()
+      ->check(number(0.1, 100))
+      ->group("Output");
+  command
+      .add_option("--coarser", options.coarser,
+                  "Also draw the grid with directions and layers this many times as wide (coarse.png)")
+      ->capture_default_str()
+      ->check(whole(1, 24))
+      ->group("Output");
+}
+
+void add_survey_options(CLI::App& command, SphereOptions& options) {
+  command.add_option("--scans", options.scans, "Number of scans along the path")
+      ->capture_default_str()
+      ->check(whole(1, 1000))
+      ->group("Simulation");
+  command.add_option("--range", options.range_m, "Maximum range of the sonar, m")
+      ->check(number(1, 2000))
+      ->default_str("the scene's")
+      ->group("Simulation");
+  command.add_option("--rule", options.rule, "Rule of the grid; maximum_response is the paper's")
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->check(one_of({"log_odds", "maximum_response"}))
+      ->group("Simulation");
+  command.add_option("--seed", options.seed, "Seed of every random number")
+      ->check(whole(0, 2147483647))
+      ->default_str("the scene's")
+      ->group("Simulation");
+  command.add_option("--passes", options.passes, "How often the vehicle goes along the path, to and fro")
+      ->capture_default_str()
+      ->check(whole(1, 100))
+      ->group("Simulation");
+  command
+      .add_option("--drift", options.drift_percent,
+                  "Error of dead reckoning, % of the way; the corners of the walls correct it")
+      ->capture_default_str()
+      ->check(number(0, 20))
+      ->group("Simulation");
+  command.add_flag("--known", options.known, "The walls at the depth of the first scan are in the grid from the start")
+      ->group("Simulation");
+  command
+      .add_flag("--false-echoes", options.false_echoes,
+                "Simulate second bounces (3 of 10 perpendicular echoes) and 4 random echoes a turn; remove them")
+      ->group("Simulation");
 }
 
 }  // namespace
@@ -241,58 +319,8 @@ Action add_sphere(CLI::App& program) {
       ->capture_default_str()
       ->group("Output");
   add_json_flag(*command, options->json);
-  command->add_option("--looking", options->looking_deg, "Bearing of the view in solid.png, degrees")
-      ->capture_default_str()
-      ->check(number(0, 360))
-      ->group("Output");
-  command->add_option("--down", options->down_deg, "Depression of the view in solid.png, degrees")
-      ->capture_default_str()
-      ->check(number(-90, 90))
-      ->group("Output");
-  command->add_option("--zoom", options->zoom, "Zoom of solid.png")
-      ->capture_default_str()
-      ->check(number(0.1, 100))
-      ->group("Output");
-  command
-      ->add_option("--coarser", options->coarser,
-                   "Also draw the grid with directions and layers this many times as wide (coarse.png)")
-      ->capture_default_str()
-      ->check(whole(1, 24))
-      ->group("Output");
-  command->add_option("--scans", options->scans, "Number of scans along the path")
-      ->capture_default_str()
-      ->check(whole(1, 1000))
-      ->group("Simulation");
-  command->add_option("--range", options->range_m, "Maximum range of the sonar, m")
-      ->check(number(1, 2000))
-      ->default_str("the scene's")
-      ->group("Simulation");
-  command->add_option("--rule", options->rule, "Rule of the grid; maximum_response is the paper's")
-      ->type_name("NAME")
-      ->capture_default_str()
-      ->check(one_of({"log_odds", "maximum_response"}))
-      ->group("Simulation");
-  command->add_option("--seed", options->seed, "Seed of every random number")
-      ->check(whole(0, 2147483647))
-      ->default_str("the scene's")
-      ->group("Simulation");
-  command->add_option("--passes", options->passes, "How often the vehicle goes along the path, to and fro")
-      ->capture_default_str()
-      ->check(whole(1, 100))
-      ->group("Simulation");
-  command
-      ->add_option("--drift", options->drift_percent,
-                   "Error of dead reckoning, % of the way; the corners of the walls correct it")
-      ->capture_default_str()
-      ->check(number(0, 20))
-      ->group("Simulation");
-  command
-      ->add_flag("--known", options->known, "The walls at the depth of the first scan are in the grid from the start")
-      ->group("Simulation");
-  command
-      ->add_flag("--false-echoes", options->false_echoes,
-                 "Simulate second bounces (3 of 10 perpendicular echoes) and 4 random echoes a turn; remove them")
-      ->group("Simulation");
+  add_view_options(*command, *options);
+  add_survey_options(*command, *options);
   add_example(*command, "sphere scenarios/polygon_room.toml --out out/room");
   add_example(*command, "sphere scenarios/polygon_room.toml --scans 20 --false-echoes --json");
   return [options] { return act(*options); };

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <fmt/format.h>
 #include <fstream>
 #include <isobath/display/decision_json.hpp>
 #include <isobath/io/mcap/native_log.hpp>
@@ -41,6 +42,14 @@ std::optional<MissionSetup> mission_setup(const fs::path& mission, const fs::pat
     read_toml(*text, input.string() + ": " + kVehicleAttachment, vehicle);
   }
   return setup;
+}
+
+void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard) {
+  if (!plan.origin || !heard) return;
+  const double apart_m = distance_m(*plan.origin, *heard);
+  if (apart_m <= 1) return;
+  throw Error(fmt::format("the origin of the mission is {:.0f} m away from the origin of the input", apart_m),
+              plan.place, "the same origin in both");
 }
 
 std::optional<Recorded> compare_with_log(const std::vector<Decision>& decisions, const fs::path& input) {

@@ -17,6 +17,9 @@ namespace isobath {
 std::optional<MissionSetup> mission_setup(const std::filesystem::path& mission, const std::filesystem::path& input,
                                           const Simulator* simulator);
 
+/// Throws Error unless the mission and the input have the same origin, to a metre.
+void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard);
+
 /// The number of decisions in the log, and how many of them, from the first on, equal those of this run. Empty if the
 /// input is not a log with decisions.
 struct Recorded {

@@ -2,11 +2,9 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
-#include <isobath/io/input/fingerprint.hpp>
-#include <isobath/map/depth/map_folder.hpp>
-#include <isobath/map/depth/map_record.hpp>
 #include <isobath/onboard/onboard.hpp>
 #include <isobath/run/closed_loop.hpp>
+#include <isobath/run/log_identity.hpp>
 #include <isobath/run/mission_input.hpp>
 #include <isobath/run/mission_notes.hpp>
 #include <isobath/run/moving_fan.hpp>
@@ -72,57 +70,11 @@ RunRequest completed(RunRequest request, const std::optional<Scenario>& scenario
   return request;
 }
 
-/// The visit of a stored map that brought the same log, if there is one. Into a damaged map a log may go again.
-std::optional<MapVisit> visit_of(const std::filesystem::path& map, const std::string& fingerprint) {
-  if (map.empty() || fingerprint.empty() || !looks_like_map(map)) return std::nullopt;
-  const std::vector<MapVisit> visits = read_record(map).record.facts.visits;  // the trees are large
-  const auto same = std::ranges::find(visits, fingerprint, &MapVisit::fingerprint);
-  if (same == visits.end() || !open_map(map).damages.empty()) return std::nullopt;
-  return *same;
-}
-
-/// The fingerprint of a log that goes into a stored map, and of the settings that choose a part of it. Empty for a
-/// scene, and without a stored map. What this run or an earlier one wrote into the folder of the logs does not count.
-std::string fingerprint_of_log(const RunRequest& request) {
-  if (request.map.empty() || request.input.empty() || is_scene(request.input)) return {};
-  const std::filesystem::path map = std::filesystem::weakly_canonical(request.map);
-  const auto written = [&](const std::filesystem::path& file) {
-    const std::filesystem::path place = std::filesystem::weakly_canonical(file);
-    const bool of_map = std::mismatch(map.begin(), map.end(), place.begin(), place.end()).first == map.end();
-    const bool of_run = std::ranges::any_of(kRunFiles, [&](const char* name) { return file.filename() == name; });
-    return of_map || of_run;
-  };
-  const InputConfig& chosen = request.configuration.input;
-  return fmt::format("{} only={} without={} set={} pass={}", fingerprint_of(request.input, written), chosen.survey.only,
-                     chosen.survey.without, chosen.set, chosen.pass);
-}
-
-/// Throws Error unless the mission and the input have the same origin.
-void check_frame(const MissionPlan& plan, const std::optional<GeoOrigin>& heard) {
-  if (!plan.origin || !heard) return;
-  const double apart_m = distance_m(*plan.origin, *heard);
-  if (apart_m <= 1) return;
-  throw Error(fmt::format("the origin of the mission is {:.0f} m away from the origin of the input", apart_m),
-              plan.place, "the same origin in both");
-}
-
 void check_live(const RunRequest& request, bool mission_in_a_scene) {
   if (!request.live_speed) return;
   if (!mission_in_a_scene) {
     throw Error("only a scene with a mission can run live", {request.input.string(), {}, {}, {}, {}});
   }
-}
-
-/// The plan outlines of all bodies of a scene, at their current positions.
-std::vector<TrueBody> outlines_of(const World& world) {
-  std::vector<TrueBody> outlines;
-  for (const WorldBody& body : world.bodies()) {
-    for (Polygon part : body.plan) {
-      for (Eigen::Vector2d& p : part) p += body.moved.head<2>();
-      outlines.push_back({body.name, std::move(part)});
-    }
-  }
-  return outlines;
 }
 
 RunTimings timings_of(std::vector<double>& ping_ms, double wall_ms) {

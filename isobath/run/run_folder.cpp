@@ -48,6 +48,30 @@ std::string input_name(const std::filesystem::path& input) {
   return (input.has_filename() ? input : input.parent_path()).filename().string();
 }
 
+std::string lead_text(const RunOutcome& outcome, bool pinged, std::size_t obstacles) {
+  const PipelineCounts& n = outcome.counts;
+  const bool swaths_alone = n.pings == 0 && n.swaths > 0 && !outcome.depth;
+  const std::string data =
+      swaths_alone ? fmt::format("{} · {} swaths in {} · {} scans · {} obstacles at the end", outcome.source.format,
+                                 n.swaths, span_text(outcome.log_s), n.scans, obstacles)
+      : pinged     ? fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
+                                 outcome.source.format, n.pings, outcome.log_s, n.scans, obstacles)
+               : fmt::format("{} · {} ranges and {} swaths within {} · depth map", outcome.source.format, n.ranges,
+                             n.swaths, span_text(outcome.log_s));
+  return outcome.mission ? mission_summary(*outcome.mission).front() + " · " + data : data;
+}
+
+void add_warnings(HtmlReport& page, const RunOutcome& outcome) {
+  if (!outcome.problem.empty()) page.warning(outcome.problem);
+  if (!outcome.warning.empty()) page.warning(outcome.warning);
+  for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");
+  if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
+  if (outcome.fan) page.paragraph("Sensor model: " + to_text(*outcome.fan) + ".");
+  if (outcome.counts.pings > 0 && outcome.counts.unposed == outcome.counts.pings) {
+    page.paragraph("The log has no navigation: the vehicle is assumed to stand still.");
+  }
+}
+
 std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
   const auto number = [](std::uint64_t count) { return fmt::format("{}", count); };
   std::vector<HtmlReport::Row> rows;
@@ -74,6 +98,82 @@ std::vector<HtmlReport::Row> count_rows(const PipelineCounts& n, bool pinged) {
   rows.push_back({"of these without information, because a target would be hidden", number(n.blind)});
   rows.push_back({"bins with an echo", fmt::format("{} ({:.2f} %)", n.hits, share)});
   return rows;
+}
+
+void add_truth(HtmlReport& page, const TruthScore& score) {
+  page.heading("Comparison with ground truth");
+  page.paragraph(fmt::format(
+      "In {} scans, {} pieces of obstacles were reported: {} on bodies, {} on the bottom, {} on the surface, {} mirror "
+      "images, and {} false alarms, in {} scans. An obstacle counts in every scan that shows it. Range errors refer to "
+      "the nearest point of a body; only bodies below 6 m across have them.",
+      score.scans, score.obstacles, score.of_bodies, score.of_bottom, score.of_surface, score.of_mirrors,
+      score.false_alarms, score.scans_with_false_alarms));
+  std::vector<HtmlReport::Row> rows;
+  for (const BodyScore& b : score.bodies) {
+    const bool found = b.scans_found > 0;
+    const auto number = [found](double value) { return found ? fmt::format("{:.2f}", value) : std::string("-"); };
+    const auto error = [&](double value) { return b.compact ? number(value) : std::string("-"); };
+    rows.push_back({b.name, fmt::format("{}", b.pings_heard), found ? fmt::format("{} scans", b.scans_found) : "missed",
+                    found ? fmt::format("{}", b.delay_pings) : "-", number(b.delay_s), number(b.first_range_m),
+                    error(b.range_error_mean_m), error(b.range_error_rms_m), error(b.range_error_worst_m)});
+  }
+  page.table({"body", "pings with its echo", "found in", "pings until found", "s until found", "first found at (m)",
+              "range error, mean (m)", "rms (m)", "worst (m)"},
+             rows);
+}
+
+std::vector<HtmlReport::Row> time_rows(const RunOutcome& outcome, bool pinged, bool timings) {
+  const PipelineCounts& n = outcome.counts;
+  const double log_s = outcome.log_s;
+  std::vector<HtmlReport::Row> rows{{"log, first event to last", fmt::format("{:.3f} s", log_s)}};
+  if (pinged) {
+    const double rate = log_s > 0 ? static_cast<double>(n.pings) / log_s : 0;
+    rows.push_back({"pings", fmt::format("{:.2f} per second of log", rate)});
+    const double interval_s = n.scans ? log_s / static_cast<double>(n.scans) : 0;
+    rows.push_back({"scans", fmt::format("one every {:.2f} s of log", interval_s)});
+  }
+  if (!timings) return rows;
+  const RunTimings& took = outcome.timings;
+  if (pinged) {
+    rows.push_back({"time per ping, median", fmt::format("{:.3f} ms", took.ping_median_ms)});
+    rows.push_back({"time per ping, 99th percentile", fmt::format("{:.3f} ms", took.ping_p99_ms)});
+  }
+  rows.push_back({"speed", fmt::format("{:.0f} x real time", took.wall_s > 0 ? log_s / took.wall_s : 0)});
+  return rows;
+}
+
+void add_rejected(HtmlReport& page, const RunOutcome& outcome) {
+  page.heading("Rejected and skipped");
+  std::vector<HtmlReport::Row> rows;
+  for (const auto& [reason, count] : outcome.rejected) rows.push_back({reason, fmt::format("{}", count)});
+  for (const Damage& d : outcome.source.damages) {
+    rows.push_back(
+        {fmt::format("{} (bytes {} to {})", d.reason, d.offset, d.offset + d.bytes), fmt::format("{} bytes", d.bytes)});
+  }
+  if (rows.empty()) return page.paragraph("Nothing was rejected or skipped.");
+  page.table({"reason", "count"}, rows);
+}
+
+/// The items that the replay shows less often than the rest, with their intervals.
+std::string rarer_in(const EmbeddedReplay& replay, const ReportConfig& config) {
+  constexpr std::pair<DisplayKind, const char*> kNames[] = {{DisplayKind::kEchoes, "echoes"},
+                                                            {DisplayKind::kGrid, "occupancy"},
+                                                            {DisplayKind::kDepth, "the depth map"},
+                                                            {DisplayKind::kVoxels, "voxels"},
+                                                            {DisplayKind::kVehicle, "the vehicle"},
+                                                            {DisplayKind::kTrack, "the track"},
+                                                            {DisplayKind::kObstacles, "obstacles"},
+                                                            {DisplayKind::kWay, "the route"},
+                                                            {DisplayKind::kScene, "the scene"},
+                                                            {DisplayKind::kHealth, "counts"},
+                                                            {DisplayKind::kCubes, "voxels in larger cubes"},
+                                                            {DisplayKind::kSphere, "the spherical grid"}};
+  std::string rarer;
+  for (const auto& [kind, name] : kNames) {
+    if (replay.interval_s(kind) <= config.replay_s) continue;
+    rarer += fmt::format("{}{} every {:g} s", rarer.empty() ? "" : ", ", name, replay.interval_s(kind));
+  }
+  return rarer;
 }
 
 }  // namespace
@@ -109,8 +209,6 @@ void RunFolder::write_text(const std::string& name, const std::string& bytes, Ru
 
 /// The pictures of scan and mission, and the files of the maps with theirs.
 RunFolder::Pictures RunFolder::draw(const RunRequest& request, const Onboard& onboard, RunOutcome& outcome) const {
-  const BodyGrid* grid = onboard.pipeline().grid();
-  const VoxelMap* voxels = onboard.voxels().map();
   const ScanRecord last = scans_.empty() ? ScanRecord{} : scans_.back();
   const std::optional<GeoOrigin> origin = last.posed ? outcome.source.origin : std::nullopt;
   ChartSource source{request.input.empty() ? "embedded scene" : input_name(request.input),
@@ -118,7 +216,7 @@ RunFolder::Pictures RunFolder::draw(const RunRequest& request, const Onboard& on
   const bool simulated = outcome.truth || (outcome.mission && outcome.mission->truth);
   if (simulated && source.date.empty()) source.date = "simulated";
   Pictures pictures;
-  if (grid) {
+  if (const BodyGrid* grid = onboard.pipeline().grid()) {
     ScanView view{last_sweep_, obstacles_, truth_, source};
     if (last.number > 0) view.source.survey += fmt::format(", scan {} of {}", last.number, scans_.size());
     pictures.occupancy = occupancy_picture(view, *grid);
@@ -129,7 +227,7 @@ RunFolder::Pictures RunFolder::draw(const RunRequest& request, const Onboard& on
     if (!pictures.sonar.empty()) write_text("sonar.png", pictures.sonar, outcome);
     write_text("detections.png", pictures.detections, outcome);
   }
-  if (voxels) {
+  if (const VoxelMap* voxels = onboard.voxels().map()) {
     pictures.voxels = write_voxel_files(*voxels, configuration_.voxels.vdb, source, outcome.source.origin, folder_,
                                         *outcome.voxels, outcome.files);
   }
@@ -157,56 +255,7 @@ RunFolder::Pictures RunFolder::draw(const RunRequest& request, const Onboard& on
   return pictures;
 }
 
-void add_truth(HtmlReport& page, const TruthScore& score) {
-  page.heading("Comparison with ground truth");
-  page.paragraph(fmt::format(
-      "In {} scans, {} pieces of obstacles were reported: {} on bodies, {} on the bottom, {} on the surface, {} mirror "
-      "images, "
-      "and {} false alarms, in {} scans. An obstacle counts in every scan that shows it. Range errors refer to the "
-      "nearest point of a body; only bodies below 6 m across have them.",
-      score.scans, score.obstacles, score.of_bodies, score.of_bottom, score.of_surface, score.of_mirrors,
-      score.false_alarms, score.scans_with_false_alarms));
-  std::vector<HtmlReport::Row> rows;
-  for (const BodyScore& b : score.bodies) {
-    const bool found = b.scans_found > 0;
-    const auto number = [found](double value) { return found ? fmt::format("{:.2f}", value) : std::string("-"); };
-    const auto error = [&](double value) { return b.compact ? number(value) : std::string("-"); };
-    rows.push_back({b.name, fmt::format("{}", b.pings_heard), found ? fmt::format("{} scans", b.scans_found) : "missed",
-                    found ? fmt::format("{}", b.delay_pings) : "-", number(b.delay_s), number(b.first_range_m),
-                    error(b.range_error_mean_m), error(b.range_error_rms_m), error(b.range_error_worst_m)});
-  }
-  page.table({"body", "pings with its echo", "found in", "pings until found", "s until found", "first found at (m)",
-              "range error, mean (m)", "rms (m)", "worst (m)"},
-             rows);
-}
-
 // The replay of the run ----------------------------------------------------------------------------------------------
-
-namespace {
-
-/// The items that the replay shows less often than the rest, with their intervals.
-std::string rarer_in(const EmbeddedReplay& replay, const ReportConfig& config) {
-  constexpr std::pair<DisplayKind, const char*> kNames[] = {{DisplayKind::kEchoes, "echoes"},
-                                                            {DisplayKind::kGrid, "occupancy"},
-                                                            {DisplayKind::kDepth, "the depth map"},
-                                                            {DisplayKind::kVoxels, "voxels"},
-                                                            {DisplayKind::kVehicle, "the vehicle"},
-                                                            {DisplayKind::kTrack, "the track"},
-                                                            {DisplayKind::kObstacles, "obstacles"},
-                                                            {DisplayKind::kWay, "the route"},
-                                                            {DisplayKind::kScene, "the scene"},
-                                                            {DisplayKind::kHealth, "counts"},
-                                                            {DisplayKind::kCubes, "voxels in larger cubes"},
-                                                            {DisplayKind::kSphere, "the spherical grid"}};
-  std::string rarer;
-  for (const auto& [kind, name] : kNames) {
-    if (replay.interval_s(kind) <= config.replay_s) continue;
-    rarer += fmt::format("{}{} every {:g} s", rarer.empty() ? "" : ", ", name, replay.interval_s(kind));
-  }
-  return rarer;
-}
-
-}  // namespace
 
 void RunFolder::show_run(EmbeddedReplay& replay, Time last, const DisplayState& items) {
   const std::string recording = replay.finish(last, items);
@@ -225,14 +274,13 @@ void RunFolder::show_run(EmbeddedReplay& replay, Time last, const DisplayState& 
 // Files --------------------------------------------------------------------------------------------------------------
 
 void RunFolder::write(const RunRequest& request, const Onboard& onboard, RunOutcome& outcome) {
-  const BodyGrid* grid = onboard.pipeline().grid();
   outcome.obstacles = obstacles_;
   const ScanRecord last = scans_.empty() ? ScanRecord{} : scans_.back();
   write_text("obstacles.json", obstacles_json(last), outcome);
   write_text("scans.json", scans_json(scans_), outcome);
   const std::optional<GeoOrigin> origin = last.posed ? outcome.source.origin : std::nullopt;
   if (origin) write_text("obstacles.geojson", obstacles_geojson(last, *origin), outcome);
-  if (grid) {
+  if (const BodyGrid* grid = onboard.pipeline().grid()) {
     write_occupancy(*grid, level(last.X_WB), origin);
     outcome.files.emplace_back("occupancy.tif");
   }
@@ -286,11 +334,8 @@ void RunFolder::add_scan(HtmlReport& page, const Pictures& pictures) const {
     rows.push_back({std::to_string(o.number), degrees(o.nearest->bearing), fmt::format("{:.2f}", o.nearest->range_m),
                     fmt::format("{}, {:.1f} m", o.kind(), o.extent_m), fmt::format("{:.3f}", o.existence), notes(o)});
   }
-  if (rows.empty()) {
-    page.paragraph("No obstacle at the end of the run.");
-  } else {
-    page.table({"obstacle", "bearing (deg)", "nearest point (m)", "kind, extent", "existence", ""}, rows);
-  }
+  if (rows.empty()) return page.paragraph("No obstacle at the end of the run.");
+  page.table({"obstacle", "bearing (deg)", "nearest point (m)", "kind, extent", "existence", ""}, rows);
 }
 
 void RunFolder::add_sphere(HtmlReport& page, const SphericalOutcome& sphere, const Pictures& pictures) {
@@ -316,34 +361,15 @@ void RunFolder::add_sphere(HtmlReport& page, const SphericalOutcome& sphere, con
 void RunFolder::add_replay(HtmlReport& page) const {
   if (replay_text_.empty()) return;
   page.heading("Replay of the run");
-  if (replay_page_.empty()) {
-    page.paragraph(replay_text_);
-  } else {
-    page.page_inside("Replay of the run", replay_page_, replay_text_);
-  }
+  if (replay_page_.empty()) return page.paragraph(replay_text_);
+  page.page_inside("Replay of the run", replay_page_, replay_text_);
 }
 
 std::string RunFolder::report(const RunRequest& request, const RunOutcome& outcome, const Pictures& pictures) const {
-  const PipelineCounts& n = outcome.counts;
-  const bool pinged = n.pings > 0 || !outcome.depth;  // else the report is only about depths
-  const bool swaths_alone = n.pings == 0 && n.swaths > 0 && !outcome.depth;
-  const std::string data =
-      swaths_alone ? fmt::format("{} · {} swaths in {} · {} scans · {} obstacles at the end", outcome.source.format,
-                                 n.swaths, span_text(outcome.log_s), n.scans, whole_obstacles(obstacles_).size())
-      : pinged     ? fmt::format("{} · {} pings in {:.1f} s of log · {} scans · {} obstacles at the end",
-                                 outcome.source.format, n.pings, outcome.log_s, n.scans, whole_obstacles(obstacles_).size())
-               : fmt::format("{} · {} ranges and {} swaths within {} · depth map", outcome.source.format, n.ranges,
-                             n.swaths, span_text(outcome.log_s));
-  const std::string lead = outcome.mission ? mission_summary(*outcome.mission).front() + " · " + data : data;
-  HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : input_name(request.input)), lead);
-  if (!outcome.problem.empty()) page.warning(outcome.problem);
-  if (!outcome.warning.empty()) page.warning(outcome.warning);
-  for (const Alarm& alarm : outcome.alarms) page.warning("Alarm: " + to_text(alarm) + ".");
-  if (!outcome.undecided.empty()) page.warning("At the end no bin could be decided: " + outcome.undecided + ".");
-  if (outcome.fan) page.paragraph("Sensor model: " + to_text(*outcome.fan) + ".");
-  if (n.pings > 0 && n.unposed == n.pings) {
-    page.paragraph("The log has no navigation: the vehicle is assumed to stand still.");
-  }
+  const bool pinged = outcome.counts.pings > 0 || !outcome.depth;  // else the report is only about depths
+  HtmlReport page("Isobath run: " + (request.input.empty() ? "embedded scene" : input_name(request.input)),
+                  lead_text(outcome, pinged, whole_obstacles(obstacles_).size()));
+  add_warnings(page, outcome);
   for (const ReportSection section : report_sections(outcome)) {
     switch (section) {
       case ReportSection::kMission: add_mission(page, *outcome.mission, pictures.mission); break;
@@ -355,42 +381,15 @@ std::string RunFolder::report(const RunRequest& request, const RunOutcome& outco
       case ReportSection::kReplay: add_replay(page); break;
     }
   }
-  std::vector<HtmlReport::Row> rows;
   if (outcome.truth) add_truth(page, *outcome.truth);
   page.heading("Counts");
-  page.table({"what", "count"}, count_rows(n, pinged));
+  page.table({"what", "count"}, count_rows(outcome.counts, pinged));
   page.heading("Times");
-  rows = {{"log, first event to last", fmt::format("{:.3f} s", outcome.log_s)}};
-  if (pinged) {
-    rows.push_back({"pings", fmt::format("{:.2f} per second of log",
-                                         outcome.log_s > 0 ? static_cast<double>(n.pings) / outcome.log_s : 0)});
-    rows.push_back({"scans", fmt::format("one every {:.2f} s of log",
-                                         n.scans ? outcome.log_s / static_cast<double>(n.scans) : 0)});
-  }
-  if (request.timings) {
-    if (pinged) {
-      rows.push_back({"time per ping, median", fmt::format("{:.3f} ms", outcome.timings.ping_median_ms)});
-      rows.push_back({"time per ping, 99th percentile", fmt::format("{:.3f} ms", outcome.timings.ping_p99_ms)});
-    }
-    rows.push_back({"speed", fmt::format("{:.0f} x real time",
-                                         outcome.timings.wall_s > 0 ? outcome.log_s / outcome.timings.wall_s : 0)});
-  }
-  page.table({"what", "value"}, rows);
-  page.heading("Rejected and skipped");
-  rows.clear();
-  for (const auto& [reason, count] : outcome.rejected) rows.push_back({reason, fmt::format("{}", count)});
-  for (const Damage& d : outcome.source.damages) {
-    rows.push_back(
-        {fmt::format("{} (bytes {} to {})", d.reason, d.offset, d.offset + d.bytes), fmt::format("{} bytes", d.bytes)});
-  }
-  if (rows.empty()) {
-    page.paragraph("Nothing was rejected or skipped.");
-  } else {
-    page.table({"reason", "count"}, rows);
-  }
+  page.table({"what", "value"}, time_rows(outcome, pinged, request.timings));
+  add_rejected(page, outcome);
   if (!outcome.source.details.empty()) {
     page.heading("Input");
-    rows.clear();
+    std::vector<HtmlReport::Row> rows;
     for (const auto& [key, value] : outcome.source.details) rows.push_back({key, value});
     page.table({"what", "value"}, rows);
   }

@@ -39,6 +39,52 @@ Vector2d middle_of(const std::vector<Polygon>& parts) {
   return sum / std::max(1.0, corners);
 }
 
+double gap_to_plan(const std::vector<Polygon>& plan, const Polygon& outline) {
+  double gap = std::numeric_limits<double>::infinity();
+  for (const Polygon& part : plan) gap = std::min(gap, gap_between(part, outline));
+  return gap;
+}
+
+double distance_to_plan(const std::vector<Polygon>& plan, const Vector2d& p) {
+  double distance = std::numeric_limits<double>::infinity();
+  for (const Polygon& part : plan) distance = std::min(distance, distance_from(part, p));
+  return distance;
+}
+
+/// A piece of an obstacle, in W.
+struct ObstaclePiece {
+  Polygon outline;
+  double tolerance, gap;  ///< to the nearest body
+};
+
+/// The pieces of a scan, and the bodies that they belong to.
+struct BodyMatches {
+  std::vector<ObstaclePiece> pieces;      ///< in the order of the obstacles
+  std::set<int> of_body;                  ///< numbers of the obstacles that belong to one
+  std::vector<const Obstacle*> reported;  ///< nearest obstacle of each body; null: none
+};
+
+/// `beam`: width of a beam, rad; `bin_m`: length of a bin.
+BodyMatches match_to_bodies(const Detection& found, const std::vector<std::vector<Polygon>>& plans, const Pose& X_WL,
+                            double beam, double bin_m) {
+  BodyMatches matches;
+  matches.reported.resize(plans.size(), nullptr);
+  for (const Obstacle& o : found.obstacles) {
+    ObstaclePiece piece{in_frame(o.outline, X_WL), 0.5 * beam * o.range_m + bin_m + found.cells.cell_m,
+                        std::numeric_limits<double>::infinity()};
+    for (std::size_t i = 0; i < plans.size(); ++i) {
+      const double gap = gap_to_plan(plans[i], piece.outline);
+      piece.gap = std::min(piece.gap, gap);
+      const Obstacle*& nearest = matches.reported[i];
+      if (gap > piece.tolerance || (nearest && o.range_m >= nearest->range_m)) continue;
+      nearest = &o;
+    }
+    if (piece.gap <= piece.tolerance) matches.of_body.insert(o.number);
+    matches.pieces.push_back(std::move(piece));
+  }
+  return matches;
+}
+
 }  // namespace
 
 DetectionScorer::DetectionScorer(Simulator& simulator)
@@ -198,36 +244,14 @@ bool DetectionScorer::bottom_in_the_way(const Polygon& outline) const {
 
 void DetectionScorer::on_scan(const ScanResult& scan) {
   X_WL_ = true_level_pose(scan.detection.time);
-  const Vector2d vehicle = X_WL_.translation.head<2>();
   const std::vector<std::vector<Polygon>> plans = plans_now();
-  std::vector<double> reported(bodies_.size(), -1);  // nearest obstacle of each body
-  std::vector<const Obstacle*> fixed(bodies_.size(), nullptr);
+  const BodyMatches matches = match_to_bodies(scan.detection, plans, X_WL_, beam_, bin_);
   ++score_.scans;
   bool any_false = false;
-  struct Piece {
-    Polygon outline;
-    double tolerance, gap;  ///< to the nearest body
-  };
-  std::vector<Piece> pieces;
-  std::set<int> of_body;  // numbers of the obstacles that belong to one
-  for (const Obstacle& o : scan.detection.obstacles) {
-    Piece piece{in_frame(o.outline, X_WL_), 0.5 * beam_ * o.range_m + bin_ + scan.detection.cells.cell_m,
-                std::numeric_limits<double>::infinity()};
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      double gap = std::numeric_limits<double>::infinity();
-      for (const Polygon& part : plans[i]) gap = std::min(gap, gap_between(part, piece.outline));
-      piece.gap = std::min(piece.gap, gap);
-      if (gap > piece.tolerance || (reported[i] >= 0 && o.range_m >= reported[i])) continue;
-      reported[i] = o.range_m;
-      fixed[i] = &o;
-    }
-    if (piece.gap <= piece.tolerance) of_body.insert(o.number);
-    pieces.push_back(std::move(piece));
-  }
-  for (std::size_t at = 0; at < pieces.size(); ++at) {
+  for (std::size_t at = 0; at < matches.pieces.size(); ++at) {
     const Obstacle& o = scan.detection.obstacles[at];
-    const auto& [outline, tolerance, gap] = pieces[at];
-    const bool owned = gap <= (of_body.count(o.number) > 0 ? std::max(tolerance, kAttached_m) : tolerance);
+    const auto& [outline, tolerance, gap] = matches.pieces[at];
+    const bool owned = gap <= (matches.of_body.count(o.number) > 0 ? std::max(tolerance, kAttached_m) : tolerance);
     ++score_.obstacles;
     const std::uint8_t kinds = owned ? 0 : kinds_near(outline, tolerance);
     int& count = owned                  ? score_.of_bodies
@@ -245,18 +269,17 @@ void DetectionScorer::on_scan(const ScanResult& scan) {
   score_.scans_with_false_alarms += any_false;
   const double now = to_seconds(scan.detection.time);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (reported[i] < 0) continue;
-    double real = std::numeric_limits<double>::infinity();
-    for (const Polygon& part : plans[i]) real = std::min(real, distance_from(part, vehicle));
+    if (!matches.reported[i]) continue;
+    const Obstacle& reported = *matches.reported[i];
     Watch& w = bodies_[i];
     if (w.score.scans_found++ == 0) {
       w.score.delay_s = w.first_heard_s < 0 ? 0 : now - w.first_heard_s;
-      w.score.first_range_m = reported[i];
+      w.score.first_range_m = reported.range_m;
     }
-    const double error = reported[i] - real;
+    const double error = reported.range_m - distance_to_plan(plans[i], X_WL_.translation.head<2>());
     w.error_sum += error;
     w.error_squares += error * error;
-    const Vector2d apart = middle_of({world_outline(*fixed[i], scan.detection.X_WB)}) - middle_of(plans[i]);
+    const Vector2d apart = middle_of({world_outline(reported, scan.detection.X_WB)}) - middle_of(plans[i]);
     w.fix_sum += apart;
     w.fix_squares += apart.squaredNorm();
     if (std::abs(error) > std::abs(w.score.range_error_worst_m)) w.score.range_error_worst_m = error;

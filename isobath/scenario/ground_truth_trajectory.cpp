@@ -1,6 +1,18 @@
 #include <isobath/scenario/ground_truth_trajectory.hpp>
+#include <utility>
 
 namespace isobath {
+
+std::vector<TrueBody> outlines_of(const World& world) {
+  std::vector<TrueBody> outlines;
+  for (const WorldBody& body : world.bodies()) {
+    for (Polygon part : body.plan) {
+      for (Eigen::Vector2d& p : part) p += body.moved.head<2>();
+      outlines.push_back({body.name, std::move(part)});
+    }
+  }
+  return outlines;
+}
 
 void GroundTruthTrajectory::on_truth(const TrueMotion& motion) {
   const Eigen::Vector3d p_WB = motion.state.X_WB.translation;

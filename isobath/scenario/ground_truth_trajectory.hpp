@@ -32,6 +32,9 @@ struct TrueBody {
   Polygon outline;
 };
 
+/// The outlines of all bodies of a scene, at their current positions.
+std::vector<TrueBody> outlines_of(const World& world);
+
 class GroundTruthTrajectory : public SimulatedSource::TruthSink {
  public:
   explicit GroundTruthTrajectory(const Simulator& simulator) : simulator_(simulator) {}

@@ -223,6 +223,7 @@ SonarConfig sonar_preset(const std::string& name) {
 }
 
 std::vector<Field> fields(SonarConfig& c) {
+  // One entry per setting.
   using P = PatternKind;
   const auto apply = [&c] {
     SonarConfig preset = sonar_preset(c.preset);

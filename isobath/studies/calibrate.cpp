@@ -149,6 +149,44 @@ void add_fan_frames(std::span<const MarkedFrame> frames, const CalibrateRequest&
   fan.finish(request.input.filename().string(), outcome);
 }
 
+/// Reads the marks, the background and the fan of the input; returns the marked frames, of which a log has none.
+std::vector<MarkedFrame> read_calibration_input(Calibration& calibration, BorrowedObjects* borrowed,
+                                                const CalibrateRequest& request, CalibrateOutcome& outcome) {
+  std::vector<MarkedFrame> frames;
+  if (request.truth) {
+    TruthMarks marks = read_truth_marks(request.input, request.configuration.input, request.sonar);
+    outcome.left_out = marks.left_out;
+    frames = std::move(marks.frames);
+    add_marked_frames(calibration, frames);
+    if (borrowed) borrowed->add(frames);
+  } else if (!request.background_below && looks_like_frame_folder(request.input)) {
+    frames = read_marked_frames(request.input, request.configuration.input);
+    add_marked_frames(calibration, frames);
+    if (borrowed) borrowed->add(frames);
+    add_fan_frames(frames, request, outcome);
+  } else {
+    add_log(calibration, borrowed, request, outcome);
+  }
+  return frames;
+}
+
+CalibrateOutcome learn_models(const CalibrateRequest& request) {
+  Calibration calibration(request.configuration.calibration);
+  CalibrateOutcome outcome;
+  std::optional<BorrowedObjects> borrowed;
+  if (!request.objects.empty()) borrowed.emplace(request.objects, request.configuration.histogram);
+  const std::vector<MarkedFrame> frames =
+      read_calibration_input(calibration, borrowed ? &*borrowed : nullptr, request, outcome);
+  outcome.result = calibration.finish(request.input.filename().string());
+  const CalibrationResult& result = outcome.result;
+  if (borrowed) {
+    outcome.histograms.emplace(HistogramCalibration{borrowed->model(result.model.source), {}});
+  } else if (result.marked_cells > 0 && frames.front().ping.fan->beams() > 1) {  // a scanning head has no pixels
+    outcome.histograms = learn_histograms(frames, request.configuration, result.comparison, result.model.source);
+  }
+  return outcome;
+}
+
 // Charts -------------------------------------------------------------------------------------------------------------
 
 std::string roc_chart(const CalibrationResult& result) {
@@ -256,78 +294,65 @@ void add_comparison(HtmlReport& page, const CalibrationResult& result,
   page.table({"nominal f", "measured f", "p, per-bin thresholds", "p, one threshold", "p, per-pixel histograms"}, rows);
 }
 
-}  // namespace
+/// The charts of the models, as PNG; empty where there is no such model.
+struct CalibrationCharts {
+  std::string roc, thresholds, fan_level, fan_gains, noise, objects;
+};
 
-CalibrateOutcome calibrate(const CalibrateRequest& request) {
-  Calibration calibration(request.configuration.calibration);
-  CalibrateOutcome outcome;
-  std::vector<MarkedFrame> frames;
-  std::optional<BorrowedObjects> borrowed;
-  if (!request.objects.empty()) borrowed.emplace(request.objects, request.configuration.histogram);
-  if (request.truth) {
-    TruthMarks marks = read_truth_marks(request.input, request.configuration.input, request.sonar);
-    outcome.left_out = marks.left_out;
-    frames = std::move(marks.frames);
-    add_marked_frames(calibration, frames);
-    if (borrowed) borrowed->add(frames);
-  } else if (!request.background_below && looks_like_frame_folder(request.input)) {
-    frames = read_marked_frames(request.input, request.configuration.input);
-    add_marked_frames(calibration, frames);
-    if (borrowed) borrowed->add(frames);
-    add_fan_frames(frames, request, outcome);
-  } else {
-    add_log(calibration, borrowed ? &*borrowed : nullptr, request, outcome);
-  }
-  outcome.result = calibration.finish(request.input.filename().string());
-  const CalibrationResult& result = outcome.result;
-  if (borrowed) {
-    outcome.histograms.emplace(HistogramCalibration{borrowed->model(result.model.source), {}});
-  } else if (result.marked_cells > 0 && frames.front().ping.fan->beams() > 1) {  // a scanning head has no pixels
-    outcome.histograms = learn_histograms(frames, request.configuration, result.comparison, result.model.source);
-  }
-
-  make_folder(request.out);
+/// Writes the models and their charts, and lists them in `outcome.files`.
+CalibrationCharts write_models(const std::filesystem::path& folder, CalibrateOutcome& outcome) {
   const auto write = [&](const std::string& name, const std::string& bytes) {
-    write_whole_file(request.out / name, bytes);
+    write_whole_file(folder / name, bytes);
     outcome.files.emplace_back(name);
   };
+  const CalibrationResult& result = outcome.result;
+  CalibrationCharts charts;
   write("sensor_model.json", write_sensor_model(result.model));
   write("calibration.json", to_json(result));
-  const std::string roc = result.marked_cells > 0 ? roc_chart(result) : "";
-  const std::string thresholds = threshold_chart(result);
-  if (!roc.empty()) write("roc.png", roc);
-  write("thresholds.png", thresholds);
-  std::string level, gains;
+  if (result.marked_cells > 0) charts.roc = roc_chart(result);
+  charts.thresholds = threshold_chart(result);
+  if (!charts.roc.empty()) write("roc.png", charts.roc);
+  write("thresholds.png", charts.thresholds);
   if (outcome.fan) {
     write("fan_model.json", write_fan_model(outcome.fan->model));
-    write("fan_level.png", level = level_chart(outcome.fan->model));
-    write("fan_gains.png", gains = gain_chart(outcome.fan->model));
+    write("fan_level.png", charts.fan_level = level_chart(outcome.fan->model));
+    write("fan_gains.png", charts.fan_gains = gain_chart(outcome.fan->model));
   }
-  std::string noise, objects;
   if (outcome.histograms) {
     const HistogramModel& model = outcome.histograms->model;
     write("histogram_model.bin", write_histogram_model(model));
-    write("noise_histograms.png", noise = noise_histogram_chart(model));
-    write("object_histogram.png", objects = object_histogram_chart(model));
+    write("noise_histograms.png", charts.noise = noise_histogram_chart(model));
+    write("object_histogram.png", charts.objects = object_histogram_chart(model));
   }
+  return charts;
+}
 
+void add_charts(HtmlReport& page, const CalibrateOutcome& outcome, const CalibrationCharts& charts) {
+  page.begin_row();
+  if (!charts.roc.empty()) {
+    page.figure(charts.roc, "Receiver operating characteristic by range, with 95 % bands of p.");
+  }
+  page.figure(charts.thresholds, "Echo threshold of the model by range bin.");
+  page.figure(detection_chart(outcome.result), "Share of targets above the threshold.");
+  if (outcome.histograms) {
+    page.figure(charts.noise, "Noise of single pixels, smoothed with their neighbours in range.");
+    page.figure(charts.objects, "Intensity of objects, against that of all noise.");
+  }
+  if (outcome.fan) {
+    page.figure(charts.fan_level, "Level of the water by range.");
+    page.figure(charts.fan_gains, "Gain of each beam relative to the median beam.");
+  }
+  page.end_row();
+}
+
+std::string calibration_page(const CalibrateRequest& request, const CalibrateOutcome& outcome,
+                             const CalibrationCharts& charts) {
+  const CalibrationResult& result = outcome.result;
   HtmlReport page("Isobath calibration: " + request.input.filename().string(),
                   fmt::format("{} pings of background, {} with marks ({} marked cells), {} left out; f = {:g}",
                               result.background_pings, result.marked_pings, result.marked_cells, outcome.left_out,
                               result.model.false_alarm));
-  page.begin_row();
-  if (!roc.empty()) page.figure(roc, "Receiver operating characteristic by range, with 95 % bands of p.");
-  page.figure(thresholds, "Echo threshold of the model by range bin.");
-  page.figure(detection_chart(result), "Share of targets above the threshold.");
-  if (outcome.histograms) {
-    page.figure(noise, "Noise of single pixels, smoothed with their neighbours in range.");
-    page.figure(objects, "Intensity of objects, against that of all noise.");
-  }
-  if (outcome.fan) {
-    page.figure(level, "Level of the water by range.");
-    page.figure(gains, "Gain of each beam relative to the median beam.");
-  }
-  page.end_row();
+  add_charts(page, outcome, charts);
   if (outcome.fan) {
     page.heading("Fan model, learnt without marks");
     for (const std::string& line : lines_of(*outcome.fan)) page.paragraph(line);
@@ -335,7 +360,17 @@ CalibrateOutcome calibrate(const CalibrateRequest& request) {
   if (!result.comparison.empty()) add_comparison(page, result, outcome.histograms);
   add_fits(page, result);
   page.folded("Configuration in force", to_toml(request.configuration, true));
-  write("report.html", page.html());
+  return page.html();
+}
+
+}  // namespace
+
+CalibrateOutcome calibrate(const CalibrateRequest& request) {
+  CalibrateOutcome outcome = learn_models(request);
+  make_folder(request.out);
+  const CalibrationCharts charts = write_models(request.out, outcome);
+  write_whole_file(request.out / "report.html", calibration_page(request, outcome, charts));
+  outcome.files.emplace_back("report.html");
   return outcome;
 }
 

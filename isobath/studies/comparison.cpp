@@ -202,78 +202,120 @@ std::string to_json(const CompareOutcome& outcome) {
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-CompareOutcome compare(const CompareRequest& request) {
-  CompareOutcome outcome;
-  outcome.a = collect(request.a, request);
-  outcome.b = collect(request.b, request);
-  outcome.background_distance = histogram_distance(outcome.a, outcome.b);
+// Report -------------------------------------------------------------------------------------------------------------
 
-  const std::string a = "A: " + short_name(outcome.a.name), b = "B: " + short_name(outcome.b.name);
-  make_folder(request.out);
-  const auto write = [&](const std::string& name, const std::string& bytes) {
-    write_whole_file(request.out / name, bytes);
-    outcome.files.emplace_back(name);
-  };
-  const PlanExtent ea = extent_of(outcome.a.mean), eb = extent_of(outcome.b.mean);
-  const PlanExtent extent{std::min(ea.x_min, eb.x_min), std::max(ea.x_max, eb.x_max), std::min(ea.y_min, eb.y_min),
-                          std::max(ea.y_max, eb.y_max)};
-  const double top = top_of(outcome);
-  const std::string levels = level_chart(outcome, a, b), background = background_chart(outcome, a, b),
-                    exceedance = exceedance_chart(outcome, a, b);
-  const std::string scan_a = image_picture(outcome.a.scan, extent, top, a + ", one scan"),
-                    scan_b = image_picture(outcome.b.scan, extent, top, b + ", one scan"),
-                    mean_a = image_picture(outcome.a.mean, extent, top, a + ", mean"),
-                    mean_b = image_picture(outcome.b.mean, extent, top, b + ", mean");
-  write("comparison.json", to_json(outcome));
-  write("levels.png", levels);
-  write("background.png", background);
-  write("exceedance.png", exceedance);
-  write("scan_a.png", scan_a);
-  write("scan_b.png", scan_b);
-  write("mean_a.png", mean_a);
-  write("mean_b.png", mean_b);
+namespace {
 
-  HtmlReport page("Isobath: two recordings side by side",
-                  fmt::format("A: {} ({}). B: {} ({}). Samples in counts of a full scale of 255; ranges nearer than "
-                              "{:g} m (A) and {:g} m (B) are drawn but not counted.",
-                              outcome.a.name, outcome.a.format, outcome.b.name, outcome.b.format, outcome.a.all.near_m,
-                              outcome.b.all.near_m));
-  if (outcome.a.left_out + outcome.b.left_out > 0) {
-    page.warning(fmt::format("Left out: {} pings of A and {} of B whose range or beams differ from the first ping's.",
-                             outcome.a.left_out, outcome.b.left_out));
-  }
+/// The names of the recordings in charts and tables.
+struct RecordingNames {
+  std::string a, b;
+};
+
+/// PNG.
+struct ComparisonPictures {
+  std::string levels, background, exceedance, scan_a, scan_b, mean_a, mean_b;
+};
+
+PlanExtent common_extent(const PlanExtent& a, const PlanExtent& b) {
+  return {std::min(a.x_min, b.x_min), std::max(a.x_max, b.x_max), std::min(a.y_min, b.y_min),
+          std::max(a.y_max, b.y_max)};
+}
+
+ComparisonPictures draw_comparison(const CompareOutcome& c, const RecordingNames& names) {
+  const PlanExtent extent = common_extent(extent_of(c.a.mean), extent_of(c.b.mean));
+  const double top = top_of(c);
+  ComparisonPictures pictures;
+  pictures.levels = level_chart(c, names.a, names.b);
+  pictures.background = background_chart(c, names.a, names.b);
+  pictures.exceedance = exceedance_chart(c, names.a, names.b);
+  pictures.scan_a = image_picture(c.a.scan, extent, top, names.a + ", one scan");
+  pictures.scan_b = image_picture(c.b.scan, extent, top, names.b + ", one scan");
+  pictures.mean_a = image_picture(c.a.mean, extent, top, names.a + ", mean");
+  pictures.mean_b = image_picture(c.b.mean, extent, top, names.b + ", mean");
+  return pictures;
+}
+
+void add_images(HtmlReport& page, const ComparisonPictures& pictures) {
   page.heading("Images");
   page.begin_row();
-  page.figure(scan_a, "One scan of A. Brightness is the square root of the level, the same in all four pictures.");
-  page.figure(scan_b, "One scan of B.");
+  page.figure(pictures.scan_a,
+              "One scan of A. Brightness is the square root of the level, the same in all four pictures.");
+  page.figure(pictures.scan_b, "One scan of B.");
   page.end_row();
   page.begin_row();
-  page.figure(mean_a, "Mean of all scans of A.");
-  page.figure(mean_b, "Mean of all scans of B.");
+  page.figure(pictures.mean_a, "Mean of all scans of A.");
+  page.figure(pictures.mean_b, "Mean of all scans of B.");
   page.end_row();
+}
+
+void add_statistics(HtmlReport& page, const CompareOutcome& c, const RecordingNames& names) {
   page.heading("Statistics");
   std::vector<HtmlReport::Row> rows;
-  for (const ComparedValue& v : compared_values(outcome)) rows.push_back({v.what, v.a, v.b});
-  page.table({"", a, b}, rows);
+  for (const ComparedValue& v : compared_values(c)) rows.push_back({v.what, v.a, v.b});
+  page.table({"", names.a, names.b}, rows);
   page.paragraph(fmt::format(
       "Background samples stay below the median of their range plus three times the distance from the 16 % level to "
       "the median (from the median to the 84 % level if at least 40 % of the samples are 0). Bright samples are at "
       "least 12 dB above the mean background of their range, and at least {:.0f} counts. Brackets give 16 to 84 % of "
       "the scans. The misfit is the Anderson-Darling statistic: smaller fits better. The backgrounds differ by at most "
       "{:.1f} % of the samples (Kolmogorov-Smirnov).",
-      kBrightLeast, 100 * outcome.background_distance));
+      kBrightLeast, 100 * c.background_distance));
+}
+
+void add_levels(HtmlReport& page, const CompareOutcome& c, const ComparisonPictures& pictures) {
   page.heading("By range");
-  page.figure(levels, "All bearings together, echoes included.");
+  page.figure(pictures.levels, "All bearings together, echoes included.");
   page.table({"range (m)", "A: mean", "A: median (16 to 84 %)", "A: 99 %", "A: zeros", "B: mean",
               "B: median (16 to 84 %)", "B: 99 %", "B: zeros"},
-             range_rows(outcome));
+             range_rows(c));
   page.heading("By value");
   page.begin_row();
-  page.figure(background, "The background, on a logarithmic scale.");
-  page.figure(exceedance, "All samples beyond the blind zone.");
+  page.figure(pictures.background, "The background, on a logarithmic scale.");
+  page.figure(pictures.exceedance, "All samples beyond the blind zone.");
   page.end_row();
-  page.folded("Configuration in force", to_toml(request.configuration, true));
-  write("report.html", page.html());
+}
+
+std::string comparison_page(const CompareOutcome& c, const RecordingNames& names, const ComparisonPictures& pictures,
+                            const Configuration& configuration) {
+  HtmlReport page("Isobath: two recordings side by side",
+                  fmt::format("A: {} ({}). B: {} ({}). Samples in counts of a full scale of 255; ranges nearer than "
+                              "{:g} m (A) and {:g} m (B) are drawn but not counted.",
+                              c.a.name, c.a.format, c.b.name, c.b.format, c.a.all.near_m, c.b.all.near_m));
+  if (c.a.left_out + c.b.left_out > 0) {
+    page.warning(fmt::format("Left out: {} pings of A and {} of B whose range or beams differ from the first ping's.",
+                             c.a.left_out, c.b.left_out));
+  }
+  add_images(page, pictures);
+  add_statistics(page, c, names);
+  add_levels(page, c, pictures);
+  page.folded("Configuration in force", to_toml(configuration, true));
+  return page.html();
+}
+
+}  // namespace
+
+CompareOutcome compare(const CompareRequest& request) {
+  CompareOutcome outcome;
+  outcome.a = collect(request.a, request);
+  outcome.b = collect(request.b, request);
+  outcome.background_distance = histogram_distance(outcome.a, outcome.b);
+
+  const RecordingNames names{"A: " + short_name(outcome.a.name), "B: " + short_name(outcome.b.name)};
+  make_folder(request.out);
+  const auto write = [&](const std::string& name, const std::string& bytes) {
+    write_whole_file(request.out / name, bytes);
+    outcome.files.emplace_back(name);
+  };
+  const ComparisonPictures pictures = draw_comparison(outcome, names);
+  write("comparison.json", to_json(outcome));
+  write("levels.png", pictures.levels);
+  write("background.png", pictures.background);
+  write("exceedance.png", pictures.exceedance);
+  write("scan_a.png", pictures.scan_a);
+  write("scan_b.png", pictures.scan_b);
+  write("mean_a.png", pictures.mean_a);
+  write("mean_b.png", pictures.mean_b);
+  write("report.html", comparison_page(outcome, names, pictures, request.configuration));
   return outcome;
 }
 

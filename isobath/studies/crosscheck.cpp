@@ -65,30 +65,71 @@ bool comparable(const CrosscheckSample& s) {
 
 double total_vertical_uncertainty(double a_m, double b, double depth_m) { return std::hypot(a_m, b * depth_m); }
 
-CrosscheckResult crosscheck(const CrosscheckInput& input) {
-  CrosscheckResult r;
-  r.offered = input.offered;
-  r.left_out = input.left_out;
+namespace {
+
+double share_of(std::uint64_t part, double whole) {
+  return whole > 0 ? static_cast<double>(part) / whole : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// The samples that can be compared; counts the others in `left_out`.
+std::vector<CrosscheckSample> comparable_samples(const std::vector<CrosscheckSample>& all,
+                                                 std::vector<std::pair<std::string, std::uint64_t>>& left_out) {
   std::vector<CrosscheckSample> samples;
   std::uint64_t no_depth = 0, no_confidence = 0;
-  for (const CrosscheckSample& s : input.samples) {
+  for (const CrosscheckSample& s : all) {
     if (comparable(s)) {
       samples.push_back(s);
     } else {
       ++(holds(s.observed_m) && holds(s.predicted_m) ? no_confidence : no_depth);
     }
   }
-  if (no_depth > 0) r.left_out.emplace_back("depth is no number", no_depth);
-  if (no_confidence > 0) r.left_out.emplace_back("confidence unknown", no_confidence);
+  if (no_depth > 0) left_out.emplace_back("depth is no number", no_depth);
+  if (no_confidence > 0) left_out.emplace_back("confidence unknown", no_confidence);
+  return samples;
+}
 
+std::vector<CrosscheckResult::Order> s44_orders(const std::vector<CrosscheckSample>& samples) {
   const auto n = static_cast<double>(samples.size());
-  const auto share = [](std::uint64_t part, double whole) {
-    return whole > 0 ? static_cast<double>(part) / whole : std::numeric_limits<double>::quiet_NaN();
-  };
+  std::vector<CrosscheckResult::Order> orders;
+  for (const Allowance& o : kOrders) {
+    const auto within = static_cast<std::uint64_t>(std::count_if(samples.begin(), samples.end(), [&](const auto& s) {
+      return std::abs(difference(s)) <= total_vertical_uncertainty(o.a_m, o.b, s.observed_m);
+    }));
+    const double share = share_of(within, n);
+    orders.push_back({o.name, o.a_m, o.b, within, share, n > 0 && share >= kOrderShare});
+  }
+  return orders;
+}
+
+/// Number of samples by confidence.
+using ConfidenceCounts = std::array<std::uint64_t, kFullConfidence + 1>;
+
+/// Compares the share of agreeing samples with the one that each confidence promises.
+void add_calibration(const ConfidenceCounts& count, const ConfidenceCounts& agreeing, double n, CrosscheckResult& r) {
+  double error = 0;
+  for (int c = 0; c <= kFullConfidence; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    if (count[i] == 0) continue;
+    const auto trials = static_cast<double>(count[i]), hits = static_cast<double>(agreeing[i]);
+    const double promised = c / static_cast<double>(kFullConfidence);
+    r.calibration.push_back({c, count[i], agreeing[i], hits / trials, promised, wilson_interval(hits, trials)});
+    error += trials * std::abs(hits / trials - promised);
+  }
+  if (n > 0) r.calibration_error = error / n;
+}
+
+}  // namespace
+
+CrosscheckResult crosscheck(const CrosscheckInput& input) {
+  CrosscheckResult r;
+  r.offered = input.offered;
+  r.left_out = input.left_out;
+  const std::vector<CrosscheckSample> samples = comparable_samples(input.samples, r.left_out);
+  const auto n = static_cast<double>(samples.size());
   r.covered = input.offered > 0 ? n / static_cast<double>(input.offered) : 0;
   std::vector<double> all;
   std::array<std::vector<double>, kConfidenceClasses.size()> by_class;
-  std::array<std::uint64_t, kFullConfidence + 1> count{}, agreeing{};
+  ConfidenceCounts count{}, agreeing{};
   std::uint64_t shoaler = 0;
   for (const CrosscheckSample& s : samples) {
     const double d = difference(s);
@@ -100,7 +141,7 @@ CrosscheckResult crosscheck(const CrosscheckInput& input) {
     agreeing[s.confidence] += std::abs(d) <= margin ? 1 : 0;
     shoaler += d < -margin ? 1 : 0;
   }
-  r.shoaler = share(shoaler, n);
+  r.shoaler = share_of(shoaler, n);
   r.offset = position_offset(input.slopes);
   r.all = difference_statistics(std::move(all));
   if (!samples.empty()) r.by_depth = depth_classes(samples);
@@ -108,22 +149,8 @@ CrosscheckResult crosscheck(const CrosscheckInput& input) {
     r.by_confidence.push_back(
         {kConfidenceClasses[k].first, kConfidenceClasses[k].second, difference_statistics(std::move(by_class[k]))});
   }
-  for (const Allowance& o : kOrders) {
-    const auto within = static_cast<std::uint64_t>(std::count_if(samples.begin(), samples.end(), [&](const auto& s) {
-      return std::abs(difference(s)) <= total_vertical_uncertainty(o.a_m, o.b, s.observed_m);
-    }));
-    r.s44.push_back({o.name, o.a_m, o.b, within, share(within, n), n > 0 && share(within, n) >= kOrderShare});
-  }
-  double error = 0;
-  for (int c = 0; c <= kFullConfidence; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    if (count[i] == 0) continue;
-    const auto trials = static_cast<double>(count[i]), hits = static_cast<double>(agreeing[i]);
-    const double promised = c / static_cast<double>(kFullConfidence);
-    r.calibration.push_back({c, count[i], agreeing[i], hits / trials, promised, wilson_interval(hits, trials)});
-    error += trials * std::abs(hits / trials - promised);
-  }
-  if (n > 0) r.calibration_error = error / n;
+  r.s44 = s44_orders(samples);
+  add_calibration(count, agreeing, n, r);
   return r;
 }
 

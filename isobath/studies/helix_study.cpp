@@ -85,6 +85,54 @@ std::vector<Section> sections(HelixRequest& r) {
           {"helm", "Path following by set-points of heading and depth.", fields(r.helm)}};
 }
 
+namespace {
+
+/// The water from the start to the opening.
+WaterBox water_before(const Opening& opening, const Vector3d& start_W, const HelixRequest& request) {
+  const Rotation& R_WO = opening.X_WO.rotation;
+  return {{R_WO, start_W + R_WO * Vector3d(request.from_m / 2, 0, 0)},
+          {request.from_m, request.width_m, request.height_m}};
+}
+
+VehicleState state_at_start(const Opening& opening, const Vector3d& start_W, double speed) {
+  VehicleState start;
+  start.X_WB = {opening.X_WO.rotation, start_W};
+  start.v_B.x() = speed;
+  return start;
+}
+
+void take_image(const Pose& X_WB, double distance_m, const FanPair& fans, const WaterBox& water, VoxelMap& map,
+                ApproachLog& log) {
+  log.view.look(X_WB);
+  log.look_distance_m.push_back(distance_m);
+  hear_nothing(map, water, fans, X_WB);
+}
+
+/// Decides anew with an image, and follows the new plan.
+ApproachPhase step_approach(OpeningApproach& approach, const Opening& opening, const Vector3d& p_W, double way,
+                            PathHelm& helm, ApproachLog& log) {
+  const ApproachPhase phase = approach.step(p_W, opening, log.view.known_share(), nullptr);
+  if (phase != ApproachPhase::kTurnAway) helm.follow(approach.plan().path, 0);
+  if (log.leave_m == 0 && approach.left_at_m()) {
+    log.leave_m = *approach.left_at_m();
+    log.way_m = way;
+  }
+  return phase;
+}
+
+/// The set-point of the helm, or that of the turn away from the opening.
+Setpoint order_of(PathHelm& helm, const OpeningApproach& approach, ApproachPhase phase, const Opening& opening,
+                  const VehicleState& state) {
+  Setpoint order = helm.step(state, kStep);
+  if (phase == ApproachPhase::kTurnAway) {
+    order.heading = approach.away(state.X_WB.rotation.heading());
+    order.depth = opening.X_WO.translation.z();
+  }
+  return order;
+}
+
+}  // namespace
+
 ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model, const DepthLoop& loop, double share) {
   const Opening opening = opening_of(request);
   const Vector3d start_W(0, 0, 0.5 * request.height_m);
@@ -93,43 +141,29 @@ ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model,
   HelixPlanner line(request.helix, parameters, request.speed, start_W, opening);
   const SpacePath straight = line.plan(opening, 0, 0, kThrough + 10).path;
 
-  VehicleState start;
-  start.X_WB = {opening.X_WO.rotation, start_W};
-  start.v_B.x() = request.speed;
-  const auto plant = make_plant(model, request.plant, start);
+  const auto plant = make_plant(model, request.plant, state_at_start(opening, start_W, request.speed));
   PathHelmConfig steering = request.helm;
   if (request.plant == PlantKind::kKinematic) steering.heading_lag_s = 0;  // it follows set-points without lag
   PathHelm helm(share > 0 ? approach.plan().path : straight, steering,
                 request.plant == PlantKind::kDynamic ? loop : DepthLoop{}, request.speed);
 
   VoxelMap map({kVoxel, 0.5, 0.98, 0.2, 6.9});
-  const WaterBox water{{opening.X_WO.rotation, start_W + opening.X_WO.rotation * Vector3d(request.from_m / 2, 0, 0)},
-                       {request.from_m, request.width_m, request.height_m}};
+  const WaterBox water = water_before(opening, start_W, request);
   ApproachLog log{{}, OpeningView(opening, request.fans), {}};
   log.nearest_m = request.from_m;
   const Pose X_OW = opening.X_WO.inverse();
   const int steps_an_image = std::max(1, static_cast<int>(std::lround(1 / (request.images_per_s * kStep))));
   const double longest_s = 4 * (request.from_m + 60) / request.speed;
-  double vertical = 0, lateral = 0, way = 0;
+  double way = 0;
+  Vector3d squares_O = Vector3d::Zero();  // of the deviations from the target during the helix
   int helical = 0;
   ApproachPhase phase = ApproachPhase::kHelix;
   for (int i = 0; i * kStep < longest_s; ++i) {
     const Pose& X_WB = plant->state().X_WB;
     const Vector3d p_O = X_OW * X_WB.translation;
     if (i % steps_an_image == 0) {
-      if (p_O.x() < 0) {
-        log.view.look(X_WB);
-        log.look_distance_m.push_back(-p_O.x());
-        hear_nothing(map, water, request.fans, X_WB);
-      }
-      if (share > 0 && p_O.x() < 0) {
-        phase = approach.step(X_WB.translation, opening, log.view.known_share(), nullptr);
-        if (phase != ApproachPhase::kTurnAway) helm.follow(approach.plan().path, 0);
-        if (log.leave_m == 0 && approach.left_at_m()) {
-          log.leave_m = *approach.left_at_m();
-          log.way_m = way;
-        }
-      }
+      if (p_O.x() < 0) take_image(X_WB, -p_O.x(), request.fans, water, map, log);
+      if (share > 0 && p_O.x() < 0) phase = step_approach(approach, opening, X_WB.translation, way, helm, log);
       const Rotation R_OB = X_OW.rotation * X_WB.rotation;
       const double bits = i % (5 * steps_an_image) == 0 || log.samples.empty() ? awareness(map, water).bits_a_voxel()
                                                                                : log.samples.back().bits_a_voxel;
@@ -138,23 +172,18 @@ ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model,
     }
     if (p_O.x() > kThrough) break;
     if (phase == ApproachPhase::kTurnAway && -p_O.x() > request.from_m / 2 && log.nearest_m < request.from_m / 2) break;
-    Setpoint order = helm.step(plant->state(), kStep);
-    if (phase == ApproachPhase::kTurnAway) {
-      order.heading = approach.away(X_WB.rotation.heading());
-      order.depth = opening.X_WO.translation.z();
-    }
+    const Setpoint order = order_of(helm, approach, phase, opening, plant->state());
     plant->step(order, {model.reference_density, Vector3d::Zero()}, kStep);
     way += kStep * plant->state().v_B.norm();
     log.nearest_m = std::max(0.0, std::min(log.nearest_m, -p_O.x()));
     const Vector3d off_O = X_OW * plant->state().X_WB.translation - X_OW * helm.target().p_W;
     if (phase == ApproachPhase::kHelix && log.leave_m == 0) {
-      vertical += off_O.z() * off_O.z();
-      lateral += off_O.y() * off_O.y();
+      squares_O += off_O.cwiseAbs2();
       ++helical;
     }
   }
-  log.vertical_rms_m = std::sqrt(vertical / std::max(1, helical));
-  log.lateral_rms_m = std::sqrt(lateral / std::max(1, helical));
+  log.vertical_rms_m = std::sqrt(squares_O.z() / std::max(1, helical));
+  log.lateral_rms_m = std::sqrt(squares_O.y() / std::max(1, helical));
   return log;
 }
 

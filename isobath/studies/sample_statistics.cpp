@@ -98,50 +98,72 @@ void SampleCollector::add_beam(int key, Angle azimuth) {
   current_[key] = beam_;
 }
 
+namespace {
+
+using ScanBeams = std::map<int, std::vector<float>>;
+
+struct StrongestSample {
+  int key = -1, bin = -1;  // -1: there is none
+  double level = 0;
+};
+
+StrongestSample strongest_sample(const ScanBeams& scan, int first_bin) {
+  StrongestSample best;
+  for (const auto& [key, beam] : scan) {
+    for (int k = first_bin; k < static_cast<int>(beam.size()); ++k) {
+      const auto level = static_cast<double>(beam[static_cast<std::size_t>(k)]);
+      if (best.key >= 0 && level <= best.level) continue;
+      best = {key, k, level};
+    }
+  }
+  return best;
+}
+
+/// Number of neighbouring bins that reach the level, `bin` included.
+int bins_reaching(float level, const std::vector<float>& beam, int bin) {
+  const auto bins = static_cast<int>(beam.size());
+  int near = bin, far = bin;
+  while (near > 0 && beam[static_cast<std::size_t>(near - 1)] >= level) --near;
+  while (far + 1 < bins && beam[static_cast<std::size_t>(far) + 1] >= level) ++far;
+  return far - near + 1;
+}
+
+/// Number of neighbouring beams that reach the level in a bin, `key` included. `closed`: the last adjoins the first.
+std::size_t beams_reaching(float level, const ScanBeams& scan, int key, int bin, bool closed) {
+  std::vector<const std::vector<float>*> beams;
+  for (const auto& [each, beam] : scan) beams.push_back(&beam);
+  const std::size_t n = beams.size();
+  const auto at = static_cast<std::size_t>(std::distance(scan.begin(), scan.find(key)));
+  const auto reaches = [&](std::size_t i) { return (*beams[i % n])[static_cast<std::size_t>(bin)] >= level; };
+  std::size_t run = 1;
+  for (std::size_t i = at + 1; run < n && (closed || i < n) && reaches(i); ++i) ++run;
+  for (std::size_t i = at + n - 1; run < n && (closed || i >= n) && reaches(i); --i) ++run;
+  return run;
+}
+
+}  // namespace
+
 void SampleCollector::end_scan() {
   if (current_.empty()) return;
   ++scans_;
   const int first = first_bin();
-  sorted_.clear();
-  StrongestEcho best;
-  int best_key = -1, best_bin = -1;
-  for (const auto& [key, beam] : current_) {
-    for (int k = first; k < window_.bins; ++k) {
-      const float v = beam[static_cast<std::size_t>(k)];
-      sorted_.push_back(v);
-      if (best_key >= 0 && static_cast<double>(v) <= best.level) continue;
-      best.level = static_cast<double>(v);
-      best_key = key;
-      best_bin = k;
-    }
-  }
-  if (best_key >= 0 && best.level > 0) {
+  const StrongestSample best = strongest_sample(current_, first);
+  if (best.key >= 0 && best.level > 0) {
     const auto half = static_cast<float>(best.level / 2);
-    const std::vector<float>& beam = current_[best_key];
-    int near = best_bin, far = best_bin;
-    while (near > 0 && beam[static_cast<std::size_t>(near - 1)] >= half) --near;
-    while (far + 1 < window_.bins && beam[static_cast<std::size_t>(far) + 1] >= half) ++far;
-    std::vector<int> keys;
-    for (const auto& [key, row] : current_) keys.push_back(key);
-    const std::size_t n = keys.size();
-    const auto at = static_cast<std::size_t>(std::find(keys.begin(), keys.end(), best_key) - keys.begin());
-    const auto reaches = [&](std::size_t i) {
-      return current_[keys[i % n]][static_cast<std::size_t>(best_bin)] >= half;
-    };
-    std::size_t run = 1;
-    const bool closed = scanning_ && keys.back() - keys.front() > 1300;  // a full turn: the last row adjoins the first
-    for (std::size_t i = at + 1; run < n && (closed || i < n) && reaches(i); ++i) ++run;
-    for (std::size_t i = at + n - 1; run < n && (closed || i >= n) && reaches(i); --i) ++run;
+    const int first_key = current_.begin()->first, last_key = current_.rbegin()->first;
+    const bool closed = scanning_ && last_key - first_key > 1300;  // a full turn: the last row adjoins the first
+    const std::size_t n = current_.size();
     const double span = n < 2    ? width_.degrees()
                         : closed ? 360.0 / static_cast<double>(n)
-                                 : std::abs((rows_[keys.back()].azimuth - rows_[keys.front()].azimuth).degrees()) /
+                                 : std::abs((rows_[last_key].azimuth - rows_[first_key].azimuth).degrees()) /
                                        static_cast<double>(n - 1);
-    best.range_m = window_.centre(best_bin);
-    best.azimuth = rows_[best_key].azimuth;
-    best.length_m = (far - near + 1) * window_.bin_m;
-    best.width = Angle::degrees(span * static_cast<double>(run));
-    strongest_.push_back(best);
+    const int bins = bins_reaching(half, current_[best.key], best.bin);
+    const auto beams = static_cast<double>(beams_reaching(half, current_, best.key, best.bin, closed));
+    strongest_.push_back({best.level, window_.centre(best.bin), rows_[best.key].azimuth, bins * window_.bin_m,
+                          Angle::degrees(span * beams)});
   }
+  sorted_.clear();
+  for (const auto& [key, beam] : current_) sorted_.insert(sorted_.end(), beam.begin() + first, beam.end());
   if (!sorted_.empty()) {
     const auto many =
         static_cast<std::ptrdiff_t>(std::max(1.0, std::round(kBrightestShare * static_cast<double>(sorted_.size()))));
@@ -211,6 +233,67 @@ void SampleCollector::levels(SampleStatistics& out) const {
   if (bright > 0) out.bright_over_db = decibels(bright_sum / std::max(bright_background, 0.5 * bright));
 }
 
+namespace {
+
+std::vector<NoiseFit> background_fits(const SampleStatistics& samples) {
+  std::vector<NoiseFit> fits;
+  for (const NoiseLaw law : {NoiseLaw::kGaussian, NoiseLaw::kRayleigh, NoiseLaw::kK}) {
+    NoiseFitConfig config;
+    config.bootstraps = 0;  // neighbouring samples are dependent, so a p-value would be meaningless
+    fits.push_back(fit_noise(samples.levels, samples.background, law, config));
+  }
+  return fits;
+}
+
+/// Pointers to the rows and their keys.
+template <class Row>
+std::vector<const std::pair<const int, Row>*> rows_by_azimuth(const std::map<int, Row>& rows) {
+  std::vector<const std::pair<const int, Row>*> sorted;
+  for (const auto& row : rows) sorted.push_back(&row);
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto* a, const auto* b) {
+    return a->second.azimuth.wrapped().radians() < b->second.azimuth.wrapped().radians();
+  });
+  return sorted;
+}
+
+/// Fills the mean image, and computes its spreads beyond the blind zone, which ends at `first_bin`.
+template <class Rows>
+void add_mean_image(const Rows& rows, int first_bin, SampleStatistics& out) {
+  double variance = 0, cells = 0, sum = 0, squares = 0, mean_cells = 0;
+  for (const auto* keyed : rows) {
+    const auto& row = keyed->second;
+    const auto n = static_cast<double>(row.pings);
+    out.mean.azimuth.push_back(row.azimuth);
+    for (int k = 0; k < out.mean.window.bins; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const double mean = row.sum[i] / n;
+      out.mean.values.push_back(static_cast<float>(mean));
+      if (k < first_bin) continue;
+      sum += mean;
+      squares += mean * mean;
+      ++mean_cells;
+      if (row.pings < 2) continue;
+      variance += std::max(0.0, (row.squares[i] - n * mean * mean) / (n - 1));
+      ++cells;
+    }
+  }
+  if (cells > 0) out.spread_over_scans = std::sqrt(variance / cells);
+  if (mean_cells > 0)
+    out.spread_over_cells = std::sqrt(std::max(0.0, squares / mean_cells - std::pow(sum / mean_cells, 2)));
+}
+
+template <class Rows>
+void add_scan_image(const Rows& rows, const ScanBeams& scan, SampleStatistics& out) {
+  for (const auto* keyed : rows) {
+    const auto found = scan.find(keyed->first);
+    if (found == scan.end()) continue;
+    out.scan.azimuth.push_back(keyed->second.azimuth);
+    out.scan.values.insert(out.scan.values.end(), found->second.begin(), found->second.end());
+  }
+}
+
+}  // namespace
+
 SampleStatistics SampleCollector::finish(const std::string& name) {
   if (!begun_)
     throw Error("holds no ping of an imaging sonar", {name, {}, {}, {}, {}}, {}, "isobath info lists its streams");
@@ -227,52 +310,16 @@ SampleStatistics SampleCollector::finish(const std::string& name) {
   out.scans = scans_;
   out.blanking_m = blanking_m_;
   levels(out);
-  for (const NoiseLaw law : {NoiseLaw::kGaussian, NoiseLaw::kRayleigh, NoiseLaw::kK}) {
-    NoiseFitConfig config;
-    config.bootstraps = 0;  // neighbouring samples are dependent, so a p-value would be meaningless
-    out.fits.push_back(fit_noise(out.levels, out.background, law, config));
-  }
+  out.fits = background_fits(out);
   if (brightest_count_ > 0) out.brightest_mean = brightest_sum_ / brightest_count_;
   if (others_count_ > 0) out.brightest_others = others_sum_ / others_count_;
   out.strongest = strongest_;
 
-  std::vector<const Row*> rows;
-  for (const auto& [key, row] : rows_) rows.push_back(&row);
-  std::stable_sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) {
-    return a->azimuth.wrapped().radians() < b->azimuth.wrapped().radians();
-  });
   out.mean.window = out.scan.window = window_;
   out.mean.width = out.scan.width = width_;
-  double variance = 0, cells = 0, sum = 0, squares = 0, mean_cells = 0;
-  for (const Row* row : rows) {
-    const auto n = static_cast<double>(row->pings);
-    out.mean.azimuth.push_back(row->azimuth);
-    for (int k = 0; k < window_.bins; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const double mean = row->sum[i] / n;
-      out.mean.values.push_back(static_cast<float>(mean));
-      if (k < first_bin()) continue;
-      sum += mean;
-      squares += mean * mean;
-      ++mean_cells;
-      if (row->pings < 2) continue;
-      variance += std::max(0.0, (row->squares[i] - n * mean * mean) / (n - 1));
-      ++cells;
-    }
-  }
-  if (cells > 0) out.spread_over_scans = std::sqrt(variance / cells);
-  if (mean_cells > 0)
-    out.spread_over_cells = std::sqrt(std::max(0.0, squares / mean_cells - std::pow(sum / mean_cells, 2)));
-  if (!kept_.empty()) {
-    const auto& middle = kept_[kept_.size() / 2];
-    for (const Row* row : rows) {
-      const auto key = std::find_if(rows_.begin(), rows_.end(), [row](const auto& r) { return &r.second == row; });
-      const auto found = middle.find(key->first);
-      if (found == middle.end()) continue;
-      out.scan.azimuth.push_back(row->azimuth);
-      out.scan.values.insert(out.scan.values.end(), found->second.begin(), found->second.end());
-    }
-  }
+  const auto rows = rows_by_azimuth(rows_);
+  add_mean_image(rows, first_bin(), out);
+  if (!kept_.empty()) add_scan_image(rows, kept_[kept_.size() / 2], out);
   return out;
 }
 

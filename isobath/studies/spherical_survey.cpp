@@ -221,6 +221,22 @@ ScanPath passes_of(const Scene& scene, const SphericalSurveyConfig& config, Rand
   return scan_path(all, config.passes * config.scans, random);
 }
 
+/// Adds the beams of a scan from `at` to the grid, but for multiples, and its echoes to `heard`. `multiples`: by echo.
+void map_scan(const std::vector<SectionReading>& readings, const std::vector<bool>& multiples, const Vector3d& at,
+              Time time, const SectionSonarConfig& sonar, SphericalMapper& mapper, HeardEchoes& heard) {
+  std::size_t echo = 0;
+  for (const SectionReading& reading : readings) {
+    const Vector3d u_W(cos(reading.bearing), sin(reading.bearing), 0);
+    if (reading.range_m) {
+      heard.points_W.push_back(at + *reading.range_m * u_W);
+      heard.truth.push_back(reading.is);
+      heard.multiples.push_back(multiples[echo]);
+      if (multiples[echo++]) continue;
+    }
+    mapper.add({Vector3d::Zero(), mapper.to_grid(u_W), sonar.beam_width, reading.range_m, sonar.range_m, time});
+  }
+}
+
 }  // namespace
 
 PositionErrors errors_of(const std::vector<Vector2d>& positions, const ScanPath& path) {
@@ -299,20 +315,9 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     mapper.begin_scan();
     std::vector<bool> multiples(told.echoes.size());
     if (config.leave_out_false) multiples = multiples_in(told, grid, config.false_echoes);
-    std::size_t echo = 0;
-    for (const SectionReading& reading : readings) {
-      const Vector3d u_W(cos(reading.bearing), sin(reading.bearing), 0);
-      ++survey.beams;
-      if (reading.range_m) {
-        ++survey.echoes;
-        heard.points_W.push_back(at + *reading.range_m * u_W);
-        heard.truth.push_back(reading.is);
-        heard.multiples.push_back(multiples[echo]);
-        if (multiples[echo++]) continue;
-      }
-      mapper.add({Vector3d::Zero(), mapper.to_grid(u_W), config.sonar.beam_width, reading.range_m, config.sonar.range_m,
-                  time});
-    }
+    map_scan(readings, multiples, at, time, config.sonar, mapper, heard);
+    survey.beams += readings.size();
+    survey.echoes += told.echoes.size();
     tell_scan(sorted(std::move(told)), survey.features);
   }
   if (!any) {

@@ -110,84 +110,110 @@ Matrix6 matrix_of(const std::vector<double>& flat, const Place& where, const std
   refuse(std::to_string(flat.size() / 6) + " rows", where, key, "1 row (the diagonal) or 6 rows", "");
 }
 
-using Reader = void (*)(std::string_view, const std::string&, Schema&);
+// What a vehicle file states in another form than the model holds it.
+struct StatedValues {
+  Eigen::Vector3d moments = Eigen::Vector3d::Zero(), products = Eigen::Vector3d::Zero();  // of inertia
+  std::vector<double> added_mass, linear_damping, lift_damping, quadratic_damping;        // matrices by rows
+};
 
-VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader reader) {
-  VehicleModel m;
-  Places at;
-  Eigen::Vector3d moments = Eigen::Vector3d::Zero(), products = Eigen::Vector3d::Zero();
-  std::vector<double> added, linear, lift, quadratic;
-  constexpr double kBig = 1e7;
+constexpr double kBig = 1e7;  // limit of masses, forces and coefficients
+
+Section general_section(VehicleModel& m) {
+  return {"vehicle",
+          "General properties.",
+          {Field::text("name", &m.name, "Name of the vehicle."),
+           Field::real("length", &m.length, {0.01, 1000}, "m", "Length of the box around the hull, centred in B."),
+           Field::real("width", &m.width, {0.01, 1000}, "m", "Width of this box."),
+           Field::real("height", &m.height, {0.01, 1000}, "m", "Height of this box.")}};
+}
+
+Section body_section(VehicleModel& m, StatedValues& stated) {
+  return {"body",
+          "The rigid body; positions and moments about the origin of B (x forward, y starboard, z down).",
+          {Field::real("mass", &m.mass, {1e-3, kBig}, "kg", "Mass, flooded water included."),
+           Field::numbers("inertia", stated.moments.data(), 3, {0, kBig}, "kg m2", "Moments of inertia Ixx, Iyy, Izz."),
+           Field::numbers("products", stated.products.data(), 3, {-kBig, kBig}, "kg m2",
+                          "Integrals of xy, xz, yz over the mass."),
+           Field::numbers("gravity_centre", m.p_BG.data(), 3, {-100, 100}, "m", "Centre of gravity."),
+           Field::numbers("buoyancy_centre", m.p_BC.data(), 3, {-100, 100}, "m", "Centre of buoyancy."),
+           Field::real("volume", &m.volume, {1e-6, kBig}, "m3", "Displaced volume.")}};
+}
+
+Section water_section(VehicleModel& m, StatedValues& stated) {
+  return {
+      "water",
+      "Hydrodynamics; matrices are one row (the diagonal) or six rows, positive where they oppose the motion.",
+      {Field::real("density", &m.reference_density, {900, 1100}, "kg/m3", "Density for which the values below hold."),
+       Field::rows("added_mass", &stated.added_mass, 6, {-kBig, kBig}, "kg, kg m, kg m2", "Added mass; symmetric."),
+       Field::rows("linear_damping", &stated.linear_damping, 6, {-kBig, kBig}, "N s/m, ...", "Times the velocity."),
+       Field::rows("lift_damping", &stated.lift_damping, 6, {-kBig, kBig}, "N s2/m2, ...",
+                   "Times the velocity and forward speed."),
+       Field::rows("quadratic_damping", &stated.quadratic_damping, 6, {-kBig, kBig}, "N s2/m2, ...",
+                   "Times the square of each velocity, with its sign.")}};
+}
+
+Section limits_section(VehicleModel& m) {
+  return {"limits",
+          "Limits of the vehicle.",
+          {Field::real("max_speed", &m.limits.max_speed, {0.01, 30}, "m/s", "Maximum speed."),
+           Field::real("max_acceleration", &m.limits.max_acceleration, {1e-3, 100}, "m/s2", "Maximum change of speed."),
+           Field::real("turning_radius", &m.limits.turning_radius, {0, 10000}, "m", "Tightest turn; 0: on the spot."),
+           Field::degrees("max_yaw_rate_deg", &m.limits.max_yaw_rate, {0.1, 360}, "Maximum turn per second."),
+           Field::real("max_climb_rate", &m.limits.max_climb_rate, {1e-3, 30}, "m/s", "Maximum change of depth."),
+           Field::real("max_depth", &m.limits.max_depth, {0.1, 12000}, "m", "Maximum depth.")}};
+}
+
+Section allocation_section(VehicleModel& m) {
+  return {"allocation",
+          "Which actuators make which force: 1 or 0 for surge, sway, heave, roll, pitch, yaw.",
+          {Field::numbers("thruster_axes", m.thruster_axes.data(), 6, {0, 1}, "1", "Axes of the thrusters."),
+           Field::numbers("fin_axes", m.fin_axes.data(), 6, {0, 1}, "1", "Axes of the fins.")}};
+}
+
+SectionList thruster_sections(VehicleModel& m, Places& at) {
+  return {
+      "thruster", "A propeller.", [&m, &at](const Place& place) {
+        at.thrusters.push_back(place);
+        Thruster& t = m.thrusters.emplace_back();
+        return std::vector{
+            Field::text("name", &t.name, "Name of the thruster."),
+            Field::numbers("position", t.p_BT.data(), 3, {-100, 100}, "m", "Position in B."),
+            Field::numbers("direction", t.direction_B.data(), 3, {-1e3, 1e3}, "1", "Of positive thrust; any length."),
+            Field::real("max_forward", &t.max_forward, {0, kBig}, "N", "Maximum thrust forward."),
+            Field::real("max_reverse", &t.max_reverse, {0, kBig}, "N", "Maximum thrust in reverse."),
+            Field::real("dead_zone", &t.dead_zone, {0, kBig}, "N", "Smaller commands give nothing."),
+            Field::real("time_constant", &t.time_constant, {0, 100}, "s", "First-order lag."),
+            Field::real("torque_per_thrust", &t.torque_per_thrust, {-10, 10}, "m", "Reaction torque about direction.")};
+      }};
+}
+
+SectionList fin_sections(VehicleModel& m, Places& at) {
+  return {"fin", "A moving fin.", [&m, &at](const Place& place) {
+            at.fins.push_back(place);
+            Fin& f = m.fins.emplace_back();
+            return std::vector{
+                Field::text("name", &f.name, "Name of the fin."),
+                Field::numbers("position", f.p_BF.data(), 3, {-100, 100}, "m", "Centre of pressure in B."),
+                Field::numbers("direction", f.direction_B.data(), 3, {-1e3, 1e3}, "1",
+                               "Direction of the force at positive deflection going ahead."),
+                Field::real("lift", &f.lift, {0, kBig}, "N s2/(m2 rad)", "Force per squared speed and deflection."),
+                Field::degrees("max_deflection_deg", &f.max_deflection, {0.1, 60}, "Maximum deflection."),
+                Field::degrees("dead_zone_deg", &f.dead_zone, {0, 10}, "Smaller commands give nothing."),
+                Field::real("time_constant", &f.time_constant, {0, 100}, "s", "First-order lag.")};
+          }};
+}
+
+Schema vehicle_schema(VehicleModel& m, StatedValues& stated, Places& at) {
   Schema schema;
   schema.sections = {
-      {"vehicle",
-       "General properties.",
-       {Field::text("name", &m.name, "Name of the vehicle."),
-        Field::real("length", &m.length, {0.01, 1000}, "m", "Length of the box around the hull, centred in B."),
-        Field::real("width", &m.width, {0.01, 1000}, "m", "Width of this box."),
-        Field::real("height", &m.height, {0.01, 1000}, "m", "Height of this box.")}},
-      {"body",
-       "The rigid body; positions and moments about the origin of B (x forward, y starboard, z down).",
-       {Field::real("mass", &m.mass, {1e-3, kBig}, "kg", "Mass, flooded water included."),
-        Field::numbers("inertia", moments.data(), 3, {0, kBig}, "kg m2", "Moments of inertia Ixx, Iyy, Izz."),
-        Field::numbers("products", products.data(), 3, {-kBig, kBig}, "kg m2",
-                       "Integrals of xy, xz, yz over the mass."),
-        Field::numbers("gravity_centre", m.p_BG.data(), 3, {-100, 100}, "m", "Centre of gravity."),
-        Field::numbers("buoyancy_centre", m.p_BC.data(), 3, {-100, 100}, "m", "Centre of buoyancy."),
-        Field::real("volume", &m.volume, {1e-6, kBig}, "m3", "Displaced volume.")}},
-      {"water",
-       "Hydrodynamics; matrices are one row (the diagonal) or six rows, positive where they oppose the motion.",
-       {Field::real("density", &m.reference_density, {900, 1100}, "kg/m3", "Density for which the values below hold."),
-        Field::rows("added_mass", &added, 6, {-kBig, kBig}, "kg, kg m, kg m2", "Added mass; symmetric."),
-        Field::rows("linear_damping", &linear, 6, {-kBig, kBig}, "N s/m, ...", "Times the velocity."),
-        Field::rows("lift_damping", &lift, 6, {-kBig, kBig}, "N s2/m2, ...", "Times the velocity and forward speed."),
-        Field::rows("quadratic_damping", &quadratic, 6, {-kBig, kBig}, "N s2/m2, ...",
-                    "Times the square of each velocity, with its sign.")}},
-      {"limits",
-       "Limits of the vehicle.",
-       {Field::real("max_speed", &m.limits.max_speed, {0.01, 30}, "m/s", "Maximum speed."),
-        Field::real("max_acceleration", &m.limits.max_acceleration, {1e-3, 100}, "m/s2", "Maximum change of speed."),
-        Field::real("turning_radius", &m.limits.turning_radius, {0, 10000}, "m", "Tightest turn; 0: on the spot."),
-        Field::degrees("max_yaw_rate_deg", &m.limits.max_yaw_rate, {0.1, 360}, "Maximum turn per second."),
-        Field::real("max_climb_rate", &m.limits.max_climb_rate, {1e-3, 30}, "m/s", "Maximum change of depth."),
-        Field::real("max_depth", &m.limits.max_depth, {0.1, 12000}, "m", "Maximum depth.")}},
-      {"allocation",
-       "Which actuators make which force: 1 or 0 for surge, sway, heave, roll, pitch, yaw.",
-       {Field::numbers("thruster_axes", m.thruster_axes.data(), 6, {0, 1}, "1", "Axes of the thrusters."),
-        Field::numbers("fin_axes", m.fin_axes.data(), 6, {0, 1}, "1", "Axes of the fins.")}},
-      {"autopilot", "Control of heading, depth and speed.", fields(m.autopilot)},
-  };
-  schema.lists = {
-      {"thruster", "A propeller.",
-       [&](const Place& place) {
-         at.thrusters.push_back(place);
-         Thruster& t = m.thrusters.emplace_back();
-         return std::vector{
-             Field::text("name", &t.name, "Name of the thruster."),
-             Field::numbers("position", t.p_BT.data(), 3, {-100, 100}, "m", "Position in B."),
-             Field::numbers("direction", t.direction_B.data(), 3, {-1e3, 1e3}, "1", "Of positive thrust; any length."),
-             Field::real("max_forward", &t.max_forward, {0, kBig}, "N", "Maximum thrust forward."),
-             Field::real("max_reverse", &t.max_reverse, {0, kBig}, "N", "Maximum thrust in reverse."),
-             Field::real("dead_zone", &t.dead_zone, {0, kBig}, "N", "Smaller commands give nothing."),
-             Field::real("time_constant", &t.time_constant, {0, 100}, "s", "First-order lag."),
-             Field::real("torque_per_thrust", &t.torque_per_thrust, {-10, 10}, "m",
-                         "Reaction torque about direction.")};
-       }},
-      {"fin", "A moving fin.", [&](const Place& place) {
-         at.fins.push_back(place);
-         Fin& f = m.fins.emplace_back();
-         return std::vector{
-             Field::text("name", &f.name, "Name of the fin."),
-             Field::numbers("position", f.p_BF.data(), 3, {-100, 100}, "m", "Centre of pressure in B."),
-             Field::numbers("direction", f.direction_B.data(), 3, {-1e3, 1e3}, "1",
-                            "Direction of the force at positive deflection going ahead."),
-             Field::real("lift", &f.lift, {0, kBig}, "N s2/(m2 rad)", "Force per squared speed and deflection."),
-             Field::degrees("max_deflection_deg", &f.max_deflection, {0.1, 60}, "Maximum deflection."),
-             Field::degrees("dead_zone_deg", &f.dead_zone, {0, 10}, "Smaller commands give nothing."),
-             Field::real("time_constant", &f.time_constant, {0, 100}, "s", "First-order lag.")};
-       }}};
-  reader(text, file, schema);
+      general_section(m),       body_section(m, stated),
+      water_section(m, stated), limits_section(m),
+      allocation_section(m),    {"autopilot", "Control of heading, depth and speed.", fields(m.autopilot)}};
+  schema.lists = {thruster_sections(m, at), fin_sections(m, at)};
+  return schema;
+}
 
+void set_section_places(const Schema& schema, const std::string& file, Places& at) {
   const auto place_of = [&](std::size_t i) {
     Place place = schema.sections[i].place;
     if (place.file.empty()) place.file = file;  // the file does not have this section
@@ -196,14 +222,29 @@ VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader
   at.vehicle = place_of(0);
   at.body = place_of(1);
   at.water = place_of(2);
-  m.inertia_B = moments.asDiagonal();
-  m.inertia_B(0, 1) = m.inertia_B(1, 0) = -products(0);
-  m.inertia_B(0, 2) = m.inertia_B(2, 0) = -products(1);
-  m.inertia_B(1, 2) = m.inertia_B(2, 1) = -products(2);
-  m.added_mass = matrix_of(added, at.water, "water.added_mass");
-  m.linear_damping = matrix_of(linear, at.water, "water.linear_damping");
-  m.lift_damping = matrix_of(lift, at.water, "water.lift_damping");
-  m.quadratic_damping = matrix_of(quadratic, at.water, "water.quadratic_damping");
+}
+
+void set_matrices(const StatedValues& stated, const Places& at, VehicleModel& m) {
+  m.inertia_B = stated.moments.asDiagonal();
+  m.inertia_B(0, 1) = m.inertia_B(1, 0) = -stated.products(0);
+  m.inertia_B(0, 2) = m.inertia_B(2, 0) = -stated.products(1);
+  m.inertia_B(1, 2) = m.inertia_B(2, 1) = -stated.products(2);
+  m.added_mass = matrix_of(stated.added_mass, at.water, "water.added_mass");
+  m.linear_damping = matrix_of(stated.linear_damping, at.water, "water.linear_damping");
+  m.lift_damping = matrix_of(stated.lift_damping, at.water, "water.lift_damping");
+  m.quadratic_damping = matrix_of(stated.quadratic_damping, at.water, "water.quadratic_damping");
+}
+
+using Reader = void (*)(std::string_view, const std::string&, Schema&);
+
+VehicleModel read_vehicle(std::string_view text, const std::string& file, Reader reader) {
+  VehicleModel m;
+  StatedValues stated;
+  Places at;
+  Schema schema = vehicle_schema(m, stated, at);
+  reader(text, file, schema);
+  set_section_places(schema, file, at);
+  set_matrices(stated, at, m);
   for (Thruster& t : m.thrusters) t.direction_B.normalize();
   for (Fin& f : m.fins) f.direction_B.normalize();
   check(m, at);

@@ -3,37 +3,8 @@
  * an older or newer program costs a line on the page, never the page. Only a payload that is not JSON of the right
  * outer form is refused (null).
  */
+import { all, counts, flag, isObject, list, number, outlines, point, point3, points, seconds, words } from './json';
 import type { Point, Point3 } from './protocol';
-
-type Json = Record<string, unknown>;
-const isObject = (v: unknown): v is Json => typeof v === 'object' && v !== null && !Array.isArray(v);
-const list = (v: unknown): unknown[] => (Array.isArray(v) ? v : []);
-const number = (v: unknown): number | undefined => (typeof v === 'number' && Number.isFinite(v) ? v : undefined);
-const words = (v: unknown): string => (typeof v === 'string' ? v : '');
-const flag = (v: unknown): boolean => v === true;
-
-function point(v: unknown): Point | undefined {
-  const [n, e] = [number(list(v)[0]), number(list(v)[1])];
-  return n === undefined || e === undefined ? undefined : [n, e];
-}
-function point3(v: unknown): Point3 | undefined {
-  const at = point(v);
-  return at && [at[0], at[1], number(list(v)[2]) ?? NaN];
-}
-function all<T>(v: unknown, read: (entry: unknown) => T | undefined): T[] {
-  return list(v)
-    .map(read)
-    .filter((entry): entry is T => entry !== undefined);
-}
-const points = (v: unknown): Point[] => all(v, point);
-const outlines = (v: unknown): Point[][] =>
-  list(v)
-    .map(points)
-    .filter((outline) => outline.length > 1);
-function counts(v: unknown): [string, number][] {
-  if (!isObject(v)) return [];
-  return Object.entries(v).filter((entry): entry is [string, number] => number(entry[1]) !== undefined);
-}
 
 export interface MissionPoint {
   name: string;
@@ -115,12 +86,6 @@ function around([an, ae]: Point, [bn, be]: Point, radius: number): Point[] {
       return [n + radius * Math.cos(angle), e + radius * Math.sin(angle)];
     });
   return [...half(bn, be, along - Math.PI / 2), ...half(an, ae, along + Math.PI / 2)];
-}
-
-/** Seconds from whole nanoseconds, which a double could not hold. */
-function seconds(nanoseconds: string): number {
-  const ns = BigInt(nanoseconds);
-  return Number(ns / 1_000_000_000n) + Number(ns % 1_000_000_000n) / 1e9;
 }
 
 export interface Sonar {

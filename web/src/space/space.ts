@@ -22,10 +22,12 @@ import * as units from '../units';
 import type { Shared, View } from '../view';
 import { Axes } from './axes';
 import { Craft, FanOutlines } from './craft';
-import { Extent, at } from './frame';
+import { type Extent, at, extentOf } from './frame';
 import { Thread } from './lines';
+import { pan, turn, zoom } from './moves';
 import { SphereMesh } from './sphere_mesh';
 import { kDaylight, kLight, kNightlight, kSunward } from './shading';
+import { drawsInSoftware } from './software';
 import { Surface } from './surface';
 import { VoxelMesh, type VoxelColour } from './voxel_mesh';
 
@@ -183,42 +185,25 @@ export class SpaceView implements View {
   }
 
   zoomBy(factor: number): void {
-    const controls = this.controls;
-    if (!controls) return;
-    this.camera.position.sub(controls.target).divideScalar(factor).add(controls.target);
-    this.touched();
+    this.moveCamera((camera, target) => zoom(camera, target, factor));
   }
-  /** Turns the camera about its target in steps of about 6 degrees. */
   turnBy(right: number, up: number): void {
-    const controls = this.controls;
-    if (!controls) return;
-    const arm = this.camera.position.clone().sub(controls.target);
-    const level = Math.hypot(arm.x, arm.y);
-    const azimuth = Math.atan2(arm.y, arm.x) + 0.1 * right;
-    const elevation = Math.min(1.54, Math.max(-1.4, Math.atan2(arm.z, level) + 0.1 * up));
-    const length = arm.length();
-    arm.set(Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation));
-    this.camera.position.copy(controls.target).addScaledVector(arm, length);
-    this.touched();
+    this.moveCamera((camera, target) => turn(camera, target, right, up));
   }
   panBy(right: number, ahead: number): void {
-    const controls = this.controls;
-    if (!controls) return;
-    this.boxes.follow.checked = false;
-    const arm = controls.target.clone().sub(this.camera.position).setZ(0).normalize();
-    const side = new Vector3(arm.y, -arm.x, 0);
-    const step = this.camera.position.distanceTo(controls.target) * 0.06;
-    const by = arm.multiplyScalar(ahead * step).addScaledVector(side, right * step);
-    controls.target.add(by);
-    this.camera.position.add(by);
-    this.touched();
+    this.moveCamera((camera, target) => {
+      this.boxes.follow.checked = false;
+      pan(camera, target, right, ahead);
+    });
   }
   follow(): void {
     this.boxes.follow.click();
   }
 
-  private touched(): void {
-    this.controls?.update();
+  private moveCamera(by: (camera: Vector3, target: Vector3) => void): void {
+    if (!this.controls) return;
+    by(this.camera.position, this.controls.target);
+    this.controls.update();
     this.dirty = true;
     this.shared.redraw();
   }
@@ -266,7 +251,7 @@ export class SpaceView implements View {
       return;
     }
     this.rebuilt = now;
-    const extent = this.extent();
+    const extent = extentOf(this.shared.model);
     if (!extent.empty) {
       this.deepest = Math.max(1, Math.ceil(extent.high[2]!));
       this.axes.build(extent, stretch, theme.paint);
@@ -292,30 +277,6 @@ export class SpaceView implements View {
     this.sea.visible = this.boxes.water.checked;
     this.sea.material.color.set(theme.paint.track);
     this.fans.group.visible = this.boxes.fan.checked;
-  }
-
-  private extent(): Extent {
-    const { model } = this.shared;
-    const extent = new Extent();
-    for (const {
-      at: [n, e],
-      depth,
-    } of model.scene?.mission ?? [])
-      extent.add(n, e, depth ?? 0);
-    if (model.vehicle) extent.add(model.vehicle.north, model.vehicle.east, model.vehicle.down);
-    for (const { item } of [...model.voxels.values(), ...model.cubes.values()]) {
-      const [n, e, d] = item.corner.map((v) => v * item.size) as [number, number, number];
-      extent.add(n, e, d);
-      extent.add(n + 16 * item.size, e + 16 * item.size, d);
-    }
-    for (const { item } of model.depth.values()) {
-      let deepest = -Infinity;
-      for (let i = 0; i < item.depth.length; i += 7) if (item.depth[i]! > deepest) deepest = item.depth[i]!;
-      if (deepest < 0) continue;
-      extent.add(item.north, item.east, deepest);
-      extent.add(item.north + item.side * item.pixel, item.east + item.side * item.pixel, deepest);
-    }
-    return extent;
   }
 
   private spreadSea(extent: Extent): void {
@@ -432,15 +393,6 @@ export class SpaceView implements View {
     mark(this.canvas, 'voxels', String(this.voxels.shown));
     mark(this.canvas, 'sphere', String(this.boxes.sphere.checked ? this.sphere.shown : 0));
   }
-}
-
-function drawsInSoftware(): boolean {
-  const probe = document.createElement('canvas').getContext('webgl2');
-  if (!probe) return false;
-  const names = probe.getExtension('WEBGL_debug_renderer_info');
-  const name: unknown = probe.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : probe.RENDERER);
-  probe.getExtension('WEBGL_lose_context')?.loseContext();
-  return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
 }
 
 function level([n, e, d]: readonly [number, number, number], instead: number): [number, number, number] {
