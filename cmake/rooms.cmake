@@ -128,8 +128,8 @@ function(isobath_room name)
 endfunction()
 
 # The tests ask the library for much and themselves for little: optimised less, they compile in half the time.
-set(ISOBATH_TEST_FLAGS $<$<CONFIG:Debug>:-O0> $<$<CONFIG:Release>:-O1>
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>) # of optionals, at -O1
+set(ISOBATH_TEST_FLAGS $<$<CONFIG:Debug>:-O0> $<$<CONFIG:Release>:-Og>
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>) # of optionals
 
 # isobath_tests(<room> USES <targets>): an executable of all sources in the current folder; each suite a ctest of its own. Those that
 # start threads stand in the folder threads, which the thread sanitizer runs and no other; those of whole runs in the folder long, which

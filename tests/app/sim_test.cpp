@@ -74,7 +74,7 @@ TEST(Sim, WithoutACompassWhatWasHeardFades) {
   const std::string pandan = content_of(source_folder() / "scenarios/pandan.toml");
   const auto pieces = [&](const std::string& more, const std::string& kind) {
     const ProgramResult run = isobath_run(write(folder / "s.toml", pandan + more), folder / "out",
-                                          {"--set", "simulation.duration_s=40", "--set", "motion.kind=" + kind});
+                                          {"--set", "simulation.duration_s=25", "--set", "motion.kind=" + kind});
     EXPECT_EQ(run.exit_code, 1) << "the mission is still under way: " << run.err;
     return nlohmann::json::parse(run.out)["truth"]["obstacles"]["all"].get<int>();
   };

@@ -36,8 +36,8 @@ TEST_P(OneLoop, DecidesTheSameHoweverItIsRun) {
   RunRequest request;
   request.input = test::source_folder() / "scenarios" / (std::string(GetParam()) + ".toml");
   Scenario scenario = test::scenario_of(GetParam());
-  scenario.scene.about.duration_s = 30;
-  request.configuration.simulation.duration_s = 30;
+  scenario.scene.about.duration_s = 15;
+  request.configuration.simulation.duration_s = 15;
   request.configuration.simulation.seed = 5;
   const auto folder = test::scratch_folder();
   request.record = folder / "run.mcap";
