@@ -42,6 +42,16 @@ Colour colour_of(const Decision& d) { return overrules(d) ? kSafety : kReplan; }
 
 // The chart ----------------------------------------------------------------------------------------------------------
 
+/// Adds what stands within this distance of the frame, as far as it does; m.
+void extend_to(const Polygon& outline, Eigen::AlignedBox2d& box, const Eigen::AlignedBox2d& frame) {
+  constexpr double kNear = 15;
+  Eigen::AlignedBox2d bounds;
+  for (const Vector2d& p : outline) bounds.extend(p);
+  const Eigen::AlignedBox2d near(frame.min().array() - kNear, frame.max().array() + kNear);
+  const Eigen::AlignedBox2d shown = bounds.intersection(near);
+  if (!shown.isEmpty()) box.extend(shown);
+}
+
 PlanExtent mission_extent(const MissionOutcome& outcome) {
   Eigen::AlignedBox2d box;
   for (const MissionPoint& p : outcome.plan.points) {
@@ -53,6 +63,12 @@ PlanExtent mission_extent(const MissionOutcome& outcome) {
   }
   if (outcome.truth) {
     for (const TrueMotion& m : outcome.truth->track) box.extend(Vector2d(m.state.X_WB.translation.head<2>()));
+  }
+  if (const Eigen::AlignedBox2d sailed = box; !sailed.isEmpty()) {
+    for (const TrueBody& body : outcome.bodies) extend_to(body.outline, box, sailed);
+    for (const SeenObstacle& o : outcome.seen) {
+      if (o.existence > 0.9) extend_to(o.outline, box, sailed);
+    }
   }
   Eigen::AlignedBox2d with_fence = box;
   for (const Vector2d& p : outcome.plan.fence) with_fence.extend(p);

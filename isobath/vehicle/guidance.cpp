@@ -87,10 +87,14 @@ void LineOfSight::follow(std::vector<Waypoint> waypoints, const std::optional<Ve
 }
 
 // Passes way-points that are reached or abeam; then `bearing_`, `to_go_` and `cross_track_` are of the present leg.
+double LineOfSight::acceptance_radius(const Waypoint& place) const {
+  return place.radius_m > 0 ? std::min(place.radius_m, config_.acceptance_radius) : config_.acceptance_radius;
+}
+
 void LineOfSight::advance(const Vector2d& here) {
   while (!finished()) {
     const Vector2d to = position_of(waypoints_[next_]);
-    const bool near = (to - here).norm() <= config_.acceptance_radius;
+    const bool near = (to - here).norm() <= acceptance_radius(waypoints_[next_]);
     if (!near && (to - from_).norm() < 1e-9) from_ = here;  // a leg without length has no bearing
     const Vector2d leg = to - from_;
     const double length = leg.norm();
@@ -171,7 +175,7 @@ double LineOfSight::speed_ahead() const {
   double distance = std::max(0.0, to_go_);
   Angle before = bearing_;
   for (std::size_t i = next_; i < waypoints_.size(); ++i) {
-    if (2 * braking * (distance - config_.acceptance_radius) > speed * speed) break;
+    if (2 * braking * (distance - acceptance_radius(waypoints_[i])) > speed * speed) break;
     if (i + 1 == waypoints_.size()) {
       if (parameters_->min_speed <= 0) speed = std::min(speed, std::sqrt(2 * braking * distance));
       break;

@@ -36,6 +36,7 @@ struct Waypoint {
   double speed = 1;  ///< on the way to it, m/s
   /// Depth where the leg to it begins, m: the depth changes along the leg. Empty: the depth changes at once.
   std::optional<double> from_depth = {};
+  double radius_m = 0;  ///< within which it counts as reached; 0: as configured
 };
 
 struct GuidanceConfig {
@@ -87,6 +88,7 @@ class LineOfSight {
   [[nodiscard]] const Eigen::Vector2d& leg_start() const { return from_; }
 
  private:
+  [[nodiscard]] double acceptance_radius(const Waypoint& place) const;
   void advance(const Eigen::Vector2d& here);
   void learn(double aim, double dt);
   [[nodiscard]] double speed_ahead() const;

@@ -121,6 +121,14 @@ TEST(QGroundControlPlan, SurveysComeAsTheyWereLaidOut) {
   EXPECT_EQ(left_out(plan, "DO_SET_CAM_TRIGG_DIST"), 1u);
 }
 
+TEST(QGroundControlPlan, AWayPointHasItsAcceptanceRadius) {
+  json near = item(16, 50, 0, -3);
+  near["params"][1] = 1.5;
+  const MissionPlan plan = parse_mission(plan_of({near, item(16, 90, 0, -3)}).dump(), "x");
+  EXPECT_EQ(plan.points.at(0).radius_m, 1.5);
+  EXPECT_EQ(plan.points.at(1).radius_m, 0);
+}
+
 // ledger: S6-39 S6-43 S6-58
 TEST(QGroundControlPlan, FencesKeepInAndOut) {
   json root = plan_of(json::array({item(16, 50, 0, -3)}));

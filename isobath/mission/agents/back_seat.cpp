@@ -23,38 +23,30 @@ std::string_view word_of(std::string_view& rest) {
   return word;
 }
 
-/// Takes the numbers that a driver knows out of a task; those that are left at the end are unknown to it.
-class Numbers {
- public:
-  explicit Numbers(const Task& task) : task_(task), left_(task.numbers.begin(), task.numbers.end()) {}
-
-  double take(const char* name, double otherwise, double low, double high) {
-    const auto found = left_.find(name);
-    if (found == left_.end()) return otherwise;
-    const double value = found->second;
-    left_.erase(found);
-    if (value >= low && value <= high) return value;
-    throw Error(fmt::format("{} is out of range", value), place(name), fmt::format("{} .. {}", low, high));
-  }
-  void refuse_others() const {
-    if (!left_.empty()) throw Error("unknown number", place(left_.begin()->first));
-  }
-
- private:
-  [[nodiscard]] Place place(const std::string& name) const {
-    Place place;
-    place.key = "task " + task_.name + ": " + name;
-    return place;
-  }
-  const Task& task_;
-  std::map<std::string, double, std::less<>> left_;
-};
-
 Waypoint waypoint(const MissionPoint& at, const Vector2d& north_east, double speed) {
   return {north_east.x(), north_east.y(), at.depth_m, at.speed > 0 ? at.speed : speed};
 }
 
 }  // namespace
+
+double TaskNumbers::take(const char* name, double otherwise, double low, double high) {
+  const auto found = left_.find(name);
+  if (found == left_.end()) return otherwise;
+  const double value = found->second;
+  left_.erase(found);
+  if (value >= low && value <= high) return value;
+  throw Error(fmt::format("{} is out of range", value), place(name), fmt::format("{} .. {}", low, high));
+}
+
+void TaskNumbers::refuse_others() const {
+  if (!left_.empty()) throw Error("unknown number", place(left_.begin()->first));
+}
+
+Place TaskNumbers::place(const std::string& name) const {
+  Place place;
+  place.key = "task " + task_.name + ": " + name;
+  return place;
+}
 
 Result<Task, std::string> parse_task(std::string_view text) {
   Task task;
@@ -81,6 +73,8 @@ void BackSeatDriver::on_message(const Message& message, Time now, Outbox& out) {
     on(*call, now, out);
   } else if (const auto* award = std::get_if<TaskAward>(&message)) {
     on(*award, now, out);
+  } else {
+    hear(message);
   }
 }
 
@@ -90,10 +84,11 @@ void BackSeatDriver::on(const TaskCall& call, Time now, Outbox& out) {
     const auto task = parse_task(call.task);
     if (!task) throw Error("cannot be read: " + task.error());
     if (!call.at.north_east.allFinite()) throw Error("the position of the point is not finite");
-    const auto offered = offer(*task, call.at, vehicle_);
+    auto offered = offer(*task, call.at, vehicle_);
     if (!offered) return;
     call_ = call;
-    out.say(TaskBid{call.id, name_, offered->suitability});
+    offer_ = std::move(*offered);
+    out.say(TaskBid{call.id, name_, offer_.suitability});
   } catch (const Error& error) {
     out.say(Decision{now, name_, "no bid", "task \"" + call.task + "\": " + error.what()});
   }
@@ -101,13 +96,10 @@ void BackSeatDriver::on(const TaskCall& call, Time now, Outbox& out) {
 
 void BackSeatDriver::on(const TaskAward& award, Time now, Outbox& out) {
   if (!call_ || award.id != call_->id || award.driver != name_) return;
-  const auto task = parse_task(call_->task);
-  const auto offered = task ? offer(*task, call_->at, vehicle_) : std::nullopt;
-  if (!offered) return;  // the offer held when the driver bid, and still does
-  out.say(
-      Decision{now, name_, "plan task",
-               fmt::format("{} way-points for \"{}\" at {}", offered->waypoints.size(), call_->task, call_->at.name)});
-  out.say(TaskPlan{call_->id, name_, offered->waypoints});
+  out.say(Decision{now, name_, "plan task",
+                   fmt::format("{} way-points for \"{}\" at {}{}", offer_.waypoints.size(), call_->task, call_->at.name,
+                               offer_.what.empty() ? "" : ": " + offer_.what)});
+  out.say(TaskPlan{call_->id, name_, offer_.waypoints, offer_.drop_distance_m});
 }
 
 std::vector<Field> fields(SurveyConfig& c) {
@@ -123,7 +115,7 @@ std::optional<BackSeatDriver::Offer> SurveyDriver::offer(const Task& task, const
                                                          const std::optional<Vector2d>& vehicle) const {
   const bool inspect = task.name == "inspect";
   if (task.name != "survey" && !inspect) return std::nullopt;
-  Numbers numbers(task);
+  TaskNumbers numbers(task);
   double length = config_.length_m, breadth = config_.breadth_m;
   if (inspect) {
     (void)numbers.take("turns", 1, 0, 1e9);  // lanes cover everything once
@@ -170,7 +162,7 @@ std::vector<Field> fields(CircleConfig& c) {
 std::optional<BackSeatDriver::Offer> CircleDriver::offer(const Task& task, const MissionPoint& at,
                                                          const std::optional<Vector2d>& vehicle) const {
   if (task.name != "circle" && task.name != "inspect") return std::nullopt;
-  Numbers numbers(task);
+  TaskNumbers numbers(task);
   const double radius = numbers.take("radius_m", config_.radius_m, std::max(0.5, turning_radius_m_), 5e3);
   const double turns = numbers.take("turns", config_.turns, 0.1, config_.max_turns);
   numbers.refuse_others();

@@ -4,8 +4,8 @@
 // A task is one word and numbers: "survey length_m=80 breadth_m=40". A driver receives TaskCall, TaskAward and
 // Navigation. It bids for the tasks that it can do, and sends its way-points when it gets the award. It does not bid
 // for a task with an unknown number or a number out of range, and reports why (Decision): a task done differently than
-// asked is worse than none. Way-points have the depth of the point, and its speed if it has one. `turning_radius_m` is
-// the vehicle's.
+// asked is worse than none. A driver does what it has bid, whatever it hears until the award. Way-points have the depth
+// of the point, and its speed if it has one. `turning_radius_m` is the vehicle's.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -23,6 +23,22 @@ struct Task {
 /// On failure the reason: a word that is not name=number, a name that is given twice, a number that is not finite.
 Result<Task, std::string> parse_task(std::string_view text);
 
+/// Takes the numbers that a driver knows out of a task; those that are left at the end are unknown to it.
+class TaskNumbers {
+ public:
+  explicit TaskNumbers(const Task& task) : task_(task), left_(task.numbers.begin(), task.numbers.end()) {}
+
+  /// Throws Error if the number is out of range.
+  double take(const char* name, double otherwise, double low, double high);
+  /// Throws Error if a number is left.
+  void refuse_others() const;
+
+ private:
+  [[nodiscard]] Place place(const std::string& name) const;
+  const Task& task_;
+  std::map<std::string, double, std::less<>> left_;
+};
+
 class BackSeatDriver : public Agent {
  public:
   explicit BackSeatDriver(std::string name) : name_(std::move(name)) {}
@@ -35,10 +51,14 @@ class BackSeatDriver : public Agent {
   struct Offer {
     double suitability = 0;  ///< above 0, up to 1
     std::vector<Waypoint> waypoints;
+    double drop_distance_m = 0;  ///< as in TaskPlan
+    std::string what = {};       ///< more about the plan, for the decision
   };
   /// Empty where the driver has no such task. Throws Error where it has, but cannot do it as asked.
   [[nodiscard]] virtual std::optional<Offer> offer(const Task& task, const MissionPoint& at,
                                                    const std::optional<Eigen::Vector2d>& vehicle) const = 0;
+  /// Any other message, for a driver whose plan depends on it.
+  virtual void hear(const Message&) {}
 
  private:
   void on(const TaskCall& call, Time now, Outbox& out);
@@ -46,6 +66,7 @@ class BackSeatDriver : public Agent {
 
   std::string name_;
   std::optional<TaskCall> call_;  ///< the last call that the driver bid for
+  Offer offer_;                   ///< what it bid
   std::optional<Eigen::Vector2d> vehicle_;
 };
 

@@ -214,6 +214,7 @@ void ExecutiveOfficer::on(const TaskPlan& plan, Outbox& out) {
       executor_ && executor_->started() ? &executor_->graph().nodes[executor_->node()].action : nullptr;
   if (action == nullptr || action->name != "task" || plan.id != point_ + 1 || errand_ == Errand::kTask) return;
   visits_.assign(plan.waypoints.begin(), plan.waypoints.end());
+  visits_drop_distance_m_ = plan.drop_distance_m;
   decide("task", fmt::format("{} does {} with {} way-points", plan.driver, points_[point_].task, visits_.size()), out);
   give_up_leg("", out);
 }
@@ -309,6 +310,8 @@ void ExecutiveOfficer::give_up_leg(const std::string& why, Outbox& out) {
   visit.north_east = {w.north, w.east};
   visit.depth_m = w.depth;
   visit.speed = w.speed;
+  visit.radius_m = w.radius_m;
+  visit.drop_distance_m = visits_drop_distance_m_;
   visit.move_m = 0;
   approaches_ = 1;
   go(Errand::kTask, visit, out);

@@ -93,8 +93,9 @@ class ExecutiveOfficer final : public Agent, private PlanDatabase {
   int approaches_ = 0;
   bool no_way_ = false;
   std::string no_way_why_;
-  std::optional<Time> move_until_;  ///< the Captain may move the point until then
-  std::deque<Waypoint> visits_;     ///< way-points that are left of the current task
+  std::optional<Time> move_until_;     ///< the Captain may move the point until then
+  std::deque<Waypoint> visits_;        ///< way-points that are left of the current task
+  double visits_drop_distance_m_ = 0;  ///< as in TaskPlan
 };
 
 }  // namespace isobath

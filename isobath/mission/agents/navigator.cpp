@@ -322,6 +322,7 @@ void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& o
 }
 
 void Navigator::adopt(std::vector<Waypoint> waypoints, double longer_m, Decision d, Outbox& out) {
+  if (!waypoints.empty()) waypoints.back().radius_m = request_->target.radius_m;
   double length = 0;
   Vector2d last = place_of(*here_);
   for (const Waypoint& w : waypoints) {

@@ -124,6 +124,10 @@ class Navigator : public Agent {
   [[nodiscard]] Decision decision(std::string what, std::string reason) const;
   [[nodiscard]] Decision about(const View& view, const Way& way, const Conflict& conflict) const;
 
+  /// Distance within which an obstacle blocks the point.
+  [[nodiscard]] double drop_distance() const {
+    return request_->target.drop_distance_m > 0 ? request_->target.drop_distance_m : config_.drop_distance_m;
+  }
   [[nodiscard]] double clearance() const { return route_.clearance_m + vehicle_.half_width_m; }
   [[nodiscard]] bool inside_fence(const Eigen::Vector2d& p_W, double by_m) const;
 

@@ -26,7 +26,7 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   const Vector2d goal = frame.to_local(goal_W);
   const Vector2d vehicle = frame.to_local(here_->X_WB.translation.head<2>());
   const auto blocks = [&](const Hazard& h) {
-    return h.kind != HazardKind::kFence && outline_distance(h, goal) < config_.drop_distance_m;
+    return h.kind != HazardKind::kFence && outline_distance(h, goal) < drop_distance();
   };
   const Hazard* nearest = nullptr;
   bool sure = false;
@@ -47,7 +47,7 @@ std::optional<Navigator::Refusal> Navigator::judge_goal(const PlanFrame& frame, 
   const Vector2d place = frame.to_world(nearest_point(nearest->outline, goal));
   const double distance = outline_distance(*nearest, goal);
   const std::string where =
-      distance > 0 ? fmt::format("{:.1f} m from it ({:.1f} m wanted)", distance, config_.drop_distance_m) : "on it";
+      distance > 0 ? fmt::format("{:.1f} m from it ({:.1f} m wanted)", distance, drop_distance()) : "on it";
   return Refusal{RouteRefused::Reason::kGoalBlocked,
                  fmt::format("{} is {}, at {}", text_of(*nearest), where, text_of(place)),
                  safe_near(goal, vehicle, frame, hazards), place, nearest->obstacle};
@@ -59,7 +59,7 @@ std::optional<Vector2d> Navigator::safe_near(const Vector2d& goal, const Vector2
   const HazardMap map(std::move(hazards));
   const auto clear = [&](const Vector2d& p) {
     const bool far = std::all_of(map.hazards().begin(), map.hazards().end(), [&](const Hazard& h) {
-      return h.kind == HazardKind::kFence || outline_distance(h, p) >= config_.drop_distance_m + config_.slack_m;
+      return h.kind == HazardKind::kFence || outline_distance(h, p) >= drop_distance() + config_.slack_m;
     });
     return far && map.distance(p) >= clearance() && inside_fence(frame.to_world(p), config_.fence_clearance_m);
   };

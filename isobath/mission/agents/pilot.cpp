@@ -114,7 +114,8 @@ void Pilot::report(Outbox& out) {
     out.say(WaypointPassed{order_.version, told_, reached, false});
   }
   if (line_of_sight_->next() < last) return;
-  const bool reached = distance_to(all.back()) <= config_.point_radius;
+  const double radius_m = all.back().radius_m > 0 ? all.back().radius_m : config_.point_radius;
+  const bool reached = distance_to(all.back()) <= radius_m;
   if (!reached && !line_of_sight_->finished()) return;
   out.say(WaypointPassed{order_.version, last, reached, true});
   Waypoint place = all.back();

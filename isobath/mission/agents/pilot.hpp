@@ -4,11 +4,11 @@
 // Receives FollowOrder, Navigation, RangeReading (of downward sensors), MissionOrder (limits) and AgentLost. Sends
 // WaypointPassed when a way-point comes to lie behind, and a HelmOrder at each tick.
 //
-// The last way-point is the mission point: it is reached within `point_radius`. Those before it are corners round
-// obstacles. The vehicle turns at them within the acceptance radius of the guidance, which is smaller, because an early
-// turn cuts the corner. A way-point that is passed abeam counts as passed, not as reached. After the last way-point the
-// Pilot holds it; on an empty order it holds the place where the vehicle can come to rest. Without navigation for
-// `silent_s` the vehicle stops; without an Executive Officer it surfaces.
+// The last way-point is the mission point: it is reached within its own radius, or `point_radius`. Those before it are
+// corners round obstacles. The vehicle turns at them within the acceptance radius of the guidance, which is smaller,
+// because an early turn cuts the corner. A way-point that is passed abeam counts as passed, not as reached. After the
+// last way-point the Pilot holds it; on an empty order it holds the place where the vehicle can come to rest. Without
+// navigation for `silent_s` the vehicle stops; without an Executive Officer it surfaces.
 //
 // The Navigator avoids obstacles, and the Safety Officer decides whether an order is safe; the Pilot does neither.
 #pragma once

@@ -20,6 +20,7 @@ std::vector<Section> sections(MissionConfig& c) {
       {"signaling", "The vehicle's end of the link to the operator.", fields(c.signaling)},
       {"survey", "The back-seat driver that surveys in lanes.", fields(c.survey)},
       {"circle", "The back-seat driver that circles a point.", fields(c.circle)},
+      {"closer_look", "The back-seat driver that looks at an obstacle from nearby.", fields(c.closer_look)},
   };
 }
 
@@ -39,6 +40,8 @@ std::vector<AgentSlot> standard_agents(const MissionConfig& c, const VehiclePara
   const double turning_radius_m = vehicle.limits.turning_radius;
   slot("survey", AgentLevel::kMission, std::make_unique<SurveyDriver>(c.survey, turning_radius_m));
   slot("circle", AgentLevel::kMission, std::make_unique<CircleDriver>(c.circle, turning_radius_m));
+  slot("closer look", AgentLevel::kMission,
+       std::make_unique<CloserLookDriver>(c.closer_look, c.route.clearance_m + vehicle.half_width_m, turning_radius_m));
   return slots;
 }
 

@@ -5,6 +5,7 @@
 #include <isobath/mission/agents/back_seat.hpp>
 #include <isobath/mission/agents/captain.hpp>
 #include <isobath/mission/agents/chart_room.hpp>
+#include <isobath/mission/agents/closer_look.hpp>
 #include <isobath/mission/agents/executive_officer.hpp>
 #include <isobath/mission/agents/fls_detector.hpp>
 #include <isobath/mission/agents/navigator.hpp>
@@ -29,6 +30,7 @@ struct MissionConfig {
   SignalingConfig signaling;
   SurveyConfig survey;
   CircleConfig circle;
+  CloserLookConfig closer_look;
 };
 
 /// Bound to `config`.

@@ -259,6 +259,7 @@ struct TaskPlan {
   std::uint32_t id = 0;
   std::string driver;
   std::vector<Waypoint> waypoints;
+  double drop_distance_m = 0;  ///< an obstacle that is nearer blocks a way-point; 0: the Navigator's
 };
 
 /// A decision, with its agent and its reason: for the recorder, the page and the report.

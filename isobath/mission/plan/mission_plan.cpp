@@ -72,6 +72,8 @@ void check_point(const MissionPlan& plan, const MissionPoint& p) {
   check_place(plan, p);
   check_range(p.place, "speed", p.speed, 0, kMaxSpeed, " m/s");
   check_range(p.place, "hold_s", p.hold_s, 0, 1e7, " s");
+  check_range(p.place, "radius_m", p.radius_m, 0, 1000, " m");
+  check_range(p.place, "drop_distance_m", p.drop_distance_m, 0, 1000, " m");
   check_range(p.place, "move_m", p.move_m, 0, 1e4, " m");
   if (p.altitude_m) {
     if (*p.altitude_m > 0 && *p.altitude_m >= plan.limits.min_altitude_m && *p.altitude_m <= 12000) return;

@@ -23,6 +23,8 @@ struct MissionPoint {
   std::optional<double> altitude_m = {};  ///< above the bottom, instead of a depth
   double speed = 0;                       ///< on the way to the point, m/s; 0: that of the mission
   double hold_s = 0;                      ///< how long to stay there
+  double radius_m = 0;                    ///< within which the point counts as reached; 0: the Pilot's
+  double drop_distance_m = 0;             ///< a nearer obstacle blocks the point; 0: the Navigator's
   double move_m = 0;                      ///< how far the Captain may move it off an obstacle; 0: it is dropped (S6-65)
   std::string task = {};                  ///< what a back-seat driver does there; empty: nothing
 };

@@ -229,6 +229,7 @@ class PlanReader {
     point.speed = speed_;
     point.hold_s = std::max(0.0, hold_s);
     point.task = task;
+    if (item.command == kWaypoint) point.radius_m = std::clamp(item.or_zero(1), 0.0, 1000.0);
     plan_.points.push_back(std::move(point));
     ++plan_.import.taken;
   }

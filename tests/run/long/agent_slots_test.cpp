@@ -116,6 +116,42 @@ TEST(Slots, ABackSeatDriverSurveysWhereTheMissionAsksForIt) {
   }
 }
 
+/// Range of the wreck of closer_look.toml from the vehicle, and the angle of its nearest point off the bow.
+std::pair<double, double> view_of_wreck(const TrueMotion& m) {
+  const Polygon wreck{{52.5, 1}, {57.5, 1}, {57.5, 15}, {52.5, 15}};
+  const Vector2d p = m.state.X_WB.translation.head<2>(), to = nearest_point(wreck, p) - p;
+  const Angle bearing = Angle::radians(std::atan2(to.y(), to.x()));
+  return {to.norm(), std::abs((bearing - m.state.X_WB.rotation.heading()).wrapped().degrees())};
+}
+
+// On seeds: at the end of the task the true vehicle stands within the camera's range, its bow to the wreck, and has
+// come no nearer than its clearance allows. ledger: S4-53 S6-41
+TEST(Slots, ACloserLookAtAWreckIsTakenWithinRangeOfTheCamera) {
+  Scenario scenario = test::scenario_of("closer_look");
+  for (int seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    scenario.scene.about.seed = seed;
+    LoopRequest request;
+    request.configuration.simulation.seed = seed;
+    const test::Sailed sailed = test::sail(scenario, request);
+    const std::vector<Decision>& decisions = sailed.result.decisions;
+    const std::size_t task = find_decision(decisions, "executive officer", "task");
+    ASSERT_LT(task, decisions.size()) << sailed.all();
+    EXPECT_EQ(sailed.result.report.phase, MissionPhase::kFinished) << sailed.all();
+    EXPECT_LT(sailed.result.contact_s, 0) << sailed.result.contact_with;
+    double nearest = std::numeric_limits<double>::infinity(), off_bow = 180;
+    for (const TrueMotion& m : sailed.result.track) {
+      if (m.time < decisions[task].time) continue;
+      const auto [range, off] = view_of_wreck(m);
+      nearest = std::min(nearest, range);
+      if (range <= 8) off_bow = std::min(off_bow, off);
+    }
+    EXPECT_LT(nearest, 8);
+    EXPECT_GT(nearest, RouteConfig{}.clearance_m);
+    EXPECT_LT(off_bow, 20) << "degrees";
+  }
+}
+
 /// When the first of these decisions was made; -1: never.
 double time_of_decision(const test::Sailed& sailed, const std::string& agent, const std::string& what) {
   const std::vector<Decision>& all = sailed.result.decisions;
