@@ -29,7 +29,7 @@ std::string fingerprint_of_request(const EvaluationRequest& request) {
   return fmt::format("{:016x}", digest);
 }
 
-std::vector<Polygon> outlines_of(const RunTruth& truth) {
+std::vector<Polygon> outlines_in(const RunTruth& truth) {
   std::vector<Polygon> outlines;
   for (const Hazard& hazard : truth.outlines()) outlines.push_back(hazard.outline);
   return outlines;
@@ -49,7 +49,7 @@ ScoredRun run_all(const EvaluationRequest& request, std::span<const Scenario> sc
       scored.scores.back().proof = prove(*run.row, run.scenario, method.configuration.safety, result);
     }
     if (!request.suite.stages.empty()) {
-      scored.scores.back().story = follow_story(request.suite.stages, run.scenario, outlines_of(truth), log, result);
+      scored.scores.back().story = follow_story(request.suite.stages, run.scenario, outlines_in(truth), log, result);
     }
     if (&method == &request.methods.front()) first = std::move(result);
   }
