@@ -1,4 +1,5 @@
 // The last word: which order reaches the vehicle, and what it does when those who should speak are silent.
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <isobath/mission/command/command_arbiter.hpp>
@@ -108,6 +109,32 @@ TEST(CommandArbiter, StopsAlsoWhereNoOrderEverCame) {
   EXPECT_EQ(arbiter.state(), HelmState::kWaiting);
   arbiter.steer(at(102.1));
   EXPECT_EQ(arbiter.state(), HelmState::kStop);
+}
+
+// Its propeller stems what comes from ahead or from astern (200 degrees); nothing stems what comes from the side.
+// ledger: S2-28
+TEST(CommandArbiter, AVehicleThatStopsTurnsItsBowToTheCurrent) {
+  for (const double from_deg : {10.0, 95.0, 170.0, 200.0, 275.0}) {
+    CommandArbiter arbiter({}, hoverer());
+    const Angle from = Angle::degrees(from_deg);
+    const Eigen::Vector2d current = -0.3 * Eigen::Vector2d(cos(from), sin(from));
+    Angle heading = Angle::degrees(20);
+    Eigen::Vector2d bow = Eigen::Vector2d::Zero(), drift = Eigen::Vector2d::Zero();
+    for (int tick = 0; tick < 1200; ++tick) {
+      bow = {cos(heading), sin(heading)};
+      drift = current - current.dot(bow) * bow;
+      Navigation fix = here(heading.degrees(), 5);
+      fix.v_WB.emplace(drift.x(), drift.y(), 0);
+      arbiter.on_message(fix, at(tick));
+      arbiter.on_message(action(SafetyActionKind::kStop), at(tick));
+      const Setpoint s = arbiter.steer(at(tick));
+      EXPECT_EQ(s.speed, 0);
+      const double turn = (s.heading - heading).wrapped().radians();
+      heading = (heading + Angle::radians(std::clamp(turn, -0.01, 0.01))).wrapped();  // at most 6 degrees a second
+    }
+    EXPECT_LT(drift.norm(), 0.04) << from_deg;
+    if (from_deg != 200) EXPECT_LT(current.dot(bow), 0) << "the current comes from ahead: " << from_deg;
+  }
 }
 
 // ledger: S2-28 S2-E10

@@ -4,7 +4,8 @@
 //
 //   surface   the Safety Officer is lost: depth 0 on the heading of that instant; or it orders this: on its heading
 //   turn      the Safety Officer's set-point
-//   stop      the Safety Officer orders it, or no order for `order_timeout_s`: speed 0, heading and depth then
+//   stop      the Safety Officer orders it, or no order for `order_timeout_s`: speed 0, heading and depth then; where a
+//             current carries it across its hull, the vehicle turns its bow to it, which its speed can stem
 //   slow      the order, no faster than the action allows
 //   orders    the order
 //   waiting   no order yet, for `order_timeout_s` after the operator's command to start: speed 0 where the vehicle is
@@ -61,12 +62,14 @@ class CommandArbiter {
   [[nodiscard]] Setpoint setpoint() const;
   [[nodiscard]] Setpoint allowed(Setpoint wanted) const;
   void on_action(SafetyAction action);
+  void stem_current();
 
   CommandArbiterConfig config_;
   VehicleParameters vehicle_;
   std::optional<Time> first_;
-  std::optional<Setpoint> own_;   ///< current heading and depth of the vehicle
-  std::optional<Setpoint> kept_;  ///< heading and depth since the state was entered
+  std::optional<Setpoint> own_;         ///< current heading and depth of the vehicle
+  std::optional<Setpoint> kept_;        ///< heading and depth since the state was entered
+  std::optional<Navigation> velocity_;  ///< the last one with a velocity
   std::optional<HelmOrder> order_;
   Time ordered_;
   SafetyAction action_;

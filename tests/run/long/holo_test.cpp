@@ -125,7 +125,7 @@ TEST(HoloBoat, WithoutTheMotionModelTheyDoNot) {
 // S6-62 S6-64
 TEST(HoloBoat, CellsKeepTheOutlinesOnTheHullInNoise) {
   ISOBATH_NEEDS_DATA(folder, "holo-boat");
-  for (const std::string pass : {"input.pass=1", "input.pass=10"}) {
+  for (const std::string pass : {"input.pass=1", "input.pass=4", "input.pass=10"}) {
     const Agreement cells = agreement({"input.set=noisy", pass});
     const Agreement before = agreement({"input.set=noisy", pass, "echoes.method=learnt"});
     EXPECT_EQ(cells.off, 0);
