@@ -70,12 +70,15 @@ TEST_F(Eval, RunsOneVariantAlone) {
 // mission ends for that reason. On a held heading, or without the circle, it leaves with both seeds.
 // ledger: S5-D05 S6-39
 TEST_F(Eval, EndsForWantOfAPathWithinTheFence) {
-  const ProgramResult result =
-      isobath({"eval", "bridge-flat", "--alone", "--runs", "2", "--seed", "109", "--out", folder_ / "flat", "--json"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["refused"], 2);
-  for (const auto& reason : json["reasons"].items()) EXPECT_THAT(reason.key(), HasSubstr("there is no path"));
+  for (const char* existence : {"0.95", "0.98"}) {  // the default, and the threshold of the paper
+    const ProgramResult result =
+        isobath({"eval", "bridge-flat", "--alone", "--runs", "2", "--seed", "109", "--out", folder_ / existence,
+                 "--json", "--set", "fls_detector.min_existence=" + std::string(existence)});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json["refused"], 2) << existence;
+    for (const auto& reason : json["reasons"].items()) EXPECT_THAT(reason.key(), HasSubstr("there is no path"));
+  }
 }
 
 // 20 m ahead of the start a box and two poles bar 9 m of the way, and a current sets towards them. The vehicle cannot

@@ -126,6 +126,25 @@ TEST(SphereOfARun, HoldsWhatASonarWithALongBlindZoneHears) {
   EXPECT_GT(sphere["clear_ahead_m"], 20);
 }
 
+// The planner gets the cells with echoes as hazards where the settings ask for them, and the mission is the same
+// whether the grid turns with the vehicle or stays north up. ledger: S4-20 S4-21 S4-51
+TEST(SphereOfARun, TellsThePlannerOfItsEchoesWhereAskedTo) {
+  const auto folder = test::scratch_folder();
+  const auto told = [&](const std::string& name, const std::string& setting) {
+    const auto run = test::isobath_run(test::source_folder() / "scenarios/pandan.toml", folder / name,
+                                       {"--set", "simulation.duration_s=40", "--set", setting});
+    EXPECT_EQ(run.exit_code, 1) << "the mission is still under way: " << run.err;
+    return nlohmann::json::parse(run.out);
+  };
+  const auto with = told("with", "chart_room.sphere=true"), without = told("without", "chart_room.sphere=false");
+  EXPECT_GT(with["mission"]["hazards"]["measured"], 50);
+  EXPECT_EQ(without["mission"]["hazards"]["measured"], 0);
+  const auto turning = told("turning", "sphere.axes=course_up"), north_up = told("north", "sphere.axes=north_up");
+  EXPECT_GT(turning["sphere"]["occupied"], 100);
+  EXPECT_EQ(turning["sphere"]["ahead"], north_up["sphere"]["ahead"]);
+  EXPECT_EQ(test::content_of(folder / "turning/decisions.json"), test::content_of(folder / "north/decisions.json"));
+}
+
 // A tank of 5 m: its walls stand in the grid, and no water behind them is clear.
 // ledger: S4-12 S4-50
 TEST(SphereOfARun, KnowsTheWallsOfABrightTank) {

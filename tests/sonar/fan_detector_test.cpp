@@ -310,7 +310,6 @@ TEST(FanDetector, TakesCloudsForBackground) {
 
 double false_rate(const FanLooks& looks) { return found(looks, 0, kBeams, 1, 40); }
 
-// ledger: S6-E15
 TEST(FanDetector, BearsAGainThatSteps) {
   ISOBATH_NOT_SANITIZED();
   Scene scene;
