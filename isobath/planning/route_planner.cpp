@@ -1,3 +1,4 @@
+// In one file, of some 400 lines: search, windows and the fitting of turns share the types below.
 #include <algorithm>
 #include <array>
 #include <cmath>

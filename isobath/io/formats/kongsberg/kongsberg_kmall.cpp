@@ -1,3 +1,4 @@
+// In one file, of some 400 lines: the datagrams of the format share the state of one source.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
