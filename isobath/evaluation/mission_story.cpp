@@ -2,7 +2,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <isobath/evaluation/mission_story.hpp>
-#include <isobath/geometry/polygon.hpp>
+#include <isobath/geometry/polygon_parts.hpp>
 #include <limits>
 #include <optional>
 
@@ -20,13 +20,6 @@ struct Happening {
   double time_s = 0;
   std::optional<Vector2d> place;
 };
-
-/// Distance of an outline from the nearest of others.
-double gap_to_nearest(const Polygon& outline, const std::vector<Polygon>& others) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Polygon& other : others) least = std::min(least, gap_between(outline, other));
-  return least;
-}
 
 bool looks_at(const StoryLog::Scan& scan, const Vector2d& place) {
   const Vector2d there = place - scan.X_WB.translation.head<2>();
@@ -72,7 +65,7 @@ class StoryReader {
       if (scan.time_s < from_s) continue;
       for (const Polygon& outline : scan.outlines) {
         const bool fits = stage.what == StageKind::kSeen ? distance_from(outline, stage.at) <= stage.within_m
-                                                         : gap_to_nearest(outline, bodies_) > stage.within_m;
+                                                         : gap_between(bodies_, outline) > stage.within_m;
         if (fits) seen_.push_back({scan.time_s, stage.what == StageKind::kSeen ? stage.at : outline.front()});
       }
     }

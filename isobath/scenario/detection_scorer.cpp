@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <isobath/geometry/polygon_parts.hpp>
 #include <isobath/scenario/detection_scorer.hpp>
 #include <limits>
 #include <set>
@@ -39,18 +40,6 @@ Vector2d middle_of(const std::vector<Polygon>& parts) {
   return sum / std::max(1.0, corners);
 }
 
-double gap_to_plan(const std::vector<Polygon>& plan, const Polygon& outline) {
-  double gap = std::numeric_limits<double>::infinity();
-  for (const Polygon& part : plan) gap = std::min(gap, gap_between(part, outline));
-  return gap;
-}
-
-double distance_to_plan(const std::vector<Polygon>& plan, const Vector2d& p) {
-  double distance = std::numeric_limits<double>::infinity();
-  for (const Polygon& part : plan) distance = std::min(distance, distance_from(part, p));
-  return distance;
-}
-
 /// A piece of an obstacle, in W.
 struct ObstaclePiece {
   Polygon outline;
@@ -73,7 +62,7 @@ BodyMatches match_to_bodies(const Detection& found, const std::vector<std::vecto
     ObstaclePiece piece{in_frame(o.outline, X_WL), 0.5 * beam * o.range_m + bin_m + found.cells.cell_m,
                         std::numeric_limits<double>::infinity()};
     for (std::size_t i = 0; i < plans.size(); ++i) {
-      const double gap = gap_to_plan(plans[i], piece.outline);
+      const double gap = gap_between(plans[i], piece.outline);
       piece.gap = std::min(piece.gap, gap);
       const Obstacle*& nearest = matches.reported[i];
       if (gap > piece.tolerance || (nearest && o.range_m >= nearest->range_m)) continue;
@@ -276,7 +265,7 @@ void DetectionScorer::on_scan(const ScanResult& scan) {
       w.score.delay_s = w.first_heard_s < 0 ? 0 : now - w.first_heard_s;
       w.score.first_range_m = reported.range_m;
     }
-    const double error = reported.range_m - distance_to_plan(plans[i], X_WL_.translation.head<2>());
+    const double error = reported.range_m - distance_from(plans[i], X_WL_.translation.head<2>());
     w.error_sum += error;
     w.error_squares += error * error;
     const Vector2d apart = middle_of({world_outline(reported, scan.detection.X_WB)}) - middle_of(plans[i]);

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <isobath/geometry/polygon.hpp>
+#include <isobath/geometry/polygon_parts.hpp>
 #include <isobath/scenario/map_delay_scorer.hpp>
 #include <isobath/world/depth_model.hpp>
 
@@ -8,13 +8,6 @@ namespace isobath {
 namespace {
 
 constexpr double kSlack_m = 1, kBelowVehicle_m = 1;
-
-/// Distance in plan from a body, where it was placed.
-double plan_distance(const WorldBody& body, const Eigen::Vector2d& p) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Polygon& part : body.plan) least = std::min(least, distance_from(part, p));
-  return least;
-}
 
 }  // namespace
 
@@ -39,7 +32,7 @@ void MapDelayScorer::hear(const RangeReading& reading) {
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     Watch& watch = watches_[i];
     const WorldBody& body = simulator_.world().bodies()[i];
-    if (watch.heard || body.moves || plan_distance(body, end.head<2>()) > tolerance_m) continue;
+    if (watch.heard || body.moves || distance_from(body.plan, end.head<2>()) > tolerance_m) continue;
     watch.heard = true;
     watch.tolerance_m = tolerance_m;
     watch.body.first_echo_s = to_seconds(reading.time);
@@ -69,7 +62,7 @@ bool MapDelayScorer::stands(const DepthModel& depths, std::size_t body, double t
     for (int column = std::min(a.column, b.column); column <= std::max(a.column, b.column); ++column) {
       const DepthPixel pixel = map->at({column, row});
       if (!pixel.known() || !pixel.has(kSeenByObstacle) || pixel.depth_m() > shallow_m) continue;
-      if (plan_distance(truth, map->grid().centre({column, row}) - error_) <= tolerance_m) return true;
+      if (distance_from(truth.plan, map->grid().centre({column, row}) - error_) <= tolerance_m) return true;
     }
   }
   return false;

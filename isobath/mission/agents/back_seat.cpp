@@ -10,7 +10,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kOwnTask = 0.9;     // the driver's own kind of task
 constexpr double kOtherTask = 0.5;   // another task that it can do
 constexpr double kTightTurns = 0.5;  // factor on the suitability where every turn needs a loop
 constexpr int kCircleSides = 16;     // a chord deviates from the circle by 1 - cos(pi / 16) of the radius
@@ -21,10 +20,6 @@ std::string_view word_of(std::string_view& rest) {
   const std::string_view word = rest.substr(first, end - first);
   rest = rest.substr(end);
   return word;
-}
-
-Waypoint waypoint(const MissionPoint& at, const Vector2d& north_east, double speed) {
-  return {north_east.x(), north_east.y(), at.depth_m, at.speed > 0 ? at.speed : speed};
 }
 
 }  // namespace
@@ -64,6 +59,10 @@ Result<Task, std::string> parse_task(std::string_view text) {
     }
   }
   return task;
+}
+
+Waypoint BackSeatDriver::waypoint(const MissionPoint& at, const Vector2d& north_east, double speed) {
+  return {north_east.x(), north_east.y(), at.depth_m, at.speed > 0 ? at.speed : speed};
 }
 
 void BackSeatDriver::on_message(const Message& message, Time now, Outbox& out) {

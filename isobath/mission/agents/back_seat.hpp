@@ -5,7 +5,7 @@
 // Navigation. It bids for the tasks that it can do, and sends its way-points when it gets the award. It does not bid
 // for a task with an unknown number or a number out of range, and reports why (Decision): a task done differently than
 // asked is worse than none. A driver does what it has bid, whatever it hears until the award. Way-points have the depth
-// of the point, and its speed if it has one. `turning_radius_m` is the vehicle's.
+// of the point, and its speed if it has one. `turning_radius_m`: turning radius of the vehicle.
 #pragma once
 
 #include <isobath/base/config.hpp>
@@ -47,6 +47,7 @@ class BackSeatDriver : public Agent {
   void tick(Time, Outbox&) final {}
 
  protected:
+  static constexpr double kOwnTask = 0.9;  ///< suitability for the driver's own kind of task
   /// The plan for a task that the driver can do.
   struct Offer {
     double suitability = 0;  ///< above 0, up to 1
@@ -57,6 +58,8 @@ class BackSeatDriver : public Agent {
   /// Empty where the driver has no such task. Throws Error where it has, but cannot do it as asked.
   [[nodiscard]] virtual std::optional<Offer> offer(const Task& task, const MissionPoint& at,
                                                    const std::optional<Eigen::Vector2d>& vehicle) const = 0;
+  /// At the depth of the point, and with its speed if it has one; else with the driver's.
+  static Waypoint waypoint(const MissionPoint& at, const Eigen::Vector2d& north_east, double speed);
   /// Any other message, for a driver whose plan depends on it.
   virtual void hear(const Message&) {}
 

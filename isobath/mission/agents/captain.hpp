@@ -14,7 +14,6 @@
 // A task is offered to all back-seat drivers. After `bid_s` the highest suitability wins; of equal bids the first name
 // wins, in whatever order they arrived. If the winner is lost, the next best bid wins. An award without a driver means
 // that no driver has bid.
-// is none.
 #pragma once
 
 #include <isobath/mission/messages/agent.hpp>

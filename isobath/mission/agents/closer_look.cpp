@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <isobath/geometry/polygon_parts.hpp>
 #include <isobath/mission/agents/closer_look.hpp>
-#include <limits>
+#include <isobath/planning/hazard_map.hpp>
 #include <numbers>
 #include <span>
+#include <utility>
+#include <vector>
 
 namespace isobath {
 namespace {
@@ -21,44 +24,10 @@ bool of_one_obstacle(const RememberedObstacle& a, const RememberedObstacle& b) {
   return a.id == b.id || (a.number != 0 && a.number == b.number);
 }
 
-/// Whether a place keeps clear of all obstacles.
-bool is_free(std::span<const RememberedObstacle> obstacles, const Vector2d& p, double keep_m) {
-  return std::ranges::all_of(
-      obstacles, [&](const RememberedObstacle& o) { return distance_from(o.outline_W, p) >= keep_m + o.margin_m; });
-}
-
-bool is_free(std::span<const RememberedObstacle> obstacles, const Vector2d& a, const Vector2d& b, double keep_m) {
-  const auto steps = static_cast<int>(std::ceil((b - a).norm()));
-  for (int i = 0; i <= steps; ++i) {
-    if (!is_free(obstacles, a + (b - a) * i / std::max(steps, 1), keep_m)) return false;
-  }
-  return true;
-}
-
-Vector2d nearest_of(std::span<const RememberedObstacle> obstacles, const RememberedObstacle& looked_at,
-                    const Vector2d& p) {
-  Vector2d nearest = Vector2d::Zero();
-  double distance = std::numeric_limits<double>::infinity();
-  for (const RememberedObstacle& o : obstacles) {
-    if (!of_one_obstacle(o, looked_at)) continue;
-    const Vector2d q = nearest_point(o.outline_W, p);
-    if ((q - p).norm() >= distance) continue;
-    distance = (q - p).norm();
-    nearest = q;
-  }
-  return nearest;
-}
-
-/// Whether nothing else stands between p and the point q of the obstacle.
-bool in_sight(std::span<const RememberedObstacle> obstacles, const RememberedObstacle& looked_at, const Vector2d& p,
-              const Vector2d& q) {
-  const double range = (q - p).norm();
-  if (range <= 0) return false;
-  return std::ranges::none_of(obstacles, [&](const RememberedObstacle& o) {
-    if (of_one_obstacle(o, looked_at)) return false;
-    const auto hit = ray_hit(o.outline_W, p, (q - p) / range);
-    return hit && *hit < range;
-  });
+HazardMap remembered_hazards(std::span<const RememberedObstacle> obstacles) {
+  std::vector<Hazard> hazards;
+  for (const RememberedObstacle& o : obstacles) hazards.push_back({o.outline_W, o.margin_m, HazardKind::kRemembered});
+  return HazardMap(std::move(hazards));
 }
 
 }  // namespace
@@ -66,6 +35,14 @@ bool in_sight(std::span<const RememberedObstacle> obstacles, const RememberedObs
 std::optional<ViewingPose> viewing_pose(std::span<const RememberedObstacle> obstacles, std::size_t piece,
                                         double range_m, double keep_m, double lead_m, const Vector2d& vehicle) {
   const RememberedObstacle& looked_at = obstacles[piece];
+  std::vector<Polygon> parts, others;
+  for (const RememberedObstacle& o : obstacles) {
+    (of_one_obstacle(o, looked_at) ? parts : others).push_back(o.outline_W);
+  }
+  const HazardMap hazards = remembered_hazards(obstacles);
+  const auto in_sight = [&](const Vector2d& p, const Vector2d& q) {
+    return std::ranges::none_of(others, [&](const Polygon& o) { return leg_distance(o, p, q).distance_m <= 0; });
+  };
   Vector2d middle = Vector2d::Zero();
   for (const Vector2d& corner : looked_at.outline_W) middle += corner / static_cast<double>(looked_at.outline_W.size());
   double reach = range_m;
@@ -76,17 +53,14 @@ std::optional<ViewingPose> viewing_pose(std::span<const RememberedObstacle> obst
     const double angle = 2 * std::numbers::pi * i / kDirections;
     const Vector2d out(std::cos(angle), std::sin(angle));
     double far = reach;
-    while (far > kStep_m &&
-           (nearest_of(obstacles, looked_at, middle + far * out) - middle - far * out).norm() > view_m) {
-      far -= kStep_m;
-    }
+    while (far > kStep_m && distance_from(parts, middle + far * out) > view_m) far -= kStep_m;
     ViewingPose pose{middle + (far + kStep_m) * out, {}};
-    pose.seen = nearest_of(obstacles, looked_at, pose.place);
+    pose.seen = nearest_point(parts, pose.place);
     if (best && (pose.place - vehicle).norm() >= (best->place - vehicle).norm()) continue;
-    if (pose.range_m() > range_m || !is_free(obstacles, pose.place, keep_m)) continue;
-    if (!in_sight(obstacles, looked_at, pose.place, pose.seen)) continue;
+    if (pose.range_m() > range_m || hazards.distance(pose.place) < keep_m) continue;
+    if (!in_sight(pose.place, pose.seen)) continue;
     const Vector2d from = pose.place + lead_m * (pose.place - pose.seen).normalized();
-    if (is_free(obstacles, from, pose.place, keep_m)) pose.from = from;
+    if (hazards.leg_is_clear(from, pose.place, keep_m)) pose.from = from;
     best = pose;
   }
   return best;
@@ -117,27 +91,23 @@ std::optional<BackSeatDriver::Offer> CloserLookDriver::offer(const Task& task, c
   }
   std::span<const RememberedObstacle> obstacles;
   if (known_) obstacles = known_->obstacles;
-  std::size_t nearest = obstacles.size();
-  double distance = within;
-  for (std::size_t i = 0; i < obstacles.size(); ++i) {
-    const double away = distance_from(obstacles[i].outline_W, at.north_east);
-    if (away > distance) continue;
-    distance = away;
-    nearest = i;
+  const auto away = [&](const RememberedObstacle& o) { return distance_from(o.outline_W, at.north_east); };
+  const auto nearest = std::ranges::min_element(obstacles, {}, away);
+  if (nearest == obstacles.end() || away(*nearest) > within) {
+    throw Error(fmt::format("no obstacle is known within {} m of the point", within));
   }
-  if (nearest == obstacles.size()) throw Error(fmt::format("no obstacle is known within {} m of the point", within));
   const double lead = 2 * turning_radius_m_ + keep_m_;
-  const auto pose = viewing_pose(obstacles, nearest, range, keep_m_, lead, vehicle.value_or(at.north_east));
+  const auto pose = viewing_pose(obstacles, static_cast<std::size_t>(nearest - obstacles.begin()), range, keep_m_, lead,
+                                 vehicle.value_or(at.north_east));
   if (!pose) throw Error(fmt::format("no place within {} m of the obstacle is free, with a line of sight", range));
-  const double speed = at.speed > 0 ? at.speed : config_.speed;
-  Offer offer{0.9, {}};
-  if (pose->from) offer.waypoints.push_back({pose->from->x(), pose->from->y(), at.depth_m, speed});
-  offer.waypoints.push_back({pose->place.x(), pose->place.y(), at.depth_m, speed});
+  Offer offer{kOwnTask, {}};
+  if (pose->from) offer.waypoints.push_back(waypoint(at, *pose->from, config_.speed));
+  offer.waypoints.push_back(waypoint(at, pose->place, config_.speed));
   offer.waypoints.back().radius_m = std::max(kMinRadius_m, kReached * (range - pose->range_m()));
   offer.drop_distance_m = keep_m_;
   offer.what =
       fmt::format("obstacle {} is {:.1f} m from the point and is seen from {:.1f} m, in range of the camera ({} m)",
-                  obstacles[nearest].number, distance, pose->range_m(), range);
+                  nearest->number, away(*nearest), pose->range_m(), range);
   return offer;
 }
 

@@ -78,9 +78,7 @@ void CommandArbiter::on_message(const Message& message, Time now) {
     if (!config_.safety_officer.empty() && lost->agent == config_.safety_officer) safety_lost_ = lost->why;
   } else if (const auto* navigation = std::get_if<Navigation>(&message)) {
     if (!navigation->X_WB.is_finite()) return;
-    own_ = Setpoint{navigation->X_WB.rotation.heading(), navigation->X_WB.translation.z(), 0, 0};
-    velocity_.reset();
-    if (navigation->v_WB && navigation->v_WB->allFinite()) velocity_ = *navigation;
+    here_ = *navigation;
   }
 }
 
@@ -142,12 +140,12 @@ void CommandArbiter::stem_current() {
   constexpr double kStanding = 0.3, kDrift = 0.03;  // m/s
   constexpr double kTurn_per_drift = 5;             // rad per m/s
   constexpr double kMaxTurn = 1;                    // rad
-  if (!velocity_ || !kept_) return;
-  const Angle heading = velocity_->X_WB.rotation.heading();
-  const Eigen::Vector2d v_W = velocity_->v_WB->head<2>();
+  if (!here_ || !here_->v_WB || !here_->v_WB->allFinite()) return;
+  const Angle heading = here_->X_WB.rotation.heading();
+  const Eigen::Vector2d v_W = here_->v_WB->head<2>();
   const double ahead = v_W.dot(Eigen::Vector2d(cos(heading), sin(heading)));
   const double across = v_W.dot(Eigen::Vector2d(-sin(heading), cos(heading)));
-  if (std::abs(ahead) > kStanding || std::abs(across) < std::max(kDrift, velocity_->v_sigma.value_or(0))) return;
+  if (std::abs(ahead) > kStanding || std::abs(across) < std::max(kDrift, here_->v_sigma.value_or(0))) return;
   kept_->heading = (heading - Angle::radians(std::clamp(kTurn_per_drift * across, -kMaxTurn, kMaxTurn))).wrapped();
 }
 
@@ -159,7 +157,7 @@ Setpoint CommandArbiter::steer(Time now) {
     state_ = verdict.state;
     fault_ = std::move(verdict.fault);
   }
-  if (!kept_) kept_ = own_;
+  if (!kept_ && here_) kept_ = Setpoint{here_->X_WB.rotation.heading(), here_->X_WB.translation.z(), 0, 0};
   if (state_ == HelmState::kStop && vehicle_.min_speed <= 0) stem_current();
   const Setpoint wanted = setpoint();
   last_ = allowed(wanted);

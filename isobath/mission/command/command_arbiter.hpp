@@ -67,9 +67,8 @@ class CommandArbiter {
   CommandArbiterConfig config_;
   VehicleParameters vehicle_;
   std::optional<Time> first_;
-  std::optional<Setpoint> own_;         ///< current heading and depth of the vehicle
-  std::optional<Setpoint> kept_;        ///< heading and depth since the state was entered
-  std::optional<Navigation> velocity_;  ///< the last one with a velocity
+  std::optional<Navigation> here_;  ///< the last one
+  std::optional<Setpoint> kept_;    ///< heading and depth since the state was entered
   std::optional<HelmOrder> order_;
   Time ordered_;
   SafetyAction action_;
