@@ -10,6 +10,7 @@
 #include <isobath/base/printable_text.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/scenario/scenario.hpp>
+#include <isobath/studies/spherical_closer.hpp>
 #include <isobath/studies/spherical_pages.hpp>
 #include <isobath/studies/spherical_sizes.hpp>
 #include <memory>
@@ -18,15 +19,23 @@
 namespace isobath::app {
 namespace {
 
+constexpr std::size_t kMinEchoes = 5;  // of a target that is listed
+
 struct SphereOptions {
   std::filesystem::path scene, out = "sphere";
   int scans = 10, seed = -1, passes = 1;
   double drift_percent = 0;
   double range_m = 0;
-  std::string rule = "log_odds";
+  std::string rule = "log_odds", sonar;
   double looking_deg = 20, down_deg = 35, zoom = 1;
-  int coarser = 1;
+  int coarser = 1, closer = 1;
   bool json = false, false_echoes = false, known = false;
+};
+
+/// What a user gets: the survey, and closer looks at its targets.
+struct SphereResults {
+  SphericalSurvey survey;
+  std::vector<CloserLook> closer;
 };
 
 /// Standard deviation of the corner's position, m.
@@ -51,6 +60,35 @@ nlohmann::json features_json(const SurveyFeatures& features) {
           {"runs_of_constant_range", features.runs},
           {"planes", features.planes.planes.size()},
           {"corners", std::move(corners)}};
+}
+
+/// The targets, and the peaks that a closer look found in each.
+nlohmann::ordered_json targets_json(const SphereResults& results) {
+  auto json = nlohmann::ordered_json::array();
+  const SphericalSurvey& survey = results.survey;
+  const auto& targets = survey.features.targets;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    if (targets[i].score.echoes < kMinEchoes) continue;
+    const Eigen::Vector3d at = point_in_world(survey, targets[i].cluster.centroid);
+    auto peaks = nlohmann::ordered_json::array();
+    const auto look = std::find_if(results.closer.begin(), results.closer.end(),
+                                   [i](const CloserLook& closer) { return closer.target == i; });
+    if (look != results.closer.end()) {
+      for (const SphericalCluster& peak : look->peaks) {
+        const Eigen::Vector3d p = point_in_world(survey, peak.centroid);
+        peaks.push_back({{"north_m", p.x()}, {"east_m", p.y()}, {"depth_m", p.z()}, {"echoes", peak.echoes}});
+      }
+    }
+    json.push_back({{"north_m", at.x()},
+                    {"east_m", at.y()},
+                    {"cells", targets[i].cluster.cells.size()},
+                    {"echoes", targets[i].score.echoes},
+                    {"scans", targets[i].score.scans},
+                    {"score", targets[i].score.value()},
+                    {"closer_cells", look == results.closer.end() ? 0 : look->grid->cells().size()},
+                    {"peaks", std::move(peaks)}});
+  }
+  return json;
 }
 
 /// How the echoes of each true kind were classified.
@@ -94,7 +132,8 @@ void print_sizes(const SphericalGridConfig& config) {
   }
 }
 
-void print_features(const SurveyFeatures& features) {
+void print_features(const SphereResults& results) {
+  const SurveyFeatures& features = results.survey.features;
   const std::size_t all = features.accounted.size() + features.unaccounted.size();
   fmt::print(
       "{} edges and {} arcs account for {} of {} echoes; {} runs of constant range; {} tangent planes in the grid\n",
@@ -109,9 +148,13 @@ void print_features(const SurveyFeatures& features) {
   }
   fmt::print("\ntarget    cells  echoes  scans  score\n");
   for (const SurveyFeatures::Target& target : features.targets) {
-    if (target.score.echoes < 5) continue;
+    if (target.score.echoes < kMinEchoes) continue;
     fmt::print("        {:7d} {:7d} {:6d}  {:5.2f}\n", target.cluster.cells.size(), target.score.echoes,
                target.score.scans, target.score.value());
+  }
+  for (const CloserLook& look : results.closer) {
+    fmt::print("closer look at the target of {} cells: {} cells, {} peaks\n",
+               features.targets[look.target].cluster.cells.size(), look.grid->cells().size(), look.peaks.size());
   }
   fmt::print("\n");
 }
@@ -147,7 +190,8 @@ void print_navigation(const SphericalSurvey& survey, const SphericalSurveyConfig
 }
 
 SphericalSurveyConfig config_of(const Scene& scene, const SphereOptions& options) {
-  SphericalSurveyConfig config = survey_config(scene);
+  SphericalSurveyConfig config =
+      options.sonar.empty() ? survey_config(scene) : survey_config(listed_resolution(options.sonar));
   config.scans = options.scans;
   config.seed = options.seed;
   config.passes = options.passes;
@@ -183,8 +227,10 @@ std::vector<std::string> save_pictures(const Scene& scene, const SphericalSurvey
   return pictures;
 }
 
-nlohmann::ordered_json survey_json(const Scene& scene, const SphericalSurvey& survey,
+nlohmann::ordered_json survey_json(const Scene& scene, const SphereResults& results,
                                    const SphericalSurveyConfig& config) {
+  const SphericalSurvey& survey = results.survey;
+  const GridWalks walks = walks_of(*survey.grid);
   return {{"scene", scene.about.title},
           {"scans", survey.path.scans.size()},
           {"beams", survey.beams},
@@ -202,11 +248,18 @@ nlohmann::ordered_json survey_json(const Scene& scene, const SphericalSurvey& su
           {"worst_error_m", survey.worst_error_m},
           {"navigation", navigation_json(survey, config)},
           {"sizes", sizes_json(config.grid)},
+          {"walks",
+           {{"beam_cells", walks.beam.size()},
+            {"layer", walks.layer},
+            {"layer_cells", walks.of_layer.size()},
+            {"ring_cells", walks.ring_cells}}},
           {"echoes_by_cause", causes_json(survey)},
+          {"targets", targets_json(results)},
           {"features", features_json(survey.features)}};
 }
 
-void print_survey(const Scene& scene, const SphericalSurvey& survey, const SphericalSurveyConfig& config) {
+void print_survey(const Scene& scene, const SphereResults& results, const SphericalSurveyConfig& config) {
+  const SphericalSurvey& survey = results.survey;
   const SphericalGrid& grid = *survey.grid;
   fmt::print("{}: {} scans, {} beams, {} echoes, of which {} left the range\n", printable_text(scene.about.title),
              survey.path.scans.size(), survey.beams, survey.echoes, survey.dropped_echoes);
@@ -224,7 +277,7 @@ void print_survey(const Scene& scene, const SphericalSurvey& survey, const Spher
   }
   if (config.drift_share > 0) print_navigation(survey, config);
   if (config.leave_out_false) print_causes(survey);
-  print_features(survey.features);
+  print_features(results);
   print_sizes(config.grid);
 }
 
@@ -232,16 +285,18 @@ int act(const SphereOptions& options) {
   check_output_folder(options.out, "--out");
   const Scene scene = open_scene(options.scene);
   const SphericalSurveyConfig config = config_of(scene, options);
-  const SphericalSurvey survey = run_spherical_survey(scene, config);
+  SphereResults results{run_spherical_survey(scene, config), {}};
+  const SphericalSurvey& survey = results.survey;
+  if (options.closer > 1) results.closer = closer_looks(survey, config, options.closer, kMinEchoes);
   make_folder(options.out);
   const std::vector<std::string> pictures = save_pictures(scene, survey, config.grid, options);
   if (options.json) {
-    nlohmann::ordered_json json = survey_json(scene, survey, config);
+    nlohmann::ordered_json json = survey_json(scene, results, config);
     add_files(json, options.out, {pictures.begin(), pictures.end()});
     print_json(json);
     return kSuccess;
   }
-  print_survey(scene, survey, config);
+  print_survey(scene, results, config);
   fmt::print("written to {}: {}\n", options.out.string(), fmt::join(pictures, ", "));
   return kSuccess;
 }
@@ -265,6 +320,12 @@ void add_view_options(CLI::App& command, SphereOptions& options) {
       ->capture_default_str()
       ->check(whole(1, 24))
       ->group("Output");
+  command
+      .add_option("--closer", options.closer,
+                  "Look closer at each target: its echoes in a grid with this many times as many directions and layers")
+      ->capture_default_str()
+      ->check(whole(1, 8))
+      ->group("Output");
 }
 
 void add_survey_options(CLI::App& command, SphereOptions& options) {
@@ -275,6 +336,12 @@ void add_survey_options(CLI::App& command, SphereOptions& options) {
   command.add_option("--range", options.range_m, "Maximum range of the sonar, m")
       ->check(number(1, 2000))
       ->default_str("the scene's")
+      ->group("Simulation");
+  command
+      .add_option("--sonar", options.sonar,
+                  "Scan with a sonar of this data sheet, in place of the scene's: its range, errors, beams and sector")
+      ->type_name("NAME")
+      ->check(one_of({"em_1000_shallow", "wesmar_ss150", "simulated_2_5"}))
       ->group("Simulation");
   command.add_option("--rule", options.rule, "Rule of the grid; maximum_response is the paper's")
       ->type_name("NAME")

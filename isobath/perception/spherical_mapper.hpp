@@ -104,7 +104,9 @@ struct SonarResolution {
   double range_m = 50;
   double resolution_m = 0.15;
   Angle beam_width = Angle::degrees(2.5), beam_spacing = Angle::degrees(2.5);
-  int beams = 144;
+  int beams = 144;  ///< of a ping; 1: a head that turns all round
+  /// That a ping of the sonar, or a turn of its head, covers.
+  [[nodiscard]] Angle sector() const { return beams == 1 ? Angle::degrees(360) : beam_spacing * beams; }
 };
 /// em_1000_shallow (60 beams 2.5 degrees apart: 150 degrees, S4-E01), wesmar_ss150, simulated_2_5. Throws Error for
 /// others (S4-36).

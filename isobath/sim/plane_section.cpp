@@ -35,6 +35,11 @@ Eigen::AlignedBox2d box_about(const std::vector<SectionLine>& lines, const std::
   return box;
 }
 
+Angle beam_bearing(const SectionSonarConfig& config, int beam) {
+  if (config.sector >= Angle::degrees(360)) return Angle::radians(kTurn * beam / config.beams);
+  return (config.middle + config.sector * ((beam + 0.5) / config.beams - 0.5)).wrapped_positive();
+}
+
 /// Adds multiples and false echoes. The false echoes are a Poisson process: a beam has none with probability
 /// exp(-rate). Draws the same number of random numbers for each beam.
 void add_false_echoes(const SectionSonarConfig& config, Random& random, SectionReading& reading) {
@@ -112,7 +117,9 @@ std::optional<SectionHit> PlaneSection::cast(const Vector2d& p, const Vector2d& 
 std::vector<Field> fields(SectionSonarConfig& c) {
   using Pick = SectionSonarConfig::Pick;
   return {
-      Field::integer("beams", &c.beams, {1, 3600}, "beams", "Beams per turn."),
+      Field::integer("beams", &c.beams, {1, 3600}, "beams", "Beams per turn, or of the sector."),
+      Field::degrees("sector_deg", &c.sector, {1, 360}, "Sector that the beams share."),
+      Field::degrees("middle_deg", &c.middle, {-360, 360}, "Bearing of the sector's middle."),
       Field::degrees("beam_width_deg", &c.beam_width, {0.1, 60}, "Half-power width of a beam."),
       Field::integer("rays", &c.rays, {1, 1001}, "rays", "Rays per beam, side by side."),
       Field::choice("pick", &c.pick, {{"nearest", Pick::kNearest}, {"strongest", Pick::kStrongest}},
@@ -135,12 +142,12 @@ std::vector<SectionReading> scan(const PlaneSection& section, const Vector2d& p,
   std::vector<SectionReading> readings;
   readings.reserve(static_cast<std::size_t>(config.beams));
   for (int beam = 0; beam < config.beams; ++beam) {
-    const double bearing = kTurn * beam / config.beams;
-    SectionReading reading{Angle::radians(bearing), {}, SectionEcho::kDirect, {}};
+    const Angle bearing = beam_bearing(config, beam);
+    SectionReading reading{bearing, {}, SectionEcho::kDirect, {}};
     double best = -1;
     for (int ray = 0; ray < config.rays; ++ray) {
       const double aside = config.beam_width.radians() * ((ray + 0.5) / config.rays - 0.5);
-      const auto hit = section.cast(p, heading_vector(bearing + aside));
+      const auto hit = section.cast(p, heading_vector(bearing.radians() + aside));
       if (!hit || hit->range > config.range_m) continue;
       const bool nearest = config.pick == SectionSonarConfig::Pick::kNearest;
       const double merit = nearest ? 1 / hit->range : std::pow(cos(hit->incidence), 2) / std::pow(hit->range, 4);

@@ -54,7 +54,9 @@ class PlaneSection {
 };
 
 struct SectionSonarConfig {
-  int beams = 144;  ///< beams per turn
+  int beams = 144;                     ///< beams per turn, or of the sector
+  Angle sector = Angle::degrees(360);  ///< that the beams share
+  Angle middle;                        ///< bearing of the sector's middle; without meaning for a turn
   Angle beam_width = Angle::degrees(2.5);
   int rays = 11;  ///< rays per beam, side by side
   enum class Pick : std::uint8_t { kNearest, kStrongest } pick = Pick::kNearest;
@@ -77,8 +79,8 @@ struct SectionReading {
   SectionHit truth;  ///< hit of the chosen ray; meaningless without a range
 };
 
-/// One turn from p; the first beam points north. The strongest ray has the largest cos^2 of the incidence over the
-/// fourth power of the range.
+/// One turn from p, whose first beam points north, or one sector, from port to starboard. The strongest ray has the
+/// largest cos^2 of the incidence over the fourth power of the range.
 std::vector<SectionReading> scan(const PlaneSection& section, const Eigen::Vector2d& p,
                                  const SectionSonarConfig& config, Random& random);
 

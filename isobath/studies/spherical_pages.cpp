@@ -140,51 +140,54 @@ std::string spherical_features_picture(const Scene& scene, const SphericalSurvey
   return picture.png();
 }
 
+GridWalks walks_of(const SphericalGrid& grid) {
+  const SphericalCells& cells = grid.cells();
+  const auto layers = static_cast<std::size_t>(grid.layers().count());
+  std::vector<std::size_t> by_ring(static_cast<std::size_t>(grid.buckets().elevations()));
+  cells.each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
+    by_ring[static_cast<std::size_t>(d.elevation)] += beam.size();
+  });
+  GridWalks walks;
+  const auto fullest = std::max_element(by_ring.begin(), by_ring.end());
+  walks.elevation = static_cast<int>(fullest - by_ring.begin());
+  walks.ring_cells = *fullest;
+  std::vector<std::size_t> by_layer(layers);
+  cells.each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
+    if (d.elevation != walks.elevation) return;
+    ++walks.directions;
+    for (const SphericalCell& cell : beam) ++by_layer[cell.layer];
+    if (beam.size() <= walks.beam.size()) return;
+    walks.azimuth = d.azimuth;
+    walks.beam.clear();
+    for (const SphericalCell& cell : beam) walks.beam.push_back(cell.layer);
+  });
+  walks.layer = static_cast<int>(std::max_element(by_layer.begin(), by_layer.end()) - by_layer.begin());
+  cells.each_of_layer(walks.layer, [&](const SphericalDirection& d, const SphericalCell&) {
+    if (d.elevation == walks.elevation) walks.of_layer.push_back(d.azimuth);
+  });
+  return walks;
+}
+
 std::string spherical_structure_picture(const SphericalSurvey& survey) {
   const SphericalGrid& grid = *survey.grid;
-  const SphericalCells& cells = grid.cells();
   const int azimuths = grid.buckets().azimuths(), layers = grid.layers().count();
-  const auto beam_of = [&](int azimuth, int elevation) {
-    SphericalDirection d{};
-    d.azimuth = azimuth;
-    d.elevation = elevation;
-    return cells.beam(d);
-  };
-  int ring = 0;
-  std::size_t most = 0;
-  for (int e = 0; e < grid.buckets().elevations(); ++e) {
-    std::size_t stored = 0;
-    for (int a = 0; a < azimuths; ++a) stored += beam_of(a, e).size();
-    if (stored <= most) continue;
-    most = stored;
-    ring = e;
-  }
-  int longest = 0, common = 0;
-  std::vector<std::vector<Vector2d>> by_layer(static_cast<std::size_t>(layers));
-  std::size_t directions = 0;
-  for (int a = 0; a < azimuths; ++a) {
-    const auto beam = beam_of(a, ring);
-    directions += !beam.empty();
-    if (beam.size() > beam_of(longest, ring).size()) longest = a;
-    for (const SphericalCell& cell : beam) by_layer[cell.layer].emplace_back(cell.layer, a);
-  }
-  for (int i = 0; i < layers; ++i) {
-    if (by_layer[static_cast<std::size_t>(i)].size() > by_layer[static_cast<std::size_t>(common)].size()) common = i;
-  }
-  PlanPicture picture(frame_around(Eigen::AlignedBox2d(Vector2d(0, 0), Vector2d(layers, azimuths))), kSidePixels,
-                      {fmt::format("One ring: {} cells stored of {} directions x {} layers", most, azimuths, layers),
-                       "layer, from the vehicle outwards", "direction, bucket of azimuth"});
-  for (const auto& layer : by_layer) {
-    for (const Vector2d& cell : layer) picture.dot(cell, 1.8, palette::kInk);
-  }
-  std::vector<Vector2d> along_beam;
-  for (const SphericalCell& cell : beam_of(longest, ring)) along_beam.emplace_back(cell.layer, longest);
-  const std::vector<Vector2d>& along_layer = by_layer[static_cast<std::size_t>(common)];
+  const GridWalks walks = walks_of(grid);
+  PlanPicture picture(
+      frame_around(Eigen::AlignedBox2d(Vector2d(0, 0), Vector2d(layers, azimuths))), kSidePixels,
+      {fmt::format("One ring: {} cells stored of {} directions x {} layers", walks.ring_cells, azimuths, layers),
+       "layer, from the vehicle outwards", "direction, bucket of azimuth"});
+  grid.cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> beam) {
+    if (d.elevation != walks.elevation) return;
+    for (const SphericalCell& cell : beam) picture.dot(Vector2d(cell.layer, d.azimuth), 1.8, palette::kInk);
+  });
+  std::vector<Vector2d> along_beam, along_layer;
+  for (const int layer : walks.beam) along_beam.emplace_back(layer, walks.azimuth);
+  for (const int azimuth : walks.of_layer) along_layer.emplace_back(walks.layer, azimuth);
   picture.polyline(along_beam, {palette::kObstacle, 1.6, false});
   picture.polyline(along_layer, {palette::kTrack, 1.6, false});
   for (const Vector2d& cell : along_beam) picture.dot(cell, 3, palette::kObstacle);
   for (const Vector2d& cell : along_layer) picture.dot(cell, 3, palette::kTrack);
-  picture.finish({{palette::kInk, fmt::format("stored cells, in {} directions", directions)},
+  picture.finish({{palette::kInk, fmt::format("stored cells, in {} directions", walks.directions)},
                   {palette::kObstacle, fmt::format("one direction: {} cells by range", along_beam.size())},
                   {palette::kTrack, fmt::format("one layer: {} cells by direction", along_layer.size())}});
   return picture.png();

@@ -223,7 +223,8 @@ ScanPath passes_of(const Scene& scene, const SphericalSurveyConfig& config, Rand
 
 /// Adds the beams of a scan from `at` to the grid, but for multiples, and its echoes to `heard`. `multiples`: by echo.
 void map_scan(const std::vector<SectionReading>& readings, const std::vector<bool>& multiples, const Vector3d& at,
-              Time time, const SectionSonarConfig& sonar, SphericalMapper& mapper, HeardEchoes& heard) {
+              int number, Time time, const SectionSonarConfig& sonar, SphericalMapper& mapper, HeardEchoes& heard,
+              std::vector<SurveyEcho>& stored) {
   std::size_t echo = 0;
   for (const SectionReading& reading : readings) {
     const Vector3d u_W(cos(reading.bearing), sin(reading.bearing), 0);
@@ -232,6 +233,7 @@ void map_scan(const std::vector<SectionReading>& readings, const std::vector<boo
       heard.truth.push_back(reading.is);
       heard.multiples.push_back(multiples[echo]);
       if (multiples[echo++]) continue;
+      stored.push_back({heard.points_W.back(), *reading.range_m, number});
     }
     mapper.add({Vector3d::Zero(), mapper.to_grid(u_W), sonar.beam_width, reading.range_m, sonar.range_m, time});
   }
@@ -281,6 +283,20 @@ SphericalSurveyConfig survey_config(const Scene& scene) {
   return config;
 }
 
+SphericalSurveyConfig survey_config(const SonarResolution& sonar) {
+  SphericalSurveyConfig config;
+  config.sonar.range_m = sonar.range_m;
+  config.sonar.beam_width = sonar.beam_width;
+  config.sonar.sector = sonar.sector();
+  config.sonar.beams = static_cast<int>(std::lround(sonar.sector() / sonar.beam_spacing));
+  config.sonar.sigma_m = sonar.resolution_m;
+  config.sonar.sigma = sonar.beam_width / 2.355;
+  config.grid = grid_for(sonar);
+  config.grid.range_m *= 1.5;  // keeps echoes of earlier positions
+  config.mapper.sigma_m = sonar.resolution_m;
+  return config;
+}
+
 SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyConfig& config) {
   Random random(static_cast<std::uint64_t>(config.seed >= 0 ? config.seed : scene.about.seed));
   Random path_random = random.fork();
@@ -294,6 +310,7 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
   grid.on_dropped([&](const SphericalCell& cell, const Vector3d&) { survey.dropped_echoes += cell.echoes; });
   SphericalMapper mapper(config.mapper, grid);
   const double speed = scene.vehicle.speed > 0 ? scene.vehicle.speed : 1;
+  SectionSonarConfig sonar = config.sonar;
   HeardEchoes heard;
   bool any = false;
   for (std::size_t i = 0; i < survey.path.scans.size(); ++i) {
@@ -304,8 +321,9 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     const Time time = Time{} + seconds(survey.navigation.way_m / speed);
     const PlaneSection section(scene, place.at.z());
     any = any || !section.lines().empty() || !section.arcs().empty();
-    const std::vector<SectionReading> readings = scan(section, place.at.head<2>(), config.sonar, random);
-    PlaneScan told = echoes_from(navigation.at(), readings, config.sonar);
+    sonar.middle = place.course;
+    const std::vector<SectionReading> readings = scan(section, place.at.head<2>(), sonar, random);
+    PlaneScan told = echoes_from(navigation.at(), readings, sonar);
     if (config.drift_share > 0) navigation.fix(sorted(told), corners_of(section));
     navigation.keep();
     told.from = navigation.at();
@@ -315,7 +333,7 @@ SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyCo
     mapper.begin_scan();
     std::vector<bool> multiples(told.echoes.size());
     if (config.leave_out_false) multiples = multiples_in(told, grid, config.false_echoes);
-    map_scan(readings, multiples, at, time, config.sonar, mapper, heard);
+    map_scan(readings, multiples, at, place.number, time, sonar, mapper, heard, survey.stored);
     survey.beams += readings.size();
     survey.echoes += told.echoes.size();
     tell_scan(sorted(std::move(told)), survey.features);

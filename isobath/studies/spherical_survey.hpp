@@ -49,6 +49,13 @@ struct SurveyFeatures {
   std::vector<Target> targets;  ///< clusters of the same grid, the largest first
 };
 
+/// An echo as the survey keeps it, to feed other grids (S4-17).
+struct SurveyEcho {
+  Eigen::Vector3d at_W;  ///< by the position that the vehicle believed in
+  double range_m = 0;    ///< from where it was heard
+  int scan = 1;
+};
+
 /// What the vehicle takes for its position at each scan.
 struct SurveyNavigation {
   std::vector<Eigen::Vector2d> dead_reckoning;
@@ -69,6 +76,7 @@ struct SphericalSurvey {
   SurveyFeatures features;
   std::unique_ptr<SphericalGrid> grid;    ///< at the last position
   std::unique_ptr<SphericalGrid> coarse;  ///< the same contents in wider cells; null: not wanted
+  std::vector<SurveyEcho> stored;         ///< the echoes that are in the grid, in the order of time
   std::uint64_t beams = 0, echoes = 0;
   std::uint64_t dropped_echoes = 0;  ///< echoes that left the range of the grid
   std::uint64_t occupied = 0;
@@ -81,6 +89,9 @@ struct SphericalSurvey {
 
 /// The configuration for the first sonar of the scene: its range, its beam width, and buckets as wide.
 SphericalSurveyConfig survey_config(const Scene& scene);
+/// The configuration for a sonar of a data sheet (listed_resolution): its range, errors, beams and the sector that they
+/// cover about the vehicle's course, and a grid as fine (S4-36).
+SphericalSurveyConfig survey_config(const SonarResolution& sonar);
 /// Throws Error if the scene has neither lines nor arcs, or if its vehicle does not move.
 SphericalSurvey run_spherical_survey(const Scene& scene, const SphericalSurveyConfig& config);
 

@@ -204,7 +204,8 @@ TEST_F(JsonOutput, OfCompareAndOfTheStudies) {
   EXPECT_THAT(page_.never_came_out("helix"), IsEmpty());
   compare("delay", {"delay", "--seeds", "1", "--readings", "50", "--out", folder_ / "delay"});
   EXPECT_THAT(page_.never_came_out("delay"), IsEmpty());
-  compare("sphere", {"sphere", scenario("polygon_room"), "--scans", "3", "--drift", "1", "--out", folder_ / "sphere"});
+  compare("sphere", {"sphere", scenario("polygon_room"), "--scans", "3", "--drift", "1", "--closer", "2", "--out",
+                     folder_ / "sphere"});
   EXPECT_THAT(page_.never_came_out("sphere"), IsEmpty());
 }
 

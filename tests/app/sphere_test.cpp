@@ -61,6 +61,80 @@ TEST(Sphere, DrawsTheSameGridInWiderCells) {
               ends_with_one_line(HasSubstr("bucket")));
 }
 
+/// Two poles, 1 m apart along the path of a vehicle that passes them and sees them from 25 m at last: there a direction
+/// of 2.5 degrees and a layer are 1.1 m wide.
+constexpr const char* kTwoPoles = R"(
+[scene]
+title = "Two poles"
+[vehicle]
+start = [-25, 4, 5]
+speed = 1
+[[waypoint]]
+north = 25
+east = 4
+depth = 5
+[[prism]]
+name = "poles"
+arcs = [[0, 0, 0.1, 0, 360], [1, 0, 0.1, 0, 360]]
+top = 0
+bottom = 10
+)";
+
+// The grid has one target there. A finer grid of the same echoes has two, where the poles stand. ledger: S4-17
+TEST(Sphere, LooksCloserAtTwoPolesThatTheGridTakesForOne) {
+  const auto folder = test::scratch_folder();
+  const auto scene = test::write(folder / "poles.toml", kTwoPoles).string();
+  for (const char* seed : {"1", "2", "3"}) {
+    const auto run = test::isobath({"sphere", scene, "--sonar", "simulated_2_5", "--seed", seed, "--scans", "26",
+                                    "--closer", "4", "--out", (folder / "out").string(), "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const auto targets = nlohmann::json::parse(run.out)["targets"];
+    ASSERT_EQ(targets.size(), 1u) << seed;
+    auto peaks = targets[0]["peaks"];
+    ASSERT_EQ(peaks.size(), 2u) << seed;
+    if (peaks[0]["north_m"] > peaks[1]["north_m"]) std::swap(peaks[0], peaks[1]);
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_NEAR(peaks[static_cast<std::size_t>(i)]["north_m"].get<double>(), i, 0.2) << seed;
+      EXPECT_NEAR(peaks[static_cast<std::size_t>(i)]["east_m"].get<double>(), 0, 0.2) << seed;
+    }
+  }
+}
+
+// Each target gets a grid of its own beside that of the survey. ledger: S4-18
+TEST(Sphere, KeepsAFinerGridOfEachTargetAtOnce) {
+  const auto folder = test::scratch_folder();
+  const auto run =
+      test::isobath({"sphere", polygon_room(), "--closer", "2", "--out", (folder / "out").string(), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto targets = nlohmann::json::parse(run.out)["targets"];
+  EXPECT_GT(targets.size(), 5u);
+  for (const auto& target : targets) {
+    EXPECT_GT(target["closer_cells"], target["cells"]);
+    EXPECT_GE(target["peaks"].size(), 1u);
+  }
+}
+
+// The room by the sonars of three data sheets: their beams, the layers of their resolution. ledger: S4-36
+TEST(Sphere, ScansTheRoomWithTheSonarOfADataSheet) {
+  const auto folder = test::scratch_folder();
+  const auto scanned = [&](const char* sonar) {
+    const auto run =
+        test::isobath({"sphere", polygon_room(), "--sonar", sonar, "--out", (folder / "out").string(), "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out);
+  };
+  const auto multibeam = scanned("em_1000_shallow"), head = scanned("wesmar_ss150"), fine = scanned("simulated_2_5");
+  EXPECT_EQ(multibeam["beams"], 10 * 60);
+  EXPECT_EQ(fine["beams"], 10 * 144);
+  EXPECT_EQ(head["beams"], 10 * 55) << "6.5 degrees each, all round";
+  EXPECT_EQ(multibeam["directions"], 144 * 72);
+  EXPECT_EQ(head["directions"], 56 * 28);
+  EXPECT_LT(multibeam["median_error_m"], 0.25);
+  EXPECT_LT(fine["median_error_m"], 0.25);
+  EXPECT_LT(head["median_error_m"], 0.7) << "layers of 0.5 m";
+  EXPECT_THAT(test::isobath({"sphere", polygon_room(), "--sonar", "asdic"}), ends_with_one_line(HasSubstr("asdic")));
+}
+
 // To and fro in a room whose corners the chart shows, at 1 % drift, on several seeds. ledger: S4-49
 TEST(Sphere, CornersBoundTheDriftThatGrowsWithoutThem) {
   const auto folder = test::scratch_folder();

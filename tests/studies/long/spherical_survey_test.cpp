@@ -4,6 +4,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <isobath/base/error.hpp>
+#include <isobath/base/text_file.hpp>
 #include <isobath/planning/route_planner.hpp>
 #include <isobath/planning/spherical_hazards.hpp>
 #include <isobath/studies/spherical_pages.hpp>
@@ -207,19 +208,48 @@ TEST(SphericalSurvey, RunsByThePapersRuleForComparison) {
   EXPECT_GT(at_least(by_log_odds, 0.5), 1000) << "masses do not depend on where middles are";
 }
 
-// ledger: S4-36
+// The multibeam covers 150 degrees about the course; the head turns all round. ledger: S4-36
 TEST(SphericalSurvey, RunsWithTheListedSonars) {
   const Scene scene = polygon_room();
   for (const char* name : {"em_1000_shallow", "wesmar_ss150", "simulated_2_5"}) {
     const SonarResolution sonar = listed_resolution(name);
-    SphericalSurveyConfig config = survey_config(scene);
-    config.grid = grid_for(sonar);
-    config.sonar.beam_width = sonar.beam_width;
-    config.sonar.sigma_m = sonar.resolution_m;
-    const SphericalSurvey survey = run_spherical_survey(scene, config);
+    const SphericalSurvey survey = run_spherical_survey(scene, survey_config(sonar));
     EXPECT_GT(survey.occupied, 50u) << name;
     EXPECT_LT(survey.median_error_m, 2 * sonar.resolution_m + 0.2) << name;
+    double widest_deg = 0;
+    for (const SurveyEcho& echo : survey.stored) {
+      const ScanPosition& from = survey.path.scans[static_cast<std::size_t>(echo.scan) - 1];
+      const Vector3d d = echo.at_W - from.at;
+      widest_deg =
+          std::max(widest_deg, std::abs((Angle::radians(std::atan2(d.y(), d.x())) - from.course).wrapped().degrees()));
+      EXPECT_NEAR(d.head<2>().norm(), echo.range_m, 1e-9);
+    }
+    const bool multibeam = sonar.beams == 60;
+    EXPECT_NEAR(widest_deg, multibeam ? 75 : 179, multibeam ? 4 : 2) << name;
   }
+}
+
+// The walks of the picture of the grid's structure, against a filter over all cells. ledger: S4-16
+TEST(SphericalPages, WalkTheCellsOfALayerAsAFilterOverAllCellsFindsThem) {
+  const Scene scene = polygon_room();
+  const SphericalSurvey survey = run_spherical_survey(scene, survey_config(scene));
+  const GridWalks walks = walks_of(*survey.grid);
+  std::vector<int> of_layer, beam;
+  std::size_t in_ring = 0;
+  survey.grid->cells().each_beam([&](const SphericalDirection& d, std::span<const SphericalCell> cells) {
+    for (const SphericalCell& cell : cells) {
+      if (d.elevation != walks.elevation) continue;
+      ++in_ring;
+      if (cell.layer == walks.layer) of_layer.push_back(d.azimuth);
+      if (d.azimuth == walks.azimuth) beam.push_back(cell.layer);
+    }
+  });
+  EXPECT_GT(of_layer.size(), 20u);
+  EXPECT_GT(beam.size(), 5u);
+  EXPECT_EQ(walks.ring_cells, in_ring);
+  EXPECT_EQ(walks.of_layer, of_layer);
+  EXPECT_TRUE(std::is_sorted(walks.of_layer.begin(), walks.of_layer.end())) << "in the order of beams";
+  EXPECT_EQ(walks.beam, beam);
 }
 
 // ledger: S4-34 S4-D02
@@ -322,6 +352,36 @@ TEST(SphericalPages, AreThreePicturesTheSameForTheSameSurvey) {
   SphericalCamera near;
   near.zoom = 0.5;
   EXPECT_LT(dark_pixels(pixels_of(spherical_solid_picture(survey, *survey.grid, near))), dark_pixels(pixels_of(solid)));
+}
+
+/// Share of the pixels below the title whose brightness differs by more than a fifth.
+double share_that_differs(const PngPixels& a, const PngPixels& b) {
+  if (a.width != b.width || a.height != b.height) return 1;
+  const auto brightness = [](std::uint32_t c) {
+    return static_cast<int>((c & 0xff) + (c >> 8 & 0xff) + (c >> 16 & 0xff)) / 3;
+  };
+  constexpr int kTitle = 40;
+  const auto first = static_cast<std::size_t>(kTitle * a.width);
+  std::size_t differ = 0;
+  for (std::size_t i = first; i < a.argb.size(); ++i)
+    differ += std::abs(brightness(a.argb[i]) - brightness(b.argb[i])) > 51;
+  return static_cast<double>(differ) / static_cast<double>(a.argb.size() - first);
+}
+
+// The picture of the documentation, which was stored; another bearing or another rule shows another picture.
+// ledger: S4-37
+TEST(SphericalPages, DrawTheGridAsInTheStoredPicture) {
+  const Scene scene = polygon_room();
+  SphericalSurveyConfig config = survey_config(scene);
+  const SphericalSurvey survey = run_spherical_survey(scene, config);
+  const PngPixels stored = pixels_of(text_of_file((test::source_folder() / "docs/images/sphere-solid.png").string()));
+  const auto differs = [&](const SphericalSurvey& of, const SphericalCamera& camera) {
+    return share_that_differs(stored, pixels_of(spherical_solid_picture(of, *of.grid, camera)));
+  };
+  EXPECT_LT(differs(survey, {}), 0.01);
+  EXPECT_GT(differs(survey, {.looking = Angle::degrees(25)}), 0.04);
+  config.mapper.rule = SphericalMapperConfig::Rule::kMaximumResponse;
+  EXPECT_GT(differs(run_spherical_survey(scene, config), {}), 0.04);
 }
 
 // ledger: S4-D01
