@@ -1,5 +1,6 @@
 // isobath run with a mission, as a user meets it: what it says, what it leaves behind, and that it can be run again.
 #include <fmt/format.h>
+#include <gdal_priv.h>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 #include <tests/support/sanitized.hpp>
@@ -16,6 +17,25 @@ using testing::StartsWith;
 nlohmann::json printed(const ProgramResult& result) { return nlohmann::json::parse(result.out, nullptr, false); }
 
 fs::path scenario(const std::string& name) { return source_folder() / "scenarios" / (name + ".toml"); }
+
+/// Pixels of about this colour in the chart of mission.png, without its legend.
+int pixels_in_chart(const fs::path& picture, const std::array<int, 3>& rgb) {
+  GDALAllRegister();
+  const GDALDatasetUniquePtr data(GDALDataset::Open(picture.c_str()));
+  constexpr int kChart = 860, kNear = 24;  // pixels; of 255
+  const int height = data->GetRasterYSize();
+  std::vector<std::uint8_t> pixels(3 * static_cast<std::size_t>(kChart * height));
+  EXPECT_EQ(data->RasterIO(GF_Read, 0, 0, kChart, height, pixels.data(), kChart, height, GDT_Byte, 3, nullptr, 3,
+                           3 * kChart, 1, nullptr),
+            CE_None);
+  int found = 0;
+  for (std::size_t i = 0; i < pixels.size(); i += 3) {
+    bool near = true;
+    for (std::size_t c = 0; c < 3; ++c) near = near && std::abs(pixels[i + c] - rgb[c]) <= kNear;
+    found += near ? 1 : 0;
+  }
+  return found;
+}
 
 // The demo: the vehicle sees, decides, turns, and can say why.
 // ledger: S6-56 S6-57 S6-59
@@ -48,6 +68,12 @@ TEST(Mission, TheDemoReachesItsPointsClearOfTheBuoysAndSaysWhy) {
               AllOf(HasSubstr("<h2>Mission</h2>"), HasSubstr("<h2>Decisions</h2>"), HasSubstr("replan")));
   for (const char* picture : {"mission.png", "clearance.png"})
     EXPECT_THAT(content_of(out / picture), StartsWith("\x89PNG"));
+  // fence, mission points, way-points, track, obstacles
+  EXPECT_GT(pixels_in_chart(out / "mission.png", {166, 26, 115}), 1000) << "the fence is 220 m long";
+  EXPECT_GT(pixels_in_chart(out / "mission.png", {0, 128, 92}), 800) << "three circles of 10 m";
+  EXPECT_GT(pixels_in_chart(out / "mission.png", {89, 51, 153}), 200) << "the last route, from B to C";
+  EXPECT_GT(pixels_in_chart(out / "mission.png", {0, 115, 179}), 2000) << "146 m travelled";
+  EXPECT_GT(pixels_in_chart(out / "mission.png", {214, 94, 0}), 5000) << "the banks, as detected";
 }
 
 // The chart has a shoal that does not exist, and lacks a rock that the sonar finds.

@@ -96,5 +96,66 @@ TEST(ScanSteering, LooksAtWhatItIsUnsureOfInEveryOtherSweep) {
   for (const Sweep& sweep : sweeps(false)) EXPECT_TRUE(sweep.pings < 35 || sweep.to_deg - sweep.from_deg > 100);
 }
 
+/// What the spherical grid of a run holds of the pole at the end.
+struct PoleInGrid {
+  double echoes = 0;
+  double sigma_m = 0;  ///< standard deviation of their mean, in plan
+};
+
+class LastSphere : public OnboardObserver {
+ public:
+  int pings = 0;
+  void on_ping(const PosedPing&) override { ++pings; }
+  void on_sphere(Time, const std::shared_ptr<const GridSnapshot>& sphere) override { sphere_ = sphere; }
+  [[nodiscard]] PoleInGrid pole() const {
+    double echoes = 0, squares = 0;
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    sphere_->grid.cells().each_beam([&](const SphericalDirection&, std::span<const SphericalCell> beam) {
+      for (const SphericalCell& cell : beam) {
+        const Eigen::Vector3d p_W = sphere_->X_WB.translation + world_from_grid_axes(sphere_->grid.point_of(cell));
+        const Eigen::Vector2d off = p_W.head<2>() - Eigen::Vector2d(20, 11.5);
+        if (off.norm() > 4) continue;
+        echoes += cell.echoes;
+        sum += cell.echoes * off;
+        squares += cell.echoes * off.squaredNorm();
+      }
+    });
+    const double variance = squares / echoes - (sum / echoes).squaredNorm();
+    return {echoes, std::sqrt(variance / echoes)};
+  }
+
+ private:
+  std::shared_ptr<const GridSnapshot> sphere_;
+};
+
+// As many pings, more echoes of the pole: the error of its place that chance leaves is smaller. ledger: S4-41
+TEST(ScanSteering, PlacesAPoleBetterThanWholeSweepsOfAsManyPings) {
+  constexpr int kRuns = 8;
+  const auto run = [](int seed, bool steered) {
+    Scenario scenario = parse_scenario(kPole, (test::source_folder() / "pole.toml").string());
+    scenario.scene.about.seed = seed;
+    LastSphere last;
+    LoopRequest request;
+    request.observers = {&last};
+    request.configuration.scan.on = steered;
+    request.configuration.scan.limits.sector = Angle::degrees(20);
+    request.configuration.mission.chart_room.sphere = true;  // keeps the grid
+    run_closed_loop(scenario, request);
+    return std::pair(last.pings, last.pole());
+  };
+  PoleInGrid steered, whole;  // sums
+  for (int seed = 1; seed <= kRuns; ++seed) {
+    const auto [steered_pings, by_steering] = run(seed, true);
+    const auto [whole_pings, by_whole] = run(seed, false);
+    EXPECT_EQ(steered_pings, whole_pings);
+    steered.echoes += by_steering.echoes;
+    steered.sigma_m += by_steering.sigma_m;
+    whole.echoes += by_whole.echoes;
+    whole.sigma_m += by_whole.sigma_m;
+  }
+  EXPECT_GT(steered.echoes, 1.4 * whole.echoes);
+  EXPECT_LT(steered.sigma_m, 0.9 * whole.sigma_m);
+}
+
 }  // namespace
 }  // namespace isobath
