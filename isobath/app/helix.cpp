@@ -54,6 +54,8 @@ int fly(HelixOptions& options) {
   if (options.json) {
     nlohmann::ordered_json json{{"known_share", known},
                                 {"known_share_straight", study.straight.view.known_share()},
+                                {"free_share", study.helix.free_share_at(study.helix.leave_m)},
+                                {"free_share_straight", study.straight.free_share_at(study.helix.leave_m)},
                                 {"bits_a_voxel", study.helix.samples.back().bits_a_voxel},
                                 {"bits_a_voxel_straight", study.straight.samples.back().bits_a_voxel},
                                 {"decision", to_text(study.helix.samples.back().phase)},
@@ -68,6 +70,12 @@ int fly(HelixOptions& options) {
                      {"pitch_first_deg", swing.pitch_first.degrees()},
                      {"pitch_second_deg", swing.pitch_second.degrees()},
                      {"correlation", swing.correlation}};
+    json["opening"] = nlohmann::ordered_json::array();
+    for (const SeenOpening& seen : seen_openings(study)) {
+      json["opening"].push_back({{"distance_m", seen.distance_m},
+                                 {"horizontal_deg", seen.angles.horizontal.degrees()},
+                                 {"vertical_deg", seen.angles.vertical.degrees()}});
+    }
     json["convergence"] = nlohmann::ordered_json::array();
     for (const Convergence& one : study.convergence) {
       json["convergence"].push_back({{"first_m", one.off_m.front()},

@@ -73,6 +73,19 @@ double OpeningView::known_share() const {
   return static_cast<double>(known_) / static_cast<double>(known_since_.size());
 }
 
+OpeningAngles opening_angles(Angle port, Angle starboard, Angle surface, Angle bed) {
+  return {(starboard - port).wrapped(), (surface - bed).wrapped()};
+}
+
+OpeningAngles opening_angles(const Opening& opening, const Vector3d& p_W) {
+  const auto to = [&](double aside, double down) {
+    return Vector3d(opening.X_WO * Vector3d(0, aside * opening.width_m / 2, down * opening.height_m / 2) - p_W);
+  };
+  const auto bearing = [](const Vector3d& u) { return Angle::radians(std::atan2(u.y(), u.x())).wrapped_positive(); };
+  const auto elevation = [](const Vector3d& u) { return Angle::radians(std::atan2(-u.z(), u.head<2>().norm())); };
+  return opening_angles(bearing(to(-1, 0)), bearing(to(1, 0)), elevation(to(0, -1)), elevation(to(0, 1)));
+}
+
 HelixWorth helix_worth(const EllipticHelix& helix, const Opening& opening, double nearest_m, const FanPair& pair) {
   OpeningView view(opening, pair, 0.5);
   constexpr int kLooks = 72;

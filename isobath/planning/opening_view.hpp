@@ -57,6 +57,16 @@ class OpeningView {
   std::vector<int> known_since_;
 };
 
+/// The angles that an opening subtends at the vehicle (S5-43).
+struct OpeningAngles {
+  Angle horizontal, vertical;
+};
+/// From the bearings of the two sides and the elevations of surface and bed: starboard less port (S5-E06), surface less
+/// bed (S5-E04), both wrapped, so that north may lie between.
+OpeningAngles opening_angles(Angle port, Angle starboard, Angle surface, Angle bed);
+/// From a place: compass bearings of the middles of the sides, elevations of the middles of upper and lower edge.
+OpeningAngles opening_angles(const Opening& opening, const Eigen::Vector3d& p_W);
+
 /// Cost and benefit of a helix (S5-46): its stretch, and the share of an opening that a pair of fans knows after one
 /// turn of it, flown about the opening's middle line and ended `nearest_m` before it. B = C = 0 is the straight line.
 struct HelixWorth {

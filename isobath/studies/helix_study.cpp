@@ -11,10 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStep = 0.05;    // s, of the simulation
-constexpr double kVoxel = 1;      // m
-constexpr double kMiss = -0.405;  // log-odds of a look that sees nothing (FanMapperConfig::miss)
-constexpr double kThrough = 8;    // m beyond the opening
+constexpr double kStep = 0.05;  // s, of the simulation
+constexpr double kThrough = 8;  // m beyond the opening
 
 VehicleModel vehicle_of(const HelixRequest& request) {
   if (!request.vehicle.empty()) return load_vehicle(request.vehicle);
@@ -31,17 +29,10 @@ Opening opening_of(const HelixRequest& request) {
   return {{R_WO, start_W + R_WO * Vector3d(request.from_m, 0, 0)}, request.width_m, request.height_m};
 }
 
-/// Adds one miss to each voxel that both fans see in one image, in both layers.
-void hear_nothing(VoxelMap& map, const WaterBox& water, const FanPair& fans, const Pose& X_WB) {
-  const Pose X_BW = X_WB.inverse();
-  const LogOdds16 miss = to_evidence(kMiss);
-  VoxelBlocks &flat = map.layer("horizontal"), &vertical = map.layer("vertical");
-  for_each_voxel(map, water, [&](const VoxelIndex& v) {
-    const Vector3d u_B = X_BW * map.centre_of(v);
-    if (u_B.norm() > fans.range_m || !in_horizontal_fan(fans, u_B) || !in_vertical_fan(fans, u_B)) return;
-    flat.add(v, miss);
-    vertical.add(v, miss);
-  });
+std::optional<Rock> rock_of(const HelixRequest& request, const Opening& opening) {
+  if (!(request.rock_radius_m > 0)) return std::nullopt;
+  return Rock{opening.X_WO * Vector3d(-request.rock_before_m, request.rock_aside_m, request.rock_down_m),
+              request.rock_radius_m};
 }
 
 Convergence converge(const SpacePath& path, const PathFollowingConfig& config, const Vector3d& start_F, double speed) {
@@ -77,22 +68,20 @@ std::vector<Section> sections(HelixRequest& r) {
       Field::real("images", &r.images_per_s, {0.1, 20}, "1/s", "Image rate; each image plans the approach anew."),
       Field::choice("plant", &r.plant, {{"dynamic", PlantKind::kDynamic}, {"kinematic", PlantKind::kKinematic}},
                     "Vehicle model; dynamic has inertia and an autopilot."),
-      Field::file("vehicle", &r.vehicle, "Vehicle file; empty: the embedded vehicle.")};
+      Field::file("vehicle", &r.vehicle, "Vehicle file; empty: the embedded vehicle."),
+      Field::real("rock_radius", &r.rock_radius_m, {0, 100}, "m", "Radius of a rock before the opening; 0: no rock."),
+      Field::real("rock_before", &r.rock_before_m, {0, 1000}, "m", "Distance of the rock before the opening."),
+      Field::real("rock_aside", &r.rock_aside_m, {-1000, 1000}, "m", "The rock to starboard of the middle line."),
+      Field::real("rock_down", &r.rock_down_m, {-1000, 1000}, "m", "The rock below the middle line.")};
   return {{"approach", "The opening and the vehicle.", std::move(approach)},
           {"helix", "The helix and the decision.", fields(r.helix)},
           {"fans", "The pair of forward-looking fans.", fields(r.fans)},
+          {"echoes", "What the looks of the fans give.", fields(r.echoes)},
           {"following", "The path-following law by pitch rate and turn rate.", fields(r.following)},
           {"helm", "Path following by set-points of heading and depth.", fields(r.helm)}};
 }
 
 namespace {
-
-/// The water from the start to the opening.
-WaterBox water_before(const Opening& opening, const Vector3d& start_W, const HelixRequest& request) {
-  const Rotation& R_WO = opening.X_WO.rotation;
-  return {{R_WO, start_W + R_WO * Vector3d(request.from_m / 2, 0, 0)},
-          {request.from_m, request.width_m, request.height_m}};
-}
 
 VehicleState state_at_start(const Opening& opening, const Vector3d& start_W, double speed) {
   VehicleState start;
@@ -101,17 +90,16 @@ VehicleState state_at_start(const Opening& opening, const Vector3d& start_W, dou
   return start;
 }
 
-void take_image(const Pose& X_WB, double distance_m, const FanPair& fans, const WaterBox& water, VoxelMap& map,
-                ApproachLog& log) {
+void take_image(const Pose& X_WB, double distance_m, OpeningMap& seen, ApproachLog& log) {
   log.view.look(X_WB);
   log.look_distance_m.push_back(distance_m);
-  hear_nothing(map, water, fans, X_WB);
+  seen.look(X_WB);
 }
 
 /// Decides anew with an image, and follows the new plan.
 ApproachPhase step_approach(OpeningApproach& approach, const Opening& opening, const Vector3d& p_W, double way,
-                            PathHelm& helm, ApproachLog& log) {
-  const ApproachPhase phase = approach.step(p_W, opening, log.view.known_share(), nullptr);
+                            const OpeningMap& seen, PathHelm& helm, ApproachLog& log) {
+  const ApproachPhase phase = approach.step(p_W, opening, seen.free_share(), &seen.map());
   if (phase != ApproachPhase::kTurnAway) helm.follow(approach.plan().path, 0);
   if (log.leave_m == 0 && approach.left_at_m()) {
     log.leave_m = *approach.left_at_m();
@@ -147,8 +135,7 @@ ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model,
   PathHelm helm(share > 0 ? approach.plan().path : straight, steering,
                 request.plant == PlantKind::kDynamic ? loop : DepthLoop{}, request.speed);
 
-  VoxelMap map({kVoxel, 0.5, 0.98, 0.2, 6.9});
-  const WaterBox water = water_before(opening, start_W, request);
+  OpeningMap seen(opening, start_W, request.fans, request.echoes, rock_of(request, opening));
   ApproachLog log{{}, OpeningView(opening, request.fans), {}};
   log.nearest_m = request.from_m;
   const Pose X_OW = opening.X_WO.inverse();
@@ -162,13 +149,13 @@ ApproachLog fly_approach(const HelixRequest& request, const VehicleModel& model,
     const Pose& X_WB = plant->state().X_WB;
     const Vector3d p_O = X_OW * X_WB.translation;
     if (i % steps_an_image == 0) {
-      if (p_O.x() < 0) take_image(X_WB, -p_O.x(), request.fans, water, map, log);
-      if (share > 0 && p_O.x() < 0) phase = step_approach(approach, opening, X_WB.translation, way, helm, log);
+      if (p_O.x() < 0) take_image(X_WB, -p_O.x(), seen, log);
+      if (share > 0 && p_O.x() < 0) phase = step_approach(approach, opening, X_WB.translation, way, seen, helm, log);
       const Rotation R_OB = X_OW.rotation * X_WB.rotation;
-      const double bits = i % (5 * steps_an_image) == 0 || log.samples.empty() ? awareness(map, water).bits_a_voxel()
-                                                                               : log.samples.back().bits_a_voxel;
+      const double bits =
+          i % (5 * steps_an_image) == 0 || log.samples.empty() ? seen.bits_a_voxel() : log.samples.back().bits_a_voxel;
       log.samples.push_back({i * kStep, -p_O.x(), p_O, X_OW * helm.target().p_W, R_OB.heading(), R_OB.pitch(),
-                             log.view.known_share(), bits, phase});
+                             log.view.known_share(), seen.free_share(), bits, phase});
     }
     if (p_O.x() > kThrough) break;
     if (phase == ApproachPhase::kTurnAway && -p_O.x() > request.from_m / 2 && log.nearest_m < request.from_m / 2) break;
@@ -244,12 +231,37 @@ Swing swing_of(const ApproachLog& log) {
   return swing;
 }
 
+double ApproachLog::free_share_at(double distance_m) const {
+  double share = 0;
+  for (const ApproachSample& sample : samples) {
+    if (sample.distance_m >= distance_m) share = sample.free_share;
+  }
+  return share;
+}
+
+std::vector<SeenOpening> seen_openings(const HelixStudy& study) {
+  std::vector<SeenOpening> seen;
+  double next_m = INFINITY;
+  for (const ApproachSample& sample : study.straight.samples) {
+    if (sample.distance_m > next_m || sample.distance_m < 1) continue;
+    seen.push_back({sample.distance_m, opening_angles(study.opening, study.opening.X_WO * sample.p_O)});
+    next_m = 10 * (std::ceil(sample.distance_m / 10) - 1);
+  }
+  return seen;
+}
+
 std::vector<std::pair<std::string, std::string>> helix_facts(const HelixStudy& s) {
   const ApproachLog &helix = s.helix, &straight = s.straight;
   const auto percent = [](double share) { return fmt::format("{:.1f} %", 100 * share); };
+  const double left = helix.leave_m;
+  const OpeningAngles first = seen_openings(s).front().angles;
   std::vector<std::pair<std::string, std::string>> facts{
-      {"opening known to be free, helix", percent(helix.view.known_share())},
-      {"opening known to be free, straight", percent(straight.view.known_share())},
+      {"opening seen by both fans, helix", percent(helix.view.known_share())},
+      {"opening seen by both fans, straight", percent(straight.view.known_share())},
+      {"opening free in the map at the decision", percent(helix.free_share_at(left))},
+      {"the same on the straight approach", percent(straight.free_share_at(left))},
+      {"opening from the start",
+       fmt::format("{:.1f} deg wide, {:.1f} deg high", first.horizontal.degrees(), first.vertical.degrees())},
       {"entropy of the water, helix", fmt::format("{:.3f} bits per voxel", helix.samples.back().bits_a_voxel)},
       {"entropy of the water, straight", fmt::format("{:.3f} bits per voxel", straight.samples.back().bits_a_voxel)},
       {"decision", fmt::format("{}, {:.1f} m before it", to_text(helix.samples.back().phase), helix.leave_m)},

@@ -2,14 +2,16 @@
 // and by the helix manoeuvre, and what a pair of fans learns of the opening on the way (ledger S5-40, S5-45 to S5-47,
 // S5-53, S5-58, S5-D07 to S5-D09). It also runs the path-following law by itself, from two starts off the helix.
 //
-// Knowledge of the opening follows from geometry alone (OpeningView): each image is a look, and no echo can be missed.
-// Entropy is that of a map of one-metre voxels in the water from the start to the opening; a voxel that both fans see
-// in one image gets one `miss` from each. The approach is planned anew with each image. A pure function of its request.
+// The vehicle decides by its map (OpeningMap): voxels of one metre in the water from the start to the opening, made by
+// looks that miss echoes and give false ones. Its free share of the opening, and what it holds occupied, are what the
+// approach is planned by, anew with each image; a rock that is asked for stands in it as soon as echoes show it. What
+// the fans have looked at, whatever they heard, is stated beside it (OpeningView). A pure function of its request.
 #pragma once
 
 #include <isobath/planning/awareness.hpp>
 #include <isobath/planning/opening_approach.hpp>
 #include <isobath/planning/opening_view.hpp>
+#include <isobath/studies/opening_map.hpp>
 #include <isobath/vehicle/path_following.hpp>
 #include <isobath/vehicle/path_helm.hpp>
 #include <isobath/vehicle/plant.hpp>
@@ -26,11 +28,14 @@ struct HelixRequest {
   double speed = 1.5;                 ///< m/s
   double images_per_s = 5;
   PlantKind plant = PlantKind::kDynamic;
-  std::string vehicle;  ///< file; empty: the embedded torpedo-shaped one
+  std::string vehicle;                                           ///< file; empty: the embedded torpedo-shaped one
+  double rock_radius_m = 0;                                      ///< of a rock before the opening; 0: there is none
+  double rock_before_m = 35, rock_aside_m = 0, rock_down_m = 0;  ///< from the opening's centre; to starboard, down
   HelixConfig helix;
   PathFollowingConfig following;
   PathHelmConfig helm;
   FanPair fans;
+  FanEchoes echoes;
 };
 
 /// All settings, as `--config` and `--set` name them; bound to `request`, which must outlive them.
@@ -43,7 +48,8 @@ struct ApproachSample {
   Eigen::Vector3d p_O = Eigen::Vector3d::Zero();       ///< in the opening's frame: ahead, to starboard, down
   Eigen::Vector3d target_O = Eigen::Vector3d::Zero();  ///< of the virtual target
   Angle heading, pitch;                                ///< heading off the approach line
-  double known_share = 0;
+  double known_share = 0;                              ///< of the opening: both fans have looked at it
+  double free_share = 0;                               ///< of the opening: free in the map
   double bits_a_voxel = 1;
   ApproachPhase phase = ApproachPhase::kHelix;
 };
@@ -57,6 +63,9 @@ struct ApproachLog {
   double nearest_m = 0;                 ///< to the opening's plane; 0: went through
   double vertical_rms_m = 0;            ///< from the target, during the helix
   double lateral_rms_m = 0;
+
+  /// In the map, at the last image taken this far before the opening or farther.
+  [[nodiscard]] double free_share_at(double distance_m) const;
 };
 
 /// The law from one start: errors and V over time.
@@ -93,6 +102,13 @@ struct Swing {
   double correlation = 0;
 };
 Swing swing_of(const ApproachLog& log);
+
+/// The angles of the opening as seen from the straight approach, every ten metres (S5-43).
+struct SeenOpening {
+  double distance_m = 0;
+  OpeningAngles angles;
+};
+std::vector<SeenOpening> seen_openings(const HelixStudy& study);
 
 /// The results, one line each: quantity and value.
 std::vector<std::pair<std::string, std::string>> helix_facts(const HelixStudy& study);

@@ -1,4 +1,6 @@
 // An approach by helix beside a straight one, with the whole vehicle.
+#include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <isobath/base/error.hpp>
 #include <isobath/studies/helix_pictures.hpp>
@@ -72,6 +74,29 @@ TEST(HelixStudy, TheVehicleStaysWithinItsLimits) {
     EXPECT_LE(abs(samples[i].heading).degrees(), 22) << samples[i].distance_m;
   }
   EXPECT_GE(last_share(log), 0.9);
+}
+
+// A rock stands where the helix leads, two metres off the middle line. Its echoes come in time: the helix is smaller
+// from there on, or the vehicle turns away, and its hull keeps clear of the rock. ledger: S5-47
+TEST(HelixStudy, ARockOnTheHelixIsKeptClearOf) {
+  HelixRequest request = request_for(25, 14);
+  const VehicleModel model = torpedo();
+  const ApproachLog plain = fly_approach(request, model, {6, 12}, 1);
+  const auto most = std::max_element(plain.samples.begin(), plain.samples.end(), [](const auto& a, const auto& b) {
+    const auto off = [](const ApproachSample& s) { return s.p_O.x() < -25 ? std::abs(s.p_O.y()) : 0; };
+    return off(a) < off(b);
+  });
+  ASSERT_GT(std::abs(most->p_O.y()), 1.5);
+  request.rock_radius_m = 0.5;
+  request.rock_before_m = -most->p_O.x();
+  request.rock_aside_m = most->p_O.y();
+  request.rock_down_m = most->p_O.z();
+  const ApproachLog log = fly_approach(request, model, {6, 12}, 1);
+  double nearest = INFINITY, before = INFINITY;
+  for (const ApproachSample& s : log.samples) nearest = std::min(nearest, (s.p_O - most->p_O).norm());
+  for (const ApproachSample& s : plain.samples) before = std::min(before, (s.p_O - most->p_O).norm());
+  EXPECT_EQ(before, 0) << "without the map it would have met the rock";
+  EXPECT_GT(nearest, request.rock_radius_m + parameters_of(model).half_width_m);
 }
 
 // ledger: S5-45
