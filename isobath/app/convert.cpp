@@ -41,7 +41,7 @@ int write_map(const ConvertOptions& options) {
   if (known.width == 0) throw Error("the map has no depths, so there is nothing to write", {options.input.string()});
   const MapRaster raster = read_raster(*snapshot_of(map), known, options.pixels_a_cell);
   make_parent(options.output);
-  write_map_geotiff(raster, map.facts, options.output);
+  write_map_geotiff(raster, map.facts, options.config.read().depth.evidence, options.output);
   if (options.json) {
     ordered_json json = conversion_json(options, "raster");
     json["damages"] = ordered_json::array();
@@ -49,12 +49,12 @@ int write_map(const ConvertOptions& options) {
     json["width"] = raster.window.width;
     json["height"] = raster.window.height;
     json["cell_m"] = raster.grid.pixel_m;
-    json["bands"] = {"depth", "confidence", "age", "source"};
+    json["bands"] = {"depth", "confidence", "age", "source", "uncertainty"};
     print_json(json);
     return kSuccess;
   }
   for (const MapDamage& damage : map.damages) fmt::print("damaged: {}\n", to_text(damage));
-  fmt::print("{} x {} cells of {} m written to {}: depth, confidence, age, source\n", raster.window.width,
+  fmt::print("{} x {} cells of {} m written to {}: depth, confidence, age, source, uncertainty\n", raster.window.width,
              raster.window.height, raster.grid.pixel_m, options.output.string());
   return kSuccess;
 }

@@ -156,6 +156,15 @@ ordered_json map_json(const StoredMap& map, const std::optional<MapChanges>& cha
     visit["counts"] = v.counts;
     out["visits"].push_back(std::move(visit));
   }
+  for (const auto apart : {RevisitRecord::kPass, RevisitRecord::kSurvey}) {
+    ordered_json classes = ordered_json::array();
+    for (int k = 0; k < RevisitRecord::kClasses; ++k) {
+      const RevisitRecord::Agreement& a = f.revisits.agreement(apart, k);
+      classes.push_back({{"n", a.n}, {"agreed", a.agreed}});
+    }
+    out["revisits"][apart == RevisitRecord::kPass ? "passes" : "surveys"] = std::move(classes);
+  }
+  out["uncertainty"] = uncertainty_json(f.revisits.uncertainty());
   for (const auto& [name, s] : trees_of(map)) {
     out["trees"][name] = {{"leaves", s.leaves}, {"words", s.words}, {"pages", s.pages}, {"bytes", s.bytes}};
   }
@@ -166,6 +175,24 @@ ordered_json map_json(const StoredMap& map, const std::optional<MapChanges>& cha
     out["changes"]["track_m"] = track_json(*changes, f.area.grid);
   }
   return out;
+}
+
+/// How well later soundings agreed with the map, and the uncertainty that it states.
+void print_revisits(const RevisitRecord& revisits) {
+  for (const auto apart : {RevisitRecord::kSurvey, RevisitRecord::kPass}) {
+    if (revisits.count(apart) == 0) continue;
+    std::string shares;
+    for (int k = 0; k < RevisitRecord::kClasses; ++k) {
+      const RevisitRecord::Agreement& a = revisits.agreement(apart, k);
+      if (a.n == 0) continue;
+      const double share = 100 * static_cast<double>(a.agreed) / static_cast<double>(a.n);
+      shares += fmt::format("{}{:.0f} % of {} at confidence {}", shares.empty() ? "" : ", ", share, a.n,
+                            k + 1 == RevisitRecord::kClasses ? "20" : fmt::format("{}-{}", 5 * k, 5 * k + 4));
+    }
+    fmt::print("  {:<12} soundings of a later {} that agreed: {}\n", "revisits",
+               apart == RevisitRecord::kSurvey ? "survey" : "pass", shares);
+  }
+  if (const auto u = revisits.uncertainty()) fmt::print("  {:<12} at 95 %, {}\n", "uncertainty", to_text(*u, ReadingEvidenceConfig{}.margin_m));
 }
 
 void print(const std::string& folder, const StoredMap& map) {
@@ -182,6 +209,7 @@ void print(const std::string& folder, const StoredMap& map) {
   for (const MapVisit& v : f.visits) {
     fmt::print("  {:<12} {}, {} to {}\n", "visit", printable_text(v.input), to_text(v.first), to_text(v.last));
   }
+  print_revisits(f.revisits);
   for (const auto& [name, s] : trees_of(map)) {
     fmt::print("  {:<12} {} leaves, {} words, {:.2f} MB\n", name + " tree", s.leaves, s.words,
                static_cast<double>(s.bytes) / 1e6);

@@ -5,6 +5,7 @@
 #include <isobath/base/error.hpp>
 #include <isobath/perception/depth_mapper.hpp>
 #include <isobath/perception/depth_update.hpp>
+#include <isobath/perception/revisit_check.hpp>
 #include <isobath/sonar/sensor_table.hpp>
 #include <mutex>
 #include <optional>
@@ -99,7 +100,8 @@ struct DepthMapper::Work {
         counts(count),
         update(all, depth_map.grid()),
         gate(all.gate),
-        prefilter(all.prefilter) {
+        prefilter(all.prefilter),
+        revisits(depth_map.grid(), all.evidence.margin_m, all.evidence.margin_share) {
     merged.reserve(2 * SoundingGate::kSensors);
     if (config.background) {
       queue.reserve(kLongestQueue);
@@ -114,6 +116,8 @@ struct DepthMapper::Work {
   double draw_lot() { return 0x1p-32 * (lots += 0x9e3779b9U); }
   void admit(const MergedReading& one, double sigma_m);
   void use(const DepthLook& look);
+  void decide(DepthWindow& window, const DepthLook& look);
+  void revisit(const DepthWindow& window, const DepthLook& look);
   void count(const DepthLook& look, const UpdateOutcome& outcome);
   void begin_shift(Pixel target);
   void catch_up(bool wait);
@@ -126,6 +130,7 @@ struct DepthMapper::Work {
   DepthUpdate update;
   SoundingGate gate;
   ReadingPrefilter prefilter;
+  RevisitCheck revisits;
   static_assert(SensorTable::kMax == SoundingGate::kSensors);
   SensorTable sensors;
   std::array<std::vector<DepthLook>, SoundingGate::kSensors> held;
@@ -206,18 +211,30 @@ void DepthMapper::Work::use(const DepthLook& look) {
     ++counts.waited;
     catch_up(true);
   }
-  const UpdateOutcome outcome = update.apply(map.window(), look, shift ? nullptr : &listener);
-  if (!shift) return count(look, outcome);
+  if (!shift) return decide(map.window(), look);
+  const UpdateOutcome outcome = update.apply(map.window(), look, nullptr);
   if (!config.queue_all && !outcome.changed) {
     // A look within both windows finds the same pixels in both, and changes none in either.
     const PixelWindow reach = update.reach(look);
     if (overlap(reach, map.window().extent()) == reach && overlap(reach, shift->extent()) == reach) {
       ++counts.spared;
+      revisit(map.window(), look);
       return count(look, outcome);
     }
   }
   ++counts.queued;
   queue.push_back(look);
+}
+
+/// Applies a look to the window that decides on counts and reported changes.
+void DepthMapper::Work::decide(DepthWindow& window, const DepthLook& look) {
+  revisit(window, look);
+  count(look, update.apply(window, look, &listener));
+}
+
+/// Compares a depth sounding with the map of an earlier pass.
+void DepthMapper::Work::revisit(const DepthWindow& window, const DepthLook& look) {
+  if (const auto bottom = update.bottom_of(look)) revisits.sounding(window, bottom->p_W, bottom->radius_m, look.minute);
 }
 
 std::uint64_t DepthCounts::lost() const {
@@ -272,6 +289,7 @@ void DepthMapper::update(const Swath& swath, const Pose& X_WB, double sigma_m) {
       continue;
     }
     look.p = w.points[i];
+    look.in_water = s.kind != Sounding::Kind::kBottom;
     look.lot = w.draw_lot();
     const Vector3d ray = look.p - X_WF.translation;
     look.u = ray.norm() > 0 ? Vector3d(ray.normalized()) : Vector3d::UnitZ();
@@ -338,7 +356,7 @@ void DepthMapper::Work::catch_up(bool wait) {
   if (!worker->done()) return;
   const std::size_t end = wait ? queue.size() : std::min(queue.size(), caught_up + kCaughtUp);
   for (; caught_up < end; ++caught_up) {
-    count(queue[caught_up], update.apply(shift->window(), queue[caught_up], &listener));
+    decide(shift->window(), queue[caught_up]);
   }
   if (caught_up < queue.size()) return;
   queue.clear();
@@ -353,6 +371,8 @@ DepthMapper::DepthMapper(DepthMap& map, const DepthMapperParts& parts, Time epoc
 }
 
 DepthMapper::~DepthMapper() = default;
+
+const RevisitRecord& DepthMapper::revisits() const { return work_->revisits.record(); }
 
 void DepthMapper::before_shift(std::function<void()> wait) {
   ISOBATH_ASSERT(work_->worker && !work_->shift);

@@ -29,6 +29,7 @@
 #include <functional>
 #include <isobath/base/time.hpp>
 #include <isobath/map/depth/depth_map.hpp>
+#include <isobath/map/depth/revisit_record.hpp>
 #include <isobath/perception/depth_parts.hpp>
 #include <isobath/sonar/range_reading.hpp>
 #include <isobath/sonar/swath.hpp>
@@ -88,6 +89,8 @@ class DepthMapper {
   /// The minute of a time in the pixels of a map that began at `epoch`.
   static std::uint32_t minute_of(Time time, Time epoch);
   [[nodiscard]] const DepthCounts& counts() const { return counts_; }
+  /// Depth soundings that met depths of an earlier pass.
+  [[nodiscard]] const RevisitRecord& revisits() const;
   /// `listener` is called for each change in order; during a shift, when the change reaches the new window. For audits.
   void on_change(std::function<void(const PixelChange&)> listener);
   /// For tests: `wait` is called in the shift's thread before the shift begins, so that a test can prolong it.

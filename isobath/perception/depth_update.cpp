@@ -61,6 +61,19 @@ std::optional<BeamCone> DepthUpdate::cone(const RangeReading& reading, const Pos
   return found;
 }
 
+std::optional<DepthUpdate::Bottom> DepthUpdate::bottom_of(const DepthLook& look) const {
+  const double spread = config_.spread_sigmas * look.sigma_m;
+  if (look.kind == DepthLook::Kind::kSounding) {
+    if (look.in_water || !has_pixels(look.p.head<2>())) return std::nullopt;
+    return Bottom{look.p, look.range_m * std::tan(look.half_angle.radians()) + spread};
+  }
+  if (look.kind != DepthLook::Kind::kRange || !look.depth_sonar || !is_echo(look.reading, true)) return std::nullopt;
+  const auto beam = cone(look.reading, look.X_WB);
+  if (!beam) return std::nullopt;
+  const double range = *look.reading.range_m;
+  return Bottom{beam->apex() + range * beam->axis(), range * std::tan(beam->half_angle().radians()) + spread};
+}
+
 bool DepthUpdate::has_pixels(const Vector2d& north_east) const {
   // maxCoeff may ignore NaN, so finiteness is checked first.
   return north_east.allFinite() && (north_east - grid_.corner_m).cwiseAbs().maxCoeff() < grid_.pixel_m * (1 << 28);

@@ -22,6 +22,7 @@ struct DepthLook {
   enum class Kind : std::uint8_t { kRange, kSounding, kTrack };
   Kind kind = Kind::kRange;
   bool depth_sonar = false;  ///< kRange only
+  bool in_water = false;     ///< kSounding only: of something in the water, not of the bottom
   std::uint32_t minute = 0;
   int count = 1;
   double sigma_m = 0;  ///< standard deviation of the vehicle's position
@@ -68,6 +69,13 @@ class DepthUpdate {
   [[nodiscard]] PixelWindow reach(const DepthLook& look) const;
   /// The cone of a reading; empty if the reading is unusable or too far from the map to have pixels.
   [[nodiscard]] std::optional<BeamCone> cone(const RangeReading& reading, const Pose& X_WB) const;
+  /// Where a depth sounding lies, with the radius of its footprint, widened by the position uncertainty; empty for any
+  /// other look.
+  struct Bottom {
+    Eigen::Vector3d p_W;
+    double radius_m;
+  };
+  [[nodiscard]] std::optional<Bottom> bottom_of(const DepthLook& look) const;
   [[nodiscard]] bool has_pixels(const Eigen::Vector2d& north_east) const;
   [[nodiscard]] bool is_depth_sonar(const BeamCone& cone) const { return cone.axis().z() >= cos_depth_within_; }
   [[nodiscard]] bool is_echo(const RangeReading& reading, bool depth_sonar) const {

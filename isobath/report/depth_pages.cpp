@@ -97,7 +97,7 @@ DepthPictures write_depth_files(const DepthModel& model, const ChartSource& sour
       return std::max(0.0, sample->depth_m);
     };
   }
-  write_map_geotiff(raster, model.facts(), folder / "depth.tif");
+  write_map_geotiff(raster, model.facts(), model.evidence(), folder / "depth.tif");
   const int longer_px = std::max(raster.window.width, raster.window.height);
   std::string contours;
   if (chart.origin) {

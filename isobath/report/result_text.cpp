@@ -251,6 +251,17 @@ ordered_json track_json(const MapChanges& changes, const PixelGrid& grid) {
   return track;
 }
 
+ordered_json uncertainty_json(const std::optional<RevisitRecord::Uncertainty>& u) {
+  if (!u) return nullptr;
+  const double margin = ReadingEvidenceConfig{}.margin_m;
+  return {{"flat_m", u->tvu_m(margin, 0.0)},
+          {"slope_0_1_m", u->tvu_m(margin, 0.1)},
+          {"slope_0_3_m", u->tvu_m(margin, 0.3)},
+          {"slope_unknown_m", u->tvu_m(margin, std::nullopt)},
+          {"from", u->apart == RevisitRecord::kSurvey ? "surveys" : "passes"},
+          {"revisits", u->n}};
+}
+
 ordered_json depth_json(const DepthOutcome& depth) {
   const DepthCounts& n = depth.counts;
   ordered_json refused = ordered_json::object(), prior = ordered_json::object(), left_out = ordered_json::object();

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <isobath/geometry/geodesy.hpp>
+#include <isobath/map/depth/revisit_record.hpp>
 #include <isobath/map/occupancy/obstacle.hpp>
 #include <isobath/report/run_outcome.hpp>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +41,8 @@ nlohmann::ordered_json alarms_json(const RunOutcome& outcome);
 nlohmann::ordered_json changes_json(const MapChanges& changes, const std::optional<GeoOrigin>& origin);
 nlohmann::ordered_json track_json(const MapChanges& changes, const PixelGrid& grid);
 nlohmann::ordered_json depth_json(const DepthOutcome& depth);
+/// The uncertainty that a map states for its depths; null if it states none.
+nlohmann::ordered_json uncertainty_json(const std::optional<RevisitRecord::Uncertainty>& uncertainty);
 nlohmann::ordered_json voxels_json(const VoxelOutcome& voxels);
 nlohmann::ordered_json sphere_json(const SphericalOutcome& sphere);
 /// "spherical grid: 812 cells to 100 m, 96 occupied; ahead clear for 34 m, then unknown".

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <isobath/geometry/contours.hpp>
 #include <isobath/map/depth/depth_pixel.hpp>
+#include <isobath/report/result_text.hpp>
 #include <isobath/studies/crosscheck.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -22,6 +23,7 @@ constexpr std::array<Allowance, 5> kOrders{{{"Exclusive", 0.15, 0.0075},
                                             {"1a", 0.5, 0.013},
                                             {"1b", 0.5, 0.013},
                                             {"2", 1.0, 0.023}}};
+constexpr double kMargin = 0.5;  // m, of shallow water, for text
 constexpr double kOrderShare = 0.95;
 constexpr std::array<std::pair<int, int>, 5> kConfidenceClasses{{{0, 4}, {5, 9}, {10, 14}, {15, 19}, {20, 20}}};
 
@@ -101,21 +103,76 @@ std::vector<CrosscheckResult::Order> s44_orders(const std::vector<CrosscheckSamp
   return orders;
 }
 
+/// Within which a sounding agrees with the map.
+double margin_of(const CrosscheckInput& input, const CrosscheckSample& s) {
+  return std::max(input.margin_floor_m, input.margin_share * std::abs(static_cast<double>(s.observed_m)));
+}
+
+/// By how much the log's offset and bias change the difference of a sounding, m.
+double shift_of(const CrosscheckSample& s, const std::optional<PositionOffset>& offset) {
+  if (!offset) return 0;
+  return offset->bias_m + (s.gradient ? s.gradient->dot(offset->offset_m) : 0);
+}
+
 /// Number of samples by confidence.
 using ConfidenceCounts = std::array<std::uint64_t, kFullConfidence + 1>;
 
-/// Compares the share of agreeing samples with the one that each confidence promises.
-void add_calibration(const ConfidenceCounts& count, const ConfidenceCounts& agreeing, double n, CrosscheckResult& r) {
+struct Agreements {
+  ConfidenceCounts n{}, agreeing{}, aligned{}, independent{};
+};
+
+/// Compares the share of agreeing samples with the one that the map promises for each confidence.
+void add_calibration(const Agreements& count, const RevisitRecord& revisits, double n, CrosscheckResult& r) {
   double error = 0;
   for (int c = 0; c <= kFullConfidence; ++c) {
     const auto i = static_cast<std::size_t>(c);
-    if (count[i] == 0) continue;
-    const auto trials = static_cast<double>(count[i]), hits = static_cast<double>(agreeing[i]);
-    const double promised = c / static_cast<double>(kFullConfidence);
-    r.calibration.push_back({c, count[i], agreeing[i], hits / trials, promised, wilson_interval(hits, trials)});
-    error += trials * std::abs(hits / trials - promised);
+    if (count.n[i] == 0) continue;
+    const auto learnt = revisits.promise(c);
+    CrosscheckResult::Promise row{
+        .confidence = c,
+        .n = count.n[i],
+        .agreeing = count.agreeing[i],
+        .independent = count.independent[i],
+        .share = static_cast<double>(count.agreeing[i]) / static_cast<double>(count.n[i]),
+        .promised = learnt ? learnt->share : c / static_cast<double>(kFullConfidence),
+        .aligned = r.offset ? static_cast<double>(count.aligned[i]) / static_cast<double>(count.n[i]) : NAN,
+        .learnt = learnt.has_value(),
+        .interval = {}};
+    const auto independent = static_cast<double>(row.independent);
+    row.interval = wilson_interval(row.share * independent, independent);
+    error += static_cast<double>(row.n) * std::abs(row.share - row.promised);
+    r.calibration.push_back(row);
   }
   if (n > 0) r.calibration_error = error / n;
+}
+
+/// The share of the independent soundings within the uncertainty that the map states.
+void add_uncertainty(const std::vector<CrosscheckSample>& samples, const CrosscheckInput& input, CrosscheckResult& r) {
+  r.uncertainty = input.revisits.uncertainty();
+  if (!r.uncertainty) return;
+  constexpr std::array<double, 5> kSlopes = {0, 0.02, 0.05, 0.1, 0.2};
+  std::vector<CrosscheckResult::Within> rows;
+  for (std::size_t k = 0; k < kSlopes.size(); ++k) {
+    rows.push_back({kSlopes[k], k + 1 < kSlopes.size() ? kSlopes[k + 1] : INFINITY, 0, 0, {}});
+  }
+  rows.push_back({NAN, NAN, 0, 0, {}});
+  rows.push_back({0, INFINITY, 0, 0, {}});
+  for (const CrosscheckSample& s : samples) {
+    if (!s.independent) continue;
+    const auto slope = s.gradient ? std::optional(s.gradient->norm()) : std::nullopt;
+    const double tvu = r.uncertainty->tvu_m(margin_of(input, s), slope);
+    const auto above = std::upper_bound(kSlopes.begin(), kSlopes.end(), slope.value_or(0));
+    const auto k = slope ? static_cast<std::size_t>(above - kSlopes.begin()) - 1 : kSlopes.size();
+    for (const std::size_t at : {k, rows.size() - 1}) {
+      ++rows[at].n;
+      rows[at].within += std::abs(difference(s)) <= tvu ? 1 : 0;
+    }
+  }
+  for (CrosscheckResult::Within& row : rows) {
+    if (row.n == 0) continue;
+    row.interval = wilson_interval(static_cast<double>(row.within), static_cast<double>(row.n));
+    r.within.push_back(row);
+  }
 }
 
 }  // namespace
@@ -127,22 +184,27 @@ CrosscheckResult crosscheck(const CrosscheckInput& input) {
   const std::vector<CrosscheckSample> samples = comparable_samples(input.samples, r.left_out);
   const auto n = static_cast<double>(samples.size());
   r.covered = input.offered > 0 ? n / static_cast<double>(input.offered) : 0;
+  std::vector<SlopeSample> slopes;
+  for (const CrosscheckSample& s : samples) {
+    if (s.gradient) slopes.push_back({difference(s), *s.gradient});
+  }
+  r.offset = position_offset(slopes);
   std::vector<double> all;
   std::array<std::vector<double>, kConfidenceClasses.size()> by_class;
-  ConfidenceCounts count{}, agreeing{};
+  Agreements count;
   std::uint64_t shoaler = 0;
   for (const CrosscheckSample& s : samples) {
     const double d = difference(s);
-    const double margin =
-        std::max(input.margin_floor_m, input.margin_share * std::abs(static_cast<double>(s.observed_m)));
+    const double margin = margin_of(input, s);
     all.push_back(d);
     by_class[std::min<std::size_t>(s.confidence / 5U, 4)].push_back(d);
-    ++count[s.confidence];
-    agreeing[s.confidence] += std::abs(d) <= margin ? 1 : 0;
+    ++count.n[s.confidence];
+    count.agreeing[s.confidence] += std::abs(d) <= margin ? 1 : 0;
+    count.aligned[s.confidence] += std::abs(d - shift_of(s, r.offset)) <= margin ? 1 : 0;
+    count.independent[s.confidence] += s.independent ? 1 : 0;
     shoaler += d < -margin ? 1 : 0;
   }
   r.shoaler = share_of(shoaler, n);
-  r.offset = position_offset(input.slopes);
   r.all = difference_statistics(std::move(all));
   if (!samples.empty()) r.by_depth = depth_classes(samples);
   for (std::size_t k = 0; k < kConfidenceClasses.size(); ++k) {
@@ -150,8 +212,15 @@ CrosscheckResult crosscheck(const CrosscheckInput& input) {
         {kConfidenceClasses[k].first, kConfidenceClasses[k].second, difference_statistics(std::move(by_class[k]))});
   }
   r.s44 = s44_orders(samples);
-  add_calibration(count, agreeing, n, r);
+  add_calibration(count, input.revisits, n, r);
+  add_uncertainty(samples, input, r);
   return r;
+}
+
+std::string slope_class(const CrosscheckResult::Within& w) {
+  if (std::isnan(w.low)) return "not known";
+  if (w.low == 0 && std::isinf(w.high)) return "all";
+  return std::isinf(w.high) ? fmt::format("{:g} and more", w.low) : fmt::format("{:g} to {:g}", w.low, w.high);
 }
 
 std::string to_json(const CrosscheckResult& r) {
@@ -176,9 +245,22 @@ std::string to_json(const CrosscheckResult& r) {
     calibration.push_back({{"confidence", p.confidence},
                            {"n", p.n},
                            {"agreeing", p.agreeing},
+                           {"independent", p.independent},
                            {"share", p.share},
                            {"promised", p.promised},
+                           {"share_aligned", p.aligned},
+                           {"learnt", p.learnt},
                            {"interval", {p.interval.low, p.interval.high}}});
+  }
+  Json uncertainty = uncertainty_json(r.uncertainty);
+  if (r.uncertainty) {
+    uncertainty["within"] = Json::array();
+    for (const auto& w : r.within) {
+      uncertainty["within"].push_back({{"slope", {w.low, w.high}},
+                                       {"n", w.n},
+                                       {"within", w.within},
+                                       {"interval", {w.interval.low, w.interval.high}}});
+    }
   }
   Json offset;  // null if unknown
   if (r.offset) {
@@ -204,7 +286,8 @@ std::string to_json(const CrosscheckResult& r) {
                     {"by_confidence", std::move(by_confidence)},
                     {"s44", std::move(s44)},
                     {"calibration_error", r.calibration_error},
-                    {"calibration", std::move(calibration)}};
+                    {"calibration", std::move(calibration)},
+                    {"uncertainty", std::move(uncertainty)}};
   return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -226,10 +309,19 @@ std::string to_text(const CrosscheckResult& r) {
     out += fmt::format("{:<14}{:>7} {:>5}\n", o.name,
                        std::isnan(o.share) ? "-" : fmt::format("{:.1f} %", 100 * o.share), o.met ? "yes" : "no");
   }
-  out += "\nconfidence        n  agree    promised  95 % interval\n";
+  out += "\nconfidence        n   agree  aligned  promised  95 % interval\n";
   for (const auto& p : r.calibration) {
-    out += fmt::format("{:>10}{:>9}{:>5.0f} %{:>10.0f} %  {:.0f}-{:.0f} %\n", p.confidence, p.n, 100 * p.share,
-                       100 * p.promised, 100 * p.interval.low, 100 * p.interval.high);
+    const std::string aligned = std::isnan(p.aligned) ? "-" : fmt::format("{:.0f} %", 100 * p.aligned);
+    out += fmt::format("{:>10}{:>9}{:>6.0f} %{:>9}{:>8.0f} %  {:.0f}-{:.0f} %{}\n", p.confidence, p.n, 100 * p.share,
+                       aligned, 100 * p.promised, 100 * p.interval.low, 100 * p.interval.high,
+                       p.learnt ? "" : "  (5 % a step: too few revisits)");
+  }
+  if (!r.uncertainty) return out;
+  out += fmt::format("\nuncertainty of a depth at 95 %, {}\nslope of the bottom        n  within  95 % interval\n",
+                     to_text(*r.uncertainty, kMargin));
+  for (const auto& w : r.within) {
+    out += fmt::format("{:<19}{:>9}{:>6.0f} %  {:.0f}-{:.0f} %\n", slope_class(w), w.n,
+                       100 * share_of(w.within, static_cast<double>(w.n)), 100 * w.interval.low, 100 * w.interval.high);
   }
   return out;
 }

@@ -12,9 +12,13 @@
 // respect if at least 95 % of the soundings lie within.
 //
 // Calibration of the confidence: for every confidence c of the map, the share of the soundings that agree with it
-// within max(floor, share of depth), the margin within which a reading affirms a pixel, against the promise of 5 % a
-// step (Oskard 1990, IV-A; ledger S1-45, S1-76), with Wilson's 95 % interval. Neighbouring soundings are not
-// independent, so the interval is too narrow; the page says so.
+// within max(floor, share of depth), the margin within which a reading affirms a pixel, against the share that the map
+// promises: that of its own revisits (RevisitRecord), else 5 % a step (Oskard 1990, IV-A; ledger S1-45, S1-76). The
+// 95 % interval is Wilson's over the soundings that share no footprint. It does not hold what all soundings of a log
+// share, such as an offset of its positions; beside it stands the share that would agree without that offset.
+//
+// Uncertainty: the share of these soundings within the total vertical uncertainty (95 %) that the map states for its
+// depths, by slope of the bottom.
 //
 // Metres, days. Statistics without a sounding are NaN, null in JSON. No state, any thread; 30000 samples in 10 ms.
 // Errors: none; samples that are not `comparable` are left out and counted.
@@ -22,6 +26,7 @@
 
 #include <array>
 #include <cstdint>
+#include <isobath/map/depth/revisit_record.hpp>
 #include <isobath/report/html_report.hpp>
 #include <isobath/sonar/roc.hpp>
 #include <isobath/studies/difference_statistics.hpp>
@@ -39,8 +44,10 @@ struct CrosscheckSample {
   float observed_m = 0;   ///< the sounding
   float predicted_m = 0;  ///< the map there
   std::uint8_t confidence = 0;
-  std::uint8_t flags = 0;  ///< PixelFlag
-  float age_days = 0;      ///< of the pixel when the sounding was made
+  std::uint8_t flags = 0;                        ///< PixelFlag
+  float age_days = 0;                            ///< of the pixel when the sounding was made
+  std::optional<Eigen::Vector2d> gradient = {};  ///< of the map's depth (north, east); empty: not known
+  bool independent = true;                       ///< shares no footprint with a recent sounding (IndependentSoundings)
 };
 
 /// Whether a map can hold both depths (within 1e7 m), and the confidence is valid.
@@ -57,8 +64,8 @@ struct CrosscheckInput {
   /// Soundings that were not used, by reason: "no depth in the map", "position unknown", ...
   std::vector<std::pair<std::string, std::uint64_t>> left_out;
   double margin_floor_m = 0.5;
-  double margin_share = 0.02;       ///< of the sounded depth
-  std::vector<SlopeSample> slopes;  ///< of the samples where the slope of the map is known
+  double margin_share = 0.02;  ///< of the sounded depth
+  RevisitRecord revisits;      ///< of the map
 };
 
 struct CrosscheckResult {
@@ -92,11 +99,22 @@ struct CrosscheckResult {
   struct Promise {
     int confidence;
     std::uint64_t n, agreeing;
+    std::uint64_t independent;  ///< of the n, those that share no footprint
     double share, promised;
+    double aligned;  ///< share that agrees once the log is moved by its offset; NaN: no offset is known
+    bool learnt;     ///< promised by the map's revisits
     Interval interval;
   };
-  std::vector<Promise> calibration;      ///< only the confidences that occur
-  std::optional<PositionOffset> offset;  ///< of the log from the map, if the bottom is uneven enough
+  std::vector<Promise> calibration;  ///< only the confidences that occur
+
+  struct Within {
+    double low, high;  ///< slope of the bottom; NaN: not known
+    std::uint64_t n, within;
+    Interval interval;
+  };
+  std::optional<RevisitRecord::Uncertainty> uncertainty;  ///< that the map states
+  std::vector<Within> within;                             ///< its uncertainty, by slope; the last: all
+  std::optional<PositionOffset> offset;                   ///< of the log from the map, if the bottom is uneven enough
   /// Mean |share - promised| over the soundings.
   double calibration_error = std::numeric_limits<double>::quiet_NaN();
 };
@@ -109,6 +127,9 @@ std::string to_json(const CrosscheckResult& result);
 std::string to_text(const CrosscheckResult& result);
 /// The tables with a histogram of the differences, the differences against depth, and the calibration.
 HtmlReport crosscheck_page(const CrosscheckInput& input, const CrosscheckResult& result);
+
+/// "0.05 to 0.1", "not known", "all".
+std::string slope_class(const CrosscheckResult::Within& row);
 
 /// IHO S-44, edition 6: the largest total vertical uncertainty at 95 %.
 double total_vertical_uncertainty(double a_m, double b, double depth_m);

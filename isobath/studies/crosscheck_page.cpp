@@ -95,9 +95,14 @@ std::string against_depth(const std::vector<CrosscheckSample>& samples, const Cr
 std::string calibration_plot(const CrosscheckResult& r) {
   ChartPicture chart(640, 380, "Calibration of the confidence", {"confidence of the map", 0, kFullConfidence},
                      {"soundings that agree (%)", 0, 100});
-  chart.curve(std::vector<double>{0, kFullConfidence}, std::vector<double>{0, 100}, {palette::kFaint, 1.5, true},
-              "promised: 5 % a step");
-  std::vector<double> x, y;
+  std::vector<double> x, y, from, promised;
+  for (const auto& p : r.calibration) {
+    from.insert(from.end(), {p.confidence - 0.5, p.confidence + 0.5});
+    promised.insert(promised.end(), 2, 100 * p.promised);
+  }
+  const bool learnt = std::any_of(r.calibration.begin(), r.calibration.end(), [](const auto& p) { return p.learnt; });
+  chart.curve(from, promised, {palette::kFaint, 1.5, true},
+              learnt ? "promised: by the map's own revisits" : "promised: 5 % a step");
   for (const auto& p : r.calibration) {
     x.push_back(p.confidence);
     y.push_back(100 * p.share);
@@ -151,15 +156,32 @@ void tables(const CrosscheckInput& input, const CrosscheckResult& r, HtmlReport&
   rows.clear();
   for (const auto& p : r.calibration) {
     rows.push_back({std::to_string(p.confidence), std::to_string(p.n), fmt::format("{:.1f} %", 100 * p.share),
-                    fmt::format("{:.0f} %", 100 * p.promised),
+                    std::isnan(p.aligned) ? "-" : fmt::format("{:.1f} %", 100 * p.aligned),
+                    fmt::format("{:.0f} %{}", 100 * p.promised, p.learnt ? "" : " (5 % a step)"),
                     fmt::format("{:.1f} to {:.1f} %", 100 * p.interval.low, 100 * p.interval.high)});
   }
-  page.table({"confidence", "soundings", "agree", "promised", "95 % interval (Wilson)"}, rows);
+  page.table({"confidence", "soundings", "agree", "agree once aligned", "promised", "95 % interval (Wilson)"}, rows);
   page.paragraph(fmt::format(
       "A sounding agrees if it differs from the map by at most {:g} m or {:g} % of the depth, whichever is larger. The "
-      "measured and the promised share differ by {:.1f} % on average. Neighbouring soundings share their errors, so "
-      "the intervals are too narrow.",
+      "measured and the promised share differ by {:.1f} % on average. The map promises what its own later passes "
+      "found; "
+      "where they were too few, 5 % a step. The intervals count one sounding a footprint; what all soundings of this "
+      "log "
+      "share, such as an offset of their positions, is not in them; how many would agree once the log is moved by its "
+      "offset stands beside.",
       input.margin_floor_m, 100 * input.margin_share, 100 * r.calibration_error));
+  if (!r.uncertainty) return;
+  page.heading("Uncertainty of the depths");
+  rows.clear();
+  for (const auto& w : r.within) {
+    rows.push_back({slope_class(w), std::to_string(w.n),
+                    fmt::format("{:.1f} %", 100 * static_cast<double>(w.within) / static_cast<double>(w.n)),
+                    fmt::format("{:.1f} to {:.1f} %", 100 * w.interval.low, 100 * w.interval.high)});
+  }
+  page.table({"slope of the bottom", "soundings", "within the uncertainty", "95 % interval (Wilson)"}, rows);
+  const std::string learnt_from = to_text(*r.uncertainty, input.margin_floor_m);
+  page.paragraph("The map states an uncertainty at 95 % that it has " + learnt_from +
+                 ". On a slope an error of position is an error of depth. 95 % of the soundings should lie within.");
 }
 
 }  // namespace

@@ -182,6 +182,7 @@ void DepthModel::raise(std::span<const ColumnTop> tops) {
 void DepthModel::finish(std::span<const ColumnTop> tops) {
   if (!mapper_) return;
   mapper_->finish();
+  facts_.revisits += mapper_->revisits();
   if (!tops.empty() && last_) raise(tops);
   map_->flush();
   changes_ = find_changes(map_->trees(), map_->grid(), configuration_.depth.evidence.margin_m);

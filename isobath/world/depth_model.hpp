@@ -73,6 +73,7 @@ class DepthModel final : public SoundingSink {
   [[nodiscard]] const EmergencyFlags& emergencies() const { return flags_; }
   [[nodiscard]] const DepthCounts& counts() const;
   [[nodiscard]] const MapFacts& facts() const { return facts_; }
+  [[nodiscard]] const ReadingEvidenceConfig& evidence() const { return configuration_.depth.evidence; }
   [[nodiscard]] const std::vector<MapDamage>& damages() const { return damages_; }
   [[nodiscard]] const DepthPrior& prior() const { return prior_; }
   /// Highest confidence of a charted depth that no sonar has confirmed.

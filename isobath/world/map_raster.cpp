@@ -2,6 +2,7 @@
 #include <cmath>
 #include <isobath/base/error.hpp>
 #include <isobath/io/gdal/geotiff.hpp>
+#include <isobath/perception/sounding_comparison.hpp>
 #include <isobath/world/map_raster.hpp>
 #include <limits>
 
@@ -90,11 +91,46 @@ std::shared_ptr<const DepthSnapshot> snapshot_of(const StoredMap& map) {
   return DepthMap(config, map.facts.area, map.trees, {0, 0}).snapshot();
 }
 
-void write_map_geotiff(const MapRaster& raster, const MapFacts& facts, const std::filesystem::path& file) {
+std::vector<float> vertical_uncertainty(const MapRaster& raster, const RevisitRecord& revisits,
+                                        const ReadingEvidenceConfig& margin) {
+  std::vector<float> tvu(raster.depth_m.size(), kNothing);
+  const auto uncertainty = revisits.uncertainty();
+  if (!uncertainty) return tvu;
+  const PixelWindow& all = raster.window;
+  const auto read = [&](const PixelWindow& wanted, std::span<DepthPixel> out) {
+    std::size_t i = 0;
+    for (int row = wanted.row; row < wanted.row + wanted.height; ++row) {
+      for (int column = wanted.column; column < wanted.column + wanted.width; ++column, ++i) {
+        out[i] = DepthPixel{};
+        if (!all.contains({column, row})) continue;
+        const std::size_t cell = static_cast<std::size_t>(row - all.row) * all.width + (column - all.column);
+        if (std::isnan(raster.depth_m[cell])) continue;
+        out[i] = {DepthPixel::word_of_depth(static_cast<double>(raster.depth_m[cell])),
+                  DepthPixel::word_of_state(raster.confidence[cell], raster.flags[cell], 0)};
+      }
+    }
+  };
+  SoundingComparison comparison(raster.grid);
+  for (std::size_t cell = 0; cell < tvu.size(); ++cell) {
+    if (std::isnan(raster.depth_m[cell]) || (raster.flags[cell] & kSeenByDepth) == 0) continue;
+    const Pixel at{all.column + static_cast<int>(cell % static_cast<std::size_t>(all.width)),
+                   all.row + static_cast<int>(cell / static_cast<std::size_t>(all.width))};
+    const auto gradient = comparison.gradient(read, raster.grid.centre(at));
+    const double depth = std::abs(static_cast<double>(raster.depth_m[cell]));
+    tvu[cell] =
+        static_cast<float>(uncertainty->tvu_m(std::max(margin.margin_m, margin.margin_share * depth),
+                                              gradient ? std::optional<double>(gradient->norm()) : std::nullopt));
+  }
+  return tvu;
+}
+
+void write_map_geotiff(const MapRaster& raster, const MapFacts& facts, const ReadingEvidenceConfig& margin,
+                       const std::filesystem::path& file) {
   Time newest = facts.epoch;
   for (const MapVisit& visit : facts.visits) newest = std::max(newest, visit.last);
   const auto until = static_cast<float>(to_seconds(newest - facts.epoch) / 60);
   std::vector<float> confidence, age, source;
+  const std::vector<float> tvu = vertical_uncertainty(raster, facts.revisits, margin);
   for (std::size_t i = 0; i < raster.depth_m.size(); ++i) {
     const bool known_here = !std::isnan(raster.depth_m[i]);
     confidence.push_back(known_here ? static_cast<float>(raster.confidence[i]) / kFullConfidence : kNothing);
@@ -111,7 +147,8 @@ void write_map_geotiff(const MapRaster& raster, const MapFacts& facts, const std
   const std::vector<RasterBand> bands{{{"depth below " + facts.datum, "m"}, raster.depth_m},
                                       {{"confidence, 0 to 1", ""}, confidence},
                                       {{"age of the last reading before the newest one", "day"}, age},
-                                      {{"source: 1 prior, 2 depth sonar, 3 obstacle sonar, 4 both", ""}, source}};
+                                      {{"source: 1 prior, 2 depth sonar, 3 obstacle sonar, 4 both", ""}, source},
+                                      {{"total vertical uncertainty, 95 %", "m"}, tvu}};
   write_geotiff(file, frame, bands);
 }
 

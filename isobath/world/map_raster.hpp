@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <isobath/map/depth/map_folder.hpp>
 #include <isobath/map/depth/pixel_grid.hpp>
+#include <isobath/perception/reading_evidence.hpp>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -31,8 +32,13 @@ MapRaster read_raster(const DepthSnapshot& snapshot, const PixelWindow& pixels, 
 /// A snapshot of a stored map.
 std::shared_ptr<const DepthSnapshot> snapshot_of(const StoredMap& map);
 
-/// Bands: depth (m), confidence (0..1), age (days before the map's last reading), source (DepthSource as a number).
-/// Throws Error if the file cannot be written.
-void write_map_geotiff(const MapRaster& raster, const MapFacts& facts, const std::filesystem::path& file);
+/// Total vertical uncertainty of each cell at 95 %, m, as the map's revisits have shown it; NaN where no depth sonar
+/// has measured, and everywhere without revisits. `margin`: within which soundings of the map agree.
+std::vector<float> vertical_uncertainty(const MapRaster& raster, const RevisitRecord& revisits,
+                                        const ReadingEvidenceConfig& margin);
+/// Bands: depth (m), confidence (0..1), age (days before the map's last reading), source (DepthSource as a number),
+/// total vertical uncertainty (m). Throws Error if the file cannot be written.
+void write_map_geotiff(const MapRaster& raster, const MapFacts& facts, const ReadingEvidenceConfig& margin,
+                       const std::filesystem::path& file);
 
 }  // namespace isobath

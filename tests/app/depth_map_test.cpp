@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <functional>
 #include <gdal_priv.h>
+#include <isobath/base/random.hpp>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/map/features/object_store.hpp>
 #include <isobath/mission/plan/mission_file.hpp>
@@ -240,14 +241,15 @@ TEST_F(DepthMapProgram, ARunOfSoundingsAloneSpeaksOfDepths) {
   }
 }
 
-TEST_F(DepthMapProgram, TheRasterHasFourBandsInTheirPlace) {
+TEST_F(DepthMapProgram, TheRasterHasFiveBandsInTheirPlace) {
   mapped(file("boat.csv", Survey{}.csv()));
   const Bands bands = exported();
-  ASSERT_THAT(bands.values, SizeIs(4));
+  ASSERT_THAT(bands.values, SizeIs(5));
   EXPECT_EQ(bands.names[0], "depth below water surface");
   EXPECT_THAT(bands.names[1], HasSubstr("confidence"));
   EXPECT_THAT(bands.names[2], HasSubstr("age"));
   EXPECT_THAT(bands.names[3], HasSubstr("source"));
+  EXPECT_THAT(bands.names[4], HasSubstr("total vertical uncertainty"));
   for (const double none : bands.no_data) EXPECT_TRUE(std::isnan(none));
   EXPECT_EQ(bands.cell, 0.5);
   for (double north = 4; north < 110; north += 0.5) {
@@ -284,6 +286,36 @@ TEST_F(DepthMapProgram, TheCrosscheckFindsTheDifferenceThatIsThere) {
   EXPECT_EQ(told.exit_code, 0) << told.err;
   EXPECT_THAT(told.out, AllOf(HasSubstr("soundings offered 360"), HasSubstr("crosscheck.html")));
   EXPECT_EQ(json_of(folder_ / "check" / "crosscheck.json")["n"], agrees["n"]);
+}
+
+// ledger: S1-76 S1-77
+TEST_F(DepthMapProgram, LaterSurveysTellTheUncertaintyThatTheMapStates) {
+  constexpr double kSigma = 0.2;  // m, of the boat's soundings
+  const auto noisy = [](int seed) {
+    Survey survey = later(86400.0 * seed);
+    Random random(static_cast<std::uint64_t>(seed));
+    for (int k = 0; k < kLines * kPoints; ++k) {
+      const int i = k % kPoints, north = k / kPoints % 2 == 0 ? i : kPoints - 1 - i;
+      survey.depths[k] = sloping(kStep * north, 0) + kSigma * random.normal();
+    }
+    return survey.csv();
+  };
+  mapped(file("first.csv", Survey{}.csv()));
+  EXPECT_EQ(info(map())["uncertainty"], nullptr) << "one pass shows nothing of itself";
+  EXPECT_TRUE(std::isnan(exported().at(4, 50, 0)));
+  mapped(file("second.csv", noisy(3)));
+  const json facts = info(map());
+  EXPECT_GT(facts["revisits"]["surveys"][1]["n"].get<int>(), 200);
+  EXPECT_EQ(facts["uncertainty"]["from"], "surveys");
+  const auto stated = facts["uncertainty"]["flat_m"].get<double>();
+  EXPECT_NEAR(stated, 1.96 * kSigma, 0.2 * 1.96 * kSigma);
+  EXPECT_NEAR(exported().at(4, 50, 0), stated, 0.1);
+
+  const json check = checked(file("third.csv", noisy(5)));
+  const json all = check["uncertainty"]["within"].back();
+  EXPECT_LT(all["interval"][0].get<double>(), 0.95);
+  EXPECT_GT(all["interval"][1].get<double>(), 0.93);
+  EXPECT_LT(check["calibration_error"].get<double>(), 0.05) << "98 % agree, and the map promises that";
 }
 
 // ledger: S1-41
@@ -921,6 +953,10 @@ TEST_P(LakeCaputhByDay, IsPredictedByTheMapOfTheOtherDays) {
   EXPECT_GT(check["n"].get<int>(), 3000);
   EXPECT_LT(std::abs(check["median_m"].get<double>()), day.median_m);
   EXPECT_LT(check["robust_sd_m"].get<double>(), day.robust_sd_m);
+  // What the other days have shown of each other holds for this one, but for the day's own offset of position.
+  EXPECT_LT(check["calibration_error"].get<double>(), 0.14);
+  const json within = check["uncertainty"]["within"].back();
+  EXPECT_GT(within["within"].get<double>() / within["n"].get<double>(), 0.85) << "of 95 % stated";
 }
 INSTANTIATE_TEST_SUITE_P(Days, LakeCaputhByDay,
                          testing::Values(Day{"20250117", 14158, 0.08, 0.29}, Day{"20250122", 61118, 0.03, 0.12},

@@ -1,5 +1,6 @@
 // What --json of each command prints is what docs/json-output.md says: no field more, no field less.
 #include <algorithm>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <tests/app/json_page.hpp>
@@ -47,6 +48,25 @@ class JsonOutput : public testing::Test {
     const fs::path log = folder_ / "fan.mcap";
     EXPECT_EQ(isobath::test::isobath({"sim", fan_scene(), "--out", log}).exit_code, 0);
     return log;
+  }
+  /// The soundings of a boat on a day.
+  fs::path boat(int day) {
+    std::string text = "T,Lat,Lon,D\n";
+    for (int i = 0; i < 80; ++i) {
+      text += fmt::format("{},{:.7f},13,{}\n", 86400 * day + i, 52.34 + 0.00003 * i, 5 + 0.05 * (i % 3));
+    }
+    return file(fmt::format("day{}.csv", day), text);
+  }
+  static std::vector<std::string> with_columns(std::vector<std::string> words) {
+    words.insert(words.end(), {"--set", "input.csv_columns=time=T,latitude=Lat,longitude=Lon,depth=D", "--set",
+                               "input.csv_time=seconds"});
+    return words;
+  }
+  /// A depth map that was sailed over twice.
+  void crossed_map() {
+    for (const int day : {1, 2}) {
+      printed(with_columns({"run", boat(day), "--map", folder_ / "crossed", "--out", folder_ / "crossed-run"}));
+    }
   }
   /// A depth map of a lake.
   fs::path lake() {
@@ -185,6 +205,9 @@ TEST_F(JsonOutput, OfADepthMapAndOfWhatIsMadeOfIt) {
   compare("convert to a raster", {"convert", map, folder_ / "lake.tif"});
   compare("crosscheck", {"crosscheck", map, scenario("winnipesaukee"), "--out", folder_ / "check", "--set",
                          "simulation.duration_s=20"});
+  crossed_map();
+  compare("info of a depth map", {"info", folder_ / "crossed"});
+  compare("crosscheck", with_columns({"crosscheck", folder_ / "crossed", boat(3)}));
   compare("path", {"path", map, "60,-80", "20,-80", "--metres", "--draught", "2"}, 1);
   compare("path", {"path", map, "43.6,-71.33", "43.60001,-71.33"});
   const fs::path threats = file("threats.geojson", R"({"type":"Feature","properties":{"detection":0.5},"geometry":)"

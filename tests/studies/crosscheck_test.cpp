@@ -136,6 +136,33 @@ TEST(Crosscheck, AnHonestMapKeepsItsPromises) {
   EXPECT_NEAR(crosscheck(boasting).calibration_error, 0.5, 0.02);
 }
 
+// ledger: S1-76
+TEST(Crosscheck, AMapPromisesWhatItsOwnRevisitsShowed) {
+  Random random(8);
+  CrosscheckInput input;
+  constexpr double kSlope = 0.3, kOffset = 2;  // m to the north, of the log
+  for (int i = 0; i < 4000; ++i) {
+    const bool agrees = random.uniform() < 0.9;
+    input.revisits.add({.difference_m = agrees ? 0.2 : 0.8, .confidence = 7, .slope = 0.0, .apart_min = 1500});
+    const double slope = i % 2 == 0 ? kSlope : -kSlope;
+    CrosscheckSample s = sample(5 + slope * kOffset + 0.1 * random.normal(), 5, 7);
+    s.gradient = Eigen::Vector2d(slope, i % 3 == 0 ? 0.1 : -0.1);
+    s.independent = i % 4 == 0;
+    input.samples.push_back(s);
+  }
+  const CrosscheckResult r = crosscheck(input);
+  ASSERT_EQ(r.calibration.size(), 1u);
+  EXPECT_TRUE(r.calibration[0].learnt);
+  EXPECT_NEAR(r.calibration[0].promised, 0.9, 0.01);
+  EXPECT_EQ(r.calibration[0].independent, 1000u);
+  EXPECT_LT(r.calibration[0].share, 0.3) << "0.6 m of error on the slopes";
+  EXPECT_GT(r.calibration[0].aligned, 0.99) << "which the offset of the log explains";
+  ASSERT_TRUE(r.uncertainty);
+  EXPECT_NEAR(r.uncertainty->tvu_m(0.5, 0.0), 0.8, 0.1) << "a tenth of the revisits differ by 0.8 m";
+  EXPECT_EQ(r.within.back().n, 1000u);
+  EXPECT_NE(to_text(r).find("learnt from 4000 revisits of other surveys"), std::string::npos);
+}
+
 TEST(Crosscheck, WhatIsNoNumberIsLeftOutAndSaid) {
   CrosscheckInput input;
   input.samples = {sample(5, 5), sample(NAN, 5), sample(5, INFINITY), sample(3e38, 5), sample(5, 5, 255)};

@@ -17,10 +17,11 @@ namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 constexpr int kRecordVersion = 1;
-constexpr int kMinMapLevels = 5, kMaxMapLevels = 20;          // as area_of makes them
-constexpr int kDeepestRecord = 8;                             // levels of JSON; deeper text is none of ours
-constexpr double kFarthestCorner = 1e8;                       // m
-constexpr std::int64_t kLatestEpoch = std::int64_t{1} << 62;  // ns; so that differences of times do not overflow
+constexpr int kMinMapLevels = 5, kMaxMapLevels = 20;           // as area_of makes them
+constexpr int kDeepestRecord = 8;                              // levels of JSON; deeper text is none of ours
+constexpr double kFarthestCorner = 1e8;                        // m
+constexpr std::int64_t kMostRevisits = std::int64_t{1} << 48;  // so that sums do not overflow
+constexpr std::int64_t kLatestEpoch = std::int64_t{1} << 62;   // ns; so that differences of times do not overflow
 
 std::uint32_t record_checksum(const std::string& text) {
   return static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(text.data()), text.size()));
@@ -55,6 +56,7 @@ class RecordReader {
     f.configuration = map_.at("configuration").get<std::string>();
     read_origin(f);
     for (const ordered_json& v : map_.at("visits")) f.visits.push_back(visit(v));
+    if (map_.contains("revisits")) f.revisits = revisits(map_["revisits"]);
     read_files(record);
     return record;
   }
@@ -98,6 +100,17 @@ class RecordReader {
       visit.counts[name] = static_cast<std::uint64_t>(whole(count, "count", 0, INT64_MAX));
     }
     return visit;
+  }
+  /// [index, count, index, count, ...] of RevisitRecord::words().
+  [[nodiscard]] RevisitRecord revisits(const ordered_json& counts) const {
+    std::array<std::uint64_t, RevisitRecord::kWords> words{};
+    if (!counts.is_array() || counts.size() % 2 != 0) refuse("the counts of revisits are not pairs");
+    for (std::size_t i = 0; i < counts.size(); i += 2) {
+      const auto at = whole(counts[i], "index of revisits", 0, RevisitRecord::kWords - 1);
+      words[static_cast<std::size_t>(at)] =
+          static_cast<std::uint64_t>(whole(counts[i + 1], "count of revisits", 0, kMostRevisits));
+    }
+    return RevisitRecord::of(words);
   }
   void read_files(MapRecord& record) const {
     record.files = map_.at("files").get<std::map<std::string, std::string>>();
@@ -202,6 +215,14 @@ std::string text_of(const MapRecord& record) {
                    {"priors", f.priors},
                    {"visits", ordered_json::array()},
                    {"configuration", f.configuration}};
+  ordered_json revisits = ordered_json::array();
+  const auto words = f.revisits.words();
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == 0) continue;
+    revisits.push_back(i);
+    revisits.push_back(words[i]);
+  }
+  map["revisits"] = std::move(revisits);
   if (f.origin) map["origin"] = {{"latitude_deg", f.origin->latitude_deg}, {"longitude_deg", f.origin->longitude_deg}};
   for (const MapVisit& v : f.visits) {
     map["visits"].push_back({{"input", v.input},

@@ -15,6 +15,7 @@
 #include <isobath/base/time.hpp>
 #include <isobath/geometry/geodesy.hpp>
 #include <isobath/map/depth/depth_map.hpp>
+#include <isobath/map/depth/revisit_record.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -40,6 +41,7 @@ struct MapFacts {
   std::vector<std::string> priors;  ///< the sources of the prior, for people
   std::vector<MapVisit> visits;     ///< in order
   std::string configuration;        ///< TOML in force at the last commit
+  RevisitRecord revisits;           ///< what later passes showed of earlier ones
 };
 
 /// A damaged block of a file, and what was lost with it. The lost pixels of a file are counted with its first block.
