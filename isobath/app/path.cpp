@@ -57,6 +57,34 @@ nlohmann::ordered_json way_json(const PathOutcome& outcome) {
   return way;
 }
 
+nlohmann::ordered_json object_json(const PathOutcome& outcome, const ObjectNear& object) {
+  nlohmann::ordered_json json{{"kind", object.kind}, {"name", object.name}, {"distance_m", object.distance_m}};
+  add_place(json, outcome, object.north_east);
+  json["depth_m"] = object.depth_m;
+  return json;
+}
+
+nlohmann::ordered_json nearest_json(const PathOutcome& outcome) {
+  if (!outcome.nearest_object) return {};
+  return object_json(outcome, *outcome.nearest_object);
+}
+
+nlohmann::ordered_json objects_json(const PathOutcome& outcome) {
+  auto objects = nlohmann::ordered_json::array();
+  for (const ObjectNear& object : outcome.objects) objects.push_back(object_json(outcome, object));
+  return objects;
+}
+
+void print_objects(const PathOutcome& outcome, bool listed) {
+  if (!outcome.nearest_object) return;
+  const auto print = [](const char* title, const ObjectNear& object) {
+    fmt::print("{}: {}{}, {:.1f} m from the first point, top at {:.1f} m\n", title, object.kind,
+               object.name.empty() ? "" : " \"" + object.name + "\"", object.distance_m, object.depth_m);
+  };
+  if (!listed) print("nearest object", *outcome.nearest_object);
+  for (const ObjectNear& object : outcome.objects) print("object", object);
+}
+
 nlohmann::ordered_json abreast_json(const PathRequest& request, const PathOutcome& outcome) {
   if (!outcome.abreast) return {};
   const AbreastOutcome& a = *outcome.abreast;
@@ -138,6 +166,9 @@ int act(PathOptions& options) {
                 {"unknown_pixels", t.unknown},
                 {"unsure_pixels", t.unsure},
                 {"way", way_json(outcome)},
+                {"obstacles_examined", outcome.obstacles},
+                {"nearest_object", nearest_json(outcome)},
+                {"objects", objects_json(outcome)},
                 {"abreast", abreast_json(request, outcome)},
                 {"threats", threats_json(outcome)},
                 {"queries", outcome.queries},
@@ -152,6 +183,7 @@ int act(PathOptions& options) {
   }
   if (!options.json) {
     if (!outcome.least.empty()) fmt::print("{}\n", outcome.least);
+    print_objects(outcome, request.objects_within_m.has_value());
     if (outcome.abreast) print_abreast(request, *outcome.abreast);
     if (outcome.threats) print_threats(request, *outcome.threats);
   }
@@ -238,6 +270,11 @@ Action add_path(CLI::App& program) {
   length("--clearance", request.search.passage.clearance_m, "Water required below the vehicle, m");
   length("--half-width", request.search.passage.half_width_m, "Half the width of the corridor, m");
   length("--around-objects", request.obstacle_radius_m, "Distance to keep from charted objects, m");
+  command
+      ->add_option("--objects-within", request.objects_within_m,
+                   "List the objects of the map within this distance of the first point, m")
+      ->check(number(0, 1e6))
+      ->group("Path");
   const char* kFinding = "Finding a way";
   CLI::Option* find = command
                           ->add_flag("--find", request.find,

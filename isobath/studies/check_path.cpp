@@ -89,6 +89,8 @@ class PathOverMap {
     std::string no_way;
     if (request_.line.any()) outcome.way = path = course_along_line();
     load_obstacles(path);
+    outcome.obstacles = obstacles_.size();
+    find_objects(outcome);
     load_threats(path);
     if (request_.find) {
       no_way = find_way(outcome);
@@ -127,6 +129,19 @@ class PathOverMap {
     obstacles_ = obstacles_near(features_, box_round(path, request_.find ? request_.search.margin_m : 0),
                                 request_.obstacle_radius_m + passage_.half_width_m);
     for (ChartObstacle& obstacle : obstacles_) obstacle.radius_m = request_.obstacle_radius_m;
+  }
+
+  void find_objects(PathOutcome& outcome) const {
+    const Vector2d start = points_.front().head<2>();
+    const auto described = [&](const PrQuadtree::Found& found) {
+      const MapObject& object = features_.objects[found.id];
+      return ObjectNear{object.kind, object.name, object.p_W.head<2>(), object.p_W.z(), found.distance};
+    };
+    if (const auto found = features_.points.nearest(start)) outcome.nearest_object = described(*found);
+    if (!request_.objects_within_m) return;
+    for (const PrQuadtree::Found& found : features_.points.within(start, *request_.objects_within_m)) {
+      outcome.objects.push_back(described(found));
+    }
   }
 
   /// The mission map over the path, with the threats.

@@ -19,17 +19,27 @@ namespace isobath {
 
 struct PathRequest {
   std::filesystem::path map;
-  std::vector<GeoPoint> points;          ///< way-points on the globe; or
-  std::vector<Eigen::Vector2d> local_m;  ///< north, east of W, for maps without a geographic origin
-  double draught_m = 1;                  ///< depth of the vehicle's lowest part
-  double obstacle_radius_m = 5;          ///< position uncertainty of charted objects
-  PilotSearchConfig search;              ///< its passage also when straight legs are checked
-  bool find = false;                     ///< finds a way between the points instead of checking the straight legs
-  LineWanted line;                       ///< follows a line from the first point to the second instead
-  double offset_m = 0;                   ///< of the course from that line, to starboard
-  std::optional<double> altitude_m;      ///< above the bottom, along a line; without it, the depth is the draught
-  Formation formation;                   ///< all of them need the water
-  std::filesystem::path threats;         ///< a file of areas (threat_areas.hpp); empty: none
+  std::vector<GeoPoint> points;            ///< way-points on the globe; or
+  std::vector<Eigen::Vector2d> local_m;    ///< north, east of W, for maps without a geographic origin
+  double draught_m = 1;                    ///< depth of the vehicle's lowest part
+  double obstacle_radius_m = 5;            ///< position uncertainty of charted objects
+  PilotSearchConfig search;                ///< its passage also when straight legs are checked
+  bool find = false;                       ///< finds a way between the points instead of checking the straight legs
+  LineWanted line;                         ///< follows a line from the first point to the second instead
+  double offset_m = 0;                     ///< of the course from that line, to starboard
+  std::optional<double> altitude_m;        ///< above the bottom, along a line; without it, the depth is the draught
+  Formation formation;                     ///< all of them need the water
+  std::optional<double> objects_within_m;  ///< lists the objects of the map within this of the first point (S1-21)
+  std::filesystem::path threats;           ///< a file of areas (threat_areas.hpp); empty: none
+};
+
+/// A point object of the map near the first point of the path.
+struct ObjectNear {
+  std::string kind;
+  std::string name;
+  Eigen::Vector2d north_east = Eigen::Vector2d::Zero();
+  double depth_m = 0;     ///< of its top; 0 if the map does not say
+  double distance_m = 0;  ///< from the first point
 };
 
 /// How many vehicles can go abreast.
@@ -53,7 +63,10 @@ struct PathOutcome {
   std::string least;                 ///< one line: the least depth on the path and where; empty if none is known
   std::optional<GeoOrigin> origin;   ///< of the map
   double length_m = 0;
-  std::optional<AbreastOutcome> abreast;  ///< of more than one vehicle
+  std::size_t obstacles = 0;                 ///< of the map, near enough to the path to be examined (S1-25)
+  std::optional<ObjectNear> nearest_object;  ///< to the first point; empty: the map has no objects
+  std::vector<ObjectNear> objects;           ///< within objects_within_m, nearest first
+  std::optional<AbreastOutcome> abreast;     ///< of more than one vehicle
   std::optional<ThreatOutcome> threats;
 };
 

@@ -209,7 +209,7 @@ TEST_F(JsonOutput, OfADepthMapAndOfWhatIsMadeOfIt) {
   compare("info of a depth map", {"info", folder_ / "crossed"});
   compare("crosscheck", with_columns({"crosscheck", folder_ / "crossed", boat(3)}));
   compare("path", {"path", map, "60,-80", "20,-80", "--metres", "--draught", "2"}, 1);
-  compare("path", {"path", map, "43.6,-71.33", "43.60001,-71.33"});
+  compare("path", {"path", map, "43.6,-71.33", "43.60001,-71.33", "--objects-within", "500"});
   const fs::path threats = file("threats.geojson", R"({"type":"Feature","properties":{"detection":0.5},"geometry":)"
                                                    R"({"type":"Polygon","coordinates":[[[-71.34,43.59],[-71.32,43.59],)"
                                                    R"([-71.32,43.61],[-71.34,43.59]]]}})");

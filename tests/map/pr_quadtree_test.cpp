@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <isobath/base/random.hpp>
@@ -52,7 +53,7 @@ TEST(PrQuadtree, EditsThatCannotBeDoneSayWhy) {
   EXPECT_THAT(tree.in_window({Vector2d(5, 5), Vector2d(5, 5)}), testing::IsEmpty());
 }
 
-// ledger: S1-20 S1-25
+// ledger: S1-20 S1-21 S1-25
 RC_GTEST_PROP(PrQuadtreeProperty, FindsWhatAListFindsAfterAnyInsertions, ()) {
   Random random(*rc::gen::arbitrary<std::uint64_t>());
   const bool on_grid = *rc::gen::arbitrary<bool>();  // many coincide, many lie on the edges of blocks
@@ -79,10 +80,41 @@ RC_GTEST_PROP(PrQuadtreeProperty, FindsWhatAListFindsAfterAnyInsertions, ()) {
       if (meant && window.contains(e.second.position)) inside.push_back(e.first);
     }
     RC_ASSERT(tree.in_window(window, kinds) == inside);
+    std::vector<std::pair<double, std::uint64_t>> near;  // by distance, then by id
+    for (const auto& e : plain) {
+      const bool meant = kinds == kEveryKind || (e.second.kinds & kinds) != 0;
+      if (meant) near.emplace_back((e.second.position - p).norm(), e.first);
+    }
+    std::sort(near.begin(), near.end());
+    const auto nearest = tree.nearest(p, kinds);
+    RC_ASSERT(nearest.has_value() == !near.empty());
+    if (nearest) {
+      RC_ASSERT(std::pair(nearest->distance, nearest->id) == near.front());
+    }
+    std::vector<std::pair<double, std::uint64_t>> reached;
+    for (const auto& found : tree.within(p, reach, kinds)) reached.emplace_back(found.distance, found.id);
+    near.erase(std::find_if(near.begin(), near.end(), [&](const auto& one) { return one.first > reach; }), near.end());
+    RC_ASSERT(reached == near);
   }
   PrQuadtree again({-4, -4}, 8, 10);  // the shape is that of what is in it
   for (const auto& e : plain) again.insert(e.second);
   RC_ASSERT(again.internal_nodes() == tree.internal_nodes());
+}
+
+// ledger: S1-21
+TEST(PrQuadtree, ASearchOfTheNearestVisitsFewNodes) {
+  Random random(3);
+  PrQuadtree tree({0, 0}, 1000);
+  for (std::uint64_t id = 0; id < 10'000; ++id) tree.insert({id, {random.uniform(0, 1000), random.uniform(0, 1000)}});
+  for (int i = 0; i < 50; ++i) {
+    SearchEffort nearest, within;
+    const Vector2d p(random.uniform(-100, 1100), random.uniform(-100, 1100));
+    ASSERT_TRUE(tree.nearest(p, kEveryKind, &nearest));
+    EXPECT_LT(tree.within(p, 20, kEveryKind, &within).size(), 100u);
+    EXPECT_LT(nearest.nodes, tree.internal_nodes() / 20);
+    EXPECT_LT(within.nodes, tree.internal_nodes() / 20);
+    EXPECT_LT(nearest.objects, 500u);
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <isobath/base/error.hpp>
 #include <isobath/map/features/pr_quadtree.hpp>
+#include <limits>
 
 namespace isobath {
 
@@ -46,6 +47,59 @@ void PrQuadtree::visit_window(std::uint32_t node, const SquareBlock& block, cons
     return;
   }
   for (; node != kEmpty; node = at(node).next) visit(at(node));
+}
+
+/// Visits the matching objects of all leaves within bound(), a squared distance that may shrink meanwhile.
+template <class Bound, class Visit>
+void PrQuadtree::visit_nearest(const Eigen::Vector2d& point, std::uint32_t kinds, Bound bound, Visit visit,
+                               SearchEffort* effort) const {
+  ISOBATH_ASSERT(point.allFinite());
+  SearchEffort spent;
+  const auto leaf = [&](std::uint32_t node) {
+    for (; node != kEmpty; node = at(node).next) {
+      if (!meant(at(node), kinds)) continue;
+      ++spent.objects;
+      visit(Found{at(node).id, (at(node).position - point).squaredNorm()});
+    }
+  };
+  spent.nodes = BestFirstSearch(blocks_, point, bound, leaf).run(root_, square_);
+  if (effort != nullptr) *effort = spent;
+}
+
+namespace {
+
+bool nearer_object(const PrQuadtree::Found& a, const PrQuadtree::Found& b) {
+  return a.distance < b.distance || (a.distance == b.distance && a.id < b.id);
+}
+
+}  // namespace
+
+std::optional<PrQuadtree::Found> PrQuadtree::nearest(const Eigen::Vector2d& point, std::uint32_t kinds,
+                                                     SearchEffort* effort) const {
+  std::optional<Found> best;
+  visit_nearest(
+      point, kinds, [&] { return best ? best->distance : std::numeric_limits<double>::infinity(); },
+      [&](const Found& found) {
+        if (!best || nearer_object(found, *best)) best = found;
+      },
+      effort);
+  if (best) best->distance = std::sqrt(best->distance);
+  return best;
+}
+
+std::vector<PrQuadtree::Found> PrQuadtree::within(const Eigen::Vector2d& point, double radius_m, std::uint32_t kinds,
+                                                  SearchEffort* effort) const {
+  std::vector<Found> all;
+  const double squared = radius_m * radius_m;
+  visit_nearest(
+      point, kinds, [&] { return squared; },
+      [&](const Found& found) {
+        if (found.distance <= squared) all.push_back(found);
+      },
+      effort);
+  std::sort(all.begin(), all.end(), nearer_object);
+  for (Found& found : all) found.distance = std::sqrt(found.distance);
+  return all;
 }
 
 std::vector<std::uint64_t> PrQuadtree::in_window(const Eigen::AlignedBox2d& window, std::uint32_t kinds) const {
