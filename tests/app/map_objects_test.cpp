@@ -223,5 +223,40 @@ TEST_F(WrongChart, FallsInConfidenceUntilTheSoundingReplacesItOverASquare) {
   }
 }
 
+// One boat's line north over 9 m, with a sounding every half metre, onto a shelf of 4 m; up to 10 m before the shelf
+// one sounding in twenty is false. Soundings that disagree with their neighbours wait for support. Fewer false shoals
+// stand, and the shelf begins at the same row; it waits for its third sounding. ledger: S1-72
+TEST_F(WrongChart, AgreementWithNeighboursLeavesFewerFalseShoalsAndTheSameShelf) {
+  Random random(11);
+  std::string text = "T,Lat,Lon,D\n";
+  for (int i = 0; i < 400; ++i) {
+    const double depth = random.uniform(0, 1) < 0.05 && i < 300 ? random.uniform(1, 7) : i < 320 ? 9 : 4;
+    text += fmt::format("{},{:.8f},13,{:.3f}\n", 1'700'000'000 + i, 52.34 + 0.0000045 * i, depth);
+  }
+  const fs::path log = write(folder_ / "line.csv", text);
+  int false_rows[2] = {0, 0}, shelf_rows[2] = {0, 0};
+  for (const bool held : {false, true}) {
+    fs::remove_all(folder_ / "map");
+    const ProgramResult mapped = isobath_run(
+        log, folder_ / "out",
+        {"--map", folder_ / "map", "--set", "input.csv_columns=time=T,latitude=Lat,longitude=Lon,depth=D", "--set",
+         "input.csv_time=seconds", "--set", held ? "depth.quarantine=true" : "depth.quarantine=false"});
+    ASSERT_EQ(mapped.exit_code, 0) << mapped.err;
+    const std::vector<Place> map = exported();
+    const int rows = static_cast<int>(map.size()) / columns_;
+    const auto shallow = [&](int row) {
+      const auto first = map.begin() + static_cast<std::ptrdiff_t>(row) * columns_;
+      return std::any_of(first, first + columns_, [](const Place& p) { return p.depth_m < 7.5F; });
+    };
+    int row = 0;  // from the north: first the shelf
+    for (; row < rows && shallow(row); ++row) ++shelf_rows[held];
+    for (; row < rows; ++row) false_rows[held] += shallow(row) ? 1 : 0;
+  }
+  EXPECT_GT(false_rows[false], 10);
+  EXPECT_LT(false_rows[true], false_rows[false] / 5);
+  EXPECT_GT(shelf_rows[false], 70) << "80 soundings 0.5 m apart";
+  EXPECT_EQ(shelf_rows[true], shelf_rows[false]);
+}
+
 }  // namespace
 }  // namespace isobath::map_objects
