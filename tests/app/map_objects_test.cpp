@@ -111,8 +111,9 @@ TEST_F(MapObjects, APathExaminesTheObjectsNearItAndNoOther) {
   EXPECT_EQ(checked["obstacles_examined"], near);
 }
 
-// The defaults that stand where the paper gives no number, each of which is a setting. ledger: S1-E10
-TEST(Defaults, OfConfidenceMarginAndMountingAreThoseOfTheLedgerAndCanBeSet) {
+// The defaults that stand where the paper gives no number, each of which is a setting; scenes mount sonars as they
+// like. ledger: S1-E10
+TEST(Defaults, OfConfidenceAndMarginAreThoseOfTheLedgerAndCanBeSet) {
   const ProgramResult told = isobath::test::isobath({"config"});
   ASSERT_EQ(told.exit_code, 0) << told.err;
   const auto setting = [&](const std::string& section, const std::string& key) {
