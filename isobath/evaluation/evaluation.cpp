@@ -22,7 +22,10 @@ std::string fingerprint_of_request(const EvaluationRequest& request) {
   for (const ComparedMethod& method : request.methods) {
     const Configuration& configuration = method.configuration;
     all += "|" + method.name + "|" + to_toml(configuration, false);
-    if (!configuration.sensor.model.empty()) all += text_of_file(configuration.sensor.model);
+    const SensorConfig& sensor = configuration.sensor;
+    for (const std::string* file : {&sensor.model, &sensor.histogram, &sensor.histogram_vertical}) {
+      if (!file->empty()) all += text_of_file(*file, 1024);
+    }
   }
   std::uint64_t digest = 0xcbf29ce484222325u;
   for (const char c : all) digest = (digest ^ static_cast<unsigned char>(c)) * 0x100000001b3u;

@@ -4,7 +4,9 @@ namespace isobath {
 
 std::vector<Field> fields(SensorConfig& c) {
   return {Field::text("model", &c.model, "Sensor model or fan model made by isobath calibrate; empty: none."),
-          Field::text("histogram", &c.histogram, "Histogram model made by isobath calibrate; empty: none.")};
+          Field::text("histogram", &c.histogram, "Histogram model made by isobath calibrate; empty: none."),
+          Field::text("histogram_vertical", &c.histogram_vertical,
+                      "Histogram model of the vertical fans; empty: that of sensor.histogram.")};
 }
 
 std::vector<Field> fields(MapConfig& c) {

@@ -21,8 +21,9 @@
 namespace isobath {
 
 struct SensorConfig {
-  std::string model;      ///< file made by calibration; empty: none
-  std::string histogram;  ///< likewise
+  std::string model;               ///< file made by calibration; empty: none
+  std::string histogram;           ///< likewise
+  std::string histogram_vertical;  ///< of the fans that lie in a vertical plane; empty: `histogram` is for all
 };
 std::vector<Field> fields(SensorConfig& config);
 

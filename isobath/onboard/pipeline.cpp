@@ -21,28 +21,30 @@ SonarModels models_of(const SensorConfig& sensor) {
   return {std::nullopt, std::make_shared<const FanModel>(read_fan_model(text, sensor.model))};
 }
 
-std::shared_ptr<const LikelihoodRatios> ratios_of(const SensorConfig& sensor) {
-  if (sensor.histogram.empty()) return nullptr;
-  return std::make_shared<const LikelihoodRatios>(
-      std::make_shared<const HistogramModel>(load_histogram_model(sensor.histogram)));
+using Ratios = std::shared_ptr<const LikelihoodRatios>;
+
+Ratios ratios_of(const std::string& file) {
+  if (file.empty()) return nullptr;
+  return std::make_shared<const LikelihoodRatios>(std::make_shared<const HistogramModel>(load_histogram_model(file)));
 }
 
-bool leaves_method_open(const OnboardConfiguration& configuration, const SonarModels& models) {
-  return configuration.echoes.method == DetectionMethod::kAutomatic && !models.sensor &&
-         configuration.sensor.histogram.empty();
+bool leaves_method_open(const OnboardConfiguration& configuration, const SonarModels& models, const Ratios& ratios) {
+  return configuration.echoes.method == DetectionMethod::kAutomatic && !models.sensor && !ratios;
 }
 
 /// A vertical fan receives the bottom in some beams only, and at a different range in each: the background across the
 /// beams is not usable.
-EchoDetectorConfig for_vertical(const OnboardConfiguration& configuration, const SonarModels& models) {
+EchoDetectorConfig for_vertical(const OnboardConfiguration& configuration, const SonarModels& models,
+                                const Ratios& ratios) {
   EchoDetectorConfig echoes = configuration.echoes;
-  if (leaves_method_open(configuration, models)) echoes.method = DetectionMethod::kLearnt;
+  if (leaves_method_open(configuration, models, ratios)) echoes.method = DetectionMethod::kLearnt;
   return echoes;
 }
 
-EchoDetectorConfig for_sounder(const OnboardConfiguration& configuration, const SonarModels& models) {
+EchoDetectorConfig for_sounder(const OnboardConfiguration& configuration, const SonarModels& models,
+                               const Ratios& ratios) {
   EchoDetectorConfig echoes = configuration.echoes;
-  if (!leaves_method_open(configuration, models)) return echoes;
+  if (!leaves_method_open(configuration, models, ratios)) return echoes;
   echoes.method = DetectionMethod::kOrderedStatistic;
   echoes.false_alarm = std::min(echoes.false_alarm, kSounderFalseAlarm);
   echoes.blanking_m = std::max(echoes.blanking_m, kSounderBlind);
@@ -75,11 +77,14 @@ Pipeline::Pipeline(const OnboardConfiguration& configuration, ResultSink& sink, 
       alarms_(configuration.collision, configuration.state),
       gate_(configuration.gate),
       poses_(configuration.poses),
-      ratios_(ratios_of(configuration.sensor)),
+      ratios_(ratios_of(configuration.sensor.histogram)),
+      vertical_ratios_(configuration.sensor.histogram_vertical.empty()
+                           ? ratios_
+                           : ratios_of(configuration.sensor.histogram_vertical)),
       models_(models_of(configuration.sensor)),
       echoes_(configuration.echoes, models_.sensor, ratios_, models_.fan),
-      vertical_echoes_(for_vertical(configuration, models_), models_.sensor, ratios_),
-      sounder_echoes_(for_sounder(configuration, models_), models_.sensor, ratios_),
+      vertical_echoes_(for_vertical(configuration, models_, vertical_ratios_), models_.sensor, vertical_ratios_),
+      sounder_echoes_(for_sounder(configuration, models_, ratios_), models_.sensor, ratios_),
       soundings_(configuration.map.sounding_band_m),
       sweeps_(configuration.map.fan_scan_s),
       detector_(configuration.obstacles) {
@@ -143,7 +148,7 @@ void Pipeline::map_vertical(const Ping& ping, const Pose& X_WB, bool posed) {
   WaterColumn water = water_at(ping, X_WB, posed);
   if (sounds) water.above_bottom_m.reset();
   detector_of(ping).detect(ping, decisions_, water);
-  if (sounds && leaves_method_open(configuration_, models_)) side_lobes_.leave_out(ping, decisions_);
+  if (sounds && leaves_method_open(configuration_, models_, ratios_)) side_lobes_.leave_out(ping, decisions_);
   sink_.on_vertical_ping({ping, X_WB, decisions_});
   ++counts_.vertical;
 }
@@ -296,7 +301,10 @@ void Pipeline::note_mapped(const Ping& ping, const Pose& X_WB, bool posed, const
 }
 
 std::string Pipeline::undecided() const {
-  return echoes_.state() == DetectorState::kReady ? "" : to_text(echoes_.state());
+  if (echoes_.state() != DetectorState::kReady) return to_text(echoes_.state());
+  const DetectorState vertical = vertical_echoes_.state();
+  const bool other = counts_.vertical > 0 && vertical == DetectorState::kHistogramOfOther;
+  return other ? std::string("vertical fans: ") + to_text(vertical) : "";
 }
 
 void Pipeline::count(const EchoDecisions& decisions) {

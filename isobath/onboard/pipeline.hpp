@@ -135,7 +135,8 @@ class Pipeline {
   Eigen::Vector3d jumped_ = Eigen::Vector3d::Zero();  ///< sum of all jumps
   std::vector<Waiting> waiting_;                      ///< measurements that wait for the next fix, oldest first
   AltitudeEstimator bottom_;
-  std::shared_ptr<const LikelihoodRatios> ratios_;  ///< of the histogram model; null: none
+  std::shared_ptr<const LikelihoodRatios> ratios_;           ///< of the histogram model; null: none
+  std::shared_ptr<const LikelihoodRatios> vertical_ratios_;  ///< of the vertical fans
   SonarModels models_;
   EchoDetector echoes_, vertical_echoes_, sounder_echoes_;
   SideLobes side_lobes_;

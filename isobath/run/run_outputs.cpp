@@ -5,9 +5,12 @@ namespace isobath {
 
 void check_run_outputs(const RunRequest& request, const std::vector<std::string>& priors) {
   const Configuration& configuration = request.configuration;
-  std::vector<std::filesystem::path> inputs{request.mission, configuration.input.navigation,
-                                            configuration.input.reference, configuration.sensor.model,
-                                            configuration.sensor.histogram};
+  std::vector<std::filesystem::path> inputs{request.mission,
+                                            configuration.input.navigation,
+                                            configuration.input.reference,
+                                            configuration.sensor.model,
+                                            configuration.sensor.histogram,
+                                            configuration.sensor.histogram_vertical};
   inputs.insert(inputs.end(), priors.begin(), priors.end());
   // From a folder the program reads logs alone. No file of a run is a log, so that they may stand in the same folder.
   std::error_code ignored;
