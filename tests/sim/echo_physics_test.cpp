@@ -246,6 +246,30 @@ TEST(EchoPhysics, StavesSeeTheSectorsStated) {
   EXPECT_GT(db(peak(17.5) / peak(0)), -1);
   EXPECT_LT(db(peak(19.5) / peak(0)), -10);
   EXPECT_GT(db(peak(-27.5) / peak(0)), -1);
+  EXPECT_LT(db(peak(-29.5) / peak(0)), -10);
+}
+
+// Swept through the horizontal field, in steps of 3 degrees from port to starboard. ledger: S5-03
+TEST(EchoPhysics, TheHorizontalStavesSeeNinetyDegrees) {
+  SonarConfig flat = sonar_preset("p450_horizontal");
+  flat.noise = BackgroundLaw::kNone;
+  flat.surface_bounce = flat.bottom_bounce = flat.surface_reverberation = flat.volume_reverberation = false;
+  const auto peak = [&](double to_starboard) {
+    const Tank tank(kStill + kMatt +
+                    sphere(40 * std::cos(to_starboard * kDegree), 40 * std::sin(to_starboard * kDegree), 50, 0.05));
+    const EchoImage image = heard(tank, flat, at_depth(50) * sensor_pose(flat));
+    double best = 0;
+    for (const float p : image.steady) best = std::max(best, static_cast<double>(p));
+    return best;
+  };
+  const double ahead = peak(0);
+  for (double at = -49.5; at < 50; at += 3) {
+    if (std::abs(at) < 45) {
+      EXPECT_GT(db(peak(at) / ahead), -1) << at;
+    } else if (std::abs(at) > 46) {
+      EXPECT_LT(db(std::max(peak(at), 1e-30) / ahead), -10) << at;
+    }
+  }
 }
 
 // ledger: S5-04
