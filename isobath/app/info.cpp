@@ -192,7 +192,8 @@ void print_revisits(const RevisitRecord& revisits) {
     fmt::print("  {:<12} soundings of a later {} that agreed: {}\n", "revisits",
                apart == RevisitRecord::kSurvey ? "survey" : "pass", shares);
   }
-  if (const auto u = revisits.uncertainty()) fmt::print("  {:<12} at 95 %, {}\n", "uncertainty", to_text(*u, ReadingEvidenceConfig{}.margin_m));
+  if (const auto u = revisits.uncertainty())
+    fmt::print("  {:<12} at 95 %, {}\n", "uncertainty", to_text(*u, ReadingEvidenceConfig{}.margin_m));
 }
 
 void print(const std::string& folder, const StoredMap& map) {

@@ -6,6 +6,7 @@
 #include <isobath/app/values.hpp>
 #include <isobath/base/error.hpp>
 #include <isobath/base/pending_file.hpp>
+#include <isobath/base/printable_text.hpp>
 #include <isobath/studies/check_path.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -78,8 +79,9 @@ nlohmann::ordered_json objects_json(const PathOutcome& outcome) {
 void print_objects(const PathOutcome& outcome, bool listed) {
   if (!outcome.nearest_object) return;
   const auto print = [](const char* title, const ObjectNear& object) {
-    fmt::print("{}: {}{}, {:.1f} m from the first point, top at {:.1f} m\n", title, object.kind,
-               object.name.empty() ? "" : " \"" + object.name + "\"", object.distance_m, object.depth_m);
+    const std::string name = object.name.empty() ? "" : " \"" + printable_text(object.name) + "\"";
+    fmt::print("{}: {}{}, {:.1f} m from the first point, top at {:.1f} m\n", title, printable_text(object.kind), name,
+               object.distance_m, object.depth_m);
   };
   if (!listed) print("nearest object", *outcome.nearest_object);
   for (const ObjectNear& object : outcome.objects) print("object", object);

@@ -97,19 +97,17 @@ std::string calibration_plot(const CrosscheckResult& r) {
                      {"soundings that agree (%)", 0, 100});
   std::vector<double> x, y, from, promised;
   for (const auto& p : r.calibration) {
-    from.insert(from.end(), {p.confidence - 0.5, p.confidence + 0.5});
+    from.insert(from.end(), {p.confidence - 0.5, std::min(p.confidence + 0.5, double{kFullConfidence})});
     promised.insert(promised.end(), 2, 100 * p.promised);
   }
-  const bool learnt = std::any_of(r.calibration.begin(), r.calibration.end(), [](const auto& p) { return p.learnt; });
-  chart.curve(from, promised, {palette::kFaint, 1.5, true},
-              learnt ? "promised: by the map's own revisits" : "promised: 5 % a step");
+  chart.curve(from, promised, {palette::kObstacle, 1.5, true}, "");
   for (const auto& p : r.calibration) {
     x.push_back(p.confidence);
     y.push_back(100 * p.share);
     chart.curve(std::vector<double>(2, p.confidence), std::vector<double>{100 * p.interval.low, 100 * p.interval.high},
                 {palette::kTrack, 1.5, false}, "");
   }
-  chart.points(x, y, palette::kTrack, "measured, with 95 % interval");
+  chart.points(x, y, palette::kTrack, "");
   chart.finish();
   return chart.png();
 }
@@ -216,7 +214,10 @@ HtmlReport crosscheck_page(const CrosscheckInput& input, const CrosscheckResult&
               "Histogram of the differences. Dashed: a normal law of the same median and spread.");
   page.figure(against_depth(samples, r), "Differences beyond the picture are drawn at its edge.");
   page.end_row();
-  page.figure(calibration_plot(r), "Above the line the map is better than its confidence says; below it, worse.");
+  page.figure(
+      calibration_plot(r),
+      "Dots: the share that agrees, with its 95 % interval. Dashed: what the map promises. Above the line the map is "
+      "better than it says; below it, worse.");
   tables(input, r, page);
   return page;
 }
