@@ -10,6 +10,7 @@
 #include <isobath/run/closed_loop.hpp>
 #include <map>
 #include <mutex>
+#include <tests/support/data.hpp>
 #include <thread>
 
 namespace isobath {
@@ -113,7 +114,7 @@ class SphereReaders : public OnboardObserver {
 
 // Each finds in a snapshot, while the run goes on, what it finds alone with it afterwards. ledger: S4-48
 TEST(SphereReaders, FourProcessesReadTheGridOfALiveRunAsItWasAtTheEndOfAScan) {
-  const Scenario scenario = parse_scenario(kPoleForReaders, "readers.toml");
+  const Scenario scenario = parse_scenario(kPoleForReaders, (test::source_folder() / "readers.toml").string());
   SphereReaders readers;
   LoopRequest request;
   request.live = true;
