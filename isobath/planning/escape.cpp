@@ -17,7 +17,9 @@ constexpr double kNearer = 0.1;      // m that a vehicle too near at the start m
 constexpr double kLeaving = 0.2;     // m/s at which it must then get away
 constexpr double kPlenty = 2;        // times the wanted room: more is no better
 constexpr double kRound = 100 * pi;  // rad: more than any horizon holds
-constexpr std::array<double, 7> kTurns = {pi / 6, pi / 3, pi / 2, 2 * pi / 3, 5 * pi / 6, pi, kRound};
+/// The small ones find the way through a gap: at 15 m before a gap of 4 m, 30 degrees miss it.
+constexpr std::array<double, 10> kTurns = {pi / 36, pi / 18,    pi / 10,    pi / 6, pi / 3,
+                                           pi / 2,  2 * pi / 3, 5 * pi / 6, pi,     kRound};
 constexpr std::array<double, 3> kWaits = {0, 1.5, 3};  // s
 
 }  // namespace

@@ -210,7 +210,10 @@ void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
   std::optional<double> plane_m;
   if (found) plane_m = found->length_m;
   if (aside) plane_m = std::min(plane_m.value_or(aside_m), aside_m);
-  if (const auto through = search_space(view, plane_m)) return take_space_way(view, *through, std::move(d), out);
+  if (const auto through = search_space(view, plane_m)) {
+    if (is_as_clear(view, through->clearance_m)) return;
+    return take_space_way(view, *through, std::move(d), out);
+  }
   if (aside && (!found || aside_m <= found->length_m + config_.switch_m)) {
     return take_way(view, *aside, std::move(d), out);
   }

@@ -115,6 +115,8 @@ class Navigator : public Agent {
   [[nodiscard]] std::vector<Hazard> hazards_W(const View& view) const;
   [[nodiscard]] SpaceRouteTask space_task(std::span<const Hazard> hazards) const;
   [[nodiscard]] const Space& space_of(View& view) const;
+  bool is_as_clear(View& view, double clearance_m) const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> current_way(const Space& space) const;
   [[nodiscard]] bool leads_through(View& view, const Conflict& conflict, Outbox& out);
   [[nodiscard]] std::optional<SpaceRoutePath> search_space(View& view, std::optional<double> plane_m) const;
   void take_space_way(const View& view, const SpaceRoutePath& path, Decision decision, Outbox& out);

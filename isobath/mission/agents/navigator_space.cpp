@@ -10,6 +10,13 @@ namespace isobath {
 
 using Eigen::Vector3d;
 
+namespace {
+
+constexpr double kNoBetter = 0.25;  // m of clearance
+constexpr double kLeastKept = 0.5;  // m that a route must be clear beside the hull to be kept
+
+}  // namespace
+
 /// Hazards in W, grown by half of the clearance that a path in the plane would keep in addition. A gap between two of
 /// them is then open only through measured water, unless it is wide.
 std::vector<Hazard> Navigator::hazards_W(const View& view) const {
@@ -51,6 +58,13 @@ const Navigator::Space& Navigator::space_of(View& view) const {
   return *view.space;
 }
 
+/// The current route from the vehicle on.
+std::vector<Vector3d> Navigator::current_way(const Space& space) const {
+  std::vector<Vector3d> way = {space.task.start};
+  for (const Waypoint& w : way_) way.emplace_back(w.north, w.east, w.depth);
+  return way;
+}
+
 /// Whether the current route keeps clear, in three dimensions, of all that is not known to be water. On a route that
 /// was chosen in three dimensions, water that lies `decide_m` or more ahead need not be known yet.
 bool Navigator::leads_through(View& view, const Conflict& conflict, Outbox& out) {
@@ -58,8 +72,7 @@ bool Navigator::leads_through(View& view, const Conflict& conflict, Outbox& out)
   const Space& space = space_of(view);
   const ClearanceField& room = space.room;
   const Vector3d& start = space.task.start;
-  std::vector<Vector3d> way = {start};
-  for (const Waypoint& w : way_) way.emplace_back(w.north, w.east, w.depth);
+  const std::vector<Vector3d> way = current_way(space);
   const double wanted = vehicle_.half_width_m + std::max(0.0, space_route_.clearance_m - space_->voxel_m());
   const double here = room.distance(start);
   if (here < vehicle_.half_width_m || !is_clear(room, way, std::min(wanted, here))) return false;
@@ -72,6 +85,15 @@ bool Navigator::leads_through(View& view, const Conflict& conflict, Outbox& out)
     out.say(std::move(d));
   }
   return true;
+}
+
+/// Whether the current route keeps clear, in three dimensions, nearly as well as one with this clearance would.
+/// Outlines grow and shrink by more than that from scan to scan: a vehicle before a gap must not turn to another route
+/// for it.
+bool Navigator::is_as_clear(View& view, double clearance_m) const {
+  const Space& space = space_of(view);
+  const double wanted = std::min(clearance_m - kNoBetter, space.room.distance(space.task.start));
+  return wanted > vehicle_.half_width_m + kLeastKept && is_clear(space.room, current_way(space), wanted);
 }
 
 /// Empty where the path in the plane, if there is one, is good enough.
