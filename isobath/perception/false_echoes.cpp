@@ -9,7 +9,6 @@ namespace {
 /// Whether the grid has an occupied cell along a level bearing between two ranges.
 bool stands_between(const SphericalGrid& grid, Angle bearing, double from_m, double to_m) {
   const Eigen::Vector3d u_G(sin(bearing), cos(bearing), 0);
-  if (grid.is_empty(u_G)) return false;
   for (double range = from_m; range <= to_m; range += grid.config().min_layer_m) {
     const auto place = grid.place_at(grid.to_table(range * u_G));
     if (place && grid.log_odds(*place) >= grid.occupied_log_odds()) return true;

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <isobath/perception/revisit_check.hpp>
 
@@ -66,7 +65,7 @@ void RevisitCheck::sounding(const DepthWindow& window, const Eigen::Vector3d& p_
   if (!measured || !independent_.counts(p_W.head<2>(), radius_m, minute)) return;
   const auto gradient = comparison_.gradient(read, p_W.head<2>());
   record_.add({.difference_m = p_W.z() - map->depth_m,
-               .margin_m = std::max(margin_m_, margin_share_ * std::abs(p_W.z())),
+               .margin_m = agreement_margin(margin_m_, margin_share_, p_W.z()),
                .confidence = static_cast<int>(std::lround(map->confidence)),
                .slope = gradient ? std::optional(gradient->norm()) : std::nullopt,
                .apart_min = minute - map->minute});

@@ -9,6 +9,8 @@
 // for a gradient.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <Eigen/Core>
 #include <functional>
 #include <isobath/map/depth/depth_pixel.hpp>
@@ -18,6 +20,11 @@
 #include <vector>
 
 namespace isobath {
+
+/// Within which a sounding agrees with a map: the floor or a share of the depth, whichever is larger, m.
+inline double agreement_margin(double floor_m, double share, double depth_m) {
+  return std::max(floor_m, share * std::abs(depth_m));
+}
 
 /// The map at a sounding.
 struct MappedBottom {

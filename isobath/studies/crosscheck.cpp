@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <isobath/geometry/contours.hpp>
 #include <isobath/map/depth/depth_pixel.hpp>
+#include <isobath/perception/reading_evidence.hpp>
+#include <isobath/perception/sounding_comparison.hpp>
 #include <isobath/report/result_text.hpp>
 #include <isobath/studies/crosscheck.hpp>
 #include <map>
@@ -23,7 +25,6 @@ constexpr std::array<Allowance, 5> kOrders{{{"Exclusive", 0.15, 0.0075},
                                             {"1a", 0.5, 0.013},
                                             {"1b", 0.5, 0.013},
                                             {"2", 1.0, 0.023}}};
-constexpr double kMargin = 0.5;  // m, of shallow water, for text
 constexpr double kOrderShare = 0.95;
 constexpr std::array<std::pair<int, int>, 5> kConfidenceClasses{{{0, 4}, {5, 9}, {10, 14}, {15, 19}, {20, 20}}};
 
@@ -105,7 +106,7 @@ std::vector<CrosscheckResult::Order> s44_orders(const std::vector<CrosscheckSamp
 
 /// Within which a sounding agrees with the map.
 double margin_of(const CrosscheckInput& input, const CrosscheckSample& s) {
-  return std::max(input.margin_floor_m, input.margin_share * std::abs(static_cast<double>(s.observed_m)));
+  return agreement_margin(input.margin_floor_m, input.margin_share, s.observed_m);
 }
 
 /// By how much the log's offset and bias change the difference of a sounding, m.
@@ -318,7 +319,7 @@ std::string to_text(const CrosscheckResult& r) {
   }
   if (!r.uncertainty) return out;
   out += fmt::format("\nuncertainty of a depth at 95 %, {}\nslope of the bottom        n  within  95 % interval\n",
-                     to_text(*r.uncertainty, kMargin));
+                     to_text(*r.uncertainty, ReadingEvidenceConfig{}.margin_m));
   for (const auto& w : r.within) {
     out += fmt::format("{:<19}{:>9}{:>6.0f} %  {:.0f}-{:.0f} %\n", slope_class(w), w.n,
                        100 * share_of(w.within, static_cast<double>(w.n)), 100 * w.interval.low, 100 * w.interval.high);

@@ -188,7 +188,7 @@ std::string convergence_chart(const HelixStudy& study) {
 }
 
 std::string known_share_chart(const HelixStudy& study) {
-  ChartPicture chart(kChartWidth, kChartHeight, "Share of the opening that is known to be free",
+  ChartPicture chart(kChartWidth, kChartHeight, "Share of the opening that both fans have seen",
                      {"distance before the opening (m)", start_of(study), 0}, {"share of its face (%)", 0, 104});
   const auto percent = [](const ApproachSample& s) { return 100 * s.known_share; };
   const Series helix = series_of(study.helix, percent), straight = series_of(study.straight, percent);

@@ -116,10 +116,9 @@ std::vector<float> vertical_uncertainty(const MapRaster& raster, const RevisitRe
     const Pixel at{all.column + static_cast<int>(cell % static_cast<std::size_t>(all.width)),
                    all.row + static_cast<int>(cell / static_cast<std::size_t>(all.width))};
     const auto gradient = comparison.gradient(read, raster.grid.centre(at));
-    const double depth = std::abs(static_cast<double>(raster.depth_m[cell]));
-    tvu[cell] =
-        static_cast<float>(uncertainty->tvu_m(std::max(margin.margin_m, margin.margin_share * depth),
-                                              gradient ? std::optional<double>(gradient->norm()) : std::nullopt));
+    const double within = agreement_margin(margin.margin_m, margin.margin_share, raster.depth_m[cell]);
+    tvu[cell] = static_cast<float>(
+        uncertainty->tvu_m(within, gradient ? std::optional<double>(gradient->norm()) : std::nullopt));
   }
   return tvu;
 }
