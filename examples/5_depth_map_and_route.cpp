@@ -47,8 +47,9 @@ int main() {
 
   std::vector<Hazard> hazards;  // water that is too shallow, or not known
   const ShoalRule shallow{.depth_m = draught + passage.clearance_m, .unknown_blocks = true};
-  for (Polygon& shoal : shoal_outlines(*map, known_extent(map->trees()), shallow))
-    hazards.push_back({std::move(shoal), 0, HazardKind::kCharted});
+  const ShoalOutlines shoals = shoal_outlines(*map, known_extent(map->trees()), shallow);
+  for (const Polygon& shoal : shoals.charted) hazards.push_back({shoal, 0, HazardKind::kCharted});
+  for (const Polygon& shoal : shoals.sensed) hazards.push_back({shoal, 0, HazardKind::kMapped});
   const RouteTask task{.start = {8, 28}, .goal = {38, 24}, .half_width_m = passage.half_width_m};
   const auto route = plan_route(HazardMap(hazards), task, {.clearance_m = 0.5, .wished_clearance_m = 2});
   if (!route) return std::printf("no route: %s\n", to_text(route.error())), 1;

@@ -150,9 +150,12 @@ class Orders {
     if (over_) return "the mission is over";
     if (order_) return "the previous command is still pending";
     using Kind = OperatorCommand::Kind;
-    order_ = command == PageCommand::kHold     ? Kind::kHold
-             : command == PageCommand::kResume ? Kind::kResume
-                                               : Kind::kAbort;
+    switch (command) {
+      case PageCommand::kHold: order_ = Kind::kHold; break;
+      case PageCommand::kResume: order_ = Kind::kResume; break;
+      case PageCommand::kAbort: order_ = Kind::kAbort; break;
+      case PageCommand::kAcknowledge: order_ = Kind::kAcknowledge; break;
+    }
     return {};
   }
   std::optional<OperatorCommand::Kind> next() {
@@ -254,8 +257,9 @@ Action add_serve(CLI::App& program) {
       ->default_str(server.address + ", this machine only")
       ->group("Page");
   command
-      ->add_option("--token-file", options->token_file,
-                   "File with a token; a page that sends it may hold, resume and abort the mission")
+      ->add_option(
+          "--token-file", options->token_file,
+          "File with a token; a page that sends it may hold, resume and abort the mission, and acknowledge alarms")
       ->type_name("FILE")
       ->check(reads())
       ->group("Page");

@@ -61,7 +61,9 @@ ordered_json timing_json(const char* name, const StageTime& t) {
 DisplayCounts display_counts(const Pipeline& pipeline, const DepthModel& depths) {
   DisplayCounts counts{pipeline.counts(), pipeline.rejected(), {}, {}, 0};
   for (const EmergencyFlags* flags : {&pipeline.emergencies(), &depths.emergencies()}) {
-    for (const Alarm& alarm : alarms_of(*flags)) counts.alarms.push_back(to_text(alarm));
+    for (const Alarm& alarm : alarms_of(*flags)) {
+      if (alarm.lasting || !alarm.acknowledged) counts.alarms.push_back(present_text(alarm));
+    }
   }
   if (counts.pipeline.pings > 0) counts.undecided = pipeline.undecided();
   return counts;

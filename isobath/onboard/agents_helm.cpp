@@ -21,12 +21,14 @@ bool finite_fix(const Navigation& fix) {
 void MissionLog::note(const Envelope& envelope) {
   if (const auto* decision = std::get_if<Decision>(&envelope.message)) decisions.push_back(*decision);
   if (const auto* said = std::get_if<MissionReport>(&envelope.message)) report = *said;
+  const auto* command = std::get_if<OperatorCommand>(&envelope.message);
+  if (command && command->kind == OperatorCommand::Kind::kAcknowledge) acknowledged = true;
   const auto* frame = std::get_if<LinkFrame>(&envelope.message);
   if (frame && frame->way == LinkFrame::Way::kToOperator) frames.push_back(frame->bytes);
 }
 
-AgentsHelm::AgentsHelm(std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
-    : plan_(std::move(plan)), chart_(std::move(chart)), echo_contrast_(echo_contrast) {}
+AgentsHelm::AgentsHelm(std::shared_ptr<const MissionPlan> plan, WorldSnapshot chart, double echo_contrast)
+    : plan_(std::move(plan)), world_(std::move(chart)), echo_contrast_(echo_contrast) {}
 
 void AgentsHelm::on_event(const Event& event) {
   const std::lock_guard lock(mutex_);
@@ -42,8 +44,8 @@ void AgentsHelm::on_event(const Event& event) {
 }
 
 void AgentsHelm::tell_chart() {
-  if (std::exchange(chart_told_, true) || (!chart_.depths && !chart_.objects)) return;
-  executor_->on_message(chart_, now());
+  if (std::exchange(chart_told_, true) || (!world_.depths && !world_.objects)) return;
+  executor_->on_message(world_, now());
 }
 
 void AgentsHelm::on_frame(const OperatorFrame& frame) {
@@ -138,24 +140,18 @@ void AgentsHelm::on_scan(const ScanResult& scan) {
   executor_->on_message(Sweep{scan.number, scan.posed, sigma_m_, std::move(map), jumped_}, now());
 }
 
-void AgentsHelm::on_depths(const std::shared_ptr<const DepthField>& depths, std::optional<Time> looked_ahead) {
+/// A map that the run does not have yet does not replace the chart.
+void AgentsHelm::on_world(const WorldSnapshot& world) {
   const std::lock_guard lock(mutex_);
-  chart_.depths = depths;
-  chart_.looked_ahead = looked_ahead;
-  if (looked_ahead) *chart_.looked_ahead += clock_.offset();
-  looked_ = looked_ || looked_ahead;
-  executor_->on_message(chart_, now());
-}
-
-void AgentsHelm::on_sphere(const std::shared_ptr<const GridSnapshot>& sphere) {
-  const std::lock_guard lock(mutex_);
-  chart_.sphere = sphere;
-  executor_->on_message(chart_, now());
-}
-
-void AgentsHelm::on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) {
-  const std::lock_guard lock(mutex_);
-  executor_->on_message(OccupancyUpdate{time + clock_.offset(), space}, now());
+  if (world.depths && world.depths != world_.depths) {
+    world_.depths = world.depths;
+    world_.looked_ahead = world.looked_ahead;
+    if (world_.looked_ahead) *world_.looked_ahead += clock_.offset();
+  }
+  if (world.sphere) world_.sphere = world.sphere;
+  if (world.voxels) world_.voxels = world.voxels;
+  looked_ = looked_ || world_.looked_ahead;
+  executor_->on_message(world_, now());
 }
 
 }  // namespace isobath

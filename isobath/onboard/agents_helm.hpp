@@ -31,15 +31,13 @@ class AgentsHelm : public Helm {
   static constexpr Duration kLongestWarmUp = std::chrono::seconds(20);
 
   /// `echo_contrast`: least contrast of the echoes that the Safety Officer gets (sonar_health_sample.hpp).
-  AgentsHelm(std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast);
+  AgentsHelm(std::shared_ptr<const MissionPlan> plan, WorldSnapshot chart, double echo_contrast);
 
   void on_event(const Event& event) override;
   void on_ping(const PosedPing& ping) override;
   void on_scan(const ScanResult& scan) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
-  void on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) override;
-  void on_depths(const std::shared_ptr<const DepthField>& depths, std::optional<Time> looked_ahead) override;
-  void on_sphere(const std::shared_ptr<const GridSnapshot>& sphere) override;
+  void on_world(const WorldSnapshot& world) override;
 
   [[nodiscard]] const MissionPlan& plan() const { return *plan_; }
 
@@ -66,7 +64,7 @@ class AgentsHelm : public Helm {
   AgentExecutor* executor_ = nullptr;
   std::mutex mutex_;
   std::shared_ptr<const MissionPlan> plan_;
-  ChartUpdate chart_;
+  WorldSnapshot world_;  ///< the chart, until the run has maps of its own
   bool chart_told_ = false;
   double echo_contrast_;
   MissionClock clock_;
@@ -86,6 +84,7 @@ struct MissionLog {
   MissionReport report;  ///< the last
   std::vector<Decision> decisions;
   std::vector<FrameBytes> frames;  ///< for the operator, until they are fetched
+  bool acknowledged = false;       ///< the operator has acknowledged the alarms since this was last fetched
 
   void note(const Envelope& envelope);
 };

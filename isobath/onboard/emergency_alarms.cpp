@@ -6,12 +6,13 @@ namespace isobath {
 
 std::vector<Alarm> alarms_of(const EmergencyFlags& flags) {
   std::vector<Alarm> alarms;
-  const std::uint32_t raised = flags.snapshot().raised;
+  const EmergencyFlags::Snapshot now = flags.snapshot();
   for (int bit = 0; bit < 32; ++bit) {
     const auto first = flags.first_raise(bit);
     if (!first) continue;
     const char* name = name_of_emergency(bit);
-    alarms.push_back({name ? name : fmt::format("flag {}", bit), *first, (raised >> bit & 1U) != 0});
+    alarms.push_back({name ? name : fmt::format("flag {}", bit), *first, (now.raised >> bit & 1U) != 0,
+                      (now.unacknowledged >> bit & 1U) == 0});
   }
   return alarms;
 }
@@ -19,6 +20,11 @@ std::vector<Alarm> alarms_of(const EmergencyFlags& flags) {
 std::string to_text(const Alarm& alarm) {
   return fmt::format("{}, first at {}, {} at the end", alarm.what, to_text(alarm.first),
                      alarm.lasting ? "still raised" : "over");
+}
+
+std::string present_text(const Alarm& alarm) {
+  return fmt::format("{}, first at {}, {}{}", alarm.what, to_text(alarm.first), alarm.lasting ? "lasts" : "over",
+                     alarm.acknowledged ? "" : ", not acknowledged");
 }
 
 Alarms::Alarms(const ImminentCollisionConfig& collision, const StateEvaluatorConfig& state)

@@ -25,9 +25,12 @@ struct Alarm {
   std::string what;  ///< "imminent collision"
   Time first;
   bool lasting = false;  ///< still raised: its cause lasts, or it is latched
+  bool acknowledged = false;
 };
-/// "imminent collision, first at 2026-05-01T10:00:04.200Z, over at the end".
+/// At the end of a run: "imminent collision, first at 2026-05-01T10:00:04.200Z, over at the end".
 std::string to_text(const Alarm& alarm);
+/// During a run: "imminent collision, first at 2026-05-01T10:00:04.200Z, over, not acknowledged".
+std::string present_text(const Alarm& alarm);
 /// All flags that were ever raised, in the order of their bits.
 std::vector<Alarm> alarms_of(const EmergencyFlags& flags);
 

@@ -6,11 +6,9 @@
 #pragma once
 
 #include <isobath/event/event.hpp>
-#include <isobath/map/depth/depth_field.hpp>
-#include <isobath/map/spherical/grid_snapshots.hpp>
-#include <isobath/map/voxel/occupancy_snapshot.hpp>
 #include <isobath/mission/command/executor.hpp>
 #include <isobath/mission/messages/operator_link.hpp>
+#include <isobath/planning/world_snapshot.hpp>
 #include <isobath/world/result_sinks.hpp>
 #include <memory>
 #include <optional>
@@ -22,14 +20,10 @@ class Helm : public ResultSink {
  public:
   /// Every event on arrival, before the pipeline gets it.
   virtual void on_event(const Event& event) = 0;
-  /// The voxels around the vehicle as occupied, free, measured or unknown; never null. Called before the scan that they
-  /// belong to, and only if a sonar measures height.
-  virtual void on_space(Time /*time*/, const std::shared_ptr<const OccupancySnapshot>& /*space*/) {}
-  /// The depth map so far, with the time of its newest reading of a range sonar that looks ahead. Called at the
-  /// interval of `chart_room.live_s` while the map grows; never null.
-  virtual void on_depths(const std::shared_ptr<const DepthField>& /*depths*/, std::optional<Time> /*looked_ahead*/) {}
-  /// The spherical grid at the end of a scan; never null. Called only with `chart_room.sphere`.
-  virtual void on_sphere(const std::shared_ptr<const GridSnapshot>& /*sphere*/) {}
+  /// All maps that the run has made so far. Called before the scan that new voxels belong to, if a sonar measures
+  /// height; at the interval of `chart_room.live_s` while the depth map grows; and at the end of each scan of the
+  /// spherical grid with `chart_room.sphere`.
+  virtual void on_world(const WorldSnapshot& /*world*/) {}
   /// The set-point from now on. Called after each event.
   [[nodiscard]] virtual Setpoint steer() = 0;
   [[nodiscard]] virtual MissionReport progress() const = 0;
@@ -37,6 +31,8 @@ class Helm : public ResultSink {
   [[nodiscard]] virtual const std::vector<Decision>& decisions() const = 0;
   /// Frames for the operator since the last call (operator_link.hpp). Frames that are not fetched may be dropped.
   [[nodiscard]] virtual std::vector<FrameBytes> to_operator() { return {}; }
+  /// Whether the operator has acknowledged the alarms since the last call.
+  [[nodiscard]] virtual bool take_acknowledgement() { return false; }
   /// `recorder` gets every message of the agents, in order (bus.hpp).
   virtual void show_messages_to(const Recorder& /*recorder*/) {}
   /// Counts of its agents, if it has any.

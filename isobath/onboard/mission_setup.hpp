@@ -18,7 +18,7 @@ inline constexpr const char* kVehicleAttachment = "vehicle_sheet.toml";
 struct MissionSetup {
   MissionPlan plan;
   VehicleParameters vehicle;
-  ChartUpdate chart = {};
+  WorldSnapshot chart = {};
 };
 /// The vehicle parameters as the section [vehicle] of a file.
 std::vector<Section> vehicle_sections(VehicleParameters& parameters);

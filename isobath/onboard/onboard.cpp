@@ -86,14 +86,17 @@ void Onboard::tell_depths(Time time) {
   if (!map) return;
   depths_told_ = time;
   depth_readings_told_ = counts.readings + counts.soundings;
-  helm_->on_depths(map, depths_.looked_ahead());
+  world_.depths = map;
+  world_.looked_ahead = depths_.looked_ahead();
+  helm_->on_world(world_);
 }
 
 /// Tells of a scan that has ended since.
 void Onboard::tell_sphere(Time time) {
   const auto sphere = sphere_.newest();
   if (!sphere || std::exchange(sphere_told_, sphere->version) == sphere->version) return;
-  if (helm_ && sphere_steers_) helm_->on_sphere(sphere);
+  world_.sphere = sphere;
+  if (helm_ && sphere_steers_) helm_->on_world(world_);
   load_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_sphere(time, sphere);
 }
@@ -101,6 +104,10 @@ void Onboard::tell_sphere(Time time) {
 Setpoint Onboard::steer() {
   beside_.enter(Stage::kAgents);
   const Setpoint setpoint = helm_->steer();
+  if (helm_->take_acknowledgement()) {
+    pipeline_.acknowledge_alarms();
+    depths_.acknowledge_alarms();
+  }
   beside_.enter(Stage::kReport);
   for (OnboardObserver* observer : observers_) observer->on_setpoint(now_, setpoint);
   beside_.leave();
@@ -157,10 +164,10 @@ void Onboard::on_scan(const ScanResult& scan) {
   }
   load_.enter(Stage::kVoxels);
   const auto space = voxels_.space_around(scan, reach_m_);
-  if (space) heights_ = space;
+  if (space) world_.voxels = space;
   times_->detected(scan.detection.time);
   load_.enter(Stage::kAgents);
-  if (helm_ && space) helm_->on_space(scan.detection.time, space);
+  if (helm_ && space) helm_->on_world(world_);
   if (helm_) helm_->on_scan(scan);
   times_->aside();
   load_.enter(Stage::kReport);
@@ -195,7 +202,7 @@ void Onboard::on_soundings(const Swath& swath, const Pose& X_WB) {
 void Onboard::on_jump(const Eigen::Vector3d& by_W) {
   voxels_.move_along(by_W);
   sphere_.move_along(by_W);
-  heights_.reset();
+  world_.voxels.reset();
   if (helm_) helm_->on_jump(by_W);
   for (OnboardObserver* observer : observers_) observer->on_jump(by_W);
 }

@@ -72,6 +72,8 @@ class Onboard : private ResultSink {
   [[nodiscard]] const VoxelModel& voxels() const { return voxels_; }
   [[nodiscard]] const SphericalModel& sphere() const { return sphere_; }
   [[nodiscard]] const DepthModel& depths() const { return depths_; }
+  /// All maps, as the helm last got them.
+  [[nodiscard]] const WorldSnapshot& world() const { return world_; }
   /// Live: pings that a full queue dropped.
   [[nodiscard]] std::uint64_t lost_pings() const { return mapping_ ? mapping_->left_out().pings : 0; }
   [[nodiscard]] MissionTimings timings() const { return times_->timings(); }
@@ -94,7 +96,7 @@ class Onboard : private ResultSink {
   void on_reading(const RangeReading& reading, const Pose& X_WB) override;
   void on_soundings(const Swath& swath, const Pose& X_WB) override;
   void on_jump(const Eigen::Vector3d& by_W) override;
-  [[nodiscard]] const OccupancySnapshot* heights() const override { return heights_.get(); }
+  [[nodiscard]] const OccupancySnapshot* heights() const override { return world_.voxels.get(); }
 
   Helm* helm_;
   std::shared_ptr<StageTimes> times_;
@@ -103,8 +105,8 @@ class Onboard : private ResultSink {
   SphericalModel sphere_;
   ScanSteering scan_steering_;
   std::mutex scan_mutex_;
-  std::optional<ScanCommand> scan_command_;           ///< guarded by scan_mutex_
-  std::shared_ptr<const OccupancySnapshot> heights_;  ///< the newest snapshot of the voxels around the vehicle
+  std::optional<ScanCommand> scan_command_;  ///< guarded by scan_mutex_
+  WorldSnapshot world_;
   double reach_m_;
   Duration depths_interval_;               ///< 0: the helm does not get the depth map
   std::optional<Time> depths_told_ = {};   ///< when the helm last got it

@@ -94,6 +94,8 @@ class Pipeline {
   [[nodiscard]] const std::map<std::string, std::uint64_t>& rejected() const { return gate_.rejected(); }
   /// Emergencies according to raw readings and health reports; they do not depend on a map.
   [[nodiscard]] const EmergencyFlags& emergencies() const { return alarms_.flags(); }
+  /// The operator has seen the alarms. Any thread.
+  void acknowledge_alarms() { alarms_.flags().acknowledge(~std::uint32_t{0}); }
   /// Why echoes could not be decided in the last ping (warming up, no fitting model); empty if they were.
   [[nodiscard]] std::string undecided() const;
   /// How far the pings of the fan depart from the fan model that sensor.model names; empty: it names no fan model.

@@ -4,7 +4,7 @@
 namespace isobath {
 
 SerialHelm::SerialHelm(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config,
-                       std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
+                       std::shared_ptr<const MissionPlan> plan, WorldSnapshot chart, double echo_contrast)
     : AgentsHelm(std::move(plan), std::move(chart), echo_contrast),
       executor_(std::move(slots), vehicle, config, [this](const Envelope& envelope) {
         book_.note(envelope);

@@ -22,7 +22,7 @@ class SerialHelm : public AgentsHelm {
  public:
   /// `echo_contrast`: contrast of the echoes that the Safety Officer receives (sonar_health_sample.hpp).
   SerialHelm(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config,
-             std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast);
+             std::shared_ptr<const MissionPlan> plan, WorldSnapshot chart, double echo_contrast);
   SerialHelm(const SerialHelm&) = delete;
   SerialHelm& operator=(const SerialHelm&) = delete;
   ~SerialHelm() override = default;
@@ -34,6 +34,7 @@ class SerialHelm : public AgentsHelm {
   void show_messages_to(const Recorder& recorder) override { listener_ = recorder; }
   /// The frames since the last event.
   [[nodiscard]] std::vector<FrameBytes> to_operator() override { return std::exchange(book_.frames, {}); }
+  [[nodiscard]] bool take_acknowledgement() override { return std::exchange(book_.acknowledged, false); }
   [[nodiscard]] ExecutorCounts executor_counts() const override { return executor_.counts(); }
 
   [[nodiscard]] const Executor& executor() const { return executor_; }

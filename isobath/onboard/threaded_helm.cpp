@@ -36,7 +36,7 @@ struct ThreadedHelm::State {
 };
 
 ThreadedHelm::ThreadedHelm(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config,
-                           std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast)
+                           std::shared_ptr<const MissionPlan> plan, WorldSnapshot chart, double echo_contrast)
     : AgentsHelm(std::move(plan), std::move(chart), echo_contrast),
       state_(std::make_unique<State>(std::move(slots), vehicle, config)) {
   steer_by(state_->executor);
@@ -64,6 +64,11 @@ const std::vector<Decision>& ThreadedHelm::decisions() const { return state_->re
 std::vector<FrameBytes> ThreadedHelm::to_operator() {
   const std::lock_guard lock(state_->book_mutex);
   return std::exchange(state_->book.frames, {});
+}
+
+bool ThreadedHelm::take_acknowledgement() {
+  const std::lock_guard lock(state_->book_mutex);
+  return std::exchange(state_->book.acknowledged, false);
 }
 
 void ThreadedHelm::show_messages_to(const Recorder& recorder) {

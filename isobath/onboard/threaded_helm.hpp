@@ -7,7 +7,7 @@
 // Time is that of the events, as in SerialHelm. If the source runs faster than real time, the caller must call settle
 // between its steps; otherwise the watchdog takes agents that are merely slow for hung ones.
 //
-// Threads: the source thread calls hear, steer and settle; the mapping thread calls on_ping, on_scan and on_space.
+// Threads: the source thread calls hear, steer and settle; the mapping thread calls on_ping, on_scan and on_world.
 // progress, decisions and to_operator belong to the source thread; progress and decisions return the state at its last
 // steer or settle. Throws Error if the agents cannot be set up.
 #pragma once
@@ -23,7 +23,7 @@ class ThreadedHelm : public AgentsHelm {
 
   /// Takes the same arguments as SerialHelm.
   ThreadedHelm(std::vector<AgentSlot> slots, const VehicleParameters& vehicle, const ExecutorConfig& config,
-               std::shared_ptr<const MissionPlan> plan, ChartUpdate chart, double echo_contrast);
+               std::shared_ptr<const MissionPlan> plan, WorldSnapshot chart, double echo_contrast);
   ThreadedHelm(const ThreadedHelm&) = delete;
   ThreadedHelm& operator=(const ThreadedHelm&) = delete;
   ~ThreadedHelm() override;
@@ -33,6 +33,7 @@ class ThreadedHelm : public AgentsHelm {
   [[nodiscard]] const std::vector<Decision>& decisions() const override;
   void show_messages_to(const Recorder& recorder) override;
   [[nodiscard]] std::vector<FrameBytes> to_operator() override;
+  [[nodiscard]] bool take_acknowledgement() override;
   [[nodiscard]] ExecutorCounts executor_counts() const override;
   /// Waits until the agents have handled all messages; lost agents are not waited for.
   void settle() override;

@@ -74,6 +74,7 @@ const char* to_text(HazardKind kind) {
     case HazardKind::kRemembered: return "remembered";
     case HazardKind::kCharted: return "charted";
     case HazardKind::kMapped: return "mapped";
+    case HazardKind::kVoxels: return "voxels";
     case HazardKind::kFence: return "fence";
     case HazardKind::kInjected: return "injected";
   }

@@ -74,7 +74,11 @@ struct Judge {
     out.unknown += !pixel.known();
     weight += weight_of(pixel);
     if (clear) clear_weight += weight_of(pixel);
-    if (!clear && (!out.blocking || swept.along_m < out.blocking->along_m)) out.blocking = place;
+    const auto keep_first = [&](std::optional<PassagePlace>& first) {
+      if (!first || swept.along_m < first->along_m) first = place;
+    };
+    if (!clear) keep_first(out.blocking);
+    if (!clear && (pixel.known() || place.obstacle)) keep_first(out.known_blocking);
     if (place.depth_m &&
         (!out.worst || *place.depth_m - place.vehicle_z < *out.worst->depth_m - out.worst->vehicle_z)) {
       out.worst = place;
@@ -104,15 +108,19 @@ std::string Traversability::reason() const {
     return fmt::format("clear: {} pixels, {:.2f} m to spare at {}", pixels, spare,
                        worst ? place_text(grid, worst->pixel) : "");
   }
-  const std::string leg = fmt::format("leg {}: ", blocking->leg + 1), place = place_text(grid, blocking->pixel);
-  if (blocking->obstacle) return fmt::format("{}obstacle {} of the chart at {}", leg, *blocking->obstacle, place);
-  if (!blocking->depth_m) return fmt::format("{}unknown depth at {}", leg, place);
-  if (*blocking->depth_m - blocking->vehicle_z >= passage.clearance_m) {
-    return fmt::format("{}a depth of {:.2f} m at {} that no measurement is sure of (confidence {} of {}, {} needed)",
-                       leg, *blocking->depth_m, place, blocking->confidence, kFullConfidence, passage.min_confidence);
+  return fmt::format("leg {}: {}", blocking->leg + 1, reason_of(*blocking));
+}
+
+std::string Traversability::reason_of(const PassagePlace& at) const {
+  const std::string place = place_text(grid, at.pixel);
+  if (at.obstacle) return fmt::format("obstacle {} of the chart at {}", *at.obstacle, place);
+  if (!at.depth_m) return fmt::format("unknown depth at {}", place);
+  if (*at.depth_m - at.vehicle_z >= passage.clearance_m) {
+    return fmt::format("a depth of {:.2f} m at {} that no measurement is sure of (confidence {} of {}, {} needed)",
+                       *at.depth_m, place, at.confidence, kFullConfidence, passage.min_confidence);
   }
-  return fmt::format("{}{:.2f} m of water at {}; {:.2f} m draught and {:.2f} m clearance needed", leg,
-                     *blocking->depth_m, place, blocking->vehicle_z, passage.clearance_m);
+  return fmt::format("{:.2f} m of water at {}; {:.2f} m draught and {:.2f} m clearance needed", *at.depth_m, place,
+                     at.vehicle_z, passage.clearance_m);
 }
 
 Result<Traversability, CorridorRefusal> traversability(const DepthField& map, std::span<const Eigen::Vector3d> path,

@@ -61,8 +61,9 @@ struct Traversability {
   std::size_t clear = 0;
   std::size_t unknown = 0;
   std::size_t unsure = 0;  ///< deep enough by a depth of too little confidence; the rest is too shallow or charted
-  std::optional<PassagePlace> worst;     ///< minimum water below the vehicle, of the known pixels
-  std::optional<PassagePlace> blocking;  ///< the first along the path that is not clear
+  std::optional<PassagePlace> worst;           ///< minimum water below the vehicle, of the known pixels
+  std::optional<PassagePlace> blocking;        ///< the first along the path that is not clear
+  std::optional<PassagePlace> known_blocking;  ///< the first that is not clear by a known depth or an obstacle
   std::uint64_t map_version = 0;
   PixelGrid grid;
   PassageConfig passage;
@@ -70,6 +71,8 @@ struct Traversability {
   [[nodiscard]] double strict() const { return clear == pixels ? 1 : 0; }
   /// One line: "leg 2: 1.85 m of water at north 41.25 m, east -3.75 m; 3.00 m draught and 0.50 m clearance needed".
   [[nodiscard]] std::string reason() const;
+  /// The same of one place that blocks, without the number of the leg.
+  [[nodiscard]] std::string reason_of(const PassagePlace& place) const;
 };
 
 /// Along one leg or many; at least one point.

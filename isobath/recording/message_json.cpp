@@ -103,7 +103,7 @@ Content content_of(const ChartedHazards& m) {
   return content;
 }
 Content content_of(const OperatorCommand& m) {
-  static constexpr const char* kNames[] = {"start", "abort", "hold", "resume", "beat"};
+  static constexpr const char* kNames[] = {"start", "abort", "hold", "resume", "beat", "acknowledge"};
   return {{"command", kNames[static_cast<std::size_t>(m.kind)]}, {"plan", plan_content(m.plan)}};
 }
 Content content_of(const MissionOrder& m) {
@@ -173,20 +173,19 @@ Content content_of(const Decision& m) {
   if (!m.way.empty()) content["way"] = m.way.size();
   return content;
 }
-Content content_of(const ChartUpdate& m) {
+Content content_of(const WorldSnapshot& m) {
   Content content{{"objects", m.objects ? m.objects->size() : 0}};
   content["depths"] = m.depths != nullptr;
+  if (m.voxels) {
+    const VoxelIndex& size = m.voxels->size();
+    content["voxels"] = {{"voxel", exact_enough(m.voxels->voxel_m())}, {"size", {size.x(), size.y(), size.z()}}};
+  }
   if (m.looked_ahead) content["looked_ahead_ns"] = m.looked_ahead->time_since_epoch().count();
   return content;
 }
 Content content_of(const LinkFrame& m) {
   return {{"way", m.way == LinkFrame::Way::kToOperator ? "to operator" : "from operator"},
           {"bytes", fmt::format("{:02x}", fmt::join(m.bytes, ""))}};
-}
-Content content_of(const OccupancyUpdate& m) {
-  if (!m.grid) return Content::object();
-  const VoxelIndex& size = m.grid->size();
-  return {{"voxel", exact_enough(m.grid->voxel_m())}, {"size", {size.x(), size.y(), size.z()}}};
 }
 
 }  // namespace

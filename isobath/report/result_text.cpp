@@ -160,7 +160,8 @@ ordered_json rejected_json(const RunOutcome& outcome) {
 ordered_json alarms_json(const RunOutcome& outcome) {
   ordered_json alarms = ordered_json::array();
   for (const Alarm& a : outcome.alarms) {
-    alarms.push_back({{"what", a.what}, {"first", to_text(a.first)}, {"lasting", a.lasting}});
+    alarms.push_back(
+        {{"what", a.what}, {"first", to_text(a.first)}, {"lasting", a.lasting}, {"acknowledged", a.acknowledged}});
   }
   return alarms;
 }

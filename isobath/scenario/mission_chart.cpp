@@ -7,11 +7,11 @@
 namespace isobath {
 namespace {
 
-ChartUpdate chart(const StoredMap& map, std::vector<ChartObstacle> objects) {
+WorldSnapshot chart(const StoredMap& map, std::vector<ChartObstacle> objects) {
   return {snapshot_of(map), std::make_shared<const std::vector<ChartObstacle>>(std::move(objects))};
 }
 
-ChartUpdate of_map(const std::filesystem::path& folder) {
+WorldSnapshot of_map(const std::filesystem::path& folder) {
   const StoredMap map = open_map(folder);
   const std::filesystem::path objects = folder / "objects.sqlite";
   if (!std::filesystem::exists(objects)) return chart(map, {});
@@ -21,8 +21,8 @@ ChartUpdate of_map(const std::filesystem::path& folder) {
 
 }  // namespace
 
-ChartUpdate chart_of(const std::filesystem::path& map, const std::vector<std::string>& priors,
-                     const Configuration& configuration, const std::optional<GeoOrigin>& origin) {
+WorldSnapshot chart_of(const std::filesystem::path& map, const std::vector<std::string>& priors,
+                       const Configuration& configuration, const std::optional<GeoOrigin>& origin) {
   if (!map.empty() && looks_like_map(map)) return of_map(map);
   if (priors.empty() || !origin) return {};
   MapFacts facts;
@@ -31,7 +31,7 @@ ChartUpdate chart_of(const std::filesystem::path& map, const std::vector<std::st
   return chart({facts, prior.trees(facts.area.levels), {}}, obstacles_of(prior.files));
 }
 
-ChartUpdate chart_of(const Scenario& scenario, const Configuration& configuration) {
+WorldSnapshot chart_of(const Scenario& scenario, const Configuration& configuration) {
   const Configuration with_prior = scenario.with_prior(configuration);
   if (with_prior.prior.file.empty()) return {};
   return chart_of({}, {with_prior.prior.file}, with_prior, scenario.scene.origin());

@@ -16,11 +16,11 @@ namespace isobath {
 /// If `map` holds a stored map, the chart is made from it: charted and sensed depths, charted and found objects, in the
 /// frame of the map. Otherwise it is made from `priors` around `origin`, as for a new map. The chart is empty if there
 /// is neither a map nor a prior, or if `origin` is empty. Throws Error if the map or the priors cannot be used.
-ChartUpdate chart_of(const std::filesystem::path& map, const std::vector<std::string>& priors,
-                     const Configuration& configuration, const std::optional<GeoOrigin>& origin);
+WorldSnapshot chart_of(const std::filesystem::path& map, const std::vector<std::string>& priors,
+                       const Configuration& configuration, const std::optional<GeoOrigin>& origin);
 
 /// The chart made from the prior that the configuration, or else the scenario, names.
-ChartUpdate chart_of(const Scenario& scenario, const Configuration& configuration);
+WorldSnapshot chart_of(const Scenario& scenario, const Configuration& configuration);
 
 /// The mission, the vehicle and the chart of a scenario. Throws Error if its vehicle file or its prior cannot be used.
 MissionSetup setup_of(const Scenario& scenario, const Configuration& configuration = {});

@@ -7,10 +7,13 @@ namespace isobath {
 std::vector<Field> fields(OperatorOrder& o) {
   using Kind = OperatorCommand::Kind;
   return {Field::real("at_s", &o.at_s, {0, 1e7}, "s", "Time at which the operator gives the order."),
-          Field::choice(
-              "command", &o.command,
-              {{"start", Kind::kStart}, {"hold", Kind::kHold}, {"resume", Kind::kResume}, {"abort", Kind::kAbort}},
-              "The order to the vehicle.")};
+          Field::choice("command", &o.command,
+                        {{"start", Kind::kStart},
+                         {"hold", Kind::kHold},
+                         {"resume", Kind::kResume},
+                         {"abort", Kind::kAbort},
+                         {"acknowledge", Kind::kAcknowledge}},
+                        "The order to the vehicle.")};
 }
 
 SectionList operator_list(std::vector<OperatorOrder>& orders) {

@@ -117,11 +117,14 @@ Hearing PageSession::control(const std::string& token) {
 }
 
 Hearing PageSession::command(const std::string& word) {
-  static const std::pair<const char*, PageCommand> kWords[] = {
-      {"hold", PageCommand::kHold}, {"resume", PageCommand::kResume}, {"abort", PageCommand::kAbort}};
+  static const std::pair<const char*, PageCommand> kWords[] = {{"hold", PageCommand::kHold},
+                                                               {"resume", PageCommand::kResume},
+                                                               {"abort", PageCommand::kAbort},
+                                                               {"acknowledge", PageCommand::kAcknowledge}};
   if (!control_) return refuse({"command", "this page may not command"}, "no_control");
   const auto* found = std::find_if(std::begin(kWords), std::end(kWords), [&](auto& w) { return word == w.first; });
-  if (found == std::end(kWords)) return refuse({"command", "the command must be hold, resume or abort"}, "ask");
+  if (found == std::end(kWords))
+    return refuse({"command", "the command must be hold, resume, abort or acknowledge"}, "ask");
   const std::string why = sources_.command(found->second);
   return why.empty() ? Hearing{} : refuse({word, why}, "command");
 }

@@ -30,7 +30,7 @@
 
 namespace isobath {
 
-enum class PageCommand { kHold, kResume, kAbort };
+enum class PageCommand { kHold, kResume, kAbort, kAcknowledge };
 
 /// What the pages of a server show. At least one of `live` and `open_playback` must be set.
 struct PageSources {

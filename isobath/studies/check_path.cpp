@@ -5,6 +5,7 @@
 #include <isobath/map/depth/map_folder.hpp>
 #include <isobath/map/depth/mission_map.hpp>
 #include <isobath/mission/plan/mission_file.hpp>
+#include <isobath/planning/world_snapshot.hpp>
 #include <isobath/studies/check_path.hpp>
 #include <isobath/world/map_features.hpp>
 #include <isobath/world/map_raster.hpp>
@@ -74,6 +75,7 @@ class PathOverMap {
       : request_(request),
         map_(open_map(request.map)),
         depths_(snapshot_of(map_)),
+        world_{.depths = depths_},
         points_(points_of(request, map_)),
         passage_(request.search.passage),
         features_(map_.facts.area) {
@@ -89,7 +91,7 @@ class PathOverMap {
     std::string no_way;
     if (request_.line.any()) outcome.way = path = course_along_line();
     load_obstacles(path);
-    outcome.obstacles = obstacles_.size();
+    outcome.obstacles = world_.all_objects().size();
     find_objects(outcome);
     load_threats(path);
     if (request_.find) {
@@ -126,9 +128,10 @@ class PathOverMap {
   }
 
   void load_obstacles(const Path& path) {
-    obstacles_ = obstacles_near(features_, box_round(path, request_.find ? request_.search.margin_m : 0),
-                                request_.obstacle_radius_m + passage_.half_width_m);
-    for (ChartObstacle& obstacle : obstacles_) obstacle.radius_m = request_.obstacle_radius_m;
+    auto obstacles = obstacles_near(features_, box_round(path, request_.find ? request_.search.margin_m : 0),
+                                    request_.obstacle_radius_m + passage_.half_width_m);
+    for (ChartObstacle& obstacle : obstacles) obstacle.radius_m = request_.obstacle_radius_m;
+    world_.objects = std::make_shared<const std::vector<ChartObstacle>>(std::move(obstacles));
   }
 
   void find_objects(PathOutcome& outcome) const {
@@ -175,8 +178,8 @@ class PathOverMap {
     search.passage = passage_;
     Path way{points_.front()};
     for (std::size_t i = 1; i < points_.size(); ++i) {
-      const auto leg = search_path(*depths_, at_deepest(points_[i - 1]), at_deepest(points_[i]), search, obstacles_,
-                                   threats_ ? &threats_->any : nullptr);
+      const auto leg = search_path(*depths_, at_deepest(points_[i - 1]), at_deepest(points_[i]), search,
+                                   world_.all_objects(), threats_ ? &threats_->any : nullptr);
       if (!leg) return fmt::format("leg {}: {}", i, to_text(leg.error()));
       outcome.queries += leg->queries;
       for (std::size_t k = 1; k < leg->points.size(); ++k) {
@@ -188,7 +191,7 @@ class PathOverMap {
   }
 
   void decide(const Path& path, const std::string& no_way, PathOutcome& outcome) const {
-    const auto verdict = traversability(*depths_, at_deepest(path), passage_, obstacles_);
+    const auto verdict = check_passage(world_, at_deepest(path), passage_);
     if (!verdict) throw Error(std::string("the path cannot be checked: ") + to_text(verdict.error()));
     outcome.verdict = *verdict;
     outcome.reason = verdict->strict() == 1 ? "" : verdict->reason();
@@ -212,7 +215,7 @@ class PathOverMap {
       formation.vehicles = vehicles;
       PassageConfig passage = one;
       passage.half_width_m = formation.half_width_m(one.half_width_m);
-      const auto verdict = traversability(*depths_, at_deepest(path), passage, obstacles_);
+      const auto verdict = check_passage(world_, at_deepest(path), passage);
       if (verdict && verdict->strict() == 1) outcome.vehicles = vehicles;
     }
     return outcome;
@@ -246,10 +249,10 @@ class PathOverMap {
   const PathRequest& request_;
   StoredMap map_;
   std::shared_ptr<const DepthSnapshot> depths_;
+  WorldSnapshot world_;  ///< with the objects near the path
   Path points_;
   PassageConfig passage_;  ///< of the whole formation
   MapFeatures features_;
-  std::vector<ChartObstacle> obstacles_;
   std::optional<Threats> threats_;
 };
 

@@ -22,13 +22,20 @@ void EmergencyFlags::set(std::uint32_t bits, Time time) {
     first_[static_cast<std::size_t>(std::countr_zero(rest))].compare_exchange_strong(
         never, time.time_since_epoch().count(), std::memory_order_relaxed);
   }
-  state_.fetch_or(bits | std::uint64_t{bits & latching_} << 32, std::memory_order_acq_rel);
+  const std::uint64_t before = state_.fetch_or(bits | std::uint64_t{bits & latching_} << 32, std::memory_order_acq_rel);
+  const std::uint32_t begun = bits & ~static_cast<std::uint32_t>(before);
+  if (begun != 0) unacknowledged_.fetch_or(begun, std::memory_order_acq_rel);
+}
+
+void EmergencyFlags::acknowledge(std::uint32_t bits) {
+  state_.fetch_and(~(std::uint64_t{bits} << 32), std::memory_order_acq_rel);
+  unacknowledged_.fetch_and(~bits, std::memory_order_acq_rel);
 }
 
 EmergencyFlags::Snapshot EmergencyFlags::snapshot() const {
   const std::uint64_t state = state_.load(std::memory_order_acquire);
   const auto causes = static_cast<std::uint32_t>(state);
-  return {causes | static_cast<std::uint32_t>(state >> 32), causes};
+  return {causes | static_cast<std::uint32_t>(state >> 32), causes, unacknowledged_.load(std::memory_order_acquire)};
 }
 
 std::optional<Time> EmergencyFlags::first_raise(int bit_index) const {

@@ -2,8 +2,9 @@
 // an emergency first raises its bit; executing threads watch the bits.
 //
 // A bit is raised while its cause lasts. A latching bit then stays raised until it is acknowledged, and after that
-// while its cause lasts. Bits without a name are kept like the others. The time of a bit's first raise is that of its
-// first cause since construction; later changes do not affect it.
+// while its cause lasts. Any bit is unacknowledged from each beginning of its cause until somebody acknowledges it, so
+// that an emergency that was over before a person looked is still shown. Bits without a name are kept like the others.
+// The time of a bit's first raise is that of its first cause since construction; later changes do not affect it.
 //
 // Any number of threads; every function is lock-free, never waits and allocates nothing. A watcher that sees a bit also
 // sees its time. If two threads raise one bit for the first time, one of both times is kept.
@@ -44,11 +45,13 @@ class EmergencyFlags {
   void clear(std::uint32_t bits) { state_.fetch_and(~std::uint64_t{bits}, std::memory_order_acq_rel); }
   void set(Emergency e, Time time) { set(bit(e), time); }
   void clear(Emergency e) { clear(bit(e)); }
-  void acknowledge(std::uint32_t bits) { state_.fetch_and(~(std::uint64_t{bits} << 32), std::memory_order_acq_rel); }
+  /// A person has seen them.
+  void acknowledge(std::uint32_t bits);
 
   struct Snapshot {
     std::uint32_t raised = 0;  ///< cause lasts, or latched
     std::uint32_t causes = 0;  ///< cause lasts
+    std::uint32_t unacknowledged = 0;
     [[nodiscard]] bool has(Emergency e) const { return (raised & bit(e)) != 0; }
     bool operator==(const Snapshot&) const = default;
   };
@@ -61,6 +64,7 @@ class EmergencyFlags {
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free);
 
   std::atomic<std::uint64_t> state_ = 0;  ///< low half: causes; high half: latched
+  std::atomic<std::uint32_t> unacknowledged_ = 0;
   const std::uint32_t latching_;
   std::array<std::atomic<std::int64_t>, 32> first_;
 };

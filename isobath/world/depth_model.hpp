@@ -71,6 +71,8 @@ class DepthModel final : public SoundingSink {
   [[nodiscard]] std::vector<SensorLearning::Sensor> sensors() const { return learning_.sensors(); }
   /// Emergency flags of the level's own parts.
   [[nodiscard]] const EmergencyFlags& emergencies() const { return flags_; }
+  /// The operator has seen them. Any thread.
+  void acknowledge_alarms() { flags_.acknowledge(~std::uint32_t{0}); }
   [[nodiscard]] const DepthCounts& counts() const;
   [[nodiscard]] const MapFacts& facts() const { return facts_; }
   [[nodiscard]] const ReadingEvidenceConfig& evidence() const { return configuration_.depth.evidence; }

@@ -76,6 +76,39 @@ TEST(Mission, TheDemoReachesItsPointsClearOfTheBuoysAndSaysWhy) {
   EXPECT_GT(pixels_in_chart(out / "mission.png", {214, 94, 0}), 5000) << "the banks, as detected";
 }
 
+/// The scene of a leak that lasts a second, with more lines at its end.
+fs::path short_leak(const fs::path& file, const std::string& more) {
+  std::string scene = content_of(scenario("faults/leak"));
+  const std::string fault = "at_s = 20";
+  scene.replace(scene.find(fault), fault.size(), fault + "\nfor_s = 1");
+  return write(file, scene + more);
+}
+
+// ledger: S1-43
+TEST(Mission, AnAlarmStandsUntilItsCauseIsOverAndTheOperatorHasAcknowledgedIt) {
+  const fs::path folder = scratch_folder();
+  const auto alarm_of = [&](const std::string& name, const std::string& more) {
+    const ProgramResult result = isobath_run(short_leak(folder / (name + ".toml"), more), folder / name);
+    const auto alarms = printed(result)["alarms"];
+    EXPECT_EQ(alarms.size(), 1u) << result.out << result.err;
+    return alarms.at(0);
+  };
+  const auto unseen = alarm_of("unseen", "");
+  EXPECT_EQ(unseen["what"], "leak");
+  EXPECT_EQ(unseen["first_ns"], 20000000000) << "at once";
+  EXPECT_EQ(unseen["lasting"], true) << "latched";
+  EXPECT_EQ(unseen["acknowledged"], false);
+  const auto seen = alarm_of("seen", "\n[[operator]]\nat_s = 21.5\ncommand = \"acknowledge\"\n");
+  EXPECT_EQ(seen["lasting"], false);
+  EXPECT_EQ(seen["acknowledged"], true);
+  const auto decisions = json_of(folder / "seen" / "decisions.json")["decisions"];
+  EXPECT_TRUE(std::any_of(decisions.begin(), decisions.end(), [](const auto& d) {
+    return d["agent"] == "captain" && d["what"] == "acknowledge" && d["time_ns"] == 21500000000;
+  }));
+  const auto early = alarm_of("early", "\n[[operator]]\nat_s = 20.5\ncommand = \"acknowledge\"\n");
+  EXPECT_EQ(early["lasting"], false) << "acknowledged while its cause lasted, it is over with its cause";
+}
+
 // The chart has a shoal that does not exist, and lacks a rock that the sonar finds.
 // ledger: S1-D01 S1-D02
 TEST(Mission, KnowsTheHazardsOfItsChartAndThoseThatItsSonarHasMeasured) {

@@ -5,6 +5,7 @@
 #include <isobath/mission/agents/chart_room.hpp>
 #include <isobath/mission/agents/shoal_outlines.hpp>
 #include <tests/planning/array_field.hpp>
+#include <tests/planning/measured_water.hpp>
 
 namespace isobath {
 namespace {
@@ -43,7 +44,7 @@ TEST(ShoalOutlines, HoldEveryBlockedPixelAndReachLittleFurther) {
   for (int round = 0; round < 30; ++round) {
     const auto field = random_shoals(random);
     const double overreach = round % 3;
-    const std::vector<Polygon> outlines = shoal_outlines(*field, kWindow, {5, false, overreach, 100000});
+    const std::vector<Polygon> outlines = shoal_outlines(*field, kWindow, {5, false, overreach, 100000}).charted;
     for (const Polygon& o : outlines) {
       EXPECT_TRUE(is_convex(o));
       EXPECT_GT(area(o), 0);
@@ -74,12 +75,12 @@ TEST(ShoalOutlines, AreFewWhereTheShoreIsStraight) {
   for (int r = 0; r < 100; ++r) {
     for (int c = 0; c < std::min(100, 20 + r / 2); ++c) field->set({c, r}, 1.0);  // a slanting shore
   }
-  EXPECT_LE(shoal_outlines(*field, kWindow, {5, false, 1, 1000}).size(), 4u);
+  EXPECT_LE(shoal_outlines(*field, kWindow, {5, false, 1, 1000}).charted.size(), 4u);
   const auto square = deep_water();
   for (int r = 10; r < 40; ++r) {
     for (int c = 10; c < 60; ++c) square->set({c, r}, 1.0);
   }
-  const auto outlines = shoal_outlines(*square, kWindow, {5, false, 0, 1000});
+  const auto outlines = shoal_outlines(*square, kWindow, {5, false, 0, 1000}).charted;
   ASSERT_EQ(outlines.size(), 1u);
   EXPECT_DOUBLE_EQ(area(outlines[0]), 30 * 50);
 }
@@ -92,8 +93,8 @@ TEST(ShoalOutlines, StayFewHoweverRaggedTheBottomIs) {
       if (random.index(4) == 0) field->set({c, r}, 1.0);
     }
   }
-  EXPECT_GT(shoal_outlines(*field, kWindow, {5, false, 0, 100000}).size(), 1000u);
-  const auto outlines = shoal_outlines(*field, kWindow, {5, false, 0, 100});
+  EXPECT_GT(shoal_outlines(*field, kWindow, {5, false, 0, 100000}).charted.size(), 1000u);
+  const auto outlines = shoal_outlines(*field, kWindow, {5, false, 0, 100}).charted;
   EXPECT_LE(outlines.size(), 100u);
   for (int r = 0; r < 100; ++r) {
     for (int c = 0; c < 100; ++c) {
@@ -105,11 +106,12 @@ TEST(ShoalOutlines, StayFewHoweverRaggedTheBottomIs) {
 
 struct Rig {
   ChartRoom room;
-  explicit Rig(const ChartRoomConfig& config = {}, const ChartUpdate& chart = {}) : room(config) { tell(chart); }
+  Time now{};
+  explicit Rig(const ChartRoomConfig& config = {}, const WorldSnapshot& chart = {}) : room(config) { tell(chart); }
 
   std::vector<Message> tell(const Message& message) {
     Outbox out;
-    room.on_message(message, Time{}, out);
+    room.on_message(message, now, out);
     return std::move(out.said());
   }
   std::vector<Message> at(double north, double east, double depth) {
@@ -154,12 +156,12 @@ TEST(ChartRoom, SpeaksAgainOnlyWhenPlaceDepthOrChartChange) {
   EXPECT_EQ(rig.at(9, 0, 5.4).size(), 0u);
   EXPECT_EQ(rig.at(10, 0, 5).size(), 1u);
   EXPECT_EQ(rig.at(10, 0, 4.5).size(), 1u);
-  EXPECT_EQ(rig.tell(ChartUpdate{field, nullptr}).size(), 0u) << "the same version";
+  EXPECT_EQ(rig.tell(WorldSnapshot{field, nullptr}).size(), 0u) << "the same version";
   const auto changed = one_shoal();
   changed->set({0, 0}, 30.0);
-  const auto said = rig.tell(ChartUpdate{changed, nullptr});
+  const auto said = rig.tell(WorldSnapshot{changed, nullptr});
   EXPECT_EQ(hazards(said).size(), 1u);
-  EXPECT_EQ(rig.tell(ChartUpdate{}).size(), 1u) << "no chart any more: nothing is in the way";
+  EXPECT_EQ(rig.tell(WorldSnapshot{}).size(), 1u) << "no chart any more: nothing is in the way";
   Navigation nowhere;
   nowhere.X_WB.translation.setConstant(std::nan(""));
   EXPECT_EQ(rig.tell(nowhere).size(), 0u);
@@ -205,11 +207,11 @@ TEST(ChartRoom, AMapThatGrowsElsewhereLeavesTheHazardsAsTheyAre) {
   grown->set({5, 5}, 18.0);
   Rig rig({}, {field, nullptr});
   const auto first = rig.at(0, 0, 5);
-  const auto second = rig.tell(ChartUpdate{grown, nullptr, Time(std::chrono::seconds(7))});
+  const auto second = rig.tell(WorldSnapshot{grown, nullptr, Time(std::chrono::seconds(7))});
   ASSERT_EQ(hazards(second).size(), 1u);
   EXPECT_EQ(&hazards(first), &hazards(second)) << "the same hazards, not equal ones: nobody plans again";
   EXPECT_EQ(std::get<ChartedHazards>(second[0]).looked_ahead, Time(std::chrono::seconds(7)));
-  const auto third = rig.tell(ChartUpdate{grown, nullptr, Time(std::chrono::seconds(8))});
+  const auto third = rig.tell(WorldSnapshot{grown, nullptr, Time(std::chrono::seconds(8))});
   ASSERT_EQ(third.size(), 1u) << "that it has looked again is news";
   EXPECT_EQ(std::get<ChartedHazards>(third[0]).looked_ahead, Time(std::chrono::seconds(8)));
 }
@@ -296,7 +298,7 @@ TEST(ChartRoom, SendsTheCellsOfTheSphericalGridWhereAskedTo) {
   ChartRoomConfig config;
   config.sphere = true;
   const Vector3d vehicle(100, 200, 5);
-  ChartUpdate chart;
+  WorldSnapshot chart;
   chart.sphere = one_echo({}, {0, 10, 0}, vehicle);  // y' points north
   Rig rig(config, chart);
   const auto north_up = rig.at(100, 200, 5);
@@ -313,6 +315,54 @@ TEST(ChartRoom, SendsTheCellsOfTheSphericalGridWhereAskedTo) {
   EXPECT_TRUE(hazards(Rig(config, chart).at(100, 200, 5)).empty()) << "4 m above the vehicle";
   chart.sphere = one_echo({}, {0, 10, 0}, vehicle);
   EXPECT_TRUE(hazards(Rig({}, chart).at(100, 200, 5)).empty()) << "not asked for";
+}
+
+// ledger: S1-41, S5-32
+TEST(ChartRoom, HoldsTheLegsOfAMissionAgainstTheVoxelsToo) {
+  test::MeasuredWater water;
+  water.occupy({10, -2, 2}, {11, 3, 8});
+  Rig rig({}, {.depths = deep_water(), .voxels = std::make_shared<const OccupancySnapshot>(water.grid())});
+  (void)rig.at(0, 0, 4);
+  MissionOrder start;
+  start.plan = plan_over({{0, 1, 4}, {20, 1, 4}});
+  const auto said = rig.tell(start);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(std::get<Decision>(said[0]).what, "leg too shallow");
+  EXPECT_NE(std::get<Decision>(said[0]).reason.find("3.00 m of water"), std::string::npos)
+      << "the top of the wall within a metre of the vehicle's depth: " << std::get<Decision>(said[0]).reason;
+  start.plan = plan_over({{0, 20, 4}, {20, 20, 4}});
+  EXPECT_EQ(std::get<Decision>(rig.tell(start).at(0)).what, "legs deep enough") << "beside the wall";
+}
+
+// ledger: S5-32
+TEST(ChartRoom, SendsWhatTheVoxelsHoldNearTheVehiclesDepthThoughTheChartSaysDeepWater) {
+  test::MeasuredWater water;
+  water.occupy({10, -2, 2}, {11, 3, 8});  // a wall
+  water.occupy({10, 8, 7}, {12, 10, 8});  // a rock below
+  const auto voxels = std::make_shared<const OccupancySnapshot>(water.grid());
+  const WorldSnapshot world{.depths = deep_water(), .voxels = voxels};
+  const auto said = Rig({.voxels = true}, world).at(0, 0, 4);
+  ASSERT_EQ(hazards(said).size(), 1u);
+  EXPECT_EQ(hazards(said)[0].kind, HazardKind::kVoxels);
+  EXPECT_DOUBLE_EQ(area(hazards(said)[0].outline), 5);
+  EXPECT_TRUE(encloses(hazards(said)[0].outline, {10.5, 1}));
+  EXPECT_EQ(hazards(Rig({.voxels = true}, world).at(0, 0, 6.5)).size(), 2u) << "the rock is 0.5 m below";
+  EXPECT_TRUE(hazards(Rig({}, world).at(0, 0, 4)).empty());
+  EXPECT_EQ(hazards(Rig({.voxels = true}, {.voxels = voxels}).at(0, 0, 4)).size(), 1u) << "without a depth map";
+}
+
+TEST(ChartRoom, LooksAtNewVoxelsAsOftenAsAtANewDepthMap) {
+  test::MeasuredWater water;
+  water.occupy({10, -2, 2}, {11, 3, 8});
+  const auto snapshot = [&] {
+    return WorldSnapshot{.voxels = std::make_shared<const OccupancySnapshot>(water.grid())};
+  };
+  Rig rig({.live_s = 1, .voxels = true}, snapshot());
+  EXPECT_EQ(hazards(rig.at(0, 0, 4)).size(), 1u);
+  water.occupy({20, -2, 2}, {21, 3, 8});
+  EXPECT_TRUE(rig.tell(snapshot()).empty()) << "at the same time";
+  rig.now += std::chrono::seconds(1);
+  EXPECT_EQ(hazards(rig.tell(snapshot())).size(), 2u);
 }
 
 }  // namespace

@@ -319,7 +319,7 @@ TEST(LastDitch, PassesOverWhatWasMeasuredToLieBelow) {
     show(stream, berm, 20, 0.6);
     test::MeasuredWater water;
     water.clear({0, -8, 3}, {90, 8, 6.5});
-    stream.tell(OccupancyUpdate{stream.now(), std::make_shared<const OccupancySnapshot>(water.grid())});
+    stream.tell(WorldSnapshot{.voxels = std::make_shared<const OccupancySnapshot>(water.grid())});
     stream.run_to(100);
     EXPECT_EQ(stream.raised(Fault::kCollisionAhead), -1) << stops;
     EXPECT_EQ(stream.raised(Fault::kCollisionUnavoidable), -1) << stops;
@@ -329,7 +329,7 @@ TEST(LastDitch, PassesOverWhatWasMeasuredToLieBelow) {
   show(stream, {{60, 0}}, 20, 0.6);
   test::MeasuredWater water;
   water.clear({0, -8, 3}, {90, 8, 5.5});
-  stream.tell(OccupancyUpdate{stream.now(), std::make_shared<const OccupancySnapshot>(water.grid())});
+  stream.tell(WorldSnapshot{.voxels = std::make_shared<const OccupancySnapshot>(water.grid())});
   stream.run_to(100);
   EXPECT_GE(stream.raised(Fault::kCollisionAhead), 0) << "half a metre below it nothing was measured";
 }

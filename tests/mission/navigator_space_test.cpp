@@ -40,7 +40,7 @@ class NavigatorInSpace : public testing::Test {
     return script.hear(scan, now);
   }
   void see(const MeasuredWater& water) {
-    script.hear(OccupancyUpdate{at(now), std::make_shared<const OccupancySnapshot>(water.grid())}, now);
+    script.hear(WorldSnapshot{.voxels = std::make_shared<const OccupancySnapshot>(water.grid())}, now);
   }
   std::vector<Message> ask(double depth) {
     RouteRequest request;

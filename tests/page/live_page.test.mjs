@@ -204,6 +204,17 @@ test('an obstacle says by its number what and where it is, on the chart and in t
   await picture(page, 'obstacles-1400');
   await page.click('#tab-log');
 
+  // The ruler says what the maps know along it.
+  const [, ox, oy] = (await all(page)).find(([n]) => n === id);
+  await page.click('#plan-ruler');
+  await page.mouse.move(canvas.x + 30, canvas.y + 200);
+  await page.mouse.down();
+  await page.mouse.move(canvas.x + ox, canvas.y + oy, { steps: 4 });
+  await page.mouse.up();
+  await page.waitForFunction(() => /bearing/.test(document.querySelector('#plan-readout').textContent));
+  assert.match(await page.textContent('#plan-readout'), new RegExp(`meets obstacle ${id} at [\\d.]+ m`));
+  await picture(page, 'ruler-1400');
+
   const phone = await open(tape.url, 390, 844, 'dark', true);
   await state(phone, 'open');
   await phone.waitForFunction(() => document.querySelector('#plan-canvas').dataset.obstacles);

@@ -1,5 +1,5 @@
 /**
- * Commands: the buttons hold, resume and abort. They need the token of the program; abort needs a second press.
+ * Commands: the buttons hold, resume, acknowledge and abort. They need the token of the program; abort needs a second press.
  *
  * The buttons appear above all views as soon as this page may command. A button without effect in the current phase of
  * the mission is disabled. The pressed command is shown until the mission has followed it.
@@ -14,7 +14,7 @@ const kSure = 4000;
 /** ms: a command without effect is no longer shown as pending after this time. */
 const kFollowed = 10000;
 
-type Command = 'hold' | 'resume' | 'abort';
+type Command = 'hold' | 'resume' | 'acknowledge' | 'abort';
 
 export class Commands implements View {
   private readonly section = byId('commands');
@@ -24,11 +24,12 @@ export class Commands implements View {
   private readonly buttons = {
     hold: byId<HTMLButtonElement>('command-hold'),
     resume: byId<HTMLButtonElement>('command-resume'),
+    acknowledge: byId<HTMLButtonElement>('command-acknowledge'),
     abort: byId<HTMLButtonElement>('command-abort'),
   };
   private drawn = '';
   private armed = 0;
-  private ordered: { command: Command; phase: string; refusals: number; until: number } | null = null;
+  private ordered: { command: Command; state: string; refusals: number; until: number } | null = null;
 
   constructor(private readonly shared: Shared) {
     byId<HTMLFormElement>('command-form').addEventListener('submit', (event) => {
@@ -36,7 +37,7 @@ export class Commands implements View {
       shared.ask({ ask: 'control', token: this.token.value });
       this.token.value = '';
     });
-    for (const command of ['hold', 'resume'] as const) {
+    for (const command of ['hold', 'resume', 'acknowledge'] as const) {
       this.buttons[command].addEventListener('click', () => this.order(command));
     }
     const { abort } = this.buttons;
@@ -57,7 +58,7 @@ export class Commands implements View {
     const { model } = this.shared;
     this.shared.ask({ ask: 'command', command });
     const refusals = model.revision[Kind.refusal]!;
-    this.ordered = { command, phase: this.phase, refusals, until: performance.now() + kFollowed };
+    this.ordered = { command, state: this.stateFor(command), refusals, until: performance.now() + kFollowed };
     this.shared.redraw();
   }
 
@@ -70,12 +71,22 @@ export class Commands implements View {
     return this.shared.model.way?.phase ?? '';
   }
 
+  private get alarms(): readonly string[] {
+    return this.shared.model.health?.alarms ?? [];
+  }
+  /** What changes when the vehicle follows the command. */
+  private stateFor(command: Command): string {
+    return command === 'acknowledge' ? this.alarms.join() : this.phase;
+  }
+
   frame(): void {
     const { clock, revision } = this.shared.model;
     const { ordered } = this;
-    const followed = ordered && (this.phase !== ordered.phase || revision[Kind.refusal] !== ordered.refusals);
+    const followed =
+      ordered && (this.stateFor(ordered.command) !== ordered.state || revision[Kind.refusal] !== ordered.refusals);
     if (followed || performance.now() > (ordered?.until ?? Infinity)) this.ordered = null;
-    const look = `${clock?.control} ${clock?.live} ${this.phase} ${this.ordered?.command}`;
+    const unseen = this.alarms.some((alarm) => /not acknowledged/.test(alarm));
+    const look = `${clock?.control} ${clock?.live} ${this.phase} ${this.ordered?.command} ${unseen}`;
     if (look === this.drawn) return;
     this.drawn = look;
     const may = clock?.control === true;
@@ -90,6 +101,7 @@ export class Commands implements View {
     const now = clock?.live ? this.phase : '';
     this.buttons.hold.disabled = now !== '' && now !== 'under way';
     this.buttons.resume.disabled = now !== '' && now !== 'holding';
+    this.buttons.acknowledge.disabled = clock?.live === true && !unseen;
     this.buttons.abort.disabled = now === 'finished' || now === 'aborted';
   }
 
@@ -103,5 +115,6 @@ export class Commands implements View {
 const kDoing: Record<Command, string> = {
   hold: 'Hold requested',
   resume: 'Resume requested',
+  acknowledge: 'Acknowledgement sent',
   abort: 'Abort requested',
 };

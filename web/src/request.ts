@@ -6,4 +6,4 @@ export type Request =
   | { ask: 'step'; steps: number }
   | { ask: 'control'; token: string }
   | { ask: 'detail'; voxels: 'all' | 'cubes' }
-  | { ask: 'command'; command: 'hold' | 'resume' | 'abort' };
+  | { ask: 'command'; command: 'hold' | 'resume' | 'abort' | 'acknowledge' };

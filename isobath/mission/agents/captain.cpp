@@ -53,6 +53,7 @@ void Captain::on(const OperatorCommand& command, Outbox& out) {
         order(MissionOrder::Kind::kResume, "resume", "the operator asks for it", out);
       }
       return;
+    case Kind::kAcknowledge: return decide("acknowledge", "the operator has seen the alarms", out);
     case Kind::kBeat: return;
   }
 }

@@ -34,7 +34,7 @@ void Navigator::on_message(const Message& message, Time now, Outbox& out) {
   now_ = now;
   if (const auto* fix = std::get_if<Navigation>(&message)) on_fix(*fix, out);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) on_scan(*scan, out);
-  if (const auto* seen = std::get_if<OccupancyUpdate>(&message)) space_ = seen->grid;
+  if (const auto* world = std::get_if<WorldSnapshot>(&message)) space_ = world->voxels;
   if (const auto* request = std::get_if<RouteRequest>(&message)) on_request(*request, out);
   if (const auto* passed = std::get_if<WaypointPassed>(&message)) on_passage(*passed);
   if (const auto* action = std::get_if<SafetyAction>(&message)) on_action(*action, out);
@@ -175,7 +175,8 @@ std::vector<Hazard> Navigator::hazards_in(const PlanFrame& frame) const {
     // What was mapped on the way has the vehicle's own position error.
     const double chart_margin = config_.chart_sigmas * sigma_of(*here_);
     for (const Hazard& h : *chart_.hazards) {
-      const double margin = h.kind == HazardKind::kMapped ? 0 : chart_margin;
+      const bool mapped = h.kind == HazardKind::kMapped || h.kind == HazardKind::kVoxels;
+      const double margin = mapped ? 0 : chart_margin;
       hazards.push_back({to_local(frame, h.outline), h.margin_m + margin, h.kind, h.id});
     }
   }

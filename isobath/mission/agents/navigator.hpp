@@ -2,7 +2,7 @@
 // S6-36, S6-39, S6-45 to S6-47, S6-50, S6-51, S6-53 to S6-56, S6-65, S6-E21; emergency mode Herman 1988, 3.4, S2-29 to
 // S2-31).
 //
-// Receives RouteRequest, ObstacleScan, OccupancyUpdate, ChartedHazards, Navigation, WaypointPassed, MissionOrder
+// Receives RouteRequest, ObstacleScan, WorldSnapshot, ChartedHazards, Navigation, WaypointPassed, MissionOrder
 // (fence, speed), SafetyAction and Health (of the planner: the share of its budget that an overloaded computer leaves
 // it). Sends RoutePlanned, RouteRefused, Decision.
 //
@@ -23,7 +23,7 @@
 // within `decide_within_m` of it and `sure_scans` scans agree; from farther away the refusal is put off. Charted and
 // injected obstacles are believed at once.
 //
-// Where a sonar measures height (OccupancyUpdate), a route may lead over, under or between hazards that close the plan
+// Where a sonar measures height (WorldSnapshot), a route may lead over, under or between hazards that close the plan
 // view, through water that was measured (planning/space_route.hpp; S5-35, S5-37). A route that already does so is kept.
 // A new one is searched where the plane has no route, or only one that is more than `switch_m` longer than the straight
 // line.

@@ -18,9 +18,10 @@ constexpr double kLeastKept = 0.5;  // m that a route must be clear beside the h
 }  // namespace
 
 /// Hazards in W, grown by half of the clearance that a path in the plane would keep in addition. A gap between two of
-/// them is then open only through measured water, unless it is wide.
+/// them is then open only through measured water, unless it is wide. What voxels hold closes those voxels alone.
 std::vector<Hazard> Navigator::hazards_W(const View& view) const {
   std::vector<Hazard> hazards(view.map.hazards().begin(), view.map.hazards().end());
+  std::erase_if(hazards, [](const Hazard& h) { return h.kind == HazardKind::kVoxels; });
   for (Hazard& hazard : hazards) {
     hazard.margin_m += 0.5 * std::max(0.0, route_.clearance_m - space_route_.clearance_m);
     for (Eigen::Vector2d& corner : hazard.outline) corner = view.frame.to_world(corner);

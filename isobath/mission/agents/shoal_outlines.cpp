@@ -24,20 +24,27 @@ struct Mask {
   }
 };
 
-Mask mask_of(const DepthField& map, PixelWindow window, const ShoalRule& rule) {
-  Mask mask{window.width, window.height, 1, {}};
+struct Masks {
+  Mask charted, sensed;
+};
+
+Masks masks_of(const DepthField& map, PixelWindow window, const ShoalRule& rule) {
+  Masks masks;
+  masks.charted = masks.sensed = {window.width, window.height, 1, {}};
   std::vector<DepthPixel> rows;
   for (std::int32_t r = 0; r < window.height; r += kRowsRead) {
     const std::int32_t count = std::min(kRowsRead, window.height - r);
     rows.resize(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(count));
     map.read({window.column, window.row + r, window.width, count}, rows);
     for (const DepthPixel& p : rows) {
-      const bool counts = !rule.sensed || *rule.sensed == p.has(kSensed);
       const bool unknown = !p.known() || (p.clear_only() && p.depth_m() < rule.depth_m);
-      mask.blocked.push_back(counts && (unknown ? rule.unknown_blocks : p.depth_m() < rule.depth_m));
+      const bool blocked = unknown ? rule.unknown_blocks : p.depth_m() < rule.depth_m;
+      const bool sensed = p.has(kSensed) && !unknown;
+      masks.charted.blocked.push_back(blocked && !sensed);
+      masks.sensed.blocked.push_back(blocked && sensed);
     }
   }
-  return mask;
+  return masks;
 }
 
 /// Cells of twice the side, blocked where one of the four is.
@@ -156,11 +163,7 @@ std::vector<Polygon> strips_of(const Mask& mask, double overreach) {
   return done;
 }
 
-}  // namespace
-
-std::vector<Polygon> shoal_outlines(const DepthField& map, PixelWindow window, const ShoalRule& rule) {
-  const PixelGrid grid = map.grid();
-  Mask mask = mask_of(map, window, rule);
+std::vector<Polygon> outlines_of(Mask mask, const PixelGrid& grid, const PixelWindow& window, const ShoalRule& rule) {
   std::vector<Polygon> outlines = strips_of(mask, rule.overreach_m / grid.pixel_m);
   while (outlines.size() > static_cast<std::size_t>(rule.max_outlines) && mask.width + mask.height > 2) {
     mask = coarser(mask);
@@ -175,6 +178,15 @@ std::vector<Polygon> shoal_outlines(const DepthField& map, PixelWindow window, c
     if (area(outline) < 0) std::reverse(outline.begin(), outline.end());
   }
   return outlines;
+}
+
+}  // namespace
+
+ShoalOutlines shoal_outlines(const DepthField& map, PixelWindow window, const ShoalRule& rule) {
+  Masks masks = masks_of(map, window, rule);
+  const PixelGrid grid = map.grid();
+  return {outlines_of(std::move(masks.charted), grid, window, rule),
+          outlines_of(std::move(masks.sensed), grid, window, rule)};
 }
 
 }  // namespace isobath

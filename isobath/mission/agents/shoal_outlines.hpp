@@ -11,20 +11,23 @@
 #include <cstdint>
 #include <isobath/geometry/polygon.hpp>
 #include <isobath/map/depth/depth_field.hpp>
-#include <optional>
 #include <vector>
 
 namespace isobath {
 
 struct ShoalRule {
   double depth_m = 1;           ///< shallower than this is blocked
-  bool unknown_blocks = false;  ///< whether water of unknown depth is blocked too
+  bool unknown_blocks = false;  ///< whether water of unknown depth is blocked too, as charted
   double overreach_m = 1;
-  int max_outlines = 1000;
-  std::optional<bool> sensed = {};  ///< only pixels that a sonar has measured, or only others; empty: all
+  int max_outlines = 1000;  ///< of each kind
 };
 
 /// Convex, in the positive sense, north and east in m.
-std::vector<Polygon> shoal_outlines(const DepthField& map, PixelWindow window, const ShoalRule& rule);
+struct ShoalOutlines {
+  std::vector<Polygon> charted;
+  std::vector<Polygon> sensed;  ///< of pixels whose depth a sonar has measured
+};
+/// Reads the window once.
+ShoalOutlines shoal_outlines(const DepthField& map, PixelWindow window, const ShoalRule& rule);
 
 }  // namespace isobath

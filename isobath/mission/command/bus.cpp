@@ -34,9 +34,8 @@ constexpr const char* name(const TaskBid*) { return "task bid"; }
 constexpr const char* name(const TaskAward*) { return "task award"; }
 constexpr const char* name(const TaskPlan*) { return "task plan"; }
 constexpr const char* name(const Decision*) { return "decision"; }
-constexpr const char* name(const ChartUpdate*) { return "chart update"; }
+constexpr const char* name(const WorldSnapshot*) { return "world"; }
 constexpr const char* name(const LinkFrame*) { return "link frame"; }
-constexpr const char* name(const OccupancyUpdate*) { return "space seen"; }
 
 template <std::size_t... I>
 constexpr std::array<const char*, sizeof...(I)> all_names(std::index_sequence<I...>) {

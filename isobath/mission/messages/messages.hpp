@@ -7,14 +7,11 @@
 
 #include <cstdint>
 #include <Eigen/Core>
-#include <isobath/map/depth/depth_field.hpp>
 #include <isobath/map/occupancy/obstacle_memory.hpp>
-#include <isobath/map/spherical/grid_snapshots.hpp>
-#include <isobath/map/voxel/occupancy_snapshot.hpp>
 #include <isobath/mission/plan/mission_plan.hpp>
 #include <isobath/perception/obstacle_detector.hpp>
 #include <isobath/planning/hazard_map.hpp>
-#include <isobath/planning/traversability.hpp>
+#include <isobath/planning/world_snapshot.hpp>
 #include <isobath/sonar/range_reading.hpp>
 #include <isobath/vehicle/guidance.hpp>
 #include <isobath/vehicle/health.hpp>
@@ -55,26 +52,14 @@ struct ObstacleScan {
   std::shared_ptr<const KnownObstacles> known = nullptr;  ///< null where there is no pose
 };
 
-/// Map in three dimensions -> Navigator: the water around, from a sonar that measures height; replaces the one before.
-struct OccupancyUpdate {
-  Time time;
-  std::shared_ptr<const OccupancySnapshot> grid;  ///< never null
-};
-
 /// Chart room -> Navigator: the hazards around the vehicle that chart and depth map contain; replaces those before.
 /// In W.
 struct ChartedHazards {
   std::shared_ptr<const std::vector<Hazard>> hazards;
-  std::optional<Time> looked_ahead = {};  ///< as in ChartUpdate
+  std::optional<Time> looked_ahead = {};  ///< as in WorldSnapshot
 };
 
-/// Maps -> Chart room: the chart from now on, with what sonar has added to it. Each pointer may be null: there is none.
-struct ChartUpdate {
-  std::shared_ptr<const DepthField> depths;
-  std::shared_ptr<const std::vector<ChartObstacle>> objects;
-  std::optional<Time> looked_ahead = {};            ///< newest reading in `depths` of a range sonar that looks ahead
-  std::shared_ptr<const GridSnapshot> sphere = {};  ///< the echoes around the vehicle
-};
+// WorldSnapshot (planning/world_snapshot.hpp), maps -> all agents: all maps from now on; replaces the one before.
 
 /// Quality of one ping, sent as soon as the ping arrives.
 struct SonarHealthSample {
@@ -102,7 +87,7 @@ struct SonarEchoes {
 // From the operator --------------------------------------------------------------------------------------------------
 
 struct OperatorCommand {
-  enum class Kind : std::uint8_t { kStart, kAbort, kHold, kResume, kBeat } kind = Kind::kBeat;
+  enum class Kind : std::uint8_t { kStart, kAbort, kHold, kResume, kBeat, kAcknowledge } kind = Kind::kBeat;
   std::shared_ptr<const MissionPlan> plan = {};  ///< with kStart
 };
 
@@ -282,10 +267,10 @@ struct Decision {
 /// One line: "27.200 s navigator: replan: leg 1 would run into an obstacle at north 44.7, east 2.4 m ...".
 std::string to_text(const Decision& decision);
 
-using Message = std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan,
-                             ChartedHazards, OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned,
-                             RouteRefused, PointReport, MissionReport, FollowOrder, WaypointPassed, HelmOrder,
-                             SafetyAction, SafetyReport, AgentLost, StatusReport, TaskCall, TaskBid, TaskAward,
-                             TaskPlan, Decision, ChartUpdate, LinkFrame, OccupancyUpdate>;
+using Message =
+    std::variant<Navigation, RangeReading, Health, SonarHealthSample, SonarEchoes, Sweep, ObstacleScan, ChartedHazards,
+                 OperatorCommand, MissionOrder, PointMoved, RouteRequest, RoutePlanned, RouteRefused, PointReport,
+                 MissionReport, FollowOrder, WaypointPassed, HelmOrder, SafetyAction, SafetyReport, AgentLost,
+                 StatusReport, TaskCall, TaskBid, TaskAward, TaskPlan, Decision, WorldSnapshot, LinkFrame>;
 
 }  // namespace isobath

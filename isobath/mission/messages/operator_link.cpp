@@ -104,7 +104,7 @@ FrameBytes to_bytes(const OperatorCommand& command) {
 OperatorCommand command_of(Bytes word) {
   using Kind = OperatorCommand::Kind;
   const Place place{"operator link"};
-  if (word.size() < 2 || word[0] != 'c' || word[1] > static_cast<std::uint8_t>(Kind::kBeat)) {
+  if (word.size() < 2 || word[0] != 'c' || word[1] > static_cast<std::uint8_t>(Kind::kAcknowledge)) {
     throw Error("not a command", place);
   }
   OperatorCommand command{static_cast<Kind>(word[1]), nullptr};

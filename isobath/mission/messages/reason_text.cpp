@@ -12,6 +12,7 @@ std::string text_of(const Hazard& hazard) {
       return numbered ? fmt::format("remembered obstacle {}", hazard.obstacle) : "a remembered obstacle";
     case HazardKind::kCharted: return "a charted obstacle";
     case HazardKind::kMapped: return "an obstacle of the depth map";
+    case HazardKind::kVoxels: return "an obstacle of the voxel map";
     case HazardKind::kFence: return "the fence";
     case HazardKind::kInjected: return "an injected obstacle";
   }

@@ -108,7 +108,7 @@ void SafetyOfficer::on_message(const Message& message, Time now, Outbox&) {
   if (const auto* command = std::get_if<OperatorCommand>(&message)) on_command(*command);
   if (const auto* scan = std::get_if<ObstacleScan>(&message)) on_scan(*scan);
   if (const auto* chart = std::get_if<ChartedHazards>(&message)) on_chart(*chart);
-  if (const auto* seen = std::get_if<OccupancyUpdate>(&message)) space_ = seen->grid;
+  if (const auto* world = std::get_if<WorldSnapshot>(&message)) space_ = world->voxels;
   if (const auto* lost = std::get_if<AgentLost>(&message)) on_lost(*lost);
   if (const auto* order = std::get_if<FollowOrder>(&message)) follow(*order);
   if (const auto* report = std::get_if<MissionReport>(&message)) phase_ = report->phase;

@@ -18,7 +18,7 @@
 // the spot to the ordered heading, and the stop is over when the path there is free at the ordered speed. Echoes are
 // taken to be at the height of the sonar.
 //
-// Where a sonar that measures height (OccupancyUpdate) has measured all water clear at the vehicle's depth and
+// Where a sonar that measures height (WorldSnapshot) has measured all water clear at the vehicle's depth and
 // `height_margin_m` above and below it, the vehicle passes over or under: neither echoes nor obstacles count at that
 // place (S5-35). Echoes that bottom or surface explain do not arrive here where depth and altitude are known
 // (sonar/boundary_echoes.hpp); where the altitude is unknown, a bottom within the beam's reach stops the vehicle.

@@ -39,13 +39,14 @@ double min_distance(const test::Sailed& sailed, const Vector2d& place) {
 
 /// Outlines of the water of the scenario's chart that is shallower than this.
 std::vector<Polygon> shoals(const Scenario& scenario, double depth_m) {
-  const ChartUpdate chart = chart_of(scenario, small_chart());
+  const WorldSnapshot chart = chart_of(scenario, small_chart());
   const PixelGrid grid = chart.depths->grid();
   const Pixel first = grid.at({200, -80});
   const Pixel last = grid.at({-60, 80});
   return shoal_outlines(*chart.depths,
                         {first.column, first.row, last.column - first.column + 1, last.row - first.row + 1},
-                        {depth_m, false, 1, 1000});
+                        {depth_m, false, 1, 1000})
+      .charted;
 }
 
 /// Of the truth.

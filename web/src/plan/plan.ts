@@ -5,6 +5,7 @@ import type { Decision } from '../items';
 import { DepthFlag, Kind } from '../protocol';
 import * as units from '../units';
 import type { Shared, View } from '../view';
+import { alongLine } from './along_line';
 import { Camera } from './camera';
 import { drawBodies, drawFences, drawLand, drawMission, middle } from './chart_layers';
 import { DepthLayer, type DepthShows } from './depth_layer';
@@ -21,6 +22,8 @@ import { DepthScale } from './depth_scale';
 
 /** px: a touch within this distance selects an obstacle. */
 const kTouch = 14;
+/** m: obstacles within this distance of the ruler are told. */
+const kBesideRuler = 20;
 
 export class PlanView implements View, Gestured {
   private readonly canvas = byId<HTMLCanvasElement>('plan-canvas');
@@ -183,7 +186,12 @@ export class PlanView implements View, Gestured {
     const pointed = this.pointed();
     const here = vehicle ? ([vehicle.north, vehicle.east] as const) : null;
     if (pointed) parts.unshift(tracks.words(pointed, this.shared.model.now, here && [...here]));
-    if (this.ruler) parts.unshift(rulerText(this.ruler));
+    if (this.ruler) {
+      const { from, to } = this.ruler;
+      const depthAt = this.depth.any ? (p: readonly [number, number]) => this.depth.at(...p)?.depth ?? null : null;
+      const known = alongLine(from, to, depthAt, tracks.tracked(this.shared.model), kBesideRuler);
+      parts.unshift(rulerText(this.ruler), ...known);
+    }
     const spans = parts.map((part) => make('span', {}, part));
     if (this.readout.textContent !== parts.join('')) this.readout.replaceChildren(...spans);
   }
