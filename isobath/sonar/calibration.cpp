@@ -220,7 +220,12 @@ RangeGroup Calibration::group(int first, int last, const SensorModel& model, con
     split(sum.target, g.counts.hits, g.counts.misses);
   }
   const auto target = sum.target.pooled(first, last);
-  if (total(target) > 0) g.roc.emplace(levels.edges(), sum.noise.pooled(first, last), target);
+  if (total(target) > 0) {
+    g.roc.emplace(levels.edges(), sum.noise.pooled(first, last), target);
+    const EchoDistribution noise(sum.noise, first, last), echoes(sum.target, first, last);
+    const double amplitude = std::max(0.0, echoes.mean() - noise.mean());
+    if (noise.deviation() > 0) g.snr = amplitude * amplitude / (noise.deviation() * noise.deviation());
+  }
   return g;
 }
 

@@ -63,6 +63,7 @@ struct RangeGroup {
   std::vector<NoiseFit> fits;   ///< one per law
   EchoCounts counts;            ///< at the thresholds of the model, without blind bins
   std::optional<RocCurve> roc;  ///< if there are marked cells
+  double snr = 0;               ///< of the marked cells, A^2 / sigma^2, for theoretical_detection; if there are any
 };
 
 /// Detection on frames not used for the thresholds, at one false-alarm rate.

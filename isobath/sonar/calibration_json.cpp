@@ -38,6 +38,12 @@ Json json(const RocCurve& roc) {
           {"threshold_f_p", std::move(points)}};
 }
 
+Json theory(const RangeGroup& g) {
+  Json points = Json::array();
+  for (const double f : {0.01, 0.02, 0.03, 0.04}) points.push_back({f, theoretical_detection(f, g.snr)});
+  return {{"snr", g.snr}, {"f_p", std::move(points)}};
+}
+
 Json json(const RangeGroup& g) {
   Json fits = Json::array();
   for (const NoiseFit& fit : g.fits) fits.push_back(json(fit));
@@ -51,7 +57,8 @@ Json json(const RangeGroup& g) {
             {"correct_rejections", g.counts.correct_rejections}}},
           {"p", rate(g.counts.hits, g.counts.misses)},
           {"f", rate(g.counts.false_alarms, g.counts.correct_rejections)},
-          {"roc", g.roc ? json(*g.roc) : Json(nullptr)}};
+          {"roc", g.roc ? json(*g.roc) : Json(nullptr)},
+          {"theory", g.roc ? theory(g) : Json(nullptr)}};
 }
 
 }  // namespace

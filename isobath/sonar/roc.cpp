@@ -19,6 +19,20 @@ Interval wilson_interval(double successes, double trials, double z) {
 
 double normal_tail(double x) { return 0.5 * std::erfc(x / std::numbers::sqrt2); }
 
+double normal_threshold(double probability) {
+  ISOBATH_ASSERT(probability > 0 && probability < 1);
+  double low = -40, high = 40;
+  for (int i = 0; i < 70; ++i) {
+    const double middle = std::midpoint(low, high);
+    (normal_tail(middle) > probability ? low : high) = middle;
+  }
+  return low;
+}
+
+double theoretical_detection(double false_alarm, double snr) {
+  return normal_tail(normal_threshold(false_alarm) - std::sqrt(snr));
+}
+
 RocCurve::RocCurve(const std::vector<double>& edges, const std::vector<std::uint64_t>& noise,
                    const std::vector<std::uint64_t>& target) {
   ISOBATH_ASSERT(noise.size() == target.size() && edges.size() == noise.size() + 1);

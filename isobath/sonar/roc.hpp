@@ -29,6 +29,11 @@ Interval wilson_interval(double successes, double trials, double z = 1.959963984
 
 /// Q(x): probability that a standard normal exceeds x.
 double normal_tail(double x);
+/// x with Q(x) = probability, in (0, 1); to 1e-12.
+double normal_threshold(double probability);
+/// Equation 4.1: detection rate at a false-alarm rate in (0, 1) of an echo of constant amplitude A in Gaussian noise of
+/// deviation sigma; snr = A^2 / sigma^2, linear (S6-07).
+double theoretical_detection(double false_alarm, double snr);
 
 struct RocPoint {
   double threshold = 0;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <isobath/base/error.hpp>
 #include <isobath/base/pending_file.hpp>
@@ -190,8 +191,8 @@ CalibrateOutcome learn_models(const CalibrateRequest& request) {
 // Charts -------------------------------------------------------------------------------------------------------------
 
 std::string roc_chart(const CalibrationResult& result) {
-  ChartPicture chart(640, 460, "Detection against false alarms, by range", {"false-alarm probability f", 1e-4, 1, true},
-                     {"detection probability p", 0, 1});
+  ChartPicture chart(640, 460, "Detection against false alarms, by range (dashed: theory)",
+                     {"false-alarm probability f", 1e-4, 1, true}, {"detection probability p", 0, 1});
   for (std::size_t g = 0; g < result.groups.size(); ++g) {
     const RangeGroup& group = result.groups[g];
     if (!group.roc) continue;
@@ -209,6 +210,12 @@ std::string roc_chart(const CalibrationResult& result) {
         fmt::format("{:.1f} to {:.1f} m, {} marked cells", group.near_m, group.far_m, group.roc->target_samples());
     chart.band(f, low, high, {shade.red, shade.green, shade.blue, 0.12});
     chart.curve(f, p, {shade, 2, false}, name);
+    std::vector<double> theory_f, theory_p;
+    for (double decade = -4; decade <= 0; decade += 0.05) {
+      theory_f.push_back(std::pow(10, decade));
+      theory_p.push_back(theoretical_detection(std::min(theory_f.back(), 1 - 1e-9), group.snr));
+    }
+    chart.curve(theory_f, theory_p, {shade, 1.2, true}, "");
   }
   chart.finish();
   return chart.png();
@@ -330,7 +337,10 @@ CalibrationCharts write_models(const std::filesystem::path& folder, CalibrateOut
 void add_charts(HtmlReport& page, const CalibrateOutcome& outcome, const CalibrationCharts& charts) {
   page.begin_row();
   if (!charts.roc.empty()) {
-    page.figure(charts.roc, "Receiver operating characteristic by range, with 95 % bands of p.");
+    page.figure(
+        charts.roc,
+        "Receiver operating characteristic by range, with 95 % bands of p. Dashed: the theory of a constant echo in "
+        "Gaussian noise of the same signal-to-noise ratio.");
   }
   page.figure(charts.thresholds, "Echo threshold of the model by range bin.");
   page.figure(detection_chart(outcome.result), "Share of targets above the threshold.");

@@ -29,21 +29,6 @@ struct ThesisSonar {
   }
 };
 
-/// The number that a standard normal exceeds with this probability.
-double normal_threshold(double false_alarm) {
-  double low = -10, high = 10;
-  for (int i = 0; i < 100; ++i) {
-    const double middle = std::midpoint(low, high);
-    (0.5 * std::erfc(middle / std::sqrt(2.0)) > false_alarm ? low : high) = middle;
-  }
-  return low;
-}
-
-/// Equation 4.1: a target of constant amplitude A in Gaussian noise of deviation sigma; snr = A^2 / sigma^2, linear.
-double theoretical_detection(double false_alarm, double snr) {
-  return 0.5 * std::erfc((normal_threshold(false_alarm) - std::sqrt(snr)) / std::sqrt(2.0));
-}
-
 // ledger: S6-07
 TEST(TheoreticalRoc, HasTheValuesOfEquation41) {
   const auto snr = [](double decibel) { return std::pow(10, decibel / 10); };
