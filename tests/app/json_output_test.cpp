@@ -155,7 +155,8 @@ TEST_F(JsonOutput, OfCalibrateAndOfARunFromItsModel) {
     EXPECT_THAT(field, testing::Not(testing::StartsWith("fan_model")));
   }
   for (const std::string& field : page_.never_came_out("calibrate")) {
-    EXPECT_THAT(field, testing::ContainsRegex("^(groups\\[\\].(p|roc|theory)|cross_validation|histograms|fan.dead_beams)"))
+    EXPECT_THAT(field,
+                testing::ContainsRegex("^(groups\\[\\].(p|roc|theory)|cross_validation|histograms|fan.dead_beams)"))
         << "only these need marks, or dead beams";
   }
 }
