@@ -39,6 +39,8 @@ class AgentsHelm : public Helm {
   void on_jump(const Eigen::Vector3d& by_W) override;
   void on_world(const WorldSnapshot& world) override;
 
+  [[nodiscard]] std::vector<AgentReport> crew() const override { return executor_->crew(); }
+
   [[nodiscard]] const MissionPlan& plan() const { return *plan_; }
 
  protected:

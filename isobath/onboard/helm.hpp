@@ -8,7 +8,6 @@
 #include <isobath/event/event.hpp>
 #include <isobath/mission/command/executor.hpp>
 #include <isobath/mission/messages/operator_link.hpp>
-#include <isobath/planning/world_snapshot.hpp>
 #include <isobath/world/result_sinks.hpp>
 #include <memory>
 #include <optional>
@@ -37,6 +36,8 @@ class Helm : public ResultSink {
   virtual void show_messages_to(const Recorder& /*recorder*/) {}
   /// Counts of its agents, if it has any.
   [[nodiscard]] virtual ExecutorCounts executor_counts() const { return {}; }
+  /// Its agents with what each has sent, if it has any.
+  [[nodiscard]] virtual std::vector<AgentReport> crew() const { return {}; }
   /// Waits until all events so far are answered. Returns at once if the helm has no threads of its own.
   virtual void settle() {}
 };

@@ -73,7 +73,14 @@ ordered_json mission_json(const MissionOutcome& outcome, bool with_timings) {
   json["crew"] = {{"ticks", executor.ticks},
                   {"agents_lost", executor.lost},
                   {"messages_cut", executor.cut},
-                  {"set_points_limited", executor.limited}};
+                  {"set_points_limited", executor.limited},
+                  {"agents", ordered_json::array()}};
+  for (const AgentReport& agent : outcome.crew) {
+    ordered_json sent = ordered_json::array();
+    for (const auto& [message, count] : agent.sent) sent.push_back({{"message", message}, {"count", count}});
+    json["crew"]["agents"].push_back(
+        {{"name", agent.name}, {"level", to_text(agent.level)}, {"sent", std::move(sent)}});
+  }
   for (const OperatorAnswer& answer : outcome.answers) {
     json["operator"].push_back(
         {{"time", to_text(answer.time)}, {"phase", to_text(answer.status.phase)}, {"text", answer.status.text}});

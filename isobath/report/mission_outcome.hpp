@@ -44,6 +44,7 @@ struct MissionOutcome {
   std::optional<std::uint64_t> recorded;  ///< replay of a log with decisions: their number
   MissionTimings timings;
   ExecutorCounts executor;
+  std::vector<AgentReport> crew;
   std::vector<OperatorAnswer> answers;  ///< what the operator of a simulated run received
 
   /// What went wrong, as one line: contact, a mission that did not end or was aborted, no point reached, decisions that

@@ -335,6 +335,7 @@ ordered_json sphere_json(const SphericalOutcome& sphere) {
           {"bytes", sphere.bytes},
           {"ahead", to_text(sphere.ahead.verdict)},
           {"clear_ahead_m", tidy(sphere.ahead.clear_m)},
+          {"empty_directions", tidy(sphere.empty_directions)},
           {"coarser", sphere.coarser}};
 }
 

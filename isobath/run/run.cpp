@@ -359,6 +359,7 @@ MissionOutcome Run::mission_outcome() {
   mission.mapped = notes_.mapped();
   mission.timings = onboard_.timings();
   mission.executor = helm_->executor_counts();
+  mission.crew = helm_->crew();
   if (SimulatedSource* simulated = input_.simulated()) {
     mission.truth = track_->truth();
     mission.bodies = outlines_of(simulated->simulator().world());

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <isobath/world/spherical_model.hpp>
 
 namespace isobath {
@@ -110,6 +111,13 @@ SphericalOutcome SphericalModel::outcome(double radius_m) const {
       outcome.occupied += static_cast<double>(cell.log_odds) >= grid_.occupied_log_odds() ? 1 : 0;
     }
   });
+  const int around = static_cast<int>(std::lround(360 / grid_.buckets().step().degrees()));
+  int empty = 0;
+  for (int i = 0; i < around; ++i) {
+    const Angle azimuth = grid_.buckets().step() * (i + 0.5);
+    empty += grid_.is_empty({cos(azimuth), sin(azimuth), 0}) ? 1 : 0;
+  }
+  outcome.empty_directions = static_cast<double>(empty) / around;
   const Eigen::Vector3d ahead = level(X_WB_).rotation * Eigen::Vector3d::UnitX();
   outcome.ahead = way_ahead(grid_, mapper_.to_grid(ahead), grid_.config().range_m, radius_m);
   return outcome;

@@ -39,8 +39,9 @@ struct SphericalOutcome {
   std::uint64_t pings = 0, ranges = 0, swaths = 0, scans = 0;
   std::uint64_t cells = 0, occupied = 0, locked = 0, bytes = 0;
   double range_m = 0;
-  WayAhead ahead;       ///< straight ahead, at the end of the run
-  std::string coarser;  ///< why the grid is coarser than one of the sonars; empty: it is not
+  WayAhead ahead;               ///< straight ahead, at the end of the run
+  double empty_directions = 0;  ///< share of the directions at the vehicle's level without any echo, at the end (S4-11)
+  std::string coarser;          ///< why the grid is coarser than one of the sonars; empty: it is not
 };
 
 class SphericalModel {

@@ -17,6 +17,8 @@ namespace {
 constexpr const char* kSoundings = "soundings";  ///< layer of soundings, which have a height of their own
 /// Two fans whose sizes differ by less than this share are of one sonar, which steers its beams anew for each ping.
 constexpr double kAlike = 0.5;
+constexpr double kSameHeading_deg = 15, kSameMount_m = 0.5;
+constexpr double kSteep = 0.5;  // level part of an axis that is too steep to have a heading
 // Log-odds of a sounding, which the sonar itself has picked as the strongest echo of a narrow beam: two soundings are
 // enough for an occupied voxel even with a low prior (0.05). Chosen, not measured.
 constexpr double kSoundingHit = 1.5, kSoundingMiss = -0.5;
@@ -82,18 +84,25 @@ VoxelModel::Sonar& VoxelModel::sonar_of(const Ping& ping) {
   const auto near = [](Angle a, Angle b) {
     return std::abs(a.radians() - b.radians()) <= kAlike * std::max(a.radians(), b.radians());
   };
+  const Eigen::Vector2d axis_B = (ping.X_BS.rotation * Eigen::Vector3d::UnitX()).head<2>();
+  const Eigen::Vector3d& at_B = ping.X_BS.translation;
+  const auto same_heading = [&](const Eigen::Vector2d& other) {
+    if (std::min(axis_B.norm(), other.norm()) < kSteep) return true;
+    return axis_B.dot(other) >= cos(Angle::degrees(kSameHeading_deg)) * axis_B.norm() * other.norm();
+  };
   int alike = 1;
   for (const auto& s : sonars_) {
     if (s->flat != flat) continue;
-    const bool same = near(s->width, fan.width.front()) && near(s->height, fan.height) && near(s->span, span);
-    if (s->beams == fan.beams() && same) return *s;
+    const bool same_fan = near(s->width, fan.width.front()) && near(s->height, fan.height) && near(s->span, span);
+    const bool same_mount = same_heading(s->axis_B) && (s->at_B - at_B).norm() <= kSameMount_m;
+    if (s->beams == fan.beams() && same_fan && same_mount) return *s;
     ++alike;
   }
   std::string name = flat ? "flat" : "upright";
   if (alike > 1) name += fmt::format(" {}", alike);
   VoxelBlocks& layer = map_->layer(name);
   sonars_.push_back(std::make_unique<Sonar>(
-      Sonar{name, flat, fan.beams(), fan.width.front(), fan.height, span, 0,
+      Sonar{name, flat, fan.beams(), fan.width.front(), fan.height, span, axis_B, at_B, 0,
             FanMapper(config_.fans, config_.map.voxel_m, log_odds_of(config_.map.prior)), &layer}));
   return *sonars_.back();
 }

@@ -1,9 +1,10 @@
 // VoxelModel: the three-dimensional map of a run. Every ping of a fan, horizontal or vertical, goes into the layer of
 // its sonar; the layers together are the map (Horner et al. c. 2009, 4; ledger S5-07, S5-13, S5-27 to S5-30).
 //
-// A sonar is identified by the stance of its fan (horizontal or vertical, divided at 45 degrees) and by the fan itself:
-// number, width and height of the beams, and the sector. Two sonars on one vehicle thus have one layer each, and a fan
-// that is tilted during the run keeps its layer.
+// A sonar is identified by the stance of its fan (horizontal or vertical, divided at 45 degrees), by the fan itself
+// (number, width and height of the beams, and the sector), and by where it is mounted and the heading of its axis in
+// the body. Each sonar of a vehicle thus has a layer of its own, also two of one kind (S5-30), and a fan that is tilted
+// during the run keeps its layer.
 //
 // Memory is unbounded by default. It can be bounded by a window around the vehicle, outside which blocks are forgotten
 // or spilled to a file, or by a number of megabytes, beyond which the blocks that changed longest ago spill. Spilling
@@ -99,6 +100,8 @@ class VoxelModel {
     bool flat;
     int beams;
     Angle width, height, span;
+    Eigen::Vector2d axis_B;  ///< level part of its axis
+    Eigen::Vector3d at_B;    ///< where it is mounted
     std::uint64_t pings;
     FanMapper mapper;
     VoxelBlocks* layer;

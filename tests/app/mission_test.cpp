@@ -38,7 +38,7 @@ int pixels_in_chart(const fs::path& picture, const std::array<int, 3>& rgb) {
 }
 
 // The demo: the vehicle sees, decides, turns, and can say why.
-// ledger: S6-56 S6-57 S6-59
+// ledger: S6-32 S6-56 S6-57 S6-59
 TEST(Mission, TheDemoReachesItsPointsClearOfTheBuoysAndSaysWhy) {
   const fs::path out = scratch_folder() / "out";
   const ProgramResult result = isobath_run({}, out);
@@ -51,6 +51,22 @@ TEST(Mission, TheDemoReachesItsPointsClearOfTheBuoysAndSaysWhy) {
   EXPECT_GT(mission["truth"]["least_clearance_m"].get<double>(), 1);
   EXPECT_GT(mission["truth"]["path_m"].get<double>(), 100);
   EXPECT_GT(mission["timings"]["scan_to_decision"]["count"].get<int>(), 10);
+  // Who sends what, by level.
+  std::map<std::string, std::pair<std::string, std::set<std::string>>> crew;
+  for (const auto& agent : mission["crew"]["agents"]) {
+    auto& [level, sent] = crew[agent["name"]];
+    level = agent["level"];
+    for (const auto& message : agent["sent"]) sent.insert(message["message"].get<std::string>());
+  }
+  EXPECT_EQ(crew["captain"].first, "supervisory");
+  EXPECT_EQ(crew["navigator"].first, "mission");
+  EXPECT_EQ(crew["pilot"].first, "vehicle");
+  EXPECT_EQ(crew["safety officer"].first, "supervisory");
+  EXPECT_THAT(crew["fls detector"].second, testing::ElementsAre("obstacle scan"));
+  EXPECT_THAT(crew["navigator"].second, testing::IsSupersetOf({"route planned", "decision"}));
+  EXPECT_THAT(crew["pilot"].second, testing::IsSupersetOf({"helm order", "waypoint passed"}));
+  EXPECT_TRUE(crew["captain"].second.contains("mission order"));
+  EXPECT_FALSE(crew["navigator"].second.contains("helm order")) << "the pilot's word alone";
   auto without_timings = mission;
   without_timings.erase("timings");
   EXPECT_EQ(without_timings, json_of(out / "mission.json")) << "the file holds no measured time";

@@ -198,6 +198,7 @@ TEST(SphereOfARun, HoldsWhatASonarWithALongBlindZoneHears) {
   EXPECT_GT(sphere["occupied"], 100);
   EXPECT_NE(sphere["ahead"], "blocked");
   EXPECT_GT(sphere["clear_ahead_m"], 20);
+  EXPECT_GT(sphere["empty_directions"], 0.3) << "a sonar that looks 60 degrees to each side, between two banks";
 }
 
 // The planner gets the cells with echoes as hazards where the settings ask for them, and the mission is the same
@@ -230,6 +231,7 @@ TEST(SphereOfARun, KnowsTheWallsOfABrightTank) {
   EXPECT_GT(sphere["occupied"], 500);
   EXPECT_EQ(sphere["ahead"], "blocked");
   EXPECT_LT(sphere["clear_ahead_m"], 3);
+  EXPECT_LT(sphere["empty_directions"], 0.1) << "walls all around (S4-11)";
 }
 
 // The wall stands in the grid of the run, which says so; its replay says the same.

@@ -52,6 +52,32 @@ TEST_F(Voxels, OfTheBridgeHaveALayerForEachImagePlane) {
   EXPECT_GT(voxels["truth"]["judged"], 100'000);
 }
 
+// A third sonar, configured in the scene, joins by a layer of its own; the map then holds more of the surfaces, more
+// surely. It looks 40 degrees to port and is of the same kind as the vertical one.
+// ledger: S5-30
+TEST_F(Voxels, OfAThirdSonarJoinTheMapAndImproveIt) {
+  std::ofstream(bridge_, std::ios::app) << R"(
+[[sonar]]
+preset = "p450_vertical"
+name = "side"
+heading_deg = -40
+sound_speed = 1467.6
+interval_s = 0.5
+)";
+  const auto truth_of = [&](const std::string& name, const std::string& without) {
+    const ProgramResult run = isobath_run(
+        bridge_, out_ / name, {"--set", "simulation.duration_s=20", "--set", "simulation.without=" + without});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return test::json_of(out_ / name / "manifest.json")["voxels"];
+  };
+  const auto two = truth_of("two", "side"), three = truth_of("three", "");
+  ASSERT_EQ(three["layers"].size(), 3u);
+  EXPECT_EQ(three["layers"][2]["sensor"], "upright 2");
+  EXPECT_EQ(two["layers"].size(), 2u);
+  EXPECT_GT(three["truth"]["recall"].get<double>(), 1.1 * two["truth"]["recall"].get<double>());
+  EXPECT_GT(three["truth"]["precision"], two["truth"]["precision"]);
+}
+
 TEST_F(Voxels, AreNotMadeWhereNobodyWantsThem) {
   const ProgramResult run =
       isobath_run(bridge_, out_, {"--set", "simulation.duration_s=2", "--set", "voxels.sonars=none"});

@@ -1,9 +1,9 @@
 // A page with the token holds, resumes and aborts a mission; a page without it cannot.
 import assert from 'node:assert/strict';
-import { writeFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { open, picture, scratch, serve, start, state, stop, until } from './program.mjs';
+import { open, picture, scratch, serve, source, start, state, stop, until } from './program.mjs';
 
 before(start);
 after(stop);
@@ -124,6 +124,31 @@ test('with the token a mission is held, resumed and aborted; without it nothing 
   await other.close();
   await program.end();
   assert.match(program.said(), /abort/);
+});
+
+// ledger: S1-43
+test('an alarm is shown until its cause is over and it has been acknowledged', async () => {
+  const file = join(scratch, 'token');
+  writeFileSync(file, `${token}\n`);
+  const scene = join(scratch, 'short_leak.toml');
+  const leak = readFileSync(source('scenarios/faults/leak.toml'), 'utf8');
+  writeFileSync(scene, leak.replace('at_s = 20', 'at_s = 2\nfor_s = 1'));
+  const program = await serve('alarm', scene, '--port', '0', '--speed', '0.5', '--token-file', file);
+  const page = await open(program.url);
+  await state(page, 'open');
+  await page.click('#tab-health');
+  await say(page, token);
+  await page.waitForFunction(() => /Alarm: leak.*lasts, not acknowledged/.test(document.body.textContent));
+  await page.waitForSelector('#command-acknowledge:not([disabled])');
+  await picture(page, 'alarm-1400');
+  await page.click('#command-acknowledge');
+  await page.waitForFunction(() => !/Alarm: leak/.test(document.querySelector('#alarms').textContent));
+  assert.ok(await page.isDisabled('#command-acknowledge'));
+  await page.click('#tab-log');
+  await decided(page, ['captain', 'acknowledge', 'the operator has seen the alarms']);
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+  await program.end();
 });
 
 test('where the program was given no token, no page offers to command', async () => {

@@ -34,11 +34,27 @@ TEST(EmergencyFlags, ALatchedBitStaysUntilAcknowledged) {
 
   flags.set(Emergency::kLeak, at(2));
   flags.clear(Emergency::kLeak);
-  EXPECT_EQ(flags.snapshot(), (EmergencyFlags::Snapshot{bit(Emergency::kLeak), 0}));
+  EXPECT_EQ(flags.snapshot(), (EmergencyFlags::Snapshot{bit(Emergency::kLeak), 0, bit(Emergency::kLeak)}));
   flags.acknowledge(~bit(Emergency::kLeak));
   EXPECT_TRUE(flags.snapshot().has(Emergency::kLeak));
   flags.acknowledge(bit(Emergency::kLeak));
   EXPECT_EQ(flags.snapshot().raised, 0u);
+}
+
+// ledger: S1-43
+TEST(EmergencyFlags, EachBeginningOfACauseIsToBeAcknowledged) {
+  EmergencyFlags flags;
+  const auto waits = [&] { return (flags.snapshot().unacknowledged & bit(Emergency::kImminentCollision)) != 0; };
+  flags.set(Emergency::kImminentCollision, at(1));
+  flags.clear(Emergency::kImminentCollision);
+  EXPECT_TRUE(waits()) << "it is over, and nobody has seen it";
+  flags.acknowledge(~0U);
+  EXPECT_FALSE(waits());
+  flags.set(Emergency::kImminentCollision, at(2));
+  EXPECT_TRUE(waits());
+  flags.acknowledge(~0U);
+  flags.set(Emergency::kImminentCollision, at(3));
+  EXPECT_FALSE(waits()) << "the same cause goes on";
 }
 
 // ledger: S1-43

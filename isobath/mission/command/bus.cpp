@@ -71,6 +71,16 @@ const char* message_name(std::size_t type) {
   return kNames.at(type);
 }
 
+std::map<std::string, std::uint64_t> Bus::sent_by(const std::string& sender) const {
+  std::map<std::string, std::uint64_t> sent;
+  const auto found = said_.find(sender);
+  if (found == said_.end()) return sent;
+  for (std::size_t type = 0; type < kMessageTypes; ++type) {
+    if (found->second[type] > 0) sent[message_name(type)] = found->second[type];
+  }
+  return sent;
+}
+
 Envelope Bus::post(std::string sender, Message message, Time now) {
   if (auto* decision = std::get_if<Decision>(&message)) decision->number = ++decisions_;
   Envelope envelope{++number_, now, std::move(sender), std::move(message)};

@@ -53,6 +53,8 @@ class Bus {
   [[nodiscard]] std::uint64_t posted() const { return number_; }
   /// Number of messages, by sender and type.
   [[nodiscard]] const std::map<std::string, Counts>& said() const { return said_; }
+  /// Number of messages of one sender, by the names of their types; without those that it never sent.
+  [[nodiscard]] std::map<std::string, std::uint64_t> sent_by(const std::string& sender) const;
   /// Why the recorder was lost, if it was since the last call.
   [[nodiscard]] std::optional<std::string> take_recorder_loss();
 

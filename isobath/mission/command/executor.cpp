@@ -6,6 +6,15 @@
 
 namespace isobath {
 
+const char* to_text(AgentLevel level) {
+  switch (level) {
+    case AgentLevel::kSupervisory: return "supervisory";
+    case AgentLevel::kMission: return "mission";
+    case AgentLevel::kVehicle: return "vehicle";
+  }
+  return "";
+}
+
 std::vector<Field> fields(ExecutorConfig& c) {
   std::vector<Field> all = {
       Field::integer("missed_ticks", &c.missed_ticks, {1, 600}, "1",
@@ -73,6 +82,12 @@ Setpoint Executor::helm(Time now) {
 
 void Executor::hang(std::string_view name) { member(name).hanging = true; }
 void Executor::kill(std::string_view name) { member(name).dying = true; }
+
+std::vector<AgentReport> Executor::crew() const {
+  std::vector<AgentReport> crew;
+  for (const Member& m : members_) crew.push_back({m.slot.name, m.slot.level, bus_.sent_by(m.slot.name)});
+  return crew;
+}
 
 bool Executor::has(std::string_view name) const {
   return std::any_of(members_.begin(), members_.end(), [&](const Member& m) { return m.slot.name == name; });

@@ -69,6 +69,7 @@ class Executor final : public AgentExecutor {
   void kill(std::string_view name) override;
 
   [[nodiscard]] bool has(std::string_view name) const override;
+  [[nodiscard]] std::vector<AgentReport> crew() const override;
   [[nodiscard]] bool lost(std::string_view name) const;
   [[nodiscard]] const ExecutorCounts& counts() const { return counts_; }
   [[nodiscard]] const std::map<std::string, Bus::Counts>& said() const { return bus_.said(); }

@@ -15,6 +15,7 @@ struct ThreadedExecutor::Post {
     Time time;
   };
   std::string name;
+  AgentLevel level = AgentLevel::kMission;
   std::unique_ptr<Agent> agent;  ///< touched by its own thread only
   std::condition_variable work;
   std::deque<Item> mailbox;
@@ -185,6 +186,7 @@ ThreadedExecutor::ThreadedExecutor(std::vector<AgentSlot> slots, const VehiclePa
   for (AgentSlot& slot : slots) {
     auto post = std::make_shared<Post>();
     post->name = std::move(slot.name);
+    post->level = slot.level;
     post->agent = std::move(slot.agent);
     state_->posts.push_back(std::move(post));
   }
@@ -287,6 +289,15 @@ bool ThreadedExecutor::lost(std::string_view name) const {
 ExecutorCounts ThreadedExecutor::counts() const {
   const std::lock_guard lock(state_->mutex);
   return state_->counts;
+}
+
+std::vector<AgentReport> ThreadedExecutor::crew() const {
+  const std::lock_guard lock(state_->mutex);
+  std::vector<AgentReport> crew;
+  for (const auto& post : state_->posts) {
+    crew.push_back({post->name, post->level, state_->bus.sent_by(post->name)});
+  }
+  return crew;
 }
 
 std::map<std::string, Bus::Counts> ThreadedExecutor::said() const {

@@ -44,6 +44,7 @@ class ThreadedExecutor final : public AgentExecutor {
   void kill(std::string_view name) override;
 
   [[nodiscard]] bool has(std::string_view name) const override;
+  [[nodiscard]] std::vector<AgentReport> crew() const override;
   [[nodiscard]] bool lost(std::string_view name) const;
   [[nodiscard]] ExecutorCounts counts() const;
   [[nodiscard]] std::map<std::string, Bus::Counts> said() const;
