@@ -1,7 +1,9 @@
 // Ways in three dimensions: what the planner is given, and a plan through 100 x 100 x 20 m (ledger S5-36).
+#include <algorithm>
 #include <benchmark/benchmark.h>
 #include <isobath/base/random.hpp>
 #include <isobath/planning/space_route.hpp>
+#include <isobath/planning/world_snapshot.hpp>
 
 namespace isobath {
 namespace {
@@ -85,6 +87,33 @@ void SpaceKept(benchmark::State& bench) {
   bench.counters["clear"] = clear;
 }
 BENCHMARK(SpaceKept)->Unit(benchmark::kMillisecond);
+
+/// The voxels of a scan as a depth field, for a vehicle with a metre of water above and below it.
+void WorldFieldMade(benchmark::State& bench) {
+  const MeasuredRiver river;
+  const WorldSnapshot world{
+      .voxels = std::make_shared<const OccupancySnapshot>(river.map, river.heights, Eigen::Vector3d(50, 0, 5), 80)};
+  for (auto _ : bench) benchmark::DoNotOptimize(WorldField(world, {7, 9}).has_solid());
+  bench.counters["columns"] = world.voxels->size().head<2>().cast<double>().prod();
+}
+BENCHMARK(WorldFieldMade)->Unit(benchmark::kMicrosecond);
+
+/// 200 x 200 pixels of half a metre.
+void WorldFieldRead(benchmark::State& bench) {
+  const MeasuredRiver river;
+  const WorldSnapshot world{
+      .voxels = std::make_shared<const OccupancySnapshot>(river.map, river.heights, Eigen::Vector3d(50, 0, 5), 80)};
+  const WorldField field(world, {7, 9});
+  const PixelWindow window{-100, -200, 200, 200};
+  std::vector<DepthPixel> pixels(200UL * 200);
+  for (auto _ : bench) {
+    field.read(window, pixels);
+    benchmark::DoNotOptimize(pixels.data());
+  }
+  bench.counters["known"] =
+      static_cast<double>(std::count_if(pixels.begin(), pixels.end(), [](const DepthPixel& p) { return p.known(); }));
+}
+BENCHMARK(WorldFieldRead)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace isobath

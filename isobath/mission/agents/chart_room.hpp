@@ -14,8 +14,8 @@
 //
 // When a mission starts, each leg from point to point is checked against the chart at the depth of its end. Each leg
 // that is too shallow gives a Decision with leg, place and margin; if none is, one says on what share of the way the
-// maps know the depth. The chart room does not decide whether to go. A leg
-// to a point with an altitude is checked at the minimum depth of the mission, with that altitude as clearance.
+// maps know the depth. The chart room does not decide whether to go. A leg to a point with an altitude is checked at
+// the minimum depth of the mission, with that altitude as clearance.
 //
 // Frames: W; depths are below the surface, for which the datum of the map is taken. At most 2000 x 2000 pixels are
 // read: the reach shrinks where pixels are small.
