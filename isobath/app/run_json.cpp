@@ -32,7 +32,9 @@ ordered_json rates_json(const RunOutcome& outcome) {
           {"times_real_time", wall > 0 ? outcome.log_s / wall : 0},
           {"ping_median_ms", outcome.timings.ping_median_ms},
           {"ping_p99_ms", outcome.timings.ping_p99_ms},
-          {"stages_s", load_json(outcome.timings.load)}};
+          {"stages_s", load_json(outcome.timings.load)},
+          {"depth_map_share", outcome.log_s > 0 ? outcome.timings.load.of(Stage::kDepths) / outcome.log_s : 0},
+          {"shift_waits", outcome.depth ? outcome.depth->counts.waited : 0}};
 }
 
 ordered_json recording_json(const RunRequest& request, const RunOutcome& outcome) {

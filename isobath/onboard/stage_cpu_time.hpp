@@ -39,6 +39,7 @@ std::int64_t thread_nanoseconds();
 struct RunLoad {
   std::array<double, kStages> stage_s{};
   void add(Stage stage, double seconds) { stage_s[static_cast<std::size_t>(stage)] += seconds; }
+  [[nodiscard]] double of(Stage stage) const { return stage_s[static_cast<std::size_t>(stage)]; }
   [[nodiscard]] double sum_s() const;
 };
 /// The sum of two loads: of two threads, or of two parts of one thread.

@@ -264,6 +264,7 @@ void DepthMapper::Work::count(const DepthLook& look, const UpdateOutcome& outcom
   counts.outside += outcome.outside;
   counts.explained += outcome.explained;
   if (outcome.weak) refuse(DepthRefusal::kTooWeak);
+  counts.examined += outcome.examined;
   counts.affirmed += outcome.affirmed;
   counts.conflicted += outcome.conflicted;
   counts.replaced += outcome.replaced;

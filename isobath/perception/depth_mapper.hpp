@@ -57,6 +57,7 @@ struct DepthCounts {
   std::uint64_t merged = 0;                                  ///< readings that were merged into another
   std::uint64_t applied = 0;                                 ///< readings applied to the map
   std::uint64_t affirmed = 0, conflicted = 0, replaced = 0;  ///< pixels
+  std::uint64_t examined = 0;                                ///< pixels that applied readings have evidence on
   std::uint64_t explained = 0;                               ///< obstacle readings that the map predicted
   std::uint64_t silent = 0;                                  ///< readings without an echo that tell nothing
   std::uint64_t shifts = 0;
@@ -70,6 +71,11 @@ struct DepthCounts {
 
   /// Readings and soundings that were neither merged, applied, silent nor refused; 0 after finish().
   [[nodiscard]] std::uint64_t lost() const;
+  /// Mean number of pixels that an applied reading has evidence on; 0: none was applied. A reading costs a fixed time
+  /// and a time for each of these pixels (S1-E03).
+  [[nodiscard]] double pixels_per_reading() const {
+    return applied > 0 ? static_cast<double>(examined) / static_cast<double>(applied) : 0;
+  }
 };
 
 class DepthMapper {

@@ -232,6 +232,7 @@ UpdateOutcome DepthUpdate::apply_evidence(DepthWindow& window, const Evidence& f
   if (out.useless) return out;
   const int step = step_of(found, look.lot);
   out.outside = found.pixels.empty();
+  out.examined = static_cast<std::uint32_t>(found.pixels.size());
   out.weak = step == 0;
   out.explained = found.explained;
   PixelReading says{.step = step, .flag = flag, .minute = look.minute};

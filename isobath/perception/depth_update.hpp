@@ -51,6 +51,7 @@ struct UpdateOutcome {
   bool weak = false;                                         ///< too uncertain to count
   bool explained = false;                                    ///< the map predicts the echo
   std::uint32_t affirmed = 0, conflicted = 0, replaced = 0;  ///< pixels
+  std::uint32_t examined = 0;                                ///< pixels of the window that the look has evidence on
 };
 
 /// Weight of a depth with this standard deviation, relative to one whose sigma is a third of the margin within which

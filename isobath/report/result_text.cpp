@@ -273,6 +273,8 @@ ordered_json depth_json(const DepthOutcome& depth) {
           {"soundings", n.soundings},
           {"merged", n.merged},
           {"applied", n.applied},
+          {"pixels_examined", n.examined},
+          {"pixels_per_reading", tidy(n.pixels_per_reading())},
           {"pixels_affirmed", n.affirmed},
           {"pixels_contradicted", n.conflicted},
           {"pixels_replaced", n.replaced},

@@ -1,5 +1,6 @@
 // What the commands of docs/demonstrations.md rest on, each on a small case; the page itself: scripts/demonstrations.
 #include <cmath>
+#include <fmt/format.h>
 #include <tests/app/program.hpp>
 #include <tests/support/data.hpp>
 
@@ -51,7 +52,7 @@ TEST_F(Demonstrations, ATreeSavesMuchOnWhatSensorsHaveSeenAndLittleOnASurvey) {
   EXPECT_LT(trees["sensed"]["words"], 0.01 * kPixels);
 }
 
-// ledger: S1-D05 S1-29 S1-32
+// ledger: S1-D05 S1-29 S1-32 S1-70
 TEST_F(Demonstrations, TheWindowShiftsInARunAndLosesNoReading) {
   std::string depth[2];
   for (const bool aside : {false, true}) {
@@ -65,9 +66,36 @@ TEST_F(Demonstrations, TheWindowShiftsInARunAndLosesNoReading) {
     for (const char* gap : {"shift_gap_mean_s", "shift_gap_least_s"}) {
       EXPECT_NEAR(map[gap].get<double>(), 64 / 1.5, 0.6) << "64 m at 1.5 m/s, within one cycle of 0.6 s";
     }
+    EXPECT_GT(run["rates"]["depth_map_share"], 0) << "processor time of a cycle that the map takes";
+    EXPECT_LE(run["rates"]["shift_waits"], aside ? map["shifts"].get<int>() : 0)
+        << "how many must wait: up to the disk";
     depth[aside] = test::content_of(out + "/depth.tif");
   }
   EXPECT_EQ(depth[0], depth[1]) << "a shift in a thread of its own gives the same map";
+}
+
+// A reading costs a fixed time and a time for each pixel that it has evidence on. In open water these are the pixels of
+// the beam's plan, a sector: twice as many in a beam twice as wide, four times as many at twice the range.
+// ledger: S1-E03
+TEST_F(Demonstrations, ARunSaysOnHowManyPixelsAReadingHasEvidence) {
+  constexpr double kPixel = 0.5, kDegree = 0.017453292519943295;
+  for (const double width_deg : {6.0, 12.0}) {
+    const std::string scene = in(fmt::format("{}.toml", width_deg));
+    test::write(scene, fmt::format("[scene]\ntitle = \"open water\"\nduration_s = 20\n[vehicle]\nstart = [0, 0, 30]\n"
+                                   "speed = 1\n[[waypoint]]\nnorth = 15\neast = 12\ndepth = 30\n[[sonar]]\n"
+                                   "preset = \"obstacle_cone\"\nwidth_deg = {0}\nheight_deg = {0}\n",
+                                   width_deg));
+    for (const double range : {20.0, 40.0}) {
+      const json map = told({"run", scene, "--out", in("open"), "--set", fmt::format("evidence.range_cap_m={}", range),
+                             "--set", fmt::format("simulation.seed={}", width_deg + range)})["depth"];
+      ASSERT_GT(map["applied"], 5);
+      EXPECT_NEAR(map["pixels_examined"], map["applied"].get<double>() * map["pixels_per_reading"].get<double>(), 0.01);
+      const double sector = range * range * width_deg / 2 * kDegree / (kPixel * kPixel);
+      EXPECT_NEAR(map["pixels_per_reading"], sector, 0.1 * sector) << width_deg << " degrees, " << range << " m";
+      EXPECT_EQ(json::parse(test::content_of(folder_ / "open" / "manifest.json"))["depth"]["pixels_per_reading"],
+                map["pixels_per_reading"]);
+    }
+  }
 }
 
 // The readings of six sonars, every 0.6 s, are mapped while the mission is planned; the prefilter merges similar ones.
