@@ -110,8 +110,8 @@ class TimedHelm : public Helm {
   void on_scan(const ScanResult& scan) override {
     timed([&] { helm_->on_scan(scan); });
   }
-  void on_space(Time time, const std::shared_ptr<const OccupancySnapshot>& space) override {
-    timed([&] { helm_->on_space(time, space); });
+  void on_world(const WorldSnapshot& world) override {
+    timed([&] { helm_->on_world(world); });
   }
   [[nodiscard]] Setpoint steer() override {
     Setpoint setpoint;
