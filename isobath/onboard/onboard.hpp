@@ -72,8 +72,6 @@ class Onboard : private ResultSink {
   [[nodiscard]] const VoxelModel& voxels() const { return voxels_; }
   [[nodiscard]] const SphericalModel& sphere() const { return sphere_; }
   [[nodiscard]] const DepthModel& depths() const { return depths_; }
-  /// All maps, as the helm last got them.
-  [[nodiscard]] const WorldSnapshot& world() const { return world_; }
   /// Live: pings that a full queue dropped.
   [[nodiscard]] std::uint64_t lost_pings() const { return mapping_ ? mapping_->left_out().pings : 0; }
   [[nodiscard]] MissionTimings timings() const { return times_->timings(); }
@@ -106,7 +104,7 @@ class Onboard : private ResultSink {
   ScanSteering scan_steering_;
   std::mutex scan_mutex_;
   std::optional<ScanCommand> scan_command_;  ///< guarded by scan_mutex_
-  WorldSnapshot world_;
+  WorldSnapshot world_;                      ///< what the helm gets
   double reach_m_;
   Duration depths_interval_;               ///< 0: the helm does not get the depth map
   std::optional<Time> depths_told_ = {};   ///< when the helm last got it

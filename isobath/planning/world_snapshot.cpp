@@ -56,31 +56,28 @@ void WorldField::add_voxels(const DepthBand& band) {
   const VoxelIndex size = voxels_->size(), least = voxels_->least();
   const Layers layers = layers_of(*voxels_, band);
   const double voxel = voxels_->voxel_m();
-  const auto index = [&](int x, int y) {
-    return static_cast<std::size_t>(x) * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(y);
-  };
-  columns_.resize(index(size.x() - 1, size.y() - 1) + 1);
+  columns_.resize(index_of(size.x() - 1, size.y() - 1) + 1);
   std::vector<std::uint8_t> occupied(columns_.size(), 0);
   for (int x = 0; x < size.x(); ++x) {
     for (int y = 0; y < size.y(); ++y) {
       const auto cells = voxels_->column(least.x() + x, least.y() + y);
       int z = layers.first;
       while (z <= layers.last && cells[static_cast<std::size_t>(z)] == SpaceCell::kMeasured) ++z;
-      Column& column = columns_[index(x, y)];
+      Column& column = columns_[index_of(x, y)];
       column.depth_m = static_cast<float>(layers.whole ? (least.z() + z) * voxel : top_m_);
       while (z <= layers.last && cells[static_cast<std::size_t>(z)] != SpaceCell::kOccupied) ++z;
       column.solid = z <= layers.last;
       if (column.solid) column.depth_m = static_cast<float>((least.z() + z) * voxel);
-      occupied[index(x, y)] = static_cast<std::uint8_t>(std::min(occupied_among(cells, layers), 255));
+      occupied[index_of(x, y)] = static_cast<std::uint8_t>(std::min(occupied_among(cells, layers), 255));
     }
   }
   for (int x = 0; x < size.x(); ++x) {
     for (int y = 0; y < size.y(); ++y) {
-      Column& column = columns_[index(x, y)];
+      Column& column = columns_[index_of(x, y)];
       if (!column.solid) continue;
       int count = 0;
       for (int i = std::max(0, x - 1); i <= std::min(size.x() - 1, x + 1); ++i) {
-        for (int j = std::max(0, y - 1); j <= std::min(size.y() - 1, y + 1); ++j) count += occupied[index(i, j)];
+        for (int j = std::max(0, y - 1); j <= std::min(size.y() - 1, y + 1); ++j) count += occupied[index_of(i, j)];
       }
       column.solid = count >= kLeastVoxels;
       if (!column.solid) column.depth_m = static_cast<float>(top_m_);
@@ -92,10 +89,6 @@ void WorldField::add_voxels(const DepthBand& band) {
 PixelGrid WorldField::grid() const {
   if (depths_) return depths_->grid();
   return voxels_ ? PixelGrid{{0, 0}, voxels_->voxel_m()} : PixelGrid{};
-}
-
-bool WorldField::may_be_shallower(const PixelWindow& window, double depth_m) const {
-  return has_solid_ || (depths_ && depths_->may_be_shallower(window, depth_m));
 }
 
 void WorldField::read(PixelWindow window, std::span<DepthPixel> out) const {
@@ -132,7 +125,7 @@ DepthPixel WorldField::merged(const DepthPixel& depths, const Eigen::Vector2d& c
   double solid_m = std::numeric_limits<double>::infinity(), clear_m = solid_m;
   for (int x = std::max(0, x0); x <= std::min(size.x() - 1, x1); ++x) {
     for (int y = std::max(0, y0); y <= std::min(size.y() - 1, y1); ++y) {
-      const Column& c = column(x, y);
+      const Column& c = columns_[index_of(x, y)];
       double& least_m = c.solid ? solid_m : clear_m;
       least_m = std::min<double>(least_m, c.depth_m);
     }

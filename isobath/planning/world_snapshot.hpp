@@ -56,7 +56,6 @@ class WorldField final : public DepthField {
   [[nodiscard]] PixelGrid grid() const override;
   [[nodiscard]] std::uint64_t version() const override { return depths_ ? depths_->version() : 0; }
   void read(PixelWindow window, std::span<DepthPixel> out) const override;
-  [[nodiscard]] bool may_be_shallower(const PixelWindow& window, double depth_m) const override;
   /// Whether voxels close any column within the band.
   [[nodiscard]] bool has_solid() const { return has_solid_; }
 
@@ -67,9 +66,8 @@ class WorldField final : public DepthField {
   };
   void add_voxels(const DepthBand& band);
   [[nodiscard]] DepthPixel merged(const DepthPixel& depths, const Eigen::Vector2d& centre, double half_m) const;
-  [[nodiscard]] const Column& column(int x, int y) const {
-    return columns_[static_cast<std::size_t>(x) * static_cast<std::size_t>(voxels_->size().y()) +
-                    static_cast<std::size_t>(y)];
+  [[nodiscard]] std::size_t index_of(int x, int y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(voxels_->size().y()) + static_cast<std::size_t>(y);
   }
 
   std::shared_ptr<const DepthField> depths_;

@@ -88,11 +88,10 @@ void ChartRoom::on_message(const Message& message, Time now, Outbox& out) {
 
 bool ChartRoom::outdated(Time now) const {
   if (!p_WB_ || (!world_.depths && !world_.objects && !world_.sphere && !config_.voxels && !said_)) return false;
-  if (!said_ || said_->version != version() || said_->objects != world_.objects.get()) return true;
+  if (!said_ || said_->version != version() || said_->objects != world_.objects) return true;
   if (said_->sphere != sphere_version()) return true;
   // Voxels change with each scan; their hazards are looked for as often as those of the depth map.
-  if (config_.voxels && said_->voxels.lock() != world_.voxels && now - said_->time >= seconds(config_.live_s))
-    return true;
+  if (config_.voxels && said_->voxels != world_.voxels && now - said_->time >= seconds(config_.live_s)) return true;
   const Vector3d moved = *p_WB_ - said_->p_WB;
   return moved.head<2>().norm() >= config_.recheck_share * config_.reach_m ||
          std::abs(moved.z()) >= config_.depth_step_m;
@@ -102,7 +101,7 @@ void ChartRoom::say_hazards(Time time, Outbox& out) {
   ChartedHazards now{std::make_shared<const std::vector<Hazard>>(hazards()), world_.looked_ahead};
   // A growing map that holds the same hazards changes nothing for a planner.
   if (said_ && said_->hazards.hazards && *said_->hazards.hazards == *now.hazards) now.hazards = said_->hazards.hazards;
-  said_ = Said{*p_WB_, version(), time, world_.objects.get(), world_.voxels, sphere_version(), now};
+  said_ = Said{*p_WB_, version(), time, world_.objects, world_.voxels, sphere_version(), now};
   out.say(std::move(now));
 }
 
@@ -149,8 +148,8 @@ void ChartRoom::add_shoals(std::vector<Hazard>& all) const {
   if (!config_.unknown_blocks && !world_.depths->may_be_shallower(window, too_shallow_m)) return;
   const ShoalRule rule{too_shallow_m, config_.unknown_blocks, config_.overreach_m, config_.max_outlines};
   ShoalOutlines outlines = shoal_outlines(*world_.depths, window, rule);
-  add(outlines.charted, HazardKind::kCharted, all);
-  add(outlines.sensed, HazardKind::kMapped, all);
+  add(std::move(outlines.charted), HazardKind::kCharted, all);
+  add(std::move(outlines.sensed), HazardKind::kMapped, all);
 }
 
 /// Even where the depth map says deep water: the more dangerous map stands.
@@ -171,11 +170,11 @@ PixelWindow ChartRoom::window_around(const PixelGrid& grid, double reach_m) cons
   return {middle.column - reach, middle.row - reach, 2 * reach + 1, 2 * reach + 1};
 }
 
-void ChartRoom::add(const std::vector<Polygon>& outlines, HazardKind kind, std::vector<Hazard>& all) const {
-  for (const Polygon& outline : outlines) {
+void ChartRoom::add(std::vector<Polygon> outlines, HazardKind kind, std::vector<Hazard>& all) const {
+  for (Polygon& outline : outlines) {
     Hazard& hazard = all.emplace_back();
     hazard.kind = kind;
-    hazard.outline = outline;
+    hazard.outline = std::move(outline);
     hazard.margin_m = config_.margin_m;
   }
 }
@@ -188,7 +187,10 @@ void ChartRoom::check_legs(const MissionPlan& plan, Time now, Outbox& out) const
     const Vector2d vehicle = p_WB_ ? Vector2d(p_WB_->head<2>()) : plan.points[i].north_east;
     const Vector2d from = i > 0 ? plan.points[i - 1].north_east : vehicle;
     const auto verdict = check_leg(plan, plan.points[i], from);
-    if (verdict) pixels += verdict->pixels, unknown += verdict->unknown;
+    if (verdict) {
+      pixels += verdict->pixels;
+      unknown += verdict->unknown;
+    }
     if (auto d = objection(plan.points[i], i, verdict, now)) {
       out.say(std::move(*d));
       clear = false;

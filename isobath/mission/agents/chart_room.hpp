@@ -55,8 +55,8 @@ class ChartRoom final : public Agent {
     Eigen::Vector3d p_WB;
     std::uint64_t version = 0;
     Time time;
-    const void* objects = nullptr;
-    std::weak_ptr<const OccupancySnapshot> voxels = {};
+    std::shared_ptr<const std::vector<ChartObstacle>> objects = {};
+    std::shared_ptr<const OccupancySnapshot> voxels = {};
     std::uint64_t sphere = 0;  ///< version
     ChartedHazards hazards = {};
   };
@@ -66,7 +66,7 @@ class ChartRoom final : public Agent {
   [[nodiscard]] std::vector<Hazard> hazards() const;
   void add_shoals(std::vector<Hazard>& hazards) const;
   void add_voxels(std::vector<Hazard>& hazards) const;
-  void add(const std::vector<Polygon>& outlines, HazardKind kind, std::vector<Hazard>& hazards) const;
+  void add(std::vector<Polygon> outlines, HazardKind kind, std::vector<Hazard>& hazards) const;
   [[nodiscard]] PixelWindow window_around(const PixelGrid& grid, double reach_m) const;
   void add_objects(std::vector<Hazard>& hazards) const;
   void add_sphere(std::vector<Hazard>& hazards) const;
