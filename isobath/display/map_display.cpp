@@ -293,14 +293,16 @@ void MapDisplay::show(Time time, const GridSnapshot& sphere) {
     }
   });
   std::stable_sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.layer < b.layer; });
-  cells.resize(std::min(cells.size(), kSphereCells));
+  const std::size_t all = cells.size();
+  cells.resize(std::min(all, kSphereCells));
   const DirectionBuckets& buckets = grid.buckets();
   const Eigen::Vector3d& at = sphere.X_WB.translation;
   DisplayBytes bytes;
   bytes.add(at.x()).add(at.y()).add_floats({at.z()});
   bytes.add_floats({(buckets.azimuth_edge(0) + grid.remainder() - grid.turned()).radians(),
                     buckets.elevation_edge(0).radians(), buckets.step().radians()});
-  bytes.add(static_cast<std::uint32_t>(grid.layers().count())).add(static_cast<std::uint32_t>(cells.size()));
+  bytes.add(static_cast<std::uint32_t>(grid.layers().count()));
+  bytes.add(static_cast<std::uint32_t>(cells.size())).add(static_cast<std::uint32_t>(all));
   for (int i = 0; i < grid.layers().count(); ++i) bytes.add(static_cast<float>(grid.layers().outer(i)));
   for (const Cell& cell : cells) {
     bytes.add(cell.layer).add(cell.azimuth).add(cell.elevation).add(cell.state);

@@ -592,10 +592,11 @@ TEST(MapDisplay, ShowsTheCellsWithEchoesOfTheSphericalGrid) {
              step = static_cast<double>(number_at<float>(bytes, 28));
   const auto layers = number_at<std::uint32_t>(bytes, 32);
   ASSERT_EQ(number_at<std::uint32_t>(bytes, 36), 1u);
-  ASSERT_EQ(bytes.size(), 40 + 4 * layers + 8);
-  const std::size_t row = 40 + 4 * layers;
+  ASSERT_EQ(number_at<std::uint32_t>(bytes, 40), 1u) << "of all";
+  ASSERT_EQ(bytes.size(), 44 + 4 * layers + 8);
+  const std::size_t row = 44 + 4 * layers;
   const auto layer = number_at<std::uint16_t>(bytes, row);
-  EXPECT_NEAR(number_at<float>(bytes, 40 + 4 * layer), 10, 0.5);
+  EXPECT_NEAR(number_at<float>(bytes, 44 + 4 * layer), 10, 0.5);
   EXPECT_NEAR(azimuth + (number_at<std::uint16_t>(bytes, row + 2) + 0.5) * step, std::numbers::pi / 2, step);
   constexpr int kLocked = 0x8000;
   const auto state = [&](const std::string& of) { return int{number_at<std::uint16_t>(of, row + 6)}; };

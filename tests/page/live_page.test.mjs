@@ -117,12 +117,6 @@ test('voxels come to a page that shows them, and are drawn', async () => {
   await page.waitForFunction(() => /[0-9] voxels/.test(document.querySelector('#space-readout').textContent));
   assert.doesNotMatch(await page.textContent('#space-readout'), /cubes/);
   await picture(page, 'voxels-1400');
-  await page.click('#space-sphere');
-  await page.waitForFunction(() => Number(document.querySelector('#space-canvas').dataset.sphere) > 10);
-  await page.waitForFunction(() => /echoes around.*locked/.test(document.querySelector('#space-readout').textContent));
-  await page.click('#space-course'); // ledger: S4-20
-  await page.waitForFunction(() => document.querySelector('#space-canvas').dataset.heading !== undefined);
-  await picture(page, 'sphere-1400');
   await page.click('#tab-sonar');
   await page.waitForFunction(() => /cubes/.test(window.seen.asked.at(-1)));
   assert.deepEqual(page.troubles, []);

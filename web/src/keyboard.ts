@@ -57,6 +57,9 @@ function act(event: KeyboardEvent, parts: Parts, help: HTMLDialogElement): boole
     case 'u':
       plan.turnUp();
       return true;
+    case 'v':
+      if (inSpace) space.lookDown();
+      return inSpace;
     case 'r':
       plan.measure(!plan.isMeasuring);
       return true;

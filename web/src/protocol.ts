@@ -275,7 +275,7 @@ export function readVoxels(p: DataView): VoxelBlock | null {
   };
 }
 
-/** The occupied cells of the spherical grid. */
+/** The occupied cells of the spherical grid, or the nearest of them. */
 export interface Sphere {
   north: number;
   east: number;
@@ -287,19 +287,25 @@ export interface Sphere {
   step: number;
   /** Outer radius of each layer, m. */
   radii: Float32Array;
-  /** Rows of layer, azimuth, elevation, probability * 250 (plus kLocked). */
+  /** Rows of layer, azimuth, elevation, probability * kCertain (plus kLocked); the nearest first. */
   cells: Uint16Array;
+  /** Cells that the grid has. */
+  all: number;
 }
+
+/** The state of a cell that is certainly occupied. */
+export const kCertain = 250;
 
 /** The state of a cell that further echoes no longer change. */
 export const kLocked = 0x8000;
 
 export function readSphere(p: DataView): Sphere | null {
-  if (p.byteLength < 40) return null;
-  const [layers, count] = [p.getUint32(32, true), p.getUint32(36, true)];
-  if (p.byteLength !== 40 + 4 * layers + 8 * count) return null;
+  const kFirst = 44;
+  if (p.byteLength < kFirst) return null;
+  const [layers, count, all] = [32, 36, 40].map((at) => p.getUint32(at, true)) as [number, number, number];
+  if (p.byteLength !== kFirst + 4 * layers + 8 * count || all < count) return null;
   const cells = new Uint16Array(4 * count);
-  for (let i = 0; i < cells.length; ++i) cells[i] = p.getUint16(40 + 4 * layers + 2 * i, true);
+  for (let i = 0; i < cells.length; ++i) cells[i] = p.getUint16(kFirst + 4 * layers + 2 * i, true);
   for (let i = 0; i < cells.length; i += 4) if (cells[i]! >= layers) return null;
   const [azimuth, elevation, step] = floats(p, 20, 3) as unknown as [number, number, number];
   const sphere: Sphere = {
@@ -309,8 +315,9 @@ export function readSphere(p: DataView): Sphere | null {
     azimuth,
     elevation,
     step,
-    radii: floats(p, 40, layers),
+    radii: floats(p, kFirst, layers),
     cells,
+    all,
   };
   const numbers = [sphere.north, sphere.east, sphere.down, azimuth, elevation, step, ...sphere.radii];
   return numbers.every(Number.isFinite) ? sphere : null;

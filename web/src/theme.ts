@@ -4,6 +4,7 @@
  * lightness, dash or shape, so that nothing is lost at night.
  */
 import { depthTables, type Table, type TableName } from './colours';
+import { keep, kept } from './kept';
 
 export interface Paint {
   water: string;
@@ -140,20 +141,12 @@ export class Theme {
 
   toggle(): void {
     this.become(this.name === 'day' ? 'night' : 'day');
-    try {
-      localStorage.setItem(kKey, this.name);
-    } catch {
-      // Without storage (a page from a file, for example) the choice lasts as long as the page.
-    }
+    keep(kKey, this.name);
   }
 
   private stored(): ThemeName | undefined {
-    try {
-      const name = localStorage.getItem(kKey);
-      return name === 'day' || name === 'night' ? name : undefined;
-    } catch {
-      return undefined;
-    }
+    const name = kept(kKey);
+    return name === 'day' || name === 'night' ? name : undefined;
   }
 
   private become(name: ThemeName): void {

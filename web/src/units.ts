@@ -17,6 +17,10 @@ export function metres(value: number | undefined | null, digits = 1): string {
   if (Math.abs(value) >= 10000) return `${fixed(value / 1000, 1)} km`;
   return `${fixed(value, digits)} m`;
 }
+/** A round distance without the digits that it does not need: "0.5 m", "20 m", "2 km". */
+export function roundMetres(value: number): string {
+  return value >= 1000 ? `${value / 1000} km` : `${value} m`;
+}
 export function speed(value: number | undefined | null): string {
   return known(value) ? `${fixed(value, 2)} m/s` : `${kUnknown} m/s`;
 }
@@ -34,6 +38,10 @@ export function relativeBearing(degrees: number | undefined | null): string {
   if (whole === 0) return 'ahead';
   if (whole === 180) return 'astern';
   return `${whole}° to ${d > 0 ? 'starboard' : 'port'}`;
+}
+/** The same in short: "30° stb". */
+export function fromBow(degrees: number): string {
+  return relativeBearing(degrees).replace('to starboard', 'stb').replace('to port', 'port');
 }
 /** Elevation of a beam above the horizon: "12° up", "3° down", "level". */
 export function elevation(radians: number | undefined | null): string {

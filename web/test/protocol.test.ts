@@ -239,16 +239,17 @@ describe('payloads', () => {
 });
 
 describe('the spherical grid', () => {
-  /** Two layers of 1 and 2 m, and one cell. */
-  function sphere(layer = 1, cut = 0): DataView {
-    const bytes = new DataView(new ArrayBuffer(40 + 8 + 8 - cut));
+  /** Two layers of 1 and 2 m, and one cell of three. */
+  function sphere(layer = 1, cut = 0, all = 3): DataView {
+    const bytes = new DataView(new ArrayBuffer(44 + 8 + 8 - cut));
     bytes.setFloat64(0, 30, true);
     bytes.setFloat64(8, -20, true);
     [5, -1, -1.5, 0.25].forEach((v, k) => bytes.setFloat32(16 + 4 * k, v, true));
     bytes.setUint32(32, 2, true);
     bytes.setUint32(36, 1, true);
-    [1, 2].forEach((v, k) => bytes.setFloat32(40 + 4 * k, v, true));
-    if (cut === 0) [layer, 7, 6, 250].forEach((v, k) => bytes.setUint16(48 + 2 * k, v, true));
+    bytes.setUint32(40, all, true);
+    [1, 2].forEach((v, k) => bytes.setFloat32(44 + 4 * k, v, true));
+    if (cut === 0) [layer, 7, 6, 250].forEach((v, k) => bytes.setUint16(52 + 2 * k, v, true));
     return bytes;
   }
 
@@ -262,12 +263,14 @@ describe('the spherical grid', () => {
       step: 0.25,
       radii: new Float32Array([1, 2]),
       cells: new Uint16Array([1, 7, 6, 250]),
+      all: 3,
     });
   });
 
   it('is refused where it is cut short, or names a layer that it does not have', () => {
     expect(protocol.readSphere(sphere(1, 8))).toBeNull();
     expect(protocol.readSphere(sphere(2))).toBeNull();
-    expect(protocol.readSphere(new DataView(new ArrayBuffer(39)))).toBeNull();
+    expect(protocol.readSphere(sphere(1, 0, 0))).toBeNull();
+    expect(protocol.readSphere(new DataView(new ArrayBuffer(43)))).toBeNull();
   });
 });

@@ -118,3 +118,11 @@ describe('steps of scales', () => {
     expect([0.7, 1, 1.1, 2.5, 5, 6, 0.03].map(units.roundStep)).toEqual([1, 1, 2, 5, 5, 10, 0.05]);
   });
 });
+
+describe('the lines around the vehicle', () => {
+  // ledger: S4-39
+  it('say round distances, and bearings from the bow in short', () => {
+    expect([0.5, 20, 500, 1000, 2000].map(units.roundMetres)).toEqual(['0.5 m', '20 m', '500 m', '1 km', '2 km']);
+    expect([0, 30, 180, 330].map(units.fromBow)).toEqual(['ahead', '30° stb', 'astern', '30° port']);
+  });
+});

@@ -1,6 +1,7 @@
 /** Layers: the list of layers with their switches; it is also the legend. */
 import { css } from '../colours';
 import { make } from '../dom';
+import { keep, keptObject } from '../kept';
 import type { Paint } from '../theme';
 
 export const layerNames = {
@@ -30,9 +31,10 @@ export class Layers {
     private readonly box: HTMLElement,
     changed: () => void,
   ) {
-    const kept = read();
+    const kept = keptObject(kKey);
     for (const name of Object.keys(layerNames) as LayerName[]) {
-      this.on.set(name, kept[name] ?? name !== 'samples');
+      const on = kept[name];
+      this.on.set(name, typeof on === 'boolean' ? on : name !== 'samples');
       const input = make('input', {
         type: 'checkbox',
         id: `layer-${name}`,
@@ -41,7 +43,7 @@ export class Layers {
       });
       input.addEventListener('change', () => {
         this.on.set(name, input.checked);
-        keep(this.on);
+        keep(kKey, JSON.stringify(Object.fromEntries(this.on)));
         changed();
       });
       const swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
@@ -67,22 +69,6 @@ export class Layers {
 
   get element(): HTMLElement {
     return this.box;
-  }
-}
-
-function read(): Partial<Record<LayerName, boolean>> {
-  try {
-    const kept: unknown = JSON.parse(localStorage.getItem(kKey) ?? '{}');
-    return typeof kept === 'object' && kept !== null ? kept : {};
-  } catch {
-    return {};
-  }
-}
-function keep(on: Map<LayerName, boolean>): void {
-  try {
-    localStorage.setItem(kKey, JSON.stringify(Object.fromEntries(on)));
-  } catch {
-    // Storage is not allowed here.
   }
 }
 

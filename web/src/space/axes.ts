@@ -1,19 +1,9 @@
 /** Axes: a grid below the scene and numbers along north, east and depth. */
-import {
-  BufferAttribute,
-  BufferGeometry,
-  CanvasTexture,
-  Group,
-  LineBasicMaterial,
-  LineSegments,
-  SRGBColorSpace,
-  Sprite,
-  SpriteMaterial,
-} from 'three';
-import { context, sheet } from '../dom';
+import { BufferAttribute, BufferGeometry, Group, LineBasicMaterial, LineSegments } from 'three';
 import type { Paint } from '../theme';
 import { roundStep } from '../units';
 import { at, type Extent } from './frame';
+import { clear, label } from './labels';
 
 export class Axes {
   readonly group = new Group();
@@ -30,7 +20,7 @@ export class Axes {
     const look = [low, high, floor, level, deep, stretch, paint.ink].join();
     if (look === this.look) return;
     this.look = look;
-    this.clear();
+    clear(this.group);
     const lines: number[] = [];
     const line = (...ends: [number, number, number][]) => {
       for (const [n, e, d] of ends) lines.push(...at(n, e, d * stretch).toArray());
@@ -65,44 +55,4 @@ export class Axes {
       new LineSegments(geometry, new LineBasicMaterial({ color: paint.faint, transparent: true, opacity: 0.55 })),
     );
   }
-
-  private clear(): void {
-    for (const child of this.group.children) {
-      if (child instanceof Sprite) {
-        child.material.map?.dispose();
-        child.material.dispose();
-      } else if (child instanceof LineSegments) {
-        child.geometry.dispose();
-        (child.material as LineBasicMaterial).dispose();
-      }
-    }
-    this.group.clear();
-  }
-}
-
-/** Text height as a share of the height of the view. */
-const kText = 0.03;
-
-function label(words: string, paint: Paint): Sprite {
-  const canvas = sheet(1, 44);
-  const font = '600 30px system-ui, "DejaVu Sans", sans-serif';
-  const measure = context(canvas);
-  measure.font = font;
-  canvas.width = Math.ceil(measure.measureText(words).width) + 12;
-  const pen = context(canvas);
-  pen.font = font;
-  pen.textBaseline = 'middle';
-  pen.lineJoin = 'round';
-  pen.lineWidth = 6;
-  pen.strokeStyle = paint.halo;
-  pen.strokeText(words, 6, 23);
-  pen.fillStyle = paint.ink;
-  pen.fillText(words, 6, 23);
-  const map = new CanvasTexture(canvas);
-  map.colorSpace = SRGBColorSpace;
-  // The same size on the screen at any distance.
-  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true, sizeAttenuation: false }));
-  sprite.scale.set((kText * canvas.width) / canvas.height, kText, 1);
-  sprite.renderOrder = 5;
-  return sprite;
 }

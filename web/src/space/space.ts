@@ -9,19 +9,20 @@ import {
   Group,
   Mesh,
   MeshBasicMaterial,
-  PerspectiveCamera,
   PlaneGeometry,
   Scene,
   Vector3,
   WebGLRenderer,
 } from 'three';
-import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { byId, mark, say } from '../dom';
-import { Kind } from '../protocol';
+import { KeptChoices } from '../kept';
+import { Kind, type Sphere, type Vehicle } from '../protocol';
 import * as units from '../units';
 import type { Shared, View } from '../view';
 import { Axes } from './axes';
+import { Bearings } from './bearings';
 import { Craft, FanOutlines } from './craft';
+import { EchoChoice } from './echo_choice';
 import { type Extent, at, extentOf } from './frame';
 import { Thread } from './lines';
 import { pan, turn, zoom } from './moves';
@@ -29,6 +30,7 @@ import { SphereMesh } from './sphere_mesh';
 import { kDaylight, kLight, kNightlight, kSunward } from './shading';
 import { drawsInSoftware } from './software';
 import { Surface } from './surface';
+import { Viewpoint } from './viewpoint';
 import { VoxelMesh, type VoxelColour } from './voxel_mesh';
 
 /** ms between two rebuilds of the expensive parts. */
@@ -48,11 +50,11 @@ export class SpaceView implements View {
   private readonly canvas = byId<HTMLCanvasElement>('space-canvas');
   private readonly readout = byId('space-readout');
   private readonly world = new Scene();
-  private readonly camera = new PerspectiveCamera(45, 1, 0.1, 20000);
   private readonly voxels = new VoxelMesh();
   private readonly sphere = new SphereMesh();
   private readonly surface = new Surface();
   private readonly axes = new Axes();
+  private readonly bearings = new Bearings();
   private readonly craft = new Craft();
   private readonly fans = new FanOutlines();
   private readonly track = new Thread();
@@ -60,19 +62,29 @@ export class SpaceView implements View {
   private readonly stretched = new Group();
   private readonly sea: Mesh<PlaneGeometry, MeshBasicMaterial>;
   private renderer: WebGLRenderer | null = null;
-  private controls: OrbitControls | null = null;
   private readonly boxes = {
     voxels: byId<HTMLInputElement>('space-voxels'),
     bottom: byId<HTMLInputElement>('space-bottom'),
     water: byId<HTMLInputElement>('space-water'),
     fan: byId<HTMLInputElement>('space-fan'),
     sphere: byId<HTMLInputElement>('space-sphere'),
+    bearings: byId<HTMLInputElement>('space-bearings'),
     follow: byId<HTMLInputElement>('space-follow'),
     course: byId<HTMLInputElement>('space-course'),
   };
+  private readonly colour = byId<HTMLSelectElement>('space-colour');
+  private readonly stretching = byId<HTMLSelectElement>('space-stretch');
+  private readonly echoes = new EchoChoice(() => this.touch());
+  private readonly choices = new KeptChoices('isobath-space', [
+    ...Object.values(this.boxes),
+    this.colour,
+    this.stretching,
+    this.echoes.coarser,
+    this.echoes.which,
+  ]);
+  private readonly viewpoint = new Viewpoint(this.boxes.follow, this.boxes.course, () => this.choices.keep());
   private readonly ambient = new AmbientLight(0xffffff, 1.5);
   private readonly sun = new DirectionalLight(0xffffff, 2);
-  private stretch = 1;
   private dirty = true;
   private seen = '';
   private built = '';
@@ -80,49 +92,39 @@ export class SpaceView implements View {
   private shown = NaN;
   private jumped = -Infinity;
   private rebuilt = -Infinity;
-  private placed = false;
   /** Whether all voxels were requested, and in which connection. */
   private wanted = '';
   private deepest = 1;
-  /** Target of the camera while it follows the vehicle. */
-  private followed: Vector3 | null = null;
-  /** The heading that the camera has turned to, while it turns with the vehicle; rad. */
-  private turned: number | null = null;
 
   constructor(private readonly shared: Shared) {
-    this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-60, -90, 70);
     this.sea = new Mesh(
       new PlaneGeometry(1, 1),
       new MeshBasicMaterial({ transparent: true, opacity: 0.16, side: DoubleSide, depthWrite: false }),
     );
     this.stretched.add(this.voxels.mesh, this.sphere.mesh, this.surface.group);
     this.sun.position.copy(kSunward);
-    this.world.add(this.ambient, this.sun, this.stretched, this.axes.group, this.sea);
+    this.world.add(this.ambient, this.sun, this.stretched, this.axes.group, this.bearings.group, this.sea);
     this.world.add(this.craft.group, this.fans.group, this.track.line, this.way.line);
-    const touch = () => {
-      this.dirty = true;
-      this.built = this.cubed = '';
-      this.rebuilt = -Infinity;
-      shared.redraw();
-    };
-    for (const box of Object.values(this.boxes)) box.addEventListener('change', touch);
-    this.boxes.follow.addEventListener('change', () => (this.placed = false));
-    const colour = byId<HTMLSelectElement>('space-colour');
-    colour.addEventListener('change', () => {
-      this.voxels.colour = colour.value as VoxelColour;
-      touch();
-    });
-    const stretch = byId<HTMLSelectElement>('space-stretch');
-    stretch.addEventListener('change', () => {
-      this.stretch = Number(stretch.value);
-      touch();
+    byId('space-echoes').hidden = !this.boxes.sphere.checked;
+    for (const input of this.choices.inputs) input.addEventListener('change', () => this.touch());
+    this.colour.addEventListener('change', () => (this.cubed = ''));
+    this.boxes.follow.addEventListener('change', () => {
+      if (!this.viewpoint.above) this.viewpoint.placed = false;
     });
     byId('space-fit').addEventListener('click', () => {
-      this.placed = false;
-      touch();
+      this.viewpoint.placed = false;
+      this.touch();
     });
+    byId('space-above').addEventListener('click', () => this.lookDown());
     this.canvas.addEventListener('pointerdown', () => this.canvas.focus());
+  }
+
+  private touch(): void {
+    byId('space-echoes').hidden = !this.boxes.sphere.checked;
+    this.dirty = true;
+    this.built = '';
+    this.rebuilt = -Infinity;
+    this.shared.redraw();
   }
 
   frame(now: number): void {
@@ -144,14 +146,14 @@ export class SpaceView implements View {
     this.seen = look;
     this.dirty = this.moved = false;
     renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    this.viewpoint.camera.aspect = width / height;
+    this.viewpoint.camera.updateProjectionMatrix();
     renderer.setClearColor(theme.paint.sky);
     kLight.copy(theme.name === 'day' ? kDaylight : kNightlight);
     [this.ambient.intensity, this.sun.intensity] = [kLight.x, kLight.y];
     this.rebuild(now, now - this.jumped < kArrives);
     this.move();
-    renderer.render(this.world, this.camera);
+    renderer.render(this.world, this.viewpoint.camera);
     this.tell();
   }
 
@@ -192,7 +194,7 @@ export class SpaceView implements View {
   }
   panBy(right: number, ahead: number): void {
     this.moveCamera((camera, target) => {
-      this.boxes.follow.checked = false;
+      this.viewpoint.stay();
       pan(camera, target, right, ahead);
     });
   }
@@ -200,10 +202,19 @@ export class SpaceView implements View {
     this.boxes.follow.click();
   }
 
+  /** Looks down on the vehicle and on what the view shows around it. */
+  lookDown(): void {
+    const { model } = this.shared;
+    if (!this.renderer || !model.vehicle) return;
+    const sphere = this.boxes.sphere.checked ? this.echoes.of(model.sphere) : null;
+    this.viewpoint.lookDown(this.placeOf(model.vehicle), Math.max(20, 1.25 * reachOf(sphere)));
+    this.dirty = this.moved = true;
+    this.shared.redraw();
+  }
+
   private moveCamera(by: (camera: Vector3, target: Vector3) => void): void {
-    if (!this.controls) return;
-    by(this.camera.position, this.controls.target);
-    this.controls.update();
+    if (!this.renderer) return;
+    this.viewpoint.moveBy(by);
     this.dirty = true;
     this.shared.redraw();
   }
@@ -223,10 +234,7 @@ export class SpaceView implements View {
       return false;
     }
     this.renderer.setPixelRatio(this.slow ? 1 : Math.min(2, window.devicePixelRatio || 1));
-    this.controls = new OrbitControls(this.camera, this.canvas);
-    this.controls.zoomToCursor = true;
-    this.controls.maxPolarAngle = Math.PI * 0.92;
-    this.controls.addEventListener('change', () => {
+    this.viewpoint.start(this.canvas, () => {
       this.dirty = this.moved = true;
       this.shared.redraw();
     });
@@ -242,6 +250,7 @@ export class SpaceView implements View {
   private rebuild(now: number, atOnce: boolean): void {
     const { model, theme } = this.shared;
     const stretch = this.stretch;
+    this.voxels.colour = this.colour.value as VoxelColour;
     const revisions = [Kind.voxels, Kind.cubes, Kind.depth, Kind.sphere, Kind.scene].map((kind) => model.revision[kind]);
     const look = `${revisions.join()} ${theme.revision}`;
     if (look === this.built) return;
@@ -256,12 +265,12 @@ export class SpaceView implements View {
       this.deepest = Math.max(1, Math.ceil(extent.high[2]!));
       this.axes.build(extent, stretch, theme.paint);
       this.spreadSea(extent);
-      if (!this.placed) this.lookAt(extent);
+      if (!this.viewpoint.placed) this.viewpoint.lookAt(extent, model.vehicle && this.placeOf(model.vehicle));
     }
     const cubes = `${model.revision[Kind.voxels]} ${model.revision[Kind.cubes]} ${theme.revision}`;
     if (cubes !== this.cubed) this.voxels.build(model, theme);
     this.cubed = cubes;
-    if (this.boxes.sphere.checked) this.sphere.build(model.sphere, theme.name !== 'day');
+    if (this.boxes.sphere.checked) this.sphere.build(this.echoes.of(model.sphere), theme.name !== 'day');
     this.sphere.mesh.visible = this.boxes.sphere.checked;
     const more = this.surface.build(model, theme, this.deepest);
     this.stretched.scale.set(1, 1, stretch);
@@ -285,50 +294,24 @@ export class SpaceView implements View {
     this.sea.scale.set(extent.high[1]! - extent.low[1]!, extent.high[0]! - extent.low[0]!, 1);
   }
 
-  private lookAt(extent: Extent): void {
-    this.placed = true;
-    this.followed = null;
-    const { vehicle } = this.shared.model;
-    const wide = Math.max(20, extent.high[0]! - extent.low[0]!, extent.high[1]! - extent.low[1]!);
-    const [n, e] = [0, 1].map((k) => (extent.low[k]! + extent.high[k]!) / 2) as [number, number];
-    const follows = this.boxes.follow.checked && vehicle;
-    const target = follows ? at(vehicle.north, vehicle.east, vehicle.down * this.stretch) : at(n, e, 0);
-    this.controls!.target.copy(target);
-    const half = (this.camera.fov / 2) * (Math.PI / 180);
-    const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
-    const far = follows ? Math.min(wide, 70) : (0.61 * wide) / Math.sin(narrow);
-    this.camera.position.copy(target).add(new Vector3(-0.4, -0.75, 0.62).normalize().multiplyScalar(far));
-    this.camera.far = wide * 20;
-    this.controls!.update();
-  }
-
   private move(): void {
     const { model, theme } = this.shared;
     const { paint } = theme;
     const { vehicle, scene } = model;
     this.craft.group.visible = vehicle !== null;
+    this.bearings.group.visible = vehicle !== null && this.boxes.bearings.checked;
     if (vehicle) {
-      const place = at(vehicle.north, vehicle.east, vehicle.down * this.stretch);
-      const { target } = this.controls!;
-      // Dragging the view away ends following.
-      if (this.followed && target.distanceTo(this.followed) > 1e-3) this.boxes.follow.checked = false;
-      this.followed = null;
-      if (this.boxes.follow.checked) {
-        this.camera.position.add(place.clone().sub(target));
-        target.copy(place);
-        this.controls!.update();
-        this.followed = place;
-        this.dirty = this.moved = false;
-      }
-      this.turnWith(vehicle.heading);
-      this.controls!.zoomToCursor = !this.boxes.follow.checked;
+      const place = this.placeOf(vehicle);
+      this.viewpoint.goWith(place, vehicle.heading);
       this.craft.place(
         vehicle,
         scene?.vehicle.length ?? 1.5,
         this.stretch,
         paint,
-        this.camera.position.distanceTo(place),
+        this.viewpoint.camera.position.distanceTo(place),
       );
+      const heading = this.boxes.course.checked ? vehicle.heading : null;
+      if (this.boxes.bearings.checked) this.bearings.show(place, heading, this.viewpoint.room(place), paint);
     }
     this.fans.show(model, this.stretch, paint);
     const points = model.way?.points ?? [];
@@ -349,22 +332,11 @@ export class SpaceView implements View {
     );
   }
 
-  /** With the course up the camera looks ahead from astern at first, and then turns about its target as the vehicle does. */
-  private turnWith(heading: number): void {
-    if (!this.boxes.course.checked) {
-      this.turned = null;
-      return;
-    }
-    const { target } = this.controls!;
-    const arm = this.camera.position.clone().sub(target);
-    const astern = -Math.PI / 2 - heading; // from east towards north
-    const by = this.turned === null ? astern - Math.atan2(arm.y, arm.x) : this.turned - heading;
-    this.turned = heading;
-    mark(this.canvas, 'heading', String(Math.round((heading * 180) / Math.PI)));
-    if (by === 0) return;
-    this.camera.position.copy(target).add(arm.applyAxisAngle(this.camera.up, by));
-    this.controls!.update();
-    this.dirty = this.moved = false;
+  private get stretch(): number {
+    return Number(this.stretching.value);
+  }
+  private placeOf(vehicle: Vehicle): Vector3 {
+    return at(vehicle.north, vehicle.east, vehicle.down * this.stretch);
   }
 
   private tell(): void {
@@ -385,14 +357,22 @@ export class SpaceView implements View {
     } else if (this.voxels.shown > 0) {
       parts.push('voxels from 50 % (dark) to 100 % occupied (light)');
     }
-    if (this.boxes.sphere.checked && this.sphere.shown > 0)
-      parts.push(`${units.count(this.sphere.shown)} cells with echoes around the vehicle, ${this.sphere.locked} locked`);
+    if (this.boxes.sphere.checked) parts.push(...this.echoes.words);
     if (this.shared.model.depth.size > 0 && this.boxes.bottom.checked)
       parts.push(`bottom from 0 m (light) to ${this.deepest} m deep (dark)`);
     say(this.readout, parts.join(' · '));
     mark(this.canvas, 'voxels', String(this.voxels.shown));
-    mark(this.canvas, 'sphere', String(this.boxes.sphere.checked ? this.sphere.shown : 0));
+    const { bearing, down } = this.viewpoint.looks;
+    mark(this.canvas, 'looks', `${units.bearing(bearing)} ${units.elevation(-down)}`);
+    const { lines, rings, group } = this.bearings;
+    mark(this.canvas, 'bearings', group.visible ? [...lines, ...rings].join() : '');
   }
+}
+
+function reachOf(sphere: Sphere | null): number {
+  let last = -1;
+  for (let i = 0; i < (sphere?.cells.length ?? 0); i += 4) last = Math.max(last, sphere!.cells[i]!);
+  return last < 0 ? 0 : sphere!.radii[last]!;
 }
 
 function level([n, e, d]: readonly [number, number, number], instead: number): [number, number, number] {

@@ -1,19 +1,17 @@
 /**
- * SphereMesh: the occupied cells of the spherical grid, each as its outer face, the darker the more probable, in
+ * SphereMesh: cells of the spherical grid, each as its outer face, the darker the more probable (by night the lighter), in
  * brown if it is locked. The cells lie around the place of the vehicle at the last scan.
  */
 import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, MeshBasicMaterial } from 'three';
-import { kLocked, type Sphere } from '../protocol';
+import type { Sphere } from '../protocol';
 import { put } from './frame';
+import { isLocked, probability } from './sphere_cells';
 
 export class SphereMesh {
   readonly mesh = new Mesh(
     new BufferGeometry(),
     new MeshBasicMaterial({ vertexColors: true, side: DoubleSide, transparent: true, opacity: 0.9 }),
   );
-  /** Cells that are drawn, and those of them that are locked. */
-  shown = 0;
-  locked = 0;
   private drawn: Sphere | null = null;
   private night = false;
 
@@ -22,12 +20,11 @@ export class SphereMesh {
     this.drawn = sphere;
     this.night = night;
     const cells = sphere?.cells ?? new Uint16Array();
-    this.shown = cells.length / 4;
-    this.locked = 0;
-    const places = new Float32Array(12 * this.shown);
-    const colours = new Float32Array(12 * this.shown);
-    const faces = new Uint32Array(6 * this.shown);
-    for (let k = 0; k < this.shown; ++k) {
+    const count = cells.length / 4;
+    const places = new Float32Array(12 * count);
+    const colours = new Float32Array(12 * count);
+    const faces = new Uint32Array(6 * count);
+    for (let k = 0; k < count; ++k) {
       const [layer, azimuth, elevation, state] = cells.subarray(4 * k, 4 * k + 4) as unknown as number[];
       const { north, east, down, step, radii } = sphere!;
       const radius = radii[layer!]!;
@@ -37,10 +34,9 @@ export class SphereMesh {
         const level = radius * Math.cos(e);
         put(places, 4 * k + corner, north + level * Math.sin(a), east + level * Math.cos(a), down - radius * Math.sin(e));
       }
-      const locked = (state! & kLocked) !== 0;
-      const grey = 0.75 * (1 - Math.min(1, (state! & ~kLocked) / 250));
+      const locked = isLocked(state!);
+      const grey = 0.75 * (1 - probability(state!));
       const tone = night ? 0.45 - 0.4 * grey : grey;
-      if (locked) ++this.locked;
       for (let corner = 0; corner < 4; ++corner) {
         colours.set(locked ? [tone + 0.35, tone + 0.12, tone] : [tone, tone, tone], 12 * k + 3 * corner);
       }

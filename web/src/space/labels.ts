@@ -1,0 +1,44 @@
+/** Text in the 3-D view, which has the same size on the screen at any distance; and groups of lines and text. */
+import { CanvasTexture, type Group, type Material, LineSegments, SRGBColorSpace, Sprite, SpriteMaterial } from 'three';
+import { context, sheet } from '../dom';
+import type { Paint } from '../theme';
+
+/** Text height as a share of the height of the view. */
+const kText = 0.03;
+
+export function label(words: string, paint: Paint): Sprite {
+  const canvas = sheet(1, 44);
+  const font = '600 30px system-ui, "DejaVu Sans", sans-serif';
+  const measure = context(canvas);
+  measure.font = font;
+  canvas.width = Math.ceil(measure.measureText(words).width) + 12;
+  const pen = context(canvas);
+  pen.font = font;
+  pen.textBaseline = 'middle';
+  pen.lineJoin = 'round';
+  pen.lineWidth = 6;
+  pen.strokeStyle = paint.halo;
+  pen.strokeText(words, 6, 23);
+  pen.fillStyle = paint.ink;
+  pen.fillText(words, 6, 23);
+  const map = new CanvasTexture(canvas);
+  map.colorSpace = SRGBColorSpace;
+  const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true, sizeAttenuation: false }));
+  sprite.scale.set((kText * canvas.width) / canvas.height, kText, 1);
+  sprite.renderOrder = 5;
+  return sprite;
+}
+
+/** Empties a group of lines and text. */
+export function clear(group: Group): void {
+  for (const child of group.children) {
+    if (child instanceof Sprite) {
+      child.material.map?.dispose();
+      child.material.dispose();
+    } else if (child instanceof LineSegments) {
+      child.geometry.dispose();
+      (child.material as Material).dispose();
+    }
+  }
+  group.clear();
+}
