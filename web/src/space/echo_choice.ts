@@ -3,7 +3,7 @@ import { byId, say } from '../dom';
 import { keep, keptObject } from '../kept';
 import type { Sphere } from '../protocol';
 import * as units from '../units';
-import { chosen, coarser, lockedIn, type WhichCells } from './sphere_cells';
+import { chosen, coarser, farthest, lockedIn, type WhichCells } from './sphere_cells';
 
 const kKey = 'isobath-echo-range';
 
@@ -56,9 +56,8 @@ export class EchoChoice {
     const words = [`${some} of ${of} cells with echoes drawn${merged}, ${someLocked} of ${locked} locked ones (brown)`];
     const count = sent.cells.length / 4;
     if (count < sent.all) {
-      const farthest = sent.radii[sent.cells[4 * count - 4]!]!;
       words.push(
-        `the page has the nearest ${units.count(count)} of ${units.count(sent.all)} cells, to ${units.metres(farthest)}`,
+        `the page has the nearest ${units.count(count)} of ${units.count(sent.all)} cells, to ${units.metres(farthest(sent))}`,
       );
     }
     return words;

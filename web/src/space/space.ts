@@ -16,7 +16,7 @@ import {
 } from 'three';
 import { byId, mark, say } from '../dom';
 import { KeptChoices } from '../kept';
-import { Kind, type Sphere, type Vehicle } from '../protocol';
+import { Kind, type Vehicle } from '../protocol';
 import * as units from '../units';
 import type { Shared, View } from '../view';
 import { Axes } from './axes';
@@ -26,6 +26,7 @@ import { EchoChoice } from './echo_choice';
 import { type Extent, at, extentOf } from './frame';
 import { Thread } from './lines';
 import { pan, turn, zoom } from './moves';
+import { farthest } from './sphere_cells';
 import { SphereMesh } from './sphere_mesh';
 import { kDaylight, kLight, kNightlight, kSunward } from './shading';
 import { drawsInSoftware } from './software';
@@ -45,6 +46,8 @@ const kJump = 3;
 const kVoxelsEach = 4;
 /** ms after a jump in which everything is drawn at once, because the sought items arrive in pieces. */
 const kArrives = 500;
+/** m around the vehicle that a view from above shows at least. */
+const kNear = 20;
 
 export class SpaceView implements View {
   private readonly canvas = byId<HTMLCanvasElement>('space-canvas');
@@ -207,7 +210,9 @@ export class SpaceView implements View {
     const { model } = this.shared;
     if (!this.renderer || !model.vehicle) return;
     const sphere = this.boxes.sphere.checked ? this.echoes.of(model.sphere) : null;
-    this.viewpoint.lookDown(this.placeOf(model.vehicle), Math.max(20, 1.25 * reachOf(sphere)));
+    const sonars = [...model.sonars.values()].map(({ sonar }) => sonar.first + sonar.bin * sonar.bins);
+    const reach = (sphere && farthest(sphere)) || Math.max(0, ...sonars);
+    this.viewpoint.lookDown(this.placeOf(model.vehicle), Math.max(kNear, 1.25 * reach));
     this.dirty = this.moved = true;
     this.shared.redraw();
   }
@@ -367,12 +372,6 @@ export class SpaceView implements View {
     const { lines, rings, group } = this.bearings;
     mark(this.canvas, 'bearings', group.visible ? [...lines, ...rings].join() : '');
   }
-}
-
-function reachOf(sphere: Sphere | null): number {
-  let last = -1;
-  for (let i = 0; i < (sphere?.cells.length ?? 0); i += 4) last = Math.max(last, sphere!.cells[i]!);
-  return last < 0 ? 0 : sphere!.radii[last]!;
 }
 
 function level([n, e, d]: readonly [number, number, number], instead: number): [number, number, number] {

@@ -46,6 +46,11 @@ export function chosen(cells: Uint16Array, first: number, last: number, which: W
   return out.subarray(0, length);
 }
 
+/** Outer radius of the last cell, m; 0 without any. */
+export function farthest({ cells, radii }: Sphere): number {
+  return cells.length > 0 ? radii[cells.at(-4)!]! : 0;
+}
+
 export const probability = (state: number): number => Math.min(1, (state & ~kLocked) / kCertain);
 export const isLocked = (state: number): boolean => (state & kLocked) !== 0;
 export function lockedIn(cells: Uint16Array): number {
