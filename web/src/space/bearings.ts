@@ -41,7 +41,7 @@ export class Bearings {
       radius * Math.sin(bearing),
     ];
     const write = (words: string, radius: number, bearing: number) => {
-      const sprite = label(words, paint, true);
+      const sprite = label(words, paint);
       const [north, east] = level(radius, bearing);
       sprite.position.set(east, north, 0);
       this.group.add(sprite);

@@ -47,13 +47,19 @@ export class EchoChoice {
   }
 
   /** What is drawn, of what there is. */
-  get words(): string[] {
+  words(night: boolean): string[] {
     const { sent, wide, drawn } = this;
     if (!sent || !wide || !drawn) return ['no cells with echoes yet'];
     const merged = wide === sent ? '' : ` (${units.count(sent.cells.length / 4)} merged)`;
     const [of, some] = [wide.cells, drawn.cells].map((cells) => units.count(cells.length / 4));
-    const [locked, someLocked] = [wide.cells, drawn.cells].map((cells) => units.count(lockedIn(cells)));
-    const words = [`${some} of ${of} cells with echoes drawn${merged}, ${someLocked} of ${locked} locked ones (brown)`];
+    const [locked, someLocked] = [wide.cells, drawn.cells].map(lockedIn) as [number, number];
+    const brown =
+      locked > 0
+        ? `${units.count(someLocked)} of ${units.count(locked)} locked ones (${night ? 'amber' : 'brown'})`
+        : 'none locked';
+    const words = [
+      `${some} of ${of} cells with echoes drawn${merged}, ${brown}, ${night ? 'lighter' : 'darker'}: more probable`,
+    ];
     const count = sent.cells.length / 4;
     if (count < sent.all) {
       words.push(
@@ -72,6 +78,7 @@ export class EchoChoice {
     const last = end === this.to ? layer : Math.max(layer, Number(this.to.value));
     const to = last === radii.length - 1 ? Infinity : radii[last]!;
     this.range = { from: inner(radii, first), to };
+    this.showRange();
     keep(kKey, JSON.stringify(this.range)); // JSON has no Infinity: null
   }
 
@@ -98,4 +105,4 @@ export class EchoChoice {
 }
 
 const inner = (radii: Float32Array, layer: number): number => (layer > 0 ? radii[layer - 1]! : 0);
-const metres = (value: number): string => units.metres(value, value < 10 ? 2 : 1);
+const metres = (value: number): string => units.metres(value, value === 0 ? 0 : value < 10 ? 2 : 1);

@@ -6,7 +6,7 @@ import type { Paint } from '../theme';
 /** Text height as a share of the height of the view. */
 const kText = 0.03;
 
-export function label(words: string, paint: Paint, plate = false): Sprite {
+export function label(words: string, paint: Paint): Sprite {
   const canvas = sheet(1, 44);
   const font = '600 30px system-ui, "DejaVu Sans", sans-serif';
   const measure = context(canvas);
@@ -18,10 +18,6 @@ export function label(words: string, paint: Paint, plate = false): Sprite {
   pen.lineJoin = 'round';
   pen.lineWidth = 6;
   pen.strokeStyle = paint.halo;
-  if (plate) {
-    pen.fillStyle = paint.halo;
-    pen.fillRect(0, 0, canvas.width, canvas.height);
-  }
   pen.strokeText(words, 6, 23);
   pen.fillStyle = paint.ink;
   pen.fillText(words, 6, 23);
@@ -29,7 +25,7 @@ export function label(words: string, paint: Paint, plate = false): Sprite {
   map.colorSpace = SRGBColorSpace;
   const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, transparent: true, sizeAttenuation: false }));
   sprite.scale.set((kText * canvas.width) / canvas.height, kText, 1);
-  sprite.renderOrder = plate ? 6 : 5;
+  sprite.renderOrder = 5;
   return sprite;
 }
 

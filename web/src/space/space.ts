@@ -316,6 +316,8 @@ export class SpaceView implements View {
         this.viewpoint.camera.position.distanceTo(place),
       );
       const heading = this.boxes.course.checked ? vehicle.heading : null;
+      // Seen from above, the rings replace the axes.
+      this.axes.group.visible = !(this.boxes.bearings.checked && this.viewpoint.above);
       if (this.boxes.bearings.checked) this.bearings.show(place, heading, this.viewpoint.room(place), paint);
     }
     this.fans.show(model, this.stretch, paint);
@@ -362,7 +364,7 @@ export class SpaceView implements View {
     } else if (this.voxels.shown > 0) {
       parts.push('voxels from 50 % (dark) to 100 % occupied (light)');
     }
-    if (this.boxes.sphere.checked) parts.push(...this.echoes.words);
+    if (this.boxes.sphere.checked) parts.push(...this.echoes.words(this.shared.theme.name !== 'day'));
     if (this.shared.model.depth.size > 0 && this.boxes.bottom.checked)
       parts.push(`bottom from 0 m (light) to ${this.deepest} m deep (dark)`);
     say(this.readout, parts.join(' · '));

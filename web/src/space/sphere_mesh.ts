@@ -1,11 +1,25 @@
 /**
- * SphereMesh: cells of the spherical grid, each as its outer face, the darker the more probable (by night the lighter), in
- * brown if it is locked. The cells lie around the place of the vehicle at the last scan.
+ * SphereMesh: cells of the spherical grid, each as its outer face and its section at half its height, which is what one
+ * sees from above. By day a cell is the darker, the more probable it is, and brown if it is locked; by night it is the
+ * lighter, and amber. The cells lie around the place of the vehicle at the last scan.
  */
 import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, MeshBasicMaterial } from 'three';
 import type { Sphere } from '../protocol';
 import { put } from './frame';
 import { isLocked, probability } from './sphere_cells';
+
+/** Corners of the two faces: shares of the azimuth, the elevation and the depth of the cell. */
+const kFaces = [
+  [0, 0, 1],
+  [1, 0, 1],
+  [1, 1, 1],
+  [0, 1, 1],
+  [0, 0.5, 0],
+  [1, 0.5, 0],
+  [1, 0.5, 1],
+  [0, 0.5, 1],
+] as const;
+const kCorners = kFaces.length;
 
 export class SphereMesh {
   readonly mesh = new Mesh(
@@ -21,26 +35,27 @@ export class SphereMesh {
     this.night = night;
     const cells = sphere?.cells ?? new Uint16Array();
     const count = cells.length / 4;
-    const places = new Float32Array(12 * count);
-    const colours = new Float32Array(12 * count);
-    const faces = new Uint32Array(6 * count);
+    const places = new Float32Array(3 * kCorners * count);
+    const colours = new Float32Array(3 * kCorners * count);
+    const faces = new Uint32Array(12 * count);
     for (let k = 0; k < count; ++k) {
-      const [layer, azimuth, elevation, state] = cells.subarray(4 * k, 4 * k + 4) as unknown as number[];
+      const [layer, azimuth, elevation, state] = cells.subarray(4 * k, 4 * k + 4);
       const { north, east, down, step, radii } = sphere!;
-      const radius = radii[layer!]!;
-      for (let corner = 0; corner < 4; ++corner) {
-        const a = sphere!.azimuth + (azimuth! + (corner === 1 || corner === 2 ? 1 : 0)) * step;
-        const e = sphere!.elevation + (elevation! + (corner >= 2 ? 1 : 0)) * step;
+      const [inner, outer] = [radii[layer! - 1] ?? 0, radii[layer!]!];
+      kFaces.forEach(([right, up, out], corner) => {
+        const a = sphere!.azimuth + (azimuth! + right) * step;
+        const e = sphere!.elevation + (elevation! + up) * step;
+        const radius = inner + out * (outer - inner);
         const level = radius * Math.cos(e);
-        put(places, 4 * k + corner, north + level * Math.sin(a), east + level * Math.cos(a), down - radius * Math.sin(e));
-      }
+        const [n, m] = [north + level * Math.sin(a), east + level * Math.cos(a)];
+        put(places, kCorners * k + corner, n, m, down - radius * Math.sin(e));
+      });
       const locked = isLocked(state!);
-      const grey = 0.75 * (1 - probability(state!));
-      const tone = night ? 0.45 - 0.4 * grey : grey;
-      for (let corner = 0; corner < 4; ++corner) {
-        colours.set(locked ? [tone + 0.35, tone + 0.12, tone] : [tone, tone, tone], 12 * k + 3 * corner);
+      const colour = (night ? nightColour : dayColour)(probability(state!), locked);
+      for (let corner = 0; corner < kCorners; ++corner) colours.set(colour, 3 * (kCorners * k + corner));
+      for (const [half, first] of [kCorners * k, kCorners * k + 4].entries()) {
+        faces.set([first, first + 1, first + 2, first, first + 2, first + 3], 12 * k + 6 * half);
       }
-      faces.set([4 * k, 4 * k + 1, 4 * k + 2, 4 * k, 4 * k + 2, 4 * k + 3], 6 * k);
     }
     const { geometry } = this.mesh;
     geometry.dispose();
@@ -49,4 +64,13 @@ export class SphereMesh {
     geometry.setIndex(new BufferAttribute(faces, 1));
     geometry.computeBoundingSphere();
   }
+}
+
+function dayColour(probability: number, locked: boolean): [number, number, number] {
+  const tone = 0.75 * (1 - probability);
+  return locked ? [tone + 0.35, tone + 0.12, tone] : [tone, tone, tone];
+}
+function nightColour(probability: number, locked: boolean): [number, number, number] {
+  const tone = 0.15 + 0.3 * probability;
+  return locked ? [tone + 0.3, 0.6 * tone + 0.18, 0.15 * tone] : [tone, 0.42 * tone, 0.25 * tone];
 }
