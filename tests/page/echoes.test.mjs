@@ -112,7 +112,7 @@ test('cells are merged into wider ones, and the locked ones are drawn alone', as
   await page.close();
 });
 
-// ledger: S4-19 S4-20 S4-39
+// ledger: S4-19 S4-20 S4-37 S4-39
 test('twelve lines have bearings from north or from the bow, seen from above and aslant', async () => {
   const page = await openSpace();
   await page.click('#enlarge');
@@ -168,7 +168,6 @@ test('twelve lines have bearings from north or from the bow, seen from above and
   await page.close();
 });
 
-// ledger: S4-37
 test('the choices outlast a reload, and keys alone reach them', async () => {
   const page = await openSpace();
   const whole = await cells(page);
