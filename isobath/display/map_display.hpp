@@ -44,8 +44,8 @@ class MapDisplay {
   [[nodiscard]] bool wants_depths(Time time) const { return show_again(depths_shown_, time, kDepthInterval); }
   void show(Time time, std::shared_ptr<const DepthSnapshot> depths);
   void show(Time time, const VoxelMap& voxels);
-  /// The occupied cells of the spherical grid that hold an echo: how many, and the kSphereCells nearest. An echo is spread over
-  /// several cells, of which one holds it.
+  /// The occupied cells of the spherical grid that hold an echo: how many, and the kSphereCells nearest. An echo is
+  /// spread over several cells, of which one holds it.
   void show(Time time, const GridSnapshot& sphere);
   /// Call after the voxel map has moved: all voxels are encoded again.
   void voxels_moved(Time time);
