@@ -12,8 +12,8 @@ const kLines = 12;
 const kTurn = 2 * Math.PI;
 /** Pieces of a ring. */
 const kPieces = 96;
-/** Bearing of the distances, between two lines. */
-const kDistances = kTurn / 24;
+/** Bearing of the distances, rad: beside the first line. */
+const kDistances = kTurn / 36;
 
 export class Bearings {
   readonly group = new Group();
@@ -26,7 +26,7 @@ export class Bearings {
   show(vehicle: Vector3, heading: number | null, room: number, paint: Paint): void {
     this.group.position.copy(vehicle);
     this.group.rotation.z = -(heading ?? 0);
-    const within = 0.86 * room;
+    const within = 0.8 * room;
     const step = units.roundStep(within / 5);
     const count = Math.max(1, Math.floor(within / step));
     const look = [heading === null, step, count, paint.ink, paint.halo].join();
@@ -52,7 +52,7 @@ export class Bearings {
       spokes.push(...level(0.1 * step, bearing), ...level(reach, bearing));
       const words = heading === null ? units.bearing(bearing) : units.fromBow((i * 360) / kLines);
       this.lines.push(words);
-      write(words, reach + 0.09 * room, bearing);
+      write(words, reach + 0.1 * room, bearing);
     }
     this.rings = [];
     for (let ring = 1; ring <= count; ++ring) {

@@ -3,8 +3,9 @@ import { CanvasTexture, type Group, type Material, LineSegments, SRGBColorSpace,
 import { context, sheet } from '../dom';
 import type { Paint } from '../theme';
 
-/** Text height as a share of the height of the view. */
+/** Height of the text at a distance of 1, which is a share of the height of the view; and at least so many pixels of it. */
 const kText = 0.03;
+const kPixels = 15;
 
 export function label(words: string, paint: Paint): Sprite {
   const canvas = sheet(1, 44);
@@ -27,6 +28,14 @@ export function label(words: string, paint: Paint): Sprite {
   sprite.scale.set((kText * canvas.width) / canvas.height, kText, 1);
   sprite.renderOrder = 5;
   return sprite;
+}
+
+/** Keeps the text of a group readable in a view of this height, px. */
+export function fitText(group: Group, height: number): void {
+  const size = Math.max(kText, kPixels / height);
+  for (const { scale } of group.children.filter((child) => child instanceof Sprite)) {
+    scale.multiplyScalar(size / scale.y);
+  }
 }
 
 /** Empties a group of lines and text. */

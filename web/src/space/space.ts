@@ -24,6 +24,7 @@ import { Bearings } from './bearings';
 import { Craft, FanOutlines } from './craft';
 import { EchoChoice } from './echo_choice';
 import { type Extent, at, extentOf } from './frame';
+import { fitText } from './labels';
 import { Thread } from './lines';
 import { pan, turn, zoom } from './moves';
 import { farthest } from './sphere_cells';
@@ -156,6 +157,7 @@ export class SpaceView implements View {
     [this.ambient.intensity, this.sun.intensity] = [kLight.x, kLight.y];
     this.rebuild(now, now - this.jumped < kArrives);
     this.move();
+    for (const { group } of [this.axes, this.bearings]) fitText(group, height);
     renderer.render(this.world, this.viewpoint.camera);
     this.tell();
   }
