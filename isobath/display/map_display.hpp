@@ -35,7 +35,7 @@ class MapDisplay {
   static constexpr Duration kDepthInterval = std::chrono::seconds(1);
   static constexpr Duration kVoxelInterval = std::chrono::seconds(1);
   static constexpr Duration kSphereInterval = std::chrono::seconds(2);
-  static constexpr std::size_t kSphereCells = 16000;
+  static constexpr std::size_t kSphereCells = 8000;
 
   explicit MapDisplay(DisplayState& items) : items_(items) {}
 

@@ -27,8 +27,8 @@ double sigma_of(const Navigation& fix) {
 }  // namespace
 
 Navigator::Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
-                     const SpaceRouteConfig& space_route)
-    : config_(config), route_(route), space_route_(space_route), vehicle_(vehicle) {}
+                     const SpaceRouteConfig& space_route, const OpeningConfig& opening)
+    : config_(config), route_(route), space_route_(space_route), vehicle_(vehicle), opening_(opening, vehicle) {}
 
 void Navigator::on_message(const Message& message, Time now, Outbox& out) {
   now_ = now;
@@ -71,6 +71,7 @@ void Navigator::on_fix(const Navigation& fix, Outbox& out) {
   if (!(jump.norm() > config_.jump_m + may_move)) return;
   if (scan_) scan_->X_WL.translation.head<2>() += jump;
   space_.reset();  // it belongs to the old position; the next one does not
+  opening_.move(jump);
   for (std::size_t i = 0; i + 1 < way_.size(); ++i) {
     way_[i].north += jump.x();
     way_[i].east += jump.y();
@@ -112,6 +113,7 @@ void Navigator::on_chart(const ChartedHazards& chart, Outbox& out) {
 void Navigator::on_request(const RouteRequest& request, Outbox& out) {
   request_ = request;
   way_.clear();
+  opening_.forget();
   refused_.reset();
   goal_blocked_ = shorter_ = 0;
   look(out);
@@ -152,8 +154,12 @@ void Navigator::look(Outbox& out) {
             frame.to_local(request_->target.north_east),
             (here_->X_WB.rotation.heading() - frame.heading).wrapped()};
   for (const Waypoint& w : way_) view.way.push_back(frame.to_local(Vector2d(w.north, w.east)));
-  if (way_.empty()) return start(view, out);
-  keep(view, out);
+  if (way_.empty()) {
+    start(view, out);
+  } else {
+    keep(view, out);
+  }
+  look_at_opening(view, out);
 }
 
 std::optional<Navigator::Refusal> Navigator::blind() const {
@@ -197,7 +203,8 @@ void Navigator::keep(View& view, Outbox& out) {
   const auto conflict = conflict_ahead(view.map, view.way, tolerated);
   if (conflict && !leads_through(view, *conflict, out)) return avoid(view, *conflict, out);
   if (!conflict) through_ = false;
-  if (new_scan_ && view.way.size() > 2) shorten(view, out);
+  // A helix is longer than it must be, on purpose.
+  if (new_scan_ && view.way.size() > 2 && !opening_.flies()) shorten(view, out);
 }
 
 void Navigator::avoid(View& view, const Conflict& conflict, Outbox& out) {
@@ -322,6 +329,7 @@ void Navigator::take_way(const View& view, const Way& way, Decision d, Outbox& o
     waypoints.push_back({p_W.x(), p_W.y(), request_->target.depth_m, speed});
   }
   through_ = false;
+  opening_.leave();
   adopt(std::move(waypoints), length_of(way) - before, std::move(d), out);
 }
 
@@ -339,10 +347,10 @@ void Navigator::adopt(std::vector<Waypoint> waypoints, double longer_m, Decision
   shorter_ = 0;
   refused_.reset();
   const bool avoiding = way_.size() > 1;
-  d.reason += avoiding
-                  ? fmt::format("; going round by {} way-point{}, {:.1f} m {}", way_.size() - 1,
-                                way_.size() == 2 ? "" : "s", std::abs(longer_m), longer_m < 0 ? "shorter" : "longer")
-                  : fmt::format("; straight to {}, {:.1f} m", name_of(request_->target, request_->point), length);
+  d.reason += avoiding ? fmt::format("; {} by {} way-point{}, {:.1f} m {}", opening_.flies() ? "flown" : "going round",
+                                     way_.size() - 1, way_.size() == 2 ? "" : "s", std::abs(longer_m),
+                                     longer_m < 0 ? "shorter" : "longer")
+                       : fmt::format("; straight to {}, {:.1f} m", name_of(request_->target, request_->point), length);
   out.say(RoutePlanned{request_->id, ++version_, way_, avoiding, d.reason});
   out.say(std::move(d));
 }
@@ -352,6 +360,7 @@ void Navigator::refuse(const Refusal& refusal, Outbox& out) {
   const bool first = refused_ != refusal.reason;
   refused_ = refusal.reason;
   way_.clear();
+  opening_.leave();
   if (first) {
     out.say(RouteRefused{refusal.reason, request_->id, request_->point, refusal.safe_nearby, refusal.why});
     Decision d = decision("refuse", name_of(request_->target, request_->point) + ": " + refusal.why);

@@ -28,6 +28,10 @@
 // A new one is searched where the plane has no route, or only one that is more than `switch_m` longer than the straight
 // line.
 //
+// Where the route leads through an opening between two bodies, such as the pylons of a bridge, the Navigator says how
+// much of it is known to be free, and may fly a helix that looks round it (OpeningWatch; S5-40 to S5-46). The helix is
+// a route like any other: what the sonar shows on the way may replace it.
+//
 // If no route fits the turning radius, or the vehicle is nearer to a hazard than the clearance, a smaller clearance is
 // used.
 //
@@ -39,6 +43,7 @@
 #pragma once
 
 #include <isobath/mission/agents/navigator_config.hpp>
+#include <isobath/mission/agents/opening_watch.hpp>
 #include <isobath/mission/messages/agent.hpp>
 #include <isobath/planning/plan_frame.hpp>
 #include <isobath/planning/route_planner.hpp>
@@ -50,7 +55,7 @@ namespace isobath {
 class Navigator : public Agent {
  public:
   Navigator(const NavigatorConfig& config, const RouteConfig& route, const VehicleParameters& vehicle,
-            const SpaceRouteConfig& space_route = {});
+            const SpaceRouteConfig& space_route = {}, const OpeningConfig& opening = {});
 
   void on_message(const Message& message, Time now, Outbox& out) override;
   void tick(Time now, Outbox& out) override;
@@ -118,8 +123,14 @@ class Navigator : public Agent {
   bool is_as_clear(View& view, double clearance_m) const;
   [[nodiscard]] std::vector<Eigen::Vector3d> current_way(const Space& space) const;
   [[nodiscard]] bool leads_through(View& view, const Conflict& conflict, Outbox& out);
+  [[nodiscard]] bool is_clear_through(View& view, std::span<const Eigen::Vector3d> way) const;
   [[nodiscard]] std::optional<SpaceRoutePath> search_space(View& view, std::optional<double> plane_m) const;
   void take_space_way(const View& view, const SpaceRoutePath& path, Decision decision, Outbox& out);
+
+  // openings: navigator_opening.cpp
+  void look_at_opening(View& view, Outbox& out);
+  [[nodiscard]] bool is_clear_helix(View& view, const SpacePath& path) const;
+  void take_helix(const View& view, const SpacePath& path, Decision decision, Outbox& out);
 
   void refuse(const Refusal& refusal, Outbox& out);
   void enter(Mode mode, const std::string& why, Outbox& out);
@@ -137,6 +148,7 @@ class Navigator : public Agent {
   RouteConfig route_;
   SpaceRouteConfig space_route_;
   VehicleParameters vehicle_;
+  OpeningWatch opening_;
 
   std::shared_ptr<const MissionPlan> plan_;
   std::optional<Navigation> here_;

@@ -71,14 +71,10 @@ std::vector<Vector3d> Navigator::current_way(const Space& space) const {
 bool Navigator::leads_through(View& view, const Conflict& conflict, Outbox& out) {
   if (!space_) return false;
   const Space& space = space_of(view);
-  const ClearanceField& room = space.room;
-  const Vector3d& start = space.task.start;
   const std::vector<Vector3d> way = current_way(space);
-  const double wanted = vehicle_.half_width_m + std::max(0.0, space_route_.clearance_m - space_->voxel_m());
-  const double here = room.distance(start);
-  if (here < vehicle_.half_width_m || !is_clear(room, way, std::min(wanted, here))) return false;
+  if (!is_clear_through(view, way)) return false;
   if (!through_) {
-    if (sure_length(room, way) < way_length(way)) return false;  // a route round it may cost little: search first
+    if (sure_length(space.room, way) < way_length(way)) return false;  // a route round it may cost little: search first
     through_ = true;
     Decision d = about(view, view.way, conflict);
     d.what = "keep";
@@ -86,6 +82,14 @@ bool Navigator::leads_through(View& view, const Conflict& conflict, Outbox& out)
     out.say(std::move(d));
   }
   return true;
+}
+
+/// Whether a way from the vehicle on keeps clear, in three dimensions, as far as the water must be known.
+bool Navigator::is_clear_through(View& view, std::span<const Vector3d> way) const {
+  const Space& space = space_of(view);
+  const double wanted = vehicle_.half_width_m + std::max(0.0, space_route_.clearance_m - space_->voxel_m());
+  const double here = space.room.distance(space.task.start);
+  return here >= vehicle_.half_width_m && is_clear(space.room, way, std::min(wanted, here));
 }
 
 /// Whether the current route keeps clear, in three dimensions, nearly as well as one with this clearance would.
@@ -128,6 +132,7 @@ void Navigator::take_space_way(const View& view, const SpaceRoutePath& path, Dec
                           path.clearance_m - vehicle_.half_width_m);
   if (path.sure_m < path.length_m - 1) d.reason += fmt::format(", known for {:.0f} m so far", path.sure_m);
   through_ = true;
+  opening_.leave();
   adopt(std::move(waypoints), path.length_m - before, std::move(d), out);
 }
 

@@ -10,6 +10,7 @@ std::vector<Section> sections(MissionConfig& c) {
       {"route", "How a path past obstacles is searched.", fields(c.route)},
       {"space_route", "How a path over, under or between obstacles is searched, where a sonar measures height.",
        fields(c.space_route)},
+      {"opening", "What is done about an opening that the route leads through.", fields(c.opening)},
       {"pilot", "How way-points become set-points.", fields(c.pilot)},
       {"guidance", "How a line is followed.", fields(c.guidance)},
       {"station", "How a position is held.", fields(c.station)},
@@ -30,7 +31,8 @@ std::vector<AgentSlot> standard_agents(const MissionConfig& c, const VehiclePara
     slots.push_back({name, level, std::move(agent)});
   };
   slot("fls detector", AgentLevel::kVehicle, std::make_unique<FlsDetector>(c.fls_detector, c.memory));
-  slot("navigator", AgentLevel::kMission, std::make_unique<Navigator>(c.navigator, c.route, vehicle, c.space_route));
+  slot("navigator", AgentLevel::kMission,
+       std::make_unique<Navigator>(c.navigator, c.route, vehicle, c.space_route, c.opening));
   slot("captain", AgentLevel::kSupervisory, std::make_unique<Captain>(c.captain));
   slot("executive officer", AgentLevel::kMission, std::make_unique<ExecutiveOfficer>(c.executive));
   slot("pilot", AgentLevel::kVehicle,

@@ -20,6 +20,7 @@ struct MissionConfig {
   NavigatorConfig navigator;
   RouteConfig route;
   SpaceRouteConfig space_route;
+  OpeningConfig opening;
   PilotConfig pilot;
   GuidanceConfig guidance = {.acceptance_radius = 1};  ///< of corners: each goes round an obstacle
   StationConfig station;
