@@ -23,6 +23,12 @@ ordered_json decision_content(const Decision& d) {
   if (d.obstacle) json["obstacle_m"] = place_json(*d.obstacle);
   if (d.leg) json["leg"] = *d.leg;
   if (d.margin_m) json["margin_m"] = tidy(*d.margin_m);
+  if (d.opening) {
+    json["opening"] = {{"distance_m", tidy(d.opening->distance_m)},
+                       {"width_m", tidy(d.opening->width_m)},
+                       {"height_m", d.opening->height_m > 0 ? tidy(d.opening->height_m) : nullptr},
+                       {"free_share", tidy(d.opening->free_share)}};
+  }
   if (!d.way.empty()) {
     json["way_m"] = ordered_json::array();
     for (const Eigen::Vector2d& p : d.way) json["way_m"].push_back(place_json(p));

@@ -212,7 +212,7 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
                   const std::vector<StoryStage>& stages) {
   Summary s;
   s.name = name;
-  std::vector<double> path, time, clearance, delay, range, error;
+  std::vector<double> path, time, clearance, delay, range, error, opening, known;
   double scans = 0;
   const auto count = [&](const auto& of) {
     return share(static_cast<std::size_t>(
@@ -234,6 +234,8 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
     delay.insert(delay.end(), r.delay_pings.begin(), r.delay_pings.end());
     range.insert(range.end(), r.first_range_m.begin(), r.first_range_m.end());
     error.insert(error.end(), r.range_error_m.begin(), r.range_error_m.end());
+    if (r.opening_known_m >= 0) opening.push_back(r.opening_known_m);
+    if (r.opening_share >= 0) known.push_back(r.opening_share);
     s.points_dropped += r.points_dropped;
     s.bodies_missed += r.bodies_missed;
     s.replans += r.replans;
@@ -256,6 +258,9 @@ Summary summarise(const std::string& name, const std::vector<ScoredRun>& runs, s
   s.delay_pings = spread(delay);
   s.first_range_m = spread(range);
   s.range_error_m = spread(error);
+  s.openings_known = share(opening.size(), known.size());
+  s.opening_known_m = spread(opening);
+  s.opening_share = spread(known);
   sum_up_rows(runs, method, s);
   sum_up_story(runs, method, stages, s);
   return s;

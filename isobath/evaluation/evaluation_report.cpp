@@ -108,14 +108,17 @@ ordered_json json_of(const Summary& s) {
             {"encounters", json_of(s.encounters)},
             {"goals_reached", json_of(s.goals)},
             {"goals_without_collision", json_of(s.safe_goals)},
-            {"refused", json_of(s.refused)}}},
+            {"refused", json_of(s.refused)},
+            {"openings_known", json_of(s.openings_known)}}},
           {"spreads",
            {{"path_ratio", json_of(s.path_ratio)},
             {"time_ratio", json_of(s.time_ratio)},
             {"least_clearance_m", json_of(s.clearance_m)},
             {"detection_delay_pings", json_of(s.delay_pings)},
             {"first_range_m", json_of(s.first_range_m)},
-            {"range_error_m", json_of(s.range_error_m)}}},
+            {"range_error_m", json_of(s.range_error_m)},
+            {"opening_known_m", json_of(s.opening_known_m)},
+            {"opening_share", json_of(s.opening_share)}}},
           {"reasons", reasons}};
 }
 
@@ -210,6 +213,12 @@ std::vector<std::vector<std::string>> evaluation_table(const Evaluation& evaluat
   row("detection delay, pings", [](const Summary& s) { return cell_text(s.delay_pings, 0); });
   row("range at detection, m", [](const Summary& s) { return cell_text(s.first_range_m, 1); });
   row("range error of compact bodies, m rms", [](const Summary& s) { return cell_text(s.range_error_m, 2); });
+  const auto& all = evaluation.summaries;
+  if (std::any_of(all.begin(), all.end(), [](const Summary& s) { return s.openings_known.of > 0; })) {
+    row("opening known to be free", [](const Summary& s) { return cell_text(s.openings_known); });
+    row("... from, m before it", [](const Summary& s) { return cell_text(s.opening_known_m, 1); });
+    row("... share known at the decision", [](const Summary& s) { return cell_text(s.opening_share, 2); });
+  }
   row("false obstacles per scan", [](const Summary& s) { return fmt::format("{:.3f}", s.false_obstacles); });
   row("... within 20 m", [](const Summary& s) { return fmt::format("{:.3f}", s.near_false_obstacles); });
   row("... remembered, out of view", [](const Summary& s) { return fmt::format("{:.3f}", s.unseen_false_obstacles); });

@@ -56,6 +56,10 @@ void judge_decisions(const std::vector<Decision>& decisions, const RunTruth& tru
   for (const Decision& d : decisions) {
     const bool calms = d.what == "over" || d.what == "report" || d.what == "resume";
     if (d.agent == "safety officer" && !calms) ++score.safety_actions;
+    if (d.opening && d.what != "opening") {
+      score.opening_share = d.opening->free_share;
+      if (d.what == "opening known") score.opening_known_m = d.opening->distance_m;
+    }
     if (d.what != "replan") continue;
     ++score.replans;
     if (d.obstacle && !near_any(truth.outlines(), *d.obstacle, near_m)) ++score.false_replans;

@@ -9,8 +9,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StoryCheck, after_s, scans, failure, min_inje
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunScore, collision, near_miss, encounter, contact_s, contact_with, min_clearance_m,
                                    nearest_body, goal_reached, goal_s, goal_distance_m, refused, points_dropped, path_m,
                                    duration_s, path_ratio, time_ratio, delay_pings, first_range_m, range_error_m,
-                                   bodies_missed, replans, false_replans, safety_actions, scans, false_obstacles,
-                                   near_false_obstacles, unseen_false_obstacles, proof, story)
+                                   bodies_missed, replans, false_replans, safety_actions, opening_known_m,
+                                   opening_share, scans, false_obstacles, near_false_obstacles, unseen_false_obstacles,
+                                   proof, story)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScoredRun, seed, variant, conditions, way_m, no_way, scores)
 
 std::string to_line(const ScoredRun& run, const std::string& fingerprint) {

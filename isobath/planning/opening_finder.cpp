@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kColumns = 10;           // m of the way
+constexpr double kColumns = 20;           // m of the way
 constexpr std::size_t kLeastColumns = 5;  // that must be measured
 
 /// x along the way, y to starboard of it.
@@ -67,10 +67,9 @@ std::optional<double> clear_to(const OccupancySnapshot& map, const Vector2d& at,
   return (map.least().z() + z + (step > 0 ? 0 : 1)) * map.voxel_m();
 }
 
-/// The value that a quarter exceeds.
-std::optional<double> upper_quartile(std::vector<double> values) {
+std::optional<double> median(std::vector<double> values) {
   if (values.size() < kLeastColumns) return {};
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 3 / 4);
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -86,7 +85,7 @@ void measure_height(FoundOpening& found, const Vector2d& from, const OpeningSear
     if (const auto bed = clear_to(map, at, search.depth_m, 1)) beds.push_back(*bed);
     if (const auto top = clear_to(map, at, search.depth_m, -1)) ceilings.push_back(-*top);
   }
-  const auto bed = upper_quartile(std::move(beds)), ceiling = upper_quartile(std::move(ceilings));
+  const auto bed = median(std::move(beds)), ceiling = median(std::move(ceilings));
   found.bed_known = bed.has_value();
   found.bed_m = bed.value_or(search.depth_m + 0.5 * search.least_height_m);
   found.top_m = std::max(0.0, ceiling ? -*ceiling : search.depth_m - 0.5 * search.least_height_m);

@@ -16,7 +16,7 @@
 namespace isobath {
 
 struct OpeningSearch {
-  double min_width_m = 3, max_width_m = 40;
+  double min_width_m = 3, max_width_m = 30;
   double max_side_m = 6;      ///< largest extent of a body that counts as a side
   double farthest_m = 75;     ///< from the start of the way
   double depth_m = 0;         ///< at which the vehicle wants to go through

@@ -34,21 +34,25 @@ void Navigator::look_at_opening(View& view, Outbox& out) {
   const double speed = wanted_speed();
   const auto news = opening_.see(bodies, way, request_->target.depth_m, speed, *space_);
   const auto clear = [&](const SpacePath& path) { return is_clear_helix(view, path); };
+  const auto about_it = [&](const char* what, const std::string& more) {
+    Decision d = decision(what, opening_.text() + more);
+    d.opening = opening_.sighting();
+    return d;
+  };
   using News = OpeningWatch::News;
-  if (news == News::kKnown) out.say(decision("opening known", opening_.text()));
+  if (news == News::kKnown) out.say(about_it("opening known", ""));
   if (news == News::kUnknown) {
-    out.say(decision("opening unknown", opening_.text() + ", where the vehicle can turn away for the last time"));
+    out.say(about_it("opening unknown", ", where the vehicle can turn away for the last time"));
   }
   if (news == News::kFound) {
-    Decision d = decision("opening", opening_.text());
     const auto plan = opening_.begin(here, speed, clear);
-    if (!plan) return out.say(std::move(d));
-    d.reason += fmt::format("; a helix looks round it, {:.0f} degrees to each side", plan->demand.swing.degrees());
-    return take_helix(view, plan->path, std::move(d), out);
+    if (!plan) return out.say(about_it("opening", ""));
+    const std::string swing = fmt::format("{:.0f} degrees to each side", plan->demand.swing.degrees());
+    return take_helix(view, plan->path, about_it("opening", "; a helix looks round it, " + swing), out);
   }
   const auto plan = opening_.improved(here);
   if (plan && clear(plan->path)) {
-    take_helix(view, plan->path, decision("opening", opening_.text() + "; the helix is planned anew"), out);
+    take_helix(view, plan->path, about_it("opening", "; the helix is planned anew"), out);
   }
 }
 

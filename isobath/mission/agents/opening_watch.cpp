@@ -11,6 +11,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kSame = 6;                       // m, between looks at one opening
+constexpr double kNarrower = 2;                   // m
 constexpr double kElsewhere = 1.5;                // m, that a helix is planned anew for
 constexpr Angle kLeastSwing = Angle::degrees(5);  // a straight approach swings as much
 
@@ -70,25 +71,36 @@ void OpeningWatch::follow(std::span<const Hazard> bodies, const Vector2d& vehicl
   tracked_->found = *now;
 }
 
+/// An opening to track from now on: the first, or one that is narrower than the one that is tracked.
+std::optional<FoundOpening> OpeningWatch::ahead(std::span<const Hazard> bodies, std::span<const Vector2d> way,
+                                                double latest_m, double depth_m, const OccupancySnapshot& map) const {
+  for (std::size_t i = 0; i + 1 < way.size(); ++i) {
+    auto found = find_opening(bodies, way[i], way[i + 1], search(depth_m), map);
+    if (!found) continue;
+    const Vector2d middle = middle_of(found->opening);
+    const double away_m = (middle - way.front()).norm();
+    if (away_m < latest_m || away_m > config_.farthest_m) return {};
+    if (!tracked_) return found;
+    const Opening& last = tracked_->found.opening;
+    const bool other = (middle - middle_of(last)).norm() > kSame && found->opening.width_m < last.width_m - kNarrower;
+    return other ? found : std::nullopt;
+  }
+  return {};
+}
+
 OpeningWatch::News OpeningWatch::see(std::span<const Hazard> bodies, std::span<const Vector2d> way, double depth_m,
                                      double speed, const OccupancySnapshot& map) {
   if (config_.mode == OpeningConfig::Mode::kOff || way.size() < 2) return News::kNone;
   const Vector2d& vehicle = way.front();
   const double latest_m = latest_decision_m(config_.helix, vehicle_, speed);
   News news = News::kNone;
-  if (tracked_) {
-    follow(bodies, vehicle, depth_m, latest_m, map);
-  } else {
-    std::optional<FoundOpening> found;
-    for (std::size_t i = 0; i + 1 < way.size() && !found; ++i) {
-      found = find_opening(bodies, way[i], way[i + 1], search(depth_m), map);
-    }
-    if (!found) return News::kNone;
-    const double away_m = (middle_of(found->opening) - vehicle).norm();
-    if (away_m < latest_m || away_m > config_.farthest_m) return News::kNone;
-    tracked_ = Tracked{*found};
+  if (tracked_) follow(bodies, vehicle, depth_m, latest_m, map);
+  if (auto found = ahead(bodies, way, latest_m, depth_m, map)) {
+    tracked_ = Tracked{*std::move(found)};
+    leave();
     news = News::kFound;
   }
+  if (!tracked_) return News::kNone;
   Tracked& t = *tracked_;
   t.from = vehicle;
   t.distance_m = (middle_of(t.found.opening) - vehicle).dot(course_of(t.found.opening));
@@ -147,6 +159,11 @@ void OpeningWatch::move(const Vector2d& by) {
   found.port += by;
   found.starboard += by;
   found.opening.X_WO.translation.head<2>() += by;
+}
+
+OpeningSighting OpeningWatch::sighting() const {
+  const Tracked& t = *tracked_;
+  return {t.distance_m, t.found.opening.width_m, t.found.bed_known ? t.found.bed_m - t.found.top_m : 0, t.free_share};
 }
 
 std::string OpeningWatch::text() const {

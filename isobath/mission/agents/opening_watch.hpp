@@ -8,6 +8,7 @@
 #pragma once
 
 #include <functional>
+#include <isobath/mission/messages/messages.hpp>
 #include <isobath/planning/opening_finder.hpp>
 #include <isobath/vehicle/vehicle_parameters.hpp>
 #include <optional>
@@ -18,7 +19,7 @@ namespace isobath {
 
 struct OpeningConfig {
   enum class Mode : std::uint8_t { kOff, kWatch, kHelix } mode = Mode::kOff;
-  double max_width_m = 40;
+  double max_width_m = 30;
   double max_side_m = 6;
   double farthest_m = 75;
   HelixConfig helix;
@@ -51,7 +52,9 @@ class OpeningWatch {
 
   void forget();
   void move(const Eigen::Vector2d& by);  ///< the position jumped
-  /// Distance, width and height, angles and the known share, for a person.
+  /// Of the opening that is tracked; there must be one.
+  [[nodiscard]] OpeningSighting sighting() const;
+  /// The same with its sides and angles, for a person.
   [[nodiscard]] std::string text() const;
 
  private:
@@ -63,6 +66,8 @@ class OpeningWatch {
     Eigen::Vector2d from = Eigen::Vector2d::Zero();  ///< the vehicle
   };
   [[nodiscard]] OpeningSearch search(double depth_m) const;
+  [[nodiscard]] std::optional<FoundOpening> ahead(std::span<const Hazard> bodies, std::span<const Eigen::Vector2d> way,
+                                                  double latest_m, double depth_m, const OccupancySnapshot& map) const;
   void follow(std::span<const Hazard> bodies, const Eigen::Vector2d& vehicle, double depth_m, double latest_m,
               const OccupancySnapshot& map);
 

@@ -252,6 +252,14 @@ struct TaskPlan {
 /// `number` counts the decisions of all agents of a run from 1, in the order in which the bus carried them, which is
 /// the order of time. The terminal, decisions.json, the report, the live page, its player and the recording all show
 /// this number. It is 0 until the decision has passed the bus, which sets it.
+/// An opening on the route, as the vehicle knows it (mission/agents/opening_watch.hpp).
+struct OpeningSighting {
+  double distance_m = 0;  ///< to its plane
+  double width_m = 0;
+  double height_m = 0;    ///< 0: unknown
+  double free_share = 0;  ///< of its face
+};
+
 struct Decision {
   Time time;
   std::string agent;
@@ -262,6 +270,7 @@ struct Decision {
   std::optional<double> margin_m = {};           ///< clearance of the old route; negative: it led through the obstacle
   std::vector<Eigen::Vector2d> way = {};         ///< N, E of the new route
   int obstacle_number = 0;                       ///< Obstacle::number of that obstacle; 0: it has none
+  std::optional<OpeningSighting> opening = {};   ///< that it is about
   std::uint64_t number = 0;                      ///< from 1; set by the bus
 };
 /// One line: "27.200 s navigator: replan: leg 1 would run into an obstacle at north 44.7, east 2.4 m ...".
